@@ -1,0 +1,13 @@
+// hmesh - HMESH_ASSERT, the check for wrong use of the library by its caller.
+//
+// Wrong *input* (sizes, targets, pixels) never asserts: it comes back as a Status. Define HMESH_ASSERT before the first
+// include of hmesh to send failures elsewhere. It changes no type and no layout.
+#ifndef HMESH_CORE_ASSERT_HPP
+#define HMESH_CORE_ASSERT_HPP
+
+#ifndef HMESH_ASSERT
+#include <cassert>
+#define HMESH_ASSERT(condition) assert(condition)
+#endif
+
+#endif  // HMESH_CORE_ASSERT_HPP

@@ -1,0 +1,161 @@
+// hmesh - Lanes<N>: N doubles that are added and multiplied together.
+//
+// The channels of a pixel, padded to a size the processor likes, so that the arithmetic of all channels costs that of
+// one. With GCC and Clang the lanes are vector-extension types of 2 or 4 doubles, which become SSE, AVX or NEON registers
+// without naming any of them; with another compiler they are plain doubles.
+#ifndef HMESH_CORE_LANES_HPP
+#define HMESH_CORE_LANES_HPP
+
+#include <cstdint>
+#include <cstring>
+
+#if defined(__GNUC__)
+#define HMESH_ALWAYS_INLINE inline __attribute__((always_inline))
+#elif defined(_MSC_VER)
+#define HMESH_ALWAYS_INLINE __forceinline
+#else
+#define HMESH_ALWAYS_INLINE inline
+#endif
+
+namespace hmesh {
+namespace detail {
+
+template <int Width>
+struct LaneBlock {
+    using Type = double;
+    static constexpr int width = 1;
+};
+#if defined(__GNUC__)
+template <>
+struct LaneBlock<2> {
+    using Type = double __attribute__((vector_size(16)));
+    static constexpr int width = 2;
+};
+template <>
+struct LaneBlock<4> {
+    using Type = double __attribute__((vector_size(32)));
+    static constexpr int width = 4;
+};
+#endif
+
+}  // namespace detail
+
+// The number of lanes that holds n values: 1, 2 or the next multiple of 4.
+constexpr int lanes_for(int n) { return n <= 2 ? n : (n + 3) / 4 * 4; }
+
+template <int N>
+struct Lanes {
+    static_assert(N == lanes_for(N), "1, 2 or a multiple of 4 lanes");
+    using Block = typename detail::LaneBlock<(N < 4 ? N : 4)>::Type;
+    static constexpr int width = detail::LaneBlock<(N < 4 ? N : 4)>::width;
+    static constexpr int blocks = N / width;
+
+    Block block[blocks];
+
+    [[nodiscard]] static HMESH_ALWAYS_INLINE Lanes zero() { return Lanes{}; }
+    [[nodiscard]] static HMESH_ALWAYS_INLINE Lanes all(double value) {
+        Lanes r;
+        for (int k = 0; k < blocks; ++k) r.block[k] = Block{} + value;
+        return r;
+    }
+    [[nodiscard]] static HMESH_ALWAYS_INLINE Lanes load(const double* from) {
+        Lanes r;
+        std::memcpy(r.block, from, sizeof r.block);
+        return r;
+    }
+    [[nodiscard]] static HMESH_ALWAYS_INLINE Lanes load(const std::int32_t* from) {
+        Lanes r;
+#if defined(__GNUC__)
+        if constexpr (width == 4) {
+            using Ints = std::int32_t __attribute__((vector_size(16)));
+            for (int k = 0; k < blocks; ++k) {
+                Ints ints;
+                std::memcpy(&ints, from + 4 * k, sizeof ints);
+                r.block[k] = __builtin_convertvector(ints, Block);
+            }
+            return r;
+        }
+#endif
+        for (int i = 0; i < N; ++i) r.set(i, static_cast<double>(from[i]));
+        return r;
+    }
+
+    HMESH_ALWAYS_INLINE double operator[](int i) const {
+        if constexpr (width == 1) return block[i];
+        else return block[i / width][i % width];
+    }
+    HMESH_ALWAYS_INLINE void set(int i, double value) {
+        if constexpr (width == 1) block[i] = value;
+        else block[i / width][i % width] = value;
+    }
+    HMESH_ALWAYS_INLINE void store(double* to) const { std::memcpy(to, block, sizeof block); }
+
+    HMESH_ALWAYS_INLINE Lanes& operator+=(const Lanes& o) {
+        for (int k = 0; k < blocks; ++k) block[k] += o.block[k];
+        return *this;
+    }
+    HMESH_ALWAYS_INLINE Lanes& operator-=(const Lanes& o) {
+        for (int k = 0; k < blocks; ++k) block[k] -= o.block[k];
+        return *this;
+    }
+    HMESH_ALWAYS_INLINE Lanes& operator*=(double s) {
+        for (int k = 0; k < blocks; ++k) block[k] *= s;
+        return *this;
+    }
+    // By reference: a vector of 32 bytes passed by value has a calling convention of its own (-Wpsabi).
+    friend HMESH_ALWAYS_INLINE Lanes operator+(const Lanes& a, const Lanes& b) {
+        Lanes r = a;
+        return r += b;
+    }
+    friend HMESH_ALWAYS_INLINE Lanes operator-(const Lanes& a, const Lanes& b) {
+        Lanes r = a;
+        return r -= b;
+    }
+    friend HMESH_ALWAYS_INLINE Lanes operator*(const Lanes& a, double s) {
+        Lanes r = a;
+        return r *= s;
+    }
+    friend HMESH_ALWAYS_INLINE Lanes operator*(double s, const Lanes& a) { return a * s; }
+    friend HMESH_ALWAYS_INLINE Lanes operator*(const Lanes& a, const Lanes& b) {
+        Lanes r = a;
+        for (int k = 0; k < blocks; ++k) r.block[k] *= b.block[k];
+        return r;
+    }
+    friend HMESH_ALWAYS_INLINE Lanes operator-(const Lanes& a) {
+        Lanes r;
+        for (int k = 0; k < blocks; ++k) r.block[k] = -a.block[k];
+        return r;
+    }
+
+    HMESH_ALWAYS_INLINE void clamp(double low, double high) {
+#if defined(__GNUC__)
+        if constexpr (width > 1) {
+            const Block lows = Block{} + low, highs = Block{} + high;
+            for (int k = 0; k < blocks; ++k) {
+                block[k] = block[k] < lows ? lows : block[k];
+                block[k] = block[k] > highs ? highs : block[k];
+            }
+            return;
+        }
+#endif
+        for (int i = 0; i < N; ++i) set(i, (*this)[i] < low ? low : ((*this)[i] > high ? high : (*this)[i]));
+    }
+
+    // The sum of all lanes.
+    [[nodiscard]] HMESH_ALWAYS_INLINE double sum() const {
+        Block s = block[0];
+        for (int k = 1; k < blocks; ++k) s += block[k];
+        if constexpr (width == 4) return (s[0] + s[2]) + (s[1] + s[3]);
+        else if constexpr (width == 2) return s[0] + s[1];
+        else return s;
+    }
+};
+
+template <int N>
+[[nodiscard]] HMESH_ALWAYS_INLINE double dot(const Lanes<N>& a, const Lanes<N>& b) {
+    return (a * b).sum();
+}
+
+}  // namespace hmesh
+
+#endif  // HMESH_CORE_LANES_HPP

@@ -1,0 +1,251 @@
+// hmesh - insertion: where one more vertex lowers the energy most.
+//
+// A candidate splits an edge at its midpoint or a face at its centroid; its gain is exact for the colour that fits best
+// there (and, when asked, after one Gauss-Newton step), all other vertices held. Inserting a batch of the best that touch
+// no common face and optimising in between is nearly as good as one at a time, and far faster. A candidate costs 3 or 4
+// short walks, about 0.4 us.
+#ifndef HMESH_FIT_INSERTION_HPP
+#define HMESH_FIT_INSERTION_HPP
+
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <limits>
+#include <utility>
+#include <vector>
+
+#include "hmesh/core/parallel.hpp"
+#include "hmesh/fit/flips.hpp"
+#include "hmesh/fit/image_mesh.hpp"
+#include "hmesh/fit/order.hpp"
+#include "hmesh/fit/vertices.hpp"
+
+namespace hmesh {
+
+// A vertex that could be inserted: in `edge` if that is valid, else in `face`.
+template <int C>
+struct InsertionCandidate {
+    Edge edge;
+    Face face;
+    Centre<C> centre;
+    double gain = -1;  // decrease of the energy; negative: cannot be inserted
+};
+
+struct InsertionOptions {
+    bool faces = false;     // consider centroids of faces too
+    bool may_move = false;  // one Gauss-Newton step before judging
+    double least_gain = 0;  // candidates must gain more
+};
+
+namespace detail {
+
+// `work` holds the ring and its spokes around candidate.centre.
+template <int C>
+void judge_candidate(const ImageMesh<C>& mesh, RingWork<C>& work, Mobility mobility, bool may_move, double before,
+                     InsertionCandidate<C>& candidate) {
+    if (optimise_centre(mesh, work, mobility, 0, may_move, candidate.centre) == RingOutcome::degenerate) return;
+    candidate.gain = before - candidate.centre.energy;
+}
+
+}  // namespace detail
+
+template <int C>
+[[nodiscard]] InsertionCandidate<C> edge_candidate(const ImageMesh<C>& mesh, RingWork<C>& work, Edge e, bool may_move) {
+    const HalfedgeMesh& topology = mesh.topology();
+    InsertionCandidate<C> candidate;
+    candidate.edge = e;
+    Halfedge a = HalfedgeMesh::halfedge(e);
+    if (topology.is_boundary(a)) a = HalfedgeMesh::opposite(a);
+    const Halfedge b = HalfedgeMesh::opposite(a), a1 = topology.next(a), a2 = topology.next(a1);
+    const VertexState<C>&v0 = mesh.vertex(topology.to_vertex(b)), &v1 = mesh.vertex(topology.to_vertex(a));
+    Ring<C>& ring = work.ring;
+    double before = mesh.energy(topology.face(a));
+    // Around the midpoint, against the orientation: v0, v2, v1, v3.
+    ring.open = topology.is_boundary(b);
+    ring.size = ring.open ? 3 : 4;
+    ring.neighbour[0] = &v0;
+    ring.neighbour[1] = &mesh.vertex(topology.to_vertex(a1));
+    ring.neighbour[2] = &v1;
+    mesh.moments(a2, ring.link[1]);
+    mesh.moments(a1, ring.link[2]);
+    if (!ring.open) {
+        const Halfedge b1 = topology.next(b), b2 = topology.next(b1);
+        ring.neighbour[3] = &mesh.vertex(topology.to_vertex(b1));
+        mesh.moments(b2, ring.link[3]);
+        mesh.moments(b1, ring.link[0]);
+        before += mesh.energy(topology.face(b));
+    }
+    const Mobility mobility = mesh.edge_mobility(e);
+    candidate.centre.position = mesh.clamp(midpoint(v0.position, v1.position), mobility);
+    if (mobility == Mobility::along_x) candidate.centre.position.y = v0.position.y;
+    if (mobility == Mobility::along_y) candidate.centre.position.x = v0.position.x;
+    candidate.centre.color = 0.5 * (v0.color + v1.color);
+    const Point centre = candidate.centre.position;
+    if (!ring.accepts(centre, mesh.limits().min_cross)) return candidate;
+    // The two halves of the edge add up to it: walk one only.
+    for (int i = 0; i < ring.size; ++i)
+        if (i != 2) edge_moments(mesh.table(), centre, ring.neighbour[i]->position, work.spokes.spoke[i]);
+    mesh.moments(a, work.spokes.spoke[2]);
+    work.spokes.spoke[2] += work.spokes.spoke[0];
+    detail::judge_candidate(mesh, work, mobility, may_move, before, candidate);
+    return candidate;
+}
+
+template <int C>
+[[nodiscard]] InsertionCandidate<C> face_candidate(const ImageMesh<C>& mesh, RingWork<C>& work, Face f, bool may_move) {
+    const HalfedgeMesh& topology = mesh.topology();
+    InsertionCandidate<C> candidate;
+    candidate.face = f;
+    Ring<C>& ring = work.ring;
+    ring.open = false;
+    ring.size = 3;
+    // Around the centroid, against the orientation: neighbour i - 1 follows neighbour i along the face's sides.
+    Halfedge h = topology.halfedge(f);
+    for (int i = 2; i >= 0; --i, h = topology.next(h)) {
+        ring.neighbour[i] = &mesh.vertex(topology.from_vertex(h));
+        mesh.moments(h, ring.link[i]);
+    }
+    const VertexState<C>&v0 = *ring.neighbour[0], &v1 = *ring.neighbour[1], &v2 = *ring.neighbour[2];
+    candidate.centre.position = mesh.clamp({(v0.position.x + v1.position.x + v2.position.x) / 3,
+                                            (v0.position.y + v1.position.y + v2.position.y) / 3}, Mobility::free);
+    candidate.centre.color = (1.0 / 3) * (v0.color + v1.color + v2.color);
+    if (!ring.accepts(candidate.centre.position, mesh.limits().min_cross)) return candidate;
+    walk_spokes(mesh.table(), ring, candidate.centre.position, work.spokes);
+    detail::judge_candidate(mesh, work, Mobility::free, may_move, mesh.energy(f), candidate);
+    return candidate;
+}
+
+// Splits the candidate's edge or face. The candidate must be of the mesh as it is.
+template <int C>
+Vertex insert(ImageMesh<C>& mesh, const InsertionCandidate<C>& candidate) {
+    return candidate.edge.is_valid() ? mesh.split(candidate.edge, candidate.centre.position, candidate.centre.color)
+                                     : mesh.split(candidate.face, candidate.centre.position, candidate.centre.color);
+}
+
+// The vertices whose valence an insertion raises stay below the bound.
+template <int C>
+[[nodiscard]] bool has_room(const ImageMesh<C>& mesh, const InsertionCandidate<C>& candidate) {
+    const HalfedgeMesh& topology = mesh.topology();
+    const auto full = [&](Vertex v) { return topology.valence(v) >= max_valence; };
+    if (!candidate.edge.is_valid()) {
+        for (const Vertex v : topology.vertices(candidate.face))
+            if (full(v)) return false;
+        return true;
+    }
+    for (const Halfedge h : {HalfedgeMesh::halfedge(candidate.edge), HalfedgeMesh::opposite(HalfedgeMesh::halfedge(candidate.edge))})
+        if (!topology.is_boundary(h) && full(topology.to_vertex(topology.next(h)))) return false;
+    return true;
+}
+
+// The `count` most rewarding candidates and some more, evaluated through the executor, by falling gain (ties: in spatial
+// order). An edge cannot gain more than its faces have: the rewards of the edges with the most to lose tell how much that
+// must be for the others to be worth a walk.
+template <int C, class ParallelFor = SerialFor>
+[[nodiscard]] std::vector<InsertionCandidate<C>> insertion_candidates(const ImageMesh<C>& mesh, std::size_t count,
+                                                                      const InsertionOptions& options,
+                                                                      const ParallelFor& parallel_for = {}) {
+    const HalfedgeMesh& topology = mesh.topology();
+    struct Site {
+        double bound;
+        Edge edge;
+        Face face;
+    };
+    std::vector<Site> sites;
+    sites.reserve(topology.edge_count() + (options.faces ? topology.face_count() : 0));
+    for (const Face f : spatial_faces(mesh)) {
+        Halfedge h = topology.halfedge(f);
+        for (int i = 0; i < 3; ++i, h = topology.next(h)) {
+            // Each edge once, from the face of its even half-edge or else the only face it has.
+            const Halfedge o = HalfedgeMesh::opposite(h);
+            if ((h.index() & 1U) != 0 && !topology.is_boundary(o)) continue;
+            const double other = topology.is_boundary(o) ? 0 : mesh.energy(topology.face(o));
+            sites.push_back({mesh.energy(f) + other, HalfedgeMesh::edge(h), Face()});
+        }
+        if (options.faces) sites.push_back({mesh.energy(f), Edge(), f});
+    }
+
+    std::vector<InsertionCandidate<C>> candidates;
+    std::vector<double> values;
+    const auto nth_largest = [&values](std::size_t n) {
+        if (n >= values.size()) return -1.0;
+        std::nth_element(values.begin(), values.begin() + static_cast<std::ptrdiff_t>(n), values.end(), std::greater<>());
+        return values[n];
+    };
+    const auto evaluate = [&](double above, double up_to) {
+        std::vector<std::uint32_t> chosen;
+        for (std::size_t k = 0; k < sites.size(); ++k)
+            if (sites[k].bound > above && sites[k].bound <= up_to) chosen.push_back(static_cast<std::uint32_t>(k));
+        const std::size_t start = candidates.size();
+        candidates.resize(start + chosen.size());
+        for_each_chunk(parallel_for, chosen.size(), 256, [&](std::size_t begin, std::size_t end) {
+            RingWork<C> work;
+            for (std::size_t k = begin; k < end; ++k) {
+                const Site& site = sites[chosen[k]];
+                candidates[start + k] = site.edge.is_valid() ? edge_candidate(mesh, work, site.edge, options.may_move)
+                                                             : face_candidate(mesh, work, site.face, options.may_move);
+            }
+        });
+    };
+    const std::size_t wanted = 2 * count;  // about half of them touch a better one
+    for (const Site& site : sites) values.push_back(site.bound);
+    const double first_cut = std::max(nth_largest(wanted), options.least_gain);
+    evaluate(first_cut, std::numeric_limits<double>::infinity());
+    values.clear();
+    for (const InsertionCandidate<C>& c : candidates) values.push_back(c.gain);
+    evaluate(std::max(nth_largest(wanted), options.least_gain), first_cut);
+
+    std::vector<std::pair<double, std::uint32_t>> best;
+    for (std::size_t k = 0; k < candidates.size(); ++k)
+        if (candidates[k].gain > options.least_gain) best.emplace_back(-candidates[k].gain, static_cast<std::uint32_t>(k));
+    const std::size_t kept = std::min(best.size(), 2 * wanted);
+    const auto last = best.begin() + static_cast<std::ptrdiff_t>(kept);
+    if (last != best.end()) std::nth_element(best.begin(), last, best.end());
+    std::sort(best.begin(), last);
+    std::vector<InsertionCandidate<C>> sorted;
+    sorted.reserve(kept);
+    for (std::size_t k = 0; k < kept; ++k) sorted.push_back(candidates[best[k].second]);
+    return sorted;
+}
+
+// Inserts up to `count` of the best candidates that touch no common face, then flips and visits around each. Returns how
+// many. Neighbours become due.
+template <int C, class ParallelFor = SerialFor>
+std::size_t insert_batch(ImageMesh<C>& mesh, std::size_t count, const InsertionOptions& options,
+                         const ParallelFor& parallel_for = {}) {
+    const HalfedgeMesh& topology = mesh.topology();
+    const auto candidates = insertion_candidates(mesh, count, options, parallel_for);
+    std::vector<unsigned char> touched(topology.face_slots() + 2 * count, 0);
+    std::vector<Vertex> inserted;
+    inserted.reserve(count);
+    for (const InsertionCandidate<C>& candidate : candidates) {
+        if (inserted.size() >= count) break;
+        bool free = true;
+        if (candidate.edge.is_valid()) {
+            const Halfedge h = HalfedgeMesh::halfedge(candidate.edge);
+            for (const Halfedge s : {h, HalfedgeMesh::opposite(h)})
+                if (!topology.is_boundary(s) && touched[topology.face(s).index()] != 0) free = false;
+        } else {
+            free = touched[candidate.face.index()] == 0;
+        }
+        if (!free || !has_room(mesh, candidate)) continue;
+        const Vertex v = insert(mesh, candidate);
+        for (const Halfedge h : topology.outgoing(v))
+            if (!topology.is_boundary(h)) touched[topology.face(h).index()] = 1;
+        mesh.set_ring_due(v);
+        inserted.push_back(v);
+    }
+    for (const Vertex v : inserted) {
+        Edge far[ring_capacity];
+        int size = 0;
+        for (const Halfedge h : topology.outgoing(v))
+            if (!topology.is_boundary(h)) far[size++] = HalfedgeMesh::edge(topology.next(h));
+        for (int i = 0; i < size; ++i) improve_edge(mesh, far[i], 0);
+        improve_vertex(mesh, v, 0);
+    }
+    return inserted.size();
+}
+
+}  // namespace hmesh
+
+#endif  // HMESH_FIT_INSERTION_HPP

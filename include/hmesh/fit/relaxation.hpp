@@ -1,0 +1,46 @@
+// hmesh - relaxation: re-optimise a handful of vertices and their edges after a local change.
+//
+// What turns a change of topology into an honest trial: a removal, insertion or flip is judged by the energy after the
+// vertices around it have moved to their new optimum. A round visits each vertex, then tries each of their edges once.
+#ifndef HMESH_FIT_RELAXATION_HPP
+#define HMESH_FIT_RELAXATION_HPP
+
+#include <algorithm>
+#include <cstddef>
+#include <vector>
+
+#include "hmesh/fit/flips.hpp"
+#include "hmesh/fit/image_mesh.hpp"
+#include "hmesh/fit/vertices.hpp"
+
+namespace hmesh {
+
+struct Relaxation {
+    int rounds = 2;       // a round that gains less than 1e-3 of a vertex's mean energy is the last
+    double least = 5e-3;  // steps that promise less are not tried, in mean energies of a vertex
+};
+
+template <int C>
+void relax(ImageMesh<C>& mesh, const std::vector<Vertex>& vertices, const Relaxation& relaxation) {
+    const HalfedgeMesh& topology = mesh.topology();
+    const double scale = mesh.mean_energy(), least = relaxation.least * scale;
+    for (int round = 0; round < relaxation.rounds; ++round) {
+        const double start = mesh.energy();
+        for (const Vertex v : vertices) improve_vertex(mesh, v, least);
+        for (const Vertex v : vertices) {
+            Edge edges[ring_capacity];
+            int count = 0;
+            for (const Halfedge h : topology.outgoing(v)) {
+                const Vertex u = topology.to_vertex(h);  // an edge between two of the vertices comes up once
+                if (u < v && std::find(vertices.begin(), vertices.end(), u) != vertices.end()) continue;
+                edges[count++] = HalfedgeMesh::edge(h);
+            }
+            for (int i = 0; i < count; ++i) improve_edge(mesh, edges[i], 0);
+        }
+        if (start - mesh.energy() < 1e-3 * scale) break;
+    }
+}
+
+}  // namespace hmesh
+
+#endif  // HMESH_FIT_RELAXATION_HPP

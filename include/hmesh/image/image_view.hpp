@@ -1,0 +1,156 @@
+// hmesh - images: ImageView over the user's pixels, Image that owns some, PixelTraits for what a sample means.
+//
+// The plane: pixel (i, j) is the unit square [i, i+1] x [j, j+1], its centre (i + 1/2, j + 1/2), y down.
+#ifndef HMESH_IMAGE_IMAGE_VIEW_HPP
+#define HMESH_IMAGE_IMAGE_VIEW_HPP
+
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+#include <vector>
+
+#include "hmesh/core/parallel.hpp"
+#include "hmesh/core/status.hpp"
+
+namespace hmesh {
+
+// The largest number of channels a pixel can have.
+inline constexpr int max_channels = 16;
+// The longest side of an image: positions on the 1/256 px grid are then exact in float (16 + 8 bits).
+inline constexpr int max_side = 65536;
+// The largest number of pixels: handles of a mesh with one vertex a pixel then fit 32 bits.
+inline constexpr std::int64_t max_pixels = std::int64_t{1} << 28;
+
+// What a sample of type T means. hmesh knows the three types below; specialise it for a sample type of your own with the
+// same five members (examples/custom_pixel.cpp).
+//   peak         the value of full intensity: PSNR = 10 log10(peak^2 / MSE), and "white" for exporters
+//   lowest, highest  the range of vertex colours
+//   is_integer   to_real yields integers of magnitude at most `highest`: then all moments are exact
+//   to_real, from_real  conversions; from_real rounds to nearest and clamps
+template <class T>
+struct PixelTraits;
+
+namespace detail {
+
+template <class T>
+struct UnsignedTraits {
+    static constexpr double peak = std::numeric_limits<T>::max();
+    static constexpr double lowest = 0;
+    static constexpr double highest = peak;
+    static constexpr bool is_integer = true;
+    static double to_real(T value) noexcept { return static_cast<double>(value); }
+    static T from_real(double value) noexcept {
+        return static_cast<T>(value > lowest ? (value < highest ? value + 0.5 : highest) : lowest);
+    }
+};
+
+}  // namespace detail
+
+template <>
+struct PixelTraits<std::uint8_t> : detail::UnsignedTraits<std::uint8_t> {};
+template <>
+struct PixelTraits<std::uint16_t> : detail::UnsignedTraits<std::uint16_t> {};
+template <>
+struct PixelTraits<float> {
+    static constexpr double peak = 1;
+    static constexpr double lowest = -std::numeric_limits<float>::max();
+    static constexpr double highest = std::numeric_limits<float>::max();
+    static constexpr bool is_integer = false;
+    static double to_real(float value) noexcept { return static_cast<double>(value); }
+    static float from_real(double value) noexcept {
+        return static_cast<float>(value > lowest ? (value < highest ? value : highest) : lowest);
+    }
+};
+
+// A rectangle of pixels [x, x + width) x [y, y + height).
+struct Rect {
+    int x = 0, y = 0, width = 0, height = 0;
+};
+
+// Pixels of C interleaved samples of type T in somebody else's memory, row after row, `row_stride` bytes apart (0: packed,
+// that is width * C * sizeof(T); a multiple of alignof(T) that is negative stores the rows bottom up from `data`).
+template <class T, int C>
+struct ImageView {
+    static_assert(C >= 1 && C <= max_channels, "an image has 1 to 16 channels");
+    const T* data = nullptr;
+    int width = 0, height = 0;
+    std::ptrdiff_t row_stride = 0;
+
+    [[nodiscard]] const T* row(int y) const noexcept {
+        const std::ptrdiff_t packed = static_cast<std::ptrdiff_t>(width) * C * static_cast<std::ptrdiff_t>(sizeof(T));
+        const auto* bytes = reinterpret_cast<const unsigned char*>(data) + (row_stride != 0 ? row_stride : packed) * y;
+        return reinterpret_cast<const T*>(bytes);
+    }
+    [[nodiscard]] const T* pixel(int x, int y) const noexcept { return row(y) + static_cast<std::ptrdiff_t>(x) * C; }
+    [[nodiscard]] Rect bounds() const noexcept { return {0, 0, width, height}; }
+};
+
+// Packed pixels of its own. A default-constructed image is empty.
+template <class T, int C>
+class Image {
+  public:
+    Image() = default;
+    // width and height >= 0; all samples start at T().
+    Image(int width, int height)
+        : samples_(static_cast<std::size_t>(width) * static_cast<std::size_t>(height) * C), width_(width), height_(height) {}
+
+    [[nodiscard]] int width() const noexcept { return width_; }
+    [[nodiscard]] int height() const noexcept { return height_; }
+    [[nodiscard]] T* pixel(int x, int y) noexcept { return samples_.data() + offset(x, y); }
+    [[nodiscard]] const T* pixel(int x, int y) const noexcept { return samples_.data() + offset(x, y); }
+    [[nodiscard]] ImageView<T, C> view() const noexcept { return {samples_.data(), width_, height_, 0}; }
+    [[nodiscard]] std::vector<T>& samples() noexcept { return samples_; }
+    [[nodiscard]] const std::vector<T>& samples() const noexcept { return samples_; }
+
+  private:
+    [[nodiscard]] std::size_t offset(int x, int y) const noexcept {
+        return (static_cast<std::size_t>(y) * static_cast<std::size_t>(width_) + static_cast<std::size_t>(x)) * C;
+    }
+    std::vector<T> samples_;
+    int width_ = 0, height_ = 0;
+};
+
+// Whether the view can be read at all: a pointer, sizes and stride that make sense, no more than max_side and max_pixels.
+// Reads no pixel.
+template <class T, int C>
+[[nodiscard]] Status check(const ImageView<T, C>& view) noexcept {
+    if (view.width < 1) return {Errc::invalid_argument, "the image's width must be at least 1", view.width, 1};
+    if (view.height < 1) return {Errc::invalid_argument, "the image's height must be at least 1", view.height, 1};
+    if (view.width > max_side) return {Errc::image_too_large, "the image is too wide", view.width, max_side};
+    if (view.height > max_side) return {Errc::image_too_large, "the image is too high", view.height, max_side};
+    const std::int64_t pixels = std::int64_t{view.width} * view.height;
+    if (pixels > max_pixels) return {Errc::image_too_large, "the image has too many pixels", pixels, max_pixels};
+    if (view.data == nullptr) return {Errc::invalid_argument, "the image's data pointer is null", 0, 0};
+    const std::int64_t packed = std::int64_t{view.width} * C * static_cast<std::int64_t>(sizeof(T));
+    const std::int64_t stride = view.row_stride < 0 ? -std::int64_t{view.row_stride} : std::int64_t{view.row_stride};
+    if (stride != 0 && stride < packed)
+        return {Errc::invalid_argument, "the row stride is smaller than a row of pixels, in bytes", stride, packed};
+    if (stride % static_cast<std::int64_t>(alignof(T)) != 0)
+        return {Errc::invalid_argument, "the row stride is no multiple of the sample's alignment, in bytes", stride,
+                static_cast<std::int64_t>(alignof(T))};
+    return {};
+}
+
+// Whether all samples are finite. Costs nothing for integer pixels.
+template <class T, int C, class ParallelFor = SerialFor>
+[[nodiscard]] Status check_finite(const ImageView<T, C>& view, const ParallelFor& parallel_for = {}) {
+    if constexpr (!PixelTraits<T>::is_integer) {
+        std::vector<unsigned char> bad(static_cast<std::size_t>(view.height), 0);
+        for_each_chunk(parallel_for, bad.size(), 32, [&](std::size_t begin, std::size_t end) {
+            for (std::size_t y = begin; y < end; ++y) {
+                const T* row = view.row(static_cast<int>(y));
+                for (int k = 0; k < view.width * C; ++k)
+                    if (!std::isfinite(PixelTraits<T>::to_real(row[k]))) bad[y] = 1;
+            }
+        });
+        for (std::size_t y = 0; y < bad.size(); ++y)
+            if (bad[y] != 0)
+                return {Errc::not_finite, "the image has a sample that is NaN or infinite, in row", static_cast<std::int64_t>(y), 0};
+    }
+    return {};
+}
+
+}  // namespace hmesh
+
+#endif  // HMESH_IMAGE_IMAGE_VIEW_HPP

@@ -1,0 +1,99 @@
+// hmesh - sinks: where exporters put their bytes, and the small buffered writer that they all use.
+//
+// A sink is any callable
+//
+//     bool sink(const void* bytes, std::size_t size)      // size > 0; false: the bytes were refused, ask no more
+//
+// a lambda around fwrite, std::vector or a socket. hmesh itself opens no file. What the writer puts depends neither on
+// the byte order of the machine nor on its locale.
+#ifndef HMESH_IO_SINK_HPP
+#define HMESH_IO_SINK_HPP
+
+#include <algorithm>
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <cstring>
+#include <limits>
+
+#include "hmesh/core/status.hpp"
+
+namespace hmesh {
+namespace detail {
+
+// Collects bytes and hands them to the sink 4 KiB at a time. After the sink's first refusal everything is dropped.
+template <class Sink>
+class Writer {
+  public:
+    explicit Writer(Sink& sink) noexcept : sink_(&sink) {}
+
+    void bytes(const void* from, std::size_t size) {
+        const auto* at = static_cast<const unsigned char*>(from);
+        while (size > 0) {
+            if (used_ == buffer_.size()) flush();
+            const std::size_t part = std::min(size, buffer_.size() - used_);
+            std::memcpy(buffer_.data() + used_, at, part);
+            used_ += part;
+            at += part;
+            size -= part;
+        }
+    }
+
+    // --- binary numbers, little-endian ---
+    void u8(std::uint8_t value) { bytes(&value, 1); }
+    void u16(std::uint16_t value) { little_endian<2>(value); }
+    void u32(std::uint32_t value) { little_endian<4>(value); }
+    void f32(float value) {
+        static_assert(std::numeric_limits<float>::is_iec559 && sizeof(float) == 4, "float is IEEE 754 binary32");
+        std::uint32_t bits = 0;
+        std::memcpy(&bits, &value, 4);
+        u32(bits);
+    }
+
+    // --- text ---
+    void text(const char* words) { bytes(words, std::strlen(words)); }
+    void decimal(std::int64_t value) {
+        std::array<char, 20> digits{};  // a sign and the 19 digits of 2^63
+        std::size_t at = digits.size();
+        auto rest = value < 0 ? 0 - static_cast<std::uint64_t>(value) : static_cast<std::uint64_t>(value);
+        do {
+            digits[--at] = static_cast<char>('0' + rest % 10);
+            rest /= 10;
+        } while (rest != 0);
+        if (value < 0) digits[--at] = '-';
+        bytes(digits.data() + at, digits.size() - at);
+    }
+
+    // Hands over what is left, and says whether the sink took everything; `got` is the number of bytes that it took.
+    Status finish() {
+        flush();
+        if (refused_) return {Errc::write_failed, "the sink refused bytes, after", accepted_, 0};
+        return {};
+    }
+
+  private:
+    template <std::size_t Size>
+    void little_endian(std::uint32_t value) {
+        std::array<unsigned char, Size> out{};
+        for (std::size_t i = 0; i < Size; ++i) out[i] = static_cast<unsigned char>((value >> (8 * i)) & 0xffU);
+        bytes(out.data(), Size);
+    }
+    void flush() {
+        if (used_ > 0 && !refused_) {
+            if ((*sink_)(static_cast<const void*>(buffer_.data()), used_)) accepted_ += static_cast<std::int64_t>(used_);
+            else refused_ = true;
+        }
+        used_ = 0;
+    }
+
+    Sink* sink_;
+    std::int64_t accepted_ = 0;
+    std::size_t used_ = 0;
+    bool refused_ = false;
+    std::array<unsigned char, 4096> buffer_;
+};
+
+}  // namespace detail
+}  // namespace hmesh
+
+#endif  // HMESH_IO_SINK_HPP

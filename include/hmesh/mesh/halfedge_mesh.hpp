@@ -1,0 +1,626 @@
+// hmesh - HalfedgeMesh: the connectivity of a triangle mesh, compact, editable and undoable.
+//
+// Half-edges come in pairs: opposite(h) = h xor 1, edge(h) = h / 2, so edges keep their identity under flips and can carry
+// data. Each half-edge stores its next, the vertex it points to and its face; boundary half-edges have no face and are
+// linked along the boundary, counter to the faces. 36 bytes an edge, 4 a vertex and 4 a face; about 116 bytes a vertex.
+//
+// The mesh is an oriented 2-manifold with boundary: every vertex has one fan of faces. A boundary vertex's half-edge is the
+// boundary half-edge that leaves it. flip, split and collapse cost O(1) plus the valence for collapse; deleted slots are
+// used again. begin/commit/rollback make any sequence of edits a transaction.
+#ifndef HMESH_MESH_HALFEDGE_MESH_HPP
+#define HMESH_MESH_HALFEDGE_MESH_HPP
+
+#include <algorithm>
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include "hmesh/core/assert.hpp"
+#include "hmesh/core/status.hpp"
+#include "hmesh/core/undo_array.hpp"
+#include "hmesh/mesh/handles.hpp"
+
+namespace hmesh {
+
+using Triangle = std::array<std::uint32_t, 3>;
+
+class HalfedgeMesh {
+  public:
+    HalfedgeMesh() = default;
+
+    // The mesh of `triangles` over the vertices [0, vertex_count), all turning the same way. Replaces what was there.
+    // Refuses (and leaves the mesh empty) an index out of range, an edge used twice in one direction, a vertex that is
+    // isolated or where two fans meet. Cost O(n log n).
+    [[nodiscard]] Status assign(std::size_t vertex_count, const std::vector<Triangle>& triangles);
+
+    // --- counts and elements: live ones, and slots including deleted ones (the size for arrays indexed by handles) ---
+    [[nodiscard]] std::size_t vertex_count() const noexcept { return counts_.vertices; }
+    [[nodiscard]] std::size_t edge_count() const noexcept { return counts_.edges; }
+    [[nodiscard]] std::size_t face_count() const noexcept { return counts_.faces; }
+    [[nodiscard]] std::size_t vertex_slots() const noexcept { return vertices_.size(); }
+    [[nodiscard]] std::size_t edge_slots() const noexcept { return halfedges_.size() / 2; }
+    [[nodiscard]] std::size_t face_slots() const noexcept { return faces_.size(); }
+    [[nodiscard]] bool is_deleted(Vertex v) const noexcept { return vertices_[v.index()].deleted(); }
+    [[nodiscard]] bool is_deleted(Edge e) const noexcept { return halfedges_[2 * e.index()].deleted(); }
+    [[nodiscard]] bool is_deleted(Face f) const noexcept { return faces_[f.index()].deleted(); }
+
+    // Live elements in the order of their indices: for (Vertex v : mesh.vertices()).
+    template <class Element>
+    class Range;
+    [[nodiscard]] Range<Vertex> vertices() const noexcept;
+    [[nodiscard]] Range<Edge> edges() const noexcept;
+    [[nodiscard]] Range<Face> faces() const noexcept;
+
+    // --- navigation ---
+    [[nodiscard]] static Halfedge opposite(Halfedge h) noexcept { return Halfedge(h.index() ^ 1U); }
+    [[nodiscard]] static Edge edge(Halfedge h) noexcept { return Edge(h.index() >> 1U); }
+    [[nodiscard]] static Halfedge halfedge(Edge e) noexcept { return Halfedge(e.index() << 1U); }
+    [[nodiscard]] Halfedge next(Halfedge h) const noexcept { return halfedges_[h.index()].next; }
+    [[nodiscard]] Vertex to_vertex(Halfedge h) const noexcept { return halfedges_[h.index()].to; }
+    [[nodiscard]] Vertex from_vertex(Halfedge h) const noexcept { return to_vertex(opposite(h)); }
+    [[nodiscard]] Face face(Halfedge h) const noexcept { return halfedges_[h.index()].face; }
+    [[nodiscard]] Halfedge halfedge(Vertex v) const noexcept { return vertices_[v.index()].halfedge; }  // leaves v
+    [[nodiscard]] Halfedge halfedge(Face f) const noexcept { return faces_[f.index()].halfedge; }
+    // The half-edge before h: within a face two steps, along the boundary one turn around from_vertex(h).
+    [[nodiscard]] Halfedge previous(Halfedge h) const noexcept {
+        if (face(h).is_valid()) return next(next(h));
+        Halfedge into = opposite(h);
+        while (next(into) != h) into = opposite(next(into));
+        return into;
+    }
+    [[nodiscard]] bool is_boundary(Halfedge h) const noexcept { return !face(h).is_valid(); }
+    [[nodiscard]] bool is_boundary(Vertex v) const noexcept { return is_boundary(halfedge(v)); }
+    [[nodiscard]] bool is_boundary(Edge e) const noexcept {
+        return is_boundary(halfedge(e)) || is_boundary(opposite(halfedge(e)));
+    }
+    [[nodiscard]] std::array<Vertex, 3> vertices(Face f) const noexcept {
+        const Halfedge h = halfedge(f);
+        return {from_vertex(h), to_vertex(h), to_vertex(next(h))};
+    }
+    // The half-edges that leave v, each once, against the orientation of the faces, the boundary one first.
+    class OneRing;
+    [[nodiscard]] OneRing outgoing(Vertex v) const noexcept;
+    [[nodiscard]] int valence(Vertex v) const noexcept {
+        int count = 0;
+        Halfedge h = halfedge(v);
+        do {
+            ++count;
+            h = next(opposite(h));
+        } while (h != halfedge(v));
+        return count;
+    }
+    [[nodiscard]] Halfedge find_halfedge(Vertex from, Vertex to) const noexcept;  // invalid when there is none
+
+    // --- edits; each needs its predicate to hold ---
+    // Two faces, and their far corners are not neighbours yet.
+    [[nodiscard]] bool is_flip_ok(Edge e) const noexcept {
+        const Halfedge a = halfedge(e), b = opposite(a);
+        return !is_boundary(a) && !is_boundary(b) && !find_halfedge(to_vertex(next(a)), to_vertex(next(b))).is_valid();
+    }
+    // Turns the edge against the faces' orientation: halfedge(e) then runs from the far corner of its opposite's face to
+    // that of its own. Twice gives the same mesh with the edge reversed.
+    void flip(Edge e);
+
+    // Puts a new vertex on edge e, joined to the far corners. halfedge(e) keeps its origin and now ends at the new vertex.
+    Vertex split(Edge e);
+    // Puts a new vertex inside face f, joined to its corners.
+    Vertex split(Face f);
+
+    // Whether from_vertex(h) can be merged into to_vertex(h) and leave a manifold whose boundary keeps its vertices'
+    // order: the two share no neighbour but the far corners, and a boundary vertex goes along the boundary only.
+    [[nodiscard]] bool is_collapse_ok(Halfedge h) const noexcept;
+    // Merges from_vertex(h), which is deleted with h's faces, into to_vertex(h). Edges of the removed fan that keep their
+    // identity: all but edge(h) and the two of from_vertex(h) to the far corners.
+    void collapse(Halfedge h);
+
+    // --- transactions; they nest, the inner ends first ---
+    struct Mark;
+    [[nodiscard]] Mark begin();
+    void commit(const Mark& mark) noexcept;
+    void rollback(const Mark& mark);
+
+    void reserve(std::size_t vertices) {
+        vertices_.reserve(vertices);
+        halfedges_.reserve(6 * vertices);
+        faces_.reserve(2 * vertices);
+    }
+
+    // Proves every invariant above; the sentence names what is broken and `got` the first index where. O(n).
+    [[nodiscard]] Status check() const;
+
+  private:
+    // A deleted slot holds, behind a flag in the top bit, the slot deleted before it (free_end: none).
+    static constexpr std::uint32_t deleted_flag = 0x80000000U;
+    static constexpr std::uint32_t free_end = 0x7fffffffU;
+    struct Slot {
+        Halfedge halfedge;
+        // An unset handle has the top bit too, but is no slot: a live element always has a half-edge.
+        [[nodiscard]] bool deleted() const noexcept { return (halfedge.index() & deleted_flag) != 0; }
+    };
+    struct HalfedgeSlot {
+        Halfedge next;
+        Vertex to;
+        Face face;
+        [[nodiscard]] bool deleted() const noexcept { return (next.index() & deleted_flag) != 0; }
+    };
+    struct Counts {
+        std::size_t vertices = 0, edges = 0, faces = 0;
+        std::uint32_t free_vertex = free_end, free_edge = free_end, free_face = free_end;
+    };
+
+    [[nodiscard]] static Halfedge free_link(std::uint32_t link) noexcept {
+        return Halfedge(static_cast<std::size_t>(link | deleted_flag));
+    }
+    [[nodiscard]] static std::uint32_t link_of(Halfedge h) noexcept {
+        return static_cast<std::uint32_t>(h.index()) & ~deleted_flag;
+    }
+
+    void set_next(Halfedge h, Halfedge n) { halfedges_.edit(h.index()).next = n; }
+    void set_face(Halfedge h, Face f) { halfedges_.edit(h.index()).face = f; }
+    void set_to(Halfedge h, Vertex v) { halfedges_.edit(h.index()).to = v; }
+    void set_halfedge(Vertex v, Halfedge h) { vertices_.edit(v.index()).halfedge = h; }
+    void set_halfedge(Face f, Halfedge h) { faces_.edit(f.index()).halfedge = h; }
+    void set_triangle(Face f, Halfedge a, Halfedge b, Halfedge c);
+
+    [[nodiscard]] Vertex new_vertex();
+    [[nodiscard]] Halfedge new_edge();  // the even half-edge
+    [[nodiscard]] Face new_face();
+    void delete_vertex(Vertex v);
+    void delete_edge(Edge e);
+    void delete_face(Face f);
+    // `stays`, an edge of a face that goes, takes the place of `goes` in the next face (or boundary) over.
+    void replace(Halfedge goes, Halfedge stays);
+    [[nodiscard]] Status check_vertex(Vertex v) const;
+
+    UndoArray<HalfedgeSlot> halfedges_;
+    UndoArray<Slot> vertices_, faces_;
+    Counts counts_;
+    int depth_ = 0;
+};
+
+struct HalfedgeMesh::Mark {
+    UndoArray<HalfedgeSlot>::Mark halfedges;
+    UndoArray<Slot>::Mark vertices, faces;
+    Counts counts;
+};
+
+template <class Element>
+class HalfedgeMesh::Range {
+  public:
+    Range(const HalfedgeMesh& mesh, std::size_t slots) noexcept : mesh_(&mesh), slots_(slots) {}
+    class Iterator {
+      public:
+        Iterator(const HalfedgeMesh& mesh, std::size_t index, std::size_t slots) noexcept
+            : mesh_(&mesh), index_(index), slots_(slots) {
+            skip();
+        }
+        [[nodiscard]] Element operator*() const noexcept { return Element(index_); }
+        Iterator& operator++() noexcept {
+            ++index_;
+            skip();
+            return *this;
+        }
+        friend bool operator!=(const Iterator& a, const Iterator& b) noexcept { return a.index_ != b.index_; }
+
+      private:
+        void skip() noexcept {
+            while (index_ < slots_ && mesh_->is_deleted(Element(index_))) ++index_;
+        }
+        const HalfedgeMesh* mesh_;
+        std::size_t index_, slots_;
+    };
+    [[nodiscard]] Iterator begin() const noexcept { return {*mesh_, 0, slots_}; }
+    [[nodiscard]] Iterator end() const noexcept { return {*mesh_, slots_, slots_}; }
+
+  private:
+    const HalfedgeMesh* mesh_;
+    std::size_t slots_;
+};
+
+class HalfedgeMesh::OneRing {
+  public:
+    OneRing(const HalfedgeMesh& mesh, Halfedge first) noexcept : mesh_(&mesh), first_(first) {}
+    class Iterator {
+      public:
+        Iterator(const HalfedgeMesh& mesh, Halfedge first, bool done) noexcept
+            : mesh_(&mesh), first_(first), current_(first), done_(done) {}
+        [[nodiscard]] Halfedge operator*() const noexcept { return current_; }
+        Iterator& operator++() noexcept {
+            current_ = mesh_->next(opposite(current_));
+            done_ = current_ == first_;
+            return *this;
+        }
+        friend bool operator!=(const Iterator& a, const Iterator& b) noexcept { return a.done_ != b.done_; }
+
+      private:
+        const HalfedgeMesh* mesh_;
+        Halfedge first_, current_;
+        bool done_;
+    };
+    [[nodiscard]] Iterator begin() const noexcept { return {*mesh_, first_, false}; }
+    [[nodiscard]] Iterator end() const noexcept { return {*mesh_, first_, true}; }
+
+  private:
+    const HalfedgeMesh* mesh_;
+    Halfedge first_;
+};
+
+inline HalfedgeMesh::Range<Vertex> HalfedgeMesh::vertices() const noexcept { return {*this, vertex_slots()}; }
+inline HalfedgeMesh::Range<Edge> HalfedgeMesh::edges() const noexcept { return {*this, edge_slots()}; }
+inline HalfedgeMesh::Range<Face> HalfedgeMesh::faces() const noexcept { return {*this, face_slots()}; }
+inline HalfedgeMesh::OneRing HalfedgeMesh::outgoing(Vertex v) const noexcept { return {*this, halfedge(v)}; }
+
+inline Halfedge HalfedgeMesh::find_halfedge(Vertex from, Vertex to) const noexcept {
+    for (const Halfedge h : outgoing(from))
+        if (to_vertex(h) == to) return h;
+    return {};
+}
+
+// --- slots ----------------------------------------------------------------------------------------------------------
+
+inline Vertex HalfedgeMesh::new_vertex() {
+    ++counts_.vertices;
+    if (counts_.free_vertex == free_end) {
+        vertices_.push_back({});
+        return Vertex(vertices_.size() - 1);
+    }
+    const Vertex v(counts_.free_vertex);
+    counts_.free_vertex = link_of(halfedge(v));
+    return v;
+}
+
+inline Halfedge HalfedgeMesh::new_edge() {
+    ++counts_.edges;
+    if (counts_.free_edge == free_end) {
+        halfedges_.push_back({});
+        halfedges_.push_back({});
+        return Halfedge(halfedges_.size() - 2);
+    }
+    const Halfedge h = halfedge(Edge(counts_.free_edge));
+    counts_.free_edge = link_of(next(h));
+    return h;
+}
+
+inline Face HalfedgeMesh::new_face() {
+    ++counts_.faces;
+    if (counts_.free_face == free_end) {
+        faces_.push_back({});
+        return Face(faces_.size() - 1);
+    }
+    const Face f(counts_.free_face);
+    counts_.free_face = link_of(halfedge(f));
+    return f;
+}
+
+inline void HalfedgeMesh::delete_vertex(Vertex v) {
+    set_halfedge(v, free_link(counts_.free_vertex));
+    counts_.free_vertex = static_cast<std::uint32_t>(v.index());
+    --counts_.vertices;
+}
+
+inline void HalfedgeMesh::delete_edge(Edge e) {
+    set_next(halfedge(e), free_link(counts_.free_edge));
+    counts_.free_edge = static_cast<std::uint32_t>(e.index());
+    --counts_.edges;
+}
+
+inline void HalfedgeMesh::delete_face(Face f) {
+    set_halfedge(f, free_link(counts_.free_face));
+    counts_.free_face = static_cast<std::uint32_t>(f.index());
+    --counts_.faces;
+}
+
+inline void HalfedgeMesh::set_triangle(Face f, Halfedge a, Halfedge b, Halfedge c) {
+    HalfedgeSlot& sa = halfedges_.edit(a.index());
+    sa.next = b, sa.face = f;
+    HalfedgeSlot& sb = halfedges_.edit(b.index());
+    sb.next = c, sb.face = f;
+    HalfedgeSlot& sc = halfedges_.edit(c.index());
+    sc.next = a, sc.face = f;
+    set_halfedge(f, a);
+}
+
+// --- edits ----------------------------------------------------------------------------------------------------------
+
+inline void HalfedgeMesh::flip(Edge e) {
+    HMESH_ASSERT(is_flip_ok(e));
+    const Halfedge a = halfedge(e), b = opposite(a);
+    const Halfedge a1 = next(a), a2 = next(a1), b1 = next(b), b2 = next(b1);
+    const Vertex v0 = to_vertex(b), v1 = to_vertex(a), v2 = to_vertex(a1), v3 = to_vertex(b1);
+    const Face fa = face(a), fb = face(b);
+    set_to(a, v2);
+    set_to(b, v3);
+    set_triangle(fa, a, a2, b1);  // v3 -> v2 -> v0
+    set_triangle(fb, b, b2, a1);  // v2 -> v3 -> v1
+    if (halfedge(v0) == a) set_halfedge(v0, b1);
+    if (halfedge(v1) == b) set_halfedge(v1, a1);
+}
+
+inline Vertex HalfedgeMesh::split(Edge e) {
+    const Halfedge a = halfedge(e), b = opposite(a);
+    const Vertex v1 = to_vertex(a), m = new_vertex();
+    const Halfedge c = new_edge(), d = opposite(c);  // m -> v1 and back
+    const Halfedge before_b = previous(b);           // read before anything changes
+    const Halfedge a1 = next(a), b1 = next(b);
+    const Face fa = face(a), fb = face(b);
+    set_to(a, m);
+    set_to(c, v1);
+    set_to(d, m);
+    if (fa.is_valid()) {
+        const Halfedge a2 = next(a1), s = new_edge(), t = opposite(s);  // m -> v2 and back
+        set_to(s, to_vertex(a1));
+        set_to(t, m);
+        set_triangle(fa, a, s, a2);
+        set_triangle(new_face(), c, a1, t);
+    } else {
+        set_next(a, c);
+        set_next(c, a1);
+        set_face(c, Face());
+    }
+    if (fb.is_valid()) {
+        const Halfedge b2 = next(b1), s = new_edge(), t = opposite(s);  // m -> v3 and back
+        set_to(s, to_vertex(b1));
+        set_to(t, m);
+        set_triangle(fb, b, b1, t);
+        set_triangle(new_face(), d, s, b2);
+    } else {
+        set_next(before_b, d);
+        set_next(d, b);
+        set_face(d, Face());
+    }
+    set_halfedge(m, fa.is_valid() ? b : c);  // b when it is the boundary, or either when neither is
+    if (halfedge(v1) == b) set_halfedge(v1, d);
+    return m;
+}
+
+inline Vertex HalfedgeMesh::split(Face f) {
+    const Halfedge a = halfedge(f), b = next(a), c = next(b);
+    const Vertex m = new_vertex();
+    Halfedge spoke[3];  // from m to the origin of a, b, c
+    const Halfedge side[3] = {a, b, c};
+    for (int i = 0; i < 3; ++i) {
+        spoke[i] = new_edge();
+        set_to(spoke[i], from_vertex(side[i]));
+        set_to(opposite(spoke[i]), m);
+    }
+    set_triangle(f, a, opposite(spoke[1]), spoke[0]);
+    set_triangle(new_face(), b, opposite(spoke[2]), spoke[1]);
+    set_triangle(new_face(), c, opposite(spoke[0]), spoke[2]);
+    set_halfedge(m, spoke[0]);
+    return m;
+}
+
+inline bool HalfedgeMesh::is_collapse_ok(Halfedge h) const noexcept {
+    const Halfedge o = opposite(h);
+    const Vertex v = to_vertex(o), u = to_vertex(h);
+    if (is_boundary(v) && !is_boundary(h) && !is_boundary(o)) return false;
+    const Vertex left = is_boundary(h) ? Vertex() : to_vertex(next(h));
+    const Vertex right = is_boundary(o) ? Vertex() : to_vertex(next(o));
+    for (const Halfedge s : outgoing(v)) {
+        const Vertex a = to_vertex(s);
+        if (a == u || a == left || a == right) continue;
+        if (find_halfedge(a, u).is_valid()) return false;
+    }
+    // A far corner must keep a face, and the last triangle of a component is nobody's to remove.
+    if (left.is_valid() && is_boundary(opposite(next(h))) && is_boundary(opposite(next(next(h))))) return false;
+    if (right.is_valid() && is_boundary(opposite(next(o))) && is_boundary(opposite(next(next(o))))) return false;
+    return true;
+}
+
+inline void HalfedgeMesh::replace(Halfedge goes, Halfedge stays) {
+    const Halfedge before = previous(goes), after = next(goes);
+    const Face f = face(goes);
+    set_next(before, stays);
+    HalfedgeSlot& slot = halfedges_.edit(stays.index());
+    slot.next = after, slot.face = f;
+    if (f.is_valid() && halfedge(f) == goes) set_halfedge(f, stays);
+}
+
+inline void HalfedgeMesh::collapse(Halfedge h) {
+    HMESH_ASSERT(is_collapse_ok(h));
+    const Halfedge o = opposite(h);
+    const Vertex v = to_vertex(o), u = to_vertex(h);
+    const Halfedge before_h = previous(h), before_o = previous(o);
+    const bool v_on_boundary = is_boundary(v);
+    for (Halfedge s = next(o); s != h; s = next(opposite(s))) set_to(opposite(s), u);
+
+    Halfedge last = halfedge(u);
+    if (!is_boundary(h)) {
+        const Halfedge stays = next(h), goes = next(stays);  // u -> left, left -> v
+        const Vertex left = to_vertex(stays);
+        const Face f = face(h);
+        replace(opposite(goes), stays);
+        if (halfedge(left) == goes) set_halfedge(left, opposite(stays));
+        delete_edge(edge(goes));
+        delete_face(f);
+        if (last == o) last = stays;
+    } else {
+        set_next(before_h, next(h));
+        last = next(h);
+    }
+    if (!is_boundary(o)) {
+        const Halfedge goes = next(o), stays = next(goes);  // v -> right, right -> u
+        const Vertex right = to_vertex(goes);
+        const Face f = face(o);
+        replace(opposite(goes), stays);
+        if (halfedge(right) == opposite(goes)) set_halfedge(right, stays);
+        delete_edge(edge(goes));
+        delete_face(f);
+        if (last == o) last = opposite(stays);
+    } else {
+        set_next(before_o, next(o));
+        if (last == o) last = next(o);
+    }
+    // A boundary vertex's half-edge is its boundary half-edge.
+    if (v_on_boundary)
+        while (!is_boundary(last)) last = next(opposite(last));
+    set_halfedge(u, last);
+    delete_edge(edge(h));
+    delete_vertex(v);
+}
+
+// --- transactions ---------------------------------------------------------------------------------------------------
+
+inline HalfedgeMesh::Mark HalfedgeMesh::begin() {
+    ++depth_;
+    return {halfedges_.mark(), vertices_.mark(), faces_.mark(), counts_};
+}
+
+inline void HalfedgeMesh::commit(const Mark&) noexcept {
+    if (--depth_ > 0) return;
+    halfedges_.stop_recording();
+    vertices_.stop_recording();
+    faces_.stop_recording();
+}
+
+inline void HalfedgeMesh::rollback(const Mark& mark) {
+    halfedges_.rollback(mark.halfedges);
+    vertices_.rollback(mark.vertices);
+    faces_.rollback(mark.faces);
+    counts_ = mark.counts;
+    commit(mark);
+}
+
+// --- building and checking ------------------------------------------------------------------------------------------
+
+inline Status HalfedgeMesh::assign(std::size_t vertex_count, const std::vector<Triangle>& triangles) {
+    *this = HalfedgeMesh();
+    const auto fail = [this](const char* what, std::size_t where) -> Status {
+        *this = HalfedgeMesh();
+        return {Errc::invalid_argument, what, static_cast<std::int64_t>(where), 0};
+    };
+    if (vertex_count >= free_end / 6)
+        return {Errc::image_too_large, "a mesh has too many vertices", static_cast<std::int64_t>(vertex_count), free_end / 6};
+
+    // Each side of a triangle as (smaller corner, larger corner, direction): the two half-edges of an edge sort together.
+    struct Side {
+        std::uint32_t low, high, corner;  // corner = 3 * triangle + k; the side runs from corner k to corner k + 1
+        bool reversed;
+    };
+    std::vector<Side> sides;
+    sides.reserve(3 * triangles.size());
+    for (std::size_t t = 0; t < triangles.size(); ++t)
+        for (std::size_t k = 0; k < 3; ++k) {
+            const std::uint32_t a = triangles[t][k], b = triangles[t][(k + 1) % 3];
+            if (a >= vertex_count || b >= vertex_count) return fail("a triangle names a vertex that does not exist", t);
+            if (a == b) return fail("a triangle names a vertex twice", t);
+            sides.push_back({std::min(a, b), std::max(a, b), static_cast<std::uint32_t>(3 * t + k), a > b});
+        }
+    std::sort(sides.begin(), sides.end(), [](const Side& a, const Side& b) {
+        if (a.low != b.low) return a.low < b.low;
+        if (a.high != b.high) return a.high < b.high;
+        return a.reversed < b.reversed;
+    });
+
+    std::vector<Halfedge> side_halfedge(3 * triangles.size());
+    vertices_.resize(vertex_count);
+    counts_.vertices = vertex_count;
+    for (std::size_t i = 0; i < sides.size();) {
+        const Side& side = sides[i];
+        std::size_t same = i + 1;
+        while (same < sides.size() && sides[same].low == side.low && sides[same].high == side.high) ++same;
+        if (same - i > 2 || (same - i == 2 && sides[i + 1].reversed == side.reversed))
+            return fail("an edge is used twice in one direction, first by triangle", side.corner / 3);
+        const Halfedge h = new_edge();
+        set_to(h, Vertex(side.high));
+        set_to(opposite(h), Vertex(side.low));
+        for (; i < same; ++i) side_halfedge[sides[i].corner] = sides[i].reversed ? opposite(h) : h;
+    }
+    for (std::size_t t = 0; t < triangles.size(); ++t) {
+        set_triangle(new_face(), side_halfedge[3 * t], side_halfedge[3 * t + 1], side_halfedge[3 * t + 2]);
+        for (std::size_t k = 0; k < 3; ++k) set_halfedge(Vertex(triangles[t][k]), side_halfedge[3 * t + k]);
+    }
+    for (std::size_t i = 0; i < halfedges_.size(); ++i) {
+        const Halfedge h(i);
+        if (!is_boundary(h)) continue;
+        const Vertex v = from_vertex(h);
+        if (vertices_[v.index()].deleted()) return fail("a vertex belongs to no triangle", v.index());
+        if (is_boundary(halfedge(v))) return fail("two fans of triangles meet in one vertex", v.index());
+        set_halfedge(v, h);
+    }
+    for (std::size_t i = 0; i < vertex_count; ++i)
+        if (vertices_[i].deleted()) return fail("a vertex belongs to no triangle", i);
+    // The boundary half-edge after h leaves h's end; each end has only one.
+    for (std::size_t i = 0; i < halfedges_.size(); ++i)
+        if (is_boundary(Halfedge(i))) set_next(Halfedge(i), halfedge(to_vertex(Halfedge(i))));
+    const Status status = check();
+    if (!status) *this = HalfedgeMesh();
+    return status;
+}
+
+inline Status HalfedgeMesh::check_vertex(Vertex v) const {
+    const auto fail = [v](const char* what) -> Status {
+        return {Errc::invalid_argument, what, static_cast<std::int64_t>(v.index()), 0};
+    };
+    const Halfedge first = halfedge(v);
+    if (first.index() >= halfedges_.size() || is_deleted(edge(first)) || from_vertex(first) != v)
+        return fail("a vertex's half-edge does not leave it");
+    return {};
+}
+
+inline Status HalfedgeMesh::check() const {
+    const auto fail = [](const char* what, std::size_t index) -> Status {
+        return {Errc::invalid_argument, what, static_cast<std::int64_t>(index), 0};
+    };
+    std::size_t vertex_total = 0, edge_total = 0, face_total = 0;
+    for (const Vertex v : vertices()) {
+        if (const Status status = check_vertex(v); !status) return status;
+        ++vertex_total;
+    }
+    std::vector<std::uint32_t> leaving(vertex_slots(), 0);
+    std::vector<unsigned char> boundary(vertex_slots(), 0);
+    for (const Edge e : edges()) {
+        ++edge_total;
+        for (const Halfedge h : {halfedge(e), opposite(halfedge(e))}) {
+            const Halfedge n = next(h);
+            if (n.index() >= halfedges_.size() || is_deleted(edge(n))) return fail("a half-edge's next is none", h.index());
+            if (to_vertex(h).index() >= vertex_slots() || is_deleted(to_vertex(h)))
+                return fail("a half-edge points to no vertex", h.index());
+            if (from_vertex(n) != to_vertex(h)) return fail("a half-edge's next does not leave its end", h.index());
+            if (face(n) != face(h)) return fail("a half-edge and its next have two faces", h.index());
+            if (is_boundary(h)) {
+                if (is_boundary(opposite(h))) return fail("an edge has no face", e.index());
+                if (boundary[from_vertex(h).index()]++ != 0) return fail("two fans meet in a vertex", from_vertex(h).index());
+                if (halfedge(from_vertex(h)) != h)
+                    return fail("a boundary vertex's half-edge is not on the boundary", from_vertex(h).index());
+            } else {
+                if (face(h).index() >= face_slots() || is_deleted(face(h))) return fail("a half-edge's face is none", h.index());
+                if (next(next(n)) != h) return fail("a face is no triangle", face(h).index());
+                if (to_vertex(n) == from_vertex(h) || to_vertex(h) == from_vertex(h))
+                    return fail("a face has a corner twice", face(h).index());
+            }
+            ++leaving[from_vertex(h).index()];
+        }
+    }
+    for (const Face f : faces()) {
+        ++face_total;
+        const Halfedge h = halfedge(f);
+        if (h.index() >= halfedges_.size() || is_deleted(edge(h)) || face(h) != f)
+            return fail("a face's half-edge does not bound it", f.index());
+    }
+    if (vertex_total != vertex_count() || edge_total != edge_count() || face_total != face_count())
+        return fail("a count of live elements is wrong", vertex_total);
+    std::size_t bounded = 0;
+    for (const Edge e : edges())
+        bounded += (is_boundary(halfedge(e)) ? 0U : 1U) + (is_boundary(opposite(halfedge(e))) ? 0U : 1U);
+    if (bounded != 3 * face_total) return fail("the faces do not use each half-edge once", bounded);
+    // One fan a vertex: a turn around it meets all half-edges that leave it, and no neighbour twice.
+    std::vector<std::size_t> neighbours;
+    for (const Vertex v : vertices()) {
+        neighbours.clear();
+        for (const Halfedge h : outgoing(v)) {
+            neighbours.push_back(to_vertex(h).index());
+            if (neighbours.size() > leaving[v.index()]) return fail("a turn around a vertex does not close", v.index());
+        }
+        if (neighbours.size() != leaving[v.index()]) return fail("two fans meet in a vertex", v.index());
+        std::sort(neighbours.begin(), neighbours.end());
+        if (std::adjacent_find(neighbours.begin(), neighbours.end()) != neighbours.end())
+            return fail("two edges join the same vertices", v.index());
+    }
+    return {};
+}
+
+}  // namespace hmesh
+
+#endif  // HMESH_MESH_HALFEDGE_MESH_HPP

@@ -1,0 +1,34 @@
+// hmesh - handles: Vertex, Halfedge, Edge and Face, indices of 4 bytes that do not mix.
+#ifndef HMESH_MESH_HANDLES_HPP
+#define HMESH_MESH_HANDLES_HPP
+
+#include <cstddef>
+#include <cstdint>
+
+namespace hmesh {
+
+// An index into one kind of element; default-constructed it names none. No implicit conversion, in or out.
+template <class Kind>
+class Handle {
+  public:
+    constexpr Handle() noexcept = default;
+    constexpr explicit Handle(std::size_t index) noexcept : index_(static_cast<std::uint32_t>(index)) {}
+    [[nodiscard]] constexpr std::size_t index() const noexcept { return index_; }
+    [[nodiscard]] constexpr bool is_valid() const noexcept { return index_ != none; }
+    friend constexpr bool operator==(Handle a, Handle b) noexcept { return a.index_ == b.index_; }
+    friend constexpr bool operator!=(Handle a, Handle b) noexcept { return a.index_ != b.index_; }
+    friend constexpr bool operator<(Handle a, Handle b) noexcept { return a.index_ < b.index_; }
+
+  private:
+    static constexpr std::uint32_t none = 0xffffffffU;
+    std::uint32_t index_ = none;
+};
+
+using Vertex = Handle<struct VertexKind>;
+using Halfedge = Handle<struct HalfedgeKind>;
+using Edge = Handle<struct EdgeKind>;
+using Face = Handle<struct FaceKind>;
+
+}  // namespace hmesh
+
+#endif  // HMESH_MESH_HANDLES_HPP

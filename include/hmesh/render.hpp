@@ -1,0 +1,226 @@
+// hmesh - render(): draws a mesh into an image of any size, pixel for pixel as a GPU does; psnr() and to_pixels() beside it.
+//
+// A pixel takes the colour of the face that holds its centre, by the top-left rule of geometry.hpp, interpolated linearly
+// (Gouraud) at that centre. At the mesh's own size these are the very pixels that were counted when the mesh was fitted.
+// Each edge is always evaluated from its upper to its lower end, so that the two faces beside it agree to the bit: no gap
+// and no double pixel at any size. Cost: about 5 ns a pixel and 60 ns a face; memory beside the image: 16 bytes a vertex
+// and about 14 a face.
+#ifndef HMESH_RENDER_HPP
+#define HMESH_RENDER_HPP
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+#include <utility>
+#include <vector>
+
+#include "hmesh/core/parallel.hpp"
+#include "hmesh/core/status.hpp"
+#include "hmesh/image/image_view.hpp"
+#include "hmesh/mesh/geometry.hpp"
+#include "hmesh/mesh/mesh_view.hpp"
+
+namespace hmesh {
+
+// The size of the picture in pixels; 0 or less: the mesh's own.
+struct RenderOptions {
+    int width = 0, height = 0;
+};
+
+namespace detail {
+
+inline constexpr int band_rows = 32;
+
+// The rows of an image of `height` rows whose centres a face can hold.
+struct RowRange {
+    int first = 0, last = 0;  // [first, last)
+};
+
+[[nodiscard]] inline int clipped_row(double y, int height) noexcept {
+    return first_row(std::max(0.0, std::min(static_cast<double>(height), y)));
+}
+
+template <int C>
+struct Corner {
+    Point at;
+    const float* color;
+};
+
+// The colours of a face as functions of the pixel. The weights of two corners are divided by the area last: on the 1/256 px
+// grid everything before is exact, however thin the face.
+template <int C>
+class Shading {
+  public:
+    Shading(const Corner<C>& a, const Corner<C>& b, const Corner<C>& c) noexcept
+        : a_(a.at), ab_{b.at.x - a.at.x, b.at.y - a.at.y}, ac_{c.at.x - a.at.x, c.at.y - a.at.y} {
+        const double area = cross(a.at, b.at, c.at);
+        per_area_ = area != 0 ? 1 / area : 0;
+        for (std::size_t k = 0; k < C; ++k) {
+            base_[k] = static_cast<double>(a.color[k]);
+            to_b_[k] = static_cast<double>(b.color[k]) - base_[k];
+            to_c_[k] = static_cast<double>(c.color[k]) - base_[k];
+        }
+    }
+    // Pixels [begin, end) of row j.
+    void fill(int j, int begin, int end, float* pixel) const noexcept {
+        const double y = j + 0.5 - a_.y;
+        for (int i = begin; i < end; ++i, pixel += C) {
+            const double x = i + 0.5 - a_.x;
+            // Held to [0, 1]: a centre can be outside by the rounding of an edge, which is much for a face of no width.
+            const double b = std::max(0.0, std::min(1.0, (x * ac_.y - ac_.x * y) * per_area_));
+            const double c = std::max(0.0, std::min(1.0 - b, (ab_.x * y - x * ab_.y) * per_area_));
+            for (std::size_t k = 0; k < C; ++k) pixel[k] = static_cast<float>(base_[k] + b * to_b_[k] + c * to_c_[k]);
+        }
+    }
+
+  private:
+    Point a_, ab_, ac_;
+    double per_area_;
+    std::array<double, C> base_, to_b_, to_c_;
+};
+
+// Draws the rows of a face that lie in `rows`.
+template <int C>
+void draw_face(Corner<C> top, Corner<C> middle, Corner<C> low, RowRange rows, Image<float, C>& out) {
+    const Shading<C> shading(top, middle, low);
+    if (middle.at.y < top.at.y) std::swap(top, middle);
+    if (low.at.y < middle.at.y) std::swap(middle, low);
+    if (middle.at.y < top.at.y) std::swap(top, middle);
+    const auto draw_part = [&](Point upper, Point lower) {
+        const int first = std::max(rows.first, clipped_row(upper.y, out.height()));
+        const int last = std::min(rows.last, clipped_row(lower.y, out.height()));
+        if (first >= last) return;
+        const RowCrossing side(upper, lower), opposite(top.at, low.at);
+        for (int j = first; j < last; ++j) {
+            const int one = side.column(j), other = opposite.column(j);
+            const int begin = std::max(0, std::min(one, other)), end = std::min(out.width(), std::max(one, other));
+            if (begin < end) shading.fill(j, begin, end, out.pixel(begin, j));
+        }
+    };
+    draw_part(top.at, middle.at);
+    draw_part(middle.at, low.at);
+}
+
+// Which faces touch which band of rows: those of band b are faces[starts[b]] .. faces[starts[b + 1] - 1], in their order.
+struct Bands {
+    std::vector<std::size_t> starts;
+    std::vector<std::uint32_t> faces;
+};
+
+template <class ParallelFor>
+[[nodiscard]] Bands sort_into_bands(const MeshView& mesh, const std::vector<Point>& at, int height, const ParallelFor& parallel_for) {
+    std::vector<RowRange> touched(mesh.face_count);  // in bands
+    for_each_chunk(parallel_for, mesh.face_count, 4096, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t f = begin; f < end; ++f) {
+            const std::array<std::uint32_t, 3>& face = mesh.faces[f];
+            const auto [low, high] = std::minmax({at[face[0]].y, at[face[1]].y, at[face[2]].y});
+            const int first = clipped_row(low, height), last = clipped_row(high, height);
+            if (first < last) touched[f] = {first / band_rows, (last - 1) / band_rows + 1};
+        }
+    });
+    const auto count = static_cast<std::size_t>((height - 1) / band_rows + 1);
+    Bands bands;
+    bands.starts.assign(count + 1, 0);
+    for (const RowRange& t : touched)
+        for (int b = t.first; b < t.last; ++b) ++bands.starts[static_cast<std::size_t>(b) + 1];
+    for (std::size_t b = 0; b < count; ++b) bands.starts[b + 1] += bands.starts[b];
+    bands.faces.resize(bands.starts[count]);
+    std::vector<std::size_t> next(bands.starts.begin(), bands.starts.end() - 1);
+    for (std::size_t f = 0; f < touched.size(); ++f)
+        for (int b = touched[f].first; b < touched[f].last; ++b)
+            bands.faces[next[static_cast<std::size_t>(b)]++] = static_cast<std::uint32_t>(f);
+    return bands;
+}
+
+[[nodiscard]] inline Status check_sizes(const MeshView& mesh, int width, int height) noexcept {
+    if (mesh.width < 1) return {Errc::invalid_argument, "the mesh's width must be at least 1", mesh.width, 1};
+    if (mesh.height < 1) return {Errc::invalid_argument, "the mesh's height must be at least 1", mesh.height, 1};
+    if (width > max_side) return {Errc::image_too_large, "the picture to draw is too wide", width, max_side};
+    if (height > max_side) return {Errc::image_too_large, "the picture to draw is too high", height, max_side};
+    const std::int64_t pixels = std::int64_t{width} * height;
+    if (pixels > max_pixels) return {Errc::image_too_large, "the picture to draw has too many pixels", pixels, max_pixels};
+    return {};
+}
+
+}  // namespace detail
+
+// Draws the mesh, scaled to the picture's size, into `out`: the stored values, neither rounded nor clamped. Faces outside
+// the picture are clipped; where faces overlap the later one wins; pixels in no face are 0. When the Status says no, `out`
+// is as it was.
+template <int C, class ParallelFor = SerialFor>
+Status render(const MeshView& mesh, Image<float, C>& out, const RenderOptions& options = {}, const ParallelFor& parallel_for = {}) {
+    const int width = options.width > 0 ? options.width : mesh.width;
+    const int height = options.height > 0 ? options.height : mesh.height;
+    if (const Status status = detail::check_sizes(mesh, width, height); !status) return status;
+    if (const Status status = check(mesh, max_channels); !status) return status;
+    if (mesh.channels != C)
+        return {Errc::invalid_argument, "the mesh has not the picture's number of channels", mesh.channels, C};
+
+    // A position on the mesh's border comes out on the picture's: the product is exact and the quotient rounded once.
+    std::vector<Point> at(mesh.vertex_count);
+    for_each_chunk(parallel_for, mesh.vertex_count, 4096, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t v = begin; v < end; ++v)
+            at[v] = {static_cast<double>(mesh.positions[2 * v]) * width / mesh.width,
+                     static_cast<double>(mesh.positions[2 * v + 1]) * height / mesh.height};
+    });
+    constexpr double farthest = 16.0 * max_side;  // px, so that columns fit an int
+    for (std::size_t v = 0; v < at.size(); ++v)
+        if (std::abs(at[v].x) > farthest || std::abs(at[v].y) > farthest)
+            return {Errc::invalid_argument, "the mesh has a position far outside its image, at vertex", static_cast<std::int64_t>(v), 0};
+
+    const detail::Bands bands = detail::sort_into_bands(mesh, at, height, parallel_for);
+    out = Image<float, C>(width, height);
+    parallel_for(bands.starts.size() - 1, [&](std::size_t band) {
+        const int first = static_cast<int>(band) * detail::band_rows;
+        const detail::RowRange rows{first, std::min(height, first + detail::band_rows)};
+        const auto corner = [&](std::uint32_t v) { return detail::Corner<C>{at[v], mesh.colors + std::size_t{v} * C}; };
+        for (std::size_t i = bands.starts[band]; i < bands.starts[band + 1]; ++i) {
+            const std::array<std::uint32_t, 3>& face = mesh.faces[bands.faces[i]];
+            detail::draw_face(corner(face[0]), corner(face[1]), corner(face[2]), rows, out);
+        }
+    });
+    return {};
+}
+
+// 10 log10(peak^2 / MSE) in dB, MSE the mean of the squared differences over pixels AND channels, peak that of the
+// reference's pixel type. Infinity for equal images, NaN for images that cannot be compared: different or no sizes.
+template <class T, class U, int C, class ParallelFor = SerialFor>
+[[nodiscard]] double psnr(const ImageView<T, C>& reference, const ImageView<U, C>& rendered, const ParallelFor& parallel_for = {}) {
+    if (!check(reference) || !check(rendered) || reference.width != rendered.width || reference.height != rendered.height)
+        return std::numeric_limits<double>::quiet_NaN();
+    const double energy =
+        ordered_sum(parallel_for, static_cast<std::size_t>(reference.height), 32, [&](std::size_t begin, std::size_t end) {
+            double sum = 0;
+            for (std::size_t y = begin; y < end; ++y) {
+                const T* a = reference.row(static_cast<int>(y));
+                const U* b = rendered.row(static_cast<int>(y));
+                for (int k = 0; k < reference.width * C; ++k) {
+                    const double difference = PixelTraits<T>::to_real(a[k]) - PixelTraits<U>::to_real(b[k]);
+                    sum += difference * difference;
+                }
+            }
+            return sum;
+        });
+    const double samples = static_cast<double>(reference.width) * reference.height * C;
+    const double peak = PixelTraits<T>::peak;
+    return energy != 0 ? 10 * std::log10(peak * peak * samples / energy) : std::numeric_limits<double>::infinity();
+}
+
+// The picture in pixels of type T, rounded and held to the type's range.
+template <class T, int C, class ParallelFor = SerialFor>
+[[nodiscard]] Image<T, C> to_pixels(const Image<float, C>& image, const ParallelFor& parallel_for = {}) {
+    Image<T, C> out(image.width(), image.height());
+    const std::vector<float>& from = image.samples();
+    std::vector<T>& to = out.samples();
+    for_each_chunk(parallel_for, from.size(), 65536, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t k = begin; k < end; ++k) to[k] = PixelTraits<T>::from_real(static_cast<double>(from[k]));
+    });
+    return out;
+}
+
+}  // namespace hmesh
+
+#endif  // HMESH_RENDER_HPP
