@@ -29,7 +29,8 @@ struct InsertionCandidate {
     Edge edge;
     Face face;
     Centre<C> centre;
-    double gain = -1;  // decrease of the energy; negative: cannot be inserted
+    double gain = 0;    // decrease of the energy
+    bool fits = false;  // whether the new faces are large enough
 };
 
 struct InsertionOptions {
@@ -46,6 +47,7 @@ void judge_candidate(const ImageMesh<C>& mesh, RingWork<C>& work, Mobility mobil
                      InsertionCandidate<C>& candidate) {
     if (optimise_centre(mesh, work, mobility, 0, may_move, candidate.centre) == RingOutcome::degenerate) return;
     candidate.gain = before - candidate.centre.energy;
+    candidate.fits = true;
 }
 
 }  // namespace detail
@@ -197,7 +199,8 @@ template <int C, class ParallelFor = SerialFor>
 
     std::vector<std::pair<double, std::uint32_t>> best;
     for (std::size_t k = 0; k < candidates.size(); ++k)
-        if (candidates[k].gain > options.least_gain) best.emplace_back(-candidates[k].gain, static_cast<std::uint32_t>(k));
+        if (candidates[k].fits && candidates[k].gain > options.least_gain)
+            best.emplace_back(-candidates[k].gain, static_cast<std::uint32_t>(k));
     const std::size_t kept = std::min(best.size(), 2 * wanted);
     const auto last = best.begin() + static_cast<std::ptrdiff_t>(kept);
     if (last != best.end()) std::nth_element(best.begin(), last, best.end());

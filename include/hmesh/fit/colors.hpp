@@ -1,0 +1,188 @@
+// hmesh - colors: the colours of all vertices at once, for geometry that stays.
+//
+// The squared error is quadratic in the colours: c' K K^T c - 2 c' K I^T + |I|^2 for each channel. optimal_colors solves
+// for its minimum; bounded_colors finds final colours that a pixel type can hold, in its range and on its grid, which
+// loses far less than clamping and rounding the optimum: each vertex makes up for what its neighbours could not do.
+// Both add ridge (c - c_now)^2 for each vertex, so that vertices without pixels keep their colour. Both need the mesh to
+// be outside a transaction. Cost at 3 channels: optimal 2 us a vertex; bounded 0.2 us, and 0.02 us a sweep.
+#ifndef HMESH_FIT_COLORS_HPP
+#define HMESH_FIT_COLORS_HPP
+
+#include <Eigen/Core>
+#include <Eigen/SparseCore>
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <vector>
+
+#include "hmesh/core/assert.hpp"
+#include "hmesh/core/parallel.hpp"
+#include "hmesh/fit/barycentric.hpp"
+#include "hmesh/fit/image_mesh.hpp"
+#include "hmesh/fit/pcg.hpp"
+
+namespace hmesh {
+namespace detail {
+
+// Writes colours[r] to vertex r of topology().vertices().
+template <int C, class ParallelFor>
+void write_colors(ImageMesh<C>& mesh, const std::vector<Color<C>>& colors, const ParallelFor& parallel_for) {
+    std::vector<Color<C>> slots(mesh.topology().vertex_slots(), Color<C>::zero());
+    std::size_t row = 0;
+    for (const Vertex v : mesh.topology().vertices()) slots[v.index()] = colors[row++];
+    mesh.set_colors(slots, parallel_for);
+}
+
+template <int C>
+HMESH_ALWAYS_INLINE void clamp_channels(Color<C>& c, double low, double high) {
+    c.clamp(low, high);
+    for (int k = C; k < lanes_for(C + 1); ++k) c.set(k, 0);  // padding stays 0 whatever the range
+}
+
+}  // namespace detail
+
+// Gives all vertices the colours with the least squared error, held to the mesh's [color_low, color_high].
+template <int C, class ParallelFor = SerialFor>
+PcgReport optimal_colors(ImageMesh<C>& mesh, const PcgOptions& options = {}, const ParallelFor& parallel_for = {}) {
+    const double ridge = mesh.limits().ridge;
+    const std::vector<CornerSums<C>> corners = corner_sums(mesh, parallel_for);
+    Eigen::SparseMatrix<double> matrix = gram_matrix(mesh.topology(), corners, parallel_for);
+    for (Eigen::Index i = 0; i < matrix.rows(); ++i) matrix.coeffRef(i, i) += ridge;
+    Eigen::MatrixXd solution = color_matrix(mesh);
+    const Eigen::MatrixXd rhs = image_rhs(mesh.topology(), corners, parallel_for) + ridge * solution;
+    const PcgReport report = solve_pcg(matrix, rhs, solution, options);
+
+    std::vector<Color<C>> colors(mesh.vertex_count(), Color<C>::zero());
+    for (std::size_t i = 0; i < colors.size(); ++i) {
+        for (int k = 0; k < C; ++k) colors[i].set(k, solution(static_cast<Eigen::Index>(i), k));
+        detail::clamp_channels<C>(colors[i], mesh.color_low(), mesh.color_high());
+    }
+    detail::write_colors(mesh, colors, parallel_for);
+    return report;
+}
+
+// Settled: without a grid, the last sweep changed nothing that matters; with one, no channel of any vertex can be changed
+// by itself, to whatever value is allowed, and lower the error (ridge included).
+struct BoundedReport {
+    int sweeps = 0, rounding_sweeps = 0;
+    bool settled = false;
+};
+
+namespace detail {
+
+// The energy with ridge as a function of single colours.
+template <int C>
+struct ColorSystem {
+    Eigen::SparseMatrix<double> gram;
+    std::vector<Color<C>> rhs, anchor;  // K I^T, and the colours that ridge pulls to
+    std::vector<double> inverse;        // 1 / (diagonal + ridge)
+    double ridge = 0;
+
+    // Calls update(c, step) for each vertex in turn: c is its colour, c + step the best one while the others stay.
+    template <class Update>
+    void sweep(std::vector<Color<C>>& colors, Update&& update) const {
+        const int* const starts = gram.outerIndexPtr();
+        const int* const rows = gram.innerIndexPtr();
+        const double* const values = gram.valuePtr();
+        for (std::size_t v = 0; v < colors.size(); ++v) {
+            Color<C>& c = colors[v];
+            Color<C> step = rhs[v] + ridge * (anchor[v] - c);
+            for (int e = starts[v]; e < starts[v + 1]; ++e) step -= values[e] * colors[static_cast<std::size_t>(rows[e])];
+            step *= inverse[v];
+            update(c, step);
+        }
+    }
+};
+
+// The multiples of `grid` in [low, high] as the range of their factors.
+struct GridRange {
+    double grid, first, last;
+    GridRange(double low, double high, double step) noexcept
+        : grid(step), first(std::ceil(low / step)), last(std::floor(high / step)) {
+        if (first * grid < low) first += 1;  // the division may have rounded the wrong way
+        if (last * grid > high) last -= 1;
+    }
+    [[nodiscard]] double nearest(double value) const noexcept {
+        return std::max(first, std::min(last, std::floor(value / grid + 0.5))) * grid;
+    }
+};
+
+}  // namespace detail
+
+// Gives all vertices colours in [low, high], which may be infinite, that are multiples of grid if grid > 0 (one must lie in
+// the range). By coordinate descent (projected Gauss-Seidel) from the current colours: first without the grid, then onto
+// it, vertex by vertex, then over the grid while that lowers the error.
+template <int C, class ParallelFor = SerialFor>
+BoundedReport bounded_colors(ImageMesh<C>& mesh, double low, double high, double grid, const ParallelFor& parallel_for = {}) {
+    HMESH_ASSERT(low <= high && grid >= 0);
+    constexpr int most_sweeps = 20, most_rounding_sweeps = 10;
+    const std::size_t n = mesh.vertex_count();
+    const std::vector<CornerSums<C>> corners = corner_sums(mesh, parallel_for);
+    detail::ColorSystem<C> system;
+    system.ridge = mesh.limits().ridge;
+    system.gram = gram_matrix(mesh.topology(), corners, parallel_for);
+    system.rhs.assign(n, Color<C>::zero());
+    system.inverse.assign(n, 0.0);
+    std::vector<Color<C>> colors;
+    colors.reserve(n);
+    double scale = 0;
+    for (const Vertex v : mesh.topology().vertices()) {
+        const std::size_t row = colors.size();
+        for (const Halfedge h : mesh.topology().outgoing(v)) system.rhs[row] += corners[h.index()].image;
+        system.rhs[row].set(C, 0);
+        double diagonal = system.ridge;
+        for (const Halfedge h : mesh.topology().outgoing(v)) diagonal += corners[h.index()].square;
+        if (diagonal > 0) system.inverse[row] = 1 / diagonal;
+        Color<C> c = mesh.color(v);
+        detail::clamp_channels<C>(c, low, high);
+        for (int k = 0; k < C; ++k) scale = std::max(scale, std::abs(c[k]));
+        colors.push_back(c);
+    }
+    system.anchor = colors;
+
+    BoundedReport report;
+    const double small = grid > 0 ? grid / 16 : 1e-7 * scale;
+    while (report.sweeps < most_sweeps && !report.settled) {
+        double largest = 0;
+        system.sweep(colors, [&](Color<C>& c, const Color<C>& step) {
+            Color<C> next = c + step;
+            detail::clamp_channels<C>(next, low, high);
+            for (int k = 0; k < C; ++k) largest = std::max(largest, std::abs(next[k] - c[k]));
+            c = next;
+        });
+        ++report.sweeps;
+        report.settled = largest <= small;
+    }
+
+    if (grid > 0) {
+        const detail::GridRange range(low, high, grid);
+        HMESH_ASSERT(range.first <= range.last);
+        system.sweep(colors, [&](Color<C>& c, const Color<C>& step) {
+            for (int k = 0; k < C; ++k) c.set(k, range.nearest(c[k] + step[k]));
+        });
+        // The nearest multiple is the best one, since the error along one colour is a parabola. Steps of half the grid are
+        // ties: left alone, or rounding could trade two colours to and fro.
+        const double half = grid * (0.5 + 1e-9);
+        report.settled = false;
+        while (report.rounding_sweeps < most_rounding_sweeps && !report.settled) {
+            bool changed = false;
+            system.sweep(colors, [&](Color<C>& c, const Color<C>& step) {
+                for (int k = 0; k < C; ++k) {
+                    if (!(std::abs(step[k]) > half)) continue;
+                    const double next = range.nearest(c[k] + step[k]);
+                    changed = changed || next != c[k];
+                    c.set(k, next);
+                }
+            });
+            ++report.rounding_sweeps;
+            report.settled = !changed;
+        }
+    }
+    detail::write_colors(mesh, colors, parallel_for);
+    return report;
+}
+
+}  // namespace hmesh
+
+#endif  // HMESH_FIT_COLORS_HPP

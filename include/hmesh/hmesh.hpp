@@ -1,0 +1,12 @@
+// hmesh - the whole library in one include. Defines nothing itself.
+//
+// Raster image to triangle mesh with one colour a vertex: hmesh::mesh_image() in mesh_image.hpp is the place to begin.
+#ifndef HMESH_HMESH_HPP
+#define HMESH_HMESH_HPP
+
+#include "hmesh/core/version.hpp"
+#include "hmesh/io/ply.hpp"
+#include "hmesh/mesh_image.hpp"
+#include "hmesh/render.hpp"
+
+#endif  // HMESH_HMESH_HPP

@@ -1,0 +1,207 @@
+// hmesh - mesh_image(): an image in, a mesh out. The entry point.
+//
+//     hmesh::ImageView<std::uint8_t, 3> view{pixels, width, height};
+//     auto result = hmesh::mesh_image(view);                       // 1 % of the pixels as vertices
+//     if (!result.status) ...                                      // result.mesh, result.report
+//
+// The error that is minimised and reported is that of the final mesh - positions on the 1/256 px grid, colours rounded to
+// the pixel type - as a GPU draws it: the squared difference in the image's stored values (sRGB-encoded for usual files),
+// summed over pixels and channels.
+#ifndef HMESH_MESH_IMAGE_HPP
+#define HMESH_MESH_IMAGE_HPP
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+#include <utility>
+#include <vector>
+
+#include "hmesh/core/parallel.hpp"
+#include "hmesh/core/progress.hpp"
+#include "hmesh/core/status.hpp"
+#include "hmesh/fit/colors.hpp"
+#include "hmesh/fit/image_mesh.hpp"
+#include "hmesh/image/image_view.hpp"
+#include "hmesh/image/moment_table.hpp"
+#include "hmesh/mesh/mesh_view.hpp"
+#include "hmesh/methods/annealed.hpp"
+#include "hmesh/methods/psnr_search.hpp"
+
+namespace hmesh {
+
+enum class Method : std::uint8_t {
+    annealed,  // methods/annealed.hpp
+};
+
+// How much work goes into a mesh, counted in steps, never in seconds.
+enum class Effort : std::uint8_t {
+    draft,   // greedy insertion
+    fast,    // insertion of twice as many, then removal: about +2 dB
+    normal,
+    best,
+};
+
+// How many vertices the mesh gets. Corners count.
+struct Target {
+    enum class Kind : std::uint8_t { vertices, rate, psnr };
+    Kind kind = Kind::rate;
+    double value = 1;
+
+    // Exactly n vertices, 4 <= n <= max(4, pixels).
+    [[nodiscard]] static Target vertices(std::int64_t n) noexcept { return {Kind::vertices, static_cast<double>(n)}; }
+    // This percentage of the pixels, rounded, in (0, 100]; at least 4 vertices.
+    [[nodiscard]] static Target rate(double percent) noexcept { return {Kind::rate, percent}; }
+    // The fewest vertices found that reach this PSNR, in dB > 0: about six runs at counts that close in on it.
+    [[nodiscard]] static Target psnr(double decibel) noexcept { return {Kind::psnr, decibel}; }
+};
+
+struct Options {
+    Target target;
+    Method method = Method::annealed;
+    Effort effort = Effort::fast;
+    std::uint64_t seed = 1;  // of methods that draw random numbers
+    Progress progress;
+    MeshLimits limits;
+    // Round colours to the pixel type's values, so that a file with such colours holds the very mesh that was measured.
+    // Ignored for float. Costs about 0.003 dB at 30 dB, 0.1 dB at 45 dB.
+    bool round_colors = true;
+};
+
+// Of the final mesh. PSNR = 10 log10(peak^2 / MSE), MSE the mean over pixels AND channels of the squared difference between
+// the image and the mesh drawn at its size, colours neither rounded nor clamped after interpolation; infinity for MSE 0.
+struct Report {
+    std::size_t vertices = 0, faces = 0;
+    double energy = 0;  // the sum of squared differences over pixels and channels
+    double psnr = 0;    // dB
+    std::vector<StageReport> stages;
+};
+
+// `mesh` is valid, and `report` true of it, whatever the status; where nothing could be meshed it is empty.
+template <int C>
+struct [[nodiscard]] Result {
+    Mesh<C> mesh;
+    Report report;
+    Status status;
+};
+
+namespace detail {
+
+[[nodiscard]] inline Status check_options(const Options& options, std::int64_t pixels) noexcept {
+    const Target& target = options.target;
+    const std::int64_t most = std::max<std::int64_t>(4, pixels);
+    if (target.kind == Target::Kind::vertices) {
+        if (!(target.value >= 4))
+            return {Errc::target_out_of_range, "a mesh has at least 4 vertices", static_cast<std::int64_t>(target.value), 4};
+        if (target.value > static_cast<double>(most))
+            return {Errc::target_out_of_range, "a mesh has at most one vertex a pixel", static_cast<std::int64_t>(target.value), most};
+    } else if (target.kind == Target::Kind::rate) {
+        if (!(target.value > 0 && target.value <= 100))
+            return {Errc::target_out_of_range, "the rate must be above 0 and at most 100 percent of the pixels", 0, 100};
+    } else if (!(target.value > 0 && std::isfinite(target.value))) {
+        return {Errc::target_out_of_range, "the PSNR asked for must be positive and finite, in dB", 0, 1};
+    }
+    const MeshLimits& limits = options.limits;
+    if (!(limits.min_cross >= 1e-4 && limits.min_cross <= 0.25))
+        return {Errc::invalid_argument, "limits.min_cross must be in [1e-4, 0.25] px^2", 0, 0};
+    if (!(limits.border_gap >= 1.0 / 256 && limits.border_gap <= 0.25))
+        return {Errc::invalid_argument, "limits.border_gap must be in [1/256, 1/4] px", 0, 0};
+    if (!(limits.color_overshoot >= 0 && limits.color_overshoot <= 100))
+        return {Errc::invalid_argument, "limits.color_overshoot must be in [0, 100]", 0, 100};
+    if (!(limits.ridge > 0 && limits.ridge <= 1)) return {Errc::invalid_argument, "limits.ridge must be in (0, 1] pixels", 0, 1};
+    return {};
+}
+
+[[nodiscard]] inline AnnealedOptions annealed_options(Effort effort) noexcept {
+    AnnealedOptions options;
+    if (effort == Effort::draft) {
+        options.overshoot = 1;
+        options.polish_rounds = 0;
+    }
+    return options;
+}
+
+// The mesh as plain arrays, vertices and faces in the order of their indices.
+template <int C>
+[[nodiscard]] Mesh<C> extract(const ImageMesh<C>& mesh, double peak) {
+    const HalfedgeMesh& topology = mesh.topology();
+    Mesh<C> out;
+    out.width = mesh.width();
+    out.height = mesh.height();
+    out.peak = peak;
+    out.positions.reserve(2 * topology.vertex_count());
+    out.colors.reserve(C * topology.vertex_count());
+    out.faces.reserve(topology.face_count());
+    std::vector<std::uint32_t> number(topology.vertex_slots(), 0);
+    for (const Vertex v : topology.vertices()) {
+        number[v.index()] = static_cast<std::uint32_t>(out.vertex_count());
+        out.positions.push_back(static_cast<float>(mesh.position(v).x));
+        out.positions.push_back(static_cast<float>(mesh.position(v).y));
+        for (int c = 0; c < C; ++c) out.colors.push_back(static_cast<float>(mesh.color(v)[c]));
+    }
+    for (const Face f : topology.faces()) {
+        const auto v = topology.vertices(f);
+        out.faces.push_back({number[v[0].index()], number[v[1].index()], number[v[2].index()]});
+    }
+    return out;
+}
+
+// One mesh of n vertices over a table, finished.
+template <class T, int C, class ParallelFor>
+[[nodiscard]] Result<C> mesh_with(const MomentTable<C>& table, std::size_t n, const Options& options, const ParallelFor& parallel_for) {
+    using Traits = PixelTraits<T>;
+    const double samples = static_cast<double>(table.width()) * table.height() * C;
+    Monitor monitor(options.progress, samples, Traits::peak);
+    ImageMesh<C> mesh(table, Traits::lowest, Traits::highest, options.limits);
+    Result<C> result;
+    result.status = annealed(mesh, n, annealed_options(options.effort), monitor, parallel_for);
+    monitor.begin("colors", mesh.vertex_count(), mesh.energy());
+    ColorBounds bounds;
+    bounds.low = Traits::lowest;
+    bounds.high = Traits::highest;
+    bounds.grid = Traits::is_integer && options.round_colors ? 1 : 0;
+    bounded_colors(mesh, bounds, parallel_for);
+    monitor.end(mesh.vertex_count(), mesh.energy());
+    if (result.status && monitor.stopped()) result.status = {Errc::cancelled, "cancelled by the progress callback", 0, 0};
+    result.mesh = extract(mesh, Traits::peak);
+    result.report = {mesh.vertex_count(), mesh.topology().face_count(), mesh.energy(),
+                     psnr_of_energy(mesh.energy(), samples, Traits::peak), monitor.stages()};
+    return result;
+}
+
+}  // namespace detail
+
+// Meshes the image. Stages over pixels and faces run through `parallel_for` (core/parallel.hpp); same image, options and
+// seed give the same bytes, whatever it does. Memory: the moment table (32 bytes a pixel for 8-bit RGB) and about 0.6 KB
+// for each vertex placed.
+//
+// Status: invalid_argument, image_too_large or not_finite where the image or an option is refused (the mesh is empty);
+// target_out_of_range for a number of vertices that the image cannot hold (empty) or a PSNR that no mesh reached (the
+// nearest one is returned); cancelled by options.progress (the mesh reached so far is returned).
+template <class T, int C, class ParallelFor = SerialFor>
+[[nodiscard]] Result<C> mesh_image(const ImageView<T, C>& view, const Options& options = {}, const ParallelFor& parallel_for = {}) {
+    Result<C> result;
+    result.status = check(view);
+    if (result.status) result.status = detail::check_options(options, std::int64_t{view.width} * view.height);
+    if (result.status) result.status = check_finite(view, parallel_for);
+    if (!result.status) return result;
+
+    const MomentTable<C> table(view, view.bounds(), parallel_for);
+    const auto pixels = static_cast<std::size_t>(view.width) * static_cast<std::size_t>(view.height);
+    const std::size_t most = std::max<std::size_t>(4, pixels);
+    const auto mesh_of = [&](std::size_t n) { return detail::mesh_with<T>(table, n, options, parallel_for); };
+    const auto share = [&](double percent) {
+        return std::min(most, std::max<std::size_t>(4, static_cast<std::size_t>(std::llround(static_cast<double>(pixels) * percent / 100))));
+    };
+    switch (options.target.kind) {
+        case Target::Kind::vertices: return mesh_of(static_cast<std::size_t>(options.target.value));
+        case Target::Kind::rate: return mesh_of(share(options.target.value));
+        case Target::Kind::psnr: return fewest_vertices(options.target.value, share(1), most, mesh_of);
+    }
+    return result;
+}
+
+}  // namespace hmesh
+
+#endif  // HMESH_MESH_IMAGE_HPP

@@ -1,0 +1,68 @@
+// hmesh - the search for the fewest vertices that reach a PSNR.
+//
+// PSNR rises by about 1.6 dB a doubling of the vertices, the slope of a piecewise linear fit to photographs; that first
+// guess is replaced by the secant of the two runs that enclose the target as soon as there are two. Ends when the counts
+// on both sides differ by at most 0.5 % (or 1): some 5 to 8 runs.
+#ifndef HMESH_METHODS_PSNR_SEARCH_HPP
+#define HMESH_METHODS_PSNR_SEARCH_HPP
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <utility>
+
+#include "hmesh/core/status.hpp"
+
+namespace hmesh {
+
+// `mesh_of(n)` makes a result with .status and .report.psnr, meshes of 4 <= n <= most vertices. Returns that of the fewest
+// vertices that reached `psnr`, or of the best PSNR with target_out_of_range when none did, or the first that failed.
+template <class MeshOf>
+[[nodiscard]] auto fewest_vertices(double psnr, std::size_t first, std::size_t most, MeshOf&& mesh_of) {
+    constexpr double slope = 1.6;  // dB a doubling
+    struct Run {
+        double log_n = 0, psnr = 0;
+        std::size_t n = 0;
+    };
+    Run low, high;  // the most vertices that failed, the fewest that reached it; n = 0: none yet
+    auto best = mesh_of(first);
+    Run run{std::log2(static_cast<double>(first)), best.report.psnr, first};
+    bool reached = false;
+    for (int runs = 1;; ++runs) {
+        if (!best.status) return best;
+        if (run.psnr >= psnr) high = run, reached = true;
+        else low = run;
+        if (high.n == 4 || low.n == most || runs == 40) break;
+        if (low.n != 0 && high.n != 0 && static_cast<double>(high.n - low.n) <= std::max(1.0, 0.005 * static_cast<double>(high.n))) break;
+
+        double log_n = 0;
+        if (low.n != 0 && high.n != 0) {
+            // The secant, kept off the ends: a run that teaches nothing would repeat.
+            const double t = std::isfinite(high.psnr) ? (psnr - low.psnr) / std::max(1e-9, high.psnr - low.psnr) : 0.5;
+            log_n = low.log_n + std::max(0.1, std::min(0.9, t + (runs % 2 == 0 ? 0.02 : -0.02))) * (high.log_n - low.log_n);
+        } else {
+            const double step = std::isfinite(run.psnr) ? (psnr - run.psnr) / slope : -2;
+            log_n = run.log_n + std::max(-3.0, std::min(3.0, step + (step > 0 ? 0.1 : -0.1)));
+        }
+        std::size_t n = static_cast<std::size_t>(std::llround(std::exp2(log_n)));
+        n = std::max<std::size_t>(low.n != 0 ? low.n + 1 : 4, std::min(n, high.n != 0 ? high.n - 1 : most));
+
+        auto result = mesh_of(n);
+        run = {std::log2(static_cast<double>(n)), result.report.psnr, n};
+        const bool better = run.psnr >= psnr ? true : !reached && run.psnr > best.report.psnr;
+        if (!result.status) {  // cancelled: what was reached before, if anything was
+            if (!reached) return result;
+            best.status = result.status;
+            return best;
+        }
+        if (better) best = std::move(result);
+    }
+    if (!reached)
+        best.status = {Errc::target_out_of_range, "no mesh of this image reached the PSNR asked for, in hundredths of a dB",
+                       static_cast<std::int64_t>(std::floor(best.report.psnr * 100)), static_cast<std::int64_t>(std::ceil(psnr * 100))};
+    return best;
+}
+
+}  // namespace hmesh
+
+#endif  // HMESH_METHODS_PSNR_SEARCH_HPP
