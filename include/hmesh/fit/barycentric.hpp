@@ -5,7 +5,7 @@
 // to see single pixels; K K^T, K I^T and K P^T are never multiplied out but follow from the moments of the faces.
 //
 // Rows of K are the mesh's vertices, row r the r-th of topology().vertices(); columns are the pixels of the table's
-// rectangle, row after row. Cost: K about 20 ns a pixel and 36 bytes of it; the normal equations 0.2 us a vertex,
+// rectangle, row after row. Cost: K about 20 ns a pixel and 40 bytes of memory; the normal equations 0.4 us a vertex,
 // whatever the number of pixels.
 #ifndef HMESH_FIT_BARYCENTRIC_HPP
 #define HMESH_FIT_BARYCENTRIC_HPP
