@@ -1,10 +1,10 @@
-// hmesh - render(): draws a mesh into an image of any size, pixel for pixel as a GPU does; psnr() and to_pixels() beside it.
+// hmesh - render(): draws a mesh into an image of any size, pixel for pixel as a GPU does; with psnr() and to_pixels().
 //
-// A pixel takes the colour of the face that holds its centre, by the top-left rule of geometry.hpp, interpolated linearly
-// (Gouraud) at that centre. At the mesh's own size these are the very pixels that were counted when the mesh was fitted.
-// Each edge is always evaluated from its upper to its lower end, so that the two faces beside it agree to the bit: no gap
-// and no double pixel at any size. Cost: about 5 ns a pixel and 60 ns a face; memory beside the image: 16 bytes a vertex
-// and about 14 a face.
+// A pixel takes the colour of the face that holds its centre, by the top-left rule of geometry.hpp, interpolated
+// linearly (Gouraud) at that centre. At the mesh's own size these are the very pixels that were counted when the mesh
+// was fitted. Each edge is always evaluated from its upper to its lower end, so that the two faces beside it agree to
+// the bit and leave no gap at any size. Cost: about 5 ns a pixel and 60 ns a face; memory beside the image: 16 bytes a
+// vertex and about 14 a face.
 #ifndef HMESH_RENDER_HPP
 #define HMESH_RENDER_HPP
 
@@ -49,8 +49,8 @@ struct Corner {
     const float* color;
 };
 
-// The colours of a face as functions of the pixel. The weights of two corners are divided by the area last: on the 1/256 px
-// grid everything before is exact, however thin the face.
+// The colours of a face as functions of the pixel. The weights of two corners are divided by the area last: on the
+// 1/256 px grid everything before is exact, however thin the face.
 template <int C>
 class Shading {
   public:
@@ -104,14 +104,15 @@ void draw_face(Corner<C> top, Corner<C> middle, Corner<C> low, RowRange rows, Im
     draw_part(middle.at, low.at);
 }
 
-// Which faces touch which band of rows: those of band b are faces[starts[b]] .. faces[starts[b + 1] - 1], in their order.
+// Which faces touch which band of rows: those of band b are faces[starts[b]] .. faces[starts[b + 1] - 1], in order.
 struct Bands {
     std::vector<std::size_t> starts;
     std::vector<std::uint32_t> faces;
 };
 
 template <class ParallelFor>
-[[nodiscard]] Bands sort_into_bands(const MeshView& mesh, const std::vector<Point>& at, int height, const ParallelFor& parallel_for) {
+[[nodiscard]] Bands sort_into_bands(const MeshView& mesh, const std::vector<Point>& at, int height,
+                                    const ParallelFor& parallel_for) {
     std::vector<RowRange> touched(mesh.face_count);  // in bands
     for_each_chunk(parallel_for, mesh.face_count, 4096, [&](std::size_t begin, std::size_t end) {
         for (std::size_t f = begin; f < end; ++f) {
@@ -141,17 +142,19 @@ template <class ParallelFor>
     if (width > max_side) return {Errc::image_too_large, "the picture to draw is too wide", width, max_side};
     if (height > max_side) return {Errc::image_too_large, "the picture to draw is too high", height, max_side};
     const std::int64_t pixels = std::int64_t{width} * height;
-    if (pixels > max_pixels) return {Errc::image_too_large, "the picture to draw has too many pixels", pixels, max_pixels};
+    if (pixels > max_pixels)
+        return {Errc::image_too_large, "the picture to draw has too many pixels", pixels, max_pixels};
     return {};
 }
 
 }  // namespace detail
 
-// Draws the mesh, scaled to the picture's size, into `out`: the stored values, neither rounded nor clamped. Faces outside
-// the picture are clipped; where faces overlap the later one wins; pixels in no face are 0. When the Status says no, `out`
-// is as it was.
+// Draws the mesh, scaled to the picture's size, into `out`: the stored values, neither rounded nor clamped. Faces
+// outside the picture are clipped; where faces overlap the later one wins; pixels in no face are 0. When the Status
+// says no, `out` is as it was.
 template <int C, class ParallelFor = SerialFor>
-Status render(const MeshView& mesh, Image<float, C>& out, const RenderOptions& options = {}, const ParallelFor& parallel_for = {}) {
+Status render(const MeshView& mesh, Image<float, C>& out, const RenderOptions& options = {},
+              const ParallelFor& parallel_for = {}) {
     const int width = options.width > 0 ? options.width : mesh.width;
     const int height = options.height > 0 ? options.height : mesh.height;
     if (const Status status = detail::check_sizes(mesh, width, height); !status) return status;
@@ -169,7 +172,8 @@ Status render(const MeshView& mesh, Image<float, C>& out, const RenderOptions& o
     constexpr double farthest = 16.0 * max_side;  // px, so that columns fit an int
     for (std::size_t v = 0; v < at.size(); ++v)
         if (std::abs(at[v].x) > farthest || std::abs(at[v].y) > farthest)
-            return {Errc::invalid_argument, "the mesh has a position far outside its image, at vertex", static_cast<std::int64_t>(v), 0};
+            return {Errc::invalid_argument, "the mesh has a position far outside its image, at vertex",
+                    static_cast<std::int64_t>(v), 0};
 
     const detail::Bands bands = detail::sort_into_bands(mesh, at, height, parallel_for);
     out = Image<float, C>(width, height);
@@ -188,11 +192,13 @@ Status render(const MeshView& mesh, Image<float, C>& out, const RenderOptions& o
 // 10 log10(peak^2 / MSE) in dB, MSE the mean of the squared differences over pixels AND channels, peak that of the
 // reference's pixel type. Infinity for equal images, NaN for images that cannot be compared: different or no sizes.
 template <class T, class U, int C, class ParallelFor = SerialFor>
-[[nodiscard]] double psnr(const ImageView<T, C>& reference, const ImageView<U, C>& rendered, const ParallelFor& parallel_for = {}) {
-    if (!check(reference) || !check(rendered) || reference.width != rendered.width || reference.height != rendered.height)
+[[nodiscard]] double psnr(const ImageView<T, C>& reference, const ImageView<U, C>& rendered,
+                          const ParallelFor& parallel_for = {}) {
+    if (!check(reference) || !check(rendered) || reference.width != rendered.width ||
+        reference.height != rendered.height)
         return std::numeric_limits<double>::quiet_NaN();
-    const double energy =
-        ordered_sum(parallel_for, static_cast<std::size_t>(reference.height), 32, [&](std::size_t begin, std::size_t end) {
+    const double energy = ordered_sum(
+        parallel_for, static_cast<std::size_t>(reference.height), 32, [&](std::size_t begin, std::size_t end) {
             double sum = 0;
             for (std::size_t y = begin; y < end; ++y) {
                 const T* a = reference.row(static_cast<int>(y));

@@ -39,6 +39,7 @@ class UndoArray {
 
     void push_back(const T& value) { values_.push_back(value); }
     void reserve(std::size_t n) { values_.reserve(n); }
+    // Outside a transaction only; what was reserved stays.
     void resize(std::size_t n) {
         HMESH_ASSERT(!recording_);
         values_.resize(n);

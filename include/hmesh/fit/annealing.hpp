@@ -107,31 +107,14 @@ class Annealer {
     }
 
     std::size_t insert_moves() {
-        struct Site {
-            Edge edge;
-            Face face;
-        };
-        std::vector<Site> sites;
-        for (const Face f : spatial_faces(*mesh_)) {
-            Halfedge h = topology().halfedge(f);
-            for (int i = 0; i < 3; ++i, h = topology().next(h))
-                if ((h.index() & 1U) == 0 || topology().is_boundary(HalfedgeMesh::opposite(h)))
-                    sites.push_back({HalfedgeMesh::edge(h), Face()});
-            sites.push_back({Edge(), f});
-        }
         std::size_t inserted = 0;
         const double least = options_.insertion_screen * price_;
-        for (const Site& site : rotated(std::move(sites))) {
+        for (const InsertionSite& site : rotated(insertion_sites(*mesh_, true))) {
             if (static_cast<double>(mesh_->vertex_count()) > (1 + options_.band) * target_) break;
             if (random_.uniform() > options_.exchange) continue;
-            InsertionCandidate<C> candidate;
-            if (site.edge.is_valid()) {
-                if (topology().is_deleted(site.edge) || !(bound(site.edge) > least)) continue;
-                candidate = edge_candidate(*mesh_, work_, site.edge, true);
-            } else {
-                if (topology().is_deleted(site.face) || !(mesh_->energy(site.face) > least)) continue;
-                candidate = face_candidate(*mesh_, work_, site.face, true);
-            }
+            if (site.edge.is_valid() ? topology().is_deleted(site.edge) : topology().is_deleted(site.face)) continue;
+            if (!(most_gain(*mesh_, site) > least)) continue;
+            const InsertionCandidate<C> candidate = candidate_at(*mesh_, work_, site, true);
             if (!candidate.fits || !(candidate.gain > least) || !has_room(*mesh_, candidate)) continue;
             const auto mark = mesh_->begin();
             const double before = mesh_->energy();
@@ -208,11 +191,6 @@ class Annealer {
     }
 
     [[nodiscard]] const HalfedgeMesh& topology() const noexcept { return mesh_->topology(); }
-    [[nodiscard]] double bound(Edge e) const noexcept {  // of the gain of splitting e
-        const Halfedge h = HalfedgeMesh::halfedge(e), o = HalfedgeMesh::opposite(h);
-        return (topology().is_boundary(h) ? 0 : mesh_->energy(topology().face(h))) +
-               (topology().is_boundary(o) ? 0 : mesh_->energy(topology().face(o)));
-    }
     // Loops that may stop early begin anywhere, or the top of the image would get more of the budget.
     template <class Element>
     [[nodiscard]] std::vector<Element> rotated(std::vector<Element> elements) {

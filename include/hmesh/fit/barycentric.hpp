@@ -1,8 +1,8 @@
 // hmesh - barycentric: the sparse matrix K of the paper, and its normal equations.
 //
-// Column p of K holds the barycentric coordinates of pixel p's centre in the face that owns it, so the picture that a mesh
-// shows is I(V) K (Qi et al., section 3), and V K is the pixels' positions P exactly. K itself serves tests and what wants
-// to see single pixels; K K^T, K I^T and K P^T are never multiplied out but follow from the moments of the faces.
+// Column p of K holds the barycentric coordinates of pixel p's centre in the face that owns it, so the picture that a
+// mesh shows is I(V) K (the paper's section 3), and V K is the pixels' positions P exactly. K itself serves tests and
+// what wants to see single pixels; K K^T, K I^T and K P^T are never multiplied out but follow from moments of faces.
 //
 // Rows of K are the mesh's vertices, row r the r-th of topology().vertices(); columns are the pixels of the table's
 // rectangle, row after row. Cost: K about 20 ns a pixel and 40 bytes of memory; the normal equations 0.4 us a vertex,
@@ -74,11 +74,13 @@ template <int C>
 // K: n_v by n_p, columns of 3 entries (some may be 0) that sum to 1. Faces are independent pieces of work, because each
 // pixel has one owner. The mesh must tile its rectangle, as check() proves.
 template <int C, class ParallelFor = SerialFor>
-[[nodiscard]] Eigen::SparseMatrix<double> barycentric_matrix(const ImageMesh<C>& mesh, const ParallelFor& parallel_for = {}) {
+[[nodiscard]] Eigen::SparseMatrix<double> barycentric_matrix(const ImageMesh<C>& mesh,
+                                                             const ParallelFor& parallel_for = {}) {
     const HalfedgeMesh& topology = mesh.topology();
     const std::vector<int> rows = vertex_rows(topology);
     const auto width = static_cast<std::size_t>(mesh.width()), pixels = width * static_cast<std::size_t>(mesh.height());
-    Eigen::SparseMatrix<double> matrix(static_cast<Eigen::Index>(mesh.vertex_count()), static_cast<Eigen::Index>(pixels));
+    Eigen::SparseMatrix<double> matrix(static_cast<Eigen::Index>(mesh.vertex_count()),
+                                       static_cast<Eigen::Index>(pixels));
     matrix.resizeNonZeros(static_cast<Eigen::Index>(3 * pixels));
     for (std::size_t p = 0; p <= pixels; ++p) matrix.outerIndexPtr()[p] = static_cast<int>(3 * p);
     for_each_chunk(parallel_for, topology.face_slots(), 256, [&](std::size_t first, std::size_t last) {
@@ -116,9 +118,9 @@ struct CornerSums {
 
 namespace detail {
 
-// The corners of face (v0, v1, v2) with moments m. With the origin in v0, lambda_1 = u / area and lambda_2 = w / area for
-// u = b_y x - b_x y and w = a_x y - a_y x. Dividing last and nesting sums of products as below keeps all before it exact
-// on the 1/256 px grid for faces of common size: slivers, where terms of 1e8 cancel, lose nothing.
+// The corners of face (v0, v1, v2) with moments m. With the origin in v0, lambda_1 = u / area and lambda_2 = w / area
+// for u = b_y x - b_x y and w = a_x y - a_y x. Dividing last and nesting sums of products as below keeps all before it
+// exact on the 1/256 px grid for faces of common size: slivers, where terms of 1e8 cancel, lose nothing.
 template <int C>
 void sum_corners(const Moments<C>& m, Point v0, Point v1, Point v2, CornerSums<C>& out0, CornerSums<C>& out1,
                  CornerSums<C>& out2) {
@@ -183,10 +185,11 @@ template <int C, class ParallelFor = SerialFor>
     return corners;
 }
 
-// K K^T: n_v by n_v, symmetric to the bit, both triangles stored; an entry for each vertex and each edge either way, even
-// where no pixel makes it differ from 0. Given corners (of the mesh with this topology), or the mesh.
+// K K^T: n_v by n_v, symmetric to the bit, both triangles stored; an entry for each vertex and each edge either way,
+// even where no pixel makes it differ from 0. From the corners of the mesh with this topology, or from the mesh.
 template <int C, class ParallelFor = SerialFor>
-[[nodiscard]] Eigen::SparseMatrix<double> gram_matrix(const HalfedgeMesh& topology, const std::vector<CornerSums<C>>& corners,
+[[nodiscard]] Eigen::SparseMatrix<double> gram_matrix(const HalfedgeMesh& topology,
+                                                      const std::vector<CornerSums<C>>& corners,
                                                       const ParallelFor& parallel_for = {}) {
     const std::vector<int> rows = vertex_rows(topology);
     const auto n = static_cast<Eigen::Index>(topology.vertex_count());

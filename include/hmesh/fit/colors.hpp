@@ -1,10 +1,10 @@
 // hmesh - colors: the colours of all vertices at once, for geometry that stays.
 //
-// The squared error is quadratic in the colours: c' K K^T c - 2 c' K I^T + |I|^2 for each channel. optimal_colors solves
-// for its minimum; bounded_colors finds final colours that a pixel type can hold, in its range and on its grid, which
-// loses far less than clamping and rounding the optimum: each vertex makes up for what its neighbours could not do.
-// Both add ridge (c - c_now)^2 for each vertex, so that vertices without pixels keep their colour. Both need the mesh to
-// be outside a transaction. Cost at 3 channels: 1 to 1.5 us a vertex for optimal, 0.6 us for bounded.
+// The squared error is quadratic in the colours: c' K K^T c - 2 c' K I^T + |I|^2 for each channel. optimal_colors
+// solves for its minimum; bounded_colors finds final colours that a pixel type can hold, in its range and on its grid,
+// which loses less than clamping and rounding the optimum: each vertex makes up for what its neighbours could not do.
+// Both add ridge (c - c_now)^2 for each vertex, so that vertices without pixels keep their colour. Both need the mesh
+// to be outside a transaction. Cost at 3 channels: 1 to 1.5 us a vertex for optimal, 0.6 us for bounded.
 #ifndef HMESH_FIT_COLORS_HPP
 #define HMESH_FIT_COLORS_HPP
 
@@ -62,8 +62,8 @@ PcgReport optimal_colors(ImageMesh<C>& mesh, const PcgOptions& options = {}, con
     return report;
 }
 
-// Settled: without a grid, the last sweep changed nothing that matters; with one, no channel of any vertex can be changed
-// by itself, to whatever value is allowed, and lower the error (ridge included).
+// Settled: without a grid, the last sweep changed nothing that matters; with one, no channel of any vertex can be
+// changed by itself, to whatever value is allowed, and lower the error (ridge included).
 struct BoundedReport {
     int sweeps = 0, rounding_sweeps = 0;
     bool settled = false;
@@ -88,7 +88,8 @@ struct ColorSystem {
         for (std::size_t v = 0; v < colors.size(); ++v) {
             Color<C>& c = colors[v];
             Color<C> step = rhs[v] + ridge * (anchor[v] - c);
-            for (int e = starts[v]; e < starts[v + 1]; ++e) step -= values[e] * colors[static_cast<std::size_t>(rows[e])];
+            for (int e = starts[v]; e < starts[v + 1]; ++e)
+                step -= values[e] * colors[static_cast<std::size_t>(rows[e])];
             step *= inverse[v];
             update(c, step);
         }
@@ -110,11 +111,12 @@ struct GridRange {
 
 }  // namespace detail
 
-// Gives all vertices colours in [low, high], which may be infinite, that are multiples of grid if grid > 0 (one must lie in
-// the range). By coordinate descent (projected Gauss-Seidel) from the current colours: first without the grid, then onto
-// it, vertex by vertex, then over the grid while that lowers the error.
+// Gives all vertices colours in [low, high], which may be infinite, that are multiples of grid if grid > 0 (one must be
+// in the range). By coordinate descent (projected Gauss-Seidel) from the current colours: first without the grid, then
+// onto it, vertex by vertex, then over the grid while that lowers the error.
 template <int C, class ParallelFor = SerialFor>
-BoundedReport bounded_colors(ImageMesh<C>& mesh, double low, double high, double grid, const ParallelFor& parallel_for = {}) {
+BoundedReport bounded_colors(ImageMesh<C>& mesh, double low, double high, double grid,
+                             const ParallelFor& parallel_for = {}) {
     HMESH_ASSERT(low <= high && grid >= 0);
     constexpr int most_sweeps = 20, most_rounding_sweeps = 10;
     const std::size_t n = mesh.vertex_count();
@@ -161,8 +163,8 @@ BoundedReport bounded_colors(ImageMesh<C>& mesh, double low, double high, double
         system.sweep(colors, [&](Color<C>& c, const Color<C>& step) {
             for (int k = 0; k < C; ++k) c.set(k, range.nearest(c[k] + step[k]));
         });
-        // The nearest multiple is the best one, since the error along one colour is a parabola. Steps of half the grid are
-        // ties: left alone, or rounding could trade two colours to and fro.
+        // The nearest multiple is the best one, since the error along one colour is a parabola. Steps of half the grid
+        // are ties: left alone, or rounding could trade two colours to and fro.
         const double half = grid * (0.5 + 1e-9);
         report.settled = false;
         while (report.rounding_sweeps < most_rounding_sweeps && !report.settled) {

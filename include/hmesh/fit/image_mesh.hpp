@@ -14,6 +14,7 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <utility>
 #include <vector>
 
 #include "hmesh/core/assert.hpp"
@@ -23,6 +24,7 @@
 #include "hmesh/fit/ring.hpp"
 #include "hmesh/image/moment_table.hpp"
 #include "hmesh/mesh/halfedge_mesh.hpp"
+#include "hmesh/mesh/spatial_order.hpp"
 
 namespace hmesh {
 
@@ -54,6 +56,11 @@ class ImageMesh {
     [[nodiscard]] const VertexState<C>& vertex(Vertex v) const noexcept { return vertices_[v.index()]; }
     [[nodiscard]] Point position(Vertex v) const noexcept { return vertex(v).position; }
     [[nodiscard]] const Color<C>& color(Vertex v) const noexcept { return vertex(v).color; }
+    [[nodiscard]] Point centroid(Face f) const noexcept {
+        const auto v = topology_.vertices(f);
+        const Point a = position(v[0]), b = position(v[1]), c = position(v[2]);
+        return {(a.x + b.x + c.x) / 3, (a.y + b.y + c.y) / 3};
+    }
     // The squared error over the pixels of a face, summed over channels; and over all faces.
     [[nodiscard]] double energy(Face f) const noexcept { return energies_[f.index()]; }
     [[nodiscard]] double energy() const noexcept { return energy_; }
@@ -153,6 +160,11 @@ class ImageMesh {
         energies_.stop_recording();
     }
 
+    // Renumbers all elements in spatial order, without deleted slots, in new memory with room for `room` vertices: what is
+    // near in the plane is then near in memory. Positions, colours and due vertices stay.
+    template <class ParallelFor = SerialFor>
+    void compact(std::size_t room, const ParallelFor& parallel_for = {});
+
     // Room for this many vertices at once, so that growing up to it copies nothing.
     void reserve(std::size_t vertices) {
         topology_.reserve(vertices);
@@ -213,9 +225,6 @@ template <class ParallelFor>
 Status ImageMesh<C>::assign(const std::vector<Point>& positions, const std::vector<Triangle>& triangles,
                             const ParallelFor& parallel_for) {
     if (const Status status = topology_.assign(positions.size(), triangles); !status) return status;
-    vertices_ = {};
-    moments_ = {};
-    energies_ = {};
     vertices_.resize(positions.size());
     moments_.resize(topology_.edge_slots());
     energies_.resize(topology_.face_slots());
@@ -240,6 +249,47 @@ Status ImageMesh<C>::assign(const std::vector<Point>& positions, const std::vect
         return sum;
     });
     return {};
+}
+
+template <int C>
+template <class ParallelFor>
+void ImageMesh<C>::compact(std::size_t room, const ParallelFor& parallel_for) {
+    HMESH_ASSERT(depth_ == 0);
+    ImageMesh fresh(*table_, color_low_, color_high_, limits_);
+    fresh.color_low_ = color_low_;
+    fresh.color_high_ = color_high_;
+    {
+        std::vector<Point> positions;
+        std::vector<Color<C>> colors;
+        std::vector<std::uint32_t> number(topology_.vertex_slots());
+        std::vector<Triangle> triangles;
+        positions.reserve(vertex_count());
+        colors.reserve(vertex_count());
+        triangles.reserve(topology_.face_count());
+        std::vector<unsigned char> visits;
+        visits.reserve(vertex_count());
+        for (const Vertex v : in_spatial_order<Vertex>(topology_.vertices(), vertex_count(), [&](Vertex u) { return position(u); })) {
+            number[v.index()] = static_cast<std::uint32_t>(positions.size());
+            positions.push_back(position(v));
+            colors.push_back(color(v));
+            visits.push_back(visits_[v.index()]);
+        }
+        for (const Face f : in_spatial_order<Face>(topology_.faces(), topology_.face_count(), [&](Face g) { return centroid(g); })) {
+            const auto v = topology_.vertices(f);
+            triangles.push_back({number[v[0].index()], number[v[1].index()], number[v[2].index()]});
+        }
+        topology_ = {};  // gives its memory back before the new one is filled
+        vertices_ = {};
+        moments_ = {};
+        energies_ = {};
+        fresh.reserve(std::max(room, positions.size()));
+        const Status status = fresh.assign(positions, triangles, parallel_for);
+        HMESH_ASSERT(status);
+        (void)status;
+        fresh.set_colors(colors, parallel_for);
+        fresh.visits_ = std::move(visits);
+    }
+    *this = std::move(fresh);
 }
 
 template <int C>

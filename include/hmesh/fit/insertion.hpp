@@ -140,98 +140,119 @@ template <int C>
     return true;
 }
 
-// The `count` most rewarding candidates and some more, evaluated through the executor, by falling gain (ties: in spatial
-// order). An edge cannot gain more than its faces have: the rewards of the edges with the most to lose tell how much that
-// must be for the others to be worth a walk.
-template <int C, class ParallelFor = SerialFor>
-[[nodiscard]] std::vector<InsertionCandidate<C>> insertion_candidates(const ImageMesh<C>& mesh, std::size_t count,
-                                                                      const InsertionOptions& options,
-                                                                      const ParallelFor& parallel_for = {}) {
+// Where a vertex could go: an edge, or else a face.
+struct InsertionSite {
+    Edge edge;
+    Face face;
+};
+
+template <int C>
+[[nodiscard]] InsertionCandidate<C> candidate_at(const ImageMesh<C>& mesh, RingWork<C>& work, const InsertionSite& site, bool may_move) {
+    return site.edge.is_valid() ? edge_candidate(mesh, work, site.edge, may_move) : face_candidate(mesh, work, site.face, may_move);
+}
+
+// What a vertex at the site could gain at most: the energy of the faces that it splits.
+template <int C>
+[[nodiscard]] double most_gain(const ImageMesh<C>& mesh, const InsertionSite& site) {
+    if (!site.edge.is_valid()) return mesh.energy(site.face);
+    double sum = 0;
+    const Halfedge h = HalfedgeMesh::halfedge(site.edge);
+    for (const Halfedge s : {h, HalfedgeMesh::opposite(h)})
+        if (!mesh.topology().is_boundary(s)) sum += mesh.energy(mesh.topology().face(s));
+    return sum;
+}
+
+// Each edge once (and each face), in spatial order.
+template <int C>
+[[nodiscard]] std::vector<InsertionSite> insertion_sites(const ImageMesh<C>& mesh, bool faces) {
     const HalfedgeMesh& topology = mesh.topology();
-    struct Site {
-        double bound;
-        Edge edge;
-        Face face;
-    };
-    std::vector<Site> sites;
-    sites.reserve(topology.edge_count() + (options.faces ? topology.face_count() : 0));
+    std::vector<InsertionSite> sites;
+    sites.reserve(topology.edge_count() + (faces ? topology.face_count() : 0));
     for (const Face f : spatial_faces(mesh)) {
         Halfedge h = topology.halfedge(f);
-        for (int i = 0; i < 3; ++i, h = topology.next(h)) {
-            // Each edge once, from the face of its even half-edge or else the only face it has.
-            const Halfedge o = HalfedgeMesh::opposite(h);
-            if ((h.index() & 1U) != 0 && !topology.is_boundary(o)) continue;
-            const double other = topology.is_boundary(o) ? 0 : mesh.energy(topology.face(o));
-            sites.push_back({mesh.energy(f) + other, HalfedgeMesh::edge(h), Face()});
-        }
-        if (options.faces) sites.push_back({mesh.energy(f), Edge(), f});
+        // An edge comes with the face of its even half-edge, or the only face it has.
+        for (int i = 0; i < 3; ++i, h = topology.next(h))
+            if ((h.index() & 1U) == 0 || topology.is_boundary(HalfedgeMesh::opposite(h))) sites.push_back({HalfedgeMesh::edge(h), Face()});
+        if (faces) sites.push_back({Edge(), f});
     }
+    return sites;
+}
 
-    std::vector<InsertionCandidate<C>> candidates;
-    std::vector<double> values;
+// The most rewarding sites for `count` vertices and some more, by falling gain (ties: in spatial order), evaluated through
+// the executor. The rewards of the sites with the most to gain tell how much the others must have for being worth a walk.
+template <int C, class ParallelFor = SerialFor>
+[[nodiscard]] std::vector<InsertionSite> best_sites(const ImageMesh<C>& mesh, std::size_t count, const InsertionOptions& options,
+                                                    const ParallelFor& parallel_for = {}) {
+    const std::vector<InsertionSite> sites = insertion_sites(mesh, options.faces);
+    std::vector<double> bounds(sites.size()), values;
+    for (std::size_t k = 0; k < sites.size(); ++k) bounds[k] = most_gain(mesh, sites[k]);
     const auto nth_largest = [&values](std::size_t n) {
         if (n >= values.size()) return -1.0;
         std::nth_element(values.begin(), values.begin() + static_cast<std::ptrdiff_t>(n), values.end(), std::greater<>());
         return values[n];
     };
+    struct Gain {
+        double gain;
+        std::uint32_t site;
+    };
+    std::vector<Gain> gains;
     const auto evaluate = [&](double above, double up_to) {
-        std::vector<std::uint32_t> chosen;
+        const std::size_t start = gains.size();
         for (std::size_t k = 0; k < sites.size(); ++k)
-            if (sites[k].bound > above && sites[k].bound <= up_to) chosen.push_back(static_cast<std::uint32_t>(k));
-        const std::size_t start = candidates.size();
-        candidates.resize(start + chosen.size());
-        for_each_chunk(parallel_for, chosen.size(), 256, [&](std::size_t begin, std::size_t end) {
+            if (bounds[k] > above && bounds[k] <= up_to) gains.push_back({0, static_cast<std::uint32_t>(k)});
+        for_each_chunk(parallel_for, gains.size() - start, 256, [&](std::size_t begin, std::size_t end) {
             RingWork<C> work;
-            for (std::size_t k = begin; k < end; ++k) {
-                const Site& site = sites[chosen[k]];
-                candidates[start + k] = site.edge.is_valid() ? edge_candidate(mesh, work, site.edge, options.may_move)
-                                                             : face_candidate(mesh, work, site.face, options.may_move);
+            for (std::size_t k = start + begin; k < start + end; ++k) {
+                const auto candidate = candidate_at(mesh, work, sites[gains[k].site], options.may_move);
+                gains[k].gain = candidate.fits ? candidate.gain : -1;
             }
         });
     };
     const std::size_t wanted = 2 * count;  // about half of them touch a better one
-    for (const Site& site : sites) values.push_back(site.bound);
+    values = bounds;
     const double first_cut = std::max(nth_largest(wanted), options.least_gain);
     evaluate(first_cut, std::numeric_limits<double>::infinity());
     values.clear();
-    for (const InsertionCandidate<C>& c : candidates) values.push_back(c.gain);
+    for (const Gain& g : gains) values.push_back(g.gain);
     evaluate(std::max(nth_largest(wanted), options.least_gain), first_cut);
 
-    std::vector<std::pair<double, std::uint32_t>> best;
-    for (std::size_t k = 0; k < candidates.size(); ++k)
-        if (candidates[k].fits && candidates[k].gain > options.least_gain)
-            best.emplace_back(-candidates[k].gain, static_cast<std::uint32_t>(k));
-    const std::size_t kept = std::min(best.size(), 2 * wanted);
-    const auto last = best.begin() + static_cast<std::ptrdiff_t>(kept);
-    if (last != best.end()) std::nth_element(best.begin(), last, best.end());
-    std::sort(best.begin(), last);
-    std::vector<InsertionCandidate<C>> sorted;
-    sorted.reserve(kept);
-    for (std::size_t k = 0; k < kept; ++k) sorted.push_back(candidates[best[k].second]);
-    return sorted;
+    gains.erase(std::remove_if(gains.begin(), gains.end(), [&](const Gain& g) { return !(g.gain > options.least_gain); }), gains.end());
+    const auto better = [](const Gain& a, const Gain& b) { return a.gain > b.gain || (a.gain == b.gain && a.site < b.site); };
+    if (gains.size() > 2 * wanted) {
+        std::nth_element(gains.begin(), gains.begin() + static_cast<std::ptrdiff_t>(2 * wanted), gains.end(), better);
+        gains.resize(2 * wanted);
+    }
+    std::sort(gains.begin(), gains.end(), better);
+    std::vector<InsertionSite> best;
+    best.reserve(gains.size());
+    for (const Gain& g : gains) best.push_back(sites[g.site]);
+    return best;
 }
 
-// Inserts up to `count` of the best candidates that touch no common face, then flips and visits around each. Returns how
+// Inserts up to `count` vertices at the best sites that share no face, then flips and visits around each. Returns how
 // many. Neighbours become due.
 template <int C, class ParallelFor = SerialFor>
 std::size_t insert_batch(ImageMesh<C>& mesh, std::size_t count, const InsertionOptions& options,
                          const ParallelFor& parallel_for = {}) {
     const HalfedgeMesh& topology = mesh.topology();
-    const auto candidates = insertion_candidates(mesh, count, options, parallel_for);
+    const std::vector<InsertionSite> sites = best_sites(mesh, count, options, parallel_for);
     std::vector<unsigned char> touched(topology.face_slots() + 2 * count, 0);
     std::vector<Vertex> inserted;
     inserted.reserve(count);
-    for (const InsertionCandidate<C>& candidate : candidates) {
+    RingWork<C> work;
+    for (const InsertionSite& site : sites) {
         if (inserted.size() >= count) break;
         bool free = true;
-        if (candidate.edge.is_valid()) {
-            const Halfedge h = HalfedgeMesh::halfedge(candidate.edge);
+        if (site.edge.is_valid()) {
+            const Halfedge h = HalfedgeMesh::halfedge(site.edge);
             for (const Halfedge s : {h, HalfedgeMesh::opposite(h)})
                 if (!topology.is_boundary(s) && touched[topology.face(s).index()] != 0) free = false;
         } else {
-            free = touched[candidate.face.index()] == 0;
+            free = touched[site.face.index()] == 0;
         }
-        if (!free || !has_room(mesh, candidate)) continue;
+        if (!free) continue;
+        const InsertionCandidate<C> candidate = candidate_at(mesh, work, site, options.may_move);
+        if (!has_room(mesh, candidate)) continue;
         const Vertex v = insert(mesh, candidate);
         for (const Halfedge h : topology.outgoing(v))
             if (!topology.is_boundary(h)) touched[topology.face(h).index()] = 1;

@@ -1,9 +1,9 @@
 // hmesh - pcg: conjugate gradients with Jacobi preconditioner, for several right-hand sides at once.
 //
-// For self-adjoint positive semidefinite matrices like K K^T, which is a mass matrix: divided by its diagonal it is well
-// conditioned, so 15 to 25 iterations reach 1e-7 whatever the size of the mesh, and no factorisation is needed. Each
-// right-hand side has its own step sizes and stops by itself; they share the passes over the matrix. An iteration costs
-// about 2 ns an entry and right-hand side.
+// For self-adjoint positive semidefinite matrices like K K^T, which is a mass matrix: divided by its diagonal it is
+// well conditioned, so 15 to 25 iterations reach 1e-7 whatever the size of the mesh, and no factorisation is needed.
+// Each right-hand side has its own step sizes and stops by itself; they share the passes over the matrix. An iteration
+// costs about 2 ns an entry and right-hand side.
 #ifndef HMESH_FIT_PCG_HPP
 #define HMESH_FIT_PCG_HPP
 
@@ -95,8 +95,8 @@ inline PcgReport solve_pcg(const Eigen::SparseMatrix<double>& a, const Eigen::Ma
             }
     };
 
-    // The residual that the iteration carries along drifts from the true one by rounding; a column has converged when the
-    // true one is small. Otherwise it starts again from there, unless the last start gained less than a factor of two.
+    // The residual that the iteration carries along drifts from the true one by rounding; a column has converged when
+    // the true one is small. Otherwise it starts again from there, unless the last start gained less than a factor 2.
     for (bool first = true;; first = false) {
         detail::multiply(a, solution, product);
         residual = rhs - product;

@@ -1,8 +1,9 @@
 // hmesh - write_ply(): a mesh as a binary little-endian PLY file, which MeshLab, CloudCompare, Blender and others open.
 //
 // Vertices are `float x y z` in pixels with y up (y = height - y of the mesh) and z = 0, so that the picture stands
-// upright; faces are counter-clockwise, so that it is seen from the front. Colours are `uchar red green blue [alpha]` for 3
-// or 4 channels, one `uchar intensity` for 1; 255 is the mesh's peak. PLY has no names for other numbers of channels.
+// upright; faces are counter-clockwise, so that it is seen from the front. Colours are `uchar red green blue [alpha]`
+// for 3 or 4 channels, one `uchar intensity` for 1; 255 is the mesh's peak. PLY has no names for other numbers of
+// channels.
 #ifndef HMESH_IO_PLY_HPP
 #define HMESH_IO_PLY_HPP
 
@@ -24,7 +25,8 @@ namespace detail {
     constexpr std::int64_t most = std::numeric_limits<std::int32_t>::max();
     for (const std::size_t count : {mesh.vertex_count, mesh.face_count})
         if (count > static_cast<std::size_t>(most))
-            return {Errc::invalid_argument, "the mesh has more vertices or faces than a PLY file numbers", static_cast<std::int64_t>(count), most};
+            return {Errc::invalid_argument, "the mesh has more vertices or faces than a PLY file numbers",
+                    static_cast<std::int64_t>(count), most};
     if (mesh.channels == 2) return {Errc::invalid_argument, "a PLY file holds 1, 3 or 4 channels", 2, 0};
     if (mesh.height < 1) return {Errc::invalid_argument, "the mesh's height must be at least 1", mesh.height, 1};
     return check(mesh, 4);
@@ -37,7 +39,8 @@ template <class Sink>
 Status write_ply(const MeshView& mesh, Sink&& sink) {
     if (const Status status = detail::check_for_ply(mesh); !status) return status;
     detail::Writer writer(sink);
-    writer.text("ply\nformat binary_little_endian 1.0\ncomment made by hmesh " HMESH_VERSION_STRING "\nelement vertex ");
+    writer.text("ply\nformat binary_little_endian 1.0\ncomment made by hmesh " HMESH_VERSION_STRING
+                "\nelement vertex ");
     writer.decimal(static_cast<std::int64_t>(mesh.vertex_count));
     writer.text("\nproperty float x\nproperty float y\nproperty float z\n");
     if (mesh.channels == 1) writer.text("property uchar intensity\n");

@@ -126,6 +126,15 @@ class HalfedgeMesh {
         faces_.reserve(2 * vertices);
     }
 
+    // Outside a transaction. Memory that was reserved stays.
+    void clear() {
+        HMESH_ASSERT(depth_ == 0);
+        halfedges_.resize(0);
+        vertices_.resize(0);
+        faces_.resize(0);
+        counts_ = Counts();
+    }
+
     // Proves every invariant above; the sentence names what is broken and `got` the first index where. O(n).
     [[nodiscard]] Status check() const;
 
@@ -485,9 +494,9 @@ inline void HalfedgeMesh::rollback(const Mark& mark) {
 // --- building and checking ------------------------------------------------------------------------------------------
 
 inline Status HalfedgeMesh::assign(std::size_t vertex_count, const std::vector<Triangle>& triangles) {
-    *this = HalfedgeMesh();
+    clear();
     const auto fail = [this](const char* what, std::size_t where) -> Status {
-        *this = HalfedgeMesh();
+        clear();
         return {Errc::invalid_argument, what, static_cast<std::int64_t>(where), 0};
     };
     if (vertex_count >= free_end / 6)
@@ -545,7 +554,7 @@ inline Status HalfedgeMesh::assign(std::size_t vertex_count, const std::vector<T
     for (std::size_t i = 0; i < halfedges_.size(); ++i)
         if (is_boundary(Halfedge(i))) set_next(Halfedge(i), halfedge(to_vertex(Halfedge(i))));
     const Status status = check();
-    if (!status) *this = HalfedgeMesh();
+    if (!status) clear();
     return status;
 }
 

@@ -151,6 +151,7 @@ template <int C, class ParallelFor = SerialFor>
 
         monitor.begin("collapse", mesh.vertex_count(), mesh.energy());
         if (!detail::shrink(mesh, n, options, monitor, parallel_for)) return cancelled;
+        mesh.compact(options.annealing.sweeps > 0 ? n + n / 16 : n, parallel_for);
         if (!monitor.end(mesh.vertex_count(), mesh.energy())) return cancelled;
         if (mesh.vertex_count() == n) break;
     }
