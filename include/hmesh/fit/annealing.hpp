@@ -136,10 +136,10 @@ class Annealer {
         }
         std::size_t flipped = 0;
         for (const Edge e : edges) {
-            if (!is_flip_ok(*mesh_, e)) continue;
+            if (!is_convex(*mesh_, e)) continue;
             FlipTrial<C> trial;
             try_flip(*mesh_, e, trial);
-            if (!(-trial.decrease < options_.flip_screen * price_)) continue;
+            if (!(-trial.decrease < options_.flip_screen * price_) || !is_flip_ok(*mesh_, e)) continue;
             const Halfedge a = HalfedgeMesh::halfedge(e), b = HalfedgeMesh::opposite(a);
             around_ = {topology().to_vertex(topology().next(a)), topology().to_vertex(topology().next(b)),
                        topology().from_vertex(a), topology().to_vertex(a)};

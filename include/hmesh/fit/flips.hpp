@@ -23,9 +23,10 @@ struct FlipTrial {
     double decrease = 0;
 };
 
-// Whether e can turn: interior, both new faces at least limits.min_cross, valences below max_valence.
+// Whether the shape around e lets it turn: interior, both new faces at least limits.min_cross. In a triangulation of the
+// plane, far corners with a convex quadrilateral between them have no other edge.
 template <int C>
-[[nodiscard]] bool is_flip_ok(const ImageMesh<C>& mesh, Edge e) {
+[[nodiscard]] HMESH_ALWAYS_INLINE bool is_convex(const ImageMesh<C>& mesh, Edge e) {
     const HalfedgeMesh& topology = mesh.topology();
     const Halfedge a = HalfedgeMesh::halfedge(e), b = HalfedgeMesh::opposite(a);
     if (topology.is_boundary(a) || topology.is_boundary(b)) return false;
@@ -33,12 +34,20 @@ template <int C>
     const Point p0 = mesh.position(topology.to_vertex(b)), p1 = mesh.position(topology.to_vertex(a));
     const Point p2 = mesh.position(v2), p3 = mesh.position(v3);
     const double least = mesh.limits().min_cross;
-    // In a triangulation of the plane two far corners with a convex quadrilateral between them have no other edge.
-    return cross(p0, p3, p2) >= least && cross(p3, p1, p2) >= least && topology.valence(v2) < max_valence &&
-           topology.valence(v3) < max_valence;
+    return cross(p0, p3, p2) >= least && cross(p3, p1, p2) >= least;
 }
 
-// Evaluates turning e, which is_flip_ok.
+// Whether e can turn: convex, and both far corners have room for one more edge.
+template <int C>
+[[nodiscard]] bool is_flip_ok(const ImageMesh<C>& mesh, Edge e) {
+    if (!is_convex(mesh, e)) return false;
+    const HalfedgeMesh& topology = mesh.topology();
+    const Halfedge a = HalfedgeMesh::halfedge(e);
+    return topology.valence(topology.to_vertex(topology.next(a))) < max_valence &&
+           topology.valence(topology.to_vertex(topology.next(HalfedgeMesh::opposite(a)))) < max_valence;
+}
+
+// Evaluates turning e, which is_convex.
 template <int C>
 void try_flip(const ImageMesh<C>& mesh, Edge e, FlipTrial<C>& trial) {
     const HalfedgeMesh& topology = mesh.topology();
@@ -65,10 +74,10 @@ double improve_edge(ImageMesh<C>& mesh, Edge e, double least) {
     const Halfedge a = HalfedgeMesh::halfedge(e), b = HalfedgeMesh::opposite(a);
     if (topology.is_boundary(a) || topology.is_boundary(b)) return 0;
     const double before = mesh.energy(topology.face(a)) + mesh.energy(topology.face(b));
-    if (!(before > least) || !is_flip_ok(mesh, e)) return 0;
+    if (!(before > least) || !is_convex(mesh, e)) return 0;
     FlipTrial<C> trial;
     try_flip(mesh, e, trial);
-    if (!(trial.decrease > least + 1e-9 * before)) return 0;
+    if (!(trial.decrease > least + 1e-9 * before) || !is_flip_ok(mesh, e)) return 0;
     mesh.flip(e, trial.moments, trial.own, trial.opposite);
     return trial.decrease;
 }

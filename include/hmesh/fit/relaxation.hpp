@@ -35,7 +35,7 @@ void relax(ImageMesh<C>& mesh, const std::vector<Vertex>& vertices, const Relaxa
                 if (u < v && std::find(vertices.begin(), vertices.end(), u) != vertices.end()) continue;
                 edges[count++] = HalfedgeMesh::edge(h);
             }
-            for (int i = 0; i < count; ++i) improve_edge(mesh, edges[i], 0);
+            for (int i = 0; i < count; ++i) improve_edge(mesh, edges[i], least);
         }
         if (start - mesh.energy() < 1e-3 * scale) break;
     }

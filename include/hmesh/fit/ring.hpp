@@ -178,7 +178,7 @@ template <int C>
                                                       double low, double high) {
     Color<C> c = (fit.b + ridge * current) * (1 / (fit.a + ridge));
     c.clamp(low, high);
-    c.set(C, 0);
+    for (int k = C; k < lanes_for(C + 1); ++k) c.set(k, 0);
     return c;
 }
 

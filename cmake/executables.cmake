@@ -1,0 +1,36 @@
+# What hmesh's own executables share: warnings, where they are put, and the headers that only they need.
+
+set(CMAKE_RUNTIME_OUTPUT_DIRECTORY "${PROJECT_BINARY_DIR}/bin")
+find_package(Threads REQUIRED)
+
+# Link this to get the library with every warning on. It is not exported: users choose their own warnings.
+add_library(hmesh_internal INTERFACE)
+target_link_libraries(hmesh_internal INTERFACE hmesh::hmesh Threads::Threads)
+if(MSVC)
+    target_compile_options(hmesh_internal INTERFACE /W4 /permissive- $<$<BOOL:${HMESH_WERROR}>:/WX>)
+else()
+    target_compile_options(hmesh_internal INTERFACE -Wall -Wextra -Wpedantic -Wconversion -Wshadow
+                                                    $<$<BOOL:${HMESH_WERROR}>:-Werror>)
+endif()
+
+# hmesh_find_header(<target> <header> <how to get it>): an INTERFACE target with the directory that holds <header>.
+function(hmesh_find_header target header advice)
+    string(MAKE_C_IDENTIFIER "HMESH_${header}_DIR" variable)
+    string(TOUPPER ${variable} variable)
+    find_path(${variable} ${header})
+    mark_as_advanced(${variable})
+    if(NOT ${variable})
+        message(FATAL_ERROR "<${header}> was not found: ${advice}")
+    endif()
+    add_library(${target} INTERFACE)
+    target_include_directories(${target} SYSTEM INTERFACE "${${variable}}")
+endfunction()
+
+if(HMESH_BUILD_EXAMPLES OR HMESH_BUILD_BENCHMARKS)
+    hmesh_find_header(hmesh_stb stb/stb_image.h
+        "the examples and benchmarks need stb (libstb-dev); set HMESH_BUILD_EXAMPLES to OFF without it")
+endif()
+if(HMESH_BUILD_TESTS)
+    hmesh_find_header(hmesh_doctest doctest/doctest.h
+        "the tests need doctest (doctest-dev); HMESH_BUILD_TESTS=OFF leaves them out")
+endif()

@@ -1,0 +1,11 @@
+# find_package(hmesh) defines the target hmesh::hmesh.
+include(CMakeFindDependencyMacro)
+if(NOT TARGET Eigen3::Eigen)
+    find_dependency(Eigen3 CONFIG)
+    if(Eigen3_VERSION VERSION_LESS 3.4)
+        set(hmesh_FOUND FALSE)
+        set(hmesh_NOT_FOUND_MESSAGE "hmesh needs Eigen 3.4 or newer, and ${Eigen3_DIR} holds ${Eigen3_VERSION}")
+        return()
+    endif()
+endif()
+include("${CMAKE_CURRENT_LIST_DIR}/hmesh-targets.cmake")

@@ -1,0 +1,70 @@
+# Sourced by the scripts beside it. Changes to the root of the repository and defines need, step and jobs.
+# shellcheck shell=bash disable=SC2034
+set -eu -o pipefail
+unset CDPATH
+start_directory=$PWD
+cd "$(dirname "${BASH_SOURCE[0]}")/.."
+
+# How many compilers may run at once.
+jobs=$(getconf _NPROCESSORS_ONLN 2>/dev/null || echo 2)
+
+fail() {
+    printf '%s\n' "$*" >&2
+    exit 1
+}
+
+# step TEXT COMMAND...: prints TEXT and runs COMMAND, whose output is shown only if it fails.
+step() {
+    local log status=0
+    printf '%s\n' "$1"
+    shift
+    log=$(mktemp)
+    "$@" >"$log" 2>&1 </dev/null || status=$?
+    [ "$status" = 0 ] || cat "$log" >&2
+    rm -f "$log"
+    [ "$status" = 0 ] || fail "failed: $*"
+}
+
+has() { command -v "$1" >/dev/null 2>&1; }
+
+has_header() {
+    printf '#include <%s>\n' "$1" | "${CXX:-c++}" -x c++ -E -I/usr/include/eigen3 -I/usr/local/include/eigen3 \
+        -I/opt/homebrew/include -I/opt/homebrew/include/eigen3 - >/dev/null 2>&1
+}
+
+as_root() {
+    if [ "$(id -u)" = 0 ]; then "$@"; else sudo "$@"; fi
+}
+
+# need WHAT...: makes sure that compiler, cmake, eigen, stb, doctest, benchmark or clang is there. What is missing is
+# installed where the system has apt-get; elsewhere one sentence says what to install.
+need() {
+    local what packages=()
+    for what in "$@"; do
+        case $what in
+            compiler) has "${CXX:-c++}" || packages+=(g++) ;;
+            cmake)
+                has cmake || packages+=(cmake)
+                has make || packages+=(make)
+                ;;
+            eigen) has_header signature_of_eigen3_matrix_library || packages+=(libeigen3-dev) ;;
+            stb) has_header stb/stb_image.h || packages+=(libstb-dev) ;;
+            doctest) has_header doctest/doctest.h || packages+=(doctest-dev) ;;
+            benchmark) has_header benchmark/benchmark.h || packages+=(libbenchmark-dev) ;;
+            clang) has clang++ || packages+=(clang) ;;
+            *) fail "need: unknown '$what'" ;;
+        esac
+    done
+    [ ${#packages[@]} != 0 ] || return 0
+    if ! has apt-get; then
+        fail "Please install what these Debian packages hold, with your system's package manager: ${packages[*]}."
+    elif [ "$(id -u)" != 0 ] && ! has sudo; then
+        fail "Please run this as root: apt-get install ${packages[*]}"
+    fi
+    step "Installing ${packages[*]} ..." install_packages "${packages[@]}"
+}
+
+install_packages() {
+    as_root env DEBIAN_FRONTEND=noninteractive apt-get update -q || true  # the packages may be known already
+    as_root env DEBIAN_FRONTEND=noninteractive apt-get install -q -y --no-install-recommends "$@"
+}
