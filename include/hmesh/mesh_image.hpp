@@ -15,6 +15,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <limits>
+#include <optional>
 #include <utility>
 #include <vector>
 
@@ -33,14 +34,6 @@ namespace hmesh {
 
 enum class Method : std::uint8_t {
     annealed,  // methods/annealed.hpp
-};
-
-// How much work goes into a mesh, counted in steps, never in seconds.
-enum class Effort : std::uint8_t {
-    draft,   // greedy insertion
-    fast,    // insertion of twice as many, then removal: about +2 dB
-    normal,  // then 12 sweeps of annealing: about +1 dB
-    best,    // 400 sweeps
 };
 
 // How many vertices the mesh gets. Corners count.
@@ -64,6 +57,8 @@ struct Options {
     std::uint64_t seed = 1;  // of methods that draw random numbers
     Progress progress;
     MeshLimits limits;
+    // In place of what `effort` means: start from annealed_options(effort) and change what you like. Its seed is ignored.
+    std::optional<AnnealedOptions> annealed;
     // Round colours to the pixel type's values, so that a file with such colours holds the very mesh that was measured.
     // Ignored for float. Costs about 0.003 dB at 30 dB, 0.1 dB at 45 dB.
     bool round_colors = true;
@@ -110,29 +105,8 @@ namespace detail {
     if (!(limits.color_overshoot >= 0 && limits.color_overshoot <= 100))
         return {Errc::invalid_argument, "limits.color_overshoot must be in [0, 100]", 0, 100};
     if (!(limits.ridge > 0 && limits.ridge <= 1)) return {Errc::invalid_argument, "limits.ridge must be in (0, 1] pixels", 0, 1};
+    if (options.annealed) return check(*options.annealed);
     return {};
-}
-
-[[nodiscard]] inline AnnealedOptions annealed_options(Effort effort, std::uint64_t seed) noexcept {
-    AnnealedOptions options;
-    options.seed = seed;
-    switch (effort) {
-        case Effort::draft:
-            options.overshoot = 1;
-            options.polish_rounds = 0;
-            options.annealing.sweeps = 0;
-            break;
-        case Effort::fast: options.annealing.sweeps = 0; break;
-        case Effort::normal: break;
-        case Effort::best:
-            options.overshoot = 4;
-            options.annealing.sweeps = 400;
-            options.annealing.temperature = 0.5;
-            options.annealing.cooling = 2;
-            options.annealing.exchange = 0.3;
-            break;
-    }
-    return options;
 }
 
 // The mesh as plain arrays, vertices and faces in the order of their indices.
@@ -168,7 +142,9 @@ template <class T, int C, class ParallelFor>
     Monitor monitor(options.progress, samples, Traits::peak);
     ImageMesh<C> mesh(table, Traits::lowest, Traits::highest, options.limits);
     Result<C> result;
-    result.status = annealed(mesh, n, annealed_options(options.effort, options.seed), monitor, parallel_for);
+    AnnealedOptions recipe = options.annealed.value_or(annealed_options(options.effort));
+    recipe.seed = options.seed;
+    result.status = annealed(mesh, n, recipe, monitor, parallel_for);
     monitor.begin("colors", mesh.vertex_count(), mesh.energy());
     const double grid = Traits::is_integer && options.round_colors ? 1 : 0;
     bounded_colors(mesh, Traits::lowest, Traits::highest, grid, parallel_for);

@@ -27,6 +27,14 @@
 
 namespace hmesh {
 
+// How much work goes into a mesh, counted in steps, never in seconds.
+enum class Effort : std::uint8_t {
+    draft,   // greedy insertion
+    fast,    // insertion of twice as many, then removal: about +2 dB
+    normal,  // then 12 sweeps of annealing: about +1 dB
+    best,    // 400 sweeps
+};
+
 struct AnnealedOptions {
     double overshoot = 2;     // o: vertices placed before the collapse, in units of the target; 1 for none
     double start = 0.3;       // vertices of the first grid, share of those placed
@@ -124,52 +132,99 @@ bool anneal(ImageMesh<C>& mesh, std::size_t n, const AnnealedOptions& options, M
     return true;
 }
 
-}  // namespace detail
-
-// Fills `mesh` with n vertices, 4 <= n <= max(4, pixels). Cancelled: the mesh is valid but may have another count.
-template <int C, class ParallelFor = SerialFor>
-[[nodiscard]] Status annealed(ImageMesh<C>& mesh, std::size_t n, const AnnealedOptions& options, Monitor& monitor,
-                              const ParallelFor& parallel_for = {}) {
+// The recipe. The mesh may keep more than n vertices where none can go.
+template <int C, class ParallelFor>
+[[nodiscard]] Status follow(ImageMesh<C>& mesh, std::size_t n, const AnnealedOptions& options, Monitor& monitor,
+                            const ParallelFor& parallel_for) {
     const Status cancelled{Errc::cancelled, "cancelled by the progress callback", 0, 0};
-    const double pixels = static_cast<double>(mesh.width()) * mesh.height();
-    const auto most = static_cast<std::size_t>(std::max(4.0, pixels));
-    std::size_t placed = std::min(most, static_cast<std::size_t>(std::llround(static_cast<double>(n) * std::max(1.0, options.overshoot))));
+    const auto begin = [&](const char* stage) { return monitor.begin(stage, mesh.vertex_count(), mesh.energy()); };
+    const auto end = [&] { return monitor.end(mesh.vertex_count(), mesh.energy()); };
+    const double most = std::max(4.0, static_cast<double>(mesh.width()) * mesh.height());
+    const auto placed = static_cast<std::size_t>(std::min(most, std::round(static_cast<double>(n) * options.overshoot)));
 
-    // Twice at the most: where a shrinking mesh gets stuck above n, growing to n alone does not.
-    for (;; placed = n) {
-        const detail::Grid grid = detail::regular_grid(mesh.width(), mesh.height(), std::max(4.0, static_cast<double>(placed) * options.start));
-        mesh.reserve(placed);
-        if (const Status status = mesh.assign(grid.positions, grid.triangles, parallel_for); !status) return status;
-        if (!monitor.begin("grid", mesh.vertex_count(), mesh.energy())) return cancelled;
-        for (int i = 0; i < 2; ++i) sweep(mesh, options.polish);
-        if (!monitor.end(mesh.vertex_count(), mesh.energy())) return cancelled;
+    const Grid grid = regular_grid(mesh.width(), mesh.height(), std::max(4.0, static_cast<double>(placed) * options.start));
+    mesh.reserve(placed);
+    if (const Status status = mesh.assign(grid.positions, grid.triangles, parallel_for); !status) return status;
+    if (!begin("grid")) return cancelled;
+    for (int i = 0; i < 2; ++i) sweep(mesh, options.polish);
+    if (!end()) return cancelled;
 
-        monitor.begin("insert", mesh.vertex_count(), mesh.energy());
-        if (!detail::grow(mesh, placed, options, monitor, parallel_for)) return cancelled;
-        if (!monitor.end(mesh.vertex_count(), mesh.energy())) return cancelled;
-        if (placed == n) break;
-
-        monitor.begin("collapse", mesh.vertex_count(), mesh.energy());
-        if (!detail::shrink(mesh, n, options, monitor, parallel_for)) return cancelled;
+    if (!begin("insert") || !grow(mesh, placed, options, monitor, parallel_for) || !end()) return cancelled;
+    if (placed > n) {
+        if (!begin("collapse") || !shrink(mesh, n, options, monitor, parallel_for) || !end()) return cancelled;
         mesh.compact(options.annealing.sweeps > 0 ? n + n / 16 : n, parallel_for);
-        if (!monitor.end(mesh.vertex_count(), mesh.energy())) return cancelled;
-        if (mesh.vertex_count() == n) break;
     }
+    if (options.annealing.sweeps > 0)
+        if (!begin("anneal") || !anneal(mesh, n, options, monitor, parallel_for) || !end()) return cancelled;
 
-    if (options.annealing.sweeps > 0) {
-        monitor.begin("anneal", mesh.vertex_count(), mesh.energy());
-        if (!detail::anneal(mesh, n, options, monitor, parallel_for)) return cancelled;
-        if (!monitor.end(mesh.vertex_count(), mesh.energy())) return cancelled;
-    }
-
-    monitor.begin("polish", mesh.vertex_count(), mesh.energy());
+    if (!begin("polish")) return cancelled;
     for (int i = 0; i < options.polish_rounds; ++i) {
         flip_edges(mesh, options.polish);
         sweep(mesh, options.polish);
         if (!monitor.update((i + 1.0) / options.polish_rounds, mesh.vertex_count(), mesh.energy())) return cancelled;
     }
-    if (!monitor.end(mesh.vertex_count(), mesh.energy())) return cancelled;
+    return end() ? Status{} : cancelled;
+}
+
+}  // namespace detail
+
+// The options that make an effort.
+[[nodiscard]] inline AnnealedOptions annealed_options(Effort effort) noexcept {
+    AnnealedOptions options;
+    switch (effort) {
+        case Effort::draft:
+            options.overshoot = 1;
+            options.polish_rounds = 0;
+            options.annealing.sweeps = 0;
+            break;
+        case Effort::fast: options.annealing.sweeps = 0; break;
+        case Effort::normal: break;
+        case Effort::best:
+            options.overshoot = 4;
+            options.annealing.sweeps = 400;
+            options.annealing.temperature = 0.5;
+            options.annealing.cooling = 2;
+            options.annealing.exchange = 0.3;
+            break;
+    }
+    return options;
+}
+
+// Whether the options mean something; the sentence names the first that does not.
+[[nodiscard]] inline Status check(const AnnealedOptions& options) noexcept {
+    const auto bad = [](const char* what) -> Status { return {Errc::invalid_argument, what, 0, 0}; };
+    const auto within = [](double value, double low, double high) { return value >= low && value <= high; };  // false for NaN
+    const AnnealingOptions& annealing = options.annealing;
+    if (!within(options.overshoot, 1, 100)) return bad("annealed.overshoot must be in [1, 100]");
+    if (!within(options.start, 0, 1)) return bad("annealed.start must be in [0, 1]");
+    if (!within(options.growth, 1e-3, 10)) return bad("annealed.growth must be in [0.001, 10]");
+    if (!within(options.shrinkage, 1e-3, 1)) return bad("annealed.shrinkage must be in [0.001, 1]");
+    if (!within(options.growth_sweeps, 0, 1000)) return bad("annealed.growth_sweeps must be in [0, 1000]");
+    if (!within(options.polish_rounds, 0, 1000)) return bad("annealed.polish_rounds must be in [0, 1000]");
+    if (!within(options.relaxation.rounds, 0, 100)) return bad("annealed.relaxation.rounds must be in [0, 100]");
+    for (const Tolerance& t : {options.growth_flips, options.growth_visits, options.polish})
+        if (!within(t.spread, 0, 1e6) || !within(t.least, 0, 1e6)) return bad("annealed tolerances must be in [0, 1e6]");
+    if (!within(annealing.sweeps, 0, 1e6)) return bad("annealing.sweeps must be in [0, 1e6]");
+    if (!within(annealing.temperature, 0, 1e3)) return bad("annealing.temperature must be in [0, 1000]");
+    if (!within(annealing.cooling, 0, 100)) return bad("annealing.cooling must be in [0, 100]");
+    if (!within(annealing.exchange, 0, 1) || !within(annealing.jump, 0, 1)) return bad("annealing probabilities must be in [0, 1]");
+    if (!within(annealing.jump_reach, 0, 1)) return bad("annealing.jump_reach must be in [0, 1]");
+    if (!within(annealing.start_price, 1e-6, 1e6)) return bad("annealing.start_price must be in [1e-6, 1e6]");
+    if (!within(annealing.band, 0, 1)) return bad("annealing.band must be in [0, 1]");
     return {};
+}
+
+// Fills `mesh` with n vertices, 4 <= n <= max(4, pixels). Cancelled: the mesh is valid but may have another count.
+template <int C, class ParallelFor = SerialFor>
+[[nodiscard]] Status annealed(ImageMesh<C>& mesh, std::size_t n, const AnnealedOptions& options, Monitor& monitor,
+                              const ParallelFor& parallel_for = {}) {
+    const Status status = detail::follow(mesh, n, options, monitor, parallel_for);
+    if (!status || mesh.vertex_count() == n) return status;
+    // Too many slivers that min_cross protects: growing to n alone always gets there.
+    AnnealedOptions plain = options;
+    plain.overshoot = 1;
+    plain.annealing.sweeps = 0;
+    return detail::follow(mesh, n, plain, monitor, parallel_for);
 }
 
 }  // namespace hmesh
