@@ -1,0 +1,216 @@
+// examples - the command line of hmesh: parsed strictly, every refusal a sentence that names the value.
+#ifndef HMESH_EXAMPLES_ARGUMENTS_HPP
+#define HMESH_EXAMPLES_ARGUMENTS_HPP
+
+#include <algorithm>
+#include <cerrno>
+#include <cmath>
+#include <cstdint>
+#include <cstdlib>
+#include <string>
+#include <vector>
+
+#include "formats.hpp"
+#include "hmesh/mesh_image.hpp"
+
+namespace example {
+
+inline constexpr char usage[] =
+    "usage: hmesh INPUT [-o FILE]... [--vertices N | --rate PERCENT | --psnr DB]\n"
+    "             [--effort draft|fast|normal|best] [--method NAME] [--seed N]\n"
+    "             [--render FILE.png] [--wireframe FILE.png] [--report FILE.json] [--quiet]\n";
+
+inline constexpr char help[] =
+    "\n"
+    "Turns an image into a triangle mesh with one colour per vertex.\n"
+    "\n"
+    "  INPUT                 PNG, JPEG, BMP, TGA, PGM or PPM file, 8 or 16 bits, 1 to 4 channels\n"
+    "  -o, --output FILE     write the mesh; the ending chooses the format: .ply (may be given more than once)\n"
+    "  --vertices N          the mesh has N vertices\n"
+    "  --rate PERCENT        the mesh has PERCENT vertices for 100 pixels (default: 1)\n"
+    "  --psnr DB             the mesh has as few vertices as reach this PSNR\n"
+    "  --effort NAME         draft, fast, normal or best: how long to look for a better mesh (default: fast)\n"
+    "  --method NAME         annealed (default)\n"
+    "  --seed N              of the random numbers; the same seed gives the same mesh (default: 1)\n"
+    "  --render FILE.png     draw the mesh\n"
+    "  --wireframe FILE.png  draw the mesh with its edges, at twice the size up to 2048 px\n"
+    "  --report FILE.json    write figures of the mesh and of each stage\n"
+    "  -q, --quiet           print errors only\n"
+    "  -h, --help            print this text\n"
+    "  --version             print the version\n"
+    "\n"
+    "PSNR = 10 log10(peak^2 / MSE), MSE the mean over pixels and channels of the image's stored values.\n"
+    "Ctrl-C stops early and writes the mesh reached so far.\n"
+    "Exit status: 0 done, 1 failed, 2 wrong usage.\n";
+
+template <class Value>
+struct Named {
+    const char* name;
+    Value value;
+};
+
+inline constexpr Named<hmesh::Method> methods[] = {{"annealed", hmesh::Method::annealed}};
+inline constexpr Named<hmesh::Effort> efforts[] = {{"draft", hmesh::Effort::draft},
+                                                   {"fast", hmesh::Effort::fast},
+                                                   {"normal", hmesh::Effort::normal},
+                                                   {"best", hmesh::Effort::best}};
+
+template <class Value, std::size_t n>
+[[nodiscard]] const char* name_of(const Named<Value> (&table)[n], Value value) {
+    for (const Named<Value>& entry : table)
+        if (entry.value == value) return entry.name;
+    return "?";
+}
+
+struct Arguments {
+    std::string input;
+    std::vector<std::string> meshes;
+    std::string render, wireframe, report;
+    hmesh::Options options;
+    std::string target = "--rate 1";  // as typed
+    bool quiet = false, help = false, version = false;
+};
+
+namespace detail {
+
+using std::to_string;
+
+template <class Value, std::size_t n>
+[[nodiscard]] std::string find_name(const Named<Value> (&table)[n], const std::string& option, const std::string& text, Value& value) {
+    std::string names;
+    for (const Named<Value>& entry : table) {
+        if (text == entry.name) {
+            value = entry.value;
+            return {};
+        }
+        names += (names.empty() ? "" : ", ") + std::string(entry.name);
+    }
+    return option + " '" + text + "' is not one of: " + names;
+}
+
+[[nodiscard]] inline bool is_integer(const std::string& text) {
+    const std::size_t sign = !text.empty() && text[0] == '-' ? 1 : 0;
+    return text.size() > sign && text.find_first_not_of("0123456789", sign) == std::string::npos;
+}
+
+[[nodiscard]] inline std::string parse_integer(const std::string& option, const std::string& text, std::int64_t& value) {
+    errno = 0;
+    value = is_integer(text) ? std::strtoll(text.c_str(), nullptr, 10) : 0;
+    return is_integer(text) && errno == 0 ? "" : option + " '" + text + "' is not a whole number";
+}
+
+[[nodiscard]] inline std::string parse_seed(const std::string& option, const std::string& text, std::uint64_t& value) {
+    errno = 0;
+    value = is_integer(text) ? std::strtoull(text.c_str(), nullptr, 10) : 0;
+    return is_integer(text) && text[0] != '-' && errno == 0 ? "" : option + " '" + text + "' is not a whole number from 0 to 2^64 - 1";
+}
+
+// A decimal number in (0, most].
+[[nodiscard]] inline std::string parse_positive(const std::string& option, const std::string& text, double most, double& value) {
+    char* end = nullptr;
+    const bool plain = !text.empty() && text.find_first_not_of("0123456789.eE+-") == std::string::npos;
+    value = plain ? std::strtod(text.c_str(), &end) : 0;
+    if (!plain || *end != '\0') return option + " '" + text + "' is not a number";
+    if (value > 0 && value <= most) return {};
+    return option + " '" + text + "' must be above 0 and at most " + to_string(static_cast<int>(most));
+}
+
+[[nodiscard]] inline std::string set_png(const std::string& option, const std::string& text, std::string& file) {
+    file = text;
+    return has_ending(text, ".png") ? "" : option + " '" + text + "' must end in .png";
+}
+
+[[nodiscard]] inline std::string set_target(const std::string& option, const std::string& text, Arguments& out) {
+    std::string why;
+    std::int64_t count = 0;
+    double number = 0;
+    if (option == "--vertices") {
+        why = parse_integer(option, text, count);
+        out.options.target = hmesh::Target::vertices(count);
+    } else if (option == "--rate") {
+        why = parse_positive(option, text, 100, number);
+        out.options.target = hmesh::Target::rate(number);
+    } else {
+        why = parse_positive(option, text, 1000, number);
+        out.options.target = hmesh::Target::psnr(number);
+    }
+    out.target = option + " " + text;
+    return why;
+}
+
+// Sets an option that takes a value.
+[[nodiscard]] inline std::string set(const std::string& option, const std::string& text, Arguments& out) {
+    if (text.empty()) return option + " needs a value that is not empty";
+    if (option == "-o" || option == "--output") {
+        out.meshes.push_back(text);
+        return find_format(text) != nullptr ? "" : option + " '" + text + "' must end in one of: " + format_endings();
+    }
+    if (option == "--vertices" || option == "--rate" || option == "--psnr") return set_target(option, text, out);
+    if (option == "--effort") return find_name(efforts, option, text, out.options.effort);
+    if (option == "--method") return find_name(methods, option, text, out.options.method);
+    if (option == "--seed") return parse_seed(option, text, out.options.seed);
+    if (option == "--render") return set_png(option, text, out.render);
+    if (option == "--wireframe") return set_png(option, text, out.wireframe);
+    out.report = text;
+    return {};
+}
+
+[[nodiscard]] inline bool takes_value(const std::string& option) {
+    static constexpr const char* names[] = {"-o",       "--output", "--vertices", "--rate",      "--psnr",  "--effort",
+                                            "--method", "--seed",   "--render",   "--wireframe", "--report"};
+    return std::any_of(std::begin(names), std::end(names), [&](const char* name) { return option == name; });
+}
+
+[[nodiscard]] inline bool set_flag(const std::string& option, Arguments& out) {
+    if (option == "--quiet" || option == "-q") return out.quiet = true;
+    if (option == "--help" || option == "-h") return out.help = true;
+    if (option == "--version") return out.version = true;
+    return false;
+}
+
+}  // namespace detail
+
+// Every file that the command writes.
+[[nodiscard]] inline std::vector<std::string> output_files(const Arguments& arguments) {
+    std::vector<std::string> files = arguments.meshes;
+    for (const std::string& file : {arguments.render, arguments.wireframe, arguments.report})
+        if (!file.empty()) files.push_back(file);
+    return files;
+}
+
+// Reads the command line into `out`. Returns "" or what is wrong with it; asking for help or the version ends the reading.
+[[nodiscard]] inline std::string parse(const std::vector<std::string>& words, Arguments& out) {
+    std::vector<std::string> inputs, seen;
+    bool options_end = false;
+    for (std::size_t i = 0; i < words.size(); ++i) {
+        std::string word = words[i];
+        if (options_end || word.empty() || word[0] != '-') {
+            inputs.push_back(word);
+        } else if (word == "--") {
+            options_end = true;
+        } else if (detail::set_flag(word, out)) {
+            if (out.help || out.version) return {};
+        } else {
+            const std::size_t equals = word.compare(0, 2, "--") == 0 ? word.find('=') : std::string::npos;
+            const std::string option = word.substr(0, equals);
+            if (!detail::takes_value(option)) return "unknown option '" + word + "'";
+            if (equals == std::string::npos && i + 1 == words.size()) return option + " needs a value";
+            const bool is_target = option == "--vertices" || option == "--rate" || option == "--psnr";
+            const std::string kind = is_target ? "target" : option;
+            if (option != "-o" && option != "--output" && std::count(seen.begin(), seen.end(), kind) != 0)
+                return is_target ? "only one of --vertices, --rate and --psnr can be given, not also '" + word + "'"
+                                 : option + " is given twice";
+            seen.push_back(kind);
+            const std::string text = equals == std::string::npos ? words[++i] : word.substr(equals + 1);
+            if (const std::string why = detail::set(option, text, out); !why.empty()) return why;
+        }
+    }
+    if (inputs.empty() || inputs[0].empty()) return "no input image is given";
+    if (inputs.size() > 1) return "only one input image can be given, not also '" + inputs[1] + "'";
+    out.input = inputs[0];
+    return {};
+}
+
+}  // namespace example
+
+#endif  // HMESH_EXAMPLES_ARGUMENTS_HPP

@@ -1,0 +1,152 @@
+// hmesh - the command: an image file becomes a mesh. See `hmesh --help`.
+#include <cstdio>
+#include <filesystem>
+#include <string>
+#include <system_error>
+#include <vector>
+
+#include "arguments.hpp"
+#include "formats.hpp"
+#include "image_file.hpp"
+#include "meshing.hpp"
+#include "output_file.hpp"
+#include "progress_watch.hpp"
+#include "report.hpp"
+
+namespace example {
+namespace {
+
+constexpr int done = 0, failed = 1, wrong_usage = 2;
+
+int fail(int exit_status, const std::string& sentence) {
+    std::fprintf(stderr, "hmesh: %s\n", sentence.c_str());
+    if (exit_status == wrong_usage) std::fprintf(stderr, "Try 'hmesh --help'.\n");
+    return exit_status;
+}
+
+std::string in_words(const hmesh::Status& status) {
+    const bool has_numbers = status.got != 0 || status.want != 0;
+    const std::string numbers = " (got " + std::to_string(status.got) + ", limit " + std::to_string(status.want) + ")";
+    return status.what + (has_numbers ? numbers : std::string());
+}
+
+bool is_same_file(const std::string& a, const std::string& b) {
+    std::error_code none;
+    const auto full = [&](const std::string& name) { return std::filesystem::weakly_canonical(std::filesystem::absolute(name, none), none); };
+    return a == b || std::filesystem::equivalent(a, b, none) || (full(a) == full(b) && !full(a).empty());
+}
+
+// Whether an output would overwrite the input or another output. Devices may be named twice.
+std::string find_clash(const Arguments& arguments) {
+    const std::vector<std::string> files = output_files(arguments);
+    for (std::size_t i = 0; i < files.size(); ++i) {
+        std::error_code none;
+        if (std::filesystem::exists(files[i], none) && !std::filesystem::is_regular_file(files[i], none)) continue;
+        if (is_same_file(files[i], arguments.input)) return "'" + files[i] + "' would overwrite the input";
+        for (std::size_t k = 0; k < i; ++k)
+            if (is_same_file(files[i], files[k])) return "'" + files[i] + "' is named for two outputs";
+    }
+    return {};
+}
+
+std::string find_unwritable(const Arguments& arguments) {
+    for (const std::string& name : output_files(arguments)) {
+        OutputFile file(name);
+        if (!file.is_writable()) return "cannot write '" + name + "': " + file.error();
+    }
+    return {};
+}
+
+// Writes one file whole: write(OutputFile&) gives its bytes and returns "" or what went wrong.
+template <class Write>
+std::string write_file(const std::string& name, Write&& write) {
+    OutputFile file(name);
+    std::string why = file.open() ? write(file) : file.error();
+    if (!file.error().empty()) why = file.error();
+    if (why.empty() && !file.commit()) why = file.error();
+    return why.empty() ? "" : "cannot write '" + name + "': " + why;
+}
+
+std::string write_picture(const std::string& name, const hmesh::Status& status, const Picture& picture) {
+    if (!status) return "cannot draw '" + name + "': " + in_words(status);
+    return write_file(name, [&](OutputFile& file) { return write_png(picture, file) ? "" : "out of memory"; });
+}
+
+std::string write_outputs(const Arguments& arguments, const Outcome& outcome, const std::string& report) {
+    std::string why;
+    for (const std::string& name : arguments.meshes) {
+        why = write_file(name, [&](OutputFile& file) {
+            const hmesh::Status status = find_format(name)->write(outcome.view(), file);
+            return status ? std::string() : in_words(status);
+        });
+        if (!why.empty()) return why;
+    }
+    if (!arguments.render.empty()) {
+        Picture picture;
+        const hmesh::Status status = draw(outcome.view(), {}, picture);
+        if (why = write_picture(arguments.render, status, picture); !why.empty()) return why;
+    }
+    if (!arguments.wireframe.empty()) {
+        Picture picture;
+        const hmesh::Status status = draw_with_edges(outcome.view(), picture);
+        if (why = write_picture(arguments.wireframe, status, picture); !why.empty()) return why;
+    }
+    if (arguments.report.empty()) return {};
+    return write_file(arguments.report, [&](OutputFile& file) {
+        return file(report.data(), report.size()) ? "" : "the disk refused the report";
+    });
+}
+
+void print_summary(const Arguments& arguments, const ImageFile& image, const Outcome& outcome, double seconds) {
+    std::printf("image     %s, %d x %d, %d channel%s of %d bits\n", arguments.input.c_str(), image.width, image.height, image.channels,
+                image.channels == 1 ? "" : "s", image.bits);
+    std::printf("vertices  %zu\n", outcome.report.vertices);
+    std::printf("faces     %zu\n", outcome.report.faces);
+    std::printf("PSNR      %s (10 log10(peak^2 / MSE), MSE over pixels and channels)\n", psnr_text(outcome.report.psnr).c_str());
+    std::printf("time      %.2f s\n", seconds);
+    for (const std::string& name : output_files(arguments)) std::printf("written   %s\n", name.c_str());
+}
+
+int run(const Arguments& arguments) {
+    catch_interrupt();
+    if (const std::string clash = find_clash(arguments); !clash.empty()) return fail(wrong_usage, clash);
+    ImageFile image;
+    if (const std::string why = read_image(arguments.input, image); !why.empty())
+        return fail(failed, "cannot read '" + arguments.input + "': " + why);
+    if (const std::string why = find_unwritable(arguments); !why.empty()) return fail(failed, why);
+
+    ProgressWatch watch(!arguments.quiet && is_terminal(stderr));
+    hmesh::Options options = arguments.options;
+    options.progress = watch.progress();
+    const Outcome outcome = mesh_file(image, options);
+    const double seconds = watch.seconds();
+    watch.finish();
+
+    const std::string where = "'" + arguments.input + "' with " + arguments.target + " --effort " + name_of(efforts, options.effort);
+    if (!outcome.has_mesh()) return fail(failed, where + ": " + in_words(outcome.status));
+    const std::string why = write_outputs(arguments, outcome, report_json(arguments, image, outcome, seconds, watch));
+    if (!why.empty()) return fail(failed, why);
+    if (!arguments.quiet) print_summary(arguments, image, outcome, seconds);
+    if (std::fflush(stdout) != 0) return fail(failed, "cannot write to the standard output");
+    if (outcome.status) return done;
+    const std::string reached = "the mesh reached so far, " + std::to_string(outcome.report.vertices) + " vertices and " +
+                                psnr_text(outcome.report.psnr) + ", " + (output_files(arguments).empty() ? "is as above" : "is written");
+    return fail(failed, where + ": " + in_words(outcome.status) + "; " + reached);
+}
+
+}  // namespace
+}  // namespace example
+
+int main(int argc, char** argv) {
+    example::Arguments arguments;
+    const std::vector<std::string> words(argv + (argc > 0 ? 1 : 0), argv + argc);
+    if (const std::string why = example::parse(words, arguments); !why.empty()) return example::fail(example::wrong_usage, why);
+    if (arguments.help) {
+        std::printf("%s%s", example::usage, example::help);
+    } else if (arguments.version) {
+        std::printf("hmesh %s\n", HMESH_VERSION_STRING);
+    } else {
+        return example::run(arguments);
+    }
+    return std::fflush(stdout) == 0 ? example::done : example::failed;
+}

@@ -1,0 +1,119 @@
+// examples - from types chosen at run time to hmesh's templates: meshes an ImageFile and draws the mesh, whatever the bits and
+// channels of the file. All eight instantiations of mesh_image are made here.
+#ifndef HMESH_EXAMPLES_MESHING_HPP
+#define HMESH_EXAMPLES_MESHING_HPP
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <utility>
+#include <vector>
+
+#include "hmesh/mesh_image.hpp"
+#include "hmesh/render.hpp"
+#include "image_file.hpp"
+#include "wireframe.hpp"
+
+namespace example {
+
+// What mesh_image returns, with the number of channels known at run time.
+struct Outcome {
+    hmesh::Report report;
+    hmesh::Status status;
+    std::vector<float> positions, colors;
+    std::vector<std::array<std::uint32_t, 3>> faces;
+    int channels = 0, width = 0, height = 0;
+    double peak = 0;
+
+    [[nodiscard]] bool has_mesh() const noexcept { return !faces.empty(); }
+    [[nodiscard]] hmesh::MeshView view() const noexcept {
+        return {positions.data(), colors.data(), faces.data(), positions.size() / 2, faces.size(), channels, width, height, peak};
+    }
+};
+
+namespace detail {
+
+template <class T, int C>
+[[nodiscard]] Outcome mesh_samples(const ImageFile& image, const std::vector<T>& samples, const hmesh::Options& options) {
+    const hmesh::ImageView<T, C> view{samples.data(), image.width, image.height, 0};
+    hmesh::Result<C> result = hmesh::mesh_image(view, options);
+    return {std::move(result.report),
+            result.status,
+            std::move(result.mesh.positions),
+            std::move(result.mesh.colors),
+            std::move(result.mesh.faces),
+            C,
+            result.mesh.width,
+            result.mesh.height,
+            result.mesh.peak};
+}
+
+template <class T>
+[[nodiscard]] Outcome mesh_channels(const ImageFile& image, const std::vector<T>& samples, const hmesh::Options& options) {
+    switch (image.channels) {
+        case 1: return mesh_samples<T, 1>(image, samples, options);
+        case 2: return mesh_samples<T, 2>(image, samples, options);
+        case 3: return mesh_samples<T, 3>(image, samples, options);
+        default: return mesh_samples<T, 4>(image, samples, options);
+    }
+}
+
+template <int C>
+[[nodiscard]] hmesh::Status draw_channels(const hmesh::MeshView& mesh, const hmesh::RenderOptions& options, Picture& picture) {
+    hmesh::Image<float, C> drawn;
+    if (const hmesh::Status status = hmesh::render(mesh, drawn, options); !status) return status;
+    picture = {drawn.width(), drawn.height(), C, {}};
+    picture.samples.reserve(drawn.samples().size());
+    const double scale = 255 / mesh.peak;
+    for (const float sample : drawn.samples())
+        picture.samples.push_back(hmesh::PixelTraits<std::uint8_t>::from_real(scale * static_cast<double>(sample)));
+    return {};
+}
+
+// The picture as red, green and blue, whatever is transparent over white.
+[[nodiscard]] inline hmesh::Image<std::uint8_t, 3> to_rgb(const Picture& picture) {
+    hmesh::Image<std::uint8_t, 3> rgb(picture.width, picture.height);
+    const int channels = picture.channels;
+    const bool has_alpha = channels == 2 || channels == 4;
+    const std::uint8_t* from = picture.samples.data();
+    std::uint8_t* to = rgb.samples().data();
+    for (std::size_t i = 0; i < rgb.samples().size() / 3; ++i, from += channels, to += 3)
+        for (int c = 0; c < 3; ++c) {
+            const int alpha = has_alpha ? from[channels - 1] : 255;
+            const int value = from[channels < 3 ? 0 : c];
+            to[c] = static_cast<std::uint8_t>((value * alpha + 255 * (255 - alpha) + 127) / 255);
+        }
+    return rgb;
+}
+
+}  // namespace detail
+
+[[nodiscard]] inline Outcome mesh_file(const ImageFile& image, const hmesh::Options& options) {
+    return image.bits == 16 ? detail::mesh_channels(image, image.samples16, options)
+                            : detail::mesh_channels(image, image.samples8, options);
+}
+
+// The mesh drawn at 8 bits, with as many channels as it has.
+[[nodiscard]] inline hmesh::Status draw(const hmesh::MeshView& mesh, const hmesh::RenderOptions& options, Picture& picture) {
+    switch (mesh.channels) {
+        case 1: return detail::draw_channels<1>(mesh, options, picture);
+        case 2: return detail::draw_channels<2>(mesh, options, picture);
+        case 3: return detail::draw_channels<3>(mesh, options, picture);
+        default: return detail::draw_channels<4>(mesh, options, picture);
+    }
+}
+
+// The mesh drawn in red, green and blue with its edges over it, at twice its size unless that is large.
+[[nodiscard]] inline hmesh::Status draw_with_edges(const hmesh::MeshView& mesh, Picture& picture) {
+    const int scale = mesh.width <= 2048 && mesh.height <= 2048 ? 2 : 1;
+    Picture drawn;
+    if (const hmesh::Status status = draw(mesh, {scale * mesh.width, scale * mesh.height}, drawn); !status) return status;
+    hmesh::Image<std::uint8_t, 3> rgb = detail::to_rgb(drawn);
+    if (const hmesh::Status status = draw_wireframe(mesh, rgb); !status) return status;
+    picture = {rgb.width(), rgb.height(), 3, std::move(rgb.samples())};
+    return {};
+}
+
+}  // namespace example
+
+#endif  // HMESH_EXAMPLES_MESHING_HPP

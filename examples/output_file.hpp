@@ -1,0 +1,121 @@
+// examples - OutputFile: writes a file whole or not at all.
+//
+// The bytes go to a new file beside the target, which takes the target's name when all of them are written. A target that
+// exists and is no regular file (a device, a pipe) is written directly; a symbolic link is followed.
+#ifndef HMESH_EXAMPLES_OUTPUT_FILE_HPP
+#define HMESH_EXAMPLES_OUTPUT_FILE_HPP
+
+#include <cerrno>
+#include <cstddef>
+#include <cstdio>
+#include <cstring>
+#include <filesystem>
+#include <string>
+#include <system_error>
+
+namespace example {
+
+class OutputFile {
+  public:
+    // Follows links and decides where the bytes go; opens nothing.
+    explicit OutputFile(const std::string& path) : target_(path) {
+        std::error_code none;
+        const std::filesystem::file_status status = std::filesystem::status(path, none);
+        is_directory_ = std::filesystem::is_directory(status);
+        in_place_ = std::filesystem::exists(status) && !std::filesystem::is_regular_file(status);
+        if (std::filesystem::is_regular_file(status)) {
+            const std::filesystem::path real = std::filesystem::canonical(path, none);
+            if (!none) target_ = real.string();
+        }
+    }
+    OutputFile(const OutputFile&) = delete;
+    OutputFile& operator=(const OutputFile&) = delete;
+    ~OutputFile() { discard(); }
+
+    // Whether the file could be opened now: creates the file beside the target and removes it again.
+    [[nodiscard]] bool is_writable() {
+        if (in_place_ && !is_directory_) return true;
+        const bool opened = open();
+        discard();
+        return opened;
+    }
+
+    [[nodiscard]] bool open() {
+        if (is_directory_) return fail(EISDIR);
+        errno = 0;
+        if (in_place_) {
+            file_ = std::fopen(target_.c_str(), "wb");
+            return file_ != nullptr || fail(errno);
+        }
+        if (!may_replace()) return fail(errno);
+        for (int number = 0; number < 100 && file_ == nullptr; ++number) {
+            const std::string name = target_ + ".part" + std::to_string(number);
+            errno = 0;
+            file_ = std::fopen(name.c_str(), "wbx");
+            if (file_ != nullptr) temporary_ = name;
+            if (file_ == nullptr && errno != EEXIST) break;
+        }
+        return file_ != nullptr || fail(errno);
+    }
+
+    // A sink, as the exporters of hmesh want it.
+    [[nodiscard]] bool operator()(const void* bytes, std::size_t size) {
+        if (size == 0) return true;
+        errno = 0;
+        return std::fwrite(bytes, 1, size, file_) == size || fail(errno);
+    }
+
+    // Closes the file and gives it its name.
+    [[nodiscard]] bool commit() {
+        errno = 0;
+        std::FILE* file = file_;
+        file_ = nullptr;
+        if (std::fclose(file) != 0) {
+            const int why = errno;
+            discard();
+            return fail(why);
+        }
+        if (in_place_) return true;
+        std::error_code code;
+        std::filesystem::rename(temporary_, target_, code);
+        if (!code) {
+            temporary_.clear();
+            return true;
+        }
+        discard();
+        return fail(code.value());
+    }
+
+    // Why the last call returned false.
+    [[nodiscard]] const std::string& error() const noexcept { return error_; }
+
+  private:
+    // A target that exists is replaced only if it could be written.
+    [[nodiscard]] bool may_replace() const {
+        std::error_code none;
+        if (!std::filesystem::exists(target_, none)) return true;
+        std::FILE* existing = std::fopen(target_.c_str(), "r+b");
+        if (existing == nullptr) return false;
+        std::fclose(existing);
+        return true;
+    }
+    void discard() {
+        if (file_ != nullptr) std::fclose(file_);
+        if (!temporary_.empty()) static_cast<void>(std::remove(temporary_.c_str()));
+        file_ = nullptr;
+        temporary_.clear();
+    }
+    bool fail(int why) {
+        error_ = why != 0 ? std::strerror(why) : "unknown error";
+        return false;
+    }
+
+    std::FILE* file_ = nullptr;
+    std::string target_, error_;
+    std::string temporary_;  // the file beside the target while it exists, else empty
+    bool is_directory_ = false, in_place_ = false;
+};
+
+}  // namespace example
+
+#endif  // HMESH_EXAMPLES_OUTPUT_FILE_HPP
