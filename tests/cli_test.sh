@@ -1,0 +1,323 @@
+#!/bin/bash
+# Tests the command line: tests/cli_test.sh HMESH_BINARY SCENE_BINARY
+#
+# Needs bash, coreutils, grep, sed and awk. Each check is a sentence; the sentences that do not hold are printed. Exit 0 or 1.
+set -u
+export LC_ALL=C
+[ $# -eq 2 ] || { echo "usage: $0 HMESH_BINARY SCENE_BINARY" >&2; exit 2; }
+for binary; do [ -x "$binary" ] || { echo "no program: $binary" >&2; exit 2; }; done
+hmesh=$(realpath "$1")
+scene=$(realpath "$2")
+work=$(mktemp -d)
+trap 'rm -rf "$work"' EXIT
+cd "$work" || exit 1
+checks=0
+failures=0
+
+# check SENTENCE COMMAND...: the command must succeed.
+check() {
+    local sentence=$1
+    shift
+    checks=$((checks + 1))
+    "$@" && return
+    failures=$((failures + 1))
+    echo "FAILED: $sentence"
+    echo "  exit $status, command: hmesh ${last:-}"
+    sed 's/^/  stderr: /' err
+}
+# run ARGUMENTS...: runs hmesh; leaves $status, out and err.
+run() {
+    last=$*
+    "$hmesh" "$@" >out 2>err </dev/null
+    status=$?
+}
+exits() { [ "$status" -eq "$1" ]; }
+says() { grep -qF -e "$1" err; }
+is_silent() { [ ! -s out ] && [ ! -s err ]; }
+is_one_sentence() { [ "$(wc -l <err)" -eq 1 ] && grep -q '^hmesh: ' err; }
+no_part_is_left() { [ -z "$(find . -name '*.part*')" ]; }
+# json_value FILE KEY: the first value of the key, as it stands.
+json_value() { sed -nE "s/^ *\"$2\": (.*[^,]),?\$/\1/p" "$1" | head -n 1; }
+has() { [ "$(json_value "$1" "$2")" = "$3" ]; }
+# Replaces strings and numbers by letters, then whole objects and arrays, until one letter is left.
+is_json() {
+    [ "$(tr '\n' ' ' <"$1" | sed -E 's/"([^"\\]|\\["\\\/bfnrt]|\\u[0-9a-fA-F]{4})*"/S/g
+        s/-?(0|[1-9][0-9]*)(\.[0-9]+)?([eE][+-]?[0-9]+)?/N/g; s/null|true|false/N/g; s/ //g
+        :a; s/\{(S:[SNV](,S:[SNV])*)?\}/V/g; s/\[([SNV](,[SNV])*)?\]/V/g; ta')" = V ]
+}
+is_ply() { head -c 4 "$1" | grep -q ply && grep -aq '^end_header' "$1"; }
+is_png() { [ "$(head -c 4 "$1" | tail -c 3)" = PNG ]; }
+ply_has() { sed '/^end_header/q' "$1" | grep -aqx "$2"; }
+
+# ---- small pictures --------------------------------------------------------------------------------------------------
+# samples W H "EXPRESSIONS": for each pixel the bytes that bash computes from x and y.
+samples() {
+    local text='' x y e
+    for ((y = 0; y < $2; ++y)); do
+        for ((x = 0; x < $1; ++x)); do
+            for e in $3; do printf -v byte '\\x%02x' $((e)); text+=$byte; done
+        done
+    done
+    printf "$text"
+}
+grey='x*x/3+y*(20-y)+(x&3)*8'
+low='(x*37+y*91)%256'  # the lower bytes of 16-bit samples: noise below 1/255
+{ printf 'P5\n# a comment\n20 16\n255\n'; samples 20 16 "$grey"; } >grey.pgm
+{ printf 'P5 20 16 65535\n'; samples 20 16 "$grey $low"; } >grey16.pgm
+{ printf 'P6\n20 16\n255\n'; samples 20 16 "$grey y*15 x*12"; } >color.ppm
+{ printf 'P6\n20 16\n65535\n'; samples 20 16 "$grey $low y*15 $low x*12 $low"; } >color16.ppm
+{ printf '\0\0\2\0\0\0\0\0\0\0\0\0\x14\0\x10\0\x20\x28'; samples 20 16 "x*12 y*15 $grey 255-x*5"; } >rgba.tga
+{ printf '\0\0\3\0\0\0\0\0\0\0\0\0\x14\0\x10\0\x10\x28'; samples 20 16 "$grey 255-x*5"; } >grey_alpha.tga
+{ printf 'P5\n8 8\n255\n'; samples 8 8 '77'; } >constant.pgm
+printf 'P5 1 1 255\nA' >one.pgm
+printf 'P5 5 1 255\nA0a9Z' >row.pgm
+printf 'P6\n20 16\n255\nshort' >short.ppm
+printf 'P5 99999999 99999999 255\nx' >huge.pgm
+printf 'P5 2 2 100\n\144\144\145\144' >above.pgm
+printf 'this is no image\n' >text.png
+: >empty.png
+status=0
+: >err
+
+"$scene" picture.png 96 64 2>err || status=$?
+check "scene draws a PNG file" is_png picture.png
+"$scene" again.png 96 64
+check "scene draws the same bytes twice" cmp -s picture.png again.png
+"$scene" picture.png 0 64 2>err; status=$?
+check "scene refuses a width of 0 with exit 2" exits 2
+"$scene" missing/picture.png 8 8 2>err; status=$?
+check "scene fails with exit 1 where it cannot write" exits 1
+check "scene names the file that it cannot write" says missing/picture.png
+
+# ---- help, version, usage --------------------------------------------------------------------------------------------
+run --help
+check "--help exits 0" exits 0
+check "--help prints the options on stdout" grep -q -e --wireframe out
+run --version
+check "--version exits 0" exits 0
+check "--version prints name and version" grep -Eqx 'hmesh [0-9]+\.[0-9]+\.[0-9]+' out
+
+# wrong VALUE ARGUMENTS...: exit 2, a sentence that holds VALUE, a hint, nothing on stdout.
+wrong() {
+    local value=$1
+    shift
+    run "$@"
+    check "wrong usage exits 2" exits 2
+    check "the message for wrong usage holds: $value" says "$value"
+    check "wrong usage hints at --help" says --help
+    check "wrong usage prints nothing on stdout" test ! -s out
+}
+wrong "no input"
+wrong "two.png" grey.pgm two.png
+wrong "--frobnicate" grey.pgm --frobnicate
+wrong "-x" grey.pgm -x
+wrong "--vertices needs a value" grey.pgm --vertices
+wrong "-o needs a value" grey.pgm -o
+wrong "-o" grey.pgm -o ''
+wrong "'12x'" grey.pgm --vertices 12x
+wrong "'1.5'" grey.pgm --vertices 1.5
+wrong "' 5'" grey.pgm --vertices=' 5'
+wrong "99999999999999999999" grey.pgm --vertices 99999999999999999999
+wrong "'nan'" grey.pgm --rate nan
+wrong "'inf'" grey.pgm --psnr inf
+wrong "'1e999'" grey.pgm --psnr 1e999
+wrong "'0x10'" grey.pgm --rate 0x10
+wrong "'1,5'" grey.pgm --rate 1,5
+wrong "'0'" grey.pgm --rate 0
+wrong "'-1'" grey.pgm --rate -1
+wrong "'100.1'" grey.pgm --rate 100.1
+wrong "'-3'" grey.pgm --seed -3
+wrong "18446744073709551616" grey.pgm --seed 18446744073709551616
+wrong "--rate" grey.pgm --vertices 20 --rate 2
+wrong "--psnr" grey.pgm --rate 2 --psnr 30
+wrong "twice" grey.pgm --seed 1 --seed 2
+wrong "'slow' is not one of: draft, fast, normal, best" grey.pgm --effort slow
+wrong "'magic' is not one of: annealed" grey.pgm --method magic
+wrong "'mesh.xyz' must end in one of: .ply" grey.pgm -o mesh.xyz
+wrong "'mesh'" grey.pgm -o mesh
+wrong "'x.jpg' must end in .png" grey.pgm --render x.jpg
+wrong "'x' must end in .png" grey.pgm --wireframe x
+wrong "named for two outputs" grey.pgm -o a.ply -o ./a.ply
+wrong "named for two outputs" grey.pgm --render a.png --wireframe a.png
+wrong "overwrite the input" picture.png --render picture.png
+check "a refused command line leaves the input as it was" cmp -s picture.png again.png
+check "refused command lines leave no file" test ! -e a.ply -a ! -e a.png
+
+# ---- failures --------------------------------------------------------------------------------------------------------
+# fails VALUE ARGUMENTS...: exit 1, one sentence on stderr that holds VALUE.
+fails() {
+    local value=$1
+    shift
+    run "$@"
+    check "a failure exits 1" exits 1
+    check "a failure says one sentence" is_one_sentence
+    check "the sentence holds: $value" says "$value"
+}
+echo old >keep.ply
+fails "'missing.png'" missing.png -o keep.ply
+fails "'empty.png'" empty.png -o keep.ply
+fails "'text.png'" text.png -o keep.ply
+fails "'short.ppm': the file ends before its last pixel" short.ppm -o keep.ply
+fails "'huge.pgm': the image is too wide" huge.pgm -o keep.ply
+fails "'above.pgm'" above.pgm -o keep.ply
+fails "'.'" . -o keep.ply
+fails "--vertices 3" grey.pgm -o keep.ply --vertices 3
+fails "got 3" grey.pgm -o keep.ply --vertices 3
+fails "--vertices -5" grey.pgm -o keep.ply --vertices -5
+fails "--vertices 321" grey.pgm -o keep.ply --vertices 321
+fails "limit 320" grey.pgm -o keep.ply --vertices 321
+check "a failure leaves the file that was there" grep -qx old keep.ply
+fails "'nowhere/mesh.ply'" grey.pgm -o nowhere/mesh.ply
+fails "'nowhere/r.json'" grey.pgm -o good.ply --report nowhere/r.json
+check "nothing is written when another output cannot be" test ! -e good.ply
+mkdir -p directory.ply
+fails "'directory.ply'" grey.pgm -o directory.ply
+if [ "$(id -u)" -ne 0 ]; then
+    mkdir -p locked && chmod a-w locked
+    fails "'locked/mesh.ply'" grey.pgm -o locked/mesh.ply
+fi
+# A full disk. Nobody but root could replace the system's device by a file; root gets one of its own, in this directory.
+make_full_device() {
+    if [ "$(id -u)" -eq 0 ]; then mknod full.device c 1 7 2>/dev/null; else ln -s /dev/full full.device; fi
+    { echo x >full.device; } 2>&1 | grep -q 'No space left'
+}
+if make_full_device; then
+    for file in full.ply full.png full.json; do ln -s full.device $file; done
+    fails "'full.ply'" grey.pgm -o full.ply
+    fails "'full.png'" grey.pgm --render full.png
+    fails "'full.png'" grey.pgm --wireframe full.png
+    fails "'full.json'" grey.pgm --report full.json
+    fails "'full.device'" grey.pgm --report full.device
+    check "a full disk is named as the reason" says "No space left"
+    check "a link to a device is not replaced" test -L full.ply -a -L full.png -a -L full.json
+    check "a device is not replaced" test -c full.device
+else
+    echo "skipped: no full device can be made here"
+fi
+if [ -c /dev/full ]; then
+    "$hmesh" grey.pgm >/dev/full 2>err; status=$?
+    check "a full standard output exits 1" exits 1
+fi
+check "failures leave no half-written file" no_part_is_left
+
+# ---- success ---------------------------------------------------------------------------------------------------------
+run picture.png -o mesh.ply -o second.PLY --vertices 100 --render render.png --wireframe wire.png --report report.json
+check "a mesh, pictures and a report are written with exit 0" exits 0
+check "the mesh is a PLY file" is_ply mesh.ply
+check "-o may be given more than once, its ending in any case" cmp -s mesh.ply second.PLY
+check "the mesh has the number of vertices asked for" ply_has mesh.ply 'element vertex 100'
+check "the rendered mesh is a PNG file" is_png render.png
+check "the wireframe is a PNG file" is_png wire.png
+check "piped output has no progress bar and no message" test ! -s err
+check "stdout names vertices" grep -Eq '^vertices +100$' out
+check "stdout names the PSNR and its convention" grep -Eq '^PSNR +[0-9.]+ dB .*pixels and channels' out
+check "stdout names the time" grep -Eq '^time +[0-9.]+ s$' out
+for file in mesh.ply second.PLY render.png wire.png report.json; do
+    check "stdout names the file written: $file" grep -Eq "^written +$file\$" out
+done
+check "the report is JSON" is_json report.json
+for key in version input width height channels bits method effort seed vertices faces psnr psnr_convention energy seconds stages; do
+    check "the report holds $key" grep -q "^  \"$key\": " report.json
+done
+check "the report's width is the image's" has report.json width 96
+check "the report's channels are the image's" has report.json channels 3
+check "the report's bits are the image's" has report.json bits 8
+check "the report's vertices are the mesh's" has report.json vertices 100
+check "the report's faces are the mesh's" ply_has mesh.ply "element face $(json_value report.json faces)"
+stage='\{"name": "[^"]+", "vertices": [0-9]+, "energy": [0-9.e+]+, "psnr": [0-9.]+, "seconds": [0-9.]+\}'
+check "the report holds name, vertices, energy, PSNR and seconds of each stage" grep -Eq "$stage" report.json
+check "every stage was timed" test "$(grep -c '"name"' report.json)" -eq "$(grep -Ec "$stage" report.json)"
+check "energy and psnr agree by the convention" awk -v e="$(json_value report.json energy)" -v p="$(json_value report.json psnr)" \
+    'BEGIN { q = 10 * log(255 * 255 * 96 * 64 * 3 / e) / log(10); exit !(q - p < 1e-6 && p - q < 1e-6) }'
+
+run render.png --report render.json
+check "the rendered picture has the image's width" has render.json width 96
+check "the rendered picture has the image's height" has render.json height 64
+
+run picture.png -o again.ply --vertices 100 --seed 1
+check "two runs with one seed write the same bytes" cmp -s mesh.ply again.ply
+run -o dashes.ply --vertices=100 --seed=1 -- picture.png
+check "--option=value and -- mean the same" cmp -s mesh.ply dashes.ply
+run picture.png -o quiet.ply --quiet
+check "--quiet exits 0" exits 0
+check "--quiet prints nothing" is_silent
+check "--quiet writes the mesh" is_ply quiet.ply
+run picture.png --report default.json
+check "the default is one vertex for 100 pixels" has default.json vertices 61
+run picture.png --psnr 24 --report psnr.json
+check "--psnr exits 0" exits 0
+check "--psnr reaches the PSNR" awk -v p="$(json_value psnr.json psnr)" 'BEGIN { exit !(p + 0 >= 24) }'
+check "the report of a search is JSON with timed stages" is_json psnr.json
+check "stages of a search are timed" grep -Eq "$stage" psnr.json
+run picture.png --effort draft --vertices 80 --report draft.json
+check "the report names the effort" has draft.json effort '"draft"'
+
+ln -s real.ply link.ply
+: >real.ply
+run grey.pgm -o link.ply
+check "a symbolic link is followed, not replaced" test -L link.ply -a -s real.ply
+
+# ---- depths and channels ---------------------------------------------------------------------------------------------
+# meshes FILE CHANNELS BITS PROPERTY
+meshes() {
+    run "$1" -o "$1.ply" --vertices 40 --report "$1.json" --render "$1.png" --wireframe "$1.wire.png"
+    check "$1 becomes a mesh" exits 0
+    check "$1 has $2 channels" has "$1.json" channels "$2"
+    check "$1 has $3 bits" has "$1.json" bits "$3"
+    check "the mesh of $1 has the property $4" ply_has "$1.ply" "property uchar $4"
+    check "the mesh of $1 is drawn" is_png "$1.png"
+    check "the mesh of $1 is drawn with edges" is_png "$1.wire.png"
+}
+meshes grey.pgm 1 8 intensity
+meshes grey16.pgm 1 16 intensity
+meshes grey_alpha.tga 2 8 alpha
+meshes color.ppm 3 8 blue
+meshes color16.ppm 3 16 blue
+meshes rgba.tga 4 8 alpha
+for name in grey:grey16 color:color16; do
+    eight=$(ls "${name%:*}".p?m.json) sixteen=$(ls "${name#*:}".p?m.json)
+    check "a picture in 8 and 16 bits gives the same PSNR within 0.5 dB ($name)" \
+        awk -v a="$(json_value "$eight" psnr)" -v b="$(json_value "$sixteen" psnr)" 'BEGIN { d = a - b; exit !(a > 0 && d < 0.5 && d > -0.5) }'
+done
+run one.pgm -o one.ply --vertices 4
+check "an image of one pixel becomes a mesh" exits 0
+check "the mesh of one pixel has four vertices" ply_has one.ply 'element vertex 4'
+run row.pgm -o row.ply
+check "an image of one row becomes a mesh" exits 0
+run constant.pgm --report constant.json
+check "a constant image exits 0" exits 0
+check "a constant image has the PSNR \"inf\" in the report" has constant.json psnr '"inf"'
+check "a constant image has the PSNR inf on stdout" grep -Eq '^PSNR +inf ' out
+check "the report of a constant image is JSON" is_json constant.json
+odd=$'odd "name" \\ \t\xff.pgm'
+cp grey.pgm "$odd"
+run "$odd" --report odd.json
+check "a name with quotes, tabs and no UTF-8 exits 0" exits 0
+check "a name with quotes, tabs and no UTF-8 is escaped in the report" is_json odd.json
+
+# ---- terminal and Ctrl-C ---------------------------------------------------------------------------------------------
+if command -v script >/dev/null && script -qec true /dev/null >/dev/null 2>&1 </dev/null; then
+    script -qec "'$hmesh' picture.png --vertices 100" /dev/null >out 2>err </dev/null
+    check "a progress bar is drawn on a terminal" grep -q '\[#*\.*\].* vertices' out
+    script -qec "'$hmesh' picture.png --vertices 100 --quiet" /dev/null >out 2>err </dev/null
+    check "--quiet draws no progress bar" test ! -s out
+fi
+"$scene" large.png 320 200
+"$hmesh" large.png -o cancelled.ply --psnr 60 --report cancelled.json >out 2>err </dev/null &
+job=$!
+sleep 0.5
+kill -INT $job 2>/dev/null
+wait $job
+status=$?
+last="large.png --psnr 60, interrupted"
+if [ $status -ne 0 ]; then
+    check "Ctrl-C exits 1" exits 1
+    check "Ctrl-C is told" says cancelled
+    check "Ctrl-C leaves the mesh reached so far, or says that there is none" test -s cancelled.ply -o ! -e cancelled.json
+    [ ! -e cancelled.ply ] || check "the mesh of a cancelled run is a PLY file" is_ply cancelled.ply
+    [ ! -e cancelled.json ] || check "the report of a cancelled run is JSON" is_json cancelled.json
+fi
+check "no half-written file is left at the end" no_part_is_left
+
+echo "$checks checks, $failures failed"
+[ "$failures" -eq 0 ]

@@ -1,0 +1,255 @@
+#include "hmesh/mesh/geometry.hpp"
+
+#include <doctest/doctest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <utility>
+
+#include "hmesh/core/random.hpp"
+
+using hmesh::Point;
+using hmesh::Random;
+
+namespace {
+
+// A point in units of 1/256 px. Coordinates stay below 2^24 + 1, so the sums of products below fit 64 bits with room.
+struct GridPoint {
+    std::int64_t x, y;
+    [[nodiscard]] Point point() const { return {static_cast<double>(x) / 256, static_cast<double>(y) / 256}; }
+};
+
+std::int64_t ceil_of(std::int64_t numerator, std::int64_t denominator) {
+    return numerator / denominator + (numerator % denominator > 0);
+}
+
+// The first row whose centre 256 j + 128 is not above y.
+std::int64_t exact_row(std::int64_t y) { return ceil_of(y - 128, 256); }
+
+// By how much the edge from a down to b is right of the left margin's centres in row j, times 256 (b.y - a.y).
+std::int64_t crossing(GridPoint a, GridPoint b, std::int64_t j) {
+    return (a.x - 128) * (b.y - a.y) + (256 * j + 128 - a.y) * (b.x - a.x);
+}
+
+// The first pixel whose centre 256 i + 128 is not left of the edge from a down to b, in row j.
+std::int64_t exact_column(GridPoint a, GridPoint b, std::int64_t j) { return ceil_of(crossing(a, b, j), 256 * (b.y - a.y)); }
+
+bool columns_agree(GridPoint a, GridPoint b, std::int64_t j) {
+    const hmesh::RowCrossing edge(a.point(), b.point());
+    return edge.column(static_cast<int>(j)) == exact_column(a, b, j);
+}
+
+std::int64_t below(Random& random, std::int64_t n) { return static_cast<std::int64_t>(random.below(static_cast<std::size_t>(n))); }
+
+// The number t in [0, modulus) with a t = 1 modulo `modulus`, or 0 if there is none.
+std::int64_t inverse(std::int64_t a, std::int64_t modulus) {
+    std::int64_t r0 = modulus, r1 = ((a % modulus) + modulus) % modulus, t0 = 0, t1 = 1;
+    while (r1 != 0) {
+        const std::int64_t q = r0 / r1;
+        r0 = std::exchange(r1, r0 - q * r1);
+        t0 = std::exchange(t1, t0 - q * t1);
+    }
+    return r0 == 1 ? ((t0 % modulus) + modulus) % modulus : 0;
+}
+
+}  // namespace
+
+TEST_CASE("first_row is exact on the 1/256 px grid up to 65536 px") {
+    int wrong = 0;
+    for (std::int64_t y = 0; y <= 3000; ++y) {
+        wrong += hmesh::first_row(static_cast<double>(y) / 256) != exact_row(y);
+        const std::int64_t far = (std::int64_t{1} << 24) - y;
+        wrong += hmesh::first_row(static_cast<double>(far) / 256) != exact_row(far);
+    }
+    Random random(1);
+    for (int i = 0; i < 100000; ++i) {
+        const std::int64_t y = below(random, (1 << 24) + 1);
+        wrong += hmesh::first_row(static_cast<double>(y) / 256) != exact_row(y);
+    }
+    CHECK(wrong == 0);
+    CHECK(hmesh::first_row(0) == 0);
+    CHECK(hmesh::first_row(0.5) == 0);
+    CHECK(hmesh::first_row(0.50390625) == 1);
+    CHECK(hmesh::first_row(65536) == 65536);
+}
+
+TEST_CASE("first_row never falls as y grows, off the grid too") {
+    int falls = 0;
+    for (const double centre : {0.5, 1.5, 100.5, 4095.5, 65535.5}) {
+        double y = centre;
+        for (int i = 0; i < 20; ++i) y = std::nextafter(y, 0.0);
+        int last = hmesh::first_row(y);
+        CHECK(last == static_cast<int>(centre));
+        for (int i = 0; i < 40; ++i) {
+            y = std::nextafter(y, 1e9);
+            falls += hmesh::first_row(y) < last;
+            last = hmesh::first_row(y);
+        }
+        CHECK(last == static_cast<int>(centre) + 1);
+    }
+    CHECK(falls == 0);
+}
+
+TEST_CASE("RowCrossing::column is exact for random edges of the 1/256 px grid, from the shortest to 65536 px") {
+    Random random(2);
+    int tried = 0, wrong = 0;
+    for (int i = 0; i < 400000; ++i) {
+        const std::int64_t side = std::int64_t{1} << (6 + random.below(19));  // 1/4 px to 65536 px
+        GridPoint a{below(random, side + 1), below(random, side + 1)}, b{below(random, side + 1), below(random, side + 1)};
+        const std::int64_t room = (1 << 24) - side, dx = below(random, room + 1), dy = below(random, room + 1);
+        a.x += dx, b.x += dx, a.y += dy, b.y += dy;
+        if (b.y < a.y) std::swap(a, b);
+        const std::int64_t first = exact_row(a.y), last = exact_row(b.y);
+        if (first >= last) continue;
+        for (const std::int64_t j : {first, last - 1, first + below(random, last - first)}) {
+            ++tried;
+            wrong += !columns_agree(a, b, j);
+        }
+    }
+    CHECK(wrong == 0);
+    CHECK(tried > 500000);
+}
+
+TEST_CASE("RowCrossing::column is exact where the edge passes a centre as closely as the grid allows, or through it") {
+    // Solves crossing = offset modulo 256 (b.y - a.y) for offset -1, 0, 1: the edge passes at 2^-32 px at the least.
+    Random random(3);
+    int found[3] = {}, wrong = 0;
+    for (int i = 0; i < 400000; ++i) {
+        const std::int64_t side = std::int64_t{1} << (8 + random.below(17));
+        const std::int64_t height = side - below(random, std::min<std::int64_t>(side / 2, 1000));
+        std::int64_t slant = side - below(random, std::min<std::int64_t>(side, random.below(2) == 0 ? 1000 : side));
+        if (random.below(2) == 0) slant = -slant;
+        const std::int64_t offset = below(random, 3) - 1;
+        // t = 256 j + 128 - a.y, the depth of the row under a. Without a coprime slant only vertices are centres.
+        std::int64_t depth = 0;
+        if (offset != 0) {
+            depth = inverse(slant, height) * (offset > 0 ? 1 : height - 1) % height;
+            if (depth == 0) continue;
+        }
+        const std::int64_t turns = (depth * slant - offset) / height;  // depth * slant = offset + turns * height
+        REQUIRE(turns * height + offset == depth * slant);
+        GridPoint a{((128 - turns) % 256 + 256) % 256, ((128 - depth) % 256 + 256) % 256};
+        const std::int64_t most = 1 << 24;
+        if (slant < 0) a.x += (-slant + 255) / 256 * 256;
+        // As far from the origin as there is room, where floating point is coarsest.
+        const std::int64_t right = std::max(a.x, a.x + slant), bottom = a.y + height;
+        if (right > most || bottom > most) continue;
+        if (random.below(2) == 0) {
+            a.x += (most - right) / 256 * 256;
+            a.y += (most - bottom) / 256 * 256;
+        }
+        const GridPoint b{a.x + slant, a.y + height};
+        const std::int64_t j = (a.y + depth - 128) / 256;
+        if (j < exact_row(a.y) || j >= exact_row(b.y)) continue;
+        const std::int64_t period = 256 * height;
+        REQUIRE((crossing(a, b, j) - offset) % period == 0);
+        ++found[offset + 1];
+        wrong += !columns_agree(a, b, j);
+    }
+    CHECK(wrong == 0);
+    for (const int count : found) CHECK(count > 20000);
+}
+
+TEST_CASE("RowCrossing::column: a centre on the edge lies to its right, in every row of slanted lines through centres") {
+    Random random(4);
+    int wrong = 0;
+    for (int i = 0; i < 3000; ++i) {
+        // From centre to centre by whole pixels (dx, dy), n times: the edge meets a centre every dy rows.
+        const std::int64_t dx = below(random, 41) - 20, dy = 1 + below(random, 20), n = 1 + below(random, 12);
+        const GridPoint a{256 * (300 + below(random, 65000)) + 128, 256 * below(random, 65000) + 128};
+        const GridPoint b{a.x + 256 * dx * n, a.y + 256 * dy * n};
+        if (b.x > (1 << 24) || b.y > (1 << 24)) continue;
+        const hmesh::RowCrossing edge(a.point(), b.point());
+        for (std::int64_t k = 0; k < n; ++k)
+            wrong += edge.column(static_cast<int>(a.y / 256 + k * dy)) != a.x / 256 + k * dx;
+        for (std::int64_t j = exact_row(a.y); j < exact_row(b.y); ++j) wrong += !columns_agree(a, b, j);
+    }
+    CHECK(wrong == 0);
+}
+
+TEST_CASE("RowCrossing::column stays within the image for edges on its sides") {
+    for (const double width : {1.0, 255.0, 65536.0}) {
+        CHECK(hmesh::RowCrossing({0, 0}, {0, 1000}).column(500) == 0);
+        CHECK(hmesh::RowCrossing({width, 0}, {width, 1000}).column(500) == static_cast<int>(width));
+        CHECK(hmesh::RowCrossing({0, 0}, {width, 65536}).column(0) == exact_column({0, 0}, {static_cast<int>(width) * 256, 1 << 24}, 0));
+        CHECK(hmesh::RowCrossing({width, 0}, {0, 65536}).column(65535) <= static_cast<int>(width));
+    }
+}
+
+TEST_CASE("snap goes to the nearest multiple of 1/256 px and keeps those that are") {
+    Random random(5);
+    for (int i = 0; i < 10000; ++i) {
+        const double x = random.uniform() * 65536, snapped = hmesh::snap(x);
+        CHECK(std::abs(snapped - x) <= 1.0 / 512);
+        CHECK(snapped * 256 == std::floor(snapped * 256));
+        CHECK(hmesh::snap(snapped) == snapped);
+        CHECK(static_cast<double>(static_cast<float>(snapped)) == snapped);
+    }
+    CHECK(hmesh::snap(Point{0.001, 65536}) == Point{0, 65536});
+    CHECK(hmesh::midpoint({1, 2}, {2, 5}) == Point{1.5, 3.5});
+    CHECK(Point{1, 2} != Point{2, 1});
+}
+
+TEST_CASE("cross is exact on the 1/256 px grid, turns sign with the orientation, and is positive clockwise on the screen") {
+    CHECK(hmesh::cross({0, 0}, {1, 0}, {0, 1}) == 1);
+    Random random(6);
+    const std::int64_t side = 1 << 24;
+    int wrong = 0;
+    for (int i = 0; i < 100000; ++i) {
+        const auto draw = [&] { return GridPoint{below(random, side), below(random, side)}; };
+        const GridPoint a = draw(), b = draw(), c = draw();
+        // Twice in three trials d is near the line from a to b.
+        const GridPoint d = i % 3 == 0 ? c : GridPoint{(a.x + b.x) / 2 + below(random, 3) - 1, (a.y + b.y) / 2 + below(random, 3) - 1};
+        const std::int64_t exact = (b.x - a.x) * (d.y - a.y) - (d.x - a.x) * (b.y - a.y);
+        wrong += hmesh::cross(a.point(), b.point(), d.point()) != static_cast<double>(exact) / 65536;
+        wrong += hmesh::cross(b.point(), a.point(), d.point()) != -static_cast<double>(exact) / 65536;
+    }
+    CHECK(wrong == 0);
+}
+
+TEST_CASE("in_circle is exact for whole pixels within 4096 px, positive inside, zero on the circle, negative outside") {
+    CHECK(hmesh::in_circle({0, 0}, {2, 0}, {2, 2}, {1, 1}) > 0);
+    CHECK(hmesh::in_circle({0, 0}, {2, 0}, {2, 2}, {0, 2}) == 0);
+    CHECK(hmesh::in_circle({0, 0}, {2, 0}, {2, 2}, {0, 3}) < 0);
+    Random random(7);
+    int wrong = 0;
+    for (int i = 0; i < 100000; ++i) {
+        const std::int64_t side = i % 2 == 0 ? 4097 : 9, left = below(random, 60000), top = below(random, 60000);
+        std::int64_t x[4], y[4];
+        Point p[4];
+        for (int k = 0; k < 4; ++k) {
+            x[k] = left + below(random, side);
+            y[k] = top + below(random, side);
+            p[k] = {static_cast<double>(x[k]), static_cast<double>(y[k])};
+        }
+        std::int64_t dx[3], dy[3], square[3];
+        for (int k = 0; k < 3; ++k) {
+            dx[k] = x[k] - x[3];
+            dy[k] = y[k] - y[3];
+            square[k] = dx[k] * dx[k] + dy[k] * dy[k];
+        }
+        const std::int64_t exact = square[0] * (dx[1] * dy[2] - dx[2] * dy[1]) - square[1] * (dx[0] * dy[2] - dx[2] * dy[0]) +
+                                   square[2] * (dx[0] * dy[1] - dx[1] * dy[0]);
+        wrong += hmesh::in_circle(p[0], p[1], p[2], p[3]) != static_cast<double>(exact);
+    }
+    CHECK(wrong == 0);
+}
+
+TEST_CASE("barycentric coordinates sum to 1, make their point, and are 1, 0, 0 in a corner") {
+    Random random(8);
+    for (int i = 0; i < 2000; ++i) {
+        const auto draw = [&] { return Point{random.uniform() * 100, random.uniform() * 100}; };
+        const Point a = draw(), b = draw(), c = draw(), p = draw();
+        const double area = hmesh::cross(a, b, c);
+        if (std::abs(area) < 1) continue;
+        const hmesh::Barycentric w = hmesh::barycentric(a, b, c, p);
+        CHECK(w.a + w.b + w.c == doctest::Approx(1));
+        CHECK(std::abs(w.a * a.x + w.b * b.x + w.c * c.x - p.x) < 1e-8);
+        CHECK(std::abs(w.a * a.y + w.b * b.y + w.c * c.y - p.y) < 1e-8);
+        const bool inside = hmesh::cross(a, b, p) / area > 0 && hmesh::cross(b, c, p) / area > 0 && hmesh::cross(c, a, p) / area > 0;
+        CHECK(inside == (w.a > 0 && w.b > 0 && w.c > 0));
+        const hmesh::Barycentric at_b = hmesh::barycentric(a, b, c, b);
+        CHECK((at_b.a == 0 && at_b.b == 1 && at_b.c == 0));
+    }
+}

@@ -1,0 +1,294 @@
+#include "hmesh/fit/image_mesh.hpp"
+
+#include <doctest/doctest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <utility>
+#include <vector>
+
+#include "hmesh/core/random.hpp"
+#include "test_executors.hpp"
+#include "test_images.hpp"
+#include "test_meshes.hpp"
+
+using hmesh::Color;
+using hmesh::Edge;
+using hmesh::Face;
+using hmesh::Halfedge;
+using hmesh::HalfedgeMesh;
+using hmesh::ImageMesh;
+using hmesh::Mobility;
+using hmesh::Point;
+using hmesh::Random;
+using hmesh::Triangle;
+using hmesh::Vertex;
+using hmesh_test::Snapshot;
+using hmesh_test::Subject;
+
+namespace {
+
+// Greedy and random edits by turns, each followed by proof of everything the mesh promises.
+template <class T, int C>
+void torture(hmesh::Image<T, C> image, int columns, int rows, int edits, double range, std::uint64_t seed) {
+    const int width = image.width(), height = image.height();
+    Subject<T, C> subject(std::move(image), hmesh_test::jittered_grid(width, height, columns, rows, seed));
+    ImageMesh<C>& mesh = subject.mesh;
+    hmesh_test::prove(subject);
+    Random random(seed);
+    for (int k = 0; k < edits; ++k) {
+        switch (random.below(4)) {
+            case 0: hmesh::improve_vertex(mesh, hmesh_test::any_vertex(mesh, random), 0); break;
+            case 1: hmesh::improve_edge(mesh, hmesh_test::any_edge(mesh, random), 0); break;
+            default: hmesh_test::random_edit(mesh, range, random); break;
+        }
+        hmesh_test::prove(subject);
+    }
+}
+
+// Edits in transactions up to three deep, each ended at random; a rollback must give back the snapshot of its beginning.
+template <int C>
+void transact(ImageMesh<C>& mesh, Random& random, int depth, int& rollbacks) {
+    const Snapshot before = hmesh_test::snapshot(mesh);
+    const auto mark = mesh.begin();
+    const int edits = 1 + static_cast<int>(random.below(12));
+    for (int k = 0; k < edits; ++k) {
+        if (depth < 3 && random.below(6) == 0) transact(mesh, random, depth + 1, rollbacks);
+        switch (random.below(4)) {
+            case 0: hmesh::improve_vertex(mesh, hmesh_test::any_vertex(mesh, random), 0); break;
+            case 1: hmesh::improve_edge(mesh, hmesh_test::any_edge(mesh, random), 0); break;
+            default: hmesh_test::random_edit(mesh, 255.0, random); break;
+        }
+    }
+    if (random.below(3) == 0) {
+        mesh.commit(mark);
+        return;
+    }
+    const Snapshot dirty = hmesh_test::snapshot(mesh);
+    rollbacks += dirty == before ? 0 : 1;
+    mesh.rollback(mark);
+    REQUIRE(hmesh_test::snapshot(mesh) == before);
+}
+
+const std::vector<Point> square = {{0, 0}, {8, 0}, {8, 6}, {0, 6}};
+
+}  // namespace
+
+TEST_CASE("a mesh stays true to its pixels through thousands of edits, for every sample type and number of channels") {
+    torture(hmesh_test::scene<std::uint8_t, 3>(26, 22, 1), 4, 4, 700, 255, 1);
+    torture(hmesh_test::scene<std::uint8_t, 1>(25, 21, 2), 4, 3, 700, 255, 2);
+    torture(hmesh_test::noise<std::uint16_t, 2>(20, 24, 3), 3, 4, 500, 65535, 3);
+    torture(hmesh_test::scene<float, 4>(22, 20, 4), 4, 3, 500, 1, 4);
+    torture(hmesh_test::checkerboard<std::uint8_t, 7>(21, 17, 3), 3, 3, 300, 255, 5);
+    torture(hmesh_test::noise<float, 1>(17, 23, 6), 2, 2, 500, 1, 6);
+}
+
+TEST_CASE("a mesh stays true over constant and affine pictures, and over floats that are very large or very small") {
+    torture(hmesh_test::constant_image<std::uint8_t, 3>(18, 15, 1), 3, 3, 300, 255, 11);
+    torture(hmesh_test::constant_image<std::uint8_t, 1>(18, 15, 0), 3, 3, 300, 0, 12);
+    torture(hmesh_test::affine_image<float, 2>(18, 15), 3, 3, 300, 1, 13);
+    torture(hmesh_test::scaled(hmesh_test::scene<float, 3>(18, 15, 14), 1e6), 3, 3, 300, 1e6, 14);
+    torture(hmesh_test::scaled(hmesh_test::scene<float, 1>(18, 15, 15), 1e-6), 3, 3, 300, 1e-6, 15);
+}
+
+TEST_CASE("a mesh stays true over images of one pixel, one row and one column") {
+    torture(hmesh_test::noise<std::uint8_t, 1>(1, 1, 21), 1, 1, 200, 255, 21);
+    torture(hmesh_test::noise<std::uint8_t, 3>(1, 13, 22), 1, 4, 300, 255, 22);
+    torture(hmesh_test::noise<float, 2>(13, 1, 23), 4, 1, 300, 1, 23);
+    torture(hmesh_test::noise<std::uint16_t, 1>(2, 2, 24), 1, 1, 300, 65535, 24);
+}
+
+TEST_CASE("a rollback restores every byte, also from inside other transactions, and a commit keeps every edit") {
+    Subject<std::uint8_t, 3> subject(hmesh_test::scene<std::uint8_t, 3>(26, 22, 1), hmesh_test::jittered_grid(26, 22, 4, 4, 1));
+    hmesh_test::wear(subject.mesh, 60, 255, 1);
+    Random random(1);
+    int rollbacks = 0;
+    for (int k = 0; k < 250; ++k) {
+        transact(subject.mesh, random, 1, rollbacks);
+        hmesh_test::prove(subject);
+    }
+    CHECK(rollbacks > 200);
+
+    const Snapshot before = hmesh_test::snapshot(subject.mesh);
+    const auto mark = subject.mesh.begin();
+    hmesh_test::wear(subject.mesh, 20, 255, 3);
+    const Snapshot after = hmesh_test::snapshot(subject.mesh);
+    subject.mesh.commit(mark);
+    CHECK(hmesh_test::snapshot(subject.mesh) == after);
+    CHECK_FALSE(after == before);
+}
+
+TEST_CASE("what follows a rollback is what would have followed without the transaction: free slots are restored too") {
+    const auto image = hmesh_test::scene<std::uint8_t, 1>(26, 22, 5);
+    const auto grid = hmesh_test::jittered_grid(26, 22, 4, 4, 5);
+    Subject<std::uint8_t, 1> tried(image, grid), untried(image, grid);
+    for (std::uint64_t k = 0; k < 20; ++k) {
+        const auto mark = tried.mesh.begin();
+        hmesh_test::wear(tried.mesh, 40, 255, 100 + k);
+        tried.mesh.rollback(mark);
+        hmesh_test::wear(tried.mesh, 15, 255, 200 + k);
+        hmesh_test::wear(untried.mesh, 15, 255, 200 + k);
+        REQUIRE(hmesh_test::snapshot(tried.mesh) == hmesh_test::snapshot(untried.mesh));
+    }
+}
+
+TEST_CASE("a new mesh has the pixels' colours, knows its borders, and is the same whatever the executor's order") {
+    const auto image = hmesh_test::scene<std::uint16_t, 4>(90, 80, 1);
+    const auto grid = hmesh_test::jittered_grid(90, 80, 30, 30, 1);  // more than one piece of edges and of faces
+    Subject<std::uint16_t, 4> serial(image, grid), reversed(image), shuffled(image);
+    REQUIRE(reversed.mesh.assign(grid.positions, grid.triangles, hmesh_test::ReverseFor{}));
+    REQUIRE(shuffled.mesh.assign(grid.positions, grid.triangles, hmesh_test::ShuffledFor{7}));
+    hmesh_test::prove(serial);
+    CHECK(hmesh_test::snapshot(serial.mesh) == hmesh_test::snapshot(reversed.mesh));
+    CHECK(hmesh_test::snapshot(serial.mesh) == hmesh_test::snapshot(shuffled.mesh));
+
+    for (const Vertex v : serial.mesh.topology().vertices()) {
+        const Point p = serial.mesh.position(v);
+        CHECK(p == grid.positions[v.index()]);
+        const std::uint16_t* pixel = image.pixel(std::min(89, static_cast<int>(p.x)), std::min(79, static_cast<int>(p.y)));
+        for (int k = 0; k < 4; ++k) CHECK(serial.mesh.color(v)[k] == pixel[k]);
+        const bool on_x = p.x == 0 || p.x == 90, on_y = p.y == 0 || p.y == 80;
+        CHECK(serial.mesh.vertex(v).mobility ==
+              (on_x && on_y ? Mobility::fixed : on_x ? Mobility::along_y : on_y ? Mobility::along_x : Mobility::free));
+        CHECK(serial.mesh.is_due(v));
+    }
+}
+
+TEST_CASE("new colours for all vertices give their energy, whatever the executor's order, and leave deleted slots alone") {
+    const auto image = hmesh_test::scene<std::uint8_t, 3>(90, 80, 1);
+    const auto grid = hmesh_test::jittered_grid(90, 80, 30, 30, 1);
+    Subject<std::uint8_t, 3> serial(image, grid), reversed(image, grid);
+    for (Subject<std::uint8_t, 3>* subject : {&serial, &reversed}) hmesh_test::wear(subject->mesh, 600, 255, 2);
+    CHECK(serial.mesh.topology().vertex_count() < serial.mesh.topology().vertex_slots());
+    Random random(3);
+    std::vector<Color<3>> colors(serial.mesh.topology().vertex_slots(), Color<3>::zero());
+    for (Color<3>& color : colors)
+        for (int k = 0; k < 3; ++k) color.set(k, 255 * random.uniform());
+    serial.mesh.set_colors(colors);
+    reversed.mesh.set_colors(colors, hmesh_test::ReverseFor{});
+    hmesh_test::prove(serial);
+    for (const Vertex v : serial.mesh.topology().vertices())
+        for (int k = 0; k < 3; ++k) REQUIRE(serial.mesh.color(v)[k] == colors[v.index()][k]);
+    CHECK(hmesh_test::snapshot(serial.mesh) == hmesh_test::snapshot(reversed.mesh));
+    hmesh_test::wear(serial.mesh, 200, 255, 4);
+    hmesh_test::prove(serial);
+}
+
+TEST_CASE("compacting renumbers in spatial order and drops deleted slots, and changes nothing else") {
+    Subject<std::uint8_t, 3> subject(hmesh_test::scene<std::uint8_t, 3>(60, 50, 1), hmesh_test::jittered_grid(60, 50, 9, 8, 1));
+    ImageMesh<3>& mesh = subject.mesh;
+    hmesh_test::wear(mesh, 500, 255, 1);
+    Random random(1);
+    for (const Vertex v : mesh.topology().vertices()) mesh.set_due(v, random.below(2) == 0);
+    // Everything about a face in numbers that do not name elements.
+    const auto description = [&mesh] {
+        std::vector<std::vector<double>> faces;
+        for (const Face f : mesh.topology().faces()) {
+            const auto v = mesh.topology().vertices(f);
+            std::size_t first = 0;  // from the corner that is first by x, then y
+            const auto key = [&](std::size_t k) { return std::pair{mesh.position(v[k]).x, mesh.position(v[k]).y}; };
+            for (std::size_t k = 1; k < 3; ++k)
+                if (key(k) < key(first)) first = k;
+            std::vector<double> numbers;
+            for (std::size_t k = 0; k < 3; ++k) {
+                const Vertex u = v[(first + k) % 3];
+                const hmesh::VertexState<3>& state = mesh.vertex(u);
+                for (const double x : {state.position.x, state.position.y, state.color[0], state.color[1], state.color[2],
+                                       static_cast<double>(state.mobility), mesh.is_due(u) ? 1.0 : 0.0})
+                    numbers.push_back(x);
+            }
+            faces.push_back(std::move(numbers));
+        }
+        std::sort(faces.begin(), faces.end());
+        return faces;
+    };
+    const auto before = description();
+    const double energy = mesh.energy(), low = mesh.color_low(), high = mesh.color_high();
+    REQUIRE(mesh.topology().face_slots() > mesh.topology().face_count());
+    mesh.compact(1000);
+    CHECK(description() == before);
+    CHECK(std::abs(mesh.energy() - energy) <= hmesh_test::rounding(subject));
+    CHECK((mesh.color_low() == low && mesh.color_high() == high));
+    CHECK(mesh.topology().vertex_slots() == mesh.vertex_count());
+    CHECK(mesh.topology().edge_slots() == mesh.topology().edge_count());
+    CHECK(mesh.topology().face_slots() == mesh.topology().face_count());
+    const auto order = hmesh::spatial_vertices(mesh);
+    for (std::size_t k = 0; k < order.size(); ++k) CHECK(order[k] == Vertex(k));
+    hmesh_test::prove(subject);
+
+    Subject<std::uint8_t, 3> other(subject.image, hmesh_test::jittered_grid(60, 50, 9, 8, 1));
+    hmesh_test::wear(other.mesh, 500, 255, 1);
+    other.mesh.compact(0, hmesh_test::ReverseFor{});
+    CHECK(hmesh_test::snapshot(other.mesh) == hmesh_test::snapshot(mesh));
+    hmesh_test::wear(other.mesh, 100, 255, 2);
+    hmesh_test::prove(other);
+}
+
+TEST_CASE("triangulations that are none are refused") {
+    Subject<std::uint8_t, 1> subject(hmesh_test::noise<std::uint8_t, 1>(8, 6, 1));
+    ImageMesh<1>& mesh = subject.mesh;
+    REQUIRE(mesh.assign(square, {{0, 1, 2}, {0, 2, 3}}));
+    REQUIRE(mesh.check());
+    CHECK(mesh.assign(square, {{0, 1, 2}, {0, 2, 4}}).code == hmesh::Errc::invalid_argument);              // no vertex 4
+    CHECK(mesh.assign(square, {{0, 1, 2}, {0, 1, 3}}).code == hmesh::Errc::invalid_argument);              // 0 -> 1 twice
+    CHECK(mesh.assign(square, {{0, 1, 2}, {0, 2, 2}}).code == hmesh::Errc::invalid_argument);              // a corner twice
+    CHECK(mesh.assign(square, {{0, 1, 2}}).code == hmesh::Errc::invalid_argument);                         // vertex 3 alone
+    CHECK(mesh.assign({{0, 0}, {4, 0}, {0, 3}, {8, 6}, {4, 6}, {8, 3}, {4, 3}}, {{0, 1, 6}, {0, 6, 2}, {3, 4, 6}, {3, 6, 5}}).code ==
+          hmesh::Errc::invalid_argument);                                                                  // two fans in 6
+    REQUIRE(mesh.assign(square, {{0, 1, 3}, {1, 2, 3}}));
+    hmesh_test::prove(subject);
+}
+
+TEST_CASE("check() notices a mesh that does not tile the rectangle, turns a face over, or leaves the grid or its padding") {
+    Subject<std::uint8_t, 1> subject(hmesh_test::noise<std::uint8_t, 1>(8, 6, 1));
+    ImageMesh<1>& mesh = subject.mesh;
+    REQUIRE(mesh.assign(square, {{0, 2, 1}, {0, 3, 2}}));
+    CHECK_FALSE(mesh.check());  // all faces turned over
+    REQUIRE(mesh.assign({{0, 0}, {8, 0}, {8, 6}}, {{0, 1, 2}}));
+    CHECK_FALSE(mesh.check());  // half the rectangle
+    REQUIRE(mesh.assign({{0, 0}, {8, 0}, {8, 6}, {0, 6}, {4, 3}}, {{0, 1, 4}, {1, 2, 4}, {2, 3, 4}}));
+    CHECK_FALSE(mesh.check());  // a notch, so that vertex 4 is on the mesh's border but inside the image
+    const std::vector<Triangle> fan = {{0, 1, 4}, {1, 2, 4}, {2, 3, 4}, {3, 0, 4}};
+    REQUIRE(mesh.assign({{0, 0}, {8, 0}, {8, 6}, {0, 6}, {4 + 1.0 / 512, 3}}, fan));
+    CHECK_FALSE(mesh.check());
+    REQUIRE(mesh.assign({{0, 0}, {8, 0}, {8, 6}, {0, 6}, {4, 3}}, fan));
+    REQUIRE(mesh.check());
+    Color<1> padded = Color<1>::zero();
+    padded.set(1, 1);
+    mesh.place(Vertex(4), {4, 3}, padded);
+    CHECK_FALSE(mesh.check());
+}
+
+TEST_CASE("a vertex's place is clamped to the grid, and off the border unless it lives there") {
+    Subject<std::uint8_t, 1> subject(hmesh_test::noise<std::uint8_t, 1>(8, 6, 1));
+    const ImageMesh<1>& mesh = subject.mesh;
+    const double gap = mesh.limits().border_gap;
+    CHECK(mesh.clamp({3.1, 2.9}, Mobility::free) == Point{794.0 / 256, 742.0 / 256});
+    CHECK(mesh.clamp({-3, 99}, Mobility::free) == Point{gap, 6 - gap});
+    CHECK(mesh.clamp({99, -3}, Mobility::free) == Point{8 - gap, gap});
+    CHECK(mesh.clamp({-1, 6}, Mobility::along_x) == Point{gap, 6});
+    CHECK(mesh.clamp({8, 7}, Mobility::along_y) == Point{8, 6 - gap});
+    CHECK(mesh.clamp({8, 0}, Mobility::fixed) == Point{8, 0});
+}
+
+TEST_CASE("colours keep within their range and its overshoot, also when that overflows") {
+    Subject<std::uint8_t, 1> bytes(hmesh_test::noise<std::uint8_t, 1>(8, 6, 1));
+    const double slack = 255 * bytes.mesh.limits().color_overshoot;
+    CHECK(bytes.mesh.color_low() == doctest::Approx(-slack));
+    CHECK(bytes.mesh.color_high() == doctest::Approx(255 + slack));
+    Subject<float, 1> floats(hmesh_test::noise<float, 1>(8, 6, 1));
+    CHECK(std::isfinite(floats.mesh.color_low()));
+    CHECK(std::isfinite(floats.mesh.color_high()));
+    CHECK(floats.mesh.color_high() >= hmesh::PixelTraits<float>::highest);
+}
+
+TEST_CASE("room reserved changes nothing") {
+    const auto image = hmesh_test::scene<std::uint8_t, 1>(26, 22, 5);
+    const auto grid = hmesh_test::jittered_grid(26, 22, 4, 4, 5);
+    Subject<std::uint8_t, 1> plain(image, grid), roomy(image, grid);
+    roomy.mesh.reserve(1000);
+    for (Subject<std::uint8_t, 1>* subject : {&plain, &roomy}) hmesh_test::wear(subject->mesh, 100, 255, 2);
+    CHECK(hmesh_test::snapshot(plain.mesh) == hmesh_test::snapshot(roomy.mesh));
+}

@@ -1,0 +1,215 @@
+#include "hmesh/image/image_view.hpp"
+
+#include <doctest/doctest.h>
+
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+#include <string>
+#include <type_traits>
+#include <vector>
+
+#include "test_executors.hpp"
+#include "test_images.hpp"
+
+using hmesh::Errc;
+using hmesh::Image;
+using hmesh::ImageView;
+using hmesh::PixelTraits;
+using hmesh::Status;
+
+static_assert(std::is_aggregate_v<ImageView<std::uint8_t, 3>>);
+static_assert(std::is_trivially_copyable_v<ImageView<float, 16>>);
+
+namespace {
+
+template <class T, int C>
+bool refused(const ImageView<T, C>& view, Errc code, std::int64_t got, std::int64_t want) {
+    const Status status = check(view);
+    CHECK(status.code == code);
+    CHECK(std::string(status.what).size() > 10);
+    CHECK(status.got == got);
+    CHECK(status.want == want);
+    return !status;
+}
+
+constexpr std::uint8_t byte = 0;
+constexpr std::uint16_t word = 0;
+
+}  // namespace
+
+TEST_CASE("check refuses a null pointer") { CHECK(refused(ImageView<std::uint8_t, 3>{nullptr, 4, 4, 0}, Errc::invalid_argument, 0, 0)); }
+
+TEST_CASE("check refuses sizes of zero and below") {
+    constexpr int lowest = std::numeric_limits<int>::min();
+    for (const int size : {0, -1, -1000, lowest}) {
+        CHECK(refused(ImageView<std::uint8_t, 3>{&byte, size, 4, 0}, Errc::invalid_argument, size, 1));
+        CHECK(refused(ImageView<std::uint8_t, 3>{&byte, 4, size, 0}, Errc::invalid_argument, size, 1));
+        CHECK(refused(ImageView<std::uint8_t, 3>{&byte, size, size, 0}, Errc::invalid_argument, size, 1));
+    }
+    CHECK(refused(ImageView<std::uint8_t, 3>{}, Errc::invalid_argument, 0, 1));
+}
+
+TEST_CASE("check refuses sides and products that are too large, also those that overflow 32 bits") {
+    constexpr int largest = std::numeric_limits<int>::max();
+    CHECK(refused(ImageView<std::uint8_t, 1>{&byte, hmesh::max_side + 1, 1, 0}, Errc::image_too_large, 65537, 65536));
+    CHECK(refused(ImageView<std::uint8_t, 1>{&byte, 1, hmesh::max_side + 1, 0}, Errc::image_too_large, 65537, 65536));
+    CHECK(refused(ImageView<std::uint8_t, 1>{&byte, largest, largest, 0}, Errc::image_too_large, largest, 65536));
+    // 65536 * 65536 is 0 in 32 bits.
+    CHECK(refused(ImageView<std::uint8_t, 1>{&byte, 65536, 65536, 0}, Errc::image_too_large, std::int64_t{1} << 32, hmesh::max_pixels));
+    CHECK(refused(ImageView<std::uint8_t, 1>{&byte, 65536, 4097, 0}, Errc::image_too_large, 65536LL * 4097, hmesh::max_pixels));
+}
+
+TEST_CASE("check accepts the largest and the smallest sizes") {
+    CHECK(check(ImageView<std::uint8_t, 1>{&byte, 65536, 4096, 0}));
+    CHECK(check(ImageView<std::uint16_t, 16>{&word, 4096, 65536, 0}));
+    CHECK(check(ImageView<std::uint8_t, 3>{&byte, 1, 1, 0}));
+    CHECK(check(ImageView<std::uint8_t, 3>{&byte, 1, 65536, 0}));
+    CHECK(check(ImageView<std::uint8_t, 3>{&byte, 65536, 1, 0}));
+}
+
+TEST_CASE("check refuses a stride smaller than a row, whichever its sign") {
+    CHECK(refused(ImageView<std::uint8_t, 3>{&byte, 10, 4, 29}, Errc::invalid_argument, 29, 30));
+    CHECK(refused(ImageView<std::uint8_t, 3>{&byte, 10, 4, 1}, Errc::invalid_argument, 1, 30));
+    CHECK_FALSE(check(ImageView<std::uint8_t, 3>{&byte, 10, 4, -29}));
+    CHECK(refused(ImageView<std::uint16_t, 3>{&word, 10, 4, 58}, Errc::invalid_argument, 58, 60));
+    CHECK(check(ImageView<std::uint8_t, 3>{&byte, 10, 4, 30}));
+    CHECK(check(ImageView<std::uint8_t, 3>{&byte, 10, 4, 31}));
+    CHECK(check(ImageView<std::uint8_t, 3>{&byte, 10, 4, -30}));
+    CHECK(check(ImageView<std::uint8_t, 3>{&byte, 10, 4, 0}));
+}
+
+TEST_CASE("check refuses a stride that would misalign the samples") {
+    constexpr float sample = 0;
+    CHECK(refused(ImageView<std::uint16_t, 1>{&word, 10, 4, 21}, Errc::invalid_argument, 21, 2));
+    CHECK(check(ImageView<std::uint16_t, 1>{&word, 10, 4, 22}));
+    for (const std::ptrdiff_t stride : {41, 42, 43, -41, -42, -43}) CHECK_FALSE(check(ImageView<float, 1>{&sample, 10, 4, stride}));
+    CHECK(check(ImageView<float, 1>{&sample, 10, 4, 44}));
+    CHECK(check(ImageView<float, 1>{&sample, 10, 4, -44}));
+}
+
+TEST_CASE("check refuses the stride that has no absolute value") {
+    CHECK_FALSE(check(ImageView<std::uint8_t, 3>{&byte, 10, 4, std::numeric_limits<std::ptrdiff_t>::min()}));
+}
+
+TEST_CASE_TEMPLATE("a padded view and a bottom-up view show the same pixels as the packed image", T, std::uint8_t, std::uint16_t, float) {
+    const Image<T, 3> image = hmesh_test::noise<T, 3>(7, 5, 1);
+    for (const int padding : {0, 1, 6})
+        for (const bool bottom_up : {false, true}) {
+            const hmesh_test::PaddedCopy<T, 3> copy(image, padding, bottom_up, T(1));
+            const ImageView<T, 3> view = copy.view();
+            CHECK(check(view));
+            CHECK((view.row_stride < 0) == bottom_up);
+            for (int y = 0; y < 5; ++y)
+                for (int x = 0; x < 7; ++x)
+                    for (int c = 0; c < 3; ++c) CHECK(view.pixel(x, y)[c] == image.view().pixel(x, y)[c]);
+        }
+}
+
+TEST_CASE("an Image is packed, starts at zero, and is empty by default") {
+    Image<std::uint16_t, 4> image(5, 3);
+    CHECK(image.width() == 5);
+    CHECK(image.height() == 3);
+    CHECK(image.samples() == std::vector<std::uint16_t>(60, 0));
+    image.pixel(2, 1)[3] = 9;
+    CHECK(image.samples()[(1 * 5 + 2) * 4 + 3] == 9);
+    CHECK(image.view().pixel(2, 1)[3] == 9);
+    CHECK(image.view().row_stride == 0);
+    const hmesh::Rect bounds = image.view().bounds();
+    CHECK((bounds.x == 0 && bounds.y == 0 && bounds.width == 5 && bounds.height == 3));
+    CHECK_FALSE(check(Image<std::uint16_t, 4>().view()));
+}
+
+TEST_CASE("check_finite names the first row with a NaN or an infinity, in any order of work") {
+    constexpr float infinity = std::numeric_limits<float>::infinity(), nan = std::numeric_limits<float>::quiet_NaN();
+    Image<float, 3> image = hmesh_test::noise<float, 3>(20, 100, 1);
+    CHECK(check_finite(image.view()));
+    image.pixel(0, 0)[0] = std::numeric_limits<float>::max();
+    image.pixel(1, 0)[0] = std::numeric_limits<float>::denorm_min();
+    CHECK(check_finite(image.view()));
+    for (const float bad : {nan, infinity, -infinity})
+        for (const int y : {0, 31, 32, 77, 99}) {
+            Image<float, 3> broken = image;
+            broken.pixel(19, 99)[2] = bad;
+            broken.pixel(y == 99 ? 19 : 0, y)[y == 99 ? 2 : 0] = bad;
+            for (const Status& status : {check_finite(broken.view()), check_finite(broken.view(), hmesh_test::ReverseFor()),
+                                         check_finite(broken.view(), hmesh_test::ShuffledFor())}) {
+                CHECK(status.code == Errc::not_finite);
+                CHECK(status.got == y);
+            }
+        }
+}
+
+TEST_CASE("check_finite reads no padding, and looks at bottom-up images too") {
+    constexpr float nan = std::numeric_limits<float>::quiet_NaN();
+    Image<float, 2> image = hmesh_test::noise<float, 2>(6, 4, 1);
+    for (const bool bottom_up : {false, true}) CHECK(check_finite(hmesh_test::PaddedCopy<float, 2>(image, 3, bottom_up, nan).view()));
+    image.pixel(5, 1)[1] = nan;
+    for (const bool bottom_up : {false, true})
+        CHECK(check_finite(hmesh_test::PaddedCopy<float, 2>(image, 3, bottom_up, 0.0F).view()).got == 1);
+}
+
+TEST_CASE("check_finite accepts integers without reading them") {
+    CHECK(check_finite(ImageView<std::uint8_t, 3>{nullptr, 65536, 4096, 0}));
+    CHECK(check_finite(ImageView<std::uint16_t, 3>{nullptr, 65536, 4096, 0}));
+}
+
+TEST_CASE_TEMPLATE("PixelTraits of integers: rounds to nearest, clamps, and gives back every value", T, std::uint8_t, std::uint16_t) {
+    using Traits = PixelTraits<T>;
+    constexpr int peak = std::numeric_limits<T>::max();
+    static_assert(Traits::is_integer);
+    CHECK(Traits::peak == peak);
+    CHECK(Traits::lowest == 0);
+    CHECK(Traits::highest == peak);
+    int wrong = 0;
+    for (int value = 0; value <= peak; ++value) {
+        const T sample = static_cast<T>(value);
+        wrong += Traits::to_real(sample) != value;
+        wrong += Traits::from_real(value) != sample;
+        wrong += Traits::from_real(value + 0.4999) != sample;
+        wrong += Traits::from_real(value - 0.4999) != sample;
+        wrong += value < peak && Traits::from_real(value + 0.5) != value + 1;
+    }
+    CHECK(wrong == 0);
+    constexpr double infinity = std::numeric_limits<double>::infinity();
+    CHECK(Traits::from_real(-0.6) == 0);
+    CHECK(Traits::from_real(-1e300) == 0);
+    CHECK(Traits::from_real(-infinity) == 0);
+    CHECK(Traits::from_real(peak + 0.6) == peak);
+    CHECK(Traits::from_real(1e300) == peak);
+    CHECK(Traits::from_real(infinity) == peak);
+    CHECK(Traits::from_real(std::numeric_limits<double>::quiet_NaN()) == 0);
+}
+
+TEST_CASE("PixelTraits of float: peak 1, values outside [0, 1] kept, everything finite stays finite") {
+    using Traits = PixelTraits<float>;
+    static_assert(!Traits::is_integer);
+    CHECK(Traits::peak == 1);
+    for (const float value : {0.0F, 1.0F, -3.5F, 12345.678F, std::numeric_limits<float>::max(), -std::numeric_limits<float>::max(),
+                              std::numeric_limits<float>::denorm_min()})
+        CHECK(Traits::from_real(Traits::to_real(value)) == value);
+    CHECK(Traits::from_real(0.1) == 0.1F);
+    CHECK(Traits::from_real(1e300) == std::numeric_limits<float>::max());
+    CHECK(Traits::from_real(-1e300) == -std::numeric_limits<float>::max());
+    CHECK(std::isfinite(Traits::from_real(std::numeric_limits<double>::infinity())));
+}
+
+TEST_CASE("the test scene is the same picture in every sample type, and has flat, steep and varied parts") {
+    const Image<std::uint8_t, 3> bytes = hmesh_test::scene<std::uint8_t, 3>(60, 40, 5);
+    const Image<std::uint16_t, 3> words = hmesh_test::scene<std::uint16_t, 3>(60, 40, 5);
+    const Image<float, 3> floats = hmesh_test::scene<float, 3>(60, 40, 5);
+    int different = 0, steep = 0, flat = 0;
+    for (std::size_t i = 0; i < bytes.samples().size(); ++i) {
+        different += words.samples()[i] != 257 * bytes.samples()[i];
+        different += floats.samples()[i] != static_cast<float>(bytes.samples()[i] / 255.0);
+        if (i < 3) continue;
+        const int step = std::abs(bytes.samples()[i] - bytes.samples()[i - 3]);
+        steep += step > 30;
+        flat += step <= 3;
+    }
+    CHECK(different == 0);
+    CHECK(steep > 100);
+    CHECK(flat > 3000);
+    CHECK(hmesh_test::scene<std::uint8_t, 3>(60, 40, 6).samples() != bytes.samples());
+}

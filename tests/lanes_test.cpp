@@ -1,0 +1,124 @@
+#include "hmesh/core/lanes.hpp"
+
+#include <doctest/doctest.h>
+
+#include <cstdint>
+
+#include "hmesh/core/random.hpp"
+
+using hmesh::Lanes;
+
+namespace {
+
+template <int N>
+struct Size {
+    static constexpr int lanes = N;
+};
+
+template <int N>
+struct Values {
+    double value[N];
+};
+
+// Small integers, so that sums and products are exact in any order.
+template <int N>
+Values<N> random_values(hmesh::Random& random) {
+    Values<N> values;
+    for (double& value : values.value) value = static_cast<double>(random.below(2001)) - 1000;
+    return values;
+}
+
+template <int N, class Expected>
+bool equal(const Lanes<N>& lanes, Expected&& expected) {
+    for (int i = 0; i < N; ++i)
+        if (lanes[i] != expected(i)) return false;
+    return true;
+}
+
+}  // namespace
+
+TEST_CASE("lanes_for gives 1, 2 or the next multiple of 4") {
+    static_assert(hmesh::lanes_for(1) == 1 && hmesh::lanes_for(2) == 2);
+    static_assert(hmesh::lanes_for(3) == 4 && hmesh::lanes_for(4) == 4 && hmesh::lanes_for(5) == 8);
+    static_assert(hmesh::lanes_for(8) == 8 && hmesh::lanes_for(9) == 12 && hmesh::lanes_for(17) == 20);
+    for (int n = 1; n <= 64; ++n) {
+        CHECK(hmesh::lanes_for(n) >= n);
+        CHECK(hmesh::lanes_for(n) < n + 4);
+    }
+}
+
+TEST_CASE_TEMPLATE("Lanes: every operation does to each lane what it does to a double", S, Size<1>, Size<2>, Size<4>, Size<8>,
+                   Size<12>, Size<16>, Size<20>) {
+    constexpr int n = S::lanes;
+    static_assert(sizeof(Lanes<n>) == n * sizeof(double));
+    hmesh::Random random(n);
+    for (int round = 0; round < 100; ++round) {
+        const Values<n> x = random_values<n>(random), y = random_values<n>(random);
+        const double s = static_cast<double>(random.below(100)) - 50;
+        const Lanes<n> a = Lanes<n>::load(x.value), b = Lanes<n>::load(y.value);
+        CHECK(equal(a, [&](int i) { return x.value[i]; }));
+        CHECK(equal(Lanes<n>::zero(), [&](int) { return 0.0; }));
+        CHECK(equal(Lanes<n>::all(s), [&](int) { return s; }));
+        CHECK(equal(a + b, [&](int i) { return x.value[i] + y.value[i]; }));
+        CHECK(equal(a - b, [&](int i) { return x.value[i] - y.value[i]; }));
+        CHECK(equal(a * b, [&](int i) { return x.value[i] * y.value[i]; }));
+        CHECK(equal(a * s, [&](int i) { return x.value[i] * s; }));
+        CHECK(equal(s * a, [&](int i) { return x.value[i] * s; }));
+        CHECK(equal(-a, [&](int i) { return -x.value[i]; }));
+
+        Lanes<n> c = a;
+        c += b;
+        CHECK(equal(c, [&](int i) { return x.value[i] + y.value[i]; }));
+        c -= b;
+        c -= b;
+        CHECK(equal(c, [&](int i) { return x.value[i] - y.value[i]; }));
+        c *= s;
+        CHECK(equal(c, [&](int i) { return (x.value[i] - y.value[i]) * s; }));
+
+        double sum = 0, product = 0;
+        for (int i = 0; i < n; ++i) {
+            sum += x.value[i];
+            product += x.value[i] * y.value[i];
+        }
+        CHECK(a.sum() == sum);
+        CHECK(dot(a, b) == product);
+    }
+}
+
+TEST_CASE_TEMPLATE("Lanes: set changes one lane, store writes what load reads, also from 32-bit integers", S, Size<1>, Size<2>,
+                   Size<4>, Size<8>, Size<12>, Size<16>, Size<20>) {
+    constexpr int n = S::lanes;
+    hmesh::Random random(n);
+    // Offset by one number, so that nothing may rely on alignment.
+    std::int32_t integers[n + 1] = {};
+    for (std::int32_t& value : integers) value = static_cast<std::int32_t>(random.next());
+    integers[1] = INT32_MAX;
+    integers[n] = n == 1 ? INT32_MAX : INT32_MIN;
+    const Lanes<n> a = Lanes<n>::load(integers + 1);
+    CHECK(equal(a, [&](int i) { return static_cast<double>(integers[i + 1]); }));
+
+    double stored[n + 2] = {};
+    stored[0] = stored[n + 1] = 7;
+    a.store(stored + 1);
+    CHECK(stored[0] == 7);
+    CHECK(stored[n + 1] == 7);
+    CHECK(equal(Lanes<n>::load(stored + 1), [&](int i) { return a[i]; }));
+
+    for (int k = 0; k < n; ++k) {
+        Lanes<n> b = a;
+        b.set(k, 0.25);
+        CHECK(equal(b, [&](int i) { return i == k ? 0.25 : a[i]; }));
+    }
+}
+
+TEST_CASE_TEMPLATE("Lanes: clamp brings each lane into the range and leaves those inside alone", S, Size<1>, Size<2>, Size<4>,
+                   Size<8>, Size<12>, Size<16>, Size<20>) {
+    constexpr int n = S::lanes;
+    hmesh::Random random(n);
+    for (int round = 0; round < 100; ++round) {
+        const Values<n> x = random_values<n>(random);
+        Lanes<n> a = Lanes<n>::load(x.value);
+        a.clamp(-300, 500);
+        CHECK(equal(a, [&](int i) { return x.value[i] < -300 ? -300 : (x.value[i] > 500 ? 500 : x.value[i]); }));
+    }
+}

@@ -1,0 +1,434 @@
+#include "hmesh/mesh_image.hpp"
+
+#include <doctest/doctest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <cstring>
+#include <limits>
+#include <utility>
+#include <vector>
+
+#include "test_images.hpp"
+#include "test_results.hpp"
+
+using hmesh::Effort;
+using hmesh::Errc;
+using hmesh::Image;
+using hmesh::ImageView;
+using hmesh::mesh_image;
+using hmesh::Options;
+using hmesh::Result;
+using hmesh::Target;
+
+namespace {
+
+constexpr double infinity = std::numeric_limits<double>::infinity();
+constexpr double not_a_number = std::numeric_limits<double>::quiet_NaN();
+
+Options options_of(Target target, Effort effort) {
+    Options options;
+    options.target = target;
+    options.effort = effort;
+    return options;
+}
+
+template <class T, int C>
+Result<C> mesh_of(const Image<T, C>& image, Target target, Effort effort) {
+    return mesh_image(image.view(), options_of(target, effort));
+}
+
+// A refusal has the right code and a sentence, and gives no mesh.
+template <int C>
+void check_refused(const Result<C>& result, Errc code) {
+    CHECK(result.status.code == code);
+    CHECK(std::strlen(result.status.what) > 15);
+    CHECK(result.mesh.vertex_count() == 0);
+    CHECK(result.mesh.face_count() == 0);
+    CHECK(result.report.vertices == 0);
+    CHECK(result.report.stages.empty());
+}
+
+template <class T, int C>
+void check_refused(const ImageView<T, C>& view, Errc code) {
+    for (const Effort effort : {Effort::draft, Effort::normal}) check_refused(mesh_image(view, options_of(Target::vertices(4), effort)), code);
+}
+
+Image<std::uint8_t, 3> small_scene() { return hmesh_test::scene<std::uint8_t, 3>(24, 20, 3); }
+
+// Exactly n vertices for every n that the image can hold.
+template <class T, int C>
+void mesh_with_every_count(const Image<T, C>& image, Effort effort, std::size_t stride = 1) {
+    const std::size_t most = std::max<std::size_t>(4, image.samples().size() / C);
+    for (std::size_t n = 4; n <= most; n += stride) {
+        CAPTURE(n);
+        hmesh_test::prove_result(image, mesh_of(image, Target::vertices(static_cast<std::int64_t>(n)), effort), n);
+    }
+}
+
+template <class Body>
+void for_each_tiny_size(Body&& body) {
+    for (int height = 1; height <= 6; ++height)
+        for (int width = 1; width <= 6; ++width) {
+            CAPTURE(width);
+            CAPTURE(height);
+            body(width, height);
+        }
+}
+
+}  // namespace
+
+TEST_CASE("an image without data or with a size below 1 is refused") {
+    const std::uint8_t pixel[12] = {};
+    check_refused(ImageView<std::uint8_t, 3>{}, Errc::invalid_argument);
+    check_refused(ImageView<std::uint8_t, 3>{nullptr, 4, 4, 0}, Errc::invalid_argument);
+    for (const int bad : {0, -1, std::numeric_limits<int>::min()}) {
+        check_refused(ImageView<std::uint8_t, 3>{pixel, bad, 1, 0}, Errc::invalid_argument);
+        check_refused(ImageView<std::uint8_t, 3>{pixel, 1, bad, 0}, Errc::invalid_argument);
+        check_refused(ImageView<std::uint8_t, 3>{pixel, bad, bad, 0}, Errc::invalid_argument);
+    }
+}
+
+TEST_CASE("an image whose size overflows 32 bits or the library's bounds is refused before a pixel is read") {
+    const std::uint8_t pixel[3] = {};
+    constexpr int largest = std::numeric_limits<int>::max();
+    for (const auto& [width, height] : {std::pair{65536, 65536}, {65536, 65537}, {largest, largest}, {largest, 1}, {1, largest},
+                                        {65537, 1}, {1, 65537}, {46341, 46341}, {16385, 16384}})
+        check_refused(ImageView<std::uint8_t, 3>{pixel, width, height, 0}, Errc::image_too_large);
+}
+
+TEST_CASE("a row stride smaller than a row, or one that misaligns the samples, is refused") {
+    const std::uint16_t pixels[64] = {};
+    for (const std::ptrdiff_t stride : {1, 2, 23, -1, -23})
+        check_refused(ImageView<std::uint16_t, 3>{pixels, 4, 2, stride}, Errc::invalid_argument);
+    for (const std::ptrdiff_t stride : {25, -25}) check_refused(ImageView<std::uint16_t, 3>{pixels, 4, 2, stride}, Errc::invalid_argument);
+    check_refused(ImageView<std::uint16_t, 3>{pixels, 4, 2, std::numeric_limits<std::ptrdiff_t>::min() / 2 + 1}, Errc::invalid_argument);
+}
+
+TEST_CASE("the most negative row stride is refused and not negated") {
+    const std::uint8_t pixels[64] = {};
+    const auto result = mesh_image(ImageView<std::uint8_t, 3>{pixels, 4, 2, std::numeric_limits<std::ptrdiff_t>::min()},
+                                   options_of(Target::vertices(4), Effort::draft));
+    CHECK(result.status.code == Errc::invalid_argument);
+}
+
+TEST_CASE("NaN and infinite samples are refused wherever they are, but not between the rows") {
+    Image<float, 3> image = hmesh_test::scene<float, 3>(13, 9, 1);
+    const std::size_t last = image.samples().size() - 1;
+    for (const std::size_t where : {std::size_t{0}, std::size_t{100}, last})
+        for (const double bad : {not_a_number, infinity, -infinity}) {
+            Image<float, 3> spoilt = image;
+            spoilt.samples()[where] = static_cast<float>(bad);
+            check_refused(spoilt.view(), Errc::not_finite);
+        }
+    const hmesh_test::PaddedCopy<float, 3> padded(image, 5, false, static_cast<float>(not_a_number));
+    CHECK(mesh_image(padded.view(), options_of(Target::vertices(9), Effort::fast)).status);
+}
+
+TEST_CASE("a number of vertices below 4 or above the pixels is refused") {
+    const auto image = small_scene();
+    for (const std::int64_t bad : {std::int64_t{3}, std::int64_t{0}, std::int64_t{-1}, std::int64_t{24 * 20 + 1},
+                                   std::numeric_limits<std::int64_t>::max(), std::numeric_limits<std::int64_t>::min()})
+        check_refused(mesh_of(image, Target::vertices(bad), Effort::draft), Errc::target_out_of_range);
+    const auto pixel = hmesh_test::noise<std::uint8_t, 1>(1, 1, 1);
+    check_refused(mesh_of(pixel, Target::vertices(5), Effort::draft), Errc::target_out_of_range);
+}
+
+TEST_CASE("a number of vertices that is none is refused: NaN, infinite, or beyond 64 bits") {
+    const auto image = small_scene();
+    for (const double bad : {not_a_number, infinity, -infinity, 1e300, -1e300})
+        check_refused(mesh_of(image, Target{Target::Kind::vertices, bad}, Effort::draft), Errc::target_out_of_range);
+}
+
+TEST_CASE("a rate must be above 0 and at most 100 percent") {
+    const auto image = small_scene();
+    for (const double bad : {0.0, -0.0, -1.0, 100.0001, 1e300, infinity, -infinity, not_a_number})
+        check_refused(mesh_of(image, Target::rate(bad), Effort::draft), Errc::target_out_of_range);
+}
+
+TEST_CASE("a rate becomes the rounded number of vertices, at least 4") {
+    const auto image = small_scene();  // 480 pixels
+    for (const auto& [percent, vertices] : {std::pair<double, std::size_t>{1e-300, 4}, {0.1, 4}, {1, 5}, {1.1, 5}, {1.15, 6}, {10, 48}, {50, 240}, {100, 480}})
+        hmesh_test::prove_result(image, mesh_of(image, Target::rate(percent), Effort::draft), vertices);
+    hmesh_test::prove_result(image, mesh_image(image.view()), 5);  // the default: 1 %
+    hmesh_test::prove_result(hmesh_test::noise<std::uint8_t, 1>(1, 1, 1), mesh_of(hmesh_test::noise<std::uint8_t, 1>(1, 1, 1), Target::rate(100), Effort::fast), 4);
+}
+
+TEST_CASE("a PSNR must be positive and finite") {
+    const auto image = small_scene();
+    for (const double bad : {0.0, -1.0, -1e300, infinity, -infinity, not_a_number})
+        check_refused(mesh_of(image, Target::psnr(bad), Effort::draft), Errc::target_out_of_range);
+}
+
+TEST_CASE("a PSNR that no mesh reaches gives the nearest mesh, and says so with both numbers") {
+    const auto image = hmesh_test::noise<std::uint8_t, 1>(12, 10, 1);
+    const auto most = mesh_of(image, Target::vertices(120), Effort::fast);
+    const auto result = mesh_of(image, Target::psnr(200), Effort::fast);
+    CHECK(result.status.code == Errc::target_out_of_range);
+    CHECK(result.status.want == 20000);
+    CHECK(result.status.got == static_cast<std::int64_t>(std::floor(100 * result.report.psnr)));
+    CHECK(result.report.psnr >= most.report.psnr);
+    CHECK(result.report.psnr < 200);
+    hmesh_test::prove_report(image, result);
+}
+
+TEST_CASE("the largest PSNR there is does not overflow the report of what was asked for") {
+    const auto image = hmesh_test::noise<std::uint8_t, 1>(5, 4, 1);
+    const auto result = mesh_of(image, Target::psnr(std::numeric_limits<double>::max()), Effort::draft);
+    CHECK(result.status.code == Errc::target_out_of_range);
+    CHECK(result.status.want > result.status.got);
+    hmesh_test::prove_report(image, result);
+}
+
+TEST_CASE("limits that mean nothing are refused, each by itself") {
+    const auto image = small_scene();
+    using Limit = double hmesh::MeshLimits::*;
+    const std::pair<Limit, std::vector<double>> cases[] = {{&hmesh::MeshLimits::min_cross, {0, 0.3, 1e9}},
+                                                           {&hmesh::MeshLimits::border_gap, {0, 1.0 / 512, 0.3, 1e9}},
+                                                           {&hmesh::MeshLimits::color_overshoot, {-1e-9, 101, 1e300}},
+                                                           {&hmesh::MeshLimits::ridge, {0, 1.5, 1e300}}};
+    for (const auto& [limit, bads] : cases) {
+        for (const double bad : bads) {
+            Options options = options_of(Target::vertices(8), Effort::draft);
+            options.limits.*limit = bad;
+            check_refused(mesh_image(image.view(), options), Errc::invalid_argument);
+        }
+        for (const double bad : {-1.0, -1e300, infinity, -infinity, not_a_number}) {
+            Options options = options_of(Target::vertices(8), Effort::draft);
+            options.limits.*limit = bad;
+            check_refused(mesh_image(image.view(), options), Errc::invalid_argument);
+        }
+    }
+}
+
+TEST_CASE("limits at the ends of their ranges still give every number of vertices") {
+    for (const double min_cross : {1e-4, 0.25})
+        for (const double border_gap : {1.0 / 256, 0.25})
+            for (const double color_overshoot : {0.0, 100.0})
+                for (const double ridge : {1e-9, 1.0}) {
+                    CAPTURE(min_cross);
+                    CAPTURE(border_gap);
+                    CAPTURE(color_overshoot);
+                    CAPTURE(ridge);
+                    const auto image = hmesh_test::noise<std::uint8_t, 1>(5, 4, 1);
+                    for (const Effort effort : {Effort::draft, Effort::fast, Effort::normal})
+                        for (const std::size_t n : {4U, 7U, 19U, 20U}) {
+                            CAPTURE(n);
+                            Options options = options_of(Target::vertices(static_cast<std::int64_t>(n)), effort);
+                            options.limits = {min_cross, border_gap, color_overshoot, ridge};
+                            hmesh_test::prove_result(image, mesh_image(image.view(), options), n);
+                        }
+                }
+}
+
+TEST_CASE("the smallest ridges are refused or leave all colours finite") {
+    // One vertex a pixel: faces without pixels, whose corners only the ridge holds.
+    const auto bytes = hmesh_test::scene<std::uint8_t, 1>(8, 8, 1);
+    const auto floats = hmesh_test::scene<float, 1>(8, 8, 1);
+    for (const double ridge : {1e-12, 1e-30, 1e-200, std::numeric_limits<double>::min(), std::numeric_limits<double>::denorm_min()})
+        for (const Effort effort : {Effort::draft, Effort::fast, Effort::normal}) {
+            CAPTURE(ridge);
+            Options options = options_of(Target::vertices(64), effort);
+            options.limits.ridge = ridge;
+            const auto of_bytes = mesh_image(bytes.view(), options);
+            const auto of_floats = mesh_image(floats.view(), options);
+            CHECK(of_bytes.status.code == of_floats.status.code);
+            if (of_bytes.status) hmesh_test::prove_result(bytes, of_bytes, 64);
+            if (of_floats.status) hmesh_test::prove_result(floats, of_floats, 64);
+        }
+}
+
+TEST_CASE("images of 1 to 6 by 1 to 6 pixels take every number of vertices exactly, by draft, fast and normal") {
+    for (const Effort effort : {Effort::draft, Effort::fast, Effort::normal})
+        for_each_tiny_size([effort](int width, int height) {
+            mesh_with_every_count(hmesh_test::noise<std::uint8_t, 1>(width, height, static_cast<std::uint64_t>(7 * width + height)), effort);
+        });
+    for (const Effort effort : {Effort::draft, Effort::fast})
+        for_each_tiny_size([effort](int width, int height) {
+            mesh_with_every_count(hmesh_test::constant_image<float, 2>(width, height, 0.3), effort);
+            mesh_with_every_count(hmesh_test::affine_image<std::uint8_t, 3>(width, height), effort);
+        });
+}
+
+TEST_CASE("images of 1 to 6 by 1 to 6 pixels take numbers of vertices exactly by best") {
+    for_each_tiny_size([](int width, int height) {
+        const auto image = hmesh_test::noise<std::uint8_t, 1>(width, height, static_cast<std::uint64_t>(7 * width + height));
+        const std::size_t most = std::max<std::size_t>(4, image.samples().size());
+        const std::size_t n = most <= 16 ? most : 4 + image.samples().size() * 5 % 11;
+        hmesh_test::prove_result(image, mesh_of(image, Target::vertices(static_cast<std::int64_t>(n)), Effort::best), n);
+    });
+}
+
+TEST_CASE("images of one row or one column take up to one vertex a pixel") {
+    for (const Effort effort : {Effort::draft, Effort::fast, Effort::normal}) {
+        mesh_with_every_count(hmesh_test::noise<std::uint8_t, 3>(1, 40, 1), effort, 9);
+        mesh_with_every_count(hmesh_test::noise<float, 1>(57, 1, 2), effort, 53);
+        mesh_with_every_count(hmesh_test::scene<std::uint16_t, 2>(2, 90, 3), effort, 44);
+    }
+}
+
+TEST_CASE("one vertex a pixel is reached on noise, constant, affine and checkered pictures") {
+    const auto at_most = [](const auto& image) {
+        const std::size_t n = static_cast<std::size_t>(image.width()) * static_cast<std::size_t>(image.height());
+        for (const Effort effort : {Effort::draft, Effort::fast, Effort::normal})
+            hmesh_test::prove_result(image, mesh_of(image, Target::vertices(static_cast<std::int64_t>(n)), effort), n);
+    };
+    at_most(hmesh_test::noise<std::uint8_t, 3>(17, 13, 1));
+    at_most(hmesh_test::constant_image<std::uint8_t, 3>(17, 13, 0.5));
+    at_most(hmesh_test::affine_image<float, 1>(17, 13));
+    at_most(hmesh_test::checkerboard<std::uint8_t, 1>(17, 13, 1));
+}
+
+TEST_CASE("a constant image has energy 0 and infinite PSNR with any number of vertices") {
+    for (const double level : {0.0, 0.2, 1.0})
+        for (const Effort effort : {Effort::draft, Effort::fast, Effort::normal})
+            for (const std::size_t n : {4U, 5U, 40U}) {
+                const Target target = Target::vertices(static_cast<std::int64_t>(n));
+                const auto bytes = hmesh_test::constant_image<std::uint8_t, 3>(20, 16, level);
+                const auto of_bytes = mesh_of(bytes, target, effort);
+                hmesh_test::prove_result(bytes, of_bytes, n);
+                CHECK(of_bytes.report.energy == 0);
+                CHECK(of_bytes.report.psnr == infinity);
+                const auto floats = hmesh_test::constant_image<float, 2>(20, 16, level);
+                const auto of_floats = mesh_of(floats, target, effort);
+                hmesh_test::prove_result(floats, of_floats, n);
+                CHECK(of_floats.report.psnr > 120);
+            }
+    const auto image = hmesh_test::constant_image<std::uint8_t, 3>(20, 16, 0.4);
+    hmesh_test::prove_result(image, mesh_of(image, Target::psnr(99), Effort::fast), 4);
+}
+
+TEST_CASE("four vertices mesh an affine image: to the last bits in float, to the rounding of samples and colours in bytes") {
+    for (const Effort effort : {Effort::draft, Effort::fast, Effort::normal, Effort::best}) {
+        const auto floats = hmesh_test::affine_image<float, 3>(40, 31);
+        const auto of_floats = mesh_of(floats, Target::vertices(4), effort);
+        hmesh_test::prove_result(floats, of_floats, 4);
+        CHECK(of_floats.report.psnr > 120);
+        const auto bytes = hmesh_test::affine_image<std::uint8_t, 1>(40, 31);
+        const auto of_bytes = mesh_of(bytes, Target::vertices(4), effort);
+        hmesh_test::prove_result(bytes, of_bytes, 4);
+        CHECK(of_bytes.report.psnr > 10 * std::log10(255.0 * 255.0 * 12 / 2));  // twice the rounding of samples alone
+    }
+}
+
+TEST_CASE("more vertices keep an affine image exact") {
+    for (const Effort effort : {Effort::draft, Effort::fast, Effort::normal}) {
+        const auto image = hmesh_test::affine_image<float, 3>(40, 31);
+        const auto result = mesh_of(image, Target::vertices(50), effort);
+        hmesh_test::prove_result(image, result, 50);
+        CHECK(result.report.psnr > 120);
+    }
+}
+
+TEST_CASE("images of every number of channels and every sample type are meshed") {
+    const auto mesh_all = [](const auto& bytes, const auto& shorts, const auto& floats) {
+        for (const Effort effort : {Effort::draft, Effort::fast, Effort::normal}) {
+            hmesh_test::prove_result(bytes, mesh_of(bytes, Target::vertices(30), effort), 30);
+            hmesh_test::prove_result(shorts, mesh_of(shorts, Target::vertices(30), effort), 30);
+            hmesh_test::prove_result(floats, mesh_of(floats, Target::vertices(30), effort), 30);
+        }
+    };
+    using hmesh_test::scene;
+    mesh_all(scene<std::uint8_t, 1>(26, 20, 1), scene<std::uint16_t, 1>(26, 20, 1), scene<float, 1>(26, 20, 1));
+    mesh_all(scene<std::uint8_t, 2>(26, 20, 2), scene<std::uint16_t, 2>(26, 20, 2), scene<float, 2>(26, 20, 2));
+    mesh_all(scene<std::uint8_t, 3>(26, 20, 3), scene<std::uint16_t, 3>(26, 20, 3), scene<float, 3>(26, 20, 3));
+    mesh_all(scene<std::uint8_t, 4>(26, 20, 4), scene<std::uint16_t, 4>(26, 20, 4), scene<float, 4>(26, 20, 4));
+    mesh_all(scene<std::uint8_t, 5>(26, 20, 5), scene<std::uint16_t, 5>(26, 20, 5), scene<float, 5>(26, 20, 5));
+    mesh_all(scene<std::uint8_t, 8>(26, 20, 6), scene<std::uint16_t, 8>(26, 20, 6), scene<float, 8>(26, 20, 6));
+    mesh_all(scene<std::uint8_t, 16>(26, 20, 7), scene<std::uint16_t, 16>(26, 20, 7), scene<float, 16>(26, 20, 7));
+}
+
+TEST_CASE("a channel that repeats another changes nothing but the sum of errors") {
+    const auto gray = hmesh_test::scene<std::uint8_t, 1>(40, 40, 1);
+    Image<std::uint8_t, 3> rgb(40, 40);
+    for (int y = 0; y < 40; ++y)
+        for (int x = 0; x < 40; ++x) std::fill_n(rgb.pixel(x, y), 3, *gray.pixel(x, y));
+    for (const Effort effort : {Effort::draft, Effort::fast}) {
+        const auto one = mesh_of(gray, Target::vertices(90), effort);
+        const auto three = mesh_of(rgb, Target::vertices(90), effort);
+        CHECK(three.report.psnr == doctest::Approx(one.report.psnr).epsilon(1e-3));
+    }
+}
+
+TEST_CASE("8-bit, 16-bit and float images of one picture give the same PSNR within 0.02 dB") {
+    for (const std::uint64_t seed : {1U, 2U, 3U}) {
+        const auto bytes = hmesh_test::scene<std::uint8_t, 3>(64, 56, seed);
+        const auto shorts = hmesh_test::scene<std::uint16_t, 3>(64, 56, seed);
+        const auto floats = hmesh_test::scene<float, 3>(64, 56, seed);
+        REQUIRE(shorts.samples()[100] == 257 * bytes.samples()[100]);
+        for (const Effort effort : {Effort::draft, Effort::fast}) {
+            const double psnr = mesh_of(bytes, Target::vertices(130), effort).report.psnr;
+            CHECK(psnr > 26);
+            CHECK(psnr < 38);
+            CHECK(std::abs(mesh_of(shorts, Target::vertices(130), effort).report.psnr - psnr) < 0.02);
+            CHECK(std::abs(mesh_of(floats, Target::vertices(130), effort).report.psnr - psnr) < 0.02);
+        }
+    }
+}
+
+TEST_CASE("float images may have any scale: the mesh is that of the scaled picture") {
+    const auto plain = hmesh_test::scene<float, 3>(40, 36, 4);
+    for (const Effort effort : {Effort::draft, Effort::fast, Effort::normal}) {
+        const auto reference = mesh_of(plain, Target::vertices(70), effort);
+        for (const int exponent : {-20, 20, -60, 60}) {  // powers of 2, so that scaling rounds nothing
+            CAPTURE(exponent);
+            Image<float, 3> scaled = plain;
+            for (float& sample : scaled.samples()) sample = std::ldexp(sample, exponent);
+            const auto result = mesh_of(scaled, Target::vertices(70), effort);
+            hmesh_test::prove_result(scaled, result, 70);
+            CHECK(std::abs(result.report.psnr + 20 * exponent * std::log10(2.0) - reference.report.psnr) < 0.02);
+        }
+    }
+}
+
+TEST_CASE("floats near the largest and the smallest there are give valid meshes") {
+    const auto plain = hmesh_test::noise<float, 1>(12, 11, 4);
+    for (const double factor : {3.4e38, 1e30, 1e-30, 1e-38, 1e-44}) {
+        CAPTURE(factor);
+        Image<float, 1> image = plain;
+        for (float& sample : image.samples()) sample = static_cast<float>(factor * (2 * static_cast<double>(sample) - 1));
+        for (const Effort effort : {Effort::draft, Effort::fast, Effort::normal})
+            hmesh_test::prove_result(image, mesh_of(image, Target::vertices(30), effort), 30);
+    }
+}
+
+TEST_CASE("padding between rows and rows stored bottom up change no byte of the result") {
+    const auto image = hmesh_test::scene<std::uint16_t, 3>(30, 22, 2);
+    const auto packed = mesh_of(image, Target::vertices(40), Effort::normal);
+    for (const bool bottom_up : {false, true}) {
+        const hmesh_test::PaddedCopy<std::uint16_t, 3> copy(image, 7, bottom_up, 12345);
+        CHECK(hmesh_test::same_bytes(mesh_image(copy.view(), options_of(Target::vertices(40), Effort::normal)), packed));
+    }
+}
+
+TEST_CASE("colours that are not rounded are in range and fit no worse") {
+    const auto image = hmesh_test::checkerboard<std::uint8_t, 3>(32, 32, 5);
+    for (const Effort effort : {Effort::draft, Effort::fast}) {
+        Options options = options_of(Target::vertices(60), effort);
+        const auto rounded = mesh_image(image.view(), options);
+        options.round_colors = false;
+        const auto free = mesh_image(image.view(), options);
+        hmesh_test::prove_result(image, rounded, 60);
+        hmesh_test::prove_result(image, free, 60, false);
+        CHECK(free.mesh.positions == rounded.mesh.positions);
+        CHECK(free.report.energy <= rounded.report.energy);
+        CHECK(std::any_of(free.mesh.colors.begin(), free.mesh.colors.end(), [](float c) { return std::floor(c) != c; }));
+    }
+}
+
+TEST_CASE("a PSNR is reached, and 5 percent fewer vertices do not reach it by more than the noise of a run") {
+    for (const std::uint64_t seed : {5U, 8U}) {
+        const auto image = hmesh_test::scene<std::uint8_t, 3>(56, 56, seed);
+        for (const Effort effort : {Effort::draft, Effort::fast})
+            for (const double target : {24.0, 31.0, 38.0}) {
+                CAPTURE(target);
+                const auto result = mesh_of(image, Target::psnr(target), effort);
+                hmesh_test::prove_result(image, result, result.report.vertices);
+                CHECK(result.report.psnr >= target);
+                const auto fewer = static_cast<std::int64_t>(std::floor(0.95 * static_cast<double>(result.report.vertices)));
+                CHECK(mesh_of(image, Target::vertices(fewer), effort).report.psnr < target + 0.2);
+            }
+    }
+}

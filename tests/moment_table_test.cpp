@@ -1,0 +1,213 @@
+#include "hmesh/image/moment_table.hpp"
+
+#include <doctest/doctest.h>
+
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+#include <vector>
+
+#include "hmesh/core/random.hpp"
+#include "test_executors.hpp"
+#include "test_images.hpp"
+
+using hmesh::Image;
+using hmesh::ImageView;
+using hmesh::MomentTable;
+using hmesh::PixelTraits;
+using hmesh::Rect;
+
+namespace {
+
+template <class Sample, int Channels>
+struct Kind {
+    using T = Sample;
+    static constexpr int channels = Channels;
+};
+
+// A sample type of a user: integers from -100 to 100.
+struct Signed {
+    std::int8_t value = 0;
+};
+
+}  // namespace
+
+template <>
+struct hmesh::PixelTraits<Signed> {
+    static constexpr double peak = 100, lowest = -100, highest = 100;
+    static constexpr bool is_integer = true;
+    static double to_real(Signed sample) noexcept { return sample.value; }
+    static Signed from_real(double value) noexcept {
+        return {static_cast<std::int8_t>(std::lround(value < lowest ? lowest : value > highest ? highest : value))};
+    }
+};
+
+namespace {
+
+// Number k of entry (x, y).
+template <int C>
+double number(const MomentTable<C>& table, int x, int y, int k) {
+    const std::size_t at = table.offset(x, y) + static_cast<std::size_t>(k);
+    return table.is_narrow() ? table.template entries<std::int32_t>()[at] : table.template entries<double>()[at];
+}
+
+// How many numbers differ from sums over the view's pixels. Sums of integers must be equal, others to 1e-13 of the sum of
+// their terms' magnitudes.
+template <class T, int C>
+int mistakes(const MomentTable<C>& table, const ImageView<T, C>& view, const Rect& rect) {
+    int wrong = table.width() != rect.width || table.height() != rect.height;
+    for (int y = 0; y < rect.height; ++y) {
+        long double sum[2 * (C + 1)] = {}, size[2 * (C + 1)] = {};
+        for (int x = 0; x <= rect.width; ++x) {
+            for (int k = 0; k < 2 * MomentTable<C>::lanes; ++k) {
+                const int half = k / MomentTable<C>::lanes, c = k % MomentTable<C>::lanes, i = half * (C + 1) + c;
+                const double got = number(table, x, y, k);
+                if (c > C) wrong += got != 0;  // padding
+                else if (PixelTraits<T>::is_integer) wrong += static_cast<long double>(got) != sum[i];
+                else wrong += !(std::abs(static_cast<long double>(got) - sum[i]) <= 1e-13L * size[i]);
+            }
+            if (x == rect.width) break;
+            const auto add = [&](int i, long double value) {
+                sum[i] += value;
+                size[i] += std::abs(value);
+            };
+            const T* pixel = view.pixel(rect.x + x, rect.y + y);
+            for (int c = 0; c < C; ++c) {
+                const long double value = PixelTraits<T>::to_real(pixel[c]);
+                add(c, value);
+                add(C + 1 + c, x * value);
+                add(2 * C + 1, value * value);
+            }
+            add(C, 1);
+        }
+    }
+    return wrong;
+}
+
+template <int C>
+bool same_bits(const MomentTable<C>& a, const MomentTable<C>& b) {
+    if (a.width() != b.width() || a.height() != b.height() || a.is_narrow() != b.is_narrow()) return false;
+    for (int y = 0; y < a.height(); ++y)
+        for (int x = 0; x <= a.width(); ++x)
+            for (int k = 0; k < MomentTable<C>::entry_size; ++k)
+                if (number(a, x, y, k) != number(b, x, y, k)) return false;
+    return true;
+}
+
+}  // namespace
+
+TEST_CASE_TEMPLATE("MomentTable holds the prefix sums of each row, exact for integers, for any type and number of channels", K,
+                   Kind<std::uint8_t, 1>, Kind<std::uint8_t, 2>, Kind<std::uint8_t, 3>, Kind<std::uint8_t, 4>, Kind<std::uint8_t, 5>,
+                   Kind<std::uint8_t, 16>, Kind<std::uint16_t, 1>, Kind<std::uint16_t, 3>, Kind<std::uint16_t, 4>,
+                   Kind<std::uint16_t, 16>, Kind<float, 1>, Kind<float, 3>, Kind<float, 7>, Kind<Signed, 2>) {
+    using T = typename K::T;
+    constexpr int n = K::channels;
+    // Widths around the multiples of 8, where a strip of the table is full.
+    for (const int width : {1, 2, 7, 8, 9, 16, 33})
+        for (const int height : {1, 2, 37}) {
+            const Image<T, n> image = hmesh_test::noise<T, n>(width, height, 1);
+            const MomentTable<n> table(image.view(), image.view().bounds());
+            CHECK(mistakes(table, image.view(), image.view().bounds()) == 0);
+        }
+}
+
+TEST_CASE("MomentTable sums negative samples of a user's type exactly") {
+    Image<Signed, 2> image(50, 9);
+    hmesh::Random random(1);
+    for (Signed& sample : image.samples()) sample.value = static_cast<std::int8_t>(static_cast<int>(random.below(201)) - 100);
+    const MomentTable<2> table(image.view(), image.view().bounds());
+    CHECK(table.is_narrow());
+    CHECK(mistakes(table, image.view(), image.view().bounds()) == 0);
+}
+
+TEST_CASE("MomentTable: 8-bit sums stay in 32 bits as long as the brightest image fits, and are exact on both sides of it") {
+    const auto is_narrow = [](const auto& image) {
+        const auto view = image.view();
+        const MomentTable table(view, view.bounds());
+        CHECK(mistakes(table, view, view.bounds()) == 0);
+        return table.is_narrow();
+    };
+    // 255 w (w - 1) / 2 < 2^31 up to 4104 px; with 16 channels 16 * 255^2 w < 2^31 up to 2064 px.
+    CHECK(is_narrow(hmesh_test::constant_image<std::uint8_t, 1>(4104, 2, 1)));
+    CHECK_FALSE(is_narrow(hmesh_test::constant_image<std::uint8_t, 1>(4105, 2, 1)));
+    CHECK(is_narrow(hmesh_test::constant_image<std::uint8_t, 3>(4104, 2, 1)));
+    CHECK_FALSE(is_narrow(hmesh_test::constant_image<std::uint8_t, 3>(4105, 2, 1)));
+    CHECK(is_narrow(hmesh_test::constant_image<std::uint8_t, 16>(2064, 2, 1)));
+    CHECK_FALSE(is_narrow(hmesh_test::constant_image<std::uint8_t, 16>(2065, 2, 1)));
+    CHECK(is_narrow(hmesh_test::constant_image<std::uint16_t, 1>(1, 1, 0)) == false);
+    CHECK_FALSE(is_narrow(hmesh_test::constant_image<std::uint16_t, 3>(65536, 1, 1)));
+    CHECK_FALSE(is_narrow(hmesh_test::constant_image<std::uint8_t, 3>(65536, 1, 1)));
+    CHECK_FALSE(is_narrow(hmesh_test::noise<float, 1>(5, 5, 1)));
+}
+
+TEST_CASE_TEMPLATE("MomentTable of a rectangle is the table of that part alone, in local coordinates", K, Kind<std::uint8_t, 3>,
+                   Kind<std::uint16_t, 3>, Kind<float, 2>, Kind<std::uint8_t, 1>) {
+    using T = typename K::T;
+    constexpr int n = K::channels;
+    const Image<T, n> image = hmesh_test::noise<T, n>(60, 40, 2);
+    hmesh::Random random(3);
+    for (int round = 0; round < 30; ++round) {
+        Rect rect;
+        rect.width = 1 + static_cast<int>(random.below(60));
+        rect.height = 1 + static_cast<int>(random.below(40));
+        rect.x = static_cast<int>(random.below(static_cast<std::size_t>(61 - rect.width)));
+        rect.y = static_cast<int>(random.below(static_cast<std::size_t>(41 - rect.height)));
+        Image<T, n> part(rect.width, rect.height);
+        for (int y = 0; y < rect.height; ++y)
+            for (int x = 0; x < rect.width; ++x)
+                for (int c = 0; c < n; ++c) part.pixel(x, y)[c] = image.pixel(rect.x + x, rect.y + y)[c];
+        const MomentTable<n> table(image.view(), rect);
+        CHECK(same_bits(table, MomentTable<n>(part.view(), part.view().bounds())));
+        CHECK(mistakes(table, image.view(), rect) == 0);
+    }
+}
+
+TEST_CASE("MomentTable depends on the pixels alone: not on the stride, and not on the order of the work") {
+    const Image<std::uint8_t, 3> bytes = hmesh_test::noise<std::uint8_t, 3>(45, 70, 4);
+    const Image<float, 4> floats = hmesh_test::noise<float, 4>(45, 70, 4);
+    const Rect rect{3, 5, 40, 61};
+    const MomentTable<3> from_bytes(bytes.view(), rect);
+    const MomentTable<4> from_floats(floats.view(), rect);
+    for (const int padding : {0, 5})
+        for (const bool bottom_up : {false, true}) {
+            const hmesh_test::PaddedCopy<std::uint8_t, 3> byte_copy(bytes, padding, bottom_up, 200);
+            const hmesh_test::PaddedCopy<float, 4> float_copy(floats, padding, bottom_up, std::numeric_limits<float>::quiet_NaN());
+            CHECK(same_bits(MomentTable<3>(byte_copy.view(), rect), from_bytes));
+            CHECK(same_bits(MomentTable<4>(float_copy.view(), rect), from_floats));
+        }
+    CHECK(same_bits(MomentTable<3>(bytes.view(), rect, hmesh_test::ReverseFor()), from_bytes));
+    CHECK(same_bits(MomentTable<4>(floats.view(), rect, hmesh_test::ReverseFor()), from_floats));
+    for (std::uint64_t seed = 1; seed <= 5; ++seed) {
+        CHECK(same_bits(MomentTable<3>(bytes.view(), rect, hmesh_test::ShuffledFor{seed}), from_bytes));
+        CHECK(same_bits(MomentTable<4>(floats.view(), rect, hmesh_test::ShuffledFor{seed}), from_floats));
+    }
+}
+
+TEST_CASE_TEMPLATE("MomentTable::pixel gives the samples back, and zeros in the lanes above", K, Kind<std::uint8_t, 1>,
+                   Kind<std::uint8_t, 3>, Kind<std::uint8_t, 5>, Kind<std::uint16_t, 4>, Kind<float, 2>) {
+    using T = typename K::T;
+    constexpr int n = K::channels;
+    const Image<T, n> image = hmesh_test::noise<T, n>(31, 9, 5);
+    const Rect rect{4, 2, 25, 6};
+    const MomentTable<n> table(image.view(), rect);
+    int wrong = 0;
+    for (int y = 0; y < rect.height; ++y)
+        for (int x = 0; x < rect.width; ++x) {
+            hmesh::Lanes<MomentTable<n>::lanes> samples = hmesh::Lanes<MomentTable<n>::lanes>::all(99);
+            table.pixel(x, y, samples);
+            for (int k = 0; k < MomentTable<n>::lanes; ++k) {
+                const double expected = k < n ? PixelTraits<T>::to_real(image.pixel(rect.x + x, rect.y + y)[k]) : 0;
+                wrong += !(std::abs(samples[k] - expected) <= (PixelTraits<T>::is_integer ? 0.0 : 1e-13));
+            }
+        }
+    CHECK(wrong == 0);
+}
+
+TEST_CASE("MomentTable takes 32 bytes a pixel for 8-bit RGB, and less than 8 columns more") {
+    const Image<std::uint8_t, 3> image(100, 50);
+    const MomentTable<3> table(image.view(), image.view().bounds());
+    CHECK(table.bytes() >= 32U * 101 * 50);
+    CHECK(table.bytes() <= 32U * 108 * 50);
+    CHECK(MomentTable<3>().bytes() == 0);
+}

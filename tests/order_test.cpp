@@ -1,0 +1,89 @@
+#include "hmesh/fit/order.hpp"
+
+#include <doctest/doctest.h>
+
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+#include <utility>
+#include <vector>
+
+#include "hmesh/core/random.hpp"
+#include "hmesh/mesh/spatial_order.hpp"
+#include "test_images.hpp"
+#include "test_meshes.hpp"
+
+using hmesh::Face;
+using hmesh::Point;
+using hmesh::Random;
+using hmesh::Vertex;
+using hmesh_test::Subject;
+
+namespace {
+
+// Bits of x and y in turn, one by one.
+std::uint32_t interleaved(Point p) {
+    const auto x = static_cast<std::uint32_t>(p.x), y = static_cast<std::uint32_t>(p.y);
+    std::uint32_t code = 0;
+    for (unsigned bit = 0; bit < 16; ++bit) code |= ((x >> bit & 1U) << (2 * bit)) | ((y >> bit & 1U) << (2 * bit + 1));
+    return code;
+}
+
+template <class Element>
+void check_sorted(const std::vector<Element>& elements, std::vector<std::pair<std::uint32_t, std::size_t>> expected) {
+    std::sort(expected.begin(), expected.end());
+    REQUIRE(elements.size() == expected.size());
+    for (std::size_t k = 0; k < elements.size(); ++k) REQUIRE(elements[k].index() == expected[k].second);
+}
+
+template <int C>
+void check_orders(const hmesh::ImageMesh<C>& mesh) {
+    std::vector<std::pair<std::uint32_t, std::size_t>> vertices, faces;
+    for (const Vertex v : mesh.topology().vertices()) vertices.emplace_back(interleaved(mesh.position(v)), v.index());
+    for (const Face f : mesh.topology().faces()) {
+        const auto v = mesh.topology().vertices(f);
+        const Point a = mesh.position(v[0]), b = mesh.position(v[1]), c = mesh.position(v[2]);
+        faces.emplace_back(interleaved({(a.x + b.x + c.x) / 3, (a.y + b.y + c.y) / 3}), f.index());
+    }
+    check_sorted(hmesh::spatial_vertices(mesh), vertices);
+    check_sorted(hmesh::spatial_faces(mesh), faces);
+}
+
+}  // namespace
+
+TEST_CASE("live vertices and faces come once each in Morton's order, ties by index") {
+    Subject<std::uint8_t, 1> subject(hmesh_test::noise<std::uint8_t, 1>(90, 50, 1), hmesh_test::jittered_grid(90, 50, 20, 12, 1));
+    check_orders(subject.mesh);
+    hmesh_test::wear(subject.mesh, 1500, 255, 1);
+    check_orders(subject.mesh);
+    CHECK(subject.mesh.vertex_count() < subject.mesh.topology().vertex_slots());
+
+    Subject<std::uint8_t, 1> crowded(hmesh_test::noise<std::uint8_t, 1>(3, 3, 1), hmesh_test::jittered_grid(3, 3, 12, 12, 1));
+    check_orders(crowded.mesh);  // many ties
+}
+
+TEST_CASE("elements all over the largest plane are sorted, and equal ones keep their order") {
+    Random random(1);
+    for (const double side : {0.5, 2.0, 40.0, 1500.0, 65536.0}) {
+        std::vector<Point> places;
+        std::vector<Vertex> elements;
+        std::vector<std::pair<std::uint32_t, std::size_t>> expected;
+        for (std::size_t k = 0; k < 3000; ++k) {
+            places.push_back({side * random.uniform(), side * random.uniform()});
+            elements.push_back(Vertex(k));
+            expected.emplace_back(interleaved(places.back()), k);
+        }
+        check_sorted(hmesh::in_spatial_order<Vertex>(elements, elements.size(), [&](Vertex v) { return places[v.index()]; }), expected);
+    }
+    CHECK(hmesh::in_spatial_order<Vertex>(std::vector<Vertex>(), 0, [](Vertex) { return Point{}; }).empty());
+}
+
+TEST_CASE("Morton's code interleaves the bits of whole pixels") {
+    Random random(2);
+    for (int k = 0; k < 1000; ++k) {
+        const Point p{65536 * random.uniform(), 65536 * random.uniform()};
+        CHECK(hmesh::morton_code(p) == interleaved(p));
+    }
+    CHECK(hmesh::morton_code({0.9, 0.9}) == 0);
+    CHECK(hmesh::morton_code({65535.9, 65535.9}) == 0xffffffffU);
+}

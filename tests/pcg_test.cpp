@@ -1,0 +1,208 @@
+#include "hmesh/fit/pcg.hpp"
+
+#include <doctest/doctest.h>
+
+#include <Eigen/Cholesky>
+#include <Eigen/Core>
+#include <Eigen/SparseCore>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+
+#include "hmesh/core/random.hpp"
+#include "hmesh/fit/barycentric.hpp"
+#include "jittered_mesh.hpp"
+
+namespace {
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+using Sparse = Eigen::SparseMatrix<double>;
+
+MatrixXd random_matrix(Index rows, Index columns, hmesh::Random& random) {
+    MatrixXd m(rows, columns);
+    for (Index j = 0; j < columns; ++j)
+        for (Index i = 0; i < rows; ++i) m(i, j) = 2 * random.uniform() - 1;
+    return m;
+}
+
+// Positive definite, badly scaled (diagonal over 4 decades) but not ill-conditioned otherwise.
+MatrixXd random_spd(Index n, hmesh::Random& random) {
+    const MatrixXd r = random_matrix(n, n, random);
+    MatrixXd m = r * r.transpose() / static_cast<double>(n) + 0.2 * MatrixXd::Identity(n, n);
+    for (Index i = 0; i < n; ++i) {
+        const double scale = std::pow(10, 2 * random.uniform() - 1);
+        m.row(i) *= scale;
+        m.col(i) *= scale;
+    }
+    return m;
+}
+
+double worst_residual(const Sparse& a, const MatrixXd& b, const MatrixXd& x) {
+    double worst = 0;
+    for (Index k = 0; k < b.cols(); ++k)
+        if (b.col(k).norm() > 0) worst = std::max(worst, (b.col(k) - a * x.col(k)).norm() / b.col(k).norm());
+    return worst;
+}
+
+}  // namespace
+
+TEST_CASE("solve_pcg finds what a dense factorisation finds, for random positive definite matrices") {
+    hmesh::Random random(1);
+    for (const Index n : {1, 2, 7, 40, 120}) {
+        const MatrixXd dense = random_spd(n, random), b = random_matrix(n, 4, random);
+        const Sparse a = dense.sparseView();
+        MatrixXd x = random_matrix(n, 4, random);
+        const hmesh::PcgReport report = hmesh::solve_pcg(a, b, x, {2000, 1e-13});
+        const MatrixXd expected = dense.ldlt().solve(b);
+        CAPTURE(n);
+        CHECK(report.converged);
+        CHECK((x - expected).norm() <= 1e-8 * expected.norm());
+    }
+}
+
+TEST_CASE("solve_pcg finds what a dense factorisation finds, for the normal equations of a mesh") {
+    test::Sample<std::uint8_t, 3> s(test::noise<std::uint8_t, 3>(90, 70, 2));
+    test::jitter(s.mesh, 12, 9, 200, 2);
+    Sparse a = gram_matrix(s.mesh);
+    for (Index i = 0; i < a.rows(); ++i) a.coeffRef(i, i) += 1e-3;
+    const MatrixXd b = image_rhs(s.mesh), expected = MatrixXd(a).ldlt().solve(b);
+    MatrixXd x = MatrixXd::Zero(b.rows(), 3);
+    const hmesh::PcgReport report = hmesh::solve_pcg(a, b, x, {400, 1e-12});
+    CHECK(report.converged);
+    CHECK((x - expected).norm() <= 1e-8 * expected.norm());
+}
+
+TEST_CASE("a mesh needs few iterations, whatever its size") {
+    for (const int size : {8, 40}) {
+        test::Sample<std::uint8_t, 1> s(test::noise<std::uint8_t, 1>(10 * size, 10 * size, 3));
+        test::jitter(s.mesh, size, size, 0, 3);
+        const MatrixXd b = image_rhs(s.mesh);
+        MatrixXd x = MatrixXd::Zero(b.rows(), 1);
+        const hmesh::PcgReport report = hmesh::solve_pcg(gram_matrix(s.mesh), b, x, {200, 1e-7});
+        CHECK(report.converged);
+        CHECK(report.iterations <= 30);
+        CHECK(report.iterations >= 5);
+    }
+}
+
+TEST_CASE("the residual and the number of iterations reported are true") {
+    hmesh::Random random(4);
+    const MatrixXd dense = random_spd(60, random), b = random_matrix(60, 3, random);
+    const Sparse a = dense.sparseView();
+    int before = 0;
+    for (const double tolerance : {1e-2, 1e-6, 1e-11}) {
+        MatrixXd x = MatrixXd::Zero(60, 3);
+        const hmesh::PcgReport report = hmesh::solve_pcg(a, b, x, {1000, tolerance});
+        CHECK(report.converged);
+        CHECK(report.residual <= tolerance);
+        CHECK(report.residual == doctest::Approx(worst_residual(a, b, x)).epsilon(1e-3));
+        CHECK(report.iterations > before);
+        before = report.iterations;
+        // One iteration less does not do.
+        MatrixXd y = MatrixXd::Zero(60, 3);
+        const hmesh::PcgReport shorter = hmesh::solve_pcg(a, b, y, {report.iterations - 1, tolerance});
+        CHECK(!shorter.converged);
+        CHECK(shorter.iterations == report.iterations - 1);
+        CHECK(shorter.residual > tolerance);
+        CHECK(shorter.residual == doctest::Approx(worst_residual(a, b, y)).epsilon(1e-3));
+    }
+}
+
+TEST_CASE("a tolerance below rounding ends by itself, unconverged, at a good solution") {
+    hmesh::Random random(5);
+    const MatrixXd dense = random_spd(50, random), b = random_matrix(50, 2, random);
+    MatrixXd x = MatrixXd::Zero(50, 2);
+    const hmesh::PcgReport report = hmesh::solve_pcg(dense.sparseView(), b, x, {100000, 1e-30});
+    CHECK(!report.converged);
+    CHECK(report.iterations < 2000);
+    CHECK(report.residual < 1e-12);
+    CHECK((x - dense.ldlt().solve(b)).norm() <= 1e-8 * x.norm());
+}
+
+TEST_CASE("right-hand sides do not disturb each other: together or alone, the same bits") {
+    hmesh::Random random(6);
+    const MatrixXd dense = random_spd(80, random);
+    const Sparse a = dense.sparseView();
+    MatrixXd b = random_matrix(80, 4, random), start = random_matrix(80, 4, random);
+    start.col(1) = dense.ldlt().solve(b.col(1));  // done before it starts
+    b.col(2) *= 1e100;
+    b.col(3).setZero();
+    MatrixXd x = start;
+    CHECK(hmesh::solve_pcg(a, b, x, {1000, 1e-9}).converged);
+    for (Index k = 0; k < 4; ++k) {
+        MatrixXd alone = start.col(k);
+        CHECK(hmesh::solve_pcg(a, b.col(k), alone, {1000, 1e-9}).converged);
+        CHECK(alone == x.col(k));
+    }
+    CHECK(x.col(1) == start.col(1));
+    CHECK(x.col(3).isZero(0));
+}
+
+TEST_CASE("a right-hand side of zero has the solution zero, at once") {
+    hmesh::Random random(7);
+    const Sparse a = random_spd(10, random).sparseView();
+    MatrixXd x = random_matrix(10, 2, random);
+    const hmesh::PcgReport report = hmesh::solve_pcg(a, MatrixXd::Zero(10, 2), x);
+    CHECK(report.converged);
+    CHECK(report.iterations == 0);
+    CHECK(report.residual == 0);
+    CHECK(x.isZero(0));
+}
+
+TEST_CASE("rows of zeros keep their values and disturb no other row") {
+    hmesh::Random random(8);
+    MatrixXd dense = random_spd(30, random);
+    dense.row(4).setZero(), dense.col(4).setZero();
+    dense.row(17).setZero(), dense.col(17).setZero();
+    MatrixXd b = random_matrix(30, 2, random);
+    b.row(4).setZero(), b.row(17).setZero();
+    const MatrixXd start = random_matrix(30, 2, random);
+    MatrixXd x = start;
+    const hmesh::PcgReport report = hmesh::solve_pcg(dense.sparseView(), b, x, {1000, 1e-12});
+    CHECK(report.converged);
+    CHECK(x.row(4) == start.row(4));
+    CHECK(x.row(17) == start.row(17));
+    CHECK(worst_residual(dense.sparseView(), b, x) <= 1e-12);
+
+    // Where such a row asks for the impossible, the others are solved all the same, and the report says no.
+    b(4, 1) = 1;
+    MatrixXd y = start;
+    const hmesh::PcgReport impossible = hmesh::solve_pcg(dense.sparseView(), b, y, {1000, 1e-12});
+    CHECK(!impossible.converged);
+    CHECK(impossible.iterations < 1000);
+    CHECK(y.allFinite());
+    CHECK((y - x).norm() <= 1e-8 * x.norm());
+    CHECK(impossible.residual == doctest::Approx(1 / b.col(1).norm()));
+}
+
+TEST_CASE("singular, indefinite and empty systems give no NaN") {
+    Sparse zero(3, 3);
+    MatrixXd x = MatrixXd::Ones(3, 1);
+    hmesh::PcgReport report = hmesh::solve_pcg(zero, MatrixXd::Ones(3, 1), x);
+    CHECK(!report.converged);
+    CHECK(x == MatrixXd::Ones(3, 1));
+    CHECK(report.residual == doctest::Approx(1));
+
+    MatrixXd ones = MatrixXd::Ones(3, 3);  // singular, with a solution
+    x.setZero();
+    report = hmesh::solve_pcg(ones.sparseView(), MatrixXd::Ones(3, 1), x);
+    CHECK(report.converged);
+    CHECK(x.sum() == doctest::Approx(1));
+
+    MatrixXd indefinite(2, 2);
+    indefinite << 1, 3, 3, 1;
+    x = MatrixXd::Zero(2, 1);
+    MatrixXd b(2, 1);
+    b << 1, -1;
+    report = hmesh::solve_pcg(indefinite.sparseView(), b, x);
+    CHECK(!report.converged);
+    CHECK(x.allFinite());
+    CHECK(std::isfinite(report.residual));
+
+    MatrixXd none(0, 3);
+    CHECK(hmesh::solve_pcg(Sparse(0, 0), MatrixXd(0, 3), none).converged);
+    MatrixXd no_columns(3, 0);
+    CHECK(hmesh::solve_pcg(zero, MatrixXd(3, 0), no_columns).converged);
+}

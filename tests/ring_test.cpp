@@ -1,0 +1,363 @@
+#include "hmesh/fit/ring.hpp"
+
+#include <doctest/doctest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <utility>
+#include <vector>
+
+#include "hmesh/core/random.hpp"
+#include "test_images.hpp"
+#include "test_meshes.hpp"
+
+using hmesh::Color;
+using hmesh::Face;
+using hmesh::Mobility;
+using hmesh::Point;
+using hmesh::PixelTraits;
+using hmesh::Random;
+using hmesh::Vertex;
+using hmesh::VertexState;
+using hmesh_test::Subject;
+
+namespace {
+
+constexpr double unlimited = 1e300;
+
+// The energy of the ring's faces with its centre in another state.
+template <class T, int C>
+double brute_ring(const hmesh::Image<T, C>& image, const hmesh::Ring<C>& ring, const VertexState<C>& centre) {
+    double energy = 0;
+    for (int i = ring.first_face(); i < ring.size; ++i)
+        energy += hmesh_test::brute_energy(image, centre, *ring.neighbour[i], *ring.neighbour[ring.before(i)]);
+    return energy;
+}
+
+// The pixels of the ring's faces with the centre at p, each with its face.
+struct OwnedPixel {
+    int face, i, j;
+    friend bool operator==(const OwnedPixel& a, const OwnedPixel& b) { return a.face == b.face && a.i == b.i && a.j == b.j; }
+};
+template <int C>
+std::vector<OwnedPixel> pixels_of(const hmesh::ImageMesh<C>& mesh, const hmesh::Ring<C>& ring, Point p) {
+    std::vector<OwnedPixel> pixels;
+    for (int t = ring.first_face(); t < ring.size; ++t)
+        hmesh_test::for_each_pixel(mesh.width(), mesh.height(), p, ring.neighbour[t]->position,
+                                   ring.neighbour[ring.before(t)]->position, [&](int i, int j) { pixels.push_back({t, i, j}); });
+    return pixels;
+}
+
+template <class T, int C>
+void check_energy(std::uint64_t seed) {
+    Subject<T, C> subject(hmesh_test::scene<T, C>(31, 26, seed), hmesh_test::jittered_grid(31, 26, 5, 4, seed));
+    hmesh_test::wear(subject.mesh, 60, PixelTraits<T>::peak, seed);
+    const double peak = PixelTraits<T>::peak, slack = 1e-11 * hmesh_test::squares(subject.image);
+    Random random(seed);
+    hmesh::RingWork<C> work;
+    int accepted = 0, refused = 0;
+    for (const Vertex v : subject.mesh.topology().vertices()) {
+        subject.mesh.gather(v, work.ring, work.spokes);
+        VertexState<C> centre = subject.mesh.vertex(v);
+        for (int tries = 0; tries < 8; ++tries) {
+            if (tries > 0) {  // anywhere, not only on the grid
+                if (centre.mobility == Mobility::fixed) break;
+                if (centre.mobility != Mobility::along_y) centre.position.x = subject.mesh.position(v).x + 4 * random.uniform() - 2;
+                if (centre.mobility != Mobility::along_x) centre.position.y = subject.mesh.position(v).y + 4 * random.uniform() - 2;
+                centre.position.x = std::min(31.0, std::max(0.0, centre.position.x));
+                centre.position.y = std::min(26.0, std::max(0.0, centre.position.y));
+                centre.color = hmesh_test::any_color(subject.mesh, v, peak, random);
+                hmesh::walk_spokes(subject.table, work.ring, centre.position, work.spokes);
+            }
+            hmesh::RingFit<C> fit;
+            const bool fits = hmesh::fit_ring(work.ring, work.spokes, centre.position, 0.02, work.faces, fit);
+            REQUIRE(fits == work.ring.accepts(centre.position, 0.02));
+            if (!fits) {
+                ++refused;
+                continue;
+            }
+            ++accepted;
+            const double truth = brute_ring(subject.image, work.ring, centre);
+            REQUIRE(fit.energy(centre.color) == doctest::Approx(truth).epsilon(1e-8).scale(slack * 1e8));
+            double sum = 0;
+            for (int i = work.ring.first_face(); i < work.ring.size; ++i) {
+                const double face = work.faces[i].energy(centre.color);
+                REQUIRE(std::abs(face - hmesh_test::brute_energy(subject.image, centre, *work.ring.neighbour[i],
+                                                                  *work.ring.neighbour[work.ring.before(i)])) <=
+                        1e-8 * truth + slack);
+                sum += face;
+            }
+            REQUIRE(std::abs(sum - truth) <= 1e-8 * truth + slack);
+        }
+    }
+    CHECK(accepted > 100);
+    CHECK(refused > 5);
+}
+
+template <class T, int C>
+void check_faces(std::uint64_t seed) {
+    Subject<T, C> subject(hmesh_test::scene<T, C>(29, 34, seed), hmesh_test::jittered_grid(29, 34, 4, 5, seed));
+    hmesh_test::wear(subject.mesh, 100, PixelTraits<T>::peak, seed);
+    const double slack = 1e-11 * hmesh_test::squares(subject.image);
+    for (const Face f : subject.mesh.topology().faces()) {
+        const auto v = subject.mesh.topology().vertices(f);
+        hmesh::Moments<C> m;
+        subject.mesh.face_moments(f, m);
+        const double truth = hmesh_test::brute_energy(subject, f);
+        for (std::size_t k = 0; k < 3; ++k) {
+            const VertexState<C>&a = subject.mesh.vertex(v[k]), &b = subject.mesh.vertex(v[(k + 1) % 3]);
+            const VertexState<C>& c = subject.mesh.vertex(v[(k + 2) % 3]);
+            REQUIRE(std::abs(hmesh::face_energy(m, a, b, c) - truth) <= 1e-8 * truth + slack);
+            hmesh::FaceFit<C> fit{};
+            REQUIRE(hmesh::fit_face(m, a.position, b, c, 0.02, fit));
+            REQUIRE(std::abs(fit.energy(a.color) - truth) <= 1e-8 * truth + slack);
+        }
+    }
+}
+
+template <class T, int C>
+void check_best_color(std::uint64_t seed) {
+    Subject<T, C> subject(hmesh_test::scene<T, C>(30, 25, seed), hmesh_test::jittered_grid(30, 25, 4, 4, seed));
+    const double peak = PixelTraits<T>::peak;
+    Random random(seed);
+    hmesh::RingWork<C> work;
+    for (const Vertex v : subject.mesh.topology().vertices()) {
+        subject.mesh.gather(v, work.ring, work.spokes);
+        VertexState<C> centre = subject.mesh.vertex(v);
+        hmesh::RingFit<C> fit;
+        REQUIRE(hmesh::fit_ring(work.ring, work.spokes, centre.position, 0.02, work.faces, fit));
+        centre.color = hmesh::best_color(fit, centre.color, 0, -unlimited, unlimited);
+        const Color<C> best = centre.color;
+        for (int k = C; k < hmesh::lanes_for(C + 1); ++k) REQUIRE(best[k] == 0);
+        const double least = brute_ring(subject.image, work.ring, centre), h = 0.01 * peak;
+        for (int k = 0; k < C; ++k) {
+            centre.color = best;
+            centre.color.set(k, best[k] + h);
+            const double above = brute_ring(subject.image, work.ring, centre);
+            centre.color.set(k, best[k] - h);
+            const double below = brute_ring(subject.image, work.ring, centre);
+            // A quadratic with its minimum in the middle: both rise by A h^2.
+            const double rise = fit.a * h * h;
+            REQUIRE(above - least == doctest::Approx(rise).epsilon(1e-6));
+            REQUIRE(below - least == doctest::Approx(rise).epsilon(1e-6));
+        }
+        // The ridge counts as so many pixels of the current colour.
+        const Color<C> current = hmesh_test::any_color(subject.mesh, v, peak, random);
+        const Color<C> held = hmesh::best_color(fit, current, fit.a, -unlimited, unlimited);
+        for (int k = 0; k < C; ++k) REQUIRE(held[k] == doctest::Approx(0.5 * (best[k] + current[k])).epsilon(1e-9));
+        const Color<C> bounded = hmesh::best_color(fit, current, 0, 0.4 * peak, 0.5 * peak);
+        for (int k = 0; k < C; ++k) REQUIRE(bounded[k] == std::min(0.5 * peak, std::max(0.4 * peak, best[k])));
+    }
+}
+
+// Normal equations of the residuals (picture - image) at the ring's pixels in the centre's position and colour: J from
+// differences of the interpolated picture, pixels held in their faces.
+struct NormalEquations {
+    double gx = 0, gy = 0;              // J' r
+    double xx = 0, xy = 0, yy = 0;      // J' J of the position with the colour eliminated
+    double length = 0;                  // |J' r|, before signs cancel
+};
+template <class T, int C>
+NormalEquations brute_equations(const Subject<T, C>& subject, const hmesh::Ring<C>& ring, const VertexState<C>& centre,
+                                double ridge) {
+    constexpr double h = 1e-4;
+    NormalEquations n;
+    const std::vector<OwnedPixel> pixels = pixels_of(subject.mesh, ring, centre.position);
+    for (int k = 0; k < C; ++k) {
+        double cc = ridge, cx = 0, cy = 0;
+        for (const OwnedPixel& pixel : pixels) {
+            const VertexState<C>&a = *ring.neighbour[pixel.face], &b = *ring.neighbour[ring.before(pixel.face)];
+            const auto picture = [&](double dx, double dy, double dc) {
+                VertexState<C> moved = centre;
+                moved.position = {centre.position.x + dx, centre.position.y + dy};
+                moved.color.set(k, centre.color[k] + dc);
+                return hmesh_test::interpolate(moved, a, b, pixel.i + 0.5, pixel.j + 0.5, k);
+            };
+            const double jx = (picture(h, 0, 0) - picture(-h, 0, 0)) / (2 * h);
+            const double jy = (picture(0, h, 0) - picture(0, -h, 0)) / (2 * h);
+            const double jc = picture(0, 0, 1) - picture(0, 0, 0);
+            const double r = picture(0, 0, 0) - static_cast<double>(subject.image.pixel(pixel.i, pixel.j)[k]);
+            n.gx += jx * r, n.gy += jy * r;
+            n.length += std::abs(jx * r) + std::abs(jy * r);
+            n.xx += jx * jx, n.xy += jx * jy, n.yy += jy * jy;
+            cc += jc * jc, cx += jc * jx, cy += jc * jy;
+        }
+        n.xx -= cx * cx / cc, n.xy -= cx * cy / cc, n.yy -= cy * cy / cc;
+    }
+    return n;
+}
+
+template <class T, int C>
+void check_gradient(std::uint64_t seed) {
+    Subject<T, C> subject(hmesh_test::scene<T, C>(48, 44, seed), hmesh_test::jittered_grid(48, 44, 7, 6, seed));
+    hmesh_test::wear(subject.mesh, 40, PixelTraits<T>::peak, seed);
+    hmesh::RingWork<C> work;
+    constexpr double h = 1e-5;
+    int compared = 0, all = 0;
+    for (const Vertex v : subject.mesh.topology().vertices()) {
+        ++all;
+        subject.mesh.gather(v, work.ring, work.spokes);
+        const VertexState<C> centre = subject.mesh.vertex(v);
+        const auto here = pixels_of(subject.mesh, work.ring, centre.position);
+        double difference[2];
+        bool same_pixels = true;
+        for (int axis = 0; axis < 2; ++axis) {
+            double energy[2];
+            for (int side = 0; side < 2; ++side) {
+                VertexState<C> moved = centre;
+                (axis == 0 ? moved.position.x : moved.position.y) += side == 0 ? h : -h;
+                // A border vertex off its side would uncover pixels.
+                same_pixels = same_pixels && moved.position.x >= 0 && moved.position.y >= 0 && moved.position.x <= 48 &&
+                              moved.position.y <= 44 && pixels_of(subject.mesh, work.ring, moved.position) == here;
+                if (!same_pixels) break;
+                hmesh::walk_spokes(subject.table, work.ring, moved.position, work.spokes);
+                hmesh::RingFit<C> fit;
+                REQUIRE(hmesh::fit_ring(work.ring, work.spokes, moved.position, 0.01, work.faces, fit));
+                energy[side] = fit.energy(centre.color);
+            }
+            if (!same_pixels) break;
+            difference[axis] = (energy[0] - energy[1]) / (2 * h);
+        }
+        if (!same_pixels) continue;
+        ++compared;
+        const NormalEquations n = brute_equations(subject, work.ring, centre, 0);
+        REQUIRE(std::abs(2 * n.gx - difference[0]) <= 1e-4 * n.length + 1e-9);
+        REQUIRE(std::abs(2 * n.gy - difference[1]) <= 1e-4 * n.length + 1e-9);
+    }
+    CHECK(compared >= all / 2);
+}
+
+template <class T, int C>
+void check_step(std::uint64_t seed, hmesh::Image<T, C> image) {
+    Subject<T, C> subject(std::move(image), hmesh_test::jittered_grid(48, 44, 7, 6, seed));
+    hmesh::RingWork<C> work;
+    for (const Vertex v : subject.mesh.topology().vertices()) {
+        subject.mesh.gather(v, work.ring, work.spokes);
+        VertexState<C> centre = subject.mesh.vertex(v);
+        hmesh::RingFit<C> fit;
+        REQUIRE(hmesh::fit_ring(work.ring, work.spokes, centre.position, 0.02, work.faces, fit));
+        centre.color = hmesh::best_color(fit, centre.color, 0, -unlimited, unlimited);
+        NormalEquations n = brute_equations(subject, work.ring, centre, 1e-3);
+        const double damping = 0.02 * (n.xx + n.yy);
+        n.xx += damping, n.yy += damping;
+        const double det = n.xx * n.yy - n.xy * n.xy;
+        const auto close = [](double got, double want, double scale) { return std::abs(got - want) <= 1e-5 * scale; };
+        const auto step_for = [&](Mobility mobility) {
+            return hmesh::gauss_newton_step(work.ring, work.faces, fit, centre.color, mobility);
+        };
+
+        const hmesh::RingStep free = step_for(Mobility::free);
+        const double dx = -(n.yy * n.gx - n.xy * n.gy) / det, dy = -(n.xx * n.gy - n.xy * n.gx) / det;
+        const double scale = n.length * (n.xx + n.yy) / det;
+        CHECK(close(free.dx, dx, scale));
+        CHECK(close(free.dy, dy, scale));
+        CHECK(close(free.predicted, -(n.gx * dx + n.gy * dy), n.length * scale));
+        CHECK(free.predicted >= 0);
+
+        const hmesh::RingStep x = step_for(Mobility::along_x), y = step_for(Mobility::along_y), none = step_for(Mobility::fixed);
+        CHECK(close(x.dx, -n.gx / n.xx, n.length / n.xx));
+        CHECK(close(x.predicted, n.gx * n.gx / n.xx, n.length * n.length / n.xx));
+        CHECK(x.dy == 0);
+        CHECK(close(y.dy, -n.gy / n.yy, n.length / n.yy));
+        CHECK(close(y.predicted, n.gy * n.gy / n.yy, n.length * n.length / n.yy));
+        CHECK(y.dx == 0);
+        CHECK((none.dx == 0 && none.dy == 0 && none.predicted == 0));
+    }
+}
+
+}  // namespace
+
+TEST_CASE("the energy of a ring is that of its pixels, wherever its centre is and whatever its colour") {
+    check_energy<std::uint8_t, 1>(1);
+    check_energy<std::uint8_t, 3>(2);
+    check_energy<std::uint16_t, 2>(3);
+    check_energy<float, 4>(4);
+    check_energy<float, 7>(5);
+    check_energy<std::uint8_t, 16>(6);
+}
+
+TEST_CASE("the energy of a face is that of its pixels, from whichever corner it is computed") {
+    check_faces<std::uint8_t, 3>(11);
+    check_faces<std::uint16_t, 1>(12);
+    check_faces<float, 2>(13);
+    check_faces<std::uint8_t, 7>(14);
+    check_faces<float, 4>(15);
+}
+
+TEST_CASE("the best colour has no gradient, the ridge draws it to the current one, and bounds hold") {
+    check_best_color<std::uint8_t, 3>(21);
+    check_best_color<std::uint16_t, 4>(22);
+    check_best_color<float, 1>(23);
+}
+
+TEST_CASE("the derivative of a ring's energy by its position is J' r of the pixels' residuals: none move between faces") {
+    check_gradient<std::uint8_t, 3>(31);
+    check_gradient<std::uint16_t, 1>(32);
+    check_gradient<float, 4>(33);
+}
+
+TEST_CASE("the Gauss-Newton step solves the normal equations of the pixels' residuals, damped, within the vertex's mobility") {
+    check_step(41, hmesh_test::scene<std::uint8_t, 3>(48, 44, 41));
+    check_step(42, hmesh_test::scene<std::uint16_t, 1>(48, 44, 42));
+    check_step(43, hmesh_test::scaled(hmesh_test::scene<float, 2>(48, 44, 43), 255));
+    check_step(44, hmesh_test::scene<std::uint8_t, 7>(48, 44, 44));
+}
+
+TEST_CASE("a flat picture gives a step of no length") {
+    Subject<float, 1> subject(hmesh_test::constant_image<float, 1>(20, 20, 0.5), hmesh_test::jittered_grid(20, 20, 3, 3, 1));
+    hmesh::RingWork<1> work;
+    for (const Vertex v : subject.mesh.topology().vertices()) {
+        subject.mesh.gather(v, work.ring, work.spokes);
+        hmesh::RingFit<1> fit;
+        REQUIRE(hmesh::fit_ring(work.ring, work.spokes, subject.mesh.position(v), 0.02, work.faces, fit));
+        for (const Mobility mobility : {Mobility::free, Mobility::along_x, Mobility::along_y}) {
+            const hmesh::RingStep step = hmesh::gauss_newton_step(work.ring, work.faces, fit, subject.mesh.color(v), mobility);
+            CHECK(std::abs(step.dx) < 1e-6);
+            CHECK(std::abs(step.dy) < 1e-6);
+            CHECK(std::abs(step.predicted) < 1e-6);
+        }
+    }
+}
+
+TEST_CASE("a face that is flipped, degenerate or smaller than the bound is refused, one of just that area is not") {
+    Subject<std::uint8_t, 1> subject(hmesh_test::scene<std::uint8_t, 1>(16, 16, 1));
+    VertexState<1> a{Color<1>::zero(), {4, 4}, Mobility::free}, b{Color<1>::zero(), {8, 4}, Mobility::free};
+    const auto fits = [&](Point v, double min_cross) {
+        hmesh::Moments<1> m, side;
+        hmesh::edge_moments(subject.table, v, a.position, m);
+        hmesh::edge_moments(subject.table, a.position, b.position, side);
+        m += side;
+        hmesh::edge_moments(subject.table, b.position, v, side);
+        m += side;
+        hmesh::FaceFit<1> fit{};
+        return hmesh::fit_face(m, v, a, b, min_cross, fit);
+    };
+    CHECK(fits({6, 8}, 0.02));
+    CHECK(fits({6, 8}, 16));                       // 4 * 4
+    CHECK_FALSE(fits({6, 8}, 16.001));
+    CHECK_FALSE(fits({6, 0}, 0.02));               // flipped
+    CHECK_FALSE(fits({6, 4}, 0.02));               // level with its far side
+    CHECK_FALSE(fits({4, 4}, 0.02));               // in a corner
+    CHECK_FALSE(fits({6, 4 + 1.0 / 256}, 0.02));   // 4 / 256 < 0.02
+    CHECK(fits({6, 4 + 2.0 / 256}, 0.02));
+}
+
+TEST_CASE("an open ring has one face fewer than neighbours, a closed one as many, and each follows the orientation") {
+    Subject<std::uint8_t, 1> subject(hmesh_test::scene<std::uint8_t, 1>(20, 16, 1), hmesh_test::jittered_grid(20, 16, 4, 3, 1));
+    hmesh::RingWork<1> work;
+    const hmesh::HalfedgeMesh& topology = subject.mesh.topology();
+    for (const Vertex v : topology.vertices()) {
+        subject.mesh.gather(v, work.ring, work.spokes);
+        CHECK(work.ring.size == topology.valence(v));
+        CHECK(work.ring.open == topology.is_boundary(v));
+        CHECK(work.ring.accepts(subject.mesh.position(v), 0.02));
+        for (int i = work.ring.first_face(); i < work.ring.size; ++i) {
+            const hmesh::Halfedge h = work.ring.halfedge[i];
+            CHECK(topology.from_vertex(h) == v);
+            CHECK(work.ring.neighbour[i] == &subject.mesh.vertex(topology.to_vertex(h)));
+            CHECK(work.ring.neighbour[work.ring.before(i)] == &subject.mesh.vertex(topology.to_vertex(topology.next(h))));
+        }
+    }
+}

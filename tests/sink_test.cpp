@@ -1,0 +1,105 @@
+#include "hmesh/io/sink.hpp"
+
+#include <doctest/doctest.h>
+
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+#include <string>
+#include <vector>
+
+namespace {
+
+using Bytes = std::vector<unsigned char>;
+
+// A sink that takes whole calls until `limit` bytes would be exceeded.
+struct LimitedSink {
+    std::size_t limit = std::numeric_limits<std::size_t>::max();
+    Bytes taken;
+    int refusals = 0;
+    bool empty_call = false;
+
+    bool operator()(const void* bytes, std::size_t size) {
+        empty_call = empty_call || size == 0;
+        if (size > limit - taken.size()) {
+            ++refusals;
+            return false;
+        }
+        const auto* from = static_cast<const unsigned char*>(bytes);
+        taken.insert(taken.end(), from, from + size);
+        return true;
+    }
+};
+
+std::string printed(std::int64_t value) {
+    LimitedSink sink;
+    hmesh::detail::Writer writer(sink);
+    writer.decimal(value);
+    CHECK(writer.finish());
+    return {sink.taken.begin(), sink.taken.end()};
+}
+
+}  // namespace
+
+TEST_CASE("binary numbers are little-endian") {
+    LimitedSink sink;
+    hmesh::detail::Writer writer(sink);
+    writer.u8(0xfe);
+    writer.u16(0x1234);
+    writer.u32(0x89abcdef);
+    writer.f32(1.0F);
+    writer.f32(-0.15625F);
+    REQUIRE(writer.finish());
+    CHECK(sink.taken == Bytes{0xfe, 0x34, 0x12, 0xef, 0xcd, 0xab, 0x89, 0, 0, 0x80, 0x3f, 0, 0, 0x20, 0xbe});
+}
+
+TEST_CASE("decimal prints every integer of 64 bits") {
+    CHECK(printed(0) == "0");
+    CHECK(printed(7) == "7");
+    CHECK(printed(-1) == "-1");
+    CHECK(printed(1000) == "1000");
+    CHECK(printed(-90210) == "-90210");
+    CHECK(printed(std::numeric_limits<std::int64_t>::max()) == "9223372036854775807");
+    CHECK(printed(std::numeric_limits<std::int64_t>::min()) == "-9223372036854775808");
+}
+
+TEST_CASE("bytes arrive whole and in order, however they are cut into writes") {
+    Bytes sent(20000);
+    for (std::size_t i = 0; i < sent.size(); ++i) sent[i] = static_cast<unsigned char>(i * 7 + i / 251);
+    for (const std::size_t step :
+         {std::size_t{1}, std::size_t{7}, std::size_t{4095}, std::size_t{4096}, std::size_t{4097}, sent.size()}) {
+        LimitedSink sink;
+        hmesh::detail::Writer writer(sink);
+        for (std::size_t i = 0; i < sent.size(); i += step)
+            writer.bytes(sent.data() + i, std::min(step, sent.size() - i));
+        REQUIRE(writer.finish());
+        CHECK(sink.taken == sent);
+        CHECK_FALSE(sink.empty_call);
+    }
+}
+
+TEST_CASE("a writer that was given nothing does not call its sink") {
+    LimitedSink sink;
+    sink.limit = 0;
+    hmesh::detail::Writer writer(sink);
+    writer.text("");
+    CHECK(writer.finish());
+    CHECK(sink.refusals == 0);
+    CHECK_FALSE(sink.empty_call);
+}
+
+TEST_CASE("the writer stops at the first refusal and says how many bytes were taken") {
+    const Bytes sent(20000, 42);
+    for (const std::size_t limit : {0U, 1U, 4095U, 4096U, 4097U, 8192U, 10000U, 19999U}) {
+        LimitedSink sink;
+        sink.limit = limit;
+        hmesh::detail::Writer writer(sink);
+        for (const unsigned char byte : sent) writer.u8(byte);
+        const hmesh::Status status = writer.finish();
+        CHECK(status.code == hmesh::Errc::write_failed);
+        CHECK(status.got == static_cast<std::int64_t>(sink.taken.size()));
+        CHECK(sink.taken.size() == limit / 4096 * 4096);
+        CHECK(sink.refusals == 1);
+    }
+}
