@@ -1,8 +1,9 @@
 // minimal - an image file becomes a mesh file: minimal photo.png mesh.ply
 #include <cstdio>
 
-#include "hmesh/io/ply.hpp"
-#include "hmesh/mesh_image.hpp"
+// README begin
+#include <hmesh/hmesh.hpp>
+// README end
 #define STB_IMAGE_IMPLEMENTATION
 #include <stb/stb_image.h>
 

@@ -1,0 +1,147 @@
+// hmesh - how an ImageMesh is filled from a triangulation, renumbered, recoloured and proved right. Include image_mesh.hpp.
+#ifndef HMESH_FIT_IMAGE_MESH_BUILD_HPP
+#define HMESH_FIT_IMAGE_MESH_BUILD_HPP
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <utility>
+#include <vector>
+
+#include "hmesh/fit/image_mesh.hpp"
+#include "hmesh/mesh/spatial_order.hpp"
+
+namespace hmesh {
+
+template <int C>
+template <class ParallelFor>
+Status ImageMesh<C>::assign(const std::vector<Point>& positions, const std::vector<Triangle>& triangles,
+                            const ParallelFor& parallel_for) {
+    if (const Status status = topology_.assign(positions.size(), triangles); !status) return status;
+    vertices_.resize(positions.size());
+    moments_.resize(topology_.edge_slots());
+    energies_.resize(topology_.face_slots());
+    visits_.assign(positions.size(), 1);
+    for (std::size_t i = 0; i < positions.size(); ++i) {
+        const Point p = positions[i];
+        const bool on_x = p.x == 0 || p.x == width(), on_y = p.y == 0 || p.y == height();
+        VertexState<C>& state = vertices_.raw(i);
+        state.position = p;
+        state.mobility = on_x && on_y ? Mobility::fixed : on_x ? Mobility::along_y : on_y ? Mobility::along_x : Mobility::free;
+        table_->pixel(std::min(static_cast<int>(p.x), width() - 1), std::min(static_cast<int>(p.y), height() - 1), state.color);
+    }
+    for_each_chunk(parallel_for, topology_.edge_slots(), 1024, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t e = begin; e < end; ++e) {
+            const Halfedge h = HalfedgeMesh::halfedge(Edge(e));
+            edge_moments(*table_, position(topology_.from_vertex(h)), position(topology_.to_vertex(h)), moments_.raw(e));
+        }
+    });
+    energy_ = ordered_sum(parallel_for, topology_.face_slots(), 1024, [&](std::size_t begin, std::size_t end) {
+        double sum = 0;
+        for (std::size_t f = begin; f < end; ++f) sum += energies_.raw(f) = fresh_energy(Face(f));
+        return sum;
+    });
+    return {};
+}
+
+template <int C>
+template <class ParallelFor>
+void ImageMesh<C>::set_colors(const std::vector<Color<C>>& colors, const ParallelFor& parallel_for) {
+    HMESH_ASSERT(depth_ == 0 && colors.size() == vertices_.size());
+    for (std::size_t i = 0; i < colors.size(); ++i) vertices_.raw(i).color = colors[i];
+    energy_ = ordered_sum(parallel_for, topology_.face_slots(), 1024, [&](std::size_t begin, std::size_t end) {
+        double sum = 0;
+        for (std::size_t f = begin; f < end; ++f)
+            if (!topology_.is_deleted(Face(f))) sum += energies_.raw(f) = fresh_energy(Face(f));
+        return sum;
+    });
+}
+
+template <int C>
+template <class ParallelFor>
+void ImageMesh<C>::compact(std::size_t room, const ParallelFor& parallel_for) {
+    HMESH_ASSERT(depth_ == 0);
+    ImageMesh fresh(*table_, color_low_, color_high_, limits_);
+    fresh.color_low_ = color_low_;
+    fresh.color_high_ = color_high_;
+    {
+        std::vector<Point> positions;
+        std::vector<Color<C>> colors;
+        std::vector<std::uint32_t> number(topology_.vertex_slots());
+        std::vector<Triangle> triangles;
+        positions.reserve(vertex_count());
+        colors.reserve(vertex_count());
+        triangles.reserve(topology_.face_count());
+        std::vector<unsigned char> visits;
+        visits.reserve(vertex_count());
+        for (const Vertex v : in_spatial_order<Vertex>(topology_.vertices(), vertex_count(), [&](Vertex u) { return position(u); })) {
+            number[v.index()] = static_cast<std::uint32_t>(positions.size());
+            positions.push_back(position(v));
+            colors.push_back(color(v));
+            visits.push_back(visits_[v.index()]);
+        }
+        for (const Face f : in_spatial_order<Face>(topology_.faces(), topology_.face_count(), [&](Face g) { return centroid(g); })) {
+            const auto v = topology_.vertices(f);
+            triangles.push_back({number[v[0].index()], number[v[1].index()], number[v[2].index()]});
+        }
+        topology_ = {};  // gives its memory back before the new one is filled
+        vertices_ = {};
+        moments_ = {};
+        energies_ = {};
+        fresh.reserve(std::max(room, positions.size()));
+        const Status status = fresh.assign(positions, triangles, parallel_for);
+        HMESH_ASSERT(status);
+        (void)status;
+        fresh.set_colors(colors, parallel_for);
+        fresh.visits_ = std::move(visits);
+    }
+    *this = std::move(fresh);
+}
+
+template <int C>
+Status ImageMesh<C>::check() const {
+    if (const Status status = topology_.check(); !status) return status;
+    const auto fail = [](const char* what, std::size_t where) -> Status {
+        return {Errc::invalid_argument, what, static_cast<std::int64_t>(where), 0};
+    };
+    for (const Vertex v : topology_.vertices()) {
+        const VertexState<C>& state = vertex(v);
+        if (snap(state.position) != state.position) return fail("a vertex is off the grid", v.index());
+        if (state.color[C] != 0) return fail("a colour's padding is not zero", v.index());
+        if (topology_.is_boundary(v) == (state.mobility == Mobility::free)) return fail("a vertex's mobility is wrong", v.index());
+    }
+    double area = 0, energy = 0, scale = 0;
+    for (const Face f : topology_.faces()) {
+        const auto v = topology_.vertices(f);
+        const double twice = cross(position(v[0]), position(v[1]), position(v[2]));
+        if (!(twice > 0)) return fail("a face is flipped or has no area", f.index());
+        area += twice;
+        Moments<C> m;
+        face_moments(f, m);
+        const double fresh = fresh_energy(f);
+        // Rounding is relative to the squares that cancel, and grows with the slopes of slivers.
+        if (!(std::abs(fresh - this->energy(f)) <= 1e-9 * (m.q[3] + energy_) + 1e-6))
+            return fail("a face's energy is stale", f.index());
+        energy += fresh;
+        scale += m.q[3];
+    }
+    if (area != 2.0 * width() * height()) return fail("the faces do not tile the rectangle", 0);
+    if (!(std::abs(energy - energy_) <= 1e-9 * (energy + scale) + 1e-6)) return fail("the total energy is stale", 0);
+    for (const Edge e : topology_.edges()) {
+        const Halfedge h = HalfedgeMesh::halfedge(e);
+        Moments<C> fresh;
+        edge_moments(*table_, position(topology_.from_vertex(h)), position(topology_.to_vertex(h)), fresh);
+        const Moments<C>& m = moments_[e.index()];
+        for (int k = 0; k < C + 1; ++k)
+            if (fresh.s[k] != m.s[k] || fresh.sx[k] != m.sx[k] || fresh.sy[k] != m.sy[k])
+                return fail("an edge's moments are stale", e.index());
+        for (int k = 0; k < 4; ++k)
+            if (fresh.q[k] != m.q[k]) return fail("an edge's moments are stale", e.index());
+    }
+    return {};
+}
+
+}  // namespace hmesh
+
+#endif  // HMESH_FIT_IMAGE_MESH_BUILD_HPP
