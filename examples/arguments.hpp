@@ -76,7 +76,8 @@ namespace detail {
 using std::to_string;
 
 template <class Value, std::size_t n>
-[[nodiscard]] std::string find_name(const Named<Value> (&table)[n], const std::string& option, const std::string& text, Value& value) {
+[[nodiscard]] std::string find_name(const Named<Value> (&table)[n], const std::string& option, const std::string& text,
+                                    Value& value) {
     std::string names;
     for (const Named<Value>& entry : table) {
         if (text == entry.name) {
@@ -93,7 +94,8 @@ template <class Value, std::size_t n>
     return text.size() > sign && text.find_first_not_of("0123456789", sign) == std::string::npos;
 }
 
-[[nodiscard]] inline std::string parse_integer(const std::string& option, const std::string& text, std::int64_t& value) {
+[[nodiscard]] inline std::string parse_integer(const std::string& option, const std::string& text,
+                                               std::int64_t& value) {
     errno = 0;
     value = is_integer(text) ? std::strtoll(text.c_str(), nullptr, 10) : 0;
     return is_integer(text) && errno == 0 ? "" : option + " '" + text + "' is not a whole number";
@@ -102,11 +104,14 @@ template <class Value, std::size_t n>
 [[nodiscard]] inline std::string parse_seed(const std::string& option, const std::string& text, std::uint64_t& value) {
     errno = 0;
     value = is_integer(text) ? std::strtoull(text.c_str(), nullptr, 10) : 0;
-    return is_integer(text) && text[0] != '-' && errno == 0 ? "" : option + " '" + text + "' is not a whole number from 0 to 2^64 - 1";
+    return is_integer(text) && text[0] != '-' && errno == 0
+               ? ""
+               : option + " '" + text + "' is not a whole number from 0 to 2^64 - 1";
 }
 
 // A decimal number in (0, most].
-[[nodiscard]] inline std::string parse_positive(const std::string& option, const std::string& text, double most, double& value) {
+[[nodiscard]] inline std::string parse_positive(const std::string& option, const std::string& text, double most,
+                                                double& value) {
     char* end = nullptr;
     const bool plain = !text.empty() && text.find_first_not_of("0123456789.eE+-") == std::string::npos;
     value = plain ? std::strtod(text.c_str(), &end) : 0;
@@ -178,7 +183,8 @@ template <class Value, std::size_t n>
     return files;
 }
 
-// Reads the command line into `out`. Returns "" or what is wrong with it; asking for help or the version ends the reading.
+// Reads the command line into `out`. Returns "" or what is wrong with it; asking for help or the version ends the
+// reading.
 [[nodiscard]] inline std::string parse(const std::vector<std::string>& words, Arguments& out) {
     std::vector<std::string> inputs, seen;
     bool options_end = false;

@@ -1,5 +1,5 @@
-// custom_pixel - meshes an image whose samples are of a type of its own: 10 bits in the upper bits of a 16-bit word, as many
-// video frames store them (P010). All that hmesh must know is in one specialisation of PixelTraits.
+// custom_pixel - meshes an image whose samples are of a type of its own: 10 bits in the upper bits of a 16-bit word, as
+// many video frames store them (P010). All that hmesh must know is in one specialisation of PixelTraits.
 #include <algorithm>
 #include <cstdint>
 #include <cstdio>
@@ -49,7 +49,8 @@ int main() {
     }
     const float darkest = *std::min_element(result.mesh.colors.begin(), result.mesh.colors.end());
     const float brightest = *std::max_element(result.mesh.colors.begin(), result.mesh.colors.end());
-    std::printf("%zu vertices, %zu faces, PSNR %.2f dB, colours from %.0f to %.0f of %.0f\n", result.report.vertices, result.report.faces,
-                result.report.psnr, static_cast<double>(darkest), static_cast<double>(brightest), result.mesh.peak);
+    std::printf("%zu vertices, %zu faces, PSNR %.2f dB, colours from %.0f to %.0f of %.0f\n", result.report.vertices,
+                result.report.faces, result.report.psnr, static_cast<double>(darkest), static_cast<double>(brightest),
+                result.mesh.peak);
     return 0;
 }

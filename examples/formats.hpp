@@ -1,4 +1,5 @@
-// examples - the mesh formats that the command writes, chosen by the ending of a file's name. A new format is a line in the table.
+// examples - the mesh formats that the command writes, chosen by the ending of a file's name. A new format is a line in
+// the table.
 #ifndef HMESH_EXAMPLES_FORMATS_HPP
 #define HMESH_EXAMPLES_FORMATS_HPP
 

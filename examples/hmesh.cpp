@@ -32,7 +32,9 @@ std::string in_words(const hmesh::Status& status) {
 
 bool is_same_file(const std::string& a, const std::string& b) {
     std::error_code none;
-    const auto full = [&](const std::string& name) { return std::filesystem::weakly_canonical(std::filesystem::absolute(name, none), none); };
+    const auto full = [&](const std::string& name) {
+        return std::filesystem::weakly_canonical(std::filesystem::absolute(name, none), none);
+    };
     return a == b || std::filesystem::equivalent(a, b, none) || (full(a) == full(b) && !full(a).empty());
 }
 
@@ -98,11 +100,12 @@ std::string write_outputs(const Arguments& arguments, const Outcome& outcome, co
 }
 
 void print_summary(const Arguments& arguments, const ImageFile& image, const Outcome& outcome, double seconds) {
-    std::printf("image     %s, %d x %d, %d channel%s of %d bits\n", arguments.input.c_str(), image.width, image.height, image.channels,
-                image.channels == 1 ? "" : "s", image.bits);
+    std::printf("image     %s, %d x %d, %d channel%s of %d bits\n", arguments.input.c_str(), image.width, image.height,
+                image.channels, image.channels == 1 ? "" : "s", image.bits);
     std::printf("vertices  %zu\n", outcome.report.vertices);
     std::printf("faces     %zu\n", outcome.report.faces);
-    std::printf("PSNR      %s (10 log10(peak^2 / MSE), MSE over pixels and channels)\n", psnr_text(outcome.report.psnr).c_str());
+    std::printf("PSNR      %s (10 log10(peak^2 / MSE), MSE over pixels and channels)\n",
+                psnr_text(outcome.report.psnr).c_str());
     std::printf("time      %.2f s\n", seconds);
     for (const std::string& name : output_files(arguments)) std::printf("written   %s\n", name.c_str());
 }
@@ -122,15 +125,17 @@ int run(const Arguments& arguments) {
     const double seconds = watch.seconds();
     watch.finish();
 
-    const std::string where = "'" + arguments.input + "' with " + arguments.target + " --effort " + name_of(efforts, options.effort);
+    const std::string where =
+        "'" + arguments.input + "' with " + arguments.target + " --effort " + name_of(efforts, options.effort);
     if (!outcome.has_mesh()) return fail(failed, where + ": " + in_words(outcome.status));
     const std::string why = write_outputs(arguments, outcome, report_json(arguments, image, outcome, seconds, watch));
     if (!why.empty()) return fail(failed, why);
     if (!arguments.quiet) print_summary(arguments, image, outcome, seconds);
     if (std::fflush(stdout) != 0) return fail(failed, "cannot write to the standard output");
     if (outcome.status) return done;
-    const std::string reached = "the mesh reached so far, " + std::to_string(outcome.report.vertices) + " vertices and " +
-                                psnr_text(outcome.report.psnr) + ", " + (output_files(arguments).empty() ? "is as above" : "is written");
+    const std::string reached = "the mesh reached so far, " + std::to_string(outcome.report.vertices) +
+                                " vertices and " + psnr_text(outcome.report.psnr) + ", " +
+                                (output_files(arguments).empty() ? "is as above" : "is written");
     return fail(failed, where + ": " + in_words(outcome.status) + "; " + reached);
 }
 
@@ -140,7 +145,8 @@ int run(const Arguments& arguments) {
 int main(int argc, char** argv) {
     example::Arguments arguments;
     const std::vector<std::string> words(argv + (argc > 0 ? 1 : 0), argv + argc);
-    if (const std::string why = example::parse(words, arguments); !why.empty()) return example::fail(example::wrong_usage, why);
+    if (const std::string why = example::parse(words, arguments); !why.empty())
+        return example::fail(example::wrong_usage, why);
     if (arguments.help) {
         std::printf("%s%s", example::usage, example::help);
     } else if (arguments.version) {

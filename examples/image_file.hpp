@@ -81,14 +81,16 @@ namespace detail {
     const std::uint8_t no_pixel = 0;
     const hmesh::Status status = hmesh::check(hmesh::ImageView<std::uint8_t, 1>{&no_pixel, width, height, 0});
     if (status) return {};
-    return std::string(status.what) + " (got " + std::to_string(status.got) + ", limit " + std::to_string(status.want) + ")";
+    return std::string(status.what) + " (got " + std::to_string(status.got) + ", limit " + std::to_string(status.want) +
+           ")";
 }
 
 template <class T>
 [[nodiscard]] std::string take(T* pixels, ImageFile& image, std::vector<T>& samples) {
     const std::unique_ptr<T, void (*)(void*)> owner(pixels, stbi_image_free);
     if (pixels == nullptr) return stb_reason();
-    if (image.channels < 1 || image.channels > 4) return "it has " + std::to_string(image.channels) + " channels, not 1 to 4";
+    if (image.channels < 1 || image.channels > 4)
+        return "it has " + std::to_string(image.channels) + " channels, not 1 to 4";
     const auto count = static_cast<std::size_t>(image.width) * static_cast<std::size_t>(image.height) *
                        static_cast<std::size_t>(image.channels);
     samples.assign(pixels, pixels + count);
@@ -103,12 +105,14 @@ template <class T>
     image.channels = header.channels;
     image.bits = header.maximum > 255 ? 16 : 8;
     if (const std::string why = check_size(image.width, image.height); !why.empty()) return why;
-    return image.bits == 16 ? read_pnm_samples(bytes, header, image.samples16) : read_pnm_samples(bytes, header, image.samples8);
+    return image.bits == 16 ? read_pnm_samples(bytes, header, image.samples16)
+                            : read_pnm_samples(bytes, header, image.samples8);
 }
 
 [[nodiscard]] inline std::string read_stb(const std::vector<unsigned char>& bytes, ImageFile& image) {
     const auto size = static_cast<int>(bytes.size());
-    if (stbi_info_from_memory(bytes.data(), size, &image.width, &image.height, &image.channels) == 0) return stb_reason();
+    if (stbi_info_from_memory(bytes.data(), size, &image.width, &image.height, &image.channels) == 0)
+        return stb_reason();
     if (const std::string why = check_size(image.width, image.height); !why.empty()) return why;
     image.bits = stbi_is_16_bit_from_memory(bytes.data(), size) != 0 ? 16 : 8;
     int &w = image.width, &h = image.height, &c = image.channels;
@@ -125,8 +129,8 @@ template <class T>
     return is_pnm(bytes) ? detail::read_pnm(bytes, image) : detail::read_stb(bytes, image);
 }
 
-// Encodes a picture and hands the bytes of the PNG file to `sink`, a callable bool(const void*, std::size_t). False when there
-// is no memory or the sink refused.
+// Encodes a picture and hands the bytes of the PNG file to `sink`, a callable bool(const void*, std::size_t). False
+// when there is no memory or the sink refused.
 template <class Sink>
 [[nodiscard]] bool write_png(const Picture& picture, Sink& sink) {
     struct Call {
@@ -137,7 +141,8 @@ template <class Sink>
         auto* to = static_cast<Call*>(context);
         to->done = (*to->sink)(bytes, static_cast<std::size_t>(size));
     };
-    return stbi_write_png_to_func(give, &call, picture.width, picture.height, picture.channels, picture.samples.data(), 0) != 0 &&
+    return stbi_write_png_to_func(give, &call, picture.width, picture.height, picture.channels, picture.samples.data(),
+                                  0) != 0 &&
            call.done;
 }
 

@@ -1,5 +1,5 @@
-// examples - from types chosen at run time to hmesh's templates: meshes an ImageFile and draws the mesh, whatever the bits and
-// channels of the file. All eight instantiations of mesh_image are made here.
+// examples - from types chosen at run time to hmesh's templates: meshes an ImageFile and draws the mesh, whatever the
+// bits and channels of the file. All eight instantiations of mesh_image are made here.
 #ifndef HMESH_EXAMPLES_MESHING_HPP
 #define HMESH_EXAMPLES_MESHING_HPP
 
@@ -27,14 +27,16 @@ struct Outcome {
 
     [[nodiscard]] bool has_mesh() const noexcept { return !faces.empty(); }
     [[nodiscard]] hmesh::MeshView view() const noexcept {
-        return {positions.data(), colors.data(), faces.data(), positions.size() / 2, faces.size(), channels, width, height, peak};
+        return {positions.data(), colors.data(), faces.data(), positions.size() / 2, faces.size(), channels, width,
+                height,           peak};
     }
 };
 
 namespace detail {
 
 template <class T, int C>
-[[nodiscard]] Outcome mesh_samples(const ImageFile& image, const std::vector<T>& samples, const hmesh::Options& options) {
+[[nodiscard]] Outcome mesh_samples(const ImageFile& image, const std::vector<T>& samples,
+                                   const hmesh::Options& options) {
     const hmesh::ImageView<T, C> view{samples.data(), image.width, image.height, 0};
     hmesh::Result<C> result = hmesh::mesh_image(view, options);
     return {std::move(result.report),
@@ -49,7 +51,8 @@ template <class T, int C>
 }
 
 template <class T>
-[[nodiscard]] Outcome mesh_channels(const ImageFile& image, const std::vector<T>& samples, const hmesh::Options& options) {
+[[nodiscard]] Outcome mesh_channels(const ImageFile& image, const std::vector<T>& samples,
+                                    const hmesh::Options& options) {
     switch (image.channels) {
         case 1: return mesh_samples<T, 1>(image, samples, options);
         case 2: return mesh_samples<T, 2>(image, samples, options);
@@ -59,7 +62,8 @@ template <class T>
 }
 
 template <int C>
-[[nodiscard]] hmesh::Status draw_channels(const hmesh::MeshView& mesh, const hmesh::RenderOptions& options, Picture& picture) {
+[[nodiscard]] hmesh::Status draw_channels(const hmesh::MeshView& mesh, const hmesh::RenderOptions& options,
+                                          Picture& picture) {
     hmesh::Image<float, C> drawn;
     if (const hmesh::Status status = hmesh::render(mesh, drawn, options); !status) return status;
     picture = {drawn.width(), drawn.height(), C, {}};
@@ -94,7 +98,8 @@ template <int C>
 }
 
 // The mesh drawn at 8 bits, with as many channels as it has.
-[[nodiscard]] inline hmesh::Status draw(const hmesh::MeshView& mesh, const hmesh::RenderOptions& options, Picture& picture) {
+[[nodiscard]] inline hmesh::Status draw(const hmesh::MeshView& mesh, const hmesh::RenderOptions& options,
+                                        Picture& picture) {
     switch (mesh.channels) {
         case 1: return detail::draw_channels<1>(mesh, options, picture);
         case 2: return detail::draw_channels<2>(mesh, options, picture);
@@ -107,7 +112,8 @@ template <int C>
 [[nodiscard]] inline hmesh::Status draw_with_edges(const hmesh::MeshView& mesh, Picture& picture) {
     const int scale = mesh.width <= 2048 && mesh.height <= 2048 ? 2 : 1;
     Picture drawn;
-    if (const hmesh::Status status = draw(mesh, {scale * mesh.width, scale * mesh.height}, drawn); !status) return status;
+    if (const hmesh::Status status = draw(mesh, {scale * mesh.width, scale * mesh.height}, drawn); !status)
+        return status;
     hmesh::Image<std::uint8_t, 3> rgb = detail::to_rgb(drawn);
     if (const hmesh::Status status = draw_wireframe(mesh, rgb); !status) return status;
     picture = {rgb.width(), rgb.height(), 3, std::move(rgb.samples())};

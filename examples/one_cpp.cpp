@@ -1,9 +1,10 @@
 // one_cpp - keeps Eigen, and 1.4 s of compile time a file, out of the rest of a code base.
 //
-// mesh_image.hpp is included in ONE .cpp, which defines one plain function. Its declaration needs image_view.hpp and mesh_view.hpp
-// only; everybody else includes that declaration. Here the three files of such a code base stand one after another.
+// mesh_image.hpp is included in ONE .cpp, which defines one plain function. Its declaration needs image_view.hpp and
+// mesh_view.hpp only; everybody else includes that declaration. Here the three files of such a code base stand one
+// after another.
 
-// ---- picture_mesh.hpp: what the code base includes ---------------------------------------------------------------------
+// ---- picture_mesh.hpp: what the code base includes ------------------------------------------------------------------
 #include <cstddef>
 #include <cstdint>
 
@@ -11,10 +12,12 @@
 #include "hmesh/image/image_view.hpp"
 #include "hmesh/mesh/mesh_view.hpp"
 
-// Meshes the picture with this many vertices. When the status says no, the mesh that is left is the last valid one, or empty.
-[[nodiscard]] hmesh::Mesh<3> mesh_picture(const hmesh::ImageView<std::uint8_t, 3>& picture, std::int64_t vertices, hmesh::Status& status);
+// Meshes the picture with this many vertices. When the status says no, the mesh that is left is the last valid one, or
+// empty.
+[[nodiscard]] hmesh::Mesh<3> mesh_picture(const hmesh::ImageView<std::uint8_t, 3>& picture, std::int64_t vertices,
+                                          hmesh::Status& status);
 
-// ---- game.cpp: any of the files that use it; no Eigen so far -----------------------------------------------------------
+// ---- game.cpp: any of the files that use it; no Eigen so far --------------------------------------------------------
 #ifdef EIGEN_CORE_H
 #error "image_view.hpp and mesh_view.hpp must not include Eigen"
 #endif
@@ -39,12 +42,13 @@ int main() {
     return 0;
 }
 
-// ---- picture_mesh.cpp: the one file that compiles Eigen ----------------------------------------------------------------
+// ---- picture_mesh.cpp: the one file that compiles Eigen -------------------------------------------------------------
 #include <utility>
 
 #include "hmesh/mesh_image.hpp"
 
-hmesh::Mesh<3> mesh_picture(const hmesh::ImageView<std::uint8_t, 3>& picture, std::int64_t vertices, hmesh::Status& status) {
+hmesh::Mesh<3> mesh_picture(const hmesh::ImageView<std::uint8_t, 3>& picture, std::int64_t vertices,
+                            hmesh::Status& status) {
     hmesh::Options options;
     options.target = hmesh::Target::vertices(vertices);
     hmesh::Result<3> result = hmesh::mesh_image(picture, options);

@@ -1,7 +1,7 @@
 // examples - OutputFile: writes a file whole or not at all.
 //
-// The bytes go to a new file beside the target, which takes the target's name when all of them are written. A target that
-// exists and is no regular file (a device, a pipe) is written directly; a symbolic link is followed.
+// The bytes go to a new file beside the target, which takes the target's name when all of them are written. A target
+// that exists and is no regular file (a device, a pipe) is written directly; a symbolic link is followed.
 #ifndef HMESH_EXAMPLES_OUTPUT_FILE_HPP
 #define HMESH_EXAMPLES_OUTPUT_FILE_HPP
 

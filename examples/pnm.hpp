@@ -1,7 +1,8 @@
 // examples - reads binary PGM (P5) and PPM (P6) files of 8 and 16 bits from memory.
 //
-// stb_image reads them too, but up to 2.27 (Debian 12) takes the bytes of 16-bit samples in the wrong order, and fills what a
-// truncated file lacks with whatever the memory held. Samples are scaled so that the file's maximum becomes 255 or 65535.
+// stb_image reads them too, but in 2.27 (Debian 12) takes the bytes of 16-bit samples in the wrong order, and fills
+// what a truncated file lacks with whatever the memory held. Samples are scaled so that the file's maximum becomes 255
+// or 65535.
 #ifndef HMESH_EXAMPLES_PNM_HPP
 #define HMESH_EXAMPLES_PNM_HPP
 
@@ -59,7 +60,8 @@ namespace detail {
 
 // Reads the samples after a valid header: T is uint8_t where maximum <= 255, else uint16_t. The same return value.
 template <class T>
-[[nodiscard]] std::string read_pnm_samples(const std::vector<unsigned char>& file, const PnmHeader& header, std::vector<T>& samples) {
+[[nodiscard]] std::string read_pnm_samples(const std::vector<unsigned char>& file, const PnmHeader& header,
+                                           std::vector<T>& samples) {
     const std::size_t count = static_cast<std::size_t>(header.width) * static_cast<std::size_t>(header.height) *
                               static_cast<std::size_t>(header.channels);
     if ((file.size() - header.pixels_at) / sizeof(T) < count) return "the file ends before its last pixel";

@@ -1,5 +1,5 @@
-// examples - ProgressWatch: the progress callback of the command. Times the stages, draws a bar on a terminal, and passes on
-// Ctrl-C. The library has no clock; the seconds in the report come from here.
+// examples - ProgressWatch: the progress callback of the command. Times the stages, draws a bar on a terminal, and
+// passes on Ctrl-C. The library has no clock; the seconds in the report come from here.
 #ifndef HMESH_EXAMPLES_PROGRESS_WATCH_HPP
 #define HMESH_EXAMPLES_PROGRESS_WATCH_HPP
 
@@ -52,7 +52,9 @@ class ProgressWatch {
 
     // Valid as long as the watch stays where it is.
     [[nodiscard]] hmesh::Progress progress() {
-        return {[](void* user, const hmesh::StageInfo& info) { return static_cast<ProgressWatch*>(user)->update(info); }, this};
+        return {
+            [](void* user, const hmesh::StageInfo& info) { return static_cast<ProgressWatch*>(user)->update(info); },
+            this};
     }
 
     // Ends the last stage and wipes the bar.
@@ -65,11 +67,12 @@ class ProgressWatch {
     // Wall-clock seconds since the watch was made.
     [[nodiscard]] double seconds() const { return seconds_between(begin_, Clock::now()); }
 
-    // The seconds of the stage that left this behind, or -1 when the callback never saw it. A search runs every stage many times.
+    // The seconds of the stage that left this behind, or -1 when the callback never saw it. A search runs every stage
+    // many times.
     [[nodiscard]] double seconds_of(const hmesh::StageReport& stage) const {
         for (auto it = stages_.rbegin(); it != stages_.rend(); ++it)
-            if (std::strcmp(it->last.stage, stage.name) == 0 && it->last.vertices == stage.vertices && !(it->last.energy < stage.energy) &&
-                !(it->last.energy > stage.energy))
+            if (std::strcmp(it->last.stage, stage.name) == 0 && it->last.vertices == stage.vertices &&
+                !(it->last.energy < stage.energy) && !(it->last.energy > stage.energy))
                 return it->seconds;
         return -1;
     }
@@ -102,9 +105,11 @@ class ProgressWatch {
     void draw(const hmesh::StageInfo& info, Clock::time_point now) {
         constexpr int length = 30;
         const int done = info.fraction > 0 ? static_cast<int>(length * (info.fraction < 1 ? info.fraction : 1)) : 0;
-        const std::string bar = std::string(static_cast<std::size_t>(done), '#') + std::string(static_cast<std::size_t>(length - done), '.');
-        const int written = std::fprintf(stderr, "\r[%s] %3d %% %.24s, %zu vertices", bar.c_str(), done * 100 / length, info.stage,
-                                         info.vertices) - 1;
+        const std::string bar = std::string(static_cast<std::size_t>(done), '#') +
+                                std::string(static_cast<std::size_t>(length - done), '.');
+        const int written = std::fprintf(stderr, "\r[%s] %3d %% %.24s, %zu vertices", bar.c_str(), done * 100 / length,
+                                         info.stage, info.vertices) -
+                            1;
         if (written < drawn_) std::fprintf(stderr, "%*s", drawn_ - written, "");
         if (written > drawn_) drawn_ = written;
         std::fflush(stderr);

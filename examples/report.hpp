@@ -1,4 +1,5 @@
-// examples - the command's report as JSON (RFC 8259). An infinite PSNR is the string "inf"; seconds that were not measured are null.
+// examples - the command's report as JSON (RFC 8259). An infinite PSNR is the string "inf"; seconds that were not
+// measured are null.
 #ifndef HMESH_EXAMPLES_REPORT_HPP
 #define HMESH_EXAMPLES_REPORT_HPP
 
@@ -80,12 +81,16 @@ namespace detail {
 }  // namespace detail
 
 // A PSNR for people: "31.83 dB" or "inf".
-[[nodiscard]] inline std::string psnr_text(double psnr) { return std::isfinite(psnr) ? detail::format("%.2f dB", psnr) : "inf"; }
+[[nodiscard]] inline std::string psnr_text(double psnr) {
+    return std::isfinite(psnr) ? detail::format("%.2f dB", psnr) : "inf";
+}
 
 [[nodiscard]] inline std::string report_json(const Arguments& arguments, const ImageFile& image, const Outcome& outcome,
                                              double seconds, const ProgressWatch& watch) {
     std::string out = "{\n";
-    const auto line = [&](const char* name, const std::string& value) { out += std::string("  \"") + name + "\": " + value + ",\n"; };
+    const auto line = [&](const char* name, const std::string& value) {
+        out += std::string("  \"") + name + "\": " + value + ",\n";
+    };
     line("version", detail::quoted(HMESH_VERSION_STRING));
     line("input", detail::quoted(arguments.input));
     line("width", std::to_string(image.width));

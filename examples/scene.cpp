@@ -12,7 +12,8 @@ namespace {
 
 // 1 to 16384, or 0.
 int parse_side(const std::string& text) {
-    const bool is_number = !text.empty() && text.size() <= 5 && text.find_first_not_of("0123456789") == std::string::npos;
+    const bool is_number =
+        !text.empty() && text.size() <= 5 && text.find_first_not_of("0123456789") == std::string::npos;
     const int side = is_number ? std::atoi(text.c_str()) : 0;
     return side <= 16384 ? side : 0;
 }
@@ -31,6 +32,7 @@ int main(int argc, char** argv) {
         const example::Picture picture{width, height, 3, std::move(image.samples())};
         if (example::write_png(picture, file) && file.commit()) return 0;
     }
-    std::fprintf(stderr, "scene: cannot write '%s': %s\n", argv[1], file.error().empty() ? "out of memory" : file.error().c_str());
+    std::fprintf(stderr, "scene: cannot write '%s': %s\n", argv[1],
+                 file.error().empty() ? "out of memory" : file.error().c_str());
     return 1;
 }

@@ -1,8 +1,8 @@
 // examples - draw_scene: a photo-like picture in pure code, for demonstrations, tests and benchmarks that need no file.
 //
-// A still life by a window, traced at 3 x 3 rays a pixel: smooth shading, sharp edges, soft shadows of an area light, some
-// texture. Objects are signed distances inside bounding spheres; wood, cloth and plaster are value noise. Deterministic.
-// Units: about 15 cm; x right, y up, z away from the camera. Costs about 10 us a pixel.
+// A still life by a window, traced at 3 x 3 rays a pixel: smooth shading, sharp edges, soft shadows of an area light,
+// some texture. Objects are signed distances inside bounding spheres; wood, cloth and plaster are value noise.
+// Deterministic. Units: about 15 cm; x right, y up, z away from the camera. Costs about 15 us a pixel.
 #ifndef HMESH_EXAMPLES_SCENE_HPP
 #define HMESH_EXAMPLES_SCENE_HPP
 
@@ -51,7 +51,8 @@ inline std::uint32_t hash(std::uint32_t a, std::uint32_t b, std::uint32_t c = 0)
 inline double unit(std::uint32_t h) { return (h + 0.5) / 4294967296.0; }
 
 inline double lattice(double x, double y) {
-    return unit(hash(static_cast<std::uint32_t>(static_cast<std::int64_t>(x)), static_cast<std::uint32_t>(static_cast<std::int64_t>(y)), 7));
+    return unit(hash(static_cast<std::uint32_t>(static_cast<std::int64_t>(x)),
+                     static_cast<std::uint32_t>(static_cast<std::int64_t>(y)), 7));
 }
 // Value noise in [0, 1], one bump a unit.
 inline double noise(double x, double y) {
@@ -118,10 +119,13 @@ inline double pear_distance(Vec p) {
     return smooth_min(body, capsule(p, {0.04, 1.6, 0}, {0.14, 1.93, -0.05}, 0.028), 0.05);
 }
 inline double cherry_distance(Vec p) {
-    const double left = length(p - Vec{-0.2, 0.25, 0}) - 0.25 + 0.05 * std::exp(-40 * (p.x + 0.2) * (p.x + 0.2) - 40 * p.z * p.z) * step(0.3, 0.5, p.y);
+    const double left = length(p - Vec{-0.2, 0.25, 0}) - 0.25 +
+                        0.05 * std::exp(-40 * (p.x + 0.2) * (p.x + 0.2) - 40 * p.z * p.z) * step(0.3, 0.5, p.y);
     const double right = length(p - Vec{0.36, 0.23, 0.12}) - 0.23;
-    const double stems = std::min(std::min(capsule(p, {-0.2, 0.44, 0}, {-0.06, 0.8, 0.1}, 0.014), capsule(p, {-0.06, 0.8, 0.1}, {0.2, 1.16, 0.3}, 0.014)),
-                                  std::min(capsule(p, {0.36, 0.42, 0.12}, {0.34, 0.8, 0.2}, 0.014), capsule(p, {0.34, 0.8, 0.2}, {0.2, 1.16, 0.3}, 0.014)));
+    const double stems = std::min(std::min(capsule(p, {-0.2, 0.44, 0}, {-0.06, 0.8, 0.1}, 0.014),
+                                           capsule(p, {-0.06, 0.8, 0.1}, {0.2, 1.16, 0.3}, 0.014)),
+                                  std::min(capsule(p, {0.36, 0.42, 0.12}, {0.34, 0.8, 0.2}, 0.014),
+                                           capsule(p, {0.34, 0.8, 0.2}, {0.2, 1.16, 0.3}, 0.014)));
     return std::min(std::min(left, right), std::min(stems, length(p - Vec{0.2, 1.17, 0.3}) - 0.035));
 }
 inline double leaf_distance(Vec p) {
@@ -141,7 +145,9 @@ inline double distance(Surface surface, Vec p) {
         }
         case Surface::mug: return mug_distance(p);
         case Surface::pear: return 0.9 * pear_distance(p);
-        case Surface::orange: return length(p - Vec{0, 0.56, 0}) - 0.57 + 0.03 * std::exp(-30 * (p.x * p.x + p.z * p.z)) * step(0.6, 1, p.y);
+        case Surface::orange:
+            return length(p - Vec{0, 0.56, 0}) - 0.57 +
+                   0.03 * std::exp(-30 * (p.x * p.x + p.z * p.z)) * step(0.6, 1, p.y);
         case Surface::cherry: return cherry_distance(p);
         case Surface::leaf: return leaf_distance(p);
         default: return length(p - Vec{0, 0.23, 0}) - 0.23;
@@ -270,7 +276,8 @@ inline bool cloth(Vec p, Vec& normal, Material& out) {
 inline Material pear(Vec p) {
     const double angle = std::atan2(p.z, p.x);
     if (p.y > 1.66) return {{0.12, 0.07, 0.03}, 0, 0};
-    const double blush = step(0.25, 0.95, fractal(1.6 * angle + 20, 1.5 * p.y, 3) * (0.75 - 0.55 * std::cos(angle + 0.6)));
+    const double blush =
+        step(0.25, 0.95, fractal(1.6 * angle + 20, 1.5 * p.y, 3) * (0.75 - 0.55 * std::cos(angle + 0.6)));
     const double speck = step(0.80, 0.90, noise(28 * angle, 28 * p.y));
     Vec color = mix({0.50, 0.50, 0.06}, {0.52, 0.16, 0.035}, blush);
     color = mix(color, {0.22, 0.26, 0.03}, step(1.2, 1.65, p.y) * 0.5);
@@ -280,7 +287,8 @@ inline Material pear(Vec p) {
 inline Material mug(Vec p) {
     const double r = length(p.x, p.z);
     if (r < 0.597 + 0.03 * p.y && p.y > 0.1) return {{0.78, 0.76, 0.70}, 0.04, 0.8};
-    const double angle = std::atan2(p.z, p.x), tooth = std::abs(angle * 14 / 6.283185307 - std::floor(angle * 14 / 6.283185307) - 0.5);
+    const double angle = std::atan2(p.z, p.x),
+                 tooth = std::abs(angle * 14 / 6.283185307 - std::floor(angle * 14 / 6.283185307) - 0.5);
     const bool band = p.y > 0.42 && p.y < 0.86, is_body = r < 0.70;
     if (is_body && band) {
         const bool rim = p.y < 0.455 || p.y > 0.825;
@@ -312,7 +320,8 @@ inline Material material_at(const Hit& hit, Vec world, Vec& normal) {
         }
         case Surface::orange: {
             const double a = std::atan2(p.z, p.x), h = p.y;
-            const Vec bump{noise(34 * a, 40 * h) - 0.5, noise(34 * a + 50, 40 * h) - 0.5, noise(34 * a, 40 * h + 50) - 0.5};
+            const Vec bump{noise(34 * a, 40 * h) - 0.5, noise(34 * a + 50, 40 * h) - 0.5,
+                           noise(34 * a, 40 * h + 50) - 0.5};
             normal = normalized(normal + 0.17 * bump);
             if (length(p.x, p.z) < 0.06 && p.y > 0.9) return {{0.10, 0.13, 0.03}, 0, 0};
             return {mix({0.78, 0.235, 0.012}, {0.70, 0.30, 0.02}, fractal(3 * a, 3 * h, 2)), 0.04, 0.5};
@@ -326,9 +335,11 @@ inline Material material_at(const Hit& hit, Vec world, Vec& normal) {
             return {{0.30, 0.008, 0.016}, 0.045, 1};
         }
         case Surface::leaf: {
-            const double side = std::abs(p.z), vein = std::abs((p.x * 9 + side * 8) - std::floor(p.x * 9 + side * 8) - 0.5);
+            const double side = std::abs(p.z),
+                         vein = std::abs((p.x * 9 + side * 8) - std::floor(p.x * 9 + side * 8) - 0.5);
             const double line = std::max(1 - step(0.006, 0.018, side), 0.5 * (1 - step(0.03, 0.12, vein)));
-            return {mix((0.8 + 0.4 * fractal(9 * p.x, 9 * p.z, 3)) * Vec{0.075, 0.19, 0.028}, {0.30, 0.38, 0.12}, line), 0.035, 0.35};
+            return {mix((0.8 + 0.4 * fractal(9 * p.x, 9 * p.z, 3)) * Vec{0.075, 0.19, 0.028}, {0.30, 0.38, 0.12}, line),
+                    0.035, 0.35};
         }
         default: return {{0.02, 0.02, 0.022}, 0.72, 1};
     }
@@ -347,8 +358,11 @@ inline Vec window_light(Vec p) {
 // A patch of sun through a second window, on the wall: four panes with soft edges, in [0, 1].
 inline double sun_patch(Vec p) {
     const double u = (p.x - 1.02 - 0.30 * (p.y - 2.6)) / 1.7, v = (p.y - 1.55 + 0.12 * p.x) / 2.5;
-    const auto pane = [](double t, double low, double high, double soft) { return step(low - soft, low + soft, t) * (1 - step(high - soft, high + soft, t)); };
-    return (pane(u, 0.0, 0.44, 0.025) + pane(u, 0.53, 0.97, 0.025)) * (pane(v, 0.0, 0.44, 0.018) + pane(v, 0.51, 0.95, 0.018));
+    const auto pane = [](double t, double low, double high, double soft) {
+        return step(low - soft, low + soft, t) * (1 - step(high - soft, high + soft, t));
+    };
+    return (pane(u, 0.0, 0.44, 0.025) + pane(u, 0.53, 0.97, 0.025)) *
+           (pane(v, 0.0, 0.44, 0.018) + pane(v, 0.51, 0.95, 0.018));
 }
 
 // Which of the 36 cells of the window to sample: `count` of them, spread, other ones for each of the 9 rays of a pixel.
@@ -363,13 +377,15 @@ inline Vec direct_light(Vec p, Vec normal, const Samples& samples) {
     double sum = 0;
     for (int k = 0; k < samples.count; ++k) {
         const int cell = (samples.ray * 4 + k * 9 * (4 / samples.count) + samples.ray / 9) % 36;
-        const std::uint32_t h = hash(samples.seed, static_cast<std::uint32_t>(samples.ray), static_cast<std::uint32_t>(k));
+        const std::uint32_t h =
+            hash(samples.seed, static_cast<std::uint32_t>(samples.ray), static_cast<std::uint32_t>(k));
         const double u = (cell % 6 + unit(h)) / 6, v = (cell / 6 + unit(hash(h, 1))) / 6;
         const Vec to = window_corner + u * window_u + v * window_v - p;
         const double far = length(to);
         const Vec along = (1 / far) * to;
         const double cosine = dot(normal, along), cosine_there = -dot(facing, along);
-        if (cosine > 0 && cosine_there > 0 && !is_blocked(p + 3e-3 * normal, along, far)) sum += cosine * cosine_there * area / (far * far);
+        if (cosine > 0 && cosine_there > 0 && !is_blocked(p + 3e-3 * normal, along, far))
+            sum += cosine * cosine_there * area / (far * far);
     }
     return (sum / samples.count) * Vec{14.2, 13.3, 11.8};
 }
@@ -378,7 +394,9 @@ inline Vec trace(Vec from, Vec along, const Samples& samples, int depth) {
     const Hit hit = find_hit(from, along);
     const Vec p = from + hit.t * along;
     if (hit.surface == Surface::window) return window_light(p);
-    Vec normal = hit.object != nullptr ? normal_at(*hit.object, p) : hit.surface == Surface::table ? Vec{0, 1, 0} : Vec{0, 0, -1};
+    Vec normal = hit.object != nullptr           ? normal_at(*hit.object, p)
+                 : hit.surface == Surface::table ? Vec{0, 1, 0}
+                                                 : Vec{0, 0, -1};
     const Vec flat = normal;
     const Material material = material_at(hit, p, normal);
     const double open = openness(p, flat);
@@ -420,7 +438,8 @@ inline std::uint8_t to_stored(double light) {
             const std::uint32_t seed = scene::hash(static_cast<std::uint32_t>(x), static_cast<std::uint32_t>(y));
             Vec sum;
             for (int ray = 0; ray < 9; ++ray) {
-                const double u = (x + (ray % 3 + 0.5) / 3 - 0.5 * width) * pixel, v = (0.5 * height - y - (ray / 3 + 0.5) / 3) * pixel;
+                const double u = (x + (ray % 3 + 0.5) / 3 - 0.5 * width) * pixel,
+                             v = (0.5 * height - y - (ray / 3 + 0.5) / 3) * pixel;
                 const Vec light = scene::trace(eye, scene::normalized(ahead + u * right + v * up), {seed, ray, 4}, 0);
                 sum = sum + Vec{std::min(light.x, 3.0), std::min(light.y, 3.0), std::min(light.z, 3.0)};
             }

@@ -274,10 +274,13 @@ meshes grey_alpha.tga 2 8 alpha
 meshes color.ppm 3 8 blue
 meshes color16.ppm 3 16 blue
 meshes rgba.tga 4 8 alpha
-for name in grey:grey16 color:color16; do
-    eight=$(ls "${name%:*}".p?m.json) sixteen=$(ls "${name#*:}".p?m.json)
-    check "a picture in 8 and 16 bits gives the same PSNR within 0.5 dB ($name)" \
-        awk -v a="$(json_value "$eight" psnr)" -v b="$(json_value "$sixteen" psnr)" 'BEGIN { d = a - b; exit !(a > 0 && d < 0.5 && d > -0.5) }'
+# Bytes in the wrong order would make noise of 10 dB.
+for name in grey.pgm:grey16.pgm color.ppm:color16.ppm; do
+    run "${name%:*}" --vertices 8 --report eight.json
+    run "${name#*:}" --vertices 8 --report sixteen.json
+    check "a picture in 8 and 16 bits gives the same PSNR within 1 dB" \
+        awk -v a="$(json_value eight.json psnr)" -v b="$(json_value sixteen.json psnr)" \
+        'BEGIN { exit !(a > 20 && a - b < 1 && b - a < 1) }'
 done
 run one.pgm -o one.ply --vertices 4
 check "an image of one pixel becomes a mesh" exits 0
