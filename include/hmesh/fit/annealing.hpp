@@ -109,10 +109,10 @@ class Annealer {
     std::size_t insert_moves() {
         std::size_t inserted = 0;
         const double least = options_.insertion_screen * price_;
-        for (const InsertionSite& site : rotated(insertion_sites(*mesh_, true))) {
+        for (const InsertionSite site : rotated(insertion_sites(*mesh_, true))) {
             if (static_cast<double>(mesh_->vertex_count()) > (1 + options_.band) * target_) break;
             if (random_.uniform() > options_.exchange) continue;
-            if (site.edge.is_valid() ? topology().is_deleted(site.edge) : topology().is_deleted(site.face)) continue;
+            if (site.is_edge() ? topology().is_deleted(site.edge()) : topology().is_deleted(site.face())) continue;
             if (!(most_gain(*mesh_, site) > least)) continue;
             const InsertionCandidate<C> candidate = candidate_at(*mesh_, work_, site, true);
             if (!candidate.fits || !(candidate.gain > least) || !has_room(*mesh_, candidate)) continue;

@@ -140,23 +140,31 @@ template <int C>
     return true;
 }
 
-// Where a vertex could go: an edge, or else a face.
-struct InsertionSite {
-    Edge edge;
-    Face face;
+// Where a vertex could go: an edge or a face, in 4 bytes.
+class InsertionSite {
+  public:
+    InsertionSite() noexcept = default;
+    explicit InsertionSite(Edge e) noexcept : code_(static_cast<std::uint32_t>(2 * e.index())) {}
+    explicit InsertionSite(Face f) noexcept : code_(static_cast<std::uint32_t>(2 * f.index() + 1)) {}
+    [[nodiscard]] bool is_edge() const noexcept { return (code_ & 1U) == 0; }
+    [[nodiscard]] Edge edge() const noexcept { return Edge(code_ >> 1U); }
+    [[nodiscard]] Face face() const noexcept { return Face(code_ >> 1U); }
+
+  private:
+    std::uint32_t code_ = 0;
 };
 
 template <int C>
-[[nodiscard]] InsertionCandidate<C> candidate_at(const ImageMesh<C>& mesh, RingWork<C>& work, const InsertionSite& site, bool may_move) {
-    return site.edge.is_valid() ? edge_candidate(mesh, work, site.edge, may_move) : face_candidate(mesh, work, site.face, may_move);
+[[nodiscard]] InsertionCandidate<C> candidate_at(const ImageMesh<C>& mesh, RingWork<C>& work, InsertionSite site, bool may_move) {
+    return site.is_edge() ? edge_candidate(mesh, work, site.edge(), may_move) : face_candidate(mesh, work, site.face(), may_move);
 }
 
 // What a vertex at the site could gain at most: the energy of the faces that it splits.
 template <int C>
-[[nodiscard]] double most_gain(const ImageMesh<C>& mesh, const InsertionSite& site) {
-    if (!site.edge.is_valid()) return mesh.energy(site.face);
+[[nodiscard]] double most_gain(const ImageMesh<C>& mesh, InsertionSite site) {
+    if (!site.is_edge()) return mesh.energy(site.face());
     double sum = 0;
-    const Halfedge h = HalfedgeMesh::halfedge(site.edge);
+    const Halfedge h = HalfedgeMesh::halfedge(site.edge());
     for (const Halfedge s : {h, HalfedgeMesh::opposite(h)})
         if (!mesh.topology().is_boundary(s)) sum += mesh.energy(mesh.topology().face(s));
     return sum;
@@ -172,51 +180,56 @@ template <int C>
         Halfedge h = topology.halfedge(f);
         // An edge comes with the face of its even half-edge, or the only face it has.
         for (int i = 0; i < 3; ++i, h = topology.next(h))
-            if ((h.index() & 1U) == 0 || topology.is_boundary(HalfedgeMesh::opposite(h))) sites.push_back({HalfedgeMesh::edge(h), Face()});
-        if (faces) sites.push_back({Edge(), f});
+            if ((h.index() & 1U) == 0 || topology.is_boundary(HalfedgeMesh::opposite(h))) sites.emplace_back(HalfedgeMesh::edge(h));
+        if (faces) sites.emplace_back(f);
     }
     return sites;
 }
 
 // The most rewarding sites for `count` vertices and some more, by falling gain (ties: in spatial order), evaluated through
 // the executor. The rewards of the sites with the most to gain tell how much the others must have for being worth a walk.
+// Gains are compared as floats: this is the peak of the memory, 16 bytes a site.
 template <int C, class ParallelFor = SerialFor>
 [[nodiscard]] std::vector<InsertionSite> best_sites(const ImageMesh<C>& mesh, std::size_t count, const InsertionOptions& options,
                                                     const ParallelFor& parallel_for = {}) {
-    const std::vector<InsertionSite> sites = insertion_sites(mesh, options.faces);
-    std::vector<double> bounds(sites.size()), values;
-    for (std::size_t k = 0; k < sites.size(); ++k) bounds[k] = most_gain(mesh, sites[k]);
-    const auto nth_largest = [&values](std::size_t n) {
-        if (n >= values.size()) return -1.0;
-        std::nth_element(values.begin(), values.begin() + static_cast<std::ptrdiff_t>(n), values.end(), std::greater<>());
-        return values[n];
-    };
     struct Gain {
-        double gain;
+        float gain;
         std::uint32_t site;
     };
+    const std::vector<InsertionSite> sites = insertion_sites(mesh, options.faces);
+    const auto bound = [&](std::size_t k) { return static_cast<float>(most_gain(mesh, sites[k])); };
+    const auto least = static_cast<float>(options.least_gain);
+    const std::size_t wanted = 2 * count;  // about half of them touch a better one
+    std::vector<float> values;
+    values.reserve(sites.size());
+    const auto nth_largest = [&] {
+        if (wanted >= values.size()) return least;
+        const auto nth = values.begin() + static_cast<std::ptrdiff_t>(wanted);
+        std::nth_element(values.begin(), nth, values.end(), std::greater<>());
+        return std::max(*nth, least);
+    };
     std::vector<Gain> gains;
-    const auto evaluate = [&](double above, double up_to) {
+    gains.reserve(sites.size());
+    const auto evaluate = [&](float above, float up_to) {
         const std::size_t start = gains.size();
         for (std::size_t k = 0; k < sites.size(); ++k)
-            if (bounds[k] > above && bounds[k] <= up_to) gains.push_back({0, static_cast<std::uint32_t>(k)});
+            if (const float b = bound(k); b > above && b <= up_to) gains.push_back({0, static_cast<std::uint32_t>(k)});
         for_each_chunk(parallel_for, gains.size() - start, 256, [&](std::size_t begin, std::size_t end) {
             RingWork<C> work;
             for (std::size_t k = start + begin; k < start + end; ++k) {
                 const auto candidate = candidate_at(mesh, work, sites[gains[k].site], options.may_move);
-                gains[k].gain = candidate.fits ? candidate.gain : -1;
+                gains[k].gain = candidate.fits ? static_cast<float>(candidate.gain) : -1.0F;
             }
         });
     };
-    const std::size_t wanted = 2 * count;  // about half of them touch a better one
-    values = bounds;
-    const double first_cut = std::max(nth_largest(wanted), options.least_gain);
-    evaluate(first_cut, std::numeric_limits<double>::infinity());
+    for (std::size_t k = 0; k < sites.size(); ++k) values.push_back(bound(k));
+    const float first_cut = nth_largest();
+    evaluate(first_cut, std::numeric_limits<float>::infinity());
     values.clear();
     for (const Gain& g : gains) values.push_back(g.gain);
-    evaluate(std::max(nth_largest(wanted), options.least_gain), first_cut);
+    evaluate(nth_largest(), first_cut);
 
-    gains.erase(std::remove_if(gains.begin(), gains.end(), [&](const Gain& g) { return !(g.gain > options.least_gain); }), gains.end());
+    gains.erase(std::remove_if(gains.begin(), gains.end(), [&](const Gain& g) { return !(g.gain > least); }), gains.end());
     const auto better = [](const Gain& a, const Gain& b) { return a.gain > b.gain || (a.gain == b.gain && a.site < b.site); };
     if (gains.size() > 2 * wanted) {
         std::nth_element(gains.begin(), gains.begin() + static_cast<std::ptrdiff_t>(2 * wanted), gains.end(), better);
@@ -240,15 +253,15 @@ std::size_t insert_batch(ImageMesh<C>& mesh, std::size_t count, const InsertionO
     std::vector<Vertex> inserted;
     inserted.reserve(count);
     RingWork<C> work;
-    for (const InsertionSite& site : sites) {
+    for (const InsertionSite site : sites) {
         if (inserted.size() >= count) break;
         bool free = true;
-        if (site.edge.is_valid()) {
-            const Halfedge h = HalfedgeMesh::halfedge(site.edge);
+        if (site.is_edge()) {
+            const Halfedge h = HalfedgeMesh::halfedge(site.edge());
             for (const Halfedge s : {h, HalfedgeMesh::opposite(h)})
                 if (!topology.is_boundary(s) && touched[topology.face(s).index()] != 0) free = false;
         } else {
-            free = touched[site.face.index()] == 0;
+            free = touched[site.face().index()] == 0;
         }
         if (!free) continue;
         const InsertionCandidate<C> candidate = candidate_at(mesh, work, site, options.may_move);
