@@ -33,14 +33,18 @@ std::int64_t crossing(GridPoint a, GridPoint b, std::int64_t j) {
 }
 
 // The first pixel whose centre 256 i + 128 is not left of the edge from a down to b, in row j.
-std::int64_t exact_column(GridPoint a, GridPoint b, std::int64_t j) { return ceil_of(crossing(a, b, j), 256 * (b.y - a.y)); }
+std::int64_t exact_column(GridPoint a, GridPoint b, std::int64_t j) {
+    return ceil_of(crossing(a, b, j), 256 * (b.y - a.y));
+}
 
 bool columns_agree(GridPoint a, GridPoint b, std::int64_t j) {
     const hmesh::RowCrossing edge(a.point(), b.point());
     return edge.column(static_cast<int>(j)) == exact_column(a, b, j);
 }
 
-std::int64_t below(Random& random, std::int64_t n) { return static_cast<std::int64_t>(random.below(static_cast<std::size_t>(n))); }
+std::int64_t below(Random& random, std::int64_t n) {
+    return static_cast<std::int64_t>(random.below(static_cast<std::size_t>(n)));
+}
 
 // The number t in [0, modulus) with a t = 1 modulo `modulus`, or 0 if there is none.
 std::int64_t inverse(std::int64_t a, std::int64_t modulus) {
@@ -96,7 +100,8 @@ TEST_CASE("RowCrossing::column is exact for random edges of the 1/256 px grid, f
     int tried = 0, wrong = 0;
     for (int i = 0; i < 400000; ++i) {
         const std::int64_t side = std::int64_t{1} << (6 + random.below(19));  // 1/4 px to 65536 px
-        GridPoint a{below(random, side + 1), below(random, side + 1)}, b{below(random, side + 1), below(random, side + 1)};
+        GridPoint a{below(random, side + 1), below(random, side + 1)},
+            b{below(random, side + 1), below(random, side + 1)};
         const std::int64_t room = (1 << 24) - side, dx = below(random, room + 1), dy = below(random, room + 1);
         a.x += dx, b.x += dx, a.y += dy, b.y += dy;
         if (b.y < a.y) std::swap(a, b);
@@ -151,7 +156,8 @@ TEST_CASE("RowCrossing::column is exact where the edge passes a centre as closel
     for (const int count : found) CHECK(count > 20000);
 }
 
-TEST_CASE("RowCrossing::column: a centre on the edge lies to its right, in every row of slanted lines through centres") {
+TEST_CASE(
+    "RowCrossing::column: a centre on the edge lies to its right, in every row of slanted lines through centres") {
     Random random(4);
     int wrong = 0;
     for (int i = 0; i < 3000; ++i) {
@@ -172,7 +178,8 @@ TEST_CASE("RowCrossing::column stays within the image for edges on its sides") {
     for (const double width : {1.0, 255.0, 65536.0}) {
         CHECK(hmesh::RowCrossing({0, 0}, {0, 1000}).column(500) == 0);
         CHECK(hmesh::RowCrossing({width, 0}, {width, 1000}).column(500) == static_cast<int>(width));
-        CHECK(hmesh::RowCrossing({0, 0}, {width, 65536}).column(0) == exact_column({0, 0}, {static_cast<int>(width) * 256, 1 << 24}, 0));
+        CHECK(hmesh::RowCrossing({0, 0}, {width, 65536}).column(0) ==
+              exact_column({0, 0}, {static_cast<int>(width) * 256, 1 << 24}, 0));
         CHECK(hmesh::RowCrossing({width, 0}, {0, 65536}).column(65535) <= static_cast<int>(width));
     }
 }
@@ -191,7 +198,8 @@ TEST_CASE("snap goes to the nearest multiple of 1/256 px and keeps those that ar
     CHECK(Point{1, 2} != Point{2, 1});
 }
 
-TEST_CASE("cross is exact on the 1/256 px grid, turns sign with the orientation, and is positive clockwise on the screen") {
+TEST_CASE(
+    "cross is exact on the 1/256 px grid, turns sign with the orientation, and is positive clockwise on the screen") {
     CHECK(hmesh::cross({0, 0}, {1, 0}, {0, 1}) == 1);
     Random random(6);
     const std::int64_t side = 1 << 24;
@@ -200,7 +208,8 @@ TEST_CASE("cross is exact on the 1/256 px grid, turns sign with the orientation,
         const auto draw = [&] { return GridPoint{below(random, side), below(random, side)}; };
         const GridPoint a = draw(), b = draw(), c = draw();
         // Twice in three trials d is near the line from a to b.
-        const GridPoint d = i % 3 == 0 ? c : GridPoint{(a.x + b.x) / 2 + below(random, 3) - 1, (a.y + b.y) / 2 + below(random, 3) - 1};
+        const GridPoint d =
+            i % 3 == 0 ? c : GridPoint{(a.x + b.x) / 2 + below(random, 3) - 1, (a.y + b.y) / 2 + below(random, 3) - 1};
         const std::int64_t exact = (b.x - a.x) * (d.y - a.y) - (d.x - a.x) * (b.y - a.y);
         wrong += hmesh::cross(a.point(), b.point(), d.point()) != static_cast<double>(exact) / 65536;
         wrong += hmesh::cross(b.point(), a.point(), d.point()) != -static_cast<double>(exact) / 65536;
@@ -229,7 +238,8 @@ TEST_CASE("in_circle is exact for whole pixels within 4096 px, positive inside, 
             dy[k] = y[k] - y[3];
             square[k] = dx[k] * dx[k] + dy[k] * dy[k];
         }
-        const std::int64_t exact = square[0] * (dx[1] * dy[2] - dx[2] * dy[1]) - square[1] * (dx[0] * dy[2] - dx[2] * dy[0]) +
+        const std::int64_t exact = square[0] * (dx[1] * dy[2] - dx[2] * dy[1]) -
+                                   square[1] * (dx[0] * dy[2] - dx[2] * dy[0]) +
                                    square[2] * (dx[0] * dy[1] - dx[1] * dy[0]);
         wrong += hmesh::in_circle(p[0], p[1], p[2], p[3]) != static_cast<double>(exact);
     }
@@ -247,7 +257,8 @@ TEST_CASE("barycentric coordinates sum to 1, make their point, and are 1, 0, 0 i
         CHECK(w.a + w.b + w.c == doctest::Approx(1));
         CHECK(std::abs(w.a * a.x + w.b * b.x + w.c * c.x - p.x) < 1e-8);
         CHECK(std::abs(w.a * a.y + w.b * b.y + w.c * c.y - p.y) < 1e-8);
-        const bool inside = hmesh::cross(a, b, p) / area > 0 && hmesh::cross(b, c, p) / area > 0 && hmesh::cross(c, a, p) / area > 0;
+        const bool inside =
+            hmesh::cross(a, b, p) / area > 0 && hmesh::cross(b, c, p) / area > 0 && hmesh::cross(c, a, p) / area > 0;
         CHECK(inside == (w.a > 0 && w.b > 0 && w.c > 0));
         const hmesh::Barycentric at_b = hmesh::barycentric(a, b, c, b);
         CHECK((at_b.a == 0 && at_b.b == 1 && at_b.c == 0));

@@ -23,6 +23,7 @@ using hmesh::HalfedgeMesh;
 using hmesh::ImageMesh;
 using hmesh::InsertionCandidate;
 using hmesh::InsertionOptions;
+using hmesh::InsertionSite;
 using hmesh::Mobility;
 using hmesh::Point;
 using hmesh::Vertex;
@@ -89,19 +90,25 @@ void check_gains(hmesh::Image<T, C> image, double range, std::uint64_t seed) {
     CHECK(exact > 60);
 }
 
-// The gains of all candidates that gain enough, largest first.
+// The gains of all candidates that gain enough, largest first, as floats like best_sites compares them.
 template <int C>
-std::vector<double> all_gains(const ImageMesh<C>& mesh, const InsertionOptions& options) {
-    std::vector<double> gains;
+std::vector<float> all_gains(const ImageMesh<C>& mesh, const InsertionOptions& options) {
+    std::vector<float> gains;
     hmesh::RingWork<C> work;
     const auto add = [&](const InsertionCandidate<C>& c) {
-        if (c.fits && c.gain > options.least_gain) gains.push_back(c.gain);
+        const auto gain = static_cast<float>(c.gain);
+        if (c.fits && gain > static_cast<float>(options.least_gain)) gains.push_back(gain);
     };
     for (const Edge e : mesh.topology().edges()) add(hmesh::edge_candidate(mesh, work, e, options.may_move));
     if (options.faces)
         for (const Face f : mesh.topology().faces()) add(hmesh::face_candidate(mesh, work, f, options.may_move));
     std::sort(gains.begin(), gains.end(), std::greater<>());
     return gains;
+}
+
+// The element that a site names: the edge or the face, the other invalid.
+std::pair<Edge, Face> named(InsertionSite site) {
+    return site.is_edge() ? std::pair(site.edge(), Face()) : std::pair(Edge(), site.face());
 }
 
 template <class T, int C>
@@ -115,8 +122,8 @@ void check_pruning(hmesh::Image<T, C> image, std::uint64_t seed) {
         for (const bool may_move : {false, true})
             for (const std::size_t count : {std::size_t{1}, std::size_t{7}, std::size_t{40}, std::size_t{100000}}) {
                 const auto all = all_gains(mesh, {faces, may_move, 0});
-                for (const double least : {0.0, all[all.size() / 3]}) {
-                    const InsertionOptions options{faces, may_move, least};
+                for (const float least : {0.0F, all[all.size() / 3]}) {
+                    const InsertionOptions options{faces, may_move, static_cast<double>(least)};
                     const auto want = all_gains(mesh, options);
                     const auto got = hmesh::best_sites(mesh, count, options);
                     const auto turned = hmesh::best_sites(mesh, count, options, hmesh_test::ReverseFor{});
@@ -125,11 +132,11 @@ void check_pruning(hmesh::Image<T, C> image, std::uint64_t seed) {
                     REQUIRE(got.size() <= want.size());
                     REQUIRE(got.size() == turned.size());
                     std::set<std::pair<Edge, Face>> seen;
-                    double last = want.empty() ? 0 : want[0];
+                    float last = want.empty() ? 0 : want[0];
                     for (std::size_t i = 0; i < got.size(); ++i) {
-                        REQUIRE((got[i].edge == turned[i].edge && got[i].face == turned[i].face));
-                        REQUIRE(seen.insert({got[i].edge, got[i].face}).second);
-                        const double gain = hmesh::candidate_at(mesh, work, got[i], may_move).gain;
+                        REQUIRE(named(got[i]) == named(turned[i]));
+                        REQUIRE(seen.insert(named(got[i])).second);
+                        const auto gain = static_cast<float>(hmesh::candidate_at(mesh, work, got[i], may_move).gain);
                         REQUIRE(gain <= last);
                         REQUIRE(gain > least);
                         if (i < sure) REQUIRE(gain == want[i]);
@@ -209,19 +216,17 @@ TEST_CASE("each edge and each face is a site once, and no site gains more than i
         const auto sites = hmesh::insertion_sites(subject.mesh, faces);
         CHECK(sites.size() == topology.edge_count() + (faces ? topology.face_count() : 0));
         std::set<std::pair<Edge, Face>> seen;
-        for (const hmesh::InsertionSite& site : sites) {
-            CHECK(site.edge.is_valid() != site.face.is_valid());
-            CHECK(seen.insert({site.edge, site.face}).second);
-            const bool is_edge = site.edge.is_valid();
-            REQUIRE_FALSE((is_edge ? topology.is_deleted(site.edge) : topology.is_deleted(site.face)));
-            double faces_have = is_edge ? 0 : hmesh_test::brute_energy(subject, site.face);
-            if (is_edge)
-                for (const Face f : {topology.face(HalfedgeMesh::halfedge(site.edge)),
-                                     topology.face(HalfedgeMesh::opposite(HalfedgeMesh::halfedge(site.edge)))})
+        for (const InsertionSite site : sites) {
+            CHECK(seen.insert(named(site)).second);
+            REQUIRE_FALSE((site.is_edge() ? topology.is_deleted(site.edge()) : topology.is_deleted(site.face())));
+            double faces_have = site.is_edge() ? 0 : hmesh_test::brute_energy(subject, site.face());
+            if (site.is_edge())
+                for (const Face f : {topology.face(HalfedgeMesh::halfedge(site.edge())),
+                                     topology.face(HalfedgeMesh::opposite(HalfedgeMesh::halfedge(site.edge())))})
                     if (f.is_valid()) faces_have += hmesh_test::brute_energy(subject, f);
             CHECK(std::abs(hmesh::most_gain(subject.mesh, site) - faces_have) <= hmesh_test::rounding(subject));
             const auto candidate = hmesh::candidate_at(subject.mesh, work, site, true);
-            CHECK((candidate.edge == site.edge && candidate.face == site.face));
+            CHECK(std::pair(candidate.edge, candidate.face) == named(site));
             CHECK(candidate.gain <= faces_have + hmesh_test::rounding(subject));
         }
     }

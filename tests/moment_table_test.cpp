@@ -52,8 +52,8 @@ double number(const MomentTable<C>& table, int x, int y, int k) {
     return table.is_narrow() ? table.template entries<std::int32_t>()[at] : table.template entries<double>()[at];
 }
 
-// How many numbers differ from sums over the view's pixels. Sums of integers must be equal, others to 1e-13 of the sum of
-// their terms' magnitudes.
+// How many numbers differ from sums over the view's pixels. Sums of integers must be equal, others to 1e-13 of the sum
+// of their terms' magnitudes.
 template <class T, int C>
 int mistakes(const MomentTable<C>& table, const ImageView<T, C>& view, const Rect& rect) {
     int wrong = table.width() != rect.width || table.height() != rect.height;
@@ -97,10 +97,11 @@ bool same_bits(const MomentTable<C>& a, const MomentTable<C>& b) {
 
 }  // namespace
 
-TEST_CASE_TEMPLATE("MomentTable holds the prefix sums of each row, exact for integers, for any type and number of channels", K,
-                   Kind<std::uint8_t, 1>, Kind<std::uint8_t, 2>, Kind<std::uint8_t, 3>, Kind<std::uint8_t, 4>, Kind<std::uint8_t, 5>,
-                   Kind<std::uint8_t, 16>, Kind<std::uint16_t, 1>, Kind<std::uint16_t, 3>, Kind<std::uint16_t, 4>,
-                   Kind<std::uint16_t, 16>, Kind<float, 1>, Kind<float, 3>, Kind<float, 7>, Kind<Signed, 2>) {
+TEST_CASE_TEMPLATE(
+    "MomentTable holds the prefix sums of each row, exact for integers, for any type and number of channels", K,
+    Kind<std::uint8_t, 1>, Kind<std::uint8_t, 2>, Kind<std::uint8_t, 3>, Kind<std::uint8_t, 4>, Kind<std::uint8_t, 5>,
+    Kind<std::uint8_t, 16>, Kind<std::uint16_t, 1>, Kind<std::uint16_t, 3>, Kind<std::uint16_t, 4>,
+    Kind<std::uint16_t, 16>, Kind<float, 1>, Kind<float, 3>, Kind<float, 7>, Kind<Signed, 2>) {
     using T = typename K::T;
     constexpr int n = K::channels;
     // Widths around the multiples of 8, where a strip of the table is full.
@@ -115,13 +116,15 @@ TEST_CASE_TEMPLATE("MomentTable holds the prefix sums of each row, exact for int
 TEST_CASE("MomentTable sums negative samples of a user's type exactly") {
     Image<Signed, 2> image(50, 9);
     hmesh::Random random(1);
-    for (Signed& sample : image.samples()) sample.value = static_cast<std::int8_t>(static_cast<int>(random.below(201)) - 100);
+    for (Signed& sample : image.samples())
+        sample.value = static_cast<std::int8_t>(static_cast<int>(random.below(201)) - 100);
     const MomentTable<2> table(image.view(), image.view().bounds());
     CHECK(table.is_narrow());
     CHECK(mistakes(table, image.view(), image.view().bounds()) == 0);
 }
 
-TEST_CASE("MomentTable: 8-bit sums stay in 32 bits as long as the brightest image fits, and are exact on both sides of it") {
+TEST_CASE(
+    "MomentTable: 8-bit sums stay in 32 bits as long as the brightest image fits, and are exact on both sides of it") {
     const auto is_narrow = [](const auto& image) {
         const auto view = image.view();
         const MomentTable table(view, view.bounds());
@@ -141,8 +144,8 @@ TEST_CASE("MomentTable: 8-bit sums stay in 32 bits as long as the brightest imag
     CHECK_FALSE(is_narrow(hmesh_test::noise<float, 1>(5, 5, 1)));
 }
 
-TEST_CASE_TEMPLATE("MomentTable of a rectangle is the table of that part alone, in local coordinates", K, Kind<std::uint8_t, 3>,
-                   Kind<std::uint16_t, 3>, Kind<float, 2>, Kind<std::uint8_t, 1>) {
+TEST_CASE_TEMPLATE("MomentTable of a rectangle is the table of that part alone, in local coordinates", K,
+                   Kind<std::uint8_t, 3>, Kind<std::uint16_t, 3>, Kind<float, 2>, Kind<std::uint8_t, 1>) {
     using T = typename K::T;
     constexpr int n = K::channels;
     const Image<T, n> image = hmesh_test::noise<T, n>(60, 40, 2);
@@ -172,7 +175,8 @@ TEST_CASE("MomentTable depends on the pixels alone: not on the stride, and not o
     for (const int padding : {0, 5})
         for (const bool bottom_up : {false, true}) {
             const hmesh_test::PaddedCopy<std::uint8_t, 3> byte_copy(bytes, padding, bottom_up, 200);
-            const hmesh_test::PaddedCopy<float, 4> float_copy(floats, padding, bottom_up, std::numeric_limits<float>::quiet_NaN());
+            const hmesh_test::PaddedCopy<float, 4> float_copy(floats, padding, bottom_up,
+                                                              std::numeric_limits<float>::quiet_NaN());
             CHECK(same_bits(MomentTable<3>(byte_copy.view(), rect), from_bytes));
             CHECK(same_bits(MomentTable<4>(float_copy.view(), rect), from_floats));
         }

@@ -78,15 +78,18 @@ PlaneMesh random_mesh(int width, int height, int columns, int rows, Positions wh
         if (topology.is_flip_ok(e)) {
             const hmesh::Halfedge h = HalfedgeMesh::halfedge(e), o = HalfedgeMesh::opposite(h);
             const Point from = mesh.at(topology.from_vertex(h)), to = mesh.at(topology.to_vertex(h));
-            const Point own = mesh.at(topology.to_vertex(topology.next(h))), other = mesh.at(topology.to_vertex(topology.next(o)));
+            const Point own = mesh.at(topology.to_vertex(topology.next(h))),
+                        other = mesh.at(topology.to_vertex(topology.next(o)));
             if (cross(other, own, from) > least && cross(own, other, to) > least) topology.flip(e);
         }
         const hmesh::Face f(random.below(topology.face_slots()));
         if (random.below(6) != 0) continue;
         const auto [a, b, c] = topology.vertices(f);
         const double u = random.uniform(), v = random.uniform() * (1 - u), w = 1 - u - v;
-        const Point p = place(u * mesh.at(a).x + v * mesh.at(b).x + w * mesh.at(c).x, u * mesh.at(a).y + v * mesh.at(b).y + w * mesh.at(c).y);
-        if (!(cross(mesh.at(a), mesh.at(b), p) > least && cross(mesh.at(b), mesh.at(c), p) > least && cross(mesh.at(c), mesh.at(a), p) > least))
+        const Point p = place(u * mesh.at(a).x + v * mesh.at(b).x + w * mesh.at(c).x,
+                              u * mesh.at(a).y + v * mesh.at(b).y + w * mesh.at(c).y);
+        if (!(cross(mesh.at(a), mesh.at(b), p) > least && cross(mesh.at(b), mesh.at(c), p) > least &&
+              cross(mesh.at(c), mesh.at(a), p) > least))
             continue;
         topology.split(f);
         mesh.position.push_back(p);
@@ -97,7 +100,7 @@ PlaneMesh random_mesh(int width, int height, int columns, int rows, Positions wh
 
 // --- brute force over pixel centres ---
 
-// Whether the face owns pixel (i, j): its centre is inside, or on a left side or a level top side. Exact on the 1/256 grid.
+// Whether the face owns pixel (i, j): its centre is inside, or on a left or a level top side. Exact on the 1/256 grid.
 bool owns(const Point (&corner)[3], int i, int j) {
     const long double x = i + 0.5L, y = j + 0.5L;
     for (std::size_t k = 0; k < 3; ++k) {
@@ -192,11 +195,15 @@ void compare(const ImageView<T, C>& view, const Rect& rect, const PlaneMesh& mes
         const auto [left, right] = std::minmax({corner[0].x, corner[1].x, corner[2].x});
         const auto [top, bottom] = std::minmax({corner[0].y, corner[1].y, corner[2].y});
         Sums<T, C> expected;
-        for (int y = std::max(0, static_cast<int>(top) - 1); y < std::min(rect.height, static_cast<int>(bottom) + 1); ++y)
-            for (int x = std::max(0, static_cast<int>(left) - 1); x < std::min(rect.width, static_cast<int>(right) + 1); ++x) {
-                for (std::size_t k = 0; k < 3; ++k) findings.ties += cross(corner[k], corner[(k + 1) % 3], {x + 0.5, y + 0.5}) == 0;
+        for (int y = std::max(0, static_cast<int>(top) - 1); y < std::min(rect.height, static_cast<int>(bottom) + 1);
+             ++y)
+            for (int x = std::max(0, static_cast<int>(left) - 1); x < std::min(rect.width, static_cast<int>(right) + 1);
+                 ++x) {
+                for (std::size_t k = 0; k < 3; ++k)
+                    findings.ties += cross(corner[k], corner[(k + 1) % 3], {x + 0.5, y + 0.5}) == 0;
                 if (!owns(corner, x, y)) continue;
-                ++owners[static_cast<std::size_t>(y) * static_cast<std::size_t>(rect.width) + static_cast<std::size_t>(x)];
+                ++owners[static_cast<std::size_t>(y) * static_cast<std::size_t>(rect.width) +
+                         static_cast<std::size_t>(x)];
                 expected.add(view.pixel(rect.x + x, rect.y + y), x, y);
             }
         const Moments<C> got = face_moments(table, corner);
@@ -215,11 +222,12 @@ Point random_point(Random& random, int width, int height, Positions where) {
 
 }  // namespace
 
-TEST_CASE_TEMPLATE("the edge moments of a face sum to those of its pixels, each pixel in one face, bit for bit for integers", K,
-                   Kind<std::uint8_t, 1>, Kind<std::uint8_t, 2>, Kind<std::uint8_t, 3>, Kind<std::uint8_t, 4>, Kind<std::uint8_t, 5>,
-                   Kind<std::uint8_t, 16>, Kind<std::uint16_t, 1>, Kind<std::uint16_t, 2>, Kind<std::uint16_t, 3>,
-                   Kind<std::uint16_t, 4>, Kind<std::uint16_t, 5>, Kind<std::uint16_t, 16>, Kind<float, 1>, Kind<float, 3>,
-                   Kind<float, 16>) {
+TEST_CASE_TEMPLATE(
+    "the edge moments of a face sum to those of its pixels, each pixel in one face, bit for bit for integers", K,
+    Kind<std::uint8_t, 1>, Kind<std::uint8_t, 2>, Kind<std::uint8_t, 3>, Kind<std::uint8_t, 4>, Kind<std::uint8_t, 5>,
+    Kind<std::uint8_t, 16>, Kind<std::uint16_t, 1>, Kind<std::uint16_t, 2>, Kind<std::uint16_t, 3>,
+    Kind<std::uint16_t, 4>, Kind<std::uint16_t, 5>, Kind<std::uint16_t, 16>, Kind<float, 1>, Kind<float, 3>,
+    Kind<float, 16>) {
     using T = typename K::T;
     constexpr int n = K::channels;
     const Image<T, n> image = hmesh_test::noise<T, n>(52, 41, 1);
@@ -259,8 +267,8 @@ TEST_CASE("bright 16-bit images keep all moments exact as long as 2^32 C pixels 
     CHECK(findings.wrong_sums == 0);
 }
 
-TEST_CASE_TEMPLATE("edge_moments(a, b) is the negative of edge_moments(b, a), bit for bit", K, Kind<std::uint8_t, 1>, Kind<std::uint8_t, 3>,
-                   Kind<std::uint16_t, 4>, Kind<float, 3>, Kind<std::uint8_t, 16>) {
+TEST_CASE_TEMPLATE("edge_moments(a, b) is the negative of edge_moments(b, a), bit for bit", K, Kind<std::uint8_t, 1>,
+                   Kind<std::uint8_t, 3>, Kind<std::uint16_t, 4>, Kind<float, 3>, Kind<std::uint8_t, 16>) {
     using T = typename K::T;
     constexpr int n = K::channels;
     const Image<T, n> image = hmesh_test::noise<T, n>(40, 30, 3);
@@ -291,7 +299,9 @@ TEST_CASE("a split edge has the moments of its halves where the middle lies on t
     int wrong = 0;
     for (int i = 0; i < 3000; ++i) {
         // Steps of 1/128, so that the middle is on the 1/256 grid.
-        const auto draw = [&] { return Point{static_cast<double>(random.below(5121)) / 128, static_cast<double>(random.below(3841)) / 128}; };
+        const auto draw = [&] {
+            return Point{static_cast<double>(random.below(5121)) / 128, static_cast<double>(random.below(3841)) / 128};
+        };
         const Point a = draw(), b = draw();
         Moments<3> whole, first, second;
         edge_moments(table, a, b, whole);
@@ -306,7 +316,8 @@ TEST_CASE("a split edge has the moments of its halves where the middle lies on t
 TEST_CASE("the sides of the rectangle give the moments of all its pixels, whatever the order of the executor") {
     const Image<float, 3> image = hmesh_test::noise<float, 3>(57, 43, 6);
     const Rect rect = image.view().bounds();
-    const MomentTable<3> tables[] = {MomentTable<3>(image.view(), rect), MomentTable<3>(image.view(), rect, hmesh_test::ReverseFor()),
+    const MomentTable<3> tables[] = {MomentTable<3>(image.view(), rect),
+                                     MomentTable<3>(image.view(), rect, hmesh_test::ReverseFor()),
                                      MomentTable<3>(image.view(), rect, hmesh_test::ShuffledFor())};
     Sums<float, 3> whole;
     for (int y = 0; y < 43; ++y)
@@ -323,8 +334,8 @@ TEST_CASE("the sides of the rectangle give the moments of all its pixels, whatev
     }
 }
 
-TEST_CASE_TEMPLATE("a table of a rectangle gives the moments of its pixels in local coordinates", K, Kind<std::uint8_t, 3>,
-                   Kind<std::uint16_t, 1>, Kind<float, 2>) {
+TEST_CASE_TEMPLATE("a table of a rectangle gives the moments of its pixels in local coordinates", K,
+                   Kind<std::uint8_t, 3>, Kind<std::uint16_t, 1>, Kind<float, 2>) {
     using T = typename K::T;
     constexpr int n = K::channels;
     const Image<T, n> image = hmesh_test::noise<T, n>(70, 60, 7);

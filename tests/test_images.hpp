@@ -45,7 +45,8 @@ template <class T, int C>
 // Squares of `cell` px that are black and white, the other way round in odd channels.
 template <class T, int C>
 [[nodiscard]] hmesh::Image<T, C> checkerboard(int width, int height, int cell) {
-    return draw<T, C>(width, height, [cell](int x, int y, int c) { return (x / cell + y / cell + c) % 2 == 0 ? 0.0 : 1.0; });
+    return draw<T, C>(width, height,
+                      [cell](int x, int y, int c) { return (x / cell + y / cell + c) % 2 == 0 ? 0.0 : 1.0; });
 }
 
 // Each sample uniform over the whole range and independent: the worst case for a mesh, and for sums.
@@ -75,7 +76,8 @@ class Scene {
         double level = shade(3 * u, 3 * v, channel);
         for (const Object& object : objects_) {
             const double dx = std::abs(x + 0.5 - object.x), dy = std::abs(y + 0.5 - object.y);
-            const double distance = object.is_square ? std::max(0.8 * dx + 0.6 * dy, 0.8 * dy) : std::sqrt(dx * dx + dy * dy);
+            const double distance =
+                object.is_square ? std::max(0.8 * dx + 0.6 * dy, 0.8 * dy) : std::sqrt(dx * dx + dy * dy);
             const double cover = std::clamp(0.5 + (object.radius - distance) / object.softness, 0.0, 1.0);
             level += cover * (object.colors[static_cast<std::size_t>(channel)] - level);
         }
@@ -100,7 +102,8 @@ class Scene {
         return top + sy * (bottom - top);
     }
     [[nodiscard]] double at(int i, int j, int channel) const {
-        return lattice_[static_cast<std::size_t>(((j + 5 * channel) % lattice_side) * lattice_side + (i + channel) % lattice_side)];
+        return lattice_[static_cast<std::size_t>(((j + 5 * channel) % lattice_side) * lattice_side +
+                                                 (i + channel) % lattice_side)];
     }
 
     double size_;
@@ -113,7 +116,8 @@ class Scene {
 template <class T, int C>
 [[nodiscard]] hmesh::Image<T, C> scene(int width, int height, std::uint64_t seed) {
     const Scene picture(width, height, seed);
-    return draw<T, C>(width, height, [&picture](int x, int y, int c) { return std::floor(picture(x, y, c) * 255 + 0.5) / 255; });
+    return draw<T, C>(width, height,
+                      [&picture](int x, int y, int c) { return std::floor(picture(x, y, c) * 255 + 0.5) / 255; });
 }
 
 // The image's samples again, `padding` samples further apart from row to row, and stored bottom up if asked for.

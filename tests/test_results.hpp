@@ -13,6 +13,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
+#include <limits>
 #include <string>
 #include <utility>
 #include <vector>
@@ -127,7 +128,7 @@ double magnitude_of(const hmesh::Image<T, C>& image) {
 // What the roundings of sums of squares, and of colours and drawn samples to float, can make of an energy.
 template <class T, int C>
 double energy_rounding(const hmesh::Image<T, C>& image) {
-    const double sample = 1e-6 * magnitude_of(image);
+    const double sample = 1e-6 * magnitude_of(image) + static_cast<double>(std::numeric_limits<float>::denorm_min());
     return static_cast<double>(image.samples().size()) * sample * sample;
 }
 

@@ -142,6 +142,22 @@ TEST_CASE("a visit that expects too little of a step only sets the colour") {
     for (const Vertex v : subject.mesh.topology().vertices()) CHECK(subject.mesh.position(v) == old[v.index()].position);
 }
 
+TEST_CASE("a visit with a step is never worse than one that only sets the colour") {
+    Subject<std::uint8_t, 3> subject(hmesh_test::noise<std::uint8_t, 3>(31, 26, 1), hmesh_test::jittered_grid(31, 26, 6, 5, 1));
+    ImageMesh<3>& mesh = subject.mesh;
+    int better = 0;
+    for (int k = 0; k < 4; ++k)
+        for (const Vertex v : mesh.topology().vertices()) {
+            const auto mark = mesh.begin();
+            const double recolored = hmesh::improve_vertex(mesh, v, std::numeric_limits<double>::infinity());
+            mesh.rollback(mark);
+            const double moved = hmesh::improve_vertex(mesh, v, 0);
+            REQUIRE(moved >= recolored);
+            better += moved > recolored ? 1 : 0;
+        }
+    CHECK(better > 20);
+}
+
 TEST_CASE("a vertex with a face smaller than the limits allow is left alone") {
     hmesh::MeshLimits limits;
     limits.min_cross = 1000;

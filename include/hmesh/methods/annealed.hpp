@@ -38,14 +38,14 @@ enum class Effort : std::uint8_t {
 struct AnnealedOptions {
     double overshoot = 2;     // o: vertices placed before the collapse, in units of the target; 1 for none
     double start = 0.3;       // vertices of the first grid, share of those placed
-    double growth = 0.3;      // vertices inserted at a time, share of those there
-    double shrinkage = 0.1;   // vertices removed at a time, share of those there
+    double growth = 0.2;      // vertices inserted at a time, share of those there
+    double shrinkage = 0.15;  // vertices removed at a time, share of those there
     int growth_sweeps = 2;    // after each insertion
     int polish_rounds = 2;    // flips and a sweep, at the end
     // While the mesh grows, small gains wait: the next insertion changes the neighbourhood anyway. Against the tight
     // {1e-3, 0} this buys a second sweep for the time of one, +0.2 dB.
-    Tolerance growth_flips{5e-2, 0};
-    Tolerance growth_visits{1e-1, 5e-3};
+    Tolerance growth_flips{3e-2, 0};
+    Tolerance growth_visits{5e-2, 5e-3};
     Tolerance polish{1e-3, 5e-3};
     Relaxation relaxation{1, 1e-3};  // around each removal
     AnnealingOptions annealing;      // sweeps = 0: none
@@ -174,6 +174,7 @@ template <int C, class ParallelFor>
     switch (effort) {
         case Effort::draft:
             options.overshoot = 1;
+            options.growth = 0.3;
             options.polish_rounds = 0;
             options.annealing.sweeps = 0;
             break;
