@@ -27,7 +27,9 @@ using hmesh_test::Subject;
 namespace {
 
 Face own_face(const HalfedgeMesh& topology, Edge e) { return topology.face(HalfedgeMesh::halfedge(e)); }
-Face opposite_face(const HalfedgeMesh& topology, Edge e) { return topology.face(HalfedgeMesh::opposite(HalfedgeMesh::halfedge(e))); }
+Face opposite_face(const HalfedgeMesh& topology, Edge e) {
+    return topology.face(HalfedgeMesh::opposite(HalfedgeMesh::halfedge(e)));
+}
 
 // Each face by its corners, smallest first, and its energy; sorted.
 template <int C>
@@ -159,7 +161,8 @@ TEST_CASE("turning edges until none gains more ends, lowers the energy by each t
 }
 
 TEST_CASE("a constant picture turns no edge") {
-    Subject<std::uint8_t, 3> subject(hmesh_test::constant_image<std::uint8_t, 3>(61, 50, 0.3), hmesh_test::jittered_grid(61, 50, 8, 7, 1));
+    Subject<std::uint8_t, 3> subject(hmesh_test::constant_image<std::uint8_t, 3>(61, 50, 0.3),
+                                     hmesh_test::jittered_grid(61, 50, 8, 7, 1));
     const auto before = hmesh_test::snapshot(subject.mesh);
     CHECK(hmesh::flip_edges(subject.mesh) == 0);
     CHECK(hmesh::flip_edges(subject.mesh, {0, 0}) == 0);
@@ -180,7 +183,8 @@ TEST_CASE("an edge does not turn into a vertex that has as many neighbours as it
         }
         CHECK(turned == (spokes < hmesh::max_valence ? 4 : 0));
     }
-    Subject<std::uint8_t, 1> subject(hmesh_test::noise<std::uint8_t, 1>(64, 64, 1), hmesh_test::wheel(64, hmesh::max_valence - 4));
+    Subject<std::uint8_t, 1> subject(hmesh_test::noise<std::uint8_t, 1>(64, 64, 1),
+                                     hmesh_test::wheel(64, hmesh::max_valence - 4));
     Random random(1);
     for (int k = 0; k < 2000; ++k) {
         const Edge e = hmesh_test::any_edge(subject.mesh, random);
@@ -188,7 +192,8 @@ TEST_CASE("an edge does not turn into a vertex that has as many neighbours as it
         FlipTrial<1> trial;
         hmesh::try_flip(subject.mesh, e, trial);
         subject.mesh.flip(e, trial.moments, trial.own, trial.opposite);
-        for (const Vertex v : subject.mesh.topology().vertices()) REQUIRE(subject.mesh.topology().valence(v) <= hmesh::max_valence);
+        for (const Vertex v : subject.mesh.topology().vertices())
+            REQUIRE(subject.mesh.topology().valence(v) <= hmesh::max_valence);
     }
     hmesh_test::prove(subject);
 }

@@ -524,7 +524,6 @@ TEST_CASE(
         for (const Vertex v : mesh.vertices()) {
             Triangles list = triangles_of(mesh);
             std::vector<std::uint32_t> ring, expected;
-            Halfedge last;
             for (const Halfedge h : mesh.outgoing(v)) {
                 wrong += mesh.from_vertex(h) != v;
                 wrong += mesh.find_halfedge(v, mesh.to_vertex(h)) != h;

@@ -476,3 +476,18 @@ TEST_CASE("a PSNR is reached, and 5 percent fewer vertices do not reach it by mo
             }
     }
 }
+
+TEST_CASE("a recipe of one's own takes the place of the effort's, with the options' seed, and a bad one is refused") {
+    const auto image = small_scene();
+    Options own = options_of(Target::vertices(40), Effort::best);
+    own.seed = 7;
+    own.annealed = hmesh::annealed_options(Effort::normal);
+    own.annealed->seed = 99;
+    Options plain = options_of(Target::vertices(40), Effort::normal);
+    plain.seed = 7;
+    CHECK(hmesh_test::same_bytes(mesh_image(image.view(), own), mesh_image(image.view(), plain)));
+    own.annealed->annealing.sweeps = 0;
+    CHECK(hmesh_test::same_bytes(mesh_image(image.view(), own), mesh_of(image, Target::vertices(40), Effort::fast)));
+    own.annealed->growth = not_a_number;
+    check_refused(mesh_image(image.view(), own), Errc::invalid_argument);
+}

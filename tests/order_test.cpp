@@ -8,14 +8,11 @@
 #include <utility>
 #include <vector>
 
-#include "hmesh/core/random.hpp"
-#include "hmesh/mesh/spatial_order.hpp"
 #include "test_images.hpp"
 #include "test_meshes.hpp"
 
 using hmesh::Face;
 using hmesh::Point;
-using hmesh::Random;
 using hmesh::Vertex;
 using hmesh_test::Subject;
 
@@ -52,38 +49,14 @@ void check_orders(const hmesh::ImageMesh<C>& mesh) {
 }  // namespace
 
 TEST_CASE("live vertices and faces come once each in Morton's order, ties by index") {
-    Subject<std::uint8_t, 1> subject(hmesh_test::noise<std::uint8_t, 1>(90, 50, 1), hmesh_test::jittered_grid(90, 50, 20, 12, 1));
+    Subject<std::uint8_t, 1> subject(hmesh_test::noise<std::uint8_t, 1>(90, 50, 1),
+                                     hmesh_test::jittered_grid(90, 50, 20, 12, 1));
     check_orders(subject.mesh);
     hmesh_test::wear(subject.mesh, 1500, 255, 1);
     check_orders(subject.mesh);
     CHECK(subject.mesh.vertex_count() < subject.mesh.topology().vertex_slots());
 
-    Subject<std::uint8_t, 1> crowded(hmesh_test::noise<std::uint8_t, 1>(3, 3, 1), hmesh_test::jittered_grid(3, 3, 12, 12, 1));
+    Subject<std::uint8_t, 1> crowded(hmesh_test::noise<std::uint8_t, 1>(3, 3, 1),
+                                     hmesh_test::jittered_grid(3, 3, 12, 12, 1));
     check_orders(crowded.mesh);  // many ties
-}
-
-TEST_CASE("elements all over the largest plane are sorted, and equal ones keep their order") {
-    Random random(1);
-    for (const double side : {0.5, 2.0, 40.0, 1500.0, 65536.0}) {
-        std::vector<Point> places;
-        std::vector<Vertex> elements;
-        std::vector<std::pair<std::uint32_t, std::size_t>> expected;
-        for (std::size_t k = 0; k < 3000; ++k) {
-            places.push_back({side * random.uniform(), side * random.uniform()});
-            elements.push_back(Vertex(k));
-            expected.emplace_back(interleaved(places.back()), k);
-        }
-        check_sorted(hmesh::in_spatial_order<Vertex>(elements, elements.size(), [&](Vertex v) { return places[v.index()]; }), expected);
-    }
-    CHECK(hmesh::in_spatial_order<Vertex>(std::vector<Vertex>(), 0, [](Vertex) { return Point{}; }).empty());
-}
-
-TEST_CASE("Morton's code interleaves the bits of whole pixels") {
-    Random random(2);
-    for (int k = 0; k < 1000; ++k) {
-        const Point p{65536 * random.uniform(), 65536 * random.uniform()};
-        CHECK(hmesh::morton_code(p) == interleaved(p));
-    }
-    CHECK(hmesh::morton_code({0.9, 0.9}) == 0);
-    CHECK(hmesh::morton_code({65535.9, 65535.9}) == 0xffffffffU);
 }

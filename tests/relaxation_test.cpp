@@ -99,7 +99,8 @@ TEST_CASE("relaxing turns the edges at the given vertices and no other") {
 }
 
 TEST_CASE("relaxing over a constant picture changes nothing that shows") {
-    Subject<std::uint8_t, 1> subject(hmesh_test::constant_image<std::uint8_t, 1>(20, 20, 0.5), hmesh_test::jittered_grid(20, 20, 3, 3, 1));
+    Subject<std::uint8_t, 1> subject(hmesh_test::constant_image<std::uint8_t, 1>(20, 20, 0.5),
+                                     hmesh_test::jittered_grid(20, 20, 3, 3, 1));
     std::vector<Vertex> all;
     for (const Vertex v : subject.mesh.topology().vertices()) all.push_back(v);
     hmesh::relax(subject.mesh, all, {});

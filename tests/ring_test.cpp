@@ -39,14 +39,18 @@ double brute_ring(const hmesh::Image<T, C>& image, const hmesh::Ring<C>& ring, c
 // The pixels of the ring's faces with the centre at p, each with its face.
 struct OwnedPixel {
     int face, i, j;
-    friend bool operator==(const OwnedPixel& a, const OwnedPixel& b) { return a.face == b.face && a.i == b.i && a.j == b.j; }
+    friend bool operator==(const OwnedPixel& a, const OwnedPixel& b) {
+        return a.face == b.face && a.i == b.i && a.j == b.j;
+    }
 };
 template <int C>
 std::vector<OwnedPixel> pixels_of(const hmesh::ImageMesh<C>& mesh, const hmesh::Ring<C>& ring, Point p) {
     std::vector<OwnedPixel> pixels;
     for (int t = ring.first_face(); t < ring.size; ++t)
         hmesh_test::for_each_pixel(mesh.width(), mesh.height(), p, ring.neighbour[t]->position,
-                                   ring.neighbour[ring.before(t)]->position, [&](int i, int j) { pixels.push_back({t, i, j}); });
+                                   ring.neighbour[ring.before(t)]->position, [&](int i, int j) {
+                                       pixels.push_back({t, i, j});
+                                   });
     return pixels;
 }
 
@@ -64,8 +68,10 @@ void check_energy(std::uint64_t seed) {
         for (int tries = 0; tries < 8; ++tries) {
             if (tries > 0) {  // anywhere, not only on the grid
                 if (centre.mobility == Mobility::fixed) break;
-                if (centre.mobility != Mobility::along_y) centre.position.x = subject.mesh.position(v).x + 4 * random.uniform() - 2;
-                if (centre.mobility != Mobility::along_x) centre.position.y = subject.mesh.position(v).y + 4 * random.uniform() - 2;
+                if (centre.mobility != Mobility::along_y)
+                    centre.position.x = subject.mesh.position(v).x + 4 * random.uniform() - 2;
+                if (centre.mobility != Mobility::along_x)
+                    centre.position.y = subject.mesh.position(v).y + 4 * random.uniform() - 2;
                 centre.position.x = std::min(31.0, std::max(0.0, centre.position.x));
                 centre.position.y = std::min(26.0, std::max(0.0, centre.position.y));
                 centre.color = hmesh_test::any_color(subject.mesh, v, peak, random);
@@ -256,7 +262,8 @@ void check_step(std::uint64_t seed, hmesh::Image<T, C> image) {
         CHECK(close(free.predicted, -(n.gx * dx + n.gy * dy), n.length * scale));
         CHECK(free.predicted >= 0);
 
-        const hmesh::RingStep x = step_for(Mobility::along_x), y = step_for(Mobility::along_y), none = step_for(Mobility::fixed);
+        const hmesh::RingStep x = step_for(Mobility::along_x), y = step_for(Mobility::along_y),
+                              none = step_for(Mobility::fixed);
         CHECK(close(x.dx, -n.gx / n.xx, n.length / n.xx));
         CHECK(close(x.predicted, n.gx * n.gx / n.xx, n.length * n.length / n.xx));
         CHECK(x.dy == 0);
@@ -292,13 +299,16 @@ TEST_CASE("the best colour has no gradient, the ridge draws it to the current on
     check_best_color<float, 1>(23);
 }
 
-TEST_CASE("the derivative of a ring's energy by its position is J' r of the pixels' residuals: none move between faces") {
+TEST_CASE(
+    "the derivative of a ring's energy by its position is J' r of the pixels' residuals: none move between faces") {
     check_gradient<std::uint8_t, 3>(31);
     check_gradient<std::uint16_t, 1>(32);
     check_gradient<float, 4>(33);
 }
 
-TEST_CASE("the Gauss-Newton step solves the normal equations of the pixels' residuals, damped, within the vertex's mobility") {
+TEST_CASE(
+    "the Gauss-Newton step solves the normal equations of the pixels' residuals, damped, within the vertex's "
+    "mobility") {
     check_step(41, hmesh_test::scene<std::uint8_t, 3>(48, 44, 41));
     check_step(42, hmesh_test::scene<std::uint16_t, 1>(48, 44, 42));
     check_step(43, hmesh_test::scaled(hmesh_test::scene<float, 2>(48, 44, 43), 255));
@@ -306,14 +316,16 @@ TEST_CASE("the Gauss-Newton step solves the normal equations of the pixels' resi
 }
 
 TEST_CASE("a flat picture gives a step of no length") {
-    Subject<float, 1> subject(hmesh_test::constant_image<float, 1>(20, 20, 0.5), hmesh_test::jittered_grid(20, 20, 3, 3, 1));
+    Subject<float, 1> subject(hmesh_test::constant_image<float, 1>(20, 20, 0.5),
+                              hmesh_test::jittered_grid(20, 20, 3, 3, 1));
     hmesh::RingWork<1> work;
     for (const Vertex v : subject.mesh.topology().vertices()) {
         subject.mesh.gather(v, work.ring, work.spokes);
         hmesh::RingFit<1> fit;
         REQUIRE(hmesh::fit_ring(work.ring, work.spokes, subject.mesh.position(v), 0.02, work.faces, fit));
         for (const Mobility mobility : {Mobility::free, Mobility::along_x, Mobility::along_y}) {
-            const hmesh::RingStep step = hmesh::gauss_newton_step(work.ring, work.faces, fit, subject.mesh.color(v), mobility);
+            const hmesh::RingStep step =
+                hmesh::gauss_newton_step(work.ring, work.faces, fit, subject.mesh.color(v), mobility);
             CHECK(std::abs(step.dx) < 1e-6);
             CHECK(std::abs(step.dy) < 1e-6);
             CHECK(std::abs(step.predicted) < 1e-6);
@@ -345,7 +357,8 @@ TEST_CASE("a face that is flipped, degenerate or smaller than the bound is refus
 }
 
 TEST_CASE("an open ring has one face fewer than neighbours, a closed one as many, and each follows the orientation") {
-    Subject<std::uint8_t, 1> subject(hmesh_test::scene<std::uint8_t, 1>(20, 16, 1), hmesh_test::jittered_grid(20, 16, 4, 3, 1));
+    Subject<std::uint8_t, 1> subject(hmesh_test::scene<std::uint8_t, 1>(20, 16, 1),
+                                     hmesh_test::jittered_grid(20, 16, 4, 3, 1));
     hmesh::RingWork<1> work;
     const hmesh::HalfedgeMesh& topology = subject.mesh.topology();
     for (const Vertex v : topology.vertices()) {
@@ -357,7 +370,8 @@ TEST_CASE("an open ring has one face fewer than neighbours, a closed one as many
             const hmesh::Halfedge h = work.ring.halfedge[i];
             CHECK(topology.from_vertex(h) == v);
             CHECK(work.ring.neighbour[i] == &subject.mesh.vertex(topology.to_vertex(h)));
-            CHECK(work.ring.neighbour[work.ring.before(i)] == &subject.mesh.vertex(topology.to_vertex(topology.next(h))));
+            CHECK(work.ring.neighbour[work.ring.before(i)] ==
+                  &subject.mesh.vertex(topology.to_vertex(topology.next(h))));
         }
     }
 }

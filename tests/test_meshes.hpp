@@ -1,7 +1,7 @@
 // hmesh tests - meshes over small images, and their energy by brute force.
 //
-// The brute force takes each pixel centre, finds the face that owns it and interpolates the corners' colours there, all in
-// plain doubles: it shares nothing with moments and prefix sums.
+// The brute force takes each pixel centre, finds the face that owns it and interpolates the corners' colours there, all
+// in plain doubles: it shares nothing with moments and prefix sums.
 #ifndef HMESH_TESTS_TEST_MESHES_HPP
 #define HMESH_TESTS_TEST_MESHES_HPP
 
@@ -33,7 +33,8 @@ struct Triangulation {
 };
 
 // columns x rows cells, their inner corners moved by up to `jitter` < 0.25 cells, diagonals at random.
-inline Triangulation jittered_grid(int width, int height, int columns, int rows, std::uint64_t seed, double jitter = 0.2) {
+inline Triangulation jittered_grid(int width, int height, int columns, int rows, std::uint64_t seed,
+                                   double jitter = 0.2) {
     hmesh::Random random(seed);
     Triangulation grid;
     const double dx = static_cast<double>(width) / columns, dy = static_cast<double>(height) / rows;
@@ -59,15 +60,16 @@ inline Triangulation jittered_grid(int width, int height, int columns, int rows,
     return grid;
 }
 
-// Vertex 0 in the middle of a side x side square, vertices 1 .. spokes on a circle around it, then the four corners. With
-// a multiple of 4 spokes the four chords on the square's diagonals can be turned into the hub.
+// Vertex 0 in the middle of a side x side square, vertices 1 .. spokes on a circle around it, then the four corners.
+// `spokes` is a multiple of 4; the four chords on the square's diagonals can be turned into the hub.
 inline Triangulation wheel(int side, int spokes) {
     Triangulation mesh;
     const double middle = 0.5 * side, turn = 6.283185307179586 / spokes;
     mesh.positions.push_back({middle, middle});
     for (int k = 0; k < spokes; ++k)  // half a step off the diagonals of the square
-        mesh.positions.push_back(hmesh::snap(hmesh::Point{middle + 0.3 * side * std::cos((k + 0.5) * turn + 0.125 * 6.283185307179586),
-                                                          middle + 0.3 * side * std::sin((k + 0.5) * turn + 0.125 * 6.283185307179586)}));
+        mesh.positions.push_back(
+            hmesh::snap(hmesh::Point{middle + 0.3 * side * std::cos((k + 0.5) * turn + 0.125 * 6.283185307179586),
+                                     middle + 0.3 * side * std::sin((k + 0.5) * turn + 0.125 * 6.283185307179586)}));
     const double s = side;
     for (const hmesh::Point corner : {hmesh::Point{s, s}, {0, s}, {0, 0}, {s, 0}}) mesh.positions.push_back(corner);
     const auto rim = [spokes](int k) { return static_cast<std::uint32_t>(1 + k % spokes); };
@@ -110,7 +112,7 @@ struct Subject {
 
 // --- brute force ---
 
-// Whether the positively oriented face a, b, c owns pixel (i, j): its centre is inside, or on a left or a level top side.
+// Whether the positively oriented face a, b, c owns pixel (i, j): its centre is inside, or on a left or level top side.
 inline bool owns(hmesh::Point a, hmesh::Point b, hmesh::Point c, int i, int j) {
     const hmesh::Point corner[4] = {a, b, c, a};
     const double x = i + 0.5, y = j + 0.5;
@@ -136,8 +138,8 @@ void for_each_pixel(int width, int height, hmesh::Point a, hmesh::Point b, hmesh
 
 // The picture of the face a, b, c at (x, y), in channel k.
 template <int C>
-double interpolate(const hmesh::VertexState<C>& a, const hmesh::VertexState<C>& b, const hmesh::VertexState<C>& c, double x,
-                   double y, int k) {
+double interpolate(const hmesh::VertexState<C>& a, const hmesh::VertexState<C>& b, const hmesh::VertexState<C>& c,
+                   double x, double y, int k) {
     const double ux = b.position.x - a.position.x, uy = b.position.y - a.position.y;
     const double vx = c.position.x - a.position.x, vy = c.position.y - a.position.y;
     const double px = x - a.position.x, py = y - a.position.y, area = ux * vy - uy * vx;
@@ -151,7 +153,8 @@ double brute_energy(const hmesh::Image<T, C>& image, const hmesh::VertexState<C>
     double energy = 0;
     for_each_pixel(image.width(), image.height(), a.position, b.position, c.position, [&](int i, int j) {
         for (int k = 0; k < C; ++k) {
-            const double residual = interpolate(a, b, c, i + 0.5, j + 0.5, k) - static_cast<double>(image.pixel(i, j)[k]);
+            const double residual =
+                interpolate(a, b, c, i + 0.5, j + 0.5, k) - static_cast<double>(image.pixel(i, j)[k]);
             energy += residual * residual;
         }
     });
@@ -300,7 +303,8 @@ template <int C>
 hmesh::Color<C> any_color(const hmesh::ImageMesh<C>& mesh, hmesh::Vertex v, double range, hmesh::Random& random) {
     const hmesh::Point p = mesh.position(v);
     hmesh::Color<C> color;
-    mesh.table().pixel(std::min(static_cast<int>(p.x), mesh.width() - 1), std::min(static_cast<int>(p.y), mesh.height() - 1), color);
+    mesh.table().pixel(std::min(static_cast<int>(p.x), mesh.width() - 1),
+                       std::min(static_cast<int>(p.y), mesh.height() - 1), color);
     for (int k = 0; k < C; ++k) color.set(k, color[k] + 0.2 * range * (random.uniform() - 0.5));
     return color;
 }

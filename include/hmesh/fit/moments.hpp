@@ -3,8 +3,10 @@
 // The energy of a face, its normal equations, gradients and Gauss-Newton blocks all follow from the sums over its pixels
 // of 1, x, y, x^2, xy, y^2, I_c, x I_c, y I_c and |I|^2. By Green's theorem these are the signed sums of the moments of its
 // three edges, and an edge's moments are a walk down the pixel rows that it crosses, over the prefix sums of a
-// MomentTable: O(rows), not O(pixels). For integer pixels all moments are integers below 2^53, hence exact: shared edges
-// cancel and every pixel is counted once, whatever the rounding of coordinates.
+// MomentTable: O(rows), not O(pixels). For integer pixels all moments are integers, exact as long as they stay below 2^53:
+// shared edges cancel and every pixel is counted once, whatever the rounding of coordinates. An edge with p pixels to its
+// left in its rows reaches 2^53 at C p = 2^21 for 16-bit samples (their squares), 2^37 for 8-bit ones, and in x^2 sums
+// beyond widths of 8,192 px at as many rows; edges of a fitted mesh cross few rows and stay far below.
 //
 // Pixels have integer coordinates here: pixel (i, j) of the table's rectangle is the point (i, j), half a pixel off the
 // plane's (i + 1/2, j + 1/2).

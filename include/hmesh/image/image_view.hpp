@@ -122,6 +122,9 @@ template <class T, int C>
     const std::int64_t pixels = std::int64_t{view.width} * view.height;
     if (pixels > max_pixels) return {Errc::image_too_large, "the image has too many pixels", pixels, max_pixels};
     if (view.data == nullptr) return {Errc::invalid_argument, "the image's data pointer is null", 0, 0};
+    constexpr std::int64_t longest = std::int64_t{1} << 46U;  // times max_side rows it fits a pointer difference
+    if (view.row_stride < -longest || view.row_stride > longest)
+        return {Errc::invalid_argument, "the row stride is absurdly long, in bytes", view.row_stride, longest};
     const std::int64_t packed = std::int64_t{view.width} * C * static_cast<std::int64_t>(sizeof(T));
     const std::int64_t stride = view.row_stride < 0 ? -std::int64_t{view.row_stride} : std::int64_t{view.row_stride};
     if (stride != 0 && stride < packed)

@@ -147,6 +147,8 @@ inline bool HalfedgeMesh::is_collapse_ok(Halfedge h) const noexcept {
         if (a == u || a == left || a == right) continue;
         if (find_halfedge(a, u).is_valid()) return false;
     }
+    // A tetrahedron, the smallest closed mesh, would end as two faces back to back.
+    if (!is_boundary(v) && !is_boundary(u) && valence(v) == 3 && valence(u) == 3) return false;
     // A far corner must keep a face, and the last triangle of a component is nobody's to remove.
     if (left.is_valid() && is_boundary(opposite(next(h))) && is_boundary(opposite(next(next(h))))) return false;
     if (right.is_valid() && is_boundary(opposite(next(o))) && is_boundary(opposite(next(next(o))))) return false;

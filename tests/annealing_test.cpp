@@ -1,0 +1,178 @@
+#include "hmesh/fit/annealing.hpp"
+
+#include <doctest/doctest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <utility>
+#include <vector>
+
+#include "test_images.hpp"
+#include "test_meshes.hpp"
+
+using hmesh::Annealer;
+using hmesh::AnnealingCounts;
+using hmesh::AnnealingOptions;
+using hmesh::Face;
+using hmesh::Random;
+using hmesh::Vertex;
+using hmesh_test::Subject;
+
+namespace {
+
+struct Totals {
+    std::size_t removed = 0, inserted = 0, flipped = 0, jumped = 0;
+    void operator+=(const AnnealingCounts& c) {
+        removed += c.removed, inserted += c.inserted, flipped += c.flipped, jumped += c.jumped;
+    }
+    [[nodiscard]] std::size_t moves() const { return removed + inserted + flipped + jumped; }
+};
+
+// Faces of the areas, valences and colours that the limits allow.
+template <int C>
+void check_limits(const hmesh::ImageMesh<C>& mesh) {
+    bool large = true, in_range = true;
+    int valence = 0;
+    for (const Face f : mesh.topology().faces()) {
+        const auto v = mesh.topology().vertices(f);
+        large = large && hmesh::cross(mesh.position(v[0]), mesh.position(v[1]), mesh.position(v[2])) >= mesh.limits().min_cross;
+    }
+    for (const Vertex v : mesh.topology().vertices()) {
+        valence = std::max(valence, mesh.topology().valence(v));
+        for (int k = 0; k < C; ++k) in_range = in_range && mesh.color(v)[k] >= mesh.color_low() && mesh.color(v)[k] <= mesh.color_high();
+    }
+    CHECK(large);
+    CHECK(in_range);
+    CHECK(valence <= hmesh::max_valence);
+}
+
+// Sweeps, each followed by proof of all that the mesh promises and that its vertices are those the counts tell of.
+template <class T, int C>
+Totals anneal(Subject<T, C>& subject, std::size_t target, const AnnealingOptions& options, std::uint64_t seed) {
+    Annealer<C> annealer(subject.mesh, target, options, Random(seed));
+    Totals totals;
+    for (int k = 0; k < options.sweeps; ++k) {
+        const std::size_t before = subject.mesh.vertex_count();
+        const AnnealingCounts counts = annealer.sweep(k);
+        CHECK(subject.mesh.vertex_count() + counts.removed == before + counts.inserted);
+        CHECK(std::isfinite(annealer.price()));
+        CHECK(annealer.price() >= -hmesh_test::rounding(subject));  // energies near 0 may round below it
+        hmesh_test::prove(subject);
+        check_limits(subject.mesh);
+        totals += counts;
+    }
+    return totals;
+}
+
+template <class T, int C>
+Totals anneal_grid(hmesh::Image<T, C> image, int columns, int rows, int sweeps, std::uint64_t seed) {
+    const int width = image.width(), height = image.height();
+    Subject<T, C> subject(std::move(image), hmesh_test::jittered_grid(width, height, columns, rows, seed));
+    AnnealingOptions options;
+    options.sweeps = sweeps;
+    return anneal(subject, subject.mesh.vertex_count(), options, seed);
+}
+
+}  // namespace
+
+TEST_CASE("after every sweep, over thousands of moves, the mesh is valid and its energy that of its pixels") {
+    Totals totals = anneal_grid(hmesh_test::scene<std::uint8_t, 3>(60, 52, 1), 11, 10, 30, 1);
+    CHECK(totals.removed > 50);
+    CHECK(totals.inserted > 50);
+    CHECK(totals.flipped > 100);
+    CHECK(totals.jumped > 100);
+    std::size_t moves = totals.moves();
+    moves += anneal_grid(hmesh_test::noise<std::uint8_t, 1>(33, 29, 2), 7, 7, 30, 2).moves();
+    moves += anneal_grid(hmesh_test::checkerboard<std::uint16_t, 2>(40, 37, 6), 6, 6, 30, 3).moves();
+    moves += anneal_grid(hmesh_test::scene<float, 5>(36, 32, 4), 6, 6, 20, 4).moves();
+    CHECK(moves > 3000);
+}
+
+TEST_CASE("pictures without error, images of a row, a column or a pixel, and floats of any size go through unharmed") {
+    anneal_grid(hmesh_test::constant_image<std::uint8_t, 3>(20, 18, 0.7), 5, 5, 6, 1);
+    anneal_grid(hmesh_test::affine_image<float, 2>(20, 18), 5, 5, 6, 2);
+    anneal_grid(hmesh_test::noise<std::uint8_t, 1>(1, 1, 3), 1, 1, 6, 3);
+    anneal_grid(hmesh_test::noise<std::uint8_t, 3>(1, 25, 4), 1, 6, 12, 4);
+    anneal_grid(hmesh_test::noise<float, 1>(25, 1, 5), 6, 1, 12, 5);
+    anneal_grid(hmesh_test::noise<std::uint8_t, 1>(2, 2, 6), 1, 1, 12, 6);
+    anneal_grid(hmesh_test::scaled(hmesh_test::scene<float, 3>(24, 22, 7), 1e6), 5, 5, 8, 7);
+    anneal_grid(hmesh_test::scaled(hmesh_test::scene<float, 3>(24, 22, 8), 1e-6), 5, 5, 8, 8);
+}
+
+TEST_CASE("the price steers the count to the target, from above and from below") {
+    for (const std::size_t target : {90U, 121U, 150U}) {
+        CAPTURE(target);
+        Subject<std::uint8_t, 3> subject(hmesh_test::scene<std::uint8_t, 3>(60, 52, 5), hmesh_test::jittered_grid(60, 52, 10, 10, 5));
+        AnnealingOptions options;
+        options.sweeps = 15;
+        anneal(subject, target, options, 5);
+        CHECK(static_cast<double>(subject.mesh.vertex_count()) >= (1 - options.band) * static_cast<double>(target) - 1);
+        CHECK(static_cast<double>(subject.mesh.vertex_count()) <= (1 + options.band) * static_cast<double>(target) + 1);
+    }
+}
+
+TEST_CASE("without temperature no sweep raises energy plus price times vertices") {
+    for (const std::uint64_t seed : {1U, 2U, 3U}) {
+        Subject<std::uint8_t, 3> subject(hmesh_test::scene<std::uint8_t, 3>(60, 52, seed), hmesh_test::jittered_grid(60, 52, 11, 10, seed));
+        AnnealingOptions options;
+        options.sweeps = 12;
+        options.temperature = 0;
+        Annealer<3> annealer(subject.mesh, subject.mesh.vertex_count(), options, Random(seed));
+        for (int k = 0; k < options.sweeps; ++k) {
+            const double price = annealer.price();
+            const auto total = [&] { return subject.mesh.energy() + price * static_cast<double>(subject.mesh.vertex_count()); };
+            const double before = total();
+            annealer.sweep(k);
+            CHECK(total() <= before + hmesh_test::rounding(subject));
+        }
+    }
+}
+
+TEST_CASE("annealing lowers the energy at the same number of vertices") {
+    Subject<std::uint8_t, 3> subject(hmesh_test::scene<std::uint8_t, 3>(60, 52, 6), hmesh_test::jittered_grid(60, 52, 10, 10, 6));
+    for (int k = 0; k < 5; ++k) {  // what visits and flips alone can do
+        hmesh::sweep(subject.mesh);
+        hmesh::flip_edges(subject.mesh);
+    }
+    const double before = subject.mesh.energy();
+    anneal(subject, subject.mesh.vertex_count(), {}, 6);
+    CHECK(subject.mesh.vertex_count() <= 126);
+    CHECK(subject.mesh.energy() < 0.6 * before);
+}
+
+TEST_CASE("a kind of move with probability 0 or screened off does not happen") {
+    const auto totals_with = [](const AnnealingOptions& options) {
+        Subject<std::uint8_t, 1> subject(hmesh_test::scene<std::uint8_t, 1>(40, 36, 3), hmesh_test::jittered_grid(40, 36, 7, 7, 3));
+        return anneal(subject, subject.mesh.vertex_count(), options, 3);
+    };
+    AnnealingOptions options;
+    options.sweeps = 3;
+    options.exchange = 0;
+    Totals totals = totals_with(options);
+    CHECK(totals.removed + totals.inserted == 0);
+    CHECK(totals.flipped + totals.jumped > 0);
+    options.jump = 0;
+    CHECK(totals_with(options).jumped == 0);
+    options.flip_screen = -1e9;
+    CHECK(totals_with(options).moves() == 0);
+    options = {};
+    options.sweeps = 3;
+    options.insertion_screen = 1e9;
+    CHECK(totals_with(options).inserted == 0);
+    options.removal_screen = -1e9;
+    CHECK(totals_with(options).removed == 0);
+}
+
+TEST_CASE("the same seed gives the same bytes, another seed another mesh") {
+    const auto snapshot_of = [](std::uint64_t seed) {
+        Subject<std::uint8_t, 3> subject(hmesh_test::scene<std::uint8_t, 3>(40, 36, 3), hmesh_test::jittered_grid(40, 36, 7, 7, 3));
+        AnnealingOptions options;
+        options.sweeps = 4;
+        anneal(subject, subject.mesh.vertex_count(), options, seed);
+        return hmesh_test::snapshot(subject.mesh);
+    };
+    CHECK(snapshot_of(9) == snapshot_of(9));
+    CHECK_FALSE(snapshot_of(9) == snapshot_of(10));
+}

@@ -1,0 +1,135 @@
+// The same input gives the same bytes: in two runs, whatever the executor's order and number of threads.
+#include "hmesh/mesh_image.hpp"
+
+#include <doctest/doctest.h>
+
+#include <algorithm>
+#include <atomic>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <limits>
+#include <set>
+#include <thread>
+#include <utility>
+#include <vector>
+
+#include "test_executors.hpp"
+#include "test_images.hpp"
+#include "test_results.hpp"
+
+using hmesh::Effort;
+using hmesh::Image;
+using hmesh::mesh_image;
+using hmesh::Options;
+using hmesh::Target;
+
+namespace {
+
+// Threads that take the next index as they get free.
+struct ThreadFor {
+    unsigned threads = 2;
+    template <class Body>
+    void operator()(std::size_t n, Body&& body) const {
+        std::atomic<std::size_t> next{0};
+        const auto work = [&] {
+            for (std::size_t i; (i = next.fetch_add(1)) < n;) body(i);
+        };
+        std::vector<std::thread> others;
+        for (unsigned k = 1; k < threads; ++k) others.emplace_back(work);
+        work();
+        for (std::thread& thread : others) thread.join();
+    }
+};
+
+template <class T, int C>
+void check_repeatable(const Image<T, C>& image, Target target, Effort effort) {
+    Options options;
+    options.target = target;
+    options.effort = effort;
+    const auto first = mesh_image(image.view(), options);
+    REQUIRE(first.mesh.vertex_count() >= 4);
+    // Other memory under the pixels, and other contents in memory to come.
+    const Image<T, C> copy = image;
+    { const std::vector<double> dirt(100000, 12345.678); CHECK(dirt.back() > 0); }
+    CHECK(hmesh_test::same_bytes(mesh_image(copy.view(), options), first));
+    CHECK(hmesh_test::same_bytes(mesh_image(image.view(), options, hmesh_test::ReverseFor{}), first));
+    for (const std::uint64_t seed : {1U, 2U}) CHECK(hmesh_test::same_bytes(mesh_image(image.view(), options, hmesh_test::ShuffledFor{seed}), first));
+    for (const unsigned threads : {2U, 7U}) CHECK(hmesh_test::same_bytes(mesh_image(image.view(), options, ThreadFor{threads}), first));
+}
+
+}  // namespace
+
+TEST_CASE("all efforts give the same bytes in two runs, in any order of the pieces and on any number of threads") {
+    // Large enough for several pieces of rows, faces, edges and vertices.
+    for (const Effort effort : {Effort::draft, Effort::fast, Effort::normal})
+        check_repeatable(hmesh_test::scene<std::uint8_t, 3>(80, 70, 1), Target::vertices(420), effort);
+    check_repeatable(hmesh_test::scene<std::uint8_t, 3>(48, 40, 1), Target::vertices(40), Effort::best);
+}
+
+TEST_CASE("float images, whose sums are rounded, give the same bytes too") {
+    check_repeatable(hmesh_test::noise<float, 2>(70, 50, 2), Target::vertices(300), Effort::fast);
+    check_repeatable(hmesh_test::scene<float, 1>(70, 50, 2), Target::vertices(150), Effort::normal);
+}
+
+TEST_CASE("ties are broken the same way everywhere: pictures without error, checkers, one vertex a pixel") {
+    for (const Effort effort : {Effort::draft, Effort::fast, Effort::normal}) {
+        check_repeatable(hmesh_test::constant_image<std::uint8_t, 3>(30, 25, 0.5), Target::vertices(150), effort);
+        check_repeatable(hmesh_test::checkerboard<std::uint8_t, 1>(32, 32, 4), Target::vertices(100), effort);
+        check_repeatable(hmesh_test::noise<std::uint16_t, 1>(16, 12, 1), Target::vertices(192), effort);
+    }
+}
+
+TEST_CASE("a search for a PSNR gives the same bytes, reached or not") {
+    check_repeatable(hmesh_test::scene<std::uint8_t, 3>(48, 40, 3), Target::psnr(29), Effort::fast);
+    check_repeatable(hmesh_test::noise<std::uint8_t, 1>(14, 12, 3), Target::psnr(90), Effort::draft);
+}
+
+TEST_CASE("every index of a stage is handed out once") {
+    struct Counting {
+        bool* once;
+        void operator()(std::size_t n, const std::function<void(std::size_t)>& body) const {
+            std::set<std::size_t> seen;
+            for (std::size_t i = n; i-- > 0;) {
+                *once = *once && seen.insert(i).second;
+                body(i);
+            }
+        }
+    };
+    const auto image = hmesh_test::scene<std::uint8_t, 3>(48, 40, 3);
+    bool once = true;
+    Options options;
+    options.target = Target::vertices(100);
+    CHECK(hmesh_test::same_bytes(mesh_image(image.view(), options, Counting{&once}), mesh_image(image.view(), options)));
+    CHECK(once);
+}
+
+TEST_CASE("another seed gives another mesh of like PSNR") {
+    const auto image = hmesh_test::scene<std::uint8_t, 3>(96, 96, 5);
+    Options options;
+    options.target = Target::vertices(400);
+    double least = 1e9, most = 0;
+    std::vector<hmesh::Result<3>> results;
+    for (const std::uint64_t seed : {std::uint64_t{0}, std::uint64_t{1}, std::uint64_t{2}, std::uint64_t{3}, ~std::uint64_t{0}}) {
+        options.seed = seed;
+        results.push_back(mesh_image(image.view(), options));
+        hmesh_test::prove_result(image, results.back(), 400);
+        for (std::size_t k = 0; k + 1 < results.size(); ++k) CHECK_FALSE(hmesh_test::same_bytes(results[k].mesh, results.back().mesh));
+        least = std::min(least, results.back().report.psnr);
+        most = std::max(most, results.back().report.psnr);
+    }
+    CHECK(most - least < 0.4);  // 0.1 dB for thousands of vertices; it shrinks with their square root
+}
+
+TEST_CASE("draft and fast draw no random number: the seed changes nothing") {
+    const auto image = hmesh_test::scene<std::uint8_t, 3>(48, 48, 5);
+    for (const Effort effort : {Effort::draft, Effort::fast}) {
+        Options options;
+        options.target = Target::vertices(100);
+        options.effort = effort;
+        const auto first = mesh_image(image.view(), options);
+        options.seed = 99;
+        CHECK(hmesh_test::same_bytes(mesh_image(image.view(), options), first));
+    }
+}
