@@ -49,10 +49,7 @@ template <int C>
     bool known = false;  // is `spoke` the moments from u to neighbour i - 1?
     for (int step = 1; step < ring.size; ++step) {
         const int i = (j + step) % ring.size, before = ring.before(i);
-        if (ring.open && i == 0) {
-            known = false;
-            continue;
-        }
+        if (ring.open && i == 0) continue;
         if (before == j) {  // face (v, i, j) goes; its far side from i to j is an edge of u
             spoke = ring.link[i];
             spoke *= -1.0;
@@ -88,7 +85,9 @@ template <int C>
     double least = std::numeric_limits<double>::infinity();
     for (int j = 0; j < ring.size; ++j) {
         if (ring.open && j != 0 && j != ring.size - 1) continue;  // a border vertex goes along the border
-        if (topology.valence(topology.to_vertex(ring.halfedge[j])) + ring.size - 4 > max_valence) continue;
+        // The merged vertex has the neighbours of both, less the two themselves and the far corners they shared.
+        const int shared = ring.open ? 3 : 4;
+        if (topology.valence(topology.to_vertex(ring.halfedge[j])) + ring.size - shared > max_valence) continue;
         const double energy = detail::filled_energy(mesh, ring, j, least);
         if (!(energy < least) || !topology.is_collapse_ok(ring.halfedge[j])) continue;
         least = energy;

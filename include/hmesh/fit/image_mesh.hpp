@@ -98,7 +98,8 @@ class ImageMesh {
             if (!topology_.is_boundary(h)) moments(topology_.next(h), ring.link[i]);
         }
     }
-    // Where a vertex with this mobility may be: on the grid, off the border unless it lives there.
+    // Where a vertex with this mobility may be: on the grid, off the border unless it lives there. A coordinate that is not
+    // free to move is returned as given.
     [[nodiscard]] Point clamp(Point p, Mobility mobility) const noexcept {
         const double gap = limits_.border_gap, w = width() - gap, h = height() - gap;
         Point q = p;

@@ -80,8 +80,6 @@ template <int C>
     }
     const Mobility mobility = mesh.edge_mobility(e);
     candidate.centre.position = mesh.clamp(midpoint(v0.position, v1.position), mobility);
-    if (mobility == Mobility::along_x) candidate.centre.position.y = v0.position.y;
-    if (mobility == Mobility::along_y) candidate.centre.position.x = v0.position.x;
     candidate.centre.color = 0.5 * (v0.color + v1.color);
     const Point centre = candidate.centre.position;
     if (!ring.accepts(centre, mesh.limits().min_cross)) return candidate;
@@ -197,8 +195,9 @@ template <int C, class ParallelFor = SerialFor>
         std::uint32_t site;
     };
     const std::vector<InsertionSite> sites = insertion_sites(mesh, options.faces);
-    const auto bound = [&](std::size_t k) { return static_cast<float>(most_gain(mesh, sites[k])); };
-    const auto least = static_cast<float>(options.least_gain);
+    const double scale = mesh.energy() > 0 ? 1 / mesh.mean_energy() : 0;  // of the floats, whatever the unit of samples
+    const auto bound = [&](std::size_t k) { return static_cast<float>(scale * most_gain(mesh, sites[k])); };
+    const auto least = static_cast<float>(scale * options.least_gain);
     const std::size_t wanted = 2 * count;  // about half of them touch a better one
     std::vector<float> values;
     values.reserve(sites.size());
@@ -218,7 +217,7 @@ template <int C, class ParallelFor = SerialFor>
             RingWork<C> work;
             for (std::size_t k = start + begin; k < start + end; ++k) {
                 const auto candidate = candidate_at(mesh, work, sites[gains[k].site], options.may_move);
-                gains[k].gain = candidate.fits ? static_cast<float>(candidate.gain) : -1.0F;
+                gains[k].gain = candidate.fits ? static_cast<float>(scale * candidate.gain) : -1.0F;
             }
         });
     };

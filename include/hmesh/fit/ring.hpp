@@ -66,6 +66,7 @@ struct FaceFit {
 template <int C>
 struct RingFit {
     double a = 0, d = 0;
+    double squares = 0;  // |I|^2
     Color<C> b = Color<C>::zero();
     [[nodiscard]] HMESH_ALWAYS_INLINE double energy(const Color<C>& c) const { return d + (c * (a * c - 2.0 * b)).sum(); }
 };
@@ -166,9 +167,9 @@ template <int C>
         out.a += faces[i].a;
         out.b += faces[i].b;
         rest += faces[i].rest;
-        out.d += faces[i].squares;
+        out.squares += faces[i].squares;
     }
-    out.d += rest.sum();
+    out.d = out.squares + rest.sum();
     return true;
 }
 
@@ -213,17 +214,19 @@ template <int C>
     const Vec m1 = mean1 * inverse_a, m2 = mean2 * inverse_a;
     const double gx = g1.sum(), gy = g2.sum();
     double xx = (h11 - m1 * mean1).sum(), xy = (h12 - m1 * mean2).sum(), yy = (h22 - m2 * mean2).sum();
-    const double trace = xx + yy, damping = 0.02 * trace + 1e-6;
+    RingStep step;
+    const double trace = xx + yy, damping = 0.02 * trace;
+    // A flat picture gives no direction, only what rounding of its squares left; also when a number is not finite.
+    if (!(trace > 1e-24 * fit.squares)) return step;
     xx += damping;
     yy += damping;
-    RingStep step;
     if (mobility == Mobility::along_x) {
         step.dx = -gx / xx;
     } else if (mobility == Mobility::along_y) {
         step.dy = -gy / yy;
     } else if (mobility == Mobility::free) {
         const double det = xx * yy - xy * xy;
-        if (!(det > 1e-12 * trace * trace)) return step;  // also when a number is not finite
+        if (!(det > 1e-12 * trace * trace)) return step;
         step.dx = -(yy * gx - xy * gy) / det;
         step.dy = -(xx * gy - xy * gx) / det;
     }
