@@ -104,7 +104,8 @@ namespace detail {
         return {Errc::invalid_argument, "limits.border_gap must be in [1/256, 1/4] px", 0, 0};
     if (!(limits.color_overshoot >= 0 && limits.color_overshoot <= 100))
         return {Errc::invalid_argument, "limits.color_overshoot must be in [0, 100]", 0, 100};
-    if (!(limits.ridge > 0 && limits.ridge <= 1)) return {Errc::invalid_argument, "limits.ridge must be in (0, 1] pixels", 0, 1};
+    if (!(limits.ridge >= 1e-9 && limits.ridge <= 1))
+        return {Errc::invalid_argument, "limits.ridge must be in [1e-9, 1] pixels", 0, 1};
     if (options.annealed) return check(*options.annealed);
     return {};
 }
@@ -151,8 +152,9 @@ template <class T, int C, class ParallelFor>
     monitor.end(mesh.vertex_count(), mesh.energy());
     if (result.status && monitor.stopped()) result.status = {Errc::cancelled, "cancelled by the progress callback", 0, 0};
     result.mesh = extract(mesh, Traits::peak);
-    result.report = {mesh.vertex_count(), mesh.topology().face_count(), mesh.energy(),
-                     psnr_of_energy(mesh.energy(), samples, Traits::peak), monitor.stages()};
+    const double energy = std::max(0.0, mesh.energy());  // rounding may leave less than nothing
+    result.report = {mesh.vertex_count(), mesh.topology().face_count(), energy,
+                     psnr_of_energy(energy, samples, Traits::peak), monitor.stages()};
     return result;
 }
 

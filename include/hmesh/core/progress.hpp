@@ -57,6 +57,7 @@ class Monitor {
         return !stopped_;
     }
     bool end(std::size_t vertices, double energy) {
+        energy = std::max(0.0, energy);  // rounding may leave less than nothing
         stages_.push_back({stage_, vertices, energy, psnr_of_energy(energy, samples_, peak_)});
         return update(1, vertices, energy);
     }

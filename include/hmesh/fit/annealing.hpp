@@ -95,7 +95,7 @@ class Annealer {
             if (static_cast<double>(mesh_->vertex_count()) < (1 - options_.band) * target_) break;
             if (random_.uniform() > options_.exchange) continue;
             const CollapseCandidate candidate = cheapest_collapse(*mesh_, work_, v);
-            if (!(candidate.cost <= options_.removal_screen * price_ + 3 * temperature_)) continue;
+            if (!candidate.halfedge.is_valid() || !(candidate.cost <= options_.removal_screen * price_ + 3 * temperature_)) continue;
             const auto mark = mesh_->begin();
             const double before = mesh_->energy();
             collect(v);

@@ -211,6 +211,8 @@ template <int C, class ParallelFor>
     if (!within(annealing.exchange, 0, 1) || !within(annealing.jump, 0, 1)) return bad("annealing probabilities must be in [0, 1]");
     if (!within(annealing.jump_reach, 0, 1)) return bad("annealing.jump_reach must be in [0, 1]");
     if (!within(annealing.start_price, 1e-6, 1e6)) return bad("annealing.start_price must be in [1e-6, 1e6]");
+    for (const double screen : {annealing.removal_screen, annealing.insertion_screen, annealing.flip_screen})
+        if (!within(screen, 0, 1e6)) return bad("annealing screens must be in [0, 1e6]");
     if (!within(annealing.band, 0, 1)) return bad("annealing.band must be in [0, 1]");
     return {};
 }

@@ -1,14 +1,15 @@
 // hmesh - the search for the fewest vertices that reach a PSNR.
 //
 // PSNR rises by about 1.6 dB a doubling of the vertices, the slope of a piecewise linear fit to photographs; that first
-// guess is replaced by the secant of the two runs that enclose the target as soon as there are two. Ends when the counts
-// on both sides differ by at most 0.5 % (or 1): some 5 to 8 runs.
+// guess is replaced by the secant of the two runs that enclose the target as soon as there are two, and by the middle between
+// them where the same side moved twice. Ends when the counts on both sides differ by at most 0.5 % (or 1): some 5 to 8 runs.
 #ifndef HMESH_METHODS_PSNR_SEARCH_HPP
 #define HMESH_METHODS_PSNR_SEARCH_HPP
 
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <cstdint>
 #include <utility>
 
 #include "hmesh/core/status.hpp"
@@ -28,21 +29,28 @@ template <class MeshOf>
     auto best = mesh_of(first);
     Run run{std::log2(static_cast<double>(first)), best.report.psnr, first};
     bool reached = false;
+    int same_side = 0;  // runs in a row that fell on one side
+    bool last_side = false;
+    double stride = 0.1;  // while the target is not enclosed, steps grow: curves can be flat
     for (int runs = 1;; ++runs) {
         if (!best.status) return best;
         if (run.psnr >= psnr) high = run, reached = true;
         else low = run;
-        if (high.n == 4 || low.n == most || runs == 40) break;
+        same_side = runs > 1 && last_side == (run.psnr >= psnr) ? same_side + 1 : 1;
+        last_side = run.psnr >= psnr;
+        if (high.n == 4 || low.n == most || runs == 60) break;
         if (low.n != 0 && high.n != 0 && static_cast<double>(high.n - low.n) <= std::max(1.0, 0.005 * static_cast<double>(high.n))) break;
 
         double log_n = 0;
         if (low.n != 0 && high.n != 0) {
             // The secant, kept off the ends: a run that teaches nothing would repeat.
             const double t = std::isfinite(high.psnr) ? (psnr - low.psnr) / std::max(1e-9, high.psnr - low.psnr) : 0.5;
-            log_n = low.log_n + std::max(0.1, std::min(0.9, t + (runs % 2 == 0 ? 0.02 : -0.02))) * (high.log_n - low.log_n);
+            const double aim = same_side > 2 ? 0.5 : std::max(0.1, std::min(0.9, t + (last_side ? -0.02 : 0.02)));
+            log_n = low.log_n + aim * (high.log_n - low.log_n);
         } else {
-            const double step = std::isfinite(run.psnr) ? (psnr - run.psnr) / slope : -2;
-            log_n = run.log_n + std::max(-3.0, std::min(3.0, step + (step > 0 ? 0.1 : -0.1)));
+            const double needed = std::isfinite(run.psnr) ? std::abs(psnr - run.psnr) / slope + 0.1 : 2;
+            stride = std::min(3.0, std::max(needed, 2 * stride));
+            log_n = run.log_n + (last_side ? -stride : stride);
         }
         std::size_t n = static_cast<std::size_t>(std::llround(std::exp2(log_n)));
         n = std::max<std::size_t>(low.n != 0 ? low.n + 1 : 4, std::min(n, high.n != 0 ? high.n - 1 : most));
@@ -59,7 +67,8 @@ template <class MeshOf>
     }
     if (!reached)
         best.status = {Errc::target_out_of_range, "no mesh of this image reached the PSNR asked for, in hundredths of a dB",
-                       static_cast<std::int64_t>(std::floor(best.report.psnr * 100)), static_cast<std::int64_t>(std::ceil(psnr * 100))};
+                       static_cast<std::int64_t>(std::floor(best.report.psnr * 100)),
+                       static_cast<std::int64_t>(std::ceil(std::min(psnr, 1e6) * 100))};
     return best;
 }
 
