@@ -14,7 +14,7 @@ if [ "${1-}" = --preset ]; then
 fi
 
 need compiler cmake eigen stb doctest
-[ "$preset" != clang ] || need clang
+case $preset in clang*) need clang ;; esac
 step "Configuring build/$preset ..." cmake --preset "$preset" -DHMESH_BUILD_TESTS=ON
 step "Building build/$preset ..." cmake --build --preset "$preset" --parallel "$jobs"
 ctest --preset "$preset" --parallel "$jobs" "$@"
