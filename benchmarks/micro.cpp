@@ -1,0 +1,182 @@
+// micro: what the hot operators cost, one by one, on the library's own scene meshed at 1 % by a draft.
+//
+//     micro [--benchmark_filter=REGEX]        (Google Benchmark)
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include <benchmark/benchmark.h>
+
+#include <hmesh/hmesh.hpp>
+
+#include "scene.hpp"
+
+namespace {
+
+using hmesh::ImageMesh;
+constexpr int channels = 3;
+
+struct Fixture {
+    hmesh::Image<std::uint8_t, channels> image;
+    hmesh::MomentTable<channels> table;
+    ImageMesh<channels> mesh;
+    std::vector<hmesh::Vertex> vertices;  // in spatial order
+    std::vector<hmesh::Edge> edges;
+
+    explicit Fixture(int width, int height)
+        : image(example::draw_scene(width, height)), table(image.view(), image.view().bounds()), mesh(table, 0, 255) {
+        hmesh::Monitor monitor({}, 1, 255);
+        const auto n = static_cast<std::size_t>(width) * static_cast<std::size_t>(height) / 100;
+        if (!hmesh::annealed(mesh, n, hmesh::annealed_options(hmesh::Effort::draft), monitor)) std::abort();
+        mesh.compact(2 * n);
+        vertices = hmesh::spatial_vertices(mesh);
+        for (const hmesh::InsertionSite site : hmesh::insertion_sites(mesh, false)) edges.push_back(site.edge());
+    }
+};
+
+Fixture& fixture() {
+    static Fixture f(384, 256);
+    return f;
+}
+
+void per_item(benchmark::State& state, std::size_t items) {
+    state.SetItemsProcessed(static_cast<std::int64_t>(items));
+    state.counters["each"] = benchmark::Counter(static_cast<double>(items), benchmark::Counter::kIsRate | benchmark::Counter::kInvert);
+}
+
+void moment_table(benchmark::State& state) {  // a pixel
+    const auto view = fixture().image.view();
+    std::size_t pixels = 0;
+    for (auto _ : state) {
+        const hmesh::MomentTable<channels> table(view, view.bounds());
+        benchmark::DoNotOptimize(table.bytes());
+        pixels += static_cast<std::size_t>(view.width) * static_cast<std::size_t>(view.height);
+    }
+    per_item(state, pixels);
+}
+
+void edge_walk(benchmark::State& state) {  // a row; the argument is the edge's rows
+    const Fixture& f = fixture();
+    const double rows = static_cast<double>(state.range(0));
+    hmesh::Random random(1);
+    std::vector<hmesh::Point> starts;
+    for (int k = 0; k < 256; ++k) starts.push_back({40 + 300 * random.uniform(), (255 - rows) * random.uniform()});
+    std::size_t walked = 0;
+    for (auto _ : state)
+        for (const hmesh::Point a : starts) {
+            hmesh::Moments<channels> m;
+            hmesh::edge_moments(f.table, a, {a.x + 0.4 * rows - 20 * (rows > 50), a.y + rows}, m);
+            benchmark::DoNotOptimize(m);
+            walked += static_cast<std::size_t>(rows);
+        }
+    per_item(state, walked);
+}
+
+void vertex_visit(benchmark::State& state) {  // one Gauss-Newton step, undone
+    Fixture& f = fixture();
+    std::size_t visits = 0;
+    for (auto _ : state)
+        for (const hmesh::Vertex v : f.vertices) {
+            const auto mark = f.mesh.begin();
+            benchmark::DoNotOptimize(hmesh::improve_vertex(f.mesh, v, 0));
+            f.mesh.rollback(mark);
+            ++visits;
+        }
+    per_item(state, visits);
+}
+
+void flip_trial(benchmark::State& state) {
+    const Fixture& f = fixture();
+    std::size_t trials = 0;
+    for (auto _ : state)
+        for (const hmesh::Edge e : f.edges) {
+            if (!hmesh::is_convex(f.mesh, e)) continue;
+            hmesh::FlipTrial<channels> trial;
+            hmesh::try_flip(f.mesh, e, trial);
+            benchmark::DoNotOptimize(trial);
+            ++trials;
+        }
+    per_item(state, trials);
+}
+
+void insertion_candidate(benchmark::State& state) {
+    const Fixture& f = fixture();
+    hmesh::RingWork<channels> work;
+    std::size_t candidates = 0;
+    for (auto _ : state)
+        for (const hmesh::Edge e : f.edges) {
+            benchmark::DoNotOptimize(hmesh::edge_candidate(f.mesh, work, e, false).gain);
+            ++candidates;
+        }
+    per_item(state, candidates);
+}
+
+void collapse_candidate(benchmark::State& state) {
+    const Fixture& f = fixture();
+    hmesh::RingWork<channels> work;
+    std::size_t candidates = 0;
+    for (auto _ : state)
+        for (const hmesh::Vertex v : f.vertices) {
+            benchmark::DoNotOptimize(hmesh::cheapest_collapse(f.mesh, work, v).cost);
+            ++candidates;
+        }
+    per_item(state, candidates);
+}
+
+void collapse_undone(benchmark::State& state) {  // collapse, relax, roll back: a transaction of the annealing
+    Fixture& f = fixture();
+    hmesh::RingWork<channels> work;
+    std::vector<hmesh::Vertex> ring;
+    std::size_t transactions = 0;
+    for (auto _ : state)
+        for (const hmesh::Vertex v : f.vertices) {
+            const auto candidate = hmesh::cheapest_collapse(f.mesh, work, v);
+            if (!candidate.halfedge.is_valid()) continue;
+            ring.clear();
+            for (const hmesh::Halfedge h : f.mesh.topology().outgoing(v)) ring.push_back(f.mesh.topology().to_vertex(h));
+            const auto mark = f.mesh.begin();
+            f.mesh.collapse(candidate.halfedge);
+            hmesh::relax(f.mesh, ring, {});
+            f.mesh.rollback(mark);
+            ++transactions;
+        }
+    per_item(state, transactions);
+}
+
+void bounded_colors(benchmark::State& state) {  // a vertex
+    const Fixture& f = fixture();
+    std::size_t vertices = 0;
+    for (auto _ : state) {
+        state.PauseTiming();
+        ImageMesh<channels> mesh = f.mesh;
+        state.ResumeTiming();
+        hmesh::bounded_colors(mesh, 0, 255, 1);
+        vertices += mesh.vertex_count();
+    }
+    per_item(state, vertices);
+}
+
+void draw(benchmark::State& state) {  // a pixel
+    const Fixture& f = fixture();
+    const auto mesh = hmesh::detail::extract(f.mesh, 255);
+    hmesh::Image<float, channels> out;
+    std::size_t pixels = 0;
+    for (auto _ : state) {
+        if (!hmesh::render(mesh.view(), out)) std::abort();
+        pixels += static_cast<std::size_t>(out.width()) * static_cast<std::size_t>(out.height());
+    }
+    per_item(state, pixels);
+}
+
+}  // namespace
+
+BENCHMARK(moment_table)->Unit(benchmark::kMicrosecond);
+BENCHMARK(edge_walk)->Arg(4)->Arg(12)->Arg(40)->Arg(120);
+BENCHMARK(vertex_visit)->Unit(benchmark::kMicrosecond);
+BENCHMARK(flip_trial)->Unit(benchmark::kMicrosecond);
+BENCHMARK(insertion_candidate)->Unit(benchmark::kMicrosecond);
+BENCHMARK(collapse_candidate)->Unit(benchmark::kMicrosecond);
+BENCHMARK(collapse_undone)->Unit(benchmark::kMicrosecond);
+BENCHMARK(bounded_colors)->Unit(benchmark::kMicrosecond);
+BENCHMARK(draw)->Unit(benchmark::kMicrosecond);
+BENCHMARK_MAIN();
