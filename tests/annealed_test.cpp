@@ -44,8 +44,10 @@ std::string names_of(const Monitor& monitor) {
 }  // namespace
 
 TEST_CASE("the first grid tiles the rectangle, has no more vertices than asked for, and not far fewer") {
-    for (const auto& [width, height] : {std::pair{1, 1}, {1, 7}, {9, 1}, {2, 2}, {5, 4}, {60, 40}, {3, 500}, {700, 2}, {333, 77}})
+    const std::pair<int, int> sizes[] = {{1, 1}, {1, 7}, {9, 1}, {2, 2}, {5, 4}, {60, 40}, {3, 500}, {700, 2}, {333, 77}};
+    for (const std::pair<int, int>& size : sizes)
         for (const double count : {4.0, 4.9, 5.0, 6.0, 9.0, 25.5, 100.0, 1234.0, 40000.0}) {
+            const int width = size.first, height = size.second;
             CAPTURE(width);
             CAPTURE(height);
             CAPTURE(count);
