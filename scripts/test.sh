@@ -3,6 +3,7 @@
 #
 # usage: scripts/test.sh [--preset NAME] [ARGUMENT...]        NAME: one of CMakePresets.json, default release;
 #                                                             ARGUMENT: for ctest, such as -R render
+# The words of the variable HMESH_CONFIGURE are handed to cmake when it configures.
 # shellcheck source=scripts/common.sh
 . "$(dirname "${BASH_SOURCE[0]}")/common.sh"
 
@@ -15,6 +16,7 @@ fi
 
 need compiler cmake eigen stb doctest
 case $preset in clang*) need clang ;; esac
-step "Configuring build/$preset ..." cmake --preset "$preset" -DHMESH_BUILD_TESTS=ON
+# shellcheck disable=SC2086  # words
+step "Configuring build/$preset ..." cmake --preset "$preset" -DHMESH_BUILD_TESTS=ON ${HMESH_CONFIGURE-}
 step "Building build/$preset ..." cmake --build --preset "$preset" --parallel "$jobs"
 ctest --preset "$preset" --parallel "$jobs" "$@"
