@@ -1,8 +1,12 @@
 // micro: what the hot operators cost, one by one, on the library's own scene meshed at 1 % by a draft.
 //
+// The counter `each` is the time of one of what the comment beside a benchmark names.
+//
 //     micro [--benchmark_filter=REGEX]        (Google Benchmark)
 #include <cstddef>
 #include <cstdint>
+#include <cstdlib>
+#include <utility>
 #include <vector>
 
 #include <benchmark/benchmark.h>
@@ -40,8 +44,9 @@ Fixture& fixture() {
 }
 
 void per_item(benchmark::State& state, std::size_t items) {
+    const auto seconds_each = benchmark::Counter::kIsRate | benchmark::Counter::kInvert;
     state.SetItemsProcessed(static_cast<std::int64_t>(items));
-    state.counters["each"] = benchmark::Counter(static_cast<double>(items), benchmark::Counter::kIsRate | benchmark::Counter::kInvert);
+    state.counters["each"] = benchmark::Counter(static_cast<double>(items), seconds_each);
 }
 
 void moment_table(benchmark::State& state) {  // a pixel
@@ -72,6 +77,26 @@ void edge_walk(benchmark::State& state) {  // a row; the argument is the edge's 
     per_item(state, walked);
 }
 
+void ring_fit(benchmark::State& state) {  // a face of a ring, from moments in the cache
+    const Fixture& f = fixture();
+    std::vector<hmesh::RingWork<channels>> works(16);
+    for (std::size_t k = 0; k < works.size(); ++k) {
+        const hmesh::Vertex v = f.vertices[k * f.vertices.size() / works.size()];
+        f.mesh.gather(v, works[k].ring, works[k].spokes);
+    }
+    std::size_t faces = 0;
+    for (auto _ : state)
+        for (std::size_t k = 0; k < works.size(); ++k) {
+            hmesh::RingWork<channels>& work = works[k];
+            const hmesh::Point at = f.mesh.position(f.vertices[k * f.vertices.size() / works.size()]);
+            hmesh::RingFit<channels> fit;
+            benchmark::DoNotOptimize(hmesh::fit_ring(work.ring, work.spokes, at, 0, work.faces, fit));
+            benchmark::DoNotOptimize(fit);
+            faces += static_cast<std::size_t>(work.ring.size - work.ring.first_face());
+        }
+    per_item(state, faces);
+}
+
 void vertex_visit(benchmark::State& state) {  // one Gauss-Newton step, undone
     Fixture& f = fixture();
     std::size_t visits = 0;
@@ -85,7 +110,7 @@ void vertex_visit(benchmark::State& state) {  // one Gauss-Newton step, undone
     per_item(state, visits);
 }
 
-void flip_trial(benchmark::State& state) {
+void flip_trial(benchmark::State& state) {  // an edge that can turn
     const Fixture& f = fixture();
     std::size_t trials = 0;
     for (auto _ : state)
@@ -99,7 +124,7 @@ void flip_trial(benchmark::State& state) {
     per_item(state, trials);
 }
 
-void insertion_candidate(benchmark::State& state) {
+void insertion_candidate(benchmark::State& state) {  // an edge
     const Fixture& f = fixture();
     hmesh::RingWork<channels> work;
     std::size_t candidates = 0;
@@ -111,7 +136,7 @@ void insertion_candidate(benchmark::State& state) {
     per_item(state, candidates);
 }
 
-void collapse_candidate(benchmark::State& state) {
+void collapse_candidate(benchmark::State& state) {  // a vertex
     const Fixture& f = fixture();
     hmesh::RingWork<channels> work;
     std::size_t candidates = 0;
@@ -123,37 +148,57 @@ void collapse_candidate(benchmark::State& state) {
     per_item(state, candidates);
 }
 
-void collapse_undone(benchmark::State& state) {  // collapse, relax, roll back: a transaction of the annealing
+// The cheapest collapses, known beforehand, each undone: alone, and with the relaxation of a trial of the annealing.
+void collapse_undone(benchmark::State& state, bool relaxed) {  // a transaction
     Fixture& f = fixture();
+    const hmesh::HalfedgeMesh& topology = f.mesh.topology();
     hmesh::RingWork<channels> work;
+    std::vector<std::pair<hmesh::Vertex, hmesh::Halfedge>> collapses;
+    for (const hmesh::Vertex v : f.vertices) {
+        const auto candidate = hmesh::cheapest_collapse(f.mesh, work, v);
+        if (candidate.halfedge.is_valid()) collapses.emplace_back(v, candidate.halfedge);
+    }
     std::vector<hmesh::Vertex> ring;
     std::size_t transactions = 0;
     for (auto _ : state)
-        for (const hmesh::Vertex v : f.vertices) {
-            const auto candidate = hmesh::cheapest_collapse(f.mesh, work, v);
-            if (!candidate.halfedge.is_valid()) continue;
+        for (const auto& [v, h] : collapses) {
             ring.clear();
-            for (const hmesh::Halfedge h : f.mesh.topology().outgoing(v)) ring.push_back(f.mesh.topology().to_vertex(h));
+            for (const hmesh::Halfedge s : topology.outgoing(v)) ring.push_back(topology.to_vertex(s));
             const auto mark = f.mesh.begin();
-            f.mesh.collapse(candidate.halfedge);
-            hmesh::relax(f.mesh, ring, {});
+            f.mesh.collapse(h);
+            if (relaxed) hmesh::relax(f.mesh, ring, {});
             f.mesh.rollback(mark);
             ++transactions;
         }
     per_item(state, transactions);
 }
 
-void bounded_colors(benchmark::State& state) {  // a vertex
+// Runs stage(mesh) on copies of the mesh with all vertices due.
+template <class Stage>
+void on_copies(benchmark::State& state, Stage&& stage) {
     const Fixture& f = fixture();
-    std::size_t vertices = 0;
     for (auto _ : state) {
         state.PauseTiming();
         ImageMesh<channels> mesh = f.mesh;
+        for (const hmesh::Vertex v : f.vertices) mesh.set_due(v, true);
         state.ResumeTiming();
-        hmesh::bounded_colors(mesh, 0, 255, 1);
-        vertices += mesh.vertex_count();
+        stage(mesh);
     }
-    per_item(state, vertices);
+}
+
+void sweep(benchmark::State& state) {  // a vertex, its place in the order and marking its neighbours included
+    on_copies(state, [](ImageMesh<channels>& mesh) { benchmark::DoNotOptimize(hmesh::sweep(mesh)); });
+    per_item(state, static_cast<std::size_t>(state.iterations()) * fixture().vertices.size());
+}
+
+void flip_queue(benchmark::State& state) {  // an edge of the mesh
+    on_copies(state, [](ImageMesh<channels>& mesh) { benchmark::DoNotOptimize(hmesh::flip_edges(mesh)); });
+    per_item(state, static_cast<std::size_t>(state.iterations()) * fixture().edges.size());
+}
+
+void bounded_colors(benchmark::State& state) {  // a vertex
+    on_copies(state, [](ImageMesh<channels>& mesh) { hmesh::bounded_colors(mesh, 0, 255, 1); });
+    per_item(state, static_cast<std::size_t>(state.iterations()) * fixture().vertices.size());
 }
 
 void draw(benchmark::State& state) {  // a pixel
@@ -172,11 +217,15 @@ void draw(benchmark::State& state) {  // a pixel
 
 BENCHMARK(moment_table)->Unit(benchmark::kMicrosecond);
 BENCHMARK(edge_walk)->Arg(4)->Arg(12)->Arg(40)->Arg(120);
+BENCHMARK(ring_fit);
 BENCHMARK(vertex_visit)->Unit(benchmark::kMicrosecond);
 BENCHMARK(flip_trial)->Unit(benchmark::kMicrosecond);
 BENCHMARK(insertion_candidate)->Unit(benchmark::kMicrosecond);
 BENCHMARK(collapse_candidate)->Unit(benchmark::kMicrosecond);
-BENCHMARK(collapse_undone)->Unit(benchmark::kMicrosecond);
+BENCHMARK_CAPTURE(collapse_undone, alone, false)->Unit(benchmark::kMicrosecond);
+BENCHMARK_CAPTURE(collapse_undone, relaxed, true)->Unit(benchmark::kMicrosecond);
+BENCHMARK(sweep)->Unit(benchmark::kMicrosecond);
+BENCHMARK(flip_queue)->Unit(benchmark::kMicrosecond);
 BENCHMARK(bounded_colors)->Unit(benchmark::kMicrosecond);
 BENCHMARK(draw)->Unit(benchmark::kMicrosecond);
 BENCHMARK_MAIN();

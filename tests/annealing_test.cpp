@@ -113,6 +113,18 @@ TEST_CASE("the price steers the count to the target, from above and from below")
     }
 }
 
+TEST_CASE("the price rises while there are too many vertices and falls while there are too few") {
+    const auto change_of_price = [](std::size_t target) {
+        Subject<std::uint8_t, 3> subject(hmesh_test::scene<std::uint8_t, 3>(60, 52, 5), hmesh_test::jittered_grid(60, 52, 10, 10, 5));
+        Annealer<3> annealer(subject.mesh, target, {}, Random(5));
+        const double before = annealer.price();
+        annealer.sweep(0);
+        return annealer.price() / before;
+    };
+    CHECK(change_of_price(40) > 1.1);
+    CHECK(change_of_price(400) < 0.9);
+}
+
 TEST_CASE("without temperature no sweep raises energy plus price times vertices") {
     for (const std::uint64_t seed : {1U, 2U, 3U}) {
         Subject<std::uint8_t, 3> subject(hmesh_test::scene<std::uint8_t, 3>(60, 52, seed), hmesh_test::jittered_grid(60, 52, 11, 10, seed));

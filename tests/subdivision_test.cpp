@@ -121,6 +121,21 @@ TEST_CASE("the largest faces go first") {
     hmesh_test::prove(subject);
 }
 
+TEST_CASE("a large face whose corners have all the neighbours they can take is passed over") {
+    // 40 spokes: to the corners of the square and to 36 points of its left side. The three largest faces have their
+    // longest edge on the border, opposite the hub.
+    hmesh_test::Triangulation fan;
+    fan.positions.push_back({32, 32});
+    for (const hmesh::Point p : {hmesh::Point{0, 0}, {64, 0}, {64, 64}, {0, 64}}) fan.positions.push_back(p);
+    for (int k = 1; k <= hmesh::max_valence - 4; ++k) fan.positions.push_back({0, hmesh::snap(64 - 64.0 * k / (hmesh::max_valence - 3))});
+    for (std::uint32_t k = 1; k <= hmesh::max_valence; ++k) fan.triangles.push_back({0, k, k % hmesh::max_valence + 1});
+    Subject<std::uint8_t, 1> subject(hmesh_test::constant_image<std::uint8_t, 1>(64, 64, 0.5), fan);
+    REQUIRE(most_neighbours(subject.mesh) == hmesh::max_valence);
+    CHECK(subdivide(subject.mesh, 20) == 20);
+    CHECK(most_neighbours(subject.mesh) == hmesh::max_valence);
+    hmesh_test::prove(subject);
+}
+
 TEST_CASE("an affine picture stays exact, and what is new is due for a visit") {
     Subject<float, 3> subject(hmesh_test::affine_image<float, 3>(30, 20), hmesh_test::jittered_grid(30, 20, 1, 1, 1));
     for (int k = 0; k < 30; ++k)

@@ -178,7 +178,10 @@ template <int C, class ParallelFor>
             options.polish_rounds = 0;
             options.annealing.sweeps = 0;
             break;
-        case Effort::fast: options.annealing.sweeps = 0; break;
+        case Effort::fast:
+            options.polish_rounds = 3;
+            options.annealing.sweeps = 0;
+            break;
         case Effort::normal: break;
         case Effort::best:
             options.overshoot = 4;
