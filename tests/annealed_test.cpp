@@ -37,14 +37,16 @@ AnnealedOptions options_of(Effort effort, int sweeps) {
 
 std::string names_of(const Monitor& monitor) {
     std::string names;
-    for (const hmesh::StageReport& stage : monitor.stages()) names += std::string(names.empty() ? "" : " ") + stage.name;
+    for (const hmesh::StageReport& stage : monitor.stages())
+        names += std::string(names.empty() ? "" : " ") + stage.name;
     return names;
 }
 
 }  // namespace
 
 TEST_CASE("the first grid tiles the rectangle, has no more vertices than asked for, and not far fewer") {
-    const std::pair<int, int> sizes[] = {{1, 1}, {1, 7}, {9, 1}, {2, 2}, {5, 4}, {60, 40}, {3, 500}, {700, 2}, {333, 77}};
+    const std::pair<int, int> sizes[] = {{1, 1},   {1, 7},   {9, 1},   {2, 2},   {5, 4},
+                                         {60, 40}, {3, 500}, {700, 2}, {333, 77}};
     for (const std::pair<int, int>& size : sizes)
         for (const double count : {4.0, 4.9, 5.0, 6.0, 9.0, 25.5, 100.0, 1234.0, 40000.0}) {
             const int width = size.first, height = size.second;
@@ -79,7 +81,8 @@ TEST_CASE("the first grid's cells are nearly square") {
     CHECK(cell_width / cell_height < 1.33);
 }
 
-TEST_CASE("every effort's recipe gives every number of vertices from 4 to one a pixel on images of 1 to 6 by 1 to 6 pixels") {
+TEST_CASE(
+    "every effort's recipe gives every number of vertices from 4 to one a pixel on images of 1 to 6 by 1 to 6 pixels") {
     for (const Effort effort : {Effort::draft, Effort::fast, Effort::normal, Effort::best})
         for (int height = 1; height <= 6; ++height)
             for (int width = 1; width <= 6; ++width) {
@@ -148,7 +151,8 @@ TEST_CASE("stages come in order, those whose options say none are left out, and 
         CHECK(names_of(monitor) == names);
         for (const hmesh::StageReport& stage : monitor.stages()) {
             CHECK(stage.psnr == doctest::Approx(10 * std::log10(255.0 * 255.0 * samples / stage.energy)));
-            if (std::strcmp(stage.name, "collapse") == 0 || std::strcmp(stage.name, "anneal") == 0) CHECK(stage.vertices == 50);
+            if (std::strcmp(stage.name, "collapse") == 0 || std::strcmp(stage.name, "anneal") == 0)
+                CHECK(stage.vertices == 50);
             if (std::strcmp(stage.name, "insert") == 0)
                 CHECK(stage.vertices == (effort == Effort::draft ? 50 : effort == Effort::best ? 200 : 100));
         }
@@ -176,7 +180,8 @@ TEST_CASE("a mesh can be filled again, and forgets what it was") {
     Subject<std::uint8_t, 1> used(image), fresh(image);
     Monitor monitor = silent();
     CHECK(annealed(used.mesh, 300, options_of(Effort::fast, 0), monitor));
-    for (Subject<std::uint8_t, 1>* subject : {&used, &fresh}) CHECK(annealed(subject->mesh, 60, options_of(Effort::normal, 4), monitor));
+    for (Subject<std::uint8_t, 1>* subject : {&used, &fresh})
+        CHECK(annealed(subject->mesh, 60, options_of(Effort::normal, 4), monitor));
     CHECK(hmesh_test::snapshot(used.mesh) == hmesh_test::snapshot(fresh.mesh));
 }
 
@@ -192,7 +197,8 @@ TEST_CASE("told to stop, it leaves a valid mesh and says so") {
 }
 
 TEST_CASE("options that mean nothing are named, and the efforts' own all mean something") {
-    for (const Effort effort : {Effort::draft, Effort::fast, Effort::normal, Effort::best}) CHECK(check(hmesh::annealed_options(effort)));
+    for (const Effort effort : {Effort::draft, Effort::fast, Effort::normal, Effort::best})
+        CHECK(check(hmesh::annealed_options(effort)));
     const auto refused = [](auto&& spoil) {
         AnnealedOptions options;
         spoil(options);

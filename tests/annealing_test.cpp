@@ -37,11 +37,13 @@ void check_limits(const hmesh::ImageMesh<C>& mesh) {
     int valence = 0;
     for (const Face f : mesh.topology().faces()) {
         const auto v = mesh.topology().vertices(f);
-        large = large && hmesh::cross(mesh.position(v[0]), mesh.position(v[1]), mesh.position(v[2])) >= mesh.limits().min_cross;
+        large = large &&
+                hmesh::cross(mesh.position(v[0]), mesh.position(v[1]), mesh.position(v[2])) >= mesh.limits().min_cross;
     }
     for (const Vertex v : mesh.topology().vertices()) {
         valence = std::max(valence, mesh.topology().valence(v));
-        for (int k = 0; k < C; ++k) in_range = in_range && mesh.color(v)[k] >= mesh.color_low() && mesh.color(v)[k] <= mesh.color_high();
+        for (int k = 0; k < C; ++k)
+            in_range = in_range && mesh.color(v)[k] >= mesh.color_low() && mesh.color(v)[k] <= mesh.color_high();
     }
     CHECK(large);
     CHECK(in_range);
@@ -104,7 +106,8 @@ TEST_CASE("pictures without error, images of a row, a column or a pixel, and flo
 TEST_CASE("the price steers the count to the target, from above and from below") {
     for (const std::size_t target : {90U, 121U, 150U}) {
         CAPTURE(target);
-        Subject<std::uint8_t, 3> subject(hmesh_test::scene<std::uint8_t, 3>(60, 52, 5), hmesh_test::jittered_grid(60, 52, 10, 10, 5));
+        Subject<std::uint8_t, 3> subject(hmesh_test::scene<std::uint8_t, 3>(60, 52, 5),
+                                         hmesh_test::jittered_grid(60, 52, 10, 10, 5));
         AnnealingOptions options;
         options.sweeps = 15;
         anneal(subject, target, options, 5);
@@ -115,7 +118,8 @@ TEST_CASE("the price steers the count to the target, from above and from below")
 
 TEST_CASE("the price rises while there are too many vertices and falls while there are too few") {
     const auto change_of_price = [](std::size_t target) {
-        Subject<std::uint8_t, 3> subject(hmesh_test::scene<std::uint8_t, 3>(60, 52, 5), hmesh_test::jittered_grid(60, 52, 10, 10, 5));
+        Subject<std::uint8_t, 3> subject(hmesh_test::scene<std::uint8_t, 3>(60, 52, 5),
+                                         hmesh_test::jittered_grid(60, 52, 10, 10, 5));
         Annealer<3> annealer(subject.mesh, target, {}, Random(5));
         const double before = annealer.price();
         annealer.sweep(0);
@@ -127,14 +131,17 @@ TEST_CASE("the price rises while there are too many vertices and falls while the
 
 TEST_CASE("without temperature no sweep raises energy plus price times vertices") {
     for (const std::uint64_t seed : {1U, 2U, 3U}) {
-        Subject<std::uint8_t, 3> subject(hmesh_test::scene<std::uint8_t, 3>(60, 52, seed), hmesh_test::jittered_grid(60, 52, 11, 10, seed));
+        Subject<std::uint8_t, 3> subject(hmesh_test::scene<std::uint8_t, 3>(60, 52, seed),
+                                         hmesh_test::jittered_grid(60, 52, 11, 10, seed));
         AnnealingOptions options;
         options.sweeps = 12;
         options.temperature = 0;
         Annealer<3> annealer(subject.mesh, subject.mesh.vertex_count(), options, Random(seed));
         for (int k = 0; k < options.sweeps; ++k) {
             const double price = annealer.price();
-            const auto total = [&] { return subject.mesh.energy() + price * static_cast<double>(subject.mesh.vertex_count()); };
+            const auto total = [&] {
+                return subject.mesh.energy() + price * static_cast<double>(subject.mesh.vertex_count());
+            };
             const double before = total();
             annealer.sweep(k);
             CHECK(total() <= before + hmesh_test::rounding(subject));
@@ -143,7 +150,8 @@ TEST_CASE("without temperature no sweep raises energy plus price times vertices"
 }
 
 TEST_CASE("annealing lowers the energy at the same number of vertices") {
-    Subject<std::uint8_t, 3> subject(hmesh_test::scene<std::uint8_t, 3>(60, 52, 6), hmesh_test::jittered_grid(60, 52, 10, 10, 6));
+    Subject<std::uint8_t, 3> subject(hmesh_test::scene<std::uint8_t, 3>(60, 52, 6),
+                                     hmesh_test::jittered_grid(60, 52, 10, 10, 6));
     for (int k = 0; k < 5; ++k) {  // what visits and flips alone can do
         hmesh::sweep(subject.mesh);
         hmesh::flip_edges(subject.mesh);
@@ -156,7 +164,8 @@ TEST_CASE("annealing lowers the energy at the same number of vertices") {
 
 TEST_CASE("a kind of move with probability 0 or screened off does not happen") {
     const auto totals_with = [](const AnnealingOptions& options) {
-        Subject<std::uint8_t, 1> subject(hmesh_test::scene<std::uint8_t, 1>(40, 36, 3), hmesh_test::jittered_grid(40, 36, 7, 7, 3));
+        Subject<std::uint8_t, 1> subject(hmesh_test::scene<std::uint8_t, 1>(40, 36, 3),
+                                         hmesh_test::jittered_grid(40, 36, 7, 7, 3));
         return anneal(subject, subject.mesh.vertex_count(), options, 3);
     };
     AnnealingOptions options;
@@ -179,7 +188,8 @@ TEST_CASE("a kind of move with probability 0 or screened off does not happen") {
 
 TEST_CASE("the same seed gives the same bytes, another seed another mesh") {
     const auto snapshot_of = [](std::uint64_t seed) {
-        Subject<std::uint8_t, 3> subject(hmesh_test::scene<std::uint8_t, 3>(40, 36, 3), hmesh_test::jittered_grid(40, 36, 7, 7, 3));
+        Subject<std::uint8_t, 3> subject(hmesh_test::scene<std::uint8_t, 3>(40, 36, 3),
+                                         hmesh_test::jittered_grid(40, 36, 7, 7, 3));
         AnnealingOptions options;
         options.sweeps = 4;
         anneal(subject, subject.mesh.vertex_count(), options, seed);

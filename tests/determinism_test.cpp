@@ -55,8 +55,10 @@ void check_repeatable(const Image<T, C>& image, Target target, Effort effort) {
     { const std::vector<double> dirt(100000, 12345.678); CHECK(dirt.back() > 0); }
     CHECK(hmesh_test::same_bytes(mesh_image(copy.view(), options), first));
     CHECK(hmesh_test::same_bytes(mesh_image(image.view(), options, hmesh_test::ReverseFor{}), first));
-    for (const std::uint64_t seed : {1U, 2U}) CHECK(hmesh_test::same_bytes(mesh_image(image.view(), options, hmesh_test::ShuffledFor{seed}), first));
-    for (const unsigned threads : {2U, 7U}) CHECK(hmesh_test::same_bytes(mesh_image(image.view(), options, ThreadFor{threads}), first));
+    for (const std::uint64_t seed : {1U, 2U})
+        CHECK(hmesh_test::same_bytes(mesh_image(image.view(), options, hmesh_test::ShuffledFor{seed}), first));
+    for (const unsigned threads : {2U, 7U})
+        CHECK(hmesh_test::same_bytes(mesh_image(image.view(), options, ThreadFor{threads}), first));
 }
 
 }  // namespace
@@ -101,7 +103,8 @@ TEST_CASE("every index of a stage is handed out once") {
     bool once = true;
     Options options;
     options.target = Target::vertices(100);
-    CHECK(hmesh_test::same_bytes(mesh_image(image.view(), options, Counting{&once}), mesh_image(image.view(), options)));
+    CHECK(
+        hmesh_test::same_bytes(mesh_image(image.view(), options, Counting{&once}), mesh_image(image.view(), options)));
     CHECK(once);
 }
 
@@ -111,11 +114,13 @@ TEST_CASE("another seed gives another mesh of like PSNR") {
     options.target = Target::vertices(400);
     double least = 1e9, most = 0;
     std::vector<hmesh::Result<3>> results;
-    for (const std::uint64_t seed : {std::uint64_t{0}, std::uint64_t{1}, std::uint64_t{2}, std::uint64_t{3}, ~std::uint64_t{0}}) {
+    for (const std::uint64_t seed :
+         {std::uint64_t{0}, std::uint64_t{1}, std::uint64_t{2}, std::uint64_t{3}, ~std::uint64_t{0}}) {
         options.seed = seed;
         results.push_back(mesh_image(image.view(), options));
         hmesh_test::prove_result(image, results.back(), 400);
-        for (std::size_t k = 0; k + 1 < results.size(); ++k) CHECK_FALSE(hmesh_test::same_bytes(results[k].mesh, results.back().mesh));
+        for (std::size_t k = 0; k + 1 < results.size(); ++k)
+            CHECK_FALSE(hmesh_test::same_bytes(results[k].mesh, results.back().mesh));
         least = std::min(least, results.back().report.psnr);
         most = std::max(most, results.back().report.psnr);
     }

@@ -87,7 +87,8 @@ TEST_CASE("drawn at three times the size, the middles of its pixels are those of
     float most = 0;
     for (int y = 0; y < 80; ++y)
         for (int x = 0; x < 96; ++x)
-            for (int c = 0; c < 3; ++c) most = std::max(most, std::abs(once.pixel(x, y)[c] - thrice.pixel(3 * x + 1, 3 * y + 1)[c]));
+            for (int c = 0; c < 3; ++c)
+                most = std::max(most, std::abs(once.pixel(x, y)[c] - thrice.pixel(3 * x + 1, 3 * y + 1)[c]));
     CHECK(most < 0.01F);
 }
 
@@ -108,7 +109,8 @@ TEST_CASE("a mesh goes into a PLY file as it is") {
     CHECK(file.size() == body + 60 * 15 + result.report.faces * 13);
     for (std::size_t v = 0; v < 60; ++v)
         for (std::size_t c = 0; c < 3; ++c)
-            CHECK(static_cast<float>(static_cast<unsigned char>(file[body + 15 * v + 12 + c])) == result.mesh.colors[3 * v + c]);
+            CHECK(static_cast<float>(static_cast<unsigned char>(file[body + 15 * v + 12 + c])) ==
+                  result.mesh.colors[3 * v + c]);
 }
 
 TEST_CASE("a mirrored, turned or inverted picture is meshed about as well") {
@@ -123,7 +125,8 @@ TEST_CASE("a mirrored, turned or inverted picture is meshed about as well") {
                 inverted.pixel(x, y)[c] = static_cast<std::uint8_t>(255 - sample);
             }
     const double psnr = mesh_of(image, 160, Effort::normal).report.psnr;
-    for (const auto* other : {&mirrored, &turned, &inverted}) CHECK(std::abs(mesh_of(*other, 160, Effort::normal).report.psnr - psnr) < 1);
+    for (const auto* other : {&mirrored, &turned, &inverted})
+        CHECK(std::abs(mesh_of(*other, 160, Effort::normal).report.psnr - psnr) < 1);
 }
 
 TEST_CASE("a sharp edge is met by the mesh: two colours cost few vertices") {

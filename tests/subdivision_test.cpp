@@ -77,7 +77,8 @@ TEST_CASE("wide gaps to the border leave room for one vertex a pixel") {
 }
 
 TEST_CASE("the count inserted is told, also when no face has room for more") {
-    Subject<std::uint8_t, 1> subject(hmesh_test::noise<std::uint8_t, 1>(5, 4, 1), hmesh_test::jittered_grid(5, 4, 2, 2, 1));
+    Subject<std::uint8_t, 1> subject(hmesh_test::noise<std::uint8_t, 1>(5, 4, 1),
+                                     hmesh_test::jittered_grid(5, 4, 2, 2, 1));
     CHECK(subdivide(subject.mesh, 0) == 0);
     CHECK(subject.mesh.vertex_count() == 9);
     CHECK(subdivide(subject.mesh, 3) == 3);
@@ -112,7 +113,8 @@ TEST_CASE("the largest faces go first") {
     double largest = 0;
     for (const Face f : subject.mesh.topology().faces()) {
         const auto v = subject.mesh.topology().vertices(f);
-        const double twice = hmesh::cross(subject.mesh.position(v[0]), subject.mesh.position(v[1]), subject.mesh.position(v[2]));
+        const double twice =
+            hmesh::cross(subject.mesh.position(v[0]), subject.mesh.position(v[1]), subject.mesh.position(v[2]));
         largest = std::max(largest, twice);
         if (twice == 64) ++fine;
     }
@@ -127,7 +129,8 @@ TEST_CASE("a large face whose corners have all the neighbours they can take is p
     hmesh_test::Triangulation fan;
     fan.positions.push_back({32, 32});
     for (const hmesh::Point p : {hmesh::Point{0, 0}, {64, 0}, {64, 64}, {0, 64}}) fan.positions.push_back(p);
-    for (int k = 1; k <= hmesh::max_valence - 4; ++k) fan.positions.push_back({0, hmesh::snap(64 - 64.0 * k / (hmesh::max_valence - 3))});
+    for (int k = 1; k <= hmesh::max_valence - 4; ++k)
+        fan.positions.push_back({0, hmesh::snap(64 - 64.0 * k / (hmesh::max_valence - 3))});
     for (std::uint32_t k = 1; k <= hmesh::max_valence; ++k) fan.triangles.push_back({0, k, k % hmesh::max_valence + 1});
     Subject<std::uint8_t, 1> subject(hmesh_test::constant_image<std::uint8_t, 1>(64, 64, 0.5), fan);
     REQUIRE(most_neighbours(subject.mesh) == hmesh::max_valence);

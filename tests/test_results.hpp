@@ -1,7 +1,7 @@
 // hmesh tests - what every result of mesh_image must be, told without the library's geometry, moments or energies.
 //
-// flaw_of() works in whole numbers of 1/256 px, so that areas and the top-left rule are exact; drawn_energy() compares the
-// image with the drawn mesh, pixel by pixel.
+// flaw_of() works in whole numbers of 1/256 px, so that areas and the top-left rule are exact; drawn_energy() compares
+// the image with the drawn mesh, pixel by pixel.
 #ifndef HMESH_TESTS_TEST_RESULTS_HPP
 #define HMESH_TESTS_TEST_RESULTS_HPP
 
@@ -48,8 +48,10 @@ inline std::string flaw_of(const hmesh::MeshView& mesh, int width, int height) {
     std::vector<GridPoint> at(mesh.vertex_count);
     std::size_t corners = 0;
     for (std::size_t v = 0; v < at.size(); ++v) {
-        const double x = 256 * static_cast<double>(mesh.positions[2 * v]), y = 256 * static_cast<double>(mesh.positions[2 * v + 1]);
-        if (!(x >= 0 && x <= static_cast<double>(right) && y >= 0 && y <= static_cast<double>(bottom))) return "a vertex lies outside";
+        const double x = 256 * static_cast<double>(mesh.positions[2 * v]),
+                     y = 256 * static_cast<double>(mesh.positions[2 * v + 1]);
+        if (!(x >= 0 && x <= static_cast<double>(right) && y >= 0 && y <= static_cast<double>(bottom)))
+            return "a vertex lies outside";
         if (std::floor(x) != x || std::floor(y) != y) return "a vertex is off the grid of 1/256 px";
         at[v] = {static_cast<std::int64_t>(x), static_cast<std::int64_t>(y)};
         corners += (at[v].x == 0 || at[v].x == right) && (at[v].y == 0 || at[v].y == bottom) ? 1 : 0;
@@ -84,7 +86,8 @@ inline std::string flaw_of(const hmesh::MeshView& mesh, int width, int height) {
             }
     }
     if (twice_area != 2 * right * bottom) return "the faces' areas do not add up to the image's";
-    if (std::count(owners.begin(), owners.end(), 1) != static_cast<std::ptrdiff_t>(owners.size())) return "a pixel is not in exactly one face";
+    if (std::count(owners.begin(), owners.end(), 1) != static_cast<std::ptrdiff_t>(owners.size()))
+        return "a pixel is not in exactly one face";
     if (std::count(used.begin(), used.end(), 0) != 0) return "a vertex is in no face";
 
     // Each side once in its direction; what has no counterpart must run along the image's border.
@@ -144,7 +147,8 @@ void prove_report(const hmesh::Image<T, C>& image, const hmesh::Result<C>& resul
     CHECK(result.mesh.colors.size() == C * result.mesh.vertex_count());
     bool in_range = true, whole = true;
     for (const float color : result.mesh.colors) {
-        in_range = in_range && static_cast<double>(color) >= Traits::lowest && static_cast<double>(color) <= Traits::highest;
+        in_range =
+            in_range && static_cast<double>(color) >= Traits::lowest && static_cast<double>(color) <= Traits::highest;
         whole = whole && std::floor(color) == color;
     }
     CHECK(in_range);
@@ -155,13 +159,16 @@ void prove_report(const hmesh::Image<T, C>& image, const hmesh::Result<C>& resul
     CHECK(std::abs(report.energy - energy) <= 2.3e-4 * energy + energy_rounding(image));  // 1e-3 dB
     const double samples = static_cast<double>(image.samples().size());
     if (!(report.energy > 0)) CHECK(report.psnr == std::numeric_limits<double>::infinity());
-    else CHECK(report.psnr == doctest::Approx(10 * std::log10(Traits::peak * Traits::peak * samples / report.energy)).epsilon(1e-12));
+    else
+        CHECK(report.psnr ==
+              doctest::Approx(10 * std::log10(Traits::peak * Traits::peak * samples / report.energy)).epsilon(1e-12));
     CHECK(!report.stages.empty());
 }
 
 // The same for a result that has all that was asked for.
 template <class T, int C>
-void prove_result(const hmesh::Image<T, C>& image, const hmesh::Result<C>& result, std::size_t vertices, bool round_colors = true) {
+void prove_result(const hmesh::Image<T, C>& image, const hmesh::Result<C>& result, std::size_t vertices,
+                  bool round_colors = true) {
     CHECK_MESSAGE(result.status.code == hmesh::Errc::ok, result.status.what);
     CHECK(result.report.vertices == vertices);
     prove_report(image, result, round_colors);
@@ -187,7 +194,8 @@ inline bool same_bytes(const hmesh::Report& a, const hmesh::Report& b) {
                 number(a.psnr) == number(b.psnr) && a.stages.size() == b.stages.size();
     for (std::size_t k = 0; same && k < a.stages.size(); ++k)
         same = std::strcmp(a.stages[k].name, b.stages[k].name) == 0 && a.stages[k].vertices == b.stages[k].vertices &&
-               number(a.stages[k].energy) == number(b.stages[k].energy) && number(a.stages[k].psnr) == number(b.stages[k].psnr);
+               number(a.stages[k].energy) == number(b.stages[k].energy) &&
+               number(a.stages[k].psnr) == number(b.stages[k].psnr);
     return same;
 }
 
