@@ -83,14 +83,20 @@ struct [[nodiscard]] Result {
 
 namespace detail {
 
+// The integer nearest to a number that may be none: 0 for NaN, the ends for infinities.
+[[nodiscard]] inline std::int64_t nearest_integer(double value) noexcept {
+    if (!(value == value)) return 0;
+    return static_cast<std::int64_t>(std::max(-9e18, std::min(9e18, value)));
+}
+
 [[nodiscard]] inline Status check_options(const Options& options, std::int64_t pixels) noexcept {
     const Target& target = options.target;
     const std::int64_t most = std::max<std::int64_t>(4, pixels);
     if (target.kind == Target::Kind::vertices) {
         if (!(target.value >= 4))
-            return {Errc::target_out_of_range, "a mesh has at least 4 vertices", static_cast<std::int64_t>(target.value), 4};
+            return {Errc::target_out_of_range, "a mesh has at least 4 vertices", nearest_integer(target.value), 4};
         if (target.value > static_cast<double>(most))
-            return {Errc::target_out_of_range, "a mesh has at most one vertex a pixel", static_cast<std::int64_t>(target.value), most};
+            return {Errc::target_out_of_range, "a mesh has at most one vertex a pixel", nearest_integer(target.value), most};
     } else if (target.kind == Target::Kind::rate) {
         if (!(target.value > 0 && target.value <= 100))
             return {Errc::target_out_of_range, "the rate must be above 0 and at most 100 percent of the pixels", 0, 100};
@@ -187,6 +193,7 @@ template <class T, int C, class ParallelFor = SerialFor>
         case Target::Kind::rate: return mesh_of(share(options.target.value));
         case Target::Kind::psnr: return fewest_vertices(options.target.value, share(1), most, mesh_of);
     }
+    result.status = {Errc::invalid_argument, "the target is of no known kind", static_cast<std::int64_t>(options.target.kind), 0};
     return result;
 }
 
