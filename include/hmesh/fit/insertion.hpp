@@ -3,7 +3,7 @@
 // A candidate splits an edge at its midpoint or a face at its centroid; its gain is exact for the colour that fits best
 // there (and, when asked, after one Gauss-Newton step), all other vertices held. Inserting a batch of the best that touch
 // no common face and optimising in between is nearly as good as one at a time, and far faster. A candidate costs 3 or 4
-// short walks, about 0.4 us.
+// short walks, about 0.2 us.
 #ifndef HMESH_FIT_INSERTION_HPP
 #define HMESH_FIT_INSERTION_HPP
 

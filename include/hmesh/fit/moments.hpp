@@ -89,7 +89,7 @@ HMESH_ALWAYS_INLINE void walk(const MomentTable<C>& table, Point a, Point b, dou
 
 // The moments of the pixels left of the edge from a to b, positive where it runs down (to larger y), negative where it
 // runs up: edge_moments(a, b) = -edge_moments(b, a), and the sum over the edges of a polygon of positive orientation is
-// the moments of its pixels. Points lie in [0, width] x [0, height] of the table. Cost: about 2.5 ns a row crossed.
+// the moments of its pixels. Points lie in [0, width] x [0, height] of the table. Cost: some 4 ns a row crossed.
 template <int C>
 HMESH_ALWAYS_INLINE void edge_moments(const MomentTable<C>& table, Point a, Point b, Moments<C>& m) {
     double sign = 1;

@@ -3,7 +3,7 @@
 // One visit: the vertex's colour goes to its optimum, and one Gauss-Newton step with the colour eliminated is tried; it
 // stays if the exact energy of the ring falls. Gauss-Seidel over such visits beats a joint Levenberg-Marquardt step by
 // far (the normal equations are mass-like, so there is no long-range coupling to profit from). A visit walks each spoke
-// once and evaluates the ring twice, some 0.5 us.
+// once and evaluates the ring twice, some 0.6 us.
 #ifndef HMESH_FIT_VERTICES_HPP
 #define HMESH_FIT_VERTICES_HPP
 

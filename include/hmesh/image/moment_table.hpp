@@ -9,7 +9,7 @@
 //
 // Sums of 8-bit samples are 32-bit integers as long as they fit (rectangles up to about 4,000 px wide); all others are
 // doubles, exact for 16-bit samples too. Cost: 2 * lanes_for(C + 1) numbers a pixel, that is 32 bytes for 8-bit RGB, and
-// about 2 ns a pixel to build. Entries of one column strip of 2 pixels are contiguous down the rows, because walks run
+// about 5 ns a pixel to build. Entries of one column strip of 2 pixels are contiguous down the rows, because walks run
 // down edges: this keeps them in few cache lines and pages.
 #ifndef HMESH_IMAGE_MOMENT_TABLE_HPP
 #define HMESH_IMAGE_MOMENT_TABLE_HPP
