@@ -23,9 +23,9 @@
 #include "hmesh/core/progress.hpp"
 #include "hmesh/core/status.hpp"
 #include "hmesh/fit/colors.hpp"
-#include "hmesh/fit/image_mesh.hpp"
+#include "hmesh/fit/patchwork.hpp"
+#include "hmesh/image/image_source.hpp"
 #include "hmesh/image/image_view.hpp"
-#include "hmesh/image/moment_table.hpp"
 #include "hmesh/mesh/mesh_view.hpp"
 #include "hmesh/methods/annealed.hpp"
 #include "hmesh/methods/psnr_search.hpp"
@@ -57,6 +57,7 @@ struct Options {
     std::uint64_t seed = 1;  // of methods that draw random numbers
     Progress progress;
     MeshLimits limits;
+    int tile = 256;               // px: images larger than one and a half tiles are meshed in tiles of about this size
     // In place of what `effort` means: start from annealed_options(effort) and change what you like. Its seed is ignored.
     std::optional<AnnealedOptions> annealed;
     // Round colours to the pixel type's values, so that a file with such colours holds the very mesh that was measured.
@@ -112,55 +113,52 @@ namespace detail {
         return {Errc::invalid_argument, "limits.color_overshoot must be in [0, 100]", 0, 100};
     if (!(limits.ridge >= 1e-9 && limits.ridge <= 1))
         return {Errc::invalid_argument, "limits.ridge must be in [1e-9, 1] pixels", 0, 1};
+    if (options.tile < 64 || options.tile > max_side)
+        return {Errc::invalid_argument, "the tile must be 64 to 65536 px", options.tile, options.tile < 64 ? 64 : max_side};
     if (options.annealed) return check(*options.annealed);
     return {};
 }
 
-// The mesh as plain arrays, vertices and faces in the order of their indices.
+// The mesh as plain arrays.
 template <int C>
-[[nodiscard]] Mesh<C> extract(const ImageMesh<C>& mesh, double peak) {
-    const HalfedgeMesh& topology = mesh.topology();
+[[nodiscard]] Mesh<C> extract(const WholeMesh<C>& whole, double peak) {
     Mesh<C> out;
-    out.width = mesh.width();
-    out.height = mesh.height();
+    out.width = whole.width;
+    out.height = whole.height;
     out.peak = peak;
-    out.positions.reserve(2 * topology.vertex_count());
-    out.colors.reserve(C * topology.vertex_count());
-    out.faces.reserve(topology.face_count());
-    std::vector<std::uint32_t> number(topology.vertex_slots(), 0);
-    for (const Vertex v : topology.vertices()) {
-        number[v.index()] = static_cast<std::uint32_t>(out.vertex_count());
-        out.positions.push_back(static_cast<float>(mesh.position(v).x));
-        out.positions.push_back(static_cast<float>(mesh.position(v).y));
-        for (int c = 0; c < C; ++c) out.colors.push_back(static_cast<float>(mesh.color(v)[c]));
+    out.positions.reserve(2 * whole.vertex_count());
+    out.colors.reserve(C * whole.vertex_count());
+    for (std::size_t i = 0; i < whole.vertex_count(); ++i) {
+        out.positions.push_back(static_cast<float>(whole.positions[i].x));
+        out.positions.push_back(static_cast<float>(whole.positions[i].y));
+        for (int c = 0; c < C; ++c) out.colors.push_back(static_cast<float>(whole.colors[i][c]));
     }
-    for (const Face f : topology.faces()) {
-        const auto v = topology.vertices(f);
-        out.faces.push_back({number[v[0].index()], number[v[1].index()], number[v[2].index()]});
-    }
+    out.faces = whole.triangles;
     return out;
 }
 
-// One mesh of n vertices over a table, finished.
+// One mesh of n vertices, finished.
 template <class T, int C, class ParallelFor>
-[[nodiscard]] Result<C> mesh_with(const MomentTable<C>& table, std::size_t n, const Options& options, const ParallelFor& parallel_for) {
+[[nodiscard]] Result<C> mesh_with(const ImageSource<C>& source, std::size_t n, const Options& options, const ParallelFor& parallel_for) {
     using Traits = PixelTraits<T>;
-    const double samples = static_cast<double>(table.width()) * table.height() * C;
+    const double samples = source.pixels() * C;
     Monitor monitor(options.progress, samples, Traits::peak);
-    ImageMesh<C> mesh(table, Traits::lowest, Traits::highest, options.limits);
+    Patchwork<C, ParallelFor> work(source, options.limits, monitor, parallel_for);
     Result<C> result;
     AnnealedOptions recipe = options.annealed.value_or(annealed_options(options.effort));
     recipe.seed = options.seed;
-    result.status = annealed(mesh, n, recipe, monitor, parallel_for);
-    monitor.begin("colors", mesh.vertex_count(), mesh.energy());
+    result.status = annealed(work, n, recipe, options.tile);
+    const WholeMesh<C>& whole = work.whole();
+    monitor.begin("colors", whole.vertex_count(), whole.energy);
     const double grid = Traits::is_integer && options.round_colors ? 1 : 0;
-    bounded_colors(mesh, Traits::lowest, Traits::highest, grid, parallel_for);
-    monitor.end(mesh.vertex_count(), mesh.energy());
+    const Tiling tiling(source.width(), source.height(), tile_size(source.width(), source.height(), n, options.tile));
+    bounded_colors(work, tiling, Traits::lowest, Traits::highest, grid);
+    monitor.end(whole.vertex_count(), whole.energy);
     if (result.status && monitor.stopped()) result.status = {Errc::cancelled, "cancelled by the progress callback", 0, 0};
-    result.mesh = extract(mesh, Traits::peak);
-    const double energy = std::max(0.0, mesh.energy());  // rounding may leave less than nothing
-    result.report = {mesh.vertex_count(), mesh.topology().face_count(), energy,
-                     psnr_of_energy(energy, samples, Traits::peak), monitor.stages()};
+    result.mesh = extract(whole, Traits::peak);
+    const double energy = std::max(0.0, whole.energy);  // rounding may leave less than nothing
+    result.report = {whole.vertex_count(), whole.triangles.size(), energy, psnr_of_energy(energy, samples, Traits::peak),
+                     monitor.stages()};
     return result;
 }
 
@@ -181,10 +179,10 @@ template <class T, int C, class ParallelFor = SerialFor>
     if (result.status) result.status = check_finite(view, parallel_for);
     if (!result.status) return result;
 
-    const MomentTable<C> table(view, view.bounds(), parallel_for);
+    const ImageSource<C> source(view);
     const auto pixels = static_cast<std::size_t>(view.width) * static_cast<std::size_t>(view.height);
     const std::size_t most = std::max<std::size_t>(4, pixels);
-    const auto mesh_of = [&](std::size_t n) { return detail::mesh_with<T>(table, n, options, parallel_for); };
+    const auto mesh_of = [&](std::size_t n) { return detail::mesh_with<T>(source, n, options, parallel_for); };
     const auto share = [&](double percent) {
         return std::min(most, std::max<std::size_t>(4, static_cast<std::size_t>(std::llround(static_cast<double>(pixels) * percent / 100))));
     };

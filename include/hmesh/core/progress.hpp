@@ -3,8 +3,10 @@
 #define HMESH_CORE_PROGRESS_HPP
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <cstddef>
+#include <cstdint>
 #include <limits>
 #include <vector>
 
@@ -18,8 +20,9 @@ struct StageInfo {
     double energy = 0;  // sum of squared differences over pixels and channels; 0 before there is a mesh
 };
 
-// A callback and the pointer handed to it. Called on the calling thread, at least with fraction 0 when a stage begins and
-// 1 when it ends. Returning false cancels: the last valid mesh comes back with Errc::cancelled.
+// A callback and the pointer handed to it. Called with fraction 0 when a stage begins, 1 when it ends, and every few
+// milliseconds of work in between, from the threads that do the work but never from two at a time (calls are ordered as
+// by a lock). Returning false cancels: the last valid mesh comes back with Errc::cancelled.
 struct Progress {
     bool (*call)(void* user, const StageInfo& info) = nullptr;
     void* user = nullptr;
@@ -45,31 +48,80 @@ class Monitor {
     // `samples`: pixels times channels.
     Monitor(const Progress& progress, double samples, double peak) : progress_(progress), samples_(samples), peak_(peak) {}
 
-    // Each returns whether to go on; once told to stop it stays so.
+    // Each returns whether to go on; once told to stop it stays so. These four are called between pieces of work.
     bool begin(const char* stage, std::size_t vertices, double energy) {
-        stage_ = stage;
+        info_.stage = stage;
         return update(0, vertices, energy);
     }
     bool update(double fraction, std::size_t vertices, double energy) {
-        if (stopped_) return false;
-        const StageInfo info{stage_, std::max(0.0, std::min(1.0, fraction)), vertices, energy};
-        if (progress_.call != nullptr && !progress_.call(progress_.user, info)) stopped_ = true;
-        return !stopped_;
+        expect(fraction, fraction);
+        info_.vertices = vertices;
+        info_.energy = energy;
+        return poll();
+    }
+    // The pieces of work that come next take the stage from fraction `from` to `to`.
+    void expect(double from, double to) noexcept {
+        from_ = std::max(0.0, std::min(1.0, from));
+        to_ = std::max(0.0, std::min(1.0, to));
+        done_ = 0;
     }
     bool end(std::size_t vertices, double energy) {
         energy = std::max(0.0, energy);  // rounding may leave less than nothing
-        stages_.push_back({stage_, vertices, energy, psnr_of_energy(energy, samples_, peak_)});
+        stages_.push_back({info_.stage, vertices, energy, psnr_of_energy(energy, samples_, peak_)});
         return update(1, vertices, energy);
     }
-    [[nodiscard]] bool stopped() const noexcept { return stopped_; }
     [[nodiscard]] const std::vector<StageReport>& stages() const noexcept { return stages_; }
 
+    // From any thread: whether to go on, asking the callback unless another thread is doing so.
+    bool poll() {
+        if (stopped_.load(std::memory_order_relaxed)) return false;
+        if (progress_.call == nullptr || asking_.test_and_set(std::memory_order_acquire)) return true;
+        StageInfo info = info_;
+        info.fraction = from_ + (to_ - from_) * std::min(1.0, static_cast<double>(done_.load()) / whole);
+        const bool go_on = stopped_.load() || progress_.call(progress_.user, info);
+        if (!go_on) stopped_.store(true);
+        asking_.clear(std::memory_order_release);
+        return !stopped_.load();
+    }
+    // From any thread: this share of the pieces expected is done.
+    void add(double share) noexcept { done_ += static_cast<std::int64_t>(share * whole); }
+    [[nodiscard]] bool stopped() const noexcept { return stopped_.load(); }
+
   private:
+    static constexpr double whole = 1e15;  // of done_: a sum of integers is the same in any order
     Progress progress_;
     double samples_, peak_;
-    const char* stage_ = "";
-    bool stopped_ = false;
+    StageInfo info_;
+    double from_ = 0, to_ = 0;
+    std::atomic<std::int64_t> done_{0};
+    std::atomic<bool> stopped_{false};
+    std::atomic_flag asking_ = ATOMIC_FLAG_INIT;
     std::vector<StageReport> stages_;
+};
+
+// One piece of work among those that run at once, as a Monitor sees it. Work beats it every few microseconds.
+class Pulse {
+  public:
+    // A piece that is `share` in [0, 1] of what the monitor expects.
+    Pulse(Monitor& monitor, double share) noexcept : monitor_(&monitor), share_(share) {}
+    Pulse(const Pulse&) = delete;
+    Pulse& operator=(const Pulse&) = delete;
+    ~Pulse() { reach(1); }
+
+    // Whether to go on. Every 256th call asks the callback, which is every few milliseconds.
+    bool beat() { return (++beats_ & 255U) != 0 ? !monitor_->stopped() : monitor_->poll(); }
+    // This fraction of the piece is done. Never falls.
+    void reach(double fraction) noexcept {
+        if (!(fraction > reached_)) return;
+        monitor_->add(share_ * (std::min(1.0, fraction) - reached_));
+        reached_ = std::min(1.0, fraction);
+    }
+    [[nodiscard]] bool stopped() const noexcept { return monitor_->stopped(); }
+
+  private:
+    Monitor* monitor_;
+    double share_, reached_ = 0;
+    unsigned beats_ = 0;
 };
 
 }  // namespace hmesh

@@ -4,7 +4,7 @@
 // vertices flow from where they are worth little to where they are worth much. Four kinds of move - remove, insert, flip,
 // jump - are each a transaction: do it, relax the surroundings, read the exact energy, then accept by Metropolis' rule at
 // temperature T or roll back to the last byte. Between sweeps the price is steered to the vertex target and T falls to 0.
-// A sweep costs about 12 us a vertex for 3 channels.
+// Patches of one mesh share the price, so vertices flow between them too. A sweep costs about 12 us a vertex for 3 channels.
 #ifndef HMESH_FIT_ANNEALING_HPP
 #define HMESH_FIT_ANNEALING_HPP
 
@@ -36,7 +36,7 @@ struct AnnealingOptions {
     double insertion_screen = 0.2;  // insertions that gain less than this many mu before relaxing are not tried
     double flip_screen = 1;      // flips that cost more than this many mu before relaxing are not tried
     double start_price = 0.27;   // mu at the start, in mean energies of a vertex
-    double band = 0.04;          // moves of one kind pause when the count is this far off the target
+    double band = 0.5;           // a sweep changes the number of vertices by at most this share
 };
 
 // What a sweep did.
@@ -44,31 +44,57 @@ struct AnnealingCounts {
     std::size_t removed = 0, inserted = 0, flipped = 0, jumped = 0;
 };
 
-template <int C>
-class Annealer {
+// What all patches of a mesh share: the price of a vertex, steered between sweeps, and the temperature.
+class AnnealingSchedule {
   public:
-    // Of a mesh to be steered to `target` vertices. The mesh outlives the annealer.
-    Annealer(ImageMesh<C>& mesh, std::size_t target, const AnnealingOptions& options, const Random& random)
-        : mesh_(&mesh), target_(static_cast<double>(target)), options_(options), random_(random),
-          price_(options.start_price * mesh.mean_energy()) {}
+    // Toward `target` vertices, from a mesh with this mean energy of a vertex.
+    AnnealingSchedule(const AnnealingOptions& options, std::size_t target, double mean_energy) noexcept
+        : options_(options), target_(static_cast<double>(target)), price_(options.start_price * mean_energy) {}
 
     [[nodiscard]] double price() const noexcept { return price_; }
+    [[nodiscard]] double temperature(int sweep) const noexcept {
+        return options_.temperature * std::pow(1 - static_cast<double>(sweep) / options_.sweeps, options_.cooling) * price_;
+    }
+    // After a sweep: the price rises with the surplus of vertices and with its rate of growth. Weaker gains lose 0.04 to
+    // 0.08 dB.
+    void steer(const AnnealingCounts& counts, std::size_t vertices, double mean_energy) noexcept {
+        const double deviation = (static_cast<double>(vertices) - target_) / target_;
+        const double rate = (static_cast<double>(counts.inserted) - static_cast<double>(counts.removed)) / target_;
+        price_ *= std::exp(std::max(-0.2, std::min(0.2, 3 * deviation + 2 * rate)));
+        price_ = std::max(0.15 * mean_energy, std::min(4 * mean_energy, price_));
+    }
 
-    // Sweep number `index` of options.sweeps.
-    AnnealingCounts sweep(int index) {
-        const double t = static_cast<double>(index) / options_.sweeps;
-        temperature_ = options_.temperature * std::pow(1 - t, options_.cooling) * price_;
-        relaxation_.least = 5e-3 * price_ / mesh_->mean_energy();
+  private:
+    AnnealingOptions options_;
+    double target_, price_;
+};
+
+// How many vertices a sweep may leave.
+struct CountRange {
+    double least = 0, most = 0;
+};
+
+// One sweep over a mesh or a patch.
+template <int C>
+class AnnealingSweep {
+  public:
+    // At this price and temperature, in units of energy. The mesh outlives the object.
+    AnnealingSweep(ImageMesh<C>& mesh, const AnnealingOptions& options, double price, double temperature,
+                   const CountRange& range, const Random& random)
+        : mesh_(&mesh), options_(options), price_(price), temperature_(temperature), least_(5e-3 * price), range_(range),
+          random_(random) {}
+
+    AnnealingCounts run() {
         AnnealingCounts counts;
         counts.removed = remove_moves();
         counts.inserted = insert_moves();
         counts.flipped = flip_moves();
         counts.jumped = jump_moves();
-        const Tolerance tolerance{1e-3, relaxation_.least};
-        hmesh::sweep(*mesh_, tolerance);
+        const double mean = mesh_->mean_energy();
+        const Tolerance tolerance{1e-3, mean > 0 ? least_ / mean : 0};
+        sweep(*mesh_, tolerance);
         flip_edges(*mesh_);
-        hmesh::sweep(*mesh_, tolerance);
-        steer(counts);
+        sweep(*mesh_, tolerance);
         return counts;
     }
 
@@ -92,7 +118,7 @@ class Annealer {
     std::size_t remove_moves() {
         std::size_t removed = 0;
         for (const Vertex v : rotated(spatial_vertices(*mesh_))) {
-            if (static_cast<double>(mesh_->vertex_count()) < (1 - options_.band) * target_) break;
+            if (static_cast<double>(mesh_->vertex_count()) < range_.least || !mesh_->beat()) break;
             if (random_.uniform() > options_.exchange) continue;
             const CollapseCandidate candidate = cheapest_collapse(*mesh_, work_, v);
             if (!candidate.halfedge.is_valid() || !(candidate.cost <= options_.removal_screen * price_ + 3 * temperature_)) continue;
@@ -100,7 +126,7 @@ class Annealer {
             const double before = mesh_->energy();
             collect(v);
             mesh_->collapse(candidate.halfedge);
-            relax(*mesh_, around_, relaxation_);
+            relax(*mesh_, around_, 2, least_);
             removed += decide(mark, mesh_->energy() - before - price_) ? 1 : 0;
         }
         return removed;
@@ -110,7 +136,7 @@ class Annealer {
         std::size_t inserted = 0;
         const double least = options_.insertion_screen * price_;
         for (const InsertionSite site : rotated(insertion_sites(*mesh_, true))) {
-            if (static_cast<double>(mesh_->vertex_count()) > (1 + options_.band) * target_) break;
+            if (static_cast<double>(mesh_->vertex_count()) > range_.most || !mesh_->beat()) break;
             if (random_.uniform() > options_.exchange) continue;
             if (site.is_edge() ? topology().is_deleted(site.edge()) : topology().is_deleted(site.face())) continue;
             if (!(most_gain(*mesh_, site) > least)) continue;
@@ -121,7 +147,7 @@ class Annealer {
             const Vertex v = insert(*mesh_, candidate);
             collect(v);
             around_.push_back(v);
-            relax(*mesh_, around_, relaxation_);
+            relax(*mesh_, around_, 2, least_);
             inserted += decide(mark, mesh_->energy() - before + price_) ? 1 : 0;
         }
         return inserted;
@@ -136,6 +162,7 @@ class Annealer {
         }
         std::size_t flipped = 0;
         for (const Edge e : edges) {
+            if (!mesh_->beat()) break;
             if (!is_convex(*mesh_, e)) continue;
             FlipTrial<C> trial;
             try_flip(*mesh_, e, trial);
@@ -147,7 +174,7 @@ class Annealer {
             const double before = mesh_->energy();
             mesh_->flip(e, trial.moments, trial.own, trial.opposite);
             for (int round = 0; round < 2; ++round)
-                for (const Vertex v : around_) improve_vertex(*mesh_, v, relaxation_.least * mesh_->mean_energy());
+                for (const Vertex v : around_) improve_vertex(*mesh_, v, least_);
             flipped += decide(mark, mesh_->energy() - before + 1e-4 * price_) ? 1 : 0;
         }
         return flipped;
@@ -156,6 +183,7 @@ class Annealer {
     std::size_t jump_moves() {
         std::size_t jumped = 0;
         for (const Vertex v : spatial_vertices(*mesh_)) {
+            if (!mesh_->beat()) break;
             const VertexState<C> state = mesh_->vertex(v);
             if (state.mobility != Mobility::free || random_.uniform() > options_.jump) continue;
             mesh_->gather(v, work_.ring, work_.spokes);
@@ -176,18 +204,10 @@ class Annealer {
             collect(v);
             around_.insert(around_.begin(), v);
             mesh_->place(v, target, state.color);
-            relax(*mesh_, around_, relaxation_);
+            relax(*mesh_, around_, 2, least_);
             jumped += decide(mark, mesh_->energy() - before + 1e-3 * price_) ? 1 : 0;
         }
         return jumped;
-    }
-
-    // The price rises with the surplus of vertices and with its rate of growth. Weaker gains lose 0.04 to 0.08 dB.
-    void steer(const AnnealingCounts& counts) {
-        const double deviation = (static_cast<double>(mesh_->vertex_count()) - target_) / target_;
-        const double rate = (static_cast<double>(counts.inserted) - static_cast<double>(counts.removed)) / target_;
-        price_ *= std::exp(std::max(-0.2, std::min(0.2, 3 * deviation + 2 * rate)));
-        price_ = std::max(0.15 * mesh_->mean_energy(), std::min(4 * mesh_->mean_energy(), price_));
     }
 
     [[nodiscard]] const HalfedgeMesh& topology() const noexcept { return mesh_->topology(); }
@@ -200,11 +220,11 @@ class Annealer {
     }
 
     ImageMesh<C>* mesh_;
-    double target_;
     AnnealingOptions options_;
+    double price_, temperature_;
+    double least_;  // steps that promise less are not tried
+    CountRange range_;
     Random random_;
-    double price_, temperature_ = 0;
-    Relaxation relaxation_;
     RingWork<C> work_;
     std::vector<Vertex> around_;
 };

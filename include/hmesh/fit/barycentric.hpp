@@ -155,6 +155,15 @@ void sum_corners(const Moments<C>& m, Point v0, Point v1, Point v2, CornerSums<C
     out0.y = n * v0.y + sy - out1.y - out2.y;
 }
 
+// The corners of face f, the first being that which topology().halfedge(f) leaves.
+template <int C>
+void sum_face(const ImageMesh<C>& mesh, Face f, CornerSums<C>& out0, CornerSums<C>& out1, CornerSums<C>& out2) {
+    const auto v = mesh.topology().vertices(f);
+    Moments<C> m;
+    mesh.face_moments(f, m);
+    sum_corners(m, mesh.position(v[0]), mesh.position(v[1]), mesh.position(v[2]), out0, out1, out2);
+}
+
 // Calls body(v) for all live vertices, in pieces.
 template <class ParallelFor, class Body>
 void for_each_vertex(const HalfedgeMesh& topology, const ParallelFor& parallel_for, Body&& body) {
@@ -175,11 +184,7 @@ template <int C, class ParallelFor = SerialFor>
         for (std::size_t f = begin; f < end; ++f) {
             if (topology.is_deleted(Face(f))) continue;
             const Halfedge h0 = topology.halfedge(Face(f)), h1 = topology.next(h0), h2 = topology.next(h1);
-            const auto v = topology.vertices(Face(f));
-            Moments<C> m;
-            mesh.face_moments(Face(f), m);
-            detail::sum_corners(m, mesh.position(v[0]), mesh.position(v[1]), mesh.position(v[2]), corners[h0.index()],
-                                corners[h1.index()], corners[h2.index()]);
+            detail::sum_face(mesh, Face(f), corners[h0.index()], corners[h1.index()], corners[h2.index()]);
         }
     });
     return corners;

@@ -15,7 +15,6 @@
 #include <utility>
 #include <vector>
 
-#include "hmesh/core/parallel.hpp"
 #include "hmesh/fit/flips.hpp"
 #include "hmesh/fit/image_mesh.hpp"
 #include "hmesh/fit/order.hpp"
@@ -71,13 +70,13 @@ template <int C>
 
 }  // namespace detail
 
-// The cheapest way to remove v. Corners cannot go, and border vertices only along their side.
+// The cheapest way to remove v. Corners and frozen vertices cannot go, and border vertices only along their side.
 template <int C>
 [[nodiscard]] CollapseCandidate cheapest_collapse(const ImageMesh<C>& mesh, RingWork<C>& work, Vertex v) {
     const HalfedgeMesh& topology = mesh.topology();
     CollapseCandidate best;
     const Mobility mobility = mesh.vertex(v).mobility;
-    if (mobility == Mobility::fixed) return best;
+    if (mobility == Mobility::fixed || mobility == Mobility::frozen) return best;
     Ring<C>& ring = work.ring;
     mesh.gather(v, ring, work.spokes);
     double before = 0;
@@ -87,7 +86,7 @@ template <int C>
         if (ring.open && j != 0 && j != ring.size - 1) continue;  // a border vertex goes along the border
         // The merged vertex has the neighbours of both, less the two themselves and the far corners they shared.
         const int shared = ring.open ? 3 : 4;
-        if (topology.valence(topology.to_vertex(ring.halfedge[j])) + ring.size - shared > max_valence) continue;
+        if (topology.valence(topology.to_vertex(ring.halfedge[j])) + ring.size - shared > ring.neighbour[j]->most_valence) continue;
         const double energy = detail::filled_energy(mesh, ring, j, least);
         if (!(energy < least) || !topology.is_collapse_ok(ring.halfedge[j])) continue;
         least = energy;
@@ -97,28 +96,24 @@ template <int C>
 }
 
 // Removes up to `count` of the cheapest vertices that share no neighbour, and re-optimises the ring of each. Returns how
-// many. Candidates are evaluated through the executor.
-template <int C, class ParallelFor = SerialFor>
-std::size_t remove_batch(ImageMesh<C>& mesh, std::size_t count, const Relaxation& relaxation,
-                         const ParallelFor& parallel_for = {}) {
+// many.
+template <int C>
+std::size_t remove_batch(ImageMesh<C>& mesh, std::size_t count, const Relaxation& relaxation) {
     const HalfedgeMesh& topology = mesh.topology();
     const std::vector<Vertex> vertices = spatial_vertices(mesh);
-    std::vector<CollapseCandidate> candidates(vertices.size());
-    for_each_chunk(parallel_for, vertices.size(), 256, [&](std::size_t begin, std::size_t end) {
-        RingWork<C> work;
-        for (std::size_t k = begin; k < end; ++k) candidates[k] = cheapest_collapse(mesh, work, vertices[k]);
-    });
+    RingWork<C> work;
     std::vector<std::pair<double, std::uint32_t>> cheapest;
-    for (std::size_t k = 0; k < candidates.size(); ++k)
-        if (candidates[k].halfedge.is_valid()) cheapest.emplace_back(candidates[k].cost, static_cast<std::uint32_t>(k));
+    for (std::size_t k = 0; k < vertices.size() && mesh.beat(); ++k) {
+        const CollapseCandidate candidate = cheapest_collapse(mesh, work, vertices[k]);
+        if (candidate.halfedge.is_valid()) cheapest.emplace_back(candidate.cost, static_cast<std::uint32_t>(k));
+    }
     std::sort(cheapest.begin(), cheapest.end());
 
     std::vector<unsigned char> touched(topology.vertex_slots(), 0);
     std::vector<Vertex> ring;
-    RingWork<C> work;
     std::size_t removed = 0;
     for (const auto& [cost, k] : cheapest) {
-        if (removed >= count) break;
+        if (removed >= count || !mesh.beat()) break;
         const Vertex v = vertices[k];
         if (touched[v.index()] != 0) continue;
         // Flips around earlier removals may have changed the ring: judge again.

@@ -20,6 +20,7 @@
 #include "hmesh/core/parallel.hpp"
 #include "hmesh/fit/barycentric.hpp"
 #include "hmesh/fit/image_mesh.hpp"
+#include "hmesh/fit/patchwork.hpp"
 #include "hmesh/fit/pcg.hpp"
 
 namespace hmesh {
@@ -111,37 +112,38 @@ struct GridRange {
 
 }  // namespace detail
 
-// Gives all vertices colours in [low, high], which may be infinite, that are multiples of grid if grid > 0 (one must be
-// in the range). By coordinate descent (projected Gauss-Seidel) from the current colours: first without the grid, then
-// onto it, vertex by vertex, then over the grid while that lowers the error.
-template <int C, class ParallelFor = SerialFor>
-BoundedReport bounded_colors(ImageMesh<C>& mesh, double low, double high, double grid,
-                             const ParallelFor& parallel_for = {}) {
-    HMESH_ASSERT(low <= high && grid >= 0);
-    constexpr int most_sweeps = 20, most_rounding_sweeps = 10;
-    const std::size_t n = mesh.vertex_count();
-    const std::vector<CornerSums<C>> corners = corner_sums(mesh, parallel_for);
-    detail::ColorSystem<C> system;
-    system.ridge = mesh.limits().ridge;
-    system.gram = gram_matrix(mesh.topology(), corners, parallel_for);
-    system.rhs.assign(n, Color<C>::zero());
-    system.inverse.assign(n, 0.0);
-    std::vector<Color<C>> colors;
-    colors.reserve(n);
-    double scale = 0;
-    for (const Vertex v : mesh.topology().vertices()) {
-        const std::size_t row = colors.size();
-        for (const Halfedge h : mesh.topology().outgoing(v)) system.rhs[row] += corners[h.index()].image;
+namespace detail {
+
+// The system of a mesh with this topology and these corners (fit/barycentric.hpp); colours go by row.
+template <int C, class ParallelFor>
+[[nodiscard]] ColorSystem<C> color_system(const HalfedgeMesh& topology, const std::vector<CornerSums<C>>& corners,
+                                          const std::vector<Color<C>>& colors, double ridge, const ParallelFor& parallel_for) {
+    ColorSystem<C> system;
+    system.ridge = ridge;
+    system.gram = gram_matrix(topology, corners, parallel_for);
+    system.rhs.assign(colors.size(), Color<C>::zero());
+    system.inverse.assign(colors.size(), 0.0);
+    std::size_t row = 0;
+    for (const Vertex v : topology.vertices()) {
+        for (const Halfedge h : topology.outgoing(v)) system.rhs[row] += corners[h.index()].image;
         system.rhs[row].set(C, 0);
-        double diagonal = system.ridge;
-        for (const Halfedge h : mesh.topology().outgoing(v)) diagonal += corners[h.index()].square;
+        double diagonal = ridge;
+        for (const Halfedge h : topology.outgoing(v)) diagonal += corners[h.index()].square;
         if (diagonal > 0) system.inverse[row] = 1 / diagonal;
-        Color<C> c = mesh.color(v);
-        detail::clamp_channels<C>(c, low, high);
-        for (int k = 0; k < C; ++k) scale = std::max(scale, std::abs(c[k]));
-        colors.push_back(c);
+        ++row;
     }
     system.anchor = colors;
+    return system;
+}
+
+// Takes colours that lie in [low, high] to the best there, see bounded_colors.
+template <int C>
+BoundedReport descend(const ColorSystem<C>& system, double low, double high, double grid, std::vector<Color<C>>& colors) {
+    HMESH_ASSERT(low <= high && grid >= 0);
+    constexpr int most_sweeps = 20, most_rounding_sweeps = 10;
+    double scale = 0;
+    for (const Color<C>& c : colors)
+        for (int k = 0; k < C; ++k) scale = std::max(scale, std::abs(c[k]));
 
     BoundedReport report;
     const double small = grid > 0 ? grid / 16 : 1e-7 * scale;
@@ -181,7 +183,53 @@ BoundedReport bounded_colors(ImageMesh<C>& mesh, double low, double high, double
             report.settled = !changed;
         }
     }
+    return report;
+}
+
+}  // namespace detail
+
+// Gives all vertices colours in [low, high], which may be infinite, that are multiples of grid if grid > 0 (one must be
+// in the range). By coordinate descent (projected Gauss-Seidel) from the current colours: first without the grid, then
+// onto it, vertex by vertex, then over the grid while that lowers the error.
+template <int C, class ParallelFor = SerialFor>
+BoundedReport bounded_colors(ImageMesh<C>& mesh, double low, double high, double grid,
+                             const ParallelFor& parallel_for = {}) {
+    std::vector<Color<C>> colors;
+    colors.reserve(mesh.vertex_count());
+    for (const Vertex v : mesh.topology().vertices()) {
+        colors.push_back(mesh.color(v));
+        detail::clamp_channels<C>(colors.back(), low, high);
+    }
+    const auto system = detail::color_system(mesh.topology(), corner_sums(mesh, parallel_for), colors, mesh.limits().ridge, parallel_for);
+    const BoundedReport report = detail::descend(system, low, high, grid, colors);
     detail::write_colors(mesh, colors, parallel_for);
+    return report;
+}
+
+// The same for a mesh in patches, whose energy is then that of the final colours. Goes through after a cancellation too:
+// what is reported is true of the mesh that is returned.
+template <int C, class ParallelFor>
+BoundedReport bounded_colors(Patchwork<C, ParallelFor>& work, const Tiling& tiling, double low, double high, double grid) {
+    WholeMesh<C>& whole = work.whole();
+    HalfedgeMesh topology;
+    const Status status = topology.assign(whole.vertex_count(), whole.triangles);
+    HMESH_ASSERT(status);
+    (void)status;
+    std::vector<CornerSums<C>> corners(2 * topology.edge_slots());
+    work.visit(tiling, [&](Patch<C>& patch, std::size_t, const std::uint32_t* triangles) {
+        for (const Face f : patch.mesh().topology().faces()) {
+            const Halfedge h0 = topology.halfedge(Face(triangles[f.index()])), h1 = topology.next(h0), h2 = topology.next(h1);
+            detail::sum_face(patch.mesh(), f, corners[h0.index()], corners[h1.index()], corners[h2.index()]);
+        }
+    }, true);
+    for (Color<C>& c : whole.colors) detail::clamp_channels<C>(c, low, high);
+    const auto system = detail::color_system(topology, corners, whole.colors, work.limits().ridge, work.parallel_for());
+    const BoundedReport report = detail::descend(system, low, high, grid, whole.colors);
+
+    std::vector<double> energies(tiling.size(), 0.0);
+    work.visit(tiling, [&](Patch<C>& patch, std::size_t k, const std::uint32_t*) { energies[k] = patch.mesh().energy(); }, true);
+    whole.energy = 0;
+    for (const double energy : energies) whole.energy += energy;
     return report;
 }
 

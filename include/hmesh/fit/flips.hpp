@@ -43,8 +43,8 @@ template <int C>
     if (!is_convex(mesh, e)) return false;
     const HalfedgeMesh& topology = mesh.topology();
     const Halfedge a = HalfedgeMesh::halfedge(e);
-    return topology.valence(topology.to_vertex(topology.next(a))) < max_valence &&
-           topology.valence(topology.to_vertex(topology.next(HalfedgeMesh::opposite(a)))) < max_valence;
+    return mesh.has_room(topology.to_vertex(topology.next(a))) &&
+           mesh.has_room(topology.to_vertex(topology.next(HalfedgeMesh::opposite(a))));
 }
 
 // Evaluates turning e, which is_convex.
@@ -98,7 +98,7 @@ std::size_t flip_edges(ImageMesh<C>& mesh, const Tolerance& tolerance = {1e-4, 0
     }
     std::size_t flips = 0;
     // The energy falls with every flip; the bound only guards against a tolerance of 0 and a million tiny gains.
-    for (std::size_t budget = 20 * stack.size(); !stack.empty() && budget > 0; --budget) {
+    for (std::size_t budget = 20 * stack.size(); !stack.empty() && budget > 0 && mesh.beat(); --budget) {
         const Edge e = stack.back();
         stack.pop_back();
         if (!(improve_edge(mesh, e, least) > 0)) continue;

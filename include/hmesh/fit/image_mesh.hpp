@@ -6,6 +6,9 @@
 // nothing else is touched. begin/rollback undo any sequence of edits to the last byte; with them any operator is a
 // transaction: try it, re-optimise around it, read the exact energy, keep it or not.
 //
+// The mesh may be a patch of a larger one (fit/patches.hpp): then Surroundings tell what lies outside, its rim belongs to
+// other patches too and is frozen, and rim edges that are not on the image's border stay as they are.
+//
 // Memory: about 560 bytes a vertex for up to 3 channels, of which 384 are edge moments. Edits are defined in
 // image_mesh_edits.hpp, building and checking in image_mesh_build.hpp, both included from here.
 #ifndef HMESH_FIT_IMAGE_MESH_HPP
@@ -20,6 +23,7 @@
 
 #include "hmesh/core/assert.hpp"
 #include "hmesh/core/parallel.hpp"
+#include "hmesh/core/progress.hpp"
 #include "hmesh/core/status.hpp"
 #include "hmesh/core/undo_array.hpp"
 #include "hmesh/fit/ring.hpp"
@@ -29,22 +33,41 @@
 
 namespace hmesh {
 
+// What a mesh knows of the image and the mesh that it is a patch of.
+struct Surroundings {
+    Rect image;              // the whole image, in the pixels of the patch's table: x, y <= 0
+    bool is_part = false;    // whether there are other patches
+    double scale = 1;        // mean energy of a vertex in the whole mesh over that in the patch
+    Pulse* pulse = nullptr;  // told that work goes on; asked whether to stop
+};
+
 template <int C>
 class ImageMesh {
   public:
+    // Empty, of no image: only to be assigned to.
+    ImageMesh() = default;
     // Over a table that outlives the mesh. Colours are held within [low, high] widened by limits.color_overshoot.
     ImageMesh(const MomentTable<C>& table, double low, double high, const MeshLimits& limits = {})
-        : table_(&table), limits_(limits) {
+        : ImageMesh(table, low, high, limits, {{0, 0, table.width(), table.height()}, false, 1, nullptr}) {}
+    ImageMesh(const MomentTable<C>& table, double low, double high, const MeshLimits& limits, const Surroundings& surroundings)
+        : table_(&table), limits_(limits), surroundings_(surroundings) {
         const double slack = limits.color_overshoot * (high - low);
         color_low_ = std::max(low - slack, -1e300);  // slack may overflow: float images know no range
         color_high_ = std::min(high + slack, 1e300);
     }
 
-    // Takes over a triangulation of the rectangle with corners on the 1/256 px grid; colours are the pixels under the
-    // vertices. Refuses what HalfedgeMesh::assign refuses. Edges and faces are filled in through the executor.
+    // Takes over a triangulation with corners on the 1/256 px grid, of the rectangle or of a part of it; colours are the
+    // pixels under the vertices. Refuses what HalfedgeMesh::assign refuses. Edges and faces are filled in through the
+    // executor.
     template <class ParallelFor = SerialFor>
     [[nodiscard]] Status assign(const std::vector<Point>& positions, const std::vector<Triangle>& triangles,
-                                const ParallelFor& parallel_for = {});
+                                const ParallelFor& parallel_for = {}) {
+        return assign(positions, triangles, {}, parallel_for);
+    }
+    // The same with given colours, one a vertex; none: as above.
+    template <class ParallelFor>
+    [[nodiscard]] Status assign(const std::vector<Point>& positions, const std::vector<Triangle>& triangles,
+                                const std::vector<Color<C>>& colors, const ParallelFor& parallel_for);
 
     [[nodiscard]] const HalfedgeMesh& topology() const noexcept { return topology_; }
     [[nodiscard]] const MomentTable<C>& table() const noexcept { return *table_; }
@@ -65,8 +88,14 @@ class ImageMesh {
     // The squared error over the pixels of a face, summed over channels; and over all faces.
     [[nodiscard]] double energy(Face f) const noexcept { return energies_[f.index()]; }
     [[nodiscard]] double energy() const noexcept { return energy_; }
-    // The mean energy of a vertex: the scale of all tolerances.
-    [[nodiscard]] double mean_energy() const noexcept { return energy_ / static_cast<double>(vertex_count()); }
+    // The mean energy of a vertex, of the whole mesh if this is a patch: the scale of all tolerances, or easy patches
+    // would be polished for nothing.
+    [[nodiscard]] double mean_energy() const noexcept {
+        return surroundings_.scale * energy_ / static_cast<double>(vertex_count());
+    }
+    // To be called by long work every few microseconds; where it says false, the work ends as it is.
+    [[nodiscard]] bool beat() const { return surroundings_.pulse == nullptr || surroundings_.pulse->beat(); }
+    [[nodiscard]] Pulse* pulse() const noexcept { return surroundings_.pulse; }
 
     // The moments of a half-edge (those of its edge, with a sign), written to or added to `out`.
     HMESH_ALWAYS_INLINE void moments(Halfedge h, Moments<C>& out) const {
@@ -98,20 +127,40 @@ class ImageMesh {
             if (!topology_.is_boundary(h)) moments(topology_.next(h), ring.link[i]);
         }
     }
-    // Where a vertex with this mobility may be: on the grid, off the border unless it lives there. A coordinate that is not
-    // free to move is returned as given.
+    // Where a vertex with this mobility may be: on the grid, within the table, off the image's border unless it lives
+    // there. A coordinate that is not free to move is returned as given.
     [[nodiscard]] Point clamp(Point p, Mobility mobility) const noexcept {
-        const double gap = limits_.border_gap, w = width() - gap, h = height() - gap;
+        const auto held = [gap = limits_.border_gap](double x, int size, int image_low, int image_size) {
+            const double low = image_low == 0 ? gap : 0, high = image_low + image_size == size ? size - gap : size;
+            return snap(std::max(low, std::min(high, x)));
+        };
+        const Rect& image = surroundings_.image;
         Point q = p;
-        if (mobility == Mobility::free || mobility == Mobility::along_x) q.x = snap(std::max(gap, std::min(w, p.x)));
-        if (mobility == Mobility::free || mobility == Mobility::along_y) q.y = snap(std::max(gap, std::min(h, p.y)));
+        if (mobility == Mobility::free || mobility == Mobility::along_x) q.x = held(p.x, width(), image.x, image.width);
+        if (mobility == Mobility::free || mobility == Mobility::along_y) q.y = held(p.y, height(), image.y, image.height);
         return q;
     }
-    [[nodiscard]] Mobility edge_mobility(Edge e) const noexcept {  // of a vertex that splits e
+    // Of a vertex at p: free unless p is on the image's border.
+    [[nodiscard]] Mobility mobility_at(Point p) const noexcept {
+        const Rect& image = surroundings_.image;
+        const bool on_x = p.x == image.x || p.x == image.x + image.width, on_y = p.y == image.y || p.y == image.y + image.height;
+        return on_x && on_y ? Mobility::fixed : on_x ? Mobility::along_y : on_y ? Mobility::along_x : Mobility::free;
+    }
+    // Of a vertex that splits e; frozen: a rim edge of the patch, which must not be split.
+    [[nodiscard]] Mobility edge_mobility(Edge e) const noexcept {
         if (!topology_.is_boundary(e)) return Mobility::free;
         const Halfedge h = HalfedgeMesh::halfedge(e);
-        const double y0 = position(topology_.from_vertex(h)).y, y1 = position(topology_.to_vertex(h)).y;
-        return y0 == y1 ? Mobility::along_x : Mobility::along_y;
+        const Mobility mobility = mobility_at(midpoint(position(topology_.from_vertex(h)), position(topology_.to_vertex(h))));
+        return mobility == Mobility::free ? Mobility::frozen : mobility;
+    }
+    // Whether v may get one more edge.
+    [[nodiscard]] bool has_room(Vertex v) const noexcept { return topology_.valence(v) < vertex(v).most_valence; }
+    void set_scale(double scale) noexcept { surroundings_.scale = scale; }
+    // From now on v stays as it is, with at most this many edges. Not undone by rollback.
+    void freeze(Vertex v, int most_valence) noexcept {
+        VertexState<C>& state = vertices_.raw(v.index());
+        state.mobility = Mobility::frozen;
+        state.most_valence = static_cast<unsigned char>(most_valence);
     }
 
     // --- edits ---
@@ -156,11 +205,6 @@ class ImageMesh {
         close();
     }
 
-    // Renumbers all elements in spatial order, without deleted slots, in new memory with room for `room` vertices: what is
-    // near in the plane is then near in memory. Positions, colours and due vertices stay.
-    template <class ParallelFor = SerialFor>
-    void compact(std::size_t room, const ParallelFor& parallel_for = {});
-
     // Room for this many vertices at once, so that growing up to it copies nothing.
     void reserve(std::size_t vertices) {
         topology_.reserve(vertices);
@@ -178,8 +222,8 @@ class ImageMesh {
         for (const Halfedge h : topology_.outgoing(v)) set_due(topology_.to_vertex(h), true);
     }
 
-    // Proves what this class promises: the topology's invariants, faces that turn the right way and tile the rectangle,
-    // moments as walked afresh, energies as computed afresh (1e-9 relative). O(edges).
+    // Proves what this class promises: the topology's invariants, faces that turn the right way and tile what they tiled
+    // when assigned (the rectangle, unless the mesh is a patch), moments as walked afresh, energies as computed afresh (1e-9 relative). O(edges).
     [[nodiscard]] Status check() const;
 
   private:
@@ -210,14 +254,16 @@ class ImageMesh {
     void adopt(Vertex v, Point position, const Color<C>& color, Mobility mobility);
     void refresh_ring(Vertex v);
 
-    const MomentTable<C>* table_;
+    const MomentTable<C>* table_ = nullptr;
     MeshLimits limits_;
+    Surroundings surroundings_;
     double color_low_ = 0, color_high_ = 0;
     HalfedgeMesh topology_;
     UndoArray<VertexState<C>> vertices_;
     UndoArray<Moments<C>> moments_;  // per edge, of halfedge(e)
     UndoArray<double> energies_;     // per face
     double energy_ = 0;
+    double twice_area_ = 0;  // of all faces
     std::vector<unsigned char> visits_;
     int depth_ = 0;
 };

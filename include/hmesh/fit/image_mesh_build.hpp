@@ -17,7 +17,8 @@ namespace hmesh {
 template <int C>
 template <class ParallelFor>
 Status ImageMesh<C>::assign(const std::vector<Point>& positions, const std::vector<Triangle>& triangles,
-                            const ParallelFor& parallel_for) {
+                            const std::vector<Color<C>>& colors, const ParallelFor& parallel_for) {
+    HMESH_ASSERT(colors.empty() || colors.size() == positions.size());
     energy_ = 0;
     const Status status = topology_.assign(positions.size(), triangles);
     if (!status) return status;
@@ -27,12 +28,15 @@ Status ImageMesh<C>::assign(const std::vector<Point>& positions, const std::vect
     visits_.assign(positions.size(), 1);
     for (std::size_t i = 0; i < positions.size(); ++i) {
         const Point p = positions[i];
-        const bool on_x = p.x == 0 || p.x == width(), on_y = p.y == 0 || p.y == height();
         VertexState<C>& state = vertices_.raw(i);
         state.position = p;
-        state.mobility = on_x && on_y ? Mobility::fixed : on_x ? Mobility::along_y : on_y ? Mobility::along_x : Mobility::free;
-        table_->pixel(std::min(static_cast<int>(p.x), width() - 1), std::min(static_cast<int>(p.y), height() - 1), state.color);
+        state.mobility = mobility_at(p);
+        state.most_valence = max_valence;
+        if (!colors.empty()) state.color = colors[i];
+        else table_->pixel(std::min(static_cast<int>(p.x), width() - 1), std::min(static_cast<int>(p.y), height() - 1), state.color);
     }
+    twice_area_ = 0;
+    for (const Triangle& t : triangles) twice_area_ += cross(positions[t[0]], positions[t[1]], positions[t[2]]);
     for_each_chunk(parallel_for, topology_.edge_slots(), 1024, [&](std::size_t begin, std::size_t end) {
         for (std::size_t e = begin; e < end; ++e) {
             const Halfedge h = HalfedgeMesh::halfedge(Edge(e));
@@ -61,47 +65,6 @@ void ImageMesh<C>::set_colors(const std::vector<Color<C>>& colors, const Paralle
 }
 
 template <int C>
-template <class ParallelFor>
-void ImageMesh<C>::compact(std::size_t room, const ParallelFor& parallel_for) {
-    HMESH_ASSERT(depth_ == 0);
-    ImageMesh fresh(*table_, color_low_, color_high_, limits_);
-    fresh.color_low_ = color_low_;
-    fresh.color_high_ = color_high_;
-    {
-        std::vector<Point> positions;
-        std::vector<Color<C>> colors;
-        std::vector<std::uint32_t> number(topology_.vertex_slots());
-        std::vector<Triangle> triangles;
-        positions.reserve(vertex_count());
-        colors.reserve(vertex_count());
-        triangles.reserve(topology_.face_count());
-        std::vector<unsigned char> visits;
-        visits.reserve(vertex_count());
-        for (const Vertex v : in_spatial_order<Vertex>(topology_.vertices(), vertex_count(), [&](Vertex u) { return position(u); })) {
-            number[v.index()] = static_cast<std::uint32_t>(positions.size());
-            positions.push_back(position(v));
-            colors.push_back(color(v));
-            visits.push_back(visits_[v.index()]);
-        }
-        for (const Face f : in_spatial_order<Face>(topology_.faces(), topology_.face_count(), [&](Face g) { return centroid(g); })) {
-            const auto v = topology_.vertices(f);
-            triangles.push_back({number[v[0].index()], number[v[1].index()], number[v[2].index()]});
-        }
-        topology_ = {};  // gives its memory back before the new one is filled
-        vertices_ = {};
-        moments_ = {};
-        energies_ = {};
-        fresh.reserve(std::max(room, positions.size()));
-        const Status status = fresh.assign(positions, triangles, parallel_for);
-        HMESH_ASSERT(status);
-        (void)status;
-        fresh.set_colors(colors, parallel_for);
-        fresh.visits_ = std::move(visits);
-    }
-    *this = std::move(fresh);
-}
-
-template <int C>
 Status ImageMesh<C>::check() const {
     if (const Status status = topology_.check(); !status) return status;
     const auto fail = [](const char* what, std::size_t where) -> Status {
@@ -111,7 +74,9 @@ Status ImageMesh<C>::check() const {
         const VertexState<C>& state = vertex(v);
         if (snap(state.position) != state.position) return fail("a vertex is off the grid", v.index());
         if (state.color[C] != 0) return fail("a colour's padding is not zero", v.index());
-        if (topology_.is_boundary(v) == (state.mobility == Mobility::free)) return fail("a vertex's mobility is wrong", v.index());
+        if (state.mobility != Mobility::frozen && (state.mobility != mobility_at(state.position) ||
+                                                   topology_.is_boundary(v) == (state.mobility == Mobility::free)))
+            return fail("a vertex's mobility is wrong", v.index());
     }
     double squares = 0;
     for (const Face f : topology_.faces()) {
@@ -133,7 +98,7 @@ Status ImageMesh<C>::check() const {
             return fail("a face's energy is stale", f.index());
         energy += fresh;
     }
-    if (area != 2.0 * width() * height()) return fail("the faces do not tile the rectangle", 0);
+    if (area != (surroundings_.is_part ? twice_area_ : 2.0 * width() * height())) return fail("the faces do not tile what they should", 0);
     if (!(std::abs(energy - energy_) <= 1e-9 * energy + 1e-12 * squares)) return fail("the total energy is stale", 0);
     for (const Edge e : topology_.edges()) {
         const Halfedge h = HalfedgeMesh::halfedge(e);

@@ -50,7 +50,7 @@ void ImageMesh<C>::flip(Edge e, const Moments<C>& m, double energy_own, double e
 
 template <int C>
 void ImageMesh<C>::adopt(Vertex v, Point position, const Color<C>& color, Mobility mobility) {
-    const VertexState<C> state{color, position, mobility};
+    const VertexState<C> state{color, position, mobility, max_valence};
     if (v.index() == vertices_.size()) vertices_.push_back(state);
     else vertices_.edit(v.index()) = state;
     if (v.index() >= visits_.size()) visits_.push_back(1);

@@ -15,7 +15,6 @@
 #include <utility>
 #include <vector>
 
-#include "hmesh/core/parallel.hpp"
 #include "hmesh/fit/flips.hpp"
 #include "hmesh/fit/image_mesh.hpp"
 #include "hmesh/fit/order.hpp"
@@ -79,6 +78,7 @@ template <int C>
         before += mesh.energy(topology.face(b));
     }
     const Mobility mobility = mesh.edge_mobility(e);
+    if (mobility == Mobility::frozen) return candidate;
     candidate.centre.position = mesh.clamp(midpoint(v0.position, v1.position), mobility);
     candidate.centre.color = 0.5 * (v0.color + v1.color);
     const Point centre = candidate.centre.position;
@@ -127,7 +127,7 @@ Vertex insert(ImageMesh<C>& mesh, const InsertionCandidate<C>& candidate) {
 template <int C>
 [[nodiscard]] bool has_room(const ImageMesh<C>& mesh, const InsertionCandidate<C>& candidate) {
     const HalfedgeMesh& topology = mesh.topology();
-    const auto full = [&](Vertex v) { return topology.valence(v) >= max_valence; };
+    const auto full = [&](Vertex v) { return !mesh.has_room(v); };
     if (!candidate.edge.is_valid()) {
         for (const Vertex v : topology.vertices(candidate.face))
             if (full(v)) return false;
@@ -184,12 +184,10 @@ template <int C>
     return sites;
 }
 
-// The most rewarding sites for `count` vertices and some more, by falling gain (ties: in spatial order), evaluated through
-// the executor. The rewards of the sites with the most to gain tell how much the others must have for being worth a walk.
+// The most rewarding sites for `count` vertices and some more, by falling gain (ties: in spatial order). The rewards of the sites with the most to gain tell how much the others must have for being worth a walk.
 // Gains are compared as floats: this is the peak of the memory, 16 bytes a site.
-template <int C, class ParallelFor = SerialFor>
-[[nodiscard]] std::vector<InsertionSite> best_sites(const ImageMesh<C>& mesh, std::size_t count, const InsertionOptions& options,
-                                                    const ParallelFor& parallel_for = {}) {
+template <int C>
+[[nodiscard]] std::vector<InsertionSite> best_sites(const ImageMesh<C>& mesh, std::size_t count, const InsertionOptions& options) {
     struct Gain {
         float gain;
         std::uint32_t site;
@@ -209,17 +207,17 @@ template <int C, class ParallelFor = SerialFor>
     };
     std::vector<Gain> gains;
     gains.reserve(sites.size());
+    RingWork<C> work;
     const auto evaluate = [&](float above, float up_to) {
         const std::size_t start = gains.size();
         for (std::size_t k = 0; k < sites.size(); ++k)
             if (const float b = bound(k); b > above && b <= up_to) gains.push_back({0, static_cast<std::uint32_t>(k)});
-        for_each_chunk(parallel_for, gains.size() - start, 256, [&](std::size_t begin, std::size_t end) {
-            RingWork<C> work;
-            for (std::size_t k = start + begin; k < start + end; ++k) {
-                const auto candidate = candidate_at(mesh, work, sites[gains[k].site], options.may_move);
-                gains[k].gain = candidate.fits ? static_cast<float>(scale * candidate.gain) : -1.0F;
-            }
-        });
+        for (std::size_t k = start; k < gains.size(); ++k) {
+            gains[k].gain = -1;
+            if (!mesh.beat()) continue;
+            const auto candidate = candidate_at(mesh, work, sites[gains[k].site], options.may_move);
+            if (candidate.fits) gains[k].gain = static_cast<float>(scale * candidate.gain);
+        }
     };
     for (std::size_t k = 0; k < sites.size(); ++k) values.push_back(bound(k));
     const float first_cut = nth_largest();
@@ -243,17 +241,16 @@ template <int C, class ParallelFor = SerialFor>
 
 // Inserts up to `count` vertices at the best sites that share no face, then flips and visits around each. Returns how
 // many. Neighbours become due.
-template <int C, class ParallelFor = SerialFor>
-std::size_t insert_batch(ImageMesh<C>& mesh, std::size_t count, const InsertionOptions& options,
-                         const ParallelFor& parallel_for = {}) {
+template <int C>
+std::size_t insert_batch(ImageMesh<C>& mesh, std::size_t count, const InsertionOptions& options) {
     const HalfedgeMesh& topology = mesh.topology();
-    const std::vector<InsertionSite> sites = best_sites(mesh, count, options, parallel_for);
+    const std::vector<InsertionSite> sites = best_sites(mesh, count, options);
     std::vector<unsigned char> touched(topology.face_slots() + 2 * count, 0);
     std::vector<Vertex> inserted;
     inserted.reserve(count);
     RingWork<C> work;
     for (const InsertionSite site : sites) {
-        if (inserted.size() >= count) break;
+        if (inserted.size() >= count || !mesh.beat()) break;
         bool free = true;
         if (site.is_edge()) {
             const Halfedge h = HalfedgeMesh::halfedge(site.edge());
@@ -272,6 +269,7 @@ std::size_t insert_batch(ImageMesh<C>& mesh, std::size_t count, const InsertionO
         inserted.push_back(v);
     }
     for (const Vertex v : inserted) {
+        if (!mesh.beat()) break;
         Edge far[ring_capacity];
         int size = 0;
         for (const Halfedge h : topology.outgoing(v))

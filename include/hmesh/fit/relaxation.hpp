@@ -20,11 +20,12 @@ struct Relaxation {
     double least = 5e-3;  // steps that promise less are not tried, in mean energies of a vertex
 };
 
+// At most `rounds` rounds; steps that promise less energy than `least` are not tried.
 template <int C>
-void relax(ImageMesh<C>& mesh, const std::vector<Vertex>& vertices, const Relaxation& relaxation) {
+void relax(ImageMesh<C>& mesh, const std::vector<Vertex>& vertices, int rounds, double least) {
     const HalfedgeMesh& topology = mesh.topology();
-    const double scale = mesh.mean_energy(), least = relaxation.least * scale;
-    for (int round = 0; round < relaxation.rounds; ++round) {
+    const double enough = 1e-3 * mesh.mean_energy();
+    for (int round = 0; round < rounds; ++round) {
         const double start = mesh.energy();
         for (const Vertex v : vertices) improve_vertex(mesh, v, least);
         for (const Vertex v : vertices) {
@@ -37,8 +38,12 @@ void relax(ImageMesh<C>& mesh, const std::vector<Vertex>& vertices, const Relaxa
             }
             for (int i = 0; i < count; ++i) improve_edge(mesh, edges[i], least);
         }
-        if (start - mesh.energy() < 1e-3 * scale) break;
+        if (start - mesh.energy() < enough) break;
     }
+}
+template <int C>
+void relax(ImageMesh<C>& mesh, const std::vector<Vertex>& vertices, const Relaxation& relaxation) {
+    relax(mesh, vertices, relaxation.rounds, relaxation.least * mesh.mean_energy());
 }
 
 }  // namespace hmesh

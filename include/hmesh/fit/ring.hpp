@@ -21,14 +21,20 @@ namespace hmesh {
 template <int C>
 using Color = typename Moments<C>::Channels;
 
-// Where a vertex may go. What is not free stays on a side or in a corner of the image.
-enum class Mobility : unsigned char { free, along_x, along_y, fixed };
+// Where a vertex may go: what is not free stays on a side of the image, or in a corner (fixed). A frozen vertex belongs to
+// other patches too: neither its position nor its colour changes, and it is not removed.
+enum class Mobility : unsigned char { free, along_x, along_y, fixed, frozen };
+
+// Most half-edges around a vertex that an operator makes, and that a Ring holds.
+inline constexpr int max_valence = 40;
+inline constexpr int ring_capacity = 64;
 
 template <int C>
 struct VertexState {
     Color<C> color;
     Point position;
     Mobility mobility;
+    unsigned char most_valence = max_valence;  // less for a frozen vertex, whose other patches may add edges too
 };
 
 // Bounds that keep a mesh sane.
@@ -45,10 +51,6 @@ struct MeshLimits {
     // Faces without a pixel leave the colour of their corners undetermined: a pull toward the current colour, in pixels.
     double ridge = 1e-3;
 };
-
-// Most half-edges around a vertex that an operator makes, and that a Ring holds (frozen vertices of patches have more).
-inline constexpr int max_valence = 40;
-inline constexpr int ring_capacity = 64;
 
 // One face of a ring, as a function of the centre's colour.
 template <int C>

@@ -28,7 +28,7 @@ std::size_t subdivide(ImageMesh<C>& mesh, std::size_t count) {
     for (const Face f : topology.faces()) push(f);
     RingWork<C> work;
     std::size_t inserted = 0;
-    while (inserted < count && !largest.empty()) {
+    while (inserted < count && !largest.empty() && mesh.beat()) {
         const Face f(largest.top().id);
         Halfedge longest, h = topology.halfedge(f);
         double length = -1;

@@ -92,6 +92,7 @@ RingOutcome optimise_centre(const ImageMesh<C>& mesh, RingWork<C>& work, Mobilit
 // One visit of v; returns by how much the energy fell, >= 0. Steps that promise less than `least` are not tried.
 template <int C>
 double improve_vertex(ImageMesh<C>& mesh, Vertex v, double least) {
+    if (mesh.vertex(v).mobility == Mobility::frozen) return 0;
     RingWork<C> work;
     mesh.gather(v, work.ring, work.spokes);
     double before = 0;
@@ -118,7 +119,8 @@ double sweep(ImageMesh<C>& mesh, const Tolerance& tolerance = {}) {
     const double start = mesh.energy();
     const double spread = tolerance.spread * mesh.mean_energy(), least = tolerance.least * mesh.mean_energy();
     for (const Vertex v : spatial_vertices(mesh)) {
-        if (!mesh.is_due(v)) continue;
+        if (!mesh.is_due(v) || mesh.vertex(v).mobility == Mobility::frozen) continue;  // due for another patch
+        if (!mesh.beat()) break;
         mesh.set_due(v, false);
         if (improve_vertex(mesh, v, least) > spread) mesh.set_ring_due(v);
     }

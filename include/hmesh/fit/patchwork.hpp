@@ -1,0 +1,131 @@
+// hmesh - Patchwork: a mesh of any size under work, patch by patch.
+//
+// What a method holds: the whole mesh, the image, and how to run pieces of work. for_each cuts the mesh along a tiling, lets
+// each patch be worked on through the executor, and merges the results: a serial part of about 0.2 us a vertex.
+#ifndef HMESH_FIT_PATCHWORK_HPP
+#define HMESH_FIT_PATCHWORK_HPP
+
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+#include <utility>
+#include <vector>
+
+#include "hmesh/core/parallel.hpp"
+#include "hmesh/core/progress.hpp"
+#include "hmesh/fit/patches.hpp"
+#include "hmesh/fit/whole_mesh.hpp"
+#include "hmesh/image/image_source.hpp"
+
+namespace hmesh {
+
+template <int C, class ParallelFor = SerialFor>
+class Patchwork {
+  public:
+    // Over an image, a monitor and an executor that outlive it.
+    Patchwork(const ImageSource<C>& source, const MeshLimits& limits, Monitor& monitor, const ParallelFor& parallel_for)
+        : source_(&source), limits_(limits), monitor_(&monitor), parallel_for_(&parallel_for) {}
+
+    [[nodiscard]] const ImageSource<C>& source() const noexcept { return *source_; }
+    [[nodiscard]] const MeshLimits& limits() const noexcept { return limits_; }
+    [[nodiscard]] Monitor& monitor() const noexcept { return *monitor_; }
+    [[nodiscard]] const ParallelFor& parallel_for() const noexcept { return *parallel_for_; }
+    [[nodiscard]] const WholeMesh<C>& whole() const noexcept { return whole_; }
+    [[nodiscard]] WholeMesh<C>& whole() noexcept { return whole_; }
+
+    // Calls work(patch, tile) for the patch of each tile that has triangles, then puts all together again. The pieces
+    // together are what the monitor expects. Returns whether to go on; after a cancellation the mesh is valid, some patches
+    // being worked on in part and some not at all, and whole().energy is not known any more.
+    template <class Work>
+    bool for_each(const Tiling& tiling, Work&& work) {
+        const detail::Cut cut = detail::cut(whole_, tiling);
+        std::vector<detail::PatchResult<C>> results(tiling.size());
+        run(cut, [&](Patch<C>& patch, std::size_t tile) {
+            work(patch, tile);
+            results[tile] = patch.result();
+        }, [&](std::size_t tile) { results[tile] = detail::unchanged(whole_, cut, tile); });
+        merge(cut, results);
+        return !monitor_->stopped();
+    }
+
+    // Calls look(patch, tile, triangles) in the same way and changes nothing; triangles[f] is the triangle of the whole mesh
+    // that is face f of the patch. After a cancellation patches may have been left out, unless `all`.
+    template <class Look>
+    bool visit(const Tiling& tiling, Look&& look, bool all = false) {
+        const detail::Cut cut = detail::cut(whole_, tiling);
+        run(cut, [&](Patch<C>& patch, std::size_t tile) { look(patch, tile, cut.triangles.data() + cut.first[tile]); },
+            [](std::size_t) {}, all);
+        return !monitor_->stopped();
+    }
+
+  private:
+    // The patches that have triangles, the largest first; skip(tile) instead of work(patch, tile) once cancelled.
+    template <class Work, class Skip>
+    void run(const detail::Cut& cut, Work&& work, Skip&& skip, bool all = false) {
+        const auto count = [&](std::size_t k) { return cut.first[k + 1] - cut.first[k]; };
+        std::vector<std::size_t> tiles;
+        for (std::size_t k = 0; k + 1 < cut.first.size(); ++k)
+            if (count(k) > 0) tiles.push_back(k);
+        std::sort(tiles.begin(), tiles.end(), [&](std::size_t a, std::size_t b) {
+            return count(a) != count(b) ? count(a) > count(b) : a < b;
+        });
+        (*parallel_for_)(tiles.size(), [&](std::size_t i) {
+            const std::size_t k = tiles[i];
+            if (!monitor_->poll() && !all) return skip(k);
+            Pulse pulse(*monitor_, static_cast<double>(count(k)) / static_cast<double>(whole_.triangles.size()));
+            const bool only = tiles.size() == 1;
+            Patch<C> patch(whole_, *source_, cut, k, limits_, &pulse, only ? std::move(table_) : MomentTable<C>());
+            work(patch, k);
+            if (only) table_ = patch.take_table();
+        });
+    }
+
+    void merge(const detail::Cut& cut, const std::vector<detail::PatchResult<C>>& results) {
+        WholeMesh<C> merged;
+        merged.width = whole_.width;
+        merged.height = whole_.height;
+        std::vector<std::size_t> first_vertex(results.size() + 1, cut.frozen_count), first_triangle(results.size() + 1, 0);
+        for (std::size_t k = 0; k < results.size(); ++k) {
+            first_vertex[k + 1] = first_vertex[k] + results[k].positions.size();
+            first_triangle[k + 1] = first_triangle[k] + results[k].triangles.size();
+            merged.energy += results[k].energy;
+        }
+        merged.positions.resize(first_vertex.back());
+        merged.colors.resize(first_vertex.back());
+        merged.due.resize(first_vertex.back());
+        merged.triangles.resize(first_triangle.back());
+        for (std::size_t v = 0; v < whole_.vertex_count(); ++v) {
+            if (cut.owner[v] != detail::Cut::frozen) continue;
+            merged.positions[cut.number[v]] = whole_.positions[v];
+            merged.colors[cut.number[v]] = whole_.colors[v];
+        }
+        (*parallel_for_)(results.size(), [&](std::size_t k) {
+            const detail::PatchResult<C>& result = results[k];
+            const auto to = static_cast<std::ptrdiff_t>(first_vertex[k]);
+            std::copy(result.positions.begin(), result.positions.end(), merged.positions.begin() + to);
+            std::copy(result.colors.begin(), result.colors.end(), merged.colors.begin() + to);
+            std::copy(result.due.begin(), result.due.end(), merged.due.begin() + to);
+            const std::size_t free = result.positions.size();
+            for (std::size_t t = 0; t < result.triangles.size(); ++t)
+                for (std::size_t c = 0; c < 3; ++c) {
+                    const std::uint32_t v = result.triangles[t][c];
+                    merged.triangles[first_triangle[k] + t][c] =
+                        v < free ? static_cast<std::uint32_t>(first_vertex[k]) + v : cut.number[result.frozen[v - free]];
+                }
+        });
+        for (const detail::PatchResult<C>& result : results)
+            for (const std::uint32_t v : result.frozen_due) merged.due[cut.number[v]] = 1;
+        whole_ = std::move(merged);
+    }
+
+    const ImageSource<C>* source_;
+    MeshLimits limits_;
+    Monitor* monitor_;
+    const ParallelFor* parallel_for_;
+    WholeMesh<C> whole_;
+    MomentTable<C> table_;  // of the whole image, where one patch is all of it: made once
+};
+
+}  // namespace hmesh
+
+#endif  // HMESH_FIT_PATCHWORK_HPP

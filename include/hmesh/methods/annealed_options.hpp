@@ -1,0 +1,93 @@
+// hmesh - what the method `annealed` can be told, and what the four efforts mean.
+#ifndef HMESH_METHODS_ANNEALED_OPTIONS_HPP
+#define HMESH_METHODS_ANNEALED_OPTIONS_HPP
+
+#include <cstdint>
+
+#include "hmesh/core/status.hpp"
+#include "hmesh/fit/annealing.hpp"
+#include "hmesh/fit/relaxation.hpp"
+#include "hmesh/fit/vertices.hpp"
+
+namespace hmesh {
+
+// How much work goes into a mesh, counted in steps, never in seconds.
+enum class Effort : std::uint8_t {
+    draft,   // greedy insertion
+    fast,    // insertion of twice as many, then removal: about +2 dB
+    normal,  // then 12 sweeps of annealing: about +1 dB
+    best,    // 400 sweeps
+};
+
+struct AnnealedOptions {
+    double overshoot = 2;     // o: vertices placed before the collapse, in units of the target; 1 for none
+    double start = 0.3;       // vertices of the first grid, share of those placed
+    double growth = 0.2;      // vertices inserted at a time, share of those there
+    double shrinkage = 0.15;  // vertices removed at a time, share of those there
+    int growth_sweeps = 2;    // after each insertion
+    int polish_rounds = 2;    // flips and a sweep, at the end
+    // While the mesh grows, small gains wait: the next insertion changes the neighbourhood anyway. Against the tight
+    // {1e-3, 0} this buys a second sweep for the time of one, +0.2 dB.
+    Tolerance growth_flips{3e-2, 0};
+    Tolerance growth_visits{5e-2, 5e-3};
+    Tolerance polish{1e-3, 5e-3};
+    Relaxation relaxation{1, 1e-3};  // around each removal
+    AnnealingOptions annealing;      // sweeps = 0: none
+    std::uint64_t seed = 1;          // of the annealing
+};
+
+// The options that make an effort.
+[[nodiscard]] inline AnnealedOptions annealed_options(Effort effort) noexcept {
+    AnnealedOptions options;
+    switch (effort) {
+        case Effort::draft:
+            options.overshoot = 1;
+            options.growth = 0.3;
+            options.polish_rounds = 0;
+            options.annealing.sweeps = 0;
+            break;
+        case Effort::fast:
+            options.polish_rounds = 3;
+            options.annealing.sweeps = 0;
+            break;
+        case Effort::normal: break;
+        case Effort::best:
+            options.overshoot = 4;
+            options.annealing.sweeps = 400;
+            options.annealing.temperature = 0.5;
+            options.annealing.cooling = 2;
+            options.annealing.exchange = 0.3;
+            break;
+    }
+    return options;
+}
+
+// Whether the options mean something; the sentence names the first that does not.
+[[nodiscard]] inline Status check(const AnnealedOptions& options) noexcept {
+    const auto bad = [](const char* what) -> Status { return {Errc::invalid_argument, what, 0, 0}; };
+    const auto within = [](double value, double low, double high) { return value >= low && value <= high; };  // false for NaN
+    const AnnealingOptions& annealing = options.annealing;
+    if (!within(options.overshoot, 1, 100)) return bad("annealed.overshoot must be in [1, 100]");
+    if (!within(options.start, 0, 1)) return bad("annealed.start must be in [0, 1]");
+    if (!within(options.growth, 1e-3, 10)) return bad("annealed.growth must be in [0.001, 10]");
+    if (!within(options.shrinkage, 1e-3, 1)) return bad("annealed.shrinkage must be in [0.001, 1]");
+    if (!within(options.growth_sweeps, 0, 1000)) return bad("annealed.growth_sweeps must be in [0, 1000]");
+    if (!within(options.polish_rounds, 0, 1000)) return bad("annealed.polish_rounds must be in [0, 1000]");
+    if (!within(options.relaxation.rounds, 0, 100)) return bad("annealed.relaxation.rounds must be in [0, 100]");
+    for (const Tolerance& t : {options.growth_flips, options.growth_visits, options.polish})
+        if (!within(t.spread, 0, 1e6) || !within(t.least, 0, 1e6)) return bad("annealed tolerances must be in [0, 1e6]");
+    if (!within(annealing.sweeps, 0, 1e6)) return bad("annealing.sweeps must be in [0, 1e6]");
+    if (!within(annealing.temperature, 0, 1e3)) return bad("annealing.temperature must be in [0, 1000]");
+    if (!within(annealing.cooling, 0, 100)) return bad("annealing.cooling must be in [0, 100]");
+    if (!within(annealing.exchange, 0, 1) || !within(annealing.jump, 0, 1)) return bad("annealing probabilities must be in [0, 1]");
+    if (!within(annealing.jump_reach, 0, 1)) return bad("annealing.jump_reach must be in [0, 1]");
+    if (!within(annealing.start_price, 1e-6, 1e6)) return bad("annealing.start_price must be in [1e-6, 1e6]");
+    for (const double screen : {annealing.removal_screen, annealing.insertion_screen, annealing.flip_screen})
+        if (!within(screen, 0, 1e6)) return bad("annealing screens must be in [0, 1e6]");
+    if (!within(annealing.band, 0, 1)) return bad("annealing.band must be in [0, 1]");
+    return {};
+}
+
+}  // namespace hmesh
+
+#endif  // HMESH_METHODS_ANNEALED_OPTIONS_HPP
