@@ -120,7 +120,7 @@ int weighted_mistakes(const MomentTable<C>& table, const ImageView<T, C>& view, 
             };
             const T* pixel = view.pixel(rect.x + x, rect.y + y);
             const long double w =
-                static_cast<long double>(*weights.pixel(rect.x + x, rect.y + y)) * static_cast<long double>(unit);
+                hmesh::WeightScale(unit, view.width, view.height)(*weights.pixel(rect.x + x, rect.y + y));
             for (int c = 0; c < C; ++c) {
                 const long double value = PixelTraits<T>::to_real(pixel[c]);
                 add(c, w * value);

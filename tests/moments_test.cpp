@@ -264,8 +264,8 @@ double weighted_difference(const ImageView<T, C>& view, const ImageView<float, 1
                            const Rect& rect, const PlaneMesh& mesh) {
     const MomentTable<C> table(view, weights, unit, rect);
     const auto add = [&](WeightedSums<C>& sums, int x, int y) {
-        const long double weight = static_cast<long double>(*weights.pixel(rect.x + x, rect.y + y));
-        sums.add(view.pixel(rect.x + x, rect.y + y), weight * static_cast<long double>(unit), x, y);
+        const hmesh::WeightScale scale(unit, view.width, view.height);
+        sums.add(view.pixel(rect.x + x, rect.y + y), scale(*weights.pixel(rect.x + x, rect.y + y)), x, y);
     };
     WeightedSums<C> whole;
     for (int y = 0; y < rect.height; ++y)
@@ -479,6 +479,23 @@ TEST_CASE("weights of 1 give the moments of a table without weights, bit for bit
         edge_moments(empty, a, b, none);
         wrong += !same_numbers(one, other);
         wrong += !same_numbers(none, Moments<3>::zero());
+    }
+    CHECK(wrong == 0);
+}
+
+TEST_CASE("faces without weight have no moments at all, whatever the weights beside them, for 8-bit samples") {
+    const Image<std::uint8_t, 3> image = hmesh_test::noise<std::uint8_t, 3>(600, 400, 3);
+    Image<float, 1> weights = hmesh_test::random_weights(600, 400, 4);
+    for (int y = 0; y < 400; ++y)
+        for (int x = 300; x < 600; ++x) *weights.pixel(x, y) = 0;
+    const MomentTable<3> table(image.view(), weights.view(), 1.0 / 37, image.view().bounds());
+    Random random(5);
+    int wrong = 0;
+    for (int i = 0; i < 3000; ++i) {
+        const double top = 368 * random.uniform();
+        const auto draw = [&] { return Point{300 + 300 * random.uniform(), top + 32 * random.uniform()}; };
+        const Point corner[3] = {draw(), draw(), draw()};
+        wrong += !same_numbers(face_moments(table, corner), Moments<3>::zero());
     }
     CHECK(wrong == 0);
 }

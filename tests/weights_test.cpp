@@ -19,6 +19,7 @@ using hmesh::ImageView;
 using hmesh::Status;
 using hmesh::weight_sum;
 using hmesh::weight_unit;
+using hmesh::WeightScale;
 
 namespace {
 
@@ -107,12 +108,46 @@ TEST_CASE("weight_unit makes the largest weight 1, whatever its size, and is 1 w
         }
 }
 
+TEST_CASE("WeightScale rounds scaled weights to a step that is fine for small images and never coarser than 1/256") {
+    const auto digits = [](int width, int height) {
+        const WeightScale scale(1, width, height);
+        CHECK(scale(0.0F) == 0);
+        CHECK(scale(1.0F) == 1);
+        hmesh::Random random(1);
+        for (int k = 0; k < 1000; ++k) {
+            const auto weight = static_cast<float>(random.uniform());
+            const double rounded = scale(weight), steps = rounded / scale.step();
+            CHECK(std::floor(steps) == steps);
+            CHECK(std::abs(rounded - static_cast<double>(weight)) <= 0.5 * scale.step());
+        }
+        return -std::log2(scale.step());
+    };
+    CHECK(digits(1, 1) == 24);
+    CHECK(digits(61, 52) == 24);
+    CHECK(digits(512, 512) == 20);
+    CHECK(digits(4000, 3000) == 12);
+    CHECK(digits(65536, 4096) == 8);
+    CHECK(digits(4096, 65536) == 8);
+    CHECK(digits(65536, 1) == 8);
+}
+
+TEST_CASE("scaled weights do not depend on the unit of the weights, and 0 stays 0") {
+    hmesh::Random random(2);
+    for (int k = 0; k < 1000; ++k) {
+        const double weight = static_cast<double>(random.below(256));
+        const WeightScale scale(1.0 / 255, 600, 400);
+        CHECK(scale(static_cast<float>(weight)) == WeightScale(1.0 / 1020, 600, 400)(static_cast<float>(4 * weight)));
+        CHECK((scale(static_cast<float>(weight)) == 0) == (weight == 0));
+    }
+    CHECK(WeightScale(1.0 / 255, 600, 400)(255.0F) == 1);
+}
+
 TEST_CASE("weight_sum adds the scaled weights, to the same bits in any order of the work") {
     const Image<float, 1> weights = hmesh_test::noise<float, 1>(57, 131, 3);
     long double expected = 0;
     for (const float weight : weights.samples()) expected += static_cast<long double>(weight) * 0.37L;
     const double sum = weight_sum(weights.view(), 0.37, 57, 131);
-    CHECK(std::abs(static_cast<long double>(sum) - expected) < 1e-13L * expected);
+    CHECK(std::abs(static_cast<long double>(sum) - expected) <= 57 * 131 * 0.5L * static_cast<long double>(WeightScale(0.37, 57, 131).step()));
     CHECK(weight_sum(weights.view(), 0.37, 57, 131, hmesh_test::ReverseFor()) == sum);
     for (std::uint64_t seed = 1; seed <= 5; ++seed)
         CHECK(weight_sum(weights.view(), 0.37, 57, 131, hmesh_test::ShuffledFor{seed}) == sum);

@@ -5,7 +5,6 @@
 #define HMESH_HMESH_HPP
 
 #include "hmesh/core/version.hpp"
-#include "hmesh/image/weights.hpp"
 #include "hmesh/io/ply.hpp"
 #include "hmesh/mesh_image.hpp"
 #include "hmesh/render.hpp"

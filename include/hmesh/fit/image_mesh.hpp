@@ -65,8 +65,10 @@ class ImageMesh {
     // The squared error over the pixels of a face, summed over channels; and over all faces.
     [[nodiscard]] double energy(Face f) const noexcept { return energies_[f.index()]; }
     [[nodiscard]] double energy() const noexcept { return energy_; }
-    // The mean energy of a vertex: the scale of all tolerances.
-    [[nodiscard]] double mean_energy() const noexcept { return energy_ / static_cast<double>(vertex_count()); }
+    // The mean energy of a vertex: the scale of all tolerances; 0 where rounding left less.
+    [[nodiscard]] double mean_energy() const noexcept {
+        return std::max(0.0, energy_) / static_cast<double>(vertex_count());
+    }
 
     // The moments of a half-edge (those of its edge, with a sign), written to or added to `out`.
     HMESH_ALWAYS_INLINE void moments(Halfedge h, Moments<C>& out) const {

@@ -16,9 +16,10 @@
 //
 //     w i  and  w i^2,
 //
-// which follow from x where all weights are 1, stand in an array of their own. All are doubles then, and rounded. The
-// samples themselves cannot be had back from sums with weights of 0: they are kept as floats. Cost: 2 * lanes_for(C + 1)
-// + 2 doubles and C floats a pixel, that is 92 bytes for RGB.
+// which follow from x where all weights are 1, stand in an array of their own. All are doubles then, as exact as those
+// without weights, because WeightScale rounds the weights. The samples themselves cannot be had back from sums with
+// weights of 0: they are kept as floats. Cost: 2 * lanes_for(C + 1) + 2 doubles and C floats a pixel, that is 92 bytes
+// for RGB.
 #ifndef HMESH_IMAGE_MOMENT_TABLE_HPP
 #define HMESH_IMAGE_MOMENT_TABLE_HPP
 
@@ -31,6 +32,7 @@
 #include "hmesh/core/lanes.hpp"
 #include "hmesh/core/parallel.hpp"
 #include "hmesh/image/image_view.hpp"
+#include "hmesh/image/weights.hpp"
 
 namespace hmesh {
 
@@ -47,8 +49,9 @@ class MomentTable {
     explicit MomentTable(const ImageView<T, C>& view, const Rect& rect, const ParallelFor& parallel_for = {})
         : MomentTable(view, ImageView<float, 1>(), 1.0, rect, parallel_for) {}
 
-    // The same with pixel (i, j) of the view counting `unit` times weights (i, j), which check_weights() accepts for it
-    // and of which the largest times `unit` is to be about 1, see weight_unit(). Without data: all pixels count alike.
+    // The same with pixel (i, j) of the view counting WeightScale(unit, width, height) of weights (i, j) times, width and
+    // height those of the view. check_weights() accepts the weights, and the largest times `unit` is at most about 1, see
+    // weight_unit(). Without data: all pixels count alike.
     template <class T, class ParallelFor = SerialFor>
     MomentTable(const ImageView<T, C>& view, const ImageView<float, 1>& weights, double unit, const Rect& rect,
                 const ParallelFor& parallel_for = {})
@@ -73,7 +76,8 @@ class MomentTable {
         }
         power_entries_.reset(new double[size / lanes]);
         samples_.reset(new float[sample_count()]);
-        for_each_row(parallel_for, [&](int y) { fill_weighted_row(view, weights, unit, rect, y); });
+        const WeightScale scale(unit, view.width, view.height);
+        for_each_row(parallel_for, [&](int y) { fill_weighted_row(view, weights, scale, rect, y); });
     }
 
     [[nodiscard]] int width() const noexcept { return width_; }
@@ -173,8 +177,8 @@ class MomentTable {
     }
 
     template <class T>
-    void fill_weighted_row(const ImageView<T, C>& view, const ImageView<float, 1>& weights, double unit,
-                           const Rect& rect, int y) const {
+    void fill_weighted_row(const ImageView<T, C>& view, const ImageView<float, 1>& weights,
+                           const WeightScale& scale, const Rect& rect, int y) const {
         const T* pixel = view.pixel(rect.x, rect.y + y);
         const float* weight = weights.pixel(rect.x, rect.y + y);
         float* samples = samples_.get() + sample_offset(0, y);
@@ -185,7 +189,7 @@ class MomentTable {
             for (int k = 0; k < entry_size; ++k) entry[k] = sum[k];
             for (int k = 0; k < 2; ++k) entry_powers[k] = powers[k];
             if (x == width_) break;
-            const double w = unit * static_cast<double>(*weight);
+            const double w = scale(*weight);
             double square = 0;
             for (int c = 0; c < C; ++c) {
                 const double value = PixelTraits<T>::to_real(pixel[c]), part = w * value;
