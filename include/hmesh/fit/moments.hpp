@@ -9,8 +9,8 @@
 // beyond widths of 8,192 px at as many rows; edges of a fitted mesh cross few rows and stay far below.
 //
 // Over a weighted table each pixel counts as often as its weight says, in all of these sums ("number of pixels" is then a
-// sum of weights). They are multiples of the weights' step, and exact as long as they stay below 2^53 of it; beyond, where
-// no pixel counts, some 1e-16 of the sums to the left may remain, of either sign.
+// sum of weights). They are multiples of the weights' step, and exact as long as they stay below 2^53 of it; beyond,
+// where no pixel counts, some 1e-16 of the sums to the left may remain, of either sign.
 //
 // Pixels have integer coordinates here: pixel (i, j) of the table's rectangle is the point (i, j), half a pixel off the
 // plane's (i + 1/2, j + 1/2).

@@ -181,8 +181,8 @@ template <int C>
     return true;
 }
 
-// The colour that minimises the ring's energy, with the ridge toward `current`, kept within [low, high]. A sum of squares
-// that rounding of weighted sums made negative counts as 0.
+// The colour that minimises the ring's energy, with the ridge toward `current`, kept within [low, high]. A sum of
+// squares that rounding of weighted sums made negative counts as 0.
 template <int C>
 [[nodiscard]] HMESH_ALWAYS_INLINE Color<C> best_color(const RingFit<C>& fit, const Color<C>& current, double ridge,
                                                       double low, double high) {

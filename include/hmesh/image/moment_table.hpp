@@ -49,9 +49,9 @@ class MomentTable {
     explicit MomentTable(const ImageView<T, C>& view, const Rect& rect, const ParallelFor& parallel_for = {})
         : MomentTable(view, ImageView<float, 1>(), 1.0, rect, parallel_for) {}
 
-    // The same with pixel (i, j) of the view counting WeightScale(unit, width, height) of weights (i, j) times, width and
-    // height those of the view. check_weights() accepts the weights, and the largest times `unit` is at most about 1, see
-    // weight_unit(). Without data: all pixels count alike.
+    // The same with pixel (i, j) of the view counting WeightScale(unit, width, height) of weight (i, j) times, width and
+    // height those of the view. check_weights() accepts the weights, and the largest times `unit` is at most about 1,
+    // see weight_unit(). Without data: all pixels count alike.
     template <class T, class ParallelFor = SerialFor>
     MomentTable(const ImageView<T, C>& view, const ImageView<float, 1>& weights, double unit, const Rect& rect,
                 const ParallelFor& parallel_for = {})

@@ -2,8 +2,8 @@
 //
 // Weights are a second image of the same size with one float a pixel, >= 0; a view without data means that all pixels
 // count alike. Their unit is free: weight_unit() makes the largest 1, so that what is measured in pixels (ridges, mean
-// energies) keeps its meaning. Scaled weights are rounded to a step, a power of two between 2^-24 and 2^-8, so that sums
-// over them are exact and cancel like those of pixels that all count 1, see WeightScale.
+// energies) keeps its meaning. Scaled weights are rounded to a step, a power of two between 2^-24 and 2^-8, so that
+// sums over them are exact and cancel like those of pixels that all count 1, see WeightScale.
 #ifndef HMESH_IMAGE_WEIGHTS_HPP
 #define HMESH_IMAGE_WEIGHTS_HPP
 
@@ -70,9 +70,9 @@ template <class ParallelFor = SerialFor>
 //
 // Without that the moments of a face would keep the rounding of the sums over all pixels to its left. Its energy takes
 // them times the squares of the picture's slopes, and slivers, whose slopes reach 1e4 a pixel, would win by rounding
-// alone. The step is as fine as lets sums of w x^2, w x y, w y^2 stay below 2^53 steps along edges that cross 32 rows of
-// the image (longer ones may be rounded): 2^-20 at 512 x 512 px, 2^-12 at 4000 x 3000. Sums of 8-bit samples are exact
-// then too. Weights below half a step count as 0.
+// alone. The step is as fine as lets sums of w x^2, w x y, w y^2 stay below 2^53 steps along edges that cross 32 rows
+// of the image (longer ones may be rounded): 2^-20 at 512 x 512 px, 2^-12 at 4000 x 3000. Sums of 8-bit samples are
+// exact then too. Weights below half a step count as 0.
 class WeightScale {
   public:
     WeightScale(double unit, int width, int height) noexcept {
