@@ -8,9 +8,9 @@
 // left in its rows reaches 2^53 at C p = 2^21 for 16-bit samples (their squares), 2^37 for 8-bit ones, and in x^2 sums
 // beyond widths of 8,192 px at as many rows; edges of a fitted mesh cross few rows and stay far below.
 //
-// Over a weighted table each pixel counts as often as its weight says, in all of these sums ("number of pixels" is then a
-// sum of weights). They are multiples of the weights' step, and exact as long as they stay below 2^53 of it; beyond,
-// where no pixel counts, some 1e-16 of the sums to the left may remain, of either sign.
+// Over a weighted table each pixel counts as often as its weight says, in all of these sums ("number of pixels" is then
+// a sum of weights). Those without samples are multiples of the weights' step, exact as long as they stay below 2^53
+// of it; beyond, where no pixel counts, some 1e-16 of the sums to the left may remain, of either sign.
 //
 // Pixels have integer coordinates here: pixel (i, j) of the table's rectangle is the point (i, j), half a pixel off the
 // plane's (i + 1/2, j + 1/2).

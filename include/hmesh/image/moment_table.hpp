@@ -12,12 +12,12 @@
 // about 5 ns a pixel to build. Entries of one column strip of 2 pixels are contiguous down the rows, because walks run
 // down edges: this keeps them in few cache lines and pages.
 //
-// Pixels may have weights. Then each of these sums carries the weight w of its pixel ("1" becomes w), and two more sums,
+// Pixels may have weights. Then each of these sums carries the weight w of its pixel (1 becomes w), and two more sums,
 //
 //     w i  and  w i^2,
 //
-// which follow from x where all weights are 1, stand in an array of their own. All are doubles then, as exact as those
-// without weights, because WeightScale rounds the weights. The samples themselves cannot be had back from sums with
+// which follow from x where all weights are 1, stand in an array of their own. All are doubles then, exact for 8-bit
+// samples, because WeightScale rounds the weights. The samples themselves cannot be had back from sums with
 // weights of 0: they are kept as floats. Cost: 2 * lanes_for(C + 1) + 2 doubles and C floats a pixel, that is 92 bytes
 // for RGB.
 #ifndef HMESH_IMAGE_MOMENT_TABLE_HPP
@@ -49,8 +49,8 @@ class MomentTable {
     explicit MomentTable(const ImageView<T, C>& view, const Rect& rect, const ParallelFor& parallel_for = {})
         : MomentTable(view, ImageView<float, 1>(), 1.0, rect, parallel_for) {}
 
-    // The same with pixel (i, j) of the view counting WeightScale(unit, width, height) of weight (i, j) times, width and
-    // height those of the view. check_weights() accepts the weights, and the largest times `unit` is at most about 1,
+    // The same with pixel (i, j) of the view counting WeightScale(unit, width, height) of weight (i, j) times, width
+    // and height those of the view. check_weights() accepts the weights; the largest times `unit` is at most about 1,
     // see weight_unit(). Without data: all pixels count alike.
     template <class T, class ParallelFor = SerialFor>
     MomentTable(const ImageView<T, C>& view, const ImageView<float, 1>& weights, double unit, const Rect& rect,
