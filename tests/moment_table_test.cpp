@@ -95,6 +95,56 @@ bool same_bits(const MomentTable<C>& a, const MomentTable<C>& b) {
     return true;
 }
 
+// How many numbers of a weighted table differ from sums over the view's pixels by more than 1e-13 of the sum of their
+// terms' magnitudes.
+template <class T, int C>
+int weighted_mistakes(const MomentTable<C>& table, const ImageView<T, C>& view, const ImageView<float, 1>& weights,
+                      double unit, const Rect& rect) {
+    int wrong = table.width() != rect.width || table.height() != rect.height;
+    wrong += !table.is_weighted() || table.is_narrow();
+    for (int y = 0; y < rect.height; ++y) {
+        long double sum[2 * (C + 1) + 2] = {}, size[2 * (C + 1) + 2] = {};
+        for (int x = 0; x <= rect.width; ++x) {
+            const auto compare = [&](double got, int i) {
+                wrong += !(std::abs(static_cast<long double>(got) - sum[i]) <= 1e-13L * size[i]);
+            };
+            for (int k = 0; k < MomentTable<C>::entry_size; ++k) {
+                const int half = k / MomentTable<C>::lanes, c = k % MomentTable<C>::lanes;
+                if (c > C) wrong += number(table, x, y, k) != 0;  // padding
+                else compare(number(table, x, y, k), half * (C + 1) + c);
+            }
+            for (int k = 0; k < 2; ++k) compare(table.powers(table.offset(x, y))[k], 2 * (C + 1) + k);
+            if (x == rect.width) break;
+            const auto add = [&](int i, long double value) {
+                sum[i] += value;
+                size[i] += std::abs(value);
+            };
+            const T* pixel = view.pixel(rect.x + x, rect.y + y);
+            const long double w =
+                hmesh::WeightScale(unit, view.width, view.height)(*weights.pixel(rect.x + x, rect.y + y));
+            for (int c = 0; c < C; ++c) {
+                const long double value = PixelTraits<T>::to_real(pixel[c]);
+                add(c, w * value);
+                add(C + 1 + c, w * x * value);
+                add(2 * C + 1, w * value * value);
+            }
+            add(C, w);
+            add(2 * C + 2, w * x);
+            add(2 * C + 3, w * x * x);
+        }
+    }
+    return wrong;
+}
+
+template <int C>
+bool same_powers(const MomentTable<C>& a, const MomentTable<C>& b) {
+    for (int y = 0; y < a.height(); ++y)
+        for (int x = 0; x <= a.width(); ++x)
+            for (int k = 0; k < 2; ++k)
+                if (a.powers(a.offset(x, y))[k] != b.powers(b.offset(x, y))[k]) return false;
+    return true;
+}
+
 }  // namespace
 
 TEST_CASE_TEMPLATE(
@@ -206,6 +256,86 @@ TEST_CASE_TEMPLATE("MomentTable::pixel gives the samples back, and zeros in the 
             }
         }
     CHECK(wrong == 0);
+}
+
+TEST_CASE_TEMPLATE("a weighted MomentTable holds the weighted prefix sums of each row, for weights that may be 0", K,
+                   Kind<std::uint8_t, 1>, Kind<std::uint8_t, 2>, Kind<std::uint8_t, 3>, Kind<std::uint8_t, 4>,
+                   Kind<std::uint8_t, 8>, Kind<std::uint16_t, 1>, Kind<std::uint16_t, 3>, Kind<std::uint16_t, 8>,
+                   Kind<float, 1>, Kind<float, 2>, Kind<float, 3>, Kind<float, 4>, Kind<Signed, 2>) {
+    using T = typename K::T;
+    constexpr int n = K::channels;
+    for (const int width : {1, 2, 3, 7, 16, 33})
+        for (const int height : {1, 2, 37}) {
+            const Image<T, n> image = hmesh_test::noise<T, n>(width, height, 1);
+            const Image<float, 1> weights = hmesh_test::random_weights(width, height, 2), zeros(width, height);
+            const Rect whole = image.view().bounds();
+            for (const double unit : {1.0, 1.0 / 37}) {
+                const MomentTable<n> table(image.view(), weights.view(), unit, whole);
+                CHECK(weighted_mistakes(table, image.view(), weights.view(), unit, whole) == 0);
+            }
+            const MomentTable<n> empty(image.view(), zeros.view(), 1, whole);
+            CHECK(weighted_mistakes(empty, image.view(), zeros.view(), 1, whole) == 0);
+            if (width < 7) continue;
+            const Rect rect{2, height / 2, width - 3, height - height / 2};
+            const MomentTable<n> part(image.view(), weights.view(), 0.5, rect);
+            CHECK(weighted_mistakes(part, image.view(), weights.view(), 0.5, rect) == 0);
+        }
+}
+
+TEST_CASE_TEMPLATE("a MomentTable with weights that have no data is the table without weights", K,
+                   Kind<std::uint8_t, 3>, Kind<std::uint16_t, 1>, Kind<float, 2>) {
+    using T = typename K::T;
+    constexpr int n = K::channels;
+    const Image<T, n> image = hmesh_test::noise<T, n>(45, 20, 4);
+    const Rect rect{3, 5, 40, 11};
+    const MomentTable<n> table(image.view(), ImageView<float, 1>{}, 0.25, rect), plain(image.view(), rect);
+    CHECK_FALSE(table.is_weighted());
+    CHECK_FALSE(plain.is_weighted());
+    CHECK(same_bits(table, plain));
+    CHECK(table.bytes() == plain.bytes());
+    CHECK(mistakes(table, image.view(), rect) == 0);
+}
+
+TEST_CASE("a weighted MomentTable depends on pixels and weights alone: not on strides, nor on the order of the work") {
+    const Image<std::uint8_t, 3> image = hmesh_test::noise<std::uint8_t, 3>(45, 70, 4);
+    const Image<float, 1> weights = hmesh_test::random_weights(45, 70, 5);
+    const hmesh_test::PaddedCopy<float, 1> copy(weights, 3, true, std::numeric_limits<float>::quiet_NaN());
+    const Rect rect{3, 5, 40, 61};
+    const MomentTable<3> table(image.view(), weights.view(), 0.3, rect);
+    const auto same = [&](const MomentTable<3>& other) { return same_bits(other, table) && same_powers(other, table); };
+    CHECK(same(MomentTable<3>(image.view(), copy.view(), 0.3, rect)));
+    CHECK(same(MomentTable<3>(image.view(), weights.view(), 0.3, rect, hmesh_test::ReverseFor())));
+    for (std::uint64_t seed = 1; seed <= 5; ++seed)
+        CHECK(same(MomentTable<3>(image.view(), weights.view(), 0.3, rect, hmesh_test::ShuffledFor{seed})));
+}
+
+TEST_CASE_TEMPLATE("MomentTable::pixel gives the samples back whatever the weights, also of 0", K,
+                   Kind<std::uint8_t, 1>, Kind<std::uint8_t, 3>, Kind<std::uint16_t, 4>, Kind<float, 2>) {
+    using T = typename K::T;
+    constexpr int n = K::channels;
+    const Image<T, n> image = hmesh_test::noise<T, n>(31, 9, 5);
+    const Rect rect{4, 2, 25, 6};
+    int wrong = 0;
+    for (const Image<float, 1>& weights : {hmesh_test::random_weights(31, 9, 6), Image<float, 1>(31, 9)}) {
+        const MomentTable<n> table(image.view(), weights.view(), 0.7, rect);
+        for (int y = 0; y < rect.height; ++y)
+            for (int x = 0; x < rect.width; ++x) {
+                hmesh::Lanes<MomentTable<n>::lanes> samples = hmesh::Lanes<MomentTable<n>::lanes>::all(99);
+                table.pixel(x, y, samples);
+                for (int k = 0; k < MomentTable<n>::lanes; ++k)
+                    wrong += samples[k] !=
+                             (k < n ? PixelTraits<T>::to_real(image.pixel(rect.x + x, rect.y + y)[k]) : 0.0);
+            }
+    }
+    CHECK(wrong == 0);
+}
+
+TEST_CASE("a weighted MomentTable takes 92 bytes a pixel for RGB, and less than 8 columns more") {
+    const Image<std::uint8_t, 3> image(100, 50);
+    const Image<float, 1> weights(100, 50);
+    const MomentTable<3> table(image.view(), weights.view(), 1, image.view().bounds());
+    CHECK(table.bytes() >= 92U * 100 * 50);
+    CHECK(table.bytes() <= 92U * 108 * 50);
 }
 
 TEST_CASE("MomentTable takes 32 bytes a pixel for 8-bit RGB, and less than 8 columns more") {

@@ -215,6 +215,93 @@ void compare(const ImageView<T, C>& view, const Rect& rect, const PlaneMesh& mes
     for (const int count : owners) findings.wrong_pixels += count != 1;
 }
 
+// --- the same with weights ---
+
+template <int C>
+struct WeightedSums {
+    long double s[C + 1] = {}, sx[C + 1] = {}, sy[C + 1] = {}, q[4] = {};
+
+    template <class T>
+    void add(const T* pixel, long double weight, int x, int y) {
+        for (int c = 0; c <= C; ++c) {
+            const long double value = c < C ? static_cast<long double>(PixelTraits<T>::to_real(pixel[c])) : 1.0L;
+            s[c] += weight * value;
+            sx[c] += weight * x * value;
+            sy[c] += weight * y * value;
+            if (c < C) q[3] += weight * value * value;
+        }
+        q[0] += weight * x * x;
+        q[1] += weight * x * y;
+        q[2] += weight * y * y;
+    }
+};
+
+// The largest difference between numbers that should agree, relative to those of `scale`.
+template <int C>
+double difference(const Moments<C>& got, const WeightedSums<C>& want, const WeightedSums<C>& scale) {
+    double largest = 0;
+    const auto compare = [&](double a, long double b, long double size) {
+        const double error = static_cast<double>(std::abs(static_cast<long double>(a) - b));
+        if (!(error <= 0)) largest = std::max(largest, size > 0 ? error / static_cast<double>(size) : 1e300);
+    };
+    for (int c = 0; c <= C; ++c) {
+        compare(got.s[c], want.s[c], scale.s[c]);
+        compare(got.sx[c], want.sx[c], scale.sx[c]);
+        compare(got.sy[c], want.sy[c], scale.sy[c]);
+    }
+    for (int c = C + 1; c < hmesh::lanes_for(C + 1); ++c) {
+        compare(got.s[c], 0, 0);
+        compare(got.sx[c], 0, 0);
+        compare(got.sy[c], 0, 0);
+    }
+    for (int k = 0; k < 4; ++k) compare(got.q[k], want.q[k], scale.q[k]);
+    return largest;
+}
+
+// Every face and every edge of a mesh over `rect` of a weighted view; the largest difference found.
+template <class T, int C>
+double weighted_difference(const ImageView<T, C>& view, const ImageView<float, 1>& weights, double unit,
+                           const Rect& rect, const PlaneMesh& mesh) {
+    const MomentTable<C> table(view, weights, unit, rect);
+    const auto add = [&](WeightedSums<C>& sums, int x, int y) {
+        const hmesh::WeightScale scale(unit, view.width, view.height);
+        sums.add(view.pixel(rect.x + x, rect.y + y), scale(*weights.pixel(rect.x + x, rect.y + y)), x, y);
+    };
+    WeightedSums<C> whole;
+    for (int y = 0; y < rect.height; ++y)
+        for (int x = 0; x < rect.width; ++x) add(whole, x, y);
+    double largest = 0;
+    Moments<C> total = Moments<C>::zero();
+    for (const hmesh::Face f : mesh.topology.faces()) {
+        const auto v = mesh.topology.vertices(f);
+        const Point corner[3] = {mesh.at(v[0]), mesh.at(v[1]), mesh.at(v[2])};
+        WeightedSums<C> expected;
+        for (int y = 0; y < rect.height; ++y)
+            for (int x = 0; x < rect.width; ++x)
+                if (owns(corner, x, y)) add(expected, x, y);
+        const Moments<C> got = face_moments(table, corner);
+        largest = std::max(largest, difference(got, expected, whole));
+        total += got;
+        for (std::size_t k = 0; k < 3; ++k) {
+            Point a = corner[k], b = corner[(k + 1) % 3];
+            Moments<C> edge;
+            edge_moments(table, a, b, edge);
+            if (b.y < a.y) {
+                std::swap(a, b);
+                edge *= -1;
+            }
+            WeightedSums<C> left;
+            for (int y = 0; y < rect.height; ++y)
+                for (int x = 0; x < rect.width && a.y < y + 0.5 && y + 0.5 <= b.y; ++x)
+                    if (cross(a, b, {x + 0.5, y + 0.5}) > 0) add(left, x, y);
+            // A centre at the height of an end belongs to the edge below it.
+            if (a.y - std::floor(a.y) != 0.5 && b.y - std::floor(b.y) != 0.5)
+                largest = std::max(largest, difference(edge, left, whole));
+        }
+    }
+    return std::max(largest, difference(total, whole, whole));
+}
+
 Point random_point(Random& random, int width, int height, Positions where) {
     const Point p{random.uniform() * width, random.uniform() * height};
     return where == Positions::on_grid ? hmesh::snap(p) : p;
@@ -349,6 +436,85 @@ TEST_CASE_TEMPLATE("a table of a rectangle gives the moments of its pixels in lo
     CHECK(findings.wrong_faces == 0);
     CHECK(findings.wrong_pixels == 0);
     CHECK(findings.wrong_sums == 0);
+}
+
+TEST_CASE_TEMPLATE("over a weighted table, edges and faces have the weighted moments of their pixels", K,
+                   Kind<std::uint8_t, 1>, Kind<std::uint8_t, 2>, Kind<std::uint8_t, 3>, Kind<std::uint8_t, 4>,
+                   Kind<std::uint8_t, 8>, Kind<std::uint16_t, 1>, Kind<std::uint16_t, 3>, Kind<std::uint16_t, 8>,
+                   Kind<float, 1>, Kind<float, 2>, Kind<float, 3>, Kind<float, 4>, Kind<float, 8>) {
+    using T = typename K::T;
+    constexpr int n = K::channels;
+    for (const Rect& size : {Rect{0, 0, 1, 1}, Rect{0, 0, 1, 6}, Rect{0, 0, 5, 1}, Rect{0, 0, 37, 29}}) {
+        const Image<T, n> image = hmesh_test::noise<T, n>(size.width, size.height, 1);
+        for (std::uint64_t seed = 1; seed <= 3; ++seed) {
+            const Image<float, 1> weights = hmesh_test::random_weights(size.width, size.height, seed);
+            const Positions where = seed == 1 ? Positions::on_grid : Positions::off_grid;
+            const int cells = size.width > 20 ? 4 : 1;
+            const PlaneMesh mesh = random_mesh(size.width, size.height, cells, cells, where, seed);
+            CHECK(weighted_difference(image.view(), weights.view(), 1.0 / 37, size, mesh) <= 1e-13);
+        }
+    }
+    const Image<T, n> image = hmesh_test::noise<T, n>(60, 50, 7);
+    const Image<float, 1> weights = hmesh_test::random_weights(60, 50, 4);
+    for (const Rect& rect : {Rect{11, 7, 30, 33}, Rect{59, 0, 1, 50}, Rect{0, 49, 60, 1}}) {
+        const PlaneMesh mesh = random_mesh(rect.width, rect.height, 3, 2, Positions::off_grid, 8);
+        CHECK(weighted_difference(image.view(), weights.view(), 0.3, rect, mesh) <= 1e-13);
+    }
+}
+
+TEST_CASE("weights of 1 give the moments of a table without weights, bit for bit, and weights of 0 none") {
+    const Image<std::uint8_t, 3> image = hmesh_test::noise<std::uint8_t, 3>(40, 30, 3);
+    const Image<float, 1> ones = hmesh_test::constant_image<float, 1>(40, 30, 1), zeros(40, 30);
+    const Rect rect = image.view().bounds();
+    const MomentTable<3> plain(image.view(), rect), weighted(image.view(), ones.view(), 1, rect),
+        empty(image.view(), zeros.view(), 1, rect);
+    Random random(4);
+    int wrong = 0;
+    for (int i = 0; i < 3000; ++i) {
+        const Positions where = i % 2 == 0 ? Positions::on_grid : Positions::off_grid;
+        const Point a = random_point(random, 40, 30, where), b = random_point(random, 40, 30, where);
+        Moments<3> one, other, none;
+        edge_moments(plain, a, b, one);
+        edge_moments(weighted, a, b, other);
+        edge_moments(empty, a, b, none);
+        wrong += !same_numbers(one, other);
+        wrong += !same_numbers(none, Moments<3>::zero());
+    }
+    CHECK(wrong == 0);
+}
+
+TEST_CASE("faces without weight have no moments at all, whatever the weights beside them, for 8-bit samples") {
+    const Image<std::uint8_t, 3> image = hmesh_test::noise<std::uint8_t, 3>(600, 400, 3);
+    Image<float, 1> weights = hmesh_test::random_weights(600, 400, 4);
+    for (int y = 0; y < 400; ++y)
+        for (int x = 300; x < 600; ++x) *weights.pixel(x, y) = 0;
+    const MomentTable<3> table(image.view(), weights.view(), 1.0 / 37, image.view().bounds());
+    Random random(5);
+    int wrong = 0;
+    for (int i = 0; i < 3000; ++i) {
+        const double top = 368 * random.uniform();
+        const auto draw = [&] { return Point{300 + 300 * random.uniform(), top + 32 * random.uniform()}; };
+        const Point corner[3] = {draw(), draw(), draw()};
+        wrong += !same_numbers(face_moments(table, corner), Moments<3>::zero());
+    }
+    CHECK(wrong == 0);
+}
+
+TEST_CASE("over a weighted table, edge_moments(a, b) is the negative of edge_moments(b, a), bit for bit") {
+    const Image<float, 3> image = hmesh_test::noise<float, 3>(40, 30, 3);
+    const Image<float, 1> weights = hmesh_test::random_weights(40, 30, 4);
+    const MomentTable<3> table(image.view(), weights.view(), 0.3, image.view().bounds());
+    Random random(4);
+    int wrong = 0;
+    for (int i = 0; i < 3000; ++i) {
+        const Point a = random_point(random, 40, 30, Positions::off_grid);
+        const Point b = random_point(random, 40, 30, Positions::off_grid);
+        Moments<3> down, up;
+        edge_moments(table, a, b, down);
+        edge_moments(table, b, a, up);
+        wrong += !same_numbers(down, up, -1);
+    }
+    CHECK(wrong == 0);
 }
 
 TEST_CASE("moments add, subtract and scale number by number") {

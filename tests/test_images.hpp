@@ -56,6 +56,16 @@ template <class T, int C>
     return draw<T, C>(width, height, [&random](int, int, int) { return random.uniform(); });
 }
 
+// Weights of pixels: random, of very different sizes, and 0 in single pixels and in a block that touches no border.
+[[nodiscard]] inline hmesh::Image<float, 1> random_weights(int width, int height, std::uint64_t seed) {
+    hmesh::Random random(seed);
+    return draw<float, 1>(width, height, [&](int x, int y, int) {
+        const double weight = random.uniform(), shrink = random.below(4) == 0 ? 1e-3 : 1;
+        const bool in_block = 4 * x > width && 4 * x < 3 * width && 4 * y > height && 4 * y < 3 * height;
+        return in_block || random.below(10) == 0 ? 0.0 : 37 * weight * shrink;
+    });
+}
+
 // What a photograph is made of: smooth shading, objects with sharp and with soft edges, a little texture.
 class Scene {
   public:

@@ -11,10 +11,13 @@
 
 #if defined(__GNUC__)
 #define HMESH_ALWAYS_INLINE inline __attribute__((always_inline))
+#define HMESH_NEVER_INLINE __attribute__((noinline))
 #elif defined(_MSC_VER)
 #define HMESH_ALWAYS_INLINE __forceinline
+#define HMESH_NEVER_INLINE __declspec(noinline)
 #else
 #define HMESH_ALWAYS_INLINE inline
+#define HMESH_NEVER_INLINE
 #endif
 
 namespace hmesh {

@@ -125,7 +125,7 @@ template <int C>
 void sum_corners(const Moments<C>& m, Point v0, Point v1, Point v2, CornerSums<C>& out0, CornerSums<C>& out1,
                  CornerSums<C>& out2) {
     const double n = m.s[C];
-    if (n == 0) return;  // sums of float samples leave rounding where there is no pixel
+    if (!(n > least_weight)) return;  // sums of float samples and of weights leave rounding where there is no pixel
     const double ax = v1.x - v0.x, ay = v1.y - v0.y, bx = v2.x - v0.x, by = v2.y - v0.y;
     const double inverse = 1 / (ax * by - ay * bx), inverse2 = inverse * inverse;
     const double ox = v0.x - 0.5, oy = v0.y - 0.5;  // the origin in pixel coordinates
@@ -153,6 +153,10 @@ void sum_corners(const Moments<C>& m, Point v0, Point v1, Point v2, CornerSums<C
     out0.image = m.s - out1.image - out2.image;
     out0.x = n * v0.x + sx - out1.x - out2.x;
     out0.y = n * v0.y + sy - out1.y - out2.y;
+    // Rounding of weighted sums may have made squares negative.
+    out0.square = std::max(0.0, out0.square);
+    out1.square = std::max(0.0, out1.square);
+    out2.square = std::max(0.0, out2.square);
 }
 
 // The corners of face f, the first being that which topology().halfedge(f) leaves.

@@ -89,9 +89,9 @@ class ImageMesh {
     [[nodiscard]] double energy(Face f) const noexcept { return energies_[f.index()]; }
     [[nodiscard]] double energy() const noexcept { return energy_; }
     // The mean energy of a vertex, of the whole mesh if this is a patch: the scale of all tolerances, or easy patches
-    // would be polished for nothing.
+    // would be polished for nothing; 0 where rounding left less.
     [[nodiscard]] double mean_energy() const noexcept {
-        return surroundings_.scale * energy_ / static_cast<double>(vertex_count());
+        return surroundings_.scale * std::max(0.0, energy_) / static_cast<double>(vertex_count());
     }
     // To be called by long work every few microseconds; where it says false, the work ends as it is.
     [[nodiscard]] bool beat() const { return surroundings_.pulse == nullptr || surroundings_.pulse->beat(); }

@@ -8,11 +8,16 @@
 // left in its rows reaches 2^53 at C p = 2^21 for 16-bit samples (their squares), 2^37 for 8-bit ones, and in x^2 sums
 // beyond widths of 8,192 px at as many rows; edges of a fitted mesh cross few rows and stay far below.
 //
+// Over a weighted table each pixel counts as often as its weight says, in all of these sums ("number of pixels" is then
+// a sum of weights). Those without samples are multiples of the weights' step, exact as long as they stay below 2^53
+// of it; beyond, where no pixel counts, some 1e-16 of the sums to the left may remain, of either sign.
+//
 // Pixels have integer coordinates here: pixel (i, j) of the table's rectangle is the point (i, j), half a pixel off the
 // plane's (i + 1/2, j + 1/2).
 #ifndef HMESH_FIT_MOMENTS_HPP
 #define HMESH_FIT_MOMENTS_HPP
 
+#include <cstddef>
 #include <cstdint>
 #include <utility>
 
@@ -48,6 +53,9 @@ struct Moments {
         return *this;
     }
 };
+
+// Pixels that together count for less count for nothing: it may be the rounding of weighted sums. In pixels.
+inline constexpr double least_weight = 1e-9;
 
 namespace detail {
 
@@ -85,6 +93,39 @@ HMESH_ALWAYS_INLINE void walk(const MomentTable<C>& table, Point a, Point b, dou
     m.q.set(3, sign * squares);
 }
 
+// The same over a weighted table. Not for inlining: the two walks above are to stay as small and as fast as they are.
+template <int C>
+HMESH_NEVER_INLINE void weighted_walk(const MomentTable<C>& table, Point a, Point b, double sign, Moments<C>& m) {
+    using Channels = typename Moments<C>::Channels;
+    const int first = first_row(a.y), last = first_row(b.y);
+    Channels s = Channels::zero(), sx = s, sy = s;
+    double x1 = 0, x2 = 0, xy = 0, yy = 0;
+    if (first < last) {
+        const RowCrossing crossing(a, b);
+        const double* entries = table.template entries<double>();
+        for (int j = first; j < last; ++j) {
+            const std::size_t at = table.offset(crossing.column(j), j);
+            const double* powers = table.powers(at);
+            const double y = j;
+            const Channels low = Channels::load(entries + at);
+            s += low;
+            sx += Channels::load(entries + at + MomentTable<C>::lanes);
+            sy += low * y;
+            x1 += powers[0];
+            x2 += powers[1];
+            xy += powers[0] * y;
+            yy += y * y * low[C];
+        }
+    }
+    const double squares = sx[C];
+    sx.set(C, x1);
+    m.s = s * sign, m.sx = sx * sign, m.sy = sy * sign;
+    m.q.set(0, sign * x2);
+    m.q.set(1, sign * xy);
+    m.q.set(2, sign * yy);
+    m.q.set(3, sign * squares);
+}
+
 }  // namespace detail
 
 // The moments of the pixels left of the edge from a to b, positive where it runs down (to larger y), negative where it
@@ -98,7 +139,8 @@ HMESH_ALWAYS_INLINE void edge_moments(const MomentTable<C>& table, Point a, Poin
         sign = -1;
     }
     if (table.is_narrow()) detail::walk<C, std::int32_t>(table, a, b, sign, m);
-    else detail::walk<C, double>(table, a, b, sign, m);
+    else if (!table.is_weighted()) detail::walk<C, double>(table, a, b, sign, m);
+    else detail::weighted_walk(table, a, b, sign, m);
 }
 
 }  // namespace hmesh

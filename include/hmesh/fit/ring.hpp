@@ -154,6 +154,14 @@ HMESH_ALWAYS_INLINE void walk_spokes(const MomentTable<C>& table, const Ring<C>&
     for (int i = 0; i < ring.size; ++i) edge_moments(table, v, ring.neighbour[i]->position, spokes.spoke[i]);
 }
 
+// How many pixels the ring holds: over a weighted table the sum of their weights, with its rounding.
+template <int C>
+[[nodiscard]] inline double ring_weight(const Ring<C>& ring, const Spokes<C>& spokes) noexcept {
+    double sum = ring.open ? spokes.spoke[ring.size - 1].s[C] - spokes.spoke[0].s[C] : 0.0;
+    for (int i = ring.first_face(); i < ring.size; ++i) sum += ring.link[i].s[C];
+    return sum;
+}
+
 // All faces of the ring with the centre at v. False when one is smaller than min_cross.
 template <int C>
 [[nodiscard]] HMESH_ALWAYS_INLINE bool fit_ring(const Ring<C>& ring, const Spokes<C>& spokes, Point v, double min_cross,
@@ -175,11 +183,12 @@ template <int C>
     return true;
 }
 
-// The colour that minimises the ring's energy, with the ridge toward `current`, kept within [low, high].
+// The colour that minimises the ring's energy, with the ridge toward `current`, kept within [low, high]. A sum of
+// squares that rounding of weighted sums made negative counts as 0.
 template <int C>
 [[nodiscard]] HMESH_ALWAYS_INLINE Color<C> best_color(const RingFit<C>& fit, const Color<C>& current, double ridge,
                                                       double low, double high) {
-    Color<C> c = (fit.b + ridge * current) * (1 / (fit.a + ridge));
+    Color<C> c = (fit.b + ridge * current) * (1 / ((fit.a > 0 ? fit.a : 0.0) + ridge));
     c.clamp(low, high);
     for (int k = C; k < lanes_for(C + 1); ++k) c.set(k, 0);
     return c;
@@ -212,7 +221,7 @@ template <int C>
         mean1 += a1;
         mean2 += a2;
     }
-    const double inverse_a = 1 / (fit.a + 1e-3);
+    const double inverse_a = 1 / ((fit.a > 0 ? fit.a : 0.0) + 1e-3);
     const Vec m1 = mean1 * inverse_a, m2 = mean2 * inverse_a;
     const double gx = g1.sum(), gy = g2.sum();
     double xx = (h11 - m1 * mean1).sum(), xy = (h12 - m1 * mean2).sum(), yy = (h22 - m2 * mean2).sum();
@@ -222,6 +231,7 @@ template <int C>
     if (!(trace > 1e-24 * fit.squares)) return step;
     xx += damping;
     yy += damping;
+    if (!(xx > 0 && yy > 0)) return step;  // what rounding of weighted sums left
     if (mobility == Mobility::along_x) {
         step.dx = -gx / xx;
     } else if (mobility == Mobility::along_y) {

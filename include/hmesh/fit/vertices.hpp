@@ -58,6 +58,11 @@ RingOutcome optimise_centre(const ImageMesh<C>& mesh, RingWork<C>& work, Mobilit
     const MeshLimits& limits = mesh.limits();
     RingFit<C> fit;
     if (!fit_ring(work.ring, work.spokes, centre.position, limits.min_cross, work.faces, fit)) return RingOutcome::degenerate;
+    // A ring without weight wants nothing: it is not to chase the rounding of its sums.
+    if (mesh.table().is_weighted() && !(ring_weight(work.ring, work.spokes) > least_weight)) {
+        centre.energy = fit.energy(centre.color);
+        return RingOutcome::recolored;
+    }
     centre.color = best_color(fit, centre.color, limits.ridge, mesh.color_low(), mesh.color_high());
     centre.energy = fit.energy(centre.color);
     if (!may_move || mobility == Mobility::fixed) return RingOutcome::recolored;

@@ -11,6 +11,15 @@
 // doubles, exact for 16-bit samples too. Cost: 2 * lanes_for(C + 1) numbers a pixel, that is 32 bytes for 8-bit RGB, and
 // about 5 ns a pixel to build. Entries of one column strip of 2 pixels are contiguous down the rows, because walks run
 // down edges: this keeps them in few cache lines and pages.
+//
+// Pixels may have weights. Then each of these sums carries the weight w of its pixel (1 becomes w), and two more sums,
+//
+//     w i  and  w i^2,
+//
+// which follow from x where all weights are 1, stand in an array of their own. All are doubles then, exact for 8-bit
+// samples, because WeightScale rounds the weights. The samples themselves cannot be had back from sums with
+// weights of 0: they are kept as floats. Cost: 2 * lanes_for(C + 1) + 2 doubles and C floats a pixel, that is 92 bytes
+// for RGB.
 #ifndef HMESH_IMAGE_MOMENT_TABLE_HPP
 #define HMESH_IMAGE_MOMENT_TABLE_HPP
 
@@ -23,6 +32,7 @@
 #include "hmesh/core/lanes.hpp"
 #include "hmesh/core/parallel.hpp"
 #include "hmesh/image/image_view.hpp"
+#include "hmesh/image/weights.hpp"
 
 namespace hmesh {
 
@@ -37,9 +47,19 @@ class MomentTable {
     // The table of `rect`, which must lie in a view that check() accepts. Rows are independent pieces of work.
     template <class T, class ParallelFor = SerialFor>
     explicit MomentTable(const ImageView<T, C>& view, const Rect& rect, const ParallelFor& parallel_for = {})
-        : width_(rect.width), height_(rect.height), narrow_(fits_32_bits<T>(rect.width)) {
+        : MomentTable(view, ImageView<float, 1>(), 1.0, rect, parallel_for) {}
+
+    // The same with pixel (i, j) of the view counting WeightScale(unit, width, height) of weight (i, j) times, width
+    // and height those of the view. check_weights() accepts the weights; the largest times `unit` is at most about 1,
+    // see weight_unit(). Without data: all pixels count alike.
+    template <class T, class ParallelFor = SerialFor>
+    MomentTable(const ImageView<T, C>& view, const ImageView<float, 1>& weights, double unit, const Rect& rect,
+                const ParallelFor& parallel_for = {})
+        : width_(rect.width), height_(rect.height), weighted_(weights.data != nullptr),
+          narrow_(!weighted_ && fits_32_bits<T>(rect.width)) {
         HMESH_ASSERT(rect.x >= 0 && rect.y >= 0 && rect.width >= 1 && rect.height >= 1);
         HMESH_ASSERT(rect.width <= view.width - rect.x && rect.height <= view.height - rect.y);
+        HMESH_ASSERT(!weighted_ || (weights.width == view.width && weights.height == view.height));
         strip_size_ = static_cast<std::size_t>(height_) * strip_width * entry_size;
         const std::size_t size = (static_cast<std::size_t>(width_) / strip_width + 1) * strip_size_;
         // Not initialised: fill writes all that is ever read.
@@ -47,21 +67,36 @@ class MomentTable {
         if (narrow_) {
             narrow_entries_.reset(new std::int32_t[size]);
             fill(view, rect, parallel_for, narrow_entries_.get());
-        } else {
-            wide_entries_.reset(new double[size]);
-            fill(view, rect, parallel_for, wide_entries_.get());
+            return;
         }
+        wide_entries_.reset(new double[size]);
+        if (!weighted_) {
+            fill(view, rect, parallel_for, wide_entries_.get());
+            return;
+        }
+        power_entries_.reset(new double[size / lanes]);
+        samples_.reset(new float[sample_count()]);
+        const WeightScale scale(unit, view.width, view.height);
+        for_each_row(parallel_for, [&](int y) { fill_weighted_row(view, weights, scale, rect, y); });
     }
 
     [[nodiscard]] int width() const noexcept { return width_; }
     [[nodiscard]] int height() const noexcept { return height_; }
     [[nodiscard]] bool is_narrow() const noexcept { return narrow_; }  // 32-bit integers or doubles?
+    [[nodiscard]] bool is_weighted() const noexcept { return weighted_; }
     [[nodiscard]] std::size_t bytes() const noexcept {
-        return size_ * (narrow_ ? sizeof(std::int32_t) : sizeof(double));
+        if (narrow_) return size_ * sizeof(std::int32_t);
+        if (!weighted_) return size_ * sizeof(double);
+        return (size_ + size_ / lanes) * sizeof(double) + sample_count() * sizeof(float);
     }
 
-    // The samples of pixel (x, y), 0 <= x < width, 0 <= y < height, and 0 in the lanes above them.
+    // The samples of pixel (x, y), 0 <= x < width, 0 <= y < height, whatever its weight, and 0 in the lanes above them.
     void pixel(int x, int y, Lanes<lanes>& out) const noexcept {
+        if (weighted_) {
+            const float* samples = samples_.get() + sample_offset(x, y);
+            for (int c = 0; c < lanes; ++c) out.set(c, c < C ? static_cast<double>(samples[c]) : 0.0);
+            return;
+        }
         const auto sample = [&](const auto* entries) {
             for (int c = 0; c < lanes; ++c)
                 out.set(c, c < C ? static_cast<double>(entries[offset(x + 1, y) + static_cast<std::size_t>(c)] -
@@ -82,6 +117,10 @@ class MomentTable {
         return static_cast<std::size_t>(x / strip_width) * strip_size_ +
                static_cast<std::size_t>(y * strip_width + x % strip_width) * entry_size;
     }
+    // Of a table that is_weighted(): the sums of w i and w i^2 that belong to the entry at this offset.
+    [[nodiscard]] HMESH_ALWAYS_INLINE const double* powers(std::size_t offset) const noexcept {
+        return power_entries_.get() + offset / lanes;
+    }
 
   private:
     static constexpr int strip_width = 2;
@@ -94,11 +133,21 @@ class MomentTable {
         return highest * w * (w - 1) / 2 <= largest && C * highest * highest * w <= largest;
     }
 
+    [[nodiscard]] std::size_t sample_offset(int x, int y) const noexcept {
+        return (static_cast<std::size_t>(y) * static_cast<std::size_t>(width_) + static_cast<std::size_t>(x)) * C;
+    }
+    [[nodiscard]] std::size_t sample_count() const noexcept { return sample_offset(0, height_); }
+
+    template <class ParallelFor, class Body>
+    void for_each_row(const ParallelFor& parallel_for, Body&& body) const {
+        for_each_chunk(parallel_for, static_cast<std::size_t>(height_), 16, [&](std::size_t begin, std::size_t end) {
+            for (std::size_t y = begin; y < end; ++y) body(static_cast<int>(y));
+        });
+    }
+
     template <class T, class ParallelFor, class N>
     void fill(const ImageView<T, C>& view, const Rect& rect, const ParallelFor& parallel_for, N* entries) const {
-        for_each_chunk(parallel_for, static_cast<std::size_t>(height_), 16, [&](std::size_t begin, std::size_t end) {
-            for (std::size_t y = begin; y < end; ++y) fill_row(view, rect, static_cast<int>(y), entries);
-        });
+        for_each_row(parallel_for, [&](int y) { fill_row(view, rect, y, entries); });
     }
 
     template <class T, class N>
@@ -127,12 +176,44 @@ class MomentTable {
         }
     }
 
+    template <class T>
+    void fill_weighted_row(const ImageView<T, C>& view, const ImageView<float, 1>& weights,
+                           const WeightScale& scale, const Rect& rect, int y) const {
+        const T* pixel = view.pixel(rect.x, rect.y + y);
+        const float* weight = weights.pixel(rect.x, rect.y + y);
+        float* samples = samples_.get() + sample_offset(0, y);
+        double sum[entry_size] = {}, powers[2] = {};
+        for (int x = 0;; ++x, pixel += C, samples += C, ++weight) {
+            double* entry = wide_entries_.get() + offset(x, y);
+            double* entry_powers = power_entries_.get() + offset(x, y) / lanes;
+            for (int k = 0; k < entry_size; ++k) entry[k] = sum[k];
+            for (int k = 0; k < 2; ++k) entry_powers[k] = powers[k];
+            if (x == width_) break;
+            const double w = scale(*weight);
+            double square = 0;
+            for (int c = 0; c < C; ++c) {
+                const double value = PixelTraits<T>::to_real(pixel[c]), part = w * value;
+                samples[c] = static_cast<float>(value);
+                sum[c] += part;
+                sum[lanes + c] += x * part;
+                square += value * value;
+            }
+            sum[C] += w;
+            sum[lanes + C] += w * square;
+            powers[0] += x * w;
+            powers[1] += static_cast<double>(x) * x * w;
+        }
+    }
+
     int width_ = 0, height_ = 0;
+    bool weighted_ = false;
     bool narrow_ = true;
     std::size_t strip_size_ = 0;
     std::size_t size_ = 0;
     std::unique_ptr<std::int32_t[]> narrow_entries_;
     std::unique_ptr<double[]> wide_entries_;
+    std::unique_ptr<double[]> power_entries_;  // of weighted tables: w i, w i^2
+    std::unique_ptr<float[]> samples_;         // likewise: I_0 .. I_{C-1}, row after row
 };
 
 }  // namespace hmesh
