@@ -1,4 +1,4 @@
-// threads - meshes hmesh's own scene on one thread and on all cores, and says what each took and that the bytes are equal.
+// threads - meshes hmesh's own scene on one thread and on all cores: what each takes, and that the bytes are equal.
 #include <chrono>
 #include <cstdint>
 #include <cstdio>
