@@ -30,7 +30,7 @@ inline constexpr char help[] =
     "  --vertices N          the mesh has N vertices\n"
     "  --rate PERCENT        the mesh has PERCENT vertices for 100 pixels (default: 1)\n"
     "  --psnr DB             the mesh has as few vertices as reach this PSNR\n"
-    "  --effort NAME         draft, fast, normal or best: how long to look for a better mesh (default: fast)\n"
+    "  --effort NAME         draft, fast, normal or best: how long to look for a better mesh (default: normal)\n"
     "  --method NAME         annealed (default)\n"
     "  --seed N              of the random numbers; the same seed gives the same mesh (default: 1)\n"
     "  --weights FILE        an image of the same size: how much each pixel counts, black nothing, white fully\n"

@@ -228,7 +228,8 @@ for file in mesh.ply second.PLY render.png wire.png report.json; do
     check "stdout names the file written: $file" grep -Eq "^written +$file\$" out
 done
 check "the report is JSON" is_json report.json
-for key in version input width height channels bits method effort seed weights tile target status vertices faces psnr psnr_convention energy seconds stages; do
+for key in version input width height channels bits method effort seed weights tile target status \
+    vertices faces psnr psnr_convention energy seconds stages; do
     check "the report holds $key" grep -q "^  \"$key\": " report.json
 done
 check "the report's width is the image's" has report.json width 96
@@ -329,7 +330,7 @@ if command -v script >/dev/null && script -qec true /dev/null >/dev/null 2>&1 </
     script -qec "'$hmesh' picture.png --vertices 100 --quiet" /dev/null >out 2>err </dev/null
     check "--quiet draws no progress bar" test ! -s out
 fi
-# interrupt SECONDS FILE ARGUMENTS...: runs hmesh on FILE and sends SIGINT when it has run that long. Leaves $status, err.
+# interrupt SECONDS ARGUMENTS...: runs hmesh and sends SIGINT after so many seconds; leaves $status, out and err.
 interrupt() {
     local seconds=$1
     shift
