@@ -18,6 +18,7 @@ namespace example {
 inline constexpr char usage[] =
     "usage: hmesh INPUT [-o FILE]... [--vertices N | --rate PERCENT | --psnr DB]\n"
     "             [--effort draft|fast|normal|best] [--method NAME] [--seed N]\n"
+    "             [--weights FILE] [--tile N] [--threads N]\n"
     "             [--render FILE.png] [--wireframe FILE.png] [--report FILE.json] [--quiet]\n";
 
 inline constexpr char help[] =
@@ -29,9 +30,13 @@ inline constexpr char help[] =
     "  --vertices N          the mesh has N vertices\n"
     "  --rate PERCENT        the mesh has PERCENT vertices for 100 pixels (default: 1)\n"
     "  --psnr DB             the mesh has as few vertices as reach this PSNR\n"
-    "  --effort NAME         draft, fast, normal or best: how long to look for a better mesh (default: fast)\n"
+    "  --effort NAME         draft, fast, normal or best: how long to look for a better mesh (default: normal)\n"
     "  --method NAME         annealed (default)\n"
     "  --seed N              of the random numbers; the same seed gives the same mesh (default: 1)\n"
+    "  --weights FILE        an image of the same size: how much each pixel counts, black nothing, white fully\n"
+    "                        (of colours the mean, without alpha)\n"
+    "  --tile N              mesh large images in tiles of about N px, 64 to 65536 (default: 256)\n"
+    "  --threads N           work on N threads, 1 to 1024; the mesh is the same for all N (default: 0, all cores)\n"
     "  --render FILE.png     draw the mesh\n"
     "  --wireframe FILE.png  draw the mesh with its edges, at twice the size up to 2048 px\n"
     "  --report FILE.json    write figures of the mesh and of each stage\n"
@@ -65,8 +70,10 @@ template <class Value, std::size_t n>
 struct Arguments {
     std::string input;
     std::vector<std::string> meshes;
+    std::string weights;  // a file; empty: none
     std::string render, wireframe, report;
     hmesh::Options options;
+    unsigned threads = 0;             // 0: all cores
     std::string target = "--rate 1";  // as typed
     bool quiet = false, help = false, version = false;
 };
@@ -99,6 +106,13 @@ template <class Value, std::size_t n>
     errno = 0;
     value = is_integer(text) ? std::strtoll(text.c_str(), nullptr, 10) : 0;
     return is_integer(text) && errno == 0 ? "" : option + " '" + text + "' is not a whole number";
+}
+
+[[nodiscard]] inline std::string parse_in_range(const std::string& option, const std::string& text, int least, int most,
+                                                std::int64_t& value) {
+    if (const std::string why = parse_integer(option, text, value); !why.empty()) return why;
+    if (value >= least && value <= most) return {};
+    return option + " '" + text + "' must be from " + to_string(least) + " to " + to_string(most);
 }
 
 [[nodiscard]] inline std::string parse_seed(const std::string& option, const std::string& text, std::uint64_t& value) {
@@ -143,6 +157,20 @@ template <class Value, std::size_t n>
     return why;
 }
 
+[[nodiscard]] inline std::string set_threads(const std::string& option, const std::string& text, unsigned& threads) {
+    std::int64_t number = 0;
+    const std::string why = parse_in_range(option, text, 0, 1024, number);
+    threads = static_cast<unsigned>(number);
+    return why;
+}
+
+[[nodiscard]] inline std::string set_tile(const std::string& option, const std::string& text, int& tile) {
+    std::int64_t side = 0;
+    const std::string why = parse_in_range(option, text, 64, hmesh::max_side, side);
+    tile = static_cast<int>(side);
+    return why;
+}
+
 // Sets an option that takes a value.
 [[nodiscard]] inline std::string set(const std::string& option, const std::string& text, Arguments& out) {
     if (text.empty()) return option + " needs a value that is not empty";
@@ -154,15 +182,18 @@ template <class Value, std::size_t n>
     if (option == "--effort") return find_name(efforts, option, text, out.options.effort);
     if (option == "--method") return find_name(methods, option, text, out.options.method);
     if (option == "--seed") return parse_seed(option, text, out.options.seed);
+    if (option == "--tile") return set_tile(option, text, out.options.tile);
+    if (option == "--threads") return set_threads(option, text, out.threads);
     if (option == "--render") return set_png(option, text, out.render);
     if (option == "--wireframe") return set_png(option, text, out.wireframe);
-    out.report = text;
+    (option == "--weights" ? out.weights : out.report) = text;
     return {};
 }
 
 [[nodiscard]] inline bool takes_value(const std::string& option) {
-    static constexpr const char* names[] = {"-o",       "--output", "--vertices", "--rate",      "--psnr",  "--effort",
-                                            "--method", "--seed",   "--render",   "--wireframe", "--report"};
+    static constexpr const char* names[] = {"-o",        "--output", "--vertices",  "--rate",    "--psnr",
+                                            "--effort",  "--method", "--seed",      "--weights", "--tile",
+                                            "--threads", "--render", "--wireframe", "--report"};
     return std::any_of(std::begin(names), std::end(names), [&](const char* name) { return option == name; });
 }
 

@@ -1,6 +1,7 @@
 // hmesh - the command: an image file becomes a mesh. See `hmesh --help`.
 #include <cstdio>
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <system_error>
 #include <vector>
@@ -12,6 +13,8 @@
 #include "output_file.hpp"
 #include "progress_watch.hpp"
 #include "report.hpp"
+#include "thread_pool.hpp"
+#include "weights.hpp"
 
 namespace example {
 namespace {
@@ -38,13 +41,15 @@ bool is_same_file(const std::string& a, const std::string& b) {
     return a == b || std::filesystem::equivalent(a, b, none) || (full(a) == full(b) && !full(a).empty());
 }
 
-// Whether an output would overwrite the input or another output. Devices may be named twice.
+// Whether an output would overwrite an input or another output. Devices may be named twice.
 std::string find_clash(const Arguments& arguments) {
     const std::vector<std::string> files = output_files(arguments);
     for (std::size_t i = 0; i < files.size(); ++i) {
         std::error_code none;
         if (std::filesystem::exists(files[i], none) && !std::filesystem::is_regular_file(files[i], none)) continue;
         if (is_same_file(files[i], arguments.input)) return "'" + files[i] + "' would overwrite the input";
+        if (!arguments.weights.empty() && is_same_file(files[i], arguments.weights))
+            return "'" + files[i] + "' would overwrite the weights";
         for (std::size_t k = 0; k < i; ++k)
             if (is_same_file(files[i], files[k])) return "'" + files[i] + "' is named for two outputs";
     }
@@ -110,18 +115,36 @@ void print_summary(const Arguments& arguments, const ImageFile& image, const Out
     for (const std::string& name : output_files(arguments)) std::printf("written   %s\n", name.c_str());
 }
 
+// Starts the pool. Returns "" or why not, as a sentence.
+std::string start(std::optional<ThreadPool>& pool, unsigned threads) {
+    try {
+        pool.emplace(threads);
+    } catch (const std::system_error& error) {
+        return "cannot start the threads: " + error.code().message();
+    }
+    return {};
+}
+
 int run(const Arguments& arguments) {
     catch_interrupt();
     if (const std::string clash = find_clash(arguments); !clash.empty()) return fail(wrong_usage, clash);
     ImageFile image;
     if (const std::string why = read_image(arguments.input, image); !why.empty())
         return fail(failed, "cannot read '" + arguments.input + "': " + why);
+    hmesh::Image<float, 1> weights;
+    if (!arguments.weights.empty()) {
+        const std::string why = read_weights(arguments.weights, image.width, image.height, weights);
+        if (!why.empty()) return fail(failed, why);
+    }
     if (const std::string why = find_unwritable(arguments); !why.empty()) return fail(failed, why);
+    std::optional<ThreadPool> pool;
+    if (const std::string why = start(pool, arguments.threads); !why.empty()) return fail(failed, why);
 
     ProgressWatch watch(!arguments.quiet && is_terminal(stderr));
     hmesh::Options options = arguments.options;
     options.progress = watch.progress();
-    const Outcome outcome = mesh_file(image, options);
+    if (!arguments.weights.empty()) options.weights = weights.view();
+    const Outcome outcome = mesh_file(image, options, *pool);
     const double seconds = watch.seconds();
     watch.finish();
 

@@ -1,5 +1,6 @@
 // examples - from types chosen at run time to hmesh's templates: meshes an ImageFile and draws the mesh, whatever the
-// bits and channels of the file. All eight instantiations of mesh_image are made here.
+// bits and channels of the file. All eight instantiations of mesh_image are made here, each with a ThreadPool, which may
+// have one thread.
 #ifndef HMESH_EXAMPLES_MESHING_HPP
 #define HMESH_EXAMPLES_MESHING_HPP
 
@@ -12,6 +13,7 @@
 #include "hmesh/mesh_image.hpp"
 #include "hmesh/render.hpp"
 #include "image_file.hpp"
+#include "thread_pool.hpp"
 #include "wireframe.hpp"
 
 namespace example {
@@ -35,10 +37,10 @@ struct Outcome {
 namespace detail {
 
 template <class T, int C>
-[[nodiscard]] Outcome mesh_samples(const ImageFile& image, const std::vector<T>& samples,
-                                   const hmesh::Options& options) {
+[[nodiscard]] Outcome mesh_samples(const ImageFile& image, const std::vector<T>& samples, const hmesh::Options& options,
+                                   const ThreadPool& pool) {
     const hmesh::ImageView<T, C> view{samples.data(), image.width, image.height, 0};
-    hmesh::Result<C> result = hmesh::mesh_image(view, options);
+    hmesh::Result<C> result = hmesh::mesh_image(view, options, pool);
     return {std::move(result.report),
             result.status,
             std::move(result.mesh.positions),
@@ -52,12 +54,12 @@ template <class T, int C>
 
 template <class T>
 [[nodiscard]] Outcome mesh_channels(const ImageFile& image, const std::vector<T>& samples,
-                                    const hmesh::Options& options) {
+                                    const hmesh::Options& options, const ThreadPool& pool) {
     switch (image.channels) {
-        case 1: return mesh_samples<T, 1>(image, samples, options);
-        case 2: return mesh_samples<T, 2>(image, samples, options);
-        case 3: return mesh_samples<T, 3>(image, samples, options);
-        default: return mesh_samples<T, 4>(image, samples, options);
+        case 1: return mesh_samples<T, 1>(image, samples, options, pool);
+        case 2: return mesh_samples<T, 2>(image, samples, options, pool);
+        case 3: return mesh_samples<T, 3>(image, samples, options, pool);
+        default: return mesh_samples<T, 4>(image, samples, options, pool);
     }
 }
 
@@ -92,9 +94,9 @@ template <int C>
 
 }  // namespace detail
 
-[[nodiscard]] inline Outcome mesh_file(const ImageFile& image, const hmesh::Options& options) {
-    return image.bits == 16 ? detail::mesh_channels(image, image.samples16, options)
-                            : detail::mesh_channels(image, image.samples8, options);
+[[nodiscard]] inline Outcome mesh_file(const ImageFile& image, const hmesh::Options& options, const ThreadPool& pool) {
+    return image.bits == 16 ? detail::mesh_channels(image, image.samples16, options, pool)
+                            : detail::mesh_channels(image, image.samples8, options, pool);
 }
 
 // The mesh drawn at 8 bits, with as many channels as it has.

@@ -3,6 +3,7 @@
 #ifndef HMESH_EXAMPLES_PROGRESS_WATCH_HPP
 #define HMESH_EXAMPLES_PROGRESS_WATCH_HPP
 
+#include <atomic>
 #include <chrono>
 #include <csignal>
 #include <cstddef>
@@ -29,16 +30,19 @@ namespace example {
 #endif
 }
 
-inline volatile std::sig_atomic_t interrupted = 0;
+// Set by a signal handler and read on any thread: hence atomic, and without a lock.
+inline std::atomic<bool> interrupted{false};
+static_assert(std::atomic<bool>::is_always_lock_free, "a signal handler must not wait for a lock");
 
 // From now on Ctrl-C sets `interrupted`; a second one ends the program at once.
 inline void catch_interrupt() {
     std::signal(SIGINT, [](int) {
-        interrupted = 1;
+        interrupted = true;
         std::signal(SIGINT, SIG_DFL);
     });
 }
 
+// Takes calls from any thread, one at a time, each after the one before it, as the library makes them: has no lock.
 class ProgressWatch {
   public:
     struct Stage {
@@ -94,8 +98,9 @@ class ProgressWatch {
             stage_begin_ = now;
         }
         stages_.back().last = info;
-        if (draws_ && (is_new || info.fraction >= 1 || seconds_between(last_draw_, now) > 0.1)) draw(info, now);
-        return interrupted == 0;
+        // Calls come every few milliseconds, and a terminal is slow.
+        if (draws_ && (drawn_ == 0 || seconds_between(last_draw_, now) > 0.1)) draw(info, now);
+        return !interrupted;
     }
 
     void end_stage(Clock::time_point now) {

@@ -100,6 +100,8 @@ namespace detail {
     line("method", detail::quoted(name_of(methods, arguments.options.method)));
     line("effort", detail::quoted(name_of(efforts, arguments.options.effort)));
     line("seed", std::to_string(arguments.options.seed));
+    line("weights", arguments.weights.empty() ? "null" : detail::quoted(arguments.weights));
+    line("tile", std::to_string(arguments.options.tile));
     line("target", detail::quoted(arguments.target));
     line("status", detail::quoted(outcome.status ? "ok" : outcome.status.what));
     line("vertices", std::to_string(outcome.report.vertices));

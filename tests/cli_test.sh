@@ -131,6 +131,14 @@ wrong "18446744073709551616" grey.pgm --seed 18446744073709551616
 wrong "--rate" grey.pgm --vertices 20 --rate 2
 wrong "--psnr" grey.pgm --rate 2 --psnr 30
 wrong "twice" grey.pgm --seed 1 --seed 2
+wrong "'-1' must be from 0 to 1024" grey.pgm --threads -1
+wrong "'1025' must be from 0 to 1024" grey.pgm --threads 1025
+wrong "'two' is not a whole number" grey.pgm --threads two
+wrong "'63' must be from 64 to 65536" grey.pgm --tile 63
+wrong "'65537' must be from 64 to 65536" grey.pgm --tile 65537
+wrong "'1e3' is not a whole number" grey.pgm --tile 1e3
+wrong "--weights needs a value" grey.pgm --weights
+wrong "twice" grey.pgm --weights grey.pgm --weights grey.pgm
 wrong "'slow' is not one of: draft, fast, normal, best" grey.pgm --effort slow
 wrong "'magic' is not one of: annealed" grey.pgm --method magic
 wrong "'mesh.xyz' must end in one of: .ply" grey.pgm -o mesh.xyz
@@ -140,6 +148,7 @@ wrong "'x' must end in .png" grey.pgm --wireframe x
 wrong "named for two outputs" grey.pgm -o a.ply -o ./a.ply
 wrong "named for two outputs" grey.pgm --render a.png --wireframe a.png
 wrong "overwrite the input" picture.png --render picture.png
+wrong "overwrite the weights" grey.pgm --weights picture.png --render ./picture.png
 check "a refused command line leaves the input as it was" cmp -s picture.png again.png
 check "refused command lines leave no file" test ! -e a.ply -a ! -e a.png
 
@@ -161,6 +170,9 @@ fails "'short.ppm': the file ends before its last pixel" short.ppm -o keep.ply
 fails "'huge.pgm': the image is too wide" huge.pgm -o keep.ply
 fails "'above.pgm'" above.pgm -o keep.ply
 fails "'.'" . -o keep.ply
+fails "'missing.png'" grey.pgm --weights missing.png -o keep.ply
+fails "'text.png'" grey.pgm --weights text.png -o keep.ply
+fails "'constant.pgm' are 8 x 8 px, the image is 20 x 16 px" grey.pgm --weights constant.pgm -o keep.ply
 fails "--vertices 3" grey.pgm -o keep.ply --vertices 3
 fails "got 3" grey.pgm -o keep.ply --vertices 3
 fails "--vertices -5" grey.pgm -o keep.ply --vertices -5
@@ -216,7 +228,8 @@ for file in mesh.ply second.PLY render.png wire.png report.json; do
     check "stdout names the file written: $file" grep -Eq "^written +$file\$" out
 done
 check "the report is JSON" is_json report.json
-for key in version input width height channels bits method effort seed vertices faces psnr psnr_convention energy seconds stages; do
+for key in version input width height channels bits method effort seed weights tile target status \
+    vertices faces psnr psnr_convention energy seconds stages; do
     check "the report holds $key" grep -q "^  \"$key\": " report.json
 done
 check "the report's width is the image's" has report.json width 96
@@ -238,6 +251,18 @@ run picture.png -o again.ply --vertices 100 --seed 1
 check "two runs with one seed write the same bytes" cmp -s mesh.ply again.ply
 run -o dashes.ply --vertices=100 --seed=1 -- picture.png
 check "--option=value and -- mean the same" cmp -s mesh.ply dashes.ply
+run picture.png -o again.ply --vertices 100 --threads 1
+check "--threads 1 writes the same bytes as all cores" cmp -s mesh.ply again.ply
+run picture.png -o again.ply --vertices 100 --threads 3
+check "--threads 3 writes the same bytes as all cores" cmp -s mesh.ply again.ply
+run picture.png -o tile.ply --tile 64 --report tile.json
+check "--tile exits 0" exits 0
+check "the report names the tile" has tile.json tile 64
+for file in grey.pgm grey16.pgm color.ppm color16.ppm grey_alpha.tga rgba.tga; do
+    run grey.pgm --weights $file --report weights.json
+    check "$file serves as weights" exits 0
+    check "the report names the weights $file" has weights.json weights "\"$file\""
+done
 run picture.png -o quiet.ply --quiet
 check "--quiet exits 0" exits 0
 check "--quiet prints nothing" is_silent
@@ -305,21 +330,33 @@ if command -v script >/dev/null && script -qec true /dev/null >/dev/null 2>&1 </
     script -qec "'$hmesh' picture.png --vertices 100 --quiet" /dev/null >out 2>err </dev/null
     check "--quiet draws no progress bar" test ! -s out
 fi
+# interrupt SECONDS ARGUMENTS...: runs hmesh and sends SIGINT after so many seconds; leaves $status, out and err.
+interrupt() {
+    local seconds=$1
+    shift
+    last="$*, interrupted"
+    "$hmesh" "$@" >out 2>err </dev/null &
+    local job=$!
+    sleep "$seconds"
+    kill -INT $job 2>/dev/null
+    wait $job
+    status=$?
+}
+# Both would take more than 5 s on any machine: two threads, however many cores there are.
 "$scene" large.png 320 200
-"$hmesh" large.png -o cancelled.ply --psnr 60 --report cancelled.json >out 2>err </dev/null &
-job=$!
-sleep 0.5
-kill -INT $job 2>/dev/null
-wait $job
-status=$?
-last="large.png --psnr 60, interrupted"
-if [ $status -ne 0 ]; then
-    check "Ctrl-C exits 1" exits 1
-    check "Ctrl-C is told" says cancelled
-    check "Ctrl-C leaves the mesh reached so far, or says that there is none" test -s cancelled.ply -o ! -e cancelled.json
-    [ ! -e cancelled.ply ] || check "the mesh of a cancelled run is a PLY file" is_ply cancelled.ply
-    [ ! -e cancelled.json ] || check "the report of a cancelled run is JSON" is_json cancelled.json
-fi
+interrupt 1 large.png -o cancelled.ply --effort best --vertices 6000 --threads 2 --report cancelled.json
+check "Ctrl-C exits 1" exits 1
+check "Ctrl-C is told in one sentence" is_one_sentence
+check "the sentence says why it ended" says cancelled
+check "the sentence says that the mesh reached so far is written" says "the mesh reached so far, "
+check "Ctrl-C leaves a PLY file" is_ply cancelled.ply
+check "the mesh of a cancelled run has the report's vertices" \
+    ply_has cancelled.ply "element vertex $(json_value cancelled.json vertices)"
+check "the report of a cancelled run is JSON" is_json cancelled.json
+interrupt 1 large.png -o search.ply --psnr 60 --effort normal --threads 2
+check "Ctrl-C ends a search for a PSNR with exit 1" exits 1
+check "Ctrl-C in a search is told" says cancelled
+check "Ctrl-C in a search leaves the mesh reached so far" is_ply search.ply
 check "no half-written file is left at the end" no_part_is_left
 
 echo "$checks checks, $failures failed"

@@ -57,6 +57,7 @@ struct Options {
     std::uint64_t seed = 1;  // of methods that draw random numbers
     Progress progress;
     MeshLimits limits;
+    ImageView<float, 1> weights;  // how much each pixel counts, >= 0, of the image's size; none: all count the same
     int tile = 256;               // px: images larger than one and a half tiles are meshed in tiles of about this size
     // In place of what `effort` means: start from annealed_options(effort) and change what you like. Its seed is ignored.
     std::optional<AnnealedOptions> annealed;

@@ -1,0 +1,43 @@
+// threads - meshes hmesh's own scene on one thread and on all cores: what each takes, and that the bytes are equal.
+#include <chrono>
+#include <cstdint>
+#include <cstdio>
+#include <cstring>
+#include <vector>
+
+#include "hmesh/mesh_image.hpp"
+#include "scene.hpp"
+#include "thread_pool.hpp"
+
+namespace {
+
+// What mesh_image returns, the wall-clock seconds it took printed.
+hmesh::Result<3> mesh_on(const example::ThreadPool& pool, const hmesh::Image<std::uint8_t, 3>& image) {
+    using Clock = std::chrono::steady_clock;
+    const Clock::time_point begin = Clock::now();
+    hmesh::Result<3> result = hmesh::mesh_image(image.view(), {}, pool);
+    const double seconds = std::chrono::duration<double>(Clock::now() - begin).count();
+    std::printf("%3zu thread%s %6.2f s, %zu vertices, PSNR %.2f dB\n", pool.threads(), pool.threads() == 1 ? " " : "s",
+                seconds, result.report.vertices, result.report.psnr);
+    return result;
+}
+
+template <class Value>
+bool same_bytes(const std::vector<Value>& a, const std::vector<Value>& b) {
+    return a.size() == b.size() && std::memcmp(a.data(), b.data(), a.size() * sizeof(Value)) == 0;
+}
+
+}  // namespace
+
+int main() {
+    const hmesh::Image<std::uint8_t, 3> image = example::draw_scene(512, 384);
+    const auto one = mesh_on(example::ThreadPool(1), image), all = mesh_on(example::ThreadPool(), image);
+    if (!one.status || !all.status) {
+        std::fprintf(stderr, "threads: %s\n", one.status ? all.status.what : one.status.what);
+        return 1;
+    }
+    const bool equal = same_bytes(one.mesh.positions, all.mesh.positions) &&
+                       same_bytes(one.mesh.colors, all.mesh.colors) && same_bytes(one.mesh.faces, all.mesh.faces);
+    std::printf("the bytes are %s\n", equal ? "equal" : "NOT equal");
+    return equal ? 0 : 1;
+}
