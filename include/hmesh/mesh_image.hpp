@@ -26,6 +26,7 @@
 #include "hmesh/fit/patchwork.hpp"
 #include "hmesh/image/image_source.hpp"
 #include "hmesh/image/image_view.hpp"
+#include "hmesh/image/weights.hpp"
 #include "hmesh/mesh/mesh_view.hpp"
 #include "hmesh/methods/annealed.hpp"
 #include "hmesh/methods/psnr_search.hpp"
@@ -58,7 +59,9 @@ struct Options {
     Progress progress;
     MeshLimits limits;
     ImageView<float, 1> weights;  // how much each pixel counts, >= 0, of the image's size; none: all count the same
-    int tile = 256;               // px: images larger than one and a half tiles are meshed in tiles of about this size
+    // px: larger images are meshed in tiles of about this size, 64 to 65536, each of which is a piece of work for a thread.
+    // 0: in one piece up to a megapixel, in tiles of 256 px beyond.
+    int tile = 0;
     // In place of what `effort` means: start from annealed_options(effort) and change what you like. Its seed is ignored.
     std::optional<AnnealedOptions> annealed;
     // Round colours to the pixel type's values, so that a file with such colours holds the very mesh that was measured.
@@ -67,7 +70,8 @@ struct Options {
 };
 
 // Of the final mesh. PSNR = 10 log10(peak^2 / MSE), MSE the mean over pixels AND channels of the squared difference between
-// the image and the mesh drawn at its size, colours neither rounded nor clamped after interpolation; infinity for MSE 0.
+// the image and the mesh drawn at its size, colours neither rounded nor clamped after interpolation; infinity for MSE 0. With
+// weights, each pixel counts in `energy` and in the mean as often as its weight over the largest says (image/weights.hpp).
 struct Report {
     std::size_t vertices = 0, faces = 0;
     double energy = 0;  // the sum of squared differences over pixels and channels
@@ -114,8 +118,9 @@ namespace detail {
         return {Errc::invalid_argument, "limits.color_overshoot must be in [0, 100]", 0, 100};
     if (!(limits.ridge >= 1e-9 && limits.ridge <= 1))
         return {Errc::invalid_argument, "limits.ridge must be in [1e-9, 1] pixels", 0, 1};
-    if (options.tile < 64 || options.tile > max_side)
-        return {Errc::invalid_argument, "the tile must be 64 to 65536 px", options.tile, options.tile < 64 ? 64 : max_side};
+    if (options.tile != 0 && (options.tile < 64 || options.tile > max_side))
+        return {Errc::invalid_argument, "the tile must be 0, for the default, or 64 to 65536 px", options.tile,
+                options.tile < 64 ? 64 : max_side};
     if (options.annealed) return check(*options.annealed);
     return {};
 }
@@ -138,11 +143,11 @@ template <int C>
     return out;
 }
 
-// One mesh of n vertices, finished.
+// One mesh of n vertices, finished. `samples`: pixels, or the sum of their weights, times channels.
 template <class T, int C, class ParallelFor>
-[[nodiscard]] Result<C> mesh_with(const ImageSource<C>& source, std::size_t n, const Options& options, const ParallelFor& parallel_for) {
+[[nodiscard]] Result<C> mesh_with(const ImageSource<C>& source, double samples, std::size_t n, const Options& options,
+                                  const ParallelFor& parallel_for) {
     using Traits = PixelTraits<T>;
-    const double samples = source.pixels() * C;
     Monitor monitor(options.progress, samples, Traits::peak);
     Patchwork<C, ParallelFor> work(source, options.limits, monitor, parallel_for);
     Result<C> result;
@@ -165,9 +170,9 @@ template <class T, int C, class ParallelFor>
 
 }  // namespace detail
 
-// Meshes the image. Stages over pixels and faces run through `parallel_for` (core/parallel.hpp); same image, options and
-// seed give the same bytes, whatever it does. Memory: the moment table (32 bytes a pixel for 8-bit RGB) and about 0.6 KB
-// for each vertex placed.
+// Meshes the image. Tiles run through `parallel_for` (core/parallel.hpp); same image, options and seed give the same bytes,
+// whatever it does. Memory: about 0.3 KB a vertex, and for each tile at work its moment table (32 bytes a pixel for 8-bit
+// RGB, 92 with weights) and 0.6 KB for each vertex placed there; a small image is one tile.
 //
 // Status: invalid_argument, image_too_large or not_finite where the image or an option is refused (the mesh is empty);
 // target_out_of_range for a number of vertices that the image cannot hold (empty) or a PSNR that no mesh reached (the
@@ -178,12 +183,15 @@ template <class T, int C, class ParallelFor = SerialFor>
     result.status = check(view);
     if (result.status) result.status = detail::check_options(options, std::int64_t{view.width} * view.height);
     if (result.status) result.status = check_finite(view, parallel_for);
+    if (result.status) result.status = check_weights(options.weights, view.width, view.height, parallel_for);
     if (!result.status) return result;
 
-    const ImageSource<C> source(view);
+    const double unit = weight_unit(options.weights, parallel_for);
+    const double samples = C * weight_sum(options.weights, unit, view.width, view.height, parallel_for);
+    const ImageSource<C> source(view, options.weights, unit);
     const auto pixels = static_cast<std::size_t>(view.width) * static_cast<std::size_t>(view.height);
     const std::size_t most = std::max<std::size_t>(4, pixels);
-    const auto mesh_of = [&](std::size_t n) { return detail::mesh_with<T>(source, n, options, parallel_for); };
+    const auto mesh_of = [&](std::size_t n) { return detail::mesh_with<T>(source, samples, n, options, parallel_for); };
     const auto share = [&](double percent) {
         return std::min(most, std::max<std::size_t>(4, static_cast<std::size_t>(std::llround(static_cast<double>(pixels) * percent / 100))));
     };

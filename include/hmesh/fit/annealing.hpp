@@ -27,7 +27,7 @@ namespace hmesh {
 
 struct AnnealingOptions {
     int sweeps = 12;
-    double temperature = 0.3;    // T at the start, in prices mu
+    double temperature = 0.5;    // T at the start, in prices mu
     double cooling = 1;          // T falls as (1 - t)^cooling, t in [0, 1)
     double exchange = 0.5;       // probability that a vertex is tried for removal, a site for insertion, in a sweep
     double jump = 0.3;           // probability that a vertex is displaced in a sweep
@@ -35,7 +35,7 @@ struct AnnealingOptions {
     double removal_screen = 3;   // removals that cost more than this many mu + 3 T before relaxing are not tried
     double insertion_screen = 0.2;  // insertions that gain less than this many mu before relaxing are not tried
     double flip_screen = 1;      // flips that cost more than this many mu before relaxing are not tried
-    double start_price = 0.27;   // mu at the start, in mean energies of a vertex
+    double start_price = 0.2;   // mu at the start, in mean energies of a vertex
     double band = 0.5;           // a sweep changes the number of vertices by at most this share
 };
 

@@ -136,9 +136,10 @@ template <int C, class ParallelFor>
     return system;
 }
 
-// Takes colours that lie in [low, high] to the best there, see bounded_colors.
-template <int C>
-BoundedReport descend(const ColorSystem<C>& system, double low, double high, double grid, std::vector<Color<C>>& colors) {
+// Takes colours that lie in [low, high] to the best there, see bounded_colors; before each sweep but the one that puts them
+// on the grid, go_on() is asked.
+template <int C, class GoOn>
+BoundedReport descend(const ColorSystem<C>& system, double low, double high, double grid, std::vector<Color<C>>& colors, GoOn&& go_on) {
     HMESH_ASSERT(low <= high && grid >= 0);
     constexpr int most_sweeps = 20, most_rounding_sweeps = 10;
     double scale = 0;
@@ -147,7 +148,7 @@ BoundedReport descend(const ColorSystem<C>& system, double low, double high, dou
 
     BoundedReport report;
     const double small = grid > 0 ? grid / 16 : 1e-7 * scale;
-    while (report.sweeps < most_sweeps && !report.settled) {
+    while (report.sweeps < most_sweeps && !report.settled && go_on()) {
         double largest = 0;
         system.sweep(colors, [&](Color<C>& c, const Color<C>& step) {
             Color<C> next = c + step;
@@ -169,7 +170,7 @@ BoundedReport descend(const ColorSystem<C>& system, double low, double high, dou
         // are ties: left alone, or rounding could trade two colours to and fro.
         const double half = grid * (0.5 + 1e-9);
         report.settled = false;
-        while (report.rounding_sweeps < most_rounding_sweeps && !report.settled) {
+        while (report.rounding_sweeps < most_rounding_sweeps && !report.settled && go_on()) {
             bool changed = false;
             system.sweep(colors, [&](Color<C>& c, const Color<C>& step) {
                 for (int k = 0; k < C; ++k) {
@@ -201,16 +202,17 @@ BoundedReport bounded_colors(ImageMesh<C>& mesh, double low, double high, double
         detail::clamp_channels<C>(colors.back(), low, high);
     }
     const auto system = detail::color_system(mesh.topology(), corner_sums(mesh, parallel_for), colors, mesh.limits().ridge, parallel_for);
-    const BoundedReport report = detail::descend(system, low, high, grid, colors);
+    const BoundedReport report = detail::descend(system, low, high, grid, colors, [] { return true; });
     detail::write_colors(mesh, colors, parallel_for);
     return report;
 }
 
-// The same for a mesh in patches, whose energy is then that of the final colours. Goes through after a cancellation too:
-// what is reported is true of the mesh that is returned.
+// The same for a mesh in patches, whose energy is then that of the final colours. After a cancellation colours go to the
+// nearest that are allowed, no more, and what is reported is still true of the mesh.
 template <int C, class ParallelFor>
 BoundedReport bounded_colors(Patchwork<C, ParallelFor>& work, const Tiling& tiling, double low, double high, double grid) {
     WholeMesh<C>& whole = work.whole();
+    for (Color<C>& c : whole.colors) detail::clamp_channels<C>(c, low, high);
     HalfedgeMesh topology;
     const Status status = topology.assign(whole.vertex_count(), whole.triangles);
     HMESH_ASSERT(status);
@@ -221,10 +223,10 @@ BoundedReport bounded_colors(Patchwork<C, ParallelFor>& work, const Tiling& tili
             const Halfedge h0 = topology.halfedge(Face(triangles[f.index()])), h1 = topology.next(h0), h2 = topology.next(h1);
             detail::sum_face(patch.mesh(), f, corners[h0.index()], corners[h1.index()], corners[h2.index()]);
         }
-    }, true);
-    for (Color<C>& c : whole.colors) detail::clamp_channels<C>(c, low, high);
+    });
+    if (work.monitor().stopped()) std::fill(corners.begin(), corners.end(), CornerSums<C>());  // only ridges pull
     const auto system = detail::color_system(topology, corners, whole.colors, work.limits().ridge, work.parallel_for());
-    const BoundedReport report = detail::descend(system, low, high, grid, whole.colors);
+    const BoundedReport report = detail::descend(system, low, high, grid, whole.colors, [&] { return work.monitor().poll(); });
 
     std::vector<double> energies(tiling.size(), 0.0);
     work.visit(tiling, [&](Patch<C>& patch, std::size_t k, const std::uint32_t*) { energies[k] = patch.mesh().energy(); }, true);

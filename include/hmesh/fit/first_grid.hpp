@@ -82,10 +82,11 @@ template <int C>
     return mesh;
 }
 
-// A grid of about `count` vertices in the tiles of an unshifted tiling, sewn to about `seam_count` nodes on the seams.
-template <int C, class ParallelFor = SerialFor>
+// A grid of about `count` vertices in the tiles of an unshifted tiling, sewn to about `seam_count` nodes on the seams, which
+// are found while go_on() says true (see seam_lines).
+template <int C, class GoOn, class ParallelFor = SerialFor>
 [[nodiscard]] WholeMesh<C> tiled_grid(const ImageSource<C>& source, const Tiling& tiling, double count, double seam_count,
-                                      const ParallelFor& parallel_for = {}) {
+                                      GoOn&& go_on, const ParallelFor& parallel_for = {}) {
     const double pixels = source.pixels(), spacing = std::sqrt(pixels / std::max(1.0, count));
     const auto columns = static_cast<std::uint32_t>(tiling.columns()), rows = static_cast<std::uint32_t>(tiling.rows());
     const auto tile = [&](std::uint32_t i, std::uint32_t j) { return tiling.rect(std::size_t{j} * columns + i); };
@@ -122,7 +123,7 @@ template <int C, class ParallelFor = SerialFor>
     for (const Seam& seam : seams) seam_length += seam.length;
     const double seam_spacing = seam_length / std::max(1.0, seam_count);
     const int step = std::max(1, static_cast<int>(seam_spacing / 5)), reach = std::max(1, static_cast<int>(8 * seam_spacing));
-    const std::vector<SeamLine<C>> lines = seam_lines(source, seams, seam_count, step, reach, parallel_for);
+    const std::vector<SeamLine<C>> lines = seam_lines(source, seams, seam_count, step, reach, go_on, parallel_for);
 
     std::vector<std::uint32_t> first_node;  // of a side
     for (std::size_t k = 0; k < sides.size(); ++k) {

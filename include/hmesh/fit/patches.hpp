@@ -263,6 +263,7 @@ class Patch {
     [[nodiscard]] ImageMesh<C>& mesh() noexcept { return mesh_; }
     // Gives its table away; the patch is of no more use.
     [[nodiscard]] MomentTable<C> take_table() noexcept { return std::move(table_); }
+    [[nodiscard]] std::size_t vertex_count() const noexcept { return mesh_.vertex_count(); }
     // Vertices that may be changed: all but the frozen ones.
     [[nodiscard]] std::size_t free_count() const noexcept { return mesh_.vertex_count() - numbered_.frozen.size(); }
 

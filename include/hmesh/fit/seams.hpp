@@ -155,14 +155,16 @@ template <int C>
     return right;
 }
 
-// About `count` nodes on all seams together, at one price; none further than `reach` px from the next.
-template <int C, class ParallelFor = SerialFor>
+// About `count` nodes on all seams together, at one price; none further than `reach` px from the next. Seams that come up
+// after go_on(), called from any thread, has said false are left without nodes.
+template <int C, class GoOn, class ParallelFor = SerialFor>
 [[nodiscard]] std::vector<SeamLine<C>> seam_lines(const ImageSource<C>& source, const std::vector<Seam>& seams, double count,
-                                                  int step, int reach, const ParallelFor& parallel_for = {}) {
+                                                  int step, int reach, GoOn&& go_on, const ParallelFor& parallel_for = {}) {
     std::vector<SeamLine<C>> lines(seams.size());
     const auto choose = [&](double price) {
         for_each_chunk(parallel_for, seams.size(), 1, [&](std::size_t i, std::size_t) {
-            lines[i].offsets = seam_nodes(detail::SeamCurve<C>(source, seams[i]), step, reach, price);
+            lines[i].offsets.clear();
+            if (go_on()) lines[i].offsets = seam_nodes(detail::SeamCurve<C>(source, seams[i]), step, reach, price);
         });
         double nodes = 0;
         for (const SeamLine<C>& line : lines) nodes += static_cast<double>(line.offsets.size());

@@ -1,11 +1,12 @@
 // hmesh - ImageSource: an image of any pixel type as a maker of moment tables.
 //
 // Methods work patch by patch, and each patch has a table of its own rectangle (image/moment_table.hpp). They need not
-// know what the samples are: this class is the last to know, so that all above it depends on the number of channels alone.
+// know what the samples are, nor whether pixels have weights: this class is the last to know, so that all above it depends on the number of channels alone.
 #ifndef HMESH_IMAGE_IMAGE_SOURCE_HPP
 #define HMESH_IMAGE_IMAGE_SOURCE_HPP
 
 #include <algorithm>
+#include <cstddef>
 
 #include "hmesh/core/parallel.hpp"
 #include "hmesh/image/image_view.hpp"
@@ -16,10 +17,10 @@ namespace hmesh {
 template <int C>
 class ImageSource {
   public:
-    // Of a view that check() accepts and that outlives the source.
+    // Of a view that check() accepts, with weights that check_weights() accepts (or none), both outliving the source.
     template <class T>
-    explicit ImageSource(const ImageView<T, C>& view) noexcept
-        : data_(view.data), width_(view.width), height_(view.height), row_stride_(view.row_stride),
+    explicit ImageSource(const ImageView<T, C>& view, const ImageView<float, 1>& weights = {}, double unit = 1) noexcept
+        : data_(view.data), width_(view.width), height_(view.height), row_stride_(view.row_stride), weights_(weights), unit_(unit),
           low_(PixelTraits<T>::lowest), high_(PixelTraits<T>::highest), make_(&make<T>), sample_(&sample<T>) {}
 
     [[nodiscard]] int width() const noexcept { return width_; }
@@ -44,7 +45,7 @@ class ImageSource {
     }
     template <class T>
     [[nodiscard]] static MomentTable<C> make(const ImageSource& source, const Rect& rect) {
-        return MomentTable<C>(source.view<T>(), rect);
+        return MomentTable<C>(source.view<T>(), source.weights_, source.unit_, rect);
     }
     template <class T>
     [[nodiscard]] static Lanes<lanes_for(C + 1)> sample(const ImageSource& source, int x, int y) noexcept {
@@ -57,6 +58,8 @@ class ImageSource {
     const void* data_;
     int width_, height_;
     std::ptrdiff_t row_stride_;
+    ImageView<float, 1> weights_;
+    double unit_;  // of the weights, see weight_unit()
     double low_, high_;
     MomentTable<C> (*make_)(const ImageSource&, const Rect&);
     Lanes<lanes_for(C + 1)> (*sample_)(const ImageSource&, int, int) noexcept;

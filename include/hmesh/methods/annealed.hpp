@@ -15,6 +15,7 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <utility>
 #include <vector>
 
 #include "hmesh/core/progress.hpp"
@@ -47,7 +48,7 @@ void grow(ImageMesh<C>& mesh, std::size_t n, const AnnealedOptions& options) {
         if (mesh.pulse() != nullptr)
             mesh.pulse()->reach(static_cast<double>(mesh.vertex_count() - first) / static_cast<double>(n - first));
     }
-    if (mesh.vertex_count() < n) subdivide(mesh, n - mesh.vertex_count());
+    if (mesh.vertex_count() < n && mesh.beat()) subdivide(mesh, n - mesh.vertex_count());
 }
 
 // Removes the cheapest vertices until n are left. May stop early where no vertex can go.
@@ -72,10 +73,11 @@ class Annealed {
 
     // False: cancelled, or more than n vertices none of which can go.
     bool run() {
+        whole() = regular_grid(work_->source(), 4);  // what a cancellation finds
         return stage("grid", [&] { return start(); }) && stage("insert", [&] { return insert(); }) &&
                (options_.overshoot <= 1 || stage("collapse", [&] { return collapse(); })) &&
                (options_.annealing.sweeps == 0 || stage("anneal", [&] { return anneal(); })) &&
-               meet_budget(*work_, n_, tile_, options_.relaxation) && stage("polish", [&] { return polish(); });
+               stage("polish", [&] { return meet_budget(*work_, n_, tile_, options_.relaxation) && polish(); });
     }
 
   private:
@@ -99,11 +101,12 @@ class Annealed {
             whole() = regular_grid(work_->source(), count);
         } else {
             // 0.7 of the nodes that squares of equal density would have on the seams.
-            double length = 0;
-            length += static_cast<double>(aligned_.columns() - 1) * work_->source().height();
-            length += static_cast<double>(aligned_.rows() - 1) * work_->source().width();
-            whole() = tiled_grid(work_->source(), aligned_, count, 0.7 * length * std::sqrt(static_cast<double>(n_) / pixels),
-                                 work_->parallel_for());
+            const double length = static_cast<double>(aligned_.columns() - 1) * work_->source().height() +
+                                  static_cast<double>(aligned_.rows() - 1) * work_->source().width();
+            WholeMesh<C> grid = tiled_grid(work_->source(), aligned_, count, 0.7 * length * std::sqrt(static_cast<double>(n_) / pixels),
+                                           [&] { return monitor().poll(); }, work_->parallel_for());
+            if (monitor().stopped()) return false;
+            whole() = std::move(grid);
         }
         monitor().expect(0, 1);
         return work_->for_each(aligned_, [&](Patch<C>& patch, std::size_t) {
@@ -111,61 +114,55 @@ class Annealed {
         });
     }
 
-    // The tiles' shares of all free vertices, by the error of a mesh of equal density.
-    bool share_out() {
+    [[nodiscard]] static std::size_t rim(const Patch<C>& patch) noexcept { return patch.vertex_count() - patch.free_count(); }
+
+    // Grows all tiles until they have about `count` vertices together, shared by area or, where `by_error`, by what error the
+    // tiles have now (fit/budget.hpp).
+    bool grow_tiles(double count, bool by_error) {
         const std::size_t tiles = aligned_.size();
-        std::vector<double> area(tiles), weights(tiles);
-        std::vector<std::size_t> caps(tiles), fixed(tiles, 0);
+        std::vector<double> weights(tiles, 1.0);
+        std::vector<std::size_t> caps(tiles), free(tiles, 0);
         for (std::size_t k = 0; k < tiles; ++k) {
             const Rect rect = aligned_.rect(k);
-            area[k] = static_cast<double>(rect.width) * rect.height;
-            caps[k] = 2 * static_cast<std::size_t>(area[k]);
+            weights[k] = static_cast<double>(rect.width) * rect.height;
+            caps[k] = 2 * static_cast<std::size_t>(weights[k]);
         }
-        std::size_t frozen = whole().vertex_count();
-        std::vector<std::size_t> free(tiles, 0);
+        double frozen = 0;
         if (tiles > 1) {
-            // Where half of the target stands, evenly spread, the errors tell.
-            weights = area;
             if (!work_->visit(aligned_, [&](Patch<C>& patch, std::size_t k, const std::uint32_t*) {
                     free[k] = patch.free_count();
+                    if (by_error) weights[k] = error_share(weights[k], patch.mesh().energy());
                 }))
                 return false;
-            for (const std::size_t f : free) frozen -= f;
-            const std::vector<std::size_t> even = shares(n_ - std::min(n_, frozen), area, caps);
-            monitor().expect(0, 0.4);
-            if (!work_->for_each(aligned_, [&](Patch<C>& patch, std::size_t k) {
-                    const std::size_t rim = patch.mesh().vertex_count() - patch.free_count();
-                    grow(patch.mesh(), rim + even[k], options_);
-                    const double mean = std::max(0.0, patch.mesh().energy()) / area[k];
-                    weights[k] = area[k] * std::pow(mean, 0.65);
-                }))
-                return false;
-        } else {
-            frozen = 0;
-            weights[0] = 1;
+            frozen = static_cast<double>(whole().vertex_count());
+            for (const std::size_t f : free) frozen -= static_cast<double>(f);
         }
-        share_ = shares(n_ - std::min(n_, frozen), weights, caps);
-        return true;
+        placed_ = shares(static_cast<std::size_t>(std::max(0.0, std::round(count) - frozen)), weights, caps);
+        return work_->for_each(aligned_, [&](Patch<C>& patch, std::size_t k) { grow(patch.mesh(), rim(patch) + placed_[k], options_); });
     }
 
     bool insert() {
-        if (!share_out()) return false;
-        monitor().expect(aligned_.size() > 1 ? 0.4 : 0, 1);
-        return work_->for_each(aligned_, [&](Patch<C>& patch, std::size_t k) {
-            const Rect rect = aligned_.rect(k);
-            const std::size_t rim = patch.mesh().vertex_count() - patch.free_count();
-            const auto pixels = static_cast<std::size_t>(rect.width) * static_cast<std::size_t>(rect.height);
-            const auto placed = static_cast<std::size_t>(std::round(static_cast<double>(share_[k]) * options_.overshoot));
-            grow(patch.mesh(), rim + std::max(share_[k], std::min(placed, std::max<std::size_t>(4, pixels))), options_);
-            if (options_.overshoot <= 1) shrink(patch.mesh(), rim + share_[k], options_);
-        });
+        const double n = static_cast<double>(n_), pixels = std::max(4.0, work_->source().pixels());
+        const double placed = std::max(n, std::min(pixels, std::round(n * options_.overshoot)));
+        // Where flat tiles get more than their share at first, removal has more to choose from: 0.1 dB.
+        const bool in_two = aligned_.size() > 1 && placed > n;
+        if (in_two) {
+            monitor().expect(0, 0.4);
+            if (!grow_tiles(n, false)) return false;
+        }
+        monitor().expect(in_two ? 0.4 : 0, 1);
+        return grow_tiles(placed, true);
     }
 
     bool collapse() {
+        // All tiles shrink by the same ratio: that of the vertices which they may change.
         monitor().expect(0, 1);
+        std::size_t free = 0;
+        for (const std::size_t k : placed_) free += k;
+        const double frozen = static_cast<double>(whole().vertex_count()) - static_cast<double>(free);
+        const double ratio = std::max(0.0, static_cast<double>(n_) - (aligned_.size() > 1 ? frozen : 0)) / static_cast<double>(free);
         return work_->for_each(aligned_, [&](Patch<C>& patch, std::size_t k) {
-            const std::size_t rim = patch.mesh().vertex_count() - patch.free_count();
-            shrink(patch.mesh(), rim + share_[k], options_);
+            shrink(patch.mesh(), rim(patch) + static_cast<std::size_t>(std::round(static_cast<double>(placed_[k]) * ratio)), options_);
         });
     }
 
@@ -215,11 +212,14 @@ class Annealed {
     AnnealedOptions options_;
     double tile_;
     Tiling aligned_;
-    std::vector<std::size_t> share_;  // of a tile, of the free vertices
+    std::vector<std::size_t> placed_;  // free vertices of a tile after insertion
 };
 
-// Tiles of at least `tile` px that hold at least 256 of n vertices on average, as far as the image allows.
-[[nodiscard]] inline double tile_size(int width, int height, std::size_t n, double tile) noexcept {
+// The size of tiles that was asked for, or what 0 stands for; larger where a tile would hold less than 256 of n vertices on
+// average, as far as the image allows.
+[[nodiscard]] inline double tile_size(int width, int height, std::size_t n, int asked) noexcept {
+    constexpr double one_tile = 1048576;  // px: up to here one tile is as fast as several, and no seam needs healing
+    double tile = asked != 0 ? asked : static_cast<double>(width) * height <= one_tile ? std::max(width, height) : 256;
     const double needed = 256.0 * width * height / static_cast<double>(n), longest = std::max(width, height);
     while (tile < longest && std::min<double>(tile, width) * std::min<double>(tile, height) < needed) tile *= 1.25;
     return tile;
@@ -227,10 +227,10 @@ class Annealed {
 
 }  // namespace detail
 
-// Makes a mesh of n vertices, 4 <= n <= max(4, pixels), in tiles of about `tile` px. Cancelled: the mesh is valid but may
-// have another count.
+// Makes a mesh of n vertices, 4 <= n <= max(4, pixels), in tiles of about `tile` px (0: see tile_size). Cancelled: the mesh is
+// valid but may have another count.
 template <int C, class ParallelFor>
-[[nodiscard]] Status annealed(Patchwork<C, ParallelFor>& work, std::size_t n, const AnnealedOptions& options, double tile) {
+[[nodiscard]] Status annealed(Patchwork<C, ParallelFor>& work, std::size_t n, const AnnealedOptions& options, int tile) {
     const auto recipe = [&](const AnnealedOptions& o, double size) { return detail::Annealed<C, ParallelFor>(work, n, o, size).run(); };
     const Status cancelled{Errc::cancelled, "cancelled by the progress callback", 0, 0};
     const ImageSource<C>& source = work.source();

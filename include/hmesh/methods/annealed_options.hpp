@@ -20,9 +20,9 @@ enum class Effort : std::uint8_t {
 };
 
 struct AnnealedOptions {
-    double overshoot = 2;     // o: vertices placed before the collapse, in units of the target; 1 for none
+    double overshoot = 3;     // o: vertices placed before the collapse, in units of the target; 1 for none
     double start = 0.3;       // vertices of the first grid, share of those placed
-    double growth = 0.2;      // vertices inserted at a time, share of those there
+    double growth = 0.3;      // vertices inserted at a time, share of those there
     double shrinkage = 0.15;  // vertices removed at a time, share of those there
     int growth_sweeps = 2;    // after each insertion
     int polish_rounds = 2;    // flips and a sweep, at the end
@@ -42,11 +42,12 @@ struct AnnealedOptions {
     switch (effort) {
         case Effort::draft:
             options.overshoot = 1;
-            options.growth = 0.3;
             options.polish_rounds = 0;
             options.annealing.sweeps = 0;
             break;
         case Effort::fast:
+            options.overshoot = 2;
+            options.growth = 0.2;
             options.polish_rounds = 3;
             options.annealing.sweeps = 0;
             break;
@@ -54,7 +55,6 @@ struct AnnealedOptions {
         case Effort::best:
             options.overshoot = 4;
             options.annealing.sweeps = 400;
-            options.annealing.temperature = 0.5;
             options.annealing.cooling = 2;
             options.annealing.exchange = 0.3;
             break;
