@@ -35,8 +35,8 @@ struct AnnealingOptions {
     double removal_screen = 3;   // removals that cost more than this many mu + 3 T before relaxing are not tried
     double insertion_screen = 0.2;  // insertions that gain less than this many mu before relaxing are not tried
     double flip_screen = 1;      // flips that cost more than this many mu before relaxing are not tried
-    double start_price = 0.2;   // mu at the start, in mean energies of a vertex
-    double band = 0.5;           // a sweep changes the number of vertices by at most this share
+    double start_price = 0.2;    // mu at the start, in mean energies of a vertex
+    double band = 0.1;           // a sweep leaves a number of vertices within this share of the target
 };
 
 // What a sweep did.
