@@ -27,30 +27,28 @@ namespace hmesh {
     return area * std::pow(std::max(0.0, energy) / area, 0.8);
 }
 
-// `count` things shared in proportion to `weights` >= 0 (equally, if all are 0), none getting more than its cap; whole
-// numbers that sum to `count` as long as the caps do. O(size) for each cap that is met, at most `size` times.
+// `count` things shared in proportion to `weights` >= 0 (equally, where only 0 is left), none getting more than its cap;
+// whole numbers that sum to `count` as long as the caps do. O(size) for each cap that is met, at most `size` times.
 [[nodiscard]] inline std::vector<std::size_t> shares(std::size_t count, std::vector<double> weights, const std::vector<std::size_t>& caps) {
     const std::size_t size = weights.size();
     std::vector<std::size_t> out(size, 0);
-    double total = 0;
-    for (const double w : weights) total += w;
-    if (!(total > 0)) weights.assign(size, 1.0);
     std::vector<unsigned char> full(size, 0);
     for (bool changed = true; changed;) {
         changed = false;
         std::size_t left = count;
-        total = 0;
+        double total = 0, open = 0;
         for (std::size_t k = 0; k < size; ++k) {
             if (full[k] != 0) left -= std::min(left, out[k]);
-            else total += weights[k];
+            else total += weights[k], ++open;
         }
+        if (!(total > 0)) weights.assign(size, 1.0), total = open;
         // Whole numbers by rounding running sums: they add up.
         double sum = 0;
         std::size_t given = 0;
         for (std::size_t k = 0; k < size; ++k) {
             if (full[k] != 0) continue;
             sum += weights[k];
-            const auto upto = total > 0 ? static_cast<std::size_t>(static_cast<double>(left) * std::min(1.0, sum / total) + 0.5) : 0;
+            const auto upto = static_cast<std::size_t>(static_cast<double>(left) * std::min(1.0, sum / total) + 0.5);
             out[k] = std::max(upto, given) - given;
             given = std::max(upto, given);
         }
