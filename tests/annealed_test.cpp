@@ -110,6 +110,20 @@ TEST_CASE("in tiles every effort gives the exact number, and a better mesh than 
     }
 }
 
+TEST_CASE("in tiles any share of the first grid gives the exact number, however it suits the nodes on the seams") {
+    const auto image = hmesh_test::scene<std::uint8_t, 1>(150, 130, 7);
+    for (const double start : {0.0, 0.05, 1.0})
+        for (const double overshoot : {1.0, 4.0}) {
+            AnnealedOptions options = hmesh::annealed_options(Effort::draft);
+            options.start = start;
+            options.overshoot = overshoot;
+            Work<std::uint8_t, 1> work(image);
+            CHECK(annealed(work.patchwork, 1400, options, 64));
+            CHECK(work.count() == 1400);
+            hmesh_test::prove(work);
+        }
+}
+
 TEST_CASE("tiles are as large as asked for, but hold 256 vertices on average where the image has as many") {
     using hmesh::detail::tile_size;
     CHECK(tile_size(1024, 1024, 10000, 0) == 1024);  // in one piece up to a megapixel

@@ -1,0 +1,231 @@
+#include "hmesh/fit/budget.hpp"
+
+#include <doctest/doctest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <utility>
+#include <vector>
+
+#include "hmesh/core/random.hpp"
+#include "hmesh/fit/first_grid.hpp"
+#include "test_executors.hpp"
+#include "test_images.hpp"
+#include "test_patchworks.hpp"
+
+using hmesh::meet_budget;
+using hmesh::shares;
+using hmesh::Tiling;
+using hmesh_test::Work;
+
+namespace {
+
+using Counts = std::vector<std::size_t>;
+
+std::size_t sum_of(const Counts& counts) {
+    std::size_t sum = 0;
+    for (const std::size_t k : counts) sum += k;
+    return sum;
+}
+
+// What shares() promises: the right sum, no cap exceeded, and nobody below its cap gets less for its weight than another,
+// rounding left aside.
+void check_shares(std::size_t count, const std::vector<double>& weights, const Counts& caps) {
+    const Counts got = shares(count, weights, caps);
+    REQUIRE(got.size() == weights.size());
+    CHECK(sum_of(got) == std::min(count, sum_of(caps)));
+    for (std::size_t i = 0; i < got.size(); ++i) {
+        REQUIRE(got[i] <= caps[i]);
+        if (got[i] == caps[i]) continue;
+        for (std::size_t j = 0; j < got.size(); ++j) {
+            const double own = static_cast<double>(got[i]) + 1, other = static_cast<double>(got[j]) - 1;
+            CHECK(other * weights[i] <= own * weights[j] * (1 + 1e-9) + (weights[i] == 0 ? 1e300 : 0));
+        }
+    }
+}
+
+// A mesh of about `count` vertices, its energy known.
+template <class T, int C, class ParallelFor>
+void start(Work<T, C, ParallelFor>& work, double count) {
+    work.patchwork.whole() = hmesh::regular_grid(work.source, count);
+    const Tiling one(work.image.width(), work.image.height(), 1e9);
+    REQUIRE(work.patchwork.for_each(one, [](hmesh::Patch<C>& patch, std::size_t) { hmesh::sweep(patch.mesh()); }));
+    hmesh_test::prove(work);
+}
+
+// From a grid of `from` vertices to exactly `to`, in tiles; returns by what factor the energy changed.
+template <class T, int C>
+double change(const hmesh::Image<T, C>& image, double from, std::size_t to, double tile, const hmesh::MeshLimits& limits = {}) {
+    CAPTURE(from);
+    CAPTURE(to);
+    CAPTURE(tile);
+    Work<T, C> work(image, limits);
+    start(work, from);
+    const double before = work.whole().energy;
+    CHECK(meet_budget(work.patchwork, to, tile, {}));
+    CHECK(work.count() == to);
+    hmesh_test::prove(work);
+    double least = 1e300;
+    for (const hmesh::Triangle& t : work.whole().triangles)
+        least = std::min(least, hmesh::cross(work.whole().positions[t[0]], work.whole().positions[t[1]], work.whole().positions[t[2]]));
+    CHECK(least >= limits.min_cross);
+    return work.whole().energy / before;
+}
+
+constexpr double one_tile = 1e9;
+
+}  // namespace
+
+TEST_CASE("shares add up, are in proportion to the weights to within one, and exceed no cap") {
+    constexpr std::size_t none = 1000000;
+    CHECK(shares(10, {1, 1}, {none, none}) == Counts{5, 5});
+    CHECK(shares(10, {3, 1, 1}, {none, none, none}) == Counts{6, 2, 2});
+    CHECK(shares(10, {3, 1, 1}, {4, none, none}) == Counts{4, 3, 3});
+    CHECK(shares(10, {0, 0}, {none, none}) == Counts{5, 5});
+    CHECK(shares(0, {1, 2}, {none, none}) == Counts{0, 0});
+    CHECK(shares(7, {2}, {none}) == Counts{7});
+    CHECK(shares(7, {2}, {3}) == Counts{3});
+    CHECK(shares(7, {}, {}).empty());
+    hmesh::Random random(1);
+    for (int round = 0; round < 2000; ++round) {
+        const std::size_t size = 1 + random.below(12), count = random.below(round % 2 == 0 ? 30 : 3000);
+        std::vector<double> weights;
+        Counts caps;
+        for (std::size_t k = 0; k < size; ++k) {
+            weights.push_back(random.below(6) == 0 ? 0 : std::pow(10, 8 * random.uniform() - 4));
+            caps.push_back(random.below(3) == 0 ? random.below(1 + count / 2) : none);
+        }
+        check_shares(count, weights, caps);
+    }
+}
+
+TEST_CASE("in all without caps a share is off by one at most") {
+    hmesh::Random random(2);
+    for (int round = 0; round < 300; ++round) {
+        const std::size_t size = 1 + random.below(200), count = random.below(100000);
+        std::vector<double> weights;
+        double total = 0;
+        for (std::size_t k = 0; k < size; ++k) total += weights.emplace_back(random.uniform());
+        const Counts got = shares(count, weights, Counts(size, count));
+        CHECK(sum_of(got) == count);
+        for (std::size_t k = 0; k < size; ++k)
+            CHECK(std::abs(static_cast<double>(got[k]) - static_cast<double>(count) * weights[k] / total) <= 1 + 1e-6);
+    }
+}
+
+TEST_CASE("what capped shares leave goes to those without weight, if there are no others") {
+    CHECK(shares(10, {1, 0}, {3, 100}) == Counts{3, 7});
+    CHECK(shares(10, {1, 0, 0}, {4, 100, 100}) == Counts{4, 3, 3});
+    CHECK(shares(10, {1, 0, 0}, {4, 1, 100}) == Counts{4, 1, 5});
+    CHECK(shares(10, {1, 0, 0}, {4, 1, 2}) == Counts{4, 1, 2});
+}
+
+TEST_CASE("a tile's share grows with its error and area, and is nothing without error") {
+    using hmesh::error_share;
+    CHECK(error_share(100, 0) == 0);
+    CHECK(error_share(100, -1e-9) == 0);  // rounding
+    CHECK(error_share(100, 100) == doctest::Approx(100));
+    CHECK(error_share(100, 3200) == doctest::Approx(100 * 16));
+    CHECK(error_share(100, 3200) > error_share(100, 3199));
+    // Two tiles alike count as one of twice the area with both their errors.
+    CHECK(error_share(200, 84) == doctest::Approx(2 * error_share(100, 42)));
+}
+
+TEST_CASE("a mesh comes to exactly n vertices, from above and from below, in one and in several tiles") {
+    const auto image = hmesh_test::scene<std::uint8_t, 3>(120, 100, 3);
+    for (const double tile : {one_tile, 60.0, 40.0}) {
+        for (const std::size_t to : {640U, 900U, 1500U}) CHECK(change(image, 600, to, tile) < 1);
+        for (const std::size_t to : {561U, 400U, 250U}) change(image, 600, to, tile);
+        CHECK(change(image, 600, 594, tile) < 1.05);
+    }
+    const auto noise = hmesh_test::noise<float, 1>(90, 70, 1);
+    for (const double tile : {one_tile, 40.0}) {
+        change(noise, 500, 300, tile);
+        CHECK(change(noise, 500, 1200, tile) < 1);
+    }
+}
+
+TEST_CASE("a mesh of a picture without error takes any number, up to one vertex a pixel, too") {
+    const auto constant = hmesh_test::constant_image<std::uint8_t, 1>(100, 80, 0.4);
+    const auto affine = hmesh_test::affine_image<float, 2>(60, 50);
+    hmesh::MeshLimits strict;
+    strict.min_cross = strict.border_gap = 0.25;
+    for (const double tile : {one_tile, 50.0}) {
+        for (const std::size_t to : {200U, 301U, 1000U}) change(constant, 300, to, tile);
+        change(constant, 300, 8000, tile);
+        change(constant, 300, 8000, tile, strict);
+        for (const std::size_t to : {150U, 600U}) change(affine, 300, to, tile);
+    }
+}
+
+TEST_CASE("a mesh that has n vertices already is left alone, to the last bit") {
+    Work<std::uint8_t, 3> work(hmesh_test::scene<std::uint8_t, 3>(60, 50, 3));
+    start(work, 200);
+    const auto before = work.whole();
+    CHECK(meet_budget(work.patchwork, before.vertex_count(), 25, {}));
+    CHECK(hmesh_test::same_bits(work.whole(), before));
+}
+
+TEST_CASE("in tiles the cheapest vertices of all go, and new ones come where the error is") {
+    // Detail in the right half only: removals happen on the left, insertions on the right.
+    hmesh::Random random(3);
+    const auto image = hmesh_test::draw<std::uint8_t, 1>(
+        120, 100, [&](int x, int, int) { return x < 60 ? 0.5 : random.uniform(); });
+    const auto left_of = [](const hmesh::WholeMesh<1>& whole) {
+        return std::count_if(whole.positions.begin(), whole.positions.end(), [](hmesh::Point p) { return p.x < 50; });
+    };
+    for (const double tile : {one_tile, 40.0}) {
+        Work<std::uint8_t, 1> work(image);
+        start(work, 600);
+        work.patchwork.for_each(Tiling(120, 100, one_tile), [](hmesh::Patch<1>& patch, std::size_t) {
+            for (int k = 0; k < 5; ++k) hmesh::sweep(patch.mesh()), hmesh::flip_edges(patch.mesh());
+        });
+        const std::size_t count = work.count();
+        const auto left = left_of(work.whole());
+        CHECK(meet_budget(work.patchwork, count - 60, tile, {}));
+        CHECK(left - left_of(work.whole()) > 40);
+        const auto now = left_of(work.whole());
+        CHECK(meet_budget(work.patchwork, count + 60, tile, {}));
+        CHECK(left_of(work.whole()) - now < 12);
+    }
+}
+
+TEST_CASE("the way to n is the same whatever the executor's order") {
+    const auto image = hmesh_test::scene<std::uint8_t, 3>(120, 100, 3);
+    for (const std::size_t to : {450U, 800U}) {
+        Work<std::uint8_t, 3> serial(image);
+        Work<std::uint8_t, 3, hmesh_test::ReverseFor> reversed(image);
+        Work<std::uint8_t, 3, hmesh_test::ShuffledFor> shuffled(image, {}, {}, {7});
+        start(serial, 600), start(reversed, 600), start(shuffled, 600);
+        CHECK(meet_budget(serial.patchwork, to, 40, {}));
+        CHECK(meet_budget(reversed.patchwork, to, 40, {}));
+        CHECK(meet_budget(shuffled.patchwork, to, 40, {}));
+        CHECK(hmesh_test::same_bits(serial.whole(), reversed.whole()));
+        CHECK(hmesh_test::same_bits(serial.whole(), shuffled.whole()));
+    }
+}
+
+TEST_CASE("told to stop on the way to n it says no and leaves a mesh") {
+    for (const std::size_t to : {300U, 1500U})
+        for (const double tile : {one_tile, 40.0})
+            for (const int calls : {0, 1, 5, 9}) {
+                struct Stop {
+                    bool armed = false;
+                    int left = 0;
+                } stop;
+                Work<std::uint8_t, 1> work(hmesh_test::scene<std::uint8_t, 1>(120, 100, 3), {},
+                                           {[](void* user, const hmesh::StageInfo&) {
+                                                Stop& s = *static_cast<Stop*>(user);
+                                                return !s.armed || s.left-- > 0;
+                                            },
+                                            &stop});
+                start(work, 600);
+                stop = {true, calls};
+                const bool met = meet_budget(work.patchwork, to, tile, {});
+                CHECK(met == (work.count() == to));
+                if (calls < 2) CHECK_FALSE(met);
+                hmesh_test::prove(work, met);
+            }
+}
