@@ -15,8 +15,8 @@ namespace hmesh {
 enum class Effort : std::uint8_t {
     draft,   // greedy insertion
     fast,    // insertion of twice as many, then removal: about +2 dB
-    normal,  // then 12 sweeps of annealing: about +1 dB
-    best,    // 400 sweeps
+    normal,  // insertion of three times as many, removal, then 10 sweeps of annealing: about +1 dB
+    best,    // 1000 sweeps
 };
 
 struct AnnealedOptions {
@@ -54,9 +54,12 @@ struct AnnealedOptions {
         case Effort::normal: break;
         case Effort::best:
             options.overshoot = 4;
-            options.annealing.sweeps = 400;
+            options.annealing.sweeps = 1000;
             options.annealing.cooling = 2;
             options.annealing.exchange = 0.3;
+            options.annealing.jump = 0.3;
+            options.annealing.insertion_screen = 0.2;
+            options.annealing.flip_screen = 1;
             break;
     }
     return options;
