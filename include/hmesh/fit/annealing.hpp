@@ -36,7 +36,7 @@ struct AnnealingOptions {
     double insertion_screen = 0.35;  // insertions that gain less than this many mu so are not tried
     double flip_screen = 3;      // flips that cost more than this many mu so are not tried
     double start_price = 0.2;    // mu at the start, in mean energies of a vertex
-    double band = 0.5;           // a sweep changes the number of vertices by at most this share
+    double band = 0.5;           // the count may leave the target by this share in the first sweep, ever less later
 };
 
 // What a sweep did.

@@ -186,10 +186,11 @@ class Annealed {
             const double total = static_cast<double>(whole().vertex_count()), target = static_cast<double>(n_);
             const Tiling phase = tiling(k + 1);
             std::vector<AnnealingCounts> counts(phase.size());
+            const double band = annealing.band * (1 - static_cast<double>(k) / annealing.sweeps);
             monitor().expect(static_cast<double>(k) / annealing.sweeps, (k + 1.0) / annealing.sweeps);
             const bool go_on = work_->for_each(phase, [&](Patch<C>& patch, std::size_t tile) {
                 const double share = static_cast<double>(patch.mesh().vertex_count()) * target / total;
-                const CountRange range{(1 - annealing.band) * share, (1 + annealing.band) * share};
+                const CountRange range{(1 - band) * share, (1 + band) * share};
                 const Random random(options_.seed, (static_cast<std::uint64_t>(k) << 32U) + tile);
                 counts[tile] = AnnealingSweep<C>(patch.mesh(), annealing, schedule.price(), schedule.temperature(k), range, random).run();
             });
