@@ -101,8 +101,8 @@ class Groups {
 
 // What a tile's triangles are like.
 struct Form {
-    std::size_t components = 0;         // joined by sides
-    std::size_t pinched = 0;            // vertices where several fans meet
+    std::size_t components = 0;  // joined by sides
+    std::size_t pinched = 0;     // vertices where several fans meet
     std::ptrdiff_t holes = 0;
     std::map<std::uint32_t, std::vector<int>> fans;  // of each vertex: how many triangles each has, ascending
 };
@@ -120,7 +120,8 @@ Form form_of(const std::vector<Triangle>& triangles) {
         components.join(t, other->second);
         for (std::size_t i = 0; i < 3; ++i)
             for (std::size_t k = 0; k < 3; ++k)
-                if (const std::uint32_t v = triangles[t][i]; v == triangles[other->second][k] && (v == side.first || v == side.second))
+                if (const std::uint32_t v = triangles[t][i];
+                    v == triangles[other->second][k] && (v == side.first || v == side.second))
                     corners.join(3 * t + i, 3 * other->second + k);
     }
     Form form;
@@ -134,14 +135,16 @@ Form form_of(const std::vector<Triangle>& triangles) {
     for (std::size_t t = 0; t < triangles.size(); ++t) form.components += components.of(t) == t ? 1 : 0;
     // Euler: each component without holes has vertices - edges + faces = 1, and each hole takes one away.
     const auto count = [](std::size_t n) { return static_cast<std::ptrdiff_t>(n); };
-    form.holes = count(form.components) - (count(sizes.size()) - count(sides.size() - inner / 2) + count(triangles.size()));
+    form.holes =
+        count(form.components) - (count(sizes.size()) - count(sides.size() - inner / 2) + count(triangles.size()));
     return form;
 }
 
 template <int C>
 std::vector<Triangle> triangles_of(const WholeMesh<C>& whole, const Cut& cut, std::size_t tile) {
     std::vector<Triangle> triangles;
-    for (std::size_t k = cut.first[tile]; k < cut.first[tile + 1]; ++k) triangles.push_back(whole.triangles[cut.triangles[k]]);
+    for (std::size_t k = cut.first[tile]; k < cut.first[tile + 1]; ++k)
+        triangles.push_back(whole.triangles[cut.triangles[k]]);
     return triangles;
 }
 
@@ -167,8 +170,8 @@ std::vector<Corners<C>> corners_of(const WholeMesh<C>& whole, const PatchResult<
 }
 
 template <int C>
-void prove_result(const WholeMesh<C>& whole, const Cut& cut, std::size_t tile, const PatchResult<C>& result, bool by_fan,
-                  const Form& form) {
+void prove_result(const WholeMesh<C>& whole, const Cut& cut, std::size_t tile, const PatchResult<C>& result,
+                  bool by_fan, const Form& form) {
     std::vector<Corners<C>> expected;
     for (const Triangle& t : triangles_of(whole, cut, tile)) expected.push_back(hmesh_test::corners_of(whole, t));
     std::sort(expected.begin(), expected.end());
@@ -278,7 +281,8 @@ template <class T, int C>
 void prove_tilings(const Image<T, C>& image, const WholeMesh<C>& whole, std::uint64_t seed, Met& met) {
     const ImageSource<C> source(image.view());
     for (const double tile : {1.0, 2.0, 3.0, 5.0, 8.0, 13.0, 29.0, 1000.0})
-        prove_patches(source, whole, Tiling(image.width(), image.height(), tile, (seed & 1U) != 0, (seed & 2U) != 0), met);
+        prove_patches(source, whole, Tiling(image.width(), image.height(), tile, (seed & 1U) != 0, (seed & 2U) != 0),
+                      met);
 }
 
 }  // namespace
@@ -336,8 +340,11 @@ TEST_CASE("a point is in the tile whose rectangle holds it, also on lines and on
             for (int shift = 0; shift < 4; ++shift) {
                 const Tiling tiling(width, height, tile, (shift & 1) != 0, (shift & 2) != 0);
                 // The tile of each pixel, from the rectangles.
-                std::vector<std::size_t> owner(static_cast<std::size_t>(width) * static_cast<std::size_t>(height), tiling.size());
-                const auto at = [&, w = width](int x, int y) -> std::size_t& { return owner[static_cast<std::size_t>(y * w + x)]; };
+                std::vector<std::size_t> owner(static_cast<std::size_t>(width) * static_cast<std::size_t>(height),
+                                               tiling.size());
+                const auto at = [&, w = width](int x, int y) -> std::size_t& {
+                    return owner[static_cast<std::size_t>(y * w + x)];
+                };
                 for (std::size_t k = 0; k < tiling.size(); ++k) {
                     const Rect r = tiling.rect(k);
                     for (int y = r.y; y < r.y + r.height; ++y)
@@ -456,7 +463,8 @@ TEST_CASE("patches of an image with weights sum up to the whole") {
     REQUIRE(std::abs(one.energy() - whole.energy) > 0.1 * whole.energy);  // without weights it is another
     whole.energy = one.energy();
     Met met;
-    for (const double tile : {4.0, 12.0, 30.0, 100.0}) prove_patches(source, whole, Tiling(48, 40, tile, true, false), met);
+    for (const double tile : {4.0, 12.0, 30.0, 100.0})
+        prove_patches(source, whole, Tiling(48, 40, tile, true, false), met);
 }
 
 TEST_CASE("a patch that is the whole takes the table it is offered and gives it back; others make their own") {
@@ -526,7 +534,8 @@ void torture(const Image<T, C>& image, const WholeMesh<C>& whole, double tile_si
         ImageMesh<C>& mesh = patch.mesh();
         Point low{1e9, 1e9};
         for (const Triangle& t : triangles)
-            for (const std::uint32_t v : t) low = {std::min(low.x, whole.positions[v].x), std::min(low.y, whole.positions[v].y)};
+            for (const std::uint32_t v : t)
+                low = {std::min(low.x, whole.positions[v].x), std::min(low.y, whole.positions[v].y)};
         const Point origin{std::floor(low.x), std::floor(low.y)};
 
         std::vector<std::pair<Vertex, Vertex>> rim;
@@ -559,7 +568,8 @@ void torture(const Image<T, C>& image, const WholeMesh<C>& whole, double tile_si
             REQUIRE(h.is_valid());
             REQUIRE(mesh.topology().is_boundary(HalfedgeMesh::edge(h)));
         }
-        for (const Vertex v : mesh.topology().vertices()) REQUIRE(mesh.topology().valence(v) <= mesh.vertex(v).most_valence);
+        for (const Vertex v : mesh.topology().vertices())
+            REQUIRE(mesh.topology().valence(v) <= mesh.vertex(v).most_valence);
     }
 }
 

@@ -57,8 +57,8 @@ bool breaks_delaunay(const hmesh::ImageMesh<C>& mesh, hmesh::Edge e) {
         y[k] = mesh.position(v[k]).y - d.y;
         z[k] = x[k] * x[k] + y[k] * y[k];
     }
-    const double inside = z[0] * (x[1] * y[2] - x[2] * y[1]) - z[1] * (x[0] * y[2] - x[2] * y[0]) +
-                          z[2] * (x[0] * y[1] - x[1] * y[0]);
+    const double inside =
+        z[0] * (x[1] * y[2] - x[2] * y[1]) - z[1] * (x[0] * y[2] - x[2] * y[0]) + z[2] * (x[0] * y[1] - x[1] * y[0]);
     return inside > 1e-6 * (z[0] + z[1] + z[2]);
 }
 
@@ -76,7 +76,8 @@ void scatter(hmesh::ImageMesh<C>& mesh, int count, bool delaunay, std::uint64_t 
             if (candidate.fits && hmesh::has_room(mesh, candidate)) hmesh::insert(mesh, candidate);
             continue;
         }
-        const hmesh::Point p = hmesh::snap(hmesh::Point{mesh.width() * random.uniform(), mesh.height() * random.uniform()});
+        const hmesh::Point p =
+            hmesh::snap(hmesh::Point{mesh.width() * random.uniform(), mesh.height() * random.uniform()});
         for (const hmesh::Face f : topology.faces()) {
             const auto v = topology.vertices(f);
             bool fits = true;
@@ -107,7 +108,8 @@ inline constexpr std::array<Shape, 5> all_shapes = {Shape::grid, Shape::worn, Sh
 inline Triangulation island() {
     Triangulation mesh;
     mesh.positions = {{46, 20}, {44, 20}, {30, 18}, {26, 21}, {0, 0}, {0, 40}, {64, 0}, {64, 40}};
-    mesh.triangles = {{1, 2, 3}, {1, 0, 4}, {1, 5, 0}, {1, 4, 2}, {1, 3, 5}, {2, 4, 3}, {3, 4, 5}, {0, 4, 6}, {0, 6, 7}, {0, 7, 5}};
+    mesh.triangles = {{1, 2, 3}, {1, 0, 4}, {1, 5, 0}, {1, 4, 2}, {1, 3, 5},
+                      {2, 4, 3}, {3, 4, 5}, {0, 4, 6}, {0, 6, 7}, {0, 7, 5}};
     for (hmesh::Triangle& t : mesh.triangles)
         if (hmesh::cross(mesh.positions[t[0]], mesh.positions[t[1]], mesh.positions[t[2]]) < 0) std::swap(t[1], t[2]);
     return mesh;
@@ -115,7 +117,8 @@ inline Triangulation island() {
 
 // A triangulation of the image with colours and due vertices as in whole_of(), its energy known.
 template <class T, int C>
-hmesh::WholeMesh<C> make_whole(const hmesh::Image<T, C>& image, const Triangulation& triangulation, std::uint64_t seed) {
+hmesh::WholeMesh<C> make_whole(const hmesh::Image<T, C>& image, const Triangulation& triangulation,
+                               std::uint64_t seed) {
     Subject<T, C> subject(image, triangulation);
     hmesh::WholeMesh<C> whole = whole_of(subject.mesh, hmesh::PixelTraits<T>::peak, seed);
     REQUIRE(subject.mesh.assign(whole.positions, whole.triangles, whole.colors, hmesh::SerialFor{}));

@@ -138,7 +138,8 @@ TEST_CASE("a T-junction is found, though all faces are right and their areas add
             WholeMesh<1> mesh = whole(24, 24, grid.positions, grid.triangles);
             const Triangle face = mesh.triangles[t];
             const std::uint32_t a = face[k], b = face[(k + 1) % 3], c = face[(k + 2) % 3];
-            if (std::count(middle.begin(), middle.end(), a) == 0 || std::count(middle.begin(), middle.end(), b) == 0) continue;
+            if (std::count(middle.begin(), middle.end(), a) == 0 || std::count(middle.begin(), middle.end(), b) == 0)
+                continue;
             mesh.add(midpoint(mesh.positions[a], mesh.positions[b]), Color<1>::zero());
             mesh.triangles[t] = {a, 16, c};
             mesh.triangles.push_back({16, b, c});
@@ -171,7 +172,8 @@ TEST_CASE("a hole is found, also where an overlap makes up for its area") {
     CHECK(fault(mesh) == Fault{"the faces do not tile the image", 0});
 }
 
-TEST_CASE("an overlap is found: a face that comes twice, one of another layer, and folds in which all faces turn right") {
+TEST_CASE(
+    "an overlap is found: a face that comes twice, one of another layer, and folds in which all faces turn right") {
     WholeMesh<1> mesh = fan();
     mesh.triangles.push_back(mesh.triangles[0]);
     CHECK(fault(mesh).first == "an edge is used twice in one direction, first by triangle");
@@ -223,8 +225,9 @@ TEST_CASE("no mesh with one triangle too few, too many, turned over or bent to a
     CHECK(accepted == 0);
 }
 
-TEST_CASE("a mesh with a vertex moved by chance is accepted if no face turned over and the border stayed, and then covers "
-          "every point once") {
+TEST_CASE(
+    "a mesh with a vertex moved by chance is accepted if no face turned over and the border stayed, and then covers "
+    "every point once") {
     const WholeMesh<1> good = make_whole(hmesh_test::scene<std::uint8_t, 1>(16, 12, 2), Shape::delaunay, 25, 7);
     Random random(2);
     int accepted = 0, refused = 0;
@@ -234,14 +237,16 @@ TEST_CASE("a mesh with a vertex moved by chance is accepted if no face turned ov
         const Point from = mesh.positions[v];
         const double reach = 1.0 + static_cast<double>(random.below(8));
         const auto moved = [&](double x) {
-            const double step = random.below(2) == 0 ? 0 : hmesh::snap(reach * random.uniform()) - hmesh::snap(0.5 * reach);
+            const double step =
+                random.below(2) == 0 ? 0 : hmesh::snap(reach * random.uniform()) - hmesh::snap(0.5 * reach);
             return std::max(0.0, x + step);
         };
         const Point to{moved(from.x), moved(from.y)};
         mesh.positions[v] = to;
         const bool is_corner = (from.x == 0 || from.x == 16) && (from.y == 0 || from.y == 12);
         bool valid = is_corner ? to == from
-                               : ((from.x != 0 && from.x != 16) || to.x == from.x) && ((from.y != 0 && from.y != 12) || to.y == from.y);
+                               : ((from.x != 0 && from.x != 16) || to.x == from.x) &&
+                                     ((from.y != 0 && from.y != 12) || to.y == from.y);
         for (const Triangle& t : mesh.triangles)
             if (!(hmesh::cross(mesh.positions[t[0]], mesh.positions[t[1]], mesh.positions[t[2]]) > 0)) valid = false;
         REQUIRE(static_cast<bool>(check(mesh)) == valid);
