@@ -158,6 +158,7 @@ template <int C>
             const std::uint32_t number = cut.number[v];
             if (cut.owner[v] == Cut::frozen) {
                 out.frozen.push_back(v);
+                if (whole.due[v] != 0) out.frozen_due.push_back(v);
                 v = static_cast<std::uint32_t>(cut.free_count[tile] + out.frozen.size() - 1);
                 continue;
             }

@@ -35,8 +35,9 @@ class Tiling {
         const int count = std::max(1, static_cast<int>(std::min(65536.0, size / tile + 0.5)));
         std::vector<int> at{0};
         const auto line = [&](double k) { return static_cast<int>(size * k / count + 0.5); };
-        if (count > 1)
-            for (int k = shift ? 0 : 1; k < count; ++k) at.push_back(line(shift ? k + 0.5 : k));
+        // Rounding may bring lines together where tiles are of about a pixel: then one of them is left out.
+        for (int k = shift && count > 1 ? 0 : 1; k < count; ++k)
+            if (const int next = line(shift ? k + 0.5 : k); next > at.back() && next < size) at.push_back(next);
         at.push_back(size);
         return at;
     }
