@@ -9,25 +9,23 @@
 #include <cstring>
 #include <limits>
 #include <string>
+#include <tuple>
 #include <utility>
 #include <vector>
 
 #include "test_images.hpp"
-#include "test_meshes.hpp"
+#include "test_patchworks.hpp"
 
 using hmesh::annealed;
 using hmesh::AnnealedOptions;
 using hmesh::Effort;
 using hmesh::Errc;
 using hmesh::Monitor;
-using hmesh::Point;
 using hmesh::Progress;
 using hmesh::Status;
-using hmesh_test::Subject;
+using hmesh_test::Work;
 
 namespace {
-
-Monitor silent() { return Monitor({}, 1, 255); }
 
 AnnealedOptions options_of(Effort effort, int sweeps) {
     AnnealedOptions options = hmesh::annealed_options(effort);
@@ -44,43 +42,6 @@ std::string names_of(const Monitor& monitor) {
 
 }  // namespace
 
-TEST_CASE("the first grid tiles the rectangle, has no more vertices than asked for, and not far fewer") {
-    const std::pair<int, int> sizes[] = {{1, 1},   {1, 7},   {9, 1},   {2, 2},   {5, 4},
-                                         {60, 40}, {3, 500}, {700, 2}, {333, 77}};
-    for (const std::pair<int, int>& size : sizes)
-        for (const double count : {4.0, 4.9, 5.0, 6.0, 9.0, 25.5, 100.0, 1234.0, 40000.0}) {
-            const int width = size.first, height = size.second;
-            CAPTURE(width);
-            CAPTURE(height);
-            CAPTURE(count);
-            const hmesh::detail::Grid grid = hmesh::detail::regular_grid(width, height, count);
-            CHECK(static_cast<double>(grid.positions.size()) <= count);
-            CHECK(grid.positions.size() >= 4);
-            const double possible = std::min(count, (width + 1.0) * (height + 1.0));
-            CHECK(static_cast<double>(grid.positions.size()) >= 0.3 * possible);
-            double twice_area = 0, least = 1e300;
-            for (const hmesh::Triangle& t : grid.triangles) {
-                const double twice = hmesh::cross(grid.positions[t[0]], grid.positions[t[1]], grid.positions[t[2]]);
-                twice_area += twice;
-                least = std::min(least, twice);
-            }
-            CHECK(twice_area == 2.0 * width * height);
-            CHECK(least > 0.9);  // cells of at least a pixel
-            for (const Point p : {Point{0, 0}, Point{static_cast<double>(width), static_cast<double>(height)}})
-                CHECK(std::count(grid.positions.begin(), grid.positions.end(), p) == 1);
-        }
-}
-
-TEST_CASE("the first grid's cells are nearly square") {
-    const auto grid = hmesh::detail::regular_grid(400, 100, 500);
-    std::size_t columns = 0;
-    for (const Point p : grid.positions) columns += p.y == 0 ? 1 : 0;
-    const double cell_width = 400.0 / static_cast<double>(columns - 1);
-    const double cell_height = 100.0 / (static_cast<double>(grid.positions.size() / columns) - 1);
-    CHECK(cell_width / cell_height > 0.75);
-    CHECK(cell_width / cell_height < 1.33);
-}
-
 TEST_CASE(
     "every effort's recipe gives every number of vertices from 4 to one a pixel on images of 1 to 6 by 1 to 6 pixels") {
     for (const Effort effort : {Effort::draft, Effort::fast, Effort::normal, Effort::best})
@@ -89,22 +50,21 @@ TEST_CASE(
                 hmesh::MeshLimits limits;  // the strictest, where vertices get stuck
                 if (effort != Effort::best) limits.min_cross = limits.border_gap = 0.25;
                 const auto seed = static_cast<std::uint64_t>(width + 9 * height);
-                Subject<std::uint8_t, 2> subject(hmesh_test::noise<std::uint8_t, 2>(width, height, seed), limits);
+                Work<std::uint8_t, 2> work(hmesh_test::noise<std::uint8_t, 2>(width, height, seed), limits);
                 const auto most = static_cast<std::size_t>(std::max(4, width * height));
                 for (std::size_t n = 4; n <= most; ++n) {
                     CAPTURE(width);
                     CAPTURE(height);
                     CAPTURE(n);
-                    Monitor monitor = silent();
-                    CHECK(annealed(subject.mesh, n, options_of(effort, 3), monitor));
-                    CHECK(subject.mesh.vertex_count() == n);
-                    hmesh_test::prove(subject);
+                    CHECK(annealed(work.patchwork, n, options_of(effort, 3), 0));
+                    CHECK(work.count() == n);
+                    hmesh_test::prove(work);
                 }
             }
 }
 
 TEST_CASE("any overshoot, share of the first grid and batch size give the exact number") {
-    Subject<std::uint8_t, 1> subject(hmesh_test::scene<std::uint8_t, 1>(40, 32, 3));
+    Work<std::uint8_t, 1> work(hmesh_test::scene<std::uint8_t, 1>(40, 32, 3));
     for (const double overshoot : {1.0, 1.001, 3.0, 100.0})
         for (const double start : {0.0, 0.3, 1.0})
             for (const double growth : {0.01, 0.3, 10.0})
@@ -117,83 +77,127 @@ TEST_CASE("any overshoot, share of the first grid and batch size give the exact 
                     options.annealing.sweeps = 0;
                     options.growth_sweeps = 1;
                     options.polish_rounds = 0;
-                    Monitor monitor = silent();
-                    CHECK(annealed(subject.mesh, 60, options, monitor));
-                    CHECK(subject.mesh.vertex_count() == 60);
-                    CHECK(subject.mesh.check());
+                    CHECK(annealed(work.patchwork, 60, options, 0));
+                    CHECK(work.count() == 60);
+                    CHECK(check(work.whole()));
                 }
 }
 
+TEST_CASE("in tiles every effort gives the exact number, and a better mesh than the effort before") {
+    const auto image = hmesh_test::scene<std::uint8_t, 1>(150, 130, 7);
+    double before = 1e300;
+    for (const Effort effort : {Effort::draft, Effort::fast, Effort::normal}) {
+        Work<std::uint8_t, 1> work(image);
+        CHECK(annealed(work.patchwork, 1400, options_of(effort, 12), 64));
+        CHECK(work.count() == 1400);
+        hmesh_test::prove(work);
+        CHECK(work.whole().energy < before);
+        before = work.whole().energy;
+    }
+    for (const auto& [width, height, n] :
+         {std::tuple{300, 1, 300U}, {1, 300, 300U}, {65, 200, 1100U}, {64, 64, 4096U}, {130, 64, 8320U}}) {
+        CAPTURE(width);
+        Work<std::uint8_t, 3> work(hmesh_test::noise<std::uint8_t, 3>(width, height, 1));
+        CHECK(annealed(work.patchwork, n, options_of(Effort::fast, 0), 64));
+        CHECK(work.count() == n);
+        hmesh_test::prove(work);
+    }
+    Work<std::uint8_t, 3> constant(hmesh_test::constant_image<std::uint8_t, 3>(150, 130, 0.3));
+    for (const std::size_t n : {800U, 3000U}) {
+        CHECK(annealed(constant.patchwork, n, options_of(Effort::normal, 1), 64));
+        CHECK(constant.count() == n);
+        hmesh_test::prove(constant);
+    }
+}
+
+TEST_CASE("tiles are as large as asked for, but hold 256 vertices on average where the image has as many") {
+    using hmesh::detail::tile_size;
+    CHECK(tile_size(1024, 1024, 10000, 0) == 1024);  // in one piece up to a megapixel
+    CHECK(tile_size(1025, 1024, 30000, 0) == 256);
+    CHECK(tile_size(4000, 3000, 1000000, 100) == 100);
+    for (const std::size_t n : {4U, 100U, 1000U, 10000U, 100000U})
+        for (const auto& [width, height] : {std::pair{4000, 3000}, {20000, 300}, {64, 60000}, {300, 300}}) {
+            const double tile = tile_size(width, height, n, 64);
+            const double area = std::min<double>(tile, width) * std::min<double>(tile, height);
+            const double per_pixel = static_cast<double>(n) / (static_cast<double>(width) * height);
+            CHECK(tile >= 64);
+            CHECK((area * per_pixel > 255.9 || tile >= std::max(width, height)));
+            if (tile > 64) CHECK(area * per_pixel < 256 * 1.5625);
+        }
+}
+
 TEST_CASE("pictures without error, where no vertex is better than another, take any number") {
-    Subject<std::uint8_t, 3> constant(hmesh_test::constant_image<std::uint8_t, 3>(32, 27, 0.3));
-    Subject<float, 1> affine(hmesh_test::affine_image<float, 1>(32, 27));
+    Work<std::uint8_t, 3> constant(hmesh_test::constant_image<std::uint8_t, 3>(32, 27, 0.3));
+    Work<float, 1> affine(hmesh_test::affine_image<float, 1>(32, 27));
     for (const std::size_t n : {4U, 5U, 63U, 432U, 864U})
         for (const Effort effort : {Effort::draft, Effort::fast, Effort::normal}) {
-            Monitor monitor = silent();
-            CHECK(annealed(constant.mesh, n, options_of(effort, 3), monitor));
-            CHECK(annealed(affine.mesh, n, options_of(effort, 3), monitor));
-            CHECK(constant.mesh.vertex_count() == n);
-            CHECK(affine.mesh.vertex_count() == n);
+            CHECK(annealed(constant.patchwork, n, options_of(effort, 3), 0));
+            CHECK(annealed(affine.patchwork, n, options_of(effort, 3), 0));
+            CHECK(constant.count() == n);
+            CHECK(affine.count() == n);
             hmesh_test::prove(constant);
             hmesh_test::prove(affine);
         }
 }
 
 TEST_CASE("stages come in order, those whose options say none are left out, and each tells the mesh it left") {
-    Subject<std::uint8_t, 3> subject(hmesh_test::scene<std::uint8_t, 3>(48, 40, 2));
     const double samples = 48.0 * 40 * 3;
     for (const auto& [effort, names] : {std::pair<Effort, const char*>{Effort::draft, "grid insert polish"},
                                         {Effort::fast, "grid insert collapse polish"},
                                         {Effort::normal, "grid insert collapse anneal polish"},
                                         {Effort::best, "grid insert collapse anneal polish"}}) {
-        Monitor monitor({}, samples, 255);
-        CHECK(annealed(subject.mesh, 50, options_of(effort, 12), monitor));
+        Work<std::uint8_t, 3> work(hmesh_test::scene<std::uint8_t, 3>(48, 40, 2));
+        const Monitor& monitor = work.monitor;
+        CHECK(annealed(work.patchwork, 50, options_of(effort, 12), 0));
         CHECK(names_of(monitor) == names);
         for (const hmesh::StageReport& stage : monitor.stages()) {
             CHECK(stage.psnr == doctest::Approx(10 * std::log10(255.0 * 255.0 * samples / stage.energy)));
-            if (std::strcmp(stage.name, "collapse") == 0 || std::strcmp(stage.name, "anneal") == 0)
-                CHECK(stage.vertices == 50);
+            if (std::strcmp(stage.name, "collapse") == 0) CHECK(stage.vertices == 50);
             if (std::strcmp(stage.name, "insert") == 0)
-                CHECK(stage.vertices == (effort == Effort::draft ? 50 : effort == Effort::best ? 200 : 100));
+                CHECK(static_cast<double>(stage.vertices) == 50 * hmesh::annealed_options(effort).overshoot);
         }
-        CHECK(monitor.stages().back().vertices == subject.mesh.vertex_count());
-        CHECK(monitor.stages().back().energy == subject.mesh.energy());
+        CHECK(monitor.stages().back().vertices == work.count());
+        CHECK(monitor.stages().back().energy == work.whole().energy);
     }
 }
 
-TEST_CASE("polishing never raises the energy, and every stage but the collapse leaves a better mesh") {
+TEST_CASE("every round of polish lowers the energy, and every stage but the collapse leaves a better mesh") {
     for (const std::uint64_t seed : {1U, 2U, 3U}) {
-        Subject<std::uint8_t, 3> subject(hmesh_test::scene<std::uint8_t, 3>(64, 56, seed));
-        Monitor monitor = silent();
-        CHECK(annealed(subject.mesh, 140, options_of(Effort::normal, 12), monitor));
-        const auto& stages = monitor.stages();  // grid insert collapse anneal polish
-        REQUIRE(stages.size() == 5);
-        CHECK(stages[1].energy < stages[0].energy);
-        CHECK(stages[2].energy > stages[1].energy);
-        CHECK(stages[3].energy < stages[2].energy);
-        CHECK(stages[4].energy <= stages[3].energy);
+        double before = 1e300;
+        for (const int rounds : {0, 1, 3}) {
+            Work<std::uint8_t, 3> work(hmesh_test::scene<std::uint8_t, 3>(64, 56, seed));
+            AnnealedOptions options = options_of(Effort::normal, 12);
+            options.polish_rounds = rounds;
+            CHECK(annealed(work.patchwork, 140, options, 0));
+            const auto& stages = work.monitor.stages();  // grid insert collapse anneal polish
+            REQUIRE(stages.size() == 5);
+            CHECK(stages[1].energy < stages[0].energy);
+            CHECK(stages[2].energy > stages[1].energy);
+            CHECK(stages[3].energy < stages[2].energy);
+            CHECK(stages[4].energy < stages[2].energy);  // both of 140 vertices
+            CHECK(stages[4].energy < before);
+            before = stages[4].energy;
+        }
     }
 }
 
 TEST_CASE("a mesh can be filled again, and forgets what it was") {
     const auto image = hmesh_test::scene<std::uint8_t, 1>(40, 30, 4);
-    Subject<std::uint8_t, 1> used(image), fresh(image);
-    Monitor monitor = silent();
-    CHECK(annealed(used.mesh, 300, options_of(Effort::fast, 0), monitor));
-    for (Subject<std::uint8_t, 1>* subject : {&used, &fresh})
-        CHECK(annealed(subject->mesh, 60, options_of(Effort::normal, 4), monitor));
-    CHECK(hmesh_test::snapshot(used.mesh) == hmesh_test::snapshot(fresh.mesh));
+    Work<std::uint8_t, 1> used(image), fresh(image);
+    CHECK(annealed(used.patchwork, 300, options_of(Effort::fast, 0), 0));
+    for (Work<std::uint8_t, 1>* work : {&used, &fresh})
+        CHECK(annealed(work->patchwork, 60, options_of(Effort::normal, 4), 0));
+    CHECK(hmesh_test::same_bits(used.whole(), fresh.whole()));
 }
 
 TEST_CASE("told to stop, it leaves a valid mesh and says so") {
     const auto stop_at_second = [](void* user, const hmesh::StageInfo&) { return ++*static_cast<int*>(user) < 2; };
     int calls = 0;
-    Subject<std::uint8_t, 1> subject(hmesh_test::scene<std::uint8_t, 1>(40, 30, 4));
-    Monitor monitor(Progress{stop_at_second, &calls}, 1200, 255);
-    const Status status = annealed(subject.mesh, 60, {}, monitor);
+    Work<std::uint8_t, 1> work(hmesh_test::scene<std::uint8_t, 1>(40, 30, 4), {}, Progress{stop_at_second, &calls});
+    const Status status = annealed(work.patchwork, 60, {}, 0);
     CHECK(status.code == Errc::cancelled);
     CHECK(calls == 2);
-    hmesh_test::prove(subject);
+    hmesh_test::prove(work, false);
 }
 
 TEST_CASE("options that mean nothing are named, and the efforts' own all mean something") {
@@ -231,7 +235,7 @@ TEST_CASE("options that mean nothing are named, and the efforts' own all mean so
 }
 
 TEST_CASE("screens that are NaN, negative or infinite are refused or give a valid mesh of the exact number") {
-    Subject<std::uint8_t, 1> subject(hmesh_test::scene<std::uint8_t, 1>(32, 28, 3));
+    Work<std::uint8_t, 1> work(hmesh_test::scene<std::uint8_t, 1>(32, 28, 3));
     const double nan = std::numeric_limits<double>::quiet_NaN(), infinity = std::numeric_limits<double>::infinity();
     using Screen = double hmesh::AnnealingOptions::*;
     for (const Screen screen : {&hmesh::AnnealingOptions::flip_screen, &hmesh::AnnealingOptions::insertion_screen,
@@ -242,15 +246,14 @@ TEST_CASE("screens that are NaN, negative or infinite are refused or give a vali
             options.annealing.sweeps = 3;
             options.annealing.*screen = bad;
             if (!check(options)) continue;
-            Monitor monitor = silent();
-            CHECK(annealed(subject.mesh, 50, options, monitor));
-            CHECK(subject.mesh.vertex_count() == 50);
-            hmesh_test::prove(subject);
+            CHECK(annealed(work.patchwork, 50, options, 0));
+            CHECK(work.count() == 50);
+            hmesh_test::prove(work);
         }
 }
 
 TEST_CASE("options at the ends of their ranges give a valid mesh of the exact number") {
-    Subject<std::uint8_t, 1> subject(hmesh_test::scene<std::uint8_t, 1>(24, 20, 3));
+    Work<std::uint8_t, 1> work(hmesh_test::scene<std::uint8_t, 1>(24, 20, 3));
     for (const bool high : {false, true})
         for (const std::size_t n : {4U, 30U, 480U}) {
             AnnealedOptions options;
@@ -272,9 +275,8 @@ TEST_CASE("options at the ends of their ranges give a valid mesh of the exact nu
             options.annealing.start_price = pick(1e-6, 1e6);
             options.annealing.band = pick(0, 1);
             REQUIRE(check(options));
-            Monitor monitor = silent();
-            CHECK(annealed(subject.mesh, n, options, monitor));
-            CHECK(subject.mesh.vertex_count() == n);
-            hmesh_test::prove(subject);
+            CHECK(annealed(work.patchwork, n, options, 0));
+            CHECK(work.count() == n);
+            hmesh_test::prove(work);
         }
 }

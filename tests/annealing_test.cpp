@@ -12,9 +12,11 @@
 #include "test_images.hpp"
 #include "test_meshes.hpp"
 
-using hmesh::Annealer;
 using hmesh::AnnealingCounts;
 using hmesh::AnnealingOptions;
+using hmesh::AnnealingSchedule;
+using hmesh::AnnealingSweep;
+using hmesh::CountRange;
 using hmesh::Face;
 using hmesh::Random;
 using hmesh::Vertex;
@@ -50,17 +52,42 @@ void check_limits(const hmesh::ImageMesh<C>& mesh) {
     CHECK(valence <= hmesh::max_valence);
 }
 
+// Sweeps of a mesh that is one patch, at a price steered in between.
+template <int C>
+class Annealing {
+  public:
+    Annealing(hmesh::ImageMesh<C>& mesh, std::size_t target, const AnnealingOptions& options, std::uint64_t seed)
+        : mesh_(&mesh), options_(options), target_(static_cast<double>(target)), seed_(seed),
+          schedule_(options, target, mesh.mean_energy()) {}
+    [[nodiscard]] double price() const { return schedule_.price(); }
+    AnnealingCounts sweep(int k) {
+        const CountRange range{(1 - options_.band) * target_, (1 + options_.band) * target_};
+        AnnealingSweep<C> sweep(*mesh_, options_, price(), schedule_.temperature(k), range,
+                                Random(seed_, static_cast<std::uint64_t>(k)));
+        const AnnealingCounts counts = sweep.run();
+        schedule_.steer(counts, mesh_->vertex_count(), mesh_->mean_energy());
+        return counts;
+    }
+
+  private:
+    hmesh::ImageMesh<C>* mesh_;
+    AnnealingOptions options_;
+    double target_;
+    std::uint64_t seed_;
+    AnnealingSchedule schedule_;
+};
+
 // Sweeps, each followed by proof of all that the mesh promises and that its vertices are those the counts tell of.
 template <class T, int C>
 Totals anneal(Subject<T, C>& subject, std::size_t target, const AnnealingOptions& options, std::uint64_t seed) {
-    Annealer<C> annealer(subject.mesh, target, options, Random(seed));
+    Annealing<C> annealing(subject.mesh, target, options, seed);
     Totals totals;
     for (int k = 0; k < options.sweeps; ++k) {
         const std::size_t before = subject.mesh.vertex_count();
-        const AnnealingCounts counts = annealer.sweep(k);
+        const AnnealingCounts counts = annealing.sweep(k);
         CHECK(subject.mesh.vertex_count() + counts.removed == before + counts.inserted);
-        CHECK(std::isfinite(annealer.price()));
-        CHECK(annealer.price() >= -hmesh_test::rounding(subject));  // energies near 0 may round below it
+        CHECK(std::isfinite(annealing.price()));
+        CHECK(annealing.price() >= 0);
         hmesh_test::prove(subject);
         check_limits(subject.mesh);
         totals += counts;
@@ -120,13 +147,62 @@ TEST_CASE("the price rises while there are too many vertices and falls while the
     const auto change_of_price = [](std::size_t target) {
         Subject<std::uint8_t, 3> subject(hmesh_test::scene<std::uint8_t, 3>(60, 52, 5),
                                          hmesh_test::jittered_grid(60, 52, 10, 10, 5));
-        Annealer<3> annealer(subject.mesh, target, {}, Random(5));
-        const double before = annealer.price();
-        annealer.sweep(0);
-        return annealer.price() / before;
+        Annealing<3> annealing(subject.mesh, target, {}, 5);
+        const double before = annealing.price();
+        annealing.sweep(0);
+        return annealing.price() / before;
     };
     CHECK(change_of_price(40) > 1.1);
     CHECK(change_of_price(400) < 0.9);
+}
+
+TEST_CASE("the price starts as asked for and stays between 0.15 and 4 mean energies, whatever the counts") {
+    AnnealingOptions options;
+    options.start_price = 0.7;
+    AnnealingSchedule schedule(options, 100, 50);
+    CHECK(schedule.price() == 35);
+    // A balance keeps it.
+    schedule.steer({3, 3, 0, 0}, 100, 50);
+    CHECK(schedule.price() == doctest::Approx(35));
+    // Vertices that come raise it, vertices that go lower it, by at most a fifth.
+    schedule.steer({0, 2, 0, 0}, 100, 50);
+    CHECK(schedule.price() == doctest::Approx(35 * std::exp(0.04)));
+    schedule.steer({0, 90, 0, 0}, 190, 50);
+    CHECK(schedule.price() == doctest::Approx(35 * std::exp(0.24)));
+    for (int k = 0; k < 40; ++k) schedule.steer({0, 90, 0, 0}, 1000, 50);
+    CHECK(schedule.price() == 200);
+    for (int k = 0; k < 40; ++k) schedule.steer({90, 0, 0, 0}, 4, 50);
+    CHECK(schedule.price() == 7.5);
+    schedule.steer({}, 100, 0);  // a picture without error
+    CHECK(schedule.price() == 0);
+}
+
+TEST_CASE("the temperature is a share of the price that falls to 0 as (1 - t) to the power asked for") {
+    for (const double cooling : {0.5, 1.0, 2.0}) {
+        AnnealingOptions options;
+        options.sweeps = 8;
+        options.temperature = 0.4;
+        options.cooling = cooling;
+        const AnnealingSchedule schedule(options, 100, 50);
+        for (int k = 0; k < 8; ++k)
+            CHECK(schedule.temperature(k) == doctest::Approx(0.4 * std::pow(1 - k / 8.0, cooling) * schedule.price()));
+        CHECK(schedule.temperature(8) == 0);
+    }
+}
+
+TEST_CASE("a sweep leaves no more and no fewer vertices than its range says, but one") {
+    const auto count_after = [](const CountRange& range, double price) {
+        Subject<std::uint8_t, 3> subject(hmesh_test::scene<std::uint8_t, 3>(60, 52, 5),
+                                         hmesh_test::jittered_grid(60, 52, 10, 10, 5));
+        const double unit = subject.mesh.mean_energy();
+        AnnealingSweep<3>(subject.mesh, {}, price * unit, 0, range, Random(5)).run();
+        hmesh_test::prove(subject);
+        return subject.mesh.vertex_count();
+    };
+    CHECK(count_after({110, 1000}, 100) == 109);  // the price would have them all removed
+    CHECK(count_after({0, 1000}, 100) < 100);
+    CHECK(count_after({0, 130}, 1e-6) == 131);  // hardly a price: all come that can
+    CHECK(count_after({0, 1000}, 1e-6) > 140);
 }
 
 TEST_CASE("without temperature no sweep raises energy plus price times vertices") {
@@ -136,14 +212,14 @@ TEST_CASE("without temperature no sweep raises energy plus price times vertices"
         AnnealingOptions options;
         options.sweeps = 12;
         options.temperature = 0;
-        Annealer<3> annealer(subject.mesh, subject.mesh.vertex_count(), options, Random(seed));
+        Annealing<3> annealing(subject.mesh, subject.mesh.vertex_count(), options, seed);
         for (int k = 0; k < options.sweeps; ++k) {
-            const double price = annealer.price();
+            const double price = annealing.price();
             const auto total = [&] {
                 return subject.mesh.energy() + price * static_cast<double>(subject.mesh.vertex_count());
             };
             const double before = total();
-            annealer.sweep(k);
+            annealing.sweep(k);
             CHECK(total() <= before + hmesh_test::rounding(subject));
         }
     }

@@ -11,7 +11,6 @@
 #include <vector>
 
 #include "hmesh/core/random.hpp"
-#include "test_executors.hpp"
 #include "test_images.hpp"
 #include "test_meshes.hpp"
 
@@ -101,15 +100,12 @@ void check_worn(hmesh::Image<T, C> image, double range, std::uint64_t seed, Seen
 template <class T, int C>
 void check_batches(hmesh::Image<T, C> image, int columns, int rows, std::uint64_t seed) {
     const int width = image.width(), height = image.height();
-    const auto grid = hmesh_test::jittered_grid(width, height, columns, rows, seed);
-    Subject<T, C> subject(image, grid), turned(image, grid);
+    Subject<T, C> subject(std::move(image), hmesh_test::jittered_grid(width, height, columns, rows, seed));
     ImageMesh<C>& mesh = subject.mesh;
     int rounds = 0;
     for (std::size_t count = 1; mesh.vertex_count() > 4; count = count % 9 + 1, ++rounds) {
         const std::size_t vertices = mesh.vertex_count();
         const std::size_t removed = hmesh::remove_batch(mesh, count, {});
-        CHECK(hmesh::remove_batch(turned.mesh, count, {}, hmesh_test::ShuffledFor{count}) == removed);
-        REQUIRE(hmesh_test::snapshot(mesh) == hmesh_test::snapshot(turned.mesh));
         REQUIRE(removed >= 1);  // else it would never end
         REQUIRE(removed <= count);
         REQUIRE(mesh.vertex_count() == vertices - removed);

@@ -179,57 +179,6 @@ TEST_CASE(
     hmesh_test::prove(serial);
 }
 
-TEST_CASE("compacting renumbers in spatial order and drops deleted slots, and changes nothing else") {
-    Subject<std::uint8_t, 3> subject(hmesh_test::scene<std::uint8_t, 3>(60, 50, 1),
-                                     hmesh_test::jittered_grid(60, 50, 9, 8, 1));
-    ImageMesh<3>& mesh = subject.mesh;
-    hmesh_test::wear(mesh, 500, 255, 1);
-    Random random(1);
-    for (const Vertex v : mesh.topology().vertices()) mesh.set_due(v, random.below(2) == 0);
-    // Everything about a face in numbers that do not name elements.
-    const auto description = [&mesh] {
-        std::vector<std::vector<double>> faces;
-        for (const Face f : mesh.topology().faces()) {
-            const auto v = mesh.topology().vertices(f);
-            std::size_t first = 0;  // from the corner that is first by x, then y
-            const auto key = [&](std::size_t k) { return std::pair{mesh.position(v[k]).x, mesh.position(v[k]).y}; };
-            for (std::size_t k = 1; k < 3; ++k)
-                if (key(k) < key(first)) first = k;
-            std::vector<double> numbers;
-            for (std::size_t k = 0; k < 3; ++k) {
-                const Vertex u = v[(first + k) % 3];
-                const hmesh::VertexState<3>& state = mesh.vertex(u);
-                for (const double x : {state.position.x, state.position.y, state.color[0], state.color[1],
-                                       state.color[2], static_cast<double>(state.mobility), mesh.is_due(u) ? 1.0 : 0.0})
-                    numbers.push_back(x);
-            }
-            faces.push_back(std::move(numbers));
-        }
-        std::sort(faces.begin(), faces.end());
-        return faces;
-    };
-    const auto before = description();
-    const double energy = mesh.energy(), low = mesh.color_low(), high = mesh.color_high();
-    REQUIRE(mesh.topology().face_slots() > mesh.topology().face_count());
-    mesh.compact(1000);
-    CHECK(description() == before);
-    CHECK(std::abs(mesh.energy() - energy) <= hmesh_test::rounding(subject));
-    CHECK((mesh.color_low() == low && mesh.color_high() == high));
-    CHECK(mesh.topology().vertex_slots() == mesh.vertex_count());
-    CHECK(mesh.topology().edge_slots() == mesh.topology().edge_count());
-    CHECK(mesh.topology().face_slots() == mesh.topology().face_count());
-    const auto order = hmesh::spatial_vertices(mesh);
-    for (std::size_t k = 0; k < order.size(); ++k) CHECK(order[k] == Vertex(k));
-    hmesh_test::prove(subject);
-
-    Subject<std::uint8_t, 3> other(subject.image, hmesh_test::jittered_grid(60, 50, 9, 8, 1));
-    hmesh_test::wear(other.mesh, 500, 255, 1);
-    other.mesh.compact(0, hmesh_test::ReverseFor{});
-    CHECK(hmesh_test::snapshot(other.mesh) == hmesh_test::snapshot(mesh));
-    hmesh_test::wear(other.mesh, 100, 255, 2);
-    hmesh_test::prove(other);
-}
-
 TEST_CASE("triangulations that are none are refused") {
     Subject<std::uint8_t, 1> subject(hmesh_test::noise<std::uint8_t, 1>(8, 6, 1));
     ImageMesh<1>& mesh = subject.mesh;

@@ -12,7 +12,6 @@
 #include <vector>
 
 #include "hmesh/core/random.hpp"
-#include "test_executors.hpp"
 #include "test_images.hpp"
 #include "test_meshes.hpp"
 
@@ -131,15 +130,12 @@ void check_pruning(hmesh::Image<T, C> image, std::uint64_t seed) {
                     const InsertionOptions options{faces, may_move, least};
                     const auto want = all_gains(mesh, options);
                     const auto got = hmesh::best_sites(mesh, count, options);
-                    const auto turned = hmesh::best_sites(mesh, count, options, hmesh_test::ReverseFor{});
                     const std::size_t sure = std::min(want.size(), 2 * count);
                     REQUIRE(got.size() >= sure);
                     REQUIRE(got.size() <= want.size());
-                    REQUIRE(got.size() == turned.size());
                     std::set<std::pair<Edge, Face>> seen;
                     double last = want.empty() ? 0 : want[0];
                     for (std::size_t i = 0; i < got.size(); ++i) {
-                        REQUIRE(named(got[i]) == named(turned[i]));
                         REQUIRE(seen.insert(named(got[i])).second);
                         const double gain = hmesh::candidate_at(mesh, work, got[i], may_move).gain;
                         REQUIRE(gain <= last * (1 + precision));
@@ -154,16 +150,13 @@ void check_pruning(hmesh::Image<T, C> image, std::uint64_t seed) {
 template <class T, int C>
 void check_batches(hmesh::Image<T, C> image, const InsertionOptions& options, std::uint64_t seed) {
     const int width = image.width(), height = image.height();
-    const auto grid = hmesh_test::jittered_grid(width, height, 3, 3, seed);
-    Subject<T, C> subject(image, grid), turned(image, grid);
+    Subject<T, C> subject(std::move(image), hmesh_test::jittered_grid(width, height, 3, 3, seed));
     ImageMesh<C>& mesh = subject.mesh;
     std::size_t total = 0;
     for (std::size_t count = 1; count < 60; count = 2 * count + 1) {
         const double before = mesh.energy(), slack = hmesh_test::rounding(subject);
         const std::size_t vertices = mesh.vertex_count();
         const std::size_t inserted = hmesh::insert_batch(mesh, count, options);
-        CHECK(hmesh::insert_batch(turned.mesh, count, options, hmesh_test::ShuffledFor{count}) == inserted);
-        REQUIRE(hmesh_test::snapshot(mesh) == hmesh_test::snapshot(turned.mesh));
         REQUIRE(inserted <= count);
         REQUIRE(inserted > 0);
         REQUIRE(mesh.vertex_count() == vertices + inserted);
@@ -191,7 +184,7 @@ TEST_CASE("pruning loses none of the best candidates") {
     check_pruning(hmesh_test::scene<float, 2>(64, 63, 3), 3);
 }
 
-TEST_CASE("a batch inserts no more than asked for, lowers the energy, and is the same whatever the executor's order") {
+TEST_CASE("a batch inserts no more than asked for, and lowers the energy") {
     check_batches(hmesh_test::scene<std::uint8_t, 3>(61, 52, 1), {}, 1);
     check_batches(hmesh_test::scene<std::uint8_t, 1>(61, 52, 2), {true, true, 0}, 2);
     check_batches(hmesh_test::noise<std::uint16_t, 2>(45, 41, 3), {true, false, 0}, 3);

@@ -38,7 +38,7 @@ void add_grid_triangles(std::uint32_t columns, std::uint32_t rows, std::vector<T
 }
 
 // Triangles between two parallel polylines that run the same way, `inner` to the right of `outer` as seen along them (y
-// down). Each vertex is a number and its place along the direction.
+// down). Each vertex is a number and its place along the direction, and goes with those that are nearest to it.
 struct ChainVertex {
     std::uint32_t vertex;
     double along;
@@ -46,7 +46,8 @@ struct ChainVertex {
 inline void add_strip(const std::vector<ChainVertex>& outer, const std::vector<ChainVertex>& inner, std::vector<Triangle>& triangles) {
     std::size_t a = 0, b = 0;
     while (a + 1 < outer.size() || b + 1 < inner.size()) {
-        const bool on_outer = b + 1 == inner.size() || (a + 1 < outer.size() && outer[a + 1].along <= inner[b + 1].along);
+        const bool on_outer = b + 1 == inner.size() ||
+                              (a + 1 < outer.size() && outer[a].along + outer[a + 1].along <= inner[b].along + inner[b + 1].along);
         if (on_outer) {
             triangles.push_back({outer[a].vertex, outer[a + 1].vertex, inner[b].vertex});
             ++a;
@@ -83,11 +84,10 @@ template <int C>
 }
 
 // A grid of about `count` vertices in the tiles of an unshifted tiling, sewn to about `seam_count` nodes on the seams, which
-// are found while go_on() says true (see seam_lines).
+// are found while go_on() says true (see seam_lines). Either is more where the other would give vertices too many neighbours.
 template <int C, class GoOn, class ParallelFor = SerialFor>
 [[nodiscard]] WholeMesh<C> tiled_grid(const ImageSource<C>& source, const Tiling& tiling, double count, double seam_count,
                                       GoOn&& go_on, const ParallelFor& parallel_for = {}) {
-    const double pixels = source.pixels(), spacing = std::sqrt(pixels / std::max(1.0, count));
     const auto columns = static_cast<std::uint32_t>(tiling.columns()), rows = static_cast<std::uint32_t>(tiling.rows());
     const auto tile = [&](std::uint32_t i, std::uint32_t j) { return tiling.rect(std::size_t{j} * columns + i); };
     WholeMesh<C> mesh;
@@ -121,8 +121,10 @@ template <int C, class GoOn, class ParallelFor = SerialFor>
             add_side({at_x(i), at_y(j), at_x(i + 1) - at_x(i), false}, j == 0 || j == rows);
     double seam_length = 0;
     for (const Seam& seam : seams) seam_length += seam.length;
-    const double seam_spacing = seam_length / std::max(1.0, seam_count);
-    const int step = std::max(1, static_cast<int>(seam_spacing / 5)), reach = std::max(1, static_cast<int>(8 * seam_spacing));
+    const double seam_spacing = seam_length / std::max(1.0, seam_count), even = std::sqrt(source.pixels() / std::max(1.0, count));
+    const double spacing = seams.empty() ? even : std::max(1.0, std::min(even, 1.5 * seam_spacing));
+    const int step = std::max(1, static_cast<int>(seam_spacing / 5 + 0.5));
+    const int reach = std::max(step, static_cast<int>(std::min(8 * seam_spacing, 6 * spacing)));
     const std::vector<SeamLine<C>> lines = seam_lines(source, seams, seam_count, step, reach, go_on, parallel_for);
 
     std::vector<std::uint32_t> first_node;  // of a side

@@ -1,0 +1,109 @@
+#include "hmesh/image/image_source.hpp"
+
+#include <doctest/doctest.h>
+
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+
+#include "hmesh/image/moment_table.hpp"
+#include "hmesh/image/weights.hpp"
+#include "test_images.hpp"
+
+using hmesh::Image;
+using hmesh::ImageSource;
+using hmesh::ImageView;
+using hmesh::MomentTable;
+using hmesh::PixelTraits;
+using hmesh::Rect;
+
+namespace {
+
+template <int C>
+double number(const MomentTable<C>& table, int x, int y, int k) {
+    const std::size_t at = table.offset(x, y) + static_cast<std::size_t>(k);
+    return table.is_narrow() ? table.template entries<std::int32_t>()[at] : table.template entries<double>()[at];
+}
+
+template <int C>
+bool same_bits(const MomentTable<C>& a, const MomentTable<C>& b) {
+    bool same = a.width() == b.width() && a.height() == b.height() && a.is_narrow() == b.is_narrow() &&
+                a.is_weighted() == b.is_weighted();
+    for (int y = 0; same && y < a.height(); ++y)
+        for (int x = 0; x <= a.width(); ++x) {
+            for (int k = 0; k < MomentTable<C>::entry_size; ++k) same = same && number(a, x, y, k) == number(b, x, y, k);
+            for (int k = 0; a.is_weighted() && k < 2; ++k)
+                same = same && a.powers(a.offset(x, y))[k] == b.powers(b.offset(x, y))[k];
+        }
+    return same;
+}
+
+template <class T, int C>
+void check_pixels(const ImageSource<C>& source, const ImageView<T, C>& view) {
+    CHECK(source.width() == view.width);
+    CHECK(source.height() == view.height);
+    CHECK(source.pixels() == static_cast<double>(view.width) * view.height);
+    CHECK(source.low() == PixelTraits<T>::lowest);
+    CHECK(source.high() == PixelTraits<T>::highest);
+    for (int y = -3; y < view.height + 3; ++y)
+        for (int x = -3; x < view.width + 3; ++x) {
+            const T* nearest = view.pixel(std::clamp(x, 0, view.width - 1), std::clamp(y, 0, view.height - 1));
+            const auto got = source.pixel(x, y);
+            for (int k = 0; k < hmesh::lanes_for(C + 1); ++k)
+                REQUIRE(got[k] == (k < C ? PixelTraits<T>::to_real(nearest[k]) : 0.0));
+        }
+}
+
+// A packed image and copies of it with other strides, with weights and without.
+template <class T, int C>
+void check_source(const Image<T, C>& image) {
+    const int width = image.width(), height = image.height();
+    const Image<float, 1> weights = hmesh_test::random_weights(width, height, 3);
+    const double unit = hmesh::weight_unit(weights.view());
+    const hmesh_test::PaddedCopy<T, C> padded(image, 5, false, T{}), upside_down(image, 3, true, T{});
+    for (const ImageView<T, C>& view : {image.view(), padded.view(), upside_down.view()}) {
+        const ImageSource<C> source(view), weighted(view, weights.view(), unit);
+        check_pixels(source, image.view());
+        check_pixels(weighted, image.view());
+        for (const Rect& rect : {Rect{0, 0, width, height}, Rect{width / 2, height / 3, width - width / 2, height - height / 3},
+                                 Rect{0, 0, 1, 1}, Rect{width - 1, 0, 1, height}, Rect{0, height - 1, width, 1}}) {
+            CHECK(same_bits(source.table(rect), MomentTable<C>(image.view(), rect)));
+            CHECK(same_bits(weighted.table(rect), MomentTable<C>(image.view(), weights.view(), unit, rect)));
+        }
+    }
+}
+
+// A sample type of a user: steps of a half, from -50 to 50.
+struct Halves {
+    std::int8_t value = 0;
+};
+
+}  // namespace
+
+template <>
+struct hmesh::PixelTraits<Halves> {
+    static constexpr double peak = 50, lowest = -50, highest = 50;
+    static constexpr bool is_integer = false;
+    static double to_real(Halves sample) noexcept { return 0.5 * sample.value; }
+    static Halves from_real(double value) noexcept { return {static_cast<std::int8_t>(2 * std::clamp(value, lowest, highest))}; }
+};
+
+TEST_CASE("tables and pixels are those of the view, for any sample type, stride, rectangle and weights, clamped outside") {
+    check_source(hmesh_test::noise<std::uint8_t, 1>(17, 13, 1));
+    check_source(hmesh_test::noise<std::uint8_t, 3>(17, 13, 2));
+    check_source(hmesh_test::noise<std::uint16_t, 2>(14, 19, 3));
+    check_source(hmesh_test::noise<float, 4>(12, 11, 4));
+    check_source(hmesh_test::noise<float, 16>(5, 7, 5));
+    check_source(hmesh_test::noise<Halves, 3>(9, 8, 6));
+    check_source(hmesh_test::noise<std::uint8_t, 3>(1, 1, 7));
+    check_source(hmesh_test::noise<float, 1>(1, 20, 8));
+    check_source(hmesh_test::noise<std::uint16_t, 1>(20, 1, 9));
+}
+
+TEST_CASE("a source can be copied, and sees what becomes of the pixels") {
+    Image<std::uint8_t, 1> image = hmesh_test::noise<std::uint8_t, 1>(4, 3, 1);
+    const ImageSource<1> source(image.view()), copy = source;
+    *image.pixel(2, 1) = 77;
+    CHECK(source.pixel(2, 1)[0] == 77);
+    CHECK(copy.pixel(2, 1)[0] == 77);
+}

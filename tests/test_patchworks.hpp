@@ -1,0 +1,93 @@
+// hmesh tests - meshes in patches over small images, and proofs of what they claim.
+#ifndef HMESH_TESTS_TEST_PATCHWORKS_HPP
+#define HMESH_TESTS_TEST_PATCHWORKS_HPP
+
+#include <doctest/doctest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <utility>
+
+#include "hmesh/core/parallel.hpp"
+#include "hmesh/core/progress.hpp"
+#include "hmesh/fit/patchwork.hpp"
+#include "hmesh/fit/whole_mesh.hpp"
+#include "hmesh/image/image_source.hpp"
+#include "hmesh/image/image_view.hpp"
+#include "hmesh/mesh/halfedge_mesh.hpp"
+#include "test_meshes.hpp"
+
+namespace hmesh_test {
+
+// An image and all that a Patchwork over it needs; the mesh is empty at first.
+template <class T, int C, class ParallelFor = hmesh::SerialFor>
+struct Work {
+    hmesh::Image<T, C> image;
+    hmesh::ImageSource<C> source;
+    hmesh::Monitor monitor;
+    ParallelFor parallel_for;
+    hmesh::Patchwork<C, ParallelFor> patchwork;
+
+    explicit Work(hmesh::Image<T, C> picture, const hmesh::MeshLimits& limits = {}, const hmesh::Progress& progress = {},
+                  const ParallelFor& executor = {})
+        : image(std::move(picture)), source(image.view()),
+          monitor(progress, static_cast<double>(image.samples().size()), hmesh::PixelTraits<T>::peak),
+          parallel_for(executor), patchwork(source, limits, monitor, parallel_for) {}
+    Work(const Work&) = delete;
+    Work& operator=(const Work&) = delete;
+
+    [[nodiscard]] const hmesh::WholeMesh<C>& whole() const { return patchwork.whole(); }
+    [[nodiscard]] std::size_t count() const { return whole().vertex_count(); }
+};
+
+template <int C>
+[[nodiscard]] int most_neighbours(const hmesh::WholeMesh<C>& whole) {
+    hmesh::HalfedgeMesh topology;
+    REQUIRE(topology.assign(whole.vertex_count(), whole.triangles));
+    int most = 0;
+    for (const hmesh::Vertex v : topology.vertices()) most = std::max(most, topology.valence(v));
+    return most;
+}
+
+template <class T, int C>
+[[nodiscard]] double brute_energy(const hmesh::Image<T, C>& image, const hmesh::WholeMesh<C>& whole) {
+    double energy = 0;
+    for (const hmesh::Triangle& t : whole.triangles) {
+        hmesh::VertexState<C> corners[3]{};
+        for (std::size_t k = 0; k < 3; ++k) corners[k].position = whole.positions[t[k]], corners[k].color = whole.colors[t[k]];
+        energy += brute_energy(image, corners[0], corners[1], corners[2]);
+    }
+    return energy;
+}
+
+// The mesh is one of the whole image, no vertex has too many neighbours, and its energy, where known, is that of its pixels.
+template <class T, int C, class ParallelFor>
+void prove(const Work<T, C, ParallelFor>& work, bool energy_known = true) {
+    const hmesh::Status status = check(work.whole());
+    REQUIRE_MESSAGE(status, status.what << " at " << status.got);
+    REQUIRE(work.whole().width == work.image.width());
+    REQUIRE(work.whole().height == work.image.height());
+    REQUIRE(most_neighbours(work.whole()) <= hmesh::max_valence);
+    bool padded = true;
+    for (const hmesh::Color<C>& color : work.whole().colors)
+        for (int k = C; k < hmesh::lanes_for(C + 1); ++k) padded = padded && color[k] == 0;
+    REQUIRE(padded);
+    if (!energy_known) return;
+    const double energy = brute_energy(work.image, work.whole());
+    REQUIRE(std::abs(work.whole().energy - energy) <= 1e-9 * energy + 1e-12 * squares(work.image));
+}
+
+// Everything of a mesh that can differ is equal to the last bit.
+template <int C>
+[[nodiscard]] bool same_bits(const hmesh::WholeMesh<C>& a, const hmesh::WholeMesh<C>& b) {
+    bool same = a.width == b.width && a.height == b.height && a.positions == b.positions && a.due == b.due &&
+                a.triangles == b.triangles && a.energy == b.energy && a.colors.size() == b.colors.size();
+    for (std::size_t k = 0; same && k < a.colors.size(); ++k)
+        for (int c = 0; c < C; ++c) same = same && a.colors[k][c] == b.colors[k][c];
+    return same;
+}
+
+}  // namespace hmesh_test
+
+#endif  // HMESH_TESTS_TEST_PATCHWORKS_HPP
