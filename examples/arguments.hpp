@@ -35,7 +35,7 @@ inline constexpr char help[] =
     "  --seed N              of the random numbers; the same seed gives the same mesh (default: 1)\n"
     "  --weights FILE        an image of the same size: how much each pixel counts, black nothing, white fully\n"
     "                        (of colours the mean, without alpha)\n"
-    "  --tile N              mesh large images in tiles of about N px, 64 to 65536 (default: 256)\n"
+    "  --tile N              mesh in tiles of about N px, 64 to 65536 (default: one up to a megapixel, then 256)\n"
     "  --threads N           work on N threads, 1 to 1024; the mesh is the same for all N (default: 0, all cores)\n"
     "  --render FILE.png     draw the mesh\n"
     "  --wireframe FILE.png  draw the mesh with its edges, at twice the size up to 2048 px\n"

@@ -60,7 +60,7 @@ struct Options {
     MeshLimits limits;
     ImageView<float, 1> weights;  // how much each pixel counts, >= 0, of the image's size; none: all count the same
     // px: larger images are meshed in tiles of about this size, 64 to 65536, each of which is a piece of work for a thread.
-    // 0: in one piece up to a megapixel, in tiles of 256 px beyond.
+    // 0: in one piece up to a megapixel and 16384 vertices, in tiles of 256 px beyond.
     int tile = 0;
     // In place of what `effort` means: start from annealed_options(effort) and change what you like. Its seed is ignored.
     std::optional<AnnealedOptions> annealed;

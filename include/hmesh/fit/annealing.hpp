@@ -26,17 +26,17 @@
 namespace hmesh {
 
 struct AnnealingOptions {
-    int sweeps = 12;
+    int sweeps = 10;
     double temperature = 0.5;    // T at the start, in prices mu
     double cooling = 1;          // T falls as (1 - t)^cooling, t in [0, 1)
-    double exchange = 0.5;       // probability that a vertex is tried for removal, a site for insertion, in a sweep
-    double jump = 0.3;           // probability that a vertex is displaced in a sweep
+    double exchange = 1;         // probability that a vertex is tried for removal, a site for insertion, in a sweep
+    double jump = 0.1;           // probability that a vertex is displaced in a sweep
     double jump_reach = 0.3;     // by at most this, in mean spoke lengths
     double removal_screen = 3;   // removals that cost more than this many mu + 3 T before relaxing are not tried
-    double insertion_screen = 0.2;  // insertions that gain less than this many mu before relaxing are not tried
-    double flip_screen = 1;      // flips that cost more than this many mu before relaxing are not tried
+    double insertion_screen = 0.35;  // insertions that gain less than this many mu so are not tried
+    double flip_screen = 3;      // flips that cost more than this many mu so are not tried
     double start_price = 0.2;    // mu at the start, in mean energies of a vertex
-    double band = 0.1;           // a sweep leaves a number of vertices within this share of the target
+    double band = 0.5;           // the count may leave the target by this share in the first sweep, ever less later
 };
 
 // What a sweep did.
@@ -99,9 +99,18 @@ class AnnealingSweep {
     }
 
   private:
-    // Keeps what was done since `mark` when it raised energy + mu n by no more than Metropolis allows.
-    bool decide(const typename ImageMesh<C>::Mark& mark, double rise) {
-        const bool keep = rise < -temperature_ * std::log(random_.uniform());
+    // A change since `mark`, when the energy was `before`, that costs `cost` by itself: surroundings settle in up to two
+    // rounds, then Metropolis' rule keeps the change or undoes it. Hopeless after one round, it does not get the second.
+    template <class Round>
+    bool settle(const typename ImageMesh<C>::Mark& mark, double before, double cost, Round&& round) {
+        const double allowed = before - cost - temperature_ * std::log(random_.uniform());
+        const double enough = 1e-3 * mesh_->mean_energy(), hopeless = allowed + 0.5 * price_;
+        for (int k = 0; k < 2; ++k) {
+            const double start = mesh_->energy();
+            round();
+            if (start - mesh_->energy() < enough || mesh_->energy() > hopeless) break;
+        }
+        const bool keep = mesh_->energy() < allowed;
         if (keep) {
             mesh_->commit(mark);
             for (const Vertex v : around_) mesh_->set_due(v, true);
@@ -126,8 +135,7 @@ class AnnealingSweep {
             const double before = mesh_->energy();
             collect(v);
             mesh_->collapse(candidate.halfedge);
-            relax(*mesh_, around_, 2, least_);
-            removed += decide(mark, mesh_->energy() - before - price_) ? 1 : 0;
+            removed += settle(mark, before, -price_, [&] { relax(*mesh_, around_, 1, least_); }) ? 1 : 0;
         }
         return removed;
     }
@@ -147,21 +155,14 @@ class AnnealingSweep {
             const Vertex v = insert(*mesh_, candidate);
             collect(v);
             around_.push_back(v);
-            relax(*mesh_, around_, 2, least_);
-            inserted += decide(mark, mesh_->energy() - before + price_) ? 1 : 0;
+            inserted += settle(mark, before, price_, [&] { relax(*mesh_, around_, 1, least_); }) ? 1 : 0;
         }
         return inserted;
     }
 
     std::size_t flip_moves() {
-        std::vector<Edge> edges;
-        for (const Face f : spatial_faces(*mesh_)) {
-            Halfedge h = topology().halfedge(f);
-            for (int i = 0; i < 3; ++i, h = topology().next(h))
-                if ((h.index() & 1U) == 0) edges.push_back(HalfedgeMesh::edge(h));
-        }
         std::size_t flipped = 0;
-        for (const Edge e : edges) {
+        for (const Edge e : spatial_edges(*mesh_)) {
             if (!mesh_->beat()) break;
             if (!is_convex(*mesh_, e)) continue;
             FlipTrial<C> trial;
@@ -173,9 +174,11 @@ class AnnealingSweep {
             const auto mark = mesh_->begin();
             const double before = mesh_->energy();
             mesh_->flip(e, trial.moments, trial.own, trial.opposite);
-            for (int round = 0; round < 2; ++round)
+            // Without flips, which would turn the edge back.
+            const auto round = [&] {
                 for (const Vertex v : around_) improve_vertex(*mesh_, v, least_);
-            flipped += decide(mark, mesh_->energy() - before + 1e-4 * price_) ? 1 : 0;
+            };
+            flipped += settle(mark, before, 1e-4 * price_, round) ? 1 : 0;
         }
         return flipped;
     }
@@ -204,8 +207,7 @@ class AnnealingSweep {
             collect(v);
             around_.insert(around_.begin(), v);
             mesh_->place(v, target, state.color);
-            relax(*mesh_, around_, 2, least_);
-            jumped += decide(mark, mesh_->energy() - before + 1e-3 * price_) ? 1 : 0;
+            jumped += settle(mark, before, 1e-3 * price_, [&] { relax(*mesh_, around_, 1, least_); }) ? 1 : 0;
         }
         return jumped;
     }

@@ -164,13 +164,13 @@ template <int C, class GoOn, class ParallelFor = SerialFor>
             detail::add_grid_triangles(nx, ny, mesh.triangles, number);
 
             const std::size_t left = std::size_t{j} * (columns + 1) + i, above = first_level + std::size_t{j} * columns + i;
-            const auto strip = [&](std::size_t side, std::uint32_t from, std::uint32_t to, bool backwards, std::uint32_t inner_count, auto&& inner_at) {
+            const auto strip = [&](std::size_t side, std::uint32_t from, std::uint32_t to, bool reversed, std::uint32_t inner_count, auto&& inner_at) {
                 std::vector<std::uint32_t> nodes;
                 for (std::uint32_t v = first_node[side]; v < first_node[side + 1]; ++v) nodes.push_back(v);
-                if (backwards) std::reverse(nodes.begin(), nodes.end());
+                if (reversed) std::reverse(nodes.begin(), nodes.end());
                 const auto along = [&](std::uint32_t v) {
                     const double place = sides[side].vertical ? mesh.positions[v].y : mesh.positions[v].x;
-                    return backwards ? -place : place;
+                    return reversed ? -place : place;
                 };
                 std::vector<detail::ChainVertex> outer{{from, along(from)}}, grid;
                 for (const std::uint32_t v : nodes) outer.push_back({v, along(v)});

@@ -6,6 +6,7 @@
 #ifndef HMESH_FIT_FLIPS_HPP
 #define HMESH_FIT_FLIPS_HPP
 
+#include <algorithm>
 #include <cstddef>
 #include <vector>
 
@@ -88,14 +89,8 @@ template <int C>
 std::size_t flip_edges(ImageMesh<C>& mesh, const Tolerance& tolerance = {1e-4, 0}) {
     const HalfedgeMesh& topology = mesh.topology();
     const double least = tolerance.spread * mesh.mean_energy();
-    const std::vector<Face> faces = spatial_faces(mesh);
-    std::vector<Edge> stack;
-    stack.reserve(topology.edge_count() + 64);
-    for (std::size_t k = faces.size(); k-- > 0;) {
-        Halfedge h = topology.halfedge(faces[k]);
-        for (int i = 0; i < 3; ++i, h = topology.next(h))
-            if ((h.index() & 1U) == 0 && !topology.is_boundary(HalfedgeMesh::edge(h))) stack.push_back(HalfedgeMesh::edge(h));
-    }
+    std::vector<Edge> stack = spatial_edges(mesh);
+    std::reverse(stack.begin(), stack.end());
     std::size_t flips = 0;
     // The energy falls with every flip; the bound only guards against a tolerance of 0 and a million tiny gains.
     for (std::size_t budget = 20 * stack.size(); !stack.empty() && budget > 0 && mesh.beat(); --budget) {

@@ -175,17 +175,15 @@ template <int C>
     std::vector<InsertionSite> sites;
     sites.reserve(topology.edge_count() + (faces ? topology.face_count() : 0));
     for (const Face f : spatial_faces(mesh)) {
-        Halfedge h = topology.halfedge(f);
-        // An edge comes with the face of its even half-edge, or the only face it has.
-        for (int i = 0; i < 3; ++i, h = topology.next(h))
-            if ((h.index() & 1U) == 0 || topology.is_boundary(HalfedgeMesh::opposite(h))) sites.emplace_back(HalfedgeMesh::edge(h));
+        for_each_edge(topology, f, [&](Edge e) { sites.emplace_back(e); });
         if (faces) sites.emplace_back(f);
     }
     return sites;
 }
 
-// The most rewarding sites for `count` vertices and some more, by falling gain (ties: in spatial order). The rewards of the sites with the most to gain tell how much the others must have for being worth a walk.
-// Gains are compared as floats: this is the peak of the memory, 16 bytes a site.
+// The most rewarding sites for `count` vertices and some more, by falling gain (ties: in spatial order). The rewards of the
+// sites with the most to gain tell how much the others must have for being worth a walk. Gains are compared as floats: this
+// is the peak of the memory, 16 bytes a site.
 template <int C>
 [[nodiscard]] std::vector<InsertionSite> best_sites(const ImageMesh<C>& mesh, std::size_t count, const InsertionOptions& options) {
     struct Gain {

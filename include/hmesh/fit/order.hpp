@@ -19,6 +19,24 @@ template <int C>
     return in_spatial_order<Face>(mesh.topology().faces(), mesh.topology().face_count(), [&](Face f) { return mesh.centroid(f); });
 }
 
+// Calls body(e) for the edges that come with face f: of the two faces beside an edge, it comes with that of its even
+// half-edge, or the only one. So a loop over all faces meets each edge once.
+template <class Body>
+HMESH_ALWAYS_INLINE void for_each_edge(const HalfedgeMesh& topology, Face f, Body&& body) {
+    Halfedge h = topology.halfedge(f);
+    for (int i = 0; i < 3; ++i, h = topology.next(h))
+        if ((h.index() & 1U) == 0 || topology.is_boundary(HalfedgeMesh::opposite(h))) body(HalfedgeMesh::edge(h));
+}
+
+// Each edge once.
+template <int C>
+[[nodiscard]] std::vector<Edge> spatial_edges(const ImageMesh<C>& mesh) {
+    std::vector<Edge> edges;
+    edges.reserve(mesh.topology().edge_count());
+    for (const Face f : spatial_faces(mesh)) for_each_edge(mesh.topology(), f, [&](Edge e) { edges.push_back(e); });
+    return edges;
+}
+
 }  // namespace hmesh
 
 #endif  // HMESH_FIT_ORDER_HPP

@@ -1,6 +1,6 @@
 // hmesh - annealed: the method of best fidelity, and the default.
 //
-//     grid -> greedy insertion to o n vertices -> collapse to n -> s sweeps of priced moves -> exactly n -> polish
+//     grid -> greedy insertion to o n vertices -> collapse to u n -> s sweeps of priced moves -> exactly n -> polish
 //
 // Too many vertices are placed where each lowers the energy most, then those that are missed least go; vertices move and
 // edges turn all along. Annealing (fit/annealing.hpp) then exchanges vertices between places at one common price. Colours
@@ -109,36 +109,49 @@ class Annealed {
             whole() = std::move(grid);
         }
         monitor().expect(0, 1);
-        return work_->for_each(aligned_, [&](Patch<C>& patch, std::size_t) {
-            for (int i = 0; i < 2; ++i) sweep(patch.mesh(), options_.polish);
+        return for_each_tile([&](ImageMesh<C>& mesh, std::size_t, std::size_t) {
+            for (int i = 0; i < 2; ++i) sweep(mesh, options_.polish);
         });
     }
 
-    [[nodiscard]] static std::size_t rim(const Patch<C>& patch) noexcept { return patch.vertex_count() - patch.free_count(); }
+    // What is known of a tile.
+    struct Tile {
+        std::size_t free = 0;    // vertices that are free in it
+        double energy = 0;
+        std::size_t placed = 0;  // free vertices that insertion aims at
+    };
+    // Calls work(mesh, k, rim) for the patch of each tile k of the aligned tiling, of which `rim` vertices are frozen.
+    template <class Work>
+    bool for_each_tile(Work&& work) {
+        tiles_.resize(aligned_.size());
+        return work_->for_each(aligned_, [&](Patch<C>& patch, std::size_t k) {
+            work(patch.mesh(), k, patch.vertex_count() - patch.free_count());
+            tiles_[k].free = patch.free_count();
+            tiles_[k].energy = patch.mesh().energy();
+        });
+    }
+    // Vertices that are free in no tile.
+    [[nodiscard]] std::size_t seam_count() noexcept {
+        std::size_t count = whole().vertex_count();
+        for (const Tile& tile : tiles_) count -= tile.free;
+        return count;
+    }
 
     // Grows all tiles until they have about `count` vertices together, shared by area or, where `by_error`, by what error the
     // tiles have now (fit/budget.hpp).
     bool grow_tiles(double count, bool by_error) {
-        const std::size_t tiles = aligned_.size();
-        std::vector<double> weights(tiles, 1.0);
-        std::vector<std::size_t> caps(tiles), free(tiles, 0);
-        for (std::size_t k = 0; k < tiles; ++k) {
+        std::vector<double> weights;
+        std::vector<std::size_t> caps;
+        for (std::size_t k = 0; k < tiles_.size(); ++k) {
             const Rect rect = aligned_.rect(k);
-            weights[k] = static_cast<double>(rect.width) * rect.height;
-            caps[k] = 2 * static_cast<std::size_t>(weights[k]);
+            const double area = static_cast<double>(rect.width) * rect.height;
+            weights.push_back(by_error ? error_share(area, tiles_[k].energy) : area);
+            caps.push_back(2 * static_cast<std::size_t>(area));
         }
-        double frozen = 0;
-        if (tiles > 1) {
-            if (!work_->visit(aligned_, [&](Patch<C>& patch, std::size_t k, const std::uint32_t*) {
-                    free[k] = patch.free_count();
-                    if (by_error) weights[k] = error_share(weights[k], patch.mesh().energy());
-                }))
-                return false;
-            frozen = static_cast<double>(whole().vertex_count());
-            for (const std::size_t f : free) frozen -= static_cast<double>(f);
-        }
-        placed_ = shares(static_cast<std::size_t>(std::max(0.0, std::round(count) - frozen)), weights, caps);
-        return work_->for_each(aligned_, [&](Patch<C>& patch, std::size_t k) { grow(patch.mesh(), rim(patch) + placed_[k], options_); });
+        const std::size_t total = static_cast<std::size_t>(std::round(count)), seams = seam_count();
+        const std::vector<std::size_t> placed = shares(total - std::min(total, seams), weights, caps);
+        for (std::size_t k = 0; k < tiles_.size(); ++k) tiles_[k].placed = placed[k];
+        return for_each_tile([&](ImageMesh<C>& mesh, std::size_t k, std::size_t rim) { grow(mesh, rim + tiles_[k].placed, options_); });
     }
 
     bool insert() {
@@ -155,14 +168,14 @@ class Annealed {
     }
 
     bool collapse() {
-        // All tiles shrink by the same ratio: that of the vertices which they may change.
+        // All tiles shrink by the same ratio.
+        const auto left = static_cast<std::size_t>(std::round(static_cast<double>(n_) * options_.undershoot));
+        double placed = 0;
+        for (const Tile& tile : tiles_) placed += static_cast<double>(tile.placed);
+        const double ratio = static_cast<double>(left - std::min(left, seam_count())) / std::max(1.0, placed);
         monitor().expect(0, 1);
-        std::size_t free = 0;
-        for (const std::size_t k : placed_) free += k;
-        const double frozen = static_cast<double>(whole().vertex_count()) - static_cast<double>(free);
-        const double ratio = std::max(0.0, static_cast<double>(n_) - (aligned_.size() > 1 ? frozen : 0)) / static_cast<double>(free);
-        return work_->for_each(aligned_, [&](Patch<C>& patch, std::size_t k) {
-            shrink(patch.mesh(), rim(patch) + static_cast<std::size_t>(std::round(static_cast<double>(placed_[k]) * ratio)), options_);
+        return for_each_tile([&](ImageMesh<C>& mesh, std::size_t k, std::size_t rim) {
+            shrink(mesh, rim + static_cast<std::size_t>(std::round(static_cast<double>(tiles_[k].placed) * ratio)), options_);
         });
     }
 
@@ -173,10 +186,11 @@ class Annealed {
             const double total = static_cast<double>(whole().vertex_count()), target = static_cast<double>(n_);
             const Tiling phase = tiling(k + 1);
             std::vector<AnnealingCounts> counts(phase.size());
+            const double band = annealing.band * (1 - static_cast<double>(k) / annealing.sweeps);
             monitor().expect(static_cast<double>(k) / annealing.sweeps, (k + 1.0) / annealing.sweeps);
             const bool go_on = work_->for_each(phase, [&](Patch<C>& patch, std::size_t tile) {
                 const double share = static_cast<double>(patch.mesh().vertex_count()) * target / total;
-                const CountRange range{(1 - annealing.band) * share, (1 + annealing.band) * share};
+                const CountRange range{(1 - band) * share, (1 + band) * share};
                 const Random random(options_.seed, (static_cast<std::uint64_t>(k) << 32U) + tile);
                 counts[tile] = AnnealingSweep<C>(patch.mesh(), annealing, schedule.price(), schedule.temperature(k), range, random).run();
             });
@@ -212,14 +226,15 @@ class Annealed {
     AnnealedOptions options_;
     double tile_;
     Tiling aligned_;
-    std::vector<std::size_t> placed_;  // free vertices of a tile after insertion
+    std::vector<Tile> tiles_;
 };
 
 // The size of tiles that was asked for, or what 0 stands for; larger where a tile would hold less than 256 of n vertices on
 // average, as far as the image allows.
 [[nodiscard]] inline double tile_size(int width, int height, std::size_t n, int asked) noexcept {
-    constexpr double one_tile = 1048576;  // px: up to here one tile is as fast as several, and no seam needs healing
-    double tile = asked != 0 ? asked : static_cast<double>(width) * height <= one_tile ? std::max(width, height) : 256;
+    // Up to here one tile is as fast as several, and no seam needs healing.
+    const bool is_small = static_cast<double>(width) * height <= 1048576 && n <= 16384;
+    double tile = asked != 0 ? asked : is_small ? std::max(width, height) : 256;
     const double needed = 256.0 * width * height / static_cast<double>(n), longest = std::max(width, height);
     while (tile < longest && std::min<double>(tile, width) * std::min<double>(tile, height) < needed) tile *= 1.25;
     return tile;

@@ -1,0 +1,560 @@
+#include "hmesh/fit/patchwork.hpp"
+
+#include <doctest/doctest.h>
+
+#include <algorithm>
+#include <array>
+#include <atomic>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <map>
+#include <set>
+#include <thread>
+#include <utility>
+#include <vector>
+
+#include "hmesh/core/random.hpp"
+#include "hmesh/fit/annealing.hpp"
+#include "hmesh/fit/collapse.hpp"
+#include "hmesh/fit/flips.hpp"
+#include "hmesh/fit/insertion.hpp"
+#include "hmesh/fit/vertices.hpp"
+#include "test_executors.hpp"
+#include "test_images.hpp"
+#include "test_meshes.hpp"
+#include "test_wholes.hpp"
+
+using hmesh::Image;
+using hmesh::ImageMesh;
+using hmesh::ImageSource;
+using hmesh::Mobility;
+using hmesh::Monitor;
+using hmesh::Patch;
+using hmesh::Patchwork;
+using hmesh::Point;
+using hmesh::Random;
+using hmesh::SerialFor;
+using hmesh::StageInfo;
+using hmesh::Tiling;
+using hmesh::Triangle;
+using hmesh::Vertex;
+using hmesh::WholeMesh;
+using hmesh::detail::Cut;
+using hmesh_test::Corner;
+using hmesh_test::corner_of;
+using hmesh_test::make_whole;
+using hmesh_test::same_bytes;
+using hmesh_test::Shape;
+
+namespace {
+
+// The pieces on real threads, each of which takes the next as it gets free.
+struct ThreadsFor {
+    unsigned threads = 2;
+    template <class Body>
+    void operator()(std::size_t n, Body&& body) const {
+        std::atomic<std::size_t> next{0};
+        const auto run = [&] {
+            for (std::size_t i = next++; i < n; i = next++) body(i);
+        };
+        std::vector<std::thread> pool;
+        for (unsigned k = 1; k < threads; ++k) pool.emplace_back(run);
+        run();
+        for (std::thread& thread : pool) thread.join();
+    }
+};
+
+Monitor silent() { return Monitor({}, 1, 255); }
+
+// --- work ---
+
+enum class Kind { sweep, flip, insert, remove, anneal, chaos };
+inline constexpr std::size_t kinds = 6;
+
+// One phase: how it is cut and what is done, which depends on the tile alone and not on when its turn comes.
+struct Phase {
+    std::uint64_t number = 0;
+    double tile = 16;
+    bool shift_x = false, shift_y = false;
+    bool mixed = false;  // another kind of work in each tile
+    Kind kind = Kind::sweep;
+    double price = 0;
+    double range = 255;
+
+    [[nodiscard]] Tiling tiling(int width, int height) const { return Tiling(width, height, tile, shift_x, shift_y); }
+
+    template <int C>
+    void operator()(Patch<C>& patch, std::size_t tile_number) const {
+        Random random(number, tile_number);
+        ImageMesh<C>& mesh = patch.mesh();
+        const std::size_t count = mesh.vertex_count();
+        switch (mixed ? static_cast<Kind>(random.below(kinds)) : kind) {
+            case Kind::sweep:
+                hmesh::sweep(mesh);
+                return;
+            case Kind::flip:
+                hmesh::flip_edges(mesh);
+                return;
+            case Kind::insert:
+                hmesh::insert_batch(mesh, 1 + random.below(count / 3 + 1), {true, true, 0});
+                return;
+            case Kind::remove:
+                hmesh::remove_batch(mesh, 1 + random.below(count / 3 + 1), {});
+                return;
+            case Kind::anneal: {
+                const double least = 0.7 * static_cast<double>(count), most = 1.3 * static_cast<double>(count);
+                hmesh::AnnealingSweep<C>(mesh, {}, price, 0.4 * price, {least, most}, random).run();
+                return;
+            }
+            default:
+                for (std::size_t k = 0; k < count; ++k) hmesh_test::random_free_edit(mesh, range, random);
+        }
+    }
+};
+
+// Phases in tilings of all sizes, one tile at times; the price is that of the mesh at their beginning.
+std::vector<Phase> phases(std::size_t count, double price, double range, std::uint64_t seed) {
+    Random random(seed);
+    std::vector<Phase> out;
+    for (std::size_t k = 0; k < count; ++k) {
+        constexpr double sizes[] = {3, 7, 12, 20, 33, 50, 1000};
+        Phase phase;
+        phase.number = 1000 * seed + k;
+        phase.tile = sizes[random.below(7)];
+        phase.shift_x = random.below(2) == 0;
+        phase.shift_y = random.below(2) == 0;
+        phase.mixed = random.below(3) == 0;
+        phase.kind = static_cast<Kind>(k % kinds);
+        phase.price = price;
+        phase.range = range;
+        out.push_back(phase);
+    }
+    return out;
+}
+
+// --- what may not change ---
+
+using Side = std::array<double, 4>;
+
+// Vertices whose triangles are in several tiles, and sides between triangles of two tiles, from the geometry.
+template <int C>
+struct Rim {
+    std::set<Corner<C>> vertices;
+    std::set<Side> sides;
+};
+
+template <int C>
+Side side_of(const WholeMesh<C>& whole, std::uint32_t a, std::uint32_t b) {
+    Point p = whole.positions[a], q = whole.positions[b];
+    if (std::pair{q.x, q.y} < std::pair{p.x, p.y}) std::swap(p, q);
+    return {p.x, p.y, q.x, q.y};
+}
+
+template <int C>
+Rim<C> rim_of(const WholeMesh<C>& whole, const Tiling& tiling) {
+    std::vector<std::set<std::size_t>> around(whole.vertex_count());
+    std::map<Side, std::set<std::size_t>> beside;
+    for (const Triangle& t : whole.triangles) {
+        const Point a = whole.positions[t[0]], b = whole.positions[t[1]], c = whole.positions[t[2]];
+        const std::size_t tile = tiling.tile_at({(a.x + b.x + c.x) / 3, (a.y + b.y + c.y) / 3});
+        for (std::size_t k = 0; k < 3; ++k) {
+            around[t[k]].insert(tile);
+            beside[side_of(whole, t[k], t[(k + 1) % 3])].insert(tile);
+        }
+    }
+    Rim<C> rim;
+    for (std::size_t v = 0; v < whole.vertex_count(); ++v)
+        if (around[v].size() > 1) rim.vertices.insert(corner_of(whole, v));
+    for (const auto& [side, tiles] : beside)
+        if (tiles.size() > 1) rim.sides.insert(side);
+    return rim;
+}
+
+template <int C>
+void prove_rim(const WholeMesh<C>& after, const Rim<C>& rim) {
+    std::set<Corner<C>> vertices;
+    std::set<Side> sides;
+    for (std::size_t v = 0; v < after.vertex_count(); ++v) vertices.insert(corner_of(after, v));
+    for (const Triangle& t : after.triangles)
+        for (std::size_t k = 0; k < 3; ++k) sides.insert(side_of(after, t[k], t[(k + 1) % 3]));
+    REQUIRE(std::includes(vertices.begin(), vertices.end(), rim.vertices.begin(), rim.vertices.end()));
+    REQUIRE(std::includes(sides.begin(), sides.end(), rim.sides.begin(), rim.sides.end()));
+}
+
+template <int C>
+int most_valence(const WholeMesh<C>& whole) {
+    std::vector<std::set<std::uint32_t>> around(whole.vertex_count());
+    for (const Triangle& t : whole.triangles)
+        for (std::size_t k = 0; k < 3; ++k) {
+            around[t[k]].insert(t[(k + 1) % 3]);
+            around[t[k]].insert(t[(k + 2) % 3]);
+        }
+    std::size_t most = 0;
+    for (const auto& neighbours : around) most = std::max(most, neighbours.size());
+    return static_cast<int>(most);
+}
+
+// The whole is a mesh, and its energy that of a mesh of one piece.
+template <class T, int C>
+void prove_whole(const Image<T, C>& image, const WholeMesh<C>& whole) {
+    hmesh_test::prove(whole);
+    REQUIRE(most_valence(whole) <= hmesh::max_valence);
+    REQUIRE(std::abs(whole.energy - hmesh_test::fresh_energy(image, whole)) <= 1e-9 * whole.energy);
+}
+
+template <class T, int C>
+void work_through(const Image<T, C>& image, WholeMesh<C> start, std::size_t count, std::uint64_t seed) {
+    const ImageSource<C> source(image.view());
+    Monitor monitor = silent();
+    const SerialFor serial;
+    Patchwork<C> work(source, {}, monitor, serial);
+    work.whole() = std::move(start);
+    std::size_t changed = 0, border_splits = 0;
+    for (const Phase& phase : phases(count, 0.4 * work.whole().mean_energy(), hmesh::PixelTraits<T>::peak, seed)) {
+        const Tiling tiling = phase.tiling(image.width(), image.height());
+        const WholeMesh<C> before = work.whole();
+        const Rim<C> rim = rim_of(before, tiling);
+        REQUIRE(work.for_each(tiling, phase));
+        prove_whole(image, work.whole());
+        prove_rim(work.whole(), rim);
+        changed += same_bytes(before, work.whole()) ? 0 : 1;
+        const auto on_border = [&](const WholeMesh<C>& whole) {
+            return std::count_if(whole.positions.begin(), whole.positions.end(), [&](Point p) {
+                return p.x == 0 || p.y == 0 || p.x == whole.width || p.y == whole.height;
+            });
+        };
+        border_splits += on_border(work.whole()) > on_border(before) ? 1 : 0;
+    }
+    CHECK(changed > count / 2);
+    CHECK(border_splits > 0);
+}
+
+// Every phase in turn, on an executor.
+template <class T, int C, class ParallelFor>
+std::vector<WholeMesh<C>> history(const Image<T, C>& image, const WholeMesh<C>& start, std::size_t count,
+                                  const ParallelFor& parallel_for) {
+    const ImageSource<C> source(image.view());
+    Monitor monitor = silent();
+    Patchwork<C, ParallelFor> work(source, {}, monitor, parallel_for);
+    work.whole() = start;
+    std::vector<WholeMesh<C>> out;
+    for (const Phase& phase : phases(count, 0.4 * start.mean_energy(), hmesh::PixelTraits<T>::peak, 7)) {
+        REQUIRE(work.for_each(phase.tiling(image.width(), image.height()), phase));
+        out.push_back(work.whole());
+    }
+    return out;
+}
+
+// A progress callback that stops the work when it is called for the k-th time; never, if k is 0.
+struct StopAt {
+    std::size_t k = 0, calls = 0;
+    double last_fraction = -1;
+    [[nodiscard]] hmesh::Progress progress() {
+        return {[](void* user, const StageInfo& info) {
+                    auto& self = *static_cast<StopAt*>(user);
+                    self.last_fraction = info.fraction;
+                    return ++self.calls != self.k;
+                },
+                this};
+    }
+};
+
+}  // namespace
+
+TEST_CASE("work that does nothing keeps every triangle, colour and mark of what is due, and finds the energy") {
+    std::uint64_t seed = 0;
+    const SerialFor serial;
+    Monitor monitor = silent();
+    for (const Shape shape : hmesh_test::all_shapes) {
+        const auto image = hmesh_test::scene<std::uint8_t, 3>(70, 53, 1 + seed);
+        const ImageSource<3> source(image.view());
+        const WholeMesh<3> start = make_whole(image, shape, 130, ++seed);
+        const auto expected = hmesh_test::describe(start);
+        Patchwork<3> work(source, {}, monitor, serial);
+        work.whole() = start;
+        work.whole().energy = 0;
+        for (const double tile : {1.0, 3.0, 8.0, 21.0, 40.0, 1000.0})
+            for (int shift = 0; shift < 4; ++shift) {
+                const Tiling tiling(70, 53, tile, (shift & 1) != 0, (shift & 2) != 0);
+                std::vector<int> visits(tiling.size(), 0);
+                REQUIRE(work.for_each(tiling, [&](Patch<3>&, std::size_t k) { ++visits[k]; }));
+                // Each tile with triangles had its turn.
+                std::vector<int> expected_visits(tiling.size(), 0);
+                for (const Triangle& t : start.triangles) {
+                    const Point a = start.positions[t[0]], b = start.positions[t[1]], c = start.positions[t[2]];
+                    expected_visits[tiling.tile_at({(a.x + b.x + c.x) / 3, (a.y + b.y + c.y) / 3})] = 1;
+                }
+                REQUIRE(visits == expected_visits);
+                REQUIRE(hmesh_test::describe(work.whole()) == expected);
+                REQUIRE(std::abs(work.whole().energy - start.energy) <= 1e-9 * start.energy);
+                hmesh_test::prove(work.whole());
+            }
+    }
+}
+
+TEST_CASE("after every phase of work the whole is a mesh with its true energy, and what was frozen is where it was") {
+    const auto bytes = hmesh_test::scene<std::uint8_t, 3>(100, 70, 1);
+    work_through(bytes, make_whole(bytes, Shape::worn, 220, 1), 36, 1);
+    const auto grey = hmesh_test::scene<std::uint8_t, 1>(60, 90, 2);
+    work_through(grey, make_whole(grey, Shape::delaunay, 150, 2), 36, 2);
+    const auto noise = hmesh_test::noise<std::uint16_t, 2>(50, 40, 3);
+    work_through(noise, make_whole(noise, Shape::scattered, 120, 3), 36, 3);
+    const auto floats = hmesh_test::scene<float, 4>(64, 40, 4);
+    work_through(floats, make_whole(floats, Shape::slivers, 80, 4), 24, 4);
+    work_through(floats, make_whole(floats, hmesh_test::island(), 5), 24, 5);
+}
+
+TEST_CASE("a mesh of an image of one row or one column stays one through all phases") {
+    for (const auto& [width, height] : {std::pair{1, 60}, {75, 1}, {2, 40}}) {
+        const auto image = hmesh_test::noise<std::uint8_t, 3>(width, height, 5);
+        work_through(image, make_whole(image, Shape::grid, 30, 1), 18, 6);
+    }
+}
+
+TEST_CASE("a hub with as many spokes as may be gets no more, though its spokes are in the patches of many tiles") {
+    const auto image = hmesh_test::noise<std::uint8_t, 1>(64, 64, 6);
+    work_through(image, make_whole(image, hmesh_test::wheel(64, 36), 1), 30, 7);
+    work_through(image, make_whole(image, hmesh_test::wheel(64, 24), 1), 30, 8);
+}
+
+TEST_CASE(
+    "patches that give a vertex which they share all the edges they may leave it with as many as a vertex may have") {
+    const auto image = hmesh_test::scene<std::uint8_t, 1>(96, 96, 6);
+    const ImageSource<1> source(image.view());
+    const SerialFor serial;
+    for (const int spokes : {12, 36})
+        for (const double tile : {24.0, 48.0}) {
+            Monitor monitor = silent();
+            Patchwork<1> work(source, {}, monitor, serial);
+            work.whole() = make_whole(image, hmesh_test::wheel(96, spokes), 1);
+            for (int phase = 0; phase < 2; ++phase) {
+                const Tiling tiling(96, 96, tile, phase % 2 != 0, phase % 2 != 0);
+                const Rim<1> rim = rim_of(work.whole(), tiling);
+                work.for_each(tiling, [](Patch<1>& patch, std::size_t) {
+                    ImageMesh<1>& mesh = patch.mesh();
+                    hmesh::RingWork<1> ring;
+                    for (bool inserted = true; inserted;) {
+                        inserted = false;
+                        std::vector<hmesh::Face> faces;
+                        for (const hmesh::Face f : mesh.topology().faces()) faces.push_back(f);
+                        for (const hmesh::Face f : faces) {
+                            const auto v = mesh.topology().vertices(f);
+                            const bool is_shared = std::any_of(v.begin(), v.end(), [&](Vertex u) {
+                                return mesh.vertex(u).mobility == Mobility::frozen && mesh.has_room(u);
+                            });
+                            const auto candidate = hmesh::face_candidate(mesh, ring, f, false);
+                            if (!is_shared || !candidate.fits || !hmesh::has_room(mesh, candidate)) continue;
+                            hmesh::insert(mesh, candidate);
+                            inserted = true;
+                        }
+                    }
+                });
+                prove_rim(work.whole(), rim);
+                prove_whole(image, work.whole());
+            }
+            CHECK(most_valence(work.whole()) > 30);
+        }
+}
+
+TEST_CASE("the mesh is the same to the last byte on executors of any order and on any number of threads") {
+    const auto image = hmesh_test::scene<std::uint8_t, 3>(110, 80, 8);
+    const WholeMesh<3> start = make_whole(image, Shape::delaunay, 260, 8);
+    const std::size_t count = 12;
+    const auto expected = history(image, start, count, SerialFor{});
+    const auto prove_same = [&](const std::vector<WholeMesh<3>>& other) {
+        REQUIRE(other.size() == expected.size());
+        for (std::size_t k = 0; k < count; ++k) REQUIRE(same_bytes(other[k], expected[k]));
+    };
+    prove_same(history(image, start, count, hmesh_test::ReverseFor{}));
+    prove_same(history(image, start, count, hmesh_test::ShuffledFor{3}));
+    prove_same(history(image, start, count, ThreadsFor{2}));
+    prove_same(history(image, start, count, ThreadsFor{7}));
+    for (std::size_t k = 1; k < count; ++k) CHECK_FALSE(same_bytes(expected[k], expected[k - 1]));
+}
+
+TEST_CASE("a phase depends on the mesh it begins with and on nothing that was before") {
+    const auto image = hmesh_test::scene<std::uint8_t, 1>(70, 60, 9);
+    const ImageSource<1> source(image.view());
+    const SerialFor serial;
+    Monitor monitor = silent(), another = silent();
+    Patchwork<1> work(source, {}, monitor, serial);
+    work.whole() = make_whole(image, Shape::worn, 160, 9);
+    std::vector<Phase> all = phases(18, 0.4 * work.whole().mean_energy(), 255, 9);
+    // Also one tile before and after others: its table is kept in between.
+    for (const std::size_t k : {1U, 2U, 4U, 9U, 17U}) all[k].tile = 1000;
+    for (const Phase& phase : all) {
+        Patchwork<1> fresh(source, {}, another, serial);
+        fresh.whole() = work.whole();
+        const Tiling tiling = phase.tiling(70, 60);
+        REQUIRE(work.for_each(tiling, phase));
+        REQUIRE(fresh.for_each(tiling, phase));
+        REQUIRE(same_bytes(work.whole(), fresh.whole()));
+    }
+}
+
+TEST_CASE("what a patch makes due is due in the whole, its frozen vertices too") {
+    const auto image = hmesh_test::scene<std::uint8_t, 1>(40, 40, 10);
+    const ImageSource<1> source(image.view());
+    const SerialFor serial;
+    Monitor monitor = silent();
+    Patchwork<1> work(source, {}, monitor, serial);
+    work.whole() = make_whole(image, Shape::grid, 100, 10);
+    std::fill(work.whole().due.begin(), work.whole().due.end(), static_cast<unsigned char>(0));
+    const Tiling tiling(40, 40, 20);
+    work.for_each(tiling, [&](Patch<1>& patch, std::size_t tile) {
+        if (tile != 3) return;  // the last, at (20, 20) or a little less
+        for (const Vertex v : patch.mesh().topology().vertices()) patch.mesh().set_due(v, true);
+    });
+    const Cut cut = hmesh::detail::cut(work.whole(), tiling);
+    std::vector<unsigned char> expected(work.whole().vertex_count(), 0);
+    for (std::size_t k = cut.first[3]; k < cut.first[4]; ++k)
+        for (const std::uint32_t v : work.whole().triangles[cut.triangles[k]]) expected[v] = 1;
+    CHECK(work.whole().due == expected);
+    // Sweeps of the others leave it so: frozen vertices are due for another patch.
+    work.for_each(tiling, [&](Patch<1>& patch, std::size_t tile) {
+        if (tile != 3) hmesh::sweep(patch.mesh());
+    });
+    const auto still = std::count(work.whole().due.begin(), work.whole().due.end(), static_cast<unsigned char>(1));
+    CHECK(still >= std::count(expected.begin(), expected.end(), static_cast<unsigned char>(1)));
+}
+
+TEST_CASE("looking changes nothing and names the triangles of the whole, one for each face of a patch") {
+    const auto image = hmesh_test::scene<std::uint8_t, 3>(60, 45, 11);
+    const ImageSource<3> source(image.view());
+    for (const Shape shape : hmesh_test::all_shapes)
+        for (const double tile : {2.0, 9.0, 25.0, 1000.0}) {
+            const WholeMesh<3> start = make_whole(image, shape, 110, 11);
+            const hmesh_test::ShuffledFor shuffled{5};
+            Monitor monitor = silent();
+            Patchwork<3, hmesh_test::ShuffledFor> work(source, {}, monitor, shuffled);
+            work.whole() = start;
+            std::vector<int> seen(start.triangles.size(), 0);
+            std::vector<double> energies(start.triangles.size(), 0.0);
+            const Tiling tiling(60, 45, tile, true, false);
+            REQUIRE(work.visit(tiling, [&](Patch<3>& patch, std::size_t number, const std::uint32_t* triangles) {
+                const ImageMesh<3>& mesh = patch.mesh();
+                Point low{1e9, 1e9};
+                const std::size_t count = mesh.topology().face_count();
+                for (std::size_t f = 0; f < count; ++f)
+                    for (const std::uint32_t v : start.triangles[triangles[f]])
+                        low = {std::min(low.x, start.positions[v].x), std::min(low.y, start.positions[v].y)};
+                const Point origin{std::floor(low.x), std::floor(low.y)};
+                for (std::size_t f = 0; f < count; ++f) {
+                    const Triangle& t = start.triangles[triangles[f]];
+                    const auto v = mesh.topology().vertices(hmesh::Face(f));
+                    hmesh_test::Corners<3> corners;
+                    for (std::size_t k = 0; k < 3; ++k) {
+                        const Point p = mesh.position(v[k]);
+                        corners[k] = corner_of<3>({p.x + origin.x, p.y + origin.y}, mesh.color(v[k]));
+                    }
+                    REQUIRE(hmesh_test::turned<3>(corners) == hmesh_test::corners_of(start, t));
+                    REQUIRE(tiling.tile_at({origin.x + mesh.centroid(hmesh::Face(f)).x,
+                                            origin.y + mesh.centroid(hmesh::Face(f)).y}) == number);
+                    ++seen[triangles[f]];
+                    energies[triangles[f]] = mesh.energy(hmesh::Face(f));
+                }
+                hmesh::sweep(patch.mesh());  // what is done to a patch that is looked at is forgotten
+            }));
+            REQUIRE(std::count(seen.begin(), seen.end(), 1) == static_cast<std::ptrdiff_t>(seen.size()));
+            REQUIRE(same_bytes(work.whole(), start));
+            double sum = 0;
+            for (const double energy : energies) sum += energy;
+            REQUIRE(std::abs(sum - start.energy) <= 1e-9 * start.energy);
+        }
+}
+
+TEST_CASE("a phase tells how far it is: its patches together are all that was expected") {
+    const auto image = hmesh_test::scene<std::uint8_t, 1>(60, 45, 12);
+    const ImageSource<1> source(image.view());
+    StopAt never;
+    Monitor monitor(never.progress(), 60.0 * 45, 255);
+    const SerialFor serial;
+    Patchwork<1> work(source, {}, monitor, serial);
+    work.whole() = make_whole(image, Shape::worn, 110, 12);
+    for (const double tile : {5.0, 20.0, 1000.0}) {
+        monitor.expect(0.25, 0.75);
+        REQUIRE(work.for_each(Tiling(60, 45, tile), [](Patch<1>&, std::size_t) {}));
+        monitor.poll();
+        CHECK(never.last_fraction == doctest::Approx(0.75).epsilon(1e-9));
+    }
+}
+
+namespace {
+
+// Phases that are cancelled at the k-th call, for many k, and what follows such an end.
+template <class T, int C, class ParallelFor>
+void cancel(const Image<T, C>& image, const WholeMesh<C>& start, std::size_t step, const ParallelFor& parallel_for) {
+    const ImageSource<C> source(image.view());
+    const std::vector<Phase> all = phases(6, 0.4 * start.mean_energy(), hmesh::PixelTraits<T>::peak, 10);
+    const auto run = [&](StopAt& stop) {
+        Monitor monitor(stop.progress(), 1, 255);
+        Patchwork<C, ParallelFor> work(source, {}, monitor, parallel_for);
+        work.whole() = start;
+        for (const Phase& phase : all) {
+            const Tiling tiling = phase.tiling(image.width(), image.height());
+            const Rim<C> rim = rim_of(work.whole(), tiling);
+            const bool go_on = work.for_each(tiling, phase);
+            REQUIRE(go_on == !monitor.stopped());
+            hmesh_test::prove(work.whole());
+            prove_rim(work.whole(), rim);
+            REQUIRE(most_valence(work.whole()) <= hmesh::max_valence);
+            if (!go_on) break;
+        }
+        return work.whole();
+    };
+    StopAt never;
+    const WholeMesh<C> uncancelled = run(never);
+    REQUIRE(never.calls > 60);
+    for (std::size_t k = 1; k <= never.calls; k += step) {
+        StopAt stop;
+        stop.k = k;
+        WholeMesh<C> left = run(stop);
+        if (stop.calls < k) continue;  // threads ask as often as they happen to meet
+        REQUIRE(stop.calls == k);      // nobody asks again
+        // What is left can be worked on.
+        Monitor monitor = silent();
+        Patchwork<C, ParallelFor> work(source, {}, monitor, parallel_for);
+        work.whole() = std::move(left);
+        REQUIRE(work.for_each(Tiling(image.width(), image.height(), 30), all[k % all.size()]));
+        prove_whole(image, work.whole());
+    }
+}
+
+}  // namespace
+
+TEST_CASE("work that is cancelled at any call leaves a mesh, on any executor, that may be worked on again") {
+    const auto image = hmesh_test::scene<std::uint8_t, 1>(48, 40, 13);
+    const WholeMesh<1> start = make_whole(image, Shape::worn, 130, 13);
+    cancel(image, start, 5, SerialFor{});
+    cancel(image, start, 11, hmesh_test::ReverseFor{});
+    cancel(image, start, 23, ThreadsFor{2});
+    cancel(image, start, 23, ThreadsFor{7});
+}
+
+TEST_CASE("a phase that is cancelled at once changes nothing, and a look at all patches goes on after the end") {
+    const auto image = hmesh_test::scene<std::uint8_t, 1>(48, 40, 14);
+    const ImageSource<1> source(image.view());
+    const WholeMesh<1> start = make_whole(image, Shape::worn, 130, 14);
+    for (const double tile : {6.0, 20.0, 1000.0}) {
+        StopAt first;
+        first.k = 1;
+        Monitor monitor(first.progress(), 1, 255);
+        const SerialFor serial;
+        Patchwork<1> work(source, {}, monitor, serial);
+        work.whole() = start;
+        const Tiling tiling(48, 40, tile);
+        int visits = 0;
+        CHECK_FALSE(work.for_each(tiling, [&](Patch<1>&, std::size_t) { ++visits; }));
+        CHECK(visits == 0);
+        CHECK(hmesh_test::describe(work.whole()) == hmesh_test::describe(start));
+        std::size_t faces = 0;
+        const auto look = [&](Patch<1>& patch, std::size_t, const std::uint32_t*) {
+            faces += patch.mesh().topology().face_count();
+        };
+        CHECK_FALSE(work.visit(tiling, look));
+        CHECK(faces == 0);
+        CHECK_FALSE(work.visit(tiling, look, true));
+        CHECK(faces == start.triangles.size());
+    }
+}
