@@ -26,7 +26,7 @@
 namespace hmesh {
 
 struct AnnealingOptions {
-    int sweeps = 10;
+    int sweeps = 8;
     double temperature = 0.5;    // T at the start, in prices mu
     double cooling = 1;          // T falls as (1 - t)^cooling, t in [0, 1)
     double exchange = 1;         // probability that a vertex is tried for removal, a site for insertion, in a sweep
@@ -91,7 +91,7 @@ class AnnealingSweep {
         counts.flipped = flip_moves();
         counts.jumped = jump_moves();
         const double mean = mesh_->mean_energy();
-        const Tolerance tolerance{1e-3, mean > 0 ? least_ / mean : 0};
+        const Tolerance tolerance{1e-2, mean > 0 ? least_ / mean : 0};
         sweep(*mesh_, tolerance);
         flip_edges(*mesh_);
         sweep(*mesh_, tolerance);
@@ -104,7 +104,7 @@ class AnnealingSweep {
     template <class Round>
     bool settle(const typename ImageMesh<C>::Mark& mark, double before, double cost, Round&& round) {
         const double allowed = before - cost - temperature_ * std::log(random_.uniform());
-        const double enough = 1e-3 * mesh_->mean_energy(), hopeless = allowed + 0.5 * price_;
+        const double enough = 3e-2 * mesh_->mean_energy(), hopeless = allowed + 0.5 * price_;
         for (int k = 0; k < 2; ++k) {
             const double start = mesh_->energy();
             round();

@@ -15,7 +15,7 @@ namespace hmesh {
 enum class Effort : std::uint8_t {
     draft,   // greedy insertion
     fast,    // insertion of twice as many, then removal: about +2 dB
-    normal,  // insertion of three times as many, removal, then 10 sweeps of annealing: about +1 dB
+    normal,  // insertion of three times as many, removal, then 8 sweeps of annealing: about +1 dB
     best,    // 1000 sweeps
 };
 
@@ -23,7 +23,7 @@ struct AnnealedOptions {
     double overshoot = 3;     // o: vertices placed before the collapse, in units of the target; 1 for none
     double undershoot = 1;    // u: vertices that the collapse leaves, in units of the target
     double start = 0.3;       // vertices of the first grid, share of those placed
-    double growth = 0.3;      // vertices inserted at a time, share of those there
+    double growth = 0.4;      // vertices inserted at a time, share of those there
     double shrinkage = 0.15;  // vertices removed at a time, share of those there
     int growth_sweeps = 2;    // after each insertion
     int polish_rounds = 2;    // flips and a sweep, at the end
@@ -43,6 +43,7 @@ struct AnnealedOptions {
     switch (effort) {
         case Effort::draft:
             options.overshoot = 1;
+            options.growth = 0.3;
             options.polish_rounds = 0;
             options.annealing.sweeps = 0;
             break;
