@@ -109,8 +109,8 @@ void print_summary(const Arguments& arguments, const ImageFile& image, const Out
                 image.channels, image.channels == 1 ? "" : "s", image.bits);
     std::printf("vertices  %zu\n", outcome.report.vertices);
     std::printf("faces     %zu\n", outcome.report.faces);
-    std::printf("PSNR      %s (10 log10(peak^2 / MSE), MSE over pixels and channels)\n",
-                psnr_text(outcome.report.psnr).c_str());
+    std::printf("PSNR      %s (10 log10(peak^2 / MSE), MSE over %spixels and channels)\n",
+                psnr_text(outcome.report.psnr).c_str(), arguments.weights.empty() ? "" : "weighted ");
     std::printf("time      %.2f s\n", seconds);
     for (const std::string& name : output_files(arguments)) std::printf("written   %s\n", name.c_str());
 }
