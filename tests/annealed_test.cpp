@@ -166,7 +166,8 @@ TEST_CASE("stages come in order, those whose options say none are left out, and 
         CHECK(names_of(monitor) == names);
         for (const hmesh::StageReport& stage : monitor.stages()) {
             CHECK(stage.psnr == doctest::Approx(10 * std::log10(255.0 * 255.0 * samples / stage.energy)));
-            if (std::strcmp(stage.name, "collapse") == 0) CHECK(stage.vertices == 50);
+            if (std::strcmp(stage.name, "collapse") == 0)
+                CHECK(static_cast<double>(stage.vertices) == 50 * hmesh::annealed_options(effort).undershoot);
             if (std::strcmp(stage.name, "insert") == 0)
                 CHECK(static_cast<double>(stage.vertices) == 50 * hmesh::annealed_options(effort).overshoot);
         }
@@ -226,6 +227,7 @@ TEST_CASE("options that mean nothing are named, and the efforts' own all mean so
     const double nan = std::numeric_limits<double>::quiet_NaN(), infinity = std::numeric_limits<double>::infinity();
     for (const double bad : {-1.0, 1e300, infinity, -infinity, nan}) {
         CHECK(refused([bad](AnnealedOptions& o) { o.overshoot = bad; }));
+        CHECK(refused([bad](AnnealedOptions& o) { o.undershoot = bad; }));
         CHECK(refused([bad](AnnealedOptions& o) { o.start = bad; }));
         CHECK(refused([bad](AnnealedOptions& o) { o.growth = bad; }));
         CHECK(refused([bad](AnnealedOptions& o) { o.shrinkage = bad; }));
@@ -273,6 +275,7 @@ TEST_CASE("options at the ends of their ranges give a valid mesh of the exact nu
             AnnealedOptions options;
             const auto pick = [high](double a, double b) { return high ? b : a; };
             options.overshoot = pick(1, 100);
+            options.undershoot = pick(0.1, 1);
             options.start = pick(0, 1);
             options.growth = pick(1e-2, 10);
             options.shrinkage = pick(1e-2, 1);

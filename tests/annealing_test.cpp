@@ -111,7 +111,7 @@ TEST_CASE("after every sweep, over thousands of moves, the mesh is valid and its
     CHECK(totals.removed > 50);
     CHECK(totals.inserted > 50);
     CHECK(totals.flipped > 100);
-    CHECK(totals.jumped > 100);
+    CHECK(totals.jumped > 50);
     std::size_t moves = totals.moves();
     moves += anneal_grid(hmesh_test::noise<std::uint8_t, 1>(33, 29, 2), 7, 7, 30, 2).moves();
     moves += anneal_grid(hmesh_test::checkerboard<std::uint16_t, 2>(40, 37, 6), 6, 6, 30, 3).moves();
@@ -147,7 +147,9 @@ TEST_CASE("the price rises while there are too many vertices and falls while the
     const auto change_of_price = [](std::size_t target) {
         Subject<std::uint8_t, 3> subject(hmesh_test::scene<std::uint8_t, 3>(60, 52, 5),
                                          hmesh_test::jittered_grid(60, 52, 10, 10, 5));
-        Annealing<3> annealing(subject.mesh, target, {}, 5);
+        AnnealingOptions options;
+        options.exchange = 0.1;  // or one sweep would be enough
+        Annealing<3> annealing(subject.mesh, target, options, 5);
         const double before = annealing.price();
         annealing.sweep(0);
         return annealing.price() / before;

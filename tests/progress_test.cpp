@@ -357,7 +357,7 @@ TEST_CASE("cancelled at any call, mesh_image returns a valid mesh and a report t
     cancel_everywhere(hmesh_test::scene<std::uint8_t, 3>(32, 28, 3), Target::vertices(40), Effort::normal);
     cancel_everywhere(hmesh_test::scene<float, 1>(32, 28, 3), Target::vertices(40), Effort::normal);
     cancel_everywhere(hmesh_test::noise<std::uint8_t, 1>(1, 1, 1), Target::vertices(4), Effort::normal);
-    cancel_everywhere(hmesh_test::scene<std::uint8_t, 3>(32, 28, 3), Target::vertices(40), Effort::best, 97);
+    cancel_everywhere(hmesh_test::scene<std::uint8_t, 3>(32, 28, 3), Target::vertices(40), Effort::best, 499);
 }
 
 TEST_CASE("cancelled at any call of work in tiles, mesh_image returns a valid mesh and a report that is true of it") {

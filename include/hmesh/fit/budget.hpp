@@ -89,7 +89,9 @@ bool remove_cheapest(Patchwork<C, ParallelFor>& work, const Tiling& tiling, std:
     const std::size_t before = work.whole().vertex_count();
     work.for_each(tiling, [&](Patch<C>& patch, std::size_t tile) {
         for (std::size_t left = quota[tile]; left > 0;) {
-            const std::size_t removed = remove_batch(patch.mesh(), left, relaxation);
+            // In large batches vertices go that are cheap only beside those that may not go at the same time.
+            const std::size_t batch = std::max<std::size_t>(1, patch.vertex_count() / 32);
+            const std::size_t removed = remove_batch(patch.mesh(), std::min(left, batch), relaxation);
             if (removed == 0) break;
             left -= removed;
         }
