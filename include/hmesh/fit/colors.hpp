@@ -211,6 +211,11 @@ BoundedReport bounded_colors(ImageMesh<C>& mesh, double low, double high, double
 // nearest that are allowed, no more, and what is reported is still true of the mesh.
 template <int C, class ParallelFor>
 BoundedReport bounded_colors(Patchwork<C, ParallelFor>& work, const Tiling& tiling, double low, double high, double grid) {
+    BoundedReport report;
+    if (tiling.size() == 1 && work.for_each(tiling, [&](Patch<C>& patch, std::size_t) {
+            report = bounded_colors(patch.mesh(), low, high, grid);
+        }))
+        return report;
     WholeMesh<C>& whole = work.whole();
     for (Color<C>& c : whole.colors) detail::clamp_channels<C>(c, low, high);
     HalfedgeMesh topology;
@@ -226,7 +231,7 @@ BoundedReport bounded_colors(Patchwork<C, ParallelFor>& work, const Tiling& tili
     });
     if (work.monitor().stopped()) std::fill(corners.begin(), corners.end(), CornerSums<C>());  // only ridges pull
     const auto system = detail::color_system(topology, corners, whole.colors, work.limits().ridge, work.parallel_for());
-    const BoundedReport report = detail::descend(system, low, high, grid, whole.colors, [&] { return work.monitor().poll(); });
+    report = detail::descend(system, low, high, grid, whole.colors, [&] { return work.monitor().poll(); });
 
     std::vector<double> energies(tiling.size(), 0.0);
     work.visit(tiling, [&](Patch<C>& patch, std::size_t k, const std::uint32_t*) { energies[k] = patch.mesh().energy(); }, true);

@@ -21,24 +21,29 @@ inline Status HalfedgeMesh::assign(std::size_t vertex_count, const std::vector<T
         return {Errc::image_too_large, "a mesh has too many vertices", static_cast<std::int64_t>(vertex_count), free_end / 6};
 
     // Each side of a triangle as (smaller corner, larger corner, direction): the two half-edges of an edge sort together.
+    // First by counting, then the few that share their smaller corner.
     struct Side {
         std::uint32_t low, high, corner;  // corner = 3 * triangle + k; the side runs from corner k to corner k + 1
         bool reversed;
     };
-    std::vector<Side> sides;
-    sides.reserve(3 * triangles.size());
+    std::vector<std::size_t> first(vertex_count + 1, 0);
     for (std::size_t t = 0; t < triangles.size(); ++t)
         for (std::size_t k = 0; k < 3; ++k) {
             const std::uint32_t a = triangles[t][k], b = triangles[t][(k + 1) % 3];
             if (a >= vertex_count || b >= vertex_count) return fail("a triangle names a vertex that does not exist", t);
             if (a == b) return fail("a triangle names a vertex twice", t);
-            sides.push_back({std::min(a, b), std::max(a, b), static_cast<std::uint32_t>(3 * t + k), a > b});
+            ++first[std::min(a, b) + 1];
         }
-    std::sort(sides.begin(), sides.end(), [](const Side& a, const Side& b) {
-        if (a.low != b.low) return a.low < b.low;
-        if (a.high != b.high) return a.high < b.high;
-        return a.reversed < b.reversed;
-    });
+    for (std::size_t v = 0; v < vertex_count; ++v) first[v + 1] += first[v];
+    std::vector<Side> sides(3 * triangles.size());
+    for (std::size_t t = 0; t < triangles.size(); ++t)
+        for (std::size_t k = 0; k < 3; ++k) {
+            const std::uint32_t a = triangles[t][k], b = triangles[t][(k + 1) % 3];
+            sides[first[std::min(a, b)]++] = {std::min(a, b), std::max(a, b), static_cast<std::uint32_t>(3 * t + k), a > b};
+        }
+    for (std::size_t v = 0, begin = 0; v < vertex_count; begin = first[v++])
+        std::sort(sides.begin() + static_cast<std::ptrdiff_t>(begin), sides.begin() + static_cast<std::ptrdiff_t>(first[v]),
+                  [](const Side& a, const Side& b) { return a.high != b.high ? a.high < b.high : a.reversed < b.reversed; });
 
     std::vector<Halfedge> side_halfedge(3 * triangles.size());
     vertices_.resize(vertex_count);

@@ -32,7 +32,7 @@ class HalfedgeMesh {
 
     // The mesh of `triangles` over the vertices [0, vertex_count), all turning the same way. Replaces what was there.
     // Refuses (and leaves the mesh empty) an index out of range, an edge used twice in one direction, a vertex that is
-    // isolated or where two fans meet. Cost O(n log n).
+    // isolated or where two fans meet. Cost O(n) for bounded valences.
     [[nodiscard]] Status assign(std::size_t vertex_count, const std::vector<Triangle>& triangles);
 
     // --- counts and elements: live ones, and slots including deleted ones (the size for arrays indexed by handles) ---
