@@ -23,6 +23,7 @@ constexpr int channels = 3;
 struct Fixture {
     hmesh::Image<std::uint8_t, channels> image;
     hmesh::MomentTable<channels> table;
+    hmesh::WholeMesh<channels> whole;
     ImageMesh<channels> mesh;
     std::vector<hmesh::Vertex> vertices;  // in spatial order
     std::vector<hmesh::Edge> edges;
@@ -30,9 +31,13 @@ struct Fixture {
     explicit Fixture(int width, int height)
         : image(example::draw_scene(width, height)), table(image.view(), image.view().bounds()), mesh(table, 0, 255) {
         hmesh::Monitor monitor({}, 1, 255);
+        const hmesh::ImageSource<channels> source(image.view());
+        const hmesh::SerialFor serial;
+        hmesh::Patchwork<channels> work(source, {}, monitor, serial);
         const auto n = static_cast<std::size_t>(width) * static_cast<std::size_t>(height) / 100;
-        if (!hmesh::annealed(mesh, n, hmesh::annealed_options(hmesh::Effort::draft), monitor)) std::abort();
-        mesh.compact(2 * n);
+        if (!hmesh::annealed(work, n, hmesh::annealed_options(hmesh::Effort::draft), 0)) std::abort();
+        whole = work.whole();
+        if (!mesh.assign(whole.positions, whole.triangles, whole.colors, serial)) std::abort();
         vertices = hmesh::spatial_vertices(mesh);
         for (const hmesh::InsertionSite site : hmesh::insertion_sites(mesh, false)) edges.push_back(site.edge());
     }
@@ -201,9 +206,31 @@ void bounded_colors(benchmark::State& state) {  // a vertex
     per_item(state, static_cast<std::size_t>(state.iterations()) * fixture().vertices.size());
 }
 
+void annealing_sweep(benchmark::State& state) {  // a vertex
+    on_copies(state, [](ImageMesh<channels>& mesh) {
+        const double price = 0.3 * mesh.mean_energy(), n = static_cast<double>(mesh.vertex_count());
+        hmesh::AnnealingSweep<channels> sweep(mesh, {}, price, 0.3 * price, {0.9 * n, 1.1 * n}, hmesh::Random(1));
+        benchmark::DoNotOptimize(sweep.run());
+    });
+    per_item(state, static_cast<std::size_t>(state.iterations()) * fixture().vertices.size());
+}
+
+// A mesh cut into patches of about this many px, their tables included, and put together again.
+void patches(benchmark::State& state) {  // a vertex, with its 100 pixels
+    const Fixture& f = fixture();
+    hmesh::Monitor monitor({}, 1, 255);
+    const hmesh::ImageSource<channels> source(f.image.view());
+    const hmesh::SerialFor serial;
+    hmesh::Patchwork<channels> work(source, {}, monitor, serial);
+    work.whole() = f.whole;
+    const hmesh::Tiling tiling(f.image.width(), f.image.height(), static_cast<double>(state.range(0)));
+    for (auto _ : state) work.for_each(tiling, [](hmesh::Patch<channels>&, std::size_t) {});
+    per_item(state, static_cast<std::size_t>(state.iterations()) * f.vertices.size());
+}
+
 void draw(benchmark::State& state) {  // a pixel
     const Fixture& f = fixture();
-    const auto mesh = hmesh::detail::extract(f.mesh, 255);
+    const auto mesh = hmesh::detail::extract(f.whole, 255);
     hmesh::Image<float, channels> out;
     std::size_t pixels = 0;
     for (auto _ : state) {
@@ -226,6 +253,8 @@ BENCHMARK_CAPTURE(collapse_undone, alone, false)->Unit(benchmark::kMicrosecond);
 BENCHMARK_CAPTURE(collapse_undone, relaxed, true)->Unit(benchmark::kMicrosecond);
 BENCHMARK(sweep)->Unit(benchmark::kMicrosecond);
 BENCHMARK(flip_queue)->Unit(benchmark::kMicrosecond);
+BENCHMARK(annealing_sweep)->Unit(benchmark::kMicrosecond);
+BENCHMARK(patches)->Arg(384)->Arg(128)->Arg(64)->Unit(benchmark::kMicrosecond);
 BENCHMARK(bounded_colors)->Unit(benchmark::kMicrosecond);
 BENCHMARK(draw)->Unit(benchmark::kMicrosecond);
 BENCHMARK_MAIN();

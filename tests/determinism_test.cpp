@@ -44,10 +44,7 @@ struct ThreadFor {
 };
 
 template <class T, int C>
-void check_repeatable(const Image<T, C>& image, Target target, Effort effort) {
-    Options options;
-    options.target = target;
-    options.effort = effort;
+void check_repeatable(const Image<T, C>& image, const Options& options) {
     const auto first = mesh_image(image.view(), options);
     REQUIRE(first.mesh.vertex_count() >= 4);
     // Other memory under the pixels, and other contents in memory to come.
@@ -60,6 +57,14 @@ void check_repeatable(const Image<T, C>& image, Target target, Effort effort) {
     for (const unsigned threads : {2U, 7U})
         CHECK(hmesh_test::same_bytes(mesh_image(image.view(), options, ThreadFor{threads}), first));
 }
+template <class T, int C>
+void check_repeatable(const Image<T, C>& image, Target target, Effort effort, int sweeps = 8) {
+    Options options;
+    options.target = target;
+    options.annealed = hmesh::annealed_options(effort);
+    options.annealed->annealing.sweeps = std::min(options.annealed->annealing.sweeps, sweeps);
+    check_repeatable(image, options);
+}
 
 }  // namespace
 
@@ -67,7 +72,23 @@ TEST_CASE("all efforts give the same bytes in two runs, in any order of the piec
     // Large enough for several pieces of rows, faces, edges and vertices.
     for (const Effort effort : {Effort::draft, Effort::fast, Effort::normal})
         check_repeatable(hmesh_test::scene<std::uint8_t, 3>(80, 70, 1), Target::vertices(420), effort);
-    check_repeatable(hmesh_test::scene<std::uint8_t, 3>(48, 40, 1), Target::vertices(40), Effort::best);
+    check_repeatable(hmesh_test::scene<std::uint8_t, 3>(48, 40, 1), Target::vertices(40), Effort::best, 50);
+}
+
+TEST_CASE("tiles give the same bytes in two runs, in any order and on any number of threads, with weights too") {
+    const auto image = hmesh_test::scene<std::uint8_t, 3>(160, 140, 6);
+    Image<float, 1> weights(160, 140);
+    for (int y = 0; y < 140; ++y)
+        for (int x = 0; x < 160; ++x) *weights.pixel(x, y) = x < 100 ? 1.0F : 0.1F * static_cast<float>(y % 3);
+    Options options;
+    options.target = Target::vertices(1400);
+    options.tile = 64;
+    options.annealed = hmesh::annealed_options(Effort::normal);
+    options.annealed->overshoot = 1.5;
+    options.annealed->annealing.sweeps = 2;
+    check_repeatable(image, options);
+    options.weights = weights.view();
+    check_repeatable(image, options);
 }
 
 TEST_CASE("float images, whose sums are rounded, give the same bytes too") {
