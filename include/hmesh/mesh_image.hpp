@@ -154,13 +154,13 @@ template <class T, int C, class ParallelFor>
     AnnealedOptions recipe = options.annealed.value_or(annealed_options(options.effort));
     recipe.seed = options.seed;
     result.status = annealed(work, n, recipe, options.tile);
-    const WholeMesh<C>& whole = work.whole();
-    monitor.begin("colors", whole.vertex_count(), whole.energy);
+    monitor.begin("colors", work.vertex_count(), work.energy());
     const double grid = Traits::is_integer && options.round_colors ? 1 : 0;
     const Tiling tiling(source.width(), source.height(), tile_size(source.width(), source.height(), n, options.tile));
     bounded_colors(work, tiling, Traits::lowest, Traits::highest, grid);
-    monitor.end(whole.vertex_count(), whole.energy);
+    monitor.end(work.vertex_count(), work.energy());
     if (result.status && monitor.stopped()) result.status = {Errc::cancelled, "cancelled by the progress callback", 0, 0};
+    const WholeMesh<C>& whole = work.whole();
     result.mesh = extract(whole, Traits::peak);
     const double energy = std::max(0.0, whole.energy);  // rounding may leave less than nothing
     result.report = {whole.vertex_count(), whole.triangles.size(), energy, psnr_of_energy(energy, samples, Traits::peak),

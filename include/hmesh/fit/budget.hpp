@@ -86,7 +86,7 @@ bool remove_cheapest(Patchwork<C, ParallelFor>& work, const Tiling& tiling, std:
         quota.assign(tiling.size(), 0);
         for (std::size_t i = 0; i < std::min(count, all.size()); ++i) ++quota[all[i].second];
     }
-    const std::size_t before = work.whole().vertex_count();
+    const std::size_t before = work.vertex_count();
     work.for_each(tiling, [&](Patch<C>& patch, std::size_t tile) {
         for (std::size_t left = quota[tile]; left > 0;) {
             // In large batches vertices go that are cheap only beside those that may not go at the same time.
@@ -96,7 +96,7 @@ bool remove_cheapest(Patchwork<C, ParallelFor>& work, const Tiling& tiling, std:
             left -= removed;
         }
     });
-    return work.whole().vertex_count() < before;
+    return work.vertex_count() < before;
 }
 
 // Inserts `count` vertices where the error is, at the best sites of each patch. Returns whether any came.
@@ -108,7 +108,7 @@ bool insert_best(Patchwork<C, ParallelFor>& work, const Tiling& tiling, std::siz
         }))
         return false;
     const std::vector<std::size_t> quota = shares(count, energies, std::vector<std::size_t>(tiling.size(), count));
-    const std::size_t before = work.whole().vertex_count();
+    const std::size_t before = work.vertex_count();
     work.for_each(tiling, [&](Patch<C>& patch, std::size_t tile) {
         for (std::size_t left = quota[tile]; left > 0;) {
             const std::size_t inserted = insert_batch(patch.mesh(), left, {true, true, 0});
@@ -119,7 +119,7 @@ bool insert_best(Patchwork<C, ParallelFor>& work, const Tiling& tiling, std::siz
             left -= inserted;
         }
     });
-    return work.whole().vertex_count() > before;
+    return work.vertex_count() > before;
 }
 
 }  // namespace detail
@@ -128,8 +128,8 @@ bool insert_best(Patchwork<C, ParallelFor>& work, const Tiling& tiling, std::siz
 // than n vertices none of which can go.
 template <int C, class ParallelFor>
 bool meet_budget(Patchwork<C, ParallelFor>& work, std::size_t n, double tile, const Relaxation& relaxation) {
-    const int width = work.whole().width, height = work.whole().height;
-    const auto count = [&] { return work.whole().vertex_count(); };
+    const int width = work.source().width(), height = work.source().height();
+    const auto count = [&] { return work.vertex_count(); };
     // Where one tiling is stuck, another may not be.
     for (int k = 0, stuck = 0; count() != n && stuck < 4 && !work.monitor().stopped(); ++k) {
         const Tiling tiling(width, height, tile, (k & 2) == 0, (k & 1) == 0);

@@ -96,6 +96,7 @@ class ImageMesh {
     // To be called by long work every few microseconds; where it says false, the work ends as it is.
     [[nodiscard]] bool beat() const { return surroundings_.pulse == nullptr || surroundings_.pulse->beat(); }
     [[nodiscard]] Pulse* pulse() const noexcept { return surroundings_.pulse; }
+    void set_pulse(Pulse* pulse) noexcept { surroundings_.pulse = pulse; }
 
     // The moments of a half-edge (those of its edge, with a sign), written to or added to `out`.
     HMESH_ALWAYS_INLINE void moments(Halfedge h, Moments<C>& out) const {

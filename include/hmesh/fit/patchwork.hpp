@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
+#include <memory>
 #include <utility>
 #include <vector>
 
@@ -30,14 +31,26 @@ class Patchwork {
     [[nodiscard]] const MeshLimits& limits() const noexcept { return limits_; }
     [[nodiscard]] Monitor& monitor() const noexcept { return *monitor_; }
     [[nodiscard]] const ParallelFor& parallel_for() const noexcept { return *parallel_for_; }
-    [[nodiscard]] const WholeMesh<C>& whole() const noexcept { return whole_; }
-    [[nodiscard]] WholeMesh<C>& whole() noexcept { return whole_; }
+    // The mesh between phases, in spatial order.
+    [[nodiscard]] WholeMesh<C>& whole() {
+        put_back();
+        return whole_;
+    }
+    // Of the mesh, which may go on being one patch.
+    [[nodiscard]] std::size_t vertex_count() const noexcept { return only_ ? only_->vertex_count() : whole_.vertex_count(); }
+    [[nodiscard]] double energy() const noexcept { return only_ ? only_->mesh().energy() : whole_.energy; }
+    [[nodiscard]] double mean_energy() const noexcept { return energy() / static_cast<double>(vertex_count()); }
 
     // Calls work(patch, tile) for the patch of each tile that has triangles, then puts all together again. The pieces
     // together are what the monitor expects. Returns whether to go on; after a cancellation the mesh is valid, some patches
     // being worked on in part and some not at all, and whole().energy is not known any more.
     template <class Work>
     bool for_each(const Tiling& tiling, Work&& work) {
+        if (tiling.size() == 1) {
+            work_on_only(work);
+            return !monitor_->stopped();
+        }
+        put_back();
         const detail::Cut cut = detail::cut(whole_, tiling);
         std::vector<detail::PatchResult<C>> results(tiling.size());
         run(cut, [&](Patch<C>& patch, std::size_t tile) {
@@ -52,6 +65,7 @@ class Patchwork {
     // that is face f of the patch. After a cancellation patches may have been left out, unless `all`.
     template <class Look>
     bool visit(const Tiling& tiling, Look&& look, bool all = false) {
+        put_back();
         const detail::Cut cut = detail::cut(whole_, tiling);
         run(cut, [&](Patch<C>& patch, std::size_t tile) { look(patch, tile, cut.triangles.data() + cut.first[tile]); },
             [](std::size_t) {}, all);
@@ -59,6 +73,33 @@ class Patchwork {
     }
 
   private:
+    // One patch that is all of the mesh stays one from phase to phase, until somebody asks for the whole.
+    template <class Work>
+    void work_on_only(Work&& work) {
+        (*parallel_for_)(1, [&](std::size_t) {
+            if (!monitor_->poll()) return;
+            Pulse pulse(*monitor_, 1);
+            if (!only_) {
+                const detail::Cut cut = detail::cut(whole_, Tiling(whole_.width, whole_.height, std::max(whole_.width, whole_.height)));
+                only_ = std::make_unique<Patch<C>>(whole_, *source_, cut, 0, limits_, nullptr, std::move(table_));
+            }
+            only_->mesh().set_pulse(&pulse);
+            work(*only_, 0);
+            only_->mesh().set_pulse(nullptr);
+        });
+    }
+    void put_back() {
+        if (!only_) return;
+        detail::PatchResult<C> result = only_->result();
+        whole_.positions = std::move(result.positions);
+        whole_.colors = std::move(result.colors);
+        whole_.due = std::move(result.due);
+        whole_.triangles = std::move(result.triangles);
+        whole_.energy = result.energy;
+        table_ = only_->take_table();
+        only_.reset();
+    }
+
     // The patches that have triangles, the largest first; skip(tile) instead of work(patch, tile) once cancelled.
     template <class Work, class Skip>
     void run(const detail::Cut& cut, Work&& work, Skip&& skip, bool all = false) {
@@ -123,7 +164,8 @@ class Patchwork {
     Monitor* monitor_;
     const ParallelFor* parallel_for_;
     WholeMesh<C> whole_;
-    MomentTable<C> table_;  // of the whole image, where one patch is all of it: made once
+    std::unique_ptr<Patch<C>> only_;  // in place of whole_, where one patch is all of it
+    MomentTable<C> table_;            // of the whole image, for that patch: made once
 };
 
 }  // namespace hmesh

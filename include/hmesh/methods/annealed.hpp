@@ -73,7 +73,7 @@ class Annealed {
 
     // False: cancelled, or more than n vertices none of which can go.
     bool run() {
-        whole() = regular_grid(work_->source(), 4);  // what a cancellation finds
+        work_->whole() = regular_grid(work_->source(), 4);  // what a cancellation finds
         return stage("grid", [&] { return start(); }) && stage("insert", [&] { return insert(); }) &&
                (options_.overshoot <= 1 || stage("collapse", [&] { return collapse(); })) &&
                (options_.annealing.sweeps == 0 || stage("anneal", [&] { return anneal(); })) &&
@@ -81,7 +81,6 @@ class Annealed {
     }
 
   private:
-    [[nodiscard]] WholeMesh<C>& whole() noexcept { return work_->whole(); }
     [[nodiscard]] Monitor& monitor() noexcept { return work_->monitor(); }
     // Phase k's cut of the plane: every vertex is within a tile in some of any 4 in a row.
     [[nodiscard]] Tiling tiling(int phase) const {
@@ -90,15 +89,15 @@ class Annealed {
     }
     template <class Body>
     bool stage(const char* name, Body&& body) {
-        return monitor().begin(name, whole().vertex_count(), whole().energy) && body() &&
-               monitor().end(whole().vertex_count(), whole().energy);
+        return monitor().begin(name, work_->vertex_count(), work_->energy()) && body() &&
+               monitor().end(work_->vertex_count(), work_->energy());
     }
 
     bool start() {
         const double placed = static_cast<double>(n_) * options_.overshoot, pixels = work_->source().pixels();
         const double count = std::max(4.0, std::min(placed, pixels) * options_.start);
         if (aligned_.size() == 1) {
-            whole() = regular_grid(work_->source(), count);
+            work_->whole() = regular_grid(work_->source(), count);
         } else {
             // 0.7 of the nodes that squares of equal density would have on the seams.
             const double length = static_cast<double>(aligned_.columns() - 1) * work_->source().height() +
@@ -106,7 +105,7 @@ class Annealed {
             WholeMesh<C> grid = tiled_grid(work_->source(), aligned_, count, 0.7 * length * std::sqrt(static_cast<double>(n_) / pixels),
                                            [&] { return monitor().poll(); }, work_->parallel_for());
             if (monitor().stopped()) return false;
-            whole() = std::move(grid);
+            work_->whole() = std::move(grid);
         }
         monitor().expect(0, 1);
         return for_each_tile([&](ImageMesh<C>& mesh, std::size_t, std::size_t) {
@@ -132,7 +131,7 @@ class Annealed {
     }
     // Vertices that are free in no tile.
     [[nodiscard]] std::size_t seam_count() noexcept {
-        std::size_t count = whole().vertex_count();
+        std::size_t count = work_->vertex_count();
         for (const Tile& tile : tiles_) count -= tile.free;
         return count;
     }
@@ -174,16 +173,18 @@ class Annealed {
         for (const Tile& tile : tiles_) placed += static_cast<double>(tile.placed);
         const double ratio = static_cast<double>(left - std::min(left, seam_count())) / std::max(1.0, placed);
         monitor().expect(0, 1);
-        return for_each_tile([&](ImageMesh<C>& mesh, std::size_t k, std::size_t rim) {
+        const bool go_on = for_each_tile([&](ImageMesh<C>& mesh, std::size_t k, std::size_t rim) {
             shrink(mesh, rim + static_cast<std::size_t>(std::round(static_cast<double>(tiles_[k].placed) * ratio)), options_);
         });
+        (void)work_->whole();  // renumbered without the many that went
+        return go_on;
     }
 
     bool anneal() {
         const AnnealingOptions& annealing = options_.annealing;
-        AnnealingSchedule schedule(annealing, n_, whole().mean_energy());
+        AnnealingSchedule schedule(annealing, n_, work_->mean_energy());
         for (int k = 0; k < annealing.sweeps; ++k) {
-            const double total = static_cast<double>(whole().vertex_count()), target = static_cast<double>(n_);
+            const double total = static_cast<double>(work_->vertex_count()), target = static_cast<double>(n_);
             const Tiling phase = tiling(k + 1);
             std::vector<AnnealingCounts> counts(phase.size());
             const double band = annealing.band * (1 - static_cast<double>(k) / annealing.sweeps);
@@ -200,8 +201,8 @@ class Annealed {
                 sum.removed += c.removed;
                 sum.inserted += c.inserted;
             }
-            schedule.steer(sum, whole().vertex_count(), whole().mean_energy());
-            if (!monitor().update((k + 1.0) / annealing.sweeps, whole().vertex_count(), whole().energy)) return false;
+            schedule.steer(sum, work_->vertex_count(), work_->mean_energy());
+            if (!monitor().update((k + 1.0) / annealing.sweeps, work_->vertex_count(), work_->energy())) return false;
         }
         return true;
     }
