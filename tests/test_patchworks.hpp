@@ -27,7 +27,7 @@ struct Work {
     hmesh::ImageSource<C> source;
     hmesh::Monitor monitor;
     ParallelFor parallel_for;
-    hmesh::Patchwork<C, ParallelFor> patchwork;
+    mutable hmesh::Patchwork<C, ParallelFor> patchwork;  // which looks at its mesh by putting it together
 
     explicit Work(hmesh::Image<T, C> picture, const hmesh::MeshLimits& limits = {}, const hmesh::Progress& progress = {},
                   const ParallelFor& executor = {})
