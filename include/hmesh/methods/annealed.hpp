@@ -34,10 +34,11 @@
 namespace hmesh {
 namespace detail {
 
-// Greedy insertion until the mesh has n vertices; it takes the piece of work from fraction `from` to `to`.
+// Greedy insertion until the mesh has n vertices.
 template <int C>
 void grow(ImageMesh<C>& mesh, std::size_t n, const AnnealedOptions& options) {
     const std::size_t first = mesh.vertex_count();
+    mesh.reserve(n);
     while (mesh.vertex_count() < n && mesh.beat()) {
         const std::size_t count = mesh.vertex_count(), missing = n - count;
         std::size_t batch = std::min(missing, static_cast<std::size_t>(std::ceil(static_cast<double>(count) * options.growth)));
