@@ -4,7 +4,7 @@
 // vertices flow from where they are worth little to where they are worth much. Four kinds of move - remove, insert, flip,
 // jump - are each a transaction: do it, relax the surroundings, read the exact energy, then accept by Metropolis' rule at
 // temperature T or roll back to the last byte. Between sweeps the price is steered to the vertex target and T falls to 0.
-// Patches of one mesh share the price, so vertices flow between them too. A sweep costs about 12 us a vertex for 3 channels.
+// Patches of one mesh share the price, so vertices flow between them too. A sweep costs 20 to 25 us a vertex for 3 channels.
 #ifndef HMESH_FIT_ANNEALING_HPP
 #define HMESH_FIT_ANNEALING_HPP
 
