@@ -27,22 +27,6 @@ using hmesh::Target;
 
 namespace {
 
-// Threads that take the next index as they get free.
-struct ThreadFor {
-    unsigned threads = 2;
-    template <class Body>
-    void operator()(std::size_t n, Body&& body) const {
-        std::atomic<std::size_t> next{0};
-        const auto work = [&] {
-            for (std::size_t i; (i = next.fetch_add(1)) < n;) body(i);
-        };
-        std::vector<std::thread> others;
-        for (unsigned k = 1; k < threads; ++k) others.emplace_back(work);
-        work();
-        for (std::thread& thread : others) thread.join();
-    }
-};
-
 template <class T, int C>
 void check_repeatable(const Image<T, C>& image, const Options& options) {
     const auto first = mesh_image(image.view(), options);
@@ -55,7 +39,7 @@ void check_repeatable(const Image<T, C>& image, const Options& options) {
     for (const std::uint64_t seed : {1U, 2U})
         CHECK(hmesh_test::same_bytes(mesh_image(image.view(), options, hmesh_test::ShuffledFor{seed}), first));
     for (const unsigned threads : {2U, 7U})
-        CHECK(hmesh_test::same_bytes(mesh_image(image.view(), options, ThreadFor{threads}), first));
+        CHECK(hmesh_test::same_bytes(mesh_image(image.view(), options, hmesh_test::ThreadFor{threads}), first));
 }
 template <class T, int C>
 void check_repeatable(const Image<T, C>& image, Target target, Effort effort, int sweeps = 8) {

@@ -49,22 +49,6 @@ using hmesh_test::Shape;
 
 namespace {
 
-// The pieces on real threads, each of which takes the next as it gets free.
-struct ThreadsFor {
-    unsigned threads = 2;
-    template <class Body>
-    void operator()(std::size_t n, Body&& body) const {
-        std::atomic<std::size_t> next{0};
-        const auto run = [&] {
-            for (std::size_t i = next++; i < n; i = next++) body(i);
-        };
-        std::vector<std::thread> pool;
-        for (unsigned k = 1; k < threads; ++k) pool.emplace_back(run);
-        run();
-        for (std::thread& thread : pool) thread.join();
-    }
-};
-
 Monitor silent() { return Monitor({}, 1, 255); }
 
 // --- work ---
@@ -368,8 +352,8 @@ TEST_CASE("the mesh is the same to the last byte on executors of any order and o
     };
     prove_same(history(image, start, count, hmesh_test::ReverseFor{}));
     prove_same(history(image, start, count, hmesh_test::ShuffledFor{3}));
-    prove_same(history(image, start, count, ThreadsFor{2}));
-    prove_same(history(image, start, count, ThreadsFor{7}));
+    prove_same(history(image, start, count, hmesh_test::ThreadFor{2}));
+    prove_same(history(image, start, count, hmesh_test::ThreadFor{7}));
     for (std::size_t k = 1; k < count; ++k) CHECK_FALSE(same_bytes(expected[k], expected[k - 1]));
 }
 
@@ -528,8 +512,8 @@ TEST_CASE("work that is cancelled at any call leaves a mesh, on any executor, th
     const WholeMesh<1> start = make_whole(image, Shape::worn, 130, 13);
     cancel(image, start, 5, SerialFor{});
     cancel(image, start, 11, hmesh_test::ReverseFor{});
-    cancel(image, start, 23, ThreadsFor{2});
-    cancel(image, start, 23, ThreadsFor{7});
+    cancel(image, start, 23, hmesh_test::ThreadFor{2});
+    cancel(image, start, 23, hmesh_test::ThreadFor{7});
 }
 
 TEST_CASE("a phase that is cancelled at once changes nothing, and a look at all patches goes on after the end") {

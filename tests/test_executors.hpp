@@ -1,9 +1,11 @@
-// hmesh tests - executors that run the pieces of a stage in unusual orders.
+// hmesh tests - executors that run the pieces of a stage in unusual orders and on threads.
 #ifndef HMESH_TESTS_TEST_EXECUTORS_HPP
 #define HMESH_TESTS_TEST_EXECUTORS_HPP
 
+#include <atomic>
 #include <cstddef>
 #include <cstdint>
+#include <thread>
 #include <utility>
 #include <vector>
 
@@ -27,6 +29,22 @@ struct ShuffledFor {
         for (std::size_t i = 0; i < n; ++i) order[i] = i;
         for (std::size_t i = n; i > 1; --i) std::swap(order[i - 1], order[random.below(i)]);
         for (const std::size_t i : order) body(i);
+    }
+};
+
+// Real threads that take the next piece as they get free.
+struct ThreadFor {
+    unsigned threads = 2;
+    template <class Body>
+    void operator()(std::size_t n, Body&& body) const {
+        std::atomic<std::size_t> next{0};
+        const auto work = [&] {
+            for (std::size_t i; (i = next.fetch_add(1)) < n;) body(i);
+        };
+        std::vector<std::thread> others;
+        for (unsigned k = 1; k < threads; ++k) others.emplace_back(work);
+        work();
+        for (std::thread& thread : others) thread.join();
     }
 };
 
