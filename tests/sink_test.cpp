@@ -3,8 +3,10 @@
 #include <doctest/doctest.h>
 
 #include <algorithm>
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <cstdlib>
 #include <limits>
 #include <string>
 #include <vector>
@@ -40,6 +42,14 @@ std::string printed(std::int64_t value) {
     return {sink.taken.begin(), sink.taken.end()};
 }
 
+std::string printed(double value, int places) {
+    LimitedSink sink;
+    hmesh::detail::Writer writer(sink);
+    writer.fixed(value, places);
+    CHECK(writer.finish());
+    return {sink.taken.begin(), sink.taken.end()};
+}
+
 }  // namespace
 
 TEST_CASE("binary numbers are little-endian") {
@@ -62,6 +72,26 @@ TEST_CASE("decimal prints every integer of 64 bits") {
     CHECK(printed(-90210) == "-90210");
     CHECK(printed(std::numeric_limits<std::int64_t>::max()) == "9223372036854775807");
     CHECK(printed(std::numeric_limits<std::int64_t>::min()) == "-9223372036854775808");
+}
+
+TEST_CASE("fixed rounds to the places asked for and leaves out zeros at the end") {
+    CHECK(printed(0.0, 3) == "0");
+    CHECK(printed(-0.0, 3) == "0");
+    CHECK(printed(1.5, 0) == "2");
+    CHECK(printed(0.25, 6) == "0.25");
+    CHECK(printed(-0.0625, 3) == "-0.063");
+    CHECK(printed(-0.0004, 3) == "0");
+    CHECK(printed(1.0000001, 6) == "1");
+    CHECK(printed(0.000001, 6) == "0.000001");
+    CHECK(printed(65535.99609375, 8) == "65535.99609375");
+    CHECK(printed(9.999, 2) == "10");
+    CHECK(printed(1e300, 2) == "90071992547409.92");
+    // What strtod reads back is off by at most half a unit of the last place.
+    for (int i = 0; i < 20000; ++i) {
+        const double value = (i - 10000) * 0.7310585786;
+        const double read = std::strtod(printed(value, 6).c_str(), nullptr);
+        CHECK(std::abs(read - value) <= 0.5e-6 + 1e-12);
+    }
 }
 
 TEST_CASE("bytes arrive whole and in order, however they are cut into writes") {

@@ -11,6 +11,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
@@ -62,6 +63,24 @@ class Writer {
         } while (rest != 0);
         if (value < 0) digits[--at] = '-';
         bytes(digits.data() + at, digits.size() - at);
+    }
+    // A finite number with at most `places` <= 9 digits after the point, rounded, without zeros at the end; its magnitude
+    // is below 2^53 / 10^places, beyond which it is held to that.
+    void fixed(double value, int places) {
+        std::int64_t power = 1;
+        for (int i = 0; i < places; ++i) power *= 10;
+        const double scaled = std::floor(std::abs(value) * static_cast<double>(power) + 0.5);
+        std::int64_t rest = static_cast<std::int64_t>(std::min(scaled, 9007199254740992.0));
+        if (value < 0 && rest != 0) bytes("-", 1);
+        decimal(rest / power);
+        rest %= power;
+        std::array<char, 10> digits{'.'};
+        std::size_t used = rest != 0 ? 1 : 0;
+        for (; rest != 0; rest %= power) {
+            power /= 10;
+            digits[used++] = static_cast<char>('0' + rest / power);
+        }
+        bytes(digits.data(), used);
     }
 
     // Hands over what is left, and says whether the sink took everything; `got` is the number of bytes that it took.
