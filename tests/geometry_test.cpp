@@ -42,6 +42,28 @@ bool columns_agree(GridPoint a, GridPoint b, std::int64_t j) {
     return edge.column(static_cast<int>(j)) == exact_column(a, b, j);
 }
 
+// 128 bits, which the library does without.
+__extension__ using Wide = __int128;
+
+int sign(Wide x) { return x > 0 ? 1 : x < 0 ? -1 : 0; }
+
+// The determinant as it is written in books: rows x, y, x^2 + y^2 of the differences to d.
+int exact_in_circle(GridPoint a, GridPoint b, GridPoint c, GridPoint d) {
+    Wide m[3][3];
+    const GridPoint from[3] = {a, b, c};
+    for (int k = 0; k < 3; ++k) {
+        m[k][0] = from[k].x - d.x;
+        m[k][1] = from[k].y - d.y;
+        m[k][2] = m[k][0] * m[k][0] + m[k][1] * m[k][1];
+    }
+    return sign(m[0][0] * (m[1][1] * m[2][2] - m[1][2] * m[2][1]) - m[0][1] * (m[1][0] * m[2][2] - m[1][2] * m[2][0]) +
+                m[0][2] * (m[1][0] * m[2][1] - m[1][1] * m[2][0]));
+}
+
+bool circle_differs(GridPoint a, GridPoint b, GridPoint c, GridPoint d) {
+    return hmesh::in_circle(a.point(), b.point(), c.point(), d.point()) != exact_in_circle(a, b, c, d);
+}
+
 std::int64_t below(Random& random, std::int64_t n) {
     return static_cast<std::int64_t>(random.below(static_cast<std::size_t>(n)));
 }
@@ -217,37 +239,95 @@ TEST_CASE(
     CHECK(wrong == 0);
 }
 
-TEST_CASE("in_circle is exact for whole pixels within 4096 px, positive inside, zero on the circle, negative outside") {
-    CHECK(hmesh::in_circle({0, 0}, {2, 0}, {2, 2}, {1, 1}) > 0);
+TEST_CASE("in_circle is 1 inside, 0 on the circle, -1 outside") {
+    CHECK(hmesh::in_circle({0, 0}, {2, 0}, {2, 2}, {1, 1}) == 1);
     CHECK(hmesh::in_circle({0, 0}, {2, 0}, {2, 2}, {0, 2}) == 0);
-    CHECK(hmesh::in_circle({0, 0}, {2, 0}, {2, 2}, {0, 3}) < 0);
+    CHECK(hmesh::in_circle({0, 0}, {2, 0}, {2, 2}, {0, 3}) == -1);
+    CHECK(hmesh::in_circle({0, 0}, {65536, 0}, {65536, 65536}, {0, 65536}) == 0);
+    CHECK(hmesh::in_circle({0, 0}, {65536, 0}, {65536, 65536}, {1.0 / 256, 65536}) == 1);
+    CHECK(hmesh::in_circle({0, 0}, {65536, 0}, {65536, 65536}, {0, 65536 - 1.0 / 256}) == 1);
+    CHECK(hmesh::in_circle({0, 0}, {65536, 0}, {65536, 65536 - 1.0 / 256}, {0, 65536}) == -1);
+}
+
+TEST_CASE("in_circle is exact for random points of the 1/256 px grid, up to 65536 px apart") {
     Random random(7);
-    int wrong = 0;
+    int wrong = 0, found[3] = {};
+    for (int i = 0; i < 200000; ++i) {
+        const std::int64_t side = (std::int64_t{1} << random.below(25)) + 1, room = (1 << 24) + 2 - side;
+        const std::int64_t left = below(random, room), top = below(random, room);
+        const std::int64_t step = i % 2 == 0 ? 1 : std::max<std::int64_t>(1, side / 8);  // coarse: many on a circle
+        GridPoint p[4];
+        for (GridPoint& q : p)
+            q = {left + below(random, side) / step * step, top + below(random, side) / step * step};
+        const int exact = exact_in_circle(p[0], p[1], p[2], p[3]);
+        ++found[exact + 1];
+        wrong += circle_differs(p[0], p[1], p[2], p[3]);
+    }
+    CHECK(wrong == 0);
+    for (const int count : found) CHECK(count > 20000);
+}
+
+TEST_CASE("in_circle is exact for points on a circle of the 1/256 px grid, and for points one step away from it") {
+    Random random(8);
+    int wrong = 0, found[3] = {};
     for (int i = 0; i < 100000; ++i) {
-        const std::int64_t side = i % 2 == 0 ? 4097 : 9, left = below(random, 60000), top = below(random, 60000);
-        std::int64_t x[4], y[4];
-        Point p[4];
-        for (int k = 0; k < 4; ++k) {
-            x[k] = left + below(random, side);
-            y[k] = top + below(random, side);
-            p[k] = {static_cast<double>(x[k]), static_cast<double>(y[k])};
+        // (u^2 - v^2, 2 u v) has the radius u^2 + v^2; so have its mirror images, and those of other (u, v) once each
+        // is scaled by the other's radius.
+        const std::int64_t largest = std::int64_t{1} << random.below(6);
+        std::int64_t x[2], y[2], radius[2];
+        for (int k = 0; k < 2; ++k) {
+            const std::int64_t u = 1 + below(random, largest), v = below(random, u + 1);
+            x[k] = u * u - v * v, y[k] = 2 * u * v, radius[k] = u * u + v * v;
         }
-        std::int64_t dx[3], dy[3], square[3];
-        for (int k = 0; k < 3; ++k) {
-            dx[k] = x[k] - x[3];
-            dy[k] = y[k] - y[3];
-            square[k] = dx[k] * dx[k] + dy[k] * dy[k];
+        const std::int64_t full = radius[0] * radius[1];
+        std::int64_t scale = std::max<std::int64_t>(1, (std::int64_t{1} << (3 + random.below(21))) / full);
+        if (full * scale > (1 << 23)) continue;
+        GridPoint p[4];
+        const std::int64_t room = (1 << 24) + 1 - 2 * full * scale;
+        const std::int64_t cx = full * scale + below(random, room), cy = full * scale + below(random, room);
+        for (GridPoint& q : p) {
+            const std::size_t k = random.below(2);
+            q = {x[k] * radius[1 - k] * scale, y[k] * radius[1 - k] * scale};
+            if (random.below(2) == 0) std::swap(q.x, q.y);
+            if (random.below(2) == 0) q.x = -q.x;
+            if (random.below(2) == 0) q.y = -q.y;
+            q.x += cx, q.y += cy;
         }
-        const std::int64_t exact = square[0] * (dx[1] * dy[2] - dx[2] * dy[1]) -
-                                   square[1] * (dx[0] * dy[2] - dx[2] * dy[0]) +
-                                   square[2] * (dx[0] * dy[1] - dx[1] * dy[0]);
-        wrong += hmesh::in_circle(p[0], p[1], p[2], p[3]) != static_cast<double>(exact);
+        REQUIRE(exact_in_circle(p[0], p[1], p[2], p[3]) == 0);
+        wrong += circle_differs(p[0], p[1], p[2], p[3]);
+        const std::int64_t most = 1 << 24;
+        GridPoint& moved = p[random.below(4)];
+        moved.x = std::min(most, std::max<std::int64_t>(0, moved.x + below(random, 3) - 1));
+        moved.y = std::min(most, std::max<std::int64_t>(0, moved.y + below(random, 3) - 1));
+        ++found[exact_in_circle(p[0], p[1], p[2], p[3]) + 1];
+        wrong += circle_differs(p[0], p[1], p[2], p[3]);
+    }
+    CHECK(wrong == 0);
+    for (const int count : found) CHECK(count > 10000);
+}
+
+TEST_CASE("the sign of a sum of three products is exact up to 2^50, where the sum is 0 or 1 as well") {
+    Random random(9);
+    const auto draw = [&](int bits) {
+        const std::uint64_t word = (std::uint64_t{random.next()} << 32U) | random.next();
+        const auto magnitude = static_cast<std::int64_t>(word >> static_cast<unsigned>(64 - bits));
+        return random.below(2) == 0 ? magnitude : -magnitude;
+    };
+    int wrong = 0;
+    for (int i = 0; i < 200000; ++i) {
+        const int bits = 1 + static_cast<int>(random.below(50));
+        std::int64_t a[3] = {draw(bits), draw(bits), draw(bits)}, b[3] = {draw(bits), draw(bits), draw(bits)};
+        if (i % 3 == 1) a[1] = -b[0], b[1] = a[0], a[2] = random.below(3) == 0 ? 0 : 1, b[2] = draw(1);
+        if (i % 3 == 2) a[2] = a[1] = a[0], b[2] = -(b[0] / 2), b[0] /= 2, b[1] = below(random, 3) - 1;
+        Wide sum = 0;
+        for (int k = 0; k < 3; ++k) sum += static_cast<Wide>(a[k]) * b[k];
+        wrong += hmesh::detail::sign_of_products(a, b) != sign(sum);
     }
     CHECK(wrong == 0);
 }
 
 TEST_CASE("barycentric coordinates sum to 1, make their point, and are 1, 0, 0 in a corner") {
-    Random random(8);
+    Random random(10);
     for (int i = 0; i < 2000; ++i) {
         const auto draw = [&] { return Point{random.uniform() * 100, random.uniform() * 100}; };
         const Point a = draw(), b = draw(), c = draw(), p = draw();
