@@ -1,0 +1,222 @@
+// hmesh - Delaunay: a Delaunay triangulation of a rectangle, in which points come and go.
+//
+// Insertion walks to the face that holds the point, splits it and flips edges until all are locally Delaunay again (C.
+// Lawson, "Software for C1 surface interpolation", 1977). The visibility walk, which crosses any edge that separates it
+// from its goal, ends in every Delaunay triangulation (O. Devillers, S. Pion and M. Teillaud, "Walking in a
+// triangulation", 2002): at each crossing the goal's power with respect to the face's circle falls, and where it stays,
+// among faces with one circle, their neighbourhood is a tree. Removal fills the hole by ears (hole_filler.hpp). All
+// decisions are exact for points of the 1/256 px grid, so nothing is degenerate: points in line, on the border or on one
+// circle are as good as any. Which of several Delaunay triangulations it is follows from the order of the calls alone.
+//
+// Cost: @@
+#ifndef HMESH_MESH_DELAUNAY_HPP
+#define HMESH_MESH_DELAUNAY_HPP
+
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include "hmesh/core/assert.hpp"
+#include "hmesh/core/status.hpp"
+#include "hmesh/mesh/geometry.hpp"
+#include "hmesh/mesh/halfedge_mesh.hpp"
+#include "hmesh/mesh/handles.hpp"
+#include "hmesh/mesh/hole_filler.hpp"
+#include "hmesh/mesh/spatial_order.hpp"
+
+namespace hmesh {
+
+class Delaunay {
+  public:
+    // The rectangle [0, width] x [0, height], sides from 1 to 2^16: vertices 0 to 3 are its corners (0, 0), (width, 0),
+    // (width, height), (0, height). They stay for good.
+    Delaunay(int width, int height);
+
+    [[nodiscard]] int width() const noexcept { return width_; }
+    [[nodiscard]] int height() const noexcept { return height_; }
+    [[nodiscard]] const HalfedgeMesh& topology() const noexcept { return topology_; }
+    [[nodiscard]] Point position(Vertex v) const noexcept { return positions_[v.index()]; }
+    // By vertex slot; what a deleted slot holds means nothing.
+    [[nodiscard]] const std::vector<Point>& positions() const noexcept { return positions_; }
+    [[nodiscard]] static bool is_corner(Vertex v) noexcept { return v.index() < 4; }
+
+    // Memory for so many vertices.
+    void reserve(std::size_t vertices) {
+        topology_.reserve(vertices);
+        positions_.reserve(vertices);
+    }
+
+    // A half-edge of a face that holds p, a point of the closed rectangle: if p is a vertex, the half-edge leaves it; if p
+    // is on an edge, it is that edge's. Walks from the place of the last insertion or removal.
+    [[nodiscard]] Halfedge locate(Point p) const noexcept;
+
+    // The vertex at p, a point of the 1/256 px grid in the closed rectangle: the one that is there, or a new one.
+    Vertex insert(Point p);
+
+    // Removes v, which is no corner.
+    void remove(Vertex v);
+
+    // Proves that the faces tile the rectangle, are positively oriented and that every edge is locally Delaunay, which
+    // makes all circumcircles empty. O(n).
+    [[nodiscard]] Status check() const;
+
+  private:
+    // Twice the area to the left of h, positive for p on the side of h's face.
+    [[nodiscard]] double side(Halfedge h, Point p) const noexcept {
+        return cross(position(topology_.from_vertex(h)), position(topology_.to_vertex(h)), p);
+    }
+    [[nodiscard]] Vertex apex(Halfedge h) const noexcept { return topology_.to_vertex(topology_.next(h)); }
+    // Flips edges around v, a new vertex, until its faces' circles are empty.
+    void legalise(Vertex v);
+    [[nodiscard]] Status check_border() const;
+
+    int width_, height_;
+    HalfedgeMesh topology_;
+    std::vector<Point> positions_;
+    Vertex last_{0};  // where walks begin
+    std::vector<Halfedge> stack_, spokes_;
+    HoleFiller filler_;
+};
+
+// The Delaunay triangulation of the rectangle's corners and `points`, of the 1/256 px grid in [0, width] x [0, height].
+// Vertices 0 to 3 are the corners; the points follow in spatial order, so neighbours are near each other in memory too,
+// and a point that repeats an earlier one or a corner makes no vertex.
+[[nodiscard]] inline Delaunay triangulate(int width, int height, const std::vector<Point>& points) {
+    std::vector<std::uint32_t> indices(points.size());
+    for (std::size_t k = 0; k < indices.size(); ++k) indices[k] = static_cast<std::uint32_t>(k);
+    Delaunay mesh(width, height);
+    mesh.reserve(points.size() + 4);
+    for (const std::uint32_t k :
+         in_spatial_order<std::uint32_t>(indices, indices.size(), [&](std::uint32_t i) { return points[i]; }))
+        mesh.insert(points[k]);
+    return mesh;
+}
+
+inline Delaunay::Delaunay(int width, int height) : width_(width), height_(height) {
+    HMESH_ASSERT(width >= 1 && width <= 65536 && height >= 1 && height <= 65536);
+    const double w = width, h = height;
+    positions_ = {{0, 0}, {w, 0}, {w, h}, {0, h}};
+    const Status status = topology_.assign(4, {{0, 1, 2}, {0, 2, 3}});
+    HMESH_ASSERT(status);
+    static_cast<void>(status);
+}
+
+inline Halfedge Delaunay::locate(Point p) const noexcept {
+    Halfedge h = topology_.halfedge(last_);
+    if (topology_.is_boundary(h) || side(h, p) < 0) h = HalfedgeMesh::opposite(h);
+    // p is never on the far side of h, so an edge of the border, with p beyond it, is never crossed.
+    for (;;) {
+        const Halfedge second = topology_.next(h), third = topology_.next(second);
+        const double beside_second = side(second, p);
+        if (beside_second < 0) {
+            h = HalfedgeMesh::opposite(second);
+            continue;
+        }
+        const double beside_third = side(third, p);
+        if (beside_third < 0) {
+            h = HalfedgeMesh::opposite(third);
+            continue;
+        }
+        // In a corner two sides are zero, and the one that leaves it follows the other.
+        const bool on_first = side(h, p) == 0;
+        if (beside_third == 0) return on_first ? h : third;
+        return beside_second == 0 ? second : h;
+    }
+}
+
+inline Vertex Delaunay::insert(Point p) {
+    HMESH_ASSERT(p.x >= 0 && p.x <= width_ && p.y >= 0 && p.y <= height_ && snap(p) == p);
+    const Halfedge h = locate(p);
+    last_ = topology_.from_vertex(h);
+    if (position(last_) == p) return last_;
+    last_ = side(h, p) == 0 ? topology_.split(HalfedgeMesh::edge(h)) : topology_.split(topology_.face(h));
+    if (last_.index() == positions_.size()) positions_.push_back(p);
+    else positions_[last_.index()] = p;
+    legalise(last_);
+    return last_;
+}
+
+inline void Delaunay::legalise(Vertex v) {
+    const Point p = position(v);
+    stack_.clear();  // edges across from v, in faces of v
+    for (const Halfedge h : topology_.outgoing(v))
+        if (!topology_.is_boundary(h)) stack_.push_back(topology_.next(h));
+    while (!stack_.empty()) {
+        const Halfedge h = stack_.back(), o = HalfedgeMesh::opposite(h);
+        stack_.pop_back();
+        if (topology_.is_boundary(o)) continue;
+        const Halfedge left = topology_.next(o), right = topology_.next(left);
+        const Point a = position(topology_.to_vertex(o)), b = position(topology_.to_vertex(h));
+        if (in_circle(a, b, p, position(topology_.to_vertex(left))) <= 0) continue;
+        topology_.flip(HalfedgeMesh::edge(h));
+        stack_.push_back(left);
+        stack_.push_back(right);
+    }
+}
+
+inline void Delaunay::remove(Vertex v) {
+    HMESH_ASSERT(!is_corner(v) && !topology_.is_deleted(v));
+    spokes_.clear();
+    for (const Halfedge h : topology_.outgoing(v)) spokes_.push_back(h);
+    const auto spoke = [this](int k) { return spokes_[static_cast<std::size_t>(k)]; };
+    const std::vector<Ear>& ears = filler_.fill(
+        static_cast<int>(spokes_.size()), [&](int k) { return position(topology_.to_vertex(spoke(k))); },
+        topology_.is_boundary(v));
+    // Between two flips a face of v may have no area, or a negative one: only the end counts.
+    for (std::size_t k = 0; k + 1 < ears.size(); ++k) topology_.flip(HalfedgeMesh::edge(spoke(ears[k].tip)));
+    // The first neighbour that is left: around a border vertex its half-edge is the boundary's.
+    const Halfedge last = spoke(ears.back().before);
+    last_ = topology_.to_vertex(last);
+    topology_.collapse(last);
+}
+
+inline Status Delaunay::check_border() const {
+    const auto fail = [](const char* what, Vertex v) -> Status {
+        return {Errc::invalid_argument, what, static_cast<std::int64_t>(v.index()), 0};
+    };
+    const double w = width_, h = height_;
+    const Point corners[4] = {{0, 0}, {w, 0}, {w, h}, {0, h}};
+    for (std::size_t k = 0; k < 4; ++k)
+        if (topology_.is_deleted(Vertex(k)) || position(Vertex(k)) != corners[k])
+            return fail("a corner of the rectangle is not where it was", Vertex(k));
+    double length = 0;
+    for (const Vertex v : topology_.vertices()) {
+        if (!topology_.is_boundary(v)) continue;
+        // Against the faces: left along y = 0, down along x = 0, right along y = h and up along x = w.
+        const Point a = position(v), b = position(topology_.to_vertex(topology_.halfedge(v)));
+        const double dx = b.x - a.x, dy = b.y - a.y;
+        const bool level = dy == 0 && ((a.y == 0 && dx < 0) || (a.y == h && dx > 0));
+        const bool upright = dx == 0 && ((a.x == 0 && dy > 0) || (a.x == w && dy < 0));
+        if (!level && !upright) return fail("a boundary edge does not run along a side of the rectangle, from vertex", v);
+        length += std::abs(dx) + std::abs(dy);
+    }
+    if (length != 2 * (w + h)) return fail("the boundary does not run around the rectangle once", Vertex(0));
+    return {};
+}
+
+inline Status Delaunay::check() const {
+    if (const Status status = topology_.check(); !status) return status;
+    if (positions_.size() != topology_.vertex_slots())
+        return {Errc::invalid_argument, "there are not as many positions as vertices",
+                static_cast<std::int64_t>(positions_.size()), static_cast<std::int64_t>(topology_.vertex_slots())};
+    // Faces that all turn the same way, with a boundary that runs around the rectangle once, cover each point once.
+    if (const Status status = check_border(); !status) return status;
+    for (const Face f : topology_.faces()) {
+        const auto v = topology_.vertices(f);
+        if (!(cross(position(v[0]), position(v[1]), position(v[2])) > 0))
+            return {Errc::invalid_argument, "a face is not positively oriented", static_cast<std::int64_t>(f.index()), 0};
+    }
+    for (const Edge e : topology_.edges()) {
+        if (topology_.is_boundary(e)) continue;
+        const Halfedge h = HalfedgeMesh::halfedge(e), o = HalfedgeMesh::opposite(h);
+        const Point a = position(topology_.to_vertex(o)), b = position(topology_.to_vertex(h));
+        if (in_circle(a, b, position(apex(h)), position(apex(o))) > 0)
+            return {Errc::invalid_argument, "an edge is not locally Delaunay", static_cast<std::int64_t>(e.index()), 0};
+    }
+    return {};
+}
+
+}  // namespace hmesh
+
+#endif  // HMESH_MESH_DELAUNAY_HPP
