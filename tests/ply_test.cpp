@@ -7,60 +7,24 @@
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
-#include <limits>
 #include <sstream>
 #include <string>
 #include <vector>
 
+#include "test_exports.hpp"
+
 namespace {
 
-using Bytes = std::vector<unsigned char>;
+using hmesh_test::Bytes;
+using hmesh_test::two_faces;
 
-struct VectorSink {
-    Bytes* bytes;
-    bool operator()(const void* from, std::size_t size) const {
-        const auto* at = static_cast<const unsigned char*>(from);
-        bytes->insert(bytes->end(), at, at + size);
-        return true;
-    }
-};
+const auto write = [](const hmesh::MeshView& mesh, auto&& sink) { return hmesh::write_ply(mesh, sink); };
 
 template <int C>
-Bytes written(const hmesh::Mesh<C>& mesh) {
-    Bytes bytes;
-    REQUIRE(hmesh::write_ply(mesh.view(), VectorSink{&bytes}));
-    return bytes;
-}
-
-// The rectangle [0, 3] x [0, 2] cut from its upper left to its lower right corner.
-template <int C>
-hmesh::Mesh<C> two_faces() {
-    hmesh::Mesh<C> mesh;
-    mesh.width = 3, mesh.height = 2, mesh.peak = 255;
-    mesh.positions = {0, 0, 3, 0, 3, 2, 0, 2};
-    mesh.faces = {{0, 1, 2}, {0, 2, 3}};
-    for (int v = 0; v < 4; ++v)
-        for (int k = 0; k < C; ++k) mesh.colors.push_back(static_cast<float>(10 * v + k));
-    return mesh;
-}
-
-// A regular grid of n x n squares of two faces each.
-hmesh::Mesh<3> grid(int n) {
-    hmesh::Mesh<3> mesh;
-    mesh.width = mesh.height = n, mesh.peak = 1;
-    for (int y = 0; y <= n; ++y)
-        for (int x = 0; x <= n; ++x) {
-            mesh.positions.insert(mesh.positions.end(), {static_cast<float>(x), static_cast<float>(y)});
-            mesh.colors.insert(mesh.colors.end(), {static_cast<float>(x) / static_cast<float>(n), 0.5F, 1});
-        }
-    for (int y = 0; y < n; ++y)
-        for (int x = 0; x < n; ++x) {
-            const auto a = static_cast<std::uint32_t>(y * (n + 1) + x), b = a + 1,
-                       c = a + static_cast<std::uint32_t>(n) + 1, d = c + 1;
-            mesh.faces.push_back({a, b, d});
-            mesh.faces.push_back({a, d, c});
-        }
-    return mesh;
+Bytes written(const hmesh::Mesh<C>& mesh, const hmesh::PlyOptions& options = {}) {
+    return hmesh_test::exported(mesh.view(), [&](const hmesh::MeshView& view, auto&& sink) {
+        return hmesh::write_ply(view, sink, options);
+    });
 }
 
 struct PlyFile {
@@ -106,14 +70,6 @@ PlyFile read_ply(const Bytes& bytes) {
     }
     REQUIRE(in.peek() == std::istringstream::traits_type::eof());
     return file;
-}
-
-void check_refused(const hmesh::MeshView& mesh, hmesh::Errc code) {
-    Bytes bytes;
-    const hmesh::Status status = hmesh::write_ply(mesh, VectorSink{&bytes});
-    CHECK(status.code == code);
-    CHECK(std::strlen(status.what) > 0);
-    CHECK(bytes.empty());
 }
 
 }  // namespace
@@ -163,7 +119,7 @@ TEST_CASE("1, 3 and 4 channels are written under the names that viewers know") {
 }
 
 TEST_CASE("what is read back is the mesh with y up and faces counter-clockwise") {
-    const hmesh::Mesh<3> mesh = grid(20);  // more than one buffer of the writer
+    const hmesh::Mesh<3> mesh = hmesh_test::square_grid(20, 20);  // more than one buffer of the writer
     const PlyFile file = read_ply(written(mesh));
     REQUIRE(file.positions.size() == mesh.vertex_count());
     REQUIRE(file.faces.size() == mesh.face_count());
@@ -182,55 +138,98 @@ TEST_CASE("what is read back is the mesh with y up and faces counter-clockwise")
     }
 }
 
-TEST_CASE("a sink that refuses after k bytes gets no more and is reported, for all k") {
-    const hmesh::Mesh<3> mesh = grid(16);
-    const std::size_t size = written(mesh).size();
-    REQUIRE(size > 8192);
-    for (std::size_t k = 0; k <= size; ++k) {
-        std::size_t taken = 0;
-        int refusals = 0;
-        const hmesh::Status status = hmesh::write_ply(mesh.view(), [&](const void*, std::size_t bytes) {
-            const bool fits = taken + bytes <= k;
-            if (fits) taken += bytes;
-            else ++refusals;
-            return fits;
+TEST_CASE("with ascii, the same numbers are written as text") {
+    hmesh::Mesh<4> mesh = two_faces<4>();
+    mesh.positions = {0, 0, 3, 0, 2.99609375F, 2, 0.1F, 1.5F};
+    hmesh::PlyOptions options;
+    options.ascii = true;
+    const std::string header =
+        "ply\n"
+        "format ascii 1.0\n"
+        "comment made by hmesh " HMESH_VERSION_STRING "\n"
+        "element vertex 4\n"
+        "property float x\n"
+        "property float y\n"
+        "property float z\n";
+    const std::string faces =
+        "element face 2\n"
+        "property list uchar int vertex_indices\n"
+        "end_header\n";
+    CHECK(hmesh_test::as_text(written(mesh, options)) == header +
+          "property uchar red\nproperty uchar green\nproperty uchar blue\nproperty uchar alpha\n" + faces +
+          "0 2 0 0 1 2 3\n"
+          "3 2 0 10 11 12 13\n"
+          "2.99609375 0 0 20 21 22 23\n"
+          "0.100000001 0.5 0 30 31 32 33\n"
+          "3 0 2 1\n"
+          "3 0 3 2\n");
+    options.float_colors = true;
+    hmesh::Mesh<1> grey = two_faces<1>();
+    grey.colors = {0, 255, -51, 510};
+    CHECK(hmesh_test::as_text(written(grey, options)) == header + "property float intensity\n" + faces +
+          "0 2 0 0\n"
+          "3 2 0 1\n"
+          "3 0 0 -0.200000003\n"
+          "0 0 0 2\n"
+          "3 0 2 1\n"
+          "3 0 3 2\n");
+}
+
+TEST_CASE("with float_colors, shares of the peak are written as they are, below 0 and above 1 too") {
+    hmesh::Mesh<3> mesh = two_faces<3>();
+    mesh.peak = 2;
+    mesh.colors = {0, 1, 2, -1, 3, 0.1F, 0, 0, 0, 0, 0, 0};
+    hmesh::PlyOptions options;
+    options.float_colors = true;
+    const Bytes bytes = written(mesh, options);
+    const std::string text = hmesh_test::as_text(bytes);
+    CHECK(text.find("property float red\nproperty float green\nproperty float blue\nelement face") != std::string::npos);
+    const std::size_t body = text.find("end_header\n") + 11;
+    REQUIRE(bytes.size() == body + 4 * 24 + 2 * 13);
+    const auto number = [&](std::size_t vertex, std::size_t k) {  // the test runs on little-endian machines
+        float value = 0;
+        std::memcpy(&value, bytes.data() + body + 24 * vertex + 4 * k, sizeof value);
+        return value;
+    };
+    CHECK(number(0, 1) == 2);
+    CHECK(number(0, 3) == 0);
+    CHECK(number(0, 4) == 0.5F);
+    CHECK(number(0, 5) == 1);
+    CHECK(number(1, 3) == -0.5F);
+    CHECK(number(1, 4) == 1.5F);
+    CHECK(number(1, 5) == 0.05F);
+}
+
+TEST_CASE("the locale makes no difference") {
+    hmesh::Mesh<3> mesh = two_faces<3>();
+    mesh.positions[4] = 2.5F;
+    for (const bool ascii : {false, true})
+        hmesh_test::check_locale_makes_no_difference(mesh.view(), [=](const hmesh::MeshView& view, auto&& sink) {
+            return hmesh::write_ply(view, sink, {ascii, true});
         });
-        const bool all = k == size;
-        if (static_cast<bool>(status) != all || refusals != (all ? 0 : 1) || taken > k) FAIL("k = ", k);
-        if (!all && (status.code != hmesh::Errc::write_failed || status.got != static_cast<std::int64_t>(taken)))
-            FAIL("k = ", k);
-    }
+}
+
+TEST_CASE("a sink that refuses anywhere gets no more and is reported") {
+    const hmesh::Mesh<3> mesh = hmesh_test::square_grid(16, 16);
+    hmesh_test::check_refusing_sinks(mesh.view(), write);
+    hmesh_test::check_refusing_sinks(mesh.view(), [](const hmesh::MeshView& view, auto&& sink) {
+        return hmesh::write_ply(view, sink, {true, true});
+    });
 }
 
 TEST_CASE("a mesh that cannot be written gives a Status and no byte") {
-    const float nan = std::numeric_limits<float>::quiet_NaN(), infinity = std::numeric_limits<float>::infinity();
-    const hmesh::Mesh<3> good = two_faces<3>();
-    check_refused(hmesh::MeshView{}, hmesh::Errc::invalid_argument);
-    for (const float bad : {nan, infinity, -infinity}) {
-        hmesh::Mesh<3> mesh = good;
-        mesh.positions[7] = bad;
-        check_refused(mesh.view(), hmesh::Errc::not_finite);
-        mesh = good;
-        mesh.colors[11] = bad;
-        check_refused(mesh.view(), hmesh::Errc::not_finite);
-    }
-    hmesh::Mesh<3> mesh = good;
-    mesh.faces[1][2] = 4;
-    check_refused(mesh.view(), hmesh::Errc::invalid_argument);
-    mesh = good;
-    mesh.faces.clear();
-    check_refused(mesh.view(), hmesh::Errc::invalid_argument);
-    for (const double peak : {0.0, -1.0, std::numeric_limits<double>::quiet_NaN()}) {
-        mesh = good;
-        mesh.peak = peak;
-        check_refused(mesh.view(), hmesh::Errc::invalid_argument);
-    }
-    mesh = good;
-    mesh.height = 0;
-    check_refused(mesh.view(), hmesh::Errc::invalid_argument);
-    check_refused(two_faces<2>().view(), hmesh::Errc::invalid_argument);
-    check_refused(two_faces<5>().view(), hmesh::Errc::invalid_argument);
-    hmesh::MeshView huge = good.view();
+    hmesh_test::check_bad_meshes_are_refused(write);
+    hmesh_test::check_bad_meshes_are_refused([](const hmesh::MeshView& view, auto&& sink) {
+        return hmesh::write_ply(view, sink, {true, true});
+    });
+    hmesh::Mesh<3> mesh = two_faces<3>();
+    hmesh::MeshView huge = mesh.view();
     huge.vertex_count = std::size_t{1} << 31U;
-    check_refused(huge, hmesh::Errc::invalid_argument);
+    hmesh_test::check_refused(huge, hmesh::Errc::invalid_argument, write);
+    // A share that no float holds.
+    mesh.peak = 1e-40;
+    CHECK(write(mesh.view(), [](const void*, std::size_t) { return true; }));
+    hmesh_test::check_refused(mesh.view(), hmesh::Errc::not_finite, [](const hmesh::MeshView& view, auto&& sink) {
+        return hmesh::write_ply(view, sink, {false, true});
+    });
 }

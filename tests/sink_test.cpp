@@ -7,6 +7,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <cstdlib>
+#include <cstring>
 #include <limits>
 #include <string>
 #include <vector>
@@ -46,6 +47,14 @@ std::string printed(double value, int places) {
     LimitedSink sink;
     hmesh::detail::Writer writer(sink);
     writer.fixed(value, places);
+    CHECK(writer.finish());
+    return {sink.taken.begin(), sink.taken.end()};
+}
+
+std::string printed_real(double value) {
+    LimitedSink sink;
+    hmesh::detail::Writer writer(sink);
+    writer.real(value);
     CHECK(writer.finish());
     return {sink.taken.begin(), sink.taken.end()};
 }
@@ -92,6 +101,33 @@ TEST_CASE("fixed rounds to the places asked for and leaves out zeros at the end"
         const double read = std::strtod(printed(value, 6).c_str(), nullptr);
         CHECK(std::abs(read - value) <= 0.5e-6 + 1e-12);
     }
+}
+
+TEST_CASE("real writes every float so that it is read back as itself, and the 1/256 grid plainly") {
+    CHECK(printed_real(0.0) == "0");
+    CHECK(printed_real(-0.0) == "0");
+    CHECK(printed_real(12.5) == "12.5");
+    CHECK(printed_real(-0.00390625) == "-0.00390625");
+    CHECK(printed_real(65535.99609375) == "65535.99609375");
+    CHECK(printed_real(4194303.99609375) == "4194303.99609375");
+    CHECK(printed_real(4194304) == "4.194304e6");
+    CHECK(printed_real(1.0F / 3) == "0.333333343");
+    CHECK(printed_real(-0.01) == "-1e-2");
+    CHECK(printed_real(static_cast<double>(std::numeric_limits<float>::max())) == "3.40282347e38");
+    const auto is_read_back = [](float value) {
+        return std::strtof(printed_real(static_cast<double>(value)).c_str(), nullptr) == value;
+    };
+    CHECK(is_read_back(std::numeric_limits<float>::min()));
+    CHECK(is_read_back(std::numeric_limits<float>::denorm_min()));
+    // 2^32 / 429497 floats of both signs, evenly over all bit patterns.
+    std::uint32_t bits = 0;
+    for (int i = 0; i < 10000; ++i, bits += 429497) {
+        float value = 0;
+        std::memcpy(&value, &bits, sizeof value);
+        if (std::isfinite(value) && !is_read_back(value)) FAIL(value);
+    }
+    for (int k = 0; k <= 65535; k += 5)
+        if (!is_read_back(static_cast<float>(k) / 65535)) FAIL(k);
 }
 
 TEST_CASE("bytes arrive whole and in order, however they are cut into writes") {

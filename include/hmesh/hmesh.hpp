@@ -5,6 +5,8 @@
 #define HMESH_HMESH_HPP
 
 #include "hmesh/core/version.hpp"
+#include "hmesh/io/gltf.hpp"
+#include "hmesh/io/obj.hpp"
 #include "hmesh/io/ply.hpp"
 #include "hmesh/mesh/delaunay.hpp"
 #include "hmesh/mesh_image.hpp"

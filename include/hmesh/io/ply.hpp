@@ -1,72 +1,135 @@
-// hmesh - write_ply(): a mesh as a binary little-endian PLY file, which MeshLab, CloudCompare, Blender and others open.
+// hmesh - write_ply(): a mesh as a PLY file, which MeshLab, CloudCompare, Blender and others open.
 //
 // Vertices are `float x y z` in pixels with y up (y = height - y of the mesh) and z = 0, so that the picture stands
 // upright; faces are counter-clockwise, so that it is seen from the front. Colours are `uchar red green blue [alpha]`
 // for 3 or 4 channels, one `uchar intensity` for 1; 255 is the mesh's peak. PLY has no names for other numbers of
-// channels.
+// channels. The file is binary and little-endian unless it is asked to be text.
 #ifndef HMESH_IO_PLY_HPP
 #define HMESH_IO_PLY_HPP
 
-#include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <limits>
 
 #include "hmesh/core/status.hpp"
 #include "hmesh/core/version.hpp"
+#include "hmesh/io/color_shares.hpp"
 #include "hmesh/io/sink.hpp"
 #include "hmesh/mesh/mesh_view.hpp"
 
 namespace hmesh {
+
+struct PlyOptions {
+    bool ascii = false;  // numbers as text, with the digits that give the same floats: about 1.7 times the size
+    // `property float`, 1 being the peak: nothing is rounded, and values outside [0, peak] stay there, so that a program can
+    // have the very mesh back. Most viewers know `uchar` colours only: MeshLab and CloudCompare show these as none.
+    bool float_colors = false;
+};
+
 namespace detail {
 
-[[nodiscard]] inline Status check_for_ply(const MeshView& mesh) noexcept {
+[[nodiscard]] inline Status check_for_ply(const MeshView& mesh, const PlyOptions& options) noexcept {
     constexpr std::int64_t most = std::numeric_limits<std::int32_t>::max();
     for (const std::size_t count : {mesh.vertex_count, mesh.face_count})
         if (count > static_cast<std::size_t>(most))
             return {Errc::invalid_argument, "the mesh has more vertices or faces than a PLY file numbers",
                     static_cast<std::int64_t>(count), most};
-    if (mesh.channels == 2) return {Errc::invalid_argument, "a PLY file holds 1, 3 or 4 channels", 2, 0};
-    if (mesh.height < 1) return {Errc::invalid_argument, "the mesh's height must be at least 1", mesh.height, 1};
-    return check(mesh, 4);
+    if (const Status status = check_for_export(mesh); !status) return status;
+    const auto channels = static_cast<std::size_t>(mesh.channels);
+    constexpr double largest = std::numeric_limits<float>::max();
+    if (options.float_colors)
+        for (std::size_t i = 0; i < channels * mesh.vertex_count; ++i)
+            if (std::abs(static_cast<double>(mesh.colors[i]) / mesh.peak) > largest)
+                return {Errc::not_finite, "the mesh has a colour whose share of the peak no float holds, at vertex",
+                        static_cast<std::int64_t>(i / channels), 0};
+    return {};
 }
+
+template <class Sink>
+void write_ply_header(Writer<Sink>& writer, const MeshView& mesh, const PlyOptions& options) {
+    writer.text(options.ascii ? "ply\nformat ascii 1.0\n" : "ply\nformat binary_little_endian 1.0\n");
+    writer.text("comment made by hmesh " HMESH_VERSION_STRING "\nelement vertex ");
+    writer.decimal(static_cast<std::int64_t>(mesh.vertex_count));
+    writer.text("\nproperty float x\nproperty float y\nproperty float z\n");
+    constexpr std::array<const char*, 4> rgba{"red", "green", "blue", "alpha"};
+    for (std::size_t k = 0; k < static_cast<std::size_t>(mesh.channels); ++k) {
+        writer.text(options.float_colors ? "property float " : "property uchar ");
+        writer.text(mesh.channels == 1 ? "intensity" : rgba[k]);
+        writer.text("\n");
+    }
+    writer.text("element face ");
+    writer.decimal(static_cast<std::int64_t>(mesh.face_count));
+    writer.text("\nproperty list uchar int vertex_indices\nend_header\n");
+}
+
+// The numbers of a PLY file, in order: bytes, or words with spaces between.
+template <class Sink>
+class PlyNumbers {
+  public:
+    PlyNumbers(Writer<Sink>& writer, bool ascii) noexcept : writer_(&writer), ascii_(ascii) {}
+
+    void f32(float value) {
+        if (!ascii_) return writer_->f32(value);
+        separate();
+        writer_->real(static_cast<double>(value));
+    }
+    void u8(std::uint8_t value) {
+        if (!ascii_) return writer_->u8(value);
+        separate();
+        writer_->decimal(value);
+    }
+    void u32(std::uint32_t value) {
+        if (!ascii_) return writer_->u32(value);
+        separate();
+        writer_->decimal(value);
+    }
+    void end_line() {
+        if (ascii_) writer_->text("\n");
+        line_begins_ = true;
+    }
+
+  private:
+    void separate() {
+        if (!line_begins_) writer_->text(" ");
+        line_begins_ = false;
+    }
+
+    Writer<Sink>* writer_;
+    bool ascii_;
+    bool line_begins_ = true;
+};
 
 }  // namespace detail
 
 // Writes the mesh to the sink (see sink.hpp). A mesh that cannot be written gives a Status and no byte.
 template <class Sink>
-Status write_ply(const MeshView& mesh, Sink&& sink) {
-    if (const Status status = detail::check_for_ply(mesh); !status) return status;
+Status write_ply(const MeshView& mesh, Sink&& sink, const PlyOptions& options = {}) {
+    if (const Status status = detail::check_for_ply(mesh, options); !status) return status;
     detail::Writer writer(sink);
-    writer.text("ply\nformat binary_little_endian 1.0\ncomment made by hmesh " HMESH_VERSION_STRING
-                "\nelement vertex ");
-    writer.decimal(static_cast<std::int64_t>(mesh.vertex_count));
-    writer.text("\nproperty float x\nproperty float y\nproperty float z\n");
-    if (mesh.channels == 1) writer.text("property uchar intensity\n");
-    else writer.text("property uchar red\nproperty uchar green\nproperty uchar blue\n");
-    if (mesh.channels == 4) writer.text("property uchar alpha\n");
-    writer.text("element face ");
-    writer.decimal(static_cast<std::int64_t>(mesh.face_count));
-    writer.text("\nproperty list uchar int vertex_indices\nend_header\n");
-
+    detail::write_ply_header(writer, mesh, options);
+    detail::PlyNumbers numbers(writer, options.ascii);
     const auto channels = static_cast<std::size_t>(mesh.channels);
     for (std::size_t v = 0; v < mesh.vertex_count; ++v) {
-        writer.f32(mesh.positions[2 * v]);
-        writer.f32(static_cast<float>(mesh.height - static_cast<double>(mesh.positions[2 * v + 1])));
-        writer.f32(0);
+        numbers.f32(mesh.positions[2 * v]);
+        numbers.f32(static_cast<float>(mesh.height - static_cast<double>(mesh.positions[2 * v + 1])));
+        numbers.f32(0);
         for (std::size_t k = 0; k < channels; ++k) {
-            const double share = static_cast<double>(mesh.colors[channels * v + k]) / mesh.peak;
-            writer.u8(static_cast<std::uint8_t>(std::max(0.0, std::min(1.0, share)) * 255 + 0.5));
+            const float value = mesh.colors[channels * v + k];
+            if (options.float_colors) numbers.f32(static_cast<float>(static_cast<double>(value) / mesh.peak));
+            else numbers.u8(detail::to_u8(detail::share_of_peak(value, mesh.peak)));
         }
+        numbers.end_line();
     }
     for (std::size_t f = 0; f < mesh.face_count; ++f) {
         // Clockwise on the screen with y down stays clockwise there with y up: two corners change places.
         const std::array<std::uint32_t, 3>& face = mesh.faces[f];
-        writer.u8(3);
-        writer.u32(face[0]);
-        writer.u32(face[2]);
-        writer.u32(face[1]);
+        numbers.u8(3);
+        numbers.u32(face[0]);
+        numbers.u32(face[2]);
+        numbers.u32(face[1]);
+        numbers.end_line();
     }
     return writer.finish();
 }

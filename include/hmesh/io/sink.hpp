@@ -82,6 +82,20 @@ class Writer {
         }
         bytes(digits.data(), used);
     }
+    // A finite number with nine significant digits or more, so that a float is read back as itself. Multiples of 1/256 up to
+    // 2^22, as vertex positions are, and numbers in [0.1, 2^22) are written plainly and the others with an exponent.
+    void real(double value) {
+        const double size = std::abs(value);
+        // Below 2^22 fixed() is exact for nine places: 2^22 10^9 < 2^52.
+        if (size < 4194304 && (size >= 0.1 || size * 256 == std::floor(size * 256))) return fixed(value, 9);
+        int exponent = 0;
+        double digits = size;  // to [1, 10), off by some 50 roundings at most: 1e-14 of it
+        for (; digits >= 10; ++exponent) digits /= 10;
+        for (; digits < 1; --exponent) digits *= 10;
+        fixed(value < 0 ? -digits : digits, 8);  // 9.999999999 becomes 10, which is as good
+        text("e");
+        decimal(exponent);
+    }
 
     // Hands over what is left, and says whether the sink took everything; `got` is the number of bytes that it took.
     Status finish() {

@@ -1,0 +1,254 @@
+// hmesh - write_glb(): a mesh as a binary glTF 2.0 file (.glb), for engines, editors and web viewers.
+//
+// One node, one mesh, one unlit material (KHR_materials_unlit; a rough, non-metallic one where that is not known). y is up
+// and faces are counter-clockwise seen from +z; the picture's lower left corner is the origin. The buffer holds POSITION,
+// COLOR_0 and the indices, all little-endian. Positions are pixels, sized by the node: float VEC3, exact; or unsigned
+// shorts. Colours are unsigned shorts, RGBA, alpha straight: grey is r = g = b, and 4 channels are drawn with
+// alphaMode BLEND. glTF colours are linear light, so stored values are decoded from sRGB: 16 bits keep them to 0.02 of a
+// 255th, in 8 bits only 183 of 256 values would stay apart. Viewers interpolate linear light, the mesh was fitted between
+// stored values: pictures look a little different inside faces.
+//
+// 20 bytes a vertex (16 quantised) and 6 a face, or 12 from 65,536 vertices on. O(n), and nothing is allocated: the sizes
+// in the head of the file follow from the counts, and the JSON is written twice, the first time to be counted.
+// Sources: Khronos, glTF 2.0 specification, sections 3.6, 3.7 and 4.4, KHR_mesh_quantization, KHR_materials_unlit.
+#ifndef HMESH_IO_GLTF_HPP
+#define HMESH_IO_GLTF_HPP
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+
+#include "hmesh/core/status.hpp"
+#include "hmesh/core/version.hpp"
+#include "hmesh/io/color_shares.hpp"
+#include "hmesh/io/sink.hpp"
+#include "hmesh/mesh/mesh_view.hpp"
+
+namespace hmesh {
+
+struct GltfOptions {
+    // The length of the image's longer side, in units, which glTF takes for metres; 0: a pixel is a unit. A metre is about
+    // what editors make of a picture; with a pixel a unit a photo is kilometres wide, beyond what their cameras see at
+    // first. It is the scale of the node alone: the positions in the buffer stay pixels.
+    double longer_side = 1;
+    // Positions as unsigned shorts, 4 bytes a vertex less. Readers must know KHR_mesh_quantization: three.js, Babylon.js
+    // and Blender do, assimp 5.2 does not. Positions are rounded to a step of 1/256 px or, if the mesh spans more than
+    // 65535 / 256 px, to a 65535th of its larger extent: exact up to a side of 255 px, off by 0.004 px at 512 and 0.03 px
+    // at 4096. Faces much thinner than a step may turn over.
+    bool quantized_positions = false;
+    bool colors_are_linear = false;  // the stored values are linear light already, as in many float images
+};
+
+namespace detail {
+
+// How the positions are stored, and where everything lies.
+struct GlbLayout {
+    bool quantized = false, wide_indices = false;
+    double origin_x = 0, origin_y = 0, step = 1;        // px, y up: position = origin + step * stored number
+    double min_x = 0, min_y = 0, max_x = 0, max_y = 0;  // of the numbers stored
+    double unit = 1;                                    // units a px
+    std::uint64_t vertices = 0, corners = 0;
+    std::uint64_t position_bytes = 0, color_bytes = 0, index_bytes = 0;
+    std::uint64_t json_bytes = 0;                       // without padding
+
+    [[nodiscard]] std::uint64_t position_stride() const noexcept { return quantized ? 8 : 12; }
+    [[nodiscard]] std::uint64_t binary_bytes() const noexcept { return position_bytes + color_bytes + index_bytes; }
+    [[nodiscard]] std::uint64_t file_bytes() const noexcept { return 28 + padded(json_bytes) + padded(binary_bytes()); }
+    [[nodiscard]] static std::uint64_t padded(std::uint64_t size) noexcept { return (size + 3) / 4 * 4; }
+
+    // The numbers stored for a position in px, y up; integers if quantised.
+    [[nodiscard]] double stored_x(double x) const noexcept { return stored(x, origin_x); }
+    [[nodiscard]] double stored_y(double y) const noexcept { return stored(y, origin_y); }
+
+  private:
+    [[nodiscard]] double stored(double value, double origin) const noexcept {
+        if (!quantized) return static_cast<double>(static_cast<float>(value));
+        return std::min(65535.0, std::floor((value - origin) / step + 0.5));
+    }
+};
+
+[[nodiscard]] inline double y_up(const MeshView& mesh, std::size_t vertex) noexcept {
+    return mesh.height - static_cast<double>(mesh.positions[2 * vertex + 1]);
+}
+
+// Origin, step and bounds of the positions.
+inline void lay_out_positions(const MeshView& mesh, GlbLayout& layout) noexcept {
+    double left = static_cast<double>(mesh.positions[0]), right = left, bottom = y_up(mesh, 0), top = bottom;
+    for (std::size_t v = 1; v < mesh.vertex_count; ++v) {
+        const double x = static_cast<double>(mesh.positions[2 * v]), y = y_up(mesh, v);
+        left = std::min(left, x), right = std::max(right, x);
+        bottom = std::min(bottom, y), top = std::max(top, y);
+    }
+    if (layout.quantized) {
+        layout.origin_x = left;
+        layout.origin_y = bottom;
+        // 1/256 px is the grid that positions lie on, and divides exactly.
+        layout.step = std::max(1.0 / 256, std::max(right - left, top - bottom) / 65535);
+    }
+    // Rounding keeps the order of numbers, hence their extremes.
+    layout.min_x = layout.stored_x(left), layout.max_x = layout.stored_x(right);
+    layout.min_y = layout.stored_y(bottom), layout.max_y = layout.stored_y(top);
+}
+
+template <class Sink>
+void write_pair(Writer<Sink>& writer, double x, double y, const char* rest) {
+    writer.text("[");
+    writer.real(x);
+    writer.text(",");
+    writer.real(y);
+    writer.text(rest);
+}
+
+template <class Sink>
+void write_count(Writer<Sink>& writer, const char* name, std::uint64_t value) {
+    writer.text(name);
+    writer.decimal(static_cast<std::int64_t>(value));
+}
+
+template <class Sink>
+void write_gltf_json(Writer<Sink>& writer, const GlbLayout& layout, bool has_alpha) {
+    writer.text("{\"asset\":{\"version\":\"2.0\",\"generator\":\"hmesh " HMESH_VERSION_STRING "\"},");
+    writer.text("\"extensionsUsed\":[\"KHR_materials_unlit\"");
+    if (layout.quantized) writer.text(",\"KHR_mesh_quantization\"],\"extensionsRequired\":[\"KHR_mesh_quantization\"");
+    writer.text("],\"scene\":0,\"scenes\":[{\"nodes\":[0]}],\"nodes\":[{\"mesh\":0,\"translation\":");
+    write_pair(writer, layout.origin_x * layout.unit, layout.origin_y * layout.unit, ",0],\"scale\":");
+    write_pair(writer, layout.step * layout.unit, layout.step * layout.unit, ",");
+    writer.real(layout.step * layout.unit);
+    writer.text("]}],\"meshes\":[{\"primitives\":[{\"attributes\":{\"POSITION\":0,\"COLOR_0\":1},");
+    writer.text("\"indices\":2,\"material\":0}]}],");
+    writer.text("\"materials\":[{\"pbrMetallicRoughness\":{\"metallicFactor\":0,\"roughnessFactor\":1},");
+    if (has_alpha) writer.text("\"alphaMode\":\"BLEND\",");
+    writer.text("\"extensions\":{\"KHR_materials_unlit\":{}}}],");
+
+    // 5123 and 5125 are unsigned short and int, 5126 is float.
+    write_count(writer, "\"accessors\":[{\"bufferView\":0,\"componentType\":", layout.quantized ? 5123 : 5126);
+    write_count(writer, ",\"count\":", layout.vertices);
+    writer.text(",\"type\":\"VEC3\",\"min\":");
+    write_pair(writer, layout.min_x, layout.min_y, ",0],\"max\":");
+    write_pair(writer, layout.max_x, layout.max_y, ",0]},");
+    write_count(writer, "{\"bufferView\":1,\"componentType\":5123,\"normalized\":true,\"count\":", layout.vertices);
+    write_count(writer, ",\"type\":\"VEC4\"},{\"bufferView\":2,\"componentType\":", layout.wide_indices ? 5125 : 5123);
+    write_count(writer, ",\"count\":", layout.corners);
+
+    // 34962 holds vertices and 34963 indices.
+    write_count(writer, ",\"type\":\"SCALAR\"}],\"bufferViews\":[{\"buffer\":0,\"byteLength\":", layout.position_bytes);
+    write_count(writer, ",\"byteStride\":", layout.position_stride());
+    write_count(writer, ",\"target\":34962},{\"buffer\":0,\"byteOffset\":", layout.position_bytes);
+    write_count(writer, ",\"byteLength\":", layout.color_bytes);
+    writer.text(",\"byteStride\":8,\"target\":34962},");
+    write_count(writer, "{\"buffer\":0,\"byteOffset\":", layout.position_bytes + layout.color_bytes);
+    write_count(writer, ",\"byteLength\":", layout.index_bytes);
+    write_count(writer, ",\"target\":34963}],\"buffers\":[{\"byteLength\":", layout.binary_bytes());
+    writer.text("}]}");
+}
+
+[[nodiscard]] inline Status check_size(const GlbLayout& layout) noexcept {
+    constexpr std::uint64_t most = std::numeric_limits<std::uint32_t>::max();
+    if (layout.file_bytes() <= most) return {};
+    return {Errc::invalid_argument, "the mesh needs more bytes than the head of a .glb file counts",
+            static_cast<std::int64_t>(layout.file_bytes()), static_cast<std::int64_t>(most)};
+}
+
+[[nodiscard]] inline Status lay_out_glb(const MeshView& mesh, const GltfOptions& options, GlbLayout& layout) noexcept {
+    constexpr std::int64_t most = std::numeric_limits<std::int32_t>::max();  // products with strides stay below 2^63
+    for (const std::size_t count : {mesh.vertex_count, mesh.face_count})
+        if (count > static_cast<std::size_t>(most))
+            return {Errc::invalid_argument, "the mesh has more vertices or faces than a .glb file holds",
+                    static_cast<std::int64_t>(count), most};
+    layout.quantized = options.quantized_positions;
+    layout.vertices = mesh.vertex_count;
+    layout.corners = 3 * static_cast<std::uint64_t>(mesh.face_count);
+    // 65535 and 2^32 - 1 must not be used as indices: they mean a restart to GPUs.
+    layout.wide_indices = layout.vertices > 65535;
+    layout.position_bytes = layout.position_stride() * layout.vertices;
+    layout.color_bytes = 8 * layout.vertices;
+    layout.index_bytes = (layout.wide_indices ? 4 : 2) * layout.corners;
+    if (const Status status = check_size(layout); !status) return status;  // before so many are read
+    if (const Status status = check_for_export(mesh); !status) return status;
+    if (!(options.longer_side >= 0 && options.longer_side <= static_cast<double>(std::numeric_limits<float>::max())))
+        return {Errc::invalid_argument, "the longer side must be a length that a float holds, or 0", 0, 0};
+
+    if (options.longer_side > 0) layout.unit = options.longer_side / std::max(mesh.width, mesh.height);
+    lay_out_positions(mesh, layout);
+    const auto count = [&](const void*, std::size_t size) {
+        layout.json_bytes += size;
+        return true;
+    };
+    Writer counter(count);
+    write_gltf_json(counter, layout, mesh.channels == 4);
+    (void)counter.finish();  // it refuses nothing
+    return check_size(layout);
+}
+
+template <class Sink>
+void write_glb_positions(Writer<Sink>& writer, const MeshView& mesh, const GlbLayout& layout) {
+    for (std::size_t v = 0; v < mesh.vertex_count; ++v) {
+        const double x = layout.stored_x(static_cast<double>(mesh.positions[2 * v])), y = layout.stored_y(y_up(mesh, v));
+        if (layout.quantized) {
+            writer.u16(static_cast<std::uint16_t>(x));
+            writer.u16(static_cast<std::uint16_t>(y));
+            writer.u32(0);  // z and padding: vertex attributes begin at multiples of 4
+        } else {
+            writer.f32(static_cast<float>(x));
+            writer.f32(static_cast<float>(y));
+            writer.f32(0);
+        }
+    }
+}
+
+template <class Sink>
+void write_glb_colors(Writer<Sink>& writer, const MeshView& mesh, bool are_linear) {
+    for (std::size_t v = 0; v < mesh.vertex_count; ++v) {
+        const std::array<double, 4> rgba = rgba_shares(mesh, v);
+        for (std::size_t k = 0; k < 3; ++k) writer.u16(to_u16(are_linear ? rgba[k] : srgb_to_linear(rgba[k])));
+        writer.u16(to_u16(rgba[3]));
+    }
+}
+
+template <class Sink>
+void write_glb_indices(Writer<Sink>& writer, const MeshView& mesh, bool wide) {
+    for (std::size_t f = 0; f < mesh.face_count; ++f) {
+        // Clockwise on the screen with y down stays clockwise there with y up: two corners change places.
+        const std::array<std::uint32_t, 3>& face = mesh.faces[f];
+        for (const std::uint32_t v : {face[0], face[2], face[1]}) {
+            if (wide) writer.u32(v);
+            else writer.u16(static_cast<std::uint16_t>(v));
+        }
+    }
+}
+
+template <class Sink>
+void pad(Writer<Sink>& writer, std::uint64_t size, char with) {
+    for (; size % 4 != 0; ++size) writer.u8(static_cast<std::uint8_t>(with));
+}
+
+}  // namespace detail
+
+// Writes the mesh to the sink (see sink.hpp). A mesh that cannot be written, or needs 4 GiB, gives a Status and no byte.
+template <class Sink>
+Status write_glb(const MeshView& mesh, Sink&& sink, const GltfOptions& options = {}) {
+    detail::GlbLayout layout;
+    if (const Status status = detail::lay_out_glb(mesh, options, layout); !status) return status;
+    detail::Writer writer(sink);
+    writer.text("glTF");
+    writer.u32(2);
+    writer.u32(static_cast<std::uint32_t>(layout.file_bytes()));
+    writer.u32(static_cast<std::uint32_t>(layout.padded(layout.json_bytes)));
+    writer.text("JSON");
+    detail::write_gltf_json(writer, layout, mesh.channels == 4);
+    detail::pad(writer, layout.json_bytes, ' ');
+    writer.u32(static_cast<std::uint32_t>(layout.padded(layout.binary_bytes())));
+    writer.bytes("BIN", 4);  // with its zero
+    detail::write_glb_positions(writer, mesh, layout);
+    detail::write_glb_colors(writer, mesh, options.colors_are_linear);
+    detail::write_glb_indices(writer, mesh, layout.wide_indices);
+    detail::pad(writer, layout.binary_bytes(), '\0');
+    return writer.finish();
+}
+
+}  // namespace hmesh
+
+#endif  // HMESH_IO_GLTF_HPP

@@ -1,0 +1,154 @@
+// hmesh tests - what the tests of all exporters share: tiny meshes, and what every exporter has to refuse.
+//
+// `Write` is any callable hmesh::Status(const hmesh::MeshView&, Sink&&), a lambda around the exporter with its options.
+#ifndef HMESH_TESTS_TEST_EXPORTS_HPP
+#define HMESH_TESTS_TEST_EXPORTS_HPP
+
+#include <doctest/doctest.h>
+
+#include <clocale>
+#include <cstddef>
+#include <cstdint>
+#include <cstring>
+#include <limits>
+#include <string>
+#include <vector>
+
+#include "hmesh/core/status.hpp"
+#include "hmesh/mesh/mesh_view.hpp"
+
+namespace hmesh_test {
+
+using Bytes = std::vector<unsigned char>;
+
+struct VectorSink {
+    Bytes* bytes;
+    bool operator()(const void* from, std::size_t size) const {
+        const auto* at = static_cast<const unsigned char*>(from);
+        bytes->insert(bytes->end(), at, at + size);
+        return true;
+    }
+};
+
+template <class Write>
+Bytes exported(const hmesh::MeshView& mesh, const Write& write) {
+    Bytes bytes;
+    REQUIRE(write(mesh, VectorSink{&bytes}));
+    return bytes;
+}
+
+inline std::string as_text(const Bytes& bytes) { return {bytes.begin(), bytes.end()}; }
+
+// The rectangle [0, 3] x [0, 2] cut from its upper left to its lower right corner.
+template <int C>
+hmesh::Mesh<C> two_faces() {
+    hmesh::Mesh<C> mesh;
+    mesh.width = 3, mesh.height = 2, mesh.peak = 255;
+    mesh.positions = {0, 0, 3, 0, 3, 2, 0, 2};
+    mesh.faces = {{0, 1, 2}, {0, 2, 3}};
+    for (int v = 0; v < 4; ++v)
+        for (int k = 0; k < C; ++k) mesh.colors.push_back(static_cast<float>(10 * v + k));
+    return mesh;
+}
+
+// A regular grid of columns x rows squares of two faces each.
+inline hmesh::Mesh<3> square_grid(int columns, int rows) {
+    hmesh::Mesh<3> mesh;
+    mesh.width = columns, mesh.height = rows, mesh.peak = 1;
+    for (int y = 0; y <= rows; ++y)
+        for (int x = 0; x <= columns; ++x) {
+            mesh.positions.insert(mesh.positions.end(), {static_cast<float>(x), static_cast<float>(y)});
+            mesh.colors.insert(mesh.colors.end(), {static_cast<float>(x) / static_cast<float>(columns), 0.5F, 1});
+        }
+    for (int y = 0; y < rows; ++y)
+        for (int x = 0; x < columns; ++x) {
+            const auto a = static_cast<std::uint32_t>(y * (columns + 1) + x), b = a + 1,
+                       c = a + static_cast<std::uint32_t>(columns) + 1, d = c + 1;
+            mesh.faces.push_back({a, b, d});
+            mesh.faces.push_back({a, d, c});
+        }
+    return mesh;
+}
+
+template <class Write>
+void check_refused(const hmesh::MeshView& mesh, hmesh::Errc code, const Write& write) {
+    Bytes bytes;
+    const hmesh::Status status = write(mesh, VectorSink{&bytes});
+    CHECK(status.code == code);
+    CHECK(std::strlen(status.what) > 0);
+    CHECK(bytes.empty());
+}
+
+// Meshes that no exporter can write give a Status and no byte.
+template <class Write>
+void check_bad_meshes_are_refused(const Write& write) {
+    const float nan = std::numeric_limits<float>::quiet_NaN(), infinity = std::numeric_limits<float>::infinity();
+    const hmesh::Mesh<3> good = two_faces<3>();
+    check_refused(hmesh::MeshView{}, hmesh::Errc::invalid_argument, write);
+    for (const float bad : {nan, infinity, -infinity}) {
+        hmesh::Mesh<3> mesh = good;
+        mesh.positions[7] = bad;
+        check_refused(mesh.view(), hmesh::Errc::not_finite, write);
+        mesh = good;
+        mesh.colors[11] = bad;
+        check_refused(mesh.view(), hmesh::Errc::not_finite, write);
+    }
+    hmesh::Mesh<3> mesh = good;
+    mesh.faces[1][2] = 4;
+    check_refused(mesh.view(), hmesh::Errc::invalid_argument, write);
+    mesh = good;
+    mesh.faces.clear();
+    check_refused(mesh.view(), hmesh::Errc::invalid_argument, write);
+    for (const double peak : {0.0, -1.0, std::numeric_limits<double>::quiet_NaN()}) {
+        mesh = good;
+        mesh.peak = peak;
+        check_refused(mesh.view(), hmesh::Errc::invalid_argument, write);
+    }
+    mesh = good;
+    mesh.height = 0;
+    check_refused(mesh.view(), hmesh::Errc::invalid_argument, write);
+    check_refused(two_faces<2>().view(), hmesh::Errc::invalid_argument, write);
+    check_refused(two_faces<5>().view(), hmesh::Errc::invalid_argument, write);
+}
+
+// A sink that refuses after k bytes gets no more and is reported. The mesh must take some writes of 4096 bytes.
+template <class Write>
+void check_refusing_sinks(const hmesh::MeshView& mesh, const Write& write) {
+    const std::size_t size = exported(mesh, write).size();
+    REQUIRE(size > 8192);
+    for (std::size_t k = 0; k <= size; ++k) {
+        // All k around the ends of writes, where the sink's answers change, and some of the others.
+        if (k % 4096 > 2 && k % 4096 < 4094 && k + 3 < size && k % 97 != 0) continue;
+        std::size_t taken = 0;
+        int refusals = 0;
+        const hmesh::Status status = write(mesh, [&](const void*, std::size_t bytes) {
+            const bool fits = taken + bytes <= k;
+            if (fits) taken += bytes;
+            else ++refusals;
+            return fits;
+        });
+        const bool all = k == size;
+        if (static_cast<bool>(status) != all || refusals != (all ? 0 : 1) || taken > k) FAIL("k = ", k);
+        if (!all && (status.code != hmesh::Errc::write_failed || status.got != static_cast<std::int64_t>(taken)))
+            FAIL("k = ", k);
+    }
+}
+
+// The bytes are the same where the C library writes a comma before decimals.
+template <class Write>
+void check_locale_makes_no_difference(const hmesh::MeshView& mesh, const Write& write) {
+    const Bytes expected = exported(mesh, write);
+    const char* set = nullptr;
+    for (const char* name : {"de_DE.UTF-8", "de_DE.utf8", "de_DE", "fr_FR.UTF-8", "pt_BR.UTF-8", "German_Germany.1252"})
+        if (set == nullptr) set = std::setlocale(LC_ALL, name);
+    if (set == nullptr || std::strcmp(std::localeconv()->decimal_point, ",") != 0) {
+        MESSAGE("no locale with a decimal comma is installed: nothing was compared");
+    } else {
+        CHECK(exported(mesh, write) == expected);
+    }
+    std::setlocale(LC_ALL, "C");
+}
+
+}  // namespace hmesh_test
+
+#endif  // HMESH_TESTS_TEST_EXPORTS_HPP
