@@ -195,7 +195,8 @@ inline bool same_bytes(const hmesh::Report& a, const hmesh::Report& b) {
     for (std::size_t k = 0; same && k < a.stages.size(); ++k)
         same = std::strcmp(a.stages[k].name, b.stages[k].name) == 0 && a.stages[k].vertices == b.stages[k].vertices &&
                number(a.stages[k].energy) == number(b.stages[k].energy) &&
-               number(a.stages[k].psnr) == number(b.stages[k].psnr);
+               number(a.stages[k].psnr) == number(b.stages[k].psnr) && a.stages[k].iterations == b.stages[k].iterations &&
+               number(a.stages[k].residual) == number(b.stages[k].residual);
     return same;
 }
 

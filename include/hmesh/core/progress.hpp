@@ -34,6 +34,10 @@ struct StageReport {
     std::size_t vertices = 0;
     double energy = 0;
     double psnr = 0;  // dB, see psnr_of_energy
+    // Of stages that solve linear systems for a result of their own: iterations, and the largest residual relative to its
+    // right-hand side.
+    int iterations = 0;
+    double residual = 0;
 };
 
 // 10 log10(peak^2 / MSE), MSE = energy / samples the mean over pixels AND channels. Infinity for energy 0.
@@ -51,6 +55,8 @@ class Monitor {
     // Each returns whether to go on; once told to stop it stays so. These four are called between pieces of work.
     bool begin(const char* stage, std::size_t vertices, double energy) {
         info_.stage = stage;
+        iterations_ = 0;
+        residual_ = 0;
         return update(0, vertices, energy);
     }
     bool update(double fraction, std::size_t vertices, double energy) {
@@ -67,8 +73,13 @@ class Monitor {
     }
     bool end(std::size_t vertices, double energy) {
         energy = std::max(0.0, energy);  // rounding may leave less than nothing
-        stages_.push_back({info_.stage, vertices, energy, psnr_of_energy(energy, samples_, peak_)});
+        stages_.push_back({info_.stage, vertices, energy, psnr_of_energy(energy, samples_, peak_), iterations_, residual_});
         return update(1, vertices, energy);
+    }
+    // Within a stage, by one piece of work at a time: a system was solved.
+    void note_solve(int iterations, double residual) noexcept {
+        iterations_ += iterations;
+        residual_ = std::max(residual_, residual);
     }
     [[nodiscard]] const std::vector<StageReport>& stages() const noexcept { return stages_; }
 
@@ -93,6 +104,8 @@ class Monitor {
     double samples_, peak_;
     StageInfo info_;
     double from_ = 0, to_ = 0;
+    int iterations_ = 0;  // of the stage at work
+    double residual_ = 0;
     std::atomic<std::int64_t> done_{0};
     std::atomic<bool> stopped_{false};
     std::atomic_flag asking_ = ATOMIC_FLAG_INIT;
