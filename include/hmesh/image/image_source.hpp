@@ -21,7 +21,7 @@ class ImageSource {
     template <class T>
     explicit ImageSource(const ImageView<T, C>& view, const ImageView<float, 1>& weights = {}, double unit = 1) noexcept
         : data_(view.data), width_(view.width), height_(view.height), row_stride_(view.row_stride), weights_(weights), unit_(unit),
-          low_(PixelTraits<T>::lowest), high_(PixelTraits<T>::highest), make_(&make<T>), sample_(&sample<T>) {}
+          low_(PixelTraits<T>::lowest), high_(PixelTraits<T>::highest), peak_(PixelTraits<T>::peak), make_(&make<T>), sample_(&sample<T>) {}
 
     [[nodiscard]] int width() const noexcept { return width_; }
     [[nodiscard]] int height() const noexcept { return height_; }
@@ -29,6 +29,8 @@ class ImageSource {
     // The range of colours.
     [[nodiscard]] double low() const noexcept { return low_; }
     [[nodiscard]] double high() const noexcept { return high_; }
+    // The value of full intensity.
+    [[nodiscard]] double peak() const noexcept { return peak_; }
 
     // The table of a rectangle of the image.
     [[nodiscard]] MomentTable<C> table(const Rect& rect) const { return make_(*this, rect); }
@@ -60,7 +62,7 @@ class ImageSource {
     std::ptrdiff_t row_stride_;
     ImageView<float, 1> weights_;
     double unit_;  // of the weights, see weight_unit()
-    double low_, high_;
+    double low_, high_, peak_;
     MomentTable<C> (*make_)(const ImageSource&, const Rect&);
     Lanes<lanes_for(C + 1)> (*sample_)(const ImageSource&, int, int) noexcept;
 };

@@ -107,6 +107,11 @@ class MomentTable {
         else sample(wide_entries_.get());
     }
 
+    // How often pixel (x, y) counts, with the rounding of sums over those to its left.
+    [[nodiscard]] double weight(int x, int y) const noexcept {
+        return weighted_ ? wide_entries_[offset(x + 1, y) + C] - wide_entries_[offset(x, y) + C] : 1.0;
+    }
+
     // Where entries of type N (std::int32_t if is_narrow(), else double) begin, and the offset of one in numbers.
     template <class N>
     [[nodiscard]] HMESH_ALWAYS_INLINE const N* entries() const noexcept {
