@@ -232,11 +232,7 @@ BoundedReport bounded_colors(Patchwork<C, ParallelFor>& work, const Tiling& tili
     if (work.monitor().stopped()) std::fill(corners.begin(), corners.end(), CornerSums<C>());  // only ridges pull
     const auto system = detail::color_system(topology, corners, whole.colors, work.limits().ridge, work.parallel_for());
     report = detail::descend(system, low, high, grid, whole.colors, [&] { return work.monitor().poll(); });
-
-    std::vector<double> energies(tiling.size(), 0.0);
-    work.visit(tiling, [&](Patch<C>& patch, std::size_t k, const std::uint32_t*) { energies[k] = patch.mesh().energy(); }, true);
-    whole.energy = 0;
-    for (const double energy : energies) whole.energy += energy;
+    work.measure(tiling);
     return report;
 }
 

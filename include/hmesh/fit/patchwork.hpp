@@ -72,6 +72,14 @@ class Patchwork {
         return !monitor_->stopped();
     }
 
+    // Computes the energy of whole(), with the positions and colours that it has now.
+    void measure(const Tiling& tiling) {
+        std::vector<double> energies(tiling.size(), 0.0);
+        visit(tiling, [&](Patch<C>& patch, std::size_t k, const std::uint32_t*) { energies[k] = patch.mesh().energy(); }, true);
+        whole_.energy = 0;
+        for (const double energy : energies) whole_.energy += energy;
+    }
+
   private:
     // One patch that is all of the mesh stays one from phase to phase, until somebody asks for the whole.
     template <class Work>

@@ -29,6 +29,11 @@ struct PcgReport {
     bool converged = false;
 };
 
+// An entry of X that is given.
+struct HeldEntry {
+    Eigen::Index row = 0, column = 0;
+};
+
 namespace detail {
 
 using RowMajorMatrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
@@ -59,9 +64,10 @@ inline void column_dots(const RowMajorMatrix& a, const RowMajorMatrix& b, std::v
 
 // Solves A X = B. A: n by n, self-adjoint, positive semidefinite, both triangles stored. B: n by k. X: n by k, on entry
 // where to start, on return the solution. A column of B that is 0 has the solution 0. A row whose diagonal is not
-// positive (a vertex without pixels) leaves its row of X as it was.
+// positive (a vertex without pixels) leaves its row of X as it was. So do entries that `held` names, by row and column:
+// the others are then solved for with these given, all columns with the one matrix.
 inline PcgReport solve_pcg(const Eigen::SparseMatrix<double>& a, const Eigen::MatrixXd& b, Eigen::MatrixXd& x,
-                           const PcgOptions& options = {}) {
+                           const PcgOptions& options = {}, const std::vector<HeldEntry>& held = {}) {
     HMESH_ASSERT(a.rows() == a.cols() && b.rows() == a.rows() && x.rows() == b.rows() && x.cols() == b.cols());
     const Eigen::Index n = b.rows(), columns = b.cols();
     PcgReport report;
@@ -81,8 +87,11 @@ inline PcgReport solve_pcg(const Eigen::SparseMatrix<double>& a, const Eigen::Ma
     detail::column_dots(rhs, rhs, norm);
     for (std::size_t k = 0; k < width; ++k) {
         norm[k] = std::sqrt(norm[k]);
-        if (norm[k] == 0) solution.col(static_cast<Eigen::Index>(k)).setZero();
+        if (norm[k] == 0 && held.empty()) solution.col(static_cast<Eigen::Index>(k)).setZero();
     }
+    const auto release = [&](detail::RowMajorMatrix& rows) {  // what is held has no residual
+        for (const HeldEntry& entry : held) rows(entry.row, entry.column) = 0;
+    };
     const auto is_small = [&](std::size_t k) { return std::sqrt(rr[k]) <= options.tolerance * norm[k]; };
     const auto measure = [&] {  // r r, and r z with z = r / diagonal
         std::fill(rr.begin(), rr.end(), 0.0);
@@ -100,6 +109,7 @@ inline PcgReport solve_pcg(const Eigen::SparseMatrix<double>& a, const Eigen::Ma
     for (bool first = true;; first = false) {
         detail::multiply(a, solution, product);
         residual = rhs - product;
+        release(residual);
         measure();
         bool any = false;
         for (std::size_t k = 0; k < width; ++k) {
@@ -120,6 +130,7 @@ inline PcgReport solve_pcg(const Eigen::SparseMatrix<double>& a, const Eigen::Ma
                                           rz[c] / rz_before[c] * direction(i, k);
                 }
             detail::multiply(a, direction, product);
+            release(product);
             detail::column_dots(direction, product, steps);
             for (std::size_t k = 0; k < width; ++k) {
                 if (!(steps[k] > 0)) runs[k] = 0;  // the direction has no energy: a singular matrix, or rounding
