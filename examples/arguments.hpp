@@ -17,8 +17,8 @@ namespace example {
 
 inline constexpr char usage[] =
     "usage: hmesh INPUT [-o FILE]... [--vertices N | --rate PERCENT | --psnr DB]\n"
-    "             [--effort draft|fast|normal|best] [--method NAME] [--seed N]\n"
-    "             [--weights FILE] [--tile N] [--threads N]\n"
+    "             [--effort draft|fast|normal|best] [--method NAME] [--colors optimal|sampled]\n"
+    "             [--seed N] [--weights FILE] [--tile N] [--threads N]\n"
     "             [--render FILE.png] [--wireframe FILE.png] [--report FILE.json] [--quiet]\n";
 
 inline constexpr char help[] =
@@ -31,7 +31,10 @@ inline constexpr char help[] =
     "  --rate PERCENT        the mesh has PERCENT vertices for 100 pixels (default: 1)\n"
     "  --psnr DB             the mesh has as few vertices as reach this PSNR\n"
     "  --effort NAME         draft, fast, normal or best: how long to look for a better mesh (default: normal)\n"
-    "  --method NAME         annealed (default)\n"
+    "  --method NAME         annealed (default), or what it is compared with: hierarchical, xie, adams or\n"
+    "                        adaptive_thinning, which know no effort, seed or tile\n"
+    "  --colors NAME         optimal, by least squares, or sampled from the image under the vertices (default: sampled\n"
+    "                        for xie, adams and adaptive_thinning, else optimal)\n"
     "  --seed N              of the random numbers; the same seed gives the same mesh (default: 1)\n"
     "  --weights FILE        an image of the same size: how much each pixel counts, black nothing, white fully\n"
     "                        (of colours the mean, without alpha)\n"
@@ -54,7 +57,12 @@ struct Named {
     Value value;
 };
 
-inline constexpr Named<hmesh::Method> methods[] = {{"annealed", hmesh::Method::annealed}};
+inline constexpr Named<hmesh::Method> methods[] = {{"annealed", hmesh::Method::annealed},
+                                                   {"hierarchical", hmesh::Method::hierarchical},
+                                                   {"xie", hmesh::Method::xie},
+                                                   {"adams", hmesh::Method::adams},
+                                                   {"adaptive_thinning", hmesh::Method::adaptive_thinning}};
+inline constexpr Named<hmesh::Colors> colors[] = {{"optimal", hmesh::Colors::optimal}, {"sampled", hmesh::Colors::sampled}};
 inline constexpr Named<hmesh::Effort> efforts[] = {{"draft", hmesh::Effort::draft},
                                                    {"fast", hmesh::Effort::fast},
                                                    {"normal", hmesh::Effort::normal},
@@ -181,6 +189,7 @@ template <class Value, std::size_t n>
     if (option == "--vertices" || option == "--rate" || option == "--psnr") return set_target(option, text, out);
     if (option == "--effort") return find_name(efforts, option, text, out.options.effort);
     if (option == "--method") return find_name(methods, option, text, out.options.method);
+    if (option == "--colors") return find_name(colors, option, text, out.options.colors.emplace());
     if (option == "--seed") return parse_seed(option, text, out.options.seed);
     if (option == "--tile") return set_tile(option, text, out.options.tile);
     if (option == "--threads") return set_threads(option, text, out.threads);
@@ -192,8 +201,8 @@ template <class Value, std::size_t n>
 
 [[nodiscard]] inline bool takes_value(const std::string& option) {
     static constexpr const char* names[] = {"-o",        "--output", "--vertices",  "--rate",    "--psnr",
-                                            "--effort",  "--method", "--seed",      "--weights", "--tile",
-                                            "--threads", "--render", "--wireframe", "--report"};
+                                            "--effort",  "--method", "--colors",    "--seed",    "--weights",
+                                            "--tile",    "--threads", "--render",   "--wireframe", "--report"};
     return std::any_of(std::begin(names), std::end(names), [&](const char* name) { return option == name; });
 }
 

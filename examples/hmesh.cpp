@@ -148,8 +148,10 @@ int run(const Arguments& arguments) {
     const double seconds = watch.seconds();
     watch.finish();
 
-    const std::string where =
-        "'" + arguments.input + "' with " + arguments.target + " --effort " + name_of(efforts, options.effort);
+    const bool has_effort = options.method == hmesh::Method::annealed;
+    const std::string where = "'" + arguments.input + "' with " + arguments.target +
+                              (has_effort ? std::string(" --effort ") + name_of(efforts, options.effort)
+                                          : std::string(" --method ") + name_of(methods, options.method));
     if (!outcome.has_mesh()) return fail(failed, where + ": " + in_words(outcome.status));
     const std::string why = write_outputs(arguments, outcome, report_json(arguments, image, outcome, seconds, watch));
     if (!why.empty()) return fail(failed, why);

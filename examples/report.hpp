@@ -73,7 +73,10 @@ namespace detail {
         out += out.size() > 1 ? ",\n    " : "\n    ";
         out += "{\"name\": " + quoted(stage.name) + ", \"vertices\": " + std::to_string(stage.vertices) +
                ", \"energy\": " + json_number(stage.energy) + ", \"psnr\": " + json_number(stage.psnr) +
-               ", \"seconds\": " + json_seconds(watch.seconds_of(stage)) + "}";
+               ", \"seconds\": " + json_seconds(watch.seconds_of(stage));
+        if (stage.iterations > 0)
+            out += ", \"iterations\": " + std::to_string(stage.iterations) + ", \"residual\": " + json_number(stage.residual);
+        out += "}";
     }
     return out + (report.stages.empty() ? "]" : "\n  ]");
 }
@@ -99,6 +102,7 @@ namespace detail {
     line("bits", std::to_string(image.bits));
     line("method", detail::quoted(name_of(methods, arguments.options.method)));
     line("effort", detail::quoted(name_of(efforts, arguments.options.effort)));
+    line("colors", detail::quoted(name_of(colors, hmesh::final_colors(arguments.options))));
     line("seed", std::to_string(arguments.options.seed));
     line("weights", arguments.weights.empty() ? "null" : detail::quoted(arguments.weights));
     line("tile", std::to_string(arguments.options.tile));

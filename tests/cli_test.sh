@@ -140,7 +140,7 @@ wrong "'1e3' is not a whole number" grey.pgm --tile 1e3
 wrong "--weights needs a value" grey.pgm --weights
 wrong "twice" grey.pgm --weights grey.pgm --weights grey.pgm
 wrong "'slow' is not one of: draft, fast, normal, best" grey.pgm --effort slow
-wrong "'magic' is not one of: annealed" grey.pgm --method magic
+wrong "'magic' is not one of: annealed, hierarchical, xie, adams, adaptive_thinning" grey.pgm --method magic
 wrong "'mesh.xyz' must end in one of: .ply" grey.pgm -o mesh.xyz
 wrong "'mesh'" grey.pgm -o mesh
 wrong "'x.jpg' must end in .png" grey.pgm --render x.jpg
@@ -228,7 +228,7 @@ for file in mesh.ply second.PLY render.png wire.png report.json; do
     check "stdout names the file written: $file" grep -Eq "^written +$file\$" out
 done
 check "the report is JSON" is_json report.json
-for key in version input width height channels bits method effort seed weights tile target status \
+for key in version input width height channels bits method effort colors seed weights tile target status \
     vertices faces psnr psnr_convention energy seconds stages; do
     check "the report holds $key" grep -q "^  \"$key\": " report.json
 done

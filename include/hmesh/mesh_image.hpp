@@ -24,17 +24,35 @@
 #include "hmesh/core/status.hpp"
 #include "hmesh/fit/colors.hpp"
 #include "hmesh/fit/patchwork.hpp"
+#include "hmesh/fit/sampling.hpp"
 #include "hmesh/image/image_source.hpp"
 #include "hmesh/image/image_view.hpp"
 #include "hmesh/image/weights.hpp"
+#include "hmesh/image/pyramid.hpp"
 #include "hmesh/mesh/mesh_view.hpp"
+#include "hmesh/methods/adams.hpp"
+#include "hmesh/methods/adaptive_thinning.hpp"
 #include "hmesh/methods/annealed.hpp"
+#include "hmesh/methods/hierarchical.hpp"
 #include "hmesh/methods/psnr_search.hpp"
+#include "hmesh/methods/xie.hpp"
 
 namespace hmesh {
 
+// The recipes in methods/. All but the first are there to be compared with: they know no effort, seed or tile, and mesh the
+// image in one piece on one thread.
 enum class Method : std::uint8_t {
-    annealed,  // methods/annealed.hpp
+    annealed,
+    hierarchical,       // "Image meshing via hierarchical optimization"
+    xie,                // Xie et al. 2014
+    adams,              // Adams 2011
+    adaptive_thinning,  // Demaret and Iske 2004; images up to adaptive_thinning_pixels
+};
+
+// How vertices get their final colours.
+enum class Colors : std::uint8_t {
+    optimal,  // least squares for the final geometry
+    sampled,  // those of the image under the vertices
 };
 
 // How many vertices the mesh gets. Corners count.
@@ -64,10 +82,21 @@ struct Options {
     int tile = 0;
     // In place of what `effort` means: start from annealed_options(effort) and change what you like. Its seed is ignored.
     std::optional<AnnealedOptions> annealed;
+    AdamsOptions adams;
+    XieOptions xie;
+    HierarchicalOptions hierarchical;
+    // None: as the method is defined, sampled for adams, adaptive_thinning and xie, else optimal.
+    std::optional<Colors> colors;
     // Round colours to the pixel type's values, so that a file with such colours holds the very mesh that was measured.
     // Ignored for float. Costs about 0.003 dB at 30 dB, 0.1 dB at 45 dB.
     bool round_colors = true;
 };
+
+// The colours that a mesh made with these options has.
+[[nodiscard]] inline Colors final_colors(const Options& options) noexcept {
+    if (options.colors) return *options.colors;
+    return options.method == Method::annealed || options.method == Method::hierarchical ? Colors::optimal : Colors::sampled;
+}
 
 // Of the final mesh. PSNR = 10 log10(peak^2 / MSE), MSE the mean over pixels AND channels of the squared difference between
 // the image and the mesh drawn at its size, colours neither rounded nor clamped after interpolation; infinity for MSE 0. With
@@ -121,8 +150,17 @@ namespace detail {
     if (options.tile != 0 && (options.tile < 64 || options.tile > max_side))
         return {Errc::invalid_argument, "the tile must be 0, for the default, or 64 to 65536 px", options.tile,
                 options.tile < 64 ? 64 : max_side};
-    if (options.annealed) return check(*options.annealed);
-    return {};
+    switch (options.method) {
+        case Method::annealed: return options.annealed ? check(*options.annealed) : Status{};
+        case Method::hierarchical: return check(options.hierarchical);
+        case Method::xie: return check(options.xie);
+        case Method::adams: return check(options.adams);
+        case Method::adaptive_thinning:
+            if (pixels <= adaptive_thinning_pixels) return {};
+            return {Errc::image_too_large, "the method adaptive_thinning starts from all pixels, and the image has too many", pixels,
+                    adaptive_thinning_pixels};
+    }
+    return {Errc::invalid_argument, "the method is none of those known", static_cast<std::int64_t>(options.method), 0};
 }
 
 // The mesh as plain arrays.
@@ -143,23 +181,54 @@ template <int C>
     return out;
 }
 
+// The levels of the image as the method hierarchical wants them, from 1 on.
+template <class T, int C, class ParallelFor>
+[[nodiscard]] bool run_hierarchical(Patchwork<C, ParallelFor>& work, const ImageView<T, C>& view, std::size_t n, const Options& options,
+                                    double unit) {
+    const HierarchicalOptions& recipe = options.hierarchical;
+    work.whole() = regular_grid(work.source(), 4);  // what a cancellation finds
+    if (!work.monitor().begin("levels", 0, 0)) return false;
+    const Pyramid<T, C> pyramid = make_pyramid(view, recipe.levels, recipe.bilateral, recipe.filter, work.parallel_for());
+    std::vector<ImageSource<C>> coarse;
+    for (int level = 1; level < recipe.levels; ++level) coarse.emplace_back(pyramid.level(level), options.weights, unit);
+    return work.monitor().end(work.vertex_count(), work.energy()) && hierarchical(work, coarse, n, recipe);
+}
+
+// A mesh of n vertices by the method asked for.
+template <class T, int C, class ParallelFor>
+[[nodiscard]] Status run(Patchwork<C, ParallelFor>& work, const ImageView<T, C>& view, std::size_t n, const Options& options, double unit) {
+    const auto done = [](bool finished) { return finished ? Status{} : cancelled_by_callback(); };
+    switch (options.method) {
+        case Method::annealed: break;
+        case Method::hierarchical: return done(run_hierarchical(work, view, n, options, unit));
+        case Method::xie: return done(xie(work, n, options.xie));
+        case Method::adams: return done(adams(work, n, options.adams));
+        case Method::adaptive_thinning: return done(adaptive_thinning(work, n));
+    }
+    AnnealedOptions recipe = options.annealed.value_or(annealed_options(options.effort));
+    recipe.seed = options.seed;
+    return annealed(work, n, recipe, options.tile);
+}
+
 // One mesh of n vertices, finished. `samples`: pixels, or the sum of their weights, times channels.
 template <class T, int C, class ParallelFor>
-[[nodiscard]] Result<C> mesh_with(const ImageSource<C>& source, double samples, std::size_t n, const Options& options,
+[[nodiscard]] Result<C> mesh_with(const ImageView<T, C>& view, double unit, double samples, std::size_t n, const Options& options,
                                   const ParallelFor& parallel_for) {
     using Traits = PixelTraits<T>;
+    const ImageSource<C> source(view, options.weights, unit);
     Monitor monitor(options.progress, samples, Traits::peak);
     Patchwork<C, ParallelFor> work(source, options.limits, monitor, parallel_for);
     Result<C> result;
-    AnnealedOptions recipe = options.annealed.value_or(annealed_options(options.effort));
-    recipe.seed = options.seed;
-    result.status = annealed(work, n, recipe, options.tile);
+    result.status = run(work, view, n, options, unit);
     monitor.begin("colors", work.vertex_count(), work.energy());
     const double grid = Traits::is_integer && options.round_colors ? 1 : 0;
-    const Tiling tiling(source.width(), source.height(), tile_size(source.width(), source.height(), n, options.tile));
-    bounded_colors(work, tiling, Traits::lowest, Traits::highest, grid);
+    const bool in_tiles = options.method == Method::annealed;
+    const Tiling tiling =
+        in_tiles ? Tiling(source.width(), source.height(), tile_size(source.width(), source.height(), n, options.tile)) : one_tile(source);
+    if (final_colors(options) == Colors::sampled) sample_colors(work, tiling, grid);
+    else bounded_colors(work, tiling, Traits::lowest, Traits::highest, grid);
     monitor.end(work.vertex_count(), work.energy());
-    if (result.status && monitor.stopped()) result.status = {Errc::cancelled, "cancelled by the progress callback", 0, 0};
+    if (result.status && monitor.stopped()) result.status = cancelled_by_callback();
     const WholeMesh<C>& whole = work.whole();
     result.mesh = extract(whole, Traits::peak);
     const double energy = std::max(0.0, whole.energy);  // rounding may leave less than nothing
@@ -172,7 +241,8 @@ template <class T, int C, class ParallelFor>
 
 // Meshes the image. Tiles run through `parallel_for` (core/parallel.hpp); same image, options and seed give the same bytes,
 // whatever it does. Memory: about 0.3 KB a vertex, and for each tile at work its moment table (32 bytes a pixel for 8-bit
-// RGB, 92 with weights) and 0.6 KB for each vertex placed there; a small image is one tile.
+// RGB, 92 with weights) and 0.6 KB for each vertex placed there; a small image is one tile, and any image is for methods
+// other than annealed.
 //
 // Status: invalid_argument, image_too_large or not_finite where the image or an option is refused (the mesh is empty);
 // target_out_of_range for a number of vertices that the image cannot hold (empty) or a PSNR that no mesh reached (the
@@ -188,10 +258,9 @@ template <class T, int C, class ParallelFor = SerialFor>
 
     const double unit = weight_unit(options.weights, parallel_for);
     const double samples = C * weight_sum(options.weights, unit, view.width, view.height, parallel_for);
-    const ImageSource<C> source(view, options.weights, unit);
     const auto pixels = static_cast<std::size_t>(view.width) * static_cast<std::size_t>(view.height);
     const std::size_t most = std::max<std::size_t>(4, pixels);
-    const auto mesh_of = [&](std::size_t n) { return detail::mesh_with<T>(source, samples, n, options, parallel_for); };
+    const auto mesh_of = [&](std::size_t n) { return detail::mesh_with(view, unit, samples, n, options, parallel_for); };
     const auto share = [&](double percent) {
         return std::min(most, std::max<std::size_t>(4, static_cast<std::size_t>(std::llround(static_cast<double>(pixels) * percent / 100))));
     };

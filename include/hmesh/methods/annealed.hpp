@@ -30,6 +30,7 @@
 #include "hmesh/fit/subdivision.hpp"
 #include "hmesh/fit/vertices.hpp"
 #include "hmesh/methods/annealed_options.hpp"
+#include "hmesh/methods/stage.hpp"
 
 namespace hmesh {
 namespace detail {
@@ -90,8 +91,7 @@ class Annealed {
     }
     template <class Body>
     bool stage(const char* name, Body&& body) {
-        return monitor().begin(name, work_->vertex_count(), work_->energy()) && body() &&
-               monitor().end(work_->vertex_count(), work_->energy());
+        return detail::stage(*work_, name, body);
     }
 
     bool start() {
@@ -249,16 +249,15 @@ class Annealed {
 template <int C, class ParallelFor>
 [[nodiscard]] Status annealed(Patchwork<C, ParallelFor>& work, std::size_t n, const AnnealedOptions& options, int tile) {
     const auto recipe = [&](const AnnealedOptions& o, double size) { return detail::Annealed<C, ParallelFor>(work, n, o, size).run(); };
-    const Status cancelled{Errc::cancelled, "cancelled by the progress callback", 0, 0};
     const ImageSource<C>& source = work.source();
     const double size = detail::tile_size(source.width(), source.height(), n, tile);
     if (recipe(options, size)) return {};
-    if (work.monitor().stopped()) return cancelled;
+    if (work.monitor().stopped()) return cancelled_by_callback();
     // Too many slivers that min_cross protects: growing to n alone in one piece always gets there.
     AnnealedOptions plain = options;
     plain.overshoot = 1;
     plain.annealing.sweeps = 0;
-    return recipe(plain, std::max(source.width(), source.height())) ? Status{} : cancelled;
+    return recipe(plain, std::max(source.width(), source.height())) ? Status{} : cancelled_by_callback();
 }
 
 }  // namespace hmesh

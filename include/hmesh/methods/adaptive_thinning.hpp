@@ -1,0 +1,40 @@
+// hmesh - adaptive thinning: the method of Demaret and Iske, "Advances in digital image compression by adaptive thinning" (2004).
+//
+//     Delaunay triangulation of all pixels -> greedy point removal to n
+//
+// Colours are sampled. What Adams' method is a short cut of: better by 0.5 to 1 dB, for 3 us and 0.7 KB a pixel of the image.
+#ifndef HMESH_METHODS_ADAPTIVE_THINNING_HPP
+#define HMESH_METHODS_ADAPTIVE_THINNING_HPP
+
+#include <cstddef>
+#include <cstdint>
+#include <numeric>
+#include <vector>
+
+#include "hmesh/core/status.hpp"
+#include "hmesh/fit/first_grid.hpp"
+#include "hmesh/fit/patchwork.hpp"
+#include "hmesh/methods/adams.hpp"
+#include "hmesh/methods/stage.hpp"
+
+namespace hmesh {
+
+// The largest image, in pixels: its mesh takes 3 GB at first.
+inline constexpr std::int64_t adaptive_thinning_pixels = std::int64_t{1} << 22;
+
+// Makes a mesh of n vertices, 4 <= n <= max(4, pixels). False: cancelled; the mesh is valid but may have another count.
+template <int C, class ParallelFor>
+[[nodiscard]] bool adaptive_thinning(Patchwork<C, ParallelFor>& work, std::size_t n) {
+    const ImageSource<C>& source = work.source();
+    work.whole() = regular_grid(source, 4);  // what a cancellation finds
+    const bool go_on = detail::stage(work, "points", [&] {
+        std::vector<std::uint32_t> pixels(static_cast<std::size_t>(source.pixels()));
+        std::iota(pixels.begin(), pixels.end(), 0U);
+        return detail::triangulate_pixels(work, pixels);
+    });
+    return go_on && detail::thin(work, n);
+}
+
+}  // namespace hmesh
+
+#endif  // HMESH_METHODS_ADAPTIVE_THINNING_HPP

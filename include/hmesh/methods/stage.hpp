@@ -1,0 +1,44 @@
+// hmesh - stages: what all methods are made of, as far as progress and reports go.
+#ifndef HMESH_METHODS_STAGE_HPP
+#define HMESH_METHODS_STAGE_HPP
+
+#include <algorithm>
+#include <utility>
+
+#include "hmesh/core/status.hpp"
+#include "hmesh/fit/patchwork.hpp"
+#include "hmesh/fit/pcg.hpp"
+#include "hmesh/fit/tiling.hpp"
+
+namespace hmesh {
+
+[[nodiscard]] inline Status cancelled_by_callback() noexcept { return {Errc::cancelled, "cancelled by the progress callback", 0, 0}; }
+
+namespace detail {
+
+// Runs body(), which says whether to go on, as a stage of this name. Returns whether to go on.
+template <int C, class ParallelFor, class Body>
+bool stage(Patchwork<C, ParallelFor>& work, const char* name, Body&& body) {
+    return work.monitor().begin(name, work.vertex_count(), work.energy()) && body() &&
+           work.monitor().end(work.vertex_count(), work.energy());
+}
+
+// The whole image as one tile: how the paper's methods work.
+template <int C>
+[[nodiscard]] Tiling one_tile(const ImageSource<C>& source) {
+    return Tiling(source.width(), source.height(), std::max(source.width(), source.height()));
+}
+
+// A stage of work(mesh) on the whole mesh at once.
+template <int C, class ParallelFor, class Work>
+bool whole_stage(Patchwork<C, ParallelFor>& work, const char* name, Work&& body) {
+    return stage(work, name, [&] {
+        work.monitor().expect(0, 1);
+        return work.for_each(one_tile(work.source()), [&](Patch<C>& patch, std::size_t) { body(patch.mesh()); });
+    });
+}
+
+}  // namespace detail
+}  // namespace hmesh
+
+#endif  // HMESH_METHODS_STAGE_HPP
