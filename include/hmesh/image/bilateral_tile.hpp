@@ -175,16 +175,7 @@ class BilateralTile {
                 if (y >= 0) add(begin, end, y);
             }
         }
-        for (int y = 0; y < rect.height; ++y) {
-            const T* from = view.pixel(rect.x, rect.y + y);
-            T* to = out.pixel(rect.x, rect.y + y);
-            for (const float* sum = sums(y); sum < sums(y) + rect.width; ++sum) {
-                const double scale = 1 / (static_cast<double>(sum[C * width_ * max_height]) * window_.unit());
-                for (int c = 0; c < C; ++c, ++from, ++to)
-                    *to = PixelTraits<T>::from_real(PixelTraits<T>::to_real(*from) +
-                                                    static_cast<double>(sum[c * width_ * max_height]) * scale);
-            }
-        }
+        for (int y = 0; y < rect.height; ++y) store(sums(y), view.pixel(rect.x, rect.y + y), rect.width, out.pixel(rect.x, rect.y + y));
     }
 
   private:
@@ -201,19 +192,29 @@ class BilateralTile {
     void load(const ImageView<T, C>& view, const Rect& rect) {
         for (std::ptrdiff_t x = 0; x < stride_; ++x)
             columns_[static_cast<std::size_t>(x)] = reflect(rect.x + static_cast<int>(x) - radius_, view.width) * C;
+        const std::ptrdiff_t plane = plane_;
+        const double unit = window_.unit(), most = 144115188075855872.0;  // 2^57
         for (int y = -radius_; y < rect.height + radius_; ++y) {
             const T* row = view.row(reflect(rect.y + y, view.height));
             float* to = samples_.data() + (y + radius_) * stride_;
             for (const int column : columns_) {
-                for (int c = 0; c < C; ++c) to[c * plane_] = scaled(row[column + c]);
+                for (int c = 0; c < C; ++c) {
+                    const double value = PixelTraits<T>::to_real(row[column + c]) * unit;
+                    to[c * plane] = static_cast<float>(std::max(-most, std::min(most, value)));
+                }
                 ++to;
             }
         }
     }
-    [[nodiscard]] float scaled(T sample) const noexcept {
-        constexpr double most = 144115188075855872.0;  // 2^57
-        const double value = PixelTraits<T>::to_real(sample) * window_.unit();
-        return static_cast<float>(std::max(-most, std::min(most, value)));
+    // The samples `from` and the means of the differences to them. Stores of bytes may change any member: hence locals.
+    void store(const float* sum, const T* from, int width, T* to) const {
+        const std::ptrdiff_t plane = static_cast<std::ptrdiff_t>(width_) * max_height;
+        const double unit = 1 / window_.unit();
+        for (int x = 0; x < width; ++x, ++sum) {
+            const double scale = unit / static_cast<double>(sum[C * plane]);
+            for (int c = 0; c < C; ++c, ++from, ++to)
+                *to = PixelTraits<T>::from_real(PixelTraits<T>::to_real(*from) + static_cast<double>(sum[c * plane]) * scale);
+        }
     }
 
     // The weights of row y, -pair.dy <= y, for the pixels that have the tile's as their tap ahead or behind.
