@@ -133,7 +133,9 @@ class BilateralWindow {
 //
 // Samples are multiplied by the window's unit and kept within +-2^57; a float's own steps are there far longer than
 // sigma. Distances over 16 channels stay below 2^62, their squares times the factor below 2^126, and a difference of
-// 2^58 times the least weight is still nothing: whatever the samples, no sum overflows.
+// 2^58 times the least weight is still nothing: whatever the samples, no sum overflows. Integers are within by
+// themselves if sigma of colours is at least least_sigma: where all differences are 0 or at least 1, a smaller one
+// has no other weights.
 //
 // Row by row, the weights of all pairs are found and kept for as many rows as the pairs reach down; then each pixel
 // takes those of its own row for the taps ahead and the kept ones for the taps behind. That halves the work on weights.
@@ -142,7 +144,8 @@ template <class T, int C>
 class BilateralTile {
   public:
     static constexpr int max_width = 128, max_height = 64;
-    static constexpr std::size_t max_kept = 16384;  // floats: 64 kB; diameter 9 needs 9,088
+    static constexpr double least_sigma = PixelTraits<T>::is_integer ? PixelTraits<T>::highest / 144115188075855872.0 : 0;
+    static constexpr std::size_t max_kept = 16384;  // floats: 64 kB; diameter 9 needs some 9,000
 
     BilateralTile(const BilateralWindow& window, int image_width)
         : window_(window), radius_(window.radius()),
@@ -175,7 +178,8 @@ class BilateralTile {
                 if (y >= 0) add(begin, end, y);
             }
         }
-        for (int y = 0; y < rect.height; ++y) store(sums(y), view.pixel(rect.x, rect.y + y), rect.width, out.pixel(rect.x, rect.y + y));
+        for (int y = 0; y < rect.height; ++y)
+            store(sums(y), view.pixel(rect.x, rect.y + y), rect.width, out.pixel(rect.x, rect.y + y));
     }
 
   private:
@@ -199,8 +203,9 @@ class BilateralTile {
             float* to = samples_.data() + (y + radius_) * stride_;
             for (const int column : columns_) {
                 for (int c = 0; c < C; ++c) {
-                    const double value = PixelTraits<T>::to_real(row[column + c]) * unit;
-                    to[c * plane] = static_cast<float>(std::max(-most, std::min(most, value)));
+                    double value = PixelTraits<T>::to_real(row[column + c]) * unit;
+                    if (!PixelTraits<T>::is_integer) value = std::max(-most, std::min(most, value));
+                    to[c * plane] = static_cast<float>(value);
                 }
                 ++to;
             }
