@@ -12,6 +12,7 @@
 #include <benchmark/benchmark.h>
 
 #include <hmesh/hmesh.hpp>
+#include <hmesh/image/bilateral.hpp>
 
 #include "scene.hpp"
 
@@ -60,6 +61,18 @@ void moment_table(benchmark::State& state) {  // a pixel
     for (auto _ : state) {
         const hmesh::MomentTable<channels> table(view, view.bounds());
         benchmark::DoNotOptimize(table.bytes());
+        pixels += static_cast<std::size_t>(view.width) * static_cast<std::size_t>(view.height);
+    }
+    per_item(state, pixels);
+}
+
+void bilateral(benchmark::State& state) {  // a pixel; the argument is the diameter
+    const auto view = fixture().image.view();
+    hmesh::BilateralOptions options;
+    options.diameter = static_cast<int>(state.range(0));
+    std::size_t pixels = 0;
+    for (auto _ : state) {
+        benchmark::DoNotOptimize(hmesh::bilateral_filter(view, options).samples().data());
         pixels += static_cast<std::size_t>(view.width) * static_cast<std::size_t>(view.height);
     }
     per_item(state, pixels);
@@ -243,6 +256,7 @@ void draw(benchmark::State& state) {  // a pixel
 }  // namespace
 
 BENCHMARK(moment_table)->Unit(benchmark::kMicrosecond);
+BENCHMARK(bilateral)->Arg(5)->Arg(9)->Arg(15)->Unit(benchmark::kMicrosecond);
 BENCHMARK(edge_walk)->Arg(4)->Arg(12)->Arg(40)->Arg(120);
 BENCHMARK(ring_fit);
 BENCHMARK(vertex_visit)->Unit(benchmark::kMicrosecond);
