@@ -4,7 +4,7 @@
 // disc around it, weighted by nearness in the plane and in colour. Window, distance of colours (L1) and border follow
 // OpenCV's bilateralFilter, whose parameters the hierarchical method states: diameter 9, both sigmas 50.
 //
-// Cost: for each tap of the disc (49 at diameter 9) some 0.6 ns a pixel of 3 channels with vectors of 8 floats, 1.1 ns with
+// Cost: for each tap of the disc (49 at diameter 9) some 0.5 ns a pixel of 3 channels with vectors of 8 floats, 1.1 ns with
 // vectors of 4, and 9 ns a pixel besides. Memory beyond the output: the planes of a tile, some 300 kB a thread at
 // diameter 9 and 1 MB at 99, whatever the image's size.
 #ifndef HMESH_IMAGE_BILATERAL_HPP
