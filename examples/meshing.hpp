@@ -13,6 +13,7 @@
 #include "hmesh/mesh_image.hpp"
 #include "hmesh/render.hpp"
 #include "image_file.hpp"
+#include "pictures.hpp"
 #include "thread_pool.hpp"
 #include "wireframe.hpp"
 
@@ -76,22 +77,6 @@ template <int C>
     return {};
 }
 
-// The picture as red, green and blue, whatever is transparent over white.
-[[nodiscard]] inline hmesh::Image<std::uint8_t, 3> to_rgb(const Picture& picture) {
-    hmesh::Image<std::uint8_t, 3> rgb(picture.width, picture.height);
-    const int channels = picture.channels;
-    const bool has_alpha = channels == 2 || channels == 4;
-    const std::uint8_t* from = picture.samples.data();
-    std::uint8_t* to = rgb.samples().data();
-    for (std::size_t i = 0; i < rgb.samples().size() / 3; ++i, from += channels, to += 3)
-        for (int c = 0; c < 3; ++c) {
-            const int alpha = has_alpha ? from[channels - 1] : 255;
-            const int value = from[channels < 3 ? 0 : c];
-            to[c] = static_cast<std::uint8_t>((value * alpha + 255 * (255 - alpha) + 127) / 255);
-        }
-    return rgb;
-}
-
 }  // namespace detail
 
 [[nodiscard]] inline Outcome mesh_file(const ImageFile& image, const hmesh::Options& options, const ThreadPool& pool) {
@@ -116,7 +101,7 @@ template <int C>
     Picture drawn;
     if (const hmesh::Status status = draw(mesh, {scale * mesh.width, scale * mesh.height}, drawn); !status)
         return status;
-    hmesh::Image<std::uint8_t, 3> rgb = detail::to_rgb(drawn);
+    hmesh::Image<std::uint8_t, 3> rgb = to_rgb(drawn);
     if (const hmesh::Status status = draw_wireframe(mesh, rgb); !status) return status;
     picture = {rgb.width(), rgb.height(), 3, std::move(rgb.samples())};
     return {};

@@ -1,0 +1,117 @@
+// stages - shows how a method gets to its mesh: stages DIRECTORY METHOD [IMAGE]
+//
+// Writes DIRECTORY/METHOD-K-STAGE.jpg, the mesh with its edges as stage K leaves it, DIRECTORY/METHOD-residual.jpg, four times
+// the final error around grey, and for hierarchical DIRECTORY/levels.jpg; and prints a Markdown table of them. The
+// meshes in between are had by the public interface alone: a callback that says no when the next stage begins. Without IMAGE a
+// scene of the program's own is meshed.
+#include <algorithm>
+#include <cstdio>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <hmesh/hmesh.hpp>
+
+#include "arguments.hpp"
+#include "image_file.hpp"
+#include "output_file.hpp"
+#include "pictures.hpp"
+#include "scene.hpp"
+#include "wireframe.hpp"
+
+namespace {
+
+using example::Rgb;
+
+// Stops the work when stage `last` + 1 begins.
+struct Stop {
+    int last = 0;
+    int stage = -1;
+    std::string name;
+    double fraction = 2;
+
+    static bool call(void* user, const hmesh::StageInfo& info) {
+        Stop& stop = *static_cast<Stop*>(user);
+        if (stop.name != info.stage || info.fraction < stop.fraction) ++stop.stage;
+        stop.name = info.stage;
+        stop.fraction = info.fraction;
+        return stop.stage <= stop.last;
+    }
+};
+
+bool write_jpeg(const std::string& name, const Rgb& picture) {
+    example::OutputFile file(name);
+    if (!file.open()) return false;
+    const auto give = [](void* context, void* bytes, int size) {
+        (void)(*static_cast<example::OutputFile*>(context))(bytes, static_cast<std::size_t>(size));
+    };
+    return stbi_write_jpg_to_func(give, &file, picture.width(), picture.height(), 3, picture.samples().data(), 88) != 0 &&
+           file.error().empty() && file.commit();
+}
+
+Rgb drawn(const hmesh::Mesh<3>& mesh) {
+    hmesh::Image<float, 3> out;
+    if (!hmesh::render(mesh.view(), out)) return Rgb(1, 1);
+    return hmesh::to_pixels<std::uint8_t>(out);
+}
+
+int run(const std::string& directory, const std::string& method, const Rgb& image) {
+    hmesh::Options options;
+    if (const std::string why = example::detail::find_name(example::methods, "METHOD", method, options.method); !why.empty()) {
+        std::fprintf(stderr, "stages: %s\n", why.c_str());
+        return 2;
+    }
+    const auto view = image.view();
+    const auto write = [&](const std::string& name, const Rgb& picture) {
+        if (write_jpeg(directory + "/" + name, picture)) return true;
+        std::fprintf(stderr, "stages: cannot write '%s/%s'\n", directory.c_str(), name.c_str());
+        return false;
+    };
+    std::printf("| stage | mesh |\n|---|---|\n");
+    if (options.method == hmesh::Method::hierarchical) {
+        const auto pyramid = hmesh::make_pyramid(view, 3);
+        std::vector<Rgb> levels;
+        for (int level = 0; level < 3; ++level) {
+            Rgb picture(image.width(), image.height());
+            for (int y = 0; y < image.height(); ++y) std::copy_n(pyramid.level(level).row(y), 3 * image.width(), picture.pixel(0, y));
+            levels.push_back(std::move(picture));
+        }
+        if (!write("levels.jpg", example::side_by_side(levels))) return 1;
+    }
+    for (int k = 0;; ++k) {
+        Stop stop;
+        stop.last = k;
+        options.progress = {&Stop::call, &stop};
+        const hmesh::Result<3> result = hmesh::mesh_image(view, options);
+        if (result.mesh.face_count() == 0) {
+            std::fprintf(stderr, "stages: %s\n", result.status.what);
+            return 1;
+        }
+        Rgb picture = drawn(result.mesh);
+        if (result.status) {  // no stage is left: this was the last
+            return write(method + "-residual.jpg", example::residual(image, picture)) ? 0 : 1;
+        }
+        const std::string stage = result.report.stages[static_cast<std::size_t>(k)].name;
+        const std::string name = method + "-" + std::to_string(k + 1) + "-" + stage + ".jpg";
+        if (!example::draw_wireframe(result.mesh.view(), picture)) return 1;
+        if (!write(name, picture)) return 1;
+        std::printf("| %d %s: %zu vertices, %.2f dB | ![%s](%s) |\n", k + 1, stage.c_str(), result.report.vertices, result.report.psnr,
+                    stage.c_str(), name.c_str());
+    }
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+    if (argc != 3 && argc != 4) {
+        std::fprintf(stderr, "usage: stages DIRECTORY METHOD [IMAGE]\n");
+        return 2;
+    }
+    if (argc == 3) return run(argv[1], argv[2], example::draw_scene(384, 256));
+    example::ImageFile file;
+    if (const std::string why = example::read_image(argv[3], file); !why.empty()) {
+        std::fprintf(stderr, "stages: cannot read '%s': %s\n", argv[3], why.c_str());
+        return 1;
+    }
+    return run(argv[1], argv[2], example::to_rgb(example::to_picture(file)));
+}

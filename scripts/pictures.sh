@@ -1,0 +1,10 @@
+#!/usr/bin/env bash
+# Draws the pictures of docs/method.md anew, into docs/method/, and prints the figures that go with them.
+# shellcheck source=scripts/common.sh
+. "$(dirname "${BASH_SOURCE[0]}")/common.sh"
+need compiler cmake eigen stb
+step "Configuring build/release ..." cmake --preset release -DHMESH_BUILD_TESTS=OFF
+step "Building stages ..." cmake --build --preset release --parallel "$jobs" --target stages
+rm -f docs/method/*.jpg
+build/release/bin/stages docs/method annealed
+build/release/bin/stages docs/method hierarchical
