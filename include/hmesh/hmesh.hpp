@@ -6,6 +6,7 @@
 
 #include "hmesh/core/version.hpp"
 #include "hmesh/io/ply.hpp"
+#include "hmesh/io/svg.hpp"
 #include "hmesh/mesh_image.hpp"
 #include "hmesh/render.hpp"
 
