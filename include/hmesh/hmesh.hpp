@@ -5,6 +5,7 @@
 #define HMESH_HMESH_HPP
 
 #include "hmesh/core/version.hpp"
+#include "hmesh/io/html.hpp"
 #include "hmesh/io/ply.hpp"
 #include "hmesh/io/svg.hpp"
 #include "hmesh/mesh_image.hpp"
