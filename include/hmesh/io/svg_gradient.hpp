@@ -8,7 +8,8 @@
 // error is |d|^2 / 24, d the difference of colour between the ends of b's chord: between b and a point of the edge ac. Over
 // all directions that is least where that point has the colour nearest to b's: the foot of b on the line ac in the space of
 // colours. And over the choice of b it is least opposite to the longest side there, where the foot always is between a and
-// c. The stops are means of corner colours, so none leaves the range of colours.
+// c. The stops are means of corner colours, so none leaves the range of colours. Where |d| is a few steps of 8 bits, two stops
+// save a tenth of the file.
 #ifndef HMESH_IO_SVG_GRADIENT_HPP
 #define HMESH_IO_SVG_GRADIENT_HPP
 
@@ -118,6 +119,8 @@ struct ChannelGradient {
 
 // Red, green and blue of a face by the best gradient.
 struct FaceGradient {
+    static constexpr double least_miss = 4;  // steps of 8 bits, worth a third stop
+
     bool is_plain = true, has_middle = false;
     GradientLine line;
     Color4 first{}, middle{}, last{};
@@ -142,10 +145,17 @@ struct FaceGradient {
         middle_at = std::max(0.0, std::min(1.0, product(a, b, c) / longest));
         first = colors[a];
         last = colors[c];
+        Color4 miss{};  // between b and its foot
         for (std::size_t k = 0; k < 3; ++k) {
             const double foot = first[k] + middle_at * (last[k] - first[k]);
-            middle[k] = (colors[b][k] + foot) / 2;
-            has_middle = has_middle || std::abs(middle[k] - foot) >= least_range;
+            miss[k] = colors[b][k] - foot;
+            middle[k] = foot + miss[k] / 2;
+            has_middle = has_middle || std::abs(miss[k]) >= least_miss;
+        }
+        // Two stops do it on the line through the corners' mean: |d|^2 / 18 in place of |d|^2 / 24.
+        for (std::size_t k = 0; k < 3 && !has_middle; ++k) {
+            first[k] = std::max(0.0, std::min(255.0, first[k] + miss[k] / 3));
+            last[k] = std::max(0.0, std::min(255.0, last[k] + miss[k] / 3));
         }
         std::array<double, 3> values{};
         values[b] = middle_at;
