@@ -6,8 +6,10 @@
 
 #include "hmesh/core/version.hpp"
 #include "hmesh/io/gltf.hpp"
+#include "hmesh/io/html.hpp"
 #include "hmesh/io/obj.hpp"
 #include "hmesh/io/ply.hpp"
+#include "hmesh/io/svg.hpp"
 #include "hmesh/mesh/delaunay.hpp"
 #include "hmesh/mesh_image.hpp"
 #include "hmesh/render.hpp"
