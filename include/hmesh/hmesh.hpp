@@ -5,6 +5,8 @@
 #define HMESH_HMESH_HPP
 
 #include "hmesh/core/version.hpp"
+#include "hmesh/io/eps.hpp"
+#include "hmesh/io/pdf.hpp"
 #include "hmesh/io/ply.hpp"
 #include "hmesh/mesh_image.hpp"
 #include "hmesh/render.hpp"

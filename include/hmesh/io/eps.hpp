@@ -4,7 +4,7 @@
 // PostScript has no opacity: for 4 channels the colours of the vertices, straight with the fourth channel as opacity, are
 // laid over white paper, and the white is part of the picture. The same mesh gives the same bytes.
 //
-// Size in strips, an RGB mesh of 256 px or more: 25 bytes a vertex; deflated 14.
+// Size of an RGB mesh of 256 px or more: 26 bytes a vertex, deflated 15; without strips 74 and 20.
 #ifndef HMESH_IO_EPS_HPP
 #define HMESH_IO_EPS_HPP
 

@@ -4,7 +4,7 @@
 // begins anew with three vertices a, b, c; flag 1 adds d to make b, c, d; flag 2 adds d to make a, c, d. The newest vertex
 // is in both sides that can be shared, so any way from face to face that enters each by one side and leaves it by another
 // can be written. The walk goes to the neighbour that has the fewest ways on left (Akeley's rule, as in SGI's tomesh).
-// Meshes of images get strips of 40 to 100 faces, 1.02 to 1.05 vertices a face. Cost: about 0.15 us and 40 bytes a face,
+// Meshes of images get strips of 30 to 40 faces on average, 1.06 vertices a face. Cost: about 0.1 us and 60 bytes a face,
 // O(n log n) at worst.
 #ifndef HMESH_IO_STRIPS_HPP
 #define HMESH_IO_STRIPS_HPP
@@ -78,9 +78,10 @@ class StripWalk {
         for (std::uint32_t start = next_start(); start != no_face; start = next_start()) {
             path.clear();
             walk_from(start, path);
-            // A start with two ways out grows at both ends.
-            std::reverse(path.begin(), path.end());
-            if (const std::uint32_t more = way_on(start); more != no_face) walk_from(more, path);
+            if (const std::uint32_t more = way_on(start); more != no_face) {  // the strip grows at both ends
+                std::reverse(path.begin(), path.end());
+                walk_from(more, path);
+            }
             append(path, out);
         }
         return out;
