@@ -3,10 +3,10 @@
 // ISO 32000-1, 8.7.4.5.5: for each vertex an edge flag (strips.hpp), x, y and the colour components, most significant byte
 // first. Colours are interpolated in the shading's colour space: in DeviceRGB that is what hmesh fits.
 //
-// Coordinates count 1/256 px, the grid of hmesh's meshes: the range that /Decode maps to is chosen as whole pixels plus
-// (2^bits - 1) / 256, so that every position of the grid arrives exactly, corners and centre lines included; in 24 bits up
-// to 65535 px, in 16 below 256 px and in 32 beyond. 16 bits for all would save a tenth of the deflated size,
-// but move the vertices of a 512 px image by up to 1/128 px, which turns over thin faces. Components have 8 bits where the mesh's peak is 255, else 16 bits.
+// Coordinates count 1/256 px, the grid of hmesh's meshes: the range that /Decode maps to is whole pixels plus
+// (2^bits - 1) / 256, so that every position of the grid arrives exactly; in 24 bits up to 65535 px, in 16 below 256 px and
+// in 32 beyond. 16 bits for all would save a tenth of the deflated size, but move the vertices of a 512 px image by up to
+// 1/128 px, which turns over thin faces. Components have 8 bits where the mesh's peak is 255, else 16.
 #ifndef HMESH_IO_SHADING_STREAM_HPP
 #define HMESH_IO_SHADING_STREAM_HPP
 
