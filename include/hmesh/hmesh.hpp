@@ -5,9 +5,11 @@
 #define HMESH_HMESH_HPP
 
 #include "hmesh/core/version.hpp"
+#include "hmesh/io/eps.hpp"
 #include "hmesh/io/gltf.hpp"
 #include "hmesh/io/html.hpp"
 #include "hmesh/io/obj.hpp"
+#include "hmesh/io/pdf.hpp"
 #include "hmesh/io/ply.hpp"
 #include "hmesh/io/svg.hpp"
 #include "hmesh/mesh/delaunay.hpp"

@@ -1,0 +1,109 @@
+// hmesh - write_eps(): a mesh as encapsulated PostScript, language level 3.
+//
+// The shading of type 4 that write_pdf() draws (shading_stream.hpp), in ASCII: of the image's size, 1 px = 1/72 inch.
+// PostScript has no opacity: for 4 channels the colours of the vertices, straight with the fourth channel as opacity, are
+// laid over white paper, and the white is part of the picture. The same mesh gives the same bytes.
+//
+// Size of an RGB mesh of 256 px or more: 26 bytes a vertex, deflated 15; without strips 74 and 20.
+#ifndef HMESH_IO_EPS_HPP
+#define HMESH_IO_EPS_HPP
+
+#include <algorithm>
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include "hmesh/core/status.hpp"
+#include "hmesh/core/version.hpp"
+#include "hmesh/io/shading_stream.hpp"
+#include "hmesh/io/sink.hpp"
+#include "hmesh/io/strips.hpp"
+#include "hmesh/mesh/mesh_view.hpp"
+
+namespace hmesh {
+
+struct EpsOptions {
+    Deflate deflate = nullptr;  // compresses the mesh (shading_stream.hpp); none: it is written as it is
+    void* deflate_user = nullptr;
+    bool strips = true;  // faces share vertices with the one before; false: each by itself in the mesh's order
+};
+
+namespace detail {
+
+// Lines of at most 101 characters that ASCII85Decode reads, its end mark included.
+template <class Sink>
+void write_ascii85(Writer<Sink>& writer, const std::vector<unsigned char>& bytes) {
+    std::array<char, 102> line{};
+    std::size_t used = 0;
+    const auto end_line = [&] {
+        if (used == 0) return;
+        line[used++] = '\n';
+        writer.bytes(line.data(), used);
+        used = 0;
+    };
+    for (std::size_t i = 0; i < bytes.size(); i += 4) {
+        const std::size_t count = std::min<std::size_t>(4, bytes.size() - i);
+        std::uint32_t word = 0;
+        for (std::size_t k = 0; k < 4; ++k) word = word << 8U | (k < count ? std::uint32_t{bytes[i + k]} : 0U);
+        if (used >= 96) end_line();
+        std::array<char, 5> digits{};
+        for (std::size_t k = 5; k-- > 0; word /= 85) digits[k] = static_cast<char>('!' + word % 85);
+        // Four zeros are one letter; fewer than four bytes, one digit more than bytes. A line that began with % could be
+        // taken for a comment of the document's structure.
+        if (used == 0 && digits[0] == '%') line[used++] = ' ';
+        if (count == 4 && digits == std::array<char, 5>{'!', '!', '!', '!', '!'}) line[used++] = 'z';
+        else for (std::size_t k = 0; k <= count; ++k) line[used++] = digits[k];
+    }
+    end_line();
+    writer.text("~>\n");
+}
+
+}  // namespace detail
+
+// Writes the mesh to the sink (see sink.hpp). Colours are held to [0, peak]. Faces are drawn in another order than the
+// mesh's when in strips, which shows only where they overlap. A mesh of 2 or more than 4 channels, an empty one and others
+// that cannot be written give a Status and no byte, and so does a compressor that fails.
+template <class Sink>
+Status write_eps(const MeshView& mesh, Sink&& sink, const EpsOptions& options = {}) {
+    detail::ShadingLayout layout;
+    if (const Status status = detail::plan_shading(mesh, layout); !status) return status;
+    const auto channels = static_cast<std::size_t>(mesh.channels);
+    const int components = mesh.channels == 1 ? 1 : 3;
+
+    const auto share = [&](std::size_t v, std::size_t k) {
+        return std::max(0.0, std::min(1.0, static_cast<double>(mesh.colors[channels * v + k]) / mesh.peak));
+    };
+    const auto on_paper = [&](std::size_t v, int k) {
+        const double color = share(v, static_cast<std::size_t>(k));
+        return channels == 4 ? 1 - share(v, 3) * (1 - color) : color;
+    };
+    std::vector<unsigned char> bytes =
+        detail::shading_bytes(mesh, detail::strip_vertices(mesh, options.strips), layout, components, on_paper);
+    if (const Status status = detail::compress(options.deflate, options.deflate_user, bytes); !status) return status;
+
+    detail::Writer writer(sink);
+    const auto size = [&](const char* before, const char* after) {
+        writer.text(before);
+        writer.decimal(mesh.width);
+        writer.text(" ");
+        writer.decimal(mesh.height);
+        writer.text(after);
+    };
+    size("%!PS-Adobe-3.0 EPSF-3.0\n%%Creator: hmesh " HMESH_VERSION_STRING "\n%%BoundingBox: 0 0 ", "\n");
+    size("%%HiResBoundingBox: 0 0 ", "\n%%LanguageLevel: 3\n%%DocumentData: Clean7Bit\n%%Pages: 1\n%%EndComments\n");
+    size("%%Page: 1 1\ngsave\n0 0 ", " rectclip\n");
+    // Read as one procedure, so that what follows the drawing - skipping to the end of the data - is known before them.
+    writer.text("{ currentfile /ASCII85Decode filter dup");
+    if (options.deflate != nullptr) writer.text(" /FlateDecode filter");
+    writer.text("\n<< /DataSource 3 -1 roll\n");
+    detail::write_shading_entries(writer, layout, components);
+    writer.text(" >> shfill flushfile } exec\n");
+    detail::write_ascii85(writer, bytes);
+    writer.text("grestore\nshowpage\n%%Trailer\n%%EOF\n");
+    return writer.finish();
+}
+
+}  // namespace hmesh
+
+#endif  // HMESH_IO_EPS_HPP

@@ -1,0 +1,237 @@
+#include "hmesh/io/pdf.hpp"
+
+#include <doctest/doctest.h>
+
+#include <algorithm>
+#include <clocale>
+#include <cstddef>
+#include <cstdint>
+#include <cstdlib>
+#include <string>
+#include <vector>
+
+#include "test_shadings.hpp"
+
+using namespace hmesh_test;
+
+namespace {
+
+const auto write = [](const hmesh::MeshView& mesh, auto&& sink) { return hmesh::write_pdf(mesh, sink); };
+
+std::string written(const hmesh::MeshView& mesh, const hmesh::PdfOptions& options = {}) {
+    std::string text;
+    REQUIRE(hmesh::write_pdf(mesh, StringSink{&text}, options));
+    return text;
+}
+
+struct Object {
+    std::string entries, data;
+};
+
+// The objects of a file, found by its cross-reference table alone; [0] is the trailer.
+std::vector<Object> read_pdf(const std::string& file) {
+    REQUIRE(file.substr(0, 9) == "%PDF-1.4\n");
+    REQUIRE(file.substr(file.size() - 6) == "%%EOF\n");
+    const std::size_t start = file.rfind("startxref\n");
+    const std::size_t table = std::stoul(file.substr(start + 10));
+    REQUIRE(file.substr(table, 7) == "xref\n0 ");
+    const std::size_t count = std::stoul(file.substr(table + 7));
+    std::size_t entry = file.find('\n', table + 5) + 1;
+    REQUIRE(file.substr(entry, 20) == "0000000000 65535 f \n");
+    std::vector<Object> objects(1);
+    for (std::size_t i = 1; i < count; ++i) {
+        entry += 20;
+        REQUIRE(file.substr(entry + 10, 10) == " 00000 n \n");
+        const std::size_t at = std::stoul(file.substr(entry, 10));
+        const std::string head = std::to_string(i) + " 0 obj\n";
+        REQUIRE(file.substr(at, head.size()) == head);
+        Object object;
+        const std::size_t end = file.find("endobj\n", at), stream = file.find(">>\nstream\n", at);
+        if (stream < end) {
+            object.entries = file.substr(at, stream - at);
+            const auto length = static_cast<std::size_t>(numbers_after(object.entries, "/Length")[0]);
+            object.data = file.substr(stream + 10, length);
+            REQUIRE(file.substr(stream + 10 + length, 18) == "\nendstream\nendobj\n");
+        } else {
+            object.entries = file.substr(at, end - at);
+        }
+        objects.push_back(object);
+    }
+    REQUIRE(file.substr(entry + 20, 8) == "trailer\n");
+    objects[0].entries = file.substr(entry + 20, start - entry - 20);
+    CHECK(numbers_after(objects[0].entries, "/Size")[0] == static_cast<double>(count));
+    return objects;
+}
+
+// The object that `entries` name as `/Key n 0 R`.
+const Object& follow(const std::vector<Object>& objects, const std::string& entries, const std::string& key) {
+    const std::vector<double> reference = numbers_after(entries, key);
+    REQUIRE(reference.size() == 2);
+    const auto number = static_cast<std::size_t>(reference[0]);
+    REQUIRE(number > 0);
+    REQUIRE(number < objects.size());
+    return objects[number];
+}
+
+const Object& page_of(const std::vector<Object>& objects) {
+    const Object& pages = follow(objects, follow(objects, objects[0].entries, "/Root").entries, "/Pages");
+    CHECK(numbers_after(pages.entries, "/Count")[0] == 1);
+    return follow(objects, pages.entries, "/Kids");
+}
+
+template <int C>
+void check_read_back(const hmesh::Mesh<C>& mesh, double tolerance, const hmesh::PdfOptions& options = {}) {
+    const std::vector<Object> objects = read_pdf(written(mesh.view(), options));
+    const Object& page = page_of(objects);
+    CHECK(numbers_after(page.entries, "/MediaBox") ==
+          std::vector<double>{0, 0, static_cast<double>(mesh.width), static_cast<double>(mesh.height)});
+    CHECK(follow(objects, page.entries, "/Contents").data == "/S0 sh");
+    const Object& shading = follow(objects, page.entries, "/S0");
+    check_drawn(read_shading(shading.entries, shading.data), mesh.view(), C, tolerance, [&](std::size_t v, std::size_t k) {
+        return static_cast<double>(mesh.colors[C * v + k]) / mesh.peak;
+    });
+}
+
+constexpr double half_of_8 = 0.5 / 255 + 1e-9, half_of_16 = 0.5 / 65535 + 1e-9;
+
+}  // namespace
+
+TEST_CASE("a mesh of two faces is written as these bytes") {
+    hmesh::Mesh<3> mesh = two_faces<3>();
+    mesh.positions = {0, 0, 3, 0, 3, 2, 0, 1.5F};
+    mesh.colors = {0, 128, 255, 1, 2, 3, -5, 300, 99.5F, 99.4F, 0.4F, 254.6F};
+    const std::string head =
+        "%PDF-1.4\n%\xe2\xe3\xcf\xd3\n"
+        "1 0 obj\n<< /Producer (hmesh " HMESH_VERSION_STRING ") >>\nendobj\n"
+        "2 0 obj\n<< /Type /Catalog /Pages 3 0 R >>\nendobj\n"
+        "3 0 obj\n<< /Type /Pages /Kids [4 0 R] /Count 1 >>\nendobj\n"
+        "4 0 obj\n<< /Type /Page /Parent 3 0 R /MediaBox [0 0 3 2] /Contents 5 0 R\n"
+        "/Resources << /Shading << /S0 6 0 R >> >> >>\nendobj\n"
+        "5 0 obj\n<< \n/Length 6 >>\nstream\n/S0 sh\nendstream\nendobj\n"
+        "6 0 obj\n<< /ShadingType 4 /ColorSpace /DeviceRGB\n"
+        "/BitsPerCoordinate 16 /BitsPerComponent 8 /BitsPerFlag 8\n"
+        "/Decode [0 255.99609375 0 255.99609375 0 1 0 1 0 1]\n/Length 32 >>\nstream\n";
+    const Bytes vertices = {
+        0, 3, 0, 2, 0,    1,  2,   3,    // (3, 2), opposite of the side that the two faces share
+        0, 3, 0, 0, 0,    0,  255, 100,  // (3, 0)
+        0, 0, 0, 2, 0,    0,  128, 255,  // (0, 2)
+        1, 0, 0, 0, 0x80, 99, 0,   255,  // (0, 0.5)
+    };
+    std::string expected = head;
+    for (const unsigned char byte : vertices) expected += static_cast<char>(byte);
+    expected += "\nendstream\nendobj\n";
+    const std::string file = written(mesh.view());
+    REQUIRE(file.size() > expected.size());
+    CHECK(file.substr(0, expected.size()) == expected);
+    const std::string table = file.substr(expected.size());
+    CHECK(table.substr(0, 70) ==
+          "xref\n0 7\n0000000000 65535 f \n0000000015 00000 n \n0000000060 00000 n \n0");
+    CHECK(table.substr(table.find("trailer")) == "trailer\n<< /Size 7 /Root 2 0 R /Info 1 0 R >>\nstartxref\n" +
+                                                      std::to_string(expected.size()) + "\n%%EOF\n");
+}
+
+TEST_CASE("the triangles read back are the faces of the mesh, in strips and without") {
+    for (const bool strips : {true, false}) {
+        hmesh::PdfOptions options;
+        options.strips = strips;
+        check_read_back(two_faces<3>(), half_of_8, options);
+        check_read_back(two_faces<1>(), half_of_8, options);
+        hmesh::Mesh<3> single = two_faces<3>();
+        single.faces.pop_back();
+        check_read_back(single, half_of_8, options);
+        check_read_back(random_grid<3>(200, 150, 1, 30, 255, 1), half_of_8, options);
+        check_read_back(random_grid<3>(512, 384, 30, 20, 255, 2), half_of_8, options);
+        check_read_back(random_grid<1>(600, 30, 25, 12, 255, 3), half_of_8, options);
+    }
+}
+
+TEST_CASE("colours whose peak is not 255 are written with 16 bits") {
+    check_read_back(random_grid<3>(300, 200, 12, 8, 65535, 4), half_of_16);
+    check_read_back(random_grid<1>(300, 200, 12, 8, 1, 5), half_of_16);
+}
+
+TEST_CASE("positions of the 1/256 px grid arrive exactly in images of every size and outside of them") {
+    for (const int side : {1, 255, 256, 65535, 65536}) {
+        hmesh::Mesh<1> mesh = random_grid<1>(side, side, 2, 2, 255, 6);
+        check_read_back(mesh, half_of_8);
+        mesh.positions[0] = -1.25F;
+        mesh.positions[1] = static_cast<float>(side) + 7.00390625F;
+        check_read_back(mesh, half_of_8);
+    }
+    CHECK(written(random_grid<1>(255, 255, 1, 1, 255, 7).view()).find("/BitsPerCoordinate 16 ") != std::string::npos);
+    CHECK(written(random_grid<1>(256, 9, 1, 1, 255, 7).view()).find("/BitsPerCoordinate 24 ") != std::string::npos);
+    CHECK(written(random_grid<1>(9, 65536, 1, 1, 255, 7).view()).find("/BitsPerCoordinate 32 ") != std::string::npos);
+}
+
+TEST_CASE("strips need little more than one vertex a face") {
+    const hmesh::Mesh<3> mesh = random_grid<3>(512, 384, 40, 40, 255, 8);
+    const std::vector<Object> objects = read_pdf(written(mesh.view()));
+    const std::size_t bytes = follow(objects, page_of(objects).entries, "/S0").data.size();
+    CHECK(bytes < 10 * mesh.face_count() * 11 / 10);
+    CHECK(bytes >= 10 * (mesh.face_count() + 2));
+}
+
+TEST_CASE("4 channels are colours drawn straight, masked as a whole by a shading of the fourth") {
+    const hmesh::Mesh<4> mesh = random_grid<4>(300, 200, 12, 8, 255, 9);
+    const std::vector<Object> objects = read_pdf(written(mesh.view()));
+    const Object& page = page_of(objects);
+    CHECK(follow(objects, page.entries, "/Contents").data == "/G0 gs /X0 Do");
+    const Object& group = follow(objects, page.entries, "/X0");
+    const Object& mask = follow(objects, follow(objects, page.entries, "/G0").entries, "/SMask << /S /Luminosity /G");
+    CHECK(mask.entries.find("/Group << /S /Transparency /CS /DeviceGray") != std::string::npos);
+    const auto share = [&](std::size_t v, std::size_t k) { return static_cast<double>(mesh.colors[4 * v + k]) / 255; };
+    for (const Object* form : {&group, &mask}) {
+        CHECK(form->entries.find("/Subtype /Form") != std::string::npos);
+        CHECK(form->data == "/S0 sh");
+        CHECK(numbers_after(form->entries, "/BBox") == std::vector<double>{0, 0, 300, 200});
+    }
+    const Object& colors = follow(objects, group.entries, "/S0");
+    const Object& alpha = follow(objects, mask.entries, "/S0");
+    check_drawn(read_shading(colors.entries, colors.data), mesh.view(), 3, half_of_8, share);
+    check_drawn(read_shading(alpha.entries, alpha.data), mesh.view(), 1, half_of_8,
+                [&](std::size_t v, std::size_t) { return share(v, 3); });
+}
+
+TEST_CASE("a compressor is used for the mesh, and where it fails there is a Status and no byte") {
+    const hmesh::Mesh<4> mesh = random_grid<4>(400, 300, 60, 40, 255, 10);  // more than one block of 65535 bytes
+    hmesh::Mesh<3> opaque = random_grid<3>(400, 300, 60, 40, 255, 10);
+    int calls = 0;
+    hmesh::PdfOptions options;
+    options.strips = false;
+    options.deflate = store;
+    options.deflate_user = &calls;
+    const std::vector<Object> objects = read_pdf(written(mesh.view(), options));
+    CHECK(calls == 2);
+    options.deflate = nullptr;
+    const std::vector<Object> plain = read_pdf(written(mesh.view(), options));
+    for (const std::size_t i : {6U, 10U}) {
+        CHECK(objects[i].entries.find("/Filter /FlateDecode") != std::string::npos);
+        CHECK(plain[i].entries.find("/Filter") == std::string::npos);
+        REQUIRE(plain[i].data.size() > 65535);
+        CHECK(unstored(objects[i].data) == plain[i].data);
+    }
+    for (const hmesh::Deflate bad : {fail_to_compress, compress_to_nothing}) {
+        options.deflate = bad;
+        std::string text;
+        for (const hmesh::MeshView& view : {mesh.view(), opaque.view()}) {
+            const hmesh::Status status = hmesh::write_pdf(view, StringSink{&text}, options);
+            CHECK(status.code == hmesh::Errc::write_failed);
+            CHECK(status.got == 0);
+            CHECK(text.empty());
+        }
+    }
+}
+
+TEST_CASE("a sink that refuses after k bytes gets no more and is reported, for all k") {
+    check_refusing_sinks(random_grid<4>(64, 48, 16, 12, 255, 11).view(), write);
+}
+
+TEST_CASE("a mesh that cannot be written gives a Status and no byte") { check_refusals(write); }
+
+TEST_CASE("the bytes do not depend on the locale") {
+    const hmesh::Mesh<3> mesh = random_grid<3>(300, 200, 12, 8, 255, 12);
+    const std::string before = written(mesh.view());
+    for (const char* name : {"de_DE.UTF-8", "de_DE", "fr_FR.UTF-8", "C.UTF-8"})
+        if (std::setlocale(LC_ALL, name) != nullptr) CHECK(written(mesh.view()) == before);
+    std::setlocale(LC_ALL, "C");
+}
