@@ -17,6 +17,7 @@
 
 #include "test_executors.hpp"
 #include "test_images.hpp"
+#include "test_meshing.hpp"
 #include "test_results.hpp"
 
 using hmesh::Effort;
@@ -35,11 +36,11 @@ void check_repeatable(const Image<T, C>& image, const Options& options) {
     const Image<T, C> copy = image;
     { const std::vector<double> dirt(100000, 12345.678); CHECK(dirt.back() > 0); }
     CHECK(hmesh_test::same_bytes(mesh_image(copy.view(), options), first));
-    CHECK(hmesh_test::same_bytes(mesh_image(image.view(), options, hmesh_test::ReverseFor{}), first));
-    for (const std::uint64_t seed : {1U, 2U})
-        CHECK(hmesh_test::same_bytes(mesh_image(image.view(), options, hmesh_test::ShuffledFor{seed}), first));
-    for (const unsigned threads : {2U, 7U})
-        CHECK(hmesh_test::same_bytes(mesh_image(image.view(), options, hmesh_test::ThreadFor{threads}), first));
+    for (const hmesh_test::AnyFor& executor :
+         {hmesh_test::AnyFor(hmesh_test::ReverseFor{}), hmesh_test::AnyFor(hmesh_test::ShuffledFor{1}),
+          hmesh_test::AnyFor(hmesh_test::ShuffledFor{2}), hmesh_test::AnyFor(hmesh_test::ThreadFor{2}),
+          hmesh_test::AnyFor(hmesh_test::ThreadFor{7})})
+        CHECK(hmesh_test::same_bytes(mesh_image(image.view(), options, executor), first));
 }
 template <class T, int C>
 void check_repeatable(const Image<T, C>& image, Target target, Effort effort, int sweeps = 8) {
@@ -94,22 +95,18 @@ TEST_CASE("a search for a PSNR gives the same bytes, reached or not") {
 }
 
 TEST_CASE("every index of a stage is handed out once") {
-    struct Counting {
-        bool* once;
-        void operator()(std::size_t n, const std::function<void(std::size_t)>& body) const {
-            std::set<std::size_t> seen;
-            for (std::size_t i = n; i-- > 0;) {
-                *once = *once && seen.insert(i).second;
-                body(i);
-            }
+    bool once = true;
+    const hmesh_test::AnyFor counting = [&](std::size_t n, const std::function<void(std::size_t)>& body) {
+        std::set<std::size_t> seen;
+        for (std::size_t i = n; i-- > 0;) {
+            once = once && seen.insert(i).second;
+            body(i);
         }
     };
     const auto image = hmesh_test::scene<std::uint8_t, 3>(48, 40, 3);
-    bool once = true;
     Options options;
     options.target = Target::vertices(100);
-    CHECK(
-        hmesh_test::same_bytes(mesh_image(image.view(), options, Counting{&once}), mesh_image(image.view(), options)));
+    CHECK(hmesh_test::same_bytes(mesh_image(image.view(), options, counting), mesh_image(image.view(), options)));
     CHECK(once);
 }
 

@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "test_images.hpp"
+#include "test_meshing.hpp"
 #include "test_results.hpp"
 
 using hmesh::Effort;

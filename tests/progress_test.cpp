@@ -17,6 +17,7 @@
 #include "hmesh/core/random.hpp"
 #include "hmesh/mesh_image.hpp"
 #include "test_images.hpp"
+#include "test_meshing.hpp"
 #include "test_results.hpp"
 
 using hmesh::Effort;

@@ -10,6 +10,7 @@
 #include "hmesh/mesh_image.hpp"
 #include "test_executors.hpp"
 #include "test_images.hpp"
+#include "test_meshing.hpp"
 #include "test_results.hpp"
 
 using hmesh::Effort;

@@ -1,0 +1,3 @@
+#include "test_meshing.hpp"
+
+HMESH_TEST_MESHING_4()
