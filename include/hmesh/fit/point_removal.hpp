@@ -14,7 +14,6 @@
 #include <cstdint>
 #include <vector>
 
-#include "hmesh/core/assert.hpp"
 #include "hmesh/core/indexed_heap.hpp"
 #include "hmesh/fit/image_mesh.hpp"
 #include "hmesh/mesh/hole_filler.hpp"
