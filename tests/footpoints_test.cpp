@@ -164,7 +164,8 @@ void check_feet(double color_extent, std::uint64_t seed, Seen& seen) {
     CAPTURE(C);
     Random random(seed);
     for (int k = 0; k < 1500; ++k) {
-        const std::array<LiftedPoint<C>, 3> face = {random_point<C>(random, 10, color_extent), random_point<C>(random, 10, color_extent),
+        const std::array<LiftedPoint<C>, 3> face = {random_point<C>(random, 10, color_extent),
+                                                    random_point<C>(random, 10, color_extent),
                                                     random_point<C>(random, 10, color_extent)};
         LiftedPoint<C> pixel = random_point<C>(random, 10, color_extent);
         if (k % 3 == 0) pixel = between(between(face[0], face[1], random.uniform()), face[2], random.uniform());
@@ -220,7 +221,8 @@ TEST_CASE("a foot point on a sliver is the nearest point too") {
 TEST_CASE("a triangle without area has a nearest point as well: of a segment, or of a point") {
     Random random(6);
     for (int k = 0; k < 500; ++k) {
-        const LiftedPoint<3> a = random_point<3>(random, 10, 255), b = random_point<3>(random, 10, 255), pixel = random_point<3>(random, 10, 255);
+        const LiftedPoint<3> a = random_point<3>(random, 10, 255), b = random_point<3>(random, 10, 255),
+                             pixel = random_point<3>(random, 10, 255);
         check_foot<3>({a, a, a}, pixel, 1e-14L);
         check_foot<3>({a, a, b}, pixel, 1e-14L);
         check_foot<3>({a, b, a}, pixel, 1e-14L);
@@ -254,9 +256,9 @@ namespace {
 
 // The K of foot points, an entry a corner, with what tells how near these are.
 struct Columns {
-    Eigen::SparseMatrix<double> k;    // n_v by n_p
+    Eigen::SparseMatrix<double> k;      // n_v by n_p
     Eigen::VectorXd weight, distance2;  // by pixel
-    MatrixXd image, centres;          // n_p by C, n_p by 2
+    MatrixXd image, centres;            // n_p by C, n_p by 2
 };
 
 enum class Reach { own, ring, all };
@@ -284,26 +286,28 @@ Columns naive_columns(const ImageMesh<C>& mesh, Reach reach, double color_scale)
         for (const Face g : topology.faces())
             if (reach == Reach::all || g == f || (reach == Reach::ring && share_vertex(f, g))) within.push_back(g);
         const auto owner = topology.vertices(f);
-        hmesh_test::for_each_pixel(width, height, mesh.position(owner[0]), mesh.position(owner[1]), mesh.position(owner[2]), [&](int i, int j) {
-            hmesh::Color<C> image;
-            mesh.table().pixel(i, j, image);
-            const LiftedPoint<C> pixel{{i + 0.5, j + 0.5}, image * color_scale};
-            Foot<C> best;
-            std::array<Vertex, 3> at{};
-            for (const Face g : within) {
-                const auto v = topology.vertices(g);
-                const Foot<C> foot = exhaustive_foot<C>({vector_of<C>(lifted(v[0])), vector_of<C>(lifted(v[1])), vector_of<C>(lifted(v[2]))},
-                                                        vector_of<C>(pixel));
-                if (foot.distance < best.distance) best = foot, at = v;
-            }
-            const Index p = j * width + i;
-            for (std::size_t k = 0; k < 3; ++k)
-                entries.emplace_back(rows[at[k].index()], static_cast<int>(p), static_cast<double>(best.weights[k]));
-            columns.weight[p] = mesh.table().weight(i, j);
-            columns.distance2[p] = static_cast<double>(best.distance * best.distance);
-            for (int k = 0; k < C; ++k) columns.image(p, k) = image[k];
-            columns.centres.row(p) << i + 0.5, j + 0.5;
-        });
+        hmesh_test::for_each_pixel(
+            width, height, mesh.position(owner[0]), mesh.position(owner[1]), mesh.position(owner[2]), [&](int i, int j) {
+                hmesh::Color<C> image;
+                mesh.table().pixel(i, j, image);
+                const LiftedPoint<C> pixel{{i + 0.5, j + 0.5}, image * color_scale};
+                Foot<C> best;
+                std::array<Vertex, 3> at{};
+                for (const Face g : within) {
+                    const auto v = topology.vertices(g);
+                    const Foot<C> foot =
+                        exhaustive_foot<C>({vector_of<C>(lifted(v[0])), vector_of<C>(lifted(v[1])), vector_of<C>(lifted(v[2]))},
+                                           vector_of<C>(pixel));
+                    if (foot.distance < best.distance) best = foot, at = v;
+                }
+                const Index p = j * width + i;
+                for (std::size_t k = 0; k < 3; ++k)
+                    entries.emplace_back(rows[at[k].index()], static_cast<int>(p), static_cast<double>(best.weights[k]));
+                columns.weight[p] = mesh.table().weight(i, j);
+                columns.distance2[p] = static_cast<double>(best.distance * best.distance);
+                for (int k = 0; k < C; ++k) columns.image(p, k) = image[k];
+                columns.centres.row(p) << i + 0.5, j + 0.5;
+            });
     }
     columns.k.resize(static_cast<Index>(mesh.vertex_count()), pixels);
     columns.k.setFromTriplets(entries.begin(), entries.end());
@@ -324,7 +328,8 @@ struct Sums {
 template <int C>
 double distances(const ImageMesh<C>& mesh, const Columns& pixels, const Sums<C>& sums, double scale) {
     const MatrixXd v = hmesh::position_matrix(mesh), c = hmesh::color_matrix(mesh);
-    const MatrixXd weighted_centres = pixels.weight.asDiagonal() * pixels.centres, weighted_image = pixels.weight.asDiagonal() * pixels.image;
+    const MatrixXd weighted_centres = pixels.weight.asDiagonal() * pixels.centres,
+                   weighted_image = pixels.weight.asDiagonal() * pixels.image;
     const double positions = weighted_centres.cwiseProduct(pixels.centres).sum() - 2 * v.cwiseProduct(sums.positions).sum() +
                              v.cwiseProduct(sums.gram * v).sum();
     const double colors = weighted_image.cwiseProduct(pixels.image).sum() - 2 * c.cwiseProduct(sums.image).sum() +
@@ -342,7 +347,8 @@ void check_sums(const ImageMesh<C>& mesh, double scale) {
         const double total = distances(mesh, columns, sums, scale);
         if (search != FootSearch::plane) {
             const Eigen::SparseMatrix<double> weighted = columns.k * columns.weight.asDiagonal();
-            const MatrixXd gram = MatrixXd(weighted * columns.k.transpose()), positions = weighted * columns.centres, image = weighted * columns.image;
+            const MatrixXd gram = MatrixXd(weighted * columns.k.transpose()), positions = weighted * columns.centres,
+                           image = weighted * columns.image;
             CHECK(largest(sums.gram - gram) <= 1e-9 * largest(gram));
             CHECK(largest(sums.positions - positions) <= 1e-9 * largest(positions));
             CHECK(largest(sums.image - image) <= 1e-9 * largest(image));
@@ -410,7 +416,8 @@ TEST_CASE("where the mesh shows the image exactly, pixels are their own foot poi
 }
 
 TEST_CASE("foot_sums of samples as large as floats go are finite") {
-    Subject<float, 3> subject(hmesh_test::scaled(hmesh_test::noise<float, 3>(30, 24, 7), 3.4e38), hmesh_test::jittered_grid(30, 24, 4, 4, 7));
+    Subject<float, 3> subject(hmesh_test::scaled(hmesh_test::noise<float, 3>(30, 24, 7), 3.4e38),
+                              hmesh_test::jittered_grid(30, 24, 4, 4, 7));
     for (const FootSearch search : {FootSearch::own_face, FootSearch::one_ring}) {
         const Sums<3> sums(subject.mesh, hmesh::foot_sums(subject.mesh, search, 255e3));
         CHECK((sums.gram.allFinite() && sums.positions.allFinite() && sums.image.allFinite()));

@@ -38,7 +38,8 @@ using hmesh_test::Weighted;
 namespace {
 
 bool is_held(const GeometrySystem& system, Index row, Index column) {
-    return std::any_of(system.held.begin(), system.held.end(), [&](const auto& entry) { return entry.row == row && entry.column == column; });
+    return std::any_of(system.held.begin(), system.held.end(),
+                       [&](const auto& entry) { return entry.row == row && entry.column == column; });
 }
 
 // The solution with what is held taken out of the system as known, factorised column by column; and in `residual` that of
@@ -88,7 +89,8 @@ void check_system(const ImageMesh<C>& mesh, FootSearch search, double color_scal
     double residual = 0;
     const MatrixXd expected = factorised(system, solution, residual);
     CHECK(report.converged);
-    for (Index k = 0; k < expected.cols(); ++k) CHECK((solution.col(k) - expected.col(k)).norm() <= 1e-6 * expected.col(k).norm());
+    for (Index k = 0; k < expected.cols(); ++k)
+        CHECK((solution.col(k) - expected.col(k)).norm() <= 1e-6 * expected.col(k).norm());
     CHECK(std::abs(report.residual - residual) <= 1e-12);
     // What is held are the corners, and border vertices across their side.
     std::size_t held = 0;
@@ -168,7 +170,8 @@ void check_steps_on(const hmesh::Image<T, C>& image, int columns, int rows, std:
             GeometryStep options;
             options.search = search;
             options.rule = rule;
-            const double peak = hmesh::PixelTraits<T>::peak, slack = 1e-9 * subject.mesh.energy() + 1e-12 * hmesh_test::squares(image);
+            const double peak = hmesh::PixelTraits<T>::peak,
+                         slack = 1e-9 * subject.mesh.energy() + 1e-12 * hmesh_test::squares(image);
             const std::size_t count = check_steps(subject.mesh, options, peak, slack);
             if (search == FootSearch::plane) CHECK(count == 0);
             hmesh_test::prove(subject);
@@ -179,7 +182,8 @@ void check_steps_on(const hmesh::Image<T, C>& image, int columns, int rows, std:
 template <int C>
 double lifted_distance(const ImageMesh<C>& mesh, FootSearch search, double scale) {
     const auto corners = hmesh::foot_sums(mesh, search, scale);
-    const MatrixXd gram(hmesh::gram_matrix(mesh.topology(), corners)), v = hmesh::position_matrix(mesh), c = hmesh::color_matrix(mesh);
+    const MatrixXd gram(hmesh::gram_matrix(mesh.topology(), corners)), v = hmesh::position_matrix(mesh),
+                                                                       c = hmesh::color_matrix(mesh);
     double sum = v.cwiseProduct(gram * v - 2 * hmesh::position_rhs<C>(mesh.topology(), corners)).sum() +
                  scale * scale * c.cwiseProduct(gram * c - 2 * hmesh::image_rhs<C>(mesh.topology(), corners)).sum();
     for (int y = 0; y < mesh.height(); ++y)
@@ -260,7 +264,8 @@ TEST_CASE("steps do no harm where there is little to do: constant and affine pic
 
 TEST_CASE("a picture that the mesh shows exactly moves no vertex") {
     Subject<float, 3> affine(hmesh_test::affine_image<float, 3>(40, 30), hmesh_test::jittered_grid(40, 30, 6, 5, 29));
-    Subject<std::uint8_t, 3> constant(hmesh_test::constant_image<std::uint8_t, 3>(40, 30, 0.8), hmesh_test::jittered_grid(40, 30, 6, 5, 30));
+    Subject<std::uint8_t, 3> constant(hmesh_test::constant_image<std::uint8_t, 3>(40, 30, 0.8),
+                                      hmesh_test::jittered_grid(40, 30, 6, 5, 30));
     for (int k = 0; k < 3; ++k) hmesh::optimal_colors(affine.mesh, {500, 1e-13});
     for (const StepRule rule : {StepRule::safeguarded, StepRule::literal})
         for (const FootSearch search : {FootSearch::own_face, FootSearch::one_ring}) {
@@ -280,12 +285,14 @@ TEST_CASE("steps bear samples as large as floats go") {
 TEST_CASE("steps over weighted tables lower the weighted energy") {
     for (const FootSearch search : {FootSearch::own_face, FootSearch::one_ring})
         for (const StepRule rule : {StepRule::safeguarded, StepRule::literal}) {
-            Weighted<std::uint8_t, 3> subject(hmesh_test::scene<std::uint8_t, 3>(44, 36, 41), hmesh_test::random_weights(44, 36, 41),
+            Weighted<std::uint8_t, 3> subject(hmesh_test::scene<std::uint8_t, 3>(44, 36, 41),
+                                              hmesh_test::random_weights(44, 36, 41),
                                               hmesh_test::jittered_grid(44, 36, 8, 7, 41));
             GeometryStep options;
             options.search = search;
             options.rule = rule;
-            const double slack = 1e-9 * subject.mesh.energy() + 1e-12 * hmesh_test::squares(subject.image), before = subject.mesh.energy();
+            const double slack = 1e-9 * subject.mesh.energy() + 1e-12 * hmesh_test::squares(subject.image),
+                         before = subject.mesh.energy();
             CHECK(check_steps(subject.mesh, options, 255, slack) > 20);
             CHECK(std::abs(subject.mesh.energy() - hmesh_test::weighted_energy(subject)) <= slack);
             if (rule == StepRule::safeguarded) CHECK(subject.mesh.energy() < 0.8 * before);
@@ -297,7 +304,8 @@ TEST_CASE("vertices among pixels that do not count stay where they are") {
     for (int y = 0; y < 40; ++y)
         for (int x = 0; x < 24; ++x) *weights.pixel(x, y) = 0;
     for (const FootSearch search : {FootSearch::own_face, FootSearch::one_ring}) {
-        Weighted<float, 3> subject(hmesh_test::noise<float, 3>(48, 40, 42), weights, hmesh_test::jittered_grid(48, 40, 12, 10, 42));
+        Weighted<float, 3> subject(hmesh_test::noise<float, 3>(48, 40, 42), weights,
+                                   hmesh_test::jittered_grid(48, 40, 12, 10, 42));
         const ImageMesh<3>& mesh = subject.mesh;
         const auto is_blind = [&](Vertex v) {
             hmesh::RingWork<3> work;
@@ -336,7 +344,8 @@ TEST_CASE("the safeguard gains more than colours alone do") {
 TEST_CASE("taken literally, a step brings the mesh nearer to the pixels in position and colour") {
     for (const FootSearch search : {FootSearch::own_face, FootSearch::one_ring})
         for (const double scale : {0.05, 0.3, 1.0}) {
-            Subject<std::uint8_t, 3> subject(hmesh_test::scene<std::uint8_t, 3>(60, 48, 52), hmesh_test::jittered_grid(60, 48, 7, 6, 52));
+            Subject<std::uint8_t, 3> subject(hmesh_test::scene<std::uint8_t, 3>(60, 48, 52),
+                                             hmesh_test::jittered_grid(60, 48, 7, 6, 52));
             GeometryStep options;
             options.search = search;
             options.rule = StepRule::literal;

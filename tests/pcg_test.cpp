@@ -58,7 +58,8 @@ Reduced reduce(const MatrixXd& a, const MatrixXd& b, const MatrixXd& x, const st
     Reduced reduced;
     MatrixXd given = MatrixXd::Zero(a.rows(), 1);
     for (Index i = 0; i < a.rows(); ++i) {
-        const bool is_held = std::any_of(held.begin(), held.end(), [&](const auto& e) { return e.row == i && e.column == column; });
+        const bool is_held =
+            std::any_of(held.begin(), held.end(), [&](const auto& e) { return e.row == i && e.column == column; });
         if (is_held) given(i, 0) = x(i, column);
         else reduced.rows.push_back(i);
     }

@@ -197,8 +197,8 @@ TEST_CASE("a cost is the rise of the energy to the Delaunay triangulation withou
 
 TEST_CASE("a cost over a weighted table is the rise of the weighted energy") {
     for (std::uint64_t seed = 1; seed <= 3; ++seed) {
-        Weighted<std::uint8_t, 3> subject(hmesh_test::noise<std::uint8_t, 3>(37, 31, seed), hmesh_test::random_weights(37, 31, seed),
-                                          generic_points(37, 31, 30, 10, seed));
+        Weighted<std::uint8_t, 3> subject(hmesh_test::noise<std::uint8_t, 3>(37, 31, seed),
+                                          hmesh_test::random_weights(37, 31, seed), generic_points(37, 31, 30, 10, seed));
         const double slack = 1e-9 * subject.mesh.energy() + 1e-12 * hmesh_test::squares(subject.image);
         PointRemoval<3> removal(subject.mesh);
         for (const std::size_t count : {40U, 25U, 10U}) {
@@ -223,7 +223,8 @@ TEST_CASE("each time the cheapest of all vertices goes, as when all costs are fo
             std::vector<std::pair<double, Vertex>> naive;
             for (const Vertex v : mesh.topology().vertices())
                 if (mesh.vertex(v).mobility != Mobility::fixed) naive.push_back({energy_without(mesh, v), v});
-            const auto best = *std::min_element(naive.begin(), naive.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
+            const auto best =
+                *std::min_element(naive.begin(), naive.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
             REQUIRE(removal.remove_down_to(mesh.vertex_count() - 1) == 1);
             REQUIRE(mesh.topology().is_deleted(best.second));
             REQUIRE(std::abs(mesh.energy() - best.first) <= hmesh_test::rounding(subject));
@@ -253,7 +254,8 @@ TEST_CASE("points in line and on circles go down to the four corners: faces with
 TEST_CASE("what is affine costs nothing, so the border between two affine pictures is what stays") {
     // Steps of 1/64 in a float image: the picture is affine left of x = 16 and constant to the right, and so are colours.
     const auto level = [](double x) { return x < 16 ? x / 64 : 0.25; };
-    Subject<float, 1> subject(hmesh_test::draw<float, 1>(32, 16, [&](int x, int, int) { return level(x + 0.5); }), lattice(32, 16, 2));
+    Subject<float, 1> subject(hmesh_test::draw<float, 1>(32, 16, [&](int x, int, int) { return level(x + 0.5); }),
+                              lattice(32, 16, 2));
     std::vector<Color<1>> colors(subject.mesh.topology().vertex_slots(), Color<1>::zero());
     for (const Vertex v : subject.mesh.topology().vertices()) colors[v.index()].set(0, level(subject.mesh.position(v).x));
     subject.mesh.set_colors(colors);
@@ -275,7 +277,8 @@ TEST_CASE("a vertex with too many neighbours for a ring stays until some of thes
         points.push_back(hmesh::snap(Point{30 + radius * std::cos(angle), 30 + radius * std::sin(angle)}));
     }
     points.push_back({30, 30});
-    Subject<std::uint8_t, 3> subject(hmesh_test::noise<std::uint8_t, 3>(60, 60, 31), triangulation_of(hmesh::triangulate(60, 60, points)));
+    Subject<std::uint8_t, 3> subject(hmesh_test::noise<std::uint8_t, 3>(60, 60, 31),
+                                     triangulation_of(hmesh::triangulate(60, 60, points)));
     ImageMesh<3>& mesh = subject.mesh;
     Vertex hub;
     for (const Vertex v : mesh.topology().vertices())

@@ -86,12 +86,14 @@ bool step_toward(ImageMesh<C>& mesh, Vertex v, Point target, int halvings, RingW
     // A ring without weight wants nothing, though pixels next to it may have their foot points there.
     if (mesh.table().is_weighted() && !(ring_weight(work.ring, work.spokes) > least_weight)) return false;
     double before = 0;
-    for (int i = work.ring.first_face(); i < work.ring.size; ++i) before += mesh.energy(mesh.topology().face(work.ring.halfedge[i]));
+    for (int i = work.ring.first_face(); i < work.ring.size; ++i)
+        before += mesh.energy(mesh.topology().face(work.ring.halfedge[i]));
     const Point from = state.position;
     Centre<C> best{from, state.color, before * (1 - 1e-9)};  // gains of the size of rounding are none
     double share = 1;
     for (int k = 0; k <= halvings; ++k, share *= 0.5) {
-        const Point trial = mesh.clamp({from.x + share * (target.x - from.x), from.y + share * (target.y - from.y)}, state.mobility);
+        const Point part{from.x + share * (target.x - from.x), from.y + share * (target.y - from.y)};
+        const Point trial = mesh.clamp(part, state.mobility);
         if (trial == from) break;
         if (!work.ring.accepts(trial, limits.min_cross)) continue;
         walk_spokes(mesh.table(), work.ring, trial, work.trial_spokes);
@@ -128,7 +130,8 @@ bool step_unfolded(ImageMesh<C>& mesh, Vertex v, Point target, RingWork<C>& work
     const Point from = state.position;
     double share = 1;
     for (int k = 0; k < 6; ++k, share *= 0.5) {
-        const Point trial = mesh.clamp({from.x + share * (target.x - from.x), from.y + share * (target.y - from.y)}, state.mobility);
+        const Point part{from.x + share * (target.x - from.x), from.y + share * (target.y - from.y)};
+        const Point trial = mesh.clamp(part, state.mobility);
         if (trial == from) return true;
         if (!work.ring.accepts(trial, mesh.limits().min_cross)) continue;
         mesh.place(v, trial, state.color);
