@@ -8,7 +8,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
 #include <cstdint>
+#include <vector>
 
 #include "hmesh/core/random.hpp"
 #include "hmesh/fit/barycentric.hpp"
@@ -44,6 +46,33 @@ double worst_residual(const Sparse& a, const MatrixXd& b, const MatrixXd& x) {
     for (Index k = 0; k < b.cols(); ++k)
         if (b.col(k).norm() > 0) worst = std::max(worst, (b.col(k) - a * x.col(k)).norm() / b.col(k).norm());
     return worst;
+}
+
+// What is left of each column when its held entries are taken out of the system as known: by rows, with right-hand side.
+struct Reduced {
+    std::vector<Index> rows;
+    MatrixXd matrix, rhs;
+};
+
+Reduced reduce(const MatrixXd& a, const MatrixXd& b, const MatrixXd& x, const std::vector<hmesh::HeldEntry>& held, Index column) {
+    Reduced reduced;
+    MatrixXd given = MatrixXd::Zero(a.rows(), 1);
+    for (Index i = 0; i < a.rows(); ++i) {
+        const bool is_held =
+            std::any_of(held.begin(), held.end(), [&](const auto& e) { return e.row == i && e.column == column; });
+        if (is_held) given(i, 0) = x(i, column);
+        else reduced.rows.push_back(i);
+    }
+    const MatrixXd rhs = b.col(column) - a * given;
+    const auto n = static_cast<Index>(reduced.rows.size());
+    reduced.matrix.resize(n, n);
+    reduced.rhs.resize(n, 1);
+    for (Index i = 0; i < n; ++i) {
+        const Index row = reduced.rows[static_cast<std::size_t>(i)];
+        reduced.rhs(i, 0) = rhs(row, 0);
+        for (Index j = 0; j < n; ++j) reduced.matrix(i, j) = a(row, reduced.rows[static_cast<std::size_t>(j)]);
+    }
+    return reduced;
 }
 
 }  // namespace
@@ -205,4 +234,67 @@ TEST_CASE("singular, indefinite and empty systems give no NaN") {
     CHECK(hmesh::solve_pcg(Sparse(0, 0), MatrixXd(0, 3), none).converged);
     MatrixXd no_columns(3, 0);
     CHECK(hmesh::solve_pcg(zero, MatrixXd(3, 0), no_columns).converged);
+}
+
+TEST_CASE("held entries keep their bits, and the others solve the system without them, column by column") {
+    hmesh::Random random(11);
+    for (const Index n : {1, 2, 9, 60}) {
+        const MatrixXd dense = random_spd(n, random), start = random_matrix(n, 4, random);
+        MatrixXd b = random_matrix(n, 4, random);
+        std::vector<hmesh::HeldEntry> held;  // none in column 0, all in column 3
+        for (Index i = 0; i < n; ++i)
+            for (Index k = 1; k < 4; ++k)
+                if (k == 3 || random.below(3) == 0) held.push_back({i, k});
+        for (const hmesh::HeldEntry& entry : held) b(entry.row, entry.column) = 1e300;
+        MatrixXd x = start;
+        const hmesh::PcgReport report = hmesh::solve_pcg(dense.sparseView(), b, x, {2000, 1e-12}, held);
+        CAPTURE(n);
+        CHECK(report.converged);
+        for (const hmesh::HeldEntry& entry : held) CHECK(x(entry.row, entry.column) == start(entry.row, entry.column));
+        double residual = 0;
+        for (Index k = 0; k < 4; ++k) {
+            const Reduced reduced = reduce(dense, b, start, held, k);
+            if (reduced.rows.empty()) continue;
+            const MatrixXd expected = reduced.matrix.ldlt().solve(reduced.rhs);
+            MatrixXd actual(expected.rows(), 1);
+            for (Index i = 0; i < actual.rows(); ++i) actual(i, 0) = x(reduced.rows[static_cast<std::size_t>(i)], k);
+            CHECK((actual - expected).norm() <= 1e-8 * expected.norm());
+            residual = std::max(residual, (reduced.rhs - reduced.matrix * actual).norm() / reduced.rhs.norm());
+        }
+        CHECK(report.residual <= 1e-12);
+        CHECK(std::abs(report.residual - residual) <= 1e-13);
+    }
+}
+
+TEST_CASE("held entries are what the residual is relative to, whatever the right-hand side") {
+    hmesh::Random random(12);
+    const MatrixXd dense = random_spd(40, random), start = random_matrix(40, 3, random);
+    MatrixXd b = random_matrix(40, 3, random);
+    b.col(0).setZero();   // only what is held asks for something
+    b.col(1) *= 1e-9;     // far less than what is held
+    const std::vector<hmesh::HeldEntry> held = {{3, 0}, {17, 0}, {5, 1}, {0, 2}};
+    for (const double tolerance : {1e-3, 1e-10}) {
+        MatrixXd x = start;
+        const hmesh::PcgReport report = hmesh::solve_pcg(dense.sparseView(), b, x, {2000, tolerance}, held);
+        CHECK(report.converged);
+        double residual = 0;
+        for (Index k = 0; k < 3; ++k) {
+            const Reduced reduced = reduce(dense, b, start, held, k);
+            MatrixXd actual(static_cast<Index>(reduced.rows.size()), 1);
+            for (Index i = 0; i < actual.rows(); ++i) actual(i, 0) = x(reduced.rows[static_cast<std::size_t>(i)], k);
+            residual = std::max(residual, (reduced.rhs - reduced.matrix * actual).norm() / reduced.rhs.norm());
+        }
+        CHECK(residual <= tolerance);
+        CHECK(report.residual == doctest::Approx(residual).epsilon(1e-3));
+    }
+}
+
+TEST_CASE("entries held at zero beside a right-hand side of zero give zero, at once") {
+    hmesh::Random random(13);
+    MatrixXd x = random_matrix(20, 1, random);
+    x(4, 0) = 0;
+    const hmesh::PcgReport report = hmesh::solve_pcg(random_spd(20, random).sparseView(), MatrixXd::Zero(20, 1), x, {}, {{4, 0}});
+    CHECK(report.converged);
+    CHECK(report.iterations == 0);
+    CHECK(x.isZero(0));
 }

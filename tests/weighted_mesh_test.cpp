@@ -17,6 +17,7 @@
 #include "hmesh/image/weights.hpp"
 #include "test_images.hpp"
 #include "test_meshes.hpp"
+#include "test_weighted.hpp"
 
 using hmesh::Color;
 using hmesh::Face;
@@ -25,47 +26,10 @@ using hmesh::ImageMesh;
 using hmesh::MomentTable;
 using hmesh::PixelTraits;
 using hmesh::Vertex;
+using hmesh_test::Weighted;
+using hmesh_test::weighted_energy;
 
 namespace {
-
-// An image with weights, their table, and a mesh over it.
-template <class T, int C>
-struct Weighted {
-    Image<T, C> image;
-    Image<float, 1> weights;
-    double unit;
-    MomentTable<C> table;
-    ImageMesh<C> mesh;
-
-    Weighted(Image<T, C> picture, Image<float, 1> counts, const hmesh_test::Triangulation& triangulation)
-        : image(std::move(picture)), weights(std::move(counts)), unit(hmesh::weight_unit(weights.view())),
-          table(image.view(), weights.view(), unit, image.view().bounds()),
-          mesh(table, PixelTraits<T>::lowest, PixelTraits<T>::highest) {
-        REQUIRE(mesh.assign(triangulation.positions, triangulation.triangles));
-    }
-    Weighted(const Weighted&) = delete;
-    Weighted& operator=(const Weighted&) = delete;
-};
-
-template <class T, int C>
-double weighted_energy(const Weighted<T, C>& subject) {
-    double energy = 0;
-    const ImageMesh<C>& mesh = subject.mesh;
-    const hmesh::WeightScale scale(subject.unit, mesh.width(), mesh.height());
-    for (const Face f : mesh.topology().faces()) {
-        const auto v = mesh.topology().vertices(f);
-        const auto &a = mesh.vertex(v[0]), &b = mesh.vertex(v[1]), &c = mesh.vertex(v[2]);
-        hmesh_test::for_each_pixel(mesh.width(), mesh.height(), a.position, b.position, c.position, [&](int i, int j) {
-            const double weight = scale(*subject.weights.pixel(i, j));
-            for (int k = 0; k < C; ++k) {
-                const double residual = hmesh_test::interpolate(a, b, c, i + 0.5, j + 0.5, k) -
-                                        static_cast<double>(subject.image.pixel(i, j)[k]);
-                energy += weight * residual * residual;
-            }
-        });
-    }
-    return energy;
-}
 
 // 0 left of the middle, or everywhere, else random.
 Image<float, 1> half_zero(int width, int height, std::uint64_t seed) {

@@ -25,7 +25,9 @@ struct PcgOptions {
 
 struct PcgReport {
     int iterations = 0;
-    double residual = 0;  // max over columns of |b - A x| / |b|, computed from the x returned
+    // max over columns of |b - A x| / |b|, computed from the x returned; both without the rows that are held, and b less what
+    // these contribute
+    double residual = 0;
     bool converged = false;
 };
 
@@ -65,7 +67,7 @@ inline void column_dots(const RowMajorMatrix& a, const RowMajorMatrix& b, std::v
 // Solves A X = B. A: n by n, self-adjoint, positive semidefinite, both triangles stored. B: n by k. X: n by k, on entry
 // where to start, on return the solution. A column of B that is 0 has the solution 0. A row whose diagonal is not
 // positive (a vertex without pixels) leaves its row of X as it was. So do entries that `held` names, by row and column:
-// the others are then solved for with these given, all columns with the one matrix.
+// the others are then solved for with these given, all columns with the one matrix; B may be anything in such entries.
 inline PcgReport solve_pcg(const Eigen::SparseMatrix<double>& a, const Eigen::MatrixXd& b, Eigen::MatrixXd& x,
                            const PcgOptions& options = {}, const std::vector<HeldEntry>& held = {}) {
     HMESH_ASSERT(a.rows() == a.cols() && b.rows() == a.rows() && x.rows() == b.rows() && x.cols() == b.cols());
@@ -84,14 +86,23 @@ inline PcgReport solve_pcg(const Eigen::SparseMatrix<double>& a, const Eigen::Ma
     const auto width = static_cast<std::size_t>(columns);
     std::vector<double> norm(width), rr(width), rz(width), rz_before(width), steps(width), reference(width);
     std::vector<unsigned char> runs(width, 1);
-    detail::column_dots(rhs, rhs, norm);
-    for (std::size_t k = 0; k < width; ++k) {
-        norm[k] = std::sqrt(norm[k]);
-        if (norm[k] == 0 && held.empty()) solution.col(static_cast<Eigen::Index>(k)).setZero();
-    }
     const auto release = [&](detail::RowMajorMatrix& rows) {  // what is held has no residual
         for (const HeldEntry& entry : held) rows(entry.row, entry.column) = 0;
     };
+    direction.setZero();  // for now the solution's held entries
+    for (const HeldEntry& entry : held) direction(entry.row, entry.column) = solution(entry.row, entry.column);
+    residual = rhs;
+    if (!held.empty()) {
+        detail::multiply(a, direction, product);
+        residual -= product;
+        release(residual);
+    }
+    detail::column_dots(residual, residual, norm);
+    for (std::size_t k = 0; k < width; ++k) {
+        const auto column = static_cast<Eigen::Index>(k);
+        norm[k] = std::sqrt(norm[k]);
+        if (norm[k] == 0) solution.col(column) = direction.col(column);
+    }
     const auto is_small = [&](std::size_t k) { return std::sqrt(rr[k]) <= options.tolerance * norm[k]; };
     const auto measure = [&] {  // r r, and r z with z = r / diagonal
         std::fill(rr.begin(), rr.end(), 0.0);

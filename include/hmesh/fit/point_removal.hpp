@@ -14,7 +14,6 @@
 #include <cstdint>
 #include <vector>
 
-#include "hmesh/core/assert.hpp"
 #include "hmesh/core/indexed_heap.hpp"
 #include "hmesh/fit/image_mesh.hpp"
 #include "hmesh/mesh/hole_filler.hpp"
@@ -50,7 +49,8 @@ class PointRemoval {
     void rate(Vertex v) {
         const auto id = static_cast<std::uint32_t>(v.index());
         const Mobility mobility = mesh_->vertex(v).mobility;
-        const bool can_go = mobility != Mobility::fixed && mobility != Mobility::frozen && mesh_->topology().valence(v) <= ring_capacity;
+        const bool can_go =
+            mobility != Mobility::fixed && mobility != Mobility::frozen && mesh_->topology().valence(v) <= ring_capacity;
         if (can_go) costs_.push(id, fill(v));
         else if (costs_.contains(id)) costs_.erase(id);
     }
@@ -75,7 +75,8 @@ class PointRemoval {
             Moments<C> m = sides_[ear.after];
             m += sides_[ear.tip];
             if (k + 1 < count) {
-                edge_moments(mesh_->table(), ring_.neighbour[ear.after]->position, ring_.neighbour[ear.before]->position, diagonals_[k]);
+                edge_moments(mesh_->table(), ring_.neighbour[ear.after]->position, ring_.neighbour[ear.before]->position,
+                             diagonals_[k]);
                 m -= diagonals_[k];
                 sides_[ear.after] = diagonals_[k];
             } else {
