@@ -124,12 +124,12 @@ struct Named {
 
 std::string resolution(const View& view) { return std::to_string(view.width) + " x " + std::to_string(view.height); }
 
-// The part of `view` of at most `side` x `side` pixels that is nearest to its centre, 0, or to corner 1 to 4.
+// The part of a packed `view` of at most `side` x `side` pixels that is nearest to its centre, 0, or to corner 1 to 4.
 View part(const View& view, int side, int which) {
     const int width = std::min(side, view.width), height = std::min(side, view.height);
     const int x = which == 0 ? (view.width - width) / 2 : which % 2 == 1 ? 0 : view.width - width;
     const int y = which == 0 ? (view.height - height) / 2 : which <= 2 ? 0 : view.height - height;
-    return {view.pixel(x, y), width, height, reinterpret_cast<const char*>(view.row(1)) - reinterpret_cast<const char*>(view.row(0))};
+    return {view.pixel(x, y), width, height, std::ptrdiff_t{3} * view.width};
 }
 
 constexpr const char* part_names[] = {"centre", "top left", "top right", "bottom left", "bottom right"};
@@ -271,7 +271,8 @@ std::vector<Variant> all_variants() {
     xie("xie: as it is", [](hmesh::XieOptions&) {});
     xie("xie: 1 round", [](hmesh::XieOptions& o) { o.rounds = 1; });
     xie("xie: 1 round, 1 visit a vertex", [](hmesh::XieOptions& o) { o.rounds = o.search.visits = 1; });
-    xie("xie: 1 round, 1 visit, steps of 1 px", [](hmesh::XieOptions& o) { o.rounds = o.search.visits = o.search.first_step = 1; });
+    xie("xie: 1 round, 1 visit, steps of 1 px",
+        [](hmesh::XieOptions& o) { o.rounds = o.search.visits = o.search.first_step = 1; });
     xie("xie: density 6", [](hmesh::XieOptions& o) { o.start.density = 6; });
     add(hmesh::Method::xie, "xie: optimal colours", [](hmesh::Options& options) { options.colors = Colors::optimal; });
 
