@@ -19,7 +19,6 @@
 #include <cstdint>
 #include <cstdio>
 #include <cstdlib>
-#include <ctime>
 #include <new>
 #include <optional>
 #include <string>
@@ -28,12 +27,14 @@
 
 #include <hmesh/hmesh.hpp>
 
-#include "image_file.hpp"
+#include "common.hpp"
 #include "thread_pool.hpp"
 
 #include <malloc.h>
 
 namespace {
+
+using bench::Picture;
 
 // --- memory: every allocation of the program is counted, on any thread ---
 std::atomic<std::size_t> allocated{0}, most_allocated{0};
@@ -50,49 +51,8 @@ void count_out(void* p) {
     std::free(p);
 }
 
-// Of all threads together, as POSIX says.
-double processor_seconds() { return static_cast<double>(std::clock()) / CLOCKS_PER_SEC; }
-
 double wall_seconds() {
     return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
-}
-
-// --- FNV-1a, 64 bits: http://www.isthe.com/chongo/tech/comp/fnv/ ---
-constexpr std::uint64_t empty_hash = 0xcbf29ce484222325U;
-
-template <class Value>
-void add_to_hash(const std::vector<Value>& values, std::uint64_t& hash) {
-    const auto* bytes = reinterpret_cast<const unsigned char*>(values.data());
-    for (std::size_t i = 0; i < values.size() * sizeof(Value); ++i) hash = (hash ^ bytes[i]) * 0x100000001b3U;
-}
-
-std::uint64_t hash_of(const hmesh::Mesh<3>& mesh, std::uint64_t hash = empty_hash) {
-    add_to_hash(mesh.positions, hash);
-    add_to_hash(mesh.colors, hash);
-    add_to_hash(mesh.faces, hash);
-    return hash;
-}
-
-std::vector<std::string> split(const std::string& list) {
-    std::vector<std::string> parts;
-    std::size_t start = 0;
-    for (std::size_t comma; (comma = list.find(',', start)) != std::string::npos; start = comma + 1)
-        parts.push_back(list.substr(start, comma - start));
-    parts.push_back(list.substr(start));
-    return parts;
-}
-
-bool effort_of(const std::string& name, hmesh::Effort& effort) {
-    const std::pair<const char*, hmesh::Effort> names[] = {{"draft", hmesh::Effort::draft},
-                                                           {"fast", hmesh::Effort::fast},
-                                                           {"normal", hmesh::Effort::normal},
-                                                           {"best", hmesh::Effort::best}};
-    for (const auto& [known, value] : names)
-        if (name == known) {
-            effort = value;
-            return true;
-        }
-    return false;
 }
 
 // --- what to measure ---
@@ -124,10 +84,10 @@ bool parse(int argc, char** argv, Plan& plan) {
         if (i + 1 == argc) return false;
         const std::string value = argv[++i];
         if (argument == "--rates" || argument == "--vertices") {
-            plan.sizes = split(value);
+            plan.sizes = bench::split(value);
             plan.by_vertices = argument == "--vertices";
-        } else if (argument == "--efforts") plan.efforts = split(value);
-        else if (argument == "--seeds") plan.seeds = split(value);
+        } else if (argument == "--efforts") plan.efforts = bench::split(value);
+        else if (argument == "--seeds") plan.seeds = bench::split(value);
         else if (argument == "--repeat") plan.repeats = std::max(1, to_int(value));
         else if (argument == "--threads") plan.threads = static_cast<unsigned>(std::clamp(to_int(value), 0, 1024));
         else if (argument != "--mosaic" || !parse_grid(value, plan.columns, plan.rows)) return false;
@@ -136,21 +96,6 @@ bool parse(int argc, char** argv, Plan& plan) {
 }
 
 // --- images ---
-using Picture = hmesh::Image<std::uint8_t, 3>;
-
-// Reads 3 channels of 8 bits. Says why not.
-std::optional<Picture> read(const std::string& path) {
-    example::ImageFile file;
-    const std::string why = example::read_image(path, file);
-    if (!why.empty() || file.channels != 3 || file.bits != 8) {
-        std::fprintf(stderr, "table: %s: %s\n", path.c_str(), why.empty() ? "not 3 channels of 8 bits" : why.c_str());
-        return {};
-    }
-    Picture picture(file.width, file.height);
-    picture.samples() = std::move(file.samples8);
-    return picture;
-}
-
 // By 90 degrees, clockwise.
 Picture turned(const Picture& from) {
     Picture to(from.height(), from.width());
@@ -176,7 +121,7 @@ Picture mosaic_of(const std::vector<Picture>& tiles, int columns, int rows) {
 std::optional<Picture> read_mosaic(const Plan& plan) {
     std::vector<Picture> tiles;
     for (const std::string& path : plan.images) {
-        std::optional<Picture> picture = read(path);
+        std::optional<Picture> picture = bench::read("table", path);
         if (!picture) return {};
         const int width = tiles.empty() ? picture->width() : tiles[0].width();
         const int height = tiles.empty() ? picture->height() : tiles[0].height();
@@ -197,7 +142,7 @@ std::optional<Picture> read_mosaic(const Plan& plan) {
 struct Row {
     std::size_t vertices = 0, bytes = 0;
     double psnr = 0, cpu_seconds = 1e300, wall_seconds = 1e300;
-    std::uint64_t hash = empty_hash;
+    std::uint64_t hash = bench::empty_hash;
     const char* fault = nullptr;  // why there are no figures
 };
 
@@ -210,12 +155,12 @@ Row measure(const Picture& image, hmesh::Options options, const Plan& plan, cons
         for (int k = 0; k < plan.repeats; ++k) {
             const std::size_t before = allocated;
             most_allocated = before;
-            const double cpu_start = processor_seconds(), wall_start = wall_seconds();
+            const double cpu_start = bench::processor_seconds(), wall_start = wall_seconds();
             const auto result = hmesh::mesh_image(image.view(), options, pool);
             row.wall_seconds = std::min(row.wall_seconds, wall_seconds() - wall_start);
-            row.cpu_seconds = std::min(row.cpu_seconds, processor_seconds() - cpu_start);
+            row.cpu_seconds = std::min(row.cpu_seconds, bench::processor_seconds() - cpu_start);
             row.bytes = std::max(row.bytes, most_allocated - before);
-            const std::uint64_t hash = hash_of(result.mesh);
+            const std::uint64_t hash = bench::hash_of(result.mesh);
             if (!result.status) row.fault = result.status.what;
             else if (k > 0 && hash != first) row.fault = "two runs gave different meshes";
             if (row.fault != nullptr) return row;
@@ -223,7 +168,7 @@ Row measure(const Picture& image, hmesh::Options options, const Plan& plan, cons
             if (k > 0) continue;
             row.vertices = result.report.vertices;
             row.psnr += result.report.psnr / static_cast<double>(plan.seeds.size());
-            row.hash = hash_of(result.mesh, row.hash);
+            row.hash = bench::hash_of(result.mesh, row.hash);
         }
     }
     return row;
@@ -237,7 +182,7 @@ int tabulate(const std::string& name, const Picture& image, const Plan& plan, co
             hmesh::Options options;
             options.target = plan.by_vertices ? hmesh::Target::vertices(std::atoll(size.c_str()))
                                               : hmesh::Target::rate(std::atof(size.c_str()));
-            if (!effort_of(effort, options.effort)) {
+            if (!bench::effort_of(effort, options.effort)) {
                 std::fprintf(stderr, "table: no effort is called %s\n", effort.c_str());
                 return 2;
             }
@@ -286,11 +231,9 @@ int main(int argc, char** argv) {
         return tabulate("mosaic of " + size, *image, plan, pool);
     }
     for (const std::string& path : plan.images) {
-        const std::optional<Picture> image = read(path);
+        const std::optional<Picture> image = bench::read("table", path);
         if (!image) return 1;
-        const std::size_t slash = path.find_last_of('/');
-        const std::string name = path.substr(slash == std::string::npos ? 0 : slash + 1);
-        if (const int status = tabulate(name, *image, plan, pool); status != 0) return status;
+        if (const int status = tabulate(bench::file_name(path), *image, plan, pool); status != 0) return status;
     }
     return 0;
 }
