@@ -8,10 +8,12 @@
 #include <cstdint>
 #include <cstring>
 #include <limits>
+#include <string>
 #include <utility>
 #include <vector>
 
 #include "test_images.hpp"
+#include "test_methods.hpp"
 #include "test_results.hpp"
 
 using hmesh::Effort;
@@ -55,6 +57,56 @@ template <class T, int C>
 void check_refused(const ImageView<T, C>& view, Errc code) {
     for (const Effort effort : {Effort::draft, Effort::normal})
         check_refused(mesh_image(view, options_of(Target::vertices(4), effort)), code);
+}
+
+using hmesh::Method;
+constexpr Method other_methods[] = {Method::hierarchical, Method::xie, Method::adams, Method::adaptive_thinning};
+
+Options options_of(Target target, Method method) {
+    Options options;
+    options.target = target;
+    options.method = method;
+    return options;
+}
+
+// Valid meshes with any count from 4 to one vertex a pixel, by all methods but annealed.
+template <class T, int C>
+void mesh_with_other_methods(const Image<T, C>& image) {
+    const std::size_t pixels = image.samples().size() / C, most = std::max<std::size_t>(4, pixels);
+    for (const Method method : other_methods)
+        for (const std::size_t n : {std::size_t{4}, std::min<std::size_t>(most, 5), std::max<std::size_t>(4, pixels / 7), most}) {
+            CAPTURE(static_cast<int>(method));
+            CAPTURE(n);
+            const Target target = Target::vertices(static_cast<std::int64_t>(n));
+            hmesh_test::prove_result(image, mesh_image(image.view(), options_of(target, method)), n);
+        }
+}
+
+// The weighted error of the mesh as it is drawn, and whether the report agrees.
+template <class T, int C>
+bool is_weighted_report_true(const Image<T, C>& image, const Image<float, 1>& weights, const Result<C>& result) {
+    Image<float, C> drawn;
+    REQUIRE(hmesh::render(result.mesh.view(), drawn));
+    const hmesh::WeightScale scale(hmesh::weight_unit(weights.view()), image.width(), image.height());
+    double energy = 0, squares = 0;
+    for (std::size_t k = 0; k < drawn.samples().size(); ++k) {
+        const double sample = static_cast<double>(image.samples()[k]), weight = scale(weights.samples()[k / C]);
+        const double difference = static_cast<double>(drawn.samples()[k]) - sample;
+        energy += weight * difference * difference;
+        squares += sample * sample;
+    }
+    return result.report.energy >= 0 && std::abs(result.report.energy - energy) <= 2.3e-4 * energy + 1e-10 * squares;
+}
+
+// The image under a vertex: the mean of the pixels around, each by its share of a unit square around the place.
+double bilinear(const Image<std::uint8_t, 1>& image, float at_x, float at_y) {
+    const double x = std::clamp(static_cast<double>(at_x), 0.5, image.width() - 0.5);
+    const double y = std::clamp(static_cast<double>(at_y), 0.5, image.height() - 0.5);
+    double sum = 0;
+    for (int j = 0; j < image.height(); ++j)
+        for (int i = 0; i < image.width(); ++i)
+            sum += *image.pixel(i, j) * std::max(0.0, 1 - std::abs(x - i - 0.5)) * std::max(0.0, 1 - std::abs(y - j - 0.5));
+    return sum;
 }
 
 Image<std::uint8_t, 3> small_scene() { return hmesh_test::scene<std::uint8_t, 3>(24, 20, 3); }
@@ -521,4 +573,151 @@ TEST_CASE("a recipe of one's own takes the place of the effort's, with the optio
     CHECK(hmesh_test::same_bytes(mesh_image(image.view(), own), mesh_of(image, Target::vertices(40), Effort::fast)));
     own.annealed->growth = not_a_number;
     check_refused(mesh_image(image.view(), own), Errc::invalid_argument);
+}
+
+TEST_CASE("the other methods mesh images of 1 to 6 by 1 to 6 pixels, and of one or two rows or columns") {
+    for_each_tiny_size([](int width, int height) {
+        const auto seed = static_cast<std::uint64_t>(width + 7 * height);
+        mesh_with_other_methods(hmesh_test::noise<std::uint8_t, 1>(width, height, seed));
+        mesh_with_other_methods(hmesh_test::constant_image<float, 2>(width, height, 0.3));
+    });
+    for (const auto& [width, height] : {std::pair{1, 70}, {70, 1}, {2, 45}, {45, 2}})
+        for (const auto& image : hmesh_test::hard_pictures<std::uint8_t, 1>(width, height)) mesh_with_other_methods(image);
+}
+
+TEST_CASE("the other methods mesh pictures of ties, of flat parts and of lines") {
+    for (const auto& image : hmesh_test::hard_pictures<std::uint8_t, 1>(24, 17)) mesh_with_other_methods(image);
+    for (const auto& image : hmesh_test::hard_pictures<float, 1>(14, 13)) mesh_with_other_methods(image);
+}
+
+TEST_CASE("the other methods mesh every sample type, numbers of channels, floats of any size and sign") {
+    mesh_with_other_methods(hmesh_test::scene<std::uint8_t, 3>(20, 16, 1));
+    mesh_with_other_methods(hmesh_test::scene<std::uint8_t, 4>(20, 16, 1));
+    mesh_with_other_methods(hmesh_test::scene<std::uint16_t, 1>(20, 16, 1));
+    mesh_with_other_methods(hmesh_test::noise<std::uint16_t, 3>(20, 16, 1));
+    for (const double factor : {3.4e38, 1e30, 7.0, 1e-30}) {
+        CAPTURE(factor);
+        Image<float, 1> image = hmesh_test::noise<float, 1>(14, 12, 4);
+        for (float& sample : image.samples()) sample = static_cast<float>(factor * (2 * static_cast<double>(sample) - 1));
+        mesh_with_other_methods(image);
+    }
+}
+
+TEST_CASE("the other methods count pixels by their weights, zeros among them") {
+    const auto image = hmesh_test::scene<std::uint8_t, 3>(24, 18, 3);
+    for (const double factor : {1.0, 0.0}) {
+        Image<float, 1> weights = hmesh_test::random_weights(24, 18, 5);
+        for (float& weight : weights.samples()) weight *= static_cast<float>(factor);
+        for (const Method method : other_methods)
+            for (const auto colors : {hmesh::Colors::optimal, hmesh::Colors::sampled})
+                for (const std::int64_t n : {4, 40, 432}) {
+                    Options options = options_of(Target::vertices(n), method);
+                    options.weights = weights.view();
+                    options.colors = colors;
+                    const auto result = mesh_image(image.view(), options);
+                    CHECK(result.status);
+                    CHECK(result.report.vertices == static_cast<std::size_t>(n));
+                    CHECK(hmesh_test::flaw_of(result.mesh.view(), 24, 18) == "");
+                    CHECK(is_weighted_report_true(image, weights, result));
+                }
+    }
+}
+
+TEST_CASE("padding between rows and rows stored bottom up change no byte of what the other methods make") {
+    const auto image = hmesh_test::scene<std::uint16_t, 3>(30, 22, 2);
+    for (const Method method : other_methods) {
+        const auto packed = mesh_image(image.view(), options_of(Target::vertices(40), method));
+        for (const bool bottom_up : {false, true}) {
+            const hmesh_test::PaddedCopy<std::uint16_t, 3> copy(image, 7, bottom_up, 12345);
+            CHECK(hmesh_test::same_bytes(mesh_image(copy.view(), options_of(Target::vertices(40), method)), packed));
+        }
+    }
+}
+
+TEST_CASE("colours are those asked for: of the image under the vertices, or no worse") {
+    const auto image = hmesh_test::scene<std::uint8_t, 1>(40, 30, 3);
+    for (const Method method : {Method::annealed, Method::hierarchical, Method::xie, Method::adams, Method::adaptive_thinning})
+        for (const bool round : {false, true}) {
+            CAPTURE(static_cast<int>(method));
+            Options options = options_of(Target::vertices(70), method);
+            options.round_colors = round;
+            options.colors = hmesh::Colors::sampled;
+            CHECK(final_colors(options) == hmesh::Colors::sampled);
+            const auto sampled = mesh_image(image.view(), options);
+            options.colors = hmesh::Colors::optimal;
+            CHECK(final_colors(options) == hmesh::Colors::optimal);
+            const auto optimal = mesh_image(image.view(), options);
+            options.colors.reset();
+            const bool samples = method == Method::xie || method == Method::adams || method == Method::adaptive_thinning;
+            CHECK(final_colors(options) == (samples ? hmesh::Colors::sampled : hmesh::Colors::optimal));
+            CHECK(hmesh_test::same_bytes(mesh_image(image.view(), options), samples ? sampled : optimal));
+            hmesh_test::prove_result(image, sampled, 70, round);
+            hmesh_test::prove_result(image, optimal, 70, round);
+            CHECK(sampled.mesh.positions == optimal.mesh.positions);
+            CHECK(optimal.report.energy < sampled.report.energy);
+            double worst = 0;
+            for (std::size_t v = 0; v < 70; ++v) {
+                const double color = bilinear(image, sampled.mesh.positions[2 * v], sampled.mesh.positions[2 * v + 1]);
+                worst = std::max(worst, std::abs(color - static_cast<double>(sampled.mesh.colors[v])));
+            }
+            CHECK(worst <= (round ? 0.5 + 1e-4 : 1e-4));
+        }
+}
+
+TEST_CASE("the other methods reach a PSNR, and say so where they cannot") {
+    const auto image = hmesh_test::scene<std::uint8_t, 1>(40, 30, 3);
+    for (const Method method : other_methods) {
+        const auto result = mesh_image(image.view(), options_of(Target::psnr(28), method));
+        hmesh_test::prove_result(image, result, result.report.vertices);
+        CHECK(result.report.psnr >= 28);
+        CHECK(result.report.vertices < 1200);
+        const auto most = mesh_image(image.view(), options_of(Target::psnr(200), method));
+        CHECK(most.status.code == Errc::target_out_of_range);
+        hmesh_test::prove_report(image, most);
+    }
+}
+
+TEST_CASE("options of the method asked for are checked, those of others are not read") {
+    const auto image = small_scene();
+    Options options = options_of(Target::vertices(20), Method::annealed);
+    options.adams.density = not_a_number;
+    options.xie.rounds = -1;
+    options.hierarchical.levels = 0;
+    const auto what = [&](Method method) {
+        options.method = method;
+        const auto result = mesh_image(image.view(), options);
+        if (!result.status) check_refused(result, Errc::invalid_argument);
+        return std::string(result.status.what);
+    };
+    CHECK(what(Method::annealed).empty());
+    CHECK(what(Method::adaptive_thinning).empty());
+    CHECK(what(Method::adams).find("adams.density") == 0);
+    CHECK(what(Method::xie).find("xie.rounds") == 0);
+    CHECK(what(Method::hierarchical).find("hierarchical.levels") == 0);
+}
+
+TEST_CASE("a method that is none of those known is refused") {
+    const auto image = small_scene();
+    for (const int bad : {5, 255}) {
+        const Options options = options_of(Target::vertices(20), static_cast<Method>(bad));
+        check_refused(mesh_image(image.view(), options), Errc::invalid_argument);
+    }
+}
+
+TEST_CASE("adaptive thinning of more than 2^22 pixels is refused before a pixel is read") {
+    const std::uint8_t pixel[3] = {};
+    const auto status_of = [&](int width, int height, Method method) {
+        Options options = options_of(Target::vertices(4), method);
+        options.hierarchical.levels = 0;  // or it would go on
+        return mesh_image(ImageView<std::uint8_t, 3>{pixel, width, height, 0}, options).status;
+    };
+    for (const auto& [width, height] : {std::pair{2049, 2048}, {65536, 65}, {1 << 14, 1 << 14}}) {
+        const auto status = status_of(width, height, Method::adaptive_thinning);
+        CHECK(status.code == Errc::image_too_large);
+        CHECK(status.got == std::int64_t{width} * height);
+        CHECK(status.want == hmesh::adaptive_thinning_pixels);
+        CHECK(status_of(width, height, Method::hierarchical).code == Errc::invalid_argument);
+    }
+    Options largest = options_of(Target::vertices(4), Method::adaptive_thinning);
+    CHECK(hmesh::detail::check_options(largest, hmesh::adaptive_thinning_pixels));
 }

@@ -84,12 +84,7 @@ std::vector<std::string> check_calls(const std::vector<Recorder::Call>& calls) {
 }
 
 template <class T, int C>
-void cancel_everywhere(const hmesh::Image<T, C>& image, Target target, Effort effort, std::size_t stride = 1,
-                       int tile = 0) {
-    Options options;
-    options.target = target;
-    options.effort = effort;
-    options.tile = tile;
+void cancel_everywhere(const hmesh::Image<T, C>& image, Options options, std::size_t stride = 1) {
     Recorder all;
     options.progress = all.progress();
     const auto whole = hmesh::mesh_image(image.view(), options);
@@ -109,6 +104,33 @@ void cancel_everywhere(const hmesh::Image<T, C>& image, Target target, Effort ef
         CHECK(result.report.vertices >= 4);
         if (k == 0) first = result.report.energy;
         CHECK(result.report.energy <= 1.2 * first);
+    }
+}
+template <class T, int C>
+void cancel_everywhere(const hmesh::Image<T, C>& image, Target target, Effort effort, std::size_t stride = 1,
+                       int tile = 0) {
+    Options options;
+    options.target = target;
+    options.effort = effort;
+    options.tile = tile;
+    cancel_everywhere(image, options, stride);
+}
+
+// Runs body(options) for each of the methods that annealed is compared with, with a little of everything they can do.
+template <class Body>
+void for_each_other_method(std::int64_t vertices, Body&& body) {
+    using hmesh::Method;
+    for (const Method method : {Method::hierarchical, Method::xie, Method::adams, Method::adaptive_thinning}) {
+        CAPTURE(static_cast<int>(method));
+        Options options;
+        options.target = Target::vertices(vertices);
+        options.method = method;
+        options.hierarchical.levels = 3;
+        body(options);
+        if (method != Method::hierarchical) continue;
+        options.hierarchical.start_filtered = false;
+        options.hierarchical.geometry.rule = hmesh::StepRule::literal;
+        body(options);
     }
 }
 
@@ -313,6 +335,28 @@ TEST_CASE("mesh_image reports each stage from 0 to 1 without a step back, and it
     }
 }
 
+TEST_CASE("the methods that annealed is compared with report their stages alike") {
+    const auto image = hmesh_test::scene<std::uint8_t, 3>(40, 36, 2);
+    for_each_other_method(60, [&](Options& options) {
+        Recorder recorder;
+        options.progress = recorder.progress();
+        const auto result = hmesh::mesh_image(image.view(), options);
+        hmesh_test::prove_result(image, result, 60);
+        const std::vector<std::string> stages = check_calls(recorder.calls);
+        REQUIRE(stages.size() == result.report.stages.size());
+        for (std::size_t k = 0; k < stages.size(); ++k) {
+            const hmesh::StageReport& stage = result.report.stages[k];
+            CHECK(stages[k] == stage.name);
+            CHECK(stage.psnr == psnr_of_energy(stage.energy, 40 * 36 * 3, 255));
+            CHECK(stage.energy > 0);
+        }
+        CHECK(stages.back() == "colors");
+        CHECK(result.report.stages.back().energy == result.report.energy);
+        options.progress = {};
+        CHECK(hmesh_test::same_bytes(hmesh::mesh_image(image.view(), options), result));
+    });
+}
+
 TEST_CASE("pictures without error, one vertex a pixel and the smallest images report their stages alike") {
     const auto check_image = [](const auto& image, std::int64_t vertices) {
         for (const Effort effort : {Effort::draft, Effort::fast, Effort::normal}) {
@@ -359,6 +403,16 @@ TEST_CASE("cancelled at any call, mesh_image returns a valid mesh and a report t
     cancel_everywhere(hmesh_test::scene<float, 1>(32, 28, 3), Target::vertices(40), Effort::normal);
     cancel_everywhere(hmesh_test::noise<std::uint8_t, 1>(1, 1, 1), Target::vertices(4), Effort::normal);
     cancel_everywhere(hmesh_test::scene<std::uint8_t, 3>(32, 28, 3), Target::vertices(40), Effort::best, 499);
+}
+
+TEST_CASE("cancelled at any call, the methods that annealed is compared with return a valid mesh and a true report") {
+    const auto image = hmesh_test::scene<std::uint8_t, 3>(26, 22, 3);
+    for_each_other_method(30, [&](const Options& options) { cancel_everywhere(image, options); });
+    const auto floats = hmesh_test::scene<float, 1>(24, 20, 3);
+    for_each_other_method(150, [&](const Options& options) { cancel_everywhere(floats, options, 5); });
+    for_each_other_method(4, [&](const Options& options) {
+        cancel_everywhere(hmesh_test::noise<std::uint8_t, 1>(1, 1, 1), options);
+    });
 }
 
 TEST_CASE("cancelled at any call of work in tiles, mesh_image returns a valid mesh and a report that is true of it") {

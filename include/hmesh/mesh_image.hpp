@@ -187,10 +187,17 @@ template <class T, int C, class ParallelFor>
                                     double unit) {
     const HierarchicalOptions& recipe = options.hierarchical;
     work.whole() = regular_grid(work.source(), 4);  // what a cancellation finds
-    if (!work.monitor().begin("levels", 0, 0)) return false;
+    if (!work.monitor().begin("levels", work.vertex_count(), work.energy())) return false;
     const Pyramid<T, C> pyramid = make_pyramid(view, recipe.levels, recipe.bilateral, recipe.filter, work.parallel_for());
     std::vector<ImageSource<C>> coarse;
     for (int level = 1; level < recipe.levels; ++level) coarse.emplace_back(pyramid.level(level), options.weights, unit);
+    {
+        // The report tells the error of what there is, measured apart so that no moment table stays meanwhile.
+        Patchwork<C, ParallelFor> corners(work.source(), work.limits(), work.monitor(), work.parallel_for());
+        corners.whole() = std::move(work.whole());
+        corners.measure(one_tile(work.source()));
+        work.whole() = std::move(corners.whole());
+    }
     return work.monitor().end(work.vertex_count(), work.energy()) && hierarchical(work, coarse, n, recipe);
 }
 
