@@ -45,6 +45,7 @@ void check_pixels(const ImageSource<C>& source, const ImageView<T, C>& view) {
     CHECK(source.pixels() == static_cast<double>(view.width) * view.height);
     CHECK(source.low() == PixelTraits<T>::lowest);
     CHECK(source.high() == PixelTraits<T>::highest);
+    CHECK(source.peak() == PixelTraits<T>::peak);
     for (int y = -3; y < view.height + 3; ++y)
         for (int x = -3; x < view.width + 3; ++x) {
             const T* nearest = view.pixel(std::clamp(x, 0, view.width - 1), std::clamp(y, 0, view.height - 1));
@@ -73,7 +74,7 @@ void check_source(const Image<T, C>& image) {
     }
 }
 
-// A sample type of a user: steps of a half, from -50 to 50.
+// A sample type of a user: steps of a half, from -50 to 50, of which 40 is full intensity.
 struct Halves {
     std::int8_t value = 0;
 };
@@ -82,7 +83,7 @@ struct Halves {
 
 template <>
 struct hmesh::PixelTraits<Halves> {
-    static constexpr double peak = 50, lowest = -50, highest = 50;
+    static constexpr double peak = 40, lowest = -50, highest = 50;
     static constexpr bool is_integer = false;
     static double to_real(Halves sample) noexcept { return 0.5 * sample.value; }
     static Halves from_real(double value) noexcept { return {static_cast<std::int8_t>(2 * std::clamp(value, lowest, highest))}; }

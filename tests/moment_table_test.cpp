@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "hmesh/core/random.hpp"
+#include "hmesh/image/weights.hpp"
 #include "test_executors.hpp"
 #include "test_images.hpp"
 
@@ -328,6 +329,31 @@ TEST_CASE_TEMPLATE("MomentTable::pixel gives the samples back whatever the weigh
             }
     }
     CHECK(wrong == 0);
+}
+
+TEST_CASE_TEMPLATE("MomentTable::weight says how often a pixel counts: its scaled weight, or once where none are given", K,
+                   Kind<std::uint8_t, 1>, Kind<std::uint8_t, 3>, Kind<std::uint16_t, 4>, Kind<float, 2>) {
+    using T = typename K::T;
+    constexpr int n = K::channels;
+    const Image<T, n> image = hmesh_test::noise<T, n>(31, 9, 5);
+    const Image<float, 1> weights = hmesh_test::random_weights(31, 9, 6);
+    const double unit = hmesh::weight_unit(weights.view());
+    const hmesh::WeightScale scale(unit, 31, 9);
+    const Rect rect{4, 2, 25, 6};
+    const MomentTable<n> table(image.view(), weights.view(), unit, rect), plain(image.view(), rect);
+    int wrong = 0, zeros = 0, large = 0;
+    for (int y = 0; y < rect.height; ++y)
+        for (int x = 0; x < rect.width; ++x) {
+            const float weight = *weights.pixel(rect.x + x, rect.y + y);
+            wrong += table.weight(x, y) != scale(weight);  // multiples of a step: sums and differences are exact
+            wrong += !(std::abs(table.weight(x, y) - unit * static_cast<double>(weight)) <= 0.5 * scale.step());
+            wrong += plain.weight(x, y) != 1;
+            zeros += weight == 0;
+            large += table.weight(x, y) > 0.5;
+        }
+    CHECK(wrong == 0);
+    CHECK(zeros > 10);
+    CHECK(large > 10);
 }
 
 TEST_CASE("a weighted MomentTable takes 92 bytes a pixel for RGB, and less than 8 columns more") {

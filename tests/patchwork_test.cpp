@@ -542,3 +542,48 @@ TEST_CASE("a phase that is cancelled at once changes nothing, and a look at all 
         CHECK(faces == start.triangles.size());
     }
 }
+
+TEST_CASE("measuring finds the energy of a mesh that was changed from outside, however it is cut, and nothing else") {
+    const auto image = hmesh_test::scene<std::uint8_t, 3>(60, 45, 15);
+    const ImageSource<3> source(image.view());
+    for (const Shape shape : hmesh_test::all_shapes)
+        for (const double tile : {2.0, 9.0, 25.0, 1000.0}) {
+            WholeMesh<3> start = make_whole(image, shape, 110, 15);
+            Random random(15);
+            for (auto& color : start.colors)
+                for (int c = 0; c < 3; ++c) color.set(c, 255 * random.uniform());
+            start.energy = -1;
+            Monitor monitor = silent();
+            const hmesh_test::ThreadFor threads{3};
+            Patchwork<3, hmesh_test::ThreadFor> work(source, {}, monitor, threads);
+            work.whole() = start;
+            work.measure(Tiling(60, 45, tile, true, false));
+            const double energy = hmesh_test::fresh_energy(image, start);
+            CHECK(work.energy() == work.whole().energy);
+            CHECK(std::abs(work.energy() - energy) <= 1e-9 * energy);
+            start.energy = work.whole().energy;
+            CHECK(same_bytes(work.whole(), start));
+        }
+}
+
+TEST_CASE("measuring is not to be cancelled, and sees what one patch that is all has become") {
+    const auto image = hmesh_test::scene<std::uint8_t, 1>(48, 40, 16);
+    const ImageSource<1> source(image.view());
+    const WholeMesh<1> start = make_whole(image, Shape::worn, 130, 16);
+    for (const double tile : {6.0, 20.0, 1000.0}) {
+        StopAt second;
+        second.k = 2;
+        Monitor monitor(second.progress(), 1, 255);
+        const SerialFor serial;
+        Patchwork<1> work(source, {}, monitor, serial);
+        work.whole() = start;
+        CHECK(work.for_each(Tiling(48, 40, 1000), [](Patch<1>& patch, std::size_t) { hmesh::sweep(patch.mesh()); }));
+        const double swept = work.energy();
+        CHECK(swept < start.energy);
+        (void)monitor.poll();
+        REQUIRE(monitor.stopped());
+        work.measure(Tiling(48, 40, tile));
+        CHECK(std::abs(work.energy() - swept) <= 1e-9 * swept);
+        CHECK(std::abs(work.energy() - hmesh_test::fresh_energy(image, work.whole())) <= 1e-9 * swept);
+    }
+}

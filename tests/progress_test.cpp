@@ -161,6 +161,35 @@ TEST_CASE("a monitor without a callback goes on and notes what each stage left")
     CHECK(monitor.stages()[1].psnr == std::numeric_limits<double>::infinity());
 }
 
+TEST_CASE("a stage reports the iterations of all its solves and the largest residual; the next begins with none") {
+    Monitor monitor({}, 1000, 255);
+    monitor.begin("first", 4, 900);
+    monitor.note_solve(7, 1e-7);
+    monitor.update(0.5, 10, 500);
+    monitor.note_solve(5, 3e-6);
+    monitor.note_solve(0, 0);
+    monitor.note_solve(11, 2e-6);
+    monitor.end(20, 100);
+    monitor.begin("second", 20, 100);
+    monitor.end(20, 100);
+    monitor.begin("third", 20, 100);
+    monitor.note_solve(3, 1e-9);
+    monitor.end(20, 100);
+    monitor.begin("given up", 20, 100);
+    monitor.note_solve(100, 1);
+    monitor.begin("fourth", 20, 100);
+    monitor.end(20, 100);
+    REQUIRE(monitor.stages().size() == 4);
+    CHECK(monitor.stages()[0].iterations == 23);
+    CHECK(monitor.stages()[0].residual == 3e-6);
+    CHECK(monitor.stages()[1].iterations == 0);
+    CHECK(monitor.stages()[1].residual == 0);
+    CHECK(monitor.stages()[2].iterations == 3);
+    CHECK(monitor.stages()[2].residual == 1e-9);
+    CHECK(monitor.stages()[3].iterations == 0);
+    CHECK(monitor.stages()[3].residual == 0);
+}
+
 TEST_CASE("a monitor hands on stage, fraction in [0, 1], vertices and energy") {
     Recorder recorder;
     Monitor monitor(recorder.progress(), 1000, 255);

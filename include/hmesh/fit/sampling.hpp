@@ -53,7 +53,8 @@ void sample_colors(Patchwork<C, ParallelFor>& work, const Tiling& tiling, double
     const ImageSource<C>& source = work.source();
     for (std::size_t v = 0; v < whole.vertex_count(); ++v) {
         Color<C>& color = whole.colors[v];
-        color = sampled_color<C>(source.width(), source.height(), whole.positions[v], [&](int x, int y) { return source.pixel(x, y); });
+        color = sampled_color<C>(source.width(), source.height(), whole.positions[v],
+                                 [&](int x, int y) { return source.pixel(x, y); });
         if (grid > 0)
             for (int c = 0; c < C; ++c) color.set(c, std::floor(color[c] / grid + 0.5) * grid);
     }

@@ -25,7 +25,8 @@ namespace detail {
 
 // The energy of the faces of a ring with its centre at `centre`; anything not below `bound` once that is reached.
 template <int C>
-[[nodiscard]] double centred_energy(const MomentTable<C>& table, const Ring<C>& ring, const VertexState<C>& centre, double bound) {
+[[nodiscard]] double centred_energy(const MomentTable<C>& table, const Ring<C>& ring, const VertexState<C>& centre,
+                                    double bound) {
     Moments<C> first, before, spoke;
     edge_moments(table, centre.position, ring.neighbour[0]->position, first);
     before = first;
@@ -50,9 +51,13 @@ bool search_vertex(ImageMesh<C>& mesh, Vertex v, int first_step, Ring<C>& ring, 
     const VertexState<C> state = mesh.vertex(v);
     if (state.mobility == Mobility::fixed || state.mobility == Mobility::frozen) return false;
     mesh.gather(v, ring, spokes);
-    double least = 0;
-    for (int i = ring.first_face(); i < ring.size; ++i) least += mesh.energy(mesh.topology().face(ring.halfedge[i]));
-    const double enough = 1e-9 * least;  // what rounding may seem to gain
+    double least = 0, squares = ring.open ? spokes.spoke[ring.size - 1].q[3] - spokes.spoke[0].q[3] : 0;  // |I|^2 of the ring
+    for (int i = ring.first_face(); i < ring.size; ++i) {
+        least += mesh.energy(mesh.topology().face(ring.halfedge[i]));
+        squares += ring.link[i].q[3];
+    }
+    // What rounding may seem to gain: energies are differences of sums as large as the squares, some of them over whole rows.
+    const double enough = 1e-9 * least + 1e-12 * squares;
     VertexState<C> best = state;
     // Along a side, or half a pixel off it at least, where the centres are.
     const auto on_centres = [](double x, int size) { return x >= 0.5 && x <= size - 0.5; };
@@ -67,7 +72,8 @@ bool search_vertex(ImageMesh<C>& mesh, Vertex v, int first_step, Ring<C>& ring, 
                     continue;
                 VertexState<C> trial = best;
                 trial.position = {from.x + dx * step, from.y + dy * step};
-                if ((dx != 0 && !on_centres(trial.position.x, mesh.width())) || (dy != 0 && !on_centres(trial.position.y, mesh.height())) ||
+                if ((dx != 0 && !on_centres(trial.position.x, mesh.width())) ||
+                    (dy != 0 && !on_centres(trial.position.y, mesh.height())) ||
                     !ring.accepts(trial.position, mesh.limits().min_cross))
                     continue;
                 trial.color = sampled_color(mesh.table(), trial.position);
@@ -85,8 +91,9 @@ bool search_vertex(ImageMesh<C>& mesh, Vertex v, int first_step, Ring<C>& ring, 
 
 }  // namespace detail
 
-// Searches until no vertex is due or all have come up `visits` times, in rounds in spatial order. Returns the number of moves.
-// Vertices with more than ring_capacity neighbours stay where they are.
+// Searches until no vertex is due or all have come up `visits` times, in rounds in spatial order. Returns the number of visits
+// that moved their vertex. Colours are to be sampled ones (sample_colors): a vertex that stays keeps what it has. Vertices with
+// more than ring_capacity neighbours stay where they are.
 template <int C>
 std::size_t search_vertices(ImageMesh<C>& mesh, const VertexSearch& options) {
     const HalfedgeMesh& topology = mesh.topology();
@@ -100,7 +107,8 @@ std::size_t search_vertices(ImageMesh<C>& mesh, const VertexSearch& options) {
             if (!mesh.is_due(v)) continue;
             if (!mesh.beat()) return moves + moved;
             mesh.set_due(v, false);
-            if (topology.valence(v) > ring_capacity || !detail::search_vertex(mesh, v, options.first_step, ring, spokes)) continue;
+            if (topology.valence(v) > ring_capacity) continue;
+            if (!detail::search_vertex(mesh, v, options.first_step, ring, spokes)) continue;
             ++moved;
             mesh.set_ring_due(v);
         }

@@ -24,7 +24,9 @@ namespace detail {
 struct Plane {
     int width, height;
     std::vector<double> values;
-    [[nodiscard]] double* row(int y) noexcept { return values.data() + static_cast<std::size_t>(y) * static_cast<std::size_t>(width); }
+    [[nodiscard]] double* row(int y) noexcept {
+        return values.data() + static_cast<std::size_t>(y) * static_cast<std::size_t>(width);
+    }
     [[nodiscard]] const double* row(int y) const noexcept {
         return values.data() + static_cast<std::size_t>(y) * static_cast<std::size_t>(width);
     }
