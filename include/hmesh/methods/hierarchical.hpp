@@ -37,11 +37,6 @@ struct HierarchicalOptions {
     GeometryStep geometry;
     int rounds = 2;       // of geometry step and flips, per level; the paper: two; four are worth 0.1 to 0.2
     int flip_visits = 8;  // how often an edge is a suspect in a round; never reached in practice
-};    // 0.1 dB above a density of 4.5
-    bool start_filtered = true;  // the first mesh is that of the coarsest level, not of the image
-    GeometryStep geometry;
-    int rounds = 2;       // of geometry step and flips, per level; the paper: two
-    int flip_visits = 8;  // how often an edge is a suspect in a round
 };
 
 // Whether the options mean something; the sentence names the first that does not.
