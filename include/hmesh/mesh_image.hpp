@@ -17,16 +17,19 @@
 #include <utility>
 #include <vector>
 
+#include "hmesh/core/assert.hpp"
 #include "hmesh/core/parallel.hpp"
 #include "hmesh/core/progress.hpp"
 #include "hmesh/core/status.hpp"
 #include "hmesh/fit/colors.hpp"
+#include "hmesh/fit/linear_light.hpp"
 #include "hmesh/fit/patchwork.hpp"
 #include "hmesh/fit/sampling.hpp"
 #include "hmesh/image/image_source.hpp"
 #include "hmesh/image/image_view.hpp"
-#include "hmesh/image/weights.hpp"
+#include "hmesh/image/premultiply.hpp"
 #include "hmesh/image/pyramid.hpp"
+#include "hmesh/image/weights.hpp"
 #include "hmesh/mesh/mesh_view.hpp"
 #include "hmesh/methods/adams.hpp"
 #include "hmesh/methods/adaptive_thinning.hpp"
@@ -39,7 +42,8 @@
 namespace hmesh {
 
 // Of the final mesh. PSNR = 10 log10(peak^2 / MSE), MSE the mean over pixels AND channels of the squared difference between
-// the image and the mesh drawn at its size, colours neither rounded nor clamped after interpolation; infinity for MSE 0. With
+// the image and the mesh drawn at its size, colours neither rounded nor clamped after interpolation; infinity for MSE 0. Drawn
+// between stored values, or in linear light where Options::fit_space says so; the image premultiplied where Options does. With
 // weights, each pixel counts in `energy` and in the mean as often as its weight over the largest says (image/weights.hpp).
 struct Report {
     std::size_t vertices = 0, faces = 0;
@@ -105,6 +109,23 @@ template <class T, int C, class ParallelFor>
     return annealed(work, n, recipe, options.tile);
 }
 
+// The stage after all others: colours for linear light. Returns the energy seen through it; `energy` is that before.
+template <class T, int C, class ParallelFor>
+[[nodiscard]] double light_colors(Mesh<C>& mesh, const ImageView<T, C>& view, const ImageView<float, 1>& weights, double ridge,
+                                  double grid, double energy, Monitor& monitor, const ParallelFor& parallel_for) {
+    LinearLightOptions recipe;
+    recipe.weights = weights;
+    recipe.ridge = ridge;
+    recipe.grid = grid;
+    monitor.begin("linear light", mesh.vertex_count(), energy);
+    const auto go_on = [&](double share) { return monitor.update(share, mesh.vertex_count(), energy); };
+    const LinearLightReport report = fit_linear_light(mesh, view, recipe, parallel_for, go_on);
+    HMESH_ASSERT(report.status);
+    monitor.note_solve(report.solver_iterations, report.residual);
+    monitor.end(mesh.vertex_count(), report.energy);
+    return report.energy;
+}
+
 // One mesh of n vertices, finished. `samples`: pixels, or the sum of their weights, times channels.
 template <class T, int C, class ParallelFor>
 [[nodiscard]] Result<C> mesh_with(const ImageView<T, C>& view, double unit, double samples, std::size_t n, const Options& options,
@@ -126,7 +147,11 @@ template <class T, int C, class ParallelFor>
     if (result.status && monitor.stopped()) result.status = cancelled_by_callback();
     const WholeMesh<C>& whole = work.whole();
     result.mesh = extract(whole, Traits::peak);
-    const double energy = std::max(0.0, whole.energy);  // rounding may leave less than nothing
+    double energy = std::max(0.0, whole.energy);  // rounding may leave less than nothing
+    if (options.fit_space == FitSpace::linear_light) {
+        energy = light_colors(result.mesh, view, options.weights, options.limits.ridge, grid, energy, monitor, parallel_for);
+        if (result.status && monitor.stopped()) result.status = cancelled_by_callback();
+    }
     result.report = {whole.vertex_count(), whole.triangles.size(), energy, psnr_of_energy(energy, samples, Traits::peak),
                      monitor.stages()};
     return result;
@@ -149,7 +174,18 @@ template <class T, int C, class ParallelFor = SerialFor>
     if (result.status) result.status = detail::check_options(options, std::int64_t{view.width} * view.height);
     if (result.status) result.status = check_finite(view, parallel_for);
     if (result.status) result.status = check_weights(options.weights, view.width, view.height, parallel_for);
+    if (result.status) result.status = detail::check_color_options(options, C);
     if (!result.status) return result;
+    if constexpr (has_alpha(C)) {
+        if (options.premultiplied) {
+            const Image<T, C> image = premultiply(view, parallel_for);
+            Options rest = options;
+            rest.premultiplied = false;
+            result = mesh_image(image.view(), rest, parallel_for);
+            result.mesh.premultiplied = true;
+            return result;
+        }
+    }
 
     const double unit = weight_unit(options.weights, parallel_for);
     const double samples = C * weight_sum(options.weights, unit, view.width, view.height, parallel_for);
