@@ -45,7 +45,8 @@ Mesh<C> jittered(const Image<T, C>& image, int cell, std::uint64_t seed) {
             };
             const double x = place(i, columns, mesh.width), y = place(j, rows, mesh.height);
             mesh.positions.insert(mesh.positions.end(), {static_cast<float>(x), static_cast<float>(y)});
-            const T* pixel = image.pixel(std::min(mesh.width - 1, static_cast<int>(x)), std::min(mesh.height - 1, static_cast<int>(y)));
+            const T* pixel =
+                image.pixel(std::min(mesh.width - 1, static_cast<int>(x)), std::min(mesh.height - 1, static_cast<int>(y)));
             for (int c = 0; c < C; ++c) mesh.colors.push_back(static_cast<float>(PixelTraits<T>::to_real(pixel[c])));
             if (i == 0 || j == 0) continue;
             const auto d = static_cast<std::uint32_t>(j * (columns + 1) + i), b = d - static_cast<std::uint32_t>(columns) - 1;
@@ -98,7 +99,7 @@ std::vector<Pixel> pixels_of(const Mesh<C>& mesh) {
     return out;
 }
 
-bool is_alpha(int channels, std::size_t k) { return (channels == 2 || channels == 4) && k + 1 == static_cast<std::size_t>(channels); }
+bool is_alpha(std::size_t channels, std::size_t k) { return (channels == 2 || channels == 4) && k + 1 == channels; }
 
 // The error of channel k for these lights, times `weights` if there are some.
 template <class T, int C>
@@ -214,7 +215,7 @@ void check_fit(std::uint64_t seed, double grid) {
 
 }  // namespace
 
-TEST_CASE("the error reported is that of each pixel by the definition and of the drawn mesh, and colours are in range and on the grid") {
+TEST_CASE("the error reported is that of the pixels by the definition and as drawn, and colours are in range and on the grid") {
     check_fit<std::uint8_t, 1>(1, 1);
     check_fit<std::uint8_t, 3>(2, 1);
     check_fit<std::uint8_t, 4>(3, 0);
@@ -235,7 +236,8 @@ TEST_CASE("at the result the finite differences of the true error vanish, or poi
 
 TEST_CASE("the first step is that of a dense Gauss-Newton solve") {
     // Well inside the range and near the optimum, so that nothing is cut off or halved.
-    const auto image = hmesh_test::draw<float, 1>(24, 20, [](int x, int y, int) { return 0.4 + 0.01 * x + 0.2 * std::sin(0.3 * y); });
+    const auto image =
+        hmesh_test::draw<float, 1>(24, 20, [](int x, int y, int) { return 0.4 + 0.01 * x + 0.2 * std::sin(0.3 * y); });
     const Mesh<1> before = jittered(image, 4, 9);
     Mesh<1> mesh = before;
     LinearLightOptions options;
@@ -264,7 +266,8 @@ TEST_CASE("the first step is that of a dense Gauss-Newton solve") {
 TEST_CASE("the error never rises against conversion, however coarse the grid") {
     for (const double grid : {0.0, 1.0, 16.0, 51.0})
         for (std::uint64_t seed = 1; seed <= 4; ++seed) {
-            const auto image = seed % 2 == 0 ? hmesh_test::noise<std::uint8_t, 1>(20, 20, seed) : contrasty<std::uint8_t, 1>(20, 20, seed);
+            const auto image =
+                seed % 2 == 0 ? hmesh_test::noise<std::uint8_t, 1>(20, 20, seed) : contrasty<std::uint8_t, 1>(20, 20, seed);
             Mesh<1> mesh = jittered(image, seed < 3 ? 2 : 5, seed);
             LinearLightOptions options;
             options.grid = grid;
@@ -339,12 +342,14 @@ TEST_CASE("when told to stop, what is reported is true of the mesh") {
         Mesh<1> mesh = jittered(image, 4, 3);
         int asked = 0;
         double last = -1;
-        const LinearLightReport report = fit_linear_light(mesh, image.view(), LinearLightOptions(), hmesh::SerialFor(), [&](double share) {
+        const auto go_on = [&](double share) {
             CHECK(share > last);
             CHECK(share <= 1);
             last = share;
             return asked++ < after;
-        });
+        };
+        const LinearLightReport report =
+            fit_linear_light(mesh, image.view(), LinearLightOptions(), hmesh::SerialFor(), go_on);
         CHECK(report.iterations == after);
         CHECK(report.energy == doctest::Approx(drawn_energy(image, mesh)).epsilon(1e-6));
     }

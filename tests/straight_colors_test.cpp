@@ -50,7 +50,8 @@ TEST_CASE("straight colours are divided by alpha, and transparent corners take t
     const Mesh<4> mesh = premultiplied_mesh(), expected = straight_mesh();
     const StraightMesh straight(mesh.view());
     CHECK(!straight.view().premultiplied);
-    for (std::size_t i = 0; i < expected.colors.size(); ++i) CHECK(straight.view().colors[i] == doctest::Approx(expected.colors[i]));
+    for (std::size_t i = 0; i < expected.colors.size(); ++i)
+        CHECK(straight.view().colors[i] == doctest::Approx(expected.colors[i]));
 }
 
 TEST_CASE("where all is transparent colours are 0, and grey with alpha is divided too") {

@@ -78,7 +78,7 @@ struct Options {
     bool round_colors = true;
     // linear_light: when all else is done the colours are fitted again, as they are seen through interpolation in linear
     // light, and so is what is reported. They stay stored values (sRGB-encoded, for float shares of 1), in [0, peak] whatever
-    // the pixel type: exporters need not know. Wants optimal colours. About 30 ns a pixel, channel and step of some 4.
+    // the pixel type: exporters need not know. Wants optimal colours. Costs about 0.2 us a pixel and channel more.
     FitSpace fit_space = FitSpace::stored;
     // For 2 or 4 channels: the image's colours are multiplied by alpha / peak (image/premultiply.hpp), and what is meshed and
     // reported is that. Colours under transparent pixels then do not count, and edges of sprites carry no fringes. The
