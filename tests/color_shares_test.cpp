@@ -2,21 +2,10 @@
 
 #include <doctest/doctest.h>
 
-#include <algorithm>
 #include <array>
-#include <cmath>
 #include <limits>
 
 #include "test_exports.hpp"
-
-namespace {
-
-// IEC 61966-2-1 as it is printed there.
-double srgb_by_the_book(double share) {
-    return share <= 0.04045 ? share / 12.92 : std::pow((share + 0.055) / 1.055, 2.4);
-}
-
-}  // namespace
 
 TEST_CASE("shares of the peak are held to [0, 1]") {
     CHECK(hmesh::detail::share_of_peak(51, 255) == 0.2);
@@ -42,24 +31,4 @@ TEST_CASE("grey is red, green and blue; without alpha a vertex is opaque") {
     CHECK(hmesh::detail::rgba_shares(grey.view(), 1) == Shares{0.25, 0.25, 0.25, 1});
     CHECK(hmesh::detail::rgba_shares(colour.view(), 2) == Shares{0.5, 21.0 / 40, 22.0 / 40, 1});
     CHECK(hmesh::detail::rgba_shares(alpha.view(), 2) == Shares{0.5, 21.0 / 40, 22.0 / 40, 23.0 / 40});
-}
-
-TEST_CASE("sRGB is decoded as IEC 61966-2-1 has it, to 1e-10") {
-    double worst = 0;
-    for (int i = 0; i <= 20000; ++i)
-        worst = std::max(worst, std::abs(hmesh::detail::srgb_to_linear(i / 20000.0) - srgb_by_the_book(i / 20000.0)));
-    CHECK(worst < 1e-10);
-    CHECK(hmesh::detail::srgb_to_linear(0) == 0);
-    CHECK(hmesh::detail::to_u16(hmesh::detail::srgb_to_linear(1)) == 65535);
-}
-
-TEST_CASE("in 16 bits of linear light all 256 stored values stay apart, to 0.02 of one") {
-    const auto encode = [](double light) {
-        return light <= 0.0031308 ? 12.92 * light : 1.055 * std::pow(light, 1 / 2.4) - 0.055;
-    };
-    for (int i = 0; i <= 255; ++i) {
-        const int code = hmesh::detail::to_u16(hmesh::detail::srgb_to_linear(i / 255.0));
-        CHECK(code == std::lround(srgb_by_the_book(i / 255.0) * 65535));
-        CHECK(std::abs(encode(code / 65535.0) * 255 - i) < 0.03);
-    }
 }

@@ -449,9 +449,8 @@ TEST_CASE("alpha is a mask of grey faces, left out where all is opaque") {
 TEST_CASE("colours multiplied by alpha are divided by it, and corners without alpha bring no fringe") {
     hmesh::Mesh<4> mesh = two_faces<4>();
     mesh.colors = {100, 50, 0, 127.5F, 0, 0, 0, 0, 200, 100, 0, 255, 0, 0, 0, 0};
-    SvgOptions options = of_kind(SvgKind::flat);
-    options.premultiplied = true;
-    const std::string text = written(mesh.view(), options);
+    mesh.premultiplied = true;
+    const std::string text = written(mesh.view(), of_kind(SvgKind::flat));
     const std::vector<Paint> paints = read_svg(text.substr(text.find("</mask>")));
     REQUIRE(paints.size() == 2);
     for (const Paint& paint : paints) CHECK(paint.gradient.colors == std::vector<Rgb>{{200, 100, 0}});

@@ -14,92 +14,36 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
-#include <limits>
-#include <optional>
 #include <utility>
 #include <vector>
 
+#include "hmesh/core/assert.hpp"
 #include "hmesh/core/parallel.hpp"
 #include "hmesh/core/progress.hpp"
 #include "hmesh/core/status.hpp"
 #include "hmesh/fit/colors.hpp"
+#include "hmesh/fit/linear_light.hpp"
 #include "hmesh/fit/patchwork.hpp"
 #include "hmesh/fit/sampling.hpp"
 #include "hmesh/image/image_source.hpp"
 #include "hmesh/image/image_view.hpp"
-#include "hmesh/image/weights.hpp"
+#include "hmesh/image/premultiply.hpp"
 #include "hmesh/image/pyramid.hpp"
+#include "hmesh/image/weights.hpp"
 #include "hmesh/mesh/mesh_view.hpp"
 #include "hmesh/methods/adams.hpp"
 #include "hmesh/methods/adaptive_thinning.hpp"
 #include "hmesh/methods/annealed.hpp"
 #include "hmesh/methods/hierarchical.hpp"
+#include "hmesh/methods/options.hpp"
 #include "hmesh/methods/psnr_search.hpp"
 #include "hmesh/methods/xie.hpp"
 
 namespace hmesh {
 
-// The recipes in methods/. All but the first are there to be compared with: they know no effort, seed or tile, and mesh the
-// image in one piece on one thread.
-enum class Method : std::uint8_t {
-    annealed,
-    hierarchical,       // "Image meshing via hierarchical optimization"
-    xie,                // Xie et al. 2014
-    adams,              // Adams 2011
-    adaptive_thinning,  // Demaret and Iske 2004; images up to adaptive_thinning_pixels
-};
-
-// How vertices get their final colours.
-enum class Colors : std::uint8_t {
-    optimal,  // least squares for the final geometry
-    sampled,  // those of the image under the vertices
-};
-
-// How many vertices the mesh gets. Corners count.
-struct Target {
-    enum class Kind : std::uint8_t { vertices, rate, psnr };
-    Kind kind = Kind::rate;
-    double value = 1;
-
-    // Exactly n vertices, 4 <= n <= max(4, pixels).
-    [[nodiscard]] static Target vertices(std::int64_t n) noexcept { return {Kind::vertices, static_cast<double>(n)}; }
-    // This percentage of the pixels, rounded, in (0, 100]; at least 4 vertices.
-    [[nodiscard]] static Target rate(double percent) noexcept { return {Kind::rate, percent}; }
-    // The fewest vertices found that reach this PSNR, in dB > 0: about six runs at counts that close in on it.
-    [[nodiscard]] static Target psnr(double decibel) noexcept { return {Kind::psnr, decibel}; }
-};
-
-struct Options {
-    Target target;
-    Method method = Method::annealed;
-    Effort effort = Effort::normal;
-    std::uint64_t seed = 1;  // of methods that draw random numbers
-    Progress progress;
-    MeshLimits limits;
-    ImageView<float, 1> weights;  // how much each pixel counts, >= 0, of the image's size; none: all count the same
-    // px: larger images are meshed in tiles of about this size, 64 to 65536, each of which is a piece of work for a thread.
-    // 0: in one piece up to a megapixel and 16384 vertices, in tiles of 256 px beyond.
-    int tile = 0;
-    // In place of what `effort` means: start from annealed_options(effort) and change what you like. Its seed is ignored.
-    std::optional<AnnealedOptions> annealed;
-    AdamsOptions adams;
-    XieOptions xie;
-    HierarchicalOptions hierarchical;
-    // None: as the method is defined, sampled for adams, adaptive_thinning and xie, else optimal.
-    std::optional<Colors> colors;
-    // Round colours to the pixel type's values, so that a file with such colours holds the very mesh that was measured.
-    // Ignored for float. Costs about 0.003 dB at 30 dB, 0.1 dB at 45 dB.
-    bool round_colors = true;
-};
-
-// The colours that a mesh made with these options has.
-[[nodiscard]] inline Colors final_colors(const Options& options) noexcept {
-    if (options.colors) return *options.colors;
-    return options.method == Method::annealed || options.method == Method::hierarchical ? Colors::optimal : Colors::sampled;
-}
-
 // Of the final mesh. PSNR = 10 log10(peak^2 / MSE), MSE the mean over pixels AND channels of the squared difference between
-// the image and the mesh drawn at its size, colours neither rounded nor clamped after interpolation; infinity for MSE 0. With
+// the image and the mesh drawn at its size, colours neither rounded nor clamped after interpolation; infinity for MSE 0. Drawn
+// between stored values, or in linear light where Options::fit_space says so; the image premultiplied where Options does. With
 // weights, each pixel counts in `energy` and in the mean as often as its weight over the largest says (image/weights.hpp).
 struct Report {
     std::size_t vertices = 0, faces = 0;
@@ -117,51 +61,6 @@ struct [[nodiscard]] Result {
 };
 
 namespace detail {
-
-// The integer nearest to a number that may be none: 0 for NaN, the ends for infinities.
-[[nodiscard]] inline std::int64_t nearest_integer(double value) noexcept {
-    if (!(value == value)) return 0;
-    return static_cast<std::int64_t>(std::max(-9e18, std::min(9e18, value)));
-}
-
-[[nodiscard]] inline Status check_options(const Options& options, std::int64_t pixels) noexcept {
-    const Target& target = options.target;
-    const std::int64_t most = std::max<std::int64_t>(4, pixels);
-    if (target.kind == Target::Kind::vertices) {
-        if (!(target.value >= 4))
-            return {Errc::target_out_of_range, "a mesh has at least 4 vertices", nearest_integer(target.value), 4};
-        if (target.value > static_cast<double>(most))
-            return {Errc::target_out_of_range, "a mesh has at most one vertex a pixel", nearest_integer(target.value), most};
-    } else if (target.kind == Target::Kind::rate) {
-        if (!(target.value > 0 && target.value <= 100))
-            return {Errc::target_out_of_range, "the rate must be above 0 and at most 100 percent of the pixels", 0, 100};
-    } else if (!(target.value > 0 && std::isfinite(target.value))) {
-        return {Errc::target_out_of_range, "the PSNR asked for must be positive and finite, in dB", 0, 1};
-    }
-    const MeshLimits& limits = options.limits;
-    if (!(limits.min_cross >= 1e-4 && limits.min_cross <= 0.25))
-        return {Errc::invalid_argument, "limits.min_cross must be in [1e-4, 0.25] px^2", 0, 0};
-    if (!(limits.border_gap >= 1.0 / 256 && limits.border_gap <= 0.25))
-        return {Errc::invalid_argument, "limits.border_gap must be in [1/256, 1/4] px", 0, 0};
-    if (!(limits.color_overshoot >= 0 && limits.color_overshoot <= 100))
-        return {Errc::invalid_argument, "limits.color_overshoot must be in [0, 100]", 0, 100};
-    if (!(limits.ridge >= 1e-9 && limits.ridge <= 1))
-        return {Errc::invalid_argument, "limits.ridge must be in [1e-9, 1] pixels", 0, 1};
-    if (options.tile != 0 && (options.tile < 64 || options.tile > max_side))
-        return {Errc::invalid_argument, "the tile must be 0, for the default, or 64 to 65536 px", options.tile,
-                options.tile < 64 ? 64 : max_side};
-    switch (options.method) {
-        case Method::annealed: return options.annealed ? check(*options.annealed) : Status{};
-        case Method::hierarchical: return check(options.hierarchical);
-        case Method::xie: return check(options.xie);
-        case Method::adams: return check(options.adams);
-        case Method::adaptive_thinning:
-            if (pixels <= adaptive_thinning_pixels) return {};
-            return {Errc::image_too_large, "the method adaptive_thinning starts from all pixels, and the image has too many", pixels,
-                    adaptive_thinning_pixels};
-    }
-    return {Errc::invalid_argument, "the method is none of those known", static_cast<std::int64_t>(options.method), 0};
-}
 
 // The mesh as plain arrays.
 template <int C>
@@ -217,6 +116,23 @@ template <class T, int C, class ParallelFor>
     return annealed(work, n, recipe, options.tile);
 }
 
+// The stage after all others: colours for linear light. Returns the energy seen through it; `energy` is that before.
+template <class T, int C, class ParallelFor>
+[[nodiscard]] double light_colors(Mesh<C>& mesh, const ImageView<T, C>& view, const ImageView<float, 1>& weights, double ridge,
+                                  double grid, double energy, Monitor& monitor, const ParallelFor& parallel_for) {
+    LinearLightOptions recipe;
+    recipe.weights = weights;
+    recipe.ridge = ridge;
+    recipe.grid = grid;
+    monitor.begin("linear light", mesh.vertex_count(), energy);
+    const auto go_on = [&](double share) { return monitor.update(share, mesh.vertex_count(), energy); };
+    const LinearLightReport report = fit_linear_light(mesh, view, recipe, parallel_for, go_on);
+    HMESH_ASSERT(report.status);
+    monitor.note_solve(report.solver_iterations, report.residual);
+    monitor.end(mesh.vertex_count(), report.energy);
+    return report.energy;
+}
+
 // One mesh of n vertices, finished. `samples`: pixels, or the sum of their weights, times channels.
 template <class T, int C, class ParallelFor>
 [[nodiscard]] Result<C> mesh_with(const ImageView<T, C>& view, double unit, double samples, std::size_t n, const Options& options,
@@ -238,7 +154,11 @@ template <class T, int C, class ParallelFor>
     if (result.status && monitor.stopped()) result.status = cancelled_by_callback();
     const WholeMesh<C>& whole = work.whole();
     result.mesh = extract(whole, Traits::peak);
-    const double energy = std::max(0.0, whole.energy);  // rounding may leave less than nothing
+    double energy = std::max(0.0, whole.energy);  // rounding may leave less than nothing
+    if (options.fit_space == FitSpace::linear_light) {
+        energy = light_colors(result.mesh, view, options.weights, options.limits.ridge, grid, energy, monitor, parallel_for);
+        if (result.status && monitor.stopped()) result.status = cancelled_by_callback();
+    }
     result.report = {whole.vertex_count(), whole.triangles.size(), energy, psnr_of_energy(energy, samples, Traits::peak),
                      monitor.stages()};
     return result;
@@ -249,7 +169,7 @@ template <class T, int C, class ParallelFor>
 // Meshes the image. Tiles run through `parallel_for` (core/parallel.hpp); same image, options and seed give the same bytes,
 // whatever it does. Memory: about 0.3 KB a vertex, and for each tile at work its moment table (32 bytes a pixel for 8-bit
 // RGB, 92 with weights) and 0.6 KB for each vertex placed there; a small image is one tile, and any image is for methods
-// other than annealed.
+// other than annealed. A fit for linear light takes 0.5 KB a vertex, premultiplying a copy of the image.
 //
 // Status: invalid_argument, image_too_large or not_finite where the image or an option is refused (the mesh is empty);
 // target_out_of_range for a number of vertices that the image cannot hold (empty) or a PSNR that no mesh reached (the
@@ -261,7 +181,18 @@ template <class T, int C, class ParallelFor = SerialFor>
     if (result.status) result.status = detail::check_options(options, std::int64_t{view.width} * view.height);
     if (result.status) result.status = check_finite(view, parallel_for);
     if (result.status) result.status = check_weights(options.weights, view.width, view.height, parallel_for);
+    if (result.status) result.status = detail::check_color_options(options, C);
     if (!result.status) return result;
+    if constexpr (has_alpha(C)) {
+        if (options.premultiplied) {
+            const Image<T, C> image = premultiply(view, parallel_for);
+            Options rest = options;
+            rest.premultiplied = false;
+            result = mesh_image(image.view(), rest, parallel_for);
+            result.mesh.premultiplied = true;
+            return result;
+        }
+    }
 
     const double unit = weight_unit(options.weights, parallel_for);
     const double samples = C * weight_sum(options.weights, unit, view.width, view.height, parallel_for);

@@ -17,6 +17,8 @@ namespace hmesh {
 
 // The largest number of channels a pixel can have.
 inline constexpr int max_channels = 16;
+// Whether the last of so many channels is alpha.
+[[nodiscard]] constexpr bool has_alpha(int channels) noexcept { return channels == 2 || channels == 4; }
 // The longest side of an image: positions on the 1/256 px grid are then exact in float (16 + 8 bits).
 inline constexpr int max_side = 65536;
 // The largest number of pixels: handles of a mesh with one vertex a pixel then fit 32 bits.

@@ -40,21 +40,6 @@ namespace detail {
     return {share(0), share(1), share(2), mesh.channels == 4 ? share(3) : 1.0};
 }
 
-// The light, as a share of full light, of an sRGB-encoded share in [0, 1]: IEC 61966-2-1. The power 2.4 is the twelfth of
-// the fifth root, found by Newton's method from sums, products and quotients alone, since the last bit of std::pow
-// differs between standard libraries. Off by less than 1e-10, a 65535th part being 1.5e-5.
-[[nodiscard]] inline double srgb_to_linear(double share) noexcept {
-    if (share <= 0.04045) return share / 12.92;
-    const double x = (share + 0.055) / 1.055;
-    double root = 0.582 + x * (0.73 - 0.318 * x);  // off by 0.03 at most; an error e becomes 2 e^2 / root
-    for (int i = 0; i < 3; ++i) {
-        const double square = root * root, fourth = square * square;
-        root = 0.8 * root + 0.2 * x / fourth;
-    }
-    const double square = root * root, fourth = square * square;
-    return fourth * fourth * fourth;
-}
-
 }  // namespace detail
 }  // namespace hmesh
 

@@ -1,8 +1,8 @@
 // hmesh - write_eps(): a mesh as encapsulated PostScript, language level 3.
 //
 // The shading of type 4 that write_pdf() draws (shading_stream.hpp), in ASCII: of the image's size, 1 px = 1/72 inch.
-// PostScript has no opacity: for 4 channels the colours of the vertices, straight with the fourth channel as opacity, are
-// laid over white paper, and the white is part of the picture. The same mesh gives the same bytes.
+// PostScript has no opacity: for 4 channels the colours of the vertices, straight or premultiplied with the fourth channel
+// as opacity, are laid over white paper, and the white is part of the picture. The same mesh gives the same bytes.
 //
 // Size of an RGB mesh of 256 px or more: 26 bytes a vertex, deflated 15; without strips 74 and 20.
 #ifndef HMESH_IO_EPS_HPP
@@ -76,7 +76,8 @@ Status write_eps(const MeshView& mesh, Sink&& sink, const EpsOptions& options = 
     };
     const auto on_paper = [&](std::size_t v, int k) {
         const double color = share(v, static_cast<std::size_t>(k));
-        return channels == 4 ? 1 - share(v, 3) * (1 - color) : color;
+        if (channels != 4) return color;
+        return mesh.premultiplied ? 1 - share(v, 3) + color : 1 - share(v, 3) * (1 - color);
     };
     std::vector<unsigned char> bytes =
         detail::shading_bytes(mesh, detail::strip_vertices(mesh, options.strips), layout, components, on_paper);

@@ -5,11 +5,12 @@
 // COLOR_0 and the indices, all little-endian. Positions are pixels, sized by the node: float VEC3, exact; or unsigned
 // shorts. Colours are unsigned shorts, RGBA, alpha straight: grey is r = g = b, and 4 channels are drawn with
 // alphaMode BLEND. glTF colours are linear light, so stored values are decoded from sRGB: 16 bits keep them to 0.02 of a
-// 255th, in 8 bits only 183 of 256 values would stay apart. Viewers interpolate linear light, the mesh was fitted between
-// stored values: pictures look a little different inside faces.
+// 255th, in 8 bits only 183 of 256 values would stay apart. Viewers interpolate linear light: pictures look a little
+// different inside faces, unless the mesh was fitted for that (Options::fit_space).
 //
-// 20 bytes a vertex (16 quantised) and 6 a face, or 12 from 65,536 vertices on. O(n), and nothing is allocated: the sizes
-// in the head of the file follow from the counts, and the JSON is written twice, the first time to be counted.
+// 20 bytes a vertex (16 quantised) and 6 a face, or 12 from 65,536 vertices on. O(n), and nothing is allocated unless the
+// mesh is premultiplied: the sizes in the head of the file follow from the counts, and the JSON is written twice, the first
+// time to be counted.
 // Sources: Khronos, glTF 2.0 specification, sections 3.6, 3.7 and 4.4, KHR_mesh_quantization, KHR_materials_unlit.
 #ifndef HMESH_IO_GLTF_HPP
 #define HMESH_IO_GLTF_HPP
@@ -21,10 +22,12 @@
 #include <cstdint>
 #include <limits>
 
+#include "hmesh/core/srgb.hpp"
 #include "hmesh/core/status.hpp"
 #include "hmesh/core/version.hpp"
 #include "hmesh/io/color_shares.hpp"
 #include "hmesh/io/sink.hpp"
+#include "hmesh/io/straight_colors.hpp"
 #include "hmesh/mesh/mesh_view.hpp"
 
 namespace hmesh {
@@ -229,9 +232,11 @@ void pad(Writer<Sink>& writer, std::uint64_t size, char with) {
 
 // Writes the mesh to the sink (see sink.hpp). A mesh that cannot be written, or needs 4 GiB, gives a Status and no byte.
 template <class Sink>
-Status write_glb(const MeshView& mesh, Sink&& sink, const GltfOptions& options = {}) {
+Status write_glb(const MeshView& source, Sink&& sink, const GltfOptions& options = {}) {
     detail::GlbLayout layout;
-    if (const Status status = detail::lay_out_glb(mesh, options, layout); !status) return status;
+    if (const Status status = detail::lay_out_glb(source, options, layout); !status) return status;
+    const detail::StraightMesh straight(source);
+    const MeshView& mesh = straight.view();
     detail::Writer writer(sink);
     writer.text("glTF");
     writer.u32(2);

@@ -2,8 +2,9 @@
 //
 // The page needs no network, no library and no server: it works from a file:// address and asks for nothing (its content
 // security policy forbids it to). It draws what a GPU draws of the mesh, Gouraud in the stored (sRGB) values as fitted, at
-// any zoom; html_handling.hpp says how it is handled. Opened with `#native` in the address it shows one pixel of the picture to
-// one of the screen, the picture's corner in the window's, and nothing else.
+// any zoom, colours with alpha premultiplied or straight as the mesh has them; html_handling.hpp says how it is handled.
+// Opened with `#native` in the address it shows one pixel of the picture to one of the screen, the picture's corner in the
+// window's, and nothing else.
 //
 // The mesh is embedded as base64 of, in this order and little-endian: positions, two floats a vertex in px; faces, three
 // indices each of 16 bits up to 65535 vertices and of 32 bits above; colours, a byte a channel, 255 the mesh's peak. About
@@ -35,8 +36,6 @@ struct HtmlOptions {
     const unsigned char* original = nullptr;
     std::size_t original_size = 0;
     const char* original_type = "image/png";  // its media type: letters, digits and any of / + - .
-    // 4 channels: the colours are stored multiplied by alpha.
-    bool premultiplied = false;
 };
 
 namespace detail {
@@ -131,7 +130,7 @@ Status write_html(const MeshView& mesh, Sink&& sink, const HtmlOptions& options 
         writer.text(names[i]);
         writer.decimal(numbers[i]);
     }
-    writer.text(options.premultiplied ? ", premultiplied: true" : ", premultiplied: false");
+    writer.text(mesh.premultiplied && mesh.channels == 4 ? ", premultiplied: true" : ", premultiplied: false");
     writer.text(", data: '");
     detail::write_mesh_base64(writer, mesh);
     writer.text("'};\n");

@@ -16,14 +16,17 @@
 #include "hmesh/core/version.hpp"
 #include "hmesh/io/color_shares.hpp"
 #include "hmesh/io/sink.hpp"
+#include "hmesh/io/straight_colors.hpp"
 #include "hmesh/mesh/mesh_view.hpp"
 
 namespace hmesh {
 
 // Writes the mesh to the sink (see sink.hpp). A mesh that cannot be written gives a Status and no byte.
 template <class Sink>
-Status write_obj(const MeshView& mesh, Sink&& sink) {
-    if (const Status status = detail::check_for_export(mesh); !status) return status;
+Status write_obj(const MeshView& source, Sink&& sink) {
+    if (const Status status = detail::check_for_export(source); !status) return status;
+    const detail::StraightMesh straight(source);
+    const MeshView& mesh = straight.view();
     detail::Writer writer(sink);
     writer.text("# made by hmesh " HMESH_VERSION_STRING "\n");
     for (std::size_t v = 0; v < mesh.vertex_count; ++v) {

@@ -22,6 +22,7 @@
 #include "hmesh/core/version.hpp"
 #include "hmesh/io/shading_stream.hpp"
 #include "hmesh/io/sink.hpp"
+#include "hmesh/io/straight_colors.hpp"
 #include "hmesh/io/strips.hpp"
 #include "hmesh/mesh/mesh_view.hpp"
 
@@ -112,9 +113,11 @@ class PdfFile {
 // mesh's when in strips, which shows only where they overlap. A mesh of 2 or more than 4 channels, an empty one and others
 // that cannot be written give a Status and no byte, and so does a compressor that fails.
 template <class Sink>
-Status write_pdf(const MeshView& mesh, Sink&& sink, const PdfOptions& options = {}) {
+Status write_pdf(const MeshView& source, Sink&& sink, const PdfOptions& options = {}) {
     detail::ShadingLayout layout;
-    if (const Status status = detail::plan_shading(mesh, layout); !status) return status;
+    if (const Status status = detail::plan_shading(source, layout); !status) return status;
+    const detail::StraightMesh straight(source);
+    const MeshView& mesh = straight.view();
     const auto channels = static_cast<std::size_t>(mesh.channels);
     const int components = mesh.channels == 1 ? 1 : 3;
     const bool has_alpha = mesh.channels == 4;

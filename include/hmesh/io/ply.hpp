@@ -17,6 +17,7 @@
 #include "hmesh/core/version.hpp"
 #include "hmesh/io/color_shares.hpp"
 #include "hmesh/io/sink.hpp"
+#include "hmesh/io/straight_colors.hpp"
 #include "hmesh/mesh/mesh_view.hpp"
 
 namespace hmesh {
@@ -105,8 +106,10 @@ class PlyNumbers {
 
 // Writes the mesh to the sink (see sink.hpp). A mesh that cannot be written gives a Status and no byte.
 template <class Sink>
-Status write_ply(const MeshView& mesh, Sink&& sink, const PlyOptions& options = {}) {
-    if (const Status status = detail::check_for_ply(mesh, options); !status) return status;
+Status write_ply(const MeshView& source, Sink&& sink, const PlyOptions& options = {}) {
+    if (const Status status = detail::check_for_ply(source, options); !status) return status;
+    const detail::StraightMesh straight(source);
+    const MeshView& mesh = straight.view();
     detail::Writer writer(sink);
     detail::write_ply_header(writer, mesh, options);
     detail::PlyNumbers numbers(writer, options.ascii);

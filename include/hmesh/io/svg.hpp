@@ -12,8 +12,10 @@
 // face that holds its centre. At its own size exact is within a step of 8 bits of render() but for the few pixels beside
 // needles narrower than what the viewer tells apart (1/256 px in librsvg). SVG interpolates in the stored (sRGB) values, as
 // meshes are fitted. Colours are held to [0, peak] and rounded to 8 bits. The fourth channel is alpha: a mask of grey faces,
-// left out where all is opaque. Ids are short and the same in every file: put several pictures in one page by <img>, not
-// inline. Cost: about 1 us a face, exact 3 us; memory only for the wireframe, about 40 bytes a face.
+// left out where all is opaque. SVG interpolates colours before alpha is applied: those of premultiplied meshes are divided
+// by it at the corners; a corner without alpha takes the others' mean, so that transparent edges carry no fringe. Ids are
+// short and the same in every file: put several pictures in one page by <img>, not inline. Cost: about 1 us a face, exact
+// 3 us; memory only for the wireframe, about 40 bytes a face.
 #ifndef HMESH_IO_SVG_HPP
 #define HMESH_IO_SVG_HPP
 
@@ -36,9 +38,6 @@ enum class SvgKind : std::uint8_t { gradient, exact, flat };
 
 struct SvgOptions {
     SvgKind kind = SvgKind::gradient;
-    // 4 channels: the colours are stored multiplied by alpha. SVG interpolates them before alpha is applied, so they are
-    // divided by it at the corners; a corner without alpha takes the others' mean, so that transparent edges carry no fringe.
-    bool premultiplied = false;
     bool wireframe = false;  // all edges over it, thin, white and half transparent, as wide at any zoom
 };
 
@@ -241,7 +240,7 @@ class SvgPage {
                 const double share = static_cast<double>(mesh_.colors[channels * mesh_.faces[f][k] + c]) / mesh_.peak;
                 colors[k][c] = std::max(0.0, std::min(1.0, share)) * 255;
             }
-        if (channels == 4 && options_.premultiplied) divide_by_alpha(colors);
+        if (channels == 4 && mesh_.premultiplied) divide_by_alpha(colors);
         return colors;
     }
     [[nodiscard]] bool is_opaque() const {

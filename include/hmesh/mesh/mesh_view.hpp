@@ -24,6 +24,9 @@ struct MeshView {
     int channels = 0;
     int width = 0, height = 0;                      // px of the image
     double peak = 0;                                // the colour value of full intensity
+    // Of 2 or 4 channels, of which the last is alpha: the others are stored multiplied by alpha / peak. Exporters to formats
+    // that want straight colours divide by it.
+    bool premultiplied = false;
 };
 
 template <int C>
@@ -33,11 +36,13 @@ struct Mesh {
     std::vector<std::array<std::uint32_t, 3>> faces;
     int width = 0, height = 0;
     double peak = 0;
+    bool premultiplied = false;
 
     [[nodiscard]] std::size_t vertex_count() const noexcept { return positions.size() / 2; }
     [[nodiscard]] std::size_t face_count() const noexcept { return faces.size(); }
     [[nodiscard]] MeshView view() const noexcept {
-        return {positions.data(), colors.data(), faces.data(), vertex_count(), face_count(), C, width, height, peak};
+        return {positions.data(), colors.data(), faces.data(), vertex_count(), face_count(), C, width, height, peak,
+                premultiplied};
     }
 };
 
