@@ -141,6 +141,10 @@ wrong "--weights needs a value" grey.pgm --weights
 wrong "twice" grey.pgm --weights grey.pgm --weights grey.pgm
 wrong "'slow' is not one of: draft, fast, normal, best" grey.pgm --effort slow
 wrong "'magic' is not one of: annealed, hierarchical, xie, adams, adaptive_thinning" grey.pgm --method magic
+wrong "'magic' is not one of: optimal, sampled" grey.pgm --colors magic
+wrong "--method needs a value" grey.pgm --method
+wrong "--colors needs a value" grey.pgm --colors
+wrong "twice" grey.pgm --method xie --method xie
 wrong "'mesh.xyz' must end in one of: .ply" grey.pgm -o mesh.xyz
 wrong "'mesh'" grey.pgm -o mesh
 wrong "'x.jpg' must end in .png" grey.pgm --render x.jpg
@@ -276,6 +280,34 @@ check "the report of a search is JSON with timed stages" is_json psnr.json
 check "stages of a search are timed" grep -Eq "$stage" psnr.json
 run picture.png --effort draft --vertices 80 --report draft.json
 check "the report names the effort" has draft.json effort '"draft"'
+
+# ---- methods and colours ---------------------------------------------------------------------------------------------
+# means METHOD COLORS: what the method's own colours are.
+means() {
+    run picture.png -o own.ply --vertices 90 --method "$1" --report own.json
+    check "--method $1 exits 0" exits 0
+    check "the report names the method $1" has own.json method "\"$1\""
+    check "the report names the colours of the method $1" has own.json colors "\"$2\""
+    check "the mesh of the method $1 has the vertices asked for" ply_has own.ply 'element vertex 90'
+    check "the report of the method $1 is JSON" is_json own.json
+    for colors in optimal sampled; do
+        run picture.png -o $colors.ply --vertices 90 --method "$1" --colors $colors --report $colors.json
+        check "--method $1 --colors $colors exits 0" exits 0
+        check "the report names the colours asked for" has $colors.json colors "\"$colors\""
+    done
+    check "without --colors the method $1 has $2 ones" cmp -s own.ply "$2.ply"
+    check "optimal colours fit better than sampled ones" awk -v o="$(json_value optimal.json psnr)" \
+        -v s="$(json_value sampled.json psnr)" 'BEGIN { exit !(o + 0 > s + 0) }'
+}
+means annealed optimal
+means adams sampled
+check "stages that solve nothing have no iterations" test "$(grep -c iterations own.json)" -eq 0
+means adaptive_thinning sampled
+means xie sampled
+means hierarchical optimal
+solve='\{"name": "geometry", .*, "iterations": [1-9][0-9]*, "residual": [0-9.]+(e-[0-9]+)?\}'
+check "the report holds iterations and residual of the four geometry steps" test "$(grep -Ec "$solve" own.json)" -eq 4
+check "the report holds them of no other stage" test "$(grep -c iterations own.json)" -eq 4
 
 ln -s real.ply link.ply
 : >real.ply

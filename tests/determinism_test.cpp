@@ -76,6 +76,22 @@ TEST_CASE("tiles give the same bytes in two runs, in any order and on any number
     check_repeatable(image, options);
 }
 
+TEST_CASE("the methods that annealed is compared with give the same bytes in any order and on any number of threads too") {
+    Options options;
+    options.target = Target::vertices(300);
+    const auto weights = hmesh_test::random_weights(80, 70, 1);
+    using hmesh::Method;
+    for (const Method method : {Method::hierarchical, Method::xie, Method::adams, Method::adaptive_thinning}) {
+        options.method = method;
+        options.weights = {};
+        options.hierarchical.geometry.search = hmesh::FootSearch::own_face;
+        check_repeatable(hmesh_test::scene<std::uint8_t, 3>(80, 70, 1), options);
+        options.hierarchical.geometry.search = hmesh::FootSearch::one_ring;
+        options.weights = weights.view();
+        check_repeatable(hmesh_test::scene<float, 1>(80, 70, 2), options);
+    }
+}
+
 TEST_CASE("float images, whose sums are rounded, give the same bytes too") {
     check_repeatable(hmesh_test::noise<float, 2>(70, 50, 2), Target::vertices(300), Effort::fast);
     check_repeatable(hmesh_test::scene<float, 1>(70, 50, 2), Target::vertices(150), Effort::normal);
