@@ -88,6 +88,21 @@ low='(x*37+y*91)%256'  # the lower bytes of 16-bit samples: noise below 1/255
 { printf '\0\0\2\0\0\0\0\0\0\0\0\0\x14\0\x10\0\x20\x28'; samples 20 16 "x*12 y*15 $grey 255-x*5"; } >rgba.tga
 { printf '\0\0\3\0\0\0\0\0\0\0\0\0\x14\0\x10\0\x10\x28'; samples 20 16 "$grey 255-x*5"; } >grey_alpha.tga
 { printf 'P5\n8 8\n255\n'; samples 8 8 '77'; } >constant.pgm
+# jpeg EXIF: 8 x 8 px of one grey, all tables as short as can be, after a segment of Exif.
+jpeg() {
+    printf "\\xff\\xd8$1\\xff\\xdb\\0\\x43\\0"
+    printf '\1%.0s' {1..64}
+    printf '\xff\xc0\0\x0b\x08\0\x08\0\x08\1\1\x11\0'
+    for class in '\0' '\x10'; do printf "\\xff\\xc4\\0\\x14$class\\1" && printf '\0%.0s' {1..16}; done
+    printf '\xff\xda\0\x08\1\1\0\0\x3f\0\x3f\xff\xd9'
+}
+turned='\xff\xe1\0\x22Exif\0\0MM\0*\0\0\0\x08\0\1\1\x12\0\3\0\0\0\1\0\6\0\0\0\0\0\0'
+turned_little='\xff\xe1\0\x22Exif\0\0II*\0\x08\0\0\0\1\0\x12\1\3\0\1\0\0\0\6\0\0\0\0\0\0\0'
+upright=${turned/\\6/\\1}
+jpeg '' >plain.jpg
+jpeg "$turned" >turned.jpg
+jpeg "$turned_little" >turned_little.jpg
+jpeg "$upright" >upright.jpg
 printf 'P5 1 1 255\nA' >one.pgm
 printf 'P5 5 1 255\nA0a9Z' >row.pgm
 printf 'P6\n20 16\n255\nshort' >short.ppm
@@ -343,6 +358,16 @@ check "the page says the PSNR" grep -qx "PSNR $(printf '%.2f' "$(json_value repo
 check "the page says the PSNR's convention" grep -qF 'MSE over pixels and channels' x.html
 original_of x.html >original.png
 check "the page holds the PNG file that was meshed" cmp -s original.png picture.png
+for file in plain upright; do
+    run $file.jpg -o x.html
+    original_of x.html >original.jpg
+    check "the page holds a JPEG file that is shown as it is stored: $file" cmp -s original.jpg $file.jpg
+done
+for file in turned turned_little; do
+    run $file.jpg -o x.html
+    original_of x.html >original.png
+    check "the page holds as PNG a JPEG file that browsers would turn: $file" is_png original.png
+done
 run grey_alpha.tga -o x.html --vertices 40
 original_of x.html >original.png
 check "the page holds other images as PNG" is_png original.png
