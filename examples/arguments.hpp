@@ -19,14 +19,16 @@ inline constexpr char usage[] =
     "usage: hmesh INPUT [-o FILE]... [--vertices N | --rate PERCENT | --psnr DB]\n"
     "             [--effort draft|fast|normal|best] [--method NAME] [--colors optimal|sampled]\n"
     "             [--seed N] [--weights FILE] [--tile N] [--threads N]\n"
-    "             [--render FILE.png] [--wireframe FILE.png] [--report FILE.json] [--quiet]\n";
+    "             [--svg gradient|exact|flat] [--render FILE.png] [--render-scale N] [--wireframe FILE.png]\n"
+    "             [--residual FILE.png] [--strip FILE.png] [--report FILE.json] [--quiet]\n";
 
 inline constexpr char help[] =
     "\n"
     "Turns an image into a triangle mesh with one colour per vertex.\n"
     "\n"
     "  INPUT                 PNG, JPEG, BMP, TGA, PGM or PPM file, 8 or 16 bits, 1 to 4 channels\n"
-    "  -o, --output FILE     write the mesh; the ending chooses the format: .ply (may be given more than once)\n"
+    "  -o, --output FILE     write the mesh; may be given more than once, and the ending chooses the format:\n"
+    "                        .ply .obj .glb (models), .pdf .eps .svg (drawings), .html (a page that shows it)\n"
     "  --vertices N          the mesh has N vertices\n"
     "  --rate PERCENT        the mesh has PERCENT vertices for 100 pixels (default: 1)\n"
     "  --psnr DB             the mesh has as few vertices as reach this PSNR\n"
@@ -40,8 +42,13 @@ inline constexpr char help[] =
     "                        (of colours the mean, without alpha)\n"
     "  --tile N              mesh in tiles of about N px, 64 to 65536 (default: one up to a megapixel, then 256)\n"
     "  --threads N           work on N threads, 1 to 1024; the mesh is the same for all N (default: 0, all cores)\n"
+    "  --svg NAME            how .svg shows a face: gradient (default), one gradient; exact, one a channel, larger and\n"
+    "                        slower; flat, its mean colour\n"
     "  --render FILE.png     draw the mesh\n"
+    "  --render-scale N      at N times the size, 1 to 16 (default: 1)\n"
     "  --wireframe FILE.png  draw the mesh with its edges, at twice the size up to 2048 px\n"
+    "  --residual FILE.png   draw the error: mesh less image, times 4, around grey\n"
+    "  --strip FILE.png      draw image, mesh, mesh with edges and error side by side\n"
     "  --report FILE.json    write figures of the mesh and of each stage\n"
     "  -q, --quiet           print errors only\n"
     "  -h, --help            print this text\n"
@@ -67,6 +74,9 @@ inline constexpr Named<hmesh::Effort> efforts[] = {{"draft", hmesh::Effort::draf
                                                    {"fast", hmesh::Effort::fast},
                                                    {"normal", hmesh::Effort::normal},
                                                    {"best", hmesh::Effort::best}};
+inline constexpr Named<hmesh::SvgKind> svg_kinds[] = {{"gradient", hmesh::SvgKind::gradient},
+                                                      {"exact", hmesh::SvgKind::exact},
+                                                      {"flat", hmesh::SvgKind::flat}};
 
 template <class Value, std::size_t n>
 [[nodiscard]] const char* name_of(const Named<Value> (&table)[n], Value value) {
@@ -79,7 +89,9 @@ struct Arguments {
     std::string input;
     std::vector<std::string> meshes;
     std::string weights;  // a file; empty: none
-    std::string render, wireframe, report;
+    std::string render, wireframe, residual, strip, report;
+    int render_scale = 1;
+    hmesh::SvgKind svg = hmesh::SvgKind::gradient;
     hmesh::Options options;
     unsigned threads = 0;             // 0: all cores
     std::string target = "--rate 1";  // as typed
@@ -179,6 +191,13 @@ template <class Value, std::size_t n>
     return why;
 }
 
+[[nodiscard]] inline std::string set_scale(const std::string& option, const std::string& text, int& scale) {
+    std::int64_t number = 0;
+    const std::string why = parse_in_range(option, text, 1, 16, number);
+    scale = static_cast<int>(number);
+    return why;
+}
+
 // Sets an option that takes a value.
 [[nodiscard]] inline std::string set(const std::string& option, const std::string& text, Arguments& out) {
     if (text.empty()) return option + " needs a value that is not empty";
@@ -194,15 +213,20 @@ template <class Value, std::size_t n>
     if (option == "--tile") return set_tile(option, text, out.options.tile);
     if (option == "--threads") return set_threads(option, text, out.threads);
     if (option == "--render") return set_png(option, text, out.render);
+    if (option == "--render-scale") return set_scale(option, text, out.render_scale);
     if (option == "--wireframe") return set_png(option, text, out.wireframe);
+    if (option == "--residual") return set_png(option, text, out.residual);
+    if (option == "--strip") return set_png(option, text, out.strip);
+    if (option == "--svg") return find_name(svg_kinds, option, text, out.svg);
     (option == "--weights" ? out.weights : out.report) = text;
     return {};
 }
 
 [[nodiscard]] inline bool takes_value(const std::string& option) {
-    static constexpr const char* names[] = {"-o",        "--output", "--vertices",  "--rate",    "--psnr",
-                                            "--effort",  "--method", "--colors",    "--seed",    "--weights",
-                                            "--tile",    "--threads", "--render",   "--wireframe", "--report"};
+    static constexpr const char* names[] = {"-o",         "--output",  "--vertices", "--rate",   "--psnr",
+                                            "--effort",   "--method",  "--colors",   "--seed",   "--weights",
+                                            "--tile",     "--threads", "--svg",      "--render", "--render-scale",
+                                            "--wireframe", "--residual", "--strip",  "--report"};
     return std::any_of(std::begin(names), std::end(names), [&](const char* name) { return option == name; });
 }
 
@@ -218,9 +242,16 @@ template <class Value, std::size_t n>
 // Every file that the command writes.
 [[nodiscard]] inline std::vector<std::string> output_files(const Arguments& arguments) {
     std::vector<std::string> files = arguments.meshes;
-    for (const std::string& file : {arguments.render, arguments.wireframe, arguments.report})
+    for (const std::string& file :
+         {arguments.render, arguments.wireframe, arguments.residual, arguments.strip, arguments.report})
         if (!file.empty()) files.push_back(file);
     return files;
+}
+
+// Whether a mesh is to be written with this ending.
+[[nodiscard]] inline bool has_output(const Arguments& arguments, const std::string& ending) {
+    return std::any_of(arguments.meshes.begin(), arguments.meshes.end(),
+                       [&](const std::string& name) { return has_ending(name, ending); });
 }
 
 // Reads the command line into `out`. Returns "" or what is wrong with it; asking for help or the version ends the
@@ -254,6 +285,10 @@ template <class Value, std::size_t n>
     if (inputs.empty() || inputs[0].empty()) return "no input image is given";
     if (inputs.size() > 1) return "only one input image can be given, not also '" + inputs[1] + "'";
     out.input = inputs[0];
+    if (std::count(seen.begin(), seen.end(), "--svg") != 0 && !has_output(out, ".svg"))
+        return "--svg is given without an output that ends in .svg";
+    if (std::count(seen.begin(), seen.end(), "--render-scale") != 0 && out.render.empty())
+        return "--render-scale is given without --render";
     return {};
 }
 

@@ -4,6 +4,7 @@
 #include <optional>
 #include <string>
 #include <system_error>
+#include <utility>
 #include <vector>
 
 #include "arguments.hpp"
@@ -11,9 +12,11 @@
 #include "image_file.hpp"
 #include "meshing.hpp"
 #include "output_file.hpp"
+#include "pictures.hpp"
 #include "progress_watch.hpp"
 #include "report.hpp"
 #include "thread_pool.hpp"
+#include "web_page.hpp"
 #include "weights.hpp"
 
 namespace example {
@@ -76,32 +79,58 @@ std::string write_file(const std::string& name, Write&& write) {
 
 std::string write_picture(const std::string& name, const hmesh::Status& status, const Picture& picture) {
     if (!status) return "cannot draw '" + name + "': " + in_words(status);
-    return write_file(name, [&](OutputFile& file) { return write_png(picture, file) ? "" : "out of memory"; });
+    return write_file(name, [&](OutputFile& file) {
+        return write_png(picture, file) ? "" : "it has more than 2^30 samples, or there is no memory";
+    });
 }
 
-std::string write_outputs(const Arguments& arguments, const Outcome& outcome, const std::string& report) {
+// Image, mesh, mesh with edges and error, side by side.
+hmesh::Status draw_strip(const hmesh::MeshView& mesh, const Rgb& original, Rgb& strip) {
+    Rgb drawn, edges;
+    if (const hmesh::Status status = draw_rgb(mesh, 1, drawn); !status) return status;
+    if (const hmesh::Status status = draw_with_edges(mesh, 1, edges); !status) return status;
+    strip = side_by_side({original, drawn, edges, residual(original, drawn)});
+    return {};
+}
+
+std::string write_pictures(const Arguments& arguments, const ImageFile& image, const hmesh::MeshView& mesh) {
     std::string why;
+    if (!arguments.render.empty()) {
+        Picture picture;
+        const int scale = arguments.render_scale;
+        const hmesh::Status status = draw(mesh, {scale * mesh.width, scale * mesh.height}, picture);
+        if (why = write_picture(arguments.render, status, picture); !why.empty()) return why;
+    }
+    Rgb rgb;
+    if (!arguments.wireframe.empty()) {
+        const int scale = mesh.width <= 2048 && mesh.height <= 2048 ? 2 : 1;
+        const hmesh::Status status = draw_with_edges(mesh, scale, rgb);
+        if (why = write_picture(arguments.wireframe, status, to_picture(std::move(rgb))); !why.empty()) return why;
+    }
+    if (!arguments.residual.empty()) {
+        const hmesh::Status status = draw_rgb(mesh, 1, rgb);
+        if (status) rgb = residual(to_rgb(to_picture(image)), rgb);
+        if (why = write_picture(arguments.residual, status, to_picture(std::move(rgb))); !why.empty()) return why;
+    }
+    if (!arguments.strip.empty()) {
+        const hmesh::Status status = draw_strip(mesh, to_rgb(to_picture(image)), rgb);
+        if (why = write_picture(arguments.strip, status, to_picture(std::move(rgb))); !why.empty()) return why;
+    }
+    return {};
+}
+
+std::string write_meshes(const Arguments& arguments, const hmesh::MeshView& mesh, const WebPage& page) {
+    FormatOptions options;
+    options.svg.kind = arguments.svg;
+    options.html = page.options();
     for (const std::string& name : arguments.meshes) {
-        why = write_file(name, [&](OutputFile& file) {
-            const hmesh::Status status = find_format(name)->write(outcome.view(), file);
+        const std::string why = write_file(name, [&](OutputFile& file) {
+            const hmesh::Status status = write_mesh(mesh, *find_format(name), options, file);
             return status ? std::string() : in_words(status);
         });
         if (!why.empty()) return why;
     }
-    if (!arguments.render.empty()) {
-        Picture picture;
-        const hmesh::Status status = draw(outcome.view(), {}, picture);
-        if (why = write_picture(arguments.render, status, picture); !why.empty()) return why;
-    }
-    if (!arguments.wireframe.empty()) {
-        Picture picture;
-        const hmesh::Status status = draw_with_edges(outcome.view(), picture);
-        if (why = write_picture(arguments.wireframe, status, picture); !why.empty()) return why;
-    }
-    if (arguments.report.empty()) return {};
-    return write_file(arguments.report, [&](OutputFile& file) {
-        return file(report.data(), report.size()) ? "" : "the disk refused the report";
-    });
+    return {};
 }
 
 void print_summary(const Arguments& arguments, const ImageFile& image, const Outcome& outcome, double seconds) {
@@ -109,8 +138,8 @@ void print_summary(const Arguments& arguments, const ImageFile& image, const Out
                 image.channels, image.channels == 1 ? "" : "s", image.bits);
     std::printf("vertices  %zu\n", outcome.report.vertices);
     std::printf("faces     %zu\n", outcome.report.faces);
-    std::printf("PSNR      %s (10 log10(peak^2 / MSE), MSE over %spixels and channels)\n",
-                psnr_text(outcome.report.psnr).c_str(), arguments.weights.empty() ? "" : "weighted ");
+    std::printf("PSNR      %s (%s)\n", psnr_text(outcome.report.psnr).c_str(),
+                arguments.weights.empty() ? psnr_formula : weighted_psnr_formula);
     std::printf("time      %.2f s\n", seconds);
     for (const std::string& name : output_files(arguments)) std::printf("written   %s\n", name.c_str());
 }
@@ -129,8 +158,10 @@ int run(const Arguments& arguments) {
     catch_interrupt();
     if (const std::string clash = find_clash(arguments); !clash.empty()) return fail(wrong_usage, clash);
     ImageFile image;
-    if (const std::string why = read_image(arguments.input, image); !why.empty())
+    std::vector<unsigned char> bytes;
+    if (const std::string why = read_image(arguments.input, image, bytes); !why.empty())
         return fail(failed, "cannot read '" + arguments.input + "': " + why);
+    if (!has_output(arguments, ".html")) std::vector<unsigned char>().swap(bytes);
     hmesh::Image<float, 1> weights;
     if (!arguments.weights.empty()) {
         const std::string why = read_weights(arguments.weights, image.width, image.height, weights);
@@ -153,7 +184,17 @@ int run(const Arguments& arguments) {
                               (has_effort ? std::string(" --effort ") + name_of(efforts, options.effort)
                                           : std::string(" --method ") + name_of(methods, options.method));
     if (!outcome.has_mesh()) return fail(failed, where + ": " + in_words(outcome.status));
-    const std::string why = write_outputs(arguments, outcome, report_json(arguments, image, outcome, seconds, watch));
+    WebPage page;
+    if (has_output(arguments, ".html"))
+        page = make_web_page(arguments.input, image, std::move(bytes), outcome.report, !arguments.weights.empty());
+    std::string why = write_meshes(arguments, outcome.view(), page);
+    if (why.empty()) why = write_pictures(arguments, image, outcome.view());
+    if (why.empty() && !arguments.report.empty()) {
+        const std::string report = report_json(arguments, image, outcome, seconds, watch);
+        why = write_file(arguments.report, [&](OutputFile& file) {
+            return file(report.data(), report.size()) ? "" : "the disk refused the report";
+        });
+    }
     if (!why.empty()) return fail(failed, why);
     if (!arguments.quiet) print_summary(arguments, image, outcome, seconds);
     if (std::fflush(stdout) != 0) return fail(failed, "cannot write to the standard output");

@@ -31,6 +31,9 @@
 
 namespace example {
 
+// What stb may be given to deflate, in bytes: it counts in int, and doubles its buffer when what it made outgrows it.
+inline constexpr std::size_t max_deflated = std::size_t{1} << 30U;
+
 // The pixels of a file, packed: in `samples8` where bits is 8, in `samples16` where it is 16.
 struct ImageFile {
     int width = 0, height = 0, channels = 0, bits = 0;
@@ -122,17 +125,23 @@ template <class T>
 
 }  // namespace detail
 
-// Reads the file. Returns "" or what is wrong, as the end of a sentence that begins with the file's name.
-[[nodiscard]] inline std::string read_image(const std::string& path, ImageFile& image) {
-    std::vector<unsigned char> bytes;
+// Reads the file, and leaves its bytes as they are in `bytes`. Returns "" or what is wrong, as the end of a sentence that
+// begins with the file's name.
+[[nodiscard]] inline std::string read_image(const std::string& path, ImageFile& image, std::vector<unsigned char>& bytes) {
     if (const std::string why = detail::read_bytes(path, bytes); !why.empty()) return why;
     return is_pnm(bytes) ? detail::read_pnm(bytes, image) : detail::read_stb(bytes, image);
 }
 
+[[nodiscard]] inline std::string read_image(const std::string& path, ImageFile& image) {
+    std::vector<unsigned char> bytes;
+    return read_image(path, image, bytes);
+}
+
 // Encodes a picture and hands the bytes of the PNG file to `sink`, a callable bool(const void*, std::size_t). False
-// when there is no memory or the sink refused.
+// when there is no memory, the picture has more than 2^30 samples, or the sink refused.
 template <class Sink>
 [[nodiscard]] bool write_png(const Picture& picture, Sink& sink) {
+    if (picture.samples.size() + static_cast<std::size_t>(picture.height) > max_deflated) return false;
     struct Call {
         Sink* sink;
         bool done;

@@ -95,16 +95,17 @@ template <int C>
     }
 }
 
-// The mesh drawn in red, green and blue with its edges over it, at twice its size unless that is large.
-[[nodiscard]] inline hmesh::Status draw_with_edges(const hmesh::MeshView& mesh, Picture& picture) {
-    const int scale = mesh.width <= 2048 && mesh.height <= 2048 ? 2 : 1;
+// The mesh drawn in red, green and blue, whatever is transparent over white.
+[[nodiscard]] inline hmesh::Status draw_rgb(const hmesh::MeshView& mesh, int scale, Rgb& rgb) {
     Picture drawn;
-    if (const hmesh::Status status = draw(mesh, {scale * mesh.width, scale * mesh.height}, drawn); !status)
-        return status;
-    hmesh::Image<std::uint8_t, 3> rgb = to_rgb(drawn);
-    if (const hmesh::Status status = draw_wireframe(mesh, rgb); !status) return status;
-    picture = {rgb.width(), rgb.height(), 3, std::move(rgb.samples())};
-    return {};
+    const hmesh::Status status = draw(mesh, {scale * mesh.width, scale * mesh.height}, drawn);
+    if (status) rgb = to_rgb(drawn);
+    return status;
+}
+
+[[nodiscard]] inline hmesh::Status draw_with_edges(const hmesh::MeshView& mesh, int scale, Rgb& rgb) {
+    if (const hmesh::Status status = draw_rgb(mesh, scale, rgb); !status) return status;
+    return draw_wireframe(mesh, rgb);
 }
 
 }  // namespace example

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <utility>
 #include <vector>
 
 #include "hmesh/image/image_view.hpp"
@@ -38,6 +39,7 @@ using Rgb = hmesh::Image<std::uint8_t, 3>;
     return rgb;
 }
 
+[[nodiscard]] inline Picture to_picture(Rgb&& rgb) { return {rgb.width(), rgb.height(), 3, std::move(rgb.samples())}; }
 
 // The difference `drawn` - `original`, times `gain`, around middle grey: brighter where the mesh is. Both of one size.
 [[nodiscard]] inline Rgb residual(const Rgb& original, const Rgb& drawn, double gain = 4) {

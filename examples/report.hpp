@@ -18,6 +18,10 @@ namespace example {
 inline constexpr char psnr_convention[] =
     "10 log10(peak^2 / MSE) in dB, MSE the mean over pixels and channels of the image's stored values";
 
+// The same for people.
+inline constexpr char psnr_formula[] = "10 log10(peak^2 / MSE), MSE over pixels and channels";
+inline constexpr char weighted_psnr_formula[] = "10 log10(peak^2 / MSE), MSE over weighted pixels and channels";
+
 namespace detail {
 
 [[nodiscard]] inline std::string format(const char* pattern, double value) {

@@ -36,8 +36,9 @@ as_root() {
     if [ "$(id -u)" = 0 ]; then "$@"; else sudo "$@"; fi
 }
 
-# need WHAT...: makes sure that compiler, cmake, eigen, stb, doctest, benchmark or clang is there. What is missing is
-# installed where the system has apt-get; elsewhere one sentence says what to install.
+# need WHAT...: makes sure that compiler, cmake, eigen, stb, doctest, benchmark, clang or viewers, the programs that the
+# tests of that label show meshes with, is there. What is missing is installed where the system has apt-get; elsewhere one
+# sentence says what to install.
 need() {
     local what packages=()
     for what in "$@"; do
@@ -52,6 +53,15 @@ need() {
             doctest) has_header doctest/doctest.h || packages+=(doctest-dev) ;;
             benchmark) has_header benchmark/benchmark.h || packages+=(libbenchmark-dev) ;;
             clang) has clang++ || packages+=(clang) ;;
+            viewers)
+                has pdftoppm || packages+=(poppler-utils)
+                has gs || packages+=(ghostscript)
+                has rsvg-convert || packages+=(librsvg2-bin)
+                has assimp || packages+=(assimp-utils)
+                has "${CHROMIUM:-chromium}" || packages+=(chromium)
+                has node || packages+=(nodejs)
+                has npm || packages+=(npm)
+                ;;
             *) fail "need: unknown '$what'" ;;
         esac
     done
@@ -67,4 +77,14 @@ need() {
 install_packages() {
     as_root env DEBIAN_FRONTEND=noninteractive apt-get update -q || true  # the packages may be known already
     as_root env DEBIAN_FRONTEND=noninteractive apt-get install -q -y --no-install-recommends "$@"
+}
+
+# need_node_modules DIRECTORY: makes sure that node finds what the tests labelled `viewers` need, in DIRECTORY/node_modules.
+# Of Playwright only the library: it drives the system's Chromium.
+need_node_modules() {
+    export NODE_PATH=$1/node_modules${NODE_PATH:+:$NODE_PATH}
+    ! node -e 'require("gltf-validator"), require("playwright-core")' 2>/dev/null || return 0
+    mkdir -p "$1"
+    step "Installing gltf-validator and playwright-core into $1 ..." env PLAYWRIGHT_SKIP_BROWSER_DOWNLOAD=1 \
+        npm install --prefix "$1" --no-save --no-audit --no-fund gltf-validator@2.0.0-dev.3.10 playwright-core@1.65.1
 }

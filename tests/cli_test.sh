@@ -47,6 +47,25 @@ is_json() {
 }
 is_ply() { head -c 4 "$1" | grep -q ply && grep -aq '^end_header' "$1"; }
 is_png() { [ "$(head -c 4 "$1" | tail -c 3)" = PNG ]; }
+begins_with() { head -c "$((${#2} + 1))" "$1" | grep -aqF -e "$2"; }
+# is_whole FILE: its first bytes name its kind, and its end is there.
+is_whole() {
+    case $1 in
+        *.ply) is_ply "$1" ;;
+        *.obj) begins_with "$1" '# made by hmesh' && tail -n 1 "$1" | grep -Eqx 'f [0-9]+ [0-9]+ [0-9]+' ;;
+        *.glb) begins_with "$1" glTF && [ "$(od -An -tu4 -j8 -N4 --endian=little "$1")" -eq "$(wc -c <"$1")" ] ;;
+        *.pdf) begins_with "$1" %PDF-1 && [ "$(tail -c 6 "$1")" = %%EOF ] ;;
+        *.eps) begins_with "$1" '%!PS-Adobe-3.0 EPSF-3.0' && [ "$(tail -c 6 "$1")" = %%EOF ] ;;
+        *.svg) begins_with "$1" '<svg ' && [ "$(tail -c 7 "$1")" = '</svg>' ] ;;
+        *.html) begins_with "$1" '<!DOCTYPE html>' && [ "$(tail -c 8 "$1")" = '</html>' ] ;;
+    esac
+}
+kinds="ply obj glb pdf eps svg html"
+all_kinds=()  # for a mesh named x
+for kind in $kinds; do all_kinds+=(-o "x.$kind"); done
+# original_of FILE: the bytes of the picture in an .html file.
+original_of() { sed -nE 's/.*src="data:image\/[a-z]+;base64,([^"]*)".*/\1/p' "$1" | base64 -d; }
+png_size() { od -An -tu4 -j16 -N8 --endian=big "$1" | tr -s ' ' ' '; }
 ply_has() { sed '/^end_header/q' "$1" | grep -aqx "$2"; }
 
 # ---- small pictures --------------------------------------------------------------------------------------------------
@@ -69,6 +88,21 @@ low='(x*37+y*91)%256'  # the lower bytes of 16-bit samples: noise below 1/255
 { printf '\0\0\2\0\0\0\0\0\0\0\0\0\x14\0\x10\0\x20\x28'; samples 20 16 "x*12 y*15 $grey 255-x*5"; } >rgba.tga
 { printf '\0\0\3\0\0\0\0\0\0\0\0\0\x14\0\x10\0\x10\x28'; samples 20 16 "$grey 255-x*5"; } >grey_alpha.tga
 { printf 'P5\n8 8\n255\n'; samples 8 8 '77'; } >constant.pgm
+# jpeg EXIF: 8 x 8 px of one grey, all tables as short as can be, after a segment of Exif.
+jpeg() {
+    printf "\\xff\\xd8$1\\xff\\xdb\\0\\x43\\0"
+    printf '\1%.0s' {1..64}
+    printf '\xff\xc0\0\x0b\x08\0\x08\0\x08\1\1\x11\0'
+    for class in '\0' '\x10'; do printf "\\xff\\xc4\\0\\x14$class\\1" && printf '\0%.0s' {1..16}; done
+    printf '\xff\xda\0\x08\1\1\0\0\x3f\0\x3f\xff\xd9'
+}
+turned='\xff\xe1\0\x22Exif\0\0MM\0*\0\0\0\x08\0\1\1\x12\0\3\0\0\0\1\0\6\0\0\0\0\0\0'
+turned_little='\xff\xe1\0\x22Exif\0\0II*\0\x08\0\0\0\1\0\x12\1\3\0\1\0\0\0\6\0\0\0\0\0\0\0'
+upright=${turned/\\6/\\1}
+jpeg '' >plain.jpg
+jpeg "$turned" >turned.jpg
+jpeg "$turned_little" >turned_little.jpg
+jpeg "$upright" >upright.jpg
 printf 'P5 1 1 255\nA' >one.pgm
 printf 'P5 5 1 255\nA0a9Z' >row.pgm
 printf 'P6\n20 16\n255\nshort' >short.ppm
@@ -145,16 +179,30 @@ wrong "'magic' is not one of: optimal, sampled" grey.pgm --colors magic
 wrong "--method needs a value" grey.pgm --method
 wrong "--colors needs a value" grey.pgm --colors
 wrong "twice" grey.pgm --method xie --method xie
-wrong "'mesh.xyz' must end in one of: .ply" grey.pgm -o mesh.xyz
+wrong "'mesh.xyz' must end in one of: .ply, .obj, .glb, .pdf, .eps, .svg, .html" grey.pgm -o mesh.xyz
+wrong "'.svg' must end in one of" grey.pgm -o .svg
+wrong "'Exact' is not one of: gradient, exact, flat" grey.pgm -o a.svg --svg Exact
+wrong "'mesh' is not one of: gradient, exact, flat" grey.pgm -o a.svg --svg=mesh
+wrong "--svg is given without an output that ends in .svg" grey.pgm -o a.pdf --svg exact
+wrong "--svg is given twice" grey.pgm -o a.svg --svg exact --svg flat
+wrong "'0' must be from 1 to 16" grey.pgm --render a.png --render-scale 0
+wrong "'17' must be from 1 to 16" grey.pgm --render a.png --render-scale 17
+wrong "--render-scale is given without --render" grey.pgm --wireframe a.png --render-scale 2
+wrong "'x.pdf' must end in .png" grey.pgm --residual x.pdf
+wrong "'x' must end in .png" grey.pgm --strip x
 wrong "'mesh'" grey.pgm -o mesh
 wrong "'x.jpg' must end in .png" grey.pgm --render x.jpg
 wrong "'x' must end in .png" grey.pgm --wireframe x
 wrong "named for two outputs" grey.pgm -o a.ply -o ./a.ply
 wrong "named for two outputs" grey.pgm --render a.png --wireframe a.png
+wrong "named for two outputs" grey.pgm --residual a.png --strip a.png
+wrong "named for two outputs" grey.pgm -o a.svg -o ./a.svg
 wrong "overwrite the input" picture.png --render picture.png
+wrong "overwrite the input" picture.png --residual ./picture.png
+wrong "overwrite the input" picture.png --strip picture.png
 wrong "overwrite the weights" grey.pgm --weights picture.png --render ./picture.png
 check "a refused command line leaves the input as it was" cmp -s picture.png again.png
-check "refused command lines leave no file" test ! -e a.ply -a ! -e a.png
+check "refused command lines leave no file" test ! -e a.ply -a ! -e a.png -a ! -e a.svg -a ! -e a.pdf
 
 # ---- failures --------------------------------------------------------------------------------------------------------
 # fails VALUE ARGUMENTS...: exit 1, one sentence on stderr that holds VALUE.
@@ -198,14 +246,18 @@ make_full_device() {
     { echo x >full.device; } 2>&1 | grep -q 'No space left'
 }
 if make_full_device; then
-    for file in full.ply full.png full.json; do ln -s full.device $file; done
-    fails "'full.ply'" grey.pgm -o full.ply
-    fails "'full.png'" grey.pgm --render full.png
-    fails "'full.png'" grey.pgm --wireframe full.png
+    for file in full.png full.json; do ln -s full.device $file; done
+    for kind in $kinds; do
+        ln -s full.device full.$kind
+        fails "'full.$kind'" grey.pgm -o full.$kind
+        check "a full disk is the reason for no $kind" says "No space left"
+        check "a link to a device is not replaced by a $kind file" test -L full.$kind
+    done
+    for option in --render --wireframe --residual --strip; do fails "'full.png'" grey.pgm $option full.png; done
     fails "'full.json'" grey.pgm --report full.json
     fails "'full.device'" grey.pgm --report full.device
     check "a full disk is named as the reason" says "No space left"
-    check "a link to a device is not replaced" test -L full.ply -a -L full.png -a -L full.json
+    check "a link to a device is not replaced" test -L full.png -a -L full.json
     check "a device is not replaced" test -c full.device
 else
     echo "skipped: no full device can be made here"
@@ -214,6 +266,15 @@ if [ -c /dev/full ]; then
     "$hmesh" grey.pgm >/dev/full 2>err; status=$?
     check "a full standard output exits 1" exits 1
 fi
+# The disk fills up while a file is written: what was there stays. 1 KiB is less than any of these files.
+for kind in $kinds; do
+    echo old >"keep.$kind"
+    last="-o keep.$kind, no file above 1 KiB"
+    (trap '' XFSZ && ulimit -f 1 && "$hmesh" picture.png --vertices 100 -o "keep.$kind" >out 2>err </dev/null); status=$?
+    check "a $kind file that the disk cannot hold exits 1" exits 1
+    check "a $kind file that the disk cannot hold is named" says "'keep.$kind'"
+    check "a $kind file that the disk cannot hold leaves what was there" grep -qx old "keep.$kind"
+done
 check "failures leave no half-written file" no_part_is_left
 
 # ---- success ---------------------------------------------------------------------------------------------------------
@@ -308,6 +369,58 @@ means hierarchical optimal
 solve='\{"name": "geometry", .*, "iterations": [1-9][0-9]*, "residual": [0-9.]+(e-[0-9]+)?\}'
 check "the report holds iterations and residual of the four geometry steps" test "$(grep -Ec "$solve" own.json)" -eq 4
 check "the report holds them of no other stage" test "$(grep -c iterations own.json)" -eq 4
+# ---- formats and pictures --------------------------------------------------------------------------------------------
+run picture.png "${all_kinds[@]}" --vertices 100
+check "all formats are written at once" exits 0
+for kind in $kinds; do
+    check "a whole file is written as $kind" is_whole x.$kind
+    check "stdout names the file written: x.$kind" grep -Eq "^written +x.$kind\$" out
+done
+check "the same mesh is written beside other formats" cmp -s x.ply mesh.ply
+faces=$(json_value report.json faces)
+check "the OBJ file has the mesh's faces" test "$(grep -c '^f ' x.obj)" -eq "$faces"
+check "the SVG file has the mesh's faces" test "$(grep -c '<path ' x.svg)" -eq "$faces"
+check "the PDF file is deflated" grep -aq /FlateDecode x.pdf
+check "the EPS file is deflated" grep -aq /FlateDecode x.eps
+check "the page is named after the input" grep -q '<title>picture.png</title>' x.html
+check "the page says how many vertices and faces" grep -q "100 vertices" x.html
+check "the page says how many faces" grep -qx "$faces faces" x.html
+check "the page says the PSNR" grep -qx "PSNR $(printf '%.2f' "$(json_value report.json psnr)") dB" x.html
+check "the page says the PSNR's convention" grep -qF 'MSE over pixels and channels' x.html
+original_of x.html >original.png
+check "the page holds the PNG file that was meshed" cmp -s original.png picture.png
+for file in plain upright; do
+    run $file.jpg -o x.html
+    original_of x.html >original.jpg
+    check "the page holds a JPEG file that is shown as it is stored: $file" cmp -s original.jpg $file.jpg
+done
+for file in turned turned_little; do
+    run $file.jpg -o x.html
+    original_of x.html >original.png
+    check "the page holds as PNG a JPEG file that browsers would turn: $file" is_png original.png
+done
+run grey_alpha.tga -o x.html --vertices 40
+original_of x.html >original.png
+check "the page holds other images as PNG" is_png original.png
+check "the page's PNG has the image's size" test "$(png_size original.png)" = ' 20 16'
+run original.png --report original.json
+check "the page's PNG has the image's channels" has original.json channels 2
+for kind in gradient exact flat; do
+    run picture.png -o $kind.svg --svg $kind --vertices 100
+    check "--svg $kind is written" is_whole $kind.svg
+done
+check "the default is --svg gradient" cmp -s x.svg gradient.svg
+check "--svg exact blends layers" grep -q mix-blend-mode:screen exact.svg
+check "--svg flat has no gradients" test "$(grep -c linearGradient flat.svg)" -eq 0
+
+run picture.png --vertices 100 --render big.png --render-scale 3 --residual residual.png --strip strip.png
+check "pictures of the error and the strip exit 0" exits 0
+check "--render-scale 3 draws at three times the size" test "$(png_size big.png)" = ' 288 192'
+check "--residual draws at the image's size" test "$(png_size residual.png)" = ' 96 64'
+check "--strip draws four pictures with 4 px between" test "$(png_size strip.png)" = ' 396 64'
+run constant.pgm --residual residual.png
+run residual.png --report residual.json
+check "where nothing is lost the residual is plain" has residual.json psnr '"inf"'
 
 ln -s real.ply link.ply
 : >real.ply
@@ -317,13 +430,17 @@ check "a symbolic link is followed, not replaced" test -L link.ply -a -s real.pl
 # ---- depths and channels ---------------------------------------------------------------------------------------------
 # meshes FILE CHANNELS BITS PROPERTY
 meshes() {
-    run "$1" -o "$1.ply" --vertices 40 --report "$1.json" --render "$1.png" --wireframe "$1.wire.png"
+    run "$1" -o "$1.ply" "${all_kinds[@]}" --vertices 40 --report "$1.json" --render "$1.png" --wireframe "$1.wire.png" \
+        --residual "$1.residual.png" --strip "$1.strip.png"
     check "$1 becomes a mesh" exits 0
     check "$1 has $2 channels" has "$1.json" channels "$2"
     check "$1 has $3 bits" has "$1.json" bits "$3"
     check "the mesh of $1 has the property $4" ply_has "$1.ply" "property uchar $4"
     check "the mesh of $1 is drawn" is_png "$1.png"
     check "the mesh of $1 is drawn with edges" is_png "$1.wire.png"
+    check "the error of $1 is drawn" is_png "$1.residual.png"
+    check "the strip of $1 is drawn" is_png "$1.strip.png"
+    for kind in $kinds; do check "$1 is written as $kind" is_whole x.$kind; done
 }
 meshes grey.pgm 1 8 intensity
 meshes grey16.pgm 1 16 intensity

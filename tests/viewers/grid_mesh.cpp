@@ -1,0 +1,154 @@
+// grid_mesh - a mesh without thin faces, in all formats and as pictures: grid_mesh DIRECTORY [CHANNELS [COLUMNS ROWS]]
+//
+// A grid of 768 x 512 px whose inner vertices are moved by up to a quarter of a cell, coloured from the scene of the examples,
+// with 3 channels or 4, the fourth a wave of alpha. What viewers show of it tells what the exporters are worth, where thin
+// faces would tell what the viewers are. Writes mesh.ply, .obj, .glb, .pdf, .eps and .html, quantized.glb, plain.pdf and
+// plain.eps (not deflated), gradient.svg, exact.svg and flat.svg; of render()'s picture reference.png, reference4.png, four
+// times as large, and paper.png, over white. Prints bytes and processor time of each file, the best of five.
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <cstdlib>
+#include <ctime>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <hmesh/hmesh.hpp>
+
+#include "formats.hpp"
+#include "image_file.hpp"
+#include "output_file.hpp"
+#include "pictures.hpp"
+#include "scene.hpp"
+
+namespace {
+
+using Bytes = std::vector<unsigned char>;
+
+template <int C>
+hmesh::Mesh<C> make_grid(int columns, int rows) {
+    const hmesh::Image<std::uint8_t, 3> scene = example::draw_scene(768, 512);
+    hmesh::Mesh<C> mesh;
+    mesh.width = scene.width();
+    mesh.height = scene.height();
+    mesh.peak = 255;
+    hmesh::Random random(1);
+    const auto place = [&](int k, int count, int side) {  // on the 1/256 px grid
+        const bool is_inner = k > 0 && k < count;
+        const double jitter = (random.uniform() - 0.5) * (is_inner ? 0.5 : 0);
+        return static_cast<float>(std::round((k + jitter) * side / count * 256) / 256);
+    };
+    for (int j = 0; j <= rows; ++j)
+        for (int i = 0; i <= columns; ++i) {
+            const float x = place(i, columns, mesh.width), y = place(j, rows, mesh.height);
+            mesh.positions.insert(mesh.positions.end(), {x, y});
+            const std::uint8_t* pixel =
+                scene.pixel(std::min(mesh.width - 1, static_cast<int>(x)), std::min(mesh.height - 1, static_cast<int>(y)));
+            for (int c = 0; c < 3; ++c) mesh.colors.push_back(static_cast<float>(pixel[c]));
+            if (C == 4) mesh.colors.push_back(std::round(127.5F + 127.5F * std::sin(x / 40)));
+        }
+    const auto at = [&](int i, int j) { return static_cast<std::uint32_t>(j * (columns + 1) + i); };
+    for (int j = 0; j < rows; ++j)
+        for (int i = 0; i < columns; ++i) {
+            mesh.faces.push_back({at(i, j), at(i + 1, j), at(i, j + 1)});
+            mesh.faces.push_back({at(i + 1, j), at(i + 1, j + 1), at(i, j + 1)});
+        }
+    return mesh;
+}
+
+class Directory {
+  public:
+    explicit Directory(std::string name) : name_(std::move(name)) {}
+
+    // write(sink) gives the file's bytes as a Status.
+    template <class Write>
+    void put(const std::string& file, Write&& write) {
+        Bytes bytes;
+        const auto sink = [&](const void* from, std::size_t size) {
+            const auto* first = static_cast<const unsigned char*>(from);
+            bytes.insert(bytes.end(), first, first + size);
+            return true;
+        };
+        double least = 0;  // s of processor time
+        for (int k = 0; k < 5; ++k) {
+            bytes.clear();
+            const std::clock_t start = std::clock();
+            if (const hmesh::Status status = write(sink); !status) return fail(file, status.what);
+            const double seconds = static_cast<double>(std::clock() - start) / CLOCKS_PER_SEC;
+            least = k == 0 ? seconds : std::min(least, seconds);
+        }
+        example::OutputFile out(name_ + "/" + file);
+        if (!out.open() || !out(bytes.data(), bytes.size()) || !out.commit()) return fail(file, out.error().c_str());
+        const auto size = static_cast<double>(bytes.size());
+        const double speed = size / std::max(least, 1e-6) / 1e6;
+        std::printf("%-14s %9.0f bytes %7.2f ms %5.0f MB/s\n", file.c_str(), size, 1e3 * least, speed);
+    }
+    void put_picture(const std::string& file, const example::Picture& picture) {
+        example::OutputFile out(name_ + "/" + file);
+        if (!out.open() || !example::write_png(picture, out) || !out.commit()) return fail(file, out.error().c_str());
+    }
+    [[nodiscard]] bool is_good() const noexcept { return is_good_; }
+
+  private:
+    void fail(const std::string& file, const char* why) {
+        std::fprintf(stderr, "grid_mesh: cannot write '%s/%s': %s\n", name_.c_str(), file.c_str(), why);
+        is_good_ = false;
+    }
+    std::string name_;
+    bool is_good_ = true;
+};
+
+template <int C>
+example::Picture drawn(const hmesh::MeshView& mesh, int scale) {
+    hmesh::Image<float, C> out;
+    if (!hmesh::render(mesh, out, {scale * mesh.width, scale * mesh.height})) return {};
+    return {out.width(), out.height(), C, std::move(hmesh::to_pixels<std::uint8_t>(out).samples())};
+}
+
+template <int C>
+bool write_all(const hmesh::MeshView& mesh, const std::string& name) {
+    Directory to(name);
+    to.put("mesh.ply", [&](auto& sink) { return hmesh::write_ply(mesh, sink); });
+    to.put("mesh.obj", [&](auto& sink) { return hmesh::write_obj(mesh, sink); });
+    to.put("mesh.glb", [&](auto& sink) { return hmesh::write_glb(mesh, sink); });
+    hmesh::GltfOptions quantized;
+    quantized.quantized_positions = true;
+    to.put("quantized.glb", [&](auto& sink) { return hmesh::write_glb(mesh, sink, quantized); });
+    to.put("plain.pdf", [&](auto& sink) { return hmesh::write_pdf(mesh, sink); });
+    hmesh::PdfOptions pdf;
+    pdf.deflate = example::detail::deflate;
+    to.put("mesh.pdf", [&](auto& sink) { return hmesh::write_pdf(mesh, sink, pdf); });
+    to.put("plain.eps", [&](auto& sink) { return hmesh::write_eps(mesh, sink); });
+    hmesh::EpsOptions eps;
+    eps.deflate = example::detail::deflate;
+    to.put("mesh.eps", [&](auto& sink) { return hmesh::write_eps(mesh, sink, eps); });
+    const auto put_svg = [&](const char* file, hmesh::SvgKind kind) {
+        hmesh::SvgOptions svg;
+        svg.kind = kind;
+        to.put(file, [&](auto& sink) { return hmesh::write_svg(mesh, sink, svg); });
+    };
+    put_svg("gradient.svg", hmesh::SvgKind::gradient);
+    put_svg("exact.svg", hmesh::SvgKind::exact);
+    put_svg("flat.svg", hmesh::SvgKind::flat);
+    to.put("mesh.html", [&](auto& sink) { return hmesh::write_html(mesh, sink); });
+    to.put_picture("reference.png", drawn<C>(mesh, 1));
+    to.put_picture("reference4.png", drawn<C>(mesh, 4));
+    to.put_picture("paper.png", example::to_picture(example::to_rgb(drawn<C>(mesh, 1))));
+    return to.is_good();
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+    const int channels = argc >= 3 ? std::atoi(argv[2]) : 3;
+    const int columns = argc == 5 ? std::atoi(argv[3]) : 72, rows = argc == 5 ? std::atoi(argv[4]) : 48;
+    if (argc < 2 || argc == 4 || argc > 5 || (channels != 3 && channels != 4) || columns < 1 || rows < 1 ||
+        columns > 2048 || rows > 2048) {
+        std::fprintf(stderr, "usage: grid_mesh DIRECTORY [CHANNELS [COLUMNS ROWS]]   (3 72 48; 3 or 4, each 1 to 2048)\n");
+        return 2;
+    }
+    const bool is_good = channels == 4 ? write_all<4>(make_grid<4>(columns, rows).view(), argv[1])
+                                       : write_all<3>(make_grid<3>(columns, rows).view(), argv[1]);
+    return is_good ? 0 : 1;
+}
