@@ -120,6 +120,31 @@ TEST_CASE("a fit for linear light that is cancelled reports what is true of the 
     CHECK(std::abs(result.report.psnr - hmesh::psnr(image.view(), drawn(result.mesh, true).view())) < 1e-3);
 }
 
+TEST_CASE("cancelled at once, every method gives a mesh of which the report is true in linear light") {
+    const Pixels image = hmesh_test::scene<std::uint8_t, 4>(24, 20, 3);
+    for (const hmesh::Method method : {hmesh::Method::annealed, hmesh::Method::hierarchical, hmesh::Method::xie,
+                                       hmesh::Method::adams, hmesh::Method::adaptive_thinning}) {
+        Options options = of(40, FitSpace::linear_light);
+        options.method = method;
+        options.colors = hmesh::Colors::optimal;
+        options.progress.call = [](void*, const hmesh::StageInfo&) { return false; };
+        const Result<4> result = mesh_image(image.view(), options);
+        CHECK(result.status.code == Errc::cancelled);
+        CHECK(hmesh_test::flaw_of(result.mesh.view(), 24, 20) == "");
+        CHECK(std::abs(result.report.psnr - hmesh::psnr(image.view(), drawn(result.mesh, true).view())) < 1e-3);
+    }
+}
+
+TEST_CASE("the PSNR that is searched for is that seen in linear light") {
+    const Pixels image = hmesh_test::scene<std::uint8_t, 4>(32, 32, 3);
+    Options options = of(4, FitSpace::linear_light);
+    options.target = Target::psnr(27);
+    const Result<4> result = mesh_image(image.view(), options);
+    REQUIRE(result.status);
+    CHECK(result.report.psnr >= 27);
+    CHECK(hmesh::psnr(image.view(), drawn(result.mesh, true).view()) >= 27 - 1e-3);
+}
+
 TEST_CASE("premultiplied meshes are those of the premultiplied image") {
     const Pixels image = sprite(48);
     const Result<4> result = mesh_image(image.view(), of(100, FitSpace::stored, true));
