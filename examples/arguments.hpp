@@ -18,7 +18,7 @@ namespace example {
 inline constexpr char usage[] =
     "usage: hmesh INPUT [-o FILE]... [--vertices N | --rate PERCENT | --psnr DB]\n"
     "             [--effort draft|fast|normal|best] [--method NAME] [--colors optimal|sampled]\n"
-    "             [--seed N] [--weights FILE] [--tile N] [--threads N]\n"
+    "             [--fit-space stored|linear] [--premultiplied] [--seed N] [--weights FILE] [--tile N] [--threads N]\n"
     "             [--svg gradient|exact|flat] [--render FILE.png] [--render-scale N] [--wireframe FILE.png]\n"
     "             [--residual FILE.png] [--strip FILE.png] [--report FILE.json] [--quiet]\n";
 
@@ -37,6 +37,8 @@ inline constexpr char help[] =
     "                        adaptive_thinning, which know no effort, seed or tile\n"
     "  --colors NAME         optimal, by least squares, or sampled from the image under the vertices (default: sampled\n"
     "                        for xie, adams and adaptive_thinning, else optimal)\n"
+    "  --fit-space NAME      stored (default), or linear: colours for programs that interpolate light, as glTF's do\n"
+    "  --premultiplied       fit colours times alpha: what transparent pixels hide leaves no fringes\n"
     "  --seed N              of the random numbers; the same seed gives the same mesh (default: 1)\n"
     "  --weights FILE        an image of the same size: how much each pixel counts, black nothing, white fully\n"
     "                        (of colours the mean, without alpha)\n"
@@ -70,6 +72,8 @@ inline constexpr Named<hmesh::Method> methods[] = {{"annealed", hmesh::Method::a
                                                    {"adams", hmesh::Method::adams},
                                                    {"adaptive_thinning", hmesh::Method::adaptive_thinning}};
 inline constexpr Named<hmesh::Colors> colors[] = {{"optimal", hmesh::Colors::optimal}, {"sampled", hmesh::Colors::sampled}};
+inline constexpr Named<hmesh::FitSpace> fit_spaces[] = {{"stored", hmesh::FitSpace::stored},
+                                                       {"linear", hmesh::FitSpace::linear_light}};
 inline constexpr Named<hmesh::Effort> efforts[] = {{"draft", hmesh::Effort::draft},
                                                    {"fast", hmesh::Effort::fast},
                                                    {"normal", hmesh::Effort::normal},
@@ -208,6 +212,7 @@ template <class Value, std::size_t n>
     if (option == "--vertices" || option == "--rate" || option == "--psnr") return set_target(option, text, out);
     if (option == "--effort") return find_name(efforts, option, text, out.options.effort);
     if (option == "--method") return find_name(methods, option, text, out.options.method);
+    if (option == "--fit-space") return find_name(fit_spaces, option, text, out.options.fit_space);
     if (option == "--colors") return find_name(colors, option, text, out.options.colors.emplace());
     if (option == "--seed") return parse_seed(option, text, out.options.seed);
     if (option == "--tile") return set_tile(option, text, out.options.tile);
@@ -225,7 +230,7 @@ template <class Value, std::size_t n>
 [[nodiscard]] inline bool takes_value(const std::string& option) {
     static constexpr const char* names[] = {"-o",         "--output",  "--vertices", "--rate",   "--psnr",
                                             "--effort",   "--method",  "--colors",   "--seed",   "--weights",
-                                            "--tile",     "--threads", "--svg",      "--render", "--render-scale",
+                                            "--tile",     "--threads", "--svg",      "--render", "--render-scale", "--fit-space",
                                             "--wireframe", "--residual", "--strip",  "--report"};
     return std::any_of(std::begin(names), std::end(names), [&](const char* name) { return option == name; });
 }
@@ -234,6 +239,7 @@ template <class Value, std::size_t n>
     if (option == "--quiet" || option == "-q") return out.quiet = true;
     if (option == "--help" || option == "-h") return out.help = true;
     if (option == "--version") return out.version = true;
+    if (option == "--premultiplied") return out.options.premultiplied = true;
     return false;
 }
 

@@ -85,35 +85,35 @@ std::string write_picture(const std::string& name, const hmesh::Status& status, 
 }
 
 // Image, mesh, mesh with edges and error, side by side.
-hmesh::Status draw_strip(const hmesh::MeshView& mesh, const Rgb& original, Rgb& strip) {
+hmesh::Status draw_strip(const hmesh::MeshView& mesh, bool linear_light, const Rgb& original, Rgb& strip) {
     Rgb drawn, edges;
-    if (const hmesh::Status status = draw_rgb(mesh, 1, drawn); !status) return status;
-    if (const hmesh::Status status = draw_with_edges(mesh, 1, edges); !status) return status;
+    if (const hmesh::Status status = draw_rgb(mesh, {1, linear_light}, drawn); !status) return status;
+    if (const hmesh::Status status = draw_with_edges(mesh, {1, linear_light}, edges); !status) return status;
     strip = side_by_side({original, drawn, edges, residual(original, drawn)});
     return {};
 }
 
 std::string write_pictures(const Arguments& arguments, const ImageFile& image, const hmesh::MeshView& mesh) {
     std::string why;
+    const bool linear_light = arguments.options.fit_space == hmesh::FitSpace::linear_light;  // as what it is meant for shows it
     if (!arguments.render.empty()) {
         Picture picture;
-        const int scale = arguments.render_scale;
-        const hmesh::Status status = draw(mesh, {scale * mesh.width, scale * mesh.height}, picture);
+        const hmesh::Status status = draw(mesh, {arguments.render_scale, linear_light}, picture);
         if (why = write_picture(arguments.render, status, picture); !why.empty()) return why;
     }
     Rgb rgb;
     if (!arguments.wireframe.empty()) {
         const int scale = mesh.width <= 2048 && mesh.height <= 2048 ? 2 : 1;
-        const hmesh::Status status = draw_with_edges(mesh, scale, rgb);
+        const hmesh::Status status = draw_with_edges(mesh, {scale, linear_light}, rgb);
         if (why = write_picture(arguments.wireframe, status, to_picture(std::move(rgb))); !why.empty()) return why;
     }
     if (!arguments.residual.empty()) {
-        const hmesh::Status status = draw_rgb(mesh, 1, rgb);
+        const hmesh::Status status = draw_rgb(mesh, {1, linear_light}, rgb);
         if (status) rgb = residual(to_rgb(to_picture(image)), rgb);
         if (why = write_picture(arguments.residual, status, to_picture(std::move(rgb))); !why.empty()) return why;
     }
     if (!arguments.strip.empty()) {
-        const hmesh::Status status = draw_strip(mesh, to_rgb(to_picture(image)), rgb);
+        const hmesh::Status status = draw_strip(mesh, linear_light, to_rgb(to_picture(image)), rgb);
         if (why = write_picture(arguments.strip, status, to_picture(std::move(rgb))); !why.empty()) return why;
     }
     return {};

@@ -27,11 +27,12 @@ struct Outcome {
     std::vector<std::array<std::uint32_t, 3>> faces;
     int channels = 0, width = 0, height = 0;
     double peak = 0;
+    bool premultiplied = false;
 
     [[nodiscard]] bool has_mesh() const noexcept { return !faces.empty(); }
     [[nodiscard]] hmesh::MeshView view() const noexcept {
         return {positions.data(), colors.data(), faces.data(), positions.size() / 2, faces.size(), channels, width,
-                height,           peak};
+                height,           peak,          premultiplied};
     }
 };
 
@@ -50,7 +51,8 @@ template <class T, int C>
             C,
             result.mesh.width,
             result.mesh.height,
-            result.mesh.peak};
+            result.mesh.peak,
+            result.mesh.premultiplied};
 }
 
 template <class T>
@@ -64,11 +66,21 @@ template <class T>
     }
 }
 
+// PNG files have straight colours.
+template <int C>
+void divide_by_alpha(hmesh::Image<float, C>& picture, double peak) {
+    for (std::size_t k = 0; k < picture.samples().size(); k += C) {
+        const float alpha = picture.samples()[k + C - 1];
+        for (std::size_t c = 0; c + 1 < C && alpha > 0; ++c) picture.samples()[k + c] *= static_cast<float>(peak) / alpha;
+    }
+}
+
 template <int C>
 [[nodiscard]] hmesh::Status draw_channels(const hmesh::MeshView& mesh, const hmesh::RenderOptions& options,
                                           Picture& picture) {
     hmesh::Image<float, C> drawn;
     if (const hmesh::Status status = hmesh::render(mesh, drawn, options); !status) return status;
+    if (mesh.premultiplied) divide_by_alpha(drawn, mesh.peak);
     picture = {drawn.width(), drawn.height(), C, {}};
     picture.samples.reserve(drawn.samples().size());
     const double scale = 255 / mesh.peak;
@@ -84,9 +96,14 @@ template <int C>
                             : detail::mesh_channels(image, image.samples8, options, pool);
 }
 
-// The mesh drawn at 8 bits, with as many channels as it has.
-[[nodiscard]] inline hmesh::Status draw(const hmesh::MeshView& mesh, const hmesh::RenderOptions& options,
-                                        Picture& picture) {
+struct DrawOptions {
+    int scale = 1;              // picture over mesh
+    bool linear_light = false;  // see hmesh::RenderOptions
+};
+
+// The mesh drawn at 8 bits, with as many channels as it has, straight colours.
+[[nodiscard]] inline hmesh::Status draw(const hmesh::MeshView& mesh, const DrawOptions& draw_options, Picture& picture) {
+    const hmesh::RenderOptions options{draw_options.scale * mesh.width, draw_options.scale * mesh.height, draw_options.linear_light};
     switch (mesh.channels) {
         case 1: return detail::draw_channels<1>(mesh, options, picture);
         case 2: return detail::draw_channels<2>(mesh, options, picture);
@@ -96,15 +113,15 @@ template <int C>
 }
 
 // The mesh drawn in red, green and blue, whatever is transparent over white.
-[[nodiscard]] inline hmesh::Status draw_rgb(const hmesh::MeshView& mesh, int scale, Rgb& rgb) {
+[[nodiscard]] inline hmesh::Status draw_rgb(const hmesh::MeshView& mesh, const DrawOptions& options, Rgb& rgb) {
     Picture drawn;
-    const hmesh::Status status = draw(mesh, {scale * mesh.width, scale * mesh.height}, drawn);
+    const hmesh::Status status = draw(mesh, options, drawn);
     if (status) rgb = to_rgb(drawn);
     return status;
 }
 
-[[nodiscard]] inline hmesh::Status draw_with_edges(const hmesh::MeshView& mesh, int scale, Rgb& rgb) {
-    if (const hmesh::Status status = draw_rgb(mesh, scale, rgb); !status) return status;
+[[nodiscard]] inline hmesh::Status draw_with_edges(const hmesh::MeshView& mesh, const DrawOptions& options, Rgb& rgb) {
+    if (const hmesh::Status status = draw_rgb(mesh, options, rgb); !status) return status;
     return draw_wireframe(mesh, rgb);
 }
 

@@ -107,6 +107,8 @@ namespace detail {
     line("method", detail::quoted(name_of(methods, arguments.options.method)));
     line("effort", detail::quoted(name_of(efforts, arguments.options.effort)));
     line("colors", detail::quoted(name_of(colors, hmesh::final_colors(arguments.options))));
+    line("fit_space", detail::quoted(name_of(fit_spaces, arguments.options.fit_space)));
+    line("premultiplied", arguments.options.premultiplied ? "true" : "false");
     line("seed", std::to_string(arguments.options.seed));
     line("weights", arguments.weights.empty() ? "null" : detail::quoted(arguments.weights));
     line("tile", std::to_string(arguments.options.tile));

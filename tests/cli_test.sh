@@ -179,6 +179,7 @@ wrong "'magic' is not one of: optimal, sampled" grey.pgm --colors magic
 wrong "--method needs a value" grey.pgm --method
 wrong "--colors needs a value" grey.pgm --colors
 wrong "twice" grey.pgm --method xie --method xie
+wrong "'light' is not one of: stored, linear" grey.pgm --fit-space light
 wrong "'mesh.xyz' must end in one of: .ply, .obj, .glb, .pdf, .eps, .svg, .html" grey.pgm -o mesh.xyz
 wrong "'.svg' must end in one of" grey.pgm -o .svg
 wrong "'Exact' is not one of: gradient, exact, flat" grey.pgm -o a.svg --svg Exact
@@ -293,7 +294,7 @@ for file in mesh.ply second.PLY render.png wire.png report.json; do
     check "stdout names the file written: $file" grep -Eq "^written +$file\$" out
 done
 check "the report is JSON" is_json report.json
-for key in version input width height channels bits method effort colors seed weights tile target status \
+for key in version input width height channels bits method effort colors fit_space premultiplied seed weights tile target status \
     vertices faces psnr psnr_convention energy seconds stages; do
     check "the report holds $key" grep -q "^  \"$key\": " report.json
 done
@@ -341,6 +342,25 @@ check "the report of a search is JSON with timed stages" is_json psnr.json
 check "stages of a search are timed" grep -Eq "$stage" psnr.json
 run picture.png --effort draft --vertices 80 --report draft.json
 check "the report names the effort" has draft.json effort '"draft"'
+
+# ---- what colours are fitted for -------------------------------------------------------------------------------------
+run rgba.tga -o straight.html --vertices 40
+run rgba.tga -o pre.html -o pre.glb -o pre.ply --vertices 40 --premultiplied --render pre.png --strip pre_strip.png --report pre.json
+check "--premultiplied exits 0" exits 0
+check "the report says premultiplied" has pre.json premultiplied true
+check "a page of premultiplied colours says so" grep -q 'premultiplied: true' pre.html
+check "a page of straight colours says so" grep -q 'premultiplied: false' straight.html
+check "a premultiplied mesh is drawn" is_png pre.png
+run color.ppm --vertices 40 --premultiplied
+check "an image without alpha cannot be premultiplied" exits 1
+check "and is told why" says "which those of 2 or 4 channels have"
+run picture.png -o stored.glb --vertices 100
+run picture.png -o linear.glb --vertices 100 --fit-space linear --residual linear.png --report linear.json
+check "--fit-space linear exits 0" exits 0
+check "colours for linear light are others" test "$(cmp -s stored.glb linear.glb; echo $?)" = 1
+check "the report names the fit space" has linear.json fit_space '"linear"'
+run picture.png --vertices 100 --fit-space linear --colors sampled
+check "sampled colours are not fitted" exits 1
 
 # ---- methods and colours ---------------------------------------------------------------------------------------------
 # means METHOD COLORS: what the method's own colours are.
