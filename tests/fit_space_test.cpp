@@ -15,6 +15,7 @@
 #include "hmesh/render.hpp"
 #include "test_executors.hpp"
 #include "test_images.hpp"
+#include "test_meshing.hpp"
 #include "test_results.hpp"
 
 using hmesh::Errc;

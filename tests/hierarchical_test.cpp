@@ -13,6 +13,7 @@
 
 #include "hmesh/mesh_image.hpp"
 #include "test_images.hpp"
+#include "test_meshing.hpp"
 #include "test_methods.hpp"
 #include "test_results.hpp"
 
