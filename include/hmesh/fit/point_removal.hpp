@@ -3,7 +3,7 @@
 // Demaret and Iske's adaptive thinning ("Advances in digital image compression by adaptive thinning", 2004), and the second
 // half of Adams' method (2011). The hole that a vertex leaves is filled by Delaunay ears (mesh/hole_filler.hpp), colours
 // stay; the cost is the exact rise of the energy, known from the moments of the hole's sides and of the new edges. All costs
-// stand in one heap and those around a removed vertex are computed again: about 0.4 us each, 3 us a removal.
+// stand in one heap and those around a removed vertex are computed again: about 1 us each, 6 to 8 us a removal.
 //
 // fit/collapse.hpp is what the method `annealed` uses instead: it merges a vertex into its best neighbour and re-optimises
 // around, which fits better and keeps no mesh Delaunay.

@@ -4,7 +4,7 @@
 // turns: a pixel becomes a point when its density plus the errors that its neighbours left is at least 1/2, and hands its
 // own error on. Yang, Wernick and Brankov ("A fast approach for accurate content-adaptive mesh generation", 2003) place the
 // vertices of a mesh so. The first points come late, because errors have to gather: some 0.3 / density rows from the top. The
-// factor from map to density is found by bisection: some 15 passes of 4 ns a pixel.
+// factor from map to density is found by bisection: some 10 passes of 4 to 6 ns a pixel.
 #ifndef HMESH_IMAGE_ERROR_DIFFUSION_HPP
 #define HMESH_IMAGE_ERROR_DIFFUSION_HPP
 

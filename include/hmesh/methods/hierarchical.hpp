@@ -3,8 +3,8 @@
 //     bilateral levels -> Adams' mesh on the coarsest -> per level, coarse to fine, r times: geometry step, flip queue
 //
 // The next level takes the mesh over as it is. What the text leaves open is an option below, with what was measured about it;
-// PSNR with the MSE over pixels and channels, on Lena and Fruits at 1, 2 and 3 %. Colours are those solved for. Some 120 us a
-// vertex at 1 %, most of it per pixel.
+// PSNR with the MSE over pixels and channels, on Lena and Fruits at 1, 2 and 3 %. Colours are those solved for. Some 100 us a
+// vertex, half of it for Adams' mesh.
 #ifndef HMESH_METHODS_HIERARCHICAL_HPP
 #define HMESH_METHODS_HIERARCHICAL_HPP
 
@@ -27,11 +27,11 @@ namespace hmesh {
 
 // Figures: dB over the six meshes of Lena and Fruits at 1, 2 and 3 % (docs/paper.md has all of them).
 struct HierarchicalOptions {
-    int levels = 2;              // N; the paper: two or three, of which three lose 0.0 to 1.0
+    int levels = 2;              // N; the paper: two or three, of which three lose 0.1 to 0.9
     BilateralOptions bilateral;  // diameter 9, sigmas 50, as in the paper
     LevelFilter filter;          // in place of the bilateral one, if set
-    AdamsOptions start{6, 3};    // a density of 6 is worth 0.0 to 0.2 above 4.5
-    // The first mesh is that of the coarsest level, as in the paper. From the image itself it is better by 0.2 to 0.5 in five of
+    AdamsOptions start{6, 3};    // a density of 6 is worth 0.05 to 0.15 above 4.5 in five of the six
+    // The first mesh is that of the coarsest level, as in the paper. From the image itself it is better by 0.2 to 0.6 in five of
     // the six: it has points in the textures that the filter removes.
     bool start_filtered = true;
     GeometryStep geometry;
