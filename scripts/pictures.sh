@@ -8,3 +8,4 @@ step "Building stages ..." cmake --build --preset release --parallel "$jobs" --t
 rm -f docs/method/*.jpg
 build/release/bin/stages docs/method annealed
 build/release/bin/stages docs/method hierarchical
+rm -f docs/method/hierarchical-{1-levels,6-geometry,8-geometry,10-geometry}.jpg  # not shown
