@@ -13,6 +13,12 @@ else()
                                                     $<$<BOOL:${HMESH_WERROR}>:-Werror>)
 endif()
 
+# What is compiled for seconds and run for milliseconds is optimised lightly: the tests, and all else with HMESH_LIGHT.
+set(hmesh_light_options $<$<AND:$<CONFIG:Release>,$<CXX_COMPILER_ID:GNU,Clang,AppleClang>>:-O1>)
+if(HMESH_LIGHT)
+    target_compile_options(hmesh_internal INTERFACE ${hmesh_light_options})
+endif()
+
 # hmesh_find_header(<target> <header> <how to get it>): an INTERFACE target with the directory that holds <header>.
 function(hmesh_find_header target header advice)
     string(MAKE_C_IDENTIFIER "HMESH_${header}_DIR" variable)
