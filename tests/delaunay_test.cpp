@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "hmesh/core/random.hpp"
+#include "exact_circles.hpp"
 
 using hmesh::Delaunay;
 using hmesh::Face;
@@ -19,30 +20,12 @@ using hmesh::HalfedgeMesh;
 using hmesh::Point;
 using hmesh::Random;
 using hmesh::Vertex;
+using hmesh_test::GridPoint;
+using hmesh_test::on_grid;
 
 namespace {
 
 // --- the empty-circle property by brute force, in integers of 1/256 px ---
-
-__extension__ using Wide = __int128;
-
-struct GridPoint {
-    std::int64_t x, y;
-};
-
-GridPoint on_grid(Point p) { return {std::llround(p.x * 256), std::llround(p.y * 256)}; }
-
-std::int64_t double_area(GridPoint a, GridPoint b, GridPoint c) {
-    return (b.x - a.x) * (c.y - a.y) - (c.x - a.x) * (b.y - a.y);
-}
-
-bool inside_circle(GridPoint a, GridPoint b, GridPoint c, GridPoint d) {
-    const auto lift = [d](GridPoint p) {
-        const std::int64_t x = p.x - d.x, y = p.y - d.y;
-        return static_cast<Wide>(x * x + y * y);
-    };
-    return lift(a) * double_area(d, b, c) + lift(b) * double_area(d, c, a) + lift(c) * double_area(d, a, b) > 0;
-}
 
 // The mesh has the corners and `expected` as its vertices, its faces are a triangulation, and no circle holds a vertex.
 void prove(const Delaunay& mesh, std::vector<Point> expected) {
@@ -70,7 +53,7 @@ void prove(const Delaunay& mesh, std::vector<Point> expected) {
         const GridPoint a = on_grid(mesh.position(v[0])), b = on_grid(mesh.position(v[1])), c = on_grid(mesh.position(v[2]));
         area += double_area(a, b, c);
         folded += double_area(a, b, c) <= 0;
-        for (const GridPoint d : vertices) occupied += inside_circle(a, b, c, d);
+        for (const GridPoint d : vertices) occupied += hmesh_test::circle_test(a, b, c, d) > 0 ? 1 : 0;
     }
     REQUIRE(area == 2 * 65536 * std::int64_t{mesh.width()} * mesh.height());
     REQUIRE(folded == 0);

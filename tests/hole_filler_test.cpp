@@ -9,11 +9,16 @@
 #include <vector>
 
 #include "hmesh/core/random.hpp"
+#include "exact_circles.hpp"
 
 using hmesh::Ear;
 using hmesh::HoleFiller;
 using hmesh::Point;
 using hmesh::Random;
+using hmesh_test::circle_test;
+using hmesh_test::double_area;
+using hmesh_test::GridPoint;
+using hmesh_test::on_grid;
 
 namespace {
 
@@ -24,27 +29,6 @@ const std::vector<Ear>& fill(HoleFiller& filler, const Ring& ring, bool open) {
 }
 
 // --- geometry in integers of 1/256 px ---
-
-__extension__ using Wide = __int128;
-
-struct GridPoint {
-    std::int64_t x, y;
-};
-
-GridPoint on_grid(Point p) { return {std::llround(p.x * 256), std::llround(p.y * 256)}; }
-
-std::int64_t double_area(GridPoint a, GridPoint b, GridPoint c) {
-    return (b.x - a.x) * (c.y - a.y) - (c.x - a.x) * (b.y - a.y);
-}
-
-// Positive inside the circle through the positively oriented a, b, c.
-Wide circle(GridPoint a, GridPoint b, GridPoint c, GridPoint d) {
-    const auto lift = [d](GridPoint p) {
-        const std::int64_t x = p.x - d.x, y = p.y - d.y;
-        return static_cast<Wide>(x * x + y * y);
-    };
-    return lift(a) * double_area(d, b, c) + lift(b) * double_area(d, c, a) + lift(c) * double_area(d, a, b);
-}
 
 // The triangles are ears of what is left at their turn, none is folded and no corner lies within another's triangle, so
 // that they fill the polygon. Returns how many circles hold a corner.
@@ -71,7 +55,7 @@ int prove(const std::vector<Ear>& ears, const Ring& ring, bool open) {
             if (k == ear.before || k == ear.tip || k == ear.after) continue;
             const GridPoint d = at(k);
             covered += double_area(a, b, d) >= 0 && double_area(b, c, d) >= 0 && double_area(c, a, d) >= 0;
-            empty = empty && circle(a, b, c, d) <= 0;
+            empty = empty && circle_test(a, b, c, d) <= 0;
         }
         occupied += !empty;
     }
@@ -246,7 +230,7 @@ TEST_CASE("a circle holds what lies strictly inside, exactly, on the whole 1/256
         const hmesh::detail::Circle subject(point(p[0]), point(p[1]), point(p[2]));
         wrong += subject.is_positive() != (area > 0);
         if (area == 0) continue;
-        const Wide exact = circle(p[0], p[1], p[2], p[3]);
+        const hmesh_test::Wide exact = circle_test(p[0], p[1], p[2], p[3]);
         ++found[exact < 0 ? 0 : exact == 0 ? 1 : 2];
         wrong += subject.holds(point(p[3])) != (exact > 0);
     }

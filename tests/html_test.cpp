@@ -13,35 +13,19 @@
 #include <string>
 #include <vector>
 
+#include "test_exports.hpp"
+
 namespace {
 
+using hmesh_test::StringSink;
+using hmesh_test::two_faces;
 using hmesh::HtmlOptions;
 using Bytes = std::vector<unsigned char>;
-
-struct StringSink {
-    std::string* text;
-    bool operator()(const void* from, std::size_t size) const {
-        text->append(static_cast<const char*>(from), size);
-        return true;
-    }
-};
 
 std::string written(const hmesh::MeshView& mesh, const HtmlOptions& options = {}) {
     std::string text;
     REQUIRE(hmesh::write_html(mesh, StringSink{&text}, options));
     return text;
-}
-
-// The rectangle [0, 3] x [0, 2] cut from its upper left to its lower right corner.
-template <int C>
-hmesh::Mesh<C> two_faces() {
-    hmesh::Mesh<C> mesh;
-    mesh.width = 3, mesh.height = 2, mesh.peak = 255;
-    mesh.positions = {0, 0, 3, 0, 3, 2, 0, 2};
-    mesh.faces = {{0, 1, 2}, {0, 2, 3}};
-    for (int v = 0; v < 4; ++v)
-        for (int k = 0; k < C; ++k) mesh.colors.push_back(static_cast<float>(10 * v + k));
-    return mesh;
 }
 
 // A strip of `count` vertices, odd ones below, in colours below 0, within and above the peak of 1.

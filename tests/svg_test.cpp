@@ -1,6 +1,7 @@
 #include "hmesh/io/svg.hpp"
 
 #include "hmesh/core/random.hpp"
+#include "test_exports.hpp"
 
 #include <doctest/doctest.h>
 
@@ -20,16 +21,10 @@
 
 namespace {
 
+using hmesh_test::StringSink;
+using hmesh_test::two_faces;
 using hmesh::SvgKind;
 using hmesh::SvgOptions;
-
-struct StringSink {
-    std::string* text;
-    bool operator()(const void* from, std::size_t size) const {
-        text->append(static_cast<const char*>(from), size);
-        return true;
-    }
-};
 
 SvgOptions of_kind(SvgKind kind) {
     SvgOptions options;
@@ -44,18 +39,6 @@ std::string written(const hmesh::MeshView& mesh, const SvgOptions& options) {
 }
 
 constexpr std::array<SvgKind, 3> kinds = {SvgKind::gradient, SvgKind::exact, SvgKind::flat};
-
-// The rectangle [0, 3] x [0, 2] cut from its upper left to its lower right corner.
-template <int C>
-hmesh::Mesh<C> two_faces() {
-    hmesh::Mesh<C> mesh;
-    mesh.width = 3, mesh.height = 2, mesh.peak = 255;
-    mesh.positions = {0, 0, 3, 0, 3, 2, 0, 2};
-    mesh.faces = {{0, 1, 2}, {0, 2, 3}};
-    for (int v = 0; v < 4; ++v)
-        for (int k = 0; k < C; ++k) mesh.colors.push_back(static_cast<float>(10 * v + 30 * k));
-    return mesh;
-}
 
 // Faces that share no corner, of any shape from fat to a hundredth of a pixel thin, in any colours.
 template <int C>
@@ -268,7 +251,7 @@ const std::string head = "<svg xmlns=\"http://www.w3.org/2000/svg\" xmlns:xlink=
 
 // Red rises by 10 a px to the right, green from the diagonal to the lower left corner, held to 255; blue is full.
 hmesh::Mesh<3> golden_mesh() {
-    hmesh::Mesh<3> mesh = two_faces<3>();
+    hmesh::Mesh<3> mesh = two_faces<3>(30);
     mesh.positions[7] = 1.50390625F;
     mesh.colors = {0, 0, 255, 30, 0, 255, 30, 0, 255, 0, 300, 255};
     return mesh;
@@ -328,10 +311,10 @@ TEST_CASE("a mesh of two faces is written as these bytes, in each kind") {
 TEST_CASE("the wireframe is every edge once, over the faces") {
     SvgOptions options = of_kind(SvgKind::flat);
     options.wireframe = true;
-    const std::string with = written(two_faces<3>().view(), options);
+    const std::string with = written(two_faces<3>(30).view(), options);
     const std::string lines = "<path fill=\"none\" stroke=\"#fff\" stroke-opacity=\".5\" vector-effect=\"non-scaling-stroke\" "
                               "shape-rendering=\"auto\" d=\"M0 0 3 0 3 2 0 2M0 0 3 2M0 0 0 2\"/>\n</svg>\n";
-    const std::string without = written(two_faces<3>().view(), of_kind(SvgKind::flat));
+    const std::string without = written(two_faces<3>(30).view(), of_kind(SvgKind::flat));
     CHECK(with == without.substr(0, without.size() - 7) + lines);
 }
 
@@ -397,11 +380,11 @@ TEST_CASE("offsets rise and all that is written is a number, for colours within 
 }
 
 TEST_CASE("faces without area and faces of one colour are painted plainly") {
-    hmesh::Mesh<3> mesh = two_faces<3>();
+    hmesh::Mesh<3> mesh = two_faces<3>(30);
     mesh.positions = {0, 0, 1, 1, 2, 2, 3, 3};
     for (const SvgKind kind : kinds)
         CHECK(written(mesh.view(), of_kind(kind)).find("fill=\"url") == std::string::npos);
-    mesh = two_faces<3>();
+    mesh = two_faces<3>(30);
     std::fill(mesh.colors.begin(), mesh.colors.end(), 77.0F);
     for (const SvgKind kind : kinds)
         CHECK(written(mesh.view(), of_kind(kind)).find("fill=\"url") == std::string::npos);
@@ -424,7 +407,7 @@ TEST_CASE("one channel is grey, by one gradient that is exact, without blending"
 }
 
 TEST_CASE("alpha is a mask of grey faces, left out where all is opaque") {
-    hmesh::Mesh<4> mesh = two_faces<4>();
+    hmesh::Mesh<4> mesh = two_faces<4>(30);
     for (const SvgKind kind : kinds) {
         const std::string text = written(mesh.view(), of_kind(kind));
         const std::size_t begin = text.find("<mask"), end = text.find("</mask>\n<g mask=\"url(#_m)\">\n");
@@ -438,7 +421,7 @@ TEST_CASE("alpha is a mask of grey faces, left out where all is opaque") {
                 for (const double value : alpha[0].gradient.at(alpha[0].points[2 * k], alpha[0].points[2 * k + 1]))
                     CHECK(std::abs(value - (90 + 10 * static_cast<double>(k))) <= 1);
     }
-    hmesh::Mesh<3> opaque = two_faces<3>();
+    hmesh::Mesh<3> opaque = two_faces<3>(30);
     for (std::size_t v = 0; v < 4; ++v) {
         mesh.colors[4 * v + 3] = 255;
         for (std::size_t k = 0; k < 3; ++k) opaque.colors[3 * v + k] = mesh.colors[4 * v + k];
@@ -447,7 +430,7 @@ TEST_CASE("alpha is a mask of grey faces, left out where all is opaque") {
 }
 
 TEST_CASE("colours multiplied by alpha are divided by it, and corners without alpha bring no fringe") {
-    hmesh::Mesh<4> mesh = two_faces<4>();
+    hmesh::Mesh<4> mesh = two_faces<4>(30);
     mesh.colors = {100, 50, 0, 127.5F, 0, 0, 0, 0, 200, 100, 0, 255, 0, 0, 0, 0};
     mesh.premultiplied = true;
     const std::string text = written(mesh.view(), of_kind(SvgKind::flat));
@@ -497,7 +480,7 @@ TEST_CASE("a sink that refuses after k bytes gets no more and is reported, for a
 
 TEST_CASE("a mesh that cannot be written gives a Status and no byte") {
     const float nan = std::numeric_limits<float>::quiet_NaN(), infinity = std::numeric_limits<float>::infinity();
-    const hmesh::Mesh<3> good = two_faces<3>();
+    const hmesh::Mesh<3> good = two_faces<3>(30);
     check_refused(hmesh::MeshView{}, hmesh::Errc::invalid_argument);
     for (const float bad : {nan, infinity, -infinity}) {
         hmesh::Mesh<3> mesh = good;
@@ -519,6 +502,6 @@ TEST_CASE("a mesh that cannot be written gives a Status and no byte") {
     mesh = good;
     mesh.peak = 0;
     check_refused(mesh.view(), hmesh::Errc::invalid_argument);
-    check_refused(two_faces<2>().view(), hmesh::Errc::invalid_argument);
-    check_refused(two_faces<5>().view(), hmesh::Errc::invalid_argument);
+    check_refused(two_faces<2>(30).view(), hmesh::Errc::invalid_argument);
+    check_refused(two_faces<5>(30).view(), hmesh::Errc::invalid_argument);
 }

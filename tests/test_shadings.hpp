@@ -17,32 +17,11 @@
 
 #include "hmesh/core/random.hpp"
 #include "hmesh/mesh/mesh_view.hpp"
+#include "test_exports.hpp"
 
 namespace hmesh_test {
 
-using Bytes = std::vector<unsigned char>;
-
-struct StringSink {
-    std::string* text;
-    bool operator()(const void* from, std::size_t size) const {
-        text->append(static_cast<const char*>(from), size);
-        return true;
-    }
-};
-
 // --- meshes ---
-
-// The rectangle [0, 3] x [0, 2] cut from its upper left to its lower right corner.
-template <int C>
-hmesh::Mesh<C> two_faces() {
-    hmesh::Mesh<C> mesh;
-    mesh.width = 3, mesh.height = 2, mesh.peak = 255;
-    mesh.positions = {0, 0, 3, 0, 3, 2, 0, 2};
-    mesh.faces = {{0, 1, 2}, {0, 2, 3}};
-    for (int v = 0; v < 4; ++v)
-        for (int k = 0; k < C; ++k) mesh.colors.push_back(static_cast<float>(10 * v + k));
-    return mesh;
-}
 
 // columns x rows squares of two faces each over width x height, diagonals, inner positions (on the 1/256 px grid) and
 // colours at random, faces shuffled and turned.
@@ -188,82 +167,27 @@ void check_drawn(std::vector<Drawn> drawn, const hmesh::MeshView& mesh, std::siz
         }
 }
 
-// --- what all exporters refuse ---
+// --- what both exporters refuse ---
 
-// `write(view, sink)` writes. 2 and 5 channels are refused too.
+// `write(view, sink)` writes.
 template <class Write>
 void check_refusals(const Write& write) {
-    const auto refused = [&](const hmesh::MeshView& mesh, hmesh::Errc code) {
-        std::string text;
-        const hmesh::Status status = write(mesh, StringSink{&text});
-        CHECK(status.code == code);
-        CHECK(std::strlen(status.what) > 0);
-        CHECK(text.empty());
-    };
-    const float nan = std::numeric_limits<float>::quiet_NaN(), infinity = std::numeric_limits<float>::infinity();
+    check_bad_meshes_are_refused(write);
     const hmesh::Mesh<3> good = two_faces<3>();
-    refused(hmesh::MeshView{}, hmesh::Errc::invalid_argument);
-    for (const float bad : {nan, infinity, -infinity}) {
-        hmesh::Mesh<3> mesh = good;
-        mesh.positions[7] = bad;
-        refused(mesh.view(), hmesh::Errc::not_finite);
-        mesh = good;
-        mesh.colors[11] = bad;
-        refused(mesh.view(), hmesh::Errc::not_finite);
-    }
-    for (const float far : {5e6F, -3e38F, 3e38F}) {
-        hmesh::Mesh<3> mesh = good;
-        mesh.positions[6] = far;
-        refused(mesh.view(), hmesh::Errc::invalid_argument);
-        mesh = good;
-        mesh.positions[7] = far;
-        refused(mesh.view(), hmesh::Errc::invalid_argument);
-    }
-    hmesh::Mesh<3> mesh = good;
-    mesh.faces[1][2] = 4;
-    refused(mesh.view(), hmesh::Errc::invalid_argument);
-    mesh = good;
-    mesh.faces.clear();
-    refused(mesh.view(), hmesh::Errc::invalid_argument);
-    for (const double peak : {0.0, -1.0, std::numeric_limits<double>::quiet_NaN()}) {
-        mesh = good;
-        mesh.peak = peak;
-        refused(mesh.view(), hmesh::Errc::invalid_argument);
-    }
+    for (const float far : {5e6F, -3e38F, 3e38F})
+        for (const std::size_t coordinate : {6U, 7U}) {
+            hmesh::Mesh<3> mesh = good;
+            mesh.positions[coordinate] = far;
+            check_refused(mesh.view(), hmesh::Errc::invalid_argument, write);
+        }
     for (const int size : {0, -1}) {
-        mesh = good;
-        mesh.height = size;
-        refused(mesh.view(), hmesh::Errc::invalid_argument);
-        mesh = good;
+        hmesh::Mesh<3> mesh = good;
         mesh.width = size;
-        refused(mesh.view(), hmesh::Errc::invalid_argument);
+        check_refused(mesh.view(), hmesh::Errc::invalid_argument, write);
     }
-    refused(two_faces<2>().view(), hmesh::Errc::invalid_argument);
-    refused(two_faces<5>().view(), hmesh::Errc::invalid_argument);
     hmesh::MeshView huge = good.view();
     huge.face_count = std::size_t{1} << 31U;
-    refused(huge, hmesh::Errc::invalid_argument);
-}
-
-// A sink that refuses after k bytes gets no more and is reported, for all k.
-template <class Write>
-void check_refusing_sinks(const hmesh::MeshView& mesh, const Write& write) {
-    std::string whole;
-    REQUIRE(write(mesh, StringSink{&whole}));
-    for (std::size_t k = 0; k <= whole.size(); ++k) {
-        std::size_t taken = 0;
-        int refusals = 0;
-        const hmesh::Status status = write(mesh, [&](const void*, std::size_t bytes) {
-            const bool fits = taken + bytes <= k;
-            if (fits) taken += bytes;
-            else ++refusals;
-            return fits;
-        });
-        const bool all = k == whole.size();
-        if (static_cast<bool>(status) != all || refusals != (all ? 0 : 1) || taken > k) FAIL("k = ", k);
-        if (!all && (status.code != hmesh::Errc::write_failed || status.got != static_cast<std::int64_t>(taken)))
-            FAIL("k = ", k);
-    }
+    check_refused(huge, hmesh::Errc::invalid_argument, write);
 }
 
 // --- compressors ---
