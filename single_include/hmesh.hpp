@@ -5277,6 +5277,12 @@ class ImageMesh {
     // The squared error over the pixels of a face, summed over channels; and over all faces.
     [[nodiscard]] double energy(Face f) const noexcept { return energies_[f.index()]; }
     [[nodiscard]] double energy() const noexcept { return energy_; }
+    // Over the faces of a ring that was gathered here.
+    [[nodiscard]] double energy(const Ring<C>& ring) const noexcept {
+        double sum = 0;
+        for (int i = ring.first_face(); i < ring.size; ++i) sum += energy(topology_.face(ring.halfedge[i]));
+        return sum;
+    }
     // The mean energy of a vertex, of the whole mesh if this is a patch: the scale of all tolerances, or easy patches
     // would be polished for nothing; 0 where rounding left less.
     [[nodiscard]] double mean_energy() const noexcept {
@@ -8459,11 +8465,8 @@ class PointRemoval {
     double fill(Vertex v) {
         mesh_->gather(v, ring_, spokes_);
         ears_ = &filler_.fill(ring_.size, [&](int i) { return ring_.neighbour[i]->position; }, ring_.open);
-        double energy = 0;
-        for (int i = ring_.first_face(); i < ring_.size; ++i) {
-            energy -= mesh_->energy(mesh_->topology().face(ring_.halfedge[i]));
-            sides_[i] = ring_.link[i];
-        }
+        double energy = -mesh_->energy(ring_);
+        for (int i = ring_.first_face(); i < ring_.size; ++i) sides_[i] = ring_.link[i];
         if (ring_.open) {  // v lies on a straight line between its first and last neighbours
             sides_[0] = spokes_.spoke[ring_.size - 1];
             sides_[0] -= spokes_.spoke[0];
@@ -9055,9 +9058,7 @@ double improve_vertex(ImageMesh<C>& mesh, Vertex v, double least) {
     if (mesh.vertex(v).mobility == Mobility::frozen) return 0;
     RingWork<C> work;
     mesh.gather(v, work.ring, work.spokes);
-    double before = 0;
-    for (int i = work.ring.first_face(); i < work.ring.size; ++i)
-        before += mesh.energy(mesh.topology().face(work.ring.halfedge[i]));
+    const double before = mesh.energy(work.ring);
     const VertexState<C>& state = mesh.vertex(v);
     Centre<C> centre{state.position, state.color, 0};
     const RingOutcome outcome = optimise_centre(mesh, work, state.mobility, least, true, centre);
@@ -9331,8 +9332,7 @@ template <int C>
     if (mobility == Mobility::fixed || mobility == Mobility::frozen) return best;
     Ring<C>& ring = work.ring;
     mesh.gather(v, ring, work.spokes);
-    double before = 0;
-    for (int i = ring.first_face(); i < ring.size; ++i) before += mesh.energy(topology.face(ring.halfedge[i]));
+    const double before = mesh.energy(ring);
     double least = std::numeric_limits<double>::infinity();
     for (int j = 0; j < ring.size; ++j) {
         if (ring.open && j != 0 && j != ring.size - 1) continue;  // a border vertex goes along the border
@@ -10799,9 +10799,7 @@ bool step_toward(ImageMesh<C>& mesh, Vertex v, Point target, int halvings, RingW
     mesh.gather(v, work.ring, work.spokes);
     // A ring without weight wants nothing, though pixels next to it may have their foot points there.
     if (mesh.table().is_weighted() && !(ring_weight(work.ring, work.spokes) > least_weight)) return false;
-    double before = 0;
-    for (int i = work.ring.first_face(); i < work.ring.size; ++i)
-        before += mesh.energy(mesh.topology().face(work.ring.halfedge[i]));
+    const double before = mesh.energy(work.ring);
     const Point from = state.position;
     Centre<C> best{from, state.color, before * (1 - 1e-9)};  // gains of the size of rounding are none
     double share = 1;
@@ -11047,11 +11045,9 @@ bool search_vertex(ImageMesh<C>& mesh, Vertex v, int first_step, Ring<C>& ring, 
     const VertexState<C> state = mesh.vertex(v);
     if (state.mobility == Mobility::fixed || state.mobility == Mobility::frozen) return false;
     mesh.gather(v, ring, spokes);
-    double least = 0, squares = ring.open ? spokes.spoke[ring.size - 1].q[3] - spokes.spoke[0].q[3] : 0;  // |I|^2 of the ring
-    for (int i = ring.first_face(); i < ring.size; ++i) {
-        least += mesh.energy(mesh.topology().face(ring.halfedge[i]));
-        squares += ring.link[i].q[3];
-    }
+    double least = mesh.energy(ring);
+    double squares = ring.open ? spokes.spoke[ring.size - 1].q[3] - spokes.spoke[0].q[3] : 0;  // |I|^2 of the ring
+    for (int i = ring.first_face(); i < ring.size; ++i) squares += ring.link[i].q[3];
     // What rounding may seem to gain: energies are differences of sums as large as the squares, some of them over whole rows.
     const double enough = 1e-9 * least + 1e-12 * squares;
     VertexState<C> best = state;

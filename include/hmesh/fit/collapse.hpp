@@ -79,8 +79,7 @@ template <int C>
     if (mobility == Mobility::fixed || mobility == Mobility::frozen) return best;
     Ring<C>& ring = work.ring;
     mesh.gather(v, ring, work.spokes);
-    double before = 0;
-    for (int i = ring.first_face(); i < ring.size; ++i) before += mesh.energy(topology.face(ring.halfedge[i]));
+    const double before = mesh.energy(ring);
     double least = std::numeric_limits<double>::infinity();
     for (int j = 0; j < ring.size; ++j) {
         if (ring.open && j != 0 && j != ring.size - 1) continue;  // a border vertex goes along the border

@@ -85,9 +85,7 @@ bool step_toward(ImageMesh<C>& mesh, Vertex v, Point target, int halvings, RingW
     mesh.gather(v, work.ring, work.spokes);
     // A ring without weight wants nothing, though pixels next to it may have their foot points there.
     if (mesh.table().is_weighted() && !(ring_weight(work.ring, work.spokes) > least_weight)) return false;
-    double before = 0;
-    for (int i = work.ring.first_face(); i < work.ring.size; ++i)
-        before += mesh.energy(mesh.topology().face(work.ring.halfedge[i]));
+    const double before = mesh.energy(work.ring);
     const Point from = state.position;
     Centre<C> best{from, state.color, before * (1 - 1e-9)};  // gains of the size of rounding are none
     double share = 1;

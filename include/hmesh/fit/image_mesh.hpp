@@ -88,6 +88,12 @@ class ImageMesh {
     // The squared error over the pixels of a face, summed over channels; and over all faces.
     [[nodiscard]] double energy(Face f) const noexcept { return energies_[f.index()]; }
     [[nodiscard]] double energy() const noexcept { return energy_; }
+    // Over the faces of a ring that was gathered here.
+    [[nodiscard]] double energy(const Ring<C>& ring) const noexcept {
+        double sum = 0;
+        for (int i = ring.first_face(); i < ring.size; ++i) sum += energy(topology_.face(ring.halfedge[i]));
+        return sum;
+    }
     // The mean energy of a vertex, of the whole mesh if this is a patch: the scale of all tolerances, or easy patches
     // would be polished for nothing; 0 where rounding left less.
     [[nodiscard]] double mean_energy() const noexcept {

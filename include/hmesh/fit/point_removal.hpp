@@ -59,11 +59,8 @@ class PointRemoval {
     double fill(Vertex v) {
         mesh_->gather(v, ring_, spokes_);
         ears_ = &filler_.fill(ring_.size, [&](int i) { return ring_.neighbour[i]->position; }, ring_.open);
-        double energy = 0;
-        for (int i = ring_.first_face(); i < ring_.size; ++i) {
-            energy -= mesh_->energy(mesh_->topology().face(ring_.halfedge[i]));
-            sides_[i] = ring_.link[i];
-        }
+        double energy = -mesh_->energy(ring_);
+        for (int i = ring_.first_face(); i < ring_.size; ++i) sides_[i] = ring_.link[i];
         if (ring_.open) {  // v lies on a straight line between its first and last neighbours
             sides_[0] = spokes_.spoke[ring_.size - 1];
             sides_[0] -= spokes_.spoke[0];

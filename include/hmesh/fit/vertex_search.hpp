@@ -51,11 +51,9 @@ bool search_vertex(ImageMesh<C>& mesh, Vertex v, int first_step, Ring<C>& ring, 
     const VertexState<C> state = mesh.vertex(v);
     if (state.mobility == Mobility::fixed || state.mobility == Mobility::frozen) return false;
     mesh.gather(v, ring, spokes);
-    double least = 0, squares = ring.open ? spokes.spoke[ring.size - 1].q[3] - spokes.spoke[0].q[3] : 0;  // |I|^2 of the ring
-    for (int i = ring.first_face(); i < ring.size; ++i) {
-        least += mesh.energy(mesh.topology().face(ring.halfedge[i]));
-        squares += ring.link[i].q[3];
-    }
+    double least = mesh.energy(ring);
+    double squares = ring.open ? spokes.spoke[ring.size - 1].q[3] - spokes.spoke[0].q[3] : 0;  // |I|^2 of the ring
+    for (int i = ring.first_face(); i < ring.size; ++i) squares += ring.link[i].q[3];
     // What rounding may seem to gain: energies are differences of sums as large as the squares, some of them over whole rows.
     const double enough = 1e-9 * least + 1e-12 * squares;
     VertexState<C> best = state;

@@ -100,9 +100,7 @@ double improve_vertex(ImageMesh<C>& mesh, Vertex v, double least) {
     if (mesh.vertex(v).mobility == Mobility::frozen) return 0;
     RingWork<C> work;
     mesh.gather(v, work.ring, work.spokes);
-    double before = 0;
-    for (int i = work.ring.first_face(); i < work.ring.size; ++i)
-        before += mesh.energy(mesh.topology().face(work.ring.halfedge[i]));
+    const double before = mesh.energy(work.ring);
     const VertexState<C>& state = mesh.vertex(v);
     Centre<C> centre{state.position, state.color, 0};
     const RingOutcome outcome = optimise_centre(mesh, work, state.mobility, least, true, centre);
