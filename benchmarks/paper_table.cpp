@@ -152,8 +152,8 @@ int tabulate_methods(const std::vector<Named>& images, const Plan& plan) {
                 if (!options) return 2;
                 const bool own_sampled = hmesh::final_colors(*options) == hmesh::Colors::sampled;
                 runs.push_back({image.picture.view(), *options});
-                runs.push_back({image.picture.view(),
-                                with_colors(*options, own_sampled ? hmesh::Colors::optimal : hmesh::Colors::sampled)});
+                runs.push_back(
+                    {image.picture.view(), with_colors(*options, own_sampled ? hmesh::Colors::optimal : hmesh::Colors::sampled)});
                 runs.back().timed = false;
             }
     if (!measure(runs, plan.repeats)) return 1;
@@ -187,8 +187,9 @@ int tabulate_methods(const std::vector<Named>& images, const Plan& plan) {
         std::printf("\n");
     });
     if (std::find(plan.methods.begin(), plan.methods.end(), "hierarchical") == plan.methods.end()) return 0;
-    std::printf("\nThe geometry steps of hierarchical, coarse to fine: iterations of the solver (largest residual relative to "
-                "the right-hand side).\n\n");
+    std::printf(
+        "\nThe geometry steps of hierarchical, coarse to fine: iterations of the solver (largest residual relative to "
+        "the right-hand side).\n\n");
     print_header({"image", "SR (%)", "steps"});
     for_each_row([&](const Named& image, const std::string& rate, std::size_t first) {
         for (std::size_t i = first; i < first + 2 * plan.methods.size(); i += 2) {
@@ -227,8 +228,7 @@ int tabulate_crops(const std::vector<Named>& images, const Plan& plan) {
         for (const char* name : part_names)
             for (const std::string& rate : plan.rates) {
                 std::printf("| %s | %s | %s | %.2f / %.2f | %.2f / %.2f | %.2f | %.2f |\n", image.name.c_str(), name,
-                            rate.c_str(), run[0].psnr, run[1].psnr, run[2].psnr, run[3].psnr, run[0].seconds,
-                            run[2].seconds);
+                            rate.c_str(), run[0].psnr, run[1].psnr, run[2].psnr, run[3].psnr, run[0].seconds, run[2].seconds);
                 run += 4;
             }
     return 0;
@@ -348,8 +348,9 @@ int tabulate_variants(const std::vector<Named>& images, const Plan& plan) {
         starts.back().options.hierarchical.rounds = starts.back().options.xie.rounds = 0;
     }
     if (!measure(runs, plan.repeats) || !measure(starts, 1)) return 1;
-    std::printf("PSNR in dB. s: processor seconds, the sum of the row. moved: the share of vertices of the first mesh of the "
-                "row that are not where the start had any.\n\n");
+    std::printf(
+        "PSNR in dB. s: processor seconds, the sum of the row. moved: the share of vertices of the first mesh of the "
+        "row that are not where the start had any.\n\n");
     std::vector<std::string> columns{"variant"};
     for (const Named& image : images)
         for (const std::string& rate : plan.rates) columns.push_back(image.name + " " + rate + " %");
@@ -373,8 +374,9 @@ int tabulate_variants(const std::vector<Named>& images, const Plan& plan) {
 int main(int argc, char** argv) {
     Plan plan;
     if (!parse(argc, argv, plan)) {
-        std::fprintf(stderr, "usage: paper_table [--rates 1,2,3] [--methods adams,xie,hierarchical,draft,fast,normal]\n"
-                             "                   [--repeat 3] [--seed 1] [--crop 256] [--variants] IMAGE...\n");
+        std::fprintf(stderr,
+                     "usage: paper_table [--rates 1,2,3] [--methods adams,xie,hierarchical,draft,fast,normal]\n"
+                     "                   [--repeat 3] [--seed 1] [--crop 256] [--variants] IMAGE...\n");
         return 2;
     }
     std::vector<Named> images;
@@ -384,8 +386,9 @@ int main(int argc, char** argv) {
         const std::string name = bench::file_name(path);
         images.push_back({name.substr(0, name.find_last_of('.')), std::move(*picture)});
     }
-    std::printf("PSNR = 10 log10(255^2 / MSE), MSE the mean over pixels and channels; positions on the 1/256 px grid, 8-bit "
-                "colours.\n\n");
+    std::printf(
+        "PSNR = 10 log10(255^2 / MSE), MSE the mean over pixels and channels; positions on the 1/256 px grid, 8-bit "
+        "colours.\n\n");
     if (plan.variants) return tabulate_variants(images, plan);
     if (const int status = plan.methods.empty() ? 0 : tabulate_methods(images, plan); status != 0) return status;
     return plan.crop > 0 ? tabulate_crops(images, plan) : 0;

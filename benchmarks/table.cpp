@@ -42,7 +42,8 @@ std::atomic<std::size_t> allocated{0}, most_allocated{0};
 void* count_in(void* p) {
     if (p == nullptr) std::abort();
     const std::size_t size = malloc_usable_size(p), now = allocated.fetch_add(size) + size;
-    for (std::size_t most = most_allocated; most < now && !most_allocated.compare_exchange_weak(most, now);) {}
+    for (std::size_t most = most_allocated; most < now && !most_allocated.compare_exchange_weak(most, now);) {
+    }
     return p;
 }
 void count_out(void* p) {
@@ -51,9 +52,7 @@ void count_out(void* p) {
     std::free(p);
 }
 
-double wall_seconds() {
-    return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
-}
+double wall_seconds() { return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count(); }
 
 // --- what to measure ---
 struct Plan {
@@ -192,11 +191,10 @@ int tabulate(const std::string& name, const Picture& image, const Plan& plan, co
                 return 1;
             }
             const double vertices = static_cast<double>(row.vertices);
-            std::printf("| %s | %.3g | %s | %zu | %zu | %.3f | %.4f | %.4f | %.1f | %.0f | %.1f | %016llx |\n",
-                        name.c_str(), 100 * vertices / pixels, effort.c_str(), pool.threads(), row.vertices, row.psnr,
-                        row.cpu_seconds, row.wall_seconds, 1e6 * row.cpu_seconds / vertices,
-                        1e9 * row.cpu_seconds / pixels, 1e-6 * static_cast<double>(row.bytes),
-                        static_cast<unsigned long long>(row.hash));
+            std::printf("| %s | %.3g | %s | %zu | %zu | %.3f | %.4f | %.4f | %.1f | %.0f | %.1f | %016llx |\n", name.c_str(),
+                        100 * vertices / pixels, effort.c_str(), pool.threads(), row.vertices, row.psnr, row.cpu_seconds,
+                        row.wall_seconds, 1e6 * row.cpu_seconds / vertices, 1e9 * row.cpu_seconds / pixels,
+                        1e-6 * static_cast<double>(row.bytes), static_cast<unsigned long long>(row.hash));
             std::fflush(stdout);
         }
     return 0;
@@ -217,13 +215,15 @@ void operator delete(void* p, std::size_t, std::align_val_t) noexcept { count_ou
 int main(int argc, char** argv) {
     Plan plan;
     if (!parse(argc, argv, plan)) {
-        std::fprintf(stderr, "usage: table [--rates 1,2,3 | --vertices N,...] [--efforts draft,fast] [--seeds 1]\n"
-                             "             [--repeat 3] [--threads 1] [--mosaic COLUMNSxROWS] IMAGE...\n");
+        std::fprintf(stderr,
+                     "usage: table [--rates 1,2,3 | --vertices N,...] [--efforts draft,fast] [--seeds 1]\n"
+                     "             [--repeat 3] [--threads 1] [--mosaic COLUMNSxROWS] IMAGE...\n");
         return 2;
     }
     const example::ThreadPool pool(plan.threads);
-    std::printf("| image | %% | effort | threads | vertices | PSNR dB | CPU s | wall s | us a vertex | ns a pixel |"
-                " MB at most | hash |\n|---|---|---|---|---|---|---|---|---|---|---|---|\n");
+    std::printf(
+        "| image | %% | effort | threads | vertices | PSNR dB | CPU s | wall s | us a vertex | ns a pixel |"
+        " MB at most | hash |\n|---|---|---|---|---|---|---|---|---|---|---|---|\n");
     if (plan.columns > 0) {
         const std::optional<Picture> image = read_mosaic(plan);
         if (!image) return 1;

@@ -73,14 +73,13 @@ inline constexpr Named<hmesh::Method> methods[] = {{"annealed", hmesh::Method::a
                                                    {"adaptive_thinning", hmesh::Method::adaptive_thinning}};
 inline constexpr Named<hmesh::Colors> colors[] = {{"optimal", hmesh::Colors::optimal}, {"sampled", hmesh::Colors::sampled}};
 inline constexpr Named<hmesh::FitSpace> fit_spaces[] = {{"stored", hmesh::FitSpace::stored},
-                                                       {"linear", hmesh::FitSpace::linear_light}};
+                                                        {"linear", hmesh::FitSpace::linear_light}};
 inline constexpr Named<hmesh::Effort> efforts[] = {{"draft", hmesh::Effort::draft},
                                                    {"fast", hmesh::Effort::fast},
                                                    {"normal", hmesh::Effort::normal},
                                                    {"best", hmesh::Effort::best}};
-inline constexpr Named<hmesh::SvgKind> svg_kinds[] = {{"gradient", hmesh::SvgKind::gradient},
-                                                      {"exact", hmesh::SvgKind::exact},
-                                                      {"flat", hmesh::SvgKind::flat}};
+inline constexpr Named<hmesh::SvgKind> svg_kinds[] = {
+    {"gradient", hmesh::SvgKind::gradient}, {"exact", hmesh::SvgKind::exact}, {"flat", hmesh::SvgKind::flat}};
 
 template <class Value, std::size_t n>
 [[nodiscard]] const char* name_of(const Named<Value> (&table)[n], Value value) {
@@ -125,8 +124,7 @@ template <class Value, std::size_t n>
     return text.size() > sign && text.find_first_not_of("0123456789", sign) == std::string::npos;
 }
 
-[[nodiscard]] inline std::string parse_integer(const std::string& option, const std::string& text,
-                                               std::int64_t& value) {
+[[nodiscard]] inline std::string parse_integer(const std::string& option, const std::string& text, std::int64_t& value) {
     errno = 0;
     value = is_integer(text) ? std::strtoll(text.c_str(), nullptr, 10) : 0;
     return is_integer(text) && errno == 0 ? "" : option + " '" + text + "' is not a whole number";
@@ -142,14 +140,12 @@ template <class Value, std::size_t n>
 [[nodiscard]] inline std::string parse_seed(const std::string& option, const std::string& text, std::uint64_t& value) {
     errno = 0;
     value = is_integer(text) ? std::strtoull(text.c_str(), nullptr, 10) : 0;
-    return is_integer(text) && text[0] != '-' && errno == 0
-               ? ""
-               : option + " '" + text + "' is not a whole number from 0 to 2^64 - 1";
+    return is_integer(text) && text[0] != '-' && errno == 0 ? ""
+                                                            : option + " '" + text + "' is not a whole number from 0 to 2^64 - 1";
 }
 
 // A decimal number in (0, most].
-[[nodiscard]] inline std::string parse_positive(const std::string& option, const std::string& text, double most,
-                                                double& value) {
+[[nodiscard]] inline std::string parse_positive(const std::string& option, const std::string& text, double most, double& value) {
     char* end = nullptr;
     const bool plain = !text.empty() && text.find_first_not_of("0123456789.eE+-") == std::string::npos;
     value = plain ? std::strtod(text.c_str(), &end) : 0;
@@ -228,10 +224,10 @@ template <class Value, std::size_t n>
 }
 
 [[nodiscard]] inline bool takes_value(const std::string& option) {
-    static constexpr const char* names[] = {"-o",         "--output",  "--vertices", "--rate",   "--psnr",
-                                            "--effort",   "--method",  "--colors",   "--seed",   "--weights",
-                                            "--tile",     "--threads", "--svg",      "--render", "--render-scale", "--fit-space",
-                                            "--wireframe", "--residual", "--strip",  "--report"};
+    static constexpr const char* names[] = {"-o",          "--output",    "--vertices", "--rate",   "--psnr",
+                                            "--effort",    "--method",    "--colors",   "--seed",   "--weights",
+                                            "--tile",      "--threads",   "--svg",      "--render", "--render-scale",
+                                            "--fit-space", "--wireframe", "--residual", "--strip",  "--report"};
     return std::any_of(std::begin(names), std::end(names), [&](const char* name) { return option == name; });
 }
 
@@ -248,8 +244,7 @@ template <class Value, std::size_t n>
 // Every file that the command writes.
 [[nodiscard]] inline std::vector<std::string> output_files(const Arguments& arguments) {
     std::vector<std::string> files = arguments.meshes;
-    for (const std::string& file :
-         {arguments.render, arguments.wireframe, arguments.residual, arguments.strip, arguments.report})
+    for (const std::string& file : {arguments.render, arguments.wireframe, arguments.residual, arguments.strip, arguments.report})
         if (!file.empty()) files.push_back(file);
     return files;
 }

@@ -74,8 +74,8 @@ struct Format {
 };
 
 inline constexpr Format formats[] = {
-    {".ply", detail::write_ply_file}, {".obj", detail::write_obj_file},   {".glb", detail::write_glb_file},
-    {".pdf", detail::write_pdf_file}, {".eps", detail::write_eps_file},   {".svg", detail::write_svg_file},
+    {".ply", detail::write_ply_file},   {".obj", detail::write_obj_file}, {".glb", detail::write_glb_file},
+    {".pdf", detail::write_pdf_file},   {".eps", detail::write_eps_file}, {".svg", detail::write_svg_file},
     {".html", detail::write_html_file},
 };
 

@@ -199,8 +199,8 @@ int run(const Arguments& arguments) {
     if (!arguments.quiet) print_summary(arguments, image, outcome, seconds);
     if (std::fflush(stdout) != 0) return fail(failed, "cannot write to the standard output");
     if (outcome.status) return done;
-    const std::string reached = "the mesh reached so far, " + std::to_string(outcome.report.vertices) +
-                                " vertices and " + psnr_text(outcome.report.psnr) + ", " +
+    const std::string reached = "the mesh reached so far, " + std::to_string(outcome.report.vertices) + " vertices and " +
+                                psnr_text(outcome.report.psnr) + ", " +
                                 (output_files(arguments).empty() ? "is as above" : "is written");
     return fail(failed, where + ": " + in_words(outcome.status) + "; " + reached);
 }
@@ -211,8 +211,7 @@ int run(const Arguments& arguments) {
 int main(int argc, char** argv) {
     example::Arguments arguments;
     const std::vector<std::string> words(argv + (argc > 0 ? 1 : 0), argv + argc);
-    if (const std::string why = example::parse(words, arguments); !why.empty())
-        return example::fail(example::wrong_usage, why);
+    if (const std::string why = example::parse(words, arguments); !why.empty()) return example::fail(example::wrong_usage, why);
     if (arguments.help) {
         std::printf("%s%s", example::usage, example::help);
     } else if (arguments.version) {

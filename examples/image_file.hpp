@@ -19,8 +19,8 @@
 
 #define STB_IMAGE_IMPLEMENTATION
 #define STB_IMAGE_STATIC
-#define STBI_NO_PNM     // pnm.hpp
-#define STBI_NO_HDR     // would come tone-mapped to 8 bits
+#define STBI_NO_PNM  // pnm.hpp
+#define STBI_NO_HDR  // would come tone-mapped to 8 bits
 #define STBI_NO_LINEAR
 #define STBI_NO_STDIO
 #include <stb/stb_image.h>
@@ -84,18 +84,16 @@ namespace detail {
     const std::uint8_t no_pixel = 0;
     const hmesh::Status status = hmesh::check(hmesh::ImageView<std::uint8_t, 1>{&no_pixel, width, height, 0});
     if (status) return {};
-    return std::string(status.what) + " (got " + std::to_string(status.got) + ", limit " + std::to_string(status.want) +
-           ")";
+    return std::string(status.what) + " (got " + std::to_string(status.got) + ", limit " + std::to_string(status.want) + ")";
 }
 
 template <class T>
 [[nodiscard]] std::string take(T* pixels, ImageFile& image, std::vector<T>& samples) {
     const std::unique_ptr<T, void (*)(void*)> owner(pixels, stbi_image_free);
     if (pixels == nullptr) return stb_reason();
-    if (image.channels < 1 || image.channels > 4)
-        return "it has " + std::to_string(image.channels) + " channels, not 1 to 4";
-    const auto count = static_cast<std::size_t>(image.width) * static_cast<std::size_t>(image.height) *
-                       static_cast<std::size_t>(image.channels);
+    if (image.channels < 1 || image.channels > 4) return "it has " + std::to_string(image.channels) + " channels, not 1 to 4";
+    const auto count =
+        static_cast<std::size_t>(image.width) * static_cast<std::size_t>(image.height) * static_cast<std::size_t>(image.channels);
     samples.assign(pixels, pixels + count);
     return {};
 }
@@ -108,14 +106,12 @@ template <class T>
     image.channels = header.channels;
     image.bits = header.maximum > 255 ? 16 : 8;
     if (const std::string why = check_size(image.width, image.height); !why.empty()) return why;
-    return image.bits == 16 ? read_pnm_samples(bytes, header, image.samples16)
-                            : read_pnm_samples(bytes, header, image.samples8);
+    return image.bits == 16 ? read_pnm_samples(bytes, header, image.samples16) : read_pnm_samples(bytes, header, image.samples8);
 }
 
 [[nodiscard]] inline std::string read_stb(const std::vector<unsigned char>& bytes, ImageFile& image) {
     const auto size = static_cast<int>(bytes.size());
-    if (stbi_info_from_memory(bytes.data(), size, &image.width, &image.height, &image.channels) == 0)
-        return stb_reason();
+    if (stbi_info_from_memory(bytes.data(), size, &image.width, &image.height, &image.channels) == 0) return stb_reason();
     if (const std::string why = check_size(image.width, image.height); !why.empty()) return why;
     image.bits = stbi_is_16_bit_from_memory(bytes.data(), size) != 0 ? 16 : 8;
     int &w = image.width, &h = image.height, &c = image.channels;
@@ -150,8 +146,7 @@ template <class Sink>
         auto* to = static_cast<Call*>(context);
         to->done = (*to->sink)(bytes, static_cast<std::size_t>(size));
     };
-    return stbi_write_png_to_func(give, &call, picture.width, picture.height, picture.channels, picture.samples.data(),
-                                  0) != 0 &&
+    return stbi_write_png_to_func(give, &call, picture.width, picture.height, picture.channels, picture.samples.data(), 0) != 0 &&
            call.done;
 }
 

@@ -56,8 +56,8 @@ template <class T, int C>
 }
 
 template <class T>
-[[nodiscard]] Outcome mesh_channels(const ImageFile& image, const std::vector<T>& samples,
-                                    const hmesh::Options& options, const ThreadPool& pool) {
+[[nodiscard]] Outcome mesh_channels(const ImageFile& image, const std::vector<T>& samples, const hmesh::Options& options,
+                                    const ThreadPool& pool) {
     switch (image.channels) {
         case 1: return mesh_samples<T, 1>(image, samples, options, pool);
         case 2: return mesh_samples<T, 2>(image, samples, options, pool);
@@ -76,8 +76,7 @@ void divide_by_alpha(hmesh::Image<float, C>& picture, double peak) {
 }
 
 template <int C>
-[[nodiscard]] hmesh::Status draw_channels(const hmesh::MeshView& mesh, const hmesh::RenderOptions& options,
-                                          Picture& picture) {
+[[nodiscard]] hmesh::Status draw_channels(const hmesh::MeshView& mesh, const hmesh::RenderOptions& options, Picture& picture) {
     hmesh::Image<float, C> drawn;
     if (const hmesh::Status status = hmesh::render(mesh, drawn, options); !status) return status;
     if (mesh.premultiplied) divide_by_alpha(drawn, mesh.peak);
@@ -103,7 +102,8 @@ struct DrawOptions {
 
 // The mesh drawn at 8 bits, with as many channels as it has, straight colours.
 [[nodiscard]] inline hmesh::Status draw(const hmesh::MeshView& mesh, const DrawOptions& draw_options, Picture& picture) {
-    const hmesh::RenderOptions options{draw_options.scale * mesh.width, draw_options.scale * mesh.height, draw_options.linear_light};
+    const hmesh::RenderOptions options{draw_options.scale * mesh.width, draw_options.scale * mesh.height,
+                                       draw_options.linear_light};
     switch (mesh.channels) {
         case 1: return detail::draw_channels<1>(mesh, options, picture);
         case 2: return detail::draw_channels<2>(mesh, options, picture);

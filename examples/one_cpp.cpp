@@ -47,8 +47,7 @@ int main() {
 
 #include "hmesh/mesh_image.hpp"
 
-hmesh::Mesh<3> mesh_picture(const hmesh::ImageView<std::uint8_t, 3>& picture, std::int64_t vertices,
-                            hmesh::Status& status) {
+hmesh::Mesh<3> mesh_picture(const hmesh::ImageView<std::uint8_t, 3>& picture, std::int64_t vertices, hmesh::Status& status) {
     hmesh::Options options;
     options.target = hmesh::Target::vertices(vertices);
     hmesh::Result<3> result = hmesh::mesh_image(picture, options);

@@ -62,8 +62,7 @@ using Rgb = hmesh::Image<std::uint8_t, 3>;
     std::fill(out.samples().begin(), out.samples().end(), std::uint8_t{255});
     int x = 0;
     for (const Rgb& picture : pictures) {
-        for (int y = 0; y < picture.height(); ++y)
-            std::copy_n(picture.view().row(y), 3 * picture.width(), out.pixel(x, y));
+        for (int y = 0; y < picture.height(); ++y) std::copy_n(picture.view().row(y), 3 * picture.width(), out.pixel(x, y));
         x += picture.width() + gap;
     }
     return out;

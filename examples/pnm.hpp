@@ -31,8 +31,7 @@ namespace detail {
     while (at < file.size() && (is_space(file[at]) || file[at] == '#')) {
         if (file[at] == '#')
             while (at < file.size() && file[at] != '\n' && file[at] != '\r') ++at;
-        else
-            ++at;
+        else ++at;
     }
     int value = -1;
     for (; at < file.size() && file[at] >= '0' && file[at] <= '9'; ++at) {

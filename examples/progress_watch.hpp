@@ -56,9 +56,7 @@ class ProgressWatch {
 
     // Valid as long as the watch stays where it is.
     [[nodiscard]] hmesh::Progress progress() {
-        return {
-            [](void* user, const hmesh::StageInfo& info) { return static_cast<ProgressWatch*>(user)->update(info); },
-            this};
+        return {[](void* user, const hmesh::StageInfo& info) { return static_cast<ProgressWatch*>(user)->update(info); }, this};
     }
 
     // Ends the last stage and wipes the bar.
@@ -110,8 +108,8 @@ class ProgressWatch {
     void draw(const hmesh::StageInfo& info, Clock::time_point now) {
         constexpr int length = 30;
         const int done = info.fraction > 0 ? static_cast<int>(length * (info.fraction < 1 ? info.fraction : 1)) : 0;
-        const std::string bar = std::string(static_cast<std::size_t>(done), '#') +
-                                std::string(static_cast<std::size_t>(length - done), '.');
+        const std::string bar =
+            std::string(static_cast<std::size_t>(done), '#') + std::string(static_cast<std::size_t>(length - done), '.');
         const int written = std::fprintf(stderr, "\r[%s] %3d %% %.24s, %zu vertices", bar.c_str(), done * 100 / length,
                                          info.stage, info.vertices) -
                             1;
@@ -123,7 +121,7 @@ class ProgressWatch {
 
     Clock::time_point begin_ = Clock::now(), stage_begin_ = begin_, last_draw_ = begin_;
     std::vector<Stage> stages_;
-    int drawn_ = 0;          // the widest line drawn, in characters
+    int drawn_ = 0;  // the widest line drawn, in characters
     bool draws_;
 };
 

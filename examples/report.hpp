@@ -88,9 +88,7 @@ namespace detail {
 }  // namespace detail
 
 // A PSNR for people: "31.83 dB" or "inf".
-[[nodiscard]] inline std::string psnr_text(double psnr) {
-    return std::isfinite(psnr) ? detail::format("%.2f dB", psnr) : "inf";
-}
+[[nodiscard]] inline std::string psnr_text(double psnr) { return std::isfinite(psnr) ? detail::format("%.2f dB", psnr) : "inf"; }
 
 [[nodiscard]] inline std::string report_json(const Arguments& arguments, const ImageFile& image, const Outcome& outcome,
                                              double seconds, const ProgressWatch& watch) {

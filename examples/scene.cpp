@@ -12,8 +12,7 @@ namespace {
 
 // 1 to 16384, or 0.
 int parse_side(const std::string& text) {
-    const bool is_number =
-        !text.empty() && text.size() <= 5 && text.find_first_not_of("0123456789") == std::string::npos;
+    const bool is_number = !text.empty() && text.size() <= 5 && text.find_first_not_of("0123456789") == std::string::npos;
     const int side = is_number ? std::atoi(text.c_str()) : 0;
     return side <= 16384 ? side : 0;
 }

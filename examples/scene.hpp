@@ -72,10 +72,10 @@ enum class Surface { table, wall, window, orange, pear, mug, book, cherry, leaf,
 
 struct Object {
     Surface surface;
-    Vec center;     // the origin of the object's own coordinates
+    Vec center;           // the origin of the object's own coordinates
     double cosine, sine;  // of its turn about the vertical
-    Vec middle;     // of the bounding sphere, from the center
-    double radius;  // of the bounding sphere
+    Vec middle;           // of the bounding sphere, from the center
+    double radius;        // of the bounding sphere
 };
 
 inline constexpr Object objects[] = {
@@ -122,10 +122,9 @@ inline double cherry_distance(Vec p) {
     const double left = length(p - Vec{-0.2, 0.25, 0}) - 0.25 +
                         0.05 * std::exp(-40 * (p.x + 0.2) * (p.x + 0.2) - 40 * p.z * p.z) * step(0.3, 0.5, p.y);
     const double right = length(p - Vec{0.36, 0.23, 0.12}) - 0.23;
-    const double stems = std::min(std::min(capsule(p, {-0.2, 0.44, 0}, {-0.06, 0.8, 0.1}, 0.014),
-                                           capsule(p, {-0.06, 0.8, 0.1}, {0.2, 1.16, 0.3}, 0.014)),
-                                  std::min(capsule(p, {0.36, 0.42, 0.12}, {0.34, 0.8, 0.2}, 0.014),
-                                           capsule(p, {0.34, 0.8, 0.2}, {0.2, 1.16, 0.3}, 0.014)));
+    const double stems = std::min(
+        std::min(capsule(p, {-0.2, 0.44, 0}, {-0.06, 0.8, 0.1}, 0.014), capsule(p, {-0.06, 0.8, 0.1}, {0.2, 1.16, 0.3}, 0.014)),
+        std::min(capsule(p, {0.36, 0.42, 0.12}, {0.34, 0.8, 0.2}, 0.014), capsule(p, {0.34, 0.8, 0.2}, {0.2, 1.16, 0.3}, 0.014)));
     return std::min(std::min(left, right), std::min(stems, length(p - Vec{0.2, 1.17, 0.3}) - 0.035));
 }
 inline double leaf_distance(Vec p) {
@@ -146,8 +145,7 @@ inline double distance(Surface surface, Vec p) {
         case Surface::mug: return mug_distance(p);
         case Surface::pear: return 0.9 * pear_distance(p);
         case Surface::orange:
-            return length(p - Vec{0, 0.56, 0}) - 0.57 +
-                   0.03 * std::exp(-30 * (p.x * p.x + p.z * p.z)) * step(0.6, 1, p.y);
+            return length(p - Vec{0, 0.56, 0}) - 0.57 + 0.03 * std::exp(-30 * (p.x * p.x + p.z * p.z)) * step(0.6, 1, p.y);
         case Surface::cherry: return cherry_distance(p);
         case Surface::leaf: return leaf_distance(p);
         default: return length(p - Vec{0, 0.23, 0}) - 0.23;
@@ -236,7 +234,7 @@ inline double openness(Vec p, Vec normal) {
 // ---- materials ------------------------------------------------------------------------------------------------------
 
 struct Material {
-    Vec color;         // albedo, linear light
+    Vec color;          // albedo, linear light
     double mirror = 0;  // reflectance at right angles; 0: no reflection
     double gloss = 1;   // how much of the reflection is seen
 };
@@ -276,8 +274,7 @@ inline bool cloth(Vec p, Vec& normal, Material& out) {
 inline Material pear(Vec p) {
     const double angle = std::atan2(p.z, p.x);
     if (p.y > 1.66) return {{0.12, 0.07, 0.03}, 0, 0};
-    const double blush =
-        step(0.25, 0.95, fractal(1.6 * angle + 20, 1.5 * p.y, 3) * (0.75 - 0.55 * std::cos(angle + 0.6)));
+    const double blush = step(0.25, 0.95, fractal(1.6 * angle + 20, 1.5 * p.y, 3) * (0.75 - 0.55 * std::cos(angle + 0.6)));
     const double speck = step(0.80, 0.90, noise(28 * angle, 28 * p.y));
     Vec color = mix({0.50, 0.50, 0.06}, {0.52, 0.16, 0.035}, blush);
     color = mix(color, {0.22, 0.26, 0.03}, step(1.2, 1.65, p.y) * 0.5);
@@ -320,8 +317,7 @@ inline Material material_at(const Hit& hit, Vec world, Vec& normal) {
         }
         case Surface::orange: {
             const double a = std::atan2(p.z, p.x), h = p.y;
-            const Vec bump{noise(34 * a, 40 * h) - 0.5, noise(34 * a + 50, 40 * h) - 0.5,
-                           noise(34 * a, 40 * h + 50) - 0.5};
+            const Vec bump{noise(34 * a, 40 * h) - 0.5, noise(34 * a + 50, 40 * h) - 0.5, noise(34 * a, 40 * h + 50) - 0.5};
             normal = normalized(normal + 0.17 * bump);
             if (length(p.x, p.z) < 0.06 && p.y > 0.9) return {{0.10, 0.13, 0.03}, 0, 0};
             return {mix({0.78, 0.235, 0.012}, {0.70, 0.30, 0.02}, fractal(3 * a, 3 * h, 2)), 0.04, 0.5};
@@ -335,11 +331,10 @@ inline Material material_at(const Hit& hit, Vec world, Vec& normal) {
             return {{0.30, 0.008, 0.016}, 0.045, 1};
         }
         case Surface::leaf: {
-            const double side = std::abs(p.z),
-                         vein = std::abs((p.x * 9 + side * 8) - std::floor(p.x * 9 + side * 8) - 0.5);
+            const double side = std::abs(p.z), vein = std::abs((p.x * 9 + side * 8) - std::floor(p.x * 9 + side * 8) - 0.5);
             const double line = std::max(1 - step(0.006, 0.018, side), 0.5 * (1 - step(0.03, 0.12, vein)));
-            return {mix((0.8 + 0.4 * fractal(9 * p.x, 9 * p.z, 3)) * Vec{0.075, 0.19, 0.028}, {0.30, 0.38, 0.12}, line),
-                    0.035, 0.35};
+            return {mix((0.8 + 0.4 * fractal(9 * p.x, 9 * p.z, 3)) * Vec{0.075, 0.19, 0.028}, {0.30, 0.38, 0.12}, line), 0.035,
+                    0.35};
         }
         default: return {{0.02, 0.02, 0.022}, 0.72, 1};
     }
@@ -361,8 +356,7 @@ inline double sun_patch(Vec p) {
     const auto pane = [](double t, double low, double high, double soft) {
         return step(low - soft, low + soft, t) * (1 - step(high - soft, high + soft, t));
     };
-    return (pane(u, 0.0, 0.44, 0.025) + pane(u, 0.53, 0.97, 0.025)) *
-           (pane(v, 0.0, 0.44, 0.018) + pane(v, 0.51, 0.95, 0.018));
+    return (pane(u, 0.0, 0.44, 0.025) + pane(u, 0.53, 0.97, 0.025)) * (pane(v, 0.0, 0.44, 0.018) + pane(v, 0.51, 0.95, 0.018));
 }
 
 // Which of the 36 cells of the window to sample: `count` of them, spread, other ones for each of the 9 rays of a pixel.
@@ -377,8 +371,7 @@ inline Vec direct_light(Vec p, Vec normal, const Samples& samples) {
     double sum = 0;
     for (int k = 0; k < samples.count; ++k) {
         const int cell = (samples.ray * 4 + k * 9 * (4 / samples.count) + samples.ray / 9) % 36;
-        const std::uint32_t h =
-            hash(samples.seed, static_cast<std::uint32_t>(samples.ray), static_cast<std::uint32_t>(k));
+        const std::uint32_t h = hash(samples.seed, static_cast<std::uint32_t>(samples.ray), static_cast<std::uint32_t>(k));
         const double u = (cell % 6 + unit(h)) / 6, v = (cell / 6 + unit(hash(h, 1))) / 6;
         const Vec to = window_corner + u * window_u + v * window_v - p;
         const double far = length(to);
@@ -394,9 +387,7 @@ inline Vec trace(Vec from, Vec along, const Samples& samples, int depth) {
     const Hit hit = find_hit(from, along);
     const Vec p = from + hit.t * along;
     if (hit.surface == Surface::window) return window_light(p);
-    Vec normal = hit.object != nullptr           ? normal_at(*hit.object, p)
-                 : hit.surface == Surface::table ? Vec{0, 1, 0}
-                                                 : Vec{0, 0, -1};
+    Vec normal = hit.object != nullptr ? normal_at(*hit.object, p) : hit.surface == Surface::table ? Vec{0, 1, 0} : Vec{0, 0, -1};
     const Vec flat = normal;
     const Material material = material_at(hit, p, normal);
     const double open = openness(p, flat);

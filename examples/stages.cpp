@@ -73,7 +73,8 @@ int run(const std::string& directory, const std::string& method, const Rgb& imag
         std::vector<Rgb> levels;
         for (int level = 0; level < 3; ++level) {
             Rgb picture(image.width(), image.height());
-            for (int y = 0; y < image.height(); ++y) std::copy_n(pyramid.level(level).row(y), 3 * image.width(), picture.pixel(0, y));
+            for (int y = 0; y < image.height(); ++y)
+                std::copy_n(pyramid.level(level).row(y), 3 * image.width(), picture.pixel(0, y));
             levels.push_back(std::move(picture));
         }
         if (!write("levels.jpg", example::side_by_side(levels))) return 1;
@@ -95,8 +96,8 @@ int run(const std::string& directory, const std::string& method, const Rgb& imag
         const std::string name = method + "-" + std::to_string(k + 1) + "-" + stage + ".jpg";
         if (!example::draw_wireframe(result.mesh.view(), picture)) return 1;
         if (!write(name, picture)) return 1;
-        std::printf("| %d %s: %zu vertices, %.2f dB | ![%s](%s) |\n", k + 1, stage.c_str(), result.report.vertices, result.report.psnr,
-                    stage.c_str(), name.c_str());
+        std::printf("| %d %s: %zu vertices, %.2f dB | ![%s](%s) |\n", k + 1, stage.c_str(), result.report.vertices,
+                    result.report.psnr, stage.c_str(), name.c_str());
     }
 }
 

@@ -73,8 +73,7 @@ class ThreadPool {
             job_ = job;
             next_.store(0, std::memory_order_relaxed);
         }
-        if (job.n > workers_.size())
-            wake_.notify_all();
+        if (job.n > workers_.size()) wake_.notify_all();
         else
             for (std::size_t k = 1; k < job.n; ++k) wake_.notify_one();
         work(job);

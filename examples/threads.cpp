@@ -17,8 +17,8 @@ hmesh::Result<3> mesh_on(const example::ThreadPool& pool, const hmesh::Image<std
     const Clock::time_point begin = Clock::now();
     hmesh::Result<3> result = hmesh::mesh_image(image.view(), {}, pool);
     const double seconds = std::chrono::duration<double>(Clock::now() - begin).count();
-    std::printf("%3zu thread%s %6.2f s, %zu vertices, PSNR %.2f dB\n", pool.threads(), pool.threads() == 1 ? " " : "s",
-                seconds, result.report.vertices, result.report.psnr);
+    std::printf("%3zu thread%s %6.2f s, %zu vertices, PSNR %.2f dB\n", pool.threads(), pool.threads() == 1 ? " " : "s", seconds,
+                result.report.vertices, result.report.psnr);
     return result;
 }
 
@@ -36,8 +36,8 @@ int main() {
         std::fprintf(stderr, "threads: %s\n", one.status ? all.status.what : one.status.what);
         return 1;
     }
-    const bool equal = same_bytes(one.mesh.positions, all.mesh.positions) &&
-                       same_bytes(one.mesh.colors, all.mesh.colors) && same_bytes(one.mesh.faces, all.mesh.faces);
+    const bool equal = same_bytes(one.mesh.positions, all.mesh.positions) && same_bytes(one.mesh.colors, all.mesh.colors) &&
+                       same_bytes(one.mesh.faces, all.mesh.faces);
     std::printf("the bytes are %s\n", equal ? "equal" : "NOT equal");
     return equal ? 0 : 1;
 }

@@ -37,8 +37,7 @@ void take_weights(const std::vector<T>& samples, int channels, std::vector<float
 }
 
 // Reads the weights for an image of this size. Returns "" or what is wrong, as a sentence.
-[[nodiscard]] inline std::string read_weights(const std::string& path, int width, int height,
-                                              hmesh::Image<float, 1>& weights) {
+[[nodiscard]] inline std::string read_weights(const std::string& path, int width, int height, hmesh::Image<float, 1>& weights) {
     ImageFile file;
     if (const std::string why = read_image(path, file); !why.empty()) return "cannot read '" + path + "': " + why;
     if (file.width != width || file.height != height)

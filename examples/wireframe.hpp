@@ -34,8 +34,7 @@ struct Coverage {
 
     void add(int x, int y, double amount) {
         if (x < 0 || x >= width || y < 0 || y >= height || amount <= 0) return;
-        std::uint8_t& pixel =
-            share[static_cast<std::size_t>(y) * static_cast<std::size_t>(width) + static_cast<std::size_t>(x)];
+        std::uint8_t& pixel = share[static_cast<std::size_t>(y) * static_cast<std::size_t>(width) + static_cast<std::size_t>(x)];
         pixel = std::max(pixel, static_cast<std::uint8_t>(std::min(1.0, amount) * 255 + 0.5));
     }
 };
@@ -71,10 +70,8 @@ inline hmesh::Status draw_wireframe(const hmesh::MeshView& mesh, hmesh::Image<st
                                     const WireframeOptions& options = {}) {
     if (const hmesh::Status status = hmesh::check(mesh, hmesh::max_channels); !status) return status;
     if (mesh.width < 1 || mesh.height < 1)
-        return {hmesh::Errc::invalid_argument, "the mesh's size must be at least 1", std::min(mesh.width, mesh.height),
-                1};
-    detail::Coverage coverage{picture.width(), picture.height(),
-                              std::vector<std::uint8_t>(picture.samples().size() / 3)};
+        return {hmesh::Errc::invalid_argument, "the mesh's size must be at least 1", std::min(mesh.width, mesh.height), 1};
+    detail::Coverage coverage{picture.width(), picture.height(), std::vector<std::uint8_t>(picture.samples().size() / 3)};
     const double scale_x = static_cast<double>(picture.width()) / mesh.width;
     const double scale_y = static_cast<double>(picture.height()) / mesh.height;
     const auto place = [&](std::uint32_t v) {

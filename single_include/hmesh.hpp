@@ -77,13 +77,13 @@ struct [[nodiscard]] Status {
 namespace hmesh {
 
 struct MeshView {
-    const float* positions = nullptr;               // 2 a vertex
-    const float* colors = nullptr;                  // `channels` a vertex
+    const float* positions = nullptr;  // 2 a vertex
+    const float* colors = nullptr;     // `channels` a vertex
     const std::array<std::uint32_t, 3>* faces = nullptr;
     std::size_t vertex_count = 0, face_count = 0;
     int channels = 0;
-    int width = 0, height = 0;                      // px of the image
-    double peak = 0;                                // the colour value of full intensity
+    int width = 0, height = 0;  // px of the image
+    double peak = 0;            // the colour value of full intensity
     // Of 2 or 4 channels, of which the last is alpha: the others are stored multiplied by alpha / peak. Exporters to formats
     // that want straight colours divide by it.
     bool premultiplied = false;
@@ -101,26 +101,30 @@ struct Mesh {
     [[nodiscard]] std::size_t vertex_count() const noexcept { return positions.size() / 2; }
     [[nodiscard]] std::size_t face_count() const noexcept { return faces.size(); }
     [[nodiscard]] MeshView view() const noexcept {
-        return {positions.data(), colors.data(), faces.data(), vertex_count(), face_count(), C, width, height, peak,
-                premultiplied};
+        return {positions.data(), colors.data(), faces.data(), vertex_count(), face_count(), C, width,
+                height,           peak,          premultiplied};
     }
 };
 
 // Whether a view can be drawn and written: it has vertices and faces, 1 to `most_channels` channels, finite numbers, a
 // positive peak, and every index in range. O(n).
 [[nodiscard]] inline Status check(const MeshView& mesh, int most_channels) noexcept {
-    if (mesh.vertex_count == 0 || mesh.face_count == 0 || mesh.positions == nullptr || mesh.colors == nullptr || mesh.faces == nullptr)
+    if (mesh.vertex_count == 0 || mesh.face_count == 0 || mesh.positions == nullptr || mesh.colors == nullptr ||
+        mesh.faces == nullptr)
         return {Errc::invalid_argument, "the mesh has no vertices or no faces", static_cast<std::int64_t>(mesh.face_count), 1};
     if (mesh.channels < 1 || mesh.channels > most_channels)
-        return {Errc::invalid_argument, "the mesh has a number of channels that this use cannot hold", mesh.channels, most_channels};
+        return {Errc::invalid_argument, "the mesh has a number of channels that this use cannot hold", mesh.channels,
+                most_channels};
     if (!(mesh.peak > 0) || !std::isfinite(mesh.peak)) return {Errc::invalid_argument, "the mesh's peak must be positive", 0, 0};
     for (std::size_t i = 0; i < 2 * mesh.vertex_count; ++i)
         if (!std::isfinite(mesh.positions[i]))
-            return {Errc::not_finite, "the mesh has a position that is NaN or infinite, at vertex", static_cast<std::int64_t>(i / 2), 0};
+            return {Errc::not_finite, "the mesh has a position that is NaN or infinite, at vertex",
+                    static_cast<std::int64_t>(i / 2), 0};
     const auto channels = static_cast<std::size_t>(mesh.channels);
     for (std::size_t i = 0; i < channels * mesh.vertex_count; ++i)
         if (!std::isfinite(mesh.colors[i]))
-            return {Errc::not_finite, "the mesh has a colour that is NaN or infinite, at vertex", static_cast<std::int64_t>(i / channels), 0};
+            return {Errc::not_finite, "the mesh has a colour that is NaN or infinite, at vertex",
+                    static_cast<std::int64_t>(i / channels), 0};
     for (std::size_t f = 0; f < mesh.face_count; ++f)
         for (const std::uint32_t v : mesh.faces[f])
             if (v >= mesh.vertex_count)
@@ -288,7 +292,7 @@ class StripWalk {
 
     const MeshView mesh_;
     const std::vector<std::array<std::uint32_t, 3>> across_;
-    std::vector<std::uint8_t> left_;  // a face's neighbours that are not taken, or `taken`
+    std::vector<std::uint8_t> left_;                    // a face's neighbours that are not taken, or `taken`
     std::array<std::vector<std::uint32_t>, 4> starts_;  // faces that had so many; those that have still are in the right one
 };
 
@@ -555,8 +559,7 @@ class Writer {
     }
     void flush() {
         if (used_ > 0 && !refused_) {
-            if ((*sink_)(static_cast<const void*>(buffer_.data()), used_))
-                accepted_ += static_cast<std::int64_t>(used_);
+            if ((*sink_)(static_cast<const void*>(buffer_.data()), used_)) accepted_ += static_cast<std::int64_t>(used_);
             else refused_ = true;
         }
         used_ = 0;
@@ -624,7 +627,8 @@ void write_ascii85(Writer<Sink>& writer, const std::vector<unsigned char>& bytes
         // taken for a comment of the document's structure.
         if (used == 0 && digits[0] == '%') line[used++] = ' ';
         if (count == 4 && digits == std::array<char, 5>{'!', '!', '!', '!', '!'}) line[used++] = 'z';
-        else for (std::size_t k = 0; k <= count; ++k) line[used++] = digits[k];
+        else
+            for (std::size_t k = 0; k <= count; ++k) line[used++] = digits[k];
     }
     end_line();
     writer.text("~>\n");
@@ -806,8 +810,7 @@ class StraightMesh {
                 if (from(v, alpha) > 0) continue;
                 if (sums.empty()) sums.resize(channels * mesh.vertex_count);
                 for (const std::uint32_t other : mesh.faces[f])
-                    for (std::size_t k = 0; k < channels && from(other, alpha) > 0; ++k)
-                        sums[channels * v + k] += from(other, k);
+                    for (std::size_t k = 0; k < channels && from(other, alpha) > 0; ++k) sums[channels * v + k] += from(other, k);
             }
         colors_.resize(channels * mesh.vertex_count);
         for (std::size_t v = 0; v < mesh.vertex_count; ++v) {
@@ -887,7 +890,7 @@ struct GlbLayout {
     double unit = 1;                                    // units a px
     std::uint64_t vertices = 0, corners = 0;
     std::uint64_t position_bytes = 0, color_bytes = 0, index_bytes = 0;
-    std::uint64_t json_bytes = 0;                       // without padding
+    std::uint64_t json_bytes = 0;  // without padding
 
     [[nodiscard]] std::uint64_t position_stride() const noexcept { return quantized ? 8 : 12; }
     [[nodiscard]] std::uint64_t binary_bytes() const noexcept { return position_bytes + color_bytes + index_bytes; }
@@ -1592,8 +1595,8 @@ namespace detail {
     if (text == nullptr || *text == 0) return false;
     for (; *text != 0; ++text) {
         const char c = *text;
-        const bool is_good = (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '/' ||
-                             c == '+' || c == '-' || c == '.';
+        const bool is_good = (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '/' || c == '+' ||
+                             c == '-' || c == '.';
         if (!is_good) return false;
     }
     return true;
@@ -1941,11 +1944,11 @@ Status write_pdf(const MeshView& source, Sink&& sink, const PdfOptions& options 
     shading(components, colors);  // 6
     if (has_alpha) {
         // The colours are a group and masked as a whole: poppler draws parts of a face over each other.
-        group("RGB", "6");  // 7
+        group("RGB", "6");                                                                  // 7
         file.begin_object().text("/Type /ExtGState /SMask << /S /Luminosity /G 9 0 R >>");  // 8
         file.end_object();
         group("Gray", "10");  // 9
-        shading(1, alpha);  // 10
+        shading(1, alpha);    // 10
     }
     return file.finish(2, 1);
 }
@@ -2225,8 +2228,7 @@ struct FaceGradient {
     FaceGradient(const FacePoints& at, const FaceColors& colors) noexcept {
         const auto product = [&](std::size_t from, std::size_t one, std::size_t other) {
             double sum = 0;
-            for (std::size_t c = 0; c < 3; ++c)
-                sum += (colors[one][c] - colors[from][c]) * (colors[other][c] - colors[from][c]);
+            for (std::size_t c = 0; c < 3; ++c) sum += (colors[one][c] - colors[from][c]) * (colors[other][c] - colors[from][c]);
             return sum;
         };
         std::size_t b = 0;
@@ -2461,8 +2463,8 @@ class SvgPage {
     }
     // Faces in one channel. All gradients of a layer run from 0 to full, on lines as long as that takes, and share stops.
     void layer(SvgLayer kind) {
-        static constexpr std::array<Color4, 5> full = {
-            Color4{255, 0, 0, 0}, Color4{0, 255, 0, 0}, Color4{0, 0, 255, 0}, Color4{255, 255, 255, 0}, Color4{255, 255, 255, 0}};
+        static constexpr std::array<Color4, 5> full = {Color4{255, 0, 0, 0}, Color4{0, 255, 0, 0}, Color4{0, 0, 255, 0},
+                                                       Color4{255, 255, 255, 0}, Color4{255, 255, 255, 0}};
         static constexpr std::array<std::size_t, 5> channels = {0, 1, 2, 0, 3};
         const auto index = static_cast<std::size_t>(kind);
         const std::array<char, 3> name = {'_', "rgbwa"[index], 0};
@@ -2516,8 +2518,9 @@ class SvgPage {
         for (std::size_t v = 0; v < mesh_.vertex_count; ++v) next[v + 1] += next[v];
         const std::vector<std::size_t> begins = next;
 
-        writer_.text("<path fill=\"none\" stroke=\"#fff\" stroke-opacity=\".5\" vector-effect=\"non-scaling-stroke\" "
-                     "shape-rendering=\"auto\" d=\"");
+        writer_.text(
+            "<path fill=\"none\" stroke=\"#fff\" stroke-opacity=\".5\" vector-effect=\"non-scaling-stroke\" "
+            "shape-rendering=\"auto\" d=\"");
         for (std::size_t v = 0; v < mesh_.vertex_count; ++v)
             while (next[v] < begins[v + 1]) {
                 writer_.text("M");
@@ -3436,8 +3439,7 @@ inline Status HalfedgeMesh::check() const {
     if (vertex_total != vertex_count() || edge_total != edge_count() || face_total != face_count())
         return fail("a count of live elements is wrong", vertex_total);
     std::size_t bounded = 0;
-    for (const Edge e : edges())
-        bounded += (is_boundary(halfedge(e)) ? 0U : 1U) + (is_boundary(opposite(halfedge(e))) ? 0U : 1U);
+    for (const Edge e : edges()) bounded += (is_boundary(halfedge(e)) ? 0U : 1U) + (is_boundary(opposite(halfedge(e))) ? 0U : 1U);
     if (bounded != 3 * face_total) return fail("the faces do not use each half-edge once", bounded);
     // One fan a vertex: a turn around it meets all half-edges that leave it, and no neighbour twice.
     std::vector<std::size_t> neighbours;
@@ -4145,8 +4147,7 @@ void for_each_chunk(const ParallelFor& parallel_for, std::size_t n, std::size_t 
 template <class ParallelFor, class Body>
 [[nodiscard]] double ordered_sum(const ParallelFor& parallel_for, std::size_t n, std::size_t grain, Body&& body) {
     std::vector<double> parts(n / grain + (n % grain != 0), 0.0);
-    for_each_chunk(parallel_for, n, grain,
-                   [&](std::size_t begin, std::size_t end) { parts[begin / grain] = body(begin, end); });
+    for_each_chunk(parallel_for, n, grain, [&](std::size_t begin, std::size_t end) { parts[begin / grain] = body(begin, end); });
     double sum = 0;
     for (const double part : parts) sum += part;
     return sum;
@@ -4453,7 +4454,8 @@ template <class T, int C, class ParallelFor = SerialFor>
         });
         for (std::size_t y = 0; y < bad.size(); ++y)
             if (bad[y] != 0)
-                return {Errc::not_finite, "the image has a sample that is NaN or infinite, in row", static_cast<std::int64_t>(y), 0};
+                return {Errc::not_finite, "the image has a sample that is NaN or infinite, in row", static_cast<std::int64_t>(y),
+                        0};
     }
     return {};
 }
@@ -4487,8 +4489,7 @@ template <class ParallelFor = SerialFor>
 [[nodiscard]] Status check_weights(const ImageView<float, 1>& weights, int width, int height,
                                    const ParallelFor& parallel_for = {}) {
     if (weights.data == nullptr) return {};
-    if (weights.width != width)
-        return {Errc::invalid_argument, "the weights are not as wide as the image", weights.width, width};
+    if (weights.width != width) return {Errc::invalid_argument, "the weights are not as wide as the image", weights.width, width};
     if (weights.height != height)
         return {Errc::invalid_argument, "the weights are not as high as the image", weights.height, height};
     if (const Status status = check(weights); !status) return status;
@@ -4505,10 +4506,8 @@ template <class ParallelFor = SerialFor>
     });
     for (std::size_t y = 0; y < faults.size(); ++y) {
         const auto row = static_cast<std::int64_t>(y);
-        if (faults[y] == not_finite)
-            return {Errc::not_finite, "the weights have one that is NaN or infinite, in row", row, 0};
-        if (faults[y] == negative)
-            return {Errc::invalid_argument, "the weights have one that is negative, in row", row, 0};
+        if (faults[y] == not_finite) return {Errc::not_finite, "the weights have one that is NaN or infinite, in row", row, 0};
+        if (faults[y] == negative) return {Errc::invalid_argument, "the weights have one that is negative, in row", row, 0};
     }
     return {};
 }
@@ -4755,8 +4754,8 @@ class MomentTable {
     }
 
     template <class T>
-    void fill_weighted_row(const ImageView<T, C>& view, const ImageView<float, 1>& weights,
-                           const WeightScale& scale, const Rect& rect, int y) const {
+    void fill_weighted_row(const ImageView<T, C>& view, const ImageView<float, 1>& weights, const WeightScale& scale,
+                           const Rect& rect, int y) const {
         const T* pixel = view.pixel(rect.x, rect.y + y);
         const float* weight = weights.pixel(rect.x, rect.y + y);
         float* samples = samples_.get() + sample_offset(0, y);
@@ -5000,9 +4999,9 @@ struct MeshLimits {
 // One face of a ring, as a function of the centre's colour.
 template <int C>
 struct FaceFit {
-    double a;         // A
-    double lx, ly;    // gradient of the hat function
-    double squares;   // d = squares + rest.sum()
+    double a;        // A
+    double lx, ly;   // gradient of the hat function
+    double squares;  // d = squares + rest.sum()
     Color<C> b, f1, f2, rest;
     [[nodiscard]] HMESH_ALWAYS_INLINE double energy(const Color<C>& c) const {
         return squares + (rest + c * (a * c - 2.0 * b)).sum();
@@ -5020,8 +5019,8 @@ struct RingFit {
 
 // Face (v, a, b) with moments m. False when twice its area is below min_cross.
 template <int C>
-[[nodiscard]] HMESH_ALWAYS_INLINE bool fit_face(const Moments<C>& m, Point v, const VertexState<C>& va,
-                                                const VertexState<C>& vb, double min_cross, FaceFit<C>& out) {
+[[nodiscard]] HMESH_ALWAYS_INLINE bool fit_face(const Moments<C>& m, Point v, const VertexState<C>& va, const VertexState<C>& vb,
+                                                double min_cross, FaceFit<C>& out) {
     const double ax = va.position.x - v.x, ay = va.position.y - v.y, bx = vb.position.x - v.x, by = vb.position.y - v.y;
     const double area = ax * by - ay * bx;
     if (!(area >= min_cross)) return false;
@@ -5049,8 +5048,8 @@ template <int C>
 
 // The squared error of a face with moments m and positive area.
 template <int C>
-[[nodiscard]] HMESH_ALWAYS_INLINE double face_energy(const Moments<C>& m, const VertexState<C>& v0,
-                                                     const VertexState<C>& v1, const VertexState<C>& v2) {
+[[nodiscard]] HMESH_ALWAYS_INLINE double face_energy(const Moments<C>& m, const VertexState<C>& v0, const VertexState<C>& v1,
+                                                     const VertexState<C>& v2) {
     const Point v = v0.position;
     const double ax = v1.position.x - v.x, ay = v1.position.y - v.y, bx = v2.position.x - v.x, by = v2.position.y - v.y;
     const double inverse = 1 / (ax * by - ay * bx);
@@ -5062,9 +5061,9 @@ template <int C>
     const double sxx = m.q[0] - ox * (m.sx[C] + sx), syy = m.q[2] - oy * (m.sy[C] + sy);
     const double sxy = m.q[1] - ox * m.sy[C] - oy * sx;
     const Color<C>& c = v0.color;
-    return m.q[3] + (c * (n * c - 2.0 * m.s) + gx * (sxx * gx + 2.0 * (sx * c + sxy * gy - mx)) +
-                     gy * (syy * gy + 2.0 * (sy * c - my)))
-                        .sum();
+    return m.q[3] +
+           (c * (n * c - 2.0 * m.s) + gx * (sxx * gx + 2.0 * (sx * c + sxy * gy - mx)) + gy * (syy * gy + 2.0 * (sy * c - my)))
+               .sum();
 }
 
 // The vertex in the middle is not part of a Ring. Neighbours follow each other against the orientation of the faces:
@@ -5073,9 +5072,9 @@ template <int C>
 struct Ring {
     int size = 0;
     bool open = false;
-    Halfedge halfedge[ring_capacity];            // from the centre to each neighbour, where the centre is in the mesh
+    Halfedge halfedge[ring_capacity];  // from the centre to each neighbour, where the centre is in the mesh
     const VertexState<C>* neighbour[ring_capacity];
-    Moments<C> link[ring_capacity];              // of the far side of face i, from neighbour i to neighbour i - 1
+    Moments<C> link[ring_capacity];  // of the far side of face i, from neighbour i to neighbour i - 1
 
     [[nodiscard]] int first_face() const noexcept { return open ? 1 : 0; }
     [[nodiscard]] int before(int i) const noexcept { return i == 0 ? size - 1 : i - 1; }
@@ -5131,8 +5130,8 @@ template <int C>
 // The colour that minimises the ring's energy, with the ridge toward `current`, kept within [low, high]. A sum of
 // squares that rounding of weighted sums made negative counts as 0.
 template <int C>
-[[nodiscard]] HMESH_ALWAYS_INLINE Color<C> best_color(const RingFit<C>& fit, const Color<C>& current, double ridge,
-                                                      double low, double high) {
+[[nodiscard]] HMESH_ALWAYS_INLINE Color<C> best_color(const RingFit<C>& fit, const Color<C>& current, double ridge, double low,
+                                                      double high) {
     Color<C> c = (fit.b + ridge * current) * (1 / ((fit.a > 0 ? fit.a : 0.0) + ridge));
     c.clamp(low, high);
     for (int k = C; k < lanes_for(C + 1); ++k) c.set(k, 0);
@@ -5149,8 +5148,8 @@ struct RingStep {
     double predicted = 0;  // the decrease of energy that the linear model expects to first order, >= 0
 };
 template <int C>
-[[nodiscard]] HMESH_ALWAYS_INLINE RingStep gauss_newton_step(const Ring<C>& ring, const FaceFit<C>* faces,
-                                                             const RingFit<C>& fit, const Color<C>& c, Mobility mobility) {
+[[nodiscard]] HMESH_ALWAYS_INLINE RingStep gauss_newton_step(const Ring<C>& ring, const FaceFit<C>* faces, const RingFit<C>& fit,
+                                                             const Color<C>& c, Mobility mobility) {
     using Vec = Color<C>;
     Vec g1 = Vec::zero(), g2 = g1, h11 = g1, h12 = g1, h22 = g1, mean1 = g1, mean2 = g1;
     for (int i = ring.first_face(); i < ring.size; ++i) {
@@ -5502,7 +5501,9 @@ Status ImageMesh<C>::assign(const std::vector<Point>& positions, const std::vect
         state.mobility = mobility_at(p);
         state.most_valence = max_valence;
         if (!colors.empty()) state.color = colors[i];
-        else table_->pixel(std::min(static_cast<int>(p.x), width() - 1), std::min(static_cast<int>(p.y), height() - 1), state.color);
+        else
+            table_->pixel(std::min(static_cast<int>(p.x), width() - 1), std::min(static_cast<int>(p.y), height() - 1),
+                          state.color);
     }
     twice_area_ = 0;
     for (const Triangle& t : triangles) twice_area_ += cross(positions[t[0]], positions[t[1]], positions[t[2]]);
@@ -5543,8 +5544,8 @@ Status ImageMesh<C>::check() const {
         const VertexState<C>& state = vertex(v);
         if (snap(state.position) != state.position) return fail("a vertex is off the grid", v.index());
         if (state.color[C] != 0) return fail("a colour's padding is not zero", v.index());
-        if (state.mobility != Mobility::frozen && (state.mobility != mobility_at(state.position) ||
-                                                   topology_.is_boundary(v) == (state.mobility == Mobility::free)))
+        if (state.mobility != Mobility::frozen &&
+            (state.mobility != mobility_at(state.position) || topology_.is_boundary(v) == (state.mobility == Mobility::free)))
             return fail("a vertex's mobility is wrong", v.index());
     }
     // Of the pixels of the rectangle: a part of it may own none, and yet its moments are differences of such sums.
@@ -5569,7 +5570,8 @@ Status ImageMesh<C>::check() const {
             return fail("a face's energy is stale", f.index());
         energy += fresh;
     }
-    if (area != (surroundings_.is_part ? twice_area_ : 2.0 * width() * height())) return fail("the faces do not tile what they should", 0);
+    if (area != (surroundings_.is_part ? twice_area_ : 2.0 * width() * height()))
+        return fail("the faces do not tile what they should", 0);
     if (!(std::abs(energy - energy_) <= 1e-9 * std::abs(energy) + 1e-12 * squares)) return fail("the total energy is stale", 0);
     for (const Edge e : topology_.edges()) {
         const Halfedge h = HalfedgeMesh::halfedge(e);
@@ -5765,13 +5767,11 @@ template <int C>
 // K: n_v by n_p, columns of 3 entries (some may be 0) that sum to 1. Faces are independent pieces of work, because each
 // pixel has one owner. The mesh must tile its rectangle, as check() proves.
 template <int C, class ParallelFor = SerialFor>
-[[nodiscard]] Eigen::SparseMatrix<double> barycentric_matrix(const ImageMesh<C>& mesh,
-                                                             const ParallelFor& parallel_for = {}) {
+[[nodiscard]] Eigen::SparseMatrix<double> barycentric_matrix(const ImageMesh<C>& mesh, const ParallelFor& parallel_for = {}) {
     const HalfedgeMesh& topology = mesh.topology();
     const std::vector<int> rows = vertex_rows(topology);
     const auto width = static_cast<std::size_t>(mesh.width()), pixels = width * static_cast<std::size_t>(mesh.height());
-    Eigen::SparseMatrix<double> matrix(static_cast<Eigen::Index>(mesh.vertex_count()),
-                                       static_cast<Eigen::Index>(pixels));
+    Eigen::SparseMatrix<double> matrix(static_cast<Eigen::Index>(mesh.vertex_count()), static_cast<Eigen::Index>(pixels));
     matrix.resizeNonZeros(static_cast<Eigen::Index>(3 * pixels));
     for (std::size_t p = 0; p <= pixels; ++p) matrix.outerIndexPtr()[p] = static_cast<int>(3 * p);
     for_each_chunk(parallel_for, topology.face_slots(), 256, [&](std::size_t first, std::size_t last) {
@@ -5801,9 +5801,9 @@ template <int C, class ParallelFor = SerialFor>
 // face; lambda is the corner's hat function, sums are over the face's pixels.
 template <int C>
 struct CornerSums {
-    double square = 0;                // lambda^2
-    double coupling = 0;              // lambda times that of the half-edge's other end
-    double x = 0, y = 0;              // lambda (x, y), plane coordinates of the pixel's centre
+    double square = 0;                  // lambda^2
+    double coupling = 0;                // lambda times that of the half-edge's other end
+    double x = 0, y = 0;                // lambda (x, y), plane coordinates of the pixel's centre
     Color<C> image = Color<C>::zero();  // lambda I; lane C: lambda
 };
 
@@ -5888,8 +5888,7 @@ template <int C, class ParallelFor = SerialFor>
 // K K^T: n_v by n_v, symmetric to the bit, both triangles stored; an entry for each vertex and each edge either way,
 // even where no pixel makes it differ from 0. From the corners of the mesh with this topology, or from the mesh.
 template <int C, class ParallelFor = SerialFor>
-[[nodiscard]] Eigen::SparseMatrix<double> gram_matrix(const HalfedgeMesh& topology,
-                                                      const std::vector<CornerSums<C>>& corners,
+[[nodiscard]] Eigen::SparseMatrix<double> gram_matrix(const HalfedgeMesh& topology, const std::vector<CornerSums<C>>& corners,
                                                       const ParallelFor& parallel_for = {}) {
     const std::vector<int> rows = vertex_rows(topology);
     const auto n = static_cast<Eigen::Index>(topology.vertex_count());
@@ -5990,7 +5989,8 @@ template <int C>
 
 template <int C>
 [[nodiscard]] std::vector<Face> spatial_faces(const ImageMesh<C>& mesh) {
-    return in_spatial_order<Face>(mesh.topology().faces(), mesh.topology().face_count(), [&](Face f) { return mesh.centroid(f); });
+    return in_spatial_order<Face>(mesh.topology().faces(), mesh.topology().face_count(),
+                                  [&](Face f) { return mesh.centroid(f); });
 }
 
 // Calls body(e) for the edges that come with face f: of the two faces beside an edge, it comes with that of its even
@@ -6085,12 +6085,12 @@ namespace hmesh {
 
 template <int C>
 struct WholeMesh {
-    int width = 0, height = 0;         // px of the image; the triangles tile [0, width] x [0, height]
-    std::vector<Point> positions;      // on the 1/256 px grid
+    int width = 0, height = 0;     // px of the image; the triangles tile [0, width] x [0, height]
+    std::vector<Point> positions;  // on the 1/256 px grid
     std::vector<Color<C>> colors;
-    std::vector<unsigned char> due;    // not 0: surroundings changed since the vertex was last optimised
+    std::vector<unsigned char> due;  // not 0: surroundings changed since the vertex was last optimised
     std::vector<Triangle> triangles;
-    double energy = 0;                 // as of the last phase of work
+    double energy = 0;  // as of the last phase of work
 
     [[nodiscard]] std::size_t vertex_count() const noexcept { return positions.size(); }
     [[nodiscard]] double mean_energy() const noexcept { return energy / static_cast<double>(vertex_count()); }
@@ -6157,8 +6157,9 @@ class ImageSource {
     // Of a view that check() accepts, with weights that check_weights() accepts (or none), both outliving the source.
     template <class T>
     explicit ImageSource(const ImageView<T, C>& view, const ImageView<float, 1>& weights = {}, double unit = 1) noexcept
-        : data_(view.data), width_(view.width), height_(view.height), row_stride_(view.row_stride), weights_(weights), unit_(unit),
-          low_(PixelTraits<T>::lowest), high_(PixelTraits<T>::highest), peak_(PixelTraits<T>::peak), make_(&make<T>), sample_(&sample<T>) {}
+        : data_(view.data), width_(view.width), height_(view.height), row_stride_(view.row_stride), weights_(weights),
+          unit_(unit), low_(PixelTraits<T>::lowest), high_(PixelTraits<T>::highest), peak_(PixelTraits<T>::peak), make_(&make<T>),
+          sample_(&sample<T>) {}
 
     [[nodiscard]] int width() const noexcept { return width_; }
     [[nodiscard]] int height() const noexcept { return height_; }
@@ -6239,10 +6240,10 @@ struct Cut {
     static constexpr std::uint32_t frozen = 0xffffffffU;
     std::vector<std::uint32_t> triangles;  // those of tile k: [first[k], first[k + 1])
     std::vector<std::size_t> first;
-    std::vector<std::uint32_t> owner;      // of a vertex: the tile where it is free, or frozen
-    std::vector<std::uint32_t> number;     // of a vertex: its number among those free in its tile, or among the frozen
+    std::vector<std::uint32_t> owner;           // of a vertex: the tile where it is free, or frozen
+    std::vector<std::uint32_t> number;          // of a vertex: its number among those free in its tile, or among the frozen
     std::vector<std::uint16_t> triangle_count;  // of a vertex, in the whole mesh
-    std::vector<std::size_t> free_count;   // of a tile
+    std::vector<std::size_t> free_count;        // of a tile
     std::size_t frozen_count = 0;
 };
 
@@ -6272,7 +6273,8 @@ template <int C>
     cut.number.resize(n);
     cut.free_count.assign(tiling.size(), 0);
     for (std::size_t v = 0; v < n; ++v)
-        cut.number[v] = static_cast<std::uint32_t>(cut.owner[v] == Cut::frozen ? cut.frozen_count++ : cut.free_count[cut.owner[v]]++);
+        cut.number[v] =
+            static_cast<std::uint32_t>(cut.owner[v] == Cut::frozen ? cut.frozen_count++ : cut.free_count[cut.owner[v]]++);
     return cut;
 }
 
@@ -6302,7 +6304,9 @@ template <int C>
         Triangle local{};
         for (std::uint32_t c = 0; c < 3; ++c) {
             if (cut.owner[t[c]] != Cut::frozen) local[c] = cut.number[t[c]];
-            else corners.push_back({t[c], static_cast<std::uint32_t>(patch.triangles.size()), c, t[(c + 1) % 3], t[(c + 2) % 3], 0});
+            else
+                corners.push_back(
+                    {t[c], static_cast<std::uint32_t>(patch.triangles.size()), c, t[(c + 1) % 3], t[(c + 2) % 3], 0});
         }
         patch.triangles.push_back(local);
     }
@@ -6341,7 +6345,7 @@ struct PatchResult {
     std::vector<Point> positions;  // of free vertices
     std::vector<Color<C>> colors;
     std::vector<unsigned char> due;
-    std::vector<Triangle> triangles;  // free vertices by their place above, frozen ones after them
+    std::vector<Triangle> triangles;    // free vertices by their place above, frozen ones after them
     std::vector<std::uint32_t> frozen;  // of the whole mesh, may repeat
     std::vector<std::uint32_t> frozen_due;
     double energy = 0;
@@ -6530,10 +6534,13 @@ class Patchwork {
         put_back();
         const detail::Cut cut = detail::cut(whole_, tiling);
         std::vector<detail::PatchResult<C>> results(tiling.size());
-        run(cut, [&](Patch<C>& patch, std::size_t tile) {
-            work(patch, tile);
-            results[tile] = patch.result();
-        }, [&](std::size_t tile) { results[tile] = detail::unchanged(whole_, cut, tile); });
+        run(
+            cut,
+            [&](Patch<C>& patch, std::size_t tile) {
+                work(patch, tile);
+                results[tile] = patch.result();
+            },
+            [&](std::size_t tile) { results[tile] = detail::unchanged(whole_, cut, tile); });
         merge(cut, results);
         return !monitor_->stopped();
     }
@@ -6544,7 +6551,8 @@ class Patchwork {
     bool visit(const Tiling& tiling, Look&& look, bool all = false) {
         put_back();
         const detail::Cut cut = detail::cut(whole_, tiling);
-        run(cut, [&](Patch<C>& patch, std::size_t tile) { look(patch, tile, cut.triangles.data() + cut.first[tile]); },
+        run(
+            cut, [&](Patch<C>& patch, std::size_t tile) { look(patch, tile, cut.triangles.data() + cut.first[tile]); },
             [](std::size_t) {}, all);
         return !monitor_->stopped();
     }
@@ -6552,7 +6560,8 @@ class Patchwork {
     // Computes the energy of whole(), with the positions and colours that it has now.
     void measure(const Tiling& tiling) {
         std::vector<double> energies(tiling.size(), 0.0);
-        visit(tiling, [&](Patch<C>& patch, std::size_t k, const std::uint32_t*) { energies[k] = patch.mesh().energy(); }, true);
+        visit(
+            tiling, [&](Patch<C>& patch, std::size_t k, const std::uint32_t*) { energies[k] = patch.mesh().energy(); }, true);
         whole_.energy = 0;
         for (const double energy : energies) whole_.energy += energy;
     }
@@ -6565,7 +6574,8 @@ class Patchwork {
             if (!monitor_->poll()) return;
             Pulse pulse(*monitor_, 1);
             if (!only_) {
-                const detail::Cut cut = detail::cut(whole_, Tiling(whole_.width, whole_.height, std::max(whole_.width, whole_.height)));
+                const detail::Cut cut =
+                    detail::cut(whole_, Tiling(whole_.width, whole_.height, std::max(whole_.width, whole_.height)));
                 only_ = std::make_unique<Patch<C>>(whole_, *source_, cut, 0, limits_, nullptr, std::move(table_));
             }
             only_->mesh().set_pulse(&pulse);
@@ -6592,9 +6602,8 @@ class Patchwork {
         std::vector<std::size_t> tiles;
         for (std::size_t k = 0; k + 1 < cut.first.size(); ++k)
             if (count(k) > 0) tiles.push_back(k);
-        std::sort(tiles.begin(), tiles.end(), [&](std::size_t a, std::size_t b) {
-            return count(a) != count(b) ? count(a) > count(b) : a < b;
-        });
+        std::sort(tiles.begin(), tiles.end(),
+                  [&](std::size_t a, std::size_t b) { return count(a) != count(b) ? count(a) > count(b) : a < b; });
         (*parallel_for_)(tiles.size(), [&](std::size_t i) {
             const std::size_t k = tiles[i];
             if (!monitor_->poll() && !all) return skip(k);
@@ -6796,8 +6805,8 @@ inline PcgReport solve_pcg(const Eigen::SparseMatrix<double>& a, const Eigen::Ma
                 for (Eigen::Index k = 0; k < columns; ++k) {
                     const auto c = static_cast<std::size_t>(k);
                     if (runs[c] != 0)
-                        direction(i, k) = residual(i, k) * inverse[static_cast<std::size_t>(i)] +
-                                          rz[c] / rz_before[c] * direction(i, k);
+                        direction(i, k) =
+                            residual(i, k) * inverse[static_cast<std::size_t>(i)] + rz[c] / rz_before[c] * direction(i, k);
                 }
             detail::multiply(a, direction, product);
             release(product);
@@ -6920,8 +6929,7 @@ struct ColorSystem {
         for (std::size_t v = 0; v < colors.size(); ++v) {
             Color<C>& c = colors[v];
             Color<C> step = rhs[v] + ridge * (anchor[v] - c);
-            for (int e = starts[v]; e < starts[v + 1]; ++e)
-                step -= values[e] * colors[static_cast<std::size_t>(rows[e])];
+            for (int e = starts[v]; e < starts[v + 1]; ++e) step -= values[e] * colors[static_cast<std::size_t>(rows[e])];
             step *= inverse[v];
             update(c, step);
         }
@@ -6970,7 +6978,8 @@ template <int C, class ParallelFor>
 // Takes colours that lie in [low, high] to the best there, see bounded_colors; before each sweep but the one that puts them
 // on the grid, go_on() is asked.
 template <int C, class GoOn>
-BoundedReport descend(const ColorSystem<C>& system, double low, double high, double grid, std::vector<Color<C>>& colors, GoOn&& go_on) {
+BoundedReport descend(const ColorSystem<C>& system, double low, double high, double grid, std::vector<Color<C>>& colors,
+                      GoOn&& go_on) {
     HMESH_ASSERT(low <= high && grid >= 0);
     constexpr int most_sweeps = 20, most_rounding_sweeps = 10;
     double scale = 0;
@@ -7024,15 +7033,15 @@ BoundedReport descend(const ColorSystem<C>& system, double low, double high, dou
 // in the range). By coordinate descent (projected Gauss-Seidel) from the current colours: first without the grid, then
 // onto it, vertex by vertex, then over the grid while that lowers the error.
 template <int C, class ParallelFor = SerialFor>
-BoundedReport bounded_colors(ImageMesh<C>& mesh, double low, double high, double grid,
-                             const ParallelFor& parallel_for = {}) {
+BoundedReport bounded_colors(ImageMesh<C>& mesh, double low, double high, double grid, const ParallelFor& parallel_for = {}) {
     std::vector<Color<C>> colors;
     colors.reserve(mesh.vertex_count());
     for (const Vertex v : mesh.topology().vertices()) {
         colors.push_back(mesh.color(v));
         detail::clamp_channels<C>(colors.back(), low, high);
     }
-    const auto system = detail::color_system(mesh.topology(), corner_sums(mesh, parallel_for), colors, mesh.limits().ridge, parallel_for);
+    const auto system =
+        detail::color_system(mesh.topology(), corner_sums(mesh, parallel_for), colors, mesh.limits().ridge, parallel_for);
     const BoundedReport report = detail::descend(system, low, high, grid, colors, [] { return true; });
     detail::write_colors(mesh, colors, parallel_for);
     return report;
@@ -7043,9 +7052,8 @@ BoundedReport bounded_colors(ImageMesh<C>& mesh, double low, double high, double
 template <int C, class ParallelFor>
 BoundedReport bounded_colors(Patchwork<C, ParallelFor>& work, const Tiling& tiling, double low, double high, double grid) {
     BoundedReport report;
-    if (tiling.size() == 1 && work.for_each(tiling, [&](Patch<C>& patch, std::size_t) {
-            report = bounded_colors(patch.mesh(), low, high, grid);
-        }))
+    if (tiling.size() == 1 &&
+        work.for_each(tiling, [&](Patch<C>& patch, std::size_t) { report = bounded_colors(patch.mesh(), low, high, grid); }))
         return report;
     WholeMesh<C>& whole = work.whole();
     for (Color<C>& c : whole.colors) detail::clamp_channels<C>(c, low, high);
@@ -7647,8 +7655,8 @@ class BilateralTile {
   private:
     struct Tap {
         BilateralWindow::Pair pair;
-        std::size_t kept;       // where the pair.dy + 1 rows of its weights begin; 0: another turn begins with it
-        std::ptrdiff_t offset;  // of the samples ahead
+        std::size_t kept;             // where the pair.dy + 1 rows of its weights begin; 0: another turn begins with it
+        std::ptrdiff_t offset;        // of the samples ahead
         const float *ahead, *behind;  // weights of the row at hand, and of the row pair.dy above it from -pair.dx on
     };
 
@@ -7687,9 +7695,7 @@ class BilateralTile {
     // The weights of row y, -pair.dy <= y, for the pixels that have the tile's as their tap ahead or behind.
     HMESH_NEVER_INLINE void weigh(Tap& tap, int y) {
         const int dx = tap.pair.dx, dy = tap.pair.dy;
-        const auto kept_row = [&](int row) {
-            return weights_.data() + tap.kept + (row + dy) % (dy + 1) * stride_ + radius_;
-        };
+        const auto kept_row = [&](int row) { return weights_.data() + tap.kept + (row + dy) % (dy + 1) * stride_ + radius_; };
         float* out = kept_row(y);
         tap.ahead = out;
         if (y >= 0) tap.behind = kept_row(y - dy) - dx;
@@ -7727,8 +7733,8 @@ class BilateralTile {
                 weight += ahead + behind;
                 HMESH_UNROLL
                 for (int c = 0; c < C; ++c)
-                    sum[c] += ahead * (load_floats(a + c * plane) - middle[c]) +
-                              behind * (load_floats(b + c * plane) - middle[c]);
+                    sum[c] +=
+                        ahead * (load_floats(a + c * plane) - middle[c]) + behind * (load_floats(b + c * plane) - middle[c]);
             }
             store_floats(weight, out + C * sums_plane);
             HMESH_UNROLL
@@ -8082,9 +8088,11 @@ template <int C, class GoOn, class ParallelFor = SerialFor>
         return nodes;
     };
     // The price lies between 0 and the error of one node a seam; the number of nodes falls roughly as its inverse root.
-    double price = ordered_sum(parallel_for, seams.size(), 1, [&](std::size_t i, std::size_t) {
-        return detail::SeamCurve<C>(source, seams[i]).error(0, seams[i].length);
-    }) / std::max(1.0, count);
+    double price = ordered_sum(parallel_for, seams.size(), 1,
+                               [&](std::size_t i, std::size_t) {
+                                   return detail::SeamCurve<C>(source, seams[i]).error(0, seams[i].length);
+                               }) /
+                   std::max(1.0, count);
     for (int k = 0; k < 12; ++k) {
         const double nodes = choose(price);
         if (nodes <= 1.1 * count && nodes >= 0.9 * count) break;
@@ -8141,11 +8149,12 @@ struct ChainVertex {
     std::uint32_t vertex;
     double along;
 };
-inline void add_strip(const std::vector<ChainVertex>& outer, const std::vector<ChainVertex>& inner, std::vector<Triangle>& triangles) {
+inline void add_strip(const std::vector<ChainVertex>& outer, const std::vector<ChainVertex>& inner,
+                      std::vector<Triangle>& triangles) {
     std::size_t a = 0, b = 0;
     while (a + 1 < outer.size() || b + 1 < inner.size()) {
-        const bool on_outer = b + 1 == inner.size() ||
-                              (a + 1 < outer.size() && outer[a].along + outer[a + 1].along <= inner[b].along + inner[b + 1].along);
+        const bool on_outer = b + 1 == inner.size() || (a + 1 < outer.size() && outer[a].along + outer[a + 1].along <=
+                                                                                    inner[b].along + inner[b + 1].along);
         if (on_outer) {
             triangles.push_back({outer[a].vertex, outer[a + 1].vertex, inner[b].vertex});
             ++a;
@@ -8177,7 +8186,8 @@ template <int C>
             const Point p = snap(Point{static_cast<double>(width) * i / nx, static_cast<double>(height) * j / ny});
             mesh.add(p, source.pixel(static_cast<int>(p.x), static_cast<int>(p.y)));
         }
-    detail::add_grid_triangles(nx + 1, ny + 1, mesh.triangles, [&](std::uint32_t i, std::uint32_t j) { return j * (nx + 1) + i; });
+    detail::add_grid_triangles(nx + 1, ny + 1, mesh.triangles,
+                               [&](std::uint32_t i, std::uint32_t j) { return j * (nx + 1) + i; });
     return mesh;
 }
 
@@ -8234,7 +8244,8 @@ template <int C, class GoOn, class ParallelFor = SerialFor>
             for (std::size_t m = 0; m < line.offsets.size(); ++m) {
                 const int offset = line.offsets[m];
                 mesh.add({static_cast<double>(side.x + (side.vertical ? 0 : offset)),
-                          static_cast<double>(side.y + (side.vertical ? offset : 0))}, line.colors[m]);
+                          static_cast<double>(side.y + (side.vertical ? offset : 0))},
+                         line.colors[m]);
             }
         } else {
             const int parts = std::max(1, std::min(side.length, static_cast<int>(side.length / spacing + 0.5)));
@@ -8262,7 +8273,8 @@ template <int C, class GoOn, class ParallelFor = SerialFor>
             detail::add_grid_triangles(nx, ny, mesh.triangles, number);
 
             const std::size_t left = std::size_t{j} * (columns + 1) + i, above = first_level + std::size_t{j} * columns + i;
-            const auto strip = [&](std::size_t side, std::uint32_t from, std::uint32_t to, bool reversed, std::uint32_t inner_count, auto&& inner_at) {
+            const auto strip = [&](std::size_t side, std::uint32_t from, std::uint32_t to, bool reversed,
+                                   std::uint32_t inner_count, auto&& inner_at) {
                 std::vector<std::uint32_t> nodes;
                 for (std::uint32_t v = first_node[side]; v < first_node[side + 1]; ++v) nodes.push_back(v);
                 if (reversed) std::reverse(nodes.begin(), nodes.end());
@@ -8277,8 +8289,10 @@ template <int C, class GoOn, class ParallelFor = SerialFor>
                 detail::add_strip(outer, grid, mesh.triangles);
             };
             strip(above, corner(i, j), corner(i + 1, j), false, nx, [&](std::uint32_t k) { return number(k, 0); });
-            strip(left + 1, corner(i + 1, j), corner(i + 1, j + 1), false, ny, [&](std::uint32_t m) { return number(nx - 1, m); });
-            strip(above + columns, corner(i + 1, j + 1), corner(i, j + 1), true, nx, [&](std::uint32_t k) { return number(nx - 1 - k, ny - 1); });
+            strip(left + 1, corner(i + 1, j), corner(i + 1, j + 1), false, ny,
+                  [&](std::uint32_t m) { return number(nx - 1, m); });
+            strip(above + columns, corner(i + 1, j + 1), corner(i, j + 1), true, nx,
+                  [&](std::uint32_t k) { return number(nx - 1 - k, ny - 1); });
             strip(left, corner(i, j + 1), corner(i, j), true, ny, [&](std::uint32_t m) { return number(0, ny - 1 - m); });
         }
     return mesh;
@@ -8369,9 +8383,7 @@ class IndexedHeap {
     using Slot = std::uint32_t;
     static constexpr Slot absent = 0xffffffffU;
 
-    static bool before(const Entry& a, const Entry& b) noexcept {
-        return a.key < b.key || (a.key == b.key && a.id < b.id);
-    }
+    static bool before(const Entry& a, const Entry& b) noexcept { return a.key < b.key || (a.key == b.key && a.id < b.id); }
     void place(std::size_t slot, Entry entry) noexcept {
         heap_[slot] = entry;
         slot_of_[entry.id] = static_cast<Slot>(slot);
@@ -8464,7 +8476,8 @@ class PointRemoval {
     // Fills the hole of v on trial: ears, moments of their diagonals and their energies. Returns the cost.
     double fill(Vertex v) {
         mesh_->gather(v, ring_, spokes_);
-        ears_ = &filler_.fill(ring_.size, [&](int i) { return ring_.neighbour[i]->position; }, ring_.open);
+        ears_ = &filler_.fill(
+            ring_.size, [&](int i) { return ring_.neighbour[i]->position; }, ring_.open);
         double energy = -mesh_->energy(ring_);
         for (int i = ring_.first_face(); i < ring_.size; ++i) sides_[i] = ring_.link[i];
         if (ring_.open) {  // v lies on a straight line between its first and last neighbours
@@ -8738,7 +8751,9 @@ template <int C, class ParallelFor = SerialFor>
 
 namespace hmesh {
 
-[[nodiscard]] inline Status cancelled_by_callback() noexcept { return {Errc::cancelled, "cancelled by the progress callback", 0, 0}; }
+[[nodiscard]] inline Status cancelled_by_callback() noexcept {
+    return {Errc::cancelled, "cancelled by the progress callback", 0, 0};
+}
 
 namespace detail {
 
@@ -8797,9 +8812,11 @@ struct AdamsOptions {
 
 // Whether the options mean something; the sentence names the first that does not.
 [[nodiscard]] inline Status check(const AdamsOptions& options) noexcept {
-    if (!(options.density >= 1 && options.density <= 1000)) return {Errc::invalid_argument, "adams.density must be in [1, 1000]", 0, 0};
+    if (!(options.density >= 1 && options.density <= 1000))
+        return {Errc::invalid_argument, "adams.density must be in [1, 1000]", 0, 0};
     if (options.smoothing < 0 || options.smoothing > 100)
-        return {Errc::invalid_argument, "adams.smoothing must be in [0, 100] passes", options.smoothing, options.smoothing < 0 ? 0 : 100};
+        return {Errc::invalid_argument, "adams.smoothing must be in [0, 100] passes", options.smoothing,
+                options.smoothing < 0 ? 0 : 100};
     return {};
 }
 
@@ -8807,7 +8824,9 @@ namespace detail {
 
 // Where the vertex of a pixel is: on its centre, and on the border for the outermost pixels, so that the mesh covers the image.
 [[nodiscard]] inline Point pixel_vertex(int x, int y, int width, int height) noexcept {
-    const auto place = [](int i, int size) { return size == 1 ? 0.5 : i == 0 ? 0.0 : i == size - 1 ? static_cast<double>(size) : i + 0.5; };
+    const auto place = [](int i, int size) {
+        return size == 1 ? 0.5 : i == 0 ? 0.0 : i == size - 1 ? static_cast<double>(size) : i + 0.5;
+    };
     return {place(x, width), place(y, height)};
 }
 
@@ -8829,8 +8848,7 @@ bool triangulate_pixels(Patchwork<C, ParallelFor>& work, const std::vector<std::
     WholeMesh<C> whole;
     whole.width = width;
     whole.height = height;
-    for (const Point p : mesh.positions())
-        whole.add(p, source.pixel(static_cast<int>(p.x), static_cast<int>(p.y)));
+    for (const Point p : mesh.positions()) whole.add(p, source.pixel(static_cast<int>(p.x), static_cast<int>(p.y)));
     for (const Face f : mesh.topology().faces()) {
         const auto v = mesh.topology().vertices(f);
         whole.triangles.push_back({static_cast<std::uint32_t>(v[0].index()), static_cast<std::uint32_t>(v[1].index()),
@@ -9063,8 +9081,7 @@ double improve_vertex(ImageMesh<C>& mesh, Vertex v, double least) {
     Centre<C> centre{state.position, state.color, 0};
     const RingOutcome outcome = optimise_centre(mesh, work, state.mobility, least, true, centre);
     if (outcome == RingOutcome::degenerate || !(centre.energy < before)) return 0;
-    mesh.settle(v, work.ring, centre.position, centre.color, work.faces,
-                outcome == RingOutcome::moved ? &work.spokes : nullptr);
+    mesh.settle(v, work.ring, centre.position, centre.color, work.faces, outcome == RingOutcome::moved ? &work.spokes : nullptr);
     return before - centre.energy;
 }
 
@@ -9338,7 +9355,8 @@ template <int C>
         if (ring.open && j != 0 && j != ring.size - 1) continue;  // a border vertex goes along the border
         // The merged vertex has the neighbours of both, less the two themselves and the far corners they shared.
         const int shared = ring.open ? 3 : 4;
-        if (topology.valence(topology.to_vertex(ring.halfedge[j])) + ring.size - shared > ring.neighbour[j]->most_valence) continue;
+        if (topology.valence(topology.to_vertex(ring.halfedge[j])) + ring.size - shared > ring.neighbour[j]->most_valence)
+            continue;
         const double energy = detail::filled_energy(mesh, ring, j, least);
         if (!(energy < least) || !topology.is_collapse_ok(ring.halfedge[j])) continue;
         least = energy;
@@ -9492,8 +9510,9 @@ template <int C>
         mesh.moments(h, ring.link[i]);
     }
     const VertexState<C>&v0 = *ring.neighbour[0], &v1 = *ring.neighbour[1], &v2 = *ring.neighbour[2];
-    candidate.centre.position = mesh.clamp({(v0.position.x + v1.position.x + v2.position.x) / 3,
-                                            (v0.position.y + v1.position.y + v2.position.y) / 3}, Mobility::free);
+    candidate.centre.position =
+        mesh.clamp({(v0.position.x + v1.position.x + v2.position.x) / 3, (v0.position.y + v1.position.y + v2.position.y) / 3},
+                   Mobility::free);
     candidate.centre.color = (1.0 / 3) * (v0.color + v1.color + v2.color);
     if (!ring.accepts(candidate.centre.position, mesh.limits().min_cross)) return candidate;
     walk_spokes(mesh.table(), ring, candidate.centre.position, work.spokes);
@@ -9518,7 +9537,8 @@ template <int C>
             if (full(v)) return false;
         return true;
     }
-    for (const Halfedge h : {HalfedgeMesh::halfedge(candidate.edge), HalfedgeMesh::opposite(HalfedgeMesh::halfedge(candidate.edge))})
+    for (const Halfedge h :
+         {HalfedgeMesh::halfedge(candidate.edge), HalfedgeMesh::opposite(HalfedgeMesh::halfedge(candidate.edge))})
         if (!topology.is_boundary(h) && full(topology.to_vertex(topology.next(h)))) return false;
     return true;
 }
@@ -9570,7 +9590,8 @@ template <int C>
 // sites with the most to gain tell how much the others must have for being worth a walk. Gains are compared as floats: this
 // is the peak of the memory, 16 bytes a site.
 template <int C>
-[[nodiscard]] std::vector<InsertionSite> best_sites(const ImageMesh<C>& mesh, std::size_t count, const InsertionOptions& options) {
+[[nodiscard]] std::vector<InsertionSite> best_sites(const ImageMesh<C>& mesh, std::size_t count,
+                                                    const InsertionOptions& options) {
     struct Gain {
         float gain;
         std::uint32_t site;
@@ -9689,16 +9710,16 @@ namespace hmesh {
 
 struct AnnealingOptions {
     int sweeps = 8;
-    double temperature = 0.5;    // T at the start, in prices mu
-    double cooling = 1;          // T falls as (1 - t)^cooling, t in [0, 1)
-    double exchange = 1;         // probability that a vertex is tried for removal, a site for insertion, in a sweep
-    double jump = 0.1;           // probability that a vertex is displaced in a sweep
-    double jump_reach = 0.3;     // by at most this, in mean spoke lengths
-    double removal_screen = 3;   // removals that cost more than this many mu + 3 T before relaxing are not tried
+    double temperature = 0.5;        // T at the start, in prices mu
+    double cooling = 1;              // T falls as (1 - t)^cooling, t in [0, 1)
+    double exchange = 1;             // probability that a vertex is tried for removal, a site for insertion, in a sweep
+    double jump = 0.1;               // probability that a vertex is displaced in a sweep
+    double jump_reach = 0.3;         // by at most this, in mean spoke lengths
+    double removal_screen = 3;       // removals that cost more than this many mu + 3 T before relaxing are not tried
     double insertion_screen = 0.35;  // insertions that gain less than this many mu so are not tried
-    double flip_screen = 3;      // flips that cost more than this many mu so are not tried
-    double start_price = 0.2;    // mu at the start, in mean energies of a vertex
-    double band = 0.5;           // the count may leave the target by this share in the first sweep, ever less later
+    double flip_screen = 3;          // flips that cost more than this many mu so are not tried
+    double start_price = 0.2;        // mu at the start, in mean energies of a vertex
+    double band = 0.5;               // the count may leave the target by this share in the first sweep, ever less later
 };
 
 // What a sweep did.
@@ -9741,8 +9762,8 @@ template <int C>
 class AnnealingSweep {
   public:
     // At this price and temperature, in units of energy. The mesh outlives the object.
-    AnnealingSweep(ImageMesh<C>& mesh, const AnnealingOptions& options, double price, double temperature,
-                   const CountRange& range, const Random& random)
+    AnnealingSweep(ImageMesh<C>& mesh, const AnnealingOptions& options, double price, double temperature, const CountRange& range,
+                   const Random& random)
         : mesh_(&mesh), options_(options), price_(price), temperature_(temperature), least_(5e-3 * price), range_(range),
           random_(random) {}
 
@@ -9792,7 +9813,8 @@ class AnnealingSweep {
             if (static_cast<double>(mesh_->vertex_count()) < range_.least || !mesh_->beat()) break;
             if (random_.uniform() > options_.exchange) continue;
             const CollapseCandidate candidate = cheapest_collapse(*mesh_, work_, v);
-            if (!candidate.halfedge.is_valid() || !(candidate.cost <= options_.removal_screen * price_ + 3 * temperature_)) continue;
+            if (!candidate.halfedge.is_valid() || !(candidate.cost <= options_.removal_screen * price_ + 3 * temperature_))
+                continue;
             const auto mark = mesh_->begin();
             const double before = mesh_->energy();
             collect(v);
@@ -9861,8 +9883,8 @@ class AnnealingSweep {
             mean /= work_.ring.size;
             const double angle = 6.283185307179586 * random_.uniform();
             const double length = options_.jump_reach * mean * std::sqrt(random_.uniform());
-            const Point target = mesh_->clamp({state.position.x + length * std::cos(angle),
-                                               state.position.y + length * std::sin(angle)}, Mobility::free);
+            const Point target = mesh_->clamp(
+                {state.position.x + length * std::cos(angle), state.position.y + length * std::sin(angle)}, Mobility::free);
             if (!work_.ring.accepts(target, 2 * mesh_->limits().min_cross)) continue;
             const auto mark = mesh_->begin();
             const double before = mesh_->energy();
@@ -9879,7 +9901,8 @@ class AnnealingSweep {
     template <class Element>
     [[nodiscard]] std::vector<Element> rotated(std::vector<Element> elements) {
         if (!elements.empty())
-            std::rotate(elements.begin(), elements.begin() + static_cast<std::ptrdiff_t>(random_.below(elements.size())), elements.end());
+            std::rotate(elements.begin(), elements.begin() + static_cast<std::ptrdiff_t>(random_.below(elements.size())),
+                        elements.end());
         return elements;
     }
 
@@ -9980,7 +10003,8 @@ namespace hmesh {
 
 // `count` things shared in proportion to `weights` >= 0 (equally, where only 0 is left), none getting more than its cap;
 // whole numbers that sum to `count` as long as the caps do. O(size) for each cap that is met, at most `size` times.
-[[nodiscard]] inline std::vector<std::size_t> shares(std::size_t count, std::vector<double> weights, const std::vector<std::size_t>& caps) {
+[[nodiscard]] inline std::vector<std::size_t> shares(std::size_t count, std::vector<double> weights,
+                                                     const std::vector<std::size_t>& caps) {
     const std::size_t size = weights.size();
     std::vector<std::size_t> out(size, 0);
     std::vector<unsigned char> full(size, 0);
@@ -10089,9 +10113,8 @@ bool meet_budget(Patchwork<C, ParallelFor>& work, std::size_t n, double tile, co
         stuck = moved ? 0 : stuck + 1;
     }
     if (count() < n && !work.monitor().stopped())
-        work.for_each(Tiling(width, height, std::max(width, height)), [&](Patch<C>& patch, std::size_t) {
-            subdivide(patch.mesh(), n - patch.mesh().vertex_count());
-        });
+        work.for_each(Tiling(width, height, std::max(width, height)),
+                      [&](Patch<C>& patch, std::size_t) { subdivide(patch.mesh(), n - patch.mesh().vertex_count()); });
     return count() == n;
 }
 
@@ -10184,7 +10207,8 @@ struct AnnealedOptions {
     if (!within(annealing.sweeps, 0, 1e6)) return bad("annealing.sweeps must be in [0, 1e6]");
     if (!within(annealing.temperature, 0, 1e3)) return bad("annealing.temperature must be in [0, 1000]");
     if (!within(annealing.cooling, 0, 100)) return bad("annealing.cooling must be in [0, 100]");
-    if (!within(annealing.exchange, 0, 1) || !within(annealing.jump, 0, 1)) return bad("annealing probabilities must be in [0, 1]");
+    if (!within(annealing.exchange, 0, 1) || !within(annealing.jump, 0, 1))
+        return bad("annealing probabilities must be in [0, 1]");
     if (!within(annealing.jump_reach, 0, 1)) return bad("annealing.jump_reach must be in [0, 1]");
     if (!within(annealing.start_price, 1e-6, 1e6)) return bad("annealing.start_price must be in [1e-6, 1e6]");
     for (const double screen : {annealing.removal_screen, annealing.insertion_screen, annealing.flip_screen})
@@ -10290,8 +10314,9 @@ class Annealed {
             // 0.7 of the nodes that squares of equal density would have on the seams.
             const double length = static_cast<double>(aligned_.columns() - 1) * work_->source().height() +
                                   static_cast<double>(aligned_.rows() - 1) * work_->source().width();
-            WholeMesh<C> grid = tiled_grid(work_->source(), aligned_, count, 0.7 * length * std::sqrt(static_cast<double>(n_) / pixels),
-                                           [&] { return monitor().poll(); }, work_->parallel_for());
+            WholeMesh<C> grid = tiled_grid(
+                work_->source(), aligned_, count, 0.7 * length * std::sqrt(static_cast<double>(n_) / pixels),
+                [&] { return monitor().poll(); }, work_->parallel_for());
             if (monitor().stopped()) return false;
             work_->whole() = std::move(grid);
         }
@@ -10303,7 +10328,7 @@ class Annealed {
 
     // What is known of a tile.
     struct Tile {
-        std::size_t free = 0;    // vertices that are free in it
+        std::size_t free = 0;  // vertices that are free in it
         double energy = 0;
         std::size_t placed = 0;  // free vertices that insertion aims at
     };
@@ -10338,7 +10363,8 @@ class Annealed {
         const std::size_t total = static_cast<std::size_t>(std::round(count)), seams = seam_count();
         const std::vector<std::size_t> placed = shares(total - std::min(total, seams), weights, caps);
         for (std::size_t k = 0; k < tiles_.size(); ++k) tiles_[k].placed = placed[k];
-        return for_each_tile([&](ImageMesh<C>& mesh, std::size_t k, std::size_t rim) { grow(mesh, rim + tiles_[k].placed, options_); });
+        return for_each_tile(
+            [&](ImageMesh<C>& mesh, std::size_t k, std::size_t rim) { grow(mesh, rim + tiles_[k].placed, options_); });
     }
 
     bool insert() {
@@ -10381,7 +10407,8 @@ class Annealed {
                 const double share = static_cast<double>(patch.mesh().vertex_count()) * target / total;
                 const CountRange range{(1 - band) * share, (1 + band) * share};
                 const Random random(options_.seed, (static_cast<std::uint64_t>(k) << 32U) + tile);
-                counts[tile] = AnnealingSweep<C>(patch.mesh(), annealing, schedule.price(), schedule.temperature(k), range, random).run();
+                counts[tile] =
+                    AnnealingSweep<C>(patch.mesh(), annealing, schedule.price(), schedule.temperature(k), range, random).run();
             });
             if (!go_on) return false;
             AnnealingCounts sum;
@@ -10435,7 +10462,9 @@ class Annealed {
 // valid but may have another count.
 template <int C, class ParallelFor>
 [[nodiscard]] Status annealed(Patchwork<C, ParallelFor>& work, std::size_t n, const AnnealedOptions& options, int tile) {
-    const auto recipe = [&](const AnnealedOptions& o, double size) { return detail::Annealed<C, ParallelFor>(work, n, o, size).run(); };
+    const auto recipe = [&](const AnnealedOptions& o, double size) {
+        return detail::Annealed<C, ParallelFor>(work, n, o, size).run();
+    };
     const ImageSource<C>& source = work.source();
     const double size = detail::tile_size(source.width(), source.height(), n, tile);
     if (recipe(options, size)) return {};
@@ -10529,9 +10558,9 @@ namespace hmesh {
 
 // Where a pixel's foot point is looked for.
 enum class FootSearch : std::uint8_t {
-    plane,      // not at all: the point under the pixel, so that least squares changes colours only
-    own_face,   // in the face under the pixel
-    one_ring,   // in all faces that share a vertex with that one: worse by 0.01 to 0.08 dB, ten times as long
+    plane,     // not at all: the point under the pixel, so that least squares changes colours only
+    own_face,  // in the face under the pixel
+    one_ring,  // in all faces that share a vertex with that one: worse by 0.01 to 0.08 dB, ten times as long
 };
 
 // A pixel or vertex in 2 + C dimensions.
@@ -10941,7 +10970,8 @@ struct HierarchicalOptions {
     if (!within(geometry.color_scale, 1e-3, 1e3)) return bad("hierarchical.geometry.color_scale must be in [0.001, 1000] px");
     if (!within(geometry.pull, 1e-9, 1e3)) return bad("hierarchical.geometry.pull must be in [1e-9, 1000] pixels");
     if (!within(geometry.halvings, 0, 20)) return bad("hierarchical.geometry.halvings must be in [0, 20]");
-    if (!within(geometry.pcg.max_iterations, 1, 100000)) return bad("hierarchical.geometry.pcg.max_iterations must be in [1, 100000]");
+    if (!within(geometry.pcg.max_iterations, 1, 100000))
+        return bad("hierarchical.geometry.pcg.max_iterations must be in [1, 100000]");
     if (!within(geometry.pcg.tolerance, 1e-15, 1)) return bad("hierarchical.geometry.pcg.tolerance must be in [1e-15, 1]");
     return {};
 }
@@ -10959,7 +10989,8 @@ bool alternate(Patchwork<C, ParallelFor>& work, const HierarchicalOptions& optio
             const PcgReport report = geometry_step(mesh, geometry, work.source().peak(), work.parallel_for());
             work.monitor().note_solve(report.iterations, report.residual);
         });
-        if (!go_on || !whole_stage(work, "flips", [&](ImageMesh<C>& mesh) { flip_suspects(mesh, options.flip_visits); })) return false;
+        if (!go_on || !whole_stage(work, "flips", [&](ImageMesh<C>& mesh) { flip_suspects(mesh, options.flip_visits); }))
+            return false;
     }
     return true;
 }
@@ -11140,7 +11171,8 @@ struct XieOptions {
 [[nodiscard]] inline Status check(const XieOptions& options) noexcept {
     if (const Status status = check(options.start); !status) return status;
     const auto bad = [](const char* what) -> Status { return {Errc::invalid_argument, what, 0, 0}; };
-    if (options.search.first_step < 1 || options.search.first_step > 4096) return bad("xie.search.first_step must be in [1, 4096] px");
+    if (options.search.first_step < 1 || options.search.first_step > 4096)
+        return bad("xie.search.first_step must be in [1, 4096] px");
     if (options.search.visits < 1 || options.search.visits > 1000) return bad("xie.search.visits must be in [1, 1000]");
     if (options.flip_visits < 1 || options.flip_visits > 1000000) return bad("xie.flip_visits must be in [1, 1000000]");
     if (options.rounds < 0 || options.rounds > 1000) return bad("xie.rounds must be in [0, 1000]");
@@ -11305,8 +11337,8 @@ namespace detail {
         case Method::adams: return check(options.adams);
         case Method::adaptive_thinning:
             if (pixels <= adaptive_thinning_pixels) return {};
-            return {Errc::image_too_large, "the method adaptive_thinning starts from all pixels, and the image has too many", pixels,
-                    adaptive_thinning_pixels};
+            return {Errc::image_too_large, "the method adaptive_thinning starts from all pixels, and the image has too many",
+                    pixels, adaptive_thinning_pixels};
     }
     return {Errc::invalid_argument, "the method is none of those known", static_cast<std::int64_t>(options.method), 0};
 }
@@ -11357,7 +11389,9 @@ template <class MeshOf>
         same_side = runs > 1 && last_side == (run.psnr >= psnr) ? same_side + 1 : 1;
         last_side = run.psnr >= psnr;
         if (high.n == 4 || low.n == most || runs == 60) break;
-        if (low.n != 0 && high.n != 0 && static_cast<double>(high.n - low.n) <= std::max(1.0, 0.005 * static_cast<double>(high.n))) break;
+        if (low.n != 0 && high.n != 0 &&
+            static_cast<double>(high.n - low.n) <= std::max(1.0, 0.005 * static_cast<double>(high.n)))
+            break;
 
         double log_n = 0;
         if (low.n != 0 && high.n != 0) {
@@ -11458,8 +11492,8 @@ template <int C>
 
 // The levels of the image as the method hierarchical wants them, from 1 on.
 template <class T, int C, class ParallelFor>
-[[nodiscard]] bool run_hierarchical(Patchwork<C, ParallelFor>& work, const ImageView<T, C>& view, std::size_t n, const Options& options,
-                                    double unit) {
+[[nodiscard]] bool run_hierarchical(Patchwork<C, ParallelFor>& work, const ImageView<T, C>& view, std::size_t n,
+                                    const Options& options, double unit) {
     const HierarchicalOptions& recipe = options.hierarchical;
     work.whole() = regular_grid(work.source(), 4);  // what a cancellation finds
     if (!work.monitor().begin("levels", work.vertex_count(), work.energy())) return false;
@@ -11478,7 +11512,8 @@ template <class T, int C, class ParallelFor>
 
 // A mesh of n vertices by the method asked for.
 template <class T, int C, class ParallelFor>
-[[nodiscard]] Status run(Patchwork<C, ParallelFor>& work, const ImageView<T, C>& view, std::size_t n, const Options& options, double unit) {
+[[nodiscard]] Status run(Patchwork<C, ParallelFor>& work, const ImageView<T, C>& view, std::size_t n, const Options& options,
+                         double unit) {
     const auto done = [](bool finished) { return finished ? Status{} : cancelled_by_callback(); };
     switch (options.method) {
         case Method::annealed: break;
@@ -11523,7 +11558,8 @@ template <class T, int C, class ParallelFor>
     const double grid = Traits::is_integer && options.round_colors ? 1 : 0;
     const bool in_tiles = options.method == Method::annealed;
     const Tiling tiling =
-        in_tiles ? Tiling(source.width(), source.height(), tile_size(source.width(), source.height(), n, options.tile)) : one_tile(source);
+        in_tiles ? Tiling(source.width(), source.height(), tile_size(source.width(), source.height(), n, options.tile))
+                 : one_tile(source);
     if (final_colors(options) == Colors::sampled) sample_colors(work, tiling, grid);
     else bounded_colors(work, tiling, Traits::lowest, Traits::highest, grid);
     monitor.end(work.vertex_count(), work.energy());
@@ -11551,7 +11587,8 @@ template <class T, int C, class ParallelFor>
 // target_out_of_range for a number of vertices that the image cannot hold (empty) or a PSNR that no mesh reached (the
 // nearest one is returned); cancelled by options.progress (the mesh reached so far is returned).
 template <class T, int C, class ParallelFor = SerialFor>
-[[nodiscard]] Result<C> mesh_image(const ImageView<T, C>& view, const Options& options = {}, const ParallelFor& parallel_for = {}) {
+[[nodiscard]] Result<C> mesh_image(const ImageView<T, C>& view, const Options& options = {},
+                                   const ParallelFor& parallel_for = {}) {
     Result<C> result;
     result.status = check(view);
     if (result.status) result.status = detail::check_options(options, std::int64_t{view.width} * view.height);
@@ -11576,7 +11613,8 @@ template <class T, int C, class ParallelFor = SerialFor>
     const std::size_t most = std::max<std::size_t>(4, pixels);
     const auto mesh_of = [&](std::size_t n) { return detail::mesh_with(view, unit, samples, n, options, parallel_for); };
     const auto share = [&](double percent) {
-        return std::min(most, std::max<std::size_t>(4, static_cast<std::size_t>(std::llround(static_cast<double>(pixels) * percent / 100))));
+        return std::min(
+            most, std::max<std::size_t>(4, static_cast<std::size_t>(std::llround(static_cast<double>(pixels) * percent / 100))));
     };
     switch (options.target.kind) {
         case Target::Kind::vertices: return mesh_of(static_cast<std::size_t>(options.target.value));
@@ -11734,8 +11772,7 @@ template <class ParallelFor>
     if (width > max_side) return {Errc::image_too_large, "the picture to draw is too wide", width, max_side};
     if (height > max_side) return {Errc::image_too_large, "the picture to draw is too high", height, max_side};
     const std::int64_t pixels = std::int64_t{width} * height;
-    if (pixels > max_pixels)
-        return {Errc::image_too_large, "the picture to draw has too many pixels", pixels, max_pixels};
+    if (pixels > max_pixels) return {Errc::image_too_large, "the picture to draw has too many pixels", pixels, max_pixels};
     return {};
 }
 
@@ -11819,11 +11856,10 @@ Status render(const MeshView& mesh, Image<float, C>& out, const RenderOptions& o
 template <class T, class U, int C, class ParallelFor = SerialFor>
 [[nodiscard]] double psnr(const ImageView<T, C>& reference, const ImageView<U, C>& rendered,
                           const ParallelFor& parallel_for = {}) {
-    if (!check(reference) || !check(rendered) || reference.width != rendered.width ||
-        reference.height != rendered.height)
+    if (!check(reference) || !check(rendered) || reference.width != rendered.width || reference.height != rendered.height)
         return std::numeric_limits<double>::quiet_NaN();
-    const double energy = ordered_sum(
-        parallel_for, static_cast<std::size_t>(reference.height), 32, [&](std::size_t begin, std::size_t end) {
+    const double energy =
+        ordered_sum(parallel_for, static_cast<std::size_t>(reference.height), 32, [&](std::size_t begin, std::size_t end) {
             double sum = 0;
             for (std::size_t y = begin; y < end; ++y) {
                 const T* a = reference.row(static_cast<int>(y));

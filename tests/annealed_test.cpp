@@ -35,15 +35,13 @@ AnnealedOptions options_of(Effort effort, int sweeps) {
 
 std::string names_of(const Monitor& monitor) {
     std::string names;
-    for (const hmesh::StageReport& stage : monitor.stages())
-        names += std::string(names.empty() ? "" : " ") + stage.name;
+    for (const hmesh::StageReport& stage : monitor.stages()) names += std::string(names.empty() ? "" : " ") + stage.name;
     return names;
 }
 
 }  // namespace
 
-TEST_CASE(
-    "every effort's recipe gives every number of vertices from 4 to one a pixel on images of 1 to 6 by 1 to 6 pixels") {
+TEST_CASE("every effort's recipe gives every number of vertices from 4 to one a pixel on images of 1 to 6 by 1 to 6 pixels") {
     for (const Effort effort : {Effort::draft, Effort::fast, Effort::normal, Effort::best})
         for (int height = 1; height <= 6; ++height)
             for (int width = 1; width <= 6; ++width) {
@@ -200,8 +198,7 @@ TEST_CASE("a mesh can be filled again, and forgets what it was") {
     const auto image = hmesh_test::scene<std::uint8_t, 1>(40, 30, 4);
     Work<std::uint8_t, 1> used(image), fresh(image);
     CHECK(annealed(used.patchwork, 300, options_of(Effort::fast, 0), 0));
-    for (Work<std::uint8_t, 1>* work : {&used, &fresh})
-        CHECK(annealed(work->patchwork, 60, options_of(Effort::normal, 4), 0));
+    for (Work<std::uint8_t, 1>* work : {&used, &fresh}) CHECK(annealed(work->patchwork, 60, options_of(Effort::normal, 4), 0));
     CHECK(hmesh_test::same_bits(used.whole(), fresh.whole()));
 }
 

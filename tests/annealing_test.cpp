@@ -39,8 +39,7 @@ void check_limits(const hmesh::ImageMesh<C>& mesh) {
     int valence = 0;
     for (const Face f : mesh.topology().faces()) {
         const auto v = mesh.topology().vertices(f);
-        large = large &&
-                hmesh::cross(mesh.position(v[0]), mesh.position(v[1]), mesh.position(v[2])) >= mesh.limits().min_cross;
+        large = large && hmesh::cross(mesh.position(v[0]), mesh.position(v[1]), mesh.position(v[2])) >= mesh.limits().min_cross;
     }
     for (const Vertex v : mesh.topology().vertices()) {
         valence = std::max(valence, mesh.topology().valence(v));
@@ -217,9 +216,7 @@ TEST_CASE("without temperature no sweep raises energy plus price times vertices"
         Annealing<3> annealing(subject.mesh, subject.mesh.vertex_count(), options, seed);
         for (int k = 0; k < options.sweeps; ++k) {
             const double price = annealing.price();
-            const auto total = [&] {
-                return subject.mesh.energy() + price * static_cast<double>(subject.mesh.vertex_count());
-            };
+            const auto total = [&] { return subject.mesh.energy() + price * static_cast<double>(subject.mesh.vertex_count()); };
             const double before = total();
             annealing.sweep(k);
             CHECK(total() <= before + hmesh_test::rounding(subject));
@@ -228,8 +225,7 @@ TEST_CASE("without temperature no sweep raises energy plus price times vertices"
 }
 
 TEST_CASE("annealing lowers the energy at the same number of vertices") {
-    Subject<std::uint8_t, 3> subject(hmesh_test::scene<std::uint8_t, 3>(60, 52, 6),
-                                     hmesh_test::jittered_grid(60, 52, 10, 10, 6));
+    Subject<std::uint8_t, 3> subject(hmesh_test::scene<std::uint8_t, 3>(60, 52, 6), hmesh_test::jittered_grid(60, 52, 10, 10, 6));
     for (int k = 0; k < 5; ++k) {  // what visits and flips alone can do
         hmesh::sweep(subject.mesh);
         hmesh::flip_edges(subject.mesh);

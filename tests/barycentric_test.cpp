@@ -24,8 +24,7 @@ MatrixXd pixels(const hmesh::Image<T, C>& image) {
     MatrixXd m(image.width() * image.height(), C);
     for (int y = 0; y < image.height(); ++y)
         for (int x = 0; x < image.width(); ++x)
-            for (int k = 0; k < C; ++k)
-                m(y * image.width() + x, k) = hmesh::PixelTraits<T>::to_real(image.pixel(x, y)[k]);
+            for (int k = 0; k < C; ++k) m(y * image.width() + x, k) = hmesh::PixelTraits<T>::to_real(image.pixel(x, y)[k]);
     return m;
 }
 
@@ -150,8 +149,7 @@ TEST_CASE("slivers and faces without pixels lose nothing: each entry of K K^T is
     const Eigen::SparseMatrix<double> k = barycentric_matrix(s.mesh);
     const MatrixXd expected = MatrixXd(k * k.transpose()), actual = MatrixXd(gram_matrix(s.mesh));
     for (Index i = 0; i < 5; ++i)
-        for (Index j = 0; j < 5; ++j)
-            CHECK(std::abs(actual(i, j) - expected(i, j)) <= 1e-9 * (std::abs(expected(i, j)) + 1e-3));
+        for (Index j = 0; j < 5; ++j) CHECK(std::abs(actual(i, j) - expected(i, j)) <= 1e-9 * (std::abs(expected(i, j)) + 1e-3));
 }
 
 TEST_CASE("K K^T is symmetric to the bit and has an entry for each vertex and for each edge either way") {

@@ -160,9 +160,8 @@ TEST_CASE("8-bit, 16-bit and float images of one picture are filtered alike") {
 
 TEST_CASE("noise shrinks on both sides of an edge, and the edge stays") {
     hmesh::Random random(1);
-    const auto image = hmesh_test::draw<std::uint8_t, 3>(60, 30, [&random](int x, int, int) {
-        return (x < 30 ? 40 : 210) / 255.0 + (random.uniform() - 0.5) * 20 / 255;
-    });
+    const auto image = hmesh_test::draw<std::uint8_t, 3>(
+        60, 30, [&random](int x, int, int) { return (x < 30 ? 40 : 210) / 255.0 + (random.uniform() - 0.5) * 20 / 255; });
     const Image<std::uint8_t, 3> filtered = bilateral_filter(image.view());
     // Means over 25 to 49 taps: the deviation falls by 5 to 7.
     CHECK(deviation(filtered, 0, 30) < deviation(image, 0, 30) / 4);

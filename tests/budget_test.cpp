@@ -69,7 +69,8 @@ double change(const hmesh::Image<T, C>& image, double from, std::size_t to, doub
     hmesh_test::prove(work);
     double least = 1e300;
     for (const hmesh::Triangle& t : work.whole().triangles)
-        least = std::min(least, hmesh::cross(work.whole().positions[t[0]], work.whole().positions[t[1]], work.whole().positions[t[2]]));
+        least = std::min(least,
+                         hmesh::cross(work.whole().positions[t[0]], work.whole().positions[t[1]], work.whole().positions[t[2]]));
     CHECK(least >= limits.min_cross);
     return work.whole().energy / before;
 }
@@ -171,8 +172,8 @@ TEST_CASE("a mesh that has n vertices already is left alone, to the last bit") {
 TEST_CASE("in tiles the cheapest vertices of all go, and new ones come where the error is") {
     // Detail in the right half only: removals happen on the left, insertions on the right.
     hmesh::Random random(3);
-    const auto image = hmesh_test::draw<std::uint8_t, 1>(
-        120, 100, [&](int x, int, int) { return x < 60 ? 0.5 : random.uniform(); });
+    const auto image =
+        hmesh_test::draw<std::uint8_t, 1>(120, 100, [&](int x, int, int) { return x < 60 ? 0.5 : random.uniform(); });
     const auto left_of = [](const hmesh::WholeMesh<1>& whole) {
         return std::count_if(whole.positions.begin(), whole.positions.end(), [](hmesh::Point p) { return p.x < 50; });
     };

@@ -44,8 +44,8 @@ double brute_cost(Subject<T, C>& subject, Halfedge h) {
     for (const Halfedge s : topology.outgoing(u)) {
         if (topology.is_boundary(s)) continue;
         const auto w = topology.vertices(topology.face(s));
-        allowed = allowed && hmesh::cross(mesh.position(w[0]), mesh.position(w[1]), mesh.position(w[2])) >=
-                                 mesh.limits().min_cross;
+        allowed =
+            allowed && hmesh::cross(mesh.position(w[0]), mesh.position(w[1]), mesh.position(w[2])) >= mesh.limits().min_cross;
     }
     double rise = never;
     if (allowed) {
@@ -122,8 +122,7 @@ void check_batches(hmesh::Image<T, C> image, int columns, int rows, std::uint64_
 
 }  // namespace
 
-TEST_CASE(
-    "the cheapest collapse costs what the energy rises by, and no neighbour that a vertex may go into costs less") {
+TEST_CASE("the cheapest collapse costs what the energy rises by, and no neighbour that a vertex may go into costs less") {
     Seen seen;
     check_worn(hmesh_test::scene<std::uint8_t, 3>(26, 23, 1), 255, 1, seen);
     check_worn(hmesh_test::noise<std::uint16_t, 1>(25, 24, 2), 65535, 2, seen);
@@ -139,8 +138,7 @@ TEST_CASE("the cheapest collapse is known for the smallest meshes and images") {
     Seen seen;
     Subject<std::uint8_t, 1> one(hmesh_test::noise<std::uint8_t, 1>(1, 1, 1), hmesh_test::jittered_grid(1, 1, 2, 2, 1));
     check_costs(one, seen);
-    Subject<std::uint8_t, 3> column(hmesh_test::noise<std::uint8_t, 3>(1, 12, 1),
-                                    hmesh_test::jittered_grid(1, 12, 1, 5, 1));
+    Subject<std::uint8_t, 3> column(hmesh_test::noise<std::uint8_t, 3>(1, 12, 1), hmesh_test::jittered_grid(1, 12, 1, 5, 1));
     check_costs(column, seen);
     Subject<float, 1> row(hmesh_test::noise<float, 1>(12, 1, 1), hmesh_test::jittered_grid(12, 1, 5, 2, 1));
     check_costs(row, seen);
@@ -164,8 +162,7 @@ TEST_CASE("a mesh loses its cheapest vertices, as many as asked for where they a
 }
 
 TEST_CASE("one vertex removed is the cheapest of all, and its neighbours become due") {
-    Subject<std::uint8_t, 3> subject(hmesh_test::scene<std::uint8_t, 3>(41, 36, 1),
-                                     hmesh_test::jittered_grid(41, 36, 6, 5, 1));
+    Subject<std::uint8_t, 3> subject(hmesh_test::scene<std::uint8_t, 3>(41, 36, 1), hmesh_test::jittered_grid(41, 36, 6, 5, 1));
     ImageMesh<3>& mesh = subject.mesh;
     for (int k = 0; k < 3; ++k) hmesh::sweep(mesh);
     for (int k = 0; k < 20; ++k) {
@@ -190,8 +187,7 @@ TEST_CASE("one vertex removed is the cheapest of all, and its neighbours become 
 }
 
 TEST_CASE("a batch removes as many as asked for as long as enough vertices share no neighbour") {
-    Subject<std::uint8_t, 1> subject(hmesh_test::scene<std::uint8_t, 1>(90, 80, 1),
-                                     hmesh_test::jittered_grid(90, 80, 20, 20, 1));
+    Subject<std::uint8_t, 1> subject(hmesh_test::scene<std::uint8_t, 1>(90, 80, 1), hmesh_test::jittered_grid(90, 80, 20, 20, 1));
     const std::size_t vertices = subject.mesh.vertex_count();
     CHECK(hmesh::remove_batch(subject.mesh, 0, {}) == 0);
     CHECK(hmesh::remove_batch(subject.mesh, 40, {}) == 40);
@@ -203,14 +199,12 @@ TEST_CASE("a batch removes as many as asked for as long as enough vertices share
 }
 
 TEST_CASE("no collapse gives a vertex more neighbours than it may have, inside the image") {
-    Subject<std::uint8_t, 1> wheel(hmesh_test::noise<std::uint8_t, 1>(64, 64, 1),
-                                   hmesh_test::wheel(64, hmesh::max_valence));
+    Subject<std::uint8_t, 1> wheel(hmesh_test::noise<std::uint8_t, 1>(64, 64, 1), hmesh_test::wheel(64, hmesh::max_valence));
     Seen seen;
     check_costs(wheel, seen);
     for (int k = 0; k < 30; ++k) {
         hmesh::remove_batch(wheel.mesh, 3, {});
-        for (const Vertex v : wheel.mesh.topology().vertices())
-            REQUIRE(wheel.mesh.topology().valence(v) <= hmesh::max_valence);
+        for (const Vertex v : wheel.mesh.topology().vertices()) REQUIRE(wheel.mesh.topology().valence(v) <= hmesh::max_valence);
     }
     hmesh_test::prove(wheel);
 }
@@ -230,8 +224,8 @@ TEST_CASE("no collapse gives a vertex more neighbours than it may have, on the b
             half.positions.push_back(hmesh::snap(Point{32 + 14 * std::cos(angle), 14 * std::sin(angle)}));
         }
         const std::uint32_t first = 8, last = first + rim_size - 1, middle = first + rim_size / 2;
-        half.triangles = {{0, 1, first}, {1, 2, first}, {1, 4, 2}, {2, 4, 5}, {2, 5, first}, {middle, 5, 6},
-                          {0, last, 3}, {3, last, 6},  {3, 6, 7}};
+        half.triangles = {{0, 1, first},  {1, 2, first}, {1, 4, 2},    {2, 4, 5}, {2, 5, first},
+                          {middle, 5, 6}, {0, last, 3},  {3, last, 6}, {3, 6, 7}};
         for (std::uint32_t k = first; k < last; ++k) {
             half.triangles.push_back({0, k, k + 1});
             half.triangles.push_back({k + 1, k, k < middle ? 5U : 6U});

@@ -152,8 +152,8 @@ TEST_CASE("optimal colours stay within the mesh's bounds") {
     hmesh::Image<std::uint8_t, 1> image(16, 16);
     image.pixel(0, 0)[0] = 255;
     Sample<std::uint8_t, 1> s(std::move(image));
-    REQUIRE(s.mesh.assign({{0, 0}, {1.25, 0}, {16, 0}, {16, 16}, {0, 16}, {0, 1.25}},
-                          {{0, 1, 5}, {1, 2, 3}, {1, 3, 5}, {5, 3, 4}}));
+    REQUIRE(
+        s.mesh.assign({{0, 0}, {1.25, 0}, {16, 0}, {16, 16}, {0, 16}, {0, 1.25}}, {{0, 1, 5}, {1, 2, 3}, {1, 3, 5}, {5, 3, 4}}));
     optimal_colors(s.mesh);
     double highest = 0;
     for (const hmesh::Vertex v : s.mesh.topology().vertices()) {
@@ -283,7 +283,6 @@ TEST_CASE("any number of channels, and any executor, gives the same colours to t
     bounded_colors(alone.mesh, 0, 255, 1);
     bounded_colors(all.mesh, 0, 255, 1);
     std::size_t different = 0;
-    for (const hmesh::Vertex v : all.mesh.topology().vertices())
-        different += all.mesh.color(v)[2] != alone.mesh.color(v)[0];
+    for (const hmesh::Vertex v : all.mesh.topology().vertices()) different += all.mesh.color(v)[2] != alone.mesh.color(v)[0];
     CHECK(different <= all.mesh.vertex_count() / 50);  // sweeps stop by the largest change in any channel
 }

@@ -10,8 +10,8 @@
 #include <utility>
 #include <vector>
 
-#include "hmesh/core/random.hpp"
 #include "exact_circles.hpp"
+#include "hmesh/core/random.hpp"
 
 using hmesh::Delaunay;
 using hmesh::Face;
@@ -117,8 +117,8 @@ std::vector<Case> cases() {
         {"slanted line", 64, 40, line(15, {2, 3}, {3.5, 2.25})},
         {"cross of lines", 20, 20, line(19, {1, 10}, {1, 0}) + line(19, {10, 1}, {0, 1})},
         {"two sides", 30, 9, line(29, {1, 0}, {1, 0}) + line(14, {2, 9}, {2, 0})},
-        {"all sides", 9, 9, line(8, {1, 0}, {1, 0}) + line(8, {9, 1}, {0, 1}) + line(8, {8, 9}, {-1, 0}) +
-                                line(8, {0, 8}, {0, -1})},
+        {"all sides", 9, 9,
+         line(8, {1, 0}, {1, 0}) + line(8, {9, 1}, {0, 1}) + line(8, {8, 9}, {-1, 0}) + line(8, {0, 8}, {0, -1})},
         {"sides and inside", 12, 12, line(11, {1, 0}, {1, 0}) + line(5, {0, 2}, {0, 2}) + scattered(25, {0, 0}, 12, 3)},
         {"circle of radius 25", 60, 60, circle(25, {30, 30}, 1)},
         {"circle and its centre", 60, 60, circle(25, {30, 30}, 1) + std::vector<Point>{{30, 30}}},

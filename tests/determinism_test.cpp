@@ -34,7 +34,10 @@ void check_repeatable(const Image<T, C>& image, const Options& options) {
     REQUIRE(first.mesh.vertex_count() >= 4);
     // Other memory under the pixels, and other contents in memory to come.
     const Image<T, C> copy = image;
-    { const std::vector<double> dirt(100000, 12345.678); CHECK(dirt.back() > 0); }
+    {
+        const std::vector<double> dirt(100000, 12345.678);
+        CHECK(dirt.back() > 0);
+    }
     CHECK(hmesh_test::same_bytes(mesh_image(copy.view(), options), first));
     for (const hmesh_test::AnyFor& executor :
          {hmesh_test::AnyFor(hmesh_test::ReverseFor{}), hmesh_test::AnyFor(hmesh_test::ShuffledFor{1}),
@@ -132,8 +135,7 @@ TEST_CASE("another seed gives another mesh of like PSNR") {
     options.target = Target::vertices(400);
     double least = 1e9, most = 0;
     std::vector<hmesh::Result<3>> results;
-    for (const std::uint64_t seed :
-         {std::uint64_t{0}, std::uint64_t{1}, std::uint64_t{2}, std::uint64_t{3}, ~std::uint64_t{0}}) {
+    for (const std::uint64_t seed : {std::uint64_t{0}, std::uint64_t{1}, std::uint64_t{2}, std::uint64_t{3}, ~std::uint64_t{0}}) {
         options.seed = seed;
         results.push_back(mesh_image(image.view(), options));
         hmesh_test::prove_result(image, results.back(), 400);

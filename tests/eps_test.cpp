@@ -68,9 +68,8 @@ void check_read_back(const hmesh::Mesh<C>& mesh, double tolerance, const hmesh::
     const Picture picture = read_eps(written(mesh.view(), options));
     CHECK(numbers_after(picture.entries, "%%BoundingBox:") ==
           std::vector<double>{0, 0, static_cast<double>(mesh.width), static_cast<double>(mesh.height)});
-    check_drawn(read_shading(picture.entries, picture.data), mesh.view(), C, tolerance, [&](std::size_t v, std::size_t k) {
-        return static_cast<double>(mesh.colors[C * v + k]) / mesh.peak;
-    });
+    check_drawn(read_shading(picture.entries, picture.data), mesh.view(), C, tolerance,
+                [&](std::size_t v, std::size_t k) { return static_cast<double>(mesh.colors[C * v + k]) / mesh.peak; });
 }
 
 constexpr double half_of_8 = 0.5 / 255 + 1e-9, half_of_16 = 0.5 / 65535 + 1e-9;
@@ -85,7 +84,8 @@ TEST_CASE("a mesh of two faces is written as these bytes") {
     const std::string data = "!!<3&!.Y%O!!!$!!!!!#!!!$\"!!%OZ\n~>\n";
     const std::string head =
         "%!PS-Adobe-3.0 EPSF-3.0\n"
-        "%%Creator: hmesh " HMESH_VERSION_STRING "\n"
+        "%%Creator: hmesh " HMESH_VERSION_STRING
+        "\n"
         "%%BoundingBox: 0 0 3 2\n"
         "%%HiResBoundingBox: 0 0 3 2\n"
         "%%LanguageLevel: 3\n"

@@ -105,9 +105,8 @@ TEST_CASE("errors are diffused as Floyd and Steinberg say, in rows there and bac
         const auto map = map_of(width, height, [&](int, int) { return random.uniform() * random.uniform(); });
         for (const double factor : {0.05, 0.3, 1.0, 5.0}) {
             std::vector<std::uint32_t> points;
-            hmesh::detail::diffuse(map.view(), factor, 0.01, [&](int x, int y) {
-                points.push_back(static_cast<std::uint32_t>(y * width + x));
-            });
+            hmesh::detail::diffuse(map.view(), factor, 0.01,
+                                   [&](int x, int y) { points.push_back(static_cast<std::uint32_t>(y * width + x)); });
             CHECK(points == naive_points(map, factor, 0.01));
         }
     }
@@ -202,8 +201,7 @@ TEST_CASE("flat parts have points only when all others have, and then evenly") {
         const auto many = points_of(map, 900);
         CHECK(many.size() <= 930);
         CHECK(share(map, many, is_bright) * static_cast<double>(many.size()) >= side * side - 0.5);
-        for (int k = 0; k < 3; ++k)
-            CHECK(std::abs(share(map, many, [k](int x, int) { return x / 20 == k; }) - 1 / 3.0) < 0.03);
+        for (int k = 0; k < 3; ++k) CHECK(std::abs(share(map, many, [k](int x, int) { return x / 20 == k; }) - 1 / 3.0) < 0.03);
     }
 }
 

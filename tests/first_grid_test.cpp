@@ -58,7 +58,7 @@ double nodes_for(const Tiling& tiling, int width, int height, double n) {  // as
 }  // namespace
 
 TEST_CASE("a regular grid is a mesh of the image, has no more vertices than asked for, and not far fewer") {
-    const std::pair<int, int> sizes[] = {{1, 1},   {1, 7},   {9, 1},    {2, 2},    {5, 4},
+    const std::pair<int, int> sizes[] = {{1, 1},   {1, 7},   {9, 1},   {2, 2},    {5, 4},
                                          {60, 40}, {3, 500}, {700, 2}, {333, 77}, {3, 5000}};
     for (const auto& [width, height] : sizes) {
         const auto image = hmesh_test::noise<std::uint8_t, 1>(width, height, 1);
@@ -76,8 +76,8 @@ TEST_CASE("a regular grid is a mesh of the image, has no more vertices than aske
             CHECK(hmesh_test::most_neighbours(grid) <= 8);
             for (std::size_t v = 0; v < grid.vertex_count(); ++v) {
                 const Point p = grid.positions[v];
-                REQUIRE(grid.colors[v][0] == *image.pixel(std::min(width - 1, static_cast<int>(p.x)),
-                                                          std::min(height - 1, static_cast<int>(p.y))));
+                REQUIRE(grid.colors[v][0] ==
+                        *image.pixel(std::min(width - 1, static_cast<int>(p.x)), std::min(height - 1, static_cast<int>(p.y))));
             }
         }
     }
@@ -95,7 +95,8 @@ TEST_CASE("a regular grid's cells are nearly square") {
 }
 
 TEST_CASE("a tiled grid is a mesh of the image without T-junctions, for any size, tile and density") {
-    const std::pair<int, int> sizes[] = {{1, 1}, {1, 300}, {300, 1}, {2, 2}, {9, 14}, {150, 2}, {3, 5000}, {200, 130}, {640, 480}};
+    const std::pair<int, int> sizes[] = {{1, 1},   {1, 300},  {300, 1},   {2, 2},    {9, 14},
+                                         {150, 2}, {3, 5000}, {200, 130}, {640, 480}};
     for (const auto& [width, height] : sizes) {
         const auto image = hmesh_test::scene<std::uint8_t, 1>(width, height, 1);
         const ImageSource<1> source(image.view());

@@ -150,11 +150,9 @@ TEST_CASE("a constant picture turns no suspect") {
 }
 
 TEST_CASE("suspects do not turn into a vertex that has as many neighbours as it may") {
-    Subject<std::uint8_t, 1> subject(hmesh_test::noise<std::uint8_t, 1>(64, 64, 1),
-                                     hmesh_test::wheel(64, hmesh::max_valence));
+    Subject<std::uint8_t, 1> subject(hmesh_test::noise<std::uint8_t, 1>(64, 64, 1), hmesh_test::wheel(64, hmesh::max_valence));
     CHECK(flip_suspects(subject.mesh, 1000) > 0);
-    for (const Vertex v : subject.mesh.topology().vertices())
-        CHECK(subject.mesh.topology().valence(v) <= hmesh::max_valence);
+    for (const Vertex v : subject.mesh.topology().vertices()) CHECK(subject.mesh.topology().valence(v) <= hmesh::max_valence);
     hmesh_test::prove(subject);
 }
 

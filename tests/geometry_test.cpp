@@ -33,9 +33,7 @@ std::int64_t crossing(GridPoint a, GridPoint b, std::int64_t j) {
 }
 
 // The first pixel whose centre 256 i + 128 is not left of the edge from a down to b, in row j.
-std::int64_t exact_column(GridPoint a, GridPoint b, std::int64_t j) {
-    return ceil_of(crossing(a, b, j), 256 * (b.y - a.y));
-}
+std::int64_t exact_column(GridPoint a, GridPoint b, std::int64_t j) { return ceil_of(crossing(a, b, j), 256 * (b.y - a.y)); }
 
 bool columns_agree(GridPoint a, GridPoint b, std::int64_t j) {
     const hmesh::RowCrossing edge(a.point(), b.point());
@@ -122,8 +120,7 @@ TEST_CASE("RowCrossing::column is exact for random edges of the 1/256 px grid, f
     int tried = 0, wrong = 0;
     for (int i = 0; i < 400000; ++i) {
         const std::int64_t side = std::int64_t{1} << (6 + random.below(19));  // 1/4 px to 65536 px
-        GridPoint a{below(random, side + 1), below(random, side + 1)},
-            b{below(random, side + 1), below(random, side + 1)};
+        GridPoint a{below(random, side + 1), below(random, side + 1)}, b{below(random, side + 1), below(random, side + 1)};
         const std::int64_t room = (1 << 24) - side, dx = below(random, room + 1), dy = below(random, room + 1);
         a.x += dx, b.x += dx, a.y += dy, b.y += dy;
         if (b.y < a.y) std::swap(a, b);
@@ -178,8 +175,7 @@ TEST_CASE("RowCrossing::column is exact where the edge passes a centre as closel
     for (const int count : found) CHECK(count > 20000);
 }
 
-TEST_CASE(
-    "RowCrossing::column: a centre on the edge lies to its right, in every row of slanted lines through centres") {
+TEST_CASE("RowCrossing::column: a centre on the edge lies to its right, in every row of slanted lines through centres") {
     Random random(4);
     int wrong = 0;
     for (int i = 0; i < 3000; ++i) {
@@ -189,8 +185,7 @@ TEST_CASE(
         const GridPoint b{a.x + 256 * dx * n, a.y + 256 * dy * n};
         if (b.x > (1 << 24) || b.y > (1 << 24)) continue;
         const hmesh::RowCrossing edge(a.point(), b.point());
-        for (std::int64_t k = 0; k < n; ++k)
-            wrong += edge.column(static_cast<int>(a.y / 256 + k * dy)) != a.x / 256 + k * dx;
+        for (std::int64_t k = 0; k < n; ++k) wrong += edge.column(static_cast<int>(a.y / 256 + k * dy)) != a.x / 256 + k * dx;
         for (std::int64_t j = exact_row(a.y); j < exact_row(b.y); ++j) wrong += !columns_agree(a, b, j);
     }
     CHECK(wrong == 0);
@@ -220,8 +215,7 @@ TEST_CASE("snap goes to the nearest multiple of 1/256 px and keeps those that ar
     CHECK(Point{1, 2} != Point{2, 1});
 }
 
-TEST_CASE(
-    "cross is exact on the 1/256 px grid, turns sign with the orientation, and is positive clockwise on the screen") {
+TEST_CASE("cross is exact on the 1/256 px grid, turns sign with the orientation, and is positive clockwise on the screen") {
     CHECK(hmesh::cross({0, 0}, {1, 0}, {0, 1}) == 1);
     Random random(6);
     const std::int64_t side = 1 << 24;
@@ -257,8 +251,7 @@ TEST_CASE("in_circle is exact for random points of the 1/256 px grid, up to 6553
         const std::int64_t left = below(random, room), top = below(random, room);
         const std::int64_t step = i % 2 == 0 ? 1 : std::max<std::int64_t>(1, side / 8);  // coarse: many on a circle
         GridPoint p[4];
-        for (GridPoint& q : p)
-            q = {left + below(random, side) / step * step, top + below(random, side) / step * step};
+        for (GridPoint& q : p) q = {left + below(random, side) / step * step, top + below(random, side) / step * step};
         const int exact = exact_in_circle(p[0], p[1], p[2], p[3]);
         ++found[exact + 1];
         wrong += circle_differs(p[0], p[1], p[2], p[3]);

@@ -141,7 +141,8 @@ TEST_CASE("a mesh of two faces is written as these bytes") {
     mesh.positions = {0, 0, 3, 0, 3, 2, 0, 1.5F};
     mesh.colors = {0, 128, 255, 1, 2, 3, -5, 300, 10, 11, 254, 99.5F};
     const std::string json =
-        "{\"asset\":{\"version\":\"2.0\",\"generator\":\"hmesh " HMESH_VERSION_STRING "\"},"
+        "{\"asset\":{\"version\":\"2.0\",\"generator\":\"hmesh " HMESH_VERSION_STRING
+        "\"},"
         "\"extensionsUsed\":[\"KHR_materials_unlit\"],\"scene\":0,\"scenes\":[{\"nodes\":[0]}],"
         "\"nodes\":[{\"mesh\":0,\"translation\":[0,0,0],\"scale\":[0.333333333,0.333333333,0.333333333]}],"
         "\"meshes\":[{\"primitives\":[{\"attributes\":{\"POSITION\":0,\"COLOR_0\":1},\"indices\":2,\"material\":0}]}],"
@@ -159,22 +160,21 @@ TEST_CASE("a mesh of two faces is written as these bytes") {
     const std::string padding((4 - json.size() % 4) % 4, ' ');
     const std::size_t json_size = json.size() + padding.size(), size = 12 + 8 + json_size + 8 + 92;
     const auto low = [](std::size_t value) { return static_cast<unsigned char>(value % 256); };
-    Bytes expected = {'g', 'l', 'T', 'F', 2, 0, 0, 0, low(size), low(size / 256), 0, 0,
-                      low(json_size), low(json_size / 256), 0, 0, 'J', 'S', 'O', 'N'};
+    Bytes expected = {'g', 'l', 'T', 'F', 2,   0,  0, 0, low(size), low(size / 256), 0, 0, low(json_size), low(json_size / 256),
+                      0,   0,   'J', 'S', 'O', 'N'};
     for (const std::string& text : {json, padding}) expected.insert(expected.end(), text.begin(), text.end());
     const Bytes body = {
-        92, 0, 0, 0, 'B', 'I', 'N', 0,
-        0, 0, 0,    0,    0, 0, 0, 0x40, 0, 0, 0, 0,  // (0, 2, 0)
-        0, 0, 0x40, 0x40, 0, 0, 0, 0x40, 0, 0, 0, 0,  // (3, 2, 0)
-        0, 0, 0x40, 0x40, 0, 0, 0, 0,    0, 0, 0, 0,  // (3, 0, 0)
-        0, 0, 0,    0,    0, 0, 0, 0x3f, 0, 0, 0, 0,  // (0, 0.5, 0)
+        92, 0, 0, 0, 'B', 'I', 'N', 0, 0, 0, 0, 0, 0, 0, 0, 0x40, 0, 0, 0, 0,  // (0, 2, 0)
+        0, 0, 0x40, 0x40, 0, 0, 0, 0x40, 0, 0, 0, 0,                           // (3, 2, 0)
+        0, 0, 0x40, 0x40, 0, 0, 0, 0, 0, 0, 0, 0,                              // (3, 0, 0)
+        0, 0, 0, 0, 0, 0, 0, 0x3f, 0, 0, 0, 0,                                 // (0, 0.5, 0)
         // sRGB 0, 128, 255: 0, 14146, 65535; 1, 2, 3: 20, 40, 60; 0, 255, 10: 0, 65535, 199; 11, 254, 99.5: 219, 64952, 8264
-        0,    0,    0x42, 0x37, 0xff, 0xff, 0xff, 0xff,  //
-        20,   0,    40,   0,    60,   0,    0xff, 0xff,  //
-        0,    0,    0xff, 0xff, 199,  0,    0xff, 0xff,  //
-        219,  0,    0xb8, 0xfd, 0x48, 0x20, 0xff, 0xff,  //
-        0, 0, 2, 0, 1, 0,                                //
-        0, 0, 3, 0, 2, 0,                                //
+        0, 0, 0x42, 0x37, 0xff, 0xff, 0xff, 0xff,    //
+        20, 0, 40, 0, 60, 0, 0xff, 0xff,             //
+        0, 0, 0xff, 0xff, 199, 0, 0xff, 0xff,        //
+        219, 0, 0xb8, 0xfd, 0x48, 0x20, 0xff, 0xff,  //
+        0, 0, 2, 0, 1, 0,                            //
+        0, 0, 3, 0, 2, 0,                            //
     };
     expected.insert(expected.end(), body.begin(), body.end());
     CHECK(hmesh_test::exported(mesh.view(), with({})) == expected);

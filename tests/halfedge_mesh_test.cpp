@@ -45,9 +45,7 @@ Input grid(std::uint32_t columns, std::uint32_t rows, bool hole = false) {
     return input;
 }
 
-Input octahedron() {
-    return {6, {{0, 1, 2}, {0, 2, 3}, {0, 3, 4}, {0, 4, 1}, {5, 2, 1}, {5, 3, 2}, {5, 4, 3}, {5, 1, 4}}};
-}
+Input octahedron() { return {6, {{0, 1, 2}, {0, 2, 3}, {0, 3, 4}, {0, 4, 1}, {5, 2, 1}, {5, 3, 2}, {5, 4, 3}, {5, 1, 4}}}; }
 
 HalfedgeMesh mesh_of(const Input& input) {
     HalfedgeMesh mesh;
@@ -116,9 +114,9 @@ void model_split_face(Triangles& list, Triangle t, std::uint32_t m) {
 
 void model_collapse(Triangles& list, std::uint32_t v, std::uint32_t u) {
     for (Triangle& t : list) std::replace(t.begin(), t.end(), v, u);
-    list.erase(std::remove_if(list.begin(), list.end(),
-                              [](const Triangle& t) { return t[0] == t[1] || t[1] == t[2] || t[2] == t[0]; }),
-               list.end());
+    list.erase(
+        std::remove_if(list.begin(), list.end(), [](const Triangle& t) { return t[0] == t[1] || t[1] == t[2] || t[2] == t[0]; }),
+        list.end());
 }
 
 bool model_has_edge(Triangles list, std::uint32_t a, std::uint32_t b) {
@@ -153,8 +151,7 @@ bool model_collapse_ok(Triangles list, std::uint32_t v, std::uint32_t u) {
         return sides;
     };
     const auto has_vertex = [](const Link& sides, std::uint32_t x) {
-        return std::any_of(sides.begin(), sides.end(),
-                           [x](const auto& side) { return side.first == x || side.second == x; });
+        return std::any_of(sides.begin(), sides.end(), [x](const auto& side) { return side.first == x || side.second == x; });
     };
     const Link of_v = link(v), of_u = link(u);
     for (const auto& side : of_v) {
@@ -244,8 +241,7 @@ TEST_CASE("HalfedgeMesh: after each of thousands of random edits check() passes 
         for (int step = 0; step < 2500 && broken == 0; ++step) {
             const Edit edit = draw(mesh, random, 30);
             ++kinds[static_cast<int>(edit.kind)];
-            const Halfedge h =
-                edit.kind == Kind::collapse ? Halfedge(edit.element) : HalfedgeMesh::halfedge(Edge(edit.element));
+            const Halfedge h = edit.kind == Kind::collapse ? Halfedge(edit.element) : HalfedgeMesh::halfedge(Edge(edit.element));
             const bool on_edge = edit.kind != Kind::split_face;
             const std::uint32_t a = on_edge ? id(mesh.from_vertex(h)) : 0, b = on_edge ? id(mesh.to_vertex(h)) : 0;
             const std::array<Vertex, 3> corners = on_edge ? std::array<Vertex, 3>() : mesh.vertices(Face(edit.element));
@@ -253,9 +249,7 @@ TEST_CASE("HalfedgeMesh: after each of thousands of random edits check() passes 
             switch (edit.kind) {
                 case Kind::flip: model_flip(model, a, b); break;
                 case Kind::split_edge: model_split_edge(model, a, b, id(m)); break;
-                case Kind::split_face:
-                    model_split_face(model, {id(corners[0]), id(corners[1]), id(corners[2])}, id(m));
-                    break;
+                case Kind::split_face: model_split_face(model, {id(corners[0]), id(corners[1]), id(corners[2])}, id(m)); break;
                 case Kind::collapse: model_collapse(model, a, b); break;
             }
             model = canonical(model);
@@ -329,8 +323,7 @@ TEST_CASE("HalfedgeMesh: is_collapse_ok is the link condition, and what it allow
         for (int round = 0; round < 120 && wrong + broken == 0; ++round, apply_random_edits(mesh, random, 7, 1)) {
             const Triangles list = triangles_of(mesh);
             for (const Edge e : mesh.edges())
-                for (const Halfedge h :
-                     {HalfedgeMesh::halfedge(e), HalfedgeMesh::opposite(HalfedgeMesh::halfedge(e))}) {
+                for (const Halfedge h : {HalfedgeMesh::halfedge(e), HalfedgeMesh::opposite(HalfedgeMesh::halfedge(e))}) {
                     const std::uint32_t v = id(mesh.from_vertex(h)), u = id(mesh.to_vertex(h));
                     const bool ok = mesh.is_collapse_ok(h);
                     (ok ? allowed : refused) += 1;
@@ -384,8 +377,7 @@ TEST_CASE("HalfedgeMesh: split and collapse change the counts by Euler's formula
     }
 }
 
-TEST_CASE(
-    "HalfedgeMesh: a split edge keeps its origin and ends at the new vertex, which has the far corners as neighbours") {
+TEST_CASE("HalfedgeMesh: a split edge keeps its origin and ends at the new vertex, which has the far corners as neighbours") {
     HalfedgeMesh mesh = mesh_of(grid(4, 4));
     Random random(6);
     for (int step = 0; step < 500; ++step, apply_random_edits(mesh, random, 25, 3)) {
@@ -515,8 +507,7 @@ TEST_CASE("HalfedgeMesh: the ranges visit the live elements once, in order") {
     CHECK_FALSE(empty.vertices().begin() != empty.vertices().end());
 }
 
-TEST_CASE(
-    "HalfedgeMesh: a one-ring holds each neighbour once, against the orientation of the faces, the boundary first") {
+TEST_CASE("HalfedgeMesh: a one-ring holds each neighbour once, against the orientation of the faces, the boundary first") {
     HalfedgeMesh mesh = mesh_of(grid(4, 4, true));
     Random random(11);
     int wrong = 0;
@@ -562,8 +553,7 @@ TEST_CASE("HalfedgeMesh: previous undoes next, and boundary half-edges run aroun
                 wrong += HalfedgeMesh::edge(h) != e;
                 if (!mesh.is_boundary(h)) continue;
                 ++open;
-                wrong += !mesh.is_boundary(mesh.next(h)) || !mesh.is_boundary(e) ||
-                         mesh.is_boundary(HalfedgeMesh::opposite(h));
+                wrong += !mesh.is_boundary(mesh.next(h)) || !mesh.is_boundary(e) || mesh.is_boundary(HalfedgeMesh::opposite(h));
                 wrong += mesh.halfedge(mesh.from_vertex(h)) != h;
             }
         CHECK(open >= 6);  // two loops of three at the least
@@ -616,8 +606,8 @@ TEST_CASE("HalfedgeMesh: assign refuses each kind of bad input, says where, and 
         {{3, {{2, 1, 2}}}, "twice", 0},
         {{3, {{0, 1, 2}, {0, 1, 2}}}, "twice in one direction", 0},
         {{4, {{0, 1, 2}, {0, 3, 2}, {0, 1, 3}}}, "twice in one direction", 0},
-        {{4, {{0, 1, 2}, {1, 2, 3}}}, "twice in one direction", 0},              // turns the other way
-        {{5, {{0, 1, 2}, {1, 0, 3}, {0, 1, 4}}}, "twice in one direction", 0},   // three faces at an edge
+        {{4, {{0, 1, 2}, {1, 2, 3}}}, "twice in one direction", 0},             // turns the other way
+        {{5, {{0, 1, 2}, {1, 0, 3}, {0, 1, 4}}}, "twice in one direction", 0},  // three faces at an edge
         {{4, {{0, 1, 2}}}, "no triangle", 3},
         {{4, {{1, 2, 3}}}, "no triangle", 0},
         {{2, {}}, "no triangle", 0},
@@ -652,12 +642,8 @@ TEST_CASE("HalfedgeMesh: check() refuses a mesh put together from two states") {
     // A rollback to a mark that was tampered with restores a part of the mesh only.
     const auto nothing = [](HalfedgeMesh&) {};
     const auto split = [](HalfedgeMesh& mesh) { mesh.split(Face(4)); };
-    const auto keep_halfedges = [](HalfedgeMesh::Mark& mark, HalfedgeMesh& mesh) {
-        mark.halfedges = mesh.begin().halfedges;
-    };
-    const auto keep_vertices = [](HalfedgeMesh::Mark& mark, HalfedgeMesh& mesh) {
-        mark.vertices = mesh.begin().vertices;
-    };
+    const auto keep_halfedges = [](HalfedgeMesh::Mark& mark, HalfedgeMesh& mesh) { mark.halfedges = mesh.begin().halfedges; };
+    const auto keep_vertices = [](HalfedgeMesh::Mark& mark, HalfedgeMesh& mesh) { mark.vertices = mesh.begin().vertices; };
     const auto keep_faces = [](HalfedgeMesh::Mark& mark, HalfedgeMesh& mesh) { mark.faces = mesh.begin().faces; };
     CHECK(sentence(nothing, [](HalfedgeMesh::Mark&, HalfedgeMesh&) {}).empty());
     CHECK(sentence(split, [](HalfedgeMesh::Mark&, HalfedgeMesh&) {}).empty());

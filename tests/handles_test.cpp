@@ -25,8 +25,8 @@ template <class Handle>
 constexpr bool is_plain_index = sizeof(Handle) == 4 && std::is_trivially_copyable_v<Handle> &&
                                 !std::is_convertible_v<Handle, std::size_t> && !std::is_convertible_v<Handle, bool> &&
                                 !std::is_convertible_v<std::size_t, Handle> && !std::is_convertible_v<int, Handle> &&
-                                !std::is_assignable_v<Handle&, std::size_t> &&
-                                !Comparable<Handle, std::size_t>::value && Comparable<Handle, Handle>::value;
+                                !std::is_assignable_v<Handle&, std::size_t> && !Comparable<Handle, std::size_t>::value
+                                && Comparable<Handle, Handle>::value;
 
 static_assert(is_plain_index<Vertex> && is_plain_index<Halfedge> && is_plain_index<Edge> && is_plain_index<Face>);
 static_assert(!mix<Vertex, Halfedge> && !mix<Vertex, Edge> && !mix<Vertex, Face>);

@@ -162,9 +162,8 @@ TEST_CASE("where a user's filter has no answer, NaN or infinite, the level keeps
     const auto image = scene();
     Filter identity{[](float x, std::size_t) { return x; }};
     Filter nan{[](float, std::size_t) { return std::numeric_limits<float>::quiet_NaN(); }};
-    Filter mixed{[](float x, std::size_t k) {
-        return k % 3 == 0 ? x : (k % 3 == 1 ? 1 : -1) * std::numeric_limits<float>::infinity();
-    }};
+    Filter mixed{
+        [](float x, std::size_t k) { return k % 3 == 0 ? x : (k % 3 == 1 ? 1 : -1) * std::numeric_limits<float>::infinity(); }};
     const Result<1> kept = mesh_with(image, identity, 3);
     CHECK(hmesh_test::same_bytes(mesh_with(image, nan, 3), kept));
     CHECK(hmesh_test::same_bytes(mesh_with(image, mixed, 3), kept));

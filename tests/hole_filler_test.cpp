@@ -8,8 +8,8 @@
 #include <cstdint>
 #include <vector>
 
-#include "hmesh/core/random.hpp"
 #include "exact_circles.hpp"
+#include "hmesh/core/random.hpp"
 
 using hmesh::Ear;
 using hmesh::HoleFiller;
@@ -25,7 +25,8 @@ namespace {
 using Ring = std::vector<Point>;
 
 const std::vector<Ear>& fill(HoleFiller& filler, const Ring& ring, bool open) {
-    return filler.fill(static_cast<int>(ring.size()), [&](int k) { return ring[static_cast<std::size_t>(k)]; }, open);
+    return filler.fill(
+        static_cast<int>(ring.size()), [&](int k) { return ring[static_cast<std::size_t>(k)]; }, open);
 }
 
 // --- geometry in integers of 1/256 px ---
@@ -103,8 +104,8 @@ Ring star(int count, double radius, double spread, double step, bool half, Rando
             const double angle = turn * (half ? 1.0 * k / (count - 1) : (k + 0.8 * random.uniform()) / count);
             const double distance = radius * (1 - spread * random.uniform());
             const bool level = half && (k == 0 || k + 1 == count);
-            ring.push_back({round(centre.x + distance * std::cos(angle)),
-                            level ? centre.y : round(centre.y + distance * std::sin(angle))});
+            ring.push_back(
+                {round(centre.x + distance * std::cos(angle)), level ? centre.y : round(centre.y + distance * std::sin(angle))});
         }
         std::reverse(ring.begin(), ring.end());
         bool good = true;

@@ -17,9 +17,9 @@
 
 namespace {
 
+using hmesh::HtmlOptions;
 using hmesh_test::StringSink;
 using hmesh_test::two_faces;
-using hmesh::HtmlOptions;
 using Bytes = std::vector<unsigned char>;
 
 std::string written(const hmesh::MeshView& mesh, const HtmlOptions& options = {}) {
@@ -64,8 +64,7 @@ Bytes decoded(const std::string& text) {
             bits = bits << 6U | (text[i + k] == '=' ? 0 : digit);
         }
         REQUIRE((padding == 0 || (padding < 3 && i + 4 == text.size())));
-        for (std::size_t k = 0; k + padding < 3; ++k)
-            bytes.push_back(static_cast<unsigned char>((bits >> (16 - 8 * k)) & 255U));
+        for (std::size_t k = 0; k + padding < 3; ++k) bytes.push_back(static_cast<unsigned char>((bits >> (16 - 8 * k)) & 255U));
     }
     return bytes;
 }

@@ -101,8 +101,7 @@ TEST_CASE("a mesh stays true over images of one pixel, one row and one column") 
 }
 
 TEST_CASE("a rollback restores every byte, also from inside other transactions, and a commit keeps every edit") {
-    Subject<std::uint8_t, 3> subject(hmesh_test::scene<std::uint8_t, 3>(26, 22, 1),
-                                     hmesh_test::jittered_grid(26, 22, 4, 4, 1));
+    Subject<std::uint8_t, 3> subject(hmesh_test::scene<std::uint8_t, 3>(26, 22, 1), hmesh_test::jittered_grid(26, 22, 4, 4, 1));
     hmesh_test::wear(subject.mesh, 60, 255, 1);
     Random random(1);
     int rollbacks = 0;
@@ -148,18 +147,18 @@ TEST_CASE("a new mesh has the pixels' colours, knows its borders, and is the sam
     for (const Vertex v : serial.mesh.topology().vertices()) {
         const Point p = serial.mesh.position(v);
         CHECK(p == grid.positions[v.index()]);
-        const std::uint16_t* pixel =
-            image.pixel(std::min(89, static_cast<int>(p.x)), std::min(79, static_cast<int>(p.y)));
+        const std::uint16_t* pixel = image.pixel(std::min(89, static_cast<int>(p.x)), std::min(79, static_cast<int>(p.y)));
         for (int k = 0; k < 4; ++k) CHECK(serial.mesh.color(v)[k] == pixel[k]);
         const bool on_x = p.x == 0 || p.x == 90, on_y = p.y == 0 || p.y == 80;
-        CHECK(serial.mesh.vertex(v).mobility ==
-              (on_x && on_y ? Mobility::fixed : on_x ? Mobility::along_y : on_y ? Mobility::along_x : Mobility::free));
+        CHECK(serial.mesh.vertex(v).mobility == (on_x && on_y ? Mobility::fixed
+                                                 : on_x       ? Mobility::along_y
+                                                 : on_y       ? Mobility::along_x
+                                                              : Mobility::free));
         CHECK(serial.mesh.is_due(v));
     }
 }
 
-TEST_CASE(
-    "new colours for all vertices give their energy, whatever the executor's order, and leave deleted slots alone") {
+TEST_CASE("new colours for all vertices give their energy, whatever the executor's order, and leave deleted slots alone") {
     const auto image = hmesh_test::scene<std::uint8_t, 3>(90, 80, 1);
     const auto grid = hmesh_test::jittered_grid(90, 80, 30, 30, 1);
     Subject<std::uint8_t, 3> serial(image, grid), reversed(image, grid);
@@ -188,15 +187,13 @@ TEST_CASE("triangulations that are none are refused") {
     CHECK(mesh.assign(square, {{0, 1, 2}, {0, 1, 3}}).code == hmesh::Errc::invalid_argument);  // 0 -> 1 twice
     CHECK(mesh.assign(square, {{0, 1, 2}, {0, 2, 2}}).code == hmesh::Errc::invalid_argument);  // a corner twice
     CHECK(mesh.assign(square, {{0, 1, 2}}).code == hmesh::Errc::invalid_argument);             // vertex 3 alone
-    CHECK(mesh.assign({{0, 0}, {4, 0}, {0, 3}, {8, 6}, {4, 6}, {8, 3}, {4, 3}},
-                      {{0, 1, 6}, {0, 6, 2}, {3, 4, 6}, {3, 6, 5}})
+    CHECK(mesh.assign({{0, 0}, {4, 0}, {0, 3}, {8, 6}, {4, 6}, {8, 3}, {4, 3}}, {{0, 1, 6}, {0, 6, 2}, {3, 4, 6}, {3, 6, 5}})
               .code == hmesh::Errc::invalid_argument);  // two fans in 6
     REQUIRE(mesh.assign(square, {{0, 1, 3}, {1, 2, 3}}));
     hmesh_test::prove(subject);
 }
 
-TEST_CASE(
-    "check() notices a mesh that does not tile the rectangle, turns a face over, or leaves the grid or its padding") {
+TEST_CASE("check() notices a mesh that does not tile the rectangle, turns a face over, or leaves the grid or its padding") {
     Subject<std::uint8_t, 1> subject(hmesh_test::noise<std::uint8_t, 1>(8, 6, 1));
     ImageMesh<1>& mesh = subject.mesh;
     REQUIRE(mesh.assign(square, {{0, 2, 1}, {0, 3, 2}}));

@@ -61,8 +61,7 @@ TEST_CASE("check refuses sides and products that are too large, also those that 
     // 65536 * 65536 is 0 in 32 bits.
     CHECK(refused(ImageView<std::uint8_t, 1>{&byte, 65536, 65536, 0}, Errc::image_too_large, std::int64_t{1} << 32,
                   hmesh::max_pixels));
-    CHECK(refused(ImageView<std::uint8_t, 1>{&byte, 65536, 4097, 0}, Errc::image_too_large, 65536LL * 4097,
-                  hmesh::max_pixels));
+    CHECK(refused(ImageView<std::uint8_t, 1>{&byte, 65536, 4097, 0}, Errc::image_too_large, 65536LL * 4097, hmesh::max_pixels));
 }
 
 TEST_CASE("check accepts the largest and the smallest sizes") {
@@ -101,8 +100,8 @@ TEST_CASE("check refuses strides so long that the place of the last row overflow
         CHECK(check(ImageView<std::uint8_t, 3>{&byte, 10, 4, stride}).code == Errc::invalid_argument);
 }
 
-TEST_CASE_TEMPLATE("a padded view and a bottom-up view show the same pixels as the packed image", T, std::uint8_t,
-                   std::uint16_t, float) {
+TEST_CASE_TEMPLATE("a padded view and a bottom-up view show the same pixels as the packed image", T, std::uint8_t, std::uint16_t,
+                   float) {
     const Image<T, 3> image = hmesh_test::noise<T, 3>(7, 5, 1);
     for (const int padding : {0, 1, 6})
         for (const bool bottom_up : {false, true}) {
@@ -142,9 +141,8 @@ TEST_CASE("check_finite names the first row with a NaN or an infinity, in any or
             Image<float, 3> broken = image;
             broken.pixel(19, 99)[2] = bad;
             broken.pixel(y == 99 ? 19 : 0, y)[y == 99 ? 2 : 0] = bad;
-            for (const Status& status :
-                 {check_finite(broken.view()), check_finite(broken.view(), hmesh_test::ReverseFor()),
-                  check_finite(broken.view(), hmesh_test::ShuffledFor())}) {
+            for (const Status& status : {check_finite(broken.view()), check_finite(broken.view(), hmesh_test::ReverseFor()),
+                                         check_finite(broken.view(), hmesh_test::ShuffledFor())}) {
                 CHECK(status.code == Errc::not_finite);
                 CHECK(status.got == y);
             }

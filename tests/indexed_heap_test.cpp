@@ -40,8 +40,7 @@ bool agree(const IndexedHeap& heap, const Model& model, std::size_t ids) {
         if (heap.contains(id) != (found != model.key_of.end())) return false;
         if (heap.contains(id) && heap.key(id) != found->second) return false;
     }
-    return heap.empty() ||
-           (heap.top().key == model.order.begin()->first && heap.top().id == model.order.begin()->second);
+    return heap.empty() || (heap.top().key == model.order.begin()->first && heap.top().id == model.order.begin()->second);
 }
 
 }  // namespace

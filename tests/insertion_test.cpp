@@ -83,11 +83,9 @@ void check_gains(hmesh::Image<T, C> image, double range, std::uint64_t seed) {
     };
     for (const bool may_move : {false, true}) {
         for (std::size_t e = 0; e < mesh.topology().edge_slots(); ++e)
-            if (!mesh.topology().is_deleted(Edge(e)))
-                check(hmesh::edge_candidate(mesh, work, Edge(e), may_move), may_move);
+            if (!mesh.topology().is_deleted(Edge(e))) check(hmesh::edge_candidate(mesh, work, Edge(e), may_move), may_move);
         for (std::size_t f = 0; f < mesh.topology().face_slots(); ++f)
-            if (!mesh.topology().is_deleted(Face(f)))
-                check(hmesh::face_candidate(mesh, work, Face(f), may_move), may_move);
+            if (!mesh.topology().is_deleted(Face(f))) check(hmesh::face_candidate(mesh, work, Face(f), may_move), may_move);
     }
     CHECK(exact > 60);
 }
@@ -170,8 +168,7 @@ void check_batches(hmesh::Image<T, C> image, const InsertionOptions& options, st
 
 }  // namespace
 
-TEST_CASE(
-    "a candidate's gain is what its insertion gains, the new vertex lies where it should, and a rollback undoes it") {
+TEST_CASE("a candidate's gain is what its insertion gains, the new vertex lies where it should, and a rollback undoes it") {
     check_gains(hmesh_test::scene<std::uint8_t, 3>(31, 26, 1), 255, 1);
     check_gains(hmesh_test::noise<std::uint16_t, 1>(29, 25, 2), 65535, 2);
     check_gains(hmesh_test::scene<float, 4>(27, 28, 3), 1, 3);
@@ -194,13 +191,11 @@ TEST_CASE("a batch inserts no more than asked for, and lowers the energy") {
 
 TEST_CASE("a batch splits no face twice") {
     // One vertex more than faces can hold apart: the first insertion takes both faces.
-    Subject<std::uint8_t, 1> subject(hmesh_test::noise<std::uint8_t, 1>(20, 20, 1),
-                                     hmesh_test::jittered_grid(20, 20, 1, 1, 1));
+    Subject<std::uint8_t, 1> subject(hmesh_test::noise<std::uint8_t, 1>(20, 20, 1), hmesh_test::jittered_grid(20, 20, 1, 1, 1));
     CHECK(hmesh::insert_batch(subject.mesh, 50, {true, false, 0}) <= 2);
     hmesh_test::prove(subject);
     // With faces and edges each face lets in at most one vertex.
-    Subject<std::uint8_t, 1> grid(hmesh_test::noise<std::uint8_t, 1>(80, 80, 2),
-                                  hmesh_test::jittered_grid(80, 80, 5, 5, 2));
+    Subject<std::uint8_t, 1> grid(hmesh_test::noise<std::uint8_t, 1>(80, 80, 2), hmesh_test::jittered_grid(80, 80, 5, 5, 2));
     const std::size_t faces = grid.mesh.topology().face_count();
     const std::size_t inserted = hmesh::insert_batch(grid.mesh, 10000, {true, false, 0});
     CHECK(inserted <= faces);
@@ -209,8 +204,7 @@ TEST_CASE("a batch splits no face twice") {
 }
 
 TEST_CASE("each edge and each face is a site once, and no site gains more than its faces have") {
-    Subject<std::uint8_t, 3> subject(hmesh_test::scene<std::uint8_t, 3>(31, 26, 1),
-                                     hmesh_test::jittered_grid(31, 26, 4, 4, 1));
+    Subject<std::uint8_t, 3> subject(hmesh_test::scene<std::uint8_t, 3>(31, 26, 1), hmesh_test::jittered_grid(31, 26, 4, 4, 1));
     hmesh_test::wear(subject.mesh, 80, 255, 1);
     const HalfedgeMesh& topology = subject.mesh.topology();
     hmesh::RingWork<3> work;
@@ -238,8 +232,7 @@ TEST_CASE("nothing is inserted where nothing is gained, or less than asked for")
     Subject<std::uint8_t, 3> constant(hmesh_test::constant_image<std::uint8_t, 3>(40, 30, 0.4),
                                       hmesh_test::jittered_grid(40, 30, 4, 3, 1));
     CHECK(hmesh::insert_batch(constant.mesh, 10, {true, true, 0}) == 0);
-    Subject<std::uint8_t, 3> subject(hmesh_test::scene<std::uint8_t, 3>(40, 30, 1),
-                                     hmesh_test::jittered_grid(40, 30, 4, 3, 1));
+    Subject<std::uint8_t, 3> subject(hmesh_test::scene<std::uint8_t, 3>(40, 30, 1), hmesh_test::jittered_grid(40, 30, 4, 3, 1));
     const auto before = hmesh_test::snapshot(subject.mesh);
     CHECK(hmesh::insert_batch(subject.mesh, 0, {true, true, 0}) == 0);
     CHECK(hmesh::insert_batch(subject.mesh, 10, {true, true, subject.mesh.energy()}) == 0);
@@ -254,12 +247,8 @@ TEST_CASE("images of one pixel, one row and one column take vertices until none 
         }
         CHECK(subject.mesh.vertex_count() >= expected);
     };
-    fill(
-        Subject<std::uint8_t, 1>(hmesh_test::noise<std::uint8_t, 1>(1, 1, 1), hmesh_test::jittered_grid(1, 1, 1, 1, 1)),
-        4);
-    fill(Subject<std::uint8_t, 3>(hmesh_test::noise<std::uint8_t, 3>(1, 16, 2),
-                                  hmesh_test::jittered_grid(1, 16, 1, 1, 2)),
-         16);
+    fill(Subject<std::uint8_t, 1>(hmesh_test::noise<std::uint8_t, 1>(1, 1, 1), hmesh_test::jittered_grid(1, 1, 1, 1, 1)), 4);
+    fill(Subject<std::uint8_t, 3>(hmesh_test::noise<std::uint8_t, 3>(1, 16, 2), hmesh_test::jittered_grid(1, 16, 1, 1, 2)), 16);
     fill(Subject<float, 1>(hmesh_test::noise<float, 1>(16, 1, 3), hmesh_test::jittered_grid(16, 1, 1, 1, 3)), 16);
 }
 
@@ -272,10 +261,8 @@ TEST_CASE("there is no room at a vertex that has as many neighbours as it may") 
         for (const Halfedge h : topology.outgoing(Vertex(0))) {
             const bool room = spokes < hmesh::max_valence;
             CHECK(hmesh::has_room(mesh, hmesh::face_candidate(mesh, work, topology.face(h), false)) == room);
-            CHECK(hmesh::has_room(
-                      mesh, hmesh::edge_candidate(mesh, work, HalfedgeMesh::edge(topology.next(h)), false)) == room);
-            CHECK(hmesh::has_room(mesh,
-                                  hmesh::edge_candidate(mesh, work, HalfedgeMesh::edge(h), false)));  // splits a spoke
+            CHECK(hmesh::has_room(mesh, hmesh::edge_candidate(mesh, work, HalfedgeMesh::edge(topology.next(h)), false)) == room);
+            CHECK(hmesh::has_room(mesh, hmesh::edge_candidate(mesh, work, HalfedgeMesh::edge(h), false)));  // splits a spoke
         }
         for (int k = 0; k < 12; ++k) {
             hmesh::insert_batch(mesh, 20, {true, true, 0});

@@ -43,8 +43,8 @@ hmesh::Image<std::uint8_t, C> hills(int width, int height) {
     for (int y = 0; y < height; ++y)
         for (int x = 0; x < width; ++x)
             for (int k = 0; k < C; ++k)
-                image.pixel(x, y)[k] = hmesh::PixelTraits<std::uint8_t>::from_real(
-                    128 + 54 * std::sin(0.11 * x + k) + 54 * std::cos(0.13 * y - 2 * k));
+                image.pixel(x, y)[k] = hmesh::PixelTraits<std::uint8_t>::from_real(128 + 54 * std::sin(0.11 * x + k) +
+                                                                                   54 * std::cos(0.13 * y - 2 * k));
     return image;
 }
 
@@ -92,8 +92,7 @@ void jitter(hmesh::ImageMesh<C>& mesh, int columns, int rows, int edits, std::ui
         if (last || edit % 4 == 3) {
             if (!topology.is_deleted(e)) {
                 const hmesh::Halfedge h = hmesh::HalfedgeMesh::halfedge(e);
-                done = mesh.vertex(topology.from_vertex(h)).mobility == hmesh::Mobility::free &&
-                       topology.is_collapse_ok(h);
+                done = mesh.vertex(topology.from_vertex(h)).mobility == hmesh::Mobility::free && topology.is_collapse_ok(h);
                 if (done) mesh.collapse(h);
             }
         } else if (edit % 4 < 2 && !topology.is_deleted(e) && is_flip_ok(mesh, e)) {
@@ -128,8 +127,7 @@ struct Sample {
     hmesh::MomentTable<C> table;
     hmesh::ImageMesh<C> mesh;
     explicit Sample(hmesh::Image<T, C> picture, const hmesh::MeshLimits& limits = {})
-        : image(std::move(picture)),
-          table(image.view(), image.view().bounds()),
+        : image(std::move(picture)), table(image.view(), image.view().bounds()),
           mesh(table, hmesh::PixelTraits<T>::lowest, hmesh::PixelTraits<T>::highest, limits) {}
     Sample(const Sample&) = delete;
     Sample& operator=(const Sample&) = delete;

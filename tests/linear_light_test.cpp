@@ -348,8 +348,7 @@ TEST_CASE("when told to stop, what is reported is true of the mesh") {
             last = share;
             return asked++ < after;
         };
-        const LinearLightReport report =
-            fit_linear_light(mesh, image.view(), LinearLightOptions(), hmesh::SerialFor(), go_on);
+        const LinearLightReport report = fit_linear_light(mesh, image.view(), LinearLightOptions(), hmesh::SerialFor(), go_on);
         CHECK(report.iterations == after);
         CHECK(report.energy == doctest::Approx(drawn_energy(image, mesh)).epsilon(1e-6));
     }

@@ -138,8 +138,7 @@ Image<T, 3> contrasty(std::uint64_t seed) {
     const hmesh_test::Scene scene(56, 52, seed);
     hmesh::Random random(seed);
     return hmesh_test::draw<T, 3>(56, 52, [&](int x, int y, int c) {
-        return std::floor(std::clamp(3 * scene(x, y, c) - 1 + 0.1 * (random.uniform() - 0.5), 0.0, 1.0) * 255 + 0.5) /
-               255;
+        return std::floor(std::clamp(3 * scene(x, y, c) - 1 + 0.1 * (random.uniform() - 0.5), 0.0, 1.0) * 255 + 0.5) / 255;
     });
 }
 
@@ -234,14 +233,8 @@ TEST_CASE("a rate must be above 0 and at most 100 percent") {
 
 TEST_CASE("a rate becomes the rounded number of vertices, at least 4") {
     const auto image = small_scene();  // 480 pixels
-    for (const auto& [percent, vertices] : {std::pair<double, std::size_t>{1e-300, 4},
-                                            {0.1, 4},
-                                            {1, 5},
-                                            {1.1, 5},
-                                            {1.15, 6},
-                                            {10, 48},
-                                            {50, 240},
-                                            {100, 480}})
+    for (const auto& [percent, vertices] :
+         {std::pair<double, std::size_t>{1e-300, 4}, {0.1, 4}, {1, 5}, {1.1, 5}, {1.15, 6}, {10, 48}, {50, 240}, {100, 480}})
         hmesh_test::prove_result(image, mesh_of(image, Target::rate(percent), Effort::draft), vertices);
     hmesh_test::prove_result(image, mesh_image(image.view()), 5);  // the default: 1 %
     hmesh_test::prove_result(hmesh_test::noise<std::uint8_t, 1>(1, 1, 1),
@@ -337,8 +330,7 @@ TEST_CASE("images of 1 to 6 by 1 to 6 pixels take every number of vertices exact
     for (const Effort effort : {Effort::draft, Effort::fast, Effort::normal})
         for_each_tiny_size([effort](int width, int height) {
             mesh_with_every_count(
-                hmesh_test::noise<std::uint8_t, 1>(width, height, static_cast<std::uint64_t>(7 * width + height)),
-                effort);
+                hmesh_test::noise<std::uint8_t, 1>(width, height, static_cast<std::uint64_t>(7 * width + height)), effort);
         });
     for (const Effort effort : {Effort::draft, Effort::fast})
         for_each_tiny_size([effort](int width, int height) {
@@ -349,12 +341,10 @@ TEST_CASE("images of 1 to 6 by 1 to 6 pixels take every number of vertices exact
 
 TEST_CASE("images of 1 to 6 by 1 to 6 pixels take numbers of vertices exactly by best") {
     for_each_tiny_size([](int width, int height) {
-        const auto image =
-            hmesh_test::noise<std::uint8_t, 1>(width, height, static_cast<std::uint64_t>(7 * width + height));
+        const auto image = hmesh_test::noise<std::uint8_t, 1>(width, height, static_cast<std::uint64_t>(7 * width + height));
         const std::size_t most = std::max<std::size_t>(4, image.samples().size());
         const std::size_t n = most <= 16 ? most : 4 + image.samples().size() * 5 % 11;
-        hmesh_test::prove_result(image, mesh_of(image, Target::vertices(static_cast<std::int64_t>(n)), Effort::best),
-                                 n);
+        hmesh_test::prove_result(image, mesh_of(image, Target::vertices(static_cast<std::int64_t>(n)), Effort::best), n);
     });
 }
 
@@ -397,8 +387,7 @@ TEST_CASE("a constant image has energy 0 and infinite PSNR with any number of ve
     hmesh_test::prove_result(image, mesh_of(image, Target::psnr(99), Effort::fast), 4);
 }
 
-TEST_CASE(
-    "four vertices mesh an affine image: to the last bits in float, to the rounding of samples and colours in bytes") {
+TEST_CASE("four vertices mesh an affine image: to the last bits in float, to the rounding of samples and colours in bytes") {
     for (const Effort effort : {Effort::draft, Effort::fast, Effort::normal, Effort::best}) {
         const auto floats = hmesh_test::affine_image<float, 3>(40, 31);
         const auto of_floats = mesh_of(floats, Target::vertices(4), effort);
@@ -449,9 +438,7 @@ TEST_CASE("8-bit, 16-bit and float images of one picture give the same PSNR with
     for (const Effort effort : {Effort::draft, Effort::fast}) {
         double of_shorts = 0, of_floats = 0;
         for (std::uint64_t seed = 1; seed <= pictures; ++seed) {
-            const auto psnr_of = [&](const auto& image) {
-                return mesh_of(image, Target::vertices(90), effort).report.psnr;
-            };
+            const auto psnr_of = [&](const auto& image) { return mesh_of(image, Target::vertices(90), effort).report.psnr; };
             const double psnr = psnr_of(textured<std::uint8_t>(seed));
             CHECK(psnr > 27);
             CHECK(psnr < 35);
@@ -473,7 +460,8 @@ TEST_CASE("a picture that touches black and white loses nothing by being float")
         const auto bytes = contrasty<std::uint8_t>(seed);
         const auto floats = contrasty<float>(seed);
         difference += (mesh_of(floats, Target::vertices(90), Effort::draft).report.psnr -
-                       mesh_of(bytes, Target::vertices(90), Effort::draft).report.psnr) / 6;
+                       mesh_of(bytes, Target::vertices(90), Effort::draft).report.psnr) /
+                      6;
     }
     CHECK(difference > -0.05);  // it may gain: its colours need not stop at black and white
 }
@@ -508,8 +496,7 @@ TEST_CASE("floats near the largest and the smallest there are give valid meshes"
     for (const double factor : {3.4e38, 1e30, 1e-30, 1e-38, 1e-44}) {
         CAPTURE(factor);
         Image<float, 1> image = plain;
-        for (float& sample : image.samples())
-            sample = static_cast<float>(factor * (2 * static_cast<double>(sample) - 1));
+        for (float& sample : image.samples()) sample = static_cast<float>(factor * (2 * static_cast<double>(sample) - 1));
         for (const Effort effort : {Effort::draft, Effort::fast, Effort::normal})
             hmesh_test::prove_result(image, mesh_of(image, Target::vertices(30), effort), 30);
     }
@@ -520,8 +507,7 @@ TEST_CASE("padding between rows and rows stored bottom up change no byte of the 
     const auto packed = mesh_of(image, Target::vertices(40), Effort::normal);
     for (const bool bottom_up : {false, true}) {
         const hmesh_test::PaddedCopy<std::uint16_t, 3> copy(image, 7, bottom_up, 12345);
-        CHECK(
-            hmesh_test::same_bytes(mesh_image(copy.view(), options_of(Target::vertices(40), Effort::normal)), packed));
+        CHECK(hmesh_test::same_bytes(mesh_image(copy.view(), options_of(Target::vertices(40), Effort::normal)), packed));
     }
 }
 
@@ -536,8 +522,7 @@ TEST_CASE("colours that are not rounded are in range and fit no worse") {
         hmesh_test::prove_result(image, free, 60, false);
         CHECK(free.mesh.positions == rounded.mesh.positions);
         CHECK(free.report.energy <= rounded.report.energy);
-        CHECK(
-            std::any_of(free.mesh.colors.begin(), free.mesh.colors.end(), [](float c) { return std::floor(c) != c; }));
+        CHECK(std::any_of(free.mesh.colors.begin(), free.mesh.colors.end(), [](float c) { return std::floor(c) != c; }));
     }
 }
 
@@ -550,8 +535,7 @@ TEST_CASE("a PSNR is reached, and 5 percent fewer vertices do not reach it by mo
                 const auto result = mesh_of(image, Target::psnr(target), effort);
                 hmesh_test::prove_result(image, result, result.report.vertices);
                 CHECK(result.report.psnr >= target);
-                const auto fewer =
-                    static_cast<std::int64_t>(std::floor(0.95 * static_cast<double>(result.report.vertices)));
+                const auto fewer = static_cast<std::int64_t>(std::floor(0.95 * static_cast<double>(result.report.vertices)));
                 CHECK(mesh_of(image, Target::vertices(fewer), effort).report.psnr < target + 0.2);
             }
     }

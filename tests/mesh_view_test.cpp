@@ -72,8 +72,7 @@ TEST_CASE("check refuses a number of channels that the use cannot hold") {
 }
 
 TEST_CASE("check refuses a peak that is not positive and finite") {
-    for (const double peak :
-         {0.0, -1.0, std::numeric_limits<double>::infinity(), std::numeric_limits<double>::quiet_NaN()}) {
+    for (const double peak : {0.0, -1.0, std::numeric_limits<double>::infinity(), std::numeric_limits<double>::quiet_NaN()}) {
         Mesh<3> mesh = square();
         mesh.peak = peak;
         CHECK(check(mesh.view(), 3).code == Errc::invalid_argument);

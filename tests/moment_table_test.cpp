@@ -99,8 +99,8 @@ bool same_bits(const MomentTable<C>& a, const MomentTable<C>& b) {
 // How many numbers of a weighted table differ from sums over the view's pixels by more than 1e-13 of the sum of their
 // terms' magnitudes.
 template <class T, int C>
-int weighted_mistakes(const MomentTable<C>& table, const ImageView<T, C>& view, const ImageView<float, 1>& weights,
-                      double unit, const Rect& rect) {
+int weighted_mistakes(const MomentTable<C>& table, const ImageView<T, C>& view, const ImageView<float, 1>& weights, double unit,
+                      const Rect& rect) {
     int wrong = table.width() != rect.width || table.height() != rect.height;
     wrong += !table.is_weighted() || table.is_narrow();
     for (int y = 0; y < rect.height; ++y) {
@@ -121,8 +121,7 @@ int weighted_mistakes(const MomentTable<C>& table, const ImageView<T, C>& view, 
                 size[i] += std::abs(value);
             };
             const T* pixel = view.pixel(rect.x + x, rect.y + y);
-            const long double w =
-                hmesh::WeightScale(unit, view.width, view.height)(*weights.pixel(rect.x + x, rect.y + y));
+            const long double w = hmesh::WeightScale(unit, view.width, view.height)(*weights.pixel(rect.x + x, rect.y + y));
             for (int c = 0; c < C; ++c) {
                 const long double value = PixelTraits<T>::to_real(pixel[c]);
                 add(c, w * value);
@@ -148,11 +147,11 @@ bool same_powers(const MomentTable<C>& a, const MomentTable<C>& b) {
 
 }  // namespace
 
-TEST_CASE_TEMPLATE(
-    "MomentTable holds the prefix sums of each row, exact for integers, for any type and number of channels", K,
-    Kind<std::uint8_t, 1>, Kind<std::uint8_t, 2>, Kind<std::uint8_t, 3>, Kind<std::uint8_t, 4>, Kind<std::uint8_t, 5>,
-    Kind<std::uint8_t, 16>, Kind<std::uint16_t, 1>, Kind<std::uint16_t, 3>, Kind<std::uint16_t, 4>,
-    Kind<std::uint16_t, 16>, Kind<float, 1>, Kind<float, 3>, Kind<float, 7>, Kind<Signed, 2>) {
+TEST_CASE_TEMPLATE("MomentTable holds the prefix sums of each row, exact for integers, for any type and number of channels", K,
+                   Kind<std::uint8_t, 1>, Kind<std::uint8_t, 2>, Kind<std::uint8_t, 3>, Kind<std::uint8_t, 4>,
+                   Kind<std::uint8_t, 5>, Kind<std::uint8_t, 16>, Kind<std::uint16_t, 1>, Kind<std::uint16_t, 3>,
+                   Kind<std::uint16_t, 4>, Kind<std::uint16_t, 16>, Kind<float, 1>, Kind<float, 3>, Kind<float, 7>,
+                   Kind<Signed, 2>) {
     using T = typename K::T;
     constexpr int n = K::channels;
     // Widths around the multiples of 8, where a strip of the table is full.
@@ -167,15 +166,13 @@ TEST_CASE_TEMPLATE(
 TEST_CASE("MomentTable sums negative samples of a user's type exactly") {
     Image<Signed, 2> image(50, 9);
     hmesh::Random random(1);
-    for (Signed& sample : image.samples())
-        sample.value = static_cast<std::int8_t>(static_cast<int>(random.below(201)) - 100);
+    for (Signed& sample : image.samples()) sample.value = static_cast<std::int8_t>(static_cast<int>(random.below(201)) - 100);
     const MomentTable<2> table(image.view(), image.view().bounds());
     CHECK(table.is_narrow());
     CHECK(mistakes(table, image.view(), image.view().bounds()) == 0);
 }
 
-TEST_CASE(
-    "MomentTable: 8-bit sums stay in 32 bits as long as the brightest image fits, and are exact on both sides of it") {
+TEST_CASE("MomentTable: 8-bit sums stay in 32 bits as long as the brightest image fits, and are exact on both sides of it") {
     const auto is_narrow = [](const auto& image) {
         const auto view = image.view();
         const MomentTable table(view, view.bounds());
@@ -195,8 +192,8 @@ TEST_CASE(
     CHECK_FALSE(is_narrow(hmesh_test::noise<float, 1>(5, 5, 1)));
 }
 
-TEST_CASE_TEMPLATE("MomentTable of a rectangle is the table of that part alone, in local coordinates", K,
-                   Kind<std::uint8_t, 3>, Kind<std::uint16_t, 3>, Kind<float, 2>, Kind<std::uint8_t, 1>) {
+TEST_CASE_TEMPLATE("MomentTable of a rectangle is the table of that part alone, in local coordinates", K, Kind<std::uint8_t, 3>,
+                   Kind<std::uint16_t, 3>, Kind<float, 2>, Kind<std::uint8_t, 1>) {
     using T = typename K::T;
     constexpr int n = K::channels;
     const Image<T, n> image = hmesh_test::noise<T, n>(60, 40, 2);
@@ -261,8 +258,8 @@ TEST_CASE_TEMPLATE("MomentTable::pixel gives the samples back, and zeros in the 
 
 TEST_CASE_TEMPLATE("a weighted MomentTable holds the weighted prefix sums of each row, for weights that may be 0", K,
                    Kind<std::uint8_t, 1>, Kind<std::uint8_t, 2>, Kind<std::uint8_t, 3>, Kind<std::uint8_t, 4>,
-                   Kind<std::uint8_t, 8>, Kind<std::uint16_t, 1>, Kind<std::uint16_t, 3>, Kind<std::uint16_t, 8>,
-                   Kind<float, 1>, Kind<float, 2>, Kind<float, 3>, Kind<float, 4>, Kind<Signed, 2>) {
+                   Kind<std::uint8_t, 8>, Kind<std::uint16_t, 1>, Kind<std::uint16_t, 3>, Kind<std::uint16_t, 8>, Kind<float, 1>,
+                   Kind<float, 2>, Kind<float, 3>, Kind<float, 4>, Kind<Signed, 2>) {
     using T = typename K::T;
     constexpr int n = K::channels;
     for (const int width : {1, 2, 3, 7, 16, 33})
@@ -283,8 +280,8 @@ TEST_CASE_TEMPLATE("a weighted MomentTable holds the weighted prefix sums of eac
         }
 }
 
-TEST_CASE_TEMPLATE("a MomentTable with weights that have no data is the table without weights", K,
-                   Kind<std::uint8_t, 3>, Kind<std::uint16_t, 1>, Kind<float, 2>) {
+TEST_CASE_TEMPLATE("a MomentTable with weights that have no data is the table without weights", K, Kind<std::uint8_t, 3>,
+                   Kind<std::uint16_t, 1>, Kind<float, 2>) {
     using T = typename K::T;
     constexpr int n = K::channels;
     const Image<T, n> image = hmesh_test::noise<T, n>(45, 20, 4);
@@ -310,8 +307,8 @@ TEST_CASE("a weighted MomentTable depends on pixels and weights alone: not on st
         CHECK(same(MomentTable<3>(image.view(), weights.view(), 0.3, rect, hmesh_test::ShuffledFor{seed})));
 }
 
-TEST_CASE_TEMPLATE("MomentTable::pixel gives the samples back whatever the weights, also of 0", K,
-                   Kind<std::uint8_t, 1>, Kind<std::uint8_t, 3>, Kind<std::uint16_t, 4>, Kind<float, 2>) {
+TEST_CASE_TEMPLATE("MomentTable::pixel gives the samples back whatever the weights, also of 0", K, Kind<std::uint8_t, 1>,
+                   Kind<std::uint8_t, 3>, Kind<std::uint16_t, 4>, Kind<float, 2>) {
     using T = typename K::T;
     constexpr int n = K::channels;
     const Image<T, n> image = hmesh_test::noise<T, n>(31, 9, 5);
@@ -324,8 +321,7 @@ TEST_CASE_TEMPLATE("MomentTable::pixel gives the samples back whatever the weigh
                 hmesh::Lanes<MomentTable<n>::lanes> samples = hmesh::Lanes<MomentTable<n>::lanes>::all(99);
                 table.pixel(x, y, samples);
                 for (int k = 0; k < MomentTable<n>::lanes; ++k)
-                    wrong += samples[k] !=
-                             (k < n ? PixelTraits<T>::to_real(image.pixel(rect.x + x, rect.y + y)[k]) : 0.0);
+                    wrong += samples[k] != (k < n ? PixelTraits<T>::to_real(image.pixel(rect.x + x, rect.y + y)[k]) : 0.0);
             }
     }
     CHECK(wrong == 0);

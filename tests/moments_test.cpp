@@ -86,8 +86,8 @@ PlaneMesh random_mesh(int width, int height, int columns, int rows, Positions wh
         if (random.below(6) != 0) continue;
         const auto [a, b, c] = topology.vertices(f);
         const double u = random.uniform(), v = random.uniform() * (1 - u), w = 1 - u - v;
-        const Point p = place(u * mesh.at(a).x + v * mesh.at(b).x + w * mesh.at(c).x,
-                              u * mesh.at(a).y + v * mesh.at(b).y + w * mesh.at(c).y);
+        const Point p =
+            place(u * mesh.at(a).x + v * mesh.at(b).x + w * mesh.at(c).x, u * mesh.at(a).y + v * mesh.at(b).y + w * mesh.at(c).y);
         if (!(cross(mesh.at(a), mesh.at(b), p) > least && cross(mesh.at(b), mesh.at(c), p) > least &&
               cross(mesh.at(c), mesh.at(a), p) > least))
             continue;
@@ -195,15 +195,12 @@ void compare(const ImageView<T, C>& view, const Rect& rect, const PlaneMesh& mes
         const auto [left, right] = std::minmax({corner[0].x, corner[1].x, corner[2].x});
         const auto [top, bottom] = std::minmax({corner[0].y, corner[1].y, corner[2].y});
         Sums<T, C> expected;
-        for (int y = std::max(0, static_cast<int>(top) - 1); y < std::min(rect.height, static_cast<int>(bottom) + 1);
-             ++y)
-            for (int x = std::max(0, static_cast<int>(left) - 1); x < std::min(rect.width, static_cast<int>(right) + 1);
-                 ++x) {
+        for (int y = std::max(0, static_cast<int>(top) - 1); y < std::min(rect.height, static_cast<int>(bottom) + 1); ++y)
+            for (int x = std::max(0, static_cast<int>(left) - 1); x < std::min(rect.width, static_cast<int>(right) + 1); ++x) {
                 for (std::size_t k = 0; k < 3; ++k)
                     findings.ties += cross(corner[k], corner[(k + 1) % 3], {x + 0.5, y + 0.5}) == 0;
                 if (!owns(corner, x, y)) continue;
-                ++owners[static_cast<std::size_t>(y) * static_cast<std::size_t>(rect.width) +
-                         static_cast<std::size_t>(x)];
+                ++owners[static_cast<std::size_t>(y) * static_cast<std::size_t>(rect.width) + static_cast<std::size_t>(x)];
                 expected.add(view.pixel(rect.x + x, rect.y + y), x, y);
             }
         const Moments<C> got = face_moments(table, corner);
@@ -260,8 +257,8 @@ double difference(const Moments<C>& got, const WeightedSums<C>& want, const Weig
 
 // Every face and every edge of a mesh over `rect` of a weighted view; the largest difference found.
 template <class T, int C>
-double weighted_difference(const ImageView<T, C>& view, const ImageView<float, 1>& weights, double unit,
-                           const Rect& rect, const PlaneMesh& mesh) {
+double weighted_difference(const ImageView<T, C>& view, const ImageView<float, 1>& weights, double unit, const Rect& rect,
+                           const PlaneMesh& mesh) {
     const MomentTable<C> table(view, weights, unit, rect);
     const auto add = [&](WeightedSums<C>& sums, int x, int y) {
         const hmesh::WeightScale scale(unit, view.width, view.height);
@@ -309,12 +306,11 @@ Point random_point(Random& random, int width, int height, Positions where) {
 
 }  // namespace
 
-TEST_CASE_TEMPLATE(
-    "the edge moments of a face sum to those of its pixels, each pixel in one face, bit for bit for integers", K,
-    Kind<std::uint8_t, 1>, Kind<std::uint8_t, 2>, Kind<std::uint8_t, 3>, Kind<std::uint8_t, 4>, Kind<std::uint8_t, 5>,
-    Kind<std::uint8_t, 16>, Kind<std::uint16_t, 1>, Kind<std::uint16_t, 2>, Kind<std::uint16_t, 3>,
-    Kind<std::uint16_t, 4>, Kind<std::uint16_t, 5>, Kind<std::uint16_t, 16>, Kind<float, 1>, Kind<float, 3>,
-    Kind<float, 16>) {
+TEST_CASE_TEMPLATE("the edge moments of a face sum to those of its pixels, each pixel in one face, bit for bit for integers", K,
+                   Kind<std::uint8_t, 1>, Kind<std::uint8_t, 2>, Kind<std::uint8_t, 3>, Kind<std::uint8_t, 4>,
+                   Kind<std::uint8_t, 5>, Kind<std::uint8_t, 16>, Kind<std::uint16_t, 1>, Kind<std::uint16_t, 2>,
+                   Kind<std::uint16_t, 3>, Kind<std::uint16_t, 4>, Kind<std::uint16_t, 5>, Kind<std::uint16_t, 16>,
+                   Kind<float, 1>, Kind<float, 3>, Kind<float, 16>) {
     using T = typename K::T;
     constexpr int n = K::channels;
     const Image<T, n> image = hmesh_test::noise<T, n>(52, 41, 1);
@@ -421,8 +417,8 @@ TEST_CASE("the sides of the rectangle give the moments of all its pixels, whatev
     }
 }
 
-TEST_CASE_TEMPLATE("a table of a rectangle gives the moments of its pixels in local coordinates", K,
-                   Kind<std::uint8_t, 3>, Kind<std::uint16_t, 1>, Kind<float, 2>) {
+TEST_CASE_TEMPLATE("a table of a rectangle gives the moments of its pixels in local coordinates", K, Kind<std::uint8_t, 3>,
+                   Kind<std::uint16_t, 1>, Kind<float, 2>) {
     using T = typename K::T;
     constexpr int n = K::channels;
     const Image<T, n> image = hmesh_test::noise<T, n>(70, 60, 7);
@@ -438,10 +434,10 @@ TEST_CASE_TEMPLATE("a table of a rectangle gives the moments of its pixels in lo
     CHECK(findings.wrong_sums == 0);
 }
 
-TEST_CASE_TEMPLATE("over a weighted table, edges and faces have the weighted moments of their pixels", K,
-                   Kind<std::uint8_t, 1>, Kind<std::uint8_t, 2>, Kind<std::uint8_t, 3>, Kind<std::uint8_t, 4>,
-                   Kind<std::uint8_t, 8>, Kind<std::uint16_t, 1>, Kind<std::uint16_t, 3>, Kind<std::uint16_t, 8>,
-                   Kind<float, 1>, Kind<float, 2>, Kind<float, 3>, Kind<float, 4>, Kind<float, 8>) {
+TEST_CASE_TEMPLATE("over a weighted table, edges and faces have the weighted moments of their pixels", K, Kind<std::uint8_t, 1>,
+                   Kind<std::uint8_t, 2>, Kind<std::uint8_t, 3>, Kind<std::uint8_t, 4>, Kind<std::uint8_t, 8>,
+                   Kind<std::uint16_t, 1>, Kind<std::uint16_t, 3>, Kind<std::uint16_t, 8>, Kind<float, 1>, Kind<float, 2>,
+                   Kind<float, 3>, Kind<float, 4>, Kind<float, 8>) {
     using T = typename K::T;
     constexpr int n = K::channels;
     for (const Rect& size : {Rect{0, 0, 1, 1}, Rect{0, 0, 1, 6}, Rect{0, 0, 5, 1}, Rect{0, 0, 37, 29}}) {

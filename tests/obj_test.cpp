@@ -32,12 +32,12 @@ TEST_CASE("a mesh of two faces is written as these lines") {
     mesh.positions = {0, 0, 3, 0, 2.99609375F, 2, 0, 1.5F};
     mesh.colors = {0, 128, 255, 1, 2, 3, -5, 300, 99.5F, 51, 0.4F, 254.6F};
     CHECK(written(mesh) == header +
-          "v 0 2 0 0 0.501961 1\n"
-          "v 3 2 0 0.003922 0.007843 0.011765\n"
-          "v 2.99609375 0 0 0 1 0.390196\n"
-          "v 0 0.5 0 0.2 0.001569 0.998431\n"
-          "f 1 3 2\n"
-          "f 1 4 3\n");
+                               "v 0 2 0 0 0.501961 1\n"
+                               "v 3 2 0 0.003922 0.007843 0.011765\n"
+                               "v 2.99609375 0 0 0 1 0.390196\n"
+                               "v 0 0.5 0 0.2 0.001569 0.998431\n"
+                               "f 1 3 2\n"
+                               "f 1 4 3\n");
 }
 
 TEST_CASE("grey is written as three equal colours") {

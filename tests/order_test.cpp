@@ -49,14 +49,12 @@ void check_orders(const hmesh::ImageMesh<C>& mesh) {
 }  // namespace
 
 TEST_CASE("live vertices and faces come once each in Morton's order, ties by index") {
-    Subject<std::uint8_t, 1> subject(hmesh_test::noise<std::uint8_t, 1>(90, 50, 1),
-                                     hmesh_test::jittered_grid(90, 50, 20, 12, 1));
+    Subject<std::uint8_t, 1> subject(hmesh_test::noise<std::uint8_t, 1>(90, 50, 1), hmesh_test::jittered_grid(90, 50, 20, 12, 1));
     check_orders(subject.mesh);
     hmesh_test::wear(subject.mesh, 1500, 255, 1);
     check_orders(subject.mesh);
     CHECK(subject.mesh.vertex_count() < subject.mesh.topology().vertex_slots());
 
-    Subject<std::uint8_t, 1> crowded(hmesh_test::noise<std::uint8_t, 1>(3, 3, 1),
-                                     hmesh_test::jittered_grid(3, 3, 12, 12, 1));
+    Subject<std::uint8_t, 1> crowded(hmesh_test::noise<std::uint8_t, 1>(3, 3, 1), hmesh_test::jittered_grid(3, 3, 12, 12, 1));
     check_orders(crowded.mesh);  // many ties
 }

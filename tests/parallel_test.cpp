@@ -48,8 +48,9 @@ TEST_CASE("for_each_chunk cuts by the problem and not by the executor") {
     using Ranges = std::vector<std::pair<std::size_t, std::size_t>>;
     const auto record = [](auto&& parallel_for) {
         Ranges ranges(4);
-        hmesh::for_each_chunk(parallel_for, 35, 10,
-                              [&](std::size_t begin, std::size_t end) { ranges[begin / 10] = {begin, end}; });
+        hmesh::for_each_chunk(parallel_for, 35, 10, [&](std::size_t begin, std::size_t end) {
+            ranges[begin / 10] = {begin, end};
+        });
         return ranges;
     };
     const Ranges expected{{0, 10}, {10, 20}, {20, 30}, {30, 35}};

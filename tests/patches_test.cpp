@@ -135,16 +135,14 @@ Form form_of(const std::vector<Triangle>& triangles) {
     for (std::size_t t = 0; t < triangles.size(); ++t) form.components += components.of(t) == t ? 1 : 0;
     // Euler: each component without holes has vertices - edges + faces = 1, and each hole takes one away.
     const auto count = [](std::size_t n) { return static_cast<std::ptrdiff_t>(n); };
-    form.holes =
-        count(form.components) - (count(sizes.size()) - count(sides.size() - inner / 2) + count(triangles.size()));
+    form.holes = count(form.components) - (count(sizes.size()) - count(sides.size() - inner / 2) + count(triangles.size()));
     return form;
 }
 
 template <int C>
 std::vector<Triangle> triangles_of(const WholeMesh<C>& whole, const Cut& cut, std::size_t tile) {
     std::vector<Triangle> triangles;
-    for (std::size_t k = cut.first[tile]; k < cut.first[tile + 1]; ++k)
-        triangles.push_back(whole.triangles[cut.triangles[k]]);
+    for (std::size_t k = cut.first[tile]; k < cut.first[tile + 1]; ++k) triangles.push_back(whole.triangles[cut.triangles[k]]);
     return triangles;
 }
 
@@ -170,8 +168,8 @@ std::vector<Corners<C>> corners_of(const WholeMesh<C>& whole, const PatchResult<
 }
 
 template <int C>
-void prove_result(const WholeMesh<C>& whole, const Cut& cut, std::size_t tile, const PatchResult<C>& result,
-                  bool by_fan, const Form& form) {
+void prove_result(const WholeMesh<C>& whole, const Cut& cut, std::size_t tile, const PatchResult<C>& result, bool by_fan,
+                  const Form& form) {
     std::vector<Corners<C>> expected;
     for (const Triangle& t : triangles_of(whole, cut, tile)) expected.push_back(hmesh_test::corners_of(whole, t));
     std::sort(expected.begin(), expected.end());
@@ -281,8 +279,7 @@ template <class T, int C>
 void prove_tilings(const Image<T, C>& image, const WholeMesh<C>& whole, std::uint64_t seed, Met& met) {
     const ImageSource<C> source(image.view());
     for (const double tile : {1.0, 2.0, 3.0, 5.0, 8.0, 13.0, 29.0, 1000.0})
-        prove_patches(source, whole, Tiling(image.width(), image.height(), tile, (seed & 1U) != 0, (seed & 2U) != 0),
-                      met);
+        prove_patches(source, whole, Tiling(image.width(), image.height(), tile, (seed & 1U) != 0, (seed & 2U) != 0), met);
 }
 
 }  // namespace
@@ -340,8 +337,7 @@ TEST_CASE("a point is in the tile whose rectangle holds it, also on lines and on
             for (int shift = 0; shift < 4; ++shift) {
                 const Tiling tiling(width, height, tile, (shift & 1) != 0, (shift & 2) != 0);
                 // The tile of each pixel, from the rectangles.
-                std::vector<std::size_t> owner(static_cast<std::size_t>(width) * static_cast<std::size_t>(height),
-                                               tiling.size());
+                std::vector<std::size_t> owner(static_cast<std::size_t>(width) * static_cast<std::size_t>(height), tiling.size());
                 const auto at = [&, w = width](int x, int y) -> std::size_t& {
                     return owner[static_cast<std::size_t>(y * w + x)];
                 };
@@ -463,8 +459,7 @@ TEST_CASE("patches of an image with weights sum up to the whole") {
     REQUIRE(std::abs(one.energy() - whole.energy) > 0.1 * whole.energy);  // without weights it is another
     whole.energy = one.energy();
     Met met;
-    for (const double tile : {4.0, 12.0, 30.0, 100.0})
-        prove_patches(source, whole, Tiling(48, 40, tile, true, false), met);
+    for (const double tile : {4.0, 12.0, 30.0, 100.0}) prove_patches(source, whole, Tiling(48, 40, tile, true, false), met);
 }
 
 TEST_CASE("a patch that is the whole takes the table it is offered and gives it back; others make their own") {
@@ -534,8 +529,7 @@ void torture(const Image<T, C>& image, const WholeMesh<C>& whole, double tile_si
         ImageMesh<C>& mesh = patch.mesh();
         Point low{1e9, 1e9};
         for (const Triangle& t : triangles)
-            for (const std::uint32_t v : t)
-                low = {std::min(low.x, whole.positions[v].x), std::min(low.y, whole.positions[v].y)};
+            for (const std::uint32_t v : t) low = {std::min(low.x, whole.positions[v].x), std::min(low.y, whole.positions[v].y)};
         const Point origin{std::floor(low.x), std::floor(low.y)};
 
         std::vector<std::pair<Vertex, Vertex>> rim;
@@ -568,8 +562,7 @@ void torture(const Image<T, C>& image, const WholeMesh<C>& whole, double tile_si
             REQUIRE(h.is_valid());
             REQUIRE(mesh.topology().is_boundary(HalfedgeMesh::edge(h)));
         }
-        for (const Vertex v : mesh.topology().vertices())
-            REQUIRE(mesh.topology().valence(v) <= mesh.vertex(v).most_valence);
+        for (const Vertex v : mesh.topology().vertices()) REQUIRE(mesh.topology().valence(v) <= mesh.vertex(v).most_valence);
     }
 }
 

@@ -74,18 +74,10 @@ struct Phase {
         ImageMesh<C>& mesh = patch.mesh();
         const std::size_t count = mesh.vertex_count();
         switch (mixed ? static_cast<Kind>(random.below(kinds)) : kind) {
-            case Kind::sweep:
-                hmesh::sweep(mesh);
-                return;
-            case Kind::flip:
-                hmesh::flip_edges(mesh);
-                return;
-            case Kind::insert:
-                hmesh::insert_batch(mesh, 1 + random.below(count / 3 + 1), {true, true, 0});
-                return;
-            case Kind::remove:
-                hmesh::remove_batch(mesh, 1 + random.below(count / 3 + 1), {});
-                return;
+            case Kind::sweep: hmesh::sweep(mesh); return;
+            case Kind::flip: hmesh::flip_edges(mesh); return;
+            case Kind::insert: hmesh::insert_batch(mesh, 1 + random.below(count / 3 + 1), {true, true, 0}); return;
+            case Kind::remove: hmesh::remove_batch(mesh, 1 + random.below(count / 3 + 1), {}); return;
             case Kind::anneal: {
                 const double least = 0.7 * static_cast<double>(count), most = 1.3 * static_cast<double>(count);
                 hmesh::AnnealingSweep<C>(mesh, {}, price, 0.4 * price, {least, most}, random).run();
@@ -204,9 +196,8 @@ void work_through(const Image<T, C>& image, WholeMesh<C> start, std::size_t coun
         prove_rim(work.whole(), rim);
         changed += same_bytes(before, work.whole()) ? 0 : 1;
         const auto on_border = [&](const WholeMesh<C>& whole) {
-            return std::count_if(whole.positions.begin(), whole.positions.end(), [&](Point p) {
-                return p.x == 0 || p.y == 0 || p.x == whole.width || p.y == whole.height;
-            });
+            return std::count_if(whole.positions.begin(), whole.positions.end(),
+                                 [&](Point p) { return p.x == 0 || p.y == 0 || p.x == whole.width || p.y == whole.height; });
         };
         border_splits += on_border(work.whole()) > on_border(before) ? 1 : 0;
     }
@@ -302,8 +293,7 @@ TEST_CASE("a hub with as many spokes as may be gets no more, though its spokes a
     work_through(image, make_whole(image, hmesh_test::wheel(64, 24), 1), 30, 8);
 }
 
-TEST_CASE(
-    "patches that give a vertex which they share all the edges they may leave it with as many as a vertex may have") {
+TEST_CASE("patches that give a vertex which they share all the edges they may leave it with as many as a vertex may have") {
     const auto image = hmesh_test::scene<std::uint8_t, 1>(96, 96, 6);
     const ImageSource<1> source(image.view());
     const SerialFor serial;

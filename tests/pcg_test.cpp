@@ -270,8 +270,8 @@ TEST_CASE("held entries are what the residual is relative to, whatever the right
     hmesh::Random random(12);
     const MatrixXd dense = random_spd(40, random), start = random_matrix(40, 3, random);
     MatrixXd b = random_matrix(40, 3, random);
-    b.col(0).setZero();   // only what is held asks for something
-    b.col(1) *= 1e-9;     // far less than what is held
+    b.col(0).setZero();  // only what is held asks for something
+    b.col(1) *= 1e-9;    // far less than what is held
     const std::vector<hmesh::HeldEntry> held = {{3, 0}, {17, 0}, {5, 1}, {0, 2}};
     for (const double tolerance : {1e-3, 1e-10}) {
         MatrixXd x = start;

@@ -87,9 +87,8 @@ void check_read_back(const hmesh::Mesh<C>& mesh, double tolerance, const hmesh::
           std::vector<double>{0, 0, static_cast<double>(mesh.width), static_cast<double>(mesh.height)});
     CHECK(follow(objects, page.entries, "/Contents").data == "/S0 sh");
     const Object& shading = follow(objects, page.entries, "/S0");
-    check_drawn(read_shading(shading.entries, shading.data), mesh.view(), C, tolerance, [&](std::size_t v, std::size_t k) {
-        return static_cast<double>(mesh.colors[C * v + k]) / mesh.peak;
-    });
+    check_drawn(read_shading(shading.entries, shading.data), mesh.view(), C, tolerance,
+                [&](std::size_t v, std::size_t k) { return static_cast<double>(mesh.colors[C * v + k]) / mesh.peak; });
 }
 
 constexpr double half_of_8 = 0.5 / 255 + 1e-9, half_of_16 = 0.5 / 65535 + 1e-9;
@@ -102,7 +101,8 @@ TEST_CASE("a mesh of two faces is written as these bytes") {
     mesh.colors = {0, 128, 255, 1, 2, 3, -5, 300, 99.5F, 99.4F, 0.4F, 254.6F};
     const std::string head =
         "%PDF-1.4\n%\xe2\xe3\xcf\xd3\n"
-        "1 0 obj\n<< /Producer (hmesh " HMESH_VERSION_STRING ") >>\nendobj\n"
+        "1 0 obj\n<< /Producer (hmesh " HMESH_VERSION_STRING
+        ") >>\nendobj\n"
         "2 0 obj\n<< /Type /Catalog /Pages 3 0 R >>\nendobj\n"
         "3 0 obj\n<< /Type /Pages /Kids [4 0 R] /Count 1 >>\nendobj\n"
         "4 0 obj\n<< /Type /Page /Parent 3 0 R /MediaBox [0 0 3 2] /Contents 5 0 R\n"
@@ -124,10 +124,9 @@ TEST_CASE("a mesh of two faces is written as these bytes") {
     REQUIRE(file.size() > expected.size());
     CHECK(file.substr(0, expected.size()) == expected);
     const std::string table = file.substr(expected.size());
-    CHECK(table.substr(0, 70) ==
-          "xref\n0 7\n0000000000 65535 f \n0000000015 00000 n \n0000000060 00000 n \n0");
-    CHECK(table.substr(table.find("trailer")) == "trailer\n<< /Size 7 /Root 2 0 R /Info 1 0 R >>\nstartxref\n" +
-                                                      std::to_string(expected.size()) + "\n%%EOF\n");
+    CHECK(table.substr(0, 70) == "xref\n0 7\n0000000000 65535 f \n0000000015 00000 n \n0000000060 00000 n \n0");
+    CHECK(table.substr(table.find("trailer")) ==
+          "trailer\n<< /Size 7 /Root 2 0 R /Info 1 0 R >>\nstartxref\n" + std::to_string(expected.size()) + "\n%%EOF\n");
 }
 
 TEST_CASE("the triangles read back are the faces of the mesh, in strips and without") {

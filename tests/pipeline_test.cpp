@@ -114,8 +114,7 @@ TEST_CASE("a mesh goes into a PLY file as it is") {
     CHECK(file.size() == body + 60 * 15 + result.report.faces * 13);
     for (std::size_t v = 0; v < 60; ++v)
         for (std::size_t c = 0; c < 3; ++c)
-            CHECK(static_cast<float>(static_cast<unsigned char>(file[body + 15 * v + 12 + c])) ==
-                  result.mesh.colors[3 * v + c]);
+            CHECK(static_cast<float>(static_cast<unsigned char>(file[body + 15 * v + 12 + c])) == result.mesh.colors[3 * v + c]);
 }
 
 TEST_CASE("a mirrored, turned or inverted picture is meshed about as well") {

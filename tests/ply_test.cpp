@@ -22,9 +22,8 @@ const auto write = [](const hmesh::MeshView& mesh, auto&& sink) { return hmesh::
 
 template <int C>
 Bytes written(const hmesh::Mesh<C>& mesh, const hmesh::PlyOptions& options = {}) {
-    return hmesh_test::exported(mesh.view(), [&](const hmesh::MeshView& view, auto&& sink) {
-        return hmesh::write_ply(view, sink, options);
-    });
+    return hmesh_test::exported(mesh.view(),
+                                [&](const hmesh::MeshView& view, auto&& sink) { return hmesh::write_ply(view, sink, options); });
 }
 
 struct PlyFile {
@@ -60,8 +59,7 @@ PlyFile read_ply(const Bytes& bytes) {
         file.positions.push_back({});
         for (float& x : file.positions.back()) x = number(0.0F);
         file.colours.push_back({});
-        for (std::size_t k = 0; k < file.colour_names.size(); ++k)
-            file.colours.back().push_back(number(std::uint8_t{0}));
+        for (std::size_t k = 0; k < file.colour_names.size(); ++k) file.colours.back().push_back(number(std::uint8_t{0}));
     }
     for (std::size_t f = 0; f < faces; ++f) {
         REQUIRE(number(std::uint8_t{0}) == 3);
@@ -81,7 +79,8 @@ TEST_CASE("a mesh of two faces is written as these bytes") {
     const std::string header =
         "ply\n"
         "format binary_little_endian 1.0\n"
-        "comment made by hmesh " HMESH_VERSION_STRING "\n"
+        "comment made by hmesh " HMESH_VERSION_STRING
+        "\n"
         "element vertex 4\n"
         "property float x\n"
         "property float y\n"
@@ -93,12 +92,12 @@ TEST_CASE("a mesh of two faces is written as these bytes") {
         "property list uchar int vertex_indices\n"
         "end_header\n";
     const Bytes body = {
-        0, 0, 0,    0,    0, 0, 0,    0x40, 0, 0, 0, 0, 0,  128, 255,  // (0, 2, 0)
-        0, 0, 0x40, 0x40, 0, 0, 0,    0x40, 0, 0, 0, 0, 1,  2,   3,    // (3, 2, 0)
-        0, 0, 0x40, 0x40, 0, 0, 0,    0,    0, 0, 0, 0, 0,  255, 100,  // (3, 0, 0)
-        0, 0, 0,    0,    0, 0, 0,    0x3f, 0, 0, 0, 0, 99, 0,   255,  // (0, 0.5, 0)
-        3, 0, 0,    0,    0, 2, 0,    0,    0, 1, 0, 0, 0,             //
-        3, 0, 0,    0,    0, 3, 0,    0,    0, 2, 0, 0, 0,             //
+        0, 0, 0,    0,    0, 0, 0, 0x40, 0, 0, 0, 0, 0,  128, 255,  // (0, 2, 0)
+        0, 0, 0x40, 0x40, 0, 0, 0, 0x40, 0, 0, 0, 0, 1,  2,   3,    // (3, 2, 0)
+        0, 0, 0x40, 0x40, 0, 0, 0, 0,    0, 0, 0, 0, 0,  255, 100,  // (3, 0, 0)
+        0, 0, 0,    0,    0, 0, 0, 0x3f, 0, 0, 0, 0, 99, 0,   255,  // (0, 0.5, 0)
+        3, 0, 0,    0,    0, 2, 0, 0,    0, 1, 0, 0, 0,             //
+        3, 0, 0,    0,    0, 3, 0, 0,    0, 2, 0, 0, 0,             //
     };
     Bytes expected(header.begin(), header.end());
     expected.insert(expected.end(), body.begin(), body.end());
@@ -131,8 +130,7 @@ TEST_CASE("what is read back is the mesh with y up and faces counter-clockwise")
     for (std::size_t f = 0; f < mesh.face_count(); ++f) {
         std::array<std::array<float, 3>, 3> at{};
         for (std::size_t k = 0; k < 3; ++k) at[k] = file.positions[static_cast<std::size_t>(file.faces[f][k])];
-        const float twice_area =
-            (at[1][0] - at[0][0]) * (at[2][1] - at[0][1]) - (at[2][0] - at[0][0]) * (at[1][1] - at[0][1]);
+        const float twice_area = (at[1][0] - at[0][0]) * (at[2][1] - at[0][1]) - (at[2][0] - at[0][0]) * (at[1][1] - at[0][1]);
         CHECK(twice_area == 1.0F);
         CHECK(file.faces[f][0] == static_cast<std::int32_t>(mesh.faces[f][0]));
     }
@@ -146,7 +144,8 @@ TEST_CASE("with ascii, the same numbers are written as text") {
     const std::string header =
         "ply\n"
         "format ascii 1.0\n"
-        "comment made by hmesh " HMESH_VERSION_STRING "\n"
+        "comment made by hmesh " HMESH_VERSION_STRING
+        "\n"
         "element vertex 4\n"
         "property float x\n"
         "property float y\n"
@@ -155,24 +154,24 @@ TEST_CASE("with ascii, the same numbers are written as text") {
         "element face 2\n"
         "property list uchar int vertex_indices\n"
         "end_header\n";
-    CHECK(hmesh_test::as_text(written(mesh, options)) == header +
-          "property uchar red\nproperty uchar green\nproperty uchar blue\nproperty uchar alpha\n" + faces +
-          "0 2 0 0 1 2 3\n"
-          "3 2 0 10 11 12 13\n"
-          "2.99609375 0 0 20 21 22 23\n"
-          "0.100000001 0.5 0 30 31 32 33\n"
-          "3 0 2 1\n"
-          "3 0 3 2\n");
+    CHECK(hmesh_test::as_text(written(mesh, options)) ==
+          header + "property uchar red\nproperty uchar green\nproperty uchar blue\nproperty uchar alpha\n" + faces +
+              "0 2 0 0 1 2 3\n"
+              "3 2 0 10 11 12 13\n"
+              "2.99609375 0 0 20 21 22 23\n"
+              "0.100000001 0.5 0 30 31 32 33\n"
+              "3 0 2 1\n"
+              "3 0 3 2\n");
     options.float_colors = true;
     hmesh::Mesh<1> grey = two_faces<1>();
     grey.colors = {0, 255, -51, 510};
     CHECK(hmesh_test::as_text(written(grey, options)) == header + "property float intensity\n" + faces +
-          "0 2 0 0\n"
-          "3 2 0 1\n"
-          "3 0 0 -0.200000003\n"
-          "0 0 0 2\n"
-          "3 0 2 1\n"
-          "3 0 3 2\n");
+                                                             "0 2 0 0\n"
+                                                             "3 2 0 1\n"
+                                                             "3 0 0 -0.200000003\n"
+                                                             "0 0 0 2\n"
+                                                             "3 0 2 1\n"
+                                                             "3 0 3 2\n");
 }
 
 TEST_CASE("with float_colors, shares of the peak are written as they are, below 0 and above 1 too") {

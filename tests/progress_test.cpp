@@ -107,8 +107,7 @@ void cancel_everywhere(const hmesh::Image<T, C>& image, Options options, std::si
     }
 }
 template <class T, int C>
-void cancel_everywhere(const hmesh::Image<T, C>& image, Target target, Effort effort, std::size_t stride = 1,
-                       int tile = 0) {
+void cancel_everywhere(const hmesh::Image<T, C>& image, Target target, Effort effort, std::size_t stride = 1, int tile = 0) {
     Options options;
     options.target = target;
     options.effort = effort;
@@ -439,9 +438,8 @@ TEST_CASE("cancelled at any call, the methods that annealed is compared with ret
     for_each_other_method(30, [&](const Options& options) { cancel_everywhere(image, options); });
     const auto floats = hmesh_test::scene<float, 1>(24, 20, 3);
     for_each_other_method(150, [&](const Options& options) { cancel_everywhere(floats, options, 5); });
-    for_each_other_method(4, [&](const Options& options) {
-        cancel_everywhere(hmesh_test::noise<std::uint8_t, 1>(1, 1, 1), options);
-    });
+    for_each_other_method(
+        4, [&](const Options& options) { cancel_everywhere(hmesh_test::noise<std::uint8_t, 1>(1, 1, 1), options); });
 }
 
 TEST_CASE("cancelled at any call of work in tiles, mesh_image returns a valid mesh and a report that is true of it") {

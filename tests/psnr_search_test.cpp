@@ -101,8 +101,8 @@ TEST_CASE("the fewest vertices are found on curves of any slope, from any start,
     for (const double slope : {0.2, 0.8, 1.6, 3.0, 9.0})
         for (const std::size_t first : {4U, 100U, 2500U, 250000U})
             for (const double psnr : {12.0, 24.0, 30.5, 37.0, 55.0})
-                check_search([slope](std::size_t n) { return 14 + slope * std::log2(static_cast<double>(n)); }, psnr,
-                             first, 262144, 20);
+                check_search([slope](std::size_t n) { return 14 + slope * std::log2(static_cast<double>(n)); }, psnr, first,
+                             262144, 20);
 }
 
 TEST_CASE("curves that bend, jump or are flat for long are searched to the end") {
@@ -122,8 +122,7 @@ TEST_CASE("a curve that is flat for long, as that of noise, is searched to the e
         check_search([](std::size_t) { return 25.0; }, 25, first, 100000, 40);
         check_search([](std::size_t) { return 25.0; }, 24.99, first, 100000, 40);
         check_search([](std::size_t) { return 25.0; }, 25.01, first, 100000, 40);
-        check_search([](std::size_t n) { return 25 + 0.01 * std::log2(static_cast<double>(n)); }, 25.11, first, 100000,
-                     40);
+        check_search([](std::size_t n) { return 25 + 0.01 * std::log2(static_cast<double>(n)); }, 25.11, first, 100000, 40);
         check_search([](std::size_t n) { return n < 5 ? 20.0 : 30.0; }, 30, first, 100000, 40);
     }
 }

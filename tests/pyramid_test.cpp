@@ -121,8 +121,8 @@ TEST_CASE("a user's filter takes the place of the bilateral one") {
     CHECK(samples_of(pyramid.level(2)) == expected);
 }
 
-TEST_CASE_TEMPLATE("a user's filter sees packed rows of stored values, also of a bottom-up view", T, std::uint8_t,
-                   std::uint16_t, float) {
+TEST_CASE_TEMPLATE("a user's filter sees packed rows of stored values, also of a bottom-up view", T, std::uint8_t, std::uint16_t,
+                   float) {
     const auto image = hmesh_test::noise<T, 3>(5, 4, 3);
     const hmesh_test::PaddedCopy<T, 3> copy(image, 2, true, T(77));
     Calls calls;

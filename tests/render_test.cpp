@@ -27,8 +27,7 @@ using hmesh::Status;
 using hmesh_test::ReverseFor;
 
 Point position(const MeshView& mesh, std::uint32_t v) {
-    return {static_cast<double>(mesh.positions[2 * std::size_t{v}]),
-            static_cast<double>(mesh.positions[2 * std::size_t{v} + 1])};
+    return {static_cast<double>(mesh.positions[2 * std::size_t{v}]), static_cast<double>(mesh.positions[2 * std::size_t{v} + 1])};
 }
 
 double area(const MeshView& mesh, const std::array<std::uint32_t, 3>& face) {
@@ -68,25 +67,21 @@ Mesh<C> random_mesh(int width, int height, int columns, int rows, int splits, Ra
                 mesh.faces.push_back(falling ? std::array{a, b, d} : std::array{a, b, c});
                 mesh.faces.push_back(falling ? std::array{a, d, c} : std::array{b, d, c});
             }
-    } while (!std::all_of(mesh.faces.begin(), mesh.faces.end(),
-                          [&](const auto& face) { return area(mesh.view(), face) > 0; }));
+    } while (!std::all_of(mesh.faces.begin(), mesh.faces.end(), [&](const auto& face) { return area(mesh.view(), face) > 0; }));
     for (int n = 0; n < splits; ++n) {
         const std::size_t f = random.below(mesh.face_count());
         const auto [a, b, c] = mesh.faces[f];
         const double u = random.uniform(), v = random.uniform() * (1 - u);
         const Point p = position(mesh.view(), a), q = position(mesh.view(), b), r = position(mesh.view(), c);
-        const Point at =
-            hmesh::snap({p.x + u * (q.x - p.x) + v * (r.x - p.x), p.y + u * (q.y - p.y) + v * (r.y - p.y)});
+        const Point at = hmesh::snap({p.x + u * (q.x - p.x) + v * (r.x - p.x), p.y + u * (q.y - p.y) + v * (r.y - p.y)});
         if (hmesh::cross(p, q, at) <= 0 || hmesh::cross(q, r, at) <= 0 || hmesh::cross(r, p, at) <= 0) continue;
         const std::uint32_t d = add(at.x, at.y);
         mesh.faces[f] = {a, b, d};
         mesh.faces.push_back({b, c, d});
         mesh.faces.push_back({c, a, d});
     }
-    for (std::size_t k = 0; k < C * mesh.vertex_count(); ++k)
-        mesh.colors.push_back(static_cast<float>(256 * random.uniform()));
-    for (auto& face : mesh.faces)
-        std::rotate(face.begin(), face.begin() + static_cast<int>(random.below(3)), face.end());
+    for (std::size_t k = 0; k < C * mesh.vertex_count(); ++k) mesh.colors.push_back(static_cast<float>(256 * random.uniform()));
+    for (auto& face : mesh.faces) std::rotate(face.begin(), face.begin() + static_cast<int>(random.below(3)), face.end());
     return mesh;
 }
 
@@ -238,14 +233,8 @@ TEST_CASE("two faces agree on their edge to the last bit, as the long side of on
         for (const double drop : {65536.0, 65535.0, 3 * 65535.0, 5 * 65533.0}) {
             Mesh<1> mesh;
             mesh.width = mesh.height = 24, mesh.peak = 1;
-            mesh.positions = {std::ldexp(1.0F, -33),
-                              10,
-                              static_cast<float>(run),
-                              static_cast<float>(10 + drop),
-                              -5,
-                              30000,
-                              500000,
-                              0};
+            mesh.positions = {
+                std::ldexp(1.0F, -33), 10, static_cast<float>(run), static_cast<float>(10 + drop), -5, 30000, 500000, 0};
             mesh.colors.assign(4, 0.0F);
             mesh.faces = {{0, 1, 2}, {0, 3, 1}};
             const std::vector<std::vector<bool>> pixels = drawn_alone(mesh.view());
@@ -338,7 +327,7 @@ TEST_CASE("pixels in no face are 0 and a later face covers an earlier") {
 TEST_CASE("an executor that runs backwards gives identical bytes") {
     Random random(8);
     Mesh<3> mesh = random_mesh<3>(150, 210, 70, 60, 500, random);  // more than one chunk of vertices and of faces
-    for (std::uint32_t v = 20; v-- > 0;)  // over many bands and over each other
+    for (std::uint32_t v = 20; v-- > 0;)                           // over many bands and over each other
         mesh.faces.push_back({100 * v, 50 * v + 7, 3000 + 33 * v});
     Image<float, 3> forward, backward;
     REQUIRE(hmesh::render(mesh.view(), forward, {300, 333}));
@@ -395,9 +384,9 @@ TEST_CASE("psnr is 10 log10(peak^2 / MSE) with the mean over pixels and channels
     CHECK(hmesh::psnr(a, ImageView<float, 3>{drawn_samples.data(), 2, 1, 0}) ==
           doctest::Approx(10 * std::log10(255.0 * 255.0 * 6 / 0.25)).epsilon(1e-14));
     const std::vector<std::uint16_t> deep = {0, 65535}, deep_other = {1, 65535};
-    CHECK(hmesh::psnr(ImageView<std::uint16_t, 1>{deep.data(), 1, 2, 0},
-                      ImageView<std::uint16_t, 1>{deep_other.data(), 1, 2, 0}) ==
-          doctest::Approx(20 * std::log10(65535.0) + 10 * std::log10(2.0)).epsilon(1e-14));
+    CHECK(
+        hmesh::psnr(ImageView<std::uint16_t, 1>{deep.data(), 1, 2, 0}, ImageView<std::uint16_t, 1>{deep_other.data(), 1, 2, 0}) ==
+        doctest::Approx(20 * std::log10(65535.0) + 10 * std::log10(2.0)).epsilon(1e-14));
     const std::vector<float> zero = {0}, half = {0.5F};
     CHECK(hmesh::psnr(ImageView<float, 1>{zero.data(), 1, 1, 0}, ImageView<float, 1>{half.data(), 1, 1, 0}) ==
           doctest::Approx(10 * std::log10(4.0)).epsilon(1e-14));
@@ -428,7 +417,6 @@ TEST_CASE("to_pixels rounds to nearest and holds to the type's range") {
     CHECK(bytes.width() == 2);
     CHECK(bytes.height() == 2);
     CHECK(bytes.samples() == std::vector<std::uint8_t>{0, 0, 1, 254, 255, 255, 255, 255});
-    CHECK(hmesh::to_pixels<std::uint16_t>(image).samples() ==
-          std::vector<std::uint16_t>{0, 0, 1, 254, 255, 255, 256, 65535});
+    CHECK(hmesh::to_pixels<std::uint16_t>(image).samples() == std::vector<std::uint16_t>{0, 0, 1, 254, 255, 255, 256, 65535});
     CHECK(hmesh::to_pixels<float>(image).samples() == image.samples());
 }

@@ -16,8 +16,8 @@
 using hmesh::Color;
 using hmesh::Face;
 using hmesh::Mobility;
-using hmesh::Point;
 using hmesh::PixelTraits;
+using hmesh::Point;
 using hmesh::Random;
 using hmesh::Vertex;
 using hmesh::VertexState;
@@ -39,9 +39,7 @@ double brute_ring(const hmesh::Image<T, C>& image, const hmesh::Ring<C>& ring, c
 // The pixels of the ring's faces with the centre at p, each with its face.
 struct OwnedPixel {
     int face, i, j;
-    friend bool operator==(const OwnedPixel& a, const OwnedPixel& b) {
-        return a.face == b.face && a.i == b.i && a.j == b.j;
-    }
+    friend bool operator==(const OwnedPixel& a, const OwnedPixel& b) { return a.face == b.face && a.i == b.i && a.j == b.j; }
 };
 template <int C>
 std::vector<OwnedPixel> pixels_of(const hmesh::ImageMesh<C>& mesh, const hmesh::Ring<C>& ring, Point p) {
@@ -91,7 +89,7 @@ void check_energy(std::uint64_t seed) {
             for (int i = work.ring.first_face(); i < work.ring.size; ++i) {
                 const double face = work.faces[i].energy(centre.color);
                 REQUIRE(std::abs(face - hmesh_test::brute_energy(subject.image, centre, *work.ring.neighbour[i],
-                                                                  *work.ring.neighbour[work.ring.before(i)])) <=
+                                                                 *work.ring.neighbour[work.ring.before(i)])) <=
                         1e-8 * truth + slack);
                 sum += face;
             }
@@ -161,9 +159,9 @@ void check_best_color(std::uint64_t seed) {
 // Normal equations of the residuals (picture - image) at the ring's pixels in the centre's position and colour: J from
 // differences of the interpolated picture, pixels held in their faces.
 struct NormalEquations {
-    double gx = 0, gy = 0;              // J' r
-    double xx = 0, xy = 0, yy = 0;      // J' J of the position with the colour eliminated
-    double length = 0;                  // |J' r|, before signs cancel
+    double gx = 0, gy = 0;          // J' r
+    double xx = 0, xy = 0, yy = 0;  // J' J of the position with the colour eliminated
+    double length = 0;              // |J' r|, before signs cancel
 };
 template <class T, int C>
 NormalEquations brute_equations(const Subject<T, C>& subject, const hmesh::Ring<C>& ring, const VertexState<C>& centre,
@@ -262,8 +260,7 @@ void check_step(std::uint64_t seed, hmesh::Image<T, C> image) {
         CHECK(close(free.predicted, -(n.gx * dx + n.gy * dy), n.length * scale));
         CHECK(free.predicted >= 0);
 
-        const hmesh::RingStep x = step_for(Mobility::along_x), y = step_for(Mobility::along_y),
-                              none = step_for(Mobility::fixed);
+        const hmesh::RingStep x = step_for(Mobility::along_x), y = step_for(Mobility::along_y), none = step_for(Mobility::fixed);
         CHECK(close(x.dx, -n.gx / n.xx, n.length / n.xx));
         CHECK(close(x.predicted, n.gx * n.gx / n.xx, n.length * n.length / n.xx));
         CHECK(x.dy == 0);
@@ -299,8 +296,7 @@ TEST_CASE("the best colour has no gradient, the ridge draws it to the current on
     check_best_color<float, 1>(23);
 }
 
-TEST_CASE(
-    "the derivative of a ring's energy by its position is J' r of the pixels' residuals: none move between faces") {
+TEST_CASE("the derivative of a ring's energy by its position is J' r of the pixels' residuals: none move between faces") {
     check_gradient<std::uint8_t, 3>(31);
     check_gradient<std::uint16_t, 1>(32);
     check_gradient<float, 4>(33);
@@ -316,16 +312,14 @@ TEST_CASE(
 }
 
 TEST_CASE("a flat picture gives a step of no length") {
-    Subject<float, 1> subject(hmesh_test::constant_image<float, 1>(20, 20, 0.5),
-                              hmesh_test::jittered_grid(20, 20, 3, 3, 1));
+    Subject<float, 1> subject(hmesh_test::constant_image<float, 1>(20, 20, 0.5), hmesh_test::jittered_grid(20, 20, 3, 3, 1));
     hmesh::RingWork<1> work;
     for (const Vertex v : subject.mesh.topology().vertices()) {
         subject.mesh.gather(v, work.ring, work.spokes);
         hmesh::RingFit<1> fit;
         REQUIRE(hmesh::fit_ring(work.ring, work.spokes, subject.mesh.position(v), 0.02, work.faces, fit));
         for (const Mobility mobility : {Mobility::free, Mobility::along_x, Mobility::along_y}) {
-            const hmesh::RingStep step =
-                hmesh::gauss_newton_step(work.ring, work.faces, fit, subject.mesh.color(v), mobility);
+            const hmesh::RingStep step = hmesh::gauss_newton_step(work.ring, work.faces, fit, subject.mesh.color(v), mobility);
             CHECK(std::abs(step.dx) < 1e-6);
             CHECK(std::abs(step.dy) < 1e-6);
             CHECK(std::abs(step.predicted) < 1e-6);
@@ -347,18 +341,17 @@ TEST_CASE("a face that is flipped, degenerate or smaller than the bound is refus
         return hmesh::fit_face(m, v, a, b, min_cross, fit);
     };
     CHECK(fits({6, 8}, 0.02));
-    CHECK(fits({6, 8}, 16));                       // 4 * 4
+    CHECK(fits({6, 8}, 16));  // 4 * 4
     CHECK_FALSE(fits({6, 8}, 16.001));
-    CHECK_FALSE(fits({6, 0}, 0.02));               // flipped
-    CHECK_FALSE(fits({6, 4}, 0.02));               // level with its far side
-    CHECK_FALSE(fits({4, 4}, 0.02));               // in a corner
-    CHECK_FALSE(fits({6, 4 + 1.0 / 256}, 0.02));   // 4 / 256 < 0.02
+    CHECK_FALSE(fits({6, 0}, 0.02));              // flipped
+    CHECK_FALSE(fits({6, 4}, 0.02));              // level with its far side
+    CHECK_FALSE(fits({4, 4}, 0.02));              // in a corner
+    CHECK_FALSE(fits({6, 4 + 1.0 / 256}, 0.02));  // 4 / 256 < 0.02
     CHECK(fits({6, 4 + 2.0 / 256}, 0.02));
 }
 
 TEST_CASE("an open ring has one face fewer than neighbours, a closed one as many, and each follows the orientation") {
-    Subject<std::uint8_t, 1> subject(hmesh_test::scene<std::uint8_t, 1>(20, 16, 1),
-                                     hmesh_test::jittered_grid(20, 16, 4, 3, 1));
+    Subject<std::uint8_t, 1> subject(hmesh_test::scene<std::uint8_t, 1>(20, 16, 1), hmesh_test::jittered_grid(20, 16, 4, 3, 1));
     hmesh::RingWork<1> work;
     const hmesh::HalfedgeMesh& topology = subject.mesh.topology();
     for (const Vertex v : topology.vertices()) {
@@ -370,8 +363,7 @@ TEST_CASE("an open ring has one face fewer than neighbours, a closed one as many
             const hmesh::Halfedge h = work.ring.halfedge[i];
             CHECK(topology.from_vertex(h) == v);
             CHECK(work.ring.neighbour[i] == &subject.mesh.vertex(topology.to_vertex(h)));
-            CHECK(work.ring.neighbour[work.ring.before(i)] ==
-                  &subject.mesh.vertex(topology.to_vertex(topology.next(h))));
+            CHECK(work.ring.neighbour[work.ring.before(i)] == &subject.mesh.vertex(topology.to_vertex(topology.next(h))));
         }
     }
 }

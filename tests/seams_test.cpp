@@ -36,8 +36,7 @@ constexpr auto go_on = [] { return true; };
 template <class T, int C>
 double row_of(const Image<T, C>& image, const Seam& seam, int j, int c) {
     const auto at = [&](int x, int y) {
-        return PixelTraits<T>::to_real(
-            image.pixel(std::clamp(x, 0, image.width() - 1), std::clamp(y, 0, image.height() - 1))[c]);
+        return PixelTraits<T>::to_real(image.pixel(std::clamp(x, 0, image.width() - 1), std::clamp(y, 0, image.height() - 1))[c]);
     };
     return seam.vertical ? 0.5 * (at(seam.x - 1, seam.y + j) + at(seam.x, seam.y + j))
                          : 0.5 * (at(seam.x + j, seam.y - 1) + at(seam.x + j, seam.y));
@@ -62,7 +61,7 @@ double brute_error(const Image<T, C>& image, const Seam& seam, int a, int b) {
 
 // Seams of every kind in an image of at least 3 x 3 px: along its middle, beside its border, in its corner, of 1 px.
 std::vector<Seam> seams_of(int width, int height) {
-    return {{width / 2, 0, height, true}, {0, height / 2, width, false}, {1, 1, height - 1, true},
+    return {{width / 2, 0, height, true},      {0, height / 2, width, false},    {1, 1, height - 1, true},
             {1, height - 1, width - 2, false}, {width - 1, height - 1, 1, true}, {2, 1, 1, false}};
 }
 
@@ -221,7 +220,8 @@ TEST_CASE("the colours of a seam's nodes are the least-squares ones, its ends ke
     const auto floats = hmesh_test::scene<float, 5>(40, 40, 2);
     for (int k = 0; k < 60; ++k) {
         const int length = 1 + static_cast<int>(random.below(35));
-        const Seam seam{1 + static_cast<int>(random.below(5)), 1 + static_cast<int>(random.below(5)), length, random.below(2) == 0};
+        const Seam seam{1 + static_cast<int>(random.below(5)), 1 + static_cast<int>(random.below(5)), length,
+                        random.below(2) == 0};
         std::vector<int> nodes;
         for (int node = 1; node < length; ++node)
             if (k % 4 == 0 || random.below(4) == 0) nodes.push_back(node);

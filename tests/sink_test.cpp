@@ -137,8 +137,7 @@ TEST_CASE("bytes arrive whole and in order, however they are cut into writes") {
          {std::size_t{1}, std::size_t{7}, std::size_t{4095}, std::size_t{4096}, std::size_t{4097}, sent.size()}) {
         LimitedSink sink;
         hmesh::detail::Writer writer(sink);
-        for (std::size_t i = 0; i < sent.size(); i += step)
-            writer.bytes(sent.data() + i, std::min(step, sent.size() - i));
+        for (std::size_t i = 0; i < sent.size(); i += step) writer.bytes(sent.data() + i, std::min(step, sent.size() - i));
         REQUIRE(writer.finish());
         CHECK(sink.taken == sent);
         CHECK_FALSE(sink.empty_call);

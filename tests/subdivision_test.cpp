@@ -77,8 +77,7 @@ TEST_CASE("wide gaps to the border leave room for one vertex a pixel") {
 }
 
 TEST_CASE("the count inserted is told, also when no face has room for more") {
-    Subject<std::uint8_t, 1> subject(hmesh_test::noise<std::uint8_t, 1>(5, 4, 1),
-                                     hmesh_test::jittered_grid(5, 4, 2, 2, 1));
+    Subject<std::uint8_t, 1> subject(hmesh_test::noise<std::uint8_t, 1>(5, 4, 1), hmesh_test::jittered_grid(5, 4, 2, 2, 1));
     CHECK(subdivide(subject.mesh, 0) == 0);
     CHECK(subject.mesh.vertex_count() == 9);
     CHECK(subdivide(subject.mesh, 3) == 3);
@@ -113,8 +112,7 @@ TEST_CASE("the largest faces go first") {
     double largest = 0;
     for (const Face f : subject.mesh.topology().faces()) {
         const auto v = subject.mesh.topology().vertices(f);
-        const double twice =
-            hmesh::cross(subject.mesh.position(v[0]), subject.mesh.position(v[1]), subject.mesh.position(v[2]));
+        const double twice = hmesh::cross(subject.mesh.position(v[0]), subject.mesh.position(v[1]), subject.mesh.position(v[2]));
         largest = std::max(largest, twice);
         if (twice == 64) ++fine;
     }

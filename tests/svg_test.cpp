@@ -21,10 +21,10 @@
 
 namespace {
 
-using hmesh_test::StringSink;
-using hmesh_test::two_faces;
 using hmesh::SvgKind;
 using hmesh::SvgOptions;
+using hmesh_test::StringSink;
+using hmesh_test::two_faces;
 
 SvgOptions of_kind(SvgKind kind) {
     SvgOptions options;
@@ -81,8 +81,7 @@ struct Gradient {
             if (t <= offsets[i]) {
                 const double share = (t - offsets[i - 1]) / (offsets[i] - offsets[i - 1]);
                 Rgb color{};
-                for (std::size_t k = 0; k < 3; ++k)
-                    color[k] = colors[i - 1][k] + share * (colors[i][k] - colors[i - 1][k]);
+                for (std::size_t k = 0; k < 3; ++k) color[k] = colors[i - 1][k] + share * (colors[i][k] - colors[i - 1][k]);
                 return color;
             }
         return colors.back();
@@ -197,8 +196,7 @@ double mean_error(const Face& face, const Gradient& gradient) {
             for (int upper = 0; upper < (i + j < n - 1 ? 2 : 1); ++upper) {  // centres of n^2 small triangles
                 const double b = (i + (upper != 0 ? 2 : 1) / 3.0) / n, c = (j + (upper != 0 ? 2 : 1) / 3.0) / n, a = 1 - b - c;
                 Rgb color{};
-                for (std::size_t k = 0; k < 3; ++k)
-                    color[k] = a * face.color[0][k] + b * face.color[1][k] + c * face.color[2][k];
+                for (std::size_t k = 0; k < 3; ++k) color[k] = a * face.color[0][k] + b * face.color[1][k] + c * face.color[2][k];
                 const double x = a * face.x[0] + b * face.x[1] + c * face.x[2], y = a * face.y[0] + b * face.y[1] + c * face.y[2];
                 sum += squared(color, gradient.at(x, y));
                 ++samples;
@@ -245,9 +243,10 @@ void check_refused(const hmesh::MeshView& mesh, hmesh::Errc code) {
     }
 }
 
-const std::string head = "<svg xmlns=\"http://www.w3.org/2000/svg\" xmlns:xlink=\"http://www.w3.org/1999/xlink\" width=\"3\" "
-                         "height=\"2\" viewBox=\"0 0 3 2\" shape-rendering=\"crispEdges\">\n"
-                         "<!-- made by hmesh " HMESH_VERSION_STRING " -->\n";
+const std::string head =
+    "<svg xmlns=\"http://www.w3.org/2000/svg\" xmlns:xlink=\"http://www.w3.org/1999/xlink\" width=\"3\" "
+    "height=\"2\" viewBox=\"0 0 3 2\" shape-rendering=\"crispEdges\">\n"
+    "<!-- made by hmesh " HMESH_VERSION_STRING " -->\n";
 
 // Red rises by 10 a px to the right, green from the diagonal to the lower left corner, held to 255; blue is full.
 hmesh::Mesh<3> golden_mesh() {
@@ -261,45 +260,45 @@ hmesh::Mesh<3> golden_mesh() {
 
 TEST_CASE("a mesh of two faces is written as these bytes, in each kind") {
     const hmesh::Mesh<3> mesh = golden_mesh();
-    CHECK(written(mesh.view(), of_kind(SvgKind::flat)) == head +
-          "<path fill=\"#1400ff\" d=\"M0 0 3 0 3 2z\"/>\n<path fill=\"#0a55ff\" d=\"M0 0 3 2 0 1.504z\"/>\n</svg>\n");
-    CHECK(written(mesh.view(), of_kind(SvgKind::gradient)) == head +
-          R"svg(<linearGradient id="a" gradientUnits="userSpaceOnUse" x1="3" y1="0.67" x2="0" y2="0.67">)svg"
-          R"svg(<stop offset="0" stop-color="#1e00ff"/>)svg"
-          R"svg(<stop offset="1" stop-color="#0000ff"/></linearGradient>)svg"
-          R"svg(<path fill="url(#a)" d="M0 0 3 0 3 2z"/>
+    CHECK(written(mesh.view(), of_kind(SvgKind::flat)) ==
+          head + "<path fill=\"#1400ff\" d=\"M0 0 3 0 3 2z\"/>\n<path fill=\"#0a55ff\" d=\"M0 0 3 2 0 1.504z\"/>\n</svg>\n");
+    CHECK(written(mesh.view(), of_kind(SvgKind::gradient)) ==
+          head + R"svg(<linearGradient id="a" gradientUnits="userSpaceOnUse" x1="3" y1="0.67" x2="0" y2="0.67">)svg"
+                 R"svg(<stop offset="0" stop-color="#1e00ff"/>)svg"
+                 R"svg(<stop offset="1" stop-color="#0000ff"/></linearGradient>)svg"
+                 R"svg(<path fill="url(#a)" d="M0 0 3 0 3 2z"/>
 <linearGradient id="b" gradientUnits="userSpaceOnUse" x1="1.2387" y1="0.8136" x2="0.5322" y2="1.8624">)svg"
-          R"svg(<stop offset="0" stop-color="#1e00ff"/><stop offset="0.0137" stop-color="#0f02ff"/>)svg"
-          R"svg(<stop offset="1" stop-color="#00ffff"/></linearGradient>)svg"
-          R"svg(<path fill="url(#b)" d="M0 0 3 2 0 1.504z"/>
+                 R"svg(<stop offset="0" stop-color="#1e00ff"/><stop offset="0.0137" stop-color="#0f02ff"/>)svg"
+                 R"svg(<stop offset="1" stop-color="#00ffff"/></linearGradient>)svg"
+                 R"svg(<path fill="url(#b)" d="M0 0 3 2 0 1.504z"/>
 </svg>
 )svg");
     CHECK(written(mesh.view(), of_kind(SvgKind::exact)) == head +
-          R"svg(<g style="isolation:isolate">
+                                                               R"svg(<g style="isolation:isolate">
 <path d="M0 0H3V2H0z"/>
 <g style="mix-blend-mode:screen">
 <linearGradient id="_r" gradientUnits="userSpaceOnUse">)svg"
-          R"svg(<stop offset="0" stop-color="#000000"/>)svg"
-          R"svg(<stop offset="1" stop-color="#ff0000"/></linearGradient>
+                                                               R"svg(<stop offset="0" stop-color="#000000"/>)svg"
+                                                               R"svg(<stop offset="1" stop-color="#ff0000"/></linearGradient>
 <linearGradient id="a" xlink:href="#_r" x1="0" y1="0.667" x2="25.5" y2="0.667"/>)svg"
-          R"svg(<path fill="url(#a)" d="M0 0 3 0 3 2z"/>
+                                                               R"svg(<path fill="url(#a)" d="M0 0 3 0 3 2z"/>
 <linearGradient id="b" xlink:href="#_r" x1="0" y1="1.168" x2="25.5" y2="1.168"/>)svg"
-          R"svg(<path fill="url(#b)" d="M0 0 3 2 0 1.504z"/>
+                                                               R"svg(<path fill="url(#b)" d="M0 0 3 2 0 1.504z"/>
 </g>
 <g style="mix-blend-mode:screen">
 <linearGradient id="_g" gradientUnits="userSpaceOnUse">)svg"
-          R"svg(<stop offset="0" stop-color="#000000"/>)svg"
-          R"svg(<stop offset="1" stop-color="#00ff00"/></linearGradient>
+                                                               R"svg(<stop offset="0" stop-color="#000000"/>)svg"
+                                                               R"svg(<stop offset="1" stop-color="#00ff00"/></linearGradient>
 <path fill="#000000" d="M0 0 3 0 3 2z"/>
 <linearGradient id="c" xlink:href="#_g" x1="1.2314" y1="0.8209" x2="0.5373" y2="1.8621">)svg"
-          R"svg(<stop offset="0" stop-color="#000000"/>)svg"
-          R"svg(<stop offset="1" stop-color="#00ff00"/></linearGradient>)svg"
-          R"svg(<path fill="url(#c)" d="M0 0 3 2 0 1.504z"/>
+                                                               R"svg(<stop offset="0" stop-color="#000000"/>)svg"
+                                                               R"svg(<stop offset="1" stop-color="#00ff00"/></linearGradient>)svg"
+                                                               R"svg(<path fill="url(#c)" d="M0 0 3 2 0 1.504z"/>
 </g>
 <g style="mix-blend-mode:screen">
 <linearGradient id="_b" gradientUnits="userSpaceOnUse">)svg"
-          R"svg(<stop offset="0" stop-color="#000000"/>)svg"
-          R"svg(<stop offset="1" stop-color="#0000ff"/></linearGradient>
+                                                               R"svg(<stop offset="0" stop-color="#000000"/>)svg"
+                                                               R"svg(<stop offset="1" stop-color="#0000ff"/></linearGradient>
 <path fill="#0000ff" d="M0 0 3 0 3 2z"/>
 <path fill="#0000ff" d="M0 0 3 2 0 1.504z"/>
 </g>
@@ -312,8 +311,9 @@ TEST_CASE("the wireframe is every edge once, over the faces") {
     SvgOptions options = of_kind(SvgKind::flat);
     options.wireframe = true;
     const std::string with = written(two_faces<3>(30).view(), options);
-    const std::string lines = "<path fill=\"none\" stroke=\"#fff\" stroke-opacity=\".5\" vector-effect=\"non-scaling-stroke\" "
-                              "shape-rendering=\"auto\" d=\"M0 0 3 0 3 2 0 2M0 0 3 2M0 0 0 2\"/>\n</svg>\n";
+    const std::string lines =
+        "<path fill=\"none\" stroke=\"#fff\" stroke-opacity=\".5\" vector-effect=\"non-scaling-stroke\" "
+        "shape-rendering=\"auto\" d=\"M0 0 3 0 3 2 0 2M0 0 3 2M0 0 0 2\"/>\n</svg>\n";
     const std::string without = written(two_faces<3>(30).view(), of_kind(SvgKind::flat));
     CHECK(with == without.substr(0, without.size() - 7) + lines);
 }
@@ -382,12 +382,10 @@ TEST_CASE("offsets rise and all that is written is a number, for colours within 
 TEST_CASE("faces without area and faces of one colour are painted plainly") {
     hmesh::Mesh<3> mesh = two_faces<3>(30);
     mesh.positions = {0, 0, 1, 1, 2, 2, 3, 3};
-    for (const SvgKind kind : kinds)
-        CHECK(written(mesh.view(), of_kind(kind)).find("fill=\"url") == std::string::npos);
+    for (const SvgKind kind : kinds) CHECK(written(mesh.view(), of_kind(kind)).find("fill=\"url") == std::string::npos);
     mesh = two_faces<3>(30);
     std::fill(mesh.colors.begin(), mesh.colors.end(), 77.0F);
-    for (const SvgKind kind : kinds)
-        CHECK(written(mesh.view(), of_kind(kind)).find("fill=\"url") == std::string::npos);
+    for (const SvgKind kind : kinds) CHECK(written(mesh.view(), of_kind(kind)).find("fill=\"url") == std::string::npos);
 }
 
 TEST_CASE("one channel is grey, by one gradient that is exact, without blending") {
@@ -466,12 +464,15 @@ TEST_CASE("a sink that refuses after k bytes gets no more and is reported, for a
     for (std::size_t k = 0; k <= size; k += k < 4200 ? 41 : 977) {
         std::size_t taken = 0;
         int refusals = 0;
-        const hmesh::Status status = hmesh::write_svg(mesh.view(), [&](const void*, std::size_t bytes) {
-            const bool fits = taken + bytes <= k;
-            if (fits) taken += bytes;
-            else ++refusals;
-            return fits;
-        }, options);
+        const hmesh::Status status = hmesh::write_svg(
+            mesh.view(),
+            [&](const void*, std::size_t bytes) {
+                const bool fits = taken + bytes <= k;
+                if (fits) taken += bytes;
+                else ++refusals;
+                return fits;
+            },
+            options);
         if (static_cast<bool>(status) != (k == size) || refusals != (k == size ? 0 : 1) || taken > k) FAIL("k = ", k);
         if (k < size && (status.code != hmesh::Errc::write_failed || status.got != static_cast<std::int64_t>(taken)))
             FAIL("k = ", k);

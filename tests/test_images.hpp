@@ -45,8 +45,7 @@ template <class T, int C>
 // Squares of `cell` px that are black and white, the other way round in odd channels.
 template <class T, int C>
 [[nodiscard]] hmesh::Image<T, C> checkerboard(int width, int height, int cell) {
-    return draw<T, C>(width, height,
-                      [cell](int x, int y, int c) { return (x / cell + y / cell + c) % 2 == 0 ? 0.0 : 1.0; });
+    return draw<T, C>(width, height, [cell](int x, int y, int c) { return (x / cell + y / cell + c) % 2 == 0 ? 0.0 : 1.0; });
 }
 
 // Each sample uniform over the whole range and independent: the worst case for a mesh, and for sums.
@@ -86,8 +85,7 @@ class Scene {
         double level = shade(3 * u, 3 * v, channel);
         for (const Object& object : objects_) {
             const double dx = std::abs(x + 0.5 - object.x), dy = std::abs(y + 0.5 - object.y);
-            const double distance =
-                object.is_square ? std::max(0.8 * dx + 0.6 * dy, 0.8 * dy) : std::sqrt(dx * dx + dy * dy);
+            const double distance = object.is_square ? std::max(0.8 * dx + 0.6 * dy, 0.8 * dy) : std::sqrt(dx * dx + dy * dy);
             const double cover = std::clamp(0.5 + (object.radius - distance) / object.softness, 0.0, 1.0);
             level += cover * (object.colors[static_cast<std::size_t>(channel)] - level);
         }
@@ -126,8 +124,7 @@ class Scene {
 template <class T, int C>
 [[nodiscard]] hmesh::Image<T, C> scene(int width, int height, std::uint64_t seed) {
     const Scene picture(width, height, seed);
-    return draw<T, C>(width, height,
-                      [&picture](int x, int y, int c) { return std::floor(picture(x, y, c) * 255 + 0.5) / 255; });
+    return draw<T, C>(width, height, [&picture](int x, int y, int c) { return std::floor(picture(x, y, c) * 255 + 0.5) / 255; });
 }
 
 // The image's samples again, `padding` samples further apart from row to row, and stored bottom up if asked for.
@@ -136,8 +133,7 @@ class PaddedCopy {
   public:
     PaddedCopy(const hmesh::Image<T, C>& image, int padding, bool bottom_up, T filler)
         : width_(image.width()), height_(image.height()), bottom_up_(bottom_up),
-          row_(static_cast<std::size_t>(width_ * C + padding)),
-          samples_(row_ * static_cast<std::size_t>(height_), filler) {
+          row_(static_cast<std::size_t>(width_ * C + padding)), samples_(row_ * static_cast<std::size_t>(height_), filler) {
         for (int y = 0; y < height_; ++y) std::copy_n(image.pixel(0, y), width_ * C, samples_.data() + start_of(y));
     }
     [[nodiscard]] hmesh::ImageView<T, C> view() const {
@@ -146,9 +142,7 @@ class PaddedCopy {
     }
 
   private:
-    [[nodiscard]] std::size_t start_of(int y) const {
-        return row_ * static_cast<std::size_t>(bottom_up_ ? height_ - 1 - y : y);
-    }
+    [[nodiscard]] std::size_t start_of(int y) const { return row_ * static_cast<std::size_t>(bottom_up_ ? height_ - 1 - y : y); }
     int width_, height_;
     bool bottom_up_;
     std::size_t row_;

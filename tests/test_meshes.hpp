@@ -33,8 +33,7 @@ struct Triangulation {
 };
 
 // columns x rows cells, their inner corners moved by up to `jitter` < 0.25 cells, diagonals at random.
-inline Triangulation jittered_grid(int width, int height, int columns, int rows, std::uint64_t seed,
-                                   double jitter = 0.2) {
+inline Triangulation jittered_grid(int width, int height, int columns, int rows, std::uint64_t seed, double jitter = 0.2) {
     hmesh::Random random(seed);
     Triangulation grid;
     const double dx = static_cast<double>(width) / columns, dy = static_cast<double>(height) / rows;
@@ -138,8 +137,8 @@ void for_each_pixel(int width, int height, hmesh::Point a, hmesh::Point b, hmesh
 
 // The picture of the face a, b, c at (x, y), in channel k.
 template <int C>
-double interpolate(const hmesh::VertexState<C>& a, const hmesh::VertexState<C>& b, const hmesh::VertexState<C>& c,
-                   double x, double y, int k) {
+double interpolate(const hmesh::VertexState<C>& a, const hmesh::VertexState<C>& b, const hmesh::VertexState<C>& c, double x,
+                   double y, int k) {
     const double ux = b.position.x - a.position.x, uy = b.position.y - a.position.y;
     const double vx = c.position.x - a.position.x, vy = c.position.y - a.position.y;
     const double px = x - a.position.x, py = y - a.position.y, area = ux * vy - uy * vx;
@@ -153,8 +152,7 @@ double brute_energy(const hmesh::Image<T, C>& image, const hmesh::VertexState<C>
     double energy = 0;
     for_each_pixel(image.width(), image.height(), a.position, b.position, c.position, [&](int i, int j) {
         for (int k = 0; k < C; ++k) {
-            const double residual =
-                interpolate(a, b, c, i + 0.5, j + 0.5, k) - static_cast<double>(image.pixel(i, j)[k]);
+            const double residual = interpolate(a, b, c, i + 0.5, j + 0.5, k) - static_cast<double>(image.pixel(i, j)[k]);
             energy += residual * residual;
         }
     });
@@ -216,8 +214,7 @@ struct Snapshot {
     std::vector<double> numbers;
     friend bool operator==(const Snapshot& a, const Snapshot& b) {
         return a.indices == b.indices && a.numbers.size() == b.numbers.size() &&
-               (a.numbers.empty() ||
-                std::memcmp(a.numbers.data(), b.numbers.data(), a.numbers.size() * sizeof(double)) == 0);
+               (a.numbers.empty() || std::memcmp(a.numbers.data(), b.numbers.data(), a.numbers.size() * sizeof(double)) == 0);
     }
 };
 
@@ -292,7 +289,8 @@ hmesh::Point any_place(const hmesh::ImageMesh<C>& mesh, hmesh::Vertex v, double 
         const hmesh::Mobility mobility = mesh.vertex(v).mobility;
         const double dx = reach * (2 * random.uniform() - 1), dy = reach * (2 * random.uniform() - 1);
         const hmesh::Point p = mesh.clamp({mobility == hmesh::Mobility::along_y ? here.x : here.x + dx,
-                                           mobility == hmesh::Mobility::along_x ? here.y : here.y + dy}, mobility);
+                                           mobility == hmesh::Mobility::along_x ? here.y : here.y + dy},
+                                          mobility);
         if (work.ring.accepts(p, mesh.limits().min_cross)) return p;
     }
     return here;
@@ -303,8 +301,8 @@ template <int C>
 hmesh::Color<C> any_color(const hmesh::ImageMesh<C>& mesh, hmesh::Vertex v, double range, hmesh::Random& random) {
     const hmesh::Point p = mesh.position(v);
     hmesh::Color<C> color;
-    mesh.table().pixel(std::min(static_cast<int>(p.x), mesh.width() - 1),
-                       std::min(static_cast<int>(p.y), mesh.height() - 1), color);
+    mesh.table().pixel(std::min(static_cast<int>(p.x), mesh.width() - 1), std::min(static_cast<int>(p.y), mesh.height() - 1),
+                       color);
     for (int k = 0; k < C; ++k) color.set(k, color[k] + 0.2 * range * (random.uniform() - 0.5));
     return color;
 }

@@ -11,11 +11,11 @@
 #define HMESH_TEST_MESHING(PREFIX, T, C, PARALLEL_FOR) \
     PREFIX template hmesh::Result<C> hmesh::mesh_image(const ImageView<T, C>&, const Options&, const PARALLEL_FOR&);
 
-#define HMESH_TEST_MESHING_1(PREFIX)                              \
-    HMESH_TEST_MESHING(PREFIX, std::uint8_t, 1, SerialFor)        \
-    HMESH_TEST_MESHING(PREFIX, std::uint16_t, 1, SerialFor)       \
-    HMESH_TEST_MESHING(PREFIX, float, 1, SerialFor)               \
-    HMESH_TEST_MESHING(PREFIX, std::uint8_t, 1, hmesh_test::AnyFor) \
+#define HMESH_TEST_MESHING_1(PREFIX)                                 \
+    HMESH_TEST_MESHING(PREFIX, std::uint8_t, 1, SerialFor)           \
+    HMESH_TEST_MESHING(PREFIX, std::uint16_t, 1, SerialFor)          \
+    HMESH_TEST_MESHING(PREFIX, float, 1, SerialFor)                  \
+    HMESH_TEST_MESHING(PREFIX, std::uint8_t, 1, hmesh_test::AnyFor)  \
     HMESH_TEST_MESHING(PREFIX, std::uint16_t, 1, hmesh_test::AnyFor) \
     HMESH_TEST_MESHING(PREFIX, float, 1, hmesh_test::AnyFor)
 #define HMESH_TEST_MESHING_2(PREFIX)                        \

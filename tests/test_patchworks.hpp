@@ -32,8 +32,8 @@ struct Work {
     explicit Work(hmesh::Image<T, C> picture, const hmesh::MeshLimits& limits = {}, const hmesh::Progress& progress = {},
                   const ParallelFor& executor = {})
         : image(std::move(picture)), source(image.view()),
-          monitor(progress, static_cast<double>(image.samples().size()), hmesh::PixelTraits<T>::peak),
-          parallel_for(executor), patchwork(source, limits, monitor, parallel_for) {}
+          monitor(progress, static_cast<double>(image.samples().size()), hmesh::PixelTraits<T>::peak), parallel_for(executor),
+          patchwork(source, limits, monitor, parallel_for) {}
     Work(const Work&) = delete;
     Work& operator=(const Work&) = delete;
 

@@ -147,8 +147,7 @@ void prove_report(const hmesh::Image<T, C>& image, const hmesh::Result<C>& resul
     CHECK(result.mesh.colors.size() == C * result.mesh.vertex_count());
     bool in_range = true, whole = true;
     for (const float color : result.mesh.colors) {
-        in_range =
-            in_range && static_cast<double>(color) >= Traits::lowest && static_cast<double>(color) <= Traits::highest;
+        in_range = in_range && static_cast<double>(color) >= Traits::lowest && static_cast<double>(color) <= Traits::highest;
         whole = whole && std::floor(color) == color;
     }
     CHECK(in_range);
@@ -194,9 +193,8 @@ inline bool same_bytes(const hmesh::Report& a, const hmesh::Report& b) {
                 number(a.psnr) == number(b.psnr) && a.stages.size() == b.stages.size();
     for (std::size_t k = 0; same && k < a.stages.size(); ++k)
         same = std::strcmp(a.stages[k].name, b.stages[k].name) == 0 && a.stages[k].vertices == b.stages[k].vertices &&
-               number(a.stages[k].energy) == number(b.stages[k].energy) &&
-               number(a.stages[k].psnr) == number(b.stages[k].psnr) && a.stages[k].iterations == b.stages[k].iterations &&
-               number(a.stages[k].residual) == number(b.stages[k].residual);
+               number(a.stages[k].energy) == number(b.stages[k].energy) && number(a.stages[k].psnr) == number(b.stages[k].psnr) &&
+               a.stages[k].iterations == b.stages[k].iterations && number(a.stages[k].residual) == number(b.stages[k].residual);
     return same;
 }
 

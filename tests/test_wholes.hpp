@@ -76,8 +76,7 @@ void scatter(hmesh::ImageMesh<C>& mesh, int count, bool delaunay, std::uint64_t 
             if (candidate.fits && hmesh::has_room(mesh, candidate)) hmesh::insert(mesh, candidate);
             continue;
         }
-        const hmesh::Point p =
-            hmesh::snap(hmesh::Point{mesh.width() * random.uniform(), mesh.height() * random.uniform()});
+        const hmesh::Point p = hmesh::snap(hmesh::Point{mesh.width() * random.uniform(), mesh.height() * random.uniform()});
         for (const hmesh::Face f : topology.faces()) {
             const auto v = topology.vertices(f);
             bool fits = true;
@@ -100,8 +99,7 @@ void scatter(hmesh::ImageMesh<C>& mesh, int count, bool delaunay, std::uint64_t 
 }
 
 enum class Shape { grid, worn, delaunay, scattered, slivers };
-inline constexpr std::array<Shape, 5> all_shapes = {Shape::grid, Shape::worn, Shape::delaunay, Shape::scattered,
-                                                    Shape::slivers};
+inline constexpr std::array<Shape, 5> all_shapes = {Shape::grid, Shape::worn, Shape::delaunay, Shape::scattered, Shape::slivers};
 
 // A mesh of 64 x 40 px whose face 1, 2, 3 has its centroid to the right of x = 32, while all other faces that touch it
 // have theirs to the left.
@@ -117,8 +115,7 @@ inline Triangulation island() {
 
 // A triangulation of the image with colours and due vertices as in whole_of(), its energy known.
 template <class T, int C>
-hmesh::WholeMesh<C> make_whole(const hmesh::Image<T, C>& image, const Triangulation& triangulation,
-                               std::uint64_t seed) {
+hmesh::WholeMesh<C> make_whole(const hmesh::Image<T, C>& image, const Triangulation& triangulation, std::uint64_t seed) {
     Subject<T, C> subject(image, triangulation);
     hmesh::WholeMesh<C> whole = whole_of(subject.mesh, hmesh::PixelTraits<T>::peak, seed);
     REQUIRE(subject.mesh.assign(whole.positions, whole.triangles, whole.colors, hmesh::SerialFor{}));
@@ -188,8 +185,7 @@ template <int C>
 Description<C> describe(const hmesh::WholeMesh<C>& whole) {
     Description<C> out;
     for (const hmesh::Triangle& t : whole.triangles) out.triangles.push_back(corners_of(whole, t));
-    for (std::size_t v = 0; v < whole.vertex_count(); ++v)
-        out.vertices.emplace_back(corner_of(whole, v), whole.due[v] != 0);
+    for (std::size_t v = 0; v < whole.vertex_count(); ++v) out.vertices.emplace_back(corner_of(whole, v), whole.due[v] != 0);
     std::sort(out.triangles.begin(), out.triangles.end());
     std::sort(out.vertices.begin(), out.vertices.end());
     return out;

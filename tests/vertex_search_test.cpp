@@ -232,9 +232,8 @@ TEST_CASE("images of one or two rows or columns are searched like any") {
 }
 
 TEST_CASE("a vertex finds the tip of a tent, and one on the side the foot of a ridge") {
-    const auto tent = hmesh_test::draw<std::uint8_t, 1>(40, 30, [](int x, int y, int) {
-        return 1 - std::max(std::abs(x - 24) / 24.0, std::abs(y - 11) / 18.0);
-    });
+    const auto tent = hmesh_test::draw<std::uint8_t, 1>(
+        40, 30, [](int x, int y, int) { return 1 - std::max(std::abs(x - 24) / 24.0, std::abs(y - 11) / 18.0); });
     Subject<std::uint8_t, 1> subject(tent, delaunay(40, 30, {{9.5, 22.5}}));
     hmesh::sample_colors(subject.mesh);
     CHECK(search_vertices(subject.mesh, {}) > 0);
@@ -290,8 +289,7 @@ TEST_CASE("frozen vertices stay, and vertices off the pixels stay as far off the
         if (v.index() % 3 == 0) CHECK(from == to);
         CHECK(to.x - from.x == std::round(to.x - from.x));
         CHECK(to.y - from.y == std::round(to.y - from.y));
-        if (from != to && mesh.vertex(v).mobility == Mobility::free)
-            CHECK(std::min({to.x, to.y, 41 - to.x, 36 - to.y}) >= 0.5);
+        if (from != to && mesh.vertex(v).mobility == Mobility::free) CHECK(std::min({to.x, to.y, 41 - to.x, 36 - to.y}) >= 0.5);
     }
 }
 

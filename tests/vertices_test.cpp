@@ -106,8 +106,7 @@ hmesh::Image<float, C> picture_of(const ImageMesh<C>& mesh) {
 
 }  // namespace
 
-TEST_CASE(
-    "a visit never raises the energy, returns by how much it fell, and keeps vertices on the grid and on their side") {
+TEST_CASE("a visit never raises the energy, returns by how much it fell, and keeps vertices on the grid and on their side") {
     check_visits(hmesh_test::scene<std::uint8_t, 3>(31, 26, 1), 255, 1);
     check_visits(hmesh_test::noise<std::uint16_t, 1>(30, 28, 2), 65535, 2);
     check_visits(hmesh_test::scaled(hmesh_test::scene<float, 4>(26, 30, 3), 100), 100, 3);
@@ -115,8 +114,7 @@ TEST_CASE(
 }
 
 TEST_CASE("a visit leaves the vertex with the colour that fits its ring best") {
-    Subject<std::uint8_t, 3> subject(hmesh_test::scene<std::uint8_t, 3>(31, 26, 1),
-                                     hmesh_test::jittered_grid(31, 26, 5, 4, 1));
+    Subject<std::uint8_t, 3> subject(hmesh_test::scene<std::uint8_t, 3>(31, 26, 1), hmesh_test::jittered_grid(31, 26, 5, 4, 1));
     ImageMesh<3>& mesh = subject.mesh;
     for (const Vertex v : mesh.topology().vertices()) {
         hmesh::improve_vertex(mesh, v, 0);
@@ -135,20 +133,17 @@ TEST_CASE("a visit leaves the vertex with the colour that fits its ring best") {
 }
 
 TEST_CASE("a visit that expects too little of a step only sets the colour") {
-    Subject<std::uint8_t, 3> subject(hmesh_test::scene<std::uint8_t, 3>(31, 26, 1),
-                                     hmesh_test::jittered_grid(31, 26, 5, 4, 1));
+    Subject<std::uint8_t, 3> subject(hmesh_test::scene<std::uint8_t, 3>(31, 26, 1), hmesh_test::jittered_grid(31, 26, 5, 4, 1));
     const auto old = states(subject.mesh);
     double decrease = 0;
     for (const Vertex v : subject.mesh.topology().vertices())
         decrease += hmesh::improve_vertex(subject.mesh, v, std::numeric_limits<double>::infinity());
     CHECK(decrease > 0);
-    for (const Vertex v : subject.mesh.topology().vertices())
-        CHECK(subject.mesh.position(v) == old[v.index()].position);
+    for (const Vertex v : subject.mesh.topology().vertices()) CHECK(subject.mesh.position(v) == old[v.index()].position);
 }
 
 TEST_CASE("a visit with a step is never worse than one that only sets the colour") {
-    Subject<std::uint8_t, 3> subject(hmesh_test::noise<std::uint8_t, 3>(31, 26, 1),
-                                     hmesh_test::jittered_grid(31, 26, 6, 5, 1));
+    Subject<std::uint8_t, 3> subject(hmesh_test::noise<std::uint8_t, 3>(31, 26, 1), hmesh_test::jittered_grid(31, 26, 6, 5, 1));
     ImageMesh<3>& mesh = subject.mesh;
     int better = 0;
     for (int k = 0; k < 4; ++k)
@@ -166,16 +161,15 @@ TEST_CASE("a visit with a step is never worse than one that only sets the colour
 TEST_CASE("a vertex with a face smaller than the limits allow is left alone") {
     hmesh::MeshLimits limits;
     limits.min_cross = 1000;
-    Subject<std::uint8_t, 1> subject(hmesh_test::noise<std::uint8_t, 1>(31, 26, 1),
-                                     hmesh_test::jittered_grid(31, 26, 5, 4, 1), limits);
+    Subject<std::uint8_t, 1> subject(hmesh_test::noise<std::uint8_t, 1>(31, 26, 1), hmesh_test::jittered_grid(31, 26, 5, 4, 1),
+                                     limits);
     const auto before = hmesh_test::snapshot(subject.mesh);
     for (const Vertex v : subject.mesh.topology().vertices()) CHECK(hmesh::improve_vertex(subject.mesh, v, 0) == 0);
     CHECK(hmesh_test::snapshot(subject.mesh) == before);
 }
 
 TEST_CASE("a sweep visits the vertices that are due and no other, and a gain makes the neighbours due") {
-    Subject<std::uint8_t, 1> subject(hmesh_test::scene<std::uint8_t, 1>(41, 36, 1),
-                                     hmesh_test::jittered_grid(41, 36, 6, 5, 1));
+    Subject<std::uint8_t, 1> subject(hmesh_test::scene<std::uint8_t, 1>(41, 36, 1), hmesh_test::jittered_grid(41, 36, 6, 5, 1));
     ImageMesh<1>& mesh = subject.mesh;
     set_all_due(mesh, false);
     const auto before = hmesh_test::snapshot(mesh);
@@ -188,8 +182,7 @@ TEST_CASE("a sweep visits the vertices that are due and no other, and a gain mak
     CHECK(hmesh::sweep(mesh, {1e9, 0}) > 0);  // nothing gains so much that it spreads
     for (const Vertex v : mesh.topology().vertices()) {
         CHECK_FALSE(mesh.is_due(v));
-        if (v != due)
-            CHECK((mesh.position(v) == old[v.index()].position && mesh.color(v)[0] == old[v.index()].color[0]));
+        if (v != due) CHECK((mesh.position(v) == old[v.index()].position && mesh.color(v)[0] == old[v.index()].color[0]));
     }
 
     // With a tolerance sweeps come to rest: nothing is due, and another sweep does nothing.
@@ -234,12 +227,10 @@ TEST_CASE("a mesh is found again from its picture when its vertices have been pu
     }
     Subject<float, 2> subject(picture_of(truth.mesh), grid);
     ImageMesh<2>& mesh = subject.mesh;
-    for (const Vertex v : mesh.topology().vertices())
-        mesh.place(v, hmesh_test::any_place(mesh, v, 1.5, random), mesh.color(v));
+    for (const Vertex v : mesh.topology().vertices()) mesh.place(v, hmesh_test::any_place(mesh, v, 1.5, random), mesh.color(v));
     // The best that colours alone can do, then the vertices.
     for (int k = 0; k < 30; ++k)
-        for (const Vertex v : mesh.topology().vertices())
-            hmesh::improve_vertex(mesh, v, std::numeric_limits<double>::infinity());
+        for (const Vertex v : mesh.topology().vertices()) hmesh::improve_vertex(mesh, v, std::numeric_limits<double>::infinity());
     const double start = mesh.energy();
     for (int k = 0; k < 200; ++k) {
         set_all_due(mesh, true);
@@ -261,8 +252,7 @@ TEST_CASE("what a vertex does depends on the picture, not on the unit of its sam
     const auto grid = hmesh_test::jittered_grid(41, 36, 5, 5, 1);
     const auto image = hmesh_test::scene<float, 1>(41, 36, 1);
     for (const double factor : {1.0 / 256, 1.0 / 1048576}) {
-        Subject<float, 1> large(hmesh_test::scaled(image, 256), grid),
-            small(hmesh_test::scaled(image, 256 * factor), grid);
+        Subject<float, 1> large(hmesh_test::scaled(image, 256), grid), small(hmesh_test::scaled(image, 256 * factor), grid);
         for (int k = 0; k < 10; ++k) {
             hmesh::sweep(large.mesh);
             hmesh::sweep(small.mesh);

@@ -160,8 +160,7 @@ TEST_CASE("vertices whose faces hold no weight stay where they are, with the col
         int alone = 0;
         for (const Vertex v : mesh.topology().vertices()) {
             double left = mesh.position(v).x;
-            for (const auto h : mesh.topology().outgoing(v))
-                left = std::min(left, mesh.position(mesh.topology().to_vertex(h)).x);
+            for (const auto h : mesh.topology().outgoing(v)) left = std::min(left, mesh.position(mesh.topology().to_vertex(h)).x);
             if (left < 30) continue;
             const auto before = mesh.vertex(v);
             hmesh::improve_vertex(mesh, v, 0);
@@ -187,6 +186,5 @@ TEST_CASE("pixels without weight do not pull at the colours of those with weight
     Weighted subject(std::move(image), std::move(weights), hmesh_test::jittered_grid(61, 52, 6, 5, 1));
     hmesh::optimal_colors(subject.mesh);
     CHECK(subject.mesh.energy() < 1);
-    for (const Vertex v : subject.mesh.topology().vertices())
-        CHECK(std::abs(subject.mesh.color(v)[0] - 100) < 0.5);
+    for (const Vertex v : subject.mesh.topology().vertices()) CHECK(std::abs(subject.mesh.color(v)[0] - 100) < 0.5);
 }

@@ -63,8 +63,8 @@ TEST_CASE("check_weights refuses NaN, infinities and negative weights, and tells
     const Image<float, 1> good = hmesh_test::noise<float, 1>(41, 70, 1);
     CHECK(check_weights(good.view(), 41, 70));
     constexpr float infinity = std::numeric_limits<float>::infinity();
-    for (const float bad : {infinity, -infinity, std::numeric_limits<float>::quiet_NaN(), -1.0F,
-                            -std::numeric_limits<float>::denorm_min()})
+    for (const float bad :
+         {infinity, -infinity, std::numeric_limits<float>::quiet_NaN(), -1.0F, -std::numeric_limits<float>::denorm_min()})
         for (const int row : {0, 31, 32, 69})
             for (const int column : {0, 40}) {
                 Image<float, 1> weights = good;
@@ -95,8 +95,7 @@ TEST_CASE("check_weights looks at no padding") {
 
 TEST_CASE("weight_unit makes the largest weight 1, whatever its size, and is 1 where all are 0") {
     CHECK(weight_unit(Image<float, 1>(4, 3).view()) == 1);
-    for (const float largest : {1.0F, 255.0F, 0.3F, std::numeric_limits<float>::max(),
-                                std::numeric_limits<float>::denorm_min()})
+    for (const float largest : {1.0F, 255.0F, 0.3F, std::numeric_limits<float>::max(), std::numeric_limits<float>::denorm_min()})
         for (const int at : {0, 17, 59}) {
             Image<float, 1> weights(6, 10);
             weights.samples()[5] = 0.5F * largest;

@@ -35,9 +35,7 @@ WholeMesh<1> whole(int width, int height, const std::vector<Point>& positions, c
 }
 
 // Four faces around vertex 4 in the middle of 8 x 6 px.
-WholeMesh<1> fan() {
-    return whole(8, 6, {{0, 0}, {8, 0}, {8, 6}, {0, 6}, {4, 3}}, {{0, 1, 4}, {1, 2, 4}, {2, 3, 4}, {3, 0, 4}});
-}
+WholeMesh<1> fan() { return whole(8, 6, {{0, 0}, {8, 0}, {8, 6}, {0, 6}, {4, 3}}, {{0, 1, 4}, {1, 2, 4}, {2, 3, 4}, {3, 0, 4}}); }
 
 // What check() finds, and where.
 std::pair<std::string, std::int64_t> fault(const WholeMesh<1>& mesh) {
@@ -126,8 +124,7 @@ TEST_CASE("a vertex off the grid is found") {
 
 TEST_CASE("a T-junction is found, though all faces are right and their areas add up") {
     // Vertex 4 is on the diagonal, a side of face 2 but no corner of it.
-    const WholeMesh<1> corners =
-        whole(8, 8, {{0, 0}, {8, 0}, {8, 8}, {0, 8}, {4, 4}}, {{0, 1, 4}, {1, 2, 4}, {0, 2, 3}});
+    const WholeMesh<1> corners = whole(8, 8, {{0, 0}, {8, 0}, {8, 8}, {0, 8}, {4, 4}}, {{0, 1, 4}, {1, 2, 4}, {0, 2, 3}});
     CHECK(fault(corners) == Fault{"two fans of triangles meet in one vertex", 0});
     // A face around the middle of a grid is cut in two, its neighbour is not.
     const auto grid = hmesh_test::jittered_grid(24, 24, 3, 3, 1, 0);
@@ -138,8 +135,7 @@ TEST_CASE("a T-junction is found, though all faces are right and their areas add
             WholeMesh<1> mesh = whole(24, 24, grid.positions, grid.triangles);
             const Triangle face = mesh.triangles[t];
             const std::uint32_t a = face[k], b = face[(k + 1) % 3], c = face[(k + 2) % 3];
-            if (std::count(middle.begin(), middle.end(), a) == 0 || std::count(middle.begin(), middle.end(), b) == 0)
-                continue;
+            if (std::count(middle.begin(), middle.end(), a) == 0 || std::count(middle.begin(), middle.end(), b) == 0) continue;
             mesh.add(midpoint(mesh.positions[a], mesh.positions[b]), Color<1>::zero());
             mesh.triangles[t] = {a, 16, c};
             mesh.triangles.push_back({16, b, c});
@@ -172,8 +168,7 @@ TEST_CASE("a hole is found, also where an overlap makes up for its area") {
     CHECK(fault(mesh) == Fault{"the faces do not tile the image", 0});
 }
 
-TEST_CASE(
-    "an overlap is found: a face that comes twice, one of another layer, and folds in which all faces turn right") {
+TEST_CASE("an overlap is found: a face that comes twice, one of another layer, and folds in which all faces turn right") {
     WholeMesh<1> mesh = fan();
     mesh.triangles.push_back(mesh.triangles[0]);
     CHECK(fault(mesh).first == "an edge is used twice in one direction, first by triangle");
@@ -186,8 +181,7 @@ TEST_CASE(
                  {{0, 1, 2}, {0, 2, 3}, {0, 3, 4}, {0, 4, 5}, {0, 5, 6}, {0, 6, 7}, {0, 7, 8}, {0, 8, 1}});
     CHECK(fault(mesh) == Fault{"the faces do not tile the image", 0});
     // Two fans that meet in a vertex.
-    mesh = whole(8, 6, {{0, 0}, {4, 0}, {0, 3}, {8, 6}, {4, 6}, {8, 3}, {4, 3}},
-                 {{0, 1, 6}, {0, 6, 2}, {3, 4, 6}, {3, 6, 5}});
+    mesh = whole(8, 6, {{0, 0}, {4, 0}, {0, 3}, {8, 6}, {4, 6}, {8, 3}, {4, 3}}, {{0, 1, 6}, {0, 6, 2}, {3, 4, 6}, {3, 6, 5}});
     CHECK(fault(mesh) == Fault{"two fans of triangles meet in one vertex", 6});
 }
 
@@ -237,16 +231,15 @@ TEST_CASE(
         const Point from = mesh.positions[v];
         const double reach = 1.0 + static_cast<double>(random.below(8));
         const auto moved = [&](double x) {
-            const double step =
-                random.below(2) == 0 ? 0 : hmesh::snap(reach * random.uniform()) - hmesh::snap(0.5 * reach);
+            const double step = random.below(2) == 0 ? 0 : hmesh::snap(reach * random.uniform()) - hmesh::snap(0.5 * reach);
             return std::max(0.0, x + step);
         };
         const Point to{moved(from.x), moved(from.y)};
         mesh.positions[v] = to;
         const bool is_corner = (from.x == 0 || from.x == 16) && (from.y == 0 || from.y == 12);
-        bool valid = is_corner ? to == from
-                               : ((from.x != 0 && from.x != 16) || to.x == from.x) &&
-                                     ((from.y != 0 && from.y != 12) || to.y == from.y);
+        bool valid = is_corner
+                         ? to == from
+                         : ((from.x != 0 && from.x != 16) || to.x == from.x) && ((from.y != 0 && from.y != 12) || to.y == from.y);
         for (const Triangle& t : mesh.triangles)
             if (!(hmesh::cross(mesh.positions[t[0]], mesh.positions[t[1]], mesh.positions[t[2]]) > 0)) valid = false;
         REQUIRE(static_cast<bool>(check(mesh)) == valid);

@@ -82,8 +82,8 @@ template <int C>
 
 // The levels of the image as the method hierarchical wants them, from 1 on.
 template <class T, int C, class ParallelFor>
-[[nodiscard]] bool run_hierarchical(Patchwork<C, ParallelFor>& work, const ImageView<T, C>& view, std::size_t n, const Options& options,
-                                    double unit) {
+[[nodiscard]] bool run_hierarchical(Patchwork<C, ParallelFor>& work, const ImageView<T, C>& view, std::size_t n,
+                                    const Options& options, double unit) {
     const HierarchicalOptions& recipe = options.hierarchical;
     work.whole() = regular_grid(work.source(), 4);  // what a cancellation finds
     if (!work.monitor().begin("levels", work.vertex_count(), work.energy())) return false;
@@ -102,7 +102,8 @@ template <class T, int C, class ParallelFor>
 
 // A mesh of n vertices by the method asked for.
 template <class T, int C, class ParallelFor>
-[[nodiscard]] Status run(Patchwork<C, ParallelFor>& work, const ImageView<T, C>& view, std::size_t n, const Options& options, double unit) {
+[[nodiscard]] Status run(Patchwork<C, ParallelFor>& work, const ImageView<T, C>& view, std::size_t n, const Options& options,
+                         double unit) {
     const auto done = [](bool finished) { return finished ? Status{} : cancelled_by_callback(); };
     switch (options.method) {
         case Method::annealed: break;
@@ -147,7 +148,8 @@ template <class T, int C, class ParallelFor>
     const double grid = Traits::is_integer && options.round_colors ? 1 : 0;
     const bool in_tiles = options.method == Method::annealed;
     const Tiling tiling =
-        in_tiles ? Tiling(source.width(), source.height(), tile_size(source.width(), source.height(), n, options.tile)) : one_tile(source);
+        in_tiles ? Tiling(source.width(), source.height(), tile_size(source.width(), source.height(), n, options.tile))
+                 : one_tile(source);
     if (final_colors(options) == Colors::sampled) sample_colors(work, tiling, grid);
     else bounded_colors(work, tiling, Traits::lowest, Traits::highest, grid);
     monitor.end(work.vertex_count(), work.energy());
@@ -175,7 +177,8 @@ template <class T, int C, class ParallelFor>
 // target_out_of_range for a number of vertices that the image cannot hold (empty) or a PSNR that no mesh reached (the
 // nearest one is returned); cancelled by options.progress (the mesh reached so far is returned).
 template <class T, int C, class ParallelFor = SerialFor>
-[[nodiscard]] Result<C> mesh_image(const ImageView<T, C>& view, const Options& options = {}, const ParallelFor& parallel_for = {}) {
+[[nodiscard]] Result<C> mesh_image(const ImageView<T, C>& view, const Options& options = {},
+                                   const ParallelFor& parallel_for = {}) {
     Result<C> result;
     result.status = check(view);
     if (result.status) result.status = detail::check_options(options, std::int64_t{view.width} * view.height);
@@ -200,7 +203,8 @@ template <class T, int C, class ParallelFor = SerialFor>
     const std::size_t most = std::max<std::size_t>(4, pixels);
     const auto mesh_of = [&](std::size_t n) { return detail::mesh_with(view, unit, samples, n, options, parallel_for); };
     const auto share = [&](double percent) {
-        return std::min(most, std::max<std::size_t>(4, static_cast<std::size_t>(std::llround(static_cast<double>(pixels) * percent / 100))));
+        return std::min(
+            most, std::max<std::size_t>(4, static_cast<std::size_t>(std::llround(static_cast<double>(pixels) * percent / 100))));
     };
     switch (options.target.kind) {
         case Target::Kind::vertices: return mesh_of(static_cast<std::size_t>(options.target.value));

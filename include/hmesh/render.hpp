@@ -146,8 +146,7 @@ template <class ParallelFor>
     if (width > max_side) return {Errc::image_too_large, "the picture to draw is too wide", width, max_side};
     if (height > max_side) return {Errc::image_too_large, "the picture to draw is too high", height, max_side};
     const std::int64_t pixels = std::int64_t{width} * height;
-    if (pixels > max_pixels)
-        return {Errc::image_too_large, "the picture to draw has too many pixels", pixels, max_pixels};
+    if (pixels > max_pixels) return {Errc::image_too_large, "the picture to draw has too many pixels", pixels, max_pixels};
     return {};
 }
 
@@ -231,11 +230,10 @@ Status render(const MeshView& mesh, Image<float, C>& out, const RenderOptions& o
 template <class T, class U, int C, class ParallelFor = SerialFor>
 [[nodiscard]] double psnr(const ImageView<T, C>& reference, const ImageView<U, C>& rendered,
                           const ParallelFor& parallel_for = {}) {
-    if (!check(reference) || !check(rendered) || reference.width != rendered.width ||
-        reference.height != rendered.height)
+    if (!check(reference) || !check(rendered) || reference.width != rendered.width || reference.height != rendered.height)
         return std::numeric_limits<double>::quiet_NaN();
-    const double energy = ordered_sum(
-        parallel_for, static_cast<std::size_t>(reference.height), 32, [&](std::size_t begin, std::size_t end) {
+    const double energy =
+        ordered_sum(parallel_for, static_cast<std::size_t>(reference.height), 32, [&](std::size_t begin, std::size_t end) {
             double sum = 0;
             for (std::size_t y = begin; y < end; ++y) {
                 const T* a = reference.row(static_cast<int>(y));

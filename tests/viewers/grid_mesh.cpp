@@ -143,8 +143,8 @@ bool write_all(const hmesh::MeshView& mesh, const std::string& name) {
 int main(int argc, char** argv) {
     const int channels = argc >= 3 ? std::atoi(argv[2]) : 3;
     const int columns = argc == 5 ? std::atoi(argv[3]) : 72, rows = argc == 5 ? std::atoi(argv[4]) : 48;
-    if (argc < 2 || argc == 4 || argc > 5 || (channels != 3 && channels != 4) || columns < 1 || rows < 1 ||
-        columns > 2048 || rows > 2048) {
+    if (argc < 2 || argc == 4 || argc > 5 || (channels != 3 && channels != 4) || columns < 1 || rows < 1 || columns > 2048 ||
+        rows > 2048) {
         std::fprintf(stderr, "usage: grid_mesh DIRECTORY [CHANNELS [COLUMNS ROWS]]   (3 72 48; 3 or 4, each 1 to 2048)\n");
         return 2;
     }

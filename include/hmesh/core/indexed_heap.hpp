@@ -79,9 +79,7 @@ class IndexedHeap {
     using Slot = std::uint32_t;
     static constexpr Slot absent = 0xffffffffU;
 
-    static bool before(const Entry& a, const Entry& b) noexcept {
-        return a.key < b.key || (a.key == b.key && a.id < b.id);
-    }
+    static bool before(const Entry& a, const Entry& b) noexcept { return a.key < b.key || (a.key == b.key && a.id < b.id); }
     void place(std::size_t slot, Entry entry) noexcept {
         heap_[slot] = entry;
         slot_of_[entry.id] = static_cast<Slot>(slot);

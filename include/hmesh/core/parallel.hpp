@@ -35,8 +35,7 @@ void for_each_chunk(const ParallelFor& parallel_for, std::size_t n, std::size_t 
 template <class ParallelFor, class Body>
 [[nodiscard]] double ordered_sum(const ParallelFor& parallel_for, std::size_t n, std::size_t grain, Body&& body) {
     std::vector<double> parts(n / grain + (n % grain != 0), 0.0);
-    for_each_chunk(parallel_for, n, grain,
-                   [&](std::size_t begin, std::size_t end) { parts[begin / grain] = body(begin, end); });
+    for_each_chunk(parallel_for, n, grain, [&](std::size_t begin, std::size_t end) { parts[begin / grain] = body(begin, end); });
     double sum = 0;
     for (const double part : parts) sum += part;
     return sum;

@@ -27,16 +27,16 @@ namespace hmesh {
 
 struct AnnealingOptions {
     int sweeps = 8;
-    double temperature = 0.5;    // T at the start, in prices mu
-    double cooling = 1;          // T falls as (1 - t)^cooling, t in [0, 1)
-    double exchange = 1;         // probability that a vertex is tried for removal, a site for insertion, in a sweep
-    double jump = 0.1;           // probability that a vertex is displaced in a sweep
-    double jump_reach = 0.3;     // by at most this, in mean spoke lengths
-    double removal_screen = 3;   // removals that cost more than this many mu + 3 T before relaxing are not tried
+    double temperature = 0.5;        // T at the start, in prices mu
+    double cooling = 1;              // T falls as (1 - t)^cooling, t in [0, 1)
+    double exchange = 1;             // probability that a vertex is tried for removal, a site for insertion, in a sweep
+    double jump = 0.1;               // probability that a vertex is displaced in a sweep
+    double jump_reach = 0.3;         // by at most this, in mean spoke lengths
+    double removal_screen = 3;       // removals that cost more than this many mu + 3 T before relaxing are not tried
     double insertion_screen = 0.35;  // insertions that gain less than this many mu so are not tried
-    double flip_screen = 3;      // flips that cost more than this many mu so are not tried
-    double start_price = 0.2;    // mu at the start, in mean energies of a vertex
-    double band = 0.5;           // the count may leave the target by this share in the first sweep, ever less later
+    double flip_screen = 3;          // flips that cost more than this many mu so are not tried
+    double start_price = 0.2;        // mu at the start, in mean energies of a vertex
+    double band = 0.5;               // the count may leave the target by this share in the first sweep, ever less later
 };
 
 // What a sweep did.
@@ -79,8 +79,8 @@ template <int C>
 class AnnealingSweep {
   public:
     // At this price and temperature, in units of energy. The mesh outlives the object.
-    AnnealingSweep(ImageMesh<C>& mesh, const AnnealingOptions& options, double price, double temperature,
-                   const CountRange& range, const Random& random)
+    AnnealingSweep(ImageMesh<C>& mesh, const AnnealingOptions& options, double price, double temperature, const CountRange& range,
+                   const Random& random)
         : mesh_(&mesh), options_(options), price_(price), temperature_(temperature), least_(5e-3 * price), range_(range),
           random_(random) {}
 
@@ -130,7 +130,8 @@ class AnnealingSweep {
             if (static_cast<double>(mesh_->vertex_count()) < range_.least || !mesh_->beat()) break;
             if (random_.uniform() > options_.exchange) continue;
             const CollapseCandidate candidate = cheapest_collapse(*mesh_, work_, v);
-            if (!candidate.halfedge.is_valid() || !(candidate.cost <= options_.removal_screen * price_ + 3 * temperature_)) continue;
+            if (!candidate.halfedge.is_valid() || !(candidate.cost <= options_.removal_screen * price_ + 3 * temperature_))
+                continue;
             const auto mark = mesh_->begin();
             const double before = mesh_->energy();
             collect(v);
@@ -199,8 +200,8 @@ class AnnealingSweep {
             mean /= work_.ring.size;
             const double angle = 6.283185307179586 * random_.uniform();
             const double length = options_.jump_reach * mean * std::sqrt(random_.uniform());
-            const Point target = mesh_->clamp({state.position.x + length * std::cos(angle),
-                                               state.position.y + length * std::sin(angle)}, Mobility::free);
+            const Point target = mesh_->clamp(
+                {state.position.x + length * std::cos(angle), state.position.y + length * std::sin(angle)}, Mobility::free);
             if (!work_.ring.accepts(target, 2 * mesh_->limits().min_cross)) continue;
             const auto mark = mesh_->begin();
             const double before = mesh_->energy();
@@ -217,7 +218,8 @@ class AnnealingSweep {
     template <class Element>
     [[nodiscard]] std::vector<Element> rotated(std::vector<Element> elements) {
         if (!elements.empty())
-            std::rotate(elements.begin(), elements.begin() + static_cast<std::ptrdiff_t>(random_.below(elements.size())), elements.end());
+            std::rotate(elements.begin(), elements.begin() + static_cast<std::ptrdiff_t>(random_.below(elements.size())),
+                        elements.end());
         return elements;
     }
 

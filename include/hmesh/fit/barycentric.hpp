@@ -74,13 +74,11 @@ template <int C>
 // K: n_v by n_p, columns of 3 entries (some may be 0) that sum to 1. Faces are independent pieces of work, because each
 // pixel has one owner. The mesh must tile its rectangle, as check() proves.
 template <int C, class ParallelFor = SerialFor>
-[[nodiscard]] Eigen::SparseMatrix<double> barycentric_matrix(const ImageMesh<C>& mesh,
-                                                             const ParallelFor& parallel_for = {}) {
+[[nodiscard]] Eigen::SparseMatrix<double> barycentric_matrix(const ImageMesh<C>& mesh, const ParallelFor& parallel_for = {}) {
     const HalfedgeMesh& topology = mesh.topology();
     const std::vector<int> rows = vertex_rows(topology);
     const auto width = static_cast<std::size_t>(mesh.width()), pixels = width * static_cast<std::size_t>(mesh.height());
-    Eigen::SparseMatrix<double> matrix(static_cast<Eigen::Index>(mesh.vertex_count()),
-                                       static_cast<Eigen::Index>(pixels));
+    Eigen::SparseMatrix<double> matrix(static_cast<Eigen::Index>(mesh.vertex_count()), static_cast<Eigen::Index>(pixels));
     matrix.resizeNonZeros(static_cast<Eigen::Index>(3 * pixels));
     for (std::size_t p = 0; p <= pixels; ++p) matrix.outerIndexPtr()[p] = static_cast<int>(3 * p);
     for_each_chunk(parallel_for, topology.face_slots(), 256, [&](std::size_t first, std::size_t last) {
@@ -110,9 +108,9 @@ template <int C, class ParallelFor = SerialFor>
 // face; lambda is the corner's hat function, sums are over the face's pixels.
 template <int C>
 struct CornerSums {
-    double square = 0;                // lambda^2
-    double coupling = 0;              // lambda times that of the half-edge's other end
-    double x = 0, y = 0;              // lambda (x, y), plane coordinates of the pixel's centre
+    double square = 0;                  // lambda^2
+    double coupling = 0;                // lambda times that of the half-edge's other end
+    double x = 0, y = 0;                // lambda (x, y), plane coordinates of the pixel's centre
     Color<C> image = Color<C>::zero();  // lambda I; lane C: lambda
 };
 
@@ -197,8 +195,7 @@ template <int C, class ParallelFor = SerialFor>
 // K K^T: n_v by n_v, symmetric to the bit, both triangles stored; an entry for each vertex and each edge either way,
 // even where no pixel makes it differ from 0. From the corners of the mesh with this topology, or from the mesh.
 template <int C, class ParallelFor = SerialFor>
-[[nodiscard]] Eigen::SparseMatrix<double> gram_matrix(const HalfedgeMesh& topology,
-                                                      const std::vector<CornerSums<C>>& corners,
+[[nodiscard]] Eigen::SparseMatrix<double> gram_matrix(const HalfedgeMesh& topology, const std::vector<CornerSums<C>>& corners,
                                                       const ParallelFor& parallel_for = {}) {
     const std::vector<int> rows = vertex_rows(topology);
     const auto n = static_cast<Eigen::Index>(topology.vertex_count());

@@ -29,7 +29,8 @@ namespace hmesh {
 
 // `count` things shared in proportion to `weights` >= 0 (equally, where only 0 is left), none getting more than its cap;
 // whole numbers that sum to `count` as long as the caps do. O(size) for each cap that is met, at most `size` times.
-[[nodiscard]] inline std::vector<std::size_t> shares(std::size_t count, std::vector<double> weights, const std::vector<std::size_t>& caps) {
+[[nodiscard]] inline std::vector<std::size_t> shares(std::size_t count, std::vector<double> weights,
+                                                     const std::vector<std::size_t>& caps) {
     const std::size_t size = weights.size();
     std::vector<std::size_t> out(size, 0);
     std::vector<unsigned char> full(size, 0);
@@ -138,9 +139,8 @@ bool meet_budget(Patchwork<C, ParallelFor>& work, std::size_t n, double tile, co
         stuck = moved ? 0 : stuck + 1;
     }
     if (count() < n && !work.monitor().stopped())
-        work.for_each(Tiling(width, height, std::max(width, height)), [&](Patch<C>& patch, std::size_t) {
-            subdivide(patch.mesh(), n - patch.mesh().vertex_count());
-        });
+        work.for_each(Tiling(width, height, std::max(width, height)),
+                      [&](Patch<C>& patch, std::size_t) { subdivide(patch.mesh(), n - patch.mesh().vertex_count()); });
     return count() == n;
 }
 

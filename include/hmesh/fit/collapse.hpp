@@ -85,7 +85,8 @@ template <int C>
         if (ring.open && j != 0 && j != ring.size - 1) continue;  // a border vertex goes along the border
         // The merged vertex has the neighbours of both, less the two themselves and the far corners they shared.
         const int shared = ring.open ? 3 : 4;
-        if (topology.valence(topology.to_vertex(ring.halfedge[j])) + ring.size - shared > ring.neighbour[j]->most_valence) continue;
+        if (topology.valence(topology.to_vertex(ring.halfedge[j])) + ring.size - shared > ring.neighbour[j]->most_valence)
+            continue;
         const double energy = detail::filled_energy(mesh, ring, j, least);
         if (!(energy < least) || !topology.is_collapse_ok(ring.halfedge[j])) continue;
         least = energy;

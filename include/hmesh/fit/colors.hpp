@@ -89,8 +89,7 @@ struct ColorSystem {
         for (std::size_t v = 0; v < colors.size(); ++v) {
             Color<C>& c = colors[v];
             Color<C> step = rhs[v] + ridge * (anchor[v] - c);
-            for (int e = starts[v]; e < starts[v + 1]; ++e)
-                step -= values[e] * colors[static_cast<std::size_t>(rows[e])];
+            for (int e = starts[v]; e < starts[v + 1]; ++e) step -= values[e] * colors[static_cast<std::size_t>(rows[e])];
             step *= inverse[v];
             update(c, step);
         }
@@ -139,7 +138,8 @@ template <int C, class ParallelFor>
 // Takes colours that lie in [low, high] to the best there, see bounded_colors; before each sweep but the one that puts them
 // on the grid, go_on() is asked.
 template <int C, class GoOn>
-BoundedReport descend(const ColorSystem<C>& system, double low, double high, double grid, std::vector<Color<C>>& colors, GoOn&& go_on) {
+BoundedReport descend(const ColorSystem<C>& system, double low, double high, double grid, std::vector<Color<C>>& colors,
+                      GoOn&& go_on) {
     HMESH_ASSERT(low <= high && grid >= 0);
     constexpr int most_sweeps = 20, most_rounding_sweeps = 10;
     double scale = 0;
@@ -193,15 +193,15 @@ BoundedReport descend(const ColorSystem<C>& system, double low, double high, dou
 // in the range). By coordinate descent (projected Gauss-Seidel) from the current colours: first without the grid, then
 // onto it, vertex by vertex, then over the grid while that lowers the error.
 template <int C, class ParallelFor = SerialFor>
-BoundedReport bounded_colors(ImageMesh<C>& mesh, double low, double high, double grid,
-                             const ParallelFor& parallel_for = {}) {
+BoundedReport bounded_colors(ImageMesh<C>& mesh, double low, double high, double grid, const ParallelFor& parallel_for = {}) {
     std::vector<Color<C>> colors;
     colors.reserve(mesh.vertex_count());
     for (const Vertex v : mesh.topology().vertices()) {
         colors.push_back(mesh.color(v));
         detail::clamp_channels<C>(colors.back(), low, high);
     }
-    const auto system = detail::color_system(mesh.topology(), corner_sums(mesh, parallel_for), colors, mesh.limits().ridge, parallel_for);
+    const auto system =
+        detail::color_system(mesh.topology(), corner_sums(mesh, parallel_for), colors, mesh.limits().ridge, parallel_for);
     const BoundedReport report = detail::descend(system, low, high, grid, colors, [] { return true; });
     detail::write_colors(mesh, colors, parallel_for);
     return report;
@@ -212,9 +212,8 @@ BoundedReport bounded_colors(ImageMesh<C>& mesh, double low, double high, double
 template <int C, class ParallelFor>
 BoundedReport bounded_colors(Patchwork<C, ParallelFor>& work, const Tiling& tiling, double low, double high, double grid) {
     BoundedReport report;
-    if (tiling.size() == 1 && work.for_each(tiling, [&](Patch<C>& patch, std::size_t) {
-            report = bounded_colors(patch.mesh(), low, high, grid);
-        }))
+    if (tiling.size() == 1 &&
+        work.for_each(tiling, [&](Patch<C>& patch, std::size_t) { report = bounded_colors(patch.mesh(), low, high, grid); }))
         return report;
     WholeMesh<C>& whole = work.whole();
     for (Color<C>& c : whole.colors) detail::clamp_channels<C>(c, low, high);

@@ -43,11 +43,12 @@ struct ChainVertex {
     std::uint32_t vertex;
     double along;
 };
-inline void add_strip(const std::vector<ChainVertex>& outer, const std::vector<ChainVertex>& inner, std::vector<Triangle>& triangles) {
+inline void add_strip(const std::vector<ChainVertex>& outer, const std::vector<ChainVertex>& inner,
+                      std::vector<Triangle>& triangles) {
     std::size_t a = 0, b = 0;
     while (a + 1 < outer.size() || b + 1 < inner.size()) {
-        const bool on_outer = b + 1 == inner.size() ||
-                              (a + 1 < outer.size() && outer[a].along + outer[a + 1].along <= inner[b].along + inner[b + 1].along);
+        const bool on_outer = b + 1 == inner.size() || (a + 1 < outer.size() && outer[a].along + outer[a + 1].along <=
+                                                                                    inner[b].along + inner[b + 1].along);
         if (on_outer) {
             triangles.push_back({outer[a].vertex, outer[a + 1].vertex, inner[b].vertex});
             ++a;
@@ -79,7 +80,8 @@ template <int C>
             const Point p = snap(Point{static_cast<double>(width) * i / nx, static_cast<double>(height) * j / ny});
             mesh.add(p, source.pixel(static_cast<int>(p.x), static_cast<int>(p.y)));
         }
-    detail::add_grid_triangles(nx + 1, ny + 1, mesh.triangles, [&](std::uint32_t i, std::uint32_t j) { return j * (nx + 1) + i; });
+    detail::add_grid_triangles(nx + 1, ny + 1, mesh.triangles,
+                               [&](std::uint32_t i, std::uint32_t j) { return j * (nx + 1) + i; });
     return mesh;
 }
 
@@ -136,7 +138,8 @@ template <int C, class GoOn, class ParallelFor = SerialFor>
             for (std::size_t m = 0; m < line.offsets.size(); ++m) {
                 const int offset = line.offsets[m];
                 mesh.add({static_cast<double>(side.x + (side.vertical ? 0 : offset)),
-                          static_cast<double>(side.y + (side.vertical ? offset : 0))}, line.colors[m]);
+                          static_cast<double>(side.y + (side.vertical ? offset : 0))},
+                         line.colors[m]);
             }
         } else {
             const int parts = std::max(1, std::min(side.length, static_cast<int>(side.length / spacing + 0.5)));
@@ -164,7 +167,8 @@ template <int C, class GoOn, class ParallelFor = SerialFor>
             detail::add_grid_triangles(nx, ny, mesh.triangles, number);
 
             const std::size_t left = std::size_t{j} * (columns + 1) + i, above = first_level + std::size_t{j} * columns + i;
-            const auto strip = [&](std::size_t side, std::uint32_t from, std::uint32_t to, bool reversed, std::uint32_t inner_count, auto&& inner_at) {
+            const auto strip = [&](std::size_t side, std::uint32_t from, std::uint32_t to, bool reversed,
+                                   std::uint32_t inner_count, auto&& inner_at) {
                 std::vector<std::uint32_t> nodes;
                 for (std::uint32_t v = first_node[side]; v < first_node[side + 1]; ++v) nodes.push_back(v);
                 if (reversed) std::reverse(nodes.begin(), nodes.end());
@@ -179,8 +183,10 @@ template <int C, class GoOn, class ParallelFor = SerialFor>
                 detail::add_strip(outer, grid, mesh.triangles);
             };
             strip(above, corner(i, j), corner(i + 1, j), false, nx, [&](std::uint32_t k) { return number(k, 0); });
-            strip(left + 1, corner(i + 1, j), corner(i + 1, j + 1), false, ny, [&](std::uint32_t m) { return number(nx - 1, m); });
-            strip(above + columns, corner(i + 1, j + 1), corner(i, j + 1), true, nx, [&](std::uint32_t k) { return number(nx - 1 - k, ny - 1); });
+            strip(left + 1, corner(i + 1, j), corner(i + 1, j + 1), false, ny,
+                  [&](std::uint32_t m) { return number(nx - 1, m); });
+            strip(above + columns, corner(i + 1, j + 1), corner(i, j + 1), true, nx,
+                  [&](std::uint32_t k) { return number(nx - 1 - k, ny - 1); });
             strip(left, corner(i, j + 1), corner(i, j), true, ny, [&](std::uint32_t m) { return number(0, ny - 1 - m); });
         }
     return mesh;

@@ -26,9 +26,9 @@ namespace hmesh {
 
 // Where a pixel's foot point is looked for.
 enum class FootSearch : std::uint8_t {
-    plane,      // not at all: the point under the pixel, so that least squares changes colours only
-    own_face,   // in the face under the pixel
-    one_ring,   // in all faces that share a vertex with that one: worse by 0.01 to 0.08 dB, ten times as long
+    plane,     // not at all: the point under the pixel, so that least squares changes colours only
+    own_face,  // in the face under the pixel
+    one_ring,  // in all faces that share a vertex with that one: worse by 0.01 to 0.08 dB, ten times as long
 };
 
 // A pixel or vertex in 2 + C dimensions.

@@ -33,7 +33,9 @@ Status ImageMesh<C>::assign(const std::vector<Point>& positions, const std::vect
         state.mobility = mobility_at(p);
         state.most_valence = max_valence;
         if (!colors.empty()) state.color = colors[i];
-        else table_->pixel(std::min(static_cast<int>(p.x), width() - 1), std::min(static_cast<int>(p.y), height() - 1), state.color);
+        else
+            table_->pixel(std::min(static_cast<int>(p.x), width() - 1), std::min(static_cast<int>(p.y), height() - 1),
+                          state.color);
     }
     twice_area_ = 0;
     for (const Triangle& t : triangles) twice_area_ += cross(positions[t[0]], positions[t[1]], positions[t[2]]);
@@ -74,8 +76,8 @@ Status ImageMesh<C>::check() const {
         const VertexState<C>& state = vertex(v);
         if (snap(state.position) != state.position) return fail("a vertex is off the grid", v.index());
         if (state.color[C] != 0) return fail("a colour's padding is not zero", v.index());
-        if (state.mobility != Mobility::frozen && (state.mobility != mobility_at(state.position) ||
-                                                   topology_.is_boundary(v) == (state.mobility == Mobility::free)))
+        if (state.mobility != Mobility::frozen &&
+            (state.mobility != mobility_at(state.position) || topology_.is_boundary(v) == (state.mobility == Mobility::free)))
             return fail("a vertex's mobility is wrong", v.index());
     }
     // Of the pixels of the rectangle: a part of it may own none, and yet its moments are differences of such sums.
@@ -100,7 +102,8 @@ Status ImageMesh<C>::check() const {
             return fail("a face's energy is stale", f.index());
         energy += fresh;
     }
-    if (area != (surroundings_.is_part ? twice_area_ : 2.0 * width() * height())) return fail("the faces do not tile what they should", 0);
+    if (area != (surroundings_.is_part ? twice_area_ : 2.0 * width() * height()))
+        return fail("the faces do not tile what they should", 0);
     if (!(std::abs(energy - energy_) <= 1e-9 * std::abs(energy) + 1e-12 * squares)) return fail("the total energy is stale", 0);
     for (const Edge e : topology_.edges()) {
         const Halfedge h = HalfedgeMesh::halfedge(e);

@@ -107,8 +107,9 @@ template <int C>
         mesh.moments(h, ring.link[i]);
     }
     const VertexState<C>&v0 = *ring.neighbour[0], &v1 = *ring.neighbour[1], &v2 = *ring.neighbour[2];
-    candidate.centre.position = mesh.clamp({(v0.position.x + v1.position.x + v2.position.x) / 3,
-                                            (v0.position.y + v1.position.y + v2.position.y) / 3}, Mobility::free);
+    candidate.centre.position =
+        mesh.clamp({(v0.position.x + v1.position.x + v2.position.x) / 3, (v0.position.y + v1.position.y + v2.position.y) / 3},
+                   Mobility::free);
     candidate.centre.color = (1.0 / 3) * (v0.color + v1.color + v2.color);
     if (!ring.accepts(candidate.centre.position, mesh.limits().min_cross)) return candidate;
     walk_spokes(mesh.table(), ring, candidate.centre.position, work.spokes);
@@ -133,7 +134,8 @@ template <int C>
             if (full(v)) return false;
         return true;
     }
-    for (const Halfedge h : {HalfedgeMesh::halfedge(candidate.edge), HalfedgeMesh::opposite(HalfedgeMesh::halfedge(candidate.edge))})
+    for (const Halfedge h :
+         {HalfedgeMesh::halfedge(candidate.edge), HalfedgeMesh::opposite(HalfedgeMesh::halfedge(candidate.edge))})
         if (!topology.is_boundary(h) && full(topology.to_vertex(topology.next(h)))) return false;
     return true;
 }
@@ -185,7 +187,8 @@ template <int C>
 // sites with the most to gain tell how much the others must have for being worth a walk. Gains are compared as floats: this
 // is the peak of the memory, 16 bytes a site.
 template <int C>
-[[nodiscard]] std::vector<InsertionSite> best_sites(const ImageMesh<C>& mesh, std::size_t count, const InsertionOptions& options) {
+[[nodiscard]] std::vector<InsertionSite> best_sites(const ImageMesh<C>& mesh, std::size_t count,
+                                                    const InsertionOptions& options) {
     struct Gain {
         float gain;
         std::uint32_t site;

@@ -16,7 +16,8 @@ template <int C>
 
 template <int C>
 [[nodiscard]] std::vector<Face> spatial_faces(const ImageMesh<C>& mesh) {
-    return in_spatial_order<Face>(mesh.topology().faces(), mesh.topology().face_count(), [&](Face f) { return mesh.centroid(f); });
+    return in_spatial_order<Face>(mesh.topology().faces(), mesh.topology().face_count(),
+                                  [&](Face f) { return mesh.centroid(f); });
 }
 
 // Calls body(e) for the edges that come with face f: of the two faces beside an edge, it comes with that of its even

@@ -37,10 +37,10 @@ struct Cut {
     static constexpr std::uint32_t frozen = 0xffffffffU;
     std::vector<std::uint32_t> triangles;  // those of tile k: [first[k], first[k + 1])
     std::vector<std::size_t> first;
-    std::vector<std::uint32_t> owner;      // of a vertex: the tile where it is free, or frozen
-    std::vector<std::uint32_t> number;     // of a vertex: its number among those free in its tile, or among the frozen
+    std::vector<std::uint32_t> owner;           // of a vertex: the tile where it is free, or frozen
+    std::vector<std::uint32_t> number;          // of a vertex: its number among those free in its tile, or among the frozen
     std::vector<std::uint16_t> triangle_count;  // of a vertex, in the whole mesh
-    std::vector<std::size_t> free_count;   // of a tile
+    std::vector<std::size_t> free_count;        // of a tile
     std::size_t frozen_count = 0;
 };
 
@@ -70,7 +70,8 @@ template <int C>
     cut.number.resize(n);
     cut.free_count.assign(tiling.size(), 0);
     for (std::size_t v = 0; v < n; ++v)
-        cut.number[v] = static_cast<std::uint32_t>(cut.owner[v] == Cut::frozen ? cut.frozen_count++ : cut.free_count[cut.owner[v]]++);
+        cut.number[v] =
+            static_cast<std::uint32_t>(cut.owner[v] == Cut::frozen ? cut.frozen_count++ : cut.free_count[cut.owner[v]]++);
     return cut;
 }
 
@@ -100,7 +101,9 @@ template <int C>
         Triangle local{};
         for (std::uint32_t c = 0; c < 3; ++c) {
             if (cut.owner[t[c]] != Cut::frozen) local[c] = cut.number[t[c]];
-            else corners.push_back({t[c], static_cast<std::uint32_t>(patch.triangles.size()), c, t[(c + 1) % 3], t[(c + 2) % 3], 0});
+            else
+                corners.push_back(
+                    {t[c], static_cast<std::uint32_t>(patch.triangles.size()), c, t[(c + 1) % 3], t[(c + 2) % 3], 0});
         }
         patch.triangles.push_back(local);
     }
@@ -139,7 +142,7 @@ struct PatchResult {
     std::vector<Point> positions;  // of free vertices
     std::vector<Color<C>> colors;
     std::vector<unsigned char> due;
-    std::vector<Triangle> triangles;  // free vertices by their place above, frozen ones after them
+    std::vector<Triangle> triangles;    // free vertices by their place above, frozen ones after them
     std::vector<std::uint32_t> frozen;  // of the whole mesh, may repeat
     std::vector<std::uint32_t> frozen_due;
     double energy = 0;

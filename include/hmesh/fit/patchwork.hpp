@@ -53,10 +53,13 @@ class Patchwork {
         put_back();
         const detail::Cut cut = detail::cut(whole_, tiling);
         std::vector<detail::PatchResult<C>> results(tiling.size());
-        run(cut, [&](Patch<C>& patch, std::size_t tile) {
-            work(patch, tile);
-            results[tile] = patch.result();
-        }, [&](std::size_t tile) { results[tile] = detail::unchanged(whole_, cut, tile); });
+        run(
+            cut,
+            [&](Patch<C>& patch, std::size_t tile) {
+                work(patch, tile);
+                results[tile] = patch.result();
+            },
+            [&](std::size_t tile) { results[tile] = detail::unchanged(whole_, cut, tile); });
         merge(cut, results);
         return !monitor_->stopped();
     }
@@ -67,7 +70,8 @@ class Patchwork {
     bool visit(const Tiling& tiling, Look&& look, bool all = false) {
         put_back();
         const detail::Cut cut = detail::cut(whole_, tiling);
-        run(cut, [&](Patch<C>& patch, std::size_t tile) { look(patch, tile, cut.triangles.data() + cut.first[tile]); },
+        run(
+            cut, [&](Patch<C>& patch, std::size_t tile) { look(patch, tile, cut.triangles.data() + cut.first[tile]); },
             [](std::size_t) {}, all);
         return !monitor_->stopped();
     }
@@ -75,7 +79,8 @@ class Patchwork {
     // Computes the energy of whole(), with the positions and colours that it has now.
     void measure(const Tiling& tiling) {
         std::vector<double> energies(tiling.size(), 0.0);
-        visit(tiling, [&](Patch<C>& patch, std::size_t k, const std::uint32_t*) { energies[k] = patch.mesh().energy(); }, true);
+        visit(
+            tiling, [&](Patch<C>& patch, std::size_t k, const std::uint32_t*) { energies[k] = patch.mesh().energy(); }, true);
         whole_.energy = 0;
         for (const double energy : energies) whole_.energy += energy;
     }
@@ -88,7 +93,8 @@ class Patchwork {
             if (!monitor_->poll()) return;
             Pulse pulse(*monitor_, 1);
             if (!only_) {
-                const detail::Cut cut = detail::cut(whole_, Tiling(whole_.width, whole_.height, std::max(whole_.width, whole_.height)));
+                const detail::Cut cut =
+                    detail::cut(whole_, Tiling(whole_.width, whole_.height, std::max(whole_.width, whole_.height)));
                 only_ = std::make_unique<Patch<C>>(whole_, *source_, cut, 0, limits_, nullptr, std::move(table_));
             }
             only_->mesh().set_pulse(&pulse);
@@ -115,9 +121,8 @@ class Patchwork {
         std::vector<std::size_t> tiles;
         for (std::size_t k = 0; k + 1 < cut.first.size(); ++k)
             if (count(k) > 0) tiles.push_back(k);
-        std::sort(tiles.begin(), tiles.end(), [&](std::size_t a, std::size_t b) {
-            return count(a) != count(b) ? count(a) > count(b) : a < b;
-        });
+        std::sort(tiles.begin(), tiles.end(),
+                  [&](std::size_t a, std::size_t b) { return count(a) != count(b) ? count(a) > count(b) : a < b; });
         (*parallel_for_)(tiles.size(), [&](std::size_t i) {
             const std::size_t k = tiles[i];
             if (!monitor_->poll() && !all) return skip(k);

@@ -137,8 +137,8 @@ inline PcgReport solve_pcg(const Eigen::SparseMatrix<double>& a, const Eigen::Ma
                 for (Eigen::Index k = 0; k < columns; ++k) {
                     const auto c = static_cast<std::size_t>(k);
                     if (runs[c] != 0)
-                        direction(i, k) = residual(i, k) * inverse[static_cast<std::size_t>(i)] +
-                                          rz[c] / rz_before[c] * direction(i, k);
+                        direction(i, k) =
+                            residual(i, k) * inverse[static_cast<std::size_t>(i)] + rz[c] / rz_before[c] * direction(i, k);
                 }
             detail::multiply(a, direction, product);
             release(product);

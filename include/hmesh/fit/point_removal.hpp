@@ -58,7 +58,8 @@ class PointRemoval {
     // Fills the hole of v on trial: ears, moments of their diagonals and their energies. Returns the cost.
     double fill(Vertex v) {
         mesh_->gather(v, ring_, spokes_);
-        ears_ = &filler_.fill(ring_.size, [&](int i) { return ring_.neighbour[i]->position; }, ring_.open);
+        ears_ = &filler_.fill(
+            ring_.size, [&](int i) { return ring_.neighbour[i]->position; }, ring_.open);
         double energy = -mesh_->energy(ring_);
         for (int i = ring_.first_face(); i < ring_.size; ++i) sides_[i] = ring_.link[i];
         if (ring_.open) {  // v lies on a straight line between its first and last neighbours

@@ -55,9 +55,9 @@ struct MeshLimits {
 // One face of a ring, as a function of the centre's colour.
 template <int C>
 struct FaceFit {
-    double a;         // A
-    double lx, ly;    // gradient of the hat function
-    double squares;   // d = squares + rest.sum()
+    double a;        // A
+    double lx, ly;   // gradient of the hat function
+    double squares;  // d = squares + rest.sum()
     Color<C> b, f1, f2, rest;
     [[nodiscard]] HMESH_ALWAYS_INLINE double energy(const Color<C>& c) const {
         return squares + (rest + c * (a * c - 2.0 * b)).sum();
@@ -75,8 +75,8 @@ struct RingFit {
 
 // Face (v, a, b) with moments m. False when twice its area is below min_cross.
 template <int C>
-[[nodiscard]] HMESH_ALWAYS_INLINE bool fit_face(const Moments<C>& m, Point v, const VertexState<C>& va,
-                                                const VertexState<C>& vb, double min_cross, FaceFit<C>& out) {
+[[nodiscard]] HMESH_ALWAYS_INLINE bool fit_face(const Moments<C>& m, Point v, const VertexState<C>& va, const VertexState<C>& vb,
+                                                double min_cross, FaceFit<C>& out) {
     const double ax = va.position.x - v.x, ay = va.position.y - v.y, bx = vb.position.x - v.x, by = vb.position.y - v.y;
     const double area = ax * by - ay * bx;
     if (!(area >= min_cross)) return false;
@@ -104,8 +104,8 @@ template <int C>
 
 // The squared error of a face with moments m and positive area.
 template <int C>
-[[nodiscard]] HMESH_ALWAYS_INLINE double face_energy(const Moments<C>& m, const VertexState<C>& v0,
-                                                     const VertexState<C>& v1, const VertexState<C>& v2) {
+[[nodiscard]] HMESH_ALWAYS_INLINE double face_energy(const Moments<C>& m, const VertexState<C>& v0, const VertexState<C>& v1,
+                                                     const VertexState<C>& v2) {
     const Point v = v0.position;
     const double ax = v1.position.x - v.x, ay = v1.position.y - v.y, bx = v2.position.x - v.x, by = v2.position.y - v.y;
     const double inverse = 1 / (ax * by - ay * bx);
@@ -117,9 +117,9 @@ template <int C>
     const double sxx = m.q[0] - ox * (m.sx[C] + sx), syy = m.q[2] - oy * (m.sy[C] + sy);
     const double sxy = m.q[1] - ox * m.sy[C] - oy * sx;
     const Color<C>& c = v0.color;
-    return m.q[3] + (c * (n * c - 2.0 * m.s) + gx * (sxx * gx + 2.0 * (sx * c + sxy * gy - mx)) +
-                     gy * (syy * gy + 2.0 * (sy * c - my)))
-                        .sum();
+    return m.q[3] +
+           (c * (n * c - 2.0 * m.s) + gx * (sxx * gx + 2.0 * (sx * c + sxy * gy - mx)) + gy * (syy * gy + 2.0 * (sy * c - my)))
+               .sum();
 }
 
 // The vertex in the middle is not part of a Ring. Neighbours follow each other against the orientation of the faces:
@@ -128,9 +128,9 @@ template <int C>
 struct Ring {
     int size = 0;
     bool open = false;
-    Halfedge halfedge[ring_capacity];            // from the centre to each neighbour, where the centre is in the mesh
+    Halfedge halfedge[ring_capacity];  // from the centre to each neighbour, where the centre is in the mesh
     const VertexState<C>* neighbour[ring_capacity];
-    Moments<C> link[ring_capacity];              // of the far side of face i, from neighbour i to neighbour i - 1
+    Moments<C> link[ring_capacity];  // of the far side of face i, from neighbour i to neighbour i - 1
 
     [[nodiscard]] int first_face() const noexcept { return open ? 1 : 0; }
     [[nodiscard]] int before(int i) const noexcept { return i == 0 ? size - 1 : i - 1; }
@@ -186,8 +186,8 @@ template <int C>
 // The colour that minimises the ring's energy, with the ridge toward `current`, kept within [low, high]. A sum of
 // squares that rounding of weighted sums made negative counts as 0.
 template <int C>
-[[nodiscard]] HMESH_ALWAYS_INLINE Color<C> best_color(const RingFit<C>& fit, const Color<C>& current, double ridge,
-                                                      double low, double high) {
+[[nodiscard]] HMESH_ALWAYS_INLINE Color<C> best_color(const RingFit<C>& fit, const Color<C>& current, double ridge, double low,
+                                                      double high) {
     Color<C> c = (fit.b + ridge * current) * (1 / ((fit.a > 0 ? fit.a : 0.0) + ridge));
     c.clamp(low, high);
     for (int k = C; k < lanes_for(C + 1); ++k) c.set(k, 0);
@@ -204,8 +204,8 @@ struct RingStep {
     double predicted = 0;  // the decrease of energy that the linear model expects to first order, >= 0
 };
 template <int C>
-[[nodiscard]] HMESH_ALWAYS_INLINE RingStep gauss_newton_step(const Ring<C>& ring, const FaceFit<C>* faces,
-                                                             const RingFit<C>& fit, const Color<C>& c, Mobility mobility) {
+[[nodiscard]] HMESH_ALWAYS_INLINE RingStep gauss_newton_step(const Ring<C>& ring, const FaceFit<C>* faces, const RingFit<C>& fit,
+                                                             const Color<C>& c, Mobility mobility) {
     using Vec = Color<C>;
     Vec g1 = Vec::zero(), g2 = g1, h11 = g1, h12 = g1, h22 = g1, mean1 = g1, mean2 = g1;
     for (int i = ring.first_face(); i < ring.size; ++i) {

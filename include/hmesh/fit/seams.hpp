@@ -171,9 +171,11 @@ template <int C, class GoOn, class ParallelFor = SerialFor>
         return nodes;
     };
     // The price lies between 0 and the error of one node a seam; the number of nodes falls roughly as its inverse root.
-    double price = ordered_sum(parallel_for, seams.size(), 1, [&](std::size_t i, std::size_t) {
-        return detail::SeamCurve<C>(source, seams[i]).error(0, seams[i].length);
-    }) / std::max(1.0, count);
+    double price = ordered_sum(parallel_for, seams.size(), 1,
+                               [&](std::size_t i, std::size_t) {
+                                   return detail::SeamCurve<C>(source, seams[i]).error(0, seams[i].length);
+                               }) /
+                   std::max(1.0, count);
     for (int k = 0; k < 12; ++k) {
         const double nodes = choose(price);
         if (nodes <= 1.1 * count && nodes >= 0.9 * count) break;

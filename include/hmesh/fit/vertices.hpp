@@ -105,8 +105,7 @@ double improve_vertex(ImageMesh<C>& mesh, Vertex v, double least) {
     Centre<C> centre{state.position, state.color, 0};
     const RingOutcome outcome = optimise_centre(mesh, work, state.mobility, least, true, centre);
     if (outcome == RingOutcome::degenerate || !(centre.energy < before)) return 0;
-    mesh.settle(v, work.ring, centre.position, centre.color, work.faces,
-                outcome == RingOutcome::moved ? &work.spokes : nullptr);
+    mesh.settle(v, work.ring, centre.position, centre.color, work.faces, outcome == RingOutcome::moved ? &work.spokes : nullptr);
     return before - centre.energy;
 }
 

@@ -17,12 +17,12 @@ namespace hmesh {
 
 template <int C>
 struct WholeMesh {
-    int width = 0, height = 0;         // px of the image; the triangles tile [0, width] x [0, height]
-    std::vector<Point> positions;      // on the 1/256 px grid
+    int width = 0, height = 0;     // px of the image; the triangles tile [0, width] x [0, height]
+    std::vector<Point> positions;  // on the 1/256 px grid
     std::vector<Color<C>> colors;
-    std::vector<unsigned char> due;    // not 0: surroundings changed since the vertex was last optimised
+    std::vector<unsigned char> due;  // not 0: surroundings changed since the vertex was last optimised
     std::vector<Triangle> triangles;
-    double energy = 0;                 // as of the last phase of work
+    double energy = 0;  // as of the last phase of work
 
     [[nodiscard]] std::size_t vertex_count() const noexcept { return positions.size(); }
     [[nodiscard]] double mean_energy() const noexcept { return energy / static_cast<double>(vertex_count()); }

@@ -185,8 +185,8 @@ class BilateralTile {
   private:
     struct Tap {
         BilateralWindow::Pair pair;
-        std::size_t kept;       // where the pair.dy + 1 rows of its weights begin; 0: another turn begins with it
-        std::ptrdiff_t offset;  // of the samples ahead
+        std::size_t kept;             // where the pair.dy + 1 rows of its weights begin; 0: another turn begins with it
+        std::ptrdiff_t offset;        // of the samples ahead
         const float *ahead, *behind;  // weights of the row at hand, and of the row pair.dy above it from -pair.dx on
     };
 
@@ -225,9 +225,7 @@ class BilateralTile {
     // The weights of row y, -pair.dy <= y, for the pixels that have the tile's as their tap ahead or behind.
     HMESH_NEVER_INLINE void weigh(Tap& tap, int y) {
         const int dx = tap.pair.dx, dy = tap.pair.dy;
-        const auto kept_row = [&](int row) {
-            return weights_.data() + tap.kept + (row + dy) % (dy + 1) * stride_ + radius_;
-        };
+        const auto kept_row = [&](int row) { return weights_.data() + tap.kept + (row + dy) % (dy + 1) * stride_ + radius_; };
         float* out = kept_row(y);
         tap.ahead = out;
         if (y >= 0) tap.behind = kept_row(y - dy) - dx;
@@ -265,8 +263,8 @@ class BilateralTile {
                 weight += ahead + behind;
                 HMESH_UNROLL
                 for (int c = 0; c < C; ++c)
-                    sum[c] += ahead * (load_floats(a + c * plane) - middle[c]) +
-                              behind * (load_floats(b + c * plane) - middle[c]);
+                    sum[c] +=
+                        ahead * (load_floats(a + c * plane) - middle[c]) + behind * (load_floats(b + c * plane) - middle[c]);
             }
             store_floats(weight, out + C * sums_plane);
             HMESH_UNROLL

@@ -20,8 +20,9 @@ class ImageSource {
     // Of a view that check() accepts, with weights that check_weights() accepts (or none), both outliving the source.
     template <class T>
     explicit ImageSource(const ImageView<T, C>& view, const ImageView<float, 1>& weights = {}, double unit = 1) noexcept
-        : data_(view.data), width_(view.width), height_(view.height), row_stride_(view.row_stride), weights_(weights), unit_(unit),
-          low_(PixelTraits<T>::lowest), high_(PixelTraits<T>::highest), peak_(PixelTraits<T>::peak), make_(&make<T>), sample_(&sample<T>) {}
+        : data_(view.data), width_(view.width), height_(view.height), row_stride_(view.row_stride), weights_(weights),
+          unit_(unit), low_(PixelTraits<T>::lowest), high_(PixelTraits<T>::highest), peak_(PixelTraits<T>::peak), make_(&make<T>),
+          sample_(&sample<T>) {}
 
     [[nodiscard]] int width() const noexcept { return width_; }
     [[nodiscard]] int height() const noexcept { return height_; }

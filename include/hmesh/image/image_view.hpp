@@ -151,7 +151,8 @@ template <class T, int C, class ParallelFor = SerialFor>
         });
         for (std::size_t y = 0; y < bad.size(); ++y)
             if (bad[y] != 0)
-                return {Errc::not_finite, "the image has a sample that is NaN or infinite, in row", static_cast<std::int64_t>(y), 0};
+                return {Errc::not_finite, "the image has a sample that is NaN or infinite, in row", static_cast<std::int64_t>(y),
+                        0};
     }
     return {};
 }

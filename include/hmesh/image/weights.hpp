@@ -25,8 +25,7 @@ template <class ParallelFor = SerialFor>
 [[nodiscard]] Status check_weights(const ImageView<float, 1>& weights, int width, int height,
                                    const ParallelFor& parallel_for = {}) {
     if (weights.data == nullptr) return {};
-    if (weights.width != width)
-        return {Errc::invalid_argument, "the weights are not as wide as the image", weights.width, width};
+    if (weights.width != width) return {Errc::invalid_argument, "the weights are not as wide as the image", weights.width, width};
     if (weights.height != height)
         return {Errc::invalid_argument, "the weights are not as high as the image", weights.height, height};
     if (const Status status = check(weights); !status) return status;
@@ -43,10 +42,8 @@ template <class ParallelFor = SerialFor>
     });
     for (std::size_t y = 0; y < faults.size(); ++y) {
         const auto row = static_cast<std::int64_t>(y);
-        if (faults[y] == not_finite)
-            return {Errc::not_finite, "the weights have one that is NaN or infinite, in row", row, 0};
-        if (faults[y] == negative)
-            return {Errc::invalid_argument, "the weights have one that is negative, in row", row, 0};
+        if (faults[y] == not_finite) return {Errc::not_finite, "the weights have one that is NaN or infinite, in row", row, 0};
+        if (faults[y] == negative) return {Errc::invalid_argument, "the weights have one that is negative, in row", row, 0};
     }
     return {};
 }

@@ -53,7 +53,8 @@ void write_ascii85(Writer<Sink>& writer, const std::vector<unsigned char>& bytes
         // taken for a comment of the document's structure.
         if (used == 0 && digits[0] == '%') line[used++] = ' ';
         if (count == 4 && digits == std::array<char, 5>{'!', '!', '!', '!', '!'}) line[used++] = 'z';
-        else for (std::size_t k = 0; k <= count; ++k) line[used++] = digits[k];
+        else
+            for (std::size_t k = 0; k <= count; ++k) line[used++] = digits[k];
     }
     end_line();
     writer.text("~>\n");

@@ -55,7 +55,7 @@ struct GlbLayout {
     double unit = 1;                                    // units a px
     std::uint64_t vertices = 0, corners = 0;
     std::uint64_t position_bytes = 0, color_bytes = 0, index_bytes = 0;
-    std::uint64_t json_bytes = 0;                       // without padding
+    std::uint64_t json_bytes = 0;  // without padding
 
     [[nodiscard]] std::uint64_t position_stride() const noexcept { return quantized ? 8 : 12; }
     [[nodiscard]] std::uint64_t binary_bytes() const noexcept { return position_bytes + color_bytes + index_bytes; }

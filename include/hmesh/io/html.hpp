@@ -44,8 +44,8 @@ namespace detail {
     if (text == nullptr || *text == 0) return false;
     for (; *text != 0; ++text) {
         const char c = *text;
-        const bool is_good = (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '/' ||
-                             c == '+' || c == '-' || c == '.';
+        const bool is_good = (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '/' || c == '+' ||
+                             c == '-' || c == '.';
         if (!is_good) return false;
     }
     return true;

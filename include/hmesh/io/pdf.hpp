@@ -183,11 +183,11 @@ Status write_pdf(const MeshView& source, Sink&& sink, const PdfOptions& options 
     shading(components, colors);  // 6
     if (has_alpha) {
         // The colours are a group and masked as a whole: poppler draws parts of a face over each other.
-        group("RGB", "6");  // 7
+        group("RGB", "6");                                                                  // 7
         file.begin_object().text("/Type /ExtGState /SMask << /S /Luminosity /G 9 0 R >>");  // 8
         file.end_object();
         group("Gray", "10");  // 9
-        shading(1, alpha);  // 10
+        shading(1, alpha);    // 10
     }
     return file.finish(2, 1);
 }

@@ -113,8 +113,7 @@ class Writer {
     }
     void flush() {
         if (used_ > 0 && !refused_) {
-            if ((*sink_)(static_cast<const void*>(buffer_.data()), used_))
-                accepted_ += static_cast<std::int64_t>(used_);
+            if ((*sink_)(static_cast<const void*>(buffer_.data()), used_)) accepted_ += static_cast<std::int64_t>(used_);
             else refused_ = true;
         }
         used_ = 0;

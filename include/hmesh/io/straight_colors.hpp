@@ -29,8 +29,7 @@ class StraightMesh {
                 if (from(v, alpha) > 0) continue;
                 if (sums.empty()) sums.resize(channels * mesh.vertex_count);
                 for (const std::uint32_t other : mesh.faces[f])
-                    for (std::size_t k = 0; k < channels && from(other, alpha) > 0; ++k)
-                        sums[channels * v + k] += from(other, k);
+                    for (std::size_t k = 0; k < channels && from(other, alpha) > 0; ++k) sums[channels * v + k] += from(other, k);
             }
         colors_.resize(channels * mesh.vertex_count);
         for (std::size_t v = 0; v < mesh.vertex_count; ++v) {

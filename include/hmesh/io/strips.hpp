@@ -153,7 +153,7 @@ class StripWalk {
 
     const MeshView mesh_;
     const std::vector<std::array<std::uint32_t, 3>> across_;
-    std::vector<std::uint8_t> left_;  // a face's neighbours that are not taken, or `taken`
+    std::vector<std::uint8_t> left_;                    // a face's neighbours that are not taken, or `taken`
     std::array<std::vector<std::uint32_t>, 4> starts_;  // faces that had so many; those that have still are in the right one
 };
 

@@ -128,8 +128,8 @@ class SvgPage {
     }
     // Faces in one channel. All gradients of a layer run from 0 to full, on lines as long as that takes, and share stops.
     void layer(SvgLayer kind) {
-        static constexpr std::array<Color4, 5> full = {
-            Color4{255, 0, 0, 0}, Color4{0, 255, 0, 0}, Color4{0, 0, 255, 0}, Color4{255, 255, 255, 0}, Color4{255, 255, 255, 0}};
+        static constexpr std::array<Color4, 5> full = {Color4{255, 0, 0, 0}, Color4{0, 255, 0, 0}, Color4{0, 0, 255, 0},
+                                                       Color4{255, 255, 255, 0}, Color4{255, 255, 255, 0}};
         static constexpr std::array<std::size_t, 5> channels = {0, 1, 2, 0, 3};
         const auto index = static_cast<std::size_t>(kind);
         const std::array<char, 3> name = {'_', "rgbwa"[index], 0};
@@ -183,8 +183,9 @@ class SvgPage {
         for (std::size_t v = 0; v < mesh_.vertex_count; ++v) next[v + 1] += next[v];
         const std::vector<std::size_t> begins = next;
 
-        writer_.text("<path fill=\"none\" stroke=\"#fff\" stroke-opacity=\".5\" vector-effect=\"non-scaling-stroke\" "
-                     "shape-rendering=\"auto\" d=\"");
+        writer_.text(
+            "<path fill=\"none\" stroke=\"#fff\" stroke-opacity=\".5\" vector-effect=\"non-scaling-stroke\" "
+            "shape-rendering=\"auto\" d=\"");
         for (std::size_t v = 0; v < mesh_.vertex_count; ++v)
             while (next[v] < begins[v + 1]) {
                 writer_.text("M");

@@ -129,8 +129,7 @@ struct FaceGradient {
     FaceGradient(const FacePoints& at, const FaceColors& colors) noexcept {
         const auto product = [&](std::size_t from, std::size_t one, std::size_t other) {
             double sum = 0;
-            for (std::size_t c = 0; c < 3; ++c)
-                sum += (colors[one][c] - colors[from][c]) * (colors[other][c] - colors[from][c]);
+            for (std::size_t c = 0; c < 3; ++c) sum += (colors[one][c] - colors[from][c]) * (colors[other][c] - colors[from][c]);
             return sum;
         };
         std::size_t b = 0;

@@ -134,8 +134,7 @@ inline Status HalfedgeMesh::check() const {
     if (vertex_total != vertex_count() || edge_total != edge_count() || face_total != face_count())
         return fail("a count of live elements is wrong", vertex_total);
     std::size_t bounded = 0;
-    for (const Edge e : edges())
-        bounded += (is_boundary(halfedge(e)) ? 0U : 1U) + (is_boundary(opposite(halfedge(e))) ? 0U : 1U);
+    for (const Edge e : edges()) bounded += (is_boundary(halfedge(e)) ? 0U : 1U) + (is_boundary(opposite(halfedge(e))) ? 0U : 1U);
     if (bounded != 3 * face_total) return fail("the faces do not use each half-edge once", bounded);
     // One fan a vertex: a turn around it meets all half-edges that leave it, and no neighbour twice.
     std::vector<std::size_t> neighbours;

@@ -17,13 +17,13 @@
 namespace hmesh {
 
 struct MeshView {
-    const float* positions = nullptr;               // 2 a vertex
-    const float* colors = nullptr;                  // `channels` a vertex
+    const float* positions = nullptr;  // 2 a vertex
+    const float* colors = nullptr;     // `channels` a vertex
     const std::array<std::uint32_t, 3>* faces = nullptr;
     std::size_t vertex_count = 0, face_count = 0;
     int channels = 0;
-    int width = 0, height = 0;                      // px of the image
-    double peak = 0;                                // the colour value of full intensity
+    int width = 0, height = 0;  // px of the image
+    double peak = 0;            // the colour value of full intensity
     // Of 2 or 4 channels, of which the last is alpha: the others are stored multiplied by alpha / peak. Exporters to formats
     // that want straight colours divide by it.
     bool premultiplied = false;
@@ -41,26 +41,30 @@ struct Mesh {
     [[nodiscard]] std::size_t vertex_count() const noexcept { return positions.size() / 2; }
     [[nodiscard]] std::size_t face_count() const noexcept { return faces.size(); }
     [[nodiscard]] MeshView view() const noexcept {
-        return {positions.data(), colors.data(), faces.data(), vertex_count(), face_count(), C, width, height, peak,
-                premultiplied};
+        return {positions.data(), colors.data(), faces.data(), vertex_count(), face_count(), C, width,
+                height,           peak,          premultiplied};
     }
 };
 
 // Whether a view can be drawn and written: it has vertices and faces, 1 to `most_channels` channels, finite numbers, a
 // positive peak, and every index in range. O(n).
 [[nodiscard]] inline Status check(const MeshView& mesh, int most_channels) noexcept {
-    if (mesh.vertex_count == 0 || mesh.face_count == 0 || mesh.positions == nullptr || mesh.colors == nullptr || mesh.faces == nullptr)
+    if (mesh.vertex_count == 0 || mesh.face_count == 0 || mesh.positions == nullptr || mesh.colors == nullptr ||
+        mesh.faces == nullptr)
         return {Errc::invalid_argument, "the mesh has no vertices or no faces", static_cast<std::int64_t>(mesh.face_count), 1};
     if (mesh.channels < 1 || mesh.channels > most_channels)
-        return {Errc::invalid_argument, "the mesh has a number of channels that this use cannot hold", mesh.channels, most_channels};
+        return {Errc::invalid_argument, "the mesh has a number of channels that this use cannot hold", mesh.channels,
+                most_channels};
     if (!(mesh.peak > 0) || !std::isfinite(mesh.peak)) return {Errc::invalid_argument, "the mesh's peak must be positive", 0, 0};
     for (std::size_t i = 0; i < 2 * mesh.vertex_count; ++i)
         if (!std::isfinite(mesh.positions[i]))
-            return {Errc::not_finite, "the mesh has a position that is NaN or infinite, at vertex", static_cast<std::int64_t>(i / 2), 0};
+            return {Errc::not_finite, "the mesh has a position that is NaN or infinite, at vertex",
+                    static_cast<std::int64_t>(i / 2), 0};
     const auto channels = static_cast<std::size_t>(mesh.channels);
     for (std::size_t i = 0; i < channels * mesh.vertex_count; ++i)
         if (!std::isfinite(mesh.colors[i]))
-            return {Errc::not_finite, "the mesh has a colour that is NaN or infinite, at vertex", static_cast<std::int64_t>(i / channels), 0};
+            return {Errc::not_finite, "the mesh has a colour that is NaN or infinite, at vertex",
+                    static_cast<std::int64_t>(i / channels), 0};
     for (std::size_t f = 0; f < mesh.face_count; ++f)
         for (const std::uint32_t v : mesh.faces[f])
             if (v >= mesh.vertex_count)

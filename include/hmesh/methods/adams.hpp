@@ -33,9 +33,11 @@ struct AdamsOptions {
 
 // Whether the options mean something; the sentence names the first that does not.
 [[nodiscard]] inline Status check(const AdamsOptions& options) noexcept {
-    if (!(options.density >= 1 && options.density <= 1000)) return {Errc::invalid_argument, "adams.density must be in [1, 1000]", 0, 0};
+    if (!(options.density >= 1 && options.density <= 1000))
+        return {Errc::invalid_argument, "adams.density must be in [1, 1000]", 0, 0};
     if (options.smoothing < 0 || options.smoothing > 100)
-        return {Errc::invalid_argument, "adams.smoothing must be in [0, 100] passes", options.smoothing, options.smoothing < 0 ? 0 : 100};
+        return {Errc::invalid_argument, "adams.smoothing must be in [0, 100] passes", options.smoothing,
+                options.smoothing < 0 ? 0 : 100};
     return {};
 }
 
@@ -43,7 +45,9 @@ namespace detail {
 
 // Where the vertex of a pixel is: on its centre, and on the border for the outermost pixels, so that the mesh covers the image.
 [[nodiscard]] inline Point pixel_vertex(int x, int y, int width, int height) noexcept {
-    const auto place = [](int i, int size) { return size == 1 ? 0.5 : i == 0 ? 0.0 : i == size - 1 ? static_cast<double>(size) : i + 0.5; };
+    const auto place = [](int i, int size) {
+        return size == 1 ? 0.5 : i == 0 ? 0.0 : i == size - 1 ? static_cast<double>(size) : i + 0.5;
+    };
     return {place(x, width), place(y, height)};
 }
 
@@ -65,8 +69,7 @@ bool triangulate_pixels(Patchwork<C, ParallelFor>& work, const std::vector<std::
     WholeMesh<C> whole;
     whole.width = width;
     whole.height = height;
-    for (const Point p : mesh.positions())
-        whole.add(p, source.pixel(static_cast<int>(p.x), static_cast<int>(p.y)));
+    for (const Point p : mesh.positions()) whole.add(p, source.pixel(static_cast<int>(p.x), static_cast<int>(p.y)));
     for (const Face f : mesh.topology().faces()) {
         const auto v = mesh.topology().vertices(f);
         whole.triangles.push_back({static_cast<std::uint32_t>(v[0].index()), static_cast<std::uint32_t>(v[1].index()),

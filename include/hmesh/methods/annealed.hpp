@@ -103,8 +103,9 @@ class Annealed {
             // 0.7 of the nodes that squares of equal density would have on the seams.
             const double length = static_cast<double>(aligned_.columns() - 1) * work_->source().height() +
                                   static_cast<double>(aligned_.rows() - 1) * work_->source().width();
-            WholeMesh<C> grid = tiled_grid(work_->source(), aligned_, count, 0.7 * length * std::sqrt(static_cast<double>(n_) / pixels),
-                                           [&] { return monitor().poll(); }, work_->parallel_for());
+            WholeMesh<C> grid = tiled_grid(
+                work_->source(), aligned_, count, 0.7 * length * std::sqrt(static_cast<double>(n_) / pixels),
+                [&] { return monitor().poll(); }, work_->parallel_for());
             if (monitor().stopped()) return false;
             work_->whole() = std::move(grid);
         }
@@ -116,7 +117,7 @@ class Annealed {
 
     // What is known of a tile.
     struct Tile {
-        std::size_t free = 0;    // vertices that are free in it
+        std::size_t free = 0;  // vertices that are free in it
         double energy = 0;
         std::size_t placed = 0;  // free vertices that insertion aims at
     };
@@ -151,7 +152,8 @@ class Annealed {
         const std::size_t total = static_cast<std::size_t>(std::round(count)), seams = seam_count();
         const std::vector<std::size_t> placed = shares(total - std::min(total, seams), weights, caps);
         for (std::size_t k = 0; k < tiles_.size(); ++k) tiles_[k].placed = placed[k];
-        return for_each_tile([&](ImageMesh<C>& mesh, std::size_t k, std::size_t rim) { grow(mesh, rim + tiles_[k].placed, options_); });
+        return for_each_tile(
+            [&](ImageMesh<C>& mesh, std::size_t k, std::size_t rim) { grow(mesh, rim + tiles_[k].placed, options_); });
     }
 
     bool insert() {
@@ -194,7 +196,8 @@ class Annealed {
                 const double share = static_cast<double>(patch.mesh().vertex_count()) * target / total;
                 const CountRange range{(1 - band) * share, (1 + band) * share};
                 const Random random(options_.seed, (static_cast<std::uint64_t>(k) << 32U) + tile);
-                counts[tile] = AnnealingSweep<C>(patch.mesh(), annealing, schedule.price(), schedule.temperature(k), range, random).run();
+                counts[tile] =
+                    AnnealingSweep<C>(patch.mesh(), annealing, schedule.price(), schedule.temperature(k), range, random).run();
             });
             if (!go_on) return false;
             AnnealingCounts sum;
@@ -248,7 +251,9 @@ class Annealed {
 // valid but may have another count.
 template <int C, class ParallelFor>
 [[nodiscard]] Status annealed(Patchwork<C, ParallelFor>& work, std::size_t n, const AnnealedOptions& options, int tile) {
-    const auto recipe = [&](const AnnealedOptions& o, double size) { return detail::Annealed<C, ParallelFor>(work, n, o, size).run(); };
+    const auto recipe = [&](const AnnealedOptions& o, double size) {
+        return detail::Annealed<C, ParallelFor>(work, n, o, size).run();
+    };
     const ImageSource<C>& source = work.source();
     const double size = detail::tile_size(source.width(), source.height(), n, tile);
     if (recipe(options, size)) return {};

@@ -86,7 +86,8 @@ struct AnnealedOptions {
     if (!within(annealing.sweeps, 0, 1e6)) return bad("annealing.sweeps must be in [0, 1e6]");
     if (!within(annealing.temperature, 0, 1e3)) return bad("annealing.temperature must be in [0, 1000]");
     if (!within(annealing.cooling, 0, 100)) return bad("annealing.cooling must be in [0, 100]");
-    if (!within(annealing.exchange, 0, 1) || !within(annealing.jump, 0, 1)) return bad("annealing probabilities must be in [0, 1]");
+    if (!within(annealing.exchange, 0, 1) || !within(annealing.jump, 0, 1))
+        return bad("annealing probabilities must be in [0, 1]");
     if (!within(annealing.jump_reach, 0, 1)) return bad("annealing.jump_reach must be in [0, 1]");
     if (!within(annealing.start_price, 1e-6, 1e6)) return bad("annealing.start_price must be in [1e-6, 1e6]");
     for (const double screen : {annealing.removal_screen, annealing.insertion_screen, annealing.flip_screen})

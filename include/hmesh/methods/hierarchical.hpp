@@ -52,7 +52,8 @@ struct HierarchicalOptions {
     if (!within(geometry.color_scale, 1e-3, 1e3)) return bad("hierarchical.geometry.color_scale must be in [0.001, 1000] px");
     if (!within(geometry.pull, 1e-9, 1e3)) return bad("hierarchical.geometry.pull must be in [1e-9, 1000] pixels");
     if (!within(geometry.halvings, 0, 20)) return bad("hierarchical.geometry.halvings must be in [0, 20]");
-    if (!within(geometry.pcg.max_iterations, 1, 100000)) return bad("hierarchical.geometry.pcg.max_iterations must be in [1, 100000]");
+    if (!within(geometry.pcg.max_iterations, 1, 100000))
+        return bad("hierarchical.geometry.pcg.max_iterations must be in [1, 100000]");
     if (!within(geometry.pcg.tolerance, 1e-15, 1)) return bad("hierarchical.geometry.pcg.tolerance must be in [1e-15, 1]");
     return {};
 }
@@ -70,7 +71,8 @@ bool alternate(Patchwork<C, ParallelFor>& work, const HierarchicalOptions& optio
             const PcgReport report = geometry_step(mesh, geometry, work.source().peak(), work.parallel_for());
             work.monitor().note_solve(report.iterations, report.residual);
         });
-        if (!go_on || !whole_stage(work, "flips", [&](ImageMesh<C>& mesh) { flip_suspects(mesh, options.flip_visits); })) return false;
+        if (!go_on || !whole_stage(work, "flips", [&](ImageMesh<C>& mesh) { flip_suspects(mesh, options.flip_visits); }))
+            return false;
     }
     return true;
 }

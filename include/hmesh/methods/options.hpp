@@ -145,8 +145,8 @@ namespace detail {
         case Method::adams: return check(options.adams);
         case Method::adaptive_thinning:
             if (pixels <= adaptive_thinning_pixels) return {};
-            return {Errc::image_too_large, "the method adaptive_thinning starts from all pixels, and the image has too many", pixels,
-                    adaptive_thinning_pixels};
+            return {Errc::image_too_large, "the method adaptive_thinning starts from all pixels, and the image has too many",
+                    pixels, adaptive_thinning_pixels};
     }
     return {Errc::invalid_argument, "the method is none of those known", static_cast<std::int64_t>(options.method), 0};
 }

@@ -39,7 +39,9 @@ template <class MeshOf>
         same_side = runs > 1 && last_side == (run.psnr >= psnr) ? same_side + 1 : 1;
         last_side = run.psnr >= psnr;
         if (high.n == 4 || low.n == most || runs == 60) break;
-        if (low.n != 0 && high.n != 0 && static_cast<double>(high.n - low.n) <= std::max(1.0, 0.005 * static_cast<double>(high.n))) break;
+        if (low.n != 0 && high.n != 0 &&
+            static_cast<double>(high.n - low.n) <= std::max(1.0, 0.005 * static_cast<double>(high.n)))
+            break;
 
         double log_n = 0;
         if (low.n != 0 && high.n != 0) {

@@ -12,7 +12,9 @@
 
 namespace hmesh {
 
-[[nodiscard]] inline Status cancelled_by_callback() noexcept { return {Errc::cancelled, "cancelled by the progress callback", 0, 0}; }
+[[nodiscard]] inline Status cancelled_by_callback() noexcept {
+    return {Errc::cancelled, "cancelled by the progress callback", 0, 0};
+}
 
 namespace detail {
 

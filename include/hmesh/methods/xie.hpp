@@ -30,7 +30,8 @@ struct XieOptions {
 [[nodiscard]] inline Status check(const XieOptions& options) noexcept {
     if (const Status status = check(options.start); !status) return status;
     const auto bad = [](const char* what) -> Status { return {Errc::invalid_argument, what, 0, 0}; };
-    if (options.search.first_step < 1 || options.search.first_step > 4096) return bad("xie.search.first_step must be in [1, 4096] px");
+    if (options.search.first_step < 1 || options.search.first_step > 4096)
+        return bad("xie.search.first_step must be in [1, 4096] px");
     if (options.search.visits < 1 || options.search.visits > 1000) return bad("xie.search.visits must be in [1, 1000]");
     if (options.flip_visits < 1 || options.flip_visits > 1000000) return bad("xie.flip_visits must be in [1, 1000000]");
     if (options.rounds < 0 || options.rounds > 1000) return bad("xie.rounds must be in [0, 1000]");
