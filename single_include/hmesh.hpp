@@ -157,8 +157,7 @@ struct Mesh {
 #include <limits>
 #include <vector>
 
-namespace hmesh {
-namespace detail {
+namespace hmesh::detail {
 
 struct StripVertex {
     std::uint32_t vertex;
@@ -306,8 +305,7 @@ class StripWalk {
     return out;
 }
 
-}  // namespace detail
-}  // namespace hmesh
+}  // namespace hmesh::detail
 
 #endif  // HMESH_IO_STRIPS_HPP
 
@@ -465,8 +463,7 @@ template <class Share>
 #include <cstring>
 #include <limits>
 
-namespace hmesh {
-namespace detail {
+namespace hmesh::detail {
 
 // Collects bytes and hands them to the sink 4 KiB at a time. After the sink's first refusal everything is dropped.
 template <class Sink>
@@ -572,8 +569,7 @@ class Writer {
     std::array<unsigned char, 4096> buffer_;
 };
 
-}  // namespace detail
-}  // namespace hmesh
+}  // namespace hmesh::detail
 
 #endif  // HMESH_IO_SINK_HPP
 
@@ -747,8 +743,7 @@ namespace hmesh::detail {
 #include <cstddef>
 #include <cstdint>
 
-namespace hmesh {
-namespace detail {
+namespace hmesh::detail {
 
 // Whether a mesh is one of grey, RGB or RGBA that can be turned to y up. O(n).
 [[nodiscard]] inline Status check_for_export(const MeshView& mesh) noexcept {
@@ -774,8 +769,7 @@ namespace detail {
     return {share(0), share(1), share(2), mesh.channels == 4 ? share(3) : 1.0};
 }
 
-}  // namespace detail
-}  // namespace hmesh
+}  // namespace hmesh::detail
 
 #endif  // HMESH_IO_COLOR_SHARES_HPP
 
@@ -1076,11 +1070,11 @@ Status write_glb(const MeshView& source, Sink&& sink, const GltfOptions& options
     writer.text("glTF");
     writer.u32(2);
     writer.u32(static_cast<std::uint32_t>(layout.file_bytes()));
-    writer.u32(static_cast<std::uint32_t>(layout.padded(layout.json_bytes)));
+    writer.u32(static_cast<std::uint32_t>(detail::GlbLayout::padded(layout.json_bytes)));
     writer.text("JSON");
     detail::write_gltf_json(writer, layout, mesh.channels == 4);
     detail::pad(writer, layout.json_bytes, ' ');
-    writer.u32(static_cast<std::uint32_t>(layout.padded(layout.binary_bytes())));
+    writer.u32(static_cast<std::uint32_t>(detail::GlbLayout::padded(layout.binary_bytes())));
     writer.bytes("BIN", 4);  // with its zero
     detail::write_glb_positions(writer, mesh, layout);
     detail::write_glb_colors(writer, mesh, options.colors_are_linear);
@@ -2614,6 +2608,7 @@ Status write_svg(const MeshView& mesh, Sink&& sink, const SvgOptions& options = 
 #ifndef HMESH_CORE_LANES_HPP
 #define HMESH_CORE_LANES_HPP
 
+#include <cstddef>
 #include <cstdint>
 #include <cstring>
 
@@ -2681,7 +2676,7 @@ struct Lanes {
             using Ints = std::int32_t __attribute__((vector_size(16)));
             for (int k = 0; k < blocks; ++k) {
                 Ints ints;
-                std::memcpy(&ints, from + 4 * k, sizeof ints);
+                std::memcpy(&ints, from + std::ptrdiff_t{4} * k, sizeof ints);
                 r.block[k] = __builtin_convertvector(ints, Block);
             }
             return r;
@@ -4899,7 +4894,7 @@ HMESH_NEVER_INLINE void weighted_walk(const MomentTable<C>& table, Point a, Poin
     double x1 = 0, x2 = 0, xy = 0, yy = 0;
     if (first < last) {
         const RowCrossing crossing(a, b);
-        const double* entries = table.template entries<double>();
+        const auto* entries = table.template entries<double>();
         for (int j = first; j < last; ++j) {
             const std::size_t at = table.offset(crossing.column(j), j);
             const double* powers = table.powers(at);
@@ -7491,8 +7486,7 @@ template <class T, int C, class ParallelFor = SerialFor>
 #define HMESH_UNROLL
 #endif
 
-namespace hmesh {
-namespace detail {
+namespace hmesh::detail {
 
 // Neighbouring pixels of one channel, as many as a register holds. One at a time where the compiler has no vectors.
 #if defined(__GNUC__)
@@ -7625,7 +7619,7 @@ class BilateralTile {
           sums_(static_cast<std::size_t>((C + 1) * width_ * max_height)) {
         std::size_t kept = 0, most = 0;
         for (const BilateralWindow::Pair& pair : window.pairs()) {
-            const std::size_t rows = static_cast<std::size_t>((pair.dy + 1) * stride_);
+            const auto rows = static_cast<std::size_t>((pair.dy + 1) * stride_);
             if (kept + rows > max_kept) kept = 0;
             taps_.push_back({pair, kept, pair.dy * stride_ + pair.dx, nullptr, nullptr});
             kept += rows;
@@ -7640,7 +7634,7 @@ class BilateralTile {
         const auto weights = sums_.begin() + static_cast<std::ptrdiff_t>(C) * width_ * max_height;
         std::fill(sums_.begin(), weights, 0.0F);
         std::fill(weights, sums_.end(), 1.0F);  // of the centre
-        for (Tap *begin = taps_.data(), *last = begin + taps_.size(), *end; begin < last; begin = end) {
+        for (Tap *begin = taps_.data(), *last = begin + taps_.size(), *end = begin; begin < last; begin = end) {
             for (end = begin + 1; end < last && end->kept > 0;) ++end;
             for (int y = -end[-1].pair.dy; y < rect.height; ++y) {
                 for (Tap* tap = begin; tap < end; ++tap)
@@ -7661,7 +7655,7 @@ class BilateralTile {
     };
 
     [[nodiscard]] const float* samples(int y) const noexcept { return samples_.data() + (y + radius_) * stride_ + radius_; }
-    [[nodiscard]] float* sums(int y) noexcept { return sums_.data() + y * width_; }
+    [[nodiscard]] float* sums(int y) noexcept { return sums_.data() + static_cast<std::ptrdiff_t>(y) * width_; }
 
     void load(const ImageView<T, C>& view, const Rect& rect) {
         for (std::ptrdiff_t x = 0; x < stride_; ++x)
@@ -7752,9 +7746,7 @@ class BilateralTile {
     std::vector<Tap> taps_;
 };
 
-}  // namespace detail
-
-}  // namespace hmesh
+}  // namespace hmesh::detail
 
 #undef HMESH_UNROLL
 
@@ -10398,7 +10390,7 @@ class Annealed {
         const AnnealingOptions& annealing = options_.annealing;
         AnnealingSchedule schedule(annealing, n_, work_->mean_energy());
         for (int k = 0; k < annealing.sweeps; ++k) {
-            const double total = static_cast<double>(work_->vertex_count()), target = static_cast<double>(n_);
+            const auto total = static_cast<double>(work_->vertex_count()), target = static_cast<double>(n_);
             const Tiling phase = tiling(k + 1);
             std::vector<AnnealingCounts> counts(phase.size());
             const double band = annealing.band * (1 - static_cast<double>(k) / annealing.sweeps);
@@ -11404,7 +11396,7 @@ template <class MeshOf>
             stride = std::min(3.0, std::max(needed, 2 * stride));
             log_n = run.log_n + (last_side ? -stride : stride);
         }
-        std::size_t n = static_cast<std::size_t>(std::llround(std::exp2(log_n)));
+        auto n = static_cast<std::size_t>(std::llround(std::exp2(log_n)));
         n = std::max<std::size_t>(low.n != 0 ? low.n + 1 : 4, std::min(n, high.n != 0 ? high.n - 1 : most));
 
         auto result = mesh_of(n);
@@ -11798,7 +11790,7 @@ void encode_rows(const MeshView& mesh, RowRange rows, Image<float, C>& out) {
     float* const end = pixel + static_cast<std::size_t>(rows.last - rows.first) * static_cast<std::size_t>(out.width()) * C;
     for (; pixel != end; pixel += C)
         for (int k = 0; k < C; ++k) {
-            const double share = static_cast<double>(pixel[k]);
+            const auto share = static_cast<double>(pixel[k]);
             pixel[k] = static_cast<float>((is_light(mesh, k) ? linear_to_srgb(share) : share) * mesh.peak);
         }
 }

@@ -6,6 +6,7 @@
 #ifndef HMESH_CORE_LANES_HPP
 #define HMESH_CORE_LANES_HPP
 
+#include <cstddef>
 #include <cstdint>
 #include <cstring>
 
@@ -73,7 +74,7 @@ struct Lanes {
             using Ints = std::int32_t __attribute__((vector_size(16)));
             for (int k = 0; k < blocks; ++k) {
                 Ints ints;
-                std::memcpy(&ints, from + 4 * k, sizeof ints);
+                std::memcpy(&ints, from + std::ptrdiff_t{4} * k, sizeof ints);
                 r.block[k] = __builtin_convertvector(ints, Block);
             }
             return r;

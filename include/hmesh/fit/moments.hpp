@@ -102,7 +102,7 @@ HMESH_NEVER_INLINE void weighted_walk(const MomentTable<C>& table, Point a, Poin
     double x1 = 0, x2 = 0, xy = 0, yy = 0;
     if (first < last) {
         const RowCrossing crossing(a, b);
-        const double* entries = table.template entries<double>();
+        const auto* entries = table.template entries<double>();
         for (int j = first; j < last; ++j) {
             const std::size_t at = table.offset(crossing.column(j), j);
             const double* powers = table.powers(at);
