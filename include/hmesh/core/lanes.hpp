@@ -47,6 +47,7 @@ struct LaneBlock<4> {
 // The number of lanes that holds n values: 1, 2 or the next multiple of 4.
 constexpr int lanes_for(int n) { return n <= 2 ? n : (n + 3) / 4 * 4; }
 
+// Arithmetic is lane by lane; N is what lanes_for() gives.
 template <int N>
 struct Lanes {
     static_assert(N == lanes_for(N), "1, 2 or a multiple of 4 lanes");
@@ -57,11 +58,13 @@ struct Lanes {
     Block block[blocks];
 
     [[nodiscard]] static HMESH_ALWAYS_INLINE Lanes zero() { return Lanes{}; }
+    // This value in all lanes.
     [[nodiscard]] static HMESH_ALWAYS_INLINE Lanes all(double value) {
         Lanes r;
         for (int k = 0; k < blocks; ++k) r.block[k] = Block{} + value;
         return r;
     }
+    // N numbers from memory, which need not be aligned.
     [[nodiscard]] static HMESH_ALWAYS_INLINE Lanes load(const double* from) {
         Lanes r;
         std::memcpy(r.block, from, sizeof r.block);
@@ -88,10 +91,12 @@ struct Lanes {
         if constexpr (width == 1) return block[i];
         else return block[i / width][i % width];
     }
+    // Lane i, 0 <= i < N.
     HMESH_ALWAYS_INLINE void set(int i, double value) {
         if constexpr (width == 1) block[i] = value;
         else block[i / width][i % width] = value;
     }
+    // N numbers to memory, which need not be aligned.
     HMESH_ALWAYS_INLINE void store(double* to) const { std::memcpy(to, block, sizeof block); }
 
     HMESH_ALWAYS_INLINE Lanes& operator+=(const Lanes& o) {
@@ -131,6 +136,7 @@ struct Lanes {
         return r;
     }
 
+    // Holds each lane to [low, high], low <= high.
     HMESH_ALWAYS_INLINE void clamp(double low, double high) {
 #if defined(__GNUC__)
         if constexpr (width > 1) {
@@ -155,6 +161,7 @@ struct Lanes {
     }
 };
 
+// The sum of the products, lane by lane.
 template <int N>
 [[nodiscard]] HMESH_ALWAYS_INLINE double dot(const Lanes<N>& a, const Lanes<N>& b) {
     return (a * b).sum();

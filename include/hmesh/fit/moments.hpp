@@ -37,6 +37,7 @@ struct Moments {
     Channels sy;  // y times these
     Lanes<4> q;   // x^2, xy, y^2, |I|^2
 
+    // Of no pixels.
     [[nodiscard]] static HMESH_ALWAYS_INLINE Moments zero() {
         return {Channels::zero(), Channels::zero(), Channels::zero(), Lanes<4>::zero()};
     }

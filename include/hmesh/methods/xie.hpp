@@ -18,6 +18,7 @@
 
 namespace hmesh {
 
+// Of the method `xie`.
 struct XieOptions {
     AdamsOptions start;
     VertexSearch search;
