@@ -601,7 +601,7 @@ class Writer {
 
 namespace hmesh {
 
-// Of write_eps().
+// Options of write_eps().
 struct EpsOptions {
     Deflate deflate = nullptr;  // compresses the mesh (shading_stream.hpp); none: it is written as it is
     void* deflate_user = nullptr;
@@ -870,7 +870,7 @@ class StraightMesh {
 
 namespace hmesh {
 
-// Of write_glb().
+// Options of write_glb().
 struct GltfOptions {
     // The length of the image's longer side, in units, which glTF takes for metres; 0: a pixel is a unit. A metre is about
     // what editors make of a picture; with a pixel a unit a photo is kilometres wide, beyond what their cameras see at
@@ -1794,7 +1794,7 @@ Status write_obj(const MeshView& source, Sink&& sink) {
 
 namespace hmesh {
 
-// Of write_pdf().
+// Options of write_pdf().
 struct PdfOptions {
     Deflate deflate = nullptr;  // compresses the mesh (shading_stream.hpp); none: it is written as it is
     void* deflate_user = nullptr;
@@ -1982,7 +1982,7 @@ Status write_pdf(const MeshView& source, Sink&& sink, const PdfOptions& options 
 
 namespace hmesh {
 
-// Of write_ply().
+// Options of write_ply().
 struct PlyOptions {
     bool ascii = false;  // numbers as text, with the digits that give the same floats: about 1.7 times the size
     // `property float`, 1 being the peak: nothing is rounded, and values outside [0, peak] stay there, so that a program can
@@ -2379,7 +2379,7 @@ namespace hmesh {
 // How faces are filled, see above: the best gradient, exactly, or with one colour.
 enum class SvgKind : std::uint8_t { gradient, exact, flat };
 
-// Of write_svg().
+// Options of write_svg().
 struct SvgOptions {
     SvgKind kind = SvgKind::gradient;
     bool wireframe = false;  // all edges over it, thin, white and half transparent, as wide at any zoom
@@ -7163,7 +7163,7 @@ BoundedReport bounded_colors(Patchwork<C, ParallelFor>& work, const Tiling& tili
 
 namespace hmesh {
 
-struct LinearLightOptions {  // of fit_linear_light()
+struct LinearLightOptions {  // options of fit_linear_light()
     int iterations = 6;      // Gauss-Newton steps at most, >= 0; 0 measures only
     // A channel is done when a step lowers its error by less than this share: 1e-4 is 4e-4 dB.
     double least_gain = 1e-4;
@@ -7829,7 +7829,7 @@ class BilateralTile {
 
 namespace hmesh {
 
-// Of bilateral_filter().
+// Options of bilateral_filter().
 struct BilateralOptions {
     int diameter = 9;         // of the window, px, in [1, 99]; its radius is diameter / 2 rounded down
     double sigma_color = 50;  // in 1/255 of the peak of the pixel type, > 0
@@ -8861,7 +8861,7 @@ bool whole_stage(Patchwork<C, ParallelFor>& work, const char* name, Work&& body)
 
 namespace hmesh {
 
-// Of the method `adams`, and of those that begin with it.
+// Options of the method `adams`, and of those that begin with it.
 struct AdamsOptions {
     // Points before the removal, in units of the target, as far as there are pixels. They cost time in proportion: Lena at 1 %
     // has 27.06 dB with 2, 28.05 with 4.5, 28.21 with 8; Fruits 26.29, 27.14 and 27.06.
@@ -9774,7 +9774,7 @@ std::size_t insert_batch(ImageMesh<C>& mesh, std::size_t count, const InsertionO
 
 namespace hmesh {
 
-// Of AnnealingSchedule and AnnealingSweep.
+// Options of AnnealingSchedule and AnnealingSweep.
 struct AnnealingOptions {
     int sweeps = 8;
     double temperature = 0.5;        // T at the start, in prices mu
@@ -10209,7 +10209,7 @@ enum class Effort : std::uint8_t {
     best,    // 1000 sweeps
 };
 
-// Of the method `annealed`. What differs between efforts is set by annealed_options().
+// Options of the method `annealed`. What differs between efforts is set by annealed_options().
 struct AnnealedOptions {
     double overshoot = 3;     // o: vertices placed before the collapse, in units of the target; 1 for none
     double undershoot = 1;    // u: vertices that the collapse leaves, in units of the target
@@ -11235,7 +11235,7 @@ std::size_t search_vertices(ImageMesh<C>& mesh, const VertexSearch& options) {
 
 namespace hmesh {
 
-// Of the method `xie`.
+// Options of the method `xie`.
 struct XieOptions {
     AdamsOptions start;
     VertexSearch search;
@@ -11730,7 +11730,7 @@ template <class T, int C, class ParallelFor = SerialFor>
 
 namespace hmesh {
 
-// Of render().
+// Options of render().
 struct RenderOptions {
     int width = 0, height = 0;  // of the picture in pixels; 0 or less: the mesh's own
     // Interpolate light in place of stored values, as glTF renderers do: colours are held to [0, peak], decoded from sRGB

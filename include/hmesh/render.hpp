@@ -26,7 +26,7 @@
 
 namespace hmesh {
 
-// Of render().
+// Options of render().
 struct RenderOptions {
     int width = 0, height = 0;  // of the picture in pixels; 0 or less: the mesh's own
     // Interpolate light in place of stored values, as glTF renderers do: colours are held to [0, peak], decoded from sRGB

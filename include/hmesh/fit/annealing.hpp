@@ -25,7 +25,7 @@
 
 namespace hmesh {
 
-// Of AnnealingSchedule and AnnealingSweep.
+// Options of AnnealingSchedule and AnnealingSweep.
 struct AnnealingOptions {
     int sweeps = 8;
     double temperature = 0.5;        // T at the start, in prices mu

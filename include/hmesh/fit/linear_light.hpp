@@ -41,7 +41,7 @@
 
 namespace hmesh {
 
-struct LinearLightOptions {  // of fit_linear_light()
+struct LinearLightOptions {  // options of fit_linear_light()
     int iterations = 6;      // Gauss-Newton steps at most, >= 0; 0 measures only
     // A channel is done when a step lowers its error by less than this share: 1e-4 is 4e-4 dB.
     double least_gain = 1e-4;

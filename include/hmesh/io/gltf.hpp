@@ -32,7 +32,7 @@
 
 namespace hmesh {
 
-// Of write_glb().
+// Options of write_glb().
 struct GltfOptions {
     // The length of the image's longer side, in units, which glTF takes for metres; 0: a pixel is a unit. A metre is about
     // what editors make of a picture; with a pixel a unit a photo is kilometres wide, beyond what their cameras see at

@@ -28,7 +28,7 @@
 
 namespace hmesh {
 
-// Of write_pdf().
+// Options of write_pdf().
 struct PdfOptions {
     Deflate deflate = nullptr;  // compresses the mesh (shading_stream.hpp); none: it is written as it is
     void* deflate_user = nullptr;

@@ -18,7 +18,7 @@
 
 namespace hmesh {
 
-// Of the method `xie`.
+// Options of the method `xie`.
 struct XieOptions {
     AdamsOptions start;
     VertexSearch search;
