@@ -92,8 +92,9 @@ TEST_CASE("in tiles every effort gives the exact number, and a better mesh than 
         CHECK(work.whole().energy < before);
         before = work.whole().energy;
     }
-    for (const auto& [width, height, n] :
-         {std::tuple{300, 1, 300U}, {1, 300, 300U}, {65, 200, 1100U}, {64, 64, 4096U}, {130, 64, 8320U}}) {
+    for (const auto& sizes : {std::tuple{300, 1, 300U}, {1, 300, 300U}, {65, 200, 1100U}, {64, 64, 4096U}, {130, 64, 8320U}}) {
+        const int width = std::get<0>(sizes), height = std::get<1>(sizes);
+        const unsigned n = std::get<2>(sizes);
         CAPTURE(width);
         Work<std::uint8_t, 3> work(hmesh_test::noise<std::uint8_t, 3>(width, height, 1));
         CHECK(annealed(work.patchwork, n, options_of(Effort::fast, 0), 64));

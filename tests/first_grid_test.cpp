@@ -60,7 +60,8 @@ double nodes_for(const Tiling& tiling, int width, int height, double n) {  // as
 TEST_CASE("a regular grid is a mesh of the image, has no more vertices than asked for, and not far fewer") {
     const std::pair<int, int> sizes[] = {{1, 1},   {1, 7},   {9, 1},   {2, 2},    {5, 4},
                                          {60, 40}, {3, 500}, {700, 2}, {333, 77}, {3, 5000}};
-    for (const auto& [width, height] : sizes) {
+    for (const auto& size : sizes) {
+        const int width = size.first, height = size.second;
         const auto image = hmesh_test::noise<std::uint8_t, 1>(width, height, 1);
         const ImageSource<1> source(image.view());
         for (const double count : {4.0, 4.9, 5.0, 6.0, 9.0, 25.5, 100.0, 1234.0, 40000.0}) {
@@ -89,7 +90,8 @@ TEST_CASE("a regular grid's cells are nearly square") {
     std::size_t columns = 0;
     for (const Point p : grid.positions) columns += p.y == 0 ? 1 : 0;
     const double cell_width = 400.0 / static_cast<double>(columns - 1);
-    const double cell_height = 100.0 / (static_cast<double>(grid.vertex_count() / columns) - 1);
+    const std::size_t rows = grid.vertex_count() / columns;
+    const double cell_height = 100.0 / static_cast<double>(rows - 1);
     CHECK(cell_width / cell_height > 0.75);
     CHECK(cell_width / cell_height < 1.33);
 }
@@ -97,7 +99,8 @@ TEST_CASE("a regular grid's cells are nearly square") {
 TEST_CASE("a tiled grid is a mesh of the image without T-junctions, for any size, tile and density") {
     const std::pair<int, int> sizes[] = {{1, 1},   {1, 300},  {300, 1},   {2, 2},    {9, 14},
                                          {150, 2}, {3, 5000}, {200, 130}, {640, 480}};
-    for (const auto& [width, height] : sizes) {
+    for (const auto& size : sizes) {
+        const int width = size.first, height = size.second;
         const auto image = hmesh_test::scene<std::uint8_t, 1>(width, height, 1);
         const ImageSource<1> source(image.view());
         const double pixels = static_cast<double>(width) * height;
