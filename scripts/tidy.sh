@@ -39,4 +39,5 @@ tidy() {
     return 1
 }
 export -f tidy
+# shellcheck disable=SC2016  # an argument of that shell
 printf '%s\0' "${files[@]}" | xargs -0 -n 1 -P "$jobs" bash -c 'tidy "$1"' tidy || exit 1
