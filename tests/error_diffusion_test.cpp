@@ -133,7 +133,7 @@ TEST_CASE("there are as many points as asked for, or hardly more, each a pixel o
 TEST_CASE("as many points as pixels are all pixels, and no points are none") {
     hmesh::Random random(3);
     for (const auto& [width, height] : {std::pair{1, 1}, {1, 13}, {13, 1}, {2, 2}, {20, 11}, {90, 3}}) {
-        const std::size_t pixels = static_cast<std::size_t>(width * height);
+        const auto pixels = static_cast<std::size_t>(width * height);
         for (const auto& map : {even(width, height), map_of(width, height, [](int, int) { return 0; }),
                                 map_of(width, height, [&](int, int) { return random.uniform(); }),
                                 map_of(width, height, [](int x, int y) { return x + y == 0 ? 1e30 : 0.0; }),
