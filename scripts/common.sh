@@ -36,8 +36,8 @@ as_root() {
     if [ "$(id -u)" = 0 ]; then "$@"; else sudo "$@"; fi
 }
 
-# need WHAT...: makes sure that compiler, cmake, eigen, stb, doctest, benchmark, clang or viewers, the programs that the
-# tests of that label show meshes with, is there. What is missing is installed where the system has apt-get; elsewhere one
+# need WHAT...: makes sure that compiler, cmake, eigen, stb, doctest, benchmark, clang, clang-format, clang-tidy, doxygen or
+# viewers, the programs that the tests of that label show meshes with, is there. What is missing is installed where the system has apt-get; elsewhere one
 # sentence says what to install.
 need() {
     local what packages=()
@@ -53,6 +53,8 @@ need() {
             doctest) has_header doctest/doctest.h || packages+=(doctest-dev) ;;
             benchmark) has_header benchmark/benchmark.h || packages+=(libbenchmark-dev) ;;
             clang) has clang++ || packages+=(clang) ;;
+            clang-format | clang-tidy) has "$what-14" || has "$what" || packages+=("$what") ;;
+            doxygen) has doxygen || packages+=(doxygen) ;;
             viewers)
                 has pdftoppm || packages+=(poppler-utils)
                 has gs || packages+=(ghostscript)

@@ -40,7 +40,7 @@ struct ThreadFor {
     void operator()(std::size_t n, Body&& body) const {
         std::atomic<std::size_t> next{0};
         const auto work = [&] {
-            for (std::size_t i; (i = next.fetch_add(1)) < n;) body(i);
+            for (std::size_t i = 0; (i = next.fetch_add(1)) < n;) body(i);
         };
         std::vector<std::thread> others;
         for (unsigned k = 1; k < threads; ++k) others.emplace_back(work);

@@ -26,6 +26,7 @@
 
 namespace hmesh {
 
+// Options of render().
 struct RenderOptions {
     int width = 0, height = 0;  // of the picture in pixels; 0 or less: the mesh's own
     // Interpolate light in place of stored values, as glTF renderers do: colours are held to [0, peak], decoded from sRGB
@@ -172,7 +173,7 @@ void encode_rows(const MeshView& mesh, RowRange rows, Image<float, C>& out) {
     float* const end = pixel + static_cast<std::size_t>(rows.last - rows.first) * static_cast<std::size_t>(out.width()) * C;
     for (; pixel != end; pixel += C)
         for (int k = 0; k < C; ++k) {
-            const double share = static_cast<double>(pixel[k]);
+            const auto share = static_cast<double>(pixel[k]);
             pixel[k] = static_cast<float>((is_light(mesh, k) ? linear_to_srgb(share) : share) * mesh.peak);
         }
 }

@@ -41,8 +41,8 @@
 
 namespace hmesh {
 
-struct LinearLightOptions {
-    int iterations = 6;  // Gauss-Newton steps at most, >= 0; 0 measures only
+struct LinearLightOptions {  // options of fit_linear_light()
+    int iterations = 6;      // Gauss-Newton steps at most, >= 0; 0 measures only
     // A channel is done when a step lowers its error by less than this share: 1e-4 is 4e-4 dB.
     double least_gain = 1e-4;
     double ridge = MeshLimits().ridge;  // pixels, as MeshLimits has it
@@ -50,7 +50,7 @@ struct LinearLightOptions {
     ImageView<float, 1> weights;        // see image/weights.hpp; none: all pixels count the same
 };
 
-struct [[nodiscard]] LinearLightReport {
+struct [[nodiscard]] LinearLightReport {  // what it came to
     // Sums of squared differences in stored values over pixels and channels, times weights: of the colours as they came,
     // and as they are now. The latter is never the larger.
     double converted = 0, energy = 0;

@@ -60,6 +60,7 @@ struct PixelTraits<float> {
     static constexpr double highest = std::numeric_limits<float>::max();
     static constexpr bool is_integer = false;
     static double to_real(float value) noexcept { return static_cast<double>(value); }
+    // Held to the finite floats; NaN becomes the lowest.
     static float from_real(double value) noexcept {
         return static_cast<float>(value > lowest ? (value < highest ? value : highest) : lowest);
     }
@@ -79,6 +80,7 @@ struct ImageView {
     int width = 0, height = 0;
     std::ptrdiff_t row_stride = 0;
 
+    // The first sample of row y.
     [[nodiscard]] const T* row(int y) const noexcept {
         const std::ptrdiff_t packed = static_cast<std::ptrdiff_t>(width) * C * static_cast<std::ptrdiff_t>(sizeof(T));
         const auto* bytes = reinterpret_cast<const unsigned char*>(data) + (row_stride != 0 ? row_stride : packed) * y;
