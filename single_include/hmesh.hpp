@@ -10204,6 +10204,7 @@ struct AnnealedOptions {
     if (!within(options.growth_sweeps, 0, 1000)) return bad("annealed.growth_sweeps must be in [0, 1000]");
     if (!within(options.polish_rounds, 0, 1000)) return bad("annealed.polish_rounds must be in [0, 1000]");
     if (!within(options.relaxation.rounds, 0, 100)) return bad("annealed.relaxation.rounds must be in [0, 100]");
+    if (!within(options.relaxation.least, 0, 1e6)) return bad("annealed.relaxation.least must be in [0, 1e6]");
     for (const Tolerance& t : {options.growth_flips, options.growth_visits, options.polish})
         if (!within(t.spread, 0, 1e6) || !within(t.least, 0, 1e6)) return bad("annealed tolerances must be in [0, 1e6]");
     if (!within(annealing.sweeps, 0, 1e6)) return bad("annealing.sweeps must be in [0, 1e6]");
@@ -10969,6 +10970,8 @@ struct HierarchicalOptions {
     if (!within(options.levels, 1, 20)) return bad("hierarchical.levels must be in [1, 20]");
     if (!within(options.rounds, 0, 1000)) return bad("hierarchical.rounds must be in [0, 1000]");
     if (!within(options.flip_visits, 1, 1000000)) return bad("hierarchical.flip_visits must be in [1, 1000000]");
+    if (geometry.search > FootSearch::one_ring) return bad("hierarchical.geometry.search must be one of those known");
+    if (geometry.rule > StepRule::literal) return bad("hierarchical.geometry.rule must be one of those known");
     if (!within(geometry.color_scale, 1e-3, 1e3)) return bad("hierarchical.geometry.color_scale must be in [0.001, 1000] px");
     if (!within(geometry.pull, 1e-9, 1e3)) return bad("hierarchical.geometry.pull must be in [1e-9, 1000] pixels");
     if (!within(geometry.halvings, 0, 20)) return bad("hierarchical.geometry.halvings must be in [0, 20]");
@@ -11295,6 +11298,8 @@ namespace detail {
 }
 
 [[nodiscard]] inline Status check_color_options(const Options& options, int channels) noexcept {
+    if (options.colors && *options.colors != Colors::optimal && *options.colors != Colors::sampled)
+        return {Errc::invalid_argument, "the colours are none of those known", static_cast<std::int64_t>(*options.colors), 1};
     if (options.fit_space != FitSpace::stored && options.fit_space != FitSpace::linear_light)
         return {Errc::invalid_argument, "the fit space is none of those known", static_cast<std::int64_t>(options.fit_space), 0};
     if (options.fit_space == FitSpace::linear_light && final_colors(options) == Colors::sampled)
@@ -11333,7 +11338,10 @@ namespace detail {
         return {Errc::invalid_argument, "the tile must be 0, for the default, or 64 to 65536 px", options.tile,
                 options.tile < 64 ? 64 : max_side};
     switch (options.method) {
-        case Method::annealed: return options.annealed ? check(*options.annealed) : Status{};
+        case Method::annealed:
+            if (options.annealed) return check(*options.annealed);
+            if (options.effort <= Effort::best) return {};
+            return {Errc::invalid_argument, "the effort is none of those known", static_cast<std::int64_t>(options.effort), 3};
         case Method::hierarchical: return check(options.hierarchical);
         case Method::xie: return check(options.xie);
         case Method::adams: return check(options.adams);
