@@ -32,13 +32,18 @@ has_header() {
         -I/opt/homebrew/include -I/opt/homebrew/include/eigen3 - >/dev/null 2>&1
 }
 
+has_fuzzer() {
+    printf 'extern "C" int LLVMFuzzerTestOneInput(const unsigned char*, unsigned long) { return 0; }\n' |
+        clang++ -x c++ -fsanitize=fuzzer,address -o /dev/null - >/dev/null 2>&1
+}
+
 as_root() {
     if [ "$(id -u)" = 0 ]; then "$@"; else sudo "$@"; fi
 }
 
-# need WHAT...: makes sure that compiler, cmake, eigen, stb, doctest, benchmark, clang or viewers, the programs that the
-# tests of that label show meshes with, is there. What is missing is installed where the system has apt-get; elsewhere one
-# sentence says what to install.
+# need WHAT...: makes sure that compiler, cmake, eigen, stb, doctest, benchmark, clang, fuzzer (libFuzzer, of clang) or
+# viewers, the programs that the tests of that label show meshes with, is there. What is missing is installed where the
+# system has apt-get; elsewhere one sentence says what to install.
 need() {
     local what packages=()
     for what in "$@"; do
@@ -53,6 +58,10 @@ need() {
             doctest) has_header doctest/doctest.h || packages+=(doctest-dev) ;;
             benchmark) has_header benchmark/benchmark.h || packages+=(libbenchmark-dev) ;;
             clang) has clang++ || packages+=(clang) ;;
+            fuzzer)
+                has clang++ || packages+=(clang)
+                has_fuzzer || packages+=(libclang-rt-dev)
+                ;;
             viewers)
                 has pdftoppm || packages+=(poppler-utils)
                 has gs || packages+=(ghostscript)
