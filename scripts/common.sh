@@ -32,13 +32,18 @@ has_header() {
         -I/opt/homebrew/include -I/opt/homebrew/include/eigen3 - >/dev/null 2>&1
 }
 
+has_fuzzer() {
+    printf 'extern "C" int LLVMFuzzerTestOneInput(const unsigned char*, unsigned long) { return 0; }\n' |
+        clang++ -x c++ -fsanitize=fuzzer,address -o /dev/null - >/dev/null 2>&1
+}
+
 as_root() {
     if [ "$(id -u)" = 0 ]; then "$@"; else sudo "$@"; fi
 }
 
-# need WHAT...: makes sure that compiler, cmake, eigen, stb, doctest, benchmark, clang, clang-format, clang-tidy, doxygen or
-# viewers, the programs that the tests of that label show meshes with, is there. What is missing is installed where the system has apt-get; elsewhere one
-# sentence says what to install.
+# need WHAT...: makes sure that compiler, cmake, eigen, stb, doctest, benchmark, clang, clang-format, clang-tidy, doxygen, fuzzer
+# (libFuzzer, of clang) or viewers, the programs that the tests of that label show meshes with, is there. What is missing is
+# installed where the system has apt-get; elsewhere one sentence says what to install.
 need() {
     local what packages=()
     for what in "$@"; do
@@ -55,6 +60,10 @@ need() {
             clang) has clang++ || packages+=(clang) ;;
             clang-format | clang-tidy) has "$what-14" || has "$what" || packages+=("$what") ;;
             doxygen) has doxygen || packages+=(doxygen) ;;
+            fuzzer)
+                has clang++ || packages+=(clang)
+                has_fuzzer || packages+=(libclang-rt-dev)
+                ;;
             viewers)
                 has pdftoppm || packages+=(poppler-utils)
                 has gs || packages+=(ghostscript)

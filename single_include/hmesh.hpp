@@ -374,13 +374,16 @@ struct ShadingLayout {
     if (mesh.channels == 2) return {Errc::invalid_argument, "a shading holds 1, 3 or 4 channels", 2, 0};
     if (mesh.width < 1) return {Errc::invalid_argument, "the mesh's width must be at least 1", mesh.width, 1};
     if (mesh.height < 1) return {Errc::invalid_argument, "the mesh's height must be at least 1", mesh.height, 1};
+    constexpr int farthest = 4194304;  // px: numbers of 32 bits count 1/256 px up to 2^24 px
+    for (const int side : {mesh.width, mesh.height})
+        if (side > farthest)
+            return {Errc::invalid_argument, "the mesh's width or height is more than a shading holds", side, farthest};
     if (const Status status = check(mesh, 4); !status) return status;
 
     double left = 0, low = 0, right = mesh.width, high = mesh.height;
     for (std::size_t v = 0; v < mesh.vertex_count; ++v) {
         const double x = static_cast<double>(mesh.positions[2 * v]), y = up(mesh, v);
-        // Numbers of 32 bits count 1/256 px up to 2^24 px.
-        if (!(std::abs(x) < 4194304 && std::abs(y) < 4194304))
+        if (!(std::abs(x) < farthest && std::abs(y) < farthest))
             return {Errc::invalid_argument, "the mesh has a position far outside its image, at vertex",
                     static_cast<std::int64_t>(v), 0};
         left = std::min(left, x), right = std::max(right, x);
@@ -2387,7 +2390,9 @@ struct SvgOptions {
 
 namespace detail {
 
-[[nodiscard]] inline Status check_for_svg(const MeshView& mesh) noexcept {
+[[nodiscard]] inline Status check_for_svg(const MeshView& mesh, const SvgOptions& options) noexcept {
+    if (options.kind > SvgKind::flat)
+        return {Errc::invalid_argument, "the kind of SVG is none of those known", static_cast<std::int64_t>(options.kind), 2};
     if (mesh.channels == 2) return {Errc::invalid_argument, "an SVG file holds 1, 3 or 4 channels", 2, 0};
     if (mesh.width < 1) return {Errc::invalid_argument, "the mesh's width must be at least 1", mesh.width, 1};
     if (mesh.height < 1) return {Errc::invalid_argument, "the mesh's height must be at least 1", mesh.height, 1};
@@ -2605,7 +2610,7 @@ class SvgPage {
 // Writes the mesh to the sink (see sink.hpp). A mesh that cannot be written gives a Status and no byte.
 template <class Sink>
 Status write_svg(const MeshView& mesh, Sink&& sink, const SvgOptions& options = {}) {
-    if (const Status status = detail::check_for_svg(mesh); !status) return status;
+    if (const Status status = detail::check_for_svg(mesh, options); !status) return status;
     return detail::SvgPage<std::remove_reference_t<Sink>>(mesh, options, sink).write();
 }
 
@@ -10278,6 +10283,7 @@ struct AnnealedOptions {
     if (!within(options.growth_sweeps, 0, 1000)) return bad("annealed.growth_sweeps must be in [0, 1000]");
     if (!within(options.polish_rounds, 0, 1000)) return bad("annealed.polish_rounds must be in [0, 1000]");
     if (!within(options.relaxation.rounds, 0, 100)) return bad("annealed.relaxation.rounds must be in [0, 100]");
+    if (!within(options.relaxation.least, 0, 1e6)) return bad("annealed.relaxation.least must be in [0, 1e6]");
     for (const Tolerance& t : {options.growth_flips, options.growth_visits, options.polish})
         if (!within(t.spread, 0, 1e6) || !within(t.least, 0, 1e6)) return bad("annealed tolerances must be in [0, 1e6]");
     if (!within(annealing.sweeps, 0, 1e6)) return bad("annealing.sweeps must be in [0, 1e6]");
@@ -11048,6 +11054,8 @@ struct HierarchicalOptions {
     if (!within(options.levels, 1, 20)) return bad("hierarchical.levels must be in [1, 20]");
     if (!within(options.rounds, 0, 1000)) return bad("hierarchical.rounds must be in [0, 1000]");
     if (!within(options.flip_visits, 1, 1000000)) return bad("hierarchical.flip_visits must be in [1, 1000000]");
+    if (geometry.search > FootSearch::one_ring) return bad("hierarchical.geometry.search must be one of those known");
+    if (geometry.rule > StepRule::literal) return bad("hierarchical.geometry.rule must be one of those known");
     if (!within(geometry.color_scale, 1e-3, 1e3)) return bad("hierarchical.geometry.color_scale must be in [0.001, 1000] px");
     if (!within(geometry.pull, 1e-9, 1e3)) return bad("hierarchical.geometry.pull must be in [1e-9, 1000] pixels");
     if (!within(geometry.halvings, 0, 20)) return bad("hierarchical.geometry.halvings must be in [0, 20]");
@@ -11377,6 +11385,8 @@ namespace detail {
 }
 
 [[nodiscard]] inline Status check_color_options(const Options& options, int channels) noexcept {
+    if (options.colors && *options.colors != Colors::optimal && *options.colors != Colors::sampled)
+        return {Errc::invalid_argument, "the colours are none of those known", static_cast<std::int64_t>(*options.colors), 1};
     if (options.fit_space != FitSpace::stored && options.fit_space != FitSpace::linear_light)
         return {Errc::invalid_argument, "the fit space is none of those known", static_cast<std::int64_t>(options.fit_space), 0};
     if (options.fit_space == FitSpace::linear_light && final_colors(options) == Colors::sampled)
@@ -11415,7 +11425,10 @@ namespace detail {
         return {Errc::invalid_argument, "the tile must be 0, for the default, or 64 to 65536 px", options.tile,
                 options.tile < 64 ? 64 : max_side};
     switch (options.method) {
-        case Method::annealed: return options.annealed ? check(*options.annealed) : Status{};
+        case Method::annealed:
+            if (options.annealed) return check(*options.annealed);
+            if (options.effort <= Effort::best) return {};
+            return {Errc::invalid_argument, "the effort is none of those known", static_cast<std::int64_t>(options.effort), 3};
         case Method::hierarchical: return check(options.hierarchical);
         case Method::xie: return check(options.xie);
         case Method::adams: return check(options.adams);

@@ -231,6 +231,7 @@ TEST_CASE("options that mean nothing are named, and the efforts' own all mean so
         CHECK(refused([bad](AnnealedOptions& o) { o.growth_flips.spread = bad; }));
         CHECK(refused([bad](AnnealedOptions& o) { o.growth_visits.least = bad; }));
         CHECK(refused([bad](AnnealedOptions& o) { o.polish.spread = bad; }));
+        CHECK(refused([bad](AnnealedOptions& o) { o.relaxation.least = bad; }));
         CHECK(refused([bad](AnnealedOptions& o) { o.annealing.temperature = bad; }));
         CHECK(refused([bad](AnnealedOptions& o) { o.annealing.cooling = bad; }));
         CHECK(refused([bad](AnnealedOptions& o) { o.annealing.exchange = bad; }));

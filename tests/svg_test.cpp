@@ -506,3 +506,14 @@ TEST_CASE("a mesh that cannot be written gives a Status and no byte") {
     check_refused(two_faces<2>(30).view(), hmesh::Errc::invalid_argument);
     check_refused(two_faces<5>(30).view(), hmesh::Errc::invalid_argument);
 }
+
+TEST_CASE("a kind that is none of those known is refused") {
+    for (const int bad : {3, 255}) {
+        std::string text;
+        const hmesh::Status status =
+            hmesh::write_svg(two_faces<3>(30).view(), StringSink{&text}, of_kind(static_cast<SvgKind>(bad)));
+        CHECK(status.code == hmesh::Errc::invalid_argument);
+        CHECK(status.got == bad);
+        CHECK(text.empty());
+    }
+}
