@@ -6,7 +6,7 @@ start_directory=$PWD
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 
 # How many compilers may run at once.
-jobs=$(getconf _NPROCESSORS_ONLN 2>/dev/null || echo 2)
+jobs=${HMESH_JOBS:-$(getconf _NPROCESSORS_ONLN 2>/dev/null || echo 2)}
 
 fail() {
     printf '%s\n' "$*" >&2
@@ -36,9 +36,9 @@ as_root() {
     if [ "$(id -u)" = 0 ]; then "$@"; else sudo "$@"; fi
 }
 
-# need WHAT...: makes sure that compiler, cmake, eigen, stb, doctest, benchmark, clang or viewers, the programs that the
-# tests of that label show meshes with, is there. What is missing is installed where the system has apt-get; elsewhere one
-# sentence says what to install.
+# need WHAT...: makes sure that compiler, cmake, eigen, stb, doctest, benchmark, a clang, m32 (g++ for 32 bits), mingw, wine,
+# emscripten or viewers, the programs that the tests of that label show meshes with, is there. What is missing is installed
+# where the system has apt-get; elsewhere one sentence says what to install.
 need() {
     local what packages=()
     for what in "$@"; do
@@ -53,6 +53,11 @@ need() {
             doctest) has_header doctest/doctest.h || packages+=(doctest-dev) ;;
             benchmark) has_header benchmark/benchmark.h || packages+=(libbenchmark-dev) ;;
             clang) has clang++ || packages+=(clang) ;;
+            clang-*) has "clang++-${what#clang-}" || packages+=("$what") ;;
+            m32) printf '#include <vector>\n' | g++ -m32 -x c++ -fsyntax-only - 2>/dev/null || packages+=(g++-multilib) ;;
+            mingw) has x86_64-w64-mingw32-g++-posix || packages+=(g++-mingw-w64-x86-64) ;;
+            wine) has wine || packages+=(wine wine64) ;;
+            emscripten) has em++ || packages+=(emscripten) ;;
             viewers)
                 has pdftoppm || packages+=(poppler-utils)
                 has gs || packages+=(ghostscript)
