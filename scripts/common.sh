@@ -6,7 +6,7 @@ start_directory=$PWD
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 
 # How many compilers may run at once.
-jobs=$(getconf _NPROCESSORS_ONLN 2>/dev/null || echo 2)
+jobs=${HMESH_JOBS:-$(getconf _NPROCESSORS_ONLN 2>/dev/null || echo 2)}
 
 fail() {
     printf '%s\n' "$*" >&2
@@ -41,9 +41,10 @@ as_root() {
     if [ "$(id -u)" = 0 ]; then "$@"; else sudo "$@"; fi
 }
 
-# need WHAT...: makes sure that compiler, cmake, eigen, stb, doctest, benchmark, clang, clang-format, clang-tidy, doxygen, fuzzer
-# (libFuzzer, of clang) or viewers, the programs that the tests of that label show meshes with, is there. What is missing is
-# installed where the system has apt-get; elsewhere one sentence says what to install.
+# need WHAT...: makes sure that each is there: compiler, cmake, eigen, stb, doctest, benchmark, clang or clang-VERSION,
+# clang-format, clang-tidy, doxygen, fuzzer (libFuzzer, of clang), m32 (g++ for 32 bits), mingw, wine, emscripten, or viewers, the
+# programs that the tests of that label show meshes with. What is missing is installed where the system has apt-get; elsewhere
+# one sentence says what to install.
 need() {
     local what packages=()
     for what in "$@"; do
@@ -64,6 +65,11 @@ need() {
                 has clang++ || packages+=(clang)
                 has_fuzzer || packages+=(libclang-rt-dev)
                 ;;
+            clang-*) has "clang++-${what#clang-}" || packages+=("$what") ;;
+            m32) printf '#include <vector>\n' | g++ -m32 -x c++ -fsyntax-only - 2>/dev/null || packages+=(g++-multilib) ;;
+            mingw) has x86_64-w64-mingw32-g++-posix || packages+=(g++-mingw-w64-x86-64) ;;
+            wine) has wine || packages+=(wine wine64) ;;
+            emscripten) has em++ || packages+=(emscripten) ;;
             viewers)
                 has pdftoppm || packages+=(poppler-utils)
                 has gs || packages+=(ghostscript)

@@ -369,7 +369,7 @@ struct ShadingLayout {
     constexpr std::size_t most = ((std::size_t{1} << 31U) - 1) / 45;
     if (mesh.face_count > most)
         return {Errc::invalid_argument, "the mesh has more faces than a shading holds",
-                static_cast<std::int64_t>(std::min<std::size_t>(mesh.face_count, std::numeric_limits<std::int64_t>::max())),
+                static_cast<std::int64_t>(std::min<std::uint64_t>(mesh.face_count, std::numeric_limits<std::int64_t>::max())),
                 static_cast<std::int64_t>(most)};
     if (mesh.channels == 2) return {Errc::invalid_argument, "a shading holds 1, 3 or 4 channels", 2, 0};
     if (mesh.width < 1) return {Errc::invalid_argument, "the mesh's width must be at least 1", mesh.width, 1};
@@ -4471,11 +4471,14 @@ template <class T, int C>
     const std::int64_t pixels = std::int64_t{view.width} * view.height;
     if (pixels > max_pixels) return {Errc::image_too_large, "the image has too many pixels", pixels, max_pixels};
     if (view.data == nullptr) return {Errc::invalid_argument, "the image's data pointer is null", 0, 0};
-    constexpr std::int64_t longest = std::int64_t{1} << 46U;  // times max_side rows it fits a pointer difference
+    // Where a row begins is a pointer difference, which has 32 bits on some machines.
+    constexpr std::int64_t farthest = std::numeric_limits<std::ptrdiff_t>::max();
+    const std::int64_t longest = farthest / view.height;
     if (view.row_stride < -longest || view.row_stride > longest)
         return {Errc::invalid_argument, "the row stride is absurdly long, in bytes", view.row_stride, longest};
     const std::int64_t packed = std::int64_t{view.width} * C * static_cast<std::int64_t>(sizeof(T));
     const std::int64_t stride = view.row_stride < 0 ? -std::int64_t{view.row_stride} : std::int64_t{view.row_stride};
+    if (packed > longest) return {Errc::image_too_large, "the image has too many bytes", packed * view.height, farthest};
     if (stride != 0 && stride < packed)
         return {Errc::invalid_argument, "the row stride is smaller than a row of pixels, in bytes", stride, packed};
     if (stride % static_cast<std::int64_t>(alignof(T)) != 0)
@@ -7556,8 +7559,8 @@ template <class T, int C, class ParallelFor = SerialFor>
 
 namespace hmesh::detail {
 
-// Neighbouring pixels of one channel, as many as a register holds. One at a time where the compiler has no vectors.
-#if defined(__GNUC__)
+// Neighbouring pixels of one channel, as many as a register holds. One at a time where compiler or processor has no vectors.
+#if defined(__GNUC__) && (defined(__SSE__) || !defined(__i386__))
 #if defined(__AVX2__)
 inline constexpr int float_lanes = 8;
 #else
@@ -11915,6 +11918,10 @@ Status render(const MeshView& mesh, Image<float, C>& out, const RenderOptions& o
     if (const Status status = check(mesh, max_channels); !status) return status;
     if (mesh.channels != C)
         return {Errc::invalid_argument, "the mesh has not the picture's number of channels", mesh.channels, C};
+    // Comes only where pointers have 32 bits.
+    constexpr std::int64_t most = std::numeric_limits<std::ptrdiff_t>::max() / (C * std::int64_t{sizeof(float)});
+    if (std::int64_t{width} * height > most)
+        return {Errc::image_too_large, "the picture to draw has too many pixels", std::int64_t{width} * height, most};
     if (options.linear_light && mesh.premultiplied)
         return {Errc::invalid_argument, "linear light is drawn from straight colours, and the mesh's are premultiplied", 0, 0};
 

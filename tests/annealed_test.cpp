@@ -94,8 +94,8 @@ TEST_CASE("in tiles every effort gives the exact number, and a better mesh than 
     }
     for (const auto& [width, height, n] :
          {std::tuple{300, 1, 300U}, {1, 300, 300U}, {65, 200, 1100U}, {64, 64, 4096U}, {130, 64, 8320U}}) {
-        CAPTURE(width);
         Work<std::uint8_t, 3> work(hmesh_test::noise<std::uint8_t, 3>(width, height, 1));
+        CAPTURE(work.image.width());
         CHECK(annealed(work.patchwork, n, options_of(Effort::fast, 0), 64));
         CHECK(work.count() == n);
         hmesh_test::prove(work);

@@ -106,7 +106,7 @@ TEST_CASE("errors are diffused as Floyd and Steinberg say, in rows there and bac
         for (const double factor : {0.05, 0.3, 1.0, 5.0}) {
             std::vector<std::uint32_t> points;
             hmesh::detail::diffuse(map.view(), factor, 0.01,
-                                   [&](int x, int y) { points.push_back(static_cast<std::uint32_t>(y * width + x)); });
+                                   [&, w = width](int x, int y) { points.push_back(static_cast<std::uint32_t>(y * w + x)); });
             CHECK(points == naive_points(map, factor, 0.01));
         }
     }
