@@ -36,9 +36,9 @@ as_root() {
     if [ "$(id -u)" = 0 ]; then "$@"; else sudo "$@"; fi
 }
 
-# need WHAT...: makes sure that compiler, cmake, eigen, stb, doctest, benchmark, clang or viewers, the programs that the
-# tests of that label show meshes with, is there. What is missing is installed where the system has apt-get; elsewhere one
-# sentence says what to install.
+# need WHAT...: makes sure that compiler, cmake, eigen, stb, doctest, benchmark, clang, coverage (g++ with its gcov, and ctags)
+# or viewers, the programs that the tests of that label show meshes with, is there. What is missing is installed where the
+# system has apt-get; elsewhere one sentence says what to install.
 need() {
     local what packages=()
     for what in "$@"; do
@@ -53,6 +53,10 @@ need() {
             doctest) has_header doctest/doctest.h || packages+=(doctest-dev) ;;
             benchmark) has_header benchmark/benchmark.h || packages+=(libbenchmark-dev) ;;
             clang) has clang++ || packages+=(clang) ;;
+            coverage)
+                has g++ && has gcov || packages+=(g++)
+                ctags --version 2>/dev/null | grep -q Universal || packages+=(universal-ctags)
+                ;;
             viewers)
                 has pdftoppm || packages+=(poppler-utils)
                 has gs || packages+=(ghostscript)
