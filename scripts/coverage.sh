@@ -8,7 +8,7 @@
 # have been used by the compiler alone. The lines that are not executed are in build/coverage/missed.txt.
 # shellcheck source=scripts/common.sh
 . "$(dirname "${BASH_SOURCE[0]}")/common.sh"
-[ $# -le 1 ] && [[ ${1-} != -* ]] || fail "usage: scripts/coverage.sh [LEAST]"
+if [ $# -gt 1 ] || [[ ${1-} == -* ]]; then fail "usage: scripts/coverage.sh [LEAST]"; fi
 
 need coverage cmake eigen doctest
 build=build/coverage
@@ -34,13 +34,14 @@ function row(name, code, executed) {
 
 FNR == 1 { file++ }
 
-# gcov: "executions:line:text". Executions are "-" where there is no code, "#####" or "=====" where it was not executed.
-# Below a line with several instantiations, the lines of each follow.
+# gcov: "executions:line:text". Executions are "-" where there is no code, "#####" where it was not executed and "=====" where
+# only an exception leads: closing braces, where memory is given back. Below a line with several instantiations, those of each
+# follow.
 file == 1 {
     split($0, part, ":")
     if (part[2] + 0 == 0) {
         if (part[3] == "Source") source = part[4]
-    } else if (source ~ /^include\/hmesh\// && part[1] !~ /^ *-$/ && part[1] ~ /^ *([0-9]+\*?|[#=]+)$/) {
+    } else if (source ~ /^include\/hmesh\// && part[1] ~ /^ *([0-9]+\*?|#+)$/) {
         code[source, part[2] + 0] = 1
         if (part[1] + 0 > 0) executed[source, part[2] + 0] = 1
     }
