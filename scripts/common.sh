@@ -41,10 +41,8 @@ as_root() {
     if [ "$(id -u)" = 0 ]; then "$@"; else sudo "$@"; fi
 }
 
-# need WHAT...: makes sure that each is there: compiler, cmake, eigen, stb, doctest, benchmark, clang or clang-VERSION,
-# clang-format, clang-tidy, doxygen, fuzzer (libFuzzer, of clang), m32 (g++ for 32 bits), mingw, wine, emscripten, or viewers, the
-# programs that the tests of that label show meshes with. What is missing is installed where the system has apt-get; elsewhere
-# one sentence says what to install.
+# need WHAT...: makes sure that what each of the words below stands for is there. What is missing is installed where the system
+# has apt-get; elsewhere one sentence says what to install.
 need() {
     local what packages=()
     for what in "$@"; do
@@ -61,16 +59,20 @@ need() {
             clang) has clang++ || packages+=(clang) ;;
             clang-format | clang-tidy) has "$what-14" || has "$what" || packages+=("$what") ;;
             doxygen) has doxygen || packages+=(doxygen) ;;
-            fuzzer)
+            fuzzer)  # libFuzzer
                 has clang++ || packages+=(clang)
                 has_fuzzer || packages+=(libclang-rt-dev)
+                ;;
+            coverage)
+                has g++ && has gcov || packages+=(g++)
+                ctags --version 2>/dev/null | grep -q Universal || packages+=(universal-ctags)
                 ;;
             clang-*) has "clang++-${what#clang-}" || packages+=("$what") ;;
             m32) printf '#include <vector>\n' | g++ -m32 -x c++ -fsyntax-only - 2>/dev/null || packages+=(g++-multilib) ;;
             mingw) has x86_64-w64-mingw32-g++-posix || packages+=(g++-mingw-w64-x86-64) ;;
             wine) has wine || packages+=(wine wine64) ;;
             emscripten) has em++ || packages+=(emscripten) ;;
-            viewers)
+            viewers)  # what the tests of that label show meshes with
                 has pdftoppm || packages+=(poppler-utils)
                 has gs || packages+=(ghostscript)
                 has rsvg-convert || packages+=(librsvg2-bin)
