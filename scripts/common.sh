@@ -6,7 +6,7 @@ start_directory=$PWD
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 
 # How many compilers may run at once.
-jobs=$(getconf _NPROCESSORS_ONLN 2>/dev/null || echo 2)
+jobs=${HMESH_JOBS:-$(getconf _NPROCESSORS_ONLN 2>/dev/null || echo 2)}
 
 fail() {
     printf '%s\n' "$*" >&2
@@ -32,13 +32,17 @@ has_header() {
         -I/opt/homebrew/include -I/opt/homebrew/include/eigen3 - >/dev/null 2>&1
 }
 
+has_fuzzer() {
+    printf 'extern "C" int LLVMFuzzerTestOneInput(const unsigned char*, unsigned long) { return 0; }\n' |
+        clang++ -x c++ -fsanitize=fuzzer,address -o /dev/null - >/dev/null 2>&1
+}
+
 as_root() {
     if [ "$(id -u)" = 0 ]; then "$@"; else sudo "$@"; fi
 }
 
-# need WHAT...: makes sure that compiler, cmake, eigen, stb, doctest, benchmark, clang, clang-format, clang-tidy, doxygen or
-# viewers, the programs that the tests of that label show meshes with, is there. What is missing is installed where the system has apt-get; elsewhere one
-# sentence says what to install.
+# need WHAT...: makes sure that what each of the words below stands for is there. What is missing is installed where the system
+# has apt-get; elsewhere one sentence says what to install.
 need() {
     local what packages=()
     for what in "$@"; do
@@ -55,7 +59,20 @@ need() {
             clang) has clang++ || packages+=(clang) ;;
             clang-format | clang-tidy) has "$what-14" || has "$what" || packages+=("$what") ;;
             doxygen) has doxygen || packages+=(doxygen) ;;
-            viewers)
+            fuzzer)  # libFuzzer
+                has clang++ || packages+=(clang)
+                has_fuzzer || packages+=(libclang-rt-dev)
+                ;;
+            coverage)
+                has g++ && has gcov || packages+=(g++)
+                ctags --version 2>/dev/null | grep -q Universal || packages+=(universal-ctags)
+                ;;
+            clang-*) has "clang++-${what#clang-}" || packages+=("$what") ;;
+            m32) printf '#include <vector>\n' | g++ -m32 -x c++ -fsyntax-only - 2>/dev/null || packages+=(g++-multilib) ;;
+            mingw) has x86_64-w64-mingw32-g++-posix || packages+=(g++-mingw-w64-x86-64) ;;
+            wine) has wine || packages+=(wine wine64) ;;
+            emscripten) has em++ || packages+=(emscripten) ;;
+            viewers)  # what the tests of that label show meshes with
                 has pdftoppm || packages+=(poppler-utils)
                 has gs || packages+=(ghostscript)
                 has rsvg-convert || packages+=(librsvg2-bin)

@@ -369,18 +369,21 @@ struct ShadingLayout {
     constexpr std::size_t most = ((std::size_t{1} << 31U) - 1) / 45;
     if (mesh.face_count > most)
         return {Errc::invalid_argument, "the mesh has more faces than a shading holds",
-                static_cast<std::int64_t>(std::min<std::size_t>(mesh.face_count, std::numeric_limits<std::int64_t>::max())),
+                static_cast<std::int64_t>(std::min<std::uint64_t>(mesh.face_count, std::numeric_limits<std::int64_t>::max())),
                 static_cast<std::int64_t>(most)};
     if (mesh.channels == 2) return {Errc::invalid_argument, "a shading holds 1, 3 or 4 channels", 2, 0};
     if (mesh.width < 1) return {Errc::invalid_argument, "the mesh's width must be at least 1", mesh.width, 1};
     if (mesh.height < 1) return {Errc::invalid_argument, "the mesh's height must be at least 1", mesh.height, 1};
+    constexpr int farthest = 4194304;  // px: numbers of 32 bits count 1/256 px up to 2^24 px
+    for (const int side : {mesh.width, mesh.height})
+        if (side > farthest)
+            return {Errc::invalid_argument, "the mesh's width or height is more than a shading holds", side, farthest};
     if (const Status status = check(mesh, 4); !status) return status;
 
     double left = 0, low = 0, right = mesh.width, high = mesh.height;
     for (std::size_t v = 0; v < mesh.vertex_count; ++v) {
         const double x = static_cast<double>(mesh.positions[2 * v]), y = up(mesh, v);
-        // Numbers of 32 bits count 1/256 px up to 2^24 px.
-        if (!(std::abs(x) < 4194304 && std::abs(y) < 4194304))
+        if (!(std::abs(x) < farthest && std::abs(y) < farthest))
             return {Errc::invalid_argument, "the mesh has a position far outside its image, at vertex",
                     static_cast<std::int64_t>(v), 0};
         left = std::min(left, x), right = std::max(right, x);
@@ -2387,7 +2390,9 @@ struct SvgOptions {
 
 namespace detail {
 
-[[nodiscard]] inline Status check_for_svg(const MeshView& mesh) noexcept {
+[[nodiscard]] inline Status check_for_svg(const MeshView& mesh, const SvgOptions& options) noexcept {
+    if (options.kind > SvgKind::flat)
+        return {Errc::invalid_argument, "the kind of SVG is none of those known", static_cast<std::int64_t>(options.kind), 2};
     if (mesh.channels == 2) return {Errc::invalid_argument, "an SVG file holds 1, 3 or 4 channels", 2, 0};
     if (mesh.width < 1) return {Errc::invalid_argument, "the mesh's width must be at least 1", mesh.width, 1};
     if (mesh.height < 1) return {Errc::invalid_argument, "the mesh's height must be at least 1", mesh.height, 1};
@@ -2605,7 +2610,7 @@ class SvgPage {
 // Writes the mesh to the sink (see sink.hpp). A mesh that cannot be written gives a Status and no byte.
 template <class Sink>
 Status write_svg(const MeshView& mesh, Sink&& sink, const SvgOptions& options = {}) {
-    if (const Status status = detail::check_for_svg(mesh); !status) return status;
+    if (const Status status = detail::check_for_svg(mesh, options); !status) return status;
     return detail::SvgPage<std::remove_reference_t<Sink>>(mesh, options, sink).write();
 }
 
@@ -2627,14 +2632,20 @@ Status write_svg(const MeshView& mesh, Sink&& sink, const SvgOptions& options = 
 #include <cstdint>
 #include <cstring>
 
-#if defined(__GNUC__)
+// What innermost loops call is inlined even where compilers think it too large. Not without optimisation: there it would only
+// double the time that compiling takes.
+#if defined(__GNUC__) && defined(__OPTIMIZE__)
 #define HMESH_ALWAYS_INLINE inline __attribute__((always_inline))
-#define HMESH_NEVER_INLINE __attribute__((noinline))
 #elif defined(_MSC_VER)
 #define HMESH_ALWAYS_INLINE __forceinline
-#define HMESH_NEVER_INLINE __declspec(noinline)
 #else
 #define HMESH_ALWAYS_INLINE inline
+#endif
+#if defined(__GNUC__)
+#define HMESH_NEVER_INLINE __attribute__((noinline))
+#elif defined(_MSC_VER)
+#define HMESH_NEVER_INLINE __declspec(noinline)
+#else
 #define HMESH_NEVER_INLINE
 #endif
 
@@ -4460,11 +4471,14 @@ template <class T, int C>
     const std::int64_t pixels = std::int64_t{view.width} * view.height;
     if (pixels > max_pixels) return {Errc::image_too_large, "the image has too many pixels", pixels, max_pixels};
     if (view.data == nullptr) return {Errc::invalid_argument, "the image's data pointer is null", 0, 0};
-    constexpr std::int64_t longest = std::int64_t{1} << 46U;  // times max_side rows it fits a pointer difference
+    // Where a row begins is a pointer difference, which has 32 bits on some machines.
+    constexpr std::int64_t farthest = std::numeric_limits<std::ptrdiff_t>::max();
+    const std::int64_t longest = farthest / view.height;
     if (view.row_stride < -longest || view.row_stride > longest)
         return {Errc::invalid_argument, "the row stride is absurdly long, in bytes", view.row_stride, longest};
     const std::int64_t packed = std::int64_t{view.width} * C * static_cast<std::int64_t>(sizeof(T));
     const std::int64_t stride = view.row_stride < 0 ? -std::int64_t{view.row_stride} : std::int64_t{view.row_stride};
+    if (packed > longest) return {Errc::image_too_large, "the image has too many bytes", packed * view.height, farthest};
     if (stride != 0 && stride < packed)
         return {Errc::invalid_argument, "the row stride is smaller than a row of pixels, in bytes", stride, packed};
     if (stride % static_cast<std::int64_t>(alignof(T)) != 0)
@@ -6483,7 +6497,6 @@ class Patch {
     Patch& operator=(const Patch&) = delete;
 
     [[nodiscard]] ImageMesh<C>& mesh() noexcept { return mesh_; }
-    [[nodiscard]] const ImageMesh<C>& mesh() const noexcept { return mesh_; }
     // Gives its table away; the patch is of no more use.
     [[nodiscard]] MomentTable<C> take_table() noexcept { return std::move(table_); }
     [[nodiscard]] std::size_t vertex_count() const noexcept { return mesh_.vertex_count(); }
@@ -7545,8 +7558,8 @@ template <class T, int C, class ParallelFor = SerialFor>
 
 namespace hmesh::detail {
 
-// Neighbouring pixels of one channel, as many as a register holds. One at a time where the compiler has no vectors.
-#if defined(__GNUC__)
+// Neighbouring pixels of one channel, as many as a register holds. One at a time where compiler or processor has no vectors.
+#if defined(__GNUC__) && (defined(__SSE__) || !defined(__i386__))
 #if defined(__AVX2__)
 inline constexpr int float_lanes = 8;
 #else
@@ -10272,6 +10285,7 @@ struct AnnealedOptions {
     if (!within(options.growth_sweeps, 0, 1000)) return bad("annealed.growth_sweeps must be in [0, 1000]");
     if (!within(options.polish_rounds, 0, 1000)) return bad("annealed.polish_rounds must be in [0, 1000]");
     if (!within(options.relaxation.rounds, 0, 100)) return bad("annealed.relaxation.rounds must be in [0, 100]");
+    if (!within(options.relaxation.least, 0, 1e6)) return bad("annealed.relaxation.least must be in [0, 1e6]");
     for (const Tolerance& t : {options.growth_flips, options.growth_visits, options.polish})
         if (!within(t.spread, 0, 1e6) || !within(t.least, 0, 1e6)) return bad("annealed tolerances must be in [0, 1e6]");
     if (!within(annealing.sweeps, 0, 1e6)) return bad("annealing.sweeps must be in [0, 1e6]");
@@ -11042,6 +11056,8 @@ struct HierarchicalOptions {
     if (!within(options.levels, 1, 20)) return bad("hierarchical.levels must be in [1, 20]");
     if (!within(options.rounds, 0, 1000)) return bad("hierarchical.rounds must be in [0, 1000]");
     if (!within(options.flip_visits, 1, 1000000)) return bad("hierarchical.flip_visits must be in [1, 1000000]");
+    if (geometry.search > FootSearch::one_ring) return bad("hierarchical.geometry.search must be one of those known");
+    if (geometry.rule > StepRule::literal) return bad("hierarchical.geometry.rule must be one of those known");
     if (!within(geometry.color_scale, 1e-3, 1e3)) return bad("hierarchical.geometry.color_scale must be in [0.001, 1000] px");
     if (!within(geometry.pull, 1e-9, 1e3)) return bad("hierarchical.geometry.pull must be in [1e-9, 1000] pixels");
     if (!within(geometry.halvings, 0, 20)) return bad("hierarchical.geometry.halvings must be in [0, 20]");
@@ -11371,6 +11387,8 @@ namespace detail {
 }
 
 [[nodiscard]] inline Status check_color_options(const Options& options, int channels) noexcept {
+    if (options.colors && *options.colors != Colors::optimal && *options.colors != Colors::sampled)
+        return {Errc::invalid_argument, "the colours are none of those known", static_cast<std::int64_t>(*options.colors), 1};
     if (options.fit_space != FitSpace::stored && options.fit_space != FitSpace::linear_light)
         return {Errc::invalid_argument, "the fit space is none of those known", static_cast<std::int64_t>(options.fit_space), 0};
     if (options.fit_space == FitSpace::linear_light && final_colors(options) == Colors::sampled)
@@ -11409,7 +11427,10 @@ namespace detail {
         return {Errc::invalid_argument, "the tile must be 0, for the default, or 64 to 65536 px", options.tile,
                 options.tile < 64 ? 64 : max_side};
     switch (options.method) {
-        case Method::annealed: return options.annealed ? check(*options.annealed) : Status{};
+        case Method::annealed:
+            if (options.annealed) return check(*options.annealed);
+            if (options.effort <= Effort::best) return {};
+            return {Errc::invalid_argument, "the effort is none of those known", static_cast<std::int64_t>(options.effort), 3};
         case Method::hierarchical: return check(options.hierarchical);
         case Method::xie: return check(options.xie);
         case Method::adams: return check(options.adams);
@@ -11896,6 +11917,10 @@ Status render(const MeshView& mesh, Image<float, C>& out, const RenderOptions& o
     if (const Status status = check(mesh, max_channels); !status) return status;
     if (mesh.channels != C)
         return {Errc::invalid_argument, "the mesh has not the picture's number of channels", mesh.channels, C};
+    // Comes only where pointers have 32 bits.
+    constexpr std::int64_t most = std::numeric_limits<std::ptrdiff_t>::max() / (C * std::int64_t{sizeof(float)});
+    if (std::int64_t{width} * height > most)
+        return {Errc::image_too_large, "the picture to draw has too many pixels", std::int64_t{width} * height, most};
     if (options.linear_light && mesh.premultiplied)
         return {Errc::invalid_argument, "linear light is drawn from straight colours, and the mesh's are premultiplied", 0, 0};
 

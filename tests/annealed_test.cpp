@@ -92,11 +92,10 @@ TEST_CASE("in tiles every effort gives the exact number, and a better mesh than 
         CHECK(work.whole().energy < before);
         before = work.whole().energy;
     }
-    for (const auto& sizes : {std::tuple{300, 1, 300U}, {1, 300, 300U}, {65, 200, 1100U}, {64, 64, 4096U}, {130, 64, 8320U}}) {
-        const int width = std::get<0>(sizes), height = std::get<1>(sizes);
-        const unsigned n = std::get<2>(sizes);
-        CAPTURE(width);
+    for (const auto& [width, height, n] :
+         {std::tuple{300, 1, 300U}, {1, 300, 300U}, {65, 200, 1100U}, {64, 64, 4096U}, {130, 64, 8320U}}) {
         Work<std::uint8_t, 3> work(hmesh_test::noise<std::uint8_t, 3>(width, height, 1));
+        CAPTURE(work.image.width());
         CHECK(annealed(work.patchwork, n, options_of(Effort::fast, 0), 64));
         CHECK(work.count() == n);
         hmesh_test::prove(work);
@@ -232,6 +231,7 @@ TEST_CASE("options that mean nothing are named, and the efforts' own all mean so
         CHECK(refused([bad](AnnealedOptions& o) { o.growth_flips.spread = bad; }));
         CHECK(refused([bad](AnnealedOptions& o) { o.growth_visits.least = bad; }));
         CHECK(refused([bad](AnnealedOptions& o) { o.polish.spread = bad; }));
+        CHECK(refused([bad](AnnealedOptions& o) { o.relaxation.least = bad; }));
         CHECK(refused([bad](AnnealedOptions& o) { o.annealing.temperature = bad; }));
         CHECK(refused([bad](AnnealedOptions& o) { o.annealing.cooling = bad; }));
         CHECK(refused([bad](AnnealedOptions& o) { o.annealing.exchange = bad; }));

@@ -101,13 +101,12 @@ double share(const Image<float, 1>& map, const std::vector<std::uint32_t>& point
 
 TEST_CASE("errors are diffused as Floyd and Steinberg say, in rows there and back, and none falls over a side") {
     hmesh::Random random(1);
-    for (const auto& size : {std::pair{31, 26}, {1, 1}, {1, 40}, {40, 1}, {2, 33}, {50, 3}, {17, 2}, {3, 3}}) {
-        const int width = size.first, height = size.second;
+    for (const auto& [width, height] : {std::pair{31, 26}, {1, 1}, {1, 40}, {40, 1}, {2, 33}, {50, 3}, {17, 2}, {3, 3}}) {
         const auto map = map_of(width, height, [&](int, int) { return random.uniform() * random.uniform(); });
         for (const double factor : {0.05, 0.3, 1.0, 5.0}) {
             std::vector<std::uint32_t> points;
             hmesh::detail::diffuse(map.view(), factor, 0.01,
-                                   [&](int x, int y) { points.push_back(static_cast<std::uint32_t>(y * width + x)); });
+                                   [&, w = width](int x, int y) { points.push_back(static_cast<std::uint32_t>(y * w + x)); });
             CHECK(points == naive_points(map, factor, 0.01));
         }
     }

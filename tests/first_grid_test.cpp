@@ -60,13 +60,12 @@ double nodes_for(const Tiling& tiling, int width, int height, double n) {  // as
 TEST_CASE("a regular grid is a mesh of the image, has no more vertices than asked for, and not far fewer") {
     const std::pair<int, int> sizes[] = {{1, 1},   {1, 7},   {9, 1},   {2, 2},    {5, 4},
                                          {60, 40}, {3, 500}, {700, 2}, {333, 77}, {3, 5000}};
-    for (const auto& size : sizes) {
-        const int width = size.first, height = size.second;
+    for (const auto& [width, height] : sizes) {
         const auto image = hmesh_test::noise<std::uint8_t, 1>(width, height, 1);
         const ImageSource<1> source(image.view());
         for (const double count : {4.0, 4.9, 5.0, 6.0, 9.0, 25.5, 100.0, 1234.0, 40000.0}) {
-            CAPTURE(width);
-            CAPTURE(height);
+            CAPTURE(image.width());
+            CAPTURE(image.height());
             CAPTURE(count);
             const WholeMesh<1> grid = hmesh::regular_grid(source, count);
             check_grid(grid, source);
@@ -99,8 +98,7 @@ TEST_CASE("a regular grid's cells are nearly square") {
 TEST_CASE("a tiled grid is a mesh of the image without T-junctions, for any size, tile and density") {
     const std::pair<int, int> sizes[] = {{1, 1},   {1, 300},  {300, 1},   {2, 2},    {9, 14},
                                          {150, 2}, {3, 5000}, {200, 130}, {640, 480}};
-    for (const auto& size : sizes) {
-        const int width = size.first, height = size.second;
+    for (const auto& [width, height] : sizes) {
         const auto image = hmesh_test::scene<std::uint8_t, 1>(width, height, 1);
         const ImageSource<1> source(image.view());
         const double pixels = static_cast<double>(width) * height;
@@ -108,8 +106,8 @@ TEST_CASE("a tiled grid is a mesh of the image without T-junctions, for any size
             for (const double density : {0.003, 0.03, 0.3, 1.0}) {
                 const Tiling tiling(width, height, tile);
                 if (density * tile * tile < 25 || density * pixels > 10000 || tiling.size() > 100) continue;
-                CAPTURE(width);
-                CAPTURE(height);
+                CAPTURE(image.width());
+                CAPTURE(image.height());
                 CAPTURE(tile);
                 CAPTURE(density);
                 const double count = density * pixels;

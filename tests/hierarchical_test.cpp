@@ -258,4 +258,11 @@ TEST_CASE("options of hierarchical that mean nothing are named") {
     CHECK(is_refused<Options>("hierarchical.geometry.pull", [](Options& o) { o.geometry.pull = 0; }));
     CHECK(is_refused<Options>("hierarchical.geometry.halvings", [](Options& o) { o.geometry.halvings = 21; }));
     CHECK(iterations(0));
+    for (const int bad : {3, 255}) {
+        const auto search = static_cast<hmesh::FootSearch>(bad);
+        const auto rule = static_cast<hmesh::StepRule>(bad);
+        CHECK(is_refused<Options>("hierarchical.geometry.search", [&](Options& o) { o.geometry.search = search; }));
+        CHECK(is_refused<Options>("hierarchical.geometry.rule", [&](Options& o) { o.geometry.rule = rule; }));
+    }
+    CHECK(is_refused<Options>("hierarchical.geometry.rule", [](Options& o) { o.geometry.rule = hmesh::StepRule{2}; }));
 }

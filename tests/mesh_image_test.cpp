@@ -685,6 +685,22 @@ TEST_CASE("a method that is none of those known is refused") {
     }
 }
 
+TEST_CASE("colours and efforts that are none of those known are refused, the effort where it counts") {
+    const auto image = small_scene();
+    for (const Method method : {Method::annealed, Method::hierarchical, Method::adams}) {
+        Options options = options_of(Target::vertices(20), method);
+        options.colors = hmesh::Colors{2};
+        check_refused(mesh_image(image.view(), options), Errc::invalid_argument);
+    }
+    Options options = options_of(Target::vertices(20), Effort{4});
+    check_refused(mesh_image(image.view(), options), Errc::invalid_argument);
+    options.annealed = hmesh::annealed_options(Effort::draft);
+    CHECK(mesh_image(image.view(), options).status);
+    options.annealed.reset();
+    options.method = Method::adams;
+    CHECK(mesh_image(image.view(), options).status);
+}
+
 TEST_CASE("adaptive thinning of more than 2^22 pixels is refused before a pixel is read") {
     const std::uint8_t pixel[3] = {};
     const auto status_of = [&](int width, int height, Method method) {

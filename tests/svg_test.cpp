@@ -398,7 +398,7 @@ TEST_CASE("one channel is grey, by one gradient that is exact, without blending"
     for (std::size_t f = 0; f < paints.size(); ++f)
         for (std::size_t k = 0; k < 3; ++k) {
             const std::size_t v = mesh.faces[f][k];
-            const double x = static_cast<double>(mesh.positions[2 * v]), y = static_cast<double>(mesh.positions[2 * v + 1]);
+            const auto x = static_cast<double>(mesh.positions[2 * v]), y = static_cast<double>(mesh.positions[2 * v + 1]);
             const Rgb color = paints[f].gradient.at(x, y);
             for (const double value : color) CHECK(std::abs(value - static_cast<double>(mesh.colors[v])) <= 1);
         }
@@ -505,4 +505,15 @@ TEST_CASE("a mesh that cannot be written gives a Status and no byte") {
     check_refused(mesh.view(), hmesh::Errc::invalid_argument);
     check_refused(two_faces<2>(30).view(), hmesh::Errc::invalid_argument);
     check_refused(two_faces<5>(30).view(), hmesh::Errc::invalid_argument);
+}
+
+TEST_CASE("a kind that is none of those known is refused") {
+    for (const int bad : {3, 255}) {
+        std::string text;
+        const hmesh::Status status =
+            hmesh::write_svg(two_faces<3>(30).view(), StringSink{&text}, of_kind(static_cast<SvgKind>(bad)));
+        CHECK(status.code == hmesh::Errc::invalid_argument);
+        CHECK(status.got == bad);
+        CHECK(text.empty());
+    }
 }

@@ -180,7 +180,7 @@ void check_refusals(const Write& write) {
             mesh.positions[coordinate] = far;
             check_refused(mesh.view(), hmesh::Errc::invalid_argument, write);
         }
-    for (const int size : {0, -1}) {
+    for (const int size : {0, -1, 4194305, std::numeric_limits<int>::max()}) {
         hmesh::Mesh<3> mesh = good;
         mesh.width = size;
         check_refused(mesh.view(), hmesh::Errc::invalid_argument, write);

@@ -25,13 +25,12 @@ bool is_on_pixel(double x, int size) { return x == 0 || x == size || x - static_
 }  // namespace
 
 TEST_CASE("xie gives every number of vertices, on pixels and with sampled colours, on pictures of ties, flat parts and lines") {
-    for (const auto& size : {std::pair{26, 18}, {1, 60}, {60, 1}, {2, 40}, {40, 2}, {3, 3}}) {
-        const int width = size.first, height = size.second;
+    for (const auto& [width, height] : {std::pair{26, 18}, {1, 60}, {60, 1}, {2, 40}, {40, 2}, {3, 3}})
         for (auto& picture : hmesh_test::hard_pictures<std::uint8_t, 1>(width, height)) {
             Work<std::uint8_t, 1> work(std::move(picture));
             const std::size_t pixels = work.image.samples().size();
             for (const std::size_t n : {std::size_t{4}, std::size_t{7}, pixels / 8 + 4, pixels}) {
-                CAPTURE(width);
+                CAPTURE(work.image.width());
                 CAPTURE(n);
                 CHECK(xie(work.patchwork, n, {}));
                 prove_mesh(work, n);
@@ -42,7 +41,6 @@ TEST_CASE("xie gives every number of vertices, on pixels and with sampled colour
                 CHECK(on_pixels);
             }
         }
-    }
 }
 
 TEST_CASE("every stage of xie after the removal lowers the energy, and it ends with the first round that gains too little") {

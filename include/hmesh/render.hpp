@@ -192,6 +192,10 @@ Status render(const MeshView& mesh, Image<float, C>& out, const RenderOptions& o
     if (const Status status = check(mesh, max_channels); !status) return status;
     if (mesh.channels != C)
         return {Errc::invalid_argument, "the mesh has not the picture's number of channels", mesh.channels, C};
+    // Comes only where pointers have 32 bits.
+    constexpr std::int64_t most = std::numeric_limits<std::ptrdiff_t>::max() / (C * std::int64_t{sizeof(float)});
+    if (std::int64_t{width} * height > most)
+        return {Errc::image_too_large, "the picture to draw has too many pixels", std::int64_t{width} * height, most};
     if (options.linear_light && mesh.premultiplied)
         return {Errc::invalid_argument, "linear light is drawn from straight colours, and the mesh's are premultiplied", 0, 0};
 

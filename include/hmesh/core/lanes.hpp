@@ -10,14 +10,20 @@
 #include <cstdint>
 #include <cstring>
 
-#if defined(__GNUC__)
+// What innermost loops call is inlined even where compilers think it too large. Not without optimisation: there it would only
+// double the time that compiling takes.
+#if defined(__GNUC__) && defined(__OPTIMIZE__)
 #define HMESH_ALWAYS_INLINE inline __attribute__((always_inline))
-#define HMESH_NEVER_INLINE __attribute__((noinline))
 #elif defined(_MSC_VER)
 #define HMESH_ALWAYS_INLINE __forceinline
-#define HMESH_NEVER_INLINE __declspec(noinline)
 #else
 #define HMESH_ALWAYS_INLINE inline
+#endif
+#if defined(__GNUC__)
+#define HMESH_NEVER_INLINE __attribute__((noinline))
+#elif defined(_MSC_VER)
+#define HMESH_NEVER_INLINE __declspec(noinline)
+#else
 #define HMESH_NEVER_INLINE
 #endif
 

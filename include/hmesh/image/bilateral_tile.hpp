@@ -23,8 +23,8 @@
 
 namespace hmesh::detail {
 
-// Neighbouring pixels of one channel, as many as a register holds. One at a time where the compiler has no vectors.
-#if defined(__GNUC__)
+// Neighbouring pixels of one channel, as many as a register holds. One at a time where compiler or processor has no vectors.
+#if defined(__GNUC__) && (defined(__SSE__) || !defined(__i386__))
 #if defined(__AVX2__)
 inline constexpr int float_lanes = 8;
 #else

@@ -52,18 +52,21 @@ struct ShadingLayout {
     constexpr std::size_t most = ((std::size_t{1} << 31U) - 1) / 45;
     if (mesh.face_count > most)
         return {Errc::invalid_argument, "the mesh has more faces than a shading holds",
-                static_cast<std::int64_t>(std::min<std::size_t>(mesh.face_count, std::numeric_limits<std::int64_t>::max())),
+                static_cast<std::int64_t>(std::min<std::uint64_t>(mesh.face_count, std::numeric_limits<std::int64_t>::max())),
                 static_cast<std::int64_t>(most)};
     if (mesh.channels == 2) return {Errc::invalid_argument, "a shading holds 1, 3 or 4 channels", 2, 0};
     if (mesh.width < 1) return {Errc::invalid_argument, "the mesh's width must be at least 1", mesh.width, 1};
     if (mesh.height < 1) return {Errc::invalid_argument, "the mesh's height must be at least 1", mesh.height, 1};
+    constexpr int farthest = 4194304;  // px: numbers of 32 bits count 1/256 px up to 2^24 px
+    for (const int side : {mesh.width, mesh.height})
+        if (side > farthest)
+            return {Errc::invalid_argument, "the mesh's width or height is more than a shading holds", side, farthest};
     if (const Status status = check(mesh, 4); !status) return status;
 
     double left = 0, low = 0, right = mesh.width, high = mesh.height;
     for (std::size_t v = 0; v < mesh.vertex_count; ++v) {
         const double x = static_cast<double>(mesh.positions[2 * v]), y = up(mesh, v);
-        // Numbers of 32 bits count 1/256 px up to 2^24 px.
-        if (!(std::abs(x) < 4194304 && std::abs(y) < 4194304))
+        if (!(std::abs(x) < farthest && std::abs(y) < farthest))
             return {Errc::invalid_argument, "the mesh has a position far outside its image, at vertex",
                     static_cast<std::int64_t>(v), 0};
         left = std::min(left, x), right = std::max(right, x);

@@ -45,7 +45,9 @@ struct SvgOptions {
 
 namespace detail {
 
-[[nodiscard]] inline Status check_for_svg(const MeshView& mesh) noexcept {
+[[nodiscard]] inline Status check_for_svg(const MeshView& mesh, const SvgOptions& options) noexcept {
+    if (options.kind > SvgKind::flat)
+        return {Errc::invalid_argument, "the kind of SVG is none of those known", static_cast<std::int64_t>(options.kind), 2};
     if (mesh.channels == 2) return {Errc::invalid_argument, "an SVG file holds 1, 3 or 4 channels", 2, 0};
     if (mesh.width < 1) return {Errc::invalid_argument, "the mesh's width must be at least 1", mesh.width, 1};
     if (mesh.height < 1) return {Errc::invalid_argument, "the mesh's height must be at least 1", mesh.height, 1};
@@ -263,7 +265,7 @@ class SvgPage {
 // Writes the mesh to the sink (see sink.hpp). A mesh that cannot be written gives a Status and no byte.
 template <class Sink>
 Status write_svg(const MeshView& mesh, Sink&& sink, const SvgOptions& options = {}) {
-    if (const Status status = detail::check_for_svg(mesh); !status) return status;
+    if (const Status status = detail::check_for_svg(mesh, options); !status) return status;
     return detail::SvgPage<std::remove_reference_t<Sink>>(mesh, options, sink).write();
 }
 

@@ -82,6 +82,7 @@ struct AnnealedOptions {
     if (!within(options.growth_sweeps, 0, 1000)) return bad("annealed.growth_sweeps must be in [0, 1000]");
     if (!within(options.polish_rounds, 0, 1000)) return bad("annealed.polish_rounds must be in [0, 1000]");
     if (!within(options.relaxation.rounds, 0, 100)) return bad("annealed.relaxation.rounds must be in [0, 100]");
+    if (!within(options.relaxation.least, 0, 1e6)) return bad("annealed.relaxation.least must be in [0, 1e6]");
     for (const Tolerance& t : {options.growth_flips, options.growth_visits, options.polish})
         if (!within(t.spread, 0, 1e6) || !within(t.least, 0, 1e6)) return bad("annealed tolerances must be in [0, 1e6]");
     if (!within(annealing.sweeps, 0, 1e6)) return bad("annealing.sweeps must be in [0, 1e6]");

@@ -49,6 +49,8 @@ struct HierarchicalOptions {
     if (!within(options.levels, 1, 20)) return bad("hierarchical.levels must be in [1, 20]");
     if (!within(options.rounds, 0, 1000)) return bad("hierarchical.rounds must be in [0, 1000]");
     if (!within(options.flip_visits, 1, 1000000)) return bad("hierarchical.flip_visits must be in [1, 1000000]");
+    if (geometry.search > FootSearch::one_ring) return bad("hierarchical.geometry.search must be one of those known");
+    if (geometry.rule > StepRule::literal) return bad("hierarchical.geometry.rule must be one of those known");
     if (!within(geometry.color_scale, 1e-3, 1e3)) return bad("hierarchical.geometry.color_scale must be in [0.001, 1000] px");
     if (!within(geometry.pull, 1e-9, 1e3)) return bad("hierarchical.geometry.pull must be in [1e-9, 1000] pixels");
     if (!within(geometry.halvings, 0, 20)) return bad("hierarchical.geometry.halvings must be in [0, 20]");

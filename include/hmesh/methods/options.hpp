@@ -102,6 +102,8 @@ namespace detail {
 }
 
 [[nodiscard]] inline Status check_color_options(const Options& options, int channels) noexcept {
+    if (options.colors && *options.colors != Colors::optimal && *options.colors != Colors::sampled)
+        return {Errc::invalid_argument, "the colours are none of those known", static_cast<std::int64_t>(*options.colors), 1};
     if (options.fit_space != FitSpace::stored && options.fit_space != FitSpace::linear_light)
         return {Errc::invalid_argument, "the fit space is none of those known", static_cast<std::int64_t>(options.fit_space), 0};
     if (options.fit_space == FitSpace::linear_light && final_colors(options) == Colors::sampled)
@@ -140,7 +142,10 @@ namespace detail {
         return {Errc::invalid_argument, "the tile must be 0, for the default, or 64 to 65536 px", options.tile,
                 options.tile < 64 ? 64 : max_side};
     switch (options.method) {
-        case Method::annealed: return options.annealed ? check(*options.annealed) : Status{};
+        case Method::annealed:
+            if (options.annealed) return check(*options.annealed);
+            if (options.effort <= Effort::best) return {};
+            return {Errc::invalid_argument, "the effort is none of those known", static_cast<std::int64_t>(options.effort), 3};
         case Method::hierarchical: return check(options.hierarchical);
         case Method::xie: return check(options.xie);
         case Method::adams: return check(options.adams);

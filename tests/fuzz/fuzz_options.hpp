@@ -1,0 +1,166 @@
+// hmesh tests - options of mesh_image() drawn from the bytes of a fuzzer: usual ones, unusual ones and absurd ones.
+#ifndef HMESH_TESTS_FUZZ_FUZZ_OPTIONS_HPP
+#define HMESH_TESTS_FUZZ_FUZZ_OPTIONS_HPP
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <limits>
+
+#include "fuzz_input.hpp"
+#include "hmesh/methods/options.hpp"
+
+namespace hmesh_test {
+
+class OptionDraw {
+  public:
+    explicit OptionDraw(FuzzInput& input) : input_(&input), is_wild_(input.one_in(4)) {}
+
+    // For an image of this size. Ranges are those that mean something, cut where work would take minutes.
+    [[nodiscard]] hmesh::Options options(int width, int height) {
+        hmesh::Options options;
+        target(options.target, std::int64_t{width} * height);
+        choice(options.method, 5);
+        choice(options.effort, 4);
+        options.seed = input_->byte();
+        if (input_->one_in(4)) limits(options.limits);
+        if (input_->one_in(4)) whole(options.tile, 64, 128);
+        if (input_->one_in(4)) {
+            options.colors = hmesh::Colors::optimal;
+            choice(*options.colors, 2);
+        }
+        options.round_colors = !input_->one_in(4);
+        if (input_->one_in(4)) choice(options.fit_space, 2);
+        options.premultiplied = input_->one_in(4);
+        if (!input_->one_in(3)) return options;
+        switch (options.method) {
+            case hmesh::Method::xie: recipe(options.xie); break;
+            case hmesh::Method::adams: recipe(options.adams); break;
+            case hmesh::Method::hierarchical: recipe(options.hierarchical); break;
+            default: recipe(options.annealed.emplace(hmesh::annealed_options(options.effort)));
+        }
+        return options;
+    }
+
+  private:
+    void target(hmesh::Target& target, std::int64_t pixels) {
+        choice(target.kind, 3);
+        const double most = static_cast<double>(std::min<std::int64_t>(pixels, 500)), share = input_->share();
+        switch (target.kind) {
+            case hmesh::Target::Kind::vertices: target.value = 4 + std::floor(share * std::max(0.0, most - 4)); break;
+            case hmesh::Target::Kind::rate: target.value = share * 100 * most / static_cast<double>(pixels); break;
+            default: target.value = 1 + 60 * share;
+        }
+        if (is_wild_ && input_->one_in(8)) target.value = input_->wild_real();
+    }
+    void limits(hmesh::MeshLimits& limits) {
+        real(limits.min_cross, 1e-4, 0.25);
+        real(limits.border_gap, 1.0 / 256, 0.25);
+        real(limits.color_overshoot, 0, 100);
+        real(limits.ridge, 1e-9, 1);
+    }
+    void recipe(hmesh::AnnealedOptions& options) {
+        real(options.overshoot, 1, 10);
+        real(options.undershoot, 0.1, 1);
+        real(options.start, 0, 1);
+        real(options.growth, 0.05, 10);
+        real(options.shrinkage, 0.02, 1);
+        whole(options.growth_sweeps, 0, 5);
+        whole(options.polish_rounds, 0, 5);
+        for (hmesh::Tolerance* tolerance : {&options.growth_flips, &options.growth_visits, &options.polish}) {
+            real(tolerance->spread, 0, 1);
+            real(tolerance->least, 0, 1);
+        }
+        whole(options.relaxation.rounds, 0, 4);
+        real(options.relaxation.least, 0, 1);
+        whole(options.annealing.sweeps, 0, 10);
+        for (double* value : {&options.annealing.temperature, &options.annealing.cooling, &options.annealing.removal_screen,
+                              &options.annealing.insertion_screen, &options.annealing.flip_screen})
+            real(*value, 0, 100);
+        for (double* value :
+             {&options.annealing.exchange, &options.annealing.jump, &options.annealing.jump_reach, &options.annealing.band})
+            real(*value, 0, 1);
+        real(options.annealing.start_price, 1e-6, 1e6);
+    }
+    void recipe(hmesh::AdamsOptions& options) {
+        real(options.density, 1, 1000);
+        whole(options.smoothing, 0, 20);
+    }
+    void recipe(hmesh::XieOptions& options) {
+        recipe(options.start);
+        whole(options.search.first_step, 1, 4096);
+        whole(options.search.visits, 1, 20);
+        whole(options.flip_visits, 1, 1000);
+        whole(options.rounds, 0, 10);
+        real(options.enough, 0, 1);
+    }
+    void recipe(hmesh::HierarchicalOptions& options) {
+        recipe(options.start);
+        whole(options.levels, 1, 4);
+        whole(options.bilateral.diameter, 1, 15);
+        real(options.bilateral.sigma_color, 1e-3, 1e3);
+        real(options.bilateral.sigma_space, 1e-3, 1e3);
+        if (input_->one_in(4)) options.filter.call = rude_filter;
+        options.start_filtered = !input_->one_in(3);
+        choice(options.geometry.search, 3);
+        choice(options.geometry.rule, 2);
+        real(options.geometry.color_scale, 1e-3, 1e3);
+        real(options.geometry.pull, 1e-9, 1e3);
+        whole(options.geometry.halvings, 0, 20);
+        whole(options.geometry.pcg.max_iterations, 1, 1000);
+        real(options.geometry.pcg.tolerance, 1e-15, 1);
+        whole(options.rounds, 0, 4);
+        whole(options.flip_visits, 1, 1000);
+    }
+    // A user's filter that gives what is no sample.
+    static void rude_filter(void*, const float* from, float* to, int width, int height, int channels) {
+        const std::int64_t count = std::int64_t{width} * height * channels;
+        for (std::int64_t k = 0; k < count; ++k)
+            to[k] = k % 5 == 0   ? std::numeric_limits<float>::quiet_NaN()
+                    : k % 7 == 0 ? -std::numeric_limits<float>::infinity()
+                    : k % 3 == 0 ? 1e38F
+                                 : from[count - 1 - k];
+    }
+
+    // Half of all stay as they are.
+    void real(double& value, double low, double high) {
+        const unsigned how = input_->byte() % 8;
+        if (how == 7 && is_wild_) value = input_->wild_real();
+        else if (how == 6) value = low;
+        else if (how == 5) value = high;
+        else if (how == 4) value = low + input_->share() * (high - low);
+    }
+    void whole(int& value, int low, int high) {
+        const unsigned how = input_->byte() % 8;
+        if (how == 7 && is_wild_) value = input_->wild_int();
+        else if (how == 6) value = low;
+        else if (how == 5) value = high;
+        else if (how == 4) value = input_->within(low, high);
+    }
+    template <class Enum>
+    void choice(Enum& value, unsigned known) {
+        const unsigned number = input_->byte();
+        if (number == 0) return;
+        value = static_cast<Enum>(is_wild_ && number >= 128 ? number : number % known);
+    }
+
+    FuzzInput* input_;
+    bool is_wild_;
+};
+
+// Whether an option that counts has a value that is none of its enumerators.
+[[nodiscard]] inline bool names_nothing_known(const hmesh::Options& options) {
+    using hmesh::Method;
+    const auto beyond = [](auto value, auto last) { return value > last; };
+    return beyond(options.method, Method::adaptive_thinning) || beyond(options.target.kind, hmesh::Target::Kind::psnr) ||
+           beyond(options.fit_space, hmesh::FitSpace::linear_light) ||
+           (options.colors && beyond(*options.colors, hmesh::Colors::sampled)) ||
+           (options.method == Method::annealed && !options.annealed && beyond(options.effort, hmesh::Effort::best)) ||
+           (options.method == Method::hierarchical &&
+            (beyond(options.hierarchical.geometry.search, hmesh::FootSearch::one_ring) ||
+             beyond(options.hierarchical.geometry.rule, hmesh::StepRule::literal)));
+}
+
+}  // namespace hmesh_test
+
+#endif  // HMESH_TESTS_FUZZ_FUZZ_OPTIONS_HPP
