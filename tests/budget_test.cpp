@@ -217,7 +217,8 @@ TEST_CASE("where no tile can take a vertex, an edge between two tiles is split")
     mesh.width = mesh.height = 16;
     const std::vector<hmesh::Point> corners = {{0, 0}, {16, 0}, {16, 16}, {0, 16}, {2, 2}, {14, 2}, {14, 14}, {2, 14}};
     for (const hmesh::Point p : corners) mesh.add(p, work.source.pixel(8, 8));
-    mesh.triangles = {{0, 1, 5}, {0, 5, 4}, {1, 2, 6}, {1, 6, 5}, {2, 3, 7}, {2, 7, 6}, {3, 0, 4}, {3, 4, 7}, {4, 5, 6}, {4, 6, 7}};
+    mesh.triangles = {{0, 1, 5}, {0, 5, 4}, {1, 2, 6}, {1, 6, 5}, {2, 3, 7},
+                      {2, 7, 6}, {3, 0, 4}, {3, 4, 7}, {4, 5, 6}, {4, 6, 7}};
     work.patchwork.whole() = mesh;
     CHECK(meet_budget(work.patchwork, 9, 4, {}));
     REQUIRE(work.count() == 9);
