@@ -208,6 +208,22 @@ TEST_CASE("the way to n is the same whatever the executor's order") {
     }
 }
 
+TEST_CASE("a round on the way to n takes and gives as many vertices as it is told to, or fewer") {
+    for (const double tile : {one_tile, 40.0}) {
+        Work<std::uint8_t, 1> work(hmesh_test::scene<std::uint8_t, 1>(120, 100, 3));
+        start(work, 800);
+        const Tiling tiling(120, 100, tile);
+        std::size_t before = work.count();
+        CHECK(hmesh::detail::remove_cheapest(work.patchwork, tiling, 300, {}));
+        CHECK(work.count() >= before - 300);
+        CHECK(work.count() < before - 200);
+        before = work.count();
+        CHECK(hmesh::detail::insert_best(work.patchwork, tiling, 300));
+        CHECK(work.count() <= before + 300);
+        CHECK(work.count() > before + 200);
+    }
+}
+
 TEST_CASE("where no tile can take a vertex, an edge between two tiles is split") {
     // A square in a narrow frame, in tiles much smaller than its two faces: only their common edge is far from the least area.
     hmesh::MeshLimits limits;
