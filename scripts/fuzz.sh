@@ -38,9 +38,9 @@ fi
 fuzz() {
     local name=$1 log=build/fuzz/$1.log begin=$SECONDS
     mkdir -p "build/fuzz/corpus/$name" "build/fuzz/findings/$name"
-    "build/fuzz/bin/${name}_fuzzer" -max_total_time="$seconds" -timeout=60 -rss_limit_mb=4096 -print_final_stats=1 \
-        -artifact_prefix="build/fuzz/findings/$name/" "build/fuzz/corpus/$name" "tests/fuzz/corpus/$name" >"$log" 2>&1 </dev/null ||
-        true
+    "build/fuzz/bin/${name}_fuzzer" -max_total_time="$seconds" -max_len=1024 -len_control=0 -timeout=120 -rss_limit_mb=4096 \
+        -print_final_stats=1 -artifact_prefix="build/fuzz/findings/$name/" "build/fuzz/corpus/$name" "tests/fuzz/corpus/$name" \
+        >"$log" 2>&1 </dev/null || true
     awk -v name="$name" -v seconds="$((SECONDS - begin))" '
         / cov: / { for (i = 1; i < NF; i++) if ($i == "cov:") edges = $(i + 1) }
         /^stat::number_of_executed_units:/ { runs = $2 }

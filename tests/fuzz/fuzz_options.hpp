@@ -45,7 +45,7 @@ class OptionDraw {
   private:
     void target(hmesh::Target& target, std::int64_t pixels) {
         choice(target.kind, 3);
-        const double most = static_cast<double>(std::min<std::int64_t>(pixels, 500)), share = input_->share();
+        const double most = static_cast<double>(std::min<std::int64_t>(pixels, 200)), share = input_->share();
         switch (target.kind) {
             case hmesh::Target::Kind::vertices: target.value = 4 + std::floor(share * std::max(0.0, most - 4)); break;
             case hmesh::Target::Kind::rate: target.value = share * 100 * most / static_cast<double>(pixels); break;

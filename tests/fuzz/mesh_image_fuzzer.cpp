@@ -36,10 +36,11 @@ struct Size {
 // Mostly small, so that many are meshed in a second; some thin and some of several tiles.
 Size draw_size(FuzzInput& input) {
     switch (input.byte() % 16) {
-        case 13: return {input.within(1, 3), input.within(1, 1200)};
-        case 14: return {input.within(1, 1200), input.within(1, 3)};
-        case 15: return {input.within(1, 150), input.within(1, 150)};
-        default: return {input.within(1, 20), input.within(1, 20)};
+        case 12: return {input.within(1, 3), input.within(1, 600)};
+        case 13: return {input.within(1, 600), input.within(1, 3)};
+        case 14: return {input.within(1, 40), input.within(1, 40)};
+        case 15: return {input.within(1, 130), input.within(1, 130)};
+        default: return {input.within(1, 10), input.within(1, 10)};
     }
 }
 
@@ -239,8 +240,7 @@ void demand_true_status(const hmesh::ImageView<T, C>& view, const hmesh::Options
     demand(!has_mesh || code == Errc::ok || code == Errc::cancelled || options.target.kind == hmesh::Target::Kind::psnr,
            "what is refused gives no mesh");
     demand(has_mesh || (code != Errc::ok && code != Errc::cancelled), "what is not refused gives a mesh");
-    demand(!hmesh_test::names_nothing_known(options) || code == Errc::invalid_argument || !hmesh::check(view),
-           "an enumerator that means nothing is refused");
+    demand(!has_mesh || !hmesh_test::names_nothing_known(options), "an enumerator that means nothing is refused");
     if (code != Errc::ok) return;
     const double pixels = static_cast<double>(view.width) * view.height, most = std::max(4.0, pixels),
                  value = options.target.value, n = static_cast<double>(result.report.vertices);
@@ -272,7 +272,7 @@ void fuzz(FuzzInput& input) {
     }
     const bool is_spoilt = input.one_in(32);
     const hmesh::ImageView<T, C> view = is_spoilt ? spoil(input, image.view()) : image.view();
-    const int calls = input.one_in(3) ? input.within(0, 60) : 400;
+    const int calls = input.one_in(3) ? input.within(0, 60) : 250;
     const bool is_repeated = input.one_in(4);
     image.fill(Samples<T>(input));
     image.fill_gaps(0);
