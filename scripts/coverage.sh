@@ -19,8 +19,9 @@ ctest --preset coverage --parallel "$jobs" -LE "^viewers\$"
 
 headers=$(find include/hmesh -name '*.hpp' | LC_ALL=C sort)
 # Of a unit whose program did not run there is no .gcda; it is read all the same, and nothing in it is executed.
-find $build -name '*.gcno' -print0 | LC_ALL=C sort -z |
-    xargs -0 -n 1 gcov --stdout --relative-only --source-prefix "$PWD" >$build/gcov.txt 2>$build/gcov.log
+find $build/tests -name '*.gcno' -print0 | LC_ALL=C sort -z |
+    xargs -0 -n 1 gcov --stdout --relative-only --source-prefix "$PWD" >$build/gcov.txt 2>$build/gcov.log ||
+    fail "gcov failed, see $build/gcov.log"
 # name, first line, last line, file: of each function that is defined in a header
 # shellcheck disable=SC2086  # words: names of headers hold no spaces
 ctags -x --language-force=C++ --kinds-C++=f --_xformat='%N	%n	%e	%F' -D HMESH_ALWAYS_INLINE=inline \
