@@ -7286,9 +7286,10 @@ class LinearLight {
         const Point a = position(mesh_, v[0].index()), b = position(mesh_, v[1].index()), c = position(mesh_, v[2].index());
         const double per_area = 1 / cross(a, b, c), per_peak = 1 / mesh_.peak;
         const double la = at.light[v[0].index()], lb = at.light[v[1].index()] - la, lc = at.light[v[2].index()] - la;
-        // A face of one colour shows that very colour.
+        // A face of one colour shows that very colour. Stored values are compared, not shares: they are exact, and stay so where
+        // the processor keeps more digits of some products than of others.
         const bool is_plain = lb == 0 && lc == 0;
-        const double plain = static_cast<double>(at.stored[v[0].index()]) * per_peak;
+        const double plain = static_cast<double>(at.stored[v[0].index()]);
         const double bx = (b.x - a.x) * per_area, by = (b.y - a.y) * per_area;
         const double cx = (c.x - a.x) * per_area, cy = (c.y - a.y) * per_area;
         double energy = 0, s00 = 0, s11 = 0, s22 = 0, s01 = 0, s12 = 0, s20 = 0, p0 = 0, p1 = 0, p2 = 0;
@@ -7304,8 +7305,8 @@ class LinearLight {
                 const double wa = 1 - wb - wc, light = la + wb * lb + wc * lc;
                 const double share = encoded ? linear_to_srgb(light) : light;
                 const double slope = encoded ? linear_to_srgb_slope(light, share) : 1;
-                const double shown = is_plain ? plain : share;
-                const double difference = shown - PixelTraits<T>::to_real(*sample) * per_peak;
+                const double shown = is_plain ? plain : share * mesh_.peak;
+                const double difference = (shown - PixelTraits<T>::to_real(*sample)) * per_peak;
                 const double weight = weights != nullptr ? scale_(weights[i - begin]) : 1;
                 const double square = weight * slope * slope, pull = -weight * slope * difference;
                 energy += weight * difference * difference;
