@@ -56,6 +56,7 @@ need() {
             stb) has_header stb/stb_image.h || packages+=(libstb-dev) ;;
             doctest) has_header doctest/doctest.h || packages+=(doctest-dev) ;;
             benchmark) has_header benchmark/benchmark.h || packages+=(libbenchmark-dev) ;;
+            ninja) has ninja || packages+=(ninja-build) ;;
             clang) has clang++ || packages+=(clang) ;;
             clang-format | clang-tidy) has "$what-14" || has "$what" || packages+=("$what") ;;
             doxygen) has doxygen || packages+=(doxygen) ;;
