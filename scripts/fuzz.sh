@@ -15,7 +15,7 @@ names=()
 while [ $# != 0 ]; do
     case $1 in
         --seconds)
-            [ $# -ge 2 ] && [ "$2" -gt 0 ] 2>/dev/null || fail "$usage"
+            if [ $# -lt 2 ] || ! [ "$2" -gt 0 ] 2>/dev/null; then fail "$usage"; fi
             seconds=$2
             shift 2
             ;;
@@ -36,11 +36,11 @@ fi
 
 # fuzz NAME: runs it and writes the line about it into build/fuzz/NAME.line.
 fuzz() {
-    local name=$1 log=build/fuzz/$1.log begin=$SECONDS
-    mkdir -p "build/fuzz/corpus/$name" "build/fuzz/findings/$name"
-    "build/fuzz/bin/${name}_fuzzer" -max_total_time="$seconds" -max_len=1024 -len_control=0 -timeout=120 -rss_limit_mb=4096 \
-        -print_final_stats=1 -artifact_prefix="build/fuzz/findings/$name/" "build/fuzz/corpus/$name" "tests/fuzz/corpus/$name" \
-        >"$log" 2>&1 </dev/null || true
+    local name=$1 log=build/fuzz/$1.log new=build/fuzz/corpus/$1 findings=build/fuzz/findings/$1 begin=$SECONDS
+    mkdir -p "$new" "$findings"
+    "build/fuzz/bin/${name}_fuzzer" -max_total_time="$seconds" -max_len=1024 -len_control=0 -rss_limit_mb=4096 \
+        -timeout=120 -report_slow_units=120 -print_final_stats=1 -artifact_prefix="$findings/" \
+        "$new" "tests/fuzz/corpus/$name" >"$log" 2>&1 </dev/null || true
     awk -v name="$name" -v seconds="$((SECONDS - begin))" '
         / cov: / { for (i = 1; i < NF; i++) if ($i == "cov:") edges = $(i + 1) }
         /^stat::number_of_executed_units:/ { runs = $2 }

@@ -46,9 +46,10 @@ class OptionDraw {
     void target(hmesh::Target& target, std::int64_t pixels) {
         choice(target.kind, 3);
         const double most = static_cast<double>(std::min<std::int64_t>(pixels, 200)), share = input_->share();
+        const double few = share * share;  // few vertices more often than many, which take longer
         switch (target.kind) {
-            case hmesh::Target::Kind::vertices: target.value = 4 + std::floor(share * std::max(0.0, most - 4)); break;
-            case hmesh::Target::Kind::rate: target.value = share * 100 * most / static_cast<double>(pixels); break;
+            case hmesh::Target::Kind::vertices: target.value = 4 + std::floor(few * std::max(0.0, most - 4)); break;
+            case hmesh::Target::Kind::rate: target.value = few * 100 * most / static_cast<double>(pixels); break;
             default: target.value = 1 + 60 * share;
         }
         if (is_wild_ && input_->one_in(8)) target.value = input_->wild_real();

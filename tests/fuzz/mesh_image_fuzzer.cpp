@@ -272,7 +272,7 @@ void fuzz(FuzzInput& input) {
     }
     const bool is_spoilt = input.one_in(32);
     const hmesh::ImageView<T, C> view = is_spoilt ? spoil(input, image.view()) : image.view();
-    const int calls = input.one_in(3) ? input.within(0, 60) : 250;
+    const int calls = input.one_in(3) ? input.within(0, 60) : 100;
     const bool is_repeated = input.one_in(4);
     image.fill(Samples<T>(input));
     image.fill_gaps(0);
