@@ -16,8 +16,7 @@ cells() {
 gcc-O0; g++; 17; -O0 -D_GLIBCXX_ASSERTIONS; ; the oldest standard, nothing optimised, all assertions
 gcc-O2; g++; 20; -O2 -DNDEBUG -march=x86-64 -fno-exceptions -fno-rtti; HMESH_TEST_HEADERS=OFF; any x86-64, without exceptions and RTTI
 gcc-O3-native; g++; 23; -O3 -DNDEBUG -march=native -DEIGEN_MPL2_ONLY -Wno-maybe-uninitialized; HMESH_TEST_HEADERS=OFF; all that g++ can do: wide vectors, contracted products (the warning is false, of AVX-512 intrinsics in g++ 12)
-gcc-m32; g++; 17; -O1 -m32; HMESH_TEST_HEADERS=OFF HMESH_BUILD_EXAMPLES=OFF; 32 bits, x87 arithmetic
-gcc-m32-sse2; g++; 20; -O2 -m32 -msse2 -mfpmath=sse; HMESH_TEST_HEADERS=OFF HMESH_BUILD_EXAMPLES=OFF; 32 bits, arithmetic as on 64 bits
+gcc-m32; g++; 17; -O1 -m32 -msse2 -mfpmath=sse; HMESH_TEST_HEADERS=OFF HMESH_BUILD_EXAMPLES=OFF; 32 bits, with the arithmetic of 64 (not x87, see docs)
 clang14-O0; clang++-14; 23; -O0 -fno-exceptions -fno-rtti; ; an older clang++
 clang14-O1; clang++-14; 17; -O1 -DNDEBUG -march=native -ffp-contract=off; HMESH_TEST_HEADERS=OFF; wide vectors without contracted products
 clang19-O0; clang++-19; 23; -O0; ; the newest clang++, its warnings
