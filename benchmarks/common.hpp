@@ -40,7 +40,7 @@ inline std::uint64_t hash_of(const hmesh::Mesh<3>& mesh, std::uint64_t hash = em
 inline std::vector<std::string> split(const std::string& list) {
     std::vector<std::string> parts;
     std::size_t start = 0;
-    for (std::size_t comma; (comma = list.find(',', start)) != std::string::npos; start = comma + 1)
+    for (std::size_t comma = 0; (comma = list.find(',', start)) != std::string::npos; start = comma + 1)
         parts.push_back(list.substr(start, comma - start));
     parts.push_back(list.substr(start));
     return parts;

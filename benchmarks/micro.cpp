@@ -80,9 +80,10 @@ void bilateral(benchmark::State& state) {  // a pixel; the argument is the diame
 
 void edge_walk(benchmark::State& state) {  // a row; the argument is the edge's rows
     const Fixture& f = fixture();
-    const double rows = static_cast<double>(state.range(0));
+    const auto rows = static_cast<double>(state.range(0));
     hmesh::Random random(1);
     std::vector<hmesh::Point> starts;
+    starts.reserve(256);
     for (int k = 0; k < 256; ++k) starts.push_back({40 + 300 * random.uniform(), (255 - rows) * random.uniform()});
     std::size_t walked = 0;
     for (auto _ : state)

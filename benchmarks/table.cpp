@@ -190,7 +190,7 @@ int tabulate(const std::string& name, const Picture& image, const Plan& plan, co
                 std::fprintf(stderr, "table: %s: %s\n", name.c_str(), row.fault);
                 return 1;
             }
-            const double vertices = static_cast<double>(row.vertices);
+            const auto vertices = static_cast<double>(row.vertices);
             std::printf("| %s | %.3g | %s | %zu | %zu | %.3f | %.4f | %.4f | %.1f | %.0f | %.1f | %016llx |\n", name.c_str(),
                         100 * vertices / pixels, effort.c_str(), pool.threads(), row.vertices, row.psnr, row.cpu_seconds,
                         row.wall_seconds, 1e6 * row.cpu_seconds / vertices, 1e9 * row.cpu_seconds / pixels,

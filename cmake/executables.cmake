@@ -32,9 +32,9 @@ function(hmesh_find_header target header advice)
     target_include_directories(${target} SYSTEM INTERFACE "${${variable}}")
 endfunction()
 
-if(HMESH_BUILD_EXAMPLES OR HMESH_BUILD_BENCHMARKS)
+if(HMESH_BUILD_EXAMPLES OR HMESH_BUILD_COMMAND OR HMESH_BUILD_BENCHMARKS)
     hmesh_find_header(hmesh_stb stb/stb_image.h
-        "the examples and benchmarks need stb (libstb-dev); set HMESH_BUILD_EXAMPLES to OFF without it")
+        "the command, examples and benchmarks need stb (libstb-dev); set HMESH_BUILD_EXAMPLES to OFF without it")
 endif()
 if(HMESH_BUILD_TESTS)
     hmesh_find_header(hmesh_doctest doctest/doctest.h

@@ -1,4 +1,4 @@
-# find_package(hmesh) defines the target hmesh::hmesh.
+# find_package(hmesh) defines the target hmesh::hmesh and the function hmesh_add_meshes().
 include(CMakeFindDependencyMacro)
 if(NOT TARGET Eigen3::Eigen)
     find_dependency(Eigen3 CONFIG)
@@ -9,3 +9,4 @@ if(NOT TARGET Eigen3::Eigen)
     endif()
 endif()
 include("${CMAKE_CURRENT_LIST_DIR}/hmesh-targets.cmake")
+include("${CMAKE_CURRENT_LIST_DIR}/hmesh-meshes.cmake")

@@ -20,7 +20,8 @@ inline constexpr char usage[] =
     "             [--effort draft|fast|normal|best] [--method NAME] [--colors optimal|sampled]\n"
     "             [--fit-space stored|linear] [--premultiplied] [--seed N] [--weights FILE] [--tile N] [--threads N]\n"
     "             [--svg gradient|exact|flat] [--render FILE.png] [--render-scale N] [--wireframe FILE.png]\n"
-    "             [--residual FILE.png] [--strip FILE.png] [--report FILE.json] [--quiet]\n";
+    "             [--residual FILE.png] [--strip FILE.png] [--report FILE.json] [--depfile FILE]\n"
+    "             [--quiet]\n";
 
 inline constexpr char help[] =
     "\n"
@@ -52,6 +53,7 @@ inline constexpr char help[] =
     "  --residual FILE.png   draw the error: mesh less image, times 4, around grey\n"
     "  --strip FILE.png      draw image, mesh, mesh with edges and error side by side\n"
     "  --report FILE.json    write figures of the mesh and of each stage\n"
+    "  --depfile FILE        write, as a rule for make or Ninja, which files were read for those written\n"
     "  -q, --quiet           print errors only\n"
     "  -h, --help            print this text\n"
     "  --version             print the version\n"
@@ -92,7 +94,7 @@ struct Arguments {
     std::string input;
     std::vector<std::string> meshes;
     std::string weights;  // a file; empty: none
-    std::string render, wireframe, residual, strip, report;
+    std::string render, wireframe, residual, strip, report, depfile;
     int render_scale = 1;
     hmesh::SvgKind svg = hmesh::SvgKind::gradient;
     hmesh::Options options;
@@ -219,15 +221,15 @@ template <class Value, std::size_t n>
     if (option == "--residual") return set_png(option, text, out.residual);
     if (option == "--strip") return set_png(option, text, out.strip);
     if (option == "--svg") return find_name(svg_kinds, option, text, out.svg);
-    (option == "--weights" ? out.weights : out.report) = text;
+    (option == "--weights" ? out.weights : option == "--report" ? out.report : out.depfile) = text;
     return {};
 }
 
 [[nodiscard]] inline bool takes_value(const std::string& option) {
-    static constexpr const char* names[] = {"-o",          "--output",    "--vertices", "--rate",   "--psnr",
-                                            "--effort",    "--method",    "--colors",   "--seed",   "--weights",
-                                            "--tile",      "--threads",   "--svg",      "--render", "--render-scale",
-                                            "--fit-space", "--wireframe", "--residual", "--strip",  "--report"};
+    static constexpr const char* names[] = {"-o",       "--output", "--vertices",     "--rate",      "--psnr",      "--effort",
+                                            "--method", "--colors", "--seed",         "--weights",   "--tile",      "--threads",
+                                            "--svg",    "--render", "--render-scale", "--fit-space", "--wireframe", "--residual",
+                                            "--strip",  "--report", "--depfile"};
     return std::any_of(std::begin(names), std::end(names), [&](const char* name) { return option == name; });
 }
 
@@ -244,7 +246,8 @@ template <class Value, std::size_t n>
 // Every file that the command writes.
 [[nodiscard]] inline std::vector<std::string> output_files(const Arguments& arguments) {
     std::vector<std::string> files = arguments.meshes;
-    for (const std::string& file : {arguments.render, arguments.wireframe, arguments.residual, arguments.strip, arguments.report})
+    for (const std::string& file :
+         {arguments.render, arguments.wireframe, arguments.residual, arguments.strip, arguments.report, arguments.depfile})
         if (!file.empty()) files.push_back(file);
     return files;
 }
@@ -290,6 +293,7 @@ template <class Value, std::size_t n>
         return "--svg is given without an output that ends in .svg";
     if (std::count(seen.begin(), seen.end(), "--render-scale") != 0 && out.render.empty())
         return "--render-scale is given without --render";
+    if (!out.depfile.empty() && output_files(out).size() == 1) return "--depfile is given without another output";
     return {};
 }
 

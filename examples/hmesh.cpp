@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "arguments.hpp"
+#include "depfile.hpp"
 #include "formats.hpp"
 #include "image_file.hpp"
 #include "meshing.hpp"
@@ -133,6 +134,15 @@ std::string write_meshes(const Arguments& arguments, const hmesh::MeshView& mesh
     return {};
 }
 
+std::string write_depfile(const Arguments& arguments) {
+    std::vector<std::string> written = output_files(arguments), read = {arguments.input};
+    written.pop_back();  // itself
+    if (!arguments.weights.empty()) read.push_back(arguments.weights);
+    const std::string rule = depfile(written, read);
+    return write_file(arguments.depfile,
+                      [&](OutputFile& file) { return file(rule.data(), rule.size()) ? "" : "the disk refused the rule"; });
+}
+
 void print_summary(const Arguments& arguments, const ImageFile& image, const Outcome& outcome, double seconds) {
     std::printf("image     %s, %d x %d, %d channel%s of %d bits\n", arguments.input.c_str(), image.width, image.height,
                 image.channels, image.channels == 1 ? "" : "s", image.bits);
@@ -195,6 +205,7 @@ int run(const Arguments& arguments) {
             return file(report.data(), report.size()) ? "" : "the disk refused the report";
         });
     }
+    if (why.empty() && !arguments.depfile.empty()) why = write_depfile(arguments);
     if (!why.empty()) return fail(failed, why);
     if (!arguments.quiet) print_summary(arguments, image, outcome, seconds);
     if (std::fflush(stdout) != 0) return fail(failed, "cannot write to the standard output");

@@ -43,9 +43,9 @@ inline double smooth_min(double a, double b, double k) {
 // ---- noise ----------------------------------------------------------------------------------------------------------
 
 inline std::uint32_t hash(std::uint32_t a, std::uint32_t b, std::uint32_t c = 0) {
-    std::uint32_t h = a * 0x9e3779b1u ^ b * 0x85ebca77u ^ c * 0xc2b2ae3du;
-    h = (h ^ (h >> 15)) * 0x2c1b3c6du;
-    h = (h ^ (h >> 12)) * 0x297a2d39u;
+    std::uint32_t h = a * 0x9e3779b1U ^ b * 0x85ebca77U ^ c * 0xc2b2ae3dU;
+    h = (h ^ (h >> 15)) * 0x2c1b3c6dU;
+    h = (h ^ (h >> 12)) * 0x297a2d39U;
     return h ^ (h >> 15);
 }
 inline double unit(std::uint32_t h) { return (h + 0.5) / 4294967296.0; }
@@ -371,8 +371,9 @@ inline Vec direct_light(Vec p, Vec normal, const Samples& samples) {
     double sum = 0;
     for (int k = 0; k < samples.count; ++k) {
         const int cell = (samples.ray * 4 + k * 9 * (4 / samples.count) + samples.ray / 9) % 36;
+        const int column = cell % 6, row = cell / 6;
         const std::uint32_t h = hash(samples.seed, static_cast<std::uint32_t>(samples.ray), static_cast<std::uint32_t>(k));
-        const double u = (cell % 6 + unit(h)) / 6, v = (cell / 6 + unit(hash(h, 1))) / 6;
+        const double u = (column + unit(h)) / 6, v = (row + unit(hash(h, 1))) / 6;
         const Vec to = window_corner + u * window_u + v * window_v - p;
         const double far = length(to);
         const Vec along = (1 / far) * to;
@@ -429,8 +430,8 @@ inline std::uint8_t to_stored(double light) {
             const std::uint32_t seed = scene::hash(static_cast<std::uint32_t>(x), static_cast<std::uint32_t>(y));
             Vec sum;
             for (int ray = 0; ray < 9; ++ray) {
-                const double u = (x + (ray % 3 + 0.5) / 3 - 0.5 * width) * pixel,
-                             v = (0.5 * height - y - (ray / 3 + 0.5) / 3) * pixel;
+                const int column = ray % 3, row = ray / 3;
+                const double u = (x + (column + 0.5) / 3 - 0.5 * width) * pixel, v = (0.5 * height - y - (row + 0.5) / 3) * pixel;
                 const Vec light = scene::trace(eye, scene::normalized(ahead + u * right + v * up), {seed, ray, 4}, 0);
                 sum = sum + Vec{std::min(light.x, 3.0), std::min(light.y, 3.0), std::min(light.z, 3.0)};
             }

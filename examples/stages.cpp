@@ -51,7 +51,7 @@ bool write_jpeg(const std::string& name, const Rgb& picture) {
 
 Rgb drawn(const hmesh::Mesh<3>& mesh) {
     hmesh::Image<float, 3> out;
-    if (!hmesh::render(mesh.view(), out)) return Rgb(1, 1);
+    if (!hmesh::render(mesh.view(), out)) return {1, 1};
     return hmesh::to_pixels<std::uint8_t>(out);
 }
 

@@ -83,7 +83,7 @@ class ThreadPool {
     }
 
     void work(const Job& job) const noexcept {
-        for (std::size_t i; (i = next_.fetch_add(1, std::memory_order_relaxed)) < job.n;) job.call(job.callable, i);
+        for (std::size_t i = 0; (i = next_.fetch_add(1, std::memory_order_relaxed)) < job.n;) job.call(job.callable, i);
     }
 
     void serve() const noexcept {

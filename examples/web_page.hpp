@@ -56,7 +56,7 @@ namespace detail {
         return value;
     };
     for (std::size_t at = 2; at + 18 < bytes.size() && bytes[at] == 0xff && bytes[at + 1] != 0xda;
-         at += 2 + std::max(2u, number(at + 2, 2, false))) {
+         at += 2 + std::max(2U, number(at + 2, 2, false))) {
         if (bytes[at + 1] != 0xe1 || std::memcmp(bytes.data() + at + 4, "Exif\0\0", 6) != 0) continue;
         const std::size_t tiff = at + 10;
         const bool little = bytes[tiff] == 'I';

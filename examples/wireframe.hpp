@@ -83,7 +83,7 @@ inline hmesh::Status draw_wireframe(const hmesh::MeshView& mesh, hmesh::Image<st
             detail::draw_line(place(mesh.faces[f][k]), place(mesh.faces[f][(k + 1) % 3]), options.width, coverage);
     for (std::size_t i = 0; i < picture.samples().size(); ++i) {
         const double share = coverage.share[i / 3] * (options.opacity / 255);
-        const double old = static_cast<double>(picture.samples()[i]);
+        const auto old = static_cast<double>(picture.samples()[i]);
         picture.samples()[i] = hmesh::PixelTraits<std::uint8_t>::from_real(old + share * (options.color[i % 3] - old));
     }
     return {};

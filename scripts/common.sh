@@ -6,7 +6,7 @@ start_directory=$PWD
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 
 # How many compilers may run at once.
-jobs=$(getconf _NPROCESSORS_ONLN 2>/dev/null || echo 2)
+jobs=${HMESH_JOBS:-$(getconf _NPROCESSORS_ONLN 2>/dev/null || echo 2)}
 
 fail() {
     printf '%s\n' "$*" >&2
@@ -41,9 +41,8 @@ as_root() {
     if [ "$(id -u)" = 0 ]; then "$@"; else sudo "$@"; fi
 }
 
-# need WHAT...: makes sure that compiler, cmake, eigen, stb, doctest, benchmark, clang, fuzzer (libFuzzer, of clang) or
-# viewers, the programs that the tests of that label show meshes with, is there. What is missing is installed where the
-# system has apt-get; elsewhere one sentence says what to install.
+# need WHAT...: makes sure that what each of the words below stands for is there. What is missing is installed where the system
+# has apt-get; elsewhere one sentence says what to install.
 need() {
     local what packages=()
     for what in "$@"; do
@@ -57,12 +56,24 @@ need() {
             stb) has_header stb/stb_image.h || packages+=(libstb-dev) ;;
             doctest) has_header doctest/doctest.h || packages+=(doctest-dev) ;;
             benchmark) has_header benchmark/benchmark.h || packages+=(libbenchmark-dev) ;;
+            ninja) has ninja || packages+=(ninja-build) ;;
             clang) has clang++ || packages+=(clang) ;;
-            fuzzer)
+            clang-format | clang-tidy) has "$what-14" || has "$what" || packages+=("$what") ;;
+            doxygen) has doxygen || packages+=(doxygen) ;;
+            fuzzer)  # libFuzzer
                 has clang++ || packages+=(clang)
                 has_fuzzer || packages+=(libclang-rt-dev)
                 ;;
-            viewers)
+            coverage)
+                has g++ && has gcov || packages+=(g++)
+                ctags --version 2>/dev/null | grep -q Universal || packages+=(universal-ctags)
+                ;;
+            clang-*) has "clang++-${what#clang-}" || packages+=("$what") ;;
+            m32) printf '#include <vector>\n' | g++ -m32 -x c++ -fsyntax-only - 2>/dev/null || packages+=(g++-multilib) ;;
+            mingw) has x86_64-w64-mingw32-g++-posix || packages+=(g++-mingw-w64-x86-64) ;;
+            wine) has wine || packages+=(wine wine64) ;;
+            emscripten) has em++ || packages+=(emscripten) ;;
+            viewers)  # what the tests of that label show meshes with
                 has pdftoppm || packages+=(poppler-utils)
                 has gs || packages+=(ghostscript)
                 has rsvg-convert || packages+=(librsvg2-bin)

@@ -14,9 +14,13 @@
 #ifndef HMESH_CORE_VERSION_HPP
 #define HMESH_CORE_VERSION_HPP
 
+// Rises when programs must be changed; while it is 0, the next number does.
 #define HMESH_VERSION_MAJOR 0
+// Rises when there is something new.
 #define HMESH_VERSION_MINOR 1
+// Rises when something was mended.
 #define HMESH_VERSION_PATCH 0
+// The three numbers, as in names of packages.
 #define HMESH_VERSION_STRING "0.1.0"
 
 #endif  // HMESH_CORE_VERSION_HPP
@@ -33,6 +37,7 @@
 
 namespace hmesh {
 
+// What kind of thing went wrong.
 enum class Errc : std::uint8_t {
     ok,
     invalid_argument,     // a pointer, size, stride or option that means nothing
@@ -76,6 +81,7 @@ struct [[nodiscard]] Status {
 
 namespace hmesh {
 
+// A mesh in somebody else's memory, which outlives the view.
 struct MeshView {
     const float* positions = nullptr;  // 2 a vertex
     const float* colors = nullptr;     // `channels` a vertex
@@ -89,6 +95,7 @@ struct MeshView {
     bool premultiplied = false;
 };
 
+// A mesh with C channels that owns its arrays; they mean what the view's mean.
 template <int C>
 struct Mesh {
     std::vector<float> positions;
@@ -100,6 +107,7 @@ struct Mesh {
 
     [[nodiscard]] std::size_t vertex_count() const noexcept { return positions.size() / 2; }
     [[nodiscard]] std::size_t face_count() const noexcept { return faces.size(); }
+    // Valid until the arrays change.
     [[nodiscard]] MeshView view() const noexcept {
         return {positions.data(), colors.data(), faces.data(), vertex_count(), face_count(), C, width,
                 height,           peak,          premultiplied};
@@ -157,8 +165,7 @@ struct Mesh {
 #include <limits>
 #include <vector>
 
-namespace hmesh {
-namespace detail {
+namespace hmesh::detail {
 
 struct StripVertex {
     std::uint32_t vertex;
@@ -306,8 +313,7 @@ class StripWalk {
     return out;
 }
 
-}  // namespace detail
-}  // namespace hmesh
+}  // namespace hmesh::detail
 
 #endif  // HMESH_IO_STRIPS_HPP
 
@@ -363,7 +369,7 @@ struct ShadingLayout {
     constexpr std::size_t most = ((std::size_t{1} << 31U) - 1) / 45;
     if (mesh.face_count > most)
         return {Errc::invalid_argument, "the mesh has more faces than a shading holds",
-                static_cast<std::int64_t>(std::min<std::size_t>(mesh.face_count, std::numeric_limits<std::int64_t>::max())),
+                static_cast<std::int64_t>(std::min<std::uint64_t>(mesh.face_count, std::numeric_limits<std::int64_t>::max())),
                 static_cast<std::int64_t>(most)};
     if (mesh.channels == 2) return {Errc::invalid_argument, "a shading holds 1, 3 or 4 channels", 2, 0};
     if (mesh.width < 1) return {Errc::invalid_argument, "the mesh's width must be at least 1", mesh.width, 1};
@@ -468,8 +474,7 @@ template <class Share>
 #include <cstring>
 #include <limits>
 
-namespace hmesh {
-namespace detail {
+namespace hmesh::detail {
 
 // Collects bytes and hands them to the sink 4 KiB at a time. After the sink's first refusal everything is dropped.
 template <class Sink>
@@ -575,8 +580,7 @@ class Writer {
     std::array<unsigned char, 4096> buffer_;
 };
 
-}  // namespace detail
-}  // namespace hmesh
+}  // namespace hmesh::detail
 
 #endif  // HMESH_IO_SINK_HPP
 
@@ -600,6 +604,7 @@ class Writer {
 
 namespace hmesh {
 
+// Options of write_eps().
 struct EpsOptions {
     Deflate deflate = nullptr;  // compresses the mesh (shading_stream.hpp); none: it is written as it is
     void* deflate_user = nullptr;
@@ -750,8 +755,7 @@ namespace hmesh::detail {
 #include <cstddef>
 #include <cstdint>
 
-namespace hmesh {
-namespace detail {
+namespace hmesh::detail {
 
 // Whether a mesh is one of grey, RGB or RGBA that can be turned to y up. O(n).
 [[nodiscard]] inline Status check_for_export(const MeshView& mesh) noexcept {
@@ -777,8 +781,7 @@ namespace detail {
     return {share(0), share(1), share(2), mesh.channels == 4 ? share(3) : 1.0};
 }
 
-}  // namespace detail
-}  // namespace hmesh
+}  // namespace hmesh::detail
 
 #endif  // HMESH_IO_COLOR_SHARES_HPP
 
@@ -870,6 +873,7 @@ class StraightMesh {
 
 namespace hmesh {
 
+// Options of write_glb().
 struct GltfOptions {
     // The length of the image's longer side, in units, which glTF takes for metres; 0: a pixel is a unit. A metre is about
     // what editors make of a picture; with a pixel a unit a photo is kilometres wide, beyond what their cameras see at
@@ -1079,11 +1083,11 @@ Status write_glb(const MeshView& source, Sink&& sink, const GltfOptions& options
     writer.text("glTF");
     writer.u32(2);
     writer.u32(static_cast<std::uint32_t>(layout.file_bytes()));
-    writer.u32(static_cast<std::uint32_t>(layout.padded(layout.json_bytes)));
+    writer.u32(static_cast<std::uint32_t>(detail::GlbLayout::padded(layout.json_bytes)));
     writer.text("JSON");
     detail::write_gltf_json(writer, layout, mesh.channels == 4);
     detail::pad(writer, layout.json_bytes, ' ');
-    writer.u32(static_cast<std::uint32_t>(layout.padded(layout.binary_bytes())));
+    writer.u32(static_cast<std::uint32_t>(detail::GlbLayout::padded(layout.binary_bytes())));
     writer.bytes("BIN", 4);  // with its zero
     detail::write_glb_positions(writer, mesh, layout);
     detail::write_glb_colors(writer, mesh, options.colors_are_linear);
@@ -1764,6 +1768,7 @@ Status write_obj(const MeshView& source, Sink&& sink) {
 
 #ifndef HMESH_ASSERT
 #include <cassert>
+// Fails where the condition is false: a mistake of the caller. By default as assert() does, hence nothing with NDEBUG.
 #define HMESH_ASSERT(condition) assert(condition)
 #endif
 
@@ -1792,6 +1797,7 @@ Status write_obj(const MeshView& source, Sink&& sink) {
 
 namespace hmesh {
 
+// Options of write_pdf().
 struct PdfOptions {
     Deflate deflate = nullptr;  // compresses the mesh (shading_stream.hpp); none: it is written as it is
     void* deflate_user = nullptr;
@@ -1979,6 +1985,7 @@ Status write_pdf(const MeshView& source, Sink&& sink, const PdfOptions& options 
 
 namespace hmesh {
 
+// Options of write_ply().
 struct PlyOptions {
     bool ascii = false;  // numbers as text, with the digits that give the same floats: about 1.7 times the size
     // `property float`, 1 being the peak: nothing is rounded, and values outside [0, peak] stay there, so that a program can
@@ -2372,8 +2379,10 @@ class SvgWriter : public Writer<Sink> {
 
 namespace hmesh {
 
+// How faces are filled, see above: the best gradient, exactly, or with one colour.
 enum class SvgKind : std::uint8_t { gradient, exact, flat };
 
+// Options of write_svg().
 struct SvgOptions {
     SvgKind kind = SvgKind::gradient;
     bool wireframe = false;  // all edges over it, thin, white and half transparent, as wide at any zoom
@@ -2619,17 +2628,24 @@ Status write_svg(const MeshView& mesh, Sink&& sink, const SvgOptions& options = 
 #ifndef HMESH_CORE_LANES_HPP
 #define HMESH_CORE_LANES_HPP
 
+#include <cstddef>
 #include <cstdint>
 #include <cstring>
 
-#if defined(__GNUC__)
+// What innermost loops call is inlined even where compilers think it too large. Not without optimisation: there it would only
+// double the time that compiling takes.
+#if defined(__GNUC__) && defined(__OPTIMIZE__)
 #define HMESH_ALWAYS_INLINE inline __attribute__((always_inline))
-#define HMESH_NEVER_INLINE __attribute__((noinline))
 #elif defined(_MSC_VER)
 #define HMESH_ALWAYS_INLINE __forceinline
-#define HMESH_NEVER_INLINE __declspec(noinline)
 #else
 #define HMESH_ALWAYS_INLINE inline
+#endif
+#if defined(__GNUC__)
+#define HMESH_NEVER_INLINE __attribute__((noinline))
+#elif defined(_MSC_VER)
+#define HMESH_NEVER_INLINE __declspec(noinline)
+#else
 #define HMESH_NEVER_INLINE
 #endif
 
@@ -2659,6 +2675,7 @@ struct LaneBlock<4> {
 // The number of lanes that holds n values: 1, 2 or the next multiple of 4.
 constexpr int lanes_for(int n) { return n <= 2 ? n : (n + 3) / 4 * 4; }
 
+// Arithmetic is lane by lane; N is what lanes_for() gives.
 template <int N>
 struct Lanes {
     static_assert(N == lanes_for(N), "1, 2 or a multiple of 4 lanes");
@@ -2669,11 +2686,13 @@ struct Lanes {
     Block block[blocks];
 
     [[nodiscard]] static HMESH_ALWAYS_INLINE Lanes zero() { return Lanes{}; }
+    // This value in all lanes.
     [[nodiscard]] static HMESH_ALWAYS_INLINE Lanes all(double value) {
         Lanes r;
         for (int k = 0; k < blocks; ++k) r.block[k] = Block{} + value;
         return r;
     }
+    // N numbers from memory, which need not be aligned.
     [[nodiscard]] static HMESH_ALWAYS_INLINE Lanes load(const double* from) {
         Lanes r;
         std::memcpy(r.block, from, sizeof r.block);
@@ -2686,7 +2705,7 @@ struct Lanes {
             using Ints = std::int32_t __attribute__((vector_size(16)));
             for (int k = 0; k < blocks; ++k) {
                 Ints ints;
-                std::memcpy(&ints, from + 4 * k, sizeof ints);
+                std::memcpy(&ints, from + std::ptrdiff_t{4} * k, sizeof ints);
                 r.block[k] = __builtin_convertvector(ints, Block);
             }
             return r;
@@ -2700,10 +2719,12 @@ struct Lanes {
         if constexpr (width == 1) return block[i];
         else return block[i / width][i % width];
     }
+    // Lane i, 0 <= i < N.
     HMESH_ALWAYS_INLINE void set(int i, double value) {
         if constexpr (width == 1) block[i] = value;
         else block[i / width][i % width] = value;
     }
+    // N numbers to memory, which need not be aligned.
     HMESH_ALWAYS_INLINE void store(double* to) const { std::memcpy(to, block, sizeof block); }
 
     HMESH_ALWAYS_INLINE Lanes& operator+=(const Lanes& o) {
@@ -2743,6 +2764,7 @@ struct Lanes {
         return r;
     }
 
+    // Holds each lane to [low, high], low <= high.
     HMESH_ALWAYS_INLINE void clamp(double low, double high) {
 #if defined(__GNUC__)
         if constexpr (width > 1) {
@@ -2767,6 +2789,7 @@ struct Lanes {
     }
 };
 
+// The sum of the products, lane by lane.
 template <int N>
 [[nodiscard]] HMESH_ALWAYS_INLINE double dot(const Lanes<N>& a, const Lanes<N>& b) {
     return (a * b).sum();
@@ -2789,17 +2812,20 @@ template <int N>
 
 namespace hmesh {
 
+// A place in the plane of the image, in px.
 struct Point {
     double x = 0, y = 0;
     friend constexpr bool operator==(Point a, Point b) noexcept { return a.x == b.x && a.y == b.y; }
     friend constexpr bool operator!=(Point a, Point b) noexcept { return !(a == b); }
 };
 
+// Half way from a to b.
 [[nodiscard]] constexpr Point midpoint(Point a, Point b) noexcept { return {0.5 * (a.x + b.x), 0.5 * (a.y + b.y)}; }
 
 // Positions of a mesh live on a grid of 1/256 px: exact in float, the sub-pixel grid of GPUs, and fine enough to cost no
 // fidelity (rounding to 1/16 px would cost 0.02 dB). Coordinates are >= 0.
 inline constexpr double grid_steps = 256;
+// To the nearest place of that grid; halves go up. x in [0, 2^23).
 [[nodiscard]] HMESH_ALWAYS_INLINE double snap(double x) noexcept {
     return static_cast<double>(static_cast<int>(x * grid_steps + 0.5)) * (1 / grid_steps);
 }
@@ -2862,6 +2888,7 @@ namespace detail {
 struct Barycentric {
     double a = 0, b = 0, c = 0;
 };
+// Of p, which may lie outside.
 [[nodiscard]] inline Barycentric barycentric(Point a, Point b, Point c, Point p) noexcept {
     const double area = cross(a, b, c);
     const double wb = cross(a, p, c) / area, wc = cross(a, b, p) / area;
@@ -2887,8 +2914,10 @@ struct Barycentric {
 // rows are multiples of 2^-8 / (2^8 d) px, at least 2^-32 px for the longest.
 class RowCrossing {
   public:
+    // Of the edge from a down to b.
     HMESH_ALWAYS_INLINE RowCrossing(Point a, Point b) noexcept
         : slope_((b.x - a.x) / (b.y - a.y)), start_y_(a.y - 0.5), start_x_(a.x + (0.5 - 1.0 / 8589934592.0)) {}
+    // For first_row(a.y) <= j < first_row(b.y).
     [[nodiscard]] HMESH_ALWAYS_INLINE int column(int j) const noexcept {
         return static_cast<int>(start_x_ + (static_cast<double>(j) - start_y_) * slope_);
     }
@@ -2948,10 +2977,12 @@ class UndoArray {
         values_.resize(n);
     }
 
+    // Begins a transaction, or one within it: from here on old values are noted.
     [[nodiscard]] Mark mark() noexcept {
         recording_ = true;
         return {notes_.size(), values_.size()};
     }
+    // Brings all elements and the size back to what they were at that mark. O(edits since).
     void rollback(const Mark& to) {
         while (notes_.size() > to.notes) {
             values_[notes_.back().index] = notes_.back().old;
@@ -3007,9 +3038,13 @@ class Handle {
     std::uint32_t index_ = none;
 };
 
+// A vertex of a mesh.
 using Vertex = Handle<struct VertexKind>;
+// One of the two directions of an edge.
 using Halfedge = Handle<struct HalfedgeKind>;
+// An edge of a mesh: two half-edges.
 using Edge = Handle<struct EdgeKind>;
+// A triangle of a mesh.
 using Face = Handle<struct FaceKind>;
 
 }  // namespace hmesh
@@ -3039,7 +3074,7 @@ using Face = Handle<struct FaceKind>;
 
 namespace hmesh {
 
-using Triangle = std::array<std::uint32_t, 3>;
+using Triangle = std::array<std::uint32_t, 3>;  // indices of its corners
 
 class HalfedgeMesh {
   public:
@@ -3061,12 +3096,11 @@ class HalfedgeMesh {
     [[nodiscard]] bool is_deleted(Edge e) const noexcept { return halfedges_[2 * e.index()].deleted(); }
     [[nodiscard]] bool is_deleted(Face f) const noexcept { return faces_[f.index()].deleted(); }
 
-    // Live elements in the order of their indices: for (Vertex v : mesh.vertices()).
     template <class Element>
     class Range;
-    [[nodiscard]] Range<Vertex> vertices() const noexcept;
-    [[nodiscard]] Range<Edge> edges() const noexcept;
-    [[nodiscard]] Range<Face> faces() const noexcept;
+    [[nodiscard]] Range<Vertex> vertices() const noexcept;  // live ones in the order of their indices, for range-based loops
+    [[nodiscard]] Range<Edge> edges() const noexcept;       // live edges, likewise
+    [[nodiscard]] Range<Face> faces() const noexcept;       // live faces, likewise
 
     // --- navigation ---
     [[nodiscard]] static Halfedge opposite(Halfedge h) noexcept { return Halfedge(h.index() ^ 1U); }
@@ -3087,17 +3121,17 @@ class HalfedgeMesh {
     }
     [[nodiscard]] bool is_boundary(Halfedge h) const noexcept { return !face(h).is_valid(); }
     [[nodiscard]] bool is_boundary(Vertex v) const noexcept { return is_boundary(halfedge(v)); }
-    [[nodiscard]] bool is_boundary(Edge e) const noexcept {
+    [[nodiscard]] bool is_boundary(Edge e) const noexcept {  // whether it has one face
         return is_boundary(halfedge(e)) || is_boundary(opposite(halfedge(e)));
     }
-    [[nodiscard]] std::array<Vertex, 3> vertices(Face f) const noexcept {
+    [[nodiscard]] std::array<Vertex, 3> vertices(Face f) const noexcept {  // from that on which halfedge(f) begins
         const Halfedge h = halfedge(f);
         return {from_vertex(h), to_vertex(h), to_vertex(next(h))};
     }
-    // The half-edges that leave v, each once, against the orientation of the faces, the boundary one first.
     class OneRing;
+    // The half-edges that leave v, each once, against the orientation of the faces, the boundary one first.
     [[nodiscard]] OneRing outgoing(Vertex v) const noexcept;
-    [[nodiscard]] int valence(Vertex v) const noexcept {
+    [[nodiscard]] int valence(Vertex v) const noexcept {  // the number of its edges
         int count = 0;
         Halfedge h = halfedge(v);
         do {
@@ -3132,11 +3166,11 @@ class HalfedgeMesh {
 
     // --- transactions; they nest, the inner ends first ---
     struct Mark;
-    [[nodiscard]] Mark begin();
-    void commit(const Mark& mark) noexcept;
-    void rollback(const Mark& mark);
+    [[nodiscard]] Mark begin();              // from here on changes can be undone
+    void commit(const Mark& mark) noexcept;  // keeps what was done since
+    void rollback(const Mark& mark);         // brings all back to what it was at that mark, handles included
 
-    void reserve(std::size_t vertices) {
+    void reserve(std::size_t vertices) {  // memory for so many vertices
         vertices_.reserve(vertices);
         halfedges_.reserve(6 * vertices);
         faces_.reserve(2 * vertices);
@@ -3204,13 +3238,13 @@ class HalfedgeMesh {
     int depth_ = 0;
 };
 
-struct HalfedgeMesh::Mark {
+struct HalfedgeMesh::Mark {  // where a transaction began
     UndoArray<HalfedgeSlot>::Mark halfedges;
     UndoArray<Slot>::Mark vertices, faces;
     Counts counts;
 };
 
-template <class Element>
+template <class Element>  // what vertices(), edges() and faces() give
 class HalfedgeMesh::Range {
   public:
     Range(const HalfedgeMesh& mesh, std::size_t slots) noexcept : mesh_(&mesh), slots_(slots) {}
@@ -3243,7 +3277,7 @@ class HalfedgeMesh::Range {
     std::size_t slots_;
 };
 
-class HalfedgeMesh::OneRing {
+class HalfedgeMesh::OneRing {  // what outgoing() gives
   public:
     OneRing(const HalfedgeMesh& mesh, Halfedge first) noexcept : mesh_(&mesh), first_(first) {}
     class Iterator {
@@ -4219,12 +4253,14 @@ class Monitor {
     Monitor(const Progress& progress, double samples, double peak) : progress_(progress), samples_(samples), peak_(peak) {}
 
     // Each returns whether to go on; once told to stop it stays so. These four are called between pieces of work.
+    // A stage begins: `stage` is a static name, the mesh has so many vertices and this energy.
     bool begin(const char* stage, std::size_t vertices, double energy) {
         info_.stage = stage;
         iterations_ = 0;
         residual_ = 0;
         return update(0, vertices, energy);
     }
+    // Within a stage: this fraction of it is done, in [0, 1].
     bool update(double fraction, std::size_t vertices, double energy) {
         expect(fraction, fraction);
         info_.vertices = vertices;
@@ -4237,6 +4273,7 @@ class Monitor {
         to_ = std::max(0.0, std::min(1.0, to));
         done_ = 0;
     }
+    // The stage ends, and its report is noted with what the mesh is now.
     bool end(std::size_t vertices, double energy) {
         energy = std::max(0.0, energy);  // rounding may leave less than nothing
         stages_.push_back({info_.stage, vertices, energy, psnr_of_energy(energy, samples_, peak_), iterations_, residual_});
@@ -4368,6 +4405,7 @@ struct PixelTraits<float> {
     static constexpr double highest = std::numeric_limits<float>::max();
     static constexpr bool is_integer = false;
     static double to_real(float value) noexcept { return static_cast<double>(value); }
+    // Held to the finite floats; NaN becomes the lowest.
     static float from_real(double value) noexcept {
         return static_cast<float>(value > lowest ? (value < highest ? value : highest) : lowest);
     }
@@ -4387,6 +4425,7 @@ struct ImageView {
     int width = 0, height = 0;
     std::ptrdiff_t row_stride = 0;
 
+    // The first sample of row y.
     [[nodiscard]] const T* row(int y) const noexcept {
         const std::ptrdiff_t packed = static_cast<std::ptrdiff_t>(width) * C * static_cast<std::ptrdiff_t>(sizeof(T));
         const auto* bytes = reinterpret_cast<const unsigned char*>(data) + (row_stride != 0 ? row_stride : packed) * y;
@@ -4432,11 +4471,14 @@ template <class T, int C>
     const std::int64_t pixels = std::int64_t{view.width} * view.height;
     if (pixels > max_pixels) return {Errc::image_too_large, "the image has too many pixels", pixels, max_pixels};
     if (view.data == nullptr) return {Errc::invalid_argument, "the image's data pointer is null", 0, 0};
-    constexpr std::int64_t longest = std::int64_t{1} << 46U;  // times max_side rows it fits a pointer difference
+    // Where a row begins is a pointer difference, which has 32 bits on some machines.
+    constexpr std::int64_t farthest = std::numeric_limits<std::ptrdiff_t>::max();
+    const std::int64_t longest = farthest / view.height;
     if (view.row_stride < -longest || view.row_stride > longest)
         return {Errc::invalid_argument, "the row stride is absurdly long, in bytes", view.row_stride, longest};
     const std::int64_t packed = std::int64_t{view.width} * C * static_cast<std::int64_t>(sizeof(T));
     const std::int64_t stride = view.row_stride < 0 ? -std::int64_t{view.row_stride} : std::int64_t{view.row_stride};
+    if (packed > longest) return {Errc::image_too_large, "the image has too many bytes", packed * view.height, farthest};
     if (stride != 0 && stride < packed)
         return {Errc::invalid_argument, "the row stride is smaller than a row of pixels, in bytes", stride, packed};
     if (stride % static_cast<std::int64_t>(alignof(T)) != 0)
@@ -4541,6 +4583,7 @@ template <class ParallelFor = SerialFor>
 // exact then too. Weights below half a step count as 0.
 class WeightScale {
   public:
+    // `unit`: see weight_unit(); width and height those of the image.
     WeightScale(double unit, int width, int height) noexcept {
         const double w = width, h = height, rows = std::min(32, height);
         int bits = 0;  // of the largest sum
@@ -4661,6 +4704,7 @@ class MomentTable {
     [[nodiscard]] int height() const noexcept { return height_; }
     [[nodiscard]] bool is_narrow() const noexcept { return narrow_; }  // 32-bit integers or doubles?
     [[nodiscard]] bool is_weighted() const noexcept { return weighted_; }
+    // The memory of its arrays.
     [[nodiscard]] std::size_t bytes() const noexcept {
         if (narrow_) return size_ * sizeof(std::int32_t);
         if (!weighted_) return size_ * sizeof(double);
@@ -4689,12 +4733,13 @@ class MomentTable {
         return weighted_ ? wide_entries_[offset(x + 1, y) + C] - wide_entries_[offset(x, y) + C] : 1.0;
     }
 
-    // Where entries of type N (std::int32_t if is_narrow(), else double) begin, and the offset of one in numbers.
+    // Where entries of type N (std::int32_t if is_narrow(), else double) begin.
     template <class N>
     [[nodiscard]] HMESH_ALWAYS_INLINE const N* entries() const noexcept {
         if constexpr (sizeof(N) == sizeof(std::int32_t)) return narrow_entries_.get();
         else return wide_entries_.get();
     }
+    // Of entry (x, y), 0 <= x <= width, 0 <= y < height, in numbers.
     [[nodiscard]] HMESH_ALWAYS_INLINE std::size_t offset(int x, int y) const noexcept {
         return static_cast<std::size_t>(x / strip_width) * strip_size_ +
                static_cast<std::size_t>(y * strip_width + x % strip_width) * entry_size;
@@ -4839,6 +4884,7 @@ struct Moments {
     Channels sy;  // y times these
     Lanes<4> q;   // x^2, xy, y^2, |I|^2
 
+    // Of no pixels.
     [[nodiscard]] static HMESH_ALWAYS_INLINE Moments zero() {
         return {Channels::zero(), Channels::zero(), Channels::zero(), Lanes<4>::zero()};
     }
@@ -4904,7 +4950,7 @@ HMESH_NEVER_INLINE void weighted_walk(const MomentTable<C>& table, Point a, Poin
     double x1 = 0, x2 = 0, xy = 0, yy = 0;
     if (first < last) {
         const RowCrossing crossing(a, b);
-        const double* entries = table.template entries<double>();
+        const auto* entries = table.template entries<double>();
         for (int j = first; j < last; ++j) {
             const std::size_t at = table.offset(crossing.column(j), j);
             const double* powers = table.powers(at);
@@ -4974,10 +5020,12 @@ using Color = typename Moments<C>::Channels;
 // other patches too: neither its position nor its colour changes, and it is not removed.
 enum class Mobility : unsigned char { free, along_x, along_y, fixed, frozen };
 
-// Most half-edges around a vertex that an operator makes, and that a Ring holds.
+// Most half-edges around a vertex that an operator makes.
 inline constexpr int max_valence = 40;
+// Most that a Ring holds.
 inline constexpr int ring_capacity = 64;
 
+// What a vertex is, apart from its edges.
 template <int C>
 struct VertexState {
     Color<C> color;
@@ -5008,6 +5056,7 @@ struct FaceFit {
     double lx, ly;   // gradient of the hat function
     double squares;  // d = squares + rest.sum()
     Color<C> b, f1, f2, rest;
+    // With the centre of this colour.
     [[nodiscard]] HMESH_ALWAYS_INLINE double energy(const Color<C>& c) const {
         return squares + (rest + c * (a * c - 2.0 * b)).sum();
     }
@@ -5098,6 +5147,7 @@ struct Spokes {
     Moments<C> spoke[ring_capacity];
 };
 
+// Walks them all, from the centre at v.
 template <int C>
 HMESH_ALWAYS_INLINE void walk_spokes(const MomentTable<C>& table, const Ring<C>& ring, Point v, Spokes<C>& spokes) {
     for (int i = 0; i < ring.size; ++i) edge_moments(table, v, ring.neighbour[i]->position, spokes.spoke[i]);
@@ -5143,15 +5193,17 @@ template <int C>
     return c;
 }
 
+// What a step of the centre would be.
+struct RingStep {
+    double dx = 0, dy = 0;
+    double predicted = 0;  // the decrease of energy that the linear model expects to first order, >= 0
+};
+
 // The Gauss-Newton step of the centre with its colour eliminated, from the fit at colour c = best_color: with the
 // gradient of the picture g_t = (f1 + lx c, f2 + ly c) in face t,
 //     grad = -2 sum_t g_t (A_t c - b_t),     H = 2 [sum A_t g_t g_t' - (sum A_t g_t)(sum A_t g_t)' / sum A_t],
 // summed over channels; there are no terms from pixels that change sides, because the picture is continuous. H is damped
 // by 2 % of its trace (H is singular where the picture is flat in one direction). Half of grad and H are used.
-struct RingStep {
-    double dx = 0, dy = 0;
-    double predicted = 0;  // the decrease of energy that the linear model expects to first order, >= 0
-};
 template <int C>
 [[nodiscard]] HMESH_ALWAYS_INLINE RingStep gauss_newton_step(const Ring<C>& ring, const FaceFit<C>* faces, const RingFit<C>& fit,
                                                              const Color<C>& c, Mobility mobility) {
@@ -5273,7 +5325,7 @@ class ImageMesh {
     [[nodiscard]] const VertexState<C>& vertex(Vertex v) const noexcept { return vertices_[v.index()]; }
     [[nodiscard]] Point position(Vertex v) const noexcept { return vertex(v).position; }
     [[nodiscard]] const Color<C>& color(Vertex v) const noexcept { return vertex(v).color; }
-    [[nodiscard]] Point centroid(Face f) const noexcept {
+    [[nodiscard]] Point centroid(Face f) const noexcept {  // the mean of its corners
         const auto v = topology_.vertices(f);
         const Point a = position(v[0]), b = position(v[1]), c = position(v[2]);
         return {(a.x + b.x + c.x) / 3, (a.y + b.y + c.y) / 3};
@@ -5297,17 +5349,17 @@ class ImageMesh {
     [[nodiscard]] Pulse* pulse() const noexcept { return surroundings_.pulse; }
     void set_pulse(Pulse* pulse) noexcept { surroundings_.pulse = pulse; }
 
-    // The moments of a half-edge (those of its edge, with a sign), written to or added to `out`.
+    // The moments of a half-edge (those of its edge, with a sign), written to `out`.
     HMESH_ALWAYS_INLINE void moments(Halfedge h, Moments<C>& out) const {
         out = moments_[h.index() >> 1U];
         if ((h.index() & 1U) != 0) out *= -1.0;
     }
-    HMESH_ALWAYS_INLINE void add_moments(Halfedge h, Moments<C>& out) const {
+    HMESH_ALWAYS_INLINE void add_moments(Halfedge h, Moments<C>& out) const {  // the same, added
         const Moments<C>& m = moments_[h.index() >> 1U];
         if ((h.index() & 1U) != 0) out -= m;
         else out += m;
     }
-    void face_moments(Face f, Moments<C>& out) const {
+    void face_moments(Face f, Moments<C>& out) const {  // of the pixels of a face
         const Halfedge h = topology_.halfedge(f);
         moments(h, out);
         add_moments(topology_.next(h), out);
@@ -5388,15 +5440,15 @@ class ImageMesh {
         UndoArray<double>::Mark energies;
         double energy;
     };
-    [[nodiscard]] Mark begin() {
+    [[nodiscard]] Mark begin() {  // from here on changes can be undone
         ++depth_;
         return {topology_.begin(), vertices_.mark(), moments_.mark(), energies_.mark(), energy_};
     }
-    void commit(const Mark& mark) noexcept {
+    void commit(const Mark& mark) noexcept {  // keeps what was done since
         topology_.commit(mark.topology);
         close();
     }
-    void rollback(const Mark& mark) {
+    void rollback(const Mark& mark) {  // brings all back to what it was at that mark
         vertices_.rollback(mark.vertices);
         moments_.rollback(mark.moments);
         energies_.rollback(mark.energies);
@@ -5417,13 +5469,14 @@ class ImageMesh {
     // Vertices whose surroundings changed since they were last optimised; sweeps visit only these.
     [[nodiscard]] bool is_due(Vertex v) const noexcept { return visits_[v.index()] != 0; }
     void set_due(Vertex v, bool due) noexcept { visits_[v.index()] = due ? 1 : 0; }
-    void set_ring_due(Vertex v) noexcept {
+    void set_ring_due(Vertex v) noexcept {  // v and its neighbours
         set_due(v, true);
         for (const Halfedge h : topology_.outgoing(v)) set_due(topology_.to_vertex(h), true);
     }
 
     // Proves what this class promises: the topology's invariants, faces that turn the right way and tile what they tiled
-    // when assigned (the rectangle, unless the mesh is a patch), moments as walked afresh, energies as computed afresh (1e-9 relative). O(edges).
+    // when assigned (the rectangle, unless the mesh is a patch), moments as walked afresh, energies as computed afresh
+    // (1e-9 relative). O(edges).
     [[nodiscard]] Status check() const;
 
   private:
@@ -5750,7 +5803,7 @@ void for_each_span(Point a, Point b, Point c, Body&& body) {
     return rows;
 }
 
-// V: n_v by 2, where the vertices are; and I(V): n_v by C, their colours.
+// V: n_v by 2, where the vertices are.
 template <int C>
 [[nodiscard]] Eigen::MatrixXd position_matrix(const ImageMesh<C>& mesh) {
     Eigen::MatrixXd positions(static_cast<Eigen::Index>(mesh.vertex_count()), 2);
@@ -5758,6 +5811,7 @@ template <int C>
     for (const Vertex v : mesh.topology().vertices()) positions.row(row++) << mesh.position(v).x, mesh.position(v).y;
     return positions;
 }
+// I(V): n_v by C, their colours.
 template <int C>
 [[nodiscard]] Eigen::MatrixXd color_matrix(const ImageMesh<C>& mesh) {
     Eigen::MatrixXd colors(static_cast<Eigen::Index>(mesh.vertex_count()), C);
@@ -5987,11 +6041,13 @@ template <int C, class ParallelFor = SerialFor>
 
 namespace hmesh {
 
+// The vertices, neighbours in the list mostly being neighbours in the plane. O(n).
 template <int C>
 [[nodiscard]] std::vector<Vertex> spatial_vertices(const ImageMesh<C>& mesh) {
     return in_spatial_order<Vertex>(mesh.topology().vertices(), mesh.vertex_count(), [&](Vertex v) { return mesh.position(v); });
 }
 
+// The faces, by their centroids.
 template <int C>
 [[nodiscard]] std::vector<Face> spatial_faces(const ImageMesh<C>& mesh) {
     return in_spatial_order<Face>(mesh.topology().faces(), mesh.topology().face_count(),
@@ -6007,7 +6063,7 @@ HMESH_ALWAYS_INLINE void for_each_edge(const HalfedgeMesh& topology, Face f, Bod
         if ((h.index() & 1U) == 0 || topology.is_boundary(HalfedgeMesh::opposite(h))) body(HalfedgeMesh::edge(h));
 }
 
-// Each edge once.
+// Each edge once, face by face.
 template <int C>
 [[nodiscard]] std::vector<Edge> spatial_edges(const ImageMesh<C>& mesh) {
     std::vector<Edge> edges;
@@ -6044,6 +6100,7 @@ class Tiling {
     [[nodiscard]] std::size_t columns() const noexcept { return x_.size() - 1; }
     [[nodiscard]] std::size_t rows() const noexcept { return y_.size() - 1; }
     [[nodiscard]] std::size_t size() const noexcept { return columns() * rows(); }
+    // The pixels of a tile.
     [[nodiscard]] Rect rect(std::size_t tile) const noexcept {
         const std::size_t i = tile % columns(), j = tile / columns();
         return {x_[i], y_[j], x_[i + 1] - x_[i], y_[j + 1] - y_[j]};
@@ -6099,6 +6156,7 @@ struct WholeMesh {
 
     [[nodiscard]] std::size_t vertex_count() const noexcept { return positions.size(); }
     [[nodiscard]] double mean_energy() const noexcept { return energy / static_cast<double>(vertex_count()); }
+    // A vertex that is due.
     void add(Point position, const Color<C>& color) {
         positions.push_back(position);
         colors.push_back(color);
@@ -6147,7 +6205,8 @@ template <int C>
 // hmesh - ImageSource: an image of any pixel type as a maker of moment tables.
 //
 // Methods work patch by patch, and each patch has a table of its own rectangle (image/moment_table.hpp). They need not
-// know what the samples are, nor whether pixels have weights: this class is the last to know, so that all above it depends on the number of channels alone.
+// know what the samples are, nor whether pixels have weights: this class is the last to know, so that all above it depends
+// on the number of channels alone.
 #ifndef HMESH_IMAGE_IMAGE_SOURCE_HPP
 #define HMESH_IMAGE_IMAGE_SOURCE_HPP
 
@@ -6438,7 +6497,6 @@ class Patch {
     Patch& operator=(const Patch&) = delete;
 
     [[nodiscard]] ImageMesh<C>& mesh() noexcept { return mesh_; }
-    [[nodiscard]] const ImageMesh<C>& mesh() const noexcept { return mesh_; }
     // Gives its table away; the patch is of no more use.
     [[nodiscard]] MomentTable<C> take_table() noexcept { return std::move(table_); }
     [[nodiscard]] std::size_t vertex_count() const noexcept { return mesh_.vertex_count(); }
@@ -6691,11 +6749,13 @@ class Patchwork {
 
 namespace hmesh {
 
+// When solve_pcg() stops.
 struct PcgOptions {
     int max_iterations = 200;
     double tolerance = 1e-10;  // of the residual, relative to the right-hand side
 };
 
+// How far solve_pcg() came.
 struct PcgReport {
     int iterations = 0;
     // max over columns of |b - A x| / |b|, computed from the x returned; both without the rows that are held, and b less what
@@ -7116,8 +7176,8 @@ BoundedReport bounded_colors(Patchwork<C, ParallelFor>& work, const Tiling& tili
 
 namespace hmesh {
 
-struct LinearLightOptions {
-    int iterations = 6;  // Gauss-Newton steps at most, >= 0; 0 measures only
+struct LinearLightOptions {  // options of fit_linear_light()
+    int iterations = 6;      // Gauss-Newton steps at most, >= 0; 0 measures only
     // A channel is done when a step lowers its error by less than this share: 1e-4 is 4e-4 dB.
     double least_gain = 1e-4;
     double ridge = MeshLimits().ridge;  // pixels, as MeshLimits has it
@@ -7125,7 +7185,7 @@ struct LinearLightOptions {
     ImageView<float, 1> weights;        // see image/weights.hpp; none: all pixels count the same
 };
 
-struct [[nodiscard]] LinearLightReport {
+struct [[nodiscard]] LinearLightReport {  // what it came to
     // Sums of squared differences in stored values over pixels and channels, times weights: of the colours as they came,
     // and as they are now. The latter is never the larger.
     double converted = 0, energy = 0;
@@ -7226,9 +7286,10 @@ class LinearLight {
         const Point a = position(mesh_, v[0].index()), b = position(mesh_, v[1].index()), c = position(mesh_, v[2].index());
         const double per_area = 1 / cross(a, b, c), per_peak = 1 / mesh_.peak;
         const double la = at.light[v[0].index()], lb = at.light[v[1].index()] - la, lc = at.light[v[2].index()] - la;
-        // A face of one colour shows that very colour.
+        // A face of one colour shows that very colour. Stored values are compared, not shares: they are exact, and stay so where
+        // the processor keeps more digits of some products than of others.
         const bool is_plain = lb == 0 && lc == 0;
-        const double plain = static_cast<double>(at.stored[v[0].index()]) * per_peak;
+        const double plain = static_cast<double>(at.stored[v[0].index()]);
         const double bx = (b.x - a.x) * per_area, by = (b.y - a.y) * per_area;
         const double cx = (c.x - a.x) * per_area, cy = (c.y - a.y) * per_area;
         double energy = 0, s00 = 0, s11 = 0, s22 = 0, s01 = 0, s12 = 0, s20 = 0, p0 = 0, p1 = 0, p2 = 0;
@@ -7244,8 +7305,8 @@ class LinearLight {
                 const double wa = 1 - wb - wc, light = la + wb * lb + wc * lc;
                 const double share = encoded ? linear_to_srgb(light) : light;
                 const double slope = encoded ? linear_to_srgb_slope(light, share) : 1;
-                const double shown = is_plain ? plain : share;
-                const double difference = shown - PixelTraits<T>::to_real(*sample) * per_peak;
+                const double shown = is_plain ? plain : share * mesh_.peak;
+                const double difference = (shown - PixelTraits<T>::to_real(*sample)) * per_peak;
                 const double weight = weights != nullptr ? scale_(weights[i - begin]) : 1;
                 const double square = weight * slope * slope, pull = -weight * slope * difference;
                 energy += weight * difference * difference;
@@ -7496,11 +7557,10 @@ template <class T, int C, class ParallelFor = SerialFor>
 #define HMESH_UNROLL
 #endif
 
-namespace hmesh {
-namespace detail {
+namespace hmesh::detail {
 
-// Neighbouring pixels of one channel, as many as a register holds. One at a time where the compiler has no vectors.
-#if defined(__GNUC__)
+// Neighbouring pixels of one channel, as many as a register holds. One at a time where compiler or processor has no vectors.
+#if defined(__GNUC__) && (defined(__SSE__) || !defined(__i386__))
 #if defined(__AVX2__)
 inline constexpr int float_lanes = 8;
 #else
@@ -7630,7 +7690,7 @@ class BilateralTile {
           sums_(static_cast<std::size_t>((C + 1) * width_ * max_height)) {
         std::size_t kept = 0, most = 0;
         for (const BilateralWindow::Pair& pair : window.pairs()) {
-            const std::size_t rows = static_cast<std::size_t>((pair.dy + 1) * stride_);
+            const auto rows = static_cast<std::size_t>((pair.dy + 1) * stride_);
             if (kept + rows > max_kept) kept = 0;
             taps_.push_back({pair, kept, pair.dy * stride_ + pair.dx, nullptr, nullptr});
             kept += rows;
@@ -7645,7 +7705,7 @@ class BilateralTile {
         const auto weights = sums_.begin() + static_cast<std::ptrdiff_t>(C) * width_ * max_height;
         std::fill(sums_.begin(), weights, 0.0F);
         std::fill(weights, sums_.end(), 1.0F);  // of the centre
-        for (Tap *begin = taps_.data(), *last = begin + taps_.size(), *end; begin < last; begin = end) {
+        for (Tap *begin = taps_.data(), *last = begin + taps_.size(), *end = begin; begin < last; begin = end) {
             for (end = begin + 1; end < last && end->kept > 0;) ++end;
             for (int y = -end[-1].pair.dy; y < rect.height; ++y) {
                 for (Tap* tap = begin; tap < end; ++tap)
@@ -7666,7 +7726,7 @@ class BilateralTile {
     };
 
     [[nodiscard]] const float* samples(int y) const noexcept { return samples_.data() + (y + radius_) * stride_ + radius_; }
-    [[nodiscard]] float* sums(int y) noexcept { return sums_.data() + y * width_; }
+    [[nodiscard]] float* sums(int y) noexcept { return sums_.data() + static_cast<std::ptrdiff_t>(y) * width_; }
 
     void load(const ImageView<T, C>& view, const Rect& rect) {
         for (std::ptrdiff_t x = 0; x < stride_; ++x)
@@ -7757,9 +7817,7 @@ class BilateralTile {
     std::vector<Tap> taps_;
 };
 
-}  // namespace detail
-
-}  // namespace hmesh
+}  // namespace hmesh::detail
 
 #undef HMESH_UNROLL
 
@@ -7785,6 +7843,7 @@ class BilateralTile {
 
 namespace hmesh {
 
+// Options of bilateral_filter().
 struct BilateralOptions {
     int diameter = 9;         // of the window, px, in [1, 99]; its radius is diameter / 2 rounded down
     double sigma_color = 50;  // in 1/255 of the peak of the pixel type, > 0
@@ -8333,10 +8392,12 @@ class IndexedHeap {
     [[nodiscard]] bool empty() const noexcept { return heap_.empty(); }
     [[nodiscard]] std::size_t size() const noexcept { return heap_.size(); }
     [[nodiscard]] bool contains(Id id) const noexcept { return id < slot_of_.size() && slot_of_[id] != absent; }
+    // Of an id that is there.
     [[nodiscard]] double key(Id id) const noexcept {
         HMESH_ASSERT(contains(id));
         return heap_[slot_of_[id]].key;
     }
+    // The entry with the least key; the heap is not empty.
     [[nodiscard]] Entry top() const noexcept {
         HMESH_ASSERT(!empty());
         return heap_.front();
@@ -8355,6 +8416,7 @@ class IndexedHeap {
         }
     }
 
+    // Changes the key of an id that is there. The key must not be NaN.
     void update(Id id, double key) {
         HMESH_ASSERT(contains(id) && key == key);
         const std::size_t slot = slot_of_[id];
@@ -8362,12 +8424,14 @@ class IndexedHeap {
         sift_down(sift_up(slot));
     }
 
+    // Takes out top().
     Entry pop() {
         const Entry least = top();
         erase(least.id);
         return least;
     }
 
+    // Takes out an id that is there.
     void erase(Id id) {
         HMESH_ASSERT(contains(id));
         const std::size_t slot = slot_of_[id];
@@ -8379,6 +8443,7 @@ class IndexedHeap {
         sift_down(sift_up(slot));
     }
 
+    // O(size()), whatever ids there were before.
     void clear() noexcept {
         for (const Entry& entry : heap_) slot_of_[entry.id] = absent;
         heap_.clear();
@@ -8443,6 +8508,7 @@ class IndexedHeap {
 
 namespace hmesh {
 
+// A mesh, and what the removal of each vertex would cost.
 template <int C>
 class PointRemoval {
   public:
@@ -8756,6 +8822,7 @@ template <int C, class ParallelFor = SerialFor>
 
 namespace hmesh {
 
+// The status of work that the progress callback stopped.
 [[nodiscard]] inline Status cancelled_by_callback() noexcept {
     return {Errc::cancelled, "cancelled by the progress callback", 0, 0};
 }
@@ -8808,6 +8875,7 @@ bool whole_stage(Patchwork<C, ParallelFor>& work, const char* name, Work&& body)
 
 namespace hmesh {
 
+// Options of the method `adams`, and of those that begin with it.
 struct AdamsOptions {
     // Points before the removal, in units of the target, as far as there are pixels. They cost time in proportion: Lena at 1 %
     // has 27.06 dB with 2, 28.05 with 4.5, 28.21 with 8; Fruits 26.29, 27.14 and 27.06.
@@ -9028,6 +9096,7 @@ struct RingWork {
     FaceFit<C> faces[ring_capacity], trial_faces[ring_capacity];
 };
 
+// What optimise_centre() did.
 enum class RingOutcome { degenerate, recolored, moved };
 
 // Optimises the centre of work.ring: `centre` holds position and colour on entry and the best found on return, with its
@@ -9242,6 +9311,7 @@ std::size_t flip_edges(ImageMesh<C>& mesh, const Tolerance& tolerance = {1e-4, 0
 
 namespace hmesh {
 
+// How much work goes into the surroundings of a change.
 struct Relaxation {
     int rounds = 2;       // a round that gains less than 1e-3 of a vertex's mean energy is the last
     double least = 5e-3;  // steps that promise less are not tried, in mean energies of a vertex
@@ -9298,6 +9368,7 @@ void relax(ImageMesh<C>& mesh, const std::vector<Vertex>& vertices, const Relaxa
 
 namespace hmesh {
 
+// A half-edge along which its first vertex could go, and by how much the energy would rise.
 struct CollapseCandidate {
     Halfedge halfedge;  // invalid: the vertex cannot go
     double cost = std::numeric_limits<double>::infinity();
@@ -9440,6 +9511,7 @@ struct InsertionCandidate {
     bool fits = false;  // whether the new faces are large enough
 };
 
+// Which candidates are considered, and how closely.
 struct InsertionOptions {
     bool faces = false;     // consider centroids of faces too
     bool may_move = false;  // one Gauss-Newton step before judging
@@ -9459,6 +9531,7 @@ void judge_candidate(const ImageMesh<C>& mesh, RingWork<C>& work, Mobility mobil
 
 }  // namespace detail
 
+// A vertex in the middle of e with its best colour and, if it may, moved by a step. `work` is overwritten.
 template <int C>
 [[nodiscard]] InsertionCandidate<C> edge_candidate(const ImageMesh<C>& mesh, RingWork<C>& work, Edge e, bool may_move) {
     const HalfedgeMesh& topology = mesh.topology();
@@ -9500,6 +9573,7 @@ template <int C>
     return candidate;
 }
 
+// The same at the centroid of f.
 template <int C>
 [[nodiscard]] InsertionCandidate<C> face_candidate(const ImageMesh<C>& mesh, RingWork<C>& work, Face f, bool may_move) {
     const HalfedgeMesh& topology = mesh.topology();
@@ -9562,6 +9636,7 @@ class InsertionSite {
     std::uint32_t code_ = 0;
 };
 
+// That of the site's edge or face.
 template <int C>
 [[nodiscard]] InsertionCandidate<C> candidate_at(const ImageMesh<C>& mesh, RingWork<C>& work, InsertionSite site, bool may_move) {
     return site.is_edge() ? edge_candidate(mesh, work, site.edge(), may_move) : face_candidate(mesh, work, site.face(), may_move);
@@ -9713,6 +9788,7 @@ std::size_t insert_batch(ImageMesh<C>& mesh, std::size_t count, const InsertionO
 
 namespace hmesh {
 
+// Options of AnnealingSchedule and AnnealingSweep.
 struct AnnealingOptions {
     int sweeps = 8;
     double temperature = 0.5;        // T at the start, in prices mu
@@ -9740,6 +9816,7 @@ class AnnealingSchedule {
         : options_(options), target_(static_cast<double>(target)), price_(options.start_price * mean_energy) {}
 
     [[nodiscard]] double price() const noexcept { return price_; }
+    // Of sweep 0, 1, ..: T in units of energy.
     [[nodiscard]] double temperature(int sweep) const noexcept {
         return options_.temperature * std::pow(1 - static_cast<double>(sweep) / options_.sweeps, options_.cooling) * price_;
     }
@@ -9772,6 +9849,7 @@ class AnnealingSweep {
         : mesh_(&mesh), options_(options), price_(price), temperature_(temperature), least_(5e-3 * price), range_(range),
           random_(random) {}
 
+    // Removals, insertions, flips and jumps, then two sweeps over the vertices that are due, with flips in between.
     AnnealingCounts run() {
         AnnealingCounts counts;
         counts.removed = remove_moves();
@@ -9985,8 +10063,8 @@ std::size_t subdivide(ImageMesh<C>& mesh, std::size_t count) {
 
 // hmesh - budget: how many vertices each tile gets, and how a mesh comes to exactly n.
 //
-// Before there is a common price, tiles share the budget by the error of a mesh of equal density in each. A mesh that is near n already gets there by quotas: the cheapest removals wherever they are, or insertions in
-// proportion to the error.
+// Before there is a common price, tiles share the budget by the error of a mesh of equal density in each. A mesh that is
+// near n already gets there by quotas: the cheapest removals wherever they are, or insertions in proportion to the error.
 #ifndef HMESH_FIT_BUDGET_HPP
 #define HMESH_FIT_BUDGET_HPP
 
@@ -10145,6 +10223,7 @@ enum class Effort : std::uint8_t {
     best,    // 1000 sweeps
 };
 
+// Options of the method `annealed`. What differs between efforts is set by annealed_options().
 struct AnnealedOptions {
     double overshoot = 3;     // o: vertices placed before the collapse, in units of the target; 1 for none
     double undershoot = 1;    // u: vertices that the collapse leaves, in units of the target
@@ -10404,7 +10483,7 @@ class Annealed {
         const AnnealingOptions& annealing = options_.annealing;
         AnnealingSchedule schedule(annealing, n_, work_->mean_energy());
         for (int k = 0; k < annealing.sweeps; ++k) {
-            const double total = static_cast<double>(work_->vertex_count()), target = static_cast<double>(n_);
+            const auto total = static_cast<double>(work_->vertex_count()), target = static_cast<double>(n_);
             const Tiling phase = tiling(k + 1);
             std::vector<AnnealingCounts> counts(phase.size());
             const double band = annealing.band * (1 - static_cast<double>(k) / annealing.sweeps);
@@ -10574,12 +10653,15 @@ template <int C>
 struct LiftedPoint {
     Point position;
     Color<C> color;  // times the px that a unit of colour is worth; 0 in the lanes above C
+    // The difference of two points.
     [[nodiscard]] HMESH_ALWAYS_INLINE LiftedPoint minus(const LiftedPoint& o) const {
         return {{position.x - o.position.x, position.y - o.position.y}, color - o.color};
     }
+    // All coordinates by a factor.
     [[nodiscard]] HMESH_ALWAYS_INLINE LiftedPoint times(double factor) const {
         return {{position.x * factor, position.y * factor}, color * factor};
     }
+    // The inner product of all 2 + C coordinates.
     [[nodiscard]] HMESH_ALWAYS_INLINE double dot(const LiftedPoint& o) const {
         return position.x * o.position.x + position.y * o.position.y + (color * o.color).sum();
     }
@@ -10591,6 +10673,7 @@ struct LiftedPoint {
 template <int C>
 class LiftedFace {
   public:
+    // Of its corners.
     LiftedFace(const LiftedPoint<C>& a, const LiftedPoint<C>& b, const LiftedPoint<C>& c) : a_(a) {
         LiftedPoint<C> base = b.minus(a), other = c.minus(a);
         is_swapped_ = base.dot(base) < other.dot(other);
@@ -10784,6 +10867,7 @@ enum class StepRule : std::uint8_t {
     literal,      // all of it, halved only as long as faces would fold over; colours as solved for
 };
 
+// How a step is taken.
 struct GeometryStep {
     FootSearch search = FootSearch::own_face;
     StepRule rule = StepRule::safeguarded;
@@ -11005,8 +11089,8 @@ bool alternate(Patchwork<C, ParallelFor>& work, const HierarchicalOptions& optio
 
 }  // namespace detail
 
-// Makes a mesh of n vertices, 4 <= n <= max(4, pixels), of the image that work is of. `coarse`: the levels from 1 to N - 1, of the
-// same size. False: cancelled; the mesh is valid but may have another count.
+// Makes a mesh of n vertices, 4 <= n <= max(4, pixels), of the image that work is of. `coarse`: the levels from 1 to N - 1,
+// of the same size. False: cancelled; the mesh is valid but may have another count.
 template <int C, class ParallelFor>
 [[nodiscard]] bool hierarchical(Patchwork<C, ParallelFor>& work, const std::vector<ImageSource<C>>& coarse, std::size_t n,
                                 const HierarchicalOptions& options) {
@@ -11049,6 +11133,7 @@ template <int C, class ParallelFor>
 
 namespace hmesh {
 
+// How far and how often vertices are moved.
 struct VertexSearch {
     int first_step = 4;  // px
     int visits = 6;      // of a vertex
@@ -11167,6 +11252,7 @@ std::size_t search_vertices(ImageMesh<C>& mesh, const VertexSearch& options) {
 
 namespace hmesh {
 
+// Options of the method `xie`.
 struct XieOptions {
     AdamsOptions start;
     VertexSearch search;
@@ -11255,6 +11341,7 @@ struct Target {
     [[nodiscard]] static Target psnr(double decibel) noexcept { return {Kind::psnr, decibel}; }
 };
 
+// All that mesh_image() can be told. Each has a default that is good for photographs; set by name what you want otherwise.
 struct Options {
     Target target;
     Method method = Method::annealed;
@@ -11417,7 +11504,7 @@ template <class MeshOf>
             stride = std::min(3.0, std::max(needed, 2 * stride));
             log_n = run.log_n + (last_side ? -stride : stride);
         }
-        std::size_t n = static_cast<std::size_t>(std::llround(std::exp2(log_n)));
+        auto n = static_cast<std::size_t>(std::llround(std::exp2(log_n)));
         n = std::max<std::size_t>(low.n != 0 ? low.n + 1 : 4, std::min(n, high.n != 0 ? high.n - 1 : most));
 
         auto result = mesh_of(n);
@@ -11665,6 +11752,7 @@ template <class T, int C, class ParallelFor = SerialFor>
 
 namespace hmesh {
 
+// Options of render().
 struct RenderOptions {
     int width = 0, height = 0;  // of the picture in pixels; 0 or less: the mesh's own
     // Interpolate light in place of stored values, as glTF renderers do: colours are held to [0, peak], decoded from sRGB
@@ -11811,7 +11899,7 @@ void encode_rows(const MeshView& mesh, RowRange rows, Image<float, C>& out) {
     float* const end = pixel + static_cast<std::size_t>(rows.last - rows.first) * static_cast<std::size_t>(out.width()) * C;
     for (; pixel != end; pixel += C)
         for (int k = 0; k < C; ++k) {
-            const double share = static_cast<double>(pixel[k]);
+            const auto share = static_cast<double>(pixel[k]);
             pixel[k] = static_cast<float>((is_light(mesh, k) ? linear_to_srgb(share) : share) * mesh.peak);
         }
 }
@@ -11830,6 +11918,10 @@ Status render(const MeshView& mesh, Image<float, C>& out, const RenderOptions& o
     if (const Status status = check(mesh, max_channels); !status) return status;
     if (mesh.channels != C)
         return {Errc::invalid_argument, "the mesh has not the picture's number of channels", mesh.channels, C};
+    // Comes only where pointers have 32 bits.
+    constexpr std::int64_t most = std::numeric_limits<std::ptrdiff_t>::max() / (C * std::int64_t{sizeof(float)});
+    if (std::int64_t{width} * height > most)
+        return {Errc::image_too_large, "the picture to draw has too many pixels", std::int64_t{width} * height, most};
     if (options.linear_light && mesh.premultiplied)
         return {Errc::invalid_argument, "linear light is drawn from straight colours, and the mesh's are premultiplied", 0, 0};
 

@@ -81,6 +81,28 @@ TEST_CASE("any overshoot, share of the first grid and batch size give the exact 
                 }
 }
 
+TEST_CASE("where slivers that may not get smaller leave too many vertices, it starts anew without overshoot") {
+    struct Case {
+        int width, height;
+        std::size_t count;
+    };
+    int restarts = 0;
+    for (const Case c : {Case{5, 8, 18}, Case{6, 9, 23}, Case{8, 8, 29}, Case{8, 11, 37}})
+        for (const double overshoot : {1.5, 3.0}) {
+            hmesh::MeshLimits limits;
+            limits.min_cross = 3;  // a mesh of so many vertices has faces of 3.3 to 4 on average
+            Work<std::uint8_t, 1> work(hmesh_test::noise<std::uint8_t, 1>(c.width, c.height, 1), limits);
+            AnnealedOptions options = hmesh::annealed_options(Effort::draft);
+            options.overshoot = overshoot;
+            CHECK(annealed(work.patchwork, c.count, options, 0));
+            CHECK(work.count() == c.count);
+            hmesh_test::prove(work);
+            const std::string names = names_of(work.monitor);
+            restarts += names.find("grid") != names.rfind("grid") ? 1 : 0;
+        }
+    CHECK(restarts > 0);
+}
+
 TEST_CASE("in tiles every effort gives the exact number, and a better mesh than the effort before") {
     const auto image = hmesh_test::scene<std::uint8_t, 1>(150, 130, 7);
     double before = 1e300;
@@ -94,8 +116,8 @@ TEST_CASE("in tiles every effort gives the exact number, and a better mesh than 
     }
     for (const auto& [width, height, n] :
          {std::tuple{300, 1, 300U}, {1, 300, 300U}, {65, 200, 1100U}, {64, 64, 4096U}, {130, 64, 8320U}}) {
-        CAPTURE(width);
         Work<std::uint8_t, 3> work(hmesh_test::noise<std::uint8_t, 3>(width, height, 1));
+        CAPTURE(work.image.width());
         CHECK(annealed(work.patchwork, n, options_of(Effort::fast, 0), 64));
         CHECK(work.count() == n);
         hmesh_test::prove(work);

@@ -99,15 +99,15 @@ double deviation(const Image<std::uint8_t, 3>& image, int begin, int end) {
 TEST_CASE_TEMPLATE("the filter is its definition, for every size of image and window", P, Pixel<std::uint8_t, 1>,
                    Pixel<std::uint8_t, 3>, Pixel<std::uint8_t, 4>, Pixel<std::uint16_t, 3>, Pixel<float, 3>) {
     using T = typename P::Sample;
-    constexpr int C = P::channels;
+    constexpr int channels = P::channels;
     const int sizes[][2] = {{1, 1}, {1, 7}, {5, 1}, {3, 3}, {2, 2}, {20, 13}, {70, 9}};
     for (const auto& size : sizes)
         for (const int diameter : {1, 2, 5, 9, 15}) {
             CAPTURE(size[0]);
             CAPTURE(size[1]);
             CAPTURE(diameter);
-            CHECK(wrong_samples(hmesh_test::noise<T, C>(size[0], size[1], 3).view(), {diameter, 50, 50}) == 0);
-            CHECK(wrong_samples(hmesh_test::scene<T, C>(size[0], size[1], 3).view(), {diameter, 20, 3}) == 0);
+            CHECK(wrong_samples(hmesh_test::noise<T, channels>(size[0], size[1], 3).view(), {diameter, 50, 50}) == 0);
+            CHECK(wrong_samples(hmesh_test::scene<T, channels>(size[0], size[1], 3).view(), {diameter, 20, 3}) == 0);
         }
 }
 

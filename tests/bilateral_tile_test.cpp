@@ -25,7 +25,7 @@ double power(float exponent) {
 TEST_CASE("power_of_2 is within 3e-7 of the power, relatively, from 1 down to 2^-125, and stays there below") {
     double furthest = 0;
     for (double x = 0; x > -125; x -= 0.0117) {
-        const float exponent = static_cast<float>(x);
+        const auto exponent = static_cast<float>(x);
         furthest = std::max(furthest, std::abs(power(exponent) / std::exp2(static_cast<double>(exponent)) - 1));
     }
     CHECK(furthest < 3e-7);

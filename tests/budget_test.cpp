@@ -208,6 +208,42 @@ TEST_CASE("the way to n is the same whatever the executor's order") {
     }
 }
 
+TEST_CASE("a round on the way to n takes and gives as many vertices as it is told to, or fewer") {
+    for (const double tile : {one_tile, 40.0}) {
+        Work<std::uint8_t, 1> work(hmesh_test::scene<std::uint8_t, 1>(120, 100, 3));
+        start(work, 800);
+        const Tiling tiling(120, 100, tile);
+        std::size_t before = work.count();
+        CHECK(hmesh::detail::remove_cheapest(work.patchwork, tiling, 300, {}));
+        CHECK(work.count() >= before - 300);
+        CHECK(work.count() < before - 200);
+        before = work.count();
+        CHECK(hmesh::detail::insert_best(work.patchwork, tiling, 300));
+        CHECK(work.count() <= before + 300);
+        CHECK(work.count() > before + 200);
+    }
+}
+
+TEST_CASE("where no tile can take a vertex, an edge between two tiles is split") {
+    // A square in a narrow frame, in tiles much smaller than its two faces: only their common edge is far from the least area.
+    hmesh::MeshLimits limits;
+    limits.min_cross = 60;
+    Work<std::uint8_t, 1> work(hmesh_test::constant_image<std::uint8_t, 1>(16, 16, 0.5), limits);
+    hmesh::WholeMesh<1> mesh;
+    mesh.width = mesh.height = 16;
+    const std::vector<hmesh::Point> corners = {{0, 0}, {16, 0}, {16, 16}, {0, 16}, {2, 2}, {14, 2}, {14, 14}, {2, 14}};
+    for (const hmesh::Point p : corners) mesh.add(p, work.source.pixel(8, 8));
+    mesh.triangles = {{0, 1, 5}, {0, 5, 4}, {1, 2, 6}, {1, 6, 5}, {2, 3, 7},
+                      {2, 7, 6}, {3, 0, 4}, {3, 4, 7}, {4, 5, 6}, {4, 6, 7}};
+    work.patchwork.whole() = mesh;
+    CHECK(meet_budget(work.patchwork, 9, 4, {}));
+    REQUIRE(work.count() == 9);
+    const std::vector<hmesh::Point>& after = work.whole().positions;
+    CHECK(std::count(after.begin(), after.end(), hmesh::Point{8, 8}) == 1);
+    CHECK_FALSE(meet_budget(work.patchwork, 12, 4, {}));  // all that is left is too small
+    hmesh_test::prove(work);
+}
+
 TEST_CASE("told to stop on the way to n it says no and leaves a mesh") {
     for (const std::size_t to : {300U, 1500U})
         for (const double tile : {one_tile, 40.0})

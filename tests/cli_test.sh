@@ -191,6 +191,10 @@ wrong "'17' must be from 1 to 16" grey.pgm --render a.png --render-scale 17
 wrong "--render-scale is given without --render" grey.pgm --wireframe a.png --render-scale 2
 wrong "'x.pdf' must end in .png" grey.pgm --residual x.pdf
 wrong "'x' must end in .png" grey.pgm --strip x
+wrong "--depfile is given without another output" grey.pgm --depfile a.d
+wrong "--depfile needs a value" grey.pgm -o a.ply --depfile
+wrong "named for two outputs" grey.pgm -o a.ply --report a.d --depfile ./a.d
+wrong "overwrite the weights" grey.pgm -o a.ply --weights picture.png --depfile picture.png
 wrong "'mesh'" grey.pgm -o mesh
 wrong "'x.jpg' must end in .png" grey.pgm --render x.jpg
 wrong "'x' must end in .png" grey.pgm --wireframe x
@@ -233,6 +237,7 @@ fails "--vertices 321" grey.pgm -o keep.ply --vertices 321
 fails "limit 320" grey.pgm -o keep.ply --vertices 321
 check "a failure leaves the file that was there" grep -qx old keep.ply
 fails "'nowhere/mesh.ply'" grey.pgm -o nowhere/mesh.ply
+fails "'nowhere/r.d'" grey.pgm -o good.ply --depfile nowhere/r.d
 fails "'nowhere/r.json'" grey.pgm -o good.ply --report nowhere/r.json
 check "nothing is written when another output cannot be" test ! -e good.ply
 mkdir -p directory.ply
@@ -446,6 +451,21 @@ ln -s real.ply link.ply
 : >real.ply
 run grey.pgm -o link.ply
 check "a symbolic link is followed, not replaced" test -L link.ply -a -s real.ply
+
+# ---- what was read for what is written --------------------------------------------------------------------------------
+cp grey.pgm 'a #1 $2.pgm'
+run 'a #1 $2.pgm' -o 'b $.ply' --report b.json --weights constant.pgm --depfile b.d
+check "weights of another size make no depfile" test ! -e b.d
+run 'a #1 $2.pgm' -o 'b $.ply' --report b.json --weights grey.pgm --depfile b.d
+check "--depfile exits 0" exits 0
+check "the depfile names what was written and what was read" test "$(cat b.d)" = \
+    "$(printf '%s \\\n  %s \\\n  %s' 'b\ $$.ply b.json:' 'a\ \#1\ $$2.pgm' grey.pgm)"
+if command -v make >/dev/null; then
+    printf 'include b.d\n' >makefile
+    check "make reads the depfile: nothing is to be done" make -q 'b $.ply'
+    sleep 0.1 && touch grey.pgm
+    check "make sees that the weights are newer" test "$(make -q 'b $.ply' >/dev/null 2>&1; echo $?)" -ne 0
+fi
 
 # ---- depths and channels ---------------------------------------------------------------------------------------------
 # meshes FILE CHANNELS BITS PROPERTY

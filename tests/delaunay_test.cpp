@@ -7,6 +7,7 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <string>
 #include <utility>
 #include <vector>
 
@@ -315,4 +316,29 @@ TEST_CASE("slots of removed vertices are used again") {
     CHECK(mesh.topology().vertex_slots() == slots);
     CHECK(mesh.topology().edge_slots() == edges);
     REQUIRE(mesh.check());
+}
+
+TEST_CASE("check() refuses vertices that are not where they were, and says what is wrong with them") {
+    // 8 x 8 with a point inside and, on the side y = 0, four. Vertices are numbered in the order of insertion.
+    const auto sentence = [](const auto& tamper) {
+        Delaunay mesh(8, 8);
+        for (const Point p : {Point{4, 4}, Point{6, 0}, Point{4, 0}, Point{2, 0}, Point{1, 0}}) mesh.insert(p);
+        tamper(const_cast<std::vector<Point>&>(mesh.positions()));
+        return std::string(mesh.check().what);
+    };
+    using Points = std::vector<Point>;
+    CHECK(sentence([](Points&) {}).empty());
+    CHECK(sentence([](Points& points) { points.push_back({1, 1}); }) == "there are not as many positions as vertices");
+    CHECK(sentence([](Points& points) { points[2] = {8, 7}; }) == "a corner of the rectangle is not where it was");
+    const std::string off_side = "a boundary edge does not run along a side of the rectangle, from vertex";
+    CHECK(sentence([](Points& points) { points[6] = {4, 1}; }) == off_side);
+    CHECK(sentence([](Points& points) { points[6] = {7, 0}; }) == off_side);  // backwards
+    CHECK(sentence([](Points& points) { points[6] = points[5]; }) == off_side);
+    // Around twice: (0, 0), down, right, up, left, and once more over the four points.
+    CHECK(sentence([](Points& points) {
+              points[5] = {0, 0}, points[6] = {0, 8}, points[7] = {8, 8}, points[8] = {8, 0};
+          }) == "the boundary does not run around the rectangle once");
+    CHECK(sentence([](Points& points) { points[4] = {4, -1}; }) == "a face is not positively oriented");
+    CHECK(sentence([](Points& points) { points[4] = {4, 0}; }) == "a face is not positively oriented");  // no area
+    CHECK(sentence([](Points& points) { points[4] = {4, 7}; }) == "an edge is not locally Delaunay");
 }

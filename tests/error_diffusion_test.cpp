@@ -106,7 +106,7 @@ TEST_CASE("errors are diffused as Floyd and Steinberg say, in rows there and bac
         for (const double factor : {0.05, 0.3, 1.0, 5.0}) {
             std::vector<std::uint32_t> points;
             hmesh::detail::diffuse(map.view(), factor, 0.01,
-                                   [&](int x, int y) { points.push_back(static_cast<std::uint32_t>(y * width + x)); });
+                                   [&, w = width](int x, int y) { points.push_back(static_cast<std::uint32_t>(y * w + x)); });
             CHECK(points == naive_points(map, factor, 0.01));
         }
     }
@@ -132,7 +132,7 @@ TEST_CASE("there are as many points as asked for, or hardly more, each a pixel o
 TEST_CASE("as many points as pixels are all pixels, and no points are none") {
     hmesh::Random random(3);
     for (const auto& [width, height] : {std::pair{1, 1}, {1, 13}, {13, 1}, {2, 2}, {20, 11}, {90, 3}}) {
-        const std::size_t pixels = static_cast<std::size_t>(width * height);
+        const auto pixels = static_cast<std::size_t>(width * height);
         for (const auto& map : {even(width, height), map_of(width, height, [](int, int) { return 0; }),
                                 map_of(width, height, [&](int, int) { return random.uniform(); }),
                                 map_of(width, height, [](int x, int y) { return x + y == 0 ? 1e30 : 0.0; }),

@@ -6,10 +6,9 @@
 #include <cstdint>
 
 #include "hmesh/mesh/geometry.hpp"
+#include "wide.hpp"
 
 namespace hmesh_test {
-
-__extension__ using Wide = __int128;
 
 struct GridPoint {
     std::int64_t x, y;
@@ -25,7 +24,7 @@ inline std::int64_t double_area(GridPoint a, GridPoint b, GridPoint c) {
 inline Wide circle_test(GridPoint a, GridPoint b, GridPoint c, GridPoint d) {
     const auto lift = [d](GridPoint p) {
         const std::int64_t x = p.x - d.x, y = p.y - d.y;
-        return static_cast<Wide>(x * x + y * y);
+        return Wide{x * x + y * y};
     };
     return lift(a) * double_area(d, b, c) + lift(b) * double_area(d, c, a) + lift(c) * double_area(d, a, b);
 }

@@ -64,8 +64,8 @@ TEST_CASE("a regular grid is a mesh of the image, has no more vertices than aske
         const auto image = hmesh_test::noise<std::uint8_t, 1>(width, height, 1);
         const ImageSource<1> source(image.view());
         for (const double count : {4.0, 4.9, 5.0, 6.0, 9.0, 25.5, 100.0, 1234.0, 40000.0}) {
-            CAPTURE(width);
-            CAPTURE(height);
+            CAPTURE(image.width());
+            CAPTURE(image.height());
             CAPTURE(count);
             const WholeMesh<1> grid = hmesh::regular_grid(source, count);
             check_grid(grid, source);
@@ -89,7 +89,8 @@ TEST_CASE("a regular grid's cells are nearly square") {
     std::size_t columns = 0;
     for (const Point p : grid.positions) columns += p.y == 0 ? 1 : 0;
     const double cell_width = 400.0 / static_cast<double>(columns - 1);
-    const double cell_height = 100.0 / (static_cast<double>(grid.vertex_count() / columns) - 1);
+    const std::size_t rows = grid.vertex_count() / columns;
+    const double cell_height = 100.0 / static_cast<double>(rows - 1);
     CHECK(cell_width / cell_height > 0.75);
     CHECK(cell_width / cell_height < 1.33);
 }
@@ -105,8 +106,8 @@ TEST_CASE("a tiled grid is a mesh of the image without T-junctions, for any size
             for (const double density : {0.003, 0.03, 0.3, 1.0}) {
                 const Tiling tiling(width, height, tile);
                 if (density * tile * tile < 25 || density * pixels > 10000 || tiling.size() > 100) continue;
-                CAPTURE(width);
-                CAPTURE(height);
+                CAPTURE(image.width());
+                CAPTURE(image.height());
                 CAPTURE(tile);
                 CAPTURE(density);
                 const double count = density * pixels;

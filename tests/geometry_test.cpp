@@ -8,9 +8,11 @@
 #include <utility>
 
 #include "hmesh/core/random.hpp"
+#include "wide.hpp"
 
 using hmesh::Point;
 using hmesh::Random;
+using hmesh_test::Wide;
 
 namespace {
 
@@ -39,9 +41,6 @@ bool columns_agree(GridPoint a, GridPoint b, std::int64_t j) {
     const hmesh::RowCrossing edge(a.point(), b.point());
     return edge.column(static_cast<int>(j)) == exact_column(a, b, j);
 }
-
-// 128 bits, which the library does without.
-__extension__ using Wide = __int128;
 
 int sign(Wide x) { return x > 0 ? 1 : x < 0 ? -1 : 0; }
 
@@ -313,7 +312,7 @@ TEST_CASE("the sign of a sum of three products is exact up to 2^50, where the su
         if (i % 3 == 1) a[1] = -b[0], b[1] = a[0], a[2] = random.below(3) == 0 ? 0 : 1, b[2] = draw(1);
         if (i % 3 == 2) a[2] = a[1] = a[0], b[2] = -(b[0] / 2), b[0] /= 2, b[1] = below(random, 3) - 1;
         Wide sum = 0;
-        for (int k = 0; k < 3; ++k) sum += static_cast<Wide>(a[k]) * b[k];
+        for (int k = 0; k < 3; ++k) sum += Wide{a[k]} * Wide{b[k]};
         wrong += hmesh::detail::sign_of_products(a, b) != sign(sum);
     }
     CHECK(wrong == 0);

@@ -194,7 +194,7 @@ TEST_CASE("what is read back is the mesh with y up, counter-clockwise, in linear
         REQUIRE(file.faces.size() == mesh.face_count());
         std::array<double, 3> least{1e9, 1e9, 1e9}, most{-1e9, -1e9, -1e9};
         for (std::size_t v = 0; v < mesh.vertex_count(); ++v) {
-            const double x = static_cast<double>(mesh.positions[2 * v]), y = static_cast<double>(mesh.positions[2 * v + 1]);
+            const auto x = static_cast<double>(mesh.positions[2 * v]), y = static_cast<double>(mesh.positions[2 * v + 1]);
             CHECK(file.positions[v] == std::array<double, 3>{x, 12 - y, 0});
             for (std::size_t k = 0; k < 3; ++k) {
                 const double share = std::max(0.0, std::min(1.0, static_cast<double>(mesh.colors[3 * v + k])));

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <string>
 #include <utility>
 #include <vector>
 
@@ -211,6 +212,22 @@ TEST_CASE("check() notices a mesh that does not tile the rectangle, turns a face
     padded.set(1, 1);
     mesh.place(Vertex(4), {4, 3}, padded);
     CHECK_FALSE(mesh.check());
+}
+
+TEST_CASE("check() notices vertices that were changed behind the mesh's back") {
+    const std::vector<Triangle> fan = {{0, 1, 4}, {1, 2, 4}, {2, 3, 4}, {3, 0, 4}};
+    const auto sentence = [&](hmesh::Image<std::uint8_t, 1> image, const auto& tamper) {
+        Subject<std::uint8_t, 1> subject(std::move(image));
+        REQUIRE(subject.mesh.assign({{0, 0}, {8, 0}, {8, 6}, {0, 6}, {4, 3}}, fan));
+        tamper(const_cast<hmesh::VertexState<1>&>(subject.mesh.vertex(Vertex(4))));
+        return std::string(subject.mesh.check().what);
+    };
+    const auto noise = hmesh_test::noise<std::uint8_t, 1>(8, 6, 1), black = hmesh_test::constant_image<std::uint8_t, 1>(8, 6, 0);
+    CHECK(sentence(noise, [](hmesh::VertexState<1>&) {}).empty());
+    CHECK(sentence(noise, [](hmesh::VertexState<1>& v) { v.mobility = Mobility::along_x; }) == "a vertex's mobility is wrong");
+    CHECK(sentence(noise, [](hmesh::VertexState<1>& v) { v.color.set(0, v.color[0] + 1); }) == "a face's energy is stale");
+    // In black all energies are 0, whatever the moments.
+    CHECK(sentence(black, [](hmesh::VertexState<1>& v) { v.position = {5, 3}; }) == "an edge's moments are stale");
 }
 
 TEST_CASE("a vertex's place is clamped to the grid, and off the border unless it lives there") {

@@ -206,7 +206,7 @@ void check_fit(std::uint64_t seed, double grid) {
     CHECK(report.iterations <= 6);
     CHECK(report.residual < 1e-5);
     for (const float color : mesh.colors) {
-        const double value = static_cast<double>(color);
+        const auto value = static_cast<double>(color);
         const bool may_be = value >= 0 && value <= mesh.peak && (grid == 0 || std::floor(value / grid) * grid == value);
         CHECK(may_be);
     }

@@ -701,6 +701,16 @@ TEST_CASE("colours and efforts that are none of those known are refused, the eff
     CHECK(mesh_image(image.view(), options).status);
 }
 
+TEST_CASE("a target that is of no known kind is refused") {
+    const Image<std::uint8_t, 1> image = hmesh_test::scene<std::uint8_t, 1>(20, 10, 1);
+    Options options;
+    options.target.kind = static_cast<Target::Kind>(7);
+    const Result<1> result = mesh_image(image.view(), options);
+    CHECK(result.status.code == Errc::invalid_argument);
+    CHECK(result.status.got == 7);
+    CHECK(result.mesh.view().vertex_count == 0);
+}
+
 TEST_CASE("adaptive thinning of more than 2^22 pixels is refused before a pixel is read") {
     const std::uint8_t pixel[3] = {};
     const auto status_of = [&](int width, int height, Method method) {

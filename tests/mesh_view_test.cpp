@@ -55,6 +55,8 @@ TEST_CASE("check refuses a mesh without vertices, faces or data") {
     views[4].faces = nullptr;
     for (const MeshView& view : views) {
         CHECK(check(view, 4).code == Errc::invalid_argument);
+        CHECK(check(view, 4).got == static_cast<std::int64_t>(view.face_count));
+        CHECK(check(view, 4).want == 1);
         CHECK(std::string(check(view, 4).what).size() > 10);
     }
 }

@@ -238,7 +238,7 @@ template <int C>
 double difference(const Moments<C>& got, const WeightedSums<C>& want, const WeightedSums<C>& scale) {
     double largest = 0;
     const auto compare = [&](double a, long double b, long double size) {
-        const double error = static_cast<double>(std::abs(static_cast<long double>(a) - b));
+        const auto error = static_cast<double>(std::abs(static_cast<long double>(a) - b));
         if (!(error <= 0)) largest = std::max(largest, size > 0 ? error / static_cast<double>(size) : 1e300);
     };
     for (int c = 0; c <= C; ++c) {

@@ -469,7 +469,7 @@ TEST_CASE("a patch that is the whole takes the table it is offered and gives it 
     const Tiling one(40, 30, 100), four(40, 30, 20);
     const Cut cut_one = hmesh::detail::cut(whole, one), cut_four = hmesh::detail::cut(whole, four);
     auto table = source.table({0, 0, 40, 30});
-    const std::int32_t* entries = table.entries<std::int32_t>();
+    const auto* entries = table.entries<std::int32_t>();
     Patch<3> patch(whole, source, cut_one, 0, {}, nullptr, std::move(table));
     CHECK(patch.mesh().check());
     CHECK(patch.mesh().energy() == doctest::Approx(whole.energy).epsilon(1e-12));

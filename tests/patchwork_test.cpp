@@ -66,7 +66,7 @@ struct Phase {
     double price = 0;
     double range = 255;
 
-    [[nodiscard]] Tiling tiling(int width, int height) const { return Tiling(width, height, tile, shift_x, shift_y); }
+    [[nodiscard]] Tiling tiling(int width, int height) const { return {width, height, tile, shift_x, shift_y}; }
 
     template <int C>
     void operator()(Patch<C>& patch, std::size_t tile_number) const {

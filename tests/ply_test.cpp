@@ -56,9 +56,9 @@ PlyFile read_ply(const Bytes& bytes) {
         return value;
     };
     for (std::size_t v = 0; v < vertices; ++v) {
-        file.positions.push_back({});
+        file.positions.emplace_back();
         for (float& x : file.positions.back()) x = number(0.0F);
-        file.colours.push_back({});
+        file.colours.emplace_back();
         for (std::size_t k = 0; k < file.colour_names.size(); ++k) file.colours.back().push_back(number(std::uint8_t{0}));
     }
     for (std::size_t f = 0; f < faces; ++f) {

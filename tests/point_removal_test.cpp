@@ -222,7 +222,7 @@ TEST_CASE("each time the cheapest of all vertices goes, as when all costs are fo
         while (mesh.vertex_count() > 5) {  // the corners alone have two triangulations
             std::vector<std::pair<double, Vertex>> naive;
             for (const Vertex v : mesh.topology().vertices())
-                if (mesh.vertex(v).mobility != Mobility::fixed) naive.push_back({energy_without(mesh, v), v});
+                if (mesh.vertex(v).mobility != Mobility::fixed) naive.emplace_back(energy_without(mesh, v), v);
             const auto best =
                 *std::min_element(naive.begin(), naive.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
             REQUIRE(removal.remove_down_to(mesh.vertex_count() - 1) == 1);

@@ -74,7 +74,7 @@ std::vector<std::string> check_calls(const std::vector<Recorder::Call>& calls) {
         }
         last = call.fraction;
         // The last call of a stage: fraction 1, and then comes another stage or nothing.
-        const std::size_t k = static_cast<std::size_t>(&call - calls.data());
+        const auto k = static_cast<std::size_t>(&call - calls.data());
         if (k + 1 == calls.size() || calls[k + 1].stage != call.stage) {
             CHECK(call.fraction == 1);
             open = false;

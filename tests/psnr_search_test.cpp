@@ -127,6 +127,20 @@ TEST_CASE("a curve that is flat for long, as that of noise, is searched to the e
     }
 }
 
+TEST_CASE("a target that many numbers of vertices reach exactly takes hardly more runs than one that they exceed") {
+    for (const std::size_t jump : {70U, 700U, 7000U})
+        for (const std::size_t first : {4U, 60U, 4000U, 90000U}) {
+            const auto runs = [&](double psnr) {
+                FakeMesher mesher([&](std::size_t n) { return n < jump ? 20.0 : 30.0; });
+                (void)fewest_vertices(psnr, first, 100000, mesher);
+                return mesher.asked().size();
+            };
+            CAPTURE(jump);
+            CAPTURE(first);
+            CHECK(runs(30) <= runs(30 - 1e-9) + 2);
+        }
+}
+
 TEST_CASE("a target that four vertices reach ends with four") {
     for (const std::size_t first : {4U, 5U, 70U, 5000U}) {
         check_search([](std::size_t n) { return 40 + std::log2(static_cast<double>(n)); }, 30, first, 10000, 20);

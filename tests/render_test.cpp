@@ -350,6 +350,10 @@ TEST_CASE("a mesh or size that cannot be drawn gives a Status and leaves the pic
     CHECK(render_status(good.view(), {65537, 1}).code == Errc::image_too_large);
     CHECK(render_status(good.view(), {1, 65537}).code == Errc::image_too_large);
     CHECK(render_status(good.view(), {65536, 65536}).code == Errc::image_too_large);
+    if constexpr (sizeof(std::size_t) == 4) {  // elsewhere it is drawn, into 4 GiB
+        Image<float, 4> huge;
+        CHECK(hmesh::render(random_mesh<4>(8, 8, 2, 2, 0, random).view(), huge, {65536, 4096}).code == Errc::image_too_large);
+    }
     CHECK(render_status({}).code == Errc::invalid_argument);
     Mesh<1> mesh = good;
     mesh.width = 0;

@@ -398,7 +398,7 @@ TEST_CASE("one channel is grey, by one gradient that is exact, without blending"
     for (std::size_t f = 0; f < paints.size(); ++f)
         for (std::size_t k = 0; k < 3; ++k) {
             const std::size_t v = mesh.faces[f][k];
-            const double x = static_cast<double>(mesh.positions[2 * v]), y = static_cast<double>(mesh.positions[2 * v + 1]);
+            const auto x = static_cast<double>(mesh.positions[2 * v]), y = static_cast<double>(mesh.positions[2 * v + 1]);
             const Rgb color = paints[f].gradient.at(x, y);
             for (const double value : color) CHECK(std::abs(value - static_cast<double>(mesh.colors[v])) <= 1);
         }

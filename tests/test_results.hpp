@@ -72,7 +72,7 @@ void prove_report(const hmesh::Image<T, C>& image, const hmesh::Result<C>& resul
     const double energy = drawn_energy(image, result.mesh);
     CHECK(report.energy >= 0);
     CHECK(std::abs(report.energy - energy) <= 2.3e-4 * energy + energy_rounding(image));  // 1e-3 dB
-    const double samples = static_cast<double>(image.samples().size());
+    const auto samples = static_cast<double>(image.samples().size());
     if (!(report.energy > 0)) CHECK(report.psnr == std::numeric_limits<double>::infinity());
     else
         CHECK(report.psnr ==

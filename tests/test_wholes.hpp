@@ -194,6 +194,7 @@ Description<C> describe(const hmesh::WholeMesh<C>& whole) {
 // Equal in every number, vertices and triangles in the same order.
 template <int C>
 bool same_bytes(const hmesh::WholeMesh<C>& a, const hmesh::WholeMesh<C>& b) {
+    // Not ==, for which 0 and -0 are the same.
     const auto same = [](double x, double y) { return std::memcmp(&x, &y, sizeof(double)) == 0; };
     if (a.width != b.width || a.height != b.height || a.vertex_count() != b.vertex_count()) return false;
     if (a.colors.size() != b.colors.size() || a.due != b.due || a.triangles != b.triangles) return false;

@@ -10,6 +10,7 @@
 #include <utility>
 #include <vector>
 
+#include "hmesh/core/progress.hpp"
 #include "hmesh/core/random.hpp"
 #include "test_images.hpp"
 #include "test_meshes.hpp"
@@ -196,6 +197,23 @@ TEST_CASE("a sweep visits the vertices that are due and no other, and a gain mak
     CHECK(sweeps > 2);
     CHECK(sweeps < 500);
     CHECK(hmesh::sweep(mesh, thorough) == 0);
+}
+
+TEST_CASE("a sweep that is told to stop does, and what it did not visit stays due") {
+    Subject<std::uint8_t, 1> subject(hmesh_test::scene<std::uint8_t, 1>(60, 50, 3), hmesh_test::jittered_grid(60, 50, 20, 20, 3));
+    ImageMesh<1>& mesh = subject.mesh;
+    set_all_due(mesh, true);
+    struct Calls {
+        static bool stop(void*, const hmesh::StageInfo&) { return false; }
+    };
+    hmesh::Monitor monitor({Calls::stop, nullptr}, 3000, 255);
+    hmesh::Pulse pulse(monitor, 1);
+    mesh.set_pulse(&pulse);
+    hmesh::sweep(mesh, {1e300, 0});  // no gain makes neighbours due
+    mesh.set_pulse(nullptr);
+    std::size_t due = 0;
+    for (const Vertex v : mesh.topology().vertices()) due += mesh.is_due(v) ? 1 : 0;
+    CHECK(due == mesh.vertex_count() - 255);  // the callback is asked at the 256th visit
 }
 
 TEST_CASE("an affine picture is reproduced to rounding") {

@@ -133,7 +133,7 @@ TEST_CASE("WeightScale rounds scaled weights to a step that is fine for small im
 TEST_CASE("scaled weights do not depend on the unit of the weights, and 0 stays 0") {
     hmesh::Random random(2);
     for (int k = 0; k < 1000; ++k) {
-        const double weight = static_cast<double>(random.below(256));
+        const auto weight = static_cast<double>(random.below(256));
         const WeightScale scale(1.0 / 255, 600, 400);
         CHECK(scale(static_cast<float>(weight)) == WeightScale(1.0 / 1020, 600, 400)(static_cast<float>(4 * weight)));
         CHECK((scale(static_cast<float>(weight)) == 0) == (weight == 0));

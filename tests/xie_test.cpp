@@ -30,7 +30,7 @@ TEST_CASE("xie gives every number of vertices, on pixels and with sampled colour
             Work<std::uint8_t, 1> work(std::move(picture));
             const std::size_t pixels = work.image.samples().size();
             for (const std::size_t n : {std::size_t{4}, std::size_t{7}, pixels / 8 + 4, pixels}) {
-                CAPTURE(width);
+                CAPTURE(work.image.width());
                 CAPTURE(n);
                 CHECK(xie(work.patchwork, n, {}));
                 prove_mesh(work, n);

@@ -26,6 +26,7 @@
 
 namespace hmesh {
 
+// Options of render().
 struct RenderOptions {
     int width = 0, height = 0;  // of the picture in pixels; 0 or less: the mesh's own
     // Interpolate light in place of stored values, as glTF renderers do: colours are held to [0, peak], decoded from sRGB
@@ -172,7 +173,7 @@ void encode_rows(const MeshView& mesh, RowRange rows, Image<float, C>& out) {
     float* const end = pixel + static_cast<std::size_t>(rows.last - rows.first) * static_cast<std::size_t>(out.width()) * C;
     for (; pixel != end; pixel += C)
         for (int k = 0; k < C; ++k) {
-            const double share = static_cast<double>(pixel[k]);
+            const auto share = static_cast<double>(pixel[k]);
             pixel[k] = static_cast<float>((is_light(mesh, k) ? linear_to_srgb(share) : share) * mesh.peak);
         }
 }
@@ -191,6 +192,10 @@ Status render(const MeshView& mesh, Image<float, C>& out, const RenderOptions& o
     if (const Status status = check(mesh, max_channels); !status) return status;
     if (mesh.channels != C)
         return {Errc::invalid_argument, "the mesh has not the picture's number of channels", mesh.channels, C};
+    // Comes only where pointers have 32 bits.
+    constexpr std::int64_t most = std::numeric_limits<std::ptrdiff_t>::max() / (C * std::int64_t{sizeof(float)});
+    if (std::int64_t{width} * height > most)
+        return {Errc::image_too_large, "the picture to draw has too many pixels", std::int64_t{width} * height, most};
     if (options.linear_light && mesh.premultiplied)
         return {Errc::invalid_argument, "linear light is drawn from straight colours, and the mesh's are premultiplied", 0, 0};
 

@@ -263,7 +263,7 @@ void fuzz(FuzzInput& input) {
     if (input.one_in(4)) {
         weights.emplace(draw_image<float, 1>(input, size));
         const double gain = input.flag() ? input.wild_real() : 1, least = std::numeric_limits<float>::max() / 256.0;
-        const float unit = static_cast<float>(std::abs(gain) <= least ? gain : 1);
+        const auto unit = static_cast<float>(std::abs(gain) <= least ? gain : 1);
         const int mask = input.byte();  // 0: none of them counts
         weights->fill(
             [&](std::size_t k) { return static_cast<float>((k * k * 7 + 13 * k) & static_cast<unsigned>(mask)) * unit; });

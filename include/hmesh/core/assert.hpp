@@ -7,6 +7,7 @@
 
 #ifndef HMESH_ASSERT
 #include <cassert>
+// Fails where the condition is false: a mistake of the caller. By default as assert() does, hence nothing with NDEBUG.
 #define HMESH_ASSERT(condition) assert(condition)
 #endif
 

@@ -24,10 +24,12 @@ class IndexedHeap {
     [[nodiscard]] bool empty() const noexcept { return heap_.empty(); }
     [[nodiscard]] std::size_t size() const noexcept { return heap_.size(); }
     [[nodiscard]] bool contains(Id id) const noexcept { return id < slot_of_.size() && slot_of_[id] != absent; }
+    // Of an id that is there.
     [[nodiscard]] double key(Id id) const noexcept {
         HMESH_ASSERT(contains(id));
         return heap_[slot_of_[id]].key;
     }
+    // The entry with the least key; the heap is not empty.
     [[nodiscard]] Entry top() const noexcept {
         HMESH_ASSERT(!empty());
         return heap_.front();
@@ -46,6 +48,7 @@ class IndexedHeap {
         }
     }
 
+    // Changes the key of an id that is there. The key must not be NaN.
     void update(Id id, double key) {
         HMESH_ASSERT(contains(id) && key == key);
         const std::size_t slot = slot_of_[id];
@@ -53,12 +56,14 @@ class IndexedHeap {
         sift_down(sift_up(slot));
     }
 
+    // Takes out top().
     Entry pop() {
         const Entry least = top();
         erase(least.id);
         return least;
     }
 
+    // Takes out an id that is there.
     void erase(Id id) {
         HMESH_ASSERT(contains(id));
         const std::size_t slot = slot_of_[id];
@@ -70,6 +75,7 @@ class IndexedHeap {
         sift_down(sift_up(slot));
     }
 
+    // O(size()), whatever ids there were before.
     void clear() noexcept {
         for (const Entry& entry : heap_) slot_of_[entry.id] = absent;
         heap_.clear();

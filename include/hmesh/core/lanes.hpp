@@ -6,17 +6,24 @@
 #ifndef HMESH_CORE_LANES_HPP
 #define HMESH_CORE_LANES_HPP
 
+#include <cstddef>
 #include <cstdint>
 #include <cstring>
 
-#if defined(__GNUC__)
+// What innermost loops call is inlined even where compilers think it too large. Not without optimisation: there it would only
+// double the time that compiling takes.
+#if defined(__GNUC__) && defined(__OPTIMIZE__)
 #define HMESH_ALWAYS_INLINE inline __attribute__((always_inline))
-#define HMESH_NEVER_INLINE __attribute__((noinline))
 #elif defined(_MSC_VER)
 #define HMESH_ALWAYS_INLINE __forceinline
-#define HMESH_NEVER_INLINE __declspec(noinline)
 #else
 #define HMESH_ALWAYS_INLINE inline
+#endif
+#if defined(__GNUC__)
+#define HMESH_NEVER_INLINE __attribute__((noinline))
+#elif defined(_MSC_VER)
+#define HMESH_NEVER_INLINE __declspec(noinline)
+#else
 #define HMESH_NEVER_INLINE
 #endif
 
@@ -46,6 +53,7 @@ struct LaneBlock<4> {
 // The number of lanes that holds n values: 1, 2 or the next multiple of 4.
 constexpr int lanes_for(int n) { return n <= 2 ? n : (n + 3) / 4 * 4; }
 
+// Arithmetic is lane by lane; N is what lanes_for() gives.
 template <int N>
 struct Lanes {
     static_assert(N == lanes_for(N), "1, 2 or a multiple of 4 lanes");
@@ -56,11 +64,13 @@ struct Lanes {
     Block block[blocks];
 
     [[nodiscard]] static HMESH_ALWAYS_INLINE Lanes zero() { return Lanes{}; }
+    // This value in all lanes.
     [[nodiscard]] static HMESH_ALWAYS_INLINE Lanes all(double value) {
         Lanes r;
         for (int k = 0; k < blocks; ++k) r.block[k] = Block{} + value;
         return r;
     }
+    // N numbers from memory, which need not be aligned.
     [[nodiscard]] static HMESH_ALWAYS_INLINE Lanes load(const double* from) {
         Lanes r;
         std::memcpy(r.block, from, sizeof r.block);
@@ -73,7 +83,7 @@ struct Lanes {
             using Ints = std::int32_t __attribute__((vector_size(16)));
             for (int k = 0; k < blocks; ++k) {
                 Ints ints;
-                std::memcpy(&ints, from + 4 * k, sizeof ints);
+                std::memcpy(&ints, from + std::ptrdiff_t{4} * k, sizeof ints);
                 r.block[k] = __builtin_convertvector(ints, Block);
             }
             return r;
@@ -87,10 +97,12 @@ struct Lanes {
         if constexpr (width == 1) return block[i];
         else return block[i / width][i % width];
     }
+    // Lane i, 0 <= i < N.
     HMESH_ALWAYS_INLINE void set(int i, double value) {
         if constexpr (width == 1) block[i] = value;
         else block[i / width][i % width] = value;
     }
+    // N numbers to memory, which need not be aligned.
     HMESH_ALWAYS_INLINE void store(double* to) const { std::memcpy(to, block, sizeof block); }
 
     HMESH_ALWAYS_INLINE Lanes& operator+=(const Lanes& o) {
@@ -130,6 +142,7 @@ struct Lanes {
         return r;
     }
 
+    // Holds each lane to [low, high], low <= high.
     HMESH_ALWAYS_INLINE void clamp(double low, double high) {
 #if defined(__GNUC__)
         if constexpr (width > 1) {
@@ -154,6 +167,7 @@ struct Lanes {
     }
 };
 
+// The sum of the products, lane by lane.
 template <int N>
 [[nodiscard]] HMESH_ALWAYS_INLINE double dot(const Lanes<N>& a, const Lanes<N>& b) {
     return (a * b).sum();

@@ -53,12 +53,14 @@ class Monitor {
     Monitor(const Progress& progress, double samples, double peak) : progress_(progress), samples_(samples), peak_(peak) {}
 
     // Each returns whether to go on; once told to stop it stays so. These four are called between pieces of work.
+    // A stage begins: `stage` is a static name, the mesh has so many vertices and this energy.
     bool begin(const char* stage, std::size_t vertices, double energy) {
         info_.stage = stage;
         iterations_ = 0;
         residual_ = 0;
         return update(0, vertices, energy);
     }
+    // Within a stage: this fraction of it is done, in [0, 1].
     bool update(double fraction, std::size_t vertices, double energy) {
         expect(fraction, fraction);
         info_.vertices = vertices;
@@ -71,6 +73,7 @@ class Monitor {
         to_ = std::max(0.0, std::min(1.0, to));
         done_ = 0;
     }
+    // The stage ends, and its report is noted with what the mesh is now.
     bool end(std::size_t vertices, double energy) {
         energy = std::max(0.0, energy);  // rounding may leave less than nothing
         stages_.push_back({info_.stage, vertices, energy, psnr_of_energy(energy, samples_, peak_), iterations_, residual_});

@@ -8,6 +8,7 @@
 
 namespace hmesh {
 
+// What kind of thing went wrong.
 enum class Errc : std::uint8_t {
     ok,
     invalid_argument,     // a pointer, size, stride or option that means nothing

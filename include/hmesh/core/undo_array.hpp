@@ -45,10 +45,12 @@ class UndoArray {
         values_.resize(n);
     }
 
+    // Begins a transaction, or one within it: from here on old values are noted.
     [[nodiscard]] Mark mark() noexcept {
         recording_ = true;
         return {notes_.size(), values_.size()};
     }
+    // Brings all elements and the size back to what they were at that mark. O(edits since).
     void rollback(const Mark& to) {
         while (notes_.size() > to.notes) {
             values_[notes_.back().index] = notes_.back().old;

@@ -25,6 +25,7 @@
 
 namespace hmesh {
 
+// Options of AnnealingSchedule and AnnealingSweep.
 struct AnnealingOptions {
     int sweeps = 8;
     double temperature = 0.5;        // T at the start, in prices mu
@@ -52,6 +53,7 @@ class AnnealingSchedule {
         : options_(options), target_(static_cast<double>(target)), price_(options.start_price * mean_energy) {}
 
     [[nodiscard]] double price() const noexcept { return price_; }
+    // Of sweep 0, 1, ..: T in units of energy.
     [[nodiscard]] double temperature(int sweep) const noexcept {
         return options_.temperature * std::pow(1 - static_cast<double>(sweep) / options_.sweeps, options_.cooling) * price_;
     }
@@ -84,6 +86,7 @@ class AnnealingSweep {
         : mesh_(&mesh), options_(options), price_(price), temperature_(temperature), least_(5e-3 * price), range_(range),
           random_(random) {}
 
+    // Removals, insertions, flips and jumps, then two sweeps over the vertices that are due, with flips in between.
     AnnealingCounts run() {
         AnnealingCounts counts;
         counts.removed = remove_moves();

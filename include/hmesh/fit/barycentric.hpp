@@ -52,7 +52,7 @@ void for_each_span(Point a, Point b, Point c, Body&& body) {
     return rows;
 }
 
-// V: n_v by 2, where the vertices are; and I(V): n_v by C, their colours.
+// V: n_v by 2, where the vertices are.
 template <int C>
 [[nodiscard]] Eigen::MatrixXd position_matrix(const ImageMesh<C>& mesh) {
     Eigen::MatrixXd positions(static_cast<Eigen::Index>(mesh.vertex_count()), 2);
@@ -60,6 +60,7 @@ template <int C>
     for (const Vertex v : mesh.topology().vertices()) positions.row(row++) << mesh.position(v).x, mesh.position(v).y;
     return positions;
 }
+// I(V): n_v by C, their colours.
 template <int C>
 [[nodiscard]] Eigen::MatrixXd color_matrix(const ImageMesh<C>& mesh) {
     Eigen::MatrixXd colors(static_cast<Eigen::Index>(mesh.vertex_count()), C);

@@ -1,7 +1,7 @@
 // hmesh - budget: how many vertices each tile gets, and how a mesh comes to exactly n.
 //
-// Before there is a common price, tiles share the budget by the error of a mesh of equal density in each. A mesh that is near n already gets there by quotas: the cheapest removals wherever they are, or insertions in
-// proportion to the error.
+// Before there is a common price, tiles share the budget by the error of a mesh of equal density in each. A mesh that is
+// near n already gets there by quotas: the cheapest removals wherever they are, or insertions in proportion to the error.
 #ifndef HMESH_FIT_BUDGET_HPP
 #define HMESH_FIT_BUDGET_HPP
 

@@ -23,6 +23,7 @@
 
 namespace hmesh {
 
+// A half-edge along which its first vertex could go, and by how much the energy would rise.
 struct CollapseCandidate {
     Halfedge halfedge;  // invalid: the vertex cannot go
     double cost = std::numeric_limits<double>::infinity();

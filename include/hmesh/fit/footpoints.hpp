@@ -36,12 +36,15 @@ template <int C>
 struct LiftedPoint {
     Point position;
     Color<C> color;  // times the px that a unit of colour is worth; 0 in the lanes above C
+    // The difference of two points.
     [[nodiscard]] HMESH_ALWAYS_INLINE LiftedPoint minus(const LiftedPoint& o) const {
         return {{position.x - o.position.x, position.y - o.position.y}, color - o.color};
     }
+    // All coordinates by a factor.
     [[nodiscard]] HMESH_ALWAYS_INLINE LiftedPoint times(double factor) const {
         return {{position.x * factor, position.y * factor}, color * factor};
     }
+    // The inner product of all 2 + C coordinates.
     [[nodiscard]] HMESH_ALWAYS_INLINE double dot(const LiftedPoint& o) const {
         return position.x * o.position.x + position.y * o.position.y + (color * o.color).sum();
     }
@@ -53,6 +56,7 @@ struct LiftedPoint {
 template <int C>
 class LiftedFace {
   public:
+    // Of its corners.
     LiftedFace(const LiftedPoint<C>& a, const LiftedPoint<C>& b, const LiftedPoint<C>& c) : a_(a) {
         LiftedPoint<C> base = b.minus(a), other = c.minus(a);
         is_swapped_ = base.dot(base) < other.dot(other);

@@ -35,6 +35,7 @@ enum class StepRule : std::uint8_t {
     literal,      // all of it, halved only as long as faces would fold over; colours as solved for
 };
 
+// How a step is taken.
 struct GeometryStep {
     FootSearch search = FootSearch::own_face;
     StepRule rule = StepRule::safeguarded;

@@ -80,7 +80,7 @@ class ImageMesh {
     [[nodiscard]] const VertexState<C>& vertex(Vertex v) const noexcept { return vertices_[v.index()]; }
     [[nodiscard]] Point position(Vertex v) const noexcept { return vertex(v).position; }
     [[nodiscard]] const Color<C>& color(Vertex v) const noexcept { return vertex(v).color; }
-    [[nodiscard]] Point centroid(Face f) const noexcept {
+    [[nodiscard]] Point centroid(Face f) const noexcept {  // the mean of its corners
         const auto v = topology_.vertices(f);
         const Point a = position(v[0]), b = position(v[1]), c = position(v[2]);
         return {(a.x + b.x + c.x) / 3, (a.y + b.y + c.y) / 3};
@@ -104,17 +104,17 @@ class ImageMesh {
     [[nodiscard]] Pulse* pulse() const noexcept { return surroundings_.pulse; }
     void set_pulse(Pulse* pulse) noexcept { surroundings_.pulse = pulse; }
 
-    // The moments of a half-edge (those of its edge, with a sign), written to or added to `out`.
+    // The moments of a half-edge (those of its edge, with a sign), written to `out`.
     HMESH_ALWAYS_INLINE void moments(Halfedge h, Moments<C>& out) const {
         out = moments_[h.index() >> 1U];
         if ((h.index() & 1U) != 0) out *= -1.0;
     }
-    HMESH_ALWAYS_INLINE void add_moments(Halfedge h, Moments<C>& out) const {
+    HMESH_ALWAYS_INLINE void add_moments(Halfedge h, Moments<C>& out) const {  // the same, added
         const Moments<C>& m = moments_[h.index() >> 1U];
         if ((h.index() & 1U) != 0) out -= m;
         else out += m;
     }
-    void face_moments(Face f, Moments<C>& out) const {
+    void face_moments(Face f, Moments<C>& out) const {  // of the pixels of a face
         const Halfedge h = topology_.halfedge(f);
         moments(h, out);
         add_moments(topology_.next(h), out);
@@ -195,15 +195,15 @@ class ImageMesh {
         UndoArray<double>::Mark energies;
         double energy;
     };
-    [[nodiscard]] Mark begin() {
+    [[nodiscard]] Mark begin() {  // from here on changes can be undone
         ++depth_;
         return {topology_.begin(), vertices_.mark(), moments_.mark(), energies_.mark(), energy_};
     }
-    void commit(const Mark& mark) noexcept {
+    void commit(const Mark& mark) noexcept {  // keeps what was done since
         topology_.commit(mark.topology);
         close();
     }
-    void rollback(const Mark& mark) {
+    void rollback(const Mark& mark) {  // brings all back to what it was at that mark
         vertices_.rollback(mark.vertices);
         moments_.rollback(mark.moments);
         energies_.rollback(mark.energies);
@@ -224,13 +224,14 @@ class ImageMesh {
     // Vertices whose surroundings changed since they were last optimised; sweeps visit only these.
     [[nodiscard]] bool is_due(Vertex v) const noexcept { return visits_[v.index()] != 0; }
     void set_due(Vertex v, bool due) noexcept { visits_[v.index()] = due ? 1 : 0; }
-    void set_ring_due(Vertex v) noexcept {
+    void set_ring_due(Vertex v) noexcept {  // v and its neighbours
         set_due(v, true);
         for (const Halfedge h : topology_.outgoing(v)) set_due(topology_.to_vertex(h), true);
     }
 
     // Proves what this class promises: the topology's invariants, faces that turn the right way and tile what they tiled
-    // when assigned (the rectangle, unless the mesh is a patch), moments as walked afresh, energies as computed afresh (1e-9 relative). O(edges).
+    // when assigned (the rectangle, unless the mesh is a patch), moments as walked afresh, energies as computed afresh
+    // (1e-9 relative). O(edges).
     [[nodiscard]] Status check() const;
 
   private:

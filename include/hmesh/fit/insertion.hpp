@@ -32,6 +32,7 @@ struct InsertionCandidate {
     bool fits = false;  // whether the new faces are large enough
 };
 
+// Which candidates are considered, and how closely.
 struct InsertionOptions {
     bool faces = false;     // consider centroids of faces too
     bool may_move = false;  // one Gauss-Newton step before judging
@@ -51,6 +52,7 @@ void judge_candidate(const ImageMesh<C>& mesh, RingWork<C>& work, Mobility mobil
 
 }  // namespace detail
 
+// A vertex in the middle of e with its best colour and, if it may, moved by a step. `work` is overwritten.
 template <int C>
 [[nodiscard]] InsertionCandidate<C> edge_candidate(const ImageMesh<C>& mesh, RingWork<C>& work, Edge e, bool may_move) {
     const HalfedgeMesh& topology = mesh.topology();
@@ -92,6 +94,7 @@ template <int C>
     return candidate;
 }
 
+// The same at the centroid of f.
 template <int C>
 [[nodiscard]] InsertionCandidate<C> face_candidate(const ImageMesh<C>& mesh, RingWork<C>& work, Face f, bool may_move) {
     const HalfedgeMesh& topology = mesh.topology();
@@ -154,6 +157,7 @@ class InsertionSite {
     std::uint32_t code_ = 0;
 };
 
+// That of the site's edge or face.
 template <int C>
 [[nodiscard]] InsertionCandidate<C> candidate_at(const ImageMesh<C>& mesh, RingWork<C>& work, InsertionSite site, bool may_move) {
     return site.is_edge() ? edge_candidate(mesh, work, site.edge(), may_move) : face_candidate(mesh, work, site.face(), may_move);

@@ -41,8 +41,8 @@
 
 namespace hmesh {
 
-struct LinearLightOptions {
-    int iterations = 6;  // Gauss-Newton steps at most, >= 0; 0 measures only
+struct LinearLightOptions {  // options of fit_linear_light()
+    int iterations = 6;      // Gauss-Newton steps at most, >= 0; 0 measures only
     // A channel is done when a step lowers its error by less than this share: 1e-4 is 4e-4 dB.
     double least_gain = 1e-4;
     double ridge = MeshLimits().ridge;  // pixels, as MeshLimits has it
@@ -50,7 +50,7 @@ struct LinearLightOptions {
     ImageView<float, 1> weights;        // see image/weights.hpp; none: all pixels count the same
 };
 
-struct [[nodiscard]] LinearLightReport {
+struct [[nodiscard]] LinearLightReport {  // what it came to
     // Sums of squared differences in stored values over pixels and channels, times weights: of the colours as they came,
     // and as they are now. The latter is never the larger.
     double converted = 0, energy = 0;
@@ -151,9 +151,10 @@ class LinearLight {
         const Point a = position(mesh_, v[0].index()), b = position(mesh_, v[1].index()), c = position(mesh_, v[2].index());
         const double per_area = 1 / cross(a, b, c), per_peak = 1 / mesh_.peak;
         const double la = at.light[v[0].index()], lb = at.light[v[1].index()] - la, lc = at.light[v[2].index()] - la;
-        // A face of one colour shows that very colour.
+        // A face of one colour shows that very colour. Stored values are compared, not shares: they are exact, and stay so where
+        // the processor keeps more digits of some products than of others.
         const bool is_plain = lb == 0 && lc == 0;
-        const double plain = static_cast<double>(at.stored[v[0].index()]) * per_peak;
+        const double plain = static_cast<double>(at.stored[v[0].index()]);
         const double bx = (b.x - a.x) * per_area, by = (b.y - a.y) * per_area;
         const double cx = (c.x - a.x) * per_area, cy = (c.y - a.y) * per_area;
         double energy = 0, s00 = 0, s11 = 0, s22 = 0, s01 = 0, s12 = 0, s20 = 0, p0 = 0, p1 = 0, p2 = 0;
@@ -169,8 +170,8 @@ class LinearLight {
                 const double wa = 1 - wb - wc, light = la + wb * lb + wc * lc;
                 const double share = encoded ? linear_to_srgb(light) : light;
                 const double slope = encoded ? linear_to_srgb_slope(light, share) : 1;
-                const double shown = is_plain ? plain : share;
-                const double difference = shown - PixelTraits<T>::to_real(*sample) * per_peak;
+                const double shown = is_plain ? plain : share * mesh_.peak;
+                const double difference = (shown - PixelTraits<T>::to_real(*sample)) * per_peak;
                 const double weight = weights != nullptr ? scale_(weights[i - begin]) : 1;
                 const double square = weight * slope * slope, pull = -weight * slope * difference;
                 energy += weight * difference * difference;

@@ -37,6 +37,7 @@ struct Moments {
     Channels sy;  // y times these
     Lanes<4> q;   // x^2, xy, y^2, |I|^2
 
+    // Of no pixels.
     [[nodiscard]] static HMESH_ALWAYS_INLINE Moments zero() {
         return {Channels::zero(), Channels::zero(), Channels::zero(), Lanes<4>::zero()};
     }
@@ -102,7 +103,7 @@ HMESH_NEVER_INLINE void weighted_walk(const MomentTable<C>& table, Point a, Poin
     double x1 = 0, x2 = 0, xy = 0, yy = 0;
     if (first < last) {
         const RowCrossing crossing(a, b);
-        const double* entries = table.template entries<double>();
+        const auto* entries = table.template entries<double>();
         for (int j = first; j < last; ++j) {
             const std::size_t at = table.offset(crossing.column(j), j);
             const double* powers = table.powers(at);

@@ -9,11 +9,13 @@
 
 namespace hmesh {
 
+// The vertices, neighbours in the list mostly being neighbours in the plane. O(n).
 template <int C>
 [[nodiscard]] std::vector<Vertex> spatial_vertices(const ImageMesh<C>& mesh) {
     return in_spatial_order<Vertex>(mesh.topology().vertices(), mesh.vertex_count(), [&](Vertex v) { return mesh.position(v); });
 }
 
+// The faces, by their centroids.
 template <int C>
 [[nodiscard]] std::vector<Face> spatial_faces(const ImageMesh<C>& mesh) {
     return in_spatial_order<Face>(mesh.topology().faces(), mesh.topology().face_count(),
@@ -29,7 +31,7 @@ HMESH_ALWAYS_INLINE void for_each_edge(const HalfedgeMesh& topology, Face f, Bod
         if ((h.index() & 1U) == 0 || topology.is_boundary(HalfedgeMesh::opposite(h))) body(HalfedgeMesh::edge(h));
 }
 
-// Each edge once.
+// Each edge once, face by face.
 template <int C>
 [[nodiscard]] std::vector<Edge> spatial_edges(const ImageMesh<C>& mesh) {
     std::vector<Edge> edges;

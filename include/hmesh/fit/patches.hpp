@@ -230,7 +230,6 @@ class Patch {
     Patch& operator=(const Patch&) = delete;
 
     [[nodiscard]] ImageMesh<C>& mesh() noexcept { return mesh_; }
-    [[nodiscard]] const ImageMesh<C>& mesh() const noexcept { return mesh_; }
     // Gives its table away; the patch is of no more use.
     [[nodiscard]] MomentTable<C> take_table() noexcept { return std::move(table_); }
     [[nodiscard]] std::size_t vertex_count() const noexcept { return mesh_.vertex_count(); }

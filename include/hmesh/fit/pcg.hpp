@@ -18,11 +18,13 @@
 
 namespace hmesh {
 
+// When solve_pcg() stops.
 struct PcgOptions {
     int max_iterations = 200;
     double tolerance = 1e-10;  // of the residual, relative to the right-hand side
 };
 
+// How far solve_pcg() came.
 struct PcgReport {
     int iterations = 0;
     // max over columns of |b - A x| / |b|, computed from the x returned; both without the rows that are held, and b less what

@@ -20,6 +20,7 @@
 
 namespace hmesh {
 
+// A mesh, and what the removal of each vertex would cost.
 template <int C>
 class PointRemoval {
   public:

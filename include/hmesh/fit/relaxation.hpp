@@ -15,6 +15,7 @@
 
 namespace hmesh {
 
+// How much work goes into the surroundings of a change.
 struct Relaxation {
     int rounds = 2;       // a round that gains less than 1e-3 of a vertex's mean energy is the last
     double least = 5e-3;  // steps that promise less are not tried, in mean energies of a vertex

@@ -25,10 +25,12 @@ using Color = typename Moments<C>::Channels;
 // other patches too: neither its position nor its colour changes, and it is not removed.
 enum class Mobility : unsigned char { free, along_x, along_y, fixed, frozen };
 
-// Most half-edges around a vertex that an operator makes, and that a Ring holds.
+// Most half-edges around a vertex that an operator makes.
 inline constexpr int max_valence = 40;
+// Most that a Ring holds.
 inline constexpr int ring_capacity = 64;
 
+// What a vertex is, apart from its edges.
 template <int C>
 struct VertexState {
     Color<C> color;
@@ -59,6 +61,7 @@ struct FaceFit {
     double lx, ly;   // gradient of the hat function
     double squares;  // d = squares + rest.sum()
     Color<C> b, f1, f2, rest;
+    // With the centre of this colour.
     [[nodiscard]] HMESH_ALWAYS_INLINE double energy(const Color<C>& c) const {
         return squares + (rest + c * (a * c - 2.0 * b)).sum();
     }
@@ -149,6 +152,7 @@ struct Spokes {
     Moments<C> spoke[ring_capacity];
 };
 
+// Walks them all, from the centre at v.
 template <int C>
 HMESH_ALWAYS_INLINE void walk_spokes(const MomentTable<C>& table, const Ring<C>& ring, Point v, Spokes<C>& spokes) {
     for (int i = 0; i < ring.size; ++i) edge_moments(table, v, ring.neighbour[i]->position, spokes.spoke[i]);
@@ -194,15 +198,17 @@ template <int C>
     return c;
 }
 
+// What a step of the centre would be.
+struct RingStep {
+    double dx = 0, dy = 0;
+    double predicted = 0;  // the decrease of energy that the linear model expects to first order, >= 0
+};
+
 // The Gauss-Newton step of the centre with its colour eliminated, from the fit at colour c = best_color: with the
 // gradient of the picture g_t = (f1 + lx c, f2 + ly c) in face t,
 //     grad = -2 sum_t g_t (A_t c - b_t),     H = 2 [sum A_t g_t g_t' - (sum A_t g_t)(sum A_t g_t)' / sum A_t],
 // summed over channels; there are no terms from pixels that change sides, because the picture is continuous. H is damped
 // by 2 % of its trace (H is singular where the picture is flat in one direction). Half of grad and H are used.
-struct RingStep {
-    double dx = 0, dy = 0;
-    double predicted = 0;  // the decrease of energy that the linear model expects to first order, >= 0
-};
 template <int C>
 [[nodiscard]] HMESH_ALWAYS_INLINE RingStep gauss_newton_step(const Ring<C>& ring, const FaceFit<C>* faces, const RingFit<C>& fit,
                                                              const Color<C>& c, Mobility mobility) {

@@ -23,6 +23,7 @@ class Tiling {
     [[nodiscard]] std::size_t columns() const noexcept { return x_.size() - 1; }
     [[nodiscard]] std::size_t rows() const noexcept { return y_.size() - 1; }
     [[nodiscard]] std::size_t size() const noexcept { return columns() * rows(); }
+    // The pixels of a tile.
     [[nodiscard]] Rect rect(std::size_t tile) const noexcept {
         const std::size_t i = tile % columns(), j = tile / columns();
         return {x_[i], y_[j], x_[i + 1] - x_[i], y_[j + 1] - y_[j]};

@@ -16,6 +16,7 @@
 
 namespace hmesh {
 
+// How far and how often vertices are moved.
 struct VertexSearch {
     int first_step = 4;  // px
     int visits = 6;      // of a vertex

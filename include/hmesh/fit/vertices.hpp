@@ -47,6 +47,7 @@ struct RingWork {
     FaceFit<C> faces[ring_capacity], trial_faces[ring_capacity];
 };
 
+// What optimise_centre() did.
 enum class RingOutcome { degenerate, recolored, moved };
 
 // Optimises the centre of work.ring: `centre` holds position and colour on entry and the best found on return, with its

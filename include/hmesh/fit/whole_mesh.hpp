@@ -26,6 +26,7 @@ struct WholeMesh {
 
     [[nodiscard]] std::size_t vertex_count() const noexcept { return positions.size(); }
     [[nodiscard]] double mean_energy() const noexcept { return energy / static_cast<double>(vertex_count()); }
+    // A vertex that is due.
     void add(Point position, const Color<C>& color) {
         positions.push_back(position);
         colors.push_back(color);

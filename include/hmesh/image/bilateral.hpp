@@ -22,6 +22,7 @@
 
 namespace hmesh {
 
+// Options of bilateral_filter().
 struct BilateralOptions {
     int diameter = 9;         // of the window, px, in [1, 99]; its radius is diameter / 2 rounded down
     double sigma_color = 50;  // in 1/255 of the peak of the pixel type, > 0

@@ -21,11 +21,10 @@
 #define HMESH_UNROLL
 #endif
 
-namespace hmesh {
-namespace detail {
+namespace hmesh::detail {
 
-// Neighbouring pixels of one channel, as many as a register holds. One at a time where the compiler has no vectors.
-#if defined(__GNUC__)
+// Neighbouring pixels of one channel, as many as a register holds. One at a time where compiler or processor has no vectors.
+#if defined(__GNUC__) && (defined(__SSE__) || !defined(__i386__))
 #if defined(__AVX2__)
 inline constexpr int float_lanes = 8;
 #else
@@ -155,7 +154,7 @@ class BilateralTile {
           sums_(static_cast<std::size_t>((C + 1) * width_ * max_height)) {
         std::size_t kept = 0, most = 0;
         for (const BilateralWindow::Pair& pair : window.pairs()) {
-            const std::size_t rows = static_cast<std::size_t>((pair.dy + 1) * stride_);
+            const auto rows = static_cast<std::size_t>((pair.dy + 1) * stride_);
             if (kept + rows > max_kept) kept = 0;
             taps_.push_back({pair, kept, pair.dy * stride_ + pair.dx, nullptr, nullptr});
             kept += rows;
@@ -170,7 +169,7 @@ class BilateralTile {
         const auto weights = sums_.begin() + static_cast<std::ptrdiff_t>(C) * width_ * max_height;
         std::fill(sums_.begin(), weights, 0.0F);
         std::fill(weights, sums_.end(), 1.0F);  // of the centre
-        for (Tap *begin = taps_.data(), *last = begin + taps_.size(), *end; begin < last; begin = end) {
+        for (Tap *begin = taps_.data(), *last = begin + taps_.size(), *end = begin; begin < last; begin = end) {
             for (end = begin + 1; end < last && end->kept > 0;) ++end;
             for (int y = -end[-1].pair.dy; y < rect.height; ++y) {
                 for (Tap* tap = begin; tap < end; ++tap)
@@ -191,7 +190,7 @@ class BilateralTile {
     };
 
     [[nodiscard]] const float* samples(int y) const noexcept { return samples_.data() + (y + radius_) * stride_ + radius_; }
-    [[nodiscard]] float* sums(int y) noexcept { return sums_.data() + y * width_; }
+    [[nodiscard]] float* sums(int y) noexcept { return sums_.data() + static_cast<std::ptrdiff_t>(y) * width_; }
 
     void load(const ImageView<T, C>& view, const Rect& rect) {
         for (std::ptrdiff_t x = 0; x < stride_; ++x)
@@ -282,9 +281,7 @@ class BilateralTile {
     std::vector<Tap> taps_;
 };
 
-}  // namespace detail
-
-}  // namespace hmesh
+}  // namespace hmesh::detail
 
 #undef HMESH_UNROLL
 

@@ -1,7 +1,8 @@
 // hmesh - ImageSource: an image of any pixel type as a maker of moment tables.
 //
 // Methods work patch by patch, and each patch has a table of its own rectangle (image/moment_table.hpp). They need not
-// know what the samples are, nor whether pixels have weights: this class is the last to know, so that all above it depends on the number of channels alone.
+// know what the samples are, nor whether pixels have weights: this class is the last to know, so that all above it depends
+// on the number of channels alone.
 #ifndef HMESH_IMAGE_IMAGE_SOURCE_HPP
 #define HMESH_IMAGE_IMAGE_SOURCE_HPP
 

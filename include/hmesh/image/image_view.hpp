@@ -60,6 +60,7 @@ struct PixelTraits<float> {
     static constexpr double highest = std::numeric_limits<float>::max();
     static constexpr bool is_integer = false;
     static double to_real(float value) noexcept { return static_cast<double>(value); }
+    // Held to the finite floats; NaN becomes the lowest.
     static float from_real(double value) noexcept {
         return static_cast<float>(value > lowest ? (value < highest ? value : highest) : lowest);
     }
@@ -79,6 +80,7 @@ struct ImageView {
     int width = 0, height = 0;
     std::ptrdiff_t row_stride = 0;
 
+    // The first sample of row y.
     [[nodiscard]] const T* row(int y) const noexcept {
         const std::ptrdiff_t packed = static_cast<std::ptrdiff_t>(width) * C * static_cast<std::ptrdiff_t>(sizeof(T));
         const auto* bytes = reinterpret_cast<const unsigned char*>(data) + (row_stride != 0 ? row_stride : packed) * y;
@@ -124,11 +126,14 @@ template <class T, int C>
     const std::int64_t pixels = std::int64_t{view.width} * view.height;
     if (pixels > max_pixels) return {Errc::image_too_large, "the image has too many pixels", pixels, max_pixels};
     if (view.data == nullptr) return {Errc::invalid_argument, "the image's data pointer is null", 0, 0};
-    constexpr std::int64_t longest = std::int64_t{1} << 46U;  // times max_side rows it fits a pointer difference
+    // Where a row begins is a pointer difference, which has 32 bits on some machines.
+    constexpr std::int64_t farthest = std::numeric_limits<std::ptrdiff_t>::max();
+    const std::int64_t longest = farthest / view.height;
     if (view.row_stride < -longest || view.row_stride > longest)
         return {Errc::invalid_argument, "the row stride is absurdly long, in bytes", view.row_stride, longest};
     const std::int64_t packed = std::int64_t{view.width} * C * static_cast<std::int64_t>(sizeof(T));
     const std::int64_t stride = view.row_stride < 0 ? -std::int64_t{view.row_stride} : std::int64_t{view.row_stride};
+    if (packed > longest) return {Errc::image_too_large, "the image has too many bytes", packed * view.height, farthest};
     if (stride != 0 && stride < packed)
         return {Errc::invalid_argument, "the row stride is smaller than a row of pixels, in bytes", stride, packed};
     if (stride % static_cast<std::int64_t>(alignof(T)) != 0)

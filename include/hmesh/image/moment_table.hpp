@@ -84,6 +84,7 @@ class MomentTable {
     [[nodiscard]] int height() const noexcept { return height_; }
     [[nodiscard]] bool is_narrow() const noexcept { return narrow_; }  // 32-bit integers or doubles?
     [[nodiscard]] bool is_weighted() const noexcept { return weighted_; }
+    // The memory of its arrays.
     [[nodiscard]] std::size_t bytes() const noexcept {
         if (narrow_) return size_ * sizeof(std::int32_t);
         if (!weighted_) return size_ * sizeof(double);
@@ -112,12 +113,13 @@ class MomentTable {
         return weighted_ ? wide_entries_[offset(x + 1, y) + C] - wide_entries_[offset(x, y) + C] : 1.0;
     }
 
-    // Where entries of type N (std::int32_t if is_narrow(), else double) begin, and the offset of one in numbers.
+    // Where entries of type N (std::int32_t if is_narrow(), else double) begin.
     template <class N>
     [[nodiscard]] HMESH_ALWAYS_INLINE const N* entries() const noexcept {
         if constexpr (sizeof(N) == sizeof(std::int32_t)) return narrow_entries_.get();
         else return wide_entries_.get();
     }
+    // Of entry (x, y), 0 <= x <= width, 0 <= y < height, in numbers.
     [[nodiscard]] HMESH_ALWAYS_INLINE std::size_t offset(int x, int y) const noexcept {
         return static_cast<std::size_t>(x / strip_width) * strip_size_ +
                static_cast<std::size_t>(y * strip_width + x % strip_width) * entry_size;

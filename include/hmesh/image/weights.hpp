@@ -72,6 +72,7 @@ template <class ParallelFor = SerialFor>
 // exact then too. Weights below half a step count as 0.
 class WeightScale {
   public:
+    // `unit`: see weight_unit(); width and height those of the image.
     WeightScale(double unit, int width, int height) noexcept {
         const double w = width, h = height, rows = std::min(32, height);
         int bits = 0;  // of the largest sum

@@ -13,8 +13,7 @@
 #include "hmesh/core/status.hpp"
 #include "hmesh/mesh/mesh_view.hpp"
 
-namespace hmesh {
-namespace detail {
+namespace hmesh::detail {
 
 // Whether a mesh is one of grey, RGB or RGBA that can be turned to y up. O(n).
 [[nodiscard]] inline Status check_for_export(const MeshView& mesh) noexcept {
@@ -40,7 +39,6 @@ namespace detail {
     return {share(0), share(1), share(2), mesh.channels == 4 ? share(3) : 1.0};
 }
 
-}  // namespace detail
-}  // namespace hmesh
+}  // namespace hmesh::detail
 
 #endif  // HMESH_IO_COLOR_SHARES_HPP

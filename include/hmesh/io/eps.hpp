@@ -23,6 +23,7 @@
 
 namespace hmesh {
 
+// Options of write_eps().
 struct EpsOptions {
     Deflate deflate = nullptr;  // compresses the mesh (shading_stream.hpp); none: it is written as it is
     void* deflate_user = nullptr;

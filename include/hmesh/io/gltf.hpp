@@ -32,6 +32,7 @@
 
 namespace hmesh {
 
+// Options of write_glb().
 struct GltfOptions {
     // The length of the image's longer side, in units, which glTF takes for metres; 0: a pixel is a unit. A metre is about
     // what editors make of a picture; with a pixel a unit a photo is kilometres wide, beyond what their cameras see at
@@ -241,11 +242,11 @@ Status write_glb(const MeshView& source, Sink&& sink, const GltfOptions& options
     writer.text("glTF");
     writer.u32(2);
     writer.u32(static_cast<std::uint32_t>(layout.file_bytes()));
-    writer.u32(static_cast<std::uint32_t>(layout.padded(layout.json_bytes)));
+    writer.u32(static_cast<std::uint32_t>(detail::GlbLayout::padded(layout.json_bytes)));
     writer.text("JSON");
     detail::write_gltf_json(writer, layout, mesh.channels == 4);
     detail::pad(writer, layout.json_bytes, ' ');
-    writer.u32(static_cast<std::uint32_t>(layout.padded(layout.binary_bytes())));
+    writer.u32(static_cast<std::uint32_t>(detail::GlbLayout::padded(layout.binary_bytes())));
     writer.bytes("BIN", 4);  // with its zero
     detail::write_glb_positions(writer, mesh, layout);
     detail::write_glb_colors(writer, mesh, options.colors_are_linear);

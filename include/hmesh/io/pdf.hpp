@@ -28,6 +28,7 @@
 
 namespace hmesh {
 
+// Options of write_pdf().
 struct PdfOptions {
     Deflate deflate = nullptr;  // compresses the mesh (shading_stream.hpp); none: it is written as it is
     void* deflate_user = nullptr;

@@ -22,6 +22,7 @@
 
 namespace hmesh {
 
+// Options of write_ply().
 struct PlyOptions {
     bool ascii = false;  // numbers as text, with the digits that give the same floats: about 1.7 times the size
     // `property float`, 1 being the peak: nothing is rounded, and values outside [0, peak] stay there, so that a program can

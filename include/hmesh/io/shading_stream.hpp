@@ -52,7 +52,7 @@ struct ShadingLayout {
     constexpr std::size_t most = ((std::size_t{1} << 31U) - 1) / 45;
     if (mesh.face_count > most)
         return {Errc::invalid_argument, "the mesh has more faces than a shading holds",
-                static_cast<std::int64_t>(std::min<std::size_t>(mesh.face_count, std::numeric_limits<std::int64_t>::max())),
+                static_cast<std::int64_t>(std::min<std::uint64_t>(mesh.face_count, std::numeric_limits<std::int64_t>::max())),
                 static_cast<std::int64_t>(most)};
     if (mesh.channels == 2) return {Errc::invalid_argument, "a shading holds 1, 3 or 4 channels", 2, 0};
     if (mesh.width < 1) return {Errc::invalid_argument, "the mesh's width must be at least 1", mesh.width, 1};

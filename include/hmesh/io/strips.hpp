@@ -18,8 +18,7 @@
 
 #include "hmesh/mesh/mesh_view.hpp"
 
-namespace hmesh {
-namespace detail {
+namespace hmesh::detail {
 
 struct StripVertex {
     std::uint32_t vertex;
@@ -167,7 +166,6 @@ class StripWalk {
     return out;
 }
 
-}  // namespace detail
-}  // namespace hmesh
+}  // namespace hmesh::detail
 
 #endif  // HMESH_IO_STRIPS_HPP

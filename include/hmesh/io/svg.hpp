@@ -34,8 +34,10 @@
 
 namespace hmesh {
 
+// How faces are filled, see above: the best gradient, exactly, or with one colour.
 enum class SvgKind : std::uint8_t { gradient, exact, flat };
 
+// Options of write_svg().
 struct SvgOptions {
     SvgKind kind = SvgKind::gradient;
     bool wireframe = false;  // all edges over it, thin, white and half transparent, as wide at any zoom

@@ -11,17 +11,20 @@
 
 namespace hmesh {
 
+// A place in the plane of the image, in px.
 struct Point {
     double x = 0, y = 0;
     friend constexpr bool operator==(Point a, Point b) noexcept { return a.x == b.x && a.y == b.y; }
     friend constexpr bool operator!=(Point a, Point b) noexcept { return !(a == b); }
 };
 
+// Half way from a to b.
 [[nodiscard]] constexpr Point midpoint(Point a, Point b) noexcept { return {0.5 * (a.x + b.x), 0.5 * (a.y + b.y)}; }
 
 // Positions of a mesh live on a grid of 1/256 px: exact in float, the sub-pixel grid of GPUs, and fine enough to cost no
 // fidelity (rounding to 1/16 px would cost 0.02 dB). Coordinates are >= 0.
 inline constexpr double grid_steps = 256;
+// To the nearest place of that grid; halves go up. x in [0, 2^23).
 [[nodiscard]] HMESH_ALWAYS_INLINE double snap(double x) noexcept {
     return static_cast<double>(static_cast<int>(x * grid_steps + 0.5)) * (1 / grid_steps);
 }
@@ -84,6 +87,7 @@ namespace detail {
 struct Barycentric {
     double a = 0, b = 0, c = 0;
 };
+// Of p, which may lie outside.
 [[nodiscard]] inline Barycentric barycentric(Point a, Point b, Point c, Point p) noexcept {
     const double area = cross(a, b, c);
     const double wb = cross(a, p, c) / area, wc = cross(a, b, p) / area;
@@ -109,8 +113,10 @@ struct Barycentric {
 // rows are multiples of 2^-8 / (2^8 d) px, at least 2^-32 px for the longest.
 class RowCrossing {
   public:
+    // Of the edge from a down to b.
     HMESH_ALWAYS_INLINE RowCrossing(Point a, Point b) noexcept
         : slope_((b.x - a.x) / (b.y - a.y)), start_y_(a.y - 0.5), start_x_(a.x + (0.5 - 1.0 / 8589934592.0)) {}
+    // For first_row(a.y) <= j < first_row(b.y).
     [[nodiscard]] HMESH_ALWAYS_INLINE int column(int j) const noexcept {
         return static_cast<int>(start_x_ + (static_cast<double>(j) - start_y_) * slope_);
     }

@@ -24,7 +24,7 @@
 
 namespace hmesh {
 
-using Triangle = std::array<std::uint32_t, 3>;
+using Triangle = std::array<std::uint32_t, 3>;  // indices of its corners
 
 class HalfedgeMesh {
   public:
@@ -46,12 +46,11 @@ class HalfedgeMesh {
     [[nodiscard]] bool is_deleted(Edge e) const noexcept { return halfedges_[2 * e.index()].deleted(); }
     [[nodiscard]] bool is_deleted(Face f) const noexcept { return faces_[f.index()].deleted(); }
 
-    // Live elements in the order of their indices: for (Vertex v : mesh.vertices()).
     template <class Element>
     class Range;
-    [[nodiscard]] Range<Vertex> vertices() const noexcept;
-    [[nodiscard]] Range<Edge> edges() const noexcept;
-    [[nodiscard]] Range<Face> faces() const noexcept;
+    [[nodiscard]] Range<Vertex> vertices() const noexcept;  // live ones in the order of their indices, for range-based loops
+    [[nodiscard]] Range<Edge> edges() const noexcept;       // live edges, likewise
+    [[nodiscard]] Range<Face> faces() const noexcept;       // live faces, likewise
 
     // --- navigation ---
     [[nodiscard]] static Halfedge opposite(Halfedge h) noexcept { return Halfedge(h.index() ^ 1U); }
@@ -72,17 +71,17 @@ class HalfedgeMesh {
     }
     [[nodiscard]] bool is_boundary(Halfedge h) const noexcept { return !face(h).is_valid(); }
     [[nodiscard]] bool is_boundary(Vertex v) const noexcept { return is_boundary(halfedge(v)); }
-    [[nodiscard]] bool is_boundary(Edge e) const noexcept {
+    [[nodiscard]] bool is_boundary(Edge e) const noexcept {  // whether it has one face
         return is_boundary(halfedge(e)) || is_boundary(opposite(halfedge(e)));
     }
-    [[nodiscard]] std::array<Vertex, 3> vertices(Face f) const noexcept {
+    [[nodiscard]] std::array<Vertex, 3> vertices(Face f) const noexcept {  // from that on which halfedge(f) begins
         const Halfedge h = halfedge(f);
         return {from_vertex(h), to_vertex(h), to_vertex(next(h))};
     }
-    // The half-edges that leave v, each once, against the orientation of the faces, the boundary one first.
     class OneRing;
+    // The half-edges that leave v, each once, against the orientation of the faces, the boundary one first.
     [[nodiscard]] OneRing outgoing(Vertex v) const noexcept;
-    [[nodiscard]] int valence(Vertex v) const noexcept {
+    [[nodiscard]] int valence(Vertex v) const noexcept {  // the number of its edges
         int count = 0;
         Halfedge h = halfedge(v);
         do {
@@ -117,11 +116,11 @@ class HalfedgeMesh {
 
     // --- transactions; they nest, the inner ends first ---
     struct Mark;
-    [[nodiscard]] Mark begin();
-    void commit(const Mark& mark) noexcept;
-    void rollback(const Mark& mark);
+    [[nodiscard]] Mark begin();              // from here on changes can be undone
+    void commit(const Mark& mark) noexcept;  // keeps what was done since
+    void rollback(const Mark& mark);         // brings all back to what it was at that mark, handles included
 
-    void reserve(std::size_t vertices) {
+    void reserve(std::size_t vertices) {  // memory for so many vertices
         vertices_.reserve(vertices);
         halfedges_.reserve(6 * vertices);
         faces_.reserve(2 * vertices);
@@ -189,13 +188,13 @@ class HalfedgeMesh {
     int depth_ = 0;
 };
 
-struct HalfedgeMesh::Mark {
+struct HalfedgeMesh::Mark {  // where a transaction began
     UndoArray<HalfedgeSlot>::Mark halfedges;
     UndoArray<Slot>::Mark vertices, faces;
     Counts counts;
 };
 
-template <class Element>
+template <class Element>  // what vertices(), edges() and faces() give
 class HalfedgeMesh::Range {
   public:
     Range(const HalfedgeMesh& mesh, std::size_t slots) noexcept : mesh_(&mesh), slots_(slots) {}
@@ -228,7 +227,7 @@ class HalfedgeMesh::Range {
     std::size_t slots_;
 };
 
-class HalfedgeMesh::OneRing {
+class HalfedgeMesh::OneRing {  // what outgoing() gives
   public:
     OneRing(const HalfedgeMesh& mesh, Halfedge first) noexcept : mesh_(&mesh), first_(first) {}
     class Iterator {

@@ -24,9 +24,13 @@ class Handle {
     std::uint32_t index_ = none;
 };
 
+// A vertex of a mesh.
 using Vertex = Handle<struct VertexKind>;
+// One of the two directions of an edge.
 using Halfedge = Handle<struct HalfedgeKind>;
+// An edge of a mesh: two half-edges.
 using Edge = Handle<struct EdgeKind>;
+// A triangle of a mesh.
 using Face = Handle<struct FaceKind>;
 
 }  // namespace hmesh

@@ -16,6 +16,7 @@
 
 namespace hmesh {
 
+// A mesh in somebody else's memory, which outlives the view.
 struct MeshView {
     const float* positions = nullptr;  // 2 a vertex
     const float* colors = nullptr;     // `channels` a vertex
@@ -29,6 +30,7 @@ struct MeshView {
     bool premultiplied = false;
 };
 
+// A mesh with C channels that owns its arrays; they mean what the view's mean.
 template <int C>
 struct Mesh {
     std::vector<float> positions;
@@ -40,6 +42,7 @@ struct Mesh {
 
     [[nodiscard]] std::size_t vertex_count() const noexcept { return positions.size() / 2; }
     [[nodiscard]] std::size_t face_count() const noexcept { return faces.size(); }
+    // Valid until the arrays change.
     [[nodiscard]] MeshView view() const noexcept {
         return {positions.data(), colors.data(), faces.data(), vertex_count(), face_count(), C, width,
                 height,           peak,          premultiplied};

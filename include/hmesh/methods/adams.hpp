@@ -24,6 +24,7 @@
 
 namespace hmesh {
 
+// Options of the method `adams`, and of those that begin with it.
 struct AdamsOptions {
     // Points before the removal, in units of the target, as far as there are pixels. They cost time in proportion: Lena at 1 %
     // has 27.06 dB with 2, 28.05 with 4.5, 28.21 with 8; Fruits 26.29, 27.14 and 27.06.

@@ -187,7 +187,7 @@ class Annealed {
         const AnnealingOptions& annealing = options_.annealing;
         AnnealingSchedule schedule(annealing, n_, work_->mean_energy());
         for (int k = 0; k < annealing.sweeps; ++k) {
-            const double total = static_cast<double>(work_->vertex_count()), target = static_cast<double>(n_);
+            const auto total = static_cast<double>(work_->vertex_count()), target = static_cast<double>(n_);
             const Tiling phase = tiling(k + 1);
             std::vector<AnnealingCounts> counts(phase.size());
             const double band = annealing.band * (1 - static_cast<double>(k) / annealing.sweeps);

@@ -19,6 +19,7 @@ enum class Effort : std::uint8_t {
     best,    // 1000 sweeps
 };
 
+// Options of the method `annealed`. What differs between efforts is set by annealed_options().
 struct AnnealedOptions {
     double overshoot = 3;     // o: vertices placed before the collapse, in units of the target; 1 for none
     double undershoot = 1;    // u: vertices that the collapse leaves, in units of the target

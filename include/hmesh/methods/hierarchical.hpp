@@ -81,8 +81,8 @@ bool alternate(Patchwork<C, ParallelFor>& work, const HierarchicalOptions& optio
 
 }  // namespace detail
 
-// Makes a mesh of n vertices, 4 <= n <= max(4, pixels), of the image that work is of. `coarse`: the levels from 1 to N - 1, of the
-// same size. False: cancelled; the mesh is valid but may have another count.
+// Makes a mesh of n vertices, 4 <= n <= max(4, pixels), of the image that work is of. `coarse`: the levels from 1 to N - 1,
+// of the same size. False: cancelled; the mesh is valid but may have another count.
 template <int C, class ParallelFor>
 [[nodiscard]] bool hierarchical(Patchwork<C, ParallelFor>& work, const std::vector<ImageSource<C>>& coarse, std::size_t n,
                                 const HierarchicalOptions& options) {

@@ -55,6 +55,7 @@ struct Target {
     [[nodiscard]] static Target psnr(double decibel) noexcept { return {Kind::psnr, decibel}; }
 };
 
+// All that mesh_image() can be told. Each has a default that is good for photographs; set by name what you want otherwise.
 struct Options {
     Target target;
     Method method = Method::annealed;

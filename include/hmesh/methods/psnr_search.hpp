@@ -54,7 +54,7 @@ template <class MeshOf>
             stride = std::min(3.0, std::max(needed, 2 * stride));
             log_n = run.log_n + (last_side ? -stride : stride);
         }
-        std::size_t n = static_cast<std::size_t>(std::llround(std::exp2(log_n)));
+        auto n = static_cast<std::size_t>(std::llround(std::exp2(log_n)));
         n = std::max<std::size_t>(low.n != 0 ? low.n + 1 : 4, std::min(n, high.n != 0 ? high.n - 1 : most));
 
         auto result = mesh_of(n);

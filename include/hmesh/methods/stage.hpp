@@ -12,6 +12,7 @@
 
 namespace hmesh {
 
+// The status of work that the progress callback stopped.
 [[nodiscard]] inline Status cancelled_by_callback() noexcept {
     return {Errc::cancelled, "cancelled by the progress callback", 0, 0};
 }

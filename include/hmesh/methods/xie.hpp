@@ -18,6 +18,7 @@
 
 namespace hmesh {
 
+// Options of the method `xie`.
 struct XieOptions {
     AdamsOptions start;
     VertexSearch search;

@@ -1,0 +1,100 @@
+# hmesh_add_meshes(): images become meshes when a project is built, and again when an image, an option or hmesh changes.
+#
+#   hmesh_add_meshes(<target>
+#       SOURCES <image>...                           seen from the current source directory
+#       [RATE <percent> | VERTICES <n> | PSNR <dB>]  how many vertices each mesh has; default RATE 1
+#       [FORMAT <ending>...]                         ply (default), obj, glb, pdf, eps, svg, html; several at once
+#       [EFFORT <name>]                              draft, fast, normal (default) or best
+#       [OUTPUT_DIRECTORY <directory>]               default: <target> in the current binary directory
+#       [OPTIONS <option>...])                       more of `hmesh --help`; names of files should be absolute
+#
+# adds the target <target>, built by default, which makes <directory>/<name of the image>.<ending> of each image. Its property
+# HMESH_FILES lists the files. add_dependencies(app <target>) makes them before app. Where images are made by commands of the
+# same directory, these run first.
+#
+# What OPTIONS names, such as --weights "${CMAKE_CURRENT_SOURCE_DIR}/mask.png", is watched too: the command writes depfiles,
+# which the generators of Ninja and of makefiles read. Each image is meshed on one thread, so that the build may run many at
+# once; the bytes are the same for any number of threads.
+#
+# The command is the variable HMESH_COMMAND, or the one that hmesh's own build makes (HMESH_BUILD_COMMAND), or the program
+# `hmesh` that was installed with the package or is on the path. When cross-compiling it is one of the host.
+
+function(hmesh_add_meshes target)
+    cmake_parse_arguments(PARSE_ARGV 1 arg "" "RATE;VERTICES;PSNR;EFFORT;OUTPUT_DIRECTORY" "SOURCES;FORMAT;OPTIONS")
+    if(NOT arg_SOURCES)
+        message(FATAL_ERROR "hmesh_add_meshes(${target}): SOURCES names no image")
+    elseif(DEFINED arg_UNPARSED_ARGUMENTS)
+        message(FATAL_ERROR "hmesh_add_meshes(${target}): unknown arguments ${arg_UNPARSED_ARGUMENTS}")
+    elseif(DEFINED arg_KEYWORDS_MISSING_VALUES)
+        message(FATAL_ERROR "hmesh_add_meshes(${target}): a value is missing after ${arg_KEYWORDS_MISSING_VALUES}")
+    endif()
+
+    set(options --quiet)
+    set(goals "")
+    foreach(goal IN ITEMS RATE VERTICES PSNR EFFORT)
+        if(DEFINED arg_${goal})
+            string(TOLOWER ${goal} option)
+            list(APPEND options --${option} "${arg_${goal}}")
+            list(APPEND goals ${goal})
+        endif()
+    endforeach()
+    list(REMOVE_ITEM goals EFFORT)
+    list(LENGTH goals count)
+    if(count GREATER 1)
+        list(JOIN goals " and " goals)
+        message(FATAL_ERROR "hmesh_add_meshes(${target}): ${goals} cannot both be given")
+    endif()
+    if(NOT "--threads" IN_LIST arg_OPTIONS)
+        list(APPEND options --threads 1)
+    endif()
+    if(NOT arg_FORMAT)
+        set(arg_FORMAT ply)
+    endif()
+    set(directory "${CMAKE_CURRENT_BINARY_DIR}/${target}")
+    if(arg_OUTPUT_DIRECTORY)
+        get_filename_component(directory "${arg_OUTPUT_DIRECTORY}" ABSOLUTE BASE_DIR "${CMAKE_CURRENT_BINARY_DIR}")
+    endif()
+    hmesh_find_command(command)
+
+    set(files "")
+    foreach(source IN LISTS arg_SOURCES)
+        get_filename_component(image "${source}" ABSOLUTE)
+        get_filename_component(name "${image}" NAME_WLE)
+        set(outputs "")
+        foreach(format IN LISTS arg_FORMAT)
+            list(APPEND outputs "${directory}/${name}.${format}")
+        endforeach()
+        list(GET outputs 0 first)
+        if(first IN_LIST files)
+            message(FATAL_ERROR "hmesh_add_meshes(${target}): two images are named ${name}, and both would become ${first}")
+        endif()
+        list(TRANSFORM outputs PREPEND "--output;" OUTPUT_VARIABLE outputs_options)
+        add_custom_command(
+            OUTPUT ${outputs}
+            COMMAND "${CMAKE_COMMAND}" -E make_directory "${directory}"
+            COMMAND ${command} "${image}" ${outputs_options} ${options} ${arg_OPTIONS} --depfile "${directory}/${name}.d"
+            DEPENDS "${image}" ${command}
+            DEPFILE "${directory}/${name}.d"
+            COMMENT "Meshing ${name}"
+            VERBATIM)
+        list(APPEND files ${outputs})
+    endforeach()
+    add_custom_target(${target} ALL DEPENDS ${files})
+    set_target_properties(${target} PROPERTIES HMESH_FILES "${files}")
+endfunction()
+
+# The command, as COMMAND and DEPENDS of add_custom_command want it, in the variable <result>.
+function(hmesh_find_command result)
+    if(NOT HMESH_COMMAND AND TARGET hmesh_command)
+        set(${result} hmesh_command PARENT_SCOPE)
+        return()
+    endif()
+    find_program(HMESH_COMMAND hmesh DOC "The command hmesh, which turns images into meshes"
+                 HINTS "${CMAKE_CURRENT_FUNCTION_LIST_DIR}/../../../bin"       # from share/cmake/hmesh
+                       "${CMAKE_CURRENT_FUNCTION_LIST_DIR}/../../tools/hmesh") # from share/hmesh, where vcpkg moves it
+    if(NOT HMESH_COMMAND)
+        message(FATAL_ERROR "hmesh_add_meshes() needs the command hmesh: set HMESH_BUILD_COMMAND to ON where hmesh is a "
+                            "subdirectory, or install hmesh with it, or set HMESH_COMMAND to its path")
+    endif()
+    set(${result} "${HMESH_COMMAND}" PARENT_SCOPE)
+endfunction()

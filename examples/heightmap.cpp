@@ -1,0 +1,146 @@
+// heightmap - terrain as triangles: one 16-bit channel of heights becomes an OBJ model, its vertices where the ground bends.
+//
+// usage: heightmap FILE.obj [HEIGHTS.png|pgm]        without HEIGHTS: an island of its own
+//
+// The colour that hmesh fits to each vertex is its height; where vertices lie, and which triangles join them, is chosen so that
+// the squared error of the heights is least. A grid of squares with as many vertices is the usual terrain: its error is
+// printed beside that of the mesh.
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <cstdio>
+#include <string>
+#include <vector>
+
+#include "hmesh/mesh_image.hpp"
+#include "hmesh/render.hpp"
+#include "image_file.hpp"
+#include "output_file.hpp"
+
+namespace {
+
+using Heights = hmesh::Image<std::uint16_t, 1>;
+
+constexpr double relief = 0.15;  // full height (65535) as a share of the terrain's width
+
+// A mountain ridge that sinks into a flat sea; ravines by folded waves of ever shorter length.
+Heights draw_island(int width, int height) {
+    Heights heights(width, height);
+    for (int y = 0; y < height; ++y)
+        for (int x = 0; x < width; ++x) {
+            const double u = (x + 0.5) / width - 0.5, v = (y + 0.5) / height - 0.5;
+            double ground = 0.75 - 2.4 * std::hypot(u, v) + 0.25 * std::exp(-60 * (u + v) * (u + v));
+            double a = 9 * u + 2, b = 9 * v + 1;
+            for (double size = 0.12; size > 0.004; size *= 0.5) {
+                ground += size * (1 - 2 * std::fabs(std::sin(a + 1.3 * std::sin(b))));
+                const double turned = 1.6 * a + 1.2 * b;
+                b = 1.6 * b - 1.2 * a + 1;
+                a = turned;
+            }
+            *heights.pixel(x, y) = static_cast<std::uint16_t>(65535 * std::clamp(ground, 0.0, 1.0));
+        }
+    return heights;
+}
+
+// Returns "" or what is wrong with the file. An image of 8 bits is stretched to 16.
+std::string read_heights(const std::string& path, Heights& heights) {
+    example::ImageFile file;
+    if (const std::string why = example::read_image(path, file); !why.empty()) return why;
+    if (file.channels != 1) return "it has " + std::to_string(file.channels) + " channels, not one of heights";
+    heights = Heights(file.width, file.height);
+    if (file.bits == 16) heights.samples() = file.samples16;
+    else
+        for (std::size_t i = 0; i < file.samples8.size(); ++i)
+            heights.samples()[i] = static_cast<std::uint16_t>(257 * file.samples8[i]);
+    return {};
+}
+
+struct Error {
+    double root_mean_square = 0, largest = 0;  // as shares of the full height
+};
+
+Error error_of(const Heights& heights, const hmesh::MeshView& terrain) {
+    hmesh::Image<float, 1> drawn;
+    Error error;
+    if (!hmesh::render(terrain, drawn)) return {1, 1};
+    for (std::size_t i = 0; i < drawn.samples().size(); ++i) {
+        const double difference = std::fabs(static_cast<double>(drawn.samples()[i]) - heights.samples()[i]) / 65535;
+        error.root_mean_square += difference * difference;
+        error.largest = std::max(error.largest, difference);
+    }
+    error.root_mean_square = std::sqrt(error.root_mean_square / static_cast<double>(drawn.samples().size()));
+    return error;
+}
+
+// Squares, as many vertices as the mesh has or a few less, each with the height of the pixel under it.
+hmesh::Mesh<1> grid_terrain(const Heights& heights, std::size_t vertices) {
+    hmesh::Mesh<1> grid;
+    grid.width = heights.width();
+    grid.height = heights.height();
+    grid.peak = 65535;
+    const double ratio = static_cast<double>(grid.width) / grid.height;
+    const int columns = std::max(2, static_cast<int>(std::sqrt(static_cast<double>(vertices) * ratio)));
+    const int rows = std::max(2, static_cast<int>(vertices) / columns);
+    for (int j = 0; j < rows; ++j)
+        for (int i = 0; i < columns; ++i) {
+            const int x = i * grid.width / (columns - 1), y = j * grid.height / (rows - 1);
+            grid.positions.insert(grid.positions.end(), {static_cast<float>(x), static_cast<float>(y)});
+            grid.colors.push_back(*heights.pixel(std::min(x, grid.width - 1), std::min(y, grid.height - 1)));
+        }
+    for (int j = 0; j + 1 < rows; ++j)
+        for (int i = 0; i + 1 < columns; ++i) {
+            const auto corner = static_cast<std::uint32_t>(j * columns + i), below = corner + static_cast<std::uint32_t>(columns);
+            grid.faces.push_back({corner, below, corner + 1});
+            grid.faces.push_back({corner + 1, below, below + 1});
+        }
+    return grid;
+}
+
+// x to the right, y up from the ground, z towards the viewer; one unit is one pixel. Faces are counter-clockwise seen from
+// above, clockwise in the image, whose y points down.
+bool write_terrain(const hmesh::Mesh<1>& mesh, example::OutputFile& file) {
+    char line[128];
+    const auto write = [&](int size) { return file(line, static_cast<std::size_t>(size)); };
+    const double unit = relief * mesh.width / 65535;
+    bool good = file.open();
+    for (std::size_t v = 0; v < mesh.vertex_count() && good; ++v)
+        good = write(std::snprintf(line, sizeof line, "v %.3f %.3f %.3f\n", static_cast<double>(mesh.positions[2 * v]),
+                                   unit * static_cast<double>(mesh.colors[v]), static_cast<double>(mesh.positions[2 * v + 1])));
+    for (std::size_t f = 0; f < mesh.faces.size() && good; ++f)
+        good = write(
+            std::snprintf(line, sizeof line, "f %u %u %u\n", mesh.faces[f][0] + 1, mesh.faces[f][1] + 1, mesh.faces[f][2] + 1));
+    return good && file.commit();
+}
+
+int fail(const std::string& sentence) {
+    std::fprintf(stderr, "heightmap: %s\n", sentence.c_str());
+    return 1;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+    if (argc != 2 && argc != 3) {
+        std::fprintf(stderr, "usage: heightmap FILE.obj [HEIGHTS.png|pgm]\n");
+        return 2;
+    }
+    Heights heights = draw_island(512, 512);
+    if (argc == 3)
+        if (const std::string why = read_heights(argv[2], heights); !why.empty()) return fail(std::string(argv[2]) + ": " + why);
+
+    hmesh::Options options;
+    options.effort = hmesh::Effort::fast;
+    const auto result = hmesh::mesh_image(heights.view(), options);
+    if (!result.status) return fail(result.status.what);
+
+    const hmesh::Mesh<1> grid = grid_terrain(heights, result.report.vertices);
+    const Error mesh_error = error_of(heights, result.mesh.view()), grid_error = error_of(heights, grid.view());
+    std::printf("%d x %d heights; errors as shares of the full height\n", heights.width(), heights.height());
+    std::printf("mesh %7zu vertices, root mean square %.5f, largest %.4f\n", result.report.vertices, mesh_error.root_mean_square,
+                mesh_error.largest);
+    std::printf("grid %7zu vertices, root mean square %.5f, largest %.4f\n", grid.vertex_count(), grid_error.root_mean_square,
+                grid_error.largest);
+    example::OutputFile file(argv[1]);
+    if (!write_terrain(result.mesh, file)) return fail("cannot write '" + std::string(argv[1]) + "': " + file.error());
+    return 0;
+}

@@ -1,0 +1,43 @@
+#!/usr/bin/env bash
+# Runs clang-tidy over sources, as many at once as there are processors, and prints what it finds: nothing if all is well.
+#
+# usage: scripts/tidy.sh [--all | FILE...]
+#
+# FILE: .cpp files. Without any: three that between them see every header of the library, those of the command and of the
+# benchmarks, and most of the tests'. That takes a minute; --all, which is every source, half an hour.
+# shellcheck source=scripts/common.sh
+. "$(dirname "${BASH_SOURCE[0]}")/common.sh"
+
+files=(examples/hmesh.cpp benchmarks/table.cpp tests/hierarchical_test.cpp)
+needed=(clang-tidy eigen stb doctest)
+case ${1-} in
+    '') ;;
+    --all)
+        mapfile -t files < <(find examples tests benchmarks -name '*.cpp' | LC_ALL=C sort)
+        needed+=(benchmark)
+        ;;
+    -*) fail "usage: scripts/tidy.sh [--all | FILE...]" ;;
+    *)
+        files=()
+        for file in "$@"; do
+            [[ $file == /* ]] || file=$start_directory/$file
+            files+=("$file")
+        done
+        ;;
+esac
+need "${needed[@]}"
+
+# The compile line is said here, so that nothing need be configured first.
+CLANG_TIDY=${CLANG_TIDY:-$(command -v clang-tidy-14 || echo clang-tidy)}
+export CLANG_TIDY
+tidy() {
+    local said
+    # What it says to standard error is how many warnings it kept to itself, unless it fails.
+    said=$("$CLANG_TIDY" --quiet "$1" -- -std=c++17 -Iinclude -Iexamples -Itests -Itests/fuzz \
+        -isystem /usr/include/eigen3 -isystem /usr/local/include/eigen3 -isystem /opt/homebrew/include/eigen3 2>&1) && return
+    printf '%s\n' "$said" | grep -v '^[0-9]* warnings\? generated\|^Suppressed ' >&2
+    return 1
+}
+export -f tidy
+# shellcheck disable=SC2016  # an argument of that shell
+printf '%s\0' "${files[@]}" | xargs -0 -n 1 -P "$jobs" bash -c 'tidy "$1"' tidy || exit 1

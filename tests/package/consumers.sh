@@ -1,0 +1,97 @@
+#!/bin/sh
+# A project takes hmesh in, in one of the ways in which projects do, is built and run.
+#
+# usage: tests/package/consumers.sh WAY SOURCE BUILD VERSION
+#        WAY: find_package, add_subdirectory, fetch_content, pkg_config, single_header or wrong_eigen
+#        SOURCE: hmesh's sources; BUILD: its binary directory, from which it is installed; VERSION: that of hmesh
+# CMAKE, CXX: the programs to use. Exit status 77: what the way needs is not there.
+set -eu
+way=$1 source=$2 build=$3 version=$4
+cmake=${CMAKE:-cmake} cxx=${CXX:-c++}
+work=$(mktemp -d)
+trap 'rm -rf "$work"' EXIT
+
+fail() {
+    echo "$*" >&2
+    exit 1
+}
+# with_cmake FOLDER OPTION...: configures and builds that project, and runs what it makes.
+with_cmake() {
+    folder=$1
+    shift
+    "$cmake" -S "$source/tests/package/$folder" -B "$work/build" -DCMAKE_BUILD_TYPE=Debug "-DCMAKE_CXX_COMPILER=$cxx" "$@"
+    "$cmake" --build "$work/build"
+    "$work/build/consumer" "$version"
+}
+# with_compiler OPTION...: one compiler line, and what it makes is run.
+with_compiler() {
+    "$cxx" -std=c++17 "$source/tests/package/main.cpp" "$@" -o "$work/consumer"
+    "$work/consumer" "$version"
+}
+install() {
+    "$cmake" --install "$build" --prefix "$work/prefix" >"$work/installed"
+    case $(find "$work/prefix" -name '*.hpp' -o -name '*.cmake' -o -name '*.pc') in
+        */lib/*) fail "something was installed to a folder of this machine's kind" ;;
+    esac
+}
+# Where the compiler does not look by itself for Eigen.
+eigen_include() {
+    for directory in /usr/include/eigen3 /usr/local/include/eigen3 /opt/homebrew/include/eigen3; do
+        [ ! -d "$directory" ] || echo "-I$directory"
+    done
+}
+# refuses SENTENCE OPTION...: the project of find_package must not be configured, for that reason.
+refuses() {
+    sentence=$1
+    shift
+    rm -rf "$work/build"
+    ! "$cmake" -S "$source/tests/package/find_package" -B "$work/build" "-DCMAKE_PREFIX_PATH=$work/prefix" "$@" >"$work/log" 2>&1 ||
+        fail "$* was accepted"
+    tr -s ' \n' ' ' <"$work/log" | grep -qF -e "$sentence" || fail "$* was refused without the words: $sentence"
+}
+# An Eigen of another version, which like the real one refuses requests for other major versions.
+fake_eigen() {
+    mkdir -p "$work/eigen-$1/share/eigen3/cmake"
+    cat >"$work/eigen-$1/share/eigen3/cmake/Eigen3Config.cmake" <<END
+add_library(Eigen3::Eigen INTERFACE IMPORTED)
+set_target_properties(Eigen3::Eigen PROPERTIES INTERFACE_INCLUDE_DIRECTORIES "$(eigen_include | sed 's/^-I//')")
+END
+    printf 'set(PACKAGE_VERSION %s)\nif(PACKAGE_FIND_VERSION_MAJOR STREQUAL "" OR PACKAGE_FIND_VERSION_MAJOR EQUAL %s)\n' \
+        "$1" "${1%%.*}" >"$work/eigen-$1/share/eigen3/cmake/Eigen3ConfigVersion.cmake"
+    printf '    set(PACKAGE_VERSION_COMPATIBLE TRUE)\nendif()\n' >>"$work/eigen-$1/share/eigen3/cmake/Eigen3ConfigVersion.cmake"
+}
+
+case $way in
+    find_package)
+        install
+        found="$work/prefix/bin/hmesh"  # where the command is built
+        [ -x "$found" ] || found=
+        with_cmake find_package "-DCMAKE_PREFIX_PATH=$work/prefix" "-DWANTED=${version%.*}" "-DWANTED_COMMAND=$found"
+        refuses "$version" "-DWANTED=$((${version%%.*} + 1)).0"
+        ;;
+    wrong_eigen)
+        install
+        fake_eigen 3.3.9
+        refuses "hmesh needs Eigen 3.4 or newer" "-DEigen3_DIR=$work/eigen-3.3.9/share/eigen3/cmake"
+        fake_eigen 5.0.1
+        with_cmake find_package "-DCMAKE_PREFIX_PATH=$work/prefix" "-DEigen3_DIR=$work/eigen-5.0.1/share/eigen3/cmake"
+        ;;
+    add_subdirectory | fetch_content)
+        with_cmake "$way" "-DHMESH_SOURCE_DIR=$source"
+        ;;
+    pkg_config)
+        command -v pkg-config >/dev/null || exit 77
+        install
+        export PKG_CONFIG_PATH="$work/prefix/share/pkgconfig"
+        [ "$(pkg-config --modversion hmesh)" = "$version" ] || fail "pkg-config says version $(pkg-config --modversion hmesh)"
+        # shellcheck disable=SC2046  # words
+        with_compiler $(pkg-config --cflags --libs hmesh)
+        ;;
+    single_header)
+        mkdir -p "$work/include/hmesh"
+        cp "$source/single_include/hmesh.hpp" "$work/include/hmesh"
+        # shellcheck disable=SC2046  # words
+        with_compiler "-I$work/include" $(eigen_include)
+        ;;
+    *) fail "unknown way: $way" ;;
+esac

@@ -1,0 +1,80 @@
+#!/bin/sh
+# hmesh_add_meshes(): what a build meshes, and that it meshes only what has changed.
+#
+# usage: tests/package/meshes.sh GENERATOR SOURCE COMMAND
+#        GENERATOR: Ninja or "Unix Makefiles"; SOURCE: hmesh's sources; COMMAND: the program hmesh
+# CMAKE, CXX: the programs to use. Exit status 77: there is no such generator.
+set -eu
+generator=$1 source=$2 command=$3
+cmake=${CMAKE:-cmake} cxx=${CXX:-c++}
+case $generator in Ninja) command -v ninja ;; *) command -v make ;; esac >/dev/null || exit 77
+# The folder's name has what build systems must quote.
+top=$(mktemp -d)
+work="$top/a folder"
+mkdir "$work"
+trap 'rm -rf "$top"' EXIT
+
+fail() {
+    cat "$work/log"
+    echo "FAILED: $*" >&2
+    exit 1
+}
+# project FOLDER OPTION...: configures the project.
+project() {
+    folder=$1
+    shift
+    "$cmake" -S "$folder" -B "$work/build" -G "$generator" -DCMAKE_BUILD_TYPE=Debug "-DCMAKE_CXX_COMPILER=$cxx" \
+        "-DHMESH_COMMAND=$command" "-DHMESH_SOURCE_DIR=$source" "$@" >"$work/log" 2>&1
+}
+# meshes NAME...: a build meshes these images and no others.
+meshes() {
+    "$cmake" --build "$work/build" >"$work/log" 2>&1 || fail "it cannot be built"
+    meshed=$(grep -o 'Meshing .*' "$work/log" | sort | tr '\n' ' ')
+    wanted=$(for name; do echo "Meshing $name"; done | tr '\n' ' ')
+    [ "$meshed" = "$wanted" ] || fail "meshed: '$meshed', wanted: '$wanted'"
+}
+# Files get another time than those that were built before.
+later() {
+    sleep 1.1
+    touch "$@"
+}
+image() { awk -v seed="$1" 'BEGIN { printf "P5 24 18 255\n"; for (i = 0; i < 432; ++i) printf "%c", 33 + (i * i + seed * i) % 90 }'; }
+
+image 1 >"$work/one.pgm"
+image 2 >"$work/two.pgm"
+image 3 >"$work/weights.pgm"
+set -- "-DIMAGES=$work/one.pgm;$work/two.pgm" "-DIMAGE_WEIGHTS=$work/weights.pgm"
+
+project "$source/tests/package/meshes" "$@" -DRATE=5 || fail "it cannot be configured"
+meshes one two
+for file in one.ply one.obj two.ply two.obj; do [ -s "$work/build/meshes/$file" ] || fail "$file was not made"; done
+meshes
+later "$work/two.pgm"
+meshes two
+meshes
+later "$work/weights.pgm"  # which only the depfiles know of
+meshes one two
+meshes
+rm "$work/build/meshes/one.obj"
+meshes one
+project "$source/tests/package/meshes" "$@" -DRATE=8 || fail "it cannot be configured again"
+meshes one two
+[ "$(sed -n 's/^element vertex //p' "$work/build/meshes/one.ply")" = 35 ] || fail "8 % of 432 pixels are not 35 vertices"
+meshes
+
+echo "no image" >"$work/two.pgm"
+! "$cmake" --build "$work/build" >"$work/log" 2>&1 || fail "an image that cannot be read does not stop the build"
+grep -q "cannot read '$work/two.pgm'" "$work/log" || fail "the build does not say which image cannot be read"
+
+# What cannot be meant is refused when the project is configured. The sentences may be broken into lines.
+refuses() {
+    sentence=$1
+    shift
+    ! project "$source/tests/package/meshes" "$@" || fail "accepted: $*"
+    tr -s ' \n' ' ' <"$work/log" | grep -qF -e "$sentence" || fail "refused without the words: $sentence"
+}
+refuses "SOURCES names no image" "-DIMAGES=" "-DIMAGE_WEIGHTS=$work/weights.pgm"
+mkdir "$work/other"
+refuses "two images are named one" "-DIMAGES=$work/one.pgm;$work/other/one.pgm" "-DIMAGE_WEIGHTS=$work/weights.pgm"
+refuses "RATE and PSNR cannot both be given" "-DIMAGES=$work/one.pgm" "-DIMAGE_WEIGHTS=$work/weights.pgm" "-DRATE=8;PSNR;30"
+echo "only what changed was meshed again, under $generator"
