@@ -3,16 +3,15 @@
 #include <doctest/doctest.h>
 
 #include <array>
-#include <clocale>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
 #include <limits>
-#include <locale>
 #include <string>
 #include <vector>
 
+#include "comma_locale.hpp"
 #include "test_exports.hpp"
 
 namespace {
@@ -170,19 +169,10 @@ TEST_CASE("the original is embedded byte by byte") {
 }
 
 TEST_CASE("the bytes do not depend on the locale") {
-    struct Comma : std::numpunct<char> {
-        [[nodiscard]] char do_decimal_point() const override { return ','; }
-        [[nodiscard]] std::string do_grouping() const override { return "\3"; }
-    };
     const hmesh::Mesh<3> mesh = strip<3>(2000);
     const std::string plain = written(mesh.view());
-    const std::string old = std::setlocale(LC_ALL, nullptr);
-    const std::locale before = std::locale::global(std::locale(std::locale::classic(), new Comma));
-    std::setlocale(LC_ALL, "de_DE.UTF-8");  // where there is one
-    const std::string foreign = written(mesh.view());
-    std::locale::global(before);
-    std::setlocale(LC_ALL, old.c_str());
-    CHECK(foreign == plain);
+    const hmesh_test::CommaLocale foreign;
+    CHECK(written(mesh.view()) == plain);
 }
 
 TEST_CASE("a sink that refuses after k bytes gets no more and is reported, for all k") {
