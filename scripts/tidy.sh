@@ -3,12 +3,12 @@
 #
 # usage: scripts/tidy.sh [--all | FILE...]
 #
-# FILE: .cpp files. Without any: three that between them see every header of the library, those of the command and of the
-# benchmarks, and most of the tests'. That takes a minute; --all, which is every source, half an hour.
+# FILE: .cpp files. Without any: two that between them see every header of the library and of the command, and most of the
+# tests'. That takes a minute; --all, which is every source, half an hour.
 # shellcheck source=scripts/common.sh
 . "$(dirname "${BASH_SOURCE[0]}")/common.sh"
 
-files=(examples/hmesh.cpp benchmarks/table.cpp tests/hierarchical_test.cpp)
+files=(examples/hmesh.cpp tests/hierarchical_test.cpp)
 needed=(clang-tidy eigen stb doctest)
 case ${1-} in
     '') ;;

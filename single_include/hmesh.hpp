@@ -7289,7 +7289,7 @@ class LinearLight {
         // A face of one colour shows that very colour. Stored values are compared, not shares: they are exact, and stay so where
         // the processor keeps more digits of some products than of others.
         const bool is_plain = lb == 0 && lc == 0;
-        const double plain = static_cast<double>(at.stored[v[0].index()]);
+        const auto plain = static_cast<double>(at.stored[v[0].index()]);
         const double bx = (b.x - a.x) * per_area, by = (b.y - a.y) * per_area;
         const double cx = (c.x - a.x) * per_area, cy = (c.y - a.y) * per_area;
         double energy = 0, s00 = 0, s11 = 0, s22 = 0, s01 = 0, s12 = 0, s20 = 0, p0 = 0, p1 = 0, p2 = 0;
