@@ -28,10 +28,10 @@ using Bytes = std::vector<unsigned char>;
 
 template <int C>
 hmesh::Mesh<C> make_grid(int columns, int rows) {
-    const hmesh::Image<std::uint8_t, 3> scene = example::draw_scene(768, 512);
+    const hmesh::Image<std::uint8_t, 3> scene = example::draw_scene(columns + 1, rows + 1);  // a pixel for a vertex
     hmesh::Mesh<C> mesh;
-    mesh.width = scene.width();
-    mesh.height = scene.height();
+    mesh.width = 768;
+    mesh.height = 512;
     mesh.peak = 255;
     hmesh::Random random(1);
     const auto place = [&](int k, int count, int side) {  // on the 1/256 px grid
@@ -43,9 +43,7 @@ hmesh::Mesh<C> make_grid(int columns, int rows) {
         for (int i = 0; i <= columns; ++i) {
             const float x = place(i, columns, mesh.width), y = place(j, rows, mesh.height);
             mesh.positions.insert(mesh.positions.end(), {x, y});
-            const std::uint8_t* pixel =
-                scene.pixel(std::min(mesh.width - 1, static_cast<int>(x)), std::min(mesh.height - 1, static_cast<int>(y)));
-            for (int c = 0; c < 3; ++c) mesh.colors.push_back(static_cast<float>(pixel[c]));
+            for (int c = 0; c < 3; ++c) mesh.colors.push_back(static_cast<float>(scene.pixel(i, j)[c]));
             if (C == 4) mesh.colors.push_back(std::round(127.5F + 127.5F * std::sin(x / 40)));
         }
     const auto at = [&](int i, int j) { return static_cast<std::uint32_t>(j * (columns + 1) + i); };
