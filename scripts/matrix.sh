@@ -63,7 +63,7 @@ lone_doctest() {
 
 # run_cell LINE: leaves a line of the Markdown table in build/matrix/rows. Returns 1 if anything failed.
 run_cell() {
-    local line=$1 name compiler std flags options what directory result status=ok option arguments=() TIMEFORMAT='%R %U %S'
+    local line=$1 name compiler std flags options what directory result status=ok option arguments=() TIMEFORMAT='%U %S'
     name=$(field 1 "$line") compiler=$(field 2 "$line") std=$(field 3 "$line") flags=$(field 4 "$line")
     options=$(field 5 "$line") what=$(field 6 "$line")
     directory=build/matrix/$name
@@ -104,7 +104,7 @@ run_cell() {
     if [ -s "$directory/result.xml" ]; then
         grep -h '^mesh bytes: ' "$directory/Testing/Temporary/LastTest.log" >"build/matrix/rows/$name.bytes" || true
         result=$(awk -v tests="$(attribute tests "$directory/result.xml")" -v failed="$(attribute failures "$directory/result.xml")" \
-            -v skipped="$(attribute skipped "$directory/result.xml")" 'FNR == 1 { cpu[++n] = $2 + $3; wall[n] = $1 }
+            -v skipped="$(attribute skipped "$directory/result.xml")" 'FNR == 1 { cpu[++n] = $1 + $2 }
             END { printf "%d / %d / %d | %.1f | %.0f |", tests - failed - skipped, failed, skipped, cpu[1] / 60, cpu[2] }' \
             "$directory/build.time" "$directory/test.time")
     fi
