@@ -2633,7 +2633,7 @@ Status write_svg(const MeshView& mesh, Sink&& sink, const SvgOptions& options = 
 #include <cstring>
 
 // What innermost loops call is inlined even where compilers think it too large. Not without optimisation: there it would only
-// double the time that compiling takes.
+// make compiling slower, up to twice.
 #if defined(__GNUC__) && defined(__OPTIMIZE__)
 #define HMESH_ALWAYS_INLINE inline __attribute__((always_inline))
 #elif defined(_MSC_VER)
