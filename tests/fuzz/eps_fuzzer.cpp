@@ -3,9 +3,9 @@
 #include <cstdint>
 #include <string>
 
-#include "fuzz_deflate.hpp"
 #include "fuzz_exports.hpp"
 #include "fuzz_input.hpp"
+#include "fuzz_shadings.hpp"
 #include "fuzz_text.hpp"
 #include "hmesh/io/eps.hpp"
 
@@ -52,17 +52,7 @@ void check_file(const std::string& file, const hmesh::MeshView& mesh, bool is_de
     }
     FuzzText text(file);
     text.expect("%!PS-Adobe-3.0 EPSF-3.0\n");
-    static_cast<void>(text.until("/ColorSpace /Device"));
-    const std::size_t components = text.accept("Gray") ? 1 : 3;
-    static_cast<void>(text.until("/BitsPerCoordinate "));
-    const auto coordinate = static_cast<std::size_t>(text.whole());
-    text.expect(" /BitsPerComponent ");
-    const auto component = static_cast<std::size_t>(text.whole());
-    text.expect(" /BitsPerFlag 8\n/Decode [");
-    for (std::size_t i = 0; i < 4 + 2 * components; ++i) {
-        static_cast<void>(text.number());
-        if (i < 3 + 2 * components) text.expect(" ");
-    }
+    const std::size_t vertex_bytes = hmesh_test::read_vertex_bytes(text);
     static_cast<void>(text.until("} exec\n"));
     const std::string data = text.until("~>\n");
     for (std::size_t at = 0; at < data.size(); ++at)
@@ -71,7 +61,7 @@ void check_file(const std::string& file, const hmesh::MeshView& mesh, bool is_de
     text.expect("grestore\nshowpage\n%%Trailer\n%%EOF\n");
     text.expect_end();
     if (is_deflated) return;
-    const std::size_t faces = hmesh_test::shading_faces(bytes, 1 + (2 * coordinate + components * component) / 8);
+    const std::size_t faces = hmesh_test::shading_faces(bytes, vertex_bytes);
     demand(faces == mesh.face_count, "the shading joins as many faces as the mesh");
 }
 
@@ -80,11 +70,8 @@ void check_file(const std::string& file, const hmesh::MeshView& mesh, bool is_de
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* bytes, std::size_t size) {
     hmesh_test::FuzzInput input(bytes, size);
     hmesh::EpsOptions options;
-    options.strips = !input.one_in(3);
-    hmesh_test::Deflating deflating = hmesh_test::draw_deflating(input);
-    hmesh_test::set_deflate(options, deflating);
-    hmesh_test::FuzzMesh mesh = hmesh_test::FuzzMeshDraw(input).mesh();
-    mesh.is_good = mesh.is_good && deflating <= hmesh_test::Deflating::works;
+    hmesh_test::Deflating deflating{};
+    const hmesh_test::FuzzMesh mesh = hmesh_test::draw_shading(input, options, deflating);
     hmesh_test::fuzz_exporter(
         input, mesh, [&](const hmesh::MeshView& view, auto&& sink) { return hmesh::write_eps(view, sink, options); },
         [&](const std::string& file, const hmesh::MeshView& view) { check_file(file, view, options.deflate != nullptr); });

@@ -4,9 +4,9 @@
 #include <cstdint>
 #include <string>
 
-#include "fuzz_deflate.hpp"
 #include "fuzz_exports.hpp"
 #include "fuzz_input.hpp"
+#include "fuzz_shadings.hpp"
 #include "fuzz_text.hpp"
 #include "hmesh/io/pdf.hpp"
 
@@ -18,23 +18,10 @@ using hmesh_test::FuzzText;
 // The bytes of a shading, and what its dictionary says of them.
 void check_shading(const std::string& entries, const std::string& stream, const hmesh::MeshView& mesh) {
     FuzzText text(entries);
-    static_cast<void>(text.until("/ColorSpace /Device"));
-    const std::size_t components = text.accept("Gray") ? 1 : 3;
-    static_cast<void>(text.until("/BitsPerCoordinate "));
-    const auto coordinate = static_cast<std::size_t>(text.whole());
-    text.expect(" /BitsPerComponent ");
-    const auto component = static_cast<std::size_t>(text.whole());
-    text.expect(" /BitsPerFlag 8\n/Decode [");
-    double before = 0;
-    for (std::size_t i = 0; i < 4 + 2 * components; ++i) {
-        const double end = text.number();
-        demand(i % 2 == 0 || end > before, "a range is not empty");
-        before = end;
-        if (i < 3 + 2 * components) text.expect(" ");
-    }
+    const std::size_t vertex_bytes = hmesh_test::read_vertex_bytes(text);
     text.expect("]");
     if (text.accept("\n/Filter /FlateDecode")) return;
-    const std::size_t faces = hmesh_test::shading_faces(stream, 1 + (2 * coordinate + components * component) / 8);
+    const std::size_t faces = hmesh_test::shading_faces(stream, vertex_bytes);
     demand(faces == mesh.face_count, "the shading joins as many faces as the mesh");
 }
 
@@ -84,11 +71,8 @@ void check_file(const std::string& file, const hmesh::MeshView& mesh) {
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* bytes, std::size_t size) {
     hmesh_test::FuzzInput input(bytes, size);
     hmesh::PdfOptions options;
-    options.strips = !input.one_in(3);
-    hmesh_test::Deflating deflating = hmesh_test::draw_deflating(input);
-    hmesh_test::set_deflate(options, deflating);
-    hmesh_test::FuzzMesh mesh = hmesh_test::FuzzMeshDraw(input).mesh();
-    mesh.is_good = mesh.is_good && deflating <= hmesh_test::Deflating::works;
+    hmesh_test::Deflating deflating{};
+    const hmesh_test::FuzzMesh mesh = hmesh_test::draw_shading(input, options, deflating);
     hmesh_test::fuzz_exporter(
         input, mesh, [&](const hmesh::MeshView& view, auto&& sink) { return hmesh::write_pdf(view, sink, options); }, check_file);
     return 0;

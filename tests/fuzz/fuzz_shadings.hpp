@@ -1,11 +1,14 @@
-// hmesh tests - a compressor for the fuzzers of shadings that compresses nothing, and one that fails.
-#ifndef HMESH_TESTS_FUZZ_FUZZ_DEFLATE_HPP
-#define HMESH_TESTS_FUZZ_FUZZ_DEFLATE_HPP
+// hmesh tests - what the fuzzers of write_pdf() and write_eps() share: options with compressors that compress nothing or fail,
+// and a reader of shadings.
+#ifndef HMESH_TESTS_FUZZ_FUZZ_SHADINGS_HPP
+#define HMESH_TESTS_FUZZ_FUZZ_SHADINGS_HPP
 
 #include <cstddef>
 #include <vector>
 
+#include "fuzz_exports.hpp"
 #include "fuzz_input.hpp"
+#include "fuzz_text.hpp"
 #include "hmesh/io/shading_stream.hpp"
 
 namespace hmesh_test {
@@ -35,6 +38,36 @@ void set_deflate(Options& options, Deflating& how) {
                         : Deflating::works;
 }
 
+// Options of PDF or EPS and a mesh, which is not good where the compressor fails. `how` outlives the options.
+template <class Options>
+[[nodiscard]] FuzzMesh draw_shading(FuzzInput& input, Options& options, Deflating& how) {
+    options.strips = !input.one_in(3);
+    how = draw_deflating(input);
+    set_deflate(options, how);
+    FuzzMesh mesh = FuzzMeshDraw(input).mesh();
+    mesh.is_good = mesh.is_good && how <= Deflating::works;
+    return mesh;
+}
+
+// Reads what a shading's dictionary says of its vertices, from its colour space to the last range: the bytes of a vertex.
+[[nodiscard]] inline std::size_t read_vertex_bytes(FuzzText& text) {
+    static_cast<void>(text.until("/ColorSpace /Device"));
+    const std::size_t components = text.accept("Gray") ? 1 : 3;
+    static_cast<void>(text.until("/BitsPerCoordinate "));
+    const auto coordinate = static_cast<std::size_t>(text.whole());
+    text.expect(" /BitsPerComponent ");
+    const auto component = static_cast<std::size_t>(text.whole());
+    text.expect(" /BitsPerFlag 8\n/Decode [");
+    double before = 0;
+    for (std::size_t i = 0; i < 4 + 2 * components; ++i) {
+        const double end = text.number();
+        demand(i % 2 == 0 || end > before, "a range is not empty");
+        before = end;
+        if (i < 3 + 2 * components) text.expect(" ");
+    }
+    return 1 + (2 * coordinate + components * component) / 8;
+}
+
 // How many faces the bytes of a shading join; all of it must be read, and no flag be another than 0, 1 or 2.
 [[nodiscard]] inline std::size_t shading_faces(const std::string& bytes, std::size_t vertex_bytes) {
     demand(bytes.size() % vertex_bytes == 0, "a shading holds whole vertices");
@@ -50,4 +83,4 @@ void set_deflate(Options& options, Deflating& how) {
 
 }  // namespace hmesh_test
 
-#endif  // HMESH_TESTS_FUZZ_FUZZ_DEFLATE_HPP
+#endif  // HMESH_TESTS_FUZZ_FUZZ_SHADINGS_HPP
