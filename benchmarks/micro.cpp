@@ -33,12 +33,11 @@ struct Fixture {
         : image(example::draw_scene(width, height)), table(image.view(), image.view().bounds()), mesh(table, 0, 255) {
         hmesh::Monitor monitor({}, 1, 255);
         const hmesh::ImageSource<channels> source(image.view());
-        const hmesh::SerialFor serial;
-        hmesh::Patchwork<channels> work(source, {}, monitor, serial);
+        hmesh::Patchwork<channels> work(source, {}, monitor);
         const auto n = static_cast<std::size_t>(width) * static_cast<std::size_t>(height) / 100;
         if (!hmesh::annealed(work, n, hmesh::annealed_options(hmesh::Effort::draft), 0)) std::abort();
         whole = work.whole();
-        if (!mesh.assign(whole.positions, whole.triangles, whole.colors, serial)) std::abort();
+        if (!mesh.assign(whole.positions, whole.triangles, whole.colors, {})) std::abort();
         vertices = hmesh::spatial_vertices(mesh);
         for (const hmesh::InsertionSite site : hmesh::insertion_sites(mesh, false)) edges.push_back(site.edge());
     }
@@ -234,8 +233,7 @@ void patches(benchmark::State& state) {  // a vertex, with its 100 pixels
     const Fixture& f = fixture();
     hmesh::Monitor monitor({}, 1, 255);
     const hmesh::ImageSource<channels> source(f.image.view());
-    const hmesh::SerialFor serial;
-    hmesh::Patchwork<channels> work(source, {}, monitor, serial);
+    hmesh::Patchwork<channels> work(source, {}, monitor);
     work.whole() = f.whole;
     const hmesh::Tiling tiling(f.image.width(), f.image.height(), static_cast<double>(state.range(0)));
     for (auto _ : state) work.for_each(tiling, [](hmesh::Patch<channels>&, std::size_t) {});

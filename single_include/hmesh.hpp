@@ -2641,8 +2641,11 @@ Status write_svg(const MeshView& mesh, Sink&& sink, const SvgOptions& options = 
 #else
 #define HMESH_ALWAYS_INLINE inline
 #endif
-#if defined(__GNUC__)
+// There is one copy of it in a program, whoever calls it.
+#if defined(__clang__)
 #define HMESH_NEVER_INLINE __attribute__((noinline))
+#elif defined(__GNUC__)
+#define HMESH_NEVER_INLINE __attribute__((noinline, noclone))
 #elif defined(_MSC_VER)
 #define HMESH_NEVER_INLINE __declspec(noinline)
 #else
@@ -4156,13 +4159,17 @@ inline Status Delaunay::check() const {
 //     parallel_for(std::size_t n, body)      // calls body(i) once for each i in [0, n), in any order, on any thread,
 //                                            // and returns when all calls have returned
 //
-// and the pieces follow from the problem alone, never from the number of threads. Sums are added in index order. Hence
-// the same bits for any executor.
+// and the pieces follow from the problem alone, never from the number of threads. Sums are added in index order. Stages see
+// every executor as a ParallelFor, so that each is compiled once: in two copies of the same source a compiler may round
+// differently, as where it contracts a product and a sum into one instruction. Hence the same bits for any executor. What
+// it costs is an indirect call a piece, and pieces take microseconds.
 #ifndef HMESH_CORE_PARALLEL_HPP
 #define HMESH_CORE_PARALLEL_HPP
 
 #include <algorithm>
 #include <cstddef>
+#include <memory>
+#include <type_traits>
 #include <vector>
 
 namespace hmesh {
@@ -4175,15 +4182,58 @@ struct SerialFor {
     }
 };
 
+// What an executor is given to call: the body of a stage, by reference. Copies call the same body.
+class PieceOfWork {
+  public:
+    template <class Body>
+    [[nodiscard]] static PieceOfWork of(Body& body) noexcept {
+        return {const_cast<void*>(static_cast<const void*>(std::addressof(body))),
+                [](void* callable, std::size_t i) { (*static_cast<Body*>(callable))(i); }};
+    }
+    void operator()(std::size_t i) const { call_(body_, i); }
+
+  private:
+    PieceOfWork(void* body, void (*call)(void*, std::size_t)) noexcept : body_(body), call_(call) {}
+
+    void* body_;
+    void (*call_)(void* body, std::size_t i);
+};
+
+// Any executor, by reference: it outlives this. By default a SerialFor.
+class ParallelFor {
+  public:
+    ParallelFor() noexcept : ParallelFor(serial) {}
+    // Implicit, so that functions take an executor of any type.
+    template <class Executor, class = std::enable_if_t<!std::is_same_v<Executor, ParallelFor> &&
+                                                       std::is_invocable_v<const Executor&, std::size_t, const PieceOfWork&>>>
+    ParallelFor(const Executor& executor) noexcept : executor_(std::addressof(executor)), run_(run<Executor>) {}
+
+    template <class Body>
+    void operator()(std::size_t n, Body&& body) const {
+        run_(executor_, n, PieceOfWork::of(body));
+    }
+
+  private:
+    static constexpr SerialFor serial{};
+
+    template <class Executor>
+    static void run(const void* executor, std::size_t n, const PieceOfWork& body) {
+        (*static_cast<const Executor*>(executor))(n, body);
+    }
+
+    const void* executor_;
+    void (*run_)(const void* executor, std::size_t n, const PieceOfWork& body);
+};
+
 // Calls body(begin, end) for consecutive ranges of at most `grain` >= 1 indices that together are [0, n).
-template <class ParallelFor, class Body>
+template <class Body>
 void for_each_chunk(const ParallelFor& parallel_for, std::size_t n, std::size_t grain, Body&& body) {
     const std::size_t chunks = n / grain + (n % grain != 0);
     parallel_for(chunks, [&](std::size_t i) { body(i * grain, std::min(n, (i + 1) * grain)); });
 }
 
 // The sum of body(begin, end) over the same ranges, added in index order.
-template <class ParallelFor, class Body>
+template <class Body>
 [[nodiscard]] double ordered_sum(const ParallelFor& parallel_for, std::size_t n, std::size_t grain, Body&& body) {
     std::vector<double> parts(n / grain + (n % grain != 0), 0.0);
     for_each_chunk(parallel_for, n, grain, [&](std::size_t begin, std::size_t end) { parts[begin / grain] = body(begin, end); });
@@ -4488,7 +4538,7 @@ template <class T, int C>
 }
 
 // Whether all samples are finite. Costs nothing for integer pixels.
-template <class T, int C, class ParallelFor = SerialFor>
+template <class T, int C>
 [[nodiscard]] Status check_finite(const ImageView<T, C>& view, const ParallelFor& parallel_for = {}) {
     if constexpr (!PixelTraits<T>::is_integer) {
         std::vector<unsigned char> bad(static_cast<std::size_t>(view.height), 0);
@@ -4532,9 +4582,8 @@ namespace hmesh {
 
 // Whether these can be the weights of a width x height image: none at all, or a view of this size that check() accepts
 // with samples that are finite and not negative. Reads each once.
-template <class ParallelFor = SerialFor>
-[[nodiscard]] Status check_weights(const ImageView<float, 1>& weights, int width, int height,
-                                   const ParallelFor& parallel_for = {}) {
+[[nodiscard]] inline Status check_weights(const ImageView<float, 1>& weights, int width, int height,
+                                          const ParallelFor& parallel_for = {}) {
     if (weights.data == nullptr) return {};
     if (weights.width != width) return {Errc::invalid_argument, "the weights are not as wide as the image", weights.width, width};
     if (weights.height != height)
@@ -4560,8 +4609,7 @@ template <class ParallelFor = SerialFor>
 }
 
 // 1 / the largest weight; 1 where there are no weights or all are 0. Of weights that check_weights() accepts.
-template <class ParallelFor = SerialFor>
-[[nodiscard]] double weight_unit(const ImageView<float, 1>& weights, const ParallelFor& parallel_for = {}) {
+[[nodiscard]] inline double weight_unit(const ImageView<float, 1>& weights, const ParallelFor& parallel_for = {}) {
     if (weights.data == nullptr) return 1;
     std::vector<float> largest(static_cast<std::size_t>(weights.height), 0.0F);
     for_each_chunk(parallel_for, largest.size(), 32, [&](std::size_t begin, std::size_t end) {
@@ -4603,9 +4651,8 @@ class WeightScale {
 
 // How many pixels of a width x height image count: the sum of its weights as WeightScale gives them, added row by row;
 // the number of pixels where there are no weights.
-template <class ParallelFor = SerialFor>
-[[nodiscard]] double weight_sum(const ImageView<float, 1>& weights, double unit, int width, int height,
-                                const ParallelFor& parallel_for = {}) {
+[[nodiscard]] inline double weight_sum(const ImageView<float, 1>& weights, double unit, int width, int height,
+                                       const ParallelFor& parallel_for = {}) {
     if (weights.data == nullptr) return static_cast<double>(width) * height;
     const WeightScale scale(unit, width, height);
     return ordered_sum(parallel_for, static_cast<std::size_t>(height), 32, [&](std::size_t begin, std::size_t end) {
@@ -4665,14 +4712,14 @@ class MomentTable {
     MomentTable() = default;
 
     // The table of `rect`, which must lie in a view that check() accepts. Rows are independent pieces of work.
-    template <class T, class ParallelFor = SerialFor>
+    template <class T>
     explicit MomentTable(const ImageView<T, C>& view, const Rect& rect, const ParallelFor& parallel_for = {})
         : MomentTable(view, ImageView<float, 1>(), 1.0, rect, parallel_for) {}
 
     // The same with pixel (i, j) of the view counting WeightScale(unit, width, height) of weight (i, j) times, width
     // and height those of the view. check_weights() accepts the weights; the largest times `unit` is at most about 1,
     // see weight_unit(). Without data: all pixels count alike.
-    template <class T, class ParallelFor = SerialFor>
+    template <class T>
     MomentTable(const ImageView<T, C>& view, const ImageView<float, 1>& weights, double unit, const Rect& rect,
                 const ParallelFor& parallel_for = {})
         : width_(rect.width), height_(rect.height), weighted_(weights.data != nullptr),
@@ -4765,14 +4812,14 @@ class MomentTable {
     }
     [[nodiscard]] std::size_t sample_count() const noexcept { return sample_offset(0, height_); }
 
-    template <class ParallelFor, class Body>
+    template <class Body>
     void for_each_row(const ParallelFor& parallel_for, Body&& body) const {
         for_each_chunk(parallel_for, static_cast<std::size_t>(height_), 16, [&](std::size_t begin, std::size_t end) {
             for (std::size_t y = begin; y < end; ++y) body(static_cast<int>(y));
         });
     }
 
-    template <class T, class ParallelFor, class N>
+    template <class T, class N>
     void fill(const ImageView<T, C>& view, const Rect& rect, const ParallelFor& parallel_for, N* entries) const {
         for_each_row(parallel_for, [&](int y) { fill_row(view, rect, y, entries); });
     }
@@ -5304,13 +5351,11 @@ class ImageMesh {
     // Takes over a triangulation with corners on the 1/256 px grid, of the rectangle or of a part of it; colours are the
     // pixels under the vertices. Refuses what HalfedgeMesh::assign refuses. Edges and faces are filled in through the
     // executor.
-    template <class ParallelFor = SerialFor>
     [[nodiscard]] Status assign(const std::vector<Point>& positions, const std::vector<Triangle>& triangles,
                                 const ParallelFor& parallel_for = {}) {
         return assign(positions, triangles, {}, parallel_for);
     }
     // The same with given colours, one a vertex; none: as above.
-    template <class ParallelFor>
     [[nodiscard]] Status assign(const std::vector<Point>& positions, const std::vector<Triangle>& triangles,
                                 const std::vector<Color<C>>& colors, const ParallelFor& parallel_for);
 
@@ -5429,7 +5474,6 @@ class ImageMesh {
     // Merges from_vertex(h) into to_vertex(h), which stays where it is.
     void collapse(Halfedge h);
     // New colours for all vertices, indexed by slot; energies follow.
-    template <class ParallelFor = SerialFor>
     void set_colors(const std::vector<Color<C>>& colors, const ParallelFor& parallel_for = {});
 
     // --- transactions; they nest ---
@@ -5541,7 +5585,6 @@ class ImageMesh {
 namespace hmesh {
 
 template <int C>
-template <class ParallelFor>
 Status ImageMesh<C>::assign(const std::vector<Point>& positions, const std::vector<Triangle>& triangles,
                             const std::vector<Color<C>>& colors, const ParallelFor& parallel_for) {
     HMESH_ASSERT(colors.empty() || colors.size() == positions.size());
@@ -5580,7 +5623,6 @@ Status ImageMesh<C>::assign(const std::vector<Point>& positions, const std::vect
 }
 
 template <int C>
-template <class ParallelFor>
 void ImageMesh<C>::set_colors(const std::vector<Color<C>>& colors, const ParallelFor& parallel_for) {
     HMESH_ASSERT(depth_ == 0 && colors.size() == vertices_.size());
     for (std::size_t i = 0; i < colors.size(); ++i) vertices_.raw(i).color = colors[i];
@@ -5825,7 +5867,7 @@ template <int C>
 
 // K: n_v by n_p, columns of 3 entries (some may be 0) that sum to 1. Faces are independent pieces of work, because each
 // pixel has one owner. The mesh must tile its rectangle, as check() proves.
-template <int C, class ParallelFor = SerialFor>
+template <int C>
 [[nodiscard]] Eigen::SparseMatrix<double> barycentric_matrix(const ImageMesh<C>& mesh, const ParallelFor& parallel_for = {}) {
     const HalfedgeMesh& topology = mesh.topology();
     const std::vector<int> rows = vertex_rows(topology);
@@ -5919,7 +5961,7 @@ void sum_face(const ImageMesh<C>& mesh, Face f, CornerSums<C>& out0, CornerSums<
 }
 
 // Calls body(v) for all live vertices, in pieces.
-template <class ParallelFor, class Body>
+template <class Body>
 void for_each_vertex(const HalfedgeMesh& topology, const ParallelFor& parallel_for, Body&& body) {
     for_each_chunk(parallel_for, topology.vertex_slots(), 1024, [&](std::size_t begin, std::size_t end) {
         for (std::size_t v = begin; v < end; ++v)
@@ -5930,7 +5972,7 @@ void for_each_vertex(const HalfedgeMesh& topology, const ParallelFor& parallel_f
 }  // namespace detail
 
 // The corners of all faces, by the index of their half-edge; zero at half-edges without a face.
-template <int C, class ParallelFor = SerialFor>
+template <int C>
 [[nodiscard]] std::vector<CornerSums<C>> corner_sums(const ImageMesh<C>& mesh, const ParallelFor& parallel_for = {}) {
     const HalfedgeMesh& topology = mesh.topology();
     std::vector<CornerSums<C>> corners(2 * topology.edge_slots());
@@ -5946,7 +5988,7 @@ template <int C, class ParallelFor = SerialFor>
 
 // K K^T: n_v by n_v, symmetric to the bit, both triangles stored; an entry for each vertex and each edge either way,
 // even where no pixel makes it differ from 0. From the corners of the mesh with this topology, or from the mesh.
-template <int C, class ParallelFor = SerialFor>
+template <int C>
 [[nodiscard]] Eigen::SparseMatrix<double> gram_matrix(const HalfedgeMesh& topology, const std::vector<CornerSums<C>>& corners,
                                                       const ParallelFor& parallel_for = {}) {
     const std::vector<int> rows = vertex_rows(topology);
@@ -5983,13 +6025,13 @@ template <int C, class ParallelFor = SerialFor>
     });
     return matrix;
 }
-template <int C, class ParallelFor = SerialFor>
+template <int C>
 [[nodiscard]] Eigen::SparseMatrix<double> gram_matrix(const ImageMesh<C>& mesh, const ParallelFor& parallel_for = {}) {
     return gram_matrix(mesh.topology(), corner_sums(mesh, parallel_for), parallel_for);
 }
 
 // K I^T: n_v by C, where I is C by n_p, the image.
-template <int C, class ParallelFor = SerialFor>
+template <int C>
 [[nodiscard]] Eigen::MatrixXd image_rhs(const HalfedgeMesh& topology, const std::vector<CornerSums<C>>& corners,
                                         const ParallelFor& parallel_for = {}) {
     const std::vector<int> rows = vertex_rows(topology);
@@ -6001,13 +6043,13 @@ template <int C, class ParallelFor = SerialFor>
     });
     return rhs;
 }
-template <int C, class ParallelFor = SerialFor>
+template <int C>
 [[nodiscard]] Eigen::MatrixXd image_rhs(const ImageMesh<C>& mesh, const ParallelFor& parallel_for = {}) {
     return image_rhs(mesh.topology(), corner_sums(mesh, parallel_for), parallel_for);
 }
 
 // K P^T: n_v by 2, where P is 2 by n_p, the centres of the pixels.
-template <int C, class ParallelFor = SerialFor>
+template <int C>
 [[nodiscard]] Eigen::MatrixXd position_rhs(const HalfedgeMesh& topology, const std::vector<CornerSums<C>>& corners,
                                            const ParallelFor& parallel_for = {}) {
     const std::vector<int> rows = vertex_rows(topology);
@@ -6022,7 +6064,7 @@ template <int C, class ParallelFor = SerialFor>
     });
     return rhs;
 }
-template <int C, class ParallelFor = SerialFor>
+template <int C>
 [[nodiscard]] Eigen::MatrixXd position_rhs(const ImageMesh<C>& mesh, const ParallelFor& parallel_for = {}) {
     return position_rhs(mesh.topology(), corner_sums(mesh, parallel_for), parallel_for);
 }
@@ -6564,17 +6606,17 @@ class Patch {
 
 namespace hmesh {
 
-template <int C, class ParallelFor = SerialFor>
+template <int C>
 class Patchwork {
   public:
     // Over an image, a monitor and an executor that outlive it.
-    Patchwork(const ImageSource<C>& source, const MeshLimits& limits, Monitor& monitor, const ParallelFor& parallel_for)
-        : source_(&source), limits_(limits), monitor_(&monitor), parallel_for_(&parallel_for) {}
+    Patchwork(const ImageSource<C>& source, const MeshLimits& limits, Monitor& monitor, const ParallelFor& parallel_for = {})
+        : source_(&source), limits_(limits), monitor_(&monitor), parallel_for_(parallel_for) {}
 
     [[nodiscard]] const ImageSource<C>& source() const noexcept { return *source_; }
     [[nodiscard]] const MeshLimits& limits() const noexcept { return limits_; }
     [[nodiscard]] Monitor& monitor() const noexcept { return *monitor_; }
-    [[nodiscard]] const ParallelFor& parallel_for() const noexcept { return *parallel_for_; }
+    [[nodiscard]] const ParallelFor& parallel_for() const noexcept { return parallel_for_; }
     // The mesh between phases, in spatial order.
     [[nodiscard]] WholeMesh<C>& whole() {
         put_back();
@@ -6633,7 +6675,7 @@ class Patchwork {
     // One patch that is all of the mesh stays one from phase to phase, until somebody asks for the whole.
     template <class Work>
     void work_on_only(Work&& work) {
-        (*parallel_for_)(1, [&](std::size_t) {
+        parallel_for_(1, [&](std::size_t) {
             if (!monitor_->poll()) return;
             Pulse pulse(*monitor_, 1);
             if (!only_) {
@@ -6667,7 +6709,7 @@ class Patchwork {
             if (count(k) > 0) tiles.push_back(k);
         std::sort(tiles.begin(), tiles.end(),
                   [&](std::size_t a, std::size_t b) { return count(a) != count(b) ? count(a) > count(b) : a < b; });
-        (*parallel_for_)(tiles.size(), [&](std::size_t i) {
+        parallel_for_(tiles.size(), [&](std::size_t i) {
             const std::size_t k = tiles[i];
             if (!monitor_->poll() && !all) return skip(k);
             Pulse pulse(*monitor_, static_cast<double>(count(k)) / static_cast<double>(whole_.triangles.size()));
@@ -6697,7 +6739,7 @@ class Patchwork {
             merged.positions[cut.number[v]] = whole_.positions[v];
             merged.colors[cut.number[v]] = whole_.colors[v];
         }
-        (*parallel_for_)(results.size(), [&](std::size_t k) {
+        parallel_for_(results.size(), [&](std::size_t k) {
             const detail::PatchResult<C>& result = results[k];
             const auto to = static_cast<std::ptrdiff_t>(first_vertex[k]);
             std::copy(result.positions.begin(), result.positions.end(), merged.positions.begin() + to);
@@ -6719,7 +6761,7 @@ class Patchwork {
     const ImageSource<C>* source_;
     MeshLimits limits_;
     Monitor* monitor_;
-    const ParallelFor* parallel_for_;
+    ParallelFor parallel_for_;
     WholeMesh<C> whole_;
     std::unique_ptr<Patch<C>> only_;  // in place of whole_, where one patch is all of it
     MomentTable<C> table_;            // of the whole image, for that patch: made once
@@ -6932,7 +6974,7 @@ namespace hmesh {
 namespace detail {
 
 // Writes colours[r] to vertex r of topology().vertices().
-template <int C, class ParallelFor>
+template <int C>
 void write_colors(ImageMesh<C>& mesh, const std::vector<Color<C>>& colors, const ParallelFor& parallel_for) {
     std::vector<Color<C>> slots(mesh.topology().vertex_slots(), Color<C>::zero());
     std::size_t row = 0;
@@ -6949,7 +6991,7 @@ HMESH_ALWAYS_INLINE void clamp_channels(Color<C>& c, double low, double high) {
 }  // namespace detail
 
 // Gives all vertices the colours with the least squared error, held to the mesh's [color_low, color_high].
-template <int C, class ParallelFor = SerialFor>
+template <int C>
 PcgReport optimal_colors(ImageMesh<C>& mesh, const PcgOptions& options = {}, const ParallelFor& parallel_for = {}) {
     const double ridge = mesh.limits().ridge;
     const std::vector<CornerSums<C>> corners = corner_sums(mesh, parallel_for);
@@ -7019,7 +7061,7 @@ struct GridRange {
 namespace detail {
 
 // The system of a mesh with this topology and these corners (fit/barycentric.hpp); colours go by row.
-template <int C, class ParallelFor>
+template <int C>
 [[nodiscard]] ColorSystem<C> color_system(const HalfedgeMesh& topology, const std::vector<CornerSums<C>>& corners,
                                           const std::vector<Color<C>>& colors, double ridge, const ParallelFor& parallel_for) {
     ColorSystem<C> system;
@@ -7097,7 +7139,7 @@ BoundedReport descend(const ColorSystem<C>& system, double low, double high, dou
 // Gives all vertices colours in [low, high], which may be infinite, that are multiples of grid if grid > 0 (one must be
 // in the range). By coordinate descent (projected Gauss-Seidel) from the current colours: first without the grid, then
 // onto it, vertex by vertex, then over the grid while that lowers the error.
-template <int C, class ParallelFor = SerialFor>
+template <int C>
 BoundedReport bounded_colors(ImageMesh<C>& mesh, double low, double high, double grid, const ParallelFor& parallel_for = {}) {
     std::vector<Color<C>> colors;
     colors.reserve(mesh.vertex_count());
@@ -7114,8 +7156,8 @@ BoundedReport bounded_colors(ImageMesh<C>& mesh, double low, double high, double
 
 // The same for a mesh in patches, whose energy is then that of the final colours. After a cancellation colours go to the
 // nearest that are allowed, no more, and what is reported is still true of the mesh.
-template <int C, class ParallelFor>
-BoundedReport bounded_colors(Patchwork<C, ParallelFor>& work, const Tiling& tiling, double low, double high, double grid) {
+template <int C>
+BoundedReport bounded_colors(Patchwork<C>& work, const Tiling& tiling, double low, double high, double grid) {
     BoundedReport report;
     if (tiling.size() == 1 &&
         work.for_each(tiling, [&](Patch<C>& patch, std::size_t) { report = bounded_colors(patch.mesh(), low, high, grid); }))
@@ -7209,7 +7251,7 @@ template <int C>
 }
 
 // The error and the Gauss-Newton system of one channel after the other.
-template <class T, int C, class ParallelFor>
+template <class T, int C>
 class LinearLight {
   public:
     LinearLight(const Mesh<C>& mesh, const HalfedgeMesh& topology, const ImageView<T, C>& view, const LinearLightOptions& options,
@@ -7340,7 +7382,7 @@ class LinearLight {
     const HalfedgeMesh& topology_;
     const ImageView<T, C>& view_;
     const LinearLightOptions& options_;
-    const ParallelFor& parallel_for_;
+    ParallelFor parallel_for_;
     WeightScale scale_;
     std::vector<CornerSums<1>> corners_;  // of the last measure(); `image` is - e' r lambda
 };
@@ -7374,7 +7416,7 @@ template <class T, int C>
 //
 // Status: invalid_argument where the mesh is not one of this image, is premultiplied, or has a vertex without a face; the mesh
 // is then as it was. The view and the weights are such as check(), check_finite() and check_weights() accept.
-template <class T, int C, class ParallelFor, class GoOn>
+template <class T, int C, class GoOn>
 LinearLightReport fit_linear_light(Mesh<C>& mesh, const ImageView<T, C>& view, const LinearLightOptions& options,
                                    const ParallelFor& parallel_for, GoOn&& go_on) {
     using detail::ChannelLight;
@@ -7382,7 +7424,7 @@ LinearLightReport fit_linear_light(Mesh<C>& mesh, const ImageView<T, C>& view, c
     HalfedgeMesh topology;
     report.status = detail::check_fit(mesh, view, topology);
     if (!report.status) return report;
-    detail::LinearLight<T, C, ParallelFor> scene(mesh, topology, view, options, parallel_for);
+    detail::LinearLight<T, C> scene(mesh, topology, view, options, parallel_for);
     const double unit = mesh.peak * mesh.peak;
     for (std::size_t k = 0; k < C; ++k) {
         const ChannelLight start = scene.start(k);
@@ -7420,7 +7462,7 @@ LinearLightReport fit_linear_light(Mesh<C>& mesh, const ImageView<T, C>& view, c
     }
     return report;
 }
-template <class T, int C, class ParallelFor = SerialFor>
+template <class T, int C>
 LinearLightReport fit_linear_light(Mesh<C>& mesh, const ImageView<T, C>& view, const LinearLightOptions& options = {},
                                    const ParallelFor& parallel_for = {}) {
     return fit_linear_light(mesh, view, options, parallel_for, [](double) { return true; });
@@ -7469,7 +7511,7 @@ template <int C>
 }
 
 // Gives all vertices the colours under them.
-template <int C, class ParallelFor = SerialFor>
+template <int C>
 void sample_colors(ImageMesh<C>& mesh, const ParallelFor& parallel_for = {}) {
     std::vector<Color<C>> colors(mesh.topology().vertex_slots(), Color<C>::zero());
     for (const Vertex v : mesh.topology().vertices()) colors[v.index()] = sampled_color(mesh.table(), mesh.position(v));
@@ -7477,8 +7519,8 @@ void sample_colors(ImageMesh<C>& mesh, const ParallelFor& parallel_for = {}) {
 }
 
 // The same for a mesh in patches, rounded to multiples of grid if grid > 0; its energy is then that of these colours.
-template <int C, class ParallelFor>
-void sample_colors(Patchwork<C, ParallelFor>& work, const Tiling& tiling, double grid) {
+template <int C>
+void sample_colors(Patchwork<C>& work, const Tiling& tiling, double grid) {
     WholeMesh<C>& whole = work.whole();
     const ImageSource<C>& source = work.source();
     for (std::size_t v = 0; v < whole.vertex_count(); ++v) {
@@ -7512,7 +7554,7 @@ namespace hmesh {
 
 // The image with all channels but the last multiplied by the last / peak, rounded to the pixel type. Alpha is held to
 // [0, peak], which floats may leave. Of a view that check() accepts.
-template <class T, int C, class ParallelFor = SerialFor>
+template <class T, int C>
 [[nodiscard]] Image<T, C> premultiply(const ImageView<T, C>& view, const ParallelFor& parallel_for = {}) {
     static_assert(has_alpha(C), "images of 2 or 4 channels have alpha");
     using Traits = PixelTraits<T>;
@@ -7865,7 +7907,7 @@ struct BilateralOptions {
 // sum over channels of their absolute differences, in stored values; beyond the border the image is mirrored without
 // repeating the pixels there. check() accepts the view and the options, and float samples are finite. Bands of 64 rows
 // are independent pieces of work.
-template <class T, int C, class ParallelFor = SerialFor>
+template <class T, int C>
 [[nodiscard]] Image<T, C> bilateral_filter(const ImageView<T, C>& view, const BilateralOptions& options = {},
                                            const ParallelFor& parallel_for = {}) {
     HMESH_ASSERT(check(view) && check(options));
@@ -7969,7 +8011,7 @@ class Pyramid {
 
 // The levels that `filter` gives if its call is set, else those of the bilateral filter. check() accepts the view and the
 // bilateral options, and float samples are finite.
-template <class T, int C, class ParallelFor = SerialFor>
+template <class T, int C>
 [[nodiscard]] Pyramid<T, C> make_pyramid(const ImageView<T, C>& view, int levels, const BilateralOptions& bilateral = {},
                                          const LevelFilter& filter = {}, const ParallelFor& parallel_for = {}) {
     return Pyramid<T, C>(view, levels, [&](const ImageView<T, C>& level) {
@@ -8138,7 +8180,7 @@ template <int C>
 
 // About `count` nodes on all seams together, at one price; none further than `reach` px from the next. Seams that come up
 // after go_on(), called from any thread, has said false are left without nodes.
-template <int C, class GoOn, class ParallelFor = SerialFor>
+template <int C, class GoOn>
 [[nodiscard]] std::vector<SeamLine<C>> seam_lines(const ImageSource<C>& source, const std::vector<Seam>& seams, double count,
                                                   int step, int reach, GoOn&& go_on, const ParallelFor& parallel_for = {}) {
     std::vector<SeamLine<C>> lines(seams.size());
@@ -8257,7 +8299,7 @@ template <int C>
 
 // A grid of about `count` vertices in the tiles of an unshifted tiling, sewn to about `seam_count` nodes on the seams, which
 // are found while go_on() says true (see seam_lines). Either is more where the other would give vertices too many neighbours.
-template <int C, class GoOn, class ParallelFor = SerialFor>
+template <int C, class GoOn>
 [[nodiscard]] WholeMesh<C> tiled_grid(const ImageSource<C>& source, const Tiling& tiling, double count, double seam_count,
                                       GoOn&& go_on, const ParallelFor& parallel_for = {}) {
     const auto columns = static_cast<std::uint32_t>(tiling.columns()), rows = static_cast<std::uint32_t>(tiling.rows());
@@ -8751,7 +8793,7 @@ struct Plane {
 };
 
 // Calls body(y) for all rows, in pieces.
-template <class ParallelFor, class Body>
+template <class Body>
 void for_each_row(const ParallelFor& parallel_for, int height, Body&& body) {
     for_each_chunk(parallel_for, static_cast<std::size_t>(height), 32, [&](std::size_t begin, std::size_t end) {
         for (std::size_t y = begin; y < end; ++y) body(static_cast<int>(y));
@@ -8759,8 +8801,7 @@ void for_each_row(const ParallelFor& parallel_for, int height, Body&& body) {
 }
 
 // [1 2 1] / 4 down the columns, then along the rows; pixels beyond the border are those on it. `rest` is overwritten.
-template <class ParallelFor>
-void smooth(Plane& plane, Plane& rest, const ParallelFor& parallel_for) {
+inline void smooth(Plane& plane, Plane& rest, const ParallelFor& parallel_for) {
     const int width = plane.width;
     for_each_row(parallel_for, plane.height, [&](int y) {
         const double *above = plane.row_held(y - 1), *here = plane.row(y), *below = plane.row_held(y + 1);
@@ -8779,7 +8820,7 @@ void smooth(Plane& plane, Plane& rest, const ParallelFor& parallel_for) {
 }  // namespace detail
 
 // The map of the whole image, values >= 0 and finite, after `passes` >= 0 of smoothing.
-template <int C, class ParallelFor = SerialFor>
+template <int C>
 [[nodiscard]] Image<float, 1> feature_map(const ImageSource<C>& source, int passes, const ParallelFor& parallel_for = {}) {
     const int width = source.width(), height = source.height();
     const std::size_t pixels = static_cast<std::size_t>(width) * static_cast<std::size_t>(height);
@@ -8830,8 +8871,8 @@ namespace hmesh {
 namespace detail {
 
 // Runs body(), which says whether to go on, as a stage of this name. Returns whether to go on.
-template <int C, class ParallelFor, class Body>
-bool stage(Patchwork<C, ParallelFor>& work, const char* name, Body&& body) {
+template <int C, class Body>
+bool stage(Patchwork<C>& work, const char* name, Body&& body) {
     return work.monitor().begin(name, work.vertex_count(), work.energy()) && body() &&
            work.monitor().end(work.vertex_count(), work.energy());
 }
@@ -8843,8 +8884,8 @@ template <int C>
 }
 
 // A stage of work(mesh) on the whole mesh at once.
-template <int C, class ParallelFor, class Work>
-bool whole_stage(Patchwork<C, ParallelFor>& work, const char* name, Work&& body) {
+template <int C, class Work>
+bool whole_stage(Patchwork<C>& work, const char* name, Work&& body) {
     return stage(work, name, [&] {
         work.monitor().expect(0, 1);
         return work.for_each(one_tile(work.source()), [&](Patch<C>& patch, std::size_t) { body(patch.mesh()); });
@@ -8904,8 +8945,8 @@ namespace detail {
 }
 
 // The Delaunay triangulation of the corners and of these pixels, with their colours, in place of what work had. False: cancelled.
-template <int C, class ParallelFor>
-bool triangulate_pixels(Patchwork<C, ParallelFor>& work, const std::vector<std::uint32_t>& pixels) {
+template <int C>
+bool triangulate_pixels(Patchwork<C>& work, const std::vector<std::uint32_t>& pixels) {
     const ImageSource<C>& source = work.source();
     const int width = source.width(), height = source.height();
     const auto column = [&](std::uint32_t pixel) { return static_cast<int>(pixel % static_cast<std::uint32_t>(width)); };
@@ -8933,16 +8974,16 @@ bool triangulate_pixels(Patchwork<C, ParallelFor>& work, const std::vector<std::
 }
 
 // Removal to n vertices, as a stage.
-template <int C, class ParallelFor>
-bool thin(Patchwork<C, ParallelFor>& work, std::size_t n) {
+template <int C>
+bool thin(Patchwork<C>& work, std::size_t n) {
     return whole_stage(work, "removal", [&](ImageMesh<C>& mesh) { PointRemoval<C>(mesh).remove_down_to(n); });
 }
 
 }  // namespace detail
 
 // Makes a mesh of n vertices, 4 <= n <= max(4, pixels). False: cancelled; the mesh is valid but may have another count.
-template <int C, class ParallelFor>
-[[nodiscard]] bool adams(Patchwork<C, ParallelFor>& work, std::size_t n, const AdamsOptions& options) {
+template <int C>
+[[nodiscard]] bool adams(Patchwork<C>& work, std::size_t n, const AdamsOptions& options) {
     const ImageSource<C>& source = work.source();
     work.whole() = regular_grid(source, 4);  // what a cancellation finds
     const bool go_on = detail::stage(work, "points", [&] {
@@ -8982,8 +9023,8 @@ namespace hmesh {
 inline constexpr std::int64_t adaptive_thinning_pixels = std::int64_t{1} << 22;
 
 // Makes a mesh of n vertices, 4 <= n <= max(4, pixels). False: cancelled; the mesh is valid but may have another count.
-template <int C, class ParallelFor>
-[[nodiscard]] bool adaptive_thinning(Patchwork<C, ParallelFor>& work, std::size_t n) {
+template <int C>
+[[nodiscard]] bool adaptive_thinning(Patchwork<C>& work, std::size_t n) {
     const ImageSource<C>& source = work.source();
     work.whole() = regular_grid(source, 4);  // what a cancellation finds
     const bool go_on = detail::stage(work, "points", [&] {
@@ -10123,8 +10164,8 @@ namespace hmesh {
 namespace detail {
 
 // Removes `count` vertices: the cheapest of all patches. Returns whether any went.
-template <int C, class ParallelFor>
-bool remove_cheapest(Patchwork<C, ParallelFor>& work, const Tiling& tiling, std::size_t count, const Relaxation& relaxation) {
+template <int C>
+bool remove_cheapest(Patchwork<C>& work, const Tiling& tiling, std::size_t count, const Relaxation& relaxation) {
     std::vector<std::size_t> quota(tiling.size(), count);
     if (tiling.size() > 1) {
         std::vector<std::vector<double>> costs(tiling.size());
@@ -10158,8 +10199,8 @@ bool remove_cheapest(Patchwork<C, ParallelFor>& work, const Tiling& tiling, std:
 }
 
 // Inserts `count` vertices where the error is, at the best sites of each patch. Returns whether any came.
-template <int C, class ParallelFor>
-bool insert_best(Patchwork<C, ParallelFor>& work, const Tiling& tiling, std::size_t count) {
+template <int C>
+bool insert_best(Patchwork<C>& work, const Tiling& tiling, std::size_t count) {
     std::vector<double> energies(tiling.size(), 0.0);
     if (tiling.size() > 1 && !work.visit(tiling, [&](Patch<C>& patch, std::size_t tile, const std::uint32_t*) {
             energies[tile] = patch.mesh().energy();
@@ -10184,8 +10225,8 @@ bool insert_best(Patchwork<C, ParallelFor>& work, const Tiling& tiling, std::siz
 
 // Brings the mesh to exactly n vertices, in patches of about `tile` px. Returns false where it could not: cancelled, or more
 // than n vertices none of which can go.
-template <int C, class ParallelFor>
-bool meet_budget(Patchwork<C, ParallelFor>& work, std::size_t n, double tile, const Relaxation& relaxation) {
+template <int C>
+bool meet_budget(Patchwork<C>& work, std::size_t n, double tile, const Relaxation& relaxation) {
     const int width = work.source().width(), height = work.source().height();
     const auto count = [&] { return work.vertex_count(); };
     // Where one tiling is stuck, another may not be.
@@ -10363,10 +10404,10 @@ void shrink(ImageMesh<C>& mesh, std::size_t n, const AnnealedOptions& options) {
 }
 
 // The recipe for n vertices.
-template <int C, class ParallelFor>
+template <int C>
 class Annealed {
   public:
-    Annealed(Patchwork<C, ParallelFor>& work, std::size_t n, const AnnealedOptions& options, double tile)
+    Annealed(Patchwork<C>& work, std::size_t n, const AnnealedOptions& options, double tile)
         : work_(&work), n_(n), options_(options), tile_(tile), aligned_(tiling(0)) {}
 
     // False: cancelled, or more than n vertices none of which can go.
@@ -10522,7 +10563,7 @@ class Annealed {
         return true;
     }
 
-    Patchwork<C, ParallelFor>* work_;
+    Patchwork<C>* work_;
     std::size_t n_;
     AnnealedOptions options_;
     double tile_;
@@ -10545,11 +10586,9 @@ class Annealed {
 
 // Makes a mesh of n vertices, 4 <= n <= max(4, pixels), in tiles of about `tile` px (0: see tile_size). Cancelled: the mesh is
 // valid but may have another count.
-template <int C, class ParallelFor>
-[[nodiscard]] Status annealed(Patchwork<C, ParallelFor>& work, std::size_t n, const AnnealedOptions& options, int tile) {
-    const auto recipe = [&](const AnnealedOptions& o, double size) {
-        return detail::Annealed<C, ParallelFor>(work, n, o, size).run();
-    };
+template <int C>
+[[nodiscard]] Status annealed(Patchwork<C>& work, std::size_t n, const AnnealedOptions& options, int tile) {
+    const auto recipe = [&](const AnnealedOptions& o, double size) { return detail::Annealed<C>(work, n, o, size).run(); };
     const ImageSource<C>& source = work.source();
     const double size = detail::tile_size(source.width(), source.height(), n, tile);
     if (recipe(options, size)) return {};
@@ -10766,7 +10805,7 @@ inline void faces_around(const HalfedgeMesh& topology, Face f, std::vector<Face>
 // (fit/barycentric.hpp): gram_matrix, position_rhs and image_rhs make K K^T, K P^T and K I^T of it. `color_scale`: px that a
 // unit of colour is worth, > 0. The mesh must tile its table's rectangle. Faces are independent pieces of work, but not in
 // one_ring, which runs serially: there they add to each other's corners. Lane C of `image` stays 0 where there is a search.
-template <int C, class ParallelFor = SerialFor>
+template <int C>
 [[nodiscard]] std::vector<CornerSums<C>> foot_sums(const ImageMesh<C>& mesh, FootSearch search, double color_scale,
                                                    const ParallelFor& parallel_for = {}) {
     if (search == FootSearch::plane) return corner_sums(mesh, parallel_for);
@@ -10885,7 +10924,7 @@ struct GeometrySystem {
 };
 
 // `color_scale`: px that a unit of stored value is worth.
-template <int C, class ParallelFor = SerialFor>
+template <int C>
 [[nodiscard]] GeometrySystem geometry_system(const ImageMesh<C>& mesh, FootSearch search, double color_scale, double pull,
                                              const ParallelFor& parallel_for = {}) {
     GeometrySystem system;
@@ -10941,7 +10980,7 @@ bool step_toward(ImageMesh<C>& mesh, Vertex v, Point target, int halvings, RingW
 
 // Gives all vertices the best colours under the pixels. The optimum held to a range may be worse than what there is, and so may
 // one that was not solved for to the end: then the descent within the range that never is.
-template <int C, class ParallelFor>
+template <int C>
 void improve_colors(ImageMesh<C>& mesh, const PcgOptions& options, const ParallelFor& parallel_for) {
     const double before = mesh.energy();
     std::vector<Color<C>> colors;
@@ -10974,7 +11013,7 @@ bool step_unfolded(ImageMesh<C>& mesh, Vertex v, Point target, RingWork<C>& work
 }  // namespace detail
 
 // One step. Vertices with more than ring_capacity neighbours keep their place. Returns how the solver did.
-template <int C, class ParallelFor = SerialFor>
+template <int C>
 PcgReport geometry_step(ImageMesh<C>& mesh, const GeometryStep& options, double peak, const ParallelFor& parallel_for = {}) {
     GeometrySystem system = geometry_system(mesh, options.search, options.color_scale * 255 / peak, options.pull, parallel_for);
     const PcgReport report = solve_pcg(system.gram, system.rhs, system.solution, options.pcg, system.held);
@@ -11071,8 +11110,8 @@ struct HierarchicalOptions {
 namespace detail {
 
 // The paper's AlternatingOptimization on the image that work is of. False: cancelled.
-template <int C, class ParallelFor>
-bool alternate(Patchwork<C, ParallelFor>& work, const HierarchicalOptions& options) {
+template <int C>
+bool alternate(Patchwork<C>& work, const HierarchicalOptions& options) {
     const GeometryStep& geometry = options.geometry;
     for (int round = 0; round < options.rounds; ++round) {
         const bool go_on = whole_stage(work, "geometry", [&](ImageMesh<C>& mesh) {
@@ -11091,8 +11130,8 @@ bool alternate(Patchwork<C, ParallelFor>& work, const HierarchicalOptions& optio
 
 // Makes a mesh of n vertices, 4 <= n <= max(4, pixels), of the image that work is of. `coarse`: the levels from 1 to N - 1,
 // of the same size. False: cancelled; the mesh is valid but may have another count.
-template <int C, class ParallelFor>
-[[nodiscard]] bool hierarchical(Patchwork<C, ParallelFor>& work, const std::vector<ImageSource<C>>& coarse, std::size_t n,
+template <int C>
+[[nodiscard]] bool hierarchical(Patchwork<C>& work, const std::vector<ImageSource<C>>& coarse, std::size_t n,
                                 const HierarchicalOptions& options) {
     bool go_on = true, has_mesh = false;
     WholeMesh<C> mesh;
@@ -11102,7 +11141,7 @@ template <int C, class ParallelFor>
         has_mesh = true;
     }
     for (std::size_t level = coarse.size(); level > 0 && go_on; --level) {
-        Patchwork<C, ParallelFor> filtered(coarse[level - 1], work.limits(), work.monitor(), work.parallel_for());
+        Patchwork<C> filtered(coarse[level - 1], work.limits(), work.monitor(), work.parallel_for());
         if (has_mesh) filtered.whole() = std::move(mesh);
         else go_on = adams(filtered, n, options.start);
         has_mesh = true;
@@ -11275,8 +11314,8 @@ struct XieOptions {
 }
 
 // Makes a mesh of n vertices, 4 <= n <= max(4, pixels). False: cancelled; the mesh is valid but may have another count.
-template <int C, class ParallelFor>
-[[nodiscard]] bool xie(Patchwork<C, ParallelFor>& work, std::size_t n, const XieOptions& options) {
+template <int C>
+[[nodiscard]] bool xie(Patchwork<C>& work, std::size_t n, const XieOptions& options) {
     if (!adams(work, n, options.start)) return false;
     for (int round = 0; round < options.rounds; ++round) {
         const double before = work.energy();
@@ -11591,9 +11630,9 @@ template <int C>
 }
 
 // The levels of the image as the method hierarchical wants them, from 1 on.
-template <class T, int C, class ParallelFor>
-[[nodiscard]] bool run_hierarchical(Patchwork<C, ParallelFor>& work, const ImageView<T, C>& view, std::size_t n,
-                                    const Options& options, double unit) {
+template <class T, int C>
+[[nodiscard]] bool run_hierarchical(Patchwork<C>& work, const ImageView<T, C>& view, std::size_t n, const Options& options,
+                                    double unit) {
     const HierarchicalOptions& recipe = options.hierarchical;
     work.whole() = regular_grid(work.source(), 4);  // what a cancellation finds
     if (!work.monitor().begin("levels", work.vertex_count(), work.energy())) return false;
@@ -11602,7 +11641,7 @@ template <class T, int C, class ParallelFor>
     for (int level = 1; level < recipe.levels; ++level) coarse.emplace_back(pyramid.level(level), options.weights, unit);
     {
         // The report tells the error of what there is, measured apart so that no moment table stays meanwhile.
-        Patchwork<C, ParallelFor> corners(work.source(), work.limits(), work.monitor(), work.parallel_for());
+        Patchwork<C> corners(work.source(), work.limits(), work.monitor(), work.parallel_for());
         corners.whole() = std::move(work.whole());
         corners.measure(one_tile(work.source()));
         work.whole() = std::move(corners.whole());
@@ -11611,9 +11650,8 @@ template <class T, int C, class ParallelFor>
 }
 
 // A mesh of n vertices by the method asked for.
-template <class T, int C, class ParallelFor>
-[[nodiscard]] Status run(Patchwork<C, ParallelFor>& work, const ImageView<T, C>& view, std::size_t n, const Options& options,
-                         double unit) {
+template <class T, int C>
+[[nodiscard]] Status run(Patchwork<C>& work, const ImageView<T, C>& view, std::size_t n, const Options& options, double unit) {
     const auto done = [](bool finished) { return finished ? Status{} : cancelled_by_callback(); };
     switch (options.method) {
         case Method::annealed: break;
@@ -11628,7 +11666,7 @@ template <class T, int C, class ParallelFor>
 }
 
 // The stage after all others: colours for linear light. Returns the energy seen through it; `energy` is that before.
-template <class T, int C, class ParallelFor>
+template <class T, int C>
 [[nodiscard]] double light_colors(Mesh<C>& mesh, const ImageView<T, C>& view, const ImageView<float, 1>& weights, double ridge,
                                   double grid, double energy, Monitor& monitor, const ParallelFor& parallel_for) {
     LinearLightOptions recipe;
@@ -11645,13 +11683,13 @@ template <class T, int C, class ParallelFor>
 }
 
 // One mesh of n vertices, finished. `samples`: pixels, or the sum of their weights, times channels.
-template <class T, int C, class ParallelFor>
+template <class T, int C>
 [[nodiscard]] Result<C> mesh_with(const ImageView<T, C>& view, double unit, double samples, std::size_t n, const Options& options,
                                   const ParallelFor& parallel_for) {
     using Traits = PixelTraits<T>;
     const ImageSource<C> source(view, options.weights, unit);
     Monitor monitor(options.progress, samples, Traits::peak);
-    Patchwork<C, ParallelFor> work(source, options.limits, monitor, parallel_for);
+    Patchwork<C> work(source, options.limits, monitor, parallel_for);
     Result<C> result;
     result.status = run(work, view, n, options, unit);
     monitor.begin("colors", work.vertex_count(), work.energy());
@@ -11686,9 +11724,11 @@ template <class T, int C, class ParallelFor>
 // Status: invalid_argument, image_too_large or not_finite where the image or an option is refused (the mesh is empty);
 // target_out_of_range for a number of vertices that the image cannot hold (empty) or a PSNR that no mesh reached (the
 // nearest one is returned); cancelled by options.progress (the mesh reached so far is returned).
-template <class T, int C, class ParallelFor = SerialFor>
-[[nodiscard]] Result<C> mesh_image(const ImageView<T, C>& view, const Options& options = {},
-                                   const ParallelFor& parallel_for = {}) {
+//
+// Never inlined: all calls run the same instructions, so that they round alike.
+template <class T, int C>
+[[nodiscard]] HMESH_NEVER_INLINE Result<C> mesh_image(const ImageView<T, C>& view, const Options& options = {},
+                                                      const ParallelFor& parallel_for = {}) {
     Result<C> result;
     result.status = check(view);
     if (result.status) result.status = detail::check_options(options, std::int64_t{view.width} * view.height);
@@ -11841,9 +11881,8 @@ struct Bands {
     std::vector<std::uint32_t> faces;
 };
 
-template <class ParallelFor>
-[[nodiscard]] Bands sort_into_bands(const MeshView& mesh, const std::vector<Point>& at, int height,
-                                    const ParallelFor& parallel_for) {
+[[nodiscard]] inline Bands sort_into_bands(const MeshView& mesh, const std::vector<Point>& at, int height,
+                                           const ParallelFor& parallel_for) {
     std::vector<RowRange> touched(mesh.face_count);  // in bands
     for_each_chunk(parallel_for, mesh.face_count, 4096, [&](std::size_t begin, std::size_t end) {
         for (std::size_t f = begin; f < end; ++f) {
@@ -11881,8 +11920,7 @@ template <class ParallelFor>
 [[nodiscard]] inline bool is_light(const MeshView& mesh, int channel) noexcept {
     return !has_alpha(mesh.channels) || channel + 1 != mesh.channels;
 }
-template <class ParallelFor>
-[[nodiscard]] std::vector<float> decoded_colors(const MeshView& mesh, const ParallelFor& parallel_for) {
+[[nodiscard]] inline std::vector<float> decoded_colors(const MeshView& mesh, const ParallelFor& parallel_for) {
     const auto channels = static_cast<std::size_t>(mesh.channels);
     std::vector<float> out(channels * mesh.vertex_count);
     for_each_chunk(parallel_for, mesh.vertex_count, 4096, [&](std::size_t begin, std::size_t end) {
@@ -11909,7 +11947,7 @@ void encode_rows(const MeshView& mesh, RowRange rows, Image<float, C>& out) {
 // Draws the mesh, scaled to the picture's size, into `out`: the stored values, neither rounded nor clamped. Faces
 // outside the picture are clipped; where faces overlap the later one wins; pixels in no face are 0. A premultiplied mesh
 // gives a premultiplied picture, and cannot be drawn in linear light. When the Status says no, `out` is as it was.
-template <int C, class ParallelFor = SerialFor>
+template <int C>
 Status render(const MeshView& mesh, Image<float, C>& out, const RenderOptions& options = {},
               const ParallelFor& parallel_for = {}) {
     const int width = options.width > 0 ? options.width : mesh.width;
@@ -11958,7 +11996,7 @@ Status render(const MeshView& mesh, Image<float, C>& out, const RenderOptions& o
 
 // 10 log10(peak^2 / MSE) in dB, MSE the mean of the squared differences over pixels AND channels, peak that of the
 // reference's pixel type. Infinity for equal images, NaN for images that cannot be compared: different or no sizes.
-template <class T, class U, int C, class ParallelFor = SerialFor>
+template <class T, class U, int C>
 [[nodiscard]] double psnr(const ImageView<T, C>& reference, const ImageView<U, C>& rendered,
                           const ParallelFor& parallel_for = {}) {
     if (!check(reference) || !check(rendered) || reference.width != rendered.width || reference.height != rendered.height)
@@ -11982,7 +12020,7 @@ template <class T, class U, int C, class ParallelFor = SerialFor>
 }
 
 // The picture in pixels of type T, rounded and held to the type's range.
-template <class T, int C, class ParallelFor = SerialFor>
+template <class T, int C>
 [[nodiscard]] Image<T, C> to_pixels(const Image<float, C>& image, const ParallelFor& parallel_for = {}) {
     Image<T, C> out(image.width(), image.height());
     const std::vector<float>& from = image.samples();

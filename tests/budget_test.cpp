@@ -47,8 +47,8 @@ void check_shares(std::size_t count, const std::vector<double>& weights, const C
 }
 
 // A mesh of about `count` vertices, its energy known.
-template <class T, int C, class ParallelFor>
-void start(Work<T, C, ParallelFor>& work, double count) {
+template <class T, int C>
+void start(Work<T, C>& work, double count) {
     work.patchwork.whole() = hmesh::regular_grid(work.source, count);
     const Tiling one(work.image.width(), work.image.height(), 1e9);
     REQUIRE(work.patchwork.for_each(one, [](hmesh::Patch<C>& patch, std::size_t) { hmesh::sweep(patch.mesh()); }));
@@ -197,8 +197,9 @@ TEST_CASE("the way to n is the same whatever the executor's order") {
     const auto image = hmesh_test::scene<std::uint8_t, 3>(120, 100, 3);
     for (const std::size_t to : {450U, 800U}) {
         Work<std::uint8_t, 3> serial(image);
-        Work<std::uint8_t, 3, hmesh_test::ReverseFor> reversed(image);
-        Work<std::uint8_t, 3, hmesh_test::ShuffledFor> shuffled(image, {}, {}, {7});
+        const hmesh_test::ReverseFor backwards;
+        const hmesh_test::ShuffledFor anyhow{7};
+        Work<std::uint8_t, 3> reversed(image, {}, {}, backwards), shuffled(image, {}, {}, anyhow);
         start(serial, 600), start(reversed, 600), start(shuffled, 600);
         CHECK(meet_budget(serial.patchwork, to, 40, {}));
         CHECK(meet_budget(reversed.patchwork, to, 40, {}));

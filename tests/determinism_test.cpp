@@ -8,7 +8,7 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
-#include <functional>
+#include <initializer_list>
 #include <limits>
 #include <set>
 #include <thread>
@@ -40,10 +40,10 @@ void check_repeatable(const Image<T, C>& image, const Options& options) {
         CHECK(dirt.back() > 0);
     }
     CHECK(hmesh_test::same_bytes(mesh_image(copy.view(), options), first));
-    for (const hmesh_test::AnyFor& executor :
-         {hmesh_test::AnyFor(hmesh_test::ReverseFor{}), hmesh_test::AnyFor(hmesh_test::ShuffledFor{1}),
-          hmesh_test::AnyFor(hmesh_test::ShuffledFor{2}), hmesh_test::AnyFor(hmesh_test::ThreadFor{2}),
-          hmesh_test::AnyFor(hmesh_test::ThreadFor{7})})
+    const hmesh_test::ReverseFor backwards;
+    const hmesh_test::ShuffledFor anyhow{1}, otherwise{2};
+    const hmesh_test::ThreadFor two{2}, seven{7};
+    for (const hmesh::ParallelFor& executor : std::initializer_list<hmesh::ParallelFor>{backwards, anyhow, otherwise, two, seven})
         CHECK(hmesh_test::same_bytes(mesh_image(image.view(), options, executor), first));
 }
 template <class T, int C>
@@ -116,7 +116,7 @@ TEST_CASE("a search for a PSNR gives the same bytes, reached or not") {
 
 TEST_CASE("every index of a stage is handed out once") {
     bool once = true;
-    const hmesh_test::AnyFor counting = [&](std::size_t n, const std::function<void(std::size_t)>& body) {
+    const auto counting = [&](std::size_t n, const auto& body) {
         std::set<std::size_t> seen;
         for (std::size_t i = n; i-- > 0;) {
             once = once && seen.insert(i).second;

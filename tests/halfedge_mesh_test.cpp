@@ -40,8 +40,9 @@ Input grid(std::uint32_t columns, std::uint32_t rows, bool hole = false) {
         for (std::uint32_t i = 0; i < columns; ++i) {
             if (hole && i == columns / 2 && j == rows / 2) continue;
             const std::uint32_t a = j * (columns + 1) + i, b = a + 1, d = a + columns + 1, c = d + 1;
-            if ((i + j) % 2 == 0) input.triangles.insert(input.triangles.end(), {{a, b, c}, {a, c, d}});
-            else input.triangles.insert(input.triangles.end(), {{a, b, d}, {b, c, d}});
+            const bool rises = (i + j) % 2 != 0;
+            input.triangles.push_back({a, b, rises ? d : c});
+            input.triangles.push_back({rises ? b : a, c, d});
         }
     return input;
 }

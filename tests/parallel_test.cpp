@@ -3,6 +3,8 @@
 #include <doctest/doctest.h>
 
 #include <cstddef>
+#include <functional>
+#include <type_traits>
 #include <utility>
 #include <vector>
 
@@ -13,8 +15,7 @@ using namespace hmesh_test;
 
 namespace {
 
-template <class ParallelFor>
-bool chunks_are_right(const ParallelFor& parallel_for, std::size_t n, std::size_t grain) {
+bool chunks_are_right(const hmesh::ParallelFor& parallel_for, std::size_t n, std::size_t grain) {
     std::vector<int> visits(n, 0);
     bool good = true;
     hmesh::for_each_chunk(parallel_for, n, grain, [&](std::size_t begin, std::size_t end) {
@@ -82,4 +83,44 @@ TEST_CASE("ordered_sum gives the same bits whatever order the executor uses") {
         in_chunks += body(begin, begin + 7 < terms.size() ? begin + 7 : terms.size());
     CHECK(serial == in_chunks);
     CHECK(hmesh::ordered_sum(hmesh::SerialFor(), 0, 7, body) == 0);
+}
+
+TEST_CASE("a ParallelFor runs pieces on the executor that it was made of, and on the calling thread without one") {
+    const auto indices = [](const hmesh::ParallelFor& parallel_for) {
+        std::vector<std::size_t> seen;
+        parallel_for(4, [&](std::size_t i) { seen.push_back(i); });
+        return seen;
+    };
+    const std::vector<std::size_t> forwards{0, 1, 2, 3}, backwards{3, 2, 1, 0};
+    CHECK(indices({}) == forwards);
+    CHECK(indices(hmesh::SerialFor()) == forwards);
+    CHECK(indices(ReverseFor()) == backwards);
+    const ReverseFor executor;
+    const hmesh::ParallelFor first = executor, copy = first;
+    CHECK(indices(copy) == backwards);
+}
+
+TEST_CASE("executors take a piece of work as a template parameter, as std::function and by value, and may copy it") {
+    std::vector<int> visits(6, 0);
+    const auto body = [&](std::size_t i) { ++visits[i]; };
+    const auto as_function = [](std::size_t n, const std::function<void(std::size_t)>& piece) {
+        for (std::size_t i = 0; i < n; ++i) piece(i);
+    };
+    const auto by_value = [](std::size_t n, auto piece) {
+        const auto copy = piece;
+        for (std::size_t i = 0; i < n; ++i) copy(i);
+    };
+    const std::function<void(std::size_t, const std::function<void(std::size_t)>&)> any = as_function;
+    hmesh::ParallelFor{as_function}(6, body);
+    hmesh::ParallelFor{by_value}(6, body);
+    hmesh::ParallelFor{any}(6, body);
+    hmesh::ParallelFor(ThreadFor{3})(6, body);
+    CHECK(visits == std::vector<int>(6, 4));
+}
+
+TEST_CASE("only what can run pieces becomes a ParallelFor") {
+    static_assert(std::is_convertible_v<ThreadFor, hmesh::ParallelFor>);
+    static_assert(!std::is_convertible_v<int, hmesh::ParallelFor>);
+    static_assert(!std::is_convertible_v<std::vector<double>, hmesh::ParallelFor>);
+    static_assert(!std::is_convertible_v<void (*)(std::size_t), hmesh::ParallelFor>);
 }

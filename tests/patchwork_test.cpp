@@ -30,11 +30,11 @@ using hmesh::ImageMesh;
 using hmesh::ImageSource;
 using hmesh::Mobility;
 using hmesh::Monitor;
+using hmesh::ParallelFor;
 using hmesh::Patch;
 using hmesh::Patchwork;
 using hmesh::Point;
 using hmesh::Random;
-using hmesh::SerialFor;
 using hmesh::StageInfo;
 using hmesh::Tiling;
 using hmesh::Triangle;
@@ -183,8 +183,7 @@ template <class T, int C>
 void work_through(const Image<T, C>& image, WholeMesh<C> start, std::size_t count, std::uint64_t seed) {
     const ImageSource<C> source(image.view());
     Monitor monitor = silent();
-    const SerialFor serial;
-    Patchwork<C> work(source, {}, monitor, serial);
+    Patchwork<C> work(source, {}, monitor);
     work.whole() = std::move(start);
     std::size_t changed = 0, border_splits = 0;
     for (const Phase& phase : phases(count, 0.4 * work.whole().mean_energy(), hmesh::PixelTraits<T>::peak, seed)) {
@@ -206,12 +205,12 @@ void work_through(const Image<T, C>& image, WholeMesh<C> start, std::size_t coun
 }
 
 // Every phase in turn, on an executor.
-template <class T, int C, class ParallelFor>
+template <class T, int C>
 std::vector<WholeMesh<C>> history(const Image<T, C>& image, const WholeMesh<C>& start, std::size_t count,
                                   const ParallelFor& parallel_for) {
     const ImageSource<C> source(image.view());
     Monitor monitor = silent();
-    Patchwork<C, ParallelFor> work(source, {}, monitor, parallel_for);
+    Patchwork<C> work(source, {}, monitor, parallel_for);
     work.whole() = start;
     std::vector<WholeMesh<C>> out;
     for (const Phase& phase : phases(count, 0.4 * start.mean_energy(), hmesh::PixelTraits<T>::peak, 7)) {
@@ -239,14 +238,13 @@ struct StopAt {
 
 TEST_CASE("work that does nothing keeps every triangle, colour and mark of what is due, and finds the energy") {
     std::uint64_t seed = 0;
-    const SerialFor serial;
     Monitor monitor = silent();
     for (const Shape shape : hmesh_test::all_shapes) {
         const auto image = hmesh_test::scene<std::uint8_t, 3>(70, 53, 1 + seed);
         const ImageSource<3> source(image.view());
         const WholeMesh<3> start = make_whole(image, shape, 130, ++seed);
         const auto expected = hmesh_test::describe(start);
-        Patchwork<3> work(source, {}, monitor, serial);
+        Patchwork<3> work(source, {}, monitor);
         work.whole() = start;
         work.whole().energy = 0;
         for (const double tile : {1.0, 3.0, 8.0, 21.0, 40.0, 1000.0})
@@ -296,11 +294,10 @@ TEST_CASE("a hub with as many spokes as may be gets no more, though its spokes a
 TEST_CASE("patches that give a vertex which they share all the edges they may leave it with as many as a vertex may have") {
     const auto image = hmesh_test::scene<std::uint8_t, 1>(96, 96, 6);
     const ImageSource<1> source(image.view());
-    const SerialFor serial;
     for (const int spokes : {12, 36})
         for (const double tile : {24.0, 48.0}) {
             Monitor monitor = silent();
-            Patchwork<1> work(source, {}, monitor, serial);
+            Patchwork<1> work(source, {}, monitor);
             work.whole() = make_whole(image, hmesh_test::wheel(96, spokes), 1);
             for (int phase = 0; phase < 2; ++phase) {
                 const Tiling tiling(96, 96, tile, phase % 2 != 0, phase % 2 != 0);
@@ -335,7 +332,7 @@ TEST_CASE("the mesh is the same to the last byte on executors of any order and o
     const auto image = hmesh_test::scene<std::uint8_t, 3>(110, 80, 8);
     const WholeMesh<3> start = make_whole(image, Shape::delaunay, 260, 8);
     const std::size_t count = 12;
-    const auto expected = history(image, start, count, SerialFor{});
+    const auto expected = history(image, start, count, {});
     const auto prove_same = [&](const std::vector<WholeMesh<3>>& other) {
         REQUIRE(other.size() == expected.size());
         for (std::size_t k = 0; k < count; ++k) REQUIRE(same_bytes(other[k], expected[k]));
@@ -350,15 +347,14 @@ TEST_CASE("the mesh is the same to the last byte on executors of any order and o
 TEST_CASE("a phase depends on the mesh it begins with and on nothing that was before") {
     const auto image = hmesh_test::scene<std::uint8_t, 1>(70, 60, 9);
     const ImageSource<1> source(image.view());
-    const SerialFor serial;
     Monitor monitor = silent(), another = silent();
-    Patchwork<1> work(source, {}, monitor, serial);
+    Patchwork<1> work(source, {}, monitor);
     work.whole() = make_whole(image, Shape::worn, 160, 9);
     std::vector<Phase> all = phases(18, 0.4 * work.whole().mean_energy(), 255, 9);
     // Also one tile before and after others: its table is kept in between.
     for (const std::size_t k : {1U, 2U, 4U, 9U, 17U}) all[k].tile = 1000;
     for (const Phase& phase : all) {
-        Patchwork<1> fresh(source, {}, another, serial);
+        Patchwork<1> fresh(source, {}, another);
         fresh.whole() = work.whole();
         const Tiling tiling = phase.tiling(70, 60);
         REQUIRE(work.for_each(tiling, phase));
@@ -370,9 +366,8 @@ TEST_CASE("a phase depends on the mesh it begins with and on nothing that was be
 TEST_CASE("what a patch makes due is due in the whole, its frozen vertices too") {
     const auto image = hmesh_test::scene<std::uint8_t, 1>(40, 40, 10);
     const ImageSource<1> source(image.view());
-    const SerialFor serial;
     Monitor monitor = silent();
-    Patchwork<1> work(source, {}, monitor, serial);
+    Patchwork<1> work(source, {}, monitor);
     work.whole() = make_whole(image, Shape::grid, 100, 10);
     std::fill(work.whole().due.begin(), work.whole().due.end(), static_cast<unsigned char>(0));
     const Tiling tiling(40, 40, 20);
@@ -401,7 +396,7 @@ TEST_CASE("looking changes nothing and names the triangles of the whole, one for
             const WholeMesh<3> start = make_whole(image, shape, 110, 11);
             const hmesh_test::ShuffledFor shuffled{5};
             Monitor monitor = silent();
-            Patchwork<3, hmesh_test::ShuffledFor> work(source, {}, monitor, shuffled);
+            Patchwork<3> work(source, {}, monitor, shuffled);
             work.whole() = start;
             std::vector<int> seen(start.triangles.size(), 0);
             std::vector<double> energies(start.triangles.size(), 0.0);
@@ -443,8 +438,7 @@ TEST_CASE("a phase tells how far it is: its patches together are all that was ex
     const ImageSource<1> source(image.view());
     StopAt never;
     Monitor monitor(never.progress(), 60.0 * 45, 255);
-    const SerialFor serial;
-    Patchwork<1> work(source, {}, monitor, serial);
+    Patchwork<1> work(source, {}, monitor);
     work.whole() = make_whole(image, Shape::worn, 110, 12);
     for (const double tile : {5.0, 20.0, 1000.0}) {
         monitor.expect(0.25, 0.75);
@@ -457,13 +451,13 @@ TEST_CASE("a phase tells how far it is: its patches together are all that was ex
 namespace {
 
 // Phases that are cancelled at the k-th call, for many k, and what follows such an end.
-template <class T, int C, class ParallelFor>
+template <class T, int C>
 void cancel(const Image<T, C>& image, const WholeMesh<C>& start, std::size_t step, const ParallelFor& parallel_for) {
     const ImageSource<C> source(image.view());
     const std::vector<Phase> all = phases(6, 0.4 * start.mean_energy(), hmesh::PixelTraits<T>::peak, 10);
     const auto run = [&](StopAt& stop) {
         Monitor monitor(stop.progress(), 1, 255);
-        Patchwork<C, ParallelFor> work(source, {}, monitor, parallel_for);
+        Patchwork<C> work(source, {}, monitor, parallel_for);
         work.whole() = start;
         for (const Phase& phase : all) {
             const Tiling tiling = phase.tiling(image.width(), image.height());
@@ -488,7 +482,7 @@ void cancel(const Image<T, C>& image, const WholeMesh<C>& start, std::size_t ste
         REQUIRE(stop.calls == k);      // nobody asks again
         // What is left can be worked on.
         Monitor monitor = silent();
-        Patchwork<C, ParallelFor> work(source, {}, monitor, parallel_for);
+        Patchwork<C> work(source, {}, monitor, parallel_for);
         work.whole() = std::move(left);
         REQUIRE(work.for_each(Tiling(image.width(), image.height(), 30), all[k % all.size()]));
         prove_whole(image, work.whole());
@@ -500,7 +494,7 @@ void cancel(const Image<T, C>& image, const WholeMesh<C>& start, std::size_t ste
 TEST_CASE("work that is cancelled at any call leaves a mesh, on any executor, that may be worked on again") {
     const auto image = hmesh_test::scene<std::uint8_t, 1>(48, 40, 13);
     const WholeMesh<1> start = make_whole(image, Shape::worn, 130, 13);
-    cancel(image, start, 5, SerialFor{});
+    cancel(image, start, 5, {});
     cancel(image, start, 11, hmesh_test::ReverseFor{});
     cancel(image, start, 23, hmesh_test::ThreadFor{2});
     cancel(image, start, 23, hmesh_test::ThreadFor{7});
@@ -514,8 +508,7 @@ TEST_CASE("a phase that is cancelled at once changes nothing, and a look at all 
         StopAt first;
         first.k = 1;
         Monitor monitor(first.progress(), 1, 255);
-        const SerialFor serial;
-        Patchwork<1> work(source, {}, monitor, serial);
+        Patchwork<1> work(source, {}, monitor);
         work.whole() = start;
         const Tiling tiling(48, 40, tile);
         int visits = 0;
@@ -545,7 +538,7 @@ TEST_CASE("measuring finds the energy of a mesh that was changed from outside, h
             start.energy = -1;
             Monitor monitor = silent();
             const hmesh_test::ThreadFor threads{3};
-            Patchwork<3, hmesh_test::ThreadFor> work(source, {}, monitor, threads);
+            Patchwork<3> work(source, {}, monitor, threads);
             work.whole() = start;
             work.measure(Tiling(60, 45, tile, true, false));
             const double energy = hmesh_test::fresh_energy(image, start);
@@ -564,8 +557,7 @@ TEST_CASE("measuring is not to be cancelled, and sees what one patch that is all
         StopAt second;
         second.k = 2;
         Monitor monitor(second.progress(), 1, 255);
-        const SerialFor serial;
-        Patchwork<1> work(source, {}, monitor, serial);
+        Patchwork<1> work(source, {}, monitor);
         work.whole() = start;
         CHECK(work.for_each(Tiling(48, 40, 1000), [](Patch<1>& patch, std::size_t) { hmesh::sweep(patch.mesh()); }));
         const double swept = work.energy();

@@ -111,7 +111,8 @@ void check_patchwork(const Image<T, C>& image, hmesh_test::Shape shape, double g
     const WholeMesh<C> start = hmesh_test::make_whole(image, shape, 120, 1);
     for (const double tile : {1000.0, 25.0, 9.0}) {
         hmesh_test::Work<T, C> work(image);
-        hmesh_test::Work<T, C, hmesh_test::ThreadFor> threads(image);
+        const hmesh_test::ThreadFor two{2};
+        hmesh_test::Work<T, C> threads(image, {}, {}, two);
         work.patchwork.whole() = threads.patchwork.whole() = start;
         const Tiling tiling(width, height, tile, true, false);
         hmesh::sample_colors(work.patchwork, tiling, grid);

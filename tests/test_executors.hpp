@@ -5,7 +5,6 @@
 #include <atomic>
 #include <cstddef>
 #include <cstdint>
-#include <functional>
 #include <thread>
 #include <utility>
 #include <vector>
@@ -51,9 +50,6 @@ struct ThreadFor {
         for (std::thread& thread : others) thread.join();
     }
 };
-
-// Any executor. Templates over it are compiled once for all.
-using AnyFor = std::function<void(std::size_t, const std::function<void(std::size_t)>&)>;
 
 }  // namespace hmesh_test
 

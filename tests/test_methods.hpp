@@ -49,8 +49,8 @@ template <class T, int C>
 }
 
 // The mesh is one of the whole image, and its energy that of its pixels. Vertices may have any number of neighbours.
-template <class T, int C, class ParallelFor>
-void prove_mesh(const Work<T, C, ParallelFor>& work, std::size_t vertices) {
+template <class T, int C>
+void prove_mesh(const Work<T, C>& work, std::size_t vertices) {
     CHECK(work.count() == vertices);
     const hmesh::Status status = check(work.whole());
     REQUIRE_MESSAGE(status, status.what << " at " << status.got);

@@ -21,18 +21,17 @@
 namespace hmesh_test {
 
 // An image and all that a Patchwork over it needs; the mesh is empty at first.
-template <class T, int C, class ParallelFor = hmesh::SerialFor>
+template <class T, int C>
 struct Work {
     hmesh::Image<T, C> image;
     hmesh::ImageSource<C> source;
     hmesh::Monitor monitor;
-    ParallelFor parallel_for;
-    mutable hmesh::Patchwork<C, ParallelFor> patchwork;  // which looks at its mesh by putting it together
+    mutable hmesh::Patchwork<C> patchwork;  // which looks at its mesh by putting it together
 
     explicit Work(hmesh::Image<T, C> picture, const hmesh::MeshLimits& limits = {}, const hmesh::Progress& progress = {},
-                  const ParallelFor& executor = {})
+                  const hmesh::ParallelFor& parallel_for = {})
         : image(std::move(picture)), source(image.view()),
-          monitor(progress, static_cast<double>(image.samples().size()), hmesh::PixelTraits<T>::peak), parallel_for(executor),
+          monitor(progress, static_cast<double>(image.samples().size()), hmesh::PixelTraits<T>::peak),
           patchwork(source, limits, monitor, parallel_for) {}
     Work(const Work&) = delete;
     Work& operator=(const Work&) = delete;
@@ -62,8 +61,8 @@ template <class T, int C>
 }
 
 // The mesh is one of the whole image, no vertex has too many neighbours, and its energy, where known, is that of its pixels.
-template <class T, int C, class ParallelFor>
-void prove(const Work<T, C, ParallelFor>& work, bool energy_known = true) {
+template <class T, int C>
+void prove(const Work<T, C>& work, bool energy_known = true) {
     const hmesh::Status status = check(work.whole());
     REQUIRE_MESSAGE(status, status.what << " at " << status.got);
     REQUIRE(work.whole().width == work.image.width());

@@ -18,6 +18,7 @@
 #include <vector>
 
 #include "hmesh/core/assert.hpp"
+#include "hmesh/core/lanes.hpp"
 #include "hmesh/core/parallel.hpp"
 #include "hmesh/core/progress.hpp"
 #include "hmesh/core/status.hpp"
@@ -81,9 +82,9 @@ template <int C>
 }
 
 // The levels of the image as the method hierarchical wants them, from 1 on.
-template <class T, int C, class ParallelFor>
-[[nodiscard]] bool run_hierarchical(Patchwork<C, ParallelFor>& work, const ImageView<T, C>& view, std::size_t n,
-                                    const Options& options, double unit) {
+template <class T, int C>
+[[nodiscard]] bool run_hierarchical(Patchwork<C>& work, const ImageView<T, C>& view, std::size_t n, const Options& options,
+                                    double unit) {
     const HierarchicalOptions& recipe = options.hierarchical;
     work.whole() = regular_grid(work.source(), 4);  // what a cancellation finds
     if (!work.monitor().begin("levels", work.vertex_count(), work.energy())) return false;
@@ -92,7 +93,7 @@ template <class T, int C, class ParallelFor>
     for (int level = 1; level < recipe.levels; ++level) coarse.emplace_back(pyramid.level(level), options.weights, unit);
     {
         // The report tells the error of what there is, measured apart so that no moment table stays meanwhile.
-        Patchwork<C, ParallelFor> corners(work.source(), work.limits(), work.monitor(), work.parallel_for());
+        Patchwork<C> corners(work.source(), work.limits(), work.monitor(), work.parallel_for());
         corners.whole() = std::move(work.whole());
         corners.measure(one_tile(work.source()));
         work.whole() = std::move(corners.whole());
@@ -101,9 +102,8 @@ template <class T, int C, class ParallelFor>
 }
 
 // A mesh of n vertices by the method asked for.
-template <class T, int C, class ParallelFor>
-[[nodiscard]] Status run(Patchwork<C, ParallelFor>& work, const ImageView<T, C>& view, std::size_t n, const Options& options,
-                         double unit) {
+template <class T, int C>
+[[nodiscard]] Status run(Patchwork<C>& work, const ImageView<T, C>& view, std::size_t n, const Options& options, double unit) {
     const auto done = [](bool finished) { return finished ? Status{} : cancelled_by_callback(); };
     switch (options.method) {
         case Method::annealed: break;
@@ -118,7 +118,7 @@ template <class T, int C, class ParallelFor>
 }
 
 // The stage after all others: colours for linear light. Returns the energy seen through it; `energy` is that before.
-template <class T, int C, class ParallelFor>
+template <class T, int C>
 [[nodiscard]] double light_colors(Mesh<C>& mesh, const ImageView<T, C>& view, const ImageView<float, 1>& weights, double ridge,
                                   double grid, double energy, Monitor& monitor, const ParallelFor& parallel_for) {
     LinearLightOptions recipe;
@@ -135,13 +135,13 @@ template <class T, int C, class ParallelFor>
 }
 
 // One mesh of n vertices, finished. `samples`: pixels, or the sum of their weights, times channels.
-template <class T, int C, class ParallelFor>
+template <class T, int C>
 [[nodiscard]] Result<C> mesh_with(const ImageView<T, C>& view, double unit, double samples, std::size_t n, const Options& options,
                                   const ParallelFor& parallel_for) {
     using Traits = PixelTraits<T>;
     const ImageSource<C> source(view, options.weights, unit);
     Monitor monitor(options.progress, samples, Traits::peak);
-    Patchwork<C, ParallelFor> work(source, options.limits, monitor, parallel_for);
+    Patchwork<C> work(source, options.limits, monitor, parallel_for);
     Result<C> result;
     result.status = run(work, view, n, options, unit);
     monitor.begin("colors", work.vertex_count(), work.energy());
@@ -176,9 +176,11 @@ template <class T, int C, class ParallelFor>
 // Status: invalid_argument, image_too_large or not_finite where the image or an option is refused (the mesh is empty);
 // target_out_of_range for a number of vertices that the image cannot hold (empty) or a PSNR that no mesh reached (the
 // nearest one is returned); cancelled by options.progress (the mesh reached so far is returned).
-template <class T, int C, class ParallelFor = SerialFor>
-[[nodiscard]] Result<C> mesh_image(const ImageView<T, C>& view, const Options& options = {},
-                                   const ParallelFor& parallel_for = {}) {
+//
+// Never inlined: all calls run the same instructions, so that they round alike.
+template <class T, int C>
+[[nodiscard]] HMESH_NEVER_INLINE Result<C> mesh_image(const ImageView<T, C>& view, const Options& options = {},
+                                                      const ParallelFor& parallel_for = {}) {
     Result<C> result;
     result.status = check(view);
     if (result.status) result.status = detail::check_options(options, std::int64_t{view.width} * view.height);

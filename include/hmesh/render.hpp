@@ -115,9 +115,8 @@ struct Bands {
     std::vector<std::uint32_t> faces;
 };
 
-template <class ParallelFor>
-[[nodiscard]] Bands sort_into_bands(const MeshView& mesh, const std::vector<Point>& at, int height,
-                                    const ParallelFor& parallel_for) {
+[[nodiscard]] inline Bands sort_into_bands(const MeshView& mesh, const std::vector<Point>& at, int height,
+                                           const ParallelFor& parallel_for) {
     std::vector<RowRange> touched(mesh.face_count);  // in bands
     for_each_chunk(parallel_for, mesh.face_count, 4096, [&](std::size_t begin, std::size_t end) {
         for (std::size_t f = begin; f < end; ++f) {
@@ -155,8 +154,7 @@ template <class ParallelFor>
 [[nodiscard]] inline bool is_light(const MeshView& mesh, int channel) noexcept {
     return !has_alpha(mesh.channels) || channel + 1 != mesh.channels;
 }
-template <class ParallelFor>
-[[nodiscard]] std::vector<float> decoded_colors(const MeshView& mesh, const ParallelFor& parallel_for) {
+[[nodiscard]] inline std::vector<float> decoded_colors(const MeshView& mesh, const ParallelFor& parallel_for) {
     const auto channels = static_cast<std::size_t>(mesh.channels);
     std::vector<float> out(channels * mesh.vertex_count);
     for_each_chunk(parallel_for, mesh.vertex_count, 4096, [&](std::size_t begin, std::size_t end) {
@@ -183,7 +181,7 @@ void encode_rows(const MeshView& mesh, RowRange rows, Image<float, C>& out) {
 // Draws the mesh, scaled to the picture's size, into `out`: the stored values, neither rounded nor clamped. Faces
 // outside the picture are clipped; where faces overlap the later one wins; pixels in no face are 0. A premultiplied mesh
 // gives a premultiplied picture, and cannot be drawn in linear light. When the Status says no, `out` is as it was.
-template <int C, class ParallelFor = SerialFor>
+template <int C>
 Status render(const MeshView& mesh, Image<float, C>& out, const RenderOptions& options = {},
               const ParallelFor& parallel_for = {}) {
     const int width = options.width > 0 ? options.width : mesh.width;
@@ -232,7 +230,7 @@ Status render(const MeshView& mesh, Image<float, C>& out, const RenderOptions& o
 
 // 10 log10(peak^2 / MSE) in dB, MSE the mean of the squared differences over pixels AND channels, peak that of the
 // reference's pixel type. Infinity for equal images, NaN for images that cannot be compared: different or no sizes.
-template <class T, class U, int C, class ParallelFor = SerialFor>
+template <class T, class U, int C>
 [[nodiscard]] double psnr(const ImageView<T, C>& reference, const ImageView<U, C>& rendered,
                           const ParallelFor& parallel_for = {}) {
     if (!check(reference) || !check(rendered) || reference.width != rendered.width || reference.height != rendered.height)
@@ -256,7 +254,7 @@ template <class T, class U, int C, class ParallelFor = SerialFor>
 }
 
 // The picture in pixels of type T, rounded and held to the type's range.
-template <class T, int C, class ParallelFor = SerialFor>
+template <class T, int C>
 [[nodiscard]] Image<T, C> to_pixels(const Image<float, C>& image, const ParallelFor& parallel_for = {}) {
     Image<T, C> out(image.width(), image.height());
     const std::vector<float>& from = image.samples();

@@ -17,15 +17,6 @@ struct Height {
     std::int16_t steps;
 };
 
-// The pieces of a stage in this order or that: neither may change a byte.
-struct EitherWayFor {
-    bool backward = false;
-    template <class Body>
-    void operator()(std::size_t n, Body&& body) const {
-        for (std::size_t i = 0; i < n; ++i) body(backward ? n - 1 - i : i);
-    }
-};
-
 }  // namespace hmesh_test
 
 template <>
@@ -39,7 +30,7 @@ struct hmesh::PixelTraits<hmesh_test::Height> {
 };
 
 #define HMESH_FUZZ_MESHING(PREFIX, T, C) \
-    PREFIX template hmesh::Result<C> hmesh::mesh_image(const ImageView<T, C>&, const Options&, const hmesh_test::EitherWayFor&);
+    PREFIX template hmesh::Result<C> hmesh::mesh_image(const ImageView<T, C>&, const Options&, const ParallelFor&);
 
 HMESH_FUZZ_MESHING(extern, std::uint8_t, 3)
 HMESH_FUZZ_MESHING(extern, std::uint16_t, 4)

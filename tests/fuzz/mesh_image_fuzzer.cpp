@@ -23,9 +23,17 @@
 namespace {
 
 using hmesh_test::demand;
-using hmesh_test::EitherWayFor;
 using hmesh_test::FuzzInput;
 using hmesh_test::Height;
+
+// The pieces of a stage in this order or that: neither may change a byte.
+struct EitherWayFor {
+    bool backward = false;
+    template <class Body>
+    void operator()(std::size_t n, Body&& body) const {
+        for (std::size_t i = 0; i < n; ++i) body(backward ? n - 1 - i : i);
+    }
+};
 
 // --- images ---
 

@@ -1,3 +1,3 @@
 #include "test_meshing.hpp"
 
-HMESH_TEST_MESHING_4()
+HMESH_TEST_MESHING_TYPES(, 4)

@@ -19,8 +19,11 @@
 #else
 #define HMESH_ALWAYS_INLINE inline
 #endif
-#if defined(__GNUC__)
+// There is one copy of it in a program, whoever calls it.
+#if defined(__clang__)
 #define HMESH_NEVER_INLINE __attribute__((noinline))
+#elif defined(__GNUC__)
+#define HMESH_NEVER_INLINE __attribute__((noinline, noclone))
 #elif defined(_MSC_VER)
 #define HMESH_NEVER_INLINE __declspec(noinline)
 #else

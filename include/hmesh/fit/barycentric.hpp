@@ -74,7 +74,7 @@ template <int C>
 
 // K: n_v by n_p, columns of 3 entries (some may be 0) that sum to 1. Faces are independent pieces of work, because each
 // pixel has one owner. The mesh must tile its rectangle, as check() proves.
-template <int C, class ParallelFor = SerialFor>
+template <int C>
 [[nodiscard]] Eigen::SparseMatrix<double> barycentric_matrix(const ImageMesh<C>& mesh, const ParallelFor& parallel_for = {}) {
     const HalfedgeMesh& topology = mesh.topology();
     const std::vector<int> rows = vertex_rows(topology);
@@ -168,7 +168,7 @@ void sum_face(const ImageMesh<C>& mesh, Face f, CornerSums<C>& out0, CornerSums<
 }
 
 // Calls body(v) for all live vertices, in pieces.
-template <class ParallelFor, class Body>
+template <class Body>
 void for_each_vertex(const HalfedgeMesh& topology, const ParallelFor& parallel_for, Body&& body) {
     for_each_chunk(parallel_for, topology.vertex_slots(), 1024, [&](std::size_t begin, std::size_t end) {
         for (std::size_t v = begin; v < end; ++v)
@@ -179,7 +179,7 @@ void for_each_vertex(const HalfedgeMesh& topology, const ParallelFor& parallel_f
 }  // namespace detail
 
 // The corners of all faces, by the index of their half-edge; zero at half-edges without a face.
-template <int C, class ParallelFor = SerialFor>
+template <int C>
 [[nodiscard]] std::vector<CornerSums<C>> corner_sums(const ImageMesh<C>& mesh, const ParallelFor& parallel_for = {}) {
     const HalfedgeMesh& topology = mesh.topology();
     std::vector<CornerSums<C>> corners(2 * topology.edge_slots());
@@ -195,7 +195,7 @@ template <int C, class ParallelFor = SerialFor>
 
 // K K^T: n_v by n_v, symmetric to the bit, both triangles stored; an entry for each vertex and each edge either way,
 // even where no pixel makes it differ from 0. From the corners of the mesh with this topology, or from the mesh.
-template <int C, class ParallelFor = SerialFor>
+template <int C>
 [[nodiscard]] Eigen::SparseMatrix<double> gram_matrix(const HalfedgeMesh& topology, const std::vector<CornerSums<C>>& corners,
                                                       const ParallelFor& parallel_for = {}) {
     const std::vector<int> rows = vertex_rows(topology);
@@ -232,13 +232,13 @@ template <int C, class ParallelFor = SerialFor>
     });
     return matrix;
 }
-template <int C, class ParallelFor = SerialFor>
+template <int C>
 [[nodiscard]] Eigen::SparseMatrix<double> gram_matrix(const ImageMesh<C>& mesh, const ParallelFor& parallel_for = {}) {
     return gram_matrix(mesh.topology(), corner_sums(mesh, parallel_for), parallel_for);
 }
 
 // K I^T: n_v by C, where I is C by n_p, the image.
-template <int C, class ParallelFor = SerialFor>
+template <int C>
 [[nodiscard]] Eigen::MatrixXd image_rhs(const HalfedgeMesh& topology, const std::vector<CornerSums<C>>& corners,
                                         const ParallelFor& parallel_for = {}) {
     const std::vector<int> rows = vertex_rows(topology);
@@ -250,13 +250,13 @@ template <int C, class ParallelFor = SerialFor>
     });
     return rhs;
 }
-template <int C, class ParallelFor = SerialFor>
+template <int C>
 [[nodiscard]] Eigen::MatrixXd image_rhs(const ImageMesh<C>& mesh, const ParallelFor& parallel_for = {}) {
     return image_rhs(mesh.topology(), corner_sums(mesh, parallel_for), parallel_for);
 }
 
 // K P^T: n_v by 2, where P is 2 by n_p, the centres of the pixels.
-template <int C, class ParallelFor = SerialFor>
+template <int C>
 [[nodiscard]] Eigen::MatrixXd position_rhs(const HalfedgeMesh& topology, const std::vector<CornerSums<C>>& corners,
                                            const ParallelFor& parallel_for = {}) {
     const std::vector<int> rows = vertex_rows(topology);
@@ -271,7 +271,7 @@ template <int C, class ParallelFor = SerialFor>
     });
     return rhs;
 }
-template <int C, class ParallelFor = SerialFor>
+template <int C>
 [[nodiscard]] Eigen::MatrixXd position_rhs(const ImageMesh<C>& mesh, const ParallelFor& parallel_for = {}) {
     return position_rhs(mesh.topology(), corner_sums(mesh, parallel_for), parallel_for);
 }

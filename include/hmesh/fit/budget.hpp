@@ -66,8 +66,8 @@ namespace hmesh {
 namespace detail {
 
 // Removes `count` vertices: the cheapest of all patches. Returns whether any went.
-template <int C, class ParallelFor>
-bool remove_cheapest(Patchwork<C, ParallelFor>& work, const Tiling& tiling, std::size_t count, const Relaxation& relaxation) {
+template <int C>
+bool remove_cheapest(Patchwork<C>& work, const Tiling& tiling, std::size_t count, const Relaxation& relaxation) {
     std::vector<std::size_t> quota(tiling.size(), count);
     if (tiling.size() > 1) {
         std::vector<std::vector<double>> costs(tiling.size());
@@ -101,8 +101,8 @@ bool remove_cheapest(Patchwork<C, ParallelFor>& work, const Tiling& tiling, std:
 }
 
 // Inserts `count` vertices where the error is, at the best sites of each patch. Returns whether any came.
-template <int C, class ParallelFor>
-bool insert_best(Patchwork<C, ParallelFor>& work, const Tiling& tiling, std::size_t count) {
+template <int C>
+bool insert_best(Patchwork<C>& work, const Tiling& tiling, std::size_t count) {
     std::vector<double> energies(tiling.size(), 0.0);
     if (tiling.size() > 1 && !work.visit(tiling, [&](Patch<C>& patch, std::size_t tile, const std::uint32_t*) {
             energies[tile] = patch.mesh().energy();
@@ -127,8 +127,8 @@ bool insert_best(Patchwork<C, ParallelFor>& work, const Tiling& tiling, std::siz
 
 // Brings the mesh to exactly n vertices, in patches of about `tile` px. Returns false where it could not: cancelled, or more
 // than n vertices none of which can go.
-template <int C, class ParallelFor>
-bool meet_budget(Patchwork<C, ParallelFor>& work, std::size_t n, double tile, const Relaxation& relaxation) {
+template <int C>
+bool meet_budget(Patchwork<C>& work, std::size_t n, double tile, const Relaxation& relaxation) {
     const int width = work.source().width(), height = work.source().height();
     const auto count = [&] { return work.vertex_count(); };
     // Where one tiling is stuck, another may not be.

@@ -27,7 +27,7 @@ namespace hmesh {
 namespace detail {
 
 // Writes colours[r] to vertex r of topology().vertices().
-template <int C, class ParallelFor>
+template <int C>
 void write_colors(ImageMesh<C>& mesh, const std::vector<Color<C>>& colors, const ParallelFor& parallel_for) {
     std::vector<Color<C>> slots(mesh.topology().vertex_slots(), Color<C>::zero());
     std::size_t row = 0;
@@ -44,7 +44,7 @@ HMESH_ALWAYS_INLINE void clamp_channels(Color<C>& c, double low, double high) {
 }  // namespace detail
 
 // Gives all vertices the colours with the least squared error, held to the mesh's [color_low, color_high].
-template <int C, class ParallelFor = SerialFor>
+template <int C>
 PcgReport optimal_colors(ImageMesh<C>& mesh, const PcgOptions& options = {}, const ParallelFor& parallel_for = {}) {
     const double ridge = mesh.limits().ridge;
     const std::vector<CornerSums<C>> corners = corner_sums(mesh, parallel_for);
@@ -114,7 +114,7 @@ struct GridRange {
 namespace detail {
 
 // The system of a mesh with this topology and these corners (fit/barycentric.hpp); colours go by row.
-template <int C, class ParallelFor>
+template <int C>
 [[nodiscard]] ColorSystem<C> color_system(const HalfedgeMesh& topology, const std::vector<CornerSums<C>>& corners,
                                           const std::vector<Color<C>>& colors, double ridge, const ParallelFor& parallel_for) {
     ColorSystem<C> system;
@@ -192,7 +192,7 @@ BoundedReport descend(const ColorSystem<C>& system, double low, double high, dou
 // Gives all vertices colours in [low, high], which may be infinite, that are multiples of grid if grid > 0 (one must be
 // in the range). By coordinate descent (projected Gauss-Seidel) from the current colours: first without the grid, then
 // onto it, vertex by vertex, then over the grid while that lowers the error.
-template <int C, class ParallelFor = SerialFor>
+template <int C>
 BoundedReport bounded_colors(ImageMesh<C>& mesh, double low, double high, double grid, const ParallelFor& parallel_for = {}) {
     std::vector<Color<C>> colors;
     colors.reserve(mesh.vertex_count());
@@ -209,8 +209,8 @@ BoundedReport bounded_colors(ImageMesh<C>& mesh, double low, double high, double
 
 // The same for a mesh in patches, whose energy is then that of the final colours. After a cancellation colours go to the
 // nearest that are allowed, no more, and what is reported is still true of the mesh.
-template <int C, class ParallelFor>
-BoundedReport bounded_colors(Patchwork<C, ParallelFor>& work, const Tiling& tiling, double low, double high, double grid) {
+template <int C>
+BoundedReport bounded_colors(Patchwork<C>& work, const Tiling& tiling, double low, double high, double grid) {
     BoundedReport report;
     if (tiling.size() == 1 &&
         work.for_each(tiling, [&](Patch<C>& patch, std::size_t) { report = bounded_colors(patch.mesh(), low, high, grid); }))

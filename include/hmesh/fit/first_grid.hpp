@@ -87,7 +87,7 @@ template <int C>
 
 // A grid of about `count` vertices in the tiles of an unshifted tiling, sewn to about `seam_count` nodes on the seams, which
 // are found while go_on() says true (see seam_lines). Either is more where the other would give vertices too many neighbours.
-template <int C, class GoOn, class ParallelFor = SerialFor>
+template <int C, class GoOn>
 [[nodiscard]] WholeMesh<C> tiled_grid(const ImageSource<C>& source, const Tiling& tiling, double count, double seam_count,
                                       GoOn&& go_on, const ParallelFor& parallel_for = {}) {
     const auto columns = static_cast<std::uint32_t>(tiling.columns()), rows = static_cast<std::uint32_t>(tiling.rows());

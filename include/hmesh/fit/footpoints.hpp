@@ -149,7 +149,7 @@ inline void faces_around(const HalfedgeMesh& topology, Face f, std::vector<Face>
 // (fit/barycentric.hpp): gram_matrix, position_rhs and image_rhs make K K^T, K P^T and K I^T of it. `color_scale`: px that a
 // unit of colour is worth, > 0. The mesh must tile its table's rectangle. Faces are independent pieces of work, but not in
 // one_ring, which runs serially: there they add to each other's corners. Lane C of `image` stays 0 where there is a search.
-template <int C, class ParallelFor = SerialFor>
+template <int C>
 [[nodiscard]] std::vector<CornerSums<C>> foot_sums(const ImageMesh<C>& mesh, FootSearch search, double color_scale,
                                                    const ParallelFor& parallel_for = {}) {
     if (search == FootSearch::plane) return corner_sums(mesh, parallel_for);

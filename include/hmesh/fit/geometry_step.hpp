@@ -53,7 +53,7 @@ struct GeometrySystem {
 };
 
 // `color_scale`: px that a unit of stored value is worth.
-template <int C, class ParallelFor = SerialFor>
+template <int C>
 [[nodiscard]] GeometrySystem geometry_system(const ImageMesh<C>& mesh, FootSearch search, double color_scale, double pull,
                                              const ParallelFor& parallel_for = {}) {
     GeometrySystem system;
@@ -109,7 +109,7 @@ bool step_toward(ImageMesh<C>& mesh, Vertex v, Point target, int halvings, RingW
 
 // Gives all vertices the best colours under the pixels. The optimum held to a range may be worse than what there is, and so may
 // one that was not solved for to the end: then the descent within the range that never is.
-template <int C, class ParallelFor>
+template <int C>
 void improve_colors(ImageMesh<C>& mesh, const PcgOptions& options, const ParallelFor& parallel_for) {
     const double before = mesh.energy();
     std::vector<Color<C>> colors;
@@ -142,7 +142,7 @@ bool step_unfolded(ImageMesh<C>& mesh, Vertex v, Point target, RingWork<C>& work
 }  // namespace detail
 
 // One step. Vertices with more than ring_capacity neighbours keep their place. Returns how the solver did.
-template <int C, class ParallelFor = SerialFor>
+template <int C>
 PcgReport geometry_step(ImageMesh<C>& mesh, const GeometryStep& options, double peak, const ParallelFor& parallel_for = {}) {
     GeometrySystem system = geometry_system(mesh, options.search, options.color_scale * 255 / peak, options.pull, parallel_for);
     const PcgReport report = solve_pcg(system.gram, system.rhs, system.solution, options.pcg, system.held);

@@ -59,13 +59,11 @@ class ImageMesh {
     // Takes over a triangulation with corners on the 1/256 px grid, of the rectangle or of a part of it; colours are the
     // pixels under the vertices. Refuses what HalfedgeMesh::assign refuses. Edges and faces are filled in through the
     // executor.
-    template <class ParallelFor = SerialFor>
     [[nodiscard]] Status assign(const std::vector<Point>& positions, const std::vector<Triangle>& triangles,
                                 const ParallelFor& parallel_for = {}) {
         return assign(positions, triangles, {}, parallel_for);
     }
     // The same with given colours, one a vertex; none: as above.
-    template <class ParallelFor>
     [[nodiscard]] Status assign(const std::vector<Point>& positions, const std::vector<Triangle>& triangles,
                                 const std::vector<Color<C>>& colors, const ParallelFor& parallel_for);
 
@@ -184,7 +182,6 @@ class ImageMesh {
     // Merges from_vertex(h) into to_vertex(h), which stays where it is.
     void collapse(Halfedge h);
     // New colours for all vertices, indexed by slot; energies follow.
-    template <class ParallelFor = SerialFor>
     void set_colors(const std::vector<Color<C>>& colors, const ParallelFor& parallel_for = {});
 
     // --- transactions; they nest ---

@@ -15,7 +15,6 @@
 namespace hmesh {
 
 template <int C>
-template <class ParallelFor>
 Status ImageMesh<C>::assign(const std::vector<Point>& positions, const std::vector<Triangle>& triangles,
                             const std::vector<Color<C>>& colors, const ParallelFor& parallel_for) {
     HMESH_ASSERT(colors.empty() || colors.size() == positions.size());
@@ -54,7 +53,6 @@ Status ImageMesh<C>::assign(const std::vector<Point>& positions, const std::vect
 }
 
 template <int C>
-template <class ParallelFor>
 void ImageMesh<C>::set_colors(const std::vector<Color<C>>& colors, const ParallelFor& parallel_for) {
     HMESH_ASSERT(depth_ == 0 && colors.size() == vertices_.size());
     for (std::size_t i = 0; i < colors.size(); ++i) vertices_.raw(i).color = colors[i];

@@ -74,7 +74,7 @@ template <int C>
 }
 
 // The error and the Gauss-Newton system of one channel after the other.
-template <class T, int C, class ParallelFor>
+template <class T, int C>
 class LinearLight {
   public:
     LinearLight(const Mesh<C>& mesh, const HalfedgeMesh& topology, const ImageView<T, C>& view, const LinearLightOptions& options,
@@ -205,7 +205,7 @@ class LinearLight {
     const HalfedgeMesh& topology_;
     const ImageView<T, C>& view_;
     const LinearLightOptions& options_;
-    const ParallelFor& parallel_for_;
+    ParallelFor parallel_for_;
     WeightScale scale_;
     std::vector<CornerSums<1>> corners_;  // of the last measure(); `image` is - e' r lambda
 };
@@ -239,7 +239,7 @@ template <class T, int C>
 //
 // Status: invalid_argument where the mesh is not one of this image, is premultiplied, or has a vertex without a face; the mesh
 // is then as it was. The view and the weights are such as check(), check_finite() and check_weights() accept.
-template <class T, int C, class ParallelFor, class GoOn>
+template <class T, int C, class GoOn>
 LinearLightReport fit_linear_light(Mesh<C>& mesh, const ImageView<T, C>& view, const LinearLightOptions& options,
                                    const ParallelFor& parallel_for, GoOn&& go_on) {
     using detail::ChannelLight;
@@ -247,7 +247,7 @@ LinearLightReport fit_linear_light(Mesh<C>& mesh, const ImageView<T, C>& view, c
     HalfedgeMesh topology;
     report.status = detail::check_fit(mesh, view, topology);
     if (!report.status) return report;
-    detail::LinearLight<T, C, ParallelFor> scene(mesh, topology, view, options, parallel_for);
+    detail::LinearLight<T, C> scene(mesh, topology, view, options, parallel_for);
     const double unit = mesh.peak * mesh.peak;
     for (std::size_t k = 0; k < C; ++k) {
         const ChannelLight start = scene.start(k);
@@ -285,7 +285,7 @@ LinearLightReport fit_linear_light(Mesh<C>& mesh, const ImageView<T, C>& view, c
     }
     return report;
 }
-template <class T, int C, class ParallelFor = SerialFor>
+template <class T, int C>
 LinearLightReport fit_linear_light(Mesh<C>& mesh, const ImageView<T, C>& view, const LinearLightOptions& options = {},
                                    const ParallelFor& parallel_for = {}) {
     return fit_linear_light(mesh, view, options, parallel_for, [](double) { return true; });

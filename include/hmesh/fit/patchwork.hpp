@@ -20,17 +20,17 @@
 
 namespace hmesh {
 
-template <int C, class ParallelFor = SerialFor>
+template <int C>
 class Patchwork {
   public:
     // Over an image, a monitor and an executor that outlive it.
-    Patchwork(const ImageSource<C>& source, const MeshLimits& limits, Monitor& monitor, const ParallelFor& parallel_for)
-        : source_(&source), limits_(limits), monitor_(&monitor), parallel_for_(&parallel_for) {}
+    Patchwork(const ImageSource<C>& source, const MeshLimits& limits, Monitor& monitor, const ParallelFor& parallel_for = {})
+        : source_(&source), limits_(limits), monitor_(&monitor), parallel_for_(parallel_for) {}
 
     [[nodiscard]] const ImageSource<C>& source() const noexcept { return *source_; }
     [[nodiscard]] const MeshLimits& limits() const noexcept { return limits_; }
     [[nodiscard]] Monitor& monitor() const noexcept { return *monitor_; }
-    [[nodiscard]] const ParallelFor& parallel_for() const noexcept { return *parallel_for_; }
+    [[nodiscard]] const ParallelFor& parallel_for() const noexcept { return parallel_for_; }
     // The mesh between phases, in spatial order.
     [[nodiscard]] WholeMesh<C>& whole() {
         put_back();
@@ -89,7 +89,7 @@ class Patchwork {
     // One patch that is all of the mesh stays one from phase to phase, until somebody asks for the whole.
     template <class Work>
     void work_on_only(Work&& work) {
-        (*parallel_for_)(1, [&](std::size_t) {
+        parallel_for_(1, [&](std::size_t) {
             if (!monitor_->poll()) return;
             Pulse pulse(*monitor_, 1);
             if (!only_) {
@@ -123,7 +123,7 @@ class Patchwork {
             if (count(k) > 0) tiles.push_back(k);
         std::sort(tiles.begin(), tiles.end(),
                   [&](std::size_t a, std::size_t b) { return count(a) != count(b) ? count(a) > count(b) : a < b; });
-        (*parallel_for_)(tiles.size(), [&](std::size_t i) {
+        parallel_for_(tiles.size(), [&](std::size_t i) {
             const std::size_t k = tiles[i];
             if (!monitor_->poll() && !all) return skip(k);
             Pulse pulse(*monitor_, static_cast<double>(count(k)) / static_cast<double>(whole_.triangles.size()));
@@ -153,7 +153,7 @@ class Patchwork {
             merged.positions[cut.number[v]] = whole_.positions[v];
             merged.colors[cut.number[v]] = whole_.colors[v];
         }
-        (*parallel_for_)(results.size(), [&](std::size_t k) {
+        parallel_for_(results.size(), [&](std::size_t k) {
             const detail::PatchResult<C>& result = results[k];
             const auto to = static_cast<std::ptrdiff_t>(first_vertex[k]);
             std::copy(result.positions.begin(), result.positions.end(), merged.positions.begin() + to);
@@ -175,7 +175,7 @@ class Patchwork {
     const ImageSource<C>* source_;
     MeshLimits limits_;
     Monitor* monitor_;
-    const ParallelFor* parallel_for_;
+    ParallelFor parallel_for_;
     WholeMesh<C> whole_;
     std::unique_ptr<Patch<C>> only_;  // in place of whole_, where one patch is all of it
     MomentTable<C> table_;            // of the whole image, for that patch: made once

@@ -39,7 +39,7 @@ template <int C>
 }
 
 // Gives all vertices the colours under them.
-template <int C, class ParallelFor = SerialFor>
+template <int C>
 void sample_colors(ImageMesh<C>& mesh, const ParallelFor& parallel_for = {}) {
     std::vector<Color<C>> colors(mesh.topology().vertex_slots(), Color<C>::zero());
     for (const Vertex v : mesh.topology().vertices()) colors[v.index()] = sampled_color(mesh.table(), mesh.position(v));
@@ -47,8 +47,8 @@ void sample_colors(ImageMesh<C>& mesh, const ParallelFor& parallel_for = {}) {
 }
 
 // The same for a mesh in patches, rounded to multiples of grid if grid > 0; its energy is then that of these colours.
-template <int C, class ParallelFor>
-void sample_colors(Patchwork<C, ParallelFor>& work, const Tiling& tiling, double grid) {
+template <int C>
+void sample_colors(Patchwork<C>& work, const Tiling& tiling, double grid) {
     WholeMesh<C>& whole = work.whole();
     const ImageSource<C>& source = work.source();
     for (std::size_t v = 0; v < whole.vertex_count(); ++v) {

@@ -157,7 +157,7 @@ template <int C>
 
 // About `count` nodes on all seams together, at one price; none further than `reach` px from the next. Seams that come up
 // after go_on(), called from any thread, has said false are left without nodes.
-template <int C, class GoOn, class ParallelFor = SerialFor>
+template <int C, class GoOn>
 [[nodiscard]] std::vector<SeamLine<C>> seam_lines(const ImageSource<C>& source, const std::vector<Seam>& seams, double count,
                                                   int step, int reach, GoOn&& go_on, const ParallelFor& parallel_for = {}) {
     std::vector<SeamLine<C>> lines(seams.size());

@@ -44,7 +44,7 @@ struct BilateralOptions {
 // sum over channels of their absolute differences, in stored values; beyond the border the image is mirrored without
 // repeating the pixels there. check() accepts the view and the options, and float samples are finite. Bands of 64 rows
 // are independent pieces of work.
-template <class T, int C, class ParallelFor = SerialFor>
+template <class T, int C>
 [[nodiscard]] Image<T, C> bilateral_filter(const ImageView<T, C>& view, const BilateralOptions& options = {},
                                            const ParallelFor& parallel_for = {}) {
     HMESH_ASSERT(check(view) && check(options));

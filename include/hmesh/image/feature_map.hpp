@@ -34,7 +34,7 @@ struct Plane {
 };
 
 // Calls body(y) for all rows, in pieces.
-template <class ParallelFor, class Body>
+template <class Body>
 void for_each_row(const ParallelFor& parallel_for, int height, Body&& body) {
     for_each_chunk(parallel_for, static_cast<std::size_t>(height), 32, [&](std::size_t begin, std::size_t end) {
         for (std::size_t y = begin; y < end; ++y) body(static_cast<int>(y));
@@ -42,8 +42,7 @@ void for_each_row(const ParallelFor& parallel_for, int height, Body&& body) {
 }
 
 // [1 2 1] / 4 down the columns, then along the rows; pixels beyond the border are those on it. `rest` is overwritten.
-template <class ParallelFor>
-void smooth(Plane& plane, Plane& rest, const ParallelFor& parallel_for) {
+inline void smooth(Plane& plane, Plane& rest, const ParallelFor& parallel_for) {
     const int width = plane.width;
     for_each_row(parallel_for, plane.height, [&](int y) {
         const double *above = plane.row_held(y - 1), *here = plane.row(y), *below = plane.row_held(y + 1);
@@ -62,7 +61,7 @@ void smooth(Plane& plane, Plane& rest, const ParallelFor& parallel_for) {
 }  // namespace detail
 
 // The map of the whole image, values >= 0 and finite, after `passes` >= 0 of smoothing.
-template <int C, class ParallelFor = SerialFor>
+template <int C>
 [[nodiscard]] Image<float, 1> feature_map(const ImageSource<C>& source, int passes, const ParallelFor& parallel_for = {}) {
     const int width = source.width(), height = source.height();
     const std::size_t pixels = static_cast<std::size_t>(width) * static_cast<std::size_t>(height);

@@ -143,7 +143,7 @@ template <class T, int C>
 }
 
 // Whether all samples are finite. Costs nothing for integer pixels.
-template <class T, int C, class ParallelFor = SerialFor>
+template <class T, int C>
 [[nodiscard]] Status check_finite(const ImageView<T, C>& view, const ParallelFor& parallel_for = {}) {
     if constexpr (!PixelTraits<T>::is_integer) {
         std::vector<unsigned char> bad(static_cast<std::size_t>(view.height), 0);

@@ -45,14 +45,14 @@ class MomentTable {
     MomentTable() = default;
 
     // The table of `rect`, which must lie in a view that check() accepts. Rows are independent pieces of work.
-    template <class T, class ParallelFor = SerialFor>
+    template <class T>
     explicit MomentTable(const ImageView<T, C>& view, const Rect& rect, const ParallelFor& parallel_for = {})
         : MomentTable(view, ImageView<float, 1>(), 1.0, rect, parallel_for) {}
 
     // The same with pixel (i, j) of the view counting WeightScale(unit, width, height) of weight (i, j) times, width
     // and height those of the view. check_weights() accepts the weights; the largest times `unit` is at most about 1,
     // see weight_unit(). Without data: all pixels count alike.
-    template <class T, class ParallelFor = SerialFor>
+    template <class T>
     MomentTable(const ImageView<T, C>& view, const ImageView<float, 1>& weights, double unit, const Rect& rect,
                 const ParallelFor& parallel_for = {})
         : width_(rect.width), height_(rect.height), weighted_(weights.data != nullptr),
@@ -145,14 +145,14 @@ class MomentTable {
     }
     [[nodiscard]] std::size_t sample_count() const noexcept { return sample_offset(0, height_); }
 
-    template <class ParallelFor, class Body>
+    template <class Body>
     void for_each_row(const ParallelFor& parallel_for, Body&& body) const {
         for_each_chunk(parallel_for, static_cast<std::size_t>(height_), 16, [&](std::size_t begin, std::size_t end) {
             for (std::size_t y = begin; y < end; ++y) body(static_cast<int>(y));
         });
     }
 
-    template <class T, class ParallelFor, class N>
+    template <class T, class N>
     void fill(const ImageView<T, C>& view, const Rect& rect, const ParallelFor& parallel_for, N* entries) const {
         for_each_row(parallel_for, [&](int y) { fill_row(view, rect, y, entries); });
     }

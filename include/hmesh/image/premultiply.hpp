@@ -16,7 +16,7 @@ namespace hmesh {
 
 // The image with all channels but the last multiplied by the last / peak, rounded to the pixel type. Alpha is held to
 // [0, peak], which floats may leave. Of a view that check() accepts.
-template <class T, int C, class ParallelFor = SerialFor>
+template <class T, int C>
 [[nodiscard]] Image<T, C> premultiply(const ImageView<T, C>& view, const ParallelFor& parallel_for = {}) {
     static_assert(has_alpha(C), "images of 2 or 4 channels have alpha");
     using Traits = PixelTraits<T>;

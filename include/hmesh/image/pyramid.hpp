@@ -83,7 +83,7 @@ class Pyramid {
 
 // The levels that `filter` gives if its call is set, else those of the bilateral filter. check() accepts the view and the
 // bilateral options, and float samples are finite.
-template <class T, int C, class ParallelFor = SerialFor>
+template <class T, int C>
 [[nodiscard]] Pyramid<T, C> make_pyramid(const ImageView<T, C>& view, int levels, const BilateralOptions& bilateral = {},
                                          const LevelFilter& filter = {}, const ParallelFor& parallel_for = {}) {
     return Pyramid<T, C>(view, levels, [&](const ImageView<T, C>& level) {

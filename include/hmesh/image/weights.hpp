@@ -21,9 +21,8 @@ namespace hmesh {
 
 // Whether these can be the weights of a width x height image: none at all, or a view of this size that check() accepts
 // with samples that are finite and not negative. Reads each once.
-template <class ParallelFor = SerialFor>
-[[nodiscard]] Status check_weights(const ImageView<float, 1>& weights, int width, int height,
-                                   const ParallelFor& parallel_for = {}) {
+[[nodiscard]] inline Status check_weights(const ImageView<float, 1>& weights, int width, int height,
+                                          const ParallelFor& parallel_for = {}) {
     if (weights.data == nullptr) return {};
     if (weights.width != width) return {Errc::invalid_argument, "the weights are not as wide as the image", weights.width, width};
     if (weights.height != height)
@@ -49,8 +48,7 @@ template <class ParallelFor = SerialFor>
 }
 
 // 1 / the largest weight; 1 where there are no weights or all are 0. Of weights that check_weights() accepts.
-template <class ParallelFor = SerialFor>
-[[nodiscard]] double weight_unit(const ImageView<float, 1>& weights, const ParallelFor& parallel_for = {}) {
+[[nodiscard]] inline double weight_unit(const ImageView<float, 1>& weights, const ParallelFor& parallel_for = {}) {
     if (weights.data == nullptr) return 1;
     std::vector<float> largest(static_cast<std::size_t>(weights.height), 0.0F);
     for_each_chunk(parallel_for, largest.size(), 32, [&](std::size_t begin, std::size_t end) {
@@ -92,9 +90,8 @@ class WeightScale {
 
 // How many pixels of a width x height image count: the sum of its weights as WeightScale gives them, added row by row;
 // the number of pixels where there are no weights.
-template <class ParallelFor = SerialFor>
-[[nodiscard]] double weight_sum(const ImageView<float, 1>& weights, double unit, int width, int height,
-                                const ParallelFor& parallel_for = {}) {
+[[nodiscard]] inline double weight_sum(const ImageView<float, 1>& weights, double unit, int width, int height,
+                                       const ParallelFor& parallel_for = {}) {
     if (weights.data == nullptr) return static_cast<double>(width) * height;
     const WeightScale scale(unit, width, height);
     return ordered_sum(parallel_for, static_cast<std::size_t>(height), 32, [&](std::size_t begin, std::size_t end) {

@@ -53,8 +53,8 @@ namespace detail {
 }
 
 // The Delaunay triangulation of the corners and of these pixels, with their colours, in place of what work had. False: cancelled.
-template <int C, class ParallelFor>
-bool triangulate_pixels(Patchwork<C, ParallelFor>& work, const std::vector<std::uint32_t>& pixels) {
+template <int C>
+bool triangulate_pixels(Patchwork<C>& work, const std::vector<std::uint32_t>& pixels) {
     const ImageSource<C>& source = work.source();
     const int width = source.width(), height = source.height();
     const auto column = [&](std::uint32_t pixel) { return static_cast<int>(pixel % static_cast<std::uint32_t>(width)); };
@@ -82,16 +82,16 @@ bool triangulate_pixels(Patchwork<C, ParallelFor>& work, const std::vector<std::
 }
 
 // Removal to n vertices, as a stage.
-template <int C, class ParallelFor>
-bool thin(Patchwork<C, ParallelFor>& work, std::size_t n) {
+template <int C>
+bool thin(Patchwork<C>& work, std::size_t n) {
     return whole_stage(work, "removal", [&](ImageMesh<C>& mesh) { PointRemoval<C>(mesh).remove_down_to(n); });
 }
 
 }  // namespace detail
 
 // Makes a mesh of n vertices, 4 <= n <= max(4, pixels). False: cancelled; the mesh is valid but may have another count.
-template <int C, class ParallelFor>
-[[nodiscard]] bool adams(Patchwork<C, ParallelFor>& work, std::size_t n, const AdamsOptions& options) {
+template <int C>
+[[nodiscard]] bool adams(Patchwork<C>& work, std::size_t n, const AdamsOptions& options) {
     const ImageSource<C>& source = work.source();
     work.whole() = regular_grid(source, 4);  // what a cancellation finds
     const bool go_on = detail::stage(work, "points", [&] {

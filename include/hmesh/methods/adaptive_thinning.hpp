@@ -25,8 +25,8 @@ namespace hmesh {
 inline constexpr std::int64_t adaptive_thinning_pixels = std::int64_t{1} << 22;
 
 // Makes a mesh of n vertices, 4 <= n <= max(4, pixels). False: cancelled; the mesh is valid but may have another count.
-template <int C, class ParallelFor>
-[[nodiscard]] bool adaptive_thinning(Patchwork<C, ParallelFor>& work, std::size_t n) {
+template <int C>
+[[nodiscard]] bool adaptive_thinning(Patchwork<C>& work, std::size_t n) {
     const ImageSource<C>& source = work.source();
     work.whole() = regular_grid(source, 4);  // what a cancellation finds
     const bool go_on = detail::stage(work, "points", [&] {

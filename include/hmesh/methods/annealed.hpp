@@ -67,10 +67,10 @@ void shrink(ImageMesh<C>& mesh, std::size_t n, const AnnealedOptions& options) {
 }
 
 // The recipe for n vertices.
-template <int C, class ParallelFor>
+template <int C>
 class Annealed {
   public:
-    Annealed(Patchwork<C, ParallelFor>& work, std::size_t n, const AnnealedOptions& options, double tile)
+    Annealed(Patchwork<C>& work, std::size_t n, const AnnealedOptions& options, double tile)
         : work_(&work), n_(n), options_(options), tile_(tile), aligned_(tiling(0)) {}
 
     // False: cancelled, or more than n vertices none of which can go.
@@ -226,7 +226,7 @@ class Annealed {
         return true;
     }
 
-    Patchwork<C, ParallelFor>* work_;
+    Patchwork<C>* work_;
     std::size_t n_;
     AnnealedOptions options_;
     double tile_;
@@ -249,11 +249,9 @@ class Annealed {
 
 // Makes a mesh of n vertices, 4 <= n <= max(4, pixels), in tiles of about `tile` px (0: see tile_size). Cancelled: the mesh is
 // valid but may have another count.
-template <int C, class ParallelFor>
-[[nodiscard]] Status annealed(Patchwork<C, ParallelFor>& work, std::size_t n, const AnnealedOptions& options, int tile) {
-    const auto recipe = [&](const AnnealedOptions& o, double size) {
-        return detail::Annealed<C, ParallelFor>(work, n, o, size).run();
-    };
+template <int C>
+[[nodiscard]] Status annealed(Patchwork<C>& work, std::size_t n, const AnnealedOptions& options, int tile) {
+    const auto recipe = [&](const AnnealedOptions& o, double size) { return detail::Annealed<C>(work, n, o, size).run(); };
     const ImageSource<C>& source = work.source();
     const double size = detail::tile_size(source.width(), source.height(), n, tile);
     if (recipe(options, size)) return {};

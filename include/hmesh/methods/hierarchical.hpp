@@ -63,8 +63,8 @@ struct HierarchicalOptions {
 namespace detail {
 
 // The paper's AlternatingOptimization on the image that work is of. False: cancelled.
-template <int C, class ParallelFor>
-bool alternate(Patchwork<C, ParallelFor>& work, const HierarchicalOptions& options) {
+template <int C>
+bool alternate(Patchwork<C>& work, const HierarchicalOptions& options) {
     const GeometryStep& geometry = options.geometry;
     for (int round = 0; round < options.rounds; ++round) {
         const bool go_on = whole_stage(work, "geometry", [&](ImageMesh<C>& mesh) {
@@ -83,8 +83,8 @@ bool alternate(Patchwork<C, ParallelFor>& work, const HierarchicalOptions& optio
 
 // Makes a mesh of n vertices, 4 <= n <= max(4, pixels), of the image that work is of. `coarse`: the levels from 1 to N - 1,
 // of the same size. False: cancelled; the mesh is valid but may have another count.
-template <int C, class ParallelFor>
-[[nodiscard]] bool hierarchical(Patchwork<C, ParallelFor>& work, const std::vector<ImageSource<C>>& coarse, std::size_t n,
+template <int C>
+[[nodiscard]] bool hierarchical(Patchwork<C>& work, const std::vector<ImageSource<C>>& coarse, std::size_t n,
                                 const HierarchicalOptions& options) {
     bool go_on = true, has_mesh = false;
     WholeMesh<C> mesh;
@@ -94,7 +94,7 @@ template <int C, class ParallelFor>
         has_mesh = true;
     }
     for (std::size_t level = coarse.size(); level > 0 && go_on; --level) {
-        Patchwork<C, ParallelFor> filtered(coarse[level - 1], work.limits(), work.monitor(), work.parallel_for());
+        Patchwork<C> filtered(coarse[level - 1], work.limits(), work.monitor(), work.parallel_for());
         if (has_mesh) filtered.whole() = std::move(mesh);
         else go_on = adams(filtered, n, options.start);
         has_mesh = true;

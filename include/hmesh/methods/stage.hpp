@@ -20,8 +20,8 @@ namespace hmesh {
 namespace detail {
 
 // Runs body(), which says whether to go on, as a stage of this name. Returns whether to go on.
-template <int C, class ParallelFor, class Body>
-bool stage(Patchwork<C, ParallelFor>& work, const char* name, Body&& body) {
+template <int C, class Body>
+bool stage(Patchwork<C>& work, const char* name, Body&& body) {
     return work.monitor().begin(name, work.vertex_count(), work.energy()) && body() &&
            work.monitor().end(work.vertex_count(), work.energy());
 }
@@ -33,8 +33,8 @@ template <int C>
 }
 
 // A stage of work(mesh) on the whole mesh at once.
-template <int C, class ParallelFor, class Work>
-bool whole_stage(Patchwork<C, ParallelFor>& work, const char* name, Work&& body) {
+template <int C, class Work>
+bool whole_stage(Patchwork<C>& work, const char* name, Work&& body) {
     return stage(work, name, [&] {
         work.monitor().expect(0, 1);
         return work.for_each(one_tile(work.source()), [&](Patch<C>& patch, std::size_t) { body(patch.mesh()); });

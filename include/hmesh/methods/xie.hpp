@@ -41,8 +41,8 @@ struct XieOptions {
 }
 
 // Makes a mesh of n vertices, 4 <= n <= max(4, pixels). False: cancelled; the mesh is valid but may have another count.
-template <int C, class ParallelFor>
-[[nodiscard]] bool xie(Patchwork<C, ParallelFor>& work, std::size_t n, const XieOptions& options) {
+template <int C>
+[[nodiscard]] bool xie(Patchwork<C>& work, std::size_t n, const XieOptions& options) {
     if (!adams(work, n, options.start)) return false;
     for (int round = 0; round < options.rounds; ++round) {
         const double before = work.energy();
