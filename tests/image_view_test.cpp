@@ -22,6 +22,14 @@ using hmesh::Status;
 static_assert(std::is_aggregate_v<ImageView<std::uint8_t, 3>>);
 static_assert(std::is_trivially_copyable_v<ImageView<float, 16>>);
 
+template <>
+struct hmesh::PixelTraits<double> {
+    static constexpr double peak = 1, lowest = -1e308, highest = 1e308;
+    static constexpr bool is_integer = false;
+    static double to_real(double value) noexcept { return value; }
+    static double from_real(double value) noexcept { return value; }
+};
+
 namespace {
 
 template <class T, int C>
@@ -100,6 +108,15 @@ TEST_CASE("check refuses a stride that would misalign the samples") {
     CHECK(check(ImageView<float, 1>{&sample, 10, 4, -44}));
 }
 
+TEST_CASE("check refuses a data pointer that is not aligned as its samples are") {
+    alignas(float) unsigned char bytes[64]{};
+    for (std::size_t offset = 0; offset < 8; ++offset) {
+        const void* data = bytes + offset;
+        CHECK(bool(check(ImageView<float, 1>{static_cast<const float*>(data), 2, 2, 0})) == (offset % alignof(float) == 0));
+        CHECK(check(ImageView<std::uint8_t, 1>{static_cast<const std::uint8_t*>(data), 2, 2, 0}));
+    }
+}
+
 TEST_CASE("check refuses strides so long that the place of the last row overflows a pointer difference") {
     constexpr std::ptrdiff_t lowest = std::numeric_limits<std::ptrdiff_t>::min();  // has no absolute value
     constexpr std::ptrdiff_t largest = std::numeric_limits<std::ptrdiff_t>::max();
@@ -154,6 +171,16 @@ TEST_CASE("check_finite names the first row with a NaN or an infinity, in any or
                 CHECK(status.got == y);
             }
         }
+}
+
+TEST_CASE("check_finite refuses doubles that no float holds") {
+    Image<double, 1> image(3, 2);
+    CHECK(check_finite(image.view()));
+    *image.pixel(1, 1) = -3.4e38;
+    CHECK(check_finite(image.view()));
+    *image.pixel(1, 1) = -3.5e38;
+    CHECK(check_finite(image.view()).code == Errc::not_finite);
+    CHECK(check_finite(image.view()).got == 1);
 }
 
 TEST_CASE("check_finite reads no padding, and looks at bottom-up images too") {

@@ -367,3 +367,17 @@ TEST_CASE("MomentTable takes 32 bytes a pixel for 8-bit RGB, and less than 8 col
     CHECK(table.bytes() <= 32U * 108 * 50);
     CHECK(MomentTable<3>().bytes() == 0);
 }
+
+TEST_CASE("fits_memory is true of no table that is larger than what can be addressed, and of nearly all others") {
+    using Table = MomentTable<4>;
+    const Image<std::uint8_t, 4> image(33, 9);
+    const Image<float, 1> weights(33, 9);
+    const Table table(image.view(), weights.view(), 1.0, hmesh::Rect{0, 0, 33, 9});
+    const auto bytes = static_cast<std::int64_t>(table.bytes());
+    CHECK(Table::fits_memory(33, 9, 2 * bytes));
+    CHECK_FALSE(Table::fits_memory(33, 9, bytes - 1));
+    // 65536 x 4096 px of 16 numbers are 0 numbers in 32 bits.
+    CHECK_FALSE(Table::fits_memory(65536, 4096, std::numeric_limits<std::int32_t>::max()));
+    CHECK(Table::fits_memory(65536, 4096, std::numeric_limits<std::int64_t>::max()));
+    CHECK(Table::fits_memory(65536, 4096) == (sizeof(std::ptrdiff_t) > 4));
+}

@@ -1,6 +1,6 @@
 // hmesh - Status: how every function that can meet bad input says so.
 //
-// hmesh throws nothing, prints nothing and never aborts; a Status is a value of 32 bytes that allocates nothing.
+// hmesh throws nothing, prints nothing and never aborts; a Status is a small value that allocates nothing.
 #ifndef HMESH_CORE_STATUS_HPP
 #define HMESH_CORE_STATUS_HPP
 
@@ -19,8 +19,8 @@ enum class Errc : std::uint8_t {
     cancelled,            // the progress callback said stop
 };
 
-// What happened: `what` is a static sentence, `got` the offending value and `want` the bound that it missed (both 0 where
-// the sentence needs no number). Converts to true when all is well.
+// What happened: `what` is a static sentence, `got` the offending value and `want` the bound that it missed (0 where
+// the sentence says it all, as that of a fraction, which an integer would not tell). Converts to true when all is well.
 struct [[nodiscard]] Status {
     Errc code = Errc::ok;
     const char* what = "";

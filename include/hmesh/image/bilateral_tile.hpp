@@ -107,7 +107,7 @@ class BilateralWindow {
                 if (square > radius_ * radius_) continue;
                 const double distance = std::sqrt(static_cast<double>(square)) / sigma_space;
                 const double exponent = -log2_e / 2 * distance * distance;
-                pairs_.push_back({dx, dy, static_cast<float>(std::max<double>(exponent, least_exponent))});
+                pairs_.push_back({dx, dy, static_cast<float>(std::max(exponent, static_cast<double>(least_exponent)))});
             }
         // A power of two, so that products do not round. From 2^-72, which keeps any float below the 2^57 of the tile
         // however large sigma, to 2^1000, which has an inverse; the factor takes what is left.
@@ -139,7 +139,8 @@ class BilateralWindow {
 // Row by row, the weights of all pairs are found and kept for as many rows as the pairs reach down; then each pixel
 // takes those of its own row for the taps ahead and the kept ones for the taps behind. That halves the work on weights.
 // Pairs whose rows together are longer than max_kept wait for another turn.
-template <class T, int C>
+// float_lanes is a parameter so that files compiled for different processors do not share one layout's functions.
+template <class T, int C, int N = float_lanes>
 class BilateralTile {
   public:
     static constexpr int max_width = 128, max_height = 64;
@@ -250,7 +251,7 @@ class BilateralTile {
         for (int x = 0; x < width_; x += float_lanes) {
             const float* here = samples(y) + x;
             float* out = sums(y) + x;
-            Floats middle[C], sum[C], weight = load_floats(out + C * sums_plane);
+            Floats middle[std::size_t{C}], sum[std::size_t{C}], weight = load_floats(out + C * sums_plane);
             HMESH_UNROLL
             for (int c = 0; c < C; ++c) {
                 middle[c] = load_floats(here + c * plane);

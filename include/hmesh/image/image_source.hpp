@@ -9,6 +9,7 @@
 #include <algorithm>
 #include <cstddef>
 
+#include "hmesh/core/lanes.hpp"
 #include "hmesh/core/parallel.hpp"
 #include "hmesh/image/image_view.hpp"
 #include "hmesh/image/moment_table.hpp"
@@ -38,8 +39,10 @@ class ImageSource {
     [[nodiscard]] MomentTable<C> table(const Rect& rect) const { return make_(*this, rect); }
 
     // The samples at pixel (x, y), held to the image where it is outside; 0 in the lanes above.
-    [[nodiscard]] Lanes<lanes_for(C + 1)> pixel(int x, int y) const noexcept {
-        return sample_(*this, std::max(0, std::min(width_ - 1, x)), std::max(0, std::min(height_ - 1, y)));
+    [[nodiscard]] HMESH_ALWAYS_INLINE Lanes<lanes_for(C + 1)> pixel(int x, int y) const noexcept {
+        Lanes<lanes_for(C + 1)> out;
+        sample_(*this, std::max(0, std::min(width_ - 1, x)), std::max(0, std::min(height_ - 1, y)), out);
+        return out;
     }
 
   private:
@@ -52,11 +55,10 @@ class ImageSource {
         return MomentTable<C>(source.view<T>(), source.weights_, source.unit_, rect);
     }
     template <class T>
-    [[nodiscard]] static Lanes<lanes_for(C + 1)> sample(const ImageSource& source, int x, int y) noexcept {
-        Lanes<lanes_for(C + 1)> out = Lanes<lanes_for(C + 1)>::zero();
+    static void sample(const ImageSource& source, int x, int y, Lanes<lanes_for(C + 1)>& out) noexcept {
+        out = Lanes<lanes_for(C + 1)>::zero();
         const T* pixel = source.view<T>().pixel(x, y);
         for (int c = 0; c < C; ++c) out.set(c, PixelTraits<T>::to_real(pixel[c]));
-        return out;
     }
 
     const void* data_;
@@ -66,7 +68,7 @@ class ImageSource {
     double unit_;  // of the weights, see weight_unit()
     double low_, high_, peak_;
     MomentTable<C> (*make_)(const ImageSource&, const Rect&);
-    Lanes<lanes_for(C + 1)> (*sample_)(const ImageSource&, int, int) noexcept;
+    void (*sample_)(const ImageSource&, int, int, Lanes<lanes_for(C + 1)>&) noexcept;
 };
 
 }  // namespace hmesh

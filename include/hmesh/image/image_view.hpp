@@ -4,12 +4,12 @@
 #ifndef HMESH_IMAGE_IMAGE_VIEW_HPP
 #define HMESH_IMAGE_IMAGE_VIEW_HPP
 
-#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <limits>
 #include <vector>
 
+#include "hmesh/core/finite.hpp"
 #include "hmesh/core/parallel.hpp"
 #include "hmesh/core/status.hpp"
 
@@ -25,10 +25,10 @@ inline constexpr int max_side = 65536;
 inline constexpr std::int64_t max_pixels = std::int64_t{1} << 28;
 
 // What a sample of type T means. hmesh knows the three types below; specialise it for a sample type of your own with the
-// same five members (examples/custom_pixel.cpp).
+// same members (examples/custom_pixel.cpp).
 //   peak         the value of full intensity: PSNR = 10 log10(peak^2 / MSE), and "white" for exporters
 //   lowest, highest  the range of vertex colours
-//   is_integer   to_real yields integers of magnitude at most `highest`: then all moments are exact
+//   is_integer   to_real yields integers from `lowest` to `highest`, both of magnitude at most 65535: then all moments are exact
 //   to_real, from_real  conversions; from_real rounds to nearest and clamps
 template <class T>
 struct PixelTraits;
@@ -56,8 +56,8 @@ struct PixelTraits<std::uint16_t> : detail::UnsignedTraits<std::uint16_t> {};
 template <>
 struct PixelTraits<float> {
     static constexpr double peak = 1;
-    static constexpr double lowest = -std::numeric_limits<float>::max();
-    static constexpr double highest = std::numeric_limits<float>::max();
+    static constexpr double highest = static_cast<double>(std::numeric_limits<float>::max());
+    static constexpr double lowest = -highest;
     static constexpr bool is_integer = false;
     static double to_real(float value) noexcept { return static_cast<double>(value); }
     // Held to the finite floats; NaN becomes the lowest.
@@ -139,25 +139,32 @@ template <class T, int C>
     if (stride % static_cast<std::int64_t>(alignof(T)) != 0)
         return {Errc::invalid_argument, "the row stride is no multiple of the sample's alignment, in bytes", stride,
                 static_cast<std::int64_t>(alignof(T))};
+    if (reinterpret_cast<std::uintptr_t>(view.data) % alignof(T) != 0)
+        return {Errc::invalid_argument, "the image's data pointer is not aligned as its samples are, in bytes",
+                static_cast<std::int64_t>(reinterpret_cast<std::uintptr_t>(view.data) % alignof(T)), 0};
     return {};
 }
 
-// Whether all samples are finite. Costs nothing for integer pixels.
+// Whether all samples are finite, as floats too, which is what meshes hold. Costs nothing for integer pixels.
 template <class T, int C>
 [[nodiscard]] Status check_finite(const ImageView<T, C>& view, const ParallelFor& parallel_for = {}) {
-    if constexpr (!PixelTraits<T>::is_integer) {
+    using Traits = PixelTraits<T>;
+    static_assert(!Traits::is_integer || (Traits::lowest >= -65535 && Traits::highest <= 65535),
+                  "is_integer: of 16 bits at most");
+    if constexpr (!Traits::is_integer) {
+        constexpr double most = static_cast<double>(std::numeric_limits<float>::max());
         std::vector<unsigned char> bad(static_cast<std::size_t>(view.height), 0);
         for_each_chunk(parallel_for, bad.size(), 32, [&](std::size_t begin, std::size_t end) {
             for (std::size_t y = begin; y < end; ++y) {
                 const T* row = view.row(static_cast<int>(y));
                 for (int k = 0; k < view.width * C; ++k)
-                    if (!std::isfinite(PixelTraits<T>::to_real(row[k]))) bad[y] = 1;
+                    if (!is_within(Traits::to_real(row[k]), -most, most)) bad[y] = 1;
             }
         });
         for (std::size_t y = 0; y < bad.size(); ++y)
             if (bad[y] != 0)
-                return {Errc::not_finite, "the image has a sample that is NaN or infinite, in row", static_cast<std::int64_t>(y),
-                        0};
+                return {Errc::not_finite, "the image has a sample that is NaN, infinite or beyond all floats, in row",
+                        static_cast<std::int64_t>(y), 0};
     }
     return {};
 }

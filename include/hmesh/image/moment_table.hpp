@@ -26,6 +26,7 @@
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <memory>
 
 #include "hmesh/core/assert.hpp"
@@ -61,7 +62,9 @@ class MomentTable {
         HMESH_ASSERT(rect.width <= view.width - rect.x && rect.height <= view.height - rect.y);
         HMESH_ASSERT(!weighted_ || (weights.width == view.width && weights.height == view.height));
         strip_size_ = static_cast<std::size_t>(height_) * strip_width * entry_size;
-        const std::size_t size = (static_cast<std::size_t>(width_) / strip_width + 1) * strip_size_;
+        // What cannot be addressed is more than there is, and fails as that does.
+        const std::size_t size = fits_memory(width_, height_) ? (static_cast<std::size_t>(width_) / strip_width + 1) * strip_size_
+                                                              : std::numeric_limits<std::ptrdiff_t>::max() / sizeof(double);
         // Not initialised: fill writes all that is ever read.
         size_ = size;
         if (narrow_) {
@@ -78,6 +81,14 @@ class MomentTable {
         samples_.reset(new float[sample_count()]);
         const WeightScale scale(unit, view.width, view.height);
         for_each_row(parallel_for, [&](int y) { fill_weighted_row(view, weights, scale, rect, y); });
+    }
+
+    // Whether so much memory can be addressed as the arrays of the largest kind of table of this size, >= 1, would take: always
+    // with pointers of 64 bits.
+    [[nodiscard]] static bool fits_memory(int width, int height,
+                                          std::int64_t most = std::numeric_limits<std::ptrdiff_t>::max()) noexcept {
+        const std::int64_t entries = (std::int64_t{width} + strip_width) * height;
+        return entries <= most / std::int64_t{(entry_size + 2) * sizeof(double) + C * sizeof(float)};
     }
 
     [[nodiscard]] int width() const noexcept { return width_; }
@@ -131,11 +142,12 @@ class MomentTable {
 
   private:
     static constexpr int strip_width = 2;
+    static constexpr std::size_t numbers = entry_size;  // of an entry, as array sizes are told
 
     template <class T>
     [[nodiscard]] static bool fits_32_bits(int width) noexcept {
         if constexpr (!PixelTraits<T>::is_integer) return false;
-        const double w = width, highest = PixelTraits<T>::highest;
+        const double w = width, highest = std::max(PixelTraits<T>::highest, -PixelTraits<T>::lowest);
         const double largest = 2147483647.0;
         return highest * w * (w - 1) / 2 <= largest && C * highest * highest * w <= largest;
     }
@@ -160,8 +172,8 @@ class MomentTable {
     template <class T, class N>
     void fill_row(const ImageView<T, C>& view, const Rect& rect, int y, N* entries) const {
         const T* pixel = view.pixel(rect.x, rect.y + y);
-        N sum[entry_size] = {};
-        N add[entry_size] = {};
+        N sum[numbers] = {};
+        N add[numbers] = {};
         add[C] = 1;
         for (int x0 = 0; x0 <= width_; x0 += strip_width) {
             N* entry = entries + offset(x0, y);
@@ -189,7 +201,7 @@ class MomentTable {
         const T* pixel = view.pixel(rect.x, rect.y + y);
         const float* weight = weights.pixel(rect.x, rect.y + y);
         float* samples = samples_.get() + sample_offset(0, y);
-        double sum[entry_size] = {}, powers[2] = {};
+        double sum[numbers] = {}, powers[2] = {};
         for (int x = 0;; ++x, pixel += C, samples += C, ++weight) {
             double* entry = wide_entries_.get() + offset(x, y);
             double* entry_powers = power_entries_.get() + offset(x, y) / lanes;

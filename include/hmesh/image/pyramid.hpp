@@ -9,12 +9,12 @@
 #define HMESH_IMAGE_PYRAMID_HPP
 
 #include <algorithm>
-#include <cmath>
 #include <cstddef>
 #include <iterator>
 #include <vector>
 
 #include "hmesh/core/assert.hpp"
+#include "hmesh/core/finite.hpp"
 #include "hmesh/core/parallel.hpp"
 #include "hmesh/image/bilateral.hpp"
 #include "hmesh/image/image_view.hpp"
@@ -50,7 +50,7 @@ template <class T, int C>
         const T* row = view.row(y);
         T* samples = out.pixel(0, y);
         for (int k = 0; k < view.width * C; ++k, ++filtered)
-            samples[k] = std::isfinite(*filtered) ? PixelTraits<T>::from_real(static_cast<double>(*filtered)) : row[k];
+            samples[k] = is_finite(*filtered) ? PixelTraits<T>::from_real(static_cast<double>(*filtered)) : row[k];
     }
     return out;
 }

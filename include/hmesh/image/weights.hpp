@@ -13,6 +13,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "hmesh/core/finite.hpp"
 #include "hmesh/core/parallel.hpp"
 #include "hmesh/core/status.hpp"
 #include "hmesh/image/image_view.hpp"
@@ -34,7 +35,7 @@ namespace hmesh {
         for (std::size_t y = begin; y < end; ++y) {
             const float* row = weights.row(static_cast<int>(y));
             for (int x = 0; x < width; ++x) {
-                if (!std::isfinite(row[x])) faults[y] = not_finite;
+                if (!is_finite(row[x])) faults[y] = not_finite;
                 else if (row[x] < 0 && faults[y] == none) faults[y] = negative;
             }
         }

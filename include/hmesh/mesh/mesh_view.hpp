@@ -7,11 +7,11 @@
 #define HMESH_MESH_MESH_VIEW_HPP
 
 #include <array>
-#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <vector>
 
+#include "hmesh/core/finite.hpp"
 #include "hmesh/core/status.hpp"
 
 namespace hmesh {
@@ -52,20 +52,22 @@ struct Mesh {
 // Whether a view can be drawn and written: it has vertices and faces, 1 to `most_channels` channels, finite numbers, a
 // positive peak, and every index in range. O(n).
 [[nodiscard]] inline Status check(const MeshView& mesh, int most_channels) noexcept {
-    if (mesh.vertex_count == 0 || mesh.face_count == 0 || mesh.positions == nullptr || mesh.colors == nullptr ||
-        mesh.faces == nullptr)
-        return {Errc::invalid_argument, "the mesh has no vertices or no faces", static_cast<std::int64_t>(mesh.face_count), 1};
+    if (mesh.vertex_count == 0) return {Errc::invalid_argument, "the mesh has no vertices", 0, 1};
+    if (mesh.face_count == 0) return {Errc::invalid_argument, "the mesh has no faces", 0, 1};
+    if (mesh.positions == nullptr || mesh.colors == nullptr || mesh.faces == nullptr)
+        return {Errc::invalid_argument, "the mesh has a null pointer for its positions, colours or faces", 0, 0};
     if (mesh.channels < 1 || mesh.channels > most_channels)
         return {Errc::invalid_argument, "the mesh has a number of channels that this use cannot hold", mesh.channels,
                 most_channels};
-    if (!(mesh.peak > 0) || !std::isfinite(mesh.peak)) return {Errc::invalid_argument, "the mesh's peak must be positive", 0, 0};
+    if (!is_finite(mesh.peak) || mesh.peak <= 0)
+        return {Errc::invalid_argument, "the mesh's peak must be positive and finite", 0, 0};
     for (std::size_t i = 0; i < 2 * mesh.vertex_count; ++i)
-        if (!std::isfinite(mesh.positions[i]))
+        if (!is_finite(mesh.positions[i]))
             return {Errc::not_finite, "the mesh has a position that is NaN or infinite, at vertex",
                     static_cast<std::int64_t>(i / 2), 0};
     const auto channels = static_cast<std::size_t>(mesh.channels);
     for (std::size_t i = 0; i < channels * mesh.vertex_count; ++i)
-        if (!std::isfinite(mesh.colors[i]))
+        if (!is_finite(mesh.colors[i]))
             return {Errc::not_finite, "the mesh has a colour that is NaN or infinite, at vertex",
                     static_cast<std::int64_t>(i / channels), 0};
     for (std::size_t f = 0; f < mesh.face_count; ++f)

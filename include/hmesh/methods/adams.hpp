@@ -13,6 +13,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "hmesh/core/finite.hpp"
 #include "hmesh/core/status.hpp"
 #include "hmesh/fit/first_grid.hpp"
 #include "hmesh/fit/patchwork.hpp"
@@ -34,8 +35,7 @@ struct AdamsOptions {
 
 // Whether the options mean something; the sentence names the first that does not.
 [[nodiscard]] inline Status check(const AdamsOptions& options) noexcept {
-    if (!(options.density >= 1 && options.density <= 1000))
-        return {Errc::invalid_argument, "adams.density must be in [1, 1000]", 0, 0};
+    if (!is_within(options.density, 1, 1000)) return {Errc::invalid_argument, "adams.density must be in [1, 1000]", 0, 0};
     if (options.smoothing < 0 || options.smoothing > 100)
         return {Errc::invalid_argument, "adams.smoothing must be in [0, 100] passes", options.smoothing,
                 options.smoothing < 0 ? 0 : 100};

@@ -4,6 +4,7 @@
 
 #include <cstdint>
 
+#include "hmesh/core/finite.hpp"
 #include "hmesh/core/status.hpp"
 #include "hmesh/fit/annealing.hpp"
 #include "hmesh/fit/relaxation.hpp"
@@ -72,29 +73,28 @@ struct AnnealedOptions {
 // Whether the options mean something; the sentence names the first that does not.
 [[nodiscard]] inline Status check(const AnnealedOptions& options) noexcept {
     const auto bad = [](const char* what) -> Status { return {Errc::invalid_argument, what, 0, 0}; };
-    const auto within = [](double value, double low, double high) { return value >= low && value <= high; };  // false for NaN
     const AnnealingOptions& annealing = options.annealing;
-    if (!within(options.overshoot, 1, 100)) return bad("annealed.overshoot must be in [1, 100]");
-    if (!within(options.undershoot, 0.1, 1)) return bad("annealed.undershoot must be in [0.1, 1]");
-    if (!within(options.start, 0, 1)) return bad("annealed.start must be in [0, 1]");
-    if (!within(options.growth, 1e-3, 10)) return bad("annealed.growth must be in [0.001, 10]");
-    if (!within(options.shrinkage, 1e-3, 1)) return bad("annealed.shrinkage must be in [0.001, 1]");
-    if (!within(options.growth_sweeps, 0, 1000)) return bad("annealed.growth_sweeps must be in [0, 1000]");
-    if (!within(options.polish_rounds, 0, 1000)) return bad("annealed.polish_rounds must be in [0, 1000]");
-    if (!within(options.relaxation.rounds, 0, 100)) return bad("annealed.relaxation.rounds must be in [0, 100]");
-    if (!within(options.relaxation.least, 0, 1e6)) return bad("annealed.relaxation.least must be in [0, 1e6]");
+    if (!is_within(options.overshoot, 1, 100)) return bad("annealed.overshoot must be in [1, 100]");
+    if (!is_within(options.undershoot, 0.1, 1)) return bad("annealed.undershoot must be in [0.1, 1]");
+    if (!is_within(options.start, 0, 1)) return bad("annealed.start must be in [0, 1]");
+    if (!is_within(options.growth, 1e-3, 10)) return bad("annealed.growth must be in [0.001, 10]");
+    if (!is_within(options.shrinkage, 1e-3, 1)) return bad("annealed.shrinkage must be in [0.001, 1]");
+    if (!is_within(options.growth_sweeps, 0, 1000)) return bad("annealed.growth_sweeps must be in [0, 1000]");
+    if (!is_within(options.polish_rounds, 0, 1000)) return bad("annealed.polish_rounds must be in [0, 1000]");
+    if (!is_within(options.relaxation.rounds, 0, 100)) return bad("annealed.relaxation.rounds must be in [0, 100]");
+    if (!is_within(options.relaxation.least, 0, 1e6)) return bad("annealed.relaxation.least must be in [0, 1e6]");
     for (const Tolerance& t : {options.growth_flips, options.growth_visits, options.polish})
-        if (!within(t.spread, 0, 1e6) || !within(t.least, 0, 1e6)) return bad("annealed tolerances must be in [0, 1e6]");
-    if (!within(annealing.sweeps, 0, 1e6)) return bad("annealing.sweeps must be in [0, 1e6]");
-    if (!within(annealing.temperature, 0, 1e3)) return bad("annealing.temperature must be in [0, 1000]");
-    if (!within(annealing.cooling, 0, 100)) return bad("annealing.cooling must be in [0, 100]");
-    if (!within(annealing.exchange, 0, 1) || !within(annealing.jump, 0, 1))
-        return bad("annealing probabilities must be in [0, 1]");
-    if (!within(annealing.jump_reach, 0, 1)) return bad("annealing.jump_reach must be in [0, 1]");
-    if (!within(annealing.start_price, 1e-6, 1e6)) return bad("annealing.start_price must be in [1e-6, 1e6]");
+        if (!is_within(t.spread, 0, 1e6) || !is_within(t.least, 0, 1e6)) return bad("annealed tolerances must be in [0, 1e6]");
+    if (!is_within(annealing.sweeps, 0, 1e6)) return bad("annealed.annealing.sweeps must be in [0, 1e6]");
+    if (!is_within(annealing.temperature, 0, 1e3)) return bad("annealed.annealing.temperature must be in [0, 1000]");
+    if (!is_within(annealing.cooling, 0, 100)) return bad("annealed.annealing.cooling must be in [0, 100]");
+    if (!is_within(annealing.exchange, 0, 1) || !is_within(annealing.jump, 0, 1))
+        return bad("annealed.annealing probabilities must be in [0, 1]");
+    if (!is_within(annealing.jump_reach, 0, 1)) return bad("annealed.annealing.jump_reach must be in [0, 1]");
+    if (!is_within(annealing.start_price, 1e-6, 1e6)) return bad("annealed.annealing.start_price must be in [1e-6, 1e6]");
     for (const double screen : {annealing.removal_screen, annealing.insertion_screen, annealing.flip_screen})
-        if (!within(screen, 0, 1e6)) return bad("annealing screens must be in [0, 1e6]");
-    if (!within(annealing.band, 0, 1)) return bad("annealing.band must be in [0, 1]");
+        if (!is_within(screen, 0, 1e6)) return bad("annealed.annealing screens must be in [0, 1e6]");
+    if (!is_within(annealing.band, 0, 1)) return bad("annealed.annealing.band must be in [0, 1]");
     return {};
 }
 

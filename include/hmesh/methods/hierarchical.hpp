@@ -12,6 +12,7 @@
 #include <utility>
 #include <vector>
 
+#include "hmesh/core/finite.hpp"
 #include "hmesh/core/status.hpp"
 #include "hmesh/fit/colors.hpp"
 #include "hmesh/fit/flip_queue.hpp"
@@ -44,19 +45,18 @@ struct HierarchicalOptions {
     if (const Status status = check(options.start); !status) return status;
     if (const Status status = check(options.bilateral); !status) return status;
     const auto bad = [](const char* what) -> Status { return {Errc::invalid_argument, what, 0, 0}; };
-    const auto within = [](double value, double low, double high) { return value >= low && value <= high; };  // false for NaN
     const GeometryStep& geometry = options.geometry;
-    if (!within(options.levels, 1, 20)) return bad("hierarchical.levels must be in [1, 20]");
-    if (!within(options.rounds, 0, 1000)) return bad("hierarchical.rounds must be in [0, 1000]");
-    if (!within(options.flip_visits, 1, 1000000)) return bad("hierarchical.flip_visits must be in [1, 1000000]");
+    if (!is_within(options.levels, 1, 20)) return bad("hierarchical.levels must be in [1, 20]");
+    if (!is_within(options.rounds, 0, 1000)) return bad("hierarchical.rounds must be in [0, 1000]");
+    if (!is_within(options.flip_visits, 1, 1000000)) return bad("hierarchical.flip_visits must be in [1, 1000000]");
     if (geometry.search > FootSearch::one_ring) return bad("hierarchical.geometry.search must be one of those known");
     if (geometry.rule > StepRule::literal) return bad("hierarchical.geometry.rule must be one of those known");
-    if (!within(geometry.color_scale, 1e-3, 1e3)) return bad("hierarchical.geometry.color_scale must be in [0.001, 1000] px");
-    if (!within(geometry.pull, 1e-9, 1e3)) return bad("hierarchical.geometry.pull must be in [1e-9, 1000] pixels");
-    if (!within(geometry.halvings, 0, 20)) return bad("hierarchical.geometry.halvings must be in [0, 20]");
-    if (!within(geometry.pcg.max_iterations, 1, 100000))
+    if (!is_within(geometry.color_scale, 1e-3, 1e3)) return bad("hierarchical.geometry.color_scale must be in [0.001, 1000] px");
+    if (!is_within(geometry.pull, 1e-9, 1e3)) return bad("hierarchical.geometry.pull must be in [1e-9, 1000] pixels");
+    if (!is_within(geometry.halvings, 0, 20)) return bad("hierarchical.geometry.halvings must be in [0, 20]");
+    if (!is_within(geometry.pcg.max_iterations, 1, 100000))
         return bad("hierarchical.geometry.pcg.max_iterations must be in [1, 100000]");
-    if (!within(geometry.pcg.tolerance, 1e-15, 1)) return bad("hierarchical.geometry.pcg.tolerance must be in [1e-15, 1]");
+    if (!is_within(geometry.pcg.tolerance, 1e-15, 1)) return bad("hierarchical.geometry.pcg.tolerance must be in [1e-15, 1]");
     return {};
 }
 

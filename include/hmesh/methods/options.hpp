@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <optional>
 
+#include "hmesh/core/finite.hpp"
 #include "hmesh/core/progress.hpp"
 #include "hmesh/core/status.hpp"
 #include "hmesh/fit/ring.hpp"
@@ -63,9 +64,12 @@ struct Options {
     std::uint64_t seed = 1;  // of methods that draw random numbers
     Progress progress;
     MeshLimits limits;
-    ImageView<float, 1> weights;  // how much each pixel counts, >= 0, of the image's size; none: all count the same
+    // How much each pixel counts, >= 0, of the image's size; none: all count the same. They are rounded to steps of 2^-20 to
+    // 2^-8 of the largest, finer for smaller images (image/weights.hpp); less than half a step counts as 0.
+    ImageView<float, 1> weights;
     // px: larger images are meshed in tiles of about this size, 64 to 65536, each of which is a piece of work for a thread.
-    // 0: in one piece up to a megapixel and 16384 vertices, in tiles of 256 px beyond.
+    // 0: in one piece up to a megapixel and 16384 vertices, in tiles of 256 px beyond. Where a tile would hold less than 256
+    // vertices on average, tiles are larger, up to the image, and so is the memory for each.
     int tile = 0;
     // In place of what `effort` means: start from annealed_options(effort) and change what you like. Its seed is ignored.
     std::optional<AnnealedOptions> annealed;
@@ -95,10 +99,9 @@ struct Options {
 
 namespace detail {
 
-// The integer nearest to a number that may be none: 0 for NaN, the ends for infinities.
+// The integer nearest to a number that may be none, for a Status: 0 for NaN and infinities.
 [[nodiscard]] inline std::int64_t nearest_integer(double value) noexcept {
-    if (!(value == value)) return 0;
-    return static_cast<std::int64_t>(std::max(-9e18, std::min(9e18, value)));
+    return is_finite(value) ? std::llround(std::max(-9e18, std::min(9e18, value))) : 0;
 }
 
 [[nodiscard]] inline Status check_color_options(const Options& options, int channels) noexcept {
@@ -119,25 +122,25 @@ namespace detail {
     const Target& target = options.target;
     const std::int64_t most = std::max<std::int64_t>(4, pixels);
     if (target.kind == Target::Kind::vertices) {
-        if (!(target.value >= 4))
-            return {Errc::target_out_of_range, "a mesh has at least 4 vertices", nearest_integer(target.value), 4};
-        if (target.value > static_cast<double>(most))
+        const bool is_too_large = is_finite(target.value) && target.value > static_cast<double>(most);
+        if (is_too_large)
             return {Errc::target_out_of_range, "a mesh has at most one vertex a pixel", nearest_integer(target.value), most};
+        if (!is_within(target.value, 4, static_cast<double>(most)))
+            return {Errc::target_out_of_range, "a mesh has at least 4 vertices", nearest_integer(target.value), 4};
     } else if (target.kind == Target::Kind::rate) {
-        if (!(target.value > 0 && target.value <= 100))
+        if (!is_within(target.value, 0, 100) || target.value == 0)
             return {Errc::target_out_of_range, "the rate must be above 0 and at most 100 percent of the pixels", 0, 100};
-    } else if (!(target.value > 0 && std::isfinite(target.value))) {
+    } else if (!is_finite(target.value) || target.value <= 0) {
         return {Errc::target_out_of_range, "the PSNR asked for must be positive and finite, in dB", 0, 1};
     }
     const MeshLimits& limits = options.limits;
-    if (!(limits.min_cross >= 1e-4 && limits.min_cross <= 0.25))
+    if (!is_within(limits.min_cross, 1e-4, 0.25))
         return {Errc::invalid_argument, "limits.min_cross must be in [1e-4, 0.25] px^2", 0, 0};
-    if (!(limits.border_gap >= 1.0 / 256 && limits.border_gap <= 0.25))
+    if (!is_within(limits.border_gap, 1.0 / 256, 0.25))
         return {Errc::invalid_argument, "limits.border_gap must be in [1/256, 1/4] px", 0, 0};
-    if (!(limits.color_overshoot >= 0 && limits.color_overshoot <= 100))
+    if (!is_within(limits.color_overshoot, 0, 100))
         return {Errc::invalid_argument, "limits.color_overshoot must be in [0, 100]", 0, 100};
-    if (!(limits.ridge >= 1e-9 && limits.ridge <= 1))
-        return {Errc::invalid_argument, "limits.ridge must be in [1e-9, 1] pixels", 0, 1};
+    if (!is_within(limits.ridge, 1e-9, 1)) return {Errc::invalid_argument, "limits.ridge must be in [1e-9, 1] pixels", 0, 1};
     if (options.tile != 0 && (options.tile < 64 || options.tile > max_side))
         return {Errc::invalid_argument, "the tile must be 0, for the default, or 64 to 65536 px", options.tile,
                 options.tile < 64 ? 64 : max_side};

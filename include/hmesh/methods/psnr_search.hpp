@@ -12,6 +12,7 @@
 #include <cstdint>
 #include <utility>
 
+#include "hmesh/core/finite.hpp"
 #include "hmesh/core/status.hpp"
 
 namespace hmesh {
@@ -46,11 +47,11 @@ template <class MeshOf>
         double log_n = 0;
         if (low.n != 0 && high.n != 0) {
             // The secant, kept off the ends: a run that teaches nothing would repeat.
-            const double t = std::isfinite(high.psnr) ? (psnr - low.psnr) / std::max(1e-9, high.psnr - low.psnr) : 0.5;
+            const double t = is_finite(high.psnr) ? (psnr - low.psnr) / std::max(1e-9, high.psnr - low.psnr) : 0.5;
             const double aim = same_side > 2 ? 0.5 : std::max(0.1, std::min(0.9, t + (last_side ? -0.02 : 0.02)));
             log_n = low.log_n + aim * (high.log_n - low.log_n);
         } else {
-            const double needed = std::isfinite(run.psnr) ? std::abs(psnr - run.psnr) / slope + 0.1 : 2;
+            const double needed = is_finite(run.psnr) ? std::abs(psnr - run.psnr) / slope + 0.1 : 2;
             stride = std::min(3.0, std::max(needed, 2 * stride));
             log_n = run.log_n + (last_side ? -stride : stride);
         }

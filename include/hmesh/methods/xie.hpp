@@ -9,6 +9,7 @@
 
 #include <cstddef>
 
+#include "hmesh/core/finite.hpp"
 #include "hmesh/core/status.hpp"
 #include "hmesh/fit/flip_queue.hpp"
 #include "hmesh/fit/patchwork.hpp"
@@ -36,7 +37,7 @@ struct XieOptions {
     if (options.search.visits < 1 || options.search.visits > 1000) return bad("xie.search.visits must be in [1, 1000]");
     if (options.flip_visits < 1 || options.flip_visits > 1000000) return bad("xie.flip_visits must be in [1, 1000000]");
     if (options.rounds < 0 || options.rounds > 1000) return bad("xie.rounds must be in [0, 1000]");
-    if (!(options.enough >= 0 && options.enough <= 1)) return bad("xie.enough must be in [0, 1]");
+    if (!is_within(options.enough, 0, 1)) return bad("xie.enough must be in [0, 1]");
     return {};
 }
 

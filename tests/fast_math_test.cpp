@@ -1,0 +1,95 @@
+// Compiled with -ffast-math where the compiler has it: what users hand over is refused there too.
+#include <doctest/doctest.h>
+
+#include <cstdint>
+#include <cstring>
+#include <vector>
+
+#include "hmesh/io/ply.hpp"
+#include "hmesh/mesh_image.hpp"
+#include "hmesh/render.hpp"
+#include "test_images.hpp"
+
+using hmesh::Errc;
+using hmesh::Image;
+using hmesh::Options;
+using hmesh::Target;
+
+namespace {
+
+// Made of bits, which the compiler does not look through.
+template <class To, class Bits>
+To from_bits(Bits bits) {
+    volatile Bits hidden = bits;
+    const Bits shown = hidden;
+    To value;
+    static_assert(sizeof value == sizeof shown);
+    std::memcpy(&value, &shown, sizeof value);
+    return value;
+}
+const float bad_floats[] = {from_bits<float>(0x7FC00000U), from_bits<float>(0x7F800000U), from_bits<float>(0xFF800000U)};
+const double bad_doubles[] = {from_bits<double>(std::uint64_t{0x7FF8000000000000U}),
+                              from_bits<double>(std::uint64_t{0x7FF0000000000000U})};
+
+Options draft(int vertices) {
+    Options options;
+    options.target = Target::vertices(vertices);
+    options.effort = hmesh::Effort::draft;
+    return options;
+}
+
+}  // namespace
+
+TEST_CASE("pixels and weights that are no numbers are refused") {
+    for (const float bad : bad_floats) {
+        Image<float, 1> image = hmesh_test::scene<float, 1>(24, 20, 3);
+        *image.pixel(7, 5) = bad;
+        CHECK(mesh_image(image.view(), draft(40)).status.code == Errc::not_finite);
+
+        Options options = draft(40);
+        Image<float, 1> weights(24, 20);
+        *weights.pixel(3, 2) = bad;
+        options.weights = weights.view();
+        CHECK(mesh_image(hmesh_test::scene<float, 1>(24, 20, 3).view(), options).status.code == Errc::not_finite);
+    }
+}
+
+TEST_CASE("options that are no numbers are refused") {
+    const Image<float, 1> image = hmesh_test::scene<float, 1>(24, 20, 3);
+    for (const double bad : bad_doubles) {
+        for (const auto kind : {Target::Kind::vertices, Target::Kind::rate, Target::Kind::psnr}) {
+            Options options;
+            options.target = {kind, bad};
+            CHECK(mesh_image(image.view(), options).status.code == Errc::target_out_of_range);
+        }
+        Options options = draft(40);
+        options.limits.ridge = bad;
+        CHECK(mesh_image(image.view(), options).status.code == Errc::invalid_argument);
+        options = draft(40);
+        options.annealed = hmesh::annealed_options(hmesh::Effort::draft);
+        options.annealed->growth = bad;
+        CHECK(mesh_image(image.view(), options).status.code == Errc::invalid_argument);
+    }
+}
+
+TEST_CASE("an image is meshed as well as without, and meshes that are no numbers are not written or drawn") {
+    const Image<float, 1> image = hmesh_test::scene<float, 1>(48, 40, 3);
+    const hmesh::Result<1> result = mesh_image(image.view(), draft(150));
+    REQUIRE(result.status);
+    Image<float, 1> drawn;
+    REQUIRE(render(result.mesh.view(), drawn));
+    CHECK(psnr(image.view(), drawn.view()) == doctest::Approx(result.report.psnr).epsilon(1e-4));
+    CHECK(result.report.psnr > 28);
+
+    const auto sink = [](const void*, std::size_t) { return true; };
+    REQUIRE(write_ply(result.mesh.view(), sink));
+    for (const float bad : bad_floats) {
+        hmesh::Mesh<1> mesh = result.mesh;
+        mesh.positions[9] = bad;
+        CHECK(write_ply(mesh.view(), sink).code == Errc::not_finite);
+        CHECK(render(mesh.view(), drawn).code == Errc::not_finite);
+        mesh = result.mesh;
+        mesh.colors[4] = bad;
+        CHECK(write_ply(mesh.view(), sink).code == Errc::not_finite);
+    }
+}
