@@ -29,7 +29,7 @@
 
 // hmesh - Status: how every function that can meet bad input says so.
 //
-// hmesh throws nothing, prints nothing and never aborts; a Status is a value of 32 bytes that allocates nothing.
+// hmesh throws nothing, prints nothing and never aborts; a Status is a small value that allocates nothing.
 #ifndef HMESH_CORE_STATUS_HPP
 #define HMESH_CORE_STATUS_HPP
 
@@ -48,8 +48,8 @@ enum class Errc : std::uint8_t {
     cancelled,            // the progress callback said stop
 };
 
-// What happened: `what` is a static sentence, `got` the offending value and `want` the bound that it missed (both 0 where
-// the sentence needs no number). Converts to true when all is well.
+// What happened: `what` is a static sentence, `got` the offending value and `want` the bound that it missed (0 where
+// the sentence says it all, as that of a fraction, which an integer would not tell). Converts to true when all is well.
 struct [[nodiscard]] Status {
     Errc code = Errc::ok;
     const char* what = "";
@@ -63,6 +63,44 @@ struct [[nodiscard]] Status {
 
 #endif  // HMESH_CORE_STATUS_HPP
 
+// ---- hmesh/core/finite.hpp
+
+// hmesh - is_finite(), is_within(): can a number that came from outside be calculated with?
+//
+// Answered by the bits. Compilers that are told of finite numbers only (-ffast-math) take std::isfinite() and comparisons
+// with NaN to be true without looking; what users hand over is checked with these two, so that it is refused there too.
+#ifndef HMESH_CORE_FINITE_HPP
+#define HMESH_CORE_FINITE_HPP
+
+#include <cstdint>
+#include <cstring>
+#include <limits>
+
+namespace hmesh {
+
+static_assert(std::numeric_limits<float>::is_iec559 && std::numeric_limits<double>::is_iec559, "hmesh needs IEEE 754");
+
+// Whether it is neither NaN nor infinite.
+[[nodiscard]] inline bool is_finite(float value) noexcept {
+    std::uint32_t bits = 0;
+    std::memcpy(&bits, &value, sizeof bits);
+    return (bits & 0x7F800000U) != 0x7F800000U;
+}
+[[nodiscard]] inline bool is_finite(double value) noexcept {
+    std::uint64_t bits = 0;
+    std::memcpy(&bits, &value, sizeof bits);
+    return (bits & 0x7FF0000000000000U) != 0x7FF0000000000000U;
+}
+
+// Whether low <= value <= high; false for NaN.
+[[nodiscard]] inline bool is_within(double value, double low, double high) noexcept {
+    return is_finite(value) && value >= low && value <= high;
+}
+
+}  // namespace hmesh
+
+#endif  // HMESH_CORE_FINITE_HPP
+
 // ---- hmesh/mesh/mesh_view.hpp
 
 // hmesh - Mesh, the result as plain arrays, and MeshView, the pointers and counts that exporters and renderers read.
@@ -74,7 +112,6 @@ struct [[nodiscard]] Status {
 #define HMESH_MESH_MESH_VIEW_HPP
 
 #include <array>
-#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <vector>
@@ -117,20 +154,22 @@ struct Mesh {
 // Whether a view can be drawn and written: it has vertices and faces, 1 to `most_channels` channels, finite numbers, a
 // positive peak, and every index in range. O(n).
 [[nodiscard]] inline Status check(const MeshView& mesh, int most_channels) noexcept {
-    if (mesh.vertex_count == 0 || mesh.face_count == 0 || mesh.positions == nullptr || mesh.colors == nullptr ||
-        mesh.faces == nullptr)
-        return {Errc::invalid_argument, "the mesh has no vertices or no faces", static_cast<std::int64_t>(mesh.face_count), 1};
+    if (mesh.vertex_count == 0) return {Errc::invalid_argument, "the mesh has no vertices", 0, 1};
+    if (mesh.face_count == 0) return {Errc::invalid_argument, "the mesh has no faces", 0, 1};
+    if (mesh.positions == nullptr || mesh.colors == nullptr || mesh.faces == nullptr)
+        return {Errc::invalid_argument, "the mesh has a null pointer for its positions, colours or faces", 0, 0};
     if (mesh.channels < 1 || mesh.channels > most_channels)
         return {Errc::invalid_argument, "the mesh has a number of channels that this use cannot hold", mesh.channels,
                 most_channels};
-    if (!(mesh.peak > 0) || !std::isfinite(mesh.peak)) return {Errc::invalid_argument, "the mesh's peak must be positive", 0, 0};
+    if (!is_finite(mesh.peak) || mesh.peak <= 0)
+        return {Errc::invalid_argument, "the mesh's peak must be positive and finite", 0, 0};
     for (std::size_t i = 0; i < 2 * mesh.vertex_count; ++i)
-        if (!std::isfinite(mesh.positions[i]))
+        if (!is_finite(mesh.positions[i]))
             return {Errc::not_finite, "the mesh has a position that is NaN or infinite, at vertex",
                     static_cast<std::int64_t>(i / 2), 0};
     const auto channels = static_cast<std::size_t>(mesh.channels);
     for (std::size_t i = 0; i < channels * mesh.vertex_count; ++i)
-        if (!std::isfinite(mesh.colors[i]))
+        if (!is_finite(mesh.colors[i]))
             return {Errc::not_finite, "the mesh has a colour that is NaN or infinite, at vertex",
                     static_cast<std::int64_t>(i / channels), 0};
     for (std::size_t f = 0; f < mesh.face_count; ++f)
@@ -144,6 +183,51 @@ struct Mesh {
 }  // namespace hmesh
 
 #endif  // HMESH_MESH_MESH_VIEW_HPP
+
+// ---- hmesh/io/color_shares.hpp
+
+// hmesh - colours on their way out: what exporters do alike with a vertex's stored values.
+//
+// Files hold shares of full intensity. Optimal colours may lie outside [0, peak]; formats with integers, and those that
+// ask for [0, 1], get them held to that range. O(1) each.
+#ifndef HMESH_IO_COLOR_SHARES_HPP
+#define HMESH_IO_COLOR_SHARES_HPP
+
+#include <algorithm>
+#include <array>
+#include <cstddef>
+#include <cstdint>
+
+namespace hmesh::detail {
+
+// Whether a mesh is one of grey, RGB or RGBA that fills a picture. O(n).
+[[nodiscard]] inline Status check_for_export(const MeshView& mesh) noexcept {
+    if (mesh.channels == 2) return {Errc::invalid_argument, "this format holds 1, 3 or 4 channels", 2, 0};
+    if (mesh.width < 1) return {Errc::invalid_argument, "the mesh's width must be at least 1", mesh.width, 1};
+    if (mesh.height < 1) return {Errc::invalid_argument, "the mesh's height must be at least 1", mesh.height, 1};
+    return check(mesh, 4);
+}
+
+// A stored value as a share of the peak, held to [0, 1].
+[[nodiscard]] inline double share_of_peak(float value, double peak) noexcept {
+    return std::max(0.0, std::min(1.0, static_cast<double>(value) / peak));
+}
+
+// A share in [0, 1] as an integer, rounded: 255 or 65535 is all of it.
+[[nodiscard]] inline std::uint8_t to_u8(double share) noexcept { return static_cast<std::uint8_t>(share * 255 + 0.5); }
+[[nodiscard]] inline std::uint16_t to_u16(double share) noexcept { return static_cast<std::uint16_t>(share * 65535 + 0.5); }
+
+// Red, green, blue and alpha of a vertex as shares: grey is all three, and what has no alpha is opaque.
+[[nodiscard]] inline std::array<double, 4> rgba_shares(const MeshView& mesh, std::size_t vertex) noexcept {
+    const float* color = mesh.colors + static_cast<std::size_t>(mesh.channels) * vertex;
+    const auto share = [&](int k) { return share_of_peak(color[k], mesh.peak); };
+    if (mesh.channels < 3) return {share(0), share(0), share(0), 1.0};
+    return {share(0), share(1), share(2), mesh.channels == 4 ? share(3) : 1.0};
+}
+
+}  // namespace hmesh::detail
+
+#endif  // HMESH_IO_COLOR_SHARES_HPP
 
 // ---- hmesh/io/strips.hpp
 
@@ -371,19 +455,16 @@ struct ShadingLayout {
         return {Errc::invalid_argument, "the mesh has more faces than a shading holds",
                 static_cast<std::int64_t>(std::min<std::uint64_t>(mesh.face_count, std::numeric_limits<std::int64_t>::max())),
                 static_cast<std::int64_t>(most)};
-    if (mesh.channels == 2) return {Errc::invalid_argument, "a shading holds 1, 3 or 4 channels", 2, 0};
-    if (mesh.width < 1) return {Errc::invalid_argument, "the mesh's width must be at least 1", mesh.width, 1};
-    if (mesh.height < 1) return {Errc::invalid_argument, "the mesh's height must be at least 1", mesh.height, 1};
     constexpr int farthest = 4194304;  // px: numbers of 32 bits count 1/256 px up to 2^24 px
     for (const int side : {mesh.width, mesh.height})
         if (side > farthest)
             return {Errc::invalid_argument, "the mesh's width or height is more than a shading holds", side, farthest};
-    if (const Status status = check(mesh, 4); !status) return status;
+    if (const Status status = check_for_export(mesh); !status) return status;
 
     double left = 0, low = 0, right = mesh.width, high = mesh.height;
     for (std::size_t v = 0; v < mesh.vertex_count; ++v) {
         const double x = static_cast<double>(mesh.positions[2 * v]), y = up(mesh, v);
-        if (!(std::abs(x) < farthest && std::abs(y) < farthest))
+        if (!is_within(x, -farthest, farthest) || !is_within(y, -farthest, farthest))
             return {Errc::invalid_argument, "the mesh has a position far outside its image, at vertex",
                     static_cast<std::int64_t>(v), 0};
         left = std::min(left, x), right = std::max(right, x);
@@ -473,6 +554,7 @@ template <class Share>
 #include <cstdint>
 #include <cstring>
 #include <limits>
+#include <type_traits>
 
 namespace hmesh::detail {
 
@@ -572,6 +654,9 @@ class Writer {
         }
         used_ = 0;
     }
+
+    static_assert(std::is_same_v<bool, std::invoke_result_t<Sink&, const void*, std::size_t>>,
+                  "a sink returns a bool, whether it took all bytes: fwrite(...) == size, not the count");
 
     Sink* sink_;
     std::int64_t accepted_ = 0;
@@ -740,50 +825,6 @@ namespace hmesh::detail {
 }  // namespace hmesh::detail
 
 #endif  // HMESH_CORE_SRGB_HPP
-
-// ---- hmesh/io/color_shares.hpp
-
-// hmesh - colours on their way out: what exporters do alike with a vertex's stored values.
-//
-// Files hold shares of full intensity. Optimal colours may lie outside [0, peak]; formats with integers, and those that
-// ask for [0, 1], get them held to that range. O(1) each.
-#ifndef HMESH_IO_COLOR_SHARES_HPP
-#define HMESH_IO_COLOR_SHARES_HPP
-
-#include <algorithm>
-#include <array>
-#include <cstddef>
-#include <cstdint>
-
-namespace hmesh::detail {
-
-// Whether a mesh is one of grey, RGB or RGBA that can be turned to y up. O(n).
-[[nodiscard]] inline Status check_for_export(const MeshView& mesh) noexcept {
-    if (mesh.channels == 2) return {Errc::invalid_argument, "this format holds 1, 3 or 4 channels", 2, 0};
-    if (mesh.height < 1) return {Errc::invalid_argument, "the mesh's height must be at least 1", mesh.height, 1};
-    return check(mesh, 4);
-}
-
-// A stored value as a share of the peak, held to [0, 1].
-[[nodiscard]] inline double share_of_peak(float value, double peak) noexcept {
-    return std::max(0.0, std::min(1.0, static_cast<double>(value) / peak));
-}
-
-// A share in [0, 1] as an integer, rounded: 255 or 65535 is all of it.
-[[nodiscard]] inline std::uint8_t to_u8(double share) noexcept { return static_cast<std::uint8_t>(share * 255 + 0.5); }
-[[nodiscard]] inline std::uint16_t to_u16(double share) noexcept { return static_cast<std::uint16_t>(share * 65535 + 0.5); }
-
-// Red, green, blue and alpha of a vertex as shares: grey is all three, and what has no alpha is opaque.
-[[nodiscard]] inline std::array<double, 4> rgba_shares(const MeshView& mesh, std::size_t vertex) noexcept {
-    const float* color = mesh.colors + static_cast<std::size_t>(mesh.channels) * vertex;
-    const auto share = [&](int k) { return share_of_peak(color[k], mesh.peak); };
-    if (mesh.channels < 3) return {share(0), share(0), share(0), 1.0};
-    return {share(0), share(1), share(2), mesh.channels == 4 ? share(3) : 1.0};
-}
-
-}  // namespace hmesh::detail
-
-#endif  // HMESH_IO_COLOR_SHARES_HPP
 
 // ---- hmesh/io/straight_colors.hpp
 
@@ -1013,7 +1054,7 @@ void write_gltf_json(Writer<Sink>& writer, const GlbLayout& layout, bool has_alp
     layout.index_bytes = (layout.wide_indices ? 4 : 2) * layout.corners;
     if (const Status status = check_size(layout); !status) return status;  // before so many are read
     if (const Status status = check_for_export(mesh); !status) return status;
-    if (!(options.longer_side >= 0 && options.longer_side <= static_cast<double>(std::numeric_limits<float>::max())))
+    if (!is_within(options.longer_side, 0, static_cast<double>(std::numeric_limits<float>::max())))
         return {Errc::invalid_argument, "the longer side must be a length that a float holds, or 0", 0, 0};
 
     if (options.longer_side > 0) layout.unit = options.longer_side / std::max(mesh.width, mesh.height);
@@ -1610,9 +1651,6 @@ namespace detail {
 }
 
 [[nodiscard]] inline Status check_for_html(const MeshView& mesh, const HtmlOptions& options) noexcept {
-    if (mesh.channels == 2) return {Errc::invalid_argument, "an HTML page holds 1, 3 or 4 channels", 2, 0};
-    if (mesh.width < 1) return {Errc::invalid_argument, "the mesh's width must be at least 1", mesh.width, 1};
-    if (mesh.height < 1) return {Errc::invalid_argument, "the mesh's height must be at least 1", mesh.height, 1};
     constexpr std::int64_t most = 0xffffffff;
     for (const std::size_t count : {mesh.vertex_count, mesh.face_count})
         if (count > static_cast<std::size_t>(most))
@@ -1622,7 +1660,7 @@ namespace detail {
         return {Errc::invalid_argument, "the title and the figures must be texts", 0, 0};
     if (options.original != nullptr && !is_media_type(options.original_type))
         return {Errc::invalid_argument, "the original's media type must be such as image/png", 0, 0};
-    return check(mesh, 4);
+    return check_for_export(mesh);
 }
 
 // Text between tags or in a quoted attribute.
@@ -2003,7 +2041,7 @@ namespace detail {
                     static_cast<std::int64_t>(count), most};
     if (const Status status = check_for_export(mesh); !status) return status;
     const auto channels = static_cast<std::size_t>(mesh.channels);
-    constexpr double largest = std::numeric_limits<float>::max();
+    constexpr double largest = static_cast<double>(std::numeric_limits<float>::max());
     if (options.float_colors)
         for (std::size_t i = 0; i < channels * mesh.vertex_count; ++i)
             if (std::abs(static_cast<double>(mesh.colors[i]) / mesh.peak) > largest)
@@ -2393,10 +2431,7 @@ namespace detail {
 [[nodiscard]] inline Status check_for_svg(const MeshView& mesh, const SvgOptions& options) noexcept {
     if (options.kind > SvgKind::flat)
         return {Errc::invalid_argument, "the kind of SVG is none of those known", static_cast<std::int64_t>(options.kind), 2};
-    if (mesh.channels == 2) return {Errc::invalid_argument, "an SVG file holds 1, 3 or 4 channels", 2, 0};
-    if (mesh.width < 1) return {Errc::invalid_argument, "the mesh's width must be at least 1", mesh.width, 1};
-    if (mesh.height < 1) return {Errc::invalid_argument, "the mesh's height must be at least 1", mesh.height, 1};
-    return check(mesh, 4);
+    return check_for_export(mesh);
 }
 
 // Which channel a layer of faces shows, and how.
@@ -2625,6 +2660,9 @@ Status write_svg(const MeshView& mesh, Sink&& sink, const SvgOptions& options = 
 // The channels of a pixel, padded to a size the processor likes, so that the arithmetic of all channels costs that of
 // one. With GCC and Clang the lanes are vector-extension types of 2 or 4 doubles, which become SSE, AVX or NEON registers
 // without naming any of them; with another compiler they are plain doubles.
+//
+// Functions that are not inlined take and give them by reference: in which registers a vector is passed depends on -mavx, and
+// a program may hold files compiled with it and without. The layout does not.
 #ifndef HMESH_CORE_LANES_HPP
 #define HMESH_CORE_LANES_HPP
 
@@ -2686,7 +2724,7 @@ struct Lanes {
     static constexpr int width = detail::LaneBlock<(N < 4 ? N : 4)>::width;
     static constexpr int blocks = N / width;
 
-    Block block[blocks];
+    Block block[std::size_t{blocks}];
 
     [[nodiscard]] static HMESH_ALWAYS_INLINE Lanes zero() { return Lanes{}; }
     // This value in all lanes.
@@ -2742,7 +2780,6 @@ struct Lanes {
         for (int k = 0; k < blocks; ++k) block[k] *= s;
         return *this;
     }
-    // By reference: a vector of 32 bytes passed by value has a calling convention of its own (-Wpsabi).
     friend HMESH_ALWAYS_INLINE Lanes operator+(const Lanes& a, const Lanes& b) {
         Lanes r = a;
         return r += b;
@@ -3250,11 +3287,10 @@ struct HalfedgeMesh::Mark {  // where a transaction began
 template <class Element>  // what vertices(), edges() and faces() give
 class HalfedgeMesh::Range {
   public:
-    Range(const HalfedgeMesh& mesh, std::size_t slots) noexcept : mesh_(&mesh), slots_(slots) {}
+    Range(const HalfedgeMesh& mesh, std::size_t end) noexcept : mesh_(&mesh), end_(end) {}
     class Iterator {
       public:
-        Iterator(const HalfedgeMesh& mesh, std::size_t index, std::size_t slots) noexcept
-            : mesh_(&mesh), index_(index), slots_(slots) {
+        Iterator(const HalfedgeMesh& mesh, std::size_t index, std::size_t end) noexcept : mesh_(&mesh), index_(index), end_(end) {
             skip();
         }
         [[nodiscard]] Element operator*() const noexcept { return Element(index_); }
@@ -3267,17 +3303,17 @@ class HalfedgeMesh::Range {
 
       private:
         void skip() noexcept {
-            while (index_ < slots_ && mesh_->is_deleted(Element(index_))) ++index_;
+            while (index_ < end_ && mesh_->is_deleted(Element(index_))) ++index_;
         }
         const HalfedgeMesh* mesh_;
-        std::size_t index_, slots_;
+        std::size_t index_, end_;
     };
-    [[nodiscard]] Iterator begin() const noexcept { return {*mesh_, 0, slots_}; }
-    [[nodiscard]] Iterator end() const noexcept { return {*mesh_, slots_, slots_}; }
+    [[nodiscard]] Iterator begin() const noexcept { return {*mesh_, 0, end_}; }
+    [[nodiscard]] Iterator end() const noexcept { return {*mesh_, end_, end_}; }
 
   private:
     const HalfedgeMesh* mesh_;
-    std::size_t slots_;
+    std::size_t end_;
 };
 
 class HalfedgeMesh::OneRing {  // what outgoing() gives
@@ -4271,7 +4307,8 @@ struct StageInfo {
 };
 
 // A callback and the pointer handed to it. Called with fraction 0 when a stage begins, 1 when it ends, and every few
-// milliseconds of work in between, from the threads that do the work but never from two at a time (calls are ordered as
+// milliseconds of work in between where vertices and edges are worked on (parts that pass over all pixels once are silent,
+// some 0.2 s a megapixel at most), from the threads that do the work but never from two at a time (calls are ordered as
 // by a lock). Returning false cancels: the last valid mesh comes back with Errc::cancelled.
 struct Progress {
     bool (*call)(void* user, const StageInfo& info) = nullptr;
@@ -4402,7 +4439,6 @@ class Pulse {
 #ifndef HMESH_IMAGE_IMAGE_VIEW_HPP
 #define HMESH_IMAGE_IMAGE_VIEW_HPP
 
-#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <limits>
@@ -4420,10 +4456,10 @@ inline constexpr int max_side = 65536;
 inline constexpr std::int64_t max_pixels = std::int64_t{1} << 28;
 
 // What a sample of type T means. hmesh knows the three types below; specialise it for a sample type of your own with the
-// same five members (examples/custom_pixel.cpp).
+// same members (examples/custom_pixel.cpp).
 //   peak         the value of full intensity: PSNR = 10 log10(peak^2 / MSE), and "white" for exporters
 //   lowest, highest  the range of vertex colours
-//   is_integer   to_real yields integers of magnitude at most `highest`: then all moments are exact
+//   is_integer   to_real yields integers from `lowest` to `highest`, both of magnitude at most 65535: then all moments are exact
 //   to_real, from_real  conversions; from_real rounds to nearest and clamps
 template <class T>
 struct PixelTraits;
@@ -4451,8 +4487,8 @@ struct PixelTraits<std::uint16_t> : detail::UnsignedTraits<std::uint16_t> {};
 template <>
 struct PixelTraits<float> {
     static constexpr double peak = 1;
-    static constexpr double lowest = -std::numeric_limits<float>::max();
-    static constexpr double highest = std::numeric_limits<float>::max();
+    static constexpr double highest = static_cast<double>(std::numeric_limits<float>::max());
+    static constexpr double lowest = -highest;
     static constexpr bool is_integer = false;
     static double to_real(float value) noexcept { return static_cast<double>(value); }
     // Held to the finite floats; NaN becomes the lowest.
@@ -4534,25 +4570,32 @@ template <class T, int C>
     if (stride % static_cast<std::int64_t>(alignof(T)) != 0)
         return {Errc::invalid_argument, "the row stride is no multiple of the sample's alignment, in bytes", stride,
                 static_cast<std::int64_t>(alignof(T))};
+    if (reinterpret_cast<std::uintptr_t>(view.data) % alignof(T) != 0)
+        return {Errc::invalid_argument, "the image's data pointer is not aligned as its samples are, in bytes",
+                static_cast<std::int64_t>(reinterpret_cast<std::uintptr_t>(view.data) % alignof(T)), 0};
     return {};
 }
 
-// Whether all samples are finite. Costs nothing for integer pixels.
+// Whether all samples are finite, as floats too, which is what meshes hold. Costs nothing for integer pixels.
 template <class T, int C>
 [[nodiscard]] Status check_finite(const ImageView<T, C>& view, const ParallelFor& parallel_for = {}) {
-    if constexpr (!PixelTraits<T>::is_integer) {
+    using Traits = PixelTraits<T>;
+    static_assert(!Traits::is_integer || (Traits::lowest >= -65535 && Traits::highest <= 65535),
+                  "is_integer: of 16 bits at most");
+    if constexpr (!Traits::is_integer) {
+        constexpr double most = static_cast<double>(std::numeric_limits<float>::max());
         std::vector<unsigned char> bad(static_cast<std::size_t>(view.height), 0);
         for_each_chunk(parallel_for, bad.size(), 32, [&](std::size_t begin, std::size_t end) {
             for (std::size_t y = begin; y < end; ++y) {
                 const T* row = view.row(static_cast<int>(y));
                 for (int k = 0; k < view.width * C; ++k)
-                    if (!std::isfinite(PixelTraits<T>::to_real(row[k]))) bad[y] = 1;
+                    if (!is_within(Traits::to_real(row[k]), -most, most)) bad[y] = 1;
             }
         });
         for (std::size_t y = 0; y < bad.size(); ++y)
             if (bad[y] != 0)
-                return {Errc::not_finite, "the image has a sample that is NaN or infinite, in row", static_cast<std::int64_t>(y),
-                        0};
+                return {Errc::not_finite, "the image has a sample that is NaN, infinite or beyond all floats, in row",
+                        static_cast<std::int64_t>(y), 0};
     }
     return {};
 }
@@ -4595,7 +4638,7 @@ namespace hmesh {
         for (std::size_t y = begin; y < end; ++y) {
             const float* row = weights.row(static_cast<int>(y));
             for (int x = 0; x < width; ++x) {
-                if (!std::isfinite(row[x])) faults[y] = not_finite;
+                if (!is_finite(row[x])) faults[y] = not_finite;
                 else if (row[x] < 0 && faults[y] == none) faults[y] = negative;
             }
         }
@@ -4699,6 +4742,7 @@ class WeightScale {
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <memory>
 
 namespace hmesh {
@@ -4728,7 +4772,9 @@ class MomentTable {
         HMESH_ASSERT(rect.width <= view.width - rect.x && rect.height <= view.height - rect.y);
         HMESH_ASSERT(!weighted_ || (weights.width == view.width && weights.height == view.height));
         strip_size_ = static_cast<std::size_t>(height_) * strip_width * entry_size;
-        const std::size_t size = (static_cast<std::size_t>(width_) / strip_width + 1) * strip_size_;
+        // What cannot be addressed is more than there is, and fails as that does.
+        const std::size_t size = fits_memory(width_, height_) ? (static_cast<std::size_t>(width_) / strip_width + 1) * strip_size_
+                                                              : std::numeric_limits<std::ptrdiff_t>::max() / sizeof(double);
         // Not initialised: fill writes all that is ever read.
         size_ = size;
         if (narrow_) {
@@ -4745,6 +4791,14 @@ class MomentTable {
         samples_.reset(new float[sample_count()]);
         const WeightScale scale(unit, view.width, view.height);
         for_each_row(parallel_for, [&](int y) { fill_weighted_row(view, weights, scale, rect, y); });
+    }
+
+    // Whether so much memory can be addressed as the arrays of the largest kind of table of this size, >= 1, would take: always
+    // with pointers of 64 bits.
+    [[nodiscard]] static bool fits_memory(int width, int height,
+                                          std::int64_t most = std::numeric_limits<std::ptrdiff_t>::max()) noexcept {
+        const std::int64_t entries = (std::int64_t{width} + strip_width) * height;
+        return entries <= most / std::int64_t{(entry_size + 2) * sizeof(double) + C * sizeof(float)};
     }
 
     [[nodiscard]] int width() const noexcept { return width_; }
@@ -4798,11 +4852,12 @@ class MomentTable {
 
   private:
     static constexpr int strip_width = 2;
+    static constexpr std::size_t numbers = entry_size;  // of an entry, as array sizes are told
 
     template <class T>
     [[nodiscard]] static bool fits_32_bits(int width) noexcept {
         if constexpr (!PixelTraits<T>::is_integer) return false;
-        const double w = width, highest = PixelTraits<T>::highest;
+        const double w = width, highest = std::max(PixelTraits<T>::highest, -PixelTraits<T>::lowest);
         const double largest = 2147483647.0;
         return highest * w * (w - 1) / 2 <= largest && C * highest * highest * w <= largest;
     }
@@ -4827,8 +4882,8 @@ class MomentTable {
     template <class T, class N>
     void fill_row(const ImageView<T, C>& view, const Rect& rect, int y, N* entries) const {
         const T* pixel = view.pixel(rect.x, rect.y + y);
-        N sum[entry_size] = {};
-        N add[entry_size] = {};
+        N sum[numbers] = {};
+        N add[numbers] = {};
         add[C] = 1;
         for (int x0 = 0; x0 <= width_; x0 += strip_width) {
             N* entry = entries + offset(x0, y);
@@ -4856,7 +4911,7 @@ class MomentTable {
         const T* pixel = view.pixel(rect.x, rect.y + y);
         const float* weight = weights.pixel(rect.x, rect.y + y);
         float* samples = samples_.get() + sample_offset(0, y);
-        double sum[entry_size] = {}, powers[2] = {};
+        double sum[numbers] = {}, powers[2] = {};
         for (int x = 0;; ++x, pixel += C, samples += C, ++weight) {
             double* entry = wide_entries_.get() + offset(x, y);
             double* entry_powers = power_entries_.get() + offset(x, y) / lanes;
@@ -5571,7 +5626,7 @@ class ImageMesh {
 
 // ---- hmesh/fit/image_mesh_build.hpp
 
-// hmesh - how an ImageMesh is filled from a triangulation, renumbered, recoloured and proved right. Include image_mesh.hpp.
+// hmesh - how an ImageMesh is filled from a triangulation, recoloured and proved right. Include image_mesh.hpp.
 #ifndef HMESH_FIT_IMAGE_MESH_BUILD_HPP
 #define HMESH_FIT_IMAGE_MESH_BUILD_HPP
 
@@ -5808,6 +5863,9 @@ void ImageMesh<C>::collapse(Halfedge h) {
 #define HMESH_FIT_BARYCENTRIC_HPP
 
 #include <Eigen/SparseCore>
+#if !EIGEN_VERSION_AT_LEAST(3, 4, 0)
+#error "hmesh needs Eigen 3.4 or newer"
+#endif
 
 #include <algorithm>
 #include <array>
@@ -6280,8 +6338,10 @@ class ImageSource {
     [[nodiscard]] MomentTable<C> table(const Rect& rect) const { return make_(*this, rect); }
 
     // The samples at pixel (x, y), held to the image where it is outside; 0 in the lanes above.
-    [[nodiscard]] Lanes<lanes_for(C + 1)> pixel(int x, int y) const noexcept {
-        return sample_(*this, std::max(0, std::min(width_ - 1, x)), std::max(0, std::min(height_ - 1, y)));
+    [[nodiscard]] HMESH_ALWAYS_INLINE Lanes<lanes_for(C + 1)> pixel(int x, int y) const noexcept {
+        Lanes<lanes_for(C + 1)> out;
+        sample_(*this, std::max(0, std::min(width_ - 1, x)), std::max(0, std::min(height_ - 1, y)), out);
+        return out;
     }
 
   private:
@@ -6294,11 +6354,10 @@ class ImageSource {
         return MomentTable<C>(source.view<T>(), source.weights_, source.unit_, rect);
     }
     template <class T>
-    [[nodiscard]] static Lanes<lanes_for(C + 1)> sample(const ImageSource& source, int x, int y) noexcept {
-        Lanes<lanes_for(C + 1)> out = Lanes<lanes_for(C + 1)>::zero();
+    static void sample(const ImageSource& source, int x, int y, Lanes<lanes_for(C + 1)>& out) noexcept {
+        out = Lanes<lanes_for(C + 1)>::zero();
         const T* pixel = source.view<T>().pixel(x, y);
         for (int c = 0; c < C; ++c) out.set(c, PixelTraits<T>::to_real(pixel[c]));
-        return out;
     }
 
     const void* data_;
@@ -6308,7 +6367,7 @@ class ImageSource {
     double unit_;  // of the weights, see weight_unit()
     double low_, high_, peak_;
     MomentTable<C> (*make_)(const ImageSource&, const Rect&);
-    Lanes<lanes_for(C + 1)> (*sample_)(const ImageSource&, int, int) noexcept;
+    void (*sample_)(const ImageSource&, int, int, Lanes<lanes_for(C + 1)>&) noexcept;
 };
 
 }  // namespace hmesh
@@ -6437,7 +6496,7 @@ template <int C>
         for (std::size_t i = begin; i < end; ++i) {
             if (corners[i].fan == i) patch.frozen.push_back({corners[i].vertex, 0});
             std::size_t id = known;  // fans are numbered by their least corner
-            for (std::size_t k = begin; k < corners[i].fan; ++k) id += corners[k].fan == k ? 1 : 0;
+            for (std::size_t k = begin; k < corners[i].fan; ++k) id += corners[k].fan == k ? 1U : 0U;
             ++patch.frozen[id].triangle_count;
             patch.triangles[corners[i].triangle][corners[i].corner] = first_frozen + static_cast<std::uint32_t>(id);
         }
@@ -6672,21 +6731,31 @@ class Patchwork {
     }
 
   private:
-    // One patch that is all of the mesh stays one from phase to phase, until somebody asks for the whole.
+    // Lets a mesh tell its progress as long as this lives, also if its work throws.
+    class Beat {
+      public:
+        Beat(ImageMesh<C>& mesh, Pulse& pulse) : mesh_(mesh) { mesh_.set_pulse(&pulse); }
+        Beat(const Beat&) = delete;
+        Beat& operator=(const Beat&) = delete;
+        ~Beat() { mesh_.set_pulse(nullptr); }
+
+      private:
+        ImageMesh<C>& mesh_;
+    };
+
+    // One patch that is all of the mesh stays one from phase to phase, until somebody asks for the whole. On the calling thread,
+    // so that the work may use the executor itself.
     template <class Work>
     void work_on_only(Work&& work) {
-        parallel_for_(1, [&](std::size_t) {
-            if (!monitor_->poll()) return;
-            Pulse pulse(*monitor_, 1);
-            if (!only_) {
-                const detail::Cut cut =
-                    detail::cut(whole_, Tiling(whole_.width, whole_.height, std::max(whole_.width, whole_.height)));
-                only_ = std::make_unique<Patch<C>>(whole_, *source_, cut, 0, limits_, nullptr, std::move(table_));
-            }
-            only_->mesh().set_pulse(&pulse);
-            work(*only_, 0);
-            only_->mesh().set_pulse(nullptr);
-        });
+        if (!monitor_->poll()) return;
+        Pulse pulse(*monitor_, 1);
+        if (!only_) {
+            const detail::Cut cut =
+                detail::cut(whole_, Tiling(whole_.width, whole_.height, std::max(whole_.width, whole_.height)));
+            only_ = std::make_unique<Patch<C>>(whole_, *source_, cut, 0, limits_, nullptr, std::move(table_));
+        }
+        const Beat beat(only_->mesh(), pulse);
+        work(*only_, 0);
     }
     void put_back() {
         if (!only_) return;
@@ -6976,10 +7045,10 @@ namespace detail {
 // Writes colours[r] to vertex r of topology().vertices().
 template <int C>
 void write_colors(ImageMesh<C>& mesh, const std::vector<Color<C>>& colors, const ParallelFor& parallel_for) {
-    std::vector<Color<C>> slots(mesh.topology().vertex_slots(), Color<C>::zero());
+    std::vector<Color<C>> by_slot(mesh.topology().vertex_slots(), Color<C>::zero());
     std::size_t row = 0;
-    for (const Vertex v : mesh.topology().vertices()) slots[v.index()] = colors[row++];
-    mesh.set_colors(slots, parallel_for);
+    for (const Vertex v : mesh.topology().vertices()) by_slot[v.index()] = colors[row++];
+    mesh.set_colors(by_slot, parallel_for);
 }
 
 template <int C>
@@ -7056,10 +7125,6 @@ struct GridRange {
     }
 };
 
-}  // namespace detail
-
-namespace detail {
-
 // The system of a mesh with this topology and these corners (fit/barycentric.hpp); colours go by row.
 template <int C>
 [[nodiscard]] ColorSystem<C> color_system(const HalfedgeMesh& topology, const std::vector<CornerSums<C>>& corners,
@@ -7094,7 +7159,7 @@ BoundedReport descend(const ColorSystem<C>& system, double low, double high, dou
         for (int k = 0; k < C; ++k) scale = std::max(scale, std::abs(c[k]));
 
     BoundedReport report;
-    const double small = grid > 0 ? grid / 16 : 1e-7 * scale;
+    const double least = grid > 0 ? grid / 16 : 1e-7 * scale;
     while (report.sweeps < most_sweeps && !report.settled && go_on()) {
         double largest = 0;
         system.sweep(colors, [&](Color<C>& c, const Color<C>& step) {
@@ -7104,7 +7169,7 @@ BoundedReport descend(const ColorSystem<C>& system, double low, double high, dou
             c = next;
         });
         ++report.sweeps;
-        report.settled = largest <= small;
+        report.settled = largest <= least;
     }
 
     if (grid > 0) {
@@ -7185,6 +7250,75 @@ BoundedReport bounded_colors(Patchwork<C>& work, const Tiling& tiling, double lo
 }  // namespace hmesh
 
 #endif  // HMESH_FIT_COLORS_HPP
+
+// ---- hmesh/fit/drawn_energy.hpp
+
+// hmesh - drawn_energy(): the error of a finished mesh, pixel by pixel, as render() draws it.
+//
+// While a mesh is fitted its energy comes from sums along the image's rows (image/moment_table.hpp). They are exact for samples
+// that are integers; of floats they lose what is 2^-53 of the largest sum, and where a sun of 1e6 stands beside shades of 0.1
+// that is more than the whole error. What is reported of float images is therefore measured here.
+//
+// Cost: some 5 ns a pixel.
+#ifndef HMESH_FIT_DRAWN_ENERGY_HPP
+#define HMESH_FIT_DRAWN_ENERGY_HPP
+
+#include <algorithm>
+#include <array>
+#include <cstddef>
+#include <cstdint>
+
+namespace hmesh {
+
+// The sum of squared differences in stored values over pixels and channels, times weights (`unit`: weight_unit() of them),
+// of a mesh that tiles the image and whose faces have positive areas.
+template <class T, int C>
+[[nodiscard]] double drawn_energy(const Mesh<C>& mesh, const ImageView<T, C>& view, const ImageView<float, 1>& weights = {},
+                                  double unit = 1, const ParallelFor& parallel_for = {}) {
+    const WeightScale scale(unit, view.width, view.height);
+    const auto face = [&](const Triangle& t) {
+        const auto position = [&](std::uint32_t v) {
+            return Point{static_cast<double>(mesh.positions[2 * v]), static_cast<double>(mesh.positions[2 * v + 1])};
+        };
+        const Point a = position(t[0]), b = position(t[1]), c = position(t[2]);
+        const double per_area = 1 / cross(a, b, c);
+        const double bx = (b.x - a.x) * per_area, by = (b.y - a.y) * per_area;
+        const double cx = (c.x - a.x) * per_area, cy = (c.y - a.y) * per_area;
+        std::array<double, std::size_t{C}> at_a{}, to_b{}, to_c{};
+        for (std::size_t k = 0; k < C; ++k) {
+            const auto color = [&](std::uint32_t v) { return static_cast<double>(mesh.colors[C * std::size_t{v} + k]); };
+            at_a[k] = color(t[0]), to_b[k] = color(t[1]) - at_a[k], to_c[k] = color(t[2]) - at_a[k];
+        }
+        double energy = 0;
+        for_each_span(a, b, c, [&](int j, int begin, int end) {
+            const T* sample = view.pixel(begin, j);
+            const float* weight = weights.data != nullptr ? weights.pixel(begin, j) : nullptr;
+            const double y = j + 0.5 - a.y;
+            for (int i = begin; i < end; ++i, sample += C) {
+                const double x = i + 0.5 - a.x;
+                // Held to [0, 1] as render() does it.
+                const double wb = std::max(0.0, std::min(1.0, x * cy - cx * y));
+                const double wc = std::max(0.0, std::min(1.0 - wb, bx * y - x * by));
+                double square = 0;
+                for (std::size_t k = 0; k < C; ++k) {
+                    const double difference = at_a[k] + wb * to_b[k] + wc * to_c[k] - PixelTraits<T>::to_real(sample[k]);
+                    square += difference * difference;
+                }
+                energy += weight != nullptr ? scale(weight[i - begin]) * square : square;
+            }
+        });
+        return energy;
+    };
+    return ordered_sum(parallel_for, mesh.faces.size(), 256, [&](std::size_t begin, std::size_t end) {
+        double sum = 0;
+        for (std::size_t f = begin; f < end; ++f) sum += face(mesh.faces[f]);
+        return sum;
+    });
+}
+
+}  // namespace hmesh
+
+#endif  // HMESH_FIT_DRAWN_ENERGY_HPP
 
 // ---- hmesh/fit/linear_light.hpp
 
@@ -7390,6 +7524,8 @@ class LinearLight {
 // Whether the mesh is one of the image: what for_each_span asks for, and each pixel's owner in reach.
 template <class T, int C>
 [[nodiscard]] Status check_fit(const Mesh<C>& mesh, const ImageView<T, C>& view, HalfedgeMesh& topology) {
+    if (mesh.positions.size() % 2 != 0 || mesh.colors.size() != C * mesh.vertex_count())
+        return {Errc::invalid_argument, "the mesh's arrays are not of one number of vertices", 0, 0};
     if (const Status status = check(mesh.view(), C); !status) return status;
     if (mesh.premultiplied)
         return {Errc::invalid_argument, "linear light is fitted to straight colours, and the mesh's are premultiplied", 0, 0};
@@ -7491,7 +7627,7 @@ namespace hmesh {
 
 // The colour at p in [0, width] x [0, height] of an image whose pixels are pixel(x, y).
 template <int C, class Pixel>
-[[nodiscard]] Color<C> sampled_color(int width, int height, Point p, Pixel&& pixel) {
+[[nodiscard]] HMESH_ALWAYS_INLINE Color<C> sampled_color(int width, int height, Point p, Pixel&& pixel) {
     const double x = std::max(0.0, std::min(width - 1.0, p.x - 0.5)), y = std::max(0.0, std::min(height - 1.0, p.y - 0.5));
     const int left = static_cast<int>(x), top = static_cast<int>(y);
     const double right_share = x - left, low_share = y - top;
@@ -7502,7 +7638,7 @@ template <int C, class Pixel>
     return above * (1 - low_share) + below * low_share;
 }
 template <int C>
-[[nodiscard]] Color<C> sampled_color(const MomentTable<C>& table, Point p) {
+[[nodiscard]] HMESH_ALWAYS_INLINE Color<C> sampled_color(const MomentTable<C>& table, Point p) {
     return sampled_color<C>(table.width(), table.height(), p, [&](int x, int y) {
         Color<C> color;
         table.pixel(x, y, color);
@@ -7685,7 +7821,7 @@ class BilateralWindow {
                 if (square > radius_ * radius_) continue;
                 const double distance = std::sqrt(static_cast<double>(square)) / sigma_space;
                 const double exponent = -log2_e / 2 * distance * distance;
-                pairs_.push_back({dx, dy, static_cast<float>(std::max<double>(exponent, least_exponent))});
+                pairs_.push_back({dx, dy, static_cast<float>(std::max(exponent, static_cast<double>(least_exponent)))});
             }
         // A power of two, so that products do not round. From 2^-72, which keeps any float below the 2^57 of the tile
         // however large sigma, to 2^1000, which has an inverse; the factor takes what is left.
@@ -7717,7 +7853,8 @@ class BilateralWindow {
 // Row by row, the weights of all pairs are found and kept for as many rows as the pairs reach down; then each pixel
 // takes those of its own row for the taps ahead and the kept ones for the taps behind. That halves the work on weights.
 // Pairs whose rows together are longer than max_kept wait for another turn.
-template <class T, int C>
+// float_lanes is a parameter so that files compiled for different processors do not share one layout's functions.
+template <class T, int C, int N = float_lanes>
 class BilateralTile {
   public:
     static constexpr int max_width = 128, max_height = 64;
@@ -7828,7 +7965,7 @@ class BilateralTile {
         for (int x = 0; x < width_; x += float_lanes) {
             const float* here = samples(y) + x;
             float* out = sums(y) + x;
-            Floats middle[C], sum[C], weight = load_floats(out + C * sums_plane);
+            Floats middle[std::size_t{C}], sum[std::size_t{C}], weight = load_floats(out + C * sums_plane);
             HMESH_UNROLL
             for (int c = 0; c < C; ++c) {
                 middle[c] = load_floats(here + c * plane);
@@ -7880,7 +8017,6 @@ class BilateralTile {
 #define HMESH_IMAGE_BILATERAL_HPP
 
 #include <algorithm>
-#include <cmath>
 #include <cstddef>
 
 namespace hmesh {
@@ -7895,7 +8031,7 @@ struct BilateralOptions {
 // Whether all options are in range.
 [[nodiscard]] inline Status check(const BilateralOptions& options) noexcept {
     const auto bad = [](const char* what) -> Status { return {Errc::invalid_argument, what, 0, 0}; };
-    const auto positive = [](double value) { return value > 0 && std::isfinite(value); };  // false for NaN
+    const auto positive = [](double value) { return is_finite(value) && value > 0; };
     if (options.diameter < 1) return {Errc::invalid_argument, "bilateral.diameter must be at least 1", options.diameter, 1};
     if (options.diameter > 99) return {Errc::invalid_argument, "bilateral.diameter must be at most 99", options.diameter, 99};
     if (!positive(options.sigma_color)) return bad("bilateral.sigma_color must be positive and finite");
@@ -7942,7 +8078,6 @@ template <class T, int C>
 #define HMESH_IMAGE_PYRAMID_HPP
 
 #include <algorithm>
-#include <cmath>
 #include <cstddef>
 #include <iterator>
 #include <vector>
@@ -7978,7 +8113,7 @@ template <class T, int C>
         const T* row = view.row(y);
         T* samples = out.pixel(0, y);
         for (int k = 0; k < view.width * C; ++k, ++filtered)
-            samples[k] = std::isfinite(*filtered) ? PixelTraits<T>::from_real(static_cast<double>(*filtered)) : row[k];
+            samples[k] = is_finite(*filtered) ? PixelTraits<T>::from_real(static_cast<double>(*filtered)) : row[k];
     }
     return out;
 }
@@ -8109,7 +8244,7 @@ class SeamCurve {
 
   private:
     // The mean of the pixels on both sides at row j.
-    [[nodiscard]] static Color<C> at(const ImageSource<C>& source, const Seam& seam, int j) noexcept {
+    [[nodiscard]] static HMESH_ALWAYS_INLINE Color<C> at(const ImageSource<C>& source, const Seam& seam, int j) noexcept {
         const int x = seam.vertical ? seam.x : seam.x + j, y = seam.vertical ? seam.y + j : seam.y;
         const int x1 = seam.vertical ? x - 1 : x, y1 = seam.vertical ? y : y - 1;
         return 0.5 * (source.pixel(x, y) + source.pixel(x1, y1));
@@ -8926,8 +9061,7 @@ struct AdamsOptions {
 
 // Whether the options mean something; the sentence names the first that does not.
 [[nodiscard]] inline Status check(const AdamsOptions& options) noexcept {
-    if (!(options.density >= 1 && options.density <= 1000))
-        return {Errc::invalid_argument, "adams.density must be in [1, 1000]", 0, 0};
+    if (!is_within(options.density, 1, 1000)) return {Errc::invalid_argument, "adams.density must be in [1, 1000]", 0, 0};
     if (options.smoothing < 0 || options.smoothing > 100)
         return {Errc::invalid_argument, "adams.smoothing must be in [0, 100] passes", options.smoothing,
                 options.smoothing < 0 ? 0 : 100};
@@ -9795,11 +9929,11 @@ std::size_t insert_batch(ImageMesh<C>& mesh, std::size_t count, const InsertionO
     }
     for (const Vertex v : inserted) {
         if (!mesh.beat()) break;
-        Edge far[ring_capacity];
+        Edge outer[ring_capacity];
         int size = 0;
         for (const Halfedge h : topology.outgoing(v))
-            if (!topology.is_boundary(h)) far[size++] = HalfedgeMesh::edge(topology.next(h));
-        for (int i = 0; i < size; ++i) improve_edge(mesh, far[i], 0);
+            if (!topology.is_boundary(h)) outer[size++] = HalfedgeMesh::edge(topology.next(h));
+        for (int i = 0; i < size; ++i) improve_edge(mesh, outer[i], 0);
         improve_vertex(mesh, v, 0);
     }
     return inserted.size();
@@ -9943,7 +10077,7 @@ class AnnealingSweep {
             const double before = mesh_->energy();
             collect(v);
             mesh_->collapse(candidate.halfedge);
-            removed += settle(mark, before, -price_, [&] { relax(*mesh_, around_, 1, least_); }) ? 1 : 0;
+            if (settle(mark, before, -price_, [&] { relax(*mesh_, around_, 1, least_); })) ++removed;
         }
         return removed;
     }
@@ -9963,7 +10097,7 @@ class AnnealingSweep {
             const Vertex v = insert(*mesh_, candidate);
             collect(v);
             around_.push_back(v);
-            inserted += settle(mark, before, price_, [&] { relax(*mesh_, around_, 1, least_); }) ? 1 : 0;
+            if (settle(mark, before, price_, [&] { relax(*mesh_, around_, 1, least_); })) ++inserted;
         }
         return inserted;
     }
@@ -9986,7 +10120,7 @@ class AnnealingSweep {
             const auto round = [&] {
                 for (const Vertex v : around_) improve_vertex(*mesh_, v, least_);
             };
-            flipped += settle(mark, before, 1e-4 * price_, round) ? 1 : 0;
+            if (settle(mark, before, 1e-4 * price_, round)) ++flipped;
         }
         return flipped;
     }
@@ -10015,7 +10149,7 @@ class AnnealingSweep {
             collect(v);
             around_.insert(around_.begin(), v);
             mesh_->place(v, target, state.color);
-            jumped += settle(mark, before, 1e-3 * price_, [&] { relax(*mesh_, around_, 1, least_); }) ? 1 : 0;
+            if (settle(mark, before, 1e-3 * price_, [&] { relax(*mesh_, around_, 1, least_); })) ++jumped;
         }
         return jumped;
     }
@@ -10317,29 +10451,28 @@ struct AnnealedOptions {
 // Whether the options mean something; the sentence names the first that does not.
 [[nodiscard]] inline Status check(const AnnealedOptions& options) noexcept {
     const auto bad = [](const char* what) -> Status { return {Errc::invalid_argument, what, 0, 0}; };
-    const auto within = [](double value, double low, double high) { return value >= low && value <= high; };  // false for NaN
     const AnnealingOptions& annealing = options.annealing;
-    if (!within(options.overshoot, 1, 100)) return bad("annealed.overshoot must be in [1, 100]");
-    if (!within(options.undershoot, 0.1, 1)) return bad("annealed.undershoot must be in [0.1, 1]");
-    if (!within(options.start, 0, 1)) return bad("annealed.start must be in [0, 1]");
-    if (!within(options.growth, 1e-3, 10)) return bad("annealed.growth must be in [0.001, 10]");
-    if (!within(options.shrinkage, 1e-3, 1)) return bad("annealed.shrinkage must be in [0.001, 1]");
-    if (!within(options.growth_sweeps, 0, 1000)) return bad("annealed.growth_sweeps must be in [0, 1000]");
-    if (!within(options.polish_rounds, 0, 1000)) return bad("annealed.polish_rounds must be in [0, 1000]");
-    if (!within(options.relaxation.rounds, 0, 100)) return bad("annealed.relaxation.rounds must be in [0, 100]");
-    if (!within(options.relaxation.least, 0, 1e6)) return bad("annealed.relaxation.least must be in [0, 1e6]");
+    if (!is_within(options.overshoot, 1, 100)) return bad("annealed.overshoot must be in [1, 100]");
+    if (!is_within(options.undershoot, 0.1, 1)) return bad("annealed.undershoot must be in [0.1, 1]");
+    if (!is_within(options.start, 0, 1)) return bad("annealed.start must be in [0, 1]");
+    if (!is_within(options.growth, 1e-3, 10)) return bad("annealed.growth must be in [0.001, 10]");
+    if (!is_within(options.shrinkage, 1e-3, 1)) return bad("annealed.shrinkage must be in [0.001, 1]");
+    if (!is_within(options.growth_sweeps, 0, 1000)) return bad("annealed.growth_sweeps must be in [0, 1000]");
+    if (!is_within(options.polish_rounds, 0, 1000)) return bad("annealed.polish_rounds must be in [0, 1000]");
+    if (!is_within(options.relaxation.rounds, 0, 100)) return bad("annealed.relaxation.rounds must be in [0, 100]");
+    if (!is_within(options.relaxation.least, 0, 1e6)) return bad("annealed.relaxation.least must be in [0, 1e6]");
     for (const Tolerance& t : {options.growth_flips, options.growth_visits, options.polish})
-        if (!within(t.spread, 0, 1e6) || !within(t.least, 0, 1e6)) return bad("annealed tolerances must be in [0, 1e6]");
-    if (!within(annealing.sweeps, 0, 1e6)) return bad("annealing.sweeps must be in [0, 1e6]");
-    if (!within(annealing.temperature, 0, 1e3)) return bad("annealing.temperature must be in [0, 1000]");
-    if (!within(annealing.cooling, 0, 100)) return bad("annealing.cooling must be in [0, 100]");
-    if (!within(annealing.exchange, 0, 1) || !within(annealing.jump, 0, 1))
-        return bad("annealing probabilities must be in [0, 1]");
-    if (!within(annealing.jump_reach, 0, 1)) return bad("annealing.jump_reach must be in [0, 1]");
-    if (!within(annealing.start_price, 1e-6, 1e6)) return bad("annealing.start_price must be in [1e-6, 1e6]");
+        if (!is_within(t.spread, 0, 1e6) || !is_within(t.least, 0, 1e6)) return bad("annealed tolerances must be in [0, 1e6]");
+    if (!is_within(annealing.sweeps, 0, 1e6)) return bad("annealed.annealing.sweeps must be in [0, 1e6]");
+    if (!is_within(annealing.temperature, 0, 1e3)) return bad("annealed.annealing.temperature must be in [0, 1000]");
+    if (!is_within(annealing.cooling, 0, 100)) return bad("annealed.annealing.cooling must be in [0, 100]");
+    if (!is_within(annealing.exchange, 0, 1) || !is_within(annealing.jump, 0, 1))
+        return bad("annealed.annealing probabilities must be in [0, 1]");
+    if (!is_within(annealing.jump_reach, 0, 1)) return bad("annealed.annealing.jump_reach must be in [0, 1]");
+    if (!is_within(annealing.start_price, 1e-6, 1e6)) return bad("annealed.annealing.start_price must be in [1e-6, 1e6]");
     for (const double screen : {annealing.removal_screen, annealing.insertion_screen, annealing.flip_screen})
-        if (!within(screen, 0, 1e6)) return bad("annealing screens must be in [0, 1e6]");
-    if (!within(annealing.band, 0, 1)) return bad("annealing.band must be in [0, 1]");
+        if (!is_within(screen, 0, 1e6)) return bad("annealed.annealing screens must be in [0, 1e6]");
+    if (!is_within(annealing.band, 0, 1)) return bad("annealed.annealing.band must be in [0, 1]");
     return {};
 }
 
@@ -10738,14 +10871,14 @@ class LiftedFace {
         distance2 = off_plane;
         if (h >= 0 && t >= 0 && rest >= 0) return weights(rest, t, h);
         // Outside, so on one of the three sides.
-        const double base = unit(x * inverse_length_), near = unit((x * apex_x_ + y * apex_y_) * inverse_near2_);
-        const double far = unit(((x - length_) * (apex_x_ - length_) + y * apex_y_) * inverse_far2_);
-        const double base2 = square(x - base * length_) + y * y;
-        const double near2 = square(x - near * apex_x_) + square(y - near * apex_y_);
-        const double far2 = square(x - length_ - far * (apex_x_ - length_)) + square(y - far * apex_y_);
+        const double on_base = unit(x * inverse_length_), on_near = unit((x * apex_x_ + y * apex_y_) * inverse_near2_);
+        const double on_far = unit(((x - length_) * (apex_x_ - length_) + y * apex_y_) * inverse_far2_);
+        const double base2 = square(x - on_base * length_) + y * y;
+        const double near2 = square(x - on_near * apex_x_) + square(y - on_near * apex_y_);
+        const double far2 = square(x - length_ - on_far * (apex_x_ - length_)) + square(y - on_far * apex_y_);
         distance2 += std::min(base2, std::min(near2, far2));
-        if (base2 <= near2 && base2 <= far2) return weights(1 - base, base, 0);
-        return near2 <= far2 ? weights(1 - near, 0, near) : weights(0, 1 - far, far);
+        if (base2 <= near2 && base2 <= far2) return weights(1 - on_base, on_base, 0);
+        return near2 <= far2 ? weights(1 - on_near, 0, on_near) : weights(0, 1 - on_far, on_far);
     }
 
   private:
@@ -11091,19 +11224,18 @@ struct HierarchicalOptions {
     if (const Status status = check(options.start); !status) return status;
     if (const Status status = check(options.bilateral); !status) return status;
     const auto bad = [](const char* what) -> Status { return {Errc::invalid_argument, what, 0, 0}; };
-    const auto within = [](double value, double low, double high) { return value >= low && value <= high; };  // false for NaN
     const GeometryStep& geometry = options.geometry;
-    if (!within(options.levels, 1, 20)) return bad("hierarchical.levels must be in [1, 20]");
-    if (!within(options.rounds, 0, 1000)) return bad("hierarchical.rounds must be in [0, 1000]");
-    if (!within(options.flip_visits, 1, 1000000)) return bad("hierarchical.flip_visits must be in [1, 1000000]");
+    if (!is_within(options.levels, 1, 20)) return bad("hierarchical.levels must be in [1, 20]");
+    if (!is_within(options.rounds, 0, 1000)) return bad("hierarchical.rounds must be in [0, 1000]");
+    if (!is_within(options.flip_visits, 1, 1000000)) return bad("hierarchical.flip_visits must be in [1, 1000000]");
     if (geometry.search > FootSearch::one_ring) return bad("hierarchical.geometry.search must be one of those known");
     if (geometry.rule > StepRule::literal) return bad("hierarchical.geometry.rule must be one of those known");
-    if (!within(geometry.color_scale, 1e-3, 1e3)) return bad("hierarchical.geometry.color_scale must be in [0.001, 1000] px");
-    if (!within(geometry.pull, 1e-9, 1e3)) return bad("hierarchical.geometry.pull must be in [1e-9, 1000] pixels");
-    if (!within(geometry.halvings, 0, 20)) return bad("hierarchical.geometry.halvings must be in [0, 20]");
-    if (!within(geometry.pcg.max_iterations, 1, 100000))
+    if (!is_within(geometry.color_scale, 1e-3, 1e3)) return bad("hierarchical.geometry.color_scale must be in [0.001, 1000] px");
+    if (!is_within(geometry.pull, 1e-9, 1e3)) return bad("hierarchical.geometry.pull must be in [1e-9, 1000] pixels");
+    if (!is_within(geometry.halvings, 0, 20)) return bad("hierarchical.geometry.halvings must be in [0, 20]");
+    if (!is_within(geometry.pcg.max_iterations, 1, 100000))
         return bad("hierarchical.geometry.pcg.max_iterations must be in [1, 100000]");
-    if (!within(geometry.pcg.tolerance, 1e-15, 1)) return bad("hierarchical.geometry.pcg.tolerance must be in [1e-15, 1]");
+    if (!is_within(geometry.pcg.tolerance, 1e-15, 1)) return bad("hierarchical.geometry.pcg.tolerance must be in [1e-15, 1]");
     return {};
 }
 
@@ -11309,7 +11441,7 @@ struct XieOptions {
     if (options.search.visits < 1 || options.search.visits > 1000) return bad("xie.search.visits must be in [1, 1000]");
     if (options.flip_visits < 1 || options.flip_visits > 1000000) return bad("xie.flip_visits must be in [1, 1000000]");
     if (options.rounds < 0 || options.rounds > 1000) return bad("xie.rounds must be in [0, 1000]");
-    if (!(options.enough >= 0 && options.enough <= 1)) return bad("xie.enough must be in [0, 1]");
+    if (!is_within(options.enough, 0, 1)) return bad("xie.enough must be in [0, 1]");
     return {};
 }
 
@@ -11388,9 +11520,12 @@ struct Options {
     std::uint64_t seed = 1;  // of methods that draw random numbers
     Progress progress;
     MeshLimits limits;
-    ImageView<float, 1> weights;  // how much each pixel counts, >= 0, of the image's size; none: all count the same
+    // How much each pixel counts, >= 0, of the image's size; none: all count the same. They are rounded to steps of 2^-20 to
+    // 2^-8 of the largest, finer for smaller images (image/weights.hpp); less than half a step counts as 0.
+    ImageView<float, 1> weights;
     // px: larger images are meshed in tiles of about this size, 64 to 65536, each of which is a piece of work for a thread.
-    // 0: in one piece up to a megapixel and 16384 vertices, in tiles of 256 px beyond.
+    // 0: in one piece up to a megapixel and 16384 vertices, in tiles of 256 px beyond. Where a tile would hold less than 256
+    // vertices on average, tiles are larger, up to the image, and so is the memory for each.
     int tile = 0;
     // In place of what `effort` means: start from annealed_options(effort) and change what you like. Its seed is ignored.
     std::optional<AnnealedOptions> annealed;
@@ -11420,10 +11555,9 @@ struct Options {
 
 namespace detail {
 
-// The integer nearest to a number that may be none: 0 for NaN, the ends for infinities.
+// The integer nearest to a number that may be none, for a Status: 0 for NaN and infinities.
 [[nodiscard]] inline std::int64_t nearest_integer(double value) noexcept {
-    if (!(value == value)) return 0;
-    return static_cast<std::int64_t>(std::max(-9e18, std::min(9e18, value)));
+    return is_finite(value) ? std::llround(std::max(-9e18, std::min(9e18, value))) : 0;
 }
 
 [[nodiscard]] inline Status check_color_options(const Options& options, int channels) noexcept {
@@ -11444,25 +11578,25 @@ namespace detail {
     const Target& target = options.target;
     const std::int64_t most = std::max<std::int64_t>(4, pixels);
     if (target.kind == Target::Kind::vertices) {
-        if (!(target.value >= 4))
-            return {Errc::target_out_of_range, "a mesh has at least 4 vertices", nearest_integer(target.value), 4};
-        if (target.value > static_cast<double>(most))
+        const bool is_too_large = is_finite(target.value) && target.value > static_cast<double>(most);
+        if (is_too_large)
             return {Errc::target_out_of_range, "a mesh has at most one vertex a pixel", nearest_integer(target.value), most};
+        if (!is_within(target.value, 4, static_cast<double>(most)))
+            return {Errc::target_out_of_range, "a mesh has at least 4 vertices", nearest_integer(target.value), 4};
     } else if (target.kind == Target::Kind::rate) {
-        if (!(target.value > 0 && target.value <= 100))
+        if (!is_within(target.value, 0, 100) || target.value == 0)
             return {Errc::target_out_of_range, "the rate must be above 0 and at most 100 percent of the pixels", 0, 100};
-    } else if (!(target.value > 0 && std::isfinite(target.value))) {
+    } else if (!is_finite(target.value) || target.value <= 0) {
         return {Errc::target_out_of_range, "the PSNR asked for must be positive and finite, in dB", 0, 1};
     }
     const MeshLimits& limits = options.limits;
-    if (!(limits.min_cross >= 1e-4 && limits.min_cross <= 0.25))
+    if (!is_within(limits.min_cross, 1e-4, 0.25))
         return {Errc::invalid_argument, "limits.min_cross must be in [1e-4, 0.25] px^2", 0, 0};
-    if (!(limits.border_gap >= 1.0 / 256 && limits.border_gap <= 0.25))
+    if (!is_within(limits.border_gap, 1.0 / 256, 0.25))
         return {Errc::invalid_argument, "limits.border_gap must be in [1/256, 1/4] px", 0, 0};
-    if (!(limits.color_overshoot >= 0 && limits.color_overshoot <= 100))
+    if (!is_within(limits.color_overshoot, 0, 100))
         return {Errc::invalid_argument, "limits.color_overshoot must be in [0, 100]", 0, 100};
-    if (!(limits.ridge >= 1e-9 && limits.ridge <= 1))
-        return {Errc::invalid_argument, "limits.ridge must be in [1e-9, 1] pixels", 0, 1};
+    if (!is_within(limits.ridge, 1e-9, 1)) return {Errc::invalid_argument, "limits.ridge must be in [1e-9, 1] pixels", 0, 1};
     if (options.tile != 0 && (options.tile < 64 || options.tile > max_side))
         return {Errc::invalid_argument, "the tile must be 0, for the default, or 64 to 65536 px", options.tile,
                 options.tile < 64 ? 64 : max_side};
@@ -11535,11 +11669,11 @@ template <class MeshOf>
         double log_n = 0;
         if (low.n != 0 && high.n != 0) {
             // The secant, kept off the ends: a run that teaches nothing would repeat.
-            const double t = std::isfinite(high.psnr) ? (psnr - low.psnr) / std::max(1e-9, high.psnr - low.psnr) : 0.5;
+            const double t = is_finite(high.psnr) ? (psnr - low.psnr) / std::max(1e-9, high.psnr - low.psnr) : 0.5;
             const double aim = same_side > 2 ? 0.5 : std::max(0.1, std::min(0.9, t + (last_side ? -0.02 : 0.02)));
             log_n = low.log_n + aim * (high.log_n - low.log_n);
         } else {
-            const double needed = std::isfinite(run.psnr) ? std::abs(psnr - run.psnr) / slope + 0.1 : 2;
+            const double needed = is_finite(run.psnr) ? std::abs(psnr - run.psnr) / slope + 0.1 : 2;
             stride = std::min(3.0, std::max(needed, 2 * stride));
             log_n = run.log_n + (last_side ? -stride : stride);
         }
@@ -11687,24 +11821,33 @@ template <class T, int C>
 [[nodiscard]] Result<C> mesh_with(const ImageView<T, C>& view, double unit, double samples, std::size_t n, const Options& options,
                                   const ParallelFor& parallel_for) {
     using Traits = PixelTraits<T>;
+    Result<C> result;
+    const bool in_tiles = options.method == Method::annealed;
+    const double longest = std::max(view.width, view.height);
+    const double tile = in_tiles ? tile_size(view.width, view.height, n, options.tile) : longest;
+    // Patches stand out of their tiles by parts of a triangle: hence twice as large.
+    const int widest = static_cast<int>(std::min<double>(view.width, 2 * tile));
+    const int highest = static_cast<int>(std::min<double>(view.height, 2 * tile));
+    if (!MomentTable<C>::fits_memory(widest, highest)) {
+        result.status = {Errc::image_too_large, "the image or its tiles need more memory than can be addressed, for rows of",
+                         widest, 0};
+        return result;
+    }
     const ImageSource<C> source(view, options.weights, unit);
     Monitor monitor(options.progress, samples, Traits::peak);
     Patchwork<C> work(source, options.limits, monitor, parallel_for);
-    Result<C> result;
     result.status = run(work, view, n, options, unit);
     monitor.begin("colors", work.vertex_count(), work.energy());
     const double grid = Traits::is_integer && options.round_colors ? 1 : 0;
-    const bool in_tiles = options.method == Method::annealed;
-    const Tiling tiling =
-        in_tiles ? Tiling(source.width(), source.height(), tile_size(source.width(), source.height(), n, options.tile))
-                 : one_tile(source);
+    const Tiling tiling = in_tiles ? Tiling(source.width(), source.height(), tile) : one_tile(source);
     if (final_colors(options) == Colors::sampled) sample_colors(work, tiling, grid);
     else bounded_colors(work, tiling, Traits::lowest, Traits::highest, grid);
-    monitor.end(work.vertex_count(), work.energy());
-    if (result.status && monitor.stopped()) result.status = cancelled_by_callback();
     const WholeMesh<C>& whole = work.whole();
     result.mesh = extract(whole, Traits::peak);
     double energy = std::max(0.0, whole.energy);  // rounding may leave less than nothing
+    if constexpr (!Traits::is_integer) energy = drawn_energy(result.mesh, view, options.weights, unit, parallel_for);
+    monitor.end(whole.vertex_count(), energy);
+    if (result.status && monitor.stopped()) result.status = cancelled_by_callback();
     if (options.fit_space == FitSpace::linear_light) {
         energy = light_colors(result.mesh, view, options.weights, options.limits.ridge, grid, energy, monitor, parallel_for);
         if (result.status && monitor.stopped()) result.status = cancelled_by_callback();
@@ -11719,7 +11862,8 @@ template <class T, int C>
 // Meshes the image. Tiles run through `parallel_for` (core/parallel.hpp); same image, options and seed give the same bytes,
 // whatever it does. Memory: about 0.3 KB a vertex, and for each tile at work its moment table (32 bytes a pixel for 8-bit
 // RGB, 92 with weights) and 0.6 KB for each vertex placed there; a small image is one tile, and any image is for methods
-// other than annealed. A fit for linear light takes 0.5 KB a vertex, premultiplying a copy of the image.
+// other than annealed. A fit for linear light takes 0.5 KB a vertex, premultiplying a copy of the image. Stack, on each thread
+// that works: up to 4 channels 0.2 MB, for 16 channels 0.5 MB.
 //
 // Status: invalid_argument, image_too_large or not_finite where the image or an option is refused (the mesh is empty);
 // target_out_of_range for a number of vertices that the image cannot hold (empty) or a PSNR that no mesh reached (the
@@ -11732,9 +11876,9 @@ template <class T, int C>
     Result<C> result;
     result.status = check(view);
     if (result.status) result.status = detail::check_options(options, std::int64_t{view.width} * view.height);
+    if (result.status) result.status = detail::check_color_options(options, C);
     if (result.status) result.status = check_finite(view, parallel_for);
     if (result.status) result.status = check_weights(options.weights, view.width, view.height, parallel_for);
-    if (result.status) result.status = detail::check_color_options(options, C);
     if (!result.status) return result;
     if constexpr (has_alpha(C)) {
         if (options.premultiplied) {
@@ -11850,7 +11994,7 @@ class Shading {
   private:
     Point a_, ab_, ac_;
     double per_area_;
-    std::array<double, C> base_, to_b_, to_c_;
+    std::array<double, std::size_t{C}> base_, to_b_, to_c_;
 };
 
 // Draws the rows of a face that lie in `rows`.

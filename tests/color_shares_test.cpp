@@ -7,6 +7,22 @@
 
 #include "test_exports.hpp"
 
+TEST_CASE("a mesh without a width, a height or with 2 channels is not exported") {
+    using hmesh::detail::check_for_export;
+    hmesh::Mesh<3> mesh = hmesh_test::two_faces<3>();
+    CHECK(check_for_export(mesh.view()));
+    for (const int size : {0, -7}) {
+        hmesh::Mesh<3> bad = mesh;
+        bad.width = size;
+        CHECK(check_for_export(bad.view()).got == size);
+        bad = mesh;
+        bad.height = size;
+        CHECK(check_for_export(bad.view()).got == size);
+    }
+    const hmesh::Mesh<2> with_alpha = hmesh_test::two_faces<2>();
+    CHECK(check_for_export(with_alpha.view()).got == 2);
+}
+
 TEST_CASE("shares of the peak are held to [0, 1]") {
     CHECK(hmesh::detail::share_of_peak(51, 255) == 0.2);
     CHECK(hmesh::detail::share_of_peak(-1, 255) == 0);

@@ -381,6 +381,10 @@ TEST_CASE("a mesh that is not one of the image is refused and left as it was") {
     Mesh<4> mesh = good;
     REQUIRE(fit_linear_light(mesh, image.view()).status);
     check_refused(Mesh<4>());
+    mesh = good, mesh.colors.pop_back();
+    check_refused(mesh);
+    mesh = good, mesh.positions.pop_back();
+    check_refused(mesh);
     mesh = good, mesh.width = 11;
     check_refused(mesh);
     mesh = good, mesh.height = 13;

@@ -84,7 +84,7 @@ class Shading {
   private:
     Point a_, ab_, ac_;
     double per_area_;
-    std::array<double, C> base_, to_b_, to_c_;
+    std::array<double, std::size_t{C}> base_, to_b_, to_c_;
 };
 
 // Draws the rows of a face that lie in `rows`.

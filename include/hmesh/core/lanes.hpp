@@ -3,6 +3,9 @@
 // The channels of a pixel, padded to a size the processor likes, so that the arithmetic of all channels costs that of
 // one. With GCC and Clang the lanes are vector-extension types of 2 or 4 doubles, which become SSE, AVX or NEON registers
 // without naming any of them; with another compiler they are plain doubles.
+//
+// Functions that are not inlined take and give them by reference: in which registers a vector is passed depends on -mavx, and
+// a program may hold files compiled with it and without. The layout does not.
 #ifndef HMESH_CORE_LANES_HPP
 #define HMESH_CORE_LANES_HPP
 
@@ -64,7 +67,7 @@ struct Lanes {
     static constexpr int width = detail::LaneBlock<(N < 4 ? N : 4)>::width;
     static constexpr int blocks = N / width;
 
-    Block block[blocks];
+    Block block[std::size_t{blocks}];
 
     [[nodiscard]] static HMESH_ALWAYS_INLINE Lanes zero() { return Lanes{}; }
     // This value in all lanes.
@@ -120,7 +123,6 @@ struct Lanes {
         for (int k = 0; k < blocks; ++k) block[k] *= s;
         return *this;
     }
-    // By reference: a vector of 32 bytes passed by value has a calling convention of its own (-Wpsabi).
     friend HMESH_ALWAYS_INLINE Lanes operator+(const Lanes& a, const Lanes& b) {
         Lanes r = a;
         return r += b;

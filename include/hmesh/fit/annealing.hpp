@@ -139,7 +139,7 @@ class AnnealingSweep {
             const double before = mesh_->energy();
             collect(v);
             mesh_->collapse(candidate.halfedge);
-            removed += settle(mark, before, -price_, [&] { relax(*mesh_, around_, 1, least_); }) ? 1 : 0;
+            if (settle(mark, before, -price_, [&] { relax(*mesh_, around_, 1, least_); })) ++removed;
         }
         return removed;
     }
@@ -159,7 +159,7 @@ class AnnealingSweep {
             const Vertex v = insert(*mesh_, candidate);
             collect(v);
             around_.push_back(v);
-            inserted += settle(mark, before, price_, [&] { relax(*mesh_, around_, 1, least_); }) ? 1 : 0;
+            if (settle(mark, before, price_, [&] { relax(*mesh_, around_, 1, least_); })) ++inserted;
         }
         return inserted;
     }
@@ -182,7 +182,7 @@ class AnnealingSweep {
             const auto round = [&] {
                 for (const Vertex v : around_) improve_vertex(*mesh_, v, least_);
             };
-            flipped += settle(mark, before, 1e-4 * price_, round) ? 1 : 0;
+            if (settle(mark, before, 1e-4 * price_, round)) ++flipped;
         }
         return flipped;
     }
@@ -211,7 +211,7 @@ class AnnealingSweep {
             collect(v);
             around_.insert(around_.begin(), v);
             mesh_->place(v, target, state.color);
-            jumped += settle(mark, before, 1e-3 * price_, [&] { relax(*mesh_, around_, 1, least_); }) ? 1 : 0;
+            if (settle(mark, before, 1e-3 * price_, [&] { relax(*mesh_, around_, 1, least_); })) ++jumped;
         }
         return jumped;
     }

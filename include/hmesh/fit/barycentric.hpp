@@ -11,6 +11,9 @@
 #define HMESH_FIT_BARYCENTRIC_HPP
 
 #include <Eigen/SparseCore>
+#if !EIGEN_VERSION_AT_LEAST(3, 4, 0)
+#error "hmesh needs Eigen 3.4 or newer"
+#endif
 
 #include <algorithm>
 #include <array>

@@ -29,10 +29,10 @@ namespace detail {
 // Writes colours[r] to vertex r of topology().vertices().
 template <int C>
 void write_colors(ImageMesh<C>& mesh, const std::vector<Color<C>>& colors, const ParallelFor& parallel_for) {
-    std::vector<Color<C>> slots(mesh.topology().vertex_slots(), Color<C>::zero());
+    std::vector<Color<C>> by_slot(mesh.topology().vertex_slots(), Color<C>::zero());
     std::size_t row = 0;
-    for (const Vertex v : mesh.topology().vertices()) slots[v.index()] = colors[row++];
-    mesh.set_colors(slots, parallel_for);
+    for (const Vertex v : mesh.topology().vertices()) by_slot[v.index()] = colors[row++];
+    mesh.set_colors(by_slot, parallel_for);
 }
 
 template <int C>
@@ -109,10 +109,6 @@ struct GridRange {
     }
 };
 
-}  // namespace detail
-
-namespace detail {
-
 // The system of a mesh with this topology and these corners (fit/barycentric.hpp); colours go by row.
 template <int C>
 [[nodiscard]] ColorSystem<C> color_system(const HalfedgeMesh& topology, const std::vector<CornerSums<C>>& corners,
@@ -147,7 +143,7 @@ BoundedReport descend(const ColorSystem<C>& system, double low, double high, dou
         for (int k = 0; k < C; ++k) scale = std::max(scale, std::abs(c[k]));
 
     BoundedReport report;
-    const double small = grid > 0 ? grid / 16 : 1e-7 * scale;
+    const double least = grid > 0 ? grid / 16 : 1e-7 * scale;
     while (report.sweeps < most_sweeps && !report.settled && go_on()) {
         double largest = 0;
         system.sweep(colors, [&](Color<C>& c, const Color<C>& step) {
@@ -157,7 +153,7 @@ BoundedReport descend(const ColorSystem<C>& system, double low, double high, dou
             c = next;
         });
         ++report.sweeps;
-        report.settled = largest <= small;
+        report.settled = largest <= least;
     }
 
     if (grid > 0) {

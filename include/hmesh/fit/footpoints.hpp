@@ -82,14 +82,14 @@ class LiftedFace {
         distance2 = off_plane;
         if (h >= 0 && t >= 0 && rest >= 0) return weights(rest, t, h);
         // Outside, so on one of the three sides.
-        const double base = unit(x * inverse_length_), near = unit((x * apex_x_ + y * apex_y_) * inverse_near2_);
-        const double far = unit(((x - length_) * (apex_x_ - length_) + y * apex_y_) * inverse_far2_);
-        const double base2 = square(x - base * length_) + y * y;
-        const double near2 = square(x - near * apex_x_) + square(y - near * apex_y_);
-        const double far2 = square(x - length_ - far * (apex_x_ - length_)) + square(y - far * apex_y_);
+        const double on_base = unit(x * inverse_length_), on_near = unit((x * apex_x_ + y * apex_y_) * inverse_near2_);
+        const double on_far = unit(((x - length_) * (apex_x_ - length_) + y * apex_y_) * inverse_far2_);
+        const double base2 = square(x - on_base * length_) + y * y;
+        const double near2 = square(x - on_near * apex_x_) + square(y - on_near * apex_y_);
+        const double far2 = square(x - length_ - on_far * (apex_x_ - length_)) + square(y - on_far * apex_y_);
         distance2 += std::min(base2, std::min(near2, far2));
-        if (base2 <= near2 && base2 <= far2) return weights(1 - base, base, 0);
-        return near2 <= far2 ? weights(1 - near, 0, near) : weights(0, 1 - far, far);
+        if (base2 <= near2 && base2 <= far2) return weights(1 - on_base, on_base, 0);
+        return near2 <= far2 ? weights(1 - on_near, 0, on_near) : weights(0, 1 - on_far, on_far);
     }
 
   private:

@@ -1,4 +1,4 @@
-// hmesh - how an ImageMesh is filled from a triangulation, renumbered, recoloured and proved right. Include image_mesh.hpp.
+// hmesh - how an ImageMesh is filled from a triangulation, recoloured and proved right. Include image_mesh.hpp.
 #ifndef HMESH_FIT_IMAGE_MESH_BUILD_HPP
 #define HMESH_FIT_IMAGE_MESH_BUILD_HPP
 

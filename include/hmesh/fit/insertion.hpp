@@ -275,11 +275,11 @@ std::size_t insert_batch(ImageMesh<C>& mesh, std::size_t count, const InsertionO
     }
     for (const Vertex v : inserted) {
         if (!mesh.beat()) break;
-        Edge far[ring_capacity];
+        Edge outer[ring_capacity];
         int size = 0;
         for (const Halfedge h : topology.outgoing(v))
-            if (!topology.is_boundary(h)) far[size++] = HalfedgeMesh::edge(topology.next(h));
-        for (int i = 0; i < size; ++i) improve_edge(mesh, far[i], 0);
+            if (!topology.is_boundary(h)) outer[size++] = HalfedgeMesh::edge(topology.next(h));
+        for (int i = 0; i < size; ++i) improve_edge(mesh, outer[i], 0);
         improve_vertex(mesh, v, 0);
     }
     return inserted.size();

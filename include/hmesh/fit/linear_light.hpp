@@ -213,6 +213,8 @@ class LinearLight {
 // Whether the mesh is one of the image: what for_each_span asks for, and each pixel's owner in reach.
 template <class T, int C>
 [[nodiscard]] Status check_fit(const Mesh<C>& mesh, const ImageView<T, C>& view, HalfedgeMesh& topology) {
+    if (mesh.positions.size() % 2 != 0 || mesh.colors.size() != C * mesh.vertex_count())
+        return {Errc::invalid_argument, "the mesh's arrays are not of one number of vertices", 0, 0};
     if (const Status status = check(mesh.view(), C); !status) return status;
     if (mesh.premultiplied)
         return {Errc::invalid_argument, "linear light is fitted to straight colours, and the mesh's are premultiplied", 0, 0};

@@ -128,7 +128,7 @@ template <int C>
         for (std::size_t i = begin; i < end; ++i) {
             if (corners[i].fan == i) patch.frozen.push_back({corners[i].vertex, 0});
             std::size_t id = known;  // fans are numbered by their least corner
-            for (std::size_t k = begin; k < corners[i].fan; ++k) id += corners[k].fan == k ? 1 : 0;
+            for (std::size_t k = begin; k < corners[i].fan; ++k) id += corners[k].fan == k ? 1U : 0U;
             ++patch.frozen[id].triangle_count;
             patch.triangles[corners[i].triangle][corners[i].corner] = first_frozen + static_cast<std::uint32_t>(id);
         }

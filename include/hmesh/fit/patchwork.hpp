@@ -14,6 +14,7 @@
 
 #include "hmesh/core/parallel.hpp"
 #include "hmesh/core/progress.hpp"
+#include "hmesh/fit/image_mesh.hpp"
 #include "hmesh/fit/patches.hpp"
 #include "hmesh/fit/whole_mesh.hpp"
 #include "hmesh/image/image_source.hpp"
@@ -86,21 +87,31 @@ class Patchwork {
     }
 
   private:
-    // One patch that is all of the mesh stays one from phase to phase, until somebody asks for the whole.
+    // Lets a mesh tell its progress as long as this lives, also if its work throws.
+    class Beat {
+      public:
+        Beat(ImageMesh<C>& mesh, Pulse& pulse) : mesh_(mesh) { mesh_.set_pulse(&pulse); }
+        Beat(const Beat&) = delete;
+        Beat& operator=(const Beat&) = delete;
+        ~Beat() { mesh_.set_pulse(nullptr); }
+
+      private:
+        ImageMesh<C>& mesh_;
+    };
+
+    // One patch that is all of the mesh stays one from phase to phase, until somebody asks for the whole. On the calling thread,
+    // so that the work may use the executor itself.
     template <class Work>
     void work_on_only(Work&& work) {
-        parallel_for_(1, [&](std::size_t) {
-            if (!monitor_->poll()) return;
-            Pulse pulse(*monitor_, 1);
-            if (!only_) {
-                const detail::Cut cut =
-                    detail::cut(whole_, Tiling(whole_.width, whole_.height, std::max(whole_.width, whole_.height)));
-                only_ = std::make_unique<Patch<C>>(whole_, *source_, cut, 0, limits_, nullptr, std::move(table_));
-            }
-            only_->mesh().set_pulse(&pulse);
-            work(*only_, 0);
-            only_->mesh().set_pulse(nullptr);
-        });
+        if (!monitor_->poll()) return;
+        Pulse pulse(*monitor_, 1);
+        if (!only_) {
+            const detail::Cut cut =
+                detail::cut(whole_, Tiling(whole_.width, whole_.height, std::max(whole_.width, whole_.height)));
+            only_ = std::make_unique<Patch<C>>(whole_, *source_, cut, 0, limits_, nullptr, std::move(table_));
+        }
+        const Beat beat(only_->mesh(), pulse);
+        work(*only_, 0);
     }
     void put_back() {
         if (!only_) return;

@@ -11,6 +11,7 @@
 #include <cstddef>
 #include <vector>
 
+#include "hmesh/core/lanes.hpp"
 #include "hmesh/fit/image_mesh.hpp"
 #include "hmesh/fit/patchwork.hpp"
 #include "hmesh/image/moment_table.hpp"
@@ -19,7 +20,7 @@ namespace hmesh {
 
 // The colour at p in [0, width] x [0, height] of an image whose pixels are pixel(x, y).
 template <int C, class Pixel>
-[[nodiscard]] Color<C> sampled_color(int width, int height, Point p, Pixel&& pixel) {
+[[nodiscard]] HMESH_ALWAYS_INLINE Color<C> sampled_color(int width, int height, Point p, Pixel&& pixel) {
     const double x = std::max(0.0, std::min(width - 1.0, p.x - 0.5)), y = std::max(0.0, std::min(height - 1.0, p.y - 0.5));
     const int left = static_cast<int>(x), top = static_cast<int>(y);
     const double right_share = x - left, low_share = y - top;
@@ -30,7 +31,7 @@ template <int C, class Pixel>
     return above * (1 - low_share) + below * low_share;
 }
 template <int C>
-[[nodiscard]] Color<C> sampled_color(const MomentTable<C>& table, Point p) {
+[[nodiscard]] HMESH_ALWAYS_INLINE Color<C> sampled_color(const MomentTable<C>& table, Point p) {
     return sampled_color<C>(table.width(), table.height(), p, [&](int x, int y) {
         Color<C> color;
         table.pixel(x, y, color);

@@ -14,6 +14,7 @@
 #include <limits>
 #include <vector>
 
+#include "hmesh/core/lanes.hpp"
 #include "hmesh/core/parallel.hpp"
 #include "hmesh/fit/ring.hpp"
 #include "hmesh/image/image_source.hpp"
@@ -86,7 +87,7 @@ class SeamCurve {
 
   private:
     // The mean of the pixels on both sides at row j.
-    [[nodiscard]] static Color<C> at(const ImageSource<C>& source, const Seam& seam, int j) noexcept {
+    [[nodiscard]] static HMESH_ALWAYS_INLINE Color<C> at(const ImageSource<C>& source, const Seam& seam, int j) noexcept {
         const int x = seam.vertical ? seam.x : seam.x + j, y = seam.vertical ? seam.y + j : seam.y;
         const int x1 = seam.vertical ? x - 1 : x, y1 = seam.vertical ? y : y - 1;
         return 0.5 * (source.pixel(x, y) + source.pixel(x1, y1));

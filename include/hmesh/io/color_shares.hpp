@@ -15,9 +15,10 @@
 
 namespace hmesh::detail {
 
-// Whether a mesh is one of grey, RGB or RGBA that can be turned to y up. O(n).
+// Whether a mesh is one of grey, RGB or RGBA that fills a picture. O(n).
 [[nodiscard]] inline Status check_for_export(const MeshView& mesh) noexcept {
     if (mesh.channels == 2) return {Errc::invalid_argument, "this format holds 1, 3 or 4 channels", 2, 0};
+    if (mesh.width < 1) return {Errc::invalid_argument, "the mesh's width must be at least 1", mesh.width, 1};
     if (mesh.height < 1) return {Errc::invalid_argument, "the mesh's height must be at least 1", mesh.height, 1};
     return check(mesh, 4);
 }

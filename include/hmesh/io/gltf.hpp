@@ -22,6 +22,7 @@
 #include <cstdint>
 #include <limits>
 
+#include "hmesh/core/finite.hpp"
 #include "hmesh/core/srgb.hpp"
 #include "hmesh/core/status.hpp"
 #include "hmesh/core/version.hpp"
@@ -172,7 +173,7 @@ void write_gltf_json(Writer<Sink>& writer, const GlbLayout& layout, bool has_alp
     layout.index_bytes = (layout.wide_indices ? 4 : 2) * layout.corners;
     if (const Status status = check_size(layout); !status) return status;  // before so many are read
     if (const Status status = check_for_export(mesh); !status) return status;
-    if (!(options.longer_side >= 0 && options.longer_side <= static_cast<double>(std::numeric_limits<float>::max())))
+    if (!is_within(options.longer_side, 0, static_cast<double>(std::numeric_limits<float>::max())))
         return {Errc::invalid_argument, "the longer side must be a length that a float holds, or 0", 0, 0};
 
     if (options.longer_side > 0) layout.unit = options.longer_side / std::max(mesh.width, mesh.height);

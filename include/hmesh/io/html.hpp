@@ -20,6 +20,7 @@
 #include "hmesh/core/status.hpp"
 #include "hmesh/core/version.hpp"
 #include "hmesh/io/base64.hpp"
+#include "hmesh/io/color_shares.hpp"
 #include "hmesh/io/html_drawing.hpp"
 #include "hmesh/io/html_handling.hpp"
 #include "hmesh/io/html_page.hpp"
@@ -52,9 +53,6 @@ namespace detail {
 }
 
 [[nodiscard]] inline Status check_for_html(const MeshView& mesh, const HtmlOptions& options) noexcept {
-    if (mesh.channels == 2) return {Errc::invalid_argument, "an HTML page holds 1, 3 or 4 channels", 2, 0};
-    if (mesh.width < 1) return {Errc::invalid_argument, "the mesh's width must be at least 1", mesh.width, 1};
-    if (mesh.height < 1) return {Errc::invalid_argument, "the mesh's height must be at least 1", mesh.height, 1};
     constexpr std::int64_t most = 0xffffffff;
     for (const std::size_t count : {mesh.vertex_count, mesh.face_count})
         if (count > static_cast<std::size_t>(most))
@@ -64,7 +62,7 @@ namespace detail {
         return {Errc::invalid_argument, "the title and the figures must be texts", 0, 0};
     if (options.original != nullptr && !is_media_type(options.original_type))
         return {Errc::invalid_argument, "the original's media type must be such as image/png", 0, 0};
-    return check(mesh, 4);
+    return check_for_export(mesh);
 }
 
 // Text between tags or in a quoted attribute.

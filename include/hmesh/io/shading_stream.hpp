@@ -17,7 +17,9 @@
 #include <limits>
 #include <vector>
 
+#include "hmesh/core/finite.hpp"
 #include "hmesh/core/status.hpp"
+#include "hmesh/io/color_shares.hpp"
 #include "hmesh/io/strips.hpp"
 #include "hmesh/mesh/mesh_view.hpp"
 
@@ -54,19 +56,16 @@ struct ShadingLayout {
         return {Errc::invalid_argument, "the mesh has more faces than a shading holds",
                 static_cast<std::int64_t>(std::min<std::uint64_t>(mesh.face_count, std::numeric_limits<std::int64_t>::max())),
                 static_cast<std::int64_t>(most)};
-    if (mesh.channels == 2) return {Errc::invalid_argument, "a shading holds 1, 3 or 4 channels", 2, 0};
-    if (mesh.width < 1) return {Errc::invalid_argument, "the mesh's width must be at least 1", mesh.width, 1};
-    if (mesh.height < 1) return {Errc::invalid_argument, "the mesh's height must be at least 1", mesh.height, 1};
     constexpr int farthest = 4194304;  // px: numbers of 32 bits count 1/256 px up to 2^24 px
     for (const int side : {mesh.width, mesh.height})
         if (side > farthest)
             return {Errc::invalid_argument, "the mesh's width or height is more than a shading holds", side, farthest};
-    if (const Status status = check(mesh, 4); !status) return status;
+    if (const Status status = check_for_export(mesh); !status) return status;
 
     double left = 0, low = 0, right = mesh.width, high = mesh.height;
     for (std::size_t v = 0; v < mesh.vertex_count; ++v) {
         const double x = static_cast<double>(mesh.positions[2 * v]), y = up(mesh, v);
-        if (!(std::abs(x) < farthest && std::abs(y) < farthest))
+        if (!is_within(x, -farthest, farthest) || !is_within(y, -farthest, farthest))
             return {Errc::invalid_argument, "the mesh has a position far outside its image, at vertex",
                     static_cast<std::int64_t>(v), 0};
         left = std::min(left, x), right = std::max(right, x);

@@ -16,6 +16,7 @@
 #include <cstdint>
 #include <cstring>
 #include <limits>
+#include <type_traits>
 
 #include "hmesh/core/status.hpp"
 
@@ -117,6 +118,9 @@ class Writer {
         }
         used_ = 0;
     }
+
+    static_assert(std::is_same_v<bool, std::invoke_result_t<Sink&, const void*, std::size_t>>,
+                  "a sink returns a bool, whether it took all bytes: fwrite(...) == size, not the count");
 
     Sink* sink_;
     std::int64_t accepted_ = 0;

@@ -28,6 +28,7 @@
 
 #include "hmesh/core/status.hpp"
 #include "hmesh/core/version.hpp"
+#include "hmesh/io/color_shares.hpp"
 #include "hmesh/io/svg_gradient.hpp"
 #include "hmesh/io/svg_writer.hpp"
 #include "hmesh/mesh/mesh_view.hpp"
@@ -48,10 +49,7 @@ namespace detail {
 [[nodiscard]] inline Status check_for_svg(const MeshView& mesh, const SvgOptions& options) noexcept {
     if (options.kind > SvgKind::flat)
         return {Errc::invalid_argument, "the kind of SVG is none of those known", static_cast<std::int64_t>(options.kind), 2};
-    if (mesh.channels == 2) return {Errc::invalid_argument, "an SVG file holds 1, 3 or 4 channels", 2, 0};
-    if (mesh.width < 1) return {Errc::invalid_argument, "the mesh's width must be at least 1", mesh.width, 1};
-    if (mesh.height < 1) return {Errc::invalid_argument, "the mesh's height must be at least 1", mesh.height, 1};
-    return check(mesh, 4);
+    return check_for_export(mesh);
 }
 
 // Which channel a layer of faces shows, and how.

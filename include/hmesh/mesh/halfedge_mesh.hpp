@@ -197,11 +197,10 @@ struct HalfedgeMesh::Mark {  // where a transaction began
 template <class Element>  // what vertices(), edges() and faces() give
 class HalfedgeMesh::Range {
   public:
-    Range(const HalfedgeMesh& mesh, std::size_t slots) noexcept : mesh_(&mesh), slots_(slots) {}
+    Range(const HalfedgeMesh& mesh, std::size_t end) noexcept : mesh_(&mesh), end_(end) {}
     class Iterator {
       public:
-        Iterator(const HalfedgeMesh& mesh, std::size_t index, std::size_t slots) noexcept
-            : mesh_(&mesh), index_(index), slots_(slots) {
+        Iterator(const HalfedgeMesh& mesh, std::size_t index, std::size_t end) noexcept : mesh_(&mesh), index_(index), end_(end) {
             skip();
         }
         [[nodiscard]] Element operator*() const noexcept { return Element(index_); }
@@ -214,17 +213,17 @@ class HalfedgeMesh::Range {
 
       private:
         void skip() noexcept {
-            while (index_ < slots_ && mesh_->is_deleted(Element(index_))) ++index_;
+            while (index_ < end_ && mesh_->is_deleted(Element(index_))) ++index_;
         }
         const HalfedgeMesh* mesh_;
-        std::size_t index_, slots_;
+        std::size_t index_, end_;
     };
-    [[nodiscard]] Iterator begin() const noexcept { return {*mesh_, 0, slots_}; }
-    [[nodiscard]] Iterator end() const noexcept { return {*mesh_, slots_, slots_}; }
+    [[nodiscard]] Iterator begin() const noexcept { return {*mesh_, 0, end_}; }
+    [[nodiscard]] Iterator end() const noexcept { return {*mesh_, end_, end_}; }
 
   private:
     const HalfedgeMesh* mesh_;
-    std::size_t slots_;
+    std::size_t end_;
 };
 
 class HalfedgeMesh::OneRing {  // what outgoing() gives
