@@ -54,6 +54,8 @@ function(hmesh_add_meshes target)
     if(arg_OUTPUT_DIRECTORY)
         get_filename_component(directory "${arg_OUTPUT_DIRECTORY}" ABSOLUTE BASE_DIR "${CMAKE_CURRENT_BINARY_DIR}")
     endif()
+    # Apart from the meshes, because other targets may put theirs into the same directory.
+    set(depfiles "${CMAKE_CURRENT_BINARY_DIR}/CMakeFiles/${target}.dir")
     hmesh_find_command(command)
 
     set(files "")
@@ -71,10 +73,10 @@ function(hmesh_add_meshes target)
         list(TRANSFORM outputs PREPEND "--output;" OUTPUT_VARIABLE outputs_options)
         add_custom_command(
             OUTPUT ${outputs}
-            COMMAND "${CMAKE_COMMAND}" -E make_directory "${directory}"
-            COMMAND ${command} "${image}" ${outputs_options} ${options} ${arg_OPTIONS} --depfile "${directory}/${name}.d"
+            COMMAND "${CMAKE_COMMAND}" -E make_directory "${directory}" "${depfiles}"
+            COMMAND ${command} "${image}" ${outputs_options} ${options} ${arg_OPTIONS} --depfile "${depfiles}/${name}.d"
             DEPENDS "${image}" ${command}
-            DEPFILE "${directory}/${name}.d"
+            DEPFILE "${depfiles}/${name}.d"
             COMMENT "Meshing ${name}"
             VERBATIM)
         list(APPEND files ${outputs})

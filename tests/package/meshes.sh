@@ -46,19 +46,19 @@ image 3 >"$work/weights.pgm"
 set -- "-DIMAGES=$work/one.pgm;$work/two.pgm" "-DIMAGE_WEIGHTS=$work/weights.pgm"
 
 project "$source/tests/package/meshes" "$@" -DRATE=5 || fail "it cannot be configured"
-meshes one two
-for file in one.ply one.obj two.ply two.obj; do [ -s "$work/build/meshes/$file" ] || fail "$file was not made"; done
+meshes one one two two
+for file in one.ply one.obj one.svg two.ply two.obj two.svg; do [ -s "$work/build/meshes/$file" ] || fail "$file was not made"; done
 meshes
 later "$work/two.pgm"
-meshes two
+meshes two two
 meshes
-later "$work/weights.pgm"  # which only the depfiles know of
+later "$work/weights.pgm"  # which only the depfiles of one target know of
 meshes one two
 meshes
 rm "$work/build/meshes/one.obj"
 meshes one
 project "$source/tests/package/meshes" "$@" -DRATE=8 || fail "it cannot be configured again"
-meshes one two
+meshes one one two two
 [ "$(sed -n 's/^element vertex //p' "$work/build/meshes/one.ply")" = 35 ] || fail "8 % of 432 pixels are not 35 vertices"
 meshes
 
