@@ -19,6 +19,11 @@
 # The command is the variable HMESH_COMMAND, or the one that hmesh's own build makes (HMESH_BUILD_COMMAND), or the program
 # `hmesh` that was installed with the package or is on the path. When cross-compiling it is one of the host.
 
+# With a type, which makes a relative path of the command line absolute. A variable that is none of the cache stays as it is.
+if(NOT DEFINED HMESH_COMMAND OR DEFINED CACHE{HMESH_COMMAND})
+    set(HMESH_COMMAND "" CACHE FILEPATH "The command hmesh; where empty, the one that is built, installed or on the path")
+endif()
+
 function(hmesh_add_meshes target)
     cmake_parse_arguments(PARSE_ARGV 1 arg "" "RATE;VERTICES;PSNR;EFFORT;OUTPUT_DIRECTORY" "SOURCES;FORMAT;OPTIONS")
     if(NOT arg_SOURCES)
@@ -85,18 +90,24 @@ function(hmesh_add_meshes target)
     set_target_properties(${target} PROPERTIES HMESH_FILES "${files}")
 endfunction()
 
-# The command, as COMMAND and DEPENDS of add_custom_command want it, in the variable <result>.
+# The command, as COMMAND and DEPENDS of add_custom_command want it, in the variable <result>. What is found is not kept in the
+# cache: the next time the package may be another one.
 function(hmesh_find_command result)
-    if(NOT HMESH_COMMAND AND TARGET hmesh_command)
+    if(HMESH_COMMAND)
+        set(${result} "${HMESH_COMMAND}" PARENT_SCOPE)
+        return()
+    elseif(TARGET hmesh_command)
         set(${result} hmesh_command PARENT_SCOPE)
         return()
     endif()
-    find_program(HMESH_COMMAND hmesh DOC "The command hmesh, which turns images into meshes"
+    unset(hmesh_program)
+    find_program(hmesh_program hmesh NO_CACHE NO_DEFAULT_PATH
                  HINTS "${CMAKE_CURRENT_FUNCTION_LIST_DIR}/../../../bin"       # from share/cmake/hmesh
                        "${CMAKE_CURRENT_FUNCTION_LIST_DIR}/../../tools/hmesh") # from share/hmesh, where vcpkg moves it
-    if(NOT HMESH_COMMAND)
+    find_program(hmesh_program hmesh NO_CACHE)
+    if(NOT hmesh_program)
         message(FATAL_ERROR "hmesh_add_meshes() needs the command hmesh: set HMESH_BUILD_COMMAND to ON where hmesh is a "
                             "subdirectory, or install hmesh with it, or set HMESH_COMMAND to its path")
     endif()
-    set(${result} "${HMESH_COMMAND}" PARENT_SCOPE)
+    set(${result} "${hmesh_program}" PARENT_SCOPE)
 endfunction()

@@ -40,6 +40,17 @@ eigen_include() {
         [ ! -d "$directory" ] || echo "-I$directory"
     done
 }
+# program FILE: puts a program there.
+program() {
+    mkdir -p "$(dirname "$1")"
+    printf '#!/bin/sh\n' >"$1"
+    chmod +x "$1"
+}
+# accepts OPTION...: the project of find_package is configured, again if it was.
+accepts() {
+    "$cmake" -S "$source/tests/package/find_package" -B "$work/build" "$@" >"$work/log" 2>&1 ||
+        fail "$* is not accepted: $(cat "$work/log")"
+}
 # refuses SENTENCE OPTION...: the project of find_package must not be configured, for that reason.
 refuses() {
     sentence=$1
@@ -64,9 +75,15 @@ END
 case $way in
     find_package)
         install
-        found="$work/prefix/bin/hmesh"  # where the command is built
-        [ -x "$found" ] || found=
-        with_cmake find_package "-DCMAKE_PREFIX_PATH=$work/prefix" "-DWANTED=${version%.*}" "-DWANTED_COMMAND=$found"
+        [ -x "$work/prefix/bin/hmesh" ] || program "$work/prefix/bin/hmesh"  # the command is not built
+        with_cmake find_package "-DCMAKE_PREFIX_PATH=$work/prefix" "-DWANTED=${version%.*}" \
+            "-DWANTED_COMMAND=$work/prefix/bin/hmesh"
+        # Configured again with another package, or another command.
+        cp -R "$work/prefix" "$work/other"
+        accepts "-Dhmesh_DIR=$work/other/share/cmake/hmesh" "-DWANTED_COMMAND=$work/other/bin/hmesh"
+        program "$work/own/hmesh"
+        (cd "$work" && accepts -DHMESH_COMMAND=own/hmesh "-DWANTED_COMMAND=$work/own/hmesh")
+        accepts -DHMESH_COMMAND= "-DWANTED_COMMAND=$work/other/bin/hmesh"
         refuses "$version" "-DWANTED=$((${version%%.*} + 1)).0"
         ;;
     wrong_eigen)
