@@ -17,7 +17,8 @@
 # once; the bytes are the same for any number of threads.
 #
 # The command is the variable HMESH_COMMAND, or the one that hmesh's own build makes (HMESH_BUILD_COMMAND), or the program
-# `hmesh` that was installed with the package or is on the path. When cross-compiling it is one of the host.
+# `hmesh` that was installed with the package or is on the path. When cross-compiling it is one of the host: HMESH_COMMAND,
+# the one on the path, or that of hmesh's own build where CMAKE_CROSSCOMPILING_EMULATOR runs it.
 
 # With a type, which makes a relative path of the command line absolute. A variable that is none of the cache stays as it is.
 if(NOT DEFINED HMESH_COMMAND OR DEFINED CACHE{HMESH_COMMAND})
@@ -96,18 +97,23 @@ function(hmesh_find_command result)
     if(HMESH_COMMAND)
         set(${result} "${HMESH_COMMAND}" PARENT_SCOPE)
         return()
-    elseif(TARGET hmesh_command)
+    elseif(TARGET hmesh_command AND (NOT CMAKE_CROSSCOMPILING OR CMAKE_CROSSCOMPILING_EMULATOR))
         set(${result} hmesh_command PARENT_SCOPE)
         return()
     endif()
     unset(hmesh_program)
-    find_program(hmesh_program hmesh NO_CACHE NO_DEFAULT_PATH
-                 HINTS "${CMAKE_CURRENT_FUNCTION_LIST_DIR}/../../../bin"       # from share/cmake/hmesh
-                       "${CMAKE_CURRENT_FUNCTION_LIST_DIR}/../../tools/hmesh") # from share/hmesh, where vcpkg moves it
-    find_program(hmesh_program hmesh NO_CACHE)
+    if(CMAKE_CROSSCOMPILING)  # the prefixes that CMake knows hold programs of the target
+        find_program(hmesh_program hmesh NO_CACHE NO_DEFAULT_PATH NO_CMAKE_FIND_ROOT_PATH PATHS ${CMAKE_PROGRAM_PATH} ENV PATH)
+        set(advice "put one of this machine on the path")
+    else()
+        find_program(hmesh_program hmesh NO_CACHE NO_DEFAULT_PATH
+                     HINTS "${CMAKE_CURRENT_FUNCTION_LIST_DIR}/../../../bin"       # from share/cmake/hmesh
+                           "${CMAKE_CURRENT_FUNCTION_LIST_DIR}/../../tools/hmesh") # from share/hmesh, where vcpkg moves it
+        find_program(hmesh_program hmesh NO_CACHE)
+        set(advice "set HMESH_BUILD_COMMAND to ON where hmesh is a subdirectory, or install hmesh with it")
+    endif()
     if(NOT hmesh_program)
-        message(FATAL_ERROR "hmesh_add_meshes() needs the command hmesh: set HMESH_BUILD_COMMAND to ON where hmesh is a "
-                            "subdirectory, or install hmesh with it, or set HMESH_COMMAND to its path")
+        message(FATAL_ERROR "hmesh_add_meshes() needs the command hmesh: ${advice}, or set HMESH_COMMAND to its path")
     endif()
     set(${result} "${hmesh_program}" PARENT_SCOPE)
 endfunction()

@@ -84,6 +84,11 @@ case $way in
         program "$work/own/hmesh"
         (cd "$work" && accepts -DHMESH_COMMAND=own/hmesh "-DWANTED_COMMAND=$work/own/hmesh")
         accepts -DHMESH_COMMAND= "-DWANTED_COMMAND=$work/other/bin/hmesh"
+        # The package of another machine holds a command that this one cannot run.
+        program "$work/host/hmesh"
+        rm -rf "$work/build"
+        (PATH="$work/host:$PATH" && accepts "-DCMAKE_PREFIX_PATH=$work/prefix" "-DCMAKE_SYSTEM_NAME=$(uname -s)" \
+            "-DWANTED_COMMAND=$work/host/hmesh")
         refuses "$version" "-DWANTED=$((${version%%.*} + 1)).0"
         ;;
     wrong_eigen)

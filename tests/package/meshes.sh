@@ -77,4 +77,18 @@ refuses "SOURCES names no image" "-DIMAGES=" "-DIMAGE_WEIGHTS=$work/weights.pgm"
 mkdir "$work/other"
 refuses "two images are named one" "-DIMAGES=$work/one.pgm;$work/other/one.pgm" "-DIMAGE_WEIGHTS=$work/weights.pgm"
 refuses "RATE and PSNR cannot both be given" "-DIMAGES=$work/one.pgm" "-DIMAGE_WEIGHTS=$work/weights.pgm" "-DRATE=8;PSNR;30"
+
+# The command that is built is run if it is one of this machine, or an emulator runs it.
+set -- "-DIMAGES=$work/one.pgm" "-DIMAGE_WEIGHTS=$work/weights.pgm" -DRATE=8 -DHMESH_COMMAND= -DHMESH_BUILD_COMMAND=ON
+runs() {
+    wanted=$1
+    shift
+    rm -rf "$work/build"
+    project "$source/tests/package/meshes" "$@" "-DWANTED_COMMAND=$wanted" || fail "$wanted should be run"
+}
+runs hmesh_command "$@"
+mkdir "$work/host"
+ln -s "$command" "$work/host/hmesh"
+PATH="$work/host:$PATH" runs "$work/host/hmesh" "$@" "-DCMAKE_SYSTEM_NAME=$(uname -s)"
+runs hmesh_command "$@" "-DCMAKE_SYSTEM_NAME=$(uname -s)" -DCMAKE_CROSSCOMPILING_EMULATOR=env
 echo "only what changed was meshed again, under $generator"
