@@ -2,7 +2,8 @@
 # A project takes hmesh in, in one of the ways in which projects do, is built and run.
 #
 # usage: tests/package/consumers.sh WAY SOURCE BUILD VERSION
-#        WAY: find_package, add_subdirectory, fetch_content, pkg_config, single_header or wrong_eigen
+#        WAY: find_package, add_subdirectory, fetch_content, pkg_config, single_header, wrong_eigen or readme, which is
+#        to install hmesh as README.md says
 #        SOURCE: hmesh's sources; BUILD: its binary directory, from which it is installed; VERSION: that of hmesh
 # CMAKE, CXX: the programs to use. Exit status 77: what the way needs is not there.
 set -eu
@@ -90,6 +91,15 @@ case $way in
         (PATH="$work/host:$PATH" && accepts "-DCMAKE_PREFIX_PATH=$work/prefix" "-DCMAKE_SYSTEM_NAME=$(uname -s)" \
             "-DWANTED_COMMAND=$work/host/hmesh")
         refuses "$version" "-DWANTED=$((${version%%.*} + 1)).0"
+        ;;
+    readme)
+        mkdir "$work/clone"
+        ln -s "$source"/* "$work/clone"
+        rm -f "$work/clone/build"
+        lines=$(sed -n '/^cmake -B build /p; /^cmake --install build /p' "$source/README.md" | sed "s|PREFIX|'$work/prefix'|")
+        cmake() { command "$cmake" "$@"; }
+        (cd "$work/clone" && eval "$lines") >"$work/log" 2>&1 || fail "README.md's lines do not install hmesh: $(cat "$work/log")"
+        accepts "-DCMAKE_PREFIX_PATH=$work/prefix" "-DWANTED=$version"
         ;;
     wrong_eigen)
         install
