@@ -90,6 +90,7 @@ case $way in
         rm -rf "$work/build"
         (PATH="$work/host:$PATH" && accepts "-DCMAKE_PREFIX_PATH=$work/prefix" "-DCMAKE_SYSTEM_NAME=$(uname -s)" \
             "-DWANTED_COMMAND=$work/host/hmesh")
+        refuses "hmesh has no components, and gpu is asked for" -DWANTED_COMPONENTS=gpu
         refuses "$version" "-DWANTED=$((${version%%.*} + 1)).0"
         ;;
     readme)
@@ -103,6 +104,7 @@ case $way in
         ;;
     wrong_eigen)
         install
+        refuses "hmesh needs Eigen 3.4 or newer: install libeigen3-dev" -DCMAKE_DISABLE_FIND_PACKAGE_Eigen3=ON
         fake_eigen 3.3.9
         refuses "hmesh needs Eigen 3.4 or newer" "-DEigen3_DIR=$work/eigen-3.3.9/share/eigen3/cmake"
         fake_eigen 5.0.1
