@@ -10,7 +10,7 @@
 #
 # adds the target <target>, built by default, which makes <directory>/<name of the image>.<ending> of each image. Its property
 # HMESH_FILES lists the files. add_dependencies(app <target>) makes them before app. Where images are made by commands of the
-# same directory, these run first.
+# same directory, these run first. OPTIONS may hold generator expressions; where one becomes nothing it is no option.
 #
 # What OPTIONS names, such as --weights "${CMAKE_CURRENT_SOURCE_DIR}/mask.png", is watched too: the command writes depfiles,
 # which the generators of Ninja and of makefiles read. Each image is meshed on one thread, so that the build may run many at
@@ -50,12 +50,35 @@ function(hmesh_add_meshes target)
         list(JOIN goals " and " goals)
         message(FATAL_ERROR "hmesh_add_meshes(${target}): ${goals} cannot both be given")
     endif()
-    if(NOT "--threads" IN_LIST arg_OPTIONS)
+    if(NOT arg_OPTIONS MATCHES "(^|;)--threads(;|=|$)")
         list(APPEND options --threads 1)
     endif()
     if(NOT arg_FORMAT)
         set(arg_FORMAT ply)
     endif()
+    list(REMOVE_DUPLICATES arg_FORMAT)
+
+    # What the command would refuse is refused now; what generator expressions become is left to it.
+    set(expression "\\$<")
+    set(formats ply obj glb pdf eps svg html)
+    foreach(format IN LISTS arg_FORMAT)
+        string(TOLOWER "${format}" ending)
+        if(NOT ending IN_LIST formats AND NOT format MATCHES "${expression}")
+            list(JOIN formats ", " formats)
+            message(FATAL_ERROR "hmesh_add_meshes(${target}): FORMAT '${format}' is not one of: ${formats}")
+        endif()
+    endforeach()
+    set(efforts draft fast normal best)
+    if(DEFINED arg_EFFORT AND NOT arg_EFFORT IN_LIST efforts AND NOT arg_EFFORT MATCHES "${expression}")
+        list(JOIN efforts ", " efforts)
+        message(FATAL_ERROR "hmesh_add_meshes(${target}): EFFORT '${arg_EFFORT}' is not one of: ${efforts}")
+    endif()
+    set(number "^[+]?([0-9]+[.]?[0-9]*|[.][0-9]+)([eE][+-]?[0-9]+)?$")
+    if(DEFINED arg_RATE AND NOT arg_RATE MATCHES "${expression}" AND
+       NOT (arg_RATE MATCHES "${number}" AND arg_RATE GREATER 0 AND arg_RATE LESS_EQUAL 100))
+        message(FATAL_ERROR "hmesh_add_meshes(${target}): RATE '${arg_RATE}' must be a number above 0 and at most 100")
+    endif()
+
     set(directory "${CMAKE_CURRENT_BINARY_DIR}/${target}")
     if(arg_OUTPUT_DIRECTORY)
         get_filename_component(directory "${arg_OUTPUT_DIRECTORY}" ABSOLUTE BASE_DIR "${CMAKE_CURRENT_BINARY_DIR}")
@@ -84,7 +107,7 @@ function(hmesh_add_meshes target)
             DEPENDS "${image}" ${command}
             DEPFILE "${depfiles}/${name}.d"
             COMMENT "Meshing ${name}"
-            VERBATIM)
+            COMMAND_EXPAND_LISTS VERBATIM)
         list(APPEND files ${outputs})
     endforeach()
     add_custom_target(${target} ALL DEPENDS ${files})

@@ -77,9 +77,20 @@ refuses "SOURCES names no image" "-DIMAGES=" "-DIMAGE_WEIGHTS=$work/weights.pgm"
 mkdir "$work/other"
 refuses "two images are named one" "-DIMAGES=$work/one.pgm;$work/other/one.pgm" "-DIMAGE_WEIGHTS=$work/weights.pgm"
 refuses "RATE and PSNR cannot both be given" "-DIMAGES=$work/one.pgm" "-DIMAGE_WEIGHTS=$work/weights.pgm" "-DRATE=8;PSNR;30"
+set -- "-DIMAGES=$work/one.pgm" "-DIMAGE_WEIGHTS=$work/weights.pgm" -DRATE=8
+formats=$("$command" "$work/one.pgm" -o mesh.xyz 2>&1 | sed -n 's/.*must end in //p' | tr -d .) || true
+refuses "FORMAT 'xyz' is not $formats" "$@" "-DMORE=FORMAT;ply;xyz"
+efforts=$("$command" "$work/one.pgm" --effort Fast 2>&1 | sed -n "s/.*'Fast' is not //p") || true
+refuses "EFFORT 'Fast' is not $efforts" "$@" "-DMORE=EFFORT;Fast"
+for rate in 0 -1 100.5 1,5 1e nan 5%; do
+    refuses "RATE '$rate' must be a number above 0 and at most 100" "$@" "-DMORE=RATE;$rate"
+done
+for more in "RATE;1e2" "RATE;+.5" 'RATE;$<IF:$<CONFIG:Debug>,5,8>' "FORMAT;PLY;glb" 'EFFORT;$<IF:$<CONFIG:Debug>,draft,best>'; do
+    project "$source/tests/package/meshes" "$@" "-DMORE=$more" || fail "refused: $more"
+done
 
 # The command that is built is run if it is one of this machine, or an emulator runs it.
-set -- "-DIMAGES=$work/one.pgm" "-DIMAGE_WEIGHTS=$work/weights.pgm" -DRATE=8 -DHMESH_COMMAND= -DHMESH_BUILD_COMMAND=ON
+set -- "$@" -DHMESH_COMMAND= -DHMESH_BUILD_COMMAND=ON
 runs() {
     wanted=$1
     shift
