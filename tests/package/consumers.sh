@@ -2,8 +2,8 @@
 # A project takes hmesh in, in one of the ways in which projects do, is built and run.
 #
 # usage: tests/package/consumers.sh WAY SOURCE BUILD VERSION
-#        WAY: find_package, add_subdirectory, fetch_content, pkg_config, single_header, wrong_eigen or readme, which is
-#        to install hmesh as README.md says
+#        WAY: find_package, add_subdirectory, fetch_content, pkg_config, single_header or wrong_eigen; readme, which is to
+#        install hmesh as README.md says; or flat_stb, which is to build an example with stb's headers in no folder of theirs
 #        SOURCE: hmesh's sources; BUILD: its binary directory, from which it is installed; VERSION: that of hmesh
 # CMAKE, CXX: the programs to use. Exit status 77: what the way needs is not there.
 set -eu
@@ -101,6 +101,15 @@ case $way in
         cmake() { command "$cmake" "$@"; }
         (cd "$work/clone" && eval "$lines") >"$work/log" 2>&1 || fail "README.md's lines do not install hmesh: $(cat "$work/log")"
         accepts "-DCMAKE_PREFIX_PATH=$work/prefix" "-DWANTED=$version"
+        ;;
+    flat_stb)
+        folder=$(sed -n 's/^HMESH_STB_IMAGE_H_DIR:PATH=//p' "$build/CMakeCache.txt")
+        mkdir -p "$work/flat/include"
+        for header in stb_image.h stb_image_write.h; do ln -s "$folder/$header" "$work/flat/include"; done
+        "$cmake" -S "$source" -B "$work/build" -DCMAKE_BUILD_TYPE=Debug "-DCMAKE_CXX_COMPILER=$cxx" -DHMESH_BUILD_TESTS=OFF \
+            "-DCMAKE_PREFIX_PATH=$work/flat"
+        grep -qxF "HMESH_STB_IMAGE_H_DIR:PATH=$work/flat/include" "$work/build/CMakeCache.txt" || fail "stb was not found there"
+        "$cmake" --build "$work/build" --target scene
         ;;
     wrong_eigen)
         install
