@@ -27,7 +27,7 @@ inline constexpr char help[] =
     "\n"
     "Turns an image into a triangle mesh with one colour per vertex.\n"
     "\n"
-    "  INPUT                 PNG, JPEG, BMP, TGA, PGM or PPM file, 8 or 16 bits, 1 to 4 channels\n"
+    "  INPUT                 PNG, JPEG, BMP, TGA or binary PGM or PPM file, 8 or 16 bits, 1 to 4 channels\n"
     "  -o, --output FILE     write the mesh; may be given more than once, and the ending chooses the format:\n"
     "                        .ply .obj .glb (models), .pdf .eps .svg (drawings), .html (a page that shows it)\n"
     "  --vertices N          the mesh has N vertices\n"
