@@ -98,6 +98,7 @@ runs() {
     project "$source/tests/package/meshes" "$@" "-DWANTED_COMMAND=$wanted" || fail "$wanted should be run"
 }
 runs hmesh_command "$@"
+[ ! -e "$work/build/CMakeFiles/VerifyGlobs.cmake" ] || fail "each build looks for new examples, which are not built"
 mkdir "$work/host"
 ln -s "$command" "$work/host/hmesh"
 PATH="$work/host:$PATH" runs "$work/host/hmesh" "$@" "-DCMAKE_SYSTEM_NAME=$(uname -s)"
