@@ -129,9 +129,8 @@ function(hmesh_find_command result)
         find_program(hmesh_program hmesh NO_CACHE NO_DEFAULT_PATH NO_CMAKE_FIND_ROOT_PATH PATHS ${CMAKE_PROGRAM_PATH} ENV PATH)
         set(advice "put one of this machine on the path")
     else()
-        find_program(hmesh_program hmesh NO_CACHE NO_DEFAULT_PATH
-                     HINTS "${CMAKE_CURRENT_FUNCTION_LIST_DIR}/../../../bin"       # from share/cmake/hmesh
-                           "${CMAKE_CURRENT_FUNCTION_LIST_DIR}/../../tools/hmesh") # from share/hmesh, where vcpkg moves it
+        get_property(hints GLOBAL PROPERTY HMESH_COMMAND_HINTS)  # of the package
+        find_program(hmesh_program hmesh NO_CACHE NO_DEFAULT_PATH HINTS ${hints})
         find_program(hmesh_program hmesh NO_CACHE)
         set(advice "set HMESH_BUILD_COMMAND to ON where hmesh is a subdirectory, or install hmesh with it")
     endif()

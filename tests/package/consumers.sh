@@ -2,8 +2,9 @@
 # A project takes hmesh in, in one of the ways in which projects do, is built and run.
 #
 # usage: tests/package/consumers.sh WAY SOURCE BUILD VERSION
-#        WAY: find_package, add_subdirectory, fetch_content, pkg_config, single_header or wrong_eigen; readme, which is to
-#        install hmesh as README.md says; or flat_stb, which is to build an example with stb's headers in no folder of theirs
+#        WAY: find_package, add_subdirectory, fetch_content, pkg_config, single_header or wrong_eigen; install_dirs, which
+#        is to install into folders of other names; readme, which is to install as README.md says; or flat_stb, which is to
+#        build an example with stb's headers in no folder of theirs
 #        SOURCE: hmesh's sources; BUILD: its binary directory, from which it is installed; VERSION: that of hmesh
 # CMAKE, CXX: the programs to use. Exit status 77: what the way needs is not there.
 set -eu
@@ -121,6 +122,20 @@ case $way in
         ;;
     add_subdirectory | fetch_content)
         with_cmake "$way" "-DHMESH_SOURCE_DIR=$source"
+        ;;
+    install_dirs)
+        "$cmake" -S "$source" -B "$work/hmesh" -DCMAKE_INSTALL_INCLUDEDIR=headers/all -DCMAKE_INSTALL_DATADIR=data/any \
+            -DCMAKE_INSTALL_BINDIR=programs -DCMAKE_INSTALL_DOCDIR=papers -DHMESH_BUILD_TESTS=OFF -DHMESH_BUILD_EXAMPLES=OFF \
+            -DHMESH_BUILD_COMMAND=ON "-DHMESH_STB_IMAGE_H_DIR=$work"
+        program "$work/hmesh/bin/hmesh"  # as if it had been built
+        "$cmake" --install "$work/hmesh" --prefix "$work/installed"
+        mv "$work/installed" "$work/prefix"  # which makes no difference
+        [ "$(cd "$work/prefix" && echo *)" = "data headers papers programs" ] || fail "other folders than those wanted"
+        [ -f "$work/prefix/papers/LICENSE" ] || fail "the licence is not where documents are"
+        with_cmake find_package "-Dhmesh_DIR=$work/prefix/data/any/cmake/hmesh" "-DWANTED_COMMAND=$work/prefix/programs/hmesh"
+        command -v pkg-config >/dev/null || exit 0
+        folder=$(PKG_CONFIG_PATH="$work/prefix/data/any/pkgconfig" pkg-config --variable=includedir hmesh)
+        [ -f "$folder/hmesh/hmesh.hpp" ] || fail "pkg-config says that the headers are in $folder"
         ;;
     pkg_config)
         command -v pkg-config >/dev/null || exit 77
