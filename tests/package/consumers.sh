@@ -53,6 +53,12 @@ accepts() {
     "$cmake" -S "$source/tests/package/find_package" -B "$work/build" "$@" >"$work/log" 2>&1 ||
         fail "$* is not accepted: $(cat "$work/log")"
 }
+# Warnings that a project might have on, as errors, in whatever it compiles; hmesh's own tests have fewer.
+strict_flags() {
+    printf '%s ' -Wall -Wextra -Wpedantic -Wconversion -Wshadow -Wold-style-cast -Wundef -Wnull-dereference -Wcast-qual -Werror
+    # clang++ means by this every float that becomes a double, g++ those that do so unasked in an operation.
+    "$cxx" --version | grep -q clang || printf '%s ' -Wdouble-promotion
+}
 # refuses SENTENCE OPTION...: the project of find_package must not be configured, for that reason.
 refuses() {
     sentence=$1
@@ -120,7 +126,10 @@ case $way in
         fake_eigen 5.0.1
         with_cmake find_package "-DCMAKE_PREFIX_PATH=$work/prefix" "-DEigen3_DIR=$work/eigen-5.0.1/share/eigen3/cmake"
         ;;
-    add_subdirectory | fetch_content)
+    add_subdirectory)
+        with_cmake "$way" "-DHMESH_SOURCE_DIR=$source" "-DSTRICT_FLAGS=$(strict_flags)"
+        ;;
+    fetch_content)
         with_cmake "$way" "-DHMESH_SOURCE_DIR=$source"
         ;;
     install_dirs)
@@ -150,6 +159,11 @@ case $way in
         cp "$source/single_include/hmesh.hpp" "$work/include/hmesh"
         # shellcheck disable=SC2046  # words
         with_compiler "-I$work/include" $(eigen_include)
+        # Optimised, because some warnings come of what the optimiser finds out.
+        # shellcheck disable=SC2046  # words
+        "$cxx" -std=c++17 -O1 $(strict_flags) "$source/tests/package/strict.cpp" "-I$work/include" \
+            $(eigen_include | sed 's/^-I/-isystem /') -o "$work/strict"
+        "$work/strict"
         ;;
     *) fail "unknown way: $way" ;;
 esac
