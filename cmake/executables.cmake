@@ -19,11 +19,12 @@ if(HMESH_LIGHT)
     target_compile_options(hmesh_internal INTERFACE ${hmesh_light_options})
 endif()
 
-# hmesh_find_header(<target> <header> <how to get it>): an INTERFACE target with the directory that holds <header>.
+# hmesh_find_header(<target> <header> <how to get it> [<folder>]): an INTERFACE target with the directory that holds <header>,
+# which may be one of that name.
 function(hmesh_find_header target header advice)
     string(MAKE_C_IDENTIFIER "HMESH_${header}_DIR" variable)
     string(TOUPPER ${variable} variable)
-    find_path(${variable} ${header})
+    find_path(${variable} ${header} PATH_SUFFIXES ${ARGN})
     mark_as_advanced(${variable})
     if(NOT ${variable})
         message(FATAL_ERROR "<${header}> was not found: ${advice}")
@@ -33,8 +34,9 @@ function(hmesh_find_header target header advice)
 endfunction()
 
 if(HMESH_BUILD_EXAMPLES OR HMESH_BUILD_COMMAND OR HMESH_BUILD_BENCHMARKS)
-    hmesh_find_header(hmesh_stb stb/stb_image.h
-        "the command, examples and benchmarks need stb (libstb-dev); set HMESH_BUILD_EXAMPLES to OFF without it")
+    # Debian has it in a folder stb, vcpkg has it not.
+    hmesh_find_header(hmesh_stb stb_image.h
+        "the command, examples and benchmarks need stb (libstb-dev); set HMESH_BUILD_EXAMPLES to OFF without it" stb)
 endif()
 if(HMESH_BUILD_TESTS)
     hmesh_find_header(hmesh_doctest doctest/doctest.h

@@ -10,14 +10,20 @@
 #
 # adds the target <target>, built by default, which makes <directory>/<name of the image>.<ending> of each image. Its property
 # HMESH_FILES lists the files. add_dependencies(app <target>) makes them before app. Where images are made by commands of the
-# same directory, these run first.
+# same directory, these run first. OPTIONS may hold generator expressions; where one becomes nothing it is no option.
 #
 # What OPTIONS names, such as --weights "${CMAKE_CURRENT_SOURCE_DIR}/mask.png", is watched too: the command writes depfiles,
 # which the generators of Ninja and of makefiles read. Each image is meshed on one thread, so that the build may run many at
 # once; the bytes are the same for any number of threads.
 #
 # The command is the variable HMESH_COMMAND, or the one that hmesh's own build makes (HMESH_BUILD_COMMAND), or the program
-# `hmesh` that was installed with the package or is on the path. When cross-compiling it is one of the host.
+# `hmesh` that was installed with the package or is on the path. When cross-compiling it is one of the host: HMESH_COMMAND,
+# the one on the path, or that of hmesh's own build where CMAKE_CROSSCOMPILING_EMULATOR runs it.
+
+# With a type, which makes a relative path of the command line absolute. A variable that is none of the cache stays as it is.
+if(NOT DEFINED HMESH_COMMAND OR DEFINED CACHE{HMESH_COMMAND})
+    set(HMESH_COMMAND "" CACHE FILEPATH "The command hmesh; where empty, the one that is built, installed or on the path")
+endif()
 
 function(hmesh_add_meshes target)
     cmake_parse_arguments(PARSE_ARGV 1 arg "" "RATE;VERTICES;PSNR;EFFORT;OUTPUT_DIRECTORY" "SOURCES;FORMAT;OPTIONS")
@@ -44,16 +50,41 @@ function(hmesh_add_meshes target)
         list(JOIN goals " and " goals)
         message(FATAL_ERROR "hmesh_add_meshes(${target}): ${goals} cannot both be given")
     endif()
-    if(NOT "--threads" IN_LIST arg_OPTIONS)
+    if(NOT arg_OPTIONS MATCHES "(^|;)--threads(;|=|$)")
         list(APPEND options --threads 1)
     endif()
     if(NOT arg_FORMAT)
         set(arg_FORMAT ply)
     endif()
+    list(REMOVE_DUPLICATES arg_FORMAT)
+
+    # What the command would refuse is refused now; what generator expressions become is left to it.
+    set(expression "\\$<")
+    set(formats ply obj glb pdf eps svg html)
+    foreach(format IN LISTS arg_FORMAT)
+        string(TOLOWER "${format}" ending)
+        if(NOT ending IN_LIST formats AND NOT format MATCHES "${expression}")
+            list(JOIN formats ", " formats)
+            message(FATAL_ERROR "hmesh_add_meshes(${target}): FORMAT '${format}' is not one of: ${formats}")
+        endif()
+    endforeach()
+    set(efforts draft fast normal best)
+    if(DEFINED arg_EFFORT AND NOT arg_EFFORT IN_LIST efforts AND NOT arg_EFFORT MATCHES "${expression}")
+        list(JOIN efforts ", " efforts)
+        message(FATAL_ERROR "hmesh_add_meshes(${target}): EFFORT '${arg_EFFORT}' is not one of: ${efforts}")
+    endif()
+    set(number "^[+]?([0-9]+[.]?[0-9]*|[.][0-9]+)([eE][+-]?[0-9]+)?$")
+    if(DEFINED arg_RATE AND NOT arg_RATE MATCHES "${expression}" AND
+       NOT (arg_RATE MATCHES "${number}" AND arg_RATE GREATER 0 AND arg_RATE LESS_EQUAL 100))
+        message(FATAL_ERROR "hmesh_add_meshes(${target}): RATE '${arg_RATE}' must be a number above 0 and at most 100")
+    endif()
+
     set(directory "${CMAKE_CURRENT_BINARY_DIR}/${target}")
     if(arg_OUTPUT_DIRECTORY)
         get_filename_component(directory "${arg_OUTPUT_DIRECTORY}" ABSOLUTE BASE_DIR "${CMAKE_CURRENT_BINARY_DIR}")
     endif()
+    # Apart from the meshes, because other targets may put theirs into the same directory.
+    set(depfiles "${CMAKE_CURRENT_BINARY_DIR}/CMakeFiles/${target}.dir")
     hmesh_find_command(command)
 
     set(files "")
@@ -71,30 +102,40 @@ function(hmesh_add_meshes target)
         list(TRANSFORM outputs PREPEND "--output;" OUTPUT_VARIABLE outputs_options)
         add_custom_command(
             OUTPUT ${outputs}
-            COMMAND "${CMAKE_COMMAND}" -E make_directory "${directory}"
-            COMMAND ${command} "${image}" ${outputs_options} ${options} ${arg_OPTIONS} --depfile "${directory}/${name}.d"
+            COMMAND "${CMAKE_COMMAND}" -E make_directory "${directory}" "${depfiles}"
+            COMMAND ${command} "${image}" ${outputs_options} ${options} ${arg_OPTIONS} --depfile "${depfiles}/${name}.d"
             DEPENDS "${image}" ${command}
-            DEPFILE "${directory}/${name}.d"
+            DEPFILE "${depfiles}/${name}.d"
             COMMENT "Meshing ${name}"
-            VERBATIM)
+            COMMAND_EXPAND_LISTS VERBATIM)
         list(APPEND files ${outputs})
     endforeach()
     add_custom_target(${target} ALL DEPENDS ${files})
     set_target_properties(${target} PROPERTIES HMESH_FILES "${files}")
 endfunction()
 
-# The command, as COMMAND and DEPENDS of add_custom_command want it, in the variable <result>.
+# The command, as COMMAND and DEPENDS of add_custom_command want it, in the variable <result>. What is found is not kept in the
+# cache: the next time the package may be another one.
 function(hmesh_find_command result)
-    if(NOT HMESH_COMMAND AND TARGET hmesh_command)
+    if(HMESH_COMMAND)
+        set(${result} "${HMESH_COMMAND}" PARENT_SCOPE)
+        return()
+    elseif(TARGET hmesh_command AND (NOT CMAKE_CROSSCOMPILING OR CMAKE_CROSSCOMPILING_EMULATOR))
         set(${result} hmesh_command PARENT_SCOPE)
         return()
     endif()
-    find_program(HMESH_COMMAND hmesh DOC "The command hmesh, which turns images into meshes"
-                 HINTS "${CMAKE_CURRENT_FUNCTION_LIST_DIR}/../../../bin"       # from share/cmake/hmesh
-                       "${CMAKE_CURRENT_FUNCTION_LIST_DIR}/../../tools/hmesh") # from share/hmesh, where vcpkg moves it
-    if(NOT HMESH_COMMAND)
-        message(FATAL_ERROR "hmesh_add_meshes() needs the command hmesh: set HMESH_BUILD_COMMAND to ON where hmesh is a "
-                            "subdirectory, or install hmesh with it, or set HMESH_COMMAND to its path")
+    unset(hmesh_program)
+    if(CMAKE_CROSSCOMPILING)  # the prefixes that CMake knows hold programs of the target
+        find_program(hmesh_program hmesh NO_CACHE NO_DEFAULT_PATH NO_CMAKE_FIND_ROOT_PATH PATHS ${CMAKE_PROGRAM_PATH} ENV PATH)
+        set(advice "put one of this machine on the path")
+    else()
+        get_property(hints GLOBAL PROPERTY HMESH_COMMAND_HINTS)  # of the package
+        find_program(hmesh_program hmesh NO_CACHE NO_DEFAULT_PATH HINTS ${hints})
+        find_program(hmesh_program hmesh NO_CACHE)
+        set(advice "set HMESH_BUILD_COMMAND to ON where hmesh is a subdirectory, or install hmesh with it")
     endif()
-    set(${result} "${HMESH_COMMAND}" PARENT_SCOPE)
+    if(NOT hmesh_program)
+        message(FATAL_ERROR "hmesh_add_meshes() needs the command hmesh: ${advice}, or set HMESH_COMMAND to its path")
+    endif()
+    set(${result} "${hmesh_program}" PARENT_SCOPE)
 endfunction()

@@ -27,7 +27,7 @@ inline constexpr char help[] =
     "\n"
     "Turns an image into a triangle mesh with one colour per vertex.\n"
     "\n"
-    "  INPUT                 PNG, JPEG, BMP, TGA, PGM or PPM file, 8 or 16 bits, 1 to 4 channels\n"
+    "  INPUT                 PNG, JPEG, BMP, TGA or binary PGM or PPM file, 8 or 16 bits, 1 to 4 channels\n"
     "  -o, --output FILE     write the mesh; may be given more than once, and the ending chooses the format:\n"
     "                        .ply .obj .glb (models), .pdf .eps .svg (drawings), .html (a page that shows it)\n"
     "  --vertices N          the mesh has N vertices\n"
@@ -53,13 +53,14 @@ inline constexpr char help[] =
     "  --residual FILE.png   draw the error: mesh less image, times 4, around grey\n"
     "  --strip FILE.png      draw image, mesh, mesh with edges and error side by side\n"
     "  --report FILE.json    write figures of the mesh and of each stage\n"
-    "  --depfile FILE        write, as a rule for make or Ninja, which files were read for those written\n"
+    "  --depfile FILE        write, as a rule for make or Ninja, which files were read for those written; nothing is\n"
+    "                        written then after Ctrl-C, or where the PSNR asked for is out of reach\n"
     "  -q, --quiet           print errors only\n"
     "  -h, --help            print this text\n"
     "  --version             print the version\n"
     "\n"
     "PSNR = 10 log10(peak^2 / MSE), MSE the mean over pixels and channels of the image's stored values.\n"
-    "Ctrl-C stops early and writes the mesh reached so far.\n"
+    "Ctrl-C stops early and writes the mesh reached so far, unless --depfile is given.\n"
     "Exit status: 0 done, 1 failed, 2 wrong usage.\n";
 
 template <class Value>

@@ -34,7 +34,7 @@ int fail(int exit_status, const std::string& sentence) {
 std::string in_words(const hmesh::Status& status) {
     const bool has_numbers = status.got != 0 || status.want != 0;
     const std::string numbers = " (got " + std::to_string(status.got) + ", limit " + std::to_string(status.want) + ")";
-    return status.what + (has_numbers ? numbers : std::string());
+    return what_of(status) + (has_numbers ? numbers : std::string());
 }
 
 bool is_same_file(const std::string& a, const std::string& b) {
@@ -194,6 +194,10 @@ int run(const Arguments& arguments) {
                               (has_effort ? std::string(" --effort ") + name_of(efforts, options.effort)
                                           : std::string(" --method ") + name_of(methods, options.method));
     if (!outcome.has_mesh()) return fail(failed, where + ": " + in_words(outcome.status));
+    // make and Ninja would take files that are there as up to date, whatever the exit status was.
+    if (!outcome.status && !arguments.depfile.empty())
+        return fail(failed,
+                    where + ": " + in_words(outcome.status) + "; nothing is written, as --depfile asks for whole results");
     WebPage page;
     if (has_output(arguments, ".html"))
         page = make_web_page(arguments.input, image, std::move(bytes), outcome.report, !arguments.weights.empty());

@@ -23,11 +23,11 @@
 #define STBI_NO_HDR  // would come tone-mapped to 8 bits
 #define STBI_NO_LINEAR
 #define STBI_NO_STDIO
-#include <stb/stb_image.h>
+#include <stb_image.h>
 #define STB_IMAGE_WRITE_IMPLEMENTATION
 #define STB_IMAGE_WRITE_STATIC
 #define STBI_WRITE_NO_STDIO
-#include <stb/stb_image_write.h>
+#include <stb_image_write.h>
 
 namespace example {
 

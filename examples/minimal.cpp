@@ -5,7 +5,7 @@
 #include <hmesh/hmesh.hpp>
 // README end
 #define STB_IMAGE_IMPLEMENTATION
-#include <stb/stb_image.h>
+#include <stb_image.h>
 
 int main(int argc, char** argv) {
     if (argc != 3) return std::fprintf(stderr, "usage: minimal IMAGE MESH.ply\n"), 2;

@@ -87,6 +87,11 @@ namespace detail {
 
 }  // namespace detail
 
+// What a status says, in words of the command, whose progress callback returns false after Ctrl-C alone.
+[[nodiscard]] inline std::string what_of(const hmesh::Status& status) {
+    return status.code == hmesh::Errc::cancelled ? "interrupted" : status.what;
+}
+
 // A PSNR for people: "31.83 dB" or "inf".
 [[nodiscard]] inline std::string psnr_text(double psnr) { return std::isfinite(psnr) ? detail::format("%.2f dB", psnr) : "inf"; }
 
@@ -111,7 +116,7 @@ namespace detail {
     line("weights", arguments.weights.empty() ? "null" : detail::quoted(arguments.weights));
     line("tile", std::to_string(arguments.options.tile));
     line("target", detail::quoted(arguments.target));
-    line("status", detail::quoted(outcome.status ? "ok" : outcome.status.what));
+    line("status", detail::quoted(outcome.status ? "ok" : what_of(outcome.status)));
     line("vertices", std::to_string(outcome.report.vertices));
     line("faces", std::to_string(outcome.report.faces));
     line("psnr", detail::json_number(outcome.report.psnr));

@@ -27,9 +27,15 @@ step() {
 
 has() { command -v "$1" >/dev/null 2>&1; }
 
+# The folders in which headers of others may lie: Eigen's, and stb's where it is not flat in the folder above.
+include_folders=()
+for folder in /usr/include /usr/local/include /opt/homebrew/include; do
+    include_folders+=(-isystem "$folder/eigen3" -isystem "$folder/stb")
+done
+include_folders+=(-isystem /opt/homebrew/include)
+
 has_header() {
-    printf '#include <%s>\n' "$1" | "${CXX:-c++}" -x c++ -E -I/usr/include/eigen3 -I/usr/local/include/eigen3 \
-        -I/opt/homebrew/include -I/opt/homebrew/include/eigen3 - >/dev/null 2>&1
+    printf '#include <%s>\n' "$1" | "${CXX:-c++}" -x c++ -E "${include_folders[@]}" - >/dev/null 2>&1
 }
 
 has_fuzzer() {
@@ -53,7 +59,7 @@ need() {
                 has make || packages+=(make)
                 ;;
             eigen) has_header signature_of_eigen3_matrix_library || packages+=(libeigen3-dev) ;;
-            stb) has_header stb/stb_image.h || packages+=(libstb-dev) ;;
+            stb) has_header stb_image.h || packages+=(libstb-dev) ;;
             doctest) has_header doctest/doctest.h || packages+=(doctest-dev) ;;
             benchmark) has_header benchmark/benchmark.h || packages+=(libbenchmark-dev) ;;
             ninja) has ninja || packages+=(ninja-build) ;;

@@ -29,12 +29,13 @@ need "${needed[@]}"
 
 # The compile line is said here, so that nothing need be configured first.
 CLANG_TIDY=${CLANG_TIDY:-$(command -v clang-tidy-14 || echo clang-tidy)}
-export CLANG_TIDY
+include_words=${include_folders[*]}  # a list cannot be exported
+export CLANG_TIDY include_words
 tidy() {
     local said
     # What it says to standard error is how many warnings it kept to itself, unless it fails.
-    said=$("$CLANG_TIDY" --quiet "$1" -- -std=c++17 -Iinclude -Iexamples -Itests -Itests/fuzz \
-        -isystem /usr/include/eigen3 -isystem /usr/local/include/eigen3 -isystem /opt/homebrew/include/eigen3 2>&1) && return
+    # shellcheck disable=SC2086  # words
+    said=$("$CLANG_TIDY" --quiet "$1" -- -std=c++17 -Iinclude -Iexamples -Itests -Itests/fuzz $include_words 2>&1) && return
     printf '%s\n' "$said" | grep -v '^[0-9]* warnings\? generated\|^Suppressed ' >&2
     return 1
 }

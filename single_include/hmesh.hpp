@@ -4239,10 +4239,10 @@ class PieceOfWork {
 class ParallelFor {
   public:
     ParallelFor() noexcept : ParallelFor(serial) {}
-    // Implicit, so that functions take an executor of any type.
     template <class Executor, class = std::enable_if_t<!std::is_same_v<Executor, ParallelFor> &&
                                                        std::is_invocable_v<const Executor&, std::size_t, const PieceOfWork&>>>
-    ParallelFor(const Executor& executor) noexcept : executor_(std::addressof(executor)), run_(run<Executor>) {}
+    ParallelFor(const Executor& executor) noexcept  // NOLINT(google-explicit-constructor): so that functions take any executor
+        : executor_(std::addressof(executor)), run_(run<Executor>) {}
 
     template <class Body>
     void operator()(std::size_t n, Body&& body) const {

@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# The code in README.md is that of examples/minimal.cpp between its marks, unindented.
+# The code in README.md is that of examples/minimal.cpp between its marks, unindented, and packages have hmesh's version.
 # usage: readme_test.sh ROOT
 set -eu
 root=$1
@@ -11,3 +11,6 @@ if [ "$example" != "$readme" ]; then
     diff <(printf '%s\n' "$example") <(printf '%s\n' "$readme") || true
     exit 1
 fi
+version=$(sed -n 's/^#define HMESH_VERSION_STRING "\(.*\)"$/\1/p' "$root/include/hmesh/core/version.hpp")
+port=$(sed -n 's/^ *"version": "\(.*\)",$/\1/p' "$root/packaging/vcpkg/hmesh/vcpkg.json")
+[ "$port" = "$version" ] || { echo "packaging/vcpkg/hmesh/vcpkg.json has version $port, hmesh is $version"; exit 1; }

@@ -2,7 +2,9 @@
 # A project takes hmesh in, in one of the ways in which projects do, is built and run.
 #
 # usage: tests/package/consumers.sh WAY SOURCE BUILD VERSION
-#        WAY: find_package, add_subdirectory, fetch_content, pkg_config, single_header or wrong_eigen
+#        WAY: find_package, add_subdirectory, fetch_content, pkg_config, single_header or wrong_eigen; install_dirs, which
+#        is to install into folders of other names; readme, which is to install as README.md says; or flat_stb, which is to
+#        build an example with stb's headers in no folder of theirs
 #        SOURCE: hmesh's sources; BUILD: its binary directory, from which it is installed; VERSION: that of hmesh
 # CMAKE, CXX: the programs to use. Exit status 77: what the way needs is not there.
 set -eu
@@ -40,6 +42,22 @@ eigen_include() {
         [ ! -d "$directory" ] || echo "-I$directory"
     done
 }
+# program FILE: puts a program there.
+program() {
+    mkdir -p "$(dirname "$1")"
+    printf '#!/bin/sh\n' >"$1"
+    chmod +x "$1"
+}
+# accepts OPTION...: the project of find_package is configured, again if it was.
+accepts() {
+    "$cmake" -S "$source/tests/package/find_package" -B "$work/build" "$@" >"$work/log" 2>&1 ||
+        fail "$* is not accepted: $(cat "$work/log")"
+}
+# Warnings that a project might have on, as errors, in whatever it compiles; hmesh's own tests have fewer.
+strict_flags() {
+    printf '%s ' -Wall -Wextra -Wpedantic -Wconversion -Wsign-conversion -Wdouble-promotion -Wshadow -Wold-style-cast -Wundef \
+        -Wnull-dereference -Wcast-qual -Wcast-align -Werror
+}
 # refuses SENTENCE OPTION...: the project of find_package must not be configured, for that reason.
 refuses() {
     sentence=$1
@@ -64,20 +82,68 @@ END
 case $way in
     find_package)
         install
-        found="$work/prefix/bin/hmesh"  # where the command is built
-        [ -x "$found" ] || found=
-        with_cmake find_package "-DCMAKE_PREFIX_PATH=$work/prefix" "-DWANTED=${version%.*}" "-DWANTED_COMMAND=$found"
+        [ -x "$work/prefix/bin/hmesh" ] || program "$work/prefix/bin/hmesh"  # the command is not built
+        with_cmake find_package "-DCMAKE_PREFIX_PATH=$work/prefix" "-DWANTED=${version%.*}" \
+            "-DWANTED_COMMAND=$work/prefix/bin/hmesh"
+        # Configured again with another package, or another command.
+        cp -R "$work/prefix" "$work/other"
+        accepts "-Dhmesh_DIR=$work/other/share/cmake/hmesh" "-DWANTED_COMMAND=$work/other/bin/hmesh"
+        program "$work/own/hmesh"
+        (cd "$work" && accepts -DHMESH_COMMAND=own/hmesh "-DWANTED_COMMAND=$work/own/hmesh")
+        accepts -DHMESH_COMMAND= "-DWANTED_COMMAND=$work/other/bin/hmesh"
+        # The package of another machine holds a command that this one cannot run.
+        program "$work/host/hmesh"
+        rm -rf "$work/build"
+        (PATH="$work/host:$PATH" && accepts "-DCMAKE_PREFIX_PATH=$work/prefix" "-DCMAKE_SYSTEM_NAME=$(uname -s)" \
+            "-DWANTED_COMMAND=$work/host/hmesh")
+        refuses "hmesh has no components, and gpu is asked for" -DWANTED_COMPONENTS=gpu
         refuses "$version" "-DWANTED=$((${version%%.*} + 1)).0"
+        ;;
+    readme)
+        mkdir "$work/clone"
+        ln -s "$source"/* "$work/clone"
+        rm -f "$work/clone/build"
+        lines=$(sed -n '/^cmake -B build /p; /^cmake --install build /p' "$source/README.md" | sed "s|PREFIX|'$work/prefix'|")
+        cmake() { command "$cmake" "$@"; }
+        (cd "$work/clone" && eval "$lines") >"$work/log" 2>&1 || fail "README.md's lines do not install hmesh: $(cat "$work/log")"
+        accepts "-DCMAKE_PREFIX_PATH=$work/prefix" "-DWANTED=$version"
+        ;;
+    flat_stb)
+        folder=$(sed -n 's/^HMESH_STB_IMAGE_H_DIR:PATH=//p' "$build/CMakeCache.txt")
+        mkdir -p "$work/flat/include"
+        for header in stb_image.h stb_image_write.h; do ln -s "$folder/$header" "$work/flat/include"; done
+        "$cmake" -S "$source" -B "$work/build" -DCMAKE_BUILD_TYPE=Debug "-DCMAKE_CXX_COMPILER=$cxx" -DHMESH_BUILD_TESTS=OFF \
+            "-DCMAKE_PREFIX_PATH=$work/flat"
+        grep -qxF "HMESH_STB_IMAGE_H_DIR:PATH=$work/flat/include" "$work/build/CMakeCache.txt" || fail "stb was not found there"
+        "$cmake" --build "$work/build" --target scene
         ;;
     wrong_eigen)
         install
+        refuses "hmesh needs Eigen 3.4 or newer: install libeigen3-dev" -DCMAKE_DISABLE_FIND_PACKAGE_Eigen3=ON
         fake_eigen 3.3.9
         refuses "hmesh needs Eigen 3.4 or newer" "-DEigen3_DIR=$work/eigen-3.3.9/share/eigen3/cmake"
         fake_eigen 5.0.1
         with_cmake find_package "-DCMAKE_PREFIX_PATH=$work/prefix" "-DEigen3_DIR=$work/eigen-5.0.1/share/eigen3/cmake"
         ;;
-    add_subdirectory | fetch_content)
+    add_subdirectory)
+        with_cmake "$way" "-DHMESH_SOURCE_DIR=$source" "-DSTRICT_FLAGS=$(strict_flags)"
+        ;;
+    fetch_content)
         with_cmake "$way" "-DHMESH_SOURCE_DIR=$source"
+        ;;
+    install_dirs)
+        "$cmake" -S "$source" -B "$work/hmesh" -DCMAKE_INSTALL_INCLUDEDIR=headers/all -DCMAKE_INSTALL_DATADIR=data/any \
+            -DCMAKE_INSTALL_BINDIR=programs -DCMAKE_INSTALL_DOCDIR=papers -DHMESH_BUILD_TESTS=OFF -DHMESH_BUILD_EXAMPLES=OFF \
+            -DHMESH_BUILD_COMMAND=ON "-DHMESH_STB_IMAGE_H_DIR=$work"
+        program "$work/hmesh/bin/hmesh"  # as if it had been built
+        "$cmake" --install "$work/hmesh" --prefix "$work/installed"
+        mv "$work/installed" "$work/prefix"  # which makes no difference
+        [ "$(cd "$work/prefix" && echo *)" = "data headers papers programs" ] || fail "other folders than those wanted"
+        [ -f "$work/prefix/papers/LICENSE" ] || fail "the licence is not where documents are"
+        with_cmake find_package "-Dhmesh_DIR=$work/prefix/data/any/cmake/hmesh" "-DWANTED_COMMAND=$work/prefix/programs/hmesh"
+        command -v pkg-config >/dev/null || exit 0
+        folder=$(PKG_CONFIG_PATH="$work/prefix/data/any/pkgconfig" pkg-config --variable=includedir hmesh)
+        [ -f "$folder/hmesh/hmesh.hpp" ] || fail "pkg-config says that the headers are in $folder"
         ;;
     pkg_config)
         command -v pkg-config >/dev/null || exit 77
@@ -92,6 +158,11 @@ case $way in
         cp "$source/single_include/hmesh.hpp" "$work/include/hmesh"
         # shellcheck disable=SC2046  # words
         with_compiler "-I$work/include" $(eigen_include)
+        # Optimised, because some warnings come of what the optimiser finds out.
+        # shellcheck disable=SC2046  # words
+        "$cxx" -std=c++17 -O1 $(strict_flags) "$source/tests/package/strict.cpp" "-I$work/include" \
+            $(eigen_include | sed 's/^-I/-isystem /') -o "$work/strict"
+        "$work/strict"
         ;;
     *) fail "unknown way: $way" ;;
 esac

@@ -46,19 +46,19 @@ image 3 >"$work/weights.pgm"
 set -- "-DIMAGES=$work/one.pgm;$work/two.pgm" "-DIMAGE_WEIGHTS=$work/weights.pgm"
 
 project "$source/tests/package/meshes" "$@" -DRATE=5 || fail "it cannot be configured"
-meshes one two
-for file in one.ply one.obj two.ply two.obj; do [ -s "$work/build/meshes/$file" ] || fail "$file was not made"; done
+meshes one one two two
+for file in one.ply one.obj one.svg two.ply two.obj two.svg; do [ -s "$work/build/meshes/$file" ] || fail "$file was not made"; done
 meshes
 later "$work/two.pgm"
-meshes two
+meshes two two
 meshes
-later "$work/weights.pgm"  # which only the depfiles know of
+later "$work/weights.pgm"  # which only the depfiles of one target know of
 meshes one two
 meshes
 rm "$work/build/meshes/one.obj"
 meshes one
 project "$source/tests/package/meshes" "$@" -DRATE=8 || fail "it cannot be configured again"
-meshes one two
+meshes one one two two
 [ "$(sed -n 's/^element vertex //p' "$work/build/meshes/one.ply")" = 35 ] || fail "8 % of 432 pixels are not 35 vertices"
 meshes
 
@@ -77,4 +77,30 @@ refuses "SOURCES names no image" "-DIMAGES=" "-DIMAGE_WEIGHTS=$work/weights.pgm"
 mkdir "$work/other"
 refuses "two images are named one" "-DIMAGES=$work/one.pgm;$work/other/one.pgm" "-DIMAGE_WEIGHTS=$work/weights.pgm"
 refuses "RATE and PSNR cannot both be given" "-DIMAGES=$work/one.pgm" "-DIMAGE_WEIGHTS=$work/weights.pgm" "-DRATE=8;PSNR;30"
+set -- "-DIMAGES=$work/one.pgm" "-DIMAGE_WEIGHTS=$work/weights.pgm" -DRATE=8
+formats=$("$command" "$work/one.pgm" -o mesh.xyz 2>&1 | sed -n 's/.*must end in //p' | tr -d .) || true
+refuses "FORMAT 'xyz' is not $formats" "$@" "-DMORE=FORMAT;ply;xyz"
+efforts=$("$command" "$work/one.pgm" --effort Fast 2>&1 | sed -n "s/.*'Fast' is not //p") || true
+refuses "EFFORT 'Fast' is not $efforts" "$@" "-DMORE=EFFORT;Fast"
+for rate in 0 -1 100.5 1,5 1e nan 5%; do
+    refuses "RATE '$rate' must be a number above 0 and at most 100" "$@" "-DMORE=RATE;$rate"
+done
+for more in "RATE;1e2" "RATE;+.5" 'RATE;$<IF:$<CONFIG:Debug>,5,8>' "FORMAT;PLY;glb" 'EFFORT;$<IF:$<CONFIG:Debug>,draft,best>'; do
+    project "$source/tests/package/meshes" "$@" "-DMORE=$more" || fail "refused: $more"
+done
+
+# The command that is built is run if it is one of this machine, or an emulator runs it.
+set -- "$@" -DHMESH_COMMAND= -DHMESH_BUILD_COMMAND=ON
+runs() {
+    wanted=$1
+    shift
+    rm -rf "$work/build"
+    project "$source/tests/package/meshes" "$@" "-DWANTED_COMMAND=$wanted" || fail "$wanted should be run"
+}
+runs hmesh_command "$@"
+[ ! -e "$work/build/CMakeFiles/VerifyGlobs.cmake" ] || fail "each build looks for new examples, which are not built"
+mkdir "$work/host"
+ln -s "$command" "$work/host/hmesh"
+PATH="$work/host:$PATH" runs "$work/host/hmesh" "$@" "-DCMAKE_SYSTEM_NAME=$(uname -s)"
+runs hmesh_command "$@" "-DCMAKE_SYSTEM_NAME=$(uname -s)" -DCMAKE_CROSSCOMPILING_EMULATOR=env
 echo "only what changed was meshed again, under $generator"

@@ -8,7 +8,7 @@
 #include <memory>
 
 #define STB_IMAGE_IMPLEMENTATION
-#include <stb/stb_image.h>
+#include <stb_image.h>
 
 namespace {
 
