@@ -2041,7 +2041,7 @@ namespace detail {
                     static_cast<std::int64_t>(count), most};
     if (const Status status = check_for_export(mesh); !status) return status;
     const auto channels = static_cast<std::size_t>(mesh.channels);
-    constexpr double largest = static_cast<double>(std::numeric_limits<float>::max());
+    constexpr auto largest = static_cast<double>(std::numeric_limits<float>::max());
     if (options.float_colors)
         for (std::size_t i = 0; i < channels * mesh.vertex_count; ++i)
             if (std::abs(static_cast<double>(mesh.colors[i]) / mesh.peak) > largest)
@@ -4583,7 +4583,7 @@ template <class T, int C>
     static_assert(!Traits::is_integer || (Traits::lowest >= -65535 && Traits::highest <= 65535),
                   "is_integer: of 16 bits at most");
     if constexpr (!Traits::is_integer) {
-        constexpr double most = static_cast<double>(std::numeric_limits<float>::max());
+        constexpr auto most = static_cast<double>(std::numeric_limits<float>::max());
         std::vector<unsigned char> bad(static_cast<std::size_t>(view.height), 0);
         for_each_chunk(parallel_for, bad.size(), 32, [&](std::size_t begin, std::size_t end) {
             for (std::size_t y = begin; y < end; ++y) {

@@ -40,7 +40,7 @@ namespace detail {
                     static_cast<std::int64_t>(count), most};
     if (const Status status = check_for_export(mesh); !status) return status;
     const auto channels = static_cast<std::size_t>(mesh.channels);
-    constexpr double largest = static_cast<double>(std::numeric_limits<float>::max());
+    constexpr auto largest = static_cast<double>(std::numeric_limits<float>::max());
     if (options.float_colors)
         for (std::size_t i = 0; i < channels * mesh.vertex_count; ++i)
             if (std::abs(static_cast<double>(mesh.colors[i]) / mesh.peak) > largest)
