@@ -12,6 +12,7 @@
 
 #include "hmesh/mesh_image.hpp"
 #include "test_images.hpp"
+#include "test_meshing.hpp"
 #include "test_results.hpp"
 
 using example::ThreadPool;
