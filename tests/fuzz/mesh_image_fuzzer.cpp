@@ -19,21 +19,13 @@
 #include "hmesh/mesh_image.hpp"
 #include "hmesh/render.hpp"
 #include "mesh_flaws.hpp"
+#include "test_executors.hpp"
 
 namespace {
 
 using hmesh_test::demand;
 using hmesh_test::FuzzInput;
 using hmesh_test::Height;
-
-// The pieces of a stage in this order or that: neither may change a byte.
-struct EitherWayFor {
-    bool backward = false;
-    template <class Body>
-    void operator()(std::size_t n, Body&& body) const {
-        for (std::size_t i = 0; i < n; ++i) body(backward ? n - 1 - i : i);
-    }
-};
 
 // --- images ---
 
@@ -288,7 +280,7 @@ void fuzz(FuzzInput& input) {
 
     Patience patience{calls, false};
     options.progress = {go_on, &patience};
-    const hmesh::Result<C> result = hmesh::mesh_image(view, options, EitherWayFor{});
+    const hmesh::Result<C> result = hmesh::mesh_image(view, options);
     demand(!is_spoilt || !result.status, "a view that makes no sense is refused");
     demand_true_status(view, options, result, patience);
     if (result.mesh.vertex_count() > 0) demand_good_mesh(view, options, result);
@@ -300,7 +292,8 @@ void fuzz(FuzzInput& input) {
     // Where the callback falls among the pieces of a stage depends on their order.
     const bool was_cancelled = patience.is_over;
     patience = {calls, false};
-    demand_same(result, hmesh::mesh_image(view, options, EitherWayFor{!was_cancelled}));
+    const hmesh_test::ReverseFor backwards;
+    demand_same(result, hmesh::mesh_image(view, options, was_cancelled ? hmesh::ParallelFor() : hmesh::ParallelFor(backwards)));
 }
 
 }  // namespace
