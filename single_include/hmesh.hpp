@@ -2847,6 +2847,7 @@ template <int N>
 #ifndef HMESH_MESH_GEOMETRY_HPP
 #define HMESH_MESH_GEOMETRY_HPP
 
+#include <algorithm>
 #include <cmath>
 #include <cstdint>
 
@@ -2964,6 +2965,30 @@ class RowCrossing {
 
   private:
     double slope_, start_y_, start_x_;
+};
+
+// barycentric() at the centres of the pixels that a face owns. The weights of b and c are held to [0, 1]: a centre can be outside
+// by the rounding of an edge, which is much for a face of no width. They are divided by the area last: on the 1/256 px grid
+// everything before is exact, however thin the face.
+class CentreWeights {
+  public:
+    // Of a face of either orientation; where it has no area, all is a's.
+    HMESH_ALWAYS_INLINE CentreWeights(Point a, Point b, Point c) noexcept
+        : a_(a), ab_{b.x - a.x, b.y - a.y}, ac_{c.x - a.x, c.y - a.y} {
+        const double area = cross(a, b, c);
+        per_area_ = area != 0 ? 1 / area : 0;
+    }
+    // At the centre of pixel (i, j).
+    [[nodiscard]] HMESH_ALWAYS_INLINE Barycentric operator()(int i, int j) const noexcept {
+        const double x = i + 0.5 - a_.x, y = j + 0.5 - a_.y;
+        const double b = std::max(0.0, std::min(1.0, (x * ac_.y - ac_.x * y) * per_area_));
+        const double c = std::max(0.0, std::min(1.0 - b, (ab_.x * y - x * ab_.y) * per_area_));
+        return {1 - b - c, b, c};
+    }
+
+  private:
+    Point a_, ab_, ac_;
+    double per_area_;
 };
 
 }  // namespace hmesh
@@ -7263,12 +7288,19 @@ BoundedReport bounded_colors(Patchwork<C>& work, const Tiling& tiling, double lo
 #ifndef HMESH_FIT_DRAWN_ENERGY_HPP
 #define HMESH_FIT_DRAWN_ENERGY_HPP
 
-#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <cstdint>
 
 namespace hmesh {
+namespace detail {
+
+template <int C>
+[[nodiscard]] Point position(const Mesh<C>& mesh, std::size_t v) noexcept {
+    return {static_cast<double>(mesh.positions[2 * v]), static_cast<double>(mesh.positions[2 * v + 1])};
+}
+
+}  // namespace detail
 
 // The sum of squared differences in stored values over pixels and channels, times weights (`unit`: weight_unit() of them),
 // of a mesh that tiles the image and whose faces have positive areas.
@@ -7277,13 +7309,8 @@ template <class T, int C>
                                   double unit = 1, const ParallelFor& parallel_for = {}) {
     const WeightScale scale(unit, view.width, view.height);
     const auto face = [&](const Triangle& t) {
-        const auto position = [&](std::uint32_t v) {
-            return Point{static_cast<double>(mesh.positions[2 * v]), static_cast<double>(mesh.positions[2 * v + 1])};
-        };
-        const Point a = position(t[0]), b = position(t[1]), c = position(t[2]);
-        const double per_area = 1 / cross(a, b, c);
-        const double bx = (b.x - a.x) * per_area, by = (b.y - a.y) * per_area;
-        const double cx = (c.x - a.x) * per_area, cy = (c.y - a.y) * per_area;
+        const Point a = detail::position(mesh, t[0]), b = detail::position(mesh, t[1]), c = detail::position(mesh, t[2]);
+        const CentreWeights weights_at(a, b, c);
         std::array<double, std::size_t{C}> at_a{}, to_b{}, to_c{};
         for (std::size_t k = 0; k < C; ++k) {
             const auto color = [&](std::uint32_t v) { return static_cast<double>(mesh.colors[C * std::size_t{v} + k]); };
@@ -7293,15 +7320,11 @@ template <class T, int C>
         for_each_span(a, b, c, [&](int j, int begin, int end) {
             const T* sample = view.pixel(begin, j);
             const float* weight = weights.data != nullptr ? weights.pixel(begin, j) : nullptr;
-            const double y = j + 0.5 - a.y;
             for (int i = begin; i < end; ++i, sample += C) {
-                const double x = i + 0.5 - a.x;
-                // Held to [0, 1] as render() does it.
-                const double wb = std::max(0.0, std::min(1.0, x * cy - cx * y));
-                const double wc = std::max(0.0, std::min(1.0 - wb, bx * y - x * by));
+                const Barycentric w = weights_at(i, j);
                 double square = 0;
                 for (std::size_t k = 0; k < C; ++k) {
-                    const double difference = at_a[k] + wb * to_b[k] + wc * to_c[k] - PixelTraits<T>::to_real(sample[k]);
+                    const double difference = at_a[k] + w.b * to_b[k] + w.c * to_c[k] - PixelTraits<T>::to_real(sample[k]);
                     square += difference * difference;
                 }
                 energy += weight != nullptr ? scale(weight[i - begin]) * square : square;
@@ -7379,11 +7402,6 @@ struct ChannelLight {
     std::vector<double> light;
 };
 
-template <int C>
-[[nodiscard]] Point position(const Mesh<C>& mesh, std::size_t v) noexcept {
-    return {static_cast<double>(mesh.positions[2 * v]), static_cast<double>(mesh.positions[2 * v + 1])};
-}
-
 // The error and the Gauss-Newton system of one channel after the other.
 template <class T, int C>
 class LinearLight {
@@ -7460,25 +7478,20 @@ class LinearLight {
     [[nodiscard]] double face(const ChannelLight& at, std::size_t f, std::size_t k) {
         const std::array<Vertex, 3> v = topology_.vertices(Face(f));
         const Point a = position(mesh_, v[0].index()), b = position(mesh_, v[1].index()), c = position(mesh_, v[2].index());
-        const double per_area = 1 / cross(a, b, c), per_peak = 1 / mesh_.peak;
+        const CentreWeights weights_at(a, b, c);
+        const double per_peak = 1 / mesh_.peak;
         const double la = at.light[v[0].index()], lb = at.light[v[1].index()] - la, lc = at.light[v[2].index()] - la;
         // A face of one colour shows that very colour. Stored values are compared, not shares: they are exact, and stay so where
         // the processor keeps more digits of some products than of others.
         const bool is_plain = lb == 0 && lc == 0;
         const auto plain = static_cast<double>(at.stored[v[0].index()]);
-        const double bx = (b.x - a.x) * per_area, by = (b.y - a.y) * per_area;
-        const double cx = (c.x - a.x) * per_area, cy = (c.y - a.y) * per_area;
         double energy = 0, s00 = 0, s11 = 0, s22 = 0, s01 = 0, s12 = 0, s20 = 0, p0 = 0, p1 = 0, p2 = 0;
         for_each_span(a, b, c, [&](int j, int begin, int end) {
             const T* sample = view_.pixel(begin, j) + k;
             const float* weights = options_.weights.data != nullptr ? options_.weights.pixel(begin, j) : nullptr;
-            const double y = j + 0.5 - a.y;
             for (int i = begin; i < end; ++i, sample += C) {
-                const double x = i + 0.5 - a.x;
-                // Held to [0, 1] as render() does it.
-                const double wb = std::max(0.0, std::min(1.0, x * cy - cx * y));
-                const double wc = std::max(0.0, std::min(1.0 - wb, bx * y - x * by));
-                const double wa = 1 - wb - wc, light = la + wb * lb + wc * lc;
+                const Barycentric w = weights_at(i, j);
+                const double light = la + w.b * lb + w.c * lc;
                 const double share = encoded ? linear_to_srgb(light) : light;
                 const double slope = encoded ? linear_to_srgb_slope(light, share) : 1;
                 const double shown = is_plain ? plain : share * mesh_.peak;
@@ -7486,16 +7499,16 @@ class LinearLight {
                 const double weight = weights != nullptr ? scale_(weights[i - begin]) : 1;
                 const double square = weight * slope * slope, pull = -weight * slope * difference;
                 energy += weight * difference * difference;
-                const double qa = square * wa, qb = square * wb, qc = square * wc;
-                s00 += qa * wa;
-                s11 += qb * wb;
-                s22 += qc * wc;
-                s01 += qa * wb;
-                s12 += qb * wc;
-                s20 += qc * wa;
-                p0 += pull * wa;
-                p1 += pull * wb;
-                p2 += pull * wc;
+                const double qa = square * w.a, qb = square * w.b, qc = square * w.c;
+                s00 += qa * w.a;
+                s11 += qb * w.b;
+                s22 += qc * w.c;
+                s01 += qa * w.b;
+                s12 += qb * w.c;
+                s20 += qc * w.a;
+                p0 += pull * w.a;
+                p1 += pull * w.b;
+                p2 += pull * w.c;
             }
         });
         const auto sums = [](double square, double coupling, double pull) {
@@ -7854,7 +7867,7 @@ class BilateralWindow {
 // takes those of its own row for the taps ahead and the kept ones for the taps behind. That halves the work on weights.
 // Pairs whose rows together are longer than max_kept wait for another turn.
 // float_lanes is a parameter so that files compiled for different processors do not share one layout's functions.
-template <class T, int C, int N = float_lanes>
+template <class T, int C, int = float_lanes>
 class BilateralTile {
   public:
     static constexpr int max_width = 128, max_height = 64;
@@ -11964,15 +11977,11 @@ struct Corner {
     const float* color;
 };
 
-// The colours of a face as functions of the pixel. The weights of two corners are divided by the area last: on the
-// 1/256 px grid everything before is exact, however thin the face.
+// The colours of a face as functions of the pixel.
 template <int C>
 class Shading {
   public:
-    Shading(const Corner<C>& a, const Corner<C>& b, const Corner<C>& c) noexcept
-        : a_(a.at), ab_{b.at.x - a.at.x, b.at.y - a.at.y}, ac_{c.at.x - a.at.x, c.at.y - a.at.y} {
-        const double area = cross(a.at, b.at, c.at);
-        per_area_ = area != 0 ? 1 / area : 0;
+    Shading(const Corner<C>& a, const Corner<C>& b, const Corner<C>& c) noexcept : weights_(a.at, b.at, c.at) {
         for (std::size_t k = 0; k < C; ++k) {
             base_[k] = static_cast<double>(a.color[k]);
             to_b_[k] = static_cast<double>(b.color[k]) - base_[k];
@@ -11981,19 +11990,14 @@ class Shading {
     }
     // Pixels [begin, end) of row j.
     void fill(int j, int begin, int end, float* pixel) const noexcept {
-        const double y = j + 0.5 - a_.y;
         for (int i = begin; i < end; ++i, pixel += C) {
-            const double x = i + 0.5 - a_.x;
-            // Held to [0, 1]: a centre can be outside by the rounding of an edge, which is much for a face of no width.
-            const double b = std::max(0.0, std::min(1.0, (x * ac_.y - ac_.x * y) * per_area_));
-            const double c = std::max(0.0, std::min(1.0 - b, (ab_.x * y - x * ab_.y) * per_area_));
-            for (std::size_t k = 0; k < C; ++k) pixel[k] = static_cast<float>(base_[k] + b * to_b_[k] + c * to_c_[k]);
+            const Barycentric w = weights_(i, j);
+            for (std::size_t k = 0; k < C; ++k) pixel[k] = static_cast<float>(base_[k] + w.b * to_b_[k] + w.c * to_c_[k]);
         }
     }
 
   private:
-    Point a_, ab_, ac_;
-    double per_area_;
+    CentreWeights weights_;
     std::array<double, std::size_t{C}> base_, to_b_, to_c_;
 };
 

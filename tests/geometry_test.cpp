@@ -336,3 +336,25 @@ TEST_CASE("barycentric coordinates sum to 1, make their point, and are 1, 0, 0 i
         CHECK((at_b.a == 0 && at_b.b == 1 && at_b.c == 0));
     }
 }
+
+TEST_CASE("CentreWeights are the barycentric coordinates of pixel centres, held to [0, 1], for faces of either orientation") {
+    const hmesh::Point a{2.25, 1.5}, b{17.0, 4.75}, c{6.5, 19.0};
+    for (const bool turned : {false, true}) {
+        const hmesh::Point second = turned ? c : b, third = turned ? b : c;
+        const hmesh::CentreWeights weights(a, second, third);
+        int inside = 0;
+        for (int j = 0; j < 20; ++j)
+            for (int i = 0; i < 20; ++i) {
+                const hmesh::Barycentric w = weights(i, j), exact = hmesh::barycentric(a, second, third, {i + 0.5, j + 0.5});
+                CHECK(w.a + w.b + w.c == doctest::Approx(1));
+                CHECK((w.a >= 0 && w.b >= 0 && w.c >= 0 && w.b <= 1 && w.c <= 1));
+                if (exact.a < 0 || exact.b < 0 || exact.c < 0) continue;
+                ++inside;
+                CHECK(w.b == doctest::Approx(exact.b));
+                CHECK(w.c == doctest::Approx(exact.c));
+            }
+        CHECK(inside > 80);
+    }
+    const hmesh::Barycentric nowhere = hmesh::CentreWeights(a, b, b)(9, 9);
+    CHECK((nowhere.a == 1 && nowhere.b == 0 && nowhere.c == 0));
+}

@@ -54,15 +54,11 @@ struct Corner {
     const float* color;
 };
 
-// The colours of a face as functions of the pixel. The weights of two corners are divided by the area last: on the
-// 1/256 px grid everything before is exact, however thin the face.
+// The colours of a face as functions of the pixel.
 template <int C>
 class Shading {
   public:
-    Shading(const Corner<C>& a, const Corner<C>& b, const Corner<C>& c) noexcept
-        : a_(a.at), ab_{b.at.x - a.at.x, b.at.y - a.at.y}, ac_{c.at.x - a.at.x, c.at.y - a.at.y} {
-        const double area = cross(a.at, b.at, c.at);
-        per_area_ = area != 0 ? 1 / area : 0;
+    Shading(const Corner<C>& a, const Corner<C>& b, const Corner<C>& c) noexcept : weights_(a.at, b.at, c.at) {
         for (std::size_t k = 0; k < C; ++k) {
             base_[k] = static_cast<double>(a.color[k]);
             to_b_[k] = static_cast<double>(b.color[k]) - base_[k];
@@ -71,19 +67,14 @@ class Shading {
     }
     // Pixels [begin, end) of row j.
     void fill(int j, int begin, int end, float* pixel) const noexcept {
-        const double y = j + 0.5 - a_.y;
         for (int i = begin; i < end; ++i, pixel += C) {
-            const double x = i + 0.5 - a_.x;
-            // Held to [0, 1]: a centre can be outside by the rounding of an edge, which is much for a face of no width.
-            const double b = std::max(0.0, std::min(1.0, (x * ac_.y - ac_.x * y) * per_area_));
-            const double c = std::max(0.0, std::min(1.0 - b, (ab_.x * y - x * ab_.y) * per_area_));
-            for (std::size_t k = 0; k < C; ++k) pixel[k] = static_cast<float>(base_[k] + b * to_b_[k] + c * to_c_[k]);
+            const Barycentric w = weights_(i, j);
+            for (std::size_t k = 0; k < C; ++k) pixel[k] = static_cast<float>(base_[k] + w.b * to_b_[k] + w.c * to_c_[k]);
         }
     }
 
   private:
-    Point a_, ab_, ac_;
-    double per_area_;
+    CentreWeights weights_;
     std::array<double, std::size_t{C}> base_, to_b_, to_c_;
 };
 

@@ -8,7 +8,6 @@
 #ifndef HMESH_FIT_DRAWN_ENERGY_HPP
 #define HMESH_FIT_DRAWN_ENERGY_HPP
 
-#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <cstdint>
@@ -21,6 +20,14 @@
 #include "hmesh/mesh/mesh_view.hpp"
 
 namespace hmesh {
+namespace detail {
+
+template <int C>
+[[nodiscard]] Point position(const Mesh<C>& mesh, std::size_t v) noexcept {
+    return {static_cast<double>(mesh.positions[2 * v]), static_cast<double>(mesh.positions[2 * v + 1])};
+}
+
+}  // namespace detail
 
 // The sum of squared differences in stored values over pixels and channels, times weights (`unit`: weight_unit() of them),
 // of a mesh that tiles the image and whose faces have positive areas.
@@ -29,13 +36,8 @@ template <class T, int C>
                                   double unit = 1, const ParallelFor& parallel_for = {}) {
     const WeightScale scale(unit, view.width, view.height);
     const auto face = [&](const Triangle& t) {
-        const auto position = [&](std::uint32_t v) {
-            return Point{static_cast<double>(mesh.positions[2 * v]), static_cast<double>(mesh.positions[2 * v + 1])};
-        };
-        const Point a = position(t[0]), b = position(t[1]), c = position(t[2]);
-        const double per_area = 1 / cross(a, b, c);
-        const double bx = (b.x - a.x) * per_area, by = (b.y - a.y) * per_area;
-        const double cx = (c.x - a.x) * per_area, cy = (c.y - a.y) * per_area;
+        const Point a = detail::position(mesh, t[0]), b = detail::position(mesh, t[1]), c = detail::position(mesh, t[2]);
+        const CentreWeights weights_at(a, b, c);
         std::array<double, std::size_t{C}> at_a{}, to_b{}, to_c{};
         for (std::size_t k = 0; k < C; ++k) {
             const auto color = [&](std::uint32_t v) { return static_cast<double>(mesh.colors[C * std::size_t{v} + k]); };
@@ -45,15 +47,11 @@ template <class T, int C>
         for_each_span(a, b, c, [&](int j, int begin, int end) {
             const T* sample = view.pixel(begin, j);
             const float* weight = weights.data != nullptr ? weights.pixel(begin, j) : nullptr;
-            const double y = j + 0.5 - a.y;
             for (int i = begin; i < end; ++i, sample += C) {
-                const double x = i + 0.5 - a.x;
-                // Held to [0, 1] as render() does it.
-                const double wb = std::max(0.0, std::min(1.0, x * cy - cx * y));
-                const double wc = std::max(0.0, std::min(1.0 - wb, bx * y - x * by));
+                const Barycentric w = weights_at(i, j);
                 double square = 0;
                 for (std::size_t k = 0; k < C; ++k) {
-                    const double difference = at_a[k] + wb * to_b[k] + wc * to_c[k] - PixelTraits<T>::to_real(sample[k]);
+                    const double difference = at_a[k] + w.b * to_b[k] + w.c * to_c[k] - PixelTraits<T>::to_real(sample[k]);
                     square += difference * difference;
                 }
                 energy += weight != nullptr ? scale(weight[i - begin]) * square : square;

@@ -31,6 +31,7 @@
 #include "hmesh/core/status.hpp"
 #include "hmesh/fit/barycentric.hpp"
 #include "hmesh/fit/colors.hpp"
+#include "hmesh/fit/drawn_energy.hpp"
 #include "hmesh/fit/pcg.hpp"
 #include "hmesh/fit/ring.hpp"
 #include "hmesh/image/image_view.hpp"
@@ -67,11 +68,6 @@ struct ChannelLight {
     std::vector<float> stored;
     std::vector<double> light;
 };
-
-template <int C>
-[[nodiscard]] Point position(const Mesh<C>& mesh, std::size_t v) noexcept {
-    return {static_cast<double>(mesh.positions[2 * v]), static_cast<double>(mesh.positions[2 * v + 1])};
-}
 
 // The error and the Gauss-Newton system of one channel after the other.
 template <class T, int C>
@@ -149,25 +145,20 @@ class LinearLight {
     [[nodiscard]] double face(const ChannelLight& at, std::size_t f, std::size_t k) {
         const std::array<Vertex, 3> v = topology_.vertices(Face(f));
         const Point a = position(mesh_, v[0].index()), b = position(mesh_, v[1].index()), c = position(mesh_, v[2].index());
-        const double per_area = 1 / cross(a, b, c), per_peak = 1 / mesh_.peak;
+        const CentreWeights weights_at(a, b, c);
+        const double per_peak = 1 / mesh_.peak;
         const double la = at.light[v[0].index()], lb = at.light[v[1].index()] - la, lc = at.light[v[2].index()] - la;
         // A face of one colour shows that very colour. Stored values are compared, not shares: they are exact, and stay so where
         // the processor keeps more digits of some products than of others.
         const bool is_plain = lb == 0 && lc == 0;
         const auto plain = static_cast<double>(at.stored[v[0].index()]);
-        const double bx = (b.x - a.x) * per_area, by = (b.y - a.y) * per_area;
-        const double cx = (c.x - a.x) * per_area, cy = (c.y - a.y) * per_area;
         double energy = 0, s00 = 0, s11 = 0, s22 = 0, s01 = 0, s12 = 0, s20 = 0, p0 = 0, p1 = 0, p2 = 0;
         for_each_span(a, b, c, [&](int j, int begin, int end) {
             const T* sample = view_.pixel(begin, j) + k;
             const float* weights = options_.weights.data != nullptr ? options_.weights.pixel(begin, j) : nullptr;
-            const double y = j + 0.5 - a.y;
             for (int i = begin; i < end; ++i, sample += C) {
-                const double x = i + 0.5 - a.x;
-                // Held to [0, 1] as render() does it.
-                const double wb = std::max(0.0, std::min(1.0, x * cy - cx * y));
-                const double wc = std::max(0.0, std::min(1.0 - wb, bx * y - x * by));
-                const double wa = 1 - wb - wc, light = la + wb * lb + wc * lc;
+                const Barycentric w = weights_at(i, j);
+                const double light = la + w.b * lb + w.c * lc;
                 const double share = encoded ? linear_to_srgb(light) : light;
                 const double slope = encoded ? linear_to_srgb_slope(light, share) : 1;
                 const double shown = is_plain ? plain : share * mesh_.peak;
@@ -175,16 +166,16 @@ class LinearLight {
                 const double weight = weights != nullptr ? scale_(weights[i - begin]) : 1;
                 const double square = weight * slope * slope, pull = -weight * slope * difference;
                 energy += weight * difference * difference;
-                const double qa = square * wa, qb = square * wb, qc = square * wc;
-                s00 += qa * wa;
-                s11 += qb * wb;
-                s22 += qc * wc;
-                s01 += qa * wb;
-                s12 += qb * wc;
-                s20 += qc * wa;
-                p0 += pull * wa;
-                p1 += pull * wb;
-                p2 += pull * wc;
+                const double qa = square * w.a, qb = square * w.b, qc = square * w.c;
+                s00 += qa * w.a;
+                s11 += qb * w.b;
+                s22 += qc * w.c;
+                s01 += qa * w.b;
+                s12 += qb * w.c;
+                s20 += qc * w.a;
+                p0 += pull * w.a;
+                p1 += pull * w.b;
+                p2 += pull * w.c;
             }
         });
         const auto sums = [](double square, double coupling, double pull) {

@@ -140,7 +140,7 @@ class BilateralWindow {
 // takes those of its own row for the taps ahead and the kept ones for the taps behind. That halves the work on weights.
 // Pairs whose rows together are longer than max_kept wait for another turn.
 // float_lanes is a parameter so that files compiled for different processors do not share one layout's functions.
-template <class T, int C, int N = float_lanes>
+template <class T, int C, int = float_lanes>
 class BilateralTile {
   public:
     static constexpr int max_width = 128, max_height = 64;
