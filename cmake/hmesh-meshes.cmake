@@ -20,6 +20,10 @@
 # `hmesh` that was installed with the package or is on the path. When cross-compiling it is one of the host: HMESH_COMMAND,
 # the one on the path, or that of hmesh's own build where CMAKE_CROSSCOMPILING_EMULATOR runs it.
 
+# The function's, whatever the project has: before 3.20 Ninja was given depfiles with names that it does not know.
+cmake_policy(PUSH)
+cmake_policy(VERSION 3.21...3.31)
+
 # With a type, which makes a relative path of the command line absolute. A variable that is none of the cache stays as it is.
 if(NOT DEFINED HMESH_COMMAND OR DEFINED CACHE{HMESH_COMMAND})
     set(HMESH_COMMAND "" CACHE FILEPATH "The command hmesh; where empty, the one that is built, installed or on the path")
@@ -73,11 +77,20 @@ function(hmesh_add_meshes target)
         list(JOIN efforts ", " efforts)
         message(FATAL_ERROR "hmesh_add_meshes(${target}): EFFORT '${arg_EFFORT}' is not one of: ${efforts}")
     endif()
-    set(number "^[+]?([0-9]+[.]?[0-9]*|[.][0-9]+)([eE][+-]?[0-9]+)?$")
-    if(DEFINED arg_RATE AND NOT arg_RATE MATCHES "${expression}" AND
-       NOT (arg_RATE MATCHES "${number}" AND arg_RATE GREATER 0 AND arg_RATE LESS_EQUAL 100))
-        message(FATAL_ERROR "hmesh_add_meshes(${target}): RATE '${arg_RATE}' must be a number above 0 and at most 100")
+    if(DEFINED arg_VERTICES AND NOT arg_VERTICES MATCHES "${expression}" AND
+       NOT (arg_VERTICES MATCHES "^[0-9]+$" AND arg_VERTICES GREATER_EQUAL 4))
+        message(FATAL_ERROR "hmesh_add_meshes(${target}): VERTICES '${arg_VERTICES}' must be a whole number of at least 4")
     endif()
+    set(number "^[+]?([0-9]+[.]?[0-9]*|[.][0-9]+)([eE][+-]?[0-9]+)?$")
+    foreach(goal_and_most IN ITEMS RATE:100 PSNR:1000)
+        string(REGEX REPLACE ":.*" "" goal ${goal_and_most})
+        string(REGEX REPLACE ".*:" "" most ${goal_and_most})
+        set(value "${arg_${goal}}")
+        if(DEFINED arg_${goal} AND NOT value MATCHES "${expression}" AND
+           NOT (value MATCHES "${number}" AND value GREATER 0 AND value LESS_EQUAL most))
+            message(FATAL_ERROR "hmesh_add_meshes(${target}): ${goal} '${value}' must be a number above 0 and at most ${most}")
+        endif()
+    endforeach()
 
     set(directory "${CMAKE_CURRENT_BINARY_DIR}/${target}")
     if(arg_OUTPUT_DIRECTORY)
@@ -139,3 +152,5 @@ function(hmesh_find_command result)
     endif()
     set(${result} "${hmesh_program}" PARENT_SCOPE)
 endfunction()
+
+cmake_policy(POP)

@@ -85,9 +85,25 @@ refuses "EFFORT 'Fast' is not $efforts" "$@" "-DMORE=EFFORT;Fast"
 for rate in 0 -1 100.5 1,5 1e nan 5%; do
     refuses "RATE '$rate' must be a number above 0 and at most 100" "$@" "-DMORE=RATE;$rate"
 done
-for more in "RATE;1e2" "RATE;+.5" 'RATE;$<IF:$<CONFIG:Debug>,5,8>' "FORMAT;PLY;glb" 'EFFORT;$<IF:$<CONFIG:Debug>,draft,best>'; do
+for psnr in 0 -3 1001 30dB; do
+    refuses "PSNR '$psnr' must be a number above 0 and at most 1000" "$@" "-DMORE=PSNR;$psnr"
+done
+for vertices in 12x 3 -5 1e3; do
+    refuses "VERTICES '$vertices' must be a whole number of at least 4" "$@" "-DMORE=VERTICES;$vertices"
+done
+for more in "RATE;1e2" "RATE;+.5" "PSNR;32.5" "VERTICES;4" 'RATE;$<IF:$<CONFIG:Debug>,5,8>' "FORMAT;PLY;glb" 'EFFORT;$<IF:$<CONFIG:Debug>,draft,best>'; do
     project "$source/tests/package/meshes" "$@" "-DMORE=$more" || fail "refused: $more"
 done
+
+# Projects of older policies than the function's, with the installed file alone.
+rm -rf "$work/build"
+image 2 >"$work/two.pgm"
+project "$source/tests/package/old_policies" "-DIMAGES=$work/one.pgm;$work/two.pgm" "-DIMAGE_WEIGHTS=$work/weights.pgm" ||
+    fail "a project of older policies cannot be configured"
+meshes one two
+meshes
+later "$work/weights.pgm"
+meshes one two
 
 # The command that is built is run if it is one of this machine, or an emulator runs it.
 set -- "$@" -DHMESH_COMMAND= -DHMESH_BUILD_COMMAND=ON
