@@ -59,7 +59,8 @@ inline constexpr char help[] =
     "  -h, --help            print this text\n"
     "  --version             print the version\n"
     "\n"
-    "PSNR = 10 log10(peak^2 / MSE), MSE the mean over pixels and channels of the image's stored values.\n"
+    "PSNR = 10 log10(peak^2 / MSE), MSE the mean over pixels and channels of the image's stored values; with weights\n"
+    "over weighted pixels, with --premultiplied of colours times alpha, with --fit-space linear of the mesh drawn so.\n"
     "Ctrl-C stops early and writes the mesh reached so far, unless --depfile is given.\n"
     "Exit status: 0 done, 1 failed, 2 wrong usage.\n";
 

@@ -90,14 +90,14 @@ hmesh::Mesh<1> grid_terrain(const Heights& heights, std::size_t vertices) {
     for (int j = 0; j + 1 < rows; ++j)
         for (int i = 0; i + 1 < columns; ++i) {
             const auto corner = static_cast<std::uint32_t>(j * columns + i), below = corner + static_cast<std::uint32_t>(columns);
-            grid.faces.push_back({corner, below, corner + 1});
-            grid.faces.push_back({corner + 1, below, below + 1});
+            grid.faces.push_back({corner, corner + 1, below});
+            grid.faces.push_back({corner + 1, below + 1, below});
         }
     return grid;
 }
 
-// x to the right, y up from the ground, z towards the viewer; one unit is one pixel. Faces are counter-clockwise seen from
-// above, clockwise in the image, whose y points down.
+// x to the right, y up from the ground, z towards the viewer; one unit is one pixel. Seen from above, faces of a mesh are
+// clockwise as in the image; those of an OBJ file are to be counter-clockwise, so two corners change places.
 bool write_terrain(const hmesh::Mesh<1>& mesh, example::OutputFile& file) {
     char line[128];
     const auto write = [&](int size) { return file(line, static_cast<std::size_t>(size)); };
@@ -108,7 +108,7 @@ bool write_terrain(const hmesh::Mesh<1>& mesh, example::OutputFile& file) {
                                    unit * static_cast<double>(mesh.colors[v]), static_cast<double>(mesh.positions[2 * v + 1])));
     for (std::size_t f = 0; f < mesh.faces.size() && good; ++f)
         good = write(
-            std::snprintf(line, sizeof line, "f %u %u %u\n", mesh.faces[f][0] + 1, mesh.faces[f][1] + 1, mesh.faces[f][2] + 1));
+            std::snprintf(line, sizeof line, "f %u %u %u\n", mesh.faces[f][0] + 1, mesh.faces[f][2] + 1, mesh.faces[f][1] + 1));
     return good && file.commit();
 }
 

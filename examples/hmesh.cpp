@@ -1,6 +1,9 @@
 // hmesh - the command: an image file becomes a mesh. See `hmesh --help`.
 #include <cstdio>
+#include <cstdlib>
+#include <exception>
 #include <filesystem>
+#include <new>
 #include <optional>
 #include <string>
 #include <system_error>
@@ -87,9 +90,10 @@ std::string write_picture(const std::string& name, const hmesh::Status& status, 
 
 // Image, mesh, mesh with edges and error, side by side.
 hmesh::Status draw_strip(const hmesh::MeshView& mesh, bool linear_light, const Rgb& original, Rgb& strip) {
-    Rgb drawn, edges;
+    Rgb drawn;
     if (const hmesh::Status status = draw_rgb(mesh, {1, linear_light}, drawn); !status) return status;
-    if (const hmesh::Status status = draw_with_edges(mesh, {1, linear_light}, edges); !status) return status;
+    Rgb edges = drawn;
+    if (const hmesh::Status status = draw_wireframe(mesh, edges); !status) return status;
     strip = side_by_side({original, drawn, edges, residual(original, drawn)});
     return {};
 }
@@ -148,8 +152,7 @@ void print_summary(const Arguments& arguments, const ImageFile& image, const Out
                 image.channels, image.channels == 1 ? "" : "s", image.bits);
     std::printf("vertices  %zu\n", outcome.report.vertices);
     std::printf("faces     %zu\n", outcome.report.faces);
-    std::printf("PSNR      %s (%s)\n", psnr_text(outcome.report.psnr).c_str(),
-                arguments.weights.empty() ? psnr_formula : weighted_psnr_formula);
+    std::printf("PSNR      %s (%s)\n", psnr_text(outcome.report.psnr).c_str(), psnr_formula(arguments).c_str());
     std::printf("time      %.2f s\n", seconds);
     for (const std::string& name : output_files(arguments)) std::printf("written   %s\n", name.c_str());
 }
@@ -199,8 +202,7 @@ int run(const Arguments& arguments) {
         return fail(failed,
                     where + ": " + in_words(outcome.status) + "; nothing is written, as --depfile asks for whole results");
     WebPage page;
-    if (has_output(arguments, ".html"))
-        page = make_web_page(arguments.input, image, std::move(bytes), outcome.report, !arguments.weights.empty());
+    if (has_output(arguments, ".html")) page = make_web_page(arguments, image, std::move(bytes), outcome.report);
     std::string why = write_meshes(arguments, outcome.view(), page);
     if (why.empty()) why = write_pictures(arguments, image, outcome.view());
     if (why.empty() && !arguments.report.empty()) {
@@ -220,6 +222,20 @@ int run(const Arguments& arguments) {
     return fail(failed, where + ": " + in_words(outcome.status) + "; " + reached);
 }
 
+constexpr char no_memory[] = "there is not enough memory for this image and these options";
+
+// Where a worker of the pool, which throws nothing, has no memory.
+[[noreturn]] void give_up() {
+    try {
+        if (std::exception_ptr why = std::current_exception()) std::rethrow_exception(why);
+    } catch (const std::bad_alloc&) {
+        std::fprintf(stderr, "hmesh: %s\n", no_memory);
+        std::_Exit(failed);
+    } catch (...) {
+    }
+    std::abort();
+}
+
 }  // namespace
 }  // namespace example
 
@@ -232,7 +248,12 @@ int main(int argc, char** argv) {
     } else if (arguments.version) {
         std::printf("hmesh %s\n", HMESH_VERSION_STRING);
     } else {
-        return example::run(arguments);
+        std::set_terminate(example::give_up);
+        try {
+            return example::run(arguments);
+        } catch (const std::bad_alloc&) {
+            return example::fail(example::failed, example::no_memory);
+        }
     }
     return std::fflush(stdout) == 0 ? example::done : example::failed;
 }

@@ -1,6 +1,7 @@
 // examples - reads image files of 8 and 16 bits and 1 to 4 channels, and encodes PNG files of 8 bits, with stb.
 //
-// The bit depth and the number of channels are those of the file; a caller picks its ImageView<T, C> at run time.
+// The bit depth and the number of channels are those of the file; a caller picks its ImageView<T, C> at run time. Photographs
+// are turned as their Exif tags say.
 #ifndef HMESH_EXAMPLES_IMAGE_FILE_HPP
 #define HMESH_EXAMPLES_IMAGE_FILE_HPP
 
@@ -14,6 +15,7 @@
 #include <string>
 #include <vector>
 
+#include "exif.hpp"
 #include "hmesh/image/image_view.hpp"
 #include "pnm.hpp"
 
@@ -115,8 +117,10 @@ template <class T>
     if (const std::string why = check_size(image.width, image.height); !why.empty()) return why;
     image.bits = stbi_is_16_bit_from_memory(bytes.data(), size) != 0 ? 16 : 8;
     int &w = image.width, &h = image.height, &c = image.channels;
-    return image.bits == 16 ? take(stbi_load_16_from_memory(bytes.data(), size, &w, &h, &c, 0), image, image.samples16)
-                            : take(stbi_load_from_memory(bytes.data(), size, &w, &h, &c, 0), image, image.samples8);
+    if (image.bits == 16) return take(stbi_load_16_from_memory(bytes.data(), size, &w, &h, &c, 0), image, image.samples16);
+    const std::string why = take(stbi_load_from_memory(bytes.data(), size, &w, &h, &c, 0), image, image.samples8);
+    if (why.empty() && is_jpeg(bytes)) turn_upright(orientation(bytes), c, w, h, image.samples8);
+    return why;
 }
 
 }  // namespace detail

@@ -1,7 +1,7 @@
 // examples - OutputFile: writes a file whole or not at all.
 //
-// The bytes go to a new file beside the target, which takes the target's name when all of them are written. A target
-// that exists and is no regular file (a device, a pipe) is written directly; a symbolic link is followed.
+// The bytes go to a new file beside the target, which takes the target's name and permissions when all of them are written. A
+// target that exists and is no regular file (a device, a pipe) is written directly; a symbolic link is followed.
 #ifndef HMESH_EXAMPLES_OUTPUT_FILE_HPP
 #define HMESH_EXAMPLES_OUTPUT_FILE_HPP
 
@@ -19,12 +19,19 @@ class OutputFile {
   public:
     // Follows links and decides where the bytes go; opens nothing.
     explicit OutputFile(const std::string& path) : target_(path) {
+        namespace fs = std::filesystem;
         std::error_code none;
-        const std::filesystem::file_status status = std::filesystem::status(path, none);
-        is_directory_ = std::filesystem::is_directory(status);
-        in_place_ = std::filesystem::exists(status) && !std::filesystem::is_regular_file(status);
-        if (std::filesystem::is_regular_file(status)) {
-            const std::filesystem::path real = std::filesystem::canonical(path, none);
+        const auto leads_nowhere = [&] {
+            return !fs::exists(target_, none) && fs::is_symlink(fs::symlink_status(target_, none));
+        };
+        for (int links = 0; links < 40 && leads_nowhere(); ++links)  // to a file that is to be made
+            target_ = (fs::path(target_).parent_path() / fs::read_symlink(target_, none)).string();
+        const fs::file_status status = fs::status(target_, none);
+        if (leads_nowhere()) refusal_ = ELOOP;
+        if (fs::is_directory(status)) refusal_ = EISDIR;
+        in_place_ = fs::exists(status) && !fs::is_regular_file(status);
+        if (fs::is_regular_file(status)) {
+            const fs::path real = fs::canonical(target_, none);
             if (!none) target_ = real.string();
         }
     }
@@ -34,14 +41,14 @@ class OutputFile {
 
     // Whether the file could be opened now: creates the file beside the target and removes it again.
     [[nodiscard]] bool is_writable() {
-        if (in_place_ && !is_directory_) return true;
+        if (in_place_ && refusal_ == 0) return true;
         const bool opened = open();
         discard();
         return opened;
     }
 
     [[nodiscard]] bool open() {
-        if (is_directory_) return fail(EISDIR);
+        if (refusal_ != 0) return fail(refusal_);
         errno = 0;
         if (in_place_) {
             file_ = std::fopen(target_.c_str(), "wb");
@@ -77,6 +84,8 @@ class OutputFile {
         }
         if (in_place_) return true;
         std::error_code code;
+        const std::filesystem::file_status replaced = std::filesystem::status(target_, code);
+        if (std::filesystem::exists(replaced)) std::filesystem::permissions(temporary_, replaced.permissions(), code);
         std::filesystem::rename(temporary_, target_, code);
         if (!code) {
             temporary_.clear();
@@ -113,7 +122,8 @@ class OutputFile {
     std::FILE* file_ = nullptr;
     std::string target_, error_;
     std::string temporary_;  // the file beside the target while it exists, else empty
-    bool is_directory_ = false, in_place_ = false;
+    int refusal_ = 0;        // why the target can be no file, as errno has it
+    bool in_place_ = false;
 };
 
 }  // namespace example

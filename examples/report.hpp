@@ -15,12 +15,19 @@
 
 namespace example {
 
-inline constexpr char psnr_convention[] =
-    "10 log10(peak^2 / MSE) in dB, MSE the mean over pixels and channels of the image's stored values";
-
-// The same for people.
-inline constexpr char psnr_formula[] = "10 log10(peak^2 / MSE), MSE over pixels and channels";
-inline constexpr char weighted_psnr_formula[] = "10 log10(peak^2 / MSE), MSE over weighted pixels and channels";
+// What the PSNR of a mesh made with these arguments is, for people.
+[[nodiscard]] inline std::string psnr_formula(const Arguments& arguments) {
+    return std::string("10 log10(peak^2 / MSE), MSE over ") + (arguments.weights.empty() ? "" : "weighted ") +
+           "pixels and channels" + (arguments.options.premultiplied ? ", colours times alpha" : "") +
+           (arguments.options.fit_space == hmesh::FitSpace::linear_light ? ", drawn in linear light" : "");
+}
+// The same for programs, without anything left to guess.
+[[nodiscard]] inline std::string psnr_convention(const Arguments& arguments) {
+    return std::string("10 log10(peak^2 / MSE) in dB, MSE the mean over pixels") +
+           (arguments.weights.empty() ? "" : ", each as often as its weight over the largest says,") +
+           " and channels of the image's stored values" + (arguments.options.premultiplied ? ", colours times alpha" : "") +
+           (arguments.options.fit_space == hmesh::FitSpace::linear_light ? ", the mesh drawn in linear light" : "");
+}
 
 namespace detail {
 
@@ -120,7 +127,7 @@ namespace detail {
     line("vertices", std::to_string(outcome.report.vertices));
     line("faces", std::to_string(outcome.report.faces));
     line("psnr", detail::json_number(outcome.report.psnr));
-    line("psnr_convention", detail::quoted(psnr_convention));
+    line("psnr_convention", detail::quoted(psnr_convention(arguments)));
     line("energy", detail::json_number(outcome.report.energy));
     line("seconds", detail::json_seconds(seconds));
     return out + "  \"stages\": " + detail::json_stages(outcome.report, watch) + "\n}\n";

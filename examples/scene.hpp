@@ -63,7 +63,7 @@ inline double noise(double x, double y) {
 inline double fractal(double x, double y, int octaves) {
     double sum = 0, weight = 0.5;
     for (int k = 0; k < octaves; ++k, weight /= 2, x = 2.03 * x + 17.3, y = 2.03 * y + 9.1) sum += weight * noise(x, y);
-    return sum / (1 - 2 * weight + weight);
+    return sum / (1 - weight);  // which stays below 1: the weights' sum is 1 - 2 weight
 }
 
 // ---- objects --------------------------------------------------------------------------------------------------------

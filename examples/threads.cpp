@@ -1,4 +1,6 @@
 // threads - meshes hmesh's own scene on one thread and on all cores: what each takes, and that the bytes are equal.
+//
+// Threads share out the tiles of an image. Up to a megapixel there is one, unless Options::tile asks for more.
 #include <chrono>
 #include <cstdint>
 #include <cstdio>
@@ -15,7 +17,9 @@ namespace {
 hmesh::Result<3> mesh_on(const example::ThreadPool& pool, const hmesh::Image<std::uint8_t, 3>& image) {
     using Clock = std::chrono::steady_clock;
     const Clock::time_point begin = Clock::now();
-    hmesh::Result<3> result = hmesh::mesh_image(image.view(), {}, pool);
+    hmesh::Options options;
+    options.tile = 160;  // px
+    hmesh::Result<3> result = hmesh::mesh_image(image.view(), options, pool);
     const double seconds = std::chrono::duration<double>(Clock::now() - begin).count();
     std::printf("%3zu thread%s %6.2f s, %zu vertices, PSNR %.2f dB\n", pool.threads(), pool.threads() == 1 ? " " : "s", seconds,
                 result.report.vertices, result.report.psnr);

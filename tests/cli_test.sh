@@ -88,13 +88,13 @@ low='(x*37+y*91)%256'  # the lower bytes of 16-bit samples: noise below 1/255
 { printf '\0\0\2\0\0\0\0\0\0\0\0\0\x14\0\x10\0\x20\x28'; samples 20 16 "x*12 y*15 $grey 255-x*5"; } >rgba.tga
 { printf '\0\0\3\0\0\0\0\0\0\0\0\0\x14\0\x10\0\x10\x28'; samples 20 16 "$grey 255-x*5"; } >grey_alpha.tga
 { printf 'P5\n8 8\n255\n'; samples 8 8 '77'; } >constant.pgm
-# jpeg EXIF: 8 x 8 px of one grey, all tables as short as can be, after a segment of Exif.
+# jpeg EXIF: 16 x 8 px of one grey, all tables as short as can be, after a segment of Exif.
 jpeg() {
     printf "\\xff\\xd8$1\\xff\\xdb\\0\\x43\\0"
     printf '\1%.0s' {1..64}
-    printf '\xff\xc0\0\x0b\x08\0\x08\0\x08\1\1\x11\0'
+    printf '\xff\xc0\0\x0b\x08\0\x08\0\x10\1\1\x11\0'
     for class in '\0' '\x10'; do printf "\\xff\\xc4\\0\\x14$class\\1" && printf '\0%.0s' {1..16}; done
-    printf '\xff\xda\0\x08\1\1\0\0\x3f\0\x3f\xff\xd9'
+    printf '\xff\xda\0\x08\1\1\0\0\x3f\0\x0f\xff\xd9'
 }
 turned='\xff\xe1\0\x22Exif\0\0MM\0*\0\0\0\x08\0\1\1\x12\0\3\0\0\0\1\0\6\0\0\0\0\0\0'
 turned_little='\xff\xe1\0\x22Exif\0\0II*\0\x08\0\0\0\1\0\x12\1\3\0\1\0\0\0\6\0\0\0\0\0\0\0'
@@ -311,6 +311,8 @@ check "the report's faces are the mesh's" ply_has mesh.ply "element face $(json_
 stage='\{"name": "[^"]+", "vertices": [0-9]+, "energy": [0-9.e+]+, "psnr": [0-9.]+, "seconds": [0-9.]+\}'
 check "the report holds name, vertices, energy, PSNR and seconds of each stage" grep -Eq "$stage" report.json
 check "every stage was timed" test "$(grep -c '"name"' report.json)" -eq "$(grep -Ec "$stage" report.json)"
+check "the report says what its PSNR is" has report.json psnr_convention \
+    '"10 log10(peak^2 / MSE) in dB, MSE the mean over pixels and channels of the image'"'"'s stored values"'
 check "energy and psnr agree by the convention" awk -v e="$(json_value report.json energy)" -v p="$(json_value report.json psnr)" \
     'BEGIN { q = 10 * log(255 * 255 * 96 * 64 * 3 / e) / log(10); exit !(q - p < 1e-6 && p - q < 1e-6) }'
 
@@ -326,12 +328,18 @@ run picture.png -o again.ply --vertices 100 --threads 1
 check "--threads 1 writes the same bytes as all cores" cmp -s mesh.ply again.ply
 run picture.png -o again.ply --vertices 100 --threads 3
 check "--threads 3 writes the same bytes as all cores" cmp -s mesh.ply again.ply
-run picture.png -o tile.ply --tile 64 --report tile.json
+"$scene" wide.png 160 140
+run wide.png -o whole.ply --vertices 1400 --effort fast
+run wide.png -o tiles.ply --vertices 1400 --effort fast --tile 64 --threads 1 --report tile.json
 check "--tile exits 0" exits 0
 check "the report names the tile" has tile.json tile 64
+check "tiles make another mesh than the image in one piece" test "$(cmp whole.ply tiles.ply | wc -l)" -eq 1
+run wide.png -o again.ply --vertices 1400 --effort fast --tile 64 --threads 3
+check "tiles shared among three threads make the mesh that one makes" cmp -s tiles.ply again.ply
 for file in grey.pgm grey16.pgm color.ppm color16.ppm grey_alpha.tga rgba.tga; do
     run grey.pgm --weights $file --report weights.json
     check "$file serves as weights" exits 0
+    check "the report says that its PSNR is weighted" grep -q '"psnr_convention": .*, each as often as its weight' weights.json
     check "the report names the weights $file" has weights.json weights "\"$file\""
 done
 run picture.png -o quiet.ply --quiet
@@ -423,6 +431,7 @@ for file in turned turned_little; do
     run $file.jpg -o x.html
     original_of x.html >original.png
     check "the page holds as PNG a JPEG file that browsers would turn: $file" is_png original.png
+    check "what the page holds is turned as the tags say: $file" test "$(png_size original.png)" = ' 8 16'
 done
 run grey_alpha.tga -o x.html --vertices 40
 original_of x.html >original.png
@@ -451,6 +460,29 @@ ln -s real.ply link.ply
 : >real.ply
 run grey.pgm -o link.ply
 check "a symbolic link is followed, not replaced" test -L link.ply -a -s real.ply
+mkdir later
+ln -s later/new.ply first.ply
+ln -s "$PWD/first.ply" second.ply
+run grey.pgm -o second.ply
+check "links to a file that does not exist yet are followed" test -L second.ply -a -L first.ply -a -s later/new.ply
+ln -s loop.ply loop.ply
+run grey.pgm -o loop.ply
+check "a link to itself cannot be written" exits 1
+check "a link to itself is left" test -L loop.ply
+: >private.ply
+chmod 600 private.ply
+run grey.pgm -o private.ply
+check "who may read a file stays as it was" test "$(stat -c %a private.ply)" = 600
+if (ulimit -v 1000000 && "$hmesh" --version) >out 2>err; then  # not with the address sanitizer
+    { printf 'P5 1024 1024 255\n' && head -c 1048576 /dev/zero; } >flat.pgm
+    last="flat.pgm --render none.png --render-scale 16, which takes 1 GiB, within 1 GB"
+    (ulimit -v 1000000 && "$hmesh" flat.pgm --vertices 4 --effort draft --render none.png --render-scale 16 >out 2>err </dev/null)
+    status=$?
+    check "where there is no memory hmesh exits 1" exits 1
+    check "where there is no memory hmesh says so" is_one_sentence
+    check "where there is no memory no file is left" test ! -e none.png
+    check "where there is no memory no part of a file is left" no_part_is_left
+fi
 
 # ---- what was read for what is written --------------------------------------------------------------------------------
 cp grey.pgm 'a #1 $2.pgm'

@@ -121,14 +121,15 @@ TEST_CASE("bodies may be const, and may be given as lvalues and rvalues") {
     CHECK(sum == 3 * 45);
 }
 
-TEST_CASE("mesh_image gives the same bytes on 1, 2 and 7 threads as without a pool") {
-    const auto image = hmesh_test::scene<std::uint8_t, 3>(80, 70, 1);
-    for (const hmesh::Effort effort : {hmesh::Effort::draft, hmesh::Effort::normal}) {
+TEST_CASE("mesh_image gives the same bytes on 1, 2 and 7 threads as without a pool, in one tile and in several") {
+    const auto image = hmesh_test::scene<std::uint8_t, 3>(160, 140, 1);
+    for (const int tile : {0, 64}) {
         hmesh::Options options;
-        options.target = hmesh::Target::vertices(300);
-        options.effort = effort;
+        options.target = hmesh::Target::vertices(1400);
+        options.effort = hmesh::Effort::fast;
+        options.tile = tile;
         const auto first = hmesh::mesh_image(image.view(), options);
-        REQUIRE(first.mesh.vertex_count() == 300);
+        REQUIRE(first.mesh.vertex_count() == 1400);
         for (const unsigned threads : {1U, 2U, 7U})
             CHECK(hmesh_test::same_bytes(hmesh::mesh_image(image.view(), options, ThreadPool(threads)), first));
     }

@@ -21,7 +21,7 @@ Rgb mix(const Rgb& a, const Rgb& b, double share) {
 
 // A number in [0, 1] for each point of a grid that repeats after `period` points, so that textures tile.
 double lattice(int x, int y, int period) {
-    std::uint32_t h = static_cast<std::uint32_t>((x % period) * 73856093) ^ static_cast<std::uint32_t>((y % period) * 19349663);
+    std::uint32_t h = static_cast<std::uint32_t>(x % period) * 73856093U ^ static_cast<std::uint32_t>(y % period) * 19349663U;
     h = (h ^ (h >> 13)) * 1274126177U;
     return static_cast<double>((h ^ (h >> 16)) & 0xffff) / 65535;
 }
