@@ -68,7 +68,8 @@ struct [[nodiscard]] Status {
 // hmesh - is_finite(), is_within(): can a number that came from outside be calculated with?
 //
 // Answered by the bits. Compilers that are told of finite numbers only (-ffast-math) take std::isfinite() and comparisons
-// with NaN to be true without looking; what users hand over is checked with these two, so that it is refused there too.
+// with NaN to be true without looking; what users hand over is checked with these two, so that it is refused there too. They
+// look at memory: clang++ takes numbers that are parameters or results of functions to be finite as well.
 #ifndef HMESH_CORE_FINITE_HPP
 #define HMESH_CORE_FINITE_HPP
 
@@ -81,19 +82,32 @@ namespace hmesh {
 static_assert(std::numeric_limits<float>::is_iec559 && std::numeric_limits<double>::is_iec559, "hmesh needs IEEE 754");
 
 // Whether it is neither NaN nor infinite.
-[[nodiscard]] inline bool is_finite(float value) noexcept {
+[[nodiscard]] inline bool is_finite(const float& value) noexcept {
     std::uint32_t bits = 0;
     std::memcpy(&bits, &value, sizeof bits);
     return (bits & 0x7F800000U) != 0x7F800000U;
 }
-[[nodiscard]] inline bool is_finite(double value) noexcept {
+[[nodiscard]] inline bool is_finite(const double& value) noexcept {
     std::uint64_t bits = 0;
     std::memcpy(&bits, &value, sizeof bits);
     return (bits & 0x7FF0000000000000U) != 0x7FF0000000000000U;
 }
 
+namespace detail {
+
+// Made of their bits too: the same compilers warn of the constants, and of whatever is called infinity.
+[[nodiscard]] inline double double_of_bits(std::uint64_t bits) noexcept {
+    double value = 0;
+    std::memcpy(&value, &bits, sizeof value);
+    return value;
+}
+[[nodiscard]] inline double infinite() noexcept { return double_of_bits(0x7FF0000000000000U); }
+[[nodiscard]] inline double not_a_number() noexcept { return double_of_bits(0x7FF8000000000000U); }
+
+}  // namespace detail
+
 // Whether low <= value <= high; false for NaN.
-[[nodiscard]] inline bool is_within(double value, double low, double high) noexcept {
+[[nodiscard]] inline bool is_within(const double& value, double low, double high) noexcept {
     return is_finite(value) && value >= low && value <= high;
 }
 
@@ -740,7 +754,7 @@ Status write_eps(const MeshView& mesh, Sink&& sink, const EpsOptions& options = 
     const int components = mesh.channels == 1 ? 1 : 3;
 
     const auto share = [&](std::size_t v, std::size_t k) {
-        return std::max(0.0, std::min(1.0, static_cast<double>(mesh.colors[channels * v + k]) / mesh.peak));
+        return detail::share_of_peak(mesh.colors[channels * v + k], mesh.peak);
     };
     const auto on_paper = [&](std::size_t v, int k) {
         const double color = share(v, static_cast<std::size_t>(k));
@@ -836,18 +850,19 @@ namespace hmesh::detail {
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <vector>
 
 namespace hmesh::detail {
 
 // A mesh as it is or, if it is premultiplied and has alpha, with colours of its own that are divided by it: color * peak /
-// alpha at each vertex, held to [0, peak]. Vertices without alpha have no colour; they take the mean of those with which they
+// alpha at each vertex, held to [0, peak] or else to what floats hold, as shares of the peak too. Vertices without alpha have no colour; they take the mean of those with which they
 // share faces, weighted by alpha, so that no fringe runs into the faces between; none, 0, where all are transparent. Between
 // vertices the picture is that of straight colours, which agrees with the premultiplied one where alpha or the colour does
 // not change. Of a mesh that check() accepts and that outlives this one. O(vertices + faces).
 class StraightMesh {
   public:
-    explicit StraightMesh(const MeshView& mesh) : view_(mesh) {
+    explicit StraightMesh(const MeshView& mesh, bool is_held = true) : view_(mesh) {
         if (!mesh.premultiplied || (mesh.channels != 2 && mesh.channels != 4)) return;
         const auto channels = static_cast<std::size_t>(mesh.channels), alpha = channels - 1;
         const auto from = [&](std::size_t v, std::size_t k) { return static_cast<double>(mesh.colors[channels * v + k]); };
@@ -859,13 +874,15 @@ class StraightMesh {
                 for (const std::uint32_t other : mesh.faces[f])
                     for (std::size_t k = 0; k < channels && from(other, alpha) > 0; ++k) sums[channels * v + k] += from(other, k);
             }
+        const double most = is_held ? mesh.peak : 0.5 * double{std::numeric_limits<float>::max()} * std::min(1.0, mesh.peak);
+        const double least = is_held ? 0 : -most;
         colors_.resize(channels * mesh.vertex_count);
         for (std::size_t v = 0; v < mesh.vertex_count; ++v) {
             const bool is_clear = !(from(v, alpha) > 0);
             const auto part = [&](std::size_t k) { return !is_clear ? from(v, k) : sums.empty() ? 0.0 : sums[channels * v + k]; };
             for (std::size_t k = 0; k < alpha; ++k) {
                 const double color = part(alpha) > 0 ? part(k) * mesh.peak / part(alpha) : 0;
-                colors_[channels * v + k] = static_cast<float>(std::max(0.0, std::min(mesh.peak, color)));
+                colors_[channels * v + k] = static_cast<float>(std::max(least, std::min(most, color)));
             }
             colors_[channels * v + alpha] = mesh.colors[channels * v + alpha];
         }
@@ -1687,10 +1704,7 @@ void write_mesh_base64(Writer<Sink>& writer, const MeshView& mesh) {
             else out.u32(v);
         }
     const std::size_t samples = static_cast<std::size_t>(mesh.channels) * mesh.vertex_count;
-    for (std::size_t i = 0; i < samples; ++i) {
-        const double share = static_cast<double>(mesh.colors[i]) / mesh.peak;
-        out.u8(static_cast<std::uint8_t>(std::max(0.0, std::min(1.0, share)) * 255 + 0.5));
-    }
+    for (std::size_t i = 0; i < samples; ++i) out.u8(to_u8(share_of_peak(mesh.colors[i], mesh.peak)));
     out.finish();
 }
 
@@ -2026,8 +2040,8 @@ namespace hmesh {
 // Options of write_ply().
 struct PlyOptions {
     bool ascii = false;  // numbers as text, with the digits that give the same floats: about 1.7 times the size
-    // `property float`, 1 being the peak: nothing is rounded, and values outside [0, peak] stay there, so that a program can
-    // have the very mesh back. Most viewers know `uchar` colours only: MeshLab and CloudCompare show these as none.
+    // `property float`, 1 being the peak: shares are rounded to floats only, and values outside [0, peak] stay there, so that a
+    // program can have the mesh back. Most viewers know `uchar` colours only: MeshLab and CloudCompare show these as none.
     bool float_colors = false;
 };
 
@@ -2110,7 +2124,7 @@ class PlyNumbers {
 template <class Sink>
 Status write_ply(const MeshView& source, Sink&& sink, const PlyOptions& options = {}) {
     if (const Status status = detail::check_for_ply(source, options); !status) return status;
-    const detail::StraightMesh straight(source);
+    const detail::StraightMesh straight(source, !options.float_colors);
     const MeshView& mesh = straight.view();
     detail::Writer writer(sink);
     detail::write_ply_header(writer, mesh, options);
@@ -2621,10 +2635,8 @@ class SvgPage {
         FaceColors colors{};
         const auto channels = static_cast<std::size_t>(mesh_.channels);
         for (std::size_t k = 0; k < 3; ++k)
-            for (std::size_t c = 0; c < channels; ++c) {
-                const double share = static_cast<double>(mesh_.colors[channels * mesh_.faces[f][k] + c]) / mesh_.peak;
-                colors[k][c] = std::max(0.0, std::min(1.0, share)) * 255;
-            }
+            for (std::size_t c = 0; c < channels; ++c)
+                colors[k][c] = share_of_peak(mesh_.colors[channels * mesh_.faces[f][k] + c], mesh_.peak) * 255;
         if (channels == 4 && mesh_.premultiplied) divide_by_alpha(colors);
         return colors;
     }
@@ -3122,7 +3134,7 @@ using Face = Handle<struct FaceKind>;
 //
 // Half-edges come in pairs: opposite(h) = h xor 1, edge(h) = h / 2, so edges keep their identity under flips and can carry
 // data. Each half-edge stores its next, the vertex it points to and its face; boundary half-edges have no face and are
-// linked along the boundary, counter to the faces. 36 bytes an edge, 4 a vertex and 4 a face; about 116 bytes a vertex.
+// linked along the boundary, counter to the faces. 24 bytes an edge, 4 a vertex and 4 a face; about 84 bytes a vertex.
 //
 // The mesh is an oriented 2-manifold with boundary: every vertex has one fan of faces. A boundary vertex's half-edge is the
 // boundary half-edge that leaves it. flip, split and collapse cost O(1) plus the valence for collapse; deleted slots are
@@ -3131,7 +3143,6 @@ using Face = Handle<struct FaceKind>;
 #ifndef HMESH_MESH_HALFEDGE_MESH_HPP
 #define HMESH_MESH_HALFEDGE_MESH_HPP
 
-#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <cstdint>
@@ -3569,6 +3580,8 @@ inline Status HalfedgeMesh::check() const {
 // hmesh - how a HalfedgeMesh is edited: slots for new elements, flip, split, collapse. Include halfedge_mesh.hpp.
 #ifndef HMESH_MESH_HALFEDGE_EDITS_HPP
 #define HMESH_MESH_HALFEDGE_EDITS_HPP
+
+#include <cstdint>
 
 namespace hmesh {
 
@@ -4215,7 +4228,8 @@ inline Status Delaunay::check() const {
 
 // hmesh - the executor: how per-pixel and per-face stages run, on one thread or on the user's.
 //
-// hmesh starts no thread. A stage hands `n` independent pieces of work to an executor, any callable
+// hmesh starts no thread. A stage hands `n` independent pieces of work to an executor, any const callable
+// object or pointer to a function
 //
 //     parallel_for(std::size_t n, body)      // calls body(i) once for each i in [0, n), in any order, on any thread,
 //                                            // and returns when all calls have returned
@@ -4264,7 +4278,7 @@ class PieceOfWork {
 class ParallelFor {
   public:
     ParallelFor() noexcept : ParallelFor(serial) {}
-    template <class Executor, class = std::enable_if_t<!std::is_same_v<Executor, ParallelFor> &&
+    template <class Executor, class = std::enable_if_t<!std::is_same_v<Executor, ParallelFor> && std::is_object_v<Executor> &&
                                                        std::is_invocable_v<const Executor&, std::size_t, const PieceOfWork&>>>
     ParallelFor(const Executor& executor) noexcept  // NOLINT(google-explicit-constructor): so that functions take any executor
         : executor_(std::addressof(executor)), run_(run<Executor>) {}
@@ -4307,6 +4321,26 @@ template <class Body>
 
 #endif  // HMESH_CORE_PARALLEL_HPP
 
+// ---- hmesh/core/psnr.hpp
+
+// hmesh - psnr_of_energy(): how much of an image is lost, in dB.
+#ifndef HMESH_CORE_PSNR_HPP
+#define HMESH_CORE_PSNR_HPP
+
+#include <cmath>
+
+namespace hmesh {
+
+// 10 log10(peak^2 / MSE), MSE = energy / samples the mean over pixels AND channels. Infinity for energy 0, or below, where
+// rounding left less than nothing.
+[[nodiscard]] inline double psnr_of_energy(double energy, double samples, double peak) noexcept {
+    return energy <= 0 ? detail::infinite() : 10 * std::log10(peak * peak * samples / energy);
+}
+
+}  // namespace hmesh
+
+#endif  // HMESH_CORE_PSNR_HPP
+
 // ---- hmesh/core/progress.hpp
 
 // hmesh - Progress: how long work reports where it is, and is told to stop.
@@ -4315,10 +4349,8 @@ template <class Body>
 
 #include <algorithm>
 #include <atomic>
-#include <cmath>
 #include <cstddef>
 #include <cstdint>
-#include <limits>
 #include <vector>
 
 namespace hmesh {
@@ -4333,7 +4365,7 @@ struct StageInfo {
 
 // A callback and the pointer handed to it. Called with fraction 0 when a stage begins, 1 when it ends, and every few
 // milliseconds of work in between where vertices and edges are worked on (parts that pass over all pixels once are silent,
-// some 0.2 s a megapixel at most), from the threads that do the work but never from two at a time (calls are ordered as
+// some 0.2 s a megapixel at most, and so is the putting together of a mesh, some 0.8 us a vertex), from the threads that do the work but never from two at a time (calls are ordered as
 // by a lock). Returning false cancels: the last valid mesh comes back with Errc::cancelled.
 struct Progress {
     bool (*call)(void* user, const StageInfo& info) = nullptr;
@@ -4345,18 +4377,12 @@ struct StageReport {
     const char* name = "";
     std::size_t vertices = 0;
     double energy = 0;
-    double psnr = 0;  // dB, see psnr_of_energy
+    double psnr = 0;  // dB, see core/psnr.hpp
     // Of stages that solve linear systems for a result of their own: iterations, and the largest residual relative to its
     // right-hand side.
     int iterations = 0;
     double residual = 0;
 };
-
-// 10 log10(peak^2 / MSE), MSE = energy / samples the mean over pixels AND channels. Infinity for energy 0.
-[[nodiscard]] inline double psnr_of_energy(double energy, double samples, double peak) noexcept {
-    if (!(energy > 0)) return std::numeric_limits<double>::infinity();
-    return 10 * std::log10(peak * peak * samples / energy);
-}
 
 // Carries a Progress through the stages of a method and notes what each stage left.
 class Monitor {
@@ -4364,7 +4390,8 @@ class Monitor {
     // `samples`: pixels times channels.
     Monitor(const Progress& progress, double samples, double peak) : progress_(progress), samples_(samples), peak_(peak) {}
 
-    // Each returns whether to go on; once told to stop it stays so. These four are called between pieces of work.
+    // begin, update, expect and end are called between pieces of work. Those that return something tell whether to go on; once
+    // told to stop it stays so.
     // A stage begins: `stage` is a static name, the mesh has so many vertices and this energy.
     bool begin(const char* stage, std::size_t vertices, double energy) {
         info_.stage = stage;
@@ -4376,7 +4403,7 @@ class Monitor {
     bool update(double fraction, std::size_t vertices, double energy) {
         expect(fraction, fraction);
         info_.vertices = vertices;
-        info_.energy = energy;
+        info_.energy = std::max(0.0, energy);  // rounding may leave less than nothing
         return poll();
     }
     // The pieces of work that come next take the stage from fraction `from` to `to`.
@@ -4387,7 +4414,7 @@ class Monitor {
     }
     // The stage ends, and its report is noted with what the mesh is now.
     bool end(std::size_t vertices, double energy) {
-        energy = std::max(0.0, energy);  // rounding may leave less than nothing
+        energy = std::max(0.0, energy);
         stages_.push_back({info_.stage, vertices, energy, psnr_of_energy(energy, samples_, peak_), iterations_, residual_});
         return update(1, vertices, energy);
     }
@@ -4467,6 +4494,7 @@ class Pulse {
 #include <cstddef>
 #include <cstdint>
 #include <limits>
+#include <type_traits>
 #include <vector>
 
 namespace hmesh {
@@ -4609,12 +4637,16 @@ template <class T, int C>
                   "is_integer: of 16 bits at most");
     if constexpr (!Traits::is_integer) {
         constexpr auto most = static_cast<double>(std::numeric_limits<float>::max());
+        const auto is_good = [](const T& sample) {
+            if constexpr (std::is_same_v<T, float>) return is_finite(sample);
+            else return is_within(Traits::to_real(sample), -most, most);
+        };
         std::vector<unsigned char> bad(static_cast<std::size_t>(view.height), 0);
         for_each_chunk(parallel_for, bad.size(), 32, [&](std::size_t begin, std::size_t end) {
             for (std::size_t y = begin; y < end; ++y) {
                 const T* row = view.row(static_cast<int>(y));
                 for (int k = 0; k < view.width * C; ++k)
-                    if (!is_within(Traits::to_real(row[k]), -most, most)) bad[y] = 1;
+                    if (!is_good(row[k])) bad[y] = 1;
             }
         });
         for (std::size_t y = 0; y < bad.size(); ++y)
@@ -5135,13 +5167,21 @@ HMESH_ALWAYS_INLINE void edge_moments(const MomentTable<C>& table, Point a, Poin
 #ifndef HMESH_FIT_RING_HPP
 #define HMESH_FIT_RING_HPP
 
-#include <cmath>
-
 namespace hmesh {
 
 // The channels of a colour, padded with zeros to the lanes of Moments (lane C, where moments carry 1, is 0 in a colour).
 template <int C>
 using Color = typename Moments<C>::Channels;
+
+namespace detail {
+
+template <int C>
+HMESH_ALWAYS_INLINE void clamp_channels(Color<C>& c, double low, double high) {
+    c.clamp(low, high);
+    for (int k = C; k < lanes_for(C + 1); ++k) c.set(k, 0);  // padding stays 0 whatever the range
+}
+
+}  // namespace detail
 
 // Where a vertex may go: what is not free stays on a side of the image, or in a corner (fixed). A frozen vertex belongs to
 // other patches too: neither its position nor its colour changes, and it is not removed.
@@ -5315,8 +5355,7 @@ template <int C>
 [[nodiscard]] HMESH_ALWAYS_INLINE Color<C> best_color(const RingFit<C>& fit, const Color<C>& current, double ridge, double low,
                                                       double high) {
     Color<C> c = (fit.b + ridge * current) * (1 / ((fit.a > 0 ? fit.a : 0.0) + ridge));
-    c.clamp(low, high);
-    for (int k = C; k < lanes_for(C + 1); ++k) c.set(k, 0);
+    detail::clamp_channels<C>(c, low, high);
     return c;
 }
 
@@ -5397,10 +5436,7 @@ template <int C>
 #define HMESH_FIT_IMAGE_MESH_HPP
 
 #include <algorithm>
-#include <cmath>
 #include <cstddef>
-#include <cstdint>
-#include <utility>
 #include <vector>
 
 namespace hmesh {
@@ -5659,7 +5695,6 @@ class ImageMesh {
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
-#include <utility>
 #include <vector>
 
 namespace hmesh {
@@ -6709,7 +6744,9 @@ class Patchwork {
     // Of the mesh, which may go on being one patch.
     [[nodiscard]] std::size_t vertex_count() const noexcept { return only_ ? only_->vertex_count() : whole_.vertex_count(); }
     [[nodiscard]] double energy() const noexcept { return only_ ? only_->mesh().energy() : whole_.energy; }
-    [[nodiscard]] double mean_energy() const noexcept { return energy() / static_cast<double>(vertex_count()); }
+    [[nodiscard]] double mean_energy() const noexcept {
+        return std::max(0.0, energy()) / static_cast<double>(vertex_count());  // rounding may leave less than nothing
+    }
 
     // Calls work(patch, tile) for the patch of each tile that has triangles, then puts all together again. The pieces
     // together are what the monitor expects. Returns whether to go on; after a cancellation the mesh is valid, some patches
@@ -6881,6 +6918,7 @@ class Patchwork {
 
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
 #include <vector>
 
 namespace hmesh {
@@ -7062,6 +7100,7 @@ inline PcgReport solve_pcg(const Eigen::SparseMatrix<double>& a, const Eigen::Ma
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <cstdint>
 #include <vector>
 
 namespace hmesh {
@@ -7074,12 +7113,6 @@ void write_colors(ImageMesh<C>& mesh, const std::vector<Color<C>>& colors, const
     std::size_t row = 0;
     for (const Vertex v : mesh.topology().vertices()) by_slot[v.index()] = colors[row++];
     mesh.set_colors(by_slot, parallel_for);
-}
-
-template <int C>
-HMESH_ALWAYS_INLINE void clamp_channels(Color<C>& c, double low, double high) {
-    c.clamp(low, high);
-    for (int k = C; k < lanes_for(C + 1); ++k) c.set(k, 0);  // padding stays 0 whatever the range
 }
 
 }  // namespace detail
@@ -7367,7 +7400,6 @@ template <class T, int C>
 
 #include <algorithm>
 #include <array>
-#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <utility>
@@ -7871,7 +7903,8 @@ template <class T, int C, int = float_lanes>
 class BilateralTile {
   public:
     static constexpr int max_width = 128, max_height = 64;
-    static constexpr double least_sigma = PixelTraits<T>::is_integer ? PixelTraits<T>::highest / 144115188075855872.0 : 0;
+    static constexpr double least_sigma =
+        PixelTraits<T>::is_integer ? std::max(PixelTraits<T>::highest, -PixelTraits<T>::lowest) / 144115188075855872.0 : 0;
     static constexpr std::size_t max_kept = 16384;  // floats: 64 kB; diameter 9 needs some 9,000
 
     BilateralTile(const BilateralWindow& window, int image_width)
@@ -8044,7 +8077,7 @@ struct BilateralOptions {
 // Whether all options are in range.
 [[nodiscard]] inline Status check(const BilateralOptions& options) noexcept {
     const auto bad = [](const char* what) -> Status { return {Errc::invalid_argument, what, 0, 0}; };
-    const auto positive = [](double value) { return is_finite(value) && value > 0; };
+    const auto positive = [](const double& value) { return is_finite(value) && value > 0; };
     if (options.diameter < 1) return {Errc::invalid_argument, "bilateral.diameter must be at least 1", options.diameter, 1};
     if (options.diameter > 99) return {Errc::invalid_argument, "bilateral.diameter must be at most 99", options.diameter, 99};
     if (!positive(options.sigma_color)) return bad("bilateral.sigma_color must be positive and finite");
@@ -8275,7 +8308,7 @@ template <int C>
 [[nodiscard]] std::vector<int> seam_nodes(const detail::SeamCurve<C>& curve, int step, int reach, double price) {
     const int length = curve.length(), places = (length + step - 1) / step;  // place k is at min(length, k step)
     const auto at = [&](int k) { return std::min(length, k * step); };
-    std::vector<double> best(static_cast<std::size_t>(places) + 1, std::numeric_limits<double>::infinity());
+    std::vector<double> best(static_cast<std::size_t>(places) + 1, std::numeric_limits<double>::max());
     std::vector<int> from(best.size(), 0);
     best[0] = 0;
     for (int k = 1; k <= places; ++k)
@@ -8704,7 +8737,10 @@ class PointRemoval {
   public:
     // Of a mesh whose inner edges are Delaunay edges and whose corners at least are fixed; it outlives this.
     explicit PointRemoval(ImageMesh<C>& mesh) : mesh_(&mesh) {
-        for (const Vertex v : mesh.topology().vertices()) rate(v);
+        for (const Vertex v : mesh.topology().vertices()) {
+            if (!mesh.beat()) break;  // and then no vertex goes
+            rate(v);
+        }
     }
 
     // Removes the cheapest vertices until `count` >= 4 are left. Returns how many went, fewer if the work was told to stop.
@@ -9007,7 +9043,7 @@ template <int C>
 #define HMESH_METHODS_STAGE_HPP
 
 #include <algorithm>
-#include <utility>
+#include <cstddef>
 
 namespace hmesh {
 
@@ -9060,6 +9096,7 @@ bool whole_stage(Patchwork<C>& work, const char* name, Work&& body) {
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <utility>
 #include <vector>
 
 namespace hmesh {
@@ -9454,12 +9491,12 @@ double improve_edge(ImageMesh<C>& mesh, Edge e, double least) {
     return trial.decrease;
 }
 
-// Turns edges until none gains more than `tolerance.spread`: a stack in spatial order; the four sides of each turned edge
+// Turns edges until none gains more than `least`, in units of the mean energy of a vertex: a stack in spatial order; the four sides of each turned edge
 // come up again. Vertices around turned edges become due. Returns the number of flips.
 template <int C>
-std::size_t flip_edges(ImageMesh<C>& mesh, const Tolerance& tolerance = {1e-4, 0}) {
+std::size_t flip_edges(ImageMesh<C>& mesh, double least = 1e-4) {
     const HalfedgeMesh& topology = mesh.topology();
-    const double least = tolerance.spread * mesh.mean_energy();
+    least *= mesh.mean_energy();
     std::vector<Edge> stack = spatial_edges(mesh);
     std::reverse(stack.begin(), stack.end());
     std::size_t flips = 0;
@@ -9559,16 +9596,16 @@ namespace hmesh {
 // A half-edge along which its first vertex could go, and by how much the energy would rise.
 struct CollapseCandidate {
     Halfedge halfedge;  // invalid: the vertex cannot go
-    double cost = std::numeric_limits<double>::infinity();
+    double cost = std::numeric_limits<double>::max();
 };
 
 namespace detail {
 
-// The energy of the faces that fill the ring when its centre goes into neighbour j; infinity as soon as it reaches
+// The energy of the faces that fill the ring when its centre goes into neighbour j; the largest double as soon as it reaches
 // `bound` or a face would be too small.
 template <int C>
 [[nodiscard]] double filled_energy(const ImageMesh<C>& mesh, const Ring<C>& ring, int j, double bound) {
-    constexpr double never = std::numeric_limits<double>::infinity();
+    constexpr double never = std::numeric_limits<double>::max();
     const VertexState<C>& u = *ring.neighbour[j];
     const double least = mesh.limits().min_cross;
     // Faces i (neighbours i, i - 1) that do not have j as a corner; an open ring has no face 0.
@@ -9614,7 +9651,7 @@ template <int C>
     Ring<C>& ring = work.ring;
     mesh.gather(v, ring, work.spokes);
     const double before = mesh.energy(ring);
-    double least = std::numeric_limits<double>::infinity();
+    double least = std::numeric_limits<double>::max();
     for (int j = 0; j < ring.size; ++j) {
         if (ring.open && j != 0 && j != ring.size - 1) continue;  // a border vertex goes along the border
         // The merged vertex has the neighbours of both, less the two themselves and the far corners they shared.
@@ -9684,7 +9721,6 @@ std::size_t remove_batch(ImageMesh<C>& mesh, std::size_t count, const Relaxation
 #include <cstdint>
 #include <functional>
 #include <limits>
-#include <utility>
 #include <vector>
 
 namespace hmesh {
@@ -9893,7 +9929,7 @@ template <int C>
     };
     for (std::size_t k = 0; k < sites.size(); ++k) values.push_back(bound(k));
     const float first_cut = nth_largest();
-    evaluate(first_cut, std::numeric_limits<float>::infinity());
+    evaluate(first_cut, std::numeric_limits<float>::max());
     values.clear();
     for (const Gain& g : gains) values.push_back(g.gain);
     evaluate(nth_largest(), first_cut);
@@ -10350,7 +10386,7 @@ template <int C>
 bool insert_best(Patchwork<C>& work, const Tiling& tiling, std::size_t count) {
     std::vector<double> energies(tiling.size(), 0.0);
     if (tiling.size() > 1 && !work.visit(tiling, [&](Patch<C>& patch, std::size_t tile, const std::uint32_t*) {
-            energies[tile] = patch.mesh().energy();
+            energies[tile] = std::max(0.0, patch.mesh().energy());
         }))
         return false;
     const std::vector<std::size_t> quota = shares(count, energies, std::vector<std::size_t>(tiling.size(), count));
@@ -10421,8 +10457,8 @@ struct AnnealedOptions {
     int growth_sweeps = 2;    // after each insertion
     int polish_rounds = 2;    // flips and a sweep, at the end
     // While the mesh grows, small gains wait: the next insertion changes the neighbourhood anyway. Against the tight
-    // {1e-3, 0} this buys a second sweep for the time of one, +0.2 dB.
-    Tolerance growth_flips{3e-2, 0};
+    // 1e-3 and {1e-3, 0} this buys a second sweep for the time of one, +0.2 dB.
+    double growth_flips = 3e-2;  // gains up to this wait, in units of the mean energy of a vertex
     Tolerance growth_visits{5e-2, 5e-3};
     Tolerance polish{1e-3, 5e-3};
     Relaxation relaxation{1, 1e-3};  // around each removal
@@ -10474,7 +10510,8 @@ struct AnnealedOptions {
     if (!is_within(options.polish_rounds, 0, 1000)) return bad("annealed.polish_rounds must be in [0, 1000]");
     if (!is_within(options.relaxation.rounds, 0, 100)) return bad("annealed.relaxation.rounds must be in [0, 100]");
     if (!is_within(options.relaxation.least, 0, 1e6)) return bad("annealed.relaxation.least must be in [0, 1e6]");
-    for (const Tolerance& t : {options.growth_flips, options.growth_visits, options.polish})
+    if (!is_within(options.growth_flips, 0, 1e6)) return bad("annealed.growth_flips must be in [0, 1e6]");
+    for (const Tolerance& t : {options.growth_visits, options.polish})
         if (!is_within(t.spread, 0, 1e6) || !is_within(t.least, 0, 1e6)) return bad("annealed tolerances must be in [0, 1e6]");
     if (!is_within(annealing.sweeps, 0, 1e6)) return bad("annealed.annealing.sweeps must be in [0, 1e6]");
     if (!is_within(annealing.temperature, 0, 1e3)) return bad("annealed.annealing.temperature must be in [0, 1000]");
@@ -10701,7 +10738,7 @@ class Annealed {
         for (int k = 0; k < rounds; ++k) {
             monitor().expect(static_cast<double>(k) / rounds, (k + 1.0) / rounds);
             if (!work_->for_each(tiling(k + 1), [&](Patch<C>& patch, std::size_t) {
-                    flip_edges(patch.mesh(), options_.polish);
+                    flip_edges(patch.mesh(), options_.polish.spread);
                     sweep(patch.mesh(), options_.polish);
                 }))
                 return false;
@@ -10950,7 +10987,8 @@ inline void faces_around(const HalfedgeMesh& topology, Face f, std::vector<Face>
 // What each corner of each face adds to the normal equations of the K of foot points, by half-edge as in corner_sums
 // (fit/barycentric.hpp): gram_matrix, position_rhs and image_rhs make K K^T, K P^T and K I^T of it. `color_scale`: px that a
 // unit of colour is worth, > 0. The mesh must tile its table's rectangle. Faces are independent pieces of work, but not in
-// one_ring, which runs serially: there they add to each other's corners. Lane C of `image` stays 0 where there is a search.
+// one_ring, which runs serially: there they add to each other's corners. Told to stop, one_ring leaves the sums of some faces
+// out. Lane C of `image` stays 0 where there is a search.
 template <int C>
 [[nodiscard]] std::vector<CornerSums<C>> foot_sums(const ImageMesh<C>& mesh, FootSearch search, double color_scale,
                                                    const ParallelFor& parallel_for = {}) {
@@ -10995,12 +11033,13 @@ template <int C>
     std::vector<Face> faces;
     std::vector<LiftedFace<C>> lifted;
     for (const Face f : topology.faces()) {
+        if (!mesh.beat()) break;
         detail::faces_around(topology, f, faces);
         lifted.clear();
         for (const Face g : faces) lifted.push_back(detail::lift(mesh, g, color_scale));
         for_each_pixel(f, [&](Point centre, const Color<C>& image, double weight) {
             const LiftedPoint<C> pixel{centre, image * color_scale};
-            double least = std::numeric_limits<double>::infinity();
+            double least = std::numeric_limits<double>::max();
             Barycentric best;
             std::size_t nearest = 0;
             for (std::size_t k = 0; k < faces.size(); ++k) {
@@ -11162,6 +11201,7 @@ bool step_unfolded(ImageMesh<C>& mesh, Vertex v, Point target, RingWork<C>& work
 template <int C>
 PcgReport geometry_step(ImageMesh<C>& mesh, const GeometryStep& options, double peak, const ParallelFor& parallel_for = {}) {
     GeometrySystem system = geometry_system(mesh, options.search, options.color_scale * 255 / peak, options.pull, parallel_for);
+    if (mesh.pulse() != nullptr && mesh.pulse()->stopped()) return {};  // the system may be of some faces only
     const PcgReport report = solve_pcg(system.gram, system.rhs, system.solution, options.pcg, system.held);
     const HalfedgeMesh& topology = mesh.topology();
     const std::vector<int> rows = vertex_rows(topology);
@@ -11490,7 +11530,7 @@ template <int C>
 namespace hmesh {
 
 // The recipes in methods/. All but the first are there to be compared with: they know no effort, seed or tile, and mesh the
-// image in one piece on one thread.
+// image in one piece; of their work the executor shares out passes over all pixels or faces alone.
 enum class Method : std::uint8_t {
     annealed,
     hierarchical,       // "Image meshing via hierarchical optimization"
@@ -11533,7 +11573,7 @@ struct Options {
     std::uint64_t seed = 1;  // of methods that draw random numbers
     Progress progress;
     MeshLimits limits;
-    // How much each pixel counts, >= 0, of the image's size; none: all count the same. They are rounded to steps of 2^-20 to
+    // How much each pixel counts, >= 0, of the image's size; none: all count the same. They are rounded to steps of 2^-24 to
     // 2^-8 of the largest, finer for smaller images (image/weights.hpp); less than half a step counts as 0.
     ImageView<float, 1> weights;
     // px: larger images are meshed in tiles of about this size, 64 to 65536, each of which is a piece of work for a thread.
@@ -11569,7 +11609,7 @@ struct Options {
 namespace detail {
 
 // The integer nearest to a number that may be none, for a Status: 0 for NaN and infinities.
-[[nodiscard]] inline std::int64_t nearest_integer(double value) noexcept {
+[[nodiscard]] inline std::int64_t nearest_integer(const double& value) noexcept {
     return is_finite(value) ? std::llround(std::max(-9e18, std::min(9e18, value))) : 0;
 }
 
@@ -11653,7 +11693,8 @@ namespace detail {
 namespace hmesh {
 
 // `mesh_of(n)` makes a result with .status and .report.psnr, meshes of 4 <= n <= most vertices. Returns that of the fewest
-// vertices that reached `psnr`, or of the best PSNR with target_out_of_range when none did, or the first that failed.
+// vertices that reached `psnr`, or of the best PSNR with target_out_of_range when none did; where a run fails, what there is
+// then with its status.
 template <class MeshOf>
 [[nodiscard]] auto fewest_vertices(double psnr, std::size_t first, std::size_t most, MeshOf&& mesh_of) {
     constexpr double slope = 1.6;  // dB a doubling
@@ -11696,9 +11737,10 @@ template <class MeshOf>
         auto result = mesh_of(n);
         run = {std::log2(static_cast<double>(n)), result.report.psnr, n};
         const bool better = run.psnr >= psnr ? true : !reached && run.psnr > best.report.psnr;
-        if (!result.status) {  // cancelled: what was reached before, if anything was
-            if (!reached) return result;
-            best.status = result.status;
+        if (!result.status) {  // cancelled: the best so far, which may be what this run came to
+            const Status why = result.status;
+            if (!reached && run.psnr > best.report.psnr) best = std::move(result);
+            best.status = why;
             return best;
         }
         if (better) best = std::move(result);
@@ -11873,7 +11915,7 @@ template <class T, int C>
 }  // namespace detail
 
 // Meshes the image. Tiles run through `parallel_for` (core/parallel.hpp); same image, options and seed give the same bytes,
-// whatever it does. Memory: about 0.3 KB a vertex, and for each tile at work its moment table (32 bytes a pixel for 8-bit
+// whatever it does. Memory: about 0.7 KB a vertex, and for each tile at work its moment table (32 bytes a pixel for 8-bit
 // RGB, 92 with weights) and 0.6 KB for each vertex placed there; a small image is one tile, and any image is for methods
 // other than annealed. A fit for linear light takes 0.5 KB a vertex, premultiplying a copy of the image. Stack, on each thread
 // that works: up to 4 channels 0.2 MB, for 16 channels 0.5 MB.
@@ -12148,7 +12190,7 @@ template <class T, class U, int C>
 [[nodiscard]] double psnr(const ImageView<T, C>& reference, const ImageView<U, C>& rendered,
                           const ParallelFor& parallel_for = {}) {
     if (!check(reference) || !check(rendered) || reference.width != rendered.width || reference.height != rendered.height)
-        return std::numeric_limits<double>::quiet_NaN();
+        return detail::not_a_number();
     const double energy =
         ordered_sum(parallel_for, static_cast<std::size_t>(reference.height), 32, [&](std::size_t begin, std::size_t end) {
             double sum = 0;
@@ -12163,8 +12205,7 @@ template <class T, class U, int C>
             return sum;
         });
     const double samples = static_cast<double>(reference.width) * reference.height * C;
-    const double peak = PixelTraits<T>::peak;
-    return energy != 0 ? 10 * std::log10(peak * peak * samples / energy) : std::numeric_limits<double>::infinity();
+    return psnr_of_energy(energy, samples, PixelTraits<T>::peak);
 }
 
 // The picture in pixels of type T, rounded and held to the type's range.

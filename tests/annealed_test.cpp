@@ -250,7 +250,7 @@ TEST_CASE("options that mean nothing are named, and the efforts' own all mean so
         CHECK(refused([bad](AnnealedOptions& o) { o.start = bad; }));
         CHECK(refused([bad](AnnealedOptions& o) { o.growth = bad; }));
         CHECK(refused([bad](AnnealedOptions& o) { o.shrinkage = bad; }));
-        CHECK(refused([bad](AnnealedOptions& o) { o.growth_flips.spread = bad; }));
+        CHECK(refused([bad](AnnealedOptions& o) { o.growth_flips = bad; }));
         CHECK(refused([bad](AnnealedOptions& o) { o.growth_visits.least = bad; }));
         CHECK(refused([bad](AnnealedOptions& o) { o.polish.spread = bad; }));
         CHECK(refused([bad](AnnealedOptions& o) { o.relaxation.least = bad; }));
@@ -301,7 +301,8 @@ TEST_CASE("options at the ends of their ranges give a valid mesh of the exact nu
             options.shrinkage = pick(1e-2, 1);
             options.growth_sweeps = high ? 4 : 0;
             options.polish_rounds = high ? 4 : 0;
-            options.growth_flips = options.growth_visits = options.polish = {pick(0, 1e6), pick(0, 1e6)};
+            options.growth_flips = pick(0, 1e6);
+            options.growth_visits = options.polish = {pick(0, 1e6), pick(0, 1e6)};
             options.relaxation.rounds = high ? 4 : 0;
             options.annealing.sweeps = 3;
             options.annealing.temperature = pick(0, 1e3);

@@ -23,6 +23,25 @@ using hmesh::PixelTraits;
 
 namespace {
 
+// A sample type of a user: whole numbers down to -1000.
+struct Depth {
+    std::int16_t value = 0;
+};
+
+}  // namespace
+
+template <>
+struct hmesh::PixelTraits<Depth> {
+    static constexpr double peak = 1000, lowest = -1000, highest = 0;
+    static constexpr bool is_integer = true;
+    static double to_real(Depth sample) noexcept { return sample.value; }
+    static Depth from_real(double value) noexcept {
+        return {static_cast<std::int16_t>(value > lowest ? std::lround(std::min(value, highest)) : std::lround(lowest))};
+    }
+};
+
+namespace {
+
 constexpr double infinity = std::numeric_limits<double>::infinity();
 constexpr double not_a_number = std::numeric_limits<double>::quiet_NaN();
 
@@ -143,6 +162,11 @@ TEST_CASE("a diameter of 1 changes nothing, nor does a colour sigma far below th
     const Image<float, 2> floats = hmesh_test::noise<float, 2>(33, 20, 1);
     CHECK(bilateral_filter(floats.view(), {1, 50, 50}).samples() == floats.samples());
     CHECK(bilateral_filter(floats.view(), {9, 1e-12, 50}).samples() == floats.samples());
+    Image<Depth, 1> depths(33, 20);
+    for (std::size_t k = 0; k < depths.samples().size(); ++k)
+        depths.samples()[k].value = static_cast<std::int16_t>(-static_cast<int>(k * k % 1001));
+    const Image<Depth, 1> filtered = bilateral_filter(depths.view(), {9, 1e-300, 50});
+    for (std::size_t k = 0; k < depths.samples().size(); ++k) CHECK(filtered.samples()[k].value == depths.samples()[k].value);
 }
 
 TEST_CASE("8-bit, 16-bit and float images of one picture are filtered alike") {

@@ -35,6 +35,11 @@ TEST_CASE_TEMPLATE("is_finite agrees with the standard library", T, float, doubl
     CHECK(finite < 90000);
 }
 
+TEST_CASE("numbers made of bits are what they are called") {
+    CHECK(hmesh::detail::infinite() == std::numeric_limits<double>::infinity());
+    CHECK(std::isnan(hmesh::detail::not_a_number()));
+}
+
 TEST_CASE("is_within includes the ends and refuses what is no number") {
     CHECK(hmesh::is_within(0, 0, 1));
     CHECK(hmesh::is_within(1, 0, 1));

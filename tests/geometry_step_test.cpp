@@ -14,6 +14,7 @@
 #include <utility>
 #include <vector>
 
+#include "hmesh/core/progress.hpp"
 #include "hmesh/core/random.hpp"
 #include "test_executors.hpp"
 #include "test_images.hpp"
@@ -372,6 +373,23 @@ TEST_CASE("a vertex with too many neighbours for a ring keeps its place, and the
         CHECK(check_steps(subject.mesh, options, 255, slack) > 10);
         CHECK(subject.mesh.position(hub) == place);
         hmesh_test::prove(subject);
+    }
+}
+
+TEST_CASE("told to stop while it looks for the nearest faces, a step changes nothing") {
+    for (const StepRule rule : {StepRule::safeguarded, StepRule::literal}) {
+        Subject<std::uint8_t, 3> subject(hmesh_test::scene<std::uint8_t, 3>(90, 70, 71),
+                                         hmesh_test::jittered_grid(90, 70, 20, 18, 71));
+        const auto before = hmesh_test::snapshot(subject.mesh);
+        hmesh::Monitor monitor({[](void*, const hmesh::StageInfo&) { return false; }, nullptr}, 1, 255);
+        hmesh::Pulse pulse(monitor, 1);
+        subject.mesh.set_pulse(&pulse);
+        GeometryStep options;
+        options.search = FootSearch::one_ring;
+        options.rule = rule;
+        CHECK(hmesh::geometry_step(subject.mesh, options, 255).iterations == 0);
+        CHECK(monitor.stopped());
+        CHECK(hmesh_test::snapshot(subject.mesh) == before);
     }
 }
 

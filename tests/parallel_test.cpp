@@ -123,4 +123,7 @@ TEST_CASE("only what can run pieces becomes a ParallelFor") {
     static_assert(!std::is_convertible_v<int, hmesh::ParallelFor>);
     static_assert(!std::is_convertible_v<std::vector<double>, hmesh::ParallelFor>);
     static_assert(!std::is_convertible_v<void (*)(std::size_t), hmesh::ParallelFor>);
+    static_assert(std::is_convertible_v<void (*)(std::size_t, const hmesh::PieceOfWork&), hmesh::ParallelFor>);
+    // Functions are no objects, whose address could be kept: their name needs a & before it.
+    static_assert(!std::is_convertible_v<void (&)(std::size_t, const hmesh::PieceOfWork&), hmesh::ParallelFor>);
 }

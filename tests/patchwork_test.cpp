@@ -549,6 +549,17 @@ TEST_CASE("measuring finds the energy of a mesh that was changed from outside, h
         }
 }
 
+TEST_CASE("a mesh whose energy rounding made negative has none on average") {
+    const auto image = hmesh_test::scene<std::uint8_t, 1>(48, 40, 16);
+    const ImageSource<1> source(image.view());
+    Monitor monitor = silent();
+    Patchwork<1> work(source, {}, monitor);
+    work.whole() = make_whole(image, Shape::worn, 130, 16);
+    CHECK(work.mean_energy() == work.energy() / static_cast<double>(work.vertex_count()));
+    work.whole().energy = -1e-9;
+    CHECK(work.mean_energy() == 0);
+}
+
 TEST_CASE("measuring is not to be cancelled, and sees what one patch that is all has become") {
     const auto image = hmesh_test::scene<std::uint8_t, 1>(48, 40, 16);
     const ImageSource<1> source(image.view());

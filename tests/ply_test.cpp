@@ -7,6 +7,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
+#include <limits>
 #include <sstream>
 #include <string>
 #include <vector>
@@ -197,6 +198,30 @@ TEST_CASE("with float_colors, shares of the peak are written as they are, below 
     CHECK(number(1, 3) == -0.5F);
     CHECK(number(1, 4) == 1.5F);
     CHECK(number(1, 5) == 0.05F);
+}
+
+TEST_CASE("float_colors of a premultiplied mesh are straight, and may be above the peak or below 0") {
+    hmesh::Mesh<4> mesh = two_faces<4>();
+    mesh.peak = 1;
+    mesh.premultiplied = true;
+    constexpr float largest = std::numeric_limits<float>::max();
+    mesh.colors = {5, 1, -1, 1, 1, 0.25F, 0, 0.5F, largest, 0, -largest, 1e-3F, 0, 0, 0, 0};
+    hmesh::PlyOptions options;
+    options.float_colors = true;
+    const Bytes bytes = written(mesh, options);
+    const std::size_t body = hmesh_test::as_text(bytes).find("end_header\n") + 11;
+    REQUIRE(bytes.size() == body + 4 * 28 + 2 * 13);
+    const auto number = [&](std::size_t vertex, std::size_t k) {
+        float value = 0;
+        std::memcpy(&value, bytes.data() + body + 28 * vertex + 12 + 4 * k, sizeof value);
+        return value;
+    };
+    CHECK(number(0, 0) == 5);
+    CHECK(number(0, 2) == -1);
+    CHECK(number(1, 0) == 2);
+    CHECK(number(1, 1) == 0.5F);
+    CHECK(number(2, 0) == 0.5F * largest);
+    CHECK(number(2, 2) == -0.5F * largest);
 }
 
 TEST_CASE("the locale makes no difference") {

@@ -313,31 +313,35 @@ TEST_CASE("frozen vertices stay, and no more go than are asked for") {
     require_valid(mesh);
 }
 
-TEST_CASE("removal says how far it is, and a callback ends it with a mesh that is valid") {
-    Subject<std::uint8_t, 1> subject(hmesh_test::noise<std::uint8_t, 1>(60, 60, 51), lattice(60, 60, 1));
-    struct Calls {
-        int count = 0;
-        double fraction = 0;
-    } calls;
-    const hmesh::Progress progress{[](void* user, const hmesh::StageInfo& info) {
-                                       Calls& c = *static_cast<Calls*>(user);
-                                       c.fraction = info.fraction;
-                                       return ++c.count < 5;
-                                   },
-                                   &calls};
-    hmesh::Monitor monitor(progress, 3600, 255);
-    monitor.expect(0, 1);
-    std::size_t removed = 0;
-    {
-        hmesh::Pulse pulse(monitor, 1);
-        subject.mesh.set_pulse(&pulse);
-        removed = PointRemoval<1>(subject.mesh).remove_down_to(100);
-        subject.mesh.set_pulse(nullptr);
+TEST_CASE("removal says how far it is, and a callback ends it, and the rating before it, with a mesh that is valid") {
+    for (const int last : {5, 20}) {
+        CAPTURE(last);
+        Subject<std::uint8_t, 1> subject(hmesh_test::noise<std::uint8_t, 1>(60, 60, 51), lattice(60, 60, 1));
+        struct Calls {
+            int last, count = 0;
+            double fraction = 0;
+        } calls{last};
+        const hmesh::Progress progress{[](void* user, const hmesh::StageInfo& info) {
+                                           Calls& c = *static_cast<Calls*>(user);
+                                           c.fraction = info.fraction;
+                                           return ++c.count < c.last;
+                                       },
+                                       &calls};
+        hmesh::Monitor monitor(progress, 3600, 255);
+        monitor.expect(0, 1);
+        std::size_t removed = 0;
+        {
+            hmesh::Pulse pulse(monitor, 1);
+            subject.mesh.set_pulse(&pulse);
+            removed = PointRemoval<1>(subject.mesh).remove_down_to(100);
+            subject.mesh.set_pulse(nullptr);
+        }
+        CHECK(calls.count == last);
+        if (last == 5) CHECK(removed == 0);  // fewer than 256 vertices are rated between two calls
+        else CHECK(removed > 500);
+        CHECK(removed < 61 * 61 - 100);
+        CHECK(calls.fraction == doctest::Approx(static_cast<double>(removed) / (61 * 61 - 100)).epsilon(1e-2));
+        CHECK(subject.mesh.vertex_count() == 61 * 61 - removed);
+        require_valid(subject.mesh);
     }
-    CHECK(calls.count == 5);
-    CHECK(removed > 500);
-    CHECK(removed < 61 * 61 - 100);
-    CHECK(calls.fraction == doctest::Approx(static_cast<double>(removed) / (61 * 61 - 100)).epsilon(1e-2));
-    CHECK(subject.mesh.vertex_count() == 61 * 61 - removed);
-    require_valid(subject.mesh);
 }

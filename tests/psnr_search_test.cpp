@@ -230,4 +230,15 @@ TEST_CASE("a run that fails at once is handed on; one that is cancelled leaves w
     const FakeResult not_reached = fewest_vertices(30, 64, 100000, fails_from(2, 20));
     CHECK(not_reached.status.code == Errc::cancelled);
     CHECK(not_reached.n > 64);
+    // The run that was cancelled had just begun.
+    const FakeResult begun = fewest_vertices(30, 64, 100000, [k = 0](std::size_t n) mutable {
+        FakeResult result;
+        result.n = n;
+        result.report.psnr = k == 0 ? 26 : 10;
+        if (k++ != 0) result.status = {Errc::cancelled, "cancelled by the progress callback", 0, 0};
+        return result;
+    });
+    CHECK(begun.status.code == Errc::cancelled);
+    CHECK(begun.n == 64);
+    CHECK(begun.report.psnr == 26);
 }

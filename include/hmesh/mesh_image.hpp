@@ -21,6 +21,7 @@
 #include "hmesh/core/lanes.hpp"
 #include "hmesh/core/parallel.hpp"
 #include "hmesh/core/progress.hpp"
+#include "hmesh/core/psnr.hpp"
 #include "hmesh/core/status.hpp"
 #include "hmesh/fit/colors.hpp"
 #include "hmesh/fit/drawn_energy.hpp"
@@ -180,7 +181,7 @@ template <class T, int C>
 }  // namespace detail
 
 // Meshes the image. Tiles run through `parallel_for` (core/parallel.hpp); same image, options and seed give the same bytes,
-// whatever it does. Memory: about 0.3 KB a vertex, and for each tile at work its moment table (32 bytes a pixel for 8-bit
+// whatever it does. Memory: about 0.7 KB a vertex, and for each tile at work its moment table (32 bytes a pixel for 8-bit
 // RGB, 92 with weights) and 0.6 KB for each vertex placed there; a small image is one tile, and any image is for methods
 // other than annealed. A fit for linear light takes 0.5 KB a vertex, premultiplying a copy of the image. Stack, on each thread
 // that works: up to 4 channels 0.2 MB, for 16 channels 0.5 MB.

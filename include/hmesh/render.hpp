@@ -17,7 +17,9 @@
 #include <utility>
 #include <vector>
 
+#include "hmesh/core/finite.hpp"
 #include "hmesh/core/parallel.hpp"
+#include "hmesh/core/psnr.hpp"
 #include "hmesh/core/srgb.hpp"
 #include "hmesh/core/status.hpp"
 #include "hmesh/image/image_view.hpp"
@@ -225,7 +227,7 @@ template <class T, class U, int C>
 [[nodiscard]] double psnr(const ImageView<T, C>& reference, const ImageView<U, C>& rendered,
                           const ParallelFor& parallel_for = {}) {
     if (!check(reference) || !check(rendered) || reference.width != rendered.width || reference.height != rendered.height)
-        return std::numeric_limits<double>::quiet_NaN();
+        return detail::not_a_number();
     const double energy =
         ordered_sum(parallel_for, static_cast<std::size_t>(reference.height), 32, [&](std::size_t begin, std::size_t end) {
             double sum = 0;
@@ -240,8 +242,7 @@ template <class T, class U, int C>
             return sum;
         });
     const double samples = static_cast<double>(reference.width) * reference.height * C;
-    const double peak = PixelTraits<T>::peak;
-    return energy != 0 ? 10 * std::log10(peak * peak * samples / energy) : std::numeric_limits<double>::infinity();
+    return psnr_of_energy(energy, samples, PixelTraits<T>::peak);
 }
 
 // The picture in pixels of type T, rounded and held to the type's range.

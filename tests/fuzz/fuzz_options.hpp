@@ -68,7 +68,8 @@ class OptionDraw {
         real(options.shrinkage, 0.02, 1);
         whole(options.growth_sweeps, 0, 5);
         whole(options.polish_rounds, 0, 5);
-        for (hmesh::Tolerance* tolerance : {&options.growth_flips, &options.growth_visits, &options.polish}) {
+        real(options.growth_flips, 0, 1);
+        for (hmesh::Tolerance* tolerance : {&options.growth_visits, &options.polish}) {
             real(tolerance->spread, 0, 1);
             real(tolerance->least, 0, 1);
         }

@@ -1,7 +1,8 @@
 // hmesh - is_finite(), is_within(): can a number that came from outside be calculated with?
 //
 // Answered by the bits. Compilers that are told of finite numbers only (-ffast-math) take std::isfinite() and comparisons
-// with NaN to be true without looking; what users hand over is checked with these two, so that it is refused there too.
+// with NaN to be true without looking; what users hand over is checked with these two, so that it is refused there too. They
+// look at memory: clang++ takes numbers that are parameters or results of functions to be finite as well.
 #ifndef HMESH_CORE_FINITE_HPP
 #define HMESH_CORE_FINITE_HPP
 
@@ -14,19 +15,32 @@ namespace hmesh {
 static_assert(std::numeric_limits<float>::is_iec559 && std::numeric_limits<double>::is_iec559, "hmesh needs IEEE 754");
 
 // Whether it is neither NaN nor infinite.
-[[nodiscard]] inline bool is_finite(float value) noexcept {
+[[nodiscard]] inline bool is_finite(const float& value) noexcept {
     std::uint32_t bits = 0;
     std::memcpy(&bits, &value, sizeof bits);
     return (bits & 0x7F800000U) != 0x7F800000U;
 }
-[[nodiscard]] inline bool is_finite(double value) noexcept {
+[[nodiscard]] inline bool is_finite(const double& value) noexcept {
     std::uint64_t bits = 0;
     std::memcpy(&bits, &value, sizeof bits);
     return (bits & 0x7FF0000000000000U) != 0x7FF0000000000000U;
 }
 
+namespace detail {
+
+// Made of their bits too: the same compilers warn of the constants, and of whatever is called infinity.
+[[nodiscard]] inline double double_of_bits(std::uint64_t bits) noexcept {
+    double value = 0;
+    std::memcpy(&value, &bits, sizeof value);
+    return value;
+}
+[[nodiscard]] inline double infinite() noexcept { return double_of_bits(0x7FF0000000000000U); }
+[[nodiscard]] inline double not_a_number() noexcept { return double_of_bits(0x7FF8000000000000U); }
+
+}  // namespace detail
+
 // Whether low <= value <= high; false for NaN.
-[[nodiscard]] inline bool is_within(double value, double low, double high) noexcept {
+[[nodiscard]] inline bool is_within(const double& value, double low, double high) noexcept {
     return is_finite(value) && value >= low && value <= high;
 }
 

@@ -1,6 +1,7 @@
 // hmesh - the executor: how per-pixel and per-face stages run, on one thread or on the user's.
 //
-// hmesh starts no thread. A stage hands `n` independent pieces of work to an executor, any callable
+// hmesh starts no thread. A stage hands `n` independent pieces of work to an executor, any const callable
+// object or pointer to a function
 //
 //     parallel_for(std::size_t n, body)      // calls body(i) once for each i in [0, n), in any order, on any thread,
 //                                            // and returns when all calls have returned
@@ -49,7 +50,7 @@ class PieceOfWork {
 class ParallelFor {
   public:
     ParallelFor() noexcept : ParallelFor(serial) {}
-    template <class Executor, class = std::enable_if_t<!std::is_same_v<Executor, ParallelFor> &&
+    template <class Executor, class = std::enable_if_t<!std::is_same_v<Executor, ParallelFor> && std::is_object_v<Executor> &&
                                                        std::is_invocable_v<const Executor&, std::size_t, const PieceOfWork&>>>
     ParallelFor(const Executor& executor) noexcept  // NOLINT(google-explicit-constructor): so that functions take any executor
         : executor_(std::addressof(executor)), run_(run<Executor>) {}

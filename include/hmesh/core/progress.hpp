@@ -4,11 +4,11 @@
 
 #include <algorithm>
 #include <atomic>
-#include <cmath>
 #include <cstddef>
 #include <cstdint>
-#include <limits>
 #include <vector>
+
+#include "hmesh/core/psnr.hpp"
 
 namespace hmesh {
 
@@ -22,7 +22,7 @@ struct StageInfo {
 
 // A callback and the pointer handed to it. Called with fraction 0 when a stage begins, 1 when it ends, and every few
 // milliseconds of work in between where vertices and edges are worked on (parts that pass over all pixels once are silent,
-// some 0.2 s a megapixel at most), from the threads that do the work but never from two at a time (calls are ordered as
+// some 0.2 s a megapixel at most, and so is the putting together of a mesh, some 0.8 us a vertex), from the threads that do the work but never from two at a time (calls are ordered as
 // by a lock). Returning false cancels: the last valid mesh comes back with Errc::cancelled.
 struct Progress {
     bool (*call)(void* user, const StageInfo& info) = nullptr;
@@ -34,18 +34,12 @@ struct StageReport {
     const char* name = "";
     std::size_t vertices = 0;
     double energy = 0;
-    double psnr = 0;  // dB, see psnr_of_energy
+    double psnr = 0;  // dB, see core/psnr.hpp
     // Of stages that solve linear systems for a result of their own: iterations, and the largest residual relative to its
     // right-hand side.
     int iterations = 0;
     double residual = 0;
 };
-
-// 10 log10(peak^2 / MSE), MSE = energy / samples the mean over pixels AND channels. Infinity for energy 0.
-[[nodiscard]] inline double psnr_of_energy(double energy, double samples, double peak) noexcept {
-    if (!(energy > 0)) return std::numeric_limits<double>::infinity();
-    return 10 * std::log10(peak * peak * samples / energy);
-}
 
 // Carries a Progress through the stages of a method and notes what each stage left.
 class Monitor {
@@ -53,7 +47,8 @@ class Monitor {
     // `samples`: pixels times channels.
     Monitor(const Progress& progress, double samples, double peak) : progress_(progress), samples_(samples), peak_(peak) {}
 
-    // Each returns whether to go on; once told to stop it stays so. These four are called between pieces of work.
+    // begin, update, expect and end are called between pieces of work. Those that return something tell whether to go on; once
+    // told to stop it stays so.
     // A stage begins: `stage` is a static name, the mesh has so many vertices and this energy.
     bool begin(const char* stage, std::size_t vertices, double energy) {
         info_.stage = stage;
@@ -65,7 +60,7 @@ class Monitor {
     bool update(double fraction, std::size_t vertices, double energy) {
         expect(fraction, fraction);
         info_.vertices = vertices;
-        info_.energy = energy;
+        info_.energy = std::max(0.0, energy);  // rounding may leave less than nothing
         return poll();
     }
     // The pieces of work that come next take the stage from fraction `from` to `to`.
@@ -76,7 +71,7 @@ class Monitor {
     }
     // The stage ends, and its report is noted with what the mesh is now.
     bool end(std::size_t vertices, double energy) {
-        energy = std::max(0.0, energy);  // rounding may leave less than nothing
+        energy = std::max(0.0, energy);
         stages_.push_back({info_.stage, vertices, energy, psnr_of_energy(energy, samples_, peak_), iterations_, residual_});
         return update(1, vertices, energy);
     }

@@ -105,7 +105,7 @@ template <int C>
 bool insert_best(Patchwork<C>& work, const Tiling& tiling, std::size_t count) {
     std::vector<double> energies(tiling.size(), 0.0);
     if (tiling.size() > 1 && !work.visit(tiling, [&](Patch<C>& patch, std::size_t tile, const std::uint32_t*) {
-            energies[tile] = patch.mesh().energy();
+            energies[tile] = std::max(0.0, patch.mesh().energy());
         }))
         return false;
     const std::vector<std::size_t> quota = shares(count, energies, std::vector<std::size_t>(tiling.size(), count));

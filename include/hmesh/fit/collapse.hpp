@@ -15,7 +15,6 @@
 #include <utility>
 #include <vector>
 
-#include "hmesh/fit/flips.hpp"
 #include "hmesh/fit/image_mesh.hpp"
 #include "hmesh/fit/order.hpp"
 #include "hmesh/fit/relaxation.hpp"
@@ -26,16 +25,16 @@ namespace hmesh {
 // A half-edge along which its first vertex could go, and by how much the energy would rise.
 struct CollapseCandidate {
     Halfedge halfedge;  // invalid: the vertex cannot go
-    double cost = std::numeric_limits<double>::infinity();
+    double cost = std::numeric_limits<double>::max();
 };
 
 namespace detail {
 
-// The energy of the faces that fill the ring when its centre goes into neighbour j; infinity as soon as it reaches
+// The energy of the faces that fill the ring when its centre goes into neighbour j; the largest double as soon as it reaches
 // `bound` or a face would be too small.
 template <int C>
 [[nodiscard]] double filled_energy(const ImageMesh<C>& mesh, const Ring<C>& ring, int j, double bound) {
-    constexpr double never = std::numeric_limits<double>::infinity();
+    constexpr double never = std::numeric_limits<double>::max();
     const VertexState<C>& u = *ring.neighbour[j];
     const double least = mesh.limits().min_cross;
     // Faces i (neighbours i, i - 1) that do not have j as a corner; an open ring has no face 0.
@@ -81,7 +80,7 @@ template <int C>
     Ring<C>& ring = work.ring;
     mesh.gather(v, ring, work.spokes);
     const double before = mesh.energy(ring);
-    double least = std::numeric_limits<double>::infinity();
+    double least = std::numeric_limits<double>::max();
     for (int j = 0; j < ring.size; ++j) {
         if (ring.open && j != 0 && j != ring.size - 1) continue;  // a border vertex goes along the border
         // The merged vertex has the neighbours of both, less the two themselves and the far corners they shared.

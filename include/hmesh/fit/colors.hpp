@@ -14,6 +14,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <cstdint>
 #include <vector>
 
 #include "hmesh/core/assert.hpp"
@@ -33,12 +34,6 @@ void write_colors(ImageMesh<C>& mesh, const std::vector<Color<C>>& colors, const
     std::size_t row = 0;
     for (const Vertex v : mesh.topology().vertices()) by_slot[v.index()] = colors[row++];
     mesh.set_colors(by_slot, parallel_for);
-}
-
-template <int C>
-HMESH_ALWAYS_INLINE void clamp_channels(Color<C>& c, double low, double high) {
-    c.clamp(low, high);
-    for (int k = C; k < lanes_for(C + 1); ++k) c.set(k, 0);  // padding stays 0 whatever the range
 }
 
 }  // namespace detail

@@ -17,6 +17,7 @@
 #include "hmesh/image/image_view.hpp"
 #include "hmesh/image/weights.hpp"
 #include "hmesh/mesh/geometry.hpp"
+#include "hmesh/mesh/halfedge_mesh.hpp"
 #include "hmesh/mesh/mesh_view.hpp"
 
 namespace hmesh {

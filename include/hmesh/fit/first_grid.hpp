@@ -12,8 +12,8 @@
 #include <vector>
 
 #include "hmesh/core/parallel.hpp"
-#include "hmesh/fit/patches.hpp"
 #include "hmesh/fit/seams.hpp"
+#include "hmesh/fit/tiling.hpp"
 #include "hmesh/fit/whole_mesh.hpp"
 #include "hmesh/image/image_source.hpp"
 #include "hmesh/mesh/geometry.hpp"

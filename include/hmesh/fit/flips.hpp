@@ -83,12 +83,12 @@ double improve_edge(ImageMesh<C>& mesh, Edge e, double least) {
     return trial.decrease;
 }
 
-// Turns edges until none gains more than `tolerance.spread`: a stack in spatial order; the four sides of each turned edge
+// Turns edges until none gains more than `least`, in units of the mean energy of a vertex: a stack in spatial order; the four sides of each turned edge
 // come up again. Vertices around turned edges become due. Returns the number of flips.
 template <int C>
-std::size_t flip_edges(ImageMesh<C>& mesh, const Tolerance& tolerance = {1e-4, 0}) {
+std::size_t flip_edges(ImageMesh<C>& mesh, double least = 1e-4) {
     const HalfedgeMesh& topology = mesh.topology();
-    const double least = tolerance.spread * mesh.mean_energy();
+    least *= mesh.mean_energy();
     std::vector<Edge> stack = spatial_edges(mesh);
     std::reverse(stack.begin(), stack.end());
     std::size_t flips = 0;

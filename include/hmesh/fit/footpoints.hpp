@@ -148,7 +148,8 @@ inline void faces_around(const HalfedgeMesh& topology, Face f, std::vector<Face>
 // What each corner of each face adds to the normal equations of the K of foot points, by half-edge as in corner_sums
 // (fit/barycentric.hpp): gram_matrix, position_rhs and image_rhs make K K^T, K P^T and K I^T of it. `color_scale`: px that a
 // unit of colour is worth, > 0. The mesh must tile its table's rectangle. Faces are independent pieces of work, but not in
-// one_ring, which runs serially: there they add to each other's corners. Lane C of `image` stays 0 where there is a search.
+// one_ring, which runs serially: there they add to each other's corners. Told to stop, one_ring leaves the sums of some faces
+// out. Lane C of `image` stays 0 where there is a search.
 template <int C>
 [[nodiscard]] std::vector<CornerSums<C>> foot_sums(const ImageMesh<C>& mesh, FootSearch search, double color_scale,
                                                    const ParallelFor& parallel_for = {}) {
@@ -193,12 +194,13 @@ template <int C>
     std::vector<Face> faces;
     std::vector<LiftedFace<C>> lifted;
     for (const Face f : topology.faces()) {
+        if (!mesh.beat()) break;
         detail::faces_around(topology, f, faces);
         lifted.clear();
         for (const Face g : faces) lifted.push_back(detail::lift(mesh, g, color_scale));
         for_each_pixel(f, [&](Point centre, const Color<C>& image, double weight) {
             const LiftedPoint<C> pixel{centre, image * color_scale};
-            double least = std::numeric_limits<double>::infinity();
+            double least = std::numeric_limits<double>::max();
             Barycentric best;
             std::size_t nearest = 0;
             for (std::size_t k = 0; k < faces.size(); ++k) {

@@ -145,6 +145,7 @@ bool step_unfolded(ImageMesh<C>& mesh, Vertex v, Point target, RingWork<C>& work
 template <int C>
 PcgReport geometry_step(ImageMesh<C>& mesh, const GeometryStep& options, double peak, const ParallelFor& parallel_for = {}) {
     GeometrySystem system = geometry_system(mesh, options.search, options.color_scale * 255 / peak, options.pull, parallel_for);
+    if (mesh.pulse() != nullptr && mesh.pulse()->stopped()) return {};  // the system may be of some faces only
     const PcgReport report = solve_pcg(system.gram, system.rhs, system.solution, options.pcg, system.held);
     const HalfedgeMesh& topology = mesh.topology();
     const std::vector<int> rows = vertex_rows(topology);

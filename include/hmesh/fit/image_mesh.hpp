@@ -15,10 +15,7 @@
 #define HMESH_FIT_IMAGE_MESH_HPP
 
 #include <algorithm>
-#include <cmath>
 #include <cstddef>
-#include <cstdint>
-#include <utility>
 #include <vector>
 
 #include "hmesh/core/assert.hpp"
@@ -29,7 +26,6 @@
 #include "hmesh/fit/ring.hpp"
 #include "hmesh/image/moment_table.hpp"
 #include "hmesh/mesh/halfedge_mesh.hpp"
-#include "hmesh/mesh/spatial_order.hpp"
 
 namespace hmesh {
 

@@ -6,11 +6,9 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
-#include <utility>
 #include <vector>
 
 #include "hmesh/fit/image_mesh.hpp"
-#include "hmesh/mesh/spatial_order.hpp"
 
 namespace hmesh {
 

@@ -12,7 +12,6 @@
 #include <cstdint>
 #include <functional>
 #include <limits>
-#include <utility>
 #include <vector>
 
 #include "hmesh/fit/flips.hpp"
@@ -226,7 +225,7 @@ template <int C>
     };
     for (std::size_t k = 0; k < sites.size(); ++k) values.push_back(bound(k));
     const float first_cut = nth_largest();
-    evaluate(first_cut, std::numeric_limits<float>::infinity());
+    evaluate(first_cut, std::numeric_limits<float>::max());
     values.clear();
     for (const Gain& g : gains) values.push_back(g.gain);
     evaluate(nth_largest(), first_cut);

@@ -26,7 +26,10 @@ class PointRemoval {
   public:
     // Of a mesh whose inner edges are Delaunay edges and whose corners at least are fixed; it outlives this.
     explicit PointRemoval(ImageMesh<C>& mesh) : mesh_(&mesh) {
-        for (const Vertex v : mesh.topology().vertices()) rate(v);
+        for (const Vertex v : mesh.topology().vertices()) {
+            if (!mesh.beat()) break;  // and then no vertex goes
+            rate(v);
+        }
     }
 
     // Removes the cheapest vertices until `count` >= 4 are left. Returns how many went, fewer if the work was told to stop.

@@ -9,8 +9,6 @@
 #ifndef HMESH_FIT_RING_HPP
 #define HMESH_FIT_RING_HPP
 
-#include <cmath>
-
 #include "hmesh/fit/moments.hpp"
 #include "hmesh/mesh/geometry.hpp"
 #include "hmesh/mesh/handles.hpp"
@@ -20,6 +18,16 @@ namespace hmesh {
 // The channels of a colour, padded with zeros to the lanes of Moments (lane C, where moments carry 1, is 0 in a colour).
 template <int C>
 using Color = typename Moments<C>::Channels;
+
+namespace detail {
+
+template <int C>
+HMESH_ALWAYS_INLINE void clamp_channels(Color<C>& c, double low, double high) {
+    c.clamp(low, high);
+    for (int k = C; k < lanes_for(C + 1); ++k) c.set(k, 0);  // padding stays 0 whatever the range
+}
+
+}  // namespace detail
 
 // Where a vertex may go: what is not free stays on a side of the image, or in a corner (fixed). A frozen vertex belongs to
 // other patches too: neither its position nor its colour changes, and it is not removed.
@@ -193,8 +201,7 @@ template <int C>
 [[nodiscard]] HMESH_ALWAYS_INLINE Color<C> best_color(const RingFit<C>& fit, const Color<C>& current, double ridge, double low,
                                                       double high) {
     Color<C> c = (fit.b + ridge * current) * (1 / ((fit.a > 0 ? fit.a : 0.0) + ridge));
-    c.clamp(low, high);
-    for (int k = C; k < lanes_for(C + 1); ++k) c.set(k, 0);
+    detail::clamp_channels<C>(c, low, high);
     return c;
 }
 

@@ -105,7 +105,7 @@ template <int C>
 [[nodiscard]] std::vector<int> seam_nodes(const detail::SeamCurve<C>& curve, int step, int reach, double price) {
     const int length = curve.length(), places = (length + step - 1) / step;  // place k is at min(length, k step)
     const auto at = [&](int k) { return std::min(length, k * step); };
-    std::vector<double> best(static_cast<std::size_t>(places) + 1, std::numeric_limits<double>::infinity());
+    std::vector<double> best(static_cast<std::size_t>(places) + 1, std::numeric_limits<double>::max());
     std::vector<int> from(best.size(), 0);
     best[0] = 0;
     for (int k = 1; k <= places; ++k)

@@ -32,7 +32,7 @@ struct BilateralOptions {
 // Whether all options are in range.
 [[nodiscard]] inline Status check(const BilateralOptions& options) noexcept {
     const auto bad = [](const char* what) -> Status { return {Errc::invalid_argument, what, 0, 0}; };
-    const auto positive = [](double value) { return is_finite(value) && value > 0; };
+    const auto positive = [](const double& value) { return is_finite(value) && value > 0; };
     if (options.diameter < 1) return {Errc::invalid_argument, "bilateral.diameter must be at least 1", options.diameter, 1};
     if (options.diameter > 99) return {Errc::invalid_argument, "bilateral.diameter must be at most 99", options.diameter, 99};
     if (!positive(options.sigma_color)) return bad("bilateral.sigma_color must be positive and finite");

@@ -144,7 +144,8 @@ template <class T, int C, int = float_lanes>
 class BilateralTile {
   public:
     static constexpr int max_width = 128, max_height = 64;
-    static constexpr double least_sigma = PixelTraits<T>::is_integer ? PixelTraits<T>::highest / 144115188075855872.0 : 0;
+    static constexpr double least_sigma =
+        PixelTraits<T>::is_integer ? std::max(PixelTraits<T>::highest, -PixelTraits<T>::lowest) / 144115188075855872.0 : 0;
     static constexpr std::size_t max_kept = 16384;  // floats: 64 kB; diameter 9 needs some 9,000
 
     BilateralTile(const BilateralWindow& window, int image_width)

@@ -10,7 +10,6 @@
 #include <cstddef>
 
 #include "hmesh/core/lanes.hpp"
-#include "hmesh/core/parallel.hpp"
 #include "hmesh/image/image_view.hpp"
 #include "hmesh/image/moment_table.hpp"
 

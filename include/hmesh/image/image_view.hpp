@@ -7,6 +7,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <limits>
+#include <type_traits>
 #include <vector>
 
 #include "hmesh/core/finite.hpp"
@@ -153,12 +154,16 @@ template <class T, int C>
                   "is_integer: of 16 bits at most");
     if constexpr (!Traits::is_integer) {
         constexpr auto most = static_cast<double>(std::numeric_limits<float>::max());
+        const auto is_good = [](const T& sample) {
+            if constexpr (std::is_same_v<T, float>) return is_finite(sample);
+            else return is_within(Traits::to_real(sample), -most, most);
+        };
         std::vector<unsigned char> bad(static_cast<std::size_t>(view.height), 0);
         for_each_chunk(parallel_for, bad.size(), 32, [&](std::size_t begin, std::size_t end) {
             for (std::size_t y = begin; y < end; ++y) {
                 const T* row = view.row(static_cast<int>(y));
                 for (int k = 0; k < view.width * C; ++k)
-                    if (!is_within(Traits::to_real(row[k]), -most, most)) bad[y] = 1;
+                    if (!is_good(row[k])) bad[y] = 1;
             }
         });
         for (std::size_t y = 0; y < bad.size(); ++y)

@@ -74,7 +74,7 @@ Status write_eps(const MeshView& mesh, Sink&& sink, const EpsOptions& options = 
     const int components = mesh.channels == 1 ? 1 : 3;
 
     const auto share = [&](std::size_t v, std::size_t k) {
-        return std::max(0.0, std::min(1.0, static_cast<double>(mesh.colors[channels * v + k]) / mesh.peak));
+        return detail::share_of_peak(mesh.colors[channels * v + k], mesh.peak);
     };
     const auto on_paper = [&](std::size_t v, int k) {
         const double color = share(v, static_cast<std::size_t>(k));

@@ -18,7 +18,6 @@
 #include <cstdint>
 
 #include "hmesh/core/status.hpp"
-#include "hmesh/core/version.hpp"
 #include "hmesh/io/base64.hpp"
 #include "hmesh/io/color_shares.hpp"
 #include "hmesh/io/html_drawing.hpp"
@@ -89,10 +88,7 @@ void write_mesh_base64(Writer<Sink>& writer, const MeshView& mesh) {
             else out.u32(v);
         }
     const std::size_t samples = static_cast<std::size_t>(mesh.channels) * mesh.vertex_count;
-    for (std::size_t i = 0; i < samples; ++i) {
-        const double share = static_cast<double>(mesh.colors[i]) / mesh.peak;
-        out.u8(static_cast<std::uint8_t>(std::max(0.0, std::min(1.0, share)) * 255 + 0.5));
-    }
+    for (std::size_t i = 0; i < samples; ++i) out.u8(to_u8(share_of_peak(mesh.colors[i], mesh.peak)));
     out.finish();
 }
 

@@ -25,8 +25,8 @@ namespace hmesh {
 // Options of write_ply().
 struct PlyOptions {
     bool ascii = false;  // numbers as text, with the digits that give the same floats: about 1.7 times the size
-    // `property float`, 1 being the peak: nothing is rounded, and values outside [0, peak] stay there, so that a program can
-    // have the very mesh back. Most viewers know `uchar` colours only: MeshLab and CloudCompare show these as none.
+    // `property float`, 1 being the peak: shares are rounded to floats only, and values outside [0, peak] stay there, so that a
+    // program can have the mesh back. Most viewers know `uchar` colours only: MeshLab and CloudCompare show these as none.
     bool float_colors = false;
 };
 
@@ -109,7 +109,7 @@ class PlyNumbers {
 template <class Sink>
 Status write_ply(const MeshView& source, Sink&& sink, const PlyOptions& options = {}) {
     if (const Status status = detail::check_for_ply(source, options); !status) return status;
-    const detail::StraightMesh straight(source);
+    const detail::StraightMesh straight(source, !options.float_colors);
     const MeshView& mesh = straight.view();
     detail::Writer writer(sink);
     detail::write_ply_header(writer, mesh, options);

@@ -239,10 +239,8 @@ class SvgPage {
         FaceColors colors{};
         const auto channels = static_cast<std::size_t>(mesh_.channels);
         for (std::size_t k = 0; k < 3; ++k)
-            for (std::size_t c = 0; c < channels; ++c) {
-                const double share = static_cast<double>(mesh_.colors[channels * mesh_.faces[f][k] + c]) / mesh_.peak;
-                colors[k][c] = std::max(0.0, std::min(1.0, share)) * 255;
-            }
+            for (std::size_t c = 0; c < channels; ++c)
+                colors[k][c] = share_of_peak(mesh_.colors[channels * mesh_.faces[f][k] + c], mesh_.peak) * 255;
         if (channels == 4 && mesh_.premultiplied) divide_by_alpha(colors);
         return colors;
     }

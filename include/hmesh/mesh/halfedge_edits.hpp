@@ -2,6 +2,8 @@
 #ifndef HMESH_MESH_HALFEDGE_EDITS_HPP
 #define HMESH_MESH_HALFEDGE_EDITS_HPP
 
+#include <cstdint>
+
 #include "hmesh/mesh/halfedge_mesh.hpp"
 
 namespace hmesh {

@@ -11,6 +11,7 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <utility>
 #include <vector>
 
 #include "hmesh/core/finite.hpp"
@@ -21,6 +22,7 @@
 #include "hmesh/image/error_diffusion.hpp"
 #include "hmesh/image/feature_map.hpp"
 #include "hmesh/mesh/delaunay.hpp"
+#include "hmesh/mesh/spatial_order.hpp"
 #include "hmesh/methods/stage.hpp"
 
 namespace hmesh {

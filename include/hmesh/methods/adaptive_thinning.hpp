@@ -13,7 +13,6 @@
 #include <numeric>
 #include <vector>
 
-#include "hmesh/core/status.hpp"
 #include "hmesh/fit/first_grid.hpp"
 #include "hmesh/fit/patchwork.hpp"
 #include "hmesh/methods/adams.hpp"

@@ -218,7 +218,7 @@ class Annealed {
         for (int k = 0; k < rounds; ++k) {
             monitor().expect(static_cast<double>(k) / rounds, (k + 1.0) / rounds);
             if (!work_->for_each(tiling(k + 1), [&](Patch<C>& patch, std::size_t) {
-                    flip_edges(patch.mesh(), options_.polish);
+                    flip_edges(patch.mesh(), options_.polish.spread);
                     sweep(patch.mesh(), options_.polish);
                 }))
                 return false;

@@ -21,7 +21,7 @@
 namespace hmesh {
 
 // The recipes in methods/. All but the first are there to be compared with: they know no effort, seed or tile, and mesh the
-// image in one piece on one thread.
+// image in one piece; of their work the executor shares out passes over all pixels or faces alone.
 enum class Method : std::uint8_t {
     annealed,
     hierarchical,       // "Image meshing via hierarchical optimization"
@@ -64,7 +64,7 @@ struct Options {
     std::uint64_t seed = 1;  // of methods that draw random numbers
     Progress progress;
     MeshLimits limits;
-    // How much each pixel counts, >= 0, of the image's size; none: all count the same. They are rounded to steps of 2^-20 to
+    // How much each pixel counts, >= 0, of the image's size; none: all count the same. They are rounded to steps of 2^-24 to
     // 2^-8 of the largest, finer for smaller images (image/weights.hpp); less than half a step counts as 0.
     ImageView<float, 1> weights;
     // px: larger images are meshed in tiles of about this size, 64 to 65536, each of which is a piece of work for a thread.
@@ -100,7 +100,7 @@ struct Options {
 namespace detail {
 
 // The integer nearest to a number that may be none, for a Status: 0 for NaN and infinities.
-[[nodiscard]] inline std::int64_t nearest_integer(double value) noexcept {
+[[nodiscard]] inline std::int64_t nearest_integer(const double& value) noexcept {
     return is_finite(value) ? std::llround(std::max(-9e18, std::min(9e18, value))) : 0;
 }
 

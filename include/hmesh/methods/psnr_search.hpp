@@ -18,7 +18,8 @@
 namespace hmesh {
 
 // `mesh_of(n)` makes a result with .status and .report.psnr, meshes of 4 <= n <= most vertices. Returns that of the fewest
-// vertices that reached `psnr`, or of the best PSNR with target_out_of_range when none did, or the first that failed.
+// vertices that reached `psnr`, or of the best PSNR with target_out_of_range when none did; where a run fails, what there is
+// then with its status.
 template <class MeshOf>
 [[nodiscard]] auto fewest_vertices(double psnr, std::size_t first, std::size_t most, MeshOf&& mesh_of) {
     constexpr double slope = 1.6;  // dB a doubling
@@ -61,9 +62,10 @@ template <class MeshOf>
         auto result = mesh_of(n);
         run = {std::log2(static_cast<double>(n)), result.report.psnr, n};
         const bool better = run.psnr >= psnr ? true : !reached && run.psnr > best.report.psnr;
-        if (!result.status) {  // cancelled: what was reached before, if anything was
-            if (!reached) return result;
-            best.status = result.status;
+        if (!result.status) {  // cancelled: the best so far, which may be what this run came to
+            const Status why = result.status;
+            if (!reached && run.psnr > best.report.psnr) best = std::move(result);
+            best.status = why;
             return best;
         }
         if (better) best = std::move(result);

@@ -3,11 +3,10 @@
 #define HMESH_METHODS_STAGE_HPP
 
 #include <algorithm>
-#include <utility>
+#include <cstddef>
 
 #include "hmesh/core/status.hpp"
 #include "hmesh/fit/patchwork.hpp"
-#include "hmesh/fit/pcg.hpp"
 #include "hmesh/fit/tiling.hpp"
 
 namespace hmesh {
