@@ -5908,6 +5908,54 @@ void ImageMesh<C>::collapse(Halfedge h) {
 
 #endif  // HMESH_FIT_IMAGE_MESH_EDITS_HPP
 
+// ---- hmesh/mesh/spans.hpp
+
+// hmesh - spans: the pixels of a face, row by row.
+//
+// A pixel belongs to a face by the top-left rule (mesh/geometry.hpp), so the spans of a mesh's faces cover each pixel once.
+#ifndef HMESH_MESH_SPANS_HPP
+#define HMESH_MESH_SPANS_HPP
+
+#include <algorithm>
+#include <limits>
+#include <utility>
+
+namespace hmesh {
+
+// What is seen of a picture: rows [first, last), columns [0, width). By default all that there may be.
+struct Clip {
+    int width = std::numeric_limits<int>::max();
+    int first = 0, last = std::numeric_limits<int>::max();
+};
+
+// Calls body(j, begin, end) for the pixels [begin, end), begin < end, of each row j that the face a, b, c owns, down the rows.
+// Either orientation will do; columns of corners fit an int.
+template <class Body>
+void for_each_span(Point a, Point b, Point c, const Clip& clip, Body&& body) {
+    if (b.y < a.y) std::swap(a, b);
+    if (c.y < b.y) std::swap(b, c);
+    if (b.y < a.y) std::swap(a, b);
+    const auto clipped = [&](double y) {
+        return first_row(std::max(static_cast<double>(clip.first), std::min(static_cast<double>(clip.last), y)));
+    };
+    const auto between = [&](Point upper, Point lower) {
+        const int first = clipped(upper.y), last = clipped(lower.y);
+        if (first >= last) return;
+        const RowCrossing side(upper, lower), opposite(a, c);
+        for (int j = first; j < last; ++j) {
+            const int one = side.column(j), other = opposite.column(j);
+            const int begin = std::max(0, std::min(one, other)), end = std::min(clip.width, std::max(one, other));
+            if (begin < end) body(j, begin, end);
+        }
+    };
+    between(a, b);
+    between(b, c);
+}
+
+}  // namespace hmesh
+
+#endif  // HMESH_MESH_SPANS_HPP
+
 // ---- hmesh/fit/barycentric.hpp
 
 // hmesh - barycentric: the sparse matrix K of the paper, and its normal equations.
@@ -5934,26 +5982,6 @@ void ImageMesh<C>::collapse(Halfedge h) {
 #include <vector>
 
 namespace hmesh {
-
-// Calls body(j, begin, end) for the pixels [begin, end) of each row j that the face a, b, c owns, down the rows. Either
-// orientation will do; corners have coordinates >= 0.
-template <class Body>
-void for_each_span(Point a, Point b, Point c, Body&& body) {
-    if (b.y < a.y) std::swap(a, b);
-    if (c.y < b.y) std::swap(b, c);
-    if (b.y < a.y) std::swap(a, b);
-    const auto between = [&](Point upper, Point lower) {
-        const int first = first_row(upper.y), last = first_row(lower.y);
-        if (first >= last) return;
-        const RowCrossing side(upper, lower), opposite(a, c);
-        for (int j = first; j < last; ++j) {
-            const int one = side.column(j), other = opposite.column(j);
-            if (one != other) body(j, std::min(one, other), std::max(one, other));
-        }
-    };
-    between(a, b);
-    between(b, c);
-}
 
 // The row of each vertex, by slot; -1 for deleted slots.
 [[nodiscard]] inline std::vector<int> vertex_rows(const HalfedgeMesh& topology) {
@@ -6001,7 +6029,7 @@ template <int C>
             if (v[2] < v[1]) std::swap(v[1], v[2]);
             if (v[1] < v[0]) std::swap(v[0], v[1]);
             const Point a = mesh.position(v[0]), b = mesh.position(v[1]), c = mesh.position(v[2]);
-            for_each_span(a, b, c, [&](int j, int begin, int end) {
+            for_each_span(a, b, c, {}, [&](int j, int begin, int end) {
                 std::size_t entry = 3 * (static_cast<std::size_t>(j) * width + static_cast<std::size_t>(begin));
                 for (int i = begin; i < end; ++i, entry += 3) {
                     const Barycentric weights = barycentric(a, b, c, {i + 0.5, j + 0.5});
@@ -7350,7 +7378,7 @@ template <class T, int C>
             at_a[k] = color(t[0]), to_b[k] = color(t[1]) - at_a[k], to_c[k] = color(t[2]) - at_a[k];
         }
         double energy = 0;
-        for_each_span(a, b, c, [&](int j, int begin, int end) {
+        for_each_span(a, b, c, {}, [&](int j, int begin, int end) {
             const T* sample = view.pixel(begin, j);
             const float* weight = weights.data != nullptr ? weights.pixel(begin, j) : nullptr;
             for (int i = begin; i < end; ++i, sample += C) {
@@ -7518,7 +7546,7 @@ class LinearLight {
         const bool is_plain = lb == 0 && lc == 0;
         const auto plain = static_cast<double>(at.stored[v[0].index()]);
         double energy = 0, s00 = 0, s11 = 0, s22 = 0, s01 = 0, s12 = 0, s20 = 0, p0 = 0, p1 = 0, p2 = 0;
-        for_each_span(a, b, c, [&](int j, int begin, int end) {
+        for_each_span(a, b, c, {}, [&](int j, int begin, int end) {
             const T* sample = view_.pixel(begin, j) + k;
             const float* weights = options_.weights.data != nullptr ? options_.weights.pixel(begin, j) : nullptr;
             for (int i = begin; i < end; ++i, sample += C) {
@@ -11005,7 +11033,7 @@ template <int C>
     };
     const auto for_each_pixel = [&](Face f, auto&& body) {
         const auto v = topology.vertices(f);
-        for_each_span(mesh.position(v[0]), mesh.position(v[1]), mesh.position(v[2]), [&](int j, int begin, int end) {
+        for_each_span(mesh.position(v[0]), mesh.position(v[1]), mesh.position(v[2]), {}, [&](int j, int begin, int end) {
             for (int i = begin; i < end; ++i) {
                 Color<C> image;
                 table.pixel(i, j, image);
@@ -12045,24 +12073,10 @@ class Shading {
 
 // Draws the rows of a face that lie in `rows`.
 template <int C>
-void draw_face(Corner<C> top, Corner<C> middle, Corner<C> low, RowRange rows, Image<float, C>& out) {
-    const Shading<C> shading(top, middle, low);
-    if (middle.at.y < top.at.y) std::swap(top, middle);
-    if (low.at.y < middle.at.y) std::swap(middle, low);
-    if (middle.at.y < top.at.y) std::swap(top, middle);
-    const auto draw_part = [&](Point upper, Point lower) {
-        const int first = std::max(rows.first, clipped_row(upper.y, out.height()));
-        const int last = std::min(rows.last, clipped_row(lower.y, out.height()));
-        if (first >= last) return;
-        const RowCrossing side(upper, lower), opposite(top.at, low.at);
-        for (int j = first; j < last; ++j) {
-            const int one = side.column(j), other = opposite.column(j);
-            const int begin = std::max(0, std::min(one, other)), end = std::min(out.width(), std::max(one, other));
-            if (begin < end) shading.fill(j, begin, end, out.pixel(begin, j));
-        }
-    };
-    draw_part(top.at, middle.at);
-    draw_part(middle.at, low.at);
+void draw_face(const Corner<C>& a, const Corner<C>& b, const Corner<C>& c, RowRange rows, Image<float, C>& out) {
+    const Shading<C> shading(a, b, c);
+    for_each_span(a.at, b.at, c.at, {out.width(), rows.first, rows.last},
+                  [&](int j, int begin, int end) { shading.fill(j, begin, end, out.pixel(begin, j)); });
 }
 
 // Which faces touch which band of rows: those of band b are faces[starts[b]] .. faces[starts[b + 1] - 1], in order.

@@ -93,7 +93,7 @@ TEST_CASE("every pixel is in exactly one face, the one whose moments count it") 
         const hmesh::Point a = s.mesh.position(v[0]), b = s.mesh.position(v[1]), c = s.mesh.position(v[2]);
         double count = 0, sum = 0;
         int row = -1;
-        hmesh::for_each_span(a, c, b, [&](int j, int begin, int end) {
+        hmesh::for_each_span(a, c, b, {}, [&](int j, int begin, int end) {
             CHECK(j > row);
             CHECK(begin < end);
             row = j;

@@ -25,6 +25,7 @@
 #include "hmesh/image/image_view.hpp"
 #include "hmesh/mesh/geometry.hpp"
 #include "hmesh/mesh/mesh_view.hpp"
+#include "hmesh/mesh/spans.hpp"
 
 namespace hmesh {
 
@@ -82,24 +83,10 @@ class Shading {
 
 // Draws the rows of a face that lie in `rows`.
 template <int C>
-void draw_face(Corner<C> top, Corner<C> middle, Corner<C> low, RowRange rows, Image<float, C>& out) {
-    const Shading<C> shading(top, middle, low);
-    if (middle.at.y < top.at.y) std::swap(top, middle);
-    if (low.at.y < middle.at.y) std::swap(middle, low);
-    if (middle.at.y < top.at.y) std::swap(top, middle);
-    const auto draw_part = [&](Point upper, Point lower) {
-        const int first = std::max(rows.first, clipped_row(upper.y, out.height()));
-        const int last = std::min(rows.last, clipped_row(lower.y, out.height()));
-        if (first >= last) return;
-        const RowCrossing side(upper, lower), opposite(top.at, low.at);
-        for (int j = first; j < last; ++j) {
-            const int one = side.column(j), other = opposite.column(j);
-            const int begin = std::max(0, std::min(one, other)), end = std::min(out.width(), std::max(one, other));
-            if (begin < end) shading.fill(j, begin, end, out.pixel(begin, j));
-        }
-    };
-    draw_part(top.at, middle.at);
-    draw_part(middle.at, low.at);
+void draw_face(const Corner<C>& a, const Corner<C>& b, const Corner<C>& c, RowRange rows, Image<float, C>& out) {
+    const Shading<C> shading(a, b, c);
+    for_each_span(a.at, b.at, c.at, {out.width(), rows.first, rows.last},
+                  [&](int j, int begin, int end) { shading.fill(j, begin, end, out.pixel(begin, j)); });
 }
 
 // Which faces touch which band of rows: those of band b are faces[starts[b]] .. faces[starts[b + 1] - 1], in order.

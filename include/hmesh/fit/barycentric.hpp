@@ -24,28 +24,9 @@
 #include "hmesh/core/parallel.hpp"
 #include "hmesh/fit/image_mesh.hpp"
 #include "hmesh/mesh/geometry.hpp"
+#include "hmesh/mesh/spans.hpp"
 
 namespace hmesh {
-
-// Calls body(j, begin, end) for the pixels [begin, end) of each row j that the face a, b, c owns, down the rows. Either
-// orientation will do; corners have coordinates >= 0.
-template <class Body>
-void for_each_span(Point a, Point b, Point c, Body&& body) {
-    if (b.y < a.y) std::swap(a, b);
-    if (c.y < b.y) std::swap(b, c);
-    if (b.y < a.y) std::swap(a, b);
-    const auto between = [&](Point upper, Point lower) {
-        const int first = first_row(upper.y), last = first_row(lower.y);
-        if (first >= last) return;
-        const RowCrossing side(upper, lower), opposite(a, c);
-        for (int j = first; j < last; ++j) {
-            const int one = side.column(j), other = opposite.column(j);
-            if (one != other) body(j, std::min(one, other), std::max(one, other));
-        }
-    };
-    between(a, b);
-    between(b, c);
-}
 
 // The row of each vertex, by slot; -1 for deleted slots.
 [[nodiscard]] inline std::vector<int> vertex_rows(const HalfedgeMesh& topology) {
@@ -93,7 +74,7 @@ template <int C>
             if (v[2] < v[1]) std::swap(v[1], v[2]);
             if (v[1] < v[0]) std::swap(v[0], v[1]);
             const Point a = mesh.position(v[0]), b = mesh.position(v[1]), c = mesh.position(v[2]);
-            for_each_span(a, b, c, [&](int j, int begin, int end) {
+            for_each_span(a, b, c, {}, [&](int j, int begin, int end) {
                 std::size_t entry = 3 * (static_cast<std::size_t>(j) * width + static_cast<std::size_t>(begin));
                 for (int i = begin; i < end; ++i, entry += 3) {
                     const Barycentric weights = barycentric(a, b, c, {i + 0.5, j + 0.5});

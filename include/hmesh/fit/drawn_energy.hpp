@@ -13,12 +13,12 @@
 #include <cstdint>
 
 #include "hmesh/core/parallel.hpp"
-#include "hmesh/fit/barycentric.hpp"
 #include "hmesh/image/image_view.hpp"
 #include "hmesh/image/weights.hpp"
 #include "hmesh/mesh/geometry.hpp"
 #include "hmesh/mesh/halfedge_mesh.hpp"
 #include "hmesh/mesh/mesh_view.hpp"
+#include "hmesh/mesh/spans.hpp"
 
 namespace hmesh {
 namespace detail {
@@ -45,7 +45,7 @@ template <class T, int C>
             at_a[k] = color(t[0]), to_b[k] = color(t[1]) - at_a[k], to_c[k] = color(t[2]) - at_a[k];
         }
         double energy = 0;
-        for_each_span(a, b, c, [&](int j, int begin, int end) {
+        for_each_span(a, b, c, {}, [&](int j, int begin, int end) {
             const T* sample = view.pixel(begin, j);
             const float* weight = weights.data != nullptr ? weights.pixel(begin, j) : nullptr;
             for (int i = begin; i < end; ++i, sample += C) {

@@ -21,6 +21,7 @@
 #include "hmesh/core/parallel.hpp"
 #include "hmesh/fit/barycentric.hpp"
 #include "hmesh/fit/image_mesh.hpp"
+#include "hmesh/mesh/spans.hpp"
 
 namespace hmesh {
 
@@ -166,7 +167,7 @@ template <int C>
     };
     const auto for_each_pixel = [&](Face f, auto&& body) {
         const auto v = topology.vertices(f);
-        for_each_span(mesh.position(v[0]), mesh.position(v[1]), mesh.position(v[2]), [&](int j, int begin, int end) {
+        for_each_span(mesh.position(v[0]), mesh.position(v[1]), mesh.position(v[2]), {}, [&](int j, int begin, int end) {
             for (int i = begin; i < end; ++i) {
                 Color<C> image;
                 table.pixel(i, j, image);

@@ -38,6 +38,7 @@
 #include "hmesh/mesh/geometry.hpp"
 #include "hmesh/mesh/halfedge_mesh.hpp"
 #include "hmesh/mesh/mesh_view.hpp"
+#include "hmesh/mesh/spans.hpp"
 
 namespace hmesh {
 
@@ -152,7 +153,7 @@ class LinearLight {
         const bool is_plain = lb == 0 && lc == 0;
         const auto plain = static_cast<double>(at.stored[v[0].index()]);
         double energy = 0, s00 = 0, s11 = 0, s22 = 0, s01 = 0, s12 = 0, s20 = 0, p0 = 0, p1 = 0, p2 = 0;
-        for_each_span(a, b, c, [&](int j, int begin, int end) {
+        for_each_span(a, b, c, {}, [&](int j, int begin, int end) {
             const T* sample = view_.pixel(begin, j) + k;
             const float* weights = options_.weights.data != nullptr ? options_.weights.pixel(begin, j) : nullptr;
             for (int i = begin; i < end; ++i, sample += C) {

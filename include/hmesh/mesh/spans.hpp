@@ -1,0 +1,47 @@
+// hmesh - spans: the pixels of a face, row by row.
+//
+// A pixel belongs to a face by the top-left rule (mesh/geometry.hpp), so the spans of a mesh's faces cover each pixel once.
+#ifndef HMESH_MESH_SPANS_HPP
+#define HMESH_MESH_SPANS_HPP
+
+#include <algorithm>
+#include <limits>
+#include <utility>
+
+#include "hmesh/mesh/geometry.hpp"
+
+namespace hmesh {
+
+// What is seen of a picture: rows [first, last), columns [0, width). By default all that there may be.
+struct Clip {
+    int width = std::numeric_limits<int>::max();
+    int first = 0, last = std::numeric_limits<int>::max();
+};
+
+// Calls body(j, begin, end) for the pixels [begin, end), begin < end, of each row j that the face a, b, c owns, down the rows.
+// Either orientation will do; columns of corners fit an int.
+template <class Body>
+void for_each_span(Point a, Point b, Point c, const Clip& clip, Body&& body) {
+    if (b.y < a.y) std::swap(a, b);
+    if (c.y < b.y) std::swap(b, c);
+    if (b.y < a.y) std::swap(a, b);
+    const auto clipped = [&](double y) {
+        return first_row(std::max(static_cast<double>(clip.first), std::min(static_cast<double>(clip.last), y)));
+    };
+    const auto between = [&](Point upper, Point lower) {
+        const int first = clipped(upper.y), last = clipped(lower.y);
+        if (first >= last) return;
+        const RowCrossing side(upper, lower), opposite(a, c);
+        for (int j = first; j < last; ++j) {
+            const int one = side.column(j), other = opposite.column(j);
+            const int begin = std::max(0, std::min(one, other)), end = std::min(clip.width, std::max(one, other));
+            if (begin < end) body(j, begin, end);
+        }
+    };
+    between(a, b);
+    between(b, c);
+}
+
+}  // namespace hmesh
+
+#endif  // HMESH_MESH_SPANS_HPP
