@@ -17,11 +17,10 @@ gcc-O0; g++; 17; -O0 -D_GLIBCXX_ASSERTIONS; ; the oldest standard, nothing optim
 gcc-O2; g++; 20; -O2 -DNDEBUG -march=x86-64 -fno-exceptions -fno-rtti; HMESH_TEST_HEADERS=OFF HMESH_BUILD_EXAMPLES=OFF; any x86-64, without exceptions and RTTI
 gcc-O3-native; g++; 23; -O3 -DNDEBUG -march=native -DEIGEN_MPL2_ONLY -Wno-maybe-uninitialized; HMESH_TEST_HEADERS=OFF; all that g++ can do: wide vectors, contracted products (the warning is false, of AVX-512 intrinsics in g++ 12)
 gcc-m32; g++; 17; -O1 -m32 -msse2 -mfpmath=sse; HMESH_TEST_HEADERS=OFF HMESH_BUILD_EXAMPLES=OFF; 32 bits, with the arithmetic of 64 (not x87, see docs)
-clang14-O0; clang++-14; 23; -O0 -fno-exceptions -fno-rtti; HMESH_BUILD_EXAMPLES=OFF; an older clang++
 clang14-O1; clang++-14; 17; -O1 -DNDEBUG -march=native -ffp-contract=off; HMESH_TEST_HEADERS=OFF; wide vectors without contracted products
 clang19-O0; clang++-19; 23; -O0 -Wno-deprecated-declarations; ; the newest clang++, its warnings but one of g++ 12's std::stable_sort
 clang19-O3; clang++-19; 20; -O3 -DNDEBUG -march=native -fno-exceptions -fno-rtti -Wno-deprecated-declarations; HMESH_TEST_HEADERS=OFF HMESH_BUILD_EXAMPLES=OFF; all that clang++ can do
-single-header; clang++-14; 17; -O0 -fno-exceptions -fno-rtti -DEIGEN_MPL2_ONLY; HMESH_TEST_SINGLE_HEADER=ON HMESH_BUILD_EXAMPLES=OFF; all tests with single_include/hmesh.hpp
+single-header; clang++-14; 23; -O0 -fno-exceptions -fno-rtti -DEIGEN_MPL2_ONLY; HMESH_TEST_SINGLE_HEADER=ON HMESH_BUILD_EXAMPLES=OFF; an older clang++, all tests with single_include/hmesh.hpp
 mingw; x86_64-w64-mingw32-g++-posix; 17; -O1; HMESH_TEST_HEADERS=OFF HMESH_BUILD_EXAMPLES=OFF; Windows: long of 32 bits, another C library, run by Wine
 emscripten; em++; 17; -O1 -fexceptions -pthread; HMESH_TEST_HEADERS=OFF HMESH_BUILD_EXAMPLES=OFF; WebAssembly: 32 bits, no packet mathematics in Eigen, libc++, run by node
 TABLE
