@@ -874,7 +874,8 @@ class StraightMesh {
                 for (const std::uint32_t other : mesh.faces[f])
                     for (std::size_t k = 0; k < channels && from(other, alpha) > 0; ++k) sums[channels * v + k] += from(other, k);
             }
-        const double most = is_held ? mesh.peak : 0.5 * double{std::numeric_limits<float>::max()} * std::min(1.0, mesh.peak);
+        const double most =
+            is_held ? mesh.peak : 0.5 * static_cast<double>(std::numeric_limits<float>::max()) * std::min(1.0, mesh.peak);
         const double least = is_held ? 0 : -most;
         colors_.resize(channels * mesh.vertex_count);
         for (std::size_t v = 0; v < mesh.vertex_count; ++v) {

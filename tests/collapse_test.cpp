@@ -25,7 +25,7 @@ using hmesh_test::Subject;
 
 namespace {
 
-constexpr double never = std::numeric_limits<double>::infinity();
+constexpr double never = std::numeric_limits<double>::max();
 
 // By how much the energy rises when from_vertex(h) goes into to_vertex(h); infinite when it must not. Does it and undoes it.
 template <class T, int C>
