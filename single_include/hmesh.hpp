@@ -856,10 +856,11 @@ namespace hmesh::detail {
 namespace hmesh::detail {
 
 // A mesh as it is or, if it is premultiplied and has alpha, with colours of its own that are divided by it: color * peak /
-// alpha at each vertex, held to [0, peak] or else to what floats hold, as shares of the peak too. Vertices without alpha have no colour; they take the mean of those with which they
-// share faces, weighted by alpha, so that no fringe runs into the faces between; none, 0, where all are transparent. Between
-// vertices the picture is that of straight colours, which agrees with the premultiplied one where alpha or the colour does
-// not change. Of a mesh that check() accepts and that outlives this one. O(vertices + faces).
+// alpha at each vertex, held to [0, peak] or else to what floats hold, as shares of the peak too. Vertices without alpha have
+// no colour; they take the mean of those with which they share faces, weighted by alpha, so that no fringe runs into the faces
+// between; none, 0, where all are transparent. Between vertices the picture is that of straight colours, which agrees with the
+// premultiplied one where alpha or the colour does not change. Of a mesh that check() accepts and that outlives this one.
+// O(vertices + faces).
 class StraightMesh {
   public:
     explicit StraightMesh(const MeshView& mesh, bool is_held = true) : view_(mesh) {
@@ -4229,8 +4230,8 @@ inline Status Delaunay::check() const {
 
 // hmesh - the executor: how per-pixel and per-face stages run, on one thread or on the user's.
 //
-// hmesh starts no thread. A stage hands `n` independent pieces of work to an executor, any const callable
-// object or pointer to a function
+// hmesh starts no thread. A stage hands `n` independent pieces of work to an executor, any const callable object or pointer to a
+// function
 //
 //     parallel_for(std::size_t n, body)      // calls body(i) once for each i in [0, n), in any order, on any thread,
 //                                            // and returns when all calls have returned
@@ -4365,9 +4366,9 @@ struct StageInfo {
 };
 
 // A callback and the pointer handed to it. Called with fraction 0 when a stage begins, 1 when it ends, and every few
-// milliseconds of work in between where vertices and edges are worked on (parts that pass over all pixels once are silent,
-// some 0.2 s a megapixel at most, and so is the putting together of a mesh, some 0.8 us a vertex), from the threads that do the work but never from two at a time (calls are ordered as
-// by a lock). Returning false cancels: the last valid mesh comes back with Errc::cancelled.
+// milliseconds of work in between where vertices and edges are worked on, from the threads that do the work but never from two
+// at a time (calls are ordered as by a lock). Silent are parts that pass over all pixels once, some 0.2 s a megapixel at most,
+// and the putting together of a mesh, some 0.8 us a vertex. Returning false cancels: the last valid mesh comes back with Errc::cancelled.
 struct Progress {
     bool (*call)(void* user, const StageInfo& info) = nullptr;
     void* user = nullptr;
@@ -9520,8 +9521,8 @@ double improve_edge(ImageMesh<C>& mesh, Edge e, double least) {
     return trial.decrease;
 }
 
-// Turns edges until none gains more than `least`, in units of the mean energy of a vertex: a stack in spatial order; the four sides of each turned edge
-// come up again. Vertices around turned edges become due. Returns the number of flips.
+// Turns edges until none gains more than `least`, in units of the mean energy of a vertex: a stack in spatial order; the four
+// sides of each turned edge come up again. Vertices around turned edges become due. Returns the number of flips.
 template <int C>
 std::size_t flip_edges(ImageMesh<C>& mesh, double least = 1e-4) {
     const HalfedgeMesh& topology = mesh.topology();

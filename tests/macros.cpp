@@ -1,5 +1,5 @@
-// Words that Windows, Qt, X11 and the C library of embedded systems define as macros do not occur in the headers: each is a syntax
-// error here. The standard library and Eigen come first, since what they can bear is theirs to say.
+// Words that Windows, Qt, X11 and the C library of embedded systems define as macros do not occur in the headers: each is a
+// syntax error here. The standard library and Eigen come first, since what they can bear is theirs to say.
 #include <Eigen/Core>
 #include <Eigen/SparseCore>
 

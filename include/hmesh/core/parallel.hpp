@@ -1,7 +1,7 @@
 // hmesh - the executor: how per-pixel and per-face stages run, on one thread or on the user's.
 //
-// hmesh starts no thread. A stage hands `n` independent pieces of work to an executor, any const callable
-// object or pointer to a function
+// hmesh starts no thread. A stage hands `n` independent pieces of work to an executor, any const callable object or pointer to a
+// function
 //
 //     parallel_for(std::size_t n, body)      // calls body(i) once for each i in [0, n), in any order, on any thread,
 //                                            // and returns when all calls have returned

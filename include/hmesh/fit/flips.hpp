@@ -83,8 +83,8 @@ double improve_edge(ImageMesh<C>& mesh, Edge e, double least) {
     return trial.decrease;
 }
 
-// Turns edges until none gains more than `least`, in units of the mean energy of a vertex: a stack in spatial order; the four sides of each turned edge
-// come up again. Vertices around turned edges become due. Returns the number of flips.
+// Turns edges until none gains more than `least`, in units of the mean energy of a vertex: a stack in spatial order; the four
+// sides of each turned edge come up again. Vertices around turned edges become due. Returns the number of flips.
 template <int C>
 std::size_t flip_edges(ImageMesh<C>& mesh, double least = 1e-4) {
     const HalfedgeMesh& topology = mesh.topology();

@@ -14,10 +14,11 @@
 namespace hmesh::detail {
 
 // A mesh as it is or, if it is premultiplied and has alpha, with colours of its own that are divided by it: color * peak /
-// alpha at each vertex, held to [0, peak] or else to what floats hold, as shares of the peak too. Vertices without alpha have no colour; they take the mean of those with which they
-// share faces, weighted by alpha, so that no fringe runs into the faces between; none, 0, where all are transparent. Between
-// vertices the picture is that of straight colours, which agrees with the premultiplied one where alpha or the colour does
-// not change. Of a mesh that check() accepts and that outlives this one. O(vertices + faces).
+// alpha at each vertex, held to [0, peak] or else to what floats hold, as shares of the peak too. Vertices without alpha have
+// no colour; they take the mean of those with which they share faces, weighted by alpha, so that no fringe runs into the faces
+// between; none, 0, where all are transparent. Between vertices the picture is that of straight colours, which agrees with the
+// premultiplied one where alpha or the colour does not change. Of a mesh that check() accepts and that outlives this one.
+// O(vertices + faces).
 class StraightMesh {
   public:
     explicit StraightMesh(const MeshView& mesh, bool is_held = true) : view_(mesh) {
