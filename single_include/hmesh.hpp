@@ -4368,7 +4368,8 @@ struct StageInfo {
 // A callback and the pointer handed to it. Called with fraction 0 when a stage begins, 1 when it ends, and every few
 // milliseconds of work in between where vertices and edges are worked on, from the threads that do the work but never from two
 // at a time (calls are ordered as by a lock). Silent are parts that pass over all pixels once, some 0.2 s a megapixel at most,
-// and the putting together of a mesh, some 0.8 us a vertex. Returning false cancels: the last valid mesh comes back with Errc::cancelled.
+// and the putting together of a mesh, some 0.8 us a vertex. Returning false cancels: the last valid mesh comes back with
+// Errc::cancelled.
 struct Progress {
     bool (*call)(void* user, const StageInfo& info) = nullptr;
     void* user = nullptr;
