@@ -13,7 +13,7 @@ using namespace hmesh_test;
 
 namespace {
 
-const auto write = [](const hmesh::MeshView& mesh, auto&& sink) { return hmesh::write_eps(mesh, sink); };
+const auto to_sink = [](const hmesh::MeshView& mesh, auto&& sink) { return hmesh::write_eps(mesh, sink); };
 
 std::string written(const hmesh::MeshView& mesh, const hmesh::EpsOptions& options = {}) {
     std::string text;
@@ -184,12 +184,12 @@ TEST_CASE("a compressor is used for the mesh, and where it fails there is a Stat
 }
 
 TEST_CASE("a sink that refuses after k bytes gets no more and is reported, for all k") {
-    check_refusing_sinks(random_grid<4>(64, 48, 24, 18, 255, 11).view(), write, 1);
+    check_refusing_sinks(random_grid<4>(64, 48, 24, 18, 255, 11).view(), to_sink, 1);
 }
 
-TEST_CASE("a mesh that cannot be written gives a Status and no byte") { check_refusals(write); }
+TEST_CASE("a mesh that cannot be written gives a Status and no byte") { check_refusals(to_sink); }
 
 TEST_CASE("the bytes do not depend on the locale") {
     const hmesh::Mesh<3> mesh = random_grid<3>(300, 200, 12, 8, 255, 12);
-    hmesh_test::check_locale_makes_no_difference(mesh.view(), write);
+    hmesh_test::check_locale_makes_no_difference(mesh.view(), to_sink);
 }

@@ -16,11 +16,11 @@ namespace {
 
 using hmesh_test::two_faces;
 
-const auto write = [](const hmesh::MeshView& mesh, auto&& sink) { return hmesh::write_obj(mesh, sink); };
+const auto to_sink = [](const hmesh::MeshView& mesh, auto&& sink) { return hmesh::write_obj(mesh, sink); };
 
 template <int C>
 std::string written(const hmesh::Mesh<C>& mesh) {
-    return hmesh_test::as_text(hmesh_test::exported(mesh.view(), write));
+    return hmesh_test::as_text(hmesh_test::exported(mesh.view(), to_sink));
 }
 
 const std::string header = "# made by hmesh " HMESH_VERSION_STRING "\n";
@@ -93,11 +93,11 @@ TEST_CASE("what is read back is the mesh with y up and faces counter-clockwise")
 TEST_CASE("the locale makes no difference") {
     hmesh::Mesh<3> mesh = two_faces<3>();
     mesh.positions[4] = 2.5F;
-    hmesh_test::check_locale_makes_no_difference(mesh.view(), write);
+    hmesh_test::check_locale_makes_no_difference(mesh.view(), to_sink);
 }
 
 TEST_CASE("a sink that refuses anywhere gets no more and is reported") {
-    hmesh_test::check_refusing_sinks(hmesh_test::square_grid(16, 16).view(), write);
+    hmesh_test::check_refusing_sinks(hmesh_test::square_grid(16, 16).view(), to_sink);
 }
 
-TEST_CASE("a mesh that cannot be written gives a Status and no byte") { hmesh_test::check_bad_meshes_are_refused(write); }
+TEST_CASE("a mesh that cannot be written gives a Status and no byte") { hmesh_test::check_bad_meshes_are_refused(to_sink); }

@@ -19,7 +19,7 @@ namespace {
 using hmesh_test::Bytes;
 using hmesh_test::two_faces;
 
-const auto write = [](const hmesh::MeshView& mesh, auto&& sink) { return hmesh::write_ply(mesh, sink); };
+const auto to_sink = [](const hmesh::MeshView& mesh, auto&& sink) { return hmesh::write_ply(mesh, sink); };
 
 template <int C>
 Bytes written(const hmesh::Mesh<C>& mesh, const hmesh::PlyOptions& options = {}) {
@@ -235,24 +235,24 @@ TEST_CASE("the locale makes no difference") {
 
 TEST_CASE("a sink that refuses anywhere gets no more and is reported") {
     const hmesh::Mesh<3> mesh = hmesh_test::square_grid(16, 16);
-    hmesh_test::check_refusing_sinks(mesh.view(), write);
+    hmesh_test::check_refusing_sinks(mesh.view(), to_sink);
     hmesh_test::check_refusing_sinks(mesh.view(), [](const hmesh::MeshView& view, auto&& sink) {
         return hmesh::write_ply(view, sink, {true, true});
     });
 }
 
 TEST_CASE("a mesh that cannot be written gives a Status and no byte") {
-    hmesh_test::check_bad_meshes_are_refused(write);
+    hmesh_test::check_bad_meshes_are_refused(to_sink);
     hmesh_test::check_bad_meshes_are_refused([](const hmesh::MeshView& view, auto&& sink) {
         return hmesh::write_ply(view, sink, {true, true});
     });
     hmesh::Mesh<3> mesh = two_faces<3>();
     hmesh::MeshView huge = mesh.view();
     huge.vertex_count = std::size_t{1} << 31U;
-    hmesh_test::check_refused(huge, hmesh::Errc::invalid_argument, write);
+    hmesh_test::check_refused(huge, hmesh::Errc::invalid_argument, to_sink);
     // A share that no float holds.
     mesh.peak = 1e-40;
-    CHECK(write(mesh.view(), [](const void*, std::size_t) { return true; }));
+    CHECK(to_sink(mesh.view(), [](const void*, std::size_t) { return true; }));
     hmesh_test::check_refused(mesh.view(), hmesh::Errc::not_finite, [](const hmesh::MeshView& view, auto&& sink) {
         return hmesh::write_ply(view, sink, {false, true});
     });
