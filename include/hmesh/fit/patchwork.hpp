@@ -40,9 +40,8 @@ class Patchwork {
     // Of the mesh, which may go on being one patch.
     [[nodiscard]] std::size_t vertex_count() const noexcept { return only_ ? only_->vertex_count() : whole_.vertex_count(); }
     [[nodiscard]] double energy() const noexcept { return only_ ? only_->mesh().energy() : whole_.energy; }
-    [[nodiscard]] double mean_energy() const noexcept {
-        return std::max(0.0, energy()) / static_cast<double>(vertex_count());  // rounding may leave less than nothing
-    }
+    // Of a vertex, never below 0, where rounding may leave less than nothing.
+    [[nodiscard]] double mean_energy() const noexcept { return std::max(0.0, energy()) / static_cast<double>(vertex_count()); }
 
     // Calls work(patch, tile) for the patch of each tile that has triangles, then puts all together again. The pieces
     // together are what the monitor expects. Returns whether to go on; after a cancellation the mesh is valid, some patches
