@@ -12,13 +12,14 @@
 #include <filesystem>
 #include <string>
 #include <system_error>
+#include <utility>
 
 namespace example {
 
 class OutputFile {
   public:
     // Follows links and decides where the bytes go; opens nothing.
-    explicit OutputFile(const std::string& path) : target_(path) {
+    explicit OutputFile(std::string path) : target_(std::move(path)) {
         namespace fs = std::filesystem;
         std::error_code none;
         const auto leads_nowhere = [&] {
