@@ -5929,6 +5929,11 @@ namespace hmesh {
 struct Clip {
     int width = std::numeric_limits<int>::max();
     int first = 0, last = std::numeric_limits<int>::max();
+
+    // first_row(y) of y held to the rows seen.
+    [[nodiscard]] int row(double y) const noexcept {
+        return first_row(std::max(static_cast<double>(first), std::min(static_cast<double>(last), y)));
+    }
 };
 
 // Calls body(j, begin, end) for the pixels [begin, end), begin < end, of each row j that the face a, b, c owns, down the rows.
@@ -5938,11 +5943,8 @@ void for_each_span(Point a, Point b, Point c, const Clip& clip, Body&& body) {
     if (b.y < a.y) std::swap(a, b);
     if (c.y < b.y) std::swap(b, c);
     if (b.y < a.y) std::swap(a, b);
-    const auto clipped = [&](double y) {
-        return first_row(std::max(static_cast<double>(clip.first), std::min(static_cast<double>(clip.last), y)));
-    };
     const auto between = [&](Point upper, Point lower) {
-        const int first = clipped(upper.y), last = clipped(lower.y);
+        const int first = clip.row(upper.y), last = clip.row(lower.y);
         if (first >= last) return;
         const RowCrossing side(upper, lower), opposite(a, c);
         for (int j = first; j < last; ++j) {
@@ -12039,10 +12041,6 @@ struct RowRange {
     int first = 0, last = 0;  // [first, last)
 };
 
-[[nodiscard]] inline int clipped_row(double y, int height) noexcept {
-    return first_row(std::max(0.0, std::min(static_cast<double>(height), y)));
-}
-
 template <int C>
 struct Corner {
     Point at;
@@ -12089,12 +12087,14 @@ struct Bands {
 
 [[nodiscard]] inline Bands sort_into_bands(const MeshView& mesh, const std::vector<Point>& at, int height,
                                            const ParallelFor& parallel_for) {
+    Clip picture;
+    picture.last = height;
     std::vector<RowRange> touched(mesh.face_count);  // in bands
     for_each_chunk(parallel_for, mesh.face_count, 4096, [&](std::size_t begin, std::size_t end) {
         for (std::size_t f = begin; f < end; ++f) {
             const std::array<std::uint32_t, 3>& face = mesh.faces[f];
             const auto [low, high] = std::minmax({at[face[0]].y, at[face[1]].y, at[face[2]].y});
-            const int first = clipped_row(low, height), last = clipped_row(high, height);
+            const int first = picture.row(low), last = picture.row(high);
             if (first < last) touched[f] = {first / band_rows, (last - 1) / band_rows + 1};
         }
     });

@@ -47,10 +47,6 @@ struct RowRange {
     int first = 0, last = 0;  // [first, last)
 };
 
-[[nodiscard]] inline int clipped_row(double y, int height) noexcept {
-    return first_row(std::max(0.0, std::min(static_cast<double>(height), y)));
-}
-
 template <int C>
 struct Corner {
     Point at;
@@ -97,12 +93,14 @@ struct Bands {
 
 [[nodiscard]] inline Bands sort_into_bands(const MeshView& mesh, const std::vector<Point>& at, int height,
                                            const ParallelFor& parallel_for) {
+    Clip picture;
+    picture.last = height;
     std::vector<RowRange> touched(mesh.face_count);  // in bands
     for_each_chunk(parallel_for, mesh.face_count, 4096, [&](std::size_t begin, std::size_t end) {
         for (std::size_t f = begin; f < end; ++f) {
             const std::array<std::uint32_t, 3>& face = mesh.faces[f];
             const auto [low, high] = std::minmax({at[face[0]].y, at[face[1]].y, at[face[2]].y});
-            const int first = clipped_row(low, height), last = clipped_row(high, height);
+            const int first = picture.row(low), last = picture.row(high);
             if (first < last) touched[f] = {first / band_rows, (last - 1) / band_rows + 1};
         }
     });

@@ -16,6 +16,11 @@ namespace hmesh {
 struct Clip {
     int width = std::numeric_limits<int>::max();
     int first = 0, last = std::numeric_limits<int>::max();
+
+    // first_row(y) of y held to the rows seen.
+    [[nodiscard]] int row(double y) const noexcept {
+        return first_row(std::max(static_cast<double>(first), std::min(static_cast<double>(last), y)));
+    }
 };
 
 // Calls body(j, begin, end) for the pixels [begin, end), begin < end, of each row j that the face a, b, c owns, down the rows.
@@ -25,11 +30,8 @@ void for_each_span(Point a, Point b, Point c, const Clip& clip, Body&& body) {
     if (b.y < a.y) std::swap(a, b);
     if (c.y < b.y) std::swap(b, c);
     if (b.y < a.y) std::swap(a, b);
-    const auto clipped = [&](double y) {
-        return first_row(std::max(static_cast<double>(clip.first), std::min(static_cast<double>(clip.last), y)));
-    };
     const auto between = [&](Point upper, Point lower) {
-        const int first = clipped(upper.y), last = clipped(lower.y);
+        const int first = clip.row(upper.y), last = clip.row(lower.y);
         if (first >= last) return;
         const RowCrossing side(upper, lower), opposite(a, c);
         for (int j = first; j < last; ++j) {
