@@ -46,11 +46,11 @@ inline std::vector<std::string> split(const std::string& list) {
     return parts;
 }
 
-inline bool effort_of(const std::string& name, hmesh::Effort& effort) {
-    const std::pair<const char*, hmesh::Effort> names[] = {{"draft", hmesh::Effort::draft},
-                                                           {"fast", hmesh::Effort::fast},
-                                                           {"normal", hmesh::Effort::normal},
-                                                           {"best", hmesh::Effort::best}};
+inline bool effort_of(const std::string& name, hmesh::kit::Effort& effort) {
+    const std::pair<const char*, hmesh::kit::Effort> names[] = {{"draft", hmesh::kit::Effort::draft},
+                                                           {"fast", hmesh::kit::Effort::fast},
+                                                           {"normal", hmesh::kit::Effort::normal},
+                                                           {"best", hmesh::kit::Effort::best}};
     for (const auto& [known, value] : names)
         if (name == known) {
             effort = value;

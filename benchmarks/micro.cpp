@@ -12,34 +12,34 @@
 #include <benchmark/benchmark.h>
 
 #include <hmesh/hmesh.hpp>
-#include <hmesh/image/bilateral.hpp>
+#include <hmesh/methods/hierarchical/bilateral.hpp>
 
 #include "scene.hpp"
 
 namespace {
 
-using hmesh::ImageMesh;
+using hmesh::kit::ImageMesh;
 constexpr int channels = 3;
 
 struct Fixture {
     hmesh::Image<std::uint8_t, channels> image;
-    hmesh::MomentTable<channels> table;
-    hmesh::WholeMesh<channels> whole;
+    hmesh::kit::MomentTable<channels> table;
+    hmesh::kit::IndexedMesh<channels> whole;
     ImageMesh<channels> mesh;
-    std::vector<hmesh::Vertex> vertices;  // in spatial order
-    std::vector<hmesh::Edge> edges;
+    std::vector<hmesh::kit::Vertex> vertices;  // in spatial order
+    std::vector<hmesh::kit::Edge> edges;
 
     explicit Fixture(int width, int height)
         : image(example::draw_scene(width, height)), table(image.view(), image.view().bounds()), mesh(table, 0, 255) {
-        hmesh::Monitor monitor({}, 1, 255);
-        const hmesh::ImageSource<channels> source(image.view());
-        hmesh::Patchwork<channels> work(source, {}, monitor);
+        hmesh::kit::ProgressReporter monitor({}, 1, 255);
+        const hmesh::kit::ImageSource<channels> source(image.view());
+        hmesh::kit::TiledMesh<channels> work(source, {}, monitor);
         const auto n = static_cast<std::size_t>(width) * static_cast<std::size_t>(height) / 100;
-        if (!hmesh::annealed(work, n, hmesh::annealed_options(hmesh::Effort::draft), 0)) std::abort();
-        whole = work.whole();
+        if (!hmesh::kit::annealed(work, n, hmesh::kit::annealed_options(hmesh::kit::Effort::draft), 0)) std::abort();
+        whole = work.indexed();
         if (!mesh.assign(whole.positions, whole.triangles, whole.colors, {})) std::abort();
-        vertices = hmesh::spatial_vertices(mesh);
-        for (const hmesh::InsertionSite site : hmesh::insertion_sites(mesh, false)) edges.push_back(site.edge());
+        vertices = hmesh::kit::spatial_vertices(mesh);
+        for (const hmesh::kit::InsertionSite site : hmesh::kit::insertion_sites(mesh, false)) edges.push_back(site.edge());
     }
 };
 
@@ -58,7 +58,7 @@ void moment_table(benchmark::State& state) {  // a pixel
     const auto view = fixture().image.view();
     std::size_t pixels = 0;
     for (auto _ : state) {
-        const hmesh::MomentTable<channels> table(view, view.bounds());
+        const hmesh::kit::MomentTable<channels> table(view, view.bounds());
         benchmark::DoNotOptimize(table.bytes());
         pixels += static_cast<std::size_t>(view.width) * static_cast<std::size_t>(view.height);
     }
@@ -67,11 +67,11 @@ void moment_table(benchmark::State& state) {  // a pixel
 
 void bilateral(benchmark::State& state) {  // a pixel; the argument is the diameter
     const auto view = fixture().image.view();
-    hmesh::BilateralOptions options;
+    hmesh::kit::BilateralOptions options;
     options.diameter = static_cast<int>(state.range(0));
     std::size_t pixels = 0;
     for (auto _ : state) {
-        benchmark::DoNotOptimize(hmesh::bilateral_filter(view, options).samples().data());
+        benchmark::DoNotOptimize(hmesh::kit::bilateral_filter(view, options).samples().data());
         pixels += static_cast<std::size_t>(view.width) * static_cast<std::size_t>(view.height);
     }
     per_item(state, pixels);
@@ -80,15 +80,15 @@ void bilateral(benchmark::State& state) {  // a pixel; the argument is the diame
 void edge_walk(benchmark::State& state) {  // a row; the argument is the edge's rows
     const Fixture& f = fixture();
     const auto rows = static_cast<double>(state.range(0));
-    hmesh::Random random(1);
-    std::vector<hmesh::Point> starts;
+    hmesh::kit::Random random(1);
+    std::vector<hmesh::kit::Point> starts;
     starts.reserve(256);
     for (int k = 0; k < 256; ++k) starts.push_back({40 + 300 * random.uniform(), (255 - rows) * random.uniform()});
     std::size_t walked = 0;
     for (auto _ : state)
-        for (const hmesh::Point a : starts) {
-            hmesh::Moments<channels> m;
-            hmesh::edge_moments(f.table, a, {a.x + 0.4 * rows - 20 * (rows > 50), a.y + rows}, m);
+        for (const hmesh::kit::Point a : starts) {
+            hmesh::kit::Moments<channels> m;
+            hmesh::kit::edge_moments(f.table, a, {a.x + 0.4 * rows - 20 * (rows > 50), a.y + rows}, m);
             benchmark::DoNotOptimize(m);
             walked += static_cast<std::size_t>(rows);
         }
@@ -97,18 +97,18 @@ void edge_walk(benchmark::State& state) {  // a row; the argument is the edge's 
 
 void ring_fit(benchmark::State& state) {  // a face of a ring, from moments in the cache
     const Fixture& f = fixture();
-    std::vector<hmesh::RingWork<channels>> works(16);
+    std::vector<hmesh::kit::RingScratch<channels>> works(16);
     for (std::size_t k = 0; k < works.size(); ++k) {
-        const hmesh::Vertex v = f.vertices[k * f.vertices.size() / works.size()];
+        const hmesh::kit::Vertex v = f.vertices[k * f.vertices.size() / works.size()];
         f.mesh.gather(v, works[k].ring, works[k].spokes);
     }
     std::size_t faces = 0;
     for (auto _ : state)
         for (std::size_t k = 0; k < works.size(); ++k) {
-            hmesh::RingWork<channels>& work = works[k];
-            const hmesh::Point at = f.mesh.position(f.vertices[k * f.vertices.size() / works.size()]);
-            hmesh::RingFit<channels> fit;
-            benchmark::DoNotOptimize(hmesh::fit_ring(work.ring, work.spokes, at, 0, work.faces, fit));
+            hmesh::kit::RingScratch<channels>& work = works[k];
+            const hmesh::kit::Point at = f.mesh.position(f.vertices[k * f.vertices.size() / works.size()]);
+            hmesh::kit::RingFit<channels> fit;
+            benchmark::DoNotOptimize(hmesh::kit::fit_ring(work.ring, work.spokes, at, 0, work.faces, fit));
             benchmark::DoNotOptimize(fit);
             faces += static_cast<std::size_t>(work.ring.size - work.ring.first_face());
         }
@@ -119,9 +119,9 @@ void vertex_visit(benchmark::State& state) {  // one Gauss-Newton step, undone
     Fixture& f = fixture();
     std::size_t visits = 0;
     for (auto _ : state)
-        for (const hmesh::Vertex v : f.vertices) {
+        for (const hmesh::kit::Vertex v : f.vertices) {
             const auto mark = f.mesh.begin();
-            benchmark::DoNotOptimize(hmesh::improve_vertex(f.mesh, v, 0));
+            benchmark::DoNotOptimize(hmesh::kit::improve_vertex(f.mesh, v, 0));
             f.mesh.rollback(mark);
             ++visits;
         }
@@ -132,10 +132,10 @@ void flip_trial(benchmark::State& state) {  // an edge that can turn
     const Fixture& f = fixture();
     std::size_t trials = 0;
     for (auto _ : state)
-        for (const hmesh::Edge e : f.edges) {
-            if (!hmesh::is_convex(f.mesh, e)) continue;
-            hmesh::FlipTrial<channels> trial;
-            hmesh::try_flip(f.mesh, e, trial);
+        for (const hmesh::kit::Edge e : f.edges) {
+            if (!hmesh::kit::is_flippable(f.mesh, e)) continue;
+            hmesh::kit::FlipTrial<channels> trial;
+            hmesh::kit::evaluate_flip(f.mesh, e, trial);
             benchmark::DoNotOptimize(trial);
             ++trials;
         }
@@ -144,11 +144,11 @@ void flip_trial(benchmark::State& state) {  // an edge that can turn
 
 void insertion_candidate(benchmark::State& state) {  // an edge
     const Fixture& f = fixture();
-    hmesh::RingWork<channels> work;
+    hmesh::kit::RingScratch<channels> work;
     std::size_t candidates = 0;
     for (auto _ : state)
-        for (const hmesh::Edge e : f.edges) {
-            benchmark::DoNotOptimize(hmesh::edge_candidate(f.mesh, work, e, false).gain);
+        for (const hmesh::kit::Edge e : f.edges) {
+            benchmark::DoNotOptimize(hmesh::kit::edge_candidate(f.mesh, work, e, false).gain);
             ++candidates;
         }
     per_item(state, candidates);
@@ -156,11 +156,11 @@ void insertion_candidate(benchmark::State& state) {  // an edge
 
 void collapse_candidate(benchmark::State& state) {  // a vertex
     const Fixture& f = fixture();
-    hmesh::RingWork<channels> work;
+    hmesh::kit::RingScratch<channels> work;
     std::size_t candidates = 0;
     for (auto _ : state)
-        for (const hmesh::Vertex v : f.vertices) {
-            benchmark::DoNotOptimize(hmesh::cheapest_collapse(f.mesh, work, v).cost);
+        for (const hmesh::kit::Vertex v : f.vertices) {
+            benchmark::DoNotOptimize(hmesh::kit::cheapest_collapse(f.mesh, work, v).cost);
             ++candidates;
         }
     per_item(state, candidates);
@@ -169,22 +169,22 @@ void collapse_candidate(benchmark::State& state) {  // a vertex
 // The cheapest collapses, known beforehand, each undone: alone, and with the relaxation of a trial of the annealing.
 void collapse_undone(benchmark::State& state, bool relaxed) {  // a transaction
     Fixture& f = fixture();
-    const hmesh::HalfedgeMesh& topology = f.mesh.topology();
-    hmesh::RingWork<channels> work;
-    std::vector<std::pair<hmesh::Vertex, hmesh::Halfedge>> collapses;
-    for (const hmesh::Vertex v : f.vertices) {
-        const auto candidate = hmesh::cheapest_collapse(f.mesh, work, v);
+    const hmesh::kit::HalfedgeMesh& topology = f.mesh.topology();
+    hmesh::kit::RingScratch<channels> work;
+    std::vector<std::pair<hmesh::kit::Vertex, hmesh::kit::Halfedge>> collapses;
+    for (const hmesh::kit::Vertex v : f.vertices) {
+        const auto candidate = hmesh::kit::cheapest_collapse(f.mesh, work, v);
         if (candidate.halfedge.is_valid()) collapses.emplace_back(v, candidate.halfedge);
     }
-    std::vector<hmesh::Vertex> ring;
+    std::vector<hmesh::kit::Vertex> ring;
     std::size_t transactions = 0;
     for (auto _ : state)
         for (const auto& [v, h] : collapses) {
             ring.clear();
-            for (const hmesh::Halfedge s : topology.outgoing(v)) ring.push_back(topology.to_vertex(s));
+            for (const hmesh::kit::Halfedge s : topology.outgoing(v)) ring.push_back(topology.to_vertex(s));
             const auto mark = f.mesh.begin();
             f.mesh.collapse(h);
-            if (relaxed) hmesh::relax(f.mesh, ring, {});
+            if (relaxed) hmesh::kit::relax(f.mesh, ring, {});
             f.mesh.rollback(mark);
             ++transactions;
         }
@@ -198,31 +198,31 @@ void on_copies(benchmark::State& state, Stage&& stage) {
     for (auto _ : state) {
         state.PauseTiming();
         ImageMesh<channels> mesh = f.mesh;
-        for (const hmesh::Vertex v : f.vertices) mesh.set_due(v, true);
+        for (const hmesh::kit::Vertex v : f.vertices) mesh.set_dirty(v, true);
         state.ResumeTiming();
         stage(mesh);
     }
 }
 
 void sweep(benchmark::State& state) {  // a vertex, its place in the order and marking its neighbours included
-    on_copies(state, [](ImageMesh<channels>& mesh) { benchmark::DoNotOptimize(hmesh::sweep(mesh)); });
+    on_copies(state, [](ImageMesh<channels>& mesh) { benchmark::DoNotOptimize(hmesh::kit::sweep(mesh)); });
     per_item(state, static_cast<std::size_t>(state.iterations()) * fixture().vertices.size());
 }
 
 void flip_queue(benchmark::State& state) {  // an edge of the mesh
-    on_copies(state, [](ImageMesh<channels>& mesh) { benchmark::DoNotOptimize(hmesh::flip_edges(mesh)); });
+    on_copies(state, [](ImageMesh<channels>& mesh) { benchmark::DoNotOptimize(hmesh::kit::flip_edges(mesh)); });
     per_item(state, static_cast<std::size_t>(state.iterations()) * fixture().edges.size());
 }
 
 void bounded_colors(benchmark::State& state) {  // a vertex
-    on_copies(state, [](ImageMesh<channels>& mesh) { hmesh::bounded_colors(mesh, 0, 255, 1); });
+    on_copies(state, [](ImageMesh<channels>& mesh) { hmesh::kit::bounded_colors(mesh, 0, 255, 1); });
     per_item(state, static_cast<std::size_t>(state.iterations()) * fixture().vertices.size());
 }
 
 void annealing_sweep(benchmark::State& state) {  // a vertex
     on_copies(state, [](ImageMesh<channels>& mesh) {
         const double price = 0.3 * mesh.mean_energy(), n = static_cast<double>(mesh.vertex_count());
-        hmesh::AnnealingSweep<channels> sweep(mesh, {}, price, 0.3 * price, {0.9 * n, 1.1 * n}, hmesh::Random(1));
+        hmesh::kit::AnnealingSweep<channels> sweep(mesh, {}, price, 0.3 * price, {0.9 * n, 1.1 * n}, hmesh::kit::Random(1));
         benchmark::DoNotOptimize(sweep.run());
     });
     per_item(state, static_cast<std::size_t>(state.iterations()) * fixture().vertices.size());
@@ -231,18 +231,18 @@ void annealing_sweep(benchmark::State& state) {  // a vertex
 // A mesh cut into patches of about this many px, their tables included, and put together again.
 void patches(benchmark::State& state) {  // a vertex, with its 100 pixels
     const Fixture& f = fixture();
-    hmesh::Monitor monitor({}, 1, 255);
-    const hmesh::ImageSource<channels> source(f.image.view());
-    hmesh::Patchwork<channels> work(source, {}, monitor);
-    work.whole() = f.whole;
-    const hmesh::Tiling tiling(f.image.width(), f.image.height(), static_cast<double>(state.range(0)));
-    for (auto _ : state) work.for_each(tiling, [](hmesh::Patch<channels>&, std::size_t) {});
+    hmesh::kit::ProgressReporter monitor({}, 1, 255);
+    const hmesh::kit::ImageSource<channels> source(f.image.view());
+    hmesh::kit::TiledMesh<channels> work(source, {}, monitor);
+    work.indexed() = f.whole;
+    const hmesh::kit::Tiling tiling(f.image.width(), f.image.height(), static_cast<double>(state.range(0)));
+    for (auto _ : state) work.for_each(tiling, [](hmesh::kit::Patch<channels>&, std::size_t) {});
     per_item(state, static_cast<std::size_t>(state.iterations()) * f.vertices.size());
 }
 
 void draw(benchmark::State& state) {  // a pixel
     const Fixture& f = fixture();
-    const auto mesh = hmesh::detail::extract(f.whole, 255);
+    const auto mesh = hmesh::kit::detail::extract(f.whole, 255);
     hmesh::Image<float, channels> out;
     std::size_t pixels = 0;
     for (auto _ : state) {

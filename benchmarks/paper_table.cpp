@@ -243,8 +243,8 @@ struct Variant {
 
 std::vector<Variant> all_variants() {
     using hmesh::Colors;
-    using hmesh::FootSearch;
-    using hmesh::StepRule;
+    using hmesh::kit::FootSearch;
+    using hmesh::kit::StepRule;
     std::vector<Variant> variants;
     const auto add = [&](hmesh::Method method, const char* name, auto&& change) {
         variants.push_back({name, {}, false});
@@ -268,15 +268,15 @@ std::vector<Variant> all_variants() {
     const auto xie = [&](const char* name, auto&& change) {
         add(hmesh::Method::xie, name, [&](hmesh::Options& options) { change(options.xie); });
     };
-    xie("xie: as it is", [](hmesh::XieOptions&) {});
-    xie("xie: 1 round", [](hmesh::XieOptions& o) { o.rounds = 1; });
-    xie("xie: 1 round, 1 visit a vertex", [](hmesh::XieOptions& o) { o.rounds = o.search.visits = 1; });
+    xie("xie: as it is", [](hmesh::kit::XieOptions&) {});
+    xie("xie: 1 round", [](hmesh::kit::XieOptions& o) { o.rounds = 1; });
+    xie("xie: 1 round, 1 visit a vertex", [](hmesh::kit::XieOptions& o) { o.rounds = o.search.visits = 1; });
     xie("xie: 1 round, 1 visit, steps of 1 px",
-        [](hmesh::XieOptions& o) { o.rounds = o.search.visits = o.search.first_step = 1; });
-    xie("xie: density 6", [](hmesh::XieOptions& o) { o.start.density = 6; });
+        [](hmesh::kit::XieOptions& o) { o.rounds = o.search.visits = o.search.first_step = 1; });
+    xie("xie: density 6", [](hmesh::kit::XieOptions& o) { o.start.density = 6; });
     add(hmesh::Method::xie, "xie: optimal colours", [](hmesh::Options& options) { options.colors = Colors::optimal; });
 
-    using Recipe = hmesh::HierarchicalOptions;
+    using Recipe = hmesh::kit::HierarchicalOptions;
     const auto paper = [&](const char* name, auto&& change) {
         add(hmesh::Method::hierarchical, name, [&](hmesh::Options& options) { change(options.hierarchical); });
     };

@@ -130,7 +130,7 @@ std::optional<Picture> read_mosaic(const Plan& plan) {
     }
     const hmesh::ImageView<std::uint8_t, 3> view = tiles[0].view();
     const std::int64_t width = std::int64_t{view.width} * plan.columns, height = std::int64_t{view.height} * plan.rows;
-    if (width > hmesh::max_side || height > hmesh::max_side || width * height > hmesh::max_pixels) {
+    if (width > hmesh::kit::max_side || height > hmesh::kit::max_side || width * height > hmesh::max_pixels) {
         std::fprintf(stderr, "table: the mosaic would be too large\n");
         return {};
     }

@@ -78,10 +78,10 @@ inline constexpr Named<hmesh::Method> methods[] = {{"annealed", hmesh::Method::a
 inline constexpr Named<hmesh::Colors> colors[] = {{"optimal", hmesh::Colors::optimal}, {"sampled", hmesh::Colors::sampled}};
 inline constexpr Named<hmesh::FitSpace> fit_spaces[] = {{"stored", hmesh::FitSpace::stored},
                                                         {"linear", hmesh::FitSpace::linear_light}};
-inline constexpr Named<hmesh::Effort> efforts[] = {{"draft", hmesh::Effort::draft},
-                                                   {"fast", hmesh::Effort::fast},
-                                                   {"normal", hmesh::Effort::normal},
-                                                   {"best", hmesh::Effort::best}};
+inline constexpr Named<hmesh::kit::Effort> efforts[] = {{"draft", hmesh::kit::Effort::draft},
+                                                   {"fast", hmesh::kit::Effort::fast},
+                                                   {"normal", hmesh::kit::Effort::normal},
+                                                   {"best", hmesh::kit::Effort::best}};
 inline constexpr Named<hmesh::SvgKind> svg_kinds[] = {
     {"gradient", hmesh::SvgKind::gradient}, {"exact", hmesh::SvgKind::exact}, {"flat", hmesh::SvgKind::flat}};
 
@@ -190,7 +190,7 @@ template <class Value, std::size_t n>
 
 [[nodiscard]] inline std::string set_tile(const std::string& option, const std::string& text, int& tile) {
     std::int64_t side = 0;
-    const std::string why = parse_in_range(option, text, 64, hmesh::max_side, side);
+    const std::string why = parse_in_range(option, text, 64, hmesh::kit::max_side, side);
     tile = static_cast<int>(side);
     return why;
 }

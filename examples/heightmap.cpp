@@ -129,7 +129,7 @@ int main(int argc, char** argv) {
         if (const std::string why = read_heights(argv[2], heights); !why.empty()) return fail(std::string(argv[2]) + ": " + why);
 
     hmesh::Options options;
-    options.effort = hmesh::Effort::fast;
+    options.effort = hmesh::kit::Effort::fast;
     const auto result = hmesh::mesh_image(heights.view(), options);
     if (!result.status) return fail(result.status.what);
 

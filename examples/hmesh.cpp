@@ -35,8 +35,8 @@ int fail(int exit_status, const std::string& sentence) {
 }
 
 std::string in_words(const hmesh::Status& status) {
-    const bool has_numbers = status.got != 0 || status.want != 0;
-    const std::string numbers = " (got " + std::to_string(status.got) + ", limit " + std::to_string(status.want) + ")";
+    const bool has_numbers = status.value != 0 || status.limit != 0;
+    const std::string numbers = " (got " + std::to_string(status.value) + ", limit " + std::to_string(status.limit) + ")";
     return what_of(status) + (has_numbers ? numbers : std::string());
 }
 

@@ -86,7 +86,7 @@ namespace detail {
     const std::uint8_t no_pixel = 0;
     const hmesh::Status status = hmesh::check(hmesh::ImageView<std::uint8_t, 1>{&no_pixel, width, height, 0});
     if (status) return {};
-    return std::string(status.what) + " (got " + std::to_string(status.got) + ", limit " + std::to_string(status.want) + ")";
+    return std::string(status.what) + " (got " + std::to_string(status.value) + ", limit " + std::to_string(status.limit) + ")";
 }
 
 template <class T>

@@ -10,7 +10,7 @@
 
 #include "hmesh/core/status.hpp"
 #include "hmesh/image/image_view.hpp"
-#include "hmesh/mesh/mesh_view.hpp"
+#include "hmesh/mesh/mesh.hpp"
 
 // Meshes the picture with this many vertices. When the status says no, the mesh that is left is the last valid one, or
 // empty.

@@ -46,7 +46,7 @@ inline void catch_interrupt() {
 class ProgressWatch {
   public:
     struct Stage {
-        hmesh::StageInfo last;  // what the callback said last
+        hmesh::ProgressInfo last;  // what the callback said last
         double seconds;
     };
 
@@ -56,7 +56,7 @@ class ProgressWatch {
 
     // Valid as long as the watch stays where it is.
     [[nodiscard]] hmesh::Progress progress() {
-        return {[](void* user, const hmesh::StageInfo& info) { return static_cast<ProgressWatch*>(user)->update(info); }, this};
+        return {[](void* user, const hmesh::ProgressInfo& info) { return static_cast<ProgressWatch*>(user)->update(info); }, this};
     }
 
     // Ends the last stage and wipes the bar.
@@ -86,7 +86,7 @@ class ProgressWatch {
         return std::chrono::duration<double>(b - a).count();
     }
 
-    bool update(const hmesh::StageInfo& info) {
+    bool update(const hmesh::ProgressInfo& info) {
         const Clock::time_point now = Clock::now();
         const bool is_new = stages_.empty() || std::strcmp(stages_.back().last.stage, info.stage) != 0 ||
                             (stages_.back().last.fraction >= 1 && info.fraction < 1);
@@ -105,7 +105,7 @@ class ProgressWatch {
         if (!stages_.empty()) stages_.back().seconds = seconds_between(stage_begin_, now);
     }
 
-    void draw(const hmesh::StageInfo& info, Clock::time_point now) {
+    void draw(const hmesh::ProgressInfo& info, Clock::time_point now) {
         constexpr int length = 30;
         const int done = info.fraction > 0 ? static_cast<int>(length * (info.fraction < 1 ? info.fraction : 1)) : 0;
         const std::string bar =

@@ -30,7 +30,7 @@ struct Stop {
     std::string name;
     double fraction = 2;
 
-    static bool call(void* user, const hmesh::StageInfo& info) {
+    static bool call(void* user, const hmesh::ProgressInfo& info) {
         Stop& stop = *static_cast<Stop*>(user);
         if (stop.name != info.stage || info.fraction < stop.fraction) ++stop.stage;
         stop.name = info.stage;
@@ -69,7 +69,7 @@ int run(const std::string& directory, const std::string& method, const Rgb& imag
     };
     std::printf("| stage | mesh |\n|---|---|\n");
     if (options.method == hmesh::Method::hierarchical) {
-        const auto pyramid = hmesh::make_pyramid(view, 3);
+        const auto pyramid = hmesh::kit::make_pyramid(view, 3);
         std::vector<Rgb> levels;
         for (int level = 0; level < 3; ++level) {
             Rgb picture(image.width(), image.height());

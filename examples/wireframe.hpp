@@ -16,7 +16,7 @@
 #include "hmesh/core/status.hpp"
 #include "hmesh/image/image_view.hpp"
 #include "hmesh/mesh/geometry.hpp"
-#include "hmesh/mesh/mesh_view.hpp"
+#include "hmesh/mesh/mesh.hpp"
 
 namespace example {
 
@@ -40,7 +40,7 @@ struct Coverage {
 };
 
 // Walks along the axis in which the line is longer; a pixel's share is one less its distance beyond the line's edge.
-inline void draw_line(hmesh::Point a, hmesh::Point b, double line_width, Coverage& coverage) {
+inline void draw_line(hmesh::kit::Point a, hmesh::kit::Point b, double line_width, Coverage& coverage) {
     const bool steep = std::abs(b.y - a.y) > std::abs(b.x - a.x);
     if (steep) {
         std::swap(a.x, a.y);
@@ -68,7 +68,7 @@ inline void draw_line(hmesh::Point a, hmesh::Point b, double line_width, Coverag
 // Draws the edges over `picture`. A mesh that cannot be drawn gives a Status and leaves the picture as it was.
 inline hmesh::Status draw_wireframe(const hmesh::MeshView& mesh, hmesh::Image<std::uint8_t, 3>& picture,
                                     const WireframeOptions& options = {}) {
-    if (const hmesh::Status status = hmesh::check(mesh, hmesh::max_channels); !status) return status;
+    if (const hmesh::Status status = hmesh::check(mesh, hmesh::kit::max_channels); !status) return status;
     if (mesh.width < 1 || mesh.height < 1)
         return {hmesh::Errc::invalid_argument, "the mesh's size must be at least 1", std::min(mesh.width, mesh.height), 1};
     detail::Coverage coverage{picture.width(), picture.height(), std::vector<std::uint8_t>(picture.samples().size() / 3)};
@@ -76,7 +76,7 @@ inline hmesh::Status draw_wireframe(const hmesh::MeshView& mesh, hmesh::Image<st
     const double scale_y = static_cast<double>(picture.height()) / mesh.height;
     const auto place = [&](std::uint32_t v) {
         const float* at = mesh.positions + 2 * std::size_t{v};
-        return hmesh::Point{static_cast<double>(at[0]) * scale_x, static_cast<double>(at[1]) * scale_y};
+        return hmesh::kit::Point{static_cast<double>(at[0]) * scale_x, static_cast<double>(at[1]) * scale_y};
     };
     for (std::size_t f = 0; f < mesh.face_count; ++f)
         for (std::size_t k = 0; k < 3; ++k)

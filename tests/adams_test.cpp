@@ -1,4 +1,4 @@
-#include "hmesh/methods/adams.hpp"
+#include "hmesh/methods/baselines/adams.hpp"
 
 #include <doctest/doctest.h>
 
@@ -9,14 +9,14 @@
 #include <utility>
 #include <vector>
 
-#include "hmesh/methods/adaptive_thinning.hpp"
+#include "hmesh/methods/baselines/adaptive_thinning.hpp"
 #include "test_images.hpp"
 #include "test_methods.hpp"
 #include "test_patchworks.hpp"
 
-using hmesh::adams;
-using hmesh::AdamsOptions;
-using hmesh::Point;
+using hmesh::kit::adams;
+using hmesh::kit::AdamsOptions;
+using hmesh::kit::Point;
 using hmesh_test::prove_mesh;
 using hmesh_test::Work;
 
@@ -33,8 +33,8 @@ TEST_CASE(
                     CAPTURE(n);
                     CHECK((density == 0 ? adaptive_thinning(work.patchwork, n) : adams(work.patchwork, n, {density, 3})));
                     prove_mesh(work, n);
-                    CHECK(hmesh_test::is_delaunay(work.whole()));
-                    CHECK(hmesh_test::is_sampled(work.image, work.whole()));
+                    CHECK(hmesh_test::is_delaunay(work.indexed()));
+                    CHECK(hmesh_test::is_sampled(work.image, work.indexed()));
                 }
         }
 }
@@ -47,13 +47,13 @@ TEST_CASE("adams and adaptive thinning keep a Delaunay mesh with sampled colours
                 CAPTURE(n);
                 CHECK((thinning ? adaptive_thinning(work.patchwork, n) : adams(work.patchwork, n, {})));
                 prove_mesh(work, n);
-                CHECK(hmesh_test::is_delaunay(work.whole()));
-                CHECK(hmesh_test::is_sampled(work.image, work.whole()));
+                CHECK(hmesh_test::is_delaunay(work.indexed()));
+                CHECK(hmesh_test::is_sampled(work.image, work.indexed()));
             }
     }
 }
 
-TEST_CASE("a vertex with more neighbours than a ring holds is left with fewer, and any number of vertices is reached") {
+TEST_CASE("a vertex with more neighbors than a ring holds is left with fewer, and any number of vertices is reached") {
     // A lit row: its points see the few others across the dark, which nothing bends.
     for (const auto& [width, height] : {std::pair{400, 40}, {40, 400}}) {
         const bool wide = width > height;
@@ -63,10 +63,10 @@ TEST_CASE("a vertex with more neighbours than a ring holds is left with fewer, a
         for (const std::size_t n : {4U, 20U, 400U}) {
             CHECK(adams(work.patchwork, n, {1.5, 0}));
             prove_mesh(work, n);
-            CHECK(hmesh_test::is_delaunay(work.whole()));
+            CHECK(hmesh_test::is_delaunay(work.indexed()));
         }
         CHECK(adams(work.patchwork, 700, {1, 0}));
-        CHECK(hmesh_test::most_neighbours(work.whole()) > hmesh::ring_capacity);
+        CHECK(hmesh_test::most_neighbors(work.indexed()) > hmesh::kit::ring_capacity);
     }
 }
 
@@ -74,7 +74,7 @@ TEST_CASE("vertices are on the centres of pixels, those of the outermost pixels 
     Work<std::uint8_t, 1> work(hmesh_test::noise<std::uint8_t, 1>(9, 7, 3));
     CHECK(adaptive_thinning(work.patchwork, 63));
     std::vector<std::pair<double, double>> found, expected;
-    for (const Point p : work.whole().positions) found.emplace_back(p.x, p.y);
+    for (const Point p : work.indexed().positions) found.emplace_back(p.x, p.y);
     for (const double y : {0.0, 1.5, 2.5, 3.5, 4.5, 5.5, 7.0})
         for (const double x : {0.0, 1.5, 2.5, 3.5, 4.5, 5.5, 6.5, 7.5, 9.0}) expected.emplace_back(x, y);
     std::sort(found.begin(), found.end());
@@ -83,7 +83,7 @@ TEST_CASE("vertices are on the centres of pixels, those of the outermost pixels 
     // One row or column: its vertices lie in the middle, with nothing on the long sides but corners.
     Work<std::uint8_t, 1> column(hmesh_test::noise<std::uint8_t, 1>(1, 20, 3));
     CHECK(adaptive_thinning(column.patchwork, 20));
-    for (const Point p : column.whole().positions) CHECK((p.x == 0.5 || ((p.x == 0 || p.x == 1) && (p.y == 0 || p.y == 20))));
+    for (const Point p : column.indexed().positions) CHECK((p.x == 0.5 || ((p.x == 0 || p.x == 1) && (p.y == 0 || p.y == 20))));
 }
 
 TEST_CASE("more points before the removal give a better mesh, all pixels the best") {
@@ -93,7 +93,7 @@ TEST_CASE("more points before the removal give a better mesh, all pixels the bes
         for (const std::uint64_t seed : {1U, 2U, 3U}) {
             Work<std::uint8_t, 1> work(hmesh_test::scene<std::uint8_t, 1>(48, 40, seed));
             CHECK((density == 0 ? adaptive_thinning(work.patchwork, 60) : adams(work.patchwork, 60, {density, 3})));
-            energy += work.whole().energy;
+            energy += work.indexed().energy;
         }
         CHECK(energy < before);
         before = energy;
@@ -105,7 +105,7 @@ TEST_CASE("as many points as pixels are adaptive thinning, to the last bit") {
     Work<std::uint8_t, 1> dense(image), all(image);
     CHECK(adams(dense.patchwork, 40, {1000, 3}));
     CHECK(adaptive_thinning(all.patchwork, 40));
-    CHECK(hmesh_test::same_bits(dense.whole(), all.whole()));
+    CHECK(hmesh_test::same_bits(dense.indexed(), all.indexed()));
 }
 
 TEST_CASE("float pictures of any size and sign have their vertices too") {
@@ -131,7 +131,7 @@ TEST_CASE("stages come in order and tell the mesh they left: some points more th
     CHECK(stages[0].vertices <= 200 + 2 + 4);  // 1 % more, and corners that are no points
     CHECK(stages[0].energy < stages[1].energy);
     CHECK(stages[1].vertices == 50);
-    CHECK(stages[1].energy == work.whole().energy);
+    CHECK(stages[1].energy == work.indexed().energy);
     for (const hmesh::StageReport& stage : stages) CHECK(stage.iterations == 0);
 }
 
@@ -140,7 +140,7 @@ TEST_CASE("a mesh can be filled again, and forgets what it was") {
     Work<std::uint8_t, 1> used(image), fresh(image);
     CHECK(adams(used.patchwork, 300, {2, 0}));
     for (Work<std::uint8_t, 1>* work : {&used, &fresh}) CHECK(adams(work->patchwork, 60, {}));
-    CHECK(hmesh_test::same_bits(used.whole(), fresh.whole()));
+    CHECK(hmesh_test::same_bits(used.indexed(), fresh.indexed()));
 }
 
 TEST_CASE("options of adams that mean nothing are named") {

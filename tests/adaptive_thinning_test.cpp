@@ -1,4 +1,4 @@
-#include "hmesh/methods/adaptive_thinning.hpp"
+#include "hmesh/methods/baselines/adaptive_thinning.hpp"
 
 #include <doctest/doctest.h>
 
@@ -20,7 +20,7 @@ TEST_CASE("stages come in order: all pixels and the corners, then the number ask
     CHECK(hmesh_test::names_of(work.monitor) == "points removal");
     CHECK(work.monitor.stages()[0].vertices == 480);
     CHECK(work.monitor.stages()[1].vertices == 50);
-    CHECK(work.monitor.stages()[1].energy == work.whole().energy);
+    CHECK(work.monitor.stages()[1].energy == work.indexed().energy);
 }
 
 TEST_CASE("the last vertex to go is the one whose absence costs least, told by trying them all") {
@@ -29,26 +29,26 @@ TEST_CASE("the last vertex to go is the one whose absence costs least, told by t
         Work<std::uint8_t, 1> work(image), one_more(image);
         CHECK(adaptive_thinning(work.patchwork, 12));
         CHECK(adaptive_thinning(one_more.patchwork, 13));
-        const hmesh::WholeMesh<1>& before = one_more.whole();
+        const hmesh::kit::IndexedMesh<1>& before = one_more.indexed();
         double least = std::numeric_limits<double>::infinity();
         for (std::size_t gone = 0; gone < before.vertex_count(); ++gone) {
-            hmesh::Delaunay mesh(7, 6);
+            hmesh::kit::Delaunay mesh(7, 6);
             for (std::size_t v = 0; v < before.vertex_count(); ++v)
                 if (v != gone) mesh.insert(before.positions[v]);
             if (mesh.topology().vertex_count() != 12) continue;  // a corner stays
-            hmesh::WholeMesh<1> after;
-            for (const hmesh::Point p : mesh.positions())
+            hmesh::kit::IndexedMesh<1> after;
+            for (const hmesh::kit::Point p : mesh.positions())
                 for (std::size_t v = 0; v < before.vertex_count(); ++v)
                     if (before.positions[v] == p) after.add(p, before.colors[v]);
-            for (const hmesh::Face f : mesh.topology().faces()) {
+            for (const hmesh::kit::Face f : mesh.topology().faces()) {
                 const auto v = mesh.topology().vertices(f);
-                const auto index = [](hmesh::Vertex u) { return static_cast<std::uint32_t>(u.index()); };
+                const auto index = [](hmesh::kit::Vertex u) { return static_cast<std::uint32_t>(u.index()); };
                 after.triangles.push_back({index(v[0]), index(v[1]), index(v[2])});
             }
             const double energy = hmesh_test::brute_energy(image, after);
             least = energy < least ? energy : least;
         }
         // Where four points lie on a circle there is a choice of edges, and more or less error.
-        CHECK(work.whole().energy <= 1.02 * least);
+        CHECK(work.indexed().energy <= 1.02 * least);
     }
 }

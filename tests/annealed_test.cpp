@@ -1,4 +1,4 @@
-#include "hmesh/methods/annealed.hpp"
+#include "hmesh/methods/annealed/annealed.hpp"
 
 #include <doctest/doctest.h>
 
@@ -16,11 +16,11 @@
 #include "test_images.hpp"
 #include "test_patchworks.hpp"
 
-using hmesh::annealed;
-using hmesh::AnnealedOptions;
-using hmesh::Effort;
+using hmesh::kit::annealed;
+using hmesh::kit::AnnealedOptions;
+using hmesh::kit::Effort;
 using hmesh::Errc;
-using hmesh::Monitor;
+using hmesh::kit::ProgressReporter;
 using hmesh::Progress;
 using hmesh::Status;
 using hmesh_test::Work;
@@ -28,12 +28,12 @@ using hmesh_test::Work;
 namespace {
 
 AnnealedOptions options_of(Effort effort, int sweeps) {
-    AnnealedOptions options = hmesh::annealed_options(effort);
+    AnnealedOptions options = hmesh::kit::annealed_options(effort);
     options.annealing.sweeps = std::min(options.annealing.sweeps, sweeps);
     return options;
 }
 
-std::string names_of(const Monitor& monitor) {
+std::string names_of(const ProgressReporter& monitor) {
     std::string names;
     for (const hmesh::StageReport& stage : monitor.stages()) names += std::string(names.empty() ? "" : " ") + stage.name;
     return names;
@@ -45,8 +45,8 @@ TEST_CASE("every effort's recipe gives every number of vertices from 4 to one a 
     for (const Effort effort : {Effort::draft, Effort::fast, Effort::normal, Effort::best})
         for (int height = 1; height <= 6; ++height)
             for (int width = 1; width <= 6; ++width) {
-                hmesh::MeshLimits limits;  // the strictest, where vertices get stuck
-                if (effort != Effort::best) limits.min_cross = limits.border_gap = 0.25;
+                hmesh::kit::MeshLimits limits;  // the strictest, where vertices get stuck
+                if (effort != Effort::best) limits.min_double_area = limits.border_gap = 0.25;
                 const auto seed = static_cast<std::uint64_t>(width + 9 * height);
                 Work<std::uint8_t, 2> work(hmesh_test::noise<std::uint8_t, 2>(width, height, seed), limits);
                 const auto most = static_cast<std::size_t>(std::max(4, width * height));
@@ -61,39 +61,39 @@ TEST_CASE("every effort's recipe gives every number of vertices from 4 to one a 
             }
 }
 
-TEST_CASE("any overshoot, share of the first grid and batch size give the exact number") {
+TEST_CASE("any insert_factor, share of the first grid and batch size give the exact number") {
     Work<std::uint8_t, 1> work(hmesh_test::scene<std::uint8_t, 1>(40, 32, 3));
-    for (const double overshoot : {1.0, 1.001, 3.0, 100.0})
+    for (const double insert_factor : {1.0, 1.001, 3.0, 100.0})
         for (const double start : {0.0, 0.3, 1.0})
             for (const double growth : {0.01, 0.3, 10.0})
                 for (const double shrinkage : {0.02, 1.0}) {
                     AnnealedOptions options;
-                    options.overshoot = overshoot;
+                    options.insert_factor = insert_factor;
                     options.start = start;
-                    options.growth = growth;
-                    options.shrinkage = shrinkage;
+                    options.insert_batch = growth;
+                    options.collapse_batch = shrinkage;
                     options.annealing.sweeps = 0;
-                    options.growth_sweeps = 1;
+                    options.insert_sweeps = 1;
                     options.polish_rounds = 0;
                     CHECK(annealed(work.patchwork, 60, options, 0));
                     CHECK(work.count() == 60);
-                    CHECK(check(work.whole()));
+                    CHECK(check(work.indexed()));
                 }
 }
 
-TEST_CASE("where slivers that may not get smaller leave too many vertices, it starts anew without overshoot") {
+TEST_CASE("where slivers that may not get smaller leave too many vertices, it starts anew without insert_factor") {
     struct Case {
         int width, height;
         std::size_t count;
     };
     int restarts = 0;
     for (const Case c : {Case{5, 8, 18}, Case{6, 9, 23}, Case{8, 8, 29}, Case{8, 11, 37}})
-        for (const double overshoot : {1.5, 3.0}) {
-            hmesh::MeshLimits limits;
-            limits.min_cross = 3;  // a mesh of so many vertices has faces of 3.3 to 4 on average
+        for (const double insert_factor : {1.5, 3.0}) {
+            hmesh::kit::MeshLimits limits;
+            limits.min_double_area = 3;  // a mesh of so many vertices has faces of 3.3 to 4 on average
             Work<std::uint8_t, 1> work(hmesh_test::noise<std::uint8_t, 1>(c.width, c.height, 1), limits);
-            AnnealedOptions options = hmesh::annealed_options(Effort::draft);
-            options.overshoot = overshoot;
+            AnnealedOptions options = hmesh::kit::annealed_options(Effort::draft);
+            options.insert_factor = insert_factor;
             CHECK(annealed(work.patchwork, c.count, options, 0));
             CHECK(work.count() == c.count);
             hmesh_test::prove(work);
@@ -111,8 +111,8 @@ TEST_CASE("in tiles every effort gives the exact number, and a better mesh than 
         CHECK(annealed(work.patchwork, 1400, options_of(effort, 12), 64));
         CHECK(work.count() == 1400);
         hmesh_test::prove(work);
-        CHECK(work.whole().energy < before);
-        before = work.whole().energy;
+        CHECK(work.indexed().energy < before);
+        before = work.indexed().energy;
     }
     for (const auto& [width, height, n] :
          {std::tuple{300, 1, 300U}, {1, 300, 300U}, {65, 200, 1100U}, {64, 64, 4096U}, {130, 64, 8320U}}) {
@@ -133,10 +133,10 @@ TEST_CASE("in tiles every effort gives the exact number, and a better mesh than 
 TEST_CASE("in tiles any share of the first grid gives the exact number, however it suits the nodes on the seams") {
     const auto image = hmesh_test::scene<std::uint8_t, 1>(150, 130, 7);
     for (const double start : {0.0, 0.05, 1.0})
-        for (const double overshoot : {1.0, 4.0}) {
-            AnnealedOptions options = hmesh::annealed_options(Effort::draft);
+        for (const double insert_factor : {1.0, 4.0}) {
+            AnnealedOptions options = hmesh::kit::annealed_options(Effort::draft);
             options.start = start;
-            options.overshoot = overshoot;
+            options.insert_factor = insert_factor;
             Work<std::uint8_t, 1> work(image);
             CHECK(annealed(work.patchwork, 1400, options, 64));
             CHECK(work.count() == 1400);
@@ -145,7 +145,7 @@ TEST_CASE("in tiles any share of the first grid gives the exact number, however 
 }
 
 TEST_CASE("tiles are as large as asked for, but hold 256 vertices on average where the image has as many") {
-    using hmesh::detail::tile_size;
+    using hmesh::kit::detail::tile_size;
     CHECK(tile_size(1024, 1024, 10000, 0) == 1024);  // in one piece up to a megapixel
     CHECK(tile_size(1025, 1024, 30000, 0) == 256);
     CHECK(tile_size(4000, 3000, 1000000, 100) == 100);
@@ -181,18 +181,18 @@ TEST_CASE("stages come in order, those whose options say none are left out, and 
                                         {Effort::normal, "grid insert collapse anneal polish"},
                                         {Effort::best, "grid insert collapse anneal polish"}}) {
         Work<std::uint8_t, 3> work(hmesh_test::scene<std::uint8_t, 3>(48, 40, 2));
-        const Monitor& monitor = work.monitor;
+        const ProgressReporter& monitor = work.monitor;
         CHECK(annealed(work.patchwork, 50, options_of(effort, 12), 0));
         CHECK(names_of(monitor) == names);
         for (const hmesh::StageReport& stage : monitor.stages()) {
             CHECK(stage.psnr == doctest::Approx(10 * std::log10(255.0 * 255.0 * samples / stage.energy)));
             if (std::strcmp(stage.name, "collapse") == 0)
-                CHECK(static_cast<double>(stage.vertices) == 50 * hmesh::annealed_options(effort).undershoot);
+                CHECK(static_cast<double>(stage.vertices) == 50 * hmesh::kit::annealed_options(effort).collapse_factor);
             if (std::strcmp(stage.name, "insert") == 0)
-                CHECK(static_cast<double>(stage.vertices) == 50 * hmesh::annealed_options(effort).overshoot);
+                CHECK(static_cast<double>(stage.vertices) == 50 * hmesh::kit::annealed_options(effort).insert_factor);
         }
         CHECK(monitor.stages().back().vertices == work.count());
-        CHECK(monitor.stages().back().energy == work.whole().energy);
+        CHECK(monitor.stages().back().energy == work.indexed().energy);
     }
 }
 
@@ -221,11 +221,11 @@ TEST_CASE("a mesh can be filled again, and forgets what it was") {
     Work<std::uint8_t, 1> used(image), fresh(image);
     CHECK(annealed(used.patchwork, 300, options_of(Effort::fast, 0), 0));
     for (Work<std::uint8_t, 1>* work : {&used, &fresh}) CHECK(annealed(work->patchwork, 60, options_of(Effort::normal, 4), 0));
-    CHECK(hmesh_test::same_bits(used.whole(), fresh.whole()));
+    CHECK(hmesh_test::same_bits(used.indexed(), fresh.indexed()));
 }
 
 TEST_CASE("told to stop, it leaves a valid mesh and says so") {
-    const auto stop_at_second = [](void* user, const hmesh::StageInfo&) { return ++*static_cast<int*>(user) < 2; };
+    const auto stop_at_second = [](void* user, const hmesh::ProgressInfo&) { return ++*static_cast<int*>(user) < 2; };
     int calls = 0;
     Work<std::uint8_t, 1> work(hmesh_test::scene<std::uint8_t, 1>(40, 30, 4), {}, Progress{stop_at_second, &calls});
     const Status status = annealed(work.patchwork, 60, {}, 0);
@@ -236,7 +236,7 @@ TEST_CASE("told to stop, it leaves a valid mesh and says so") {
 
 TEST_CASE("options that mean nothing are named, and the efforts' own all mean something") {
     for (const Effort effort : {Effort::draft, Effort::fast, Effort::normal, Effort::best})
-        CHECK(check(hmesh::annealed_options(effort)));
+        CHECK(check(hmesh::kit::annealed_options(effort)));
     const auto refused = [](auto&& spoil) {
         AnnealedOptions options;
         spoil(options);
@@ -245,25 +245,25 @@ TEST_CASE("options that mean nothing are named, and the efforts' own all mean so
     };
     const double nan = std::numeric_limits<double>::quiet_NaN(), infinity = std::numeric_limits<double>::infinity();
     for (const double bad : {-1.0, 1e300, infinity, -infinity, nan}) {
-        CHECK(refused([bad](AnnealedOptions& o) { o.overshoot = bad; }));
-        CHECK(refused([bad](AnnealedOptions& o) { o.undershoot = bad; }));
+        CHECK(refused([bad](AnnealedOptions& o) { o.insert_factor = bad; }));
+        CHECK(refused([bad](AnnealedOptions& o) { o.collapse_factor = bad; }));
         CHECK(refused([bad](AnnealedOptions& o) { o.start = bad; }));
-        CHECK(refused([bad](AnnealedOptions& o) { o.growth = bad; }));
-        CHECK(refused([bad](AnnealedOptions& o) { o.shrinkage = bad; }));
-        CHECK(refused([bad](AnnealedOptions& o) { o.growth_flips = bad; }));
-        CHECK(refused([bad](AnnealedOptions& o) { o.growth_visits.least = bad; }));
+        CHECK(refused([bad](AnnealedOptions& o) { o.insert_batch = bad; }));
+        CHECK(refused([bad](AnnealedOptions& o) { o.collapse_batch = bad; }));
+        CHECK(refused([bad](AnnealedOptions& o) { o.insert_flip_gain = bad; }));
+        CHECK(refused([bad](AnnealedOptions& o) { o.insert_tolerance.least = bad; }));
         CHECK(refused([bad](AnnealedOptions& o) { o.polish.spread = bad; }));
         CHECK(refused([bad](AnnealedOptions& o) { o.relaxation.least = bad; }));
         CHECK(refused([bad](AnnealedOptions& o) { o.annealing.temperature = bad; }));
         CHECK(refused([bad](AnnealedOptions& o) { o.annealing.cooling = bad; }));
-        CHECK(refused([bad](AnnealedOptions& o) { o.annealing.exchange = bad; }));
+        CHECK(refused([bad](AnnealedOptions& o) { o.annealing.try_probability = bad; }));
         CHECK(refused([bad](AnnealedOptions& o) { o.annealing.jump = bad; }));
         CHECK(refused([bad](AnnealedOptions& o) { o.annealing.jump_reach = bad; }));
         CHECK(refused([bad](AnnealedOptions& o) { o.annealing.start_price = bad; }));
-        CHECK(refused([bad](AnnealedOptions& o) { o.annealing.band = bad; }));
+        CHECK(refused([bad](AnnealedOptions& o) { o.annealing.count_tolerance = bad; }));
     }
     for (const int bad : {-1, std::numeric_limits<int>::max()}) {
-        CHECK(refused([bad](AnnealedOptions& o) { o.growth_sweeps = bad; }));
+        CHECK(refused([bad](AnnealedOptions& o) { o.insert_sweeps = bad; }));
         CHECK(refused([bad](AnnealedOptions& o) { o.polish_rounds = bad; }));
         CHECK(refused([bad](AnnealedOptions& o) { o.relaxation.rounds = bad; }));
         CHECK(refused([bad](AnnealedOptions& o) { o.annealing.sweeps = bad; }));
@@ -273,9 +273,9 @@ TEST_CASE("options that mean nothing are named, and the efforts' own all mean so
 TEST_CASE("screens that are NaN, negative or infinite are refused or give a valid mesh of the exact number") {
     Work<std::uint8_t, 1> work(hmesh_test::scene<std::uint8_t, 1>(32, 28, 3));
     const double nan = std::numeric_limits<double>::quiet_NaN(), infinity = std::numeric_limits<double>::infinity();
-    using Screen = double hmesh::AnnealingOptions::*;
-    for (const Screen screen : {&hmesh::AnnealingOptions::flip_screen, &hmesh::AnnealingOptions::insertion_screen,
-                                &hmesh::AnnealingOptions::removal_screen})
+    using Screen = double hmesh::kit::AnnealingOptions::*;
+    for (const Screen screen : {&hmesh::kit::AnnealingOptions::flip_screen, &hmesh::kit::AnnealingOptions::insertion_screen,
+                                &hmesh::kit::AnnealingOptions::removal_screen})
         for (const double bad : {nan, -infinity, -1.0, 0.0, 1e300, infinity}) {
             CAPTURE(bad);
             AnnealedOptions options;
@@ -294,24 +294,24 @@ TEST_CASE("options at the ends of their ranges give a valid mesh of the exact nu
         for (const std::size_t n : {4U, 30U, 480U}) {
             AnnealedOptions options;
             const auto pick = [high](double a, double b) { return high ? b : a; };
-            options.overshoot = pick(1, 100);
-            options.undershoot = pick(0.1, 1);
+            options.insert_factor = pick(1, 100);
+            options.collapse_factor = pick(0.1, 1);
             options.start = pick(0, 1);
-            options.growth = pick(1e-2, 10);
-            options.shrinkage = pick(1e-2, 1);
-            options.growth_sweeps = high ? 4 : 0;
+            options.insert_batch = pick(1e-2, 10);
+            options.collapse_batch = pick(1e-2, 1);
+            options.insert_sweeps = high ? 4 : 0;
             options.polish_rounds = high ? 4 : 0;
-            options.growth_flips = pick(0, 1e6);
-            options.growth_visits = options.polish = {pick(0, 1e6), pick(0, 1e6)};
+            options.insert_flip_gain = pick(0, 1e6);
+            options.insert_tolerance = options.polish = {pick(0, 1e6), pick(0, 1e6)};
             options.relaxation.rounds = high ? 4 : 0;
             options.annealing.sweeps = 3;
             options.annealing.temperature = pick(0, 1e3);
             options.annealing.cooling = pick(0, 100);
-            options.annealing.exchange = pick(0, 1);
+            options.annealing.try_probability = pick(0, 1);
             options.annealing.jump = pick(0, 1);
             options.annealing.jump_reach = pick(0, 1);
             options.annealing.start_price = pick(1e-6, 1e6);
-            options.annealing.band = pick(0, 1);
+            options.annealing.count_tolerance = pick(0, 1);
             REQUIRE(check(options));
             CHECK(annealed(work.patchwork, n, options, 0));
             CHECK(work.count() == n);

@@ -1,4 +1,4 @@
-#include "hmesh/fit/annealing.hpp"
+#include "hmesh/methods/annealed/annealing.hpp"
 
 #include <doctest/doctest.h>
 
@@ -12,14 +12,14 @@
 #include "test_images.hpp"
 #include "test_meshes.hpp"
 
-using hmesh::AnnealingCounts;
-using hmesh::AnnealingOptions;
-using hmesh::AnnealingSchedule;
-using hmesh::AnnealingSweep;
-using hmesh::CountRange;
-using hmesh::Face;
-using hmesh::Random;
-using hmesh::Vertex;
+using hmesh::kit::AnnealingCounts;
+using hmesh::kit::AnnealingOptions;
+using hmesh::kit::AnnealingSchedule;
+using hmesh::kit::AnnealingSweep;
+using hmesh::kit::CountRange;
+using hmesh::kit::Face;
+using hmesh::kit::Random;
+using hmesh::kit::Vertex;
 using hmesh_test::Subject;
 
 namespace {
@@ -34,12 +34,12 @@ struct Totals {
 
 // Faces of the areas, valences and colours that the limits allow.
 template <int C>
-void check_limits(const hmesh::ImageMesh<C>& mesh) {
+void check_limits(const hmesh::kit::ImageMesh<C>& mesh) {
     bool large = true, in_range = true;
     int valence = 0;
     for (const Face f : mesh.topology().faces()) {
         const auto v = mesh.topology().vertices(f);
-        large = large && hmesh::cross(mesh.position(v[0]), mesh.position(v[1]), mesh.position(v[2])) >= mesh.limits().min_cross;
+        large = large && hmesh::kit::orient2d(mesh.position(v[0]), mesh.position(v[1]), mesh.position(v[2])) >= mesh.limits().min_double_area;
     }
     for (const Vertex v : mesh.topology().vertices()) {
         valence = std::max(valence, mesh.topology().valence(v));
@@ -48,14 +48,14 @@ void check_limits(const hmesh::ImageMesh<C>& mesh) {
     }
     CHECK(large);
     CHECK(in_range);
-    CHECK(valence <= hmesh::max_valence);
+    CHECK(valence <= hmesh::kit::max_valence);
 }
 
 // Sweeps of a mesh that is one patch, at a price steered in between.
 template <int C>
 class Annealing {
   public:
-    Annealing(hmesh::ImageMesh<C>& mesh, std::size_t target, const AnnealingOptions& options, std::uint64_t seed)
+    Annealing(hmesh::kit::ImageMesh<C>& mesh, std::size_t target, const AnnealingOptions& options, std::uint64_t seed)
         : mesh_(&mesh), options_(options), target_(static_cast<double>(target)), seed_(seed),
           schedule_(options, target, mesh.mean_energy()) {}
     [[nodiscard]] double price() const { return schedule_.price(); }
@@ -69,7 +69,7 @@ class Annealing {
     }
 
   private:
-    hmesh::ImageMesh<C>* mesh_;
+    hmesh::kit::ImageMesh<C>* mesh_;
     AnnealingOptions options_;
     double target_;
     std::uint64_t seed_;
@@ -137,8 +137,8 @@ TEST_CASE("the price steers the count to the target, from above and from below")
         AnnealingOptions options;
         options.sweeps = 15;
         anneal(subject, target, options, 5);
-        CHECK(static_cast<double>(subject.mesh.vertex_count()) >= (1 - options.band) * static_cast<double>(target) - 1);
-        CHECK(static_cast<double>(subject.mesh.vertex_count()) <= (1 + options.band) * static_cast<double>(target) + 1);
+        CHECK(static_cast<double>(subject.mesh.vertex_count()) >= (1 - options.count_tolerance) * static_cast<double>(target) - 1);
+        CHECK(static_cast<double>(subject.mesh.vertex_count()) <= (1 + options.count_tolerance) * static_cast<double>(target) + 1);
     }
 }
 
@@ -147,7 +147,7 @@ TEST_CASE("the price rises while there are too many vertices and falls while the
         Subject<std::uint8_t, 3> subject(hmesh_test::scene<std::uint8_t, 3>(60, 52, 5),
                                          hmesh_test::jittered_grid(60, 52, 10, 10, 5));
         AnnealingOptions options;
-        options.exchange = 0.1;  // or one sweep would be enough
+        options.try_probability = 0.1;  // or one sweep would be enough
         Annealing<3> annealing(subject.mesh, target, options, 5);
         const double before = annealing.price();
         annealing.sweep(0);
@@ -227,8 +227,8 @@ TEST_CASE("without temperature no sweep raises energy plus price times vertices"
 TEST_CASE("annealing lowers the energy at the same number of vertices") {
     Subject<std::uint8_t, 3> subject(hmesh_test::scene<std::uint8_t, 3>(60, 52, 6), hmesh_test::jittered_grid(60, 52, 10, 10, 6));
     for (int k = 0; k < 5; ++k) {  // what visits and flips alone can do
-        hmesh::sweep(subject.mesh);
-        hmesh::flip_edges(subject.mesh);
+        hmesh::kit::sweep(subject.mesh);
+        hmesh::kit::flip_edges(subject.mesh);
     }
     const double before = subject.mesh.energy();
     anneal(subject, subject.mesh.vertex_count(), {}, 6);
@@ -244,7 +244,7 @@ TEST_CASE("a kind of move with probability 0 or screened off does not happen") {
     };
     AnnealingOptions options;
     options.sweeps = 3;
-    options.exchange = 0;
+    options.try_probability = 0;
     Totals totals = totals_with(options);
     CHECK(totals.removed + totals.inserted == 0);
     CHECK(totals.flipped + totals.jumped > 0);

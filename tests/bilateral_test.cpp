@@ -1,4 +1,4 @@
-#include "hmesh/image/bilateral.hpp"
+#include "hmesh/methods/hierarchical/bilateral.hpp"
 
 #include <doctest/doctest.h>
 
@@ -14,8 +14,8 @@
 #include "test_executors.hpp"
 #include "test_images.hpp"
 
-using hmesh::bilateral_filter;
-using hmesh::BilateralOptions;
+using hmesh::kit::bilateral_filter;
+using hmesh::kit::BilateralOptions;
 using hmesh::Errc;
 using hmesh::Image;
 using hmesh::ImageView;
@@ -183,7 +183,7 @@ TEST_CASE("8-bit, 16-bit and float images of one picture are filtered alike") {
 }
 
 TEST_CASE("noise shrinks on both sides of an edge, and the edge stays") {
-    hmesh::Random random(1);
+    hmesh::kit::Random random(1);
     const auto image = hmesh_test::draw<std::uint8_t, 3>(
         60, 30, [&random](int x, int, int) { return (x < 30 ? 40 : 210) / 255.0 + (random.uniform() - 0.5) * 20 / 255; });
     const Image<std::uint8_t, 3> filtered = bilateral_filter(image.view());
@@ -248,10 +248,10 @@ TEST_CASE("check refuses windows and sigmas that mean nothing") {
     for (const int diameter : {0, -1, std::numeric_limits<int>::min()}) {
         const hmesh::Status status = check(BilateralOptions{diameter, 50, 50});
         CHECK(status.code == Errc::invalid_argument);
-        CHECK(status.got == diameter);
-        CHECK(status.want == 1);
+        CHECK(status.value == diameter);
+        CHECK(status.limit == 1);
     }
-    CHECK(check(BilateralOptions{100, 50, 50}).want == 99);
+    CHECK(check(BilateralOptions{100, 50, 50}).limit == 99);
     for (const double sigma : {0.0, -1.0, infinity, -infinity, not_a_number}) {
         CHECK(std::string(check(BilateralOptions{9, sigma, 50}).what).find("sigma_color") != std::string::npos);
         CHECK(std::string(check(BilateralOptions{9, 50, sigma}).what).find("sigma_space") != std::string::npos);

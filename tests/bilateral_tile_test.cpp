@@ -1,4 +1,4 @@
-#include "hmesh/image/bilateral_tile.hpp"
+#include "hmesh/methods/hierarchical/bilateral_tile.hpp"
 
 #include <doctest/doctest.h>
 
@@ -9,7 +9,7 @@
 #include <utility>
 #include <vector>
 
-using namespace hmesh::detail;
+using namespace hmesh::kit::detail;
 
 namespace {
 
@@ -41,7 +41,7 @@ TEST_CASE("reflect mirrors at the centres of the first and last pixels, again an
         }
 }
 
-TEST_CASE("a window's pairs and what is opposite are its disc without the centre, each tap once") {
+TEST_CASE("a window's pairs and what is opposite are its disc without the center, each tap once") {
     for (const int radius : {0, 1, 2, 4, 7, 49}) {
         const BilateralWindow window(radius, 50, 3);
         std::set<std::pair<int, int>> taps;

@@ -1,4 +1,4 @@
-#include "hmesh/fit/budget.hpp"
+#include "hmesh/methods/annealed/budget.hpp"
 
 #include <doctest/doctest.h>
 
@@ -10,14 +10,14 @@
 #include <vector>
 
 #include "hmesh/core/random.hpp"
-#include "hmesh/fit/first_grid.hpp"
+#include "hmesh/methods/annealed/first_grid.hpp"
 #include "test_executors.hpp"
 #include "test_images.hpp"
 #include "test_patchworks.hpp"
 
-using hmesh::meet_budget;
+using hmesh::kit::reach_vertex_count;
 using hmesh::shares;
-using hmesh::Tiling;
+using hmesh::kit::Tiling;
 using hmesh_test::Work;
 
 namespace {
@@ -33,7 +33,7 @@ std::size_t sum_of(const Counts& counts) {
 // What shares() promises: the right sum, no cap exceeded, and nobody below its cap gets less for its weight than another,
 // rounding left aside.
 void check_shares(std::size_t count, const std::vector<double>& weights, const Counts& caps) {
-    const Counts got = shares(count, weights, caps);
+    const Counts got = apportion(count, weights, caps);
     REQUIRE(got.size() == weights.size());
     CHECK(sum_of(got) == std::min(count, sum_of(caps)));
     for (std::size_t i = 0; i < got.size(); ++i) {
@@ -49,30 +49,30 @@ void check_shares(std::size_t count, const std::vector<double>& weights, const C
 // A mesh of about `count` vertices, its energy known.
 template <class T, int C>
 void start(Work<T, C>& work, double count) {
-    work.patchwork.whole() = hmesh::regular_grid(work.source, count);
+    work.patchwork.indexed() = hmesh::kit::regular_grid(work.source, count);
     const Tiling one(work.image.width(), work.image.height(), 1e9);
-    REQUIRE(work.patchwork.for_each(one, [](hmesh::Patch<C>& patch, std::size_t) { hmesh::sweep(patch.mesh()); }));
+    REQUIRE(work.patchwork.for_each(one, [](hmesh::kit::Patch<C>& patch, std::size_t) { hmesh::kit::sweep(patch.mesh()); }));
     hmesh_test::prove(work);
 }
 
 // From a grid of `from` vertices to exactly `to`, in tiles; returns by what factor the energy changed.
 template <class T, int C>
-double change(const hmesh::Image<T, C>& image, double from, std::size_t to, double tile, const hmesh::MeshLimits& limits = {}) {
+double change(const hmesh::Image<T, C>& image, double from, std::size_t to, double tile, const hmesh::kit::MeshLimits& limits = {}) {
     CAPTURE(from);
     CAPTURE(to);
     CAPTURE(tile);
     Work<T, C> work(image, limits);
     start(work, from);
-    const double before = work.whole().energy;
-    CHECK(meet_budget(work.patchwork, to, tile, {}));
+    const double before = work.indexed().energy;
+    CHECK(reach_vertex_count(work.patchwork, to, tile, {}));
     CHECK(work.count() == to);
     hmesh_test::prove(work);
     double least = 1e300;
-    for (const hmesh::Triangle& t : work.whole().triangles)
+    for (const hmesh::kit::Triangle& t : work.indexed().triangles)
         least = std::min(least,
-                         hmesh::cross(work.whole().positions[t[0]], work.whole().positions[t[1]], work.whole().positions[t[2]]));
-    CHECK(least >= limits.min_cross);
-    return work.whole().energy / before;
+                         hmesh::kit::orient2d(work.indexed().positions[t[0]], work.indexed().positions[t[1]], work.indexed().positions[t[2]]));
+    CHECK(least >= limits.min_double_area);
+    return work.indexed().energy / before;
 }
 
 constexpr double one_tile = 1e9;
@@ -81,15 +81,15 @@ constexpr double one_tile = 1e9;
 
 TEST_CASE("shares add up, are in proportion to the weights to within one, and exceed no cap") {
     constexpr std::size_t none = 1000000;
-    CHECK(shares(10, {1, 1}, {none, none}) == Counts{5, 5});
-    CHECK(shares(10, {3, 1, 1}, {none, none, none}) == Counts{6, 2, 2});
-    CHECK(shares(10, {3, 1, 1}, {4, none, none}) == Counts{4, 3, 3});
-    CHECK(shares(10, {0, 0}, {none, none}) == Counts{5, 5});
-    CHECK(shares(0, {1, 2}, {none, none}) == Counts{0, 0});
-    CHECK(shares(7, {2}, {none}) == Counts{7});
-    CHECK(shares(7, {2}, {3}) == Counts{3});
-    CHECK(shares(7, {}, {}).empty());
-    hmesh::Random random(1);
+    CHECK(apportion(10, {1, 1}, {none, none}) == Counts{5, 5});
+    CHECK(apportion(10, {3, 1, 1}, {none, none, none}) == Counts{6, 2, 2});
+    CHECK(apportion(10, {3, 1, 1}, {4, none, none}) == Counts{4, 3, 3});
+    CHECK(apportion(10, {0, 0}, {none, none}) == Counts{5, 5});
+    CHECK(apportion(0, {1, 2}, {none, none}) == Counts{0, 0});
+    CHECK(apportion(7, {2}, {none}) == Counts{7});
+    CHECK(apportion(7, {2}, {3}) == Counts{3});
+    CHECK(apportion(7, {}, {}).empty());
+    hmesh::kit::Random random(1);
     for (int round = 0; round < 2000; ++round) {
         const std::size_t size = 1 + random.below(12), count = random.below(round % 2 == 0 ? 30 : 3000);
         std::vector<double> weights;
@@ -103,13 +103,13 @@ TEST_CASE("shares add up, are in proportion to the weights to within one, and ex
 }
 
 TEST_CASE("in all without caps a share is off by one at most") {
-    hmesh::Random random(2);
+    hmesh::kit::Random random(2);
     for (int round = 0; round < 300; ++round) {
         const std::size_t size = 1 + random.below(200), count = random.below(100000);
         std::vector<double> weights;
         double total = 0;
         for (std::size_t k = 0; k < size; ++k) total += weights.emplace_back(random.uniform());
-        const Counts got = shares(count, weights, Counts(size, count));
+        const Counts got = apportion(count, weights, Counts(size, count));
         CHECK(sum_of(got) == count);
         for (std::size_t k = 0; k < size; ++k)
             CHECK(std::abs(static_cast<double>(got[k]) - static_cast<double>(count) * weights[k] / total) <= 1 + 1e-6);
@@ -117,14 +117,14 @@ TEST_CASE("in all without caps a share is off by one at most") {
 }
 
 TEST_CASE("what capped shares leave goes to those without weight, if there are no others") {
-    CHECK(shares(10, {1, 0}, {3, 100}) == Counts{3, 7});
-    CHECK(shares(10, {1, 0, 0}, {4, 100, 100}) == Counts{4, 3, 3});
-    CHECK(shares(10, {1, 0, 0}, {4, 1, 100}) == Counts{4, 1, 5});
-    CHECK(shares(10, {1, 0, 0}, {4, 1, 2}) == Counts{4, 1, 2});
+    CHECK(apportion(10, {1, 0}, {3, 100}) == Counts{3, 7});
+    CHECK(apportion(10, {1, 0, 0}, {4, 100, 100}) == Counts{4, 3, 3});
+    CHECK(apportion(10, {1, 0, 0}, {4, 1, 100}) == Counts{4, 1, 5});
+    CHECK(apportion(10, {1, 0, 0}, {4, 1, 2}) == Counts{4, 1, 2});
 }
 
 TEST_CASE("a tile's share grows with its error and area, and is nothing without error") {
-    using hmesh::error_share;
+    using hmesh::kit::error_share;
     CHECK(error_share(100, 0) == 0);
     CHECK(error_share(100, -1e-9) == 0);  // rounding
     CHECK(error_share(100, 100) == doctest::Approx(100));
@@ -151,8 +151,8 @@ TEST_CASE("a mesh comes to exactly n vertices, from above and from below, in one
 TEST_CASE("a mesh of a picture without error takes any number, up to one vertex a pixel, too") {
     const auto constant = hmesh_test::constant_image<std::uint8_t, 1>(100, 80, 0.4);
     const auto affine = hmesh_test::affine_image<float, 2>(60, 50);
-    hmesh::MeshLimits strict;
-    strict.min_cross = strict.border_gap = 0.25;
+    hmesh::kit::MeshLimits strict;
+    strict.min_double_area = strict.border_gap = 0.25;
     for (const double tile : {one_tile, 50.0}) {
         for (const std::size_t to : {200U, 301U, 1000U}) change(constant, 300, to, tile);
         change(constant, 300, 8000, tile);
@@ -164,32 +164,32 @@ TEST_CASE("a mesh of a picture without error takes any number, up to one vertex 
 TEST_CASE("a mesh that has n vertices already is left alone, to the last bit") {
     Work<std::uint8_t, 3> work(hmesh_test::scene<std::uint8_t, 3>(60, 50, 3));
     start(work, 200);
-    const auto before = work.whole();
-    CHECK(meet_budget(work.patchwork, before.vertex_count(), 25, {}));
-    CHECK(hmesh_test::same_bits(work.whole(), before));
+    const auto before = work.indexed();
+    CHECK(reach_vertex_count(work.patchwork, before.vertex_count(), 25, {}));
+    CHECK(hmesh_test::same_bits(work.indexed(), before));
 }
 
 TEST_CASE("in tiles the cheapest vertices of all go, and new ones come where the error is") {
     // Detail in the right half only: removals happen on the left, insertions on the right.
-    hmesh::Random random(3);
+    hmesh::kit::Random random(3);
     const auto image =
         hmesh_test::draw<std::uint8_t, 1>(120, 100, [&](int x, int, int) { return x < 60 ? 0.5 : random.uniform(); });
-    const auto left_of = [](const hmesh::WholeMesh<1>& whole) {
-        return std::count_if(whole.positions.begin(), whole.positions.end(), [](hmesh::Point p) { return p.x < 50; });
+    const auto left_of = [](const hmesh::kit::IndexedMesh<1>& whole) {
+        return std::count_if(whole.positions.begin(), whole.positions.end(), [](hmesh::kit::Point p) { return p.x < 50; });
     };
     for (const double tile : {one_tile, 40.0}) {
         Work<std::uint8_t, 1> work(image);
         start(work, 600);
-        work.patchwork.for_each(Tiling(120, 100, one_tile), [](hmesh::Patch<1>& patch, std::size_t) {
-            for (int k = 0; k < 5; ++k) hmesh::sweep(patch.mesh()), hmesh::flip_edges(patch.mesh());
+        work.patchwork.for_each(Tiling(120, 100, one_tile), [](hmesh::kit::Patch<1>& patch, std::size_t) {
+            for (int k = 0; k < 5; ++k) hmesh::kit::sweep(patch.mesh()), hmesh::kit::flip_edges(patch.mesh());
         });
         const std::size_t count = work.count();
-        const auto left = left_of(work.whole());
-        CHECK(meet_budget(work.patchwork, count - 60, tile, {}));
-        CHECK(left - left_of(work.whole()) > 40);
-        const auto now = left_of(work.whole());
-        CHECK(meet_budget(work.patchwork, count + 60, tile, {}));
-        CHECK(left_of(work.whole()) - now < 12);
+        const auto left = left_of(work.indexed());
+        CHECK(reach_vertex_count(work.patchwork, count - 60, tile, {}));
+        CHECK(left - left_of(work.indexed()) > 40);
+        const auto now = left_of(work.indexed());
+        CHECK(reach_vertex_count(work.patchwork, count + 60, tile, {}));
+        CHECK(left_of(work.indexed()) - now < 12);
     }
 }
 
@@ -201,11 +201,11 @@ TEST_CASE("the way to n is the same whatever the executor's order") {
         const hmesh_test::ShuffledFor anyhow{7};
         Work<std::uint8_t, 3> reversed(image, {}, {}, backwards), shuffled(image, {}, {}, anyhow);
         start(serial, 600), start(reversed, 600), start(shuffled, 600);
-        CHECK(meet_budget(serial.patchwork, to, 40, {}));
-        CHECK(meet_budget(reversed.patchwork, to, 40, {}));
-        CHECK(meet_budget(shuffled.patchwork, to, 40, {}));
-        CHECK(hmesh_test::same_bits(serial.whole(), reversed.whole()));
-        CHECK(hmesh_test::same_bits(serial.whole(), shuffled.whole()));
+        CHECK(reach_vertex_count(serial.patchwork, to, 40, {}));
+        CHECK(reach_vertex_count(reversed.patchwork, to, 40, {}));
+        CHECK(reach_vertex_count(shuffled.patchwork, to, 40, {}));
+        CHECK(hmesh_test::same_bits(serial.indexed(), reversed.indexed()));
+        CHECK(hmesh_test::same_bits(serial.indexed(), shuffled.indexed()));
     }
 }
 
@@ -215,11 +215,11 @@ TEST_CASE("a round on the way to n takes and gives as many vertices as it is tol
         start(work, 800);
         const Tiling tiling(120, 100, tile);
         std::size_t before = work.count();
-        CHECK(hmesh::detail::remove_cheapest(work.patchwork, tiling, 300, {}));
+        CHECK(hmesh::kit::detail::remove_cheapest(work.patchwork, tiling, 300, {}));
         CHECK(work.count() >= before - 300);
         CHECK(work.count() < before - 200);
         before = work.count();
-        CHECK(hmesh::detail::insert_best(work.patchwork, tiling, 300));
+        CHECK(hmesh::kit::detail::insert_best(work.patchwork, tiling, 300));
         CHECK(work.count() <= before + 300);
         CHECK(work.count() > before + 200);
     }
@@ -227,21 +227,21 @@ TEST_CASE("a round on the way to n takes and gives as many vertices as it is tol
 
 TEST_CASE("where no tile can take a vertex, an edge between two tiles is split") {
     // A square in a narrow frame, in tiles much smaller than its two faces: only their common edge is far from the least area.
-    hmesh::MeshLimits limits;
-    limits.min_cross = 60;
+    hmesh::kit::MeshLimits limits;
+    limits.min_double_area = 60;
     Work<std::uint8_t, 1> work(hmesh_test::constant_image<std::uint8_t, 1>(16, 16, 0.5), limits);
-    hmesh::WholeMesh<1> mesh;
+    hmesh::kit::IndexedMesh<1> mesh;
     mesh.width = mesh.height = 16;
-    const std::vector<hmesh::Point> corners = {{0, 0}, {16, 0}, {16, 16}, {0, 16}, {2, 2}, {14, 2}, {14, 14}, {2, 14}};
-    for (const hmesh::Point p : corners) mesh.add(p, work.source.pixel(8, 8));
+    const std::vector<hmesh::kit::Point> corners = {{0, 0}, {16, 0}, {16, 16}, {0, 16}, {2, 2}, {14, 2}, {14, 14}, {2, 14}};
+    for (const hmesh::kit::Point p : corners) mesh.add(p, work.source.pixel(8, 8));
     mesh.triangles = {{0, 1, 5}, {0, 5, 4}, {1, 2, 6}, {1, 6, 5}, {2, 3, 7},
                       {2, 7, 6}, {3, 0, 4}, {3, 4, 7}, {4, 5, 6}, {4, 6, 7}};
-    work.patchwork.whole() = mesh;
-    CHECK(meet_budget(work.patchwork, 9, 4, {}));
+    work.patchwork.indexed() = mesh;
+    CHECK(reach_vertex_count(work.patchwork, 9, 4, {}));
     REQUIRE(work.count() == 9);
-    const std::vector<hmesh::Point>& after = work.whole().positions;
-    CHECK(std::count(after.begin(), after.end(), hmesh::Point{8, 8}) == 1);
-    CHECK_FALSE(meet_budget(work.patchwork, 12, 4, {}));  // all that is left is too small
+    const std::vector<hmesh::kit::Point>& after = work.indexed().positions;
+    CHECK(std::count(after.begin(), after.end(), hmesh::kit::Point{8, 8}) == 1);
+    CHECK_FALSE(reach_vertex_count(work.patchwork, 12, 4, {}));  // all that is left is too small
     hmesh_test::prove(work);
 }
 
@@ -254,14 +254,14 @@ TEST_CASE("told to stop on the way to n it says no and leaves a mesh") {
                     int left = 0;
                 } stop;
                 Work<std::uint8_t, 1> work(hmesh_test::scene<std::uint8_t, 1>(120, 100, 3), {},
-                                           {[](void* user, const hmesh::StageInfo&) {
+                                           {[](void* user, const hmesh::ProgressInfo&) {
                                                 Stop& s = *static_cast<Stop*>(user);
                                                 return !s.armed || s.left-- > 0;
                                             },
                                             &stop});
                 start(work, 600);
                 stop = {true, calls};
-                const bool met = meet_budget(work.patchwork, to, tile, {});
+                const bool met = reach_vertex_count(work.patchwork, to, tile, {});
                 CHECK(met == (work.count() == to));
                 if (calls < 2) CHECK_FALSE(met);
                 hmesh_test::prove(work, met);

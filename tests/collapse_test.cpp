@@ -1,4 +1,4 @@
-#include "hmesh/fit/collapse.hpp"
+#include "hmesh/edit/collapse.hpp"
 
 #include <doctest/doctest.h>
 
@@ -14,13 +14,13 @@
 #include "test_images.hpp"
 #include "test_meshes.hpp"
 
-using hmesh::CollapseCandidate;
-using hmesh::Halfedge;
-using hmesh::HalfedgeMesh;
-using hmesh::ImageMesh;
-using hmesh::Mobility;
-using hmesh::Point;
-using hmesh::Vertex;
+using hmesh::kit::CollapseCandidate;
+using hmesh::kit::Halfedge;
+using hmesh::kit::HalfedgeMesh;
+using hmesh::kit::ImageMesh;
+using hmesh::kit::Mobility;
+using hmesh::kit::Point;
+using hmesh::kit::Vertex;
 using hmesh_test::Subject;
 
 namespace {
@@ -33,19 +33,19 @@ double brute_cost(Subject<T, C>& subject, Halfedge h) {
     ImageMesh<C>& mesh = subject.mesh;
     const HalfedgeMesh& topology = mesh.topology();
     const Vertex v = topology.from_vertex(h), u = topology.to_vertex(h);
-    if (mesh.vertex(v).mobility == Mobility::fixed || !topology.is_collapse_ok(h)) return never;
+    if (mesh.vertex(v).mobility == Mobility::corner || !topology.is_collapse_ok(h)) return never;
     const Point from = mesh.position(v), to = mesh.position(u);
     if (mesh.vertex(v).mobility == Mobility::along_x && from.y != to.y) return never;
     if (mesh.vertex(v).mobility == Mobility::along_y && from.x != to.x) return never;
     const double before = hmesh_test::brute_energy(subject);
     const auto mark = mesh.begin();
     mesh.collapse(h);
-    bool allowed = topology.valence(u) <= hmesh::max_valence;
+    bool allowed = topology.valence(u) <= hmesh::kit::max_valence;
     for (const Halfedge s : topology.outgoing(u)) {
         if (topology.is_boundary(s)) continue;
         const auto w = topology.vertices(topology.face(s));
         allowed =
-            allowed && hmesh::cross(mesh.position(w[0]), mesh.position(w[1]), mesh.position(w[2])) >= mesh.limits().min_cross;
+            allowed && hmesh::kit::orient2d(mesh.position(w[0]), mesh.position(w[1]), mesh.position(w[2])) >= mesh.limits().min_double_area;
     }
     double rise = never;
     if (allowed) {
@@ -63,11 +63,11 @@ struct Seen {
 template <class T, int C>
 void check_costs(Subject<T, C>& subject, Seen& seen) {
     const HalfedgeMesh& topology = subject.mesh.topology();
-    hmesh::RingWork<C> work;
+    hmesh::kit::RingScratch<C> work;
     for (std::size_t i = 0; i < topology.vertex_slots(); ++i) {
         const Vertex v(i);
         if (topology.is_deleted(v)) continue;
-        const CollapseCandidate candidate = hmesh::cheapest_collapse(subject.mesh, work, v);
+        const CollapseCandidate candidate = hmesh::kit::cheapest_collapse(subject.mesh, work, v);
         std::vector<Halfedge> spokes;
         for (const Halfedge h : topology.outgoing(v)) spokes.push_back(h);
         double least = never;
@@ -105,7 +105,7 @@ void check_batches(hmesh::Image<T, C> image, int columns, int rows, std::uint64_
     int rounds = 0;
     for (std::size_t count = 1; mesh.vertex_count() > 4; count = count % 9 + 1, ++rounds) {
         const std::size_t vertices = mesh.vertex_count();
-        const std::size_t removed = hmesh::remove_batch(mesh, count, {});
+        const std::size_t removed = hmesh::kit::remove_batch(mesh, count, {});
         REQUIRE(removed >= 1);  // else it would never end
         REQUIRE(removed <= count);
         REQUIRE(mesh.vertex_count() == vertices - removed);
@@ -117,12 +117,12 @@ void check_batches(hmesh::Image<T, C> image, int columns, int rows, std::uint64_
     const double w = width, h = height;
     for (const Point corner : {Point{0, 0}, Point{w, 0}, Point{0, h}, Point{w, h}})
         CHECK(std::count(corners.begin(), corners.end(), corner) == 1);
-    CHECK(hmesh::remove_batch(mesh, 5, {}) == 0);
+    CHECK(hmesh::kit::remove_batch(mesh, 5, {}) == 0);
 }
 
 }  // namespace
 
-TEST_CASE("the cheapest collapse costs what the energy rises by, and no neighbour that a vertex may go into costs less") {
+TEST_CASE("the cheapest collapse costs what the energy rises by, and no neighbor that a vertex may go into costs less") {
     Seen seen;
     check_worn(hmesh_test::scene<std::uint8_t, 3>(26, 23, 1), 255, 1, seen);
     check_worn(hmesh_test::noise<std::uint16_t, 1>(25, 24, 2), 65535, 2, seen);
@@ -161,67 +161,67 @@ TEST_CASE("a mesh loses its cheapest vertices, as many as asked for where they a
     check_batches(hmesh_test::scaled(hmesh_test::scene<float, 1>(20, 20, 9), 1e-6), 4, 4, 9);
 }
 
-TEST_CASE("one vertex removed is the cheapest of all, and its neighbours become due") {
+TEST_CASE("one vertex removed is the cheapest of all, and its neighbors become due") {
     Subject<std::uint8_t, 3> subject(hmesh_test::scene<std::uint8_t, 3>(41, 36, 1), hmesh_test::jittered_grid(41, 36, 6, 5, 1));
     ImageMesh<3>& mesh = subject.mesh;
-    for (int k = 0; k < 3; ++k) hmesh::sweep(mesh);
+    for (int k = 0; k < 3; ++k) hmesh::kit::sweep(mesh);
     for (int k = 0; k < 20; ++k) {
-        for (const Vertex v : mesh.topology().vertices()) mesh.set_due(v, false);
+        for (const Vertex v : mesh.topology().vertices()) mesh.set_dirty(v, false);
         Vertex cheapest;
         double least = never;
-        hmesh::RingWork<3> work;
+        hmesh::kit::RingScratch<3> work;
         for (const Vertex v : mesh.topology().vertices()) {
-            const CollapseCandidate candidate = hmesh::cheapest_collapse(mesh, work, v);
+            const CollapseCandidate candidate = hmesh::kit::cheapest_collapse(mesh, work, v);
             if (candidate.cost < least) least = candidate.cost, cheapest = v;
         }
         REQUIRE(cheapest.is_valid());
         std::vector<Vertex> ring;
         for (const Halfedge h : mesh.topology().outgoing(cheapest)) ring.push_back(mesh.topology().to_vertex(h));
         const double before = mesh.energy();
-        REQUIRE(hmesh::remove_batch(mesh, 1, {}) == 1);
+        REQUIRE(hmesh::kit::remove_batch(mesh, 1, {}) == 1);
         CHECK(mesh.topology().is_deleted(cheapest));
         CHECK(mesh.energy() <= before + least + hmesh_test::rounding(subject));  // relaxing only makes it better
-        for (const Vertex u : ring) CHECK(mesh.is_due(u));
+        for (const Vertex u : ring) CHECK(mesh.is_dirty(u));
         hmesh_test::prove(subject);
     }
 }
 
-TEST_CASE("a batch removes as many as asked for as long as enough vertices share no neighbour") {
+TEST_CASE("a batch removes as many as asked for as long as enough vertices share no neighbor") {
     Subject<std::uint8_t, 1> subject(hmesh_test::scene<std::uint8_t, 1>(90, 80, 1), hmesh_test::jittered_grid(90, 80, 20, 20, 1));
     const std::size_t vertices = subject.mesh.vertex_count();
-    CHECK(hmesh::remove_batch(subject.mesh, 0, {}) == 0);
-    CHECK(hmesh::remove_batch(subject.mesh, 40, {}) == 40);
+    CHECK(hmesh::kit::remove_batch(subject.mesh, 0, {}) == 0);
+    CHECK(hmesh::kit::remove_batch(subject.mesh, 40, {}) == 40);
     CHECK(subject.mesh.vertex_count() == vertices - 40);
-    const std::size_t removed = hmesh::remove_batch(subject.mesh, 100000, {});
+    const std::size_t removed = hmesh::kit::remove_batch(subject.mesh, 100000, {});
     CHECK(removed > 20);
     CHECK(removed < vertices / 2);
     hmesh_test::prove(subject);
 }
 
-TEST_CASE("no collapse gives a vertex more neighbours than it may have, inside the image") {
-    Subject<std::uint8_t, 1> wheel(hmesh_test::noise<std::uint8_t, 1>(64, 64, 1), hmesh_test::wheel(64, hmesh::max_valence));
+TEST_CASE("no collapse gives a vertex more neighbors than it may have, inside the image") {
+    Subject<std::uint8_t, 1> wheel(hmesh_test::noise<std::uint8_t, 1>(64, 64, 1), hmesh_test::wheel(64, hmesh::kit::max_valence));
     Seen seen;
     check_costs(wheel, seen);
     for (int k = 0; k < 30; ++k) {
-        hmesh::remove_batch(wheel.mesh, 3, {});
-        for (const Vertex v : wheel.mesh.topology().vertices()) REQUIRE(wheel.mesh.topology().valence(v) <= hmesh::max_valence);
+        hmesh::kit::remove_batch(wheel.mesh, 3, {});
+        for (const Vertex v : wheel.mesh.topology().vertices()) REQUIRE(wheel.mesh.topology().valence(v) <= hmesh::kit::max_valence);
     }
     hmesh_test::prove(wheel);
 }
 
-TEST_CASE("no collapse gives a vertex more neighbours than it may have, on the border") {
+TEST_CASE("no collapse gives a vertex more neighbors than it may have, on the border") {
     // A hub (vertex 0) on the upper side with a fan below it, and right of it vertex 1 with 4 neighbours, which would
     // best go into the hub: the picture is flat there, and not in the corner.
     hmesh::Image<std::uint8_t, 1> image(64, 64);
     for (int y = 0; y < 64; ++y)
         for (int x = 60; x < 64; ++x) *image.pixel(x, y) = 200;
-    for (const int valence : {hmesh::max_valence - 1, hmesh::max_valence}) {
+    for (const int valence : {hmesh::kit::max_valence - 1, hmesh::kit::max_valence}) {
         // hub, beside it, beyond that, left of the hub, and the corners from the upper right on
         hmesh_test::Triangulation half{{{32, 0}, {48, 0}, {56, 4}, {16, 0}, {64, 0}, {64, 64}, {0, 64}, {0, 0}}, {}};
         const auto rim_size = static_cast<std::uint32_t>(valence - 2);
         for (std::uint32_t k = 0; k < rim_size; ++k) {
             const double angle = (20 + 145.0 * k / (rim_size - 1)) * 3.141592653589793 / 180;
-            half.positions.push_back(hmesh::snap(Point{32 + 14 * std::cos(angle), 14 * std::sin(angle)}));
+            half.positions.push_back(hmesh::kit::snap(Point{32 + 14 * std::cos(angle), 14 * std::sin(angle)}));
         }
         const std::uint32_t first = 8, last = first + rim_size - 1, middle = first + rim_size / 2;
         half.triangles = {{0, 1, first},  {1, 2, first}, {1, 4, 2},    {2, 4, 5}, {2, 5, first},
@@ -235,12 +235,12 @@ TEST_CASE("no collapse gives a vertex more neighbours than it may have, on the b
         const HalfedgeMesh& topology = subject.mesh.topology();
         REQUIRE(topology.valence(Vertex(0)) == valence);
         REQUIRE(topology.valence(Vertex(1)) == 4);
-        hmesh::RingWork<1> work;
-        const CollapseCandidate candidate = hmesh::cheapest_collapse(subject.mesh, work, Vertex(1));
+        hmesh::kit::RingScratch<1> work;
+        const CollapseCandidate candidate = hmesh::kit::cheapest_collapse(subject.mesh, work, Vertex(1));
         REQUIRE(candidate.halfedge.is_valid());
-        CHECK((topology.to_vertex(candidate.halfedge) == Vertex(0)) == (valence < hmesh::max_valence));
+        CHECK((topology.to_vertex(candidate.halfedge) == Vertex(0)) == (valence < hmesh::kit::max_valence));
         subject.mesh.collapse(candidate.halfedge);
-        CHECK(topology.valence(Vertex(0)) <= hmesh::max_valence);
+        CHECK(topology.valence(Vertex(0)) <= hmesh::kit::max_valence);
         hmesh_test::prove(subject);
     }
 }

@@ -14,13 +14,13 @@
 #include "exact_circles.hpp"
 #include "hmesh/core/random.hpp"
 
-using hmesh::Delaunay;
-using hmesh::Face;
-using hmesh::Halfedge;
-using hmesh::HalfedgeMesh;
-using hmesh::Point;
-using hmesh::Random;
-using hmesh::Vertex;
+using hmesh::kit::Delaunay;
+using hmesh::kit::Face;
+using hmesh::kit::Halfedge;
+using hmesh::kit::HalfedgeMesh;
+using hmesh::kit::Point;
+using hmesh::kit::Random;
+using hmesh::kit::Vertex;
 using hmesh_test::GridPoint;
 using hmesh_test::on_grid;
 
@@ -32,8 +32,8 @@ namespace {
 void prove(const Delaunay& mesh, std::vector<Point> expected) {
     const HalfedgeMesh& topology = mesh.topology();
     const hmesh::Status connected = topology.check(), status = mesh.check();
-    REQUIRE_MESSAGE(connected, connected.what << " at " << connected.got);
-    REQUIRE_MESSAGE(status, status.what << " at " << status.got);
+    REQUIRE_MESSAGE(connected, connected.what << " at " << connected.value);
+    REQUIRE_MESSAGE(status, status.what << " at " << status.value);
     std::vector<GridPoint> vertices;
     std::vector<std::pair<double, double>> have, want;
     for (const Vertex v : topology.vertices()) {
@@ -85,11 +85,11 @@ std::vector<Point> scattered(int count, Point first, double side, std::uint64_t 
 }
 
 // All whole points at `radius` from the centre, times `scale`.
-std::vector<Point> circle(int radius, Point centre, double scale) {
+std::vector<Point> circle(int radius, Point center, double scale) {
     std::vector<Point> points;
     for (int y = -radius; y <= radius; ++y)
         for (int x = -radius; x <= radius; ++x)
-            if (x * x + y * y == radius * radius) points.push_back({centre.x + scale * x, centre.y + scale * y});
+            if (x * x + y * y == radius * radius) points.push_back({center.x + scale * x, center.y + scale * y});
     return points;
 }
 
@@ -279,7 +279,7 @@ TEST_CASE("locate finds the face, the edge or the vertex under a point") {
         REQUIRE(!topology.is_boundary(h));
         Vertex v[3] = {topology.from_vertex(h), topology.to_vertex(h), topology.to_vertex(topology.next(h))};
         double beside[3];
-        for (int i = 0; i < 3; ++i) beside[i] = cross(mesh.position(v[i]), mesh.position(v[(i + 1) % 3]), p);
+        for (int i = 0; i < 3; ++i) beside[i] = orient2d(mesh.position(v[i]), mesh.position(v[(i + 1) % 3]), p);
         REQUIRE((beside[0] >= 0 && beside[1] >= 0 && beside[2] >= 0));
         const int zeros = (beside[0] == 0) + (beside[1] == 0) + (beside[2] == 0);
         if (zeros == 2) REQUIRE(mesh.position(v[0]) == p);
@@ -299,7 +299,7 @@ TEST_CASE("triangulate numbers the corners first, then the points in spatial ord
     CHECK((mesh.position(Vertex(0)) == Point{0, 0} && mesh.position(Vertex(1)) == Point{8, 0}));
     CHECK((mesh.position(Vertex(2)) == Point{8, 8} && mesh.position(Vertex(3)) == Point{0, 8}));
     for (std::size_t k = 5; k < mesh.positions().size(); ++k)
-        CHECK(hmesh::morton_code(mesh.positions()[k - 1]) <= hmesh::morton_code(mesh.positions()[k]));
+        CHECK(hmesh::kit::morton_code(mesh.positions()[k - 1]) <= hmesh::kit::morton_code(mesh.positions()[k]));
     prove(mesh, points);
 }
 

@@ -20,7 +20,7 @@
 #include "test_meshing.hpp"
 #include "test_results.hpp"
 
-using hmesh::Effort;
+using hmesh::kit::Effort;
 using hmesh::Image;
 using hmesh::mesh_image;
 using hmesh::Options;
@@ -50,7 +50,7 @@ template <class T, int C>
 void check_repeatable(const Image<T, C>& image, Target target, Effort effort, int sweeps = 8) {
     Options options;
     options.target = target;
-    options.annealed = hmesh::annealed_options(effort);
+    options.annealed = hmesh::kit::annealed_options(effort);
     options.annealed->annealing.sweeps = std::min(options.annealed->annealing.sweeps, sweeps);
     check_repeatable(image, options);
 }
@@ -72,8 +72,8 @@ TEST_CASE("tiles give the same bytes in two runs, in any order and on any number
     Options options;
     options.target = Target::vertices(1400);
     options.tile = 64;
-    options.annealed = hmesh::annealed_options(Effort::normal);
-    options.annealed->overshoot = 1.5;
+    options.annealed = hmesh::kit::annealed_options(Effort::normal);
+    options.annealed->insert_factor = 1.5;
     options.annealed->annealing.sweeps = 2;
     check_repeatable(image, options);
     options.weights = weights.view();
@@ -88,9 +88,9 @@ TEST_CASE("the methods that annealed is compared with give the same bytes in any
     for (const Method method : {Method::hierarchical, Method::xie, Method::adams, Method::adaptive_thinning}) {
         options.method = method;
         options.weights = {};
-        options.hierarchical.geometry.search = hmesh::FootSearch::own_face;
+        options.hierarchical.geometry.search = hmesh::kit::FootSearch::own_face;
         check_repeatable(hmesh_test::scene<std::uint8_t, 3>(80, 70, 1), options);
-        options.hierarchical.geometry.search = hmesh::FootSearch::one_ring;
+        options.hierarchical.geometry.search = hmesh::kit::FootSearch::one_ring;
         options.weights = weights.view();
         check_repeatable(hmesh_test::scene<float, 1>(80, 70, 2), options);
     }

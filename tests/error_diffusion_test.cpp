@@ -1,4 +1,4 @@
-#include "hmesh/image/error_diffusion.hpp"
+#include "hmesh/methods/baselines/error_diffusion.hpp"
 
 #include <doctest/doctest.h>
 
@@ -14,7 +14,7 @@
 #include "hmesh/image/image_view.hpp"
 #include "test_images.hpp"
 
-using hmesh::diffused_points;
+using hmesh::kit::diffused_points;
 using hmesh::Image;
 
 namespace {
@@ -100,12 +100,12 @@ double share(const Image<float, 1>& map, const std::vector<std::uint32_t>& point
 }  // namespace
 
 TEST_CASE("errors are diffused as Floyd and Steinberg say, in rows there and back, and none falls over a side") {
-    hmesh::Random random(1);
+    hmesh::kit::Random random(1);
     for (const auto& [width, height] : {std::pair{31, 26}, {1, 1}, {1, 40}, {40, 1}, {2, 33}, {50, 3}, {17, 2}, {3, 3}}) {
         const auto map = map_of(width, height, [&](int, int) { return random.uniform() * random.uniform(); });
         for (const double factor : {0.05, 0.3, 1.0, 5.0}) {
             std::vector<std::uint32_t> points;
-            hmesh::detail::diffuse(map.view(), factor, 0.01,
+            hmesh::kit::detail::diffuse(map.view(), factor, 0.01,
                                    [&, w = width](int x, int y) { points.push_back(static_cast<std::uint32_t>(y * w + x)); });
             CHECK(points == naive_points(map, factor, 0.01));
         }
@@ -113,7 +113,7 @@ TEST_CASE("errors are diffused as Floyd and Steinberg say, in rows there and bac
 }
 
 TEST_CASE("there are as many points as asked for, or hardly more, each a pixel of its own, row after row") {
-    hmesh::Random random(2);
+    hmesh::kit::Random random(2);
     const int width = 61, height = 50;
     const Image<float, 1> maps[] = {
         even(width, height),
@@ -130,7 +130,7 @@ TEST_CASE("there are as many points as asked for, or hardly more, each a pixel o
 }
 
 TEST_CASE("as many points as pixels are all pixels, and no points are none") {
-    hmesh::Random random(3);
+    hmesh::kit::Random random(3);
     for (const auto& [width, height] : {std::pair{1, 1}, {1, 13}, {13, 1}, {2, 2}, {20, 11}, {90, 3}}) {
         const auto pixels = static_cast<std::size_t>(width * height);
         for (const auto& map : {even(width, height), map_of(width, height, [](int, int) { return 0; }),
@@ -213,7 +213,7 @@ TEST_CASE("maps of the largest and of the smallest floats are as good as any") {
 }
 
 TEST_CASE("told to stop between two passes there are no points, and otherwise the same as ever") {
-    hmesh::Random random(4);
+    hmesh::kit::Random random(4);
     const auto map = map_of(40, 30, [&](int, int) { return std::pow(random.uniform(), 6); });
     std::size_t asked = 0;
     const auto points = diffused_points(map.view(), 300, [&] { return ++asked > 0; });

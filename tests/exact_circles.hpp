@@ -14,7 +14,7 @@ struct GridPoint {
     std::int64_t x, y;
 };
 
-inline GridPoint on_grid(hmesh::Point p) { return {std::llround(p.x * 256), std::llround(p.y * 256)}; }
+inline GridPoint on_grid(hmesh::kit::Point p) { return {std::llround(p.x * 256), std::llround(p.y * 256)}; }
 
 inline std::int64_t double_area(GridPoint a, GridPoint b, GridPoint c) {
     return (b.x - a.x) * (c.y - a.y) - (c.x - a.x) * (b.y - a.y);

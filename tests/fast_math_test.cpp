@@ -34,7 +34,7 @@ const double bad_doubles[] = {from_bits<double>(std::uint64_t{0x7FF8000000000000
 Options draft(int vertices) {
     Options options;
     options.target = Target::vertices(vertices);
-    options.effort = hmesh::Effort::draft;
+    options.effort = hmesh::kit::Effort::draft;
     return options;
 }
 
@@ -66,8 +66,8 @@ TEST_CASE("options that are no numbers are refused") {
         options.limits.ridge = bad;
         CHECK(mesh_image(image.view(), options).status.code == Errc::invalid_argument);
         options = draft(40);
-        options.annealed = hmesh::annealed_options(hmesh::Effort::draft);
-        options.annealed->growth = bad;
+        options.annealed = hmesh::kit::annealed_options(hmesh::kit::Effort::draft);
+        options.annealed->insert_batch = bad;
         CHECK(mesh_image(image.view(), options).status.code == Errc::invalid_argument);
     }
 }

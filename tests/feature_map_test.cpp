@@ -1,4 +1,4 @@
-#include "hmesh/image/feature_map.hpp"
+#include "hmesh/methods/baselines/feature_map.hpp"
 
 #include <doctest/doctest.h>
 
@@ -13,13 +13,13 @@
 #include <vector>
 
 #include "hmesh/core/random.hpp"
-#include "hmesh/image/image_source.hpp"
+#include "hmesh/fit/image_source.hpp"
 #include "test_executors.hpp"
 #include "test_images.hpp"
 
-using hmesh::feature_map;
+using hmesh::kit::feature_map;
 using hmesh::Image;
-using hmesh::ImageSource;
+using hmesh::kit::ImageSource;
 
 namespace {
 
@@ -164,7 +164,7 @@ TEST_CASE("a linear picture has a map of 0 as far from the border as it is smoot
 TEST_CASE("floats up to the largest give a map that is finite, and the smallest one that is not negative") {
     const float most = std::numeric_limits<float>::max();
     for (const float size : {1e38F, most, 1e-38F, std::numeric_limits<float>::denorm_min()}) {
-        hmesh::Random random(1);
+        hmesh::kit::Random random(1);
         Image<float, 16> image(12, 11);
         for (float& sample : image.samples()) sample = random.below(2) == 0 ? size : -size;
         for (const int passes : {0, 3}) {

@@ -13,21 +13,21 @@
 TEST_CASE_TEMPLATE("is_finite agrees with the standard library", T, float, double) {
     using Limits = std::numeric_limits<T>;
     for (const T value : {T(0), T(-1), Limits::min(), Limits::max(), Limits::lowest(), Limits::denorm_min()}) {
-        CHECK(hmesh::is_finite(value));
-        CHECK(hmesh::is_finite(-value));
+        CHECK(hmesh::kit::is_finite(value));
+        CHECK(hmesh::kit::is_finite(-value));
     }
     for (const T value : {Limits::infinity(), Limits::quiet_NaN(), Limits::signaling_NaN()}) {
-        CHECK_FALSE(hmesh::is_finite(value));
-        CHECK_FALSE(hmesh::is_finite(-value));
+        CHECK_FALSE(hmesh::kit::is_finite(value));
+        CHECK_FALSE(hmesh::kit::is_finite(-value));
     }
-    hmesh::Random random(1);
+    hmesh::kit::Random random(1);
     int wrong = 0, finite = 0;
     for (int i = 0; i < 100000; ++i) {
         std::uint64_t bits = std::uint64_t{random.next()} << 32U | random.next();
         if (i % 2 == 0) bits |= 0x7FE000007F000000U;  // else few would not be finite
         T value = 0;
         std::memcpy(&value, &bits, sizeof value);
-        wrong += hmesh::is_finite(value) != std::isfinite(value);
+        wrong += hmesh::kit::is_finite(value) != std::isfinite(value);
         finite += std::isfinite(value);
     }
     CHECK(wrong == 0);
@@ -36,16 +36,16 @@ TEST_CASE_TEMPLATE("is_finite agrees with the standard library", T, float, doubl
 }
 
 TEST_CASE("numbers made of bits are what they are called") {
-    CHECK(hmesh::detail::infinite() == std::numeric_limits<double>::infinity());
-    CHECK(std::isnan(hmesh::detail::not_a_number()));
+    CHECK(hmesh::kit::detail::infinity() == std::numeric_limits<double>::infinity());
+    CHECK(std::isnan(hmesh::kit::detail::nan()));
 }
 
 TEST_CASE("is_within includes the ends and refuses what is no number") {
-    CHECK(hmesh::is_within(0, 0, 1));
-    CHECK(hmesh::is_within(1, 0, 1));
-    CHECK_FALSE(hmesh::is_within(std::nextafter(1.0, 2.0), 0, 1));
-    CHECK_FALSE(hmesh::is_within(-1e-300, 0, 1));
-    CHECK_FALSE(hmesh::is_within(std::numeric_limits<double>::quiet_NaN(), 0, 1));
+    CHECK(hmesh::kit::is_within(0, 0, 1));
+    CHECK(hmesh::kit::is_within(1, 0, 1));
+    CHECK_FALSE(hmesh::kit::is_within(std::nextafter(1.0, 2.0), 0, 1));
+    CHECK_FALSE(hmesh::kit::is_within(-1e-300, 0, 1));
+    CHECK_FALSE(hmesh::kit::is_within(std::numeric_limits<double>::quiet_NaN(), 0, 1));
     constexpr double infinity = std::numeric_limits<double>::infinity();
-    CHECK_FALSE(hmesh::is_within(infinity, 0, infinity));
+    CHECK_FALSE(hmesh::kit::is_within(infinity, 0, infinity));
 }

@@ -1,4 +1,4 @@
-#include "hmesh/fit/first_grid.hpp"
+#include "hmesh/methods/annealed/first_grid.hpp"
 
 #include <doctest/doctest.h>
 
@@ -16,37 +16,37 @@
 #include "test_patchworks.hpp"
 
 using hmesh::Image;
-using hmesh::ImageSource;
-using hmesh::Point;
-using hmesh::Tiling;
-using hmesh::WholeMesh;
+using hmesh::kit::ImageSource;
+using hmesh::kit::Point;
+using hmesh::kit::Tiling;
+using hmesh::kit::IndexedMesh;
 
 namespace {
 
 constexpr auto go_on = [] { return true; };
 
 template <int C>
-double least_twice_area(const WholeMesh<C>& mesh) {
+double least_twice_area(const IndexedMesh<C>& mesh) {
     double least = std::numeric_limits<double>::infinity();
-    for (const hmesh::Triangle& t : mesh.triangles)
-        least = std::min(least, hmesh::cross(mesh.positions[t[0]], mesh.positions[t[1]], mesh.positions[t[2]]));
+    for (const hmesh::kit::Triangle& t : mesh.triangles)
+        least = std::min(least, hmesh::kit::orient2d(mesh.positions[t[0]], mesh.positions[t[1]], mesh.positions[t[2]]));
     return least;
 }
 
 // A valid mesh whose vertices inside tiles have the colours of the pixels under them.
 template <int C>
-void check_grid(const WholeMesh<C>& mesh, const ImageSource<C>& source) {
+void check_grid(const IndexedMesh<C>& mesh, const ImageSource<C>& source) {
     const hmesh::Status status = check(mesh);
-    REQUIRE_MESSAGE(status, status.what << " at " << status.got);
+    REQUIRE_MESSAGE(status, status.what << " at " << status.value);
     CHECK(mesh.width == source.width());
     CHECK(mesh.height == source.height());
-    CHECK(hmesh_test::most_neighbours(mesh) <= hmesh::max_valence);
+    CHECK(hmesh_test::most_neighbors(mesh) <= hmesh::kit::max_valence);
     CHECK(least_twice_area(mesh) > 0.25);
     const double w = mesh.width, h = mesh.height;
     for (const Point corner : {Point{0, 0}, Point{w, 0}, Point{w, h}, Point{0, h}})
         CHECK(std::count(mesh.positions.begin(), mesh.positions.end(), corner) == 1);
     bool all_due = true;
-    for (const unsigned char due : mesh.due) all_due = all_due && due != 0;
+    for (const unsigned char due : mesh.dirty) all_due = all_due && due != 0;
     CHECK(all_due);
 }
 
@@ -67,13 +67,13 @@ TEST_CASE("a regular grid is a mesh of the image, has no more vertices than aske
             CAPTURE(image.width());
             CAPTURE(image.height());
             CAPTURE(count);
-            const WholeMesh<1> grid = hmesh::regular_grid(source, count);
+            const IndexedMesh<1> grid = hmesh::kit::regular_grid(source, count);
             check_grid(grid, source);
             CHECK(static_cast<double>(grid.vertex_count()) <= count);
             CHECK(grid.vertex_count() >= 4);
             CHECK(static_cast<double>(grid.vertex_count()) >= 0.3 * std::min(count, (width + 1.0) * (height + 1.0)));
             CHECK(least_twice_area(grid) > 0.9);  // cells of at least a pixel
-            CHECK(hmesh_test::most_neighbours(grid) <= 8);
+            CHECK(hmesh_test::most_neighbors(grid) <= 8);
             for (std::size_t v = 0; v < grid.vertex_count(); ++v) {
                 const Point p = grid.positions[v];
                 REQUIRE(grid.colors[v][0] ==
@@ -85,7 +85,7 @@ TEST_CASE("a regular grid is a mesh of the image, has no more vertices than aske
 
 TEST_CASE("a regular grid's cells are nearly square") {
     const auto image = hmesh_test::noise<std::uint8_t, 1>(400, 100, 1);
-    const WholeMesh<1> grid = hmesh::regular_grid(ImageSource<1>(image.view()), 500);
+    const IndexedMesh<1> grid = hmesh::kit::regular_grid(ImageSource<1>(image.view()), 500);
     std::size_t columns = 0;
     for (const Point p : grid.positions) columns += p.y == 0 ? 1 : 0;
     const double cell_width = 400.0 / static_cast<double>(columns - 1);
@@ -111,8 +111,8 @@ TEST_CASE("a tiled grid is a mesh of the image without T-junctions, for any size
                 CAPTURE(tile);
                 CAPTURE(density);
                 const double count = density * pixels;
-                const WholeMesh<1> grid =
-                    hmesh::tiled_grid(source, tiling, count, nodes_for(tiling, width, height, count), go_on);
+                const IndexedMesh<1> grid =
+                    hmesh::kit::tiled_grid(source, tiling, count, nodes_for(tiling, width, height, count), go_on);
                 check_grid(grid, source);
                 if (count > 400 && std::min(width, height) > 60) {
                     CHECK(static_cast<double>(grid.vertex_count()) > 0.6 * count);
@@ -127,16 +127,16 @@ TEST_CASE("no edge crosses a seam, and the nodes on it are those of both tiles")
     const ImageSource<3> source(image.view());
     const Tiling tiling(150, 110, 50);
     REQUIRE(tiling.columns() == 3);
-    const WholeMesh<3> grid = hmesh::tiled_grid(source, tiling, 600, nodes_for(tiling, 150, 110, 600), go_on);
+    const IndexedMesh<3> grid = hmesh::kit::tiled_grid(source, tiling, 600, nodes_for(tiling, 150, 110, 600), go_on);
     check_grid(grid, source);
     std::size_t on_seams = 0;
     for (const Point p : grid.positions)
         on_seams += (p.x == 50 || p.x == 100 || p.y == tiling.rect(3).y) && p.x > 0 && p.x < 150 && p.y > 0 && p.y < 110 ? 1 : 0;
     CHECK(on_seams > 30);
-    for (const hmesh::Triangle& t : grid.triangles) {
+    for (const hmesh::kit::Triangle& t : grid.triangles) {
         bool within = false;
         for (std::size_t k = 0; k < tiling.size(); ++k) {
-            const hmesh::Rect r = tiling.rect(k);
+            const hmesh::kit::Rect r = tiling.rect(k);
             bool all = true;
             for (const std::uint32_t v : t) {
                 const Point p = grid.positions[v];
@@ -148,8 +148,8 @@ TEST_CASE("no edge crosses a seam, and the nodes on it are those of both tiles")
     }
 }
 
-TEST_CASE("seams as dense or as empty as can be beside any grid give no vertex too many neighbours") {
-    hmesh::Random random(5);
+TEST_CASE("seams as dense or as empty as can be beside any grid give no vertex too many neighbors") {
+    hmesh::kit::Random random(5);
     const Image<std::uint8_t, 1> pictures[] = {
         hmesh_test::constant_image<std::uint8_t, 1>(300, 200, 0.4), hmesh_test::noise<std::uint8_t, 1>(300, 200, 1),
         hmesh_test::affine_image<std::uint8_t, 1>(300, 200),
@@ -165,7 +165,7 @@ TEST_CASE("seams as dense or as empty as can be beside any grid give no vertex t
                 CAPTURE(n);
                 CAPTURE(share);
                 const double count = std::max(4.0, std::min(10000.0, share * n));
-                check_grid(hmesh::tiled_grid(source, tiling, count, 0.7 * nodes_for(tiling, 300, 200, n), go_on), source);
+                check_grid(hmesh::kit::tiled_grid(source, tiling, count, 0.7 * nodes_for(tiling, 300, 200, n), go_on), source);
             }
     }
 }
@@ -174,8 +174,8 @@ TEST_CASE("a tiled grid is the same whatever the executor's order, and a mesh wh
     const auto image = hmesh_test::scene<std::uint8_t, 3>(150, 110, 2);
     const ImageSource<3> source(image.view());
     const Tiling tiling(150, 110, 50);
-    const WholeMesh<3> serial = hmesh::tiled_grid(source, tiling, 600, 120, go_on);
-    CHECK(hmesh_test::same_bits(serial, hmesh::tiled_grid(source, tiling, 600, 120, go_on, hmesh_test::ReverseFor{})));
-    CHECK(hmesh_test::same_bits(serial, hmesh::tiled_grid(source, tiling, 600, 120, go_on, hmesh_test::ShuffledFor{3})));
-    CHECK(check(hmesh::tiled_grid(source, tiling, 600, 120, [] { return false; })));
+    const IndexedMesh<3> serial = hmesh::kit::tiled_grid(source, tiling, 600, 120, go_on);
+    CHECK(hmesh_test::same_bits(serial, hmesh::kit::tiled_grid(source, tiling, 600, 120, go_on, hmesh_test::ReverseFor{})));
+    CHECK(hmesh_test::same_bits(serial, hmesh::kit::tiled_grid(source, tiling, 600, 120, go_on, hmesh_test::ShuffledFor{3})));
+    CHECK(check(hmesh::kit::tiled_grid(source, tiling, 600, 120, [] { return false; })));
 }

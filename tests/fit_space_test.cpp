@@ -34,7 +34,7 @@ using Pixels = Image<std::uint8_t, 4>;
 Options of(std::int64_t vertices, FitSpace space, bool premultiplied = false) {
     Options options;
     options.target = Target::vertices(vertices);
-    options.effort = hmesh::Effort::draft;
+    options.effort = hmesh::kit::Effort::draft;
     options.fit_space = space;
     options.premultiplied = premultiplied;
     return options;
@@ -50,7 +50,7 @@ Image<float, 4> drawn(const hmesh::Mesh<4>& mesh, bool linear_light = false) {
 
 // A shaded disc with a soft edge over garbage in transparent pixels.
 Pixels sprite(int size) {
-    hmesh::Random random(5);
+    hmesh::kit::Random random(5);
     Pixels image(size, size);
     for (int y = 0; y < size; ++y)
         for (int x = 0; x < size; ++x) {
@@ -115,7 +115,7 @@ TEST_CASE("what is reported of a fit for linear light is what the mesh drawn in 
 TEST_CASE("a fit for linear light that is cancelled reports what is true of the mesh") {
     const Pixels image = hmesh_test::scene<std::uint8_t, 4>(40, 40, 3);
     Options options = of(60, FitSpace::linear_light);
-    options.progress.call = [](void*, const hmesh::StageInfo& info) { return std::strcmp(info.stage, "linear light") != 0; };
+    options.progress.call = [](void*, const hmesh::ProgressInfo& info) { return std::strcmp(info.stage, "linear light") != 0; };
     const Result<4> result = mesh_image(image.view(), options);
     CHECK(result.status.code == Errc::cancelled);
     CHECK(std::abs(result.report.psnr - hmesh::psnr(image.view(), drawn(result.mesh, true).view())) < 1e-3);
@@ -128,7 +128,7 @@ TEST_CASE("cancelled at once, every method gives a mesh of which the report is t
         Options options = of(40, FitSpace::linear_light);
         options.method = method;
         options.colors = hmesh::Colors::optimal;
-        options.progress.call = [](void*, const hmesh::StageInfo&) { return false; };
+        options.progress.call = [](void*, const hmesh::ProgressInfo&) { return false; };
         const Result<4> result = mesh_image(image.view(), options);
         CHECK(result.status.code == Errc::cancelled);
         CHECK(hmesh_test::flaw_of(result.mesh.view(), 24, 20) == "");
@@ -152,7 +152,7 @@ TEST_CASE("premultiplied meshes are those of the premultiplied image") {
     REQUIRE(result.status);
     CHECK(result.mesh.premultiplied);
     CHECK(result.mesh.view().premultiplied);
-    const Pixels product = hmesh::premultiply(image.view());
+    const Pixels product = hmesh::kit::premultiply(image.view());
     for (int y = 0; y < 48; ++y)
         for (int x = 0; x < 48; ++x)
             for (int k = 0; k < 4; ++k) {
@@ -180,7 +180,7 @@ TEST_CASE("over white and over black a premultiplied sprite has 6 dB less error 
 TEST_CASE("alpha of float images is held to [0, 1] before it multiplies") {
     Image<float, 2> image(3, 1);
     image.samples() = {0.5F, 2.0F, 0.5F, -1.0F, -0.5F, 0.5F};
-    CHECK(hmesh::premultiply(image.view()).samples() == std::vector<float>{0.5F, 1, 0, 0, -0.25F, 0.5F});
+    CHECK(hmesh::kit::premultiply(image.view()).samples() == std::vector<float>{0.5F, 1, 0, 0, -0.25F, 0.5F});
 }
 
 TEST_CASE("fit spaces and premultiplying that make no sense are refused") {
@@ -192,9 +192,9 @@ TEST_CASE("fit spaces and premultiplying that make no sense are refused") {
     Options adams = of(20, FitSpace::linear_light);
     adams.method = hmesh::Method::adams;
     check_refused(adams);
-    const hmesh::Status status = hmesh::detail::check_color_options(of(20, FitSpace::stored, true), 3);
+    const hmesh::Status status = hmesh::kit::detail::check_color_options(of(20, FitSpace::stored, true), 3);
     CHECK(status.code == Errc::invalid_argument);
-    CHECK(status.got == 3);
+    CHECK(status.value == 3);
 
     hmesh::Mesh<4> mesh = mesh_image(sprite(16).view(), of(20, FitSpace::stored, true)).mesh;
     Image<float, 4> out;

@@ -1,4 +1,4 @@
-#include "hmesh/fit/flip_queue.hpp"
+#include "hmesh/methods/baselines/flip_queue.hpp"
 
 #include <doctest/doctest.h>
 
@@ -12,13 +12,13 @@
 #include "test_images.hpp"
 #include "test_meshes.hpp"
 
-using hmesh::Edge;
-using hmesh::flip_suspects;
-using hmesh::FlipTrial;
-using hmesh::Halfedge;
-using hmesh::HalfedgeMesh;
-using hmesh::ImageMesh;
-using hmesh::Vertex;
+using hmesh::kit::Edge;
+using hmesh::kit::run_flip_queue;
+using hmesh::kit::FlipTrial;
+using hmesh::kit::Halfedge;
+using hmesh::kit::HalfedgeMesh;
+using hmesh::kit::ImageMesh;
+using hmesh::kit::Vertex;
 using hmesh_test::Subject;
 
 namespace {
@@ -44,9 +44,9 @@ std::vector<double> naive_flips(ImageMesh<C>& mesh, int visits) {
         if (!worst.is_valid()) return gains;
         is_suspect[worst.index()] = false;
         ++count[worst.index()];
-        if (!hmesh::is_flip_ok(mesh, worst)) continue;
+        if (!hmesh::kit::is_flip_ok(mesh, worst)) continue;
         FlipTrial<C> trial;
-        hmesh::try_flip(mesh, worst, trial);
+        hmesh::kit::evaluate_flip(mesh, worst, trial);
         if (!(trial.decrease > 1e-9 * pair_energy(mesh, worst))) continue;
         mesh.flip(worst, trial.moments, trial.own, trial.opposite);
         gains.push_back(trial.decrease);
@@ -63,9 +63,9 @@ template <int C>
 double largest_gain(const ImageMesh<C>& mesh) {
     double largest = 0;
     for (const Edge e : mesh.topology().edges()) {
-        if (!hmesh::is_flip_ok(mesh, e)) continue;
+        if (!hmesh::kit::is_flip_ok(mesh, e)) continue;
         FlipTrial<C> trial;
-        hmesh::try_flip(mesh, e, trial);
+        hmesh::kit::evaluate_flip(mesh, e, trial);
         if (trial.decrease > 1e-9 * pair_energy(mesh, e)) largest = std::max(largest, trial.decrease / pair_energy(mesh, e));
     }
     return largest;
@@ -81,16 +81,16 @@ void check_suspects(const hmesh::Image<T, C>& image, std::uint64_t seed) {
         ImageMesh<C>& mesh = subject.mesh;
         std::vector<int> valences(mesh.topology().vertex_slots(), 0);
         for (const Vertex v : mesh.topology().vertices()) {
-            mesh.set_due(v, false);
+            mesh.set_dirty(v, false);
             valences[v.index()] = mesh.topology().valence(v);
         }
         const double before = mesh.energy(), slack = hmesh_test::rounding(subject);
-        const std::size_t flips = flip_suspects(mesh, visits);
+        const std::size_t flips = run_flip_queue(mesh, visits);
         hmesh_test::prove(subject);
         CHECK(flips > 5);
         CHECK(mesh.energy() < before);
         for (const Vertex v : mesh.topology().vertices())
-            if (mesh.topology().valence(v) != valences[v.index()]) REQUIRE(mesh.is_due(v));
+            if (mesh.topology().valence(v) != valences[v.index()]) REQUIRE(mesh.is_dirty(v));
         // The same flips in the same order.
         const std::vector<double> gains = naive_flips(naive.mesh, visits);
         CHECK(gains.size() == flips);
@@ -104,7 +104,7 @@ void check_suspects(const hmesh::Image<T, C>& image, std::uint64_t seed) {
         if (visits > 1000) {
             CHECK(largest_gain(mesh) == 0);
             const auto still = hmesh_test::snapshot(mesh);
-            CHECK(flip_suspects(mesh, visits) == 0);
+            CHECK(run_flip_queue(mesh, visits) == 0);
             CHECK(hmesh_test::snapshot(mesh) == still);
         }
     }
@@ -126,7 +126,7 @@ TEST_CASE("each suspect comes up once where it may no more often, which leaves f
         for (const int visits : {1, 1000}) {
             Subject<std::uint8_t, 3> subject(hmesh_test::noise<std::uint8_t, 3>(61, 50, seed),
                                              hmesh_test::jittered_grid(61, 50, 9, 8, seed));
-            const std::size_t flips = flip_suspects(subject.mesh, visits);
+            const std::size_t flips = run_flip_queue(subject.mesh, visits);
             CHECK(flips < subject.mesh.topology().edge_count() * static_cast<std::size_t>(visits));
             (visits == 1 ? once : often) += flips;
             if (visits == 1) left = std::max(left, largest_gain(subject.mesh));
@@ -139,32 +139,32 @@ TEST_CASE("a constant picture turns no suspect") {
     Subject<std::uint8_t, 3> subject(hmesh_test::constant_image<std::uint8_t, 3>(61, 50, 0.3),
                                      hmesh_test::jittered_grid(61, 50, 8, 7, 1));
     const auto before = hmesh_test::snapshot(subject.mesh);
-    CHECK(flip_suspects(subject.mesh, 100) == 0);
+    CHECK(run_flip_queue(subject.mesh, 100) == 0);
     CHECK(hmesh_test::snapshot(subject.mesh) == before);
     for (const int side : {1, 2, 9}) {
         Subject<std::uint8_t, 1> two(hmesh_test::constant_image<std::uint8_t, 1>(side, side, 0.3),
                                      hmesh_test::jittered_grid(side, side, 1, 1, 1));
-        CHECK(flip_suspects(two.mesh, 100) == 0);
+        CHECK(run_flip_queue(two.mesh, 100) == 0);
         hmesh_test::prove(two);
     }
 }
 
-TEST_CASE("suspects do not turn into a vertex that has as many neighbours as it may") {
-    Subject<std::uint8_t, 1> subject(hmesh_test::noise<std::uint8_t, 1>(64, 64, 1), hmesh_test::wheel(64, hmesh::max_valence));
-    CHECK(flip_suspects(subject.mesh, 1000) > 0);
-    for (const Vertex v : subject.mesh.topology().vertices()) CHECK(subject.mesh.topology().valence(v) <= hmesh::max_valence);
+TEST_CASE("suspects do not turn into a vertex that has as many neighbors as it may") {
+    Subject<std::uint8_t, 1> subject(hmesh_test::noise<std::uint8_t, 1>(64, 64, 1), hmesh_test::wheel(64, hmesh::kit::max_valence));
+    CHECK(run_flip_queue(subject.mesh, 1000) > 0);
+    for (const Vertex v : subject.mesh.topology().vertices()) CHECK(subject.mesh.topology().valence(v) <= hmesh::kit::max_valence);
     hmesh_test::prove(subject);
 }
 
 TEST_CASE("work that is told to stop turns no more suspects") {
     Subject<std::uint8_t, 3> subject(hmesh_test::noise<std::uint8_t, 3>(61, 50, 1), hmesh_test::jittered_grid(61, 50, 9, 8, 1));
-    hmesh::Monitor monitor({[](void*, const hmesh::StageInfo&) { return false; }, nullptr}, 1, 255);
-    hmesh::Pulse pulse(monitor, 1);
-    subject.mesh.set_pulse(&pulse);
+    hmesh::kit::ProgressReporter monitor({[](void*, const hmesh::ProgressInfo&) { return false; }, nullptr}, 1, 255);
+    hmesh::kit::TaskProgress task(monitor, 1);
+    subject.mesh.set_task(&task);
     const auto before = hmesh_test::snapshot(subject.mesh);
     (void)monitor.poll();
-    CHECK(flip_suspects(subject.mesh, 8) == 0);
+    CHECK(run_flip_queue(subject.mesh, 8) == 0);
     CHECK(hmesh_test::snapshot(subject.mesh) == before);
-    subject.mesh.set_pulse(nullptr);
-    CHECK(flip_suspects(subject.mesh, 8) > 0);
+    subject.mesh.set_task(nullptr);
+    CHECK(run_flip_queue(subject.mesh, 8) > 0);
 }

@@ -10,8 +10,8 @@
 #include "hmesh/core/random.hpp"
 #include "wide.hpp"
 
-using hmesh::Point;
-using hmesh::Random;
+using hmesh::kit::Point;
+using hmesh::kit::Random;
 using hmesh_test::Wide;
 
 namespace {
@@ -38,7 +38,7 @@ std::int64_t crossing(GridPoint a, GridPoint b, std::int64_t j) {
 std::int64_t exact_column(GridPoint a, GridPoint b, std::int64_t j) { return ceil_of(crossing(a, b, j), 256 * (b.y - a.y)); }
 
 bool columns_agree(GridPoint a, GridPoint b, std::int64_t j) {
-    const hmesh::RowCrossing edge(a.point(), b.point());
+    const hmesh::kit::EdgeWalker edge(a.point(), b.point());
     return edge.column(static_cast<int>(j)) == exact_column(a, b, j);
 }
 
@@ -58,7 +58,7 @@ int exact_in_circle(GridPoint a, GridPoint b, GridPoint c, GridPoint d) {
 }
 
 bool circle_differs(GridPoint a, GridPoint b, GridPoint c, GridPoint d) {
-    return hmesh::in_circle(a.point(), b.point(), c.point(), d.point()) != exact_in_circle(a, b, c, d);
+    return hmesh::kit::in_circle(a.point(), b.point(), c.point(), d.point()) != exact_in_circle(a, b, c, d);
 }
 
 std::int64_t below(Random& random, std::int64_t n) {
@@ -81,40 +81,40 @@ std::int64_t inverse(std::int64_t a, std::int64_t modulus) {
 TEST_CASE("first_row is exact on the 1/256 px grid up to 65536 px") {
     int wrong = 0;
     for (std::int64_t y = 0; y <= 3000; ++y) {
-        wrong += hmesh::first_row(static_cast<double>(y) / 256) != exact_row(y);
+        wrong += hmesh::kit::first_row(static_cast<double>(y) / 256) != exact_row(y);
         const std::int64_t far = (std::int64_t{1} << 24) - y;
-        wrong += hmesh::first_row(static_cast<double>(far) / 256) != exact_row(far);
+        wrong += hmesh::kit::first_row(static_cast<double>(far) / 256) != exact_row(far);
     }
     Random random(1);
     for (int i = 0; i < 100000; ++i) {
         const std::int64_t y = below(random, (1 << 24) + 1);
-        wrong += hmesh::first_row(static_cast<double>(y) / 256) != exact_row(y);
+        wrong += hmesh::kit::first_row(static_cast<double>(y) / 256) != exact_row(y);
     }
     CHECK(wrong == 0);
-    CHECK(hmesh::first_row(0) == 0);
-    CHECK(hmesh::first_row(0.5) == 0);
-    CHECK(hmesh::first_row(0.50390625) == 1);
-    CHECK(hmesh::first_row(65536) == 65536);
+    CHECK(hmesh::kit::first_row(0) == 0);
+    CHECK(hmesh::kit::first_row(0.5) == 0);
+    CHECK(hmesh::kit::first_row(0.50390625) == 1);
+    CHECK(hmesh::kit::first_row(65536) == 65536);
 }
 
 TEST_CASE("first_row never falls as y grows, off the grid too") {
     int falls = 0;
-    for (const double centre : {0.5, 1.5, 100.5, 4095.5, 65535.5}) {
-        double y = centre;
+    for (const double center : {0.5, 1.5, 100.5, 4095.5, 65535.5}) {
+        double y = center;
         for (int i = 0; i < 20; ++i) y = std::nextafter(y, 0.0);
-        int last = hmesh::first_row(y);
-        CHECK(last == static_cast<int>(centre));
+        int last = hmesh::kit::first_row(y);
+        CHECK(last == static_cast<int>(center));
         for (int i = 0; i < 40; ++i) {
             y = std::nextafter(y, 1e9);
-            falls += hmesh::first_row(y) < last;
-            last = hmesh::first_row(y);
+            falls += hmesh::kit::first_row(y) < last;
+            last = hmesh::kit::first_row(y);
         }
-        CHECK(last == static_cast<int>(centre) + 1);
+        CHECK(last == static_cast<int>(center) + 1);
     }
     CHECK(falls == 0);
 }
 
-TEST_CASE("RowCrossing::column is exact for random edges of the 1/256 px grid, from the shortest to 65536 px") {
+TEST_CASE("EdgeWalker::column is exact for random edges of the 1/256 px grid, from the shortest to 65536 px") {
     Random random(2);
     int tried = 0, wrong = 0;
     for (int i = 0; i < 400000; ++i) {
@@ -134,7 +134,7 @@ TEST_CASE("RowCrossing::column is exact for random edges of the 1/256 px grid, f
     CHECK(tried > 500000);
 }
 
-TEST_CASE("RowCrossing::column is exact where the edge passes a centre as closely as the grid allows, or through it") {
+TEST_CASE("EdgeWalker::column is exact where the edge passes a centre as closely as the grid allows, or through it") {
     // Solves crossing = offset modulo 256 (b.y - a.y) for offset -1, 0, 1: the edge passes at 2^-32 px at the least.
     Random random(3);
     int found[3] = {}, wrong = 0;
@@ -174,7 +174,7 @@ TEST_CASE("RowCrossing::column is exact where the edge passes a centre as closel
     for (const int count : found) CHECK(count > 20000);
 }
 
-TEST_CASE("RowCrossing::column: a centre on the edge lies to its right, in every row of slanted lines through centres") {
+TEST_CASE("EdgeWalker::column: a centre on the edge lies to its right, in every row of slanted lines through centres") {
     Random random(4);
     int wrong = 0;
     for (int i = 0; i < 3000; ++i) {
@@ -183,39 +183,39 @@ TEST_CASE("RowCrossing::column: a centre on the edge lies to its right, in every
         const GridPoint a{256 * (300 + below(random, 65000)) + 128, 256 * below(random, 65000) + 128};
         const GridPoint b{a.x + 256 * dx * n, a.y + 256 * dy * n};
         if (b.x > (1 << 24) || b.y > (1 << 24)) continue;
-        const hmesh::RowCrossing edge(a.point(), b.point());
+        const hmesh::kit::EdgeWalker edge(a.point(), b.point());
         for (std::int64_t k = 0; k < n; ++k) wrong += edge.column(static_cast<int>(a.y / 256 + k * dy)) != a.x / 256 + k * dx;
         for (std::int64_t j = exact_row(a.y); j < exact_row(b.y); ++j) wrong += !columns_agree(a, b, j);
     }
     CHECK(wrong == 0);
 }
 
-TEST_CASE("RowCrossing::column stays within the image for edges on its sides") {
+TEST_CASE("EdgeWalker::column stays within the image for edges on its sides") {
     for (const double width : {1.0, 255.0, 65536.0}) {
-        CHECK(hmesh::RowCrossing({0, 0}, {0, 1000}).column(500) == 0);
-        CHECK(hmesh::RowCrossing({width, 0}, {width, 1000}).column(500) == static_cast<int>(width));
-        CHECK(hmesh::RowCrossing({0, 0}, {width, 65536}).column(0) ==
+        CHECK(hmesh::kit::EdgeWalker({0, 0}, {0, 1000}).column(500) == 0);
+        CHECK(hmesh::kit::EdgeWalker({width, 0}, {width, 1000}).column(500) == static_cast<int>(width));
+        CHECK(hmesh::kit::EdgeWalker({0, 0}, {width, 65536}).column(0) ==
               exact_column({0, 0}, {static_cast<int>(width) * 256, 1 << 24}, 0));
-        CHECK(hmesh::RowCrossing({width, 0}, {0, 65536}).column(65535) <= static_cast<int>(width));
+        CHECK(hmesh::kit::EdgeWalker({width, 0}, {0, 65536}).column(65535) <= static_cast<int>(width));
     }
 }
 
 TEST_CASE("snap goes to the nearest multiple of 1/256 px and keeps those that are") {
     Random random(5);
     for (int i = 0; i < 10000; ++i) {
-        const double x = random.uniform() * 65536, snapped = hmesh::snap(x);
+        const double x = random.uniform() * 65536, snapped = hmesh::kit::snap(x);
         CHECK(std::abs(snapped - x) <= 1.0 / 512);
         CHECK(snapped * 256 == std::floor(snapped * 256));
-        CHECK(hmesh::snap(snapped) == snapped);
+        CHECK(hmesh::kit::snap(snapped) == snapped);
         CHECK(static_cast<double>(static_cast<float>(snapped)) == snapped);
     }
-    CHECK(hmesh::snap(Point{0.001, 65536}) == Point{0, 65536});
-    CHECK(hmesh::midpoint({1, 2}, {2, 5}) == Point{1.5, 3.5});
+    CHECK(hmesh::kit::snap(Point{0.001, 65536}) == Point{0, 65536});
+    CHECK(hmesh::kit::midpoint({1, 2}, {2, 5}) == Point{1.5, 3.5});
     CHECK(Point{1, 2} != Point{2, 1});
 }
 
 TEST_CASE("cross is exact on the 1/256 px grid, turns sign with the orientation, and is positive clockwise on the screen") {
-    CHECK(hmesh::cross({0, 0}, {1, 0}, {0, 1}) == 1);
+    CHECK(hmesh::kit::orient2d({0, 0}, {1, 0}, {0, 1}) == 1);
     Random random(6);
     const std::int64_t side = 1 << 24;
     int wrong = 0;
@@ -226,20 +226,20 @@ TEST_CASE("cross is exact on the 1/256 px grid, turns sign with the orientation,
         const GridPoint d =
             i % 3 == 0 ? c : GridPoint{(a.x + b.x) / 2 + below(random, 3) - 1, (a.y + b.y) / 2 + below(random, 3) - 1};
         const std::int64_t exact = (b.x - a.x) * (d.y - a.y) - (d.x - a.x) * (b.y - a.y);
-        wrong += hmesh::cross(a.point(), b.point(), d.point()) != static_cast<double>(exact) / 65536;
-        wrong += hmesh::cross(b.point(), a.point(), d.point()) != -static_cast<double>(exact) / 65536;
+        wrong += hmesh::kit::orient2d(a.point(), b.point(), d.point()) != static_cast<double>(exact) / 65536;
+        wrong += hmesh::kit::orient2d(b.point(), a.point(), d.point()) != -static_cast<double>(exact) / 65536;
     }
     CHECK(wrong == 0);
 }
 
 TEST_CASE("in_circle is 1 inside, 0 on the circle, -1 outside") {
-    CHECK(hmesh::in_circle({0, 0}, {2, 0}, {2, 2}, {1, 1}) == 1);
-    CHECK(hmesh::in_circle({0, 0}, {2, 0}, {2, 2}, {0, 2}) == 0);
-    CHECK(hmesh::in_circle({0, 0}, {2, 0}, {2, 2}, {0, 3}) == -1);
-    CHECK(hmesh::in_circle({0, 0}, {65536, 0}, {65536, 65536}, {0, 65536}) == 0);
-    CHECK(hmesh::in_circle({0, 0}, {65536, 0}, {65536, 65536}, {1.0 / 256, 65536}) == 1);
-    CHECK(hmesh::in_circle({0, 0}, {65536, 0}, {65536, 65536}, {0, 65536 - 1.0 / 256}) == 1);
-    CHECK(hmesh::in_circle({0, 0}, {65536, 0}, {65536, 65536 - 1.0 / 256}, {0, 65536}) == -1);
+    CHECK(hmesh::kit::in_circle({0, 0}, {2, 0}, {2, 2}, {1, 1}) == 1);
+    CHECK(hmesh::kit::in_circle({0, 0}, {2, 0}, {2, 2}, {0, 2}) == 0);
+    CHECK(hmesh::kit::in_circle({0, 0}, {2, 0}, {2, 2}, {0, 3}) == -1);
+    CHECK(hmesh::kit::in_circle({0, 0}, {65536, 0}, {65536, 65536}, {0, 65536}) == 0);
+    CHECK(hmesh::kit::in_circle({0, 0}, {65536, 0}, {65536, 65536}, {1.0 / 256, 65536}) == 1);
+    CHECK(hmesh::kit::in_circle({0, 0}, {65536, 0}, {65536, 65536}, {0, 65536 - 1.0 / 256}) == 1);
+    CHECK(hmesh::kit::in_circle({0, 0}, {65536, 0}, {65536, 65536 - 1.0 / 256}, {0, 65536}) == -1);
 }
 
 TEST_CASE("in_circle is exact for random points of the 1/256 px grid, up to 65536 px apart") {
@@ -313,7 +313,7 @@ TEST_CASE("the sign of a sum of three products is exact up to 2^50, where the su
         if (i % 3 == 2) a[2] = a[1] = a[0], b[2] = -(b[0] / 2), b[0] /= 2, b[1] = below(random, 3) - 1;
         Wide sum = 0;
         for (int k = 0; k < 3; ++k) sum += Wide{a[k]} * Wide{b[k]};
-        wrong += hmesh::detail::sign_of_products(a, b) != sign(sum);
+        wrong += hmesh::kit::detail::sign_of_products(a, b) != sign(sum);
     }
     CHECK(wrong == 0);
 }
@@ -323,31 +323,31 @@ TEST_CASE("barycentric coordinates sum to 1, make their point, and are 1, 0, 0 i
     for (int i = 0; i < 2000; ++i) {
         const auto draw = [&] { return Point{random.uniform() * 100, random.uniform() * 100}; };
         const Point a = draw(), b = draw(), c = draw(), p = draw();
-        const double area = hmesh::cross(a, b, c);
+        const double area = hmesh::kit::orient2d(a, b, c);
         if (std::abs(area) < 1) continue;
-        const hmesh::Barycentric w = hmesh::barycentric(a, b, c, p);
+        const hmesh::kit::Barycentric w = hmesh::kit::barycentric(a, b, c, p);
         CHECK(w.a + w.b + w.c == doctest::Approx(1));
         CHECK(std::abs(w.a * a.x + w.b * b.x + w.c * c.x - p.x) < 1e-8);
         CHECK(std::abs(w.a * a.y + w.b * b.y + w.c * c.y - p.y) < 1e-8);
         const bool inside =
-            hmesh::cross(a, b, p) / area > 0 && hmesh::cross(b, c, p) / area > 0 && hmesh::cross(c, a, p) / area > 0;
+            hmesh::kit::orient2d(a, b, p) / area > 0 && hmesh::kit::orient2d(b, c, p) / area > 0 && hmesh::kit::orient2d(c, a, p) / area > 0;
         CHECK(inside == (w.a > 0 && w.b > 0 && w.c > 0));
         // On the grid, where no product rounds, hence none that is contracted with a sum either.
-        const Point corner_a = hmesh::snap(a), corner_b = hmesh::snap(b), corner_c = hmesh::snap(c);
-        const hmesh::Barycentric at_b = hmesh::barycentric(corner_a, corner_b, corner_c, corner_b);
+        const Point corner_a = hmesh::kit::snap(a), corner_b = hmesh::kit::snap(b), corner_c = hmesh::kit::snap(c);
+        const hmesh::kit::Barycentric at_b = hmesh::kit::barycentric(corner_a, corner_b, corner_c, corner_b);
         CHECK((at_b.a == 0 && at_b.b == 1 && at_b.c == 0));
     }
 }
 
-TEST_CASE("CentreWeights are the barycentric coordinates of pixel centres, held to [0, 1], for faces of either orientation") {
-    const hmesh::Point a{2.25, 1.5}, b{17.0, 4.75}, c{6.5, 19.0};
+TEST_CASE("PixelBarycentric are the barycentric coordinates of pixel centres, held to [0, 1], for faces of either orientation") {
+    const hmesh::kit::Point a{2.25, 1.5}, b{17.0, 4.75}, c{6.5, 19.0};
     for (const bool turned : {false, true}) {
-        const hmesh::Point second = turned ? c : b, third = turned ? b : c;
-        const hmesh::CentreWeights weights(a, second, third);
+        const hmesh::kit::Point second = turned ? c : b, third = turned ? b : c;
+        const hmesh::kit::PixelBarycentric weights(a, second, third);
         int inside = 0;
         for (int j = 0; j < 20; ++j)
             for (int i = 0; i < 20; ++i) {
-                const hmesh::Barycentric w = weights(i, j), exact = hmesh::barycentric(a, second, third, {i + 0.5, j + 0.5});
+                const hmesh::kit::Barycentric w = weights(i, j), exact = hmesh::kit::barycentric(a, second, third, {i + 0.5, j + 0.5});
                 CHECK(w.a + w.b + w.c == doctest::Approx(1));
                 CHECK((w.a >= 0 && w.b >= 0 && w.c >= 0 && w.b <= 1 && w.c <= 1));
                 if (exact.a < 0 || exact.b < 0 || exact.c < 0) continue;
@@ -357,6 +357,6 @@ TEST_CASE("CentreWeights are the barycentric coordinates of pixel centres, held 
             }
         CHECK(inside > 80);
     }
-    const hmesh::Barycentric nowhere = hmesh::CentreWeights(a, b, b)(9, 9);
+    const hmesh::kit::Barycentric nowhere = hmesh::kit::PixelBarycentric(a, b, b)(9, 9);
     CHECK((nowhere.a == 1 && nowhere.b == 0 && nowhere.c == 0));
 }

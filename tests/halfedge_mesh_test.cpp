@@ -13,14 +13,14 @@
 
 #include "hmesh/core/random.hpp"
 
-using hmesh::Edge;
+using hmesh::kit::Edge;
 using hmesh::Errc;
-using hmesh::Face;
-using hmesh::Halfedge;
-using hmesh::HalfedgeMesh;
-using hmesh::Random;
-using hmesh::Triangle;
-using hmesh::Vertex;
+using hmesh::kit::Face;
+using hmesh::kit::Halfedge;
+using hmesh::kit::HalfedgeMesh;
+using hmesh::kit::Random;
+using hmesh::kit::Triangle;
+using hmesh::kit::Vertex;
 
 namespace {
 
@@ -142,10 +142,10 @@ bool model_collapse_ok(Triangles list, std::uint32_t v, std::uint32_t u) {
     if (v_on_boundary && !open_edge) return false;
 
     using Link = std::vector<std::pair<std::uint32_t, std::uint32_t>>;
-    const auto link = [&list](std::uint32_t centre) {
+    const auto link = [&list](std::uint32_t center) {
         Link sides;
         for (Triangle t : list) {
-            const auto found = std::find(t.begin(), t.end(), centre);
+            const auto found = std::find(t.begin(), t.end(), center);
             if (found == t.end()) continue;
             std::rotate(t.begin(), found, t.end());
             sides.emplace_back(std::min(t[1], t[2]), std::max(t[1], t[2]));
@@ -292,7 +292,7 @@ TEST_CASE("HalfedgeMesh: two flips of an edge give the same triangles with the e
     CHECK(flipped > 1000);
 }
 
-TEST_CASE("HalfedgeMesh: is_flip_ok allows exactly the edges with two faces whose far corners are no neighbours") {
+TEST_CASE("HalfedgeMesh: is_flip_ok allows exactly the edges with two faces whose far corners are no neighbors") {
     Random random(3);
     int allowed = 0, refused = 0, wrong = 0;
     for (const Input& input : {grid(1, 1), grid(2, 2), octahedron(), grid(3, 3, true)}) {
@@ -379,7 +379,7 @@ TEST_CASE("HalfedgeMesh: split and collapse change the counts by Euler's formula
     }
 }
 
-TEST_CASE("HalfedgeMesh: a split edge keeps its origin and ends at the new vertex, which has the far corners as neighbours") {
+TEST_CASE("HalfedgeMesh: a split edge keeps its origin and ends at the new vertex, which has the far corners as neighbors") {
     HalfedgeMesh mesh = mesh_of(grid(4, 4));
     Random random(6);
     for (int step = 0; step < 500; ++step, apply_random_edits(mesh, random, 25, 3)) {
@@ -395,11 +395,11 @@ TEST_CASE("HalfedgeMesh: a split edge keeps its origin and ends at the new verte
         CHECK(mesh.from_vertex(h) == from);
         CHECK(mesh.to_vertex(h) == m);
         CHECK(mesh.is_boundary(m) == open);
-        std::vector<Vertex> neighbours;
-        for (const Halfedge spoke : mesh.outgoing(m)) neighbours.push_back(mesh.to_vertex(spoke));
-        std::sort(neighbours.begin(), neighbours.end());
+        std::vector<Vertex> neighbors;
+        for (const Halfedge spoke : mesh.outgoing(m)) neighbors.push_back(mesh.to_vertex(spoke));
+        std::sort(neighbors.begin(), neighbors.end());
         std::sort(expected.begin(), expected.end());
-        CHECK(neighbours == expected);
+        CHECK(neighbors == expected);
     }
 }
 
@@ -509,7 +509,7 @@ TEST_CASE("HalfedgeMesh: the ranges visit the live elements once, in order") {
     CHECK_FALSE(empty.vertices().begin() != empty.vertices().end());
 }
 
-TEST_CASE("HalfedgeMesh: a one-ring holds each neighbour once, against the orientation of the faces, the boundary first") {
+TEST_CASE("HalfedgeMesh: a one-ring holds each neighbor once, against the orientation of the faces, the boundary first") {
     HalfedgeMesh mesh = mesh_of(grid(4, 4, true));
     Random random(11);
     int wrong = 0;
@@ -622,7 +622,7 @@ TEST_CASE("HalfedgeMesh: assign refuses each kind of bad input, says where, and 
         const hmesh::Status status = mesh.assign(bad.input.vertices, bad.input.triangles);
         CHECK(status.code == Errc::invalid_argument);
         CHECK_MESSAGE(std::string(status.what).find(bad.word) != std::string::npos, status.what);
-        CHECK(status.got == bad.got);
+        CHECK(status.value == bad.value);
         CHECK(mesh.vertex_slots() + mesh.edge_slots() + mesh.face_slots() == 0);
         CHECK(mesh.vertex_count() + mesh.edge_count() + mesh.face_count() == 0);
         // The mesh is usable again.

@@ -6,10 +6,10 @@
 #include <type_traits>
 #include <utility>
 
-using hmesh::Edge;
-using hmesh::Face;
-using hmesh::Halfedge;
-using hmesh::Vertex;
+using hmesh::kit::Edge;
+using hmesh::kit::Face;
+using hmesh::kit::Halfedge;
+using hmesh::kit::Vertex;
 
 namespace {
 

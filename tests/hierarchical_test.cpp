@@ -1,4 +1,4 @@
-#include "hmesh/methods/hierarchical.hpp"
+#include "hmesh/methods/hierarchical/hierarchical.hpp"
 
 #include <doctest/doctest.h>
 
@@ -17,11 +17,11 @@
 #include "test_methods.hpp"
 #include "test_results.hpp"
 
-using hmesh::FootSearch;
-using hmesh::HierarchicalOptions;
+using hmesh::kit::FootSearch;
+using hmesh::kit::HierarchicalOptions;
 using hmesh::Image;
 using hmesh::Result;
-using hmesh::StepRule;
+using hmesh::kit::StepRule;
 
 namespace {
 
@@ -49,7 +49,7 @@ struct Filter {
     bool sizes_ok = true, begins_as_copy = true;
     std::vector<float> first{};  // what it was given at first
 
-    [[nodiscard]] hmesh::LevelFilter filter() {
+    [[nodiscard]] hmesh::kit::LevelFilter filter() {
         return {[](void* user, const float* from, float* to, int width, int height, int channels) {
                     Filter& self = *static_cast<Filter*>(user);
                     const auto size = static_cast<std::size_t>(width * height * channels);
@@ -259,10 +259,10 @@ TEST_CASE("options of hierarchical that mean nothing are named") {
     CHECK(is_refused<Options>("hierarchical.geometry.halvings", [](Options& o) { o.geometry.halvings = 21; }));
     CHECK(iterations(0));
     for (const int bad : {3, 255}) {
-        const auto search = static_cast<hmesh::FootSearch>(bad);
-        const auto rule = static_cast<hmesh::StepRule>(bad);
+        const auto search = static_cast<hmesh::kit::FootSearch>(bad);
+        const auto rule = static_cast<hmesh::kit::StepRule>(bad);
         CHECK(is_refused<Options>("hierarchical.geometry.search", [&](Options& o) { o.geometry.search = search; }));
         CHECK(is_refused<Options>("hierarchical.geometry.rule", [&](Options& o) { o.geometry.rule = rule; }));
     }
-    CHECK(is_refused<Options>("hierarchical.geometry.rule", [](Options& o) { o.geometry.rule = hmesh::StepRule{2}; }));
+    CHECK(is_refused<Options>("hierarchical.geometry.rule", [](Options& o) { o.geometry.rule = hmesh::kit::StepRule{2}; }));
 }

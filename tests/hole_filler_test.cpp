@@ -11,10 +11,10 @@
 #include "exact_circles.hpp"
 #include "hmesh/core/random.hpp"
 
-using hmesh::Ear;
-using hmesh::HoleFiller;
-using hmesh::Point;
-using hmesh::Random;
+using hmesh::kit::Ear;
+using hmesh::kit::HoleFiller;
+using hmesh::kit::Point;
+using hmesh::kit::Random;
 using hmesh_test::circle_test;
 using hmesh_test::double_area;
 using hmesh_test::GridPoint;
@@ -68,19 +68,19 @@ int prove(const std::vector<Ear>& ears, const Ring& ring, bool open) {
 }
 
 // Sorted around `centre` by falling angle, as in a one-ring.
-Ring around(Ring ring, Point centre) {
-    std::sort(ring.begin(), ring.end(), [centre](Point a, Point b) {
-        return std::atan2(a.y - centre.y, a.x - centre.x) > std::atan2(b.y - centre.y, b.x - centre.x);
+Ring around(Ring ring, Point center) {
+    std::sort(ring.begin(), ring.end(), [center](Point a, Point b) {
+        return std::atan2(a.y - center.y, a.x - center.x) > std::atan2(b.y - center.y, b.x - center.x);
     });
     return ring;
 }
 
-Ring circle_points(int radius, Point centre, double scale) {
+Ring circle_points(int radius, Point center, double scale) {
     Ring ring;
     for (int y = -radius; y <= radius; ++y)
         for (int x = -radius; x <= radius; ++x)
-            if (x * x + y * y == radius * radius) ring.push_back({centre.x + scale * x, centre.y + scale * y});
-    return around(ring, centre);
+            if (x * x + y * y == radius * radius) ring.push_back({center.x + scale * x, center.y + scale * y});
+    return around(ring, center);
 }
 
 // The border of a rectangle of columns x rows squares.
@@ -95,7 +95,7 @@ Ring border_points(int columns, int rows, Point first, double step) {
 // `count` corners at random angles and distances from a centre that sees them all; with `half`, from a centre on the line
 // through the first and the last. Positions are multiples of `step` px: where it is coarse, many corners are in line.
 Ring star(int count, double radius, double spread, double step, bool half, Random& random) {
-    const Point centre{2048, 2048};
+    const Point center{2048, 2048};
     const auto round = [step](double x) { return step * std::floor(x / step + 0.5); };
     for (;;) {
         Ring ring;
@@ -105,13 +105,13 @@ Ring star(int count, double radius, double spread, double step, bool half, Rando
             const double distance = radius * (1 - spread * random.uniform());
             const bool level = half && (k == 0 || k + 1 == count);
             ring.push_back(
-                {round(centre.x + distance * std::cos(angle)), level ? centre.y : round(centre.y + distance * std::sin(angle))});
+                {round(center.x + distance * std::cos(angle)), level ? center.y : round(center.y + distance * std::sin(angle))});
         }
         std::reverse(ring.begin(), ring.end());
         bool good = true;
         for (int k = half ? 1 : 0; k < count; ++k) {
             const Point a = ring[static_cast<std::size_t>(k)], b = ring[static_cast<std::size_t>((k + count - 1) % count)];
-            good = good && cross(centre, a, b) > 0;
+            good = good && orient2d(center, a, b) > 0;
         }
         if (good) return ring;
     }
@@ -157,7 +157,7 @@ TEST_CASE("an open ring keeps the edge between its ends for the last triangle") 
             for (std::size_t size = 3; size <= ring.size(); ++size) {
                 const Ring part(turned.begin(), turned.begin() + static_cast<std::ptrdiff_t>(size));
                 bool off_line = true;
-                for (std::size_t i = 1; i + 1 < size; ++i) off_line = off_line && cross(part[0], part.back(), part[i]) > 0;
+                for (std::size_t i = 1; i + 1 < size; ++i) off_line = off_line && orient2d(part[0], part.back(), part[i]) > 0;
                 if (off_line) CHECK(prove(fill(filler, part, true), part, true) == 0);
             }
         }
@@ -228,7 +228,7 @@ TEST_CASE("a circle holds what lies strictly inside, exactly, on the whole 1/256
         if (double_area(p[0], p[1], p[2]) < 0) std::swap(p[0], p[1]);
         const std::int64_t area = double_area(p[0], p[1], p[2]);
         const auto point = [](GridPoint q) { return Point{static_cast<double>(q.x) / 256, static_cast<double>(q.y) / 256}; };
-        const hmesh::detail::Circle subject(point(p[0]), point(p[1]), point(p[2]));
+        const hmesh::kit::detail::Circle subject(point(p[0]), point(p[1]), point(p[2]));
         wrong += subject.is_positive() != (area > 0);
         if (area == 0) continue;
         const hmesh_test::Wide exact = circle_test(p[0], p[1], p[2], p[3]);

@@ -186,7 +186,7 @@ TEST_CASE("a sink that refuses after k bytes gets no more and is reported, for a
             return fits;
         });
         if (static_cast<bool>(status) != (k == size) || refusals != (k == size ? 0 : 1) || taken > k) FAIL("k = ", k);
-        if (k < size && (status.code != hmesh::Errc::write_failed || status.got != static_cast<std::int64_t>(taken)))
+        if (k < size && (status.code != hmesh::Errc::write_failed || status.value != static_cast<std::int64_t>(taken)))
             FAIL("k = ", k);
     }
 }

@@ -15,17 +15,17 @@
 #include "test_images.hpp"
 #include "test_meshes.hpp"
 
-using hmesh::Color;
-using hmesh::Edge;
-using hmesh::Face;
-using hmesh::Halfedge;
-using hmesh::HalfedgeMesh;
-using hmesh::ImageMesh;
-using hmesh::Mobility;
-using hmesh::Point;
-using hmesh::Random;
-using hmesh::Triangle;
-using hmesh::Vertex;
+using hmesh::kit::Color;
+using hmesh::kit::Edge;
+using hmesh::kit::Face;
+using hmesh::kit::Halfedge;
+using hmesh::kit::HalfedgeMesh;
+using hmesh::kit::ImageMesh;
+using hmesh::kit::Mobility;
+using hmesh::kit::Point;
+using hmesh::kit::Random;
+using hmesh::kit::Triangle;
+using hmesh::kit::Vertex;
 using hmesh_test::Snapshot;
 using hmesh_test::Subject;
 
@@ -41,8 +41,8 @@ void torture(hmesh::Image<T, C> image, int columns, int rows, int edits, double 
     Random random(seed);
     for (int k = 0; k < edits; ++k) {
         switch (random.below(4)) {
-            case 0: hmesh::improve_vertex(mesh, hmesh_test::any_vertex(mesh, random), 0); break;
-            case 1: hmesh::improve_edge(mesh, hmesh_test::any_edge(mesh, random), 0); break;
+            case 0: hmesh::kit::improve_vertex(mesh, hmesh_test::any_vertex(mesh, random), 0); break;
+            case 1: hmesh::kit::improve_edge(mesh, hmesh_test::any_edge(mesh, random), 0); break;
             default: hmesh_test::random_edit(mesh, range, random); break;
         }
         hmesh_test::prove(subject);
@@ -58,8 +58,8 @@ void transact(ImageMesh<C>& mesh, Random& random, int depth, int& rollbacks) {
     for (int k = 0; k < edits; ++k) {
         if (depth < 3 && random.below(6) == 0) transact(mesh, random, depth + 1, rollbacks);
         switch (random.below(4)) {
-            case 0: hmesh::improve_vertex(mesh, hmesh_test::any_vertex(mesh, random), 0); break;
-            case 1: hmesh::improve_edge(mesh, hmesh_test::any_edge(mesh, random), 0); break;
+            case 0: hmesh::kit::improve_vertex(mesh, hmesh_test::any_vertex(mesh, random), 0); break;
+            case 1: hmesh::kit::improve_edge(mesh, hmesh_test::any_edge(mesh, random), 0); break;
             default: hmesh_test::random_edit(mesh, 255.0, random); break;
         }
     }
@@ -151,11 +151,11 @@ TEST_CASE("a new mesh has the pixels' colours, knows its borders, and is the sam
         const std::uint16_t* pixel = image.pixel(std::min(89, static_cast<int>(p.x)), std::min(79, static_cast<int>(p.y)));
         for (int k = 0; k < 4; ++k) CHECK(serial.mesh.color(v)[k] == pixel[k]);
         const bool on_x = p.x == 0 || p.x == 90, on_y = p.y == 0 || p.y == 80;
-        CHECK(serial.mesh.vertex(v).mobility == (on_x && on_y ? Mobility::fixed
+        CHECK(serial.mesh.vertex(v).mobility == (on_x && on_y ? Mobility::corner
                                                  : on_x       ? Mobility::along_y
                                                  : on_y       ? Mobility::along_x
                                                               : Mobility::free));
-        CHECK(serial.mesh.is_due(v));
+        CHECK(serial.mesh.is_dirty(v));
     }
 }
 
@@ -219,15 +219,15 @@ TEST_CASE("check() notices vertices that were changed behind the mesh's back") {
     const auto sentence = [&](hmesh::Image<std::uint8_t, 1> image, const auto& tamper) {
         Subject<std::uint8_t, 1> subject(std::move(image));
         REQUIRE(subject.mesh.assign({{0, 0}, {8, 0}, {8, 6}, {0, 6}, {4, 3}}, fan));
-        tamper(const_cast<hmesh::VertexState<1>&>(subject.mesh.vertex(Vertex(4))));
+        tamper(const_cast<hmesh::kit::VertexState<1>&>(subject.mesh.vertex(Vertex(4))));
         return std::string(subject.mesh.check().what);
     };
     const auto noise = hmesh_test::noise<std::uint8_t, 1>(8, 6, 1), black = hmesh_test::constant_image<std::uint8_t, 1>(8, 6, 0);
-    CHECK(sentence(noise, [](hmesh::VertexState<1>&) {}).empty());
-    CHECK(sentence(noise, [](hmesh::VertexState<1>& v) { v.mobility = Mobility::along_x; }) == "a vertex's mobility is wrong");
-    CHECK(sentence(noise, [](hmesh::VertexState<1>& v) { v.color.set(0, v.color[0] + 1); }) == "a face's energy is stale");
+    CHECK(sentence(noise, [](hmesh::kit::VertexState<1>&) {}).empty());
+    CHECK(sentence(noise, [](hmesh::kit::VertexState<1>& v) { v.mobility = Mobility::along_x; }) == "a vertex's mobility is wrong");
+    CHECK(sentence(noise, [](hmesh::kit::VertexState<1>& v) { v.color.set(0, v.color[0] + 1); }) == "a face's energy is stale");
     // In black all energies are 0, whatever the moments.
-    CHECK(sentence(black, [](hmesh::VertexState<1>& v) { v.position = {5, 3}; }) == "an edge's moments are stale");
+    CHECK(sentence(black, [](hmesh::kit::VertexState<1>& v) { v.position = {5, 3}; }) == "an edge's moments are stale");
 }
 
 TEST_CASE("a vertex's place is clamped to the grid, and off the border unless it lives there") {
@@ -239,10 +239,10 @@ TEST_CASE("a vertex's place is clamped to the grid, and off the border unless it
     CHECK(mesh.clamp({99, -3}, Mobility::free) == Point{8 - gap, gap});
     CHECK(mesh.clamp({-1, 6}, Mobility::along_x) == Point{gap, 6});
     CHECK(mesh.clamp({8, 7}, Mobility::along_y) == Point{8, 6 - gap});
-    CHECK(mesh.clamp({8, 0}, Mobility::fixed) == Point{8, 0});
+    CHECK(mesh.clamp({8, 0}, Mobility::corner) == Point{8, 0});
 }
 
-TEST_CASE("colours keep within their range and its overshoot, also when that overflows") {
+TEST_CASE("colours keep within their range and its insert_factor, also when that overflows") {
     Subject<std::uint8_t, 1> bytes(hmesh_test::noise<std::uint8_t, 1>(8, 6, 1));
     const double slack = 255 * bytes.mesh.limits().color_overshoot;
     CHECK(bytes.mesh.color_low() == doctest::Approx(-slack));

@@ -1,4 +1,4 @@
-#include "hmesh/image/image_source.hpp"
+#include "hmesh/fit/image_source.hpp"
 
 #include <doctest/doctest.h>
 
@@ -6,34 +6,34 @@
 #include <cstddef>
 #include <cstdint>
 
-#include "hmesh/image/moment_table.hpp"
+#include "hmesh/fit/moment_table.hpp"
 #include "hmesh/image/weights.hpp"
 #include "test_images.hpp"
 
 using hmesh::Image;
-using hmesh::ImageSource;
+using hmesh::kit::ImageSource;
 using hmesh::ImageView;
-using hmesh::MomentTable;
+using hmesh::kit::MomentTable;
 using hmesh::PixelTraits;
-using hmesh::Rect;
+using hmesh::kit::Rect;
 
 namespace {
 
 template <int C>
 double number(const MomentTable<C>& table, int x, int y, int k) {
     const std::size_t at = table.offset(x, y) + static_cast<std::size_t>(k);
-    return table.is_narrow() ? table.template entries<std::int32_t>()[at] : table.template entries<double>()[at];
+    return table.is_int32() ? table.template entries<std::int32_t>()[at] : table.template entries<double>()[at];
 }
 
 template <int C>
 bool same_bits(const MomentTable<C>& a, const MomentTable<C>& b) {
-    bool same = a.width() == b.width() && a.height() == b.height() && a.is_narrow() == b.is_narrow() &&
+    bool same = a.width() == b.width() && a.height() == b.height() && a.is_int32() == b.is_int32() &&
                 a.is_weighted() == b.is_weighted();
     for (int y = 0; same && y < a.height(); ++y)
         for (int x = 0; x <= a.width(); ++x) {
             for (int k = 0; k < MomentTable<C>::entry_size; ++k) same = same && number(a, x, y, k) == number(b, x, y, k);
             for (int k = 0; a.is_weighted() && k < 2; ++k)
-                same = same && a.powers(a.offset(x, y))[k] == b.powers(b.offset(x, y))[k];
+                same = same && a.x_moments(a.offset(x, y))[k] == b.x_moments(b.offset(x, y))[k];
         }
     return same;
 }
@@ -50,7 +50,7 @@ void check_pixels(const ImageSource<C>& source, const ImageView<T, C>& view) {
         for (int x = -3; x < view.width + 3; ++x) {
             const T* nearest = view.pixel(std::clamp(x, 0, view.width - 1), std::clamp(y, 0, view.height - 1));
             const auto got = source.pixel(x, y);
-            for (int k = 0; k < hmesh::lanes_for(C + 1); ++k)
+            for (int k = 0; k < hmesh::kit::lanes_for(C + 1); ++k)
                 REQUIRE(got[k] == (k < C ? PixelTraits<T>::to_real(nearest[k]) : 0.0));
         }
 }
@@ -60,7 +60,7 @@ template <class T, int C>
 void check_source(const Image<T, C>& image) {
     const int width = image.width(), height = image.height();
     const Image<float, 1> weights = hmesh_test::random_weights(width, height, 3);
-    const double unit = hmesh::weight_unit(weights.view());
+    const double unit = hmesh::kit::weight_unit(weights.view());
     const hmesh_test::PaddedCopy<T, C> padded(image, 5, false, T{}), upside_down(image, 3, true, T{});
     for (const ImageView<T, C>& view : {image.view(), padded.view(), upside_down.view()}) {
         const ImageSource<C> source(view), weighted(view, weights.view(), unit);

@@ -37,8 +37,8 @@ bool refused(const ImageView<T, C>& view, Errc code, std::int64_t got, std::int6
     const Status status = check(view);
     CHECK(status.code == code);
     CHECK(std::string(status.what).size() > 10);
-    CHECK(status.got == got);
-    CHECK(status.want == want);
+    CHECK(status.value == got);
+    CHECK(status.limit == want);
     return !status;
 }
 
@@ -63,8 +63,8 @@ TEST_CASE("check refuses sizes of zero and below") {
 
 TEST_CASE("check refuses sides and products that are too large, also those that overflow 32 bits") {
     constexpr int largest = std::numeric_limits<int>::max();
-    CHECK(refused(ImageView<std::uint8_t, 1>{&byte, hmesh::max_side + 1, 1, 0}, Errc::image_too_large, 65537, 65536));
-    CHECK(refused(ImageView<std::uint8_t, 1>{&byte, 1, hmesh::max_side + 1, 0}, Errc::image_too_large, 65537, 65536));
+    CHECK(refused(ImageView<std::uint8_t, 1>{&byte, hmesh::kit::max_side + 1, 1, 0}, Errc::image_too_large, 65537, 65536));
+    CHECK(refused(ImageView<std::uint8_t, 1>{&byte, 1, hmesh::kit::max_side + 1, 0}, Errc::image_too_large, 65537, 65536));
     CHECK(refused(ImageView<std::uint8_t, 1>{&byte, largest, largest, 0}, Errc::image_too_large, largest, 65536));
     // 65536 * 65536 is 0 in 32 bits.
     CHECK(refused(ImageView<std::uint8_t, 1>{&byte, 65536, 65536, 0}, Errc::image_too_large, std::int64_t{1} << 32,
@@ -148,7 +148,7 @@ TEST_CASE("an Image is packed, starts at zero, and is empty by default") {
     CHECK(image.samples()[(1 * 5 + 2) * 4 + 3] == 9);
     CHECK(image.view().pixel(2, 1)[3] == 9);
     CHECK(image.view().row_stride == 0);
-    const hmesh::Rect bounds = image.view().bounds();
+    const hmesh::kit::Rect bounds = image.view().bounds();
     CHECK((bounds.x == 0 && bounds.y == 0 && bounds.width == 5 && bounds.height == 3));
     CHECK_FALSE(check(Image<std::uint16_t, 4>().view()));
 }
@@ -168,7 +168,7 @@ TEST_CASE("check_finite names the first row with a NaN or an infinity, in any or
             for (const Status& status : {check_finite(broken.view()), check_finite(broken.view(), hmesh_test::ReverseFor()),
                                          check_finite(broken.view(), hmesh_test::ShuffledFor())}) {
                 CHECK(status.code == Errc::not_finite);
-                CHECK(status.got == y);
+                CHECK(status.value == y);
             }
         }
 }
@@ -180,7 +180,7 @@ TEST_CASE("check_finite refuses doubles that no float holds") {
     CHECK(check_finite(image.view()));
     *image.pixel(1, 1) = -3.5e38;
     CHECK(check_finite(image.view()).code == Errc::not_finite);
-    CHECK(check_finite(image.view()).got == 1);
+    CHECK(check_finite(image.view()).value == 1);
 }
 
 TEST_CASE("check_finite reads no padding, and looks at bottom-up images too") {
@@ -190,7 +190,7 @@ TEST_CASE("check_finite reads no padding, and looks at bottom-up images too") {
         CHECK(check_finite(hmesh_test::PaddedCopy<float, 2>(image, 3, bottom_up, nan).view()));
     image.pixel(5, 1)[1] = nan;
     for (const bool bottom_up : {false, true})
-        CHECK(check_finite(hmesh_test::PaddedCopy<float, 2>(image, 3, bottom_up, 0.0F).view()).got == 1);
+        CHECK(check_finite(hmesh_test::PaddedCopy<float, 2>(image, 3, bottom_up, 0.0F).view()).value == 1);
 }
 
 TEST_CASE("check_finite accepts integers without reading them") {

@@ -10,7 +10,7 @@
 
 #include "hmesh/core/random.hpp"
 
-using hmesh::IndexedHeap;
+using hmesh::kit::IndexedHeap;
 
 namespace {
 
@@ -47,7 +47,7 @@ bool agree(const IndexedHeap& heap, const Model& model, std::size_t ids) {
 
 TEST_CASE("IndexedHeap does what an ordered set does, on random operations with many equal keys") {
     constexpr std::size_t ids = 40;
-    hmesh::Random random(11);
+    hmesh::kit::Random random(11);
     IndexedHeap heap;
     Model model;
     int disagreements = 0;
@@ -92,7 +92,7 @@ TEST_CASE("IndexedHeap does what an ordered set does, on random operations with 
 
 TEST_CASE("IndexedHeap empties in the order of keys, equal keys in the order of ids, whatever its history") {
     for (std::uint64_t seed = 0; seed < 20; ++seed) {
-        hmesh::Random random(seed);
+        hmesh::kit::Random random(seed);
         IndexedHeap heap;
         for (int i = 0; i < 300; ++i) heap.push(static_cast<IndexedHeap::Id>(random.below(100)), random.uniform());
         for (IndexedHeap::Id id = 0; id < 100; ++id) heap.push(id, id % 7);

@@ -6,7 +6,7 @@
 
 #include "hmesh/core/random.hpp"
 
-using hmesh::Lanes;
+using hmesh::kit::Lanes;
 
 namespace {
 
@@ -22,7 +22,7 @@ struct Values {
 
 // Small integers, so that sums and products are exact in any order.
 template <int N>
-Values<N> random_values(hmesh::Random& random) {
+Values<N> random_values(hmesh::kit::Random& random) {
     Values<N> values;
     for (double& value : values.value) value = static_cast<double>(random.below(2001)) - 1000;
     return values;
@@ -38,12 +38,12 @@ bool equal(const Lanes<N>& lanes, Expected&& expected) {
 }  // namespace
 
 TEST_CASE("lanes_for gives 1, 2 or the next multiple of 4") {
-    static_assert(hmesh::lanes_for(1) == 1 && hmesh::lanes_for(2) == 2);
-    static_assert(hmesh::lanes_for(3) == 4 && hmesh::lanes_for(4) == 4 && hmesh::lanes_for(5) == 8);
-    static_assert(hmesh::lanes_for(8) == 8 && hmesh::lanes_for(9) == 12 && hmesh::lanes_for(17) == 20);
+    static_assert(hmesh::kit::lanes_for(1) == 1 && hmesh::kit::lanes_for(2) == 2);
+    static_assert(hmesh::kit::lanes_for(3) == 4 && hmesh::kit::lanes_for(4) == 4 && hmesh::kit::lanes_for(5) == 8);
+    static_assert(hmesh::kit::lanes_for(8) == 8 && hmesh::kit::lanes_for(9) == 12 && hmesh::kit::lanes_for(17) == 20);
     for (int n = 1; n <= 64; ++n) {
-        CHECK(hmesh::lanes_for(n) >= n);
-        CHECK(hmesh::lanes_for(n) < n + 4);
+        CHECK(hmesh::kit::lanes_for(n) >= n);
+        CHECK(hmesh::kit::lanes_for(n) < n + 4);
     }
 }
 
@@ -51,7 +51,7 @@ TEST_CASE_TEMPLATE("Lanes: every operation does to each lane what it does to a d
                    Size<12>, Size<16>, Size<20>) {
     constexpr int n = S::lanes;
     static_assert(sizeof(Lanes<n>) == n * sizeof(double));
-    hmesh::Random random(n);
+    hmesh::kit::Random random(n);
     for (int round = 0; round < 100; ++round) {
         const Values<n> x = random_values<n>(random), y = random_values<n>(random);
         const double s = static_cast<double>(random.below(100)) - 50;
@@ -88,7 +88,7 @@ TEST_CASE_TEMPLATE("Lanes: every operation does to each lane what it does to a d
 TEST_CASE_TEMPLATE("Lanes: set changes one lane, store writes what load reads, also from 32-bit integers", S, Size<1>, Size<2>,
                    Size<4>, Size<8>, Size<12>, Size<16>, Size<20>) {
     constexpr int n = S::lanes;
-    hmesh::Random random(n);
+    hmesh::kit::Random random(n);
     // Offset by one number, so that nothing may rely on alignment.
     std::int32_t integers[n + 1] = {};
     for (std::int32_t& value : integers) value = static_cast<std::int32_t>(random.next());
@@ -114,7 +114,7 @@ TEST_CASE_TEMPLATE("Lanes: set changes one lane, store writes what load reads, a
 TEST_CASE_TEMPLATE("Lanes: clamp brings each lane into the range and leaves those inside alone", S, Size<1>, Size<2>, Size<4>,
                    Size<8>, Size<12>, Size<16>, Size<20>) {
     constexpr int n = S::lanes;
-    hmesh::Random random(n);
+    hmesh::kit::Random random(n);
     for (int round = 0; round < 100; ++round) {
         const Values<n> x = random_values<n>(random);
         Lanes<n> a = Lanes<n>::load(x.value);

@@ -1,4 +1,4 @@
-#include "hmesh/fit/linear_light.hpp"
+#include "hmesh/solve/linear_light.hpp"
 
 #include <doctest/doctest.h>
 
@@ -19,8 +19,8 @@
 
 using hmesh::Errc;
 using hmesh::Image;
-using hmesh::LinearLightOptions;
-using hmesh::LinearLightReport;
+using hmesh::kit::LinearLightOptions;
+using hmesh::kit::LinearLightReport;
 using hmesh::Mesh;
 using hmesh::PixelTraits;
 
@@ -33,7 +33,7 @@ double encoded(double light) { return light <= 0.0031308 ? 12.92 * light : 1.055
 // A grid of cells of about `cell` px whose inner vertices are off their places, in the image's colours there, on no grid.
 template <class T, int C>
 Mesh<C> jittered(const Image<T, C>& image, int cell, std::uint64_t seed) {
-    hmesh::Random random(seed);
+    hmesh::kit::Random random(seed);
     const int columns = image.width() / cell, rows = image.height() / cell;
     Mesh<C> mesh;
     mesh.width = image.width(), mesh.height = image.height(), mesh.peak = PixelTraits<T>::peak;
@@ -60,7 +60,7 @@ Mesh<C> jittered(const Image<T, C>& image, int cell, std::uint64_t seed) {
 template <class T, int C>
 Image<T, C> contrasty(int width, int height, std::uint64_t seed) {
     const hmesh_test::Scene scene(width, height, seed);
-    hmesh::Random random(seed);
+    hmesh::kit::Random random(seed);
     return hmesh_test::draw<T, C>(width, height, [&](int x, int y, int c) {
         return std::clamp(1.6 * scene(x, y, c) - 0.35 + 0.1 * (random.uniform() - 0.5), 0.0, 1.0);
     });
@@ -175,7 +175,7 @@ void check_stationary(const Image<T, C>& image, const Mesh<C>& mesh) {
 }
 
 template <class T, int C>
-double drawn_energy(const Image<T, C>& image, const Mesh<C>& mesh) {
+double rendered_error(const Image<T, C>& image, const Mesh<C>& mesh) {
     hmesh::RenderOptions options;
     options.linear_light = true;
     Image<float, C> drawn;
@@ -200,7 +200,7 @@ void check_fit(std::uint64_t seed, double grid) {
     REQUIRE(report.status);
     CHECK(report.converted == doctest::Approx(error_of(image, before)).epsilon(1e-6));
     CHECK(report.energy == doctest::Approx(error_of(image, mesh)).epsilon(1e-6));
-    CHECK(report.energy == doctest::Approx(drawn_energy(image, mesh)).epsilon(1e-6));
+    CHECK(report.energy == doctest::Approx(rendered_error(image, mesh)).epsilon(1e-6));
     CHECK(report.energy < 0.9 * report.converted);
     CHECK(report.iterations >= 1);
     CHECK(report.iterations <= 6);
@@ -273,7 +273,7 @@ TEST_CASE("the error never rises against conversion, however coarse the grid") {
             options.grid = grid;
             const LinearLightReport report = fit_linear_light(mesh, image.view(), options);
             CHECK(report.energy <= report.converted);
-            CHECK(report.energy == doctest::Approx(drawn_energy(image, mesh)).epsilon(1e-6));
+            CHECK(report.energy == doctest::Approx(rendered_error(image, mesh)).epsilon(1e-6));
         }
 }
 
@@ -301,7 +301,7 @@ TEST_CASE("constant images stay exact, to the bit") {
         CHECK(report.energy == 0);
         CHECK(report.iterations == 0);
         CHECK(mesh.colors == before.colors);
-        CHECK(drawn_energy(image, mesh) < 1e-8);
+        CHECK(rendered_error(image, mesh) < 1e-8);
     }
 }
 
@@ -350,7 +350,7 @@ TEST_CASE("when told to stop, what is reported is true of the mesh") {
         };
         const LinearLightReport report = fit_linear_light(mesh, image.view(), LinearLightOptions(), hmesh::SerialFor(), go_on);
         CHECK(report.iterations == after);
-        CHECK(report.energy == doctest::Approx(drawn_energy(image, mesh)).epsilon(1e-6));
+        CHECK(report.energy == doctest::Approx(rendered_error(image, mesh)).epsilon(1e-6));
     }
 }
 
@@ -362,8 +362,8 @@ TEST_CASE("float images and colours may leave the range: colours are held to it 
     const Mesh<1> before = jittered(image, 4, 2);
     Mesh<1> mesh = before;
     const LinearLightReport report = fit_linear_light(mesh, image.view());
-    CHECK(report.converted == doctest::Approx(drawn_energy(image, before)).epsilon(1e-5));
-    CHECK(report.energy == doctest::Approx(drawn_energy(image, mesh)).epsilon(1e-5));
+    CHECK(report.converted == doctest::Approx(rendered_error(image, before)).epsilon(1e-5));
+    CHECK(report.energy == doctest::Approx(rendered_error(image, mesh)).epsilon(1e-5));
     CHECK(report.energy < report.converted);
     for (const float color : mesh.colors) CHECK(std::clamp(color, 0.0F, 1.0F) == color);
 }

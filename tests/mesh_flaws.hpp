@@ -13,7 +13,7 @@
 #include <utility>
 #include <vector>
 
-#include "hmesh/mesh/mesh_view.hpp"
+#include "hmesh/mesh/mesh.hpp"
 
 namespace hmesh_test {
 

@@ -17,7 +17,7 @@
 #include "test_methods.hpp"
 #include "test_results.hpp"
 
-using hmesh::Effort;
+using hmesh::kit::Effort;
 using hmesh::Errc;
 using hmesh::Image;
 using hmesh::ImageView;
@@ -88,7 +88,7 @@ template <class T, int C>
 bool is_weighted_report_true(const Image<T, C>& image, const Image<float, 1>& weights, const Result<C>& result) {
     Image<float, C> drawn;
     REQUIRE(hmesh::render(result.mesh.view(), drawn));
-    const hmesh::WeightScale scale(hmesh::weight_unit(weights.view()), image.width(), image.height());
+    const hmesh::kit::WeightScale scale(hmesh::kit::weight_unit(weights.view()), image.width(), image.height());
     double energy = 0, squares = 0;
     for (std::size_t k = 0; k < drawn.samples().size(); ++k) {
         const double sample = static_cast<double>(image.samples()[k]), weight = scale(weights.samples()[k / C]);
@@ -126,7 +126,7 @@ void mesh_with_every_count(const Image<T, C>& image, Effort effort, std::size_t 
 template <class T>
 Image<T, 3> textured(std::uint64_t seed) {
     const hmesh_test::Scene scene(56, 52, seed);
-    hmesh::Random random(seed);
+    hmesh::kit::Random random(seed);
     return hmesh_test::draw<T, 3>(56, 52, [&](int x, int y, int c) {
         return std::floor((0.25 + 0.5 * scene(x, y, c) + 0.1 * (random.uniform() - 0.5)) * 255 + 0.5) / 255;
     });
@@ -136,7 +136,7 @@ Image<T, 3> textured(std::uint64_t seed) {
 template <class T>
 Image<T, 3> contrasty(std::uint64_t seed) {
     const hmesh_test::Scene scene(56, 52, seed);
-    hmesh::Random random(seed);
+    hmesh::kit::Random random(seed);
     return hmesh_test::draw<T, 3>(56, 52, [&](int x, int y, int c) {
         return std::floor(std::clamp(3 * scene(x, y, c) - 1 + 0.1 * (random.uniform() - 0.5), 0.0, 1.0) * 255 + 0.5) / 255;
     });
@@ -252,8 +252,8 @@ TEST_CASE("a PSNR that no mesh reaches gives the nearest mesh, and says so with 
     const auto most = mesh_of(image, Target::vertices(120), Effort::fast);
     const auto result = mesh_of(image, Target::psnr(200), Effort::fast);
     CHECK(result.status.code == Errc::target_out_of_range);
-    CHECK(result.status.want == 20000);
-    CHECK(result.status.got == static_cast<std::int64_t>(std::floor(100 * result.report.psnr)));
+    CHECK(result.status.limit == 20000);
+    CHECK(result.status.value == static_cast<std::int64_t>(std::floor(100 * result.report.psnr)));
     CHECK(result.report.psnr >= most.report.psnr);
     CHECK(result.report.psnr < 200);
     hmesh_test::prove_report(image, result);
@@ -263,17 +263,17 @@ TEST_CASE("the largest PSNR there is does not overflow the report of what was as
     const auto image = hmesh_test::noise<std::uint8_t, 1>(5, 4, 1);
     const auto result = mesh_of(image, Target::psnr(std::numeric_limits<double>::max()), Effort::draft);
     CHECK(result.status.code == Errc::target_out_of_range);
-    CHECK(result.status.want > result.status.got);
+    CHECK(result.status.limit > result.status.value);
     hmesh_test::prove_report(image, result);
 }
 
 TEST_CASE("limits that mean nothing are refused, each by itself") {
     const auto image = small_scene();
-    using Limit = double hmesh::MeshLimits::*;
-    const std::pair<Limit, std::vector<double>> cases[] = {{&hmesh::MeshLimits::min_cross, {0, 0.3, 1e9}},
-                                                           {&hmesh::MeshLimits::border_gap, {0, 1.0 / 512, 0.3, 1e9}},
-                                                           {&hmesh::MeshLimits::color_overshoot, {-1e-9, 101, 1e300}},
-                                                           {&hmesh::MeshLimits::ridge, {0, 1.5, 1e300}}};
+    using Limit = double hmesh::kit::MeshLimits::*;
+    const std::pair<Limit, std::vector<double>> cases[] = {{&hmesh::kit::MeshLimits::min_double_area, {0, 0.3, 1e9}},
+                                                           {&hmesh::kit::MeshLimits::border_gap, {0, 1.0 / 512, 0.3, 1e9}},
+                                                           {&hmesh::kit::MeshLimits::color_overshoot, {-1e-9, 101, 1e300}},
+                                                           {&hmesh::kit::MeshLimits::ridge, {0, 1.5, 1e300}}};
     for (const auto& [limit, bads] : cases) {
         for (const double bad : bads) {
             Options options = options_of(Target::vertices(8), Effort::draft);
@@ -289,11 +289,11 @@ TEST_CASE("limits that mean nothing are refused, each by itself") {
 }
 
 TEST_CASE("limits at the ends of their ranges still give every number of vertices") {
-    for (const double min_cross : {1e-4, 0.25})
+    for (const double min_double_area : {1e-4, 0.25})
         for (const double border_gap : {1.0 / 256, 0.25})
             for (const double color_overshoot : {0.0, 100.0})
                 for (const double ridge : {1e-9, 1.0}) {
-                    CAPTURE(min_cross);
+                    CAPTURE(min_double_area);
                     CAPTURE(border_gap);
                     CAPTURE(color_overshoot);
                     CAPTURE(ridge);
@@ -302,7 +302,7 @@ TEST_CASE("limits at the ends of their ranges still give every number of vertice
                         for (const std::size_t n : {4U, 7U, 19U, 20U}) {
                             CAPTURE(n);
                             Options options = options_of(Target::vertices(static_cast<std::int64_t>(n)), effort);
-                            options.limits = {min_cross, border_gap, color_overshoot, ridge};
+                            options.limits = {min_double_area, border_gap, color_overshoot, ridge};
                             hmesh_test::prove_result(image, mesh_image(image.view(), options), n);
                         }
                 }
@@ -545,14 +545,14 @@ TEST_CASE("a recipe of one's own takes the place of the effort's, with the optio
     const auto image = small_scene();
     Options own = options_of(Target::vertices(40), Effort::best);
     own.seed = 7;
-    own.annealed = hmesh::annealed_options(Effort::normal);
+    own.annealed = hmesh::kit::annealed_options(Effort::normal);
     own.annealed->seed = 99;
     Options plain = options_of(Target::vertices(40), Effort::normal);
     plain.seed = 7;
     CHECK(hmesh_test::same_bytes(mesh_image(image.view(), own), mesh_image(image.view(), plain)));
-    own.annealed = hmesh::annealed_options(Effort::fast);
+    own.annealed = hmesh::kit::annealed_options(Effort::fast);
     CHECK(hmesh_test::same_bytes(mesh_image(image.view(), own), mesh_of(image, Target::vertices(40), Effort::fast)));
-    own.annealed->growth = not_a_number;
+    own.annealed->insert_batch = not_a_number;
     check_refused(mesh_image(image.view(), own), Errc::invalid_argument);
 }
 
@@ -694,7 +694,7 @@ TEST_CASE("colours and efforts that are none of those known are refused, the eff
     }
     Options options = options_of(Target::vertices(20), Effort{4});
     check_refused(mesh_image(image.view(), options), Errc::invalid_argument);
-    options.annealed = hmesh::annealed_options(Effort::draft);
+    options.annealed = hmesh::kit::annealed_options(Effort::draft);
     CHECK(mesh_image(image.view(), options).status);
     options.annealed.reset();
     options.method = Method::adams;
@@ -707,7 +707,7 @@ TEST_CASE("a target that is of no known kind is refused") {
     options.target.kind = static_cast<Target::Kind>(7);
     const Result<1> result = mesh_image(image.view(), options);
     CHECK(result.status.code == Errc::invalid_argument);
-    CHECK(result.status.got == 7);
+    CHECK(result.status.value == 7);
     CHECK(result.mesh.view().vertex_count == 0);
 }
 
@@ -721,10 +721,10 @@ TEST_CASE("adaptive thinning of more than 2^22 pixels is refused before a pixel 
     for (const auto& [width, height] : {std::pair{2049, 2048}, {65536, 65}, {1 << 14, 1 << 14}}) {
         const auto status = status_of(width, height, Method::adaptive_thinning);
         CHECK(status.code == Errc::image_too_large);
-        CHECK(status.got == std::int64_t{width} * height);
-        CHECK(status.want == hmesh::adaptive_thinning_pixels);
+        CHECK(status.value == std::int64_t{width} * height);
+        CHECK(status.limit == hmesh::adaptive_thinning_pixels);
         CHECK(status_of(width, height, Method::hierarchical).code == Errc::invalid_argument);
     }
     Options largest = options_of(Target::vertices(4), Method::adaptive_thinning);
-    CHECK(hmesh::detail::check_options(largest, hmesh::adaptive_thinning_pixels));
+    CHECK(hmesh::kit::detail::check_options(largest, hmesh::adaptive_thinning_pixels));
 }

@@ -1,4 +1,4 @@
-#include "hmesh/image/moment_table.hpp"
+#include "hmesh/fit/moment_table.hpp"
 
 #include <doctest/doctest.h>
 
@@ -15,9 +15,9 @@
 
 using hmesh::Image;
 using hmesh::ImageView;
-using hmesh::MomentTable;
+using hmesh::kit::MomentTable;
 using hmesh::PixelTraits;
-using hmesh::Rect;
+using hmesh::kit::Rect;
 
 namespace {
 
@@ -50,7 +50,7 @@ namespace {
 template <int C>
 double number(const MomentTable<C>& table, int x, int y, int k) {
     const std::size_t at = table.offset(x, y) + static_cast<std::size_t>(k);
-    return table.is_narrow() ? table.template entries<std::int32_t>()[at] : table.template entries<double>()[at];
+    return table.is_int32() ? table.template entries<std::int32_t>()[at] : table.template entries<double>()[at];
 }
 
 // How many numbers differ from sums over the view's pixels. Sums of integers must be equal, others to 1e-13 of the sum
@@ -88,7 +88,7 @@ int mistakes(const MomentTable<C>& table, const ImageView<T, C>& view, const Rec
 
 template <int C>
 bool same_bits(const MomentTable<C>& a, const MomentTable<C>& b) {
-    if (a.width() != b.width() || a.height() != b.height() || a.is_narrow() != b.is_narrow()) return false;
+    if (a.width() != b.width() || a.height() != b.height() || a.is_int32() != b.is_int32()) return false;
     for (int y = 0; y < a.height(); ++y)
         for (int x = 0; x <= a.width(); ++x)
             for (int k = 0; k < MomentTable<C>::entry_size; ++k)
@@ -102,7 +102,7 @@ template <class T, int C>
 int weighted_mistakes(const MomentTable<C>& table, const ImageView<T, C>& view, const ImageView<float, 1>& weights, double unit,
                       const Rect& rect) {
     int wrong = table.width() != rect.width || table.height() != rect.height;
-    wrong += !table.is_weighted() || table.is_narrow();
+    wrong += !table.is_weighted() || table.is_int32();
     for (int y = 0; y < rect.height; ++y) {
         long double sum[2 * (C + 1) + 2] = {}, size[2 * (C + 1) + 2] = {};
         for (int x = 0; x <= rect.width; ++x) {
@@ -114,14 +114,14 @@ int weighted_mistakes(const MomentTable<C>& table, const ImageView<T, C>& view, 
                 if (c > C) wrong += number(table, x, y, k) != 0;  // padding
                 else compare(number(table, x, y, k), half * (C + 1) + c);
             }
-            for (int k = 0; k < 2; ++k) compare(table.powers(table.offset(x, y))[k], 2 * (C + 1) + k);
+            for (int k = 0; k < 2; ++k) compare(table.x_moments(table.offset(x, y))[k], 2 * (C + 1) + k);
             if (x == rect.width) break;
             const auto add = [&](int i, long double value) {
                 sum[i] += value;
                 size[i] += std::abs(value);
             };
             const T* pixel = view.pixel(rect.x + x, rect.y + y);
-            const long double w = hmesh::WeightScale(unit, view.width, view.height)(*weights.pixel(rect.x + x, rect.y + y));
+            const long double w = hmesh::kit::WeightScale(unit, view.width, view.height)(*weights.pixel(rect.x + x, rect.y + y));
             for (int c = 0; c < C; ++c) {
                 const long double value = PixelTraits<T>::to_real(pixel[c]);
                 add(c, w * value);
@@ -141,7 +141,7 @@ bool same_powers(const MomentTable<C>& a, const MomentTable<C>& b) {
     for (int y = 0; y < a.height(); ++y)
         for (int x = 0; x <= a.width(); ++x)
             for (int k = 0; k < 2; ++k)
-                if (a.powers(a.offset(x, y))[k] != b.powers(b.offset(x, y))[k]) return false;
+                if (a.x_moments(a.offset(x, y))[k] != b.x_moments(b.offset(x, y))[k]) return false;
     return true;
 }
 
@@ -165,31 +165,31 @@ TEST_CASE_TEMPLATE("MomentTable holds the prefix sums of each row, exact for int
 
 TEST_CASE("MomentTable sums negative samples of a user's type exactly") {
     Image<Signed, 2> image(50, 9);
-    hmesh::Random random(1);
+    hmesh::kit::Random random(1);
     for (Signed& sample : image.samples()) sample.value = static_cast<std::int8_t>(static_cast<int>(random.below(201)) - 100);
     const MomentTable<2> table(image.view(), image.view().bounds());
-    CHECK(table.is_narrow());
+    CHECK(table.is_int32());
     CHECK(mistakes(table, image.view(), image.view().bounds()) == 0);
 }
 
 TEST_CASE("MomentTable: 8-bit sums stay in 32 bits as long as the brightest image fits, and are exact on both sides of it") {
-    const auto is_narrow = [](const auto& image) {
+    const auto is_int32 = [](const auto& image) {
         const auto view = image.view();
         const MomentTable table(view, view.bounds());
         CHECK(mistakes(table, view, view.bounds()) == 0);
-        return table.is_narrow();
+        return table.is_int32();
     };
     // 255 w (w - 1) / 2 < 2^31 up to 4104 px; with 16 channels 16 * 255^2 w < 2^31 up to 2064 px.
-    CHECK(is_narrow(hmesh_test::constant_image<std::uint8_t, 1>(4104, 2, 1)));
-    CHECK_FALSE(is_narrow(hmesh_test::constant_image<std::uint8_t, 1>(4105, 2, 1)));
-    CHECK(is_narrow(hmesh_test::constant_image<std::uint8_t, 3>(4104, 2, 1)));
-    CHECK_FALSE(is_narrow(hmesh_test::constant_image<std::uint8_t, 3>(4105, 2, 1)));
-    CHECK(is_narrow(hmesh_test::constant_image<std::uint8_t, 16>(2064, 2, 1)));
-    CHECK_FALSE(is_narrow(hmesh_test::constant_image<std::uint8_t, 16>(2065, 2, 1)));
-    CHECK(is_narrow(hmesh_test::constant_image<std::uint16_t, 1>(1, 1, 0)) == false);
-    CHECK_FALSE(is_narrow(hmesh_test::constant_image<std::uint16_t, 3>(65536, 1, 1)));
-    CHECK_FALSE(is_narrow(hmesh_test::constant_image<std::uint8_t, 3>(65536, 1, 1)));
-    CHECK_FALSE(is_narrow(hmesh_test::noise<float, 1>(5, 5, 1)));
+    CHECK(is_int32(hmesh_test::constant_image<std::uint8_t, 1>(4104, 2, 1)));
+    CHECK_FALSE(is_int32(hmesh_test::constant_image<std::uint8_t, 1>(4105, 2, 1)));
+    CHECK(is_int32(hmesh_test::constant_image<std::uint8_t, 3>(4104, 2, 1)));
+    CHECK_FALSE(is_int32(hmesh_test::constant_image<std::uint8_t, 3>(4105, 2, 1)));
+    CHECK(is_int32(hmesh_test::constant_image<std::uint8_t, 16>(2064, 2, 1)));
+    CHECK_FALSE(is_int32(hmesh_test::constant_image<std::uint8_t, 16>(2065, 2, 1)));
+    CHECK(is_int32(hmesh_test::constant_image<std::uint16_t, 1>(1, 1, 0)) == false);
+    CHECK_FALSE(is_int32(hmesh_test::constant_image<std::uint16_t, 3>(65536, 1, 1)));
+    CHECK_FALSE(is_int32(hmesh_test::constant_image<std::uint8_t, 3>(65536, 1, 1)));
+    CHECK_FALSE(is_int32(hmesh_test::noise<float, 1>(5, 5, 1)));
 }
 
 TEST_CASE_TEMPLATE("MomentTable of a rectangle is the table of that part alone, in local coordinates", K, Kind<std::uint8_t, 3>,
@@ -197,7 +197,7 @@ TEST_CASE_TEMPLATE("MomentTable of a rectangle is the table of that part alone, 
     using T = typename K::T;
     constexpr int n = K::channels;
     const Image<T, n> image = hmesh_test::noise<T, n>(60, 40, 2);
-    hmesh::Random random(3);
+    hmesh::kit::Random random(3);
     for (int round = 0; round < 30; ++round) {
         Rect rect;
         rect.width = 1 + static_cast<int>(random.below(60));
@@ -246,7 +246,7 @@ TEST_CASE_TEMPLATE("MomentTable::pixel gives the samples back, and zeros in the 
     int wrong = 0;
     for (int y = 0; y < rect.height; ++y)
         for (int x = 0; x < rect.width; ++x) {
-            hmesh::Lanes<MomentTable<n>::lanes> samples = hmesh::Lanes<MomentTable<n>::lanes>::all(99);
+            hmesh::kit::Lanes<MomentTable<n>::lanes> samples = hmesh::kit::Lanes<MomentTable<n>::lanes>::all(99);
             table.pixel(x, y, samples);
             for (int k = 0; k < MomentTable<n>::lanes; ++k) {
                 const double expected = k < n ? PixelTraits<T>::to_real(image.pixel(rect.x + x, rect.y + y)[k]) : 0;
@@ -318,7 +318,7 @@ TEST_CASE_TEMPLATE("MomentTable::pixel gives the samples back whatever the weigh
         const MomentTable<n> table(image.view(), weights.view(), 0.7, rect);
         for (int y = 0; y < rect.height; ++y)
             for (int x = 0; x < rect.width; ++x) {
-                hmesh::Lanes<MomentTable<n>::lanes> samples = hmesh::Lanes<MomentTable<n>::lanes>::all(99);
+                hmesh::kit::Lanes<MomentTable<n>::lanes> samples = hmesh::kit::Lanes<MomentTable<n>::lanes>::all(99);
                 table.pixel(x, y, samples);
                 for (int k = 0; k < MomentTable<n>::lanes; ++k)
                     wrong += samples[k] != (k < n ? PixelTraits<T>::to_real(image.pixel(rect.x + x, rect.y + y)[k]) : 0.0);
@@ -333,8 +333,8 @@ TEST_CASE_TEMPLATE("MomentTable::weight says how often a pixel counts: its scale
     constexpr int n = K::channels;
     const Image<T, n> image = hmesh_test::noise<T, n>(31, 9, 5);
     const Image<float, 1> weights = hmesh_test::random_weights(31, 9, 6);
-    const double unit = hmesh::weight_unit(weights.view());
-    const hmesh::WeightScale scale(unit, 31, 9);
+    const double unit = hmesh::kit::weight_unit(weights.view());
+    const hmesh::kit::WeightScale scale(unit, 31, 9);
     const Rect rect{4, 2, 25, 6};
     const MomentTable<n> table(image.view(), weights.view(), unit, rect), plain(image.view(), rect);
     int wrong = 0, zeros = 0, large = 0;
@@ -372,7 +372,7 @@ TEST_CASE("fits_memory is true of no table that is larger than what can be addre
     using Table = MomentTable<4>;
     const Image<std::uint8_t, 4> image(33, 9);
     const Image<float, 1> weights(33, 9);
-    const Table table(image.view(), weights.view(), 1.0, hmesh::Rect{0, 0, 33, 9});
+    const Table table(image.view(), weights.view(), 1.0, hmesh::kit::Rect{0, 0, 33, 9});
     const auto bytes = static_cast<std::int64_t>(table.bytes());
     CHECK(Table::fits_memory(33, 9, 2 * bytes));
     CHECK_FALSE(Table::fits_memory(33, 9, bytes - 1));

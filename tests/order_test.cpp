@@ -11,9 +11,9 @@
 #include "test_images.hpp"
 #include "test_meshes.hpp"
 
-using hmesh::Face;
-using hmesh::Point;
-using hmesh::Vertex;
+using hmesh::kit::Face;
+using hmesh::kit::Point;
+using hmesh::kit::Vertex;
 using hmesh_test::Subject;
 
 namespace {
@@ -34,7 +34,7 @@ void check_sorted(const std::vector<Element>& elements, std::vector<std::pair<st
 }
 
 template <int C>
-void check_orders(const hmesh::ImageMesh<C>& mesh) {
+void check_orders(const hmesh::kit::ImageMesh<C>& mesh) {
     std::vector<std::pair<std::uint32_t, std::size_t>> vertices, faces;
     for (const Vertex v : mesh.topology().vertices()) vertices.emplace_back(interleaved(mesh.position(v)), v.index());
     for (const Face f : mesh.topology().faces()) {
@@ -42,8 +42,8 @@ void check_orders(const hmesh::ImageMesh<C>& mesh) {
         const Point a = mesh.position(v[0]), b = mesh.position(v[1]), c = mesh.position(v[2]);
         faces.emplace_back(interleaved({(a.x + b.x + c.x) / 3, (a.y + b.y + c.y) / 3}), f.index());
     }
-    check_sorted(hmesh::spatial_vertices(mesh), vertices);
-    check_sorted(hmesh::spatial_faces(mesh), faces);
+    check_sorted(hmesh::kit::spatial_vertices(mesh), vertices);
+    check_sorted(hmesh::kit::spatial_faces(mesh), faces);
 }
 
 }  // namespace

@@ -18,7 +18,7 @@ namespace {
 bool chunks_are_right(const hmesh::ParallelFor& parallel_for, std::size_t n, std::size_t grain) {
     std::vector<int> visits(n, 0);
     bool good = true;
-    hmesh::for_each_chunk(parallel_for, n, grain, [&](std::size_t begin, std::size_t end) {
+    hmesh::kit::for_each_chunk(parallel_for, n, grain, [&](std::size_t begin, std::size_t end) {
         good = good && begin < end && end <= n && end - begin <= grain && begin % grain == 0;
         for (std::size_t i = begin; i < end && i < n; ++i) ++visits[i];
     });
@@ -49,7 +49,7 @@ TEST_CASE("for_each_chunk cuts by the problem and not by the executor") {
     using Ranges = std::vector<std::pair<std::size_t, std::size_t>>;
     const auto record = [](auto&& parallel_for) {
         Ranges ranges(4);
-        hmesh::for_each_chunk(parallel_for, 35, 10, [&](std::size_t begin, std::size_t end) {
+        hmesh::kit::for_each_chunk(parallel_for, 35, 10, [&](std::size_t begin, std::size_t end) {
             ranges[begin / 10] = {begin, end};
         });
         return ranges;
@@ -62,7 +62,7 @@ TEST_CASE("for_each_chunk cuts by the problem and not by the executor") {
 
 TEST_CASE("ordered_sum gives the same bits whatever order the executor uses") {
     // Terms of very different size: any other order of addition gives another sum.
-    hmesh::Random random(3);
+    hmesh::kit::Random random(3);
     std::vector<double> terms(1000);
     for (double& term : terms) {
         term = random.uniform() - 0.5;
@@ -73,16 +73,16 @@ TEST_CASE("ordered_sum gives the same bits whatever order the executor uses") {
         for (std::size_t i = begin; i < end; ++i) sum += terms[i];
         return sum;
     };
-    const double serial = hmesh::ordered_sum(hmesh::SerialFor(), terms.size(), 7, body);
-    CHECK(hmesh::ordered_sum(ReverseFor(), terms.size(), 7, body) == serial);
+    const double serial = hmesh::kit::ordered_sum(hmesh::SerialFor(), terms.size(), 7, body);
+    CHECK(hmesh::kit::ordered_sum(ReverseFor(), terms.size(), 7, body) == serial);
     for (std::uint64_t seed = 1; seed <= 20; ++seed)
-        CHECK(hmesh::ordered_sum(ShuffledFor{seed}, terms.size(), 7, body) == serial);
+        CHECK(hmesh::kit::ordered_sum(ShuffledFor{seed}, terms.size(), 7, body) == serial);
 
     double in_chunks = 0;
     for (std::size_t begin = 0; begin < terms.size(); begin += 7)
         in_chunks += body(begin, begin + 7 < terms.size() ? begin + 7 : terms.size());
     CHECK(serial == in_chunks);
-    CHECK(hmesh::ordered_sum(hmesh::SerialFor(), 0, 7, body) == 0);
+    CHECK(hmesh::kit::ordered_sum(hmesh::SerialFor(), 0, 7, body) == 0);
 }
 
 TEST_CASE("a ParallelFor runs pieces on the executor that it was made of, and on the calling thread without one") {

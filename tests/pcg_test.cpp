@@ -1,4 +1,4 @@
-#include "hmesh/fit/pcg.hpp"
+#include "hmesh/solve/pcg.hpp"
 
 #include <doctest/doctest.h>
 
@@ -13,7 +13,7 @@
 #include <vector>
 
 #include "hmesh/core/random.hpp"
-#include "hmesh/fit/barycentric.hpp"
+#include "hmesh/solve/normal_equations.hpp"
 #include "jittered_mesh.hpp"
 
 namespace {
@@ -22,7 +22,7 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using Sparse = Eigen::SparseMatrix<double>;
 
-MatrixXd random_matrix(Index rows, Index columns, hmesh::Random& random) {
+MatrixXd random_matrix(Index rows, Index columns, hmesh::kit::Random& random) {
     MatrixXd m(rows, columns);
     for (Index j = 0; j < columns; ++j)
         for (Index i = 0; i < rows; ++i) m(i, j) = 2 * random.uniform() - 1;
@@ -30,7 +30,7 @@ MatrixXd random_matrix(Index rows, Index columns, hmesh::Random& random) {
 }
 
 // Positive definite, badly scaled (diagonal over 4 decades) but not ill-conditioned otherwise.
-MatrixXd random_spd(Index n, hmesh::Random& random) {
+MatrixXd random_spd(Index n, hmesh::kit::Random& random) {
     const MatrixXd r = random_matrix(n, n, random);
     MatrixXd m = r * r.transpose() / static_cast<double>(n) + 0.2 * MatrixXd::Identity(n, n);
     for (Index i = 0; i < n; ++i) {
@@ -54,7 +54,7 @@ struct Reduced {
     MatrixXd matrix, rhs;
 };
 
-Reduced reduce(const MatrixXd& a, const MatrixXd& b, const MatrixXd& x, const std::vector<hmesh::HeldEntry>& held, Index column) {
+Reduced reduce(const MatrixXd& a, const MatrixXd& b, const MatrixXd& x, const std::vector<hmesh::kit::HeldEntry>& held, Index column) {
     Reduced reduced;
     MatrixXd given = MatrixXd::Zero(a.rows(), 1);
     for (Index i = 0; i < a.rows(); ++i) {
@@ -78,12 +78,12 @@ Reduced reduce(const MatrixXd& a, const MatrixXd& b, const MatrixXd& x, const st
 }  // namespace
 
 TEST_CASE("solve_pcg finds what a dense factorisation finds, for random positive definite matrices") {
-    hmesh::Random random(1);
+    hmesh::kit::Random random(1);
     for (const Index n : {1, 2, 7, 40, 120}) {
         const MatrixXd dense = random_spd(n, random), b = random_matrix(n, 4, random);
         const Sparse a = dense.sparseView();
         MatrixXd x = random_matrix(n, 4, random);
-        const hmesh::PcgReport report = hmesh::solve_pcg(a, b, x, {2000, 1e-13});
+        const hmesh::kit::PcgReport report = hmesh::kit::solve_pcg(a, b, x, {2000, 1e-13});
         const MatrixXd expected = dense.ldlt().solve(b);
         CAPTURE(n);
         CHECK(report.converged);
@@ -98,7 +98,7 @@ TEST_CASE("solve_pcg finds what a dense factorisation finds, for the normal equa
     for (Index i = 0; i < a.rows(); ++i) a.coeffRef(i, i) += 1e-3;
     const MatrixXd b = image_rhs(s.mesh), expected = MatrixXd(a).ldlt().solve(b);
     MatrixXd x = MatrixXd::Zero(b.rows(), 3);
-    const hmesh::PcgReport report = hmesh::solve_pcg(a, b, x, {400, 1e-12});
+    const hmesh::kit::PcgReport report = hmesh::kit::solve_pcg(a, b, x, {400, 1e-12});
     CHECK(report.converged);
     CHECK((x - expected).norm() <= 1e-8 * expected.norm());
 }
@@ -109,7 +109,7 @@ TEST_CASE("a mesh needs few iterations, whatever its size") {
         test::jitter(s.mesh, size, size, 0, 3);
         const MatrixXd b = image_rhs(s.mesh);
         MatrixXd x = MatrixXd::Zero(b.rows(), 1);
-        const hmesh::PcgReport report = hmesh::solve_pcg(gram_matrix(s.mesh), b, x, {200, 1e-7});
+        const hmesh::kit::PcgReport report = hmesh::kit::solve_pcg(gram_matrix(s.mesh), b, x, {200, 1e-7});
         CHECK(report.converged);
         CHECK(report.iterations <= 30);
         CHECK(report.iterations >= 5);
@@ -117,13 +117,13 @@ TEST_CASE("a mesh needs few iterations, whatever its size") {
 }
 
 TEST_CASE("the residual and the number of iterations reported are true") {
-    hmesh::Random random(4);
+    hmesh::kit::Random random(4);
     const MatrixXd dense = random_spd(60, random), b = random_matrix(60, 3, random);
     const Sparse a = dense.sparseView();
     int before = 0;
     for (const double tolerance : {1e-2, 1e-6, 1e-11}) {
         MatrixXd x = MatrixXd::Zero(60, 3);
-        const hmesh::PcgReport report = hmesh::solve_pcg(a, b, x, {1000, tolerance});
+        const hmesh::kit::PcgReport report = hmesh::kit::solve_pcg(a, b, x, {1000, tolerance});
         CHECK(report.converged);
         CHECK(report.residual <= tolerance);
         CHECK(report.residual == doctest::Approx(worst_residual(a, b, x)).epsilon(1e-3));
@@ -131,7 +131,7 @@ TEST_CASE("the residual and the number of iterations reported are true") {
         before = report.iterations;
         // One iteration less does not do.
         MatrixXd y = MatrixXd::Zero(60, 3);
-        const hmesh::PcgReport shorter = hmesh::solve_pcg(a, b, y, {report.iterations - 1, tolerance});
+        const hmesh::kit::PcgReport shorter = hmesh::kit::solve_pcg(a, b, y, {report.iterations - 1, tolerance});
         CHECK(!shorter.converged);
         CHECK(shorter.iterations == report.iterations - 1);
         CHECK(shorter.residual > tolerance);
@@ -140,10 +140,10 @@ TEST_CASE("the residual and the number of iterations reported are true") {
 }
 
 TEST_CASE("a tolerance below rounding ends by itself, unconverged, at a good solution") {
-    hmesh::Random random(5);
+    hmesh::kit::Random random(5);
     const MatrixXd dense = random_spd(50, random), b = random_matrix(50, 2, random);
     MatrixXd x = MatrixXd::Zero(50, 2);
-    const hmesh::PcgReport report = hmesh::solve_pcg(dense.sparseView(), b, x, {100000, 1e-30});
+    const hmesh::kit::PcgReport report = hmesh::kit::solve_pcg(dense.sparseView(), b, x, {100000, 1e-30});
     CHECK(!report.converged);
     CHECK(report.iterations < 2000);
     CHECK(report.residual < 1e-12);
@@ -151,7 +151,7 @@ TEST_CASE("a tolerance below rounding ends by itself, unconverged, at a good sol
 }
 
 TEST_CASE("right-hand sides do not disturb each other: together or alone, the same bits") {
-    hmesh::Random random(6);
+    hmesh::kit::Random random(6);
     const MatrixXd dense = random_spd(80, random);
     const Sparse a = dense.sparseView();
     MatrixXd b = random_matrix(80, 4, random), start = random_matrix(80, 4, random);
@@ -159,10 +159,10 @@ TEST_CASE("right-hand sides do not disturb each other: together or alone, the sa
     b.col(2) *= 1e100;
     b.col(3).setZero();
     MatrixXd x = start;
-    CHECK(hmesh::solve_pcg(a, b, x, {1000, 1e-9}).converged);
+    CHECK(hmesh::kit::solve_pcg(a, b, x, {1000, 1e-9}).converged);
     for (Index k = 0; k < 4; ++k) {
         MatrixXd alone = start.col(k);
-        CHECK(hmesh::solve_pcg(a, b.col(k), alone, {1000, 1e-9}).converged);
+        CHECK(hmesh::kit::solve_pcg(a, b.col(k), alone, {1000, 1e-9}).converged);
         CHECK(alone == x.col(k));
     }
     CHECK(x.col(1) == start.col(1));
@@ -170,10 +170,10 @@ TEST_CASE("right-hand sides do not disturb each other: together or alone, the sa
 }
 
 TEST_CASE("a right-hand side of zero has the solution zero, at once") {
-    hmesh::Random random(7);
+    hmesh::kit::Random random(7);
     const Sparse a = random_spd(10, random).sparseView();
     MatrixXd x = random_matrix(10, 2, random);
-    const hmesh::PcgReport report = hmesh::solve_pcg(a, MatrixXd::Zero(10, 2), x);
+    const hmesh::kit::PcgReport report = hmesh::kit::solve_pcg(a, MatrixXd::Zero(10, 2), x);
     CHECK(report.converged);
     CHECK(report.iterations == 0);
     CHECK(report.residual == 0);
@@ -181,7 +181,7 @@ TEST_CASE("a right-hand side of zero has the solution zero, at once") {
 }
 
 TEST_CASE("rows of zeros keep their values and disturb no other row") {
-    hmesh::Random random(8);
+    hmesh::kit::Random random(8);
     MatrixXd dense = random_spd(30, random);
     dense.row(4).setZero(), dense.col(4).setZero();
     dense.row(17).setZero(), dense.col(17).setZero();
@@ -189,7 +189,7 @@ TEST_CASE("rows of zeros keep their values and disturb no other row") {
     b.row(4).setZero(), b.row(17).setZero();
     const MatrixXd start = random_matrix(30, 2, random);
     MatrixXd x = start;
-    const hmesh::PcgReport report = hmesh::solve_pcg(dense.sparseView(), b, x, {1000, 1e-12});
+    const hmesh::kit::PcgReport report = hmesh::kit::solve_pcg(dense.sparseView(), b, x, {1000, 1e-12});
     CHECK(report.converged);
     CHECK(x.row(4) == start.row(4));
     CHECK(x.row(17) == start.row(17));
@@ -198,7 +198,7 @@ TEST_CASE("rows of zeros keep their values and disturb no other row") {
     // Where such a row asks for the impossible, the others are solved all the same, and the report says no.
     b(4, 1) = 1;
     MatrixXd y = start;
-    const hmesh::PcgReport impossible = hmesh::solve_pcg(dense.sparseView(), b, y, {1000, 1e-12});
+    const hmesh::kit::PcgReport impossible = hmesh::kit::solve_pcg(dense.sparseView(), b, y, {1000, 1e-12});
     CHECK(!impossible.converged);
     CHECK(impossible.iterations < 1000);
     CHECK(y.allFinite());
@@ -209,14 +209,14 @@ TEST_CASE("rows of zeros keep their values and disturb no other row") {
 TEST_CASE("singular, indefinite and empty systems give no NaN") {
     Sparse zero(3, 3);
     MatrixXd x = MatrixXd::Ones(3, 1);
-    hmesh::PcgReport report = hmesh::solve_pcg(zero, MatrixXd::Ones(3, 1), x);
+    hmesh::kit::PcgReport report = hmesh::kit::solve_pcg(zero, MatrixXd::Ones(3, 1), x);
     CHECK(!report.converged);
     CHECK(x == MatrixXd::Ones(3, 1));
     CHECK(report.residual == doctest::Approx(1));
 
     MatrixXd ones = MatrixXd::Ones(3, 3);  // singular, with a solution
     x.setZero();
-    report = hmesh::solve_pcg(ones.sparseView(), MatrixXd::Ones(3, 1), x);
+    report = hmesh::kit::solve_pcg(ones.sparseView(), MatrixXd::Ones(3, 1), x);
     CHECK(report.converged);
     CHECK(x.sum() == doctest::Approx(1));
 
@@ -225,32 +225,32 @@ TEST_CASE("singular, indefinite and empty systems give no NaN") {
     x = MatrixXd::Zero(2, 1);
     MatrixXd b(2, 1);
     b << 1, -1;
-    report = hmesh::solve_pcg(indefinite.sparseView(), b, x);
+    report = hmesh::kit::solve_pcg(indefinite.sparseView(), b, x);
     CHECK(!report.converged);
     CHECK(x.allFinite());
     CHECK(std::isfinite(report.residual));
 
     MatrixXd none(0, 3);
-    CHECK(hmesh::solve_pcg(Sparse(0, 0), MatrixXd(0, 3), none).converged);
+    CHECK(hmesh::kit::solve_pcg(Sparse(0, 0), MatrixXd(0, 3), none).converged);
     MatrixXd no_columns(3, 0);
-    CHECK(hmesh::solve_pcg(zero, MatrixXd(3, 0), no_columns).converged);
+    CHECK(hmesh::kit::solve_pcg(zero, MatrixXd(3, 0), no_columns).converged);
 }
 
 TEST_CASE("held entries keep their bits, and the others solve the system without them, column by column") {
-    hmesh::Random random(11);
+    hmesh::kit::Random random(11);
     for (const Index n : {1, 2, 9, 60}) {
         const MatrixXd dense = random_spd(n, random), start = random_matrix(n, 4, random);
         MatrixXd b = random_matrix(n, 4, random);
-        std::vector<hmesh::HeldEntry> held;  // none in column 0, all in column 3
+        std::vector<hmesh::kit::HeldEntry> held;  // none in column 0, all in column 3
         for (Index i = 0; i < n; ++i)
             for (Index k = 1; k < 4; ++k)
                 if (k == 3 || random.below(3) == 0) held.push_back({i, k});
-        for (const hmesh::HeldEntry& entry : held) b(entry.row, entry.column) = 1e300;
+        for (const hmesh::kit::HeldEntry& entry : held) b(entry.row, entry.column) = 1e300;
         MatrixXd x = start;
-        const hmesh::PcgReport report = hmesh::solve_pcg(dense.sparseView(), b, x, {2000, 1e-12}, held);
+        const hmesh::kit::PcgReport report = hmesh::kit::solve_pcg(dense.sparseView(), b, x, {2000, 1e-12}, held);
         CAPTURE(n);
         CHECK(report.converged);
-        for (const hmesh::HeldEntry& entry : held) CHECK(x(entry.row, entry.column) == start(entry.row, entry.column));
+        for (const hmesh::kit::HeldEntry& entry : held) CHECK(x(entry.row, entry.column) == start(entry.row, entry.column));
         double residual = 0;
         for (Index k = 0; k < 4; ++k) {
             const Reduced reduced = reduce(dense, b, start, held, k);
@@ -267,15 +267,15 @@ TEST_CASE("held entries keep their bits, and the others solve the system without
 }
 
 TEST_CASE("held entries are what the residual is relative to, whatever the right-hand side") {
-    hmesh::Random random(12);
+    hmesh::kit::Random random(12);
     const MatrixXd dense = random_spd(40, random), start = random_matrix(40, 3, random);
     MatrixXd b = random_matrix(40, 3, random);
     b.col(0).setZero();  // only what is held asks for something
     b.col(1) *= 1e-9;    // far less than what is held
-    const std::vector<hmesh::HeldEntry> held = {{3, 0}, {17, 0}, {5, 1}, {0, 2}};
+    const std::vector<hmesh::kit::HeldEntry> held = {{3, 0}, {17, 0}, {5, 1}, {0, 2}};
     for (const double tolerance : {1e-3, 1e-10}) {
         MatrixXd x = start;
-        const hmesh::PcgReport report = hmesh::solve_pcg(dense.sparseView(), b, x, {2000, tolerance}, held);
+        const hmesh::kit::PcgReport report = hmesh::kit::solve_pcg(dense.sparseView(), b, x, {2000, tolerance}, held);
         CHECK(report.converged);
         double residual = 0;
         for (Index k = 0; k < 3; ++k) {
@@ -290,10 +290,10 @@ TEST_CASE("held entries are what the residual is relative to, whatever the right
 }
 
 TEST_CASE("entries held at zero beside a right-hand side of zero give zero, at once") {
-    hmesh::Random random(13);
+    hmesh::kit::Random random(13);
     MatrixXd x = random_matrix(20, 1, random);
     x(4, 0) = 0;
-    const hmesh::PcgReport report = hmesh::solve_pcg(random_spd(20, random).sparseView(), MatrixXd::Zero(20, 1), x, {}, {{4, 0}});
+    const hmesh::kit::PcgReport report = hmesh::kit::solve_pcg(random_spd(20, random).sparseView(), MatrixXd::Zero(20, 1), x, {}, {{4, 0}});
     CHECK(report.converged);
     CHECK(report.iterations == 0);
     CHECK(x.isZero(0));

@@ -214,7 +214,7 @@ TEST_CASE("a compressor is used for the mesh, and where it fails there is a Stat
         for (const hmesh::MeshView& view : {mesh.view(), opaque.view()}) {
             const hmesh::Status status = hmesh::write_pdf(view, StringSink{&text}, options);
             CHECK(status.code == hmesh::Errc::write_failed);
-            CHECK(status.got == 0);
+            CHECK(status.value == 0);
             CHECK(text.empty());
         }
     }

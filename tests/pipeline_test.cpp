@@ -16,7 +16,7 @@
 #include "test_meshing.hpp"
 #include "test_results.hpp"
 
-using hmesh::Effort;
+using hmesh::kit::Effort;
 using hmesh::Image;
 using hmesh::mesh_image;
 using hmesh::Options;
@@ -31,7 +31,7 @@ hmesh::Result<C> mesh_of(const Image<T, C>& image, std::int64_t vertices, Effort
     options.effort = effort;
     options.seed = seed;
     if (effort == Effort::best) {  // its 1000 sweeps take long under sanitizers
-        options.annealed = hmesh::annealed_options(effort);
+        options.annealed = hmesh::kit::annealed_options(effort);
         options.annealed->annealing.sweeps = 100;
     }
     return mesh_image(image.view(), options);

@@ -1,4 +1,4 @@
-#include "hmesh/fit/point_removal.hpp"
+#include "hmesh/methods/baselines/point_removal.hpp"
 
 #include <doctest/doctest.h>
 
@@ -18,18 +18,18 @@
 #include "test_meshes.hpp"
 #include "test_weighted.hpp"
 
-using hmesh::Color;
-using hmesh::Delaunay;
-using hmesh::Edge;
-using hmesh::Face;
-using hmesh::Halfedge;
-using hmesh::HalfedgeMesh;
-using hmesh::ImageMesh;
-using hmesh::Mobility;
-using hmesh::Point;
-using hmesh::PointRemoval;
-using hmesh::Random;
-using hmesh::Vertex;
+using hmesh::kit::Color;
+using hmesh::kit::Delaunay;
+using hmesh::kit::Edge;
+using hmesh::kit::Face;
+using hmesh::kit::Halfedge;
+using hmesh::kit::HalfedgeMesh;
+using hmesh::kit::ImageMesh;
+using hmesh::kit::Mobility;
+using hmesh::kit::Point;
+using hmesh::kit::PointRemoval;
+using hmesh::kit::Random;
+using hmesh::kit::Vertex;
 using hmesh_test::Subject;
 using hmesh_test::Triangulation;
 using hmesh_test::Weighted;
@@ -53,14 +53,14 @@ Triangulation generic_points(int width, int height, int inner, int border, std::
     std::vector<Point> points;
     for (int k = 0; k < inner; ++k) {
         const double x = 0.1 + random.uniform() * (width - 0.2), y = 0.1 + random.uniform() * (height - 0.2);
-        points.push_back(hmesh::snap(Point{x, y}));
+        points.push_back(hmesh::kit::snap(Point{x, y}));
     }
     for (int k = 0; k < border; ++k) {
         const double t = random.uniform(), w = width, h = height;
         const Point sides[4] = {{t * w, 0}, {t * w, h}, {0, t * h}, {w, t * h}};
-        points.push_back(hmesh::snap(sides[k % 4]));
+        points.push_back(hmesh::kit::snap(sides[k % 4]));
     }
-    return triangulation_of(hmesh::triangulate(width, height, points));
+    return triangulation_of(hmesh::kit::triangulate(width, height, points));
 }
 
 // All corners of the pixels in steps of `step`: every square has its corners on a circle.
@@ -68,7 +68,7 @@ Triangulation lattice(int width, int height, int step) {
     std::vector<Point> points;
     for (int y = 0; y <= height; y += step)
         for (int x = 0; x <= width; x += step) points.push_back({static_cast<double>(x), static_cast<double>(y)});
-    return triangulation_of(hmesh::triangulate(width, height, points));
+    return triangulation_of(hmesh::kit::triangulate(width, height, points));
 }
 
 // The energy of the Delaunay triangulation of the mesh's vertices but v, with their colours, made from scratch.
@@ -81,7 +81,7 @@ double energy_without(const ImageMesh<C>& mesh, Vertex v) {
         kept.push_back(u);
         points.push_back(mesh.position(u));
     }
-    const Triangulation after = triangulation_of(hmesh::triangulate(mesh.width(), mesh.height(), points));
+    const Triangulation after = triangulation_of(hmesh::kit::triangulate(mesh.width(), mesh.height(), points));
     REQUIRE(after.positions.size() == kept.size());
     std::vector<Color<C>> colors;
     for (const Point p : after.positions) {
@@ -110,7 +110,7 @@ bool is_delaunay(const ImageMesh<C>& mesh) {
         if (topology.is_boundary(e)) continue;
         const Halfedge h = HalfedgeMesh::halfedge(e), o = HalfedgeMesh::opposite(h);
         const auto at = [&](Halfedge side) { return mesh.position(topology.to_vertex(side)); };
-        if (hmesh::in_circle(at(o), at(h), at(topology.next(h)), at(topology.next(o))) > 0) return false;
+        if (hmesh::kit::in_circle(at(o), at(h), at(topology.next(h)), at(topology.next(o))) > 0) return false;
     }
     return true;
 }
@@ -118,7 +118,7 @@ bool is_delaunay(const ImageMesh<C>& mesh) {
 template <int C>
 void require_valid(const ImageMesh<C>& mesh) {
     const hmesh::Status status = mesh.check();
-    REQUIRE_MESSAGE(status, std::string(status.what) << " at " << status.got);
+    REQUIRE_MESSAGE(status, std::string(status.what) << " at " << status.value);
     REQUIRE(is_delaunay(mesh));
 }
 
@@ -127,7 +127,7 @@ template <int C>
 void check_costs(const ImageMesh<C>& mesh, const PointRemoval<C>& removal, double slack) {
     int corners = 0;
     for (const Vertex v : mesh.topology().vertices()) {
-        if (mesh.vertex(v).mobility == Mobility::fixed) {
+        if (mesh.vertex(v).mobility == Mobility::corner) {
             CHECK(!removal.can_go(v));
             ++corners;
             continue;
@@ -173,7 +173,7 @@ void remove_all(ImageMesh<C>& mesh, double slack) {
         REQUIRE(std::abs(mesh.energy() - energy - least) <= slack + 1e-9 * std::abs(energy));
         require_valid(mesh);
     }
-    for (const Vertex v : mesh.topology().vertices()) CHECK(mesh.vertex(v).mobility == Mobility::fixed);
+    for (const Vertex v : mesh.topology().vertices()) CHECK(mesh.vertex(v).mobility == Mobility::corner);
     CHECK(removal.remove_down_to(4) == 0);
 }
 
@@ -222,7 +222,7 @@ TEST_CASE("each time the cheapest of all vertices goes, as when all costs are fo
         while (mesh.vertex_count() > 5) {  // the corners alone have two triangulations
             std::vector<std::pair<double, Vertex>> naive;
             for (const Vertex v : mesh.topology().vertices())
-                if (mesh.vertex(v).mobility != Mobility::fixed) naive.emplace_back(energy_without(mesh, v), v);
+                if (mesh.vertex(v).mobility != Mobility::corner) naive.emplace_back(energy_without(mesh, v), v);
             const auto best =
                 *std::min_element(naive.begin(), naive.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
             REQUIRE(removal.remove_down_to(mesh.vertex_count() - 1) == 1);
@@ -268,17 +268,17 @@ TEST_CASE("what is affine costs nothing, so the border between two affine pictur
     CHECK(on_crease == 2);
 }
 
-TEST_CASE("a vertex with too many neighbours for a ring stays until some of these are gone") {
-    const int spokes = hmesh::ring_capacity + 16;
+TEST_CASE("a vertex with too many neighbors for a ring stays until some of these are gone") {
+    const int spokes = hmesh::kit::ring_capacity + 16;
     std::vector<Point> points;
     Random random(31);
     for (int k = 0; k < spokes; ++k) {  // hardly off a circle, or there would be many triangulations without the hub
         const double angle = 6.283185307179586 * k / spokes, radius = 25 + 0.05 * random.uniform();
-        points.push_back(hmesh::snap(Point{30 + radius * std::cos(angle), 30 + radius * std::sin(angle)}));
+        points.push_back(hmesh::kit::snap(Point{30 + radius * std::cos(angle), 30 + radius * std::sin(angle)}));
     }
     points.push_back({30, 30});
     Subject<std::uint8_t, 3> subject(hmesh_test::noise<std::uint8_t, 3>(60, 60, 31),
-                                     triangulation_of(hmesh::triangulate(60, 60, points)));
+                                     triangulation_of(hmesh::kit::triangulate(60, 60, points)));
     ImageMesh<3>& mesh = subject.mesh;
     Vertex hub;
     for (const Vertex v : mesh.topology().vertices())
@@ -286,7 +286,7 @@ TEST_CASE("a vertex with too many neighbours for a ring stays until some of thes
     REQUIRE(mesh.topology().valence(hub) == spokes);
     PointRemoval<3> removal(mesh);
     CHECK(!removal.can_go(hub));
-    while (mesh.topology().valence(hub) > hmesh::ring_capacity) {
+    while (mesh.topology().valence(hub) > hmesh::kit::ring_capacity) {
         REQUIRE(removal.remove_down_to(mesh.vertex_count() - 1) == 1);
         REQUIRE(!mesh.topology().is_deleted(hub));
         require_valid(mesh);
@@ -302,7 +302,7 @@ TEST_CASE("frozen vertices stay, and no more go than are asked for") {
     Subject<std::uint8_t, 1> subject(hmesh_test::noise<std::uint8_t, 1>(40, 40, 41), generic_points(40, 40, 60, 12, 41));
     ImageMesh<1>& mesh = subject.mesh;
     const std::size_t count = mesh.vertex_count();
-    for (std::size_t k = 10; k < 20; ++k) mesh.freeze(Vertex(k), hmesh::max_valence);
+    for (std::size_t k = 10; k < 20; ++k) mesh.lock(Vertex(k), hmesh::kit::max_valence);
     PointRemoval<1> removal(mesh);
     CHECK(removal.remove_down_to(count) == 0);
     CHECK(removal.remove_down_to(count + 100) == 0);
@@ -321,20 +321,20 @@ TEST_CASE("removal says how far it is, and a callback ends it, and the rating be
             int last, count = 0;
             double fraction = 0;
         } calls{last};
-        const hmesh::Progress progress{[](void* user, const hmesh::StageInfo& info) {
+        const hmesh::Progress progress{[](void* user, const hmesh::ProgressInfo& info) {
                                            Calls& c = *static_cast<Calls*>(user);
                                            c.fraction = info.fraction;
                                            return ++c.count < c.last;
                                        },
                                        &calls};
-        hmesh::Monitor monitor(progress, 3600, 255);
-        monitor.expect(0, 1);
+        hmesh::kit::ProgressReporter monitor(progress, 3600, 255);
+        monitor.set_range(0, 1);
         std::size_t removed = 0;
         {
-            hmesh::Pulse pulse(monitor, 1);
-            subject.mesh.set_pulse(&pulse);
+            hmesh::kit::TaskProgress task(monitor, 1);
+            subject.mesh.set_task(&task);
             removed = PointRemoval<1>(subject.mesh).remove_down_to(100);
-            subject.mesh.set_pulse(nullptr);
+            subject.mesh.set_task(nullptr);
         }
         CHECK(calls.count == last);
         if (last == 5) CHECK(removed == 0);  // fewer than 256 vertices are rated between two calls

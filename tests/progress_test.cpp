@@ -20,14 +20,14 @@
 #include "test_meshing.hpp"
 #include "test_results.hpp"
 
-using hmesh::Effort;
+using hmesh::kit::Effort;
 using hmesh::Errc;
-using hmesh::Monitor;
+using hmesh::kit::ProgressReporter;
 using hmesh::Options;
 using hmesh::Progress;
-using hmesh::psnr_of_energy;
-using hmesh::Pulse;
-using hmesh::StageInfo;
+using hmesh::kit::psnr_of_energy;
+using hmesh::kit::TaskProgress;
+using hmesh::ProgressInfo;
 using hmesh::Target;
 
 namespace {
@@ -44,7 +44,7 @@ struct Recorder {
     std::size_t stop_at = std::numeric_limits<std::size_t>::max();
 
     [[nodiscard]] Progress progress() {
-        return {[](void* user, const StageInfo& info) {
+        return {[](void* user, const ProgressInfo& info) {
                     Recorder& self = *static_cast<Recorder*>(user);
                     self.calls.push_back({info.stage, info.fraction, info.vertices, info.energy});
                     return self.calls.size() <= self.stop_at;
@@ -128,7 +128,7 @@ void for_each_other_method(std::int64_t vertices, Body&& body) {
         body(options);
         if (method != Method::hierarchical) continue;
         options.hierarchical.start_filtered = false;
-        options.hierarchical.geometry.rule = hmesh::StepRule::literal;
+        options.hierarchical.geometry.rule = hmesh::kit::StepRule::literal;
         body(options);
     }
 }
@@ -136,7 +136,7 @@ void for_each_other_method(std::int64_t vertices, Body&& body) {
 }  // namespace
 
 TEST_CASE("a monitor without a callback goes on and notes what each stage left") {
-    Monitor monitor({}, 1000, 255);
+    ProgressReporter monitor({}, 1000, 255);
     CHECK(monitor.begin("first", 4, 900));
     CHECK(monitor.update(0.5, 10, 500));
     CHECK(monitor.end(20, 100));
@@ -152,7 +152,7 @@ TEST_CASE("a monitor without a callback goes on and notes what each stage left")
 }
 
 TEST_CASE("a stage reports the iterations of all its solves and the largest residual; the next begins with none") {
-    Monitor monitor({}, 1000, 255);
+    ProgressReporter monitor({}, 1000, 255);
     monitor.begin("first", 4, 900);
     monitor.note_solve(7, 1e-7);
     monitor.update(0.5, 10, 500);
@@ -182,7 +182,7 @@ TEST_CASE("a stage reports the iterations of all its solves and the largest resi
 
 TEST_CASE("a monitor hands on stage, fraction in [0, 1], vertices and energy") {
     Recorder recorder;
-    Monitor monitor(recorder.progress(), 1000, 255);
+    ProgressReporter monitor(recorder.progress(), 1000, 255);
     monitor.begin("work", 4, 900);
     for (const double fraction : {-3.0, 0.25, 7.0}) monitor.update(fraction, 10, 500);
     monitor.end(20, 100);
@@ -200,7 +200,7 @@ TEST_CASE("a monitor hands on stage, fraction in [0, 1], vertices and energy") {
 
 TEST_CASE("an energy that rounding made negative is handed on as 0") {
     Recorder recorder;
-    Monitor monitor(recorder.progress(), 1000, 255);
+    ProgressReporter monitor(recorder.progress(), 1000, 255);
     monitor.begin("work", 4, -1e-12);
     monitor.update(0.5, 4, -1e-9);
     monitor.end(4, -1e-12);
@@ -212,7 +212,7 @@ TEST_CASE("an energy that rounding made negative is handed on as 0") {
 TEST_CASE("once told to stop a monitor stays stopped and calls no more") {
     Recorder recorder;
     recorder.stop_at = 1;
-    Monitor monitor(recorder.progress(), 1000, 255);
+    ProgressReporter monitor(recorder.progress(), 1000, 255);
     CHECK(monitor.begin("work", 4, 900));
     CHECK_FALSE(monitor.update(0.5, 10, 500));
     CHECK(monitor.stopped());
@@ -228,7 +228,7 @@ TEST_CASE("polled from several threads a monitor never calls twice at a time, an
         int plain = 0;  // what a race would spoil
     } shared;
     constexpr int last = 2000;
-    const Progress progress{[](void* user, const StageInfo&) {
+    const Progress progress{[](void* user, const ProgressInfo&) {
                                 Shared& s = *static_cast<Shared*>(user);
                                 const int inside = ++s.inside;
                                 if (inside > s.most) s.most = inside;
@@ -238,7 +238,7 @@ TEST_CASE("polled from several threads a monitor never calls twice at a time, an
                                 return go_on;
                             },
                             &shared};
-    Monitor monitor(progress, 1000, 255);
+    ProgressReporter monitor(progress, 1000, 255);
     std::atomic<int> taken_back{0};
     std::vector<std::thread> threads;
     for (int k = 0; k < 4; ++k)
@@ -256,11 +256,11 @@ TEST_CASE("polled from several threads a monitor never calls twice at a time, an
 
 TEST_CASE("a monitor does not call from within its call") {
     struct Nested {
-        Monitor* monitor = nullptr;
+        ProgressReporter* monitor = nullptr;
         int calls = 0;
         bool inner = false;
     } nested;
-    Monitor monitor({[](void* user, const StageInfo&) {
+    ProgressReporter monitor({[](void* user, const ProgressInfo&) {
                          Nested& n = *static_cast<Nested*>(user);
                          ++n.calls;
                          n.inner = n.monitor->poll();
@@ -278,22 +278,22 @@ TEST_CASE("the fractions of pieces at work add up to the range expected, rise on
     for (const auto& [from, to] : {std::pair{0.0, 1.0}, {0.25, 0.5}, {0.5, 0.5}, {-3.0, 7.0}}) {
         const double first = std::max(0.0, from), end = std::min(1.0, to);
         Recorder recorder;
-        Monitor monitor(recorder.progress(), 1000, 255);
+        ProgressReporter monitor(recorder.progress(), 1000, 255);
         monitor.begin("work", 4, 900);
-        monitor.expect(from, to);
-        hmesh::Random random(3);
+        monitor.set_range(from, to);
+        hmesh::kit::Random random(3);
         {
-            std::vector<std::unique_ptr<Pulse>> pulses;
-            std::vector<double> shares(7);
+            std::vector<std::unique_ptr<TaskProgress>> pulses;
+            std::vector<double> apportion(7);
             double sum = 0, expected = 0;
             for (double& share : shares) sum += share = random.uniform();
             std::vector<double> reached(shares.size(), 0.0);
-            for (double& share : shares) pulses.push_back(std::make_unique<Pulse>(monitor, share /= sum));
+            for (double& share : shares) pulses.push_back(std::make_unique<TaskProgress>(monitor, share /= sum));
             for (int k = 0; k < 300; ++k) {
                 const std::size_t i = random.below(pulses.size());
                 const double odd[] = {-1, 0, 0.3, 0.7, 1, 2, std::numeric_limits<double>::quiet_NaN()};
                 const double fraction = odd[random.below(k < 200 ? 4U : 7U)] * (k < 200 ? random.uniform() : 1);
-                pulses[i]->reach(fraction);
+                pulses[i]->set_fraction(fraction);
                 if (fraction > reached[i]) reached[i] = std::min(1.0, fraction);
                 monitor.poll();
                 expected = 0;
@@ -314,33 +314,33 @@ TEST_CASE("the fractions of pieces at work add up to the range expected, rise on
 
 TEST_CASE("a piece that ends is done, whether it said so or not") {
     Recorder recorder;
-    Monitor monitor(recorder.progress(), 1000, 255);
+    ProgressReporter monitor(recorder.progress(), 1000, 255);
     monitor.begin("work", 4, 900);
-    monitor.expect(0.2, 0.6);
-    { const Pulse pulse(monitor, 0.25); }
+    monitor.set_range(0.2, 0.6);
+    { const TaskProgress task(monitor, 0.25); }
     monitor.poll();
     CHECK(recorder.calls.back().fraction == doctest::Approx(0.3));
-    monitor.expect(0.6, 1);  // starts anew
+    monitor.set_range(0.6, 1);  // starts anew
     monitor.poll();
     CHECK(recorder.calls.back().fraction == 0.6);
 }
 
 TEST_CASE("a beat asks the callback every 256th time, and not at all once the work is to stop") {
     Recorder recorder;
-    Monitor monitor(recorder.progress(), 1000, 255);
-    Pulse pulse(monitor, 1);
+    ProgressReporter monitor(recorder.progress(), 1000, 255);
+    TaskProgress task(monitor, 1);
     for (std::size_t k = 1; k <= 3000; ++k) {
-        CHECK(pulse.beat());
+        CHECK(task.keep_going());
         REQUIRE(recorder.calls.size() == k / 256);
     }
     recorder.stop_at = 12;
     std::size_t beats = 0;
-    while (pulse.beat()) ++beats;
+    while (task.keep_going()) ++beats;
     CHECK(beats < 2 * 256);
     CHECK(recorder.calls.size() == 13);
-    CHECK(pulse.stopped());
-    Pulse other(monitor, 0.5);
-    for (int k = 0; k < 1000; ++k) REQUIRE_FALSE((pulse.beat() || other.beat()));
+    CHECK(task.stopped());
+    TaskProgress other(monitor, 0.5);
+    for (int k = 0; k < 1000; ++k) REQUIRE_FALSE((task.keep_going() || other.keep_going()));
     CHECK(recorder.calls.size() == 13);
 }
 

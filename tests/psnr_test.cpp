@@ -5,7 +5,7 @@
 #include <cmath>
 #include <limits>
 
-using hmesh::psnr_of_energy;
+using hmesh::kit::psnr_of_energy;
 
 TEST_CASE("PSNR is 10 log10(peak^2 / MSE) over pixels and channels, infinite without error") {
     CHECK(psnr_of_energy(300.0, 300, 255) == doctest::Approx(20 * std::log10(255.0)));

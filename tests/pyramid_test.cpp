@@ -1,4 +1,4 @@
-#include "hmesh/image/pyramid.hpp"
+#include "hmesh/methods/hierarchical/pyramid.hpp"
 
 #include <doctest/doctest.h>
 
@@ -11,13 +11,13 @@
 #include "test_executors.hpp"
 #include "test_images.hpp"
 
-using hmesh::bilateral_filter;
-using hmesh::BilateralOptions;
+using hmesh::kit::bilateral_filter;
+using hmesh::kit::BilateralOptions;
 using hmesh::Image;
 using hmesh::ImageView;
-using hmesh::LevelFilter;
-using hmesh::make_pyramid;
-using hmesh::Pyramid;
+using hmesh::kit::LevelFilter;
+using hmesh::kit::make_pyramid;
+using hmesh::kit::Pyramid;
 
 namespace {
 

@@ -6,7 +6,7 @@
 #include <cstdint>
 #include <vector>
 
-using hmesh::Random;
+using hmesh::kit::Random;
 
 TEST_CASE("Random gives the numbers published with PCG32 for seed 42 and stream 54") {
     Random random(42, 54);

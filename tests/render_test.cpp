@@ -20,8 +20,8 @@ using hmesh::Image;
 using hmesh::ImageView;
 using hmesh::Mesh;
 using hmesh::MeshView;
-using hmesh::Point;
-using hmesh::Random;
+using hmesh::kit::Point;
+using hmesh::kit::Random;
 using hmesh::RenderOptions;
 using hmesh::Status;
 using hmesh_test::ReverseFor;
@@ -31,7 +31,7 @@ Point position(const MeshView& mesh, std::uint32_t v) {
 }
 
 double area(const MeshView& mesh, const std::array<std::uint32_t, 3>& face) {
-    return hmesh::cross(position(mesh, face[0]), position(mesh, face[1]), position(mesh, face[2]));
+    return hmesh::kit::orient2d(position(mesh, face[0]), position(mesh, face[1]), position(mesh, face[2]));
 }
 
 // A triangulation of [0, width] x [0, height] on the 1/256 px grid: shifted grid points, then `splits` faces split in
@@ -42,7 +42,7 @@ Mesh<C> random_mesh(int width, int height, int columns, int rows, int splits, Ra
     mesh.width = width, mesh.height = height, mesh.peak = 255;
     const auto around = [&](double x, double step) {
         const double shifted = x + (random.uniform() - 0.5) * 0.6 * step;
-        return random.below(2) == 0 ? std::round(2 * shifted) / 2 : hmesh::snap(shifted);
+        return random.below(2) == 0 ? std::round(2 * shifted) / 2 : hmesh::kit::snap(shifted);
     };
     const auto add = [&](double x, double y) {
         mesh.positions.push_back(static_cast<float>(x));
@@ -73,8 +73,8 @@ Mesh<C> random_mesh(int width, int height, int columns, int rows, int splits, Ra
         const auto [a, b, c] = mesh.faces[f];
         const double u = random.uniform(), v = random.uniform() * (1 - u);
         const Point p = position(mesh.view(), a), q = position(mesh.view(), b), r = position(mesh.view(), c);
-        const Point at = hmesh::snap({p.x + u * (q.x - p.x) + v * (r.x - p.x), p.y + u * (q.y - p.y) + v * (r.y - p.y)});
-        if (hmesh::cross(p, q, at) <= 0 || hmesh::cross(q, r, at) <= 0 || hmesh::cross(r, p, at) <= 0) continue;
+        const Point at = hmesh::kit::snap({p.x + u * (q.x - p.x) + v * (r.x - p.x), p.y + u * (q.y - p.y) + v * (r.y - p.y)});
+        if (hmesh::kit::orient2d(p, q, at) <= 0 || hmesh::kit::orient2d(q, r, at) <= 0 || hmesh::kit::orient2d(r, p, at) <= 0) continue;
         const std::uint32_t d = add(at.x, at.y);
         mesh.faces[f] = {a, b, d};
         mesh.faces.push_back({b, c, d});
@@ -228,7 +228,7 @@ TEST_CASE("tall slivers over many bands are drawn pixel for pixel") {
 
 TEST_CASE("two faces agree on their edge to the last bit, as the long side of one and a short side of the other") {
     // The edge starts at (2^-33, 10) and ends near (run, 10 + drop). Where run = drop it passes centres at a distance
-    // of RowCrossing's slack, so that its last bit decides.
+    // of EdgeWalker's slack, so that its last bit decides.
     for (const double run : {65536.0, 65535.0, 3 * 65535.0, 5 * 65533.0})
         for (const double drop : {65536.0, 65535.0, 3 * 65535.0, 5 * 65533.0}) {
             Mesh<1> mesh;
@@ -294,7 +294,7 @@ TEST_CASE("faces of no area and faces of no pixel change nothing, also the thinn
 }
 
 TEST_CASE("colours stay between those of the corners, also where a thin face is given a centre beside it") {
-    Mesh<1> mesh;  // its left edge passes the centre of pixel (0, 0) at 2^-35 px: within RowCrossing's slack
+    Mesh<1> mesh;  // its left edge passes the centre of pixel (0, 0) at 2^-35 px: within EdgeWalker's slack
     mesh.width = 1, mesh.height = 2048, mesh.peak = 1;
     mesh.positions = {0.5F, 0, 0.5F + std::ldexp(1.0F, -22), 0, 0.5F + std::ldexp(1.0F, -23), 2048};
     mesh.colors = {0.25F, 1, 0.25F};

@@ -13,14 +13,14 @@
 #include "test_images.hpp"
 #include "test_meshes.hpp"
 
-using hmesh::Color;
-using hmesh::Face;
-using hmesh::Mobility;
+using hmesh::kit::Color;
+using hmesh::kit::Face;
+using hmesh::kit::Mobility;
 using hmesh::PixelTraits;
-using hmesh::Point;
-using hmesh::Random;
-using hmesh::Vertex;
-using hmesh::VertexState;
+using hmesh::kit::Point;
+using hmesh::kit::Random;
+using hmesh::kit::Vertex;
+using hmesh::kit::VertexState;
 using hmesh_test::Subject;
 
 namespace {
@@ -29,10 +29,10 @@ constexpr double unlimited = 1e300;
 
 // The energy of the ring's faces with its centre in another state.
 template <class T, int C>
-double brute_ring(const hmesh::Image<T, C>& image, const hmesh::Ring<C>& ring, const VertexState<C>& centre) {
+double brute_ring(const hmesh::Image<T, C>& image, const hmesh::kit::Ring<C>& ring, const VertexState<C>& center) {
     double energy = 0;
     for (int i = ring.first_face(); i < ring.size; ++i)
-        energy += hmesh_test::brute_energy(image, centre, *ring.neighbour[i], *ring.neighbour[ring.before(i)]);
+        energy += hmesh_test::brute_energy(image, center, *ring.neighbor[i], *ring.neighbor[ring.before(i)]);
     return energy;
 }
 
@@ -42,11 +42,11 @@ struct OwnedPixel {
     friend bool operator==(const OwnedPixel& a, const OwnedPixel& b) { return a.face == b.face && a.i == b.i && a.j == b.j; }
 };
 template <int C>
-std::vector<OwnedPixel> pixels_of(const hmesh::ImageMesh<C>& mesh, const hmesh::Ring<C>& ring, Point p) {
+std::vector<OwnedPixel> pixels_of(const hmesh::kit::ImageMesh<C>& mesh, const hmesh::kit::Ring<C>& ring, Point p) {
     std::vector<OwnedPixel> pixels;
     for (int t = ring.first_face(); t < ring.size; ++t)
-        hmesh_test::for_each_pixel(mesh.width(), mesh.height(), p, ring.neighbour[t]->position,
-                                   ring.neighbour[ring.before(t)]->position, [&](int i, int j) {
+        hmesh_test::for_each_pixel(mesh.width(), mesh.height(), p, ring.neighbor[t]->position,
+                                   ring.neighbor[ring.before(t)]->position, [&](int i, int j) {
                                        pixels.push_back({t, i, j});
                                    });
     return pixels;
@@ -58,38 +58,38 @@ void check_energy(std::uint64_t seed) {
     hmesh_test::wear(subject.mesh, 60, PixelTraits<T>::peak, seed);
     const double peak = PixelTraits<T>::peak, slack = 1e-11 * hmesh_test::squares(subject.image);
     Random random(seed);
-    hmesh::RingWork<C> work;
+    hmesh::kit::RingScratch<C> work;
     int accepted = 0, refused = 0;
     for (const Vertex v : subject.mesh.topology().vertices()) {
         subject.mesh.gather(v, work.ring, work.spokes);
-        VertexState<C> centre = subject.mesh.vertex(v);
+        VertexState<C> center = subject.mesh.vertex(v);
         for (int tries = 0; tries < 8; ++tries) {
             if (tries > 0) {  // anywhere, not only on the grid
-                if (centre.mobility == Mobility::fixed) break;
-                if (centre.mobility != Mobility::along_y)
-                    centre.position.x = subject.mesh.position(v).x + 4 * random.uniform() - 2;
-                if (centre.mobility != Mobility::along_x)
-                    centre.position.y = subject.mesh.position(v).y + 4 * random.uniform() - 2;
-                centre.position.x = std::min(31.0, std::max(0.0, centre.position.x));
-                centre.position.y = std::min(26.0, std::max(0.0, centre.position.y));
-                centre.color = hmesh_test::any_color(subject.mesh, v, peak, random);
-                hmesh::walk_spokes(subject.table, work.ring, centre.position, work.spokes);
+                if (center.mobility == Mobility::corner) break;
+                if (center.mobility != Mobility::along_y)
+                    center.position.x = subject.mesh.position(v).x + 4 * random.uniform() - 2;
+                if (center.mobility != Mobility::along_x)
+                    center.position.y = subject.mesh.position(v).y + 4 * random.uniform() - 2;
+                center.position.x = std::min(31.0, std::max(0.0, center.position.x));
+                center.position.y = std::min(26.0, std::max(0.0, center.position.y));
+                center.color = hmesh_test::any_color(subject.mesh, v, peak, random);
+                hmesh::kit::walk_spokes(subject.table, work.ring, center.position, work.spokes);
             }
-            hmesh::RingFit<C> fit;
-            const bool fits = hmesh::fit_ring(work.ring, work.spokes, centre.position, 0.02, work.faces, fit);
-            REQUIRE(fits == work.ring.accepts(centre.position, 0.02));
+            hmesh::kit::RingFit<C> fit;
+            const bool fits = hmesh::kit::fit_ring(work.ring, work.spokes, center.position, 0.02, work.faces, fit);
+            REQUIRE(fits == work.ring.accepts(center.position, 0.02));
             if (!fits) {
                 ++refused;
                 continue;
             }
             ++accepted;
-            const double truth = brute_ring(subject.image, work.ring, centre);
-            REQUIRE(fit.energy(centre.color) == doctest::Approx(truth).epsilon(1e-8).scale(slack * 1e8));
+            const double truth = brute_ring(subject.image, work.ring, center);
+            REQUIRE(fit.energy(center.color) == doctest::Approx(truth).epsilon(1e-8).scale(slack * 1e8));
             double sum = 0;
             for (int i = work.ring.first_face(); i < work.ring.size; ++i) {
-                const double face = work.faces[i].energy(centre.color);
-                REQUIRE(std::abs(face - hmesh_test::brute_energy(subject.image, centre, *work.ring.neighbour[i],
-                                                                 *work.ring.neighbour[work.ring.before(i)])) <=
+                const double face = work.faces[i].energy(center.color);
+                REQUIRE(std::abs(face - hmesh_test::brute_energy(subject.image, center, *work.ring.neighbor[i],
+                                                                 *work.ring.neighbor[work.ring.before(i)])) <=
                         1e-8 * truth + slack);
                 sum += face;
             }
@@ -107,15 +107,15 @@ void check_faces(std::uint64_t seed) {
     const double slack = 1e-11 * hmesh_test::squares(subject.image);
     for (const Face f : subject.mesh.topology().faces()) {
         const auto v = subject.mesh.topology().vertices(f);
-        hmesh::Moments<C> m;
+        hmesh::kit::Moments<C> m;
         subject.mesh.face_moments(f, m);
         const double truth = hmesh_test::brute_energy(subject, f);
         for (std::size_t k = 0; k < 3; ++k) {
             const VertexState<C>&a = subject.mesh.vertex(v[k]), &b = subject.mesh.vertex(v[(k + 1) % 3]);
             const VertexState<C>& c = subject.mesh.vertex(v[(k + 2) % 3]);
-            REQUIRE(std::abs(hmesh::face_energy(m, a, b, c) - truth) <= 1e-8 * truth + slack);
-            hmesh::FaceFit<C> fit{};
-            REQUIRE(hmesh::fit_face(m, a.position, b, c, 0.02, fit));
+            REQUIRE(std::abs(hmesh::kit::face_energy(m, a, b, c) - truth) <= 1e-8 * truth + slack);
+            hmesh::kit::FaceFit<C> fit{};
+            REQUIRE(hmesh::kit::fit_face(m, a.position, b, c, 0.02, fit));
             REQUIRE(std::abs(fit.energy(a.color) - truth) <= 1e-8 * truth + slack);
         }
     }
@@ -126,22 +126,22 @@ void check_best_color(std::uint64_t seed) {
     Subject<T, C> subject(hmesh_test::scene<T, C>(30, 25, seed), hmesh_test::jittered_grid(30, 25, 4, 4, seed));
     const double peak = PixelTraits<T>::peak;
     Random random(seed);
-    hmesh::RingWork<C> work;
+    hmesh::kit::RingScratch<C> work;
     for (const Vertex v : subject.mesh.topology().vertices()) {
         subject.mesh.gather(v, work.ring, work.spokes);
-        VertexState<C> centre = subject.mesh.vertex(v);
-        hmesh::RingFit<C> fit;
-        REQUIRE(hmesh::fit_ring(work.ring, work.spokes, centre.position, 0.02, work.faces, fit));
-        centre.color = hmesh::best_color(fit, centre.color, 0, -unlimited, unlimited);
-        const Color<C> best = centre.color;
-        for (int k = C; k < hmesh::lanes_for(C + 1); ++k) REQUIRE(best[k] == 0);
-        const double least = brute_ring(subject.image, work.ring, centre), h = 0.01 * peak;
+        VertexState<C> center = subject.mesh.vertex(v);
+        hmesh::kit::RingFit<C> fit;
+        REQUIRE(hmesh::kit::fit_ring(work.ring, work.spokes, center.position, 0.02, work.faces, fit));
+        center.color = hmesh::kit::best_color(fit, center.color, 0, -unlimited, unlimited);
+        const Color<C> best = center.color;
+        for (int k = C; k < hmesh::kit::lanes_for(C + 1); ++k) REQUIRE(best[k] == 0);
+        const double least = brute_ring(subject.image, work.ring, center), h = 0.01 * peak;
         for (int k = 0; k < C; ++k) {
-            centre.color = best;
-            centre.color.set(k, best[k] + h);
-            const double above = brute_ring(subject.image, work.ring, centre);
-            centre.color.set(k, best[k] - h);
-            const double below = brute_ring(subject.image, work.ring, centre);
+            center.color = best;
+            center.color.set(k, best[k] + h);
+            const double above = brute_ring(subject.image, work.ring, center);
+            center.color.set(k, best[k] - h);
+            const double below = brute_ring(subject.image, work.ring, center);
             // A quadratic with its minimum in the middle: both rise by A h^2.
             const double rise = fit.a * h * h;
             REQUIRE(above - least == doctest::Approx(rise).epsilon(1e-6));
@@ -149,9 +149,9 @@ void check_best_color(std::uint64_t seed) {
         }
         // The ridge counts as so many pixels of the current colour.
         const Color<C> current = hmesh_test::any_color(subject.mesh, v, peak, random);
-        const Color<C> held = hmesh::best_color(fit, current, fit.a, -unlimited, unlimited);
+        const Color<C> held = hmesh::kit::best_color(fit, current, fit.a, -unlimited, unlimited);
         for (int k = 0; k < C; ++k) REQUIRE(held[k] == doctest::Approx(0.5 * (best[k] + current[k])).epsilon(1e-9));
-        const Color<C> bounded = hmesh::best_color(fit, current, 0, 0.4 * peak, 0.5 * peak);
+        const Color<C> bounded = hmesh::kit::best_color(fit, current, 0, 0.4 * peak, 0.5 * peak);
         for (int k = 0; k < C; ++k) REQUIRE(bounded[k] == std::min(0.5 * peak, std::max(0.4 * peak, best[k])));
     }
 }
@@ -164,19 +164,19 @@ struct NormalEquations {
     double length = 0;              // |J' r|, before signs cancel
 };
 template <class T, int C>
-NormalEquations brute_equations(const Subject<T, C>& subject, const hmesh::Ring<C>& ring, const VertexState<C>& centre,
+NormalEquations brute_equations(const Subject<T, C>& subject, const hmesh::kit::Ring<C>& ring, const VertexState<C>& center,
                                 double ridge) {
     constexpr double h = 1e-4;
     NormalEquations n;
-    const std::vector<OwnedPixel> pixels = pixels_of(subject.mesh, ring, centre.position);
+    const std::vector<OwnedPixel> pixels = pixels_of(subject.mesh, ring, center.position);
     for (int k = 0; k < C; ++k) {
         double cc = ridge, cx = 0, cy = 0;
         for (const OwnedPixel& pixel : pixels) {
-            const VertexState<C>&a = *ring.neighbour[pixel.face], &b = *ring.neighbour[ring.before(pixel.face)];
+            const VertexState<C>&a = *ring.neighbor[pixel.face], &b = *ring.neighbor[ring.before(pixel.face)];
             const auto picture = [&](double dx, double dy, double dc) {
-                VertexState<C> moved = centre;
-                moved.position = {centre.position.x + dx, centre.position.y + dy};
-                moved.color.set(k, centre.color[k] + dc);
+                VertexState<C> moved = center;
+                moved.position = {center.position.x + dx, center.position.y + dy};
+                moved.color.set(k, center.color[k] + dc);
                 return hmesh_test::interpolate(moved, a, b, pixel.i + 0.5, pixel.j + 0.5, k);
             };
             const double jx = (picture(h, 0, 0) - picture(-h, 0, 0)) / (2 * h);
@@ -197,36 +197,36 @@ template <class T, int C>
 void check_gradient(std::uint64_t seed) {
     Subject<T, C> subject(hmesh_test::scene<T, C>(48, 44, seed), hmesh_test::jittered_grid(48, 44, 7, 6, seed));
     hmesh_test::wear(subject.mesh, 40, PixelTraits<T>::peak, seed);
-    hmesh::RingWork<C> work;
+    hmesh::kit::RingScratch<C> work;
     constexpr double h = 1e-5;
     int compared = 0, all = 0;
     for (const Vertex v : subject.mesh.topology().vertices()) {
         ++all;
         subject.mesh.gather(v, work.ring, work.spokes);
-        const VertexState<C> centre = subject.mesh.vertex(v);
-        const auto here = pixels_of(subject.mesh, work.ring, centre.position);
+        const VertexState<C> center = subject.mesh.vertex(v);
+        const auto here = pixels_of(subject.mesh, work.ring, center.position);
         double difference[2];
         bool same_pixels = true;
         for (int axis = 0; axis < 2; ++axis) {
             double energy[2];
             for (int side = 0; side < 2; ++side) {
-                VertexState<C> moved = centre;
+                VertexState<C> moved = center;
                 (axis == 0 ? moved.position.x : moved.position.y) += side == 0 ? h : -h;
                 // A border vertex off its side would uncover pixels.
                 same_pixels = same_pixels && moved.position.x >= 0 && moved.position.y >= 0 && moved.position.x <= 48 &&
                               moved.position.y <= 44 && pixels_of(subject.mesh, work.ring, moved.position) == here;
                 if (!same_pixels) break;
-                hmesh::walk_spokes(subject.table, work.ring, moved.position, work.spokes);
-                hmesh::RingFit<C> fit;
-                REQUIRE(hmesh::fit_ring(work.ring, work.spokes, moved.position, 0.01, work.faces, fit));
-                energy[side] = fit.energy(centre.color);
+                hmesh::kit::walk_spokes(subject.table, work.ring, moved.position, work.spokes);
+                hmesh::kit::RingFit<C> fit;
+                REQUIRE(hmesh::kit::fit_ring(work.ring, work.spokes, moved.position, 0.01, work.faces, fit));
+                energy[side] = fit.energy(center.color);
             }
             if (!same_pixels) break;
             difference[axis] = (energy[0] - energy[1]) / (2 * h);
         }
         if (!same_pixels) continue;
         ++compared;
-        const NormalEquations n = brute_equations(subject, work.ring, centre, 0);
+        const NormalEquations n = brute_equations(subject, work.ring, center, 0);
         REQUIRE(std::abs(2 * n.gx - difference[0]) <= 1e-4 * n.length + 1e-9);
         REQUIRE(std::abs(2 * n.gy - difference[1]) <= 1e-4 * n.length + 1e-9);
     }
@@ -236,23 +236,23 @@ void check_gradient(std::uint64_t seed) {
 template <class T, int C>
 void check_step(std::uint64_t seed, hmesh::Image<T, C> image) {
     Subject<T, C> subject(std::move(image), hmesh_test::jittered_grid(48, 44, 7, 6, seed));
-    hmesh::RingWork<C> work;
+    hmesh::kit::RingScratch<C> work;
     for (const Vertex v : subject.mesh.topology().vertices()) {
         subject.mesh.gather(v, work.ring, work.spokes);
-        VertexState<C> centre = subject.mesh.vertex(v);
-        hmesh::RingFit<C> fit;
-        REQUIRE(hmesh::fit_ring(work.ring, work.spokes, centre.position, 0.02, work.faces, fit));
-        centre.color = hmesh::best_color(fit, centre.color, 0, -unlimited, unlimited);
-        NormalEquations n = brute_equations(subject, work.ring, centre, 1e-3);
+        VertexState<C> center = subject.mesh.vertex(v);
+        hmesh::kit::RingFit<C> fit;
+        REQUIRE(hmesh::kit::fit_ring(work.ring, work.spokes, center.position, 0.02, work.faces, fit));
+        center.color = hmesh::kit::best_color(fit, center.color, 0, -unlimited, unlimited);
+        NormalEquations n = brute_equations(subject, work.ring, center, 1e-3);
         const double damping = 0.02 * (n.xx + n.yy);
         n.xx += damping, n.yy += damping;
         const double det = n.xx * n.yy - n.xy * n.xy;
         const auto close = [](double got, double want, double scale) { return std::abs(got - want) <= 1e-5 * scale; };
         const auto step_for = [&](Mobility mobility) {
-            return hmesh::gauss_newton_step(work.ring, work.faces, fit, centre.color, mobility);
+            return hmesh::kit::gauss_newton_step(work.ring, work.faces, fit, center.color, mobility);
         };
 
-        const hmesh::RingStep free = step_for(Mobility::free);
+        const hmesh::kit::RingStep free = step_for(Mobility::free);
         const double dx = -(n.yy * n.gx - n.xy * n.gy) / det, dy = -(n.xx * n.gy - n.xy * n.gx) / det;
         const double scale = n.length * (n.xx + n.yy) / det;
         CHECK(close(free.dx, dx, scale));
@@ -260,7 +260,7 @@ void check_step(std::uint64_t seed, hmesh::Image<T, C> image) {
         CHECK(close(free.predicted, -(n.gx * dx + n.gy * dy), n.length * scale));
         CHECK(free.predicted >= 0);
 
-        const hmesh::RingStep x = step_for(Mobility::along_x), y = step_for(Mobility::along_y), none = step_for(Mobility::fixed);
+        const hmesh::kit::RingStep x = step_for(Mobility::along_x), y = step_for(Mobility::along_y), none = step_for(Mobility::corner);
         CHECK(close(x.dx, -n.gx / n.xx, n.length / n.xx));
         CHECK(close(x.predicted, n.gx * n.gx / n.xx, n.length * n.length / n.xx));
         CHECK(x.dy == 0);
@@ -313,13 +313,13 @@ TEST_CASE(
 
 TEST_CASE("a flat picture gives a step of no length") {
     Subject<float, 1> subject(hmesh_test::constant_image<float, 1>(20, 20, 0.5), hmesh_test::jittered_grid(20, 20, 3, 3, 1));
-    hmesh::RingWork<1> work;
+    hmesh::kit::RingScratch<1> work;
     for (const Vertex v : subject.mesh.topology().vertices()) {
         subject.mesh.gather(v, work.ring, work.spokes);
-        hmesh::RingFit<1> fit;
-        REQUIRE(hmesh::fit_ring(work.ring, work.spokes, subject.mesh.position(v), 0.02, work.faces, fit));
+        hmesh::kit::RingFit<1> fit;
+        REQUIRE(hmesh::kit::fit_ring(work.ring, work.spokes, subject.mesh.position(v), 0.02, work.faces, fit));
         for (const Mobility mobility : {Mobility::free, Mobility::along_x, Mobility::along_y}) {
-            const hmesh::RingStep step = hmesh::gauss_newton_step(work.ring, work.faces, fit, subject.mesh.color(v), mobility);
+            const hmesh::kit::RingStep step = hmesh::kit::gauss_newton_step(work.ring, work.faces, fit, subject.mesh.color(v), mobility);
             CHECK(std::abs(step.dx) < 1e-6);
             CHECK(std::abs(step.dy) < 1e-6);
             CHECK(std::abs(step.predicted) < 1e-6);
@@ -330,15 +330,15 @@ TEST_CASE("a flat picture gives a step of no length") {
 TEST_CASE("a face that is flipped, degenerate or smaller than the bound is refused, one of just that area is not") {
     Subject<std::uint8_t, 1> subject(hmesh_test::scene<std::uint8_t, 1>(16, 16, 1));
     VertexState<1> a{Color<1>::zero(), {4, 4}, Mobility::free}, b{Color<1>::zero(), {8, 4}, Mobility::free};
-    const auto fits = [&](Point v, double min_cross) {
-        hmesh::Moments<1> m, side;
-        hmesh::edge_moments(subject.table, v, a.position, m);
-        hmesh::edge_moments(subject.table, a.position, b.position, side);
+    const auto fits = [&](Point v, double min_double_area) {
+        hmesh::kit::Moments<1> m, side;
+        hmesh::kit::edge_moments(subject.table, v, a.position, m);
+        hmesh::kit::edge_moments(subject.table, a.position, b.position, side);
         m += side;
-        hmesh::edge_moments(subject.table, b.position, v, side);
+        hmesh::kit::edge_moments(subject.table, b.position, v, side);
         m += side;
-        hmesh::FaceFit<1> fit{};
-        return hmesh::fit_face(m, v, a, b, min_cross, fit);
+        hmesh::kit::FaceFit<1> fit{};
+        return hmesh::kit::fit_face(m, v, a, b, min_double_area, fit);
     };
     CHECK(fits({6, 8}, 0.02));
     CHECK(fits({6, 8}, 16));  // 4 * 4
@@ -350,20 +350,20 @@ TEST_CASE("a face that is flipped, degenerate or smaller than the bound is refus
     CHECK(fits({6, 4 + 2.0 / 256}, 0.02));
 }
 
-TEST_CASE("an open ring has one face fewer than neighbours, a closed one as many, and each follows the orientation") {
+TEST_CASE("an open ring has one face fewer than neighbors, a closed one as many, and each follows the orientation") {
     Subject<std::uint8_t, 1> subject(hmesh_test::scene<std::uint8_t, 1>(20, 16, 1), hmesh_test::jittered_grid(20, 16, 4, 3, 1));
-    hmesh::RingWork<1> work;
-    const hmesh::HalfedgeMesh& topology = subject.mesh.topology();
+    hmesh::kit::RingScratch<1> work;
+    const hmesh::kit::HalfedgeMesh& topology = subject.mesh.topology();
     for (const Vertex v : topology.vertices()) {
         subject.mesh.gather(v, work.ring, work.spokes);
         CHECK(work.ring.size == topology.valence(v));
         CHECK(work.ring.open == topology.is_boundary(v));
         CHECK(work.ring.accepts(subject.mesh.position(v), 0.02));
         for (int i = work.ring.first_face(); i < work.ring.size; ++i) {
-            const hmesh::Halfedge h = work.ring.halfedge[i];
+            const hmesh::kit::Halfedge h = work.ring.halfedge[i];
             CHECK(topology.from_vertex(h) == v);
-            CHECK(work.ring.neighbour[i] == &subject.mesh.vertex(topology.to_vertex(h)));
-            CHECK(work.ring.neighbour[work.ring.before(i)] == &subject.mesh.vertex(topology.to_vertex(topology.next(h))));
+            CHECK(work.ring.neighbor[i] == &subject.mesh.vertex(topology.to_vertex(h)));
+            CHECK(work.ring.neighbor[work.ring.before(i)] == &subject.mesh.vertex(topology.to_vertex(topology.next(h))));
         }
     }
 }

@@ -1,4 +1,4 @@
-#include "hmesh/fit/seams.hpp"
+#include "hmesh/methods/annealed/seams.hpp"
 
 #include <doctest/doctest.h>
 
@@ -17,16 +17,16 @@
 #include "test_executors.hpp"
 #include "test_images.hpp"
 
-using hmesh::Color;
+using hmesh::kit::Color;
 using hmesh::Image;
-using hmesh::ImageSource;
+using hmesh::kit::ImageSource;
 using hmesh::PixelTraits;
-using hmesh::Seam;
-using hmesh::seam_colors;
-using hmesh::seam_lines;
-using hmesh::seam_nodes;
-using hmesh::SeamLine;
-using hmesh::detail::SeamCurve;
+using hmesh::kit::Seam;
+using hmesh::kit::seam_colors;
+using hmesh::kit::seam_lines;
+using hmesh::kit::seam_nodes;
+using hmesh::kit::SeamLine;
+using hmesh::kit::detail::SeamCurve;
 
 namespace {
 
@@ -153,7 +153,7 @@ void check_colors(const Image<T, C>& image, const Seam& seam, const std::vector<
             REQUIRE(std::abs(colors[static_cast<std::size_t>(k)][c] - solution(k)) <= 1e-9 * PixelTraits<T>::peak);
     }
     for (const Color<C>& color : colors)
-        for (int k = C; k < hmesh::lanes_for(C + 1); ++k) REQUIRE(color[k] == 0);
+        for (int k = C; k < hmesh::kit::lanes_for(C + 1); ++k) REQUIRE(color[k] == 0);
 }
 
 template <int C>
@@ -215,7 +215,7 @@ TEST_CASE("nodes go where the picture has its kinks") {
 }
 
 TEST_CASE("the colours of a seam's nodes are the least-squares ones, its ends keeping theirs") {
-    hmesh::Random random(1);
+    hmesh::kit::Random random(1);
     const auto bytes = hmesh_test::noise<std::uint8_t, 3>(40, 40, 1);
     const auto floats = hmesh_test::scene<float, 5>(40, 40, 2);
     for (int k = 0; k < 60; ++k) {

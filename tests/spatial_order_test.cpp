@@ -10,10 +10,10 @@
 
 #include "hmesh/core/random.hpp"
 
-using hmesh::in_spatial_order;
-using hmesh::morton_code;
-using hmesh::Point;
-using hmesh::Random;
+using hmesh::kit::in_spatial_order;
+using hmesh::kit::morton_code;
+using hmesh::kit::Point;
+using hmesh::kit::Random;
 
 namespace {
 
@@ -80,7 +80,7 @@ TEST_CASE("no element gives no order, and one pixel keeps all as they were") {
     check_order(std::vector<Point>(500, Point{65535, 65535}));
 }
 
-TEST_CASE("neighbours in the order are neighbours in the plane") {
+TEST_CASE("neighbors in the order are neighbors in the plane") {
     const auto points = random_points(4000, 256, 256, 1);
     const auto range = indices(points.size());
     const auto order = in_spatial_order<std::size_t>(range, range.size(), [&](std::size_t k) { return points[k]; });

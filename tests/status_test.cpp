@@ -27,6 +27,6 @@ TEST_CASE("a Status is true exactly when its code is ok") {
 TEST_CASE("a Status carries its sentence, the offending value and the bound") {
     const Status status{Errc::image_too_large, "the image is too wide", 70000, 65536};
     CHECK(std::string(status.what) == "the image is too wide");
-    CHECK(status.got == 70000);
-    CHECK(status.want == 65536);
+    CHECK(status.value == 70000);
+    CHECK(status.limit == 65536);
 }

@@ -1,4 +1,4 @@
-#include "hmesh/io/straight_colors.hpp"
+#include "hmesh/io/detail/straight_colors.hpp"
 
 #include <doctest/doctest.h>
 
@@ -15,7 +15,7 @@
 #include "test_exports.hpp"
 
 using hmesh::Mesh;
-using hmesh::detail::StraightMesh;
+using hmesh::kit::detail::StraightMesh;
 using hmesh_test::exported;
 
 namespace {
@@ -46,7 +46,7 @@ void check_same(const Write& write) {
 
 }  // namespace
 
-TEST_CASE("straight colours are divided by alpha, and transparent corners take the mean of their neighbours") {
+TEST_CASE("straight colours are divided by alpha, and transparent corners take the mean of their neighbors") {
     const Mesh<4> mesh = premultiplied_mesh(), expected = straight_mesh();
     const StraightMesh straight(mesh.view());
     CHECK(!straight.view().premultiplied);

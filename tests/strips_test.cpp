@@ -1,4 +1,4 @@
-#include "hmesh/io/strips.hpp"
+#include "hmesh/io/detail/strips.hpp"
 
 #include <doctest/doctest.h>
 
@@ -23,7 +23,7 @@ hmesh::MeshView view_of(const Faces& faces, std::size_t vertices) {
 }
 
 // The triangles that a reader of edge flags draws, and how many times it began anew.
-Faces drawn(const std::vector<hmesh::detail::StripVertex>& vertices, std::size_t& strips) {
+Faces drawn(const std::vector<hmesh::kit::detail::StripVertex>& vertices, std::size_t& strips) {
     Faces faces;
     strips = 0;
     for (std::size_t i = 0; i < vertices.size(); ++i) {
@@ -50,7 +50,7 @@ Faces sorted(Faces faces) {
 // Checks that each face is drawn once; returns the number of strips.
 std::size_t strips_of(const Faces& faces, std::size_t vertices) {
     std::size_t strips = 0;
-    const Faces got = drawn(hmesh::detail::strip_vertices(view_of(faces, vertices), true), strips);
+    const Faces got = drawn(hmesh::kit::detail::strip_vertices(view_of(faces, vertices), true), strips);
     CHECK(sorted(got) == sorted(faces));
     return strips;
 }
@@ -80,7 +80,7 @@ TEST_CASE("faces that touch in vertices alone are strips of their own") {
 TEST_CASE("any list of faces is drawn face by face: with corners twice, sides of many faces, faces on each other") {
     CHECK(strips_of({{0, 0, 0}, {0, 0, 0}, {1, 1, 2}, {1, 2, 2}, {2, 1, 1}}, 3) <= 5);
     CHECK(strips_of({{0, 1, 2}, {0, 1, 2}, {0, 2, 1}, {1, 0, 3}, {0, 1, 4}}, 5) <= 5);
-    hmesh::Random random(1);
+    hmesh::kit::Random random(1);
     for (int i = 0; i < 400; ++i) {
         const auto vertices = static_cast<std::uint32_t>(3 + random.below(8));
         Faces faces(1 + random.below(30));
@@ -93,6 +93,6 @@ TEST_CASE("any list of faces is drawn face by face: with corners twice, sides of
 TEST_CASE("without strips the faces come in their order") {
     const Faces faces = {{0, 1, 2}, {0, 2, 3}, {3, 4, 0}};
     std::size_t strips = 0;
-    CHECK(drawn(hmesh::detail::strip_vertices(view_of(faces, 5), false), strips) == faces);
+    CHECK(drawn(hmesh::kit::detail::strip_vertices(view_of(faces, 5), false), strips) == faces);
     CHECK(strips == 3);
 }

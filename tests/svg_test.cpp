@@ -41,7 +41,7 @@ constexpr std::array<SvgKind, 3> kinds = {SvgKind::gradient, SvgKind::exact, Svg
 // Faces that share no corner, of any shape from fat to a hundredth of a pixel thin, in any colours.
 template <int C>
 hmesh::Mesh<C> random_faces(int count, std::uint64_t seed) {
-    hmesh::Random random(seed);
+    hmesh::kit::Random random(seed);
     hmesh::Mesh<C> mesh;
     mesh.width = mesh.height = 100, mesh.peak = 255;
     for (int f = 0; f < count; ++f) {
@@ -461,7 +461,7 @@ TEST_CASE("a sink that refuses after k bytes gets no more and is reported, for a
             },
             options);
         if (static_cast<bool>(status) != (k == size) || refusals != (k == size ? 0 : 1) || taken > k) FAIL("k = ", k);
-        if (k < size && (status.code != hmesh::Errc::write_failed || status.got != static_cast<std::int64_t>(taken)))
+        if (k < size && (status.code != hmesh::Errc::write_failed || status.value != static_cast<std::int64_t>(taken)))
             FAIL("k = ", k);
     }
 }
@@ -500,7 +500,7 @@ TEST_CASE("a kind that is none of those known is refused") {
         const hmesh::Status status =
             hmesh::write_svg(two_faces<3>(30).view(), StringSink{&text}, of_kind(static_cast<SvgKind>(bad)));
         CHECK(status.code == hmesh::Errc::invalid_argument);
-        CHECK(status.got == bad);
+        CHECK(status.value == bad);
         CHECK(text.empty());
     }
 }

@@ -24,7 +24,7 @@ struct ShuffledFor {
     std::uint64_t seed = 1;
     template <class Body>
     void operator()(std::size_t n, Body&& body) const {
-        hmesh::Random random(seed);
+        hmesh::kit::Random random(seed);
         std::vector<std::size_t> order(n);
         for (std::size_t i = 0; i < n; ++i) order[i] = i;
         for (std::size_t i = n; i > 1; --i) std::swap(order[i - 1], order[random.below(i)]);

@@ -15,7 +15,7 @@
 
 #include "comma_locale.hpp"
 #include "hmesh/core/status.hpp"
-#include "hmesh/mesh/mesh_view.hpp"
+#include "hmesh/mesh/mesh.hpp"
 
 namespace hmesh_test {
 
@@ -139,7 +139,7 @@ void check_refusing_sinks(const hmesh::MeshView& mesh, const Write& write, std::
         });
         const bool all = k == size;
         if (static_cast<bool>(status) != all || refusals != (all ? 0 : 1) || taken > k) FAIL("k = ", k);
-        if (!all && (status.code != hmesh::Errc::write_failed || status.got != static_cast<std::int64_t>(taken))) FAIL("k = ", k);
+        if (!all && (status.code != hmesh::Errc::write_failed || status.value != static_cast<std::int64_t>(taken))) FAIL("k = ", k);
     }
 }
 

@@ -51,13 +51,13 @@ template <class T, int C>
 // Each sample uniform over the whole range and independent: the worst case for a mesh, and for sums.
 template <class T, int C>
 [[nodiscard]] hmesh::Image<T, C> noise(int width, int height, std::uint64_t seed) {
-    hmesh::Random random(seed);
+    hmesh::kit::Random random(seed);
     return draw<T, C>(width, height, [&random](int, int, int) { return random.uniform(); });
 }
 
 // Weights of pixels: random, of very different sizes, and 0 in single pixels and in a block that touches no border.
 [[nodiscard]] inline hmesh::Image<float, 1> random_weights(int width, int height, std::uint64_t seed) {
-    hmesh::Random random(seed);
+    hmesh::kit::Random random(seed);
     return draw<float, 1>(width, height, [&](int x, int y, int) {
         const double weight = random.uniform(), shrink = random.below(4) == 0 ? 1e-3 : 1;
         const bool in_block = 4 * x > width && 4 * x < 3 * width && 4 * y > height && 4 * y < 3 * height;
@@ -98,7 +98,7 @@ class Scene {
     struct Object {
         double x = 0, y = 0, radius = 0, softness = 0;
         bool is_square = false;
-        std::array<double, hmesh::max_channels> colors{};
+        std::array<double, hmesh::kit::max_channels> colors{};
     };
 
     // Random numbers on a lattice, blended smoothly in between; its period is lattice_side.
@@ -115,7 +115,7 @@ class Scene {
     }
 
     double size_;
-    hmesh::Random random_;
+    hmesh::kit::Random random_;
     std::array<double, lattice_side * lattice_side> lattice_{};
     std::array<Object, 12> objects_{};
 };

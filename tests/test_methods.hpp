@@ -14,7 +14,7 @@
 
 #include "hmesh/core/progress.hpp"
 #include "hmesh/core/random.hpp"
-#include "hmesh/fit/whole_mesh.hpp"
+#include "hmesh/tiles/indexed_mesh.hpp"
 #include "hmesh/image/image_view.hpp"
 #include "hmesh/mesh/geometry.hpp"
 #include "hmesh/mesh/halfedge_mesh.hpp"
@@ -43,7 +43,7 @@ template <class T, int C>
         const double distance = std::hypot(x - width / 2, y - height / 2);
         return distance < 0.5 || std::abs(distance - 0.4 * height) < 0.6;
     });
-    hmesh::Random random(3);
+    hmesh::kit::Random random(3);
     out.push_back(draw<T, C>(width, height, [&](int x, int, int) { return 2 * x < width ? 0.3 : random.uniform(); }));
     return out;
 }
@@ -52,23 +52,23 @@ template <class T, int C>
 template <class T, int C>
 void prove_mesh(const Work<T, C>& work, std::size_t vertices) {
     CHECK(work.count() == vertices);
-    const hmesh::Status status = check(work.whole());
-    REQUIRE_MESSAGE(status, status.what << " at " << status.got);
-    const double energy = brute_energy(work.image, work.whole());
-    CHECK(std::abs(work.whole().energy - energy) <= 1e-9 * energy + 1e-12 * squares(work.image));
+    const hmesh::Status status = check(work.indexed());
+    REQUIRE_MESSAGE(status, status.what << " at " << status.value);
+    const double energy = brute_energy(work.image, work.indexed());
+    CHECK(std::abs(work.indexed().energy - energy) <= 1e-9 * energy + 1e-12 * squares(work.image));
 }
 
 // Whether no vertex lies in the circle of a face: by the edges, each with the two corners across.
 template <int C>
-[[nodiscard]] bool is_delaunay(const hmesh::WholeMesh<C>& whole) {
-    hmesh::HalfedgeMesh topology;
+[[nodiscard]] bool is_delaunay(const hmesh::kit::IndexedMesh<C>& whole) {
+    hmesh::kit::HalfedgeMesh topology;
     REQUIRE(topology.assign(whole.vertex_count(), whole.triangles));
-    const auto at = [&](hmesh::Vertex v) { return whole.positions[v.index()]; };
-    for (const hmesh::Edge e : topology.edges()) {
+    const auto at = [&](hmesh::kit::Vertex v) { return whole.positions[v.index()]; };
+    for (const hmesh::kit::Edge e : topology.edges()) {
         if (topology.is_boundary(e)) continue;
-        const hmesh::Halfedge h = hmesh::HalfedgeMesh::halfedge(e), o = hmesh::HalfedgeMesh::opposite(h);
-        const auto apex = [&](hmesh::Halfedge side) { return at(topology.to_vertex(topology.next(side))); };
-        if (hmesh::in_circle(at(topology.to_vertex(o)), at(topology.to_vertex(h)), apex(h), apex(o)) > 0) return false;
+        const hmesh::kit::Halfedge h = hmesh::kit::HalfedgeMesh::halfedge(e), o = hmesh::kit::HalfedgeMesh::opposite(h);
+        const auto apex = [&](hmesh::kit::Halfedge side) { return at(topology.to_vertex(topology.next(side))); };
+        if (hmesh::kit::in_circle(at(topology.to_vertex(o)), at(topology.to_vertex(h)), apex(h), apex(o)) > 0) return false;
     }
     return true;
 }
@@ -76,7 +76,7 @@ template <int C>
 // Whether the colour of every vertex is that of the image under it, found anew: the mean of the four pixels around, each
 // counting by its share of a unit square around the place.
 template <class T, int C>
-[[nodiscard]] bool is_sampled(const hmesh::Image<T, C>& image, const hmesh::WholeMesh<C>& whole) {
+[[nodiscard]] bool is_sampled(const hmesh::Image<T, C>& image, const hmesh::kit::IndexedMesh<C>& whole) {
     double worst = 0;
     for (std::size_t v = 0; v < whole.vertex_count(); ++v) {
         const double x = std::min(image.width() - 0.5, std::max(0.5, whole.positions[v].x));
@@ -94,7 +94,7 @@ template <class T, int C>
     return worst <= 1e-9;  // rounding, of samples up to 65535
 }
 
-[[nodiscard]] inline std::string names_of(const hmesh::Monitor& monitor) {
+[[nodiscard]] inline std::string names_of(const hmesh::kit::ProgressReporter& monitor) {
     std::string names;
     for (const hmesh::StageReport& stage : monitor.stages()) names += std::string(names.empty() ? "" : " ") + stage.name;
     return names;

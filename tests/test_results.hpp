@@ -1,6 +1,6 @@
 // hmesh tests - what every result of mesh_image must be, told without the library's geometry, moments or energies.
 //
-// flaw_of() says whether the mesh is one; drawn_energy() compares the image with the drawn mesh, pixel by pixel.
+// flaw_of() says whether the mesh is one; rendered_error() compares the image with the drawn mesh, pixel by pixel.
 #ifndef HMESH_TESTS_TEST_RESULTS_HPP
 #define HMESH_TESTS_TEST_RESULTS_HPP
 
@@ -15,7 +15,7 @@
 #include <vector>
 
 #include "hmesh/image/image_view.hpp"
-#include "hmesh/mesh/mesh_view.hpp"
+#include "hmesh/mesh/mesh.hpp"
 #include "hmesh/mesh_image.hpp"
 #include "hmesh/render.hpp"
 #include "mesh_flaws.hpp"
@@ -24,7 +24,7 @@ namespace hmesh_test {
 
 // The sum over pixels and channels of the squared difference between the image and the mesh drawn at its size.
 template <class T, int C>
-double drawn_energy(const hmesh::Image<T, C>& image, const hmesh::Mesh<C>& mesh) {
+double rendered_error(const hmesh::Image<T, C>& image, const hmesh::Mesh<C>& mesh) {
     hmesh::Image<float, C> drawn;
     REQUIRE(hmesh::render(mesh.view(), drawn));
     REQUIRE(drawn.samples().size() == image.samples().size());
@@ -69,7 +69,7 @@ void prove_report(const hmesh::Image<T, C>& image, const hmesh::Result<C>& resul
     CHECK(in_range);
     if (Traits::is_integer && round_colors) CHECK(whole);
 
-    const double energy = drawn_energy(image, result.mesh);
+    const double energy = rendered_error(image, result.mesh);
     CHECK(report.energy >= 0);
     CHECK(std::abs(report.energy - energy) <= 2.3e-4 * energy + energy_rounding(image));  // 1e-3 dB
     const auto samples = static_cast<double>(image.samples().size());

@@ -16,7 +16,7 @@
 #include <vector>
 
 #include "hmesh/core/random.hpp"
-#include "hmesh/mesh/mesh_view.hpp"
+#include "hmesh/mesh/mesh.hpp"
 #include "test_exports.hpp"
 
 namespace hmesh_test {
@@ -27,7 +27,7 @@ namespace hmesh_test {
 // colours at random, faces shuffled and turned.
 template <int C>
 hmesh::Mesh<C> random_grid(int width, int height, int columns, int rows, double peak, std::uint64_t seed) {
-    hmesh::Random random(seed);
+    hmesh::kit::Random random(seed);
     hmesh::Mesh<C> mesh;
     mesh.width = width, mesh.height = height, mesh.peak = peak;
     const auto along = [&](int i, int n, int size) {

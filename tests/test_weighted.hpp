@@ -8,7 +8,7 @@
 
 #include "hmesh/fit/image_mesh.hpp"
 #include "hmesh/image/image_view.hpp"
-#include "hmesh/image/moment_table.hpp"
+#include "hmesh/fit/moment_table.hpp"
 #include "hmesh/image/weights.hpp"
 #include "test_meshes.hpp"
 
@@ -20,11 +20,11 @@ struct Weighted {
     hmesh::Image<T, C> image;
     hmesh::Image<float, 1> weights;
     double unit;
-    hmesh::MomentTable<C> table;
-    hmesh::ImageMesh<C> mesh;
+    hmesh::kit::MomentTable<C> table;
+    hmesh::kit::ImageMesh<C> mesh;
 
     Weighted(hmesh::Image<T, C> picture, hmesh::Image<float, 1> counts, const Triangulation& triangulation)
-        : image(std::move(picture)), weights(std::move(counts)), unit(hmesh::weight_unit(weights.view())),
+        : image(std::move(picture)), weights(std::move(counts)), unit(hmesh::kit::weight_unit(weights.view())),
           table(image.view(), weights.view(), unit, image.view().bounds()),
           mesh(table, hmesh::PixelTraits<T>::lowest, hmesh::PixelTraits<T>::highest) {
         REQUIRE(mesh.assign(triangulation.positions, triangulation.triangles));
@@ -36,9 +36,9 @@ struct Weighted {
 template <class T, int C>
 double weighted_energy(const Weighted<T, C>& subject) {
     double energy = 0;
-    const hmesh::ImageMesh<C>& mesh = subject.mesh;
-    const hmesh::WeightScale scale(subject.unit, mesh.width(), mesh.height());
-    for (const hmesh::Face f : mesh.topology().faces()) {
+    const hmesh::kit::ImageMesh<C>& mesh = subject.mesh;
+    const hmesh::kit::WeightScale scale(subject.unit, mesh.width(), mesh.height());
+    for (const hmesh::kit::Face f : mesh.topology().faces()) {
         const auto v = mesh.topology().vertices(f);
         const auto &a = mesh.vertex(v[0]), &b = mesh.vertex(v[1]), &c = mesh.vertex(v[2]);
         for_each_pixel(mesh.width(), mesh.height(), a.position, b.position, c.position, [&](int i, int j) {

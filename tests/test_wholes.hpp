@@ -15,7 +15,7 @@
 #include <vector>
 
 #include "hmesh/core/random.hpp"
-#include "hmesh/fit/whole_mesh.hpp"
+#include "hmesh/tiles/indexed_mesh.hpp"
 #include "test_meshes.hpp"
 
 namespace hmesh_test {
@@ -24,20 +24,20 @@ namespace hmesh_test {
 
 // The mesh as arrays; of each vertex chance decides whether it is due, and how its colour differs from the mesh's.
 template <int C>
-hmesh::WholeMesh<C> whole_of(const hmesh::ImageMesh<C>& mesh, double range, std::uint64_t seed) {
-    hmesh::Random random(seed);
-    hmesh::WholeMesh<C> whole;
+hmesh::kit::IndexedMesh<C> whole_of(const hmesh::kit::ImageMesh<C>& mesh, double range, std::uint64_t seed) {
+    hmesh::kit::Random random(seed);
+    hmesh::kit::IndexedMesh<C> whole;
     whole.width = mesh.width();
     whole.height = mesh.height();
     std::vector<std::uint32_t> number(mesh.topology().vertex_slots());
-    for (const hmesh::Vertex v : mesh.topology().vertices()) {
+    for (const hmesh::kit::Vertex v : mesh.topology().vertices()) {
         number[v.index()] = static_cast<std::uint32_t>(whole.vertex_count());
-        hmesh::Color<C> color = mesh.color(v);
+        hmesh::kit::Color<C> color = mesh.color(v);
         for (int k = 0; k < C; ++k) color.set(k, color[k] + 0.05 * range * (random.uniform() - 0.5));
         whole.add(mesh.position(v), color);
-        whole.due.back() = random.below(2) == 0 ? 1 : 0;
+        whole.dirty.back() = random.below(2) == 0 ? 1 : 0;
     }
-    for (const hmesh::Face f : mesh.topology().faces()) {
+    for (const hmesh::kit::Face f : mesh.topology().faces()) {
         const auto v = mesh.topology().vertices(f);
         whole.triangles.push_back({number[v[0].index()], number[v[1].index()], number[v[2].index()]});
     }
@@ -46,10 +46,10 @@ hmesh::WholeMesh<C> whole_of(const hmesh::ImageMesh<C>& mesh, double range, std:
 
 // Whether the circle through the corners of e's first face holds the far corner of its second.
 template <int C>
-bool breaks_delaunay(const hmesh::ImageMesh<C>& mesh, hmesh::Edge e) {
-    const hmesh::HalfedgeMesh& topology = mesh.topology();
-    const hmesh::Halfedge h = hmesh::HalfedgeMesh::halfedge(e), o = hmesh::HalfedgeMesh::opposite(h);
-    const hmesh::Point d = mesh.position(topology.to_vertex(topology.next(o)));
+bool breaks_delaunay(const hmesh::kit::ImageMesh<C>& mesh, hmesh::kit::Edge e) {
+    const hmesh::kit::HalfedgeMesh& topology = mesh.topology();
+    const hmesh::kit::Halfedge h = hmesh::kit::HalfedgeMesh::halfedge(e), o = hmesh::kit::HalfedgeMesh::opposite(h);
+    const hmesh::kit::Point d = mesh.position(topology.to_vertex(topology.next(o)));
     double x[3], y[3], z[3];
     const auto v = topology.vertices(topology.face(h));
     for (std::size_t k = 0; k < 3; ++k) {
@@ -65,24 +65,24 @@ bool breaks_delaunay(const hmesh::ImageMesh<C>& mesh, hmesh::Edge e) {
 // `count` random vertices one after another, inside or on the border, each in the face that happens to be there: many
 // slivers. With `delaunay`, edges are turned afterwards until almost all circles are empty.
 template <int C>
-void scatter(hmesh::ImageMesh<C>& mesh, int count, bool delaunay, std::uint64_t seed) {
-    const hmesh::HalfedgeMesh& topology = mesh.topology();
-    hmesh::Random random(seed);
+void scatter(hmesh::kit::ImageMesh<C>& mesh, int count, bool delaunay, std::uint64_t seed) {
+    const hmesh::kit::HalfedgeMesh& topology = mesh.topology();
+    hmesh::kit::Random random(seed);
     for (int k = 0; k < count; ++k) {
         if (random.below(6) == 0) {
-            const hmesh::Edge e = any_edge(mesh, random);
-            hmesh::RingWork<C> work;
-            const auto candidate = hmesh::edge_candidate(mesh, work, e, false);
-            if (candidate.fits && hmesh::has_room(mesh, candidate)) hmesh::insert(mesh, candidate);
+            const hmesh::kit::Edge e = any_edge(mesh, random);
+            hmesh::kit::RingScratch<C> work;
+            const auto candidate = hmesh::kit::edge_candidate(mesh, work, e, false);
+            if (candidate.fits && hmesh::kit::can_gain_edge(mesh, candidate)) hmesh::kit::insert(mesh, candidate);
             continue;
         }
-        const hmesh::Point p = hmesh::snap(hmesh::Point{mesh.width() * random.uniform(), mesh.height() * random.uniform()});
-        for (const hmesh::Face f : topology.faces()) {
+        const hmesh::kit::Point p = hmesh::kit::snap(hmesh::kit::Point{mesh.width() * random.uniform(), mesh.height() * random.uniform()});
+        for (const hmesh::kit::Face f : topology.faces()) {
             const auto v = topology.vertices(f);
             bool fits = true;
             for (std::size_t i = 0; i < 3; ++i)
-                if (!(hmesh::cross(mesh.position(v[i]), mesh.position(v[(i + 1) % 3]), p) >= mesh.limits().min_cross) ||
-                    !mesh.has_room(v[i]))
+                if (!(hmesh::kit::orient2d(mesh.position(v[i]), mesh.position(v[(i + 1) % 3]), p) >= mesh.limits().min_double_area) ||
+                    !mesh.can_gain_edge(v[i]))
                     fits = false;
             if (!fits) continue;
             mesh.split(f, p, mesh.color(v[0]));
@@ -90,10 +90,10 @@ void scatter(hmesh::ImageMesh<C>& mesh, int count, bool delaunay, std::uint64_t 
         }
     }
     for (int round = 0; delaunay && round < 20; ++round)
-        for (const hmesh::Edge e : topology.edges()) {
-            if (!hmesh::is_flip_ok(mesh, e) || !breaks_delaunay(mesh, e)) continue;
-            hmesh::FlipTrial<C> trial;
-            hmesh::try_flip(mesh, e, trial);
+        for (const hmesh::kit::Edge e : topology.edges()) {
+            if (!hmesh::kit::is_flip_ok(mesh, e) || !breaks_delaunay(mesh, e)) continue;
+            hmesh::kit::FlipTrial<C> trial;
+            hmesh::kit::evaluate_flip(mesh, e, trial);
             mesh.flip(e, trial.moments, trial.own, trial.opposite);
         }
 }
@@ -108,16 +108,16 @@ inline Triangulation island() {
     mesh.positions = {{46, 20}, {44, 20}, {30, 18}, {26, 21}, {0, 0}, {0, 40}, {64, 0}, {64, 40}};
     mesh.triangles = {{1, 2, 3}, {1, 0, 4}, {1, 5, 0}, {1, 4, 2}, {1, 3, 5},
                       {2, 4, 3}, {3, 4, 5}, {0, 4, 6}, {0, 6, 7}, {0, 7, 5}};
-    for (hmesh::Triangle& t : mesh.triangles)
-        if (hmesh::cross(mesh.positions[t[0]], mesh.positions[t[1]], mesh.positions[t[2]]) < 0) std::swap(t[1], t[2]);
+    for (hmesh::kit::Triangle& t : mesh.triangles)
+        if (hmesh::kit::orient2d(mesh.positions[t[0]], mesh.positions[t[1]], mesh.positions[t[2]]) < 0) std::swap(t[1], t[2]);
     return mesh;
 }
 
 // A triangulation of the image with colours and due vertices as in whole_of(), its energy known.
 template <class T, int C>
-hmesh::WholeMesh<C> make_whole(const hmesh::Image<T, C>& image, const Triangulation& triangulation, std::uint64_t seed) {
+hmesh::kit::IndexedMesh<C> make_whole(const hmesh::Image<T, C>& image, const Triangulation& triangulation, std::uint64_t seed) {
     Subject<T, C> subject(image, triangulation);
-    hmesh::WholeMesh<C> whole = whole_of(subject.mesh, hmesh::PixelTraits<T>::peak, seed);
+    hmesh::kit::IndexedMesh<C> whole = whole_of(subject.mesh, hmesh::PixelTraits<T>::peak, seed);
     REQUIRE(subject.mesh.assign(whole.positions, whole.triangles, whole.colors, hmesh::SerialFor{}));
     whole.energy = subject.mesh.energy();
     return whole;
@@ -125,7 +125,7 @@ hmesh::WholeMesh<C> make_whole(const hmesh::Image<T, C>& image, const Triangulat
 
 // A mesh over the image of about `count` vertices, its energy known.
 template <class T, int C>
-hmesh::WholeMesh<C> make_whole(const hmesh::Image<T, C>& image, Shape shape, int count, std::uint64_t seed) {
+hmesh::kit::IndexedMesh<C> make_whole(const hmesh::Image<T, C>& image, Shape shape, int count, std::uint64_t seed) {
     const int width = image.width(), height = image.height();
     const double spacing = std::sqrt(static_cast<double>(width) * height / count);
     const auto cells = [&](int side) { return std::max(1, std::min(side, static_cast<int>(side / spacing))); };
@@ -137,7 +137,7 @@ hmesh::WholeMesh<C> make_whole(const hmesh::Image<T, C>& image, Shape shape, int
     const double range = hmesh::PixelTraits<T>::peak;
     if (shape == Shape::worn) wear(subject.mesh, 3 * count, range, seed);
     if (few) scatter(subject.mesh, count, shape == Shape::delaunay, seed);
-    hmesh::WholeMesh<C> whole = whole_of(subject.mesh, range, seed);
+    hmesh::kit::IndexedMesh<C> whole = whole_of(subject.mesh, range, seed);
     REQUIRE(subject.mesh.assign(whole.positions, whole.triangles, whole.colors, hmesh::SerialFor{}));
     whole.energy = subject.mesh.energy();
     return whole;
@@ -151,13 +151,13 @@ template <int C>
 using Corners = std::array<Corner<C>, 3>;
 
 template <int C>
-Corner<C> corner_of(hmesh::Point position, const hmesh::Color<C>& color) {
+Corner<C> corner_of(hmesh::kit::Point position, const hmesh::kit::Color<C>& color) {
     Corner<C> corner{position.x, position.y};
     for (int k = 0; k < C; ++k) corner[static_cast<std::size_t>(2 + k)] = color[k];
     return corner;
 }
 template <int C>
-Corner<C> corner_of(const hmesh::WholeMesh<C>& whole, std::size_t v) {
+Corner<C> corner_of(const hmesh::kit::IndexedMesh<C>& whole, std::size_t v) {
     return corner_of<C>(whole.positions[v], whole.colors[v]);
 }
 
@@ -168,7 +168,7 @@ Corners<C> turned(Corners<C> corners) {
     return corners;
 }
 template <int C>
-Corners<C> corners_of(const hmesh::WholeMesh<C>& whole, const hmesh::Triangle& t) {
+Corners<C> corners_of(const hmesh::kit::IndexedMesh<C>& whole, const hmesh::kit::Triangle& t) {
     return turned<C>({corner_of(whole, t[0]), corner_of(whole, t[1]), corner_of(whole, t[2])});
 }
 
@@ -182,10 +182,10 @@ struct Description {
     }
 };
 template <int C>
-Description<C> describe(const hmesh::WholeMesh<C>& whole) {
+Description<C> describe(const hmesh::kit::IndexedMesh<C>& whole) {
     Description<C> out;
-    for (const hmesh::Triangle& t : whole.triangles) out.triangles.push_back(corners_of(whole, t));
-    for (std::size_t v = 0; v < whole.vertex_count(); ++v) out.vertices.emplace_back(corner_of(whole, v), whole.due[v] != 0);
+    for (const hmesh::kit::Triangle& t : whole.triangles) out.triangles.push_back(corners_of(whole, t));
+    for (std::size_t v = 0; v < whole.vertex_count(); ++v) out.vertices.emplace_back(corner_of(whole, v), whole.dirty[v] != 0);
     std::sort(out.triangles.begin(), out.triangles.end());
     std::sort(out.vertices.begin(), out.vertices.end());
     return out;
@@ -193,14 +193,14 @@ Description<C> describe(const hmesh::WholeMesh<C>& whole) {
 
 // Equal in every number, vertices and triangles in the same order.
 template <int C>
-bool same_bytes(const hmesh::WholeMesh<C>& a, const hmesh::WholeMesh<C>& b) {
+bool same_bytes(const hmesh::kit::IndexedMesh<C>& a, const hmesh::kit::IndexedMesh<C>& b) {
     // Not ==, for which 0 and -0 are the same.
     const auto same = [](double x, double y) { return std::memcmp(&x, &y, sizeof(double)) == 0; };
     if (a.width != b.width || a.height != b.height || a.vertex_count() != b.vertex_count()) return false;
-    if (a.colors.size() != b.colors.size() || a.due != b.due || a.triangles != b.triangles) return false;
+    if (a.colors.size() != b.colors.size() || a.dirty != b.dirty || a.triangles != b.triangles) return false;
     for (std::size_t v = 0; v < a.vertex_count(); ++v) {
         if (!same(a.positions[v].x, b.positions[v].x) || !same(a.positions[v].y, b.positions[v].y)) return false;
-        for (int k = 0; k < hmesh::lanes_for(C + 1); ++k)
+        for (int k = 0; k < hmesh::kit::lanes_for(C + 1); ++k)
             if (!same(a.colors[v][k], b.colors[v][k])) return false;
     }
     return same(a.energy, b.energy);
@@ -209,14 +209,14 @@ bool same_bytes(const hmesh::WholeMesh<C>& a, const hmesh::WholeMesh<C>& b) {
 // --- proofs ---
 
 template <int C>
-void prove(const hmesh::WholeMesh<C>& whole) {
+void prove(const hmesh::kit::IndexedMesh<C>& whole) {
     const hmesh::Status status = hmesh::check(whole);
-    REQUIRE_MESSAGE(status, std::string(status.what) << " at " << status.got);
+    REQUIRE_MESSAGE(status, std::string(status.what) << " at " << status.value);
 }
 
 // The energy of the whole in one piece, over one table.
 template <class T, int C>
-double fresh_energy(const hmesh::Image<T, C>& image, const hmesh::WholeMesh<C>& whole) {
+double fresh_energy(const hmesh::Image<T, C>& image, const hmesh::kit::IndexedMesh<C>& whole) {
     Subject<T, C> subject(image);
     REQUIRE(subject.mesh.assign(whole.positions, whole.triangles, whole.colors, hmesh::SerialFor{}));
     return subject.mesh.energy();
@@ -226,40 +226,40 @@ double fresh_energy(const hmesh::Image<T, C>& image, const hmesh::WholeMesh<C>& 
 
 // One edit picked by chance, good or bad for the energy, as the parts of a mesh allow it: frozen vertices stay.
 template <int C>
-void random_free_edit(hmesh::ImageMesh<C>& mesh, double range, hmesh::Random& random) {
-    hmesh::RingWork<C> work;
+void random_free_edit(hmesh::kit::ImageMesh<C>& mesh, double range, hmesh::kit::Random& random) {
+    hmesh::kit::RingScratch<C> work;
     switch (random.below(6)) {
         case 0:
         case 1: {
-            const hmesh::Vertex v = any_vertex(mesh, random);
-            if (mesh.vertex(v).mobility == hmesh::Mobility::frozen) return;
-            const hmesh::Point p = any_place(mesh, v, 3, random);
+            const hmesh::kit::Vertex v = any_vertex(mesh, random);
+            if (mesh.vertex(v).mobility == hmesh::kit::Mobility::locked) return;
+            const hmesh::kit::Point p = any_place(mesh, v, 3, random);
             mesh.place(v, p, any_color(mesh, v, range, random));
             return;
         }
         case 2: {
-            const hmesh::Edge e = any_edge(mesh, random);
-            if (!hmesh::is_flip_ok(mesh, e)) return;
-            hmesh::FlipTrial<C> trial;
-            hmesh::try_flip(mesh, e, trial);
+            const hmesh::kit::Edge e = any_edge(mesh, random);
+            if (!hmesh::kit::is_flip_ok(mesh, e)) return;
+            hmesh::kit::FlipTrial<C> trial;
+            hmesh::kit::evaluate_flip(mesh, e, trial);
             mesh.flip(e, trial.moments, trial.own, trial.opposite);
             return;
         }
         case 3: {
             const bool in_edge = random.below(2) == 0, may_move = random.below(2) == 0;
-            const auto candidate = in_edge ? hmesh::edge_candidate(mesh, work, any_edge(mesh, random), may_move)
-                                           : hmesh::face_candidate(mesh, work, any_face(mesh, random), may_move);
-            if (candidate.fits && hmesh::has_room(mesh, candidate)) hmesh::insert(mesh, candidate);
+            const auto candidate = in_edge ? hmesh::kit::edge_candidate(mesh, work, any_edge(mesh, random), may_move)
+                                           : hmesh::kit::face_candidate(mesh, work, any_face(mesh, random), may_move);
+            if (candidate.fits && hmesh::kit::can_gain_edge(mesh, candidate)) hmesh::kit::insert(mesh, candidate);
             return;
         }
         case 4: {
-            const auto candidate = hmesh::cheapest_collapse(mesh, work, any_vertex(mesh, random));
+            const auto candidate = hmesh::kit::cheapest_collapse(mesh, work, any_vertex(mesh, random));
             if (candidate.halfedge.is_valid()) mesh.collapse(candidate.halfedge);
             return;
         }
         default: {
-            if (random.below(2) == 0) hmesh::improve_vertex(mesh, any_vertex(mesh, random), 0);
-            else hmesh::improve_edge(mesh, any_edge(mesh, random), 0);
+            if (random.below(2) == 0) hmesh::kit::improve_vertex(mesh, any_vertex(mesh, random), 0);
+            else hmesh::kit::improve_edge(mesh, any_edge(mesh, random), 0);
             return;
         }
     }

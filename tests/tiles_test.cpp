@@ -13,12 +13,12 @@
 #include "test_meshing.hpp"
 #include "test_results.hpp"
 
-using hmesh::Effort;
+using hmesh::kit::Effort;
 using hmesh::Errc;
 using hmesh::Image;
 using hmesh::Options;
 using hmesh::Result;
-using hmesh::StageInfo;
+using hmesh::ProgressInfo;
 using hmesh::Target;
 
 namespace {
@@ -28,8 +28,8 @@ Options in_tiles(std::int64_t n) {
     Options options;
     options.target = Target::vertices(n);
     options.tile = 64;
-    options.annealed = hmesh::annealed_options(Effort::normal);
-    options.annealed->overshoot = 1.5;
+    options.annealed = hmesh::kit::annealed_options(Effort::normal);
+    options.annealed->insert_factor = 1.5;
     options.annealed->annealing.sweeps = 2;
     return options;
 }
@@ -98,7 +98,7 @@ TEST_CASE("a tile of another size than 0 or 64 to 65536 px is refused") {
         options.tile = tile;
         const auto result = hmesh::mesh_image(image.view(), options);
         CHECK(result.status.code == Errc::invalid_argument);
-        CHECK(result.status.got == tile);
+        CHECK(result.status.value == tile);
         CHECK(result.mesh.faces.empty());
     }
 }
@@ -108,7 +108,7 @@ TEST_CASE("cancelled at any call the mesh is valid, the report true, and no furt
     struct Calls {
         int left, after = 0;
     };
-    const auto stop = [](void* user, const StageInfo& info) {
+    const auto stop = [](void* user, const ProgressInfo& info) {
         auto& calls = *static_cast<Calls*>(user);
         CHECK(info.fraction >= 0);
         CHECK(info.fraction <= 1);

@@ -7,11 +7,11 @@
 
 #include "hmesh/core/random.hpp"
 
-using Array = hmesh::UndoArray<int>;
+using Array = hmesh::kit::UndoArray<int>;
 
 namespace {
 
-void edit_at_random(Array& array, hmesh::Random& random, int count) {
+void edit_at_random(Array& array, hmesh::kit::Random& random, int count) {
     for (int i = 0; i < count; ++i) {
         if (array.size() == 0 || random.below(4) == 0) array.push_back(static_cast<int>(random.below(1000)));
         else array.edit(random.below(array.size())) = static_cast<int>(random.below(1000));
@@ -21,7 +21,7 @@ void edit_at_random(Array& array, hmesh::Random& random, int count) {
 }  // namespace
 
 TEST_CASE("UndoArray: rollback restores every element and the size, commit keeps them, at any depth") {
-    hmesh::Random random(2);
+    hmesh::kit::Random random(2);
     Array array;
     for (int round = 0; round < 300; ++round) {
         edit_at_random(array, random, 5);

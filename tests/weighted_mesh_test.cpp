@@ -9,23 +9,23 @@
 #include <utility>
 
 #include "hmesh/core/random.hpp"
-#include "hmesh/fit/colors.hpp"
-#include "hmesh/fit/flips.hpp"
+#include "hmesh/solve/bounded_colors.hpp"
+#include "hmesh/edit/flip.hpp"
 #include "hmesh/fit/image_mesh.hpp"
-#include "hmesh/fit/vertices.hpp"
-#include "hmesh/image/moment_table.hpp"
+#include "hmesh/edit/move.hpp"
+#include "hmesh/fit/moment_table.hpp"
 #include "hmesh/image/weights.hpp"
 #include "test_images.hpp"
 #include "test_meshes.hpp"
 #include "test_weighted.hpp"
 
-using hmesh::Color;
-using hmesh::Face;
+using hmesh::kit::Color;
+using hmesh::kit::Face;
 using hmesh::Image;
-using hmesh::ImageMesh;
-using hmesh::MomentTable;
+using hmesh::kit::ImageMesh;
+using hmesh::kit::MomentTable;
 using hmesh::PixelTraits;
-using hmesh::Vertex;
+using hmesh::kit::Vertex;
 using hmesh_test::Weighted;
 using hmesh_test::weighted_energy;
 
@@ -61,26 +61,26 @@ void optimise(Weighted<T, C>& subject, std::uint64_t seed) {
     const auto prove = [&] {
         REQUIRE(all_finite(mesh));
         const hmesh::Status status = mesh.check();
-        REQUIRE_MESSAGE(status, std::string(status.what) << " at " << status.got);
+        REQUIRE_MESSAGE(status, std::string(status.what) << " at " << status.value);
         const double energy = weighted_energy(subject);
         REQUIRE(std::abs(mesh.energy() - energy) <= 1e-9 * energy + rounding);
     };
     for (int round = 0; round < 4; ++round) {
         const double before = mesh.energy();
         for (const Vertex v : mesh.topology().vertices()) {
-            REQUIRE(hmesh::improve_vertex(mesh, v, 0) >= 0);
-            mesh.set_due(v, true);
+            REQUIRE(hmesh::kit::improve_vertex(mesh, v, 0) >= 0);
+            mesh.set_dirty(v, true);
         }
         prove();
-        hmesh::sweep(mesh);
+        hmesh::kit::sweep(mesh);
         prove();
-        hmesh::flip_edges(mesh);
+        hmesh::kit::flip_edges(mesh);
         prove();
         CHECK(mesh.energy() <= before + 1e-9 * before + rounding);
     }
-    hmesh::optimal_colors(mesh);
+    hmesh::kit::optimal_colors(mesh);
     prove();
-    hmesh::bounded_colors(mesh, 0, range, PixelTraits<T>::is_integer ? 1 : 0);
+    hmesh::kit::bounded_colors(mesh, 0, range, PixelTraits<T>::is_integer ? 1 : 0);
     prove();
 }
 
@@ -109,9 +109,9 @@ TEST_CASE("a mesh over weights of 1 is optimised like one without weights, to th
                       triangulation);
     hmesh_test::Subject plain(hmesh_test::scene<std::uint8_t, 3>(61, 52, 4), triangulation);
     for (int round = 0; round < 3; ++round) {
-        hmesh::sweep(weighted.mesh);
-        hmesh::sweep(plain.mesh);
-        CHECK(hmesh::flip_edges(weighted.mesh) == hmesh::flip_edges(plain.mesh));
+        hmesh::kit::sweep(weighted.mesh);
+        hmesh::kit::sweep(plain.mesh);
+        CHECK(hmesh::kit::flip_edges(weighted.mesh) == hmesh::kit::flip_edges(plain.mesh));
     }
     CHECK(hmesh_test::snapshot(weighted.mesh) == hmesh_test::snapshot(plain.mesh));
 }
@@ -163,7 +163,7 @@ TEST_CASE("vertices whose faces hold no weight stay where they are, with the col
             for (const auto h : mesh.topology().outgoing(v)) left = std::min(left, mesh.position(mesh.topology().to_vertex(h)).x);
             if (left < 30) continue;
             const auto before = mesh.vertex(v);
-            hmesh::improve_vertex(mesh, v, 0);
+            hmesh::kit::improve_vertex(mesh, v, 0);
             CHECK(mesh.position(v) == before.position);
             for (int k = 0; k < 3; ++k) CHECK(mesh.color(v)[k] == before.color[k]);
             ++alone;
@@ -176,7 +176,7 @@ TEST_CASE("pixels without weight do not pull at the colours of those with weight
     // Grey 100 with weight; anything without.
     Image<std::uint8_t, 1> image = hmesh_test::noise<std::uint8_t, 1>(61, 52, 3);
     Image<float, 1> weights(61, 52);
-    hmesh::Random random(1);
+    hmesh::kit::Random random(1);
     for (int y = 0; y < 52; ++y)
         for (int x = 0; x < 61; ++x)
             if (random.below(2) == 0) {
@@ -184,7 +184,7 @@ TEST_CASE("pixels without weight do not pull at the colours of those with weight
                 *weights.pixel(x, y) = 0.7F;
             }
     Weighted subject(std::move(image), std::move(weights), hmesh_test::jittered_grid(61, 52, 6, 5, 1));
-    hmesh::optimal_colors(subject.mesh);
+    hmesh::kit::optimal_colors(subject.mesh);
     CHECK(subject.mesh.energy() < 1);
     for (const Vertex v : subject.mesh.topology().vertices()) CHECK(std::abs(subject.mesh.color(v)[0] - 100) < 0.5);
 }

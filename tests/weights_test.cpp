@@ -12,14 +12,14 @@
 #include "test_executors.hpp"
 #include "test_images.hpp"
 
-using hmesh::check_weights;
+using hmesh::kit::check_weights;
 using hmesh::Errc;
 using hmesh::Image;
 using hmesh::ImageView;
 using hmesh::Status;
-using hmesh::weight_sum;
-using hmesh::weight_unit;
-using hmesh::WeightScale;
+using hmesh::kit::weight_sum;
+using hmesh::kit::weight_unit;
+using hmesh::kit::WeightScale;
 
 namespace {
 
@@ -28,8 +28,8 @@ constexpr float sample = 1;
 bool refused(const Status& status, Errc code, std::int64_t got, std::int64_t want) {
     CHECK(status.code == code);
     CHECK(std::string(status.what).size() > 10);
-    CHECK(status.got == got);
-    CHECK(status.want == want);
+    CHECK(status.value == got);
+    CHECK(status.limit == want);
     return !status;
 }
 
@@ -112,7 +112,7 @@ TEST_CASE("WeightScale rounds scaled weights to a step that is fine for small im
         const WeightScale scale(1, width, height);
         CHECK(scale(0.0F) == 0);
         CHECK(scale(1.0F) == 1);
-        hmesh::Random random(1);
+        hmesh::kit::Random random(1);
         for (int k = 0; k < 1000; ++k) {
             const auto weight = static_cast<float>(random.uniform());
             const double rounded = scale(weight), steps = rounded / scale.step();
@@ -131,7 +131,7 @@ TEST_CASE("WeightScale rounds scaled weights to a step that is fine for small im
 }
 
 TEST_CASE("scaled weights do not depend on the unit of the weights, and 0 stays 0") {
-    hmesh::Random random(2);
+    hmesh::kit::Random random(2);
     for (int k = 0; k < 1000; ++k) {
         const auto weight = static_cast<double>(random.below(256));
         const WeightScale scale(1.0 / 255, 600, 400);

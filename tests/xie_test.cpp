@@ -1,4 +1,4 @@
-#include "hmesh/methods/xie.hpp"
+#include "hmesh/methods/baselines/xie.hpp"
 
 #include <doctest/doctest.h>
 
@@ -11,9 +11,9 @@
 #include "test_methods.hpp"
 #include "test_patchworks.hpp"
 
-using hmesh::Point;
-using hmesh::xie;
-using hmesh::XieOptions;
+using hmesh::kit::Point;
+using hmesh::kit::xie;
+using hmesh::kit::XieOptions;
 using hmesh_test::prove_mesh;
 using hmesh_test::Work;
 
@@ -34,9 +34,9 @@ TEST_CASE("xie gives every number of vertices, on pixels and with sampled colour
                 CAPTURE(n);
                 CHECK(xie(work.patchwork, n, {}));
                 prove_mesh(work, n);
-                CHECK(hmesh_test::is_sampled(work.image, work.whole()));
+                CHECK(hmesh_test::is_sampled(work.image, work.indexed()));
                 bool on_pixels = true;
-                for (const Point p : work.whole().positions)
+                for (const Point p : work.indexed().positions)
                     on_pixels = on_pixels && is_on_pixel(p.x, width) && is_on_pixel(p.y, height);
                 CHECK(on_pixels);
             }
@@ -61,7 +61,7 @@ TEST_CASE("every stage of xie after the removal lowers the energy, and it ends w
             const double before = stages[k - 2].energy, gain = before - stages[k].energy;
             CHECK((gain > 0.02 * before) == (k + 1 < stages.size()));
         }
-        CHECK(work.whole().energy < 0.9 * stages[1].energy);
+        CHECK(work.indexed().energy < 0.9 * stages[1].energy);
     }
 }
 
@@ -72,7 +72,7 @@ TEST_CASE("without rounds xie is adams, to the last bit") {
     options.rounds = 0;
     CHECK(xie(moved.patchwork, 50, options));
     CHECK(adams(left.patchwork, 50, options.start));
-    CHECK(hmesh_test::same_bits(moved.whole(), left.whole()));
+    CHECK(hmesh_test::same_bits(moved.indexed(), left.indexed()));
 }
 
 TEST_CASE("options of xie at the ends of their ranges give a valid mesh of the exact number") {

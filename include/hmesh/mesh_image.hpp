@@ -23,25 +23,25 @@
 #include "hmesh/core/progress.hpp"
 #include "hmesh/core/psnr.hpp"
 #include "hmesh/core/status.hpp"
-#include "hmesh/fit/colors.hpp"
-#include "hmesh/fit/drawn_energy.hpp"
-#include "hmesh/fit/linear_light.hpp"
-#include "hmesh/fit/patchwork.hpp"
-#include "hmesh/fit/sampling.hpp"
-#include "hmesh/image/image_source.hpp"
+#include "hmesh/solve/bounded_colors.hpp"
+#include "hmesh/fit/rendered_error.hpp"
+#include "hmesh/solve/linear_light.hpp"
+#include "hmesh/tiles/tiled_mesh.hpp"
+#include "hmesh/solve/sampled_colors.hpp"
+#include "hmesh/fit/image_source.hpp"
 #include "hmesh/image/image_view.hpp"
-#include "hmesh/image/moment_table.hpp"
+#include "hmesh/fit/moment_table.hpp"
 #include "hmesh/image/premultiply.hpp"
-#include "hmesh/image/pyramid.hpp"
+#include "hmesh/methods/hierarchical/pyramid.hpp"
 #include "hmesh/image/weights.hpp"
-#include "hmesh/mesh/mesh_view.hpp"
-#include "hmesh/methods/adams.hpp"
-#include "hmesh/methods/adaptive_thinning.hpp"
-#include "hmesh/methods/annealed.hpp"
-#include "hmesh/methods/hierarchical.hpp"
-#include "hmesh/methods/options.hpp"
+#include "hmesh/mesh/mesh.hpp"
+#include "hmesh/methods/baselines/adams.hpp"
+#include "hmesh/methods/baselines/adaptive_thinning.hpp"
+#include "hmesh/methods/annealed/annealed.hpp"
+#include "hmesh/methods/hierarchical/hierarchical.hpp"
+#include "hmesh/options.hpp"
 #include "hmesh/methods/psnr_search.hpp"
-#include "hmesh/methods/xie.hpp"
+#include "hmesh/methods/baselines/xie.hpp"
 
 namespace hmesh {
 
@@ -68,7 +68,7 @@ namespace detail {
 
 // The mesh as plain arrays.
 template <int C>
-[[nodiscard]] Mesh<C> extract(const WholeMesh<C>& whole, double peak) {
+[[nodiscard]] Mesh<C> extract(const IndexedMesh<C>& whole, double peak) {
     Mesh<C> out;
     out.width = whole.width;
     out.height = whole.height;
@@ -86,27 +86,27 @@ template <int C>
 
 // The levels of the image as the method hierarchical wants them, from 1 on.
 template <class T, int C>
-[[nodiscard]] bool run_hierarchical(Patchwork<C>& work, const ImageView<T, C>& view, std::size_t n, const Options& options,
+[[nodiscard]] bool run_hierarchical(TiledMesh<C>& work, const ImageView<T, C>& view, std::size_t n, const Options& options,
                                     double unit) {
     const HierarchicalOptions& recipe = options.hierarchical;
-    work.whole() = regular_grid(work.source(), 4);  // what a cancellation finds
+    work.indexed() = regular_grid(work.source(), 4);  // what a cancellation finds
     if (!work.monitor().begin("levels", work.vertex_count(), work.energy())) return false;
     const Pyramid<T, C> pyramid = make_pyramid(view, recipe.levels, recipe.bilateral, recipe.filter, work.parallel_for());
     std::vector<ImageSource<C>> coarse;
     for (int level = 1; level < recipe.levels; ++level) coarse.emplace_back(pyramid.level(level), options.weights, unit);
     {
         // The report tells the error of what there is, measured apart so that no moment table stays meanwhile.
-        Patchwork<C> corners(work.source(), work.limits(), work.monitor(), work.parallel_for());
-        corners.whole() = std::move(work.whole());
+        TiledMesh<C> corners(work.source(), work.limits(), work.monitor(), work.parallel_for());
+        corners.indexed() = std::move(work.indexed());
         corners.measure(one_tile(work.source()));
-        work.whole() = std::move(corners.whole());
+        work.indexed() = std::move(corners.indexed());
     }
     return work.monitor().end(work.vertex_count(), work.energy()) && hierarchical(work, coarse, n, recipe);
 }
 
 // A mesh of n vertices by the method asked for.
 template <class T, int C>
-[[nodiscard]] Status run(Patchwork<C>& work, const ImageView<T, C>& view, std::size_t n, const Options& options, double unit) {
+[[nodiscard]] Status run(TiledMesh<C>& work, const ImageView<T, C>& view, std::size_t n, const Options& options, double unit) {
     const auto done = [](bool finished) { return finished ? Status{} : cancelled_by_callback(); };
     switch (options.method) {
         case Method::annealed: break;
@@ -123,7 +123,7 @@ template <class T, int C>
 // The stage after all others: colours for linear light. Returns the energy seen through it; `energy` is that before.
 template <class T, int C>
 [[nodiscard]] double light_colors(Mesh<C>& mesh, const ImageView<T, C>& view, const ImageView<float, 1>& weights, double ridge,
-                                  double grid, double energy, Monitor& monitor, const ParallelFor& parallel_for) {
+                                  double grid, double energy, ProgressReporter& monitor, const ParallelFor& parallel_for) {
     LinearLightOptions recipe;
     recipe.weights = weights;
     recipe.ridge = ridge;
@@ -155,18 +155,18 @@ template <class T, int C>
         return result;
     }
     const ImageSource<C> source(view, options.weights, unit);
-    Monitor monitor(options.progress, samples, Traits::peak);
-    Patchwork<C> work(source, options.limits, monitor, parallel_for);
+    ProgressReporter monitor(options.progress, samples, Traits::peak);
+    TiledMesh<C> work(source, options.limits, monitor, parallel_for);
     result.status = run(work, view, n, options, unit);
     monitor.begin("colors", work.vertex_count(), work.energy());
     const double grid = Traits::is_integer && options.round_colors ? 1 : 0;
     const Tiling tiling = in_tiles ? Tiling(source.width(), source.height(), tile) : one_tile(source);
     if (final_colors(options) == Colors::sampled) sample_colors(work, tiling, grid);
     else bounded_colors(work, tiling, Traits::lowest, Traits::highest, grid);
-    const WholeMesh<C>& whole = work.whole();
+    const IndexedMesh<C>& whole = work.indexed();
     result.mesh = extract(whole, Traits::peak);
     double energy = std::max(0.0, whole.energy);  // rounding may leave less than nothing
-    if constexpr (!Traits::is_integer) energy = drawn_energy(result.mesh, view, options.weights, unit, parallel_for);
+    if constexpr (!Traits::is_integer) energy = rendered_error(result.mesh, view, options.weights, unit, parallel_for);
     monitor.end(whole.vertex_count(), energy);
     if (result.status && monitor.stopped()) result.status = cancelled_by_callback();
     if (options.fit_space == FitSpace::linear_light) {

@@ -24,8 +24,8 @@
 #include "hmesh/core/status.hpp"
 #include "hmesh/image/image_view.hpp"
 #include "hmesh/mesh/geometry.hpp"
-#include "hmesh/mesh/mesh_view.hpp"
-#include "hmesh/mesh/spans.hpp"
+#include "hmesh/mesh/mesh.hpp"
+#include "hmesh/mesh/raster.hpp"
 
 namespace hmesh {
 
@@ -49,7 +49,7 @@ struct RowRange {
 
 template <int C>
 struct Corner {
-    Point at;
+    kit::Point at;
     const float* color;
 };
 
@@ -67,13 +67,13 @@ class Shading {
     // Pixels [begin, end) of row j.
     void fill(int j, int begin, int end, float* pixel) const noexcept {
         for (int i = begin; i < end; ++i, pixel += C) {
-            const Barycentric w = weights_(i, j);
+            const kit::Barycentric w = weights_(i, j);
             for (std::size_t k = 0; k < C; ++k) pixel[k] = static_cast<float>(base_[k] + w.b * to_b_[k] + w.c * to_c_[k]);
         }
     }
 
   private:
-    CentreWeights weights_;
+    kit::PixelBarycentric weights_;
     std::array<double, std::size_t{C}> base_, to_b_, to_c_;
 };
 
@@ -81,7 +81,7 @@ class Shading {
 template <int C>
 void draw_face(const Corner<C>& a, const Corner<C>& b, const Corner<C>& c, RowRange rows, Image<float, C>& out) {
     const Shading<C> shading(a, b, c);
-    for_each_span(a.at, b.at, c.at, {out.width(), rows.first, rows.last},
+    kit::for_each_span(a.at, b.at, c.at, {out.width(), rows.first, rows.last},
                   [&](int j, int begin, int end) { shading.fill(j, begin, end, out.pixel(begin, j)); });
 }
 
@@ -91,12 +91,12 @@ struct Bands {
     std::vector<std::uint32_t> faces;
 };
 
-[[nodiscard]] inline Bands sort_into_bands(const MeshView& mesh, const std::vector<Point>& at, int height,
+[[nodiscard]] inline Bands sort_into_bands(const MeshView& mesh, const std::vector<kit::Point>& at, int height,
                                            const ParallelFor& parallel_for) {
-    Clip picture;
+    kit::ClipRect picture;
     picture.last = height;
     std::vector<RowRange> touched(mesh.face_count);  // in bands
-    for_each_chunk(parallel_for, mesh.face_count, 4096, [&](std::size_t begin, std::size_t end) {
+    kit::for_each_chunk(parallel_for, mesh.face_count, 4096, [&](std::size_t begin, std::size_t end) {
         for (std::size_t f = begin; f < end; ++f) {
             const std::array<std::uint32_t, 3>& face = mesh.faces[f];
             const auto [low, high] = std::minmax({at[face[0]].y, at[face[1]].y, at[face[2]].y});
@@ -130,15 +130,15 @@ struct Bands {
 
 // A mesh's colours for interpolation in linear light, and drawn pixels back from it.
 [[nodiscard]] inline bool is_light(const MeshView& mesh, int channel) noexcept {
-    return !has_alpha(mesh.channels) || channel + 1 != mesh.channels;
+    return !kit::has_alpha(mesh.channels) || channel + 1 != mesh.channels;
 }
 [[nodiscard]] inline std::vector<float> decoded_colors(const MeshView& mesh, const ParallelFor& parallel_for) {
     const auto channels = static_cast<std::size_t>(mesh.channels);
     std::vector<float> out(channels * mesh.vertex_count);
-    for_each_chunk(parallel_for, mesh.vertex_count, 4096, [&](std::size_t begin, std::size_t end) {
+    kit::for_each_chunk(parallel_for, mesh.vertex_count, 4096, [&](std::size_t begin, std::size_t end) {
         for (std::size_t i = channels * begin; i < channels * end; ++i) {
             const double share = std::max(0.0, std::min(1.0, static_cast<double>(mesh.colors[i]) / mesh.peak));
-            out[i] = static_cast<float>(is_light(mesh, static_cast<int>(i % channels)) ? srgb_to_linear(share) : share);
+            out[i] = static_cast<float>(is_light(mesh, static_cast<int>(i % channels)) ? kit::srgb_to_linear(share) : share);
         }
     });
     return out;
@@ -150,7 +150,7 @@ void encode_rows(const MeshView& mesh, RowRange rows, Image<float, C>& out) {
     for (; pixel != end; pixel += C)
         for (int k = 0; k < C; ++k) {
             const auto share = static_cast<double>(pixel[k]);
-            pixel[k] = static_cast<float>((is_light(mesh, k) ? linear_to_srgb(share) : share) * mesh.peak);
+            pixel[k] = static_cast<float>((is_light(mesh, k) ? kit::linear_to_srgb(share) : share) * mesh.peak);
         }
 }
 
@@ -176,13 +176,13 @@ Status render(const MeshView& mesh, Image<float, C>& out, const RenderOptions& o
         return {Errc::invalid_argument, "linear light is drawn from straight colours, and the mesh's are premultiplied", 0, 0};
 
     // A position on the mesh's border comes out on the picture's: the product is exact and the quotient rounded once.
-    std::vector<Point> at(mesh.vertex_count);
-    for_each_chunk(parallel_for, mesh.vertex_count, 4096, [&](std::size_t begin, std::size_t end) {
+    std::vector<kit::Point> at(mesh.vertex_count);
+    kit::for_each_chunk(parallel_for, mesh.vertex_count, 4096, [&](std::size_t begin, std::size_t end) {
         for (std::size_t v = begin; v < end; ++v)
             at[v] = {static_cast<double>(mesh.positions[2 * v]) * width / mesh.width,
                      static_cast<double>(mesh.positions[2 * v + 1]) * height / mesh.height};
     });
-    constexpr double farthest = 16.0 * max_side;  // px, so that columns fit an int
+    constexpr double farthest = 16.0 * kit::max_side;  // px, so that columns fit an int
     for (std::size_t v = 0; v < at.size(); ++v)
         if (std::abs(at[v].x) > farthest || std::abs(at[v].y) > farthest)
             return {Errc::invalid_argument, "the mesh has a position far outside its image, at vertex",
@@ -212,9 +212,9 @@ template <class T, class U, int C>
 [[nodiscard]] double psnr(const ImageView<T, C>& reference, const ImageView<U, C>& rendered,
                           const ParallelFor& parallel_for = {}) {
     if (!check(reference) || !check(rendered) || reference.width != rendered.width || reference.height != rendered.height)
-        return detail::not_a_number();
+        return kit::detail::nan();
     const double energy =
-        ordered_sum(parallel_for, static_cast<std::size_t>(reference.height), 32, [&](std::size_t begin, std::size_t end) {
+        kit::ordered_sum(parallel_for, static_cast<std::size_t>(reference.height), 32, [&](std::size_t begin, std::size_t end) {
             double sum = 0;
             for (std::size_t y = begin; y < end; ++y) {
                 const T* a = reference.row(static_cast<int>(y));
@@ -227,7 +227,7 @@ template <class T, class U, int C>
             return sum;
         });
     const double samples = static_cast<double>(reference.width) * reference.height * C;
-    return psnr_of_energy(energy, samples, PixelTraits<T>::peak);
+    return kit::psnr_of_energy(energy, samples, PixelTraits<T>::peak);
 }
 
 // The picture in pixels of type T, rounded and held to the type's range.
@@ -236,7 +236,7 @@ template <class T, int C>
     Image<T, C> out(image.width(), image.height());
     const std::vector<float>& from = image.samples();
     std::vector<T>& to = out.samples();
-    for_each_chunk(parallel_for, from.size(), 65536, [&](std::size_t begin, std::size_t end) {
+    kit::for_each_chunk(parallel_for, from.size(), 65536, [&](std::size_t begin, std::size_t end) {
         for (std::size_t k = begin; k < end; ++k) to[k] = PixelTraits<T>::from_real(static_cast<double>(from[k]));
     });
     return out;

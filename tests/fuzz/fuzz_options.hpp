@@ -8,7 +8,7 @@
 #include <limits>
 
 #include "fuzz_input.hpp"
-#include "hmesh/methods/options.hpp"
+#include "hmesh/options.hpp"
 
 namespace hmesh_test {
 
@@ -37,7 +37,7 @@ class OptionDraw {
             case hmesh::Method::xie: recipe(options.xie); break;
             case hmesh::Method::adams: recipe(options.adams); break;
             case hmesh::Method::hierarchical: recipe(options.hierarchical); break;
-            default: recipe(options.annealed.emplace(hmesh::annealed_options(options.effort)));
+            default: recipe(options.annealed.emplace(hmesh::kit::annealed_options(options.effort)));
         }
         return options;
     }
@@ -54,22 +54,22 @@ class OptionDraw {
         }
         if (is_wild_ && input_->one_in(8)) target.value = input_->wild_real();
     }
-    void limits(hmesh::MeshLimits& limits) {
-        real(limits.min_cross, 1e-4, 0.25);
+    void limits(hmesh::kit::MeshLimits& limits) {
+        real(limits.min_double_area, 1e-4, 0.25);
         real(limits.border_gap, 1.0 / 256, 0.25);
         real(limits.color_overshoot, 0, 100);
         real(limits.ridge, 1e-9, 1);
     }
-    void recipe(hmesh::AnnealedOptions& options) {
-        real(options.overshoot, 1, 10);
-        real(options.undershoot, 0.1, 1);
+    void recipe(hmesh::kit::AnnealedOptions& options) {
+        real(options.insert_factor, 1, 10);
+        real(options.collapse_factor, 0.1, 1);
         real(options.start, 0, 1);
-        real(options.growth, 0.05, 10);
-        real(options.shrinkage, 0.02, 1);
-        whole(options.growth_sweeps, 0, 5);
+        real(options.insert_batch, 0.05, 10);
+        real(options.collapse_batch, 0.02, 1);
+        whole(options.insert_sweeps, 0, 5);
         whole(options.polish_rounds, 0, 5);
-        real(options.growth_flips, 0, 1);
-        for (hmesh::Tolerance* tolerance : {&options.growth_visits, &options.polish}) {
+        real(options.insert_flip_gain, 0, 1);
+        for (hmesh::kit::Tolerance* tolerance : {&options.insert_tolerance, &options.polish}) {
             real(tolerance->spread, 0, 1);
             real(tolerance->least, 0, 1);
         }
@@ -80,15 +80,15 @@ class OptionDraw {
                               &options.annealing.insertion_screen, &options.annealing.flip_screen})
             real(*value, 0, 100);
         for (double* value :
-             {&options.annealing.exchange, &options.annealing.jump, &options.annealing.jump_reach, &options.annealing.band})
+             {&options.annealing.try_probability, &options.annealing.jump, &options.annealing.jump_reach, &options.annealing.count_tolerance})
             real(*value, 0, 1);
         real(options.annealing.start_price, 1e-6, 1e6);
     }
-    void recipe(hmesh::AdamsOptions& options) {
+    void recipe(hmesh::kit::AdamsOptions& options) {
         real(options.density, 1, 1000);
         whole(options.smoothing, 0, 20);
     }
-    void recipe(hmesh::XieOptions& options) {
+    void recipe(hmesh::kit::XieOptions& options) {
         recipe(options.start);
         whole(options.search.first_step, 1, 4096);
         whole(options.search.visits, 1, 20);
@@ -96,7 +96,7 @@ class OptionDraw {
         whole(options.rounds, 0, 10);
         real(options.enough, 0, 1);
     }
-    void recipe(hmesh::HierarchicalOptions& options) {
+    void recipe(hmesh::kit::HierarchicalOptions& options) {
         recipe(options.start);
         whole(options.levels, 1, 4);
         whole(options.bilateral.diameter, 1, 15);
@@ -157,10 +157,10 @@ class OptionDraw {
     return beyond(options.method, Method::adaptive_thinning) || beyond(options.target.kind, hmesh::Target::Kind::psnr) ||
            beyond(options.fit_space, hmesh::FitSpace::linear_light) ||
            (options.colors && beyond(*options.colors, hmesh::Colors::sampled)) ||
-           (options.method == Method::annealed && !options.annealed && beyond(options.effort, hmesh::Effort::best)) ||
+           (options.method == Method::annealed && !options.annealed && beyond(options.effort, hmesh::kit::Effort::best)) ||
            (options.method == Method::hierarchical &&
-            (beyond(options.hierarchical.geometry.search, hmesh::FootSearch::one_ring) ||
-             beyond(options.hierarchical.geometry.rule, hmesh::StepRule::literal)));
+            (beyond(options.hierarchical.geometry.search, hmesh::kit::FootSearch::one_ring) ||
+             beyond(options.hierarchical.geometry.rule, hmesh::kit::StepRule::literal)));
 }
 
 }  // namespace hmesh_test

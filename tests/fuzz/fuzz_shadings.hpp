@@ -9,7 +9,7 @@
 #include "fuzz_exports.hpp"
 #include "fuzz_input.hpp"
 #include "fuzz_text.hpp"
-#include "hmesh/io/shading_stream.hpp"
+#include "hmesh/io/detail/gouraud_stream.hpp"
 
 namespace hmesh_test {
 
@@ -54,16 +54,16 @@ template <class Options>
     static_cast<void>(text.until("/ColorSpace /Device"));
     const std::size_t components = text.accept("Gray") ? 1 : 3;
     static_cast<void>(text.until("/BitsPerCoordinate "));
-    const auto coordinate = static_cast<std::size_t>(text.whole());
-    text.expect(" /BitsPerComponent ");
-    const auto component = static_cast<std::size_t>(text.whole());
-    text.expect(" /BitsPerFlag 8\n/Decode [");
+    const auto coordinate = static_cast<std::size_t>(text.indexed());
+    text.set_range(" /BitsPerComponent ");
+    const auto component = static_cast<std::size_t>(text.indexed());
+    text.set_range(" /BitsPerFlag 8\n/Decode [");
     double before = 0;
     for (std::size_t i = 0; i < 4 + 2 * components; ++i) {
         const double end = text.number();
         demand(i % 2 == 0 || end > before, "a range is not empty");
         before = end;
-        if (i < 3 + 2 * components) text.expect(" ");
+        if (i < 3 + 2 * components) text.set_range(" ");
     }
     return 1 + (2 * coordinate + components * component) / 8;
 }

@@ -26,16 +26,16 @@ void check_base64(const std::string& text, std::size_t bytes) {
 
 void check_script(const std::string& script, const hmesh::MeshView& mesh) {
     FuzzText text(script);
-    text.expect("\n'use strict';\nconst mesh = {width: ");
-    demand(text.whole() == mesh.width, "the script knows the width");
-    text.expect(", height: ");
-    demand(text.whole() == mesh.height, "the script knows the height");
-    text.expect(", channels: ");
-    demand(text.whole() == mesh.channels, "the script knows the channels");
-    text.expect(", vertices: ");
-    demand(text.whole() == static_cast<std::int64_t>(mesh.vertex_count), "the script counts the vertices");
-    text.expect(", faces: ");
-    demand(text.whole() == static_cast<std::int64_t>(mesh.face_count), "the script counts the faces");
+    text.set_range("\n'use strict';\nconst mesh = {width: ");
+    demand(text.indexed() == mesh.width, "the script knows the width");
+    text.set_range(", height: ");
+    demand(text.indexed() == mesh.height, "the script knows the height");
+    text.set_range(", channels: ");
+    demand(text.indexed() == mesh.channels, "the script knows the channels");
+    text.set_range(", vertices: ");
+    demand(text.indexed() == static_cast<std::int64_t>(mesh.vertex_count), "the script counts the vertices");
+    text.set_range(", faces: ");
+    demand(text.indexed() == static_cast<std::int64_t>(mesh.face_count), "the script counts the faces");
     static_cast<void>(text.until(", data: '"));
     const std::size_t vertex = 8 + static_cast<std::size_t>(mesh.channels), index = mesh.vertex_count <= 65535 ? 2 : 4;
     check_base64(text.until("'};\n"), vertex * mesh.vertex_count + 3 * index * mesh.face_count);
@@ -68,9 +68,9 @@ void check_file(const std::string& file, const hmesh::MeshView& mesh, const hmes
         ++pictures;
         const std::string source = tag.attribute("src");
         FuzzText text(source);
-        text.expect("data:");
-        text.expect(options.original_type);
-        text.expect(";base64,");
+        text.set_range("data:");
+        text.set_range(options.original_type);
+        text.set_range(";base64,");
         check_base64(source.substr(text.at()), options.original_size);
     });
     demand(scripts == 1, "the page has a script");

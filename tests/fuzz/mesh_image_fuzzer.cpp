@@ -157,7 +157,7 @@ struct Patience {
     bool is_over = false;
 };
 
-bool go_on(void* user, const hmesh::StageInfo& info) {
+bool go_on(void* user, const hmesh::ProgressInfo& info) {
     Patience& patience = *static_cast<Patience*>(user);
     demand(!patience.is_over, "a callback that cancelled is called no more");
     demand(info.stage != nullptr && *info.stage != 0, "a stage has a name");
@@ -174,8 +174,8 @@ bool same_bytes(const std::vector<T>& a, const std::vector<T>& b) {
 
 template <int C>
 void demand_same(const hmesh::Result<C>& a, const hmesh::Result<C>& b) {
-    demand(a.status.code == b.status.code && a.status.what == b.status.what && a.status.got == b.status.got &&
-               a.status.want == b.status.want,
+    demand(a.status.code == b.status.code && a.status.what == b.status.what && a.status.value == b.status.value &&
+               a.status.limit == b.status.limit,
            "the same input gives the same status");
     demand(same_bytes(a.mesh.positions, b.mesh.positions) && same_bytes(a.mesh.colors, b.mesh.colors) &&
                a.mesh.faces == b.mesh.faces,

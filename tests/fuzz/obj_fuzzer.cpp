@@ -15,29 +15,29 @@ using hmesh_test::demand;
 
 void check_file(const std::string& file, const hmesh::MeshView& mesh) {
     hmesh_test::FuzzText text(file);
-    text.expect("# ");
+    text.set_range("# ");
     static_cast<void>(text.until("\n"));
     for (std::size_t v = 0; v < mesh.vertex_count; ++v) {
-        text.expect("v ");
+        text.set_range("v ");
         demand(static_cast<float>(text.number()) == mesh.positions[2 * v], "x is the mesh's");
-        text.expect(" ");
+        text.set_range(" ");
         const double y = mesh.height - static_cast<double>(mesh.positions[2 * v + 1]);
         demand(std::abs(text.number() - y) <= 1e-8 * std::abs(y), "y is the mesh's, upward, to nine digits");
-        text.expect(" 0");
+        text.set_range(" 0");
         for (int k = 0; k < 3; ++k) {
-            text.expect(" ");
+            text.set_range(" ");
             const double share = text.number();
             demand(share >= 0 && share <= 1, "a colour is in [0, 1]");
         }
-        text.expect("\n");
+        text.set_range("\n");
     }
     for (std::size_t f = 0; f < mesh.face_count; ++f) {
-        text.expect("f");
+        text.set_range("f");
         for (const std::size_t k : {0U, 2U, 1U}) {
-            text.expect(" ");
-            demand(text.whole() == std::int64_t{mesh.faces[f][k]} + 1, "a corner is the mesh's, counted from 1");
+            text.set_range(" ");
+            demand(text.indexed() == std::int64_t{mesh.faces[f][k]} + 1, "a corner is the mesh's, counted from 1");
         }
-        text.expect("\n");
+        text.set_range("\n");
     }
     text.expect_end();
 }

@@ -21,13 +21,13 @@ class Numbers {
     float real() { return is_ascii_ ? static_cast<float>(word()) : text_->real(); }
     std::uint32_t whole(std::size_t bytes) { return is_ascii_ ? static_cast<std::uint32_t>(word()) : text_->word(bytes); }
     void end_line() {
-        if (is_ascii_) text_->expect("\n");
+        if (is_ascii_) text_->set_range("\n");
         is_first_ = true;
     }
 
   private:
     double word() {
-        if (!is_first_) text_->expect(" ");
+        if (!is_first_) text_->set_range(" ");
         is_first_ = false;
         return text_->number();
     }
@@ -37,20 +37,20 @@ class Numbers {
 
 void check_file(const std::string& file, const hmesh::MeshView& mesh, const hmesh::PlyOptions& options) {
     FuzzText text(file);
-    text.expect(options.ascii ? "ply\nformat ascii 1.0\ncomment " : "ply\nformat binary_little_endian 1.0\ncomment ");
+    text.set_range(options.ascii ? "ply\nformat ascii 1.0\ncomment " : "ply\nformat binary_little_endian 1.0\ncomment ");
     static_cast<void>(text.until("\n"));
-    text.expect("element vertex ");
-    demand(text.whole() == static_cast<std::int64_t>(mesh.vertex_count), "the head counts the vertices");
-    text.expect("\nproperty float x\nproperty float y\nproperty float z\n");
+    text.set_range("element vertex ");
+    demand(text.indexed() == static_cast<std::int64_t>(mesh.vertex_count), "the head counts the vertices");
+    text.set_range("\nproperty float x\nproperty float y\nproperty float z\n");
     int channels = 0;
     while (text.accept(options.float_colors ? "property float " : "property uchar ")) {
         static_cast<void>(text.until("\n"));
         ++channels;
     }
     demand(channels == mesh.channels, "the head names the channels");
-    text.expect("element face ");
-    demand(text.whole() == static_cast<std::int64_t>(mesh.face_count), "the head counts the faces");
-    text.expect("\nproperty list uchar int vertex_indices\nend_header\n");
+    text.set_range("element face ");
+    demand(text.indexed() == static_cast<std::int64_t>(mesh.face_count), "the head counts the faces");
+    text.set_range("\nproperty list uchar int vertex_indices\nend_header\n");
 
     Numbers numbers(text, options.ascii);
     for (std::size_t v = 0; v < mesh.vertex_count; ++v) {

@@ -3,23 +3,23 @@
 #include <cstddef>
 #include <cstdint>
 
-#include "hmesh/fit/sampling.hpp"
-#include "hmesh/image/bilateral.hpp"
-#include "hmesh/image/image_source.hpp"
-#include "hmesh/image/moment_table.hpp"
+#include "hmesh/solve/sampled_colors.hpp"
+#include "hmesh/methods/hierarchical/bilateral.hpp"
+#include "hmesh/fit/image_source.hpp"
+#include "hmesh/fit/moment_table.hpp"
 
 double HMESH_TEST_PART() {
     hmesh::Image<std::uint8_t, 3> image(37, 29);
     std::size_t i = 0;
     for (std::uint8_t& sample : image.samples()) sample = static_cast<std::uint8_t>(i++ * 7 % 256);
-    const hmesh::ImageSource<3> source(image.view());
-    const hmesh::MomentTable<3> table = source.table({0, 0, 37, 29});
-    const hmesh::Image<std::uint8_t, 3> filtered = hmesh::bilateral_filter(image.view());
+    const hmesh::kit::ImageSource<3> source(image.view());
+    const hmesh::kit::MomentTable<3> table = source.table({0, 0, 37, 29});
+    const hmesh::Image<std::uint8_t, 3> filtered = hmesh::kit::bilateral_filter(image.view());
     double sum = 0;
     for (int y = 0; y < 29; ++y)
         for (int x = 0; x < 37; ++x) {
             sum += (source.pixel(x, y) * (1.0 + x)).sum();
-            sum += hmesh::sampled_color(table, {x + 0.25, y + 0.75}).sum();
+            sum += hmesh::kit::sampled_color(table, {x + 0.25, y + 0.75}).sum();
             for (int c = 0; c < 3; ++c) sum += filtered.pixel(x, y)[c];
         }
     return sum;

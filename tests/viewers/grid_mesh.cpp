@@ -33,7 +33,7 @@ hmesh::Mesh<C> make_grid(int columns, int rows) {
     mesh.width = 768;
     mesh.height = 512;
     mesh.peak = 255;
-    hmesh::Random random(1);
+    hmesh::kit::Random random(1);
     const auto place = [&](int k, int count, int side) {  // on the 1/256 px grid
         const bool is_inner = k > 0 && k < count;
         const double jitter = (random.uniform() - 0.5) * (is_inner ? 0.5 : 0);

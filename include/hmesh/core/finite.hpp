@@ -10,7 +10,7 @@
 #include <cstring>
 #include <limits>
 
-namespace hmesh {
+namespace hmesh::kit {
 
 static_assert(std::numeric_limits<float>::is_iec559 && std::numeric_limits<double>::is_iec559, "hmesh needs IEEE 754");
 
@@ -34,8 +34,8 @@ namespace detail {
     std::memcpy(&value, &bits, sizeof value);
     return value;
 }
-[[nodiscard]] inline double infinite() noexcept { return double_of_bits(0x7FF0000000000000U); }
-[[nodiscard]] inline double not_a_number() noexcept { return double_of_bits(0x7FF8000000000000U); }
+[[nodiscard]] inline double infinity() noexcept { return double_of_bits(0x7FF0000000000000U); }
+[[nodiscard]] inline double nan() noexcept { return double_of_bits(0x7FF8000000000000U); }
 
 }  // namespace detail
 
@@ -44,6 +44,6 @@ namespace detail {
     return is_finite(value) && value >= low && value <= high;
 }
 
-}  // namespace hmesh
+}  // namespace hmesh::kit
 
 #endif  // HMESH_CORE_FINITE_HPP

@@ -11,7 +11,7 @@
 
 #include "hmesh/core/assert.hpp"
 
-namespace hmesh {
+namespace hmesh::kit {
 
 class IndexedHeap {
   public:
@@ -116,6 +116,6 @@ class IndexedHeap {
     std::vector<Slot> slot_of_;
 };
 
-}  // namespace hmesh
+}  // namespace hmesh::kit
 
 #endif  // HMESH_CORE_INDEXED_HEAP_HPP

@@ -33,7 +33,7 @@
 #define HMESH_NEVER_INLINE
 #endif
 
-namespace hmesh {
+namespace hmesh::kit {
 namespace detail {
 
 template <int Width>
@@ -178,6 +178,6 @@ template <int N>
     return (a * b).sum();
 }
 
-}  // namespace hmesh
+}  // namespace hmesh::kit
 
 #endif  // HMESH_CORE_LANES_HPP

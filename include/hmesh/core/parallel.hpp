@@ -72,6 +72,8 @@ class ParallelFor {
     void (*run_)(const void* executor, std::size_t n, const PieceOfWork& body);
 };
 
+namespace kit {
+
 // Calls body(begin, end) for consecutive ranges of at most `grain` >= 1 indices that together are [0, n).
 template <class Body>
 void for_each_chunk(const ParallelFor& parallel_for, std::size_t n, std::size_t grain, Body&& body) {
@@ -89,6 +91,7 @@ template <class Body>
     return sum;
 }
 
+}  // namespace kit
 }  // namespace hmesh
 
 #endif  // HMESH_CORE_PARALLEL_HPP

@@ -13,7 +13,7 @@
 namespace hmesh {
 
 // Where the work is: the stage's name (static), how much of it is done in [0, 1], and the mesh reached so far.
-struct StageInfo {
+struct ProgressInfo {
     const char* stage = "";
     double fraction = 0;
     std::size_t vertices = 0;
@@ -26,7 +26,7 @@ struct StageInfo {
 // and the putting together of a mesh, some 0.8 us a vertex. Returning false cancels: the last valid mesh comes back with
 // Errc::cancelled.
 struct Progress {
-    bool (*call)(void* user, const StageInfo& info) = nullptr;
+    bool (*call)(void* user, const ProgressInfo& info) = nullptr;
     void* user = nullptr;
 };
 
@@ -42,13 +42,15 @@ struct StageReport {
     double residual = 0;
 };
 
+namespace kit {
+
 // Carries a Progress through the stages of a method and notes what each stage left.
-class Monitor {
+class ProgressReporter {
   public:
     // `samples`: pixels times channels.
-    Monitor(const Progress& progress, double samples, double peak) : progress_(progress), samples_(samples), peak_(peak) {}
+    ProgressReporter(const Progress& progress, double samples, double peak) : progress_(progress), samples_(samples), peak_(peak) {}
 
-    // begin, update, expect and end are called between pieces of work. Those that return something tell whether to go on; once
+    // begin, update, set_range and end are called between pieces of work. Those that return something tell whether to go on; once
     // told to stop it stays so.
     // A stage begins: `stage` is a static name, the mesh has so many vertices and this energy.
     bool begin(const char* stage, std::size_t vertices, double energy) {
@@ -59,13 +61,13 @@ class Monitor {
     }
     // Within a stage: this fraction of it is done, in [0, 1].
     bool update(double fraction, std::size_t vertices, double energy) {
-        expect(fraction, fraction);
+        set_range(fraction, fraction);
         info_.vertices = vertices;
         info_.energy = std::max(0.0, energy);  // rounding may leave less than nothing
         return poll();
     }
     // The pieces of work that come next take the stage from fraction `from` to `to`.
-    void expect(double from, double to) noexcept {
+    void set_range(double from, double to) noexcept {
         from_ = std::max(0.0, std::min(1.0, from));
         to_ = std::max(0.0, std::min(1.0, to));
         done_ = 0;
@@ -87,7 +89,7 @@ class Monitor {
     bool poll() {
         if (stopped_.load(std::memory_order_relaxed)) return false;
         if (progress_.call == nullptr || asking_.test_and_set(std::memory_order_acquire)) return true;
-        StageInfo info = info_;
+        ProgressInfo info = info_;
         info.fraction = from_ + (to_ - from_) * std::min(1.0, static_cast<double>(done_.load()) / whole);
         const bool go_on = stopped_.load() || progress_.call(progress_.user, info);
         if (!go_on) stopped_.store(true);
@@ -102,7 +104,7 @@ class Monitor {
     static constexpr double whole = 1e15;  // of done_: a sum of integers is the same in any order
     Progress progress_;
     double samples_, peak_;
-    StageInfo info_;
+    ProgressInfo info_;
     double from_ = 0, to_ = 0;
     int iterations_ = 0;  // of the stage at work
     double residual_ = 0;
@@ -112,19 +114,19 @@ class Monitor {
     std::vector<StageReport> stages_;
 };
 
-// One piece of work among those that run at once, as a Monitor sees it. Work beats it every few microseconds.
-class Pulse {
+// One piece of work among those that run at once, as a ProgressReporter sees it. Work beats it every few microseconds.
+class TaskProgress {
   public:
     // A piece that is `share` in [0, 1] of what the monitor expects.
-    Pulse(Monitor& monitor, double share) noexcept : monitor_(&monitor), share_(share) {}
-    Pulse(const Pulse&) = delete;
-    Pulse& operator=(const Pulse&) = delete;
-    ~Pulse() { reach(1); }
+    TaskProgress(ProgressReporter& monitor, double share) noexcept : monitor_(&monitor), share_(share) {}
+    TaskProgress(const TaskProgress&) = delete;
+    TaskProgress& operator=(const TaskProgress&) = delete;
+    ~TaskProgress() { set_fraction(1); }
 
     // Whether to go on. Every 256th call asks the callback, which is every few milliseconds.
-    bool beat() { return (++beats_ & 255U) != 0 ? !monitor_->stopped() : monitor_->poll(); }
+    bool keep_going() { return (++beats_ & 255U) != 0 ? !monitor_->stopped() : monitor_->poll(); }
     // This fraction of the piece is done. Never falls.
-    void reach(double fraction) noexcept {
+    void set_fraction(double fraction) noexcept {
         if (!(fraction > reached_)) return;
         monitor_->add(share_ * (std::min(1.0, fraction) - reached_));
         reached_ = std::min(1.0, fraction);
@@ -132,11 +134,12 @@ class Pulse {
     [[nodiscard]] bool stopped() const noexcept { return monitor_->stopped(); }
 
   private:
-    Monitor* monitor_;
+    ProgressReporter* monitor_;
     double share_, reached_ = 0;
     unsigned beats_ = 0;
 };
 
+}  // namespace kit
 }  // namespace hmesh
 
 #endif  // HMESH_CORE_PROGRESS_HPP

@@ -6,14 +6,14 @@
 
 #include "hmesh/core/finite.hpp"
 
-namespace hmesh {
+namespace hmesh::kit {
 
 // 10 log10(peak^2 / MSE), MSE = energy / samples the mean over pixels AND channels. Infinity for energy 0, or below, where
 // rounding left less than nothing.
 [[nodiscard]] inline double psnr_of_energy(double energy, double samples, double peak) noexcept {
-    return energy <= 0 ? detail::infinite() : 10 * std::log10(peak * peak * samples / energy);
+    return energy <= 0 ? detail::infinity() : 10 * std::log10(peak * peak * samples / energy);
 }
 
-}  // namespace hmesh
+}  // namespace hmesh::kit
 
 #endif  // HMESH_CORE_PSNR_HPP

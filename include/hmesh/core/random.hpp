@@ -9,7 +9,7 @@
 #include <cstddef>
 #include <cstdint>
 
-namespace hmesh {
+namespace hmesh::kit {
 
 class Random {
   public:
@@ -42,6 +42,6 @@ class Random {
     std::uint64_t increment_;
 };
 
-}  // namespace hmesh
+}  // namespace hmesh::kit
 
 #endif  // HMESH_CORE_RANDOM_HPP

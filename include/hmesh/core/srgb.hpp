@@ -7,7 +7,7 @@
 
 #include <cmath>
 
-namespace hmesh::detail {
+namespace hmesh::kit {
 
 // The light, as a share of full light, of an sRGB-encoded share in [0, 1]. The power 2.4 is the twelfth of the fifth root,
 // found by Newton's method. Off by less than 1e-14.
@@ -41,6 +41,6 @@ namespace hmesh::detail {
     return light <= 0.0031308 ? 12.92 : (share + 0.055) / (2.4 * light);
 }
 
-}  // namespace hmesh::detail
+}  // namespace hmesh::kit
 
 #endif  // HMESH_CORE_SRGB_HPP

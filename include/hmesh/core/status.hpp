@@ -19,13 +19,13 @@ enum class Errc : std::uint8_t {
     cancelled,            // the progress callback said stop
 };
 
-// What happened: `what` is a static sentence, `got` the offending value and `want` the bound that it missed (0 where
+// What happened: `what` is a static sentence, `value` the offending value and `limit` the bound that it missed (0 where
 // the sentence says it all, as that of a fraction, which an integer would not tell). Converts to true when all is well.
 struct [[nodiscard]] Status {
     Errc code = Errc::ok;
     const char* what = "";
-    std::int64_t got = 0;
-    std::int64_t want = 0;
+    std::int64_t value = 0;
+    std::int64_t limit = 0;
 
     constexpr explicit operator bool() const noexcept { return code == Errc::ok; }
 };

@@ -13,7 +13,7 @@
 
 #include "hmesh/core/assert.hpp"
 
-namespace hmesh {
+namespace hmesh::kit {
 
 template <class T>
 class UndoArray {
@@ -74,6 +74,6 @@ class UndoArray {
     bool recording_ = false;
 };
 
-}  // namespace hmesh
+}  // namespace hmesh::kit
 
 #endif  // HMESH_CORE_UNDO_ARRAY_HPP

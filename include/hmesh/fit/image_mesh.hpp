@@ -6,7 +6,7 @@
 // nothing else is touched. begin/rollback undo any sequence of edits to the last byte; with them any operator is a
 // transaction: try it, re-optimise around it, read the exact energy, keep it or not.
 //
-// The mesh may be a patch of a larger one (fit/patches.hpp): then Surroundings tell what lies outside, its rim belongs to
+// The mesh may be a patch of a larger one (tiles/patch.hpp): then PatchContext tell what lies outside, its rim belongs to
 // other patches too and is frozen, and rim edges that are not on the image's border stay as they are.
 //
 // Memory: about 560 bytes a vertex for up to 3 channels, of which 384 are edge moments. Edits are defined in
@@ -24,17 +24,17 @@
 #include "hmesh/core/status.hpp"
 #include "hmesh/core/undo_array.hpp"
 #include "hmesh/fit/ring.hpp"
-#include "hmesh/image/moment_table.hpp"
+#include "hmesh/fit/moment_table.hpp"
 #include "hmesh/mesh/halfedge_mesh.hpp"
 
-namespace hmesh {
+namespace hmesh::kit {
 
 // What a mesh knows of the image and the mesh that it is a patch of.
-struct Surroundings {
+struct PatchContext {
     Rect image;              // the whole image, in the pixels of the patch's table: x, y <= 0
     bool is_part = false;    // whether there are other patches
     double scale = 1;        // mean energy of a vertex in the whole mesh over that in the patch
-    Pulse* pulse = nullptr;  // told that work goes on; asked whether to stop
+    TaskProgress* task = nullptr;  // told that work goes on; asked whether to stop
 };
 
 template <int C>
@@ -45,8 +45,8 @@ class ImageMesh {
     // Over a table that outlives the mesh. Colours are held within [low, high] widened by limits.color_overshoot.
     ImageMesh(const MomentTable<C>& table, double low, double high, const MeshLimits& limits = {})
         : ImageMesh(table, low, high, limits, {{0, 0, table.width(), table.height()}, false, 1, nullptr}) {}
-    ImageMesh(const MomentTable<C>& table, double low, double high, const MeshLimits& limits, const Surroundings& surroundings)
-        : table_(&table), limits_(limits), surroundings_(surroundings) {
+    ImageMesh(const MomentTable<C>& table, double low, double high, const MeshLimits& limits, const PatchContext& surroundings)
+        : table_(&table), limits_(limits), context_(surroundings) {
         const double slack = limits.color_overshoot * (high - low);
         color_low_ = std::max(low - slack, -1e300);  // slack may overflow: float images know no range
         color_high_ = std::min(high + slack, 1e300);
@@ -91,12 +91,12 @@ class ImageMesh {
     // The mean energy of a vertex, of the whole mesh if this is a patch: the scale of all tolerances, or easy patches
     // would be polished for nothing; 0 where rounding left less.
     [[nodiscard]] double mean_energy() const noexcept {
-        return surroundings_.scale * std::max(0.0, energy_) / static_cast<double>(vertex_count());
+        return context_.scale * std::max(0.0, energy_) / static_cast<double>(vertex_count());
     }
     // To be called by long work every few microseconds; where it says false, the work ends as it is.
-    [[nodiscard]] bool beat() const { return surroundings_.pulse == nullptr || surroundings_.pulse->beat(); }
-    [[nodiscard]] Pulse* pulse() const noexcept { return surroundings_.pulse; }
-    void set_pulse(Pulse* pulse) noexcept { surroundings_.pulse = pulse; }
+    [[nodiscard]] bool keep_going() const { return context_.task == nullptr || context_.task->keep_going(); }
+    [[nodiscard]] TaskProgress* task() const noexcept { return context_.task; }
+    void set_task(TaskProgress* task) noexcept { context_.task = task; }
 
     // The moments of a half-edge (those of its edge, with a sign), written to `out`.
     HMESH_ALWAYS_INLINE void moments(Halfedge h, Moments<C>& out) const {
@@ -123,7 +123,7 @@ class ImageMesh {
             HMESH_ASSERT(ring.size < ring_capacity);
             const int i = ring.size++;
             ring.halfedge[i] = h;
-            ring.neighbour[i] = &vertex(topology_.to_vertex(h));
+            ring.neighbor[i] = &vertex(topology_.to_vertex(h));
             moments(h, spokes.spoke[i]);
             if (!topology_.is_boundary(h)) moments(topology_.next(h), ring.link[i]);
         }
@@ -135,7 +135,7 @@ class ImageMesh {
             const double low = image_low == 0 ? gap : 0, high = image_low + image_size == size ? size - gap : size;
             return snap(std::max(low, std::min(high, x)));
         };
-        const Rect& image = surroundings_.image;
+        const Rect& image = context_.image;
         Point q = p;
         if (mobility == Mobility::free || mobility == Mobility::along_x) q.x = held(p.x, width(), image.x, image.width);
         if (mobility == Mobility::free || mobility == Mobility::along_y) q.y = held(p.y, height(), image.y, image.height);
@@ -143,25 +143,25 @@ class ImageMesh {
     }
     // Of a vertex at p: free unless p is on the image's border.
     [[nodiscard]] Mobility mobility_at(Point p) const noexcept {
-        const Rect& image = surroundings_.image;
+        const Rect& image = context_.image;
         const bool on_x = p.x == image.x || p.x == image.x + image.width, on_y = p.y == image.y || p.y == image.y + image.height;
-        return on_x && on_y ? Mobility::fixed : on_x ? Mobility::along_y : on_y ? Mobility::along_x : Mobility::free;
+        return on_x && on_y ? Mobility::corner : on_x ? Mobility::along_y : on_y ? Mobility::along_x : Mobility::free;
     }
     // Of a vertex that splits e; frozen: a rim edge of the patch, which must not be split.
     [[nodiscard]] Mobility edge_mobility(Edge e) const noexcept {
         if (!topology_.is_boundary(e)) return Mobility::free;
         const Halfedge h = HalfedgeMesh::halfedge(e);
         const Mobility mobility = mobility_at(midpoint(position(topology_.from_vertex(h)), position(topology_.to_vertex(h))));
-        return mobility == Mobility::free ? Mobility::frozen : mobility;
+        return mobility == Mobility::free ? Mobility::locked : mobility;
     }
     // Whether v may get one more edge.
-    [[nodiscard]] bool has_room(Vertex v) const noexcept { return topology_.valence(v) < vertex(v).most_valence; }
-    void set_scale(double scale) noexcept { surroundings_.scale = scale; }
+    [[nodiscard]] bool can_gain_edge(Vertex v) const noexcept { return topology_.valence(v) < vertex(v).valence_limit; }
+    void set_scale(double scale) noexcept { context_.scale = scale; }
     // From now on v stays as it is, with at most this many edges. Not undone by rollback.
-    void freeze(Vertex v, int most_valence) noexcept {
+    void lock(Vertex v, int valence_limit) noexcept {
         VertexState<C>& state = vertices_.raw(v.index());
-        state.mobility = Mobility::frozen;
-        state.most_valence = static_cast<unsigned char>(most_valence);
+        state.mobility = Mobility::locked;
+        state.valence_limit = static_cast<unsigned char>(valence_limit);
     }
 
     // --- edits ---
@@ -211,15 +211,15 @@ class ImageMesh {
         vertices_.reserve(vertices);
         moments_.reserve(3 * vertices);
         energies_.reserve(2 * vertices);
-        visits_.reserve(vertices);
+        dirty_.reserve(vertices);
     }
 
     // Vertices whose surroundings changed since they were last optimised; sweeps visit only these.
-    [[nodiscard]] bool is_due(Vertex v) const noexcept { return visits_[v.index()] != 0; }
-    void set_due(Vertex v, bool due) noexcept { visits_[v.index()] = due ? 1 : 0; }
-    void set_ring_due(Vertex v) noexcept {  // v and its neighbours
-        set_due(v, true);
-        for (const Halfedge h : topology_.outgoing(v)) set_due(topology_.to_vertex(h), true);
+    [[nodiscard]] bool is_dirty(Vertex v) const noexcept { return dirty_[v.index()] != 0; }
+    void set_dirty(Vertex v, bool due) noexcept { dirty_[v.index()] = due ? 1 : 0; }
+    void set_ring_dirty(Vertex v) noexcept {  // v and its neighbours
+        set_dirty(v, true);
+        for (const Halfedge h : topology_.outgoing(v)) set_dirty(topology_.to_vertex(h), true);
     }
 
     // Proves what this class promises: the topology's invariants, faces that turn the right way and tile what they tiled
@@ -257,7 +257,7 @@ class ImageMesh {
 
     const MomentTable<C>* table_ = nullptr;
     MeshLimits limits_;
-    Surroundings surroundings_;
+    PatchContext context_;
     double color_low_ = 0, color_high_ = 0;
     HalfedgeMesh topology_;
     UndoArray<VertexState<C>> vertices_;
@@ -265,11 +265,11 @@ class ImageMesh {
     UndoArray<double> energies_;     // per face
     double energy_ = 0;
     double twice_area_ = 0;  // of all faces
-    std::vector<unsigned char> visits_;
+    std::vector<unsigned char> dirty_;
     int depth_ = 0;
 };
 
-}  // namespace hmesh
+}  // namespace hmesh::kit
 
 #include "hmesh/fit/image_mesh_build.hpp"
 #include "hmesh/fit/image_mesh_edits.hpp"

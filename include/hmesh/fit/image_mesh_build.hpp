@@ -10,7 +10,7 @@
 
 #include "hmesh/fit/image_mesh.hpp"
 
-namespace hmesh {
+namespace hmesh::kit {
 
 template <int C>
 Status ImageMesh<C>::assign(const std::vector<Point>& positions, const std::vector<Triangle>& triangles,
@@ -22,20 +22,20 @@ Status ImageMesh<C>::assign(const std::vector<Point>& positions, const std::vect
     vertices_.resize(positions.size());
     moments_.resize(topology_.edge_slots());
     energies_.resize(topology_.face_slots());
-    visits_.assign(positions.size(), 1);
+    dirty_.assign(positions.size(), 1);
     for (std::size_t i = 0; i < positions.size(); ++i) {
         const Point p = positions[i];
         VertexState<C>& state = vertices_.raw(i);
         state.position = p;
         state.mobility = mobility_at(p);
-        state.most_valence = max_valence;
+        state.valence_limit = max_valence;
         if (!colors.empty()) state.color = colors[i];
         else
             table_->pixel(std::min(static_cast<int>(p.x), width() - 1), std::min(static_cast<int>(p.y), height() - 1),
                           state.color);
     }
     twice_area_ = 0;
-    for (const Triangle& t : triangles) twice_area_ += cross(positions[t[0]], positions[t[1]], positions[t[2]]);
+    for (const Triangle& t : triangles) twice_area_ += orient2d(positions[t[0]], positions[t[1]], positions[t[2]]);
     for_each_chunk(parallel_for, topology_.edge_slots(), 1024, [&](std::size_t begin, std::size_t end) {
         for (std::size_t e = begin; e < end; ++e) {
             const Halfedge h = HalfedgeMesh::halfedge(Edge(e));
@@ -72,7 +72,7 @@ Status ImageMesh<C>::check() const {
         const VertexState<C>& state = vertex(v);
         if (snap(state.position) != state.position) return fail("a vertex is off the grid", v.index());
         if (state.color[C] != 0) return fail("a colour's padding is not zero", v.index());
-        if (state.mobility != Mobility::frozen &&
+        if (state.mobility != Mobility::locked &&
             (state.mobility != mobility_at(state.position) || topology_.is_boundary(v) == (state.mobility == Mobility::free)))
             return fail("a vertex's mobility is wrong", v.index());
     }
@@ -82,12 +82,12 @@ Status ImageMesh<C>::check() const {
         for (int y = 0; y < height(); ++y)
             squares += static_cast<double>(entries[table_->offset(width(), y) + MomentTable<C>::lanes + C]);
     };
-    if (table_->is_narrow()) add_rows(table_->template entries<std::int32_t>());
+    if (table_->is_int32()) add_rows(table_->template entries<std::int32_t>());
     else add_rows(table_->template entries<double>());
     double area = 0, energy = 0;
     for (const Face f : topology_.faces()) {
         const auto v = topology_.vertices(f);
-        const double twice = cross(position(v[0]), position(v[1]), position(v[2]));
+        const double twice = orient2d(position(v[0]), position(v[1]), position(v[2]));
         if (!(twice > 0)) return fail("a face is flipped or has no area", f.index());
         area += twice;
         Moments<C> m;
@@ -98,7 +98,7 @@ Status ImageMesh<C>::check() const {
             return fail("a face's energy is stale", f.index());
         energy += fresh;
     }
-    if (area != (surroundings_.is_part ? twice_area_ : 2.0 * width() * height()))
+    if (area != (context_.is_part ? twice_area_ : 2.0 * width() * height()))
         return fail("the faces do not tile what they should", 0);
     if (!(std::abs(energy - energy_) <= 1e-9 * std::abs(energy) + 1e-12 * squares)) return fail("the total energy is stale", 0);
     for (const Edge e : topology_.edges()) {
@@ -115,6 +115,6 @@ Status ImageMesh<C>::check() const {
     return {};
 }
 
-}  // namespace hmesh
+}  // namespace hmesh::kit
 
 #endif  // HMESH_FIT_IMAGE_MESH_BUILD_HPP

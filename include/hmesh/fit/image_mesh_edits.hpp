@@ -6,7 +6,7 @@
 
 #include "hmesh/fit/image_mesh.hpp"
 
-namespace hmesh {
+namespace hmesh::kit {
 
 template <int C>
 void ImageMesh<C>::settle(Vertex v, const Ring<C>& ring, Point position, const Color<C>& color, const FaceFit<C>* faces,
@@ -53,8 +53,8 @@ void ImageMesh<C>::adopt(Vertex v, Point position, const Color<C>& color, Mobili
     const VertexState<C> state{color, position, mobility, max_valence};
     if (v.index() == vertices_.size()) vertices_.push_back(state);
     else vertices_.edit(v.index()) = state;
-    if (v.index() >= visits_.size()) visits_.push_back(1);
-    visits_[v.index()] = 1;
+    if (v.index() >= dirty_.size()) dirty_.push_back(1);
+    dirty_[v.index()] = 1;
     while (moments_.size() < topology_.edge_slots()) moments_.push_back(Moments<C>::zero());
     while (energies_.size() < topology_.face_slots()) energies_.push_back(0.0);
     refresh_ring(v);
@@ -96,6 +96,6 @@ void ImageMesh<C>::collapse(Halfedge h) {
     for (int i = 0; i < face_count; ++i) set_energy(faces[i], fresh_energy(faces[i]));
 }
 
-}  // namespace hmesh
+}  // namespace hmesh::kit
 
 #endif  // HMESH_FIT_IMAGE_MESH_EDITS_HPP

@@ -7,7 +7,7 @@
 #include "hmesh/fit/image_mesh.hpp"
 #include "hmesh/mesh/spatial_order.hpp"
 
-namespace hmesh {
+namespace hmesh::kit {
 
 // The vertices, neighbours in the list mostly being neighbours in the plane. O(n).
 template <int C>
@@ -40,6 +40,6 @@ template <int C>
     return edges;
 }
 
-}  // namespace hmesh
+}  // namespace hmesh::kit
 
 #endif  // HMESH_FIT_ORDER_HPP

@@ -9,11 +9,11 @@
 #ifndef HMESH_FIT_RING_HPP
 #define HMESH_FIT_RING_HPP
 
-#include "hmesh/fit/moments.hpp"
+#include "hmesh/fit/edge_moments.hpp"
 #include "hmesh/mesh/geometry.hpp"
 #include "hmesh/mesh/handles.hpp"
 
-namespace hmesh {
+namespace hmesh::kit {
 
 // The channels of a colour, padded with zeros to the lanes of Moments (lane C, where moments carry 1, is 0 in a colour).
 template <int C>
@@ -31,7 +31,7 @@ HMESH_ALWAYS_INLINE void clamp_channels(Color<C>& c, double low, double high) {
 
 // Where a vertex may go: what is not free stays on a side of the image, or in a corner (fixed). A frozen vertex belongs to
 // other patches too: neither its position nor its colour changes, and it is not removed.
-enum class Mobility : unsigned char { free, along_x, along_y, fixed, frozen };
+enum class Mobility : unsigned char { free, along_x, along_y, corner, locked };
 
 // Most half-edges around a vertex that an operator makes.
 inline constexpr int max_valence = 40;
@@ -44,14 +44,14 @@ struct VertexState {
     Color<C> color;
     Point position;
     Mobility mobility;
-    unsigned char most_valence = max_valence;  // less for a frozen vertex, whose other patches may add edges too
+    unsigned char valence_limit = max_valence;  // less for a frozen vertex, whose other patches may add edges too
 };
 
 // Bounds that keep a mesh sane.
 struct MeshLimits {
     // Least twice the area of a face, in px^2. Slivers that hold no pixel are free for the energy but ugly when enlarged;
     // 0.02 costs nothing measurable, 1 costs 0.03 dB (Lena, 1 %).
-    double min_cross = 0.02;
+    double min_double_area = 0.02;
     // A free vertex keeps this distance from the image's border, in px.
     double border_gap = 1.0 / 32;
     // Colours may leave the pixel type's range while optimising, but not by more than this many ranges. The final colours
@@ -84,13 +84,13 @@ struct RingFit {
     [[nodiscard]] HMESH_ALWAYS_INLINE double energy(const Color<C>& c) const { return d + (c * (a * c - 2.0 * b)).sum(); }
 };
 
-// Face (v, a, b) with moments m. False when twice its area is below min_cross.
+// Face (v, a, b) with moments m. False when twice its area is below min_double_area.
 template <int C>
 [[nodiscard]] HMESH_ALWAYS_INLINE bool fit_face(const Moments<C>& m, Point v, const VertexState<C>& va, const VertexState<C>& vb,
-                                                double min_cross, FaceFit<C>& out) {
+                                                double min_double_area, FaceFit<C>& out) {
     const double ax = va.position.x - v.x, ay = va.position.y - v.y, bx = vb.position.x - v.x, by = vb.position.y - v.y;
     const double area = ax * by - ay * bx;
-    if (!(area >= min_cross)) return false;
+    if (!(area >= min_double_area)) return false;
     const double inverse = 1 / area;
     const double lx = (ay - by) * inverse, ly = (bx - ax) * inverse;
     const Color<C> f1 = (by * inverse) * va.color - (ay * inverse) * vb.color;
@@ -140,16 +140,16 @@ struct Ring {
     int size = 0;
     bool open = false;
     Halfedge halfedge[ring_capacity];  // from the centre to each neighbour, where the centre is in the mesh
-    const VertexState<C>* neighbour[ring_capacity];
+    const VertexState<C>* neighbor[ring_capacity];
     Moments<C> link[ring_capacity];  // of the far side of face i, from neighbour i to neighbour i - 1
 
     [[nodiscard]] int first_face() const noexcept { return open ? 1 : 0; }
     [[nodiscard]] int before(int i) const noexcept { return i == 0 ? size - 1 : i - 1; }
 
-    // Whether all faces have at least the area min_cross / 2 with the centre at v.
-    [[nodiscard]] HMESH_ALWAYS_INLINE bool accepts(Point v, double min_cross) const noexcept {
+    // Whether all faces have at least the area min_double_area / 2 with the centre at v.
+    [[nodiscard]] HMESH_ALWAYS_INLINE bool accepts(Point v, double min_double_area) const noexcept {
         for (int i = first_face(); i < size; ++i)
-            if (!(cross(v, neighbour[i]->position, neighbour[before(i)]->position) >= min_cross)) return false;
+            if (!(orient2d(v, neighbor[i]->position, neighbor[before(i)]->position) >= min_double_area)) return false;
         return true;
     }
 };
@@ -163,7 +163,7 @@ struct Spokes {
 // Walks them all, from the centre at v.
 template <int C>
 HMESH_ALWAYS_INLINE void walk_spokes(const MomentTable<C>& table, const Ring<C>& ring, Point v, Spokes<C>& spokes) {
-    for (int i = 0; i < ring.size; ++i) edge_moments(table, v, ring.neighbour[i]->position, spokes.spoke[i]);
+    for (int i = 0; i < ring.size; ++i) edge_moments(table, v, ring.neighbor[i]->position, spokes.spoke[i]);
 }
 
 // How many pixels the ring holds: over a weighted table the sum of their weights, with its rounding.
@@ -174,9 +174,9 @@ template <int C>
     return sum;
 }
 
-// All faces of the ring with the centre at v. False when one is smaller than min_cross.
+// All faces of the ring with the centre at v. False when one is smaller than min_double_area.
 template <int C>
-[[nodiscard]] HMESH_ALWAYS_INLINE bool fit_ring(const Ring<C>& ring, const Spokes<C>& spokes, Point v, double min_cross,
+[[nodiscard]] HMESH_ALWAYS_INLINE bool fit_ring(const Ring<C>& ring, const Spokes<C>& spokes, Point v, double min_double_area,
                                                 FaceFit<C>* faces, RingFit<C>& out) {
     Color<C> rest = Color<C>::zero();
     out = RingFit<C>();
@@ -185,7 +185,7 @@ template <int C>
         Moments<C> m = spokes.spoke[i];
         m += ring.link[i];
         m -= spokes.spoke[j];
-        if (!fit_face(m, v, *ring.neighbour[i], *ring.neighbour[j], min_cross, faces[i])) return false;
+        if (!fit_face(m, v, *ring.neighbor[i], *ring.neighbor[j], min_double_area, faces[i])) return false;
         out.a += faces[i].a;
         out.b += faces[i].b;
         rest += faces[i].rest;
@@ -259,6 +259,6 @@ template <int C>
     return step;
 }
 
-}  // namespace hmesh
+}  // namespace hmesh::kit
 
 #endif  // HMESH_FIT_RING_HPP

@@ -16,6 +16,8 @@
 
 namespace hmesh {
 
+namespace kit {
+
 // The largest number of channels a pixel can have.
 inline constexpr int max_channels = 16;
 // Whether the last of so many channels is alpha.
@@ -24,6 +26,13 @@ inline constexpr int max_channels = 16;
 inline constexpr int max_side = 65536;
 // The largest number of pixels: handles of a mesh with one vertex a pixel then fit 32 bits.
 inline constexpr std::int64_t max_pixels = std::int64_t{1} << 28;
+
+// A rectangle of pixels [x, x + width) x [y, y + height).
+struct Rect {
+    int x = 0, y = 0, width = 0, height = 0;
+};
+
+}  // namespace kit
 
 // What a sample of type T means. hmesh knows the three types below; specialise it for a sample type of your own with the
 // same members (examples/custom_pixel.cpp).
@@ -67,16 +76,11 @@ struct PixelTraits<float> {
     }
 };
 
-// A rectangle of pixels [x, x + width) x [y, y + height).
-struct Rect {
-    int x = 0, y = 0, width = 0, height = 0;
-};
-
 // Pixels of C interleaved samples of type T in somebody else's memory, row after row, `row_stride` bytes apart (0: packed,
 // that is width * C * sizeof(T); a multiple of alignof(T) that is negative stores the rows bottom up from `data`).
 template <class T, int C>
 struct ImageView {
-    static_assert(C >= 1 && C <= max_channels, "an image has 1 to 16 channels");
+    static_assert(C >= 1 && C <= kit::max_channels, "an image has 1 to 16 channels");
     const T* data = nullptr;
     int width = 0, height = 0;
     std::ptrdiff_t row_stride = 0;
@@ -88,7 +92,7 @@ struct ImageView {
         return reinterpret_cast<const T*>(bytes);
     }
     [[nodiscard]] const T* pixel(int x, int y) const noexcept { return row(y) + static_cast<std::ptrdiff_t>(x) * C; }
-    [[nodiscard]] Rect bounds() const noexcept { return {0, 0, width, height}; }
+    [[nodiscard]] kit::Rect bounds() const noexcept { return {0, 0, width, height}; }
 };
 
 // Packed pixels of its own. A default-constructed image is empty.
@@ -122,10 +126,10 @@ template <class T, int C>
 [[nodiscard]] Status check(const ImageView<T, C>& view) noexcept {
     if (view.width < 1) return {Errc::invalid_argument, "the image's width must be at least 1", view.width, 1};
     if (view.height < 1) return {Errc::invalid_argument, "the image's height must be at least 1", view.height, 1};
-    if (view.width > max_side) return {Errc::image_too_large, "the image is too wide", view.width, max_side};
-    if (view.height > max_side) return {Errc::image_too_large, "the image is too high", view.height, max_side};
+    if (view.width > kit::max_side) return {Errc::image_too_large, "the image is too wide", view.width, kit::max_side};
+    if (view.height > kit::max_side) return {Errc::image_too_large, "the image is too high", view.height, kit::max_side};
     const std::int64_t pixels = std::int64_t{view.width} * view.height;
-    if (pixels > max_pixels) return {Errc::image_too_large, "the image has too many pixels", pixels, max_pixels};
+    if (pixels > kit::max_pixels) return {Errc::image_too_large, "the image has too many pixels", pixels, kit::max_pixels};
     if (view.data == nullptr) return {Errc::invalid_argument, "the image's data pointer is null", 0, 0};
     // Where a row begins is a pointer difference, which has 32 bits on some machines.
     constexpr std::int64_t farthest = std::numeric_limits<std::ptrdiff_t>::max();
@@ -145,6 +149,8 @@ template <class T, int C>
                 static_cast<std::int64_t>(reinterpret_cast<std::uintptr_t>(view.data) % alignof(T)), 0};
     return {};
 }
+
+namespace kit {
 
 // Whether all samples are finite, as floats too, which is what meshes hold. Costs nothing for integer pixels.
 template <class T, int C>
@@ -174,6 +180,7 @@ template <class T, int C>
     return {};
 }
 
+}  // namespace kit
 }  // namespace hmesh
 
 #endif  // HMESH_IMAGE_IMAGE_VIEW_HPP

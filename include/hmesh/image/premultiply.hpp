@@ -12,7 +12,7 @@
 #include "hmesh/core/parallel.hpp"
 #include "hmesh/image/image_view.hpp"
 
-namespace hmesh {
+namespace hmesh::kit {
 
 // The image with all channels but the last multiplied by the last / peak, rounded to the pixel type. Alpha is held to
 // [0, peak], which floats may leave. Of a view that check() accepts.
@@ -35,6 +35,6 @@ template <class T, int C>
     return out;
 }
 
-}  // namespace hmesh
+}  // namespace hmesh::kit
 
 #endif  // HMESH_IMAGE_PREMULTIPLY_HPP

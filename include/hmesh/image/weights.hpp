@@ -18,7 +18,7 @@
 #include "hmesh/core/status.hpp"
 #include "hmesh/image/image_view.hpp"
 
-namespace hmesh {
+namespace hmesh::kit {
 
 // Whether these can be the weights of a width x height image: none at all, or a view of this size that check() accepts
 // with samples that are finite and not negative. Reads each once.
@@ -105,6 +105,6 @@ class WeightScale {
     });
 }
 
-}  // namespace hmesh
+}  // namespace hmesh::kit
 
 #endif  // HMESH_IMAGE_WEIGHTS_HPP

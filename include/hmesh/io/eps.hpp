@@ -16,10 +16,10 @@
 
 #include "hmesh/core/status.hpp"
 #include "hmesh/core/version.hpp"
-#include "hmesh/io/shading_stream.hpp"
+#include "hmesh/io/detail/gouraud_stream.hpp"
 #include "hmesh/io/sink.hpp"
-#include "hmesh/io/strips.hpp"
-#include "hmesh/mesh/mesh_view.hpp"
+#include "hmesh/io/detail/strips.hpp"
+#include "hmesh/mesh/mesh.hpp"
 
 namespace hmesh {
 

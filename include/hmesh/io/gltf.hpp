@@ -26,10 +26,10 @@
 #include "hmesh/core/srgb.hpp"
 #include "hmesh/core/status.hpp"
 #include "hmesh/core/version.hpp"
-#include "hmesh/io/color_shares.hpp"
+#include "hmesh/io/detail/color_shares.hpp"
 #include "hmesh/io/sink.hpp"
-#include "hmesh/io/straight_colors.hpp"
-#include "hmesh/mesh/mesh_view.hpp"
+#include "hmesh/io/detail/straight_colors.hpp"
+#include "hmesh/mesh/mesh.hpp"
 
 namespace hmesh {
 
@@ -173,7 +173,7 @@ void write_gltf_json(Writer<Sink>& writer, const GlbLayout& layout, bool has_alp
     layout.index_bytes = (layout.wide_indices ? 4 : 2) * layout.corners;
     if (const Status status = check_size(layout); !status) return status;  // before so many are read
     if (const Status status = check_for_export(mesh); !status) return status;
-    if (!is_within(options.longer_side, 0, static_cast<double>(std::numeric_limits<float>::max())))
+    if (!kit::is_within(options.longer_side, 0, static_cast<double>(std::numeric_limits<float>::max())))
         return {Errc::invalid_argument, "the longer side must be a length that a float holds, or 0", 0, 0};
 
     if (options.longer_side > 0) layout.unit = options.longer_side / std::max(mesh.width, mesh.height);
@@ -208,7 +208,7 @@ template <class Sink>
 void write_glb_colors(Writer<Sink>& writer, const MeshView& mesh, bool are_linear) {
     for (std::size_t v = 0; v < mesh.vertex_count; ++v) {
         const std::array<double, 4> rgba = rgba_shares(mesh, v);
-        for (std::size_t k = 0; k < 3; ++k) writer.u16(to_u16(are_linear ? rgba[k] : srgb_to_linear(rgba[k])));
+        for (std::size_t k = 0; k < 3; ++k) writer.u16(to_u16(are_linear ? rgba[k] : kit::srgb_to_linear(rgba[k])));
         writer.u16(to_u16(rgba[3]));
     }
 }

@@ -18,13 +18,13 @@
 #include <cstdint>
 
 #include "hmesh/core/status.hpp"
-#include "hmesh/io/base64.hpp"
-#include "hmesh/io/color_shares.hpp"
-#include "hmesh/io/html_drawing.hpp"
-#include "hmesh/io/html_handling.hpp"
-#include "hmesh/io/html_page.hpp"
+#include "hmesh/io/detail/base64.hpp"
+#include "hmesh/io/detail/color_shares.hpp"
+#include "hmesh/io/detail/html_drawing.hpp"
+#include "hmesh/io/detail/html_handling.hpp"
+#include "hmesh/io/detail/html_page.hpp"
 #include "hmesh/io/sink.hpp"
-#include "hmesh/mesh/mesh_view.hpp"
+#include "hmesh/mesh/mesh.hpp"
 
 namespace hmesh {
 

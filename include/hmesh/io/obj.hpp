@@ -14,10 +14,10 @@
 
 #include "hmesh/core/status.hpp"
 #include "hmesh/core/version.hpp"
-#include "hmesh/io/color_shares.hpp"
+#include "hmesh/io/detail/color_shares.hpp"
 #include "hmesh/io/sink.hpp"
-#include "hmesh/io/straight_colors.hpp"
-#include "hmesh/mesh/mesh_view.hpp"
+#include "hmesh/io/detail/straight_colors.hpp"
+#include "hmesh/mesh/mesh.hpp"
 
 namespace hmesh {
 

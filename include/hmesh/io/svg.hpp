@@ -28,10 +28,10 @@
 
 #include "hmesh/core/status.hpp"
 #include "hmesh/core/version.hpp"
-#include "hmesh/io/color_shares.hpp"
-#include "hmesh/io/svg_gradient.hpp"
-#include "hmesh/io/svg_writer.hpp"
-#include "hmesh/mesh/mesh_view.hpp"
+#include "hmesh/io/detail/color_shares.hpp"
+#include "hmesh/io/detail/svg_gradient.hpp"
+#include "hmesh/io/detail/svg_writer.hpp"
+#include "hmesh/mesh/mesh.hpp"
 
 namespace hmesh {
 

@@ -27,7 +27,7 @@
 #include "hmesh/mesh/hole_filler.hpp"
 #include "hmesh/mesh/spatial_order.hpp"
 
-namespace hmesh {
+namespace hmesh::kit {
 
 class Delaunay {
   public:
@@ -66,11 +66,11 @@ class Delaunay {
   private:
     // Twice the area to the left of h, positive for p on the side of h's face.
     [[nodiscard]] double side(Halfedge h, Point p) const noexcept {
-        return cross(position(topology_.from_vertex(h)), position(topology_.to_vertex(h)), p);
+        return orient2d(position(topology_.from_vertex(h)), position(topology_.to_vertex(h)), p);
     }
     [[nodiscard]] Vertex apex(Halfedge h) const noexcept { return topology_.to_vertex(topology_.next(h)); }
     // Flips edges around v, a new vertex, until its faces' circles are empty.
-    void legalise(Vertex v);
+    void legalize(Vertex v);
     [[nodiscard]] Status check_border() const;
 
     int width_, height_;
@@ -135,11 +135,11 @@ inline Vertex Delaunay::insert(Point p) {
     last_ = side(h, p) == 0 ? topology_.split(HalfedgeMesh::edge(h)) : topology_.split(topology_.face(h));
     if (last_.index() == positions_.size()) positions_.push_back(p);
     else positions_[last_.index()] = p;
-    legalise(last_);
+    legalize(last_);
     return last_;
 }
 
-inline void Delaunay::legalise(Vertex v) {
+inline void Delaunay::legalize(Vertex v) {
     const Point p = position(v);
     stack_.clear();  // edges across from v, in faces of v
     for (const Halfedge h : topology_.outgoing(v))
@@ -206,7 +206,7 @@ inline Status Delaunay::check() const {
     if (const Status status = check_border(); !status) return status;
     for (const Face f : topology_.faces()) {
         const auto v = topology_.vertices(f);
-        if (!(cross(position(v[0]), position(v[1]), position(v[2])) > 0))
+        if (!(orient2d(position(v[0]), position(v[1]), position(v[2])) > 0))
             return {Errc::invalid_argument, "a face is not positively oriented", static_cast<std::int64_t>(f.index()), 0};
     }
     for (const Edge e : topology_.edges()) {
@@ -219,6 +219,6 @@ inline Status Delaunay::check() const {
     return {};
 }
 
-}  // namespace hmesh
+}  // namespace hmesh::kit
 
 #endif  // HMESH_MESH_DELAUNAY_HPP

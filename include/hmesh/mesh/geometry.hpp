@@ -10,7 +10,7 @@
 
 #include "hmesh/core/lanes.hpp"
 
-namespace hmesh {
+namespace hmesh::kit {
 
 // A place in the plane of the image, in px.
 struct Point {
@@ -32,7 +32,7 @@ inline constexpr double grid_steps = 256;
 [[nodiscard]] HMESH_ALWAYS_INLINE Point snap(Point p) noexcept { return {snap(p.x), snap(p.y)}; }
 
 // Twice the signed area of the triangle a, b, c. On the 1/256 px grid with coordinates below 2^16 it is exact.
-[[nodiscard]] HMESH_ALWAYS_INLINE double cross(Point a, Point b, Point c) noexcept {
+[[nodiscard]] HMESH_ALWAYS_INLINE double orient2d(Point a, Point b, Point c) noexcept {
     return (b.x - a.x) * (c.y - a.y) - (c.x - a.x) * (b.y - a.y);
 }
 
@@ -90,8 +90,8 @@ struct Barycentric {
 };
 // Of p, which may lie outside.
 [[nodiscard]] inline Barycentric barycentric(Point a, Point b, Point c, Point p) noexcept {
-    const double area = cross(a, b, c);
-    const double wb = cross(a, p, c) / area, wc = cross(a, b, p) / area;
+    const double area = orient2d(a, b, c);
+    const double wb = orient2d(a, p, c) / area, wc = orient2d(a, b, p) / area;
     return {1 - wb - wc, wb, wc};
 }
 
@@ -112,10 +112,10 @@ struct Barycentric {
 // The slack of 2^-33 px keeps centres that lie on the edge to its right in spite of rounding (errors stay below 2^-35 for
 // coordinates below 2^16), and catches no other: on the 1/256 px grid distances along a row from a centre to an edge of d
 // rows are multiples of 2^-8 / (2^8 d) px, at least 2^-32 px for the longest.
-class RowCrossing {
+class EdgeWalker {
   public:
     // Of the edge from a down to b.
-    HMESH_ALWAYS_INLINE RowCrossing(Point a, Point b) noexcept
+    HMESH_ALWAYS_INLINE EdgeWalker(Point a, Point b) noexcept
         : slope_((b.x - a.x) / (b.y - a.y)), start_y_(a.y - 0.5), start_x_(a.x + (0.5 - 1.0 / 8589934592.0)) {}
     // For first_row(a.y) <= j < first_row(b.y).
     [[nodiscard]] HMESH_ALWAYS_INLINE int column(int j) const noexcept {
@@ -129,12 +129,12 @@ class RowCrossing {
 // barycentric() at the centres of the pixels that a face owns. The weights of b and c are held to [0, 1]: a centre can be outside
 // by the rounding of an edge, which is much for a face of no width. They are divided by the area last: on the 1/256 px grid
 // everything before is exact, however thin the face.
-class CentreWeights {
+class PixelBarycentric {
   public:
     // Of a face of either orientation; where it has no area, all is a's.
-    HMESH_ALWAYS_INLINE CentreWeights(Point a, Point b, Point c) noexcept
+    HMESH_ALWAYS_INLINE PixelBarycentric(Point a, Point b, Point c) noexcept
         : a_(a), ab_{b.x - a.x, b.y - a.y}, ac_{c.x - a.x, c.y - a.y} {
-        const double area = cross(a, b, c);
+        const double area = orient2d(a, b, c);
         per_area_ = area != 0 ? 1 / area : 0;
     }
     // At the centre of pixel (i, j).
@@ -150,6 +150,6 @@ class CentreWeights {
     double per_area_;
 };
 
-}  // namespace hmesh
+}  // namespace hmesh::kit
 
 #endif  // HMESH_MESH_GEOMETRY_HPP

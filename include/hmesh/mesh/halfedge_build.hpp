@@ -9,7 +9,7 @@
 
 #include "hmesh/mesh/halfedge_mesh.hpp"
 
-namespace hmesh {
+namespace hmesh::kit {
 
 inline Status HalfedgeMesh::assign(std::size_t vertex_count, const std::vector<Triangle>& triangles) {
     clear();
@@ -137,21 +137,21 @@ inline Status HalfedgeMesh::check() const {
     for (const Edge e : edges()) bounded += (is_boundary(halfedge(e)) ? 0U : 1U) + (is_boundary(opposite(halfedge(e))) ? 0U : 1U);
     if (bounded != 3 * face_total) return fail("the faces do not use each half-edge once", bounded);
     // One fan a vertex: a turn around it meets all half-edges that leave it, and no neighbour twice.
-    std::vector<std::size_t> neighbours;
+    std::vector<std::size_t> neighbors;
     for (const Vertex v : vertices()) {
-        neighbours.clear();
+        neighbors.clear();
         for (const Halfedge h : outgoing(v)) {
-            neighbours.push_back(to_vertex(h).index());
-            if (neighbours.size() > leaving[v.index()]) return fail("a turn around a vertex does not close", v.index());
+            neighbors.push_back(to_vertex(h).index());
+            if (neighbors.size() > leaving[v.index()]) return fail("a turn around a vertex does not close", v.index());
         }
-        if (neighbours.size() != leaving[v.index()]) return fail("two fans meet in a vertex", v.index());
-        std::sort(neighbours.begin(), neighbours.end());
-        if (std::adjacent_find(neighbours.begin(), neighbours.end()) != neighbours.end())
+        if (neighbors.size() != leaving[v.index()]) return fail("two fans meet in a vertex", v.index());
+        std::sort(neighbors.begin(), neighbors.end());
+        if (std::adjacent_find(neighbors.begin(), neighbors.end()) != neighbors.end())
             return fail("two edges join the same vertices", v.index());
     }
     return {};
 }
 
-}  // namespace hmesh
+}  // namespace hmesh::kit
 
 #endif  // HMESH_MESH_HALFEDGE_BUILD_HPP

@@ -6,7 +6,7 @@
 
 #include "hmesh/mesh/halfedge_mesh.hpp"
 
-namespace hmesh {
+namespace hmesh::kit {
 
 inline Vertex HalfedgeMesh::new_vertex() {
     ++counts_.vertices;
@@ -209,6 +209,6 @@ inline void HalfedgeMesh::collapse(Halfedge h) {
     delete_vertex(v);
 }
 
-}  // namespace hmesh
+}  // namespace hmesh::kit
 
 #endif  // HMESH_MESH_HALFEDGE_EDITS_HPP

@@ -21,7 +21,7 @@
 #include "hmesh/core/undo_array.hpp"
 #include "hmesh/mesh/handles.hpp"
 
-namespace hmesh {
+namespace hmesh::kit {
 
 using Triangle = std::array<std::uint32_t, 3>;  // indices of its corners
 
@@ -286,7 +286,7 @@ inline void HalfedgeMesh::rollback(const Mark& mark) {
     commit(mark);
 }
 
-}  // namespace hmesh
+}  // namespace hmesh::kit
 
 #include "hmesh/mesh/halfedge_build.hpp"
 #include "hmesh/mesh/halfedge_edits.hpp"

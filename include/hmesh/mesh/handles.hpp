@@ -5,7 +5,7 @@
 #include <cstddef>
 #include <cstdint>
 
-namespace hmesh {
+namespace hmesh::kit {
 
 // An index into one kind of element; default-constructed it names none. No implicit conversion, in or out.
 template <class Kind>
@@ -33,6 +33,6 @@ using Edge = Handle<struct EdgeKind>;
 // A triangle of a mesh.
 using Face = Handle<struct FaceKind>;
 
-}  // namespace hmesh
+}  // namespace hmesh::kit
 
 #endif  // HMESH_MESH_HANDLES_HPP

@@ -26,7 +26,7 @@
 #include "hmesh/core/assert.hpp"
 #include "hmesh/mesh/geometry.hpp"
 
-namespace hmesh {
+namespace hmesh::kit {
 
 // Three corners of the hole, by their numbers in the ring that was given. The ring runs against the orientation of faces:
 // the face of an ear is (after, tip, before).
@@ -132,10 +132,10 @@ class HoleFiller {
     [[nodiscard]] bool is_true_ear(int size, int before, int tip, int after) const noexcept {
         const Corner* const corners = corners_.data();
         const Point a = corners[after].position, b = corners[tip].position, c = corners[before].position;
-        if (!(cross(a, b, c) > 0)) return false;
+        if (!(orient2d(a, b, c) > 0)) return false;
         for (int i = 0; i < size; ++i) {
             const Point p = corners[i].position;
-            if (i != before && i != tip && i != after && cross(a, b, p) >= 0 && cross(b, c, p) >= 0 && cross(c, a, p) >= 0)
+            if (i != before && i != tip && i != after && orient2d(a, b, p) >= 0 && orient2d(b, c, p) >= 0 && orient2d(c, a, p) >= 0)
                 return false;
         }
         return true;
@@ -145,6 +145,6 @@ class HoleFiller {
     std::vector<Corner> corners_;
 };
 
-}  // namespace hmesh
+}  // namespace hmesh::kit
 
 #endif  // HMESH_MESH_HOLE_FILLER_HPP

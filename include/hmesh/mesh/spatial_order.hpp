@@ -12,7 +12,7 @@
 
 #include "hmesh/mesh/geometry.hpp"
 
-namespace hmesh {
+namespace hmesh::kit {
 namespace detail {
 
 // The low 16 bits of x, spread to the even bits.
@@ -59,6 +59,6 @@ template <class Element, class Range, class Position>
     return elements;
 }
 
-}  // namespace hmesh
+}  // namespace hmesh::kit
 
 #endif  // HMESH_MESH_SPATIAL_ORDER_HPP

@@ -15,7 +15,7 @@
 #include "hmesh/core/finite.hpp"
 #include "hmesh/core/status.hpp"
 
-namespace hmesh {
+namespace hmesh::kit {
 
 // `mesh_of(n)` makes a result with .status and .report.psnr, meshes of 4 <= n <= most vertices. Returns that of the fewest
 // vertices that reached `psnr`, or of the best PSNR with target_out_of_range when none did; where a run fails, what there is
@@ -77,6 +77,6 @@ template <class MeshOf>
     return best;
 }
 
-}  // namespace hmesh
+}  // namespace hmesh::kit
 
 #endif  // HMESH_METHODS_PSNR_SEARCH_HPP

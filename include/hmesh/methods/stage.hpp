@@ -6,10 +6,10 @@
 #include <cstddef>
 
 #include "hmesh/core/status.hpp"
-#include "hmesh/fit/patchwork.hpp"
-#include "hmesh/fit/tiling.hpp"
+#include "hmesh/tiles/tiled_mesh.hpp"
+#include "hmesh/tiles/tiling.hpp"
 
-namespace hmesh {
+namespace hmesh::kit {
 
 // The status of work that the progress callback stopped.
 [[nodiscard]] inline Status cancelled_by_callback() noexcept {
@@ -20,7 +20,7 @@ namespace detail {
 
 // Runs body(), which says whether to go on, as a stage of this name. Returns whether to go on.
 template <int C, class Body>
-bool stage(Patchwork<C>& work, const char* name, Body&& body) {
+bool stage(TiledMesh<C>& work, const char* name, Body&& body) {
     return work.monitor().begin(name, work.vertex_count(), work.energy()) && body() &&
            work.monitor().end(work.vertex_count(), work.energy());
 }
@@ -33,14 +33,14 @@ template <int C>
 
 // A stage of work(mesh) on the whole mesh at once.
 template <int C, class Work>
-bool whole_stage(Patchwork<C>& work, const char* name, Work&& body) {
+bool whole_stage(TiledMesh<C>& work, const char* name, Work&& body) {
     return stage(work, name, [&] {
-        work.monitor().expect(0, 1);
+        work.monitor().set_range(0, 1);
         return work.for_each(one_tile(work.source()), [&](Patch<C>& patch, std::size_t) { body(patch.mesh()); });
     });
 }
 
 }  // namespace detail
-}  // namespace hmesh
+}  // namespace hmesh::kit
 
 #endif  // HMESH_METHODS_STAGE_HPP

@@ -1,0 +1,57 @@
+// hmesh - subdivision: more vertices where the picture asks for none.
+//
+// A constant or affine picture gains nothing from another vertex, yet a caller who asked for n gets n. The face of largest
+// area is split at its longest edge, or at its centroid where the edge cannot be, O(log n) each. An image of p pixels
+// takes p vertices this way: among their 2 p faces one has the mean area, 1/2 px^2, far above the least.
+#ifndef HMESH_EDIT_SUBDIVIDE_HPP
+#define HMESH_EDIT_SUBDIVIDE_HPP
+
+#include <cstddef>
+#include <cstdint>
+
+#include "hmesh/core/indexed_heap.hpp"
+#include "hmesh/fit/image_mesh.hpp"
+#include "hmesh/edit/insert.hpp"
+
+namespace hmesh::kit {
+
+// Inserts `count` vertices; returns how many it could.
+template <int C>
+std::size_t subdivide(ImageMesh<C>& mesh, std::size_t count) {
+    const HalfedgeMesh& topology = mesh.topology();
+    IndexedHeap largest;
+    const auto push = [&](Face f) {
+        const auto v = topology.vertices(f);
+        largest.push(static_cast<std::uint32_t>(f.index()),
+                     -orient2d(mesh.position(v[0]), mesh.position(v[1]), mesh.position(v[2])));
+    };
+    for (const Face f : topology.faces()) push(f);
+    RingScratch<C> work;
+    std::size_t inserted = 0;
+    while (inserted < count && !largest.empty() && mesh.keep_going()) {
+        const Face f(largest.top().id);
+        Halfedge longest, h = topology.halfedge(f);
+        double length = -1;
+        for (int i = 0; i < 3; ++i, h = topology.next(h)) {
+            const Point a = mesh.position(topology.from_vertex(h)), b = mesh.position(topology.to_vertex(h));
+            const double squared = (b.x - a.x) * (b.x - a.x) + (b.y - a.y) * (b.y - a.y);
+            if (squared > length) length = squared, longest = h;
+        }
+        InsertionCandidate<C> candidate = edge_candidate(mesh, work, HalfedgeMesh::edge(longest), false);
+        if (!(candidate.fits && can_gain_edge(mesh, candidate))) candidate = face_candidate(mesh, work, f, false);
+        if (!(candidate.fits && can_gain_edge(mesh, candidate))) {
+            largest.pop();
+            continue;
+        }
+        const Vertex v = insert(mesh, candidate);
+        for (const Halfedge s : topology.outgoing(v))
+            if (!topology.is_boundary(s)) push(topology.face(s));
+        mesh.set_ring_dirty(v);
+        ++inserted;
+    }
+    return inserted;
+}
+
+}  // namespace hmesh::kit
+
+#endif  // HMESH_EDIT_SUBDIVIDE_HPP

@@ -1,0 +1,75 @@
+// hmesh - ImageSource: an image of any pixel type as a maker of moment tables.
+//
+// Methods work patch by patch, and each patch has a table of its own rectangle (fit/moment_table.hpp). They need not
+// know what the samples are, nor whether pixels have weights: this class is the last to know, so that all above it depends
+// on the number of channels alone.
+#ifndef HMESH_FIT_IMAGE_SOURCE_HPP
+#define HMESH_FIT_IMAGE_SOURCE_HPP
+
+#include <algorithm>
+#include <cstddef>
+
+#include "hmesh/core/lanes.hpp"
+#include "hmesh/image/image_view.hpp"
+#include "hmesh/fit/moment_table.hpp"
+
+namespace hmesh::kit {
+
+template <int C>
+class ImageSource {
+  public:
+    // Of a view that check() accepts, with weights that check_weights() accepts (or none), both outliving the source.
+    template <class T>
+    explicit ImageSource(const ImageView<T, C>& view, const ImageView<float, 1>& weights = {}, double unit = 1) noexcept
+        : data_(view.data), width_(view.width), height_(view.height), row_stride_(view.row_stride), weights_(weights),
+          unit_(unit), low_(PixelTraits<T>::lowest), high_(PixelTraits<T>::highest), peak_(PixelTraits<T>::peak), make_(&make<T>),
+          sample_(&sample<T>) {}
+
+    [[nodiscard]] int width() const noexcept { return width_; }
+    [[nodiscard]] int height() const noexcept { return height_; }
+    [[nodiscard]] double pixels() const noexcept { return static_cast<double>(width_) * height_; }
+    // The range of colours.
+    [[nodiscard]] double low() const noexcept { return low_; }
+    [[nodiscard]] double high() const noexcept { return high_; }
+    // The value of full intensity.
+    [[nodiscard]] double peak() const noexcept { return peak_; }
+
+    // The table of a rectangle of the image.
+    [[nodiscard]] MomentTable<C> table(const Rect& rect) const { return make_(*this, rect); }
+
+    // The samples at pixel (x, y), held to the image where it is outside; 0 in the lanes above.
+    [[nodiscard]] HMESH_ALWAYS_INLINE Lanes<lanes_for(C + 1)> pixel(int x, int y) const noexcept {
+        Lanes<lanes_for(C + 1)> out;
+        sample_(*this, std::max(0, std::min(width_ - 1, x)), std::max(0, std::min(height_ - 1, y)), out);
+        return out;
+    }
+
+  private:
+    template <class T>
+    [[nodiscard]] ImageView<T, C> view() const noexcept {
+        return {static_cast<const T*>(data_), width_, height_, row_stride_};
+    }
+    template <class T>
+    [[nodiscard]] static MomentTable<C> make(const ImageSource& source, const Rect& rect) {
+        return MomentTable<C>(source.view<T>(), source.weights_, source.unit_, rect);
+    }
+    template <class T>
+    static void sample(const ImageSource& source, int x, int y, Lanes<lanes_for(C + 1)>& out) noexcept {
+        out = Lanes<lanes_for(C + 1)>::zero();
+        const T* pixel = source.view<T>().pixel(x, y);
+        for (int c = 0; c < C; ++c) out.set(c, PixelTraits<T>::to_real(pixel[c]));
+    }
+
+    const void* data_;
+    int width_, height_;
+    std::ptrdiff_t row_stride_;
+    ImageView<float, 1> weights_;
+    double unit_;  // of the weights, see weight_unit()
+    double low_, high_, peak_;
+    MomentTable<C> (*make_)(const ImageSource&, const Rect&);
+    void (*sample_)(const ImageSource&, int, int, Lanes<lanes_for(C + 1)>&) noexcept;
+};
+
+}  // namespace hmesh::kit
+
+#endif  // HMESH_FIT_IMAGE_SOURCE_HPP

@@ -1,0 +1,83 @@
+// hmesh - Mesh, the result as plain arrays, and MeshView, the pointers and counts that exporters and renderers read.
+//
+// Vertex i is at (positions[2i], positions[2i + 1]) in the plane of the image it stands for, [0, width] x [0, height], y
+// down; its colour is colors[C i] .. colors[C i + C - 1] in the image's stored values, `peak` meaning full intensity. Face f
+// joins faces[f][0..2], positively oriented: clockwise on the screen.
+#ifndef HMESH_MESH_MESH_HPP
+#define HMESH_MESH_MESH_HPP
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include "hmesh/core/finite.hpp"
+#include "hmesh/core/status.hpp"
+
+namespace hmesh {
+
+// A mesh in somebody else's memory, which outlives the view.
+struct MeshView {
+    const float* positions = nullptr;  // 2 a vertex
+    const float* colors = nullptr;     // `channels` a vertex
+    const std::array<std::uint32_t, 3>* faces = nullptr;
+    std::size_t vertex_count = 0, face_count = 0;
+    int channels = 0;
+    int width = 0, height = 0;  // px of the image
+    double peak = 0;            // the colour value of full intensity
+    // Of 2 or 4 channels, of which the last is alpha: the others are stored multiplied by alpha / peak. Exporters to formats
+    // that want straight colours divide by it.
+    bool premultiplied = false;
+};
+
+// A mesh with C channels that owns its arrays; they mean what the view's mean.
+template <int C>
+struct Mesh {
+    std::vector<float> positions;
+    std::vector<float> colors;
+    std::vector<std::array<std::uint32_t, 3>> faces;
+    int width = 0, height = 0;
+    double peak = 0;
+    bool premultiplied = false;
+
+    [[nodiscard]] std::size_t vertex_count() const noexcept { return positions.size() / 2; }
+    [[nodiscard]] std::size_t face_count() const noexcept { return faces.size(); }
+    // Valid until the arrays change.
+    [[nodiscard]] MeshView view() const noexcept {
+        return {positions.data(), colors.data(), faces.data(), vertex_count(), face_count(), C, width,
+                height,           peak,          premultiplied};
+    }
+};
+
+// Whether a view can be drawn and written: it has vertices and faces, 1 to `most_channels` channels, finite numbers, a
+// positive peak, and every index in range. O(n).
+[[nodiscard]] inline Status check(const MeshView& mesh, int most_channels) noexcept {
+    if (mesh.vertex_count == 0) return {Errc::invalid_argument, "the mesh has no vertices", 0, 1};
+    if (mesh.face_count == 0) return {Errc::invalid_argument, "the mesh has no faces", 0, 1};
+    if (mesh.positions == nullptr || mesh.colors == nullptr || mesh.faces == nullptr)
+        return {Errc::invalid_argument, "the mesh has a null pointer for its positions, colours or faces", 0, 0};
+    if (mesh.channels < 1 || mesh.channels > most_channels)
+        return {Errc::invalid_argument, "the mesh has a number of channels that this use cannot hold", mesh.channels,
+                most_channels};
+    if (!is_finite(mesh.peak) || mesh.peak <= 0)
+        return {Errc::invalid_argument, "the mesh's peak must be positive and finite", 0, 0};
+    for (std::size_t i = 0; i < 2 * mesh.vertex_count; ++i)
+        if (!is_finite(mesh.positions[i]))
+            return {Errc::not_finite, "the mesh has a position that is NaN or infinite, at vertex",
+                    static_cast<std::int64_t>(i / 2), 0};
+    const auto channels = static_cast<std::size_t>(mesh.channels);
+    for (std::size_t i = 0; i < channels * mesh.vertex_count; ++i)
+        if (!is_finite(mesh.colors[i]))
+            return {Errc::not_finite, "the mesh has a colour that is NaN or infinite, at vertex",
+                    static_cast<std::int64_t>(i / channels), 0};
+    for (std::size_t f = 0; f < mesh.face_count; ++f)
+        for (const std::uint32_t v : mesh.faces[f])
+            if (v >= mesh.vertex_count)
+                return {Errc::invalid_argument, "the mesh has a face that names no vertex, at face", static_cast<std::int64_t>(f),
+                        static_cast<std::int64_t>(mesh.vertex_count) - 1};
+    return {};
+}
+
+}  // namespace hmesh
+
+#endif  // HMESH_MESH_MESH_HPP

@@ -1,0 +1,268 @@
+// hmesh - annealed: the method of best fidelity, and the default.
+//
+//     grid -> greedy insertion to o n vertices -> collapse to u n -> s sweeps of priced moves -> exactly n -> polish
+//
+// Too many vertices are placed where each lowers the energy most, then those that are missed least go; vertices move and
+// edges turn all along. Annealing (methods/annealed/annealing.hpp) then exchanges vertices between places at one common price. Colours
+// are least-squares optimal throughout. Each stage is left out where its options say 0 or 1.
+//
+// All of it happens in patches (tiles/patch.hpp). Each tile is first meshed by itself, with a share of the budget and with
+// its seams fixed; then phases shift the tiling, so that nothing of the seams remains.
+#ifndef HMESH_METHODS_ANNEALED_ANNEALED_HPP
+#define HMESH_METHODS_ANNEALED_ANNEALED_HPP
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <utility>
+#include <vector>
+
+#include "hmesh/core/progress.hpp"
+#include "hmesh/core/status.hpp"
+#include "hmesh/methods/annealed/annealing.hpp"
+#include "hmesh/methods/annealed/budget.hpp"
+#include "hmesh/edit/collapse.hpp"
+#include "hmesh/methods/annealed/first_grid.hpp"
+#include "hmesh/edit/flip.hpp"
+#include "hmesh/edit/insert.hpp"
+#include "hmesh/tiles/tiled_mesh.hpp"
+#include "hmesh/edit/subdivide.hpp"
+#include "hmesh/edit/move.hpp"
+#include "hmesh/methods/annealed/options.hpp"
+#include "hmesh/methods/stage.hpp"
+
+namespace hmesh::kit {
+namespace detail {
+
+// Greedy insertion until the mesh has n vertices.
+template <int C>
+void grow(ImageMesh<C>& mesh, std::size_t n, const AnnealedOptions& options) {
+    const std::size_t first = mesh.vertex_count();
+    mesh.reserve(n);
+    while (mesh.vertex_count() < n && mesh.keep_going()) {
+        const std::size_t count = mesh.vertex_count(), missing = n - count;
+        std::size_t batch = std::min(missing, static_cast<std::size_t>(std::ceil(static_cast<double>(count) * options.insert_batch)));
+        if (missing - batch < batch / 2) batch = missing;  // no small last batch
+        if (insert_batch(mesh, batch, {}) == 0) break;
+        flip_edges(mesh, options.insert_flip_gain);
+        for (int i = 0; i < options.insert_sweeps; ++i) sweep(mesh, options.insert_tolerance);
+        if (mesh.task() != nullptr)
+            mesh.task()->set_fraction(static_cast<double>(mesh.vertex_count() - first) / static_cast<double>(n - first));
+    }
+    if (mesh.vertex_count() < n && mesh.keep_going()) subdivide(mesh, n - mesh.vertex_count());
+}
+
+// Removes the cheapest vertices until n are left. May stop early where no vertex can go.
+template <int C>
+void shrink(ImageMesh<C>& mesh, std::size_t n, const AnnealedOptions& options) {
+    const std::size_t first = mesh.vertex_count();
+    while (mesh.vertex_count() > n && mesh.keep_going()) {
+        const std::size_t count = mesh.vertex_count(), surplus = count - n;
+        const auto batch = static_cast<std::size_t>(std::ceil(static_cast<double>(count) * options.collapse_batch));
+        if (remove_batch(mesh, std::min(surplus, batch), options.relaxation) == 0) break;
+        if (mesh.task() != nullptr)
+            mesh.task()->set_fraction(static_cast<double>(first - mesh.vertex_count()) / static_cast<double>(first - n));
+    }
+}
+
+// The recipe for n vertices.
+template <int C>
+class Annealed {
+  public:
+    Annealed(TiledMesh<C>& work, std::size_t n, const AnnealedOptions& options, double tile)
+        : work_(&work), n_(n), options_(options), tile_(tile), aligned_(tiling(0)) {}
+
+    // False: cancelled, or more than n vertices none of which can go.
+    bool run() {
+        work_->indexed() = regular_grid(work_->source(), 4);  // what a cancellation finds
+        return stage("grid", [&] { return start(); }) && stage("insert", [&] { return insert(); }) &&
+               (options_.insert_factor <= 1 || stage("collapse", [&] { return collapse(); })) &&
+               (options_.annealing.sweeps == 0 || stage("anneal", [&] { return anneal(); })) &&
+               stage("polish", [&] { return reach_vertex_count(*work_, n_, tile_, options_.relaxation) && polish(); });
+    }
+
+  private:
+    [[nodiscard]] ProgressReporter& monitor() noexcept { return work_->monitor(); }
+    // Phase k's cut of the plane: every vertex is within a tile in some of any 4 in a row.
+    [[nodiscard]] Tiling tiling(int phase) const {
+        constexpr bool shift_x[] = {false, true, true, false}, shift_y[] = {false, true, false, true};
+        return Tiling(work_->source().width(), work_->source().height(), tile_, shift_x[phase & 3], shift_y[phase & 3]);
+    }
+    template <class Body>
+    bool stage(const char* name, Body&& body) {
+        return detail::stage(*work_, name, body);
+    }
+
+    bool start() {
+        const double placed = static_cast<double>(n_) * options_.insert_factor, pixels = work_->source().pixels();
+        const double count = std::max(4.0, std::min(placed, pixels) * options_.start);
+        if (aligned_.size() == 1) {
+            work_->indexed() = regular_grid(work_->source(), count);
+        } else {
+            // 0.7 of the nodes that squares of equal density would have on the seams.
+            const double length = static_cast<double>(aligned_.columns() - 1) * work_->source().height() +
+                                  static_cast<double>(aligned_.rows() - 1) * work_->source().width();
+            IndexedMesh<C> grid = tiled_grid(
+                work_->source(), aligned_, count, 0.7 * length * std::sqrt(static_cast<double>(n_) / pixels),
+                [&] { return monitor().poll(); }, work_->parallel_for());
+            if (monitor().stopped()) return false;
+            work_->indexed() = std::move(grid);
+        }
+        monitor().set_range(0, 1);
+        return for_each_tile([&](ImageMesh<C>& mesh, std::size_t, std::size_t) {
+            for (int i = 0; i < 2; ++i) sweep(mesh, options_.polish);
+        });
+    }
+
+    // What is known of a tile.
+    struct Tile {
+        std::size_t free = 0;  // vertices that are free in it
+        double energy = 0;
+        std::size_t placed = 0;  // free vertices that insertion aims at
+    };
+    // Calls work(mesh, k, rim) for the patch of each tile k of the aligned tiling, of which `rim` vertices are frozen.
+    template <class Work>
+    bool for_each_tile(Work&& work) {
+        tiles_.resize(aligned_.size());
+        return work_->for_each(aligned_, [&](Patch<C>& patch, std::size_t k) {
+            work(patch.mesh(), k, patch.vertex_count() - patch.free_count());
+            tiles_[k].free = patch.free_count();
+            tiles_[k].energy = patch.mesh().energy();
+        });
+    }
+    // Vertices that are free in no tile.
+    [[nodiscard]] std::size_t seam_count() noexcept {
+        std::size_t count = work_->vertex_count();
+        for (const Tile& tile : tiles_) count -= tile.free;
+        return count;
+    }
+
+    // Grows all tiles until they have about `count` vertices together, shared by area or, where `by_error`, by what error the
+    // tiles have now (methods/annealed/budget.hpp).
+    bool grow_tiles(double count, bool by_error) {
+        std::vector<double> weights;
+        std::vector<std::size_t> caps;
+        for (std::size_t k = 0; k < tiles_.size(); ++k) {
+            const Rect rect = aligned_.rect(k);
+            const double area = static_cast<double>(rect.width) * rect.height;
+            weights.push_back(by_error ? error_share(area, tiles_[k].energy) : area);
+            caps.push_back(2 * static_cast<std::size_t>(area));
+        }
+        const std::size_t total = static_cast<std::size_t>(std::round(count)), seams = seam_count();
+        const std::vector<std::size_t> placed = apportion(total - std::min(total, seams), weights, caps);
+        for (std::size_t k = 0; k < tiles_.size(); ++k) tiles_[k].placed = placed[k];
+        return for_each_tile(
+            [&](ImageMesh<C>& mesh, std::size_t k, std::size_t rim) { grow(mesh, rim + tiles_[k].placed, options_); });
+    }
+
+    bool insert() {
+        const double n = static_cast<double>(n_), pixels = std::max(4.0, work_->source().pixels());
+        const double placed = std::max(n, std::min(pixels, std::round(n * options_.insert_factor)));
+        // Where flat tiles get more than their share at first, removal has more to choose from: 0.1 dB.
+        const bool in_two = aligned_.size() > 1 && placed > n;
+        if (in_two) {
+            monitor().set_range(0, 0.4);
+            if (!grow_tiles(n, false)) return false;
+        }
+        monitor().set_range(in_two ? 0.4 : 0, 1);
+        return grow_tiles(placed, true);
+    }
+
+    bool collapse() {
+        // All tiles shrink by the same ratio.
+        const auto left = static_cast<std::size_t>(std::round(static_cast<double>(n_) * options_.collapse_factor));
+        double placed = 0;
+        for (const Tile& tile : tiles_) placed += static_cast<double>(tile.placed);
+        const double ratio = static_cast<double>(left - std::min(left, seam_count())) / std::max(1.0, placed);
+        monitor().set_range(0, 1);
+        const bool go_on = for_each_tile([&](ImageMesh<C>& mesh, std::size_t k, std::size_t rim) {
+            shrink(mesh, rim + static_cast<std::size_t>(std::round(static_cast<double>(tiles_[k].placed) * ratio)), options_);
+        });
+        (void)work_->indexed();  // renumbered without the many that went
+        return go_on;
+    }
+
+    bool anneal() {
+        const AnnealingOptions& annealing = options_.annealing;
+        AnnealingSchedule schedule(annealing, n_, work_->mean_energy());
+        for (int k = 0; k < annealing.sweeps; ++k) {
+            const auto total = static_cast<double>(work_->vertex_count()), target = static_cast<double>(n_);
+            const Tiling phase = tiling(k + 1);
+            std::vector<AnnealingCounts> counts(phase.size());
+            const double band = annealing.count_tolerance * (1 - static_cast<double>(k) / annealing.sweeps);
+            monitor().set_range(static_cast<double>(k) / annealing.sweeps, (k + 1.0) / annealing.sweeps);
+            const bool go_on = work_->for_each(phase, [&](Patch<C>& patch, std::size_t tile) {
+                const double share = static_cast<double>(patch.mesh().vertex_count()) * target / total;
+                const CountRange range{(1 - band) * share, (1 + band) * share};
+                const Random random(options_.seed, (static_cast<std::uint64_t>(k) << 32U) + tile);
+                counts[tile] =
+                    AnnealingSweep<C>(patch.mesh(), annealing, schedule.price(), schedule.temperature(k), range, random).run();
+            });
+            if (!go_on) return false;
+            AnnealingCounts sum;
+            for (const AnnealingCounts& c : counts) {
+                sum.removed += c.removed;
+                sum.inserted += c.inserted;
+            }
+            schedule.steer(sum, work_->vertex_count(), work_->mean_energy());
+            if (!monitor().update((k + 1.0) / annealing.sweeps, work_->vertex_count(), work_->energy())) return false;
+        }
+        return true;
+    }
+
+    bool polish() {
+        // Seams that nothing has healed yet get one round at least.
+        const bool has_seams = aligned_.size() > 1 && options_.annealing.sweeps == 0;
+        const int rounds = std::max(options_.polish_rounds, has_seams ? 1 : 0);
+        for (int k = 0; k < rounds; ++k) {
+            monitor().set_range(static_cast<double>(k) / rounds, (k + 1.0) / rounds);
+            if (!work_->for_each(tiling(k + 1), [&](Patch<C>& patch, std::size_t) {
+                    flip_edges(patch.mesh(), options_.polish.spread);
+                    sweep(patch.mesh(), options_.polish);
+                }))
+                return false;
+        }
+        return true;
+    }
+
+    TiledMesh<C>* work_;
+    std::size_t n_;
+    AnnealedOptions options_;
+    double tile_;
+    Tiling aligned_;
+    std::vector<Tile> tiles_;
+};
+
+// The size of tiles that was asked for, or what 0 stands for; larger where a tile would hold less than 256 of n vertices on
+// average, as far as the image allows.
+[[nodiscard]] inline double tile_size(int width, int height, std::size_t n, int asked) noexcept {
+    // Up to here one tile is as fast as several, and no seam needs healing.
+    const bool is_small = static_cast<double>(width) * height <= 1048576 && n <= 16384;
+    double tile = asked != 0 ? asked : is_small ? std::max(width, height) : 256;
+    const double needed = 256.0 * width * height / static_cast<double>(n), longest = std::max(width, height);
+    while (tile < longest && std::min<double>(tile, width) * std::min<double>(tile, height) < needed) tile *= 1.25;
+    return tile;
+}
+
+}  // namespace detail
+
+// Makes a mesh of n vertices, 4 <= n <= max(4, pixels), in tiles of about `tile` px (0: see tile_size). Cancelled: the mesh is
+// valid but may have another count.
+template <int C>
+[[nodiscard]] Status annealed(TiledMesh<C>& work, std::size_t n, const AnnealedOptions& options, int tile) {
+    const auto recipe = [&](const AnnealedOptions& o, double size) { return detail::Annealed<C>(work, n, o, size).run(); };
+    const ImageSource<C>& source = work.source();
+    const double size = detail::tile_size(source.width(), source.height(), n, tile);
+    if (recipe(options, size)) return {};
+    if (work.monitor().stopped()) return cancelled_by_callback();
+    // Too many slivers that min_double_area protects: growing to n alone in one piece always gets there.
+    AnnealedOptions plain = options;
+    plain.insert_factor = 1;
+    plain.annealing.sweeps = 0;
+    return recipe(plain, std::max(source.width(), source.height())) ? Status{} : cancelled_by_callback();
+}
+
+}  // namespace hmesh::kit
+
+#endif  // HMESH_METHODS_ANNEALED_ANNEALED_HPP

@@ -1,0 +1,241 @@
+// hmesh - annealing: priced moves with undo, the way to the best mesh for a budget.
+//
+// The ensemble is grand canonical: a vertex has the price mu, so meshes of n vertices minimise energy + mu n, and
+// vertices flow from where they are worth little to where they are worth much. Four kinds of move - remove, insert, flip,
+// jump - are each a transaction: do it, relax the surroundings, read the exact energy, then accept by Metropolis' rule at
+// temperature T or roll back to the last byte. Between sweeps the price is steered to the vertex target and T falls to 0.
+// Patches of one mesh share the price, so vertices flow between them too. A sweep costs 20 to 25 us a vertex for 3 channels.
+#ifndef HMESH_METHODS_ANNEALED_ANNEALING_HPP
+#define HMESH_METHODS_ANNEALED_ANNEALING_HPP
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include "hmesh/core/random.hpp"
+#include "hmesh/edit/collapse.hpp"
+#include "hmesh/edit/flip.hpp"
+#include "hmesh/fit/image_mesh.hpp"
+#include "hmesh/edit/insert.hpp"
+#include "hmesh/fit/order.hpp"
+#include "hmesh/edit/relax.hpp"
+#include "hmesh/edit/move.hpp"
+
+namespace hmesh::kit {
+
+// Options of AnnealingSchedule and AnnealingSweep.
+struct AnnealingOptions {
+    int sweeps = 8;
+    double temperature = 0.5;        // T at the start, in prices mu
+    double cooling = 1;              // T falls as (1 - t)^cooling, t in [0, 1)
+    double try_probability = 1;             // probability that a vertex is tried for removal, a site for insertion, in a sweep
+    double jump = 0.1;               // probability that a vertex is displaced in a sweep
+    double jump_reach = 0.3;         // by at most this, in mean spoke lengths
+    double removal_screen = 3;       // removals that cost more than this many mu + 3 T before relaxing are not tried
+    double insertion_screen = 0.35;  // insertions that gain less than this many mu so are not tried
+    double flip_screen = 3;          // flips that cost more than this many mu so are not tried
+    double start_price = 0.2;        // mu at the start, in mean energies of a vertex
+    double count_tolerance = 0.5;               // the count may leave the target by this share in the first sweep, ever less later
+};
+
+// What a sweep did.
+struct AnnealingCounts {
+    std::size_t removed = 0, inserted = 0, flipped = 0, jumped = 0;
+};
+
+// What all patches of a mesh share: the price of a vertex, steered between sweeps, and the temperature.
+class AnnealingSchedule {
+  public:
+    // Toward `target` vertices, from a mesh with this mean energy of a vertex.
+    AnnealingSchedule(const AnnealingOptions& options, std::size_t target, double mean_energy) noexcept
+        : options_(options), target_(static_cast<double>(target)), price_(options.start_price * mean_energy) {}
+
+    [[nodiscard]] double price() const noexcept { return price_; }
+    // Of sweep 0, 1, ..: T in units of energy.
+    [[nodiscard]] double temperature(int sweep) const noexcept {
+        return options_.temperature * std::pow(1 - static_cast<double>(sweep) / options_.sweeps, options_.cooling) * price_;
+    }
+    // After a sweep: the price rises with the surplus of vertices and with its rate of growth. Weaker gains lose 0.04 to
+    // 0.08 dB.
+    void steer(const AnnealingCounts& counts, std::size_t vertices, double mean_energy) noexcept {
+        const double deviation = (static_cast<double>(vertices) - target_) / target_;
+        const double rate = (static_cast<double>(counts.inserted) - static_cast<double>(counts.removed)) / target_;
+        price_ *= std::exp(std::max(-0.2, std::min(0.2, 3 * deviation + 2 * rate)));
+        price_ = std::max(0.15 * mean_energy, std::min(4 * mean_energy, price_));
+    }
+
+  private:
+    AnnealingOptions options_;
+    double target_, price_;
+};
+
+// How many vertices a sweep may leave.
+struct CountRange {
+    double least = 0, most = 0;
+};
+
+// One sweep over a mesh or a patch.
+template <int C>
+class AnnealingSweep {
+  public:
+    // At this price and temperature, in units of energy. The mesh outlives the object.
+    AnnealingSweep(ImageMesh<C>& mesh, const AnnealingOptions& options, double price, double temperature, const CountRange& range,
+                   const Random& random)
+        : mesh_(&mesh), options_(options), price_(price), temperature_(temperature), least_(5e-3 * price), range_(range),
+          random_(random) {}
+
+    // Removals, insertions, flips and jumps, then two sweeps over the vertices that are due, with flips in between.
+    AnnealingCounts run() {
+        AnnealingCounts counts;
+        counts.removed = remove_moves();
+        counts.inserted = insert_moves();
+        counts.flipped = flip_moves();
+        counts.jumped = jump_moves();
+        const double mean = mesh_->mean_energy();
+        const Tolerance tolerance{1e-2, mean > 0 ? least_ / mean : 0};
+        sweep(*mesh_, tolerance);
+        flip_edges(*mesh_);
+        sweep(*mesh_, tolerance);
+        return counts;
+    }
+
+  private:
+    // A change since `mark`, when the energy was `before`, that costs `cost` by itself: surroundings settle in up to two
+    // rounds, then Metropolis' rule keeps the change or undoes it. Hopeless after one round, it does not get the second.
+    template <class Round>
+    bool settle(const typename ImageMesh<C>::Mark& mark, double before, double cost, Round&& round) {
+        const double allowed = before - cost - temperature_ * std::log(random_.uniform());
+        const double enough = 3e-2 * mesh_->mean_energy(), hopeless = allowed + 0.5 * price_;
+        for (int k = 0; k < 2; ++k) {
+            const double start = mesh_->energy();
+            round();
+            if (start - mesh_->energy() < enough || mesh_->energy() > hopeless) break;
+        }
+        const bool keep = mesh_->energy() < allowed;
+        if (keep) {
+            mesh_->commit(mark);
+            for (const Vertex v : around_) mesh_->set_dirty(v, true);
+        } else {
+            mesh_->rollback(mark);
+        }
+        return keep;
+    }
+    void collect(Vertex v) {  // the neighbours of v
+        around_.clear();
+        for (const Halfedge h : topology().outgoing(v)) around_.push_back(topology().to_vertex(h));
+    }
+
+    std::size_t remove_moves() {
+        std::size_t removed = 0;
+        for (const Vertex v : rotated(spatial_vertices(*mesh_))) {
+            if (static_cast<double>(mesh_->vertex_count()) < range_.least || !mesh_->keep_going()) break;
+            if (random_.uniform() > options_.try_probability) continue;
+            const CollapseCandidate candidate = cheapest_collapse(*mesh_, work_, v);
+            if (!candidate.halfedge.is_valid() || !(candidate.cost <= options_.removal_screen * price_ + 3 * temperature_))
+                continue;
+            const auto mark = mesh_->begin();
+            const double before = mesh_->energy();
+            collect(v);
+            mesh_->collapse(candidate.halfedge);
+            if (settle(mark, before, -price_, [&] { relax(*mesh_, around_, 1, least_); })) ++removed;
+        }
+        return removed;
+    }
+
+    std::size_t insert_moves() {
+        std::size_t inserted = 0;
+        const double least = options_.insertion_screen * price_;
+        for (const InsertionSite site : rotated(insertion_sites(*mesh_, true))) {
+            if (static_cast<double>(mesh_->vertex_count()) > range_.most || !mesh_->keep_going()) break;
+            if (random_.uniform() > options_.try_probability) continue;
+            if (site.is_edge() ? topology().is_deleted(site.edge()) : topology().is_deleted(site.face())) continue;
+            if (!(most_gain(*mesh_, site) > least)) continue;
+            const InsertionCandidate<C> candidate = candidate_at(*mesh_, work_, site, true);
+            if (!candidate.fits || !(candidate.gain > least) || !can_gain_edge(*mesh_, candidate)) continue;
+            const auto mark = mesh_->begin();
+            const double before = mesh_->energy();
+            const Vertex v = insert(*mesh_, candidate);
+            collect(v);
+            around_.push_back(v);
+            if (settle(mark, before, price_, [&] { relax(*mesh_, around_, 1, least_); })) ++inserted;
+        }
+        return inserted;
+    }
+
+    std::size_t flip_moves() {
+        std::size_t flipped = 0;
+        for (const Edge e : spatial_edges(*mesh_)) {
+            if (!mesh_->keep_going()) break;
+            if (!is_flippable(*mesh_, e)) continue;
+            FlipTrial<C> trial;
+            evaluate_flip(*mesh_, e, trial);
+            if (!(-trial.decrease < options_.flip_screen * price_) || !is_flip_ok(*mesh_, e)) continue;
+            const Halfedge a = HalfedgeMesh::halfedge(e), b = HalfedgeMesh::opposite(a);
+            around_ = {topology().to_vertex(topology().next(a)), topology().to_vertex(topology().next(b)),
+                       topology().from_vertex(a), topology().to_vertex(a)};
+            const auto mark = mesh_->begin();
+            const double before = mesh_->energy();
+            mesh_->flip(e, trial.moments, trial.own, trial.opposite);
+            // Without flips, which would turn the edge back.
+            const auto round = [&] {
+                for (const Vertex v : around_) improve_vertex(*mesh_, v, least_);
+            };
+            if (settle(mark, before, 1e-4 * price_, round)) ++flipped;
+        }
+        return flipped;
+    }
+
+    std::size_t jump_moves() {
+        std::size_t jumped = 0;
+        for (const Vertex v : spatial_vertices(*mesh_)) {
+            if (!mesh_->keep_going()) break;
+            const VertexState<C> state = mesh_->vertex(v);
+            if (state.mobility != Mobility::free || random_.uniform() > options_.jump) continue;
+            mesh_->gather(v, work_.ring, work_.spokes);
+            double mean = 0;
+            for (int i = 0; i < work_.ring.size; ++i) {
+                const Point p = work_.ring.neighbor[i]->position;
+                mean += std::sqrt((p.x - state.position.x) * (p.x - state.position.x) +
+                                  (p.y - state.position.y) * (p.y - state.position.y));
+            }
+            mean /= work_.ring.size;
+            const double angle = 6.283185307179586 * random_.uniform();
+            const double length = options_.jump_reach * mean * std::sqrt(random_.uniform());
+            const Point target = mesh_->clamp(
+                {state.position.x + length * std::cos(angle), state.position.y + length * std::sin(angle)}, Mobility::free);
+            if (!work_.ring.accepts(target, 2 * mesh_->limits().min_double_area)) continue;
+            const auto mark = mesh_->begin();
+            const double before = mesh_->energy();
+            collect(v);
+            around_.insert(around_.begin(), v);
+            mesh_->place(v, target, state.color);
+            if (settle(mark, before, 1e-3 * price_, [&] { relax(*mesh_, around_, 1, least_); })) ++jumped;
+        }
+        return jumped;
+    }
+
+    [[nodiscard]] const HalfedgeMesh& topology() const noexcept { return mesh_->topology(); }
+    // Loops that may stop early begin anywhere, or the top of the image would get more of the budget.
+    template <class Element>
+    [[nodiscard]] std::vector<Element> rotated(std::vector<Element> elements) {
+        if (!elements.empty())
+            std::rotate(elements.begin(), elements.begin() + static_cast<std::ptrdiff_t>(random_.below(elements.size())),
+                        elements.end());
+        return elements;
+    }
+
+    ImageMesh<C>* mesh_;
+    AnnealingOptions options_;
+    double price_, temperature_;
+    double least_;  // steps that promise less are not tried
+    CountRange range_;
+    Random random_;
+    RingScratch<C> work_;
+    std::vector<Vertex> around_;
+};
+
+}  // namespace hmesh::kit
+
+#endif  // HMESH_METHODS_ANNEALED_ANNEALING_HPP

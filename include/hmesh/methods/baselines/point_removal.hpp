@@ -1,0 +1,129 @@
+// hmesh - point removal: greedily, the vertex whose removal costs least, from a Delaunay triangulation.
+//
+// Demaret and Iske's adaptive thinning ("Advances in digital image compression by adaptive thinning", 2004), and the second
+// half of Adams' method (2011). The hole that a vertex leaves is filled by Delaunay ears (mesh/hole_filler.hpp), colours
+// stay; the cost is the exact rise of the energy, known from the moments of the hole's sides and of the new edges. All costs
+// stand in one heap and those around a removed vertex are computed again: about 1 us each, 6 to 8 us a removal.
+//
+// edit/collapse.hpp is what the method `annealed` uses instead: it merges a vertex into its best neighbour and re-optimises
+// around, which fits better and keeps no mesh Delaunay.
+#ifndef HMESH_METHODS_BASELINES_POINT_REMOVAL_HPP
+#define HMESH_METHODS_BASELINES_POINT_REMOVAL_HPP
+
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include "hmesh/core/indexed_heap.hpp"
+#include "hmesh/fit/image_mesh.hpp"
+#include "hmesh/mesh/hole_filler.hpp"
+
+namespace hmesh::kit {
+
+// A mesh, and what the removal of each vertex would cost.
+template <int C>
+class PointRemoval {
+  public:
+    // Of a mesh whose inner edges are Delaunay edges and whose corners at least are fixed; it outlives this.
+    explicit PointRemoval(ImageMesh<C>& mesh) : mesh_(&mesh) {
+        for (const Vertex v : mesh.topology().vertices()) {
+            if (!mesh.keep_going()) break;  // and then no vertex goes
+            rate(v);
+        }
+    }
+
+    // Removes the cheapest vertices until `count` >= 4 are left. Returns how many went, fewer if the work was told to stop.
+    // Vertices with more than ring_capacity neighbours stay.
+    std::size_t remove_down_to(std::size_t count) {
+        const std::size_t first = mesh_->vertex_count();
+        while (mesh_->vertex_count() > count && !costs_.empty() && mesh_->keep_going()) {
+            remove(Vertex(costs_.pop().id));
+            if (mesh_->task() != nullptr)
+                mesh_->task()->set_fraction(static_cast<double>(first - mesh_->vertex_count()) / static_cast<double>(first - count));
+        }
+        return first - mesh_->vertex_count();
+    }
+
+    // By how much the energy would rise without v, which is in the heap.
+    [[nodiscard]] double cost(Vertex v) const noexcept { return costs_.key(static_cast<std::uint32_t>(v.index())); }
+    [[nodiscard]] bool can_go(Vertex v) const noexcept { return costs_.contains(static_cast<std::uint32_t>(v.index())); }
+
+  private:
+    // Puts v's cost into the heap, or takes v out of it.
+    void rate(Vertex v) {
+        const auto id = static_cast<std::uint32_t>(v.index());
+        const Mobility mobility = mesh_->vertex(v).mobility;
+        const bool can_go =
+            mobility != Mobility::corner && mobility != Mobility::locked && mesh_->topology().valence(v) <= ring_capacity;
+        if (can_go) costs_.push(id, fill(v));
+        else if (costs_.contains(id)) costs_.erase(id);
+    }
+
+    // Fills the hole of v on trial: ears, moments of their diagonals and their energies. Returns the cost.
+    double fill(Vertex v) {
+        mesh_->gather(v, ring_, spokes_);
+        ears_ = &filler_.fill(
+            ring_.size, [&](int i) { return ring_.neighbor[i]->position; }, ring_.open);
+        double energy = -mesh_->energy(ring_);
+        for (int i = ring_.first_face(); i < ring_.size; ++i) sides_[i] = ring_.link[i];
+        if (ring_.open) {  // v lies on a straight line between its first and last neighbours
+            sides_[0] = spokes_.spoke[ring_.size - 1];
+            sides_[0] -= spokes_.spoke[0];
+        }
+        // sides_[i] runs from i to the neighbour before it among those that are left.
+        const std::size_t count = ears_->size();
+        for (std::size_t k = 0; k < count; ++k) {
+            const Ear& ear = (*ears_)[k];
+            Moments<C> m = sides_[ear.after];
+            m += sides_[ear.tip];
+            if (k + 1 < count) {
+                edge_moments(mesh_->table(), ring_.neighbor[ear.after]->position, ring_.neighbor[ear.before]->position,
+                             diagonals_[k]);
+                m -= diagonals_[k];
+                sides_[ear.after] = diagonals_[k];
+            } else {
+                m += sides_[ear.before];
+            }
+            energies_[k] = face_energy(m, *ring_.neighbor[ear.after], *ring_.neighbor[ear.tip], *ring_.neighbor[ear.before]);
+            energy += energies_[k];
+        }
+        return energy;
+    }
+
+    void remove(Vertex v) {
+        const HalfedgeMesh& topology = mesh_->topology();
+        (void)fill(v);
+        around_.clear();
+        for (int i = 0; i < ring_.size; ++i) around_.push_back(topology.to_vertex(ring_.halfedge[i]));
+        // The spoke to an ear's tip turns into the ear's diagonal. Between, faces at v may have no area: they are given no
+        // energy, and the last of them gets its true one from the collapse.
+        bool is_left[ring_capacity];
+        for (int i = 0; i < ring_.size; ++i) is_left[i] = true;
+        for (std::size_t k = 0; k + 1 < ears_->size(); ++k) {
+            const int tip = (*ears_)[k].tip;
+            const Halfedge spoke = ring_.halfedge[tip];
+            is_left[tip] = false;
+            const bool is_even = (spoke.index() & 1U) == 0;
+            if (!is_even) diagonals_[k] *= -1.0;
+            mesh_->flip(HalfedgeMesh::edge(spoke), diagonals_[k], is_even ? 0 : energies_[k], is_even ? energies_[k] : 0);
+        }
+        int into = 0;  // a border vertex goes along the border
+        while (!is_left[into]) ++into;
+        mesh_->collapse(ring_.halfedge[into]);
+        for (const Vertex u : around_) rate(u);
+    }
+
+    ImageMesh<C>* mesh_;
+    IndexedHeap costs_;
+    HoleFiller filler_;
+    const std::vector<Ear>* ears_ = nullptr;  // the filler's last
+    Ring<C> ring_;
+    Spokes<C> spokes_;
+    Moments<C> sides_[ring_capacity], diagonals_[ring_capacity];
+    double energies_[ring_capacity] = {};
+    std::vector<Vertex> around_;
+};
+
+}  // namespace hmesh::kit
+
+#endif  // HMESH_METHODS_BASELINES_POINT_REMOVAL_HPP

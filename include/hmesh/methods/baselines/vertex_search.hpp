@@ -1,0 +1,121 @@
+// hmesh - vertex search: move vertices from pixel to pixel to where the error is least, with sampled colours.
+//
+// The geometry step of Xie et al. (2014) as a pattern search: a vertex tries the eight neighbours at a distance of
+// `first_step` pixels, goes to the best while that lowers the error of its ring, then halves the distance down to one pixel.
+// Its colour is always the image's at its place. Where a vertex moved, its neighbours come up again, up to `visits` times
+// each. A trial walks the ring's spokes, about 0.4 us, and ends as soon as it has lost; a visit takes some 6 us.
+#ifndef HMESH_METHODS_BASELINES_VERTEX_SEARCH_HPP
+#define HMESH_METHODS_BASELINES_VERTEX_SEARCH_HPP
+
+#include <cstddef>
+#include <vector>
+
+#include "hmesh/fit/image_mesh.hpp"
+#include "hmesh/fit/order.hpp"
+#include "hmesh/solve/sampled_colors.hpp"
+
+namespace hmesh::kit {
+
+// How far and how often vertices are moved.
+struct VertexSearch {
+    int first_step = 4;  // px
+    int visits = 6;      // of a vertex
+};
+
+namespace detail {
+
+// The energy of the faces of a ring with its centre at `centre`; anything not below `bound` once that is reached.
+template <int C>
+[[nodiscard]] double centered_energy(const MomentTable<C>& table, const Ring<C>& ring, const VertexState<C>& center,
+                                    double bound) {
+    Moments<C> first, before, spoke;
+    edge_moments(table, center.position, ring.neighbor[0]->position, first);
+    before = first;
+    double energy = 0;
+    for (int i = 1; i <= ring.size && energy < bound; ++i) {
+        const int k = i % ring.size;  // face k joins the centre, neighbour k and the one before; face 0 comes last
+        if (k == 0 && ring.open) break;
+        if (k == 0) spoke = first;
+        else edge_moments(table, center.position, ring.neighbor[k]->position, spoke);
+        Moments<C> m = spoke;
+        m += ring.link[k];
+        m -= before;
+        energy += face_energy(m, center, *ring.neighbor[k], *ring.neighbor[i - 1]);
+        before = spoke;
+    }
+    return energy;
+}
+
+// One visit; whether v moved.
+template <int C>
+bool search_vertex(ImageMesh<C>& mesh, Vertex v, int first_step, Ring<C>& ring, Spokes<C>& spokes) {
+    const VertexState<C> state = mesh.vertex(v);
+    if (state.mobility == Mobility::corner || state.mobility == Mobility::locked) return false;
+    mesh.gather(v, ring, spokes);
+    double least = mesh.energy(ring);
+    double squares = ring.open ? spokes.spoke[ring.size - 1].q[3] - spokes.spoke[0].q[3] : 0;  // |I|^2 of the ring
+    for (int i = ring.first_face(); i < ring.size; ++i) squares += ring.link[i].q[3];
+    // What rounding may seem to gain: energies are differences of sums as large as the squares, some of them over whole rows.
+    const double enough = 1e-9 * least + 1e-12 * squares;
+    VertexState<C> best = state;
+    // Along a side, or half a pixel off it at least, where the centres are.
+    const auto on_centers = [](double x, int size) { return x >= 0.5 && x <= size - 0.5; };
+    for (int step = first_step; step >= 1; step /= 2)
+        for (bool moved = true; moved;) {
+            moved = false;
+            const Point from = best.position;
+            for (int direction = 0; direction < 9; ++direction) {
+                const int dx = direction % 3 - 1, dy = direction / 3 - 1;
+                if ((dx == 0 && dy == 0) || (dx != 0 && state.mobility == Mobility::along_y) ||
+                    (dy != 0 && state.mobility == Mobility::along_x))
+                    continue;
+                VertexState<C> trial = best;
+                trial.position = {from.x + dx * step, from.y + dy * step};
+                if ((dx != 0 && !on_centers(trial.position.x, mesh.width())) ||
+                    (dy != 0 && !on_centers(trial.position.y, mesh.height())) ||
+                    !ring.accepts(trial.position, mesh.limits().min_double_area))
+                    continue;
+                trial.color = sampled_color(mesh.table(), trial.position);
+                const double energy = centered_energy(mesh.table(), ring, trial, least - enough);
+                if (!(energy < least - enough)) continue;
+                least = energy;
+                best = trial;
+                moved = true;
+            }
+        }
+    if (best.position == state.position) return false;
+    mesh.place(v, best.position, best.color);
+    return true;
+}
+
+}  // namespace detail
+
+// Searches until no vertex is due or all have come up `visits` times, in rounds in spatial order. Returns the number of visits
+// that moved their vertex. Colours are to be sampled ones (sample_colors): a vertex that stays keeps what it has. Vertices with
+// more than ring_capacity neighbours stay where they are.
+template <int C>
+std::size_t search_vertices(ImageMesh<C>& mesh, const VertexSearch& options) {
+    const HalfedgeMesh& topology = mesh.topology();
+    Ring<C> ring;
+    Spokes<C> spokes;
+    std::size_t moves = 0, moved = 1;
+    for (const Vertex v : topology.vertices()) mesh.set_dirty(v, true);
+    for (int round = 0; round < options.visits && moved > 0; ++round) {
+        moved = 0;
+        for (const Vertex v : spatial_vertices(mesh)) {
+            if (!mesh.is_dirty(v)) continue;
+            if (!mesh.keep_going()) return moves + moved;
+            mesh.set_dirty(v, false);
+            if (topology.valence(v) > ring_capacity) continue;
+            if (!detail::search_vertex(mesh, v, options.first_step, ring, spokes)) continue;
+            ++moved;
+            mesh.set_ring_dirty(v);
+        }
+        moves += moved;
+    }
+    return moves;
+}
+
+}  // namespace hmesh::kit
+
+#endif  // HMESH_METHODS_BASELINES_VERTEX_SEARCH_HPP

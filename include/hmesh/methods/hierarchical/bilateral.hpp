@@ -1,0 +1,67 @@
+// hmesh - bilateral_filter: smooths an image and keeps its edges.
+//
+// Tomasi and Manduchi, "Bilateral filtering for gray and color images" (1998): each pixel becomes the mean of those in a
+// disc around it, weighted by nearness in the plane and in colour. Window, distance of colours (L1) and border follow
+// OpenCV's bilateralFilter, whose parameters the hierarchical method states: diameter 9, both sigmas 50.
+//
+// Cost: for each tap of the disc (49 at diameter 9) some 0.5 ns a pixel of 3 channels with vectors of 8 floats, 1.1 ns with
+// vectors of 4, and 9 ns a pixel besides. Memory beyond the output: the planes of a tile, some 300 kB a thread at
+// diameter 9 and 1 MB at 99, whatever the image's size.
+#ifndef HMESH_METHODS_HIERARCHICAL_BILATERAL_HPP
+#define HMESH_METHODS_HIERARCHICAL_BILATERAL_HPP
+
+#include <algorithm>
+#include <cstddef>
+
+#include "hmesh/core/assert.hpp"
+#include "hmesh/core/finite.hpp"
+#include "hmesh/core/parallel.hpp"
+#include "hmesh/core/status.hpp"
+#include "hmesh/methods/hierarchical/bilateral_tile.hpp"
+#include "hmesh/image/image_view.hpp"
+
+namespace hmesh::kit {
+
+// Options of bilateral_filter().
+struct BilateralOptions {
+    int diameter = 9;         // of the window, px, in [1, 99]; its radius is diameter / 2 rounded down
+    double sigma_color = 50;  // in 1/255 of the peak of the pixel type, > 0
+    double sigma_space = 50;  // px, > 0
+};
+
+// Whether all options are in range.
+[[nodiscard]] inline Status check(const BilateralOptions& options) noexcept {
+    const auto bad = [](const char* what) -> Status { return {Errc::invalid_argument, what, 0, 0}; };
+    const auto positive = [](const double& value) { return is_finite(value) && value > 0; };
+    if (options.diameter < 1) return {Errc::invalid_argument, "bilateral.diameter must be at least 1", options.diameter, 1};
+    if (options.diameter > 99) return {Errc::invalid_argument, "bilateral.diameter must be at most 99", options.diameter, 99};
+    if (!positive(options.sigma_color)) return bad("bilateral.sigma_color must be positive and finite");
+    if (!positive(options.sigma_space)) return bad("bilateral.sigma_space must be positive and finite");
+    return {};
+}
+
+// The view filtered, of the same size; samples are rounded by PixelTraits<T>::from_real. Colours are as far apart as the
+// sum over channels of their absolute differences, in stored values; beyond the border the image is mirrored without
+// repeating the pixels there. check() accepts the view and the options, and float samples are finite. Bands of 64 rows
+// are independent pieces of work.
+template <class T, int C>
+[[nodiscard]] Image<T, C> bilateral_filter(const ImageView<T, C>& view, const BilateralOptions& options = {},
+                                           const ParallelFor& parallel_for = {}) {
+    HMESH_ASSERT(check(view) && check(options));
+    using Tile = detail::BilateralTile<T, C>;
+    const double sigma_color = std::max(Tile::least_sigma, options.sigma_color * (PixelTraits<T>::peak / 255));
+    const detail::BilateralWindow window(options.diameter / 2, sigma_color, options.sigma_space);
+    Image<T, C> out(view.width, view.height);
+    const auto rows = static_cast<std::size_t>(view.height);
+    for_each_chunk(parallel_for, rows, Tile::max_height, [&](std::size_t begin, std::size_t end) {
+        Tile tile(window, view.width);
+        const int y = static_cast<int>(begin), height = static_cast<int>(end - begin);
+        for (int x = 0; x < view.width; x += Tile::max_width)
+            tile.filter(view, {x, y, std::min(Tile::max_width, view.width - x), height}, out);
+    });
+    return out;
+}
+
+}  // namespace hmesh::kit
+
+#endif  // HMESH_METHODS_HIERARCHICAL_BILATERAL_HPP

@@ -1,0 +1,96 @@
+// hmesh - Pyramid: an image and ever smoother versions of it, for work from coarse to fine.
+//
+// "Image meshing via hierarchical optimization", section 4.2: level 0 is the input and level i the filter applied to
+// level i - 1. All levels have the input's size, so that a mesh of one is a mesh of the next. The filter is the bilateral
+// one unless the user brings another, as a callable or, where there is no template to carry it, as a LevelFilter.
+//
+// Cost: one call of the filter and one image for each level but 0.
+#ifndef HMESH_METHODS_HIERARCHICAL_PYRAMID_HPP
+#define HMESH_METHODS_HIERARCHICAL_PYRAMID_HPP
+
+#include <algorithm>
+#include <cstddef>
+#include <iterator>
+#include <vector>
+
+#include "hmesh/core/assert.hpp"
+#include "hmesh/core/finite.hpp"
+#include "hmesh/core/parallel.hpp"
+#include "hmesh/methods/hierarchical/bilateral.hpp"
+#include "hmesh/image/image_view.hpp"
+
+namespace hmesh::kit {
+
+// A user's filter of images of any sample type and number of channels, and the pointer handed to it. `from` and `to` are
+// images of width * height pixels, packed row after row, of `channels` interleaved samples in stored values (0 to 255 for 8
+// bits). `to` begins as a copy of `from`. Called once for a level, from one thread, which may start others.
+struct LevelFilter {
+    void (*call)(void* user, const float* from, float* to, int width, int height, int channels) = nullptr;
+    void* user = nullptr;
+};
+
+// The view filtered; `call` is set. Samples are rounded by PixelTraits<T>::from_real. One that is not finite keeps the
+// view's value: a level is data for sums over many pixels, where one NaN would spoil them all, and where a filter has no
+// answer (a mean without weights, 0 / 0) the unfiltered sample is the one that adds no error. Takes two floats a sample.
+template <class T, int C>
+[[nodiscard]] Image<T, C> apply(const LevelFilter& filter, const ImageView<T, C>& view) {
+    HMESH_ASSERT(check(view) && filter.call != nullptr);
+    Image<T, C> out(view.width, view.height);
+    std::vector<float> from;
+    from.reserve(out.samples().size());
+    for (int y = 0; y < view.height; ++y) {
+        const T* row = view.row(y);
+        std::transform(row, row + view.width * C, std::back_inserter(from),
+                       [](T sample) { return PixelTraits<float>::from_real(PixelTraits<T>::to_real(sample)); });
+    }
+    std::vector<float> to = from;
+    filter.call(filter.user, from.data(), to.data(), view.width, view.height, C);
+    const float* filtered = to.data();
+    for (int y = 0; y < view.height; ++y) {
+        const T* row = view.row(y);
+        T* samples = out.pixel(0, y);
+        for (int k = 0; k < view.width * C; ++k, ++filtered)
+            samples[k] = is_finite(*filtered) ? PixelTraits<T>::from_real(static_cast<double>(*filtered)) : row[k];
+    }
+    return out;
+}
+
+template <class T, int C>
+class Pyramid {
+  public:
+    // `levels` >= 1 levels of the view, which outlives the pyramid; filter(const ImageView<T, C>&) gives an Image<T, C>
+    // of the same size and is called levels - 1 times, from fine to coarse.
+    template <class Filter>
+    Pyramid(const ImageView<T, C>& view, int levels, Filter&& filter) : input_(view) {
+        HMESH_ASSERT(levels >= 1);
+        for (int i = 1; i < levels; ++i) {
+            filtered_.push_back(filter(level(i - 1)));
+            HMESH_ASSERT(filtered_.back().width() == view.width && filtered_.back().height() == view.height);
+        }
+    }
+
+    [[nodiscard]] int size() const noexcept { return static_cast<int>(filtered_.size()) + 1; }
+    // 0 <= i < size(); 0 is the input itself. Valid as long as the pyramid is.
+    [[nodiscard]] ImageView<T, C> level(int i) const noexcept {
+        HMESH_ASSERT(i >= 0 && i < size());
+        return i == 0 ? input_ : filtered_[static_cast<std::size_t>(i) - 1].view();
+    }
+
+  private:
+    ImageView<T, C> input_;
+    std::vector<Image<T, C>> filtered_;  // level i is filtered_[i - 1]
+};
+
+// The levels that `filter` gives if its call is set, else those of the bilateral filter. check() accepts the view and the
+// bilateral options, and float samples are finite.
+template <class T, int C>
+[[nodiscard]] Pyramid<T, C> make_pyramid(const ImageView<T, C>& view, int levels, const BilateralOptions& bilateral = {},
+                                         const LevelFilter& filter = {}, const ParallelFor& parallel_for = {}) {
+    return Pyramid<T, C>(view, levels, [&](const ImageView<T, C>& level) {
+        return filter.call != nullptr ? apply(filter, level) : bilateral_filter(level, bilateral, parallel_for);
+    });
+}
+
+}  // namespace hmesh::kit
+
+#endif  // HMESH_METHODS_HIERARCHICAL_PYRAMID_HPP

@@ -1,0 +1,289 @@
+// hmesh - linear light: vertex colours for renderers that interpolate light, not stored values.
+//
+// A picture drawn in linear light has in each pixel the stored value peak * e(sum of lambda_v l_v): l_v the light of vertex v
+// as a share of the full one, lambda_v its barycentric weights, e the sRGB encoding. A mesh fitted between stored values
+// looks different there: inside faces light is brighter. fit_linear_light() finds the l_v with the least squared error in
+// stored values, the geometry staying. With r the residual of a pixel the Gauss-Newton step d solves, for each channel,
+//
+//     sum of e'^2 lambda_v lambda_w d_w  =  - sum of e' r lambda_v
+//
+// over the mesh's edges. It is halved until the error falls. Lights stay in [0, 1]: those that lie on a bound and would
+// leave it are held in the system (Bertsekas 1982), others are cut off at it. Alpha is not encoded: e is the identity there.
+//
+// Cost: about 35 ns a pixel and channel for each step, for the measure before the first and for that of rounded colours, some
+// 5 in all. Memory: about 0.5 KB a vertex, with one channel at work at a time.
+#ifndef HMESH_SOLVE_LINEAR_LIGHT_HPP
+#define HMESH_SOLVE_LINEAR_LIGHT_HPP
+
+#include <Eigen/Core>
+#include <Eigen/SparseCore>
+
+#include <algorithm>
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <utility>
+#include <vector>
+
+#include "hmesh/core/parallel.hpp"
+#include "hmesh/core/srgb.hpp"
+#include "hmesh/core/status.hpp"
+#include "hmesh/solve/normal_equations.hpp"
+#include "hmesh/solve/bounded_colors.hpp"
+#include "hmesh/fit/rendered_error.hpp"
+#include "hmesh/solve/pcg.hpp"
+#include "hmesh/fit/ring.hpp"
+#include "hmesh/image/image_view.hpp"
+#include "hmesh/image/weights.hpp"
+#include "hmesh/mesh/geometry.hpp"
+#include "hmesh/mesh/halfedge_mesh.hpp"
+#include "hmesh/mesh/mesh.hpp"
+#include "hmesh/mesh/raster.hpp"
+
+namespace hmesh::kit {
+
+struct LinearLightOptions {  // options of fit_linear_light()
+    int iterations = 6;      // Gauss-Newton steps at most, >= 0; 0 measures only
+    // A channel is done when a step lowers its error by less than this share: 1e-4 is 4e-4 dB.
+    double least_gain = 1e-4;
+    double ridge = MeshLimits().ridge;  // pixels, as MeshLimits has it
+    double grid = 0;                    // colours become multiples of it, in stored values; 0: any
+    ImageView<float, 1> weights;        // see image/weights.hpp; none: all pixels count the same
+};
+
+struct [[nodiscard]] LinearLightReport {  // what it came to
+    // Sums of squared differences in stored values over pixels and channels, times weights: of the colours as they came,
+    // and as they are now. The latter is never the larger.
+    double converted = 0, energy = 0;
+    int iterations = 0;         // steps taken, those of the channel that took most
+    int solver_iterations = 0;  // of all
+    double residual = 0;        // the largest of a solve, relative to its right-hand side
+    Status status;
+};
+
+namespace detail {
+
+// One channel of a mesh as light: stored shares of the peak, rounded to float as the mesh has them, and what they decode to.
+struct ChannelLight {
+    std::vector<float> stored;
+    std::vector<double> light;
+};
+
+// The error and the Gauss-Newton system of one channel after the other.
+template <class T, int C>
+class LinearLight {
+  public:
+    LinearLight(const Mesh<C>& mesh, const HalfedgeMesh& topology, const ImageView<T, C>& view, const LinearLightOptions& options,
+                const ParallelFor& parallel_for)
+        : mesh_(mesh), topology_(topology), view_(view), options_(options), parallel_for_(parallel_for),
+          scale_(weight_unit(options.weights, parallel_for), view.width, view.height), corners_(2 * topology.edge_slots()) {}
+
+    // The colours of channel k as they may be: in [0, peak] and on the grid.
+    [[nodiscard]] ChannelLight start(std::size_t k) const {
+        ChannelLight out;
+        for (std::size_t v = 0; v < mesh_.vertex_count(); ++v)
+            add(out, k, static_cast<double>(mesh_.colors[C * v + k]), options_.grid);
+        return out;
+    }
+    // The light `step` times `direction` further on, cut off at 0 and 1.
+    [[nodiscard]] ChannelLight moved(const ChannelLight& from, std::size_t k, const Eigen::MatrixXd& direction,
+                                     double step) const {
+        ChannelLight out;
+        for (std::size_t v = 0; v < from.light.size(); ++v) {
+            const double light = from.light[v] + step * direction(static_cast<Eigen::Index>(v), 0);
+            add(out, k, encode(k, std::max(0.0, std::min(1.0, light))) * mesh_.peak, 0);
+        }
+        return out;
+    }
+    // Put on the grid.
+    [[nodiscard]] ChannelLight rounded(const ChannelLight& from, std::size_t k) const {
+        ChannelLight out;
+        for (const float stored : from.stored) add(out, k, static_cast<double>(stored), options_.grid);
+        return out;
+    }
+
+    // The error, in squared shares of the peak. Leaves the sums of the faces for direction().
+    [[nodiscard]] double measure(const ChannelLight& at, std::size_t k) {
+        return ordered_sum(parallel_for_, mesh_.faces.size(), 256, [&](std::size_t begin, std::size_t end) {
+            double sum = 0;
+            for (std::size_t f = begin; f < end; ++f) sum += is_encoded(k) ? face<true>(at, f, k) : face<false>(at, f, k);
+            return sum;
+        });
+    }
+    // The Gauss-Newton step from where measure() was called last.
+    [[nodiscard]] PcgReport direction(const ChannelLight& at, std::size_t k, Eigen::MatrixXd& out) const {
+        Eigen::SparseMatrix<double> matrix = gram_matrix(topology_, corners_, parallel_for_);
+        const Eigen::MatrixXd rhs = image_rhs(topology_, corners_, parallel_for_);
+        std::vector<HeldEntry> held;
+        for (Eigen::Index v = 0; v < rhs.rows(); ++v) {
+            const double light = at.light[static_cast<std::size_t>(v)];
+            const double slope = is_encoded(k) ? linear_to_srgb_slope(light, linear_to_srgb(light)) : 1;
+            matrix.coeffRef(v, v) += options_.ridge * slope * slope;
+            if ((light <= 0 && rhs(v, 0) < 0) || (light >= 1 && rhs(v, 0) > 0)) held.push_back({v, 0});
+        }
+        out.setZero(rhs.rows(), 1);
+        PcgOptions exactness;
+        exactness.tolerance = 1e-6;  // steps are inexact by what the encoding is not linear
+        return solve_pcg(matrix, rhs, out, exactness, held);
+    }
+
+  private:
+    [[nodiscard]] static constexpr bool is_encoded(std::size_t k) noexcept { return !has_alpha(C) || k + 1 != C; }
+    [[nodiscard]] static double encode(std::size_t k, double light) noexcept {
+        return is_encoded(k) ? linear_to_srgb(light) : light;
+    }
+
+    void add(ChannelLight& to, std::size_t k, double stored, double grid) const {
+        stored = std::max(0.0, std::min(mesh_.peak, stored));
+        if (grid > 0) stored = GridRange(0, mesh_.peak, grid).nearest(stored);
+        to.stored.push_back(static_cast<float>(stored));
+        const double share = static_cast<double>(to.stored.back()) / mesh_.peak;
+        to.light.push_back(is_encoded(k) ? srgb_to_linear(share) : share);
+    }
+
+    template <bool encoded>
+    [[nodiscard]] double face(const ChannelLight& at, std::size_t f, std::size_t k) {
+        const std::array<Vertex, 3> v = topology_.vertices(Face(f));
+        const Point a = position(mesh_, v[0].index()), b = position(mesh_, v[1].index()), c = position(mesh_, v[2].index());
+        const PixelBarycentric weights_at(a, b, c);
+        const double per_peak = 1 / mesh_.peak;
+        const double la = at.light[v[0].index()], lb = at.light[v[1].index()] - la, lc = at.light[v[2].index()] - la;
+        // A face of one colour shows that very colour. Stored values are compared, not shares: they are exact, and stay so where
+        // the processor keeps more digits of some products than of others.
+        const bool is_plain = lb == 0 && lc == 0;
+        const auto plain = static_cast<double>(at.stored[v[0].index()]);
+        double energy = 0, s00 = 0, s11 = 0, s22 = 0, s01 = 0, s12 = 0, s20 = 0, p0 = 0, p1 = 0, p2 = 0;
+        for_each_span(a, b, c, {}, [&](int j, int begin, int end) {
+            const T* sample = view_.pixel(begin, j) + k;
+            const float* weights = options_.weights.data != nullptr ? options_.weights.pixel(begin, j) : nullptr;
+            for (int i = begin; i < end; ++i, sample += C) {
+                const Barycentric w = weights_at(i, j);
+                const double light = la + w.b * lb + w.c * lc;
+                const double share = encoded ? linear_to_srgb(light) : light;
+                const double slope = encoded ? linear_to_srgb_slope(light, share) : 1;
+                const double shown = is_plain ? plain : share * mesh_.peak;
+                const double difference = (shown - PixelTraits<T>::to_real(*sample)) * per_peak;
+                const double weight = weights != nullptr ? scale_(weights[i - begin]) : 1;
+                const double square = weight * slope * slope, pull = -weight * slope * difference;
+                energy += weight * difference * difference;
+                const double qa = square * w.a, qb = square * w.b, qc = square * w.c;
+                s00 += qa * w.a;
+                s11 += qb * w.b;
+                s22 += qc * w.c;
+                s01 += qa * w.b;
+                s12 += qb * w.c;
+                s20 += qc * w.a;
+                p0 += pull * w.a;
+                p1 += pull * w.b;
+                p2 += pull * w.c;
+            }
+        });
+        const auto sums = [](double square, double coupling, double pull) {
+            CornerSums<1> out;
+            out.square = square;
+            out.coupling = coupling;
+            out.image.set(0, pull);
+            return out;
+        };
+        const Halfedge h0 = topology_.halfedge(Face(f)), h1 = topology_.next(h0), h2 = topology_.next(h1);
+        corners_[h0.index()] = sums(s00, s01, p0);
+        corners_[h1.index()] = sums(s11, s12, p1);
+        corners_[h2.index()] = sums(s22, s20, p2);
+        return energy;
+    }
+
+    const Mesh<C>& mesh_;
+    const HalfedgeMesh& topology_;
+    const ImageView<T, C>& view_;
+    const LinearLightOptions& options_;
+    ParallelFor parallel_for_;
+    WeightScale scale_;
+    std::vector<CornerSums<1>> corners_;  // of the last measure(); `image` is - e' r lambda
+};
+
+// Whether the mesh is one of the image: what for_each_span asks for, and each pixel's owner in reach.
+template <class T, int C>
+[[nodiscard]] Status check_fit(const Mesh<C>& mesh, const ImageView<T, C>& view, HalfedgeMesh& topology) {
+    if (mesh.positions.size() % 2 != 0 || mesh.colors.size() != C * mesh.vertex_count())
+        return {Errc::invalid_argument, "the mesh's arrays are not of one number of vertices", 0, 0};
+    if (const Status status = check(mesh.view(), C); !status) return status;
+    if (mesh.premultiplied)
+        return {Errc::invalid_argument, "linear light is fitted to straight colours, and the mesh's are premultiplied", 0, 0};
+    if (mesh.width != view.width) return {Errc::invalid_argument, "the mesh is not as wide as the image", mesh.width, view.width};
+    if (mesh.height != view.height)
+        return {Errc::invalid_argument, "the mesh is not as high as the image", mesh.height, view.height};
+    const auto at = [&](std::uint32_t v) { return position(mesh, v); };
+    for (std::uint32_t v = 0; v < mesh.vertex_count(); ++v)
+        if (!(at(v).x >= 0 && at(v).x <= mesh.width && at(v).y >= 0 && at(v).y <= mesh.height))
+            return {Errc::invalid_argument, "the mesh has a position outside its image, at vertex", v, 0};
+    for (std::size_t f = 0; f < mesh.faces.size(); ++f)
+        if (!(orient2d(at(mesh.faces[f][0]), at(mesh.faces[f][1]), at(mesh.faces[f][2])) > 0))
+            return {Errc::invalid_argument, "the mesh has a face that is flipped or has no area, at face",
+                    static_cast<std::int64_t>(f), 0};
+    return topology.assign(mesh.vertex_count(), mesh.faces);
+}
+
+}  // namespace detail
+
+// Gives the mesh the colours with the least squared error to the image in stored values, as seen through interpolation in
+// linear light; they stay stored values, in [0, peak]. Starts from those that it has, which are held to that range first, as
+// files of linear light do; so are values of the picture drawn, while the image may have any. The error falls or stays.
+// Before each step `go_on(share of the work done)` is asked; what is reported is true of the mesh in any case.
+//
+// Status: invalid_argument where the mesh is not one of this image, is premultiplied, or has a vertex without a face; the mesh
+// is then as it was. The view and the weights are such as check(), check_finite() and check_weights() accept.
+template <class T, int C, class GoOn>
+LinearLightReport fit_linear_light(Mesh<C>& mesh, const ImageView<T, C>& view, const LinearLightOptions& options,
+                                   const ParallelFor& parallel_for, GoOn&& go_on) {
+    using detail::ChannelLight;
+    LinearLightReport report;
+    HalfedgeMesh topology;
+    report.status = detail::check_fit(mesh, view, topology);
+    if (!report.status) return report;
+    detail::LinearLight<T, C> scene(mesh, topology, view, options, parallel_for);
+    const double unit = mesh.peak * mesh.peak;
+    for (std::size_t k = 0; k < C; ++k) {
+        const ChannelLight start = scene.start(k);
+        ChannelLight now = start;
+        const double converted = scene.measure(now, k);
+        double energy = converted;
+        Eigen::MatrixXd direction;
+        int steps = 0;
+        for (bool gains = true; gains && energy > 0 && steps < options.iterations;) {
+            if (!go_on((static_cast<double>(k) + static_cast<double>(steps) / options.iterations) / C)) break;
+            const PcgReport solve = scene.direction(now, k, direction);
+            report.solver_iterations += solve.iterations;
+            report.residual = std::max(report.residual, solve.residual);
+            gains = false;
+            for (double step = 1; step > 0.01; step /= 2) {  // seven tries
+                ChannelLight next = scene.moved(now, k, direction, step);
+                const double after = scene.measure(next, k);
+                if (!(after < energy)) continue;
+                gains = energy - after > options.least_gain * energy;
+                now = std::move(next);
+                energy = after;
+                ++steps;
+                break;
+            }
+        }
+        if (options.grid > 0 && steps > 0) {
+            now = scene.rounded(now, k);
+            energy = scene.measure(now, k);
+            if (energy > converted) now = start, energy = converted;
+        }
+        for (std::size_t v = 0; v < mesh.vertex_count(); ++v) mesh.colors[C * v + k] = now.stored[v];
+        report.converted += unit * converted;
+        report.energy += unit * energy;
+        report.iterations = std::max(report.iterations, steps);
+    }
+    return report;
+}
+template <class T, int C>
+LinearLightReport fit_linear_light(Mesh<C>& mesh, const ImageView<T, C>& view, const LinearLightOptions& options = {},
+                                   const ParallelFor& parallel_for = {}) {
+    return fit_linear_light(mesh, view, options, parallel_for, [](double) { return true; });
+}
+
+}  // namespace hmesh::kit
+
+#endif  // HMESH_SOLVE_LINEAR_LIGHT_HPP

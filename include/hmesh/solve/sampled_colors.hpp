@@ -1,0 +1,67 @@
+// hmesh - sampling: vertex colours read from the image, as Adams, Xie and the paper's section 1 have them.
+//
+// A vertex takes the colour of the image at its place: that of the pixel where it is on a pixel's centre, else between the
+// four nearest, bilinear. Places beyond the outermost centres take the nearest pixel's. Optimal colours (solve/bounded_colors.hpp) are
+// 0.3 to 1.4 dB better on the meshes of the former two, for a few microseconds a vertex.
+#ifndef HMESH_SOLVE_SAMPLED_COLORS_HPP
+#define HMESH_SOLVE_SAMPLED_COLORS_HPP
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <vector>
+
+#include "hmesh/core/lanes.hpp"
+#include "hmesh/fit/image_mesh.hpp"
+#include "hmesh/tiles/tiled_mesh.hpp"
+#include "hmesh/fit/moment_table.hpp"
+
+namespace hmesh::kit {
+
+// The colour at p in [0, width] x [0, height] of an image whose pixels are pixel(x, y).
+template <int C, class Pixel>
+[[nodiscard]] HMESH_ALWAYS_INLINE Color<C> sampled_color(int width, int height, Point p, Pixel&& pixel) {
+    const double x = std::max(0.0, std::min(width - 1.0, p.x - 0.5)), y = std::max(0.0, std::min(height - 1.0, p.y - 0.5));
+    const int left = static_cast<int>(x), top = static_cast<int>(y);
+    const double right_share = x - left, low_share = y - top;
+    if (right_share == 0 && low_share == 0) return pixel(left, top);
+    const int right = std::min(width - 1, left + 1), low = std::min(height - 1, top + 1);
+    const Color<C> above = pixel(left, top) * (1 - right_share) + pixel(right, top) * right_share;
+    const Color<C> below = pixel(left, low) * (1 - right_share) + pixel(right, low) * right_share;
+    return above * (1 - low_share) + below * low_share;
+}
+template <int C>
+[[nodiscard]] HMESH_ALWAYS_INLINE Color<C> sampled_color(const MomentTable<C>& table, Point p) {
+    return sampled_color<C>(table.width(), table.height(), p, [&](int x, int y) {
+        Color<C> color;
+        table.pixel(x, y, color);
+        return color;
+    });
+}
+
+// Gives all vertices the colours under them.
+template <int C>
+void sample_colors(ImageMesh<C>& mesh, const ParallelFor& parallel_for = {}) {
+    std::vector<Color<C>> colors(mesh.topology().vertex_slots(), Color<C>::zero());
+    for (const Vertex v : mesh.topology().vertices()) colors[v.index()] = sampled_color(mesh.table(), mesh.position(v));
+    mesh.set_colors(colors, parallel_for);
+}
+
+// The same for a mesh in patches, rounded to multiples of grid if grid > 0; its energy is then that of these colours.
+template <int C>
+void sample_colors(TiledMesh<C>& work, const Tiling& tiling, double grid) {
+    IndexedMesh<C>& whole = work.indexed();
+    const ImageSource<C>& source = work.source();
+    for (std::size_t v = 0; v < whole.vertex_count(); ++v) {
+        Color<C>& color = whole.colors[v];
+        color = sampled_color<C>(source.width(), source.height(), whole.positions[v],
+                                 [&](int x, int y) { return source.pixel(x, y); });
+        if (grid > 0)
+            for (int c = 0; c < C; ++c) color.set(c, std::floor(color[c] / grid + 0.5) * grid);
+    }
+    work.measure(tiling);
+}
+
+}  // namespace hmesh::kit
+
+#endif  // HMESH_SOLVE_SAMPLED_COLORS_HPP

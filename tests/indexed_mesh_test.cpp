@@ -1,0 +1,260 @@
+#include "hmesh/tiles/indexed_mesh.hpp"
+
+#include <doctest/doctest.h>
+
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "hmesh/core/random.hpp"
+#include "hmesh/methods/annealed/first_grid.hpp"
+#include "test_images.hpp"
+#include "test_meshes.hpp"
+#include "test_wholes.hpp"
+
+using hmesh::kit::Color;
+using hmesh::kit::Point;
+using hmesh::kit::Random;
+using hmesh::kit::Triangle;
+using hmesh::kit::IndexedMesh;
+using hmesh_test::make_whole;
+using hmesh_test::Shape;
+
+namespace {
+
+IndexedMesh<1> whole(int width, int height, const std::vector<Point>& positions, const std::vector<Triangle>& triangles) {
+    IndexedMesh<1> mesh;
+    mesh.width = width;
+    mesh.height = height;
+    for (const Point p : positions) mesh.add(p, Color<1>::zero());
+    mesh.triangles = triangles;
+    return mesh;
+}
+
+// Four faces around vertex 4 in the middle of 8 x 6 px.
+IndexedMesh<1> fan() { return whole(8, 6, {{0, 0}, {8, 0}, {8, 6}, {0, 6}, {4, 3}}, {{0, 1, 4}, {1, 2, 4}, {2, 3, 4}, {3, 0, 4}}); }
+
+// What check() finds, and where.
+std::pair<std::string, std::int64_t> fault(const IndexedMesh<1>& mesh) {
+    const hmesh::Status status = check(mesh);
+    CHECK_EQ(static_cast<bool>(status), std::string(status.what).empty());
+    return {status.what, status.value};
+}
+using Fault = std::pair<std::string, std::int64_t>;
+
+// How many faces cover a point that lies on no edge.
+int cover(const IndexedMesh<1>& mesh, Point p) {
+    int count = 0;
+    for (const Triangle& t : mesh.triangles) {
+        int left = 0, right = 0;
+        for (std::size_t k = 0; k < 3; ++k)
+            ++(hmesh::kit::orient2d(mesh.positions[t[k]], mesh.positions[t[(k + 1) % 3]], p) > 0 ? left : right);
+        count += left == 3 || right == 3 ? 1 : 0;
+    }
+    return count;
+}
+
+}  // namespace
+
+TEST_CASE("meshes of every shape are accepted, and all of their edges and corners may be on the border") {
+    const auto image = hmesh_test::scene<std::uint8_t, 1>(40, 31, 1);
+    for (const Shape shape : hmesh_test::all_shapes) {
+        const IndexedMesh<1> mesh = make_whole(image, shape, 90, 3);
+        CHECK(mesh.vertex_count() > 50);
+        hmesh_test::prove(mesh);
+    }
+    for (const auto& [width, height] : {std::pair{1, 1}, {1, 17}, {23, 1}, {2, 2}})
+        hmesh_test::prove(make_whole(hmesh_test::noise<float, 1>(width, height, 1), Shape::grid, 6, 1));
+    const auto wheel = hmesh_test::wheel(64, 36);
+    hmesh_test::prove(whole(64, 64, wheel.positions, wheel.triangles));
+    hmesh_test::prove(fan());
+
+    const hmesh::kit::ImageSource<1> source(image.view());
+    hmesh_test::prove(hmesh::kit::regular_grid(source, 60));
+    hmesh_test::prove(hmesh::kit::tiled_grid(source, hmesh::kit::Tiling(40, 31, 13), 80, 30, [] { return true; }));
+}
+
+TEST_CASE("arrays of vertices that differ in length are found") {
+    IndexedMesh<1> mesh = fan();
+    mesh.colors.pop_back();
+    CHECK(fault(mesh) == Fault{"the arrays of vertices differ in length", 5});
+    mesh = fan();
+    mesh.dirty.push_back(0);
+    CHECK(fault(mesh) == Fault{"the arrays of vertices differ in length", 5});
+}
+
+TEST_CASE("an isolated vertex, a corner that is no vertex and a corner that comes twice are found") {
+    IndexedMesh<1> mesh = fan();
+    mesh.add({2, 2}, Color<1>::zero());
+    CHECK(fault(mesh) == Fault{"a vertex belongs to no triangle", 5});
+    mesh = fan();
+    mesh.triangles[2][1] = 5;
+    CHECK(fault(mesh) == Fault{"a triangle names a vertex that does not exist", 2});
+    mesh = fan();
+    mesh.triangles[3][1] = mesh.triangles[3][2];
+    CHECK(fault(mesh) == Fault{"a triangle names a vertex twice", 3});
+}
+
+TEST_CASE("a flipped face is found, whether its corners or its neighbors' places were exchanged") {
+    IndexedMesh<1> mesh = fan();
+    std::swap(mesh.triangles[1][0], mesh.triangles[1][1]);
+    CHECK(fault(mesh).first == "an edge is used twice in one direction, first by triangle");
+    mesh = fan();
+    for (Triangle& t : mesh.triangles) std::swap(t[0], t[1]);
+    CHECK(fault(mesh) == Fault{"a face is flipped or has no area", 0});
+    mesh = fan();
+    mesh.positions[4] = {9, 3};  // beyond the side of face 1
+    CHECK(fault(mesh) == Fault{"a face is flipped or has no area", 1});
+    mesh.positions[4] = {8, 3};  // on it
+    CHECK(fault(mesh) == Fault{"a face is flipped or has no area", 1});
+}
+
+TEST_CASE("a vertex off the grid is found") {
+    IndexedMesh<1> mesh = fan();
+    mesh.positions[4] = {4, 3 + 1.0 / 512};
+    CHECK(fault(mesh) == Fault{"a vertex is off the grid", 4});
+    mesh.positions[4] = {4, 3 + 1.0 / 256};
+    CHECK(check(mesh));
+    mesh.positions[4] = {4, -1};
+    CHECK_FALSE(check(mesh));
+}
+
+TEST_CASE("a T-junction is found, though all faces are right and their areas add up") {
+    // Vertex 4 is on the diagonal, a side of face 2 but no corner of it.
+    const IndexedMesh<1> corners = whole(8, 8, {{0, 0}, {8, 0}, {8, 8}, {0, 8}, {4, 4}}, {{0, 1, 4}, {1, 2, 4}, {0, 2, 3}});
+    CHECK(fault(corners) == Fault{"two fans of triangles meet in one vertex", 0});
+    // A face around the middle of a grid is cut in two, its neighbour is not.
+    const auto grid = hmesh_test::jittered_grid(24, 24, 3, 3, 1, 0);
+    const std::vector<std::uint32_t> middle = {5, 6, 9, 10};
+    int cuts = 0;
+    for (std::size_t t = 0; t < grid.triangles.size(); ++t)
+        for (std::size_t k = 0; k < 3; ++k) {
+            IndexedMesh<1> mesh = whole(24, 24, grid.positions, grid.triangles);
+            const Triangle face = mesh.triangles[t];
+            const std::uint32_t a = face[k], b = face[(k + 1) % 3], c = face[(k + 2) % 3];
+            if (std::count(middle.begin(), middle.end(), a) == 0 || std::count(middle.begin(), middle.end(), b) == 0) continue;
+            mesh.add(midpoint(mesh.positions[a], mesh.positions[b]), Color<1>::zero());
+            mesh.triangles[t] = {a, 16, c};
+            mesh.triangles.push_back({16, b, c});
+            CHECK(fault(mesh).first == "an edge inside the image has one face only");
+            ++cuts;
+        }
+    CHECK(cuts == 10);  // five edges, each from both sides
+}
+
+TEST_CASE("a hole is found, also where an overlap makes up for its area") {
+    const auto grid = hmesh_test::jittered_grid(20, 20, 4, 4, 1, 0);
+    // Face 10 has no corner on the border.
+    IndexedMesh<1> mesh = whole(20, 20, grid.positions, grid.triangles);
+    REQUIRE(check(mesh));
+    const Triangle gone = mesh.triangles[10];
+    mesh.triangles.erase(mesh.triangles.begin() + 10);
+    CHECK(fault(mesh) == Fault{"the faces do not tile the image", 0});
+    // A second layer of the same area elsewhere, with corners of its own.
+    Triangle again{};
+    for (std::size_t k = 0; k < 3; ++k) {
+        again[k] = static_cast<std::uint32_t>(mesh.vertex_count());
+        const Point p = mesh.positions[gone[k]];
+        mesh.add({p.x + 5, p.y + 5}, Color<1>::zero());
+    }
+    mesh.triangles.push_back(again);
+    CHECK(fault(mesh).first == "an edge inside the image has one face only");
+    // A hole as wide as the image: two components.
+    mesh = whole(4, 4, {{0, 0}, {4, 0}, {4, 2}, {0, 2}, {0, 3}, {4, 3}, {4, 4}, {0, 4}},
+                 {{0, 1, 2}, {0, 2, 3}, {4, 5, 6}, {4, 6, 7}});
+    CHECK(fault(mesh) == Fault{"the faces do not tile the image", 0});
+}
+
+TEST_CASE("an overlap is found: a face that comes twice, one of another layer, and folds in which all faces turn right") {
+    IndexedMesh<1> mesh = fan();
+    mesh.triangles.push_back(mesh.triangles[0]);
+    CHECK(fault(mesh).first == "an edge is used twice in one direction, first by triangle");
+    mesh = fan();
+    for (const Point p : {Point{1, 1}, {3, 1}, {2, 2}}) mesh.add(p, Color<1>::zero());
+    mesh.triangles.push_back({5, 6, 7});
+    CHECK(fault(mesh) == Fault{"the faces do not tile the image", 0});
+    // Eight faces twice around vertex 0, which is the middle of an image half as large as their area.
+    mesh = whole(8, 8, {{4, 4}, {0, 0}, {8, 0}, {8, 8}, {0, 8}, {0, 0}, {8, 0}, {8, 8}, {0, 8}},
+                 {{0, 1, 2}, {0, 2, 3}, {0, 3, 4}, {0, 4, 5}, {0, 5, 6}, {0, 6, 7}, {0, 7, 8}, {0, 8, 1}});
+    CHECK(fault(mesh) == Fault{"the faces do not tile the image", 0});
+    // Two fans that meet in a vertex.
+    mesh = whole(8, 6, {{0, 0}, {4, 0}, {0, 3}, {8, 6}, {4, 6}, {8, 3}, {4, 3}}, {{0, 1, 6}, {0, 6, 2}, {3, 4, 6}, {3, 6, 5}});
+    CHECK(fault(mesh) == Fault{"two fans of triangles meet in one vertex", 6});
+}
+
+TEST_CASE("a mesh of an image of another size is found") {
+    IndexedMesh<1> mesh = fan();
+    mesh.width = 9;
+    CHECK(fault(mesh) == Fault{"the faces do not tile the image", 0});
+    mesh = fan();
+    std::swap(mesh.width, mesh.height);  // of the same area
+    CHECK(fault(mesh).first == "an edge inside the image has one face only");
+    mesh = fan();
+    mesh.positions[2] = {8, 7};
+    CHECK_FALSE(check(mesh));
+}
+
+TEST_CASE("no mesh with one triangle too few, too many, turned over or bent to another vertex is accepted") {
+    const IndexedMesh<1> good = make_whole(hmesh_test::scene<std::uint8_t, 1>(24, 20, 2), Shape::worn, 40, 5);
+    REQUIRE(check(good));
+    Random random(1);
+    int accepted = 0;
+    for (std::size_t t = 0; t < good.triangles.size(); ++t)
+        for (int kind = 0; kind < 4; ++kind) {
+            IndexedMesh<1> bad = good;
+            Triangle& triangle = bad.triangles[t];
+            if (kind == 0) bad.triangles.erase(bad.triangles.begin() + static_cast<std::ptrdiff_t>(t));
+            else if (kind == 1) bad.triangles.push_back(good.triangles[random.below(good.triangles.size())]);
+            else if (kind == 2) std::swap(triangle[0], triangle[1 + random.below(2)]);
+            else {
+                const auto other = static_cast<std::uint32_t>(random.below(good.vertex_count()));
+                if (std::count(triangle.begin(), triangle.end(), other) != 0) continue;
+                triangle[random.below(3)] = other;
+            }
+            accepted += check(bad) ? 1 : 0;
+        }
+    CHECK(accepted == 0);
+}
+
+TEST_CASE(
+    "a mesh with a vertex moved by chance is accepted if no face turned over and the border stayed, and then covers "
+    "every point once") {
+    const IndexedMesh<1> good = make_whole(hmesh_test::scene<std::uint8_t, 1>(16, 12, 2), Shape::delaunay, 25, 7);
+    Random random(2);
+    int accepted = 0, refused = 0;
+    for (int k = 0; k < 300; ++k) {
+        IndexedMesh<1> mesh = good;
+        const std::size_t v = random.below(mesh.vertex_count());
+        const Point from = mesh.positions[v];
+        const double reach = 1.0 + static_cast<double>(random.below(8));
+        const auto moved = [&](double x) {
+            const double step = random.below(2) == 0 ? 0 : hmesh::kit::snap(reach * random.uniform()) - hmesh::kit::snap(0.5 * reach);
+            return std::max(0.0, x + step);
+        };
+        const Point to{moved(from.x), moved(from.y)};
+        mesh.positions[v] = to;
+        const bool is_corner = (from.x == 0 || from.x == 16) && (from.y == 0 || from.y == 12);
+        bool valid = is_corner
+                         ? to == from
+                         : ((from.x != 0 && from.x != 16) || to.x == from.x) && ((from.y != 0 && from.y != 12) || to.y == from.y);
+        for (const Triangle& t : mesh.triangles)
+            if (!(hmesh::kit::orient2d(mesh.positions[t[0]], mesh.positions[t[1]], mesh.positions[t[2]]) > 0)) valid = false;
+        REQUIRE(static_cast<bool>(check(mesh)) == valid);
+        ++(valid ? accepted : refused);
+        if (!valid) continue;
+        // Points off the grid that no line through two of its points meets; also outside of the image.
+        int wrong = 0;
+        for (int j = -2; j < 28; ++j)
+            for (int i = -2; i < 36; ++i) {
+                const Point q{0.5 * i + 0.0123456, 0.5 * j + 0.0345678};
+                const bool inside = q.x > 0 && q.x < 16 && q.y > 0 && q.y < 12;
+                wrong += cover(mesh, q) != (inside ? 1 : 0) ? 1 : 0;
+            }
+        REQUIRE(wrong == 0);
+    }
+    CHECK(accepted > 30);
+    CHECK(refused > 30);
+}

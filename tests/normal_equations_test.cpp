@@ -1,0 +1,182 @@
+#include "hmesh/solve/normal_equations.hpp"
+
+#include <doctest/doctest.h>
+
+#include <Eigen/Core>
+#include <Eigen/SparseCore>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <vector>
+
+#include "jittered_mesh.hpp"
+
+namespace {
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+using test::Sample;
+
+// n_p by C: the image as the definition of the normal equations has it, transposed.
+template <class T, int C>
+MatrixXd pixels(const hmesh::Image<T, C>& image) {
+    MatrixXd m(image.width() * image.height(), C);
+    for (int y = 0; y < image.height(); ++y)
+        for (int x = 0; x < image.width(); ++x)
+            for (int k = 0; k < C; ++k) m(y * image.width() + x, k) = hmesh::PixelTraits<T>::to_real(image.pixel(x, y)[k]);
+    return m;
+}
+
+MatrixXd centers(int width, int height) {  // n_p by 2
+    MatrixXd m(width * height, 2);
+    for (int y = 0; y < height; ++y)
+        for (int x = 0; x < width; ++x) m.row(y * width + x) << x + 0.5, y + 0.5;
+    return m;
+}
+
+double largest(const MatrixXd& m) { return m.size() == 0 ? 0 : m.cwiseAbs().maxCoeff(); }
+
+template <class T, int C>
+void check_normal_equations(std::uint64_t seed) {
+    CAPTURE(C);
+    Sample<T, C> s(test::noise<T, C>(47, 34, seed));
+    test::jitter(s.mesh, 6, 5, 150, seed);
+    REQUIRE(s.mesh.topology().vertex_slots() > s.mesh.vertex_count());
+    const Eigen::SparseMatrix<double> k = barycentric_matrix(s.mesh);
+    const MatrixXd gram = MatrixXd(k * k.transpose());
+    const Eigen::SparseMatrix<double> from_moments = gram_matrix(s.mesh);
+    const MatrixXd image = pixels(s.image), expected = k * image, points = k * centers(47, 34);
+    CHECK(largest(MatrixXd(from_moments) - gram) <= 1e-9 * largest(gram));
+    CHECK(largest(image_rhs(s.mesh) - expected) <= 1e-9 * largest(expected));
+    CHECK(largest(position_rhs(s.mesh) - points) <= 1e-9 * largest(points));
+    // The energy that the mesh reports is the error of I(V) K.
+    const double energy = (k.transpose() * color_matrix(s.mesh) - image).squaredNorm();
+    CHECK(std::abs(s.mesh.energy() - energy) <= 1e-9 * energy);
+}
+
+}  // namespace
+
+TEST_CASE("the columns of K are barycentric coordinates: at most 3 entries, none negative, sum 1") {
+    Sample<std::uint8_t, 3> s(test::noise<std::uint8_t, 3>(40, 30, 1));
+    test::jitter(s.mesh, 7, 5, 200, 1);
+    const Eigen::SparseMatrix<double> k = barycentric_matrix(s.mesh);
+    REQUIRE(k.rows() == static_cast<Index>(s.mesh.vertex_count()));
+    REQUIRE(k.cols() == 40 * 30);
+    for (Index p = 0; p < k.cols(); ++p) {
+        int count = 0;
+        double sum = 0, least = 1;
+        Index before = -1;
+        for (Eigen::SparseMatrix<double>::InnerIterator it(k, p); it; ++it, ++count) {
+            CHECK(it.index() > before);
+            before = it.index();
+            sum += it.value();
+            least = std::min(least, it.value());
+        }
+        CHECK(count <= 3);
+        CHECK(std::abs(sum - 1) < 1e-14);
+        CHECK(least > -1e-12);
+    }
+}
+
+TEST_CASE("every pixel is in exactly one face, the one whose moments count it") {
+    Sample<std::uint8_t, 1> s(test::noise<std::uint8_t, 1>(53, 31, 2));
+    // Whole and half pixels put many centres on edges and vertices.
+    const std::vector<double> x = {0, 7.5, 12, 30.5, 41.25, 53}, y = {0, 4.5, 11.5, 20, 31};
+    std::vector<hmesh::kit::Point> points;
+    for (const double b : y)
+        for (const double a : x) points.push_back({a, b});
+    REQUIRE(s.mesh.assign(points, test::grid_triangles(5, 4)));
+    std::vector<int> owners(53 * 31, 0);
+    for (const hmesh::kit::Face f : s.mesh.topology().faces()) {
+        const auto v = s.mesh.topology().vertices(f);
+        const hmesh::kit::Point a = s.mesh.position(v[0]), b = s.mesh.position(v[1]), c = s.mesh.position(v[2]);
+        double count = 0, sum = 0;
+        int row = -1;
+        hmesh::kit::for_each_span(a, c, b, {}, [&](int j, int begin, int end) {
+            CHECK(j > row);
+            CHECK(begin < end);
+            row = j;
+            for (int i = begin; i < end; ++i) {
+                const hmesh::kit::Barycentric w = hmesh::kit::barycentric(a, b, c, {i + 0.5, j + 0.5});
+                CHECK(std::min(w.a, std::min(w.b, w.c)) > -1e-12);
+                ++owners[static_cast<std::size_t>(j * 53 + i)];
+                count += 1;
+                sum += s.image.pixel(i, j)[0];
+            }
+        });
+        hmesh::kit::Moments<1> m;
+        s.mesh.face_moments(f, m);
+        CHECK(m.s[1] == count);
+        CHECK(m.s[0] == sum);
+    }
+    CHECK(std::count(owners.begin(), owners.end(), 1) == 53 * 31);
+}
+
+TEST_CASE("V K is the positions of the pixels") {
+    for (std::uint64_t seed = 1; seed <= 5; ++seed) {
+        Sample<std::uint8_t, 1> s(test::noise<std::uint8_t, 1>(64, 45, seed));
+        test::jitter(s.mesh, 9, 7, 300, seed);
+        const Eigen::SparseMatrix<double> k = barycentric_matrix(s.mesh);
+        CHECK(largest(k.transpose() * position_matrix(s.mesh) - centers(64, 45)) < 1e-9);
+        // Hence K K^T V^T = K P^T: the paper's 2-D solve for positions has no reason to move.
+        const MatrixXd residual = gram_matrix(s.mesh) * position_matrix(s.mesh) - position_rhs(s.mesh);
+        CHECK(largest(residual) <= 1e-9 * largest(position_rhs(s.mesh)));
+    }
+}
+
+TEST_CASE("K K^T, K I^T and K P^T from moments are those of K itself, for 8-bit images") {
+    check_normal_equations<std::uint8_t, 1>(11);
+    check_normal_equations<std::uint8_t, 3>(12);
+    check_normal_equations<std::uint8_t, 5>(13);
+}
+TEST_CASE("K K^T, K I^T and K P^T from moments are those of K itself, for 16-bit images") {
+    check_normal_equations<std::uint16_t, 1>(14);
+    check_normal_equations<std::uint16_t, 3>(15);
+    check_normal_equations<std::uint16_t, 5>(16);
+}
+TEST_CASE("K K^T, K I^T and K P^T from moments are those of K itself, for float images") {
+    check_normal_equations<float, 1>(17);
+    check_normal_equations<float, 3>(18);
+    check_normal_equations<float, 5>(19);
+}
+
+TEST_CASE("slivers and faces without pixels lose nothing: each entry of K K^T is as exact as its pixels") {
+    // One vertex 1/256 px off the diagonal of a large square far from the origin.
+    Sample<std::uint8_t, 1> s(test::noise<std::uint8_t, 1>(600, 500, 3));
+    REQUIRE(s.mesh.assign({{0, 0}, {600, 0}, {600, 500}, {0, 500}, {300.0 + 1.0 / 256, 250}},
+                          {{0, 1, 4}, {1, 2, 4}, {2, 0, 4}, {0, 2, 3}}));
+    const Eigen::SparseMatrix<double> k = barycentric_matrix(s.mesh);
+    const MatrixXd expected = MatrixXd(k * k.transpose()), actual = MatrixXd(gram_matrix(s.mesh));
+    for (Index i = 0; i < 5; ++i)
+        for (Index j = 0; j < 5; ++j) CHECK(std::abs(actual(i, j) - expected(i, j)) <= 1e-9 * (std::abs(expected(i, j)) + 1e-3));
+}
+
+TEST_CASE("K K^T is symmetric to the bit and has an entry for each vertex and for each edge either way") {
+    Sample<float, 3> s(test::noise<float, 3>(40, 30, 4));
+    test::jitter(s.mesh, 7, 5, 200, 4);
+    const Eigen::SparseMatrix<double> gram = gram_matrix(s.mesh);
+    CHECK(gram.nonZeros() == static_cast<Index>(s.mesh.vertex_count() + 2 * s.mesh.topology().edge_count()));
+    CHECK(gram.isCompressed());
+    CHECK(largest(MatrixXd(gram) - MatrixXd(gram).transpose()) == 0);
+    double sum = 0;
+    for (Index i = 0; i < gram.outerSize(); ++i) {
+        Index before = -1;
+        for (Eigen::SparseMatrix<double>::InnerIterator it(gram, i); it; ++it) {
+            CHECK(it.index() > before);
+            before = it.index();
+            sum += it.value();
+        }
+    }
+    CHECK(std::abs(sum - 40 * 30) < 1e-9);  // the hat functions sum to 1 at each pixel
+}
+
+TEST_CASE("any executor gives the same bits of K and of the normal equations") {
+    Sample<float, 3> s(test::noise<float, 3>(120, 90, 5));
+    test::jitter(s.mesh, 40, 30, 300, 5);
+    const test::BackwardFor backward;
+    CHECK(largest(MatrixXd(barycentric_matrix(s.mesh, backward) - barycentric_matrix(s.mesh))) == 0);
+    CHECK(largest(MatrixXd(gram_matrix(s.mesh, backward) - gram_matrix(s.mesh))) == 0);
+    CHECK(largest(image_rhs(s.mesh, backward) - image_rhs(s.mesh)) == 0);
+    CHECK(largest(position_rhs(s.mesh, backward) - position_rhs(s.mesh)) == 0);
+}

@@ -1,0 +1,199 @@
+#include "hmesh/solve/sampled_colors.hpp"
+
+#include <doctest/doctest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+#include <vector>
+
+#include "hmesh/core/random.hpp"
+#include "hmesh/tiles/tiling.hpp"
+#include "test_executors.hpp"
+#include "test_images.hpp"
+#include "test_meshes.hpp"
+#include "test_patchworks.hpp"
+#include "test_wholes.hpp"
+
+using hmesh::kit::Color;
+using hmesh::Image;
+using hmesh::kit::ImageSource;
+using hmesh::kit::Point;
+using hmesh::kit::sampled_color;
+using hmesh::kit::Tiling;
+using hmesh::kit::Vertex;
+using hmesh::kit::IndexedMesh;
+using hmesh_test::Subject;
+
+namespace {
+
+// The bilinear colour as a sum over all pixels of the image, each with the product of two hat functions around its centre;
+// beyond the outermost centres that of the nearest place among them.
+template <class T, int C>
+double naive_sample(const Image<T, C>& image, Point p, int c) {
+    const double x = std::clamp(p.x, 0.5, image.width() - 0.5), y = std::clamp(p.y, 0.5, image.height() - 0.5);
+    double sum = 0;
+    for (int j = 0; j < image.height(); ++j)
+        for (int i = 0; i < image.width(); ++i)
+            sum += std::max(0.0, 1 - std::abs(x - i - 0.5)) * std::max(0.0, 1 - std::abs(y - j - 0.5)) *
+                   static_cast<double>(image.pixel(i, j)[c]);
+    return sum;
+}
+
+template <class T, int C>
+Color<C> sample_source(const ImageSource<C>& source, Point p) {
+    return sampled_color<C>(source.width(), source.height(), p, [&](int x, int y) { return source.pixel(x, y); });
+}
+
+// Samples of integers are exact in tables, those of floats are differences of sums.
+template <class T>
+double table_rounding(int width) {
+    return hmesh::PixelTraits<T>::is_integer ? 0 : 1e-15 * width;
+}
+
+template <class T, int C>
+void check_samples(const Image<T, C>& image) {
+    const int width = image.width(), height = image.height();
+    const ImageSource<C> source(image.view());
+    const hmesh::kit::MomentTable<C> table(image.view(), image.view().bounds());
+    const double peak = hmesh::PixelTraits<T>::peak, slack = table_rounding<T>(width);
+    const auto check_at = [&](Point p, double rounding) {
+        const Color<C> got = sample_source<T, C>(source, p), from_table = sampled_color(table, p);
+        for (int c = 0; c < hmesh::kit::lanes_for(C + 1); ++c) {
+            const double expected = c < C ? naive_sample(image, p, c) : 0;
+            REQUIRE(std::abs(got[c] - expected) <= rounding);
+            REQUIRE(std::abs(from_table[c] - got[c]) <= slack);
+        }
+    };
+    for (int y = 0; y < height; ++y)
+        for (int x = 0; x < width; ++x) check_at({x + 0.5, y + 0.5}, 0);
+    // Corners, and sides where a pixel's centre is straight in from them.
+    for (const double y : {0.0, static_cast<double>(height)}) {
+        for (const double x : {0.0, static_cast<double>(width)}) check_at({x, y}, 0);
+        for (int x = 0; x < width; ++x) check_at({x + 0.5, y}, 0);
+    }
+    for (const double x : {0.0, static_cast<double>(width)})
+        for (int y = 0; y < height; ++y) check_at({x, y + 0.5}, 0);
+    hmesh::kit::Random random(1);
+    for (int k = 0; k < 200; ++k) {
+        const Point p{width * random.uniform(), height * random.uniform()};
+        check_at(p, 1e-14 * peak);
+        check_at({p.x, std::floor(p.y) + 0.5}, 1e-14 * peak);
+        check_at({std::floor(p.x) + 0.5, p.y}, 1e-14 * peak);
+        check_at({p.x, 0}, 1e-14 * peak);
+        check_at({width * 1.0, p.y}, 1e-14 * peak);
+    }
+}
+
+template <class T, int C>
+void check_mesh(const Image<T, C>& image, std::uint64_t seed) {
+    Subject<T, C> subject(image, hmesh_test::jittered_grid(image.width(), image.height(), 6, 5, seed));
+    hmesh_test::wear(subject.mesh, 60, hmesh::PixelTraits<T>::peak, seed);
+    const auto before = hmesh_test::snapshot(subject.mesh);
+    hmesh::kit::sample_colors(subject.mesh);
+    CHECK_FALSE(hmesh_test::snapshot(subject.mesh) == before);
+    hmesh_test::prove(subject);
+    for (const Vertex v : subject.mesh.topology().vertices())
+        for (int c = 0; c < hmesh::kit::lanes_for(C + 1); ++c)
+            REQUIRE(std::abs(subject.mesh.color(v)[c] - (c < C ? naive_sample(image, subject.mesh.position(v), c) : 0)) <=
+                    1e-13 * hmesh::PixelTraits<T>::peak);
+    const auto serial = hmesh_test::snapshot(subject.mesh);
+    hmesh::kit::sample_colors(subject.mesh, hmesh_test::ThreadFor{3});
+    CHECK(hmesh_test::snapshot(subject.mesh) == serial);
+}
+
+// For a mesh of one tile and of several, with colours as they are and in steps of `grid`.
+template <class T, int C>
+void check_patchwork(const Image<T, C>& image, hmesh_test::Shape shape, double grid) {
+    const int width = image.width(), height = image.height();
+    const IndexedMesh<C> start = hmesh_test::make_whole(image, shape, 120, 1);
+    for (const double tile : {1000.0, 25.0, 9.0}) {
+        hmesh_test::Work<T, C> work(image);
+        const hmesh_test::ThreadFor two{2};
+        hmesh_test::Work<T, C> threads(image, {}, {}, two);
+        work.patchwork.indexed() = threads.patchwork.indexed() = start;
+        const Tiling tiling(width, height, tile, true, false);
+        hmesh::kit::sample_colors(work.patchwork, tiling, grid);
+        hmesh_test::prove(work);  // its energy among others
+        const IndexedMesh<C>& whole = work.indexed();
+        CHECK(whole.positions == start.positions);
+        CHECK(whole.triangles == start.triangles);
+        for (std::size_t v = 0; v < whole.vertex_count(); ++v)
+            for (int c = 0; c < C; ++c) {
+                const double color = whole.colors[v][c], exact = naive_sample(image, whole.positions[v], c);
+                if (grid > 0) REQUIRE(color == grid * std::round(color / grid));
+                REQUIRE(std::abs(color - exact) <= 0.5 * grid + 1e-13 * hmesh::PixelTraits<T>::peak);
+            }
+        hmesh::kit::sample_colors(threads.patchwork, tiling, grid);
+        CHECK(hmesh_test::same_bits(threads.indexed(), whole));
+    }
+}
+
+}  // namespace
+
+TEST_CASE("a sample is the pixel at its center, bilinear in between, and the nearest beyond the outermost centres") {
+    check_samples(hmesh_test::noise<std::uint8_t, 1>(9, 7, 1));
+    check_samples(hmesh_test::noise<std::uint8_t, 3>(12, 8, 2));
+    check_samples(hmesh_test::noise<std::uint16_t, 2>(7, 9, 3));
+    check_samples(hmesh_test::noise<float, 4>(8, 6, 4));
+    check_samples(hmesh_test::noise<std::uint8_t, 3>(1, 1, 5));
+    check_samples(hmesh_test::noise<std::uint8_t, 2>(1, 9, 6));
+    check_samples(hmesh_test::noise<float, 1>(9, 1, 7));
+    check_samples(hmesh_test::noise<std::uint16_t, 16>(2, 2, 8));
+}
+
+TEST_CASE("samples of a linear picture are its values, as far in as the outermost centres") {
+    Image<float, 1> image(16, 11);
+    for (int y = 0; y < 11; ++y)
+        for (int x = 0; x < 16; ++x) *image.pixel(x, y) = static_cast<float>(3 * x - 2 * y + 40);
+    const ImageSource<1> source(image.view());
+    hmesh::kit::Random random(2);
+    for (int k = 0; k < 300; ++k) {
+        const Point p{0.5 + 15 * random.uniform(), 0.5 + 10 * random.uniform()};
+        CHECK(sample_source<float, 1>(source, p)[0] == doctest::Approx(3 * (p.x - 0.5) - 2 * (p.y - 0.5) + 40).epsilon(1e-12));
+    }
+}
+
+TEST_CASE("samples of the largest floats are finite and between those around them") {
+    hmesh::kit::Random random(3);
+    Image<float, 1> image(6, 5);
+    const float most = std::numeric_limits<float>::max();
+    for (float& sample : image.samples()) sample = random.below(2) == 0 ? most : -most;
+    const ImageSource<1> source(image.view());
+    for (int k = 0; k < 300; ++k) {
+        const double value = sample_source<float, 1>(source, {6 * random.uniform(), 5 * random.uniform()})[0];
+        REQUIRE(std::abs(value) <= static_cast<double>(most));
+    }
+}
+
+TEST_CASE("a mesh with sampled colours has the energy of its pixels, and knows it") {
+    check_mesh(hmesh_test::scene<std::uint8_t, 3>(31, 26, 1), 1);
+    check_mesh(hmesh_test::noise<std::uint16_t, 1>(30, 28, 2), 2);
+    check_mesh(hmesh_test::scene<float, 4>(26, 30, 3), 3);
+    check_mesh(hmesh_test::checkerboard<std::uint8_t, 2>(28, 24, 5), 4);
+}
+
+TEST_CASE("sampled over an image with weights, colours are those of the samples, whatever their weights") {
+    const auto image = hmesh_test::noise<std::uint8_t, 3>(31, 26, 1);
+    const Image<float, 1> weights = hmesh_test::random_weights(31, 26, 2);
+    const hmesh::kit::MomentTable<3> table(image.view(), weights.view(), hmesh::kit::weight_unit(weights.view()), image.view().bounds());
+    hmesh::kit::ImageMesh<3> mesh(table, 0, 255);
+    const auto grid = hmesh_test::jittered_grid(31, 26, 6, 5, 1);
+    REQUIRE(mesh.assign(grid.positions, grid.triangles));
+    hmesh::kit::sample_colors(mesh);
+    const hmesh::Status status = mesh.check();
+    CHECK_MESSAGE(status, status.what);
+    for (const Vertex v : mesh.topology().vertices())
+        for (int c = 0; c < 3; ++c)
+            CHECK(mesh.color(v)[c] == doctest::Approx(naive_sample(image, mesh.position(v), c)).epsilon(1e-12));
+}
+
+TEST_CASE("a mesh in patches has sampled colours in steps of the grid, and the energy of its pixels, however it is cut") {
+    check_patchwork(hmesh_test::scene<std::uint8_t, 3>(60, 45, 1), hmesh_test::Shape::worn, 1);
+    check_patchwork(hmesh_test::scene<std::uint8_t, 1>(60, 45, 2), hmesh_test::Shape::delaunay, 0);
+    check_patchwork(hmesh_test::noise<std::uint16_t, 2>(40, 45, 3), hmesh_test::Shape::slivers, 16);
+    check_patchwork(hmesh_test::scene<float, 4>(50, 30, 4), hmesh_test::Shape::scattered, 0);
+    check_patchwork(hmesh_test::scene<float, 1>(50, 30, 5), hmesh_test::Shape::grid, 1.0 / 64);
+}

@@ -1,0 +1,582 @@
+#include "hmesh/tiles/tiled_mesh.hpp"
+
+#include <doctest/doctest.h>
+
+#include <algorithm>
+#include <array>
+#include <atomic>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <map>
+#include <set>
+#include <thread>
+#include <utility>
+#include <vector>
+
+#include "hmesh/core/random.hpp"
+#include "hmesh/methods/annealed/annealing.hpp"
+#include "hmesh/edit/collapse.hpp"
+#include "hmesh/edit/flip.hpp"
+#include "hmesh/edit/insert.hpp"
+#include "hmesh/edit/move.hpp"
+#include "test_executors.hpp"
+#include "test_images.hpp"
+#include "test_meshes.hpp"
+#include "test_wholes.hpp"
+
+using hmesh::Image;
+using hmesh::kit::ImageMesh;
+using hmesh::kit::ImageSource;
+using hmesh::kit::Mobility;
+using hmesh::kit::ProgressReporter;
+using hmesh::ParallelFor;
+using hmesh::kit::Patch;
+using hmesh::kit::TiledMesh;
+using hmesh::kit::Point;
+using hmesh::kit::Random;
+using hmesh::ProgressInfo;
+using hmesh::kit::Tiling;
+using hmesh::kit::Triangle;
+using hmesh::kit::Vertex;
+using hmesh::kit::IndexedMesh;
+using hmesh::kit::detail::Cut;
+using hmesh_test::Corner;
+using hmesh_test::corner_of;
+using hmesh_test::make_whole;
+using hmesh_test::same_bytes;
+using hmesh_test::Shape;
+
+namespace {
+
+ProgressReporter silent() { return ProgressReporter({}, 1, 255); }
+
+// --- work ---
+
+enum class Kind { sweep, flip, insert, remove, anneal, chaos };
+inline constexpr std::size_t kinds = 6;
+
+// One phase: how it is cut and what is done, which depends on the tile alone and not on when its turn comes.
+struct Phase {
+    std::uint64_t number = 0;
+    double tile = 16;
+    bool shift_x = false, shift_y = false;
+    bool mixed = false;  // another kind of work in each tile
+    Kind kind = Kind::sweep;
+    double price = 0;
+    double range = 255;
+
+    [[nodiscard]] Tiling tiling(int width, int height) const { return {width, height, tile, shift_x, shift_y}; }
+
+    template <int C>
+    void operator()(Patch<C>& patch, std::size_t tile_number) const {
+        Random random(number, tile_number);
+        ImageMesh<C>& mesh = patch.mesh();
+        const std::size_t count = mesh.vertex_count();
+        switch (mixed ? static_cast<Kind>(random.below(kinds)) : kind) {
+            case Kind::sweep: hmesh::kit::sweep(mesh); return;
+            case Kind::flip: hmesh::kit::flip_edges(mesh); return;
+            case Kind::insert: hmesh::kit::insert_batch(mesh, 1 + random.below(count / 3 + 1), {true, true, 0}); return;
+            case Kind::remove: hmesh::kit::remove_batch(mesh, 1 + random.below(count / 3 + 1), {}); return;
+            case Kind::anneal: {
+                const double least = 0.7 * static_cast<double>(count), most = 1.3 * static_cast<double>(count);
+                hmesh::kit::AnnealingSweep<C>(mesh, {}, price, 0.4 * price, {least, most}, random).run();
+                return;
+            }
+            default:
+                for (std::size_t k = 0; k < count; ++k) hmesh_test::random_free_edit(mesh, range, random);
+        }
+    }
+};
+
+// Phases in tilings of all sizes, one tile at times; the price is that of the mesh at their beginning.
+std::vector<Phase> phases(std::size_t count, double price, double range, std::uint64_t seed) {
+    Random random(seed);
+    std::vector<Phase> out;
+    for (std::size_t k = 0; k < count; ++k) {
+        constexpr double sizes[] = {3, 7, 12, 20, 33, 50, 1000};
+        Phase phase;
+        phase.number = 1000 * seed + k;
+        phase.tile = sizes[random.below(7)];
+        phase.shift_x = random.below(2) == 0;
+        phase.shift_y = random.below(2) == 0;
+        phase.mixed = random.below(3) == 0;
+        phase.kind = static_cast<Kind>(k % kinds);
+        phase.price = price;
+        phase.range = range;
+        out.push_back(phase);
+    }
+    return out;
+}
+
+// --- what may not change ---
+
+using Side = std::array<double, 4>;
+
+// Vertices whose triangles are in several tiles, and sides between triangles of two tiles, from the geometry.
+template <int C>
+struct Rim {
+    std::set<Corner<C>> vertices;
+    std::set<Side> sides;
+};
+
+template <int C>
+Side side_of(const IndexedMesh<C>& whole, std::uint32_t a, std::uint32_t b) {
+    Point p = whole.positions[a], q = whole.positions[b];
+    if (std::pair{q.x, q.y} < std::pair{p.x, p.y}) std::swap(p, q);
+    return {p.x, p.y, q.x, q.y};
+}
+
+template <int C>
+Rim<C> rim_of(const IndexedMesh<C>& whole, const Tiling& tiling) {
+    std::vector<std::set<std::size_t>> around(whole.vertex_count());
+    std::map<Side, std::set<std::size_t>> beside;
+    for (const Triangle& t : whole.triangles) {
+        const Point a = whole.positions[t[0]], b = whole.positions[t[1]], c = whole.positions[t[2]];
+        const std::size_t tile = tiling.tile_at({(a.x + b.x + c.x) / 3, (a.y + b.y + c.y) / 3});
+        for (std::size_t k = 0; k < 3; ++k) {
+            around[t[k]].insert(tile);
+            beside[side_of(whole, t[k], t[(k + 1) % 3])].insert(tile);
+        }
+    }
+    Rim<C> rim;
+    for (std::size_t v = 0; v < whole.vertex_count(); ++v)
+        if (around[v].size() > 1) rim.vertices.insert(corner_of(whole, v));
+    for (const auto& [side, tiles] : beside)
+        if (tiles.size() > 1) rim.sides.insert(side);
+    return rim;
+}
+
+template <int C>
+void prove_rim(const IndexedMesh<C>& after, const Rim<C>& rim) {
+    std::set<Corner<C>> vertices;
+    std::set<Side> sides;
+    for (std::size_t v = 0; v < after.vertex_count(); ++v) vertices.insert(corner_of(after, v));
+    for (const Triangle& t : after.triangles)
+        for (std::size_t k = 0; k < 3; ++k) sides.insert(side_of(after, t[k], t[(k + 1) % 3]));
+    REQUIRE(std::includes(vertices.begin(), vertices.end(), rim.vertices.begin(), rim.vertices.end()));
+    REQUIRE(std::includes(sides.begin(), sides.end(), rim.sides.begin(), rim.sides.end()));
+}
+
+template <int C>
+int valence_limit(const IndexedMesh<C>& whole) {
+    std::vector<std::set<std::uint32_t>> around(whole.vertex_count());
+    for (const Triangle& t : whole.triangles)
+        for (std::size_t k = 0; k < 3; ++k) {
+            around[t[k]].insert(t[(k + 1) % 3]);
+            around[t[k]].insert(t[(k + 2) % 3]);
+        }
+    std::size_t most = 0;
+    for (const auto& neighbors : around) most = std::max(most, neighbors.size());
+    return static_cast<int>(most);
+}
+
+// The whole is a mesh, and its energy that of a mesh of one piece.
+template <class T, int C>
+void prove_whole(const Image<T, C>& image, const IndexedMesh<C>& whole) {
+    hmesh_test::prove(whole);
+    REQUIRE(valence_limit(whole) <= hmesh::kit::max_valence);
+    REQUIRE(std::abs(whole.energy - hmesh_test::fresh_energy(image, whole)) <= 1e-9 * whole.energy);
+}
+
+template <class T, int C>
+void work_through(const Image<T, C>& image, IndexedMesh<C> start, std::size_t count, std::uint64_t seed) {
+    const ImageSource<C> source(image.view());
+    ProgressReporter monitor = silent();
+    TiledMesh<C> work(source, {}, monitor);
+    work.indexed() = std::move(start);
+    std::size_t changed = 0, border_splits = 0;
+    for (const Phase& phase : phases(count, 0.4 * work.indexed().mean_energy(), hmesh::PixelTraits<T>::peak, seed)) {
+        const Tiling tiling = phase.tiling(image.width(), image.height());
+        const IndexedMesh<C> before = work.indexed();
+        const Rim<C> rim = rim_of(before, tiling);
+        REQUIRE(work.for_each(tiling, phase));
+        prove_whole(image, work.indexed());
+        prove_rim(work.indexed(), rim);
+        changed += same_bytes(before, work.indexed()) ? 0 : 1;
+        const auto on_border = [&](const IndexedMesh<C>& whole) {
+            return std::count_if(whole.positions.begin(), whole.positions.end(),
+                                 [&](Point p) { return p.x == 0 || p.y == 0 || p.x == whole.width || p.y == whole.height; });
+        };
+        border_splits += on_border(work.indexed()) > on_border(before) ? 1 : 0;
+    }
+    CHECK(changed > count / 2);
+    CHECK(border_splits > 0);
+}
+
+// Every phase in turn, on an executor.
+template <class T, int C>
+std::vector<IndexedMesh<C>> history(const Image<T, C>& image, const IndexedMesh<C>& start, std::size_t count,
+                                  const ParallelFor& parallel_for) {
+    const ImageSource<C> source(image.view());
+    ProgressReporter monitor = silent();
+    TiledMesh<C> work(source, {}, monitor, parallel_for);
+    work.indexed() = start;
+    std::vector<IndexedMesh<C>> out;
+    for (const Phase& phase : phases(count, 0.4 * start.mean_energy(), hmesh::PixelTraits<T>::peak, 7)) {
+        REQUIRE(work.for_each(phase.tiling(image.width(), image.height()), phase));
+        out.push_back(work.indexed());
+    }
+    return out;
+}
+
+// A progress callback that stops the work when it is called for the k-th time; never, if k is 0.
+struct StopAt {
+    std::size_t k = 0, calls = 0;
+    double last_fraction = -1;
+    [[nodiscard]] hmesh::Progress progress() {
+        return {[](void* user, const ProgressInfo& info) {
+                    auto& self = *static_cast<StopAt*>(user);
+                    self.last_fraction = info.fraction;
+                    return ++self.calls != self.k;
+                },
+                this};
+    }
+};
+
+}  // namespace
+
+TEST_CASE("work that does nothing keeps every triangle, colour and mark of what is due, and finds the energy") {
+    std::uint64_t seed = 0;
+    ProgressReporter monitor = silent();
+    for (const Shape shape : hmesh_test::all_shapes) {
+        const auto image = hmesh_test::scene<std::uint8_t, 3>(70, 53, 1 + seed);
+        const ImageSource<3> source(image.view());
+        const IndexedMesh<3> start = make_whole(image, shape, 130, ++seed);
+        const auto expected = hmesh_test::describe(start);
+        TiledMesh<3> work(source, {}, monitor);
+        work.indexed() = start;
+        work.indexed().energy = 0;
+        for (const double tile : {1.0, 3.0, 8.0, 21.0, 40.0, 1000.0})
+            for (int shift = 0; shift < 4; ++shift) {
+                const Tiling tiling(70, 53, tile, (shift & 1) != 0, (shift & 2) != 0);
+                std::vector<int> visits(tiling.size(), 0);
+                REQUIRE(work.for_each(tiling, [&](Patch<3>&, std::size_t k) { ++visits[k]; }));
+                // Each tile with triangles had its turn.
+                std::vector<int> expected_visits(tiling.size(), 0);
+                for (const Triangle& t : start.triangles) {
+                    const Point a = start.positions[t[0]], b = start.positions[t[1]], c = start.positions[t[2]];
+                    expected_visits[tiling.tile_at({(a.x + b.x + c.x) / 3, (a.y + b.y + c.y) / 3})] = 1;
+                }
+                REQUIRE(visits == expected_visits);
+                REQUIRE(hmesh_test::describe(work.indexed()) == expected);
+                REQUIRE(std::abs(work.indexed().energy - start.energy) <= 1e-9 * start.energy);
+                hmesh_test::prove(work.indexed());
+            }
+    }
+}
+
+TEST_CASE("after every phase of work the whole is a mesh with its true energy, and what was frozen is where it was") {
+    const auto bytes = hmesh_test::scene<std::uint8_t, 3>(100, 70, 1);
+    work_through(bytes, make_whole(bytes, Shape::worn, 220, 1), 36, 1);
+    const auto grey = hmesh_test::scene<std::uint8_t, 1>(60, 90, 2);
+    work_through(grey, make_whole(grey, Shape::delaunay, 150, 2), 36, 2);
+    const auto noise = hmesh_test::noise<std::uint16_t, 2>(50, 40, 3);
+    work_through(noise, make_whole(noise, Shape::scattered, 120, 3), 36, 3);
+    const auto floats = hmesh_test::scene<float, 4>(64, 40, 4);
+    work_through(floats, make_whole(floats, Shape::slivers, 80, 4), 24, 4);
+    work_through(floats, make_whole(floats, hmesh_test::island(), 5), 24, 5);
+}
+
+TEST_CASE("a mesh of an image of one row or one column stays one through all phases") {
+    for (const auto& [width, height] : {std::pair{1, 60}, {75, 1}, {2, 40}}) {
+        const auto image = hmesh_test::noise<std::uint8_t, 3>(width, height, 5);
+        work_through(image, make_whole(image, Shape::grid, 30, 1), 18, 6);
+    }
+}
+
+TEST_CASE("a hub with as many spokes as may be gets no more, though its spokes are in the patches of many tiles") {
+    const auto image = hmesh_test::noise<std::uint8_t, 1>(64, 64, 6);
+    work_through(image, make_whole(image, hmesh_test::wheel(64, 36), 1), 30, 7);
+    work_through(image, make_whole(image, hmesh_test::wheel(64, 24), 1), 30, 8);
+}
+
+TEST_CASE("patches that give a vertex which they share all the edges they may leave it with as many as a vertex may have") {
+    const auto image = hmesh_test::scene<std::uint8_t, 1>(96, 96, 6);
+    const ImageSource<1> source(image.view());
+    for (const int spokes : {12, 36})
+        for (const double tile : {24.0, 48.0}) {
+            ProgressReporter monitor = silent();
+            TiledMesh<1> work(source, {}, monitor);
+            work.indexed() = make_whole(image, hmesh_test::wheel(96, spokes), 1);
+            for (int phase = 0; phase < 2; ++phase) {
+                const Tiling tiling(96, 96, tile, phase % 2 != 0, phase % 2 != 0);
+                const Rim<1> rim = rim_of(work.indexed(), tiling);
+                work.for_each(tiling, [](Patch<1>& patch, std::size_t) {
+                    ImageMesh<1>& mesh = patch.mesh();
+                    hmesh::kit::RingScratch<1> ring;
+                    for (bool inserted = true; inserted;) {
+                        inserted = false;
+                        std::vector<hmesh::kit::Face> faces;
+                        for (const hmesh::kit::Face f : mesh.topology().faces()) faces.push_back(f);
+                        for (const hmesh::kit::Face f : faces) {
+                            const auto v = mesh.topology().vertices(f);
+                            const bool is_shared = std::any_of(v.begin(), v.end(), [&](Vertex u) {
+                                return mesh.vertex(u).mobility == Mobility::locked && mesh.can_gain_edge(u);
+                            });
+                            const auto candidate = hmesh::kit::face_candidate(mesh, ring, f, false);
+                            if (!is_shared || !candidate.fits || !hmesh::kit::can_gain_edge(mesh, candidate)) continue;
+                            hmesh::kit::insert(mesh, candidate);
+                            inserted = true;
+                        }
+                    }
+                });
+                prove_rim(work.indexed(), rim);
+                prove_whole(image, work.indexed());
+            }
+            CHECK(valence_limit(work.indexed()) > 30);
+        }
+}
+
+TEST_CASE("the mesh is the same to the last byte on executors of any order and on any number of threads") {
+    const auto image = hmesh_test::scene<std::uint8_t, 3>(110, 80, 8);
+    const IndexedMesh<3> start = make_whole(image, Shape::delaunay, 260, 8);
+    const std::size_t count = 12;
+    const auto expected = history(image, start, count, {});
+    const auto prove_same = [&](const std::vector<IndexedMesh<3>>& other) {
+        REQUIRE(other.size() == expected.size());
+        for (std::size_t k = 0; k < count; ++k) REQUIRE(same_bytes(other[k], expected[k]));
+    };
+    prove_same(history(image, start, count, hmesh_test::ReverseFor{}));
+    prove_same(history(image, start, count, hmesh_test::ShuffledFor{3}));
+    prove_same(history(image, start, count, hmesh_test::ThreadFor{2}));
+    prove_same(history(image, start, count, hmesh_test::ThreadFor{7}));
+    for (std::size_t k = 1; k < count; ++k) CHECK_FALSE(same_bytes(expected[k], expected[k - 1]));
+}
+
+TEST_CASE("a phase depends on the mesh it begins with and on nothing that was before") {
+    const auto image = hmesh_test::scene<std::uint8_t, 1>(70, 60, 9);
+    const ImageSource<1> source(image.view());
+    ProgressReporter monitor = silent(), another = silent();
+    TiledMesh<1> work(source, {}, monitor);
+    work.indexed() = make_whole(image, Shape::worn, 160, 9);
+    std::vector<Phase> all = phases(18, 0.4 * work.indexed().mean_energy(), 255, 9);
+    // Also one tile before and after others: its table is kept in between.
+    for (const std::size_t k : {1U, 2U, 4U, 9U, 17U}) all[k].tile = 1000;
+    for (const Phase& phase : all) {
+        TiledMesh<1> fresh(source, {}, another);
+        fresh.indexed() = work.indexed();
+        const Tiling tiling = phase.tiling(70, 60);
+        REQUIRE(work.for_each(tiling, phase));
+        REQUIRE(fresh.for_each(tiling, phase));
+        REQUIRE(same_bytes(work.indexed(), fresh.indexed()));
+    }
+}
+
+TEST_CASE("what a patch makes due is due in the whole, its frozen vertices too") {
+    const auto image = hmesh_test::scene<std::uint8_t, 1>(40, 40, 10);
+    const ImageSource<1> source(image.view());
+    ProgressReporter monitor = silent();
+    TiledMesh<1> work(source, {}, monitor);
+    work.indexed() = make_whole(image, Shape::grid, 100, 10);
+    std::fill(work.indexed().dirty.begin(), work.indexed().dirty.end(), static_cast<unsigned char>(0));
+    const Tiling tiling(40, 40, 20);
+    work.for_each(tiling, [&](Patch<1>& patch, std::size_t tile) {
+        if (tile != 3) return;  // the last, at (20, 20) or a little less
+        for (const Vertex v : patch.mesh().topology().vertices()) patch.mesh().set_dirty(v, true);
+    });
+    const Cut cut = hmesh::kit::detail::cut(work.indexed(), tiling);
+    std::vector<unsigned char> expected(work.indexed().vertex_count(), 0);
+    for (std::size_t k = cut.first[3]; k < cut.first[4]; ++k)
+        for (const std::uint32_t v : work.indexed().triangles[cut.triangles[k]]) expected[v] = 1;
+    CHECK(work.indexed().dirty == expected);
+    // Sweeps of the others leave it so: frozen vertices are due for another patch.
+    work.for_each(tiling, [&](Patch<1>& patch, std::size_t tile) {
+        if (tile != 3) hmesh::kit::sweep(patch.mesh());
+    });
+    const auto still = std::count(work.indexed().dirty.begin(), work.indexed().dirty.end(), static_cast<unsigned char>(1));
+    CHECK(still >= std::count(expected.begin(), expected.end(), static_cast<unsigned char>(1)));
+}
+
+TEST_CASE("looking changes nothing and names the triangles of the whole, one for each face of a patch") {
+    const auto image = hmesh_test::scene<std::uint8_t, 3>(60, 45, 11);
+    const ImageSource<3> source(image.view());
+    for (const Shape shape : hmesh_test::all_shapes)
+        for (const double tile : {2.0, 9.0, 25.0, 1000.0}) {
+            const IndexedMesh<3> start = make_whole(image, shape, 110, 11);
+            const hmesh_test::ShuffledFor shuffled{5};
+            ProgressReporter monitor = silent();
+            TiledMesh<3> work(source, {}, monitor, shuffled);
+            work.indexed() = start;
+            std::vector<int> seen(start.triangles.size(), 0);
+            std::vector<double> energies(start.triangles.size(), 0.0);
+            const Tiling tiling(60, 45, tile, true, false);
+            REQUIRE(work.visit(tiling, [&](Patch<3>& patch, std::size_t number, const std::uint32_t* triangles) {
+                const ImageMesh<3>& mesh = patch.mesh();
+                Point low{1e9, 1e9};
+                const std::size_t count = mesh.topology().face_count();
+                for (std::size_t f = 0; f < count; ++f)
+                    for (const std::uint32_t v : start.triangles[triangles[f]])
+                        low = {std::min(low.x, start.positions[v].x), std::min(low.y, start.positions[v].y)};
+                const Point origin{std::floor(low.x), std::floor(low.y)};
+                for (std::size_t f = 0; f < count; ++f) {
+                    const Triangle& t = start.triangles[triangles[f]];
+                    const auto v = mesh.topology().vertices(hmesh::kit::Face(f));
+                    hmesh_test::Corners<3> corners;
+                    for (std::size_t k = 0; k < 3; ++k) {
+                        const Point p = mesh.position(v[k]);
+                        corners[k] = corner_of<3>({p.x + origin.x, p.y + origin.y}, mesh.color(v[k]));
+                    }
+                    REQUIRE(hmesh_test::turned<3>(corners) == hmesh_test::corners_of(start, t));
+                    REQUIRE(tiling.tile_at({origin.x + mesh.centroid(hmesh::kit::Face(f)).x,
+                                            origin.y + mesh.centroid(hmesh::kit::Face(f)).y}) == number);
+                    ++seen[triangles[f]];
+                    energies[triangles[f]] = mesh.energy(hmesh::kit::Face(f));
+                }
+                hmesh::kit::sweep(patch.mesh());  // what is done to a patch that is looked at is forgotten
+            }));
+            REQUIRE(std::count(seen.begin(), seen.end(), 1) == static_cast<std::ptrdiff_t>(seen.size()));
+            REQUIRE(same_bytes(work.indexed(), start));
+            double sum = 0;
+            for (const double energy : energies) sum += energy;
+            REQUIRE(std::abs(sum - start.energy) <= 1e-9 * start.energy);
+        }
+}
+
+TEST_CASE("a phase tells how far it is: its patches together are all that was expected") {
+    const auto image = hmesh_test::scene<std::uint8_t, 1>(60, 45, 12);
+    const ImageSource<1> source(image.view());
+    StopAt never;
+    ProgressReporter monitor(never.progress(), 60.0 * 45, 255);
+    TiledMesh<1> work(source, {}, monitor);
+    work.indexed() = make_whole(image, Shape::worn, 110, 12);
+    for (const double tile : {5.0, 20.0, 1000.0}) {
+        monitor.set_range(0.25, 0.75);
+        REQUIRE(work.for_each(Tiling(60, 45, tile), [](Patch<1>&, std::size_t) {}));
+        monitor.poll();
+        CHECK(never.last_fraction == doctest::Approx(0.75).epsilon(1e-9));
+    }
+}
+
+namespace {
+
+// Phases that are cancelled at the k-th call, for many k, and what follows such an end.
+template <class T, int C>
+void cancel(const Image<T, C>& image, const IndexedMesh<C>& start, std::size_t step, const ParallelFor& parallel_for) {
+    const ImageSource<C> source(image.view());
+    const std::vector<Phase> all = phases(6, 0.4 * start.mean_energy(), hmesh::PixelTraits<T>::peak, 10);
+    const auto run = [&](StopAt& stop) {
+        ProgressReporter monitor(stop.progress(), 1, 255);
+        TiledMesh<C> work(source, {}, monitor, parallel_for);
+        work.indexed() = start;
+        for (const Phase& phase : all) {
+            const Tiling tiling = phase.tiling(image.width(), image.height());
+            const Rim<C> rim = rim_of(work.indexed(), tiling);
+            const bool go_on = work.for_each(tiling, phase);
+            REQUIRE(go_on == !monitor.stopped());
+            hmesh_test::prove(work.indexed());
+            prove_rim(work.indexed(), rim);
+            REQUIRE(valence_limit(work.indexed()) <= hmesh::kit::max_valence);
+            if (!go_on) break;
+        }
+        return work.indexed();
+    };
+    StopAt never;
+    const IndexedMesh<C> uncancelled = run(never);
+    REQUIRE(never.calls > 60);
+    for (std::size_t k = 1; k <= never.calls; k += step) {
+        StopAt stop;
+        stop.k = k;
+        IndexedMesh<C> left = run(stop);
+        if (stop.calls < k) continue;  // threads ask as often as they happen to meet
+        REQUIRE(stop.calls == k);      // nobody asks again
+        // What is left can be worked on.
+        ProgressReporter monitor = silent();
+        TiledMesh<C> work(source, {}, monitor, parallel_for);
+        work.indexed() = std::move(left);
+        REQUIRE(work.for_each(Tiling(image.width(), image.height(), 30), all[k % all.size()]));
+        prove_whole(image, work.indexed());
+    }
+}
+
+}  // namespace
+
+TEST_CASE("work that is cancelled at any call leaves a mesh, on any executor, that may be worked on again") {
+    const auto image = hmesh_test::scene<std::uint8_t, 1>(48, 40, 13);
+    const IndexedMesh<1> start = make_whole(image, Shape::worn, 130, 13);
+    cancel(image, start, 5, {});
+    cancel(image, start, 11, hmesh_test::ReverseFor{});
+    cancel(image, start, 23, hmesh_test::ThreadFor{2});
+    cancel(image, start, 23, hmesh_test::ThreadFor{7});
+}
+
+TEST_CASE("a phase that is cancelled at once changes nothing, and a look at all patches goes on after the end") {
+    const auto image = hmesh_test::scene<std::uint8_t, 1>(48, 40, 14);
+    const ImageSource<1> source(image.view());
+    const IndexedMesh<1> start = make_whole(image, Shape::worn, 130, 14);
+    for (const double tile : {6.0, 20.0, 1000.0}) {
+        StopAt first;
+        first.k = 1;
+        ProgressReporter monitor(first.progress(), 1, 255);
+        TiledMesh<1> work(source, {}, monitor);
+        work.indexed() = start;
+        const Tiling tiling(48, 40, tile);
+        int visits = 0;
+        CHECK_FALSE(work.for_each(tiling, [&](Patch<1>&, std::size_t) { ++visits; }));
+        CHECK(visits == 0);
+        CHECK(hmesh_test::describe(work.indexed()) == hmesh_test::describe(start));
+        std::size_t faces = 0;
+        const auto look = [&](Patch<1>& patch, std::size_t, const std::uint32_t*) {
+            faces += patch.mesh().topology().face_count();
+        };
+        CHECK_FALSE(work.visit(tiling, look));
+        CHECK(faces == 0);
+        CHECK_FALSE(work.visit(tiling, look, true));
+        CHECK(faces == start.triangles.size());
+    }
+}
+
+TEST_CASE("measuring finds the energy of a mesh that was changed from outside, however it is cut, and nothing else") {
+    const auto image = hmesh_test::scene<std::uint8_t, 3>(60, 45, 15);
+    const ImageSource<3> source(image.view());
+    for (const Shape shape : hmesh_test::all_shapes)
+        for (const double tile : {2.0, 9.0, 25.0, 1000.0}) {
+            IndexedMesh<3> start = make_whole(image, shape, 110, 15);
+            Random random(15);
+            for (auto& color : start.colors)
+                for (int c = 0; c < 3; ++c) color.set(c, 255 * random.uniform());
+            start.energy = -1;
+            ProgressReporter monitor = silent();
+            const hmesh_test::ThreadFor threads{3};
+            TiledMesh<3> work(source, {}, monitor, threads);
+            work.indexed() = start;
+            work.measure(Tiling(60, 45, tile, true, false));
+            const double energy = hmesh_test::fresh_energy(image, start);
+            CHECK(work.energy() == work.indexed().energy);
+            CHECK(std::abs(work.energy() - energy) <= 1e-9 * energy);
+            start.energy = work.indexed().energy;
+            CHECK(same_bytes(work.indexed(), start));
+        }
+}
+
+TEST_CASE("a mesh whose energy rounding made negative has none on average") {
+    const auto image = hmesh_test::scene<std::uint8_t, 1>(48, 40, 16);
+    const ImageSource<1> source(image.view());
+    ProgressReporter monitor = silent();
+    TiledMesh<1> work(source, {}, monitor);
+    work.indexed() = make_whole(image, Shape::worn, 130, 16);
+    CHECK(work.mean_energy() == work.energy() / static_cast<double>(work.vertex_count()));
+    work.indexed().energy = -1e-9;
+    CHECK(work.mean_energy() == 0);
+}
+
+TEST_CASE("measuring is not to be cancelled, and sees what one patch that is all has become") {
+    const auto image = hmesh_test::scene<std::uint8_t, 1>(48, 40, 16);
+    const ImageSource<1> source(image.view());
+    const IndexedMesh<1> start = make_whole(image, Shape::worn, 130, 16);
+    for (const double tile : {6.0, 20.0, 1000.0}) {
+        StopAt second;
+        second.k = 2;
+        ProgressReporter monitor(second.progress(), 1, 255);
+        TiledMesh<1> work(source, {}, monitor);
+        work.indexed() = start;
+        CHECK(work.for_each(Tiling(48, 40, 1000), [](Patch<1>& patch, std::size_t) { hmesh::kit::sweep(patch.mesh()); }));
+        const double swept = work.energy();
+        CHECK(swept < start.energy);
+        (void)monitor.poll();
+        REQUIRE(monitor.stopped());
+        work.measure(Tiling(48, 40, tile));
+        CHECK(std::abs(work.energy() - swept) <= 1e-9 * swept);
+        CHECK(std::abs(work.energy() - hmesh_test::fresh_energy(image, work.indexed())) <= 1e-9 * swept);
+    }
+}
