@@ -242,7 +242,7 @@ void patches(benchmark::State& state) {  // a vertex, with its 100 pixels
 
 void draw(benchmark::State& state) {  // a pixel
     const Fixture& f = fixture();
-    const auto mesh = hmesh::kit::detail::extract(f.whole, 255);
+    const auto mesh = hmesh::detail::extract(f.whole, 255);
     hmesh::Image<float, channels> out;
     std::size_t pixels = 0;
     for (auto _ : state) {

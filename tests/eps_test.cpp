@@ -132,8 +132,8 @@ TEST_CASE("all is printable ASCII in lines of at most 255 characters, and no lin
     // The data is made so that lines would begin with a comment.
     std::string text;
     StringSink sink{&text};
-    hmesh::kit::detail::Writer writer(sink);
-    hmesh::kit::detail::write_ascii85(writer, Bytes(1000, 13));  // 0x0d0d0d0d begins with the digit %
+    hmesh::detail::Writer writer(sink);
+    hmesh::detail::write_ascii85(writer, Bytes(1000, 13));  // 0x0d0d0d0d begins with the digit %
     REQUIRE(writer.finish());
     CHECK(text.substr(0, 2) == " %");
     CHECK(text.find("\n%") == std::string::npos);
@@ -145,8 +145,8 @@ TEST_CASE("data of every length is encoded and decoded") {
         std::string bytes, text;
         for (std::size_t i = 0; i < size; ++i) bytes += static_cast<char>(i % 7 < 4 ? 0 : 37 * i);
         StringSink sink{&text};
-        hmesh::kit::detail::Writer writer(sink);
-        hmesh::kit::detail::write_ascii85(writer, Bytes(bytes.begin(), bytes.end()));
+        hmesh::detail::Writer writer(sink);
+        hmesh::detail::write_ascii85(writer, Bytes(bytes.begin(), bytes.end()));
         REQUIRE(writer.finish());
         CHECK(decode_ascii85(text.substr(0, text.find("~>"))) == bytes);
     }

@@ -192,7 +192,7 @@ TEST_CASE("fit spaces and premultiplying that make no sense are refused") {
     Options adams = of(20, FitSpace::linear_light);
     adams.method = hmesh::Method::adams;
     check_refused(adams);
-    const hmesh::Status status = hmesh::kit::detail::check_color_options(of(20, FitSpace::stored, true), 3);
+    const hmesh::Status status = hmesh::detail::check_color_options(of(20, FitSpace::stored, true), 3);
     CHECK(status.code == Errc::invalid_argument);
     CHECK(status.value == 3);
 

@@ -726,5 +726,5 @@ TEST_CASE("adaptive thinning of more than 2^22 pixels is refused before a pixel 
         CHECK(status_of(width, height, Method::hierarchical).code == Errc::invalid_argument);
     }
     Options largest = options_of(Target::vertices(4), Method::adaptive_thinning);
-    CHECK(hmesh::kit::detail::check_options(largest, hmesh::adaptive_thinning_pixels));
+    CHECK(hmesh::detail::check_options(largest, hmesh::adaptive_thinning_pixels));
 }

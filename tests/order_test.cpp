@@ -1,4 +1,3 @@
-#include "hmesh/fit/order.hpp"
 
 #include <doctest/doctest.h>
 

@@ -37,7 +37,7 @@ struct LimitedSink {
 
 std::string printed(std::int64_t value) {
     LimitedSink sink;
-    hmesh::kit::detail::Writer writer(sink);
+    hmesh::detail::Writer writer(sink);
     writer.decimal(value);
     CHECK(writer.finish());
     return {sink.taken.begin(), sink.taken.end()};
@@ -45,7 +45,7 @@ std::string printed(std::int64_t value) {
 
 std::string printed(double value, int places) {
     LimitedSink sink;
-    hmesh::kit::detail::Writer writer(sink);
+    hmesh::detail::Writer writer(sink);
     writer.fixed(value, places);
     CHECK(writer.finish());
     return {sink.taken.begin(), sink.taken.end()};
@@ -53,7 +53,7 @@ std::string printed(double value, int places) {
 
 std::string printed_real(double value) {
     LimitedSink sink;
-    hmesh::kit::detail::Writer writer(sink);
+    hmesh::detail::Writer writer(sink);
     writer.real(value);
     CHECK(writer.finish());
     return {sink.taken.begin(), sink.taken.end()};
@@ -63,7 +63,7 @@ std::string printed_real(double value) {
 
 TEST_CASE("binary numbers are little-endian") {
     LimitedSink sink;
-    hmesh::kit::detail::Writer writer(sink);
+    hmesh::detail::Writer writer(sink);
     writer.u8(0xfe);
     writer.u16(0x1234);
     writer.u32(0x89abcdef);
@@ -136,7 +136,7 @@ TEST_CASE("bytes arrive whole and in order, however they are cut into writes") {
     for (const std::size_t step :
          {std::size_t{1}, std::size_t{7}, std::size_t{4095}, std::size_t{4096}, std::size_t{4097}, sent.size()}) {
         LimitedSink sink;
-        hmesh::kit::detail::Writer writer(sink);
+        hmesh::detail::Writer writer(sink);
         for (std::size_t i = 0; i < sent.size(); i += step) writer.bytes(sent.data() + i, std::min(step, sent.size() - i));
         REQUIRE(writer.finish());
         CHECK(sink.taken == sent);
@@ -147,7 +147,7 @@ TEST_CASE("bytes arrive whole and in order, however they are cut into writes") {
 TEST_CASE("a writer that was given nothing does not call its sink") {
     LimitedSink sink;
     sink.limit = 0;
-    hmesh::kit::detail::Writer writer(sink);
+    hmesh::detail::Writer writer(sink);
     writer.text("");
     CHECK(writer.finish());
     CHECK(sink.refusals == 0);
@@ -159,7 +159,7 @@ TEST_CASE("the writer stops at the first refusal and says how many bytes were ta
     for (const std::size_t limit : {0U, 1U, 4095U, 4096U, 4097U, 8192U, 10000U, 19999U}) {
         LimitedSink sink;
         sink.limit = limit;
-        hmesh::kit::detail::Writer writer(sink);
+        hmesh::detail::Writer writer(sink);
         for (const unsigned char byte : sent) writer.u8(byte);
         const hmesh::Status status = writer.finish();
         CHECK(status.code == hmesh::Errc::write_failed);

@@ -9,9 +9,9 @@
 
 namespace {
 
-using hmesh::kit::detail::linear_to_srgb;
-using hmesh::kit::detail::linear_to_srgb_slope;
-using hmesh::kit::detail::srgb_to_linear;
+using hmesh::detail::linear_to_srgb;
+using hmesh::detail::linear_to_srgb_slope;
+using hmesh::detail::srgb_to_linear;
 
 // IEC 61966-2-1 as it is printed there.
 double decoded(double share) { return share <= 0.04045 ? share / 12.92 : std::pow((share + 0.055) / 1.055, 2.4); }
@@ -31,7 +31,7 @@ TEST_CASE("sRGB is decoded and encoded as IEC 61966-2-1 has it, to 1e-14 and 1e-
     CHECK(srgb_to_linear(0) == 0);
     CHECK(linear_to_srgb(0) == 0);
     CHECK(linear_to_srgb(-1e-9) == doctest::Approx(-12.92e-9).epsilon(1e-12));  // what rounding may make of 0
-    CHECK(hmesh::kit::detail::to_u16(srgb_to_linear(1)) == 65535);
+    CHECK(hmesh::detail::to_u16(srgb_to_linear(1)) == 65535);
 }
 
 TEST_CASE("the slope of the encoding is its difference quotient") {
@@ -45,7 +45,7 @@ TEST_CASE("the slope of the encoding is its difference quotient") {
 
 TEST_CASE("in 16 bits of linear light all 256 stored values stay apart, to 0.02 of one") {
     for (int i = 0; i <= 255; ++i) {
-        const int code = hmesh::kit::detail::to_u16(srgb_to_linear(i / 255.0));
+        const int code = hmesh::detail::to_u16(srgb_to_linear(i / 255.0));
         CHECK(code == std::lround(decoded(i / 255.0) * 65535));
         CHECK(std::abs(linear_to_srgb(code / 65535.0) * 255 - i) < 0.03);
     }

@@ -15,7 +15,7 @@
 #include "test_exports.hpp"
 
 using hmesh::Mesh;
-using hmesh::kit::detail::StraightMesh;
+using hmesh::detail::StraightMesh;
 using hmesh_test::exported;
 
 namespace {

@@ -23,7 +23,7 @@ hmesh::MeshView view_of(const Faces& faces, std::size_t vertices) {
 }
 
 // The triangles that a reader of edge flags draws, and how many times it began anew.
-Faces drawn(const std::vector<hmesh::kit::detail::StripVertex>& vertices, std::size_t& strips) {
+Faces drawn(const std::vector<hmesh::detail::StripVertex>& vertices, std::size_t& strips) {
     Faces faces;
     strips = 0;
     for (std::size_t i = 0; i < vertices.size(); ++i) {
@@ -50,7 +50,7 @@ Faces sorted(Faces faces) {
 // Checks that each face is drawn once; returns the number of strips.
 std::size_t strips_of(const Faces& faces, std::size_t vertices) {
     std::size_t strips = 0;
-    const Faces got = drawn(hmesh::kit::detail::strip_vertices(view_of(faces, vertices), true), strips);
+    const Faces got = drawn(hmesh::detail::strip_vertices(view_of(faces, vertices), true), strips);
     CHECK(sorted(got) == sorted(faces));
     return strips;
 }
@@ -93,6 +93,6 @@ TEST_CASE("any list of faces is drawn face by face: with corners twice, sides of
 TEST_CASE("without strips the faces come in their order") {
     const Faces faces = {{0, 1, 2}, {0, 2, 3}, {3, 4, 0}};
     std::size_t strips = 0;
-    CHECK(drawn(hmesh::kit::detail::strip_vertices(view_of(faces, 5), false), strips) == faces);
+    CHECK(drawn(hmesh::detail::strip_vertices(view_of(faces, 5), false), strips) == faces);
     CHECK(strips == 3);
 }

@@ -1,6 +1,6 @@
-// hmesh - the whole library in one include. Defines nothing itself.
-//
-// Raster image to triangle mesh with one colour a vertex: hmesh::mesh_image() in mesh_image.hpp is the place to begin.
+/// \file
+/// hmesh - what most programs need in one include: mesh_image() by the default recipe, render(), colors for linear light, and the
+/// exporters. Defines nothing itself. The methods of the paper and the baselines are in hmesh/paper.hpp.
 #ifndef HMESH_HMESH_HPP
 #define HMESH_HMESH_HPP
 
@@ -12,8 +12,8 @@
 #include "hmesh/io/pdf.hpp"
 #include "hmesh/io/ply.hpp"
 #include "hmesh/io/svg.hpp"
-#include "hmesh/mesh/delaunay.hpp"
 #include "hmesh/mesh_image.hpp"
 #include "hmesh/render.hpp"
+#include "hmesh/solve/linear_light.hpp"
 
 #endif  // HMESH_HMESH_HPP

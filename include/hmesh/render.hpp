@@ -121,10 +121,10 @@ struct Bands {
 [[nodiscard]] inline Status check_sizes(const MeshView& mesh, int width, int height) noexcept {
     if (mesh.width < 1) return {Errc::invalid_argument, "the mesh's width must be at least 1", mesh.width, 1};
     if (mesh.height < 1) return {Errc::invalid_argument, "the mesh's height must be at least 1", mesh.height, 1};
-    if (width > max_side) return {Errc::image_too_large, "the picture to draw is too wide", width, max_side};
-    if (height > max_side) return {Errc::image_too_large, "the picture to draw is too high", height, max_side};
+    if (width > kit::max_side) return {Errc::image_too_large, "the picture to draw is too wide", width, kit::max_side};
+    if (height > kit::max_side) return {Errc::image_too_large, "the picture to draw is too high", height, kit::max_side};
     const std::int64_t pixels = std::int64_t{width} * height;
-    if (pixels > max_pixels) return {Errc::image_too_large, "the picture to draw has too many pixels", pixels, max_pixels};
+    if (pixels > kit::max_pixels) return {Errc::image_too_large, "the picture to draw has too many pixels", pixels, kit::max_pixels};
     return {};
 }
 
@@ -165,7 +165,7 @@ Status render(const MeshView& mesh, Image<float, C>& out, const RenderOptions& o
     const int width = options.width > 0 ? options.width : mesh.width;
     const int height = options.height > 0 ? options.height : mesh.height;
     if (const Status status = detail::check_sizes(mesh, width, height); !status) return status;
-    if (const Status status = check(mesh, max_channels); !status) return status;
+    if (const Status status = check(mesh, kit::max_channels); !status) return status;
     if (mesh.channels != C)
         return {Errc::invalid_argument, "the mesh has not the picture's number of channels", mesh.channels, C};
     // Comes only where pointers have 32 bits.

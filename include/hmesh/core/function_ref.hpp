@@ -20,9 +20,11 @@ class FunctionRef;
 template <class Result, class... Arguments>
 class FunctionRef<Result(Arguments...)> {
     template <class Callable>
-    static constexpr bool accepts =
-        !std::is_base_of_v<FunctionRef, std::remove_reference_t<Callable>> &&
-        std::is_same_v<Result, std::conditional_t<std::is_void_v<Result>, void, std::invoke_result_t<Callable&, Arguments...>>>;
+    [[nodiscard]] static constexpr bool accepts() noexcept {
+        if constexpr (!std::is_class_v<Callable> || std::is_base_of_v<FunctionRef, Callable>) return false;
+        else if constexpr (!std::is_invocable_v<Callable&, Arguments...>) return false;
+        else return std::is_void_v<Result> || std::is_same_v<Result, std::invoke_result_t<Callable&, Arguments...>>;
+    }
 
   public:
     // Refers to nothing; must not be called.
@@ -31,13 +33,11 @@ class FunctionRef<Result(Arguments...)> {
     FunctionRef(Result (*function)(Arguments...)) noexcept  // NOLINT(google-explicit-constructor)
         : function_(reinterpret_cast<void (*)()>(function)), call_(function != nullptr ? &call_function : nullptr) {}
     // To an object that can be called with these arguments.
-    template <class Callable, std::enable_if_t<std::is_class_v<std::remove_reference_t<Callable>> &&
-                                                   std::is_invocable_v<Callable&, Arguments...> && accepts<Callable>,
-                                               int> = 0>
+    template <class Callable, std::enable_if_t<accepts<std::remove_reference_t<Callable>>(), int> = 0>
     FunctionRef(Callable&& object) noexcept  // NOLINT(google-explicit-constructor,bugprone-forwarding-reference-overload)
         : object_(const_cast<void*>(static_cast<const void*>(std::addressof(object)))),
           call_(&call_object<std::remove_reference_t<Callable>>) {}
-    template <class Callable, std::enable_if_t<std::is_class_v<Callable> && accepts<Callable>, int> = 0>
+    template <class Callable, std::enable_if_t<accepts<Callable>(), int> = 0>
     FunctionRef& operator=(const Callable&&) = delete;  // it would not outlive the statement
 
     Result operator()(Arguments... arguments) const { return call_(*this, std::forward<Arguments>(arguments)...); }

@@ -8,6 +8,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "hmesh/core/function_ref.hpp"
 #include "hmesh/core/psnr.hpp"
 
 namespace hmesh {
@@ -20,15 +21,12 @@ struct ProgressInfo {
     double energy = 0;  // sum of squared differences over pixels and channels; 0 before there is a mesh
 };
 
-// A callback and the pointer handed to it. Called with fraction 0 when a stage begins, 1 when it ends, and every few
-// milliseconds of work in between where vertices and edges are worked on, from the threads that do the work but never from two
-// at a time (calls are ordered as by a lock). Silent are parts that pass over all pixels once, some 0.2 s a megapixel at most,
-// and the putting together of a mesh, some 0.8 us a vertex. Returning false cancels: the last valid mesh comes back with
-// Errc::cancelled.
-struct Progress {
-    bool (*call)(void* user, const ProgressInfo& info) = nullptr;
-    void* user = nullptr;
-};
+// The progress callback: true to go on, false to cancel, and then the last valid mesh comes back with Errc::cancelled. Called
+// with fraction 0 when a stage begins, 1 when it ends, and every few milliseconds of work in between where vertices and edges
+// are worked on, from the threads that do the work but never from two at a time (calls are ordered as by a lock). Silent are
+// parts that pass over all pixels once, some 0.2 s a megapixel at most, and the putting together of a mesh, some 0.8 us a
+// vertex. Refers to a callable that must outlive the work: keep a lambda in a variable of its own.
+using Progress = FunctionRef<bool(const ProgressInfo& info)>;
 
 // What a stage left behind.
 struct StageReport {
@@ -48,7 +46,8 @@ namespace kit {
 class ProgressReporter {
   public:
     // `samples`: pixels times channels.
-    ProgressReporter(const Progress& progress, double samples, double peak) : progress_(progress), samples_(samples), peak_(peak) {}
+    ProgressReporter(const Progress& progress, double samples, double peak)
+        : progress_(progress), samples_(samples), peak_(peak) {}
 
     // begin, update, set_range and end are called between pieces of work. Those that return something tell whether to go on; once
     // told to stop it stays so.
@@ -88,10 +87,10 @@ class ProgressReporter {
     // From any thread: whether to go on, asking the callback unless another thread is doing so.
     bool poll() {
         if (stopped_.load(std::memory_order_relaxed)) return false;
-        if (progress_.call == nullptr || asking_.test_and_set(std::memory_order_acquire)) return true;
+        if (!progress_ || asking_.test_and_set(std::memory_order_acquire)) return true;
         ProgressInfo info = info_;
         info.fraction = from_ + (to_ - from_) * std::min(1.0, static_cast<double>(done_.load()) / whole);
-        const bool go_on = stopped_.load() || progress_.call(progress_.user, info);
+        const bool go_on = stopped_.load() || progress_(info);
         if (!go_on) stopped_.store(true);
         asking_.clear(std::memory_order_release);
         return !stopped_.load();

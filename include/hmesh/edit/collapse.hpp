@@ -16,7 +16,6 @@
 #include <vector>
 
 #include "hmesh/fit/image_mesh.hpp"
-#include "hmesh/fit/order.hpp"
 #include "hmesh/edit/relax.hpp"
 #include "hmesh/edit/move.hpp"
 
@@ -72,13 +71,13 @@ template <int C>
 
 // The cheapest way to remove v. Corners and frozen vertices cannot go, and border vertices only along their side.
 template <int C>
-[[nodiscard]] CollapseCandidate cheapest_collapse(const ImageMesh<C>& mesh, RingScratch<C>& work, Vertex v) {
+[[nodiscard]] CollapseCandidate cheapest_collapse(const ImageMesh<C>& mesh, RingScratch<C>& scratch, Vertex v) {
     const HalfedgeMesh& topology = mesh.topology();
     CollapseCandidate best;
     const Mobility mobility = mesh.vertex(v).mobility;
     if (mobility == Mobility::corner || mobility == Mobility::locked) return best;
-    Ring<C>& ring = work.ring;
-    mesh.gather(v, ring, work.spokes);
+    Ring<C>& ring = scratch.ring;
+    mesh.gather(v, ring, scratch.spokes);
     const double before = mesh.energy(ring);
     double least = std::numeric_limits<double>::max();
     for (int j = 0; j < ring.size; ++j) {
@@ -101,10 +100,10 @@ template <int C>
 std::size_t remove_batch(ImageMesh<C>& mesh, std::size_t count, const Relaxation& relaxation) {
     const HalfedgeMesh& topology = mesh.topology();
     const std::vector<Vertex> vertices = spatial_vertices(mesh);
-    RingScratch<C> work;
+    RingScratch<C> scratch;
     std::vector<std::pair<double, std::uint32_t>> cheapest;
     for (std::size_t k = 0; k < vertices.size() && mesh.keep_going(); ++k) {
-        const CollapseCandidate candidate = cheapest_collapse(mesh, work, vertices[k]);
+        const CollapseCandidate candidate = cheapest_collapse(mesh, scratch, vertices[k]);
         if (candidate.halfedge.is_valid()) cheapest.emplace_back(candidate.cost, static_cast<std::uint32_t>(k));
     }
     std::sort(cheapest.begin(), cheapest.end());
@@ -117,7 +116,7 @@ std::size_t remove_batch(ImageMesh<C>& mesh, std::size_t count, const Relaxation
         const Vertex v = vertices[k];
         if (touched[v.index()] != 0) continue;
         // Flips around earlier removals may have changed the ring: judge again.
-        const CollapseCandidate now = cheapest_collapse(mesh, work, v);
+        const CollapseCandidate now = cheapest_collapse(mesh, scratch, v);
         if (!now.halfedge.is_valid()) continue;
         ring.clear();
         for (const Halfedge h : topology.outgoing(v)) ring.push_back(topology.to_vertex(h));

@@ -11,7 +11,6 @@
 #include <vector>
 
 #include "hmesh/fit/image_mesh.hpp"
-#include "hmesh/fit/order.hpp"
 #include "hmesh/edit/move.hpp"
 
 namespace hmesh::kit {
@@ -40,7 +39,7 @@ template <int C>
 
 // Whether e can turn: convex, and both far corners have room for one more edge.
 template <int C>
-[[nodiscard]] bool is_flip_ok(const ImageMesh<C>& mesh, Edge e) {
+[[nodiscard]] bool can_flip(const ImageMesh<C>& mesh, Edge e) {
     if (!is_flippable(mesh, e)) return false;
     const HalfedgeMesh& topology = mesh.topology();
     const Halfedge a = HalfedgeMesh::halfedge(e);
@@ -78,7 +77,7 @@ double improve_edge(ImageMesh<C>& mesh, Edge e, double least) {
     if (!(before > least) || !is_flippable(mesh, e)) return 0;
     FlipTrial<C> trial;
     evaluate_flip(mesh, e, trial);
-    if (!(trial.decrease > least + 1e-9 * before) || !is_flip_ok(mesh, e)) return 0;
+    if (!(trial.decrease > least + 1e-9 * before) || !can_flip(mesh, e)) return 0;
     mesh.flip(e, trial.moments, trial.own, trial.opposite);
     return trial.decrease;
 }

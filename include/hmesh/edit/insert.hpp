@@ -16,7 +16,6 @@
 
 #include "hmesh/edit/flip.hpp"
 #include "hmesh/fit/image_mesh.hpp"
-#include "hmesh/fit/order.hpp"
 #include "hmesh/edit/move.hpp"
 
 namespace hmesh::kit {
@@ -40,20 +39,20 @@ struct InsertionOptions {
 
 namespace detail {
 
-// `work` holds the ring and its spokes around candidate.centre.
+// `scratch` holds the ring and its spokes around candidate.centre.
 template <int C>
-void judge_candidate(const ImageMesh<C>& mesh, RingScratch<C>& work, Mobility mobility, bool may_move, double before,
+void judge_candidate(const ImageMesh<C>& mesh, RingScratch<C>& scratch, Mobility mobility, bool may_move, double before,
                      InsertionCandidate<C>& candidate) {
-    if (optimize_center(mesh, work, mobility, 0, may_move, candidate.center) == RingOutcome::degenerate) return;
+    if (optimize_center(mesh, scratch, mobility, 0, may_move, candidate.center) == RingOutcome::degenerate) return;
     candidate.gain = before - candidate.center.energy;
     candidate.fits = true;
 }
 
 }  // namespace detail
 
-// A vertex in the middle of e with its best colour and, if it may, moved by a step. `work` is overwritten.
+// A vertex in the middle of e with its best colour and, if it may, moved by a step. `scratch` is overwritten.
 template <int C>
-[[nodiscard]] InsertionCandidate<C> edge_candidate(const ImageMesh<C>& mesh, RingScratch<C>& work, Edge e, bool may_move) {
+[[nodiscard]] InsertionCandidate<C> edge_candidate(const ImageMesh<C>& mesh, RingScratch<C>& scratch, Edge e, bool may_move) {
     const HalfedgeMesh& topology = mesh.topology();
     InsertionCandidate<C> candidate;
     candidate.edge = e;
@@ -61,7 +60,7 @@ template <int C>
     if (topology.is_boundary(a)) a = HalfedgeMesh::opposite(a);
     const Halfedge b = HalfedgeMesh::opposite(a), a1 = topology.next(a), a2 = topology.next(a1);
     const VertexState<C>&v0 = mesh.vertex(topology.to_vertex(b)), &v1 = mesh.vertex(topology.to_vertex(a));
-    Ring<C>& ring = work.ring;
+    Ring<C>& ring = scratch.ring;
     double before = mesh.energy(topology.face(a));
     // Around the midpoint, against the orientation: v0, v2, v1, v3.
     ring.open = topology.is_boundary(b);
@@ -86,20 +85,20 @@ template <int C>
     if (!ring.accepts(center, mesh.limits().min_double_area)) return candidate;
     // The two halves of the edge add up to it: walk one only.
     for (int i = 0; i < ring.size; ++i)
-        if (i != 2) edge_moments(mesh.table(), center, ring.neighbor[i]->position, work.spokes.spoke[i]);
-    mesh.moments(a, work.spokes.spoke[2]);
-    work.spokes.spoke[2] += work.spokes.spoke[0];
-    detail::judge_candidate(mesh, work, mobility, may_move, before, candidate);
+        if (i != 2) edge_moments(mesh.table(), center, ring.neighbor[i]->position, scratch.spokes.spoke[i]);
+    mesh.moments(a, scratch.spokes.spoke[2]);
+    scratch.spokes.spoke[2] += scratch.spokes.spoke[0];
+    detail::judge_candidate(mesh, scratch, mobility, may_move, before, candidate);
     return candidate;
 }
 
 // The same at the centroid of f.
 template <int C>
-[[nodiscard]] InsertionCandidate<C> face_candidate(const ImageMesh<C>& mesh, RingScratch<C>& work, Face f, bool may_move) {
+[[nodiscard]] InsertionCandidate<C> face_candidate(const ImageMesh<C>& mesh, RingScratch<C>& scratch, Face f, bool may_move) {
     const HalfedgeMesh& topology = mesh.topology();
     InsertionCandidate<C> candidate;
     candidate.face = f;
-    Ring<C>& ring = work.ring;
+    Ring<C>& ring = scratch.ring;
     ring.open = false;
     ring.size = 3;
     // Around the centroid, against the orientation: neighbour i - 1 follows neighbour i along the face's sides.
@@ -114,8 +113,8 @@ template <int C>
                    Mobility::free);
     candidate.center.color = (1.0 / 3) * (v0.color + v1.color + v2.color);
     if (!ring.accepts(candidate.center.position, mesh.limits().min_double_area)) return candidate;
-    walk_spokes(mesh.table(), ring, candidate.center.position, work.spokes);
-    detail::judge_candidate(mesh, work, Mobility::free, may_move, mesh.energy(f), candidate);
+    walk_spokes(mesh.table(), ring, candidate.center.position, scratch.spokes);
+    detail::judge_candidate(mesh, scratch, Mobility::free, may_move, mesh.energy(f), candidate);
     return candidate;
 }
 
@@ -158,8 +157,8 @@ class InsertionSite {
 
 // That of the site's edge or face.
 template <int C>
-[[nodiscard]] InsertionCandidate<C> candidate_at(const ImageMesh<C>& mesh, RingScratch<C>& work, InsertionSite site, bool may_move) {
-    return site.is_edge() ? edge_candidate(mesh, work, site.edge(), may_move) : face_candidate(mesh, work, site.face(), may_move);
+[[nodiscard]] InsertionCandidate<C> candidate_at(const ImageMesh<C>& mesh, RingScratch<C>& scratch, InsertionSite site, bool may_move) {
+    return site.is_edge() ? edge_candidate(mesh, scratch, site.edge(), may_move) : face_candidate(mesh, scratch, site.face(), may_move);
 }
 
 // What a vertex at the site could gain at most: the energy of the faces that it splits.
@@ -211,7 +210,7 @@ template <int C>
     };
     std::vector<Gain> gains;
     gains.reserve(sites.size());
-    RingScratch<C> work;
+    RingScratch<C> scratch;
     const auto evaluate = [&](float above, float up_to) {
         const std::size_t start = gains.size();
         for (std::size_t k = 0; k < sites.size(); ++k)
@@ -219,7 +218,7 @@ template <int C>
         for (std::size_t k = start; k < gains.size(); ++k) {
             gains[k].gain = -1;
             if (!mesh.keep_going()) continue;
-            const auto candidate = candidate_at(mesh, work, sites[gains[k].site], options.may_move);
+            const auto candidate = candidate_at(mesh, scratch, sites[gains[k].site], options.may_move);
             if (candidate.fits) gains[k].gain = static_cast<float>(scale * candidate.gain);
         }
     };
@@ -252,7 +251,7 @@ std::size_t insert_batch(ImageMesh<C>& mesh, std::size_t count, const InsertionO
     std::vector<unsigned char> touched(topology.face_slots() + 2 * count, 0);
     std::vector<Vertex> inserted;
     inserted.reserve(count);
-    RingScratch<C> work;
+    RingScratch<C> scratch;
     for (const InsertionSite site : sites) {
         if (inserted.size() >= count || !mesh.keep_going()) break;
         bool free = true;
@@ -264,7 +263,7 @@ std::size_t insert_batch(ImageMesh<C>& mesh, std::size_t count, const InsertionO
             free = touched[site.face().index()] == 0;
         }
         if (!free) continue;
-        const InsertionCandidate<C> candidate = candidate_at(mesh, work, site, options.may_move);
+        const InsertionCandidate<C> candidate = candidate_at(mesh, scratch, site, options.may_move);
         if (!can_gain_edge(mesh, candidate)) continue;
         const Vertex v = insert(mesh, candidate);
         for (const Halfedge h : topology.outgoing(v))

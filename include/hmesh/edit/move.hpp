@@ -11,8 +11,8 @@
 #include <cmath>
 #include <vector>
 
+#include "hmesh/edit/tolerance.hpp"
 #include "hmesh/fit/image_mesh.hpp"
-#include "hmesh/fit/order.hpp"
 
 namespace hmesh::kit {
 
@@ -50,17 +50,17 @@ struct RingScratch {
 // What optimise_centre() did.
 enum class RingOutcome { degenerate, recolored, moved };
 
-// Optimises the centre of work.ring: `centre` holds position and colour on entry and the best found on return, with its
-// energy; work.spokes and work.faces belong to it. `least` is the predicted decrease below which no step is tried.
+// Optimises the centre of scratch.ring: `centre` holds position and colour on entry and the best found on return, with its
+// energy; scratch.spokes and scratch.faces belong to it. `least` is the predicted decrease below which no step is tried.
 // degenerate: a face is smaller than limits allow, nothing done.
 template <int C>
-RingOutcome optimize_center(const ImageMesh<C>& mesh, RingScratch<C>& work, Mobility mobility, double least, bool may_move,
+RingOutcome optimize_center(const ImageMesh<C>& mesh, RingScratch<C>& scratch, Mobility mobility, double least, bool may_move,
                             RingCenter<C>& center) {
     const MeshLimits& limits = mesh.limits();
     RingFit<C> fit;
-    if (!fit_ring(work.ring, work.spokes, center.position, limits.min_double_area, work.faces, fit)) return RingOutcome::degenerate;
+    if (!fit_ring(scratch.ring, scratch.spokes, center.position, limits.min_double_area, scratch.faces, fit)) return RingOutcome::degenerate;
     // A ring without weight wants nothing: it is not to chase the rounding of its sums.
-    if (mesh.table().is_weighted() && !(ring_weight(work.ring, work.spokes) > least_weight)) {
+    if (mesh.table().is_weighted() && !(ring_weight(scratch.ring, scratch.spokes) > least_weight)) {
         center.energy = fit.energy(center.color);
         return RingOutcome::recolored;
     }
@@ -68,10 +68,10 @@ RingOutcome optimize_center(const ImageMesh<C>& mesh, RingScratch<C>& work, Mobi
     center.energy = fit.energy(center.color);
     if (!may_move || mobility == Mobility::corner) return RingOutcome::recolored;
 
-    const RingStep step = gauss_newton_step(work.ring, work.faces, fit, center.color, mobility);
+    const RingStep step = gauss_newton_step(scratch.ring, scratch.faces, fit, center.color, mobility);
     if (!(step.predicted > least)) return RingOutcome::recolored;
     double dx = step.dx, dy = step.dy;
-    const double length = std::sqrt(dx * dx + dy * dy), cap = detail::step_cap(work.ring, center.position);
+    const double length = std::sqrt(dx * dx + dy * dy), cap = detail::step_cap(scratch.ring, center.position);
     if (length > cap) {
         dx *= cap / length;
         dy *= cap / length;
@@ -80,16 +80,16 @@ RingOutcome optimize_center(const ImageMesh<C>& mesh, RingScratch<C>& work, Mobi
     for (int halvings = 0; halvings < 6; ++halvings, dx *= 0.5, dy *= 0.5) {
         const Point trial = mesh.clamp({center.position.x + dx, center.position.y + dy}, mobility);
         if (trial == center.position) break;
-        if (!work.ring.accepts(trial, limits.min_double_area)) continue;
-        walk_spokes(mesh.table(), work.ring, trial, work.trial_spokes);
+        if (!scratch.ring.accepts(trial, limits.min_double_area)) continue;
+        walk_spokes(mesh.table(), scratch.ring, trial, scratch.trial_spokes);
         RingFit<C> trial_fit;
-        if (!fit_ring(work.ring, work.trial_spokes, trial, limits.min_double_area, work.trial_faces, trial_fit)) continue;
+        if (!fit_ring(scratch.ring, scratch.trial_spokes, trial, limits.min_double_area, scratch.trial_faces, trial_fit)) continue;
         const Color<C> color = best_color(trial_fit, center.color, limits.ridge, mesh.color_low(), mesh.color_high());
         const double energy = trial_fit.energy(color);
         if (!(energy < center.energy)) break;
         center = {trial, color, energy};
-        std::copy_n(work.trial_spokes.spoke, work.ring.size, work.spokes.spoke);
-        std::copy_n(work.trial_faces, work.ring.size, work.faces);
+        std::copy_n(scratch.trial_spokes.spoke, scratch.ring.size, scratch.spokes.spoke);
+        std::copy_n(scratch.trial_faces, scratch.ring.size, scratch.faces);
         return RingOutcome::moved;
     }
     return RingOutcome::recolored;
@@ -99,28 +99,22 @@ RingOutcome optimize_center(const ImageMesh<C>& mesh, RingScratch<C>& work, Mobi
 template <int C>
 double improve_vertex(ImageMesh<C>& mesh, Vertex v, double least) {
     if (mesh.vertex(v).mobility == Mobility::locked) return 0;
-    RingScratch<C> work;
-    mesh.gather(v, work.ring, work.spokes);
-    const double before = mesh.energy(work.ring);
+    RingScratch<C> scratch;
+    mesh.gather(v, scratch.ring, scratch.spokes);
+    const double before = mesh.energy(scratch.ring);
     const VertexState<C>& state = mesh.vertex(v);
     RingCenter<C> center{state.position, state.color, 0};
-    const RingOutcome outcome = optimize_center(mesh, work, state.mobility, least, true, center);
+    const RingOutcome outcome = optimize_center(mesh, scratch, state.mobility, least, true, center);
     if (outcome == RingOutcome::degenerate || !(center.energy < before)) return 0;
-    mesh.settle(v, work.ring, center.position, center.color, work.faces, outcome == RingOutcome::moved ? &work.spokes : nullptr);
+    mesh.apply_fit(v, scratch.ring, center.position, center.color, scratch.faces, outcome == RingOutcome::moved ? &scratch.spokes : nullptr);
     return before - center.energy;
 }
-
-// Tolerances of a stage, in units of the mean energy of a vertex.
-struct Tolerance {
-    double spread = 1e-3;  // a visit or flip that gained more makes its neighbours due
-    double least = 0;      // predicted gains below this are not tried
-};
 
 // Visits all vertices that are due, in spatial order; returns by how much the energy fell.
 template <int C>
 double sweep(ImageMesh<C>& mesh, const Tolerance& tolerance = {}) {
     const double start = mesh.energy();
-    const double spread = tolerance.spread * mesh.mean_energy(), least = tolerance.least * mesh.mean_energy();
+    const double spread = tolerance.propagate_above * mesh.mean_energy(), least = tolerance.min_gain * mesh.mean_energy();
     for (const Vertex v : spatial_vertices(mesh)) {
         if (!mesh.is_dirty(v) || mesh.vertex(v).mobility == Mobility::locked) continue;  // due for another patch
         if (!mesh.keep_going()) break;

@@ -12,14 +12,9 @@
 #include "hmesh/edit/flip.hpp"
 #include "hmesh/fit/image_mesh.hpp"
 #include "hmesh/edit/move.hpp"
+#include "hmesh/edit/tolerance.hpp"
 
 namespace hmesh::kit {
-
-// How much work goes into the surroundings of a change.
-struct Relaxation {
-    int rounds = 2;       // a round that gains less than 1e-3 of a vertex's mean energy is the last
-    double least = 5e-3;  // steps that promise less are not tried, in mean energies of a vertex
-};
 
 // At most `rounds` rounds; steps that promise less energy than `least` are not tried.
 template <int C>
@@ -44,7 +39,7 @@ void relax(ImageMesh<C>& mesh, const std::vector<Vertex>& vertices, int rounds, 
 }
 template <int C>
 void relax(ImageMesh<C>& mesh, const std::vector<Vertex>& vertices, const Relaxation& relaxation) {
-    relax(mesh, vertices, relaxation.rounds, relaxation.least * mesh.mean_energy());
+    relax(mesh, vertices, relaxation.rounds, relaxation.min_gain * mesh.mean_energy());
 }
 
 }  // namespace hmesh::kit

@@ -26,7 +26,7 @@ std::size_t subdivide(ImageMesh<C>& mesh, std::size_t count) {
                      -orient2d(mesh.position(v[0]), mesh.position(v[1]), mesh.position(v[2])));
     };
     for (const Face f : topology.faces()) push(f);
-    RingScratch<C> work;
+    RingScratch<C> scratch;
     std::size_t inserted = 0;
     while (inserted < count && !largest.empty() && mesh.keep_going()) {
         const Face f(largest.top().id);
@@ -37,8 +37,8 @@ std::size_t subdivide(ImageMesh<C>& mesh, std::size_t count) {
             const double squared = (b.x - a.x) * (b.x - a.x) + (b.y - a.y) * (b.y - a.y);
             if (squared > length) length = squared, longest = h;
         }
-        InsertionCandidate<C> candidate = edge_candidate(mesh, work, HalfedgeMesh::edge(longest), false);
-        if (!(candidate.fits && can_gain_edge(mesh, candidate))) candidate = face_candidate(mesh, work, f, false);
+        InsertionCandidate<C> candidate = edge_candidate(mesh, scratch, HalfedgeMesh::edge(longest), false);
+        if (!(candidate.fits && can_gain_edge(mesh, candidate))) candidate = face_candidate(mesh, scratch, f, false);
         if (!(candidate.fits && can_gain_edge(mesh, candidate))) {
             largest.pop();
             continue;

@@ -24,6 +24,7 @@
 #include "hmesh/core/lanes.hpp"
 #include "hmesh/fit/moment_table.hpp"
 #include "hmesh/mesh/geometry.hpp"
+#include "hmesh/mesh/raster.hpp"
 
 namespace hmesh::kit {
 

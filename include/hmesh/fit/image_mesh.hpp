@@ -9,8 +9,7 @@
 // The mesh may be a patch of a larger one (tiles/patch.hpp): then PatchContext tell what lies outside, its rim belongs to
 // other patches too and is frozen, and rim edges that are not on the image's border stay as they are.
 //
-// Memory: about 560 bytes a vertex for up to 3 channels, of which 384 are edge moments. Edits are defined in
-// image_mesh_edits.hpp, building and checking in image_mesh_build.hpp, both included from here.
+// Memory: about 560 bytes a vertex for up to 3 channels, of which 384 are edge moments.
 #ifndef HMESH_FIT_IMAGE_MESH_HPP
 #define HMESH_FIT_IMAGE_MESH_HPP
 
@@ -23,17 +22,18 @@
 #include "hmesh/core/progress.hpp"
 #include "hmesh/core/status.hpp"
 #include "hmesh/core/undo_array.hpp"
-#include "hmesh/fit/ring.hpp"
 #include "hmesh/fit/moment_table.hpp"
+#include "hmesh/fit/ring.hpp"
 #include "hmesh/mesh/halfedge_mesh.hpp"
+#include "hmesh/mesh/spatial_order.hpp"
 
 namespace hmesh::kit {
 
 // What a mesh knows of the image and the mesh that it is a patch of.
 struct PatchContext {
-    Rect image;              // the whole image, in the pixels of the patch's table: x, y <= 0
-    bool is_part = false;    // whether there are other patches
-    double scale = 1;        // mean energy of a vertex in the whole mesh over that in the patch
+    Rect image;                    // the whole image, in the pixels of the patch's table: x, y <= 0
+    bool is_part = false;          // whether there are other patches
+    double scale = 1;              // mean energy of a vertex in the whole mesh over that in the patch
     TaskProgress* task = nullptr;  // told that work goes on; asked whether to stop
 };
 
@@ -166,7 +166,7 @@ class ImageMesh {
 
     // --- edits ---
     // A new state for v whose consequences are known: fits of its ring's faces and, if it moved, moments of its spokes.
-    void settle(Vertex v, const Ring<C>& ring, Point position, const Color<C>& color, const FaceFit<C>* faces,
+    void apply_fit(Vertex v, const Ring<C>& ring, Point position, const Color<C>& color, const FaceFit<C>* faces,
                 const Spokes<C>* moved);
     // A new state for v; spokes are walked. All faces around must have positive area.
     void place(Vertex v, Point position, const Color<C>& color);
@@ -269,9 +269,35 @@ class ImageMesh {
     int depth_ = 0;
 };
 
+namespace detail {
+
+// Writes colours[r] to vertex r of topology().vertices().
+template <int C>
+void write_colors(ImageMesh<C>& mesh, const std::vector<Color<C>>& colors, const ParallelFor& parallel_for) {
+    std::vector<Color<C>> by_slot(mesh.topology().vertex_slots(), Color<C>::zero());
+    std::size_t row = 0;
+    for (const Vertex v : mesh.topology().vertices()) by_slot[v.index()] = colors[row++];
+    mesh.set_colors(by_slot, parallel_for);
+}
+
+}  // namespace detail
+
+// Vertices, faces and edges in the order in which operators visit them, see mesh/spatial_order.hpp.
+template <int C>
+[[nodiscard]] std::vector<Vertex> spatial_vertices(const ImageMesh<C>& mesh) {
+    return spatial_vertices(mesh.topology(), [&](Vertex v) { return mesh.position(v); });
+}
+template <int C>
+[[nodiscard]] std::vector<Face> spatial_faces(const ImageMesh<C>& mesh) {
+    return spatial_faces(mesh.topology(), [&](Vertex v) { return mesh.position(v); });
+}
+template <int C>
+[[nodiscard]] std::vector<Edge> spatial_edges(const ImageMesh<C>& mesh) {
+    return spatial_edges(mesh.topology(), [&](Vertex v) { return mesh.position(v); });
+}
+
 }  // namespace hmesh::kit
 
-#include "hmesh/fit/image_mesh_build.hpp"
-#include "hmesh/fit/image_mesh_edits.hpp"
+#include "hmesh/fit/image_mesh.ipp"
 
 #endif  // HMESH_FIT_IMAGE_MESH_HPP

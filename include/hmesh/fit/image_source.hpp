@@ -10,8 +10,11 @@
 #include <cstddef>
 
 #include "hmesh/core/lanes.hpp"
-#include "hmesh/image/image_view.hpp"
+#include "hmesh/core/parallel.hpp"
 #include "hmesh/fit/moment_table.hpp"
+#include "hmesh/fit/rendered_error.hpp"
+#include "hmesh/mesh/mesh.hpp"
+#include "hmesh/image/image_view.hpp"
 
 namespace hmesh::kit {
 
@@ -22,8 +25,14 @@ class ImageSource {
     template <class T>
     explicit ImageSource(const ImageView<T, C>& view, const ImageView<float, 1>& weights = {}, double unit = 1) noexcept
         : data_(view.data), width_(view.width), height_(view.height), row_stride_(view.row_stride), weights_(weights),
-          unit_(unit), low_(PixelTraits<T>::lowest), high_(PixelTraits<T>::highest), peak_(PixelTraits<T>::peak), make_(&make<T>),
-          sample_(&sample<T>) {}
+          unit_(unit), low_(PixelTraits<T>::lowest), high_(PixelTraits<T>::highest), peak_(PixelTraits<T>::peak), is_integer_(PixelTraits<T>::is_integer),
+          make_(&make<T>), sample_(&sample<T>), error_(&error<T>) {}
+
+    // The same weights over other pixels, of the same size.
+    template <class T>
+    [[nodiscard]] ImageSource with_pixels(const ImageView<T, C>& view) const noexcept {
+        return ImageSource(view, weights_, unit_);
+    }
 
     [[nodiscard]] int width() const noexcept { return width_; }
     [[nodiscard]] int height() const noexcept { return height_; }
@@ -31,11 +40,18 @@ class ImageSource {
     // The range of colours.
     [[nodiscard]] double low() const noexcept { return low_; }
     [[nodiscard]] double high() const noexcept { return high_; }
+    // Whether samples are whole numbers, so that sums of them are exact.
+    [[nodiscard]] bool is_integer() const noexcept { return is_integer_; }
     // The value of full intensity.
     [[nodiscard]] double peak() const noexcept { return peak_; }
 
     // The table of a rectangle of the image.
     [[nodiscard]] MomentTable<C> table(const Rect& rect) const { return make_(*this, rect); }
+
+    // The squared error of a finished mesh as drawn, see rendered_error(), with the weights.
+    [[nodiscard]] double rendered_error(const Mesh& mesh, const ParallelFor& parallel_for) const {
+        return error_(*this, mesh, parallel_for);
+    }
 
     // The samples at pixel (x, y), held to the image where it is outside; 0 in the lanes above.
     [[nodiscard]] HMESH_ALWAYS_INLINE Lanes<lanes_for(C + 1)> pixel(int x, int y) const noexcept {
@@ -54,6 +70,10 @@ class ImageSource {
         return MomentTable<C>(source.view<T>(), source.weights_, source.unit_, rect);
     }
     template <class T>
+    [[nodiscard]] static double error(const ImageSource& source, const Mesh& mesh, const ParallelFor& parallel_for) {
+        return kit::rendered_error(mesh, source.view<T>(), source.weights_, source.unit_, parallel_for);
+    }
+    template <class T>
     static void sample(const ImageSource& source, int x, int y, Lanes<lanes_for(C + 1)>& out) noexcept {
         out = Lanes<lanes_for(C + 1)>::zero();
         const T* pixel = source.view<T>().pixel(x, y);
@@ -66,8 +86,10 @@ class ImageSource {
     ImageView<float, 1> weights_;
     double unit_;  // of the weights, see weight_unit()
     double low_, high_, peak_;
+    bool is_integer_;
     MomentTable<C> (*make_)(const ImageSource&, const Rect&);
     void (*sample_)(const ImageSource&, int, int, Lanes<lanes_for(C + 1)>&) noexcept;
+    double (*error_)(const ImageSource&, const Mesh&, const ParallelFor&);
 };
 
 }  // namespace hmesh::kit

@@ -232,7 +232,7 @@ class MomentTable {
     std::unique_ptr<std::int32_t[]> int32_entries_;
     std::unique_ptr<double[]> float64_entries_;
     std::unique_ptr<double[]> x_moment_entries_;  // of weighted tables: w i, w i^2
-    std::unique_ptr<float[]> samples_;         // likewise: I_0 .. I_{C-1}, row after row
+    std::unique_ptr<float[]> samples_;            // likewise: I_0 .. I_{C-1}, row after row
 };
 
 }  // namespace hmesh::kit

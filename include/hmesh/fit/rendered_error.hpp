@@ -16,25 +16,23 @@
 #include "hmesh/image/image_view.hpp"
 #include "hmesh/image/weights.hpp"
 #include "hmesh/mesh/geometry.hpp"
-#include "hmesh/mesh/halfedge_mesh.hpp"
 #include "hmesh/mesh/mesh.hpp"
 #include "hmesh/mesh/raster.hpp"
 
 namespace hmesh::kit {
 namespace detail {
 
-template <int C>
-[[nodiscard]] Point position(const Mesh<C>& mesh, std::size_t v) noexcept {
+[[nodiscard]] inline Point position(const Mesh& mesh, std::size_t v) noexcept {
     return {static_cast<double>(mesh.positions[2 * v]), static_cast<double>(mesh.positions[2 * v + 1])};
 }
 
 }  // namespace detail
 
 // The sum of squared differences in stored values over pixels and channels, times weights (`unit`: weight_unit() of them),
-// of a mesh that tiles the image and whose faces have positive areas.
+// of a mesh of C channels that tiles the image and whose faces have positive areas.
 template <class T, int C>
-[[nodiscard]] double rendered_error(const Mesh<C>& mesh, const ImageView<T, C>& view, const ImageView<float, 1>& weights = {},
-                                  double unit = 1, const ParallelFor& parallel_for = {}) {
+[[nodiscard]] double rendered_error(const Mesh& mesh, const ImageView<T, C>& view, const ImageView<float, 1>& weights = {},
+                                    double unit = 1, const ParallelFor& parallel_for = {}) {
     const WeightScale scale(unit, view.width, view.height);
     const auto face = [&](const Triangle& t) {
         const Point a = detail::position(mesh, t[0]), b = detail::position(mesh, t[1]), c = detail::position(mesh, t[2]);

@@ -1,79 +1,20 @@
 // hmesh - Ring: a vertex with the fan of faces around it, and their energy as a function of the vertex.
 //
-// In a face (v, a, b) with the origin in v the picture is f = c (1 + l.x) + f1 x + f2 y, where c is v's colour, l the
-// gradient of v's hat function and (f1, f2) what the colours of a and b contribute. Its squared error is
-//     E = d + sum over channels of (A c^2 - 2 b c),     A = sum of lambda^2,  b = sum of lambda (I - f1 x - f2 y),
-// all sums over the face's pixels, all known from its moments. Summed over the ring, the best colour is b / A; with that
+// The squared errors of the faces around a vertex (squared_error.hpp) are parabolas in its colour. Summed over the ring, the best colour is b / A; with that
 // colour put back in, Gauss-Newton moves the vertex. The same code serves a vertex of the mesh and one that might be
 // inserted. Cost: about 13 ns a face for up to 3 channels.
 #ifndef HMESH_FIT_RING_HPP
 #define HMESH_FIT_RING_HPP
 
 #include "hmesh/fit/edge_moments.hpp"
+#include "hmesh/fit/squared_error.hpp"
 #include "hmesh/mesh/geometry.hpp"
 #include "hmesh/mesh/handles.hpp"
 
 namespace hmesh::kit {
 
-// The channels of a colour, padded with zeros to the lanes of Moments (lane C, where moments carry 1, is 0 in a colour).
-template <int C>
-using Color = typename Moments<C>::Channels;
-
-namespace detail {
-
-template <int C>
-HMESH_ALWAYS_INLINE void clamp_channels(Color<C>& c, double low, double high) {
-    c.clamp(low, high);
-    for (int k = C; k < lanes_for(C + 1); ++k) c.set(k, 0);  // padding stays 0 whatever the range
-}
-
-}  // namespace detail
-
-// Where a vertex may go: what is not free stays on a side of the image, or in a corner (fixed). A frozen vertex belongs to
-// other patches too: neither its position nor its colour changes, and it is not removed.
-enum class Mobility : unsigned char { free, along_x, along_y, corner, locked };
-
-// Most half-edges around a vertex that an operator makes.
-inline constexpr int max_valence = 40;
-// Most that a Ring holds.
+// Most neighbors that a Ring holds.
 inline constexpr int ring_capacity = 64;
-
-// What a vertex is, apart from its edges.
-template <int C>
-struct VertexState {
-    Color<C> color;
-    Point position;
-    Mobility mobility;
-    unsigned char valence_limit = max_valence;  // less for a frozen vertex, whose other patches may add edges too
-};
-
-// Bounds that keep a mesh sane.
-struct MeshLimits {
-    // Least twice the area of a face, in px^2. Slivers that hold no pixel are free for the energy but ugly when enlarged;
-    // 0.02 costs nothing measurable, 1 costs 0.03 dB (Lena, 1 %).
-    double min_double_area = 0.02;
-    // A free vertex keeps this distance from the image's border, in px.
-    double border_gap = 1.0 / 32;
-    // Colours may leave the pixel type's range while optimising, but not by more than this many ranges. The final colours
-    // are in range: geometry that counted on others loses up to 0.4 dB then (kodim03 at 1.2), geometry that never may
-    // leave it gets stuck a little earlier (Lena: 0.03 dB at 0).
-    double color_overshoot = 0.02;
-    // Faces without a pixel leave the colour of their corners undetermined: a pull toward the current colour, in pixels.
-    double ridge = 1e-3;
-};
-
-// One face of a ring, as a function of the centre's colour.
-template <int C>
-struct FaceFit {
-    double a;        // A
-    double lx, ly;   // gradient of the hat function
-    double squares;  // d = squares + rest.sum()
-    Color<C> b, f1, f2, rest;
-    // With the centre of this colour.
-    [[nodiscard]] HMESH_ALWAYS_INLINE double energy(const Color<C>& c) const {
-        return squares + (rest + c * (a * c - 2.0 * b)).sum();
-    }
-};
 
 // The sums over a ring: E(c) = d + sum (A c^2 - 2 b c). Lane C of b is not zero and means nothing.
 template <int C>
@@ -83,55 +24,6 @@ struct RingFit {
     Color<C> b = Color<C>::zero();
     [[nodiscard]] HMESH_ALWAYS_INLINE double energy(const Color<C>& c) const { return d + (c * (a * c - 2.0 * b)).sum(); }
 };
-
-// Face (v, a, b) with moments m. False when twice its area is below min_double_area.
-template <int C>
-[[nodiscard]] HMESH_ALWAYS_INLINE bool fit_face(const Moments<C>& m, Point v, const VertexState<C>& va, const VertexState<C>& vb,
-                                                double min_double_area, FaceFit<C>& out) {
-    const double ax = va.position.x - v.x, ay = va.position.y - v.y, bx = vb.position.x - v.x, by = vb.position.y - v.y;
-    const double area = ax * by - ay * bx;
-    if (!(area >= min_double_area)) return false;
-    const double inverse = 1 / area;
-    const double lx = (ay - by) * inverse, ly = (bx - ax) * inverse;
-    const Color<C> f1 = (by * inverse) * va.color - (ay * inverse) * vb.color;
-    const Color<C> f2 = (ax * inverse) * vb.color - (bx * inverse) * va.color;
-    const double ox = v.x - 0.5, oy = v.y - 0.5;  // the origin in pixel coordinates
-    const Color<C> mx = m.sx - ox * m.s, my = m.sy - oy * m.s;
-    const double sx = mx[C], sy = my[C];
-    const double sxx = m.q[0] - ox * (m.sx[C] + sx), syy = m.q[2] - oy * (m.sy[C] + sy);
-    const double sxy = m.q[1] - ox * m.sy[C] - oy * sx;
-    const double m1 = sx + lx * sxx + ly * sxy, m2 = sy + lx * sxy + ly * syy;
-    const Color<C> hat = m.s + lx * mx + ly * my;
-    out.a = hat[C] + lx * m1 + ly * m2;
-    out.lx = lx;
-    out.ly = ly;
-    out.f1 = f1;
-    out.f2 = f2;
-    out.b = hat - m1 * f1 - m2 * f2;
-    out.rest = f1 * (sxx * f1 - 2.0 * mx + (2 * sxy) * f2) + f2 * (syy * f2 - 2.0 * my);
-    out.squares = m.q[3];
-    return true;
-}
-
-// The squared error of a face with moments m and positive area.
-template <int C>
-[[nodiscard]] HMESH_ALWAYS_INLINE double face_energy(const Moments<C>& m, const VertexState<C>& v0, const VertexState<C>& v1,
-                                                     const VertexState<C>& v2) {
-    const Point v = v0.position;
-    const double ax = v1.position.x - v.x, ay = v1.position.y - v.y, bx = v2.position.x - v.x, by = v2.position.y - v.y;
-    const double inverse = 1 / (ax * by - ay * bx);
-    const Color<C> ca = v1.color - v0.color, cb = v2.color - v0.color;
-    const Color<C> gx = (by * inverse) * ca - (ay * inverse) * cb, gy = (ax * inverse) * cb - (bx * inverse) * ca;
-    const double ox = v.x - 0.5, oy = v.y - 0.5;
-    const Color<C> mx = m.sx - ox * m.s, my = m.sy - oy * m.s;
-    const double sx = mx[C], sy = my[C], n = m.s[C];
-    const double sxx = m.q[0] - ox * (m.sx[C] + sx), syy = m.q[2] - oy * (m.sy[C] + sy);
-    const double sxy = m.q[1] - ox * m.sy[C] - oy * sx;
-    const Color<C>& c = v0.color;
-    return m.q[3] +
-           (c * (n * c - 2.0 * m.s) + gx * (sxx * gx + 2.0 * (sx * c + sxy * gy - mx)) + gy * (syy * gy + 2.0 * (sy * c - my)))
-               .sum();
-}
 
 // The vertex in the middle is not part of a Ring. Neighbours follow each other against the orientation of the faces:
 // face i joins the centre, neighbour i and neighbour i - 1; an open ring (around a border vertex) lacks face 0.

@@ -121,7 +121,7 @@ Status write_pdf(const MeshView& source, Sink&& sink, const PdfOptions& options 
     const MeshView& mesh = straight.view();
     const auto channels = static_cast<std::size_t>(mesh.channels);
     const int components = mesh.channels == 1 ? 1 : 3;
-    const bool kit::has_alpha = mesh.channels == 4;
+    const bool has_alpha = mesh.channels == 4;
 
     const auto share = [&](std::size_t v, std::size_t k) {
         return static_cast<double>(mesh.colors[channels * v + k]) / mesh.peak;
@@ -175,12 +175,12 @@ Status write_pdf(const MeshView& source, Sink&& sink, const PdfOptions& options 
     page.text("/Type /Page /Parent 3 0 R ");
     box(page, "/MediaBox");
     page.text(" /Contents 5 0 R\n/Resources << ");
-    page.text(kit::has_alpha ? "/XObject << /X0 7 0 R >> /ExtGState << /G0 8 0 R >> >>\n"
+    page.text(has_alpha ? "/XObject << /X0 7 0 R >> /ExtGState << /G0 8 0 R >> >>\n"
                           "/Group << /S /Transparency /CS /DeviceRGB >>"
                         : "/Shading << /S0 6 0 R >> >>");
     file.end_object();
     file.begin_object();  // 5
-    end_text_stream(kit::has_alpha ? "/G0 gs /X0 Do" : "/S0 sh");
+    end_text_stream(has_alpha ? "/G0 gs /X0 Do" : "/S0 sh");
     shading(components, colors);  // 6
     if (has_alpha) {
         // The colours are a group and masked as a whole: poppler draws parts of a face over each other.

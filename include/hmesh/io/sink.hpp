@@ -20,7 +20,7 @@
 
 #include "hmesh/core/status.hpp"
 
-namespace hmesh::kit::detail {
+namespace hmesh::detail {
 
 // Collects bytes and hands them to the sink 4 KiB at a time. After the sink's first refusal everything is dropped.
 template <class Sink>
@@ -129,6 +129,6 @@ class Writer {
     std::array<unsigned char, 4096> buffer_;
 };
 
-}  // namespace hmesh::kit::detail
+}  // namespace hmesh::detail
 
 #endif  // HMESH_IO_SINK_HPP

@@ -6,8 +6,7 @@
 //
 // The mesh is an oriented 2-manifold with boundary: every vertex has one fan of faces. A boundary vertex's half-edge is the
 // boundary half-edge that leaves it. flip, split and collapse cost O(1) plus the valence for collapse; deleted slots are
-// used again. begin/commit/rollback make any sequence of edits a transaction. Edits are defined in halfedge_edits.hpp,
-// building and checking in halfedge_build.hpp, both included from here.
+// used again. begin/commit/rollback make any sequence of edits a transaction.
 #ifndef HMESH_MESH_HALFEDGE_MESH_HPP
 #define HMESH_MESH_HALFEDGE_MESH_HPP
 
@@ -20,10 +19,9 @@
 #include "hmesh/core/status.hpp"
 #include "hmesh/core/undo_array.hpp"
 #include "hmesh/mesh/handles.hpp"
+#include "hmesh/mesh/mesh.hpp"
 
 namespace hmesh::kit {
-
-using Triangle = std::array<std::uint32_t, 3>;  // indices of its corners
 
 class HalfedgeMesh {
   public:
@@ -288,7 +286,6 @@ inline void HalfedgeMesh::rollback(const Mark& mark) {
 
 }  // namespace hmesh::kit
 
-#include "hmesh/mesh/halfedge_build.hpp"
-#include "hmesh/mesh/halfedge_edits.hpp"
+#include "hmesh/mesh/halfedge_mesh.ipp"
 
 #endif  // HMESH_MESH_HALFEDGE_MESH_HPP

@@ -135,7 +135,8 @@ class HoleFiller {
         if (!(orient2d(a, b, c) > 0)) return false;
         for (int i = 0; i < size; ++i) {
             const Point p = corners[i].position;
-            if (i != before && i != tip && i != after && orient2d(a, b, p) >= 0 && orient2d(b, c, p) >= 0 && orient2d(c, a, p) >= 0)
+            if (i != before && i != tip && i != after && orient2d(a, b, p) >= 0 && orient2d(b, c, p) >= 0 &&
+                orient2d(c, a, p) >= 0)
                 return false;
         }
         return true;

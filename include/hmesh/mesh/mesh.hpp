@@ -16,11 +16,14 @@
 
 namespace hmesh {
 
+// The indices of its corners.
+using Triangle = std::array<std::uint32_t, 3>;
+
 // A mesh in somebody else's memory, which outlives the view.
 struct MeshView {
     const float* positions = nullptr;  // 2 a vertex
     const float* colors = nullptr;     // `channels` a vertex
-    const std::array<std::uint32_t, 3>* faces = nullptr;
+    const Triangle* faces = nullptr;
     std::size_t vertex_count = 0, face_count = 0;
     int channels = 0;
     int width = 0, height = 0;  // px of the image
@@ -30,12 +33,12 @@ struct MeshView {
     bool premultiplied = false;
 };
 
-// A mesh with C channels that owns its arrays; they mean what the view's mean.
-template <int C>
+// A mesh that owns its arrays; all members mean what the view's mean.
 struct Mesh {
     std::vector<float> positions;
     std::vector<float> colors;
-    std::vector<std::array<std::uint32_t, 3>> faces;
+    std::vector<Triangle> faces;
+    int channels = 0;
     int width = 0, height = 0;
     double peak = 0;
     bool premultiplied = false;
@@ -44,8 +47,8 @@ struct Mesh {
     [[nodiscard]] std::size_t face_count() const noexcept { return faces.size(); }
     // Valid until the arrays change.
     [[nodiscard]] MeshView view() const noexcept {
-        return {positions.data(), colors.data(), faces.data(), vertex_count(), face_count(), C, width,
-                height,           peak,          premultiplied};
+        return {positions.data(), colors.data(), faces.data(), vertex_count(), face_count(),
+                channels,         width,         height,       peak,           premultiplied};
     }
 };
 
@@ -59,15 +62,15 @@ struct Mesh {
     if (mesh.channels < 1 || mesh.channels > most_channels)
         return {Errc::invalid_argument, "the mesh has a number of channels that this use cannot hold", mesh.channels,
                 most_channels};
-    if (!is_finite(mesh.peak) || mesh.peak <= 0)
+    if (!kit::is_finite(mesh.peak) || mesh.peak <= 0)
         return {Errc::invalid_argument, "the mesh's peak must be positive and finite", 0, 0};
     for (std::size_t i = 0; i < 2 * mesh.vertex_count; ++i)
-        if (!is_finite(mesh.positions[i]))
+        if (!kit::is_finite(mesh.positions[i]))
             return {Errc::not_finite, "the mesh has a position that is NaN or infinite, at vertex",
                     static_cast<std::int64_t>(i / 2), 0};
     const auto channels = static_cast<std::size_t>(mesh.channels);
     for (std::size_t i = 0; i < channels * mesh.vertex_count; ++i)
-        if (!is_finite(mesh.colors[i]))
+        if (!kit::is_finite(mesh.colors[i]))
             return {Errc::not_finite, "the mesh has a colour that is NaN or infinite, at vertex",
                     static_cast<std::int64_t>(i / channels), 0};
     for (std::size_t f = 0; f < mesh.face_count; ++f)

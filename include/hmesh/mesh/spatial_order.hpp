@@ -10,7 +10,10 @@
 #include <cstdint>
 #include <vector>
 
+#include "hmesh/core/function_ref.hpp"
+#include "hmesh/core/lanes.hpp"
 #include "hmesh/mesh/geometry.hpp"
+#include "hmesh/mesh/halfedge_mesh.hpp"
 
 namespace hmesh::kit {
 namespace detail {
@@ -57,6 +60,35 @@ template <class Element, class Range, class Position>
     elements.reserve(count);
     for (const Item& item : items) elements.push_back(item.element);
     return elements;
+}
+
+// Calls body(e) for the edges that come with face f: of the two faces beside an edge, it comes with that of its even
+// half-edge, or the only one. So a loop over all faces meets each edge once.
+template <class Body>
+HMESH_ALWAYS_INLINE void for_each_edge(const HalfedgeMesh& topology, Face f, Body&& body) {
+    Halfedge h = topology.halfedge(f);
+    for (int i = 0; i < 3; ++i, h = topology.next(h))
+        if ((h.index() & 1U) == 0 || topology.is_boundary(HalfedgeMesh::opposite(h))) body(HalfedgeMesh::edge(h));
+}
+
+// The vertices of a mesh whose vertex v is at position(v); neighbors in the list are mostly neighbors in the plane. O(n).
+[[nodiscard]] inline std::vector<Vertex> spatial_vertices(const HalfedgeMesh& topology, FunctionRef<Point(Vertex)> position) {
+    return in_spatial_order<Vertex>(topology.vertices(), topology.vertex_count(), position);
+}
+// The faces, by their centroids.
+[[nodiscard]] inline std::vector<Face> spatial_faces(const HalfedgeMesh& topology, FunctionRef<Point(Vertex)> position) {
+    return in_spatial_order<Face>(topology.faces(), topology.face_count(), [&](Face f) {
+        const auto v = topology.vertices(f);
+        const Point a = position(v[0]), b = position(v[1]), c = position(v[2]);
+        return Point{(a.x + b.x + c.x) / 3, (a.y + b.y + c.y) / 3};
+    });
+}
+// Each edge once, face by face.
+[[nodiscard]] inline std::vector<Edge> spatial_edges(const HalfedgeMesh& topology, FunctionRef<Point(Vertex)> position) {
+    std::vector<Edge> edges;
+    edges.reserve(topology.edge_count());
+    for (const Face f : spatial_faces(topology, position)) for_each_edge(topology, f, [&](Edge e) { edges.push_back(e); });
+    return edges;
 }
 
 }  // namespace hmesh::kit

@@ -13,22 +13,24 @@
 #include <utility>
 
 #include "hmesh/core/finite.hpp"
+#include "hmesh/core/function_ref.hpp"
 #include "hmesh/core/status.hpp"
+#include "hmesh/result.hpp"
 
 namespace hmesh::kit {
 
 // `mesh_of(n)` makes a result with .status and .report.psnr, meshes of 4 <= n <= most vertices. Returns that of the fewest
 // vertices that reached `psnr`, or of the best PSNR with target_out_of_range when none did; where a run fails, what there is
 // then with its status.
-template <class MeshOf>
-[[nodiscard]] auto fewest_vertices(double psnr, std::size_t first, std::size_t most, MeshOf&& mesh_of) {
+[[nodiscard]] inline Result fewest_vertices(double psnr, std::size_t first, std::size_t most,
+                                            FunctionRef<Result(std::size_t n)> mesh_of) {
     constexpr double slope = 1.6;  // dB a doubling
     struct Run {
         double log_n = 0, psnr = 0;
         std::size_t n = 0;
     };
     Run low, high;  // the most vertices that failed, the fewest that reached it; n = 0: none yet
-    auto best = mesh_of(first);
+    Result best = mesh_of(first);
     Run run{std::log2(static_cast<double>(first)), best.report.psnr, first};
     bool reached = false;
     int same_side = 0;  // runs in a row that fell on one side
@@ -59,7 +61,7 @@ template <class MeshOf>
         auto n = static_cast<std::size_t>(std::llround(std::exp2(log_n)));
         n = std::max<std::size_t>(low.n != 0 ? low.n + 1 : 4, std::min(n, high.n != 0 ? high.n - 1 : most));
 
-        auto result = mesh_of(n);
+        Result result = mesh_of(n);
         run = {std::log2(static_cast<double>(n)), result.report.psnr, n};
         const bool better = run.psnr >= psnr ? true : !reached && run.psnr > best.report.psnr;
         if (!result.status) {  // cancelled: the best so far, which may be what this run came to
@@ -71,9 +73,7 @@ template <class MeshOf>
         if (better) best = std::move(result);
     }
     if (!reached)
-        best.status = {Errc::target_out_of_range, "no mesh of this image reached the PSNR asked for, in hundredths of a dB",
-                       static_cast<std::int64_t>(std::floor(best.report.psnr * 100)),
-                       static_cast<std::int64_t>(std::ceil(std::min(psnr, 1e6) * 100))};
+        best.status = {Errc::target_out_of_range, "no mesh of this image reached the PSNR asked for, in dB", best.report.psnr, psnr};
     return best;
 }
 

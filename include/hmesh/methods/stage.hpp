@@ -1,10 +1,10 @@
-// hmesh - stages: what all methods are made of, as far as progress and reports go.
+// hmesh - stages: what recipes are made of, as far as progress and reports go.
 #ifndef HMESH_METHODS_STAGE_HPP
 #define HMESH_METHODS_STAGE_HPP
 
 #include <algorithm>
-#include <cstddef>
 
+#include "hmesh/core/function_ref.hpp"
 #include "hmesh/core/status.hpp"
 #include "hmesh/tiles/tiled_mesh.hpp"
 #include "hmesh/tiles/tiling.hpp"
@@ -13,16 +13,18 @@ namespace hmesh::kit {
 
 // The status of work that the progress callback stopped.
 [[nodiscard]] inline Status cancelled_by_callback() noexcept {
-    return {Errc::cancelled, "cancelled by the progress callback", 0, 0};
+    return {Errc::cancelled, "cancelled by the progress callback"};
+}
+// The status of work that says whether it was finished.
+[[nodiscard]] inline Status finished_or_cancelled(bool is_finished) noexcept {
+    return is_finished ? Status() : cancelled_by_callback();
 }
 
-namespace detail {
-
-// Runs body(), which says whether to go on, as a stage of this name. Returns whether to go on.
-template <int C, class Body>
-bool stage(TiledMesh<C>& work, const char* name, Body&& body) {
-    return work.monitor().begin(name, work.vertex_count(), work.energy()) && body() &&
-           work.monitor().end(work.vertex_count(), work.energy());
+// Runs body(), which says whether to go on, as a stage of this static name. Returns whether to go on.
+template <int C>
+bool run_stage(TiledMesh<C>& tiled, const char* name, FunctionRef<bool()> body) {
+    return tiled.progress().begin(name, tiled.vertex_count(), tiled.energy()) && body() &&
+           tiled.progress().end(tiled.vertex_count(), tiled.energy());
 }
 
 // The whole image as one tile: how the paper's methods work.
@@ -31,16 +33,15 @@ template <int C>
     return Tiling(source.width(), source.height(), std::max(source.width(), source.height()));
 }
 
-// A stage of work(mesh) on the whole mesh at once.
-template <int C, class Work>
-bool whole_stage(TiledMesh<C>& work, const char* name, Work&& body) {
-    return stage(work, name, [&] {
-        work.monitor().set_range(0, 1);
-        return work.for_each(one_tile(work.source()), [&](Patch<C>& patch, std::size_t) { body(patch.mesh()); });
+// A stage of body(mesh) on the whole mesh at once. Returns whether to go on.
+template <int C>
+bool run_whole_stage(TiledMesh<C>& tiled, const char* name, FunctionRef<void(ImageMesh<C>& mesh)> body) {
+    return run_stage(tiled, name, [&] {
+        tiled.progress().set_range(0, 1);
+        return tiled.for_each(one_tile(tiled.source()), [&](Patch<C>& patch, std::size_t) { body(patch.mesh()); });
     });
 }
 
-}  // namespace detail
 }  // namespace hmesh::kit
 
 #endif  // HMESH_METHODS_STAGE_HPP

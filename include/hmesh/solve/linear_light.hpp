@@ -15,9 +15,6 @@
 #ifndef HMESH_SOLVE_LINEAR_LIGHT_HPP
 #define HMESH_SOLVE_LINEAR_LIGHT_HPP
 
-#include <Eigen/Core>
-#include <Eigen/SparseCore>
-
 #include <algorithm>
 #include <array>
 #include <cstddef>
@@ -25,22 +22,24 @@
 #include <utility>
 #include <vector>
 
+#include "hmesh/core/function_ref.hpp"
 #include "hmesh/core/parallel.hpp"
+#include "hmesh/core/psnr.hpp"
 #include "hmesh/core/srgb.hpp"
 #include "hmesh/core/status.hpp"
-#include "hmesh/solve/normal_equations.hpp"
 #include "hmesh/solve/bounded_colors.hpp"
+#include "hmesh/solve/normal_equations.hpp"
 #include "hmesh/fit/rendered_error.hpp"
 #include "hmesh/solve/pcg.hpp"
-#include "hmesh/fit/ring.hpp"
 #include "hmesh/image/image_view.hpp"
 #include "hmesh/image/weights.hpp"
 #include "hmesh/mesh/geometry.hpp"
 #include "hmesh/mesh/halfedge_mesh.hpp"
+#include "hmesh/mesh/limits.hpp"
 #include "hmesh/mesh/mesh.hpp"
 #include "hmesh/mesh/raster.hpp"
 
-namespace hmesh::kit {
+namespace hmesh {
 
 struct LinearLightOptions {  // options of fit_linear_light()
     int iterations = 6;      // Gauss-Newton steps at most, >= 0; 0 measures only
@@ -58,10 +57,11 @@ struct [[nodiscard]] LinearLightReport {  // what it came to
     int iterations = 0;         // steps taken, those of the channel that took most
     int solver_iterations = 0;  // of all
     double residual = 0;        // the largest of a solve, relative to its right-hand side
+    double psnr = 0;            // dB, of `energy`, as Report has it
     Status status;
 };
 
-namespace detail {
+namespace kit::detail {
 
 // One channel of a mesh as light: stored shares of the peak, rounded to float as the mesh has them, and what they decode to.
 struct ChannelLight {
@@ -73,7 +73,7 @@ struct ChannelLight {
 template <class T, int C>
 class LinearLight {
   public:
-    LinearLight(const Mesh<C>& mesh, const HalfedgeMesh& topology, const ImageView<T, C>& view, const LinearLightOptions& options,
+    LinearLight(const Mesh& mesh, const HalfedgeMesh& topology, const ImageView<T, C>& view, const LinearLightOptions& options,
                 const ParallelFor& parallel_for)
         : mesh_(mesh), topology_(topology), view_(view), options_(options), parallel_for_(parallel_for),
           scale_(weight_unit(options.weights, parallel_for), view.width, view.height), corners_(2 * topology.edge_slots()) {}
@@ -86,11 +86,11 @@ class LinearLight {
         return out;
     }
     // The light `step` times `direction` further on, cut off at 0 and 1.
-    [[nodiscard]] ChannelLight moved(const ChannelLight& from, std::size_t k, const Eigen::MatrixXd& direction,
+    [[nodiscard]] ChannelLight moved(const ChannelLight& from, std::size_t k, const DenseMatrix& direction,
                                      double step) const {
         ChannelLight out;
         for (std::size_t v = 0; v < from.light.size(); ++v) {
-            const double light = from.light[v] + step * direction(static_cast<Eigen::Index>(v), 0);
+            const double light = from.light[v] + step * direction(v, 0);
             add(out, k, encode(k, std::max(0.0, std::min(1.0, light))) * mesh_.peak, 0);
         }
         return out;
@@ -111,17 +111,17 @@ class LinearLight {
         });
     }
     // The Gauss-Newton step from where measure() was called last.
-    [[nodiscard]] PcgReport direction(const ChannelLight& at, std::size_t k, Eigen::MatrixXd& out) const {
-        Eigen::SparseMatrix<double> matrix = gram_matrix(topology_, corners_, parallel_for_);
-        const Eigen::MatrixXd rhs = image_rhs(topology_, corners_, parallel_for_);
+    [[nodiscard]] PcgReport direction(const ChannelLight& at, std::size_t k, DenseMatrix& out) const {
+        SymmetricMatrix matrix = normal_matrix(topology_, corners_, parallel_for_);
+        const DenseMatrix rhs = image_sums(topology_, corners_, parallel_for_);
         std::vector<HeldEntry> held;
-        for (Eigen::Index v = 0; v < rhs.rows(); ++v) {
-            const double light = at.light[static_cast<std::size_t>(v)];
+        for (std::size_t v = 0; v < rhs.rows; ++v) {
+            const double light = at.light[v];
             const double slope = is_encoded(k) ? linear_to_srgb_slope(light, linear_to_srgb(light)) : 1;
-            matrix.coeffRef(v, v) += options_.ridge * slope * slope;
+            matrix.add_to_diagonal(v, options_.ridge * slope * slope);
             if ((light <= 0 && rhs(v, 0) < 0) || (light >= 1 && rhs(v, 0) > 0)) held.push_back({v, 0});
         }
-        out.setZero(rhs.rows(), 1);
+        out = DenseMatrix(rhs.rows, 1);
         PcgOptions exactness;
         exactness.tolerance = 1e-6;  // steps are inexact by what the encoding is not linear
         return solve_pcg(matrix, rhs, out, exactness, held);
@@ -192,7 +192,7 @@ class LinearLight {
         return energy;
     }
 
-    const Mesh<C>& mesh_;
+    const Mesh& mesh_;
     const HalfedgeMesh& topology_;
     const ImageView<T, C>& view_;
     const LinearLightOptions& options_;
@@ -202,8 +202,10 @@ class LinearLight {
 };
 
 // Whether the mesh is one of the image: what for_each_span asks for, and each pixel's owner in reach.
-template <class T, int C>
-[[nodiscard]] Status check_fit(const Mesh<C>& mesh, const ImageView<T, C>& view, HalfedgeMesh& topology) {
+template <int C, class T>
+[[nodiscard]] Status check_fit(const Mesh& mesh, const ImageView<T, C>& view, HalfedgeMesh& topology) {
+    if (mesh.channels != C)
+        return {Errc::invalid_argument, "the mesh has not the image's number of channels", mesh.channels, C};
     if (mesh.positions.size() % 2 != 0 || mesh.colors.size() != C * mesh.vertex_count())
         return {Errc::invalid_argument, "the mesh's arrays are not of one number of vertices", 0, 0};
     if (const Status status = check(mesh.view(), C); !status) return status;
@@ -223,7 +225,7 @@ template <class T, int C>
     return topology.assign(mesh.vertex_count(), mesh.faces);
 }
 
-}  // namespace detail
+}  // namespace kit::detail
 
 // Gives the mesh the colours with the least squared error to the image in stored values, as seen through interpolation in
 // linear light; they stay stored values, in [0, peak]. Starts from those that it has, which are held to that range first, as
@@ -232,26 +234,26 @@ template <class T, int C>
 //
 // Status: invalid_argument where the mesh is not one of this image, is premultiplied, or has a vertex without a face; the mesh
 // is then as it was. The view and the weights are such as check(), check_finite() and check_weights() accept.
-template <class T, int C, class GoOn>
-LinearLightReport fit_linear_light(Mesh<C>& mesh, const ImageView<T, C>& view, const LinearLightOptions& options,
-                                   const ParallelFor& parallel_for, GoOn&& go_on) {
-    using detail::ChannelLight;
+template <class T, int C>
+LinearLightReport fit_linear_light(Mesh& mesh, const ImageView<T, C>& view, const LinearLightOptions& options = {},
+                                   const ParallelFor& parallel_for = {}, FunctionRef<bool(double share)> go_on = {}) {
+    using kit::detail::ChannelLight;
     LinearLightReport report;
-    HalfedgeMesh topology;
-    report.status = detail::check_fit(mesh, view, topology);
+    kit::HalfedgeMesh topology;
+    report.status = kit::detail::check_fit<C>(mesh, view, topology);
     if (!report.status) return report;
-    detail::LinearLight<T, C> scene(mesh, topology, view, options, parallel_for);
+    kit::detail::LinearLight<T, C> scene(mesh, topology, view, options, parallel_for);
     const double unit = mesh.peak * mesh.peak;
     for (std::size_t k = 0; k < C; ++k) {
         const ChannelLight start = scene.start(k);
         ChannelLight now = start;
         const double converted = scene.measure(now, k);
         double energy = converted;
-        Eigen::MatrixXd direction;
+        kit::DenseMatrix direction;
         int steps = 0;
         for (bool gains = true; gains && energy > 0 && steps < options.iterations;) {
-            if (!go_on((static_cast<double>(k) + static_cast<double>(steps) / options.iterations) / C)) break;
-            const PcgReport solve = scene.direction(now, k, direction);
+            if (go_on && !go_on((static_cast<double>(k) + static_cast<double>(steps) / options.iterations) / C)) break;
+            const kit::PcgReport solve = scene.direction(now, k, direction);
             report.solver_iterations += solve.iterations;
             report.residual = std::max(report.residual, solve.residual);
             gains = false;
@@ -276,14 +278,12 @@ LinearLightReport fit_linear_light(Mesh<C>& mesh, const ImageView<T, C>& view, c
         report.energy += unit * energy;
         report.iterations = std::max(report.iterations, steps);
     }
+    const double weight = kit::weight_unit(options.weights, parallel_for);
+    const double samples = C * kit::weight_sum(options.weights, weight, view.width, view.height, parallel_for);
+    report.psnr = kit::psnr_of_energy(report.energy, samples, mesh.peak);
     return report;
 }
-template <class T, int C>
-LinearLightReport fit_linear_light(Mesh<C>& mesh, const ImageView<T, C>& view, const LinearLightOptions& options = {},
-                                   const ParallelFor& parallel_for = {}) {
-    return fit_linear_light(mesh, view, options, parallel_for, [](double) { return true; });
-}
 
-}  // namespace hmesh::kit
+}  // namespace hmesh
 
 #endif  // HMESH_SOLVE_LINEAR_LIGHT_HPP

@@ -1,32 +1,58 @@
-// hmesh - barycentric: the sparse matrix K of the paper, and its normal equations.
+// hmesh - the normal equations of all vertices at once: K K^T, K I^T and K P^T, sparse and symmetric.
 //
-// Column p of K holds the barycentric coordinates of pixel p's centre in the face that owns it, so the picture that a
-// mesh shows is I(V) K (the paper's section 3), and V K is the pixels' positions P exactly. K itself serves tests and
-// what wants to see single pixels; K K^T, K I^T and K P^T are never multiplied out but follow from moments of faces.
-//
-// Rows of K are the mesh's vertices, row r the r-th of topology().vertices(); columns are the pixels of the table's
-// rectangle, row after row. Cost: K about 20 ns a pixel and 40 bytes of memory; the normal equations 0.4 us a vertex,
-// whatever the number of pixels.
+// Column p of the paper's matrix K holds the barycentric coordinates of pixel p's centre in the face that owns it, so the picture
+// that a mesh shows is I(V) K (section 3). K K^T and its right-hand sides are never multiplied out: they follow from the moments
+// of the faces, corner by corner. Rows are the mesh's vertices, row r the r-th of topology().vertices(). 0.4 us a vertex, whatever
+// the number of pixels. Plain arrays: solve/eigen.hpp gives them as Eigen's matrices, and K itself.
 #ifndef HMESH_SOLVE_NORMAL_EQUATIONS_HPP
 #define HMESH_SOLVE_NORMAL_EQUATIONS_HPP
 
-#include <Eigen/SparseCore>
-#if !EIGEN_VERSION_AT_LEAST(3, 4, 0)
-#error "hmesh needs Eigen 3.4 or newer"
-#endif
-
-#include <algorithm>
-#include <array>
 #include <cstddef>
-#include <utility>
 #include <vector>
 
 #include "hmesh/core/parallel.hpp"
 #include "hmesh/fit/image_mesh.hpp"
+#include "hmesh/fit/squared_error.hpp"
 #include "hmesh/mesh/geometry.hpp"
-#include "hmesh/mesh/raster.hpp"
 
 namespace hmesh::kit {
+
+// A symmetric matrix of n rows, row after row, with both triangles stored: row i has the entries [starts[i], starts[i + 1]) of
+// `columns`, rising, and `values`.
+struct SymmetricMatrix {
+    std::vector<int> starts{0};
+    std::vector<int> columns;
+    std::vector<double> values;
+
+    [[nodiscard]] std::size_t size() const noexcept { return starts.size() - 1; }
+    // The value on the diagonal of row i, 0 where none is stored.
+    [[nodiscard]] double diagonal(std::size_t i) const noexcept {
+        const int at = find_diagonal(i);
+        return at < 0 ? 0 : values[static_cast<std::size_t>(at)];
+    }
+    // Adds to the diagonal of row i, which must be stored.
+    void add_to_diagonal(std::size_t i, double value) noexcept { values[static_cast<std::size_t>(find_diagonal(i))] += value; }
+
+  private:
+    [[nodiscard]] int find_diagonal(std::size_t i) const noexcept {
+        for (int at = starts[i]; at < starts[i + 1]; ++at)
+            if (columns[static_cast<std::size_t>(at)] == static_cast<int>(i)) return at;
+        return -1;
+    }
+};
+
+// A matrix of rows * columns numbers, row after row.
+struct DenseMatrix {
+    std::size_t rows = 0, columns = 0;
+    std::vector<double> values;
+
+    DenseMatrix() = default;
+    // All 0.
+    DenseMatrix(std::size_t row_count, std::size_t column_count)
+        : rows(row_count), columns(column_count), values(row_count * column_count, 0.0) {}
+    [[nodiscard]] double& operator()(std::size_t row, std::size_t column) noexcept { return values[row * columns + column]; }
+    [[nodiscard]] double operator()(std::size_t row, std::size_t column) const noexcept { return values[row * columns + column]; }
+};
 
 // The row of each vertex, by slot; -1 for deleted slots.
 [[nodiscard]] inline std::vector<int> vertex_rows(const HalfedgeMesh& topology) {
@@ -36,111 +62,7 @@ namespace hmesh::kit {
     return rows;
 }
 
-// V: n_v by 2, where the vertices are.
-template <int C>
-[[nodiscard]] Eigen::MatrixXd position_matrix(const ImageMesh<C>& mesh) {
-    Eigen::MatrixXd positions(static_cast<Eigen::Index>(mesh.vertex_count()), 2);
-    Eigen::Index row = 0;
-    for (const Vertex v : mesh.topology().vertices()) positions.row(row++) << mesh.position(v).x, mesh.position(v).y;
-    return positions;
-}
-// I(V): n_v by C, their colours.
-template <int C>
-[[nodiscard]] Eigen::MatrixXd color_matrix(const ImageMesh<C>& mesh) {
-    Eigen::MatrixXd colors(static_cast<Eigen::Index>(mesh.vertex_count()), C);
-    Eigen::Index row = 0;
-    for (const Vertex v : mesh.topology().vertices()) {
-        for (int k = 0; k < C; ++k) colors(row, k) = mesh.color(v)[k];
-        ++row;
-    }
-    return colors;
-}
-
-// K: n_v by n_p, columns of 3 entries (some may be 0) that sum to 1. Faces are independent pieces of work, because each
-// pixel has one owner. The mesh must tile its rectangle, as check() proves.
-template <int C>
-[[nodiscard]] Eigen::SparseMatrix<double> barycentric_matrix(const ImageMesh<C>& mesh, const ParallelFor& parallel_for = {}) {
-    const HalfedgeMesh& topology = mesh.topology();
-    const std::vector<int> rows = vertex_rows(topology);
-    const auto width = static_cast<std::size_t>(mesh.width()), pixels = width * static_cast<std::size_t>(mesh.height());
-    Eigen::SparseMatrix<double> matrix(static_cast<Eigen::Index>(mesh.vertex_count()), static_cast<Eigen::Index>(pixels));
-    matrix.resizeNonZeros(static_cast<Eigen::Index>(3 * pixels));
-    for (std::size_t p = 0; p <= pixels; ++p) matrix.outerIndexPtr()[p] = static_cast<int>(3 * p);
-    for_each_chunk(parallel_for, topology.face_slots(), 256, [&](std::size_t first, std::size_t last) {
-        for (std::size_t f = first; f < last; ++f) {
-            if (topology.is_deleted(Face(f))) continue;
-            std::array<Vertex, 3> v = topology.vertices(Face(f));
-            if (v[1] < v[0]) std::swap(v[0], v[1]);  // rows rise down a column; the weights do not mind
-            if (v[2] < v[1]) std::swap(v[1], v[2]);
-            if (v[1] < v[0]) std::swap(v[0], v[1]);
-            const Point a = mesh.position(v[0]), b = mesh.position(v[1]), c = mesh.position(v[2]);
-            for_each_span(a, b, c, {}, [&](int j, int begin, int end) {
-                std::size_t entry = 3 * (static_cast<std::size_t>(j) * width + static_cast<std::size_t>(begin));
-                for (int i = begin; i < end; ++i, entry += 3) {
-                    const Barycentric weights = barycentric(a, b, c, {i + 0.5, j + 0.5});
-                    for (std::size_t k = 0; k < 3; ++k) matrix.innerIndexPtr()[entry + k] = rows[v[k].index()];
-                    matrix.valuePtr()[entry] = weights.a;
-                    matrix.valuePtr()[entry + 1] = weights.b;
-                    matrix.valuePtr()[entry + 2] = weights.c;
-                }
-            });
-        }
-    });
-    return matrix;
-}
-
-// What one corner of a face adds to the normal equations. It goes with the half-edge that leaves the corner within the
-// face; lambda is the corner's hat function, sums are over the face's pixels.
-template <int C>
-struct CornerSums {
-    double square = 0;                  // lambda^2
-    double coupling = 0;                // lambda times that of the half-edge's other end
-    double x = 0, y = 0;                // lambda (x, y), plane coordinates of the pixel's centre
-    Color<C> image = Color<C>::zero();  // lambda I; lane C: lambda
-};
-
 namespace detail {
-
-// The corners of face (v0, v1, v2) with moments m. With the origin in v0, lambda_1 = u / area and lambda_2 = w / area
-// for u = b_y x - b_x y and w = a_x y - a_y x. Dividing last and nesting sums of products as below keeps all before it
-// exact on the 1/256 px grid for faces of common size: slivers, where terms of 1e8 cancel, lose nothing.
-template <int C>
-void sum_corners(const Moments<C>& m, Point v0, Point v1, Point v2, CornerSums<C>& out0, CornerSums<C>& out1,
-                 CornerSums<C>& out2) {
-    const double n = m.s[C];
-    if (!(n > least_weight)) return;  // sums of float samples and of weights leave rounding where there is no pixel
-    const double ax = v1.x - v0.x, ay = v1.y - v0.y, bx = v2.x - v0.x, by = v2.y - v0.y;
-    const double inverse = 1 / (ax * by - ay * bx), inverse2 = inverse * inverse;
-    const double ox = v0.x - 0.5, oy = v0.y - 0.5;  // the origin in pixel coordinates
-    const Color<C> mx = m.sx - ox * m.s, my = m.sy - oy * m.s;
-    const double sx = mx[C], sy = my[C];
-    const double sxx = m.q[0] - ox * (m.sx[C] + sx), syy = m.q[2] - oy * (m.sy[C] + sy);
-    const double sxy = m.q[1] - ox * m.sy[C] - oy * sx;
-    const double ux = by * sxx - bx * sxy, uy = by * sxy - bx * syy;
-    const double wx = ax * sxy - ay * sxx, wy = ax * syy - ay * sxy;
-    const double l1 = (by * sx - bx * sy) * inverse, l2 = (ax * sy - ay * sx) * inverse;
-    const double l11 = (by * ux - bx * uy) * inverse2, l22 = (ax * wy - ay * wx) * inverse2;
-    const double l12 = (ax * uy - ay * ux) * inverse2;
-    out1.square = l11;
-    out1.coupling = l12;
-    out1.image = (by * mx - bx * my) * inverse;
-    out1.x = v0.x * l1 + ux * inverse;
-    out1.y = v0.y * l1 + uy * inverse;
-    out2.square = l22;
-    out2.coupling = l2 - l12 - l22;
-    out2.image = (ax * my - ay * mx) * inverse;
-    out2.x = v0.x * l2 + wx * inverse;
-    out2.y = v0.y * l2 + wy * inverse;
-    out0.square = n - 2 * (l1 + l2) + l11 + 2 * l12 + l22;
-    out0.coupling = l1 - l11 - l12;
-    out0.image = m.s - out1.image - out2.image;
-    out0.x = n * v0.x + sx - out1.x - out2.x;
-    out0.y = n * v0.y + sy - out1.y - out2.y;
-    // Rounding of weighted sums may have made squares negative.
-    out0.square = std::max(0.0, out0.square);
-    out1.square = std::max(0.0, out1.square);
-    out2.square = std::max(0.0, out2.square);
-}
 
 // The corners of face f, the first being that which topology().halfedge(f) leaves.
 template <int C>
@@ -154,6 +76,14 @@ void sum_face(const ImageMesh<C>& mesh, Face f, CornerSums<C>& out0, CornerSums<
 // Calls body(v) for all live vertices, in pieces.
 template <class Body>
 void for_each_vertex(const HalfedgeMesh& topology, const ParallelFor& parallel_for, Body&& body) {
+    for_each_chunk(parallel_for, topology.vertex_slots(), 1024, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t v = begin; v < end; ++v)
+            if (!topology.is_deleted(Vertex(v))) body(Vertex(v));
+    });
+}
+
+// Calls body(v) for all live vertices, in pieces.
+inline void for_each_vertex(const HalfedgeMesh& topology, const ParallelFor& parallel_for, FunctionRef<void(Vertex)> body) {
     for_each_chunk(parallel_for, topology.vertex_slots(), 1024, [&](std::size_t begin, std::size_t end) {
         for (std::size_t v = begin; v < end; ++v)
             if (!topology.is_deleted(Vertex(v))) body(Vertex(v));
@@ -177,33 +107,29 @@ template <int C>
     return corners;
 }
 
-// K K^T: n_v by n_v, symmetric to the bit, both triangles stored; an entry for each vertex and each edge either way,
-// even where no pixel makes it differ from 0. From the corners of the mesh with this topology, or from the mesh.
+// K K^T of a mesh with this topology and these corners: n_v by n_v, symmetric to the bit; an entry for each vertex and each edge
+// either way, even where no pixel makes it differ from 0.
 template <int C>
-[[nodiscard]] Eigen::SparseMatrix<double> gram_matrix(const HalfedgeMesh& topology, const std::vector<CornerSums<C>>& corners,
-                                                      const ParallelFor& parallel_for = {}) {
+[[nodiscard]] SymmetricMatrix normal_matrix(const HalfedgeMesh& topology, const std::vector<CornerSums<C>>& corners,
+                                            const ParallelFor& parallel_for = {}) {
     const std::vector<int> rows = vertex_rows(topology);
-    const auto n = static_cast<Eigen::Index>(topology.vertex_count());
-    Eigen::SparseMatrix<double> matrix(n, n);
-    int* const starts = matrix.outerIndexPtr();
-    starts[0] = 0;
-    for (const Vertex v : topology.vertices()) {
-        const int row = rows[v.index()];
-        starts[row + 1] = starts[row] + topology.valence(v) + 1;
-    }
-    matrix.resizeNonZeros(starts[n]);
+    SymmetricMatrix matrix;
+    matrix.starts.reserve(topology.vertex_count() + 1);
+    for (const Vertex v : topology.vertices()) matrix.starts.push_back(matrix.starts.back() + topology.valence(v) + 1);
+    matrix.columns.resize(static_cast<std::size_t>(matrix.starts.back()));
+    matrix.values.resize(matrix.columns.size());
     detail::for_each_vertex(topology, parallel_for, [&](Vertex v) {
-        const int column = rows[v.index()];
-        int* const inner = matrix.innerIndexPtr() + starts[column];
-        double* const values = matrix.valuePtr() + starts[column];
+        const int row = rows[v.index()], start = matrix.starts[static_cast<std::size_t>(row)];
+        int* const columns = matrix.columns.data() + start;
+        double* const values = matrix.values.data() + start;
         int count = 0;
-        const auto insert = [&](int row, double value) {  // keeps rows rising
+        const auto insert = [&](int column, double value) {  // keeps columns rising
             int at = count++;
-            for (; at > 0 && inner[at - 1] > row; --at) {
-                inner[at] = inner[at - 1];
+            for (; at > 0 && columns[at - 1] > column; --at) {
+                columns[at] = columns[at - 1];
                 values[at] = values[at - 1];
             }
-            inner[at] = row;
+            columns[at] = column;
             values[at] = value;
         };
         double diagonal = 0;
@@ -212,52 +138,39 @@ template <int C>
             insert(rows[topology.to_vertex(h).index()],
                    corners[h.index()].coupling + corners[HalfedgeMesh::opposite(h).index()].coupling);
         }
-        insert(column, diagonal);
+        insert(row, diagonal);
     });
     return matrix;
-}
-template <int C>
-[[nodiscard]] Eigen::SparseMatrix<double> gram_matrix(const ImageMesh<C>& mesh, const ParallelFor& parallel_for = {}) {
-    return gram_matrix(mesh.topology(), corner_sums(mesh, parallel_for), parallel_for);
 }
 
 // K I^T: n_v by C, where I is C by n_p, the image.
 template <int C>
-[[nodiscard]] Eigen::MatrixXd image_rhs(const HalfedgeMesh& topology, const std::vector<CornerSums<C>>& corners,
-                                        const ParallelFor& parallel_for = {}) {
+[[nodiscard]] DenseMatrix image_sums(const HalfedgeMesh& topology, const std::vector<CornerSums<C>>& corners,
+                                     const ParallelFor& parallel_for = {}) {
     const std::vector<int> rows = vertex_rows(topology);
-    Eigen::MatrixXd rhs(static_cast<Eigen::Index>(topology.vertex_count()), C);
+    DenseMatrix sums(topology.vertex_count(), C);
     detail::for_each_vertex(topology, parallel_for, [&](Vertex v) {
         Color<C> sum = Color<C>::zero();
         for (const Halfedge h : topology.outgoing(v)) sum += corners[h.index()].image;
-        for (int k = 0; k < C; ++k) rhs(rows[v.index()], k) = sum[k];
+        for (int k = 0; k < C; ++k) sums(static_cast<std::size_t>(rows[v.index()]), static_cast<std::size_t>(k)) = sum[k];
     });
-    return rhs;
-}
-template <int C>
-[[nodiscard]] Eigen::MatrixXd image_rhs(const ImageMesh<C>& mesh, const ParallelFor& parallel_for = {}) {
-    return image_rhs(mesh.topology(), corner_sums(mesh, parallel_for), parallel_for);
+    return sums;
 }
 
 // K P^T: n_v by 2, where P is 2 by n_p, the centres of the pixels.
 template <int C>
-[[nodiscard]] Eigen::MatrixXd position_rhs(const HalfedgeMesh& topology, const std::vector<CornerSums<C>>& corners,
-                                           const ParallelFor& parallel_for = {}) {
+[[nodiscard]] DenseMatrix position_sums(const HalfedgeMesh& topology, const std::vector<CornerSums<C>>& corners,
+                                        const ParallelFor& parallel_for = {}) {
     const std::vector<int> rows = vertex_rows(topology);
-    Eigen::MatrixXd rhs(static_cast<Eigen::Index>(topology.vertex_count()), 2);
+    DenseMatrix sums(topology.vertex_count(), 2);
     detail::for_each_vertex(topology, parallel_for, [&](Vertex v) {
-        double x = 0, y = 0;
+        const auto row = static_cast<std::size_t>(rows[v.index()]);
         for (const Halfedge h : topology.outgoing(v)) {
-            x += corners[h.index()].x;
-            y += corners[h.index()].y;
+            sums(row, 0) += corners[h.index()].x;
+            sums(row, 1) += corners[h.index()].y;
         }
-        rhs.row(rows[v.index()]) << x, y;
     });
-    return rhs;
-}
-template <int C>
-[[nodiscard]] Eigen::MatrixXd position_rhs(const ImageMesh<C>& mesh, const ParallelFor& parallel_for = {}) {
-    return position_rhs(mesh.topology(), corner_sums(mesh, parallel_for), parallel_for);
+    return sums;
 }
 
 }  // namespace hmesh::kit

@@ -7,15 +7,13 @@
 #ifndef HMESH_SOLVE_PCG_HPP
 #define HMESH_SOLVE_PCG_HPP
 
-#include <Eigen/Core>
-#include <Eigen/SparseCore>
-
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
 #include <vector>
 
 #include "hmesh/core/assert.hpp"
+#include "hmesh/solve/normal_equations.hpp"
 
 namespace hmesh::kit {
 
@@ -36,33 +34,30 @@ struct PcgReport {
 
 // An entry of X that is given.
 struct HeldEntry {
-    Eigen::Index row = 0, column = 0;
+    std::size_t row = 0, column = 0;
 };
 
 namespace detail {
 
-using RowMajorMatrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
-
-// out = A x: row i gathers along column i of A, which is self-adjoint.
-inline void multiply(const Eigen::SparseMatrix<double>& a, const RowMajorMatrix& x, RowMajorMatrix& out) {
-    const Eigen::Index columns = x.cols();
-    for (Eigen::Index i = 0; i < a.outerSize(); ++i) {
-        double* const to = out.data() + i * columns;
+// out = A x: row i gathers along row i of A, which is symmetric.
+inline void multiply(const SymmetricMatrix& a, const DenseMatrix& x, DenseMatrix& out) {
+    const std::size_t columns = x.columns;
+    for (std::size_t i = 0; i < a.size(); ++i) {
+        double* const to = out.values.data() + i * columns;
         std::fill(to, to + columns, 0.0);
-        for (Eigen::SparseMatrix<double>::InnerIterator entry(a, i); entry; ++entry) {
-            const double value = entry.value();
-            const double* const from = x.data() + entry.index() * columns;
-            for (Eigen::Index k = 0; k < columns; ++k) to[k] += value * from[k];
+        for (auto e = static_cast<std::size_t>(a.starts[i]); e < static_cast<std::size_t>(a.starts[i + 1]); ++e) {
+            const double value = a.values[e];
+            const double* const from = x.values.data() + static_cast<std::size_t>(a.columns[e]) * columns;
+            for (std::size_t k = 0; k < columns; ++k) to[k] += value * from[k];
         }
     }
 }
 
 // Dot products of the columns of a and b.
-inline void column_dots(const RowMajorMatrix& a, const RowMajorMatrix& b, std::vector<double>& out) {
+inline void column_dots(const DenseMatrix& a, const DenseMatrix& b, std::vector<double>& out) {
     std::fill(out.begin(), out.end(), 0.0);
-    for (Eigen::Index i = 0; i < a.rows(); ++i)
-        for (std::size_t k = 0; k < out.size(); ++k)
-            out[k] += a(i, static_cast<Eigen::Index>(k)) * b(i, static_cast<Eigen::Index>(k));
+    for (std::size_t i = 0; i < a.rows; ++i)
+        for (std::size_t k = 0; k < out.size(); ++k) out[k] += a(i, k) * b(i, k);
 }
 
 }  // namespace detail
@@ -71,50 +66,45 @@ inline void column_dots(const RowMajorMatrix& a, const RowMajorMatrix& b, std::v
 // where to start, on return the solution. A column of B that is 0 has the solution 0. A row whose diagonal is not
 // positive (a vertex without pixels) leaves its row of X as it was. So do entries that `held` names, by row and column:
 // the others are then solved for with these given, all columns with the one matrix; B may be anything in such entries.
-inline PcgReport solve_pcg(const Eigen::SparseMatrix<double>& a, const Eigen::MatrixXd& b, Eigen::MatrixXd& x,
-                           const PcgOptions& options = {}, const std::vector<HeldEntry>& held = {}) {
-    HMESH_ASSERT(a.rows() == a.cols() && b.rows() == a.rows() && x.rows() == b.rows() && x.cols() == b.cols());
-    const Eigen::Index n = b.rows(), columns = b.cols();
+inline PcgReport solve_pcg(const SymmetricMatrix& a, const DenseMatrix& b, DenseMatrix& x, const PcgOptions& options = {}, const std::vector<HeldEntry>& held = {}) {
+    HMESH_ASSERT(b.rows == a.size() && x.rows == b.rows && x.columns == b.columns);
+    const std::size_t n = b.rows, width = b.columns;
     PcgReport report;
     report.converged = true;
-    if (n == 0 || columns == 0) return report;
+    if (n == 0 || width == 0) return report;
 
-    std::vector<double> inverse(static_cast<std::size_t>(n), 0.0);  // the preconditioner
-    for (Eigen::Index i = 0; i < n; ++i) {
-        const double diagonal = a.coeff(i, i);
-        if (diagonal > 0) inverse[static_cast<std::size_t>(i)] = 1 / diagonal;
-    }
-    const detail::RowMajorMatrix rhs = b;
-    detail::RowMajorMatrix solution = x, residual(n, columns), direction(n, columns), product(n, columns);
-    const auto width = static_cast<std::size_t>(columns);
+    std::vector<double> inverse(n, 0.0);  // the preconditioner
+    for (std::size_t i = 0; i < n; ++i)
+        if (const double diagonal = a.diagonal(i); diagonal > 0) inverse[i] = 1 / diagonal;
+    DenseMatrix& solution = x;
+    DenseMatrix residual(n, width), direction(n, width), product(n, width);
     std::vector<double> norm(width), rr(width), rz(width), rz_before(width), steps(width), reference(width);
     std::vector<unsigned char> runs(width, 1);
-    const auto release = [&](detail::RowMajorMatrix& rows) {  // what is held has no residual
+    const auto release = [&](DenseMatrix& rows) {  // what is held has no residual
         for (const HeldEntry& entry : held) rows(entry.row, entry.column) = 0;
     };
-    direction.setZero();  // for now the solution's held entries
+    // For now the solution's held entries.
     for (const HeldEntry& entry : held) direction(entry.row, entry.column) = solution(entry.row, entry.column);
-    residual = rhs;
-    if (!held.empty()) {
-        detail::multiply(a, direction, product);
-        residual -= product;
+    const auto subtract_product = [&] {  // residual = b - product
+        for (std::size_t i = 0; i < residual.values.size(); ++i) residual.values[i] = b.values[i] - product.values[i];
         release(residual);
-    }
+    };
+    if (!held.empty()) detail::multiply(a, direction, product);
+    subtract_product();
     detail::column_dots(residual, residual, norm);
     for (std::size_t k = 0; k < width; ++k) {
-        const auto column = static_cast<Eigen::Index>(k);
         norm[k] = std::sqrt(norm[k]);
-        if (norm[k] == 0) solution.col(column) = direction.col(column);
+        for (std::size_t i = 0; i < n && norm[k] == 0; ++i) solution(i, k) = direction(i, k);
     }
     const auto is_small = [&](std::size_t k) { return std::sqrt(rr[k]) <= options.tolerance * norm[k]; };
     const auto measure = [&] {  // r r, and r z with z = r / diagonal
         std::fill(rr.begin(), rr.end(), 0.0);
         std::fill(rz.begin(), rz.end(), 0.0);
-        for (Eigen::Index i = 0; i < n; ++i)
+        for (std::size_t i = 0; i < n; ++i)
             for (std::size_t k = 0; k < width; ++k) {
-                const double r = residual(i, static_cast<Eigen::Index>(k));
+                const double r = residual(i, k);
                 rr[k] += r * r;
-                rz[k] += r * r * inverse[static_cast<std::size_t>(i)];
+                rz[k] += r * r * inverse[i];
             }
     };
 
@@ -122,8 +112,7 @@ inline PcgReport solve_pcg(const Eigen::SparseMatrix<double>& a, const Eigen::Ma
     // the true one is small. Otherwise it starts again from there, unless the last start gained less than a factor 2.
     for (bool first = true;; first = false) {
         detail::multiply(a, solution, product);
-        residual = rhs - product;
-        release(residual);
+        subtract_product();
         measure();
         bool any = false;
         for (std::size_t k = 0; k < width; ++k) {
@@ -133,16 +122,13 @@ inline PcgReport solve_pcg(const Eigen::SparseMatrix<double>& a, const Eigen::Ma
         }
         if (!any || report.iterations >= options.max_iterations) break;
 
-        direction.setZero();
+        std::fill(direction.values.begin(), direction.values.end(), 0.0);
         rz_before = rz;  // the first direction is z itself: its factor below multiplies 0
         while (any && report.iterations < options.max_iterations) {
-            for (Eigen::Index i = 0; i < n; ++i)
-                for (Eigen::Index k = 0; k < columns; ++k) {
-                    const auto c = static_cast<std::size_t>(k);
-                    if (runs[c] != 0)
-                        direction(i, k) =
-                            residual(i, k) * inverse[static_cast<std::size_t>(i)] + rz[c] / rz_before[c] * direction(i, k);
-                }
+            for (std::size_t i = 0; i < n; ++i)
+                for (std::size_t k = 0; k < width; ++k)
+                    if (runs[k] != 0)
+                        direction(i, k) = residual(i, k) * inverse[i] + rz[k] / rz_before[k] * direction(i, k);
             detail::multiply(a, direction, product);
             release(product);
             detail::column_dots(direction, product, steps);
@@ -150,11 +136,10 @@ inline PcgReport solve_pcg(const Eigen::SparseMatrix<double>& a, const Eigen::Ma
                 if (!(steps[k] > 0)) runs[k] = 0;  // the direction has no energy: a singular matrix, or rounding
                 steps[k] = runs[k] != 0 ? rz[k] / steps[k] : 0.0;
             }
-            for (Eigen::Index i = 0; i < n; ++i)
-                for (Eigen::Index k = 0; k < columns; ++k) {
-                    const double step = steps[static_cast<std::size_t>(k)];
-                    solution(i, k) += step * direction(i, k);
-                    residual(i, k) -= step * product(i, k);
+            for (std::size_t i = 0; i < n; ++i)
+                for (std::size_t k = 0; k < width; ++k) {
+                    solution(i, k) += steps[k] * direction(i, k);
+                    residual(i, k) -= steps[k] * product(i, k);
                 }
             rz_before = rz;
             measure();
@@ -170,7 +155,6 @@ inline PcgReport solve_pcg(const Eigen::SparseMatrix<double>& a, const Eigen::Ma
         if (norm[k] > 0) report.residual = std::max(report.residual, std::sqrt(rr[k]) / norm[k]);
         report.converged = report.converged && is_small(k);
     }
-    x = solution;
     return report;
 }
 

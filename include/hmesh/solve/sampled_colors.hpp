@@ -13,7 +13,6 @@
 
 #include "hmesh/core/lanes.hpp"
 #include "hmesh/fit/image_mesh.hpp"
-#include "hmesh/tiles/tiled_mesh.hpp"
 #include "hmesh/fit/moment_table.hpp"
 
 namespace hmesh::kit {
@@ -45,21 +44,6 @@ void sample_colors(ImageMesh<C>& mesh, const ParallelFor& parallel_for = {}) {
     std::vector<Color<C>> colors(mesh.topology().vertex_slots(), Color<C>::zero());
     for (const Vertex v : mesh.topology().vertices()) colors[v.index()] = sampled_color(mesh.table(), mesh.position(v));
     mesh.set_colors(colors, parallel_for);
-}
-
-// The same for a mesh in patches, rounded to multiples of grid if grid > 0; its energy is then that of these colours.
-template <int C>
-void sample_colors(TiledMesh<C>& work, const Tiling& tiling, double grid) {
-    IndexedMesh<C>& whole = work.indexed();
-    const ImageSource<C>& source = work.source();
-    for (std::size_t v = 0; v < whole.vertex_count(); ++v) {
-        Color<C>& color = whole.colors[v];
-        color = sampled_color<C>(source.width(), source.height(), whole.positions[v],
-                                 [&](int x, int y) { return source.pixel(x, y); });
-        if (grid > 0)
-            for (int c = 0; c < C; ++c) color.set(c, std::floor(color[c] / grid + 0.5) * grid);
-    }
-    work.measure(tiling);
 }
 
 }  // namespace hmesh::kit

@@ -10,18 +10,20 @@
 #include <vector>
 
 #include "hmesh/core/status.hpp"
-#include "hmesh/fit/ring.hpp"
+#include "hmesh/fit/image_source.hpp"
+#include "hmesh/fit/squared_error.hpp"
 #include "hmesh/mesh/halfedge_mesh.hpp"
+#include "hmesh/mesh/mesh.hpp"
 
 namespace hmesh::kit {
 
 template <int C>
 struct IndexedMesh {
-    int width = 0, height = 0;     // px of the image; the triangles tile [0, width] x [0, height]
+    int width = 0, height = 0;     // px of the image; the faces tile [0, width] x [0, height]
     std::vector<Point> positions;  // on the 1/256 px grid
     std::vector<Color<C>> colors;
     std::vector<unsigned char> dirty;  // not 0: surroundings changed since the vertex was last optimised
-    std::vector<Triangle> triangles;
+    std::vector<Triangle> faces;
     double energy = 0;  // as of the last phase of work
 
     [[nodiscard]] std::size_t vertex_count() const noexcept { return positions.size(); }
@@ -44,12 +46,12 @@ template <int C>
     const std::size_t n = mesh.positions.size();
     if (mesh.colors.size() != n || mesh.dirty.size() != n) return fail("the arrays of vertices differ in length", n);
     HalfedgeMesh topology;
-    if (const Status status = topology.assign(n, mesh.triangles); !status) return status;
+    if (const Status status = topology.assign(n, mesh.faces); !status) return status;
     for (std::size_t i = 0; i < n; ++i)
         if (snap(mesh.positions[i]) != mesh.positions[i]) return fail("a vertex is off the grid", i);
     double area = 0;
-    for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
-        const Triangle& triangle = mesh.triangles[t];
+    for (std::size_t t = 0; t < mesh.faces.size(); ++t) {
+        const Triangle& triangle = mesh.faces[t];
         const double twice = orient2d(mesh.positions[triangle[0]], mesh.positions[triangle[1]], mesh.positions[triangle[2]]);
         if (!(twice > 0)) return fail("a face is flipped or has no area", t);
         area += twice;
@@ -64,6 +66,54 @@ template <int C>
         if (!on_side) return fail("an edge inside the image has one face only", e.index());
     }
     return {};
+}
+
+// The rectangle of an image as two faces, in the colours of its corners: where a method begins, and what a cancellation finds.
+template <int C>
+[[nodiscard]] IndexedMesh<C> corner_mesh(const ImageSource<C>& source) {
+    IndexedMesh<C> mesh;
+    mesh.width = source.width();
+    mesh.height = source.height();
+    for (const int y : {0, source.height()})
+        for (const int x : {0, source.width()})
+            mesh.add({static_cast<double>(x), static_cast<double>(y)}, source.pixel(x, y));
+    mesh.faces = {{0, 1, 2}, {1, 3, 2}};
+    return mesh;
+}
+
+// As plain arrays, the result of all work. `peak`: the colour value of full intensity.
+template <int C>
+[[nodiscard]] Mesh to_mesh(const IndexedMesh<C>& from, double peak) {
+    Mesh to;
+    to.channels = C;
+    to.width = from.width;
+    to.height = from.height;
+    to.peak = peak;
+    to.positions.reserve(2 * from.vertex_count());
+    to.colors.reserve(C * from.vertex_count());
+    for (std::size_t v = 0; v < from.vertex_count(); ++v) {
+        to.positions.push_back(static_cast<float>(from.positions[v].x));
+        to.positions.push_back(static_cast<float>(from.positions[v].y));
+        for (int c = 0; c < C; ++c) to.colors.push_back(static_cast<float>(from.colors[v][c]));
+    }
+    to.faces = from.faces;
+    return to;
+}
+// From plain arrays, to go on working on a mesh; its energy is not known. Empty where the mesh has not C channels or its arrays
+// are not of one number of vertices; whether it tiles its image is for check() to say.
+template <int C>
+[[nodiscard]] IndexedMesh<C> to_indexed_mesh(const Mesh& from) {
+    IndexedMesh<C> to;
+    if (from.channels != C || from.colors.size() != C * from.vertex_count()) return to;
+    to.width = from.width;
+    to.height = from.height;
+    for (std::size_t v = 0; v < from.vertex_count(); ++v) {
+        Color<C> color = Color<C>::zero();
+        for (std::size_t c = 0; c < C; ++c) color.set(static_cast<int>(c), static_cast<double>(from.colors[C * v + c]));
+        to.add({static_cast<double>(from.positions[2 * v]), static_cast<double>(from.positions[2 * v + 1])}, color);
+    }
+    to.faces = from.faces;
+    return to;
 }
 
 }  // namespace hmesh::kit

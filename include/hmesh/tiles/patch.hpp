@@ -22,7 +22,6 @@
 #include "hmesh/core/parallel.hpp"
 #include "hmesh/core/progress.hpp"
 #include "hmesh/fit/image_mesh.hpp"
-#include "hmesh/fit/order.hpp"
 #include "hmesh/tiles/tiling.hpp"
 #include "hmesh/tiles/indexed_mesh.hpp"
 #include "hmesh/fit/image_source.hpp"
@@ -49,22 +48,22 @@ template <int C>
     constexpr std::uint32_t none = 0xfffffffeU;
     const std::size_t n = whole.vertex_count();
     Cut cut;
-    std::vector<std::uint32_t> tile(whole.triangles.size());
+    std::vector<std::uint32_t> tile(whole.faces.size());
     cut.first.assign(tiling.size() + 1, 0);
     cut.owner.assign(n, none);
     cut.triangle_count.assign(n, 0);
-    for (std::size_t t = 0; t < whole.triangles.size(); ++t) {
+    for (std::size_t t = 0; t < whole.faces.size(); ++t) {
         double x = 0, y = 0;
-        for (const std::uint32_t v : whole.triangles[t]) x += whole.positions[v].x, y += whole.positions[v].y;
+        for (const std::uint32_t v : whole.faces[t]) x += whole.positions[v].x, y += whole.positions[v].y;
         tile[t] = static_cast<std::uint32_t>(tiling.tile_at({x / 3, y / 3}));
         ++cut.first[tile[t] + 1];
-        for (const std::uint32_t v : whole.triangles[t]) {
+        for (const std::uint32_t v : whole.faces[t]) {
             ++cut.triangle_count[v];
             cut.owner[v] = cut.owner[v] == none || cut.owner[v] == tile[t] ? tile[t] : Cut::locked;
         }
     }
     for (std::size_t k = 0; k < tiling.size(); ++k) cut.first[k + 1] += cut.first[k];
-    cut.triangles.resize(whole.triangles.size());
+    cut.triangles.resize(whole.faces.size());
     std::vector<std::size_t> at(cut.first.begin(), cut.first.end() - 1);
     for (std::size_t t = 0; t < tile.size(); ++t) cut.triangles[at[tile[t]]++] = static_cast<std::uint32_t>(t);
     cut.number.resize(n);
@@ -97,7 +96,7 @@ template <int C>
     std::vector<Corner> corners;
     patch.triangles.reserve(cut.first[tile + 1] - cut.first[tile]);
     for (std::size_t k = cut.first[tile]; k < cut.first[tile + 1]; ++k) {
-        const Triangle& t = whole.triangles[cut.triangles[k]];
+        const Triangle& t = whole.faces[cut.triangles[k]];
         Triangle local{};
         for (std::uint32_t c = 0; c < 3; ++c) {
             if (cut.owner[t[c]] != Cut::locked) local[c] = cut.number[t[c]];
@@ -156,7 +155,7 @@ template <int C>
     out.colors.resize(cut.free_count[tile]);
     out.dirty.resize(cut.free_count[tile]);
     for (std::size_t k = cut.first[tile]; k < cut.first[tile + 1]; ++k) {
-        Triangle t = whole.triangles[cut.triangles[k]];
+        Triangle t = whole.faces[cut.triangles[k]];
         for (std::uint32_t& v : t) {
             const std::uint32_t number = cut.number[v];
             if (cut.owner[v] == Cut::locked) {
@@ -188,7 +187,7 @@ class Patch {
         std::vector<std::uint32_t> vertices(free_ + numbered_.locked.size());  // of the whole mesh
         for (std::size_t k = 0; k < numbered_.locked.size(); ++k) vertices[free_ + k] = numbered_.locked[k].vertex;
         for (std::size_t k = cut.first[tile]; k < cut.first[tile + 1]; ++k)
-            for (const std::uint32_t v : whole.triangles[cut.triangles[k]])
+            for (const std::uint32_t v : whole.faces[cut.triangles[k]])
                 if (cut.owner[v] != detail::Cut::locked) vertices[cut.number[v]] = v;
 
         Point low{1e9, 1e9}, high{0, 0};
@@ -214,7 +213,7 @@ class Patch {
         }
         mesh_ = ImageMesh<C>(table_, source.low(), source.high(), limits,
                              {{-x, -y, source.width(), source.height()}, !numbered_.locked.empty(), 1, task});
-        const Status status = mesh_.assign(positions, numbered_.triangles, colors, SerialFor{});
+        const Status status = mesh_.assign(positions, numbered_.triangles, colors, {});
         HMESH_ASSERT(status);
         (void)status;
         for (std::size_t k = 0; k < vertices.size(); ++k) mesh_.set_dirty(Vertex(k), whole.dirty[vertices[k]] != 0);

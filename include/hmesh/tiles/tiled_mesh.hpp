@@ -12,6 +12,7 @@
 #include <utility>
 #include <vector>
 
+#include "hmesh/core/function_ref.hpp"
 #include "hmesh/core/parallel.hpp"
 #include "hmesh/core/progress.hpp"
 #include "hmesh/fit/image_mesh.hpp"
@@ -24,13 +25,13 @@ namespace hmesh::kit {
 template <int C>
 class TiledMesh {
   public:
-    // Over an image, a monitor and an executor that outlive it.
-    TiledMesh(const ImageSource<C>& source, const MeshLimits& limits, ProgressReporter& monitor, const ParallelFor& parallel_for = {})
-        : source_(&source), limits_(limits), monitor_(&monitor), parallel_for_(parallel_for) {}
+    // Over an image, a progress and an executor that outlive it.
+    TiledMesh(const ImageSource<C>& source, const MeshLimits& limits, ProgressReporter& progress, const ParallelFor& parallel_for = {})
+        : source_(&source), limits_(limits), progress_(&progress), parallel_for_(parallel_for) {}
 
     [[nodiscard]] const ImageSource<C>& source() const noexcept { return *source_; }
     [[nodiscard]] const MeshLimits& limits() const noexcept { return limits_; }
-    [[nodiscard]] ProgressReporter& monitor() const noexcept { return *monitor_; }
+    [[nodiscard]] ProgressReporter& progress() const noexcept { return *progress_; }
     [[nodiscard]] const ParallelFor& parallel_for() const noexcept { return parallel_for_; }
     // The mesh between phases, in spatial order.
     [[nodiscard]] IndexedMesh<C>& indexed() {
@@ -44,13 +45,12 @@ class TiledMesh {
     [[nodiscard]] double mean_energy() const noexcept { return std::max(0.0, energy()) / static_cast<double>(vertex_count()); }
 
     // Calls work(patch, tile) for the patch of each tile that has triangles, then puts all together again. The pieces
-    // together are what the monitor expects. Returns whether to go on; after a cancellation the mesh is valid, some patches
-    // being worked on in part and some not at all, and whole().energy is not known any more.
-    template <class Work>
-    bool for_each(const Tiling& tiling, Work&& work) {
+    // together are what the progress expects. Returns whether to go on; after a cancellation the mesh is valid, some patches
+    // being worked on in part and some not at all, and indexed().energy is not known any more.
+    bool for_each(const Tiling& tiling, FunctionRef<void(Patch<C>& patch, std::size_t tile)> work) {
         if (tiling.size() == 1) {
             work_on_only(work);
-            return !monitor_->stopped();
+            return !progress_->stopped();
         }
         put_back();
         const detail::Cut cut = detail::cut(indexed_, tiling);
@@ -63,22 +63,22 @@ class TiledMesh {
             },
             [&](std::size_t tile) { results[tile] = detail::unchanged(indexed_, cut, tile); });
         merge(cut, results);
-        return !monitor_->stopped();
+        return !progress_->stopped();
     }
 
-    // Calls look(patch, tile, triangles) in the same way and changes nothing; triangles[f] is the triangle of the whole mesh
+    // Calls look(patch, tile, faces) in the same way and changes nothing; faces[f] is the face of the whole mesh
     // that is face f of the patch. After a cancellation patches may have been left out, unless `all`.
-    template <class Look>
-    bool visit(const Tiling& tiling, Look&& look, bool all = false) {
+    bool visit(const Tiling& tiling,
+               FunctionRef<void(Patch<C>& patch, std::size_t tile, const std::uint32_t* faces)> look, bool all = false) {
         put_back();
         const detail::Cut cut = detail::cut(indexed_, tiling);
         run(
             cut, [&](Patch<C>& patch, std::size_t tile) { look(patch, tile, cut.triangles.data() + cut.first[tile]); },
             [](std::size_t) {}, all);
-        return !monitor_->stopped();
+        return !progress_->stopped();
     }
 
-    // Computes the energy of whole(), with the positions and colours that it has now.
+    // Computes the energy of indexed(), with the positions and colours that it has now.
     void measure(const Tiling& tiling) {
         std::vector<double> energies(tiling.size(), 0.0);
         visit(
@@ -89,29 +89,28 @@ class TiledMesh {
 
   private:
     // Lets a mesh tell its progress as long as this lives, also if its work throws.
-    class Beat {
+    class TaskGuard {
       public:
-        Beat(ImageMesh<C>& mesh, TaskProgress& task) : mesh_(mesh) { mesh_.set_task(&task); }
-        Beat(const Beat&) = delete;
-        Beat& operator=(const Beat&) = delete;
-        ~Beat() { mesh_.set_task(nullptr); }
+        TaskGuard(ImageMesh<C>& mesh, TaskProgress& task) : mesh_(mesh) { mesh_.set_task(&task); }
+        TaskGuard(const TaskGuard&) = delete;
+        TaskGuard& operator=(const TaskGuard&) = delete;
+        ~TaskGuard() { mesh_.set_task(nullptr); }
 
       private:
         ImageMesh<C>& mesh_;
     };
 
-    // One patch that is all of the mesh stays one from phase to phase, until somebody asks for the whole. On the calling thread,
-    // so that the work may use the executor itself.
-    template <class Work>
-    void work_on_only(Work&& work) {
-        if (!monitor_->poll()) return;
-        TaskProgress task(*monitor_, 1);
+    // Single-tile case: the one patch is kept alive between phases and put back only when indexed() is called. On the calling
+    // thread, so that the work may use the executor itself.
+    void work_on_only(FunctionRef<void(Patch<C>&, std::size_t)> work) {
+        if (!progress_->poll()) return;
+        TaskProgress task(*progress_, 1);
         if (!only_) {
             const detail::Cut cut =
                 detail::cut(indexed_, Tiling(indexed_.width, indexed_.height, std::max(indexed_.width, indexed_.height)));
             only_ = std::make_unique<Patch<C>>(indexed_, *source_, cut, 0, limits_, nullptr, std::move(table_));
         }
-        const Beat beat(only_->mesh(), task);
+        const TaskGuard guard(only_->mesh(), task);
         work(*only_, 0);
     }
     void put_back() {
@@ -120,15 +119,15 @@ class TiledMesh {
         indexed_.positions = std::move(result.positions);
         indexed_.colors = std::move(result.colors);
         indexed_.dirty = std::move(result.dirty);
-        indexed_.triangles = std::move(result.triangles);
+        indexed_.faces = std::move(result.triangles);
         indexed_.energy = result.energy;
         table_ = only_->take_table();
         only_.reset();
     }
 
     // The patches that have triangles, the largest first; skip(tile) instead of work(patch, tile) once cancelled.
-    template <class Work, class Skip>
-    void run(const detail::Cut& cut, Work&& work, Skip&& skip, bool all = false) {
+    void run(const detail::Cut& cut, FunctionRef<void(Patch<C>&, std::size_t)> work, FunctionRef<void(std::size_t)> skip,
+             bool all = false) {
         const auto count = [&](std::size_t k) { return cut.first[k + 1] - cut.first[k]; };
         std::vector<std::size_t> tiles;
         for (std::size_t k = 0; k + 1 < cut.first.size(); ++k)
@@ -137,8 +136,8 @@ class TiledMesh {
                   [&](std::size_t a, std::size_t b) { return count(a) != count(b) ? count(a) > count(b) : a < b; });
         parallel_for_(tiles.size(), [&](std::size_t i) {
             const std::size_t k = tiles[i];
-            if (!monitor_->poll() && !all) return skip(k);
-            TaskProgress task(*monitor_, static_cast<double>(count(k)) / static_cast<double>(indexed_.triangles.size()));
+            if (!progress_->poll() && !all) return skip(k);
+            TaskProgress task(*progress_, static_cast<double>(count(k)) / static_cast<double>(indexed_.faces.size()));
             const bool only = tiles.size() == 1;
             Patch<C> patch(indexed_, *source_, cut, k, limits_, &task, only ? std::move(table_) : MomentTable<C>());
             work(patch, k);
@@ -159,7 +158,7 @@ class TiledMesh {
         merged.positions.resize(first_vertex.back());
         merged.colors.resize(first_vertex.back());
         merged.dirty.resize(first_vertex.back());
-        merged.triangles.resize(first_triangle.back());
+        merged.faces.resize(first_triangle.back());
         for (std::size_t v = 0; v < indexed_.vertex_count(); ++v) {
             if (cut.owner[v] != detail::Cut::locked) continue;
             merged.positions[cut.number[v]] = indexed_.positions[v];
@@ -175,7 +174,7 @@ class TiledMesh {
             for (std::size_t t = 0; t < result.triangles.size(); ++t)
                 for (std::size_t c = 0; c < 3; ++c) {
                     const std::uint32_t v = result.triangles[t][c];
-                    merged.triangles[first_triangle[k] + t][c] =
+                    merged.faces[first_triangle[k] + t][c] =
                         v < free ? static_cast<std::uint32_t>(first_vertex[k]) + v : cut.number[result.locked[v - free]];
                 }
         });
@@ -186,7 +185,7 @@ class TiledMesh {
 
     const ImageSource<C>* source_;
     MeshLimits limits_;
-    ProgressReporter* monitor_;
+    ProgressReporter* progress_;
     ParallelFor parallel_for_;
     IndexedMesh<C> indexed_;
     std::unique_ptr<Patch<C>> only_;  // in place of whole_, where one patch is all of it

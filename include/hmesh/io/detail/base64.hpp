@@ -10,7 +10,7 @@
 
 #include "hmesh/io/sink.hpp"
 
-namespace hmesh::kit::detail {
+namespace hmesh::detail {
 
 template <class Sink>
 class Base64Writer {
@@ -58,6 +58,6 @@ class Base64Writer {
     std::size_t held_ = 0;    // 0 to 2
 };
 
-}  // namespace hmesh::kit::detail
+}  // namespace hmesh::detail
 
 #endif  // HMESH_IO_DETAIL_BASE64_HPP

@@ -13,7 +13,7 @@
 #include "hmesh/core/status.hpp"
 #include "hmesh/mesh/mesh.hpp"
 
-namespace hmesh::kit::detail {
+namespace hmesh::detail {
 
 // Whether a mesh is one of grey, RGB or RGBA that fills a picture. O(n).
 [[nodiscard]] inline Status check_for_export(const MeshView& mesh) noexcept {
@@ -40,6 +40,6 @@ namespace hmesh::kit::detail {
     return {share(0), share(1), share(2), mesh.channels == 4 ? share(3) : 1.0};
 }
 
-}  // namespace hmesh::kit::detail
+}  // namespace hmesh::detail
 
 #endif  // HMESH_IO_DETAIL_COLOR_SHARES_HPP

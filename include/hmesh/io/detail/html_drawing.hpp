@@ -7,7 +7,7 @@
 #ifndef HMESH_IO_DETAIL_HTML_DRAWING_HPP
 #define HMESH_IO_DETAIL_HTML_DRAWING_HPP
 
-namespace hmesh::kit::detail {
+namespace hmesh::detail {
 
 inline constexpr const char* html_drawing = R"html(const byId = (id) => document.getElementById(id);
 const canvas = byId('mesh'), share = byId('share'), original = byId('original');
@@ -157,6 +157,6 @@ function setUp() {
 }
 )html";
 
-}  // namespace hmesh::kit::detail
+}  // namespace hmesh::detail
 
 #endif  // HMESH_IO_DETAIL_HTML_DRAWING_HPP

@@ -6,7 +6,7 @@
 #ifndef HMESH_IO_DETAIL_HTML_HANDLING_HPP
 #define HMESH_IO_DETAIL_HTML_HANDLING_HPP
 
-namespace hmesh::kit::detail {
+namespace hmesh::detail {
 
 inline constexpr const char* html_handling = R"html(function redraw() {
   if (wanted) return;
@@ -148,6 +148,6 @@ start();
 </html>
 )html";
 
-}  // namespace hmesh::kit::detail
+}  // namespace hmesh::detail
 
 #endif  // HMESH_IO_DETAIL_HTML_HANDLING_HPP

@@ -5,7 +5,7 @@
 #ifndef HMESH_IO_DETAIL_HTML_PAGE_HPP
 #define HMESH_IO_DETAIL_HTML_PAGE_HPP
 
-namespace hmesh::kit::detail {
+namespace hmesh::detail {
 
 // Then the title.
 inline constexpr const char* html_head = R"html(<!DOCTYPE html>
@@ -70,6 +70,6 @@ inline constexpr const char* html_controls = R"html(</p>
 </div>
 )html";
 
-}  // namespace hmesh::kit::detail
+}  // namespace hmesh::detail
 
 #endif  // HMESH_IO_DETAIL_HTML_PAGE_HPP

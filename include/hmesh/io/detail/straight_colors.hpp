@@ -11,7 +11,7 @@
 
 #include "hmesh/mesh/mesh.hpp"
 
-namespace hmesh::kit::detail {
+namespace hmesh::detail {
 
 // A mesh as it is or, if it is premultiplied and has alpha, with colours of its own that are divided by it: color * peak /
 // alpha at each vertex, held to [0, peak] or else to what floats hold, as shares of the peak too. Vertices without alpha have
@@ -59,6 +59,6 @@ class StraightMesh {
     std::vector<float> colors_;
 };
 
-}  // namespace hmesh::kit::detail
+}  // namespace hmesh::detail
 
 #endif  // HMESH_IO_DETAIL_STRAIGHT_COLORS_HPP

@@ -18,7 +18,7 @@
 
 #include "hmesh/mesh/mesh.hpp"
 
-namespace hmesh::kit::detail {
+namespace hmesh::detail {
 
 struct StripVertex {
     std::uint32_t vertex;
@@ -166,6 +166,6 @@ class StripWalk {
     return out;
 }
 
-}  // namespace hmesh::kit::detail
+}  // namespace hmesh::detail
 
 #endif  // HMESH_IO_DETAIL_STRIPS_HPP

@@ -18,7 +18,7 @@
 #include <cmath>
 #include <cstddef>
 
-namespace hmesh::kit::detail {
+namespace hmesh::detail {
 
 struct PlanePoint {
     double x = 0, y = 0;  // px
@@ -164,6 +164,6 @@ struct FaceGradient {
     }
 };
 
-}  // namespace hmesh::kit::detail
+}  // namespace hmesh::detail
 
 #endif  // HMESH_IO_DETAIL_SVG_GRADIENT_HPP

@@ -8,7 +8,7 @@
 #include "hmesh/io/sink.hpp"
 #include "hmesh/io/detail/svg_gradient.hpp"
 
-namespace hmesh::kit::detail {
+namespace hmesh::detail {
 
 template <class Sink>
 class SvgWriter : public Writer<Sink> {
@@ -65,6 +65,6 @@ class SvgWriter : public Writer<Sink> {
     }
 };
 
-}  // namespace hmesh::kit::detail
+}  // namespace hmesh::detail
 
 #endif  // HMESH_IO_DETAIL_SVG_WRITER_HPP

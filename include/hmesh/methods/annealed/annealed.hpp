@@ -32,12 +32,13 @@
 #include "hmesh/methods/annealed/options.hpp"
 #include "hmesh/methods/stage.hpp"
 
-namespace hmesh::kit {
+namespace hmesh {
+namespace kit {
 namespace detail {
 
 // Greedy insertion until the mesh has n vertices.
 template <int C>
-void grow(ImageMesh<C>& mesh, std::size_t n, const AnnealedOptions& options) {
+void grow(ImageMesh<C>& mesh, std::size_t n, const AnnealedSteps& options) {
     const std::size_t first = mesh.vertex_count();
     mesh.reserve(n);
     while (mesh.vertex_count() < n && mesh.keep_going()) {
@@ -55,7 +56,7 @@ void grow(ImageMesh<C>& mesh, std::size_t n, const AnnealedOptions& options) {
 
 // Removes the cheapest vertices until n are left. May stop early where no vertex can go.
 template <int C>
-void shrink(ImageMesh<C>& mesh, std::size_t n, const AnnealedOptions& options) {
+void shrink(ImageMesh<C>& mesh, std::size_t n, const AnnealedSteps& options) {
     const std::size_t first = mesh.vertex_count();
     while (mesh.vertex_count() > n && mesh.keep_going()) {
         const std::size_t count = mesh.vertex_count(), surplus = count - n;
@@ -68,50 +69,47 @@ void shrink(ImageMesh<C>& mesh, std::size_t n, const AnnealedOptions& options) {
 
 // The recipe for n vertices.
 template <int C>
-class Annealed {
+class AnnealedRun {
   public:
-    Annealed(TiledMesh<C>& work, std::size_t n, const AnnealedOptions& options, double tile)
-        : work_(&work), n_(n), options_(options), tile_(tile), aligned_(tiling(0)) {}
+    AnnealedRun(TiledMesh<C>& tiled, std::size_t n, const AnnealedSteps& steps, std::uint64_t seed, double tile)
+        : tiled_(&tiled), n_(n), steps_(steps), seed_(seed), tile_(tile), aligned_(tiling(0)) {}
 
     // False: cancelled, or more than n vertices none of which can go.
     bool run() {
-        work_->indexed() = regular_grid(work_->source(), 4);  // what a cancellation finds
+        tiled_->indexed() = corner_mesh(tiled_->source());  // what a cancellation finds
         return stage("grid", [&] { return start(); }) && stage("insert", [&] { return insert(); }) &&
-               (options_.insert_factor <= 1 || stage("collapse", [&] { return collapse(); })) &&
-               (options_.annealing.sweeps == 0 || stage("anneal", [&] { return anneal(); })) &&
-               stage("polish", [&] { return reach_vertex_count(*work_, n_, tile_, options_.relaxation) && polish(); });
+               (steps_.insert_factor <= 1 || stage("collapse", [&] { return collapse(); })) &&
+               (steps_.annealing.sweeps == 0 || stage("anneal", [&] { return anneal(); })) &&
+               stage("polish", [&] { return reach_vertex_count(*tiled_, n_, tile_, steps_.relaxation) && polish(); });
     }
 
   private:
-    [[nodiscard]] ProgressReporter& monitor() noexcept { return work_->monitor(); }
+    [[nodiscard]] ProgressReporter& progress() noexcept { return tiled_->progress(); }
     // Phase k's cut of the plane: every vertex is within a tile in some of any 4 in a row.
     [[nodiscard]] Tiling tiling(int phase) const {
         constexpr bool shift_x[] = {false, true, true, false}, shift_y[] = {false, true, false, true};
-        return Tiling(work_->source().width(), work_->source().height(), tile_, shift_x[phase & 3], shift_y[phase & 3]);
+        return Tiling(tiled_->source().width(), tiled_->source().height(), tile_, shift_x[phase & 3], shift_y[phase & 3]);
     }
-    template <class Body>
-    bool stage(const char* name, Body&& body) {
-        return detail::stage(*work_, name, body);
-    }
+    bool stage(const char* name, FunctionRef<bool()> body) { return run_stage<C>(*tiled_, name, body); }
 
     bool start() {
-        const double placed = static_cast<double>(n_) * options_.insert_factor, pixels = work_->source().pixels();
-        const double count = std::max(4.0, std::min(placed, pixels) * options_.start);
+        const double placed = static_cast<double>(n_) * steps_.insert_factor, pixels = tiled_->source().pixels();
+        const double count = std::max(4.0, std::min(placed, pixels) * steps_.start);
         if (aligned_.size() == 1) {
-            work_->indexed() = regular_grid(work_->source(), count);
+            tiled_->indexed() = regular_grid(tiled_->source(), count);
         } else {
             // 0.7 of the nodes that squares of equal density would have on the seams.
-            const double length = static_cast<double>(aligned_.columns() - 1) * work_->source().height() +
-                                  static_cast<double>(aligned_.rows() - 1) * work_->source().width();
-            IndexedMesh<C> grid = tiled_grid(
-                work_->source(), aligned_, count, 0.7 * length * std::sqrt(static_cast<double>(n_) / pixels),
-                [&] { return monitor().poll(); }, work_->parallel_for());
-            if (monitor().stopped()) return false;
-            work_->indexed() = std::move(grid);
+            const double length = static_cast<double>(aligned_.columns() - 1) * tiled_->source().height() +
+                                  static_cast<double>(aligned_.rows() - 1) * tiled_->source().width();
+            IndexedMesh<C> grid = tiled_grid<C>(
+                tiled_->source(), aligned_, count, 0.7 * length * std::sqrt(static_cast<double>(n_) / pixels),
+                [&] { return progress().poll(); }, tiled_->parallel_for());
+            if (progress().stopped()) return false;
+            tiled_->indexed() = std::move(grid);
         }
-        monitor().set_range(0, 1);
+        progress().set_range(0, 1);
         return for_each_tile([&](ImageMesh<C>& mesh, std::size_t, std::size_t) {
-            for (int i = 0; i < 2; ++i) sweep(mesh, options_.polish);
+            for (int i = 0; i < 2; ++i) sweep(mesh, steps_.polish);
         });
     }
 
@@ -122,10 +120,9 @@ class Annealed {
         std::size_t placed = 0;  // free vertices that insertion aims at
     };
     // Calls work(mesh, k, rim) for the patch of each tile k of the aligned tiling, of which `rim` vertices are frozen.
-    template <class Work>
-    bool for_each_tile(Work&& work) {
+    bool for_each_tile(FunctionRef<void(ImageMesh<C>& mesh, std::size_t tile, std::size_t rim)> work) {
         tiles_.resize(aligned_.size());
-        return work_->for_each(aligned_, [&](Patch<C>& patch, std::size_t k) {
+        return tiled_->for_each(aligned_, [&](Patch<C>& patch, std::size_t k) {
             work(patch.mesh(), k, patch.vertex_count() - patch.free_count());
             tiles_[k].free = patch.free_count();
             tiles_[k].energy = patch.mesh().energy();
@@ -133,7 +130,7 @@ class Annealed {
     }
     // Vertices that are free in no tile.
     [[nodiscard]] std::size_t seam_count() noexcept {
-        std::size_t count = work_->vertex_count();
+        std::size_t count = tiled_->vertex_count();
         for (const Tile& tile : tiles_) count -= tile.free;
         return count;
     }
@@ -153,49 +150,49 @@ class Annealed {
         const std::vector<std::size_t> placed = apportion(total - std::min(total, seams), weights, caps);
         for (std::size_t k = 0; k < tiles_.size(); ++k) tiles_[k].placed = placed[k];
         return for_each_tile(
-            [&](ImageMesh<C>& mesh, std::size_t k, std::size_t rim) { grow(mesh, rim + tiles_[k].placed, options_); });
+            [&](ImageMesh<C>& mesh, std::size_t k, std::size_t rim) { grow(mesh, rim + tiles_[k].placed, steps_); });
     }
 
     bool insert() {
-        const double n = static_cast<double>(n_), pixels = std::max(4.0, work_->source().pixels());
-        const double placed = std::max(n, std::min(pixels, std::round(n * options_.insert_factor)));
+        const double n = static_cast<double>(n_), pixels = std::max(4.0, tiled_->source().pixels());
+        const double placed = std::max(n, std::min(pixels, std::round(n * steps_.insert_factor)));
         // Where flat tiles get more than their share at first, removal has more to choose from: 0.1 dB.
         const bool in_two = aligned_.size() > 1 && placed > n;
         if (in_two) {
-            monitor().set_range(0, 0.4);
+            progress().set_range(0, 0.4);
             if (!grow_tiles(n, false)) return false;
         }
-        monitor().set_range(in_two ? 0.4 : 0, 1);
+        progress().set_range(in_two ? 0.4 : 0, 1);
         return grow_tiles(placed, true);
     }
 
     bool collapse() {
         // All tiles shrink by the same ratio.
-        const auto left = static_cast<std::size_t>(std::round(static_cast<double>(n_) * options_.collapse_factor));
+        const auto left = static_cast<std::size_t>(std::round(static_cast<double>(n_) * steps_.collapse_factor));
         double placed = 0;
         for (const Tile& tile : tiles_) placed += static_cast<double>(tile.placed);
         const double ratio = static_cast<double>(left - std::min(left, seam_count())) / std::max(1.0, placed);
-        monitor().set_range(0, 1);
+        progress().set_range(0, 1);
         const bool go_on = for_each_tile([&](ImageMesh<C>& mesh, std::size_t k, std::size_t rim) {
-            shrink(mesh, rim + static_cast<std::size_t>(std::round(static_cast<double>(tiles_[k].placed) * ratio)), options_);
+            shrink(mesh, rim + static_cast<std::size_t>(std::round(static_cast<double>(tiles_[k].placed) * ratio)), steps_);
         });
-        (void)work_->indexed();  // renumbered without the many that went
+        (void)tiled_->indexed();  // renumbered without the many that went
         return go_on;
     }
 
     bool anneal() {
-        const AnnealingOptions& annealing = options_.annealing;
-        AnnealingSchedule schedule(annealing, n_, work_->mean_energy());
+        const AnnealingOptions& annealing = steps_.annealing;
+        AnnealingSchedule schedule(annealing, n_, tiled_->mean_energy());
         for (int k = 0; k < annealing.sweeps; ++k) {
-            const auto total = static_cast<double>(work_->vertex_count()), target = static_cast<double>(n_);
+            const auto total = static_cast<double>(tiled_->vertex_count()), target = static_cast<double>(n_);
             const Tiling phase = tiling(k + 1);
             std::vector<AnnealingCounts> counts(phase.size());
             const double band = annealing.count_tolerance * (1 - static_cast<double>(k) / annealing.sweeps);
-            monitor().set_range(static_cast<double>(k) / annealing.sweeps, (k + 1.0) / annealing.sweeps);
-            const bool go_on = work_->for_each(phase, [&](Patch<C>& patch, std::size_t tile) {
+            progress().set_range(static_cast<double>(k) / annealing.sweeps, (k + 1.0) / annealing.sweeps);
+            const bool go_on = tiled_->for_each(phase, [&](Patch<C>& patch, std::size_t tile) {
                 const double share = static_cast<double>(patch.mesh().vertex_count()) * target / total;
                 const CountRange range{(1 - band) * share, (1 + band) * share};
-                const Random random(options_.seed, (static_cast<std::uint64_t>(k) << 32U) + tile);
+                const Random random(seed_, (static_cast<std::uint64_t>(k) << 32U) + tile);
                 counts[tile] =
                     AnnealingSweep<C>(patch.mesh(), annealing, schedule.price(), schedule.temperature(k), range, random).run();
             });
@@ -205,64 +202,54 @@ class Annealed {
                 sum.removed += c.removed;
                 sum.inserted += c.inserted;
             }
-            schedule.steer(sum, work_->vertex_count(), work_->mean_energy());
-            if (!monitor().update((k + 1.0) / annealing.sweeps, work_->vertex_count(), work_->energy())) return false;
+            schedule.steer(sum, tiled_->vertex_count(), tiled_->mean_energy());
+            if (!progress().update((k + 1.0) / annealing.sweeps, tiled_->vertex_count(), tiled_->energy())) return false;
         }
         return true;
     }
 
     bool polish() {
         // Seams that nothing has healed yet get one round at least.
-        const bool has_seams = aligned_.size() > 1 && options_.annealing.sweeps == 0;
-        const int rounds = std::max(options_.polish_rounds, has_seams ? 1 : 0);
+        const bool has_seams = aligned_.size() > 1 && steps_.annealing.sweeps == 0;
+        const int rounds = std::max(steps_.polish_rounds, has_seams ? 1 : 0);
         for (int k = 0; k < rounds; ++k) {
-            monitor().set_range(static_cast<double>(k) / rounds, (k + 1.0) / rounds);
-            if (!work_->for_each(tiling(k + 1), [&](Patch<C>& patch, std::size_t) {
-                    flip_edges(patch.mesh(), options_.polish.spread);
-                    sweep(patch.mesh(), options_.polish);
+            progress().set_range(static_cast<double>(k) / rounds, (k + 1.0) / rounds);
+            if (!tiled_->for_each(tiling(k + 1), [&](Patch<C>& patch, std::size_t) {
+                    flip_edges(patch.mesh(), steps_.polish.propagate_above);
+                    sweep(patch.mesh(), steps_.polish);
                 }))
                 return false;
         }
         return true;
     }
 
-    TiledMesh<C>* work_;
+    TiledMesh<C>* tiled_;
     std::size_t n_;
-    AnnealedOptions options_;
+    AnnealedSteps steps_;
+    std::uint64_t seed_;
     double tile_;
     Tiling aligned_;
     std::vector<Tile> tiles_;
 };
 
-// The size of tiles that was asked for, or what 0 stands for; larger where a tile would hold less than 256 of n vertices on
-// average, as far as the image allows.
-[[nodiscard]] inline double tile_size(int width, int height, std::size_t n, int asked) noexcept {
-    // Up to here one tile is as fast as several, and no seam needs healing.
-    const bool is_small = static_cast<double>(width) * height <= 1048576 && n <= 16384;
-    double tile = asked != 0 ? asked : is_small ? std::max(width, height) : 256;
-    const double needed = 256.0 * width * height / static_cast<double>(n), longest = std::max(width, height);
-    while (tile < longest && std::min<double>(tile, width) * std::min<double>(tile, height) < needed) tile *= 1.25;
-    return tile;
-}
-
 }  // namespace detail
 
-// Makes a mesh of n vertices, 4 <= n <= max(4, pixels), in tiles of about `tile` px (0: see tile_size). Cancelled: the mesh is
-// valid but may have another count.
+}  // namespace kit
+
 template <int C>
-[[nodiscard]] Status annealed(TiledMesh<C>& work, std::size_t n, const AnnealedOptions& options, int tile) {
-    const auto recipe = [&](const AnnealedOptions& o, double size) { return detail::Annealed<C>(work, n, o, size).run(); };
-    const ImageSource<C>& source = work.source();
-    const double size = detail::tile_size(source.width(), source.height(), n, tile);
-    if (recipe(options, size)) return {};
-    if (work.monitor().stopped()) return cancelled_by_callback();
+Status Annealed::run(kit::TiledMesh<C>& mesh, std::size_t n) const {
+    const kit::ImageSource<C>& source = mesh.source();
+    const double size = tile_size(source.width(), source.height(), n);
+    kit::AnnealedSteps plan = steps.value_or(kit::annealed_steps(effort));
+    if (kit::detail::AnnealedRun<C>(mesh, n, plan, seed, size).run()) return {};
+    if (mesh.progress().stopped()) return kit::cancelled_by_callback();
     // Too many slivers that min_double_area protects: growing to n alone in one piece always gets there.
-    AnnealedOptions plain = options;
-    plain.insert_factor = 1;
-    plain.annealing.sweeps = 0;
-    return recipe(plain, std::max(source.width(), source.height())) ? Status{} : cancelled_by_callback();
+    plan.insert_factor = 1;
+    plan.annealing.sweeps = 0;
+    const bool is_done = kit::detail::AnnealedRun<C>(mesh, n, plan, seed, std::max(source.width(), source.height())).run();
+    return kit::finished_or_cancelled(is_done);
 }
 
-}  // namespace hmesh::kit
+}  // namespace hmesh
 
 #endif  // HMESH_METHODS_ANNEALED_ANNEALED_HPP

@@ -19,26 +19,11 @@
 #include "hmesh/edit/flip.hpp"
 #include "hmesh/fit/image_mesh.hpp"
 #include "hmesh/edit/insert.hpp"
-#include "hmesh/fit/order.hpp"
 #include "hmesh/edit/relax.hpp"
+#include "hmesh/methods/annealed/options.hpp"
 #include "hmesh/edit/move.hpp"
 
 namespace hmesh::kit {
-
-// Options of AnnealingSchedule and AnnealingSweep.
-struct AnnealingOptions {
-    int sweeps = 8;
-    double temperature = 0.5;        // T at the start, in prices mu
-    double cooling = 1;              // T falls as (1 - t)^cooling, t in [0, 1)
-    double try_probability = 1;             // probability that a vertex is tried for removal, a site for insertion, in a sweep
-    double jump = 0.1;               // probability that a vertex is displaced in a sweep
-    double jump_reach = 0.3;         // by at most this, in mean spoke lengths
-    double removal_screen = 3;       // removals that cost more than this many mu + 3 T before relaxing are not tried
-    double insertion_screen = 0.35;  // insertions that gain less than this many mu so are not tried
-    double flip_screen = 3;          // flips that cost more than this many mu so are not tried
-    double start_price = 0.2;        // mu at the start, in mean energies of a vertex
-    double count_tolerance = 0.5;               // the count may leave the target by this share in the first sweep, ever less later
-};
 
 // What a sweep did.
 struct AnnealingCounts {
@@ -105,7 +90,7 @@ class AnnealingSweep {
     // A change since `mark`, when the energy was `before`, that costs `cost` by itself: surroundings settle in up to two
     // rounds, then Metropolis' rule keeps the change or undoes it. Hopeless after one round, it does not get the second.
     template <class Round>
-    bool settle(const typename ImageMesh<C>::Mark& mark, double before, double cost, Round&& round) {
+    bool accept_or_roll_back(const typename ImageMesh<C>::Mark& mark, double before, double cost, Round&& round) {
         const double allowed = before - cost - temperature_ * std::log(random_.uniform());
         const double enough = 3e-2 * mesh_->mean_energy(), hopeless = allowed + 0.5 * price_;
         for (int k = 0; k < 2; ++k) {
@@ -132,14 +117,14 @@ class AnnealingSweep {
         for (const Vertex v : rotated(spatial_vertices(*mesh_))) {
             if (static_cast<double>(mesh_->vertex_count()) < range_.least || !mesh_->keep_going()) break;
             if (random_.uniform() > options_.try_probability) continue;
-            const CollapseCandidate candidate = cheapest_collapse(*mesh_, work_, v);
+            const CollapseCandidate candidate = cheapest_collapse(*mesh_, scratch_, v);
             if (!candidate.halfedge.is_valid() || !(candidate.cost <= options_.removal_screen * price_ + 3 * temperature_))
                 continue;
             const auto mark = mesh_->begin();
             const double before = mesh_->energy();
             collect(v);
             mesh_->collapse(candidate.halfedge);
-            if (settle(mark, before, -price_, [&] { relax(*mesh_, around_, 1, least_); })) ++removed;
+            if (accept_or_roll_back(mark, before, -price_, [&] { relax(*mesh_, around_, 1, least_); })) ++removed;
         }
         return removed;
     }
@@ -152,14 +137,14 @@ class AnnealingSweep {
             if (random_.uniform() > options_.try_probability) continue;
             if (site.is_edge() ? topology().is_deleted(site.edge()) : topology().is_deleted(site.face())) continue;
             if (!(most_gain(*mesh_, site) > least)) continue;
-            const InsertionCandidate<C> candidate = candidate_at(*mesh_, work_, site, true);
+            const InsertionCandidate<C> candidate = candidate_at(*mesh_, scratch_, site, true);
             if (!candidate.fits || !(candidate.gain > least) || !can_gain_edge(*mesh_, candidate)) continue;
             const auto mark = mesh_->begin();
             const double before = mesh_->energy();
             const Vertex v = insert(*mesh_, candidate);
             collect(v);
             around_.push_back(v);
-            if (settle(mark, before, price_, [&] { relax(*mesh_, around_, 1, least_); })) ++inserted;
+            if (accept_or_roll_back(mark, before, price_, [&] { relax(*mesh_, around_, 1, least_); })) ++inserted;
         }
         return inserted;
     }
@@ -171,7 +156,7 @@ class AnnealingSweep {
             if (!is_flippable(*mesh_, e)) continue;
             FlipTrial<C> trial;
             evaluate_flip(*mesh_, e, trial);
-            if (!(-trial.decrease < options_.flip_screen * price_) || !is_flip_ok(*mesh_, e)) continue;
+            if (!(-trial.decrease < options_.flip_screen * price_) || !can_flip(*mesh_, e)) continue;
             const Halfedge a = HalfedgeMesh::halfedge(e), b = HalfedgeMesh::opposite(a);
             around_ = {topology().to_vertex(topology().next(a)), topology().to_vertex(topology().next(b)),
                        topology().from_vertex(a), topology().to_vertex(a)};
@@ -182,7 +167,7 @@ class AnnealingSweep {
             const auto round = [&] {
                 for (const Vertex v : around_) improve_vertex(*mesh_, v, least_);
             };
-            if (settle(mark, before, 1e-4 * price_, round)) ++flipped;
+            if (accept_or_roll_back(mark, before, 1e-4 * price_, round)) ++flipped;
         }
         return flipped;
     }
@@ -193,25 +178,25 @@ class AnnealingSweep {
             if (!mesh_->keep_going()) break;
             const VertexState<C> state = mesh_->vertex(v);
             if (state.mobility != Mobility::free || random_.uniform() > options_.jump) continue;
-            mesh_->gather(v, work_.ring, work_.spokes);
+            mesh_->gather(v, scratch_.ring, scratch_.spokes);
             double mean = 0;
-            for (int i = 0; i < work_.ring.size; ++i) {
-                const Point p = work_.ring.neighbor[i]->position;
+            for (int i = 0; i < scratch_.ring.size; ++i) {
+                const Point p = scratch_.ring.neighbor[i]->position;
                 mean += std::sqrt((p.x - state.position.x) * (p.x - state.position.x) +
                                   (p.y - state.position.y) * (p.y - state.position.y));
             }
-            mean /= work_.ring.size;
+            mean /= scratch_.ring.size;
             const double angle = 6.283185307179586 * random_.uniform();
             const double length = options_.jump_reach * mean * std::sqrt(random_.uniform());
             const Point target = mesh_->clamp(
                 {state.position.x + length * std::cos(angle), state.position.y + length * std::sin(angle)}, Mobility::free);
-            if (!work_.ring.accepts(target, 2 * mesh_->limits().min_double_area)) continue;
+            if (!scratch_.ring.accepts(target, 2 * mesh_->limits().min_double_area)) continue;
             const auto mark = mesh_->begin();
             const double before = mesh_->energy();
             collect(v);
             around_.insert(around_.begin(), v);
             mesh_->place(v, target, state.color);
-            if (settle(mark, before, 1e-3 * price_, [&] { relax(*mesh_, around_, 1, least_); })) ++jumped;
+            if (accept_or_roll_back(mark, before, 1e-3 * price_, [&] { relax(*mesh_, around_, 1, least_); })) ++jumped;
         }
         return jumped;
     }
@@ -232,7 +217,7 @@ class AnnealingSweep {
     double least_;  // steps that promise less are not tried
     CountRange range_;
     Random random_;
-    RingScratch<C> work_;
+    RingScratch<C> scratch_;
     std::vector<Vertex> around_;
 };
 

@@ -67,11 +67,11 @@ namespace detail {
 
 // Removes `count` vertices: the cheapest of all patches. Returns whether any went.
 template <int C>
-bool remove_cheapest(TiledMesh<C>& work, const Tiling& tiling, std::size_t count, const Relaxation& relaxation) {
+bool remove_cheapest(TiledMesh<C>& tiled, const Tiling& tiling, std::size_t count, const Relaxation& relaxation) {
     std::vector<std::size_t> quota(tiling.size(), count);
     if (tiling.size() > 1) {
         std::vector<std::vector<double>> costs(tiling.size());
-        if (!work.visit(tiling, [&](Patch<C>& patch, std::size_t tile, const std::uint32_t*) {
+        if (!tiled.visit(tiling, [&](Patch<C>& patch, std::size_t tile, const std::uint32_t*) {
                 RingScratch<C> ring;
                 for (const Vertex v : patch.mesh().topology().vertices()) {
                     if (!patch.mesh().keep_going()) break;
@@ -87,8 +87,8 @@ bool remove_cheapest(TiledMesh<C>& work, const Tiling& tiling, std::size_t count
         quota.assign(tiling.size(), 0);
         for (std::size_t i = 0; i < std::min(count, all.size()); ++i) ++quota[all[i].second];
     }
-    const std::size_t before = work.vertex_count();
-    work.for_each(tiling, [&](Patch<C>& patch, std::size_t tile) {
+    const std::size_t before = tiled.vertex_count();
+    tiled.for_each(tiling, [&](Patch<C>& patch, std::size_t tile) {
         for (std::size_t left = quota[tile]; left > 0;) {
             // In large batches vertices go that are cheap only beside those that may not go at the same time.
             const std::size_t batch = std::max<std::size_t>(1, patch.vertex_count() / 32);
@@ -97,20 +97,20 @@ bool remove_cheapest(TiledMesh<C>& work, const Tiling& tiling, std::size_t count
             left -= removed;
         }
     });
-    return work.vertex_count() < before;
+    return tiled.vertex_count() < before;
 }
 
 // Inserts `count` vertices where the error is, at the best sites of each patch. Returns whether any came.
 template <int C>
-bool insert_best(TiledMesh<C>& work, const Tiling& tiling, std::size_t count) {
+bool insert_best(TiledMesh<C>& tiled, const Tiling& tiling, std::size_t count) {
     std::vector<double> energies(tiling.size(), 0.0);
-    if (tiling.size() > 1 && !work.visit(tiling, [&](Patch<C>& patch, std::size_t tile, const std::uint32_t*) {
+    if (tiling.size() > 1 && !tiled.visit(tiling, [&](Patch<C>& patch, std::size_t tile, const std::uint32_t*) {
             energies[tile] = std::max(0.0, patch.mesh().energy());
         }))
         return false;
     const std::vector<std::size_t> quota = apportion(count, energies, std::vector<std::size_t>(tiling.size(), count));
-    const std::size_t before = work.vertex_count();
-    work.for_each(tiling, [&](Patch<C>& patch, std::size_t tile) {
+    const std::size_t before = tiled.vertex_count();
+    tiled.for_each(tiling, [&](Patch<C>& patch, std::size_t tile) {
         for (std::size_t left = quota[tile]; left > 0;) {
             const std::size_t inserted = insert_batch(patch.mesh(), left, {true, true, 0});
             if (inserted == 0) {  // nothing to gain
@@ -120,7 +120,7 @@ bool insert_best(TiledMesh<C>& work, const Tiling& tiling, std::size_t count) {
             left -= inserted;
         }
     });
-    return work.vertex_count() > before;
+    return tiled.vertex_count() > before;
 }
 
 }  // namespace detail
@@ -128,18 +128,18 @@ bool insert_best(TiledMesh<C>& work, const Tiling& tiling, std::size_t count) {
 // Brings the mesh to exactly n vertices, in patches of about `tile` px. Returns false where it could not: cancelled, or more
 // than n vertices none of which can go.
 template <int C>
-bool reach_vertex_count(TiledMesh<C>& work, std::size_t n, double tile, const Relaxation& relaxation) {
-    const int width = work.source().width(), height = work.source().height();
-    const auto count = [&] { return work.vertex_count(); };
+bool reach_vertex_count(TiledMesh<C>& tiled, std::size_t n, double tile, const Relaxation& relaxation) {
+    const int width = tiled.source().width(), height = tiled.source().height();
+    const auto count = [&] { return tiled.vertex_count(); };
     // Where one tiling is stuck, another may not be.
-    for (int k = 0, stuck = 0; count() != n && stuck < 4 && !work.monitor().stopped(); ++k) {
+    for (int k = 0, stuck = 0; count() != n && stuck < 4 && !tiled.progress().stopped(); ++k) {
         const Tiling tiling(width, height, tile, (k & 2) == 0, (k & 1) == 0);
-        const bool moved = count() > n ? detail::remove_cheapest(work, tiling, count() - n, relaxation)
-                                       : detail::insert_best(work, tiling, n - count());
+        const bool moved = count() > n ? detail::remove_cheapest(tiled, tiling, count() - n, relaxation)
+                                       : detail::insert_best(tiled, tiling, n - count());
         stuck = moved ? 0 : stuck + 1;
     }
-    if (count() < n && !work.monitor().stopped())
-        work.for_each(Tiling(width, height, std::max(width, height)),
+    if (count() < n && !tiled.progress().stopped())
+        tiled.for_each(Tiling(width, height, std::max(width, height)),
                       [&](Patch<C>& patch, std::size_t) { subdivide(patch.mesh(), n - patch.mesh().vertex_count()); });
     return count() == n;
 }

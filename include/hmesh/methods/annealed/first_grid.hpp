@@ -11,6 +11,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "hmesh/core/function_ref.hpp"
 #include "hmesh/core/parallel.hpp"
 #include "hmesh/methods/annealed/seams.hpp"
 #include "hmesh/tiles/tiling.hpp"
@@ -22,8 +23,8 @@ namespace hmesh::kit {
 namespace detail {
 
 // Triangles of a grid of columns times rows vertices, of which (i, j) is number(i, j); its diagonals alternate.
-template <class Number>
-void add_grid_triangles(std::uint32_t columns, std::uint32_t rows, std::vector<Triangle>& triangles, Number&& number) {
+inline void add_grid_triangles(std::uint32_t columns, std::uint32_t rows, std::vector<Triangle>& triangles,
+                               FunctionRef<std::uint32_t(std::uint32_t, std::uint32_t)> number) {
     for (std::uint32_t j = 0; j + 1 < rows; ++j)
         for (std::uint32_t i = 0; i + 1 < columns; ++i) {
             const std::uint32_t a = number(i, j), b = number(i + 1, j), c = number(i + 1, j + 1), d = number(i, j + 1);
@@ -80,16 +81,16 @@ template <int C>
             const Point p = snap(Point{static_cast<double>(width) * i / nx, static_cast<double>(height) * j / ny});
             mesh.add(p, source.pixel(static_cast<int>(p.x), static_cast<int>(p.y)));
         }
-    detail::add_grid_triangles(nx + 1, ny + 1, mesh.triangles,
+    detail::add_grid_triangles(nx + 1, ny + 1, mesh.faces,
                                [&](std::uint32_t i, std::uint32_t j) { return j * (nx + 1) + i; });
     return mesh;
 }
 
 // A grid of about `count` vertices in the tiles of an unshifted tiling, sewn to about `seam_count` nodes on the seams, which
 // are found while go_on() says true (see seam_lines). Either is more where the other would give vertices too many neighbours.
-template <int C, class GoOn>
+template <int C>
 [[nodiscard]] IndexedMesh<C> tiled_grid(const ImageSource<C>& source, const Tiling& tiling, double count, double seam_count,
-                                      GoOn&& go_on, const ParallelFor& parallel_for = {}) {
+                                      FunctionRef<bool()> go_on, const ParallelFor& parallel_for = {}) {
     const auto columns = static_cast<std::uint32_t>(tiling.columns()), rows = static_cast<std::uint32_t>(tiling.rows());
     const auto tile = [&](std::uint32_t i, std::uint32_t j) { return tiling.rect(std::size_t{j} * columns + i); };
     IndexedMesh<C> mesh;
@@ -164,11 +165,11 @@ template <int C, class GoOn>
                 for (std::uint32_t k = 0; k < nx; ++k)
                     add(rect.x + rect.width * (k + 1.0) / (nx + 1), rect.y + rect.height * (m + 1.0) / (ny + 1));
             const auto number = [&](std::uint32_t k, std::uint32_t m) { return first + m * nx + k; };
-            detail::add_grid_triangles(nx, ny, mesh.triangles, number);
+            detail::add_grid_triangles(nx, ny, mesh.faces, number);
 
             const std::size_t left = std::size_t{j} * (columns + 1) + i, above = first_level + std::size_t{j} * columns + i;
             const auto strip = [&](std::size_t side, std::uint32_t from, std::uint32_t to, bool reversed,
-                                   std::uint32_t inner_count, auto&& inner_at) {
+                                   std::uint32_t inner_count, FunctionRef<std::uint32_t(std::uint32_t)> inner_at) {
                 std::vector<std::uint32_t> nodes;
                 for (std::uint32_t v = first_node[side]; v < first_node[side + 1]; ++v) nodes.push_back(v);
                 if (reversed) std::reverse(nodes.begin(), nodes.end());
@@ -180,7 +181,7 @@ template <int C, class GoOn>
                 for (const std::uint32_t v : nodes) outer.push_back({v, along(v)});
                 outer.push_back({to, along(to)});
                 for (std::uint32_t k = 0; k < inner_count; ++k) grid.push_back({inner_at(k), along(inner_at(k))});
-                detail::add_strip(outer, grid, mesh.triangles);
+                detail::add_strip(outer, grid, mesh.faces);
             };
             strip(above, corner(i, j), corner(i + 1, j), false, nx, [&](std::uint32_t k) { return number(k, 0); });
             strip(left + 1, corner(i + 1, j), corner(i + 1, j + 1), false, ny,

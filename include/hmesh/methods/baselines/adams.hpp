@@ -14,9 +14,8 @@
 #include <utility>
 #include <vector>
 
-#include "hmesh/core/finite.hpp"
+#include "hmesh/core/range.hpp"
 #include "hmesh/core/status.hpp"
-#include "hmesh/methods/annealed/first_grid.hpp"
 #include "hmesh/tiles/tiled_mesh.hpp"
 #include "hmesh/methods/baselines/point_removal.hpp"
 #include "hmesh/methods/baselines/error_diffusion.hpp"
@@ -24,27 +23,11 @@
 #include "hmesh/mesh/delaunay.hpp"
 #include "hmesh/mesh/spatial_order.hpp"
 #include "hmesh/methods/stage.hpp"
+#include "hmesh/options.hpp"
+#include "hmesh/tiles/indexed_mesh.hpp"
 
-namespace hmesh::kit {
-
-// Options of the method `adams`, and of those that begin with it.
-struct AdamsOptions {
-    // Points before the removal, in units of the target, as far as there are pixels. They cost time in proportion: Lena at 1 %
-    // has 27.06 dB with 2, 28.05 with 4.5, 28.21 with 8; Fruits 26.29, 27.14 and 27.06.
-    double density = 4.5;
-    int smoothing = 3;  // passes of [1 2 1] / 4 before the derivatives; none costs 0.1 to 0.4 dB on Lena and Fruits
-};
-
-// Whether the options mean something; the sentence names the first that does not.
-[[nodiscard]] inline Status check(const AdamsOptions& options) noexcept {
-    if (!is_within(options.density, 1, 1000)) return {Errc::invalid_argument, "adams.density must be in [1, 1000]", 0, 0};
-    if (options.smoothing < 0 || options.smoothing > 100)
-        return {Errc::invalid_argument, "adams.smoothing must be in [0, 100] passes", options.smoothing,
-                options.smoothing < 0 ? 0 : 100};
-    return {};
-}
-
-namespace detail {
+namespace hmesh {
+namespace kit::detail {
 
 // Where the vertex of a pixel is: on its centre, and on the border for the outermost pixels, so that the mesh covers the image.
 [[nodiscard]] inline Point pixel_vertex(int x, int y, int width, int height) noexcept {
@@ -56,8 +39,8 @@ namespace detail {
 
 // The Delaunay triangulation of the corners and of these pixels, with their colours, in place of what work had. False: cancelled.
 template <int C>
-bool triangulate_pixels(TiledMesh<C>& work, const std::vector<std::uint32_t>& pixels) {
-    const ImageSource<C>& source = work.source();
+bool triangulate_pixels(TiledMesh<C>& tiled, const std::vector<std::uint32_t>& pixels) {
+    const ImageSource<C>& source = tiled.source();
     const int width = source.width(), height = source.height();
     const auto column = [&](std::uint32_t pixel) { return static_cast<int>(pixel % static_cast<std::uint32_t>(width)); };
     const auto row = [&](std::uint32_t pixel) { return static_cast<int>(pixel / static_cast<std::uint32_t>(width)); };
@@ -66,7 +49,7 @@ bool triangulate_pixels(TiledMesh<C>& work, const std::vector<std::uint32_t>& pi
     mesh.reserve(pixels.size() + 4);
     std::size_t done = 0;
     for (const std::uint32_t pixel : in_spatial_order<std::uint32_t>(pixels, pixels.size(), place)) {
-        if (++done % 4096 == 0 && !work.monitor().poll()) return false;
+        if (++done % 4096 == 0 && !tiled.progress().poll()) return false;
         (void)mesh.insert(place(pixel));
     }
     IndexedMesh<C> whole;
@@ -75,37 +58,55 @@ bool triangulate_pixels(TiledMesh<C>& work, const std::vector<std::uint32_t>& pi
     for (const Point p : mesh.positions()) whole.add(p, source.pixel(static_cast<int>(p.x), static_cast<int>(p.y)));
     for (const Face f : mesh.topology().faces()) {
         const auto v = mesh.topology().vertices(f);
-        whole.triangles.push_back({static_cast<std::uint32_t>(v[0].index()), static_cast<std::uint32_t>(v[1].index()),
+        whole.faces.push_back({static_cast<std::uint32_t>(v[0].index()), static_cast<std::uint32_t>(v[1].index()),
                                    static_cast<std::uint32_t>(v[2].index())});
     }
-    work.indexed() = std::move(whole);
-    work.monitor().set_range(1, 1);
-    return work.for_each(one_tile(source), [](Patch<C>&, std::size_t) {});  // from here on its energy is known
+    tiled.indexed() = std::move(whole);
+    tiled.progress().set_range(1, 1);
+    return tiled.for_each(one_tile(source), [](Patch<C>&, std::size_t) {});  // from here on its energy is known
 }
 
 // Removal to n vertices, as a stage.
 template <int C>
-bool thin(TiledMesh<C>& work, std::size_t n) {
-    return whole_stage(work, "removal", [&](ImageMesh<C>& mesh) { PointRemoval<C>(mesh).remove_down_to(n); });
+bool remove_points(TiledMesh<C>& tiled, std::size_t n) {
+    return run_whole_stage<C>(tiled, "removal", [&](ImageMesh<C>& mesh) { PointRemoval<C>(mesh).remove_down_to(n); });
 }
 
-}  // namespace detail
+}  // namespace kit::detail
 
-// Makes a mesh of n vertices, 4 <= n <= max(4, pixels). False: cancelled; the mesh is valid but may have another count.
-template <int C>
-[[nodiscard]] bool adams(TiledMesh<C>& work, std::size_t n, const AdamsOptions& options) {
-    const ImageSource<C>& source = work.source();
-    work.indexed() = regular_grid(source, 4);  // what a cancellation finds
-    const bool go_on = detail::stage(work, "points", [&] {
-        const double wanted = std::ceil(options.density * static_cast<double>(n));
-        const auto count = static_cast<std::size_t>(std::min(source.pixels(), wanted));
-        const Image<float, 1> map = feature_map(source, options.smoothing, work.parallel_for());
-        const auto points = diffused_points(map.view(), count, [&] { return work.monitor().poll(); });
-        return !points.empty() && detail::triangulate_pixels(work, points);
-    });
-    return go_on && detail::thin(work, n);
-}
+/// Adams' method, with sampled colors.
+struct Adams {
+    /// Points before the removal, in units of the target, in [1, 1000], as far as there are pixels. They cost time in proportion:
+    /// Lena at 1 % has 27.06 dB with 2, 28.05 with 4.5, 28.21 with 8; Fruits 26.29, 27.14 and 27.06.
+    double density = 4.5;
+    int smoothing = 3;  ///< passes of [1 2 1] / 4 before the derivatives, in [0, 100]; none costs 0.1 to 0.4 dB on Lena and Fruits
 
-}  // namespace hmesh::kit
+    static constexpr const char* name = "adams";
+    static constexpr Colors colors = Colors::sampled;
+
+    /// Whether the options mean something.
+    [[nodiscard]] Status check(int = 1, int = 1) const noexcept {
+        return kit::check_ranges({{"adams density must be in [1, 1000]", density, 1, 1000},
+                                  {"adams smoothing must be in [0, 100] passes", static_cast<double>(smoothing), 0, 100}});
+    }
+    /// px: the image in one piece.
+    [[nodiscard]] double tile_size(int width, int height, std::size_t) const noexcept { return std::max(width, height); }
+    /// Makes a mesh of n vertices, 4 <= n <= max(4, pixels).
+    template <int C>
+    [[nodiscard]] Status run(kit::TiledMesh<C>& mesh, std::size_t n) const {
+        const kit::ImageSource<C>& source = mesh.source();
+        mesh.indexed() = kit::corner_mesh(source);  // what a cancellation finds
+        const bool go_on = kit::run_stage<C>(mesh, "points", [&] {
+            const double wanted = std::ceil(density * static_cast<double>(n));
+            const auto count = static_cast<std::size_t>(std::min(source.pixels(), wanted));
+            const Image<float, 1> map = kit::feature_map(source, smoothing, mesh.parallel_for());
+            const auto points = kit::diffused_points(map.view(), count, [&] { return mesh.progress().poll(); });
+            return !points.empty() && kit::detail::triangulate_pixels(mesh, points);
+        });
+        return kit::finished_or_cancelled(go_on && kit::detail::remove_points(mesh, n));
+    }
+};
+
+}  // namespace hmesh
 
 #endif  // HMESH_METHODS_BASELINES_ADAMS_HPP

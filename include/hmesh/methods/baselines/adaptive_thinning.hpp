@@ -8,34 +8,48 @@
 #ifndef HMESH_METHODS_BASELINES_ADAPTIVE_THINNING_HPP
 #define HMESH_METHODS_BASELINES_ADAPTIVE_THINNING_HPP
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <numeric>
 #include <vector>
 
-#include "hmesh/methods/annealed/first_grid.hpp"
 #include "hmesh/tiles/tiled_mesh.hpp"
 #include "hmesh/methods/baselines/adams.hpp"
 #include "hmesh/methods/stage.hpp"
+#include "hmesh/options.hpp"
 
-namespace hmesh::kit {
+namespace hmesh {
 
-// The largest image, in pixels: its mesh takes 3 GB at first.
-inline constexpr std::int64_t adaptive_thinning_pixels = std::int64_t{1} << 22;
+/// Adaptive thinning, with sampled colors.
+struct AdaptiveThinning {
+    static constexpr std::int64_t max_pixels = std::int64_t{1} << 22;  ///< of an image: its mesh takes 3 GB at first
 
-// Makes a mesh of n vertices, 4 <= n <= max(4, pixels). False: cancelled; the mesh is valid but may have another count.
-template <int C>
-[[nodiscard]] bool adaptive_thinning(TiledMesh<C>& work, std::size_t n) {
-    const ImageSource<C>& source = work.source();
-    work.indexed() = regular_grid(source, 4);  // what a cancellation finds
-    const bool go_on = detail::stage(work, "points", [&] {
-        std::vector<std::uint32_t> pixels(static_cast<std::size_t>(source.pixels()));
-        std::iota(pixels.begin(), pixels.end(), 0U);
-        return detail::triangulate_pixels(work, pixels);
-    });
-    return go_on && detail::thin(work, n);
-}
+    static constexpr const char* name = "adaptive_thinning";
+    static constexpr Colors colors = Colors::sampled;
 
-}  // namespace hmesh::kit
+    /// Whether the image is small enough.
+    [[nodiscard]] Status check(int width, int height) const noexcept {
+        const std::int64_t pixels = std::int64_t{width} * height;
+        if (pixels <= max_pixels) return {};
+        return {Errc::image_too_large, "adaptive thinning starts from all pixels, and the image has too many", pixels, max_pixels};
+    }
+    /// px: the image in one piece.
+    [[nodiscard]] double tile_size(int width, int height, std::size_t) const noexcept { return std::max(width, height); }
+    /// Makes a mesh of n vertices, 4 <= n <= max(4, pixels).
+    template <int C>
+    [[nodiscard]] Status run(kit::TiledMesh<C>& mesh, std::size_t n) const {
+        const kit::ImageSource<C>& source = mesh.source();
+        mesh.indexed() = kit::corner_mesh(source);  // what a cancellation finds
+        const bool go_on = kit::run_stage<C>(mesh, "points", [&] {
+            std::vector<std::uint32_t> pixels(static_cast<std::size_t>(source.pixels()));
+            std::iota(pixels.begin(), pixels.end(), 0U);
+            return kit::detail::triangulate_pixels(mesh, pixels);
+        });
+        return kit::finished_or_cancelled(go_on && kit::detail::remove_points(mesh, n));
+    }
+};
+
+}  // namespace hmesh
 
 #endif  // HMESH_METHODS_BASELINES_ADAPTIVE_THINNING_HPP

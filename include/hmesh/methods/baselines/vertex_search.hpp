@@ -11,7 +11,6 @@
 #include <vector>
 
 #include "hmesh/fit/image_mesh.hpp"
-#include "hmesh/fit/order.hpp"
 #include "hmesh/solve/sampled_colors.hpp"
 
 namespace hmesh::kit {

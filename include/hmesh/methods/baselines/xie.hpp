@@ -7,9 +7,10 @@
 #ifndef HMESH_METHODS_BASELINES_XIE_HPP
 #define HMESH_METHODS_BASELINES_XIE_HPP
 
+#include <algorithm>
 #include <cstddef>
 
-#include "hmesh/core/finite.hpp"
+#include "hmesh/core/range.hpp"
 #include "hmesh/core/status.hpp"
 #include "hmesh/methods/baselines/flip_queue.hpp"
 #include "hmesh/tiles/tiled_mesh.hpp"
@@ -17,44 +18,47 @@
 #include "hmesh/methods/baselines/adams.hpp"
 #include "hmesh/methods/stage.hpp"
 
-namespace hmesh::kit {
+namespace hmesh {
 
-// Options of the method `xie`.
-struct XieOptions {
-    AdamsOptions start;
-    VertexSearch search;
-    int flip_visits = 8;   // how often an edge is a suspect in a round
-    int rounds = 8;        // at most; one that gains less than `enough` is the last
-    double enough = 1e-3;  // of the energy
+/// The method of Xie et al., with sampled colors.
+struct Xie {
+    Adams start;               ///< the mesh that it starts from
+    kit::VertexSearch search;  ///< how vertices move
+    int flip_visits = 8;       ///< how often an edge is a suspect in a round, in [1, 1000000]
+    int rounds = 8;            ///< at most, in [0, 1000]; one that gains less than `enough` is the last
+    double enough = 1e-3;      ///< of the energy, in [0, 1]
+
+    static constexpr const char* name = "xie";
+    static constexpr Colors colors = Colors::sampled;
+
+    /// Whether the options mean something.
+    [[nodiscard]] Status check(int = 1, int = 1) const noexcept {
+        if (const Status status = start.check(); !status) return status;
+        return kit::check_ranges({{"xie search.first_step must be in [1, 4096] px", static_cast<double>(search.first_step), 1, 4096},
+                                  {"xie search.visits must be in [1, 1000]", static_cast<double>(search.visits), 1, 1000},
+                                  {"xie flip_visits must be in [1, 1000000]", static_cast<double>(flip_visits), 1, 1e6},
+                                  {"xie rounds must be in [0, 1000]", static_cast<double>(rounds), 0, 1000},
+                                  {"xie enough must be in [0, 1]", enough, 0, 1}});
+    }
+    /// px: the image in one piece.
+    [[nodiscard]] double tile_size(int width, int height, std::size_t) const noexcept { return std::max(width, height); }
+    /// Makes a mesh of n vertices, 4 <= n <= max(4, pixels).
+    template <int C>
+    [[nodiscard]] Status run(kit::TiledMesh<C>& mesh, std::size_t n) const {
+        using kit::ImageMesh;
+        if (const Status status = start.run(mesh, n); !status) return status;
+        for (int round = 0; round < rounds; ++round) {
+            const double before = mesh.energy();
+            const bool go_on =
+                kit::run_whole_stage<C>(mesh, "search", [&](ImageMesh<C>& piece) { search_vertices(piece, search); }) &&
+                kit::run_whole_stage<C>(mesh, "flips", [&](ImageMesh<C>& piece) { run_flip_queue(piece, flip_visits); });
+            if (!go_on) return kit::cancelled_by_callback();
+            if (!(before - mesh.energy() > enough * before)) break;
+        }
+        return {};
+    }
 };
 
-// Whether the options mean something; the sentence names the first that does not.
-[[nodiscard]] inline Status check(const XieOptions& options) noexcept {
-    if (const Status status = check(options.start); !status) return status;
-    const auto bad = [](const char* what) -> Status { return {Errc::invalid_argument, what, 0, 0}; };
-    if (options.search.first_step < 1 || options.search.first_step > 4096)
-        return bad("xie.search.first_step must be in [1, 4096] px");
-    if (options.search.visits < 1 || options.search.visits > 1000) return bad("xie.search.visits must be in [1, 1000]");
-    if (options.flip_visits < 1 || options.flip_visits > 1000000) return bad("xie.flip_visits must be in [1, 1000000]");
-    if (options.rounds < 0 || options.rounds > 1000) return bad("xie.rounds must be in [0, 1000]");
-    if (!is_within(options.enough, 0, 1)) return bad("xie.enough must be in [0, 1]");
-    return {};
-}
-
-// Makes a mesh of n vertices, 4 <= n <= max(4, pixels). False: cancelled; the mesh is valid but may have another count.
-template <int C>
-[[nodiscard]] bool xie(TiledMesh<C>& work, std::size_t n, const XieOptions& options) {
-    if (!adams(work, n, options.start)) return false;
-    for (int round = 0; round < options.rounds; ++round) {
-        const double before = work.energy();
-        if (!detail::whole_stage(work, "search", [&](ImageMesh<C>& mesh) { search_vertices(mesh, options.search); }) ||
-            !detail::whole_stage(work, "flips", [&](ImageMesh<C>& mesh) { run_flip_queue(mesh, options.flip_visits); }))
-            return false;
-        if (!(before - work.energy() > options.enough * before)) break;
-    }
-    return true;
-}
-
-}  // namespace hmesh::kit
+}  // namespace hmesh
 
 #endif  // HMESH_METHODS_BASELINES_XIE_HPP

@@ -21,9 +21,10 @@
 #include "hmesh/core/parallel.hpp"
 #include "hmesh/solve/normal_equations.hpp"
 #include "hmesh/solve/bounded_colors.hpp"
+#include "hmesh/solve/eigen.hpp"
+#include "hmesh/solve/optimal_colors.hpp"
 #include "hmesh/methods/hierarchical/footpoints.hpp"
 #include "hmesh/fit/image_mesh.hpp"
-#include "hmesh/fit/order.hpp"
 #include "hmesh/solve/pcg.hpp"
 #include "hmesh/edit/move.hpp"
 
@@ -40,7 +41,7 @@ struct GeometryStep {
     FootSearch search = FootSearch::own_face;
     StepRule rule = StepRule::safeguarded;
     double color_scale = 1;  // px that a unit of colour is worth, where 255 is the peak; 0.3 to 3 differ by up to 0.1 dB
-    double pull = 1e-3;      // toward the current value, in pixels: faces may own none
+    double ridge = 1e-3;      // toward the current value, in pixels: faces may own none
     int halvings = 4;        // of a step: 1, 1/2, .. 1/16 of the way are tried
     PcgOptions pcg{200, 1e-7};
 };
@@ -54,18 +55,18 @@ struct GeometrySystem {
 
 // `color_scale`: px that a unit of stored value is worth.
 template <int C>
-[[nodiscard]] GeometrySystem geometry_system(const ImageMesh<C>& mesh, FootSearch search, double color_scale, double pull,
+[[nodiscard]] GeometrySystem geometry_system(const ImageMesh<C>& mesh, FootSearch search, double color_scale, double ridge,
                                              const ParallelFor& parallel_for = {}) {
     GeometrySystem system;
     const HalfedgeMesh& topology = mesh.topology();
     const std::vector<CornerSums<C>> corners = foot_sums(mesh, search, color_scale, parallel_for);
     system.gram = gram_matrix(topology, corners, parallel_for);
-    for (Eigen::Index i = 0; i < system.gram.rows(); ++i) system.gram.coeffRef(i, i) += pull;
+    for (Eigen::Index i = 0; i < system.gram.rows(); ++i) system.gram.coeffRef(i, i) += ridge;
     system.solution.resize(system.gram.rows(), 2 + C);
     system.rhs.resize(system.gram.rows(), 2 + C);
     system.solution << position_matrix(mesh), color_matrix(mesh);
     system.rhs << position_rhs<C>(topology, corners, parallel_for), image_rhs<C>(topology, corners, parallel_for);
-    system.rhs += pull * system.solution;
+    system.rhs += ridge * system.solution;
     Eigen::Index row = 0;
     for (const Vertex v : topology.vertices()) {
         const Mobility mobility = mesh.vertex(v).mobility;
@@ -80,13 +81,13 @@ namespace detail {
 
 // Takes v the part of the way to `target` where its ring's error, with its colour at the best, is least. Whether it moved.
 template <int C>
-bool step_toward(ImageMesh<C>& mesh, Vertex v, Point target, int halvings, RingScratch<C>& work) {
+bool step_toward(ImageMesh<C>& mesh, Vertex v, Point target, int halvings, RingScratch<C>& scratch) {
     const MeshLimits& limits = mesh.limits();
     const VertexState<C>& state = mesh.vertex(v);
-    mesh.gather(v, work.ring, work.spokes);
+    mesh.gather(v, scratch.ring, scratch.spokes);
     // A ring without weight wants nothing, though pixels next to it may have their foot points there.
-    if (mesh.table().is_weighted() && !(ring_weight(work.ring, work.spokes) > least_weight)) return false;
-    const double before = mesh.energy(work.ring);
+    if (mesh.table().is_weighted() && !(ring_weight(scratch.ring, scratch.spokes) > least_weight)) return false;
+    const double before = mesh.energy(scratch.ring);
     const Point from = state.position;
     RingCenter<C> best{from, state.color, before * (1 - 1e-9)};  // gains of the size of rounding are none
     double share = 1;
@@ -94,10 +95,10 @@ bool step_toward(ImageMesh<C>& mesh, Vertex v, Point target, int halvings, RingS
         const Point part{from.x + share * (target.x - from.x), from.y + share * (target.y - from.y)};
         const Point trial = mesh.clamp(part, state.mobility);
         if (trial == from) break;
-        if (!work.ring.accepts(trial, limits.min_double_area)) continue;
-        walk_spokes(mesh.table(), work.ring, trial, work.trial_spokes);
+        if (!scratch.ring.accepts(trial, limits.min_double_area)) continue;
+        walk_spokes(mesh.table(), scratch.ring, trial, scratch.trial_spokes);
         RingFit<C> fit;
-        if (!fit_ring(work.ring, work.trial_spokes, trial, limits.min_double_area, work.trial_faces, fit)) continue;
+        if (!fit_ring(scratch.ring, scratch.trial_spokes, trial, limits.min_double_area, scratch.trial_faces, fit)) continue;
         const Color<C> color = best_color(fit, state.color, limits.ridge, mesh.color_low(), mesh.color_high());
         const double energy = fit.energy(color);
         if (energy < best.energy) best = {trial, color, energy};
@@ -123,8 +124,8 @@ void improve_colors(ImageMesh<C>& mesh, const PcgOptions& options, const Paralle
 
 // Takes v as far toward `target` as no face around it folds over. Whether it arrived.
 template <int C>
-bool step_unfolded(ImageMesh<C>& mesh, Vertex v, Point target, RingScratch<C>& work) {
-    mesh.gather(v, work.ring, work.spokes);
+bool step_unfolded(ImageMesh<C>& mesh, Vertex v, Point target, RingScratch<C>& scratch) {
+    mesh.gather(v, scratch.ring, scratch.spokes);
     const VertexState<C>& state = mesh.vertex(v);
     const Point from = state.position;
     double share = 1;
@@ -132,7 +133,7 @@ bool step_unfolded(ImageMesh<C>& mesh, Vertex v, Point target, RingScratch<C>& w
         const Point part{from.x + share * (target.x - from.x), from.y + share * (target.y - from.y)};
         const Point trial = mesh.clamp(part, state.mobility);
         if (trial == from) return true;
-        if (!work.ring.accepts(trial, mesh.limits().min_double_area)) continue;
+        if (!scratch.ring.accepts(trial, mesh.limits().min_double_area)) continue;
         mesh.place(v, trial, state.color);
         return k == 0;
     }
@@ -144,7 +145,7 @@ bool step_unfolded(ImageMesh<C>& mesh, Vertex v, Point target, RingScratch<C>& w
 // One step. Vertices with more than ring_capacity neighbours keep their place. Returns how the solver did.
 template <int C>
 PcgReport geometry_step(ImageMesh<C>& mesh, const GeometryStep& options, double peak, const ParallelFor& parallel_for = {}) {
-    GeometrySystem system = geometry_system(mesh, options.search, options.color_scale * 255 / peak, options.pull, parallel_for);
+    GeometrySystem system = geometry_system(mesh, options.search, options.color_scale * 255 / peak, options.ridge, parallel_for);
     if (mesh.task() != nullptr && mesh.task()->stopped()) return {};  // the system may be of some faces only
     const PcgReport report = solve_pcg(system.gram, system.rhs, system.solution, options.pcg, system.held);
     const HalfedgeMesh& topology = mesh.topology();
@@ -154,11 +155,11 @@ PcgReport geometry_step(ImageMesh<C>& mesh, const GeometryStep& options, double 
         return Point{system.solution(row, 0), system.solution(row, 1)};
     };
     const std::vector<Vertex> vertices = spatial_vertices(mesh);
-    RingScratch<C> work;
+    RingScratch<C> scratch;
     if (options.rule == StepRule::safeguarded) {
         for (const Vertex v : vertices) {
             if (!mesh.keep_going()) break;
-            if (topology.valence(v) <= ring_capacity) detail::step_toward(mesh, v, target(v), options.halvings, work);
+            if (topology.valence(v) <= ring_capacity) detail::step_toward(mesh, v, target(v), options.halvings, scratch);
         }
         detail::improve_colors(mesh, options.pcg, parallel_for);
         return report;
@@ -168,7 +169,7 @@ PcgReport geometry_step(ImageMesh<C>& mesh, const GeometryStep& options, double 
         for (const Vertex v : vertices) {
             if (!mesh.keep_going()) break;
             if (arrived[v.index()] == 0 && topology.valence(v) <= ring_capacity)
-                arrived[v.index()] = detail::step_unfolded(mesh, v, target(v), work) ? 1 : 0;
+                arrived[v.index()] = detail::step_unfolded(mesh, v, target(v), scratch) ? 1 : 0;
         }
     std::vector<Color<C>> colors;
     for (Eigen::Index row = 0; row < system.solution.rows(); ++row) {

@@ -15,26 +15,24 @@
 
 #include "hmesh/core/assert.hpp"
 #include "hmesh/core/finite.hpp"
+#include "hmesh/core/function_ref.hpp"
 #include "hmesh/core/parallel.hpp"
 #include "hmesh/methods/hierarchical/bilateral.hpp"
 #include "hmesh/image/image_view.hpp"
 
 namespace hmesh::kit {
 
-// A user's filter of images of any sample type and number of channels, and the pointer handed to it. `from` and `to` are
-// images of width * height pixels, packed row after row, of `channels` interleaved samples in stored values (0 to 255 for 8
-// bits). `to` begins as a copy of `from`. Called once for a level, from one thread, which may start others.
-struct LevelFilter {
-    void (*call)(void* user, const float* from, float* to, int width, int height, int channels) = nullptr;
-    void* user = nullptr;
-};
+// A user's filter of images of any sample type and number of channels. `from` and `to` are images of width * height pixels, packed
+// row after row, of `channels` interleaved samples in stored values (0 to 255 for 8 bits). `to` begins as a copy of `from`. Called
+// once for a level, from one thread, which may start others.
+using LevelFilter = FunctionRef<void(const float* from, float* to, int width, int height, int channels)>;
 
-// The view filtered; `call` is set. Samples are rounded by PixelTraits<T>::from_real. One that is not finite keeps the
+// The view filtered; which is set. Samples are rounded by PixelTraits<T>::from_real. One that is not finite keeps the
 // view's value: a level is data for sums over many pixels, where one NaN would spoil them all, and where a filter has no
 // answer (a mean without weights, 0 / 0) the unfiltered sample is the one that adds no error. Takes two floats a sample.
 template <class T, int C>
-[[nodiscard]] Image<T, C> apply(const LevelFilter& filter, const ImageView<T, C>& view) {
-    HMESH_ASSERT(check(view) && filter.call != nullptr);
+[[nodiscard]] Image<T, C> apply_filter(const LevelFilter& filter, const ImageView<T, C>& view) {
+    HMESH_ASSERT(check(view) && filter);
     Image<T, C> out(view.width, view.height);
     std::vector<float> from;
     from.reserve(out.samples().size());
@@ -44,7 +42,7 @@ template <class T, int C>
                        [](T sample) { return PixelTraits<float>::from_real(PixelTraits<T>::to_real(sample)); });
     }
     std::vector<float> to = from;
-    filter.call(filter.user, from.data(), to.data(), view.width, view.height, C);
+    filter(from.data(), to.data(), view.width, view.height, C);
     const float* filtered = to.data();
     for (int y = 0; y < view.height; ++y) {
         const T* row = view.row(y);
@@ -58,10 +56,10 @@ template <class T, int C>
 template <class T, int C>
 class Pyramid {
   public:
-    // `levels` >= 1 levels of the view, which outlives the pyramid; filter(const ImageView<T, C>&) gives an Image<T, C>
-    // of the same size and is called levels - 1 times, from fine to coarse.
-    template <class Filter>
-    Pyramid(const ImageView<T, C>& view, int levels, Filter&& filter) : input_(view) {
+    // `levels` >= 1 levels of the view, which outlives the pyramid; filter(level) gives an image of the same size and is called
+    // levels - 1 times, from fine to coarse.
+    Pyramid(const ImageView<T, C>& view, int levels, FunctionRef<Image<T, C>(const ImageView<T, C>& level)> filter)
+        : input_(view) {
         HMESH_ASSERT(levels >= 1);
         for (int i = 1; i < levels; ++i) {
             filtered_.push_back(filter(level(i - 1)));
@@ -81,13 +79,13 @@ class Pyramid {
     std::vector<Image<T, C>> filtered_;  // level i is filtered_[i - 1]
 };
 
-// The levels that `filter` gives if its call is set, else those of the bilateral filter. check() accepts the view and the
+// The levels that `filter` gives if it is set, else those of the bilateral filter. check() accepts the view and the
 // bilateral options, and float samples are finite.
 template <class T, int C>
 [[nodiscard]] Pyramid<T, C> make_pyramid(const ImageView<T, C>& view, int levels, const BilateralOptions& bilateral = {},
                                          const LevelFilter& filter = {}, const ParallelFor& parallel_for = {}) {
     return Pyramid<T, C>(view, levels, [&](const ImageView<T, C>& level) {
-        return filter.call != nullptr ? apply(filter, level) : bilateral_filter(level, bilateral, parallel_for);
+        return filter ? apply_filter(filter, level) : bilateral_filter(level, bilateral, parallel_for);
     });
 }
 

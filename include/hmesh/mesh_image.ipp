@@ -1,0 +1,134 @@
+// hmesh - how mesh_image() does it. Included by mesh_image.hpp alone.
+#ifndef HMESH_MESH_IMAGE_IPP
+#define HMESH_MESH_IMAGE_IPP
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <type_traits>
+#include <utility>
+
+#include "hmesh/core/function_ref.hpp"
+#include "hmesh/core/progress.hpp"
+#include "hmesh/core/psnr.hpp"
+#include "hmesh/fit/image_source.hpp"
+#include "hmesh/fit/moment_table.hpp"
+#include "hmesh/image/premultiply.hpp"
+#include "hmesh/image/weights.hpp"
+#include "hmesh/methods/annealed/annealed.hpp"
+#include "hmesh/methods/psnr_search.hpp"
+#include "hmesh/methods/stage.hpp"
+#include "hmesh/tiles/final_colors.hpp"
+#include "hmesh/tiles/indexed_mesh.hpp"
+#include "hmesh/tiles/tiled_mesh.hpp"
+#include "hmesh/tiles/tiling.hpp"
+
+namespace hmesh::detail {
+
+// A recipe as seen by what does not depend on it.
+template <int C>
+struct RecipeRef {
+    FunctionRef<double(std::size_t n)> tile_size;
+    FunctionRef<Status(kit::TiledMesh<C>& mesh, std::size_t n)> run;
+    Colors colors;
+};
+
+// One mesh of n vertices, finished. `samples`: pixels, or the sum of their weights, times channels.
+template <int C>
+[[nodiscard]] Result mesh_once(const kit::ImageSource<C>& source, double samples, std::size_t n, const RecipeRef<C>& recipe,
+                               const Options& options, const ParallelFor& parallel_for) {
+    Result result;
+    const double tile = recipe.tile_size(n);
+    // Patches stand out of their tiles by parts of a triangle: hence twice as large.
+    const int widest = static_cast<int>(std::min<double>(source.width(), 2 * tile));
+    const int highest = static_cast<int>(std::min<double>(source.height(), 2 * tile));
+    if (!kit::MomentTable<C>::fits_memory(widest, highest)) {
+        result.status = {Errc::image_too_large, "the image or its tiles need more memory than can be addressed, for rows of", widest};
+        return result;
+    }
+    kit::ProgressReporter progress(options.progress, samples, source.peak());
+    kit::TiledMesh<C> tiled(source, options.limits, progress, parallel_for);
+    tiled.indexed() = kit::corner_mesh(source);  // what a cancellation finds
+    result.status = recipe.run(tiled, n);
+    progress.begin("colors", tiled.vertex_count(), tiled.energy());
+    const double grid = source.is_integer() && options.round_colors ? 1 : 0;
+    const kit::Tiling tiling(source.width(), source.height(), tile);
+    if (recipe.colors == Colors::sampled) sample_colors(tiled, tiling, grid);
+    else bounded_colors(tiled, tiling, source.low(), source.high(), grid);
+    const kit::IndexedMesh<C>& mesh = tiled.indexed();
+    result.mesh = to_mesh(mesh, source.peak());
+    const double energy = source.is_integer() ? std::max(0.0, mesh.energy)  // rounding may leave less than nothing
+                                              : source.rendered_error(result.mesh, parallel_for);
+    progress.end(mesh.vertex_count(), energy);
+    if (result.status && progress.stopped()) result.status = kit::cancelled_by_callback();
+    result.report = {mesh.vertex_count(), mesh.faces.size(), energy, kit::psnr_of_energy(energy, samples, source.peak()),
+                     progress.stages()};
+    return result;
+}
+
+// The mesh that options.target asks for.
+template <int C>
+[[nodiscard]] Result mesh_target(const kit::ImageSource<C>& source, double samples, const RecipeRef<C>& recipe,
+                                 const Options& options, const ParallelFor& parallel_for) {
+    const double pixels = source.pixels();
+    const auto most = static_cast<std::size_t>(std::max(4.0, pixels));
+    const auto mesh_of = [&](std::size_t n) { return mesh_once(source, samples, n, recipe, options, parallel_for); };
+    const auto share = [&](double percent) {
+        return std::min(most, std::max<std::size_t>(4, static_cast<std::size_t>(std::llround(pixels * percent / 100))));
+    };
+    switch (options.target.kind) {
+        case Target::Kind::percent: return mesh_of(share(options.target.value));
+        case Target::Kind::psnr: return kit::fewest_vertices(options.target.value, share(1), most, mesh_of);
+        case Target::Kind::vertices: break;
+    }
+    return mesh_of(static_cast<std::size_t>(options.target.value));
+}
+
+template <class Recipe, class T, int C, class = void>
+inline constexpr bool wants_view = false;
+template <class Recipe, class T, int C>
+inline constexpr bool wants_view<Recipe, T, C,
+                                 std::void_t<decltype(std::declval<const Recipe&>().run(
+                                     std::declval<kit::TiledMesh<C>&>(), std::declval<const ImageView<T, C>&>(), std::size_t{}))>> =
+    true;
+
+}  // namespace hmesh::detail
+
+namespace hmesh {
+
+template <class T, int C, class Recipe, class>
+Result mesh_image(const ImageView<T, C>& view, const Options& options, const Recipe& recipe, const ParallelFor& parallel_for) {
+    Result result;
+    result.status = check(view);
+    if (result.status) result.status = check(options, std::int64_t{view.width} * view.height, C);
+    if (result.status) result.status = recipe.check(view.width, view.height);
+    if (result.status) result.status = kit::check_finite(view, parallel_for);
+    if (result.status) result.status = kit::check_weights(options.weights, view.width, view.height, parallel_for);
+    if (!result.status) return result;
+
+    ImageView<T, C> image = view;
+    [[maybe_unused]] Image<T, C> premultiplied;
+    if constexpr (kit::has_alpha(C)) {
+        if (options.premultiplied) {
+            premultiplied = kit::premultiply(view, parallel_for);
+            image = premultiplied.view();
+        }
+    }
+    const double unit = kit::weight_unit(options.weights, parallel_for);
+    const double samples = C * kit::weight_sum(options.weights, unit, view.width, view.height, parallel_for);
+    const kit::ImageSource<C> source(image, options.weights, unit);
+    const auto tile_size = [&](std::size_t n) { return static_cast<double>(recipe.tile_size(view.width, view.height, n)); };
+    const auto run = [&](kit::TiledMesh<C>& mesh, std::size_t n) -> Status {
+        if constexpr (detail::wants_view<Recipe, T, C>) return recipe.run(mesh, image, n);
+        else return recipe.run(mesh, n);
+    };
+    const detail::RecipeRef<C> reference{tile_size, run, options.colors.value_or(Recipe::colors)};
+    result = detail::mesh_target(source, samples, reference, options, parallel_for);
+    result.mesh.premultiplied = options.premultiplied;
+    return result;
+}
+
+}  // namespace hmesh
+
+#endif  // HMESH_MESH_IMAGE_IPP

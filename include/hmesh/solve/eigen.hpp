@@ -1,0 +1,156 @@
+// hmesh - the linear algebra of a mesh as Eigen's matrices: K itself, the normal equations, and PCG over them.
+//
+// The paper's sparse matrix K, n_v by n_p, serves tests and what wants to see single pixels; V K is the pixels' positions P
+// exactly. About 20 ns a pixel and 40 bytes of memory. All else here converts what solve/normal_equations.hpp and solve/pcg.hpp
+// have in plain arrays. Rows are the mesh's vertices, row r the r-th of topology().vertices(); columns of K are the pixels of the
+// table's rectangle, row after row.
+#ifndef HMESH_SOLVE_EIGEN_HPP
+#define HMESH_SOLVE_EIGEN_HPP
+
+#include <Eigen/Core>
+#include <Eigen/SparseCore>
+#if !EIGEN_VERSION_AT_LEAST(3, 4, 0)
+#error "hmesh needs Eigen 3.4 or newer"
+#endif
+
+#include <algorithm>
+#include <array>
+#include <cstddef>
+#include <utility>
+#include <vector>
+
+#include "hmesh/core/parallel.hpp"
+#include "hmesh/fit/image_mesh.hpp"
+#include "hmesh/mesh/geometry.hpp"
+#include "hmesh/mesh/raster.hpp"
+#include "hmesh/solve/normal_equations.hpp"
+#include "hmesh/solve/pcg.hpp"
+
+namespace hmesh::kit {
+
+// The same numbers in Eigen's types and back.
+[[nodiscard]] inline Eigen::SparseMatrix<double> to_eigen(const SymmetricMatrix& from) {
+    const auto n = static_cast<Eigen::Index>(from.size());
+    Eigen::SparseMatrix<double> to(n, n);
+    std::copy(from.starts.begin(), from.starts.end(), to.outerIndexPtr());
+    to.resizeNonZeros(static_cast<Eigen::Index>(from.values.size()));
+    std::copy(from.columns.begin(), from.columns.end(), to.innerIndexPtr());
+    std::copy(from.values.begin(), from.values.end(), to.valuePtr());
+    return to;
+}
+[[nodiscard]] inline Eigen::MatrixXd to_eigen(const DenseMatrix& from) {
+    return Eigen::Map<const Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>>(
+        from.values.data(), static_cast<Eigen::Index>(from.rows), static_cast<Eigen::Index>(from.columns));
+}
+[[nodiscard]] inline SymmetricMatrix from_eigen(Eigen::SparseMatrix<double> from) {
+    from.makeCompressed();
+    SymmetricMatrix to;
+    to.starts.assign(from.outerIndexPtr(), from.outerIndexPtr() + from.outerSize() + 1);
+    to.columns.assign(from.innerIndexPtr(), from.innerIndexPtr() + from.nonZeros());
+    to.values.assign(from.valuePtr(), from.valuePtr() + from.nonZeros());
+    return to;
+}
+[[nodiscard]] inline DenseMatrix from_eigen(const Eigen::MatrixXd& from) {
+    DenseMatrix to(static_cast<std::size_t>(from.rows()), static_cast<std::size_t>(from.cols()));
+    for (std::size_t i = 0; i < to.rows; ++i)
+        for (std::size_t k = 0; k < to.columns; ++k)
+            to(i, k) = from(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(k));
+    return to;
+}
+
+// V: n_v by 2, where the vertices are.
+template <int C>
+[[nodiscard]] Eigen::MatrixXd position_matrix(const ImageMesh<C>& mesh) {
+    Eigen::MatrixXd positions(static_cast<Eigen::Index>(mesh.vertex_count()), 2);
+    Eigen::Index row = 0;
+    for (const Vertex v : mesh.topology().vertices()) positions.row(row++) << mesh.position(v).x, mesh.position(v).y;
+    return positions;
+}
+// I(V): n_v by C, their colours.
+template <int C>
+[[nodiscard]] Eigen::MatrixXd color_matrix(const ImageMesh<C>& mesh) {
+    Eigen::MatrixXd colors(static_cast<Eigen::Index>(mesh.vertex_count()), C);
+    Eigen::Index row = 0;
+    for (const Vertex v : mesh.topology().vertices()) {
+        for (int k = 0; k < C; ++k) colors(row, k) = mesh.color(v)[k];
+        ++row;
+    }
+    return colors;
+}
+
+// K: n_v by n_p, columns of 3 entries (some may be 0) that sum to 1. Faces are independent pieces of work, because each
+// pixel has one owner. The mesh must tile its rectangle, as check() proves.
+template <int C>
+[[nodiscard]] Eigen::SparseMatrix<double> barycentric_matrix(const ImageMesh<C>& mesh, const ParallelFor& parallel_for = {}) {
+    const HalfedgeMesh& topology = mesh.topology();
+    const std::vector<int> rows = vertex_rows(topology);
+    const auto width = static_cast<std::size_t>(mesh.width()), pixels = width * static_cast<std::size_t>(mesh.height());
+    Eigen::SparseMatrix<double> matrix(static_cast<Eigen::Index>(mesh.vertex_count()), static_cast<Eigen::Index>(pixels));
+    matrix.resizeNonZeros(static_cast<Eigen::Index>(3 * pixels));
+    for (std::size_t p = 0; p <= pixels; ++p) matrix.outerIndexPtr()[p] = static_cast<int>(3 * p);
+    for_each_chunk(parallel_for, topology.face_slots(), 256, [&](std::size_t first, std::size_t last) {
+        for (std::size_t f = first; f < last; ++f) {
+            if (topology.is_deleted(Face(f))) continue;
+            std::array<Vertex, 3> v = topology.vertices(Face(f));
+            if (v[1] < v[0]) std::swap(v[0], v[1]);  // rows rise down a column; the weights do not mind
+            if (v[2] < v[1]) std::swap(v[1], v[2]);
+            if (v[1] < v[0]) std::swap(v[0], v[1]);
+            const Point a = mesh.position(v[0]), b = mesh.position(v[1]), c = mesh.position(v[2]);
+            for_each_span(a, b, c, {}, [&](int j, int begin, int end) {
+                std::size_t entry = 3 * (static_cast<std::size_t>(j) * width + static_cast<std::size_t>(begin));
+                for (int i = begin; i < end; ++i, entry += 3) {
+                    const Barycentric weights = barycentric(a, b, c, {i + 0.5, j + 0.5});
+                    for (std::size_t k = 0; k < 3; ++k) matrix.innerIndexPtr()[entry + k] = rows[v[k].index()];
+                    matrix.valuePtr()[entry] = weights.a;
+                    matrix.valuePtr()[entry + 1] = weights.b;
+                    matrix.valuePtr()[entry + 2] = weights.c;
+                }
+            });
+        }
+    });
+    return matrix;
+}
+
+// K K^T, see normal_matrix(): from the corners of the mesh with this topology, or from the mesh.
+template <int C>
+[[nodiscard]] Eigen::SparseMatrix<double> gram_matrix(const HalfedgeMesh& topology, const std::vector<CornerSums<C>>& corners,
+                                                      const ParallelFor& parallel_for = {}) {
+    return to_eigen(normal_matrix(topology, corners, parallel_for));
+}
+template <int C>
+[[nodiscard]] Eigen::SparseMatrix<double> gram_matrix(const ImageMesh<C>& mesh, const ParallelFor& parallel_for = {}) {
+    return gram_matrix(mesh.topology(), corner_sums(mesh, parallel_for), parallel_for);
+}
+// K I^T, see image_sums().
+template <int C>
+[[nodiscard]] Eigen::MatrixXd image_rhs(const HalfedgeMesh& topology, const std::vector<CornerSums<C>>& corners,
+                                        const ParallelFor& parallel_for = {}) {
+    return to_eigen(image_sums(topology, corners, parallel_for));
+}
+template <int C>
+[[nodiscard]] Eigen::MatrixXd image_rhs(const ImageMesh<C>& mesh, const ParallelFor& parallel_for = {}) {
+    return image_rhs(mesh.topology(), corner_sums(mesh, parallel_for), parallel_for);
+}
+// K P^T, see position_sums().
+template <int C>
+[[nodiscard]] Eigen::MatrixXd position_rhs(const HalfedgeMesh& topology, const std::vector<CornerSums<C>>& corners,
+                                           const ParallelFor& parallel_for = {}) {
+    return to_eigen(position_sums(topology, corners, parallel_for));
+}
+template <int C>
+[[nodiscard]] Eigen::MatrixXd position_rhs(const ImageMesh<C>& mesh, const ParallelFor& parallel_for = {}) {
+    return position_rhs(mesh.topology(), corner_sums(mesh, parallel_for), parallel_for);
+}
+
+// solve_pcg() of solve/pcg.hpp over Eigen's matrices, which are copied.
+inline PcgReport solve_pcg(const Eigen::SparseMatrix<double>& a, const Eigen::MatrixXd& b, Eigen::MatrixXd& x,
+                           const PcgOptions& options = {}, const std::vector<HeldEntry>& held = {}) {
+    DenseMatrix solution = from_eigen(x);
+    const PcgReport report = solve_pcg(from_eigen(a), from_eigen(b), solution, options, held);
+    x = to_eigen(solution);
+    return report;
+}
+
+}  // namespace hmesh::kit
+
+#endif  // HMESH_SOLVE_EIGEN_HPP

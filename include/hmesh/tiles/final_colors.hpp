@@ -1,0 +1,65 @@
+// hmesh - final colors: the last step of every method, for a mesh in tiles.
+//
+// About 1 us a vertex, and a moment table of each tile.
+#ifndef HMESH_TILES_FINAL_COLORS_HPP
+#define HMESH_TILES_FINAL_COLORS_HPP
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include "hmesh/core/assert.hpp"
+#include "hmesh/solve/bounded_colors.hpp"
+#include "hmesh/solve/sampled_colors.hpp"
+#include "hmesh/tiles/tiled_mesh.hpp"
+
+namespace hmesh::kit {
+
+// Gives all vertices the colours of the image under them (solve/sampled_colors.hpp), rounded to multiples of grid if grid > 0; its energy is then that of these colours.
+template <int C>
+void sample_colors(TiledMesh<C>& tiled, const Tiling& tiling, double grid) {
+    IndexedMesh<C>& mesh = tiled.indexed();
+    const ImageSource<C>& source = tiled.source();
+    for (std::size_t v = 0; v < mesh.vertex_count(); ++v) {
+        Color<C>& color = mesh.colors[v];
+        color = sampled_color<C>(source.width(), source.height(), mesh.positions[v],
+                                 [&](int x, int y) { return source.pixel(x, y); });
+        if (grid > 0)
+            for (int c = 0; c < C; ++c) color.set(c, std::floor(color[c] / grid + 0.5) * grid);
+    }
+    tiled.measure(tiling);
+}
+
+// Gives all vertices the best colours in [low, high] that are multiples of grid if grid > 0 (solve/bounded_colors.hpp). The energy is then that of these colours. After a cancellation colours go to the
+// nearest that are allowed, no more, and what is reported is still true of the mesh.
+template <int C>
+BoundedReport bounded_colors(TiledMesh<C>& tiled, const Tiling& tiling, double low, double high, double grid) {
+    BoundedReport report;
+    if (tiling.size() == 1 &&
+        tiled.for_each(tiling, [&](Patch<C>& patch, std::size_t) { report = bounded_colors(patch.mesh(), low, high, grid); }))
+        return report;
+    IndexedMesh<C>& mesh = tiled.indexed();
+    for (Color<C>& c : mesh.colors) detail::clamp_channels<C>(c, low, high);
+    HalfedgeMesh topology;
+    const Status status = topology.assign(mesh.vertex_count(), mesh.faces);
+    HMESH_ASSERT(status);
+    (void)status;
+    std::vector<CornerSums<C>> corners(2 * topology.edge_slots());
+    tiled.visit(tiling, [&](Patch<C>& patch, std::size_t, const std::uint32_t* faces) {
+        for (const Face f : patch.mesh().topology().faces()) {
+            const Halfedge h0 = topology.halfedge(Face(faces[f.index()])), h1 = topology.next(h0), h2 = topology.next(h1);
+            detail::sum_face(patch.mesh(), f, corners[h0.index()], corners[h1.index()], corners[h2.index()]);
+        }
+    });
+    if (tiled.progress().stopped()) std::fill(corners.begin(), corners.end(), CornerSums<C>());  // only ridges pull
+    const auto system = detail::color_system(topology, corners, mesh.colors, tiled.limits().ridge, tiled.parallel_for());
+    report = detail::descend(system, low, high, grid, mesh.colors, [&] { return tiled.progress().poll(); });
+    tiled.measure(tiling);
+    return report;
+}
+
+}  // namespace hmesh::kit
+
+#endif  // HMESH_TILES_FINAL_COLORS_HPP
