@@ -58,9 +58,9 @@ template <class T, int C>
 /// Compiles mesh_image() for images of C channels of type T by the default recipe, in the file that defines HMESH_IMPLEMENTATION.
 #define HMESH_INSTANTIATE(T, C) HMESH_INSTANTIATE_RECIPE(T, C, ::hmesh::Annealed)
 /// The same by another recipe.
-#define HMESH_INSTANTIATE_RECIPE(T, C, RECIPE)                                                                                \
-    template ::hmesh::Result hmesh::mesh_image<T, C, RECIPE>(const ::hmesh::ImageView<T, C>&, const ::hmesh::Options&, const RECIPE&, \
-                                                             const ::hmesh::ParallelFor&);
+#define HMESH_INSTANTIATE_RECIPE(T, C, RECIPE)                                                                         \
+    template ::hmesh::Result hmesh::mesh_image<T, C, RECIPE>(const ::hmesh::ImageView<T, C>&, const ::hmesh::Options&, \
+                                                             const RECIPE&, const ::hmesh::ParallelFor&);
 
 #if !defined(HMESH_COMPILED) || defined(HMESH_IMPLEMENTATION)
 #include "hmesh/mesh_image.ipp"

@@ -44,7 +44,8 @@ template <int C>
     const int widest = static_cast<int>(std::min<double>(source.width(), 2 * tile));
     const int highest = static_cast<int>(std::min<double>(source.height(), 2 * tile));
     if (!kit::MomentTable<C>::fits_memory(widest, highest)) {
-        result.status = {Errc::image_too_large, "the image or its tiles need more memory than can be addressed, for rows of", widest};
+        result.status = {Errc::image_too_large, "the image or its tiles need more memory than can be addressed, for rows of",
+                         widest};
         return result;
     }
     kit::ProgressReporter progress(options.progress, samples, source.peak());
@@ -88,10 +89,10 @@ template <int C>
 template <class Recipe, class T, int C, class = void>
 inline constexpr bool wants_view = false;
 template <class Recipe, class T, int C>
-inline constexpr bool wants_view<Recipe, T, C,
-                                 std::void_t<decltype(std::declval<const Recipe&>().run(
-                                     std::declval<kit::TiledMesh<C>&>(), std::declval<const ImageView<T, C>&>(), std::size_t{}))>> =
-    true;
+inline constexpr bool
+    wants_view<Recipe, T, C,
+               std::void_t<decltype(std::declval<const Recipe&>().run(
+                   std::declval<kit::TiledMesh<C>&>(), std::declval<const ImageView<T, C>&>(), std::size_t{}))>> = true;
 
 }  // namespace hmesh::detail
 

@@ -68,7 +68,8 @@ struct Options {
             break;
         case Target::Kind::percent:
             if (!kit::is_within(target.value, 0, 100) || target.value == 0)
-                return {Errc::target_out_of_range, "the target must be above 0 and at most 100 percent of the pixels", target.value, 100};
+                return {Errc::target_out_of_range, "the target must be above 0 and at most 100 percent of the pixels",
+                        target.value, 100};
             break;
         case Target::Kind::psnr:
             if (!kit::is_finite(target.value) || target.value <= 0)

@@ -82,7 +82,7 @@ template <int C>
 void draw_face(const Corner<C>& a, const Corner<C>& b, const Corner<C>& c, RowRange rows, Image<float, C>& out) {
     const Shading<C> shading(a, b, c);
     kit::for_each_span(a.at, b.at, c.at, {out.width(), rows.first, rows.last},
-                  [&](int j, int begin, int end) { shading.fill(j, begin, end, out.pixel(begin, j)); });
+                       [&](int j, int begin, int end) { shading.fill(j, begin, end, out.pixel(begin, j)); });
 }
 
 // Which faces touch which band of rows: those of band b are faces[starts[b]] .. faces[starts[b + 1] - 1], in order.
@@ -124,7 +124,8 @@ struct Bands {
     if (width > kit::max_side) return {Errc::image_too_large, "the picture to draw is too wide", width, kit::max_side};
     if (height > kit::max_side) return {Errc::image_too_large, "the picture to draw is too high", height, kit::max_side};
     const std::int64_t pixels = std::int64_t{width} * height;
-    if (pixels > kit::max_pixels) return {Errc::image_too_large, "the picture to draw has too many pixels", pixels, kit::max_pixels};
+    if (pixels > kit::max_pixels)
+        return {Errc::image_too_large, "the picture to draw has too many pixels", pixels, kit::max_pixels};
     return {};
 }
 

@@ -15,9 +15,9 @@
 #include <utility>
 #include <vector>
 
-#include "hmesh/fit/image_mesh.hpp"
-#include "hmesh/edit/relax.hpp"
 #include "hmesh/edit/move.hpp"
+#include "hmesh/edit/relax.hpp"
+#include "hmesh/fit/image_mesh.hpp"
 
 namespace hmesh::kit {
 

@@ -10,8 +10,8 @@
 #include <cstddef>
 #include <vector>
 
-#include "hmesh/fit/image_mesh.hpp"
 #include "hmesh/edit/move.hpp"
+#include "hmesh/fit/image_mesh.hpp"
 
 namespace hmesh::kit {
 

@@ -15,8 +15,8 @@
 #include <vector>
 
 #include "hmesh/edit/flip.hpp"
-#include "hmesh/fit/image_mesh.hpp"
 #include "hmesh/edit/move.hpp"
+#include "hmesh/fit/image_mesh.hpp"
 
 namespace hmesh::kit {
 
@@ -157,8 +157,10 @@ class InsertionSite {
 
 // That of the site's edge or face.
 template <int C>
-[[nodiscard]] InsertionCandidate<C> candidate_at(const ImageMesh<C>& mesh, RingScratch<C>& scratch, InsertionSite site, bool may_move) {
-    return site.is_edge() ? edge_candidate(mesh, scratch, site.edge(), may_move) : face_candidate(mesh, scratch, site.face(), may_move);
+[[nodiscard]] InsertionCandidate<C> candidate_at(const ImageMesh<C>& mesh, RingScratch<C>& scratch, InsertionSite site,
+                                                 bool may_move) {
+    return site.is_edge() ? edge_candidate(mesh, scratch, site.edge(), may_move)
+                          : face_candidate(mesh, scratch, site.face(), may_move);
 }
 
 // What a vertex at the site could gain at most: the energy of the faces that it splits.

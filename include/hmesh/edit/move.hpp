@@ -58,7 +58,8 @@ RingOutcome optimize_center(const ImageMesh<C>& mesh, RingScratch<C>& scratch, M
                             RingCenter<C>& center) {
     const MeshLimits& limits = mesh.limits();
     RingFit<C> fit;
-    if (!fit_ring(scratch.ring, scratch.spokes, center.position, limits.min_double_area, scratch.faces, fit)) return RingOutcome::degenerate;
+    if (!fit_ring(scratch.ring, scratch.spokes, center.position, limits.min_double_area, scratch.faces, fit))
+        return RingOutcome::degenerate;
     // A ring without weight wants nothing: it is not to chase the rounding of its sums.
     if (mesh.table().is_weighted() && !(ring_weight(scratch.ring, scratch.spokes) > least_weight)) {
         center.energy = fit.energy(center.color);
@@ -83,7 +84,8 @@ RingOutcome optimize_center(const ImageMesh<C>& mesh, RingScratch<C>& scratch, M
         if (!scratch.ring.accepts(trial, limits.min_double_area)) continue;
         walk_spokes(mesh.table(), scratch.ring, trial, scratch.trial_spokes);
         RingFit<C> trial_fit;
-        if (!fit_ring(scratch.ring, scratch.trial_spokes, trial, limits.min_double_area, scratch.trial_faces, trial_fit)) continue;
+        if (!fit_ring(scratch.ring, scratch.trial_spokes, trial, limits.min_double_area, scratch.trial_faces, trial_fit))
+            continue;
         const Color<C> color = best_color(trial_fit, center.color, limits.ridge, mesh.color_low(), mesh.color_high());
         const double energy = trial_fit.energy(color);
         if (!(energy < center.energy)) break;
@@ -106,7 +108,8 @@ double improve_vertex(ImageMesh<C>& mesh, Vertex v, double least) {
     RingCenter<C> center{state.position, state.color, 0};
     const RingOutcome outcome = optimize_center(mesh, scratch, state.mobility, least, true, center);
     if (outcome == RingOutcome::degenerate || !(center.energy < before)) return 0;
-    mesh.apply_fit(v, scratch.ring, center.position, center.color, scratch.faces, outcome == RingOutcome::moved ? &scratch.spokes : nullptr);
+    mesh.apply_fit(v, scratch.ring, center.position, center.color, scratch.faces,
+                   outcome == RingOutcome::moved ? &scratch.spokes : nullptr);
     return before - center.energy;
 }
 

@@ -10,9 +10,9 @@
 #include <vector>
 
 #include "hmesh/edit/flip.hpp"
-#include "hmesh/fit/image_mesh.hpp"
 #include "hmesh/edit/move.hpp"
 #include "hmesh/edit/tolerance.hpp"
+#include "hmesh/fit/image_mesh.hpp"
 
 namespace hmesh::kit {
 

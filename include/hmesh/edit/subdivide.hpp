@@ -10,8 +10,8 @@
 #include <cstdint>
 
 #include "hmesh/core/indexed_heap.hpp"
-#include "hmesh/fit/image_mesh.hpp"
 #include "hmesh/edit/insert.hpp"
+#include "hmesh/fit/image_mesh.hpp"
 
 namespace hmesh::kit {
 

@@ -25,6 +25,7 @@
 #include "hmesh/fit/moment_table.hpp"
 #include "hmesh/fit/ring.hpp"
 #include "hmesh/mesh/halfedge_mesh.hpp"
+#include "hmesh/mesh/limits.hpp"
 #include "hmesh/mesh/spatial_order.hpp"
 
 namespace hmesh::kit {
@@ -167,7 +168,7 @@ class ImageMesh {
     // --- edits ---
     // A new state for v whose consequences are known: fits of its ring's faces and, if it moved, moments of its spokes.
     void apply_fit(Vertex v, const Ring<C>& ring, Point position, const Color<C>& color, const FaceFit<C>* faces,
-                const Spokes<C>* moved);
+                   const Spokes<C>* moved);
     // A new state for v; spokes are walked. All faces around must have positive area.
     void place(Vertex v, Point position, const Color<C>& color);
     // Turns edge e, whose moments and whose faces' energies after the turn are known.

@@ -119,7 +119,7 @@ Status ImageMesh<C>::check() const {
 
 template <int C>
 void ImageMesh<C>::apply_fit(Vertex v, const Ring<C>& ring, Point position, const Color<C>& color, const FaceFit<C>* faces,
-                          const Spokes<C>* moved) {
+                             const Spokes<C>* moved) {
     VertexState<C>& state = vertices_.edit(v.index());
     state.position = position;
     state.color = color;

@@ -13,8 +13,8 @@
 #include "hmesh/core/parallel.hpp"
 #include "hmesh/fit/moment_table.hpp"
 #include "hmesh/fit/rendered_error.hpp"
-#include "hmesh/mesh/mesh.hpp"
 #include "hmesh/image/image_view.hpp"
+#include "hmesh/mesh/mesh.hpp"
 
 namespace hmesh::kit {
 
@@ -25,8 +25,8 @@ class ImageSource {
     template <class T>
     explicit ImageSource(const ImageView<T, C>& view, const ImageView<float, 1>& weights = {}, double unit = 1) noexcept
         : data_(view.data), width_(view.width), height_(view.height), row_stride_(view.row_stride), weights_(weights),
-          unit_(unit), low_(PixelTraits<T>::lowest), high_(PixelTraits<T>::highest), peak_(PixelTraits<T>::peak), is_integer_(PixelTraits<T>::is_integer),
-          make_(&make<T>), sample_(&sample<T>), error_(&error<T>) {}
+          unit_(unit), low_(PixelTraits<T>::lowest), high_(PixelTraits<T>::highest), peak_(PixelTraits<T>::peak),
+          is_integer_(PixelTraits<T>::is_integer), make_(&make<T>), sample_(&sample<T>), error_(&error<T>) {}
 
     // The same weights over other pixels, of the same size.
     template <class T>

@@ -17,8 +17,8 @@
 #include "hmesh/core/status.hpp"
 #include "hmesh/core/version.hpp"
 #include "hmesh/io/detail/gouraud_stream.hpp"
-#include "hmesh/io/sink.hpp"
 #include "hmesh/io/detail/strips.hpp"
+#include "hmesh/io/sink.hpp"
 #include "hmesh/mesh/mesh.hpp"
 
 namespace hmesh {

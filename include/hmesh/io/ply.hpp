@@ -16,8 +16,8 @@
 #include "hmesh/core/status.hpp"
 #include "hmesh/core/version.hpp"
 #include "hmesh/io/detail/color_shares.hpp"
-#include "hmesh/io/sink.hpp"
 #include "hmesh/io/detail/straight_colors.hpp"
+#include "hmesh/io/sink.hpp"
 #include "hmesh/mesh/mesh.hpp"
 
 namespace hmesh {

@@ -73,7 +73,8 @@ namespace hmesh::kit {
         if (better) best = std::move(result);
     }
     if (!reached)
-        best.status = {Errc::target_out_of_range, "no mesh of this image reached the PSNR asked for, in dB", best.report.psnr, psnr};
+        best.status = {Errc::target_out_of_range, "no mesh of this image reached the PSNR asked for, in dB", best.report.psnr,
+                       psnr};
     return best;
 }
 

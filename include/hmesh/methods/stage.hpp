@@ -12,9 +12,7 @@
 namespace hmesh::kit {
 
 // The status of work that the progress callback stopped.
-[[nodiscard]] inline Status cancelled_by_callback() noexcept {
-    return {Errc::cancelled, "cancelled by the progress callback"};
-}
+[[nodiscard]] inline Status cancelled_by_callback() noexcept { return {Errc::cancelled, "cancelled by the progress callback"}; }
 // The status of work that says whether it was finished.
 [[nodiscard]] inline Status finished_or_cancelled(bool is_finished) noexcept {
     return is_finished ? Status() : cancelled_by_callback();

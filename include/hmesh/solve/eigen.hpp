@@ -53,8 +53,7 @@ namespace hmesh::kit {
 [[nodiscard]] inline DenseMatrix from_eigen(const Eigen::MatrixXd& from) {
     DenseMatrix to(static_cast<std::size_t>(from.rows()), static_cast<std::size_t>(from.cols()));
     for (std::size_t i = 0; i < to.rows; ++i)
-        for (std::size_t k = 0; k < to.columns; ++k)
-            to(i, k) = from(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(k));
+        for (std::size_t k = 0; k < to.columns; ++k) to(i, k) = from(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(k));
     return to;
 }
 

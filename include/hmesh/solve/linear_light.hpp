@@ -27,10 +27,7 @@
 #include "hmesh/core/psnr.hpp"
 #include "hmesh/core/srgb.hpp"
 #include "hmesh/core/status.hpp"
-#include "hmesh/solve/bounded_colors.hpp"
-#include "hmesh/solve/normal_equations.hpp"
 #include "hmesh/fit/rendered_error.hpp"
-#include "hmesh/solve/pcg.hpp"
 #include "hmesh/image/image_view.hpp"
 #include "hmesh/image/weights.hpp"
 #include "hmesh/mesh/geometry.hpp"
@@ -38,6 +35,9 @@
 #include "hmesh/mesh/limits.hpp"
 #include "hmesh/mesh/mesh.hpp"
 #include "hmesh/mesh/raster.hpp"
+#include "hmesh/solve/bounded_colors.hpp"
+#include "hmesh/solve/normal_equations.hpp"
+#include "hmesh/solve/pcg.hpp"
 
 namespace hmesh {
 
@@ -86,8 +86,7 @@ class LinearLight {
         return out;
     }
     // The light `step` times `direction` further on, cut off at 0 and 1.
-    [[nodiscard]] ChannelLight moved(const ChannelLight& from, std::size_t k, const DenseMatrix& direction,
-                                     double step) const {
+    [[nodiscard]] ChannelLight moved(const ChannelLight& from, std::size_t k, const DenseMatrix& direction, double step) const {
         ChannelLight out;
         for (std::size_t v = 0; v < from.light.size(); ++v) {
             const double light = from.light[v] + step * direction(v, 0);
@@ -204,8 +203,7 @@ class LinearLight {
 // Whether the mesh is one of the image: what for_each_span asks for, and each pixel's owner in reach.
 template <int C, class T>
 [[nodiscard]] Status check_fit(const Mesh& mesh, const ImageView<T, C>& view, HalfedgeMesh& topology) {
-    if (mesh.channels != C)
-        return {Errc::invalid_argument, "the mesh has not the image's number of channels", mesh.channels, C};
+    if (mesh.channels != C) return {Errc::invalid_argument, "the mesh has not the image's number of channels", mesh.channels, C};
     if (mesh.positions.size() % 2 != 0 || mesh.colors.size() != C * mesh.vertex_count())
         return {Errc::invalid_argument, "the mesh's arrays are not of one number of vertices", 0, 0};
     if (const Status status = check(mesh.view(), C); !status) return status;

@@ -66,7 +66,8 @@ inline void column_dots(const DenseMatrix& a, const DenseMatrix& b, std::vector<
 // where to start, on return the solution. A column of B that is 0 has the solution 0. A row whose diagonal is not
 // positive (a vertex without pixels) leaves its row of X as it was. So do entries that `held` names, by row and column:
 // the others are then solved for with these given, all columns with the one matrix; B may be anything in such entries.
-inline PcgReport solve_pcg(const SymmetricMatrix& a, const DenseMatrix& b, DenseMatrix& x, const PcgOptions& options = {}, const std::vector<HeldEntry>& held = {}) {
+inline PcgReport solve_pcg(const SymmetricMatrix& a, const DenseMatrix& b, DenseMatrix& x, const PcgOptions& options = {},
+                           const std::vector<HeldEntry>& held = {}) {
     HMESH_ASSERT(b.rows == a.size() && x.rows == b.rows && x.columns == b.columns);
     const std::size_t n = b.rows, width = b.columns;
     PcgReport report;
@@ -127,8 +128,7 @@ inline PcgReport solve_pcg(const SymmetricMatrix& a, const DenseMatrix& b, Dense
         while (any && report.iterations < options.max_iterations) {
             for (std::size_t i = 0; i < n; ++i)
                 for (std::size_t k = 0; k < width; ++k)
-                    if (runs[k] != 0)
-                        direction(i, k) = residual(i, k) * inverse[i] + rz[k] / rz_before[k] * direction(i, k);
+                    if (runs[k] != 0) direction(i, k) = residual(i, k) * inverse[i] + rz[k] / rz_before[k] * direction(i, k);
             detail::multiply(a, direction, product);
             release(product);
             detail::column_dots(direction, product, steps);

@@ -75,8 +75,7 @@ template <int C>
     mesh.width = source.width();
     mesh.height = source.height();
     for (const int y : {0, source.height()})
-        for (const int x : {0, source.width()})
-            mesh.add({static_cast<double>(x), static_cast<double>(y)}, source.pixel(x, y));
+        for (const int x : {0, source.width()}) mesh.add({static_cast<double>(x), static_cast<double>(y)}, source.pixel(x, y));
     mesh.faces = {{0, 1, 2}, {1, 3, 2}};
     return mesh;
 }

@@ -22,10 +22,10 @@
 #include "hmesh/core/parallel.hpp"
 #include "hmesh/core/progress.hpp"
 #include "hmesh/fit/image_mesh.hpp"
-#include "hmesh/tiles/tiling.hpp"
-#include "hmesh/tiles/indexed_mesh.hpp"
 #include "hmesh/fit/image_source.hpp"
 #include "hmesh/fit/moment_table.hpp"
+#include "hmesh/tiles/indexed_mesh.hpp"
+#include "hmesh/tiles/tiling.hpp"
 
 namespace hmesh::kit {
 

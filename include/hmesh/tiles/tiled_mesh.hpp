@@ -16,9 +16,9 @@
 #include "hmesh/core/parallel.hpp"
 #include "hmesh/core/progress.hpp"
 #include "hmesh/fit/image_mesh.hpp"
-#include "hmesh/tiles/patch.hpp"
-#include "hmesh/tiles/indexed_mesh.hpp"
 #include "hmesh/fit/image_source.hpp"
+#include "hmesh/tiles/indexed_mesh.hpp"
+#include "hmesh/tiles/patch.hpp"
 
 namespace hmesh::kit {
 
@@ -26,7 +26,8 @@ template <int C>
 class TiledMesh {
   public:
     // Over an image, a progress and an executor that outlive it.
-    TiledMesh(const ImageSource<C>& source, const MeshLimits& limits, ProgressReporter& progress, const ParallelFor& parallel_for = {})
+    TiledMesh(const ImageSource<C>& source, const MeshLimits& limits, ProgressReporter& progress,
+              const ParallelFor& parallel_for = {})
         : source_(&source), limits_(limits), progress_(&progress), parallel_for_(parallel_for) {}
 
     [[nodiscard]] const ImageSource<C>& source() const noexcept { return *source_; }
@@ -68,8 +69,8 @@ class TiledMesh {
 
     // Calls look(patch, tile, faces) in the same way and changes nothing; faces[f] is the face of the whole mesh
     // that is face f of the patch. After a cancellation patches may have been left out, unless `all`.
-    bool visit(const Tiling& tiling,
-               FunctionRef<void(Patch<C>& patch, std::size_t tile, const std::uint32_t* faces)> look, bool all = false) {
+    bool visit(const Tiling& tiling, FunctionRef<void(Patch<C>& patch, std::size_t tile, const std::uint32_t* faces)> look,
+               bool all = false) {
         put_back();
         const detail::Cut cut = detail::cut(indexed_, tiling);
         run(

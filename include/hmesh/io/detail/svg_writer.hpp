@@ -5,8 +5,8 @@
 #include <array>
 #include <cstddef>
 
-#include "hmesh/io/sink.hpp"
 #include "hmesh/io/detail/svg_gradient.hpp"
+#include "hmesh/io/sink.hpp"
 
 namespace hmesh::detail {
 

@@ -20,17 +20,17 @@
 
 #include "hmesh/core/progress.hpp"
 #include "hmesh/core/status.hpp"
-#include "hmesh/methods/annealed/annealing.hpp"
-#include "hmesh/methods/annealed/budget.hpp"
 #include "hmesh/edit/collapse.hpp"
-#include "hmesh/methods/annealed/first_grid.hpp"
 #include "hmesh/edit/flip.hpp"
 #include "hmesh/edit/insert.hpp"
-#include "hmesh/tiles/tiled_mesh.hpp"
-#include "hmesh/edit/subdivide.hpp"
 #include "hmesh/edit/move.hpp"
+#include "hmesh/edit/subdivide.hpp"
+#include "hmesh/methods/annealed/annealing.hpp"
+#include "hmesh/methods/annealed/budget.hpp"
+#include "hmesh/methods/annealed/first_grid.hpp"
 #include "hmesh/methods/annealed/options.hpp"
 #include "hmesh/methods/stage.hpp"
+#include "hmesh/tiles/tiled_mesh.hpp"
 
 namespace hmesh {
 namespace kit {
@@ -43,7 +43,8 @@ void grow(ImageMesh<C>& mesh, std::size_t n, const AnnealedSteps& options) {
     mesh.reserve(n);
     while (mesh.vertex_count() < n && mesh.keep_going()) {
         const std::size_t count = mesh.vertex_count(), missing = n - count;
-        std::size_t batch = std::min(missing, static_cast<std::size_t>(std::ceil(static_cast<double>(count) * options.insert_batch)));
+        std::size_t batch =
+            std::min(missing, static_cast<std::size_t>(std::ceil(static_cast<double>(count) * options.insert_batch)));
         if (missing - batch < batch / 2) batch = missing;  // no small last batch
         if (insert_batch(mesh, batch, {}) == 0) break;
         flip_edges(mesh, options.insert_flip_gain);

@@ -17,11 +17,11 @@
 #include "hmesh/core/random.hpp"
 #include "hmesh/edit/collapse.hpp"
 #include "hmesh/edit/flip.hpp"
-#include "hmesh/fit/image_mesh.hpp"
 #include "hmesh/edit/insert.hpp"
-#include "hmesh/edit/relax.hpp"
-#include "hmesh/methods/annealed/options.hpp"
 #include "hmesh/edit/move.hpp"
+#include "hmesh/edit/relax.hpp"
+#include "hmesh/fit/image_mesh.hpp"
+#include "hmesh/methods/annealed/options.hpp"
 
 namespace hmesh::kit {
 

@@ -14,9 +14,9 @@
 
 #include "hmesh/edit/collapse.hpp"
 #include "hmesh/edit/insert.hpp"
-#include "hmesh/tiles/tiled_mesh.hpp"
 #include "hmesh/edit/relax.hpp"
 #include "hmesh/edit/subdivide.hpp"
+#include "hmesh/tiles/tiled_mesh.hpp"
 
 namespace hmesh::kit {
 
@@ -30,7 +30,7 @@ namespace hmesh::kit {
 // `count` things shared in proportion to `weights` >= 0 (equally, where only 0 is left), none getting more than its cap;
 // whole numbers that sum to `count` as long as the caps do. O(size) for each cap that is met, at most `size` times.
 [[nodiscard]] inline std::vector<std::size_t> apportion(std::size_t count, std::vector<double> weights,
-                                                     const std::vector<std::size_t>& caps) {
+                                                        const std::vector<std::size_t>& caps) {
     const std::size_t size = weights.size();
     std::vector<std::size_t> out(size, 0);
     std::vector<unsigned char> full(size, 0);
@@ -140,7 +140,7 @@ bool reach_vertex_count(TiledMesh<C>& tiled, std::size_t n, double tile, const R
     }
     if (count() < n && !tiled.progress().stopped())
         tiled.for_each(Tiling(width, height, std::max(width, height)),
-                      [&](Patch<C>& patch, std::size_t) { subdivide(patch.mesh(), n - patch.mesh().vertex_count()); });
+                       [&](Patch<C>& patch, std::size_t) { subdivide(patch.mesh(), n - patch.mesh().vertex_count()); });
     return count() == n;
 }
 

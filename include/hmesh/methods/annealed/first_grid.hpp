@@ -13,11 +13,11 @@
 
 #include "hmesh/core/function_ref.hpp"
 #include "hmesh/core/parallel.hpp"
-#include "hmesh/methods/annealed/seams.hpp"
-#include "hmesh/tiles/tiling.hpp"
-#include "hmesh/tiles/indexed_mesh.hpp"
 #include "hmesh/fit/image_source.hpp"
 #include "hmesh/mesh/geometry.hpp"
+#include "hmesh/methods/annealed/seams.hpp"
+#include "hmesh/tiles/indexed_mesh.hpp"
+#include "hmesh/tiles/tiling.hpp"
 
 namespace hmesh::kit {
 namespace detail {
@@ -81,8 +81,7 @@ template <int C>
             const Point p = snap(Point{static_cast<double>(width) * i / nx, static_cast<double>(height) * j / ny});
             mesh.add(p, source.pixel(static_cast<int>(p.x), static_cast<int>(p.y)));
         }
-    detail::add_grid_triangles(nx + 1, ny + 1, mesh.faces,
-                               [&](std::uint32_t i, std::uint32_t j) { return j * (nx + 1) + i; });
+    detail::add_grid_triangles(nx + 1, ny + 1, mesh.faces, [&](std::uint32_t i, std::uint32_t j) { return j * (nx + 1) + i; });
     return mesh;
 }
 
@@ -90,7 +89,7 @@ template <int C>
 // are found while go_on() says true (see seam_lines). Either is more where the other would give vertices too many neighbours.
 template <int C>
 [[nodiscard]] IndexedMesh<C> tiled_grid(const ImageSource<C>& source, const Tiling& tiling, double count, double seam_count,
-                                      FunctionRef<bool()> go_on, const ParallelFor& parallel_for = {}) {
+                                        FunctionRef<bool()> go_on, const ParallelFor& parallel_for = {}) {
     const auto columns = static_cast<std::uint32_t>(tiling.columns()), rows = static_cast<std::uint32_t>(tiling.rows());
     const auto tile = [&](std::uint32_t i, std::uint32_t j) { return tiling.rect(std::size_t{j} * columns + i); };
     IndexedMesh<C> mesh;

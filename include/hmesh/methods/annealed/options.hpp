@@ -33,25 +33,25 @@ struct AnnealingOptions {
     int sweeps = 8;
     double temperature = 0.5;        // T at the start, in prices mu
     double cooling = 1;              // T falls as (1 - t)^cooling, t in [0, 1)
-    double try_probability = 1;             // probability that a vertex is tried for removal, a site for insertion, in a sweep
+    double try_probability = 1;      // probability that a vertex is tried for removal, a site for insertion, in a sweep
     double jump = 0.1;               // probability that a vertex is displaced in a sweep
     double jump_reach = 0.3;         // by at most this, in mean spoke lengths
     double removal_screen = 3;       // removals that cost more than this many mu + 3 T before relaxing are not tried
     double insertion_screen = 0.35;  // insertions that gain less than this many mu so are not tried
     double flip_screen = 3;          // flips that cost more than this many mu so are not tried
     double start_price = 0.2;        // mu at the start, in mean energies of a vertex
-    double count_tolerance = 0.5;               // the count may leave the target by this share in the first sweep, ever less later
+    double count_tolerance = 0.5;    // the count may leave the target by this share in the first sweep, ever less later
 };
 
 // The steps of the method, in their order. What differs between efforts is set by annealed_steps().
 struct AnnealedSteps {
-    double insert_factor = 3;     // o: vertices placed before the collapse, in units of the target; 1 for none
+    double insert_factor = 3;      // o: vertices placed before the collapse, in units of the target; 1 for none
     double collapse_factor = 1;    // u: vertices that the collapse leaves, in units of the target
-    double start = 0.3;       // vertices of the first grid, share of those placed
-    double insert_batch = 0.4;      // vertices inserted at a time, share of those there
+    double start = 0.3;            // vertices of the first grid, share of those placed
+    double insert_batch = 0.4;     // vertices inserted at a time, share of those there
     double collapse_batch = 0.15;  // vertices removed at a time, share of those there
-    int insert_sweeps = 2;    // after each insertion
-    int polish_rounds = 2;    // flips and a sweep, at the end
+    int insert_sweeps = 2;         // after each insertion
+    int polish_rounds = 2;         // flips and a sweep, at the end
     // While the mesh grows, small gains wait: the next insertion changes the neighbourhood anyway. Against the tight
     // 1e-3 and {1e-3, 0} this buys a second sweep for the time of one, +0.2 dB.
     double insert_flip_gain = 3e-2;  // gains up to this wait, in units of the mean energy of a vertex
@@ -148,7 +148,8 @@ struct Annealed {
     /// Whether the recipe's options mean something.
     [[nodiscard]] Status check(int /*width*/, int /*height*/) const noexcept {
         if (tile != 0 && (tile < 64 || tile > kit::max_side))
-            return {Errc::invalid_argument, "the tile must be 0, for the default, or 64 to 65536 px", tile, tile < 64 ? 64 : kit::max_side};
+            return {Errc::invalid_argument, "the tile must be 0, for the default, or 64 to 65536 px", tile,
+                    tile < 64 ? 64 : kit::max_side};
         if (steps) return kit::check(*steps);
         if (effort <= Effort::best) return {};
         return {Errc::invalid_argument, "the effort is none of those known", static_cast<int>(effort), 3};

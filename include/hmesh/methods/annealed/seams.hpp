@@ -17,8 +17,8 @@
 #include "hmesh/core/function_ref.hpp"
 #include "hmesh/core/lanes.hpp"
 #include "hmesh/core/parallel.hpp"
-#include "hmesh/fit/ring.hpp"
 #include "hmesh/fit/image_source.hpp"
+#include "hmesh/fit/ring.hpp"
 
 namespace hmesh::kit {
 
@@ -161,7 +161,8 @@ template <int C>
 // after go_on(), called from any thread, has said false are left without nodes.
 template <int C>
 [[nodiscard]] std::vector<SeamLine<C>> seam_lines(const ImageSource<C>& source, const std::vector<Seam>& seams, double count,
-                                                  int step, int reach, FunctionRef<bool()> go_on, const ParallelFor& parallel_for = {}) {
+                                                  int step, int reach, FunctionRef<bool()> go_on,
+                                                  const ParallelFor& parallel_for = {}) {
     std::vector<SeamLine<C>> lines(seams.size());
     const auto choose = [&](double price) {
         for_each_chunk(parallel_for, seams.size(), 1, [&](std::size_t i, std::size_t) {

@@ -14,10 +14,10 @@
 #include <numeric>
 #include <vector>
 
-#include "hmesh/tiles/tiled_mesh.hpp"
 #include "hmesh/methods/baselines/adams.hpp"
 #include "hmesh/methods/stage.hpp"
 #include "hmesh/options.hpp"
+#include "hmesh/tiles/tiled_mesh.hpp"
 
 namespace hmesh {
 
@@ -32,7 +32,8 @@ struct AdaptiveThinning {
     [[nodiscard]] Status check(int width, int height) const noexcept {
         const std::int64_t pixels = std::int64_t{width} * height;
         if (pixels <= max_pixels) return {};
-        return {Errc::image_too_large, "adaptive thinning starts from all pixels, and the image has too many", pixels, max_pixels};
+        return {Errc::image_too_large, "adaptive thinning starts from all pixels, and the image has too many", pixels,
+                max_pixels};
     }
     /// px: the image in one piece.
     [[nodiscard]] double tile_size(int width, int height, std::size_t) const noexcept { return std::max(width, height); }

@@ -61,7 +61,8 @@ void diffuse(const ImageView<float, 1>& map, double factor, double floor, Point&
 // At least `count` <= pixels points, at most about 1 % more where the map allows, as pixel numbers y * width + x, row after row
 // there and back; column after column in images more than 8 times as wide as high. Values of the map are finite and >= 0; one
 // that is 0 everywhere counts as even. go_on() is asked between passes; when it says no, there are no points.
-[[nodiscard]] inline std::vector<std::uint32_t> diffused_points(const ImageView<float, 1>& map, std::size_t count, FunctionRef<bool()> go_on) {
+[[nodiscard]] inline std::vector<std::uint32_t> diffused_points(const ImageView<float, 1>& map, std::size_t count,
+                                                                FunctionRef<bool()> go_on) {
     const std::size_t pixels = static_cast<std::size_t>(map.width) * static_cast<std::size_t>(map.height);
     HMESH_ASSERT(count <= pixels);
     double sum = 0, largest = 0;

@@ -39,7 +39,8 @@ class PointRemoval {
         while (mesh_->vertex_count() > count && !costs_.empty() && mesh_->keep_going()) {
             remove(Vertex(costs_.pop().id));
             if (mesh_->task() != nullptr)
-                mesh_->task()->set_fraction(static_cast<double>(first - mesh_->vertex_count()) / static_cast<double>(first - count));
+                mesh_->task()->set_fraction(static_cast<double>(first - mesh_->vertex_count()) /
+                                            static_cast<double>(first - count));
         }
         return first - mesh_->vertex_count();
     }

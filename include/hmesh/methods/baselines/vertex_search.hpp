@@ -26,7 +26,7 @@ namespace detail {
 // The energy of the faces of a ring with its centre at `centre`; anything not below `bound` once that is reached.
 template <int C>
 [[nodiscard]] double centered_energy(const MomentTable<C>& table, const Ring<C>& ring, const VertexState<C>& center,
-                                    double bound) {
+                                     double bound) {
     Moments<C> first, before, spoke;
     edge_moments(table, center.position, ring.neighbor[0]->position, first);
     before = first;

@@ -12,11 +12,11 @@
 
 #include "hmesh/core/range.hpp"
 #include "hmesh/core/status.hpp"
-#include "hmesh/methods/baselines/flip_queue.hpp"
-#include "hmesh/tiles/tiled_mesh.hpp"
-#include "hmesh/methods/baselines/vertex_search.hpp"
 #include "hmesh/methods/baselines/adams.hpp"
+#include "hmesh/methods/baselines/flip_queue.hpp"
+#include "hmesh/methods/baselines/vertex_search.hpp"
 #include "hmesh/methods/stage.hpp"
+#include "hmesh/tiles/tiled_mesh.hpp"
 
 namespace hmesh {
 
@@ -34,11 +34,12 @@ struct Xie {
     /// Whether the options mean something.
     [[nodiscard]] Status check(int = 1, int = 1) const noexcept {
         if (const Status status = start.check(); !status) return status;
-        return kit::check_ranges({{"xie search.first_step must be in [1, 4096] px", static_cast<double>(search.first_step), 1, 4096},
-                                  {"xie search.visits must be in [1, 1000]", static_cast<double>(search.visits), 1, 1000},
-                                  {"xie flip_visits must be in [1, 1000000]", static_cast<double>(flip_visits), 1, 1e6},
-                                  {"xie rounds must be in [0, 1000]", static_cast<double>(rounds), 0, 1000},
-                                  {"xie enough must be in [0, 1]", enough, 0, 1}});
+        return kit::check_ranges(
+            {{"xie search.first_step must be in [1, 4096] px", static_cast<double>(search.first_step), 1, 4096},
+             {"xie search.visits must be in [1, 1000]", static_cast<double>(search.visits), 1, 1000},
+             {"xie flip_visits must be in [1, 1000000]", static_cast<double>(flip_visits), 1, 1e6},
+             {"xie rounds must be in [0, 1000]", static_cast<double>(rounds), 0, 1000},
+             {"xie enough must be in [0, 1]", enough, 0, 1}});
     }
     /// px: the image in one piece.
     [[nodiscard]] double tile_size(int width, int height, std::size_t) const noexcept { return std::max(width, height); }

@@ -17,8 +17,8 @@
 #include "hmesh/core/finite.hpp"
 #include "hmesh/core/parallel.hpp"
 #include "hmesh/core/status.hpp"
-#include "hmesh/methods/hierarchical/bilateral_tile.hpp"
 #include "hmesh/image/image_view.hpp"
+#include "hmesh/methods/hierarchical/bilateral_tile.hpp"
 
 namespace hmesh::kit {
 

@@ -19,9 +19,9 @@
 #include <vector>
 
 #include "hmesh/core/parallel.hpp"
-#include "hmesh/solve/normal_equations.hpp"
 #include "hmesh/fit/image_mesh.hpp"
 #include "hmesh/mesh/raster.hpp"
+#include "hmesh/solve/normal_equations.hpp"
 
 namespace hmesh::kit {
 

@@ -19,14 +19,14 @@
 #include <vector>
 
 #include "hmesh/core/parallel.hpp"
-#include "hmesh/solve/normal_equations.hpp"
+#include "hmesh/edit/move.hpp"
+#include "hmesh/fit/image_mesh.hpp"
+#include "hmesh/methods/hierarchical/footpoints.hpp"
 #include "hmesh/solve/bounded_colors.hpp"
 #include "hmesh/solve/eigen.hpp"
+#include "hmesh/solve/normal_equations.hpp"
 #include "hmesh/solve/optimal_colors.hpp"
-#include "hmesh/methods/hierarchical/footpoints.hpp"
-#include "hmesh/fit/image_mesh.hpp"
 #include "hmesh/solve/pcg.hpp"
-#include "hmesh/edit/move.hpp"
 
 namespace hmesh::kit {
 
@@ -41,7 +41,7 @@ struct GeometryStep {
     FootSearch search = FootSearch::own_face;
     StepRule rule = StepRule::safeguarded;
     double color_scale = 1;  // px that a unit of colour is worth, where 255 is the peak; 0.3 to 3 differ by up to 0.1 dB
-    double ridge = 1e-3;      // toward the current value, in pixels: faces may own none
+    double ridge = 1e-3;     // toward the current value, in pixels: faces may own none
     int halvings = 4;        // of a step: 1, 1/2, .. 1/16 of the way are tried
     PcgOptions pcg{200, 1e-7};
 };

@@ -15,15 +15,15 @@
 
 #include "hmesh/core/range.hpp"
 #include "hmesh/core/status.hpp"
-#include "hmesh/solve/optimal_colors.hpp"
-#include "hmesh/methods/baselines/flip_queue.hpp"
-#include "hmesh/methods/hierarchical/geometry_step.hpp"
-#include "hmesh/tiles/tiled_mesh.hpp"
-#include "hmesh/methods/hierarchical/bilateral.hpp"
 #include "hmesh/fit/image_source.hpp"
-#include "hmesh/methods/hierarchical/pyramid.hpp"
 #include "hmesh/methods/baselines/adams.hpp"
+#include "hmesh/methods/baselines/flip_queue.hpp"
+#include "hmesh/methods/hierarchical/bilateral.hpp"
+#include "hmesh/methods/hierarchical/geometry_step.hpp"
+#include "hmesh/methods/hierarchical/pyramid.hpp"
 #include "hmesh/methods/stage.hpp"
+#include "hmesh/solve/optimal_colors.hpp"
+#include "hmesh/tiles/tiled_mesh.hpp"
 
 namespace hmesh {
 
@@ -68,9 +68,11 @@ struct Hierarchical {
         if (const Status status = start.check(); !status) return status;
         if (const Status status = kit::check(bilateral); !status) return status;
         if (geometry.search > kit::FootSearch::one_ring)
-            return {Errc::invalid_argument, "hierarchical geometry.search must be one of those known", static_cast<int>(geometry.search), 2};
+            return {Errc::invalid_argument, "hierarchical geometry.search must be one of those known",
+                    static_cast<int>(geometry.search), 2};
         if (geometry.rule > kit::StepRule::literal)
-            return {Errc::invalid_argument, "hierarchical geometry.rule must be one of those known", static_cast<int>(geometry.rule), 1};
+            return {Errc::invalid_argument, "hierarchical geometry.rule must be one of those known",
+                    static_cast<int>(geometry.rule), 1};
         const auto iterations = static_cast<double>(geometry.pcg.max_iterations);
         return kit::check_ranges(
             {{"hierarchical levels must be in [1, 20]", static_cast<double>(levels), 1, 20},

@@ -17,8 +17,8 @@
 #include "hmesh/core/finite.hpp"
 #include "hmesh/core/function_ref.hpp"
 #include "hmesh/core/parallel.hpp"
-#include "hmesh/methods/hierarchical/bilateral.hpp"
 #include "hmesh/image/image_view.hpp"
+#include "hmesh/methods/hierarchical/bilateral.hpp"
 
 namespace hmesh::kit {
 
