@@ -63,8 +63,6 @@ template <class T, int C>
     template ::hmesh::Result hmesh::mesh_image<T, C, RECIPE>(const ::hmesh::ImageView<T, C>&, const ::hmesh::Options&, \
                                                              const RECIPE&, const ::hmesh::ParallelFor&);
 
-#if !defined(HMESH_COMPILED) || defined(HMESH_IMPLEMENTATION)
 #include "hmesh/mesh_image.ipp"
-#endif
 
 #endif  // HMESH_MESH_IMAGE_HPP

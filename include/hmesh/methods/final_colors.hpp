@@ -1,8 +1,8 @@
 // hmesh - final colors: the last step of every method, for a mesh in tiles.
 //
 // About 1 us a vertex, and a moment table of each tile.
-#ifndef HMESH_TILES_FINAL_COLORS_HPP
-#define HMESH_TILES_FINAL_COLORS_HPP
+#ifndef HMESH_METHODS_FINAL_COLORS_HPP
+#define HMESH_METHODS_FINAL_COLORS_HPP
 
 #include <algorithm>
 #include <cmath>
@@ -63,4 +63,4 @@ BoundedReport bounded_colors(TiledMesh<C>& tiled, const Tiling& tiling, double l
 
 }  // namespace hmesh::kit
 
-#endif  // HMESH_TILES_FINAL_COLORS_HPP
+#endif  // HMESH_METHODS_FINAL_COLORS_HPP
