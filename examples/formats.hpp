@@ -30,7 +30,7 @@ struct FormatOptions {
 namespace detail {
 
 // hmesh::Deflate by stb_image_write: no zlib is needed. About 10 MB/s.
-[[nodiscard]] inline bool deflate(void*, const unsigned char* bytes, std::size_t size, std::vector<unsigned char>& out) {
+[[nodiscard]] inline bool deflate(const unsigned char* bytes, std::size_t size, std::vector<unsigned char>& out) {
     if (size > max_deflated) return false;
     std::vector<unsigned char> copy(bytes, bytes + size);  // stb takes no const
     int length = 0;

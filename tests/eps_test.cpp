@@ -13,7 +13,7 @@ using namespace hmesh_test;
 
 namespace {
 
-const auto to_sink = [](const hmesh::MeshView& mesh, auto&& sink) { return hmesh::write_eps(mesh, sink); };
+const auto to_sink = [](const hmesh::MeshView& mesh, hmesh::Sink sink) { return hmesh::write_eps(mesh, sink); };
 
 std::string written(const hmesh::MeshView& mesh, const hmesh::EpsOptions& options = {}) {
     std::string text;
@@ -166,8 +166,11 @@ TEST_CASE("a compressor is used for the mesh, and where it fails there is a Stat
     const hmesh::Mesh<3> mesh = random_grid<3>(400, 300, 12, 10, 255, 10);
     int calls = 0;
     hmesh::EpsOptions options;
-    options.deflate = store;
-    options.deflate_user = &calls;
+    const auto count = [&](const unsigned char* bytes, std::size_t size, Bytes& out) {
+        ++calls;
+        return store(bytes, size, out);
+    };
+    options.deflate = count;
     const Picture stored = read_eps(written(mesh.view(), options)), plain = read_eps(written(mesh.view()));
     CHECK(calls == 1);
     CHECK(stored.entries.find("/ASCII85Decode filter dup /FlateDecode filter\n") != std::string::npos);

@@ -22,7 +22,7 @@ using hmesh_test::two_faces;
 
 // An exporter with these options, as test_exports.hpp takes it.
 auto with(const hmesh::GltfOptions& options) {
-    return [options](const hmesh::MeshView& mesh, auto&& sink) { return hmesh::write_glb(mesh, sink, options); };
+    return [options](const hmesh::MeshView& mesh, hmesh::Sink sink) { return hmesh::write_glb(mesh, sink, options); };
 }
 
 hmesh::GltfOptions quantized() {

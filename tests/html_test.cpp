@@ -170,7 +170,7 @@ TEST_CASE("the original is embedded byte by byte") {
 TEST_CASE("the bytes do not depend on the locale") {
     const hmesh::Mesh<3> mesh = strip<3>(2000);
     hmesh_test::check_locale_makes_no_difference(
-        mesh.view(), [](const hmesh::MeshView& view, auto&& sink) { return hmesh::write_html(view, sink); });
+        mesh.view(), [](const hmesh::MeshView& view, hmesh::Sink sink) { return hmesh::write_html(view, sink); });
 }
 
 TEST_CASE("a sink that refuses after k bytes gets no more and is reported, for all k") {

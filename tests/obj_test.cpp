@@ -16,7 +16,7 @@ namespace {
 
 using hmesh_test::two_faces;
 
-const auto to_sink = [](const hmesh::MeshView& mesh, auto&& sink) { return hmesh::write_obj(mesh, sink); };
+const auto to_sink = [](const hmesh::MeshView& mesh, hmesh::Sink sink) { return hmesh::write_obj(mesh, sink); };
 
 template <int C>
 std::string written(const hmesh::Mesh<C>& mesh) {

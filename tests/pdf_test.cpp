@@ -15,7 +15,7 @@ using namespace hmesh_test;
 
 namespace {
 
-const auto to_sink = [](const hmesh::MeshView& mesh, auto&& sink) { return hmesh::write_pdf(mesh, sink); };
+const auto to_sink = [](const hmesh::MeshView& mesh, hmesh::Sink sink) { return hmesh::write_pdf(mesh, sink); };
 
 std::string written(const hmesh::MeshView& mesh, const hmesh::PdfOptions& options = {}) {
     std::string text;
@@ -196,11 +196,14 @@ TEST_CASE("a compressor is used for the mesh, and where it fails there is a Stat
     int calls = 0;
     hmesh::PdfOptions options;
     options.strips = false;
-    options.deflate = store;
-    options.deflate_user = &calls;
+    const auto count = [&](const unsigned char* bytes, std::size_t size, Bytes& out) {
+        ++calls;
+        return store(bytes, size, out);
+    };
+    options.deflate = count;
     const std::vector<Object> objects = read_pdf(written(mesh.view(), options));
     CHECK(calls == 2);
-    options.deflate = nullptr;
+    options.deflate = {};
     const std::vector<Object> plain = read_pdf(written(mesh.view(), options));
     for (const std::size_t i : {6U, 10U}) {
         CHECK(objects[i].entries.find("/Filter /FlateDecode") != std::string::npos);

@@ -19,12 +19,12 @@ namespace {
 using hmesh_test::Bytes;
 using hmesh_test::two_faces;
 
-const auto to_sink = [](const hmesh::MeshView& mesh, auto&& sink) { return hmesh::write_ply(mesh, sink); };
+const auto to_sink = [](const hmesh::MeshView& mesh, hmesh::Sink sink) { return hmesh::write_ply(mesh, sink); };
 
 template <int C>
 Bytes written(const hmesh::Mesh<C>& mesh, const hmesh::PlyOptions& options = {}) {
-    return hmesh_test::exported(mesh.view(),
-                                [&](const hmesh::MeshView& view, auto&& sink) { return hmesh::write_ply(view, sink, options); });
+    return hmesh_test::exported(
+        mesh.view(), [&](const hmesh::MeshView& view, hmesh::Sink sink) { return hmesh::write_ply(view, sink, options); });
 }
 
 struct PlyFile {
@@ -228,7 +228,7 @@ TEST_CASE("the locale makes no difference") {
     hmesh::Mesh<3> mesh = two_faces<3>();
     mesh.positions[4] = 2.5F;
     for (const bool ascii : {false, true})
-        hmesh_test::check_locale_makes_no_difference(mesh.view(), [=](const hmesh::MeshView& view, auto&& sink) {
+        hmesh_test::check_locale_makes_no_difference(mesh.view(), [=](const hmesh::MeshView& view, hmesh::Sink sink) {
             return hmesh::write_ply(view, sink, {ascii, true});
         });
 }
@@ -236,14 +236,14 @@ TEST_CASE("the locale makes no difference") {
 TEST_CASE("a sink that refuses anywhere gets no more and is reported") {
     const hmesh::Mesh<3> mesh = hmesh_test::square_grid(16, 16);
     hmesh_test::check_refusing_sinks(mesh.view(), to_sink);
-    hmesh_test::check_refusing_sinks(mesh.view(), [](const hmesh::MeshView& view, auto&& sink) {
+    hmesh_test::check_refusing_sinks(mesh.view(), [](const hmesh::MeshView& view, hmesh::Sink sink) {
         return hmesh::write_ply(view, sink, {true, true});
     });
 }
 
 TEST_CASE("a mesh that cannot be written gives a Status and no byte") {
     hmesh_test::check_bad_meshes_are_refused(to_sink);
-    hmesh_test::check_bad_meshes_are_refused([](const hmesh::MeshView& view, auto&& sink) {
+    hmesh_test::check_bad_meshes_are_refused([](const hmesh::MeshView& view, hmesh::Sink sink) {
         return hmesh::write_ply(view, sink, {true, true});
     });
     hmesh::Mesh<3> mesh = two_faces<3>();
@@ -253,7 +253,7 @@ TEST_CASE("a mesh that cannot be written gives a Status and no byte") {
     // A share that no float holds.
     mesh.peak = 1e-40;
     CHECK(to_sink(mesh.view(), [](const void*, std::size_t) { return true; }));
-    hmesh_test::check_refused(mesh.view(), hmesh::Errc::not_finite, [](const hmesh::MeshView& view, auto&& sink) {
+    hmesh_test::check_refused(mesh.view(), hmesh::Errc::not_finite, [](const hmesh::MeshView& view, hmesh::Sink sink) {
         return hmesh::write_ply(view, sink, {false, true});
     });
 }

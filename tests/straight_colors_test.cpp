@@ -35,8 +35,7 @@ Mesh<4> straight_mesh() {
     return mesh;
 }
 
-template <class Write>
-void check_same(const Write& write) {
+void check_same(hmesh_test::Write write) {
     const Mesh<4> straight = straight_mesh(), premultiplied = premultiplied_mesh();
     CHECK(exported(premultiplied.view(), write) == exported(straight.view(), write));
     Mesh<4> bare = premultiplied;
@@ -78,19 +77,19 @@ TEST_CASE("meshes with straight colours or without alpha are left as they are") 
 }
 
 TEST_CASE("formats that know straight colours only are given these") {
-    check_same([](const auto& mesh, auto&& sink) { return hmesh::write_ply(mesh, sink); });
-    check_same([](const auto& mesh, auto&& sink) { return hmesh::write_obj(mesh, sink); });
-    check_same([](const auto& mesh, auto&& sink) { return hmesh::write_glb(mesh, sink); });
-    check_same([](const auto& mesh, auto&& sink) { return hmesh::write_pdf(mesh, sink); });
+    check_same([](const hmesh::MeshView& mesh, hmesh::Sink sink) { return hmesh::write_ply(mesh, sink); });
+    check_same([](const hmesh::MeshView& mesh, hmesh::Sink sink) { return hmesh::write_obj(mesh, sink); });
+    check_same([](const hmesh::MeshView& mesh, hmesh::Sink sink) { return hmesh::write_glb(mesh, sink); });
+    check_same([](const hmesh::MeshView& mesh, hmesh::Sink sink) { return hmesh::write_pdf(mesh, sink); });
 }
 
 TEST_CASE("EPS lays premultiplied colours over white, HTML is told of them") {
     Mesh<4> premultiplied = premultiplied_mesh();
     premultiplied.colors[13] = 102;  // no colour above alpha: that one would be cut off on its way over straight colours
     Mesh<4> straight = straight_mesh();
-    const auto eps = [](const auto& mesh, auto&& sink) { return hmesh::write_eps(mesh, sink); };
+    const auto eps = [](const hmesh::MeshView& mesh, hmesh::Sink sink) { return hmesh::write_eps(mesh, sink); };
     CHECK(exported(premultiplied.view(), eps) == exported(straight.view(), eps));
-    const auto html = [](const auto& mesh, auto&& sink) { return hmesh::write_html(mesh, sink); };
+    const auto html = [](const hmesh::MeshView& mesh, hmesh::Sink sink) { return hmesh::write_html(mesh, sink); };
     const auto says = [&](const hmesh::MeshView& mesh, const char* text) {
         return hmesh_test::as_text(exported(mesh, html)).find(text) != std::string::npos;
     };

@@ -438,8 +438,9 @@ TEST_CASE("colours multiplied by alpha are divided by it, and corners without al
 TEST_CASE("the bytes do not depend on the locale") {
     const hmesh::Mesh<3> mesh = random_faces<3>(20, 5);
     for (const SvgKind kind : kinds)
-        hmesh_test::check_locale_makes_no_difference(
-            mesh.view(), [=](const hmesh::MeshView& view, auto&& sink) { return hmesh::write_svg(view, sink, of_kind(kind)); });
+        hmesh_test::check_locale_makes_no_difference(mesh.view(), [=](const hmesh::MeshView& view, hmesh::Sink sink) {
+            return hmesh::write_svg(view, sink, of_kind(kind));
+        });
 }
 
 TEST_CASE("a sink that refuses after k bytes gets no more and is reported, for all k") {

@@ -1,6 +1,4 @@
 // hmesh tests - what the tests of all exporters share: tiny meshes, and what every exporter has to refuse.
-//
-// `Write` is any callable hmesh::Status(const hmesh::MeshView&, Sink&&), a lambda around the exporter with its options.
 #ifndef HMESH_TESTS_TEST_EXPORTS_HPP
 #define HMESH_TESTS_TEST_EXPORTS_HPP
 
@@ -14,7 +12,9 @@
 #include <vector>
 
 #include "comma_locale.hpp"
+#include "hmesh/core/function_ref.hpp"
 #include "hmesh/core/status.hpp"
+#include "hmesh/io/sink.hpp"
 #include "hmesh/mesh/mesh_view.hpp"
 
 namespace hmesh_test {
@@ -38,10 +38,13 @@ struct StringSink {
     }
 };
 
-template <class Write>
-Bytes exported(const hmesh::MeshView& mesh, const Write& write) {
+// An exporter with its options.
+using Write = hmesh::FunctionRef<hmesh::Status(const hmesh::MeshView& mesh, hmesh::Sink sink)>;
+
+inline Bytes exported(const hmesh::MeshView& mesh, Write write) {
     Bytes bytes;
-    REQUIRE(write(mesh, VectorSink{&bytes}));
+    const VectorSink sink{&bytes};
+    REQUIRE(write(mesh, sink));
     return bytes;
 }
 
@@ -78,8 +81,7 @@ inline hmesh::Mesh<3> square_grid(int columns, int rows) {
     return mesh;
 }
 
-template <class Write>
-void check_refused(const hmesh::MeshView& mesh, hmesh::Errc code, const Write& write) {
+inline void check_refused(const hmesh::MeshView& mesh, hmesh::Errc code, Write write) {
     Bytes bytes;
     const hmesh::Status status = write(mesh, VectorSink{&bytes});
     CHECK(status.code == code);
@@ -88,8 +90,7 @@ void check_refused(const hmesh::MeshView& mesh, hmesh::Errc code, const Write& w
 }
 
 // Meshes that no exporter can write give a Status and no byte.
-template <class Write>
-void check_bad_meshes_are_refused(const Write& write) {
+inline void check_bad_meshes_are_refused(Write write) {
     const float nan = std::numeric_limits<float>::quiet_NaN(), infinity = std::numeric_limits<float>::infinity();
     const hmesh::Mesh<3> good = two_faces<3>();
     check_refused(hmesh::MeshView{}, hmesh::Errc::invalid_argument, write);
@@ -123,8 +124,7 @@ void check_bad_meshes_are_refused(const Write& write) {
 
 // A sink that refuses after k bytes gets no more and is reported. The mesh must take some writes of 4096 bytes. All k around
 // the ends of writes, where the sink's answers change, and every `stride`-th of the others.
-template <class Write>
-void check_refusing_sinks(const hmesh::MeshView& mesh, const Write& write, std::size_t stride = 97) {
+inline void check_refusing_sinks(const hmesh::MeshView& mesh, Write write, std::size_t stride = 97) {
     const std::size_t size = exported(mesh, write).size();
     REQUIRE(size > 8192);
     for (std::size_t k = 0; k <= size; ++k) {
@@ -144,8 +144,7 @@ void check_refusing_sinks(const hmesh::MeshView& mesh, const Write& write, std::
 }
 
 // The bytes are the same where streams and the C library write a comma before decimals.
-template <class Write>
-void check_locale_makes_no_difference(const hmesh::MeshView& mesh, const Write& write) {
+inline void check_locale_makes_no_difference(const hmesh::MeshView& mesh, Write write) {
     const Bytes expected = exported(mesh, write);
     const CommaLocale foreign;
     CHECK(exported(mesh, write) == expected);

@@ -15,20 +15,15 @@ namespace hmesh_test {
 
 enum class Deflating { none, works, says_no, gives_nothing };
 
-inline bool fake_deflate(void* user, const unsigned char* bytes, std::size_t size, std::vector<unsigned char>& out) {
-    const Deflating how = *static_cast<const Deflating*>(user);
-    demand(out.empty(), "a compressor is given an empty vector");
-    if (how == Deflating::works) out.assign(bytes, bytes + size);
-    return how != Deflating::says_no;
-}
-
-// `how` outlives the options.
-template <class Options>
-void set_deflate(Options& options, Deflating& how) {
-    if (how == Deflating::none) return;
-    options.deflate = fake_deflate;
-    options.deflate_user = &how;
-}
+// A compressor that does so.
+struct FakeDeflate {
+    Deflating how = Deflating::none;
+    bool operator()(const unsigned char* bytes, std::size_t size, std::vector<unsigned char>& out) const {
+        demand(out.empty(), "a compressor is given an empty vector");
+        if (how == Deflating::works) out.assign(bytes, bytes + size);
+        return how != Deflating::says_no;
+    }
+};
 
 [[nodiscard]] inline Deflating draw_deflating(FuzzInput& input) {
     const unsigned which = input.byte() % 8;
@@ -38,14 +33,14 @@ void set_deflate(Options& options, Deflating& how) {
                         : Deflating::works;
 }
 
-// Options of PDF or EPS and a mesh, which is not good where the compressor fails. `how` outlives the options.
+// Options of PDF or EPS, which refer to the compressor, and a mesh, which is not good where the compressor fails.
 template <class Options>
-[[nodiscard]] FuzzMesh draw_shading(FuzzInput& input, Options& options, Deflating& how) {
+[[nodiscard]] FuzzMesh draw_shading(FuzzInput& input, Options& options, FakeDeflate& compressor) {
     options.strips = !input.one_in(3);
-    how = draw_deflating(input);
-    set_deflate(options, how);
+    compressor.how = draw_deflating(input);
+    if (compressor.how != Deflating::none) options.deflate = compressor;
     FuzzMesh mesh = FuzzMeshDraw(input).mesh();
-    mesh.is_good = mesh.is_good && how <= Deflating::works;
+    mesh.is_good = mesh.is_good && compressor.how <= Deflating::works;
     return mesh;
 }
 

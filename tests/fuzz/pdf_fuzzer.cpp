@@ -71,9 +71,10 @@ void check_file(const std::string& file, const hmesh::MeshView& mesh) {
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* bytes, std::size_t size) {
     hmesh_test::FuzzInput input(bytes, size);
     hmesh::PdfOptions options;
-    hmesh_test::Deflating deflating{};
-    const hmesh_test::FuzzMesh mesh = hmesh_test::draw_shading(input, options, deflating);
+    hmesh_test::FakeDeflate compressor;
+    const hmesh_test::FuzzMesh mesh = hmesh_test::draw_shading(input, options, compressor);
     hmesh_test::fuzz_exporter(
-        input, mesh, [&](const hmesh::MeshView& view, auto&& sink) { return hmesh::write_pdf(view, sink, options); }, check_file);
+        input, mesh, [&](const hmesh::MeshView& view, hmesh::Sink sink) { return hmesh::write_pdf(view, sink, options); },
+        check_file);
     return 0;
 }

@@ -90,7 +90,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* bytes, std::size_t siz
     options.float_colors = input.flag();
     const hmesh_test::FuzzMesh mesh = hmesh_test::FuzzMeshDraw(input).mesh();
     hmesh_test::fuzz_exporter(
-        input, mesh, [&](const hmesh::MeshView& view, auto&& sink) { return hmesh::write_ply(view, sink, options); },
+        input, mesh, [&](const hmesh::MeshView& view, hmesh::Sink sink) { return hmesh::write_ply(view, sink, options); },
         [&](const std::string& file, const hmesh::MeshView& view) { check_file(file, view, options); });
     return 0;
 }

@@ -12,10 +12,9 @@
 
 namespace hmesh::detail {
 
-template <class Sink>
 class Base64Writer {
   public:
-    explicit Base64Writer(Writer<Sink>& writer) noexcept : writer_(&writer) {}
+    explicit Base64Writer(Writer& writer) noexcept : writer_(&writer) {}
 
     void u8(std::uint8_t value) {
         bits_ = bits_ << 8U | value;
@@ -53,7 +52,7 @@ class Base64Writer {
         held_ = 0;
     }
 
-    Writer<Sink>* writer_;
+    Writer* writer_;
     std::uint32_t bits_ = 0;  // of the bytes held
     std::size_t held_ = 0;    // 0 to 2
 };

@@ -25,16 +25,14 @@ namespace hmesh {
 
 // Options of write_eps().
 struct EpsOptions {
-    Deflate deflate = nullptr;  // compresses the mesh (shading_stream.hpp); none: it is written as it is
-    void* deflate_user = nullptr;
+    Deflate deflate;     // compresses the mesh (shading_stream.hpp); none: it is written as it is
     bool strips = true;  // faces share vertices with the one before; false: each by itself in the mesh's order
 };
 
 namespace detail {
 
 // Lines of at most 101 characters that ASCII85Decode reads, its end mark included.
-template <class Sink>
-void write_ascii85(Writer<Sink>& writer, const std::vector<unsigned char>& bytes) {
+inline void write_ascii85(Writer& writer, const std::vector<unsigned char>& bytes) {
     std::array<char, 102> line{};
     std::size_t used = 0;
     const auto end_line = [&] {
@@ -66,8 +64,7 @@ void write_ascii85(Writer<Sink>& writer, const std::vector<unsigned char>& bytes
 // Writes the mesh to the sink (see sink.hpp). Colours are held to [0, peak]. Faces are drawn in another order than the
 // mesh's when in strips, which shows only where they overlap. A mesh of 2 or more than 4 channels, an empty one and others
 // that cannot be written give a Status and no byte, and so does a compressor that fails.
-template <class Sink>
-Status write_eps(const MeshView& mesh, Sink&& sink, const EpsOptions& options = {}) {
+inline Status write_eps(const MeshView& mesh, Sink sink, const EpsOptions& options = {}) {
     detail::ShadingLayout layout;
     if (const Status status = detail::plan_shading(mesh, layout); !status) return status;
     const auto channels = static_cast<std::size_t>(mesh.channels);
@@ -83,7 +80,7 @@ Status write_eps(const MeshView& mesh, Sink&& sink, const EpsOptions& options = 
     };
     std::vector<unsigned char> bytes =
         detail::shading_bytes(mesh, detail::strip_vertices(mesh, options.strips), layout, components, on_paper);
-    if (const Status status = detail::compress(options.deflate, options.deflate_user, bytes); !status) return status;
+    if (const Status status = detail::compress(options.deflate, bytes); !status) return status;
 
     detail::Writer writer(sink);
     const auto size = [&](const char* before, const char* after) {
@@ -98,7 +95,7 @@ Status write_eps(const MeshView& mesh, Sink&& sink, const EpsOptions& options = 
     size("%%Page: 1 1\ngsave\n0 0 ", " rectclip\n");
     // Read as one procedure, so that what follows the drawing - skipping to the end of the data - is known before them.
     writer.text("{ currentfile /ASCII85Decode filter dup");
-    if (options.deflate != nullptr) writer.text(" /FlateDecode filter");
+    if (options.deflate) writer.text(" /FlateDecode filter");
     writer.text("\n<< /DataSource 3 -1 roll\n");
     detail::write_shading_entries(writer, layout, components);
     writer.text(" >> shfill flushfile } exec\n");

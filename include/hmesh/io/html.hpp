@@ -65,8 +65,7 @@ namespace detail {
 }
 
 // Text between tags or in a quoted attribute.
-template <class Sink>
-void write_escaped(Writer<Sink>& writer, const char* text) {
+inline void write_escaped(Writer& writer, const char* text) {
     for (; *text != 0; ++text) switch (*text) {
             case '&': writer.text("&amp;"); break;
             case '<': writer.text("&lt;"); break;
@@ -77,9 +76,8 @@ void write_escaped(Writer<Sink>& writer, const char* text) {
         }
 }
 
-template <class Sink>
-void write_mesh_base64(Writer<Sink>& writer, const MeshView& mesh) {
-    Base64Writer<Sink> out(writer);
+inline void write_mesh_base64(Writer& writer, const MeshView& mesh) {
+    Base64Writer out(writer);
     for (std::size_t i = 0; i < 2 * mesh.vertex_count; ++i) out.f32(mesh.positions[i]);
     const bool is_short = mesh.vertex_count <= 65535;
     for (std::size_t f = 0; f < mesh.face_count; ++f)
@@ -95,8 +93,7 @@ void write_mesh_base64(Writer<Sink>& writer, const MeshView& mesh) {
 }  // namespace detail
 
 // Writes the page to the sink (see sink.hpp). A mesh or options that cannot be written give a Status and no byte.
-template <class Sink>
-Status write_html(const MeshView& mesh, Sink&& sink, const HtmlOptions& options = {}) {
+inline Status write_html(const MeshView& mesh, Sink sink, const HtmlOptions& options = {}) {
     if (const Status status = detail::check_for_html(mesh, options); !status) return status;
     detail::Writer writer(sink);
     writer.text(detail::html_head);

@@ -22,8 +22,7 @@
 namespace hmesh {
 
 // Writes the mesh to the sink (see sink.hpp). A mesh that cannot be written gives a Status and no byte.
-template <class Sink>
-Status write_obj(const MeshView& source, Sink&& sink) {
+inline Status write_obj(const MeshView& source, Sink sink) {
     if (const Status status = detail::check_for_export(source); !status) return status;
     const detail::StraightMesh straight(source);
     const MeshView& mesh = straight.view();

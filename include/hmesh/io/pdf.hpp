@@ -14,7 +14,6 @@
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
-#include <type_traits>
 #include <vector>
 
 #include "hmesh/core/assert.hpp"
@@ -30,39 +29,24 @@ namespace hmesh {
 
 // Options of write_pdf().
 struct PdfOptions {
-    Deflate deflate = nullptr;  // compresses the mesh (shading_stream.hpp); none: it is written as it is
-    void* deflate_user = nullptr;
+    Deflate deflate;     // compresses the mesh (shading_stream.hpp); none: it is written as it is
     bool strips = true;  // faces share vertices with the one before; false: each by itself in the mesh's order
 };
 
 namespace detail {
 
-template <class Sink>
-struct CountingSink {
-    Sink* sink;
-    std::int64_t count = 0;
-    bool operator()(const void* bytes, std::size_t size) {
-        count += static_cast<std::int64_t>(size);
-        return (*sink)(bytes, size);
-    }
-};
-
 // Objects one after the other, numbered from 1, and the table of where each begins.
-template <class Sink>
 class PdfFile {
   public:
-    using Output = Writer<CountingSink<Sink>>;
-
-    explicit PdfFile(Sink& sink) noexcept : sink_{&sink}, writer_(sink_) {
+    explicit PdfFile(Sink sink) noexcept : writer_(sink) {
         writer_.text("%PDF-1.4\n%\xe2\xe3\xcf\xd3\n");  // 4 bytes above 127 say that the file is binary
     }
     PdfFile(const PdfFile&) = delete;
     PdfFile& operator=(const PdfFile&) = delete;
 
-    Output& begin_object() {
-        static_cast<void>(writer_.finish());  // whether bytes were refused is asked at the end
+    Writer& begin_object() {
         HMESH_ASSERT(objects_ < offsets_.size());
-        offsets_[objects_++] = sink_.count;
+        offsets_[objects_++] = writer_.position();
         writer_.decimal(static_cast<std::int64_t>(objects_));
         writer_.text(" 0 obj\n<< ");
         return writer_;
@@ -77,8 +61,7 @@ class PdfFile {
         writer_.text("\nendstream\nendobj\n");
     }
     [[nodiscard]] Status finish(int root, int info) {
-        static_cast<void>(writer_.finish());
-        const std::int64_t table = sink_.count;
+        const std::int64_t table = writer_.position();
         const auto entries = static_cast<std::int64_t>(objects_ + 1);
         writer_.text("xref\n0 ");
         writer_.decimal(entries);
@@ -102,8 +85,7 @@ class PdfFile {
     }
 
   private:
-    CountingSink<Sink> sink_;
-    Output writer_;
+    Writer writer_;
     std::array<std::int64_t, 10> offsets_{};
     std::size_t objects_ = 0;
 };
@@ -113,8 +95,7 @@ class PdfFile {
 // Writes the mesh to the sink (see sink.hpp). Colours are held to [0, peak]. Faces are drawn in another order than the
 // mesh's when in strips, which shows only where they overlap. A mesh of 2 or more than 4 channels, an empty one and others
 // that cannot be written give a Status and no byte, and so does a compressor that fails.
-template <class Sink>
-Status write_pdf(const MeshView& source, Sink&& sink, const PdfOptions& options = {}) {
+inline Status write_pdf(const MeshView& source, Sink sink, const PdfOptions& options = {}) {
     detail::ShadingLayout layout;
     if (const Status status = detail::plan_shading(source, layout); !status) return status;
     const detail::StraightMesh straight(source);
@@ -129,15 +110,15 @@ Status write_pdf(const MeshView& source, Sink&& sink, const PdfOptions& options 
     const std::vector<detail::StripVertex> vertices = detail::strip_vertices(mesh, options.strips);
     std::vector<unsigned char> colors = detail::shading_bytes(
         mesh, vertices, layout, components, [&](std::size_t v, int k) { return share(v, static_cast<std::size_t>(k)); });
-    if (const Status status = detail::compress(options.deflate, options.deflate_user, colors); !status) return status;
+    if (const Status status = detail::compress(options.deflate, colors); !status) return status;
     std::vector<unsigned char> alpha;
     if (has_alpha) {
         alpha = detail::shading_bytes(mesh, vertices, layout, 1, [&](std::size_t v, int) { return share(v, 3); });
-        if (const Status status = detail::compress(options.deflate, options.deflate_user, alpha); !status) return status;
+        if (const Status status = detail::compress(options.deflate, alpha); !status) return status;
     }
 
-    detail::PdfFile<std::remove_reference_t<Sink>> file(sink);
-    const auto box = [&](auto& writer, const char* name) {
+    detail::PdfFile file(sink);
+    const auto box = [&](detail::Writer& writer, const char* name) {
         writer.text(name);
         writer.text(" [0 0 ");
         writer.decimal(mesh.width);
@@ -149,13 +130,13 @@ Status write_pdf(const MeshView& source, Sink&& sink, const PdfOptions& options 
         file.end_object(reinterpret_cast<const unsigned char*>(text), std::strlen(text));
     };
     const auto shading = [&](int count, const std::vector<unsigned char>& bytes) {
-        auto& writer = file.begin_object();
+        detail::Writer& writer = file.begin_object();
         detail::write_shading_entries(writer, layout, count);
-        if (options.deflate != nullptr) writer.text("\n/Filter /FlateDecode");
+        if (options.deflate) writer.text("\n/Filter /FlateDecode");
         file.end_object(bytes.data(), bytes.size());
     };
     const auto group = [&](const char* space, const char* shading_name) {
-        auto& writer = file.begin_object();
+        detail::Writer& writer = file.begin_object();
         writer.text("/Type /XObject /Subtype /Form ");
         box(writer, "/BBox");
         writer.text("\n/Group << /S /Transparency /CS /Device");
@@ -171,7 +152,7 @@ Status write_pdf(const MeshView& source, Sink&& sink, const PdfOptions& options 
     file.end_object();
     file.begin_object().text("/Type /Pages /Kids [4 0 R] /Count 1");  // 3
     file.end_object();
-    auto& page = file.begin_object();  // 4
+    detail::Writer& page = file.begin_object();  // 4
     page.text("/Type /Page /Parent 3 0 R ");
     box(page, "/MediaBox");
     page.text(" /Contents 5 0 R\n/Resources << ");

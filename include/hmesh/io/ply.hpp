@@ -49,8 +49,7 @@ namespace detail {
     return {};
 }
 
-template <class Sink>
-void write_ply_header(Writer<Sink>& writer, const MeshView& mesh, const PlyOptions& options) {
+inline void write_ply_header(Writer& writer, const MeshView& mesh, const PlyOptions& options) {
     writer.text(options.ascii ? "ply\nformat ascii 1.0\n" : "ply\nformat binary_little_endian 1.0\n");
     writer.text("comment made by hmesh " HMESH_VERSION_STRING "\nelement vertex ");
     writer.decimal(static_cast<std::int64_t>(mesh.vertex_count));
@@ -67,10 +66,9 @@ void write_ply_header(Writer<Sink>& writer, const MeshView& mesh, const PlyOptio
 }
 
 // The numbers of a PLY file, in order: bytes, or words with spaces between.
-template <class Sink>
 class PlyNumbers {
   public:
-    PlyNumbers(Writer<Sink>& writer, bool ascii) noexcept : writer_(&writer), ascii_(ascii) {}
+    PlyNumbers(Writer& writer, bool ascii) noexcept : writer_(&writer), ascii_(ascii) {}
 
     void f32(float value) {
         if (!ascii_) return writer_->f32(value);
@@ -98,7 +96,7 @@ class PlyNumbers {
         line_begins_ = false;
     }
 
-    Writer<Sink>* writer_;
+    Writer* writer_;
     bool ascii_;
     bool line_begins_ = true;
 };
@@ -106,8 +104,7 @@ class PlyNumbers {
 }  // namespace detail
 
 // Writes the mesh to the sink (see sink.hpp). A mesh that cannot be written gives a Status and no byte.
-template <class Sink>
-Status write_ply(const MeshView& source, Sink&& sink, const PlyOptions& options = {}) {
+inline Status write_ply(const MeshView& source, Sink sink, const PlyOptions& options = {}) {
     if (const Status status = detail::check_for_ply(source, options); !status) return status;
     const detail::StraightMesh straight(source, !options.float_colors);
     const MeshView& mesh = straight.view();

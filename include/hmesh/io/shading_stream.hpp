@@ -18,8 +18,10 @@
 #include <vector>
 
 #include "hmesh/core/finite.hpp"
+#include "hmesh/core/function_ref.hpp"
 #include "hmesh/core/status.hpp"
 #include "hmesh/io/color_shares.hpp"
+#include "hmesh/io/sink.hpp"
 #include "hmesh/io/strips.hpp"
 #include "hmesh/mesh/mesh_view.hpp"
 
@@ -27,7 +29,7 @@ namespace hmesh {
 
 // A compressor that the user has: puts the zlib stream (RFC 1950) of the bytes, such as zlib's compress2() makes, into the
 // empty `out`. False, or nothing in `out`: it failed.
-using Deflate = bool (*)(void* user, const unsigned char* bytes, std::size_t size, std::vector<unsigned char>& out);
+using Deflate = FunctionRef<bool(const unsigned char* bytes, std::size_t size, std::vector<unsigned char>& out)>;
 
 namespace detail {
 
@@ -81,8 +83,7 @@ struct ShadingLayout {
 }
 
 // The entries of the shading's dictionary that describe the data, in the syntax of PDF and PostScript.
-template <class Writer>
-void write_shading_entries(Writer& writer, const ShadingLayout& layout, int components) {
+inline void write_shading_entries(Writer& writer, const ShadingLayout& layout, int components) {
     writer.text(components == 1 ? "/ShadingType 4 /ColorSpace /DeviceGray" : "/ShadingType 4 /ColorSpace /DeviceRGB");
     writer.text("\n/BitsPerCoordinate ");
     writer.decimal(8 * layout.coordinate_bytes);
@@ -99,9 +100,9 @@ void write_shading_entries(Writer& writer, const ShadingLayout& layout, int comp
 }
 
 // The stream's bytes. `share(v, k)` is component k of vertex v as a share of full intensity; it is held to [0, 1].
-template <class Share>
-[[nodiscard]] std::vector<unsigned char> shading_bytes(const MeshView& mesh, const std::vector<StripVertex>& vertices,
-                                                       const ShadingLayout& layout, int components, const Share& share) {
+[[nodiscard]] inline std::vector<unsigned char> shading_bytes(const MeshView& mesh, const std::vector<StripVertex>& vertices,
+                                                              const ShadingLayout& layout, int components,
+                                                              FunctionRef<double(std::size_t v, int k)> share) {
     std::vector<unsigned char> out(vertices.size() * layout.vertex_bytes(components));
     unsigned char* to = out.data();
     const auto put = [&to](double number, int bytes) {
@@ -114,17 +115,16 @@ template <class Share>
         *to++ = s.flag;
         put((static_cast<double>(mesh.positions[2 * v]) - static_cast<double>(layout.left)) * 256, layout.coordinate_bytes);
         put((up(mesh, v) - static_cast<double>(layout.low)) * 256, layout.coordinate_bytes);
-        for (int k = 0; k < components; ++k)
-            put(std::max(0.0, std::min(1.0, static_cast<double>(share(v, k)))) * full, layout.component_bytes);
+        for (int k = 0; k < components; ++k) put(std::max(0.0, std::min(1.0, share(v, k))) * full, layout.component_bytes);
     }
     return out;
 }
 
 // Replaces the bytes by their zlib stream, where there is a compressor.
-[[nodiscard]] inline Status compress(Deflate deflate, void* user, std::vector<unsigned char>& bytes) {
-    if (deflate == nullptr) return {};
+[[nodiscard]] inline Status compress(Deflate deflate, std::vector<unsigned char>& bytes) {
+    if (!deflate) return {};
     std::vector<unsigned char> out;
-    if (!deflate(user, bytes.data(), bytes.size(), out) || out.empty())
+    if (!deflate(bytes.data(), bytes.size(), out) || out.empty())
         return {Errc::write_failed, "the compressor failed, before the first byte was written", 0, 0};
     bytes.swap(out);
     return {};

@@ -1,11 +1,6 @@
 // hmesh - sinks: where exporters put their bytes, and the small buffered writer that they all use.
 //
-// A sink is any callable
-//
-//     bool sink(const void* bytes, std::size_t size)      // size > 0; false: the bytes were refused, ask no more
-//
-// a lambda around fwrite, std::vector or a socket. hmesh itself opens no file. What the writer puts depends neither on
-// the byte order of the machine nor on its locale.
+// hmesh itself opens no file. What the writer puts depends neither on the byte order of the machine nor on its locale.
 #ifndef HMESH_IO_SINK_HPP
 #define HMESH_IO_SINK_HPP
 
@@ -16,17 +11,23 @@
 #include <cstdint>
 #include <cstring>
 #include <limits>
-#include <type_traits>
 
+#include "hmesh/core/function_ref.hpp"
 #include "hmesh/core/status.hpp"
 
-namespace hmesh::detail {
+namespace hmesh {
+
+// Takes the bytes of a file, piece after piece: a lambda around fwrite, std::vector or a socket. `size` is above 0, the bytes
+// are the sink's until it returns; false says that they were refused, and no more are offered. The exporter refers to the
+// callable until it returns. One that returns another type than bool, such as fwrite's count, does not compile.
+using Sink = FunctionRef<bool(const void* bytes, std::size_t size)>;
+
+namespace detail {
 
 // Collects bytes and hands them to the sink 4 KiB at a time. After the sink's first refusal everything is dropped.
-template <class Sink>
 class Writer {
   public:
-    explicit Writer(Sink& sink) noexcept : sink_(&sink) {}
+    explicit Writer(Sink sink) noexcept : sink_(sink) {}
 
     void bytes(const void* from, std::size_t size) {
         const auto* at = static_cast<const unsigned char*>(from);
@@ -97,6 +98,9 @@ class Writer {
         decimal(exponent);
     }
 
+    // How many bytes were put so far, taken or not: where the next one stands in the file.
+    [[nodiscard]] std::int64_t position() const noexcept { return flushed_ + static_cast<std::int64_t>(used_); }
+
     // Hands over what is left, and says whether the sink took everything; `got` is the number of bytes that it took.
     Status finish() {
         flush();
@@ -112,23 +116,22 @@ class Writer {
         bytes(out.data(), Size);
     }
     void flush() {
-        if (used_ > 0 && !refused_) {
-            if ((*sink_)(static_cast<const void*>(buffer_.data()), used_)) accepted_ += static_cast<std::int64_t>(used_);
-            else refused_ = true;
-        }
+        if (used_ == 0) return;
+        const auto size = static_cast<std::int64_t>(used_);
+        refused_ = refused_ || !sink_(buffer_.data(), used_);
+        if (!refused_) accepted_ += size;
+        flushed_ += size;
         used_ = 0;
     }
 
-    static_assert(std::is_same_v<bool, std::invoke_result_t<Sink&, const void*, std::size_t>>,
-                  "a sink returns a bool, whether it took all bytes: fwrite(...) == size, not the count");
-
-    Sink* sink_;
-    std::int64_t accepted_ = 0;
+    Sink sink_;
+    std::int64_t flushed_ = 0, accepted_ = 0;
     std::size_t used_ = 0;
     bool refused_ = false;
     std::array<unsigned char, 4096> buffer_;
 };
 
-}  // namespace hmesh::detail
+}  // namespace detail
+}  // namespace hmesh
 
 #endif  // HMESH_IO_SINK_HPP

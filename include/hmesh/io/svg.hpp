@@ -23,7 +23,6 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
-#include <type_traits>
 #include <vector>
 
 #include "hmesh/core/status.hpp"
@@ -55,10 +54,9 @@ namespace detail {
 // Which channel a layer of faces shows, and how.
 enum class SvgLayer : std::uint8_t { red, green, blue, grey, alpha };
 
-template <class Sink>
 class SvgPage {
   public:
-    SvgPage(const MeshView& mesh, const SvgOptions& options, Sink& sink) : mesh_(mesh), options_(options), writer_(sink) {}
+    SvgPage(const MeshView& mesh, const SvgOptions& options, Sink sink) : mesh_(mesh), options_(options), writer_(sink) {}
 
     Status write() {
         begin();
@@ -252,17 +250,16 @@ class SvgPage {
 
     const MeshView& mesh_;
     const SvgOptions& options_;
-    SvgWriter<Sink> writer_;
+    SvgWriter writer_;
     std::size_t next_id_ = 0;
 };
 
 }  // namespace detail
 
 // Writes the mesh to the sink (see sink.hpp). A mesh that cannot be written gives a Status and no byte.
-template <class Sink>
-Status write_svg(const MeshView& mesh, Sink&& sink, const SvgOptions& options = {}) {
+inline Status write_svg(const MeshView& mesh, Sink sink, const SvgOptions& options = {}) {
     if (const Status status = detail::check_for_svg(mesh, options); !status) return status;
-    return detail::SvgPage<std::remove_reference_t<Sink>>(mesh, options, sink).write();
+    return detail::SvgPage(mesh, options, sink).write();
 }
 
 }  // namespace hmesh

@@ -10,39 +10,38 @@
 
 namespace hmesh::detail {
 
-template <class Sink>
-class SvgWriter : public Writer<Sink> {
+class SvgWriter : public Writer {
   public:
-    using Writer<Sink>::Writer;
+    using Writer::Writer;
 
     void size(int width, int height) {
-        this->text("width=\"");
-        this->decimal(width);
-        this->text("\" height=\"");
-        this->decimal(height);
-        this->text("\"");
+        text("width=\"");
+        decimal(width);
+        text("\" height=\"");
+        decimal(height);
+        text("\"");
     }
     // Three decimals are enough to tell the units of 1/256 px of which meshes are made, and many viewers' pictures too.
     void point(double x, double y) {
-        this->fixed(x, 3);
-        this->text(" ");
-        this->fixed(y, 3);
+        fixed(x, 3);
+        text(" ");
+        fixed(y, 3);
     }
     void ends(const GradientLine& line) {
         const std::array<double, 4> values = {line.from.x, line.from.y, line.to.x, line.to.y};
         static constexpr std::array<const char*, 4> names = {"x1=\"", "\" y1=\"", "\" x2=\"", "\" y2=\""};
         for (std::size_t i = 0; i < 4; ++i) {
-            this->text(names[i]);
-            this->fixed(values[i], line.places);
+            text(names[i]);
+            fixed(values[i], line.places);
         }
-        this->text("\"");
+        text("\"");
     }
     void stop(double offset, const Color4& color) {
-        this->text("<stop offset=\"");
-        this->fixed(offset, 4);
-        this->text("\" stop-color=\"");
+        text("<stop offset=\"");
+        fixed(offset, 4);
+        text("\" stop-color=\"");
         hex(color);
-        this->text("\"/>");
+        text("\"/>");
     }
     void hex(const Color4& color) {
         std::array<char, 8> out{'#'};
@@ -51,7 +50,7 @@ class SvgWriter : public Writer<Sink> {
             out[1 + 2 * k] = "0123456789abcdef"[byte >> 4U];
             out[2 + 2 * k] = "0123456789abcdef"[byte & 15U];
         }
-        this->text(out.data());
+        text(out.data());
     }
     // Letters alone: the ids of other things have an underscore.
     void id(std::size_t number) {
@@ -61,7 +60,7 @@ class SvgWriter : public Writer<Sink> {
             letters[--at] = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ"[number % 52];
             number /= 52;
         } while (number != 0);
-        this->text(letters.data() + at);
+        text(letters.data() + at);
     }
 };
 
