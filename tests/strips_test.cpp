@@ -1,4 +1,4 @@
-#include "hmesh/io/strips.hpp"
+#include "hmesh/io/detail/strips.hpp"
 
 #include <doctest/doctest.h>
 

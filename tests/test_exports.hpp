@@ -118,7 +118,6 @@ inline void check_bad_meshes_are_refused(Write write) {
         mesh.height = size;
         check_refused(mesh.view(), hmesh::Errc::invalid_argument, write);
     }
-    check_refused(two_faces<2>().view(), hmesh::Errc::invalid_argument, write);
     check_refused(two_faces<5>().view(), hmesh::Errc::invalid_argument, write);
 }
 

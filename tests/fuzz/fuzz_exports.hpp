@@ -29,6 +29,9 @@ struct FuzzMesh {
     bool is_good = false;  // every exporter writes it
 };
 
+// How many channels files have of a mesh: grey with alpha is written as red, green, blue and alpha.
+[[nodiscard]] inline int channels_written(const hmesh::MeshView& mesh) { return mesh.channels == 2 ? 4 : mesh.channels; }
+
 // Fills the arrays of a mesh that has its size, its channels and its peak.
 class FuzzMeshDraw {
   public:
@@ -36,7 +39,7 @@ class FuzzMeshDraw {
 
     [[nodiscard]] FuzzMesh mesh() {
         const bool is_any = input_->one_in(3);
-        mesh_.view.channels = input_->one_of<int>({3, 4, 1});
+        mesh_.view.channels = input_->one_of<int>({3, 4, 1, 2});
         mesh_.view.premultiplied = input_->one_in(3);
         mesh_.view.peak = input_->one_of<double>({255, 1, 65535, 1000});
         mesh_.view.width = input_->within(1, 300);

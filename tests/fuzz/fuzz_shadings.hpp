@@ -9,7 +9,7 @@
 #include "fuzz_exports.hpp"
 #include "fuzz_input.hpp"
 #include "fuzz_text.hpp"
-#include "hmesh/io/shading_stream.hpp"
+#include "hmesh/io/detail/gouraud_stream.hpp"
 
 namespace hmesh_test {
 

@@ -16,9 +16,10 @@
 
 #include "hmesh/core/status.hpp"
 #include "hmesh/core/version.hpp"
-#include "hmesh/io/shading_stream.hpp"
+#include "hmesh/io/detail/export_mesh.hpp"
+#include "hmesh/io/detail/gouraud_stream.hpp"
+#include "hmesh/io/detail/strips.hpp"
 #include "hmesh/io/sink.hpp"
-#include "hmesh/io/strips.hpp"
 #include "hmesh/mesh/mesh_view.hpp"
 
 namespace hmesh {
@@ -62,11 +63,13 @@ inline void write_ascii85(Writer& writer, const std::vector<unsigned char>& byte
 }  // namespace detail
 
 // Writes the mesh to the sink (see sink.hpp). Colours are held to [0, peak]. Faces are drawn in another order than the
-// mesh's when in strips, which shows only where they overlap. A mesh of 2 or more than 4 channels, an empty one and others
+// mesh's when in strips, which shows only where they overlap. A mesh of more than 4 channels, an empty one and others
 // that cannot be written give a Status and no byte, and so does a compressor that fails.
-inline Status write_eps(const MeshView& mesh, Sink sink, const EpsOptions& options = {}) {
+inline Status write_eps(const MeshView& source, Sink sink, const EpsOptions& options = {}) {
     detail::ShadingLayout layout;
-    if (const Status status = detail::plan_shading(mesh, layout); !status) return status;
+    if (const Status status = detail::plan_shading(source, layout); !status) return status;
+    const detail::ExportMesh exported(source, detail::Premultiplied::kept);
+    const MeshView& mesh = exported.view();
     const auto channels = static_cast<std::size_t>(mesh.channels);
     const int components = mesh.channels == 1 ? 1 : 3;
 

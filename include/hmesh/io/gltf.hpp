@@ -26,9 +26,8 @@
 #include "hmesh/core/srgb.hpp"
 #include "hmesh/core/status.hpp"
 #include "hmesh/core/version.hpp"
-#include "hmesh/io/color_shares.hpp"
+#include "hmesh/io/detail/export_mesh.hpp"
 #include "hmesh/io/sink.hpp"
-#include "hmesh/io/straight_colors.hpp"
 #include "hmesh/mesh/mesh_view.hpp"
 
 namespace hmesh {
@@ -52,6 +51,7 @@ namespace detail {
 // How the positions are stored, and where everything lies.
 struct GlbLayout {
     bool quantized = false, wide_indices = false;
+    bool blends = false;                                // there is alpha
     double origin_x = 0, origin_y = 0, step = 1;        // px, y up: position = origin + step * stored number
     double min_x = 0, min_y = 0, max_x = 0, max_y = 0;  // of the numbers stored
     double unit = 1;                                    // units a px
@@ -74,10 +74,6 @@ struct GlbLayout {
         return std::min(65535.0, std::floor((value - origin) / step + 0.5));
     }
 };
-
-[[nodiscard]] inline double y_up(const MeshView& mesh, std::size_t vertex) noexcept {
-    return mesh.height - static_cast<double>(mesh.positions[2 * vertex + 1]);
-}
 
 // Origin, step and bounds of the positions.
 inline void lay_out_positions(const MeshView& mesh, GlbLayout& layout) noexcept {
@@ -111,7 +107,7 @@ inline void write_count(Writer& writer, const char* name, std::uint64_t value) {
     writer.decimal(static_cast<std::int64_t>(value));
 }
 
-inline void write_gltf_json(Writer& writer, const GlbLayout& layout, bool has_alpha) {
+inline void write_gltf_json(Writer& writer, const GlbLayout& layout) {
     writer.text("{\"asset\":{\"version\":\"2.0\",\"generator\":\"hmesh " HMESH_VERSION_STRING "\"},");
     writer.text("\"extensionsUsed\":[\"KHR_materials_unlit\"");
     if (layout.quantized) writer.text(",\"KHR_mesh_quantization\"],\"extensionsRequired\":[\"KHR_mesh_quantization\"");
@@ -122,7 +118,7 @@ inline void write_gltf_json(Writer& writer, const GlbLayout& layout, bool has_al
     writer.text("]}],\"meshes\":[{\"primitives\":[{\"attributes\":{\"POSITION\":0,\"COLOR_0\":1},");
     writer.text("\"indices\":2,\"material\":0}]}],");
     writer.text("\"materials\":[{\"pbrMetallicRoughness\":{\"metallicFactor\":0,\"roughnessFactor\":1},");
-    if (has_alpha) writer.text("\"alphaMode\":\"BLEND\",");
+    if (layout.blends) writer.text("\"alphaMode\":\"BLEND\",");
     writer.text("\"extensions\":{\"KHR_materials_unlit\":{}}}],");
 
     // 5123 and 5125 are unsigned short and int, 5126 is float.
@@ -155,11 +151,11 @@ inline void write_gltf_json(Writer& writer, const GlbLayout& layout, bool has_al
 }
 
 [[nodiscard]] inline Status lay_out_glb(const MeshView& mesh, const GltfOptions& options, GlbLayout& layout) noexcept {
-    constexpr std::int64_t most = std::numeric_limits<std::int32_t>::max();  // products with strides stay below 2^63
-    for (const std::size_t count : {mesh.vertex_count, mesh.face_count})
-        if (count > static_cast<std::size_t>(most))
-            return {Errc::invalid_argument, "the mesh has more vertices or faces than a .glb file holds",
-                    static_cast<std::int64_t>(count), most};
+    constexpr std::uint64_t most = std::numeric_limits<std::int32_t>::max();  // products with strides stay below 2^63
+    if (const Status status = check_counts(mesh, most, most, "the mesh has more vertices or faces than a .glb file holds");
+        !status)
+        return status;
+    layout.blends = mesh.channels == 2 || mesh.channels == 4;
     layout.quantized = options.quantized_positions;
     layout.vertices = mesh.vertex_count;
     layout.corners = 3 * static_cast<std::uint64_t>(mesh.face_count);
@@ -177,7 +173,7 @@ inline void write_gltf_json(Writer& writer, const GlbLayout& layout, bool has_al
     lay_out_positions(mesh, layout);
     const auto nowhere = [](const void*, std::size_t) { return true; };
     Writer counter(nowhere);
-    write_gltf_json(counter, layout, mesh.channels == 4);
+    write_gltf_json(counter, layout);
     layout.json_bytes = static_cast<std::uint64_t>(counter.position());
     return check_size(layout);
 }
@@ -207,9 +203,7 @@ inline void write_glb_colors(Writer& writer, const MeshView& mesh, bool are_line
 
 inline void write_glb_indices(Writer& writer, const MeshView& mesh, bool wide) {
     for (std::size_t f = 0; f < mesh.face_count; ++f) {
-        // Clockwise on the screen with y down stays clockwise there with y up: two corners change places.
-        const std::array<std::uint32_t, 3>& face = mesh.faces[f];
-        for (const std::uint32_t v : {face[0], face[2], face[1]}) {
+        for (const std::uint32_t v : turned(mesh.faces[f])) {
             if (wide) writer.u32(v);
             else writer.u16(static_cast<std::uint16_t>(v));
         }
@@ -226,15 +220,15 @@ inline void pad(Writer& writer, std::uint64_t size, char with) {
 inline Status write_glb(const MeshView& source, Sink sink, const GltfOptions& options = {}) {
     detail::GlbLayout layout;
     if (const Status status = detail::lay_out_glb(source, options, layout); !status) return status;
-    const detail::StraightMesh straight(source);
-    const MeshView& mesh = straight.view();
+    const detail::ExportMesh exported(source, detail::Premultiplied::divided);
+    const MeshView& mesh = exported.view();
     detail::Writer writer(sink);
     writer.text("glTF");
     writer.u32(2);
     writer.u32(static_cast<std::uint32_t>(layout.file_bytes()));
     writer.u32(static_cast<std::uint32_t>(detail::GlbLayout::padded(layout.json_bytes)));
     writer.text("JSON");
-    detail::write_gltf_json(writer, layout, mesh.channels == 4);
+    detail::write_gltf_json(writer, layout);
     detail::pad(writer, layout.json_bytes, ' ');
     writer.u32(static_cast<std::uint32_t>(detail::GlbLayout::padded(layout.binary_bytes())));
     writer.bytes("BIN", 4);  // with its zero

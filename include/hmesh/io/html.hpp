@@ -16,10 +16,11 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 
 #include "hmesh/core/status.hpp"
-#include "hmesh/io/base64.hpp"
-#include "hmesh/io/color_shares.hpp"
+#include "hmesh/io/detail/base64.hpp"
+#include "hmesh/io/detail/export_mesh.hpp"
 #include "hmesh/io/html_drawing.hpp"
 #include "hmesh/io/html_handling.hpp"
 #include "hmesh/io/html_page.hpp"
@@ -52,11 +53,9 @@ namespace detail {
 }
 
 [[nodiscard]] inline Status check_for_html(const MeshView& mesh, const HtmlOptions& options) noexcept {
-    constexpr std::int64_t most = 0xffffffff;
-    for (const std::size_t count : {mesh.vertex_count, mesh.face_count})
-        if (count > static_cast<std::size_t>(most))
-            return {Errc::invalid_argument, "the mesh has more vertices or faces than a page numbers",
-                    static_cast<std::int64_t>(count), most};
+    constexpr std::uint64_t most = std::numeric_limits<std::uint32_t>::max();
+    if (const Status status = check_counts(mesh, most, most, "the mesh has more vertices or faces than a page numbers"); !status)
+        return status;
     if (options.title == nullptr || options.figures == nullptr)
         return {Errc::invalid_argument, "the title and the figures must be texts", 0, 0};
     if (options.original != nullptr && !is_media_type(options.original_type))
@@ -93,8 +92,10 @@ inline void write_mesh_base64(Writer& writer, const MeshView& mesh) {
 }  // namespace detail
 
 // Writes the page to the sink (see sink.hpp). A mesh or options that cannot be written give a Status and no byte.
-inline Status write_html(const MeshView& mesh, Sink sink, const HtmlOptions& options = {}) {
-    if (const Status status = detail::check_for_html(mesh, options); !status) return status;
+inline Status write_html(const MeshView& source, Sink sink, const HtmlOptions& options = {}) {
+    if (const Status status = detail::check_for_html(source, options); !status) return status;
+    const detail::ExportMesh exported(source, detail::Premultiplied::kept);
+    const MeshView& mesh = exported.view();
     detail::Writer writer(sink);
     writer.text(detail::html_head);
     detail::write_escaped(writer, options.title);

@@ -14,9 +14,8 @@
 
 #include "hmesh/core/status.hpp"
 #include "hmesh/core/version.hpp"
-#include "hmesh/io/color_shares.hpp"
+#include "hmesh/io/detail/export_mesh.hpp"
 #include "hmesh/io/sink.hpp"
-#include "hmesh/io/straight_colors.hpp"
 #include "hmesh/mesh/mesh_view.hpp"
 
 namespace hmesh {
@@ -24,15 +23,15 @@ namespace hmesh {
 // Writes the mesh to the sink (see sink.hpp). A mesh that cannot be written gives a Status and no byte.
 inline Status write_obj(const MeshView& source, Sink sink) {
     if (const Status status = detail::check_for_export(source); !status) return status;
-    const detail::StraightMesh straight(source);
-    const MeshView& mesh = straight.view();
+    const detail::ExportMesh exported(source, detail::Premultiplied::divided);
+    const MeshView& mesh = exported.view();
     detail::Writer writer(sink);
     writer.text("# made by hmesh " HMESH_VERSION_STRING "\n");
     for (std::size_t v = 0; v < mesh.vertex_count; ++v) {
         writer.text("v ");
         writer.real(static_cast<double>(mesh.positions[2 * v]));
         writer.text(" ");
-        writer.real(mesh.height - static_cast<double>(mesh.positions[2 * v + 1]));
+        writer.real(detail::y_up(mesh, v));
         writer.text(" 0");
         const std::array<double, 4> rgba = detail::rgba_shares(mesh, v);
         for (std::size_t k = 0; k < 3; ++k) {
@@ -42,12 +41,10 @@ inline Status write_obj(const MeshView& source, Sink sink) {
         writer.text("\n");
     }
     for (std::size_t f = 0; f < mesh.face_count; ++f) {
-        // Two corners change places, since y does; vertices count from 1.
-        const std::array<std::uint32_t, 3>& face = mesh.faces[f];
         writer.text("f");
-        for (const std::uint32_t v : {face[0], face[2], face[1]}) {
+        for (const std::uint32_t v : detail::turned(mesh.faces[f])) {
             writer.text(" ");
-            writer.decimal(static_cast<std::int64_t>(v) + 1);
+            writer.decimal(static_cast<std::int64_t>(v) + 1);  // vertices count from 1
         }
         writer.text("\n");
     }

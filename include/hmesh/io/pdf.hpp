@@ -19,10 +19,10 @@
 #include "hmesh/core/assert.hpp"
 #include "hmesh/core/status.hpp"
 #include "hmesh/core/version.hpp"
-#include "hmesh/io/shading_stream.hpp"
+#include "hmesh/io/detail/export_mesh.hpp"
+#include "hmesh/io/detail/gouraud_stream.hpp"
+#include "hmesh/io/detail/strips.hpp"
 #include "hmesh/io/sink.hpp"
-#include "hmesh/io/straight_colors.hpp"
-#include "hmesh/io/strips.hpp"
 #include "hmesh/mesh/mesh_view.hpp"
 
 namespace hmesh {
@@ -93,16 +93,16 @@ class PdfFile {
 }  // namespace detail
 
 // Writes the mesh to the sink (see sink.hpp). Colours are held to [0, peak]. Faces are drawn in another order than the
-// mesh's when in strips, which shows only where they overlap. A mesh of 2 or more than 4 channels, an empty one and others
+// mesh's when in strips, which shows only where they overlap. A mesh of more than 4 channels, an empty one and others
 // that cannot be written give a Status and no byte, and so does a compressor that fails.
 inline Status write_pdf(const MeshView& source, Sink sink, const PdfOptions& options = {}) {
     detail::ShadingLayout layout;
     if (const Status status = detail::plan_shading(source, layout); !status) return status;
-    const detail::StraightMesh straight(source);
-    const MeshView& mesh = straight.view();
+    const detail::ExportMesh exported(source, detail::Premultiplied::divided);
+    const MeshView& mesh = exported.view();
     const auto channels = static_cast<std::size_t>(mesh.channels);
     const int components = mesh.channels == 1 ? 1 : 3;
-    const bool has_alpha = mesh.channels == 4;
+    const bool is_masked = mesh.channels == 4;
 
     const auto share = [&](std::size_t v, std::size_t k) {
         return static_cast<double>(mesh.colors[channels * v + k]) / mesh.peak;
@@ -112,7 +112,7 @@ inline Status write_pdf(const MeshView& source, Sink sink, const PdfOptions& opt
         mesh, vertices, layout, components, [&](std::size_t v, int k) { return share(v, static_cast<std::size_t>(k)); });
     if (const Status status = detail::compress(options.deflate, colors); !status) return status;
     std::vector<unsigned char> alpha;
-    if (has_alpha) {
+    if (is_masked) {
         alpha = detail::shading_bytes(mesh, vertices, layout, 1, [&](std::size_t v, int) { return share(v, 3); });
         if (const Status status = detail::compress(options.deflate, alpha); !status) return status;
     }
@@ -156,14 +156,14 @@ inline Status write_pdf(const MeshView& source, Sink sink, const PdfOptions& opt
     page.text("/Type /Page /Parent 3 0 R ");
     box(page, "/MediaBox");
     page.text(" /Contents 5 0 R\n/Resources << ");
-    page.text(has_alpha ? "/XObject << /X0 7 0 R >> /ExtGState << /G0 8 0 R >> >>\n"
+    page.text(is_masked ? "/XObject << /X0 7 0 R >> /ExtGState << /G0 8 0 R >> >>\n"
                           "/Group << /S /Transparency /CS /DeviceRGB >>"
                         : "/Shading << /S0 6 0 R >> >>");
     file.end_object();
     file.begin_object();  // 5
-    end_text_stream(has_alpha ? "/G0 gs /X0 Do" : "/S0 sh");
+    end_text_stream(is_masked ? "/G0 gs /X0 Do" : "/S0 sh");
     shading(components, colors);  // 6
-    if (has_alpha) {
+    if (is_masked) {
         // The colours are a group and masked as a whole: poppler draws parts of a face over each other.
         group("RGB", "6");                                                                  // 7
         file.begin_object().text("/Type /ExtGState /SMask << /S /Luminosity /G 9 0 R >>");  // 8

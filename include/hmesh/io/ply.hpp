@@ -15,9 +15,8 @@
 
 #include "hmesh/core/status.hpp"
 #include "hmesh/core/version.hpp"
-#include "hmesh/io/color_shares.hpp"
+#include "hmesh/io/detail/export_mesh.hpp"
 #include "hmesh/io/sink.hpp"
-#include "hmesh/io/straight_colors.hpp"
 #include "hmesh/mesh/mesh_view.hpp"
 
 namespace hmesh {
@@ -33,11 +32,10 @@ struct PlyOptions {
 namespace detail {
 
 [[nodiscard]] inline Status check_for_ply(const MeshView& mesh, const PlyOptions& options) noexcept {
-    constexpr std::int64_t most = std::numeric_limits<std::int32_t>::max();
-    for (const std::size_t count : {mesh.vertex_count, mesh.face_count})
-        if (count > static_cast<std::size_t>(most))
-            return {Errc::invalid_argument, "the mesh has more vertices or faces than a PLY file numbers",
-                    static_cast<std::int64_t>(count), most};
+    constexpr std::uint64_t most = std::numeric_limits<std::int32_t>::max();
+    if (const Status status = check_counts(mesh, most, most, "the mesh has more vertices or faces than a PLY file numbers");
+        !status)
+        return status;
     if (const Status status = check_for_export(mesh); !status) return status;
     const auto channels = static_cast<std::size_t>(mesh.channels);
     constexpr auto largest = static_cast<double>(std::numeric_limits<float>::max());
@@ -106,15 +104,16 @@ class PlyNumbers {
 // Writes the mesh to the sink (see sink.hpp). A mesh that cannot be written gives a Status and no byte.
 inline Status write_ply(const MeshView& source, Sink sink, const PlyOptions& options = {}) {
     if (const Status status = detail::check_for_ply(source, options); !status) return status;
-    const detail::StraightMesh straight(source, !options.float_colors);
-    const MeshView& mesh = straight.view();
+    const auto wanted = options.float_colors ? detail::Premultiplied::divided_only : detail::Premultiplied::divided;
+    const detail::ExportMesh exported(source, wanted);
+    const MeshView& mesh = exported.view();
     detail::Writer writer(sink);
     detail::write_ply_header(writer, mesh, options);
     detail::PlyNumbers numbers(writer, options.ascii);
     const auto channels = static_cast<std::size_t>(mesh.channels);
     for (std::size_t v = 0; v < mesh.vertex_count; ++v) {
         numbers.f32(mesh.positions[2 * v]);
-        numbers.f32(static_cast<float>(mesh.height - static_cast<double>(mesh.positions[2 * v + 1])));
+        numbers.f32(static_cast<float>(detail::y_up(mesh, v)));
         numbers.f32(0);
         for (std::size_t k = 0; k < channels; ++k) {
             const float value = mesh.colors[channels * v + k];
@@ -124,12 +123,8 @@ inline Status write_ply(const MeshView& source, Sink sink, const PlyOptions& opt
         numbers.end_line();
     }
     for (std::size_t f = 0; f < mesh.face_count; ++f) {
-        // Clockwise on the screen with y down stays clockwise there with y up: two corners change places.
-        const std::array<std::uint32_t, 3>& face = mesh.faces[f];
         numbers.u8(3);
-        numbers.u32(face[0]);
-        numbers.u32(face[2]);
-        numbers.u32(face[1]);
+        for (const std::uint32_t v : detail::turned(mesh.faces[f])) numbers.u32(v);
         numbers.end_line();
     }
     return writer.finish();

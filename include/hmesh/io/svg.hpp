@@ -27,9 +27,9 @@
 
 #include "hmesh/core/status.hpp"
 #include "hmesh/core/version.hpp"
-#include "hmesh/io/color_shares.hpp"
-#include "hmesh/io/svg_gradient.hpp"
-#include "hmesh/io/svg_writer.hpp"
+#include "hmesh/io/detail/export_mesh.hpp"
+#include "hmesh/io/detail/svg_gradient.hpp"
+#include "hmesh/io/sink.hpp"
 #include "hmesh/mesh/mesh_view.hpp"
 
 namespace hmesh {
@@ -50,6 +50,61 @@ namespace detail {
         return {Errc::invalid_argument, "the kind of SVG is none of those known", static_cast<std::int64_t>(options.kind), 2};
     return check_for_export(mesh);
 }
+
+// The numbers, colours and names of these files, in as few bytes as they need.
+class SvgWriter : public Writer {
+  public:
+    using Writer::Writer;
+
+    void size(int width, int height) {
+        text("width=\"");
+        decimal(width);
+        text("\" height=\"");
+        decimal(height);
+        text("\"");
+    }
+    // Three decimals are enough to tell the units of 1/256 px of which meshes are made, and many viewers' pictures too.
+    void point(double x, double y) {
+        fixed(x, 3);
+        text(" ");
+        fixed(y, 3);
+    }
+    void ends(const GradientLine& line) {
+        const std::array<double, 4> values = {line.from.x, line.from.y, line.to.x, line.to.y};
+        static constexpr std::array<const char*, 4> names = {"x1=\"", "\" y1=\"", "\" x2=\"", "\" y2=\""};
+        for (std::size_t i = 0; i < 4; ++i) {
+            text(names[i]);
+            fixed(values[i], line.places);
+        }
+        text("\"");
+    }
+    void stop(double offset, const Color4& color) {
+        text("<stop offset=\"");
+        fixed(offset, 4);
+        text("\" stop-color=\"");
+        hex(color);
+        text("\"/>");
+    }
+    void hex(const Color4& color) {
+        std::array<char, 8> out{'#'};
+        for (std::size_t k = 0; k < 3; ++k) {
+            const auto byte = static_cast<std::size_t>(color[k] + 0.5);
+            out[1 + 2 * k] = "0123456789abcdef"[byte >> 4U];
+            out[2 + 2 * k] = "0123456789abcdef"[byte & 15U];
+        }
+        text(out.data());
+    }
+    // Letters alone: the ids of other things have an underscore.
+    void id(std::size_t number) {
+        std::array<char, 14> letters{};  // 52^12 > 2^64
+        std::size_t at = letters.size() - 1;
+        do {
+            letters[--at] = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ"[number % 52];
+            number /= 52;
+        } while (number != 0);
+        text(letters.data() + at);
+    }
+};
 
 // Which channel a layer of faces shows, and how.
 enum class SvgLayer : std::uint8_t { red, green, blue, grey, alpha };
@@ -259,7 +314,8 @@ class SvgPage {
 // Writes the mesh to the sink (see sink.hpp). A mesh that cannot be written gives a Status and no byte.
 inline Status write_svg(const MeshView& mesh, Sink sink, const SvgOptions& options = {}) {
     if (const Status status = detail::check_for_svg(mesh, options); !status) return status;
-    return detail::SvgPage(mesh, options, sink).write();
+    const detail::ExportMesh exported(mesh, detail::Premultiplied::kept);
+    return detail::SvgPage(exported.view(), options, sink).write();
 }
 
 }  // namespace hmesh

@@ -1,6 +1,6 @@
 // hmesh - Base64Writer: bytes and little-endian numbers as base64 text (RFC 4648, with padding), for files that embed data.
-#ifndef HMESH_IO_BASE64_HPP
-#define HMESH_IO_BASE64_HPP
+#ifndef HMESH_IO_DETAIL_BASE64_HPP
+#define HMESH_IO_DETAIL_BASE64_HPP
 
 #include <array>
 #include <cstddef>
@@ -59,4 +59,4 @@ class Base64Writer {
 
 }  // namespace hmesh::detail
 
-#endif  // HMESH_IO_BASE64_HPP
+#endif  // HMESH_IO_DETAIL_BASE64_HPP

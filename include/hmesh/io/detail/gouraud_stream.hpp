@@ -7,8 +7,8 @@
 // (2^bits - 1) / 256, so that every position of the grid arrives exactly; in 24 bits up to 65535 px, in 16 below 256 px and
 // in 32 beyond. 16 bits for all would save a tenth of the deflated size, but move the vertices of a 512 px image by up to
 // 1/128 px, which turns over thin faces. Components have 8 bits where the mesh's peak is 255, else 16.
-#ifndef HMESH_IO_SHADING_STREAM_HPP
-#define HMESH_IO_SHADING_STREAM_HPP
+#ifndef HMESH_IO_DETAIL_GOURAUD_STREAM_HPP
+#define HMESH_IO_DETAIL_GOURAUD_STREAM_HPP
 
 #include <algorithm>
 #include <cmath>
@@ -20,9 +20,9 @@
 #include "hmesh/core/finite.hpp"
 #include "hmesh/core/function_ref.hpp"
 #include "hmesh/core/status.hpp"
-#include "hmesh/io/color_shares.hpp"
+#include "hmesh/io/detail/export_mesh.hpp"
+#include "hmesh/io/detail/strips.hpp"
 #include "hmesh/io/sink.hpp"
-#include "hmesh/io/strips.hpp"
 #include "hmesh/mesh/mesh_view.hpp"
 
 namespace hmesh {
@@ -46,18 +46,12 @@ struct ShadingLayout {
     }
 };
 
-[[nodiscard]] inline double up(const MeshView& mesh, std::size_t v) noexcept {
-    return mesh.height - static_cast<double>(mesh.positions[2 * v + 1]);
-}
-
 // Whether the mesh can be written as a shading, and how.
 [[nodiscard]] inline Status plan_shading(const MeshView& mesh, ShadingLayout& layout) noexcept {
     // The longest stream, 3 vertices a face of 1 + 8 + 6 bytes, keeps its length below 2^31 (ISO 32000-1, annex C).
-    constexpr std::size_t most = ((std::size_t{1} << 31U) - 1) / 45;
-    if (mesh.face_count > most)
-        return {Errc::invalid_argument, "the mesh has more faces than a shading holds",
-                static_cast<std::int64_t>(std::min<std::uint64_t>(mesh.face_count, std::numeric_limits<std::int64_t>::max())),
-                static_cast<std::int64_t>(most)};
+    constexpr std::uint64_t most = ((std::uint64_t{1} << 31U) - 1) / 45, any = std::numeric_limits<std::uint64_t>::max();
+    if (const Status status = check_counts(mesh, any, most, "the mesh has more faces than a shading holds"); !status)
+        return status;
     constexpr int farthest = 4194304;  // px: numbers of 32 bits count 1/256 px up to 2^24 px
     for (const int side : {mesh.width, mesh.height})
         if (side > farthest)
@@ -66,7 +60,7 @@ struct ShadingLayout {
 
     double left = 0, low = 0, right = mesh.width, high = mesh.height;
     for (std::size_t v = 0; v < mesh.vertex_count; ++v) {
-        const double x = static_cast<double>(mesh.positions[2 * v]), y = up(mesh, v);
+        const double x = static_cast<double>(mesh.positions[2 * v]), y = y_up(mesh, v);
         if (!is_within(x, -farthest, farthest) || !is_within(y, -farthest, farthest))
             return {Errc::invalid_argument, "the mesh has a position far outside its image, at vertex",
                     static_cast<std::int64_t>(v), 0};
@@ -114,7 +108,7 @@ inline void write_shading_entries(Writer& writer, const ShadingLayout& layout, i
         const std::size_t v = s.vertex;
         *to++ = s.flag;
         put((static_cast<double>(mesh.positions[2 * v]) - static_cast<double>(layout.left)) * 256, layout.coordinate_bytes);
-        put((up(mesh, v) - static_cast<double>(layout.low)) * 256, layout.coordinate_bytes);
+        put((y_up(mesh, v) - static_cast<double>(layout.low)) * 256, layout.coordinate_bytes);
         for (int k = 0; k < components; ++k) put(std::max(0.0, std::min(1.0, share(v, k))) * full, layout.component_bytes);
     }
     return out;
@@ -133,4 +127,4 @@ inline void write_shading_entries(Writer& writer, const ShadingLayout& layout, i
 }  // namespace detail
 }  // namespace hmesh
 
-#endif  // HMESH_IO_SHADING_STREAM_HPP
+#endif  // HMESH_IO_DETAIL_GOURAUD_STREAM_HPP

@@ -10,8 +10,8 @@
 // colours. And over the choice of b it is least opposite to the longest side there, where the foot always is between a and
 // c. The stops are means of corner colours, so none leaves the range of colours. Where |d| is a few steps of 8 bits, two stops
 // save a tenth of the file.
-#ifndef HMESH_IO_SVG_GRADIENT_HPP
-#define HMESH_IO_SVG_GRADIENT_HPP
+#ifndef HMESH_IO_DETAIL_SVG_GRADIENT_HPP
+#define HMESH_IO_DETAIL_SVG_GRADIENT_HPP
 
 #include <algorithm>
 #include <array>
@@ -166,4 +166,4 @@ struct FaceGradient {
 
 }  // namespace hmesh::detail
 
-#endif  // HMESH_IO_SVG_GRADIENT_HPP
+#endif  // HMESH_IO_DETAIL_SVG_GRADIENT_HPP

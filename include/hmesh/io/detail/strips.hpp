@@ -6,8 +6,8 @@
 // can be written. The walk goes to the neighbour that has the fewest ways on left (Akeley's rule, as in SGI's tomesh).
 // Meshes of images get strips of 30 to 40 faces on average, 1.06 vertices a face. Cost: about 0.1 us and 60 bytes a face,
 // O(n log n) at worst.
-#ifndef HMESH_IO_STRIPS_HPP
-#define HMESH_IO_STRIPS_HPP
+#ifndef HMESH_IO_DETAIL_STRIPS_HPP
+#define HMESH_IO_DETAIL_STRIPS_HPP
 
 #include <algorithm>
 #include <array>
@@ -168,4 +168,4 @@ class StripWalk {
 
 }  // namespace hmesh::detail
 
-#endif  // HMESH_IO_STRIPS_HPP
+#endif  // HMESH_IO_DETAIL_STRIPS_HPP
