@@ -50,12 +50,12 @@ namespace detail {
     return hmesh::write_glb(mesh, file);
 }
 [[nodiscard]] inline hmesh::Status write_pdf_file(const hmesh::MeshView& mesh, const FormatOptions&, OutputFile& file) {
-    hmesh::PdfOptions options;
+    hmesh::PageOptions options;
     options.deflate = deflate;
     return hmesh::write_pdf(mesh, file, options);
 }
 [[nodiscard]] inline hmesh::Status write_eps_file(const hmesh::MeshView& mesh, const FormatOptions&, OutputFile& file) {
-    hmesh::EpsOptions options;
+    hmesh::PageOptions options;
     options.deflate = deflate;
     return hmesh::write_eps(mesh, file, options);
 }

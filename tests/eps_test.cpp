@@ -15,7 +15,7 @@ namespace {
 
 const auto to_sink = [](const hmesh::MeshView& mesh, hmesh::Sink sink) { return hmesh::write_eps(mesh, sink); };
 
-std::string written(const hmesh::MeshView& mesh, const hmesh::EpsOptions& options = {}) {
+std::string written(const hmesh::MeshView& mesh, const hmesh::PageOptions& options = {}) {
     std::string text;
     REQUIRE(hmesh::write_eps(mesh, StringSink{&text}, options));
     return text;
@@ -63,7 +63,7 @@ Picture read_eps(const std::string& file) {
 }
 
 template <int C>
-void check_read_back(const hmesh::Mesh<C>& mesh, double tolerance, const hmesh::EpsOptions& options = {}) {
+void check_read_back(const hmesh::Mesh<C>& mesh, double tolerance, const hmesh::PageOptions& options = {}) {
     const Picture picture = read_eps(written(mesh.view(), options));
     CHECK(numbers_after(picture.entries, "%%BoundingBox:") ==
           std::vector<double>{0, 0, static_cast<double>(mesh.width), static_cast<double>(mesh.height)});
@@ -105,7 +105,7 @@ TEST_CASE("a mesh of two faces is written as these bytes") {
 
 TEST_CASE("the triangles read back are the faces of the mesh, in strips and without") {
     for (const bool strips : {true, false}) {
-        hmesh::EpsOptions options;
+        hmesh::PageOptions options;
         options.strips = strips;
         check_read_back(two_faces<3>(), half_of_8, options);
         check_read_back(two_faces<1>(), half_of_8, options);
@@ -165,7 +165,7 @@ TEST_CASE("4 channels are laid over white") {
 TEST_CASE("a compressor is used for the mesh, and where it fails there is a Status and no byte") {
     const hmesh::Mesh<3> mesh = random_grid<3>(400, 300, 12, 10, 255, 10);
     int calls = 0;
-    hmesh::EpsOptions options;
+    hmesh::PageOptions options;
     const auto count = [&](const unsigned char* bytes, std::size_t size, Bytes& out) {
         ++calls;
         return store(bytes, size, out);

@@ -17,7 +17,7 @@ namespace {
 
 const auto to_sink = [](const hmesh::MeshView& mesh, hmesh::Sink sink) { return hmesh::write_pdf(mesh, sink); };
 
-std::string written(const hmesh::MeshView& mesh, const hmesh::PdfOptions& options = {}) {
+std::string written(const hmesh::MeshView& mesh, const hmesh::PageOptions& options = {}) {
     std::string text;
     REQUIRE(hmesh::write_pdf(mesh, StringSink{&text}, options));
     return text;
@@ -79,7 +79,7 @@ const Object& page_of(const std::vector<Object>& objects) {
 }
 
 template <int C>
-void check_read_back(const hmesh::Mesh<C>& mesh, double tolerance, const hmesh::PdfOptions& options = {}) {
+void check_read_back(const hmesh::Mesh<C>& mesh, double tolerance, const hmesh::PageOptions& options = {}) {
     const std::vector<Object> objects = read_pdf(written(mesh.view(), options));
     const Object& page = page_of(objects);
     CHECK(numbers_after(page.entries, "/MediaBox") ==
@@ -130,7 +130,7 @@ TEST_CASE("a mesh of two faces is written as these bytes") {
 
 TEST_CASE("the triangles read back are the faces of the mesh, in strips and without") {
     for (const bool strips : {true, false}) {
-        hmesh::PdfOptions options;
+        hmesh::PageOptions options;
         options.strips = strips;
         check_read_back(two_faces<3>(), half_of_8, options);
         check_read_back(two_faces<1>(), half_of_8, options);
@@ -194,7 +194,7 @@ TEST_CASE("a compressor is used for the mesh, and where it fails there is a Stat
     const hmesh::Mesh<4> mesh = random_grid<4>(400, 300, 60, 40, 255, 10);  // more than one block of 65535 bytes
     hmesh::Mesh<3> opaque = random_grid<3>(400, 300, 60, 40, 255, 10);
     int calls = 0;
-    hmesh::PdfOptions options;
+    hmesh::PageOptions options;
     options.strips = false;
     const auto count = [&](const unsigned char* bytes, std::size_t size, Bytes& out) {
         ++calls;

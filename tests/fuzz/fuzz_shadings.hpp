@@ -9,7 +9,7 @@
 #include "fuzz_exports.hpp"
 #include "fuzz_input.hpp"
 #include "fuzz_text.hpp"
-#include "hmesh/io/detail/gouraud_stream.hpp"
+#include "hmesh/io/page_options.hpp"
 
 namespace hmesh_test {
 
@@ -33,9 +33,8 @@ struct FakeDeflate {
                         : Deflating::works;
 }
 
-// Options of PDF or EPS, which refer to the compressor, and a mesh, which is not good where the compressor fails.
-template <class Options>
-[[nodiscard]] FuzzMesh draw_shading(FuzzInput& input, Options& options, FakeDeflate& compressor) {
+// Options, which refer to the compressor, and a mesh, which is not good where the compressor fails.
+[[nodiscard]] inline FuzzMesh draw_shading(FuzzInput& input, hmesh::PageOptions& options, FakeDeflate& compressor) {
     options.strips = !input.one_in(3);
     compressor.how = draw_deflating(input);
     if (compressor.how != Deflating::none) options.deflate = compressor;

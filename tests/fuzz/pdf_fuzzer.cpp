@@ -70,7 +70,7 @@ void check_file(const std::string& file, const hmesh::MeshView& mesh) {
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* bytes, std::size_t size) {
     hmesh_test::FuzzInput input(bytes, size);
-    hmesh::PdfOptions options;
+    hmesh::PageOptions options;
     hmesh_test::FakeDeflate compressor;
     const hmesh_test::FuzzMesh mesh = hmesh_test::draw_shading(input, options, compressor);
     hmesh_test::fuzz_exporter(

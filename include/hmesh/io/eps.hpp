@@ -19,16 +19,11 @@
 #include "hmesh/io/detail/export_mesh.hpp"
 #include "hmesh/io/detail/gouraud_stream.hpp"
 #include "hmesh/io/detail/strips.hpp"
+#include "hmesh/io/page_options.hpp"
 #include "hmesh/io/sink.hpp"
 #include "hmesh/mesh/mesh_view.hpp"
 
 namespace hmesh {
-
-// Options of write_eps().
-struct EpsOptions {
-    Deflate deflate;     // compresses the mesh (shading_stream.hpp); none: it is written as it is
-    bool strips = true;  // faces share vertices with the one before; false: each by itself in the mesh's order
-};
 
 namespace detail {
 
@@ -65,7 +60,7 @@ inline void write_ascii85(Writer& writer, const std::vector<unsigned char>& byte
 // Writes the mesh to the sink (see sink.hpp). Colours are held to [0, peak]. Faces are drawn in another order than the
 // mesh's when in strips, which shows only where they overlap. A mesh of more than 4 channels, an empty one and others
 // that cannot be written give a Status and no byte, and so does a compressor that fails.
-inline Status write_eps(const MeshView& source, Sink sink, const EpsOptions& options = {}) {
+inline Status write_eps(const MeshView& source, Sink sink, const PageOptions& options = {}) {
     detail::ShadingLayout layout;
     if (const Status status = detail::plan_shading(source, layout); !status) return status;
     const detail::ExportMesh exported(source, detail::Premultiplied::kept);

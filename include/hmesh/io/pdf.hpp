@@ -22,16 +22,11 @@
 #include "hmesh/io/detail/export_mesh.hpp"
 #include "hmesh/io/detail/gouraud_stream.hpp"
 #include "hmesh/io/detail/strips.hpp"
+#include "hmesh/io/page_options.hpp"
 #include "hmesh/io/sink.hpp"
 #include "hmesh/mesh/mesh_view.hpp"
 
 namespace hmesh {
-
-// Options of write_pdf().
-struct PdfOptions {
-    Deflate deflate;     // compresses the mesh (shading_stream.hpp); none: it is written as it is
-    bool strips = true;  // faces share vertices with the one before; false: each by itself in the mesh's order
-};
 
 namespace detail {
 
@@ -95,7 +90,7 @@ class PdfFile {
 // Writes the mesh to the sink (see sink.hpp). Colours are held to [0, peak]. Faces are drawn in another order than the
 // mesh's when in strips, which shows only where they overlap. A mesh of more than 4 channels, an empty one and others
 // that cannot be written give a Status and no byte, and so does a compressor that fails.
-inline Status write_pdf(const MeshView& source, Sink sink, const PdfOptions& options = {}) {
+inline Status write_pdf(const MeshView& source, Sink sink, const PageOptions& options = {}) {
     detail::ShadingLayout layout;
     if (const Status status = detail::plan_shading(source, layout); !status) return status;
     const detail::ExportMesh exported(source, detail::Premultiplied::divided);

@@ -22,16 +22,11 @@
 #include "hmesh/core/status.hpp"
 #include "hmesh/io/detail/export_mesh.hpp"
 #include "hmesh/io/detail/strips.hpp"
+#include "hmesh/io/page_options.hpp"
 #include "hmesh/io/sink.hpp"
 #include "hmesh/mesh/mesh_view.hpp"
 
-namespace hmesh {
-
-// A compressor that the user has: puts the zlib stream (RFC 1950) of the bytes, such as zlib's compress2() makes, into the
-// empty `out`. False, or nothing in `out`: it failed.
-using Deflate = FunctionRef<bool(const unsigned char* bytes, std::size_t size, std::vector<unsigned char>& out)>;
-
-namespace detail {
+namespace hmesh::detail {
 
 // How a vertex is stored. y is up.
 struct ShadingLayout {
@@ -124,7 +119,6 @@ inline void write_shading_entries(Writer& writer, const ShadingLayout& layout, i
     return {};
 }
 
-}  // namespace detail
-}  // namespace hmesh
+}  // namespace hmesh::detail
 
 #endif  // HMESH_IO_DETAIL_GOURAUD_STREAM_HPP
