@@ -203,9 +203,9 @@ TEST_CASE("EPS lays premultiplied colours over white, HTML is told of them") {
     const auto says = [&](const hmesh::MeshView& mesh, const char* text) {
         return hmesh_test::as_text(exported(mesh, html)).find(text) != std::string::npos;
     };
-    CHECK(says(premultiplied.view(), "premultiplied: true"));
-    CHECK(says(straight.view(), "premultiplied: false"));
+    CHECK(says(premultiplied.view(), "\"premultiplied\":true"));
+    CHECK(says(straight.view(), "\"premultiplied\":false"));
     Mesh<3> colour = hmesh_test::two_faces<3>();
     colour.premultiplied = true;
-    CHECK(says(colour.view(), "premultiplied: false"));
+    CHECK(says(colour.view(), "\"premultiplied\":false"));
 }

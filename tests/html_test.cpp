@@ -70,7 +70,7 @@ Bytes decoded(const std::string& text) {
 template <int C>
 void check_round_trip(const hmesh::Mesh<C>& mesh) {
     const std::string text = written(mesh.view());
-    const Bytes bytes = decoded(between(text, "data: '", "'};"));
+    const Bytes bytes = decoded(between(text, "\"data\":\"", "\"}"));
     const std::size_t n = mesh.vertex_count(), index_size = n <= 65535 ? 2 : 4;
     REQUIRE(bytes.size() == 8 * n + 3 * index_size * mesh.face_count() + C * n);
     std::size_t at = 0, wrong = 0;
@@ -108,10 +108,10 @@ void check_refused(const hmesh::MeshView& mesh, hmesh::Errc code, const HtmlOpti
 TEST_CASE("a mesh of two faces is embedded as these bytes") {
     hmesh::Mesh<3> mesh = two_faces<3>();
     mesh.colors = {0, 128, 255, 1, 2, 3, -5, 300, 99.5F, 99.4F, 0.4F, 254.6F};
-    const std::string script = between(written(mesh.view()), "<script>\n", "\nconst byId");
-    CHECK(script ==
-          "'use strict';\nconst mesh = {width: 3, height: 2, channels: 3, vertices: 4, faces: 2, premultiplied: false, data: '"
-          "AAAAAAAAAAAAAEBAAAAAAAAAQEAAAABAAAAAAAAAAEAAAAEAAgAAAAIAAwAAgP8BAgMA/2RjAP8='};");
+    const std::string data = between(written(mesh.view()), "<script id=\"data\" type=\"application/json\">", "</script>");
+    CHECK(data ==
+          "{\"width\":3,\"height\":2,\"channels\":3,\"vertices\":4,\"faces\":2,\"premultiplied\":false,\"data\":\""
+          "AAAAAAAAAAAAAEBAAAAAAAAAQEAAAABAAAAAAAAAAEAAAAEAAgAAAAIAAwAAgP8BAgMA/2RjAP8=\"}");
 }
 
 TEST_CASE("the base64 text decodes to the mesh, for 1, 3 and 4 channels") {
@@ -140,7 +140,15 @@ TEST_CASE("the page is whole and asks for nothing") {
     CHECK(text.find("default-src 'none'") != std::string::npos);
     CHECK(text.find("<canvas id=\"mesh\"") != std::string::npos);
     CHECK(text.find("<img") == std::string::npos);
+    CHECK(text.find("<link") == std::string::npos);
+    CHECK(text.find("src=") == std::string::npos);
     CHECK(text.size() < 24000);
+}
+
+TEST_CASE("the scripts are one module, and no place is left that something was to be put in") {
+    const std::string text = written(two_faces<3>().view());
+    CHECK(text.find("\n<script type=\"module\">\n") != std::string::npos);
+    for (const char* words : {"\nimport ", "\nexport ", "{{", "}}"}) CHECK(text.find(words) == std::string::npos);
 }
 
 TEST_CASE("title and figures are shown as they are, whatever is in them") {

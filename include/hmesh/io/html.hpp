@@ -2,7 +2,7 @@
 //
 // The page needs no network, no library and no server: it works from a file:// address and asks for nothing (its content
 // security policy forbids it to). It draws what a GPU draws of the mesh, Gouraud in the stored (sRGB) values as fitted, at
-// any zoom, colours with alpha premultiplied or straight as the mesh has them; html_handling.hpp says how it is handled.
+// any zoom, colours with alpha premultiplied or straight as the mesh has them; viewer/viewer.js says how it is handled.
 // Opened with `#native` in the address it shows one pixel of the picture to one of the screen, the picture's corner in the
 // window's, and nothing else.
 //
@@ -21,9 +21,7 @@
 #include "hmesh/core/status.hpp"
 #include "hmesh/io/detail/base64.hpp"
 #include "hmesh/io/detail/export_mesh.hpp"
-#include "hmesh/io/html_drawing.hpp"
-#include "hmesh/io/html_handling.hpp"
-#include "hmesh/io/html_page.hpp"
+#include "hmesh/io/detail/html_page.hpp"
 #include "hmesh/io/sink.hpp"
 #include "hmesh/mesh/mesh_view.hpp"
 
@@ -75,8 +73,8 @@ inline void write_escaped(Writer& writer, const char* text) {
         }
 }
 
-inline void write_mesh_base64(Writer& writer, const MeshView& mesh) {
-    Base64Writer out(writer);
+// The three arrays of the mesh as they are embedded, see above.
+inline void write_mesh_bytes(Writer& out, const MeshView& mesh) {
     for (std::size_t i = 0; i < 2 * mesh.vertex_count; ++i) out.f32(mesh.positions[i]);
     const bool is_short = mesh.vertex_count <= 65535;
     for (std::size_t f = 0; f < mesh.face_count; ++f)
@@ -86,7 +84,39 @@ inline void write_mesh_base64(Writer& writer, const MeshView& mesh) {
         }
     const std::size_t samples = static_cast<std::size_t>(mesh.channels) * mesh.vertex_count;
     for (std::size_t i = 0; i < samples; ++i) out.u8(to_u8(share_of_peak(mesh.colors[i], mesh.peak)));
-    out.finish();
+}
+
+// The mesh as the JSON that viewer/drawing.js reads.
+inline void write_html_mesh(Writer& writer, const MeshView& mesh) {
+    const std::array<std::int64_t, 5> numbers = {mesh.width, mesh.height, mesh.channels,
+                                                 static_cast<std::int64_t>(mesh.vertex_count),
+                                                 static_cast<std::int64_t>(mesh.face_count)};
+    static constexpr std::array<const char*, 5> names = {
+        "{\"width\":", ",\"height\":", ",\"channels\":", ",\"vertices\":", ",\"faces\":"};
+    for (std::size_t i = 0; i < numbers.size(); ++i) {
+        writer.text(names[i]);
+        writer.decimal(numbers[i]);
+    }
+    writer.text(mesh.premultiplied && mesh.channels == 4 ? ",\"premultiplied\":true" : ",\"premultiplied\":false");
+    writer.text(",\"data\":\"");
+    Base64Sink base64(writer);
+    Writer bytes(base64);
+    write_mesh_bytes(bytes, mesh);
+    static_cast<void>(bytes.finish());  // the sink takes all
+    base64.finish();
+    writer.text("\"}");
+}
+
+// The picture to compare with, if there is one.
+inline void write_html_original(Writer& writer, const HtmlOptions& options) {
+    if (options.original == nullptr || options.original_size == 0) return;
+    writer.text("<img id=\"original\" alt=\"\" hidden src=\"data:");
+    writer.text(options.original_type);
+    writer.text(";base64,");
+    Base64Sink base64(writer);
+    base64(options.original, options.original_size);
+    base64.finish();
+    writer.text("\">");
 }
 
 }  // namespace detail
@@ -95,39 +125,17 @@ inline void write_mesh_base64(Writer& writer, const MeshView& mesh) {
 inline Status write_html(const MeshView& source, Sink sink, const HtmlOptions& options = {}) {
     if (const Status status = detail::check_for_html(source, options); !status) return status;
     const detail::ExportMesh exported(source, detail::Premultiplied::kept);
-    const MeshView& mesh = exported.view();
     detail::Writer writer(sink);
-    writer.text(detail::html_head);
-    detail::write_escaped(writer, options.title);
-    writer.text(detail::html_style);
-    detail::write_escaped(writer, options.title);
-    writer.text(detail::html_figures);
-    detail::write_escaped(writer, options.figures);
-    writer.text(detail::html_controls);
-    if (options.original != nullptr && options.original_size > 0) {
-        writer.text("<img id=\"original\" alt=\"\" hidden src=\"data:");
-        writer.text(options.original_type);
-        writer.text(";base64,");
-        detail::Base64Writer out(writer);
-        for (std::size_t i = 0; i < options.original_size; ++i) out.u8(options.original[i]);
-        out.finish();
-        writer.text("\">\n");
+    for (const detail::HtmlPiece& piece : detail::html_page) {
+        writer.text(piece.text);
+        switch (piece.next) {
+            case detail::HtmlField::title: detail::write_escaped(writer, options.title); break;
+            case detail::HtmlField::figures: detail::write_escaped(writer, options.figures); break;
+            case detail::HtmlField::original: detail::write_html_original(writer, options); break;
+            case detail::HtmlField::mesh: detail::write_html_mesh(writer, exported.view()); break;
+            case detail::HtmlField::nothing: break;
+        }
     }
-    writer.text("<script>\n'use strict';\nconst mesh = {");
-    const std::array<std::int64_t, 5> numbers = {mesh.width, mesh.height, mesh.channels,
-                                                 static_cast<std::int64_t>(mesh.vertex_count),
-                                                 static_cast<std::int64_t>(mesh.face_count)};
-    static constexpr std::array<const char*, 5> names = {"width: ", ", height: ", ", channels: ", ", vertices: ", ", faces: "};
-    for (std::size_t i = 0; i < numbers.size(); ++i) {
-        writer.text(names[i]);
-        writer.decimal(numbers[i]);
-    }
-    writer.text(mesh.premultiplied && mesh.channels == 4 ? ", premultiplied: true" : ", premultiplied: false");
-    writer.text(", data: '");
-    detail::write_mesh_base64(writer, mesh);
-    writer.text("'};\n");
-    writer.text(detail::html_drawing);
-    writer.text(detail::html_handling);
     return writer.finish();
 }
 
