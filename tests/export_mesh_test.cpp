@@ -112,12 +112,12 @@ TEST_CASE("every integer of 8 and 16 bits comes back from its share") {
 
 TEST_CASE("grey is red, green and blue; without alpha a vertex is opaque") {
     using Shares = std::array<double, 4>;
-    Mesh<1> grey = hmesh_test::two_faces<1>();
-    Mesh<3> colour = hmesh_test::two_faces<3>();
+    Mesh<1> gray = hmesh_test::two_faces<1>();
+    Mesh<3> color = hmesh_test::two_faces<3>();
     Mesh<4> alpha = hmesh_test::two_faces<4>();
-    grey.peak = colour.peak = alpha.peak = 40;
-    CHECK(hmesh::detail::rgba_shares(grey.view(), 1) == Shares{0.25, 0.25, 0.25, 1});
-    CHECK(hmesh::detail::rgba_shares(colour.view(), 2) == Shares{0.5, 21.0 / 40, 22.0 / 40, 1});
+    gray.peak = color.peak = alpha.peak = 40;
+    CHECK(hmesh::detail::rgba_shares(gray.view(), 1) == Shares{0.25, 0.25, 0.25, 1});
+    CHECK(hmesh::detail::rgba_shares(color.view(), 2) == Shares{0.5, 21.0 / 40, 22.0 / 40, 1});
     CHECK(hmesh::detail::rgba_shares(alpha.view(), 2) == Shares{0.5, 21.0 / 40, 22.0 / 40, 23.0 / 40});
 }
 
@@ -179,9 +179,9 @@ TEST_CASE("every format writes grey with alpha as the red, green, blue and alpha
 TEST_CASE("meshes with straight colours or without alpha are left as they are") {
     const Mesh<4> mesh = straight_mesh();
     CHECK(ExportMesh(mesh.view(), Premultiplied::divided).view().colors == mesh.colors.data());
-    Mesh<3> colour = hmesh_test::two_faces<3>();
-    colour.premultiplied = true;
-    CHECK(ExportMesh(colour.view(), Premultiplied::divided).view().colors == colour.colors.data());
+    Mesh<3> color = hmesh_test::two_faces<3>();
+    color.premultiplied = true;
+    CHECK(ExportMesh(color.view(), Premultiplied::divided).view().colors == color.colors.data());
     const Mesh<4> premultiplied = premultiplied_mesh();
     CHECK(ExportMesh(premultiplied.view(), Premultiplied::kept).view().colors == premultiplied.colors.data());
 }
@@ -205,7 +205,7 @@ TEST_CASE("EPS lays premultiplied colours over white, HTML is told of them") {
     };
     CHECK(says(premultiplied.view(), "\"premultiplied\":true"));
     CHECK(says(straight.view(), "\"premultiplied\":false"));
-    Mesh<3> colour = hmesh_test::two_faces<3>();
-    colour.premultiplied = true;
-    CHECK(says(colour.view(), "\"premultiplied\":false"));
+    Mesh<3> color = hmesh_test::two_faces<3>();
+    color.premultiplied = true;
+    CHECK(says(color.view(), "\"premultiplied\":false"));
 }

@@ -280,11 +280,11 @@ TEST_CASE("the longer side has the length asked for, and positions in the buffer
 }
 
 TEST_CASE("grey is three equal colours, alpha is not decoded and blends") {
-    const GlbFile grey = read_back(two_faces<1>()), alpha = read_back(two_faces<4>());
+    const GlbFile gray = read_back(two_faces<1>()), alpha = read_back(two_faces<4>());
     const int ten = to_linear_light(10.0 / 255);
-    CHECK(grey.colors[1] == std::array<int, 4>{ten, ten, ten, 65535});
+    CHECK(gray.colors[1] == std::array<int, 4>{ten, ten, ten, 65535});
     CHECK(alpha.colors[1] == std::array<int, 4>{ten, to_linear_light(11.0 / 255), to_linear_light(12.0 / 255), 13 * 257});
-    CHECK_FALSE(has(grey, "alphaMode"));
+    CHECK_FALSE(has(gray, "alphaMode"));
     CHECK(has(alpha, "\"alphaMode\":\"BLEND\""));
     CHECK_FALSE(has(alpha, "doubleSided"));  // false is the default
 }

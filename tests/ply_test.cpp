@@ -28,9 +28,9 @@ Bytes written(const hmesh::Mesh<C>& mesh, const hmesh::PlyOptions& options = {})
 }
 
 struct PlyFile {
-    std::vector<std::string> colour_names;
+    std::vector<std::string> color_names;
     std::vector<std::array<float, 3>> positions;
-    std::vector<std::vector<int>> colours;
+    std::vector<std::vector<int>> colors;
     std::vector<std::array<std::int32_t, 3>> faces;
 };
 
@@ -49,7 +49,7 @@ PlyFile read_ply(const Bytes& bytes) {
         words >> word >> type >> name;
         if (word == "element" && type == "vertex") vertices = std::stoul(name);
         if (word == "element" && type == "face") faces = std::stoul(name);
-        if (word == "property" && type == "uchar") file.colour_names.push_back(name);
+        if (word == "property" && type == "uchar") file.color_names.push_back(name);
     }
     const auto number = [&](auto value) {  // the test runs on little-endian machines
         in.read(reinterpret_cast<char*>(&value), sizeof value);
@@ -59,8 +59,8 @@ PlyFile read_ply(const Bytes& bytes) {
     for (std::size_t v = 0; v < vertices; ++v) {
         file.positions.emplace_back();
         for (float& x : file.positions.back()) x = number(0.0F);
-        file.colours.emplace_back();
-        for (std::size_t k = 0; k < file.colour_names.size(); ++k) file.colours.back().push_back(number(std::uint8_t{0}));
+        file.colors.emplace_back();
+        for (std::size_t k = 0; k < file.color_names.size(); ++k) file.colors.back().push_back(number(std::uint8_t{0}));
     }
     for (std::size_t f = 0; f < faces; ++f) {
         REQUIRE(number(std::uint8_t{0}) == 3);
@@ -107,15 +107,15 @@ TEST_CASE("a mesh of two faces is written as these bytes") {
 
 TEST_CASE("1, 3 and 4 channels are written under the names that viewers know") {
     using Names = std::vector<std::string>;
-    const PlyFile grey = read_ply(written(two_faces<1>()));
-    const PlyFile colour = read_ply(written(two_faces<3>()));
+    const PlyFile gray = read_ply(written(two_faces<1>()));
+    const PlyFile color = read_ply(written(two_faces<3>()));
     const PlyFile alpha = read_ply(written(two_faces<4>()));
-    CHECK(grey.colour_names == Names{"intensity"});
-    CHECK(colour.colour_names == Names{"red", "green", "blue"});
-    CHECK(alpha.colour_names == Names{"red", "green", "blue", "alpha"});
-    CHECK(grey.colours[2] == std::vector<int>{20});
-    CHECK(colour.colours[2] == std::vector<int>{20, 21, 22});
-    CHECK(alpha.colours[2] == std::vector<int>{20, 21, 22, 23});
+    CHECK(gray.color_names == Names{"intensity"});
+    CHECK(color.color_names == Names{"red", "green", "blue"});
+    CHECK(alpha.color_names == Names{"red", "green", "blue", "alpha"});
+    CHECK(gray.colors[2] == std::vector<int>{20});
+    CHECK(color.colors[2] == std::vector<int>{20, 21, 22});
+    CHECK(alpha.colors[2] == std::vector<int>{20, 21, 22, 23});
 }
 
 TEST_CASE("what is read back is the mesh with y up and faces counter-clockwise") {
@@ -126,7 +126,7 @@ TEST_CASE("what is read back is the mesh with y up and faces counter-clockwise")
     for (std::size_t v = 0; v < mesh.vertex_count(); ++v) {
         CHECK(file.positions[v] == std::array<float, 3>{mesh.positions[2 * v], 20 - mesh.positions[2 * v + 1], 0});
         for (std::size_t k = 0; k < 3; ++k)
-            CHECK(file.colours[v][k] == std::lround(static_cast<double>(mesh.colors[3 * v + k]) * 255));
+            CHECK(file.colors[v][k] == std::lround(static_cast<double>(mesh.colors[3 * v + k]) * 255));
     }
     for (std::size_t f = 0; f < mesh.face_count(); ++f) {
         std::array<std::array<float, 3>, 3> at{};
@@ -164,9 +164,9 @@ TEST_CASE("with ascii, the same numbers are written as text") {
               "3 0 2 1\n"
               "3 0 3 2\n");
     options.float_colors = true;
-    hmesh::Mesh<1> grey = two_faces<1>();
-    grey.colors = {0, 255, -51, 510};
-    CHECK(hmesh_test::as_text(written(grey, options)) == header + "property float intensity\n" + faces +
+    hmesh::Mesh<1> gray = two_faces<1>();
+    gray.colors = {0, 255, -51, 510};
+    CHECK(hmesh_test::as_text(written(gray, options)) == header + "property float intensity\n" + faces +
                                                              "0 2 0 0\n"
                                                              "3 2 0 1\n"
                                                              "3 0 0 -0.200000003\n"

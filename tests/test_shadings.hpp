@@ -80,10 +80,10 @@ using Drawn = std::array<Corner, 3>;
 // The triangles of a shading of type 4: ISO 32000-1, 8.7.4.5.5. `entries` is its dictionary.
 inline std::vector<Drawn> read_shading(const std::string& entries, const std::string& data) {
     CHECK(numbers_after(entries, "/ShadingType")[0] == 4);
-    const bool grey = entries.find("/ColorSpace /DeviceGray") != std::string::npos;
-    REQUIRE((grey || entries.find("/ColorSpace /DeviceRGB") != std::string::npos));
+    const bool gray = entries.find("/ColorSpace /DeviceGray") != std::string::npos;
+    REQUIRE((gray || entries.find("/ColorSpace /DeviceRGB") != std::string::npos));
     const std::vector<double> decode = numbers_after(entries, "/Decode");
-    const std::size_t components = grey ? 1 : 3;
+    const std::size_t components = gray ? 1 : 3;
     REQUIRE(decode.size() == 4 + 2 * components);
     std::size_t bit = 0;
     const auto number = [&](double bits) {

@@ -1,12 +1,14 @@
-// hmesh - write_pdf(): a mesh as a PDF 1.4 page that is exactly a Gouraud-shaded mesh: vectors, no pixels.
-//
-// One page of the image's size, 1 px = 1/72 inch (Acrobat opens pages of up to 14400 px), with a shading of type 4 in
-// DeviceRGB, or DeviceGray for 1 channel; see shading_stream.hpp. For 4 channels the fourth is opacity: colours are drawn
-// straight (not premultiplied) under a soft mask (ISO 32000-1, 11.6.5.3) that is a shading of the opacity. No date and no
-// random identifier: the same mesh gives the same bytes.
-//
-// Size of an RGB mesh of 256 px or more: 21 bytes a vertex, deflated 12; without strips 59 and 16. Time: some 100 MB/s in
-// strips, of which finding them takes most.
+/// \file
+/// write_pdf(): a mesh as a PDF 1.4 page that is exactly a Gouraud-shaded mesh: vectors, no pixels.
+///
+/// One page of the image's size, 1 px = 1/72 inch (Acrobat opens pages of up to 14400 px), with a free-form Gouraud shading
+/// (ISO 32000-1, 8.7.4.5.5) in DeviceRGB, or DeviceGray for 1 channel. Positions of the 1/256 px grid arrive exactly; colours
+/// have 8 bits where the mesh's peak is 255, else 16. Where there is alpha, straight colours are drawn under a soft mask
+/// (ISO 32000-1, 11.6.5.3) that is a shading of alpha. No date and no random identifier: the same mesh gives the same bytes.
+///
+/// Size of an RGB mesh of 256 px or more: 21 bytes a vertex, deflated 12; without strips 59 and 16. Time: some 100 MB/s in
+/// strips, of which finding them takes most. Memory: the streams, and 60 bytes a face to find
+/// the strips.
 #ifndef HMESH_IO_PDF_HPP
 #define HMESH_IO_PDF_HPP
 
@@ -30,15 +32,17 @@ namespace hmesh {
 
 namespace detail {
 
-// Objects one after the other, numbered from 1, and the table of where each begins.
+/// A file of objects one after the other, numbered from 1, and the table of where each begins.
 class PdfFile {
   public:
+    /// Begins a file in a sink, whose callable outlives this object.
     explicit PdfFile(Sink sink) noexcept : writer_(sink) {
         writer_.text("%PDF-1.4\n%\xe2\xe3\xcf\xd3\n");  // 4 bytes above 127 say that the file is binary
     }
     PdfFile(const PdfFile&) = delete;
     PdfFile& operator=(const PdfFile&) = delete;
 
+    /// Begins an object and its dictionary, whose entries are for the caller to put. At most 10 objects.
     Writer& begin_object() {
         HMESH_ASSERT(objects_ < offsets_.size());
         offsets_[objects_++] = writer_.position();
@@ -46,8 +50,9 @@ class PdfFile {
         writer_.text(" 0 obj\n<< ");
         return writer_;
     }
+    /// Ends an object without a stream.
     void end_object() { writer_.text(" >>\nendobj\n"); }
-    // Ends the object's dictionary and puts its stream.
+    /// Ends the object's dictionary and puts its stream.
     void end_object(const unsigned char* bytes, std::size_t size) {
         writer_.text("\n/Length ");
         writer_.decimal(static_cast<std::int64_t>(size));
@@ -55,6 +60,7 @@ class PdfFile {
         writer_.bytes(bytes, size);
         writer_.text("\nendstream\nendobj\n");
     }
+    /// Ends the file, with the numbers of its catalog and of the object that says who made it.
     [[nodiscard]] Status finish(int root, int info) {
         const std::int64_t table = writer_.position();
         const auto entries = static_cast<std::int64_t>(objects_ + 1);
@@ -87,9 +93,10 @@ class PdfFile {
 
 }  // namespace detail
 
-// Writes the mesh to the sink (see sink.hpp). Colours are held to [0, peak]. Faces are drawn in another order than the
-// mesh's when in strips, which shows only where they overlap. A mesh of more than 4 channels, an empty one and others
-// that cannot be written give a Status and no byte, and so does a compressor that fails.
+/// Writes a mesh of 1 to 4 channels as a PDF file; colours are held to [0, peak]. A mesh that is empty, has no size or one above
+/// 4,194,304 px, numbers that are not finite, positions further than that from the corner, faces without their vertices or more
+/// than 47,721,858 of them gives a Status that says so, and a compressor that fails gives Errc::write_failed: no byte is written.
+/// A sink that refuses bytes gives Errc::write_failed.
 inline Status write_pdf(const MeshView& source, Sink sink, const PageOptions& options = {}) {
     detail::ShadingLayout layout;
     if (const Status status = detail::plan_shading(source, layout); !status) return status;
@@ -99,16 +106,20 @@ inline Status write_pdf(const MeshView& source, Sink sink, const PageOptions& op
     const int components = mesh.channels == 1 ? 1 : 3;
     const bool is_masked = mesh.channels == 4;
 
-    const auto share = [&](std::size_t v, std::size_t k) {
-        return static_cast<double>(mesh.colors[channels * v + k]) / mesh.peak;
-    };
     const std::vector<detail::StripVertex> vertices = detail::strip_vertices(mesh, options.strips);
-    std::vector<unsigned char> colors = detail::shading_bytes(
-        mesh, vertices, layout, components, [&](std::size_t v, int k) { return share(v, static_cast<std::size_t>(k)); });
+    const auto stream = [&](int count, std::size_t first_channel) {  // of so many channels
+        std::vector<double> shares;
+        shares.reserve(static_cast<std::size_t>(count) * mesh.vertex_count);
+        for (std::size_t v = 0; v < mesh.vertex_count; ++v)
+            for (std::size_t k = 0; k < static_cast<std::size_t>(count); ++k)
+                shares.push_back(static_cast<double>(mesh.colors[channels * v + first_channel + k]) / mesh.peak);
+        return detail::shading_bytes(mesh, vertices, layout, count, shares);
+    };
+    std::vector<unsigned char> colors = stream(components, 0);
     if (const Status status = detail::compress(options.deflate, colors); !status) return status;
     std::vector<unsigned char> alpha;
     if (is_masked) {
-        alpha = detail::shading_bytes(mesh, vertices, layout, 1, [&](std::size_t v, int) { return share(v, 3); });
+        alpha = stream(1, 3);
         if (const Status status = detail::compress(options.deflate, alpha); !status) return status;
     }
 

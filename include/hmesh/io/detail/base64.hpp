@@ -20,28 +20,35 @@ class Base64Sink {
     /// Takes all: the writer remembers what its own sink refused.
     bool operator()(const void* bytes, std::size_t size) {
         const auto* from = static_cast<const unsigned char*>(bytes);
+        std::array<char, 1024> text;
+        std::size_t used = 0;
         for (std::size_t i = 0; i < size; ++i) {
             bits_ = bits_ << 8U | from[i];
-            if (++held_ == 3) put(4);
+            if (++held_ < 3) continue;
+            for (std::size_t k = 0; k < 4; ++k) text[used++] = letter(bits_, k);
+            bits_ = 0;
+            held_ = 0;
+            if (used < text.size()) continue;
+            writer_->bytes(text.data(), used);
+            used = 0;
         }
+        writer_->bytes(text.data(), used);
         return true;
     }
     /// Writes the bytes that are left. The next byte begins another text.
     void finish() {
         if (held_ == 0) return;
-        const std::size_t digits = held_ + 1;
-        bits_ <<= 8 * (3 - held_);
-        put(digits);
-    }
-
-  private:
-    void put(std::size_t digits) {
         std::array<char, 4> text = {'=', '=', '=', '='};
-        for (std::size_t i = 0; i < digits; ++i)
-            text[i] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/"[(bits_ >> (18 - 6 * i)) & 63U];
+        for (std::size_t k = 0; k <= held_; ++k) text[k] = letter(bits_ << (8 * (3 - held_)), k);
         writer_->bytes(text.data(), text.size());
         bits_ = 0;
         held_ = 0;
+    }
+
+  private:
+    // The letter of the k-th six of 24 bits.
+    [[nodiscard]] static char letter(std::uint32_t bits, std::size_t k) noexcept {
+        return "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/"[(bits >> (18 - 6 * k)) & 63U];
     }
 
     Writer* writer_;

@@ -1,12 +1,13 @@
-// hmesh - a mesh as a free-form Gouraud shading (type 4), the data that PDF and PostScript level 3 share.
-//
-// ISO 32000-1, 8.7.4.5.5: for each vertex an edge flag (strips.hpp), x, y and the colour components, most significant byte
-// first. Colours are interpolated in the shading's colour space: in DeviceRGB that is what hmesh fits.
-//
-// Coordinates count 1/256 px, the grid of hmesh's meshes: the range that /Decode maps to is whole pixels plus
-// (2^bits - 1) / 256, so that every position of the grid arrives exactly; in 24 bits up to 65535 px, in 16 below 256 px and
-// in 32 beyond. 16 bits for all would save a tenth of the deflated size, but move the vertices of a 512 px image by up to
-// 1/128 px, which turns over thin faces. Components have 8 bits where the mesh's peak is 255, else 16.
+/// \file
+/// A mesh as a free-form Gouraud shading (type 4), the stream of bytes that PDF and PostScript level 3 share.
+///
+/// ISO 32000-1, 8.7.4.5.5: for each vertex an edge flag (see strips.hpp), x, y and the colour components, most significant byte
+/// first. Colours are interpolated in the shading's colour space: in DeviceRGB that is what hmesh fits.
+///
+/// Coordinates count 1/256 px, the grid of hmesh's meshes: the range that /Decode maps to is whole pixels plus
+/// (2^bits - 1) / 256, so that every position of the grid arrives exactly; in 24 bits up to 65535 px, in 16 below 256 px and in
+/// 32 beyond. 16 bits for all would save a tenth of the deflated size, but move the vertices of a 512 px image by up to
+/// 1/128 px, which turns over thin faces. Components have 8 bits where the mesh's peak is 255, else 16.
 #ifndef HMESH_IO_DETAIL_GOURAUD_STREAM_HPP
 #define HMESH_IO_DETAIL_GOURAUD_STREAM_HPP
 
@@ -18,7 +19,6 @@
 #include <vector>
 
 #include "hmesh/core/finite.hpp"
-#include "hmesh/core/function_ref.hpp"
 #include "hmesh/core/status.hpp"
 #include "hmesh/io/detail/export_mesh.hpp"
 #include "hmesh/io/detail/strips.hpp"
@@ -28,20 +28,23 @@
 
 namespace hmesh::detail {
 
-// How a vertex is stored. y is up.
+/// How a vertex is stored, y up.
 struct ShadingLayout {
-    int coordinate_bytes = 0, component_bytes = 0;
-    std::int64_t left = 0, low = 0;  // px: the whole number that 0 stands for, of x and of y
+    int coordinate_bytes = 0;        ///< of x and of y: 2, 3 or 4
+    int component_bytes = 0;         ///< of a colour component: 1 or 2
+    std::int64_t left = 0, low = 0;  ///< px: the whole numbers for which 0 stands, of x and of y
 
+    /// Bytes from a vertex to the next, with so many colour components.
     [[nodiscard]] std::size_t vertex_bytes(int components) const noexcept {
         return static_cast<std::size_t>(1 + 2 * coordinate_bytes + components * component_bytes);
     }
-    [[nodiscard]] double extent() const noexcept {  // px, from 0 to the largest number; exact
+    /// Px from the number 0 to the largest; exact.
+    [[nodiscard]] double extent() const noexcept {
         return static_cast<double>((std::uint64_t{1} << (8 * coordinate_bytes)) - 1) / 256;
     }
 };
 
-// Whether the mesh can be written as a shading, and how.
+/// Refuses what a shading cannot hold, and fills the layout of what it can. O(n).
 [[nodiscard]] inline Status plan_shading(const MeshView& mesh, ShadingLayout& layout) noexcept {
     // The longest stream, 3 vertices a face of 1 + 8 + 6 bytes, keeps its length below 2^31 (ISO 32000-1, annex C).
     constexpr std::uint64_t most = ((std::uint64_t{1} << 31U) - 1) / 45, any = std::numeric_limits<std::uint64_t>::max();
@@ -71,7 +74,8 @@ struct ShadingLayout {
     return {};
 }
 
-// The entries of the shading's dictionary that describe the data, in the syntax of PDF and PostScript.
+/// Writes the entries of the shading's dictionary that describe its stream, in the syntax of PDF and PostScript. `components`
+/// is 1 for grey, 3 for red, green and blue.
 inline void write_shading_entries(Writer& writer, const ShadingLayout& layout, int components) {
     writer.text(components == 1 ? "/ShadingType 4 /ColorSpace /DeviceGray" : "/ShadingType 4 /ColorSpace /DeviceRGB");
     writer.text("\n/BitsPerCoordinate ");
@@ -88,10 +92,11 @@ inline void write_shading_entries(Writer& writer, const ShadingLayout& layout, i
     writer.text(components == 1 ? "0 1]" : "0 1 0 1 0 1]");
 }
 
-// The stream's bytes. `share(v, k)` is component k of vertex v as a share of full intensity; it is held to [0, 1].
-[[nodiscard]] inline std::vector<unsigned char> shading_bytes(const MeshView& mesh, const std::vector<StripVertex>& vertices,
-                                                              const ShadingLayout& layout, int components,
-                                                              FunctionRef<double(std::size_t v, int k)> share) {
+/// The bytes of the stream. Component k of vertex v as a share of full intensity is shares[components * v + k]; it is held to
+/// [0, 1]. View and layout come by value, since a byte that is written might be any other object's: a fifth of the time.
+[[nodiscard]] inline std::vector<unsigned char> shading_bytes(MeshView mesh, const std::vector<StripVertex>& vertices,
+                                                              ShadingLayout layout, int components,
+                                                              const std::vector<double>& shares) {
     std::vector<unsigned char> out(vertices.size() * layout.vertex_bytes(components));
     unsigned char* to = out.data();
     const auto put = [&to](double number, int bytes) {
@@ -99,17 +104,20 @@ inline void write_shading_entries(Writer& writer, const ShadingLayout& layout, i
         for (int i = bytes; i-- > 0;) *to++ = static_cast<unsigned char>((bits >> (8 * i)) & 0xffU);
     };
     const double full = layout.component_bytes == 1 ? 255 : 65535;
-    for (const StripVertex& s : vertices) {
+    const auto count = static_cast<std::size_t>(components);
+    const double* const from = shares.data();
+    for (const StripVertex s : vertices) {
         const std::size_t v = s.vertex;
         *to++ = s.flag;
         put((static_cast<double>(mesh.positions[2 * v]) - static_cast<double>(layout.left)) * 256, layout.coordinate_bytes);
         put((y_up(mesh, v) - static_cast<double>(layout.low)) * 256, layout.coordinate_bytes);
-        for (int k = 0; k < components; ++k) put(std::max(0.0, std::min(1.0, share(v, k))) * full, layout.component_bytes);
+        for (std::size_t k = 0; k < count; ++k)
+            put(std::max(0.0, std::min(1.0, from[count * v + k])) * full, layout.component_bytes);
     }
     return out;
 }
 
-// Replaces the bytes by their zlib stream, where there is a compressor.
+/// Replaces the bytes by their zlib stream, where there is a compressor. Errc::write_failed where it fails.
 [[nodiscard]] inline Status compress(Deflate deflate, std::vector<unsigned char>& bytes) {
     if (!deflate) return {};
     std::vector<unsigned char> out;

@@ -12,8 +12,8 @@ enum class HtmlField { title, figures, original, mesh, nothing };
 
 /// A piece of the page, and what write_html() puts behind it.
 struct HtmlPiece {
-    const char* text;
-    HtmlField next;
+    const char* text;  ///< ends with a zero
+    HtmlField next;    ///< what follows
 };
 
 /// The page.

@@ -1,11 +1,12 @@
-// hmesh - triangle strips: the faces of a mesh as the vertices and edge flags of a free-form Gouraud shading.
-//
-// A triangle that shares a side with the one before it needs one vertex instead of three (ISO 32000-1, 8.7.4.5.5): flag 0
-// begins anew with three vertices a, b, c; flag 1 adds d to make b, c, d; flag 2 adds d to make a, c, d. The newest vertex
-// is in both sides that can be shared, so any way from face to face that enters each by one side and leaves it by another
-// can be written. The walk goes to the neighbour that has the fewest ways on left (Akeley's rule, as in SGI's tomesh).
-// Meshes of images get strips of 30 to 40 faces on average, 1.06 vertices a face. Cost: about 0.1 us and 60 bytes a face,
-// O(n log n) at worst.
+/// \file
+/// Triangle strips: the faces of a mesh as the vertices and edge flags of a free-form Gouraud shading.
+///
+/// A triangle that shares a side with the one before it needs one vertex instead of three (ISO 32000-1, 8.7.4.5.5): flag 0
+/// begins anew with three vertices a, b, c; flag 1 adds d to make b, c, d; flag 2 adds d to make a, c, d. The newest vertex is
+/// in both sides that can be shared, so any way from face to face that enters each by one side and leaves it by another can be
+/// written. The walk goes to the neighbour that has the fewest ways on left (Akeley's rule, as in SGI's tomesh). Meshes of
+/// images get strips of 30 to 40 faces on average, 1.06 vertices a face. Cost: about 0.1 us and 60 bytes a face, O(n log n) at
+/// worst.
 #ifndef HMESH_IO_DETAIL_STRIPS_HPP
 #define HMESH_IO_DETAIL_STRIPS_HPP
 
@@ -20,16 +21,18 @@
 
 namespace hmesh::detail {
 
+/// A vertex as a reader of edge flags takes it.
 struct StripVertex {
-    std::uint32_t vertex;
-    std::uint8_t flag;  // 0, 1 or 2; 0 for the second and third vertex of a first triangle, where it means nothing
+    std::uint32_t vertex;  ///< its index in the mesh
+    std::uint8_t flag;     ///< 0, 1 or 2; 0 for the second and third vertex of a first triangle, where it means nothing
 };
 
+/// The index that stands for no face.
 inline constexpr std::uint32_t no_face = std::numeric_limits<std::uint32_t>::max();
 
-// The face across each side of each face; side k runs from corner k to corner k + 1. A side used by more than two faces
-// joins them two by two, so that each side leads to at most one face. At most 2^32 / 3 faces.
-[[nodiscard]] inline std::vector<std::array<std::uint32_t, 3>> face_neighbours(const MeshView& mesh) {
+/// The face across each side of each face, or no_face; side k runs from corner k to corner k + 1. A side used by more than two
+/// faces joins them two by two, so that each side leads to at most one face. At most 2^32 / 3 faces.
+[[nodiscard]] inline std::vector<std::array<std::uint32_t, 3>> face_neighbors(const MeshView& mesh) {
     struct Side {
         std::uint32_t high, corner;  // the larger end; 3 * face + k
     };
@@ -61,15 +64,17 @@ inline constexpr std::uint32_t no_face = std::numeric_limits<std::uint32_t>::max
     return across;
 }
 
-// Takes faces, one after the other, so that each is beside the one before it for as long as that goes.
+/// A walk over the faces of a mesh that goes on to a face beside the last one for as long as it can.
 class StripWalk {
   public:
-    explicit StripWalk(const MeshView& mesh) : mesh_(mesh), across_(face_neighbours(mesh)), left_(mesh.face_count, 0) {
+    /// Over a mesh that check() accepts and whose arrays outlive the walk.
+    explicit StripWalk(const MeshView& mesh) : mesh_(mesh), across_(face_neighbors(mesh)), left_(mesh.face_count, 0) {
         for (std::size_t f = 0; f < mesh.face_count; ++f)
             for (const std::uint32_t g : across_[f]) left_[f] = static_cast<std::uint8_t>(left_[f] + (g != no_face ? 1 : 0));
         for (std::size_t f = mesh.face_count; f-- > 0;) starts_[left_[f]].push_back(static_cast<std::uint32_t>(f));
     }
 
+    /// Every face once, in strips. To be called once.
     [[nodiscard]] std::vector<StripVertex> run() {
         std::vector<StripVertex> out;
         out.reserve(mesh_.face_count + mesh_.face_count / 8 + 3);
@@ -156,7 +161,7 @@ class StripWalk {
     std::array<std::vector<std::uint32_t>, 4> starts_;  // faces that had so many; those that have still are in the right one
 };
 
-// Every face once, in strips or, without, each by itself in the mesh's order. Checked meshes only.
+/// Every face of a mesh that check() accepts once: in strips or, without, each by itself in the mesh's order.
 [[nodiscard]] inline std::vector<StripVertex> strip_vertices(const MeshView& mesh, bool strips) {
     if (strips) return StripWalk(mesh).run();
     std::vector<StripVertex> out;
