@@ -147,7 +147,8 @@ inline void check_locale_makes_no_difference(const hmesh::MeshView& mesh, Write 
     const Bytes expected = exported(mesh, write);
     const CommaLocale foreign;
     CHECK(exported(mesh, write) == expected);
-    if (!foreign.is_known_to_c()) MESSAGE("no locale with a decimal comma is installed: that of the C library was not changed");
+    if (!CommaLocale::is_known_to_c())
+        MESSAGE("no locale with a decimal comma is installed: that of the C library was not changed");
 }
 
 }  // namespace hmesh_test
