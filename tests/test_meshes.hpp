@@ -29,7 +29,7 @@ namespace hmesh_test {
 
 struct Triangulation {
     std::vector<hmesh::kit::Point> positions;
-    std::vector<hmesh::kit::Triangle> triangles;
+    std::vector<hmesh::Triangle> triangles;
 };
 
 // columns x rows cells, their inner corners moved by up to `jitter` < 0.25 cells, diagonals at random.
@@ -98,10 +98,10 @@ struct Subject {
     hmesh::kit::MomentTable<C> table;
     hmesh::kit::ImageMesh<C> mesh;
 
-    explicit Subject(hmesh::Image<T, C> picture, const hmesh::kit::MeshLimits& limits = {})
+    explicit Subject(hmesh::Image<T, C> picture, const hmesh::MeshLimits& limits = {})
         : image(std::move(picture)), table(image.view(), image.view().bounds()),
           mesh(table, hmesh::PixelTraits<T>::lowest, hmesh::PixelTraits<T>::highest, limits) {}
-    Subject(hmesh::Image<T, C> picture, const Triangulation& triangulation, const hmesh::kit::MeshLimits& limits = {})
+    Subject(hmesh::Image<T, C> picture, const Triangulation& triangulation, const hmesh::MeshLimits& limits = {})
         : Subject(std::move(picture), limits) {
         REQUIRE(mesh.assign(triangulation.positions, triangulation.triangles));
     }
@@ -320,7 +320,7 @@ void random_edit(hmesh::kit::ImageMesh<C>& mesh, double range, hmesh::kit::Rando
         }
         case 1: {
             const hmesh::kit::Edge e = any_edge(mesh, random);
-            if (!hmesh::kit::is_flip_ok(mesh, e)) return;
+            if (!hmesh::kit::can_flip(mesh, e)) return;
             hmesh::kit::FlipTrial<C> trial;
             hmesh::kit::evaluate_flip(mesh, e, trial);
             mesh.flip(e, trial.moments, trial.own, trial.opposite);
