@@ -18,6 +18,7 @@ using hmesh::Image;
 using hmesh::ImageView;
 using hmesh::PixelTraits;
 using hmesh::Status;
+using hmesh::kit::check_finite;
 
 static_assert(std::is_aggregate_v<ImageView<std::uint8_t, 3>>);
 static_assert(std::is_trivially_copyable_v<ImageView<float, 16>>);
@@ -33,12 +34,12 @@ struct hmesh::PixelTraits<double> {
 namespace {
 
 template <class T, int C>
-bool refused(const ImageView<T, C>& view, Errc code, std::int64_t got, std::int64_t want) {
+bool refused(const ImageView<T, C>& view, Errc code, std::int64_t value, std::int64_t limit) {
     const Status status = check(view);
     CHECK(status.code == code);
     CHECK(std::string(status.what).size() > 10);
-    CHECK(status.value == got);
-    CHECK(status.limit == want);
+    CHECK(status.value == value);
+    CHECK(status.limit == limit);
     return !status;
 }
 
@@ -68,8 +69,9 @@ TEST_CASE("check refuses sides and products that are too large, also those that 
     CHECK(refused(ImageView<std::uint8_t, 1>{&byte, largest, largest, 0}, Errc::image_too_large, largest, 65536));
     // 65536 * 65536 is 0 in 32 bits.
     CHECK(refused(ImageView<std::uint8_t, 1>{&byte, 65536, 65536, 0}, Errc::image_too_large, std::int64_t{1} << 32,
-                  hmesh::max_pixels));
-    CHECK(refused(ImageView<std::uint8_t, 1>{&byte, 65536, 4097, 0}, Errc::image_too_large, 65536LL * 4097, hmesh::max_pixels));
+                  hmesh::kit::max_pixels));
+    CHECK(refused(ImageView<std::uint8_t, 1>{&byte, 65536, 4097, 0}, Errc::image_too_large, 65536LL * 4097,
+                  hmesh::kit::max_pixels));
 }
 
 TEST_CASE("check accepts the largest and the smallest sizes") {
