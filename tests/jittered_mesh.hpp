@@ -29,7 +29,8 @@ template <class T, int C>
 hmesh::Image<T, C> noise(int width, int height, std::uint64_t seed) {
     hmesh::Image<T, C> image(width, height);
     hmesh::kit::Random random(seed);
-    for (T& sample : image.samples()) {
+    for (std::size_t k = 0; k < image.size(); ++k) {
+        T& sample = image.data()[k];
         if constexpr (hmesh::PixelTraits<T>::is_integer) sample = static_cast<T>(random.next());
         else sample = static_cast<T>(3 * random.uniform() - 1);
     }

@@ -22,6 +22,7 @@
 #include "hmesh/fit/image_mesh.hpp"
 #include "hmesh/fit/moment_table.hpp"
 #include "hmesh/image/image_view.hpp"
+#include "test_images.hpp"
 
 namespace hmesh_test {
 
@@ -87,7 +88,7 @@ inline Triangulation wheel(int side, int spokes) {
 // The image with its samples times `factor`.
 template <int C>
 hmesh::Image<float, C> scaled(hmesh::Image<float, C> image, double factor) {
-    for (float& sample : image.samples()) sample = static_cast<float>(factor * static_cast<double>(sample));
+    for_each_sample(image, [&](float& sample) { sample = static_cast<float>(factor * static_cast<double>(sample)); });
     return image;
 }
 
@@ -187,7 +188,7 @@ std::vector<int> owners(const hmesh::kit::ImageMesh<C>& mesh) {
 template <class T, int C>
 double squares(const hmesh::Image<T, C>& image) {
     double sum = 0;
-    for (const T sample : image.samples()) sum += static_cast<double>(sample) * static_cast<double>(sample);
+    for (const T sample : samples_of(image)) sum += static_cast<double>(sample) * static_cast<double>(sample);
     return sum;
 }
 

@@ -235,9 +235,9 @@ template <class T, class U, int C>
 template <class T, int C>
 [[nodiscard]] Image<T, C> to_pixels(const Image<float, C>& image, const ParallelFor& parallel_for = {}) {
     Image<T, C> out(image.width(), image.height());
-    const std::vector<float>& from = image.samples();
-    std::vector<T>& to = out.samples();
-    kit::for_each_chunk(parallel_for, from.size(), 65536, [&](std::size_t begin, std::size_t end) {
+    const float* const from = image.data();
+    T* const to = out.data();
+    kit::for_each_chunk(parallel_for, image.size(), 65536, [&](std::size_t begin, std::size_t end) {
         for (std::size_t k = begin; k < end; ++k) to[k] = PixelTraits<T>::from_real(static_cast<double>(from[k]));
     });
     return out;
