@@ -12,11 +12,11 @@
 #include "test_executors.hpp"
 #include "test_images.hpp"
 
-using hmesh::kit::check_weights;
 using hmesh::Errc;
 using hmesh::Image;
 using hmesh::ImageView;
 using hmesh::Status;
+using hmesh::kit::check_weights;
 using hmesh::kit::weight_sum;
 using hmesh::kit::weight_unit;
 using hmesh::kit::WeightScale;
