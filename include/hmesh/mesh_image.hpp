@@ -16,6 +16,7 @@
 
 #include <type_traits>
 
+#include "hmesh/core/compiler.hpp"
 #include "hmesh/core/lanes.hpp"
 #include "hmesh/core/parallel.hpp"
 #include "hmesh/image/image_view.hpp"

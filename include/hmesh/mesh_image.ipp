@@ -36,8 +36,8 @@ struct RecipeRef {
 
 // One mesh of n vertices, finished. `samples`: pixels, or the sum of their weights, times channels.
 template <int C>
-[[nodiscard]] Result mesh_once(const kit::ImageSource<C>& source, double samples, std::size_t n, const RecipeRef<C>& recipe,
-                               const Options& options, const ParallelFor& parallel_for) {
+[[nodiscard]] HMESH_COLD Result mesh_once(const kit::ImageSource<C>& source, double samples, std::size_t n,
+                                          const RecipeRef<C>& recipe, const Options& options, const ParallelFor& parallel_for) {
     Result result;
     const double tile = recipe.tile_size(n);
     // Patches stand out of their tiles by parts of a triangle: hence twice as large.
@@ -70,8 +70,8 @@ template <int C>
 
 // The mesh that options.target asks for.
 template <int C>
-[[nodiscard]] Result mesh_target(const kit::ImageSource<C>& source, double samples, const RecipeRef<C>& recipe,
-                                 const Options& options, const ParallelFor& parallel_for) {
+[[nodiscard]] HMESH_COLD Result mesh_target(const kit::ImageSource<C>& source, double samples, const RecipeRef<C>& recipe,
+                                            const Options& options, const ParallelFor& parallel_for) {
     const double pixels = source.pixels();
     const auto most = static_cast<std::size_t>(std::max(4.0, pixels));
     const auto mesh_of = [&](std::size_t n) { return mesh_once(source, samples, n, recipe, options, parallel_for); };

@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <optional>
 
+#include "hmesh/core/compiler.hpp"
 #include "hmesh/core/finite.hpp"
 #include "hmesh/core/progress.hpp"
 #include "hmesh/core/status.hpp"
@@ -56,7 +57,7 @@ struct Options {
 };
 
 /// Whether the options mean something for an image of so many pixels and channels; the sentence names the first that does not.
-[[nodiscard]] inline Status check(const Options& options, std::int64_t pixels, int channels) noexcept {
+[[nodiscard]] HMESH_COLD inline Status check(const Options& options, std::int64_t pixels, int channels) noexcept {
     const Target& target = options.target;
     const std::int64_t most = std::max<std::int64_t>(4, pixels);
     switch (target.kind) {

@@ -13,25 +13,7 @@
 #include <cstdint>
 #include <cstring>
 
-// What innermost loops call is inlined even where compilers think it too large. Not without optimisation: there it would only
-// make compiling slower, up to twice.
-#if defined(__GNUC__) && defined(__OPTIMIZE__)
-#define HMESH_ALWAYS_INLINE inline __attribute__((always_inline))
-#elif defined(_MSC_VER)
-#define HMESH_ALWAYS_INLINE __forceinline
-#else
-#define HMESH_ALWAYS_INLINE inline
-#endif
-// There is one copy of it in a program, whoever calls it.
-#if defined(__clang__)
-#define HMESH_NEVER_INLINE __attribute__((noinline))
-#elif defined(__GNUC__)
-#define HMESH_NEVER_INLINE __attribute__((noinline, noclone))
-#elif defined(_MSC_VER)
-#define HMESH_NEVER_INLINE __declspec(noinline)
-#else
-#define HMESH_NEVER_INLINE
-#endif
+#include "hmesh/core/compiler.hpp"
 
 namespace hmesh::kit {
 namespace detail {

@@ -10,6 +10,7 @@
 #include <cstddef>
 #include <vector>
 
+#include "hmesh/core/compiler.hpp"
 #include "hmesh/edit/move.hpp"
 #include "hmesh/fit/image_mesh.hpp"
 

@@ -9,6 +9,7 @@
 #include <cstddef>
 #include <cstdint>
 
+#include "hmesh/core/compiler.hpp"
 #include "hmesh/core/indexed_heap.hpp"
 #include "hmesh/edit/insert.hpp"
 #include "hmesh/fit/image_mesh.hpp"
@@ -17,7 +18,7 @@ namespace hmesh::kit {
 
 // Inserts `count` vertices; returns how many it could.
 template <int C>
-std::size_t subdivide(ImageMesh<C>& mesh, std::size_t count) {
+HMESH_COLD std::size_t subdivide(ImageMesh<C>& mesh, std::size_t count) {
     const HalfedgeMesh& topology = mesh.topology();
     IndexedHeap largest;
     const auto push = [&](Face f) {

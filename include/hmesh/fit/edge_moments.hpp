@@ -21,6 +21,7 @@
 #include <cstdint>
 #include <utility>
 
+#include "hmesh/core/compiler.hpp"
 #include "hmesh/core/lanes.hpp"
 #include "hmesh/fit/moment_table.hpp"
 #include "hmesh/mesh/geometry.hpp"
@@ -134,7 +135,7 @@ HMESH_NEVER_INLINE void weighted_walk(const MomentTable<C>& table, Point a, Poin
 // runs up: edge_moments(a, b) = -edge_moments(b, a), and the sum over the edges of a polygon of positive orientation is
 // the moments of its pixels. Points lie in [0, width] x [0, height] of the table. Cost: some 4 ns a row crossed.
 template <int C>
-HMESH_ALWAYS_INLINE void edge_moments(const MomentTable<C>& table, Point a, Point b, Moments<C>& m) {
+HMESH_NEVER_INLINE void edge_moments(const MomentTable<C>& table, Point a, Point b, Moments<C>& m) {
     double sign = 1;
     if (b.y < a.y) {
         std::swap(a, b);

@@ -18,6 +18,7 @@
 #include <vector>
 
 #include "hmesh/core/assert.hpp"
+#include "hmesh/core/compiler.hpp"
 #include "hmesh/core/parallel.hpp"
 #include "hmesh/core/progress.hpp"
 #include "hmesh/core/status.hpp"
@@ -61,8 +62,8 @@ class ImageMesh {
         return assign(positions, triangles, {}, parallel_for);
     }
     // The same with given colours, one a vertex; none: as above.
-    [[nodiscard]] Status assign(const std::vector<Point>& positions, const std::vector<Triangle>& triangles,
-                                const std::vector<Color<C>>& colors, const ParallelFor& parallel_for);
+    [[nodiscard]] HMESH_COLD Status assign(const std::vector<Point>& positions, const std::vector<Triangle>& triangles,
+                                           const std::vector<Color<C>>& colors, const ParallelFor& parallel_for);
 
     [[nodiscard]] const HalfedgeMesh& topology() const noexcept { return topology_; }
     [[nodiscard]] const MomentTable<C>& table() const noexcept { return *table_; }
@@ -179,7 +180,7 @@ class ImageMesh {
     // Merges from_vertex(h) into to_vertex(h), which stays where it is.
     void collapse(Halfedge h);
     // New colours for all vertices, indexed by slot; energies follow.
-    void set_colors(const std::vector<Color<C>>& colors, const ParallelFor& parallel_for = {});
+    HMESH_COLD void set_colors(const std::vector<Color<C>>& colors, const ParallelFor& parallel_for = {});
 
     // --- transactions; they nest ---
     struct Mark {
@@ -226,7 +227,7 @@ class ImageMesh {
     // Proves what this class promises: the topology's invariants, faces that turn the right way and tile what they tiled
     // when assigned (the rectangle, unless the mesh is a patch), moments as walked afresh, energies as computed afresh
     // (1e-9 relative). O(edges).
-    [[nodiscard]] Status check() const;
+    [[nodiscard]] HMESH_COLD Status check() const;
 
   private:
     void close() noexcept {  // a transaction; the outermost forgets all notes

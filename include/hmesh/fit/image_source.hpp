@@ -9,6 +9,7 @@
 #include <algorithm>
 #include <cstddef>
 
+#include "hmesh/core/compiler.hpp"
 #include "hmesh/core/lanes.hpp"
 #include "hmesh/core/parallel.hpp"
 #include "hmesh/fit/moment_table.hpp"

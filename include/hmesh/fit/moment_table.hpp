@@ -30,6 +30,7 @@
 #include <memory>
 
 #include "hmesh/core/assert.hpp"
+#include "hmesh/core/compiler.hpp"
 #include "hmesh/core/lanes.hpp"
 #include "hmesh/core/parallel.hpp"
 #include "hmesh/image/image_view.hpp"

@@ -6,6 +6,7 @@
 #ifndef HMESH_FIT_RING_HPP
 #define HMESH_FIT_RING_HPP
 
+#include "hmesh/core/compiler.hpp"
 #include "hmesh/fit/edge_moments.hpp"
 #include "hmesh/fit/squared_error.hpp"
 #include "hmesh/mesh/geometry.hpp"
@@ -68,8 +69,8 @@ template <int C>
 
 // All faces of the ring with the centre at v. False when one is smaller than min_double_area.
 template <int C>
-[[nodiscard]] HMESH_ALWAYS_INLINE bool fit_ring(const Ring<C>& ring, const Spokes<C>& spokes, Point v, double min_double_area,
-                                                FaceFit<C>* faces, RingFit<C>& out) {
+[[nodiscard]] HMESH_NEVER_INLINE bool fit_ring(const Ring<C>& ring, const Spokes<C>& spokes, Point v, double min_double_area,
+                                               FaceFit<C>* faces, RingFit<C>& out) {
     Color<C> rest = Color<C>::zero();
     out = RingFit<C>();
     for (int i = ring.first_face(); i < ring.size; ++i) {

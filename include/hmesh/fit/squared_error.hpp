@@ -14,6 +14,7 @@
 
 #include <algorithm>
 
+#include "hmesh/core/compiler.hpp"
 #include "hmesh/core/lanes.hpp"
 #include "hmesh/fit/edge_moments.hpp"
 #include "hmesh/mesh/geometry.hpp"

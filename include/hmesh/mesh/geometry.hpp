@@ -8,6 +8,7 @@
 #include <cmath>
 #include <cstdint>
 
+#include "hmesh/core/compiler.hpp"
 #include "hmesh/core/lanes.hpp"
 
 namespace hmesh::kit {

@@ -16,6 +16,7 @@
 #include <vector>
 
 #include "hmesh/core/assert.hpp"
+#include "hmesh/core/compiler.hpp"
 #include "hmesh/core/status.hpp"
 #include "hmesh/core/undo_array.hpp"
 #include "hmesh/mesh/handles.hpp"
@@ -30,7 +31,7 @@ class HalfedgeMesh {
     // The mesh of `triangles` over the vertices [0, vertex_count), all turning the same way. Replaces what was there.
     // Refuses (and leaves the mesh empty) an index out of range, an edge used twice in one direction, a vertex that is
     // isolated or where two fans meet. Cost O(n) for bounded valences.
-    [[nodiscard]] Status assign(std::size_t vertex_count, const std::vector<Triangle>& triangles);
+    [[nodiscard]] HMESH_COLD Status assign(std::size_t vertex_count, const std::vector<Triangle>& triangles);
 
     // --- counts and elements: live ones, and slots including deleted ones (the size for arrays indexed by handles) ---
     [[nodiscard]] std::size_t vertex_count() const noexcept { return counts_.vertices; }
@@ -133,7 +134,7 @@ class HalfedgeMesh {
     }
 
     // Proves every invariant above; the sentence names what is broken and `got` the first index where. O(n).
-    [[nodiscard]] Status check() const;
+    [[nodiscard]] HMESH_COLD Status check() const;
 
   private:
     // A deleted slot holds, behind a flag in the top bit, the slot deleted before it (free_end: none).

@@ -11,6 +11,7 @@
 #include <limits>
 #include <utility>
 
+#include "hmesh/core/compiler.hpp"
 #include "hmesh/core/lanes.hpp"
 #include "hmesh/mesh/geometry.hpp"
 

@@ -10,6 +10,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "hmesh/core/compiler.hpp"
 #include "hmesh/core/function_ref.hpp"
 #include "hmesh/core/lanes.hpp"
 #include "hmesh/mesh/geometry.hpp"

@@ -12,6 +12,7 @@
 #include <cstdint>
 #include <utility>
 
+#include "hmesh/core/compiler.hpp"
 #include "hmesh/core/finite.hpp"
 #include "hmesh/core/function_ref.hpp"
 #include "hmesh/core/status.hpp"
@@ -22,8 +23,8 @@ namespace hmesh::kit {
 // `mesh_of(n)` makes a result with .status and .report.psnr, meshes of 4 <= n <= most vertices. Returns that of the fewest
 // vertices that reached `psnr`, or of the best PSNR with target_out_of_range when none did; where a run fails, what there is
 // then with its status.
-[[nodiscard]] inline Result fewest_vertices(double psnr, std::size_t first, std::size_t most,
-                                            FunctionRef<Result(std::size_t n)> mesh_of) {
+[[nodiscard]] HMESH_COLD inline Result fewest_vertices(double psnr, std::size_t first, std::size_t most,
+                                                       FunctionRef<Result(std::size_t n)> mesh_of) {
     constexpr double slope = 1.6;  // dB a doubling
     struct Run {
         double log_n = 0, psnr = 0;

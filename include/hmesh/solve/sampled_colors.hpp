@@ -11,6 +11,7 @@
 #include <cstddef>
 #include <vector>
 
+#include "hmesh/core/compiler.hpp"
 #include "hmesh/core/lanes.hpp"
 #include "hmesh/fit/image_mesh.hpp"
 #include "hmesh/fit/moment_table.hpp"

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "hmesh/core/assert.hpp"
+#include "hmesh/core/compiler.hpp"
 #include "hmesh/solve/bounded_colors.hpp"
 #include "hmesh/solve/sampled_colors.hpp"
 #include "hmesh/tiles/tiled_mesh.hpp"
@@ -19,7 +20,7 @@ namespace hmesh::kit {
 
 // Gives all vertices the colours of the image under them (solve/sampled_colors.hpp), rounded to multiples of grid if grid > 0; its energy is then that of these colours.
 template <int C>
-void sample_colors(TiledMesh<C>& tiled, const Tiling& tiling, double grid) {
+HMESH_COLD void sample_colors(TiledMesh<C>& tiled, const Tiling& tiling, double grid) {
     IndexedMesh<C>& mesh = tiled.indexed();
     const ImageSource<C>& source = tiled.source();
     for (std::size_t v = 0; v < mesh.vertex_count(); ++v) {

@@ -9,6 +9,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "hmesh/core/compiler.hpp"
 #include "hmesh/core/status.hpp"
 #include "hmesh/fit/image_source.hpp"
 #include "hmesh/fit/squared_error.hpp"
@@ -70,7 +71,7 @@ template <int C>
 
 // The rectangle of an image as two faces, in the colours of its corners: where a method begins, and what a cancellation finds.
 template <int C>
-[[nodiscard]] IndexedMesh<C> corner_mesh(const ImageSource<C>& source) {
+[[nodiscard]] HMESH_COLD IndexedMesh<C> corner_mesh(const ImageSource<C>& source) {
     IndexedMesh<C> mesh;
     mesh.width = source.width();
     mesh.height = source.height();
@@ -82,7 +83,7 @@ template <int C>
 
 // As plain arrays, the result of all work. `peak`: the colour value of full intensity.
 template <int C>
-[[nodiscard]] Mesh to_mesh(const IndexedMesh<C>& from, double peak) {
+[[nodiscard]] HMESH_COLD Mesh to_mesh(const IndexedMesh<C>& from, double peak) {
     Mesh to;
     to.channels = C;
     to.width = from.width;

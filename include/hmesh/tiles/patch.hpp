@@ -19,6 +19,7 @@
 #include <vector>
 
 #include "hmesh/core/assert.hpp"
+#include "hmesh/core/compiler.hpp"
 #include "hmesh/core/parallel.hpp"
 #include "hmesh/core/progress.hpp"
 #include "hmesh/fit/image_mesh.hpp"
@@ -44,7 +45,7 @@ struct Cut {
 };
 
 template <int C>
-[[nodiscard]] Cut cut(const IndexedMesh<C>& whole, const Tiling& tiling) {
+[[nodiscard]] HMESH_COLD Cut cut(const IndexedMesh<C>& whole, const Tiling& tiling) {
     constexpr std::uint32_t none = 0xfffffffeU;
     const std::size_t n = whole.vertex_count();
     Cut cut;
@@ -86,7 +87,7 @@ struct PatchTriangles {
 };
 
 template <int C>
-[[nodiscard]] PatchTriangles renumber(const IndexedMesh<C>& whole, const Cut& cut, std::size_t tile) {
+[[nodiscard]] HMESH_COLD PatchTriangles renumber(const IndexedMesh<C>& whole, const Cut& cut, std::size_t tile) {
     PatchTriangles patch;
     struct Corner {  // of a triangle, in a frozen vertex
         std::uint32_t vertex, triangle, corner;
@@ -149,7 +150,7 @@ struct PatchResult {
 
 // A tile's part of the whole that nobody worked on. Its energy is not known.
 template <int C>
-[[nodiscard]] PatchResult<C> unchanged(const IndexedMesh<C>& whole, const Cut& cut, std::size_t tile) {
+[[nodiscard]] HMESH_COLD PatchResult<C> unchanged(const IndexedMesh<C>& whole, const Cut& cut, std::size_t tile) {
     PatchResult<C> out;
     out.positions.resize(cut.free_count[tile]);
     out.colors.resize(cut.free_count[tile]);
@@ -181,8 +182,8 @@ template <int C>
 class Patch {
   public:
     // `table`: a table to use if it is that of the patch's rectangle; it is taken.
-    Patch(const IndexedMesh<C>& whole, const ImageSource<C>& source, const detail::Cut& cut, std::size_t tile,
-          const MeshLimits& limits, TaskProgress* task, MomentTable<C> table = {})
+    HMESH_COLD Patch(const IndexedMesh<C>& whole, const ImageSource<C>& source, const detail::Cut& cut, std::size_t tile,
+                     const MeshLimits& limits, TaskProgress* task, MomentTable<C> table = {})
         : numbered_(detail::renumber(whole, cut, tile)), free_(cut.free_count[tile]) {
         std::vector<std::uint32_t> vertices(free_ + numbered_.locked.size());  // of the whole mesh
         for (std::size_t k = 0; k < numbered_.locked.size(); ++k) vertices[free_ + k] = numbered_.locked[k].vertex;
@@ -236,7 +237,7 @@ class Patch {
     [[nodiscard]] std::size_t free_count() const noexcept { return mesh_.vertex_count() - numbered_.locked.size(); }
 
     // The patch as it is now, in spatial order.
-    [[nodiscard]] detail::PatchResult<C> result() const {
+    [[nodiscard]] HMESH_COLD detail::PatchResult<C> result() const {
         detail::PatchResult<C> out;
         std::vector<std::uint32_t> number(mesh_.topology().vertex_slots());
         const auto is_frozen = [&](Vertex v) { return v.index() >= free_ && v.index() < free_ + numbered_.locked.size(); };

@@ -12,6 +12,7 @@
 #include <utility>
 #include <vector>
 
+#include "hmesh/core/compiler.hpp"
 #include "hmesh/core/function_ref.hpp"
 #include "hmesh/core/parallel.hpp"
 #include "hmesh/core/progress.hpp"
@@ -48,7 +49,7 @@ class TiledMesh {
     // Calls work(patch, tile) for the patch of each tile that has triangles, then puts all together again. The pieces
     // together are what the progress expects. Returns whether to go on; after a cancellation the mesh is valid, some patches
     // being worked on in part and some not at all, and indexed().energy is not known any more.
-    bool for_each(const Tiling& tiling, FunctionRef<void(Patch<C>& patch, std::size_t tile)> work) {
+    HMESH_COLD bool for_each(const Tiling& tiling, FunctionRef<void(Patch<C>& patch, std::size_t tile)> work) {
         if (tiling.size() == 1) {
             work_on_only(work);
             return !progress_->stopped();
@@ -69,8 +70,9 @@ class TiledMesh {
 
     // Calls look(patch, tile, faces) in the same way and changes nothing; faces[f] is the face of the whole mesh
     // that is face f of the patch. After a cancellation patches may have been left out, unless `all`.
-    bool visit(const Tiling& tiling, FunctionRef<void(Patch<C>& patch, std::size_t tile, const std::uint32_t* faces)> look,
-               bool all = false) {
+    HMESH_COLD bool visit(const Tiling& tiling,
+                          FunctionRef<void(Patch<C>& patch, std::size_t tile, const std::uint32_t* faces)> look,
+                          bool all = false) {
         put_back();
         const detail::Cut cut = detail::cut(indexed_, tiling);
         run(
@@ -80,7 +82,7 @@ class TiledMesh {
     }
 
     // Computes the energy of indexed(), with the positions and colours that it has now.
-    void measure(const Tiling& tiling) {
+    HMESH_COLD void measure(const Tiling& tiling) {
         std::vector<double> energies(tiling.size(), 0.0);
         visit(
             tiling, [&](Patch<C>& patch, std::size_t k, const std::uint32_t*) { energies[k] = patch.mesh().energy(); }, true);
@@ -103,7 +105,7 @@ class TiledMesh {
 
     // Single-tile case: the one patch is kept alive between phases and put back only when indexed() is called. On the calling
     // thread, so that the work may use the executor itself.
-    void work_on_only(FunctionRef<void(Patch<C>&, std::size_t)> work) {
+    HMESH_COLD void work_on_only(FunctionRef<void(Patch<C>&, std::size_t)> work) {
         if (!progress_->poll()) return;
         TaskProgress task(*progress_, 1);
         if (!only_) {
@@ -114,7 +116,7 @@ class TiledMesh {
         const TaskGuard guard(only_->mesh(), task);
         work(*only_, 0);
     }
-    void put_back() {
+    HMESH_COLD void put_back() {
         if (!only_) return;
         detail::PatchResult<C> result = only_->result();
         indexed_.positions = std::move(result.positions);
@@ -127,8 +129,8 @@ class TiledMesh {
     }
 
     // The patches that have triangles, the largest first; skip(tile) instead of work(patch, tile) once cancelled.
-    void run(const detail::Cut& cut, FunctionRef<void(Patch<C>&, std::size_t)> work, FunctionRef<void(std::size_t)> skip,
-             bool all = false) {
+    HMESH_COLD void run(const detail::Cut& cut, FunctionRef<void(Patch<C>&, std::size_t)> work,
+                        FunctionRef<void(std::size_t)> skip, bool all = false) {
         const auto count = [&](std::size_t k) { return cut.first[k + 1] - cut.first[k]; };
         std::vector<std::size_t> tiles;
         for (std::size_t k = 0; k + 1 < cut.first.size(); ++k)
@@ -146,7 +148,7 @@ class TiledMesh {
         });
     }
 
-    void merge(const detail::Cut& cut, const std::vector<detail::PatchResult<C>>& results) {
+    HMESH_COLD void merge(const detail::Cut& cut, const std::vector<detail::PatchResult<C>>& results) {
         IndexedMesh<C> merged;
         merged.width = indexed_.width;
         merged.height = indexed_.height;

@@ -18,6 +18,7 @@
 #include <utility>
 #include <vector>
 
+#include "hmesh/core/compiler.hpp"
 #include "hmesh/core/progress.hpp"
 #include "hmesh/core/status.hpp"
 #include "hmesh/edit/collapse.hpp"
@@ -38,7 +39,7 @@ namespace detail {
 
 // Greedy insertion until the mesh has n vertices.
 template <int C>
-void grow(ImageMesh<C>& mesh, std::size_t n, const AnnealedSteps& options) {
+HMESH_COLD void grow(ImageMesh<C>& mesh, std::size_t n, const AnnealedSteps& options) {
     const std::size_t first = mesh.vertex_count();
     mesh.reserve(n);
     while (mesh.vertex_count() < n && mesh.keep_going()) {
@@ -57,7 +58,7 @@ void grow(ImageMesh<C>& mesh, std::size_t n, const AnnealedSteps& options) {
 
 // Removes the cheapest vertices until n are left. May stop early where no vertex can go.
 template <int C>
-void shrink(ImageMesh<C>& mesh, std::size_t n, const AnnealedSteps& options) {
+HMESH_COLD void shrink(ImageMesh<C>& mesh, std::size_t n, const AnnealedSteps& options) {
     const std::size_t first = mesh.vertex_count();
     while (mesh.vertex_count() > n && mesh.keep_going()) {
         const std::size_t count = mesh.vertex_count(), surplus = count - n;
@@ -93,7 +94,7 @@ class AnnealedRun {
     }
     bool stage(const char* name, FunctionRef<bool()> body) { return run_stage<C>(*tiled_, name, body); }
 
-    bool start() {
+    HMESH_COLD bool start() {
         const double placed = static_cast<double>(n_) * steps_.insert_factor, pixels = tiled_->source().pixels();
         const double count = std::max(4.0, std::min(placed, pixels) * steps_.start);
         if (aligned_.size() == 1) {
@@ -138,7 +139,7 @@ class AnnealedRun {
 
     // Grows all tiles until they have about `count` vertices together, shared by area or, where `by_error`, by what error the
     // tiles have now (methods/annealed/budget.hpp).
-    bool grow_tiles(double count, bool by_error) {
+    HMESH_COLD bool grow_tiles(double count, bool by_error) {
         std::vector<double> weights;
         std::vector<std::size_t> caps;
         for (std::size_t k = 0; k < tiles_.size(); ++k) {
@@ -154,7 +155,7 @@ class AnnealedRun {
             [&](ImageMesh<C>& mesh, std::size_t k, std::size_t rim) { grow(mesh, rim + tiles_[k].placed, steps_); });
     }
 
-    bool insert() {
+    HMESH_COLD bool insert() {
         const double n = static_cast<double>(n_), pixels = std::max(4.0, tiled_->source().pixels());
         const double placed = std::max(n, std::min(pixels, std::round(n * steps_.insert_factor)));
         // Where flat tiles get more than their share at first, removal has more to choose from: 0.1 dB.
@@ -167,7 +168,7 @@ class AnnealedRun {
         return grow_tiles(placed, true);
     }
 
-    bool collapse() {
+    HMESH_COLD bool collapse() {
         // All tiles shrink by the same ratio.
         const auto left = static_cast<std::size_t>(std::round(static_cast<double>(n_) * steps_.collapse_factor));
         double placed = 0;
@@ -181,7 +182,7 @@ class AnnealedRun {
         return go_on;
     }
 
-    bool anneal() {
+    HMESH_COLD bool anneal() {
         const AnnealingOptions& annealing = steps_.annealing;
         AnnealingSchedule schedule(annealing, n_, tiled_->mean_energy());
         for (int k = 0; k < annealing.sweeps; ++k) {
@@ -209,7 +210,7 @@ class AnnealedRun {
         return true;
     }
 
-    bool polish() {
+    HMESH_COLD bool polish() {
         // Seams that nothing has healed yet get one round at least.
         const bool has_seams = aligned_.size() > 1 && steps_.annealing.sweeps == 0;
         const int rounds = std::max(steps_.polish_rounds, has_seams ? 1 : 0);

@@ -12,6 +12,7 @@
 #include <utility>
 #include <vector>
 
+#include "hmesh/core/compiler.hpp"
 #include "hmesh/edit/collapse.hpp"
 #include "hmesh/edit/insert.hpp"
 #include "hmesh/edit/relax.hpp"
@@ -67,7 +68,7 @@ namespace detail {
 
 // Removes `count` vertices: the cheapest of all patches. Returns whether any went.
 template <int C>
-bool remove_cheapest(TiledMesh<C>& tiled, const Tiling& tiling, std::size_t count, const Relaxation& relaxation) {
+HMESH_COLD bool remove_cheapest(TiledMesh<C>& tiled, const Tiling& tiling, std::size_t count, const Relaxation& relaxation) {
     std::vector<std::size_t> quota(tiling.size(), count);
     if (tiling.size() > 1) {
         std::vector<std::vector<double>> costs(tiling.size());
@@ -102,7 +103,7 @@ bool remove_cheapest(TiledMesh<C>& tiled, const Tiling& tiling, std::size_t coun
 
 // Inserts `count` vertices where the error is, at the best sites of each patch. Returns whether any came.
 template <int C>
-bool insert_best(TiledMesh<C>& tiled, const Tiling& tiling, std::size_t count) {
+HMESH_COLD bool insert_best(TiledMesh<C>& tiled, const Tiling& tiling, std::size_t count) {
     std::vector<double> energies(tiling.size(), 0.0);
     if (tiling.size() > 1 && !tiled.visit(tiling, [&](Patch<C>& patch, std::size_t tile, const std::uint32_t*) {
             energies[tile] = std::max(0.0, patch.mesh().energy());
@@ -128,7 +129,7 @@ bool insert_best(TiledMesh<C>& tiled, const Tiling& tiling, std::size_t count) {
 // Brings the mesh to exactly n vertices, in patches of about `tile` px. Returns false where it could not: cancelled, or more
 // than n vertices none of which can go.
 template <int C>
-bool reach_vertex_count(TiledMesh<C>& tiled, std::size_t n, double tile, const Relaxation& relaxation) {
+HMESH_COLD bool reach_vertex_count(TiledMesh<C>& tiled, std::size_t n, double tile, const Relaxation& relaxation) {
     const int width = tiled.source().width(), height = tiled.source().height();
     const auto count = [&] { return tiled.vertex_count(); };
     // Where one tiling is stuck, another may not be.

@@ -11,6 +11,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "hmesh/core/compiler.hpp"
 #include "hmesh/core/function_ref.hpp"
 #include "hmesh/core/parallel.hpp"
 #include "hmesh/fit/image_source.hpp"
@@ -44,8 +45,8 @@ struct ChainVertex {
     std::uint32_t vertex;
     double along;
 };
-inline void add_strip(const std::vector<ChainVertex>& outer, const std::vector<ChainVertex>& inner,
-                      std::vector<Triangle>& triangles) {
+HMESH_COLD inline void add_strip(const std::vector<ChainVertex>& outer, const std::vector<ChainVertex>& inner,
+                                 std::vector<Triangle>& triangles) {
     std::size_t a = 0, b = 0;
     while (a + 1 < outer.size() || b + 1 < inner.size()) {
         const bool on_outer = b + 1 == inner.size() || (a + 1 < outer.size() && outer[a].along + outer[a + 1].along <=
@@ -64,7 +65,7 @@ inline void add_strip(const std::vector<ChainVertex>& outer, const std::vector<C
 
 // A regular grid of at most `count` >= 4 vertices over the image.
 template <int C>
-[[nodiscard]] IndexedMesh<C> regular_grid(const ImageSource<C>& source, double count) {
+[[nodiscard]] HMESH_COLD IndexedMesh<C> regular_grid(const ImageSource<C>& source, double count) {
     const int width = source.width(), height = source.height();
     const auto cells = [&](double side, double other, int pixels) {
         const double n = std::floor(std::sqrt(count * side / other)) - 1;
@@ -88,8 +89,9 @@ template <int C>
 // A grid of about `count` vertices in the tiles of an unshifted tiling, sewn to about `seam_count` nodes on the seams, which
 // are found while go_on() says true (see seam_lines). Either is more where the other would give vertices too many neighbours.
 template <int C>
-[[nodiscard]] IndexedMesh<C> tiled_grid(const ImageSource<C>& source, const Tiling& tiling, double count, double seam_count,
-                                        FunctionRef<bool()> go_on, const ParallelFor& parallel_for = {}) {
+[[nodiscard]] HMESH_COLD IndexedMesh<C> tiled_grid(const ImageSource<C>& source, const Tiling& tiling, double count,
+                                                   double seam_count, FunctionRef<bool()> go_on,
+                                                   const ParallelFor& parallel_for = {}) {
     const auto columns = static_cast<std::uint32_t>(tiling.columns()), rows = static_cast<std::uint32_t>(tiling.rows());
     const auto tile = [&](std::uint32_t i, std::uint32_t j) { return tiling.rect(std::size_t{j} * columns + i); };
     IndexedMesh<C> mesh;

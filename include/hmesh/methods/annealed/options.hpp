@@ -10,6 +10,7 @@
 #include <cstdint>
 #include <optional>
 
+#include "hmesh/core/compiler.hpp"
 #include "hmesh/core/range.hpp"
 #include "hmesh/core/status.hpp"
 #include "hmesh/edit/tolerance.hpp"
@@ -93,7 +94,7 @@ struct AnnealedSteps {
 }
 
 // Whether the steps mean something; the sentence names the first that does not.
-[[nodiscard]] inline Status check(const AnnealedSteps& steps) noexcept {
+[[nodiscard]] HMESH_COLD inline Status check(const AnnealedSteps& steps) noexcept {
     const AnnealingOptions& annealing = steps.annealing;
     const Tolerance &insert = steps.insert_tolerance, &polish = steps.polish;
     return check_ranges({

@@ -14,6 +14,7 @@
 #include <limits>
 #include <vector>
 
+#include "hmesh/core/compiler.hpp"
 #include "hmesh/core/function_ref.hpp"
 #include "hmesh/core/lanes.hpp"
 #include "hmesh/core/parallel.hpp"
@@ -160,9 +161,9 @@ template <int C>
 // About `count` nodes on all seams together, at one price; none further than `reach` px from the next. Seams that come up
 // after go_on(), called from any thread, has said false are left without nodes.
 template <int C>
-[[nodiscard]] std::vector<SeamLine<C>> seam_lines(const ImageSource<C>& source, const std::vector<Seam>& seams, double count,
-                                                  int step, int reach, FunctionRef<bool()> go_on,
-                                                  const ParallelFor& parallel_for = {}) {
+[[nodiscard]] HMESH_COLD std::vector<SeamLine<C>> seam_lines(const ImageSource<C>& source, const std::vector<Seam>& seams,
+                                                             double count, int step, int reach, FunctionRef<bool()> go_on,
+                                                             const ParallelFor& parallel_for = {}) {
     std::vector<SeamLine<C>> lines(seams.size());
     const auto choose = [&](double price) {
         for_each_chunk(parallel_for, seams.size(), 1, [&](std::size_t i, std::size_t) {

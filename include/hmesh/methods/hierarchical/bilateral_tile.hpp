@@ -11,6 +11,7 @@
 #include <cstring>
 #include <vector>
 
+#include "hmesh/core/compiler.hpp"
 #include "hmesh/core/lanes.hpp"
 #include "hmesh/image/image_view.hpp"
 

