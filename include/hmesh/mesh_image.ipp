@@ -1,6 +1,7 @@
-// hmesh - how mesh_image() does it. Included by mesh_image.hpp alone.
+// hmesh - how mesh_image() does it. Included by mesh_image.hpp alone; nothing where a program compiles it in another file.
 #ifndef HMESH_MESH_IMAGE_IPP
 #define HMESH_MESH_IMAGE_IPP
+#if !defined(HMESH_COMPILED) || defined(HMESH_IMPLEMENTATION)
 
 #include <algorithm>
 #include <cmath>
@@ -17,12 +18,14 @@
 #include "hmesh/image/premultiply.hpp"
 #include "hmesh/image/weights.hpp"
 #include "hmesh/methods/annealed/annealed.hpp"
+#include "hmesh/methods/final_colors.hpp"
 #include "hmesh/methods/psnr_search.hpp"
 #include "hmesh/methods/stage.hpp"
-#include "hmesh/tiles/final_colors.hpp"
 #include "hmesh/tiles/indexed_mesh.hpp"
 #include "hmesh/tiles/tiled_mesh.hpp"
 #include "hmesh/tiles/tiling.hpp"
+
+#include "hmesh/core/macros/push.hpp"
 
 namespace hmesh::detail {
 
@@ -132,4 +135,7 @@ Result mesh_image(const ImageView<T, C>& view, const Options& options, const Rec
 
 }  // namespace hmesh
 
+#include "hmesh/core/macros/pop.hpp"
+
+#endif  // HMESH_COMPILED
 #endif  // HMESH_MESH_IMAGE_IPP

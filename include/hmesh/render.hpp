@@ -28,6 +28,8 @@
 #include "hmesh/mesh/mesh.hpp"
 #include "hmesh/mesh/raster.hpp"
 
+#include "hmesh/core/macros/push.hpp"
+
 namespace hmesh {
 
 // Between what values of its corners a face is drawn.
@@ -266,5 +268,7 @@ template <class T, int C>
 }
 
 }  // namespace hmesh
+
+#include "hmesh/core/macros/pop.hpp"
 
 #endif  // HMESH_RENDER_HPP

@@ -1,8 +1,8 @@
 // hmesh - final colors: the last step of every method, for a mesh in tiles.
 //
 // About 1 us a vertex, and a moment table of each tile.
-#ifndef HMESH_TILES_FINAL_COLORS_HPP
-#define HMESH_TILES_FINAL_COLORS_HPP
+#ifndef HMESH_METHODS_FINAL_COLORS_HPP
+#define HMESH_METHODS_FINAL_COLORS_HPP
 
 #include <algorithm>
 #include <cmath>
@@ -15,6 +15,8 @@
 #include "hmesh/solve/bounded_colors.hpp"
 #include "hmesh/solve/sampled_colors.hpp"
 #include "hmesh/tiles/tiled_mesh.hpp"
+
+#include "hmesh/core/macros/push.hpp"
 
 namespace hmesh::kit {
 
@@ -63,4 +65,6 @@ BoundedReport bounded_colors(TiledMesh<C>& tiled, const Tiling& tiling, double l
 
 }  // namespace hmesh::kit
 
-#endif  // HMESH_TILES_FINAL_COLORS_HPP
+#include "hmesh/core/macros/pop.hpp"
+
+#endif  // HMESH_METHODS_FINAL_COLORS_HPP
