@@ -2,6 +2,7 @@
 #ifndef HMESH_BENCHMARKS_COMMON_HPP
 #define HMESH_BENCHMARKS_COMMON_HPP
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <cstdio>
@@ -71,7 +72,7 @@ inline std::optional<Picture> read(const char* program, const std::string& path)
         return {};
     }
     Picture picture(file.width, file.height);
-    picture.samples() = std::move(file.samples8);
+    std::copy(file.samples8.begin(), file.samples8.end(), picture.data());
     return picture;
 }
 

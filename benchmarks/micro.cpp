@@ -71,7 +71,7 @@ void bilateral(benchmark::State& state) {  // a pixel; the argument is the diame
     options.diameter = static_cast<int>(state.range(0));
     std::size_t pixels = 0;
     for (auto _ : state) {
-        benchmark::DoNotOptimize(hmesh::kit::bilateral_filter(view, options).samples().data());
+        benchmark::DoNotOptimize(hmesh::kit::bilateral_filter(view, options).data());
         pixels += static_cast<std::size_t>(view.width) * static_cast<std::size_t>(view.height);
     }
     per_item(state, pixels);
@@ -243,11 +243,11 @@ void patches(benchmark::State& state) {  // a vertex, with its 100 pixels
 void draw(benchmark::State& state) {  // a pixel
     const Fixture& f = fixture();
     const auto mesh = hmesh::kit::to_mesh(f.whole, 255);
-    hmesh::Image<float, channels> out;
     std::size_t pixels = 0;
     for (auto _ : state) {
-        if (!hmesh::render(mesh.view(), out)) std::abort();
-        pixels += static_cast<std::size_t>(out.width()) * static_cast<std::size_t>(out.height());
+        const hmesh::RenderResult<channels> picture = hmesh::render<channels>(mesh.view());
+        if (!picture.status) std::abort();
+        pixels += picture.image.size() / channels;
     }
     per_item(state, pixels);
 }

@@ -76,7 +76,7 @@ class Album {
   public:
     template <class T, int C>
     void add_image(const std::string& name, const Image<T, C>& image) {
-        entries_.push_back({name, (Hash() << image.samples()).text()});
+        entries_.push_back({name, (Hash() << hmesh_test::samples_of(image)).text()});
     }
     template <class T, int C, class Recipe>
     void add(const std::string& name, const Image<T, C>& image, const Options& options, const Recipe& recipe) {

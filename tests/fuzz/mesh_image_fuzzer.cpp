@@ -192,8 +192,8 @@ void demand_same(const hmesh::Result& a, const hmesh::Result& b) {
 // The report is true: of stored values of integer types, which all count the same.
 template <class T, int C>
 void demand_true_energy(const hmesh::ImageView<T, C>& view, const hmesh::Result& result) {
-    hmesh::Image<float, C> drawn;
-    demand(static_cast<bool>(hmesh::render(result.mesh.view(), drawn)), "a mesh can be drawn");
+    const auto [drawn, status] = hmesh::render<C>(result.mesh.view());
+    demand(static_cast<bool>(status), "a mesh can be drawn");
     double energy = 0;
     for (int y = 0; y < view.height; ++y)
         for (int i = 0; i < view.width * C; ++i) {
