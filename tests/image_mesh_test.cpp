@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <string>
 #include <utility>
 #include <vector>
@@ -15,6 +16,7 @@
 #include "test_images.hpp"
 #include "test_meshes.hpp"
 
+using hmesh::Errc;
 using hmesh::Triangle;
 using hmesh::kit::Color;
 using hmesh::kit::Edge;
@@ -184,14 +186,80 @@ TEST_CASE("triangulations that are none are refused") {
     ImageMesh<1>& mesh = subject.mesh;
     REQUIRE(mesh.assign(square, {{0, 1, 2}, {0, 2, 3}}));
     REQUIRE(mesh.check());
-    CHECK(mesh.assign(square, {{0, 1, 2}, {0, 2, 4}}).code == hmesh::Errc::invalid_argument);  // no vertex 4
-    CHECK(mesh.assign(square, {{0, 1, 2}, {0, 1, 3}}).code == hmesh::Errc::invalid_argument);  // 0 -> 1 twice
-    CHECK(mesh.assign(square, {{0, 1, 2}, {0, 2, 2}}).code == hmesh::Errc::invalid_argument);  // a corner twice
-    CHECK(mesh.assign(square, {{0, 1, 2}}).code == hmesh::Errc::invalid_argument);             // vertex 3 alone
+    CHECK(mesh.assign(square, {{0, 1, 2}, {0, 2, 4}}).code == Errc::invalid_argument);  // no vertex 4
+    CHECK(mesh.assign(square, {{0, 1, 2}, {0, 1, 3}}).code == Errc::invalid_argument);  // 0 -> 1 twice
+    CHECK(mesh.assign(square, {{0, 1, 2}, {0, 2, 2}}).code == Errc::invalid_argument);  // a corner twice
+    CHECK(mesh.assign(square, {{0, 1, 2}}).code == hmesh::Errc::invalid_argument);      // vertex 3 alone
     CHECK(mesh.assign({{0, 0}, {4, 0}, {0, 3}, {8, 6}, {4, 6}, {8, 3}, {4, 3}}, {{0, 1, 6}, {0, 6, 2}, {3, 4, 6}, {3, 6, 5}})
-              .code == hmesh::Errc::invalid_argument);  // two fans in 6
+              .code == Errc::invalid_argument);  // two fans in 6
     REQUIRE(mesh.assign(square, {{0, 1, 3}, {1, 2, 3}}));
     hmesh_test::prove(subject);
+}
+
+TEST_CASE("vertices outside the rectangle, off the grid or not finite are refused, and the mesh is then empty") {
+    Subject<std::uint8_t, 2> subject(hmesh_test::noise<std::uint8_t, 2>(8, 6, 1));
+    ImageMesh<2>& mesh = subject.mesh;
+    const std::vector<Triangle> fan = {{0, 1, 4}, {1, 2, 4}, {2, 3, 4}, {3, 0, 4}};
+    constexpr double infinity = std::numeric_limits<double>::infinity(), nan = std::numeric_limits<double>::quiet_NaN();
+    const auto refused = [&](std::size_t vertex, Point place, Errc code, const char* word) {
+        std::vector<Point> positions = square;
+        positions.push_back({4, 3});
+        REQUIRE(mesh.assign(positions, fan));
+        REQUIRE(mesh.vertex_count() == 5);
+        positions[vertex] = place;
+        const hmesh::Status status = mesh.assign(positions, fan);
+        CHECK(status.code == code);
+        CHECK_MESSAGE(std::string(status.what).find(word) != std::string::npos, status.what);
+        CHECK(status.value == static_cast<double>(vertex));
+        CHECK(mesh.vertex_count() == 0);
+        CHECK(mesh.topology().face_count() == 0);
+        CHECK(mesh.energy() == 0);
+    };
+    for (const double far : {-1.0 / 256, -1.0, -1e9, -1e300}) {
+        refused(4, {far, 3}, Errc::invalid_argument, "outside");
+        refused(0, {0, far}, Errc::invalid_argument, "outside");
+    }
+    for (const double far : {8 + 1.0 / 256, 9.0, 1e9, 1e300}) refused(2, {far, 6}, Errc::invalid_argument, "outside");
+    for (const double far : {6 + 1.0 / 256, 1e9, 1e300}) refused(3, {0, far}, Errc::invalid_argument, "outside");
+    for (const double step : {1.0 / 512, 1e-12, 1.0 / 3}) {
+        refused(4, {4 + step, 3}, Errc::invalid_argument, "grid");
+        refused(4, {4, 3 - step}, Errc::invalid_argument, "grid");
+    }
+    for (const double bad : {nan, infinity, -infinity}) {
+        refused(4, {bad, 3}, Errc::not_finite, "position");
+        refused(1, {8, bad}, Errc::not_finite, "position");
+    }
+    REQUIRE(mesh.assign(square, {{0, 1, 3}, {1, 2, 3}}));
+    CHECK(mesh.assign(square, {{0, 1, 2}}).code == Errc::invalid_argument);
+    CHECK(mesh.vertex_count() == 0);
+    REQUIRE(mesh.assign(square, {{0, 1, 3}, {1, 2, 3}}));  // it is of use again
+    hmesh_test::prove(subject);
+}
+
+TEST_CASE("colours that are not as many as the vertices, or not finite, are refused; what is in their padding does not count") {
+    Subject<std::uint8_t, 2> subject(hmesh_test::noise<std::uint8_t, 2>(8, 6, 1));
+    ImageMesh<2>& mesh = subject.mesh;
+    const std::vector<Triangle> faces = {{0, 1, 2}, {0, 2, 3}};
+    std::vector<Color<2>> colors(4, Color<2>::all(7));
+    REQUIRE(mesh.assign(square, faces, colors, {}));
+    hmesh_test::prove(subject);
+    CHECK(mesh.color(Vertex(3))[1] == 7);
+    for (const std::size_t number : {1U, 3U, 5U, 100U}) {
+        const hmesh::Status status = mesh.assign(square, faces, std::vector<Color<2>>(number, Color<2>::zero()), {});
+        CHECK(status.code == Errc::invalid_argument);
+        CHECK(status.value == static_cast<double>(number));
+        CHECK(status.limit == 4);
+        CHECK(mesh.vertex_count() == 0);
+    }
+    for (const double bad : {std::numeric_limits<double>::quiet_NaN(), -std::numeric_limits<double>::infinity()})
+        for (std::size_t v = 0; v < 4; ++v)
+            for (int k = 0; k < 2; ++k) {
+                std::vector<Color<2>> broken = colors;
+                broken[v].set(k, bad);
+                const hmesh::Status status = mesh.assign(square, faces, broken, {});
+                CHECK(status.code == Errc::not_finite);
+                CHECK(status.value == static_cast<double>(v));
+            }
 }
 
 TEST_CASE("check() notices a mesh that does not tile the rectangle, turns a face over, or leaves the grid or its padding") {
@@ -204,9 +272,11 @@ TEST_CASE("check() notices a mesh that does not tile the rectangle, turns a face
     REQUIRE(mesh.assign({{0, 0}, {8, 0}, {8, 6}, {0, 6}, {4, 3}}, {{0, 1, 4}, {1, 2, 4}, {2, 3, 4}}));
     CHECK_FALSE(mesh.check());  // a notch, so that vertex 4 is on the mesh's border but inside the image
     const std::vector<Triangle> fan = {{0, 1, 4}, {1, 2, 4}, {2, 3, 4}, {3, 0, 4}};
-    REQUIRE(mesh.assign({{0, 0}, {8, 0}, {8, 6}, {0, 6}, {4 + 1.0 / 512, 3}}, fan));
-    CHECK_FALSE(mesh.check());
     REQUIRE(mesh.assign({{0, 0}, {8, 0}, {8, 6}, {0, 6}, {4, 3}}, fan));
+    REQUIRE(mesh.check());
+    mesh.place(Vertex(4), {4 + 1.0 / 512, 3}, mesh.color(Vertex(4)));
+    CHECK_FALSE(mesh.check());
+    mesh.place(Vertex(4), {4, 3}, mesh.color(Vertex(4)));
     REQUIRE(mesh.check());
     Color<1> padded = Color<1>::zero();
     padded.set(1, 1);
@@ -243,7 +313,7 @@ TEST_CASE("a vertex's place is clamped to the grid, and off the border unless it
     CHECK(mesh.clamp({8, 0}, Mobility::corner) == Point{8, 0});
 }
 
-TEST_CASE("colours keep within their range and its insert_factor, also when that overflows") {
+TEST_CASE("colours keep within their range and its overshoot, also when that overflows") {
     Subject<std::uint8_t, 1> bytes(hmesh_test::noise<std::uint8_t, 1>(8, 6, 1));
     const double slack = 255 * bytes.mesh.limits().color_overshoot;
     CHECK(bytes.mesh.color_low() == doctest::Approx(-slack));
