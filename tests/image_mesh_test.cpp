@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "hmesh/core/random.hpp"
+#include "mesh_flaws.hpp"
 #include "test_executors.hpp"
 #include "test_images.hpp"
 #include "test_meshes.hpp"
@@ -260,6 +261,88 @@ TEST_CASE("colours that are not as many as the vertices, or not finite, are refu
                 CHECK(status.code == Errc::not_finite);
                 CHECK(status.value == static_cast<double>(v));
             }
+}
+
+TEST_CASE("a mesh becomes plain arrays and comes back: places, colours as floats, faces and the energy") {
+    Subject<std::uint16_t, 3> subject(hmesh_test::scene<std::uint16_t, 3>(26, 22, 1), hmesh_test::jittered_grid(26, 22, 5, 4, 1));
+    ImageMesh<3>& mesh = subject.mesh;
+    hmesh_test::wear(mesh, 300, 65535, 1);
+    REQUIRE(hmesh::kit::remove_batch(mesh, 5, {}) > 0);
+    REQUIRE(mesh.topology().vertex_slots() > mesh.vertex_count());
+    const hmesh::Mesh plain = to_mesh(mesh, 65535);
+    CHECK(plain.channels == 3);
+    CHECK(plain.width == 26);
+    CHECK(plain.height == 22);
+    CHECK(plain.peak == 65535);
+    CHECK_FALSE(plain.premultiplied);
+    CHECK(hmesh_test::flaw_of(plain.view(), 26, 22) == "");
+    REQUIRE(plain.vertex_count() == mesh.vertex_count());
+    REQUIRE(plain.face_count() == mesh.topology().face_count());
+    std::size_t row = 0;
+    std::vector<std::uint32_t> number(mesh.topology().vertex_slots());
+    for (const Vertex v : mesh.topology().vertices()) {
+        CHECK(static_cast<double>(plain.positions[2 * row]) == mesh.position(v).x);
+        CHECK(static_cast<double>(plain.positions[2 * row + 1]) == mesh.position(v).y);
+        for (int k = 0; k < 3; ++k)
+            CHECK(plain.colors[3 * row + static_cast<std::size_t>(k)] == static_cast<float>(mesh.color(v)[k]));
+        number[v.index()] = static_cast<std::uint32_t>(row++);
+    }
+    row = 0;
+    for (const Face f : mesh.topology().faces()) {
+        const auto v = mesh.topology().vertices(f);
+        CHECK(plain.faces[row++] == Triangle{number[v[0].index()], number[v[1].index()], number[v[2].index()]});
+    }
+
+    Subject<std::uint16_t, 3> again(subject.image);
+    REQUIRE(again.mesh.assign(plain, hmesh_test::ReverseFor{}));
+    hmesh_test::prove(again);
+    CHECK(again.mesh.energy() == doctest::Approx(mesh.energy()).epsilon(1e-5));
+    const hmesh::Mesh copy = to_mesh(again.mesh, 65535);
+    CHECK(copy.positions == plain.positions);
+    CHECK(copy.colors == plain.colors);
+    CHECK(copy.faces.size() == plain.faces.size());
+    hmesh_test::wear(again.mesh, 50, 65535, 2);  // and work goes on
+    hmesh_test::prove(again);
+}
+
+TEST_CASE("plain arrays that are no mesh of the image are refused") {
+    Subject<std::uint8_t, 3> subject(hmesh_test::noise<std::uint8_t, 3>(8, 6, 1));
+    ImageMesh<3>& mesh = subject.mesh;
+    REQUIRE(mesh.assign(square, {{0, 1, 2}, {0, 2, 3}}));
+    const hmesh::Mesh good = to_mesh(mesh, 255);
+    const auto refused = [&](const hmesh::Mesh& bad) {
+        REQUIRE(mesh.assign(good));
+        REQUIRE(mesh.check());
+        const hmesh::Status status = mesh.assign(bad);
+        CHECK(mesh.vertex_count() == (status ? 4 : 0));
+        return status;
+    };
+    CHECK(refused(good));
+    CHECK(refused(hmesh::Mesh()).code == Errc::invalid_argument);
+    hmesh::Mesh bad = good;
+    bad.channels = 4;
+    CHECK(refused(bad).value == 4);
+    CHECK(refused(bad).limit == 3);
+    bad = good, bad.width = 9;
+    CHECK(refused(bad).value == 9);
+    CHECK(refused(bad).limit == 8);
+    bad = good, bad.height = 5;
+    CHECK(refused(bad).value == 5);
+    CHECK(refused(bad).limit == 6);
+    bad = good, bad.positions.pop_back();
+    CHECK(refused(bad).code == Errc::invalid_argument);
+    bad = good, bad.colors.push_back(0);
+    CHECK(refused(bad).code == Errc::invalid_argument);
+    bad = good, bad.positions[2] = 8.25F;
+    CHECK(refused(bad).value == 1);
+    bad = good, bad.colors[7] = std::numeric_limits<float>::quiet_NaN();
+    CHECK(refused(bad).code == Errc::not_finite);
+    CHECK(refused(bad).value == 2);
+    bad = good, bad.faces[1][2] = 4;
+    CHECK(refused(bad).code == Errc::invalid_argument);
+    bad = good, bad.positions.clear(), bad.colors.clear(), bad.faces.clear();
+    CHECK(mesh.assign(bad));  // as HalfedgeMesh has it: a mesh of nothing
+    CHECK(mesh.vertex_count() == 0);
 }
 
 TEST_CASE("check() notices a mesh that does not tile the rectangle, turns a face over, or leaves the grid or its padding") {

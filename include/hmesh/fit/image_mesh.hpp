@@ -27,6 +27,7 @@
 #include "hmesh/fit/ring.hpp"
 #include "hmesh/mesh/halfedge_mesh.hpp"
 #include "hmesh/mesh/limits.hpp"
+#include "hmesh/mesh/mesh.hpp"
 #include "hmesh/mesh/spatial_order.hpp"
 
 namespace hmesh::kit {
@@ -64,6 +65,9 @@ class ImageMesh {
                                 const ParallelFor& parallel_for = {}) {
         return assign(positions, triangles, {}, parallel_for);
     }
+    // The same from plain arrays, to go on working on a mesh of C channels whose image is as large as the table: vertex i is
+    // number i there, face f number f. to_mesh() is the way back.
+    [[nodiscard]] HMESH_COLD Status assign(const Mesh& mesh, const ParallelFor& parallel_for = {});
 
     [[nodiscard]] const HalfedgeMesh& topology() const noexcept { return topology_; }
     [[nodiscard]] const MomentTable<C>& table() const noexcept { return *table_; }
@@ -263,6 +267,11 @@ class ImageMesh {
     std::vector<unsigned char> dirty_;
     int depth_ = 0;
 };
+
+// As plain arrays: vertices and faces in the order of topology(), deleted ones left out, positions in the plane of the table,
+// colours rounded to float. `peak`: the colour value of full intensity.
+template <int C>
+[[nodiscard]] HMESH_COLD Mesh to_mesh(const ImageMesh<C>& from, double peak);
 
 // Vertices, faces and edges in the order in which operators visit them, see mesh/spatial_order.hpp.
 template <int C>

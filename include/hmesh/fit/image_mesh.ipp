@@ -81,6 +81,51 @@ Status ImageMesh<C>::assign(const std::vector<Point>& positions, const std::vect
 }
 
 template <int C>
+Status ImageMesh<C>::assign(const Mesh& mesh, const ParallelFor& parallel_for) {
+    HMESH_ASSERT(table_ != nullptr);
+    const std::size_t n = mesh.vertex_count();
+    if (mesh.channels != C)
+        return refuse({Errc::invalid_argument, "the mesh has not the image's number of channels", mesh.channels, C});
+    if (mesh.positions.size() != 2 * n || mesh.colors.size() != C * n)
+        return refuse({Errc::invalid_argument, "the mesh's arrays are not of one number of vertices"});
+    if (mesh.width != width())
+        return refuse({Errc::invalid_argument, "the mesh is not as wide as the image", mesh.width, width()});
+    if (mesh.height != height())
+        return refuse({Errc::invalid_argument, "the mesh is not as high as the image", mesh.height, height()});
+    std::vector<Point> positions(n);
+    std::vector<Color<C>> colors(n, Color<C>::zero());
+    for (std::size_t v = 0; v < n; ++v) {
+        positions[v] = {static_cast<double>(mesh.positions[2 * v]), static_cast<double>(mesh.positions[2 * v + 1])};
+        for (std::size_t k = 0; k < C; ++k) colors[v].set(static_cast<int>(k), static_cast<double>(mesh.colors[C * v + k]));
+    }
+    return assign(positions, mesh.faces, colors, parallel_for);
+}
+
+template <int C>
+Mesh to_mesh(const ImageMesh<C>& from, double peak) {
+    const HalfedgeMesh& topology = from.topology();
+    Mesh to;
+    to.channels = C;
+    to.width = from.width(), to.height = from.height(), to.peak = peak;
+    to.positions.reserve(2 * topology.vertex_count());
+    to.colors.reserve(C * topology.vertex_count());
+    to.faces.reserve(topology.face_count());
+    std::vector<std::uint32_t> number(topology.vertex_slots());
+    std::uint32_t count = 0;
+    for (const Vertex v : topology.vertices()) {
+        number[v.index()] = count++;
+        to.positions.push_back(static_cast<float>(from.position(v).x));
+        to.positions.push_back(static_cast<float>(from.position(v).y));
+        for (int k = 0; k < C; ++k) to.colors.push_back(static_cast<float>(from.color(v)[k]));
+    }
+    for (const Face f : topology.faces()) {
+        const auto v = topology.vertices(f);
+        to.faces.push_back({number[v[0].index()], number[v[1].index()], number[v[2].index()]});
+    }
+    return to;
+}
+
+template <int C>
 void ImageMesh<C>::set_colors(const std::vector<Color<C>>& colors, const ParallelFor& parallel_for) {
     HMESH_ASSERT(depth_ == 0 && colors.size() == vertices_.size());
     for (std::size_t i = 0; i < colors.size(); ++i) vertices_.raw(i).color = colors[i];
