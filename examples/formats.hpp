@@ -30,7 +30,7 @@ struct FormatOptions {
 namespace detail {
 
 // hmesh::Deflate by stb_image_write: no zlib is needed. About 10 MB/s.
-[[nodiscard]] inline bool deflate(void*, const unsigned char* bytes, std::size_t size, std::vector<unsigned char>& out) {
+[[nodiscard]] inline bool deflate(const unsigned char* bytes, std::size_t size, std::vector<unsigned char>& out) {
     if (size > max_deflated) return false;
     std::vector<unsigned char> copy(bytes, bytes + size);  // stb takes no const
     int length = 0;
@@ -50,12 +50,12 @@ namespace detail {
     return hmesh::write_glb(mesh, file);
 }
 [[nodiscard]] inline hmesh::Status write_pdf_file(const hmesh::MeshView& mesh, const FormatOptions&, OutputFile& file) {
-    hmesh::PdfOptions options;
+    hmesh::PageOptions options;
     options.deflate = deflate;
     return hmesh::write_pdf(mesh, file, options);
 }
 [[nodiscard]] inline hmesh::Status write_eps_file(const hmesh::MeshView& mesh, const FormatOptions&, OutputFile& file) {
-    hmesh::EpsOptions options;
+    hmesh::PageOptions options;
     options.deflate = deflate;
     return hmesh::write_eps(mesh, file, options);
 }

@@ -25,6 +25,8 @@
 #include "hmesh/options.hpp"
 #include "hmesh/result.hpp"
 
+#include "hmesh/core/macros/push.hpp"
+
 namespace hmesh {
 
 /// Meshes an image.
@@ -56,6 +58,8 @@ template <class T, int C>
 
 }  // namespace hmesh
 
+#include "hmesh/core/macros/pop.hpp"
+
 /// Compiles mesh_image() for images of C channels of type T by the default recipe, in the file that defines HMESH_IMPLEMENTATION.
 #define HMESH_INSTANTIATE(T, C) HMESH_INSTANTIATE_RECIPE(T, C, ::hmesh::Annealed)
 /// The same by another recipe.
@@ -63,8 +67,6 @@ template <class T, int C>
     template ::hmesh::Result hmesh::mesh_image<T, C, RECIPE>(const ::hmesh::ImageView<T, C>&, const ::hmesh::Options&, \
                                                              const RECIPE&, const ::hmesh::ParallelFor&);
 
-#if !defined(HMESH_COMPILED) || defined(HMESH_IMPLEMENTATION)
 #include "hmesh/mesh_image.ipp"
-#endif
 
 #endif  // HMESH_MESH_IMAGE_HPP

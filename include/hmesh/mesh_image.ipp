@@ -1,6 +1,7 @@
-// hmesh - how mesh_image() does it. Included by mesh_image.hpp alone.
+// hmesh - how mesh_image() does it. Included by mesh_image.hpp alone; nothing where a program compiles it in another file.
 #ifndef HMESH_MESH_IMAGE_IPP
 #define HMESH_MESH_IMAGE_IPP
+#if !defined(HMESH_COMPILED) || defined(HMESH_IMPLEMENTATION)
 
 #include <algorithm>
 #include <cmath>
@@ -17,16 +18,18 @@
 #include "hmesh/image/premultiply.hpp"
 #include "hmesh/image/weights.hpp"
 #include "hmesh/methods/annealed/annealed.hpp"
+#include "hmesh/methods/final_colors.hpp"
 #include "hmesh/methods/psnr_search.hpp"
 #include "hmesh/methods/stage.hpp"
-#include "hmesh/tiles/final_colors.hpp"
 #include "hmesh/tiles/indexed_mesh.hpp"
 #include "hmesh/tiles/tiled_mesh.hpp"
 #include "hmesh/tiles/tiling.hpp"
 
+#include "hmesh/core/macros/push.hpp"
+
 namespace hmesh::detail {
 
-// A recipe as seen by what does not depend on it.
+/// A recipe as seen by what does not depend on it.
 template <int C>
 struct RecipeRef {
     FunctionRef<double(std::size_t n)> tile_size;
@@ -34,7 +37,7 @@ struct RecipeRef {
     Colors colors;
 };
 
-// One mesh of n vertices, finished. `samples`: pixels, or the sum of their weights, times channels.
+/// One mesh of n vertices, finished. `samples`: pixels, or the sum of their weights, times channels.
 template <int C>
 [[nodiscard]] HMESH_COLD Result mesh_once(const kit::ImageSource<C>& source, double samples, std::size_t n,
                                           const RecipeRef<C>& recipe, const Options& options, const ParallelFor& parallel_for) {
@@ -68,7 +71,7 @@ template <int C>
     return result;
 }
 
-// The mesh that options.target asks for.
+/// The mesh that options.target asks for.
 template <int C>
 [[nodiscard]] HMESH_COLD Result mesh_target(const kit::ImageSource<C>& source, double samples, const RecipeRef<C>& recipe,
                                             const Options& options, const ParallelFor& parallel_for) {
@@ -132,4 +135,7 @@ Result mesh_image(const ImageView<T, C>& view, const Options& options, const Rec
 
 }  // namespace hmesh
 
+#include "hmesh/core/macros/pop.hpp"
+
+#endif  // HMESH_COMPILED
 #endif  // HMESH_MESH_IMAGE_IPP

@@ -6,10 +6,11 @@
 #include <cstddef>
 #include <vector>
 
-#include "hmesh/core/message.hpp"
 #include "hmesh/core/progress.hpp"
 #include "hmesh/core/status.hpp"
 #include "hmesh/mesh/mesh.hpp"
+
+#include "hmesh/core/macros/push.hpp"
 
 namespace hmesh {
 
@@ -37,5 +38,7 @@ struct [[nodiscard]] Result {
 };
 
 }  // namespace hmesh
+
+#include "hmesh/core/macros/pop.hpp"
 
 #endif  // HMESH_RESULT_HPP

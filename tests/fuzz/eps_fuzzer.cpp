@@ -69,11 +69,13 @@ void check_file(const std::string& file, const hmesh::MeshView& mesh, bool is_de
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* bytes, std::size_t size) {
     hmesh_test::FuzzInput input(bytes, size);
-    hmesh::EpsOptions options;
-    hmesh_test::Deflating deflating{};
-    const hmesh_test::FuzzMesh mesh = hmesh_test::draw_shading(input, options, deflating);
+    hmesh::PageOptions options;
+    hmesh_test::FakeDeflate compressor;
+    const hmesh_test::FuzzMesh mesh = hmesh_test::draw_shading(input, options, compressor);
     hmesh_test::fuzz_exporter(
-        input, mesh, [&](const hmesh::MeshView& view, auto&& sink) { return hmesh::write_eps(view, sink, options); },
-        [&](const std::string& file, const hmesh::MeshView& view) { check_file(file, view, options.deflate != nullptr); });
+        input, mesh, [&](const hmesh::MeshView& view, hmesh::Sink sink) { return hmesh::write_eps(view, sink, options); },
+        [&](const std::string& file, const hmesh::MeshView& view) {
+            check_file(file, view, static_cast<bool>(options.deflate));
+        });
     return 0;
 }

@@ -1,8 +1,5 @@
 // hmesh tests - what the fuzzers of all exporters share: meshes from bytes, good ones and bad ones, and what has to come of
 // them whatever the format.
-//
-// `Write` is any callable hmesh::Status(const hmesh::MeshView&, Sink&&), `Check` any callable void(const std::string& file,
-// const hmesh::MeshView&), which ends the program unless the file is one of that mesh.
 #ifndef HMESH_TESTS_FUZZ_FUZZ_EXPORTS_HPP
 #define HMESH_TESTS_FUZZ_FUZZ_EXPORTS_HPP
 
@@ -17,7 +14,9 @@
 #include <vector>
 
 #include "fuzz_input.hpp"
+#include "hmesh/core/function_ref.hpp"
 #include "hmesh/core/status.hpp"
+#include "hmesh/io/sink.hpp"
 #include "hmesh/mesh/mesh.hpp"
 
 namespace hmesh_test {
@@ -30,6 +29,9 @@ struct FuzzMesh {
     bool is_good = false;  // every exporter writes it
 };
 
+// How many channels files have of a mesh: grey with alpha is written as red, green, blue and alpha.
+[[nodiscard]] inline int channels_written(const hmesh::MeshView& mesh) { return mesh.channels == 2 ? 4 : mesh.channels; }
+
 // Fills the arrays of a mesh that has its size, its channels and its peak.
 class FuzzMeshDraw {
   public:
@@ -37,7 +39,7 @@ class FuzzMeshDraw {
 
     [[nodiscard]] FuzzMesh mesh() {
         const bool is_any = input_->one_in(3);
-        mesh_.view.channels = input_->one_of<int>({3, 4, 1});
+        mesh_.view.channels = input_->one_of<int>({3, 4, 1, 2});
         mesh_.view.premultiplied = input_->one_in(3);
         mesh_.view.peak = input_->one_of<double>({255, 1, 65535, 1000});
         mesh_.view.width = input_->within(1, 300);
@@ -152,9 +154,12 @@ class FuzzMeshDraw {
     FuzzMesh mesh_;
 };
 
+// An exporter with its options, and what ends the program unless the file is one of that mesh.
+using Write = hmesh::FunctionRef<hmesh::Status(const hmesh::MeshView& mesh, hmesh::Sink sink)>;
+using Check = hmesh::FunctionRef<void(const std::string& file, const hmesh::MeshView& mesh)>;
+
 // Writes a mesh to a sink that takes all, and to one that refuses after some bytes.
-template <class Write, class Check>
-void fuzz_exporter(FuzzInput& input, const FuzzMesh& mesh, const Write& write, const Check& check) {
+inline void fuzz_exporter(FuzzInput& input, const FuzzMesh& mesh, Write write, Check check) {
     const double patience = input.share();
     std::string file;
     const hmesh::Status status = write(mesh.view, [&](const void* bytes, std::size_t size) {

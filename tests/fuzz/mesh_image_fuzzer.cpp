@@ -205,7 +205,7 @@ void demand_true_energy(const hmesh::ImageView<T, C>& view, const hmesh::Result<
 template <class T, int C>
 void demand_good_mesh(const hmesh::ImageView<T, C>& view, const hmesh::Options& options, const hmesh::Result<C>& result) {
     using Traits = hmesh::PixelTraits<T>;
-    const hmesh::Mesh<C>& mesh = result.mesh;
+    const hmesh::Mesh& mesh = result.mesh;
     const std::string flaw = hmesh_test::flaw_of(mesh.view(), view.width, view.height);
     demand(flaw.empty(), flaw.c_str());
     demand(mesh.colors.size() == C * mesh.vertex_count(), "a vertex has a colour");

@@ -48,6 +48,6 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* bytes, std::size_t siz
     hmesh_test::FuzzInput input(bytes, size);
     const hmesh_test::FuzzMesh mesh = hmesh_test::FuzzMeshDraw(input).mesh();
     hmesh_test::fuzz_exporter(
-        input, mesh, [](const hmesh::MeshView& view, auto&& sink) { return hmesh::write_obj(view, sink); }, check_file);
+        input, mesh, [](const hmesh::MeshView& view, hmesh::Sink sink) { return hmesh::write_obj(view, sink); }, check_file);
     return 0;
 }

@@ -114,11 +114,11 @@ bool write_all(const hmesh::MeshView& mesh, const std::string& name) {
     quantized.quantized_positions = true;
     to.put("quantized.glb", [&](auto& sink) { return hmesh::write_glb(mesh, sink, quantized); });
     to.put("plain.pdf", [&](auto& sink) { return hmesh::write_pdf(mesh, sink); });
-    hmesh::PdfOptions pdf;
+    hmesh::PageOptions pdf;
     pdf.deflate = example::detail::deflate;
     to.put("mesh.pdf", [&](auto& sink) { return hmesh::write_pdf(mesh, sink, pdf); });
     to.put("plain.eps", [&](auto& sink) { return hmesh::write_eps(mesh, sink); });
-    hmesh::EpsOptions eps;
+    hmesh::PageOptions eps;
     eps.deflate = example::detail::deflate;
     to.put("mesh.eps", [&](auto& sink) { return hmesh::write_eps(mesh, sink, eps); });
     const auto put_svg = [&](const char* file, hmesh::SvgKind kind) {
