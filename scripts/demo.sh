@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # Builds hmesh and turns a picture into a mesh. What it makes is in out/.
 #
-# usage: scripts/demo.sh [IMAGE]        without IMAGE: a scene drawn by examples/scene.cpp
+# usage: scripts/demo.sh [IMAGE]        without IMAGE: a scene drawn by tools/pictures/scene.cpp
 # shellcheck source=scripts/common.sh
 . "$(dirname "${BASH_SOURCE[0]}")/common.sh"
 

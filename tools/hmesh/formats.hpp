@@ -1,7 +1,7 @@
-// examples - the mesh formats that the command writes, chosen by the ending of a file's name. A new format is a line in
+// tools - the mesh formats that the command writes, chosen by the ending of a file's name. A new format is a line in
 // the table.
-#ifndef HMESH_EXAMPLES_FORMATS_HPP
-#define HMESH_EXAMPLES_FORMATS_HPP
+#ifndef HMESH_TOOLS_FORMATS_HPP
+#define HMESH_TOOLS_FORMATS_HPP
 
 #include <cstddef>
 #include <cstdlib>
@@ -19,7 +19,7 @@
 #include "image_file.hpp"
 #include "output_file.hpp"
 
-namespace example {
+namespace tool {
 
 // What some formats are told beside the mesh.
 struct FormatOptions {
@@ -118,6 +118,6 @@ inline constexpr Format formats[] = {
     return format.write(mesh, options, file);
 }
 
-}  // namespace example
+}  // namespace tool
 
-#endif  // HMESH_EXAMPLES_FORMATS_HPP
+#endif  // HMESH_TOOLS_FORMATS_HPP

@@ -1,9 +1,9 @@
-// examples - draws the edges of a mesh over a picture, with thin anti-aliased lines.
+// tools - draws the edges of a mesh over a picture, with thin anti-aliased lines.
 //
 // The mesh is scaled to the picture's size. Lines are first collected as coverage, 8 bits a pixel, and blended once:
 // edges shared by two faces and places where many edges meet come out no stronger than others.
-#ifndef HMESH_EXAMPLES_WIREFRAME_HPP
-#define HMESH_EXAMPLES_WIREFRAME_HPP
+#ifndef HMESH_TOOLS_WIREFRAME_HPP
+#define HMESH_TOOLS_WIREFRAME_HPP
 
 #include <algorithm>
 #include <array>
@@ -18,7 +18,7 @@
 #include "hmesh/mesh/geometry.hpp"
 #include "hmesh/mesh/mesh_view.hpp"
 
-namespace example {
+namespace tool {
 
 struct WireframeOptions {
     std::array<std::uint8_t, 3> color = {255, 255, 255};
@@ -89,6 +89,6 @@ inline hmesh::Status draw_wireframe(const hmesh::MeshView& mesh, hmesh::Image<st
     return {};
 }
 
-}  // namespace example
+}  // namespace tool
 
-#endif  // HMESH_EXAMPLES_WIREFRAME_HPP
+#endif  // HMESH_TOOLS_WIREFRAME_HPP

@@ -1,9 +1,9 @@
-// examples - OutputFile: writes a file whole or not at all.
+// tools - OutputFile: writes a file whole or not at all.
 //
 // The bytes go to a new file beside the target, which takes the target's name and permissions when all of them are written. A
 // target that exists and is no regular file (a device, a pipe) is written directly; a symbolic link is followed.
-#ifndef HMESH_EXAMPLES_OUTPUT_FILE_HPP
-#define HMESH_EXAMPLES_OUTPUT_FILE_HPP
+#ifndef HMESH_TOOLS_OUTPUT_FILE_HPP
+#define HMESH_TOOLS_OUTPUT_FILE_HPP
 
 #include <cerrno>
 #include <cstddef>
@@ -14,7 +14,7 @@
 #include <system_error>
 #include <utility>
 
-namespace example {
+namespace tool {
 
 class OutputFile {
   public:
@@ -127,6 +127,6 @@ class OutputFile {
     bool in_place_ = false;
 };
 
-}  // namespace example
+}  // namespace tool
 
-#endif  // HMESH_EXAMPLES_OUTPUT_FILE_HPP
+#endif  // HMESH_TOOLS_OUTPUT_FILE_HPP

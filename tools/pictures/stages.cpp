@@ -21,7 +21,7 @@
 
 namespace {
 
-using example::Rgb;
+using tool::Rgb;
 
 // Stops the work when stage `last` + 1 begins.
 struct Stop {
@@ -40,10 +40,10 @@ struct Stop {
 };
 
 bool write_jpeg(const std::string& name, const Rgb& picture) {
-    example::OutputFile file(name);
+    tool::OutputFile file(name);
     if (!file.open()) return false;
     const auto give = [](void* context, void* bytes, int size) {
-        (void)(*static_cast<example::OutputFile*>(context))(bytes, static_cast<std::size_t>(size));
+        (void)(*static_cast<tool::OutputFile*>(context))(bytes, static_cast<std::size_t>(size));
     };
     return stbi_write_jpg_to_func(give, &file, picture.width(), picture.height(), 3, picture.samples().data(), 88) != 0 &&
            file.error().empty() && file.commit();
@@ -57,7 +57,7 @@ Rgb drawn(const hmesh::Mesh<3>& mesh) {
 
 int run(const std::string& directory, const std::string& method, const Rgb& image) {
     hmesh::Options options;
-    if (const std::string why = example::detail::find_name(example::methods, "METHOD", method, options.method); !why.empty()) {
+    if (const std::string why = tool::detail::find_name(tool::methods, "METHOD", method, options.method); !why.empty()) {
         std::fprintf(stderr, "stages: %s\n", why.c_str());
         return 2;
     }
@@ -77,7 +77,7 @@ int run(const std::string& directory, const std::string& method, const Rgb& imag
                 std::copy_n(pyramid.level(level).row(y), 3 * image.width(), picture.pixel(0, y));
             levels.push_back(std::move(picture));
         }
-        if (!write("levels.jpg", example::side_by_side(levels))) return 1;
+        if (!write("levels.jpg", tool::side_by_side(levels))) return 1;
     }
     for (int k = 0;; ++k) {
         Stop stop;
@@ -90,11 +90,11 @@ int run(const std::string& directory, const std::string& method, const Rgb& imag
         }
         Rgb picture = drawn(result.mesh);
         if (result.status) {  // no stage is left: this was the last
-            return write(method + "-residual.jpg", example::residual(image, picture)) ? 0 : 1;
+            return write(method + "-residual.jpg", tool::residual(image, picture)) ? 0 : 1;
         }
         const std::string stage = result.report.stages[static_cast<std::size_t>(k)].name;
         const std::string name = method + "-" + std::to_string(k + 1) + "-" + stage + ".jpg";
-        if (!example::draw_wireframe(result.mesh.view(), picture)) return 1;
+        if (!tool::draw_wireframe(result.mesh.view(), picture)) return 1;
         if (!write(name, picture)) return 1;
         std::printf("| %d %s: %zu vertices, %.2f dB | ![%s](%s) |\n", k + 1, stage.c_str(), result.report.vertices,
                     result.report.psnr, stage.c_str(), name.c_str());
@@ -108,11 +108,11 @@ int main(int argc, char** argv) {
         std::fprintf(stderr, "usage: stages DIRECTORY METHOD [IMAGE]\n");
         return 2;
     }
-    if (argc == 3) return run(argv[1], argv[2], example::draw_scene(384, 256));
-    example::ImageFile file;
-    if (const std::string why = example::read_image(argv[3], file); !why.empty()) {
+    if (argc == 3) return run(argv[1], argv[2], tool::draw_scene(384, 256));
+    tool::ImageFile file;
+    if (const std::string why = tool::read_image(argv[3], file); !why.empty()) {
         std::fprintf(stderr, "stages: cannot read '%s': %s\n", argv[3], why.c_str());
         return 1;
     }
-    return run(argv[1], argv[2], example::to_rgb(example::to_picture(file)));
+    return run(argv[1], argv[2], tool::to_rgb(tool::to_picture(file)));
 }

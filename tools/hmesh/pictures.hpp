@@ -1,6 +1,6 @@
-// examples - pictures that show what a mesh does: colours for people, its error, several pictures side by side.
-#ifndef HMESH_EXAMPLES_PICTURES_HPP
-#define HMESH_EXAMPLES_PICTURES_HPP
+// tools - pictures that show what a mesh does: colours for people, its error, several pictures side by side.
+#ifndef HMESH_TOOLS_PICTURES_HPP
+#define HMESH_TOOLS_PICTURES_HPP
 
 #include <algorithm>
 #include <cmath>
@@ -12,7 +12,7 @@
 #include "hmesh/image/image_view.hpp"
 #include "image_file.hpp"
 
-namespace example {
+namespace tool {
 
 using Rgb = hmesh::Image<std::uint8_t, 3>;
 
@@ -68,6 +68,6 @@ using Rgb = hmesh::Image<std::uint8_t, 3>;
     return out;
 }
 
-}  // namespace example
+}  // namespace tool
 
-#endif  // HMESH_EXAMPLES_PICTURES_HPP
+#endif  // HMESH_TOOLS_PICTURES_HPP

@@ -1,9 +1,9 @@
-// examples - reads image files of 8 and 16 bits and 1 to 4 channels, and encodes PNG files of 8 bits, with stb.
+// tools - reads image files of 8 and 16 bits and 1 to 4 channels, and encodes PNG files of 8 bits, with stb.
 //
 // The bit depth and the number of channels are those of the file; a caller picks its ImageView<T, C> at run time. Photographs
 // are turned as their Exif tags say.
-#ifndef HMESH_EXAMPLES_IMAGE_FILE_HPP
-#define HMESH_EXAMPLES_IMAGE_FILE_HPP
+#ifndef HMESH_TOOLS_IMAGE_FILE_HPP
+#define HMESH_TOOLS_IMAGE_FILE_HPP
 
 #include <cerrno>
 #include <climits>
@@ -31,7 +31,7 @@
 #define STBI_WRITE_NO_STDIO
 #include <stb_image_write.h>
 
-namespace example {
+namespace tool {
 
 // What stb may be given to deflate, in bytes: it counts in int, and doubles its buffer when what it made outgrows it.
 inline constexpr std::size_t max_deflated = std::size_t{1} << 30U;
@@ -154,6 +154,6 @@ template <class Sink>
            call.done;
 }
 
-}  // namespace example
+}  // namespace tool
 
-#endif  // HMESH_EXAMPLES_IMAGE_FILE_HPP
+#endif  // HMESH_TOOLS_IMAGE_FILE_HPP

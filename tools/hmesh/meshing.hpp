@@ -1,8 +1,8 @@
-// examples - from types chosen at run time to hmesh's templates: meshes an ImageFile and draws the mesh, whatever the
+// tools - from types chosen at run time to hmesh's templates: meshes an ImageFile and draws the mesh, whatever the
 // bits and channels of the file. All eight instantiations of mesh_image are made here, each with a ThreadPool, which may
 // have one thread.
-#ifndef HMESH_EXAMPLES_MESHING_HPP
-#define HMESH_EXAMPLES_MESHING_HPP
+#ifndef HMESH_TOOLS_MESHING_HPP
+#define HMESH_TOOLS_MESHING_HPP
 
 #include <array>
 #include <cstddef>
@@ -17,7 +17,7 @@
 #include "thread_pool.hpp"
 #include "wireframe.hpp"
 
-namespace example {
+namespace tool {
 
 // What mesh_image returns, with the number of channels known at run time.
 struct Outcome {
@@ -40,7 +40,7 @@ namespace detail {
 
 template <class T, int C>
 [[nodiscard]] Outcome mesh_samples(const ImageFile& image, const std::vector<T>& samples, const hmesh::Options& options,
-                                   const ThreadPool& pool) {
+                                   const example::ThreadPool& pool) {
     const hmesh::ImageView<T, C> view{samples.data(), image.width, image.height, 0};
     hmesh::Result<C> result = hmesh::mesh_image(view, options, pool);
     return {std::move(result.report),
@@ -57,7 +57,7 @@ template <class T, int C>
 
 template <class T>
 [[nodiscard]] Outcome mesh_channels(const ImageFile& image, const std::vector<T>& samples, const hmesh::Options& options,
-                                    const ThreadPool& pool) {
+                                    const example::ThreadPool& pool) {
     switch (image.channels) {
         case 1: return mesh_samples<T, 1>(image, samples, options, pool);
         case 2: return mesh_samples<T, 2>(image, samples, options, pool);
@@ -90,7 +90,7 @@ template <int C>
 
 }  // namespace detail
 
-[[nodiscard]] inline Outcome mesh_file(const ImageFile& image, const hmesh::Options& options, const ThreadPool& pool) {
+[[nodiscard]] inline Outcome mesh_file(const ImageFile& image, const hmesh::Options& options, const example::ThreadPool& pool) {
     return image.bits == 16 ? detail::mesh_channels(image, image.samples16, options, pool)
                             : detail::mesh_channels(image, image.samples8, options, pool);
 }
@@ -125,6 +125,6 @@ struct DrawOptions {
     return draw_wireframe(mesh, rgb);
 }
 
-}  // namespace example
+}  // namespace tool
 
-#endif  // HMESH_EXAMPLES_MESHING_HPP
+#endif  // HMESH_TOOLS_MESHING_HPP

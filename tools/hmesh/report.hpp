@@ -1,7 +1,7 @@
-// examples - the command's report as JSON (RFC 8259). An infinite PSNR is the string "inf"; seconds that were not
+// tools - the command's report as JSON (RFC 8259). An infinite PSNR is the string "inf"; seconds that were not
 // measured are null.
-#ifndef HMESH_EXAMPLES_REPORT_HPP
-#define HMESH_EXAMPLES_REPORT_HPP
+#ifndef HMESH_TOOLS_REPORT_HPP
+#define HMESH_TOOLS_REPORT_HPP
 
 #include <cmath>
 #include <cstddef>
@@ -13,7 +13,7 @@
 #include "meshing.hpp"
 #include "progress_watch.hpp"
 
-namespace example {
+namespace tool {
 
 // What the PSNR of a mesh made with these arguments is, for people.
 [[nodiscard]] inline std::string psnr_formula(const Arguments& arguments) {
@@ -133,6 +133,6 @@ namespace detail {
     return out + "  \"stages\": " + detail::json_stages(outcome.report, watch) + "\n}\n";
 }
 
-}  // namespace example
+}  // namespace tool
 
-#endif  // HMESH_EXAMPLES_REPORT_HPP
+#endif  // HMESH_TOOLS_REPORT_HPP

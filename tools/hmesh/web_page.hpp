@@ -1,9 +1,9 @@
-// examples - what an .html page shows beside the mesh: the file's name, figures, and the original to compare with.
+// tools - what an .html page shows beside the mesh: the file's name, figures, and the original to compare with.
 //
 // The original is the file itself where browsers read it and show its pixels as they are stored: PNG, and JPEG unless its Exif
 // tags say that it is to be turned. Else it is encoded as PNG with 8 bits.
-#ifndef HMESH_EXAMPLES_WEB_PAGE_HPP
-#define HMESH_EXAMPLES_WEB_PAGE_HPP
+#ifndef HMESH_TOOLS_WEB_PAGE_HPP
+#define HMESH_TOOLS_WEB_PAGE_HPP
 
 #include <cstddef>
 #include <cstring>
@@ -18,7 +18,7 @@
 #include "pictures.hpp"
 #include "report.hpp"
 
-namespace example {
+namespace tool {
 
 struct WebPage {
     std::string title, figures;
@@ -71,6 +71,6 @@ namespace detail {
     return page;
 }
 
-}  // namespace example
+}  // namespace tool
 
-#endif  // HMESH_EXAMPLES_WEB_PAGE_HPP
+#endif  // HMESH_TOOLS_WEB_PAGE_HPP

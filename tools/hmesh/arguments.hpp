@@ -1,6 +1,6 @@
-// examples - the command line of hmesh: parsed strictly, every refusal a sentence that names the value.
-#ifndef HMESH_EXAMPLES_ARGUMENTS_HPP
-#define HMESH_EXAMPLES_ARGUMENTS_HPP
+// tools - the command line of hmesh: parsed strictly, every refusal a sentence that names the value.
+#ifndef HMESH_TOOLS_ARGUMENTS_HPP
+#define HMESH_TOOLS_ARGUMENTS_HPP
 
 #include <algorithm>
 #include <cerrno>
@@ -13,7 +13,7 @@
 #include "formats.hpp"
 #include "hmesh/mesh_image.hpp"
 
-namespace example {
+namespace tool {
 
 inline constexpr char usage[] =
     "usage: hmesh INPUT [-o FILE]... [--vertices N | --rate PERCENT | --psnr DB]\n"
@@ -299,6 +299,6 @@ template <class Value, std::size_t n>
     return {};
 }
 
-}  // namespace example
+}  // namespace tool
 
-#endif  // HMESH_EXAMPLES_ARGUMENTS_HPP
+#endif  // HMESH_TOOLS_ARGUMENTS_HPP

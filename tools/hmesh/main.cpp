@@ -23,7 +23,7 @@
 #include "web_page.hpp"
 #include "weights.hpp"
 
-namespace example {
+namespace tool {
 namespace {
 
 constexpr int done = 0, failed = 1, wrong_usage = 2;
@@ -158,7 +158,7 @@ void print_summary(const Arguments& arguments, const ImageFile& image, const Out
 }
 
 // Starts the pool. Returns "" or why not, as a sentence.
-std::string start(std::optional<ThreadPool>& pool, unsigned threads) {
+std::string start(std::optional<example::ThreadPool>& pool, unsigned threads) {
     try {
         pool.emplace(threads);
     } catch (const std::system_error& error) {
@@ -181,7 +181,7 @@ int run(const Arguments& arguments) {
         if (!why.empty()) return fail(failed, why);
     }
     if (const std::string why = find_unwritable(arguments); !why.empty()) return fail(failed, why);
-    std::optional<ThreadPool> pool;
+    std::optional<example::ThreadPool> pool;
     if (const std::string why = start(pool, arguments.threads); !why.empty()) return fail(failed, why);
 
     ProgressWatch watch(!arguments.quiet && is_terminal(stderr));
@@ -237,23 +237,23 @@ constexpr char no_memory[] = "there is not enough memory for this image and thes
 }
 
 }  // namespace
-}  // namespace example
+}  // namespace tool
 
 int main(int argc, char** argv) {
-    example::Arguments arguments;
+    tool::Arguments arguments;
     const std::vector<std::string> words(argv + (argc > 0 ? 1 : 0), argv + argc);
-    if (const std::string why = example::parse(words, arguments); !why.empty()) return example::fail(example::wrong_usage, why);
+    if (const std::string why = tool::parse(words, arguments); !why.empty()) return tool::fail(tool::wrong_usage, why);
     if (arguments.help) {
-        std::printf("%s%s", example::usage, example::help);
+        std::printf("%s%s", tool::usage, tool::help);
     } else if (arguments.version) {
         std::printf("hmesh %s\n", HMESH_VERSION_STRING);
     } else {
-        std::set_terminate(example::give_up);
+        std::set_terminate(tool::give_up);
         try {
-            return example::run(arguments);
+            return tool::run(arguments);
         } catch (const std::bad_alloc&) {
-            return example::fail(example::failed, example::no_memory);
+            return tool::fail(tool::failed, tool::no_memory);
         }
     }
-    return std::fflush(stdout) == 0 ? example::done : example::failed;
+    return std::fflush(stdout) == 0 ? tool::done : tool::failed;
 }
