@@ -16,7 +16,7 @@ case $image in
 esac
 [ -z "$image" ] || [ -r "$image" ] || fail "$image cannot be read"
 
-need compiler cmake eigen stb
+need compiler cmake eigen command
 step "Configuring build/release ..." cmake --preset release -DHMESH_BUILD_TESTS=OFF
 step "Building hmesh ..." cmake --build --preset release --parallel "$jobs" --target hmesh_command --target scene
 

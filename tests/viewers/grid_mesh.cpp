@@ -16,7 +16,6 @@
 
 #include <hmesh/hmesh.hpp>
 
-#include "formats.hpp"
 #include "image_file.hpp"
 #include "output_file.hpp"
 #include "pictures.hpp"
@@ -115,11 +114,11 @@ bool write_all(const hmesh::MeshView& mesh, const std::string& name) {
     to.put("quantized.glb", [&](auto& sink) { return hmesh::write_glb(mesh, sink, quantized); });
     to.put("plain.pdf", [&](auto& sink) { return hmesh::write_pdf(mesh, sink); });
     hmesh::PdfOptions pdf;
-    pdf.deflate = tool::detail::deflate;
+    pdf.deflate = tool::deflate;
     to.put("mesh.pdf", [&](auto& sink) { return hmesh::write_pdf(mesh, sink, pdf); });
     to.put("plain.eps", [&](auto& sink) { return hmesh::write_eps(mesh, sink); });
     hmesh::EpsOptions eps;
-    eps.deflate = tool::detail::deflate;
+    eps.deflate = tool::deflate;
     to.put("mesh.eps", [&](auto& sink) { return hmesh::write_eps(mesh, sink, eps); });
     const auto put_svg = [&](const char* file, hmesh::SvgKind kind) {
         hmesh::SvgOptions svg;

@@ -5,120 +5,36 @@
 #ifndef HMESH_TOOLS_OUTPUT_FILE_HPP
 #define HMESH_TOOLS_OUTPUT_FILE_HPP
 
-#include <cerrno>
 #include <cstddef>
 #include <cstdio>
-#include <cstring>
-#include <filesystem>
 #include <string>
-#include <system_error>
-#include <utility>
 
 namespace tool {
 
 class OutputFile {
   public:
     // Follows links and decides where the bytes go; opens nothing.
-    explicit OutputFile(std::string path) : target_(std::move(path)) {
-        namespace fs = std::filesystem;
-        std::error_code none;
-        const auto leads_nowhere = [&] {
-            return !fs::exists(target_, none) && fs::is_symlink(fs::symlink_status(target_, none));
-        };
-        for (int links = 0; links < 40 && leads_nowhere(); ++links)  // to a file that is to be made
-            target_ = (fs::path(target_).parent_path() / fs::read_symlink(target_, none)).string();
-        const fs::file_status status = fs::status(target_, none);
-        if (leads_nowhere()) refusal_ = ELOOP;
-        if (fs::is_directory(status)) refusal_ = EISDIR;
-        in_place_ = fs::exists(status) && !fs::is_regular_file(status);
-        if (fs::is_regular_file(status)) {
-            const fs::path real = fs::canonical(target_, none);
-            if (!none) target_ = real.string();
-        }
-    }
+    explicit OutputFile(std::string path);
     OutputFile(const OutputFile&) = delete;
     OutputFile& operator=(const OutputFile&) = delete;
     ~OutputFile() { discard(); }
 
     // Whether the file could be opened now: creates the file beside the target and removes it again.
-    [[nodiscard]] bool is_writable() {
-        if (in_place_ && refusal_ == 0) return true;
-        const bool opened = open();
-        discard();
-        return opened;
-    }
+    [[nodiscard]] bool is_writable();
 
-    [[nodiscard]] bool open() {
-        if (refusal_ != 0) return fail(refusal_);
-        errno = 0;
-        if (in_place_) {
-            file_ = std::fopen(target_.c_str(), "wb");
-            return file_ != nullptr || fail(errno);
-        }
-        if (!may_replace()) return fail(errno);
-        for (int number = 0; number < 100 && file_ == nullptr; ++number) {
-            const std::string name = target_ + ".part" + std::to_string(number);
-            errno = 0;
-            file_ = std::fopen(name.c_str(), "wbx");
-            if (file_ != nullptr) temporary_ = name;
-            if (file_ == nullptr && errno != EEXIST) break;
-        }
-        return file_ != nullptr || fail(errno);
-    }
-
+    [[nodiscard]] bool open();
     // A sink, as the exporters of hmesh want it.
-    [[nodiscard]] bool operator()(const void* bytes, std::size_t size) {
-        if (size == 0) return true;
-        errno = 0;
-        return std::fwrite(bytes, 1, size, file_) == size || fail(errno);
-    }
-
+    [[nodiscard]] bool operator()(const void* bytes, std::size_t size);
     // Closes the file and gives it its name.
-    [[nodiscard]] bool commit() {
-        errno = 0;
-        std::FILE* file = file_;
-        file_ = nullptr;
-        if (std::fclose(file) != 0) {
-            const int why = errno;
-            discard();
-            return fail(why);
-        }
-        if (in_place_) return true;
-        std::error_code code;
-        const std::filesystem::file_status replaced = std::filesystem::status(target_, code);
-        if (std::filesystem::exists(replaced)) std::filesystem::permissions(temporary_, replaced.permissions(), code);
-        std::filesystem::rename(temporary_, target_, code);
-        if (!code) {
-            temporary_.clear();
-            return true;
-        }
-        discard();
-        return fail(code.value());
-    }
+    [[nodiscard]] bool commit();
 
     // Why the last call returned false.
     [[nodiscard]] const std::string& error() const noexcept { return error_; }
 
   private:
-    // A target that exists is replaced only if it could be written.
-    [[nodiscard]] bool may_replace() const {
-        std::error_code none;
-        if (!std::filesystem::exists(target_, none)) return true;
-        std::FILE* existing = std::fopen(target_.c_str(), "r+b");
-        if (existing == nullptr) return false;
-        std::fclose(existing);
-        return true;
-    }
-    void discard() {
-        if (file_ != nullptr) std::fclose(file_);
-        if (!temporary_.empty()) static_cast<void>(std::remove(temporary_.c_str()));
-        file_ = nullptr;
-        temporary_.clear();
-    }
-    bool fail(int why) {
-        error_ = why != 0 ? std::strerror(why) : "unknown error";
-        return false;
-    }
+    [[nodiscard]] bool may_replace() const;
+    void discard();
+    bool fail(int why);
 
     std::FILE* file_ = nullptr;
     std::string target_, error_;
