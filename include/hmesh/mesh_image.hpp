@@ -25,6 +25,8 @@
 #include "hmesh/options.hpp"
 #include "hmesh/result.hpp"
 
+#include "hmesh/core/macros/push.hpp"
+
 namespace hmesh {
 
 /// Meshes an image.
@@ -55,6 +57,8 @@ template <class T, int C>
 }
 
 }  // namespace hmesh
+
+#include "hmesh/core/macros/pop.hpp"
 
 /// Compiles mesh_image() for images of C channels of type T by the default recipe, in the file that defines HMESH_IMPLEMENTATION.
 #define HMESH_INSTANTIATE(T, C) HMESH_INSTANTIATE_RECIPE(T, C, ::hmesh::Annealed)

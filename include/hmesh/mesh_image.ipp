@@ -25,6 +25,8 @@
 #include "hmesh/tiles/tiled_mesh.hpp"
 #include "hmesh/tiles/tiling.hpp"
 
+#include "hmesh/core/macros/push.hpp"
+
 namespace hmesh::detail {
 
 // A recipe as seen by what does not depend on it.
@@ -132,6 +134,8 @@ Result mesh_image(const ImageView<T, C>& view, const Options& options, const Rec
 }
 
 }  // namespace hmesh
+
+#include "hmesh/core/macros/pop.hpp"
 
 #endif  // HMESH_COMPILED
 #endif  // HMESH_MESH_IMAGE_IPP

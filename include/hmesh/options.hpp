@@ -14,6 +14,8 @@
 #include "hmesh/image/image_view.hpp"
 #include "hmesh/mesh/limits.hpp"
 
+#include "hmesh/core/macros/push.hpp"
+
 namespace hmesh {
 
 /// How vertices get their final colours.
@@ -87,5 +89,7 @@ struct Options {
 }
 
 }  // namespace hmesh
+
+#include "hmesh/core/macros/pop.hpp"
 
 #endif  // HMESH_OPTIONS_HPP

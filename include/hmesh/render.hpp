@@ -27,6 +27,8 @@
 #include "hmesh/mesh/mesh.hpp"
 #include "hmesh/mesh/raster.hpp"
 
+#include "hmesh/core/macros/push.hpp"
+
 namespace hmesh {
 
 // Options of render().
@@ -244,5 +246,7 @@ template <class T, int C>
 }
 
 }  // namespace hmesh
+
+#include "hmesh/core/macros/pop.hpp"
 
 #endif  // HMESH_RENDER_HPP

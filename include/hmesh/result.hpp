@@ -11,6 +11,8 @@
 #include "hmesh/core/status.hpp"
 #include "hmesh/mesh/mesh.hpp"
 
+#include "hmesh/core/macros/push.hpp"
+
 namespace hmesh {
 
 /// What is known of a mesh. PSNR = 10 log10(peak^2 / MSE), MSE the mean over pixels AND channels of the squared difference in
@@ -37,5 +39,7 @@ struct [[nodiscard]] Result {
 };
 
 }  // namespace hmesh
+
+#include "hmesh/core/macros/pop.hpp"
 
 #endif  // HMESH_RESULT_HPP

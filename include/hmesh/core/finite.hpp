@@ -10,6 +10,8 @@
 #include <cstring>
 #include <limits>
 
+#include "hmesh/core/macros/push.hpp"
+
 namespace hmesh::kit {
 
 static_assert(std::numeric_limits<float>::is_iec559 && std::numeric_limits<double>::is_iec559, "hmesh needs IEEE 754");
@@ -45,5 +47,7 @@ namespace detail {
 }
 
 }  // namespace hmesh::kit
+
+#include "hmesh/core/macros/pop.hpp"
 
 #endif  // HMESH_CORE_FINITE_HPP

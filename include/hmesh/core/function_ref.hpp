@@ -10,6 +10,8 @@
 #include <type_traits>
 #include <utility>
 
+#include "hmesh/core/macros/push.hpp"
+
 namespace hmesh {
 
 template <class Signature>
@@ -63,5 +65,7 @@ class FunctionRef<Result(Arguments...)> {
 };
 
 }  // namespace hmesh
+
+#include "hmesh/core/macros/pop.hpp"
 
 #endif  // HMESH_CORE_FUNCTION_REF_HPP

@@ -11,6 +11,8 @@
 
 #include "hmesh/core/assert.hpp"
 
+#include "hmesh/core/macros/push.hpp"
+
 namespace hmesh::kit {
 
 class IndexedHeap {
@@ -117,5 +119,7 @@ class IndexedHeap {
 };
 
 }  // namespace hmesh::kit
+
+#include "hmesh/core/macros/pop.hpp"
 
 #endif  // HMESH_CORE_INDEXED_HEAP_HPP

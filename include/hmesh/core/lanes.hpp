@@ -15,6 +15,8 @@
 
 #include "hmesh/core/compiler.hpp"
 
+#include "hmesh/core/macros/push.hpp"
+
 namespace hmesh::kit {
 namespace detail {
 
@@ -161,5 +163,7 @@ template <int N>
 }
 
 }  // namespace hmesh::kit
+
+#include "hmesh/core/macros/pop.hpp"
 
 #endif  // HMESH_CORE_LANES_HPP

@@ -10,6 +10,8 @@
 #include "hmesh/core/finite.hpp"
 #include "hmesh/core/status.hpp"
 
+#include "hmesh/core/macros/push.hpp"
+
 namespace hmesh {
 
 /// A sentence of at most 255 bytes, ended by a zero; what is longer is cut. Allocates nothing.
@@ -89,5 +91,7 @@ class Message {
 }
 
 }  // namespace hmesh
+
+#include "hmesh/core/macros/pop.hpp"
 
 #endif  // HMESH_CORE_MESSAGE_HPP

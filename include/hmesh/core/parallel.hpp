@@ -20,6 +20,8 @@
 
 #include "hmesh/core/function_ref.hpp"
 
+#include "hmesh/core/macros/push.hpp"
+
 namespace hmesh {
 
 /// One of the pieces of work that an executor calls, by its index.
@@ -59,5 +61,7 @@ inline void for_each_chunk(const ParallelFor& parallel_for, std::size_t n, std::
 
 }  // namespace kit
 }  // namespace hmesh
+
+#include "hmesh/core/macros/pop.hpp"
 
 #endif  // HMESH_CORE_PARALLEL_HPP

@@ -11,6 +11,8 @@
 #include "hmesh/core/function_ref.hpp"
 #include "hmesh/core/psnr.hpp"
 
+#include "hmesh/core/macros/push.hpp"
+
 namespace hmesh {
 
 // Where the work is: the stage's name (static), how much of it is done in [0, 1], and the mesh reached so far.
@@ -140,5 +142,7 @@ class TaskProgress {
 
 }  // namespace kit
 }  // namespace hmesh
+
+#include "hmesh/core/macros/pop.hpp"
 
 #endif  // HMESH_CORE_PROGRESS_HPP

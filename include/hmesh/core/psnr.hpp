@@ -6,6 +6,8 @@
 
 #include "hmesh/core/finite.hpp"
 
+#include "hmesh/core/macros/push.hpp"
+
 namespace hmesh::kit {
 
 // 10 log10(peak^2 / MSE), MSE = energy / samples the mean over pixels AND channels. Infinity for energy 0, or below, where
@@ -15,5 +17,7 @@ namespace hmesh::kit {
 }
 
 }  // namespace hmesh::kit
+
+#include "hmesh/core/macros/pop.hpp"
 
 #endif  // HMESH_CORE_PSNR_HPP

@@ -9,6 +9,8 @@
 #include <cstddef>
 #include <cstdint>
 
+#include "hmesh/core/macros/push.hpp"
+
 namespace hmesh::kit {
 
 class Random {
@@ -43,5 +45,7 @@ class Random {
 };
 
 }  // namespace hmesh::kit
+
+#include "hmesh/core/macros/pop.hpp"
 
 #endif  // HMESH_CORE_RANDOM_HPP

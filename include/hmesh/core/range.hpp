@@ -7,6 +7,8 @@
 #include "hmesh/core/finite.hpp"
 #include "hmesh/core/status.hpp"
 
+#include "hmesh/core/macros/push.hpp"
+
 namespace hmesh::kit {
 
 // An option: the sentence that says what it must be, its value, and the least and the largest that are allowed.
@@ -26,5 +28,7 @@ struct Range {
 }
 
 }  // namespace hmesh::kit
+
+#include "hmesh/core/macros/pop.hpp"
 
 #endif  // HMESH_CORE_RANGE_HPP

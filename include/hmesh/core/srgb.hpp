@@ -7,6 +7,8 @@
 
 #include <cmath>
 
+#include "hmesh/core/macros/push.hpp"
+
 namespace hmesh::kit {
 
 // The light, as a share of full light, of an sRGB-encoded share in [0, 1]. The power 2.4 is the twelfth of the fifth root,
@@ -42,5 +44,7 @@ namespace hmesh::kit {
 }
 
 }  // namespace hmesh::kit
+
+#include "hmesh/core/macros/pop.hpp"
 
 #endif  // HMESH_CORE_SRGB_HPP

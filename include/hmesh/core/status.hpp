@@ -9,6 +9,8 @@
 
 #include <cstdint>
 
+#include "hmesh/core/macros/push.hpp"
+
 namespace hmesh {
 
 /// What kind of thing went wrong.
@@ -40,5 +42,7 @@ struct [[nodiscard]] Status {
 };
 
 }  // namespace hmesh
+
+#include "hmesh/core/macros/pop.hpp"
 
 #endif  // HMESH_CORE_STATUS_HPP

@@ -13,6 +13,8 @@
 
 #include "hmesh/core/assert.hpp"
 
+#include "hmesh/core/macros/push.hpp"
+
 namespace hmesh::kit {
 
 template <class T>
@@ -75,5 +77,7 @@ class UndoArray {
 };
 
 }  // namespace hmesh::kit
+
+#include "hmesh/core/macros/pop.hpp"
 
 #endif  // HMESH_CORE_UNDO_ARRAY_HPP

@@ -19,6 +19,8 @@
 #include "hmesh/edit/relax.hpp"
 #include "hmesh/fit/image_mesh.hpp"
 
+#include "hmesh/core/macros/push.hpp"
+
 namespace hmesh::kit {
 
 // A half-edge along which its first vertex could go, and by how much the energy would rise.
@@ -130,5 +132,7 @@ std::size_t remove_batch(ImageMesh<C>& mesh, std::size_t count, const Relaxation
 }
 
 }  // namespace hmesh::kit
+
+#include "hmesh/core/macros/pop.hpp"
 
 #endif  // HMESH_EDIT_COLLAPSE_HPP

@@ -14,6 +14,8 @@
 #include "hmesh/edit/move.hpp"
 #include "hmesh/fit/image_mesh.hpp"
 
+#include "hmesh/core/macros/push.hpp"
+
 namespace hmesh::kit {
 
 // What turning an edge would do: the new edge's moments and its faces' energies, valid until the mesh changes.
@@ -110,5 +112,7 @@ std::size_t flip_edges(ImageMesh<C>& mesh, double least = 1e-4) {
 }
 
 }  // namespace hmesh::kit
+
+#include "hmesh/core/macros/pop.hpp"
 
 #endif  // HMESH_EDIT_FLIP_HPP

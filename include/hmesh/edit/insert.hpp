@@ -18,6 +18,8 @@
 #include "hmesh/edit/move.hpp"
 #include "hmesh/fit/image_mesh.hpp"
 
+#include "hmesh/core/macros/push.hpp"
+
 namespace hmesh::kit {
 
 // A vertex that could be inserted: in `edge` if that is valid, else in `face`.
@@ -286,5 +288,7 @@ std::size_t insert_batch(ImageMesh<C>& mesh, std::size_t count, const InsertionO
 }
 
 }  // namespace hmesh::kit
+
+#include "hmesh/core/macros/pop.hpp"
 
 #endif  // HMESH_EDIT_INSERT_HPP

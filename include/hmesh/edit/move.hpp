@@ -14,6 +14,8 @@
 #include "hmesh/edit/tolerance.hpp"
 #include "hmesh/fit/image_mesh.hpp"
 
+#include "hmesh/core/macros/push.hpp"
+
 namespace hmesh::kit {
 
 // The state of a ring's centre, and what the ring costs with it.
@@ -128,5 +130,7 @@ double sweep(ImageMesh<C>& mesh, const Tolerance& tolerance = {}) {
 }
 
 }  // namespace hmesh::kit
+
+#include "hmesh/core/macros/pop.hpp"
 
 #endif  // HMESH_EDIT_MOVE_HPP

@@ -14,6 +14,8 @@
 #include "hmesh/edit/tolerance.hpp"
 #include "hmesh/fit/image_mesh.hpp"
 
+#include "hmesh/core/macros/push.hpp"
+
 namespace hmesh::kit {
 
 // At most `rounds` rounds; steps that promise less energy than `least` are not tried.
@@ -43,5 +45,7 @@ void relax(ImageMesh<C>& mesh, const std::vector<Vertex>& vertices, const Relaxa
 }
 
 }  // namespace hmesh::kit
+
+#include "hmesh/core/macros/pop.hpp"
 
 #endif  // HMESH_EDIT_RELAX_HPP

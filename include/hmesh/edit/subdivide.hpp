@@ -14,6 +14,8 @@
 #include "hmesh/edit/insert.hpp"
 #include "hmesh/fit/image_mesh.hpp"
 
+#include "hmesh/core/macros/push.hpp"
+
 namespace hmesh::kit {
 
 // Inserts `count` vertices; returns how many it could.
@@ -54,5 +56,7 @@ HMESH_COLD std::size_t subdivide(ImageMesh<C>& mesh, std::size_t count) {
 }
 
 }  // namespace hmesh::kit
+
+#include "hmesh/core/macros/pop.hpp"
 
 #endif  // HMESH_EDIT_SUBDIVIDE_HPP

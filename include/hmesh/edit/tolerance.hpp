@@ -2,6 +2,8 @@
 #ifndef HMESH_EDIT_TOLERANCE_HPP
 #define HMESH_EDIT_TOLERANCE_HPP
 
+#include "hmesh/core/macros/push.hpp"
+
 namespace hmesh::kit {
 
 // Tolerances of a stage, in units of the mean energy of a vertex.
@@ -17,5 +19,7 @@ struct Relaxation {
 };
 
 }  // namespace hmesh::kit
+
+#include "hmesh/core/macros/pop.hpp"
 
 #endif  // HMESH_EDIT_TOLERANCE_HPP

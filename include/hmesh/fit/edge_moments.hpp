@@ -27,6 +27,8 @@
 #include "hmesh/mesh/geometry.hpp"
 #include "hmesh/mesh/raster.hpp"
 
+#include "hmesh/core/macros/push.hpp"
+
 namespace hmesh::kit {
 
 // Sums over a set of pixels. "One" is carried as channel C, so that sums of I and of 1 shift and combine alike.
@@ -147,5 +149,7 @@ HMESH_NEVER_INLINE void edge_moments(const MomentTable<C>& table, Point a, Point
 }
 
 }  // namespace hmesh::kit
+
+#include "hmesh/core/macros/pop.hpp"
 
 #endif  // HMESH_FIT_EDGE_MOMENTS_HPP

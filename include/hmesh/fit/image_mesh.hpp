@@ -29,6 +29,8 @@
 #include "hmesh/mesh/limits.hpp"
 #include "hmesh/mesh/spatial_order.hpp"
 
+#include "hmesh/core/macros/push.hpp"
+
 namespace hmesh::kit {
 
 // What a mesh knows of the image and the mesh that it is a patch of.
@@ -299,6 +301,8 @@ template <int C>
 }
 
 }  // namespace hmesh::kit
+
+#include "hmesh/core/macros/pop.hpp"
 
 #include "hmesh/fit/image_mesh.ipp"
 

@@ -8,6 +8,8 @@
 #include <cstdint>
 #include <vector>
 
+#include "hmesh/core/macros/push.hpp"
+
 namespace hmesh::kit {
 
 // --- building, recoloring and checking -----------------------------------------------------------------------------
@@ -206,5 +208,7 @@ void ImageMesh<C>::collapse(Halfedge h) {
 }
 
 }  // namespace hmesh::kit
+
+#include "hmesh/core/macros/pop.hpp"
 
 #endif  // HMESH_FIT_IMAGE_MESH_IPP

@@ -17,6 +17,8 @@
 #include "hmesh/image/image_view.hpp"
 #include "hmesh/mesh/mesh.hpp"
 
+#include "hmesh/core/macros/push.hpp"
+
 namespace hmesh::kit {
 
 template <int C>
@@ -94,5 +96,7 @@ class ImageSource {
 };
 
 }  // namespace hmesh::kit
+
+#include "hmesh/core/macros/pop.hpp"
 
 #endif  // HMESH_FIT_IMAGE_SOURCE_HPP

@@ -36,6 +36,8 @@
 #include "hmesh/image/image_view.hpp"
 #include "hmesh/image/weights.hpp"
 
+#include "hmesh/core/macros/push.hpp"
+
 namespace hmesh::kit {
 
 template <int C>
@@ -237,5 +239,7 @@ class MomentTable {
 };
 
 }  // namespace hmesh::kit
+
+#include "hmesh/core/macros/pop.hpp"
 
 #endif  // HMESH_FIT_MOMENT_TABLE_HPP

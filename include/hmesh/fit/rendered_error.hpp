@@ -19,6 +19,8 @@
 #include "hmesh/mesh/mesh.hpp"
 #include "hmesh/mesh/raster.hpp"
 
+#include "hmesh/core/macros/push.hpp"
+
 namespace hmesh::kit {
 namespace detail {
 
@@ -66,5 +68,7 @@ template <class T, int C>
 }
 
 }  // namespace hmesh::kit
+
+#include "hmesh/core/macros/pop.hpp"
 
 #endif  // HMESH_FIT_RENDERED_ERROR_HPP

@@ -12,6 +12,8 @@
 #include "hmesh/mesh/geometry.hpp"
 #include "hmesh/mesh/handles.hpp"
 
+#include "hmesh/core/macros/push.hpp"
+
 namespace hmesh::kit {
 
 // Most neighbors that a Ring holds.
@@ -153,5 +155,7 @@ template <int C>
 }
 
 }  // namespace hmesh::kit
+
+#include "hmesh/core/macros/pop.hpp"
 
 #endif  // HMESH_FIT_RING_HPP

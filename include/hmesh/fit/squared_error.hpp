@@ -19,6 +19,8 @@
 #include "hmesh/fit/edge_moments.hpp"
 #include "hmesh/mesh/geometry.hpp"
 
+#include "hmesh/core/macros/push.hpp"
+
 namespace hmesh::kit {
 
 // The channels of a colour, padded with zeros to the lanes of Moments (lane C, where moments carry 1, is 0 in a colour).
@@ -172,5 +174,7 @@ void sum_corners(const Moments<C>& m, Point v0, Point v1, Point v2, CornerSums<C
 }
 
 }  // namespace hmesh::kit
+
+#include "hmesh/core/macros/pop.hpp"
 
 #endif  // HMESH_FIT_SQUARED_ERROR_HPP

@@ -14,6 +14,8 @@
 #include "hmesh/core/parallel.hpp"
 #include "hmesh/core/status.hpp"
 
+#include "hmesh/core/macros/push.hpp"
+
 namespace hmesh {
 
 namespace kit {
@@ -182,5 +184,7 @@ template <class T, int C>
 
 }  // namespace kit
 }  // namespace hmesh
+
+#include "hmesh/core/macros/pop.hpp"
 
 #endif  // HMESH_IMAGE_IMAGE_VIEW_HPP

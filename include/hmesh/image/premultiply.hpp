@@ -12,6 +12,8 @@
 #include "hmesh/core/parallel.hpp"
 #include "hmesh/image/image_view.hpp"
 
+#include "hmesh/core/macros/push.hpp"
+
 namespace hmesh::kit {
 
 // The image with all channels but the last multiplied by the last / peak, rounded to the pixel type. Alpha is held to
@@ -36,5 +38,7 @@ template <class T, int C>
 }
 
 }  // namespace hmesh::kit
+
+#include "hmesh/core/macros/pop.hpp"
 
 #endif  // HMESH_IMAGE_PREMULTIPLY_HPP

@@ -18,6 +18,8 @@
 #include "hmesh/core/status.hpp"
 #include "hmesh/image/image_view.hpp"
 
+#include "hmesh/core/macros/push.hpp"
+
 namespace hmesh::kit {
 
 // Whether these can be the weights of a width x height image: none at all, or a view of this size that check() accepts
@@ -106,5 +108,7 @@ class WeightScale {
 }
 
 }  // namespace hmesh::kit
+
+#include "hmesh/core/macros/pop.hpp"
 
 #endif  // HMESH_IMAGE_WEIGHTS_HPP

@@ -21,6 +21,8 @@
 #include "hmesh/io/sink.hpp"
 #include "hmesh/mesh/mesh.hpp"
 
+#include "hmesh/core/macros/push.hpp"
+
 namespace hmesh {
 
 // Options of write_eps().
@@ -108,5 +110,7 @@ Status write_eps(const MeshView& mesh, Sink&& sink, const EpsOptions& options = 
 }
 
 }  // namespace hmesh
+
+#include "hmesh/core/macros/pop.hpp"
 
 #endif  // HMESH_IO_EPS_HPP

@@ -31,6 +31,8 @@
 #include "hmesh/io/sink.hpp"
 #include "hmesh/mesh/mesh.hpp"
 
+#include "hmesh/core/macros/push.hpp"
+
 namespace hmesh {
 
 // Options of write_glb().
@@ -257,5 +259,7 @@ Status write_glb(const MeshView& source, Sink&& sink, const GltfOptions& options
 }
 
 }  // namespace hmesh
+
+#include "hmesh/core/macros/pop.hpp"
 
 #endif  // HMESH_IO_GLTF_HPP

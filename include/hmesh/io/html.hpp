@@ -26,6 +26,8 @@
 #include "hmesh/io/sink.hpp"
 #include "hmesh/mesh/mesh.hpp"
 
+#include "hmesh/core/macros/push.hpp"
+
 namespace hmesh {
 
 // Texts are UTF-8 and are shown as they are: their &, <, >, " and ' are escaped.
@@ -134,5 +136,7 @@ Status write_html(const MeshView& mesh, Sink&& sink, const HtmlOptions& options 
 }
 
 }  // namespace hmesh
+
+#include "hmesh/core/macros/pop.hpp"
 
 #endif  // HMESH_IO_HTML_HPP

@@ -19,6 +19,8 @@
 #include "hmesh/io/sink.hpp"
 #include "hmesh/mesh/mesh.hpp"
 
+#include "hmesh/core/macros/push.hpp"
+
 namespace hmesh {
 
 // Writes the mesh to the sink (see sink.hpp). A mesh that cannot be written gives a Status and no byte.
@@ -56,5 +58,7 @@ Status write_obj(const MeshView& source, Sink&& sink) {
 }
 
 }  // namespace hmesh
+
+#include "hmesh/core/macros/pop.hpp"
 
 #endif  // HMESH_IO_OBJ_HPP

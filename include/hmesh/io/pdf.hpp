@@ -26,6 +26,8 @@
 #include "hmesh/io/sink.hpp"
 #include "hmesh/mesh/mesh.hpp"
 
+#include "hmesh/core/macros/push.hpp"
+
 namespace hmesh {
 
 // Options of write_pdf().
@@ -194,5 +196,7 @@ Status write_pdf(const MeshView& source, Sink&& sink, const PdfOptions& options 
 }
 
 }  // namespace hmesh
+
+#include "hmesh/core/macros/pop.hpp"
 
 #endif  // HMESH_IO_PDF_HPP

@@ -20,6 +20,8 @@
 #include "hmesh/io/sink.hpp"
 #include "hmesh/mesh/mesh.hpp"
 
+#include "hmesh/core/macros/push.hpp"
+
 namespace hmesh {
 
 // Options of write_ply().
@@ -139,5 +141,7 @@ Status write_ply(const MeshView& source, Sink&& sink, const PlyOptions& options 
 }
 
 }  // namespace hmesh
+
+#include "hmesh/core/macros/pop.hpp"
 
 #endif  // HMESH_IO_PLY_HPP

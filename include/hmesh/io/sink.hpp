@@ -20,6 +20,8 @@
 
 #include "hmesh/core/status.hpp"
 
+#include "hmesh/core/macros/push.hpp"
+
 namespace hmesh::detail {
 
 // Collects bytes and hands them to the sink 4 KiB at a time. After the sink's first refusal everything is dropped.
@@ -130,5 +132,7 @@ class Writer {
 };
 
 }  // namespace hmesh::detail
+
+#include "hmesh/core/macros/pop.hpp"
 
 #endif  // HMESH_IO_SINK_HPP

@@ -33,6 +33,8 @@
 #include "hmesh/io/detail/svg_writer.hpp"
 #include "hmesh/mesh/mesh.hpp"
 
+#include "hmesh/core/macros/push.hpp"
+
 namespace hmesh {
 
 // How faces are filled, see above: the best gradient, exactly, or with one colour.
@@ -266,5 +268,7 @@ Status write_svg(const MeshView& mesh, Sink&& sink, const SvgOptions& options = 
 }
 
 }  // namespace hmesh
+
+#include "hmesh/core/macros/pop.hpp"
 
 #endif  // HMESH_IO_SVG_HPP

@@ -27,6 +27,8 @@
 #include "hmesh/mesh/hole_filler.hpp"
 #include "hmesh/mesh/spatial_order.hpp"
 
+#include "hmesh/core/macros/push.hpp"
+
 namespace hmesh::kit {
 
 class Delaunay {
@@ -220,5 +222,7 @@ inline Status Delaunay::check() const {
 }
 
 }  // namespace hmesh::kit
+
+#include "hmesh/core/macros/pop.hpp"
 
 #endif  // HMESH_MESH_DELAUNAY_HPP

@@ -11,6 +11,8 @@
 #include "hmesh/core/compiler.hpp"
 #include "hmesh/core/lanes.hpp"
 
+#include "hmesh/core/macros/push.hpp"
+
 namespace hmesh::kit {
 
 // A place in the plane of the image, in px.
@@ -97,5 +99,7 @@ struct Barycentric {
 }
 
 }  // namespace hmesh::kit
+
+#include "hmesh/core/macros/pop.hpp"
 
 #endif  // HMESH_MESH_GEOMETRY_HPP

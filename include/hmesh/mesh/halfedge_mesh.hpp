@@ -22,6 +22,8 @@
 #include "hmesh/mesh/handles.hpp"
 #include "hmesh/mesh/mesh.hpp"
 
+#include "hmesh/core/macros/push.hpp"
+
 namespace hmesh::kit {
 
 class HalfedgeMesh {
@@ -286,6 +288,8 @@ inline void HalfedgeMesh::rollback(const Mark& mark) {
 }
 
 }  // namespace hmesh::kit
+
+#include "hmesh/core/macros/pop.hpp"
 
 #include "hmesh/mesh/halfedge_mesh.ipp"
 

@@ -7,6 +7,8 @@
 #include <cstdint>
 #include <vector>
 
+#include "hmesh/core/macros/push.hpp"
+
 namespace hmesh::kit {
 
 // --- building and checking -----------------------------------------------------------------------------------------
@@ -356,5 +358,7 @@ inline void HalfedgeMesh::collapse(Halfedge h) {
 }
 
 }  // namespace hmesh::kit
+
+#include "hmesh/core/macros/pop.hpp"
 
 #endif  // HMESH_MESH_HALFEDGE_MESH_IPP

@@ -5,6 +5,8 @@
 #include <cstddef>
 #include <cstdint>
 
+#include "hmesh/core/macros/push.hpp"
+
 namespace hmesh::kit {
 
 // An index into one kind of element; default-constructed it names none. No implicit conversion, in or out.
@@ -34,5 +36,7 @@ using Edge = Handle<struct EdgeKind>;
 using Face = Handle<struct FaceKind>;
 
 }  // namespace hmesh::kit
+
+#include "hmesh/core/macros/pop.hpp"
 
 #endif  // HMESH_MESH_HANDLES_HPP

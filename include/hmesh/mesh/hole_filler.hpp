@@ -26,6 +26,8 @@
 #include "hmesh/core/assert.hpp"
 #include "hmesh/mesh/geometry.hpp"
 
+#include "hmesh/core/macros/push.hpp"
+
 namespace hmesh::kit {
 
 // Three corners of the hole, by their numbers in the ring that was given. The ring runs against the orientation of faces:
@@ -147,5 +149,7 @@ class HoleFiller {
 };
 
 }  // namespace hmesh::kit
+
+#include "hmesh/core/macros/pop.hpp"
 
 #endif  // HMESH_MESH_HOLE_FILLER_HPP

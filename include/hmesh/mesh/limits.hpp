@@ -5,6 +5,8 @@
 #include "hmesh/core/range.hpp"
 #include "hmesh/core/status.hpp"
 
+#include "hmesh/core/macros/push.hpp"
+
 namespace hmesh {
 
 // Bounds that keep a mesh sane.
@@ -31,5 +33,7 @@ struct MeshLimits {
 }
 
 }  // namespace hmesh
+
+#include "hmesh/core/macros/pop.hpp"
 
 #endif  // HMESH_MESH_LIMITS_HPP

@@ -14,6 +14,8 @@
 #include "hmesh/core/finite.hpp"
 #include "hmesh/core/status.hpp"
 
+#include "hmesh/core/macros/push.hpp"
+
 namespace hmesh {
 
 // The indices of its corners.
@@ -82,5 +84,7 @@ struct Mesh {
 }
 
 }  // namespace hmesh
+
+#include "hmesh/core/macros/pop.hpp"
 
 #endif  // HMESH_MESH_MESH_HPP

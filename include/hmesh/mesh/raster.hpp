@@ -15,6 +15,8 @@
 #include "hmesh/core/lanes.hpp"
 #include "hmesh/mesh/geometry.hpp"
 
+#include "hmesh/core/macros/push.hpp"
+
 namespace hmesh::kit {
 
 // The first row whose centre is not above y, y >= 0: rows [first_row(a.y), first_row(b.y)) are crossed from a down to b.
@@ -100,5 +102,7 @@ void for_each_span(Point a, Point b, Point c, const ClipRect& clip, Body&& body)
 }
 
 }  // namespace hmesh::kit
+
+#include "hmesh/core/macros/pop.hpp"
 
 #endif  // HMESH_MESH_RASTER_HPP

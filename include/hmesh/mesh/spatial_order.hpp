@@ -16,6 +16,8 @@
 #include "hmesh/mesh/geometry.hpp"
 #include "hmesh/mesh/halfedge_mesh.hpp"
 
+#include "hmesh/core/macros/push.hpp"
+
 namespace hmesh::kit {
 namespace detail {
 
@@ -93,5 +95,7 @@ HMESH_ALWAYS_INLINE void for_each_edge(const HalfedgeMesh& topology, Face f, Bod
 }
 
 }  // namespace hmesh::kit
+
+#include "hmesh/core/macros/pop.hpp"
 
 #endif  // HMESH_MESH_SPATIAL_ORDER_HPP

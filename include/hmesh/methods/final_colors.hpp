@@ -16,6 +16,8 @@
 #include "hmesh/solve/sampled_colors.hpp"
 #include "hmesh/tiles/tiled_mesh.hpp"
 
+#include "hmesh/core/macros/push.hpp"
+
 namespace hmesh::kit {
 
 // Gives all vertices the colours of the image under them (solve/sampled_colors.hpp), rounded to multiples of grid if grid > 0; its energy is then that of these colours.
@@ -62,5 +64,7 @@ BoundedReport bounded_colors(TiledMesh<C>& tiled, const Tiling& tiling, double l
 }
 
 }  // namespace hmesh::kit
+
+#include "hmesh/core/macros/pop.hpp"
 
 #endif  // HMESH_METHODS_FINAL_COLORS_HPP

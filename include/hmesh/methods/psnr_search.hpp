@@ -18,6 +18,8 @@
 #include "hmesh/core/status.hpp"
 #include "hmesh/result.hpp"
 
+#include "hmesh/core/macros/push.hpp"
+
 namespace hmesh::kit {
 
 // `mesh_of(n)` makes a result with .status and .report.psnr, meshes of 4 <= n <= most vertices. Returns that of the fewest
@@ -80,5 +82,7 @@ namespace hmesh::kit {
 }
 
 }  // namespace hmesh::kit
+
+#include "hmesh/core/macros/pop.hpp"
 
 #endif  // HMESH_METHODS_PSNR_SEARCH_HPP

@@ -24,6 +24,8 @@
 #include "hmesh/image/image_view.hpp"
 #include "hmesh/options.hpp"
 
+#include "hmesh/core/macros/push.hpp"
+
 namespace hmesh::kit {
 
 template <class Recipe, class = void>
@@ -34,5 +36,7 @@ inline constexpr bool is_recipe<Recipe, std::enable_if_t<std::is_same_v<std::rem
                                                          std::is_convertible_v<decltype(Recipe::name), const char*>>> = true;
 
 }  // namespace hmesh::kit
+
+#include "hmesh/core/macros/pop.hpp"
 
 #endif  // HMESH_METHODS_RECIPE_HPP

@@ -9,6 +9,8 @@
 #include "hmesh/tiles/tiled_mesh.hpp"
 #include "hmesh/tiles/tiling.hpp"
 
+#include "hmesh/core/macros/push.hpp"
+
 namespace hmesh::kit {
 
 // The status of work that the progress callback stopped.
@@ -41,5 +43,7 @@ bool run_whole_stage(TiledMesh<C>& tiled, const char* name, FunctionRef<void(Ima
 }
 
 }  // namespace hmesh::kit
+
+#include "hmesh/core/macros/pop.hpp"
 
 #endif  // HMESH_METHODS_STAGE_HPP

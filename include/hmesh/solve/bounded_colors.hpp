@@ -17,6 +17,8 @@
 #include "hmesh/fit/image_mesh.hpp"
 #include "hmesh/solve/normal_equations.hpp"
 
+#include "hmesh/core/macros/push.hpp"
+
 namespace hmesh::kit {
 // Converged: without a grid, the last sweep changed nothing that matters; with one, no channel of any vertex can be
 // changed by itself, to whatever value is allowed, and lower the error (ridge included).
@@ -159,5 +161,7 @@ BoundedReport bounded_colors(ImageMesh<C>& mesh, double low, double high, double
 }
 
 }  // namespace hmesh::kit
+
+#include "hmesh/core/macros/pop.hpp"
 
 #endif  // HMESH_SOLVE_BOUNDED_COLORS_HPP

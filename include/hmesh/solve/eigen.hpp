@@ -26,6 +26,8 @@
 #include "hmesh/solve/normal_equations.hpp"
 #include "hmesh/solve/pcg.hpp"
 
+#include "hmesh/core/macros/push.hpp"
+
 namespace hmesh::kit {
 
 // The same numbers in Eigen's types and back.
@@ -151,5 +153,7 @@ inline PcgReport solve_pcg(const Eigen::SparseMatrix<double>& a, const Eigen::Ma
 }
 
 }  // namespace hmesh::kit
+
+#include "hmesh/core/macros/pop.hpp"
 
 #endif  // HMESH_SOLVE_EIGEN_HPP

@@ -39,6 +39,8 @@
 #include "hmesh/solve/normal_equations.hpp"
 #include "hmesh/solve/pcg.hpp"
 
+#include "hmesh/core/macros/push.hpp"
+
 namespace hmesh {
 
 struct LinearLightOptions {  // options of fit_linear_light()
@@ -283,5 +285,7 @@ LinearLightReport fit_linear_light(Mesh& mesh, const ImageView<T, C>& view, cons
 }
 
 }  // namespace hmesh
+
+#include "hmesh/core/macros/pop.hpp"
 
 #endif  // HMESH_SOLVE_LINEAR_LIGHT_HPP

@@ -15,6 +15,8 @@
 #include "hmesh/fit/squared_error.hpp"
 #include "hmesh/mesh/geometry.hpp"
 
+#include "hmesh/core/macros/push.hpp"
+
 namespace hmesh::kit {
 
 // A symmetric matrix of n rows, row after row, with both triangles stored: row i has the entries [starts[i], starts[i + 1]) of
@@ -174,5 +176,7 @@ template <int C>
 }
 
 }  // namespace hmesh::kit
+
+#include "hmesh/core/macros/pop.hpp"
 
 #endif  // HMESH_SOLVE_NORMAL_EQUATIONS_HPP

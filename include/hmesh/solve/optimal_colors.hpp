@@ -14,6 +14,8 @@
 #include "hmesh/solve/normal_equations.hpp"
 #include "hmesh/solve/pcg.hpp"
 
+#include "hmesh/core/macros/push.hpp"
+
 namespace hmesh::kit {
 
 // Gives all vertices the colours with the least squared error, held to the mesh's [color_low, color_high]. Outside a transaction.
@@ -42,5 +44,7 @@ PcgReport optimal_colors(ImageMesh<C>& mesh, const PcgOptions& options = {}, con
 }
 
 }  // namespace hmesh::kit
+
+#include "hmesh/core/macros/pop.hpp"
 
 #endif  // HMESH_SOLVE_OPTIMAL_COLORS_HPP

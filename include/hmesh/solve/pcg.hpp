@@ -15,6 +15,8 @@
 #include "hmesh/core/assert.hpp"
 #include "hmesh/solve/normal_equations.hpp"
 
+#include "hmesh/core/macros/push.hpp"
+
 namespace hmesh::kit {
 
 // When solve_pcg() stops.
@@ -159,5 +161,7 @@ inline PcgReport solve_pcg(const SymmetricMatrix& a, const DenseMatrix& b, Dense
 }
 
 }  // namespace hmesh::kit
+
+#include "hmesh/core/macros/pop.hpp"
 
 #endif  // HMESH_SOLVE_PCG_HPP

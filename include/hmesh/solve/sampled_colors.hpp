@@ -16,6 +16,8 @@
 #include "hmesh/fit/image_mesh.hpp"
 #include "hmesh/fit/moment_table.hpp"
 
+#include "hmesh/core/macros/push.hpp"
+
 namespace hmesh::kit {
 
 // The colour at p in [0, width] x [0, height] of an image whose pixels are pixel(x, y).
@@ -48,5 +50,7 @@ void sample_colors(ImageMesh<C>& mesh, const ParallelFor& parallel_for = {}) {
 }
 
 }  // namespace hmesh::kit
+
+#include "hmesh/core/macros/pop.hpp"
 
 #endif  // HMESH_SOLVE_SAMPLED_COLORS_HPP

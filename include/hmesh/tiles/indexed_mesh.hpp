@@ -16,6 +16,8 @@
 #include "hmesh/mesh/halfedge_mesh.hpp"
 #include "hmesh/mesh/mesh.hpp"
 
+#include "hmesh/core/macros/push.hpp"
+
 namespace hmesh::kit {
 
 template <int C>
@@ -117,5 +119,7 @@ template <int C>
 }
 
 }  // namespace hmesh::kit
+
+#include "hmesh/core/macros/pop.hpp"
 
 #endif  // HMESH_TILES_INDEXED_MESH_HPP

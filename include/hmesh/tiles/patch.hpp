@@ -28,6 +28,8 @@
 #include "hmesh/tiles/indexed_mesh.hpp"
 #include "hmesh/tiles/tiling.hpp"
 
+#include "hmesh/core/macros/push.hpp"
+
 namespace hmesh::kit {
 
 namespace detail {
@@ -276,5 +278,7 @@ class Patch {
 };
 
 }  // namespace hmesh::kit
+
+#include "hmesh/core/macros/pop.hpp"
 
 #endif  // HMESH_TILES_PATCH_HPP

@@ -21,6 +21,8 @@
 #include "hmesh/tiles/indexed_mesh.hpp"
 #include "hmesh/tiles/patch.hpp"
 
+#include "hmesh/core/macros/push.hpp"
+
 namespace hmesh::kit {
 
 template <int C>
@@ -196,5 +198,7 @@ class TiledMesh {
 };
 
 }  // namespace hmesh::kit
+
+#include "hmesh/core/macros/pop.hpp"
 
 #endif  // HMESH_TILES_TILED_MESH_HPP

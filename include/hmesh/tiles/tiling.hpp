@@ -9,6 +9,8 @@
 #include "hmesh/image/image_view.hpp"
 #include "hmesh/mesh/geometry.hpp"
 
+#include "hmesh/core/macros/push.hpp"
+
 namespace hmesh::kit {
 
 // The plane cut by vertical and horizontal lines at whole pixels. Tile (i, j) is [lines_x[i], lines_x[i + 1]) times
@@ -50,5 +52,7 @@ class Tiling {
 };
 
 }  // namespace hmesh::kit
+
+#include "hmesh/core/macros/pop.hpp"
 
 #endif  // HMESH_TILES_TILING_HPP

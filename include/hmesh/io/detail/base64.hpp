@@ -10,6 +10,8 @@
 
 #include "hmesh/io/sink.hpp"
 
+#include "hmesh/core/macros/push.hpp"
+
 namespace hmesh::detail {
 
 template <class Sink>
@@ -59,5 +61,7 @@ class Base64Writer {
 };
 
 }  // namespace hmesh::detail
+
+#include "hmesh/core/macros/pop.hpp"
 
 #endif  // HMESH_IO_DETAIL_BASE64_HPP

@@ -13,6 +13,8 @@
 #include "hmesh/core/status.hpp"
 #include "hmesh/mesh/mesh.hpp"
 
+#include "hmesh/core/macros/push.hpp"
+
 namespace hmesh::detail {
 
 // Whether a mesh is one of grey, RGB or RGBA that fills a picture. O(n).
@@ -41,5 +43,7 @@ namespace hmesh::detail {
 }
 
 }  // namespace hmesh::detail
+
+#include "hmesh/core/macros/pop.hpp"
 
 #endif  // HMESH_IO_DETAIL_COLOR_SHARES_HPP

@@ -23,6 +23,8 @@
 #include "hmesh/io/detail/strips.hpp"
 #include "hmesh/mesh/mesh.hpp"
 
+#include "hmesh/core/macros/push.hpp"
+
 namespace hmesh {
 
 // A compressor that the user has: puts the zlib stream (RFC 1950) of the bytes, such as zlib's compress2() makes, into the
@@ -132,5 +134,7 @@ template <class Share>
 
 }  // namespace detail
 }  // namespace hmesh
+
+#include "hmesh/core/macros/pop.hpp"
 
 #endif  // HMESH_IO_DETAIL_GOURAUD_STREAM_HPP

@@ -7,6 +7,8 @@
 #ifndef HMESH_IO_DETAIL_HTML_DRAWING_HPP
 #define HMESH_IO_DETAIL_HTML_DRAWING_HPP
 
+#include "hmesh/core/macros/push.hpp"
+
 namespace hmesh::detail {
 
 inline constexpr const char* html_drawing = R"html(const byId = (id) => document.getElementById(id);
@@ -158,5 +160,7 @@ function setUp() {
 )html";
 
 }  // namespace hmesh::detail
+
+#include "hmesh/core/macros/pop.hpp"
 
 #endif  // HMESH_IO_DETAIL_HTML_DRAWING_HPP

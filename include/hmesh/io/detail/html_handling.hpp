@@ -6,6 +6,8 @@
 #ifndef HMESH_IO_DETAIL_HTML_HANDLING_HPP
 #define HMESH_IO_DETAIL_HTML_HANDLING_HPP
 
+#include "hmesh/core/macros/push.hpp"
+
 namespace hmesh::detail {
 
 inline constexpr const char* html_handling = R"html(function redraw() {
@@ -149,5 +151,7 @@ start();
 )html";
 
 }  // namespace hmesh::detail
+
+#include "hmesh/core/macros/pop.hpp"
 
 #endif  // HMESH_IO_DETAIL_HTML_HANDLING_HPP

@@ -5,6 +5,8 @@
 #ifndef HMESH_IO_DETAIL_HTML_PAGE_HPP
 #define HMESH_IO_DETAIL_HTML_PAGE_HPP
 
+#include "hmesh/core/macros/push.hpp"
+
 namespace hmesh::detail {
 
 // Then the title.
@@ -71,5 +73,7 @@ inline constexpr const char* html_controls = R"html(</p>
 )html";
 
 }  // namespace hmesh::detail
+
+#include "hmesh/core/macros/pop.hpp"
 
 #endif  // HMESH_IO_DETAIL_HTML_PAGE_HPP

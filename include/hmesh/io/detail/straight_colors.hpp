@@ -11,6 +11,8 @@
 
 #include "hmesh/mesh/mesh.hpp"
 
+#include "hmesh/core/macros/push.hpp"
+
 namespace hmesh::detail {
 
 // A mesh as it is or, if it is premultiplied and has alpha, with colours of its own that are divided by it: color * peak /
@@ -60,5 +62,7 @@ class StraightMesh {
 };
 
 }  // namespace hmesh::detail
+
+#include "hmesh/core/macros/pop.hpp"
 
 #endif  // HMESH_IO_DETAIL_STRAIGHT_COLORS_HPP

@@ -18,6 +18,8 @@
 
 #include "hmesh/mesh/mesh.hpp"
 
+#include "hmesh/core/macros/push.hpp"
+
 namespace hmesh::detail {
 
 struct StripVertex {
@@ -167,5 +169,7 @@ class StripWalk {
 }
 
 }  // namespace hmesh::detail
+
+#include "hmesh/core/macros/pop.hpp"
 
 #endif  // HMESH_IO_DETAIL_STRIPS_HPP

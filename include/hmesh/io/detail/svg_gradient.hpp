@@ -18,6 +18,8 @@
 #include <cmath>
 #include <cstddef>
 
+#include "hmesh/core/macros/push.hpp"
+
 namespace hmesh::detail {
 
 struct PlanePoint {
@@ -165,5 +167,7 @@ struct FaceGradient {
 };
 
 }  // namespace hmesh::detail
+
+#include "hmesh/core/macros/pop.hpp"
 
 #endif  // HMESH_IO_DETAIL_SVG_GRADIENT_HPP

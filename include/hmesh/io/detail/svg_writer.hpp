@@ -8,6 +8,8 @@
 #include "hmesh/io/detail/svg_gradient.hpp"
 #include "hmesh/io/sink.hpp"
 
+#include "hmesh/core/macros/push.hpp"
+
 namespace hmesh::detail {
 
 template <class Sink>
@@ -66,5 +68,7 @@ class SvgWriter : public Writer<Sink> {
 };
 
 }  // namespace hmesh::detail
+
+#include "hmesh/core/macros/pop.hpp"
 
 #endif  // HMESH_IO_DETAIL_SVG_WRITER_HPP

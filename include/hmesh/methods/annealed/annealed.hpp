@@ -33,6 +33,8 @@
 #include "hmesh/methods/stage.hpp"
 #include "hmesh/tiles/tiled_mesh.hpp"
 
+#include "hmesh/core/macros/push.hpp"
+
 namespace hmesh {
 namespace kit {
 namespace detail {
@@ -253,5 +255,7 @@ Status Annealed::run(kit::TiledMesh<C>& mesh, std::size_t n) const {
 }
 
 }  // namespace hmesh
+
+#include "hmesh/core/macros/pop.hpp"
 
 #endif  // HMESH_METHODS_ANNEALED_ANNEALED_HPP

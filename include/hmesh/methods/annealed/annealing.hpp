@@ -23,6 +23,8 @@
 #include "hmesh/fit/image_mesh.hpp"
 #include "hmesh/methods/annealed/options.hpp"
 
+#include "hmesh/core/macros/push.hpp"
+
 namespace hmesh::kit {
 
 // What a sweep did.
@@ -222,5 +224,7 @@ class AnnealingSweep {
 };
 
 }  // namespace hmesh::kit
+
+#include "hmesh/core/macros/pop.hpp"
 
 #endif  // HMESH_METHODS_ANNEALED_ANNEALING_HPP

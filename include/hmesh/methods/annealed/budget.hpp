@@ -19,6 +19,8 @@
 #include "hmesh/edit/subdivide.hpp"
 #include "hmesh/tiles/tiled_mesh.hpp"
 
+#include "hmesh/core/macros/push.hpp"
+
 namespace hmesh::kit {
 
 // A tile's share of the budget: area (E / area)^p, E being the error in it of a mesh of equal density everywhere. Equal
@@ -146,5 +148,7 @@ HMESH_COLD bool reach_vertex_count(TiledMesh<C>& tiled, std::size_t n, double ti
 }
 
 }  // namespace hmesh::kit
+
+#include "hmesh/core/macros/pop.hpp"
 
 #endif  // HMESH_METHODS_ANNEALED_BUDGET_HPP

@@ -20,6 +20,8 @@
 #include "hmesh/tiles/indexed_mesh.hpp"
 #include "hmesh/tiles/tiling.hpp"
 
+#include "hmesh/core/macros/push.hpp"
+
 namespace hmesh::kit {
 namespace detail {
 
@@ -195,5 +197,7 @@ template <int C>
 }
 
 }  // namespace hmesh::kit
+
+#include "hmesh/core/macros/pop.hpp"
 
 #endif  // HMESH_METHODS_ANNEALED_FIRST_GRID_HPP

@@ -17,6 +17,8 @@
 #include "hmesh/image/image_view.hpp"
 #include "hmesh/options.hpp"
 
+#include "hmesh/core/macros/push.hpp"
+
 namespace hmesh {
 
 /// How much work goes into a mesh, counted in steps, never in seconds.
@@ -170,5 +172,7 @@ struct Annealed {
 };
 
 }  // namespace hmesh
+
+#include "hmesh/core/macros/pop.hpp"
 
 #endif  // HMESH_METHODS_ANNEALED_OPTIONS_HPP

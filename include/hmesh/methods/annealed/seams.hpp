@@ -21,6 +21,8 @@
 #include "hmesh/fit/image_source.hpp"
 #include "hmesh/fit/ring.hpp"
 
+#include "hmesh/core/macros/push.hpp"
+
 namespace hmesh::kit {
 
 // From (x, y), `length` px along a line at whole pixels: down if it is vertical, else to the right.
@@ -193,5 +195,7 @@ template <int C>
 }
 
 }  // namespace hmesh::kit
+
+#include "hmesh/core/macros/pop.hpp"
 
 #endif  // HMESH_METHODS_ANNEALED_SEAMS_HPP

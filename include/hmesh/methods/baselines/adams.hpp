@@ -26,6 +26,8 @@
 #include "hmesh/tiles/indexed_mesh.hpp"
 #include "hmesh/tiles/tiled_mesh.hpp"
 
+#include "hmesh/core/macros/push.hpp"
+
 namespace hmesh {
 namespace kit::detail {
 
@@ -109,5 +111,7 @@ struct Adams {
 };
 
 }  // namespace hmesh
+
+#include "hmesh/core/macros/pop.hpp"
 
 #endif  // HMESH_METHODS_BASELINES_ADAMS_HPP

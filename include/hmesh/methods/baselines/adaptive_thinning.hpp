@@ -19,6 +19,8 @@
 #include "hmesh/options.hpp"
 #include "hmesh/tiles/tiled_mesh.hpp"
 
+#include "hmesh/core/macros/push.hpp"
+
 namespace hmesh {
 
 /// Adaptive thinning, with sampled colors.
@@ -52,5 +54,7 @@ struct AdaptiveThinning {
 };
 
 }  // namespace hmesh
+
+#include "hmesh/core/macros/pop.hpp"
 
 #endif  // HMESH_METHODS_BASELINES_ADAPTIVE_THINNING_HPP

@@ -17,6 +17,8 @@
 #include "hmesh/core/function_ref.hpp"
 #include "hmesh/image/image_view.hpp"
 
+#include "hmesh/core/macros/push.hpp"
+
 namespace hmesh::kit {
 namespace detail {
 
@@ -101,5 +103,7 @@ void diffuse(const ImageView<float, 1>& map, double factor, double floor, Point&
 }
 
 }  // namespace hmesh::kit
+
+#include "hmesh/core/macros/pop.hpp"
 
 #endif  // HMESH_METHODS_BASELINES_ERROR_DIFFUSION_HPP

@@ -17,6 +17,8 @@
 #include "hmesh/fit/image_source.hpp"
 #include "hmesh/image/image_view.hpp"
 
+#include "hmesh/core/macros/push.hpp"
+
 namespace hmesh::kit {
 namespace detail {
 
@@ -90,5 +92,7 @@ template <int C>
 }
 
 }  // namespace hmesh::kit
+
+#include "hmesh/core/macros/pop.hpp"
 
 #endif  // HMESH_METHODS_BASELINES_FEATURE_MAP_HPP

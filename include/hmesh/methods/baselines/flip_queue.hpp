@@ -15,6 +15,8 @@
 #include "hmesh/edit/flip.hpp"
 #include "hmesh/fit/image_mesh.hpp"
 
+#include "hmesh/core/macros/push.hpp"
+
 namespace hmesh::kit {
 
 // Turns suspects until none is left; each comes up at most `visits` >= 1 times. The energy falls with every flip, by more
@@ -49,5 +51,7 @@ std::size_t run_flip_queue(ImageMesh<C>& mesh, int visits) {
 }
 
 }  // namespace hmesh::kit
+
+#include "hmesh/core/macros/pop.hpp"
 
 #endif  // HMESH_METHODS_BASELINES_FLIP_QUEUE_HPP

@@ -18,6 +18,8 @@
 #include "hmesh/fit/image_mesh.hpp"
 #include "hmesh/mesh/hole_filler.hpp"
 
+#include "hmesh/core/macros/push.hpp"
+
 namespace hmesh::kit {
 
 // A mesh, and what the removal of each vertex would cost.
@@ -126,5 +128,7 @@ class PointRemoval {
 };
 
 }  // namespace hmesh::kit
+
+#include "hmesh/core/macros/pop.hpp"
 
 #endif  // HMESH_METHODS_BASELINES_POINT_REMOVAL_HPP

@@ -13,6 +13,8 @@
 #include "hmesh/fit/image_mesh.hpp"
 #include "hmesh/solve/sampled_colors.hpp"
 
+#include "hmesh/core/macros/push.hpp"
+
 namespace hmesh::kit {
 
 // How far and how often vertices are moved.
@@ -116,5 +118,7 @@ std::size_t search_vertices(ImageMesh<C>& mesh, const VertexSearch& options) {
 }
 
 }  // namespace hmesh::kit
+
+#include "hmesh/core/macros/pop.hpp"
 
 #endif  // HMESH_METHODS_BASELINES_VERTEX_SEARCH_HPP

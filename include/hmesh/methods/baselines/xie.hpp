@@ -18,6 +18,8 @@
 #include "hmesh/methods/stage.hpp"
 #include "hmesh/tiles/tiled_mesh.hpp"
 
+#include "hmesh/core/macros/push.hpp"
+
 namespace hmesh {
 
 /// The method of Xie et al., with sampled colors.
@@ -61,5 +63,7 @@ struct Xie {
 };
 
 }  // namespace hmesh
+
+#include "hmesh/core/macros/pop.hpp"
 
 #endif  // HMESH_METHODS_BASELINES_XIE_HPP

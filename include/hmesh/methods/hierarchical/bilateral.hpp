@@ -20,6 +20,8 @@
 #include "hmesh/image/image_view.hpp"
 #include "hmesh/methods/hierarchical/bilateral_tile.hpp"
 
+#include "hmesh/core/macros/push.hpp"
+
 namespace hmesh::kit {
 
 // Options of bilateral_filter().
@@ -63,5 +65,7 @@ template <class T, int C>
 }
 
 }  // namespace hmesh::kit
+
+#include "hmesh/core/macros/pop.hpp"
 
 #endif  // HMESH_METHODS_HIERARCHICAL_BILATERAL_HPP

@@ -15,6 +15,8 @@
 #include "hmesh/core/lanes.hpp"
 #include "hmesh/image/image_view.hpp"
 
+#include "hmesh/core/macros/push.hpp"
+
 // GCC leaves short loops over channels as they are at -O2.
 #if defined(__GNUC__) && !defined(__clang__)
 #define HMESH_UNROLL _Pragma("GCC unroll 16")
@@ -285,6 +287,8 @@ class BilateralTile {
 };
 
 }  // namespace hmesh::kit::detail
+
+#include "hmesh/core/macros/pop.hpp"
 
 #undef HMESH_UNROLL
 

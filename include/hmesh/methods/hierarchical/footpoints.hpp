@@ -24,6 +24,8 @@
 #include "hmesh/mesh/raster.hpp"
 #include "hmesh/solve/normal_equations.hpp"
 
+#include "hmesh/core/macros/push.hpp"
+
 namespace hmesh::kit {
 
 // Where a pixel's foot point is looked for.
@@ -221,5 +223,7 @@ template <int C>
 }
 
 }  // namespace hmesh::kit
+
+#include "hmesh/core/macros/pop.hpp"
 
 #endif  // HMESH_METHODS_HIERARCHICAL_FOOTPOINTS_HPP

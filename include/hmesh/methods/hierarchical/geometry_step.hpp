@@ -28,6 +28,8 @@
 #include "hmesh/solve/optimal_colors.hpp"
 #include "hmesh/solve/pcg.hpp"
 
+#include "hmesh/core/macros/push.hpp"
+
 namespace hmesh::kit {
 
 // What becomes of the positions that were solved for.
@@ -182,5 +184,7 @@ PcgReport geometry_step(ImageMesh<C>& mesh, const GeometryStep& options, double 
 }
 
 }  // namespace hmesh::kit
+
+#include "hmesh/core/macros/pop.hpp"
 
 #endif  // HMESH_METHODS_HIERARCHICAL_GEOMETRY_STEP_HPP

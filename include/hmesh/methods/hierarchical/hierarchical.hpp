@@ -25,6 +25,8 @@
 #include "hmesh/solve/optimal_colors.hpp"
 #include "hmesh/tiles/tiled_mesh.hpp"
 
+#include "hmesh/core/macros/push.hpp"
+
 namespace hmesh {
 
 namespace kit::detail {
@@ -134,5 +136,7 @@ struct Hierarchical {
 };
 
 }  // namespace hmesh
+
+#include "hmesh/core/macros/pop.hpp"
 
 #endif  // HMESH_METHODS_HIERARCHICAL_HIERARCHICAL_HPP

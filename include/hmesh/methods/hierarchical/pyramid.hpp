@@ -20,6 +20,8 @@
 #include "hmesh/image/image_view.hpp"
 #include "hmesh/methods/hierarchical/bilateral.hpp"
 
+#include "hmesh/core/macros/push.hpp"
+
 namespace hmesh::kit {
 
 // A user's filter of images of any sample type and number of channels. `from` and `to` are images of width * height pixels, packed
@@ -90,5 +92,7 @@ template <class T, int C>
 }
 
 }  // namespace hmesh::kit
+
+#include "hmesh/core/macros/pop.hpp"
 
 #endif  // HMESH_METHODS_HIERARCHICAL_PYRAMID_HPP

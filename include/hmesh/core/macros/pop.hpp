@@ -1,4 +1,4 @@
-// hmesh - brings back the macros that push_macros.hpp put aside.
+// hmesh - brings back the macros that push.hpp put aside.
 #if defined(_MSC_VER) || defined(__GNUC__)
 #pragma pop_macro("min")
 #pragma pop_macro("max")
