@@ -12,10 +12,10 @@
 #include "hmesh/methods/baselines/adaptive_thinning.hpp"
 #include "test_images.hpp"
 #include "test_methods.hpp"
-#include "test_patchworks.hpp"
+#include "test_tiled_meshes.hpp"
 
-using hmesh::kit::adams;
-using hmesh::kit::AdamsOptions;
+using hmesh::Adams;
+using hmesh::AdaptiveThinning;
 using hmesh::kit::Point;
 using hmesh_test::prove_mesh;
 using hmesh_test::Work;
@@ -31,7 +31,7 @@ TEST_CASE(
                     CAPTURE(width);
                     CAPTURE(height);
                     CAPTURE(n);
-                    CHECK((density == 0 ? adaptive_thinning(work.patchwork, n) : adams(work.patchwork, n, {density, 3})));
+                    CHECK((density == 0 ? AdaptiveThinning().run(work.tiled, n) : Adams{density, 3}.run(work.tiled, n)));
                     prove_mesh(work, n);
                     CHECK(hmesh_test::is_delaunay(work.indexed()));
                     CHECK(hmesh_test::is_sampled(work.image, work.indexed()));
@@ -45,7 +45,7 @@ TEST_CASE("adams and adaptive thinning keep a Delaunay mesh with sampled colours
         for (const std::size_t n : {4U, 5U, 60U, 330U, 660U})
             for (const bool thinning : {false, true}) {
                 CAPTURE(n);
-                CHECK((thinning ? adaptive_thinning(work.patchwork, n) : adams(work.patchwork, n, {})));
+                CHECK((thinning ? AdaptiveThinning().run(work.tiled, n) : Adams().run(work.tiled, n)));
                 prove_mesh(work, n);
                 CHECK(hmesh_test::is_delaunay(work.indexed()));
                 CHECK(hmesh_test::is_sampled(work.image, work.indexed()));
@@ -61,18 +61,18 @@ TEST_CASE("a vertex with more neighbors than a ring holds is left with fewer, an
             return (wide ? y : x) == 3 || (x == (wide ? 200 : 36) && y == (wide ? 36 : 200)) ? 1.0 : 0.0;
         }));
         for (const std::size_t n : {4U, 20U, 400U}) {
-            CHECK(adams(work.patchwork, n, {1.5, 0}));
+            CHECK((Adams{1.5, 0}.run(work.tiled, n)));
             prove_mesh(work, n);
             CHECK(hmesh_test::is_delaunay(work.indexed()));
         }
-        CHECK(adams(work.patchwork, 700, {1, 0}));
+        CHECK((Adams{1, 0}.run(work.tiled, 700)));
         CHECK(hmesh_test::most_neighbors(work.indexed()) > hmesh::kit::ring_capacity);
     }
 }
 
 TEST_CASE("vertices are on the centres of pixels, those of the outermost pixels on the border") {
     Work<std::uint8_t, 1> work(hmesh_test::noise<std::uint8_t, 1>(9, 7, 3));
-    CHECK(adaptive_thinning(work.patchwork, 63));
+    CHECK(AdaptiveThinning().run(work.tiled, 63));
     std::vector<std::pair<double, double>> found, expected;
     for (const Point p : work.indexed().positions) found.emplace_back(p.x, p.y);
     for (const double y : {0.0, 1.5, 2.5, 3.5, 4.5, 5.5, 7.0})
@@ -82,7 +82,7 @@ TEST_CASE("vertices are on the centres of pixels, those of the outermost pixels 
     CHECK(found == expected);
     // One row or column: its vertices lie in the middle, with nothing on the long sides but corners.
     Work<std::uint8_t, 1> column(hmesh_test::noise<std::uint8_t, 1>(1, 20, 3));
-    CHECK(adaptive_thinning(column.patchwork, 20));
+    CHECK(AdaptiveThinning().run(column.tiled, 20));
     for (const Point p : column.indexed().positions) CHECK((p.x == 0.5 || ((p.x == 0 || p.x == 1) && (p.y == 0 || p.y == 20))));
 }
 
@@ -92,7 +92,7 @@ TEST_CASE("more points before the removal give a better mesh, all pixels the bes
         double energy = 0;
         for (const std::uint64_t seed : {1U, 2U, 3U}) {
             Work<std::uint8_t, 1> work(hmesh_test::scene<std::uint8_t, 1>(48, 40, seed));
-            CHECK((density == 0 ? adaptive_thinning(work.patchwork, 60) : adams(work.patchwork, 60, {density, 3})));
+            CHECK((density == 0 ? AdaptiveThinning().run(work.tiled, 60) : Adams{density, 3}.run(work.tiled, 60)));
             energy += work.indexed().energy;
         }
         CHECK(energy < before);
@@ -103,8 +103,8 @@ TEST_CASE("more points before the removal give a better mesh, all pixels the bes
 TEST_CASE("as many points as pixels are adaptive thinning, to the last bit") {
     const auto image = hmesh_test::scene<std::uint8_t, 1>(24, 20, 2);
     Work<std::uint8_t, 1> dense(image), all(image);
-    CHECK(adams(dense.patchwork, 40, {1000, 3}));
-    CHECK(adaptive_thinning(all.patchwork, 40));
+    CHECK((Adams{1000, 3}.run(dense.tiled, 40)));
+    CHECK(AdaptiveThinning().run(all.tiled, 40));
     CHECK(hmesh_test::same_bits(dense.indexed(), all.indexed()));
 }
 
@@ -114,9 +114,9 @@ TEST_CASE("float pictures of any size and sign have their vertices too") {
         for (float& sample : image.samples()) sample = static_cast<float>(factor * (2 * static_cast<double>(sample) - 1));
         Work<float, 1> work(std::move(image));
         for (const std::size_t n : {4U, 30U, 154U}) {
-            CHECK(adams(work.patchwork, n, {}));
+            CHECK(Adams().run(work.tiled, n));
             prove_mesh(work, n);
-            CHECK(adaptive_thinning(work.patchwork, n));
+            CHECK(AdaptiveThinning().run(work.tiled, n));
             prove_mesh(work, n);
         }
     }
@@ -124,9 +124,9 @@ TEST_CASE("float pictures of any size and sign have their vertices too") {
 
 TEST_CASE("stages come in order and tell the mesh they left: some points more than asked for, then those asked for") {
     Work<std::uint8_t, 1> work(hmesh_test::scene<std::uint8_t, 1>(48, 40, 2));
-    CHECK(adams(work.patchwork, 50, {4, 3}));
-    CHECK(hmesh_test::names_of(work.monitor) == "points removal");
-    const auto& stages = work.monitor.stages();
+    CHECK((Adams{4, 3}.run(work.tiled, 50)));
+    CHECK(hmesh_test::names_of(work.progress) == "points removal");
+    const auto& stages = work.progress.stages();
     CHECK(stages[0].vertices >= 200);
     CHECK(stages[0].vertices <= 200 + 2 + 4);  // 1 % more, and corners that are no points
     CHECK(stages[0].energy < stages[1].energy);
@@ -138,21 +138,19 @@ TEST_CASE("stages come in order and tell the mesh they left: some points more th
 TEST_CASE("a mesh can be filled again, and forgets what it was") {
     const auto image = hmesh_test::scene<std::uint8_t, 1>(40, 30, 4);
     Work<std::uint8_t, 1> used(image), fresh(image);
-    CHECK(adams(used.patchwork, 300, {2, 0}));
-    for (Work<std::uint8_t, 1>* work : {&used, &fresh}) CHECK(adams(work->patchwork, 60, {}));
+    CHECK((Adams{2, 0}.run(used.tiled, 300)));
+    for (Work<std::uint8_t, 1>* work : {&used, &fresh}) CHECK(Adams().run(work->tiled, 60));
     CHECK(hmesh_test::same_bits(used.indexed(), fresh.indexed()));
 }
 
 TEST_CASE("options of adams that mean nothing are named") {
     using hmesh_test::is_refused;
-    const auto density = [](double bad) {
-        return is_refused<AdamsOptions>("adams.density", [bad](AdamsOptions& o) { o.density = bad; });
-    };
+    const auto density = [](double bad) { return is_refused<Adams>("adams density", [bad](Adams& o) { o.density = bad; }); };
     for (const double bad : hmesh_test::bad_numbers) CHECK(density(bad));
     for (const double bad : {0.0, 0.999, 1000.5}) CHECK(density(bad));
     for (const int bad : hmesh_test::bad_integers)
-        CHECK(is_refused<AdamsOptions>("adams.smoothing", [bad](AdamsOptions& o) { o.smoothing = bad; }));
-    CHECK(is_refused<AdamsOptions>("adams.smoothing", [](AdamsOptions& o) { o.smoothing = 101; }));
-    CHECK(check(AdamsOptions{1, 0}));
-    CHECK(check(AdamsOptions{1000, 100}));
+        CHECK(is_refused<Adams>("adams smoothing", [bad](Adams& o) { o.smoothing = bad; }));
+    CHECK(is_refused<Adams>("adams smoothing", [](Adams& o) { o.smoothing = 101; }));
+    CHECK(Adams{1, 0}.check());
+    CHECK(Adams{1000, 100}.check());
 }

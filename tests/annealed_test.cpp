@@ -14,30 +14,27 @@
 #include <vector>
 
 #include "test_images.hpp"
-#include "test_patchworks.hpp"
+#include "test_methods.hpp"
+#include "test_tiled_meshes.hpp"
 
-using hmesh::kit::annealed;
-using hmesh::kit::AnnealedOptions;
-using hmesh::kit::Effort;
+using hmesh::Annealed;
+using hmesh::Effort;
 using hmesh::Errc;
-using hmesh::kit::ProgressReporter;
-using hmesh::Progress;
 using hmesh::Status;
+using hmesh::kit::annealed_steps;
+using hmesh::kit::AnnealedSteps;
+using hmesh_test::names_of;
 using hmesh_test::Work;
 
 namespace {
 
-AnnealedOptions options_of(Effort effort, int sweeps) {
-    AnnealedOptions options = hmesh::kit::annealed_options(effort);
-    options.annealing.sweeps = std::min(options.annealing.sweeps, sweeps);
-    return options;
+// The recipe of an effort, or of steps of one's own.
+Annealed recipe_of(Effort effort, int sweeps, int tile = 0) {
+    Annealed recipe{effort, 1, tile, annealed_steps(effort)};
+    recipe.steps->annealing.sweeps = std::min(recipe.steps->annealing.sweeps, sweeps);
+    return recipe;
 }
-
-std::string names_of(const ProgressReporter& monitor) {
-    std::string names;
-    for (const hmesh::StageReport& stage : monitor.stages()) names += std::string(names.empty() ? "" : " ") + stage.name;
-    return names;
-}
+Annealed recipe_of(const AnnealedSteps& steps, int tile = 0) { return {Effort::normal, 1, tile, steps}; }
 
 }  // namespace
 
@@ -45,7 +42,7 @@ TEST_CASE("every effort's recipe gives every number of vertices from 4 to one a 
     for (const Effort effort : {Effort::draft, Effort::fast, Effort::normal, Effort::best})
         for (int height = 1; height <= 6; ++height)
             for (int width = 1; width <= 6; ++width) {
-                hmesh::kit::MeshLimits limits;  // the strictest, where vertices get stuck
+                hmesh::MeshLimits limits;  // the strictest, where vertices get stuck
                 if (effort != Effort::best) limits.min_double_area = limits.border_gap = 0.25;
                 const auto seed = static_cast<std::uint64_t>(width + 9 * height);
                 Work<std::uint8_t, 2> work(hmesh_test::noise<std::uint8_t, 2>(width, height, seed), limits);
@@ -54,7 +51,7 @@ TEST_CASE("every effort's recipe gives every number of vertices from 4 to one a 
                     CAPTURE(width);
                     CAPTURE(height);
                     CAPTURE(n);
-                    CHECK(annealed(work.patchwork, n, options_of(effort, 3), 0));
+                    CHECK(recipe_of(effort, 3).run(work.tiled, n));
                     CHECK(work.count() == n);
                     hmesh_test::prove(work);
                 }
@@ -67,15 +64,15 @@ TEST_CASE("any insert_factor, share of the first grid and batch size give the ex
         for (const double start : {0.0, 0.3, 1.0})
             for (const double growth : {0.01, 0.3, 10.0})
                 for (const double shrinkage : {0.02, 1.0}) {
-                    AnnealedOptions options;
-                    options.insert_factor = insert_factor;
-                    options.start = start;
-                    options.insert_batch = growth;
-                    options.collapse_batch = shrinkage;
-                    options.annealing.sweeps = 0;
-                    options.insert_sweeps = 1;
-                    options.polish_rounds = 0;
-                    CHECK(annealed(work.patchwork, 60, options, 0));
+                    AnnealedSteps steps;
+                    steps.insert_factor = insert_factor;
+                    steps.start = start;
+                    steps.insert_batch = growth;
+                    steps.collapse_batch = shrinkage;
+                    steps.annealing.sweeps = 0;
+                    steps.insert_sweeps = 1;
+                    steps.polish_rounds = 0;
+                    CHECK(recipe_of(steps).run(work.tiled, 60));
                     CHECK(work.count() == 60);
                     CHECK(check(work.indexed()));
                 }
@@ -89,15 +86,15 @@ TEST_CASE("where slivers that may not get smaller leave too many vertices, it st
     int restarts = 0;
     for (const Case c : {Case{5, 8, 18}, Case{6, 9, 23}, Case{8, 8, 29}, Case{8, 11, 37}})
         for (const double insert_factor : {1.5, 3.0}) {
-            hmesh::kit::MeshLimits limits;
+            hmesh::MeshLimits limits;
             limits.min_double_area = 3;  // a mesh of so many vertices has faces of 3.3 to 4 on average
             Work<std::uint8_t, 1> work(hmesh_test::noise<std::uint8_t, 1>(c.width, c.height, 1), limits);
-            AnnealedOptions options = hmesh::kit::annealed_options(Effort::draft);
-            options.insert_factor = insert_factor;
-            CHECK(annealed(work.patchwork, c.count, options, 0));
+            AnnealedSteps steps = annealed_steps(Effort::draft);
+            steps.insert_factor = insert_factor;
+            CHECK(recipe_of(steps).run(work.tiled, c.count));
             CHECK(work.count() == c.count);
             hmesh_test::prove(work);
-            const std::string names = names_of(work.monitor);
+            const std::string names = names_of(work.progress);
             restarts += names.find("grid") != names.rfind("grid") ? 1 : 0;
         }
     CHECK(restarts > 0);
@@ -108,7 +105,7 @@ TEST_CASE("in tiles every effort gives the exact number, and a better mesh than 
     double before = 1e300;
     for (const Effort effort : {Effort::draft, Effort::fast, Effort::normal}) {
         Work<std::uint8_t, 1> work(image);
-        CHECK(annealed(work.patchwork, 1400, options_of(effort, 12), 64));
+        CHECK(recipe_of(effort, 12, 64).run(work.tiled, 1400));
         CHECK(work.count() == 1400);
         hmesh_test::prove(work);
         CHECK(work.indexed().energy < before);
@@ -118,13 +115,13 @@ TEST_CASE("in tiles every effort gives the exact number, and a better mesh than 
          {std::tuple{300, 1, 300U}, {1, 300, 300U}, {65, 200, 1100U}, {64, 64, 4096U}, {130, 64, 8320U}}) {
         Work<std::uint8_t, 3> work(hmesh_test::noise<std::uint8_t, 3>(width, height, 1));
         CAPTURE(work.image.width());
-        CHECK(annealed(work.patchwork, n, options_of(Effort::fast, 0), 64));
+        CHECK(recipe_of(Effort::fast, 0, 64).run(work.tiled, n));
         CHECK(work.count() == n);
         hmesh_test::prove(work);
     }
     Work<std::uint8_t, 3> constant(hmesh_test::constant_image<std::uint8_t, 3>(150, 130, 0.3));
     for (const std::size_t n : {800U, 3000U}) {
-        CHECK(annealed(constant.patchwork, n, options_of(Effort::normal, 1), 64));
+        CHECK(recipe_of(Effort::normal, 1, 64).run(constant.tiled, n));
         CHECK(constant.count() == n);
         hmesh_test::prove(constant);
     }
@@ -134,18 +131,20 @@ TEST_CASE("in tiles any share of the first grid gives the exact number, however 
     const auto image = hmesh_test::scene<std::uint8_t, 1>(150, 130, 7);
     for (const double start : {0.0, 0.05, 1.0})
         for (const double insert_factor : {1.0, 4.0}) {
-            AnnealedOptions options = hmesh::kit::annealed_options(Effort::draft);
-            options.start = start;
-            options.insert_factor = insert_factor;
+            AnnealedSteps steps = annealed_steps(Effort::draft);
+            steps.start = start;
+            steps.insert_factor = insert_factor;
             Work<std::uint8_t, 1> work(image);
-            CHECK(annealed(work.patchwork, 1400, options, 64));
+            CHECK(recipe_of(steps, 64).run(work.tiled, 1400));
             CHECK(work.count() == 1400);
             hmesh_test::prove(work);
         }
 }
 
 TEST_CASE("tiles are as large as asked for, but hold 256 vertices on average where the image has as many") {
-    using hmesh::kit::detail::tile_size;
+    const auto tile_size = [](int width, int height, std::size_t n, int tile) {
+        return Annealed{Effort::normal, 1, tile, {}}.tile_size(width, height, n);
+    };
     CHECK(tile_size(1024, 1024, 10000, 0) == 1024);  // in one piece up to a megapixel
     CHECK(tile_size(1025, 1024, 30000, 0) == 256);
     CHECK(tile_size(4000, 3000, 1000000, 100) == 100);
@@ -165,8 +164,8 @@ TEST_CASE("pictures without error, where no vertex is better than another, take 
     Work<float, 1> affine(hmesh_test::affine_image<float, 1>(32, 27));
     for (const std::size_t n : {4U, 5U, 63U, 432U, 864U})
         for (const Effort effort : {Effort::draft, Effort::fast, Effort::normal}) {
-            CHECK(annealed(constant.patchwork, n, options_of(effort, 3), 0));
-            CHECK(annealed(affine.patchwork, n, options_of(effort, 3), 0));
+            CHECK(recipe_of(effort, 3).run(constant.tiled, n));
+            CHECK(recipe_of(effort, 3).run(affine.tiled, n));
             CHECK(constant.count() == n);
             CHECK(affine.count() == n);
             hmesh_test::prove(constant);
@@ -181,18 +180,17 @@ TEST_CASE("stages come in order, those whose options say none are left out, and 
                                         {Effort::normal, "grid insert collapse anneal polish"},
                                         {Effort::best, "grid insert collapse anneal polish"}}) {
         Work<std::uint8_t, 3> work(hmesh_test::scene<std::uint8_t, 3>(48, 40, 2));
-        const ProgressReporter& monitor = work.monitor;
-        CHECK(annealed(work.patchwork, 50, options_of(effort, 12), 0));
-        CHECK(names_of(monitor) == names);
-        for (const hmesh::StageReport& stage : monitor.stages()) {
+        CHECK(recipe_of(effort, 12).run(work.tiled, 50));
+        CHECK(names_of(work.progress) == names);
+        for (const hmesh::StageReport& stage : work.progress.stages()) {
             CHECK(stage.psnr == doctest::Approx(10 * std::log10(255.0 * 255.0 * samples / stage.energy)));
             if (std::strcmp(stage.name, "collapse") == 0)
-                CHECK(static_cast<double>(stage.vertices) == 50 * hmesh::kit::annealed_options(effort).collapse_factor);
+                CHECK(static_cast<double>(stage.vertices) == 50 * annealed_steps(effort).collapse_factor);
             if (std::strcmp(stage.name, "insert") == 0)
-                CHECK(static_cast<double>(stage.vertices) == 50 * hmesh::kit::annealed_options(effort).insert_factor);
+                CHECK(static_cast<double>(stage.vertices) == 50 * annealed_steps(effort).insert_factor);
         }
-        CHECK(monitor.stages().back().vertices == work.count());
-        CHECK(monitor.stages().back().energy == work.indexed().energy);
+        CHECK(work.progress.stages().back().vertices == work.count());
+        CHECK(work.progress.stages().back().energy == work.indexed().energy);
     }
 }
 
@@ -201,10 +199,10 @@ TEST_CASE("every round of polish lowers the energy, and every stage but the coll
         double before = 1e300;
         for (const int rounds : {0, 1, 3}) {
             Work<std::uint8_t, 3> work(hmesh_test::scene<std::uint8_t, 3>(64, 56, seed));
-            AnnealedOptions options = options_of(Effort::normal, 12);
-            options.polish_rounds = rounds;
-            CHECK(annealed(work.patchwork, 140, options, 0));
-            const auto& stages = work.monitor.stages();  // grid insert collapse anneal polish
+            AnnealedSteps steps = annealed_steps(Effort::normal);
+            steps.polish_rounds = rounds;
+            CHECK(recipe_of(steps).run(work.tiled, 140));
+            const auto& stages = work.progress.stages();  // grid insert collapse anneal polish
             REQUIRE(stages.size() == 5);
             CHECK(stages[1].energy < stages[0].energy);
             CHECK(stages[2].energy > stages[1].energy);
@@ -219,54 +217,53 @@ TEST_CASE("every round of polish lowers the energy, and every stage but the coll
 TEST_CASE("a mesh can be filled again, and forgets what it was") {
     const auto image = hmesh_test::scene<std::uint8_t, 1>(40, 30, 4);
     Work<std::uint8_t, 1> used(image), fresh(image);
-    CHECK(annealed(used.patchwork, 300, options_of(Effort::fast, 0), 0));
-    for (Work<std::uint8_t, 1>* work : {&used, &fresh}) CHECK(annealed(work->patchwork, 60, options_of(Effort::normal, 4), 0));
+    CHECK(recipe_of(Effort::fast, 0).run(used.tiled, 300));
+    for (Work<std::uint8_t, 1>* work : {&used, &fresh}) CHECK(recipe_of(Effort::normal, 4).run(work->tiled, 60));
     CHECK(hmesh_test::same_bits(used.indexed(), fresh.indexed()));
 }
 
 TEST_CASE("told to stop, it leaves a valid mesh and says so") {
-    const auto stop_at_second = [](void* user, const hmesh::ProgressInfo&) { return ++*static_cast<int*>(user) < 2; };
     int calls = 0;
-    Work<std::uint8_t, 1> work(hmesh_test::scene<std::uint8_t, 1>(40, 30, 4), {}, Progress{stop_at_second, &calls});
-    const Status status = annealed(work.patchwork, 60, {}, 0);
+    const auto stop_at_second = [&](const hmesh::ProgressInfo&) { return ++calls < 2; };
+    Work<std::uint8_t, 1> work(hmesh_test::scene<std::uint8_t, 1>(40, 30, 4), {}, stop_at_second);
+    const Status status = Annealed().run(work.tiled, 60);
     CHECK(status.code == Errc::cancelled);
     CHECK(calls == 2);
     hmesh_test::prove(work, false);
 }
 
 TEST_CASE("options that mean nothing are named, and the efforts' own all mean something") {
-    for (const Effort effort : {Effort::draft, Effort::fast, Effort::normal, Effort::best})
-        CHECK(check(hmesh::kit::annealed_options(effort)));
+    for (const Effort effort : {Effort::draft, Effort::fast, Effort::normal, Effort::best}) CHECK(check(annealed_steps(effort)));
     const auto refused = [](auto&& spoil) {
-        AnnealedOptions options;
-        spoil(options);
-        const Status status = check(options);
-        return status.code == Errc::invalid_argument && std::strlen(status.what) > 15;
+        AnnealedSteps steps;
+        spoil(steps);
+        const Status status = check(steps);
+        return status.code == Errc::invalid_argument && std::strlen(status.what) > 15 && status.value != status.limit;
     };
     const double nan = std::numeric_limits<double>::quiet_NaN(), infinity = std::numeric_limits<double>::infinity();
     for (const double bad : {-1.0, 1e300, infinity, -infinity, nan}) {
-        CHECK(refused([bad](AnnealedOptions& o) { o.insert_factor = bad; }));
-        CHECK(refused([bad](AnnealedOptions& o) { o.collapse_factor = bad; }));
-        CHECK(refused([bad](AnnealedOptions& o) { o.start = bad; }));
-        CHECK(refused([bad](AnnealedOptions& o) { o.insert_batch = bad; }));
-        CHECK(refused([bad](AnnealedOptions& o) { o.collapse_batch = bad; }));
-        CHECK(refused([bad](AnnealedOptions& o) { o.insert_flip_gain = bad; }));
-        CHECK(refused([bad](AnnealedOptions& o) { o.insert_tolerance.least = bad; }));
-        CHECK(refused([bad](AnnealedOptions& o) { o.polish.spread = bad; }));
-        CHECK(refused([bad](AnnealedOptions& o) { o.relaxation.least = bad; }));
-        CHECK(refused([bad](AnnealedOptions& o) { o.annealing.temperature = bad; }));
-        CHECK(refused([bad](AnnealedOptions& o) { o.annealing.cooling = bad; }));
-        CHECK(refused([bad](AnnealedOptions& o) { o.annealing.try_probability = bad; }));
-        CHECK(refused([bad](AnnealedOptions& o) { o.annealing.jump = bad; }));
-        CHECK(refused([bad](AnnealedOptions& o) { o.annealing.jump_reach = bad; }));
-        CHECK(refused([bad](AnnealedOptions& o) { o.annealing.start_price = bad; }));
-        CHECK(refused([bad](AnnealedOptions& o) { o.annealing.count_tolerance = bad; }));
+        CHECK(refused([bad](AnnealedSteps& o) { o.insert_factor = bad; }));
+        CHECK(refused([bad](AnnealedSteps& o) { o.collapse_factor = bad; }));
+        CHECK(refused([bad](AnnealedSteps& o) { o.start = bad; }));
+        CHECK(refused([bad](AnnealedSteps& o) { o.insert_batch = bad; }));
+        CHECK(refused([bad](AnnealedSteps& o) { o.collapse_batch = bad; }));
+        CHECK(refused([bad](AnnealedSteps& o) { o.insert_flip_gain = bad; }));
+        CHECK(refused([bad](AnnealedSteps& o) { o.insert_tolerance.min_gain = bad; }));
+        CHECK(refused([bad](AnnealedSteps& o) { o.polish.propagate_above = bad; }));
+        CHECK(refused([bad](AnnealedSteps& o) { o.relaxation.min_gain = bad; }));
+        CHECK(refused([bad](AnnealedSteps& o) { o.annealing.temperature = bad; }));
+        CHECK(refused([bad](AnnealedSteps& o) { o.annealing.cooling = bad; }));
+        CHECK(refused([bad](AnnealedSteps& o) { o.annealing.try_probability = bad; }));
+        CHECK(refused([bad](AnnealedSteps& o) { o.annealing.jump = bad; }));
+        CHECK(refused([bad](AnnealedSteps& o) { o.annealing.jump_reach = bad; }));
+        CHECK(refused([bad](AnnealedSteps& o) { o.annealing.start_price = bad; }));
+        CHECK(refused([bad](AnnealedSteps& o) { o.annealing.count_tolerance = bad; }));
     }
     for (const int bad : {-1, std::numeric_limits<int>::max()}) {
-        CHECK(refused([bad](AnnealedOptions& o) { o.insert_sweeps = bad; }));
-        CHECK(refused([bad](AnnealedOptions& o) { o.polish_rounds = bad; }));
-        CHECK(refused([bad](AnnealedOptions& o) { o.relaxation.rounds = bad; }));
-        CHECK(refused([bad](AnnealedOptions& o) { o.annealing.sweeps = bad; }));
+        CHECK(refused([bad](AnnealedSteps& o) { o.insert_sweeps = bad; }));
+        CHECK(refused([bad](AnnealedSteps& o) { o.polish_rounds = bad; }));
+        CHECK(refused([bad](AnnealedSteps& o) { o.relaxation.rounds = bad; }));
+        CHECK(refused([bad](AnnealedSteps& o) { o.annealing.sweeps = bad; }));
     }
 }
 
@@ -278,11 +275,11 @@ TEST_CASE("screens that are NaN, negative or infinite are refused or give a vali
                                 &hmesh::kit::AnnealingOptions::removal_screen})
         for (const double bad : {nan, -infinity, -1.0, 0.0, 1e300, infinity}) {
             CAPTURE(bad);
-            AnnealedOptions options;
-            options.annealing.sweeps = 3;
-            options.annealing.*screen = bad;
-            if (!check(options)) continue;
-            CHECK(annealed(work.patchwork, 50, options, 0));
+            AnnealedSteps steps;
+            steps.annealing.sweeps = 3;
+            steps.annealing.*screen = bad;
+            if (!check(steps)) continue;
+            CHECK(recipe_of(steps).run(work.tiled, 50));
             CHECK(work.count() == 50);
             hmesh_test::prove(work);
         }
@@ -292,28 +289,28 @@ TEST_CASE("options at the ends of their ranges give a valid mesh of the exact nu
     Work<std::uint8_t, 1> work(hmesh_test::scene<std::uint8_t, 1>(24, 20, 3));
     for (const bool high : {false, true})
         for (const std::size_t n : {4U, 30U, 480U}) {
-            AnnealedOptions options;
+            AnnealedSteps steps;
             const auto pick = [high](double a, double b) { return high ? b : a; };
-            options.insert_factor = pick(1, 100);
-            options.collapse_factor = pick(0.1, 1);
-            options.start = pick(0, 1);
-            options.insert_batch = pick(1e-2, 10);
-            options.collapse_batch = pick(1e-2, 1);
-            options.insert_sweeps = high ? 4 : 0;
-            options.polish_rounds = high ? 4 : 0;
-            options.insert_flip_gain = pick(0, 1e6);
-            options.insert_tolerance = options.polish = {pick(0, 1e6), pick(0, 1e6)};
-            options.relaxation.rounds = high ? 4 : 0;
-            options.annealing.sweeps = 3;
-            options.annealing.temperature = pick(0, 1e3);
-            options.annealing.cooling = pick(0, 100);
-            options.annealing.try_probability = pick(0, 1);
-            options.annealing.jump = pick(0, 1);
-            options.annealing.jump_reach = pick(0, 1);
-            options.annealing.start_price = pick(1e-6, 1e6);
-            options.annealing.count_tolerance = pick(0, 1);
-            REQUIRE(check(options));
-            CHECK(annealed(work.patchwork, n, options, 0));
+            steps.insert_factor = pick(1, 100);
+            steps.collapse_factor = pick(0.1, 1);
+            steps.start = pick(0, 1);
+            steps.insert_batch = pick(1e-2, 10);
+            steps.collapse_batch = pick(1e-2, 1);
+            steps.insert_sweeps = high ? 4 : 0;
+            steps.polish_rounds = high ? 4 : 0;
+            steps.insert_flip_gain = pick(0, 1e6);
+            steps.insert_tolerance = steps.polish = {pick(0, 1e6), pick(0, 1e6)};
+            steps.relaxation.rounds = high ? 4 : 0;
+            steps.annealing.sweeps = 3;
+            steps.annealing.temperature = pick(0, 1e3);
+            steps.annealing.cooling = pick(0, 100);
+            steps.annealing.try_probability = pick(0, 1);
+            steps.annealing.jump = pick(0, 1);
+            steps.annealing.jump_reach = pick(0, 1);
+            steps.annealing.start_price = pick(1e-6, 1e6);
+            steps.annealing.count_tolerance = pick(0, 1);
+            REQUIRE(check(steps));
+            CHECK(recipe_of(steps).run(work.tiled, n));
             CHECK(work.count() == n);
             hmesh_test::prove(work);
         }

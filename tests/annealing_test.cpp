@@ -12,6 +12,7 @@
 #include "test_images.hpp"
 #include "test_meshes.hpp"
 
+namespace kit = hmesh::kit;
 using hmesh::kit::AnnealingCounts;
 using hmesh::kit::AnnealingOptions;
 using hmesh::kit::AnnealingSchedule;
@@ -34,12 +35,13 @@ struct Totals {
 
 // Faces of the areas, valences and colours that the limits allow.
 template <int C>
-void check_limits(const hmesh::kit::ImageMesh<C>& mesh) {
+void check_limits(const kit::ImageMesh<C>& mesh) {
     bool large = true, in_range = true;
     int valence = 0;
     for (const Face f : mesh.topology().faces()) {
         const auto v = mesh.topology().vertices(f);
-        large = large && hmesh::kit::orient2d(mesh.position(v[0]), mesh.position(v[1]), mesh.position(v[2])) >= mesh.limits().min_double_area;
+        large = large &&
+                kit::orient2d(mesh.position(v[0]), mesh.position(v[1]), mesh.position(v[2])) >= mesh.limits().min_double_area;
     }
     for (const Vertex v : mesh.topology().vertices()) {
         valence = std::max(valence, mesh.topology().valence(v));
@@ -48,19 +50,19 @@ void check_limits(const hmesh::kit::ImageMesh<C>& mesh) {
     }
     CHECK(large);
     CHECK(in_range);
-    CHECK(valence <= hmesh::kit::max_valence);
+    CHECK(valence <= kit::max_valence);
 }
 
 // Sweeps of a mesh that is one patch, at a price steered in between.
 template <int C>
 class Annealing {
   public:
-    Annealing(hmesh::kit::ImageMesh<C>& mesh, std::size_t target, const AnnealingOptions& options, std::uint64_t seed)
+    Annealing(kit::ImageMesh<C>& mesh, std::size_t target, const AnnealingOptions& options, std::uint64_t seed)
         : mesh_(&mesh), options_(options), target_(static_cast<double>(target)), seed_(seed),
           schedule_(options, target, mesh.mean_energy()) {}
     [[nodiscard]] double price() const { return schedule_.price(); }
     AnnealingCounts sweep(int k) {
-        const CountRange range{(1 - options_.band) * target_, (1 + options_.band) * target_};
+        const CountRange range{(1 - options_.count_tolerance) * target_, (1 + options_.count_tolerance) * target_};
         AnnealingSweep<C> sweep(*mesh_, options_, price(), schedule_.temperature(k), range,
                                 Random(seed_, static_cast<std::uint64_t>(k)));
         const AnnealingCounts counts = sweep.run();
@@ -69,7 +71,7 @@ class Annealing {
     }
 
   private:
-    hmesh::kit::ImageMesh<C>* mesh_;
+    kit::ImageMesh<C>* mesh_;
     AnnealingOptions options_;
     double target_;
     std::uint64_t seed_;
@@ -137,8 +139,10 @@ TEST_CASE("the price steers the count to the target, from above and from below")
         AnnealingOptions options;
         options.sweeps = 15;
         anneal(subject, target, options, 5);
-        CHECK(static_cast<double>(subject.mesh.vertex_count()) >= (1 - options.count_tolerance) * static_cast<double>(target) - 1);
-        CHECK(static_cast<double>(subject.mesh.vertex_count()) <= (1 + options.count_tolerance) * static_cast<double>(target) + 1);
+        CHECK(static_cast<double>(subject.mesh.vertex_count()) >=
+              (1 - options.count_tolerance) * static_cast<double>(target) - 1);
+        CHECK(static_cast<double>(subject.mesh.vertex_count()) <=
+              (1 + options.count_tolerance) * static_cast<double>(target) + 1);
     }
 }
 
@@ -227,8 +231,8 @@ TEST_CASE("without temperature no sweep raises energy plus price times vertices"
 TEST_CASE("annealing lowers the energy at the same number of vertices") {
     Subject<std::uint8_t, 3> subject(hmesh_test::scene<std::uint8_t, 3>(60, 52, 6), hmesh_test::jittered_grid(60, 52, 10, 10, 6));
     for (int k = 0; k < 5; ++k) {  // what visits and flips alone can do
-        hmesh::kit::sweep(subject.mesh);
-        hmesh::kit::flip_edges(subject.mesh);
+        kit::sweep(subject.mesh);
+        kit::flip_edges(subject.mesh);
     }
     const double before = subject.mesh.energy();
     anneal(subject, subject.mesh.vertex_count(), {}, 6);

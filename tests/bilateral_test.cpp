@@ -14,12 +14,12 @@
 #include "test_executors.hpp"
 #include "test_images.hpp"
 
-using hmesh::kit::bilateral_filter;
-using hmesh::kit::BilateralOptions;
 using hmesh::Errc;
 using hmesh::Image;
 using hmesh::ImageView;
 using hmesh::PixelTraits;
+using hmesh::kit::bilateral_filter;
+using hmesh::kit::BilateralOptions;
 
 namespace {
 

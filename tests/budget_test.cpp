@@ -13,10 +13,11 @@
 #include "hmesh/methods/annealed/first_grid.hpp"
 #include "test_executors.hpp"
 #include "test_images.hpp"
-#include "test_patchworks.hpp"
+#include "test_tiled_meshes.hpp"
 
+namespace kit = hmesh::kit;
+using hmesh::kit::apportion;
 using hmesh::kit::reach_vertex_count;
-using hmesh::shares;
 using hmesh::kit::Tiling;
 using hmesh_test::Work;
 
@@ -30,7 +31,7 @@ std::size_t sum_of(const Counts& counts) {
     return sum;
 }
 
-// What shares() promises: the right sum, no cap exceeded, and nobody below its cap gets less for its weight than another,
+// What apportion() promises: the right sum, no cap exceeded, and nobody below its cap gets less for its weight than another,
 // rounding left aside.
 void check_shares(std::size_t count, const std::vector<double>& weights, const Counts& caps) {
     const Counts got = apportion(count, weights, caps);
@@ -49,28 +50,28 @@ void check_shares(std::size_t count, const std::vector<double>& weights, const C
 // A mesh of about `count` vertices, its energy known.
 template <class T, int C>
 void start(Work<T, C>& work, double count) {
-    work.patchwork.indexed() = hmesh::kit::regular_grid(work.source, count);
+    work.tiled.indexed() = kit::regular_grid(work.source, count);
     const Tiling one(work.image.width(), work.image.height(), 1e9);
-    REQUIRE(work.patchwork.for_each(one, [](hmesh::kit::Patch<C>& patch, std::size_t) { hmesh::kit::sweep(patch.mesh()); }));
+    REQUIRE(work.tiled.for_each(one, [](kit::Patch<C>& patch, std::size_t) { kit::sweep(patch.mesh()); }));
     hmesh_test::prove(work);
 }
 
 // From a grid of `from` vertices to exactly `to`, in tiles; returns by what factor the energy changed.
 template <class T, int C>
-double change(const hmesh::Image<T, C>& image, double from, std::size_t to, double tile, const hmesh::kit::MeshLimits& limits = {}) {
+double change(const hmesh::Image<T, C>& image, double from, std::size_t to, double tile, const hmesh::MeshLimits& limits = {}) {
     CAPTURE(from);
     CAPTURE(to);
     CAPTURE(tile);
     Work<T, C> work(image, limits);
     start(work, from);
     const double before = work.indexed().energy;
-    CHECK(reach_vertex_count(work.patchwork, to, tile, {}));
+    CHECK(reach_vertex_count(work.tiled, to, tile, {}));
     CHECK(work.count() == to);
     hmesh_test::prove(work);
     double least = 1e300;
-    for (const hmesh::kit::Triangle& t : work.indexed().triangles)
-        least = std::min(least,
-                         hmesh::kit::orient2d(work.indexed().positions[t[0]], work.indexed().positions[t[1]], work.indexed().positions[t[2]]));
+    for (const hmesh::Triangle& t : work.indexed().faces)
+        least = std::min(
+            least, kit::orient2d(work.indexed().positions[t[0]], work.indexed().positions[t[1]], work.indexed().positions[t[2]]));
     CHECK(least >= limits.min_double_area);
     return work.indexed().energy / before;
 }
@@ -89,7 +90,7 @@ TEST_CASE("shares add up, are in proportion to the weights to within one, and ex
     CHECK(apportion(7, {2}, {none}) == Counts{7});
     CHECK(apportion(7, {2}, {3}) == Counts{3});
     CHECK(apportion(7, {}, {}).empty());
-    hmesh::kit::Random random(1);
+    kit::Random random(1);
     for (int round = 0; round < 2000; ++round) {
         const std::size_t size = 1 + random.below(12), count = random.below(round % 2 == 0 ? 30 : 3000);
         std::vector<double> weights;
@@ -103,7 +104,7 @@ TEST_CASE("shares add up, are in proportion to the weights to within one, and ex
 }
 
 TEST_CASE("in all without caps a share is off by one at most") {
-    hmesh::kit::Random random(2);
+    kit::Random random(2);
     for (int round = 0; round < 300; ++round) {
         const std::size_t size = 1 + random.below(200), count = random.below(100000);
         std::vector<double> weights;
@@ -124,7 +125,7 @@ TEST_CASE("what capped shares leave goes to those without weight, if there are n
 }
 
 TEST_CASE("a tile's share grows with its error and area, and is nothing without error") {
-    using hmesh::kit::error_share;
+    using kit::error_share;
     CHECK(error_share(100, 0) == 0);
     CHECK(error_share(100, -1e-9) == 0);  // rounding
     CHECK(error_share(100, 100) == doctest::Approx(100));
@@ -151,7 +152,7 @@ TEST_CASE("a mesh comes to exactly n vertices, from above and from below, in one
 TEST_CASE("a mesh of a picture without error takes any number, up to one vertex a pixel, too") {
     const auto constant = hmesh_test::constant_image<std::uint8_t, 1>(100, 80, 0.4);
     const auto affine = hmesh_test::affine_image<float, 2>(60, 50);
-    hmesh::kit::MeshLimits strict;
+    hmesh::MeshLimits strict;
     strict.min_double_area = strict.border_gap = 0.25;
     for (const double tile : {one_tile, 50.0}) {
         for (const std::size_t to : {200U, 301U, 1000U}) change(constant, 300, to, tile);
@@ -165,30 +166,30 @@ TEST_CASE("a mesh that has n vertices already is left alone, to the last bit") {
     Work<std::uint8_t, 3> work(hmesh_test::scene<std::uint8_t, 3>(60, 50, 3));
     start(work, 200);
     const auto before = work.indexed();
-    CHECK(reach_vertex_count(work.patchwork, before.vertex_count(), 25, {}));
+    CHECK(reach_vertex_count(work.tiled, before.vertex_count(), 25, {}));
     CHECK(hmesh_test::same_bits(work.indexed(), before));
 }
 
 TEST_CASE("in tiles the cheapest vertices of all go, and new ones come where the error is") {
     // Detail in the right half only: removals happen on the left, insertions on the right.
-    hmesh::kit::Random random(3);
+    kit::Random random(3);
     const auto image =
         hmesh_test::draw<std::uint8_t, 1>(120, 100, [&](int x, int, int) { return x < 60 ? 0.5 : random.uniform(); });
-    const auto left_of = [](const hmesh::kit::IndexedMesh<1>& whole) {
-        return std::count_if(whole.positions.begin(), whole.positions.end(), [](hmesh::kit::Point p) { return p.x < 50; });
+    const auto left_of = [](const kit::IndexedMesh<1>& whole) {
+        return std::count_if(whole.positions.begin(), whole.positions.end(), [](kit::Point p) { return p.x < 50; });
     };
     for (const double tile : {one_tile, 40.0}) {
         Work<std::uint8_t, 1> work(image);
         start(work, 600);
-        work.patchwork.for_each(Tiling(120, 100, one_tile), [](hmesh::kit::Patch<1>& patch, std::size_t) {
-            for (int k = 0; k < 5; ++k) hmesh::kit::sweep(patch.mesh()), hmesh::kit::flip_edges(patch.mesh());
+        work.tiled.for_each(Tiling(120, 100, one_tile), [](kit::Patch<1>& patch, std::size_t) {
+            for (int k = 0; k < 5; ++k) kit::sweep(patch.mesh()), kit::flip_edges(patch.mesh());
         });
         const std::size_t count = work.count();
         const auto left = left_of(work.indexed());
-        CHECK(reach_vertex_count(work.patchwork, count - 60, tile, {}));
+        CHECK(reach_vertex_count(work.tiled, count - 60, tile, {}));
         CHECK(left - left_of(work.indexed()) > 40);
         const auto now = left_of(work.indexed());
-        CHECK(reach_vertex_count(work.patchwork, count + 60, tile, {}));
+        CHECK(reach_vertex_count(work.tiled, count + 60, tile, {}));
         CHECK(left_of(work.indexed()) - now < 12);
     }
 }
@@ -201,9 +202,9 @@ TEST_CASE("the way to n is the same whatever the executor's order") {
         const hmesh_test::ShuffledFor anyhow{7};
         Work<std::uint8_t, 3> reversed(image, {}, {}, backwards), shuffled(image, {}, {}, anyhow);
         start(serial, 600), start(reversed, 600), start(shuffled, 600);
-        CHECK(reach_vertex_count(serial.patchwork, to, 40, {}));
-        CHECK(reach_vertex_count(reversed.patchwork, to, 40, {}));
-        CHECK(reach_vertex_count(shuffled.patchwork, to, 40, {}));
+        CHECK(reach_vertex_count(serial.tiled, to, 40, {}));
+        CHECK(reach_vertex_count(reversed.tiled, to, 40, {}));
+        CHECK(reach_vertex_count(shuffled.tiled, to, 40, {}));
         CHECK(hmesh_test::same_bits(serial.indexed(), reversed.indexed()));
         CHECK(hmesh_test::same_bits(serial.indexed(), shuffled.indexed()));
     }
@@ -215,11 +216,11 @@ TEST_CASE("a round on the way to n takes and gives as many vertices as it is tol
         start(work, 800);
         const Tiling tiling(120, 100, tile);
         std::size_t before = work.count();
-        CHECK(hmesh::kit::detail::remove_cheapest(work.patchwork, tiling, 300, {}));
+        CHECK(kit::detail::remove_cheapest(work.tiled, tiling, 300, {}));
         CHECK(work.count() >= before - 300);
         CHECK(work.count() < before - 200);
         before = work.count();
-        CHECK(hmesh::kit::detail::insert_best(work.patchwork, tiling, 300));
+        CHECK(kit::detail::insert_best(work.tiled, tiling, 300));
         CHECK(work.count() <= before + 300);
         CHECK(work.count() > before + 200);
     }
@@ -227,21 +228,20 @@ TEST_CASE("a round on the way to n takes and gives as many vertices as it is tol
 
 TEST_CASE("where no tile can take a vertex, an edge between two tiles is split") {
     // A square in a narrow frame, in tiles much smaller than its two faces: only their common edge is far from the least area.
-    hmesh::kit::MeshLimits limits;
+    hmesh::MeshLimits limits;
     limits.min_double_area = 60;
     Work<std::uint8_t, 1> work(hmesh_test::constant_image<std::uint8_t, 1>(16, 16, 0.5), limits);
-    hmesh::kit::IndexedMesh<1> mesh;
+    kit::IndexedMesh<1> mesh;
     mesh.width = mesh.height = 16;
-    const std::vector<hmesh::kit::Point> corners = {{0, 0}, {16, 0}, {16, 16}, {0, 16}, {2, 2}, {14, 2}, {14, 14}, {2, 14}};
-    for (const hmesh::kit::Point p : corners) mesh.add(p, work.source.pixel(8, 8));
-    mesh.triangles = {{0, 1, 5}, {0, 5, 4}, {1, 2, 6}, {1, 6, 5}, {2, 3, 7},
-                      {2, 7, 6}, {3, 0, 4}, {3, 4, 7}, {4, 5, 6}, {4, 6, 7}};
-    work.patchwork.indexed() = mesh;
-    CHECK(reach_vertex_count(work.patchwork, 9, 4, {}));
+    const std::vector<kit::Point> corners = {{0, 0}, {16, 0}, {16, 16}, {0, 16}, {2, 2}, {14, 2}, {14, 14}, {2, 14}};
+    for (const kit::Point p : corners) mesh.add(p, work.source.pixel(8, 8));
+    mesh.faces = {{0, 1, 5}, {0, 5, 4}, {1, 2, 6}, {1, 6, 5}, {2, 3, 7}, {2, 7, 6}, {3, 0, 4}, {3, 4, 7}, {4, 5, 6}, {4, 6, 7}};
+    work.tiled.indexed() = mesh;
+    CHECK(reach_vertex_count(work.tiled, 9, 4, {}));
     REQUIRE(work.count() == 9);
-    const std::vector<hmesh::kit::Point>& after = work.indexed().positions;
-    CHECK(std::count(after.begin(), after.end(), hmesh::kit::Point{8, 8}) == 1);
-    CHECK_FALSE(reach_vertex_count(work.patchwork, 12, 4, {}));  // all that is left is too small
+    const std::vector<kit::Point>& after = work.indexed().positions;
+    CHECK(std::count(after.begin(), after.end(), kit::Point{8, 8}) == 1);
+    CHECK_FALSE(reach_vertex_count(work.tiled, 12, 4, {}));  // all that is left is too small
     hmesh_test::prove(work);
 }
 
@@ -249,19 +249,13 @@ TEST_CASE("told to stop on the way to n it says no and leaves a mesh") {
     for (const std::size_t to : {300U, 1500U})
         for (const double tile : {one_tile, 40.0})
             for (const int calls : {0, 1, 5, 9}) {
-                struct Stop {
-                    bool armed = false;
-                    int left = 0;
-                } stop;
-                Work<std::uint8_t, 1> work(hmesh_test::scene<std::uint8_t, 1>(120, 100, 3), {},
-                                           {[](void* user, const hmesh::ProgressInfo&) {
-                                                Stop& s = *static_cast<Stop*>(user);
-                                                return !s.armed || s.left-- > 0;
-                                            },
-                                            &stop});
+                bool is_armed = false;
+                int left = calls;
+                const auto callback = [&](const hmesh::ProgressInfo&) { return !is_armed || left-- > 0; };
+                Work<std::uint8_t, 1> work(hmesh_test::scene<std::uint8_t, 1>(120, 100, 3), {}, callback);
                 start(work, 600);
-                stop = {true, calls};
-                const bool met = reach_vertex_count(work.patchwork, to, tile, {});
+                is_armed = true;
+                const bool met = reach_vertex_count(work.tiled, to, tile, {});
                 CHECK(met == (work.count() == to));
                 if (calls < 2) CHECK_FALSE(met);
                 hmesh_test::prove(work, met);

@@ -1,6 +1,4 @@
 // The same input gives the same bytes: in two runs, whatever the executor's order and number of threads.
-#include "hmesh/mesh_image.hpp"
-
 #include <doctest/doctest.h>
 
 #include <algorithm>
@@ -15,22 +13,25 @@
 #include <utility>
 #include <vector>
 
+#include "hmesh/paper.hpp"
 #include "test_executors.hpp"
 #include "test_images.hpp"
 #include "test_meshing.hpp"
 #include "test_results.hpp"
 
-using hmesh::kit::Effort;
+using hmesh::Annealed;
+using hmesh::Effort;
 using hmesh::Image;
 using hmesh::mesh_image;
 using hmesh::Options;
+using hmesh::Result;
 using hmesh::Target;
 
 namespace {
 
-template <class T, int C>
-void check_repeatable(const Image<T, C>& image, const Options& options) {
-    const auto first = mesh_image(image.view(), options);
+template <class T, int C, class Recipe>
+void check_repeatable(const Image<T, C>& image, const Options& options, const Recipe& recipe) {
+    const Result first = mesh_image(image.view(), options, recipe);
     REQUIRE(first.mesh.vertex_count() >= 4);
     // Other memory under the pixels, and other contents in memory to come.
     Image<T, C> copy(image.width(), image.height());
@@ -39,20 +40,19 @@ void check_repeatable(const Image<T, C>& image, const Options& options) {
         const std::vector<double> dirt(100000, 12345.678);
         CHECK(dirt.back() > 0);
     }
-    CHECK(hmesh_test::same_bytes(mesh_image(copy.view(), options), first));
+    CHECK(hmesh_test::same_bytes(mesh_image(copy.view(), options, recipe), first));
     const hmesh_test::ReverseFor backwards;
     const hmesh_test::ShuffledFor anyhow{1}, otherwise{2};
     const hmesh_test::ThreadFor two{2}, seven{7};
     for (const hmesh::ParallelFor& executor : std::initializer_list<hmesh::ParallelFor>{backwards, anyhow, otherwise, two, seven})
-        CHECK(hmesh_test::same_bytes(mesh_image(image.view(), options, executor), first));
+        CHECK(hmesh_test::same_bytes(mesh_image(image.view(), options, recipe, executor), first));
 }
 template <class T, int C>
 void check_repeatable(const Image<T, C>& image, Target target, Effort effort, int sweeps = 8) {
-    Options options;
-    options.target = target;
-    options.annealed = hmesh::kit::annealed_options(effort);
-    options.annealed->annealing.sweeps = std::min(options.annealed->annealing.sweeps, sweeps);
-    check_repeatable(image, options);
+    Annealed recipe;
+    recipe.steps = hmesh::kit::annealed_steps(effort);
+    recipe.steps->annealing.sweeps = std::min(recipe.steps->annealing.sweeps, sweeps);
+    check_repeatable(image, Options{target}, recipe);
 }
 
 }  // namespace
@@ -71,29 +71,31 @@ TEST_CASE("tiles give the same bytes in two runs, in any order and on any number
         for (int x = 0; x < 160; ++x) *weights.pixel(x, y) = x < 100 ? 1.0F : 0.1F * static_cast<float>(y % 3);
     Options options;
     options.target = Target::vertices(1400);
-    options.tile = 64;
-    options.annealed = hmesh::kit::annealed_options(Effort::normal);
-    options.annealed->insert_factor = 1.5;
-    options.annealed->annealing.sweeps = 2;
-    check_repeatable(image, options);
+    Annealed recipe;
+    recipe.tile = 64;
+    recipe.steps.emplace();
+    recipe.steps->insert_factor = 1.5;
+    recipe.steps->annealing.sweeps = 2;
+    check_repeatable(image, options, recipe);
     options.weights = weights.view();
-    check_repeatable(image, options);
+    check_repeatable(image, options, recipe);
 }
 
-TEST_CASE("the methods that annealed is compared with give the same bytes in any order and on any number of threads too") {
-    Options options;
-    options.target = Target::vertices(300);
+TEST_CASE("the methods of the paper give the same bytes in any order and on any number of threads too") {
     const auto weights = hmesh_test::random_weights(80, 70, 1);
-    using hmesh::Method;
-    for (const Method method : {Method::hierarchical, Method::xie, Method::adams, Method::adaptive_thinning}) {
-        options.method = method;
-        options.weights = {};
-        options.hierarchical.geometry.search = hmesh::kit::FootSearch::own_face;
-        check_repeatable(hmesh_test::scene<std::uint8_t, 3>(80, 70, 1), options);
-        options.hierarchical.geometry.search = hmesh::kit::FootSearch::one_ring;
+    const auto check = [&](const auto& recipe, const auto& recipe_with_weights) {
+        Options options{Target::vertices(300)};
+        check_repeatable(hmesh_test::scene<std::uint8_t, 3>(80, 70, 1), options, recipe);
         options.weights = weights.view();
-        check_repeatable(hmesh_test::scene<float, 1>(80, 70, 2), options);
-    }
+        check_repeatable(hmesh_test::scene<float, 1>(80, 70, 2), options, recipe_with_weights);
+    };
+    hmesh::Hierarchical own_face, one_ring;
+    own_face.geometry.search = hmesh::kit::FootSearch::own_face;
+    one_ring.geometry.search = hmesh::kit::FootSearch::one_ring;
+    check(own_face, one_ring);
+    check(hmesh::Xie(), hmesh::Xie());
+    check(hmesh::Adams(), hmesh::Adams());
+    check(hmesh::AdaptiveThinning(), hmesh::AdaptiveThinning());
 }
 
 TEST_CASE("float images, whose sums are rounded, give the same bytes too") {
@@ -116,11 +118,11 @@ TEST_CASE("a search for a PSNR gives the same bytes, reached or not") {
 
 TEST_CASE("every index of a stage is handed out once") {
     bool once = true;
-    const auto counting = [&](std::size_t n, const auto& body) {
+    const auto counting = [&](std::size_t n, hmesh::Piece piece) {
         std::set<std::size_t> seen;
         for (std::size_t i = n; i-- > 0;) {
             once = once && seen.insert(i).second;
-            body(i);
+            piece(i);
         }
     };
     const auto image = hmesh_test::scene<std::uint8_t, 3>(48, 40, 3);
@@ -135,10 +137,9 @@ TEST_CASE("another seed gives another mesh of like PSNR") {
     Options options;
     options.target = Target::vertices(400);
     double least = 1e9, most = 0;
-    std::vector<hmesh::Result<3>> results;
+    std::vector<Result> results;
     for (const std::uint64_t seed : {std::uint64_t{0}, std::uint64_t{1}, std::uint64_t{2}, std::uint64_t{3}, ~std::uint64_t{0}}) {
-        options.seed = seed;
-        results.push_back(mesh_image(image.view(), options));
+        results.push_back(mesh_image(image.view(), options, Annealed{Effort::normal, seed}));
         hmesh_test::prove_result(image, results.back(), 400);
         for (std::size_t k = 0; k + 1 < results.size(); ++k)
             CHECK_FALSE(hmesh_test::same_bytes(results[k].mesh, results.back().mesh));
@@ -151,11 +152,8 @@ TEST_CASE("another seed gives another mesh of like PSNR") {
 TEST_CASE("draft and fast draw no random number: the seed changes nothing") {
     const auto image = hmesh_test::scene<std::uint8_t, 3>(48, 48, 5);
     for (const Effort effort : {Effort::draft, Effort::fast}) {
-        Options options;
-        options.target = Target::vertices(100);
-        options.effort = effort;
-        const auto first = mesh_image(image.view(), options);
-        options.seed = 99;
-        CHECK(hmesh_test::same_bytes(mesh_image(image.view(), options), first));
+        const Options options{Target::vertices(100)};
+        const Result first = mesh_image(image.view(), options, Annealed{effort});
+        CHECK(hmesh_test::same_bytes(mesh_image(image.view(), options, Annealed{effort, 99}), first));
     }
 }

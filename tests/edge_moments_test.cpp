@@ -61,7 +61,7 @@ PlaneMesh random_mesh(int width, int height, int columns, int rows, Positions wh
             const Point p = place((i + 0.3 * (random.uniform() - 0.5)) * dx, (j + 0.3 * (random.uniform() - 0.5)) * dy);
             mesh.position.push_back({i == 0 ? 0 : i == columns ? width : p.x, j == 0 ? 0 : j == rows ? height : p.y});
         }
-    std::vector<hmesh::kit::Triangle> triangles;
+    std::vector<hmesh::Triangle> triangles;
     for (int j = 0; j < rows; ++j)
         for (int i = 0; i < columns; ++i) {
             const auto a = static_cast<std::uint32_t>(j * (columns + 1) + i), b = a + 1;

@@ -14,8 +14,8 @@
 #include "hmesh/image/image_view.hpp"
 #include "test_images.hpp"
 
-using hmesh::kit::diffused_points;
 using hmesh::Image;
+using hmesh::kit::diffused_points;
 
 namespace {
 
@@ -105,8 +105,9 @@ TEST_CASE("errors are diffused as Floyd and Steinberg say, in rows there and bac
         const auto map = map_of(width, height, [&](int, int) { return random.uniform() * random.uniform(); });
         for (const double factor : {0.05, 0.3, 1.0, 5.0}) {
             std::vector<std::uint32_t> points;
-            hmesh::kit::detail::diffuse(map.view(), factor, 0.01,
-                                   [&, w = width](int x, int y) { points.push_back(static_cast<std::uint32_t>(y * w + x)); });
+            hmesh::kit::detail::diffuse(map.view(), factor, 0.01, [&, w = width](int x, int y) {
+                points.push_back(static_cast<std::uint32_t>(y * w + x));
+            });
             CHECK(points == naive_points(map, factor, 0.01));
         }
     }

@@ -31,12 +31,12 @@ const float bad_floats[] = {from_bits<float>(0x7FC00000U), from_bits<float>(0x7F
 const double bad_doubles[] = {from_bits<double>(std::uint64_t{0x7FF8000000000000U}),
                               from_bits<double>(std::uint64_t{0x7FF0000000000000U})};
 
-Options draft(int vertices) {
+Options with_vertices(int vertices) {
     Options options;
     options.target = Target::vertices(vertices);
-    options.effort = hmesh::kit::Effort::draft;
     return options;
 }
+const hmesh::Annealed quick{hmesh::Effort::draft};
 
 }  // namespace
 
@@ -44,50 +44,50 @@ TEST_CASE("pixels and weights that are no numbers are refused") {
     for (const float bad : bad_floats) {
         Image<float, 1> image = hmesh_test::scene<float, 1>(24, 20, 3);
         *image.pixel(7, 5) = bad;
-        CHECK(mesh_image(image.view(), draft(40)).status.code == Errc::not_finite);
+        CHECK(mesh_image(image.view(), with_vertices(40), quick).status.code == Errc::not_finite);
 
-        Options options = draft(40);
+        Options options = with_vertices(40);
         Image<float, 1> weights(24, 20);
         *weights.pixel(3, 2) = bad;
         options.weights = weights.view();
-        CHECK(mesh_image(hmesh_test::scene<float, 1>(24, 20, 3).view(), options).status.code == Errc::not_finite);
+        CHECK(mesh_image(hmesh_test::scene<float, 1>(24, 20, 3).view(), options, quick).status.code == Errc::not_finite);
     }
 }
 
 TEST_CASE("options that are no numbers are refused") {
     const Image<float, 1> image = hmesh_test::scene<float, 1>(24, 20, 3);
     for (const double bad : bad_doubles) {
-        for (const auto kind : {Target::Kind::vertices, Target::Kind::rate, Target::Kind::psnr}) {
+        for (const auto kind : {Target::Kind::vertices, Target::Kind::percent, Target::Kind::psnr}) {
             Options options;
             options.target = {kind, bad};
-            CHECK(mesh_image(image.view(), options).status.code == Errc::target_out_of_range);
+            CHECK(mesh_image(image.view(), options, quick).status.code == Errc::target_out_of_range);
         }
-        Options options = draft(40);
+        Options options = with_vertices(40);
         options.limits.ridge = bad;
-        CHECK(mesh_image(image.view(), options).status.code == Errc::invalid_argument);
-        options = draft(40);
-        options.annealed = hmesh::kit::annealed_options(hmesh::kit::Effort::draft);
-        options.annealed->insert_batch = bad;
-        CHECK(mesh_image(image.view(), options).status.code == Errc::invalid_argument);
+        CHECK(mesh_image(image.view(), options, quick).status.code == Errc::invalid_argument);
+        hmesh::Annealed recipe = quick;
+        recipe.steps = hmesh::kit::annealed_steps(hmesh::Effort::draft);
+        recipe.steps->insert_batch = bad;
+        CHECK(mesh_image(image.view(), with_vertices(40), recipe).status.code == Errc::invalid_argument);
     }
 }
 
 TEST_CASE("an image is meshed as well as without, and meshes that are no numbers are not written or drawn") {
     const Image<float, 1> image = hmesh_test::scene<float, 1>(48, 40, 3);
-    const hmesh::Result<1> result = mesh_image(image.view(), draft(150));
+    const hmesh::Result result = mesh_image(image.view(), with_vertices(150), quick);
     REQUIRE(result.status);
-    Image<float, 1> drawn;
-    REQUIRE(render(result.mesh.view(), drawn));
-    CHECK(psnr(image.view(), drawn.view()) == doctest::Approx(result.report.psnr).epsilon(1e-4));
+    const hmesh::RenderResult<1> drawn = hmesh::render<1>(result.mesh.view());
+    REQUIRE(drawn.status);
+    CHECK(psnr(image.view(), drawn.image.view()) == doctest::Approx(result.report.psnr).epsilon(1e-4));
     CHECK(result.report.psnr > 28);
 
     const auto sink = [](const void*, std::size_t) { return true; };
     REQUIRE(write_ply(result.mesh.view(), sink));
     for (const float bad : bad_floats) {
-        hmesh::Mesh<1> mesh = result.mesh;
+        hmesh::Mesh mesh = result.mesh;
         mesh.positions[9] = bad;
         CHECK(write_ply(mesh.view(), sink).code == Errc::not_finite);
-        CHECK(render(mesh.view(), drawn).code == Errc::not_finite);
+        CHECK(hmesh::render<1>(mesh.view()).status.code == Errc::not_finite);
         mesh = result.mesh;
         mesh.colors[4] = bad;
         CHECK(write_ply(mesh.view(), sink).code == Errc::not_finite);

@@ -17,8 +17,8 @@
 #include "test_executors.hpp"
 #include "test_images.hpp"
 
-using hmesh::kit::feature_map;
 using hmesh::Image;
+using hmesh::kit::feature_map;
 using hmesh::kit::ImageSource;
 
 namespace {

@@ -13,13 +13,14 @@
 #include "hmesh/core/random.hpp"
 #include "test_executors.hpp"
 #include "test_images.hpp"
-#include "test_patchworks.hpp"
+#include "test_tiled_meshes.hpp"
 
+namespace kit = hmesh::kit;
 using hmesh::Image;
 using hmesh::kit::ImageSource;
+using hmesh::kit::IndexedMesh;
 using hmesh::kit::Point;
 using hmesh::kit::Tiling;
-using hmesh::kit::IndexedMesh;
 
 namespace {
 
@@ -28,8 +29,8 @@ constexpr auto go_on = [] { return true; };
 template <int C>
 double least_twice_area(const IndexedMesh<C>& mesh) {
     double least = std::numeric_limits<double>::infinity();
-    for (const hmesh::kit::Triangle& t : mesh.triangles)
-        least = std::min(least, hmesh::kit::orient2d(mesh.positions[t[0]], mesh.positions[t[1]], mesh.positions[t[2]]));
+    for (const hmesh::Triangle& t : mesh.faces)
+        least = std::min(least, kit::orient2d(mesh.positions[t[0]], mesh.positions[t[1]], mesh.positions[t[2]]));
     return least;
 }
 
@@ -40,7 +41,7 @@ void check_grid(const IndexedMesh<C>& mesh, const ImageSource<C>& source) {
     REQUIRE_MESSAGE(status, status.what << " at " << status.value);
     CHECK(mesh.width == source.width());
     CHECK(mesh.height == source.height());
-    CHECK(hmesh_test::most_neighbors(mesh) <= hmesh::kit::max_valence);
+    CHECK(hmesh_test::most_neighbors(mesh) <= kit::max_valence);
     CHECK(least_twice_area(mesh) > 0.25);
     const double w = mesh.width, h = mesh.height;
     for (const Point corner : {Point{0, 0}, Point{w, 0}, Point{w, h}, Point{0, h}})
@@ -67,7 +68,7 @@ TEST_CASE("a regular grid is a mesh of the image, has no more vertices than aske
             CAPTURE(image.width());
             CAPTURE(image.height());
             CAPTURE(count);
-            const IndexedMesh<1> grid = hmesh::kit::regular_grid(source, count);
+            const IndexedMesh<1> grid = kit::regular_grid(source, count);
             check_grid(grid, source);
             CHECK(static_cast<double>(grid.vertex_count()) <= count);
             CHECK(grid.vertex_count() >= 4);
@@ -85,7 +86,7 @@ TEST_CASE("a regular grid is a mesh of the image, has no more vertices than aske
 
 TEST_CASE("a regular grid's cells are nearly square") {
     const auto image = hmesh_test::noise<std::uint8_t, 1>(400, 100, 1);
-    const IndexedMesh<1> grid = hmesh::kit::regular_grid(ImageSource<1>(image.view()), 500);
+    const IndexedMesh<1> grid = kit::regular_grid(ImageSource<1>(image.view()), 500);
     std::size_t columns = 0;
     for (const Point p : grid.positions) columns += p.y == 0 ? 1 : 0;
     const double cell_width = 400.0 / static_cast<double>(columns - 1);
@@ -112,7 +113,7 @@ TEST_CASE("a tiled grid is a mesh of the image without T-junctions, for any size
                 CAPTURE(density);
                 const double count = density * pixels;
                 const IndexedMesh<1> grid =
-                    hmesh::kit::tiled_grid(source, tiling, count, nodes_for(tiling, width, height, count), go_on);
+                    kit::tiled_grid(source, tiling, count, nodes_for(tiling, width, height, count), go_on);
                 check_grid(grid, source);
                 if (count > 400 && std::min(width, height) > 60) {
                     CHECK(static_cast<double>(grid.vertex_count()) > 0.6 * count);
@@ -127,16 +128,16 @@ TEST_CASE("no edge crosses a seam, and the nodes on it are those of both tiles")
     const ImageSource<3> source(image.view());
     const Tiling tiling(150, 110, 50);
     REQUIRE(tiling.columns() == 3);
-    const IndexedMesh<3> grid = hmesh::kit::tiled_grid(source, tiling, 600, nodes_for(tiling, 150, 110, 600), go_on);
+    const IndexedMesh<3> grid = kit::tiled_grid(source, tiling, 600, nodes_for(tiling, 150, 110, 600), go_on);
     check_grid(grid, source);
     std::size_t on_seams = 0;
     for (const Point p : grid.positions)
         on_seams += (p.x == 50 || p.x == 100 || p.y == tiling.rect(3).y) && p.x > 0 && p.x < 150 && p.y > 0 && p.y < 110 ? 1 : 0;
     CHECK(on_seams > 30);
-    for (const hmesh::kit::Triangle& t : grid.triangles) {
+    for (const hmesh::Triangle& t : grid.faces) {
         bool within = false;
         for (std::size_t k = 0; k < tiling.size(); ++k) {
-            const hmesh::kit::Rect r = tiling.rect(k);
+            const kit::Rect r = tiling.rect(k);
             bool all = true;
             for (const std::uint32_t v : t) {
                 const Point p = grid.positions[v];
@@ -149,7 +150,7 @@ TEST_CASE("no edge crosses a seam, and the nodes on it are those of both tiles")
 }
 
 TEST_CASE("seams as dense or as empty as can be beside any grid give no vertex too many neighbors") {
-    hmesh::kit::Random random(5);
+    kit::Random random(5);
     const Image<std::uint8_t, 1> pictures[] = {
         hmesh_test::constant_image<std::uint8_t, 1>(300, 200, 0.4), hmesh_test::noise<std::uint8_t, 1>(300, 200, 1),
         hmesh_test::affine_image<std::uint8_t, 1>(300, 200),
@@ -165,7 +166,7 @@ TEST_CASE("seams as dense or as empty as can be beside any grid give no vertex t
                 CAPTURE(n);
                 CAPTURE(share);
                 const double count = std::max(4.0, std::min(10000.0, share * n));
-                check_grid(hmesh::kit::tiled_grid(source, tiling, count, 0.7 * nodes_for(tiling, 300, 200, n), go_on), source);
+                check_grid(kit::tiled_grid(source, tiling, count, 0.7 * nodes_for(tiling, 300, 200, n), go_on), source);
             }
     }
 }
@@ -174,8 +175,8 @@ TEST_CASE("a tiled grid is the same whatever the executor's order, and a mesh wh
     const auto image = hmesh_test::scene<std::uint8_t, 3>(150, 110, 2);
     const ImageSource<3> source(image.view());
     const Tiling tiling(150, 110, 50);
-    const IndexedMesh<3> serial = hmesh::kit::tiled_grid(source, tiling, 600, 120, go_on);
-    CHECK(hmesh_test::same_bits(serial, hmesh::kit::tiled_grid(source, tiling, 600, 120, go_on, hmesh_test::ReverseFor{})));
-    CHECK(hmesh_test::same_bits(serial, hmesh::kit::tiled_grid(source, tiling, 600, 120, go_on, hmesh_test::ShuffledFor{3})));
-    CHECK(check(hmesh::kit::tiled_grid(source, tiling, 600, 120, [] { return false; })));
+    const IndexedMesh<3> serial = kit::tiled_grid(source, tiling, 600, 120, go_on);
+    CHECK(hmesh_test::same_bits(serial, kit::tiled_grid(source, tiling, 600, 120, go_on, hmesh_test::ReverseFor{})));
+    CHECK(hmesh_test::same_bits(serial, kit::tiled_grid(source, tiling, 600, 120, go_on, hmesh_test::ShuffledFor{3})));
+    CHECK(check(kit::tiled_grid(source, tiling, 600, 120, [] { return false; })));
 }

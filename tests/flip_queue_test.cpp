@@ -12,12 +12,13 @@
 #include "test_images.hpp"
 #include "test_meshes.hpp"
 
+namespace kit = hmesh::kit;
 using hmesh::kit::Edge;
-using hmesh::kit::run_flip_queue;
 using hmesh::kit::FlipTrial;
 using hmesh::kit::Halfedge;
 using hmesh::kit::HalfedgeMesh;
 using hmesh::kit::ImageMesh;
+using hmesh::kit::run_flip_queue;
 using hmesh::kit::Vertex;
 using hmesh_test::Subject;
 
@@ -44,9 +45,9 @@ std::vector<double> naive_flips(ImageMesh<C>& mesh, int visits) {
         if (!worst.is_valid()) return gains;
         is_suspect[worst.index()] = false;
         ++count[worst.index()];
-        if (!hmesh::kit::is_flip_ok(mesh, worst)) continue;
+        if (!kit::can_flip(mesh, worst)) continue;
         FlipTrial<C> trial;
-        hmesh::kit::evaluate_flip(mesh, worst, trial);
+        kit::evaluate_flip(mesh, worst, trial);
         if (!(trial.decrease > 1e-9 * pair_energy(mesh, worst))) continue;
         mesh.flip(worst, trial.moments, trial.own, trial.opposite);
         gains.push_back(trial.decrease);
@@ -63,9 +64,9 @@ template <int C>
 double largest_gain(const ImageMesh<C>& mesh) {
     double largest = 0;
     for (const Edge e : mesh.topology().edges()) {
-        if (!hmesh::kit::is_flip_ok(mesh, e)) continue;
+        if (!kit::can_flip(mesh, e)) continue;
         FlipTrial<C> trial;
-        hmesh::kit::evaluate_flip(mesh, e, trial);
+        kit::evaluate_flip(mesh, e, trial);
         if (trial.decrease > 1e-9 * pair_energy(mesh, e)) largest = std::max(largest, trial.decrease / pair_energy(mesh, e));
     }
     return largest;
@@ -150,19 +151,20 @@ TEST_CASE("a constant picture turns no suspect") {
 }
 
 TEST_CASE("suspects do not turn into a vertex that has as many neighbors as it may") {
-    Subject<std::uint8_t, 1> subject(hmesh_test::noise<std::uint8_t, 1>(64, 64, 1), hmesh_test::wheel(64, hmesh::kit::max_valence));
+    Subject<std::uint8_t, 1> subject(hmesh_test::noise<std::uint8_t, 1>(64, 64, 1), hmesh_test::wheel(64, kit::max_valence));
     CHECK(run_flip_queue(subject.mesh, 1000) > 0);
-    for (const Vertex v : subject.mesh.topology().vertices()) CHECK(subject.mesh.topology().valence(v) <= hmesh::kit::max_valence);
+    for (const Vertex v : subject.mesh.topology().vertices()) CHECK(subject.mesh.topology().valence(v) <= kit::max_valence);
     hmesh_test::prove(subject);
 }
 
 TEST_CASE("work that is told to stop turns no more suspects") {
     Subject<std::uint8_t, 3> subject(hmesh_test::noise<std::uint8_t, 3>(61, 50, 1), hmesh_test::jittered_grid(61, 50, 9, 8, 1));
-    hmesh::kit::ProgressReporter monitor({[](void*, const hmesh::ProgressInfo&) { return false; }, nullptr}, 1, 255);
-    hmesh::kit::TaskProgress task(monitor, 1);
+    const auto stop = [](const hmesh::ProgressInfo&) { return false; };
+    kit::ProgressReporter progress(stop, 1, 255);
+    kit::TaskProgress task(progress, 1);
     subject.mesh.set_task(&task);
     const auto before = hmesh_test::snapshot(subject.mesh);
-    (void)monitor.poll();
+    (void)progress.poll();
     CHECK(run_flip_queue(subject.mesh, 8) == 0);
     CHECK(hmesh_test::snapshot(subject.mesh) == before);
     subject.mesh.set_task(nullptr);

@@ -17,11 +17,13 @@
 
 #include "hmesh/core/random.hpp"
 #include "hmesh/image/weights.hpp"
+#include "hmesh/solve/eigen.hpp"
 #include "test_executors.hpp"
 #include "test_images.hpp"
 #include "test_meshes.hpp"
 #include "test_weighted.hpp"
 
+namespace kit = hmesh::kit;
 using Eigen::Index;
 using Eigen::MatrixXd;
 using hmesh::kit::Barycentric;
@@ -124,7 +126,7 @@ long double searched_distance(const Corners<C>& corners, const Vector<C>& p) {
 
 template <int C>
 LiftedPoint<C> random_point(Random& random, double extent, double color_extent) {
-    LiftedPoint<C> p{{extent * random.uniform(), extent * random.uniform()}, hmesh::kit::Color<C>::zero()};
+    LiftedPoint<C> p{{extent * random.uniform(), extent * random.uniform()}, kit::Color<C>::zero()};
     for (int k = 0; k < C; ++k) p.color.set(k, color_extent * random.uniform());
     return p;
 }
@@ -266,8 +268,8 @@ enum class Reach { own, ring, all };
 // Pixel by pixel, by the definitions: the owner, the faces within reach, the exhaustive search in each.
 template <int C>
 Columns naive_columns(const ImageMesh<C>& mesh, Reach reach, double color_scale) {
-    const hmesh::kit::HalfedgeMesh& topology = mesh.topology();
-    const std::vector<int> rows = hmesh::kit::vertex_rows(topology);
+    const kit::HalfedgeMesh& topology = mesh.topology();
+    const std::vector<int> rows = kit::vertex_rows(topology);
     const int width = mesh.width(), height = mesh.height();
     const auto lifted = [&](Vertex v) { return LiftedPoint<C>{mesh.position(v), mesh.color(v) * color_scale}; };
     const auto share_vertex = [&](Face f, Face g) {
@@ -288,7 +290,7 @@ Columns naive_columns(const ImageMesh<C>& mesh, Reach reach, double color_scale)
         const auto owner = topology.vertices(f);
         hmesh_test::for_each_pixel(
             width, height, mesh.position(owner[0]), mesh.position(owner[1]), mesh.position(owner[2]), [&](int i, int j) {
-                hmesh::kit::Color<C> image;
+                kit::Color<C> image;
                 mesh.table().pixel(i, j, image);
                 const LiftedPoint<C> pixel{{i + 0.5, j + 0.5}, image * color_scale};
                 Foot<C> best;
@@ -319,15 +321,15 @@ double largest(const MatrixXd& m) { return m.size() == 0 ? 0 : m.cwiseAbs().maxC
 template <int C>
 struct Sums {
     MatrixXd gram, positions, image;
-    Sums(const ImageMesh<C>& mesh, const std::vector<hmesh::kit::CornerSums<C>>& corners)
-        : gram(hmesh::kit::gram_matrix(mesh.topology(), corners)), positions(hmesh::kit::position_rhs<C>(mesh.topology(), corners)),
-          image(hmesh::kit::image_rhs<C>(mesh.topology(), corners)) {}
+    Sums(const ImageMesh<C>& mesh, const std::vector<kit::CornerSums<C>>& corners)
+        : gram(kit::gram_matrix(mesh.topology(), corners)), positions(kit::position_rhs<C>(mesh.topology(), corners)),
+          image(kit::image_rhs<C>(mesh.topology(), corners)) {}
 };
 
 // The squared distances of all pixels to their foot points, by weight, as the sums have it.
 template <int C>
 double distances(const ImageMesh<C>& mesh, const Columns& pixels, const Sums<C>& sums, double scale) {
-    const MatrixXd v = hmesh::kit::position_matrix(mesh), c = hmesh::kit::color_matrix(mesh);
+    const MatrixXd v = kit::position_matrix(mesh), c = kit::color_matrix(mesh);
     const MatrixXd weighted_centers = pixels.weight.asDiagonal() * pixels.centers,
                    weighted_image = pixels.weight.asDiagonal() * pixels.image;
     const double positions = weighted_centers.cwiseProduct(pixels.centers).sum() - 2 * v.cwiseProduct(sums.positions).sum() +
@@ -343,7 +345,7 @@ void check_sums(const ImageMesh<C>& mesh, double scale) {
     double before = std::numeric_limits<double>::infinity();
     for (const FootSearch search : {FootSearch::plane, FootSearch::own_face, FootSearch::one_ring}) {
         const Columns columns = naive_columns(mesh, search == FootSearch::one_ring ? Reach::ring : Reach::own, scale);
-        const Sums<C> sums(mesh, hmesh::kit::foot_sums(mesh, search, scale));
+        const Sums<C> sums(mesh, kit::foot_sums(mesh, search, scale));
         const double total = distances(mesh, columns, sums, scale);
         if (search != FootSearch::plane) {
             const Eigen::SparseMatrix<double> weighted = columns.k * columns.weight.asDiagonal();
@@ -362,7 +364,7 @@ void check_sums(const ImageMesh<C>& mesh, double scale) {
 }
 
 template <int C>
-bool same_bytes(const std::vector<hmesh::kit::CornerSums<C>>& a, const std::vector<hmesh::kit::CornerSums<C>>& b) {
+bool same_bytes(const std::vector<kit::CornerSums<C>>& a, const std::vector<kit::CornerSums<C>>& b) {
     bool same = a.size() == b.size();
     for (std::size_t i = 0; same && i < a.size(); ++i) {
         const double x[4] = {a[i].square, a[i].coupling, a[i].x, a[i].y}, y[4] = {b[i].square, b[i].coupling, b[i].x, b[i].y};
@@ -393,22 +395,22 @@ TEST_CASE("foot_sums over a weighted table count each pixel as often as its weig
 
 TEST_CASE("foot_sums without a search are corner_sums") {
     Subject<std::uint8_t, 3> subject(hmesh_test::noise<std::uint8_t, 3>(40, 30, 5), hmesh_test::jittered_grid(40, 30, 5, 4, 5));
-    CHECK(same_bytes(hmesh::kit::foot_sums(subject.mesh, FootSearch::plane, 1), hmesh::kit::corner_sums(subject.mesh)));
+    CHECK(same_bytes(kit::foot_sums(subject.mesh, FootSearch::plane, 1), kit::corner_sums(subject.mesh)));
 }
 
 TEST_CASE("where the mesh shows the image exactly, pixels are their own foot points") {
     Subject<float, 3> subject(hmesh_test::affine_image<float, 3>(30, 24), hmesh_test::jittered_grid(30, 24, 4, 4, 6));
-    std::vector<hmesh::kit::Color<3>> colors(subject.mesh.topology().vertex_slots(), hmesh::kit::Color<3>::zero());
+    std::vector<kit::Color<3>> colors(subject.mesh.topology().vertex_slots(), kit::Color<3>::zero());
     for (const Vertex v : subject.mesh.topology().vertices())
         for (int c = 0; c < 3; ++c) {  // as affine_image has it
-            const hmesh::kit::Point p = subject.mesh.position(v);
+            const kit::Point p = subject.mesh.position(v);
             const double weight = (c + 1) / 4.0, level = weight * p.x / 30 + (1 - weight) * (1 - p.y / 24);
             colors[v.index()].set(c, c % 2 == 0 ? level : 1 - level);
         }
     subject.mesh.set_colors(colors);
-    const Sums<3> plane(subject.mesh, hmesh::kit::corner_sums(subject.mesh));
+    const Sums<3> plane(subject.mesh, kit::corner_sums(subject.mesh));
     for (const FootSearch search : {FootSearch::own_face, FootSearch::one_ring}) {
-        const Sums<3> sums(subject.mesh, hmesh::kit::foot_sums(subject.mesh, search, 255));
+        const Sums<3> sums(subject.mesh, kit::foot_sums(subject.mesh, search, 255));
         CHECK(largest(sums.gram - plane.gram) <= 1e-4 * largest(plane.gram));  // samples are floats: 1e-7 of 255 px
         CHECK(largest(sums.positions - plane.positions) <= 1e-4 * largest(plane.positions));
         CHECK(largest(sums.image - plane.image) <= 1e-4 * largest(plane.image));
@@ -419,7 +421,7 @@ TEST_CASE("foot_sums of samples as large as floats go are finite") {
     Subject<float, 3> subject(hmesh_test::scaled(hmesh_test::noise<float, 3>(30, 24, 7), 3.4e38),
                               hmesh_test::jittered_grid(30, 24, 4, 4, 7));
     for (const FootSearch search : {FootSearch::own_face, FootSearch::one_ring}) {
-        const Sums<3> sums(subject.mesh, hmesh::kit::foot_sums(subject.mesh, search, 255e3));
+        const Sums<3> sums(subject.mesh, kit::foot_sums(subject.mesh, search, 255e3));
         CHECK((sums.gram.allFinite() && sums.positions.allFinite() && sums.image.allFinite()));
         CHECK(sums.gram.sum() == doctest::Approx(30 * 24).epsilon(1e-9));  // weights sum to 1 at each pixel
     }
@@ -429,8 +431,8 @@ TEST_CASE("foot_sums have the same bytes with any executor") {
     Subject<std::uint8_t, 3> subject(hmesh_test::scene<std::uint8_t, 3>(90, 70, 8), hmesh_test::jittered_grid(90, 70, 20, 18, 8));
     REQUIRE(subject.mesh.topology().face_slots() > 512);
     for (const FootSearch search : {FootSearch::plane, FootSearch::own_face, FootSearch::one_ring}) {
-        const auto serial = hmesh::kit::foot_sums(subject.mesh, search, 0.5);
-        CHECK(same_bytes(serial, hmesh::kit::foot_sums(subject.mesh, search, 0.5, hmesh_test::ThreadFor{3})));
-        CHECK(same_bytes(serial, hmesh::kit::foot_sums(subject.mesh, search, 0.5, hmesh_test::ReverseFor())));
+        const auto serial = kit::foot_sums(subject.mesh, search, 0.5);
+        CHECK(same_bytes(serial, kit::foot_sums(subject.mesh, search, 0.5, hmesh_test::ThreadFor{3})));
+        CHECK(same_bytes(serial, kit::foot_sums(subject.mesh, search, 0.5, hmesh_test::ReverseFor())));
     }
 }

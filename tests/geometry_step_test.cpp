@@ -21,6 +21,7 @@
 #include "test_meshes.hpp"
 #include "test_weighted.hpp"
 
+namespace kit = hmesh::kit;
 using Eigen::Index;
 using Eigen::MatrixXd;
 using hmesh::kit::FootSearch;
@@ -39,8 +40,9 @@ using hmesh_test::Weighted;
 namespace {
 
 bool is_held(const GeometrySystem& system, Index row, Index column) {
-    return std::any_of(system.held.begin(), system.held.end(),
-                       [&](const auto& entry) { return entry.row == row && entry.column == column; });
+    return std::any_of(system.held.begin(), system.held.end(), [&](const kit::HeldEntry& entry) {
+        return static_cast<Index>(entry.row) == row && static_cast<Index>(entry.column) == column;
+    });
 }
 
 // The solution with what is held taken out of the system as known, factorised column by column; and in `residual` that of
@@ -84,9 +86,9 @@ MatrixXd factorised(const GeometrySystem& system, const MatrixXd& solution, doub
 
 template <int C>
 void check_system(const ImageMesh<C>& mesh, FootSearch search, double color_scale) {
-    GeometrySystem system = hmesh::kit::geometry_system(mesh, search, color_scale, 1e-3);
+    GeometrySystem system = kit::geometry_system(mesh, search, color_scale, 1e-3);
     MatrixXd solution = system.solution;
-    const PcgReport report = hmesh::kit::solve_pcg(system.gram, system.rhs, solution, {500, 1e-9}, system.held);
+    const PcgReport report = kit::solve_pcg(system.gram, system.rhs, solution, {500, 1e-9}, system.held);
     double residual = 0;
     const MatrixXd expected = factorised(system, solution, residual);
     CHECK(report.converged);
@@ -138,7 +140,7 @@ std::size_t check_steps(ImageMesh<C>& mesh, const GeometryStep& options, double 
     for (int round = 0; round < 3; ++round) {
         const std::vector<Point> before = positions_of(mesh);
         const double energy = mesh.energy();
-        const PcgReport report = hmesh::kit::geometry_step(mesh, options, peak);
+        const PcgReport report = kit::geometry_step(mesh, options, peak);
         CHECK(std::isfinite(report.residual));
         require_valid(mesh);
         if (options.rule == StepRule::safeguarded) CHECK(mesh.energy() <= energy + slack);
@@ -182,14 +184,13 @@ void check_steps_on(const hmesh::Image<T, C>& image, int columns, int rows, std:
 // The squared distances of the pixels to their foot points, in px^2, from the sums of their K.
 template <int C>
 double lifted_distance(const ImageMesh<C>& mesh, FootSearch search, double scale) {
-    const auto corners = hmesh::kit::foot_sums(mesh, search, scale);
-    const MatrixXd gram(hmesh::kit::gram_matrix(mesh.topology(), corners)), v = hmesh::kit::position_matrix(mesh),
-                                                                       c = hmesh::kit::color_matrix(mesh);
-    double sum = v.cwiseProduct(gram * v - 2 * hmesh::kit::position_rhs<C>(mesh.topology(), corners)).sum() +
-                 scale * scale * c.cwiseProduct(gram * c - 2 * hmesh::kit::image_rhs<C>(mesh.topology(), corners)).sum();
+    const auto corners = kit::foot_sums(mesh, search, scale);
+    const MatrixXd gram(kit::gram_matrix(mesh.topology(), corners)), v = kit::position_matrix(mesh), c = kit::color_matrix(mesh);
+    double sum = v.cwiseProduct(gram * v - 2 * kit::position_rhs<C>(mesh.topology(), corners)).sum() +
+                 scale * scale * c.cwiseProduct(gram * c - 2 * kit::image_rhs<C>(mesh.topology(), corners)).sum();
     for (int y = 0; y < mesh.height(); ++y)
         for (int x = 0; x < mesh.width(); ++x) {
-            hmesh::kit::Color<C> image;
+            kit::Color<C> image;
             mesh.table().pixel(x, y, image);
             sum += (x + 0.5) * (x + 0.5) + (y + 0.5) * (y + 0.5) + scale * scale * (image * image).sum();
         }
@@ -217,7 +218,7 @@ TEST_CASE("a pixel more of pull keeps the solution nearer to where the vertices 
     Subject<std::uint8_t, 3> subject(hmesh_test::scene<std::uint8_t, 3>(60, 50, 5), hmesh_test::jittered_grid(60, 50, 8, 7, 5));
     double before = 0;
     for (const double pull : {1e9, 1.0, 1e-3}) {
-        const GeometrySystem system = hmesh::kit::geometry_system(subject.mesh, FootSearch::own_face, 1, pull);
+        const GeometrySystem system = kit::geometry_system(subject.mesh, FootSearch::own_face, 1, pull);
         double residual = 0;
         const double change = (factorised(system, system.solution, residual) - system.solution).norm();
         CHECK(change > before);
@@ -229,7 +230,7 @@ TEST_CASE("a pixel more of pull keeps the solution nearer to where the vertices 
 TEST_CASE("without foot points nothing moves: only colours are solved for") {
     Subject<std::uint8_t, 3> subject(hmesh_test::noise<std::uint8_t, 3>(60, 50, 6), hmesh_test::jittered_grid(60, 50, 8, 7, 6)),
         expected(hmesh_test::noise<std::uint8_t, 3>(60, 50, 6), hmesh_test::jittered_grid(60, 50, 8, 7, 6));
-    GeometrySystem system = hmesh::kit::geometry_system(subject.mesh, FootSearch::plane, 1, 1e-3);
+    GeometrySystem system = kit::geometry_system(subject.mesh, FootSearch::plane, 1, 1e-3);
     double residual = 0;
     const MatrixXd solution = factorised(system, system.solution, residual);
     CHECK((solution - system.solution).leftCols(2).cwiseAbs().maxCoeff() < 1e-9);
@@ -237,8 +238,8 @@ TEST_CASE("without foot points nothing moves: only colours are solved for") {
     options.search = FootSearch::plane;
     options.rule = StepRule::literal;
     const std::vector<Point> before = positions_of(subject.mesh);
-    hmesh::kit::geometry_step(subject.mesh, options, 255);
-    hmesh::kit::optimal_colors(expected.mesh, options.pcg);
+    kit::geometry_step(subject.mesh, options, 255);
+    kit::optimal_colors(expected.mesh, options.pcg);
     CHECK(moved(subject.mesh, before) == 0);
     CHECK(subject.mesh.energy() == doctest::Approx(expected.mesh.energy()).epsilon(1e-6));
 }
@@ -267,7 +268,7 @@ TEST_CASE("a picture that the mesh shows exactly moves no vertex") {
     Subject<float, 3> affine(hmesh_test::affine_image<float, 3>(40, 30), hmesh_test::jittered_grid(40, 30, 6, 5, 29));
     Subject<std::uint8_t, 3> constant(hmesh_test::constant_image<std::uint8_t, 3>(40, 30, 0.8),
                                       hmesh_test::jittered_grid(40, 30, 6, 5, 30));
-    for (int k = 0; k < 3; ++k) hmesh::kit::optimal_colors(affine.mesh, {500, 1e-13});
+    for (int k = 0; k < 3; ++k) kit::optimal_colors(affine.mesh, {500, 1e-13});
     for (const StepRule rule : {StepRule::safeguarded, StepRule::literal})
         for (const FootSearch search : {FootSearch::own_face, FootSearch::one_ring}) {
             GeometryStep options;
@@ -309,9 +310,9 @@ TEST_CASE("vertices among pixels that do not count stay where they are") {
                                    hmesh_test::jittered_grid(48, 40, 12, 10, 42));
         const ImageMesh<3>& mesh = subject.mesh;
         const auto is_blind = [&](Vertex v) {
-            hmesh::kit::RingScratch<3> work;
+            kit::RingScratch<3> work;
             mesh.gather(v, work.ring, work.spokes);
-            return !(hmesh::kit::ring_weight(work.ring, work.spokes) > hmesh::kit::least_weight);
+            return !(kit::ring_weight(work.ring, work.spokes) > kit::least_weight);
         };
         std::vector<Vertex> blind;
         for (const Vertex v : mesh.topology().vertices())
@@ -320,13 +321,13 @@ TEST_CASE("vertices among pixels that do not count stay where they are") {
         const std::vector<Point> before = positions_of(mesh);
         GeometryStep options;
         options.search = search;
-        hmesh::kit::geometry_step(subject.mesh, options, 1);
+        kit::geometry_step(subject.mesh, options, 1);
         require_valid(mesh);
         CHECK(moved(mesh, before) > 20);
         const auto stayed = [&](Vertex v) { return mesh.position(v) == before[v.index()]; };
         for (const Vertex v : blind) {
             bool still = true;  // where a neighbour moves, a vertex may come to see
-            for (const hmesh::kit::Halfedge h : mesh.topology().outgoing(v)) still = still && stayed(mesh.topology().to_vertex(h));
+            for (const kit::Halfedge h : mesh.topology().outgoing(v)) still = still && stayed(mesh.topology().to_vertex(h));
             if (still) CHECK(stayed(v));
         }
     }
@@ -336,9 +337,9 @@ TEST_CASE("the safeguard gains more than colours alone do") {
     const auto image = hmesh_test::scene<std::uint8_t, 3>(80, 64, 51);
     const Triangulation grid = hmesh_test::jittered_grid(80, 64, 9, 7, 51);
     Subject<std::uint8_t, 3> subject(image, grid), colored(image, grid);
-    hmesh::kit::optimal_colors(colored.mesh);
-    hmesh::kit::optimal_colors(subject.mesh);
-    for (int round = 0; round < 3; ++round) hmesh::kit::geometry_step(subject.mesh, GeometryStep(), 255);
+    kit::optimal_colors(colored.mesh);
+    kit::optimal_colors(subject.mesh);
+    for (int round = 0; round < 3; ++round) kit::geometry_step(subject.mesh, GeometryStep(), 255);
     CHECK(subject.mesh.energy() < 0.8 * colored.mesh.energy());
 }
 
@@ -353,7 +354,7 @@ TEST_CASE("taken literally, a step brings the mesh nearer to the pixels in posit
             options.color_scale = scale;
             const double before = lifted_distance(subject.mesh, search, scale);
             const std::vector<Point> from = positions_of(subject.mesh);
-            hmesh::kit::geometry_step(subject.mesh, options, 255);
+            kit::geometry_step(subject.mesh, options, 255);
             CHECK(lifted_distance(subject.mesh, search, scale) < before);
             CHECK(moved(subject.mesh, from) > 20);
             require_valid(subject.mesh);
@@ -361,11 +362,11 @@ TEST_CASE("taken literally, a step brings the mesh nearer to the pixels in posit
 }
 
 TEST_CASE("a vertex with too many neighbors for a ring keeps its place, and the others move") {
-    const Triangulation wheel = hmesh_test::wheel(60, hmesh::kit::ring_capacity + 8);
+    const Triangulation wheel = hmesh_test::wheel(60, kit::ring_capacity + 8);
     for (const StepRule rule : {StepRule::safeguarded, StepRule::literal}) {
         Subject<std::uint8_t, 3> subject(hmesh_test::scene<std::uint8_t, 3>(60, 60, 61), wheel);
         const Vertex hub(0);
-        REQUIRE(subject.mesh.topology().valence(hub) > hmesh::kit::ring_capacity);
+        REQUIRE(subject.mesh.topology().valence(hub) > kit::ring_capacity);
         GeometryStep options;
         options.rule = rule;
         const Point place = subject.mesh.position(hub);
@@ -381,14 +382,15 @@ TEST_CASE("told to stop while it looks for the nearest faces, a step changes not
         Subject<std::uint8_t, 3> subject(hmesh_test::scene<std::uint8_t, 3>(90, 70, 71),
                                          hmesh_test::jittered_grid(90, 70, 20, 18, 71));
         const auto before = hmesh_test::snapshot(subject.mesh);
-        hmesh::kit::ProgressReporter monitor({[](void*, const hmesh::ProgressInfo&) { return false; }, nullptr}, 1, 255);
-        hmesh::kit::TaskProgress task(monitor, 1);
+        const auto stop = [](const hmesh::ProgressInfo&) { return false; };
+        kit::ProgressReporter progress(stop, 1, 255);
+        kit::TaskProgress task(progress, 1);
         subject.mesh.set_task(&task);
         GeometryStep options;
         options.search = FootSearch::one_ring;
         options.rule = rule;
-        CHECK(hmesh::kit::geometry_step(subject.mesh, options, 255).iterations == 0);
-        CHECK(monitor.stopped());
+        CHECK(kit::geometry_step(subject.mesh, options, 255).iterations == 0);
+        CHECK(progress.stopped());
         CHECK(hmesh_test::snapshot(subject.mesh) == before);
     }
 }
@@ -400,8 +402,8 @@ TEST_CASE("steps have the same bytes with any executor") {
         Subject<std::uint8_t, 3> serial(image, grid), threaded(image, grid);
         GeometryStep options;
         options.rule = rule;
-        const PcgReport one = hmesh::kit::geometry_step(serial.mesh, options, 255),
-                        other = hmesh::kit::geometry_step(threaded.mesh, options, 255, hmesh_test::ThreadFor{3});
+        const PcgReport one = kit::geometry_step(serial.mesh, options, 255),
+                        other = kit::geometry_step(threaded.mesh, options, 255, hmesh_test::ThreadFor{3});
         CHECK(one.iterations == other.iterations);
         CHECK(one.residual == other.residual);
         CHECK(hmesh_test::snapshot(serial.mesh) == hmesh_test::snapshot(threaded.mesh));

@@ -13,13 +13,13 @@
 
 #include "hmesh/core/random.hpp"
 
-using hmesh::kit::Edge;
 using hmesh::Errc;
+using hmesh::Triangle;
+using hmesh::kit::Edge;
 using hmesh::kit::Face;
 using hmesh::kit::Halfedge;
 using hmesh::kit::HalfedgeMesh;
 using hmesh::kit::Random;
-using hmesh::kit::Triangle;
 using hmesh::kit::Vertex;
 
 namespace {
@@ -591,7 +591,7 @@ TEST_CASE("HalfedgeMesh: assign refuses each kind of bad input, says where, and 
     struct Bad {
         Input input;
         const char* word;
-        std::int64_t got;
+        double value;
     };
     const Input tetrahedron{4, {{0, 1, 2}, {0, 2, 3}, {0, 3, 1}, {1, 3, 2}}};
     Input touching = tetrahedron;  // two tetrahedra that share vertex 0

@@ -15,6 +15,7 @@
 #include "test_images.hpp"
 #include "test_meshes.hpp"
 
+using hmesh::Triangle;
 using hmesh::kit::Color;
 using hmesh::kit::Edge;
 using hmesh::kit::Face;
@@ -24,7 +25,6 @@ using hmesh::kit::ImageMesh;
 using hmesh::kit::Mobility;
 using hmesh::kit::Point;
 using hmesh::kit::Random;
-using hmesh::kit::Triangle;
 using hmesh::kit::Vertex;
 using hmesh_test::Snapshot;
 using hmesh_test::Subject;
@@ -224,7 +224,8 @@ TEST_CASE("check() notices vertices that were changed behind the mesh's back") {
     };
     const auto noise = hmesh_test::noise<std::uint8_t, 1>(8, 6, 1), black = hmesh_test::constant_image<std::uint8_t, 1>(8, 6, 0);
     CHECK(sentence(noise, [](hmesh::kit::VertexState<1>&) {}).empty());
-    CHECK(sentence(noise, [](hmesh::kit::VertexState<1>& v) { v.mobility = Mobility::along_x; }) == "a vertex's mobility is wrong");
+    CHECK(sentence(noise, [](hmesh::kit::VertexState<1>& v) { v.mobility = Mobility::along_x; }) ==
+          "a vertex's mobility is wrong");
     CHECK(sentence(noise, [](hmesh::kit::VertexState<1>& v) { v.color.set(0, v.color[0] + 1); }) == "a face's energy is stale");
     // In black all energies are 0, whatever the moments.
     CHECK(sentence(black, [](hmesh::kit::VertexState<1>& v) { v.position = {5, 3}; }) == "an edge's moments are stale");

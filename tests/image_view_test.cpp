@@ -18,6 +18,8 @@ using hmesh::Image;
 using hmesh::ImageView;
 using hmesh::PixelTraits;
 using hmesh::Status;
+using hmesh::kit::check_finite;
+using hmesh_test::samples_of;
 
 static_assert(std::is_aggregate_v<ImageView<std::uint8_t, 3>>);
 static_assert(std::is_trivially_copyable_v<ImageView<float, 16>>);
@@ -33,12 +35,12 @@ struct hmesh::PixelTraits<double> {
 namespace {
 
 template <class T, int C>
-bool refused(const ImageView<T, C>& view, Errc code, std::int64_t got, std::int64_t want) {
+bool refused(const ImageView<T, C>& view, Errc code, std::int64_t value, std::int64_t limit) {
     const Status status = check(view);
     CHECK(status.code == code);
     CHECK(std::string(status.what).size() > 10);
-    CHECK(status.value == got);
-    CHECK(status.limit == want);
+    CHECK(status.value == value);
+    CHECK(status.limit == limit);
     return !status;
 }
 
@@ -68,8 +70,9 @@ TEST_CASE("check refuses sides and products that are too large, also those that 
     CHECK(refused(ImageView<std::uint8_t, 1>{&byte, largest, largest, 0}, Errc::image_too_large, largest, 65536));
     // 65536 * 65536 is 0 in 32 bits.
     CHECK(refused(ImageView<std::uint8_t, 1>{&byte, 65536, 65536, 0}, Errc::image_too_large, std::int64_t{1} << 32,
-                  hmesh::max_pixels));
-    CHECK(refused(ImageView<std::uint8_t, 1>{&byte, 65536, 4097, 0}, Errc::image_too_large, 65536LL * 4097, hmesh::max_pixels));
+                  hmesh::kit::max_pixels));
+    CHECK(refused(ImageView<std::uint8_t, 1>{&byte, 65536, 4097, 0}, Errc::image_too_large, 65536LL * 4097,
+                  hmesh::kit::max_pixels));
 }
 
 TEST_CASE("check accepts the largest and the smallest sizes") {
@@ -143,13 +146,23 @@ TEST_CASE("an Image is packed, starts at zero, and is empty by default") {
     Image<std::uint16_t, 4> image(5, 3);
     CHECK(image.width() == 5);
     CHECK(image.height() == 3);
-    CHECK(image.samples() == std::vector<std::uint16_t>(60, 0));
+    CHECK(image.size() == 60);
+    CHECK(image.data() == image.view().data);
+    CHECK(image.data() == image.pixel(0, 0));
+    CHECK(samples_of(image) == std::vector<std::uint16_t>(60, 0));
     image.pixel(2, 1)[3] = 9;
-    CHECK(image.samples()[(1 * 5 + 2) * 4 + 3] == 9);
+    CHECK(image.data()[(1 * 5 + 2) * 4 + 3] == 9);
     CHECK(image.view().pixel(2, 1)[3] == 9);
+    image.data()[0] = 5;
+    const Image<std::uint16_t, 4> copy = image;
+    CHECK(copy.data()[0] == 5);
+    CHECK(copy.data() != image.data());
+    CHECK(copy.size() == 60);
+    static_assert(std::is_same_v<decltype(copy.data()), const std::uint16_t*>);
     CHECK(image.view().row_stride == 0);
     const hmesh::kit::Rect bounds = image.view().bounds();
     CHECK((bounds.x == 0 && bounds.y == 0 && bounds.width == 5 && bounds.height == 3));
+    CHECK(Image<std::uint16_t, 4>().size() == 0);
     CHECK_FALSE(check(Image<std::uint16_t, 4>().view()));
 }
 
@@ -244,16 +257,16 @@ TEST_CASE("the test scene is the same picture in every sample type, and has flat
     const Image<std::uint16_t, 3> words = hmesh_test::scene<std::uint16_t, 3>(60, 40, 5);
     const Image<float, 3> floats = hmesh_test::scene<float, 3>(60, 40, 5);
     int different = 0, steep = 0, flat = 0;
-    for (std::size_t i = 0; i < bytes.samples().size(); ++i) {
-        different += words.samples()[i] != 257 * bytes.samples()[i];
-        different += floats.samples()[i] != static_cast<float>(bytes.samples()[i] / 255.0);
+    for (std::size_t i = 0; i < bytes.size(); ++i) {
+        different += words.data()[i] != 257 * bytes.data()[i];
+        different += floats.data()[i] != static_cast<float>(bytes.data()[i] / 255.0);
         if (i < 3) continue;
-        const int step = std::abs(bytes.samples()[i] - bytes.samples()[i - 3]);
+        const int step = std::abs(bytes.data()[i] - bytes.data()[i - 3]);
         steep += step > 30;
         flat += step <= 3;
     }
     CHECK(different == 0);
     CHECK(steep > 100);
     CHECK(flat > 3000);
-    CHECK(hmesh_test::scene<std::uint8_t, 3>(60, 40, 6).samples() != bytes.samples());
+    CHECK(samples_of(hmesh_test::scene<std::uint8_t, 3>(60, 40, 6)) != samples_of(bytes));
 }

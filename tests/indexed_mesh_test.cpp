@@ -12,15 +12,16 @@
 #include "hmesh/core/random.hpp"
 #include "hmesh/methods/annealed/first_grid.hpp"
 #include "test_images.hpp"
+#include "test_indexed_meshes.hpp"
 #include "test_meshes.hpp"
-#include "test_wholes.hpp"
 
+namespace kit = hmesh::kit;
+using hmesh::Triangle;
 using hmesh::kit::Color;
+using hmesh::kit::IndexedMesh;
 using hmesh::kit::Point;
 using hmesh::kit::Random;
-using hmesh::kit::Triangle;
-using hmesh::kit::IndexedMesh;
-using hmesh_test::make_whole;
+using hmesh_test::make_indexed;
 using hmesh_test::Shape;
 
 namespace {
@@ -30,12 +31,14 @@ IndexedMesh<1> whole(int width, int height, const std::vector<Point>& positions,
     mesh.width = width;
     mesh.height = height;
     for (const Point p : positions) mesh.add(p, Color<1>::zero());
-    mesh.triangles = triangles;
+    mesh.faces = triangles;
     return mesh;
 }
 
 // Four faces around vertex 4 in the middle of 8 x 6 px.
-IndexedMesh<1> fan() { return whole(8, 6, {{0, 0}, {8, 0}, {8, 6}, {0, 6}, {4, 3}}, {{0, 1, 4}, {1, 2, 4}, {2, 3, 4}, {3, 0, 4}}); }
+IndexedMesh<1> fan() {
+    return whole(8, 6, {{0, 0}, {8, 0}, {8, 6}, {0, 6}, {4, 3}}, {{0, 1, 4}, {1, 2, 4}, {2, 3, 4}, {3, 0, 4}});
+}
 
 // What check() finds, and where.
 std::pair<std::string, std::int64_t> fault(const IndexedMesh<1>& mesh) {
@@ -48,10 +51,10 @@ using Fault = std::pair<std::string, std::int64_t>;
 // How many faces cover a point that lies on no edge.
 int cover(const IndexedMesh<1>& mesh, Point p) {
     int count = 0;
-    for (const Triangle& t : mesh.triangles) {
+    for (const Triangle& t : mesh.faces) {
         int left = 0, right = 0;
         for (std::size_t k = 0; k < 3; ++k)
-            ++(hmesh::kit::orient2d(mesh.positions[t[k]], mesh.positions[t[(k + 1) % 3]], p) > 0 ? left : right);
+            ++(kit::orient2d(mesh.positions[t[k]], mesh.positions[t[(k + 1) % 3]], p) > 0 ? left : right);
         count += left == 3 || right == 3 ? 1 : 0;
     }
     return count;
@@ -62,19 +65,19 @@ int cover(const IndexedMesh<1>& mesh, Point p) {
 TEST_CASE("meshes of every shape are accepted, and all of their edges and corners may be on the border") {
     const auto image = hmesh_test::scene<std::uint8_t, 1>(40, 31, 1);
     for (const Shape shape : hmesh_test::all_shapes) {
-        const IndexedMesh<1> mesh = make_whole(image, shape, 90, 3);
+        const IndexedMesh<1> mesh = make_indexed(image, shape, 90, 3);
         CHECK(mesh.vertex_count() > 50);
         hmesh_test::prove(mesh);
     }
     for (const auto& [width, height] : {std::pair{1, 1}, {1, 17}, {23, 1}, {2, 2}})
-        hmesh_test::prove(make_whole(hmesh_test::noise<float, 1>(width, height, 1), Shape::grid, 6, 1));
+        hmesh_test::prove(make_indexed(hmesh_test::noise<float, 1>(width, height, 1), Shape::grid, 6, 1));
     const auto wheel = hmesh_test::wheel(64, 36);
     hmesh_test::prove(whole(64, 64, wheel.positions, wheel.triangles));
     hmesh_test::prove(fan());
 
-    const hmesh::kit::ImageSource<1> source(image.view());
-    hmesh_test::prove(hmesh::kit::regular_grid(source, 60));
-    hmesh_test::prove(hmesh::kit::tiled_grid(source, hmesh::kit::Tiling(40, 31, 13), 80, 30, [] { return true; }));
+    const kit::ImageSource<1> source(image.view());
+    hmesh_test::prove(kit::regular_grid(source, 60));
+    hmesh_test::prove(kit::tiled_grid(source, kit::Tiling(40, 31, 13), 80, 30, [] { return true; }));
 }
 
 TEST_CASE("arrays of vertices that differ in length are found") {
@@ -91,19 +94,19 @@ TEST_CASE("an isolated vertex, a corner that is no vertex and a corner that come
     mesh.add({2, 2}, Color<1>::zero());
     CHECK(fault(mesh) == Fault{"a vertex belongs to no triangle", 5});
     mesh = fan();
-    mesh.triangles[2][1] = 5;
+    mesh.faces[2][1] = 5;
     CHECK(fault(mesh) == Fault{"a triangle names a vertex that does not exist", 2});
     mesh = fan();
-    mesh.triangles[3][1] = mesh.triangles[3][2];
+    mesh.faces[3][1] = mesh.faces[3][2];
     CHECK(fault(mesh) == Fault{"a triangle names a vertex twice", 3});
 }
 
 TEST_CASE("a flipped face is found, whether its corners or its neighbors' places were exchanged") {
     IndexedMesh<1> mesh = fan();
-    std::swap(mesh.triangles[1][0], mesh.triangles[1][1]);
+    std::swap(mesh.faces[1][0], mesh.faces[1][1]);
     CHECK(fault(mesh).first == "an edge is used twice in one direction, first by triangle");
     mesh = fan();
-    for (Triangle& t : mesh.triangles) std::swap(t[0], t[1]);
+    for (Triangle& t : mesh.faces) std::swap(t[0], t[1]);
     CHECK(fault(mesh) == Fault{"a face is flipped or has no area", 0});
     mesh = fan();
     mesh.positions[4] = {9, 3};  // beyond the side of face 1
@@ -133,12 +136,12 @@ TEST_CASE("a T-junction is found, though all faces are right and their areas add
     for (std::size_t t = 0; t < grid.triangles.size(); ++t)
         for (std::size_t k = 0; k < 3; ++k) {
             IndexedMesh<1> mesh = whole(24, 24, grid.positions, grid.triangles);
-            const Triangle face = mesh.triangles[t];
+            const Triangle face = mesh.faces[t];
             const std::uint32_t a = face[k], b = face[(k + 1) % 3], c = face[(k + 2) % 3];
             if (std::count(middle.begin(), middle.end(), a) == 0 || std::count(middle.begin(), middle.end(), b) == 0) continue;
             mesh.add(midpoint(mesh.positions[a], mesh.positions[b]), Color<1>::zero());
-            mesh.triangles[t] = {a, 16, c};
-            mesh.triangles.push_back({16, b, c});
+            mesh.faces[t] = {a, 16, c};
+            mesh.faces.push_back({16, b, c});
             CHECK(fault(mesh).first == "an edge inside the image has one face only");
             ++cuts;
         }
@@ -150,8 +153,8 @@ TEST_CASE("a hole is found, also where an overlap makes up for its area") {
     // Face 10 has no corner on the border.
     IndexedMesh<1> mesh = whole(20, 20, grid.positions, grid.triangles);
     REQUIRE(check(mesh));
-    const Triangle gone = mesh.triangles[10];
-    mesh.triangles.erase(mesh.triangles.begin() + 10);
+    const Triangle gone = mesh.faces[10];
+    mesh.faces.erase(mesh.faces.begin() + 10);
     CHECK(fault(mesh) == Fault{"the faces do not tile the image", 0});
     // A second layer of the same area elsewhere, with corners of its own.
     Triangle again{};
@@ -160,7 +163,7 @@ TEST_CASE("a hole is found, also where an overlap makes up for its area") {
         const Point p = mesh.positions[gone[k]];
         mesh.add({p.x + 5, p.y + 5}, Color<1>::zero());
     }
-    mesh.triangles.push_back(again);
+    mesh.faces.push_back(again);
     CHECK(fault(mesh).first == "an edge inside the image has one face only");
     // A hole as wide as the image: two components.
     mesh = whole(4, 4, {{0, 0}, {4, 0}, {4, 2}, {0, 2}, {0, 3}, {4, 3}, {4, 4}, {0, 4}},
@@ -170,11 +173,11 @@ TEST_CASE("a hole is found, also where an overlap makes up for its area") {
 
 TEST_CASE("an overlap is found: a face that comes twice, one of another layer, and folds in which all faces turn right") {
     IndexedMesh<1> mesh = fan();
-    mesh.triangles.push_back(mesh.triangles[0]);
+    mesh.faces.push_back(mesh.faces[0]);
     CHECK(fault(mesh).first == "an edge is used twice in one direction, first by triangle");
     mesh = fan();
     for (const Point p : {Point{1, 1}, {3, 1}, {2, 2}}) mesh.add(p, Color<1>::zero());
-    mesh.triangles.push_back({5, 6, 7});
+    mesh.faces.push_back({5, 6, 7});
     CHECK(fault(mesh) == Fault{"the faces do not tile the image", 0});
     // Eight faces twice around vertex 0, which is the middle of an image half as large as their area.
     mesh = whole(8, 8, {{4, 4}, {0, 0}, {8, 0}, {8, 8}, {0, 8}, {0, 0}, {8, 0}, {8, 8}, {0, 8}},
@@ -198,16 +201,16 @@ TEST_CASE("a mesh of an image of another size is found") {
 }
 
 TEST_CASE("no mesh with one triangle too few, too many, turned over or bent to another vertex is accepted") {
-    const IndexedMesh<1> good = make_whole(hmesh_test::scene<std::uint8_t, 1>(24, 20, 2), Shape::worn, 40, 5);
+    const IndexedMesh<1> good = make_indexed(hmesh_test::scene<std::uint8_t, 1>(24, 20, 2), Shape::worn, 40, 5);
     REQUIRE(check(good));
     Random random(1);
     int accepted = 0;
-    for (std::size_t t = 0; t < good.triangles.size(); ++t)
+    for (std::size_t t = 0; t < good.faces.size(); ++t)
         for (int kind = 0; kind < 4; ++kind) {
             IndexedMesh<1> bad = good;
-            Triangle& triangle = bad.triangles[t];
-            if (kind == 0) bad.triangles.erase(bad.triangles.begin() + static_cast<std::ptrdiff_t>(t));
-            else if (kind == 1) bad.triangles.push_back(good.triangles[random.below(good.triangles.size())]);
+            Triangle& triangle = bad.faces[t];
+            if (kind == 0) bad.faces.erase(bad.faces.begin() + static_cast<std::ptrdiff_t>(t));
+            else if (kind == 1) bad.faces.push_back(good.faces[random.below(good.faces.size())]);
             else if (kind == 2) std::swap(triangle[0], triangle[1 + random.below(2)]);
             else {
                 const auto other = static_cast<std::uint32_t>(random.below(good.vertex_count()));
@@ -222,7 +225,7 @@ TEST_CASE("no mesh with one triangle too few, too many, turned over or bent to a
 TEST_CASE(
     "a mesh with a vertex moved by chance is accepted if no face turned over and the border stayed, and then covers "
     "every point once") {
-    const IndexedMesh<1> good = make_whole(hmesh_test::scene<std::uint8_t, 1>(16, 12, 2), Shape::delaunay, 25, 7);
+    const IndexedMesh<1> good = make_indexed(hmesh_test::scene<std::uint8_t, 1>(16, 12, 2), Shape::delaunay, 25, 7);
     Random random(2);
     int accepted = 0, refused = 0;
     for (int k = 0; k < 300; ++k) {
@@ -231,7 +234,7 @@ TEST_CASE(
         const Point from = mesh.positions[v];
         const double reach = 1.0 + static_cast<double>(random.below(8));
         const auto moved = [&](double x) {
-            const double step = random.below(2) == 0 ? 0 : hmesh::kit::snap(reach * random.uniform()) - hmesh::kit::snap(0.5 * reach);
+            const double step = random.below(2) == 0 ? 0 : kit::snap(reach * random.uniform()) - kit::snap(0.5 * reach);
             return std::max(0.0, x + step);
         };
         const Point to{moved(from.x), moved(from.y)};
@@ -240,8 +243,8 @@ TEST_CASE(
         bool valid = is_corner
                          ? to == from
                          : ((from.x != 0 && from.x != 16) || to.x == from.x) && ((from.y != 0 && from.y != 12) || to.y == from.y);
-        for (const Triangle& t : mesh.triangles)
-            if (!(hmesh::kit::orient2d(mesh.positions[t[0]], mesh.positions[t[1]], mesh.positions[t[2]]) > 0)) valid = false;
+        for (const Triangle& t : mesh.faces)
+            if (!(kit::orient2d(mesh.positions[t[0]], mesh.positions[t[1]], mesh.positions[t[2]]) > 0)) valid = false;
         REQUIRE(static_cast<bool>(check(mesh)) == valid);
         ++(valid ? accepted : refused);
         if (!valid) continue;

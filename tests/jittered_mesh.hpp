@@ -29,7 +29,8 @@ template <class T, int C>
 hmesh::Image<T, C> noise(int width, int height, std::uint64_t seed) {
     hmesh::Image<T, C> image(width, height);
     hmesh::kit::Random random(seed);
-    for (T& sample : image.samples()) {
+    for (std::size_t k = 0; k < image.size(); ++k) {
+        T& sample = image.data()[k];
         if constexpr (hmesh::PixelTraits<T>::is_integer) sample = static_cast<T>(random.next());
         else sample = static_cast<T>(3 * random.uniform() - 1);
     }
@@ -49,8 +50,8 @@ hmesh::Image<std::uint8_t, C> hills(int width, int height) {
 }
 
 // A grid of columns x rows squares over the table's rectangle, cut along one diagonal or the other.
-inline std::vector<hmesh::kit::Triangle> grid_triangles(int columns, int rows) {
-    std::vector<hmesh::kit::Triangle> triangles;
+inline std::vector<hmesh::Triangle> grid_triangles(int columns, int rows) {
+    std::vector<hmesh::Triangle> triangles;
     for (int j = 0; j < rows; ++j)
         for (int i = 0; i < columns; ++i) {
             const auto a = static_cast<std::uint32_t>(j * (columns + 1) + i), b = a + 1;
@@ -95,7 +96,7 @@ void jitter(hmesh::kit::ImageMesh<C>& mesh, int columns, int rows, int edits, st
                 done = mesh.vertex(topology.from_vertex(h)).mobility == hmesh::kit::Mobility::free && topology.is_collapse_ok(h);
                 if (done) mesh.collapse(h);
             }
-        } else if (edit % 4 < 2 && !topology.is_deleted(e) && is_flip_ok(mesh, e)) {
+        } else if (edit % 4 < 2 && !topology.is_deleted(e) && can_flip(mesh, e)) {
             hmesh::kit::FlipTrial<C> trial;
             evaluate_flip(mesh, e, trial);
             mesh.flip(e, trial.moments, trial.own, trial.opposite);
@@ -126,7 +127,7 @@ struct Sample {
     hmesh::Image<T, C> image;
     hmesh::kit::MomentTable<C> table;
     hmesh::kit::ImageMesh<C> mesh;
-    explicit Sample(hmesh::Image<T, C> picture, const hmesh::kit::MeshLimits& limits = {})
+    explicit Sample(hmesh::Image<T, C> picture, const hmesh::MeshLimits& limits = {})
         : image(std::move(picture)), table(image.view(), image.view().bounds()),
           mesh(table, hmesh::PixelTraits<T>::lowest, hmesh::PixelTraits<T>::highest, limits) {}
     Sample(const Sample&) = delete;

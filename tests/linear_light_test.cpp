@@ -19,8 +19,8 @@
 
 using hmesh::Errc;
 using hmesh::Image;
-using hmesh::kit::LinearLightOptions;
-using hmesh::kit::LinearLightReport;
+using hmesh::LinearLightOptions;
+using hmesh::LinearLightReport;
 using hmesh::Mesh;
 using hmesh::PixelTraits;
 
@@ -32,11 +32,11 @@ double encoded(double light) { return light <= 0.0031308 ? 12.92 * light : 1.055
 
 // A grid of cells of about `cell` px whose inner vertices are off their places, in the image's colours there, on no grid.
 template <class T, int C>
-Mesh<C> jittered(const Image<T, C>& image, int cell, std::uint64_t seed) {
+Mesh jittered(const Image<T, C>& image, int cell, std::uint64_t seed) {
     hmesh::kit::Random random(seed);
     const int columns = image.width() / cell, rows = image.height() / cell;
-    Mesh<C> mesh;
-    mesh.width = image.width(), mesh.height = image.height(), mesh.peak = PixelTraits<T>::peak;
+    Mesh mesh;
+    mesh.channels = C, mesh.width = image.width(), mesh.height = image.height(), mesh.peak = PixelTraits<T>::peak;
     for (int j = 0; j <= rows; ++j)
         for (int i = 0; i <= columns; ++i) {
             const auto place = [&](int index, int count, int size) {
@@ -72,8 +72,7 @@ struct Pixel {
     double weight[3];
     int x, y;
 };
-template <int C>
-std::vector<Pixel> pixels_of(const Mesh<C>& mesh) {
+std::vector<Pixel> pixels_of(const Mesh& mesh) {
     std::vector<Pixel> out;
     for (const auto& face : mesh.faces) {
         double x[3], y[3];
@@ -116,18 +115,18 @@ double error_of(const Image<T, C>& image, const std::vector<Pixel>& pixels, cons
     return sum;
 }
 
-template <int C>
-std::vector<double> lights_of(const Mesh<C>& mesh, std::size_t k) {
+std::vector<double> lights_of(const Mesh& mesh, std::size_t k) {
+    const auto channels = static_cast<std::size_t>(mesh.channels);
     std::vector<double> out;
     for (std::size_t v = 0; v < mesh.vertex_count(); ++v) {
-        const double share = std::clamp(static_cast<double>(mesh.colors[C * v + k]) / mesh.peak, 0.0, 1.0);
-        out.push_back(is_alpha(C, k) ? share : decoded(share));
+        const double share = std::clamp(static_cast<double>(mesh.colors[channels * v + k]) / mesh.peak, 0.0, 1.0);
+        out.push_back(is_alpha(channels, k) ? share : decoded(share));
     }
     return out;
 }
 
 template <class T, int C>
-double error_of(const Image<T, C>& image, const Mesh<C>& mesh, const Image<float, 1>* weights = nullptr) {
+double error_of(const Image<T, C>& image, const Mesh& mesh, const Image<float, 1>* weights = nullptr) {
     const std::vector<Pixel> pixels = pixels_of(mesh);
     double sum = 0;
     for (std::size_t k = 0; k < C; ++k) sum += error_of(image, pixels, lights_of(mesh, k), k, weights);
@@ -143,7 +142,7 @@ LinearLightOptions to_the_end() {
 
 // No light can be changed by itself, within [0, 1], and lower the error by more than rounding to float explains.
 template <class T, int C>
-void check_stationary(const Image<T, C>& image, const Mesh<C>& mesh) {
+void check_stationary(const Image<T, C>& image, const Mesh& mesh) {
     const std::vector<Pixel> pixels = pixels_of(mesh);
     int inner = 0, at_bounds = 0;
     for (std::size_t k = 0; k < C; ++k) {
@@ -175,14 +174,14 @@ void check_stationary(const Image<T, C>& image, const Mesh<C>& mesh) {
 }
 
 template <class T, int C>
-double rendered_error(const Image<T, C>& image, const Mesh<C>& mesh) {
+double rendered_error(const Image<T, C>& image, const Mesh& mesh) {
     hmesh::RenderOptions options;
-    options.linear_light = true;
-    Image<float, C> drawn;
-    REQUIRE(hmesh::render(mesh.view(), drawn, options));
+    options.interpolation = hmesh::Interpolation::linear;
+    const hmesh::RenderResult<C> drawn = hmesh::render<C>(mesh.view(), options);
+    REQUIRE(drawn.status);
     double energy = 0;
-    for (std::size_t i = 0; i < drawn.samples().size(); ++i) {
-        const double difference = static_cast<double>(drawn.samples()[i]) - PixelTraits<T>::to_real(image.samples()[i]);
+    for (std::size_t i = 0; i < drawn.image.size(); ++i) {
+        const double difference = static_cast<double>(drawn.image.data()[i]) - PixelTraits<T>::to_real(image.data()[i]);
         energy += difference * difference;
     }
     return energy;
@@ -192,8 +191,8 @@ template <class T, int C>
 void check_fit(std::uint64_t seed, double grid) {
     CAPTURE(C);
     const Image<T, C> image = contrasty<T, C>(32, 28, seed);
-    const Mesh<C> before = jittered(image, 4, seed);
-    Mesh<C> mesh = before;
+    const Mesh before = jittered(image, 4, seed);
+    Mesh mesh = before;
     LinearLightOptions options;
     options.grid = grid;
     const LinearLightReport report = fit_linear_light(mesh, image.view(), options);
@@ -201,6 +200,8 @@ void check_fit(std::uint64_t seed, double grid) {
     CHECK(report.converted == doctest::Approx(error_of(image, before)).epsilon(1e-6));
     CHECK(report.energy == doctest::Approx(error_of(image, mesh)).epsilon(1e-6));
     CHECK(report.energy == doctest::Approx(rendered_error(image, mesh)).epsilon(1e-6));
+    const double peak = PixelTraits<T>::peak;
+    CHECK(report.psnr == doctest::Approx(10 * std::log10(peak * peak * 32 * 28 * C / report.energy)).epsilon(1e-12));
     CHECK(report.energy < 0.9 * report.converted);
     CHECK(report.iterations >= 1);
     CHECK(report.iterations <= 6);
@@ -225,11 +226,11 @@ TEST_CASE("the error reported is that of the pixels by the definition and as dra
 
 TEST_CASE("at the result the finite differences of the true error vanish, or point out of the range") {
     const auto grey = contrasty<std::uint8_t, 1>(26, 24, 7);
-    Mesh<1> mesh = jittered(grey, 4, 7);
+    Mesh mesh = jittered(grey, 4, 7);
     REQUIRE(fit_linear_light(mesh, grey.view(), to_the_end()).status);
     check_stationary(grey, mesh);
     const auto sprite = contrasty<float, 2>(26, 24, 8);
-    Mesh<2> other = jittered(sprite, 4, 8);
+    Mesh other = jittered(sprite, 4, 8);
     REQUIRE(fit_linear_light(other, sprite.view(), to_the_end()).status);
     check_stationary(sprite, other);
 }
@@ -238,8 +239,8 @@ TEST_CASE("the first step is that of a dense Gauss-Newton solve") {
     // Well inside the range and near the optimum, so that nothing is cut off or halved.
     const auto image =
         hmesh_test::draw<float, 1>(24, 20, [](int x, int y, int) { return 0.4 + 0.01 * x + 0.2 * std::sin(0.3 * y); });
-    const Mesh<1> before = jittered(image, 4, 9);
-    Mesh<1> mesh = before;
+    const Mesh before = jittered(image, 4, 9);
+    Mesh mesh = before;
     LinearLightOptions options;
     options.iterations = 1;
     options.ridge = 0;
@@ -268,7 +269,7 @@ TEST_CASE("the error never rises against conversion, however coarse the grid") {
         for (std::uint64_t seed = 1; seed <= 4; ++seed) {
             const auto image =
                 seed % 2 == 0 ? hmesh_test::noise<std::uint8_t, 1>(20, 20, seed) : contrasty<std::uint8_t, 1>(20, 20, seed);
-            Mesh<1> mesh = jittered(image, seed < 3 ? 2 : 5, seed);
+            Mesh mesh = jittered(image, seed < 3 ? 2 : 5, seed);
             LinearLightOptions options;
             options.grid = grid;
             const LinearLightReport report = fit_linear_light(mesh, image.view(), options);
@@ -280,13 +281,17 @@ TEST_CASE("the error never rises against conversion, however coarse the grid") {
 TEST_CASE("weights count each pixel as often as they say") {
     const auto image = contrasty<std::uint8_t, 1>(24, 24, 3);
     auto weights = hmesh_test::random_weights(24, 24, 5);
-    for (float& weight : weights.samples()) weight = std::floor(weight) / 64;  // multiples of the library's step
+    // Multiples of the library's step.
+    hmesh_test::for_each_sample(weights, [](float& weight) { weight = std::floor(weight) / 64; });
     *weights.pixel(0, 0) = 1;
-    Mesh<1> mesh = jittered(image, 4, 3), plain = mesh;
+    Mesh mesh = jittered(image, 4, 3), plain = mesh;
     LinearLightOptions options;
     options.weights = weights.view();
     const LinearLightReport report = fit_linear_light(mesh, image.view(), options);
     CHECK(report.energy == doctest::Approx(error_of(image, mesh, &weights)).epsilon(1e-6));
+    double count = 0;
+    for (const float weight : hmesh_test::samples_of(weights)) count += static_cast<double>(weight);
+    CHECK(report.psnr == doctest::Approx(10 * std::log10(255 * 255 * count / report.energy)).epsilon(1e-12));
     REQUIRE(fit_linear_light(plain, image.view()).status);
     CHECK(error_of(image, mesh, &weights) < 0.98 * error_of(image, plain, &weights));
     CHECK(error_of(image, plain) < 0.98 * error_of(image, mesh));
@@ -295,8 +300,8 @@ TEST_CASE("weights count each pixel as often as they say") {
 TEST_CASE("constant images stay exact, to the bit") {
     for (const double level : {0.0, 0.01, 0.3, 1.0}) {
         const auto image = hmesh_test::constant_image<std::uint8_t, 3>(12, 9, level);
-        const Mesh<3> before = jittered(image, 3, 1);
-        Mesh<3> mesh = before;
+        const Mesh before = jittered(image, 3, 1);
+        Mesh mesh = before;
         const LinearLightReport report = fit_linear_light(mesh, image.view());
         CHECK(report.energy == 0);
         CHECK(report.iterations == 0);
@@ -307,8 +312,8 @@ TEST_CASE("constant images stay exact, to the bit") {
 
 TEST_CASE("vertices without pixels keep their colour") {
     const auto image = contrasty<std::uint8_t, 1>(8, 8, 1);
-    Mesh<1> mesh;
-    mesh.width = mesh.height = 8, mesh.peak = 255;
+    Mesh mesh;
+    mesh.channels = 1, mesh.width = mesh.height = 8, mesh.peak = 255;
     mesh.positions = {0, 0, 8, 0, 8, 8, 0, 8, 0.125F, 0.125F, 0.25F, 0.125F};
     mesh.colors = {100, 100, 100, 100, 37, 38};
     // No face of vertices 0 and 4 holds the centre of a pixel.
@@ -322,15 +327,15 @@ TEST_CASE("vertices without pixels keep their colour") {
 
 TEST_CASE("the same bytes with any executor") {
     const auto image = contrasty<std::uint8_t, 3>(96, 80, 11);
-    const Mesh<3> before = jittered(image, 3, 11);
+    const Mesh before = jittered(image, 3, 11);
     REQUIRE(before.faces.size() > 1024);  // several pieces of work
-    const auto fitted = [&](const auto& parallel_for) {
-        Mesh<3> mesh = before;
+    const auto fitted = [&](const hmesh::ParallelFor& parallel_for) {
+        Mesh mesh = before;
         const LinearLightReport report = fit_linear_light(mesh, image.view(), LinearLightOptions(), parallel_for);
         mesh.colors.push_back(static_cast<float>(report.energy / 1e6));
         return mesh.colors;
     };
-    const std::vector<float> serial = fitted(hmesh::SerialFor());
+    const std::vector<float> serial = fitted({});
     CHECK(fitted(hmesh_test::ReverseFor()) == serial);
     CHECK(fitted(hmesh_test::ShuffledFor{3}) == serial);
     CHECK(fitted(hmesh_test::ThreadFor{3}) == serial);
@@ -339,7 +344,7 @@ TEST_CASE("the same bytes with any executor") {
 TEST_CASE("when told to stop, what is reported is true of the mesh") {
     const auto image = contrasty<std::uint8_t, 1>(24, 24, 3);
     for (int after = 0; after < 3; ++after) {
-        Mesh<1> mesh = jittered(image, 4, 3);
+        Mesh mesh = jittered(image, 4, 3);
         int asked = 0;
         double last = -1;
         const auto go_on = [&](double share) {
@@ -348,7 +353,7 @@ TEST_CASE("when told to stop, what is reported is true of the mesh") {
             last = share;
             return asked++ < after;
         };
-        const LinearLightReport report = fit_linear_light(mesh, image.view(), LinearLightOptions(), hmesh::SerialFor(), go_on);
+        const LinearLightReport report = fit_linear_light(mesh, image.view(), {}, {}, go_on);
         CHECK(report.iterations == after);
         CHECK(report.energy == doctest::Approx(rendered_error(image, mesh)).epsilon(1e-6));
     }
@@ -359,8 +364,8 @@ TEST_CASE("float images and colours may leave the range: colours are held to it 
     Image<float, 1> image(24, 24);
     for (int y = 0; y < 24; ++y)
         for (int x = 0; x < 24; ++x) *image.pixel(x, y) = static_cast<float>(2.4 * scene(x, y, 0) - 0.7);
-    const Mesh<1> before = jittered(image, 4, 2);
-    Mesh<1> mesh = before;
+    const Mesh before = jittered(image, 4, 2);
+    Mesh mesh = before;
     const LinearLightReport report = fit_linear_light(mesh, image.view());
     CHECK(report.converted == doctest::Approx(rendered_error(image, before)).epsilon(1e-5));
     CHECK(report.energy == doctest::Approx(rendered_error(image, mesh)).epsilon(1e-5));
@@ -370,20 +375,22 @@ TEST_CASE("float images and colours may leave the range: colours are held to it 
 
 TEST_CASE("a mesh that is not one of the image is refused and left as it was") {
     const auto image = contrasty<std::uint8_t, 4>(12, 12, 3);
-    const Mesh<4> good = jittered(image, 3, 3);
-    const auto check_refused = [&](const Mesh<4>& bad) {
-        Mesh<4> mesh = bad;
+    const Mesh good = jittered(image, 3, 3);
+    const auto check_refused = [&](const Mesh& bad) {
+        Mesh mesh = bad;
         const LinearLightReport report = fit_linear_light(mesh, image.view());
         CHECK(report.status.code == Errc::invalid_argument);
         CHECK(std::strlen(report.status.what) > 15);
         CHECK(mesh.colors == bad.colors);
     };
-    Mesh<4> mesh = good;
+    Mesh mesh = good;
     REQUIRE(fit_linear_light(mesh, image.view()).status);
-    check_refused(Mesh<4>());
+    check_refused(Mesh());
     mesh = good, mesh.colors.pop_back();
     check_refused(mesh);
     mesh = good, mesh.positions.pop_back();
+    check_refused(mesh);
+    mesh = good, mesh.channels = 3;
     check_refused(mesh);
     mesh = good, mesh.width = 11;
     check_refused(mesh);

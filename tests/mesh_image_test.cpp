@@ -12,12 +12,13 @@
 #include <utility>
 #include <vector>
 
+#include "test_executors.hpp"
 #include "test_images.hpp"
 #include "test_meshing.hpp"
-#include "test_methods.hpp"
 #include "test_results.hpp"
 
-using hmesh::kit::Effort;
+using hmesh::Annealed;
+using hmesh::Effort;
 using hmesh::Errc;
 using hmesh::Image;
 using hmesh::ImageView;
@@ -31,23 +32,19 @@ namespace {
 constexpr double infinity = std::numeric_limits<double>::infinity();
 constexpr double not_a_number = std::numeric_limits<double>::quiet_NaN();
 
-Options options_of(Target target, Effort effort) {
-    Options options;
-    options.target = target;
-    options.effort = effort;
-    return options;
-}
+Options options_of(Target target) { return {target}; }
+Annealed recipe_of(Effort effort) { return {effort}; }
 
 template <class T, int C>
-Result<C> mesh_of(const Image<T, C>& image, Target target, Effort effort) {
-    return mesh_image(image.view(), options_of(target, effort));
+Result mesh_of(const Image<T, C>& image, Target target, Effort effort) {
+    return mesh_image(image.view(), options_of(target), recipe_of(effort));
 }
 
 // A refusal has the right code and a sentence, and gives no mesh.
-template <int C>
-void check_refused(const Result<C>& result, Errc code) {
+void check_refused(const Result& result, Errc code) {
     CHECK(result.status.code == code);
     CHECK(std::strlen(result.status.what) > 15);
+    CHECK(!result.has_mesh());
     CHECK(result.mesh.vertex_count() == 0);
     CHECK(result.mesh.face_count() == 0);
     CHECK(result.report.vertices == 0);
@@ -57,57 +54,7 @@ void check_refused(const Result<C>& result, Errc code) {
 template <class T, int C>
 void check_refused(const ImageView<T, C>& view, Errc code) {
     for (const Effort effort : {Effort::draft, Effort::normal})
-        check_refused(mesh_image(view, options_of(Target::vertices(4), effort)), code);
-}
-
-using hmesh::Method;
-constexpr Method other_methods[] = {Method::hierarchical, Method::xie, Method::adams, Method::adaptive_thinning};
-
-Options options_of(Target target, Method method) {
-    Options options;
-    options.target = target;
-    options.method = method;
-    return options;
-}
-
-// Valid meshes with any count from 4 to one vertex a pixel, by all methods but annealed.
-template <class T, int C>
-void mesh_with_other_methods(const Image<T, C>& image) {
-    const std::size_t pixels = image.samples().size() / C, most = std::max<std::size_t>(4, pixels);
-    for (const Method method : other_methods)
-        for (const std::size_t n : {std::size_t{4}, std::min<std::size_t>(most, 5), std::max<std::size_t>(4, pixels / 7), most}) {
-            CAPTURE(static_cast<int>(method));
-            CAPTURE(n);
-            const Target target = Target::vertices(static_cast<std::int64_t>(n));
-            hmesh_test::prove_result(image, mesh_image(image.view(), options_of(target, method)), n);
-        }
-}
-
-// The weighted error of the mesh as it is drawn, and whether the report agrees.
-template <class T, int C>
-bool is_weighted_report_true(const Image<T, C>& image, const Image<float, 1>& weights, const Result<C>& result) {
-    Image<float, C> drawn;
-    REQUIRE(hmesh::render(result.mesh.view(), drawn));
-    const hmesh::kit::WeightScale scale(hmesh::kit::weight_unit(weights.view()), image.width(), image.height());
-    double energy = 0, squares = 0;
-    for (std::size_t k = 0; k < drawn.samples().size(); ++k) {
-        const double sample = static_cast<double>(image.samples()[k]), weight = scale(weights.samples()[k / C]);
-        const double difference = static_cast<double>(drawn.samples()[k]) - sample;
-        energy += weight * difference * difference;
-        squares += sample * sample;
-    }
-    return result.report.energy >= 0 && std::abs(result.report.energy - energy) <= 2.3e-4 * energy + 1e-10 * squares;
-}
-
-// The image under a vertex: the mean of the pixels around, each by its share of a unit square around the place.
-double bilinear(const Image<std::uint8_t, 1>& image, float at_x, float at_y) {
-    const double x = std::clamp(static_cast<double>(at_x), 0.5, image.width() - 0.5);
-    const double y = std::clamp(static_cast<double>(at_y), 0.5, image.height() - 0.5);
-    double sum = 0;
-    for (int j = 0; j < image.height(); ++j)
-        for (int i = 0; i < image.width(); ++i)
-            sum += *image.pixel(i, j) * std::max(0.0, 1 - std::abs(x - i - 0.5)) * std::max(0.0, 1 - std::abs(y - j - 0.5));
-    return sum;
+        check_refused(mesh_image(view, options_of(Target::vertices(4)), recipe_of(effort)), code);
 }
 
 Image<std::uint8_t, 3> small_scene() { return hmesh_test::scene<std::uint8_t, 3>(24, 20, 3); }
@@ -193,7 +140,7 @@ TEST_CASE("a row stride smaller than a row, or one that misaligns the samples, i
 TEST_CASE("the most negative row stride is refused and not negated") {
     const std::uint8_t pixels[64] = {};
     const auto result = mesh_image(ImageView<std::uint8_t, 3>{pixels, 4, 2, std::numeric_limits<std::ptrdiff_t>::min()},
-                                   options_of(Target::vertices(4), Effort::draft));
+                                   options_of(Target::vertices(4)), recipe_of(Effort::draft));
     CHECK(result.status.code == Errc::invalid_argument);
 }
 
@@ -207,7 +154,7 @@ TEST_CASE("NaN and infinite samples are refused wherever they are, but not betwe
             check_refused(spoilt.view(), Errc::not_finite);
         }
     const hmesh_test::PaddedCopy<float, 3> padded(image, 5, false, static_cast<float>(not_a_number));
-    CHECK(mesh_image(padded.view(), options_of(Target::vertices(9), Effort::fast)).status);
+    CHECK(mesh_image(padded.view(), options_of(Target::vertices(9)), recipe_of(Effort::fast)).status);
 }
 
 TEST_CASE("a number of vertices below 4 or above the pixels is refused") {
@@ -225,20 +172,20 @@ TEST_CASE("a number of vertices that is none is refused: NaN, infinite, or beyon
         check_refused(mesh_of(image, Target{Target::Kind::vertices, bad}, Effort::draft), Errc::target_out_of_range);
 }
 
-TEST_CASE("a rate must be above 0 and at most 100 percent") {
+TEST_CASE("a percentage must be above 0 and at most 100 percent") {
     const auto image = small_scene();
     for (const double bad : {0.0, -0.0, -1.0, 100.0001, 1e300, infinity, -infinity, not_a_number})
-        check_refused(mesh_of(image, Target::rate(bad), Effort::draft), Errc::target_out_of_range);
+        check_refused(mesh_of(image, Target::percent(bad), Effort::draft), Errc::target_out_of_range);
 }
 
-TEST_CASE("a rate becomes the rounded number of vertices, at least 4") {
+TEST_CASE("a percentage becomes the rounded number of vertices, at least 4") {
     const auto image = small_scene();  // 480 pixels
     for (const auto& [percent, vertices] :
          {std::pair<double, std::size_t>{1e-300, 4}, {0.1, 4}, {1, 5}, {1.1, 5}, {1.15, 6}, {10, 48}, {50, 240}, {100, 480}})
-        hmesh_test::prove_result(image, mesh_of(image, Target::rate(percent), Effort::draft), vertices);
+        hmesh_test::prove_result(image, mesh_of(image, Target::percent(percent), Effort::draft), vertices);
     hmesh_test::prove_result(image, mesh_image(image.view()), 5);  // the default: 1 %
     hmesh_test::prove_result(hmesh_test::noise<std::uint8_t, 1>(1, 1, 1),
-                             mesh_of(hmesh_test::noise<std::uint8_t, 1>(1, 1, 1), Target::rate(100), Effort::fast), 4);
+                             mesh_of(hmesh_test::noise<std::uint8_t, 1>(1, 1, 1), Target::percent(100), Effort::fast), 4);
 }
 
 TEST_CASE("a PSNR must be positive and finite") {
@@ -252,8 +199,9 @@ TEST_CASE("a PSNR that no mesh reaches gives the nearest mesh, and says so with 
     const auto most = mesh_of(image, Target::vertices(120), Effort::fast);
     const auto result = mesh_of(image, Target::psnr(200), Effort::fast);
     CHECK(result.status.code == Errc::target_out_of_range);
-    CHECK(result.status.limit == 20000);
-    CHECK(result.status.value == static_cast<std::int64_t>(std::floor(100 * result.report.psnr)));
+    CHECK(result.status.limit == 200);
+    CHECK(result.status.value == result.report.psnr);
+    CHECK(result.has_mesh());
     CHECK(result.report.psnr >= most.report.psnr);
     CHECK(result.report.psnr < 200);
     hmesh_test::prove_report(image, result);
@@ -269,19 +217,22 @@ TEST_CASE("the largest PSNR there is does not overflow the report of what was as
 
 TEST_CASE("limits that mean nothing are refused, each by itself") {
     const auto image = small_scene();
-    using Limit = double hmesh::kit::MeshLimits::*;
-    const std::pair<Limit, std::vector<double>> cases[] = {{&hmesh::kit::MeshLimits::min_double_area, {0, 0.3, 1e9}},
-                                                           {&hmesh::kit::MeshLimits::border_gap, {0, 1.0 / 512, 0.3, 1e9}},
-                                                           {&hmesh::kit::MeshLimits::color_overshoot, {-1e-9, 101, 1e300}},
-                                                           {&hmesh::kit::MeshLimits::ridge, {0, 1.5, 1e300}}};
+    using Limit = double hmesh::MeshLimits::*;
+    const std::pair<Limit, std::vector<double>> cases[] = {{&hmesh::MeshLimits::min_double_area, {0, 0.3, 1e9}},
+                                                           {&hmesh::MeshLimits::border_gap, {0, 1.0 / 512, 0.3, 1e9}},
+                                                           {&hmesh::MeshLimits::color_overshoot, {-1e-9, 101, 1e300}},
+                                                           {&hmesh::MeshLimits::ridge, {0, 1.5, 1e300}}};
     for (const auto& [limit, bads] : cases) {
         for (const double bad : bads) {
-            Options options = options_of(Target::vertices(8), Effort::draft);
+            Options options = options_of(Target::vertices(8));
             options.limits.*limit = bad;
-            check_refused(mesh_image(image.view(), options), Errc::invalid_argument);
+            const Result result = mesh_image(image.view(), options);
+            check_refused(result, Errc::invalid_argument);
+            CHECK(result.status.value == bad);
+            CHECK((result.status.limit < bad) == (bad > options_of({}).limits.*limit));
         }
         for (const double bad : {-1.0, -1e300, infinity, -infinity, not_a_number}) {
-            Options options = options_of(Target::vertices(8), Effort::draft);
+            Options options = options_of(Target::vertices(8));
             options.limits.*limit = bad;
             check_refused(mesh_image(image.view(), options), Errc::invalid_argument);
         }
@@ -301,9 +252,9 @@ TEST_CASE("limits at the ends of their ranges still give every number of vertice
                     for (const Effort effort : {Effort::draft, Effort::fast, Effort::normal})
                         for (const std::size_t n : {4U, 7U, 19U, 20U}) {
                             CAPTURE(n);
-                            Options options = options_of(Target::vertices(static_cast<std::int64_t>(n)), effort);
+                            Options options = options_of(Target::vertices(static_cast<std::int64_t>(n)));
                             options.limits = {min_double_area, border_gap, color_overshoot, ridge};
-                            hmesh_test::prove_result(image, mesh_image(image.view(), options), n);
+                            hmesh_test::prove_result(image, mesh_image(image.view(), options, recipe_of(effort)), n);
                         }
                 }
 }
@@ -316,10 +267,10 @@ TEST_CASE("the smallest ridges are refused or leave all colours finite") {
          {1e-12, 1e-30, 1e-200, std::numeric_limits<double>::min(), std::numeric_limits<double>::denorm_min()})
         for (const Effort effort : {Effort::draft, Effort::fast, Effort::normal}) {
             CAPTURE(ridge);
-            Options options = options_of(Target::vertices(64), effort);
+            Options options = options_of(Target::vertices(64));
             options.limits.ridge = ridge;
-            const auto of_bytes = mesh_image(bytes.view(), options);
-            const auto of_floats = mesh_image(floats.view(), options);
+            const auto of_bytes = mesh_image(bytes.view(), options, recipe_of(effort));
+            const auto of_floats = mesh_image(floats.view(), options, recipe_of(effort));
             CHECK(of_bytes.status.code == of_floats.status.code);
             if (of_bytes.status) hmesh_test::prove_result(bytes, of_bytes, 64);
             if (of_floats.status) hmesh_test::prove_result(floats, of_floats, 64);
@@ -507,17 +458,18 @@ TEST_CASE("padding between rows and rows stored bottom up change no byte of the 
     const auto packed = mesh_of(image, Target::vertices(40), Effort::normal);
     for (const bool bottom_up : {false, true}) {
         const hmesh_test::PaddedCopy<std::uint16_t, 3> copy(image, 7, bottom_up, 12345);
-        CHECK(hmesh_test::same_bytes(mesh_image(copy.view(), options_of(Target::vertices(40), Effort::normal)), packed));
+        CHECK(
+            hmesh_test::same_bytes(mesh_image(copy.view(), options_of(Target::vertices(40)), recipe_of(Effort::normal)), packed));
     }
 }
 
 TEST_CASE("colours that are not rounded are in range and fit no worse") {
     const auto image = hmesh_test::checkerboard<std::uint8_t, 3>(32, 32, 5);
     for (const Effort effort : {Effort::draft, Effort::fast}) {
-        Options options = options_of(Target::vertices(60), effort);
-        const auto rounded = mesh_image(image.view(), options);
+        Options options = options_of(Target::vertices(60));
+        const auto rounded = mesh_image(image.view(), options, recipe_of(effort));
         options.round_colors = false;
-        const auto free = mesh_image(image.view(), options);
+        const auto free = mesh_image(image.view(), options, recipe_of(effort));
         hmesh_test::prove_result(image, rounded, 60);
         hmesh_test::prove_result(image, free, 60, false);
         CHECK(free.mesh.positions == rounded.mesh.positions);
@@ -541,190 +493,48 @@ TEST_CASE("a PSNR is reached, and 5 percent fewer vertices do not reach it by mo
     }
 }
 
-TEST_CASE("a recipe of one's own takes the place of the effort's, with the options' seed, and a bad one is refused") {
+TEST_CASE("steps of one's own take the place of the effort's, with the recipe's seed, and bad ones are refused") {
     const auto image = small_scene();
-    Options own = options_of(Target::vertices(40), Effort::best);
-    own.seed = 7;
-    own.annealed = hmesh::kit::annealed_options(Effort::normal);
-    own.annealed->seed = 99;
-    Options plain = options_of(Target::vertices(40), Effort::normal);
-    plain.seed = 7;
-    CHECK(hmesh_test::same_bytes(mesh_image(image.view(), own), mesh_image(image.view(), plain)));
-    own.annealed = hmesh::kit::annealed_options(Effort::fast);
-    CHECK(hmesh_test::same_bytes(mesh_image(image.view(), own), mesh_of(image, Target::vertices(40), Effort::fast)));
-    own.annealed->insert_batch = not_a_number;
-    check_refused(mesh_image(image.view(), own), Errc::invalid_argument);
+    const Options options = options_of(Target::vertices(40));
+    Annealed own{Effort::best, 7}, plain{Effort::normal, 7};
+    own.steps = hmesh::kit::annealed_steps(Effort::normal);
+    CHECK(hmesh_test::same_bytes(mesh_image(image.view(), options, own), mesh_image(image.view(), options, plain)));
+    own.steps = hmesh::kit::annealed_steps(Effort::fast);
+    CHECK(hmesh_test::same_bytes(mesh_image(image.view(), options, own), mesh_of(image, Target::vertices(40), Effort::fast)));
+    own.steps->insert_batch = not_a_number;
+    check_refused(mesh_image(image.view(), options, own), Errc::invalid_argument);
 }
 
-TEST_CASE("the other methods mesh images of 1 to 6 by 1 to 6 pixels, and of one or two rows or columns") {
-    for_each_tiny_size([](int width, int height) {
-        const auto seed = static_cast<std::uint64_t>(width + 7 * height);
-        mesh_with_other_methods(hmesh_test::noise<std::uint8_t, 1>(width, height, seed));
-        mesh_with_other_methods(hmesh_test::constant_image<float, 2>(width, height, 0.3));
-    });
-    for (const auto& [width, height] : {std::pair{1, 70}, {70, 1}, {2, 45}, {45, 2}})
-        for (const auto& image : hmesh_test::hard_pictures<std::uint8_t, 1>(width, height)) mesh_with_other_methods(image);
-}
-
-TEST_CASE("the other methods mesh pictures of ties, of flat parts and of lines") {
-    for (const auto& image : hmesh_test::hard_pictures<std::uint8_t, 1>(24, 17)) mesh_with_other_methods(image);
-    for (const auto& image : hmesh_test::hard_pictures<float, 1>(14, 13)) mesh_with_other_methods(image);
-}
-
-TEST_CASE("the other methods mesh every sample type, numbers of channels, floats of any size and sign") {
-    mesh_with_other_methods(hmesh_test::scene<std::uint8_t, 3>(20, 16, 1));
-    mesh_with_other_methods(hmesh_test::scene<std::uint8_t, 4>(20, 16, 1));
-    mesh_with_other_methods(hmesh_test::scene<std::uint16_t, 1>(20, 16, 1));
-    mesh_with_other_methods(hmesh_test::noise<std::uint16_t, 3>(20, 16, 1));
-    for (const double factor : {3.4e38, 1e30, 7.0, 1e-30}) {
-        CAPTURE(factor);
-        Image<float, 1> image = hmesh_test::noise<float, 1>(14, 12, 4);
-        for (float& sample : image.samples()) sample = static_cast<float>(factor * (2 * static_cast<double>(sample) - 1));
-        mesh_with_other_methods(image);
-    }
-}
-
-TEST_CASE("the other methods count pixels by their weights, zeros among them") {
-    const auto image = hmesh_test::scene<std::uint8_t, 3>(24, 18, 3);
-    for (const double factor : {1.0, 0.0}) {
-        Image<float, 1> weights = hmesh_test::random_weights(24, 18, 5);
-        for (float& weight : weights.samples()) weight *= static_cast<float>(factor);
-        for (const Method method : other_methods)
-            for (const auto colors : {hmesh::Colors::optimal, hmesh::Colors::sampled})
-                for (const std::int64_t n : {4, 40, 432}) {
-                    Options options = options_of(Target::vertices(n), method);
-                    options.weights = weights.view();
-                    options.colors = colors;
-                    const auto result = mesh_image(image.view(), options);
-                    CHECK(result.status);
-                    CHECK(result.report.vertices == static_cast<std::size_t>(n));
-                    CHECK(hmesh_test::flaw_of(result.mesh.view(), 24, 18) == "");
-                    CHECK(is_weighted_report_true(image, weights, result));
-                }
-    }
-}
-
-TEST_CASE("padding between rows and rows stored bottom up change no byte of what the other methods make") {
-    const auto image = hmesh_test::scene<std::uint16_t, 3>(30, 22, 2);
-    for (const Method method : other_methods) {
-        const auto packed = mesh_image(image.view(), options_of(Target::vertices(40), method));
-        for (const bool bottom_up : {false, true}) {
-            const hmesh_test::PaddedCopy<std::uint16_t, 3> copy(image, 7, bottom_up, 12345);
-            CHECK(hmesh_test::same_bytes(mesh_image(copy.view(), options_of(Target::vertices(40), method)), packed));
-        }
-    }
-}
-
-TEST_CASE("colours are those asked for: of the image under the vertices, or no worse") {
-    const auto image = hmesh_test::scene<std::uint8_t, 1>(40, 30, 3);
-    for (const Method method : {Method::annealed, Method::hierarchical, Method::xie, Method::adams, Method::adaptive_thinning})
-        for (const bool round : {false, true}) {
-            CAPTURE(static_cast<int>(method));
-            Options options = options_of(Target::vertices(70), method);
-            options.round_colors = round;
-            options.colors = hmesh::Colors::sampled;
-            CHECK(final_colors(options) == hmesh::Colors::sampled);
-            const auto sampled = mesh_image(image.view(), options);
-            options.colors = hmesh::Colors::optimal;
-            CHECK(final_colors(options) == hmesh::Colors::optimal);
-            const auto optimal = mesh_image(image.view(), options);
-            options.colors.reset();
-            const bool samples = method == Method::xie || method == Method::adams || method == Method::adaptive_thinning;
-            CHECK(final_colors(options) == (samples ? hmesh::Colors::sampled : hmesh::Colors::optimal));
-            CHECK(hmesh_test::same_bytes(mesh_image(image.view(), options), samples ? sampled : optimal));
-            hmesh_test::prove_result(image, sampled, 70, round);
-            hmesh_test::prove_result(image, optimal, 70, round);
-            CHECK(sampled.mesh.positions == optimal.mesh.positions);
-            CHECK(optimal.report.energy < sampled.report.energy);
-            double worst = 0;
-            for (std::size_t v = 0; v < 70; ++v) {
-                const double color = bilinear(image, sampled.mesh.positions[2 * v], sampled.mesh.positions[2 * v + 1]);
-                worst = std::max(worst, std::abs(color - static_cast<double>(sampled.mesh.colors[v])));
-            }
-            CHECK(worst <= (round ? 0.5 + 1e-4 : 1e-4));
-        }
-}
-
-TEST_CASE("the other methods reach a PSNR, and say so where they cannot") {
-    const auto image = hmesh_test::scene<std::uint8_t, 1>(40, 30, 3);
-    for (const Method method : other_methods) {
-        const auto result = mesh_image(image.view(), options_of(Target::psnr(28), method));
-        hmesh_test::prove_result(image, result, result.report.vertices);
-        CHECK(result.report.psnr >= 28);
-        CHECK(result.report.vertices < 1200);
-        const auto most = mesh_image(image.view(), options_of(Target::psnr(200), method));
-        CHECK(most.status.code == Errc::target_out_of_range);
-        hmesh_test::prove_report(image, most);
-    }
-}
-
-TEST_CASE("options of the method asked for are checked, those of others are not read") {
+TEST_CASE("the default recipe on an executor is named or left out") {
     const auto image = small_scene();
-    Options options = options_of(Target::vertices(20), Method::annealed);
-    options.adams.density = not_a_number;
-    options.xie.rounds = -1;
-    options.hierarchical.levels = 0;
-    const auto what = [&](Method method) {
-        options.method = method;
-        const auto result = mesh_image(image.view(), options);
-        if (!result.status) check_refused(result, Errc::invalid_argument);
-        return std::string(result.status.what);
-    };
-    CHECK(what(Method::annealed).empty());
-    CHECK(what(Method::adaptive_thinning).empty());
-    CHECK(what(Method::adams).find("adams.density") == 0);
-    CHECK(what(Method::xie).find("xie.rounds") == 0);
-    CHECK(what(Method::hierarchical).find("hierarchical.levels") == 0);
+    const Options options = options_of(Target::vertices(40));
+    const hmesh_test::ReverseFor backwards;
+    const Result named = mesh_image(image.view(), options, Annealed(), backwards);
+    CHECK(hmesh_test::same_bytes(mesh_image(image.view(), options, backwards), named));
+    CHECK(hmesh_test::same_bytes(mesh_image(image.view(), options), named));
 }
 
-TEST_CASE("a method that is none of those known is refused") {
+TEST_CASE("colors that are none of those known are refused, and so are efforts where they count") {
     const auto image = small_scene();
-    for (const int bad : {5, 255}) {
-        const Options options = options_of(Target::vertices(20), static_cast<Method>(bad));
-        check_refused(mesh_image(image.view(), options), Errc::invalid_argument);
-    }
-}
-
-TEST_CASE("colours and efforts that are none of those known are refused, the effort where it counts") {
-    const auto image = small_scene();
-    for (const Method method : {Method::annealed, Method::hierarchical, Method::adams}) {
-        Options options = options_of(Target::vertices(20), method);
-        options.colors = hmesh::Colors{2};
-        check_refused(mesh_image(image.view(), options), Errc::invalid_argument);
-    }
-    Options options = options_of(Target::vertices(20), Effort{4});
+    Options options = options_of(Target::vertices(20));
+    options.colors = hmesh::Colors{2};
     check_refused(mesh_image(image.view(), options), Errc::invalid_argument);
-    options.annealed = hmesh::kit::annealed_options(Effort::draft);
-    CHECK(mesh_image(image.view(), options).status);
-    options.annealed.reset();
-    options.method = Method::adams;
-    CHECK(mesh_image(image.view(), options).status);
+    options.colors.reset();
+    Annealed recipe = recipe_of(Effort{4});
+    const Result result = mesh_image(image.view(), options, recipe);
+    check_refused(result, Errc::invalid_argument);
+    CHECK(result.status.value == 4);
+    CHECK(result.status.limit == 3);
+    recipe.steps = hmesh::kit::annealed_steps(Effort::draft);
+    CHECK(mesh_image(image.view(), options, recipe).status);
 }
 
 TEST_CASE("a target that is of no known kind is refused") {
     const Image<std::uint8_t, 1> image = hmesh_test::scene<std::uint8_t, 1>(20, 10, 1);
     Options options;
     options.target.kind = static_cast<Target::Kind>(7);
-    const Result<1> result = mesh_image(image.view(), options);
+    const Result result = mesh_image(image.view(), options);
     CHECK(result.status.code == Errc::invalid_argument);
     CHECK(result.status.value == 7);
-    CHECK(result.mesh.view().vertex_count == 0);
-}
-
-TEST_CASE("adaptive thinning of more than 2^22 pixels is refused before a pixel is read") {
-    const std::uint8_t pixel[3] = {};
-    const auto status_of = [&](int width, int height, Method method) {
-        Options options = options_of(Target::vertices(4), method);
-        options.hierarchical.levels = 0;  // or it would go on
-        return mesh_image(ImageView<std::uint8_t, 3>{pixel, width, height, 0}, options).status;
-    };
-    for (const auto& [width, height] : {std::pair{2049, 2048}, {65536, 65}, {1 << 14, 1 << 14}}) {
-        const auto status = status_of(width, height, Method::adaptive_thinning);
-        CHECK(status.code == Errc::image_too_large);
-        CHECK(status.value == std::int64_t{width} * height);
-        CHECK(status.limit == hmesh::adaptive_thinning_pixels);
-        CHECK(status_of(width, height, Method::hierarchical).code == Errc::invalid_argument);
-    }
-    Options largest = options_of(Target::vertices(4), Method::adaptive_thinning);
-    CHECK(hmesh::detail::check_options(largest, hmesh::adaptive_thinning_pixels));
+    CHECK(!result.has_mesh());
 }

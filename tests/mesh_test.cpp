@@ -3,6 +3,7 @@
 #include <doctest/doctest.h>
 
 #include <cstddef>
+#include <cstdint>
 #include <limits>
 #include <string>
 
@@ -13,11 +14,12 @@ using hmesh::Status;
 
 namespace {
 
-Mesh<3> square() {
-    Mesh<3> mesh;
+Mesh square() {
+    Mesh mesh;
     mesh.positions = {0, 0, 8, 0, 8, 6, 0, 6};
     mesh.colors = {1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12};
     mesh.faces = {{0, 1, 2}, {0, 2, 3}};
+    mesh.channels = 3;
     mesh.width = 8;
     mesh.height = 6;
     mesh.peak = 255;
@@ -27,7 +29,7 @@ Mesh<3> square() {
 }  // namespace
 
 TEST_CASE("a MeshView points into its Mesh and counts what is there") {
-    const Mesh<3> mesh = square();
+    const Mesh mesh = square();
     const MeshView view = mesh.view();
     CHECK(view.positions == mesh.positions.data());
     CHECK(view.colors == mesh.colors.data());
@@ -46,8 +48,8 @@ TEST_CASE("a MeshView points into its Mesh and counts what is there") {
 
 TEST_CASE("check refuses a mesh without vertices, faces or data") {
     CHECK(check(MeshView(), 4).code == Errc::invalid_argument);
-    CHECK(check(Mesh<3>().view(), 4).code == Errc::invalid_argument);
-    const Mesh<3> mesh = square();
+    CHECK(check(Mesh().view(), 4).code == Errc::invalid_argument);
+    const Mesh mesh = square();
     MeshView views[5];
     for (MeshView& view : views) view = mesh.view();
     views[0].vertex_count = 0;
@@ -66,7 +68,7 @@ TEST_CASE("check refuses a mesh without vertices, faces or data") {
 }
 
 TEST_CASE("check refuses a number of channels that the use cannot hold") {
-    const Mesh<3> mesh = square();
+    const Mesh mesh = square();
     CHECK(check(mesh.view(), 2).code == Errc::invalid_argument);
     CHECK(check(mesh.view(), 2).value == 3);
     CHECK(check(mesh.view(), 2).limit == 2);
@@ -79,7 +81,7 @@ TEST_CASE("check refuses a number of channels that the use cannot hold") {
 
 TEST_CASE("check refuses a peak that is not positive and finite") {
     for (const double peak : {0.0, -1.0, std::numeric_limits<double>::infinity(), std::numeric_limits<double>::quiet_NaN()}) {
-        Mesh<3> mesh = square();
+        Mesh mesh = square();
         mesh.peak = peak;
         CHECK(check(mesh.view(), 3).code == Errc::invalid_argument);
     }
@@ -89,13 +91,13 @@ TEST_CASE("check names the vertex with a position or colour that is not finite")
     constexpr float infinity = std::numeric_limits<float>::infinity();
     for (const float bad : {infinity, -infinity, std::numeric_limits<float>::quiet_NaN()}) {
         for (std::size_t i = 0; i < 8; ++i) {
-            Mesh<3> mesh = square();
+            Mesh mesh = square();
             mesh.positions[i] = bad;
             CHECK(check(mesh.view(), 3).code == Errc::not_finite);
             CHECK(check(mesh.view(), 3).value == static_cast<std::int64_t>(i / 2));
         }
         for (std::size_t i = 0; i < 12; ++i) {
-            Mesh<3> mesh = square();
+            Mesh mesh = square();
             mesh.colors[i] = bad;
             CHECK(check(mesh.view(), 3).code == Errc::not_finite);
             CHECK(check(mesh.view(), 3).value == static_cast<std::int64_t>(i / 3));
@@ -106,7 +108,7 @@ TEST_CASE("check names the vertex with a position or colour that is not finite")
 TEST_CASE("check names the face with an index out of range") {
     for (const std::uint32_t bad : {4U, 5U, 0xffffffffU})
         for (std::size_t i = 0; i < 6; ++i) {
-            Mesh<3> mesh = square();
+            Mesh mesh = square();
             mesh.faces[i / 3][i % 3] = bad;
             CHECK(check(mesh.view(), 3).code == Errc::invalid_argument);
             CHECK(check(mesh.view(), 3).value == static_cast<std::int64_t>(i / 3));

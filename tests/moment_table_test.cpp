@@ -15,8 +15,8 @@
 
 using hmesh::Image;
 using hmesh::ImageView;
-using hmesh::kit::MomentTable;
 using hmesh::PixelTraits;
+using hmesh::kit::MomentTable;
 using hmesh::kit::Rect;
 
 namespace {
@@ -166,7 +166,8 @@ TEST_CASE_TEMPLATE("MomentTable holds the prefix sums of each row, exact for int
 TEST_CASE("MomentTable sums negative samples of a user's type exactly") {
     Image<Signed, 2> image(50, 9);
     hmesh::kit::Random random(1);
-    for (Signed& sample : image.samples()) sample.value = static_cast<std::int8_t>(static_cast<int>(random.below(201)) - 100);
+    hmesh_test::for_each_sample(
+        image, [&](Signed& sample) { sample.value = static_cast<std::int8_t>(static_cast<int>(random.below(201)) - 100); });
     const MomentTable<2> table(image.view(), image.view().bounds());
     CHECK(table.is_int32());
     CHECK(mistakes(table, image.view(), image.view().bounds()) == 0);

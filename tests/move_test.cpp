@@ -32,8 +32,8 @@ namespace {
 constexpr Tolerance thorough{0, 0};
 
 template <int C>
-void set_all_due(ImageMesh<C>& mesh, bool due) {
-    for (const Vertex v : mesh.topology().vertices()) mesh.set_dirty(v, due);
+void set_all_dirty(ImageMesh<C>& mesh, bool dirty) {
+    for (const Vertex v : mesh.topology().vertices()) mesh.set_dirty(v, dirty);
 }
 
 template <int C>
@@ -82,7 +82,7 @@ void check_visits(hmesh::Image<T, C> image, double range, std::uint64_t seed) {
     // And all in turn.
     for (int k = 0; k < 5; ++k) {
         const double before = mesh.energy(), slack = hmesh_test::rounding(subject);
-        set_all_due(mesh, true);
+        set_all_dirty(mesh, true);
         const double decrease = hmesh::kit::sweep(mesh);
         REQUIRE(decrease == before - mesh.energy());
         REQUIRE(decrease >= -slack);
@@ -160,7 +160,7 @@ TEST_CASE("a visit with a step is never worse than one that only sets the colour
 }
 
 TEST_CASE("a vertex with a face smaller than the limits allow is left alone") {
-    hmesh::kit::MeshLimits limits;
+    hmesh::MeshLimits limits;
     limits.min_double_area = 1000;
     Subject<std::uint8_t, 1> subject(hmesh_test::noise<std::uint8_t, 1>(31, 26, 1), hmesh_test::jittered_grid(31, 26, 5, 4, 1),
                                      limits);
@@ -169,25 +169,25 @@ TEST_CASE("a vertex with a face smaller than the limits allow is left alone") {
     CHECK(hmesh_test::snapshot(subject.mesh) == before);
 }
 
-TEST_CASE("a sweep visits the vertices that are due and no other, and a gain makes the neighbors due") {
+TEST_CASE("a sweep visits the vertices that are dirty and no other, and a gain makes the neighbors dirty") {
     Subject<std::uint8_t, 1> subject(hmesh_test::scene<std::uint8_t, 1>(41, 36, 1), hmesh_test::jittered_grid(41, 36, 6, 5, 1));
     ImageMesh<1>& mesh = subject.mesh;
-    set_all_due(mesh, false);
+    set_all_dirty(mesh, false);
     const auto before = hmesh_test::snapshot(mesh);
     CHECK(hmesh::kit::sweep(mesh, thorough) == 0);
     CHECK(hmesh_test::snapshot(mesh) == before);
 
-    const Vertex due(mesh.vertex_count() / 2);
-    mesh.set_dirty(due, true);
+    const Vertex dirty(mesh.vertex_count() / 2);
+    mesh.set_dirty(dirty, true);
     const auto old = states(mesh);
     CHECK(hmesh::kit::sweep(mesh, {1e9, 0}) > 0);  // nothing gains so much that it spreads
     for (const Vertex v : mesh.topology().vertices()) {
         CHECK_FALSE(mesh.is_dirty(v));
-        if (v != due) CHECK((mesh.position(v) == old[v.index()].position && mesh.color(v)[0] == old[v.index()].color[0]));
+        if (v != dirty) CHECK((mesh.position(v) == old[v.index()].position && mesh.color(v)[0] == old[v.index()].color[0]));
     }
 
-    // With a tolerance sweeps come to rest: nothing is due, and another sweep does nothing.
-    set_all_due(mesh, true);
+    // With a tolerance sweeps come to rest: nothing is dirty, and another sweep does nothing.
+    set_all_dirty(mesh, true);
     int sweeps = 0;
     for (bool any = true; any && sweeps < 500; ++sweeps) {
         hmesh::kit::sweep(mesh, {1e-3, 1e-3});
@@ -199,21 +199,19 @@ TEST_CASE("a sweep visits the vertices that are due and no other, and a gain mak
     CHECK(hmesh::kit::sweep(mesh, thorough) == 0);
 }
 
-TEST_CASE("a sweep that is told to stop does, and what it did not visit stays due") {
+TEST_CASE("a sweep that is told to stop does, and what it did not visit stays dirty") {
     Subject<std::uint8_t, 1> subject(hmesh_test::scene<std::uint8_t, 1>(60, 50, 3), hmesh_test::jittered_grid(60, 50, 20, 20, 3));
     ImageMesh<1>& mesh = subject.mesh;
-    set_all_due(mesh, true);
-    struct Calls {
-        static bool stop(void*, const hmesh::ProgressInfo&) { return false; }
-    };
-    hmesh::kit::ProgressReporter monitor({Calls::stop, nullptr}, 3000, 255);
-    hmesh::kit::TaskProgress task(monitor, 1);
+    set_all_dirty(mesh, true);
+    const auto stop = [](const hmesh::ProgressInfo&) { return false; };
+    hmesh::kit::ProgressReporter progress(stop, 3000, 255);
+    hmesh::kit::TaskProgress task(progress, 1);
     mesh.set_task(&task);
-    hmesh::kit::sweep(mesh, {1e300, 0});  // no gain makes neighbours due
+    hmesh::kit::sweep(mesh, {1e300, 0});  // no gain makes neighbours dirty
     mesh.set_task(nullptr);
-    std::size_t due = 0;
-    for (const Vertex v : mesh.topology().vertices()) due += mesh.is_dirty(v) ? 1 : 0;
-    CHECK(due == mesh.vertex_count() - 255);  // the callback is asked at the 256th visit
+    std::size_t dirty = 0;
+    for (const Vertex v : mesh.topology().vertices()) dirty += mesh.is_dirty(v) ? 1 : 0;
+    CHECK(dirty == mesh.vertex_count() - 255);  // the callback is asked at the 256th visit
 }
 
 TEST_CASE("an affine picture is reproduced to rounding") {
@@ -225,7 +223,7 @@ TEST_CASE("an affine picture is reproduced to rounding") {
     Subject<std::uint16_t, 3> subject(std::move(image), hmesh_test::jittered_grid(40, 30, 6, 5, 1));
     CHECK(subject.mesh.energy() > 1e6);
     for (int k = 0; k < 60; ++k) {
-        set_all_due(subject.mesh, true);
+        set_all_dirty(subject.mesh, true);
         hmesh::kit::sweep(subject.mesh, thorough);
     }
     CHECK(std::abs(subject.mesh.energy()) < 1e-12 * hmesh_test::squares(subject.image));
@@ -248,10 +246,11 @@ TEST_CASE("a mesh is found again from its picture when its vertices have been pu
     for (const Vertex v : mesh.topology().vertices()) mesh.place(v, hmesh_test::any_place(mesh, v, 1.5, random), mesh.color(v));
     // The best that colours alone can do, then the vertices.
     for (int k = 0; k < 30; ++k)
-        for (const Vertex v : mesh.topology().vertices()) hmesh::kit::improve_vertex(mesh, v, std::numeric_limits<double>::infinity());
+        for (const Vertex v : mesh.topology().vertices())
+            hmesh::kit::improve_vertex(mesh, v, std::numeric_limits<double>::infinity());
     const double start = mesh.energy();
     for (int k = 0; k < 200; ++k) {
-        set_all_due(mesh, true);
+        set_all_dirty(mesh, true);
         hmesh::kit::sweep(mesh, thorough);
     }
     hmesh_test::prove(subject);

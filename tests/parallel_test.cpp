@@ -4,6 +4,7 @@
 
 #include <cstddef>
 #include <functional>
+#include <thread>
 #include <type_traits>
 #include <utility>
 #include <vector>
@@ -26,20 +27,29 @@ bool chunks_are_right(const hmesh::ParallelFor& parallel_for, std::size_t n, std
     return good;
 }
 
+void last_first(std::size_t n, hmesh::Piece piece) {
+    while (n > 0) piece(--n);
+}
+
 }  // namespace
 
-TEST_CASE("SerialFor calls the body once for each index, in order") {
+TEST_CASE("a ParallelFor made of nothing calls the body once for each index, in order, on the calling thread") {
     std::vector<std::size_t> seen;
-    hmesh::SerialFor()(5, [&](std::size_t i) { seen.push_back(i); });
+    bool elsewhere = false;
+    hmesh::ParallelFor()(5, [&, caller = std::this_thread::get_id()](std::size_t i) {
+        seen.push_back(i);
+        elsewhere = elsewhere || std::this_thread::get_id() != caller;
+    });
     CHECK(seen == std::vector<std::size_t>{0, 1, 2, 3, 4});
-    hmesh::SerialFor()(0, [&](std::size_t) { seen.clear(); });
+    CHECK_FALSE(elsewhere);
+    hmesh::ParallelFor()(0, [&](std::size_t) { seen.clear(); });
     CHECK(seen.size() == 5);
 }
 
 TEST_CASE("for_each_chunk covers [0, n) exactly once with ranges of at most `grain`, in any order") {
     for (std::size_t n = 0; n <= 40; ++n)
         for (std::size_t grain = 1; grain <= 45; ++grain) {
-            CHECK(chunks_are_right(hmesh::SerialFor(), n, grain));
+            CHECK(chunks_are_right(hmesh::ParallelFor(), n, grain));
             CHECK(chunks_are_right(ReverseFor(), n, grain));
             CHECK(chunks_are_right(ShuffledFor(), n, grain));
         }
@@ -47,7 +57,7 @@ TEST_CASE("for_each_chunk covers [0, n) exactly once with ranges of at most `gra
 
 TEST_CASE("for_each_chunk cuts by the problem and not by the executor") {
     using Ranges = std::vector<std::pair<std::size_t, std::size_t>>;
-    const auto record = [](auto&& parallel_for) {
+    const auto record = [](const hmesh::ParallelFor& parallel_for) {
         Ranges ranges(4);
         hmesh::kit::for_each_chunk(parallel_for, 35, 10, [&](std::size_t begin, std::size_t end) {
             ranges[begin / 10] = {begin, end};
@@ -55,7 +65,7 @@ TEST_CASE("for_each_chunk cuts by the problem and not by the executor") {
         return ranges;
     };
     const Ranges expected{{0, 10}, {10, 20}, {20, 30}, {30, 35}};
-    CHECK(record(hmesh::SerialFor()) == expected);
+    CHECK(record(hmesh::ParallelFor()) == expected);
     CHECK(record(ReverseFor()) == expected);
     CHECK(record(ShuffledFor()) == expected);
 }
@@ -73,7 +83,7 @@ TEST_CASE("ordered_sum gives the same bits whatever order the executor uses") {
         for (std::size_t i = begin; i < end; ++i) sum += terms[i];
         return sum;
     };
-    const double serial = hmesh::kit::ordered_sum(hmesh::SerialFor(), terms.size(), 7, body);
+    const double serial = hmesh::kit::ordered_sum(hmesh::ParallelFor(), terms.size(), 7, body);
     CHECK(hmesh::kit::ordered_sum(ReverseFor(), terms.size(), 7, body) == serial);
     for (std::uint64_t seed = 1; seed <= 20; ++seed)
         CHECK(hmesh::kit::ordered_sum(ShuffledFor{seed}, terms.size(), 7, body) == serial);
@@ -82,7 +92,7 @@ TEST_CASE("ordered_sum gives the same bits whatever order the executor uses") {
     for (std::size_t begin = 0; begin < terms.size(); begin += 7)
         in_chunks += body(begin, begin + 7 < terms.size() ? begin + 7 : terms.size());
     CHECK(serial == in_chunks);
-    CHECK(hmesh::kit::ordered_sum(hmesh::SerialFor(), 0, 7, body) == 0);
+    CHECK(hmesh::kit::ordered_sum(hmesh::ParallelFor(), 0, 7, body) == 0);
 }
 
 TEST_CASE("a ParallelFor runs pieces on the executor that it was made of, and on the calling thread without one") {
@@ -93,7 +103,6 @@ TEST_CASE("a ParallelFor runs pieces on the executor that it was made of, and on
     };
     const std::vector<std::size_t> forwards{0, 1, 2, 3}, backwards{3, 2, 1, 0};
     CHECK(indices({}) == forwards);
-    CHECK(indices(hmesh::SerialFor()) == forwards);
     CHECK(indices(ReverseFor()) == backwards);
     const ReverseFor executor;
     const hmesh::ParallelFor first = executor, copy = first;
@@ -118,12 +127,24 @@ TEST_CASE("executors take a piece of work as a template parameter, as std::funct
     CHECK(visits == std::vector<int>(6, 4));
 }
 
-TEST_CASE("only what can run pieces becomes a ParallelFor") {
+TEST_CASE("executors are objects, which may be const, and functions") {
+    std::vector<std::size_t> seen;
+    const auto note = [&](std::size_t i) { seen.push_back(i); };
+    const std::vector<std::size_t> expected{2, 1, 0, 2, 1, 0, 2, 1, 0};
+    const ReverseFor object;
+    hmesh::ParallelFor{object}(3, note);
+    hmesh::ParallelFor{last_first}(3, note);
+    hmesh::ParallelFor{&last_first}(3, note);
+    CHECK(seen == expected);
     static_assert(std::is_convertible_v<ThreadFor, hmesh::ParallelFor>);
+    static_assert(std::is_convertible_v<const ThreadFor&, hmesh::ParallelFor>);
+    static_assert(std::is_convertible_v<void (*)(std::size_t, hmesh::Piece), hmesh::ParallelFor>);
+    static_assert(std::is_convertible_v<void (&)(std::size_t, hmesh::Piece), hmesh::ParallelFor>);
+}
+
+TEST_CASE("only what can run pieces becomes a ParallelFor") {
     static_assert(!std::is_convertible_v<int, hmesh::ParallelFor>);
     static_assert(!std::is_convertible_v<std::vector<double>, hmesh::ParallelFor>);
     static_assert(!std::is_convertible_v<void (*)(std::size_t), hmesh::ParallelFor>);
-    static_assert(std::is_convertible_v<void (*)(std::size_t, const hmesh::PieceOfWork&), hmesh::ParallelFor>);
-    // Functions are no objects, whose address could be kept: their name needs a & before it.
-    static_assert(!std::is_convertible_v<void (&)(std::size_t, const hmesh::PieceOfWork&), hmesh::ParallelFor>);
+    static_assert(!std::is_convertible_v<void (*)(hmesh::Piece), hmesh::ParallelFor>);
 }

@@ -15,47 +15,34 @@
 
 #include "hmesh/core/random.hpp"
 #include "test_images.hpp"
+#include "test_indexed_meshes.hpp"
 #include "test_meshes.hpp"
-#include "test_wholes.hpp"
 
+namespace kit = hmesh::kit;
+using hmesh::Image;
+using hmesh::Triangle;
 using hmesh::kit::Edge;
 using hmesh::kit::Halfedge;
 using hmesh::kit::HalfedgeMesh;
-using hmesh::Image;
 using hmesh::kit::ImageMesh;
 using hmesh::kit::ImageSource;
+using hmesh::kit::IndexedMesh;
 using hmesh::kit::Mobility;
 using hmesh::kit::Patch;
 using hmesh::kit::Point;
 using hmesh::kit::Random;
 using hmesh::kit::Rect;
 using hmesh::kit::Tiling;
-using hmesh::kit::Triangle;
 using hmesh::kit::Vertex;
-using hmesh::kit::IndexedMesh;
 using hmesh::kit::detail::Cut;
 using hmesh::kit::detail::PatchResult;
 using hmesh::kit::detail::PatchTriangles;
 using hmesh_test::Corner;
 using hmesh_test::Corners;
-using hmesh_test::make_whole;
+using hmesh_test::make_indexed;
 using hmesh_test::Shape;
 
 namespace {
-
-// The lines of one axis, from the rectangles of the first row or column.
-std::vector<int> lines_x(const Tiling& tiling) {
-    std::vector<int> lines;
-    for (std::size_t i = 0; i < tiling.columns(); ++i) lines.push_back(tiling.rect(i).x);
-    lines.push_back(lines.back() + tiling.rect(tiling.columns() - 1).width);
-    return lines;
-}
-std::vector<int> lines_y(const Tiling& tiling) {
-    std::vector<int> lines;
-    for (std::size_t j = 0; j < tiling.rows(); ++j) lines.push_back(tiling.rect(j * tiling.columns()).y);
-    lines.push_back(lines.back() + tiling.rect(tiling.size() - 1).height);
-    return lines;
-}
 
 // The tile of a point given by three times its coordinates, which may be exact where they are not; the right and lower
 // border belong to the last tiles.
@@ -78,7 +65,7 @@ std::size_t brute_tile(const Tiling& tiling, int width, int height, Point thrice
 template <int C>
 std::vector<std::size_t> brute_tiles(const IndexedMesh<C>& whole, const Tiling& tiling) {
     std::vector<std::size_t> tiles;
-    for (const Triangle& t : whole.triangles) {
+    for (const Triangle& t : whole.faces) {
         const Point a = whole.positions[t[0]], b = whole.positions[t[1]], c = whole.positions[t[2]];
         tiles.push_back(brute_tile(tiling, whole.width, whole.height, {a.x + b.x + c.x, a.y + b.y + c.y}));
     }
@@ -142,7 +129,7 @@ Form form_of(const std::vector<Triangle>& triangles) {
 template <int C>
 std::vector<Triangle> triangles_of(const IndexedMesh<C>& whole, const Cut& cut, std::size_t tile) {
     std::vector<Triangle> triangles;
-    for (std::size_t k = cut.first[tile]; k < cut.first[tile + 1]; ++k) triangles.push_back(whole.triangles[cut.triangles[k]]);
+    for (std::size_t k = cut.first[tile]; k < cut.first[tile + 1]; ++k) triangles.push_back(whole.faces[cut.triangles[k]]);
     return triangles;
 }
 
@@ -199,7 +186,7 @@ void prove_result(const IndexedMesh<C>& whole, const Cut& cut, std::size_t tile,
 // Everything that is promised of the patches of one cut.
 template <int C>
 void prove_patches(const ImageSource<C>& source, const IndexedMesh<C>& whole, const Tiling& tiling, Met& met) {
-    const Cut cut = hmesh::kit::detail::cut(whole, tiling);
+    const Cut cut = kit::detail::cut(whole, tiling);
     double energy = 0;
     std::vector<int> room(whole.vertex_count(), 0);  // triangles that the fans of a frozen vertex may have together
     std::size_t free = 0;
@@ -222,7 +209,7 @@ void prove_patches(const ImageSource<C>& source, const IndexedMesh<C>& whole, co
         REQUIRE(patch.free_count() == owned);
         REQUIRE(patch.vertex_count() == owned + fans);
         free += owned;
-        const PatchTriangles numbered = hmesh::kit::detail::renumber(whole, cut, tile);
+        const PatchTriangles numbered = kit::detail::renumber(whole, cut, tile);
         REQUIRE(numbered.locked.size() == fans);
         std::map<std::uint32_t, std::vector<int>> sizes;
         for (std::size_t k = 0; k < fans; ++k) {
@@ -242,7 +229,7 @@ void prove_patches(const ImageSource<C>& source, const IndexedMesh<C>& whole, co
         for (std::size_t k = 0; k < owned; ++k) {
             const Mobility mobility = mesh.vertex(Vertex(k)).mobility;
             REQUIRE(mobility != Mobility::locked);
-            REQUIRE(mesh.vertex(Vertex(k)).valence_limit == hmesh::kit::max_valence);
+            REQUIRE(mesh.vertex(Vertex(k)).valence_limit == kit::max_valence);
         }
         // Rim edges inside of the image must stay.
         for (const Edge e : mesh.topology().edges()) {
@@ -260,7 +247,7 @@ void prove_patches(const ImageSource<C>& source, const IndexedMesh<C>& whole, co
         const PatchResult<C> result = patch.result();
         prove_result(whole, cut, tile, result, true, form);
         REQUIRE(result.energy == mesh.energy());
-        prove_result(whole, cut, tile, hmesh::kit::detail::unchanged(whole, cut, tile), false, form);
+        prove_result(whole, cut, tile, kit::detail::unchanged(whole, cut, tile), false, form);
 
         met.holes += form.holes > 0 ? 1 : 0;
         met.pinched += form.pinched > 0 ? 1 : 0;
@@ -272,7 +259,7 @@ void prove_patches(const ImageSource<C>& source, const IndexedMesh<C>& whole, co
     }
     REQUIRE(free + cut.frozen_count == whole.vertex_count());
     REQUIRE(std::abs(energy - whole.energy) <= 1e-9 * whole.energy);
-    for (const int triangles : room) REQUIRE(triangles < hmesh::kit::max_valence);
+    for (const int triangles : room) REQUIRE(triangles < kit::max_valence);
 }
 
 template <class T, int C>
@@ -284,91 +271,17 @@ void prove_tilings(const Image<T, C>& image, const IndexedMesh<C>& whole, std::u
 
 }  // namespace
 
-TEST_CASE("the lines of a tiling cover the image, and its tiles are as equal as can be and as large as asked") {
-    for (int size = 1; size <= 70; ++size)
-        for (const double tile : {1.0, 1.2, 1.5, 2.0, 3.0, 7.3, 10.0, 64.0, 1000.0}) {
-            const Tiling tiling(size, 71 - size, tile);
-            const std::vector<int> x = lines_x(tiling), y = lines_y(tiling);
-            REQUIRE((x.front() == 0 && x.back() == size && y.front() == 0 && y.back() == 71 - size));
-            REQUIRE(tiling.size() == tiling.columns() * tiling.rows());
-            // Tiles are numbered row after row, and lie between the lines.
-            for (std::size_t k = 0; k < tiling.size(); ++k) {
-                const Rect r = tiling.rect(k);
-                const std::size_t i = k % tiling.columns(), j = k / tiling.columns();
-                REQUIRE((r.x == x[i] && r.x + r.width == x[i + 1] && r.y == y[j] && r.y + r.height == y[j + 1]));
-            }
-            int least = size, most = 0;
-            for (std::size_t i = 0; i < tiling.columns(); ++i) {
-                least = std::min(least, x[i + 1] - x[i]);
-                most = std::max(most, x[i + 1] - x[i]);
-            }
-            REQUIRE(least >= 1);
-            REQUIRE(most - least <= 1);
-            // No other count of tiles comes nearer to size / tile.
-            const double wanted = std::max(1.0, size / tile);
-            REQUIRE(std::abs(static_cast<double>(tiling.columns()) - wanted) <= 0.5);
-        }
-}
-
-TEST_CASE("a shifted tiling has its lines midway between those of the other, and no tile is empty") {
-    for (int size = 1; size <= 70; ++size)
-        for (const double tile : {1.0, 1.2, 1.5, 2.0, 3.0, 7.3, 10.0, 64.0, 1000.0}) {
-            const Tiling plain(size, size, tile), shifted(size, size, tile, true, false);
-            REQUIRE(lines_y(shifted) == lines_y(plain));
-            const Tiling down(size, size, tile, false, true);
-            REQUIRE((lines_x(down) == lines_x(plain) && lines_y(down) == lines_x(shifted)));
-            const std::vector<int> x = lines_x(plain), between = lines_x(shifted);
-            REQUIRE((between.front() == 0 && between.back() == size));
-            for (std::size_t i = 0; i + 1 < between.size(); ++i) REQUIRE(between[i] < between[i + 1]);
-            if (plain.columns() == 1) {
-                REQUIRE(shifted.columns() == 1);
-                continue;
-            }
-            const double spacing = static_cast<double>(size) / static_cast<double>(plain.columns());
-            if (spacing > 1) REQUIRE(shifted.columns() == plain.columns() + 1);
-            for (std::size_t i = 1; i + 1 < between.size(); ++i)
-                REQUIRE(std::abs(between[i] - spacing * (static_cast<double>(i) - 0.5)) <= 0.5 + 1e-9);
-        }
-}
-
-TEST_CASE("a point is in the tile whose rectangle holds it, also on lines and on the border") {
-    for (const auto& [width, height] : {std::pair{1, 1}, {1, 9}, {12, 1}, {23, 17}, {40, 31}})
-        for (const double tile : {1.0, 2.0, 5.0, 8.0, 30.0})
-            for (int shift = 0; shift < 4; ++shift) {
-                const Tiling tiling(width, height, tile, (shift & 1) != 0, (shift & 2) != 0);
-                // The tile of each pixel, from the rectangles.
-                std::vector<std::size_t> owner(static_cast<std::size_t>(width) * static_cast<std::size_t>(height), tiling.size());
-                const auto at = [&, w = width](int x, int y) -> std::size_t& {
-                    return owner[static_cast<std::size_t>(y * w + x)];
-                };
-                for (std::size_t k = 0; k < tiling.size(); ++k) {
-                    const Rect r = tiling.rect(k);
-                    for (int y = r.y; y < r.y + r.height; ++y)
-                        for (int x = r.x; x < r.x + r.width; ++x) {
-                            REQUIRE(at(x, y) == tiling.size());
-                            at(x, y) = k;
-                        }
-                }
-                for (int y = 0; y <= height; ++y)
-                    for (int x = 0; x <= width; ++x)
-                        for (const Point step : {Point{0, 0}, {0.5, 0.5}, {255.0 / 256, 1.0 / 256}}) {
-                            const Point p{std::min<double>(width, x + step.x), std::min<double>(height, y + step.y)};
-                            REQUIRE(tiling.tile_at(p) == at(std::min(x, width - 1), std::min(y, height - 1)));
-                        }
-            }
-}
-
 TEST_CASE("every triangle is in one tile, that of its centroid; vertices are free where all their triangles are") {
     const auto image = hmesh_test::scene<std::uint8_t, 1>(50, 37, 1);
     for (const Shape shape : hmesh_test::all_shapes)
         for (const double tile : {1.0, 4.0, 11.0, 25.0, 100.0})
             for (int shift = 0; shift < 4; ++shift) {
-                const IndexedMesh<1> whole = make_whole(image, shape, 80, 3);
+                const IndexedMesh<1> whole = make_indexed(image, shape, 80, 3);
                 const Tiling tiling(50, 37, tile, (shift & 1) != 0, (shift & 2) != 0);
-                const Cut cut = hmesh::kit::detail::cut(whole, tiling);
+                const Cut cut = kit::detail::cut(whole, tiling);
                 const std::vector<std::size_t> tiles = brute_tiles(whole, tiling);
                 REQUIRE(cut.first.size() == tiling.size() + 1);
-                REQUIRE((cut.first.front() == 0 && cut.first.back() == whole.triangles.size()));
+                REQUIRE((cut.first.front() == 0 && cut.first.back() == whole.faces.size()));
                 std::vector<std::uint32_t> listed;
                 for (std::size_t k = 0; k < tiling.size(); ++k)
                     for (std::size_t t = cut.first[k]; t < cut.first[k + 1]; ++t) {
@@ -382,13 +295,13 @@ TEST_CASE("every triangle is in one tile, that of its centroid; vertices are fre
                 std::vector<std::set<std::size_t>> around(whole.vertex_count());
                 std::vector<int> count(whole.vertex_count(), 0);
                 for (std::size_t t = 0; t < tiles.size(); ++t)
-                    for (const std::uint32_t v : whole.triangles[t]) around[v].insert(tiles[t]), ++count[v];
+                    for (const std::uint32_t v : whole.faces[t]) around[v].insert(tiles[t]), ++count[v];
                 std::vector<std::size_t> free(tiling.size(), 0);
                 std::size_t locked = 0;
                 for (std::size_t v = 0; v < whole.vertex_count(); ++v) {
                     const bool is_free = around[v].size() == 1;
                     REQUIRE(cut.owner[v] == (is_free ? *around[v].begin() : Cut::locked));
-                    REQUIRE(cut.number[v] == (is_free ? free[*around[v].begin()]++ : frozen++));
+                    REQUIRE(cut.number[v] == (is_free ? free[*around[v].begin()]++ : locked++));
                     REQUIRE(cut.triangle_count[v] == count[v]);
                 }
                 REQUIRE(cut.free_count == free);
@@ -401,13 +314,13 @@ TEST_CASE("patches of irregular meshes are sound, know their rims, sum up to the
     std::uint64_t seed = 0;
     for (const Shape shape : hmesh_test::all_shapes) {
         const auto bytes = hmesh_test::scene<std::uint8_t, 3>(64, 47, 1 + seed);
-        prove_tilings(bytes, make_whole(bytes, shape, 150, seed), seed, met);
+        prove_tilings(bytes, make_indexed(bytes, shape, 150, seed), seed, met);
         const auto floats = hmesh_test::scene<float, 1>(38, 60, 2 + seed);
-        prove_tilings(floats, make_whole(floats, shape, 90, seed), seed + 1, met);
+        prove_tilings(floats, make_indexed(floats, shape, 90, seed), seed + 1, met);
         ++seed;
     }
     const auto shorts = hmesh_test::noise<std::uint16_t, 4>(33, 33, 3);
-    prove_tilings(shorts, make_whole(shorts, Shape::delaunay, 90, 3), 3, met);
+    prove_tilings(shorts, make_indexed(shorts, Shape::delaunay, 90, 3), 3, met);
     CHECK(met.holes > 0);
     CHECK(met.pinched > 100);
     CHECK(met.apart > 100);
@@ -422,7 +335,7 @@ TEST_CASE("patches of images of one pixel, one row and one column are sound") {
     for (const auto& [width, height] : {std::pair{1, 1}, {1, 40}, {37, 1}, {2, 2}, {2, 30}}) {
         const auto image = hmesh_test::noise<std::uint8_t, 3>(width, height, 4);
         for (std::uint64_t seed = 0; seed < 4; ++seed)
-            prove_tilings(image, make_whole(image, seed < 2 ? Shape::grid : Shape::scattered, 25, seed), seed, met);
+            prove_tilings(image, make_indexed(image, seed < 2 ? Shape::grid : Shape::scattered, 25, seed), seed, met);
     }
     CHECK(met.narrow > 50);
 }
@@ -432,7 +345,7 @@ TEST_CASE("a hub whose many spokes lie in many tiles is held once a fan, and its
     Met met;
     for (const int spokes : {8, 20, 36}) {
         const auto wheel = hmesh_test::wheel(80, spokes);
-        const IndexedMesh<1> whole = make_whole(image, wheel, 1);
+        const IndexedMesh<1> whole = make_indexed(image, wheel, 1);
         for (std::uint64_t seed = 0; seed < 4; ++seed) prove_tilings(image, whole, seed, met);
     }
     CHECK(met.pinched > 10);
@@ -440,7 +353,7 @@ TEST_CASE("a hub whose many spokes lie in many tiles is held once a fan, and its
 
 TEST_CASE("a patch with a hole, the island of another tile, is sound") {
     const auto image = hmesh_test::scene<std::uint8_t, 3>(64, 40, 5);
-    const IndexedMesh<3> whole = make_whole(image, hmesh_test::island(), 1);
+    const IndexedMesh<3> whole = make_indexed(image, hmesh_test::island(), 1);
     Met met;
     prove_patches(ImageSource<3>(image.view()), whole, Tiling(64, 40, 32), met);
     CHECK(met.holes == 1);
@@ -450,12 +363,12 @@ TEST_CASE("a patch with a hole, the island of another tile, is sound") {
 TEST_CASE("patches of an image with weights sum up to the whole") {
     const auto image = hmesh_test::scene<std::uint8_t, 3>(48, 40, 6);
     const auto weights = hmesh_test::random_weights(48, 40, 7);
-    const double unit = hmesh::kit::weight_unit(weights.view());
+    const double unit = kit::weight_unit(weights.view());
     const ImageSource<3> source(image.view(), weights.view(), unit);
-    IndexedMesh<3> whole = make_whole(image, Shape::worn, 90, 8);
+    IndexedMesh<3> whole = make_indexed(image, Shape::worn, 90, 8);
     const auto table = source.table({0, 0, 48, 40});
     ImageMesh<3> one(table, source.low(), source.high());
-    REQUIRE(one.assign(whole.positions, whole.triangles, whole.colors, hmesh::SerialFor{}));
+    REQUIRE(one.assign(whole.positions, whole.faces, whole.colors, {}));
     REQUIRE(std::abs(one.energy() - whole.energy) > 0.1 * whole.energy);  // without weights it is another
     whole.energy = one.energy();
     Met met;
@@ -464,10 +377,10 @@ TEST_CASE("patches of an image with weights sum up to the whole") {
 
 TEST_CASE("a patch that is the whole takes the table it is offered and gives it back; others make their own") {
     const auto image = hmesh_test::scene<std::uint8_t, 3>(40, 30, 9);
-    const IndexedMesh<3> whole = make_whole(image, Shape::worn, 60, 9);
+    const IndexedMesh<3> whole = make_indexed(image, Shape::worn, 60, 9);
     const ImageSource<3> source(image.view());
     const Tiling one(40, 30, 100), four(40, 30, 20);
-    const Cut cut_one = hmesh::kit::detail::cut(whole, one), cut_four = hmesh::kit::detail::cut(whole, four);
+    const Cut cut_one = kit::detail::cut(whole, one), cut_four = kit::detail::cut(whole, four);
     auto table = source.table({0, 0, 40, 30});
     const auto* entries = table.entries<std::int32_t>();
     Patch<3> patch(whole, source, cut_one, 0, {}, nullptr, std::move(table));
@@ -488,9 +401,9 @@ namespace {
 template <class T, int C>
 double brute_energy(const Image<T, C>& image, const ImageMesh<C>& mesh, Point origin) {
     double energy = 0;
-    for (const hmesh::kit::Face f : mesh.topology().faces()) {
+    for (const kit::Face f : mesh.topology().faces()) {
         auto v = mesh.topology().vertices(f);
-        hmesh::kit::VertexState<C> state[3];
+        kit::VertexState<C> state[3];
         for (std::size_t k = 0; k < 3; ++k) {
             state[k] = mesh.vertex(v[k]);
             state[k].position = {state[k].position.x + origin.x, state[k].position.y + origin.y};
@@ -519,7 +432,7 @@ void torture(const Image<T, C>& image, const IndexedMesh<C>& whole, double tile_
     const double range = hmesh::PixelTraits<T>::peak;
     const ImageSource<C> source(image.view());
     const Tiling tiling(image.width(), image.height(), tile_size, (seed & 1U) != 0, (seed & 2U) != 0);
-    const Cut cut = hmesh::kit::detail::cut(whole, tiling);
+    const Cut cut = kit::detail::cut(whole, tiling);
     const double squares = hmesh_test::squares(image);  // a patch may own no pixel, and have rounding for an energy
     Random random(seed);
     for (std::size_t tile = 0; tile < tiling.size(); ++tile) {
@@ -538,7 +451,7 @@ void torture(const Image<T, C>& image, const IndexedMesh<C>& whole, double tile_
             if (mesh.topology().is_boundary(e) && mesh.edge_mobility(e) == Mobility::locked)
                 rim.emplace_back(mesh.topology().from_vertex(h), mesh.topology().to_vertex(h));
         }
-        std::vector<std::pair<Vertex, hmesh::kit::VertexState<C>>> locked;
+        std::vector<std::pair<Vertex, kit::VertexState<C>>> locked;
         for (const Vertex v : mesh.topology().vertices())
             if (mesh.vertex(v).mobility == Mobility::locked) locked.emplace_back(v, mesh.vertex(v));
 
@@ -570,13 +483,13 @@ void torture(const Image<T, C>& image, const IndexedMesh<C>& whole, double tile_
 
 TEST_CASE("a patch stays true to its pixels, and its rim stays, through thousands of random edits and rollbacks") {
     const auto scene = hmesh_test::scene<std::uint8_t, 3>(64, 40, 1);
-    torture(scene, make_whole(scene, Shape::worn, 120, 1), 28, 100, 1);
-    torture(scene, make_whole(scene, hmesh_test::island(), 2), 32, 200, 0);
+    torture(scene, make_indexed(scene, Shape::worn, 120, 1), 28, 100, 1);
+    torture(scene, make_indexed(scene, hmesh_test::island(), 2), 32, 200, 0);
     const auto bytes = hmesh_test::noise<std::uint8_t, 1>(40, 44, 2);
-    torture(bytes, make_whole(bytes, Shape::delaunay, 90, 2), 21, 100, 2);
+    torture(bytes, make_indexed(bytes, Shape::delaunay, 90, 2), 21, 100, 2);
     const auto floats = hmesh_test::scene<float, 2>(40, 30, 3);
-    torture(floats, make_whole(floats, Shape::scattered, 70, 3), 15, 60, 3);
-    torture(floats, make_whole(floats, Shape::scattered, 60, 4), 3, 16, 1);  // most are pinched or in several parts
+    torture(floats, make_indexed(floats, Shape::scattered, 70, 3), 15, 60, 3);
+    torture(floats, make_indexed(floats, Shape::scattered, 60, 4), 3, 16, 1);  // most are pinched or in several parts
     const auto shorts = hmesh_test::noise<std::uint16_t, 4>(30, 30, 4);
-    torture(shorts, make_whole(shorts, Shape::slivers, 50, 5), 15, 60, 2);
+    torture(shorts, make_indexed(shorts, Shape::slivers, 50, 5), 15, 60, 2);
 }

@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "hmesh/core/random.hpp"
+#include "hmesh/solve/eigen.hpp"
 #include "hmesh/solve/normal_equations.hpp"
 #include "jittered_mesh.hpp"
 
@@ -20,9 +21,13 @@ namespace {
 
 using Eigen::Index;
 using Eigen::MatrixXd;
+using hmesh::kit::HeldEntry;
+using hmesh::kit::PcgReport;
+using hmesh::kit::Random;
+using hmesh::kit::solve_pcg;
 using Sparse = Eigen::SparseMatrix<double>;
 
-MatrixXd random_matrix(Index rows, Index columns, hmesh::kit::Random& random) {
+MatrixXd random_matrix(Index rows, Index columns, Random& random) {
     MatrixXd m(rows, columns);
     for (Index j = 0; j < columns; ++j)
         for (Index i = 0; i < rows; ++i) m(i, j) = 2 * random.uniform() - 1;
@@ -30,7 +35,7 @@ MatrixXd random_matrix(Index rows, Index columns, hmesh::kit::Random& random) {
 }
 
 // Positive definite, badly scaled (diagonal over 4 decades) but not ill-conditioned otherwise.
-MatrixXd random_spd(Index n, hmesh::kit::Random& random) {
+MatrixXd random_spd(Index n, Random& random) {
     const MatrixXd r = random_matrix(n, n, random);
     MatrixXd m = r * r.transpose() / static_cast<double>(n) + 0.2 * MatrixXd::Identity(n, n);
     for (Index i = 0; i < n; ++i) {
@@ -48,18 +53,24 @@ double worst_residual(const Sparse& a, const MatrixXd& b, const MatrixXd& x) {
     return worst;
 }
 
+template <class Matrix>
+decltype(auto) at(Matrix& matrix, const HeldEntry& entry) {
+    return matrix(static_cast<Index>(entry.row), static_cast<Index>(entry.column));
+}
+
 // What is left of each column when its held entries are taken out of the system as known: by rows, with right-hand side.
 struct Reduced {
     std::vector<Index> rows;
     MatrixXd matrix, rhs;
 };
 
-Reduced reduce(const MatrixXd& a, const MatrixXd& b, const MatrixXd& x, const std::vector<hmesh::kit::HeldEntry>& held, Index column) {
+Reduced reduce(const MatrixXd& a, const MatrixXd& b, const MatrixXd& x, const std::vector<HeldEntry>& held, Index column) {
     Reduced reduced;
     MatrixXd given = MatrixXd::Zero(a.rows(), 1);
     for (Index i = 0; i < a.rows(); ++i) {
-        const bool is_held =
-            std::any_of(held.begin(), held.end(), [&](const auto& e) { return e.row == i && e.column == column; });
+        const bool is_held = std::any_of(held.begin(), held.end(), [&](const HeldEntry& e) {
+            return e.row == static_cast<std::size_t>(i) && e.column == static_cast<std::size_t>(column);
+        });
         if (is_held) given(i, 0) = x(i, column);
         else reduced.rows.push_back(i);
     }
@@ -78,12 +89,12 @@ Reduced reduce(const MatrixXd& a, const MatrixXd& b, const MatrixXd& x, const st
 }  // namespace
 
 TEST_CASE("solve_pcg finds what a dense factorisation finds, for random positive definite matrices") {
-    hmesh::kit::Random random(1);
+    Random random(1);
     for (const Index n : {1, 2, 7, 40, 120}) {
         const MatrixXd dense = random_spd(n, random), b = random_matrix(n, 4, random);
         const Sparse a = dense.sparseView();
         MatrixXd x = random_matrix(n, 4, random);
-        const hmesh::kit::PcgReport report = hmesh::kit::solve_pcg(a, b, x, {2000, 1e-13});
+        const PcgReport report = solve_pcg(a, b, x, {2000, 1e-13});
         const MatrixXd expected = dense.ldlt().solve(b);
         CAPTURE(n);
         CHECK(report.converged);
@@ -98,7 +109,7 @@ TEST_CASE("solve_pcg finds what a dense factorisation finds, for the normal equa
     for (Index i = 0; i < a.rows(); ++i) a.coeffRef(i, i) += 1e-3;
     const MatrixXd b = image_rhs(s.mesh), expected = MatrixXd(a).ldlt().solve(b);
     MatrixXd x = MatrixXd::Zero(b.rows(), 3);
-    const hmesh::kit::PcgReport report = hmesh::kit::solve_pcg(a, b, x, {400, 1e-12});
+    const PcgReport report = solve_pcg(a, b, x, {400, 1e-12});
     CHECK(report.converged);
     CHECK((x - expected).norm() <= 1e-8 * expected.norm());
 }
@@ -109,7 +120,7 @@ TEST_CASE("a mesh needs few iterations, whatever its size") {
         test::jitter(s.mesh, size, size, 0, 3);
         const MatrixXd b = image_rhs(s.mesh);
         MatrixXd x = MatrixXd::Zero(b.rows(), 1);
-        const hmesh::kit::PcgReport report = hmesh::kit::solve_pcg(gram_matrix(s.mesh), b, x, {200, 1e-7});
+        const PcgReport report = solve_pcg(gram_matrix(s.mesh), b, x, {200, 1e-7});
         CHECK(report.converged);
         CHECK(report.iterations <= 30);
         CHECK(report.iterations >= 5);
@@ -117,13 +128,13 @@ TEST_CASE("a mesh needs few iterations, whatever its size") {
 }
 
 TEST_CASE("the residual and the number of iterations reported are true") {
-    hmesh::kit::Random random(4);
+    Random random(4);
     const MatrixXd dense = random_spd(60, random), b = random_matrix(60, 3, random);
     const Sparse a = dense.sparseView();
     int before = 0;
     for (const double tolerance : {1e-2, 1e-6, 1e-11}) {
         MatrixXd x = MatrixXd::Zero(60, 3);
-        const hmesh::kit::PcgReport report = hmesh::kit::solve_pcg(a, b, x, {1000, tolerance});
+        const PcgReport report = solve_pcg(a, b, x, {1000, tolerance});
         CHECK(report.converged);
         CHECK(report.residual <= tolerance);
         CHECK(report.residual == doctest::Approx(worst_residual(a, b, x)).epsilon(1e-3));
@@ -131,7 +142,7 @@ TEST_CASE("the residual and the number of iterations reported are true") {
         before = report.iterations;
         // One iteration less does not do.
         MatrixXd y = MatrixXd::Zero(60, 3);
-        const hmesh::kit::PcgReport shorter = hmesh::kit::solve_pcg(a, b, y, {report.iterations - 1, tolerance});
+        const PcgReport shorter = solve_pcg(a, b, y, {report.iterations - 1, tolerance});
         CHECK(!shorter.converged);
         CHECK(shorter.iterations == report.iterations - 1);
         CHECK(shorter.residual > tolerance);
@@ -140,10 +151,10 @@ TEST_CASE("the residual and the number of iterations reported are true") {
 }
 
 TEST_CASE("a tolerance below rounding ends by itself, unconverged, at a good solution") {
-    hmesh::kit::Random random(5);
+    Random random(5);
     const MatrixXd dense = random_spd(50, random), b = random_matrix(50, 2, random);
     MatrixXd x = MatrixXd::Zero(50, 2);
-    const hmesh::kit::PcgReport report = hmesh::kit::solve_pcg(dense.sparseView(), b, x, {100000, 1e-30});
+    const PcgReport report = solve_pcg(dense.sparseView(), b, x, {100000, 1e-30});
     CHECK(!report.converged);
     CHECK(report.iterations < 2000);
     CHECK(report.residual < 1e-12);
@@ -151,7 +162,7 @@ TEST_CASE("a tolerance below rounding ends by itself, unconverged, at a good sol
 }
 
 TEST_CASE("right-hand sides do not disturb each other: together or alone, the same bits") {
-    hmesh::kit::Random random(6);
+    Random random(6);
     const MatrixXd dense = random_spd(80, random);
     const Sparse a = dense.sparseView();
     MatrixXd b = random_matrix(80, 4, random), start = random_matrix(80, 4, random);
@@ -159,10 +170,10 @@ TEST_CASE("right-hand sides do not disturb each other: together or alone, the sa
     b.col(2) *= 1e100;
     b.col(3).setZero();
     MatrixXd x = start;
-    CHECK(hmesh::kit::solve_pcg(a, b, x, {1000, 1e-9}).converged);
+    CHECK(solve_pcg(a, b, x, {1000, 1e-9}).converged);
     for (Index k = 0; k < 4; ++k) {
         MatrixXd alone = start.col(k);
-        CHECK(hmesh::kit::solve_pcg(a, b.col(k), alone, {1000, 1e-9}).converged);
+        CHECK(solve_pcg(a, b.col(k), alone, {1000, 1e-9}).converged);
         CHECK(alone == x.col(k));
     }
     CHECK(x.col(1) == start.col(1));
@@ -170,10 +181,10 @@ TEST_CASE("right-hand sides do not disturb each other: together or alone, the sa
 }
 
 TEST_CASE("a right-hand side of zero has the solution zero, at once") {
-    hmesh::kit::Random random(7);
+    Random random(7);
     const Sparse a = random_spd(10, random).sparseView();
     MatrixXd x = random_matrix(10, 2, random);
-    const hmesh::kit::PcgReport report = hmesh::kit::solve_pcg(a, MatrixXd::Zero(10, 2), x);
+    const PcgReport report = solve_pcg(a, MatrixXd::Zero(10, 2), x);
     CHECK(report.converged);
     CHECK(report.iterations == 0);
     CHECK(report.residual == 0);
@@ -181,7 +192,7 @@ TEST_CASE("a right-hand side of zero has the solution zero, at once") {
 }
 
 TEST_CASE("rows of zeros keep their values and disturb no other row") {
-    hmesh::kit::Random random(8);
+    Random random(8);
     MatrixXd dense = random_spd(30, random);
     dense.row(4).setZero(), dense.col(4).setZero();
     dense.row(17).setZero(), dense.col(17).setZero();
@@ -189,7 +200,7 @@ TEST_CASE("rows of zeros keep their values and disturb no other row") {
     b.row(4).setZero(), b.row(17).setZero();
     const MatrixXd start = random_matrix(30, 2, random);
     MatrixXd x = start;
-    const hmesh::kit::PcgReport report = hmesh::kit::solve_pcg(dense.sparseView(), b, x, {1000, 1e-12});
+    const PcgReport report = solve_pcg(dense.sparseView(), b, x, {1000, 1e-12});
     CHECK(report.converged);
     CHECK(x.row(4) == start.row(4));
     CHECK(x.row(17) == start.row(17));
@@ -198,7 +209,7 @@ TEST_CASE("rows of zeros keep their values and disturb no other row") {
     // Where such a row asks for the impossible, the others are solved all the same, and the report says no.
     b(4, 1) = 1;
     MatrixXd y = start;
-    const hmesh::kit::PcgReport impossible = hmesh::kit::solve_pcg(dense.sparseView(), b, y, {1000, 1e-12});
+    const PcgReport impossible = solve_pcg(dense.sparseView(), b, y, {1000, 1e-12});
     CHECK(!impossible.converged);
     CHECK(impossible.iterations < 1000);
     CHECK(y.allFinite());
@@ -209,14 +220,14 @@ TEST_CASE("rows of zeros keep their values and disturb no other row") {
 TEST_CASE("singular, indefinite and empty systems give no NaN") {
     Sparse zero(3, 3);
     MatrixXd x = MatrixXd::Ones(3, 1);
-    hmesh::kit::PcgReport report = hmesh::kit::solve_pcg(zero, MatrixXd::Ones(3, 1), x);
+    PcgReport report = solve_pcg(zero, MatrixXd::Ones(3, 1), x);
     CHECK(!report.converged);
     CHECK(x == MatrixXd::Ones(3, 1));
     CHECK(report.residual == doctest::Approx(1));
 
     MatrixXd ones = MatrixXd::Ones(3, 3);  // singular, with a solution
     x.setZero();
-    report = hmesh::kit::solve_pcg(ones.sparseView(), MatrixXd::Ones(3, 1), x);
+    report = solve_pcg(ones.sparseView(), MatrixXd::Ones(3, 1), x);
     CHECK(report.converged);
     CHECK(x.sum() == doctest::Approx(1));
 
@@ -225,32 +236,32 @@ TEST_CASE("singular, indefinite and empty systems give no NaN") {
     x = MatrixXd::Zero(2, 1);
     MatrixXd b(2, 1);
     b << 1, -1;
-    report = hmesh::kit::solve_pcg(indefinite.sparseView(), b, x);
+    report = solve_pcg(indefinite.sparseView(), b, x);
     CHECK(!report.converged);
     CHECK(x.allFinite());
     CHECK(std::isfinite(report.residual));
 
     MatrixXd none(0, 3);
-    CHECK(hmesh::kit::solve_pcg(Sparse(0, 0), MatrixXd(0, 3), none).converged);
+    CHECK(solve_pcg(Sparse(0, 0), MatrixXd(0, 3), none).converged);
     MatrixXd no_columns(3, 0);
-    CHECK(hmesh::kit::solve_pcg(zero, MatrixXd(3, 0), no_columns).converged);
+    CHECK(solve_pcg(zero, MatrixXd(3, 0), no_columns).converged);
 }
 
 TEST_CASE("held entries keep their bits, and the others solve the system without them, column by column") {
-    hmesh::kit::Random random(11);
+    Random random(11);
     for (const Index n : {1, 2, 9, 60}) {
         const MatrixXd dense = random_spd(n, random), start = random_matrix(n, 4, random);
         MatrixXd b = random_matrix(n, 4, random);
-        std::vector<hmesh::kit::HeldEntry> held;  // none in column 0, all in column 3
-        for (Index i = 0; i < n; ++i)
-            for (Index k = 1; k < 4; ++k)
+        std::vector<HeldEntry> held;  // none in column 0, all in column 3
+        for (std::size_t i = 0; i < static_cast<std::size_t>(n); ++i)
+            for (std::size_t k = 1; k < 4; ++k)
                 if (k == 3 || random.below(3) == 0) held.push_back({i, k});
-        for (const hmesh::kit::HeldEntry& entry : held) b(entry.row, entry.column) = 1e300;
+        for (const HeldEntry& entry : held) at(b, entry) = 1e300;
         MatrixXd x = start;
-        const hmesh::kit::PcgReport report = hmesh::kit::solve_pcg(dense.sparseView(), b, x, {2000, 1e-12}, held);
+        const PcgReport report = solve_pcg(dense.sparseView(), b, x, {2000, 1e-12}, held);
         CAPTURE(n);
         CHECK(report.converged);
-        for (const hmesh::kit::HeldEntry& entry : held) CHECK(x(entry.row, entry.column) == start(entry.row, entry.column));
+        for (const HeldEntry& entry : held) CHECK(at(x, entry) == at(start, entry));
         double residual = 0;
         for (Index k = 0; k < 4; ++k) {
             const Reduced reduced = reduce(dense, b, start, held, k);
@@ -267,15 +278,15 @@ TEST_CASE("held entries keep their bits, and the others solve the system without
 }
 
 TEST_CASE("held entries are what the residual is relative to, whatever the right-hand side") {
-    hmesh::kit::Random random(12);
+    Random random(12);
     const MatrixXd dense = random_spd(40, random), start = random_matrix(40, 3, random);
     MatrixXd b = random_matrix(40, 3, random);
     b.col(0).setZero();  // only what is held asks for something
     b.col(1) *= 1e-9;    // far less than what is held
-    const std::vector<hmesh::kit::HeldEntry> held = {{3, 0}, {17, 0}, {5, 1}, {0, 2}};
+    const std::vector<HeldEntry> held = {{3, 0}, {17, 0}, {5, 1}, {0, 2}};
     for (const double tolerance : {1e-3, 1e-10}) {
         MatrixXd x = start;
-        const hmesh::kit::PcgReport report = hmesh::kit::solve_pcg(dense.sparseView(), b, x, {2000, tolerance}, held);
+        const PcgReport report = solve_pcg(dense.sparseView(), b, x, {2000, tolerance}, held);
         CHECK(report.converged);
         double residual = 0;
         for (Index k = 0; k < 3; ++k) {
@@ -290,10 +301,10 @@ TEST_CASE("held entries are what the residual is relative to, whatever the right
 }
 
 TEST_CASE("entries held at zero beside a right-hand side of zero give zero, at once") {
-    hmesh::kit::Random random(13);
+    Random random(13);
     MatrixXd x = random_matrix(20, 1, random);
     x(4, 0) = 0;
-    const hmesh::kit::PcgReport report = hmesh::kit::solve_pcg(random_spd(20, random).sparseView(), MatrixXd::Zero(20, 1), x, {}, {{4, 0}});
+    const PcgReport report = solve_pcg(random_spd(20, random).sparseView(), MatrixXd::Zero(20, 1), x, {}, {{4, 0}});
     CHECK(report.converged);
     CHECK(report.iterations == 0);
     CHECK(x.isZero(0));

@@ -16,7 +16,8 @@
 #include "test_meshing.hpp"
 #include "test_results.hpp"
 
-using hmesh::kit::Effort;
+using hmesh::Annealed;
+using hmesh::Effort;
 using hmesh::Image;
 using hmesh::mesh_image;
 using hmesh::Options;
@@ -25,16 +26,13 @@ using hmesh::Target;
 namespace {
 
 template <class T, int C>
-hmesh::Result<C> mesh_of(const Image<T, C>& image, std::int64_t vertices, Effort effort, std::uint64_t seed = 1) {
-    Options options;
-    options.target = Target::vertices(vertices);
-    options.effort = effort;
-    options.seed = seed;
+hmesh::Result mesh_of(const Image<T, C>& image, std::int64_t vertices, Effort effort) {
+    Annealed recipe{effort};
     if (effort == Effort::best) {  // its 1000 sweeps take long under sanitizers
-        options.annealed = hmesh::kit::annealed_options(effort);
-        options.annealed->annealing.sweeps = 100;
+        recipe.steps = hmesh::kit::annealed_steps(effort);
+        recipe.steps->annealing.sweeps = 100;
     }
-    return mesh_image(image.view(), options);
+    return mesh_image(image.view(), Options{Target::vertices(vertices)}, recipe);
 }
 
 // Image in, mesh, picture out: psnr() of the picture is what the report says.

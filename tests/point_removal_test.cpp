@@ -18,6 +18,7 @@
 #include "test_meshes.hpp"
 #include "test_weighted.hpp"
 
+namespace kit = hmesh::kit;
 using hmesh::kit::Color;
 using hmesh::kit::Delaunay;
 using hmesh::kit::Edge;
@@ -53,14 +54,14 @@ Triangulation generic_points(int width, int height, int inner, int border, std::
     std::vector<Point> points;
     for (int k = 0; k < inner; ++k) {
         const double x = 0.1 + random.uniform() * (width - 0.2), y = 0.1 + random.uniform() * (height - 0.2);
-        points.push_back(hmesh::kit::snap(Point{x, y}));
+        points.push_back(kit::snap(Point{x, y}));
     }
     for (int k = 0; k < border; ++k) {
         const double t = random.uniform(), w = width, h = height;
         const Point sides[4] = {{t * w, 0}, {t * w, h}, {0, t * h}, {w, t * h}};
-        points.push_back(hmesh::kit::snap(sides[k % 4]));
+        points.push_back(kit::snap(sides[k % 4]));
     }
-    return triangulation_of(hmesh::kit::triangulate(width, height, points));
+    return triangulation_of(kit::triangulate(width, height, points));
 }
 
 // All corners of the pixels in steps of `step`: every square has its corners on a circle.
@@ -68,7 +69,7 @@ Triangulation lattice(int width, int height, int step) {
     std::vector<Point> points;
     for (int y = 0; y <= height; y += step)
         for (int x = 0; x <= width; x += step) points.push_back({static_cast<double>(x), static_cast<double>(y)});
-    return triangulation_of(hmesh::kit::triangulate(width, height, points));
+    return triangulation_of(kit::triangulate(width, height, points));
 }
 
 // The energy of the Delaunay triangulation of the mesh's vertices but v, with their colours, made from scratch.
@@ -81,7 +82,7 @@ double energy_without(const ImageMesh<C>& mesh, Vertex v) {
         kept.push_back(u);
         points.push_back(mesh.position(u));
     }
-    const Triangulation after = triangulation_of(hmesh::kit::triangulate(mesh.width(), mesh.height(), points));
+    const Triangulation after = triangulation_of(kit::triangulate(mesh.width(), mesh.height(), points));
     REQUIRE(after.positions.size() == kept.size());
     std::vector<Color<C>> colors;
     for (const Point p : after.positions) {
@@ -89,7 +90,7 @@ double energy_without(const ImageMesh<C>& mesh, Vertex v) {
         colors.push_back(mesh.color(kept.at(at)));
     }
     ImageMesh<C> other(mesh.table(), mesh.color_low(), mesh.color_high());
-    REQUIRE(other.assign(after.positions, after.triangles, colors, hmesh::SerialFor()));
+    REQUIRE(other.assign(after.positions, after.triangles, colors, {}));
     return other.energy();
 }
 
@@ -110,7 +111,7 @@ bool is_delaunay(const ImageMesh<C>& mesh) {
         if (topology.is_boundary(e)) continue;
         const Halfedge h = HalfedgeMesh::halfedge(e), o = HalfedgeMesh::opposite(h);
         const auto at = [&](Halfedge side) { return mesh.position(topology.to_vertex(side)); };
-        if (hmesh::kit::in_circle(at(o), at(h), at(topology.next(h)), at(topology.next(o))) > 0) return false;
+        if (kit::in_circle(at(o), at(h), at(topology.next(h)), at(topology.next(o))) > 0) return false;
     }
     return true;
 }
@@ -269,16 +270,16 @@ TEST_CASE("what is affine costs nothing, so the border between two affine pictur
 }
 
 TEST_CASE("a vertex with too many neighbors for a ring stays until some of these are gone") {
-    const int spokes = hmesh::kit::ring_capacity + 16;
+    const int spokes = kit::ring_capacity + 16;
     std::vector<Point> points;
     Random random(31);
     for (int k = 0; k < spokes; ++k) {  // hardly off a circle, or there would be many triangulations without the hub
         const double angle = 6.283185307179586 * k / spokes, radius = 25 + 0.05 * random.uniform();
-        points.push_back(hmesh::kit::snap(Point{30 + radius * std::cos(angle), 30 + radius * std::sin(angle)}));
+        points.push_back(kit::snap(Point{30 + radius * std::cos(angle), 30 + radius * std::sin(angle)}));
     }
     points.push_back({30, 30});
     Subject<std::uint8_t, 3> subject(hmesh_test::noise<std::uint8_t, 3>(60, 60, 31),
-                                     triangulation_of(hmesh::kit::triangulate(60, 60, points)));
+                                     triangulation_of(kit::triangulate(60, 60, points)));
     ImageMesh<3>& mesh = subject.mesh;
     Vertex hub;
     for (const Vertex v : mesh.topology().vertices())
@@ -286,7 +287,7 @@ TEST_CASE("a vertex with too many neighbors for a ring stays until some of these
     REQUIRE(mesh.topology().valence(hub) == spokes);
     PointRemoval<3> removal(mesh);
     CHECK(!removal.can_go(hub));
-    while (mesh.topology().valence(hub) > hmesh::kit::ring_capacity) {
+    while (mesh.topology().valence(hub) > kit::ring_capacity) {
         REQUIRE(removal.remove_down_to(mesh.vertex_count() - 1) == 1);
         REQUIRE(!mesh.topology().is_deleted(hub));
         require_valid(mesh);
@@ -302,7 +303,7 @@ TEST_CASE("frozen vertices stay, and no more go than are asked for") {
     Subject<std::uint8_t, 1> subject(hmesh_test::noise<std::uint8_t, 1>(40, 40, 41), generic_points(40, 40, 60, 12, 41));
     ImageMesh<1>& mesh = subject.mesh;
     const std::size_t count = mesh.vertex_count();
-    for (std::size_t k = 10; k < 20; ++k) mesh.lock(Vertex(k), hmesh::kit::max_valence);
+    for (std::size_t k = 10; k < 20; ++k) mesh.lock(Vertex(k), kit::max_valence);
     PointRemoval<1> removal(mesh);
     CHECK(removal.remove_down_to(count) == 0);
     CHECK(removal.remove_down_to(count + 100) == 0);
@@ -317,30 +318,26 @@ TEST_CASE("removal says how far it is, and a callback ends it, and the rating be
     for (const int last : {5, 20}) {
         CAPTURE(last);
         Subject<std::uint8_t, 1> subject(hmesh_test::noise<std::uint8_t, 1>(60, 60, 51), lattice(60, 60, 1));
-        struct Calls {
-            int last, count = 0;
-            double fraction = 0;
-        } calls{last};
-        const hmesh::Progress progress{[](void* user, const hmesh::ProgressInfo& info) {
-                                           Calls& c = *static_cast<Calls*>(user);
-                                           c.fraction = info.fraction;
-                                           return ++c.count < c.last;
-                                       },
-                                       &calls};
-        hmesh::kit::ProgressReporter monitor(progress, 3600, 255);
-        monitor.set_range(0, 1);
+        int calls = 0;
+        double fraction = 0;
+        const auto callback = [&](const hmesh::ProgressInfo& info) {
+            fraction = info.fraction;
+            return ++calls < last;
+        };
+        kit::ProgressReporter progress(callback, 3600, 255);
+        progress.set_range(0, 1);
         std::size_t removed = 0;
         {
-            hmesh::kit::TaskProgress task(monitor, 1);
+            kit::TaskProgress task(progress, 1);
             subject.mesh.set_task(&task);
             removed = PointRemoval<1>(subject.mesh).remove_down_to(100);
             subject.mesh.set_task(nullptr);
         }
-        CHECK(calls.count == last);
+        CHECK(calls == last);
         if (last == 5) CHECK(removed == 0);  // fewer than 256 vertices are rated between two calls
         else CHECK(removed > 500);
         CHECK(removed < 61 * 61 - 100);
-        CHECK(calls.fraction == doctest::Approx(static_cast<double>(removed) / (61 * 61 - 100)).epsilon(1e-2));
+        CHECK(fraction == doctest::Approx(static_cast<double>(removed) / (61 * 61 - 100)).epsilon(1e-2));
         CHECK(subject.mesh.vertex_count() == 61 * 61 - removed);
         require_valid(subject.mesh);
     }

@@ -16,19 +16,20 @@
 
 #include "hmesh/core/random.hpp"
 #include "hmesh/mesh_image.hpp"
+#include "hmesh/paper.hpp"
 #include "test_images.hpp"
 #include "test_meshing.hpp"
 #include "test_results.hpp"
 
-using hmesh::kit::Effort;
+using hmesh::Annealed;
+using hmesh::Effort;
 using hmesh::Errc;
-using hmesh::kit::ProgressReporter;
 using hmesh::Options;
-using hmesh::Progress;
-using hmesh::kit::psnr_of_energy;
-using hmesh::kit::TaskProgress;
 using hmesh::ProgressInfo;
 using hmesh::Target;
+using hmesh::kit::ProgressReporter;
+using hmesh::kit::psnr_of_energy;
+using hmesh::kit::TaskProgress;
 
 namespace {
 
@@ -43,13 +44,9 @@ struct Recorder {
     std::vector<Call> calls;
     std::size_t stop_at = std::numeric_limits<std::size_t>::max();
 
-    [[nodiscard]] Progress progress() {
-        return {[](void* user, const ProgressInfo& info) {
-                    Recorder& self = *static_cast<Recorder*>(user);
-                    self.calls.push_back({info.stage, info.fraction, info.vertices, info.energy});
-                    return self.calls.size() <= self.stop_at;
-                },
-                this};
+    bool operator()(const ProgressInfo& info) {
+        calls.push_back({info.stage, info.fraction, info.vertices, info.energy});
+        return calls.size() <= stop_at;
     }
 };
 
@@ -83,19 +80,21 @@ std::vector<std::string> check_calls(const std::vector<Recorder::Call>& calls) {
     return stages;
 }
 
-template <class T, int C>
-void cancel_everywhere(const hmesh::Image<T, C>& image, Options options, std::size_t stride = 1) {
+template <class T, int C, class Recipe>
+void cancel_everywhere(const hmesh::Image<T, C>& image, Target target, const Recipe& recipe, std::size_t stride = 1) {
+    Options options;
+    options.target = target;
     Recorder all;
-    options.progress = all.progress();
-    const auto whole = hmesh::mesh_image(image.view(), options);
-    REQUIRE(whole.status);
+    options.progress = all;
+    const hmesh::Result finished = hmesh::mesh_image(image.view(), options, recipe);
+    REQUIRE(finished.status);
     double first = 0;
     for (std::size_t k = 0; k < all.calls.size(); k += stride) {
         CAPTURE(k);
         Recorder recorder;
         recorder.stop_at = k;
-        options.progress = recorder.progress();
-        const auto result = hmesh::mesh_image(image.view(), options);
+        options.progress = recorder;
+        const hmesh::Result result = hmesh::mesh_image(image.view(), options, recipe);
         CHECK(result.status.code == Errc::cancelled);
         CHECK(std::string(result.status.what).size() > 8);
         CHECK(recorder.calls.size() == k + 1);  // never called again
@@ -106,86 +105,81 @@ void cancel_everywhere(const hmesh::Image<T, C>& image, Options options, std::si
         CHECK(result.report.energy <= 1.2 * first);
     }
 }
-template <class T, int C>
-void cancel_everywhere(const hmesh::Image<T, C>& image, Target target, Effort effort, std::size_t stride = 1, int tile = 0) {
-    Options options;
-    options.target = target;
-    options.effort = effort;
-    options.tile = tile;
-    cancel_everywhere(image, options, stride);
+
+Annealed annealed(Effort effort, int tile = 0) {
+    Annealed recipe;
+    recipe.effort = effort;
+    recipe.tile = tile;
+    return recipe;
 }
 
-// Runs body(options) for each of the methods that annealed is compared with, with a little of everything they can do.
+// Runs body(recipe) for each of the methods that annealed is compared with, with a little of everything they can do.
 template <class Body>
-void for_each_other_method(std::int64_t vertices, Body&& body) {
-    using hmesh::Method;
-    for (const Method method : {Method::hierarchical, Method::xie, Method::adams, Method::adaptive_thinning}) {
-        CAPTURE(static_cast<int>(method));
-        Options options;
-        options.target = Target::vertices(vertices);
-        options.method = method;
-        options.hierarchical.levels = 3;
-        body(options);
-        if (method != Method::hierarchical) continue;
-        options.hierarchical.start_filtered = false;
-        options.hierarchical.geometry.rule = hmesh::kit::StepRule::literal;
-        body(options);
-    }
+void for_each_other_method(Body&& body) {
+    hmesh::Hierarchical recipe;
+    recipe.levels = 3;
+    body(recipe);
+    recipe.start_filtered = false;
+    recipe.geometry.rule = hmesh::kit::StepRule::literal;
+    body(recipe);
+    body(hmesh::Xie());
+    body(hmesh::Adams());
+    body(hmesh::AdaptiveThinning());
 }
 
 }  // namespace
 
-TEST_CASE("a monitor without a callback goes on and notes what each stage left") {
-    ProgressReporter monitor({}, 1000, 255);
-    CHECK(monitor.begin("first", 4, 900));
-    CHECK(monitor.update(0.5, 10, 500));
-    CHECK(monitor.end(20, 100));
-    CHECK(monitor.begin("second", 20, 100));
-    CHECK(monitor.end(30, 0));
-    CHECK_FALSE(monitor.stopped());
-    REQUIRE(monitor.stages().size() == 2);
-    CHECK(std::string(monitor.stages()[0].name) == "first");
-    CHECK(monitor.stages()[0].vertices == 20);
-    CHECK(monitor.stages()[0].energy == 100);
-    CHECK(monitor.stages()[0].psnr == psnr_of_energy(100, 1000, 255));
-    CHECK(monitor.stages()[1].psnr == std::numeric_limits<double>::infinity());
+TEST_CASE("a reporter without a callback goes on and notes what each stage left") {
+    ProgressReporter reporter({}, 1000, 255);
+    CHECK(reporter.begin("first", 4, 900));
+    CHECK(reporter.update(0.5, 10, 500));
+    CHECK(reporter.end(20, 100));
+    CHECK(reporter.begin("second", 20, 100));
+    CHECK(reporter.end(30, 0));
+    CHECK_FALSE(reporter.stopped());
+    REQUIRE(reporter.stages().size() == 2);
+    CHECK(std::string(reporter.stages()[0].name) == "first");
+    CHECK(reporter.stages()[0].vertices == 20);
+    CHECK(reporter.stages()[0].energy == 100);
+    CHECK(reporter.stages()[0].psnr == psnr_of_energy(100, 1000, 255));
+    CHECK(reporter.stages()[1].psnr == std::numeric_limits<double>::infinity());
 }
 
 TEST_CASE("a stage reports the iterations of all its solves and the largest residual; the next begins with none") {
-    ProgressReporter monitor({}, 1000, 255);
-    monitor.begin("first", 4, 900);
-    monitor.note_solve(7, 1e-7);
-    monitor.update(0.5, 10, 500);
-    monitor.note_solve(5, 3e-6);
-    monitor.note_solve(0, 0);
-    monitor.note_solve(11, 2e-6);
-    monitor.end(20, 100);
-    monitor.begin("second", 20, 100);
-    monitor.end(20, 100);
-    monitor.begin("third", 20, 100);
-    monitor.note_solve(3, 1e-9);
-    monitor.end(20, 100);
-    monitor.begin("given up", 20, 100);
-    monitor.note_solve(100, 1);
-    monitor.begin("fourth", 20, 100);
-    monitor.end(20, 100);
-    REQUIRE(monitor.stages().size() == 4);
-    CHECK(monitor.stages()[0].iterations == 23);
-    CHECK(monitor.stages()[0].residual == 3e-6);
-    CHECK(monitor.stages()[1].iterations == 0);
-    CHECK(monitor.stages()[1].residual == 0);
-    CHECK(monitor.stages()[2].iterations == 3);
-    CHECK(monitor.stages()[2].residual == 1e-9);
-    CHECK(monitor.stages()[3].iterations == 0);
-    CHECK(monitor.stages()[3].residual == 0);
+    ProgressReporter reporter({}, 1000, 255);
+    reporter.begin("first", 4, 900);
+    reporter.note_solve(7, 1e-7);
+    reporter.update(0.5, 10, 500);
+    reporter.note_solve(5, 3e-6);
+    reporter.note_solve(0, 0);
+    reporter.note_solve(11, 2e-6);
+    reporter.end(20, 100);
+    reporter.begin("second", 20, 100);
+    reporter.end(20, 100);
+    reporter.begin("third", 20, 100);
+    reporter.note_solve(3, 1e-9);
+    reporter.end(20, 100);
+    reporter.begin("given up", 20, 100);
+    reporter.note_solve(100, 1);
+    reporter.begin("fourth", 20, 100);
+    reporter.end(20, 100);
+    REQUIRE(reporter.stages().size() == 4);
+    CHECK(reporter.stages()[0].iterations == 23);
+    CHECK(reporter.stages()[0].residual == 3e-6);
+    CHECK(reporter.stages()[1].iterations == 0);
+    CHECK(reporter.stages()[1].residual == 0);
+    CHECK(reporter.stages()[2].iterations == 3);
+    CHECK(reporter.stages()[2].residual == 1e-9);
+    CHECK(reporter.stages()[3].iterations == 0);
+    CHECK(reporter.stages()[3].residual == 0);
 }
 
-TEST_CASE("a monitor hands on stage, fraction in [0, 1], vertices and energy") {
+TEST_CASE("a reporter hands on stage, fraction in [0, 1], vertices and energy") {
     Recorder recorder;
-    ProgressReporter monitor(recorder.progress(), 1000, 255);
-    monitor.begin("work", 4, 900);
-    for (const double fraction : {-3.0, 0.25, 7.0}) monitor.update(fraction, 10, 500);
-    monitor.end(20, 100);
+    ProgressReporter reporter(recorder, 1000, 255);
+    reporter.begin("work", 4, 900);
+    for (const double fraction : {-3.0, 0.25, 7.0}) reporter.update(fraction, 10, 500);
+    reporter.end(20, 100);
     REQUIRE(recorder.calls.size() == 5);
     CHECK(recorder.calls[0].fraction == 0);
     CHECK(recorder.calls[0].vertices == 4);
@@ -200,108 +194,102 @@ TEST_CASE("a monitor hands on stage, fraction in [0, 1], vertices and energy") {
 
 TEST_CASE("an energy that rounding made negative is handed on as 0") {
     Recorder recorder;
-    ProgressReporter monitor(recorder.progress(), 1000, 255);
-    monitor.begin("work", 4, -1e-12);
-    monitor.update(0.5, 4, -1e-9);
-    monitor.end(4, -1e-12);
+    ProgressReporter reporter(recorder, 1000, 255);
+    reporter.begin("work", 4, -1e-12);
+    reporter.update(0.5, 4, -1e-9);
+    reporter.end(4, -1e-12);
     REQUIRE(recorder.calls.size() == 3);
     for (const auto& call : recorder.calls) CHECK(call.energy == 0);
-    CHECK(monitor.stages()[0].energy == 0);
+    CHECK(reporter.stages()[0].energy == 0);
 }
 
-TEST_CASE("once told to stop a monitor stays stopped and calls no more") {
+TEST_CASE("once told to stop a reporter stays stopped and calls no more") {
     Recorder recorder;
     recorder.stop_at = 1;
-    ProgressReporter monitor(recorder.progress(), 1000, 255);
-    CHECK(monitor.begin("work", 4, 900));
-    CHECK_FALSE(monitor.update(0.5, 10, 500));
-    CHECK(monitor.stopped());
-    CHECK_FALSE(monitor.update(0.7, 10, 500));
-    CHECK_FALSE(monitor.end(20, 100));
-    CHECK_FALSE(monitor.begin("next", 20, 100));
+    ProgressReporter reporter(recorder, 1000, 255);
+    CHECK(reporter.begin("work", 4, 900));
+    CHECK_FALSE(reporter.update(0.5, 10, 500));
+    CHECK(reporter.stopped());
+    CHECK_FALSE(reporter.update(0.7, 10, 500));
+    CHECK_FALSE(reporter.end(20, 100));
+    CHECK_FALSE(reporter.begin("next", 20, 100));
     CHECK(recorder.calls.size() == 2);
 }
 
-TEST_CASE("polled from several threads a monitor never calls twice at a time, and says stop to all once told so") {
+TEST_CASE("polled from several threads a reporter never calls twice at a time, and says stop to all once told so") {
     struct Shared {
         std::atomic<int> inside{0}, most{0}, calls{0};
         int plain = 0;  // what a race would spoil
     } shared;
     constexpr int last = 2000;
-    const Progress progress{[](void* user, const ProgressInfo&) {
-                                Shared& s = *static_cast<Shared*>(user);
-                                const int inside = ++s.inside;
-                                if (inside > s.most) s.most = inside;
-                                ++s.plain;
-                                const bool go_on = ++s.calls < last;
-                                --s.inside;
-                                return go_on;
-                            },
-                            &shared};
-    ProgressReporter monitor(progress, 1000, 255);
+    const auto callback = [&](const ProgressInfo&) {
+        const int inside = ++shared.inside;
+        if (inside > shared.most) shared.most = inside;
+        ++shared.plain;
+        const bool go_on = ++shared.calls < last;
+        --shared.inside;
+        return go_on;
+    };
+    ProgressReporter reporter(callback, 1000, 255);
     std::atomic<int> taken_back{0};
     std::vector<std::thread> threads;
     for (int k = 0; k < 4; ++k)
         threads.emplace_back([&] {
-            while (monitor.poll()) monitor.add(1e-6);
-            for (int i = 0; i < 100; ++i) taken_back += monitor.poll() ? 1 : 0;
+            while (reporter.poll()) reporter.add(1e-6);
+            for (int i = 0; i < 100; ++i) taken_back += reporter.poll() ? 1 : 0;
         });
     for (std::thread& thread : threads) thread.join();
     CHECK(shared.most == 1);
     CHECK(shared.calls == last);
     CHECK(shared.plain == last);
     CHECK(taken_back == 0);
-    CHECK(monitor.stopped());
+    CHECK(reporter.stopped());
 }
 
-TEST_CASE("a monitor does not call from within its call") {
-    struct Nested {
-        ProgressReporter* monitor = nullptr;
-        int calls = 0;
-        bool inner = false;
-    } nested;
-    ProgressReporter monitor({[](void* user, const ProgressInfo&) {
-                         Nested& n = *static_cast<Nested*>(user);
-                         ++n.calls;
-                         n.inner = n.monitor->poll();
-                         return true;
-                     },
-                     &nested},
-                    1000, 255);
-    nested.monitor = &monitor;
-    CHECK(monitor.poll());
-    CHECK(nested.calls == 1);
-    CHECK(nested.inner);
+TEST_CASE("a reporter does not call from within its call") {
+    ProgressReporter* self = nullptr;
+    int calls = 0;
+    bool inner = false;
+    const auto callback = [&](const ProgressInfo&) {
+        ++calls;
+        inner = self->poll();
+        return true;
+    };
+    ProgressReporter reporter(callback, 1000, 255);
+    self = &reporter;
+    CHECK(reporter.poll());
+    CHECK(calls == 1);
+    CHECK(inner);
 }
 
 TEST_CASE("the fractions of pieces at work add up to the range expected, rise only and never exceed it") {
     for (const auto& [from, to] : {std::pair{0.0, 1.0}, {0.25, 0.5}, {0.5, 0.5}, {-3.0, 7.0}}) {
         const double first = std::max(0.0, from), end = std::min(1.0, to);
         Recorder recorder;
-        ProgressReporter monitor(recorder.progress(), 1000, 255);
-        monitor.begin("work", 4, 900);
-        monitor.set_range(from, to);
+        ProgressReporter reporter(recorder, 1000, 255);
+        reporter.begin("work", 4, 900);
+        reporter.set_range(from, to);
         hmesh::kit::Random random(3);
         {
-            std::vector<std::unique_ptr<TaskProgress>> pulses;
-            std::vector<double> apportion(7);
+            std::vector<std::unique_ptr<TaskProgress>> tasks;
+            std::vector<double> shares(7);
             double sum = 0, expected = 0;
             for (double& share : shares) sum += share = random.uniform();
             std::vector<double> reached(shares.size(), 0.0);
-            for (double& share : shares) pulses.push_back(std::make_unique<TaskProgress>(monitor, share /= sum));
+            for (double& share : shares) tasks.push_back(std::make_unique<TaskProgress>(reporter, share /= sum));
             for (int k = 0; k < 300; ++k) {
-                const std::size_t i = random.below(pulses.size());
+                const std::size_t i = random.below(tasks.size());
                 const double odd[] = {-1, 0, 0.3, 0.7, 1, 2, std::numeric_limits<double>::quiet_NaN()};
                 const double fraction = odd[random.below(k < 200 ? 4U : 7U)] * (k < 200 ? random.uniform() : 1);
-                pulses[i]->set_fraction(fraction);
+                tasks[i]->set_fraction(fraction);
                 if (fraction > reached[i]) reached[i] = std::min(1.0, fraction);
-                monitor.poll();
+                reporter.poll();
                 expected = 0;
                 for (std::size_t j = 0; j < shares.size(); ++j) expected += shares[j] * reached[j];
                 CHECK(recorder.calls.back().fraction == doctest::Approx(first + expected * (end - first)).epsilon(1e-9));
             }
         }
-        monitor.poll();
+        reporter.poll();
         CHECK(recorder.calls.back().fraction == doctest::Approx(end).epsilon(1e-9));
         double last = 0;
         for (const Recorder::Call& call : recorder.calls) {
@@ -314,21 +302,21 @@ TEST_CASE("the fractions of pieces at work add up to the range expected, rise on
 
 TEST_CASE("a piece that ends is done, whether it said so or not") {
     Recorder recorder;
-    ProgressReporter monitor(recorder.progress(), 1000, 255);
-    monitor.begin("work", 4, 900);
-    monitor.set_range(0.2, 0.6);
-    { const TaskProgress task(monitor, 0.25); }
-    monitor.poll();
+    ProgressReporter reporter(recorder, 1000, 255);
+    reporter.begin("work", 4, 900);
+    reporter.set_range(0.2, 0.6);
+    { const TaskProgress task(reporter, 0.25); }
+    reporter.poll();
     CHECK(recorder.calls.back().fraction == doctest::Approx(0.3));
-    monitor.set_range(0.6, 1);  // starts anew
-    monitor.poll();
+    reporter.set_range(0.6, 1);  // starts anew
+    reporter.poll();
     CHECK(recorder.calls.back().fraction == 0.6);
 }
 
-TEST_CASE("a beat asks the callback every 256th time, and not at all once the work is to stop") {
+TEST_CASE("keep_going asks the callback every 256th time, and not at all once the work is to stop") {
     Recorder recorder;
-    ProgressReporter monitor(recorder.progress(), 1000, 255);
-    TaskProgress task(monitor, 1);
+    ProgressReporter reporter(recorder, 1000, 255);
+    TaskProgress task(reporter, 1);
     for (std::size_t k = 1; k <= 3000; ++k) {
         CHECK(task.keep_going());
         REQUIRE(recorder.calls.size() == k / 256);
@@ -339,7 +327,7 @@ TEST_CASE("a beat asks the callback every 256th time, and not at all once the wo
     CHECK(beats < 2 * 256);
     CHECK(recorder.calls.size() == 13);
     CHECK(task.stopped());
-    TaskProgress other(monitor, 0.5);
+    TaskProgress other(reporter, 0.5);
     for (int k = 0; k < 1000; ++k) REQUIRE_FALSE((task.keep_going() || other.keep_going()));
     CHECK(recorder.calls.size() == 13);
 }
@@ -350,9 +338,8 @@ TEST_CASE("mesh_image reports each stage from 0 to 1 without a step back, and it
         Recorder recorder;
         Options options;
         options.target = Target::vertices(60);
-        options.effort = effort;
-        options.progress = recorder.progress();
-        const auto result = hmesh::mesh_image(image.view(), options);
+        options.progress = recorder;
+        const hmesh::Result result = hmesh::mesh_image(image.view(), options, annealed(effort));
         hmesh_test::prove_result(image, result, 60);
         const std::vector<std::string> stages = check_calls(recorder.calls);
         REQUIRE(stages.size() == result.report.stages.size());
@@ -367,10 +354,12 @@ TEST_CASE("mesh_image reports each stage from 0 to 1 without a step back, and it
 
 TEST_CASE("the methods that annealed is compared with report their stages alike") {
     const auto image = hmesh_test::scene<std::uint8_t, 3>(40, 36, 2);
-    for_each_other_method(60, [&](Options& options) {
+    for_each_other_method([&](const auto& recipe) {
         Recorder recorder;
-        options.progress = recorder.progress();
-        const auto result = hmesh::mesh_image(image.view(), options);
+        Options options;
+        options.target = Target::vertices(60);
+        options.progress = recorder;
+        const hmesh::Result result = hmesh::mesh_image(image.view(), options, recipe);
         hmesh_test::prove_result(image, result, 60);
         const std::vector<std::string> stages = check_calls(recorder.calls);
         REQUIRE(stages.size() == result.report.stages.size());
@@ -383,7 +372,7 @@ TEST_CASE("the methods that annealed is compared with report their stages alike"
         CHECK(stages.back() == "colors");
         CHECK(result.report.stages.back().energy == result.report.energy);
         options.progress = {};
-        CHECK(hmesh_test::same_bytes(hmesh::mesh_image(image.view(), options), result));
+        CHECK(hmesh_test::same_bytes(hmesh::mesh_image(image.view(), options, recipe), result));
     });
 }
 
@@ -393,9 +382,8 @@ TEST_CASE("pictures without error, one vertex a pixel and the smallest images re
             Recorder recorder;
             Options options;
             options.target = Target::vertices(vertices);
-            options.effort = effort;
-            options.progress = recorder.progress();
-            CHECK(hmesh::mesh_image(image.view(), options).status);
+            options.progress = recorder;
+            CHECK(hmesh::mesh_image(image.view(), options, annealed(effort)).status);
             check_calls(recorder.calls);
         }
     };
@@ -410,9 +398,8 @@ TEST_CASE("a search for a PSNR reports the stages of each of its runs") {
     Recorder recorder;
     Options options;
     options.target = Target::psnr(30);
-    options.effort = Effort::fast;
-    options.progress = recorder.progress();
-    CHECK(hmesh::mesh_image(image.view(), options).status);
+    options.progress = recorder;
+    CHECK(hmesh::mesh_image(image.view(), options, annealed(Effort::fast)).status);
     CHECK(check_calls(recorder.calls).size() > 10);
 }
 
@@ -421,35 +408,35 @@ TEST_CASE("a progress callback changes no byte of the result") {
     Recorder recorder;
     Options options;
     options.target = Target::vertices(60);
-    const auto silent = hmesh::mesh_image(image.view(), options);
-    options.progress = recorder.progress();
+    const hmesh::Result silent = hmesh::mesh_image(image.view(), options);
+    options.progress = recorder;
     CHECK(hmesh_test::same_bytes(hmesh::mesh_image(image.view(), options), silent));
 }
 
 TEST_CASE("cancelled at any call, mesh_image returns a valid mesh and a report that is true of it") {
-    cancel_everywhere(hmesh_test::scene<std::uint8_t, 3>(40, 36, 2), Target::vertices(60), Effort::draft);
-    cancel_everywhere(hmesh_test::scene<std::uint8_t, 3>(40, 36, 2), Target::vertices(60), Effort::fast);
-    cancel_everywhere(hmesh_test::scene<std::uint8_t, 3>(32, 28, 3), Target::vertices(40), Effort::normal);
-    cancel_everywhere(hmesh_test::scene<float, 1>(32, 28, 3), Target::vertices(40), Effort::normal);
-    cancel_everywhere(hmesh_test::noise<std::uint8_t, 1>(1, 1, 1), Target::vertices(4), Effort::normal);
-    cancel_everywhere(hmesh_test::scene<std::uint8_t, 3>(32, 28, 3), Target::vertices(40), Effort::best, 499);
+    cancel_everywhere(hmesh_test::scene<std::uint8_t, 3>(40, 36, 2), Target::vertices(60), annealed(Effort::draft));
+    cancel_everywhere(hmesh_test::scene<std::uint8_t, 3>(40, 36, 2), Target::vertices(60), annealed(Effort::fast));
+    cancel_everywhere(hmesh_test::scene<std::uint8_t, 3>(32, 28, 3), Target::vertices(40), annealed(Effort::normal));
+    cancel_everywhere(hmesh_test::scene<float, 1>(32, 28, 3), Target::vertices(40), annealed(Effort::normal));
+    cancel_everywhere(hmesh_test::noise<std::uint8_t, 1>(1, 1, 1), Target::vertices(4), annealed(Effort::normal));
+    cancel_everywhere(hmesh_test::scene<std::uint8_t, 3>(32, 28, 3), Target::vertices(40), annealed(Effort::best), 499);
 }
 
 TEST_CASE("cancelled at any call, the methods that annealed is compared with return a valid mesh and a true report") {
     const auto image = hmesh_test::scene<std::uint8_t, 3>(26, 22, 3);
-    for_each_other_method(30, [&](const Options& options) { cancel_everywhere(image, options); });
+    for_each_other_method([&](const auto& recipe) { cancel_everywhere(image, Target::vertices(30), recipe); });
     const auto floats = hmesh_test::scene<float, 1>(24, 20, 3);
-    for_each_other_method(150, [&](const Options& options) { cancel_everywhere(floats, options, 5); });
-    for_each_other_method(
-        4, [&](const Options& options) { cancel_everywhere(hmesh_test::noise<std::uint8_t, 1>(1, 1, 1), options); });
+    for_each_other_method([&](const auto& recipe) { cancel_everywhere(floats, Target::vertices(150), recipe, 5); });
+    const auto pixel = hmesh_test::noise<std::uint8_t, 1>(1, 1, 1);
+    for_each_other_method([&](const auto& recipe) { cancel_everywhere(pixel, Target::vertices(4), recipe); });
 }
 
 TEST_CASE("cancelled at any call of work in tiles, mesh_image returns a valid mesh and a report that is true of it") {
     for (const auto& [effort, stride] : {std::pair{Effort::draft, 5U}, {Effort::fast, 29U}, {Effort::normal, 173U}})
-        cancel_everywhere(hmesh_test::scene<std::uint8_t, 1>(98, 96, 3), Target::vertices(700), effort, stride, 64);
+        cancel_everywhere(hmesh_test::scene<std::uint8_t, 1>(98, 96, 3), Target::vertices(700), annealed(effort, 64), stride);
 }
 
 TEST_CASE("cancelled at any call of a search, mesh_image returns a valid mesh and a report that is true of it") {
-    cancel_everywhere(hmesh_test::scene<std::uint8_t, 3>(32, 28, 3), Target::psnr(28), Effort::draft);
-    cancel_everywhere(hmesh_test::scene<std::uint8_t, 3>(32, 28, 3), Target::psnr(28), Effort::fast, 7);
+    cancel_everywhere(hmesh_test::scene<std::uint8_t, 3>(32, 28, 3), Target::psnr(28), annealed(Effort::draft));
+    cancel_everywhere(hmesh_test::scene<std::uint8_t, 3>(32, 28, 3), Target::psnr(28), annealed(Effort::fast), 7);
 }

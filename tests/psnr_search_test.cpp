@@ -13,32 +13,24 @@
 
 #include "hmesh/core/random.hpp"
 #include "hmesh/core/status.hpp"
+#include "hmesh/result.hpp"
 
 namespace {
 
 using hmesh::Errc;
+using hmesh::Result;
 using hmesh::kit::fewest_vertices;
-using hmesh::Status;
-
-// As much of a result as the search looks at, and the number it was made for.
-struct FakeResult {
-    struct {
-        double psnr = 0;
-    } report;
-    Status status;
-    std::size_t n = 0;
-};
 
 // Makes results after a curve n -> dB and remembers for which n.
 template <class Curve>
 class FakeMesher {
   public:
     explicit FakeMesher(Curve curve) : curve_(std::move(curve)) {}
-    FakeResult operator()(std::size_t n) {
+    Result operator()(std::size_t n) {
         asked_.push_back(n);
-        FakeResult result;
+        Result result;
         result.report.psnr = curve_(n);
-        result.n = n;
+        result.report.vertices = n;
         return result;
     }
     [[nodiscard]] const std::vector<std::size_t>& asked() const { return asked_; }
@@ -75,7 +67,7 @@ void check_search(const Curve& curve, double psnr, std::size_t first, std::size_
     CAPTURE(first);
     CAPTURE(most);
     FakeMesher mesher(curve);
-    const FakeResult result = fewest_vertices(psnr, first, most, mesher);
+    const Result result = fewest_vertices(psnr, first, most, mesher);
     const std::size_t best = fewest(curve, psnr, most);
     CHECK(mesher.asked().size() <= runs);
     for (std::size_t k = 0; k < mesher.asked().size(); ++k) {
@@ -90,8 +82,9 @@ void check_search(const Curve& curve, double psnr, std::size_t first, std::size_
     } else {
         CHECK(result.status.code == Errc::ok);
         CHECK(result.report.psnr >= psnr);
-        CHECK(result.n >= best);
-        CHECK(static_cast<double>(result.n - best) <= std::max(1.0, 0.005 * static_cast<double>(result.n)));
+        CHECK(result.report.vertices >= best);
+        CHECK(static_cast<double>(result.report.vertices - best) <=
+              std::max(1.0, 0.005 * static_cast<double>(result.report.vertices)));
     }
 }
 
@@ -148,20 +141,20 @@ TEST_CASE("a target that four vertices reach ends with four") {
     }
 }
 
-TEST_CASE("a target that nothing reaches ends with the best mesh there was and both numbers in hundredths of a dB") {
+TEST_CASE("a target that nothing reaches ends with the best mesh there was and says so with both numbers") {
     const auto curve = [](std::size_t n) { return 20 + std::log2(static_cast<double>(n)); };
     FakeMesher mesher(curve);
-    const FakeResult result = fewest_vertices(99.125, 10, 1024, mesher);
+    const Result result = fewest_vertices(99.125, 10, 1024, mesher);
     CHECK(result.status.code == Errc::target_out_of_range);
-    CHECK(result.n == 1024);
-    CHECK(result.status.value == 3000);
-    CHECK(result.status.limit == 9913);
+    CHECK(result.report.vertices == 1024);
+    CHECK(result.status.value == 30);
+    CHECK(result.status.limit == 99.125);
 
     // The best one need not be the last.
     FakeMesher bent([](std::size_t n) { return n <= 100 ? 20 + 0.01 * static_cast<double>(n) : 20.5; });
-    const FakeResult best = fewest_vertices(99, 100, 1024, bent);
+    const Result best = fewest_vertices(99, 100, 1024, bent);
     CHECK(best.status.code == Errc::target_out_of_range);
-    CHECK(best.n == 100);
+    CHECK(best.report.vertices == 100);
 }
 
 TEST_CASE("an image that holds four vertices only is asked once") {
@@ -189,22 +182,22 @@ TEST_CASE("noise does not keep the search from ending with a mesh that reaches t
         const auto clean = [](std::size_t n) { return 18 + 1.4 * std::log2(static_cast<double>(n)); };
         FakeMesher mesher([&](std::size_t n) { return clean(n) + noise * (2 * hmesh::kit::Random(seed, n).uniform() - 1); });
         const double psnr = 24 + 0.05 * static_cast<double>(seed);
-        const FakeResult result = fewest_vertices(psnr, 400, 200000, mesher);
+        const Result result = fewest_vertices(psnr, 400, 200000, mesher);
         CHECK(mesher.asked().size() <= 40);
         CHECK(result.status);
         CHECK(result.report.psnr >= psnr);
         // Some run failed with 0.5 % fewer vertices or one.
-        const auto fewer = static_cast<std::size_t>(std::floor(0.995 * static_cast<double>(result.n))) - 1;
+        const auto fewer = static_cast<std::size_t>(std::floor(0.995 * static_cast<double>(result.report.vertices))) - 1;
         CHECK(clean(fewer) < psnr + noise);
         for (const std::size_t n : mesher.asked())  // nothing better was thrown away
-            if (n < result.n) CHECK(clean(n) + noise * (2 * hmesh::kit::Random(seed, n).uniform() - 1) < psnr);
+            if (n < result.report.vertices) CHECK(clean(n) + noise * (2 * hmesh::kit::Random(seed, n).uniform() - 1) < psnr);
     }
 }
 
 TEST_CASE("a curve that falls in places still ends, with a mesh that is told truly") {
     for (std::uint64_t seed = 1; seed <= 100; ++seed) {
         FakeMesher mesher([&](std::size_t n) { return 20 + 20 * hmesh::kit::Random(seed, n).uniform(); });
-        const FakeResult result = fewest_vertices(38.5, 50, 3000, mesher);
+        const Result result = fewest_vertices(38.5, 50, 3000, mesher);
         CHECK(mesher.asked().size() <= 40);
         CHECK((result.status.code == Errc::ok) == (result.report.psnr >= 38.5));
     }
@@ -213,32 +206,32 @@ TEST_CASE("a curve that falls in places still ends, with a mesh that is told tru
 TEST_CASE("a run that fails at once is handed on; one that is cancelled leaves what was reached before") {
     const auto fails_from = [](std::size_t runs, double level) {
         return [runs, level, k = std::size_t{0}](std::size_t n) mutable {
-            FakeResult result;
-            result.n = n;
+            Result result;
+            result.report.vertices = n;
             result.report.psnr = level + std::log2(static_cast<double>(n));
-            if (++k >= runs) result.status = {Errc::cancelled, "cancelled by the progress callback", 0, 0};
+            if (++k >= runs) result.status = {Errc::cancelled, "cancelled by the progress callback"};
             return result;
         };
     };
-    const FakeResult at_once = fewest_vertices(30, 64, 100000, fails_from(1, 20));
+    const Result at_once = fewest_vertices(30, 64, 100000, fails_from(1, 20));
     CHECK(at_once.status.code == Errc::cancelled);
-    CHECK(at_once.n == 64);
-    const FakeResult reached = fewest_vertices(30, 2048, 100000, fails_from(2, 20));  // the first run reached it
+    CHECK(at_once.report.vertices == 64);
+    const Result reached = fewest_vertices(30, 2048, 100000, fails_from(2, 20));  // the first run reached it
     CHECK(reached.status.code == Errc::cancelled);
-    CHECK(reached.n == 2048);
+    CHECK(reached.report.vertices == 2048);
     CHECK(reached.report.psnr >= 30);
-    const FakeResult not_reached = fewest_vertices(30, 64, 100000, fails_from(2, 20));
+    const Result not_reached = fewest_vertices(30, 64, 100000, fails_from(2, 20));
     CHECK(not_reached.status.code == Errc::cancelled);
-    CHECK(not_reached.n > 64);
+    CHECK(not_reached.report.vertices > 64);
     // The run that was cancelled had just begun.
-    const FakeResult begun = fewest_vertices(30, 64, 100000, [k = 0](std::size_t n) mutable {
-        FakeResult result;
-        result.n = n;
+    const Result begun = fewest_vertices(30, 64, 100000, [k = 0](std::size_t n) mutable {
+        Result result;
+        result.report.vertices = n;
         result.report.psnr = k == 0 ? 26 : 10;
-        if (k++ != 0) result.status = {Errc::cancelled, "cancelled by the progress callback", 0, 0};
+        if (k++ != 0) result.status = {Errc::cancelled, "cancelled by the progress callback"};
         return result;
     });
     CHECK(begun.status.code == Errc::cancelled);
-    CHECK(begun.n == 64);
+    CHECK(begun.report.vertices == 64);
     CHECK(begun.report.psnr == 26);
 }

@@ -11,34 +11,33 @@
 #include "test_executors.hpp"
 #include "test_images.hpp"
 
-using hmesh::kit::bilateral_filter;
-using hmesh::kit::BilateralOptions;
 using hmesh::Image;
 using hmesh::ImageView;
-using hmesh::kit::LevelFilter;
+using hmesh::kit::apply_filter;
+using hmesh::kit::bilateral_filter;
+using hmesh::kit::BilateralOptions;
 using hmesh::kit::make_pyramid;
 using hmesh::kit::Pyramid;
 
 namespace {
 
-// What a LevelFilter was called with, and what it is to answer.
+// A LevelFilter that notes what it was called with.
 struct Calls {
     int count = 0, width = 0, height = 0, channels = 0;
     std::vector<float> seen;
     std::vector<float> answer;  // for the first samples; the others are left alone
+
+    void operator()(const float* from, float* to, int of_width, int of_height, int of_channels) {
+        ++count;
+        width = of_width;
+        height = of_height;
+        channels = of_channels;
+        seen.assign(from, from + static_cast<std::ptrdiff_t>(width) * height * channels);
+        for (std::size_t i = 0; i < answer.size(); ++i) to[i] = answer[i];
+    }
 };
 
-void answer(void* user, const float* from, float* to, int width, int height, int channels) {
-    Calls& calls = *static_cast<Calls*>(user);
-    ++calls.count;
-    calls.width = width;
-    calls.height = height;
-    calls.channels = channels;
-    calls.seen.assign(from, from + static_cast<std::ptrdiff_t>(width) * height * channels);
-    for (std::size_t i = 0; i < calls.answer.size(); ++i) to[i] = calls.answer[i];
-}
-
-void halve(void*, const float* from, float* to, int width, int height, int channels) {
+void halve(const float* from, float* to, int width, int height, int channels) {
     for (int i = 0; i < width * height * channels; ++i) to[i] = from[i] / 2;
 }
 
@@ -115,7 +114,7 @@ TEST_CASE("without a user's filter levels are the bilateral filter's, in any ord
 
 TEST_CASE("a user's filter takes the place of the bilateral one") {
     const auto image = hmesh_test::noise<float, 3>(9, 4, 1);
-    const auto pyramid = make_pyramid(image.view(), 3, {}, {halve, nullptr});
+    const auto pyramid = make_pyramid(image.view(), 3, {}, halve);
     std::vector<float> expected = image.samples();
     for (float& sample : expected) sample /= 4;
     CHECK(samples_of(pyramid.level(2)) == expected);
@@ -126,7 +125,7 @@ TEST_CASE_TEMPLATE("a user's filter sees packed rows of stored values, also of a
     const auto image = hmesh_test::noise<T, 3>(5, 4, 3);
     const hmesh_test::PaddedCopy<T, 3> copy(image, 2, true, T(77));
     Calls calls;
-    const Image<T, 3> out = apply({answer, &calls}, copy.view());
+    const Image<T, 3> out = apply_filter(calls, copy.view());
     CHECK(calls.count == 1);
     CHECK(calls.width == 5);
     CHECK(calls.height == 4);
@@ -141,8 +140,8 @@ TEST_CASE("what a user's filter writes is rounded and clamped; what is not finit
     Calls calls;
     calls.answer = {99.4F, 99.6F, -3, 1e30F, not_a_number, infinity, -infinity};
     const auto bytes = hmesh_test::constant_image<std::uint8_t, 1>(3, 3, 50 / 255.0);
-    CHECK(apply({answer, &calls}, bytes.view()).samples() == std::vector<std::uint8_t>{99, 100, 0, 255, 50, 50, 50, 50, 50});
+    CHECK(apply_filter(calls, bytes.view()).samples() == std::vector<std::uint8_t>{99, 100, 0, 255, 50, 50, 50, 50, 50});
     const auto floats = hmesh_test::constant_image<float, 1>(3, 3, 0.25);
-    CHECK(apply({answer, &calls}, floats.view()).samples() ==
+    CHECK(apply_filter(calls, floats.view()).samples() ==
           std::vector<float>{99.4F, 99.6F, -3, 1e30F, 0.25F, 0.25F, 0.25F, 0.25F, 0.25F});
 }

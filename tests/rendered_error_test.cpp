@@ -7,6 +7,7 @@
 #include <cstdint>
 
 #include "hmesh/mesh_image.hpp"
+#include "hmesh/paper.hpp"
 #include "hmesh/render.hpp"
 #include "test_executors.hpp"
 #include "test_images.hpp"
@@ -16,24 +17,24 @@
 using hmesh::Image;
 using hmesh::ImageView;
 using hmesh::Mesh;
+using hmesh::kit::rendered_error;
 
 namespace {
 
 template <class T, int C>
-Mesh<C> mesh_of(const Image<T, C>& image, int vertices) {
+Mesh mesh_of(const Image<T, C>& image, int vertices) {
     hmesh::Options options;
     options.target = hmesh::Target::vertices(vertices);
-    options.effort = hmesh::kit::Effort::draft;
-    const hmesh::Result<C> result = mesh_image(image.view(), options);
+    const hmesh::Result result = mesh_image(image.view(), options, hmesh::Annealed{hmesh::Effort::draft});
     REQUIRE(result.status);
     return result.mesh;
 }
 
 // By the brute force of test_meshes.hpp: each pixel against each face.
 template <class T, int C>
-double brute_energy(const Image<T, C>& image, const Mesh<C>& mesh) {
+double brute_energy(const Image<T, C>& image, const Mesh& mesh) {
     double energy = 0;
-    for (const hmesh::kit::Triangle& t : mesh.faces) {
+    for (const hmesh::Triangle& t : mesh.faces) {
         hmesh::kit::VertexState<C> corners[3]{};
         for (std::size_t k = 0; k < 3; ++k) {
             corners[k].position = {static_cast<double>(mesh.positions[2 * t[k]]),
@@ -51,24 +52,25 @@ double brute_energy(const Image<T, C>& image, const Mesh<C>& mesh) {
 TEST_CASE("the energy is that of brute force, in any order of the work") {
     const auto bytes = hmesh_test::scene<std::uint8_t, 3>(40, 32, 3);
     const auto floats = hmesh_test::scene<float, 2>(31, 44, 5);
-    const Mesh<3> of_bytes = mesh_of(bytes, 90);
-    const Mesh<2> of_floats = mesh_of(floats, 90);
+    const Mesh of_bytes = mesh_of(bytes, 90);
+    const Mesh of_floats = mesh_of(floats, 90);
     CHECK(rendered_error(of_bytes, bytes.view()) == doctest::Approx(brute_energy(bytes, of_bytes)).epsilon(1e-12));
     CHECK(rendered_error(of_floats, floats.view()) == doctest::Approx(brute_energy(floats, of_floats)).epsilon(1e-12));
-    CHECK(rendered_error(of_floats, floats.view(), {}, 1, hmesh_test::ShuffledFor{3}) == rendered_error(of_floats, floats.view()));
+    CHECK(rendered_error(of_floats, floats.view(), {}, 1, hmesh_test::ShuffledFor{3}) ==
+          rendered_error(of_floats, floats.view()));
 }
 
 TEST_CASE("weights count each pixel as often as they say") {
     const auto image = hmesh_test::scene<float, 1>(24, 20, 3);
-    const Mesh<1> mesh = mesh_of(image, 40);
-    Image<float, 1> drawn;
-    REQUIRE(render(mesh.view(), drawn));
+    const Mesh mesh = mesh_of(image, 40);
+    const hmesh::RenderResult<1> drawn = hmesh::render<1>(mesh.view());
+    REQUIRE(drawn.status);
     Image<float, 1> weights(24, 20);
     double expected = 0;
     for (int y = 0; y < 20; ++y)
         for (int x = 0; x < 24; ++x) {
             *weights.pixel(x, y) = static_cast<float>((x + 2 * y) % 3);
-            const double difference = static_cast<double>(*drawn.pixel(x, y)) - static_cast<double>(*image.pixel(x, y));
+            const double difference = static_cast<double>(*drawn.image.pixel(x, y)) - static_cast<double>(*image.pixel(x, y));
             expected += (x + 2 * y) % 3 / 2.0 * difference * difference;
         }
     CHECK(rendered_error(mesh, image.view(), weights.view(), 0.5) == doctest::Approx(expected).epsilon(1e-5));
@@ -79,17 +81,17 @@ TEST_CASE("what is reported of a float image is what is drawn, a sun beside deep
         Image<float, 1> image = hmesh_test::scene<float, 1>(96, 80, 3);
         for (int y = 30; y < 36; ++y)
             for (int x = 20; x < 26; ++x) *image.pixel(x, y) = sun;
-        for (const auto method : {hmesh::Method::annealed, hmesh::Method::hierarchical}) {
-            hmesh::Options options;
-            options.target = hmesh::Target::vertices(300);
-            options.effort = hmesh::kit::Effort::fast;
-            options.method = method;
-            const hmesh::Result<1> result = mesh_image(image.view(), options);
+        hmesh::Options options;
+        options.target = hmesh::Target::vertices(300);
+        const auto check_recipe = [&](const auto& recipe) {
+            const hmesh::Result result = mesh_image(image.view(), options, recipe);
             REQUIRE(result.status);
-            Image<float, 1> drawn;
-            REQUIRE(render(result.mesh.view(), drawn));
-            CHECK(result.report.psnr == doctest::Approx(psnr(image.view(), drawn.view())).epsilon(1e-4));
+            const hmesh::RenderResult<1> drawn = hmesh::render<1>(result.mesh.view());
+            REQUIRE(drawn.status);
+            CHECK(result.report.psnr == doctest::Approx(psnr(image.view(), drawn.image.view())).epsilon(1e-4));
             CHECK(result.report.stages.back().psnr == result.report.psnr);
-        }
+        };
+        check_recipe(hmesh::Annealed{hmesh::Effort::fast});
+        check_recipe(hmesh::Hierarchical());
     }
 }

@@ -160,7 +160,7 @@ TEST_CASE("samples of the largest floats are finite and between those around the
     hmesh::kit::Random random(3);
     Image<float, 1> image(6, 5);
     const float most = std::numeric_limits<float>::max();
-    for (float& sample : image.samples()) sample = random.below(2) == 0 ? most : -most;
+    hmesh_test::for_each_sample(image, [&](float& sample) { sample = random.below(2) == 0 ? most : -most; });
     const ImageSource<1> source(image.view());
     for (int k = 0; k < 300; ++k) {
         const double value = sample_source<float, 1>(source, {6 * random.uniform(), 5 * random.uniform()})[0];

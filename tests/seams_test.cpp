@@ -17,10 +17,10 @@
 #include "test_executors.hpp"
 #include "test_images.hpp"
 
-using hmesh::kit::Color;
 using hmesh::Image;
-using hmesh::kit::ImageSource;
 using hmesh::PixelTraits;
+using hmesh::kit::Color;
+using hmesh::kit::ImageSource;
 using hmesh::kit::Seam;
 using hmesh::kit::seam_colors;
 using hmesh::kit::seam_lines;

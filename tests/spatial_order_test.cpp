@@ -6,14 +6,23 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <utility>
 #include <vector>
 
 #include "hmesh/core/random.hpp"
+#include "test_images.hpp"
+#include "test_meshes.hpp"
 
+using hmesh::kit::Edge;
+using hmesh::kit::Face;
+using hmesh::kit::Halfedge;
+using hmesh::kit::HalfedgeMesh;
 using hmesh::kit::in_spatial_order;
 using hmesh::kit::morton_code;
 using hmesh::kit::Point;
 using hmesh::kit::Random;
+using hmesh::kit::Vertex;
+using hmesh_test::Subject;
 
 namespace {
 
@@ -44,6 +53,40 @@ std::vector<Point> random_points(std::size_t count, double width, double height,
     std::vector<Point> points(count);
     for (Point& p : points) p = {width * random.uniform(), height * random.uniform()};
     return points;
+}
+
+template <class Element>
+void check_sorted(const std::vector<Element>& elements, std::vector<std::pair<std::uint32_t, std::size_t>> expected) {
+    std::sort(expected.begin(), expected.end());
+    REQUIRE(elements.size() == expected.size());
+    for (std::size_t k = 0; k < elements.size(); ++k) REQUIRE(elements[k].index() == expected[k].second);
+}
+
+template <int C>
+void check_orders(const hmesh::kit::ImageMesh<C>& mesh) {
+    std::vector<std::pair<std::uint32_t, std::size_t>> vertices, faces;
+    for (const Vertex v : mesh.topology().vertices()) vertices.emplace_back(morton_code(mesh.position(v)), v.index());
+    for (const Face f : mesh.topology().faces()) {
+        const auto v = mesh.topology().vertices(f);
+        const Point a = mesh.position(v[0]), b = mesh.position(v[1]), c = mesh.position(v[2]);
+        faces.emplace_back(morton_code({(a.x + b.x + c.x) / 3, (a.y + b.y + c.y) / 3}), f.index());
+    }
+    check_sorted(hmesh::kit::spatial_vertices(mesh), vertices);
+    check_sorted(hmesh::kit::spatial_faces(mesh), faces);
+    // Edges come with the faces: with that of their even half-edge or, on the border, with the only one.
+    std::vector<std::size_t> edges;
+    for (const Face f : hmesh::kit::spatial_faces(mesh)) {
+        Halfedge h = mesh.topology().halfedge(f);
+        for (int i = 0; i < 3; ++i, h = mesh.topology().next(h))
+            if (h == HalfedgeMesh::halfedge(HalfedgeMesh::edge(h)) || mesh.topology().is_boundary(HalfedgeMesh::edge(h)))
+                edges.push_back(HalfedgeMesh::edge(h).index());
+    }
+    std::vector<std::size_t> found;
+    for (const Edge e : hmesh::kit::spatial_edges(mesh)) found.push_back(e.index());
+    REQUIRE(found == edges);
+    std::sort(found.begin(), found.end());
+    REQUIRE(std::unique(found.begin(), found.end()) == found.end());
+    REQUIRE(found.size() == mesh.topology().edge_count());
 }
 
 }  // namespace
@@ -91,4 +134,15 @@ TEST_CASE("neighbors in the order are neighbors in the plane") {
         return sum;
     };
     CHECK(length(order) < 0.1 * length(range));
+}
+
+TEST_CASE("live vertices and faces come once each in Morton's order, ties by index, and edges once each with their faces") {
+    Subject<std::uint8_t, 1> subject(hmesh_test::noise<std::uint8_t, 1>(90, 50, 1), hmesh_test::jittered_grid(90, 50, 20, 12, 1));
+    check_orders(subject.mesh);
+    hmesh_test::wear(subject.mesh, 1500, 255, 1);
+    check_orders(subject.mesh);
+    CHECK(subject.mesh.vertex_count() < subject.mesh.topology().vertex_slots());
+
+    Subject<std::uint8_t, 1> crowded(hmesh_test::noise<std::uint8_t, 1>(3, 3, 1), hmesh_test::jittered_grid(3, 3, 12, 12, 1));
+    check_orders(crowded.mesh);  // many ties
 }

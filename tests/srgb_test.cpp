@@ -9,9 +9,9 @@
 
 namespace {
 
-using hmesh::detail::linear_to_srgb;
-using hmesh::detail::linear_to_srgb_slope;
-using hmesh::detail::srgb_to_linear;
+using hmesh::kit::linear_to_srgb;
+using hmesh::kit::linear_to_srgb_slope;
+using hmesh::kit::srgb_to_linear;
 
 // IEC 61966-2-1 as it is printed there.
 double decoded(double share) { return share <= 0.04045 ? share / 12.92 : std::pow((share + 0.055) / 1.055, 2.4); }

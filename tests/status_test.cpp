@@ -2,6 +2,8 @@
 
 #include <doctest/doctest.h>
 
+#include <cstddef>
+#include <cstdint>
 #include <string>
 #include <type_traits>
 
@@ -9,7 +11,7 @@ using hmesh::Errc;
 using hmesh::Status;
 
 static_assert(sizeof(Status) <= 32, "as promised");
-static_assert(std::is_trivially_copyable_v<Status> && std::is_aggregate_v<Status>);
+static_assert(std::is_trivially_copyable_v<Status>);
 static_assert(!std::is_convertible_v<Status, bool>, "bool only where it is asked for");
 static_assert(std::is_constructible_v<bool, Status>);
 static_assert(static_cast<bool>(Status{}));
@@ -21,7 +23,7 @@ TEST_CASE("a Status is true exactly when its code is ok") {
     CHECK(std::string(Status{}.what).empty());
     for (const Errc code : {Errc::invalid_argument, Errc::image_too_large, Errc::target_out_of_range, Errc::not_finite,
                             Errc::write_failed, Errc::cancelled})
-        CHECK_FALSE(Status{code});
+        CHECK_FALSE(Status{code, "said"});
 }
 
 TEST_CASE("a Status carries its sentence, the offending value and the bound") {
@@ -29,4 +31,17 @@ TEST_CASE("a Status carries its sentence, the offending value and the bound") {
     CHECK(std::string(status.what) == "the image is too wide");
     CHECK(status.value == 70000);
     CHECK(status.limit == 65536);
+}
+
+TEST_CASE("a Status holds numbers of every arithmetic type as doubles, and 0 where none are given") {
+    const Status bare{Errc::invalid_argument, "the image's data pointer is null"};
+    CHECK(bare.value == 0);
+    CHECK(bare.limit == 0);
+    const Status mixed{Errc::target_out_of_range, "the rate is too large", 0.25F, std::size_t{1} << 53U};
+    CHECK(mixed.value == 0.25);
+    CHECK(mixed.limit == 9007199254740992.0);
+    const Status negative{Errc::invalid_argument, "the width must be at least 1", std::int64_t{-7}, 1};
+    CHECK(negative.value == -7);
+    constexpr Status known{Errc::not_finite, "a constant", -1.5};
+    static_assert(!known && known.value == -1.5 && known.limit == 0, "usable at compile time");
 }

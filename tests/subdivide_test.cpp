@@ -36,7 +36,7 @@ int most_neighbors(const hmesh::kit::ImageMesh<C>& mesh) {
 
 // From the four corners to `total` vertices.
 template <class T, int C>
-void check_subdivision(hmesh::Image<T, C> image, std::size_t total, const hmesh::kit::MeshLimits& limits = {}) {
+void check_subdivision(hmesh::Image<T, C> image, std::size_t total, const hmesh::MeshLimits& limits = {}) {
     const int width = image.width(), height = image.height();
     Subject<T, C> subject(std::move(image), hmesh_test::jittered_grid(width, height, 1, 1, 1), limits);
     CHECK(subdivide(subject.mesh, total - 4) == total - 4);
@@ -50,7 +50,7 @@ void check_subdivision(hmesh::Image<T, C> image, std::size_t total, const hmesh:
 
 TEST_CASE("four corners become one vertex a pixel, whatever the size and the least area allowed") {
     for (const double min_double_area : {1e-4, 0.02, 0.25}) {
-        hmesh::kit::MeshLimits limits;
+        hmesh::MeshLimits limits;
         limits.min_double_area = min_double_area;
         for (int height = 1; height <= 8; ++height)
             for (int width = 1; width <= 8; ++width) {
@@ -67,7 +67,7 @@ TEST_CASE("four corners become one vertex a pixel, whatever the size and the lea
 }
 
 TEST_CASE("wide gaps to the border leave room for one vertex a pixel") {
-    hmesh::kit::MeshLimits limits;
+    hmesh::MeshLimits limits;
     limits.border_gap = 0.25;
     limits.min_double_area = 0.25;
     for (int height = 1; height <= 6; ++height)
@@ -112,7 +112,8 @@ TEST_CASE("the largest faces go first") {
     double largest = 0;
     for (const Face f : subject.mesh.topology().faces()) {
         const auto v = subject.mesh.topology().vertices(f);
-        const double twice = hmesh::kit::orient2d(subject.mesh.position(v[0]), subject.mesh.position(v[1]), subject.mesh.position(v[2]));
+        const double twice =
+            hmesh::kit::orient2d(subject.mesh.position(v[0]), subject.mesh.position(v[1]), subject.mesh.position(v[2]));
         largest = std::max(largest, twice);
         if (twice == 64) ++fine;
     }

@@ -127,6 +127,17 @@ template <class T, int C>
     return draw<T, C>(width, height, [&picture](int x, int y, int c) { return std::floor(picture(x, y, c) * 255 + 0.5) / 255; });
 }
 
+// All samples of an image, pixel after pixel, to be compared and looped over.
+template <class T, int C>
+[[nodiscard]] std::vector<T> samples_of(const hmesh::Image<T, C>& image) {
+    return std::vector<T>(image.data(), image.data() + image.size());
+}
+// Calls change(sample) for each, in that order.
+template <class T, int C, class Change>
+void for_each_sample(hmesh::Image<T, C>& image, Change&& change) {
+    for (std::size_t k = 0; k < image.size(); ++k) change(image.data()[k]);
+}
+
 // The image's samples again, `padding` samples further apart from row to row, and stored bottom up if asked for.
 template <class T, int C>
 class PaddedCopy {

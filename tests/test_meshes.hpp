@@ -18,10 +18,11 @@
 #include "hmesh/core/random.hpp"
 #include "hmesh/edit/collapse.hpp"
 #include "hmesh/edit/flip.hpp"
-#include "hmesh/fit/image_mesh.hpp"
 #include "hmesh/edit/insert.hpp"
-#include "hmesh/image/image_view.hpp"
+#include "hmesh/fit/image_mesh.hpp"
 #include "hmesh/fit/moment_table.hpp"
+#include "hmesh/image/image_view.hpp"
+#include "test_images.hpp"
 
 namespace hmesh_test {
 
@@ -29,7 +30,7 @@ namespace hmesh_test {
 
 struct Triangulation {
     std::vector<hmesh::kit::Point> positions;
-    std::vector<hmesh::kit::Triangle> triangles;
+    std::vector<hmesh::Triangle> triangles;
 };
 
 // columns x rows cells, their inner corners moved by up to `jitter` < 0.25 cells, diagonals at random.
@@ -68,7 +69,7 @@ inline Triangulation wheel(int side, int spokes) {
     for (int k = 0; k < spokes; ++k)  // half a step off the diagonals of the square
         mesh.positions.push_back(
             hmesh::kit::snap(hmesh::kit::Point{middle + 0.3 * side * std::cos((k + 0.5) * turn + 0.125 * 6.283185307179586),
-                                     middle + 0.3 * side * std::sin((k + 0.5) * turn + 0.125 * 6.283185307179586)}));
+                                               middle + 0.3 * side * std::sin((k + 0.5) * turn + 0.125 * 6.283185307179586)}));
     const double s = side;
     for (const hmesh::kit::Point corner : {hmesh::kit::Point{s, s}, {0, s}, {0, 0}, {s, 0}}) mesh.positions.push_back(corner);
     const auto rim = [spokes](int k) { return static_cast<std::uint32_t>(1 + k % spokes); };
@@ -87,7 +88,7 @@ inline Triangulation wheel(int side, int spokes) {
 // The image with its samples times `factor`.
 template <int C>
 hmesh::Image<float, C> scaled(hmesh::Image<float, C> image, double factor) {
-    for (float& sample : image.samples()) sample = static_cast<float>(factor * static_cast<double>(sample));
+    for_each_sample(image, [&](float& sample) { sample = static_cast<float>(factor * static_cast<double>(sample)); });
     return image;
 }
 
@@ -98,10 +99,10 @@ struct Subject {
     hmesh::kit::MomentTable<C> table;
     hmesh::kit::ImageMesh<C> mesh;
 
-    explicit Subject(hmesh::Image<T, C> picture, const hmesh::kit::MeshLimits& limits = {})
+    explicit Subject(hmesh::Image<T, C> picture, const hmesh::MeshLimits& limits = {})
         : image(std::move(picture)), table(image.view(), image.view().bounds()),
           mesh(table, hmesh::PixelTraits<T>::lowest, hmesh::PixelTraits<T>::highest, limits) {}
-    Subject(hmesh::Image<T, C> picture, const Triangulation& triangulation, const hmesh::kit::MeshLimits& limits = {})
+    Subject(hmesh::Image<T, C> picture, const Triangulation& triangulation, const hmesh::MeshLimits& limits = {})
         : Subject(std::move(picture), limits) {
         REQUIRE(mesh.assign(triangulation.positions, triangulation.triangles));
     }
@@ -137,8 +138,8 @@ void for_each_pixel(int width, int height, hmesh::kit::Point a, hmesh::kit::Poin
 
 // The picture of the face a, b, c at (x, y), in channel k.
 template <int C>
-double interpolate(const hmesh::kit::VertexState<C>& a, const hmesh::kit::VertexState<C>& b, const hmesh::kit::VertexState<C>& c, double x,
-                   double y, int k) {
+double interpolate(const hmesh::kit::VertexState<C>& a, const hmesh::kit::VertexState<C>& b, const hmesh::kit::VertexState<C>& c,
+                   double x, double y, int k) {
     const double ux = b.position.x - a.position.x, uy = b.position.y - a.position.y;
     const double vx = c.position.x - a.position.x, vy = c.position.y - a.position.y;
     const double px = x - a.position.x, py = y - a.position.y, area = ux * vy - uy * vx;
@@ -187,7 +188,7 @@ std::vector<int> owners(const hmesh::kit::ImageMesh<C>& mesh) {
 template <class T, int C>
 double squares(const hmesh::Image<T, C>& image) {
     double sum = 0;
-    for (const T sample : image.samples()) sum += static_cast<double>(sample) * static_cast<double>(sample);
+    for (const T sample : samples_of(image)) sum += static_cast<double>(sample) * static_cast<double>(sample);
     return sum;
 }
 
@@ -280,7 +281,8 @@ hmesh::kit::Face any_face(const hmesh::kit::ImageMesh<C>& mesh, hmesh::kit::Rand
 
 // A place where v may be, up to about `reach` px away; where it is when 20 tries find no other.
 template <int C>
-hmesh::kit::Point any_place(const hmesh::kit::ImageMesh<C>& mesh, hmesh::kit::Vertex v, double reach, hmesh::kit::Random& random) {
+hmesh::kit::Point any_place(const hmesh::kit::ImageMesh<C>& mesh, hmesh::kit::Vertex v, double reach,
+                            hmesh::kit::Random& random) {
     hmesh::kit::RingScratch<C> work;
     mesh.gather(v, work.ring, work.spokes);
     const hmesh::kit::Point here = mesh.position(v);
@@ -289,8 +291,8 @@ hmesh::kit::Point any_place(const hmesh::kit::ImageMesh<C>& mesh, hmesh::kit::Ve
         const hmesh::kit::Mobility mobility = mesh.vertex(v).mobility;
         const double dx = reach * (2 * random.uniform() - 1), dy = reach * (2 * random.uniform() - 1);
         const hmesh::kit::Point p = mesh.clamp({mobility == hmesh::kit::Mobility::along_y ? here.x : here.x + dx,
-                                           mobility == hmesh::kit::Mobility::along_x ? here.y : here.y + dy},
-                                          mobility);
+                                                mobility == hmesh::kit::Mobility::along_x ? here.y : here.y + dy},
+                                               mobility);
         if (work.ring.accepts(p, mesh.limits().min_double_area)) return p;
     }
     return here;
@@ -298,7 +300,8 @@ hmesh::kit::Point any_place(const hmesh::kit::ImageMesh<C>& mesh, hmesh::kit::Ve
 
 // A colour near the picture under v, up to a tenth of `range` off.
 template <int C>
-hmesh::kit::Color<C> any_color(const hmesh::kit::ImageMesh<C>& mesh, hmesh::kit::Vertex v, double range, hmesh::kit::Random& random) {
+hmesh::kit::Color<C> any_color(const hmesh::kit::ImageMesh<C>& mesh, hmesh::kit::Vertex v, double range,
+                               hmesh::kit::Random& random) {
     const hmesh::kit::Point p = mesh.position(v);
     hmesh::kit::Color<C> color;
     mesh.table().pixel(std::min(static_cast<int>(p.x), mesh.width() - 1), std::min(static_cast<int>(p.y), mesh.height() - 1),
@@ -320,7 +323,7 @@ void random_edit(hmesh::kit::ImageMesh<C>& mesh, double range, hmesh::kit::Rando
         }
         case 1: {
             const hmesh::kit::Edge e = any_edge(mesh, random);
-            if (!hmesh::kit::is_flip_ok(mesh, e)) return;
+            if (!hmesh::kit::can_flip(mesh, e)) return;
             hmesh::kit::FlipTrial<C> trial;
             hmesh::kit::evaluate_flip(mesh, e, trial);
             mesh.flip(e, trial.moments, trial.own, trial.opposite);

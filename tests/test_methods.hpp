@@ -14,14 +14,16 @@
 
 #include "hmesh/core/progress.hpp"
 #include "hmesh/core/random.hpp"
-#include "hmesh/tiles/indexed_mesh.hpp"
 #include "hmesh/image/image_view.hpp"
 #include "hmesh/mesh/geometry.hpp"
 #include "hmesh/mesh/halfedge_mesh.hpp"
+#include "hmesh/tiles/indexed_mesh.hpp"
 #include "test_images.hpp"
-#include "test_patchworks.hpp"
+#include "test_tiled_meshes.hpp"
 
 namespace hmesh_test {
+
+namespace kit = hmesh::kit;
 
 // Pictures with many ties, with parts that nothing bends in, and with lines that gather points.
 template <class T, int C>
@@ -43,12 +45,12 @@ template <class T, int C>
         const double distance = std::hypot(x - width / 2, y - height / 2);
         return distance < 0.5 || std::abs(distance - 0.4 * height) < 0.6;
     });
-    hmesh::kit::Random random(3);
+    kit::Random random(3);
     out.push_back(draw<T, C>(width, height, [&](int x, int, int) { return 2 * x < width ? 0.3 : random.uniform(); }));
     return out;
 }
 
-// The mesh is one of the whole image, and its energy that of its pixels. Vertices may have any number of neighbours.
+// The mesh is one of the mesh image, and its energy that of its pixels. Vertices may have any number of neighbours.
 template <class T, int C>
 void prove_mesh(const Work<T, C>& work, std::size_t vertices) {
     CHECK(work.count() == vertices);
@@ -60,15 +62,15 @@ void prove_mesh(const Work<T, C>& work, std::size_t vertices) {
 
 // Whether no vertex lies in the circle of a face: by the edges, each with the two corners across.
 template <int C>
-[[nodiscard]] bool is_delaunay(const hmesh::kit::IndexedMesh<C>& whole) {
-    hmesh::kit::HalfedgeMesh topology;
-    REQUIRE(topology.assign(whole.vertex_count(), whole.triangles));
-    const auto at = [&](hmesh::kit::Vertex v) { return whole.positions[v.index()]; };
-    for (const hmesh::kit::Edge e : topology.edges()) {
+[[nodiscard]] bool is_delaunay(const kit::IndexedMesh<C>& mesh) {
+    kit::HalfedgeMesh topology;
+    REQUIRE(topology.assign(mesh.vertex_count(), mesh.faces));
+    const auto at = [&](kit::Vertex v) { return mesh.positions[v.index()]; };
+    for (const kit::Edge e : topology.edges()) {
         if (topology.is_boundary(e)) continue;
-        const hmesh::kit::Halfedge h = hmesh::kit::HalfedgeMesh::halfedge(e), o = hmesh::kit::HalfedgeMesh::opposite(h);
-        const auto apex = [&](hmesh::kit::Halfedge side) { return at(topology.to_vertex(topology.next(side))); };
-        if (hmesh::kit::in_circle(at(topology.to_vertex(o)), at(topology.to_vertex(h)), apex(h), apex(o)) > 0) return false;
+        const kit::Halfedge h = kit::HalfedgeMesh::halfedge(e), o = kit::HalfedgeMesh::opposite(h);
+        const auto apex = [&](kit::Halfedge side) { return at(topology.to_vertex(topology.next(side))); };
+        if (kit::in_circle(at(topology.to_vertex(o)), at(topology.to_vertex(h)), apex(h), apex(o)) > 0) return false;
     }
     return true;
 }
@@ -76,11 +78,11 @@ template <int C>
 // Whether the colour of every vertex is that of the image under it, found anew: the mean of the four pixels around, each
 // counting by its share of a unit square around the place.
 template <class T, int C>
-[[nodiscard]] bool is_sampled(const hmesh::Image<T, C>& image, const hmesh::kit::IndexedMesh<C>& whole) {
+[[nodiscard]] bool is_sampled(const hmesh::Image<T, C>& image, const kit::IndexedMesh<C>& mesh) {
     double worst = 0;
-    for (std::size_t v = 0; v < whole.vertex_count(); ++v) {
-        const double x = std::min(image.width() - 0.5, std::max(0.5, whole.positions[v].x));
-        const double y = std::min(image.height() - 0.5, std::max(0.5, whole.positions[v].y));
+    for (std::size_t v = 0; v < mesh.vertex_count(); ++v) {
+        const double x = std::min(image.width() - 0.5, std::max(0.5, mesh.positions[v].x));
+        const double y = std::min(image.height() - 0.5, std::max(0.5, mesh.positions[v].y));
         for (int c = 0; c < C; ++c) {
             double color = 0;
             for (int j = 0; j < image.height(); ++j)
@@ -88,26 +90,28 @@ template <class T, int C>
                     const double share = std::max(0.0, 1 - std::abs(x - i - 0.5)) * std::max(0.0, 1 - std::abs(y - j - 0.5));
                     color += share * static_cast<double>(image.pixel(i, j)[c]);
                 }
-            worst = std::max(worst, std::abs(color - whole.colors[v][c]));
+            worst = std::max(worst, std::abs(color - mesh.colors[v][c]));
         }
     }
     return worst <= 1e-9;  // rounding, of samples up to 65535
 }
 
-[[nodiscard]] inline std::string names_of(const hmesh::kit::ProgressReporter& monitor) {
+[[nodiscard]] inline std::string names_of(const kit::ProgressReporter& progress) {
     std::string names;
-    for (const hmesh::StageReport& stage : monitor.stages()) names += std::string(names.empty() ? "" : " ") + stage.name;
+    for (const hmesh::StageReport& stage : progress.stages()) names += std::string(names.empty() ? "" : " ") + stage.name;
     return names;
 }
 
-// Whether options spoilt in one place are refused by a sentence that begins with the name of that place.
-template <class Options, class Spoil>
+// Whether a recipe spoilt in one place is refused by a sentence that begins with the name of that place, and that tells the
+// value and the bound that it missed.
+template <class Recipe, class Spoil>
 [[nodiscard]] bool is_refused(const std::string& name, Spoil&& spoil) {
-    Options options;
-    REQUIRE(check(options));
-    spoil(options);
-    const hmesh::Status status = check(options);
-    return status.code == hmesh::Errc::invalid_argument && std::string(status.what).rfind(name + " ", 0) == 0;
+    Recipe recipe;
+    REQUIRE(recipe.check(1, 1));
+    spoil(recipe);
+    const hmesh::Status status = recipe.check(1, 1);
+    const bool is_named = std::string(status.what).rfind(name + " must be ", 0) == 0;
+    return status.code == hmesh::Errc::invalid_argument && is_named && status.value != status.limit;
 }
 
 inline constexpr double infinity = std::numeric_limits<double>::infinity();

@@ -7,8 +7,8 @@
 #include <utility>
 
 #include "hmesh/fit/image_mesh.hpp"
-#include "hmesh/image/image_view.hpp"
 #include "hmesh/fit/moment_table.hpp"
+#include "hmesh/image/image_view.hpp"
 #include "hmesh/image/weights.hpp"
 #include "test_meshes.hpp"
 

@@ -122,18 +122,19 @@ TEST_CASE("bodies may be const, and may be given as lvalues and rvalues") {
 }
 
 TEST_CASE("mesh_image gives the same bytes on 1, 2 and 7 threads as without a pool, in one tile and in several") {
-    const auto check_same = [](int width, int height, std::int64_t vertices, hmesh::kit::Effort effort, int tile) {
+    const auto check_same = [](int width, int height, std::int64_t vertices, hmesh::Effort effort, int tile) {
         const auto image = hmesh_test::scene<std::uint8_t, 3>(width, height, 1);
         hmesh::Options options;
         options.target = hmesh::Target::vertices(vertices);
-        options.effort = effort;
-        options.tile = tile;
-        const auto first = hmesh::mesh_image(image.view(), options);
+        hmesh::Annealed recipe;
+        recipe.effort = effort;
+        recipe.tile = tile;
+        const hmesh::Result first = hmesh::mesh_image(image.view(), options, recipe);
         REQUIRE(first.mesh.vertex_count() == static_cast<std::size_t>(vertices));
         for (const unsigned threads : {1U, 2U, 7U})
-            CHECK(hmesh_test::same_bytes(hmesh::mesh_image(image.view(), options, ThreadPool(threads)), first));
+            CHECK(hmesh_test::same_bytes(hmesh::mesh_image(image.view(), options, recipe, ThreadPool(threads)), first));
     };
-    check_same(80, 70, 300, hmesh::kit::Effort::draft, 0);
-    check_same(80, 70, 300, hmesh::kit::Effort::normal, 0);
-    check_same(160, 140, 1400, hmesh::kit::Effort::fast, 64);
+    check_same(80, 70, 300, hmesh::Effort::draft, 0);
+    check_same(80, 70, 300, hmesh::Effort::normal, 0);
+    check_same(160, 140, 1400, hmesh::Effort::fast, 64);
 }

@@ -15,35 +15,36 @@
 #include <vector>
 
 #include "hmesh/core/random.hpp"
-#include "hmesh/methods/annealed/annealing.hpp"
 #include "hmesh/edit/collapse.hpp"
 #include "hmesh/edit/flip.hpp"
 #include "hmesh/edit/insert.hpp"
 #include "hmesh/edit/move.hpp"
+#include "hmesh/methods/annealed/annealing.hpp"
 #include "test_executors.hpp"
 #include "test_images.hpp"
+#include "test_indexed_meshes.hpp"
 #include "test_meshes.hpp"
-#include "test_wholes.hpp"
 
+namespace kit = hmesh::kit;
 using hmesh::Image;
+using hmesh::ParallelFor;
+using hmesh::ProgressInfo;
+using hmesh::Triangle;
 using hmesh::kit::ImageMesh;
 using hmesh::kit::ImageSource;
-using hmesh::kit::Mobility;
-using hmesh::kit::ProgressReporter;
-using hmesh::ParallelFor;
-using hmesh::kit::Patch;
-using hmesh::kit::TiledMesh;
-using hmesh::kit::Point;
-using hmesh::kit::Random;
-using hmesh::ProgressInfo;
-using hmesh::kit::Tiling;
-using hmesh::kit::Triangle;
-using hmesh::kit::Vertex;
 using hmesh::kit::IndexedMesh;
+using hmesh::kit::Mobility;
+using hmesh::kit::Patch;
+using hmesh::kit::Point;
+using hmesh::kit::ProgressReporter;
+using hmesh::kit::Random;
+using hmesh::kit::TiledMesh;
+using hmesh::kit::Tiling;
+using hmesh::kit::Vertex;
 using hmesh::kit::detail::Cut;
 using hmesh_test::Corner;
 using hmesh_test::corner_of;
-using hmesh_test::make_whole;
+using hmesh_test::make_indexed;
 using hmesh_test::same_bytes;
 using hmesh_test::Shape;
 
@@ -74,13 +75,13 @@ struct Phase {
         ImageMesh<C>& mesh = patch.mesh();
         const std::size_t count = mesh.vertex_count();
         switch (mixed ? static_cast<Kind>(random.below(kinds)) : kind) {
-            case Kind::sweep: hmesh::kit::sweep(mesh); return;
-            case Kind::flip: hmesh::kit::flip_edges(mesh); return;
-            case Kind::insert: hmesh::kit::insert_batch(mesh, 1 + random.below(count / 3 + 1), {true, true, 0}); return;
-            case Kind::remove: hmesh::kit::remove_batch(mesh, 1 + random.below(count / 3 + 1), {}); return;
+            case Kind::sweep: kit::sweep(mesh); return;
+            case Kind::flip: kit::flip_edges(mesh); return;
+            case Kind::insert: kit::insert_batch(mesh, 1 + random.below(count / 3 + 1), {true, true, 0}); return;
+            case Kind::remove: kit::remove_batch(mesh, 1 + random.below(count / 3 + 1), {}); return;
             case Kind::anneal: {
                 const double least = 0.7 * static_cast<double>(count), most = 1.3 * static_cast<double>(count);
-                hmesh::kit::AnnealingSweep<C>(mesh, {}, price, 0.4 * price, {least, most}, random).run();
+                kit::AnnealingSweep<C>(mesh, {}, price, 0.4 * price, {least, most}, random).run();
                 return;
             }
             default:
@@ -131,7 +132,7 @@ template <int C>
 Rim<C> rim_of(const IndexedMesh<C>& whole, const Tiling& tiling) {
     std::vector<std::set<std::size_t>> around(whole.vertex_count());
     std::map<Side, std::set<std::size_t>> beside;
-    for (const Triangle& t : whole.triangles) {
+    for (const Triangle& t : whole.faces) {
         const Point a = whole.positions[t[0]], b = whole.positions[t[1]], c = whole.positions[t[2]];
         const std::size_t tile = tiling.tile_at({(a.x + b.x + c.x) / 3, (a.y + b.y + c.y) / 3});
         for (std::size_t k = 0; k < 3; ++k) {
@@ -152,7 +153,7 @@ void prove_rim(const IndexedMesh<C>& after, const Rim<C>& rim) {
     std::set<Corner<C>> vertices;
     std::set<Side> sides;
     for (std::size_t v = 0; v < after.vertex_count(); ++v) vertices.insert(corner_of(after, v));
-    for (const Triangle& t : after.triangles)
+    for (const Triangle& t : after.faces)
         for (std::size_t k = 0; k < 3; ++k) sides.insert(side_of(after, t[k], t[(k + 1) % 3]));
     REQUIRE(std::includes(vertices.begin(), vertices.end(), rim.vertices.begin(), rim.vertices.end()));
     REQUIRE(std::includes(sides.begin(), sides.end(), rim.sides.begin(), rim.sides.end()));
@@ -161,7 +162,7 @@ void prove_rim(const IndexedMesh<C>& after, const Rim<C>& rim) {
 template <int C>
 int valence_limit(const IndexedMesh<C>& whole) {
     std::vector<std::set<std::uint32_t>> around(whole.vertex_count());
-    for (const Triangle& t : whole.triangles)
+    for (const Triangle& t : whole.faces)
         for (std::size_t k = 0; k < 3; ++k) {
             around[t[k]].insert(t[(k + 1) % 3]);
             around[t[k]].insert(t[(k + 2) % 3]);
@@ -175,15 +176,15 @@ int valence_limit(const IndexedMesh<C>& whole) {
 template <class T, int C>
 void prove_whole(const Image<T, C>& image, const IndexedMesh<C>& whole) {
     hmesh_test::prove(whole);
-    REQUIRE(valence_limit(whole) <= hmesh::kit::max_valence);
+    REQUIRE(valence_limit(whole) <= kit::max_valence);
     REQUIRE(std::abs(whole.energy - hmesh_test::fresh_energy(image, whole)) <= 1e-9 * whole.energy);
 }
 
 template <class T, int C>
 void work_through(const Image<T, C>& image, IndexedMesh<C> start, std::size_t count, std::uint64_t seed) {
     const ImageSource<C> source(image.view());
-    ProgressReporter monitor = silent();
-    TiledMesh<C> work(source, {}, monitor);
+    ProgressReporter progress = silent();
+    TiledMesh<C> work(source, {}, progress);
     work.indexed() = std::move(start);
     std::size_t changed = 0, border_splits = 0;
     for (const Phase& phase : phases(count, 0.4 * work.indexed().mean_energy(), hmesh::PixelTraits<T>::peak, seed)) {
@@ -207,10 +208,10 @@ void work_through(const Image<T, C>& image, IndexedMesh<C> start, std::size_t co
 // Every phase in turn, on an executor.
 template <class T, int C>
 std::vector<IndexedMesh<C>> history(const Image<T, C>& image, const IndexedMesh<C>& start, std::size_t count,
-                                  const ParallelFor& parallel_for) {
+                                    const ParallelFor& parallel_for) {
     const ImageSource<C> source(image.view());
-    ProgressReporter monitor = silent();
-    TiledMesh<C> work(source, {}, monitor, parallel_for);
+    ProgressReporter progress = silent();
+    TiledMesh<C> work(source, {}, progress, parallel_for);
     work.indexed() = start;
     std::vector<IndexedMesh<C>> out;
     for (const Phase& phase : phases(count, 0.4 * start.mean_energy(), hmesh::PixelTraits<T>::peak, 7)) {
@@ -224,13 +225,9 @@ std::vector<IndexedMesh<C>> history(const Image<T, C>& image, const IndexedMesh<
 struct StopAt {
     std::size_t k = 0, calls = 0;
     double last_fraction = -1;
-    [[nodiscard]] hmesh::Progress progress() {
-        return {[](void* user, const ProgressInfo& info) {
-                    auto& self = *static_cast<StopAt*>(user);
-                    self.last_fraction = info.fraction;
-                    return ++self.calls != self.k;
-                },
-                this};
+    bool operator()(const ProgressInfo& info) {
+        last_fraction = info.fraction;
+        return ++calls != k;
     }
 };
 
@@ -238,13 +235,13 @@ struct StopAt {
 
 TEST_CASE("work that does nothing keeps every triangle, colour and mark of what is due, and finds the energy") {
     std::uint64_t seed = 0;
-    ProgressReporter monitor = silent();
+    ProgressReporter progress = silent();
     for (const Shape shape : hmesh_test::all_shapes) {
         const auto image = hmesh_test::scene<std::uint8_t, 3>(70, 53, 1 + seed);
         const ImageSource<3> source(image.view());
-        const IndexedMesh<3> start = make_whole(image, shape, 130, ++seed);
+        const IndexedMesh<3> start = make_indexed(image, shape, 130, ++seed);
         const auto expected = hmesh_test::describe(start);
-        TiledMesh<3> work(source, {}, monitor);
+        TiledMesh<3> work(source, {}, progress);
         work.indexed() = start;
         work.indexed().energy = 0;
         for (const double tile : {1.0, 3.0, 8.0, 21.0, 40.0, 1000.0})
@@ -254,7 +251,7 @@ TEST_CASE("work that does nothing keeps every triangle, colour and mark of what 
                 REQUIRE(work.for_each(tiling, [&](Patch<3>&, std::size_t k) { ++visits[k]; }));
                 // Each tile with triangles had its turn.
                 std::vector<int> expected_visits(tiling.size(), 0);
-                for (const Triangle& t : start.triangles) {
+                for (const Triangle& t : start.faces) {
                     const Point a = start.positions[t[0]], b = start.positions[t[1]], c = start.positions[t[2]];
                     expected_visits[tiling.tile_at({(a.x + b.x + c.x) / 3, (a.y + b.y + c.y) / 3})] = 1;
                 }
@@ -268,27 +265,27 @@ TEST_CASE("work that does nothing keeps every triangle, colour and mark of what 
 
 TEST_CASE("after every phase of work the whole is a mesh with its true energy, and what was frozen is where it was") {
     const auto bytes = hmesh_test::scene<std::uint8_t, 3>(100, 70, 1);
-    work_through(bytes, make_whole(bytes, Shape::worn, 220, 1), 36, 1);
+    work_through(bytes, make_indexed(bytes, Shape::worn, 220, 1), 36, 1);
     const auto grey = hmesh_test::scene<std::uint8_t, 1>(60, 90, 2);
-    work_through(grey, make_whole(grey, Shape::delaunay, 150, 2), 36, 2);
+    work_through(grey, make_indexed(grey, Shape::delaunay, 150, 2), 36, 2);
     const auto noise = hmesh_test::noise<std::uint16_t, 2>(50, 40, 3);
-    work_through(noise, make_whole(noise, Shape::scattered, 120, 3), 36, 3);
+    work_through(noise, make_indexed(noise, Shape::scattered, 120, 3), 36, 3);
     const auto floats = hmesh_test::scene<float, 4>(64, 40, 4);
-    work_through(floats, make_whole(floats, Shape::slivers, 80, 4), 24, 4);
-    work_through(floats, make_whole(floats, hmesh_test::island(), 5), 24, 5);
+    work_through(floats, make_indexed(floats, Shape::slivers, 80, 4), 24, 4);
+    work_through(floats, make_indexed(floats, hmesh_test::island(), 5), 24, 5);
 }
 
 TEST_CASE("a mesh of an image of one row or one column stays one through all phases") {
     for (const auto& [width, height] : {std::pair{1, 60}, {75, 1}, {2, 40}}) {
         const auto image = hmesh_test::noise<std::uint8_t, 3>(width, height, 5);
-        work_through(image, make_whole(image, Shape::grid, 30, 1), 18, 6);
+        work_through(image, make_indexed(image, Shape::grid, 30, 1), 18, 6);
     }
 }
 
 TEST_CASE("a hub with as many spokes as may be gets no more, though its spokes are in the patches of many tiles") {
     const auto image = hmesh_test::noise<std::uint8_t, 1>(64, 64, 6);
-    work_through(image, make_whole(image, hmesh_test::wheel(64, 36), 1), 30, 7);
-    work_through(image, make_whole(image, hmesh_test::wheel(64, 24), 1), 30, 8);
+    work_through(image, make_indexed(image, hmesh_test::wheel(64, 36), 1), 30, 7);
+    work_through(image, make_indexed(image, hmesh_test::wheel(64, 24), 1), 30, 8);
 }
 
 TEST_CASE("patches that give a vertex which they share all the edges they may leave it with as many as a vertex may have") {
@@ -296,27 +293,27 @@ TEST_CASE("patches that give a vertex which they share all the edges they may le
     const ImageSource<1> source(image.view());
     for (const int spokes : {12, 36})
         for (const double tile : {24.0, 48.0}) {
-            ProgressReporter monitor = silent();
-            TiledMesh<1> work(source, {}, monitor);
-            work.indexed() = make_whole(image, hmesh_test::wheel(96, spokes), 1);
+            ProgressReporter progress = silent();
+            TiledMesh<1> work(source, {}, progress);
+            work.indexed() = make_indexed(image, hmesh_test::wheel(96, spokes), 1);
             for (int phase = 0; phase < 2; ++phase) {
                 const Tiling tiling(96, 96, tile, phase % 2 != 0, phase % 2 != 0);
                 const Rim<1> rim = rim_of(work.indexed(), tiling);
                 work.for_each(tiling, [](Patch<1>& patch, std::size_t) {
                     ImageMesh<1>& mesh = patch.mesh();
-                    hmesh::kit::RingScratch<1> ring;
+                    kit::RingScratch<1> ring;
                     for (bool inserted = true; inserted;) {
                         inserted = false;
-                        std::vector<hmesh::kit::Face> faces;
-                        for (const hmesh::kit::Face f : mesh.topology().faces()) faces.push_back(f);
-                        for (const hmesh::kit::Face f : faces) {
+                        std::vector<kit::Face> faces;
+                        for (const kit::Face f : mesh.topology().faces()) faces.push_back(f);
+                        for (const kit::Face f : faces) {
                             const auto v = mesh.topology().vertices(f);
                             const bool is_shared = std::any_of(v.begin(), v.end(), [&](Vertex u) {
                                 return mesh.vertex(u).mobility == Mobility::locked && mesh.can_gain_edge(u);
                             });
-                            const auto candidate = hmesh::kit::face_candidate(mesh, ring, f, false);
-                            if (!is_shared || !candidate.fits || !hmesh::kit::can_gain_edge(mesh, candidate)) continue;
-                            hmesh::kit::insert(mesh, candidate);
+                            const auto candidate = kit::face_candidate(mesh, ring, f, false);
+                            if (!is_shared || !candidate.fits || !kit::can_gain_edge(mesh, candidate)) continue;
+                            kit::insert(mesh, candidate);
                             inserted = true;
                         }
                     }
@@ -330,7 +327,7 @@ TEST_CASE("patches that give a vertex which they share all the edges they may le
 
 TEST_CASE("the mesh is the same to the last byte on executors of any order and on any number of threads") {
     const auto image = hmesh_test::scene<std::uint8_t, 3>(110, 80, 8);
-    const IndexedMesh<3> start = make_whole(image, Shape::delaunay, 260, 8);
+    const IndexedMesh<3> start = make_indexed(image, Shape::delaunay, 260, 8);
     const std::size_t count = 12;
     const auto expected = history(image, start, count, {});
     const auto prove_same = [&](const std::vector<IndexedMesh<3>>& other) {
@@ -347,9 +344,9 @@ TEST_CASE("the mesh is the same to the last byte on executors of any order and o
 TEST_CASE("a phase depends on the mesh it begins with and on nothing that was before") {
     const auto image = hmesh_test::scene<std::uint8_t, 1>(70, 60, 9);
     const ImageSource<1> source(image.view());
-    ProgressReporter monitor = silent(), another = silent();
-    TiledMesh<1> work(source, {}, monitor);
-    work.indexed() = make_whole(image, Shape::worn, 160, 9);
+    ProgressReporter progress = silent(), another = silent();
+    TiledMesh<1> work(source, {}, progress);
+    work.indexed() = make_indexed(image, Shape::worn, 160, 9);
     std::vector<Phase> all = phases(18, 0.4 * work.indexed().mean_energy(), 255, 9);
     // Also one tile before and after others: its table is kept in between.
     for (const std::size_t k : {1U, 2U, 4U, 9U, 17U}) all[k].tile = 1000;
@@ -366,23 +363,23 @@ TEST_CASE("a phase depends on the mesh it begins with and on nothing that was be
 TEST_CASE("what a patch makes due is due in the whole, its frozen vertices too") {
     const auto image = hmesh_test::scene<std::uint8_t, 1>(40, 40, 10);
     const ImageSource<1> source(image.view());
-    ProgressReporter monitor = silent();
-    TiledMesh<1> work(source, {}, monitor);
-    work.indexed() = make_whole(image, Shape::grid, 100, 10);
+    ProgressReporter progress = silent();
+    TiledMesh<1> work(source, {}, progress);
+    work.indexed() = make_indexed(image, Shape::grid, 100, 10);
     std::fill(work.indexed().dirty.begin(), work.indexed().dirty.end(), static_cast<unsigned char>(0));
     const Tiling tiling(40, 40, 20);
     work.for_each(tiling, [&](Patch<1>& patch, std::size_t tile) {
         if (tile != 3) return;  // the last, at (20, 20) or a little less
         for (const Vertex v : patch.mesh().topology().vertices()) patch.mesh().set_dirty(v, true);
     });
-    const Cut cut = hmesh::kit::detail::cut(work.indexed(), tiling);
+    const Cut cut = kit::detail::cut(work.indexed(), tiling);
     std::vector<unsigned char> expected(work.indexed().vertex_count(), 0);
     for (std::size_t k = cut.first[3]; k < cut.first[4]; ++k)
-        for (const std::uint32_t v : work.indexed().triangles[cut.triangles[k]]) expected[v] = 1;
+        for (const std::uint32_t v : work.indexed().faces[cut.triangles[k]]) expected[v] = 1;
     CHECK(work.indexed().dirty == expected);
     // Sweeps of the others leave it so: frozen vertices are due for another patch.
     work.for_each(tiling, [&](Patch<1>& patch, std::size_t tile) {
-        if (tile != 3) hmesh::kit::sweep(patch.mesh());
+        if (tile != 3) kit::sweep(patch.mesh());
     });
     const auto still = std::count(work.indexed().dirty.begin(), work.indexed().dirty.end(), static_cast<unsigned char>(1));
     CHECK(still >= std::count(expected.begin(), expected.end(), static_cast<unsigned char>(1)));
@@ -393,37 +390,37 @@ TEST_CASE("looking changes nothing and names the triangles of the whole, one for
     const ImageSource<3> source(image.view());
     for (const Shape shape : hmesh_test::all_shapes)
         for (const double tile : {2.0, 9.0, 25.0, 1000.0}) {
-            const IndexedMesh<3> start = make_whole(image, shape, 110, 11);
+            const IndexedMesh<3> start = make_indexed(image, shape, 110, 11);
             const hmesh_test::ShuffledFor shuffled{5};
-            ProgressReporter monitor = silent();
-            TiledMesh<3> work(source, {}, monitor, shuffled);
+            ProgressReporter progress = silent();
+            TiledMesh<3> work(source, {}, progress, shuffled);
             work.indexed() = start;
-            std::vector<int> seen(start.triangles.size(), 0);
-            std::vector<double> energies(start.triangles.size(), 0.0);
+            std::vector<int> seen(start.faces.size(), 0);
+            std::vector<double> energies(start.faces.size(), 0.0);
             const Tiling tiling(60, 45, tile, true, false);
             REQUIRE(work.visit(tiling, [&](Patch<3>& patch, std::size_t number, const std::uint32_t* triangles) {
                 const ImageMesh<3>& mesh = patch.mesh();
                 Point low{1e9, 1e9};
                 const std::size_t count = mesh.topology().face_count();
                 for (std::size_t f = 0; f < count; ++f)
-                    for (const std::uint32_t v : start.triangles[triangles[f]])
+                    for (const std::uint32_t v : start.faces[triangles[f]])
                         low = {std::min(low.x, start.positions[v].x), std::min(low.y, start.positions[v].y)};
                 const Point origin{std::floor(low.x), std::floor(low.y)};
                 for (std::size_t f = 0; f < count; ++f) {
-                    const Triangle& t = start.triangles[triangles[f]];
-                    const auto v = mesh.topology().vertices(hmesh::kit::Face(f));
+                    const Triangle& t = start.faces[triangles[f]];
+                    const auto v = mesh.topology().vertices(kit::Face(f));
                     hmesh_test::Corners<3> corners;
                     for (std::size_t k = 0; k < 3; ++k) {
                         const Point p = mesh.position(v[k]);
                         corners[k] = corner_of<3>({p.x + origin.x, p.y + origin.y}, mesh.color(v[k]));
                     }
                     REQUIRE(hmesh_test::turned<3>(corners) == hmesh_test::corners_of(start, t));
-                    REQUIRE(tiling.tile_at({origin.x + mesh.centroid(hmesh::kit::Face(f)).x,
-                                            origin.y + mesh.centroid(hmesh::kit::Face(f)).y}) == number);
+                    REQUIRE(tiling.tile_at(
+                                {origin.x + mesh.centroid(kit::Face(f)).x, origin.y + mesh.centroid(kit::Face(f)).y}) == number);
                     ++seen[triangles[f]];
-                    energies[triangles[f]] = mesh.energy(hmesh::kit::Face(f));
+                    energies[triangles[f]] = mesh.energy(kit::Face(f));
                 }
-                hmesh::kit::sweep(patch.mesh());  // what is done to a patch that is looked at is forgotten
+                kit::sweep(patch.mesh());  // what is done to a patch that is looked at is forgotten
             }));
             REQUIRE(std::count(seen.begin(), seen.end(), 1) == static_cast<std::ptrdiff_t>(seen.size()));
             REQUIRE(same_bytes(work.indexed(), start));
@@ -437,13 +434,13 @@ TEST_CASE("a phase tells how far it is: its patches together are all that was ex
     const auto image = hmesh_test::scene<std::uint8_t, 1>(60, 45, 12);
     const ImageSource<1> source(image.view());
     StopAt never;
-    ProgressReporter monitor(never.progress(), 60.0 * 45, 255);
-    TiledMesh<1> work(source, {}, monitor);
-    work.indexed() = make_whole(image, Shape::worn, 110, 12);
+    ProgressReporter progress(never, 60.0 * 45, 255);
+    TiledMesh<1> work(source, {}, progress);
+    work.indexed() = make_indexed(image, Shape::worn, 110, 12);
     for (const double tile : {5.0, 20.0, 1000.0}) {
-        monitor.set_range(0.25, 0.75);
+        progress.set_range(0.25, 0.75);
         REQUIRE(work.for_each(Tiling(60, 45, tile), [](Patch<1>&, std::size_t) {}));
-        monitor.poll();
+        progress.poll();
         CHECK(never.last_fraction == doctest::Approx(0.75).epsilon(1e-9));
     }
 }
@@ -456,17 +453,17 @@ void cancel(const Image<T, C>& image, const IndexedMesh<C>& start, std::size_t s
     const ImageSource<C> source(image.view());
     const std::vector<Phase> all = phases(6, 0.4 * start.mean_energy(), hmesh::PixelTraits<T>::peak, 10);
     const auto run = [&](StopAt& stop) {
-        ProgressReporter monitor(stop.progress(), 1, 255);
-        TiledMesh<C> work(source, {}, monitor, parallel_for);
+        ProgressReporter progress(stop, 1, 255);
+        TiledMesh<C> work(source, {}, progress, parallel_for);
         work.indexed() = start;
         for (const Phase& phase : all) {
             const Tiling tiling = phase.tiling(image.width(), image.height());
             const Rim<C> rim = rim_of(work.indexed(), tiling);
             const bool go_on = work.for_each(tiling, phase);
-            REQUIRE(go_on == !monitor.stopped());
+            REQUIRE(go_on == !progress.stopped());
             hmesh_test::prove(work.indexed());
             prove_rim(work.indexed(), rim);
-            REQUIRE(valence_limit(work.indexed()) <= hmesh::kit::max_valence);
+            REQUIRE(valence_limit(work.indexed()) <= kit::max_valence);
             if (!go_on) break;
         }
         return work.indexed();
@@ -481,8 +478,8 @@ void cancel(const Image<T, C>& image, const IndexedMesh<C>& start, std::size_t s
         if (stop.calls < k) continue;  // threads ask as often as they happen to meet
         REQUIRE(stop.calls == k);      // nobody asks again
         // What is left can be worked on.
-        ProgressReporter monitor = silent();
-        TiledMesh<C> work(source, {}, monitor, parallel_for);
+        ProgressReporter progress = silent();
+        TiledMesh<C> work(source, {}, progress, parallel_for);
         work.indexed() = std::move(left);
         REQUIRE(work.for_each(Tiling(image.width(), image.height(), 30), all[k % all.size()]));
         prove_whole(image, work.indexed());
@@ -493,7 +490,7 @@ void cancel(const Image<T, C>& image, const IndexedMesh<C>& start, std::size_t s
 
 TEST_CASE("work that is cancelled at any call leaves a mesh, on any executor, that may be worked on again") {
     const auto image = hmesh_test::scene<std::uint8_t, 1>(48, 40, 13);
-    const IndexedMesh<1> start = make_whole(image, Shape::worn, 130, 13);
+    const IndexedMesh<1> start = make_indexed(image, Shape::worn, 130, 13);
     cancel(image, start, 5, {});
     cancel(image, start, 11, hmesh_test::ReverseFor{});
     cancel(image, start, 23, hmesh_test::ThreadFor{2});
@@ -503,12 +500,12 @@ TEST_CASE("work that is cancelled at any call leaves a mesh, on any executor, th
 TEST_CASE("a phase that is cancelled at once changes nothing, and a look at all patches goes on after the end") {
     const auto image = hmesh_test::scene<std::uint8_t, 1>(48, 40, 14);
     const ImageSource<1> source(image.view());
-    const IndexedMesh<1> start = make_whole(image, Shape::worn, 130, 14);
+    const IndexedMesh<1> start = make_indexed(image, Shape::worn, 130, 14);
     for (const double tile : {6.0, 20.0, 1000.0}) {
         StopAt first;
         first.k = 1;
-        ProgressReporter monitor(first.progress(), 1, 255);
-        TiledMesh<1> work(source, {}, monitor);
+        ProgressReporter progress(first, 1, 255);
+        TiledMesh<1> work(source, {}, progress);
         work.indexed() = start;
         const Tiling tiling(48, 40, tile);
         int visits = 0;
@@ -522,7 +519,7 @@ TEST_CASE("a phase that is cancelled at once changes nothing, and a look at all 
         CHECK_FALSE(work.visit(tiling, look));
         CHECK(faces == 0);
         CHECK_FALSE(work.visit(tiling, look, true));
-        CHECK(faces == start.triangles.size());
+        CHECK(faces == start.faces.size());
     }
 }
 
@@ -531,14 +528,14 @@ TEST_CASE("measuring finds the energy of a mesh that was changed from outside, h
     const ImageSource<3> source(image.view());
     for (const Shape shape : hmesh_test::all_shapes)
         for (const double tile : {2.0, 9.0, 25.0, 1000.0}) {
-            IndexedMesh<3> start = make_whole(image, shape, 110, 15);
+            IndexedMesh<3> start = make_indexed(image, shape, 110, 15);
             Random random(15);
             for (auto& color : start.colors)
                 for (int c = 0; c < 3; ++c) color.set(c, 255 * random.uniform());
             start.energy = -1;
-            ProgressReporter monitor = silent();
+            ProgressReporter progress = silent();
             const hmesh_test::ThreadFor threads{3};
-            TiledMesh<3> work(source, {}, monitor, threads);
+            TiledMesh<3> work(source, {}, progress, threads);
             work.indexed() = start;
             work.measure(Tiling(60, 45, tile, true, false));
             const double energy = hmesh_test::fresh_energy(image, start);
@@ -552,9 +549,9 @@ TEST_CASE("measuring finds the energy of a mesh that was changed from outside, h
 TEST_CASE("a mesh whose energy rounding made negative has none on average") {
     const auto image = hmesh_test::scene<std::uint8_t, 1>(48, 40, 16);
     const ImageSource<1> source(image.view());
-    ProgressReporter monitor = silent();
-    TiledMesh<1> work(source, {}, monitor);
-    work.indexed() = make_whole(image, Shape::worn, 130, 16);
+    ProgressReporter progress = silent();
+    TiledMesh<1> work(source, {}, progress);
+    work.indexed() = make_indexed(image, Shape::worn, 130, 16);
     CHECK(work.mean_energy() == work.energy() / static_cast<double>(work.vertex_count()));
     work.indexed().energy = -1e-9;
     CHECK(work.mean_energy() == 0);
@@ -563,18 +560,18 @@ TEST_CASE("a mesh whose energy rounding made negative has none on average") {
 TEST_CASE("measuring is not to be cancelled, and sees what one patch that is all has become") {
     const auto image = hmesh_test::scene<std::uint8_t, 1>(48, 40, 16);
     const ImageSource<1> source(image.view());
-    const IndexedMesh<1> start = make_whole(image, Shape::worn, 130, 16);
+    const IndexedMesh<1> start = make_indexed(image, Shape::worn, 130, 16);
     for (const double tile : {6.0, 20.0, 1000.0}) {
         StopAt second;
         second.k = 2;
-        ProgressReporter monitor(second.progress(), 1, 255);
-        TiledMesh<1> work(source, {}, monitor);
+        ProgressReporter progress(second, 1, 255);
+        TiledMesh<1> work(source, {}, progress);
         work.indexed() = start;
-        CHECK(work.for_each(Tiling(48, 40, 1000), [](Patch<1>& patch, std::size_t) { hmesh::kit::sweep(patch.mesh()); }));
+        CHECK(work.for_each(Tiling(48, 40, 1000), [](Patch<1>& patch, std::size_t) { kit::sweep(patch.mesh()); }));
         const double swept = work.energy();
         CHECK(swept < start.energy);
-        (void)monitor.poll();
-        REQUIRE(monitor.stopped());
+        (void)progress.poll();
+        REQUIRE(progress.stopped());
         work.measure(Tiling(48, 40, tile));
         CHECK(std::abs(work.energy() - swept) <= 1e-9 * swept);
         CHECK(std::abs(work.energy() - hmesh_test::fresh_energy(image, work.indexed())) <= 1e-9 * swept);

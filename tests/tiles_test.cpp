@@ -13,32 +13,32 @@
 #include "test_meshing.hpp"
 #include "test_results.hpp"
 
-using hmesh::kit::Effort;
+using hmesh::Annealed;
 using hmesh::Errc;
 using hmesh::Image;
 using hmesh::Options;
-using hmesh::Result;
 using hmesh::ProgressInfo;
+using hmesh::Result;
 using hmesh::Target;
 
 namespace {
 
-// A light recipe for n vertices in tiles of 64 px.
-Options in_tiles(std::int64_t n) {
-    Options options;
-    options.target = Target::vertices(n);
-    options.tile = 64;
-    options.annealed = hmesh::kit::annealed_options(Effort::normal);
-    options.annealed->insert_factor = 1.5;
-    options.annealed->annealing.sweeps = 2;
-    return options;
+// A light recipe in tiles of so many px.
+Annealed in_tiles(int tile = 64) {
+    Annealed recipe;
+    recipe.tile = tile;
+    recipe.steps.emplace();
+    recipe.steps->insert_factor = 1.5;
+    recipe.steps->annealing.sweeps = 2;
+    return recipe;
 }
+Options options_of(std::int64_t n) { return {Target::vertices(n)}; }
 
 // The sum of w (image - drawn)^2, w in units of the largest weight, and of w.
 template <class T, int C>
 struct Weighted {
     double energy = 0, weight = 0;
-    Weighted(const Image<T, C>& image, const Image<float, 1>& weights, const hmesh::Mesh<C>& mesh) {
+    Weighted(const Image<T, C>& image, const Image<float, 1>& weights, const hmesh::Mesh& mesh) {
         Image<float, C> drawn;
         REQUIRE(hmesh::render(mesh.view(), drawn));
         float most = 0;
@@ -67,26 +67,28 @@ Image<float, 1> disc(int width, int height, float inside, float outside) {
 }  // namespace
 
 TEST_CASE("tiles give valid meshes of exactly n vertices with a true report, for many shapes, channels and samples") {
-    hmesh_test::prove_result(hmesh_test::scene<std::uint8_t, 3>(150, 130, 1),
-                             hmesh::mesh_image(hmesh_test::scene<std::uint8_t, 3>(150, 130, 1).view(), in_tiles(1300)), 1300);
-    hmesh_test::prove_result(hmesh_test::scene<std::uint16_t, 1>(97, 200, 2),
-                             hmesh::mesh_image(hmesh_test::scene<std::uint16_t, 1>(97, 200, 2).view(), in_tiles(1500)), 1500);
+    hmesh_test::prove_result(
+        hmesh_test::scene<std::uint8_t, 3>(150, 130, 1),
+        hmesh::mesh_image(hmesh_test::scene<std::uint8_t, 3>(150, 130, 1).view(), options_of(1300), in_tiles()), 1300);
+    hmesh_test::prove_result(
+        hmesh_test::scene<std::uint16_t, 1>(97, 200, 2),
+        hmesh::mesh_image(hmesh_test::scene<std::uint16_t, 1>(97, 200, 2).view(), options_of(1500), in_tiles()), 1500);
     hmesh_test::prove_result(hmesh_test::scene<float, 4>(200, 65, 3),
-                             hmesh::mesh_image(hmesh_test::scene<float, 4>(200, 65, 3).view(), in_tiles(1100)), 1100);
-    hmesh_test::prove_result(hmesh_test::noise<std::uint8_t, 1>(900, 3, 4),
-                             hmesh::mesh_image(hmesh_test::noise<std::uint8_t, 1>(900, 3, 4).view(), in_tiles(1200)), 1200);
+                             hmesh::mesh_image(hmesh_test::scene<float, 4>(200, 65, 3).view(), options_of(1100), in_tiles()),
+                             1100);
+    hmesh_test::prove_result(
+        hmesh_test::noise<std::uint8_t, 1>(900, 3, 4),
+        hmesh::mesh_image(hmesh_test::noise<std::uint8_t, 1>(900, 3, 4).view(), options_of(1200), in_tiles()), 1200);
     const Image<std::uint8_t, 2> constant(130, 140);
-    const auto flat = hmesh::mesh_image(constant.view(), in_tiles(1500));
+    const auto flat = hmesh::mesh_image(constant.view(), options_of(1500), in_tiles());
     hmesh_test::prove_result(constant, flat, 1500);
     CHECK(flat.report.psnr == std::numeric_limits<double>::infinity());
 }
 
 TEST_CASE("tiles give another mesh than one piece, within 1 dB of it after 2 sweeps of a sharp scene") {
     const auto image = hmesh_test::scene<std::uint8_t, 3>(256, 192, 5);
-    Options options = in_tiles(3200);
-    const auto tiles = hmesh::mesh_image(image.view(), options);
-    options.tile = 0;
-    const auto whole = hmesh::mesh_image(image.view(), options);
+    const Result tiles = hmesh::mesh_image(image.view(), options_of(3200), in_tiles());
+    const Result whole = hmesh::mesh_image(image.view(), options_of(3200), in_tiles(0));
     CHECK_FALSE(hmesh_test::same_bytes(tiles.mesh, whole.mesh));
     CHECK(tiles.report.psnr > whole.report.psnr - 1);
 }
@@ -94,36 +96,30 @@ TEST_CASE("tiles give another mesh than one piece, within 1 dB of it after 2 swe
 TEST_CASE("a tile of another size than 0 or 64 to 65536 px is refused") {
     const Image<std::uint8_t, 1> image(8, 8);
     for (const int tile : {-1, 1, 63, 65537}) {
-        Options options;
-        options.tile = tile;
-        const auto result = hmesh::mesh_image(image.view(), options);
+        const Result result = hmesh::mesh_image(image.view(), {}, in_tiles(tile));
         CHECK(result.status.code == Errc::invalid_argument);
         CHECK(result.status.value == tile);
+        CHECK(result.status.limit == (tile < 64 ? 64 : 65536));
         CHECK(result.mesh.faces.empty());
     }
 }
 
 TEST_CASE("cancelled at any call the mesh is valid, the report true, and no further call comes") {
     const auto image = hmesh_test::scene<std::uint8_t, 1>(150, 70, 6);
-    struct Calls {
-        int left, after = 0;
-    };
-    const auto stop = [](void* user, const ProgressInfo& info) {
-        auto& calls = *static_cast<Calls*>(user);
-        CHECK(info.fraction >= 0);
-        CHECK(info.fraction <= 1);
-        calls.after += calls.left <= 0 ? 1 : 0;
-        return --calls.left > 0;
-    };
     for (const int tile : {0, 64})
         for (int k = 1; k < 400; k = k * 5 / 4 + 1) {
-            Calls calls{k};
-            Options options = in_tiles(700);
-            options.tile = tile;
-            options.progress = {stop, &calls};
-            const auto result = hmesh::mesh_image(image.view(), options);
-            CHECK(calls.after == 0);
-            CHECK(result.status.code == (calls.left > 0 ? Errc::ok : Errc::cancelled));
+            int left = k, after = 0;
+            const auto stop = [&](const ProgressInfo& info) {
+                CHECK(info.fraction >= 0);
+                CHECK(info.fraction <= 1);
+                after += left <= 0 ? 1 : 0;
+                return --left > 0;
+            };
+            Options options = options_of(700);
+            options.progress = stop;
+            const Result result = hmesh::mesh_image(image.view(), options, in_tiles(tile));
+            CHECK(after == 0);
+            CHECK(result.status.code == (left > 0 ? Errc::ok : Errc::cancelled));
             hmesh_test::prove_report(image, result);
         }
 }
@@ -132,10 +128,9 @@ TEST_CASE("with weights, energy and PSNR are the weighted ones of the mesh as it
     const auto image = hmesh_test::scene<std::uint8_t, 3>(120, 90, 7);
     for (const int tile : {0, 64}) {
         const Image<float, 1> weights = disc(120, 90, 3.0F, 0.3F);
-        Options options = in_tiles(600);
-        options.tile = tile;
+        Options options = options_of(600);
         options.weights = weights.view();
-        const auto result = hmesh::mesh_image(image.view(), options);
+        const Result result = hmesh::mesh_image(image.view(), options, in_tiles(tile));
         CHECK(result.status);
         CHECK(result.report.vertices == 600);
         CHECK(hmesh_test::flaw_of(result.mesh.view(), 120, 90) == "");
@@ -147,19 +142,19 @@ TEST_CASE("with weights, energy and PSNR are the weighted ones of the mesh as it
         options.weights = {};
         const Image<float, 1> inside = disc(120, 90, 1, 0);
         CHECK(Weighted(image, inside, result.mesh).energy <
-              0.8 * Weighted(image, inside, hmesh::mesh_image(image.view(), options).mesh).energy);
+              0.8 * Weighted(image, inside, hmesh::mesh_image(image.view(), options, in_tiles(tile)).mesh).energy);
     }
 }
 
 TEST_CASE("equal weights change no byte of the mesh, whatever their unit") {
     const auto image = hmesh_test::scene<std::uint8_t, 3>(70, 60, 8);
-    Options options = in_tiles(150);
-    const auto plain = hmesh::mesh_image(image.view(), options);
+    Options options = options_of(150);
+    const Result plain = hmesh::mesh_image(image.view(), options, in_tiles());
     for (const float w : {1.0F, 0.001F, 1e30F}) {
         Image<float, 1> weights(70, 60);
         for (float& weight : weights.samples()) weight = w;
         options.weights = weights.view();
-        CHECK(hmesh_test::same_bytes(hmesh::mesh_image(image.view(), options).mesh, plain.mesh));
+        CHECK(hmesh_test::same_bytes(hmesh::mesh_image(image.view(), options, in_tiles()).mesh, plain.mesh));
     }
 }
 
@@ -168,10 +163,9 @@ TEST_CASE("weights of 0 in a region or everywhere give valid meshes with finite 
     for (const float inside : {0.0F, 1.0F})
         for (const int tile : {0, 64}) {
             const Image<float, 1> weights = disc(140, 75, inside, 0);
-            Options options = in_tiles(700);
-            options.tile = tile;
+            Options options = options_of(700);
             options.weights = weights.view();
-            const auto result = hmesh::mesh_image(image.view(), options);
+            const Result result = hmesh::mesh_image(image.view(), options, in_tiles(tile));
             CHECK(result.status);
             CHECK(result.report.vertices == 700);
             CHECK(hmesh_test::flaw_of(result.mesh.view(), 140, 75) == "");
@@ -187,7 +181,7 @@ TEST_CASE("weights of another size, negative, NaN or infinite are refused with w
         options.weights = weights.view();
         const auto result = hmesh::mesh_image(image.view(), options);
         CHECK(result.status.code == code);
-        CHECK(result.mesh.faces.empty());
+        CHECK(!result.has_mesh());
     };
     refused(Image<float, 1>(19, 10), Errc::invalid_argument);
     refused(Image<float, 1>(20, 11), Errc::invalid_argument);

@@ -16,10 +16,11 @@
 #include "test_images.hpp"
 #include "test_meshes.hpp"
 
+namespace kit = hmesh::kit;
+using hmesh::Image;
 using hmesh::kit::Color;
 using hmesh::kit::Face;
 using hmesh::kit::Halfedge;
-using hmesh::Image;
 using hmesh::kit::ImageMesh;
 using hmesh::kit::Mobility;
 using hmesh::kit::Point;
@@ -38,7 +39,7 @@ namespace {
 constexpr double infinity = std::numeric_limits<double>::infinity();
 
 Triangulation delaunay(int width, int height, const std::vector<Point>& points) {
-    const hmesh::kit::Delaunay mesh = hmesh::kit::triangulate(width, height, points);
+    const kit::Delaunay mesh = kit::triangulate(width, height, points);
     Triangulation out;
     out.positions = mesh.positions();
     for (const Face f : mesh.topology().faces()) {
@@ -88,7 +89,7 @@ double largest_gain(ImageMesh<C>& mesh, int step) {
     double largest = 0;
     for (const Vertex v : mesh.topology().vertices()) {
         const VertexState<C> state = mesh.vertex(v);
-        if (state.mobility == Mobility::corner || mesh.topology().valence(v) > hmesh::kit::ring_capacity) continue;
+        if (state.mobility == Mobility::corner || mesh.topology().valence(v) > kit::ring_capacity) continue;
         const double before = ring_energy(mesh, v);
         for (int dy = -step; dy <= step; dy += step)
             for (int dx = -step; dx <= step; dx += step) {
@@ -101,7 +102,7 @@ double largest_gain(ImageMesh<C>& mesh, int step) {
                 for (const Halfedge h : mesh.topology().outgoing(v)) {
                     if (mesh.topology().is_boundary(h)) continue;
                     const auto u = mesh.topology().vertices(mesh.topology().face(h));
-                    const double area = hmesh::kit::orient2d(mesh.position(u[0]), mesh.position(u[1]), mesh.position(u[2]));
+                    const double area = kit::orient2d(mesh.position(u[0]), mesh.position(u[1]), mesh.position(u[2]));
                     fits = fits && area >= mesh.limits().min_double_area;
                 }
                 if (fits) largest = std::max(largest, before - ring_energy(mesh, v));
@@ -131,7 +132,7 @@ void check_places(const Subject<T, C>& subject, const std::vector<VertexState<C>
         REQUIRE((held_x ? after.position.x == before.position.x : is_center(after.position.x)));
         REQUIRE((held_y ? after.position.y == before.position.y : is_center(after.position.y)));
         const Color<C> color = sampled_color(mesh.table(), after.position);
-        for (int c = 0; c < hmesh::kit::lanes_for(C + 1); ++c) REQUIRE(after.color[c] == color[c]);
+        for (int c = 0; c < kit::lanes_for(C + 1); ++c) REQUIRE(after.color[c] == color[c]);
     }
 }
 
@@ -140,7 +141,7 @@ void check_search(const Image<T, C>& image, int count, std::uint64_t seed) {
     for (const int first_step : {1, 3, 4, 64}) {
         Subject<T, C> subject(image, on_pixels(image.width(), image.height(), count, seed));
         ImageMesh<C>& mesh = subject.mesh;
-        hmesh::kit::sample_colors(mesh);
+        kit::sample_colors(mesh);
         CHECK(largest_gain(mesh, 1) > 1e-3 * mesh.mean_energy());
         const auto old = states(mesh);
         // Round by round the energy falls.
@@ -184,7 +185,7 @@ void check_centerd(const Image<T, C>& image, std::uint64_t seed) {
         center.color = hmesh_test::any_color(mesh, v, range, random);
         mesh.gather(v, ring, spokes);
         open += ring.open ? 1 : 0;
-        const double energy = hmesh::kit::detail::centered_energy(mesh.table(), ring, center, infinity);
+        const double energy = kit::detail::centered_energy(mesh.table(), ring, center, infinity);
         const auto mark = mesh.begin();
         mesh.place(v, center.position, center.color);
         double expected = 0;
@@ -193,9 +194,9 @@ void check_centerd(const Image<T, C>& image, std::uint64_t seed) {
         CHECK(std::abs(energy - expected) <= slack);
         mesh.rollback(mark);
         // Bounds above the energy change nothing, others are reached.
-        CHECK(hmesh::kit::detail::centered_energy(mesh.table(), ring, center, 1.01 * energy + slack) == energy);
+        CHECK(kit::detail::centered_energy(mesh.table(), ring, center, 1.01 * energy + slack) == energy);
         for (const double part : {0.0, 0.3, 0.99})
-            CHECK(hmesh::kit::detail::centered_energy(mesh.table(), ring, center, part * energy) >= part * energy);
+            CHECK(kit::detail::centered_energy(mesh.table(), ring, center, part * energy) >= part * energy);
     }
     CHECK(open > 20);
 }
@@ -219,7 +220,7 @@ TEST_CASE("images of one or two rows or columns are searched like any") {
     for (const auto& [width, height] : {std::pair{1, 1}, {1, 40}, {40, 1}, {2, 2}, {2, 30}, {30, 2}, {3, 3}}) {
         Subject<std::uint8_t, 2> subject(hmesh_test::noise<std::uint8_t, 2>(width, height, 1),
                                          on_pixels(width, height, std::max(width, height) / 4, 2));
-        hmesh::kit::sample_colors(subject.mesh);
+        kit::sample_colors(subject.mesh);
         const auto old = states(subject.mesh);
         const double before = subject.mesh.energy();
         const std::size_t moves = search_vertices(subject.mesh, {4, 100});
@@ -235,12 +236,12 @@ TEST_CASE("a vertex finds the tip of a tent, and one on the side the foot of a r
     const auto tent = hmesh_test::draw<std::uint8_t, 1>(
         40, 30, [](int x, int y, int) { return 1 - std::max(std::abs(x - 24) / 24.0, std::abs(y - 11) / 18.0); });
     Subject<std::uint8_t, 1> subject(tent, delaunay(40, 30, {{9.5, 22.5}}));
-    hmesh::kit::sample_colors(subject.mesh);
+    kit::sample_colors(subject.mesh);
     CHECK(search_vertices(subject.mesh, {}) > 0);
     CHECK(subject.mesh.position(Vertex(4)) == Point{24.5, 11.5});
     const auto ridge = hmesh_test::draw<std::uint8_t, 1>(40, 30, [](int x, int, int) { return 1 - std::abs(x - 24) / 24.0; });
     Subject<std::uint8_t, 1> sides(ridge, delaunay(40, 30, {{9.5, 0}, {11.5, 30}}));
-    hmesh::kit::sample_colors(sides.mesh);
+    kit::sample_colors(sides.mesh);
     CHECK(search_vertices(sides.mesh, {}) > 0);
     for (const std::size_t v : {4U, 5U}) CHECK(sides.mesh.position(Vertex(v)).x == 24.5);
 }
@@ -248,7 +249,7 @@ TEST_CASE("a vertex finds the tip of a tent, and one on the side the foot of a r
 TEST_CASE("pictures that any mesh fits move no vertex") {
     const auto check_still = [](const auto& image) {
         Subject subject(image, on_pixels(image.width(), image.height(), 40, 1));
-        hmesh::kit::sample_colors(subject.mesh);
+        kit::sample_colors(subject.mesh);
         const auto before = hmesh_test::snapshot(subject.mesh);
         CHECK(search_vertices(subject.mesh, {}) == 0);
         CHECK(hmesh_test::snapshot(subject.mesh) == before);
@@ -262,10 +263,10 @@ TEST_CASE("pictures that any mesh fits move no vertex") {
 TEST_CASE("vertices of more neighbors than fit a ring stay, and those around them move") {
     Subject<std::uint8_t, 3> subject(hmesh_test::scene<std::uint8_t, 3>(170, 161, 1), fan());
     ImageMesh<3>& mesh = subject.mesh;
-    hmesh::kit::sample_colors(mesh);
+    kit::sample_colors(mesh);
     const auto old = states(mesh);
     int large = 0;
-    for (const Vertex v : mesh.topology().vertices()) large += mesh.topology().valence(v) > hmesh::kit::ring_capacity ? 1 : 0;
+    for (const Vertex v : mesh.topology().vertices()) large += mesh.topology().valence(v) > kit::ring_capacity ? 1 : 0;
     REQUIRE(large == 1);
     const double before = mesh.energy();
     CHECK(search_vertices(mesh, {4, 1000}) > 0);
@@ -273,14 +274,14 @@ TEST_CASE("vertices of more neighbors than fit a ring stay, and those around the
     hmesh_test::prove(subject);
     CHECK(largest_gain(mesh, 1) <= 1e-9 * before);
     for (const Vertex v : mesh.topology().vertices())
-        if (mesh.topology().valence(v) > hmesh::kit::ring_capacity) CHECK(mesh.position(v) == old[v.index()].position);
+        if (mesh.topology().valence(v) > kit::ring_capacity) CHECK(mesh.position(v) == old[v.index()].position);
 }
 
 TEST_CASE("frozen vertices stay, and vertices off the pixels stay as far off them") {
     Subject<std::uint8_t, 3> subject(hmesh_test::scene<std::uint8_t, 3>(41, 36, 1), hmesh_test::jittered_grid(41, 36, 6, 5, 1));
     ImageMesh<3>& mesh = subject.mesh;
-    hmesh::kit::sample_colors(mesh);
-    for (std::size_t i = 0; i < mesh.vertex_count(); i += 3) mesh.lock(Vertex(i), hmesh::kit::max_valence);
+    kit::sample_colors(mesh);
+    for (std::size_t i = 0; i < mesh.vertex_count(); i += 3) mesh.lock(Vertex(i), kit::max_valence);
     const auto old = states(mesh);
     CHECK(search_vertices(mesh, {}) > 5);
     hmesh_test::prove(subject);
@@ -296,11 +297,11 @@ TEST_CASE("frozen vertices stay, and vertices off the pixels stay as far off the
 TEST_CASE("over an image with weights the energy that falls is the weighted one") {
     const auto image = hmesh_test::scene<std::uint8_t, 3>(41, 36, 1);
     const Image<float, 1> weights = hmesh_test::random_weights(41, 36, 2);
-    const hmesh::kit::MomentTable<3> table(image.view(), weights.view(), hmesh::kit::weight_unit(weights.view()), image.view().bounds());
+    const kit::MomentTable<3> table(image.view(), weights.view(), kit::weight_unit(weights.view()), image.view().bounds());
     ImageMesh<3> mesh(table, 0, 255);
     const Triangulation start = on_pixels(41, 36, 40, 1);
     REQUIRE(mesh.assign(start.positions, start.triangles));
-    hmesh::kit::sample_colors(mesh);
+    kit::sample_colors(mesh);
     const double before = mesh.energy();
     CHECK(search_vertices(mesh, {4, 1000}) > 0);
     CHECK(mesh.energy() < before);
@@ -311,13 +312,14 @@ TEST_CASE("over an image with weights the energy that falls is the weighted one"
 
 TEST_CASE("without visits, or told to stop, no vertex moves") {
     Subject<std::uint8_t, 3> subject(hmesh_test::scene<std::uint8_t, 3>(41, 36, 1), on_pixels(41, 36, 40, 1));
-    hmesh::kit::sample_colors(subject.mesh);
+    kit::sample_colors(subject.mesh);
     const auto before = hmesh_test::snapshot(subject.mesh);
     CHECK(search_vertices(subject.mesh, {4, 0}) == 0);
-    hmesh::kit::ProgressReporter monitor({[](void*, const hmesh::ProgressInfo&) { return false; }, nullptr}, 1, 255);
-    hmesh::kit::TaskProgress task(monitor, 1);
+    const auto stop = [](const hmesh::ProgressInfo&) { return false; };
+    kit::ProgressReporter progress(stop, 1, 255);
+    kit::TaskProgress task(progress, 1);
     subject.mesh.set_task(&task);
-    (void)monitor.poll();
+    (void)progress.poll();
     CHECK(search_vertices(subject.mesh, {}) == 0);
     CHECK(hmesh_test::snapshot(subject.mesh) == before);
     subject.mesh.set_task(nullptr);

@@ -9,22 +9,24 @@
 #include <utility>
 
 #include "hmesh/core/random.hpp"
-#include "hmesh/solve/bounded_colors.hpp"
 #include "hmesh/edit/flip.hpp"
-#include "hmesh/fit/image_mesh.hpp"
 #include "hmesh/edit/move.hpp"
+#include "hmesh/fit/image_mesh.hpp"
 #include "hmesh/fit/moment_table.hpp"
 #include "hmesh/image/weights.hpp"
+#include "hmesh/solve/bounded_colors.hpp"
+#include "hmesh/solve/optimal_colors.hpp"
 #include "test_images.hpp"
 #include "test_meshes.hpp"
 #include "test_weighted.hpp"
 
+namespace kit = hmesh::kit;
+using hmesh::Image;
+using hmesh::PixelTraits;
 using hmesh::kit::Color;
 using hmesh::kit::Face;
-using hmesh::Image;
 using hmesh::kit::ImageMesh;
 using hmesh::kit::MomentTable;
-using hmesh::PixelTraits;
 using hmesh::kit::Vertex;
 using hmesh_test::Weighted;
 using hmesh_test::weighted_energy;
@@ -68,19 +70,19 @@ void optimise(Weighted<T, C>& subject, std::uint64_t seed) {
     for (int round = 0; round < 4; ++round) {
         const double before = mesh.energy();
         for (const Vertex v : mesh.topology().vertices()) {
-            REQUIRE(hmesh::kit::improve_vertex(mesh, v, 0) >= 0);
+            REQUIRE(kit::improve_vertex(mesh, v, 0) >= 0);
             mesh.set_dirty(v, true);
         }
         prove();
-        hmesh::kit::sweep(mesh);
+        kit::sweep(mesh);
         prove();
-        hmesh::kit::flip_edges(mesh);
+        kit::flip_edges(mesh);
         prove();
         CHECK(mesh.energy() <= before + 1e-9 * before + rounding);
     }
-    hmesh::kit::optimal_colors(mesh);
+    kit::optimal_colors(mesh);
     prove();
-    hmesh::kit::bounded_colors(mesh, 0, range, PixelTraits<T>::is_integer ? 1 : 0);
+    kit::bounded_colors(mesh, 0, range, PixelTraits<T>::is_integer ? 1 : 0);
     prove();
 }
 
@@ -109,9 +111,9 @@ TEST_CASE("a mesh over weights of 1 is optimised like one without weights, to th
                       triangulation);
     hmesh_test::Subject plain(hmesh_test::scene<std::uint8_t, 3>(61, 52, 4), triangulation);
     for (int round = 0; round < 3; ++round) {
-        hmesh::kit::sweep(weighted.mesh);
-        hmesh::kit::sweep(plain.mesh);
-        CHECK(hmesh::kit::flip_edges(weighted.mesh) == hmesh::kit::flip_edges(plain.mesh));
+        kit::sweep(weighted.mesh);
+        kit::sweep(plain.mesh);
+        CHECK(kit::flip_edges(weighted.mesh) == kit::flip_edges(plain.mesh));
     }
     CHECK(hmesh_test::snapshot(weighted.mesh) == hmesh_test::snapshot(plain.mesh));
 }
@@ -163,7 +165,7 @@ TEST_CASE("vertices whose faces hold no weight stay where they are, with the col
             for (const auto h : mesh.topology().outgoing(v)) left = std::min(left, mesh.position(mesh.topology().to_vertex(h)).x);
             if (left < 30) continue;
             const auto before = mesh.vertex(v);
-            hmesh::kit::improve_vertex(mesh, v, 0);
+            kit::improve_vertex(mesh, v, 0);
             CHECK(mesh.position(v) == before.position);
             for (int k = 0; k < 3; ++k) CHECK(mesh.color(v)[k] == before.color[k]);
             ++alone;
@@ -176,7 +178,7 @@ TEST_CASE("pixels without weight do not pull at the colours of those with weight
     // Grey 100 with weight; anything without.
     Image<std::uint8_t, 1> image = hmesh_test::noise<std::uint8_t, 1>(61, 52, 3);
     Image<float, 1> weights(61, 52);
-    hmesh::kit::Random random(1);
+    kit::Random random(1);
     for (int y = 0; y < 52; ++y)
         for (int x = 0; x < 61; ++x)
             if (random.below(2) == 0) {
@@ -184,7 +186,7 @@ TEST_CASE("pixels without weight do not pull at the colours of those with weight
                 *weights.pixel(x, y) = 0.7F;
             }
     Weighted subject(std::move(image), std::move(weights), hmesh_test::jittered_grid(61, 52, 6, 5, 1));
-    hmesh::kit::optimal_colors(subject.mesh);
+    kit::optimal_colors(subject.mesh);
     CHECK(subject.mesh.energy() < 1);
     for (const Vertex v : subject.mesh.topology().vertices()) CHECK(std::abs(subject.mesh.color(v)[0] - 100) < 0.5);
 }

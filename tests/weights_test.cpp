@@ -2,9 +2,11 @@
 
 #include <doctest/doctest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <iterator>
 #include <limits>
 #include <string>
 
@@ -12,11 +14,11 @@
 #include "test_executors.hpp"
 #include "test_images.hpp"
 
-using hmesh::kit::check_weights;
 using hmesh::Errc;
 using hmesh::Image;
 using hmesh::ImageView;
 using hmesh::Status;
+using hmesh::kit::check_weights;
 using hmesh::kit::weight_sum;
 using hmesh::kit::weight_unit;
 using hmesh::kit::WeightScale;
@@ -79,7 +81,8 @@ TEST_CASE("check_weights refuses NaN, infinities and negative weights, and tells
     both.pixel(9, 5)[0] = infinity;
     CHECK(refused(check_weights(both.view(), 41, 70), Errc::not_finite, 5, 0));
     Image<float, 1> extreme(2, 2);
-    extreme.samples() = {-0.0F, std::numeric_limits<float>::max(), std::numeric_limits<float>::denorm_min(), 0.0F};
+    const float extremes[] = {-0.0F, std::numeric_limits<float>::max(), std::numeric_limits<float>::denorm_min(), 0.0F};
+    std::copy(std::begin(extremes), std::end(extremes), extreme.data());
     CHECK(check_weights(extreme.view(), 2, 2));
 }
 
@@ -98,8 +101,8 @@ TEST_CASE("weight_unit makes the largest weight 1, whatever its size, and is 1 w
     for (const float largest : {1.0F, 255.0F, 0.3F, std::numeric_limits<float>::max(), std::numeric_limits<float>::denorm_min()})
         for (const int at : {0, 17, 59}) {
             Image<float, 1> weights(6, 10);
-            weights.samples()[5] = 0.5F * largest;
-            weights.samples()[static_cast<std::size_t>(at)] = largest;
+            weights.data()[5] = 0.5F * largest;
+            weights.data()[static_cast<std::size_t>(at)] = largest;
             const double unit = weight_unit(weights.view());
             CHECK(std::isfinite(unit));
             CHECK(std::abs(unit * static_cast<double>(largest) - 1) < 1e-15);
@@ -144,7 +147,7 @@ TEST_CASE("scaled weights do not depend on the unit of the weights, and 0 stays 
 TEST_CASE("weight_sum adds the scaled weights, to the same bits in any order of the work") {
     const Image<float, 1> weights = hmesh_test::noise<float, 1>(57, 131, 3);
     long double expected = 0;
-    for (const float weight : weights.samples()) expected += static_cast<long double>(weight) * 0.37L;
+    for (const float weight : hmesh_test::samples_of(weights)) expected += static_cast<long double>(weight) * 0.37L;
     const double sum = weight_sum(weights.view(), 0.37, 57, 131);
     const auto step = static_cast<long double>(WeightScale(0.37, 57, 131).step());
     CHECK(std::abs(static_cast<long double>(sum) - expected) <= 57 * 131 * 0.5L * step);

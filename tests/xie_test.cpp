@@ -9,11 +9,10 @@
 
 #include "test_images.hpp"
 #include "test_methods.hpp"
-#include "test_patchworks.hpp"
+#include "test_tiled_meshes.hpp"
 
+using hmesh::Xie;
 using hmesh::kit::Point;
-using hmesh::kit::xie;
-using hmesh::kit::XieOptions;
 using hmesh_test::prove_mesh;
 using hmesh_test::Work;
 
@@ -32,7 +31,7 @@ TEST_CASE("xie gives every number of vertices, on pixels and with sampled colour
             for (const std::size_t n : {std::size_t{4}, std::size_t{7}, pixels / 8 + 4, pixels}) {
                 CAPTURE(work.image.width());
                 CAPTURE(n);
-                CHECK(xie(work.patchwork, n, {}));
+                CHECK(Xie().run(work.tiled, n));
                 prove_mesh(work, n);
                 CHECK(hmesh_test::is_sampled(work.image, work.indexed()));
                 bool on_pixels = true;
@@ -46,11 +45,11 @@ TEST_CASE("xie gives every number of vertices, on pixels and with sampled colour
 TEST_CASE("every stage of xie after the removal lowers the energy, and it ends with the first round that gains too little") {
     for (const std::uint64_t seed : {1U, 2U, 3U}) {
         Work<std::uint8_t, 3> work(hmesh_test::scene<std::uint8_t, 3>(64, 48, seed));
-        XieOptions options;
-        options.enough = 0.02;
-        options.rounds = 50;
-        CHECK(xie(work.patchwork, 90, options));
-        const auto& stages = work.monitor.stages();
+        Xie recipe;
+        recipe.enough = 0.02;
+        recipe.rounds = 50;
+        CHECK(recipe.run(work.tiled, 90));
+        const auto& stages = work.progress.stages();
         REQUIRE(stages.size() >= 4);
         REQUIRE(stages.size() % 2 == 0);
         for (std::size_t k = 2; k < stages.size(); ++k) {
@@ -68,10 +67,10 @@ TEST_CASE("every stage of xie after the removal lowers the energy, and it ends w
 TEST_CASE("without rounds xie is adams, to the last bit") {
     const auto image = hmesh_test::scene<std::uint8_t, 1>(40, 30, 2);
     Work<std::uint8_t, 1> moved(image), left(image);
-    XieOptions options;
-    options.rounds = 0;
-    CHECK(xie(moved.patchwork, 50, options));
-    CHECK(adams(left.patchwork, 50, options.start));
+    Xie recipe;
+    recipe.rounds = 0;
+    CHECK(recipe.run(moved.tiled, 50));
+    CHECK(recipe.start.run(left.tiled, 50));
     CHECK(hmesh_test::same_bits(moved.indexed(), left.indexed()));
 }
 
@@ -82,13 +81,13 @@ TEST_CASE("options of xie at the ends of their ranges give a valid mesh of the e
             for (const int flip_visits : {1, 1000000})
                 for (const double enough : {0.0, 1.0})
                     for (const std::size_t n : {4U, 40U, 480U}) {
-                        XieOptions options;
-                        options.search = {first_step, visits};
-                        options.flip_visits = flip_visits;
-                        options.enough = enough;
-                        options.rounds = 1000;  // each gains something
-                        REQUIRE(check(options));
-                        CHECK(xie(work.patchwork, n, options));
+                        Xie recipe;
+                        recipe.search = {first_step, visits};
+                        recipe.flip_visits = flip_visits;
+                        recipe.enough = enough;
+                        recipe.rounds = 1000;  // each gains something
+                        REQUIRE(recipe.check());
+                        CHECK(recipe.run(work.tiled, n));
                         prove_mesh(work, n);
                     }
 }
@@ -96,19 +95,19 @@ TEST_CASE("options of xie at the ends of their ranges give a valid mesh of the e
 TEST_CASE("options of xie that mean nothing are named") {
     using hmesh_test::is_refused;
     for (const double bad : hmesh_test::bad_numbers) {
-        CHECK(is_refused<XieOptions>("xie.enough", [&](XieOptions& o) { o.enough = bad; }));
-        CHECK(is_refused<XieOptions>("adams.density", [&](XieOptions& o) { o.start.density = bad; }));
+        CHECK(is_refused<Xie>("xie enough", [&](Xie& o) { o.enough = bad; }));
+        CHECK(is_refused<Xie>("adams density", [&](Xie& o) { o.start.density = bad; }));
     }
     for (const int bad : hmesh_test::bad_integers) {
-        CHECK(is_refused<XieOptions>("xie.search.first_step", [&](XieOptions& o) { o.search.first_step = bad; }));
-        CHECK(is_refused<XieOptions>("xie.search.visits", [&](XieOptions& o) { o.search.visits = bad; }));
-        CHECK(is_refused<XieOptions>("xie.flip_visits", [&](XieOptions& o) { o.flip_visits = bad; }));
-        CHECK(is_refused<XieOptions>("xie.rounds", [&](XieOptions& o) { o.rounds = bad; }));
-        CHECK(is_refused<XieOptions>("adams.smoothing", [&](XieOptions& o) { o.start.smoothing = bad; }));
+        CHECK(is_refused<Xie>("xie search.first_step", [&](Xie& o) { o.search.first_step = bad; }));
+        CHECK(is_refused<Xie>("xie search.visits", [&](Xie& o) { o.search.visits = bad; }));
+        CHECK(is_refused<Xie>("xie flip_visits", [&](Xie& o) { o.flip_visits = bad; }));
+        CHECK(is_refused<Xie>("xie rounds", [&](Xie& o) { o.rounds = bad; }));
+        CHECK(is_refused<Xie>("adams smoothing", [&](Xie& o) { o.start.smoothing = bad; }));
     }
-    for (const auto spoil : {+[](XieOptions& o) { o.search.first_step = 0; }, +[](XieOptions& o) { o.search.first_step = 4097; }})
-        CHECK(is_refused<XieOptions>("xie.search.first_step", spoil));
-    CHECK(is_refused<XieOptions>("xie.search.visits", [](XieOptions& o) { o.search.visits = 0; }));
-    CHECK(is_refused<XieOptions>("xie.flip_visits", [](XieOptions& o) { o.flip_visits = 0; }));
-    CHECK(is_refused<XieOptions>("xie.enough", [](XieOptions& o) { o.enough = 1.0001; }));
+    for (const auto spoil : {+[](Xie& o) { o.search.first_step = 0; }, +[](Xie& o) { o.search.first_step = 4097; }})
+        CHECK(is_refused<Xie>("xie search.first_step", spoil));
+    CHECK(is_refused<Xie>("xie search.visits", [](Xie& o) { o.search.visits = 0; }));
+    CHECK(is_refused<Xie>("xie flip_visits", [](Xie& o) { o.flip_visits = 0; }));
+    CHECK(is_refused<Xie>("xie enough", [](Xie& o) { o.enough = 1.0001; }));
 }

@@ -14,6 +14,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <limits>
+#include <optional>
 #include <utility>
 #include <vector>
 
@@ -31,13 +32,25 @@
 
 namespace hmesh {
 
+// Between what values of its corners a face is drawn.
+enum class Interpolation : std::uint8_t {
+    encoded,  // the stored values, as GPUs do with colours that they take for plain numbers
+    // Light, as glTF renderers do: colours are held to [0, peak], decoded from sRGB (IEC 61966-2-1), and pixels encoded again.
+    // Alpha, the last of 2 or 4 channels, is held to [0, peak] and else as ever. Costs another 15 ns a pixel and channel.
+    linear,
+};
+
 // Options of render().
 struct RenderOptions {
-    int width = 0, height = 0;  // of the picture in pixels; 0 or less: the mesh's own
-    // Interpolate light in place of stored values, as glTF renderers do: colours are held to [0, peak], decoded from sRGB
-    // (IEC 61966-2-1), and pixels encoded again. Alpha, the last of 2 or 4 channels, is held to [0, peak] and else as ever.
-    // Costs another 15 ns a pixel and channel.
-    bool linear_light = false;
+    std::optional<int> width{}, height{};  // of the picture in pixels; none: the mesh's own
+    Interpolation interpolation = Interpolation::encoded;
+};
+
+// A picture, or why there is none: it is then empty.
+template <int C>
+struct [[nodiscard]] RenderResult {
+    Image<float, C> image;
+    Status status;
 };
 
 namespace detail {
@@ -120,14 +133,28 @@ struct Bands {
     return bands;
 }
 
-[[nodiscard]] inline Status check_sizes(const MeshView& mesh, int width, int height) noexcept {
+// Whether the mesh can be drawn into a picture of C channels and this size.
+template <int C>
+[[nodiscard]] Status check_drawing(const MeshView& mesh, int width, int height, Interpolation interpolation) noexcept {
     if (mesh.width < 1) return {Errc::invalid_argument, "the mesh's width must be at least 1", mesh.width, 1};
     if (mesh.height < 1) return {Errc::invalid_argument, "the mesh's height must be at least 1", mesh.height, 1};
+    if (width < 1) return {Errc::invalid_argument, "the picture to draw must be at least 1 pixel wide", width, 1};
+    if (height < 1) return {Errc::invalid_argument, "the picture to draw must be at least 1 pixel high", height, 1};
     if (width > kit::max_side) return {Errc::image_too_large, "the picture to draw is too wide", width, kit::max_side};
     if (height > kit::max_side) return {Errc::image_too_large, "the picture to draw is too high", height, kit::max_side};
     const std::int64_t pixels = std::int64_t{width} * height;
     if (pixels > kit::max_pixels)
         return {Errc::image_too_large, "the picture to draw has too many pixels", pixels, kit::max_pixels};
+    // Comes only where pointers have 32 bits.
+    constexpr std::int64_t most = std::numeric_limits<std::ptrdiff_t>::max() / (C * std::int64_t{sizeof(float)});
+    if (pixels > most) return {Errc::image_too_large, "the picture to draw has too many pixels", pixels, most};
+    if (const Status status = check(mesh, kit::max_channels); !status) return status;
+    if (mesh.channels != C)
+        return {Errc::invalid_argument, "the mesh has not the picture's number of channels", mesh.channels, C};
+    if (interpolation != Interpolation::encoded && interpolation != Interpolation::linear)
+        return {Errc::invalid_argument, "the interpolation is none of those known", static_cast<int>(interpolation), 1};
+    if (interpolation == Interpolation::linear && mesh.premultiplied)
+        return {Errc::invalid_argument, "linear light is drawn from straight colours, and the mesh's are premultiplied"};
     return {};
 }
 
@@ -159,24 +186,17 @@ void encode_rows(const MeshView& mesh, RowRange rows, Image<float, C>& out) {
 
 }  // namespace detail
 
-// Draws the mesh, scaled to the picture's size, into `out`: the stored values, neither rounded nor clamped. Faces
-// outside the picture are clipped; where faces overlap the later one wins; pixels in no face are 0. A premultiplied mesh
-// gives a premultiplied picture, and cannot be drawn in linear light. When the Status says no, `out` is as it was.
+// Draws the mesh, scaled to the picture's size: the stored values, neither rounded nor clamped. Faces outside the picture are
+// clipped; where faces overlap the later one wins; pixels in no face are 0. A premultiplied mesh gives a premultiplied picture,
+// and cannot be drawn in linear light.
 template <int C>
-Status render(const MeshView& mesh, Image<float, C>& out, const RenderOptions& options = {},
-              const ParallelFor& parallel_for = {}) {
-    const int width = options.width > 0 ? options.width : mesh.width;
-    const int height = options.height > 0 ? options.height : mesh.height;
-    if (const Status status = detail::check_sizes(mesh, width, height); !status) return status;
-    if (const Status status = check(mesh, kit::max_channels); !status) return status;
-    if (mesh.channels != C)
-        return {Errc::invalid_argument, "the mesh has not the picture's number of channels", mesh.channels, C};
-    // Comes only where pointers have 32 bits.
-    constexpr std::int64_t most = std::numeric_limits<std::ptrdiff_t>::max() / (C * std::int64_t{sizeof(float)});
-    if (std::int64_t{width} * height > most)
-        return {Errc::image_too_large, "the picture to draw has too many pixels", std::int64_t{width} * height, most};
-    if (options.linear_light && mesh.premultiplied)
-        return {Errc::invalid_argument, "linear light is drawn from straight colours, and the mesh's are premultiplied", 0, 0};
+[[nodiscard]] RenderResult<C> render(const MeshView& mesh, const RenderOptions& options = {},
+                                     const ParallelFor& parallel_for = {}) {
+    RenderResult<C> result;
+    const int width = options.width.value_or(mesh.width), height = options.height.value_or(mesh.height);
+    result.status = detail::check_drawing<C>(mesh, width, height, options.interpolation);
+    if (!result.status) return result;
+    const bool is_linear = options.interpolation == Interpolation::linear;
 
     // A position on the mesh's border comes out on the picture's: the product is exact and the quotient rounded once.
     std::vector<kit::Point> at(mesh.vertex_count);
@@ -187,15 +207,17 @@ Status render(const MeshView& mesh, Image<float, C>& out, const RenderOptions& o
     });
     constexpr double farthest = 16.0 * kit::max_side;  // px, so that columns fit an int
     for (std::size_t v = 0; v < at.size(); ++v)
-        if (std::abs(at[v].x) > farthest || std::abs(at[v].y) > farthest)
-            return {Errc::invalid_argument, "the mesh has a position far outside its image, at vertex",
-                    static_cast<std::int64_t>(v), 0};
+        if (std::abs(at[v].x) > farthest || std::abs(at[v].y) > farthest) {
+            result.status = {Errc::invalid_argument, "the mesh has a position far outside its image, at vertex", v};
+            return result;
+        }
 
     const detail::Bands bands = detail::sort_into_bands(mesh, at, height, parallel_for);
     std::vector<float> light;
-    if (options.linear_light) light = detail::decoded_colors(mesh, parallel_for);
-    const float* const colors = options.linear_light ? light.data() : mesh.colors;
-    out = Image<float, C>(width, height);
+    if (is_linear) light = detail::decoded_colors(mesh, parallel_for);
+    const float* const colors = is_linear ? light.data() : mesh.colors;
+    result.image = Image<float, C>(width, height);
+    Image<float, C>& out = result.image;
     parallel_for(bands.starts.size() - 1, [&](std::size_t band) {
         const int first = static_cast<int>(band) * detail::band_rows;
         const detail::RowRange rows{first, std::min(height, first + detail::band_rows)};
@@ -204,9 +226,9 @@ Status render(const MeshView& mesh, Image<float, C>& out, const RenderOptions& o
             const std::array<std::uint32_t, 3>& face = mesh.faces[bands.faces[i]];
             detail::draw_face(corner(face[0]), corner(face[1]), corner(face[2]), rows, out);
         }
-        if (options.linear_light) detail::encode_rows(mesh, rows, out);
+        if (is_linear) detail::encode_rows(mesh, rows, out);
     });
-    return {};
+    return result;
 }
 
 // 10 log10(peak^2 / MSE) in dB, MSE the mean of the squared differences over pixels AND channels, peak that of the
@@ -237,9 +259,9 @@ template <class T, class U, int C>
 template <class T, int C>
 [[nodiscard]] Image<T, C> to_pixels(const Image<float, C>& image, const ParallelFor& parallel_for = {}) {
     Image<T, C> out(image.width(), image.height());
-    const std::vector<float>& from = image.samples();
-    std::vector<T>& to = out.samples();
-    kit::for_each_chunk(parallel_for, from.size(), 65536, [&](std::size_t begin, std::size_t end) {
+    const float* const from = image.data();
+    T* const to = out.data();
+    kit::for_each_chunk(parallel_for, image.size(), 65536, [&](std::size_t begin, std::size_t end) {
         for (std::size_t k = begin; k < end; ++k) to[k] = PixelTraits<T>::from_real(static_cast<double>(from[k]));
     });
     return out;

@@ -1,3 +1,3 @@
-#include "test_meshing.hpp"
+#include "instantiate.hpp"
 
-HMESH_TEST_MESHING_TYPES(, 4)
+HMESH_TEST_INSTANTIATE(4)

@@ -3,15 +3,14 @@
 #include <cstddef>
 #include <cstdint>
 
-#include "hmesh/solve/sampled_colors.hpp"
-#include "hmesh/methods/hierarchical/bilateral.hpp"
 #include "hmesh/fit/image_source.hpp"
 #include "hmesh/fit/moment_table.hpp"
+#include "hmesh/methods/hierarchical/bilateral.hpp"
+#include "hmesh/solve/sampled_colors.hpp"
 
 double HMESH_TEST_PART() {
     hmesh::Image<std::uint8_t, 3> image(37, 29);
-    std::size_t i = 0;
-    for (std::uint8_t& sample : image.samples()) sample = static_cast<std::uint8_t>(i++ * 7 % 256);
+    for (std::size_t i = 0; i < image.size(); ++i) image.data()[i] = static_cast<std::uint8_t>(i * 7 % 256);
     const hmesh::kit::ImageSource<3> source(image.view());
     const hmesh::kit::MomentTable<3> table = source.table({0, 0, 37, 29});
     const hmesh::Image<std::uint8_t, 3> filtered = hmesh::kit::bilateral_filter(image.view());

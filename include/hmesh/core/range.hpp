@@ -17,7 +17,7 @@ struct Range {
     double value, low, high;
 };
 
-// The first option that is out of its range, or not a number, as invalid_argument with the bound that it missed.
+// The first option that is out of its range as invalid_argument with the bound that it missed; what is not finite missed the upper.
 [[nodiscard]] inline Status check_ranges(std::initializer_list<Range> ranges) noexcept {
     for (const Range& range : ranges)
         if (!is_within(range.value, range.low, range.high)) {

@@ -111,8 +111,11 @@ class Image {
     [[nodiscard]] T* pixel(int x, int y) noexcept { return samples_.data() + offset(x, y); }
     [[nodiscard]] const T* pixel(int x, int y) const noexcept { return samples_.data() + offset(x, y); }
     [[nodiscard]] ImageView<T, C> view() const noexcept { return {samples_.data(), width_, height_, 0}; }
-    [[nodiscard]] std::vector<T>& samples() noexcept { return samples_; }
-    [[nodiscard]] const std::vector<T>& samples() const noexcept { return samples_; }
+    // All samples, pixel after pixel, row after row; valid until the image is assigned to or gone.
+    [[nodiscard]] T* data() noexcept { return samples_.data(); }
+    [[nodiscard]] const T* data() const noexcept { return samples_.data(); }
+    // The number of samples: width * height * C.
+    [[nodiscard]] std::size_t size() const noexcept { return samples_.size(); }
 
   private:
     [[nodiscard]] std::size_t offset(int x, int y) const noexcept {

@@ -230,7 +230,7 @@ template <int C, class T>
 // Gives the mesh the colours with the least squared error to the image in stored values, as seen through interpolation in
 // linear light; they stay stored values, in [0, peak]. Starts from those that it has, which are held to that range first, as
 // files of linear light do; so are values of the picture drawn, while the image may have any. The error falls or stays.
-// Before each step `go_on(share of the work done)` is asked; what is reported is true of the mesh in any case.
+// Before each step `go_on(share of the work done)` is asked, until it says no; what is reported is true of the mesh in any case.
 //
 // Status: invalid_argument where the mesh is not one of this image, is premultiplied, or has a vertex without a face; the mesh
 // is then as it was. The view and the weights are such as check(), check_finite() and check_weights() accept.
@@ -244,6 +244,7 @@ LinearLightReport fit_linear_light(Mesh& mesh, const ImageView<T, C>& view, cons
     if (!report.status) return report;
     kit::detail::LinearLight<T, C> scene(mesh, topology, view, options, parallel_for);
     const double unit = mesh.peak * mesh.peak;
+    bool is_stopped = false;
     for (std::size_t k = 0; k < C; ++k) {
         const ChannelLight start = scene.start(k);
         ChannelLight now = start;
@@ -251,8 +252,9 @@ LinearLightReport fit_linear_light(Mesh& mesh, const ImageView<T, C>& view, cons
         double energy = converted;
         kit::DenseMatrix direction;
         int steps = 0;
-        for (bool gains = true; gains && energy > 0 && steps < options.iterations;) {
-            if (go_on && !go_on((static_cast<double>(k) + static_cast<double>(steps) / options.iterations) / C)) break;
+        for (bool gains = true; gains && energy > 0 && steps < options.iterations && !is_stopped;) {
+            is_stopped = go_on && !go_on((static_cast<double>(k) + static_cast<double>(steps) / options.iterations) / C);
+            if (is_stopped) break;
             const kit::PcgReport solve = scene.direction(now, k, direction);
             report.solver_iterations += solve.iterations;
             report.residual = std::max(report.residual, solve.residual);

@@ -143,7 +143,7 @@ struct Annealed {
     /// vertices on average, tiles are larger, up to the image, and so is the memory for each.
     int tile = 0;
     /// In place of what `effort` means: start from kit::annealed_steps(effort) and change what you like.
-    std::optional<kit::AnnealedSteps> steps;
+    std::optional<kit::AnnealedSteps> steps{};
 
     static constexpr const char* name = "annealed";
     static constexpr Colors colors = Colors::optimal;

@@ -77,7 +77,7 @@ template <int C>
         for (int pass = 0; pass < passes; ++pass) detail::smooth(plane, rest, parallel_for);
         detail::for_each_row(parallel_for, height, [&](int y) {
             const double *above = plane.row_held(y - 1), *here = plane.row(y), *below = plane.row_held(y + 1);
-            float* to = map.samples().data() + static_cast<std::size_t>(y) * static_cast<std::size_t>(width);
+            float* to = map.data() + static_cast<std::size_t>(y) * static_cast<std::size_t>(width);
             for (int x = 0; x < width; ++x) {
                 const int left = std::max(0, x - 1), right = std::min(width - 1, x + 1);
                 const double xx = here[left] - 2 * here[x] + here[right], yy = above[x] - 2 * here[x] + below[x];

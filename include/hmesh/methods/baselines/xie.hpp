@@ -24,11 +24,11 @@ namespace hmesh {
 
 /// The method of Xie et al., with sampled colors.
 struct Xie {
-    Adams start;               ///< the mesh that it starts from
-    kit::VertexSearch search;  ///< how vertices move
-    int flip_visits = 8;       ///< how often an edge is a suspect in a round, in [1, 1000000]
-    int rounds = 8;            ///< at most, in [0, 1000]; one that gains less than `enough` is the last
-    double enough = 1e-3;      ///< of the energy, in [0, 1]
+    Adams start{};               ///< the mesh that it starts from
+    kit::VertexSearch search{};  ///< how vertices move
+    int flip_visits = 8;         ///< how often an edge is a suspect in a round, in [1, 1000000]
+    int rounds = 8;              ///< at most, in [0, 1000]; one that gains less than `enough` is the last
+    double enough = 1e-3;        ///< of the energy, in [0, 1]
 
     static constexpr const char* name = "xie";
     static constexpr Colors colors = Colors::sampled;

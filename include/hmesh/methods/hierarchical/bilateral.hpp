@@ -12,10 +12,11 @@
 
 #include <algorithm>
 #include <cstddef>
+#include <limits>
 
 #include "hmesh/core/assert.hpp"
-#include "hmesh/core/finite.hpp"
 #include "hmesh/core/parallel.hpp"
+#include "hmesh/core/range.hpp"
 #include "hmesh/core/status.hpp"
 #include "hmesh/image/image_view.hpp"
 #include "hmesh/methods/hierarchical/bilateral_tile.hpp"
@@ -27,19 +28,16 @@ namespace hmesh::kit {
 // Options of bilateral_filter().
 struct BilateralOptions {
     int diameter = 9;         // of the window, px, in [1, 99]; its radius is diameter / 2 rounded down
-    double sigma_color = 50;  // in 1/255 of the peak of the pixel type, > 0
-    double sigma_space = 50;  // px, > 0
+    double sigma_color = 50;  // in 1/255 of the peak of the pixel type, at least 1e-300
+    double sigma_space = 50;  // px, at least 1e-300
 };
 
 // Whether all options are in range.
 [[nodiscard]] inline Status check(const BilateralOptions& options) noexcept {
-    const auto bad = [](const char* what) -> Status { return {Errc::invalid_argument, what, 0, 0}; };
-    const auto positive = [](const double& value) { return is_finite(value) && value > 0; };
-    if (options.diameter < 1) return {Errc::invalid_argument, "bilateral.diameter must be at least 1", options.diameter, 1};
-    if (options.diameter > 99) return {Errc::invalid_argument, "bilateral.diameter must be at most 99", options.diameter, 99};
-    if (!positive(options.sigma_color)) return bad("bilateral.sigma_color must be positive and finite");
-    if (!positive(options.sigma_space)) return bad("bilateral.sigma_space must be positive and finite");
-    return {};
+    constexpr double most = std::numeric_limits<double>::max();
+    return check_ranges({{"bilateral diameter must be in [1, 99] px", static_cast<double>(options.diameter), 1, 99},
+                         {"bilateral sigma_color must be at least 1e-300, and finite", options.sigma_color, 1e-300, most},
+                         {"bilateral sigma_space must be at least 1e-300, and finite", options.sigma_space, 1e-300, most}});
 }
 
 // The view filtered, of the same size; samples are rounded by PixelTraits<T>::from_real. Colours are as far apart as the

@@ -69,7 +69,7 @@ template <int C>
     system.solution << position_matrix(mesh), color_matrix(mesh);
     system.rhs << position_rhs<C>(topology, corners, parallel_for), image_rhs<C>(topology, corners, parallel_for);
     system.rhs += ridge * system.solution;
-    Eigen::Index row = 0;
+    std::size_t row = 0;
     for (const Vertex v : topology.vertices()) {
         const Mobility mobility = mesh.vertex(v).mobility;
         if (mobility != Mobility::free && mobility != Mobility::along_x) system.held.push_back({row, 0});

@@ -51,14 +51,14 @@ template <int C>
 
 /// The paper's method. Figures: dB over the six meshes of Lena and Fruits at 1, 2 and 3 % (docs/paper.md has all of them).
 struct Hierarchical {
-    int levels = 2;                   ///< N, in [1, 20]; the paper: two or three, of which three lose 0.1 to 0.9
-    kit::BilateralOptions bilateral;  ///< diameter 9, sigmas 50, as in the paper
-    kit::LevelFilter filter;          ///< in place of the bilateral one, if set
-    Adams start{6, 3};                ///< a density of 6 is worth 0.05 to 0.15 above 4.5 in five of the six
+    int levels = 2;                     ///< N, in [1, 20]; the paper: two or three, of which three lose 0.1 to 0.9
+    kit::BilateralOptions bilateral{};  ///< diameter 9, sigmas 50, as in the paper
+    kit::LevelFilter filter{};          ///< in place of the bilateral one, if set
+    Adams start{6, 3};                  ///< a density of 6 is worth 0.05 to 0.15 above 4.5 in five of the six
     /// The first mesh is that of the coarsest level, as in the paper. From the image itself it is better by 0.2 to 0.6 in five of
     /// the six: it has points in the textures that the filter removes.
     bool start_filtered = true;
-    kit::GeometryStep geometry;  ///< how a step is taken
+    kit::GeometryStep geometry{};  ///< how a step is taken
     int rounds = 2;       ///< of geometry step and flips, per level, in [0, 1000]; the paper: two; four are worth 0.1 to 0.2
     int flip_visits = 8;  ///< how often an edge is a suspect in a round, in [1, 1000000]; never reached in practice
 

@@ -37,7 +37,7 @@ template <class T, int C>
     HMESH_ASSERT(check(view) && filter);
     Image<T, C> out(view.width, view.height);
     std::vector<float> from;
-    from.reserve(out.samples().size());
+    from.reserve(out.size());
     for (int y = 0; y < view.height; ++y) {
         const T* row = view.row(y);
         std::transform(row, row + view.width * C, std::back_inserter(from),

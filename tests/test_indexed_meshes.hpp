@@ -1,6 +1,6 @@
 // hmesh tests - meshes of whole images between two phases of work: irregular ones, and what there is to know of them.
-#ifndef HMESH_TESTS_TEST_WHOLES_HPP
-#define HMESH_TESTS_TEST_WHOLES_HPP
+#ifndef HMESH_TESTS_TEST_INDEXED_MESHES_HPP
+#define HMESH_TESTS_TEST_INDEXED_MESHES_HPP
 
 #include <doctest/doctest.h>
 
@@ -20,36 +20,38 @@
 
 namespace hmesh_test {
 
+namespace kit = hmesh::kit;
+
 // --- meshes ---
 
 // The mesh as arrays; of each vertex chance decides whether it is due, and how its colour differs from the mesh's.
 template <int C>
-hmesh::kit::IndexedMesh<C> whole_of(const hmesh::kit::ImageMesh<C>& mesh, double range, std::uint64_t seed) {
-    hmesh::kit::Random random(seed);
-    hmesh::kit::IndexedMesh<C> whole;
+kit::IndexedMesh<C> indexed_of(const kit::ImageMesh<C>& mesh, double range, std::uint64_t seed) {
+    kit::Random random(seed);
+    kit::IndexedMesh<C> whole;
     whole.width = mesh.width();
     whole.height = mesh.height();
     std::vector<std::uint32_t> number(mesh.topology().vertex_slots());
-    for (const hmesh::kit::Vertex v : mesh.topology().vertices()) {
+    for (const kit::Vertex v : mesh.topology().vertices()) {
         number[v.index()] = static_cast<std::uint32_t>(whole.vertex_count());
-        hmesh::kit::Color<C> color = mesh.color(v);
+        kit::Color<C> color = mesh.color(v);
         for (int k = 0; k < C; ++k) color.set(k, color[k] + 0.05 * range * (random.uniform() - 0.5));
         whole.add(mesh.position(v), color);
         whole.dirty.back() = random.below(2) == 0 ? 1 : 0;
     }
-    for (const hmesh::kit::Face f : mesh.topology().faces()) {
+    for (const kit::Face f : mesh.topology().faces()) {
         const auto v = mesh.topology().vertices(f);
-        whole.triangles.push_back({number[v[0].index()], number[v[1].index()], number[v[2].index()]});
+        whole.faces.push_back({number[v[0].index()], number[v[1].index()], number[v[2].index()]});
     }
     return whole;
 }
 
 // Whether the circle through the corners of e's first face holds the far corner of its second.
 template <int C>
-bool breaks_delaunay(const hmesh::kit::ImageMesh<C>& mesh, hmesh::kit::Edge e) {
-    const hmesh::kit::HalfedgeMesh& topology = mesh.topology();
-    const hmesh::kit::Halfedge h = hmesh::kit::HalfedgeMesh::halfedge(e), o = hmesh::kit::HalfedgeMesh::opposite(h);
-    const hmesh::kit::Point d = mesh.position(topology.to_vertex(topology.next(o)));
+bool breaks_delaunay(const kit::ImageMesh<C>& mesh, kit::Edge e) {
+    const kit::HalfedgeMesh& topology = mesh.topology();
+    const kit::Halfedge h = kit::HalfedgeMesh::halfedge(e), o = kit::HalfedgeMesh::opposite(h);
+    const kit::Point d = mesh.position(topology.to_vertex(topology.next(o)));
     double x[3], y[3], z[3];
     const auto v = topology.vertices(topology.face(h));
     for (std::size_t k = 0; k < 3; ++k) {
@@ -65,23 +67,23 @@ bool breaks_delaunay(const hmesh::kit::ImageMesh<C>& mesh, hmesh::kit::Edge e) {
 // `count` random vertices one after another, inside or on the border, each in the face that happens to be there: many
 // slivers. With `delaunay`, edges are turned afterwards until almost all circles are empty.
 template <int C>
-void scatter(hmesh::kit::ImageMesh<C>& mesh, int count, bool delaunay, std::uint64_t seed) {
-    const hmesh::kit::HalfedgeMesh& topology = mesh.topology();
-    hmesh::kit::Random random(seed);
+void scatter(kit::ImageMesh<C>& mesh, int count, bool delaunay, std::uint64_t seed) {
+    const kit::HalfedgeMesh& topology = mesh.topology();
+    kit::Random random(seed);
     for (int k = 0; k < count; ++k) {
         if (random.below(6) == 0) {
-            const hmesh::kit::Edge e = any_edge(mesh, random);
-            hmesh::kit::RingScratch<C> work;
-            const auto candidate = hmesh::kit::edge_candidate(mesh, work, e, false);
-            if (candidate.fits && hmesh::kit::can_gain_edge(mesh, candidate)) hmesh::kit::insert(mesh, candidate);
+            const kit::Edge e = any_edge(mesh, random);
+            kit::RingScratch<C> work;
+            const auto candidate = kit::edge_candidate(mesh, work, e, false);
+            if (candidate.fits && kit::can_gain_edge(mesh, candidate)) kit::insert(mesh, candidate);
             continue;
         }
-        const hmesh::kit::Point p = hmesh::kit::snap(hmesh::kit::Point{mesh.width() * random.uniform(), mesh.height() * random.uniform()});
-        for (const hmesh::kit::Face f : topology.faces()) {
+        const kit::Point p = kit::snap(kit::Point{mesh.width() * random.uniform(), mesh.height() * random.uniform()});
+        for (const kit::Face f : topology.faces()) {
             const auto v = topology.vertices(f);
             bool fits = true;
             for (std::size_t i = 0; i < 3; ++i)
-                if (!(hmesh::kit::orient2d(mesh.position(v[i]), mesh.position(v[(i + 1) % 3]), p) >= mesh.limits().min_double_area) ||
+                if (!(kit::orient2d(mesh.position(v[i]), mesh.position(v[(i + 1) % 3]), p) >= mesh.limits().min_double_area) ||
                     !mesh.can_gain_edge(v[i]))
                     fits = false;
             if (!fits) continue;
@@ -90,10 +92,10 @@ void scatter(hmesh::kit::ImageMesh<C>& mesh, int count, bool delaunay, std::uint
         }
     }
     for (int round = 0; delaunay && round < 20; ++round)
-        for (const hmesh::kit::Edge e : topology.edges()) {
-            if (!hmesh::kit::is_flip_ok(mesh, e) || !breaks_delaunay(mesh, e)) continue;
-            hmesh::kit::FlipTrial<C> trial;
-            hmesh::kit::evaluate_flip(mesh, e, trial);
+        for (const kit::Edge e : topology.edges()) {
+            if (!kit::can_flip(mesh, e) || !breaks_delaunay(mesh, e)) continue;
+            kit::FlipTrial<C> trial;
+            kit::evaluate_flip(mesh, e, trial);
             mesh.flip(e, trial.moments, trial.own, trial.opposite);
         }
 }
@@ -108,24 +110,24 @@ inline Triangulation island() {
     mesh.positions = {{46, 20}, {44, 20}, {30, 18}, {26, 21}, {0, 0}, {0, 40}, {64, 0}, {64, 40}};
     mesh.triangles = {{1, 2, 3}, {1, 0, 4}, {1, 5, 0}, {1, 4, 2}, {1, 3, 5},
                       {2, 4, 3}, {3, 4, 5}, {0, 4, 6}, {0, 6, 7}, {0, 7, 5}};
-    for (hmesh::kit::Triangle& t : mesh.triangles)
-        if (hmesh::kit::orient2d(mesh.positions[t[0]], mesh.positions[t[1]], mesh.positions[t[2]]) < 0) std::swap(t[1], t[2]);
+    for (hmesh::Triangle& t : mesh.triangles)
+        if (kit::orient2d(mesh.positions[t[0]], mesh.positions[t[1]], mesh.positions[t[2]]) < 0) std::swap(t[1], t[2]);
     return mesh;
 }
 
-// A triangulation of the image with colours and due vertices as in whole_of(), its energy known.
+// A triangulation of the image with colours and due vertices as in indexed_of(), its energy known.
 template <class T, int C>
-hmesh::kit::IndexedMesh<C> make_whole(const hmesh::Image<T, C>& image, const Triangulation& triangulation, std::uint64_t seed) {
+kit::IndexedMesh<C> make_indexed(const hmesh::Image<T, C>& image, const Triangulation& triangulation, std::uint64_t seed) {
     Subject<T, C> subject(image, triangulation);
-    hmesh::kit::IndexedMesh<C> whole = whole_of(subject.mesh, hmesh::PixelTraits<T>::peak, seed);
-    REQUIRE(subject.mesh.assign(whole.positions, whole.triangles, whole.colors, hmesh::SerialFor{}));
+    kit::IndexedMesh<C> whole = indexed_of(subject.mesh, hmesh::PixelTraits<T>::peak, seed);
+    REQUIRE(subject.mesh.assign(whole.positions, whole.faces, whole.colors, {}));
     whole.energy = subject.mesh.energy();
     return whole;
 }
 
 // A mesh over the image of about `count` vertices, its energy known.
 template <class T, int C>
-hmesh::kit::IndexedMesh<C> make_whole(const hmesh::Image<T, C>& image, Shape shape, int count, std::uint64_t seed) {
+kit::IndexedMesh<C> make_indexed(const hmesh::Image<T, C>& image, Shape shape, int count, std::uint64_t seed) {
     const int width = image.width(), height = image.height();
     const double spacing = std::sqrt(static_cast<double>(width) * height / count);
     const auto cells = [&](int side) { return std::max(1, std::min(side, static_cast<int>(side / spacing))); };
@@ -137,8 +139,8 @@ hmesh::kit::IndexedMesh<C> make_whole(const hmesh::Image<T, C>& image, Shape sha
     const double range = hmesh::PixelTraits<T>::peak;
     if (shape == Shape::worn) wear(subject.mesh, 3 * count, range, seed);
     if (few) scatter(subject.mesh, count, shape == Shape::delaunay, seed);
-    hmesh::kit::IndexedMesh<C> whole = whole_of(subject.mesh, range, seed);
-    REQUIRE(subject.mesh.assign(whole.positions, whole.triangles, whole.colors, hmesh::SerialFor{}));
+    kit::IndexedMesh<C> whole = indexed_of(subject.mesh, range, seed);
+    REQUIRE(subject.mesh.assign(whole.positions, whole.faces, whole.colors, {}));
     whole.energy = subject.mesh.energy();
     return whole;
 }
@@ -151,13 +153,13 @@ template <int C>
 using Corners = std::array<Corner<C>, 3>;
 
 template <int C>
-Corner<C> corner_of(hmesh::kit::Point position, const hmesh::kit::Color<C>& color) {
+Corner<C> corner_of(kit::Point position, const kit::Color<C>& color) {
     Corner<C> corner{position.x, position.y};
     for (int k = 0; k < C; ++k) corner[static_cast<std::size_t>(2 + k)] = color[k];
     return corner;
 }
 template <int C>
-Corner<C> corner_of(const hmesh::kit::IndexedMesh<C>& whole, std::size_t v) {
+Corner<C> corner_of(const kit::IndexedMesh<C>& whole, std::size_t v) {
     return corner_of<C>(whole.positions[v], whole.colors[v]);
 }
 
@@ -168,7 +170,7 @@ Corners<C> turned(Corners<C> corners) {
     return corners;
 }
 template <int C>
-Corners<C> corners_of(const hmesh::kit::IndexedMesh<C>& whole, const hmesh::kit::Triangle& t) {
+Corners<C> corners_of(const kit::IndexedMesh<C>& whole, const hmesh::Triangle& t) {
     return turned<C>({corner_of(whole, t[0]), corner_of(whole, t[1]), corner_of(whole, t[2])});
 }
 
@@ -182,9 +184,9 @@ struct Description {
     }
 };
 template <int C>
-Description<C> describe(const hmesh::kit::IndexedMesh<C>& whole) {
+Description<C> describe(const kit::IndexedMesh<C>& whole) {
     Description<C> out;
-    for (const hmesh::kit::Triangle& t : whole.triangles) out.triangles.push_back(corners_of(whole, t));
+    for (const hmesh::Triangle& t : whole.faces) out.triangles.push_back(corners_of(whole, t));
     for (std::size_t v = 0; v < whole.vertex_count(); ++v) out.vertices.emplace_back(corner_of(whole, v), whole.dirty[v] != 0);
     std::sort(out.triangles.begin(), out.triangles.end());
     std::sort(out.vertices.begin(), out.vertices.end());
@@ -193,14 +195,14 @@ Description<C> describe(const hmesh::kit::IndexedMesh<C>& whole) {
 
 // Equal in every number, vertices and triangles in the same order.
 template <int C>
-bool same_bytes(const hmesh::kit::IndexedMesh<C>& a, const hmesh::kit::IndexedMesh<C>& b) {
+bool same_bytes(const kit::IndexedMesh<C>& a, const kit::IndexedMesh<C>& b) {
     // Not ==, for which 0 and -0 are the same.
     const auto same = [](double x, double y) { return std::memcmp(&x, &y, sizeof(double)) == 0; };
     if (a.width != b.width || a.height != b.height || a.vertex_count() != b.vertex_count()) return false;
-    if (a.colors.size() != b.colors.size() || a.dirty != b.dirty || a.triangles != b.triangles) return false;
+    if (a.colors.size() != b.colors.size() || a.dirty != b.dirty || a.faces != b.faces) return false;
     for (std::size_t v = 0; v < a.vertex_count(); ++v) {
         if (!same(a.positions[v].x, b.positions[v].x) || !same(a.positions[v].y, b.positions[v].y)) return false;
-        for (int k = 0; k < hmesh::kit::lanes_for(C + 1); ++k)
+        for (int k = 0; k < kit::lanes_for(C + 1); ++k)
             if (!same(a.colors[v][k], b.colors[v][k])) return false;
     }
     return same(a.energy, b.energy);
@@ -209,16 +211,16 @@ bool same_bytes(const hmesh::kit::IndexedMesh<C>& a, const hmesh::kit::IndexedMe
 // --- proofs ---
 
 template <int C>
-void prove(const hmesh::kit::IndexedMesh<C>& whole) {
-    const hmesh::Status status = hmesh::check(whole);
+void prove(const kit::IndexedMesh<C>& whole) {
+    const hmesh::Status status = kit::check(whole);
     REQUIRE_MESSAGE(status, std::string(status.what) << " at " << status.value);
 }
 
 // The energy of the whole in one piece, over one table.
 template <class T, int C>
-double fresh_energy(const hmesh::Image<T, C>& image, const hmesh::kit::IndexedMesh<C>& whole) {
+double fresh_energy(const hmesh::Image<T, C>& image, const kit::IndexedMesh<C>& whole) {
     Subject<T, C> subject(image);
-    REQUIRE(subject.mesh.assign(whole.positions, whole.triangles, whole.colors, hmesh::SerialFor{}));
+    REQUIRE(subject.mesh.assign(whole.positions, whole.faces, whole.colors, {}));
     return subject.mesh.energy();
 }
 
@@ -226,40 +228,40 @@ double fresh_energy(const hmesh::Image<T, C>& image, const hmesh::kit::IndexedMe
 
 // One edit picked by chance, good or bad for the energy, as the parts of a mesh allow it: frozen vertices stay.
 template <int C>
-void random_free_edit(hmesh::kit::ImageMesh<C>& mesh, double range, hmesh::kit::Random& random) {
-    hmesh::kit::RingScratch<C> work;
+void random_free_edit(kit::ImageMesh<C>& mesh, double range, kit::Random& random) {
+    kit::RingScratch<C> work;
     switch (random.below(6)) {
         case 0:
         case 1: {
-            const hmesh::kit::Vertex v = any_vertex(mesh, random);
-            if (mesh.vertex(v).mobility == hmesh::kit::Mobility::locked) return;
-            const hmesh::kit::Point p = any_place(mesh, v, 3, random);
+            const kit::Vertex v = any_vertex(mesh, random);
+            if (mesh.vertex(v).mobility == kit::Mobility::locked) return;
+            const kit::Point p = any_place(mesh, v, 3, random);
             mesh.place(v, p, any_color(mesh, v, range, random));
             return;
         }
         case 2: {
-            const hmesh::kit::Edge e = any_edge(mesh, random);
-            if (!hmesh::kit::is_flip_ok(mesh, e)) return;
-            hmesh::kit::FlipTrial<C> trial;
-            hmesh::kit::evaluate_flip(mesh, e, trial);
+            const kit::Edge e = any_edge(mesh, random);
+            if (!kit::can_flip(mesh, e)) return;
+            kit::FlipTrial<C> trial;
+            kit::evaluate_flip(mesh, e, trial);
             mesh.flip(e, trial.moments, trial.own, trial.opposite);
             return;
         }
         case 3: {
             const bool in_edge = random.below(2) == 0, may_move = random.below(2) == 0;
-            const auto candidate = in_edge ? hmesh::kit::edge_candidate(mesh, work, any_edge(mesh, random), may_move)
-                                           : hmesh::kit::face_candidate(mesh, work, any_face(mesh, random), may_move);
-            if (candidate.fits && hmesh::kit::can_gain_edge(mesh, candidate)) hmesh::kit::insert(mesh, candidate);
+            const auto candidate = in_edge ? kit::edge_candidate(mesh, work, any_edge(mesh, random), may_move)
+                                           : kit::face_candidate(mesh, work, any_face(mesh, random), may_move);
+            if (candidate.fits && kit::can_gain_edge(mesh, candidate)) kit::insert(mesh, candidate);
             return;
         }
         case 4: {
-            const auto candidate = hmesh::kit::cheapest_collapse(mesh, work, any_vertex(mesh, random));
+            const auto candidate = kit::cheapest_collapse(mesh, work, any_vertex(mesh, random));
             if (candidate.halfedge.is_valid()) mesh.collapse(candidate.halfedge);
             return;
         }
         default: {
-            if (random.below(2) == 0) hmesh::kit::improve_vertex(mesh, any_vertex(mesh, random), 0);
-            else hmesh::kit::improve_edge(mesh, any_edge(mesh, random), 0);
+            if (random.below(2) == 0) kit::improve_vertex(mesh, any_vertex(mesh, random), 0);
+            else kit::improve_edge(mesh, any_edge(mesh, random), 0);
             return;
         }
     }
@@ -267,4 +269,4 @@ void random_free_edit(hmesh::kit::ImageMesh<C>& mesh, double range, hmesh::kit::
 
 }  // namespace hmesh_test
 
-#endif  // HMESH_TESTS_TEST_WHOLES_HPP
+#endif  // HMESH_TESTS_TEST_INDEXED_MESHES_HPP

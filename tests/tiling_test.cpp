@@ -1,0 +1,105 @@
+#include "hmesh/tiles/tiling.hpp"
+
+#include <doctest/doctest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <utility>
+#include <vector>
+
+using hmesh::kit::Point;
+using hmesh::kit::Rect;
+using hmesh::kit::Tiling;
+
+namespace {
+
+// The lines of one axis, from the rectangles of the first row or column.
+std::vector<int> lines_x(const Tiling& tiling) {
+    std::vector<int> lines;
+    for (std::size_t i = 0; i < tiling.columns(); ++i) lines.push_back(tiling.rect(i).x);
+    lines.push_back(lines.back() + tiling.rect(tiling.columns() - 1).width);
+    return lines;
+}
+std::vector<int> lines_y(const Tiling& tiling) {
+    std::vector<int> lines;
+    for (std::size_t j = 0; j < tiling.rows(); ++j) lines.push_back(tiling.rect(j * tiling.columns()).y);
+    lines.push_back(lines.back() + tiling.rect(tiling.size() - 1).height);
+    return lines;
+}
+
+}  // namespace
+
+TEST_CASE("the lines of a tiling cover the image, and its tiles are as equal as can be and as large as asked") {
+    for (int size = 1; size <= 70; ++size)
+        for (const double tile : {1.0, 1.2, 1.5, 2.0, 3.0, 7.3, 10.0, 64.0, 1000.0}) {
+            const Tiling tiling(size, 71 - size, tile);
+            const std::vector<int> x = lines_x(tiling), y = lines_y(tiling);
+            REQUIRE((x.front() == 0 && x.back() == size && y.front() == 0 && y.back() == 71 - size));
+            REQUIRE(tiling.size() == tiling.columns() * tiling.rows());
+            // Tiles are numbered row after row, and lie between the lines.
+            for (std::size_t k = 0; k < tiling.size(); ++k) {
+                const Rect r = tiling.rect(k);
+                const std::size_t i = k % tiling.columns(), j = k / tiling.columns();
+                REQUIRE((r.x == x[i] && r.x + r.width == x[i + 1] && r.y == y[j] && r.y + r.height == y[j + 1]));
+            }
+            int least = size, most = 0;
+            for (std::size_t i = 0; i < tiling.columns(); ++i) {
+                least = std::min(least, x[i + 1] - x[i]);
+                most = std::max(most, x[i + 1] - x[i]);
+            }
+            REQUIRE(least >= 1);
+            REQUIRE(most - least <= 1);
+            // No other count of tiles comes nearer to size / tile.
+            const double wanted = std::max(1.0, size / tile);
+            REQUIRE(std::abs(static_cast<double>(tiling.columns()) - wanted) <= 0.5);
+        }
+}
+
+TEST_CASE("a shifted tiling has its lines midway between those of the other, and no tile is empty") {
+    for (int size = 1; size <= 70; ++size)
+        for (const double tile : {1.0, 1.2, 1.5, 2.0, 3.0, 7.3, 10.0, 64.0, 1000.0}) {
+            const Tiling plain(size, size, tile), shifted(size, size, tile, true, false);
+            REQUIRE(lines_y(shifted) == lines_y(plain));
+            const Tiling down(size, size, tile, false, true);
+            REQUIRE((lines_x(down) == lines_x(plain) && lines_y(down) == lines_x(shifted)));
+            const std::vector<int> x = lines_x(plain), between = lines_x(shifted);
+            REQUIRE((between.front() == 0 && between.back() == size));
+            for (std::size_t i = 0; i + 1 < between.size(); ++i) REQUIRE(between[i] < between[i + 1]);
+            if (plain.columns() == 1) {
+                REQUIRE(shifted.columns() == 1);
+                continue;
+            }
+            const double spacing = static_cast<double>(size) / static_cast<double>(plain.columns());
+            if (spacing > 1) REQUIRE(shifted.columns() == plain.columns() + 1);
+            for (std::size_t i = 1; i + 1 < between.size(); ++i)
+                REQUIRE(std::abs(between[i] - spacing * (static_cast<double>(i) - 0.5)) <= 0.5 + 1e-9);
+        }
+}
+
+TEST_CASE("a point is in the tile whose rectangle holds it, also on lines and on the border") {
+    for (const auto& [width, height] : {std::pair{1, 1}, {1, 9}, {12, 1}, {23, 17}, {40, 31}})
+        for (const double tile : {1.0, 2.0, 5.0, 8.0, 30.0})
+            for (int shift = 0; shift < 4; ++shift) {
+                const Tiling tiling(width, height, tile, (shift & 1) != 0, (shift & 2) != 0);
+                // The tile of each pixel, from the rectangles.
+                std::vector<std::size_t> owner(static_cast<std::size_t>(width) * static_cast<std::size_t>(height), tiling.size());
+                const auto at = [&, w = width](int x, int y) -> std::size_t& {
+                    return owner[static_cast<std::size_t>(y * w + x)];
+                };
+                for (std::size_t k = 0; k < tiling.size(); ++k) {
+                    const Rect r = tiling.rect(k);
+                    for (int y = r.y; y < r.y + r.height; ++y)
+                        for (int x = r.x; x < r.x + r.width; ++x) {
+                            REQUIRE(at(x, y) == tiling.size());
+                            at(x, y) = k;
+                        }
+                }
+                for (int y = 0; y <= height; ++y)
+                    for (int x = 0; x <= width; ++x)
+                        for (const Point step : {Point{0, 0}, {0.5, 0.5}, {255.0 / 256, 1.0 / 256}}) {
+                            const Point p{std::min<double>(width, x + step.x), std::min<double>(height, y + step.y)};
+                            REQUIRE(tiling.tile_at(p) == at(std::min(x, width - 1), std::min(y, height - 1)));
+                        }
+            }
+}
