@@ -49,7 +49,7 @@ bool read_heights(const char* path, Heights& heights) {
     const std::unique_ptr<stbi_us, void (*)(void*)> samples(stbi_load_16(path, &width, &height, nullptr, 1), stbi_image_free);
     if (!samples) return false;
     heights = Heights(width, height);
-    std::copy_n(samples.get(), heights.samples().size(), heights.samples().begin());
+    std::copy_n(samples.get(), heights.size(), heights.data());
     return true;
 }
 
@@ -58,21 +58,22 @@ struct Error {
 };
 
 Error error_of(const Heights& heights, const hmesh::MeshView& terrain) {
-    hmesh::Image<float, 1> drawn;
+    const auto [drawn, status] = hmesh::render<1>(terrain);
+    if (!status) return {1, 1};
     Error error;
-    if (!hmesh::render(terrain, drawn)) return {1, 1};
-    for (std::size_t i = 0; i < drawn.samples().size(); ++i) {
-        const double difference = std::fabs(static_cast<double>(drawn.samples()[i]) - heights.samples()[i]) / 65535;
+    for (std::size_t i = 0; i < drawn.size(); ++i) {
+        const double difference = std::fabs(static_cast<double>(drawn.data()[i]) - heights.data()[i]) / 65535;
         error.root_mean_square += difference * difference;
         error.largest = std::max(error.largest, difference);
     }
-    error.root_mean_square = std::sqrt(error.root_mean_square / static_cast<double>(drawn.samples().size()));
+    error.root_mean_square = std::sqrt(error.root_mean_square / static_cast<double>(drawn.size()));
     return error;
 }
 
 // Squares, as many vertices as the mesh has or a few less, each with the height of the pixel under it.
-hmesh::Mesh<1> grid_terrain(const Heights& heights, std::size_t vertices) {
-    hmesh::Mesh<1> grid;
+hmesh::Mesh grid_terrain(const Heights& heights, std::size_t vertices) {
+    hmesh::Mesh grid;
+    grid.channels = 1;
     grid.width = heights.width();
     grid.height = heights.height();
     grid.peak = 65535;
@@ -96,14 +97,14 @@ hmesh::Mesh<1> grid_terrain(const Heights& heights, std::size_t vertices) {
 
 // x to the right, y up from the ground, z towards the viewer; one unit is one pixel. Seen from above, faces of a mesh are
 // clockwise as in the image; those of an OBJ file are to be counter-clockwise, so two corners change places.
-bool write_terrain(const hmesh::Mesh<1>& mesh, const char* path) {
+bool write_terrain(const hmesh::Mesh& mesh, const char* path) {
     const std::unique_ptr<std::FILE, int (*)(std::FILE*)> file(std::fopen(path, "wb"), std::fclose);
     if (!file) return false;
     const double unit = relief * mesh.width / 65535;
     for (std::size_t v = 0; v < mesh.vertex_count(); ++v)
         std::fprintf(file.get(), "v %.3f %.3f %.3f\n", static_cast<double>(mesh.positions[2 * v]),
                      unit * static_cast<double>(mesh.colors[v]), static_cast<double>(mesh.positions[2 * v + 1]));
-    for (const auto& face : mesh.faces) std::fprintf(file.get(), "f %u %u %u\n", face[0] + 1, face[2] + 1, face[1] + 1);
+    for (const auto& [a, b, c] : mesh.faces) std::fprintf(file.get(), "f %u %u %u\n", a + 1, c + 1, b + 1);
     return std::fflush(file.get()) == 0 && std::ferror(file.get()) == 0;
 }
 
@@ -115,21 +116,27 @@ int main(int argc, char** argv) {
         return 2;
     }
     Heights heights = draw_island(512, 512);
-    if (argc == 3 && !read_heights(argv[2], heights))
-        return std::fprintf(stderr, "heightmap: cannot read '%s': %s\n", argv[2], stbi_failure_reason()), 1;
+    if (argc == 3 && !read_heights(argv[2], heights)) {
+        std::fprintf(stderr, "heightmap: cannot read '%s': %s\n", argv[2], stbi_failure_reason());
+        return 1;
+    }
 
-    hmesh::Options options;
-    options.effort = hmesh::kit::Effort::fast;
-    const auto result = hmesh::mesh_image(heights.view(), options);
-    if (!result.status) return std::fprintf(stderr, "heightmap: %s\n", result.status.what), 1;
+    const hmesh::Result result = hmesh::mesh_image(heights.view(), {}, hmesh::Annealed{hmesh::Effort::fast});
+    if (!result.has_mesh()) {
+        std::fprintf(stderr, "heightmap: %s\n", hmesh::message(result.status).c_str());
+        return 1;
+    }
 
-    const hmesh::Mesh<1> grid = grid_terrain(heights, result.report.vertices);
+    const hmesh::Mesh grid = grid_terrain(heights, result.report.vertices);
     const Error mesh_error = error_of(heights, result.mesh.view()), grid_error = error_of(heights, grid.view());
     std::printf("%d x %d heights; errors as shares of the full height\n", heights.width(), heights.height());
     std::printf("mesh %7zu vertices, root mean square %.5f, largest %.4f\n", result.report.vertices, mesh_error.root_mean_square,
                 mesh_error.largest);
     std::printf("grid %7zu vertices, root mean square %.5f, largest %.4f\n", grid.vertex_count(), grid_error.root_mean_square,
                 grid_error.largest);
-    if (!write_terrain(result.mesh, argv[1])) return std::fprintf(stderr, "heightmap: cannot write '%s'\n", argv[1]), 1;
+    if (!write_terrain(result.mesh, argv[1])) {
+        std::fprintf(stderr, "heightmap: cannot write '%s'\n", argv[1]);
+        return 1;
+    }
     return 0;
 }
