@@ -65,7 +65,7 @@ class ImageMesh {
     }
     // The same with given colours, one a vertex; none: as above.
     [[nodiscard]] HMESH_COLD Status assign(const std::vector<Point>& positions, const std::vector<Triangle>& triangles,
-                                           const std::vector<Color<C>>& colors, const ParallelFor& parallel_for);
+                                           const std::vector<Color<C>>& colors, const ParallelFor& parallel_for = {});
 
     [[nodiscard]] const HalfedgeMesh& topology() const noexcept { return topology_; }
     [[nodiscard]] const MomentTable<C>& table() const noexcept { return *table_; }
