@@ -59,6 +59,11 @@ need() {
                 has make || packages+=(make)
                 ;;
             eigen) has_header signature_of_eigen3_matrix_library || packages+=(libeigen3-dev) ;;
+            command)  # what tools/hmesh is made of, beside Eigen
+                has_header stb_image.h || packages+=(libstb-dev)
+                has_header CLI/CLI.hpp || packages+=(libcli11-dev)
+                has_header nlohmann/json.hpp || packages+=(nlohmann-json3-dev)
+                ;;
             stb) has_header stb_image.h || packages+=(libstb-dev) ;;
             doctest) has_header doctest/doctest.h || packages+=(doctest-dev) ;;
             benchmark) has_header benchmark/benchmark.h || packages+=(libbenchmark-dev) ;;
