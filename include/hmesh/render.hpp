@@ -1,10 +1,11 @@
-// hmesh - render(): draws a mesh into an image of any size, pixel for pixel as a GPU does; with psnr() and to_pixels().
-//
-// A pixel takes the colour of the face that holds its centre, by the top-left rule of geometry.hpp, interpolated
-// linearly (Gouraud) at that centre. At the mesh's own size these are the very pixels that were counted when the mesh
-// was fitted. Each edge is always evaluated from its upper to its lower end, so that the two faces beside it agree to
-// the bit and leave no gap at any size. Cost: about 5 ns a pixel and 60 ns a face; memory beside the image: 16 bytes a
-// vertex and about 14 a face.
+/// \file
+/// render(): draws a mesh into an image of any size, pixel for pixel as a GPU does; with psnr() and to_pixels().
+///
+/// A pixel takes the colour of the face that holds its centre, by the top-left rule of geometry.hpp, interpolated
+/// linearly (Gouraud) at that centre. At the mesh's own size these are the very pixels that were counted when the mesh
+/// was fitted. Each edge is always evaluated from its upper to its lower end, so that the two faces beside it agree to
+/// the bit and leave no gap at any size. Cost: about 5 ns a pixel and 60 ns a face; memory beside the image: 16 bytes a
+/// vertex and about 14 a face.
 #ifndef HMESH_RENDER_HPP
 #define HMESH_RENDER_HPP
 
@@ -32,21 +33,21 @@
 
 namespace hmesh {
 
-// Between what values of its corners a face is drawn.
+/// Between what values of its corners a face is drawn.
 enum class Interpolation : std::uint8_t {
-    encoded,  // the stored values, as GPUs do with colours that they take for plain numbers
-    // Light, as glTF renderers do: colours are held to [0, peak], decoded from sRGB (IEC 61966-2-1), and pixels encoded again.
-    // Alpha, the last of 2 or 4 channels, is held to [0, peak] and else as ever. Costs another 15 ns a pixel and channel.
+    encoded,  ///< the stored values, as GPUs do with colours that they take for plain numbers
+    /// Light, as glTF renderers do: colours are held to [0, peak], decoded from sRGB (IEC 61966-2-1), and pixels encoded again.
+    /// Alpha, the last of 2 or 4 channels, is held to [0, peak] and else as ever. Costs another 15 ns a pixel and channel.
     linear,
 };
 
-// Options of render().
+/// Options of render().
 struct RenderOptions {
-    std::optional<int> width{}, height{};  // of the picture in pixels; none: the mesh's own
+    std::optional<int> width{}, height{};  ///< of the picture in pixels; none: the mesh's own
     Interpolation interpolation = Interpolation::encoded;
 };
 
-// A picture, or why there is none: it is then empty.
+/// A picture, or why there is none: it is then empty.
 template <int C>
 struct [[nodiscard]] RenderResult {
     Image<float, C> image;
@@ -57,9 +58,9 @@ namespace detail {
 
 inline constexpr int band_rows = 32;
 
-// The rows of an image of `height` rows whose centres a face can hold.
+/// The rows of an image of `height` rows whose centres a face can hold.
 struct RowRange {
-    int first = 0, last = 0;  // [first, last)
+    int first = 0, last = 0;  ///< [first, last)
 };
 
 template <int C>
@@ -68,7 +69,7 @@ struct Corner {
     const float* color;
 };
 
-// The colours of a face as functions of the pixel.
+/// The colours of a face as functions of the pixel.
 template <int C>
 class Shading {
   public:
@@ -79,7 +80,7 @@ class Shading {
             to_c_[k] = static_cast<double>(c.color[k]) - base_[k];
         }
     }
-    // Pixels [begin, end) of row j.
+    /// Pixels [begin, end) of row j.
     void fill(int j, int begin, int end, float* pixel) const noexcept {
         for (int i = begin; i < end; ++i, pixel += C) {
             const kit::Barycentric w = weights_(i, j);
@@ -92,7 +93,7 @@ class Shading {
     std::array<double, std::size_t{C}> base_, to_b_, to_c_;
 };
 
-// Draws the rows of a face that lie in `rows`.
+/// Draws the rows of a face that lie in `rows`.
 template <int C>
 void draw_face(const Corner<C>& a, const Corner<C>& b, const Corner<C>& c, RowRange rows, Image<float, C>& out) {
     const Shading<C> shading(a, b, c);
@@ -100,7 +101,7 @@ void draw_face(const Corner<C>& a, const Corner<C>& b, const Corner<C>& c, RowRa
                        [&](int j, int begin, int end) { shading.fill(j, begin, end, out.pixel(begin, j)); });
 }
 
-// Which faces touch which band of rows: those of band b are faces[starts[b]] .. faces[starts[b + 1] - 1], in order.
+/// Which faces touch which band of rows: those of band b are faces[starts[b]] .. faces[starts[b + 1] - 1], in order.
 struct Bands {
     std::vector<std::size_t> starts;
     std::vector<std::uint32_t> faces;
@@ -133,7 +134,7 @@ struct Bands {
     return bands;
 }
 
-// Whether the mesh can be drawn into a picture of C channels and this size.
+/// Whether the mesh can be drawn into a picture of C channels and this size.
 template <int C>
 [[nodiscard]] Status check_drawing(const MeshView& mesh, int width, int height, Interpolation interpolation) noexcept {
     if (mesh.width < 1) return {Errc::invalid_argument, "the mesh's width must be at least 1", mesh.width, 1};
@@ -158,7 +159,7 @@ template <int C>
     return {};
 }
 
-// A mesh's colours for interpolation in linear light, and drawn pixels back from it.
+/// A mesh's colours for interpolation in linear light, and drawn pixels back from it.
 [[nodiscard]] inline bool is_light(const MeshView& mesh, int channel) noexcept {
     return !kit::has_alpha(mesh.channels) || channel + 1 != mesh.channels;
 }
@@ -186,9 +187,9 @@ void encode_rows(const MeshView& mesh, RowRange rows, Image<float, C>& out) {
 
 }  // namespace detail
 
-// Draws the mesh, scaled to the picture's size: the stored values, neither rounded nor clamped. Faces outside the picture are
-// clipped; where faces overlap the later one wins; pixels in no face are 0. A premultiplied mesh gives a premultiplied picture,
-// and cannot be drawn in linear light.
+/// Draws the mesh, scaled to the picture's size: the stored values, neither rounded nor clamped. Faces outside the picture are
+/// clipped; where faces overlap the later one wins; pixels in no face are 0. A premultiplied mesh gives a premultiplied picture,
+/// and cannot be drawn in linear light.
 template <int C>
 [[nodiscard]] RenderResult<C> render(const MeshView& mesh, const RenderOptions& options = {},
                                      const ParallelFor& parallel_for = {}) {
@@ -231,8 +232,8 @@ template <int C>
     return result;
 }
 
-// 10 log10(peak^2 / MSE) in dB, MSE the mean of the squared differences over pixels AND channels, peak that of the
-// reference's pixel type. Infinity for equal images, NaN for images that cannot be compared: different or no sizes.
+/// 10 log10(peak^2 / MSE) in dB, MSE the mean of the squared differences over pixels AND channels, peak that of the
+/// reference's pixel type. Infinity for equal images, NaN for images that cannot be compared: different or no sizes.
 template <class T, class U, int C>
 [[nodiscard]] double psnr(const ImageView<T, C>& reference, const ImageView<U, C>& rendered,
                           const ParallelFor& parallel_for = {}) {
@@ -255,7 +256,7 @@ template <class T, class U, int C>
     return kit::psnr_of_energy(energy, samples, PixelTraits<T>::peak);
 }
 
-// The picture in pixels of type T, rounded and held to the type's range.
+/// The picture in pixels of type T, rounded and held to the type's range.
 template <class T, int C>
 [[nodiscard]] Image<T, C> to_pixels(const Image<float, C>& image, const ParallelFor& parallel_for = {}) {
     Image<T, C> out(image.width(), image.height());

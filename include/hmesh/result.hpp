@@ -6,7 +6,6 @@
 #include <cstddef>
 #include <vector>
 
-#include "hmesh/core/message.hpp"
 #include "hmesh/core/progress.hpp"
 #include "hmesh/core/status.hpp"
 #include "hmesh/mesh/mesh.hpp"

@@ -1,8 +1,9 @@
-// hmesh - FunctionRef: a reference to any callable, so that what takes a callback is compiled once.
-//
-// Two words, nothing allocated; a call costs one jump through a pointer, some 2 ns. As C++26's std::function_ref, except that
-// it may refer to nothing, and that what it calls must return the very type that was asked for: a count where a bool is
-// wanted is a mistake.
+/// \file
+/// FunctionRef: a reference to any callable, so that what takes a callback is compiled once.
+///
+/// Two words, nothing allocated; a call costs one jump through a pointer, some 2 ns. As C++26's std::function_ref, except that
+/// it may refer to nothing, and that what it calls must return the very type that was asked for: a count where a bool is
+/// wanted is a mistake.
 #ifndef HMESH_CORE_FUNCTION_REF_HPP
 #define HMESH_CORE_FUNCTION_REF_HPP
 
@@ -17,8 +18,8 @@ namespace hmesh {
 template <class Signature>
 class FunctionRef;
 
-// Refers to an object, which must outlive the reference, or holds a pointer to a function. A lambda written in the call is
-// fine: it lives until the call returns. To keep a reference, keep the callable first: assigning a temporary is refused.
+/// Refers to an object, which must outlive the reference, or holds a pointer to a function. A lambda written in the call is
+/// fine: it lives until the call returns. To keep a reference, keep the callable first: assigning a temporary is refused.
 template <class Result, class... Arguments>
 class FunctionRef<Result(Arguments...)> {
     template <class Callable>
@@ -29,12 +30,12 @@ class FunctionRef<Result(Arguments...)> {
     }
 
   public:
-    // Refers to nothing; must not be called.
+    /// Refers to nothing; must not be called.
     FunctionRef() noexcept = default;
-    // To a function.
+    /// To a function.
     FunctionRef(Result (*function)(Arguments...)) noexcept  // NOLINT(google-explicit-constructor)
         : any_function(reinterpret_cast<void (*)()>(function)), call_(function != nullptr ? &call_function : nullptr) {}
-    // To an object that can be called with these arguments.
+    /// To an object that can be called with these arguments.
     template <class Callable, std::enable_if_t<accepts<std::remove_reference_t<Callable>>(), int> = 0>
     FunctionRef(Callable&& object) noexcept  // NOLINT(google-explicit-constructor,bugprone-forwarding-reference-overload)
         : any_object(const_cast<void*>(static_cast<const void*>(std::addressof(object)))),
@@ -43,7 +44,7 @@ class FunctionRef<Result(Arguments...)> {
     FunctionRef& operator=(const Callable&&) = delete;  // it would not outlive the statement
 
     Result operator()(Arguments... arguments) const { return call_(*this, std::forward<Arguments>(arguments)...); }
-    // Whether it refers to anything.
+    /// Whether it refers to anything.
     explicit operator bool() const noexcept { return call_ != nullptr; }
 
   private:

@@ -1,11 +1,12 @@
-// hmesh - Lanes<N>: N doubles that are added and multiplied together.
-//
-// The channels of a pixel, padded to a size the processor likes, so that the arithmetic of all channels costs that of
-// one. With GCC and Clang the lanes are vector-extension types of 2 or 4 doubles, which become SSE, AVX or NEON registers
-// without naming any of them; with another compiler they are plain doubles.
-//
-// Functions that are not inlined take and give them by reference: in which registers a vector is passed depends on -mavx, and
-// a program may hold files compiled with it and without. The layout does not.
+/// \file
+/// Lanes<N>: N doubles that are added and multiplied together.
+///
+/// The channels of a pixel, padded to a size the processor likes, so that the arithmetic of all channels costs that of
+/// one. With GCC and Clang the lanes are vector-extension types of 2 or 4 doubles, which become SSE, AVX or NEON registers
+/// without naming any of them; with another compiler they are plain doubles.
+///
+/// Functions that are not inlined take and give them by reference: in which registers a vector is passed depends on -mavx, and
+/// a program may hold files compiled with it and without. The layout does not.
 #ifndef HMESH_CORE_LANES_HPP
 #define HMESH_CORE_LANES_HPP
 
@@ -40,10 +41,10 @@ struct LaneBlock<4> {
 
 }  // namespace detail
 
-// The number of lanes that holds n values: 1, 2 or the next multiple of 4.
+/// The number of lanes that holds n values: 1, 2 or the next multiple of 4.
 constexpr int lanes_for(int n) { return n <= 2 ? n : (n + 3) / 4 * 4; }
 
-// Arithmetic is lane by lane; N is what lanes_for() gives.
+/// Arithmetic is lane by lane; N is what lanes_for() gives.
 template <int N>
 struct Lanes {
     static_assert(N == lanes_for(N), "1, 2 or a multiple of 4 lanes");
@@ -54,13 +55,13 @@ struct Lanes {
     Block block[std::size_t{blocks}];
 
     [[nodiscard]] static HMESH_ALWAYS_INLINE Lanes zero() { return Lanes{}; }
-    // This value in all lanes.
+    /// This value in all lanes.
     [[nodiscard]] static HMESH_ALWAYS_INLINE Lanes all(double value) {
         Lanes r;
         for (int k = 0; k < blocks; ++k) r.block[k] = Block{} + value;
         return r;
     }
-    // N numbers from memory, which need not be aligned.
+    /// N numbers from memory, which need not be aligned.
     [[nodiscard]] static HMESH_ALWAYS_INLINE Lanes load(const double* from) {
         Lanes r;
         std::memcpy(r.block, from, sizeof r.block);
@@ -87,12 +88,12 @@ struct Lanes {
         if constexpr (width == 1) return block[i];
         else return block[i / width][i % width];
     }
-    // Lane i, 0 <= i < N.
+    /// Lane i, 0 <= i < N.
     HMESH_ALWAYS_INLINE void set(int i, double value) {
         if constexpr (width == 1) block[i] = value;
         else block[i / width][i % width] = value;
     }
-    // N numbers to memory, which need not be aligned.
+    /// N numbers to memory, which need not be aligned.
     HMESH_ALWAYS_INLINE void store(double* to) const { std::memcpy(to, block, sizeof block); }
 
     HMESH_ALWAYS_INLINE Lanes& operator+=(const Lanes& o) {
@@ -131,7 +132,7 @@ struct Lanes {
         return r;
     }
 
-    // Holds each lane to [low, high], low <= high.
+    /// Holds each lane to [low, high], low <= high.
     HMESH_ALWAYS_INLINE void clamp(double low, double high) {
 #if defined(__GNUC__)
         if constexpr (width > 1) {
@@ -146,7 +147,7 @@ struct Lanes {
         for (int i = 0; i < N; ++i) set(i, (*this)[i] < low ? low : ((*this)[i] > high ? high : (*this)[i]));
     }
 
-    // The sum of all lanes.
+    /// The sum of all lanes.
     [[nodiscard]] HMESH_ALWAYS_INLINE double sum() const {
         Block s = block[0];
         for (int k = 1; k < blocks; ++k) s += block[k];
@@ -156,7 +157,7 @@ struct Lanes {
     }
 };
 
-// The sum of the products, lane by lane.
+/// The sum of the products, lane by lane.
 template <int N>
 [[nodiscard]] HMESH_ALWAYS_INLINE double dot(const Lanes<N>& a, const Lanes<N>& b) {
     return (a * b).sum();

@@ -1,8 +1,9 @@
-// hmesh - UndoArray: an array that can return to an earlier state.
-//
-// The building block of transactions: while recording, edit(i) first notes the old value of element i. rollback() undoes
-// the notes in reverse order and drops elements added since the mark, so every byte is as it was. A note costs one copy
-// of the element; outside a transaction edit() is a plain access. Marks nest: roll back or keep the latest first.
+/// \file
+/// UndoArray: an array that can return to an earlier state.
+///
+/// The building block of transactions: while recording, edit(i) first notes the old value of element i. rollback() undoes
+/// the notes in reverse order and drops elements added since the mark, so every byte is as it was. A note costs one copy
+/// of the element; outside a transaction edit() is a plain access. Marks nest: roll back or keep the latest first.
 #ifndef HMESH_CORE_UNDO_ARRAY_HPP
 #define HMESH_CORE_UNDO_ARRAY_HPP
 
@@ -31,28 +32,28 @@ class UndoArray {
     [[nodiscard]] const T& operator[](std::size_t i) const noexcept { return values_[i]; }
     [[nodiscard]] const std::vector<T>& values() const noexcept { return values_; }
 
-    // Element i for writing. The reference holds until the next push_back.
+    /// Element i for writing. The reference holds until the next push_back.
     [[nodiscard]] T& edit(std::size_t i) {
         if (recording_) notes_.push_back({values_[i], static_cast<std::uint32_t>(i)});
         return values_[i];
     }
-    // Element i for writing where nothing will ever be undone (building a mesh, distinct elements from many threads).
+    /// Element i for writing where nothing will ever be undone (building a mesh, distinct elements from many threads).
     [[nodiscard]] T& raw(std::size_t i) noexcept { return values_[i]; }
 
     void push_back(const T& value) { values_.push_back(value); }
     void reserve(std::size_t n) { values_.reserve(n); }
-    // Outside a transaction only; what was reserved stays.
+    /// Outside a transaction only; what was reserved stays.
     void resize(std::size_t n) {
         HMESH_ASSERT(!recording_);
         values_.resize(n);
     }
 
-    // Begins a transaction, or one within it: from here on old values are noted.
+    /// Begins a transaction, or one within it: from here on old values are noted.
     [[nodiscard]] Mark mark() noexcept {
         recording_ = true;
         return {notes_.size(), values_.size()};
     }
-    // Brings all elements and the size back to what they were at that mark. O(edits since).
+    /// Brings all elements and the size back to what they were at that mark. O(edits since).
     void rollback(const Mark& to) {
         while (notes_.size() > to.notes) {
             values_[notes_.back().index] = notes_.back().old;
@@ -60,7 +61,7 @@ class UndoArray {
         }
         values_.resize(to.size);
     }
-    // Forgets all notes: the outermost transaction is over, whatever became of it.
+    /// Forgets all notes: the outermost transaction is over, whatever became of it.
     void stop_recording() noexcept {
         notes_.clear();
         recording_ = false;

@@ -1,6 +1,7 @@
-// hmesh - images: ImageView over the user's pixels, Image that owns some, PixelTraits for what a sample means.
-//
-// The plane: pixel (i, j) is the unit square [i, i+1] x [j, j+1], its centre (i + 1/2, j + 1/2), y down.
+/// \file
+/// Images: ImageView over the user's pixels, Image that owns some, PixelTraits for what a sample means.
+///
+/// The plane: pixel (i, j) is the unit square [i, i+1] x [j, j+1], its centre (i + 1/2, j + 1/2), y down.
 #ifndef HMESH_IMAGE_IMAGE_VIEW_HPP
 #define HMESH_IMAGE_IMAGE_VIEW_HPP
 
@@ -20,28 +21,28 @@ namespace hmesh {
 
 namespace kit {
 
-// The largest number of channels a pixel can have.
+/// The largest number of channels a pixel can have.
 inline constexpr int max_channels = 16;
-// Whether the last of so many channels is alpha.
+/// Whether the last of so many channels is alpha.
 [[nodiscard]] constexpr bool has_alpha(int channels) noexcept { return channels == 2 || channels == 4; }
-// The longest side of an image: positions on the 1/256 px grid are then exact in float (16 + 8 bits).
+/// The longest side of an image: positions on the 1/256 px grid are then exact in float (16 + 8 bits).
 inline constexpr int max_side = 65536;
-// The largest number of pixels: handles of a mesh with one vertex a pixel then fit 32 bits.
+/// The largest number of pixels: handles of a mesh with one vertex a pixel then fit 32 bits.
 inline constexpr std::int64_t max_pixels = std::int64_t{1} << 28;
 
-// A rectangle of pixels [x, x + width) x [y, y + height).
+/// A rectangle of pixels [x, x + width) x [y, y + height).
 struct Rect {
     int x = 0, y = 0, width = 0, height = 0;
 };
 
 }  // namespace kit
 
-// What a sample of type T means. hmesh knows the three types below; specialise it for a sample type of your own with the
-// same members (examples/custom_pixel.cpp).
-//   peak         the value of full intensity: PSNR = 10 log10(peak^2 / MSE), and "white" for exporters
-//   lowest, highest  the range of vertex colours
-//   is_integer   to_real yields integers from `lowest` to `highest`, both of magnitude at most 65535: then all moments are exact
-//   to_real, from_real  conversions; from_real rounds to nearest and clamps
+/// What a sample of type T means. hmesh knows the three types below; specialise it for a sample type of your own with the
+/// same members (examples/custom_pixel.cpp).
+///   peak         the value of full intensity: PSNR = 10 log10(peak^2 / MSE), and "white" for exporters
+///   lowest, highest  the range of vertex colours
+///   is_integer   to_real yields integers from `lowest` to `highest`, both of magnitude at most 65535: then all moments are exact
+///   to_real, from_real  conversions; from_real rounds to nearest and clamps
 template <class T>
 struct PixelTraits;
 
@@ -72,14 +73,14 @@ struct PixelTraits<float> {
     static constexpr double lowest = -highest;
     static constexpr bool is_integer = false;
     static double to_real(float value) noexcept { return static_cast<double>(value); }
-    // Held to the finite floats; NaN becomes the lowest.
+    /// Held to the finite floats; NaN becomes the lowest.
     static float from_real(double value) noexcept {
         return static_cast<float>(value > lowest ? (value < highest ? value : highest) : lowest);
     }
 };
 
-// Pixels of C interleaved samples of type T in somebody else's memory, row after row, `row_stride` bytes apart (0: packed,
-// that is width * C * sizeof(T); a multiple of alignof(T) that is negative stores the rows bottom up from `data`).
+/// Pixels of C interleaved samples of type T in somebody else's memory, row after row, `row_stride` bytes apart (0: packed,
+/// that is width * C * sizeof(T); a multiple of alignof(T) that is negative stores the rows bottom up from `data`).
 template <class T, int C>
 struct ImageView {
     static_assert(C >= 1 && C <= kit::max_channels, "an image has 1 to 16 channels");
@@ -87,7 +88,7 @@ struct ImageView {
     int width = 0, height = 0;
     std::ptrdiff_t row_stride = 0;
 
-    // The first sample of row y.
+    /// The first sample of row y.
     [[nodiscard]] const T* row(int y) const noexcept {
         const std::ptrdiff_t packed = static_cast<std::ptrdiff_t>(width) * C * static_cast<std::ptrdiff_t>(sizeof(T));
         const auto* bytes = reinterpret_cast<const unsigned char*>(data) + (row_stride != 0 ? row_stride : packed) * y;
@@ -97,12 +98,12 @@ struct ImageView {
     [[nodiscard]] kit::Rect bounds() const noexcept { return {0, 0, width, height}; }
 };
 
-// Packed pixels of its own. A default-constructed image is empty.
+/// Packed pixels of its own. A default-constructed image is empty.
 template <class T, int C>
 class Image {
   public:
     Image() = default;
-    // width and height >= 0; all samples start at T().
+    /// width and height >= 0; all samples start at T().
     Image(int width, int height)
         : samples_(static_cast<std::size_t>(width) * static_cast<std::size_t>(height) * C), width_(width), height_(height) {}
 
@@ -111,10 +112,10 @@ class Image {
     [[nodiscard]] T* pixel(int x, int y) noexcept { return samples_.data() + offset(x, y); }
     [[nodiscard]] const T* pixel(int x, int y) const noexcept { return samples_.data() + offset(x, y); }
     [[nodiscard]] ImageView<T, C> view() const noexcept { return {samples_.data(), width_, height_, 0}; }
-    // All samples, pixel after pixel, row after row; valid until the image is assigned to or gone.
+    /// All samples, pixel after pixel, row after row; valid until the image is assigned to or gone.
     [[nodiscard]] T* data() noexcept { return samples_.data(); }
     [[nodiscard]] const T* data() const noexcept { return samples_.data(); }
-    // The number of samples: width * height * C.
+    /// The number of samples: width * height * C.
     [[nodiscard]] std::size_t size() const noexcept { return samples_.size(); }
 
   private:
@@ -125,8 +126,8 @@ class Image {
     int width_ = 0, height_ = 0;
 };
 
-// Whether the view can be read at all: a pointer, sizes and stride that make sense, no more than max_side and max_pixels.
-// Reads no pixel.
+/// Whether the view can be read at all: a pointer, sizes and stride that make sense, no more than max_side and max_pixels.
+/// Reads no pixel.
 template <class T, int C>
 [[nodiscard]] Status check(const ImageView<T, C>& view) noexcept {
     if (view.width < 1) return {Errc::invalid_argument, "the image's width must be at least 1", view.width, 1};
@@ -157,7 +158,7 @@ template <class T, int C>
 
 namespace kit {
 
-// Whether all samples are finite, as floats too, which is what meshes hold. Costs nothing for integer pixels.
+/// Whether all samples are finite, as floats too, which is what meshes hold. Costs nothing for integer pixels.
 template <class T, int C>
 [[nodiscard]] Status check_finite(const ImageView<T, C>& view, const ParallelFor& parallel_for = {}) {
     using Traits = PixelTraits<T>;

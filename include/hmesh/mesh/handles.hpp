@@ -1,4 +1,5 @@
-// hmesh - handles: Vertex, Halfedge, Edge and Face, indices of 4 bytes that do not mix.
+/// \file
+/// Handles: Vertex, Halfedge, Edge and Face, indices of 4 bytes that do not mix.
 #ifndef HMESH_MESH_HANDLES_HPP
 #define HMESH_MESH_HANDLES_HPP
 
@@ -9,7 +10,7 @@
 
 namespace hmesh::kit {
 
-// An index into one kind of element; default-constructed it names none. No implicit conversion, in or out.
+/// An index into one kind of element; default-constructed it names none. No implicit conversion, in or out.
 template <class Kind>
 class Handle {
   public:
@@ -26,13 +27,13 @@ class Handle {
     std::uint32_t index_ = none;
 };
 
-// A vertex of a mesh.
+/// A vertex of a mesh.
 using Vertex = Handle<struct VertexKind>;
-// One of the two directions of an edge.
+/// One of the two directions of an edge.
 using Halfedge = Handle<struct HalfedgeKind>;
-// An edge of a mesh: two half-edges.
+/// An edge of a mesh: two half-edges.
 using Edge = Handle<struct EdgeKind>;
-// A triangle of a mesh.
+/// A triangle of a mesh.
 using Face = Handle<struct FaceKind>;
 
 }  // namespace hmesh::kit

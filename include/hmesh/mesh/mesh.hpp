@@ -1,8 +1,9 @@
-// hmesh - Mesh, the result as plain arrays, and MeshView, the pointers and counts that exporters and renderers read.
-//
-// Vertex i is at (positions[2i], positions[2i + 1]) in the plane of the image it stands for, [0, width] x [0, height], y
-// down; its colour is colors[C i] .. colors[C i + C - 1] in the image's stored values, `peak` meaning full intensity. Face f
-// joins faces[f][0..2], positively oriented: clockwise on the screen.
+/// \file
+/// Mesh, the result as plain arrays, and MeshView, the pointers and counts that exporters and renderers read.
+///
+/// Vertex i is at (positions[2i], positions[2i + 1]) in the plane of the image it stands for, [0, width] x [0, height], y
+/// down; its colour is colors[C i] .. colors[C i + C - 1] in the image's stored values, `peak` meaning full intensity. Face f
+/// joins faces[f][0..2], positively oriented: clockwise on the screen.
 #ifndef HMESH_MESH_MESH_HPP
 #define HMESH_MESH_MESH_HPP
 
@@ -18,24 +19,24 @@
 
 namespace hmesh {
 
-// The indices of its corners.
+/// The indices of its corners.
 using Triangle = std::array<std::uint32_t, 3>;
 
-// A mesh in somebody else's memory, which outlives the view.
+/// A mesh in somebody else's memory, which outlives the view.
 struct MeshView {
-    const float* positions = nullptr;  // 2 a vertex
-    const float* colors = nullptr;     // `channels` a vertex
+    const float* positions = nullptr;  ///< 2 a vertex
+    const float* colors = nullptr;     ///< `channels` a vertex
     const Triangle* faces = nullptr;
     std::size_t vertex_count = 0, face_count = 0;
     int channels = 0;
-    int width = 0, height = 0;  // px of the image
-    double peak = 0;            // the colour value of full intensity
-    // Of 2 or 4 channels, of which the last is alpha: the others are stored multiplied by alpha / peak. Exporters to formats
-    // that want straight colours divide by it.
+    int width = 0, height = 0;  ///< px of the image
+    double peak = 0;            ///< the colour value of full intensity
+    /// Of 2 or 4 channels, of which the last is alpha: the others are stored multiplied by alpha / peak. Exporters to formats
+    /// that want straight colours divide by it.
     bool premultiplied = false;
 };
 
-// A mesh that owns its arrays; all members mean what the view's mean.
+/// A mesh that owns its arrays; all members mean what the view's mean.
 struct Mesh {
     std::vector<float> positions;
     std::vector<float> colors;
@@ -47,15 +48,15 @@ struct Mesh {
 
     [[nodiscard]] std::size_t vertex_count() const noexcept { return positions.size() / 2; }
     [[nodiscard]] std::size_t face_count() const noexcept { return faces.size(); }
-    // Valid until the arrays change.
+    /// Valid until the arrays change.
     [[nodiscard]] MeshView view() const noexcept {
         return {positions.data(), colors.data(), faces.data(), vertex_count(), face_count(),
                 channels,         width,         height,       peak,           premultiplied};
     }
 };
 
-// Whether a view can be drawn and written: it has vertices and faces, 1 to `most_channels` channels, finite numbers, a
-// positive peak, and every index in range. O(n).
+/// Whether a view can be drawn and written: it has vertices and faces, 1 to `most_channels` channels, finite numbers, a
+/// positive peak, and every index in range. O(n).
 [[nodiscard]] inline Status check(const MeshView& mesh, int most_channels) noexcept {
     if (mesh.vertex_count == 0) return {Errc::invalid_argument, "the mesh has no vertices", 0, 1};
     if (mesh.face_count == 0) return {Errc::invalid_argument, "the mesh has no faces", 0, 1};
