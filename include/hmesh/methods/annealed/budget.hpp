@@ -116,7 +116,7 @@ HMESH_COLD bool insert_best(TiledMesh<C>& tiled, const Tiling& tiling, std::size
     const std::size_t before = tiled.vertex_count();
     tiled.for_each(tiling, [&](Patch<C>& patch, std::size_t tile) {
         for (std::size_t left = quota[tile]; left > 0;) {
-            const std::size_t inserted = insert_batch(patch.mesh(), left, {true, true, 0});
+            const std::size_t inserted = insert_batch(patch.mesh(), left, {true, true});
             if (inserted == 0) {  // nothing to gain
                 subdivide(patch.mesh(), left);
                 break;
