@@ -87,7 +87,7 @@ struct Hierarchical {
              {"hierarchical geometry.pcg.tolerance must be in [1e-15, 1]", geometry.pcg.tolerance, 1e-15, 1}});
     }
     /// / px: the image in one piece.
-    [[nodiscard]] double tile_size(int width, int height, std::size_t) const noexcept { return std::max(width, height); }
+    [[nodiscard]] static double tile_size(int width, int height, std::size_t) noexcept { return std::max(width, height); }
     /// / Makes a mesh of n vertices of the image, 4 <= n <= max(4, pixels).
     template <class T, int C>
     [[nodiscard]] Status run(kit::TiledMesh<C>& mesh, const ImageView<T, C>& image, std::size_t n) const {
