@@ -1,6 +1,6 @@
 // grid_mesh - a mesh without thin faces, in all formats and as pictures: grid_mesh DIRECTORY [CHANNELS [COLUMNS ROWS]]
 //
-// A grid of 768 x 512 px whose inner vertices are moved by up to a quarter of a cell, coloured from the scene of the examples,
+// A grid of 768 x 512 px whose inner vertices are moved by up to a quarter of a cell, coloured from the scene of tools/pictures,
 // with 3 channels or 4, the fourth a wave of alpha. What viewers show of it tells what the exporters are worth, where thin
 // faces would tell what the viewers are. Writes mesh.ply, .obj, .glb, .pdf, .eps and .html, quantized.glb, plain.pdf and
 // plain.eps (not deflated), gradient.svg, exact.svg and flat.svg; of render()'s picture reference.png, reference4.png, four
@@ -16,7 +16,6 @@
 
 #include <hmesh/hmesh.hpp>
 
-#include "formats.hpp"
 #include "image_file.hpp"
 #include "output_file.hpp"
 #include "pictures.hpp"
@@ -28,7 +27,7 @@ using Bytes = std::vector<unsigned char>;
 using Write = hmesh::FunctionRef<hmesh::Status(hmesh::Sink sink)>;  // an exporter with its mesh and options
 
 hmesh::Mesh make_grid(int channels, int columns, int rows) {
-    const hmesh::Image<std::uint8_t, 3> scene = example::draw_scene(columns + 1, rows + 1);  // a pixel for a vertex
+    const hmesh::Image<std::uint8_t, 3> scene = tool::draw_scene(columns + 1, rows + 1);  // a pixel for a vertex
     hmesh::Mesh mesh;
     mesh.channels = channels;
     mesh.width = 768;
@@ -76,15 +75,15 @@ class Directory {
             const double seconds = static_cast<double>(std::clock() - start) / CLOCKS_PER_SEC;
             least = k == 0 ? seconds : std::min(least, seconds);
         }
-        example::OutputFile out(name_ + "/" + file);
+        tool::OutputFile out(name_ + "/" + file);
         if (!out.open() || !out(bytes.data(), bytes.size()) || !out.commit()) return fail(file, out.error().c_str());
         const auto size = static_cast<double>(bytes.size());
         const double speed = size / std::max(least, 1e-6) / 1e6;
         std::printf("%-14s %9.0f bytes %7.2f ms %5.0f MB/s\n", file.c_str(), size, 1e3 * least, speed);
     }
-    void put_picture(const std::string& file, const example::Picture& picture) {
-        example::OutputFile out(name_ + "/" + file);
-        if (!out.open() || !example::write_png(picture, out) || !out.commit()) return fail(file, out.error().c_str());
+    void put_picture(const std::string& file, const tool::Picture& picture) {
+        tool::OutputFile out(name_ + "/" + file);
+        if (!out.open() || !tool::write_png(picture, out) || !out.commit()) return fail(file, out.error().c_str());
     }
     [[nodiscard]] bool is_good() const noexcept { return is_good_; }
 
@@ -98,7 +97,7 @@ class Directory {
 };
 
 template <int C>
-example::Picture drawn(const hmesh::MeshView& mesh, int scale) {
+tool::Picture drawn(const hmesh::MeshView& mesh, int scale) {
     hmesh::RenderOptions options;
     options.width = scale * mesh.width;
     options.height = scale * mesh.height;
@@ -119,11 +118,11 @@ bool write_all(const hmesh::MeshView& mesh, const std::string& name) {
     to.put("quantized.glb", [&](hmesh::Sink sink) { return hmesh::write_glb(mesh, sink, quantized); });
     to.put("plain.pdf", [&](hmesh::Sink sink) { return hmesh::write_pdf(mesh, sink); });
     hmesh::PageOptions pdf;
-    pdf.deflate = example::detail::deflate;
+    pdf.deflate = tool::deflate;
     to.put("mesh.pdf", [&](hmesh::Sink sink) { return hmesh::write_pdf(mesh, sink, pdf); });
     to.put("plain.eps", [&](hmesh::Sink sink) { return hmesh::write_eps(mesh, sink); });
     hmesh::PageOptions eps;
-    eps.deflate = example::detail::deflate;
+    eps.deflate = tool::deflate;
     to.put("mesh.eps", [&](hmesh::Sink sink) { return hmesh::write_eps(mesh, sink, eps); });
     const auto put_svg = [&](const char* file, hmesh::SvgKind kind) {
         hmesh::SvgOptions svg;
@@ -136,7 +135,7 @@ bool write_all(const hmesh::MeshView& mesh, const std::string& name) {
     to.put("mesh.html", [&](hmesh::Sink sink) { return hmesh::write_html(mesh, sink); });
     to.put_picture("reference.png", drawn<C>(mesh, 1));
     to.put_picture("reference4.png", drawn<C>(mesh, 4));
-    to.put_picture("paper.png", example::to_picture(example::to_rgb(drawn<C>(mesh, 1))));
+    to.put_picture("paper.png", tool::to_picture(tool::to_rgb(drawn<C>(mesh, 1))));
     return to.is_good();
 }
 

@@ -1,10 +1,10 @@
-// examples - draw_scene: a photo-like picture in pure code, for demonstrations, tests and benchmarks that need no file.
+// tools - draw_scene: a photo-like picture in pure code, for demonstrations, tests and benchmarks that need no file.
 //
 // A still life by a window, traced at 3 x 3 rays a pixel: smooth shading, sharp edges, soft shadows of an area light,
 // some texture. Objects are signed distances inside bounding spheres; wood, cloth and plaster are value noise.
 // Deterministic. Units: about 15 cm; x right, y up, z away from the camera. Costs about 15 us a pixel.
-#ifndef HMESH_EXAMPLES_SCENE_HPP
-#define HMESH_EXAMPLES_SCENE_HPP
+#ifndef HMESH_TOOLS_SCENE_HPP
+#define HMESH_TOOLS_SCENE_HPP
 
 #include <algorithm>
 #include <cmath>
@@ -12,7 +12,7 @@
 
 #include "hmesh/image/image_view.hpp"
 
-namespace example {
+namespace tool {
 namespace scene {
 
 struct Vec {
@@ -443,6 +443,6 @@ inline std::uint8_t to_stored(double light) {
     return image;
 }
 
-}  // namespace example
+}  // namespace tool
 
-#endif  // HMESH_EXAMPLES_SCENE_HPP
+#endif  // HMESH_TOOLS_SCENE_HPP

@@ -1,7 +1,7 @@
-// examples - ProgressWatch: the progress callback of the command. Times the stages, draws a bar on a terminal, and
+// tools - ProgressWatch: the progress callback of the command. Times the stages, draws a bar on a terminal, and
 // passes on Ctrl-C. The library has no clock; the seconds in the report come from here.
-#ifndef HMESH_EXAMPLES_PROGRESS_WATCH_HPP
-#define HMESH_EXAMPLES_PROGRESS_WATCH_HPP
+#ifndef HMESH_TOOLS_PROGRESS_WATCH_HPP
+#define HMESH_TOOLS_PROGRESS_WATCH_HPP
 
 #include <atomic>
 #include <chrono>
@@ -20,7 +20,7 @@
 
 #include "hmesh/core/progress.hpp"
 
-namespace example {
+namespace tool {
 
 [[nodiscard]] inline bool is_terminal(std::FILE* file) {
 #ifdef _WIN32
@@ -125,6 +125,6 @@ class ProgressWatch {
     bool draws_;
 };
 
-}  // namespace example
+}  // namespace tool
 
-#endif  // HMESH_EXAMPLES_PROGRESS_WATCH_HPP
+#endif  // HMESH_TOOLS_PROGRESS_WATCH_HPP

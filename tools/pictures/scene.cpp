@@ -25,11 +25,11 @@ int main(int argc, char** argv) {
         std::fprintf(stderr, "usage: scene FILE.png [WIDTH HEIGHT]   (768 512; each 1 to 16384)\n");
         return 2;
     }
-    example::OutputFile file(argv[1]);
+    tool::OutputFile file(argv[1]);
     if (file.open()) {
-        hmesh::Image<std::uint8_t, 3> image = example::draw_scene(width, height);
-        const example::Picture picture{width, height, 3, std::move(image.samples())};
-        if (example::write_png(picture, file) && file.commit()) return 0;
+        hmesh::Image<std::uint8_t, 3> image = tool::draw_scene(width, height);
+        const tool::Picture picture{width, height, 3, std::move(image.samples())};
+        if (tool::write_png(picture, file) && file.commit()) return 0;
     }
     std::fprintf(stderr, "scene: cannot write '%s': %s\n", argv[1],
                  file.error().empty() ? "out of memory" : file.error().c_str());

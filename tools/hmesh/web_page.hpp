@@ -1,12 +1,11 @@
-// examples - what an .html page shows beside the mesh: the file's name, figures, and the original to compare with.
+// tools - what an .html page shows beside the mesh: the file's name, figures, and the original to compare with.
 //
 // The original is the file itself where browsers read it and show its pixels as they are stored: PNG, and JPEG unless its Exif
 // tags say that it is to be turned. Else it is encoded as PNG with 8 bits.
-#ifndef HMESH_EXAMPLES_WEB_PAGE_HPP
-#define HMESH_EXAMPLES_WEB_PAGE_HPP
+#ifndef HMESH_TOOLS_WEB_PAGE_HPP
+#define HMESH_TOOLS_WEB_PAGE_HPP
 
 #include <cstddef>
-#include <cstring>
 #include <string>
 #include <utility>
 #include <vector>
@@ -17,8 +16,9 @@
 #include "meshing.hpp"
 #include "pictures.hpp"
 #include "report.hpp"
+#include "words.hpp"
 
-namespace example {
+namespace tool {
 
 struct WebPage {
     std::string title, figures;
@@ -39,10 +39,6 @@ struct WebPage {
 
 namespace detail {
 
-[[nodiscard]] inline bool is_png(const std::vector<unsigned char>& bytes) noexcept {
-    return bytes.size() > 8 && std::memcmp(bytes.data(), "\x89PNG\r\n\x1a\n", 8) == 0;
-}
-
 [[nodiscard]] inline std::string file_name(const std::string& path) {
     const std::size_t slash = path.find_last_of('/');
     return slash == std::string::npos ? path : path.substr(slash + 1);
@@ -52,13 +48,13 @@ namespace detail {
 
 // `bytes` are those of the input file. Without an original if there is no memory to encode one.
 [[nodiscard]] inline WebPage make_web_page(const Arguments& arguments, const ImageFile& image, std::vector<unsigned char>&& bytes,
-                                           const hmesh::Report& report) {
+                                           const Report& report) {
     WebPage page;
     page.title = detail::file_name(arguments.input);
     page.figures = std::to_string(report.vertices) + " vertices\n" + std::to_string(report.faces) + " faces\nPSNR " +
                    psnr_text(report.psnr) + "\n(" + psnr_formula(arguments) + ")";
-    if (detail::is_png(bytes) || (is_jpeg(bytes) && orientation(bytes) == 1)) {
-        page.original_type = detail::is_png(bytes) ? "image/png" : "image/jpeg";
+    if (is_png(bytes) || (is_jpeg(bytes) && orientation(bytes) == 1)) {
+        page.original_type = is_png(bytes) ? "image/png" : "image/jpeg";
         page.original = std::move(bytes);
         return page;
     }
@@ -71,6 +67,6 @@ namespace detail {
     return page;
 }
 
-}  // namespace example
+}  // namespace tool
 
-#endif  // HMESH_EXAMPLES_WEB_PAGE_HPP
+#endif  // HMESH_TOOLS_WEB_PAGE_HPP

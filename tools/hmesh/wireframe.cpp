@@ -1,32 +1,15 @@
-// examples - draws the edges of a mesh over a picture, with thin anti-aliased lines.
-//
-// The mesh is scaled to the picture's size. Lines are first collected as coverage, 8 bits a pixel, and blended once:
-// edges shared by two faces and places where many edges meet come out no stronger than others.
-#ifndef HMESH_EXAMPLES_WIREFRAME_HPP
-#define HMESH_EXAMPLES_WIREFRAME_HPP
+#include "wireframe.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <cstddef>
-#include <cstdint>
 #include <utility>
 #include <vector>
 
-#include "hmesh/core/status.hpp"
-#include "hmesh/image/image_view.hpp"
 #include "hmesh/mesh/geometry.hpp"
-#include "hmesh/mesh/mesh.hpp"
 
-namespace example {
-
-struct WireframeOptions {
-    std::array<std::uint8_t, 3> color = {255, 255, 255};
-    double opacity = 0.6;  // in [0, 1]
-    double width = 1;      // px of the picture
-};
-
-namespace detail {
+namespace tool {
+namespace {
 
 struct Coverage {
     int width, height;
@@ -40,7 +23,7 @@ struct Coverage {
 };
 
 // Walks along the axis in which the line is longer; a pixel's share is one less its distance beyond the line's edge.
-inline void draw_line(hmesh::kit::Point a, hmesh::kit::Point b, double line_width, Coverage& coverage) {
+void draw_line(hmesh::Point a, hmesh::Point b, double line_width, Coverage& coverage) {
     const bool steep = std::abs(b.y - a.y) > std::abs(b.x - a.x);
     if (steep) {
         std::swap(a.x, a.y);
@@ -63,24 +46,23 @@ inline void draw_line(hmesh::kit::Point a, hmesh::kit::Point b, double line_widt
     }
 }
 
-}  // namespace detail
+}  // namespace
 
-// Draws the edges over `picture`. A mesh that cannot be drawn gives a Status and leaves the picture as it was.
-inline hmesh::Status draw_wireframe(const hmesh::MeshView& mesh, hmesh::Image<std::uint8_t, 3>& picture,
-                                    const WireframeOptions& options = {}) {
-    if (const hmesh::Status status = hmesh::check(mesh, hmesh::kit::max_channels); !status) return status;
+hmesh::Status draw_wireframe(const hmesh::MeshView& mesh, hmesh::Image<std::uint8_t, 3>& picture,
+                             const WireframeOptions& options) {
+    if (const hmesh::Status status = hmesh::check(mesh, hmesh::max_channels); !status) return status;
     if (mesh.width < 1 || mesh.height < 1)
         return {hmesh::Errc::invalid_argument, "the mesh's size must be at least 1", std::min(mesh.width, mesh.height), 1};
-    detail::Coverage coverage{picture.width(), picture.height(), std::vector<std::uint8_t>(picture.samples().size() / 3)};
+    Coverage coverage{picture.width(), picture.height(), std::vector<std::uint8_t>(picture.samples().size() / 3)};
     const double scale_x = static_cast<double>(picture.width()) / mesh.width;
     const double scale_y = static_cast<double>(picture.height()) / mesh.height;
     const auto place = [&](std::uint32_t v) {
         const float* at = mesh.positions + 2 * std::size_t{v};
-        return hmesh::kit::Point{static_cast<double>(at[0]) * scale_x, static_cast<double>(at[1]) * scale_y};
+        return hmesh::Point{static_cast<double>(at[0]) * scale_x, static_cast<double>(at[1]) * scale_y};
     };
     for (std::size_t f = 0; f < mesh.face_count; ++f)
         for (std::size_t k = 0; k < 3; ++k)
-            detail::draw_line(place(mesh.faces[f][k]), place(mesh.faces[f][(k + 1) % 3]), options.width, coverage);
+            draw_line(place(mesh.faces[f][k]), place(mesh.faces[f][(k + 1) % 3]), options.width, coverage);
     for (std::size_t i = 0; i < picture.samples().size(); ++i) {
         const double share = coverage.share[i / 3] * (options.opacity / 255);
         const auto old = static_cast<double>(picture.samples()[i]);
@@ -89,6 +71,4 @@ inline hmesh::Status draw_wireframe(const hmesh::MeshView& mesh, hmesh::Image<st
     return {};
 }
 
-}  // namespace example
-
-#endif  // HMESH_EXAMPLES_WIREFRAME_HPP
+}  // namespace tool

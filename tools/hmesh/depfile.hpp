@@ -1,12 +1,12 @@
-// examples - depfile(): the rule of a makefile that says what a run of the command has read to write what it has written.
+// tools - depfile(): the rule of a makefile that says what a run of the command has read to write what it has written.
 // make, Ninja and CMake read it and run the command again when one of the files has changed.
-#ifndef HMESH_EXAMPLES_DEPFILE_HPP
-#define HMESH_EXAMPLES_DEPFILE_HPP
+#ifndef HMESH_TOOLS_DEPFILE_HPP
+#define HMESH_TOOLS_DEPFILE_HPP
 
 #include <string>
 #include <vector>
 
-namespace example {
+namespace tool {
 namespace detail {
 
 // A name as makefiles have it: a backslash before blanks and #, a dollar doubled. Ninja reads it alike.
@@ -29,6 +29,6 @@ namespace detail {
     return rule + "\n";
 }
 
-}  // namespace example
+}  // namespace tool
 
-#endif  // HMESH_EXAMPLES_DEPFILE_HPP
+#endif  // HMESH_TOOLS_DEPFILE_HPP

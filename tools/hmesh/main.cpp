@@ -22,8 +22,10 @@
 #include "thread_pool.hpp"
 #include "web_page.hpp"
 #include "weights.hpp"
+#include "wireframe.hpp"
+#include "words.hpp"
 
-namespace example {
+namespace tool {
 namespace {
 
 constexpr int done = 0, failed = 1, wrong_usage = 2;
@@ -32,12 +34,6 @@ int fail(int exit_status, const std::string& sentence) {
     std::fprintf(stderr, "hmesh: %s\n", sentence.c_str());
     if (exit_status == wrong_usage) std::fprintf(stderr, "Try 'hmesh --help'.\n");
     return exit_status;
-}
-
-std::string in_words(const hmesh::Status& status) {
-    const bool has_numbers = status.value != 0 || status.limit != 0;
-    const std::string numbers = " (got " + std::to_string(status.value) + ", limit " + std::to_string(status.limit) + ")";
-    return what_of(status) + (has_numbers ? numbers : std::string());
 }
 
 bool is_same_file(const std::string& a, const std::string& b) {
@@ -88,6 +84,19 @@ std::string write_picture(const std::string& name, const hmesh::Status& status, 
     });
 }
 
+// The mesh drawn in red, green and blue, whatever is transparent over white.
+hmesh::Status draw_rgb(const hmesh::MeshView& mesh, const DrawOptions& options, Rgb& rgb) {
+    Picture drawn;
+    const hmesh::Status status = draw(mesh, options, drawn);
+    if (status) rgb = to_rgb(drawn);
+    return status;
+}
+
+hmesh::Status draw_with_edges(const hmesh::MeshView& mesh, const DrawOptions& options, Rgb& rgb) {
+    if (const hmesh::Status status = draw_rgb(mesh, options, rgb); !status) return status;
+    return draw_wireframe(mesh, rgb);
+}
+
 // Image, mesh, mesh with edges and error, side by side.
 hmesh::Status draw_strip(const hmesh::MeshView& mesh, bool linear_light, const Rgb& original, Rgb& strip) {
     Rgb drawn;
@@ -100,7 +109,7 @@ hmesh::Status draw_strip(const hmesh::MeshView& mesh, bool linear_light, const R
 
 std::string write_pictures(const Arguments& arguments, const ImageFile& image, const hmesh::MeshView& mesh) {
     std::string why;
-    const bool linear_light = arguments.options.fit_space == hmesh::FitSpace::linear_light;  // as what it is meant for shows it
+    const bool linear_light = arguments.meshing.fit_space == hmesh::FitSpace::linear_light;  // as what it is meant for shows it
     if (!arguments.render.empty()) {
         Picture picture;
         const hmesh::Status status = draw(mesh, {arguments.render_scale, linear_light}, picture);
@@ -130,7 +139,7 @@ std::string write_meshes(const Arguments& arguments, const hmesh::MeshView& mesh
     options.html = page.options();
     for (const std::string& name : arguments.meshes) {
         const std::string why = write_file(name, [&](OutputFile& file) {
-            const hmesh::Status status = write_mesh(mesh, *find_format(name), options, file);
+            const hmesh::Status status = write_mesh(mesh, name, options, file);
             return status ? std::string() : in_words(status);
         });
         if (!why.empty()) return why;
@@ -158,7 +167,7 @@ void print_summary(const Arguments& arguments, const ImageFile& image, const Out
 }
 
 // Starts the pool. Returns "" or why not, as a sentence.
-std::string start(std::optional<ThreadPool>& pool, unsigned threads) {
+std::string start(std::optional<example::ThreadPool>& pool, unsigned threads) {
     try {
         pool.emplace(threads);
     } catch (const std::system_error& error) {
@@ -181,18 +190,18 @@ int run(const Arguments& arguments) {
         if (!why.empty()) return fail(failed, why);
     }
     if (const std::string why = find_unwritable(arguments); !why.empty()) return fail(failed, why);
-    std::optional<ThreadPool> pool;
+    std::optional<example::ThreadPool> pool;
     if (const std::string why = start(pool, arguments.threads); !why.empty()) return fail(failed, why);
 
     ProgressWatch watch(!arguments.quiet && is_terminal(stderr));
-    hmesh::Options options = arguments.options;
+    MeshingOptions options = arguments.meshing;
     options.progress = watch.progress();
     if (!arguments.weights.empty()) options.weights = weights.view();
     const Outcome outcome = mesh_file(image, options, *pool);
     const double seconds = watch.seconds();
     watch.finish();
 
-    const bool has_effort = options.method == hmesh::Method::annealed;
+    const bool has_effort = options.method == Method::annealed;
     const std::string where = "'" + arguments.input + "' with " + arguments.target +
                               (has_effort ? std::string(" --effort ") + name_of(efforts, options.effort)
                                           : std::string(" --method ") + name_of(methods, options.method));
@@ -203,8 +212,8 @@ int run(const Arguments& arguments) {
                     where + ": " + in_words(outcome.status) + "; nothing is written, as --depfile asks for whole results");
     WebPage page;
     if (has_output(arguments, ".html")) page = make_web_page(arguments, image, std::move(bytes), outcome.report);
-    std::string why = write_meshes(arguments, outcome.view(), page);
-    if (why.empty()) why = write_pictures(arguments, image, outcome.view());
+    std::string why = write_meshes(arguments, outcome.mesh.view(), page);
+    if (why.empty()) why = write_pictures(arguments, image, outcome.mesh.view());
     if (why.empty() && !arguments.report.empty()) {
         const std::string report = report_json(arguments, image, outcome, seconds, watch);
         why = write_file(arguments.report, [&](OutputFile& file) {
@@ -237,23 +246,19 @@ constexpr char no_memory[] = "there is not enough memory for this image and thes
 }
 
 }  // namespace
-}  // namespace example
+}  // namespace tool
 
 int main(int argc, char** argv) {
-    example::Arguments arguments;
-    const std::vector<std::string> words(argv + (argc > 0 ? 1 : 0), argv + argc);
-    if (const std::string why = example::parse(words, arguments); !why.empty()) return example::fail(example::wrong_usage, why);
-    if (arguments.help) {
-        std::printf("%s%s", example::usage, example::help);
-    } else if (arguments.version) {
-        std::printf("hmesh %s\n", HMESH_VERSION_STRING);
-    } else {
-        std::set_terminate(example::give_up);
-        try {
-            return example::run(arguments);
-        } catch (const std::bad_alloc&) {
-            return example::fail(example::failed, example::no_memory);
-        }
+    const tool::CommandLine line = tool::parse({argv + (argc > 0 ? 1 : 0), argv + argc});
+    if (!line.wrong.empty()) return tool::fail(tool::wrong_usage, line.wrong);
+    if (!line.answer.empty()) {
+        const bool printed = std::fputs(line.answer.c_str(), stdout) >= 0 && std::fflush(stdout) == 0;
+        return printed ? tool::done : tool::failed;
     }
-    return std::fflush(stdout) == 0 ? example::done : example::failed;
+    std::set_terminate(tool::give_up);
+    try {
+        return tool::run(line.arguments);
+    } catch (const std::bad_alloc&) {
+        return tool::fail(tool::failed, tool::no_memory);
+    }
 }

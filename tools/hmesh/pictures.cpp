@@ -1,30 +1,20 @@
-// examples - pictures that show what a mesh does: colours for people, its error, several pictures side by side.
-#ifndef HMESH_EXAMPLES_PICTURES_HPP
-#define HMESH_EXAMPLES_PICTURES_HPP
+#include "pictures.hpp"
 
 #include <algorithm>
-#include <cmath>
 #include <cstddef>
-#include <cstdint>
 #include <utility>
-#include <vector>
 
-#include "hmesh/image/image_view.hpp"
-#include "image_file.hpp"
+namespace tool {
 
-namespace example {
-
-using Rgb = hmesh::Image<std::uint8_t, 3>;
-
-// The samples of a file at 8 bits.
-[[nodiscard]] inline Picture to_picture(const ImageFile& image) {
+Picture to_picture(const ImageFile& image) {
     Picture picture{image.width, image.height, image.channels, image.samples8};
     for (const std::uint16_t sample : image.samples16) picture.samples.push_back(static_cast<std::uint8_t>((sample + 128) / 257));
     return picture;
 }
 
-// The picture as red, green and blue, whatever is transparent over white.
-[[nodiscard]] inline Rgb to_rgb(const Picture& picture) {
+Picture to_picture(Rgb&& rgb) { return {rgb.width(), rgb.height(), 3, std::move(rgb.samples())}; }
+
+Rgb to_rgb(const Picture& picture) {
     Rgb rgb(picture.width, picture.height);
     const int channels = picture.channels;
     const bool has_alpha = channels == 2 || channels == 4;
@@ -39,10 +29,7 @@ using Rgb = hmesh::Image<std::uint8_t, 3>;
     return rgb;
 }
 
-[[nodiscard]] inline Picture to_picture(Rgb&& rgb) { return {rgb.width(), rgb.height(), 3, std::move(rgb.samples())}; }
-
-// The difference `drawn` - `original`, times `gain`, around middle grey: brighter where the mesh is. Both of one size.
-[[nodiscard]] inline Rgb residual(const Rgb& original, const Rgb& drawn, double gain = 4) {
+Rgb residual(const Rgb& original, const Rgb& drawn, double gain) {
     Rgb out(original.width(), original.height());
     for (std::size_t k = 0; k < out.samples().size(); ++k) {
         const int difference = int{drawn.samples()[k]} - int{original.samples()[k]};
@@ -51,8 +38,7 @@ using Rgb = hmesh::Image<std::uint8_t, 3>;
     return out;
 }
 
-// The pictures from left to right, `gap` white pixels between them, white below the lower ones.
-[[nodiscard]] inline Rgb side_by_side(const std::vector<Rgb>& pictures, int gap = 4) {
+Rgb side_by_side(const std::vector<Rgb>& pictures, int gap) {
     int width = -gap, height = 0;
     for (const Rgb& picture : pictures) {
         width += gap + picture.width();
@@ -68,6 +54,4 @@ using Rgb = hmesh::Image<std::uint8_t, 3>;
     return out;
 }
 
-}  // namespace example
-
-#endif  // HMESH_EXAMPLES_PICTURES_HPP
+}  // namespace tool

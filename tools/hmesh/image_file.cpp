@@ -1,23 +1,16 @@
-// examples - reads image files of 8 and 16 bits and 1 to 4 channels, and encodes PNG files of 8 bits, with stb.
-//
-// The bit depth and the number of channels are those of the file; a caller picks its ImageView<T, C> at run time. Photographs
-// are turned as their Exif tags say.
-#ifndef HMESH_EXAMPLES_IMAGE_FILE_HPP
-#define HMESH_EXAMPLES_IMAGE_FILE_HPP
+#include "image_file.hpp"
 
 #include <cerrno>
 #include <climits>
-#include <cstddef>
-#include <cstdint>
 #include <cstdio>
+#include <cstdlib>
 #include <cstring>
 #include <memory>
-#include <string>
-#include <vector>
 
 #include "exif.hpp"
 #include "hmesh/image/image_view.hpp"
 #include "pnm.hpp"
+#include "words.hpp"
 
 #define STB_IMAGE_IMPLEMENTATION
 #define STB_IMAGE_STATIC
@@ -31,27 +24,13 @@
 #define STBI_WRITE_NO_STDIO
 #include <stb_image_write.h>
 
-namespace example {
+namespace tool {
+namespace {
 
 // What stb may be given to deflate, in bytes: it counts in int, and doubles its buffer when what it made outgrows it.
-inline constexpr std::size_t max_deflated = std::size_t{1} << 30U;
+constexpr std::size_t max_deflated = std::size_t{1} << 30U;
 
-// The pixels of a file, packed: in `samples8` where bits is 8, in `samples16` where it is 16.
-struct ImageFile {
-    int width = 0, height = 0, channels = 0, bits = 0;
-    std::vector<std::uint8_t> samples8;
-    std::vector<std::uint16_t> samples16;
-};
-
-// Pixels of 8 bits, packed, 1 to 4 channels: what a PNG file is made of.
-struct Picture {
-    int width = 0, height = 0, channels = 0;
-    std::vector<std::uint8_t> samples;
-};
-
-namespace detail {
-
-[[nodiscard]] inline std::string read_bytes(const std::string& path, std::vector<unsigned char>& bytes) {
+std::string read_bytes(const std::string& path, std::vector<unsigned char>& bytes) {
     errno = 0;
     std::FILE* file = std::fopen(path.c_str(), "rb");
     if (file == nullptr) return std::strerror(errno);
@@ -70,27 +49,26 @@ namespace detail {
     return why;
 }
 
-[[nodiscard]] inline std::string lower_case(std::string text) {
+std::string lower_case(std::string text) {
     for (char& c : text)
         if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
     return text;
 }
 
-[[nodiscard]] inline std::string stb_reason() {
+std::string stb_reason() {
     const char* reason = stbi_failure_reason();
     return "not an image file that stb_image reads (" + lower_case(reason != nullptr ? reason : "unknown reason") + ")";
 }
 
 // Whether hmesh takes an image of this size: asked before the pixels are decoded.
-[[nodiscard]] inline std::string check_size(int width, int height) {
+std::string check_size(int width, int height) {
     const std::uint8_t no_pixel = 0;
     const hmesh::Status status = hmesh::check(hmesh::ImageView<std::uint8_t, 1>{&no_pixel, width, height, 0});
-    if (status) return {};
-    return std::string(status.what) + " (got " + std::to_string(status.value) + ", limit " + std::to_string(status.limit) + ")";
+    return status ? std::string() : in_words(status);
 }
 
 template <class T>
-[[nodiscard]] std::string take(T* pixels, ImageFile& image, std::vector<T>& samples) {
+std::string take(T* pixels, ImageFile& image, std::vector<T>& samples) {
     const std::unique_ptr<T, void (*)(void*)> owner(pixels, stbi_image_free);
     if (pixels == nullptr) return stb_reason();
     if (image.channels < 1 || image.channels > 4) return "it has " + std::to_string(image.channels) + " channels, not 1 to 4";
@@ -100,7 +78,7 @@ template <class T>
     return {};
 }
 
-[[nodiscard]] inline std::string read_pnm(const std::vector<unsigned char>& bytes, ImageFile& image) {
+std::string read_pnm(const std::vector<unsigned char>& bytes, ImageFile& image) {
     PnmHeader header;
     if (const std::string why = read_pnm_header(bytes, header); !why.empty()) return why;
     image.width = header.width;
@@ -111,7 +89,7 @@ template <class T>
     return image.bits == 16 ? read_pnm_samples(bytes, header, image.samples16) : read_pnm_samples(bytes, header, image.samples8);
 }
 
-[[nodiscard]] inline std::string read_stb(const std::vector<unsigned char>& bytes, ImageFile& image) {
+std::string read_stb(const std::vector<unsigned char>& bytes, ImageFile& image) {
     const auto size = static_cast<int>(bytes.size());
     if (stbi_info_from_memory(bytes.data(), size, &image.width, &image.height, &image.channels) == 0) return stb_reason();
     if (const std::string why = check_size(image.width, image.height); !why.empty()) return why;
@@ -123,37 +101,57 @@ template <class T>
     return why;
 }
 
-}  // namespace detail
+// What stb's writers call, once for a PNG file and often for a JPEG file.
+struct Taker {
+    ByteSink sink;
+    bool called = false, refused = false;
 
-// Reads the file, and leaves its bytes as they are in `bytes`. Returns "" or what is wrong, as the end of a sentence that
-// begins with the file's name.
-[[nodiscard]] inline std::string read_image(const std::string& path, ImageFile& image, std::vector<unsigned char>& bytes) {
-    if (const std::string why = detail::read_bytes(path, bytes); !why.empty()) return why;
-    return is_pnm(bytes) ? detail::read_pnm(bytes, image) : detail::read_stb(bytes, image);
+    static void call(void* context, void* bytes, int size) {
+        auto* taker = static_cast<Taker*>(context);
+        taker->called = true;
+        taker->refused = taker->refused || !taker->sink(bytes, static_cast<std::size_t>(size));
+    }
+};
+
+}  // namespace
+
+std::string read_image(const std::string& path, ImageFile& image, std::vector<unsigned char>& bytes) {
+    if (const std::string why = read_bytes(path, bytes); !why.empty()) return why;
+    return is_pnm(bytes) ? read_pnm(bytes, image) : read_stb(bytes, image);
 }
 
-[[nodiscard]] inline std::string read_image(const std::string& path, ImageFile& image) {
+std::string read_image(const std::string& path, ImageFile& image) {
     std::vector<unsigned char> bytes;
     return read_image(path, image, bytes);
 }
 
-// Encodes a picture and hands the bytes of the PNG file to `sink`, a callable bool(const void*, std::size_t). False
-// when there is no memory, the picture has more than 2^30 samples, or the sink refused.
-template <class Sink>
-[[nodiscard]] bool write_png(const Picture& picture, Sink& sink) {
+bool write_png(const Picture& picture, ByteSink sink) {
     if (picture.samples.size() + static_cast<std::size_t>(picture.height) > max_deflated) return false;
-    struct Call {
-        Sink* sink;
-        bool done;
-    } call{&sink, false};
-    const auto give = [](void* context, void* bytes, int size) {
-        auto* to = static_cast<Call*>(context);
-        to->done = (*to->sink)(bytes, static_cast<std::size_t>(size));
-    };
-    return stbi_write_png_to_func(give, &call, picture.width, picture.height, picture.channels, picture.samples.data(), 0) != 0 &&
-           call.done;
+    Taker taker{sink};
+    return stbi_write_png_to_func(Taker::call, &taker, picture.width, picture.height, picture.channels, picture.samples.data(),
+                                  0) != 0 &&
+           taker.called && !taker.refused;
 }
 
-}  // namespace example
+bool write_jpeg(const Picture& picture, int quality, ByteSink sink) {
+    Taker taker{sink};
+    return stbi_write_jpg_to_func(Taker::call, &taker, picture.width, picture.height, picture.channels, picture.samples.data(),
+                                  quality) != 0 &&
+           taker.called && !taker.refused;
+}
 
-#endif  // HMESH_EXAMPLES_IMAGE_FILE_HPP
+bool deflate(void*, const unsigned char* bytes, std::size_t size, std::vector<unsigned char>& out) {
+    if (size > max_deflated) return false;
+    std::vector<unsigned char> copy(bytes, bytes + size);  // stb takes no const
+    int length = 0;
+    const std::unique_ptr<unsigned char, void (*)(void*)> made(
+        stbi_zlib_compress(copy.data(), static_cast<int>(size), &length, stbi_write_png_compression_level), std::free);
+    if (made) out.assign(made.get(), made.get() + length);
+    return made != nullptr;
+}
+
+bool is_png(const std::vector<unsigned char>& bytes) noexcept {
+    return bytes.size() > 8 && std::memcmp(bytes.data(), "\x89PNG\r\n\x1a\n", 8) == 0;
+}
+
+}  // namespace tool

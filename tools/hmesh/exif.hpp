@@ -1,8 +1,8 @@
-// examples - which way up a photograph is: cameras store the pixels as they come and note how to turn them.
+// tools - which way up a photograph is: cameras store the pixels as they come and note how to turn them.
 //
 // The tag Orientation of a JPEG file's Exif segment: CIPA DC-008 (Exif 2.32), 4.5, 4.6.4 and 4.7.
-#ifndef HMESH_EXAMPLES_EXIF_HPP
-#define HMESH_EXAMPLES_EXIF_HPP
+#ifndef HMESH_TOOLS_EXIF_HPP
+#define HMESH_TOOLS_EXIF_HPP
 
 #include <algorithm>
 #include <cstddef>
@@ -10,7 +10,7 @@
 #include <utility>
 #include <vector>
 
-namespace example {
+namespace tool {
 
 [[nodiscard]] inline bool is_jpeg(const std::vector<unsigned char>& bytes) noexcept {
     return bytes.size() > 3 && std::memcmp(bytes.data(), "\xff\xd8\xff", 3) == 0;
@@ -61,6 +61,6 @@ void turn_upright(unsigned orientation, int channels, int& width, int& height, s
     samples.swap(upright);
 }
 
-}  // namespace example
+}  // namespace tool
 
-#endif  // HMESH_EXAMPLES_EXIF_HPP
+#endif  // HMESH_TOOLS_EXIF_HPP

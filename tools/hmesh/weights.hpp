@@ -1,6 +1,6 @@
-// examples - weights from an image file: how much each pixel counts when an image is meshed.
-#ifndef HMESH_EXAMPLES_WEIGHTS_HPP
-#define HMESH_EXAMPLES_WEIGHTS_HPP
+// tools - weights from an image file: how much each pixel counts when an image is meshed.
+#ifndef HMESH_TOOLS_WEIGHTS_HPP
+#define HMESH_TOOLS_WEIGHTS_HPP
 
 #include <cstddef>
 #include <string>
@@ -9,7 +9,7 @@
 #include "hmesh/image/image_view.hpp"
 #include "image_file.hpp"
 
-namespace example {
+namespace tool {
 
 namespace detail {
 
@@ -47,6 +47,6 @@ void take_weights(const std::vector<T>& samples, int channels, std::vector<float
     return {};
 }
 
-}  // namespace example
+}  // namespace tool
 
-#endif  // HMESH_EXAMPLES_WEIGHTS_HPP
+#endif  // HMESH_TOOLS_WEIGHTS_HPP

@@ -1,4 +1,4 @@
-// stages - shows how a method gets to its mesh: stages DIRECTORY METHOD [IMAGE]
+// stages - shows how a method gets to its mesh: stages DIRECTORY annealed|hierarchical [IMAGE]
 //
 // Writes DIRECTORY/METHOD-K-STAGE.jpg, the mesh with its edges as stage K leaves it, DIRECTORY/METHOD-residual.jpg, four times
 // the final error around grey, and for hierarchical DIRECTORY/levels.jpg; and prints a Markdown table of them. The
@@ -12,7 +12,6 @@
 
 #include <hmesh/hmesh.hpp>
 
-#include "arguments.hpp"
 #include "image_file.hpp"
 #include "output_file.hpp"
 #include "pictures.hpp"
@@ -21,7 +20,7 @@
 
 namespace {
 
-using example::Rgb;
+using tool::Rgb;
 
 // Stops the work when stage `last` + 1 begins.
 struct Stop {
@@ -39,14 +38,9 @@ struct Stop {
     }
 };
 
-bool write_jpeg(const std::string& name, const Rgb& picture) {
-    example::OutputFile file(name);
-    if (!file.open()) return false;
-    const auto give = [](void* context, void* bytes, int size) {
-        (void)(*static_cast<example::OutputFile*>(context))(bytes, static_cast<std::size_t>(size));
-    };
-    return stbi_write_jpg_to_func(give, &file, picture.width(), picture.height(), 3, picture.samples().data(), 88) != 0 &&
-           file.error().empty() && file.commit();
+bool write_jpeg(const std::string& name, Rgb picture) {
+    tool::OutputFile file(name);
+    return file.open() && tool::write_jpeg(tool::to_picture(std::move(picture)), 88, file) && file.commit();
 }
 
 Rgb drawn(const hmesh::Mesh<3>& mesh) {
@@ -57,10 +51,7 @@ Rgb drawn(const hmesh::Mesh<3>& mesh) {
 
 int run(const std::string& directory, const std::string& method, const Rgb& image) {
     hmesh::Options options;
-    if (const std::string why = example::detail::find_name(example::methods, "METHOD", method, options.method); !why.empty()) {
-        std::fprintf(stderr, "stages: %s\n", why.c_str());
-        return 2;
-    }
+    if (method == "hierarchical") options.method = hmesh::Method::hierarchical;
     const auto view = image.view();
     const auto write = [&](const std::string& name, const Rgb& picture) {
         if (write_jpeg(directory + "/" + name, picture)) return true;
@@ -77,7 +68,7 @@ int run(const std::string& directory, const std::string& method, const Rgb& imag
                 std::copy_n(pyramid.level(level).row(y), 3 * image.width(), picture.pixel(0, y));
             levels.push_back(std::move(picture));
         }
-        if (!write("levels.jpg", example::side_by_side(levels))) return 1;
+        if (!write("levels.jpg", tool::side_by_side(levels))) return 1;
     }
     for (int k = 0;; ++k) {
         Stop stop;
@@ -90,11 +81,11 @@ int run(const std::string& directory, const std::string& method, const Rgb& imag
         }
         Rgb picture = drawn(result.mesh);
         if (result.status) {  // no stage is left: this was the last
-            return write(method + "-residual.jpg", example::residual(image, picture)) ? 0 : 1;
+            return write(method + "-residual.jpg", tool::residual(image, picture)) ? 0 : 1;
         }
         const std::string stage = result.report.stages[static_cast<std::size_t>(k)].name;
         const std::string name = method + "-" + std::to_string(k + 1) + "-" + stage + ".jpg";
-        if (!example::draw_wireframe(result.mesh.view(), picture)) return 1;
+        if (!tool::draw_wireframe(result.mesh.view(), picture)) return 1;
         if (!write(name, picture)) return 1;
         std::printf("| %d %s: %zu vertices, %.2f dB | ![%s](%s) |\n", k + 1, stage.c_str(), result.report.vertices,
                     result.report.psnr, stage.c_str(), name.c_str());
@@ -104,15 +95,16 @@ int run(const std::string& directory, const std::string& method, const Rgb& imag
 }  // namespace
 
 int main(int argc, char** argv) {
-    if (argc != 3 && argc != 4) {
-        std::fprintf(stderr, "usage: stages DIRECTORY METHOD [IMAGE]\n");
+    const std::string method = argc > 2 ? argv[2] : "";
+    if ((argc != 3 && argc != 4) || (method != "annealed" && method != "hierarchical")) {
+        std::fprintf(stderr, "usage: stages DIRECTORY annealed|hierarchical [IMAGE]\n");
         return 2;
     }
-    if (argc == 3) return run(argv[1], argv[2], example::draw_scene(384, 256));
-    example::ImageFile file;
-    if (const std::string why = example::read_image(argv[3], file); !why.empty()) {
+    if (argc == 3) return run(argv[1], method, tool::draw_scene(384, 256));
+    tool::ImageFile file;
+    if (const std::string why = tool::read_image(argv[3], file); !why.empty()) {
         std::fprintf(stderr, "stages: cannot read '%s': %s\n", argv[3], why.c_str());
         return 1;
     }
-    return run(argv[1], argv[2], example::to_rgb(example::to_picture(file)));
+    return run(argv[1], method, tool::to_rgb(tool::to_picture(file)));
 }

@@ -1,17 +1,17 @@
-// examples - reads binary PGM (P5) and PPM (P6) files of 8 and 16 bits from memory.
+// tools - reads binary PGM (P5) and PPM (P6) files of 8 and 16 bits from memory.
 //
 // stb_image reads them too, but in 2.27 (Debian 12) takes the bytes of 16-bit samples in the wrong order, and fills
 // what a truncated file lacks with whatever the memory held. Samples are scaled so that the file's maximum becomes 255
 // or 65535.
-#ifndef HMESH_EXAMPLES_PNM_HPP
-#define HMESH_EXAMPLES_PNM_HPP
+#ifndef HMESH_TOOLS_PNM_HPP
+#define HMESH_TOOLS_PNM_HPP
 
 #include <cstddef>
 #include <cstdint>
 #include <string>
 #include <vector>
 
-namespace example {
+namespace tool {
 
 struct PnmHeader {
     int width = 0, height = 0, channels = 0, maximum = 0;
@@ -77,6 +77,6 @@ template <class T>
     return {};
 }
 
-}  // namespace example
+}  // namespace tool
 
-#endif  // HMESH_EXAMPLES_PNM_HPP
+#endif  // HMESH_TOOLS_PNM_HPP
