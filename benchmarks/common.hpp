@@ -65,8 +65,8 @@ using Picture = hmesh::Image<std::uint8_t, 3>;
 
 // Reads 3 channels of 8 bits. Says why not, in the name of `program`.
 inline std::optional<Picture> read(const char* program, const std::string& path) {
-    example::ImageFile file;
-    const std::string why = example::read_image(path, file);
+    tool::ImageFile file;
+    const std::string why = tool::read_image(path, file);
     if (!why.empty() || file.channels != 3 || file.bits != 8) {
         std::fprintf(stderr, "%s: %s: %s\n", program, path.c_str(), why.empty() ? "not 3 channels of 8 bits" : why.c_str());
         return {};

@@ -30,7 +30,7 @@ struct Fixture {
     std::vector<hmesh::kit::Edge> edges;
 
     explicit Fixture(int width, int height)
-        : image(example::draw_scene(width, height)), table(image.view(), image.view().bounds()), mesh(table, 0, 255) {
+        : image(tool::draw_scene(width, height)), table(image.view(), image.view().bounds()), mesh(table, 0, 255) {
         hmesh::kit::ProgressReporter progress({}, 1, 255);
         const hmesh::kit::ImageSource<channels> source(image.view());
         hmesh::kit::TiledMesh<channels> tiled(source, {}, progress);

@@ -225,4 +225,18 @@ TEST_CASE("told to stop between two passes there are no points, and otherwise th
         CHECK(diffused_points(map.view(), 300, [&] { return ++calls < stop; }).empty());
         CHECK(calls == stop);
     }
+    CHECK(diffused_points(map.view(), 300) == points);  // never told to stop
+}
+
+TEST_CASE("vertices of pixels are on their centers, and on the border for the outermost, whatever the size") {
+    using hmesh::kit::pixel_vertex;
+    using hmesh::kit::Point;
+    CHECK(pixel_vertex(0, 5, 4) == Point{0, 0});
+    CHECK(pixel_vertex(3, 5, 4) == Point{3.5, 0});
+    CHECK(pixel_vertex(4, 5, 4) == Point{5, 0});
+    CHECK(pixel_vertex(5 + 2, 5, 4) == Point{2.5, 1.5});
+    CHECK(pixel_vertex(19, 5, 4) == Point{5, 4});
+    CHECK(pixel_vertex(0, 1, 1) == Point{0.5, 0.5});
+    CHECK(pixel_vertex(2, 1, 3) == Point{0.5, 3});
+    CHECK(pixel_vertex(4294967295U, 65536, 65536) == Point{65536, 65536});
 }

@@ -12,7 +12,6 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
-#include <utility>
 #include <vector>
 
 #include "hmesh/core/status.hpp"
@@ -23,6 +22,7 @@
 #include "hmesh/methods/baselines/point_removal.hpp"
 #include "hmesh/methods/stage.hpp"
 #include "hmesh/options.hpp"
+#include "hmesh/tiles/delaunay_mesh.hpp"
 #include "hmesh/tiles/indexed_mesh.hpp"
 #include "hmesh/tiles/tiled_mesh.hpp"
 
@@ -31,23 +31,12 @@
 namespace hmesh {
 namespace kit::detail {
 
-/// Where the vertex of a pixel is: on its centre, and on the border for the outermost pixels, so that the mesh covers the image.
-[[nodiscard]] inline Point pixel_vertex(int x, int y, int width, int height) noexcept {
-    const auto place = [](int i, int size) {
-        return size == 1 ? 0.5 : i == 0 ? 0.0 : i == size - 1 ? static_cast<double>(size) : i + 0.5;
-    };
-    return {place(x, width), place(y, height)};
-}
-
-/// The Delaunay triangulation of the corners and of these pixels, with their colours, in place of what work had. False:
-/// cancelled.
+/// The Delaunay triangulation of the corners and of these pixels, with their colours, in place of what work had. False: cancelled.
 template <int C>
 bool triangulate_pixels(TiledMesh<C>& tiled, const std::vector<std::uint32_t>& pixels) {
     const ImageSource<C>& source = tiled.source();
     const int width = source.width(), height = source.height();
-    const auto column = [&](std::uint32_t pixel) { return static_cast<int>(pixel % static_cast<std::uint32_t>(width)); };
-    const auto row = [&](std::uint32_t pixel) { return static_cast<int>(pixel / static_cast<std::uint32_t>(width)); };
-    const auto place = [&](std::uint32_t pixel) { return pixel_vertex(column(pixel), row(pixel), width, height); };
+    const auto place = [&](std::uint32_t pixel) { return pixel_vertex(pixel, width, height); };
     Delaunay mesh(width, height);
     mesh.reserve(pixels.size() + 4);
     std::size_t done = 0;
@@ -55,16 +44,7 @@ bool triangulate_pixels(TiledMesh<C>& tiled, const std::vector<std::uint32_t>& p
         if (++done % 4096 == 0 && !tiled.progress().poll()) return false;
         (void)mesh.insert(place(pixel));
     }
-    IndexedMesh<C> whole;
-    whole.width = width;
-    whole.height = height;
-    for (const Point p : mesh.positions()) whole.add(p, source.pixel(static_cast<int>(p.x), static_cast<int>(p.y)));
-    for (const Face f : mesh.topology().faces()) {
-        const auto v = mesh.topology().vertices(f);
-        whole.faces.push_back({static_cast<std::uint32_t>(v[0].index()), static_cast<std::uint32_t>(v[1].index()),
-                               static_cast<std::uint32_t>(v[2].index())});
-    }
-    tiled.indexed() = std::move(whole);
+    tiled.indexed() = delaunay_mesh(source, mesh);
     tiled.progress().set_range(1, 1);
     return tiled.for_each(one_tile(source), [](Patch<C>&, std::size_t) {});  // from here on its energy is known
 }
@@ -77,9 +57,9 @@ bool remove_points(TiledMesh<C>& tiled, std::size_t n) {
 
 }  // namespace kit::detail
 
-/// / Adams' method, with sampled colors.
+/// Adams' method, with sampled colors.
 struct Adams {
-    /// / Points before the removal, in units of the target, in [1, 1000], as far as there are pixels. They cost time in
+    /// Points before the removal, in units of the target, in [1, 1000], as far as there are pixels. They cost time in
     /// proportion: / Lena at 1 % has 27.06 dB with 2, 28.05 with 4.5, 28.21 with 8; Fruits 26.29, 27.14 and 27.06.
     double density = 4.5;
     int smoothing =
@@ -88,14 +68,14 @@ struct Adams {
     static constexpr const char* name = "adams";
     static constexpr Colors colors = Colors::sampled;
 
-    /// / Whether the options mean something.
+    /// Whether the options mean something.
     [[nodiscard]] Status check(int = 1, int = 1) const noexcept {
         return kit::check_ranges({{"adams density must be in [1, 1000]", density, 1, 1000},
                                   {"adams smoothing must be in [0, 100] passes", static_cast<double>(smoothing), 0, 100}});
     }
-    /// / px: the image in one piece.
-    [[nodiscard]] double tile_size(int width, int height, std::size_t) const noexcept { return std::max(width, height); }
-    /// / Makes a mesh of n vertices, 4 <= n <= max(4, pixels).
+    /// px: the image in one piece.
+    [[nodiscard]] static double tile_size(int width, int height, std::size_t) noexcept { return std::max(width, height); }
+    /// Makes a mesh of n vertices, 4 <= n <= max(4, pixels).
     template <int C>
     [[nodiscard]] Status run(kit::TiledMesh<C>& mesh, std::size_t n) const {
         const kit::ImageSource<C>& source = mesh.source();
