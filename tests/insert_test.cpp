@@ -36,7 +36,7 @@ bool is_on_edge(const ImageMesh<C>& mesh, const InsertionCandidate<C>& candidate
     const Halfedge h = HalfedgeMesh::halfedge(candidate.edge);
     const HalfedgeMesh& topology = mesh.topology();
     return hmesh::kit::orient2d(mesh.position(topology.from_vertex(h)), mesh.position(topology.to_vertex(h)),
-                        candidate.center.position) == 0;
+                                candidate.center.position) == 0;
 }
 
 // Inserts each edge's or face's candidate in turn, measures, and undoes it.
@@ -261,8 +261,10 @@ TEST_CASE("there is no room at a vertex that has as many neighbors as it may") {
         for (const Halfedge h : topology.outgoing(Vertex(0))) {
             const bool room = spokes < hmesh::kit::max_valence;
             CHECK(hmesh::kit::can_gain_edge(mesh, hmesh::kit::face_candidate(mesh, work, topology.face(h), false)) == room);
-            CHECK(hmesh::kit::can_gain_edge(mesh, hmesh::kit::edge_candidate(mesh, work, HalfedgeMesh::edge(topology.next(h)), false)) == room);
-            CHECK(hmesh::kit::can_gain_edge(mesh, hmesh::kit::edge_candidate(mesh, work, HalfedgeMesh::edge(h), false)));  // splits a spoke
+            CHECK(hmesh::kit::can_gain_edge(
+                      mesh, hmesh::kit::edge_candidate(mesh, work, HalfedgeMesh::edge(topology.next(h)), false)) == room);
+            CHECK(hmesh::kit::can_gain_edge(
+                mesh, hmesh::kit::edge_candidate(mesh, work, HalfedgeMesh::edge(h), false)));  // splits a spoke
         }
         for (int k = 0; k < 12; ++k) {
             hmesh::kit::insert_batch(mesh, 20, {true, true, 0});
