@@ -63,7 +63,7 @@ class ImageMesh {
     /// as the vertices, numbers that are not finite, and what HalfedgeMesh::assign refuses; the mesh is then empty. Whether faces
     /// turn the right way and tile the rectangle is for check() to say. Edges and faces are filled in through the executor.
     [[nodiscard]] HMESH_COLD Status assign(const std::vector<Point>& positions, const std::vector<Triangle>& triangles,
-                                           const std::vector<Color<C>>& colors, const ParallelFor& parallel_for);
+                                           const std::vector<Color<C>>& colors, const ParallelFor& parallel_for = {});
     [[nodiscard]] Status assign(const std::vector<Point>& positions, const std::vector<Triangle>& triangles,
                                 const ParallelFor& parallel_for = {}) {
         return assign(positions, triangles, {}, parallel_for);
