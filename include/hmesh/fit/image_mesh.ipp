@@ -1,4 +1,4 @@
-// hmesh - the members of ImageMesh that are too long to stand in the class. Included by image_mesh.hpp alone.
+// hmesh - the longer member functions of ImageMesh. Included by image_mesh.hpp only.
 #ifndef HMESH_FIT_IMAGE_MESH_IPP
 #define HMESH_FIT_IMAGE_MESH_IPP
 
