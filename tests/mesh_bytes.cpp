@@ -31,8 +31,8 @@ int main() {
         std::printf("%s %08lx", what, static_cast<unsigned long>(hash >> 32U & 0xffffffffU));
     };
     print("mesh bytes: image");
-    for (const auto& [name, effort] : {std::pair("draft", hmesh::kit::Effort::draft), std::pair("fast", hmesh::kit::Effort::fast),
-                                       std::pair("normal", hmesh::kit::Effort::normal)}) {
+    for (const auto& [name, effort] : {std::pair("draft", hmesh::Effort::draft), std::pair("fast", hmesh::Effort::fast),
+                                       std::pair("normal", hmesh::Effort::normal)}) {
         hmesh::Options options;
         options.target = hmesh::Target::vertices(420);
         options.effort = effort;

@@ -37,7 +37,6 @@ struct InsertionCandidate {
 struct InsertionOptions {
     bool faces = false;     ///< consider centroids of faces too
     bool may_move = false;  ///< one Gauss-Newton step before judging
-    double least_gain = 0;  ///< candidates must gain more
 };
 
 namespace detail {
@@ -203,15 +202,14 @@ template <int C>
     const std::vector<InsertionSite> sites = insertion_sites(mesh, options.faces);
     const double scale = mesh.energy() > 0 ? 1 / mesh.mean_energy() : 0;  // of the floats, whatever the unit of samples
     const auto bound = [&](std::size_t k) { return static_cast<float>(scale * most_gain(mesh, sites[k])); };
-    const auto least = static_cast<float>(scale * options.least_gain);
     const std::size_t wanted = 2 * count;  // about half of them touch a better one
     std::vector<float> values;
     values.reserve(sites.size());
     const auto nth_largest = [&] {
-        if (wanted >= values.size()) return least;
+        if (wanted >= values.size()) return 0.0F;
         const auto nth = values.begin() + static_cast<std::ptrdiff_t>(wanted);
         std::nth_element(values.begin(), nth, values.end(), std::greater<>());
-        return std::max(*nth, least);
+        return std::max(*nth, 0.0F);
     };
     std::vector<Gain> gains;
     gains.reserve(sites.size());
@@ -234,7 +232,7 @@ template <int C>
     for (const Gain& g : gains) values.push_back(g.gain);
     evaluate(nth_largest(), first_cut);
 
-    gains.erase(std::remove_if(gains.begin(), gains.end(), [&](const Gain& g) { return !(g.gain > least); }), gains.end());
+    gains.erase(std::remove_if(gains.begin(), gains.end(), [&](const Gain& g) { return !(g.gain > 0); }), gains.end());
     const auto better = [](const Gain& a, const Gain& b) { return a.gain > b.gain || (a.gain == b.gain && a.site < b.site); };
     if (gains.size() > 2 * wanted) {
         std::nth_element(gains.begin(), gains.begin() + static_cast<std::ptrdiff_t>(2 * wanted), gains.end(), better);

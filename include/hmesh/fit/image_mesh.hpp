@@ -28,6 +28,7 @@
 #include "hmesh/fit/ring.hpp"
 #include "hmesh/mesh/halfedge_mesh.hpp"
 #include "hmesh/mesh/limits.hpp"
+#include "hmesh/mesh/mesh.hpp"
 #include "hmesh/mesh/spatial_order.hpp"
 
 #include "hmesh/core/macros/push.hpp"
@@ -60,16 +61,21 @@ class ImageMesh {
         color_high_ = std::min(high + slack, 1e300);
     }
 
-    /// Replaces the mesh by a triangulation of the rectangle, or of a part of it if this is a patch, with positions on the
-    /// 1/256 px grid. The colour of a vertex is that of the pixel at its position. Refuses what HalfedgeMesh::assign() refuses.
-    /// The executor fills in edges and faces.
+    /// Replaces the mesh by a triangulation of the rectangle, or of a part of it if this is a patch, with one colour a vertex or
+    /// none (an empty vector): then the colour of a vertex is that of the pixel at its position. Refuses, and leaves the mesh
+    /// empty: positions outside the rectangle or off the 1/256 px grid, another number of colours than of vertices, numbers that
+    /// are not finite, and what HalfedgeMesh::assign() refuses. Whether faces are positively oriented and tile the rectangle is
+    /// for check() to say. The executor fills in edges and faces.
+    [[nodiscard]] HMESH_COLD Status assign(const std::vector<Point>& positions, const std::vector<Triangle>& triangles,
+                                           const std::vector<Color<C>>& colors, const ParallelFor& parallel_for = {});
+    /// Replaces the mesh by a triangulation as above, with the colours of the pixels.
     [[nodiscard]] Status assign(const std::vector<Point>& positions, const std::vector<Triangle>& triangles,
                                 const ParallelFor& parallel_for = {}) {
         return assign(positions, triangles, {}, parallel_for);
     }
-    /// Replaces the mesh as above, with given colours, one a vertex; none (an empty vector): the colours of the pixels.
-    [[nodiscard]] HMESH_COLD Status assign(const std::vector<Point>& positions, const std::vector<Triangle>& triangles,
-                                           const std::vector<Color<C>>& colors, const ParallelFor& parallel_for);
+    /// Replaces the mesh by one in plain arrays, of C channels and for an image of the size of the table, to go on working on it.
+    /// Vertices and faces keep their numbers. to_mesh() is the way back. Refuses what the other overloads refuse.
+    [[nodiscard]] HMESH_COLD Status assign(const Mesh& mesh, const ParallelFor& parallel_for = {});
 
     /// The connectivity.
     [[nodiscard]] const HalfedgeMesh& topology() const noexcept { return topology_; }
@@ -151,17 +157,7 @@ class ImageMesh {
     }
     /// The position nearest to p where a vertex of this mobility may be: on the grid, within the table, and limits().border_gap
     /// off the image's border unless the vertex lies on it. A coordinate that is not free to move is returned as given.
-    [[nodiscard]] Point clamp(Point p, Mobility mobility) const noexcept {
-        const auto held = [gap = limits_.border_gap](double x, int size, int image_low, int image_size) {
-            const double low = image_low == 0 ? gap : 0, high = image_low + image_size == size ? size - gap : size;
-            return snap(std::max(low, std::min(high, x)));
-        };
-        const Rect& image = context_.image;
-        Point q = p;
-        if (mobility == Mobility::free || mobility == Mobility::along_x) q.x = held(p.x, width(), image.x, image.width);
-        if (mobility == Mobility::free || mobility == Mobility::along_y) q.y = held(p.y, height(), image.y, image.height);
-        return q;
-    }
+    [[nodiscard]] Point clamp(Point p, Mobility mobility) const noexcept;
     /// The mobility of a vertex at p: Mobility::free unless p is on the image's border.
     [[nodiscard]] Mobility mobility_at(Point p) const noexcept {
         const Rect& image = context_.image;
@@ -260,6 +256,10 @@ class ImageMesh {
     [[nodiscard]] HMESH_COLD Status check() const;
 
   private:
+    /// Why these cannot be the vertices of the mesh, or ok.
+    [[nodiscard]] Status check_vertices(const std::vector<Point>& positions, const std::vector<Color<C>>& colors) const noexcept;
+    /// Empties the mesh and returns the status.
+    Status refuse(const Status& status);
     /// Ends a transaction; the outermost one forgets all notes.
     void close() noexcept {
         if (--depth_ > 0) return;
@@ -302,18 +302,10 @@ class ImageMesh {
     int depth_ = 0;
 };
 
-namespace detail {
-
-/// Gives vertex k of topology().vertices() the colour colors[k].
+/// A mesh as plain arrays: live vertices and faces in the order of topology(), positions in the coordinates of the table, colours
+/// rounded to float. `peak`: colour value of full intensity.
 template <int C>
-void write_colors(ImageMesh<C>& mesh, const std::vector<Color<C>>& colors, const ParallelFor& parallel_for) {
-    std::vector<Color<C>> by_slot(mesh.topology().vertex_slots(), Color<C>::zero());
-    std::size_t row = 0;
-    for (const Vertex v : mesh.topology().vertices()) by_slot[v.index()] = colors[row++];
-    mesh.set_colors(by_slot, parallel_for);
-}
-
-}  // namespace detail
+[[nodiscard]] HMESH_COLD Mesh to_mesh(const ImageMesh<C>& from, double peak);
 
 /// The vertices of the mesh in spatial order (mesh/spatial_order.hpp).
 template <int C>

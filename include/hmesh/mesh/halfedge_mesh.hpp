@@ -99,6 +99,9 @@ class HalfedgeMesh {
         const Halfedge h = halfedge(f);
         return {from_vertex(h), to_vertex(h), to_vertex(next(h))};
     }
+    /// The live faces as triples of indices, in the order of faces(); vertices are numbered in the order of vertices(). This is
+    /// what assign() takes. O(n).
+    [[nodiscard]] HMESH_COLD std::vector<Triangle> triangles() const;
     /// The half-edges that leave a vertex, see outgoing().
     class OneRing;
     /// The half-edges that leave v, each once, against the orientation of the faces; on the boundary the boundary half-edge

@@ -36,7 +36,7 @@ template <int C>
 
 /// A stage of body(mesh) on the whole mesh at once. Returns whether to go on.
 template <int C>
-bool run_whole_stage(TiledMesh<C>& tiled, const char* name, FunctionRef<void(ImageMesh<C>& mesh)> body) {
+bool run_whole_stage(TiledMesh<C>& tiled, const char* name, typename TiledMesh<C>::MeshWork body) {
     return run_stage(tiled, name, [&] {
         tiled.progress().set_range(0, 1);
         return tiled.for_each(one_tile(tiled.source()), [&](Patch<C>& patch, std::size_t) { body(patch.mesh()); });

@@ -20,6 +20,7 @@
 #include <utility>
 #include <vector>
 
+#include "hmesh/core/assert.hpp"
 #include "hmesh/core/parallel.hpp"
 #include "hmesh/fit/image_mesh.hpp"
 #include "hmesh/mesh/geometry.hpp"
@@ -78,6 +79,19 @@ template <int C>
         ++row;
     }
     return colors;
+}
+
+/// Gives all vertices these colours, n_v by C: what color_matrix() reads.
+template <int C>
+void set_colors(ImageMesh<C>& mesh, const Eigen::MatrixXd& colors, const ParallelFor& parallel_for = {}) {
+    HMESH_ASSERT(colors.rows() == static_cast<Eigen::Index>(mesh.vertex_count()) && colors.cols() == C);
+    std::vector<Color<C>> by_slot(mesh.topology().vertex_slots(), Color<C>::zero());
+    Eigen::Index row = 0;
+    for (const Vertex v : mesh.topology().vertices()) {
+        for (int k = 0; k < C; ++k) by_slot[v.index()].set(k, colors(row, k));
+        ++row;
+    }
+    mesh.set_colors(by_slot, parallel_for);
 }
 
 /// K: n_v by n_p, columns of 3 entries (some may be 0) that sum to 1. Faces are independent pieces of work, because each

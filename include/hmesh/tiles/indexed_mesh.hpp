@@ -12,6 +12,7 @@
 
 #include "hmesh/core/compiler.hpp"
 #include "hmesh/core/status.hpp"
+#include "hmesh/fit/image_mesh.hpp"
 #include "hmesh/fit/image_source.hpp"
 #include "hmesh/fit/squared_error.hpp"
 #include "hmesh/mesh/halfedge_mesh.hpp"
@@ -84,6 +85,22 @@ template <int C>
     return mesh;
 }
 
+/// A mesh at work as arrays, vertices and faces in the order of its topology(): ImageMesh::assign() takes the arrays back. Of a mesh
+/// that is no patch.
+template <int C>
+[[nodiscard]] HMESH_COLD IndexedMesh<C> to_indexed_mesh(const ImageMesh<C>& from) {
+    IndexedMesh<C> to;
+    to.width = from.width();
+    to.height = from.height();
+    for (const Vertex v : from.topology().vertices()) {
+        to.add(from.position(v), from.color(v));
+        to.dirty.back() = from.is_dirty(v) ? 1 : 0;
+    }
+    to.faces = from.topology().triangles();
+    to.energy = from.energy();
+    return to;
+}
+
 /// As plain arrays, the result of all work. `peak`: the colour value of full intensity.
 template <int C>
 [[nodiscard]] HMESH_COLD Mesh to_mesh(const IndexedMesh<C>& from, double peak) {
@@ -102,6 +119,7 @@ template <int C>
     to.faces = from.faces;
     return to;
 }
+
 /// From plain arrays, to go on working on a mesh; its energy is not known. Empty where the mesh has not C channels or its arrays
 /// are not of one number of vertices; whether it tiles its image is for check() to say.
 template <int C>

@@ -29,6 +29,9 @@ namespace hmesh::kit {
 template <int C>
 class TiledMesh {
   public:
+    /// Work on the mesh of one patch.
+    using MeshWork = FunctionRef<void(ImageMesh<C>& mesh)>;
+
     /// Over an image, a progress and an executor that outlive it.
     TiledMesh(const ImageSource<C>& source, const MeshLimits& limits, ProgressReporter& progress,
               const ParallelFor& parallel_for = {})

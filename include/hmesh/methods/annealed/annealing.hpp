@@ -28,9 +28,9 @@
 
 namespace hmesh::kit {
 
-/// What a sweep did.
+/// How many vertices went and came in a sweep.
 struct AnnealingCounts {
-    std::size_t removed = 0, inserted = 0, flipped = 0, jumped = 0;
+    std::size_t removed = 0, inserted = 0;
 };
 
 /// What all patches of a mesh share: the price of a vertex, steered between sweeps, and the temperature.
@@ -79,8 +79,8 @@ class AnnealingSweep {
         AnnealingCounts counts;
         counts.removed = remove_moves();
         counts.inserted = insert_moves();
-        counts.flipped = flip_moves();
-        counts.jumped = jump_moves();
+        flip_moves();
+        jump_moves();
         const double mean = mesh_->mean_energy();
         const Tolerance tolerance{1e-2, mean > 0 ? least_ / mean : 0};
         sweep(*mesh_, tolerance);
@@ -153,8 +153,7 @@ class AnnealingSweep {
         return inserted;
     }
 
-    std::size_t flip_moves() {
-        std::size_t flipped = 0;
+    void flip_moves() {
         for (const Edge e : spatial_edges(*mesh_)) {
             if (!mesh_->keep_going()) break;
             if (!is_flippable(*mesh_, e)) continue;
@@ -171,13 +170,11 @@ class AnnealingSweep {
             const auto round = [&] {
                 for (const Vertex v : around_) improve_vertex(*mesh_, v, least_);
             };
-            if (accept_or_roll_back(mark, before, 1e-4 * price_, round)) ++flipped;
+            accept_or_roll_back(mark, before, 1e-4 * price_, round);
         }
-        return flipped;
     }
 
-    std::size_t jump_moves() {
-        std::size_t jumped = 0;
+    void jump_moves() {
         for (const Vertex v : spatial_vertices(*mesh_)) {
             if (!mesh_->keep_going()) break;
             const VertexState<C> state = mesh_->vertex(v);
@@ -200,9 +197,8 @@ class AnnealingSweep {
             collect(v);
             around_.insert(around_.begin(), v);
             mesh_->place(v, target, state.color);
-            if (accept_or_roll_back(mark, before, 1e-3 * price_, [&] { relax(*mesh_, around_, 1, least_); })) ++jumped;
+            accept_or_roll_back(mark, before, 1e-3 * price_, [&] { relax(*mesh_, around_, 1, least_); });
         }
-        return jumped;
     }
 
     [[nodiscard]] const HalfedgeMesh& topology() const noexcept { return mesh_->topology(); }

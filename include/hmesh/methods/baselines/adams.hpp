@@ -12,7 +12,6 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
-#include <utility>
 #include <vector>
 
 #include "hmesh/core/status.hpp"
@@ -23,6 +22,7 @@
 #include "hmesh/methods/baselines/point_removal.hpp"
 #include "hmesh/methods/stage.hpp"
 #include "hmesh/options.hpp"
+#include "hmesh/tiles/delaunay_mesh.hpp"
 #include "hmesh/tiles/indexed_mesh.hpp"
 #include "hmesh/tiles/tiled_mesh.hpp"
 
@@ -31,23 +31,12 @@
 namespace hmesh {
 namespace kit::detail {
 
-/// Where the vertex of a pixel is: on its centre, and on the border for the outermost pixels, so that the mesh covers the image.
-[[nodiscard]] inline Point pixel_vertex(int x, int y, int width, int height) noexcept {
-    const auto place = [](int i, int size) {
-        return size == 1 ? 0.5 : i == 0 ? 0.0 : i == size - 1 ? static_cast<double>(size) : i + 0.5;
-    };
-    return {place(x, width), place(y, height)};
-}
-
-/// The Delaunay triangulation of the corners and of these pixels, with their colours, in place of what work had. False:
-/// cancelled.
+/// The Delaunay triangulation of the corners and of these pixels, with their colours, in place of what work had. False: cancelled.
 template <int C>
 bool triangulate_pixels(TiledMesh<C>& tiled, const std::vector<std::uint32_t>& pixels) {
     const ImageSource<C>& source = tiled.source();
     const int width = source.width(), height = source.height();
-    const auto column = [&](std::uint32_t pixel) { return static_cast<int>(pixel % static_cast<std::uint32_t>(width)); };
-    const auto row = [&](std::uint32_t pixel) { return static_cast<int>(pixel / static_cast<std::uint32_t>(width)); };
-    const auto place = [&](std::uint32_t pixel) { return pixel_vertex(column(pixel), row(pixel), width, height); };
+    const auto place = [&](std::uint32_t pixel) { return pixel_vertex(pixel, width, height); };
     Delaunay mesh(width, height);
     mesh.reserve(pixels.size() + 4);
     std::size_t done = 0;
@@ -55,16 +44,7 @@ bool triangulate_pixels(TiledMesh<C>& tiled, const std::vector<std::uint32_t>& p
         if (++done % 4096 == 0 && !tiled.progress().poll()) return false;
         (void)mesh.insert(place(pixel));
     }
-    IndexedMesh<C> whole;
-    whole.width = width;
-    whole.height = height;
-    for (const Point p : mesh.positions()) whole.add(p, source.pixel(static_cast<int>(p.x), static_cast<int>(p.y)));
-    for (const Face f : mesh.topology().faces()) {
-        const auto v = mesh.topology().vertices(f);
-        whole.faces.push_back({static_cast<std::uint32_t>(v[0].index()), static_cast<std::uint32_t>(v[1].index()),
-                               static_cast<std::uint32_t>(v[2].index())});
-    }
-    tiled.indexed() = std::move(whole);
+    tiled.indexed() = delaunay_mesh(source, mesh);
     tiled.progress().set_range(1, 1);
     return tiled.for_each(one_tile(source), [](Patch<C>&, std::size_t) {});  // from here on its energy is known
 }

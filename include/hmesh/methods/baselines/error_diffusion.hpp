@@ -17,6 +17,7 @@
 #include "hmesh/core/assert.hpp"
 #include "hmesh/core/function_ref.hpp"
 #include "hmesh/image/image_view.hpp"
+#include "hmesh/mesh/geometry.hpp"
 
 #include "hmesh/core/macros/push.hpp"
 
@@ -63,9 +64,9 @@ void diffuse(const ImageView<float, 1>& map, double factor, double floor, Point&
 
 /// At least `count` <= pixels points, at most about 1 % more where the map allows, as pixel numbers y * width + x, row after row
 /// there and back; column after column in images more than 8 times as wide as high. Values of the map are finite and >= 0; one
-/// that is 0 everywhere counts as even. go_on() is asked between passes; when it says no, there are no points.
+/// that is 0 everywhere counts as even. go_on() is asked between passes, if set; when it says no, there are no points.
 [[nodiscard]] inline std::vector<std::uint32_t> diffused_points(const ImageView<float, 1>& map, std::size_t count,
-                                                                FunctionRef<bool()> go_on) {
+                                                                FunctionRef<bool()> go_on = {}) {
     const std::size_t pixels = static_cast<std::size_t>(map.width) * static_cast<std::size_t>(map.height);
     HMESH_ASSERT(count <= pixels);
     double sum = 0, largest = 0;
@@ -84,12 +85,12 @@ void diffuse(const ImageView<float, 1>& map, double factor, double floor, Point&
     double low = 0, high = static_cast<double>(count) / (sum + floor * static_cast<double>(pixels));
     std::size_t number = 0;
     while ((number = number_at(high)) < count) {
-        if (!go_on()) return {};
+        if (go_on && !go_on()) return {};
         low = high;
         high *= 2;
     }
     for (int pass = 0; pass < 40 && number > count + count / 128; ++pass) {
-        if (!go_on()) return {};
+        if (go_on && !go_on()) return {};
         const double middle = 0.5 * (low + high);
         const std::size_t now = number_at(middle);
         if (now < count) low = middle;
@@ -101,6 +102,16 @@ void diffuse(const ImageView<float, 1>& map, double factor, double floor, Point&
         points.push_back(static_cast<std::uint32_t>(y) * static_cast<std::uint32_t>(map.width) + static_cast<std::uint32_t>(x));
     });
     return points;
+}
+
+// Where the vertex of pixel y * width + x is: on its centre, and on the border for the outermost pixels, so that a mesh of such
+// vertices covers the image.
+[[nodiscard]] inline Point pixel_vertex(std::uint32_t pixel, int width, int height) noexcept {
+    const auto place = [](std::uint32_t i, int size) {
+        return size == 1 ? 0.5 : i == 0 ? 0.0 : i + 1 == static_cast<std::uint32_t>(size) ? static_cast<double>(size) : i + 0.5;
+    };
+    const auto columns = static_cast<std::uint32_t>(width);
+    return {place(pixel % columns, width), place(pixel / columns, height)};
 }
 
 }  // namespace hmesh::kit

@@ -63,9 +63,9 @@ inline void smooth(Plane& plane, Plane& rest, const ParallelFor& parallel_for) {
 
 }  // namespace detail
 
-/// The map of the whole image, values >= 0 and finite, after `passes` >= 0 of smoothing.
+/// The map of the whole image, values >= 0 and finite, after `passes` >= 0 of smoothing (three are Adams').
 template <int C>
-[[nodiscard]] Image<float, 1> feature_map(const ImageSource<C>& source, int passes, const ParallelFor& parallel_for = {}) {
+[[nodiscard]] Image<float, 1> feature_map(const ImageSource<C>& source, int passes = 3, const ParallelFor& parallel_for = {}) {
     const int width = source.width(), height = source.height();
     const std::size_t pixels = static_cast<std::size_t>(width) * static_cast<std::size_t>(height);
     Image<float, 1> map(width, height);

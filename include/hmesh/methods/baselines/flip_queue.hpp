@@ -23,7 +23,7 @@ namespace hmesh::kit {
 /// Turns suspects until none is left; each comes up at most `visits` >= 1 times. The energy falls with every flip, by more
 /// than rounding, so that the bound only keeps edges from coming up for tiny gains. Returns the number of flips.
 template <int C>
-std::size_t run_flip_queue(ImageMesh<C>& mesh, int visits) {
+std::size_t run_flip_queue(ImageMesh<C>& mesh, int visits = 8) {
     const HalfedgeMesh& topology = mesh.topology();
     IndexedHeap suspects;
     std::vector<int> left(topology.edge_slots(), visits);
