@@ -10,7 +10,7 @@ def test_help_names_every_option(hmesh):
     text = hmesh.done("--help")
     for name in """output vertices rate psnr effort method colors fit-space premultiplied seed weights tile threads svg render
                    render-scale wireframe residual strip report depfile quiet help version""".split():
-        assert re.search(rf"^  (-\w,)?--{name}\b", text, re.M), name
+        assert re.search(rf"^ +(-\w, *)?--{name}\b", text, re.M), name
     assert hmesh.done("-h") == text
     assert hmesh.done("grey.pgm --rate x --help") == text
 

@@ -37,8 +37,7 @@
 #include "hmesh/core/macros/push.hpp"
 
 namespace hmesh {
-namespace kit {
-namespace detail {
+namespace kit::detail {
 
 /// Greedy insertion until the mesh has n vertices.
 template <int C>
@@ -237,9 +236,7 @@ class AnnealedRun {
     std::vector<Tile> tiles_;
 };
 
-}  // namespace detail
-
-}  // namespace kit
+}  // namespace kit::detail
 
 template <int C>
 Status Annealed::run(kit::TiledMesh<C>& mesh, std::size_t n) const {

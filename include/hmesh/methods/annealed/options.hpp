@@ -21,7 +21,7 @@
 
 namespace hmesh {
 
-/// / How much work goes into a mesh, counted in steps, never in seconds.
+/// How much work goes into a mesh, counted in steps, never in seconds.
 enum class Effort : std::uint8_t {
     draft,   ///< greedy insertion
     fast,    ///< insertion of twice as many, then removal: about +2 dB
@@ -133,22 +133,22 @@ class TiledMesh;
 
 }  // namespace kit
 
-/// / The default recipe: too many vertices are placed, those that are missed least go, and annealing exchanges the others between
-/// / places at one common price. The interface of a recipe is described in methods/recipe.hpp.
+/// The default recipe: too many vertices are placed, those that are missed least go, and annealing exchanges the others between
+/// places at one common price. The interface of a recipe is described in methods/recipe.hpp.
 struct Annealed {
     Effort effort = Effort::normal;  ///< how much work
     std::uint64_t seed = 1;          ///< of the random numbers of the annealing
-    /// / px: larger images are meshed in tiles of about this size, 64 to 65536, each of which is a piece of work for a thread.
-    /// / 0: in one piece up to a megapixel and 16384 vertices, in tiles of 256 px beyond. Where a tile would hold less than 256
-    /// / vertices on average, tiles are larger, up to the image, and so is the memory for each.
+    /// px: larger images are meshed in tiles of about this size, 64 to 65536, each of which is a piece of work for a thread.
+    /// 0: in one piece up to a megapixel and 16384 vertices, in tiles of 256 px beyond. Where a tile would hold less than 256
+    /// vertices on average, tiles are larger, up to the image, and so is the memory for each.
     int tile = 0;
-    /// / In place of what `effort` means: start from kit::annealed_steps(effort) and change what you like.
+    /// In place of what `effort` means: start from kit::annealed_steps(effort) and change what you like.
     std::optional<kit::AnnealedSteps> steps{};
 
     static constexpr const char* name = "annealed";
     static constexpr Colors colors = Colors::optimal;
 
-    /// / Whether the recipe's options mean something.
+    /// Whether the recipe's options mean something.
     [[nodiscard]] Status check(int /*width*/, int /*height*/) const noexcept {
         if (tile != 0 && (tile < 64 || tile > kit::max_side))
             return {Errc::invalid_argument, "the tile must be 0, for the default, or 64 to 65536 px", tile,
@@ -157,7 +157,7 @@ struct Annealed {
         if (effort <= Effort::best) return {};
         return {Errc::invalid_argument, "the effort is none of those known", static_cast<int>(effort), 3};
     }
-    /// / px: the size of the tiles for a mesh of n vertices.
+    /// px: the size of the tiles for a mesh of n vertices.
     [[nodiscard]] double tile_size(int width, int height, std::size_t n) const noexcept {
         // Up to here one tile is as fast as several, and no seam needs healing.
         const bool is_small = static_cast<double>(width) * height <= 1048576 && n <= 16384;
@@ -166,7 +166,7 @@ struct Annealed {
         while (size < longest && std::min<double>(size, width) * std::min<double>(size, height) < needed) size *= 1.25;
         return size;
     }
-    /// / Makes a mesh of n vertices in place of what `mesh` was (annealed.hpp).
+    /// Makes a mesh of n vertices in place of what `mesh` was (annealed.hpp).
     template <int C>
     [[nodiscard]] Status run(kit::TiledMesh<C>& mesh, std::size_t n) const;
 };

@@ -24,23 +24,23 @@
 
 namespace hmesh {
 
-/// / Adaptive thinning, with sampled colors.
+/// Adaptive thinning, with sampled colors.
 struct AdaptiveThinning {
     static constexpr std::int64_t max_pixels = std::int64_t{1} << 22;  ///< of an image: its mesh takes 3 GB at first
 
     static constexpr const char* name = "adaptive_thinning";
     static constexpr Colors colors = Colors::sampled;
 
-    /// / Whether the image is small enough.
-    [[nodiscard]] Status check(int width, int height) const noexcept {
+    /// Whether the image is small enough.
+    [[nodiscard]] static Status check(int width, int height) noexcept {
         const std::int64_t pixels = std::int64_t{width} * height;
         if (pixels <= max_pixels) return {};
         return {Errc::image_too_large, "adaptive thinning starts from all pixels, and the image has too many", pixels,
                 max_pixels};
     }
-    /// / px: the image in one piece.
-    [[nodiscard]] double tile_size(int width, int height, std::size_t) const noexcept { return std::max(width, height); }
-    /// / Makes a mesh of n vertices, 4 <= n <= max(4, pixels).
+    /// px: the image in one piece.
+    [[nodiscard]] static double tile_size(int width, int height, std::size_t) noexcept { return std::max(width, height); }
+    /// Makes a mesh of n vertices, 4 <= n <= max(4, pixels).
     template <int C>
     [[nodiscard]] Status run(kit::TiledMesh<C>& mesh, std::size_t n) const {
         const kit::ImageSource<C>& source = mesh.source();

@@ -22,7 +22,7 @@
 
 namespace hmesh {
 
-/// / The method of Xie et al., with sampled colors.
+/// The method of Xie et al., with sampled colors.
 struct Xie {
     Adams start{};               ///< the mesh that it starts from
     kit::VertexSearch search{};  ///< how vertices move
@@ -33,7 +33,7 @@ struct Xie {
     static constexpr const char* name = "xie";
     static constexpr Colors colors = Colors::sampled;
 
-    /// / Whether the options mean something.
+    /// Whether the options mean something.
     [[nodiscard]] Status check(int = 1, int = 1) const noexcept {
         if (const Status status = start.check(); !status) return status;
         return kit::check_ranges(
@@ -43,9 +43,9 @@ struct Xie {
              {"xie rounds must be in [0, 1000]", static_cast<double>(rounds), 0, 1000},
              {"xie enough must be in [0, 1]", enough, 0, 1}});
     }
-    /// / px: the image in one piece.
-    [[nodiscard]] double tile_size(int width, int height, std::size_t) const noexcept { return std::max(width, height); }
-    /// / Makes a mesh of n vertices, 4 <= n <= max(4, pixels).
+    /// px: the image in one piece.
+    [[nodiscard]] static double tile_size(int width, int height, std::size_t) noexcept { return std::max(width, height); }
+    /// Makes a mesh of n vertices, 4 <= n <= max(4, pixels).
     template <int C>
     [[nodiscard]] Status run(kit::TiledMesh<C>& mesh, std::size_t n) const {
         using kit::ImageMesh;

@@ -49,13 +49,13 @@ template <int C>
 
 }  // namespace kit::detail
 
-/// / The paper's method. Figures: dB over the six meshes of Lena and Fruits at 1, 2 and 3 % (docs/paper.md has all of them).
+/// The paper's method. Figures: dB over the six meshes of Lena and Fruits at 1, 2 and 3 % (docs/paper.md has all of them).
 struct Hierarchical {
     int levels = 2;                     ///< N, in [1, 20]; the paper: two or three, of which three lose 0.1 to 0.9
     kit::BilateralOptions bilateral{};  ///< diameter 9, sigmas 50, as in the paper
     kit::LevelFilter filter{};          ///< in place of the bilateral one, if set
     Adams start{6, 3};                  ///< a density of 6 is worth 0.05 to 0.15 above 4.5 in five of the six
-    /// / The first mesh is that of the coarsest level, as in the paper. From the image itself it is better by 0.2 to 0.6 in five
+    /// The first mesh is that of the coarsest level, as in the paper. From the image itself it is better by 0.2 to 0.6 in five
     /// of / the six: it has points in the textures that the filter removes.
     bool start_filtered = true;
     kit::GeometryStep geometry{};  ///< how a step is taken
@@ -65,7 +65,7 @@ struct Hierarchical {
     static constexpr const char* name = "hierarchical";
     static constexpr Colors colors = Colors::optimal;
 
-    /// / Whether the options mean something.
+    /// Whether the options mean something.
     [[nodiscard]] Status check(int = 1, int = 1) const noexcept {
         if (const Status status = start.check(); !status) return status;
         if (const Status status = kit::check(bilateral); !status) return status;
@@ -86,9 +86,9 @@ struct Hierarchical {
              {"hierarchical geometry.pcg.max_iterations must be in [1, 100000]", iterations, 1, 1e5},
              {"hierarchical geometry.pcg.tolerance must be in [1e-15, 1]", geometry.pcg.tolerance, 1e-15, 1}});
     }
-    /// / px: the image in one piece.
-    [[nodiscard]] double tile_size(int width, int height, std::size_t) const noexcept { return std::max(width, height); }
-    /// / Makes a mesh of n vertices of the image, 4 <= n <= max(4, pixels).
+    /// px: the image in one piece.
+    [[nodiscard]] static double tile_size(int width, int height, std::size_t) noexcept { return std::max(width, height); }
+    /// Makes a mesh of n vertices of the image, 4 <= n <= max(4, pixels).
     template <class T, int C>
     [[nodiscard]] Status run(kit::TiledMesh<C>& mesh, const ImageView<T, C>& image, std::size_t n) const {
         if (!mesh.progress().begin("levels", mesh.vertex_count(), mesh.energy())) return kit::cancelled_by_callback();
@@ -105,7 +105,7 @@ struct Hierarchical {
         if (!mesh.progress().end(mesh.vertex_count(), mesh.energy())) return kit::cancelled_by_callback();
         return run(mesh, coarse, n);
     }
-    /// / The same with given levels from 1 to N - 1, of the same size.
+    /// The same with given levels from 1 to N - 1, of the same size.
     template <int C>
     [[nodiscard]] Status run(kit::TiledMesh<C>& mesh, const std::vector<kit::ImageSource<C>>& coarse, std::size_t n) const {
         Status status;
