@@ -46,7 +46,7 @@ std::vector<std::uint32_t> naive_points(const Image<float, 1>& map, double facto
             const auto at = [&](int i, int j) {
                 return static_cast<std::size_t>(flat ? i * map.width() + j : j * map.width() + i);
             };
-            const double density = std::min(1.0, factor * (static_cast<double>(map.samples()[at(x, y)]) + floor));
+            const double density = std::min(1.0, factor * (static_cast<double>(map.data()[at(x, y)]) + floor));
             double error = density + errors[static_cast<std::size_t>(y)][static_cast<std::size_t>(x)];
             if (error >= 0.5) {
                 points.push_back(static_cast<std::uint32_t>(at(x, y)));

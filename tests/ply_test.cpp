@@ -19,18 +19,17 @@ namespace {
 using hmesh_test::Bytes;
 using hmesh_test::two_faces;
 
-const auto to_sink = [](const hmesh::MeshView& mesh, auto&& sink) { return hmesh::write_ply(mesh, sink); };
+const auto to_sink = [](const hmesh::MeshView& mesh, hmesh::Sink sink) { return hmesh::write_ply(mesh, sink); };
 
-template <int C>
-Bytes written(const hmesh::Mesh<C>& mesh, const hmesh::PlyOptions& options = {}) {
-    return hmesh_test::exported(mesh.view(),
-                                [&](const hmesh::MeshView& view, auto&& sink) { return hmesh::write_ply(view, sink, options); });
+Bytes written(const hmesh::Mesh& mesh, const hmesh::PlyOptions& options = {}) {
+    return hmesh_test::exported(
+        mesh.view(), [&](const hmesh::MeshView& view, hmesh::Sink sink) { return hmesh::write_ply(view, sink, options); });
 }
 
 struct PlyFile {
-    std::vector<std::string> colour_names;
+    std::vector<std::string> color_names;
     std::vector<std::array<float, 3>> positions;
-    std::vector<std::vector<int>> colours;
+    std::vector<std::vector<int>> colors;
     std::vector<std::array<std::int32_t, 3>> faces;
 };
 
@@ -49,7 +48,7 @@ PlyFile read_ply(const Bytes& bytes) {
         words >> word >> type >> name;
         if (word == "element" && type == "vertex") vertices = std::stoul(name);
         if (word == "element" && type == "face") faces = std::stoul(name);
-        if (word == "property" && type == "uchar") file.colour_names.push_back(name);
+        if (word == "property" && type == "uchar") file.color_names.push_back(name);
     }
     const auto number = [&](auto value) {  // the test runs on little-endian machines
         in.read(reinterpret_cast<char*>(&value), sizeof value);
@@ -59,8 +58,8 @@ PlyFile read_ply(const Bytes& bytes) {
     for (std::size_t v = 0; v < vertices; ++v) {
         file.positions.emplace_back();
         for (float& x : file.positions.back()) x = number(0.0F);
-        file.colours.emplace_back();
-        for (std::size_t k = 0; k < file.colour_names.size(); ++k) file.colours.back().push_back(number(std::uint8_t{0}));
+        file.colors.emplace_back();
+        for (std::size_t k = 0; k < file.color_names.size(); ++k) file.colors.back().push_back(number(std::uint8_t{0}));
     }
     for (std::size_t f = 0; f < faces; ++f) {
         REQUIRE(number(std::uint8_t{0}) == 3);
@@ -74,7 +73,7 @@ PlyFile read_ply(const Bytes& bytes) {
 }  // namespace
 
 TEST_CASE("a mesh of two faces is written as these bytes") {
-    hmesh::Mesh<3> mesh = two_faces<3>();
+    hmesh::Mesh mesh = two_faces(3);
     mesh.positions = {0, 0, 3, 0, 3, 2, 0, 1.5F};
     mesh.colors = {0, 128, 255, 1, 2, 3, -5, 300, 99.5F, 99.4F, 0.4F, 254.6F};
     const std::string header =
@@ -107,26 +106,26 @@ TEST_CASE("a mesh of two faces is written as these bytes") {
 
 TEST_CASE("1, 3 and 4 channels are written under the names that viewers know") {
     using Names = std::vector<std::string>;
-    const PlyFile grey = read_ply(written(two_faces<1>()));
-    const PlyFile colour = read_ply(written(two_faces<3>()));
-    const PlyFile alpha = read_ply(written(two_faces<4>()));
-    CHECK(grey.colour_names == Names{"intensity"});
-    CHECK(colour.colour_names == Names{"red", "green", "blue"});
-    CHECK(alpha.colour_names == Names{"red", "green", "blue", "alpha"});
-    CHECK(grey.colours[2] == std::vector<int>{20});
-    CHECK(colour.colours[2] == std::vector<int>{20, 21, 22});
-    CHECK(alpha.colours[2] == std::vector<int>{20, 21, 22, 23});
+    const PlyFile gray = read_ply(written(two_faces(1)));
+    const PlyFile color = read_ply(written(two_faces(3)));
+    const PlyFile alpha = read_ply(written(two_faces(4)));
+    CHECK(gray.color_names == Names{"intensity"});
+    CHECK(color.color_names == Names{"red", "green", "blue"});
+    CHECK(alpha.color_names == Names{"red", "green", "blue", "alpha"});
+    CHECK(gray.colors[2] == std::vector<int>{20});
+    CHECK(color.colors[2] == std::vector<int>{20, 21, 22});
+    CHECK(alpha.colors[2] == std::vector<int>{20, 21, 22, 23});
 }
 
 TEST_CASE("what is read back is the mesh with y up and faces counter-clockwise") {
-    const hmesh::Mesh<3> mesh = hmesh_test::square_grid(20, 20);  // more than one buffer of the writer
+    const hmesh::Mesh mesh = hmesh_test::square_grid(20, 20);  // more than one buffer of the writer
     const PlyFile file = read_ply(written(mesh));
     REQUIRE(file.positions.size() == mesh.vertex_count());
     REQUIRE(file.faces.size() == mesh.face_count());
     for (std::size_t v = 0; v < mesh.vertex_count(); ++v) {
         CHECK(file.positions[v] == std::array<float, 3>{mesh.positions[2 * v], 20 - mesh.positions[2 * v + 1], 0});
         for (std::size_t k = 0; k < 3; ++k)
-            CHECK(file.colours[v][k] == std::lround(static_cast<double>(mesh.colors[3 * v + k]) * 255));
+            CHECK(file.colors[v][k] == std::lround(static_cast<double>(mesh.colors[3 * v + k]) * 255));
     }
     for (std::size_t f = 0; f < mesh.face_count(); ++f) {
         std::array<std::array<float, 3>, 3> at{};
@@ -138,7 +137,7 @@ TEST_CASE("what is read back is the mesh with y up and faces counter-clockwise")
 }
 
 TEST_CASE("with ascii, the same numbers are written as text") {
-    hmesh::Mesh<4> mesh = two_faces<4>();
+    hmesh::Mesh mesh = two_faces(4);
     mesh.positions = {0, 0, 3, 0, 2.99609375F, 2, 0.1F, 1.5F};
     hmesh::PlyOptions options;
     options.ascii = true;
@@ -164,9 +163,9 @@ TEST_CASE("with ascii, the same numbers are written as text") {
               "3 0 2 1\n"
               "3 0 3 2\n");
     options.float_colors = true;
-    hmesh::Mesh<1> grey = two_faces<1>();
-    grey.colors = {0, 255, -51, 510};
-    CHECK(hmesh_test::as_text(written(grey, options)) == header + "property float intensity\n" + faces +
+    hmesh::Mesh gray = two_faces(1);
+    gray.colors = {0, 255, -51, 510};
+    CHECK(hmesh_test::as_text(written(gray, options)) == header + "property float intensity\n" + faces +
                                                              "0 2 0 0\n"
                                                              "3 2 0 1\n"
                                                              "3 0 0 -0.200000003\n"
@@ -176,7 +175,7 @@ TEST_CASE("with ascii, the same numbers are written as text") {
 }
 
 TEST_CASE("with float_colors, shares of the peak are written as they are, below 0 and above 1 too") {
-    hmesh::Mesh<3> mesh = two_faces<3>();
+    hmesh::Mesh mesh = two_faces(3);
     mesh.peak = 2;
     mesh.colors = {0, 1, 2, -1, 3, 0.1F, 0, 0, 0, 0, 0, 0};
     hmesh::PlyOptions options;
@@ -201,7 +200,7 @@ TEST_CASE("with float_colors, shares of the peak are written as they are, below 
 }
 
 TEST_CASE("float_colors of a premultiplied mesh are straight, and may be above the peak or below 0") {
-    hmesh::Mesh<4> mesh = two_faces<4>();
+    hmesh::Mesh mesh = two_faces(4);
     mesh.peak = 1;
     mesh.premultiplied = true;
     constexpr float largest = std::numeric_limits<float>::max();
@@ -225,35 +224,35 @@ TEST_CASE("float_colors of a premultiplied mesh are straight, and may be above t
 }
 
 TEST_CASE("the locale makes no difference") {
-    hmesh::Mesh<3> mesh = two_faces<3>();
+    hmesh::Mesh mesh = two_faces(3);
     mesh.positions[4] = 2.5F;
     for (const bool ascii : {false, true})
-        hmesh_test::check_locale_makes_no_difference(mesh.view(), [=](const hmesh::MeshView& view, auto&& sink) {
+        hmesh_test::check_locale_makes_no_difference(mesh.view(), [=](const hmesh::MeshView& view, hmesh::Sink sink) {
             return hmesh::write_ply(view, sink, {ascii, true});
         });
 }
 
 TEST_CASE("a sink that refuses anywhere gets no more and is reported") {
-    const hmesh::Mesh<3> mesh = hmesh_test::square_grid(16, 16);
+    const hmesh::Mesh mesh = hmesh_test::square_grid(16, 16);
     hmesh_test::check_refusing_sinks(mesh.view(), to_sink);
-    hmesh_test::check_refusing_sinks(mesh.view(), [](const hmesh::MeshView& view, auto&& sink) {
+    hmesh_test::check_refusing_sinks(mesh.view(), [](const hmesh::MeshView& view, hmesh::Sink sink) {
         return hmesh::write_ply(view, sink, {true, true});
     });
 }
 
 TEST_CASE("a mesh that cannot be written gives a Status and no byte") {
     hmesh_test::check_bad_meshes_are_refused(to_sink);
-    hmesh_test::check_bad_meshes_are_refused([](const hmesh::MeshView& view, auto&& sink) {
+    hmesh_test::check_bad_meshes_are_refused([](const hmesh::MeshView& view, hmesh::Sink sink) {
         return hmesh::write_ply(view, sink, {true, true});
     });
-    hmesh::Mesh<3> mesh = two_faces<3>();
+    hmesh::Mesh mesh = two_faces(3);
     hmesh::MeshView huge = mesh.view();
     huge.vertex_count = std::size_t{1} << 31U;
     hmesh_test::check_refused(huge, hmesh::Errc::invalid_argument, to_sink);
     // A share that no float holds.
     mesh.peak = 1e-40;
     CHECK(to_sink(mesh.view(), [](const void*, std::size_t) { return true; }));
-    hmesh_test::check_refused(mesh.view(), hmesh::Errc::not_finite, [](const hmesh::MeshView& view, auto&& sink) {
+    hmesh_test::check_refused(mesh.view(), hmesh::Errc::not_finite, [](const hmesh::MeshView& view, hmesh::Sink sink) {
         return hmesh::write_ply(view, sink, {false, true});
     });
 }

@@ -2,45 +2,26 @@
 
 #include <doctest/doctest.h>
 
-#include <algorithm>
 #include <cmath>
-#include <cstddef>
 #include <cstdint>
 #include <limits>
-#include <vector>
 
 #include "hmesh/core/random.hpp"
-#include "hmesh/tiles/tiling.hpp"
+#include "hmesh/fit/image_source.hpp"
+#include "test_colors.hpp"
 #include "test_executors.hpp"
 #include "test_images.hpp"
 #include "test_meshes.hpp"
-#include "test_patchworks.hpp"
-#include "test_wholes.hpp"
 
-using hmesh::kit::Color;
 using hmesh::Image;
+using hmesh::kit::Color;
 using hmesh::kit::ImageSource;
 using hmesh::kit::Point;
 using hmesh::kit::sampled_color;
-using hmesh::kit::Tiling;
 using hmesh::kit::Vertex;
-using hmesh::kit::IndexedMesh;
 using hmesh_test::Subject;
 
 namespace {
-
-// The bilinear colour as a sum over all pixels of the image, each with the product of two hat functions around its centre;
-// beyond the outermost centres that of the nearest place among them.
-template <class T, int C>
-double naive_sample(const Image<T, C>& image, Point p, int c) {
-    const double x = std::clamp(p.x, 0.5, image.width() - 0.5), y = std::clamp(p.y, 0.5, image.height() - 0.5);
-    double sum = 0;
-    for (int j = 0; j < image.height(); ++j)
-        for (int i = 0; i < image.width(); ++i)
-            sum += std::max(0.0, 1 - std::abs(x - i - 0.5)) * std::max(0.0, 1 - std::abs(y - j - 0.5)) *
-                   static_cast<double>(image.pixel(i, j)[c]);
-    return sum;
-}
 
 template <class T, int C>
 Color<C> sample_source(const ImageSource<C>& source, Point p) {
@@ -62,7 +43,7 @@ void check_samples(const Image<T, C>& image) {
     const auto check_at = [&](Point p, double rounding) {
         const Color<C> got = sample_source<T, C>(source, p), from_table = sampled_color(table, p);
         for (int c = 0; c < hmesh::kit::lanes_for(C + 1); ++c) {
-            const double expected = c < C ? naive_sample(image, p, c) : 0;
+            const double expected = c < C ? test::naive_sample(image, p, c) : 0;
             REQUIRE(std::abs(got[c] - expected) <= rounding);
             REQUIRE(std::abs(from_table[c] - got[c]) <= slack);
         }
@@ -97,38 +78,11 @@ void check_mesh(const Image<T, C>& image, std::uint64_t seed) {
     hmesh_test::prove(subject);
     for (const Vertex v : subject.mesh.topology().vertices())
         for (int c = 0; c < hmesh::kit::lanes_for(C + 1); ++c)
-            REQUIRE(std::abs(subject.mesh.color(v)[c] - (c < C ? naive_sample(image, subject.mesh.position(v), c) : 0)) <=
+            REQUIRE(std::abs(subject.mesh.color(v)[c] - (c < C ? test::naive_sample(image, subject.mesh.position(v), c) : 0)) <=
                     1e-13 * hmesh::PixelTraits<T>::peak);
     const auto serial = hmesh_test::snapshot(subject.mesh);
     hmesh::kit::sample_colors(subject.mesh, hmesh_test::ThreadFor{3});
     CHECK(hmesh_test::snapshot(subject.mesh) == serial);
-}
-
-// For a mesh of one tile and of several, with colours as they are and in steps of `grid`.
-template <class T, int C>
-void check_patchwork(const Image<T, C>& image, hmesh_test::Shape shape, double grid) {
-    const int width = image.width(), height = image.height();
-    const IndexedMesh<C> start = hmesh_test::make_whole(image, shape, 120, 1);
-    for (const double tile : {1000.0, 25.0, 9.0}) {
-        hmesh_test::Work<T, C> work(image);
-        const hmesh_test::ThreadFor two{2};
-        hmesh_test::Work<T, C> threads(image, {}, {}, two);
-        work.patchwork.indexed() = threads.patchwork.indexed() = start;
-        const Tiling tiling(width, height, tile, true, false);
-        hmesh::kit::sample_colors(work.patchwork, tiling, grid);
-        hmesh_test::prove(work);  // its energy among others
-        const IndexedMesh<C>& whole = work.indexed();
-        CHECK(whole.positions == start.positions);
-        CHECK(whole.triangles == start.triangles);
-        for (std::size_t v = 0; v < whole.vertex_count(); ++v)
-            for (int c = 0; c < C; ++c) {
-                const double color = whole.colors[v][c], exact = naive_sample(image, whole.positions[v], c);
-                if (grid > 0) REQUIRE(color == grid * std::round(color / grid));
-                REQUIRE(std::abs(color - exact) <= 0.5 * grid + 1e-13 * hmesh::PixelTraits<T>::peak);
-            }
-        hmesh::kit::sample_colors(threads.patchwork, tiling, grid);
-        CHECK(hmesh_test::same_bits(threads.indexed(), whole));
-    }
 }
 
 }  // namespace
@@ -178,7 +132,8 @@ TEST_CASE("a mesh with sampled colours has the energy of its pixels, and knows i
 TEST_CASE("sampled over an image with weights, colours are those of the samples, whatever their weights") {
     const auto image = hmesh_test::noise<std::uint8_t, 3>(31, 26, 1);
     const Image<float, 1> weights = hmesh_test::random_weights(31, 26, 2);
-    const hmesh::kit::MomentTable<3> table(image.view(), weights.view(), hmesh::kit::weight_unit(weights.view()), image.view().bounds());
+    const hmesh::kit::MomentTable<3> table(image.view(), weights.view(), hmesh::kit::weight_unit(weights.view()),
+                                           image.view().bounds());
     hmesh::kit::ImageMesh<3> mesh(table, 0, 255);
     const auto grid = hmesh_test::jittered_grid(31, 26, 6, 5, 1);
     REQUIRE(mesh.assign(grid.positions, grid.triangles));
@@ -187,13 +142,5 @@ TEST_CASE("sampled over an image with weights, colours are those of the samples,
     CHECK_MESSAGE(status, status.what);
     for (const Vertex v : mesh.topology().vertices())
         for (int c = 0; c < 3; ++c)
-            CHECK(mesh.color(v)[c] == doctest::Approx(naive_sample(image, mesh.position(v), c)).epsilon(1e-12));
-}
-
-TEST_CASE("a mesh in patches has sampled colours in steps of the grid, and the energy of its pixels, however it is cut") {
-    check_patchwork(hmesh_test::scene<std::uint8_t, 3>(60, 45, 1), hmesh_test::Shape::worn, 1);
-    check_patchwork(hmesh_test::scene<std::uint8_t, 1>(60, 45, 2), hmesh_test::Shape::delaunay, 0);
-    check_patchwork(hmesh_test::noise<std::uint16_t, 2>(40, 45, 3), hmesh_test::Shape::slivers, 16);
-    check_patchwork(hmesh_test::scene<float, 4>(50, 30, 4), hmesh_test::Shape::scattered, 0);
-    check_patchwork(hmesh_test::scene<float, 1>(50, 30, 5), hmesh_test::Shape::grid, 1.0 / 64);
+            CHECK(mesh.color(v)[c] == doctest::Approx(test::naive_sample(image, mesh.position(v), c)).epsilon(1e-12));
 }

@@ -10,6 +10,7 @@
 #include <cstring>
 #include <limits>
 #include <string>
+#include <type_traits>
 #include <vector>
 
 namespace {
@@ -33,6 +34,14 @@ struct LimitedSink {
         taken.insert(taken.end(), from, from + size);
         return true;
     }
+};
+
+// What is not to be taken for a sink: it says how many bytes it took, as fwrite does, or nothing.
+struct CountingSink {
+    std::size_t operator()(const void*, std::size_t size) { return size; }
+};
+struct MuteSink {
+    void operator()(const void*, std::size_t) {}
 };
 
 std::string printed(std::int64_t value) {
@@ -144,6 +153,30 @@ TEST_CASE("bytes arrive whole and in order, however they are cut into writes") {
     }
 }
 
+TEST_CASE("a sink is what returns a bool: one that returns a count or nothing does not compile") {
+    CHECK(std::is_convertible_v<LimitedSink&, hmesh::Sink>);
+    CHECK(std::is_convertible_v<bool (*)(const void*, std::size_t), hmesh::Sink>);
+    CHECK(!std::is_convertible_v<CountingSink&, hmesh::Sink>);
+    CHECK(!std::is_convertible_v<std::size_t (*)(const void*, std::size_t), hmesh::Sink>);
+    CHECK(!std::is_convertible_v<MuteSink&, hmesh::Sink>);
+}
+
+TEST_CASE("the writer says where the next byte stands in the file, whatever the sink took") {
+    for (const std::size_t limit : {0U, 4096U, 100000U}) {
+        LimitedSink sink;
+        sink.limit = limit;
+        hmesh::detail::Writer writer(sink);
+        CHECK(writer.position() == 0);
+        const Bytes sent(10000, 7);
+        writer.bytes(sent.data(), sent.size());
+        CHECK(writer.position() == 10000);
+        writer.decimal(-5);
+        CHECK(writer.position() == 10002);
+        CHECK(static_cast<bool>(writer.finish()) == (limit == 100000));
+        CHECK(writer.position() == 10002);
+    }
+}
+
 TEST_CASE("a writer that was given nothing does not call its sink") {
     LimitedSink sink;
     sink.limit = 0;
@@ -163,7 +196,7 @@ TEST_CASE("the writer stops at the first refusal and says how many bytes were ta
         for (const unsigned char byte : sent) writer.u8(byte);
         const hmesh::Status status = writer.finish();
         CHECK(status.code == hmesh::Errc::write_failed);
-        CHECK(status.value == static_cast<std::int64_t>(sink.taken.size()));
+        CHECK(status.value == static_cast<double>(sink.taken.size()));
         CHECK(sink.taken.size() == limit / 4096 * 4096);
         CHECK(sink.refusals == 1);
     }

@@ -4,11 +4,13 @@
 
 #include <doctest/doctest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstddef>
 #include <vector>
 
 #include "hmesh/fit/image_mesh.hpp"
+#include "hmesh/image/image_view.hpp"
 #include "hmesh/mesh/limits.hpp"
 #include "jittered_mesh.hpp"
 
@@ -63,6 +65,19 @@ void make_blind_vertex(Sample<T, C>& s) {
     REQUIRE(s.mesh.assign(points, grid_triangles(4, 4)));
 }
 inline constexpr std::size_t blind_vertex = 12;
+
+// The bilinear colour as a sum over all pixels of the image, each with the product of two hat functions around its centre;
+// beyond the outermost centres that of the nearest place among them.
+template <class T, int C>
+double naive_sample(const hmesh::Image<T, C>& image, hmesh::kit::Point p, int c) {
+    const double x = std::clamp(p.x, 0.5, image.width() - 0.5), y = std::clamp(p.y, 0.5, image.height() - 0.5);
+    double sum = 0;
+    for (int j = 0; j < image.height(); ++j)
+        for (int i = 0; i < image.width(); ++i)
+            sum += std::max(0.0, 1 - std::abs(x - i - 0.5)) * std::max(0.0, 1 - std::abs(y - j - 0.5)) *
+                   static_cast<double>(image.pixel(i, j)[c]);
+    return sum;
+}
 
 }  // namespace test
 

@@ -35,7 +35,7 @@ struct Work {
     explicit Work(hmesh::Image<T, C> picture, const hmesh::MeshLimits& limits = {}, const hmesh::Progress& callback = {},
                   const hmesh::ParallelFor& parallel_for = {})
         : image(std::move(picture)), source(image.view()),
-          progress(callback, static_cast<double>(image.samples().size()), hmesh::PixelTraits<T>::peak),
+          progress(callback, static_cast<double>(image.size()), hmesh::PixelTraits<T>::peak),
           tiled(source, limits, progress, parallel_for) {}
     Work(const Work&) = delete;
     Work& operator=(const Work&) = delete;

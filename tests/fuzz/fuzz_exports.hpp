@@ -1,8 +1,5 @@
 // hmesh tests - what the fuzzers of all exporters share: meshes from bytes, good ones and bad ones, and what has to come of
 // them whatever the format.
-//
-// `Write` is any callable hmesh::Status(const hmesh::MeshView&, Sink&&), `Check` any callable void(const std::string& file,
-// const hmesh::MeshView&), which ends the program unless the file is one of that mesh.
 #ifndef HMESH_TESTS_FUZZ_FUZZ_EXPORTS_HPP
 #define HMESH_TESTS_FUZZ_FUZZ_EXPORTS_HPP
 
@@ -17,7 +14,9 @@
 #include <vector>
 
 #include "fuzz_input.hpp"
+#include "hmesh/core/function_ref.hpp"
 #include "hmesh/core/status.hpp"
+#include "hmesh/io/sink.hpp"
 #include "hmesh/mesh/mesh.hpp"
 
 namespace hmesh_test {
@@ -25,10 +24,13 @@ namespace hmesh_test {
 // The view is one of the arrays, which end where it ends, or of none.
 struct FuzzMesh {
     std::vector<float> positions, colors;
-    std::vector<std::array<std::uint32_t, 3>> faces;
+    std::vector<hmesh::Triangle> faces;
     hmesh::MeshView view;
     bool is_good = false;  // every exporter writes it
 };
+
+// How many channels files have of a mesh: grey with alpha is written as red, green, blue and alpha.
+[[nodiscard]] inline int channels_written(const hmesh::MeshView& mesh) { return mesh.channels == 2 ? 4 : mesh.channels; }
 
 // Fills the arrays of a mesh that has its size, its channels and its peak.
 class FuzzMeshDraw {
@@ -37,7 +39,7 @@ class FuzzMeshDraw {
 
     [[nodiscard]] FuzzMesh mesh() {
         const bool is_any = input_->one_in(3);
-        mesh_.view.channels = input_->one_of<int>({3, 4, 1});
+        mesh_.view.channels = input_->one_of<int>({3, 4, 1, 2});
         mesh_.view.premultiplied = input_->one_in(3);
         mesh_.view.peak = input_->one_of<double>({255, 1, 65535, 1000});
         mesh_.view.width = input_->within(1, 300);
@@ -81,7 +83,7 @@ class FuzzMeshDraw {
         for (int splits = input_->within(0, 60); splits > 0; --splits) {
             const std::size_t f = input_->byte() % mesh_.faces.size();
             const double a = 1 + input_->byte() % 64, b = 1 + input_->byte() % 64, c = 1 + input_->byte() % 64;
-            const std::array<std::uint32_t, 3> face = mesh_.faces[f];
+            const hmesh::Triangle face = mesh_.faces[f];
             std::array<float, 2> place{};
             for (std::size_t k = 0; k < 2; ++k) {
                 const double at =
@@ -90,8 +92,7 @@ class FuzzMeshDraw {
             }
             const auto v = static_cast<std::uint32_t>(mesh_.positions.size() / 2);
             mesh_.positions.insert(mesh_.positions.end(), place.begin(), place.end());
-            const std::array<std::array<std::uint32_t, 3>, 3> parts = {
-                {{face[0], face[1], v}, {face[1], face[2], v}, {face[2], face[0], v}}};
+            const std::array<hmesh::Triangle, 3> parts = {{{face[0], face[1], v}, {face[1], face[2], v}, {face[2], face[0], v}}};
             if (!std::all_of(parts.begin(), parts.end(), [&](const auto& part) { return twice_area(part) > 0; })) {
                 mesh_.positions.resize(2 * std::size_t{v});
                 continue;
@@ -106,7 +107,7 @@ class FuzzMeshDraw {
     [[nodiscard]] double coordinate(std::uint32_t v, std::size_t k) const {
         return static_cast<double>(mesh_.positions[2 * std::size_t{v} + k]);
     }
-    [[nodiscard]] double twice_area(const std::array<std::uint32_t, 3>& face) const {
+    [[nodiscard]] double twice_area(const hmesh::Triangle& face) const {
         const auto [a, b, c] = face;
         return (coordinate(b, 0) - coordinate(a, 0)) * (coordinate(c, 1) - coordinate(a, 1)) -
                (coordinate(b, 1) - coordinate(a, 1)) * (coordinate(c, 0) - coordinate(a, 0));
@@ -152,9 +153,12 @@ class FuzzMeshDraw {
     FuzzMesh mesh_;
 };
 
+// An exporter with its options, and what ends the program unless the file is one of that mesh.
+using Write = hmesh::FunctionRef<hmesh::Status(const hmesh::MeshView& mesh, hmesh::Sink sink)>;
+using Check = hmesh::FunctionRef<void(const std::string& file, const hmesh::MeshView& mesh)>;
+
 // Writes a mesh to a sink that takes all, and to one that refuses after some bytes.
-template <class Write, class Check>
-void fuzz_exporter(FuzzInput& input, const FuzzMesh& mesh, const Write& write, const Check& check) {
+inline void fuzz_exporter(FuzzInput& input, const FuzzMesh& mesh, Write write, Check check) {
     const double patience = input.share();
     std::string file;
     const hmesh::Status status = write(mesh.view, [&](const void* bytes, std::size_t size) {
@@ -181,7 +185,7 @@ void fuzz_exporter(FuzzInput& input, const FuzzMesh& mesh, const Write& write, c
     demand(file.compare(0, part.size(), part) == 0, "the same mesh gives the same bytes");
     if (most == file.size()) demand(cut && part == file, "a sink that takes all makes a success");
     else
-        demand(cut.code == hmesh::Errc::write_failed && *cut.what != 0 && cut.value == static_cast<std::int64_t>(part.size()),
+        demand(cut.code == hmesh::Errc::write_failed && *cut.what != 0 && cut.value == static_cast<double>(part.size()),
                "a refusal is reported with the bytes taken");
 }
 

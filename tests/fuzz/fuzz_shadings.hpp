@@ -9,26 +9,21 @@
 #include "fuzz_exports.hpp"
 #include "fuzz_input.hpp"
 #include "fuzz_text.hpp"
-#include "hmesh/io/detail/gouraud_stream.hpp"
+#include "hmesh/io/page_options.hpp"
 
 namespace hmesh_test {
 
 enum class Deflating { none, works, says_no, gives_nothing };
 
-inline bool fake_deflate(void* user, const unsigned char* bytes, std::size_t size, std::vector<unsigned char>& out) {
-    const Deflating how = *static_cast<const Deflating*>(user);
-    demand(out.empty(), "a compressor is given an empty vector");
-    if (how == Deflating::works) out.assign(bytes, bytes + size);
-    return how != Deflating::says_no;
-}
-
-// `how` outlives the options.
-template <class Options>
-void set_deflate(Options& options, Deflating& how) {
-    if (how == Deflating::none) return;
-    options.deflate = fake_deflate;
-    options.deflate_user = &how;
-}
+// A compressor that does so.
+struct FakeDeflate {
+    Deflating how = Deflating::none;
+    bool operator()(const unsigned char* bytes, std::size_t size, std::vector<unsigned char>& out) const {
+        demand(out.empty(), "a compressor is given an empty vector");
+        if (how == Deflating::works) out.assign(bytes, bytes + size);
+        return how != Deflating::says_no;
+    }
+};
 
 [[nodiscard]] inline Deflating draw_deflating(FuzzInput& input) {
     const unsigned which = input.byte() % 8;
@@ -38,14 +33,13 @@ void set_deflate(Options& options, Deflating& how) {
                         : Deflating::works;
 }
 
-// Options of PDF or EPS and a mesh, which is not good where the compressor fails. `how` outlives the options.
-template <class Options>
-[[nodiscard]] FuzzMesh draw_shading(FuzzInput& input, Options& options, Deflating& how) {
+// Options, which refer to the compressor, and a mesh, which is not good where the compressor fails.
+[[nodiscard]] inline FuzzMesh draw_shading(FuzzInput& input, hmesh::PageOptions& options, FakeDeflate& compressor) {
     options.strips = !input.one_in(3);
-    how = draw_deflating(input);
-    set_deflate(options, how);
+    compressor.how = draw_deflating(input);
+    if (compressor.how != Deflating::none) options.deflate = compressor;
     FuzzMesh mesh = FuzzMeshDraw(input).mesh();
-    mesh.is_good = mesh.is_good && how <= Deflating::works;
+    mesh.is_good = mesh.is_good && compressor.how <= Deflating::works;
     return mesh;
 }
 
@@ -54,16 +48,16 @@ template <class Options>
     static_cast<void>(text.until("/ColorSpace /Device"));
     const std::size_t components = text.accept("Gray") ? 1 : 3;
     static_cast<void>(text.until("/BitsPerCoordinate "));
-    const auto coordinate = static_cast<std::size_t>(text.indexed());
-    text.set_range(" /BitsPerComponent ");
-    const auto component = static_cast<std::size_t>(text.indexed());
-    text.set_range(" /BitsPerFlag 8\n/Decode [");
+    const auto coordinate = static_cast<std::size_t>(text.whole());
+    text.expect(" /BitsPerComponent ");
+    const auto component = static_cast<std::size_t>(text.whole());
+    text.expect(" /BitsPerFlag 8\n/Decode [");
     double before = 0;
     for (std::size_t i = 0; i < 4 + 2 * components; ++i) {
         const double end = text.number();
         demand(i % 2 == 0 || end > before, "a range is not empty");
         before = end;
-        if (i < 3 + 2 * components) text.set_range(" ");
+        if (i < 3 + 2 * components) text.expect(" ");
     }
     return 1 + (2 * coordinate + components * component) / 8;
 }

@@ -24,21 +24,22 @@ void check_base64(const std::string& text, std::size_t bytes) {
     demand(digits == std::string::npos || text.substr(digits) == (bytes % 3 == 1 ? "==" : "="), "base64 has its letters");
 }
 
-void check_script(const std::string& script, const hmesh::MeshView& mesh) {
-    FuzzText text(script);
-    text.set_range("\n'use strict';\nconst mesh = {width: ");
-    demand(text.indexed() == mesh.width, "the script knows the width");
-    text.set_range(", height: ");
-    demand(text.indexed() == mesh.height, "the script knows the height");
-    text.set_range(", channels: ");
-    demand(text.indexed() == mesh.channels, "the script knows the channels");
-    text.set_range(", vertices: ");
-    demand(text.indexed() == static_cast<std::int64_t>(mesh.vertex_count), "the script counts the vertices");
-    text.set_range(", faces: ");
-    demand(text.indexed() == static_cast<std::int64_t>(mesh.face_count), "the script counts the faces");
-    static_cast<void>(text.until(", data: '"));
-    const std::size_t vertex = 8 + static_cast<std::size_t>(mesh.channels), index = mesh.vertex_count <= 65535 ? 2 : 4;
-    check_base64(text.until("'};\n"), vertex * mesh.vertex_count + 3 * index * mesh.face_count);
+void check_data(const std::string& data, const hmesh::MeshView& mesh) {
+    FuzzText text(data);
+    text.expect("{\"width\":");
+    demand(text.whole() == mesh.width, "the page knows the width");
+    text.expect(",\"height\":");
+    demand(text.whole() == mesh.height, "the page knows the height");
+    text.expect(",\"channels\":");
+    demand(text.whole() == hmesh_test::channels_written(mesh), "the page knows the channels");
+    text.expect(",\"vertices\":");
+    demand(text.whole() == static_cast<std::int64_t>(mesh.vertex_count), "the page counts the vertices");
+    text.expect(",\"faces\":");
+    demand(text.whole() == static_cast<std::int64_t>(mesh.face_count), "the page counts the faces");
+    static_cast<void>(text.until(",\"data\":\""));
+    const std::size_t vertex = 8 + static_cast<std::size_t>(hmesh_test::channels_written(mesh)),
+                      index = mesh.vertex_count <= 65535 ? 2 : 4;
+    check_base64(text.until("\"}"), vertex * mesh.vertex_count + 3 * index * mesh.face_count);
 }
 
 // Twice, the entities of the other texts of the page aside.
@@ -61,19 +62,20 @@ std::string without_entities(const std::string& text) {
 
 void check_file(const std::string& file, const hmesh::MeshView& mesh, const hmesh::HtmlOptions& options) {
     demand(file.compare(0, 16, "<!DOCTYPE html>\n") == 0, "the page says that it is HTML");
-    std::size_t scripts = 0, pictures = 0;
+    std::size_t scripts = 0, meshes = 0, pictures = 0;
     const std::string words = hmesh_test::read_markup(file, true, [&](const Tag& tag) {
-        if (tag.name == "script") ++scripts, check_script(tag.content, mesh);
+        if (tag.name == "script" && tag.attribute("id") == "data") ++meshes, check_data(tag.content, mesh);
+        if (tag.name == "script" && tag.attribute("type") == "module") ++scripts;
         if (tag.name != "img") return;
         ++pictures;
         const std::string source = tag.attribute("src");
         FuzzText text(source);
-        text.set_range("data:");
-        text.set_range(options.original_type);
-        text.set_range(";base64,");
+        text.expect("data:");
+        text.expect(options.original_type);
+        text.expect(";base64,");
         check_base64(source.substr(text.at()), options.original_size);
     });
-    demand(scripts == 1, "the page has a script");
+    demand(scripts == 1 && meshes == 1, "the page has a mesh and a script that draws it");
     demand(pictures == (options.original != nullptr && options.original_size > 0 ? 1U : 0U), "the page shows the original");
     const std::string shown = without_entities(words), title = options.title;
     const std::size_t first = shown.find(title);
@@ -112,7 +114,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* bytes, std::size_t siz
     hmesh_test::FuzzMesh mesh = hmesh_test::FuzzMeshDraw(input).mesh();
     mesh.is_good = mesh.is_good && has_texts && has_type && options.figures != nullptr;
     hmesh_test::fuzz_exporter(
-        input, mesh, [&](const hmesh::MeshView& view, auto&& sink) { return hmesh::write_html(view, sink, options); },
+        input, mesh, [&](const hmesh::MeshView& view, hmesh::Sink sink) { return hmesh::write_html(view, sink, options); },
         [&](const std::string& file, const hmesh::MeshView& view) { check_file(file, view, options); });
     return 0;
 }

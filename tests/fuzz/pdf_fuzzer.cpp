@@ -19,7 +19,7 @@ using hmesh_test::FuzzText;
 void check_shading(const std::string& entries, const std::string& stream, const hmesh::MeshView& mesh) {
     FuzzText text(entries);
     const std::size_t vertex_bytes = hmesh_test::read_vertex_bytes(text);
-    text.set_range("]");
+    text.expect("]");
     if (text.accept("\n/Filter /FlateDecode")) return;
     const std::size_t faces = hmesh_test::shading_faces(stream, vertex_bytes);
     demand(faces == mesh.face_count, "the shading joins as many faces as the mesh");
@@ -27,53 +27,54 @@ void check_shading(const std::string& entries, const std::string& stream, const 
 
 void check_file(const std::string& file, const hmesh::MeshView& mesh) {
     FuzzText head(file);
-    head.set_range("%PDF-1.4\n");
+    head.expect("%PDF-1.4\n");
     const std::size_t last = file.rfind("startxref\n");
     demand(last != std::string::npos, "the file says where its table is");
     FuzzText end(file, last);
-    end.set_range("startxref\n");
-    const std::int64_t table_at = end.indexed();
-    end.set_range("\n%%EOF\n");
+    end.expect("startxref\n");
+    const std::int64_t table_at = end.whole();
+    end.expect("\n%%EOF\n");
     end.expect_end();
 
     demand(table_at > 0 && table_at < static_cast<std::int64_t>(last), "the table is in the file");
     FuzzText table(file, static_cast<std::size_t>(table_at));
-    table.set_range("xref\n0 ");
-    const std::int64_t count = table.indexed();
-    table.set_range("\n0000000000 65535 f \n");
+    table.expect("xref\n0 ");
+    const std::int64_t count = table.whole();
+    table.expect("\n0000000000 65535 f \n");
     int shadings = 0;
     for (std::int64_t number = 1; number < count; ++number) {
         const std::size_t entry = table.at();
-        FuzzText object(file, static_cast<std::size_t>(table.indexed()));
+        FuzzText object(file, static_cast<std::size_t>(table.whole()));
         demand(table.at() == entry + 10, "an offset has ten digits");
-        table.set_range(" 00000 n \n");
-        demand(object.indexed() == number, "an object is where the table says");
-        object.set_range(" 0 obj\n<< ");
+        table.expect(" 00000 n \n");
+        demand(object.whole() == number, "an object is where the table says");
+        object.expect(" 0 obj\n<< ");
         const std::size_t dictionary = object.at();
         if (file.find("\n/Length ", dictionary) > file.find(" >>\nendobj\n", dictionary)) continue;  // no stream
         const std::string entries = object.until("\n/Length ");
-        const auto length = static_cast<std::size_t>(object.indexed());
-        object.set_range(" >>\nstream\n");
+        const auto length = static_cast<std::size_t>(object.whole());
+        object.expect(" >>\nstream\n");
         const std::size_t stream = object.at();
         object.skip(length);
-        object.set_range("\nendstream\nendobj\n");
+        object.expect("\nendstream\nendobj\n");
         if (entries.find("/ShadingType 4") == std::string::npos) continue;
         ++shadings;
         check_shading(entries, file.substr(stream, length), mesh);
     }
-    table.set_range("trailer\n<< /Size ");
-    demand(table.indexed() == count, "the trailer counts the objects");
-    demand(shadings == (mesh.channels == 4 ? 2 : 1), "the page has a shading, and one of its alpha");
+    table.expect("trailer\n<< /Size ");
+    demand(table.whole() == count, "the trailer counts the objects");
+    demand(shadings == (mesh.channels % 2 == 0 ? 2 : 1), "the page has a shading, and one of its alpha");
 }
 
 }  // namespace
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* bytes, std::size_t size) {
     hmesh_test::FuzzInput input(bytes, size);
-    hmesh::PdfOptions options;
-    hmesh_test::Deflating deflating{};
-    const hmesh_test::FuzzMesh mesh = hmesh_test::draw_shading(input, options, deflating);
+    hmesh::PageOptions options;
+    hmesh_test::FakeDeflate compressor;
+    const hmesh_test::FuzzMesh mesh = hmesh_test::draw_shading(input, options, compressor);
     hmesh_test::fuzz_exporter(
-        input, mesh, [&](const hmesh::MeshView& view, auto&& sink) { return hmesh::write_pdf(view, sink, options); }, check_file);
+        input, mesh, [&](const hmesh::MeshView& view, hmesh::Sink sink) { return hmesh::write_pdf(view, sink, options); },
+        check_file);
     return 0;
 }

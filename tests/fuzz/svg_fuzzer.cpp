@@ -84,7 +84,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* bytes, std::size_t siz
     hmesh_test::FuzzMesh mesh = hmesh_test::FuzzMeshDraw(input).mesh();
     mesh.is_good = mesh.is_good && is_known;
     hmesh_test::fuzz_exporter(
-        input, mesh, [&](const hmesh::MeshView& view, auto&& sink) { return hmesh::write_svg(view, sink, options); },
+        input, mesh, [&](const hmesh::MeshView& view, hmesh::Sink sink) { return hmesh::write_svg(view, sink, options); },
         [&](const std::string& file, const hmesh::MeshView& view) {
             demand(is_known, "a kind that means nothing is refused");
             check_file(file, view, options);

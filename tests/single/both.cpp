@@ -1,6 +1,6 @@
 // Some headers, the single headers, then headers again: whichever comes first, nothing is defined twice or missing. The program
 // links, so nothing is defined in two of its translation units either.
-#include "hmesh/fit/image_mesh.hpp"  // continued by a file of its own
+#include "hmesh/fit/image_mesh.hpp"
 #include "hmesh/io/sink.hpp"
 #include "hmesh/methods/baselines/adams.hpp"
 

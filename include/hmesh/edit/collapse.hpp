@@ -1,10 +1,11 @@
-// hmesh - collapse: which vertex the mesh misses least.
-//
-// A vertex goes by merging it into one of its neighbours. The cost is the exact rise of the energy with the other
-// vertices held; the best of all neighbours is taken. Removing a batch of the cheapest that share no neighbour and
-// re-optimising around each is the second half of "insert too many, then remove": the best bargain in meshing
-// (+2 dB for 0.1 s on Lena, 1 %). Finding the cheapest collapse of a vertex costs up to (valence)^2 face energies, with
-// early exit about 1 us.
+/// \file
+/// Collapse: which vertex the mesh misses least.
+///
+/// A vertex goes by merging it into one of its neighbours. The cost is the exact rise of the energy with the other
+/// vertices held; the best of all neighbours is taken. Removing a batch of the cheapest that share no neighbour and
+/// re-optimising around each is the second half of "insert too many, then remove": the best bargain in meshing
+/// (+2 dB for 0.1 s on Lena, 1 %). Finding the cheapest collapse of a vertex costs up to (valence)^2 face energies, with
+/// early exit about 1 us.
 #ifndef HMESH_EDIT_COLLAPSE_HPP
 #define HMESH_EDIT_COLLAPSE_HPP
 
@@ -23,16 +24,16 @@
 
 namespace hmesh::kit {
 
-// A half-edge along which its first vertex could go, and by how much the energy would rise.
+/// A half-edge along which its first vertex could go, and by how much the energy would rise.
 struct CollapseCandidate {
-    Halfedge halfedge;  // invalid: the vertex cannot go
+    Halfedge halfedge;  ///< invalid: the vertex cannot go
     double cost = std::numeric_limits<double>::max();
 };
 
 namespace detail {
 
-// The energy of the faces that fill the ring when its centre goes into neighbour j; the largest double as soon as it reaches
-// `bound` or a face would be too small.
+/// The energy of the faces that fill the ring when its centre goes into neighbour j; the largest double as soon as it reaches
+/// `bound` or a face would be too small.
 template <int C>
 [[nodiscard]] double filled_energy(const ImageMesh<C>& mesh, const Ring<C>& ring, int j, double bound) {
     constexpr double never = std::numeric_limits<double>::max();
@@ -71,7 +72,7 @@ template <int C>
 
 }  // namespace detail
 
-// The cheapest way to remove v. Corners and frozen vertices cannot go, and border vertices only along their side.
+/// The cheapest way to remove v. Corners and frozen vertices cannot go, and border vertices only along their side.
 template <int C>
 [[nodiscard]] CollapseCandidate cheapest_collapse(const ImageMesh<C>& mesh, RingScratch<C>& scratch, Vertex v) {
     const HalfedgeMesh& topology = mesh.topology();
@@ -96,8 +97,8 @@ template <int C>
     return best;
 }
 
-// Removes up to `count` of the cheapest vertices that share no neighbour, and re-optimises the ring of each. Returns how
-// many.
+/// Removes up to `count` of the cheapest vertices that share no neighbour, and re-optimises the ring of each. Returns how
+/// many.
 template <int C>
 std::size_t remove_batch(ImageMesh<C>& mesh, std::size_t count, const Relaxation& relaxation) {
     const HalfedgeMesh& topology = mesh.topology();

@@ -1,8 +1,9 @@
-// hmesh - flips: turn edges where the other diagonal fits the picture better.
-//
-// A flip is judged with positions and colours held fixed: one edge walk and two face energies. It is kept if the energy
-// falls by more than a tolerance, so the total decreases strictly and the queue ends by itself. 26-44 % of the edges of a
-// fitted mesh are diagonals of non-convex quadrilaterals and cannot turn; minimum area covers that test.
+/// \file
+/// Flips: turn edges where the other diagonal fits the picture better.
+///
+/// A flip is judged with positions and colours held fixed: one edge walk and two face energies. It is kept if the energy
+/// falls by more than a tolerance, so the total decreases strictly and the queue ends by itself. 26-44 % of the edges of a
+/// fitted mesh are diagonals of non-convex quadrilaterals and cannot turn; minimum area covers that test.
 #ifndef HMESH_EDIT_FLIP_HPP
 #define HMESH_EDIT_FLIP_HPP
 
@@ -18,16 +19,16 @@
 
 namespace hmesh::kit {
 
-// What turning an edge would do: the new edge's moments and its faces' energies, valid until the mesh changes.
+/// What turning an edge would do: the new edge's moments and its faces' energies, valid until the mesh changes.
 template <int C>
 struct FlipTrial {
     Moments<C> moments;
-    double own = 0, opposite = 0;  // energies of face(halfedge(e)) and of the other
+    double own = 0, opposite = 0;  ///< energies of face(halfedge(e)) and of the other
     double decrease = 0;
 };
 
-// Whether the shape around e lets it turn: interior, both new faces at least limits.min_double_area. In a triangulation of the
-// plane, far corners with a convex quadrilateral between them have no other edge.
+/// Whether the shape around e lets it turn: interior, both new faces at least limits.min_double_area. In a triangulation of the
+/// plane, far corners with a convex quadrilateral between them have no other edge.
 template <int C>
 [[nodiscard]] HMESH_ALWAYS_INLINE bool is_flippable(const ImageMesh<C>& mesh, Edge e) {
     const HalfedgeMesh& topology = mesh.topology();
@@ -40,7 +41,7 @@ template <int C>
     return orient2d(p0, p3, p2) >= least && orient2d(p3, p1, p2) >= least;
 }
 
-// Whether e can turn: convex, and both far corners have room for one more edge.
+/// Whether e can turn: convex, and both far corners have room for one more edge.
 template <int C>
 [[nodiscard]] bool can_flip(const ImageMesh<C>& mesh, Edge e) {
     if (!is_flippable(mesh, e)) return false;
@@ -50,7 +51,7 @@ template <int C>
            mesh.can_gain_edge(topology.to_vertex(topology.next(HalfedgeMesh::opposite(a))));
 }
 
-// Evaluates turning e, which is_flippable.
+/// Evaluates turning e, which is_flippable.
 template <int C>
 void evaluate_flip(const ImageMesh<C>& mesh, Edge e, FlipTrial<C>& trial) {
     const HalfedgeMesh& topology = mesh.topology();
@@ -70,7 +71,7 @@ void evaluate_flip(const ImageMesh<C>& mesh, Edge e, FlipTrial<C>& trial) {
     trial.decrease = mesh.energy(topology.face(a)) + mesh.energy(topology.face(b)) - trial.own - trial.opposite;
 }
 
-// Turns e if that lowers the energy by more than `least` (and more than rounding). Returns the decrease, 0 if it stays.
+/// Turns e if that lowers the energy by more than `least` (and more than rounding). Returns the decrease, 0 if it stays.
 template <int C>
 double improve_edge(ImageMesh<C>& mesh, Edge e, double least) {
     const HalfedgeMesh& topology = mesh.topology();
@@ -85,8 +86,8 @@ double improve_edge(ImageMesh<C>& mesh, Edge e, double least) {
     return trial.decrease;
 }
 
-// Turns edges until none gains more than `least`, in units of the mean energy of a vertex: a stack in spatial order; the four
-// sides of each turned edge come up again. Vertices around turned edges become due. Returns the number of flips.
+/// Turns edges until none gains more than `least`, in units of the mean energy of a vertex: a stack in spatial order; the four
+/// sides of each turned edge come up again. Vertices around turned edges become due. Returns the number of flips.
 template <int C>
 std::size_t flip_edges(ImageMesh<C>& mesh, double least = 1e-4) {
     const HalfedgeMesh& topology = mesh.topology();

@@ -1,9 +1,10 @@
-// hmesh - insertion: where one more vertex lowers the energy most.
-//
-// A candidate splits an edge at its midpoint or a face at its centroid; its gain is exact for the colour that fits best
-// there (and, when asked, after one Gauss-Newton step), all other vertices held. Inserting a batch of the best that touch
-// no common face and optimising in between is nearly as good as one at a time, and far faster. A candidate costs 3 or 4
-// short walks, about 0.2 us.
+/// \file
+/// Insertion: where one more vertex lowers the energy most.
+///
+/// A candidate splits an edge at its midpoint or a face at its centroid; its gain is exact for the colour that fits best
+/// there (and, when asked, after one Gauss-Newton step), all other vertices held. Inserting a batch of the best that touch
+/// no common face and optimising in between is nearly as good as one at a time, and far faster. A candidate costs 3 or 4
+/// short walks, about 0.2 us.
 #ifndef HMESH_EDIT_INSERT_HPP
 #define HMESH_EDIT_INSERT_HPP
 
@@ -22,26 +23,25 @@
 
 namespace hmesh::kit {
 
-// A vertex that could be inserted: in `edge` if that is valid, else in `face`.
+/// A vertex that could be inserted: in `edge` if that is valid, else in `face`.
 template <int C>
 struct InsertionCandidate {
     Edge edge;
     Face face;
     RingCenter<C> center;
-    double gain = 0;    // decrease of the energy
-    bool fits = false;  // whether the new faces are large enough
+    double gain = 0;    ///< decrease of the energy
+    bool fits = false;  ///< whether the new faces are large enough
 };
 
-// Which candidates are considered, and how closely.
+/// Which candidates are considered, and how closely.
 struct InsertionOptions {
-    bool faces = false;     // consider centroids of faces too
-    bool may_move = false;  // one Gauss-Newton step before judging
-    double least_gain = 0;  // candidates must gain more
+    bool faces = false;     ///< consider centroids of faces too
+    bool may_move = false;  ///< one Gauss-Newton step before judging
 };
 
 namespace detail {
 
-// `scratch` holds the ring and its spokes around candidate.centre.
+/// `scratch` holds the ring and its spokes around candidate.centre.
 template <int C>
 void judge_candidate(const ImageMesh<C>& mesh, RingScratch<C>& scratch, Mobility mobility, bool may_move, double before,
                      InsertionCandidate<C>& candidate) {
@@ -52,7 +52,7 @@ void judge_candidate(const ImageMesh<C>& mesh, RingScratch<C>& scratch, Mobility
 
 }  // namespace detail
 
-// A vertex in the middle of e with its best colour and, if it may, moved by a step. `scratch` is overwritten.
+/// A vertex in the middle of e with its best colour and, if it may, moved by a step. `scratch` is overwritten.
 template <int C>
 [[nodiscard]] InsertionCandidate<C> edge_candidate(const ImageMesh<C>& mesh, RingScratch<C>& scratch, Edge e, bool may_move) {
     const HalfedgeMesh& topology = mesh.topology();
@@ -94,7 +94,7 @@ template <int C>
     return candidate;
 }
 
-// The same at the centroid of f.
+/// The same at the centroid of f.
 template <int C>
 [[nodiscard]] InsertionCandidate<C> face_candidate(const ImageMesh<C>& mesh, RingScratch<C>& scratch, Face f, bool may_move) {
     const HalfedgeMesh& topology = mesh.topology();
@@ -120,14 +120,14 @@ template <int C>
     return candidate;
 }
 
-// Splits the candidate's edge or face. The candidate must be of the mesh as it is.
+/// Splits the candidate's edge or face. The candidate must be of the mesh as it is.
 template <int C>
 Vertex insert(ImageMesh<C>& mesh, const InsertionCandidate<C>& candidate) {
     return candidate.edge.is_valid() ? mesh.split(candidate.edge, candidate.center.position, candidate.center.color)
                                      : mesh.split(candidate.face, candidate.center.position, candidate.center.color);
 }
 
-// The vertices whose valence an insertion raises stay below the bound.
+/// The vertices whose valence an insertion raises stay below the bound.
 template <int C>
 [[nodiscard]] bool can_gain_edge(const ImageMesh<C>& mesh, const InsertionCandidate<C>& candidate) {
     const HalfedgeMesh& topology = mesh.topology();
@@ -143,7 +143,7 @@ template <int C>
     return true;
 }
 
-// Where a vertex could go: an edge or a face, in 4 bytes.
+/// Where a vertex could go: an edge or a face, in 4 bytes.
 class InsertionSite {
   public:
     InsertionSite() noexcept = default;
@@ -157,7 +157,7 @@ class InsertionSite {
     std::uint32_t code_ = 0;
 };
 
-// That of the site's edge or face.
+/// That of the site's edge or face.
 template <int C>
 [[nodiscard]] InsertionCandidate<C> candidate_at(const ImageMesh<C>& mesh, RingScratch<C>& scratch, InsertionSite site,
                                                  bool may_move) {
@@ -165,7 +165,7 @@ template <int C>
                           : face_candidate(mesh, scratch, site.face(), may_move);
 }
 
-// What a vertex at the site could gain at most: the energy of the faces that it splits.
+/// What a vertex at the site could gain at most: the energy of the faces that it splits.
 template <int C>
 [[nodiscard]] double most_gain(const ImageMesh<C>& mesh, InsertionSite site) {
     if (!site.is_edge()) return mesh.energy(site.face());
@@ -176,7 +176,7 @@ template <int C>
     return sum;
 }
 
-// Each edge once (and each face), in spatial order.
+/// Each edge once (and each face), in spatial order.
 template <int C>
 [[nodiscard]] std::vector<InsertionSite> insertion_sites(const ImageMesh<C>& mesh, bool faces) {
     const HalfedgeMesh& topology = mesh.topology();
@@ -189,9 +189,9 @@ template <int C>
     return sites;
 }
 
-// The most rewarding sites for `count` vertices and some more, by falling gain (ties: in spatial order). The rewards of the
-// sites with the most to gain tell how much the others must have for being worth a walk. Gains are compared as floats: this
-// is the peak of the memory, 16 bytes a site.
+/// The most rewarding sites for `count` vertices and some more, by falling gain (ties: in spatial order). The rewards of the
+/// sites with the most to gain tell how much the others must have for being worth a walk. Gains are compared as floats: this
+/// is the peak of the memory, 16 bytes a site.
 template <int C>
 [[nodiscard]] std::vector<InsertionSite> best_sites(const ImageMesh<C>& mesh, std::size_t count,
                                                     const InsertionOptions& options) {
@@ -202,15 +202,14 @@ template <int C>
     const std::vector<InsertionSite> sites = insertion_sites(mesh, options.faces);
     const double scale = mesh.energy() > 0 ? 1 / mesh.mean_energy() : 0;  // of the floats, whatever the unit of samples
     const auto bound = [&](std::size_t k) { return static_cast<float>(scale * most_gain(mesh, sites[k])); };
-    const auto least = static_cast<float>(scale * options.least_gain);
     const std::size_t wanted = 2 * count;  // about half of them touch a better one
     std::vector<float> values;
     values.reserve(sites.size());
     const auto nth_largest = [&] {
-        if (wanted >= values.size()) return least;
+        if (wanted >= values.size()) return 0.0F;
         const auto nth = values.begin() + static_cast<std::ptrdiff_t>(wanted);
         std::nth_element(values.begin(), nth, values.end(), std::greater<>());
-        return std::max(*nth, least);
+        return std::max(*nth, 0.0F);
     };
     std::vector<Gain> gains;
     gains.reserve(sites.size());
@@ -233,7 +232,7 @@ template <int C>
     for (const Gain& g : gains) values.push_back(g.gain);
     evaluate(nth_largest(), first_cut);
 
-    gains.erase(std::remove_if(gains.begin(), gains.end(), [&](const Gain& g) { return !(g.gain > least); }), gains.end());
+    gains.erase(std::remove_if(gains.begin(), gains.end(), [&](const Gain& g) { return !(g.gain > 0); }), gains.end());
     const auto better = [](const Gain& a, const Gain& b) { return a.gain > b.gain || (a.gain == b.gain && a.site < b.site); };
     if (gains.size() > 2 * wanted) {
         std::nth_element(gains.begin(), gains.begin() + static_cast<std::ptrdiff_t>(2 * wanted), gains.end(), better);
@@ -246,8 +245,8 @@ template <int C>
     return best;
 }
 
-// Inserts up to `count` vertices at the best sites that share no face, then flips and visits around each. Returns how
-// many. Neighbours become due.
+/// Inserts up to `count` vertices at the best sites that share no face, then flips and visits around each. Returns how
+/// many. Neighbours become due.
 template <int C>
 std::size_t insert_batch(ImageMesh<C>& mesh, std::size_t count, const InsertionOptions& options) {
     const HalfedgeMesh& topology = mesh.topology();

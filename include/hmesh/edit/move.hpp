@@ -1,9 +1,10 @@
-// hmesh - vertices: move one vertex, or all in turn, to where the picture fits best.
-//
-// One visit: the vertex's colour goes to its optimum, and one Gauss-Newton step with the colour eliminated is tried; it
-// stays if the exact energy of the ring falls. Gauss-Seidel over such visits beats a joint Levenberg-Marquardt step by
-// far (the normal equations are mass-like, so there is no long-range coupling to profit from). A visit walks each spoke
-// once and evaluates the ring twice, some 0.6 us.
+/// \file
+/// Vertices: move one vertex, or all in turn, to where the picture fits best.
+///
+/// One visit: the vertex's colour goes to its optimum, and one Gauss-Newton step with the colour eliminated is tried; it
+/// stays if the exact energy of the ring falls. Gauss-Seidel over such visits beats a joint Levenberg-Marquardt step by
+/// far (the normal equations are mass-like, so there is no long-range coupling to profit from). A visit walks each spoke
+/// once and evaluates the ring twice, some 0.6 us.
 #ifndef HMESH_EDIT_MOVE_HPP
 #define HMESH_EDIT_MOVE_HPP
 
@@ -18,7 +19,7 @@
 
 namespace hmesh::kit {
 
-// The state of a ring's centre, and what the ring costs with it.
+/// The state of a ring's centre, and what the ring costs with it.
 template <int C>
 struct RingCenter {
     Point position;
@@ -28,7 +29,7 @@ struct RingCenter {
 
 namespace detail {
 
-// The longest step that is tried: 0.6 of the root mean square length of a ring's spokes.
+/// The longest step that is tried: 0.6 of the root mean square length of a ring's spokes.
 template <int C>
 [[nodiscard]] inline double step_cap(const Ring<C>& ring, Point v) noexcept {
     double sum = 0;
@@ -41,7 +42,7 @@ template <int C>
 
 }  // namespace detail
 
-// Workspace of one ring optimisation, too large to clear on every call.
+/// Workspace of one ring optimisation, too large to clear on every call.
 template <int C>
 struct RingScratch {
     Ring<C> ring;
@@ -49,12 +50,12 @@ struct RingScratch {
     FaceFit<C> faces[ring_capacity], trial_faces[ring_capacity];
 };
 
-// What optimise_centre() did.
+/// What optimise_centre() did.
 enum class RingOutcome { degenerate, recolored, moved };
 
-// Optimises the centre of scratch.ring: `centre` holds position and colour on entry and the best found on return, with its
-// energy; scratch.spokes and scratch.faces belong to it. `least` is the predicted decrease below which no step is tried.
-// degenerate: a face is smaller than limits allow, nothing done.
+/// Optimises the centre of scratch.ring: `centre` holds position and colour on entry and the best found on return, with its
+/// energy; scratch.spokes and scratch.faces belong to it. `least` is the predicted decrease below which no step is tried.
+/// degenerate: a face is smaller than limits allow, nothing done.
 template <int C>
 RingOutcome optimize_center(const ImageMesh<C>& mesh, RingScratch<C>& scratch, Mobility mobility, double least, bool may_move,
                             RingCenter<C>& center) {
@@ -99,7 +100,7 @@ RingOutcome optimize_center(const ImageMesh<C>& mesh, RingScratch<C>& scratch, M
     return RingOutcome::recolored;
 }
 
-// One visit of v; returns by how much the energy fell, >= 0. Steps that promise less than `least` are not tried.
+/// One visit of v; returns by how much the energy fell, >= 0. Steps that promise less than `least` are not tried.
 template <int C>
 double improve_vertex(ImageMesh<C>& mesh, Vertex v, double least) {
     if (mesh.vertex(v).mobility == Mobility::locked) return 0;
@@ -115,7 +116,7 @@ double improve_vertex(ImageMesh<C>& mesh, Vertex v, double least) {
     return before - center.energy;
 }
 
-// Visits all vertices that are due, in spatial order; returns by how much the energy fell.
+/// Visits all vertices that are due, in spatial order; returns by how much the energy fell.
 template <int C>
 double sweep(ImageMesh<C>& mesh, const Tolerance& tolerance = {}) {
     const double start = mesh.energy();

@@ -1,7 +1,8 @@
-// hmesh - relaxation: re-optimise a handful of vertices and their edges after a local change.
-//
-// What turns a change of topology into an honest trial: a removal, insertion or flip is judged by the energy after the
-// vertices around it have moved to their new optimum. A round visits each vertex, then tries each of their edges once.
+/// \file
+/// Relaxation: re-optimise a handful of vertices and their edges after a local change.
+///
+/// What turns a change of topology into an honest trial: a removal, insertion or flip is judged by the energy after the
+/// vertices around it have moved to their new optimum. A round visits each vertex, then tries each of their edges once.
 #ifndef HMESH_EDIT_RELAX_HPP
 #define HMESH_EDIT_RELAX_HPP
 
@@ -18,7 +19,7 @@
 
 namespace hmesh::kit {
 
-// At most `rounds` rounds; steps that promise less energy than `least` are not tried.
+/// At most `rounds` rounds; steps that promise less energy than `least` are not tried.
 template <int C>
 void relax(ImageMesh<C>& mesh, const std::vector<Vertex>& vertices, int rounds, double least) {
     const HalfedgeMesh& topology = mesh.topology();

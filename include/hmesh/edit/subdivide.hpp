@@ -1,8 +1,9 @@
-// hmesh - subdivision: more vertices where the picture asks for none.
-//
-// A constant or affine picture gains nothing from another vertex, yet a caller who asked for n gets n. The face of largest
-// area is split at its longest edge, or at its centroid where the edge cannot be, O(log n) each. An image of p pixels
-// takes p vertices this way: among their 2 p faces one has the mean area, 1/2 px^2, far above the least.
+/// \file
+/// Subdivision: more vertices where the picture asks for none.
+///
+/// A constant or affine picture gains nothing from another vertex, yet a caller who asked for n gets n. The face of largest
+/// area is split at its longest edge, or at its centroid where the edge cannot be, O(log n) each. An image of p pixels
+/// takes p vertices this way: among their 2 p faces one has the mean area, 1/2 px^2, far above the least.
 #ifndef HMESH_EDIT_SUBDIVIDE_HPP
 #define HMESH_EDIT_SUBDIVIDE_HPP
 
@@ -18,7 +19,7 @@
 
 namespace hmesh::kit {
 
-// Inserts `count` vertices; returns how many it could.
+/// Inserts `count` vertices; returns how many it could.
 template <int C>
 HMESH_COLD std::size_t subdivide(ImageMesh<C>& mesh, std::size_t count) {
     const HalfedgeMesh& topology = mesh.topology();

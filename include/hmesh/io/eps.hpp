@@ -1,10 +1,12 @@
-// hmesh - write_eps(): a mesh as encapsulated PostScript, language level 3.
-//
-// The shading of type 4 that write_pdf() draws (shading_stream.hpp), in ASCII: of the image's size, 1 px = 1/72 inch.
-// PostScript has no opacity: for 4 channels the colours of the vertices, straight or premultiplied with the fourth channel
-// as opacity, are laid over white paper, and the white is part of the picture. The same mesh gives the same bytes.
-//
-// Size of an RGB mesh of 256 px or more: 26 bytes a vertex, deflated 15; without strips 74 and 20.
+/// \file
+/// write_eps(): a mesh as encapsulated PostScript, language level 3.
+///
+/// The shading that write_pdf() draws, in ASCII: of the image's size, 1 px = 1/72 inch. PostScript has no opacity: where there
+/// is alpha, the colours of the vertices, straight or premultiplied, are laid over white paper, and the white is part of the
+/// picture. The same mesh gives the same bytes.
+///
+/// Size of an RGB mesh of 256 px or more: 26 bytes a vertex, deflated 15; without strips 74 and 20. Time and memory as PDF's.
+/// Source: Adobe, PostScript Language Reference, third edition, 3.13.3 and 4.9.3.
 #ifndef HMESH_IO_EPS_HPP
 #define HMESH_IO_EPS_HPP
 
@@ -16,8 +18,10 @@
 
 #include "hmesh/core/status.hpp"
 #include "hmesh/core/version.hpp"
+#include "hmesh/io/detail/export_mesh.hpp"
 #include "hmesh/io/detail/gouraud_stream.hpp"
 #include "hmesh/io/detail/strips.hpp"
+#include "hmesh/io/page_options.hpp"
 #include "hmesh/io/sink.hpp"
 #include "hmesh/mesh/mesh.hpp"
 
@@ -25,18 +29,10 @@
 
 namespace hmesh {
 
-// Options of write_eps().
-struct EpsOptions {
-    Deflate deflate = nullptr;  // compresses the mesh (shading_stream.hpp); none: it is written as it is
-    void* deflate_user = nullptr;
-    bool strips = true;  // faces share vertices with the one before; false: each by itself in the mesh's order
-};
-
 namespace detail {
 
-// Lines of at most 101 characters that ASCII85Decode reads, its end mark included.
-template <class Sink>
-void write_ascii85(Writer<Sink>& writer, const std::vector<unsigned char>& bytes) {
+/// Writes bytes as lines of at most 101 characters that ASCII85Decode reads, its end mark included.
+inline void write_ascii85(Writer& writer, const std::vector<unsigned char>& bytes) {
     std::array<char, 102> line{};
     std::size_t used = 0;
     const auto end_line = [&] {
@@ -65,27 +61,31 @@ void write_ascii85(Writer<Sink>& writer, const std::vector<unsigned char>& bytes
 
 }  // namespace detail
 
-// Writes the mesh to the sink (see sink.hpp). Colours are held to [0, peak]. Faces are drawn in another order than the
-// mesh's when in strips, which shows only where they overlap. A mesh of 2 or more than 4 channels, an empty one and others
-// that cannot be written give a Status and no byte, and so does a compressor that fails.
-template <class Sink>
-Status write_eps(const MeshView& mesh, Sink&& sink, const EpsOptions& options = {}) {
+/// Writes a mesh of 1 to 4 channels as an EPS file; colours are held to [0, peak]. What write_pdf() refuses is refused here: a
+/// Status says so, and no byte is written. A sink that refuses bytes gives Errc::write_failed.
+inline Status write_eps(const MeshView& source, Sink sink, const PageOptions& options = {}) {
     detail::ShadingLayout layout;
-    if (const Status status = detail::plan_shading(mesh, layout); !status) return status;
+    if (const Status status = detail::plan_shading(source, layout); !status) return status;
+    const detail::ExportMesh exported(source, detail::Premultiplied::kept);
+    const MeshView& mesh = exported.view();
     const auto channels = static_cast<std::size_t>(mesh.channels);
     const int components = mesh.channels == 1 ? 1 : 3;
 
     const auto share = [&](std::size_t v, std::size_t k) {
         return detail::share_of_peak(mesh.colors[channels * v + k], mesh.peak);
     };
-    const auto on_paper = [&](std::size_t v, int k) {
-        const double color = share(v, static_cast<std::size_t>(k));
+    const auto on_paper = [&](std::size_t v, std::size_t k) {
+        const double color = share(v, k);
         if (channels != 4) return color;
         return mesh.premultiplied ? 1 - share(v, 3) + color : 1 - share(v, 3) * (1 - color);
     };
+    std::vector<double> shares;
+    shares.reserve(static_cast<std::size_t>(components) * mesh.vertex_count);
+    for (std::size_t v = 0; v < mesh.vertex_count; ++v)
+        for (std::size_t k = 0; k < static_cast<std::size_t>(components); ++k) shares.push_back(on_paper(v, k));
     std::vector<unsigned char> bytes =
-        detail::shading_bytes(mesh, detail::strip_vertices(mesh, options.strips), layout, components, on_paper);
-    if (const Status status = detail::compress(options.deflate, options.deflate_user, bytes); !status) return status;
+        detail::shading_bytes(mesh, detail::strip_vertices(mesh, options.strips), layout, components, shares);
+    if (const Status status = detail::compress(options.deflate, bytes); !status) return status;
 
     detail::Writer writer(sink);
     const auto size = [&](const char* before, const char* after) {
@@ -100,7 +100,7 @@ Status write_eps(const MeshView& mesh, Sink&& sink, const EpsOptions& options = 
     size("%%Page: 1 1\ngsave\n0 0 ", " rectclip\n");
     // Read as one procedure, so that what follows the drawing - skipping to the end of the data - is known before them.
     writer.text("{ currentfile /ASCII85Decode filter dup");
-    if (options.deflate != nullptr) writer.text(" /FlateDecode filter");
+    if (options.deflate) writer.text(" /FlateDecode filter");
     writer.text("\n<< /DataSource 3 -1 roll\n");
     detail::write_shading_entries(writer, layout, components);
     writer.text(" >> shfill flushfile } exec\n");

@@ -1,17 +1,17 @@
-// hmesh - write_glb(): a mesh as a binary glTF 2.0 file (.glb), for engines, editors and web viewers.
-//
-// One node, one mesh, one unlit material (KHR_materials_unlit; a rough, non-metallic one where that is not known). y is up
-// and faces are counter-clockwise seen from +z; the picture's lower left corner is the origin. The buffer holds POSITION,
-// COLOR_0 and the indices, all little-endian. Positions are pixels, sized by the node: float VEC3, exact; or unsigned
-// shorts. Colours are unsigned shorts, RGBA, alpha straight: grey is r = g = b, and 4 channels are drawn with
-// alphaMode BLEND. glTF colours are linear light, so stored values are decoded from sRGB: 16 bits keep them to 0.02 of a
-// 255th, in 8 bits only 183 of 256 values would stay apart. Viewers interpolate linear light: pictures look a little
-// different inside faces, unless the mesh was fitted for that (Options::fit_space).
-//
-// 20 bytes a vertex (16 quantised) and 6 a face, or 12 from 65,536 vertices on. O(n), and nothing is allocated unless the
-// mesh is premultiplied: the sizes in the head of the file follow from the counts, and the JSON is written twice, the first
-// time to be counted.
-// Sources: Khronos, glTF 2.0 specification, sections 3.6, 3.7 and 4.4, KHR_mesh_quantization, KHR_materials_unlit.
+/// \file
+/// write_glb(): a mesh as a binary glTF 2.0 file (.glb), for engines, editors and web viewers.
+///
+/// One node, one mesh, one unlit material (KHR_materials_unlit; a rough, non-metallic one where that is not known). y is up and
+/// faces are counter-clockwise seen from +z; the picture's lower left corner is the origin. The buffer holds POSITION, COLOR_0
+/// and the indices, all little-endian. Positions are pixels, sized by the node: float VEC3, exact; or unsigned shorts. Colours
+/// are unsigned shorts, RGBA, alpha straight: grey is r = g = b, and what has alpha is drawn with alphaMode BLEND. glTF
+/// colours are linear light, so stored values are decoded from sRGB: 16 bits keep them to 0.02 of a 255th, in 8 bits only 183
+/// of 256 values would stay apart. Viewers interpolate linear light: pictures look a little different inside faces, unless the
+/// mesh was fitted for that.
+///
+/// 20 bytes a vertex (16 quantised) and 6 a face, or 12 from 65,536 vertices on. O(n), and nothing is allocated unless there is
+/// alpha: the sizes in the head of the file follow from the counts, and the JSON is written twice, the first time to be counted.
+/// Sources: Khronos, glTF 2.0 specification, sections 3.6, 3.7 and 4.4, KHR_mesh_quantization, KHR_materials_unlit.
 #ifndef HMESH_IO_GLTF_HPP
 #define HMESH_IO_GLTF_HPP
 
@@ -26,8 +26,7 @@
 #include "hmesh/core/srgb.hpp"
 #include "hmesh/core/status.hpp"
 #include "hmesh/core/version.hpp"
-#include "hmesh/io/detail/color_shares.hpp"
-#include "hmesh/io/detail/straight_colors.hpp"
+#include "hmesh/io/detail/export_mesh.hpp"
 #include "hmesh/io/sink.hpp"
 #include "hmesh/mesh/mesh.hpp"
 
@@ -35,39 +34,47 @@
 
 namespace hmesh {
 
-// Options of write_glb().
+/// Options of write_glb().
 struct GltfOptions {
-    // The length of the image's longer side, in units, which glTF takes for metres; 0: a pixel is a unit. A metre is about
-    // what editors make of a picture; with a pixel a unit a photo is kilometres wide, beyond what their cameras see at
-    // first. It is the scale of the node alone: the positions in the buffer stay pixels.
+    /// The length of the image's longer side in units, which glTF takes for metres; 0: a pixel is a unit. A metre is about what
+    /// editors make of a picture; with a pixel a unit a photo is kilometres wide, beyond what their cameras see at first. It is
+    /// the scale of the node alone: the positions in the buffer stay pixels.
     double longer_side = 1;
-    // Positions as unsigned shorts, 4 bytes a vertex less. Readers must know KHR_mesh_quantization: three.js, Babylon.js
-    // and Blender do, assimp 5.2 does not. Positions are rounded to a step of 1/256 px or, if the mesh spans more than
-    // 65535 / 256 px, to a 65535th of its larger extent: exact up to a side of 255 px, off by 0.004 px at 512 and 0.03 px
-    // at 4096. Faces much thinner than a step may turn over.
+    /// Positions are unsigned shorts, 4 bytes a vertex less. Readers must know KHR_mesh_quantization: three.js, Babylon.js and
+    /// Blender do, assimp 5.2 does not. Positions are rounded to a step of 1/256 px or, if the mesh spans more than 65535 / 256
+    /// px, to a 65535th of its larger extent: exact up to a side of 255 px, off by 0.004 px at 512 and 0.03 px at 4096. Faces
+    /// much thinner than a step may turn over.
     bool quantized_positions = false;
-    bool colors_are_linear = false;  // the stored values are linear light already, as in many float images
+    /// The stored values are linear light already, as in many float images, and are written as they are.
+    bool colors_are_linear = false;
 };
 
 namespace detail {
 
-// How the positions are stored, and where everything lies.
+/// How the positions are stored, and where everything lies in the file. Sizes are in bytes.
 struct GlbLayout {
-    bool quantized = false, wide_indices = false;
-    double origin_x = 0, origin_y = 0, step = 1;        // px, y up: position = origin + step * stored number
-    double min_x = 0, min_y = 0, max_x = 0, max_y = 0;  // of the numbers stored
-    double unit = 1;                                    // units a px
-    std::uint64_t vertices = 0, corners = 0;
-    std::uint64_t position_bytes = 0, color_bytes = 0, index_bytes = 0;
-    std::uint64_t json_bytes = 0;  // without padding
+    bool quantized = false;                                              ///< positions are unsigned shorts
+    bool wide_indices = false;                                           ///< indices have 32 bits
+    bool blends = false;                                                 ///< there is alpha
+    double origin_x = 0, origin_y = 0, step = 1;                         ///< px, y up: position = origin + step * stored number
+    double min_x = 0, min_y = 0, max_x = 0, max_y = 0;                   ///< the bounds of the stored numbers
+    double unit = 1;                                                     ///< units a px
+    std::uint64_t vertices = 0, corners = 0;                             ///< counts; three corners a face
+    std::uint64_t position_bytes = 0, color_bytes = 0, index_bytes = 0;  ///< the three arrays of the buffer, in this order
+    std::uint64_t json_bytes = 0;                                        ///< without padding
 
+    /// From one position to the next.
     [[nodiscard]] std::uint64_t position_stride() const noexcept { return quantized ? 8 : 12; }
+    /// The buffer without padding.
     [[nodiscard]] std::uint64_t binary_bytes() const noexcept { return position_bytes + color_bytes + index_bytes; }
+    /// All of the file.
     [[nodiscard]] std::uint64_t file_bytes() const noexcept { return 28 + padded(json_bytes) + padded(binary_bytes()); }
+    /// A size with the padding that makes it a multiple of 4.
     [[nodiscard]] static std::uint64_t padded(std::uint64_t size) noexcept { return (size + 3) / 4 * 4; }
 
-    // The numbers stored for a position in px, y up; integers if quantised.
+    /// The number stored for an x in px; an integer if quantised.
     [[nodiscard]] double stored_x(double x) const noexcept { return stored(x, origin_x); }
+    /// The number stored for a y in px, y up; an integer if quantised.
     [[nodiscard]] double stored_y(double y) const noexcept { return stored(y, origin_y); }
 
   private:
@@ -77,11 +84,7 @@ struct GlbLayout {
     }
 };
 
-[[nodiscard]] inline double y_up(const MeshView& mesh, std::size_t vertex) noexcept {
-    return mesh.height - static_cast<double>(mesh.positions[2 * vertex + 1]);
-}
-
-// Origin, step and bounds of the positions.
+/// Finds origin, step and bounds of the positions. O(n).
 inline void lay_out_positions(const MeshView& mesh, GlbLayout& layout) noexcept {
     double left = static_cast<double>(mesh.positions[0]), right = left, bottom = y_up(mesh, 0), top = bottom;
     for (std::size_t v = 1; v < mesh.vertex_count; ++v) {
@@ -100,8 +103,8 @@ inline void lay_out_positions(const MeshView& mesh, GlbLayout& layout) noexcept 
     layout.min_y = layout.stored_y(bottom), layout.max_y = layout.stored_y(top);
 }
 
-template <class Sink>
-void write_pair(Writer<Sink>& writer, double x, double y, const char* rest) {
+/// Writes a bracket and two numbers.
+inline void write_pair(Writer& writer, double x, double y, const char* rest) {
     writer.text("[");
     writer.real(x);
     writer.text(",");
@@ -109,14 +112,14 @@ void write_pair(Writer<Sink>& writer, double x, double y, const char* rest) {
     writer.text(rest);
 }
 
-template <class Sink>
-void write_count(Writer<Sink>& writer, const char* name, std::uint64_t value) {
+/// Writes words and an integer.
+inline void write_count(Writer& writer, const char* name, std::uint64_t value) {
     writer.text(name);
     writer.decimal(static_cast<std::int64_t>(value));
 }
 
-template <class Sink>
-void write_gltf_json(Writer<Sink>& writer, const GlbLayout& layout, bool has_alpha) {
+/// Writes the JSON chunk without padding.
+inline void write_gltf_json(Writer& writer, const GlbLayout& layout) {
     writer.text("{\"asset\":{\"version\":\"2.0\",\"generator\":\"hmesh " HMESH_VERSION_STRING "\"},");
     writer.text("\"extensionsUsed\":[\"KHR_materials_unlit\"");
     if (layout.quantized) writer.text(",\"KHR_mesh_quantization\"],\"extensionsRequired\":[\"KHR_mesh_quantization\"");
@@ -127,7 +130,7 @@ void write_gltf_json(Writer<Sink>& writer, const GlbLayout& layout, bool has_alp
     writer.text("]}],\"meshes\":[{\"primitives\":[{\"attributes\":{\"POSITION\":0,\"COLOR_0\":1},");
     writer.text("\"indices\":2,\"material\":0}]}],");
     writer.text("\"materials\":[{\"pbrMetallicRoughness\":{\"metallicFactor\":0,\"roughnessFactor\":1},");
-    if (has_alpha) writer.text("\"alphaMode\":\"BLEND\",");
+    if (layout.blends) writer.text("\"alphaMode\":\"BLEND\",");
     writer.text("\"extensions\":{\"KHR_materials_unlit\":{}}}],");
 
     // 5123 and 5125 are unsigned short and int, 5126 is float.
@@ -152,6 +155,7 @@ void write_gltf_json(Writer<Sink>& writer, const GlbLayout& layout, bool has_alp
     writer.text("}]}");
 }
 
+/// Refuses a file of 4 GiB or more.
 [[nodiscard]] inline Status check_size(const GlbLayout& layout) noexcept {
     constexpr std::uint64_t most = std::numeric_limits<std::uint32_t>::max();
     if (layout.file_bytes() <= most) return {};
@@ -159,12 +163,13 @@ void write_gltf_json(Writer<Sink>& writer, const GlbLayout& layout, bool has_alp
             static_cast<std::int64_t>(layout.file_bytes()), static_cast<std::int64_t>(most)};
 }
 
+/// Refuses what a .glb file cannot hold, and fills the layout of what it can. O(n).
 [[nodiscard]] inline Status lay_out_glb(const MeshView& mesh, const GltfOptions& options, GlbLayout& layout) noexcept {
-    constexpr std::int64_t most = std::numeric_limits<std::int32_t>::max();  // products with strides stay below 2^63
-    for (const std::size_t count : {mesh.vertex_count, mesh.face_count})
-        if (count > static_cast<std::size_t>(most))
-            return {Errc::invalid_argument, "the mesh has more vertices or faces than a .glb file holds",
-                    static_cast<std::int64_t>(count), most};
+    constexpr std::uint64_t most = std::numeric_limits<std::int32_t>::max();  // products with strides stay below 2^63
+    if (const Status status = check_counts(mesh, most, most, "the mesh has more vertices or faces than a .glb file holds");
+        !status)
+        return status;
+    layout.blends = mesh.channels == 2 || mesh.channels == 4;
     layout.quantized = options.quantized_positions;
     layout.vertices = mesh.vertex_count;
     layout.corners = 3 * static_cast<std::uint64_t>(mesh.face_count);
@@ -180,18 +185,15 @@ void write_gltf_json(Writer<Sink>& writer, const GlbLayout& layout, bool has_alp
 
     if (options.longer_side > 0) layout.unit = options.longer_side / std::max(mesh.width, mesh.height);
     lay_out_positions(mesh, layout);
-    const auto count = [&](const void*, std::size_t size) {
-        layout.json_bytes += size;
-        return true;
-    };
-    Writer counter(count);
-    write_gltf_json(counter, layout, mesh.channels == 4);
-    (void)counter.finish();  // it refuses nothing
+    const auto nowhere = [](const void*, std::size_t) { return true; };
+    Writer counter(nowhere);
+    write_gltf_json(counter, layout);
+    layout.json_bytes = static_cast<std::uint64_t>(counter.position());
     return check_size(layout);
 }
 
-template <class Sink>
-void write_glb_positions(Writer<Sink>& writer, const MeshView& mesh, const GlbLayout& layout) {
+/// Writes the positions, z = 0.
+inline void write_glb_positions(Writer& writer, const MeshView& mesh, const GlbLayout& layout) {
     for (std::size_t v = 0; v < mesh.vertex_count; ++v) {
         const double x = layout.stored_x(static_cast<double>(mesh.positions[2 * v])), y = layout.stored_y(y_up(mesh, v));
         if (layout.quantized) {
@@ -206,8 +208,8 @@ void write_glb_positions(Writer<Sink>& writer, const MeshView& mesh, const GlbLa
     }
 }
 
-template <class Sink>
-void write_glb_colors(Writer<Sink>& writer, const MeshView& mesh, bool are_linear) {
+/// Writes RGBA of 16 bits each.
+inline void write_glb_colors(Writer& writer, const MeshView& mesh, bool are_linear) {
     for (std::size_t v = 0; v < mesh.vertex_count; ++v) {
         const std::array<double, 4> rgba = rgba_shares(mesh, v);
         for (std::size_t k = 0; k < 3; ++k) writer.u16(to_u16(are_linear ? rgba[k] : kit::srgb_to_linear(rgba[k])));
@@ -215,39 +217,38 @@ void write_glb_colors(Writer<Sink>& writer, const MeshView& mesh, bool are_linea
     }
 }
 
-template <class Sink>
-void write_glb_indices(Writer<Sink>& writer, const MeshView& mesh, bool wide) {
+/// Writes the faces' corners.
+inline void write_glb_indices(Writer& writer, const MeshView& mesh, bool wide) {
     for (std::size_t f = 0; f < mesh.face_count; ++f) {
-        // Clockwise on the screen with y down stays clockwise there with y up: two corners change places.
-        const std::array<std::uint32_t, 3>& face = mesh.faces[f];
-        for (const std::uint32_t v : {face[0], face[2], face[1]}) {
+        for (const std::uint32_t v : turned(mesh.faces[f])) {
             if (wide) writer.u32(v);
             else writer.u16(static_cast<std::uint16_t>(v));
         }
     }
 }
 
-template <class Sink>
-void pad(Writer<Sink>& writer, std::uint64_t size, char with) {
+/// Fills a chunk of this size up to a multiple of 4.
+inline void pad(Writer& writer, std::uint64_t size, char with) {
     for (; size % 4 != 0; ++size) writer.u8(static_cast<std::uint8_t>(with));
 }
 
 }  // namespace detail
 
-// Writes the mesh to the sink (see sink.hpp). A mesh that cannot be written, or needs 4 GiB, gives a Status and no byte.
-template <class Sink>
-Status write_glb(const MeshView& source, Sink&& sink, const GltfOptions& options = {}) {
+/// Writes a mesh of 1 to 4 channels as a .glb file. A mesh that is empty, has no size, numbers that are not finite, faces
+/// without their vertices, or needs 4 GiB, and a longer side that is negative or no float, give a Status that says so, and no
+/// byte is written; a sink that refuses bytes gives Errc::write_failed.
+inline Status write_glb(const MeshView& source, Sink sink, const GltfOptions& options = {}) {
     detail::GlbLayout layout;
     if (const Status status = detail::lay_out_glb(source, options, layout); !status) return status;
-    const detail::StraightMesh straight(source);
-    const MeshView& mesh = straight.view();
+    const detail::ExportMesh exported(source, detail::Premultiplied::divided);
+    const MeshView& mesh = exported.view();
     detail::Writer writer(sink);
     writer.text("glTF");
     writer.u32(2);
     writer.u32(static_cast<std::uint32_t>(layout.file_bytes()));
     writer.u32(static_cast<std::uint32_t>(detail::GlbLayout::padded(layout.json_bytes)));
     writer.text("JSON");
-    detail::write_gltf_json(writer, layout, mesh.channels == 4);
+    detail::write_gltf_json(writer, layout);
     detail::pad(writer, layout.json_bytes, ' ');
     writer.u32(static_cast<std::uint32_t>(detail::GlbLayout::padded(layout.binary_bytes())));
     writer.bytes("BIN", 4);  // with its zero

@@ -1,14 +1,16 @@
-// hmesh - write_html(): a mesh as one web page that draws it, by itself, with WebGL.
-//
-// The page needs no network, no library and no server: it works from a file:// address and asks for nothing (its content
-// security policy forbids it to). It draws what a GPU draws of the mesh, Gouraud in the stored (sRGB) values as fitted, at
-// any zoom, colours with alpha premultiplied or straight as the mesh has them; html_handling.hpp says how it is handled.
-// Opened with `#native` in the address it shows one pixel of the picture to one of the screen, the picture's corner in the
-// window's, and nothing else.
-//
-// The mesh is embedded as base64 of, in this order and little-endian: positions, two floats a vertex in px; faces, three
-// indices each of 16 bits up to 65535 vertices and of 32 bits above; colours, a byte a channel, 255 the mesh's peak. About
-// 31 bytes a vertex for RGB, 47 above 65535 vertices, and 20 kB for the page. Cost: about 0.2 us a vertex.
+/// \file
+/// write_html(): a mesh as one web page that draws it, by itself, with WebGL.
+///
+/// The page needs no network, no library and no server: it works from a file:// address and asks for nothing (its content
+/// security policy forbids it to). It draws what a GPU draws of the mesh, Gouraud in the stored (sRGB) values as fitted, at any
+/// zoom, colours with alpha premultiplied or straight as the mesh has them. Drag to pan, wheel or pinch to zoom, double click
+/// to fit; the keys + - and arrows, 0 to fit, 1 for one pixel to one of the screen, w for the edges, o for the original. Opened
+/// with `#native` in the address it shows one pixel of the picture to one of the screen, the picture's corner in the window's,
+/// and nothing else. Its source is in viewer/.
+///
+/// The mesh is embedded as base64 of, in this order and little-endian: positions, two floats a vertex in px; faces, three
+/// indices each of 16 bits up to 65535 vertices and of 32 bits above; colours, a byte a channel, 255 the mesh's peak. About 31
+/// bytes a vertex for RGB, 47 above 65535 vertices, and 20 kB for the page. Cost: about 0.2 us a vertex.
 #ifndef HMESH_IO_HTML_HPP
 #define HMESH_IO_HTML_HPP
 
@@ -16,12 +18,11 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 
 #include "hmesh/core/status.hpp"
 #include "hmesh/io/detail/base64.hpp"
-#include "hmesh/io/detail/color_shares.hpp"
-#include "hmesh/io/detail/html_drawing.hpp"
-#include "hmesh/io/detail/html_handling.hpp"
+#include "hmesh/io/detail/export_mesh.hpp"
 #include "hmesh/io/detail/html_page.hpp"
 #include "hmesh/io/sink.hpp"
 #include "hmesh/mesh/mesh.hpp"
@@ -30,18 +31,20 @@
 
 namespace hmesh {
 
-// Texts are UTF-8 and are shown as they are: their &, <, >, " and ' are escaped.
+/// Options of write_html(). Texts are UTF-8 that ends with a zero, and are shown as they are: their &, <, >, " and ' are escaped.
+/// All pointers must be valid until write_html() returns.
 struct HtmlOptions {
-    const char* title = "Triangle mesh";
-    const char* figures = "";  // shown in a corner, line by line
-    // The original picture, as the bytes of a file that browsers read, to compare with; none: no slider.
+    const char* title = "Triangle mesh";  ///< the page's title, shown in a corner too
+    const char* figures = "";             ///< shown below the title, line by line
+    /// The original picture to compare with, as the bytes of a file that browsers read; nullptr: the page has no slider.
     const unsigned char* original = nullptr;
-    std::size_t original_size = 0;
-    const char* original_type = "image/png";  // its media type: letters, digits and any of / + - .
+    std::size_t original_size = 0;            ///< bytes of `original`
+    const char* original_type = "image/png";  ///< its media type: letters, digits and any of / + - .
 };
 
 namespace detail {
 
+/// Whether a text can be the media type of the original.
 [[nodiscard]] inline bool is_media_type(const char* text) noexcept {
     if (text == nullptr || *text == 0) return false;
     for (; *text != 0; ++text) {
@@ -53,12 +56,11 @@ namespace detail {
     return true;
 }
 
+/// Refuses what a page cannot hold. O(n).
 [[nodiscard]] inline Status check_for_html(const MeshView& mesh, const HtmlOptions& options) noexcept {
-    constexpr std::int64_t most = 0xffffffff;
-    for (const std::size_t count : {mesh.vertex_count, mesh.face_count})
-        if (count > static_cast<std::size_t>(most))
-            return {Errc::invalid_argument, "the mesh has more vertices or faces than a page numbers",
-                    static_cast<std::int64_t>(count), most};
+    constexpr std::uint64_t most = std::numeric_limits<std::uint32_t>::max();
+    if (const Status status = check_counts(mesh, most, most, "the mesh has more vertices or faces than a page numbers"); !status)
+        return status;
     if (options.title == nullptr || options.figures == nullptr)
         return {Errc::invalid_argument, "the title and the figures must be texts", 0, 0};
     if (options.original != nullptr && !is_media_type(options.original_type))
@@ -66,9 +68,8 @@ namespace detail {
     return check_for_export(mesh);
 }
 
-// Text between tags or in a quoted attribute.
-template <class Sink>
-void write_escaped(Writer<Sink>& writer, const char* text) {
+/// Writes a text to stand between tags or in a quoted attribute.
+inline void write_escaped(Writer& writer, const char* text) {
     for (; *text != 0; ++text) switch (*text) {
             case '&': writer.text("&amp;"); break;
             case '<': writer.text("&lt;"); break;
@@ -79,9 +80,8 @@ void write_escaped(Writer<Sink>& writer, const char* text) {
         }
 }
 
-template <class Sink>
-void write_mesh_base64(Writer<Sink>& writer, const MeshView& mesh) {
-    Base64Writer<Sink> out(writer);
+/// Puts positions, faces and colours as they are embedded.
+inline void write_mesh_bytes(Writer& out, const MeshView& mesh) {
     for (std::size_t i = 0; i < 2 * mesh.vertex_count; ++i) out.f32(mesh.positions[i]);
     const bool is_short = mesh.vertex_count <= 65535;
     for (std::size_t f = 0; f < mesh.face_count; ++f)
@@ -91,47 +91,60 @@ void write_mesh_base64(Writer<Sink>& writer, const MeshView& mesh) {
         }
     const std::size_t samples = static_cast<std::size_t>(mesh.channels) * mesh.vertex_count;
     for (std::size_t i = 0; i < samples; ++i) out.u8(to_u8(share_of_peak(mesh.colors[i], mesh.peak)));
-    out.finish();
 }
 
-}  // namespace detail
-
-// Writes the page to the sink (see sink.hpp). A mesh or options that cannot be written give a Status and no byte.
-template <class Sink>
-Status write_html(const MeshView& mesh, Sink&& sink, const HtmlOptions& options = {}) {
-    if (const Status status = detail::check_for_html(mesh, options); !status) return status;
-    detail::Writer writer(sink);
-    writer.text(detail::html_head);
-    detail::write_escaped(writer, options.title);
-    writer.text(detail::html_style);
-    detail::write_escaped(writer, options.title);
-    writer.text(detail::html_figures);
-    detail::write_escaped(writer, options.figures);
-    writer.text(detail::html_controls);
-    if (options.original != nullptr && options.original_size > 0) {
-        writer.text("<img id=\"original\" alt=\"\" hidden src=\"data:");
-        writer.text(options.original_type);
-        writer.text(";base64,");
-        detail::Base64Writer out(writer);
-        for (std::size_t i = 0; i < options.original_size; ++i) out.u8(options.original[i]);
-        out.finish();
-        writer.text("\">\n");
-    }
-    writer.text("<script>\n'use strict';\nconst mesh = {");
+/// Writes the mesh as the JSON that viewer/drawing.js reads.
+inline void write_html_mesh(Writer& writer, const MeshView& mesh) {
     const std::array<std::int64_t, 5> numbers = {mesh.width, mesh.height, mesh.channels,
                                                  static_cast<std::int64_t>(mesh.vertex_count),
                                                  static_cast<std::int64_t>(mesh.face_count)};
-    static constexpr std::array<const char*, 5> names = {"width: ", ", height: ", ", channels: ", ", vertices: ", ", faces: "};
+    static constexpr std::array<const char*, 5> names = {
+        "{\"width\":", ",\"height\":", ",\"channels\":", ",\"vertices\":", ",\"faces\":"};
     for (std::size_t i = 0; i < numbers.size(); ++i) {
         writer.text(names[i]);
         writer.decimal(numbers[i]);
     }
-    writer.text(mesh.premultiplied && mesh.channels == 4 ? ", premultiplied: true" : ", premultiplied: false");
-    writer.text(", data: '");
-    detail::write_mesh_base64(writer, mesh);
-    writer.text("'};\n");
-    writer.text(detail::html_drawing);
-    writer.text(detail::html_handling);
+    writer.text(mesh.premultiplied && mesh.channels == 4 ? ",\"premultiplied\":true" : ",\"premultiplied\":false");
+    writer.text(",\"data\":\"");
+    Base64Sink base64(writer);
+    Writer bytes(base64);
+    write_mesh_bytes(bytes, mesh);
+    static_cast<void>(bytes.finish());  // the sink takes all
+    base64.finish();
+    writer.text("\"}");
+}
+
+/// Writes the picture to compare with, if there is one.
+inline void write_html_original(Writer& writer, const HtmlOptions& options) {
+    if (options.original == nullptr || options.original_size == 0) return;
+    writer.text("<img id=\"original\" alt=\"\" hidden src=\"data:");
+    writer.text(options.original_type);
+    writer.text(";base64,");
+    Base64Sink base64(writer);
+    base64(options.original, options.original_size);
+    base64.finish();
+    writer.text("\">");
+}
+
+}  // namespace detail
+
+/// Writes a mesh of 1 to 4 channels as a web page; colours are held to [0, peak]. A mesh that is empty, has no size, numbers that
+/// are not finite, faces without their vertices or 2^32 vertices or faces, and options without texts or a media type give a
+/// Status that says so, and no byte is written; a sink that refuses bytes gives Errc::write_failed.
+inline Status write_html(const MeshView& source, Sink sink, const HtmlOptions& options = {}) {
+    if (const Status status = detail::check_for_html(source, options); !status) return status;
+    const detail::ExportMesh exported(source, detail::Premultiplied::kept);
+    detail::Writer writer(sink);
+    for (const detail::HtmlPiece& piece : detail::html_page) {
+        writer.text(piece.text);
+        switch (piece.next) {
+            case detail::HtmlField::title: detail::write_escaped(writer, options.title); break;
+            case detail::HtmlField::figures: detail::write_escaped(writer, options.figures); break;
+            case detail::HtmlField::original: detail::write_html_original(writer, options); break;
+            case detail::HtmlField::mesh: detail::write_html_mesh(writer, exported.view()); break;
+            case detail::HtmlField::nothing: break;
+        }
+    }
     return writer.finish();
 }
 

@@ -1,11 +1,7 @@
-// hmesh - sinks: where exporters put their bytes, and the small buffered writer that they all use.
-//
-// A sink is any callable
-//
-//     bool sink(const void* bytes, std::size_t size)      // size > 0; false: the bytes were refused, ask no more
-//
-// a lambda around fwrite, std::vector or a socket. hmesh itself opens no file. What the writer puts depends neither on
-// the byte order of the machine nor on its locale.
+/// \file
+/// Sink: where exporters put their bytes. And the buffered writer that they all use.
+///
+/// hmesh itself opens no file. What the writer puts depends neither on the byte order of the machine nor on its locale.
 #ifndef HMESH_IO_SINK_HPP
 #define HMESH_IO_SINK_HPP
 
@@ -16,20 +12,29 @@
 #include <cstdint>
 #include <cstring>
 #include <limits>
-#include <type_traits>
 
+#include "hmesh/core/function_ref.hpp"
 #include "hmesh/core/status.hpp"
 
 #include "hmesh/core/macros/push.hpp"
 
-namespace hmesh::detail {
+namespace hmesh {
 
-// Collects bytes and hands them to the sink 4 KiB at a time. After the sink's first refusal everything is dropped.
-template <class Sink>
+/// Takes the bytes of a file, piece after piece, `size` > 0 of them a call: any callable of this signature, such as a lambda
+/// around fwrite(), a std::vector or a socket. False says that the bytes were refused: the sink is called no more, and the
+/// exporter returns Errc::write_failed with the number of bytes that were taken. The callable must live until the exporter
+/// returns; the bytes may be read until the sink does. What returns another type than bool, as fwrite() does, does not compile.
+using Sink = FunctionRef<bool(const void* bytes, std::size_t size)>;
+
+namespace detail {
+
+/// Puts bytes, numbers and words into a sink, 4 KiB at a time. After the sink's first refusal everything is dropped.
 class Writer {
   public:
-    explicit Writer(Sink& sink) noexcept : sink_(&sink) {}
+    /// What the sink refers to must outlive the writer.
+    explicit Writer(Sink sink) noexcept : sink_(sink) {}
 
+    /// Puts bytes as they are.
     void bytes(const void* from, std::size_t size) {
         const auto* at = static_cast<const unsigned char*>(from);
         while (size > 0) {
@@ -43,9 +48,13 @@ class Writer {
     }
 
     // --- binary numbers, little-endian ---
+    /// Puts an integer of 8 bits.
     void u8(std::uint8_t value) { bytes(&value, 1); }
+    /// Puts an integer of 16 bits.
     void u16(std::uint16_t value) { little_endian<2>(value); }
+    /// Puts an integer of 32 bits.
     void u32(std::uint32_t value) { little_endian<4>(value); }
+    /// Puts a number as IEEE 754 binary32.
     void f32(float value) {
         static_assert(std::numeric_limits<float>::is_iec559 && sizeof(float) == 4, "float is IEEE 754 binary32");
         std::uint32_t bits = 0;
@@ -54,7 +63,9 @@ class Writer {
     }
 
     // --- text ---
+    /// Puts a text that ends with a zero, without the zero.
     void text(const char* words) { bytes(words, std::strlen(words)); }
+    /// Puts an integer in decimal digits.
     void decimal(std::int64_t value) {
         std::array<char, 20> digits{};  // a sign and the 19 digits of 2^63
         std::size_t at = digits.size();
@@ -66,8 +77,8 @@ class Writer {
         if (value < 0) digits[--at] = '-';
         bytes(digits.data() + at, digits.size() - at);
     }
-    // A finite number with at most `places` <= 9 digits after the point, rounded, without zeros at the end; its magnitude
-    // is below 2^53 / 10^places, beyond which it is held to that.
+    /// Puts a finite number with at most `places` <= 9 digits after the point, rounded, without zeros at the end. Magnitudes
+    /// above 2^53 / 10^places are held to that.
     void fixed(double value, int places) {
         std::int64_t power = 1;
         for (int i = 0; i < places; ++i) power *= 10;
@@ -84,8 +95,8 @@ class Writer {
         }
         bytes(digits.data(), used);
     }
-    // A finite number with nine significant digits or more, so that a float is read back as itself. Multiples of 1/256 up to
-    // 2^22, as vertex positions are, and numbers in [0.1, 2^22) are written plainly and the others with an exponent.
+    /// Puts a finite number with nine significant digits or more, so that a float is read back as itself. Multiples of 1/256
+    /// up to 2^22, as vertex positions are, and numbers in [0.1, 2^22) are put plainly, the others with an exponent.
     void real(double value) {
         const double size = std::abs(value);
         // Below 2^22 fixed() is exact for nine places: 2^22 10^9 < 2^52.
@@ -99,7 +110,11 @@ class Writer {
         decimal(exponent);
     }
 
-    // Hands over what is left, and says whether the sink took everything; `got` is the number of bytes that it took.
+    /// The number of bytes that were put so far, whether the sink took them or not: where the next one stands in the file.
+    [[nodiscard]] std::int64_t position() const noexcept { return flushed_ + static_cast<std::int64_t>(used_); }
+
+    /// Hands over what is left, and says whether the sink took everything. If not: Errc::write_failed, and how many bytes it
+    /// took.
     Status finish() {
         flush();
         if (refused_) return {Errc::write_failed, "the sink refused bytes, after", accepted_, 0};
@@ -114,24 +129,23 @@ class Writer {
         bytes(out.data(), Size);
     }
     void flush() {
-        if (used_ > 0 && !refused_) {
-            if ((*sink_)(static_cast<const void*>(buffer_.data()), used_)) accepted_ += static_cast<std::int64_t>(used_);
-            else refused_ = true;
-        }
+        if (used_ == 0) return;
+        const auto size = static_cast<std::int64_t>(used_);
+        refused_ = refused_ || !sink_(buffer_.data(), used_);
+        if (!refused_) accepted_ += size;
+        flushed_ += size;
         used_ = 0;
     }
 
-    static_assert(std::is_same_v<bool, std::invoke_result_t<Sink&, const void*, std::size_t>>,
-                  "a sink returns a bool, whether it took all bytes: fwrite(...) == size, not the count");
-
-    Sink* sink_;
-    std::int64_t accepted_ = 0;
+    Sink sink_;
+    std::int64_t flushed_ = 0, accepted_ = 0;
     std::size_t used_ = 0;
     bool refused_ = false;
     std::array<unsigned char, 4096> buffer_;
 };
 
-}  // namespace hmesh::detail
+}  // namespace detail
+}  // namespace hmesh
 
 #include "hmesh/core/macros/pop.hpp"
 

@@ -1,21 +1,18 @@
-// hmesh - write_svg(): a mesh as an SVG picture, which browsers, Inkscape and office programs show.
-//
-// SVG has no mesh of coloured vertices (mesh gradients were dropped from SVG 2), so each face is a path, filled in one of
-// three ways:
-//   gradient  one linear gradient a face, the best there is: see svg_gradient.hpp. About 310 bytes a face.
-//   exact     three layers, one a channel, added by mix-blend-mode:screen over black. A channel is linear over a face,
-//             hence exactly one gradient. Viewers must know blend modes: browsers and librsvg do. About 560 bytes a face.
-//   flat      the mean of the corners' colours. About 70 bytes a face.
-// One channel needs one gradient, so gradient and exact are the same picture, from grey gradients and without blending.
-//
-// Edges of neighbours meet without a seam because the picture asks for crispEdges: no anti-aliasing, every pixel to the
-// face that holds its centre. At its own size exact is within a step of 8 bits of render() but for the few pixels beside
-// needles narrower than what the viewer tells apart (1/256 px in librsvg). SVG interpolates in the stored (sRGB) values, as
-// meshes are fitted. Colours are held to [0, peak] and rounded to 8 bits. The fourth channel is alpha: a mask of grey faces,
-// left out where all is opaque. SVG interpolates colours before alpha is applied: those of premultiplied meshes are divided
-// by it at the corners; a corner without alpha takes the others' mean, so that transparent edges carry no fringe. Ids are
-// short and the same in every file: put several pictures in one page by <img>, not inline. Cost: about 1 us a face, exact
-// 3 us; memory only for the wireframe, about 40 bytes a face.
+/// \file
+/// write_svg(): a mesh as an SVG picture, which browsers, Inkscape and office programs show.
+///
+/// SVG has no mesh of coloured vertices (mesh gradients were dropped from SVG 2), so each face is a path, filled in one of three
+/// ways (SvgKind). Edges of neighbours meet without a seam because the picture asks for crispEdges: no anti-aliasing, every
+/// pixel to the face that holds its centre. At its own size the exact kind is within a step of 8 bits of render() but for the
+/// few pixels beside needles narrower than what the viewer tells apart (1/256 px in librsvg). SVG interpolates in the stored
+/// (sRGB) values, as meshes are fitted. Colours are held to [0, peak] and rounded to 8 bits.
+///
+/// Alpha is a mask of grey faces, left out where all is opaque. SVG interpolates colours before alpha is applied: those of
+/// premultiplied meshes are divided by it at the corners; a corner without alpha takes the others' mean, so that transparent
+/// edges carry no fringe. Ids are short and the same in every file: put several pictures in one page by img elements, not inline.
+///
+/// Cost: about 1 us a face, exact 3 us; memory only for the wireframe, about 40 bytes a face, and where grey has alpha.
+/// Source: W3C, SVG 1.1 and Compositing and Blending Level 1.
 #ifndef HMESH_IO_SVG_HPP
 #define HMESH_IO_SVG_HPP
 
@@ -23,45 +20,114 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
-#include <type_traits>
 #include <vector>
 
 #include "hmesh/core/status.hpp"
 #include "hmesh/core/version.hpp"
-#include "hmesh/io/detail/color_shares.hpp"
+#include "hmesh/io/detail/export_mesh.hpp"
 #include "hmesh/io/detail/svg_gradient.hpp"
-#include "hmesh/io/detail/svg_writer.hpp"
+#include "hmesh/io/sink.hpp"
 #include "hmesh/mesh/mesh.hpp"
 
 #include "hmesh/core/macros/push.hpp"
 
 namespace hmesh {
 
-// How faces are filled, see above: the best gradient, exactly, or with one colour.
-enum class SvgKind : std::uint8_t { gradient, exact, flat };
+/// How write_svg() fills faces. A mesh of one channel needs one gradient a face, so gradient and exact are the same picture of
+/// it, from grey gradients and without blending.
+enum class SvgKind : std::uint8_t {
+    gradient,  ///< one linear gradient a face, the best that there is (io/detail/svg_gradient.hpp): about 310 bytes a face
+    /// Three layers, one a channel, added by mix-blend-mode: screen over black; over a face a channel is linear, hence a gradient
+    /// shows it exactly. Viewers must know blend modes, as browsers and librsvg do. About 560 bytes a face.
+    exact,
+    flat,  ///< the mean of the corners' colours: about 70 bytes a face
+};
 
-// Options of write_svg().
+/// Options of write_svg().
 struct SvgOptions {
-    SvgKind kind = SvgKind::gradient;
-    bool wireframe = false;  // all edges over it, thin, white and half transparent, as wide at any zoom
+    SvgKind kind = SvgKind::gradient;  ///< how faces are filled
+    bool wireframe = false;            ///< all edges over the faces, thin, white and half transparent, as wide at any zoom
 };
 
 namespace detail {
 
+/// Refuses what write_svg() cannot draw. O(n).
 [[nodiscard]] inline Status check_for_svg(const MeshView& mesh, const SvgOptions& options) noexcept {
     if (options.kind > SvgKind::flat)
         return {Errc::invalid_argument, "the kind of SVG is none of those known", static_cast<std::int64_t>(options.kind), 2};
     return check_for_export(mesh);
 }
 
-// Which channel a layer of faces shows, and how.
-enum class SvgLayer : std::uint8_t { red, green, blue, grey, alpha };
+/// A writer of the numbers, colours and names of SVG files, in as few bytes as they need.
+class SvgWriter : public Writer {
+  public:
+    using Writer::Writer;
 
-template <class Sink>
+    /// Writes the attributes of a size in px.
+    void size(int width, int height) {
+        text("width=\"");
+        decimal(width);
+        text("\" height=\"");
+        decimal(height);
+        text("\"");
+    }
+    /// Writes a place in px. Three decimals are enough to tell the units of 1/256 px of which meshes are made, and many viewers'
+    /// pictures too.
+    void point(double x, double y) {
+        fixed(x, 3);
+        text(" ");
+        fixed(y, 3);
+    }
+    /// Writes the attributes of a gradient's line.
+    void ends(const GradientLine& line) {
+        const std::array<double, 4> values = {line.from.x, line.from.y, line.to.x, line.to.y};
+        static constexpr std::array<const char*, 4> names = {"x1=\"", "\" y1=\"", "\" x2=\"", "\" y2=\""};
+        for (std::size_t i = 0; i < 4; ++i) {
+            text(names[i]);
+            fixed(values[i], line.places);
+        }
+        text("\"");
+    }
+    /// Writes a stop of a gradient.
+    void stop(double offset, const Color4& color) {
+        text("<stop offset=\"");
+        fixed(offset, 4);
+        text("\" stop-color=\"");
+        hex(color);
+        text("\"/>");
+    }
+    /// Writes a colour as # and six digits.
+    void hex(const Color4& color) {
+        std::array<char, 8> out{'#'};
+        for (std::size_t k = 0; k < 3; ++k) {
+            const auto byte = static_cast<std::size_t>(color[k] + 0.5);
+            out[1 + 2 * k] = "0123456789abcdef"[byte >> 4U];
+            out[2 + 2 * k] = "0123456789abcdef"[byte & 15U];
+        }
+        text(out.data());
+    }
+    /// Writes the id of a number: letters alone, since the ids of other things have an underscore.
+    void id(std::size_t number) {
+        std::array<char, 14> letters{};  // 52^12 > 2^64
+        std::size_t at = letters.size() - 1;
+        do {
+            letters[--at] = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ"[number % 52];
+            number /= 52;
+        } while (number != 0);
+        text(letters.data() + at);
+    }
+};
+
+/// What a layer of faces shows: one of three colours, the one channel of a mesh without colour, or alpha.
+enum class SvgLayer : std::uint8_t { red, green, blue, gray, alpha };
+
+/// A file of write_svg().
 class SvgPage {
   public:
-    SvgPage(const MeshView& mesh, const SvgOptions& options, Sink& sink) : mesh_(mesh), options_(options), writer_(sink) {}
+    /// Of a mesh that check_for_svg() accepts. All must outlive this object.
+    SvgPage(const MeshView& mesh, const SvgOptions& options, Sink sink) : mesh_(mesh), options_(options), writer_(sink) {}
 
+    /// Writes the file. To be called once.
     Status write() {
         begin();
         const bool is_masked = mesh_.channels == 4 && !is_opaque();
@@ -72,7 +138,7 @@ class SvgPage {
             layer(SvgLayer::alpha);
             writer_.text("</mask>\n<g mask=\"url(#_m)\">\n");
         }
-        if (mesh_.channels == 1) layer(SvgLayer::grey);
+        if (mesh_.channels == 1) layer(SvgLayer::gray);
         else if (options_.kind == SvgKind::exact) screened_layers();
         else if (options_.kind == SvgKind::gradient) gradients();
         else flat_faces();
@@ -254,17 +320,19 @@ class SvgPage {
 
     const MeshView& mesh_;
     const SvgOptions& options_;
-    SvgWriter<Sink> writer_;
+    SvgWriter writer_;
     std::size_t next_id_ = 0;
 };
 
 }  // namespace detail
 
-// Writes the mesh to the sink (see sink.hpp). A mesh that cannot be written gives a Status and no byte.
-template <class Sink>
-Status write_svg(const MeshView& mesh, Sink&& sink, const SvgOptions& options = {}) {
+/// Writes a mesh of 1 to 4 channels as an SVG file. A mesh that is empty, has no size, numbers that are not finite or faces
+/// without their vertices, and a kind that is none of SvgKind give a Status that says so, and no byte is written; a sink that
+/// refuses bytes gives Errc::write_failed.
+inline Status write_svg(const MeshView& mesh, Sink sink, const SvgOptions& options = {}) {
     if (const Status status = detail::check_for_svg(mesh, options); !status) return status;
-    return detail::SvgPage<std::remove_reference_t<Sink>>(mesh, options, sink).write();
+    const detail::ExportMesh exported(mesh, detail::Premultiplied::kept);
+    return detail::SvgPage(exported.view(), options, sink).write();
 }
 
 }  // namespace hmesh

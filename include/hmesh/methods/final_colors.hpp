@@ -1,6 +1,7 @@
-// hmesh - final colors: the last step of every method, for a mesh in tiles.
-//
-// About 1 us a vertex, and a moment table of each tile.
+/// \file
+/// Final colors: the last step of every method, for a mesh in tiles.
+///
+/// About 1 us a vertex, and a moment table of each tile.
 #ifndef HMESH_METHODS_FINAL_COLORS_HPP
 #define HMESH_METHODS_FINAL_COLORS_HPP
 
@@ -20,7 +21,8 @@
 
 namespace hmesh::kit {
 
-// Gives all vertices the colours of the image under them (solve/sampled_colors.hpp), rounded to multiples of grid if grid > 0; its energy is then that of these colours.
+/// Gives all vertices the colours of the image under them (solve/sampled_colors.hpp), rounded to multiples of grid if grid > 0;
+/// its energy is then that of these colours.
 template <int C>
 HMESH_COLD void sample_colors(TiledMesh<C>& tiled, const Tiling& tiling, double grid) {
     IndexedMesh<C>& mesh = tiled.indexed();
@@ -35,8 +37,9 @@ HMESH_COLD void sample_colors(TiledMesh<C>& tiled, const Tiling& tiling, double 
     tiled.measure(tiling);
 }
 
-// Gives all vertices the best colours in [low, high] that are multiples of grid if grid > 0 (solve/bounded_colors.hpp). The energy is then that of these colours. After a cancellation colours go to the
-// nearest that are allowed, no more, and what is reported is still true of the mesh.
+/// Gives all vertices the best colours in [low, high] that are multiples of grid if grid > 0 (solve/bounded_colors.hpp). The
+/// energy is then that of these colours. After a cancellation colours go to the nearest that are allowed, no more, and what is
+/// reported is still true of the mesh.
 template <int C>
 BoundedReport bounded_colors(TiledMesh<C>& tiled, const Tiling& tiling, double low, double high, double grid) {
     BoundedReport report;

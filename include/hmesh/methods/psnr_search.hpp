@@ -1,8 +1,9 @@
-// hmesh - the search for the fewest vertices that reach a PSNR.
-//
-// PSNR rises by about 1.6 dB a doubling of the vertices, the slope of a piecewise linear fit to photographs; that first
-// guess is replaced by the secant of the two runs that enclose the target as soon as there are two, and by the middle between
-// them where the same side moved twice. Ends when the counts on both sides differ by at most 0.5 % (or 1): some 5 to 8 runs.
+/// \file
+/// The search for the fewest vertices that reach a PSNR.
+///
+/// PSNR rises by about 1.6 dB a doubling of the vertices, the slope of a piecewise linear fit to photographs; that first
+/// guess is replaced by the secant of the two runs that enclose the target as soon as there are two, and by the middle between
+/// them where the same side moved twice. Ends when the counts on both sides differ by at most 0.5 % (or 1): some 5 to 8 runs.
 #ifndef HMESH_METHODS_PSNR_SEARCH_HPP
 #define HMESH_METHODS_PSNR_SEARCH_HPP
 
@@ -22,9 +23,9 @@
 
 namespace hmesh::kit {
 
-// `mesh_of(n)` makes a result with .status and .report.psnr, meshes of 4 <= n <= most vertices. Returns that of the fewest
-// vertices that reached `psnr`, or of the best PSNR with target_out_of_range when none did; where a run fails, what there is
-// then with its status.
+/// `mesh_of(n)` makes a result with .status and .report.psnr, meshes of 4 <= n <= most vertices. Returns that of the fewest
+/// vertices that reached `psnr`, or of the best PSNR with target_out_of_range when none did; where a run fails, what there is
+/// then with its status.
 [[nodiscard]] HMESH_COLD inline Result fewest_vertices(double psnr, std::size_t first, std::size_t most,
                                                        FunctionRef<Result(std::size_t n)> mesh_of) {
     constexpr double slope = 1.6;  // dB a doubling

@@ -1,4 +1,5 @@
-// hmesh - stages: what recipes are made of, as far as progress and reports go.
+/// \file
+/// Stages: what recipes are made of, as far as progress and reports go.
 #ifndef HMESH_METHODS_STAGE_HPP
 #define HMESH_METHODS_STAGE_HPP
 
@@ -13,27 +14,27 @@
 
 namespace hmesh::kit {
 
-// The status of work that the progress callback stopped.
+/// The status of work that the progress callback stopped.
 [[nodiscard]] inline Status cancelled_by_callback() noexcept { return {Errc::cancelled, "cancelled by the progress callback"}; }
-// The status of work that says whether it was finished.
+/// The status of work that says whether it was finished.
 [[nodiscard]] inline Status finished_or_cancelled(bool is_finished) noexcept {
     return is_finished ? Status() : cancelled_by_callback();
 }
 
-// Runs body(), which says whether to go on, as a stage of this static name. Returns whether to go on.
+/// Runs body(), which says whether to go on, as a stage of this static name. Returns whether to go on.
 template <int C>
 bool run_stage(TiledMesh<C>& tiled, const char* name, FunctionRef<bool()> body) {
     return tiled.progress().begin(name, tiled.vertex_count(), tiled.energy()) && body() &&
            tiled.progress().end(tiled.vertex_count(), tiled.energy());
 }
 
-// The whole image as one tile: how the paper's methods work.
+/// The whole image as one tile: how the paper's methods work.
 template <int C>
 [[nodiscard]] Tiling one_tile(const ImageSource<C>& source) {
     return Tiling(source.width(), source.height(), std::max(source.width(), source.height()));
 }
 
-// A stage of body(mesh) on the whole mesh at once. Returns whether to go on.
+/// A stage of body(mesh) on the whole mesh at once. Returns whether to go on.
 template <int C>
 bool run_whole_stage(TiledMesh<C>& tiled, const char* name, typename TiledMesh<C>::MeshWork body) {
     return run_stage(tiled, name, [&] {

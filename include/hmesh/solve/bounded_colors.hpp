@@ -1,8 +1,9 @@
-// hmesh - bounded colors: the best colours that a pixel type can hold, in its range and on its grid.
-//
-// The squared error is quadratic in the colours (optimal_colors.hpp). Clamping and rounding its minimum would lose more than
-// this descent: each vertex makes up for what its neighbours could not do. ridge (c - c_now)^2 is added for each vertex, so that
-// vertices without pixels keep their colour. 0.6 us a vertex at 3 channels.
+/// \file
+/// Bounded colors: the best colours that a pixel type can hold, in its range and on its grid.
+///
+/// The squared error is quadratic in the colours (optimal_colors.hpp). Clamping and rounding its minimum would lose more than
+/// this descent: each vertex makes up for what its neighbours could not do. ridge (c - c_now)^2 is added for each vertex, so that
+/// vertices without pixels keep their colour. 0.6 us a vertex at 3 channels.
 #ifndef HMESH_SOLVE_BOUNDED_COLORS_HPP
 #define HMESH_SOLVE_BOUNDED_COLORS_HPP
 
@@ -20,8 +21,8 @@
 #include "hmesh/core/macros/push.hpp"
 
 namespace hmesh::kit {
-// Converged: without a grid, the last sweep changed nothing that matters; with one, no channel of any vertex can be
-// changed by itself, to whatever value is allowed, and lower the error (ridge included).
+/// Converged: without a grid, the last sweep changed nothing that matters; with one, no channel of any vertex can be
+/// changed by itself, to whatever value is allowed, and lower the error (ridge included).
 struct BoundedReport {
     int sweeps = 0, rounding_sweeps = 0;
     bool converged = false;
@@ -29,15 +30,15 @@ struct BoundedReport {
 
 namespace detail {
 
-// The energy with ridge as a function of single colours.
+/// The energy with ridge as a function of single colours.
 template <int C>
 struct ColorSystem {
     SymmetricMatrix gram;
-    std::vector<Color<C>> rhs, anchor;  // K I^T, and the colours that ridge pulls to
-    std::vector<double> inverse;        // 1 / (diagonal + ridge)
+    std::vector<Color<C>> rhs, anchor;  ///< K I^T, and the colours that ridge pulls to
+    std::vector<double> inverse;        ///< 1 / (diagonal + ridge)
     double ridge = 0;
 
-    // Calls update(c, step) for each vertex in turn: c is its colour, c + step the best one while the others stay.
+    /// Calls update(c, step) for each vertex in turn: c is its colour, c + step the best one while the others stay.
     template <class Update>
     void sweep(std::vector<Color<C>>& colors, Update&& update) const {
         const int* const starts = gram.starts.data();
@@ -53,7 +54,7 @@ struct ColorSystem {
     }
 };
 
-// The multiples of `grid` in [low, high] as the range of their factors.
+/// The multiples of `grid` in [low, high] as the range of their factors.
 struct GridRange {
     double grid, first, last;
     GridRange(double low, double high, double step) noexcept
@@ -66,7 +67,7 @@ struct GridRange {
     }
 };
 
-// The system of a mesh with this topology and these corners (solve/fit/squared_error.hpp); colours go by row.
+/// The system of a mesh with this topology and these corners (solve/fit/squared_error.hpp); colours go by row.
 template <int C>
 [[nodiscard]] ColorSystem<C> color_system(const HalfedgeMesh& topology, const std::vector<CornerSums<C>>& corners,
                                           const std::vector<Color<C>>& colors, double ridge, const ParallelFor& parallel_for) {
@@ -88,8 +89,8 @@ template <int C>
     return system;
 }
 
-// Takes colours that lie in [low, high] to the best there, see bounded_colors; before each sweep but the one that puts them
-// on the grid, go_on() is asked.
+/// Takes colours that lie in [low, high] to the best there, see bounded_colors; before each sweep but the one that puts them
+/// on the grid, go_on() is asked.
 template <int C>
 BoundedReport descend(const ColorSystem<C>& system, double low, double high, double grid, std::vector<Color<C>>& colors,
                       FunctionRef<bool()> go_on) {
@@ -142,9 +143,9 @@ BoundedReport descend(const ColorSystem<C>& system, double low, double high, dou
 
 }  // namespace detail
 
-// Gives all vertices colours in [low, high], which may be infinite, that are multiples of grid if grid > 0 (one must be
-// in the range). By coordinate descent (projected Gauss-Seidel) from the current colours: first without the grid, then
-// onto it, vertex by vertex, then over the grid while that lowers the error.
+/// Gives all vertices colours in [low, high], which may be infinite, that are multiples of grid if grid > 0 (one must be
+/// in the range). By coordinate descent (projected Gauss-Seidel) from the current colours: first without the grid, then
+/// onto it, vertex by vertex, then over the grid while that lowers the error.
 template <int C>
 BoundedReport bounded_colors(ImageMesh<C>& mesh, double low, double high, double grid, const ParallelFor& parallel_for = {}) {
     std::vector<Color<C>> colors;

@@ -1,9 +1,10 @@
-// hmesh - the linear algebra of a mesh as Eigen's matrices: K itself, the normal equations, and PCG over them.
-//
-// The paper's sparse matrix K, n_v by n_p, serves tests and what wants to see single pixels; V K is the pixels' positions P
-// exactly. About 20 ns a pixel and 40 bytes of memory. All else here converts what solve/normal_equations.hpp and solve/pcg.hpp
-// have in plain arrays. Rows are the mesh's vertices, row r the r-th of topology().vertices(); columns of K are the pixels of the
-// table's rectangle, row after row.
+/// \file
+/// The linear algebra of a mesh as Eigen's matrices: K itself, the normal equations, and PCG over them.
+///
+/// The paper's sparse matrix K, n_v by n_p, serves tests and what wants to see single pixels; V K is the pixels' positions P
+/// exactly. About 20 ns a pixel and 40 bytes of memory. All else here converts what solve/normal_equations.hpp and solve/pcg.hpp
+/// have in plain arrays. Rows are the mesh's vertices, row r the r-th of topology().vertices(); columns of K are the pixels of
+/// the table's rectangle, row after row.
 #ifndef HMESH_SOLVE_EIGEN_HPP
 #define HMESH_SOLVE_EIGEN_HPP
 
@@ -31,7 +32,7 @@
 
 namespace hmesh::kit {
 
-// The same numbers in Eigen's types and back.
+/// The same numbers in Eigen's types and back.
 [[nodiscard]] inline Eigen::SparseMatrix<double> to_eigen(const SymmetricMatrix& from) {
     const auto n = static_cast<Eigen::Index>(from.size());
     Eigen::SparseMatrix<double> to(n, n);
@@ -60,7 +61,7 @@ namespace hmesh::kit {
     return to;
 }
 
-// V: n_v by 2, where the vertices are.
+/// V: n_v by 2, where the vertices are.
 template <int C>
 [[nodiscard]] Eigen::MatrixXd position_matrix(const ImageMesh<C>& mesh) {
     Eigen::MatrixXd positions(static_cast<Eigen::Index>(mesh.vertex_count()), 2);
@@ -68,7 +69,7 @@ template <int C>
     for (const Vertex v : mesh.topology().vertices()) positions.row(row++) << mesh.position(v).x, mesh.position(v).y;
     return positions;
 }
-// I(V): n_v by C, their colours.
+/// I(V): n_v by C, their colours.
 template <int C>
 [[nodiscard]] Eigen::MatrixXd color_matrix(const ImageMesh<C>& mesh) {
     Eigen::MatrixXd colors(static_cast<Eigen::Index>(mesh.vertex_count()), C);
@@ -80,7 +81,7 @@ template <int C>
     return colors;
 }
 
-// Gives all vertices these colours, n_v by C: what color_matrix() reads.
+/// Gives all vertices these colours, n_v by C: what color_matrix() reads.
 template <int C>
 void set_colors(ImageMesh<C>& mesh, const Eigen::MatrixXd& colors, const ParallelFor& parallel_for = {}) {
     HMESH_ASSERT(colors.rows() == static_cast<Eigen::Index>(mesh.vertex_count()) && colors.cols() == C);
@@ -93,8 +94,8 @@ void set_colors(ImageMesh<C>& mesh, const Eigen::MatrixXd& colors, const Paralle
     mesh.set_colors(by_slot, parallel_for);
 }
 
-// K: n_v by n_p, columns of 3 entries (some may be 0) that sum to 1. Faces are independent pieces of work, because each
-// pixel has one owner. The mesh must tile its rectangle, as check() proves.
+/// K: n_v by n_p, columns of 3 entries (some may be 0) that sum to 1. Faces are independent pieces of work, because each
+/// pixel has one owner. The mesh must tile its rectangle, as check() proves.
 template <int C>
 [[nodiscard]] Eigen::SparseMatrix<double> barycentric_matrix(const ImageMesh<C>& mesh, const ParallelFor& parallel_for = {}) {
     const HalfedgeMesh& topology = mesh.topology();
@@ -126,7 +127,7 @@ template <int C>
     return matrix;
 }
 
-// K K^T, see normal_matrix(): from the corners of the mesh with this topology, or from the mesh.
+/// K K^T, see normal_matrix(): from the corners of the mesh with this topology, or from the mesh.
 template <int C>
 [[nodiscard]] Eigen::SparseMatrix<double> gram_matrix(const HalfedgeMesh& topology, const std::vector<CornerSums<C>>& corners,
                                                       const ParallelFor& parallel_for = {}) {
@@ -136,7 +137,7 @@ template <int C>
 [[nodiscard]] Eigen::SparseMatrix<double> gram_matrix(const ImageMesh<C>& mesh, const ParallelFor& parallel_for = {}) {
     return gram_matrix(mesh.topology(), corner_sums(mesh, parallel_for), parallel_for);
 }
-// K I^T, see image_sums().
+/// K I^T, see image_sums().
 template <int C>
 [[nodiscard]] Eigen::MatrixXd image_rhs(const HalfedgeMesh& topology, const std::vector<CornerSums<C>>& corners,
                                         const ParallelFor& parallel_for = {}) {
@@ -146,7 +147,7 @@ template <int C>
 [[nodiscard]] Eigen::MatrixXd image_rhs(const ImageMesh<C>& mesh, const ParallelFor& parallel_for = {}) {
     return image_rhs(mesh.topology(), corner_sums(mesh, parallel_for), parallel_for);
 }
-// K P^T, see position_sums().
+/// K P^T, see position_sums().
 template <int C>
 [[nodiscard]] Eigen::MatrixXd position_rhs(const HalfedgeMesh& topology, const std::vector<CornerSums<C>>& corners,
                                            const ParallelFor& parallel_for = {}) {
@@ -157,7 +158,7 @@ template <int C>
     return position_rhs(mesh.topology(), corner_sums(mesh, parallel_for), parallel_for);
 }
 
-// solve_pcg() of solve/pcg.hpp over Eigen's matrices, which are copied.
+/// solve_pcg() of solve/pcg.hpp over Eigen's matrices, which are copied.
 inline PcgReport solve_pcg(const Eigen::SparseMatrix<double>& a, const Eigen::MatrixXd& b, Eigen::MatrixXd& x,
                            const PcgOptions& options = {}, const std::vector<HeldEntry>& held = {}) {
     DenseMatrix solution = from_eigen(x);

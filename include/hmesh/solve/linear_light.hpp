@@ -1,17 +1,18 @@
-// hmesh - linear light: vertex colours for renderers that interpolate light, not stored values.
-//
-// A picture drawn in linear light has in each pixel the stored value peak * e(sum of lambda_v l_v): l_v the light of vertex v
-// as a share of the full one, lambda_v its barycentric weights, e the sRGB encoding. A mesh fitted between stored values
-// looks different there: inside faces light is brighter. fit_linear_light() finds the l_v with the least squared error in
-// stored values, the geometry staying. With r the residual of a pixel the Gauss-Newton step d solves, for each channel,
-//
-//     sum of e'^2 lambda_v lambda_w d_w  =  - sum of e' r lambda_v
-//
-// over the mesh's edges. It is halved until the error falls. Lights stay in [0, 1]: those that lie on a bound and would
-// leave it are held in the system (Bertsekas 1982), others are cut off at it. Alpha is not encoded: e is the identity there.
-//
-// Cost: about 35 ns a pixel and channel for each step, for the measure before the first and for that of rounded colours, some
-// 5 in all. Memory: about 0.5 KB a vertex, with one channel at work at a time.
+/// \file
+/// Linear light: vertex colours for renderers that interpolate light, not stored values.
+///
+/// A picture drawn in linear light has in each pixel the stored value peak * e(sum of lambda_v l_v): l_v the light of vertex v
+/// as a share of the full one, lambda_v its barycentric weights, e the sRGB encoding. A mesh fitted between stored values
+/// looks different there: inside faces light is brighter. fit_linear_light() finds the l_v with the least squared error in
+/// stored values, the geometry staying. With r the residual of a pixel the Gauss-Newton step d solves, for each channel,
+///
+///     sum of e'^2 lambda_v lambda_w d_w  =  - sum of e' r lambda_v
+///
+/// over the mesh's edges. It is halved until the error falls. Lights stay in [0, 1]: those that lie on a bound and would
+/// leave it are held in the system (Bertsekas 1982), others are cut off at it. Alpha is not encoded: e is the identity there.
+///
+/// Cost: about 35 ns a pixel and channel for each step, for the measure before the first and for that of rounded colours, some
+/// 5 in all. Memory: about 0.5 KB a vertex, with one channel at work at a time.
 #ifndef HMESH_SOLVE_LINEAR_LIGHT_HPP
 #define HMESH_SOLVE_LINEAR_LIGHT_HPP
 
@@ -43,35 +44,37 @@
 
 namespace hmesh {
 
-struct LinearLightOptions {  // options of fit_linear_light()
-    int iterations = 6;      // Gauss-Newton steps at most, >= 0; 0 measures only
-    // A channel is done when a step lowers its error by less than this share: 1e-4 is 4e-4 dB.
+/// Options of fit_linear_light()
+struct LinearLightOptions {
+    int iterations = 6;  ///< Gauss-Newton steps at most, >= 0; 0 measures only
+    /// A channel is done when a step lowers its error by less than this share: 1e-4 is 4e-4 dB.
     double least_gain = 1e-4;
-    double ridge = MeshLimits().ridge;  // pixels, as MeshLimits has it
-    double grid = 0;                    // colours become multiples of it, in stored values; 0: any
-    ImageView<float, 1> weights;        // see image/weights.hpp; none: all pixels count the same
+    double ridge = MeshLimits().ridge;  ///< pixels, as MeshLimits has it
+    double grid = 0;                    ///< colours become multiples of it, in stored values; 0: any
+    ImageView<float, 1> weights;        ///< see image/weights.hpp; none: all pixels count the same
 };
 
-struct [[nodiscard]] LinearLightReport {  // what it came to
-    // Sums of squared differences in stored values over pixels and channels, times weights: of the colours as they came,
-    // and as they are now. The latter is never the larger.
+/// What it came to.
+struct [[nodiscard]] LinearLightReport {
+    /// Sums of squared differences in stored values over pixels and channels, times weights: of the colours as they came,
+    /// and as they are now. The latter is never the larger.
     double converted = 0, energy = 0;
-    int iterations = 0;         // steps taken, those of the channel that took most
-    int solver_iterations = 0;  // of all
-    double residual = 0;        // the largest of a solve, relative to its right-hand side
-    double psnr = 0;            // dB, of `energy`, as Report has it
+    int iterations = 0;         ///< steps taken, those of the channel that took most
+    int solver_iterations = 0;  ///< of all
+    double residual = 0;        ///< the largest of a solve, relative to its right-hand side
+    double psnr = 0;            ///< dB, of `energy`, as Report has it
     Status status;
 };
 
 namespace kit::detail {
 
-// One channel of a mesh as light: stored shares of the peak, rounded to float as the mesh has them, and what they decode to.
+/// One channel of a mesh as light: stored shares of the peak, rounded to float as the mesh has them, and what they decode to.
 struct ChannelLight {
     std::vector<float> stored;
     std::vector<double> light;
 };
 
-// The error and the Gauss-Newton system of one channel after the other.
+/// The error and the Gauss-Newton system of one channel after the other.
 template <class T, int C>
 class LinearLight {
   public:
@@ -80,14 +83,14 @@ class LinearLight {
         : mesh_(mesh), topology_(topology), view_(view), options_(options), parallel_for_(parallel_for),
           scale_(weight_unit(options.weights, parallel_for), view.width, view.height), corners_(2 * topology.edge_slots()) {}
 
-    // The colours of channel k as they may be: in [0, peak] and on the grid.
+    /// The colours of channel k as they may be: in [0, peak] and on the grid.
     [[nodiscard]] ChannelLight start(std::size_t k) const {
         ChannelLight out;
         for (std::size_t v = 0; v < mesh_.vertex_count(); ++v)
             add(out, k, static_cast<double>(mesh_.colors[C * v + k]), options_.grid);
         return out;
     }
-    // The light `step` times `direction` further on, cut off at 0 and 1.
+    /// The light `step` times `direction` further on, cut off at 0 and 1.
     [[nodiscard]] ChannelLight moved(const ChannelLight& from, std::size_t k, const DenseMatrix& direction, double step) const {
         ChannelLight out;
         for (std::size_t v = 0; v < from.light.size(); ++v) {
@@ -96,14 +99,14 @@ class LinearLight {
         }
         return out;
     }
-    // Put on the grid.
+    /// Put on the grid.
     [[nodiscard]] ChannelLight rounded(const ChannelLight& from, std::size_t k) const {
         ChannelLight out;
         for (const float stored : from.stored) add(out, k, static_cast<double>(stored), options_.grid);
         return out;
     }
 
-    // The error, in squared shares of the peak. Leaves the sums of the faces for direction().
+    /// The error, in squared shares of the peak. Leaves the sums of the faces for direction().
     [[nodiscard]] double measure(const ChannelLight& at, std::size_t k) {
         return ordered_sum(parallel_for_, mesh_.faces.size(), 256, [&](std::size_t begin, std::size_t end) {
             double sum = 0;
@@ -111,7 +114,7 @@ class LinearLight {
             return sum;
         });
     }
-    // The Gauss-Newton step from where measure() was called last.
+    /// The Gauss-Newton step from where measure() was called last.
     [[nodiscard]] PcgReport direction(const ChannelLight& at, std::size_t k, DenseMatrix& out) const {
         SymmetricMatrix matrix = normal_matrix(topology_, corners_, parallel_for_);
         const DenseMatrix rhs = image_sums(topology_, corners_, parallel_for_);
@@ -199,10 +202,10 @@ class LinearLight {
     const LinearLightOptions& options_;
     ParallelFor parallel_for_;
     WeightScale scale_;
-    std::vector<CornerSums<1>> corners_;  // of the last measure(); `image` is - e' r lambda
+    std::vector<CornerSums<1>> corners_;  ///< of the last measure(); `image` is - e' r lambda
 };
 
-// Whether the mesh is one of the image: what for_each_span asks for, and each pixel's owner in reach.
+/// Whether the mesh is one of the image: what for_each_span asks for, and each pixel's owner in reach.
 template <int C, class T>
 [[nodiscard]] Status check_fit(const Mesh& mesh, const ImageView<T, C>& view, HalfedgeMesh& topology) {
     if (mesh.channels != C) return {Errc::invalid_argument, "the mesh has not the image's number of channels", mesh.channels, C};
@@ -227,13 +230,13 @@ template <int C, class T>
 
 }  // namespace kit::detail
 
-// Gives the mesh the colours with the least squared error to the image in stored values, as seen through interpolation in
-// linear light; they stay stored values, in [0, peak]. Starts from those that it has, which are held to that range first, as
-// files of linear light do; so are values of the picture drawn, while the image may have any. The error falls or stays.
-// Before each step `go_on(share of the work done)` is asked, until it says no; what is reported is true of the mesh in any case.
+/// Gives the mesh the colours with the least squared error to the image in stored values, as seen through interpolation in
+/// linear light; they stay stored values, in [0, peak]. Starts from those that it has, which are held to that range first, as
+/// files of linear light do; so are values of the picture drawn, while the image may have any. The error falls or stays.
+/// Before each step `go_on(share of the work done)` is asked, until it says no; what is reported is true of the mesh in any case.
 //
-// Status: invalid_argument where the mesh is not one of this image, is premultiplied, or has a vertex without a face; the mesh
-// is then as it was. The view and the weights are such as check(), check_finite() and check_weights() accept.
+/// Status: invalid_argument where the mesh is not one of this image, is premultiplied, or has a vertex without a face; the mesh
+/// is then as it was. The view and the weights are such as check(), check_finite() and check_weights() accept.
 template <class T, int C>
 LinearLightReport fit_linear_light(Mesh& mesh, const ImageView<T, C>& view, const LinearLightOptions& options = {},
                                    const ParallelFor& parallel_for = {}, FunctionRef<bool(double share)> go_on = {}) {

@@ -1,9 +1,10 @@
-// hmesh - the normal equations of all vertices at once: K K^T, K I^T and K P^T, sparse and symmetric.
-//
-// Column p of the paper's matrix K holds the barycentric coordinates of pixel p's centre in the face that owns it, so the picture
-// that a mesh shows is I(V) K (section 3). K K^T and its right-hand sides are never multiplied out: they follow from the moments
-// of the faces, corner by corner. Rows are the mesh's vertices, row r the r-th of topology().vertices(). 0.4 us a vertex, whatever
-// the number of pixels. Plain arrays: solve/eigen.hpp gives them as Eigen's matrices, and K itself.
+/// \file
+/// The normal equations of all vertices at once: K K^T, K I^T and K P^T, sparse and symmetric.
+///
+/// Column p of the paper's matrix K holds the barycentric coordinates of pixel p's centre in the face that owns it, so the
+/// picture that a mesh shows is I(V) K (section 3). K K^T and its right-hand sides are never multiplied out: they follow from the
+/// moments of the faces, corner by corner. Rows are the mesh's vertices, row r the r-th of topology().vertices(). 0.4 us a
+/// vertex, whatever the number of pixels. Plain arrays: solve/eigen.hpp gives them as Eigen's matrices, and K itself.
 #ifndef HMESH_SOLVE_NORMAL_EQUATIONS_HPP
 #define HMESH_SOLVE_NORMAL_EQUATIONS_HPP
 
@@ -19,20 +20,20 @@
 
 namespace hmesh::kit {
 
-// A symmetric matrix of n rows, row after row, with both triangles stored: row i has the entries [starts[i], starts[i + 1]) of
-// `columns`, rising, and `values`.
+/// A symmetric matrix of n rows, row after row, with both triangles stored: row i has the entries [starts[i], starts[i + 1]) of
+/// `columns`, rising, and `values`.
 struct SymmetricMatrix {
     std::vector<int> starts{0};
     std::vector<int> columns;
     std::vector<double> values;
 
     [[nodiscard]] std::size_t size() const noexcept { return starts.size() - 1; }
-    // The value on the diagonal of row i, 0 where none is stored.
+    /// The value on the diagonal of row i, 0 where none is stored.
     [[nodiscard]] double diagonal(std::size_t i) const noexcept {
         const int at = find_diagonal(i);
         return at < 0 ? 0 : values[static_cast<std::size_t>(at)];
     }
-    // Adds to the diagonal of row i, which must be stored.
+    /// Adds to the diagonal of row i, which must be stored.
     void add_to_diagonal(std::size_t i, double value) noexcept { values[static_cast<std::size_t>(find_diagonal(i))] += value; }
 
   private:
@@ -43,20 +44,20 @@ struct SymmetricMatrix {
     }
 };
 
-// A matrix of rows * columns numbers, row after row.
+/// A matrix of rows * columns numbers, row after row.
 struct DenseMatrix {
     std::size_t rows = 0, columns = 0;
     std::vector<double> values;
 
     DenseMatrix() = default;
-    // All 0.
+    /// All 0.
     DenseMatrix(std::size_t row_count, std::size_t column_count)
         : rows(row_count), columns(column_count), values(row_count * column_count, 0.0) {}
     [[nodiscard]] double& operator()(std::size_t row, std::size_t column) noexcept { return values[row * columns + column]; }
     [[nodiscard]] double operator()(std::size_t row, std::size_t column) const noexcept { return values[row * columns + column]; }
 };
 
-// The row of each vertex, by slot; -1 for deleted slots.
+/// The row of each vertex, by slot; -1 for deleted slots.
 [[nodiscard]] inline std::vector<int> vertex_rows(const HalfedgeMesh& topology) {
     std::vector<int> rows(topology.vertex_slots(), -1);
     int row = 0;
@@ -66,7 +67,7 @@ struct DenseMatrix {
 
 namespace detail {
 
-// The corners of face f, the first being that which topology().halfedge(f) leaves.
+/// The corners of face f, the first being that which topology().halfedge(f) leaves.
 template <int C>
 void sum_face(const ImageMesh<C>& mesh, Face f, CornerSums<C>& out0, CornerSums<C>& out1, CornerSums<C>& out2) {
     const auto v = mesh.topology().vertices(f);
@@ -75,7 +76,7 @@ void sum_face(const ImageMesh<C>& mesh, Face f, CornerSums<C>& out0, CornerSums<
     sum_corners(m, mesh.position(v[0]), mesh.position(v[1]), mesh.position(v[2]), out0, out1, out2);
 }
 
-// Calls body(v) for all live vertices, in pieces.
+/// Calls body(v) for all live vertices, in pieces.
 template <class Body>
 void for_each_vertex(const HalfedgeMesh& topology, const ParallelFor& parallel_for, Body&& body) {
     for_each_chunk(parallel_for, topology.vertex_slots(), 1024, [&](std::size_t begin, std::size_t end) {
@@ -84,7 +85,7 @@ void for_each_vertex(const HalfedgeMesh& topology, const ParallelFor& parallel_f
     });
 }
 
-// Calls body(v) for all live vertices, in pieces.
+/// Calls body(v) for all live vertices, in pieces.
 inline void for_each_vertex(const HalfedgeMesh& topology, const ParallelFor& parallel_for, FunctionRef<void(Vertex)> body) {
     for_each_chunk(parallel_for, topology.vertex_slots(), 1024, [&](std::size_t begin, std::size_t end) {
         for (std::size_t v = begin; v < end; ++v)
@@ -92,9 +93,18 @@ inline void for_each_vertex(const HalfedgeMesh& topology, const ParallelFor& par
     });
 }
 
+/// Writes colours[r] to vertex r of topology().vertices().
+template <int C>
+void write_colors(ImageMesh<C>& mesh, const std::vector<Color<C>>& colors, const ParallelFor& parallel_for) {
+    std::vector<Color<C>> by_slot(mesh.topology().vertex_slots(), Color<C>::zero());
+    std::size_t row = 0;
+    for (const Vertex v : mesh.topology().vertices()) by_slot[v.index()] = colors[row++];
+    mesh.set_colors(by_slot, parallel_for);
+}
+
 }  // namespace detail
 
-// The corners of all faces, by the index of their half-edge; zero at half-edges without a face.
+/// The corners of all faces, by the index of their half-edge; zero at half-edges without a face.
 template <int C>
 [[nodiscard]] std::vector<CornerSums<C>> corner_sums(const ImageMesh<C>& mesh, const ParallelFor& parallel_for = {}) {
     const HalfedgeMesh& topology = mesh.topology();
@@ -109,8 +119,8 @@ template <int C>
     return corners;
 }
 
-// K K^T of a mesh with this topology and these corners: n_v by n_v, symmetric to the bit; an entry for each vertex and each edge
-// either way, even where no pixel makes it differ from 0.
+/// K K^T of a mesh with this topology and these corners: n_v by n_v, symmetric to the bit; an entry for each vertex and each edge
+/// either way, even where no pixel makes it differ from 0.
 template <int C>
 [[nodiscard]] SymmetricMatrix normal_matrix(const HalfedgeMesh& topology, const std::vector<CornerSums<C>>& corners,
                                             const ParallelFor& parallel_for = {}) {
@@ -145,7 +155,7 @@ template <int C>
     return matrix;
 }
 
-// K I^T: n_v by C, where I is C by n_p, the image.
+/// K I^T: n_v by C, where I is C by n_p, the image.
 template <int C>
 [[nodiscard]] DenseMatrix image_sums(const HalfedgeMesh& topology, const std::vector<CornerSums<C>>& corners,
                                      const ParallelFor& parallel_for = {}) {
@@ -159,7 +169,7 @@ template <int C>
     return sums;
 }
 
-// K P^T: n_v by 2, where P is 2 by n_p, the centres of the pixels.
+/// K P^T: n_v by 2, where P is 2 by n_p, the centres of the pixels.
 template <int C>
 [[nodiscard]] DenseMatrix position_sums(const HalfedgeMesh& topology, const std::vector<CornerSums<C>>& corners,
                                         const ParallelFor& parallel_for = {}) {

@@ -1,9 +1,10 @@
-// hmesh - pcg: conjugate gradients with Jacobi preconditioner, for several right-hand sides at once.
-//
-// For self-adjoint positive semidefinite matrices like K K^T, which is a mass matrix: divided by its diagonal it is
-// well conditioned, so 15 to 25 iterations reach 1e-7 whatever the size of the mesh, and no factorisation is needed.
-// Each right-hand side has its own step sizes and stops by itself; they share the passes over the matrix. An iteration
-// costs about 2 ns an entry and right-hand side.
+/// \file
+/// Pcg: conjugate gradients with Jacobi preconditioner, for several right-hand sides at once.
+///
+/// For self-adjoint positive semidefinite matrices like K K^T, which is a mass matrix: divided by its diagonal it is
+/// well conditioned, so 15 to 25 iterations reach 1e-7 whatever the size of the mesh, and no factorisation is needed.
+/// Each right-hand side has its own step sizes and stops by itself; they share the passes over the matrix. An iteration
+/// costs about 2 ns an entry and right-hand side.
 #ifndef HMESH_SOLVE_PCG_HPP
 #define HMESH_SOLVE_PCG_HPP
 
@@ -19,29 +20,29 @@
 
 namespace hmesh::kit {
 
-// When solve_pcg() stops.
+/// When solve_pcg() stops.
 struct PcgOptions {
     int max_iterations = 200;
-    double tolerance = 1e-10;  // of the residual, relative to the right-hand side
+    double tolerance = 1e-10;  ///< of the residual, relative to the right-hand side
 };
 
-// How far solve_pcg() came.
+/// How far solve_pcg() came.
 struct PcgReport {
     int iterations = 0;
-    // max over columns of |b - A x| / |b|, computed from the x returned; both without the rows that are held, and b less what
-    // these contribute
+    /// max over columns of |b - A x| / |b|, computed from the x returned; both without the rows that are held, and b less what
+    /// these contribute
     double residual = 0;
     bool converged = false;
 };
 
-// An entry of X that is given.
+/// An entry of X that is given.
 struct HeldEntry {
     std::size_t row = 0, column = 0;
 };
 
 namespace detail {
 
-// out = A x: row i gathers along row i of A, which is symmetric.
+/// out = A x: row i gathers along row i of A, which is symmetric.
 inline void multiply(const SymmetricMatrix& a, const DenseMatrix& x, DenseMatrix& out) {
     const std::size_t columns = x.columns;
     for (std::size_t i = 0; i < a.size(); ++i) {
@@ -55,7 +56,7 @@ inline void multiply(const SymmetricMatrix& a, const DenseMatrix& x, DenseMatrix
     }
 }
 
-// Dot products of the columns of a and b.
+/// Dot products of the columns of a and b.
 inline void column_dots(const DenseMatrix& a, const DenseMatrix& b, std::vector<double>& out) {
     std::fill(out.begin(), out.end(), 0.0);
     for (std::size_t i = 0; i < a.rows; ++i)
@@ -64,10 +65,10 @@ inline void column_dots(const DenseMatrix& a, const DenseMatrix& b, std::vector<
 
 }  // namespace detail
 
-// Solves A X = B. A: n by n, self-adjoint, positive semidefinite, both triangles stored. B: n by k. X: n by k, on entry
-// where to start, on return the solution. A column of B that is 0 has the solution 0. A row whose diagonal is not
-// positive (a vertex without pixels) leaves its row of X as it was. So do entries that `held` names, by row and column:
-// the others are then solved for with these given, all columns with the one matrix; B may be anything in such entries.
+/// Solves A X = B. A: n by n, self-adjoint, positive semidefinite, both triangles stored. B: n by k. X: n by k, on entry
+/// where to start, on return the solution. A column of B that is 0 has the solution 0. A row whose diagonal is not
+/// positive (a vertex without pixels) leaves its row of X as it was. So do entries that `held` names, by row and column:
+/// the others are then solved for with these given, all columns with the one matrix; B may be anything in such entries.
 inline PcgReport solve_pcg(const SymmetricMatrix& a, const DenseMatrix& b, DenseMatrix& x, const PcgOptions& options = {},
                            const std::vector<HeldEntry>& held = {}) {
     HMESH_ASSERT(b.rows == a.size() && x.rows == b.rows && x.columns == b.columns);

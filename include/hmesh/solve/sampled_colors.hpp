@@ -1,8 +1,9 @@
-// hmesh - sampling: vertex colours read from the image, as Adams, Xie and the paper's section 1 have them.
-//
-// A vertex takes the colour of the image at its place: that of the pixel where it is on a pixel's centre, else between the
-// four nearest, bilinear. Places beyond the outermost centres take the nearest pixel's. Optimal colours (solve/bounded_colors.hpp) are
-// 0.3 to 1.4 dB better on the meshes of the former two, for a few microseconds a vertex.
+/// \file
+/// Sampling: vertex colours read from the image, as Adams, Xie and the paper's section 1 have them.
+///
+/// A vertex takes the colour of the image at its place: that of the pixel where it is on a pixel's centre, else between the four
+/// nearest, bilinear. Places beyond the outermost centres take the nearest pixel's. Optimal colours (solve/bounded_colors.hpp)
+/// are 0.3 to 1.4 dB better on the meshes of the former two, for a few microseconds a vertex.
 #ifndef HMESH_SOLVE_SAMPLED_COLORS_HPP
 #define HMESH_SOLVE_SAMPLED_COLORS_HPP
 
@@ -20,7 +21,7 @@
 
 namespace hmesh::kit {
 
-// The colour at p in [0, width] x [0, height] of an image whose pixels are pixel(x, y).
+/// The colour at p in [0, width] x [0, height] of an image whose pixels are pixel(x, y).
 template <int C, class Pixel>
 [[nodiscard]] HMESH_ALWAYS_INLINE Color<C> sampled_color(int width, int height, Point p, Pixel&& pixel) {
     const double x = std::max(0.0, std::min(width - 1.0, p.x - 0.5)), y = std::max(0.0, std::min(height - 1.0, p.y - 0.5));
@@ -41,7 +42,7 @@ template <int C>
     });
 }
 
-// Gives all vertices the colours under them.
+/// Gives all vertices the colours under them.
 template <int C>
 void sample_colors(ImageMesh<C>& mesh, const ParallelFor& parallel_for = {}) {
     std::vector<Color<C>> colors(mesh.topology().vertex_slots(), Color<C>::zero());

@@ -1,4 +1,5 @@
-// hmesh - delaunay_mesh(): a Delaunay triangulation as a mesh of an image, which is how many methods begin.
+/// \file
+/// delaunay_mesh(): a Delaunay triangulation as a mesh of an image, which is how many methods begin.
 #ifndef HMESH_TILES_DELAUNAY_MESH_HPP
 #define HMESH_TILES_DELAUNAY_MESH_HPP
 
@@ -12,8 +13,8 @@
 
 namespace hmesh::kit {
 
-// The triangulation of the image's rectangle, in the colours of the pixels under its vertices; vertices and faces are in the order
-// of its topology(). The energy is not known: ImageMesh::assign() and TiledMesh::measure() find it. O(n).
+/// The triangulation of the image's rectangle, in the colours of the pixels under its vertices; vertices and faces are in the
+/// order of its topology(). The energy is not known: ImageMesh::assign() and TiledMesh::measure() find it. O(n).
 template <int C>
 [[nodiscard]] HMESH_COLD IndexedMesh<C> delaunay_mesh(const ImageSource<C>& source, const Delaunay& delaunay) {
     HMESH_ASSERT(delaunay.width() == source.width() && delaunay.height() == source.height());

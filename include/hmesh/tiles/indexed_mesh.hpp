@@ -1,7 +1,8 @@
-// hmesh - IndexedMesh: a mesh of any size between two phases of work, as arrays of vertices and an index list.
-//
-// Work happens in patches (tiles/patch.hpp), which have half-edges, moments and energies of their own; what remains in
-// between is this: about 100 bytes a vertex, and nothing a pixel.
+/// \file
+/// IndexedMesh: a mesh of any size between two phases of work, as arrays of vertices and an index list.
+///
+/// Work happens in patches (tiles/patch.hpp), which have half-edges, moments and energies of their own; what remains in
+/// between is this: about 100 bytes a vertex, and nothing a pixel.
 #ifndef HMESH_TILES_INDEXED_MESH_HPP
 #define HMESH_TILES_INDEXED_MESH_HPP
 
@@ -23,16 +24,16 @@ namespace hmesh::kit {
 
 template <int C>
 struct IndexedMesh {
-    int width = 0, height = 0;     // px of the image; the faces tile [0, width] x [0, height]
-    std::vector<Point> positions;  // on the 1/256 px grid
+    int width = 0, height = 0;     ///< px of the image; the faces tile [0, width] x [0, height]
+    std::vector<Point> positions;  ///< on the 1/256 px grid
     std::vector<Color<C>> colors;
-    std::vector<unsigned char> dirty;  // not 0: surroundings changed since the vertex was last optimised
+    std::vector<unsigned char> dirty;  ///< not 0: surroundings changed since the vertex was last optimised
     std::vector<Triangle> faces;
-    double energy = 0;  // as of the last phase of work
+    double energy = 0;  ///< as of the last phase of work
 
     [[nodiscard]] std::size_t vertex_count() const noexcept { return positions.size(); }
     [[nodiscard]] double mean_energy() const noexcept { return energy / static_cast<double>(vertex_count()); }
-    // A vertex that is due.
+    /// A vertex that is due.
     void add(Point position, const Color<C>& color) {
         positions.push_back(position);
         colors.push_back(color);
@@ -40,8 +41,8 @@ struct IndexedMesh {
     }
 };
 
-// Proves that the mesh is one: arrays of one length, vertices on the grid, triangles that turn the right way, meet edge to
-// edge without T-junctions, and tile the image. O(n log n).
+/// Proves that the mesh is one: arrays of one length, vertices on the grid, triangles that turn the right way, meet edge to
+/// edge without T-junctions, and tile the image. O(n log n).
 template <int C>
 [[nodiscard]] Status check(const IndexedMesh<C>& mesh) {
     const auto fail = [](const char* what, std::size_t where) -> Status {
@@ -72,7 +73,7 @@ template <int C>
     return {};
 }
 
-// The rectangle of an image as two faces, in the colours of its corners: where a method begins, and what a cancellation finds.
+/// The rectangle of an image as two faces, in the colours of its corners: where a method begins, and what a cancellation finds.
 template <int C>
 [[nodiscard]] HMESH_COLD IndexedMesh<C> corner_mesh(const ImageSource<C>& source) {
     IndexedMesh<C> mesh;
@@ -84,8 +85,8 @@ template <int C>
     return mesh;
 }
 
-// A mesh at work as arrays, vertices and faces in the order of its topology(): ImageMesh::assign() takes the arrays back. Of a mesh
-// that is no patch.
+/// A mesh at work as arrays, vertices and faces in the order of its topology(): ImageMesh::assign() takes the arrays back. Of a mesh
+/// that is no patch.
 template <int C>
 [[nodiscard]] HMESH_COLD IndexedMesh<C> to_indexed_mesh(const ImageMesh<C>& from) {
     IndexedMesh<C> to;
@@ -100,7 +101,7 @@ template <int C>
     return to;
 }
 
-// As plain arrays, the result of all work. `peak`: the colour value of full intensity.
+/// As plain arrays, the result of all work. `peak`: the colour value of full intensity.
 template <int C>
 [[nodiscard]] HMESH_COLD Mesh to_mesh(const IndexedMesh<C>& from, double peak) {
     Mesh to;
@@ -119,8 +120,8 @@ template <int C>
     return to;
 }
 
-// From plain arrays, to go on working on a mesh; its energy is not known. Empty where the mesh has not C channels or its arrays
-// are not of one number of vertices; whether it tiles its image is for check() to say.
+/// From plain arrays, to go on working on a mesh; its energy is not known. Empty where the mesh has not C channels or its arrays
+/// are not of one number of vertices; whether it tiles its image is for check() to say.
 template <int C>
 [[nodiscard]] IndexedMesh<C> to_indexed_mesh(const Mesh& from) {
     IndexedMesh<C> to;

@@ -1,13 +1,14 @@
-// hmesh - patches: cut a mesh into tiles, work on each by itself, put them together again.
-//
-// A patch is the part of the mesh whose triangles have their centroid in one tile, as an ImageMesh with local coordinates
-// and a moment table of its own bounding box: about 3 MB at 256 px, so it stays in cache, and sums stay small, so no image
-// is too wide. A vertex is free in a patch when all its triangles are in it; the others are frozen. So patches share
-// nothing that changes and may be worked on in any order, on any number of threads, with the same result to the last bit.
-// Phases shift the tiling by half a tile, so that every vertex is free in turn.
-//
-// A patch may have holes, several components, and frozen vertices where two fans of it meet: those it holds once a fan.
-// Cutting and putting back costs about 1 us a vertex and the table 5 ns a pixel.
+/// \file
+/// Patches: cut a mesh into tiles, work on each by itself, put them together again.
+///
+/// A patch is the part of the mesh whose triangles have their centroid in one tile, as an ImageMesh with local coordinates
+/// and a moment table of its own bounding box: about 3 MB at 256 px, so it stays in cache, and sums stay small, so no image
+/// is too wide. A vertex is free in a patch when all its triangles are in it; the others are frozen. So patches share
+/// nothing that changes and may be worked on in any order, on any number of threads, with the same result to the last bit.
+/// Phases shift the tiling by half a tile, so that every vertex is free in turn.
+///
+/// A patch may have holes, several components, and frozen vertices where two fans of it meet: those it holds once a fan.
+/// Cutting and putting back costs about 1 us a vertex and the table 5 ns a pixel.
 #ifndef HMESH_TILES_PATCH_HPP
 #define HMESH_TILES_PATCH_HPP
 
@@ -34,15 +35,15 @@ namespace hmesh::kit {
 
 namespace detail {
 
-// Which triangles each tile has, and in which tile each vertex is free.
+/// Which triangles each tile has, and in which tile each vertex is free.
 struct Cut {
     static constexpr std::uint32_t locked = 0xffffffffU;
-    std::vector<std::uint32_t> triangles;  // those of tile k: [first[k], first[k + 1])
+    std::vector<std::uint32_t> triangles;  ///< those of tile k: [first[k], first[k + 1])
     std::vector<std::size_t> first;
-    std::vector<std::uint32_t> owner;           // of a vertex: the tile where it is free, or frozen
-    std::vector<std::uint32_t> number;          // of a vertex: its number among those free in its tile, or among the frozen
-    std::vector<std::uint16_t> triangle_count;  // of a vertex, in the whole mesh
-    std::vector<std::size_t> free_count;        // of a tile
+    std::vector<std::uint32_t> owner;           ///< of a vertex: the tile where it is free, or frozen
+    std::vector<std::uint32_t> number;          ///< of a vertex: its number among those free in its tile, or among the frozen
+    std::vector<std::uint16_t> triangle_count;  ///< of a vertex, in the whole mesh
+    std::vector<std::size_t> free_count;        ///< of a tile
     std::size_t frozen_count = 0;
 };
 
@@ -77,12 +78,12 @@ template <int C>
     return cut;
 }
 
-// A tile's triangles with vertices numbered anew: first those that are free, by Cut::number, then the frozen ones, once for
-// each fan of triangles around them.
+/// A tile's triangles with vertices numbered anew: first those that are free, by Cut::number, then the frozen ones, once for
+/// each fan of triangles around them.
 struct PatchTriangles {
     struct Frozen {
-        std::uint32_t vertex;  // of the whole mesh
-        int triangle_count;    // of this fan
+        std::uint32_t vertex;  ///< of the whole mesh
+        int triangle_count;    ///< of this fan
     };
     std::vector<Triangle> triangles;
     std::vector<Frozen> locked;
@@ -138,19 +139,19 @@ template <int C>
     return patch;
 }
 
-// What becomes of a patch, in the plane of the whole image.
+/// What becomes of a patch, in the plane of the whole image.
 template <int C>
 struct PatchResult {
-    std::vector<Point> positions;  // of free vertices
+    std::vector<Point> positions;  ///< of free vertices
     std::vector<Color<C>> colors;
     std::vector<unsigned char> dirty;
-    std::vector<Triangle> triangles;    // free vertices by their place above, frozen ones after them
-    std::vector<std::uint32_t> locked;  // of the whole mesh, may repeat
+    std::vector<Triangle> triangles;    ///< free vertices by their place above, frozen ones after them
+    std::vector<std::uint32_t> locked;  ///< of the whole mesh, may repeat
     std::vector<std::uint32_t> locked_dirty;
     double energy = 0;
 };
 
-// A tile's part of the whole that nobody worked on. Its energy is not known.
+/// A tile's part of the whole that nobody worked on. Its energy is not known.
 template <int C>
 [[nodiscard]] HMESH_COLD PatchResult<C> unchanged(const IndexedMesh<C>& whole, const Cut& cut, std::size_t tile) {
     PatchResult<C> out;
@@ -179,11 +180,11 @@ template <int C>
 
 }  // namespace detail
 
-// A tile's part of a whole mesh, as an ImageMesh over a table of its own.
+/// A tile's part of a whole mesh, as an ImageMesh over a table of its own.
 template <int C>
 class Patch {
   public:
-    // `table`: a table to use if it is that of the patch's rectangle; it is taken.
+    /// `table`: a table to use if it is that of the patch's rectangle; it is taken.
     HMESH_COLD Patch(const IndexedMesh<C>& whole, const ImageSource<C>& source, const detail::Cut& cut, std::size_t tile,
                      const MeshLimits& limits, TaskProgress* task, MomentTable<C> table = {})
         : numbered_(detail::renumber(whole, cut, tile)), free_(cut.free_count[tile]) {
@@ -232,13 +233,13 @@ class Patch {
     Patch& operator=(const Patch&) = delete;
 
     [[nodiscard]] ImageMesh<C>& mesh() noexcept { return mesh_; }
-    // Gives its table away; the patch is of no more use.
+    /// Gives its table away; the patch is of no more use.
     [[nodiscard]] MomentTable<C> take_table() noexcept { return std::move(table_); }
     [[nodiscard]] std::size_t vertex_count() const noexcept { return mesh_.vertex_count(); }
-    // Vertices that may be changed: all but the frozen ones.
+    /// Vertices that may be changed: all but the frozen ones.
     [[nodiscard]] std::size_t free_count() const noexcept { return mesh_.vertex_count() - numbered_.locked.size(); }
 
-    // The patch as it is now, in spatial order.
+    /// The patch as it is now, in spatial order.
     [[nodiscard]] HMESH_COLD detail::PatchResult<C> result() const {
         detail::PatchResult<C> out;
         std::vector<std::uint32_t> number(mesh_.topology().vertex_slots());
@@ -271,7 +272,7 @@ class Patch {
 
   private:
     detail::PatchTriangles numbered_;
-    std::size_t free_;  // vertices [0, free_) were free at first, those after them are frozen, later ones are new
+    std::size_t free_;  ///< vertices [0, free_) were free at first, those after them are frozen, later ones are new
     Point origin_;
     MomentTable<C> table_;
     ImageMesh<C> mesh_;

@@ -1,7 +1,8 @@
-// hmesh - TiledMesh: a mesh of any size under work, patch by patch.
-//
-// What a method holds: the whole mesh, the image, and how to run pieces of work. for_each cuts the mesh along a tiling, lets
-// each patch be worked on through the executor, and merges the results: a serial part of about 0.2 us a vertex.
+/// \file
+/// TiledMesh: a mesh of any size under work, patch by patch.
+///
+/// What a method holds: the whole mesh, the image, and how to run pieces of work. for_each cuts the mesh along a tiling, lets
+/// each patch be worked on through the executor, and merges the results: a serial part of about 0.2 us a vertex.
 #ifndef HMESH_TILES_TILED_MESH_HPP
 #define HMESH_TILES_TILED_MESH_HPP
 
@@ -28,10 +29,10 @@ namespace hmesh::kit {
 template <int C>
 class TiledMesh {
   public:
-    // Work on the mesh of one patch.
+    /// Work on the mesh of one patch.
     using MeshWork = FunctionRef<void(ImageMesh<C>& mesh)>;
 
-    // Over an image, a progress and an executor that outlive it.
+    /// Over an image, a progress and an executor that outlive it.
     TiledMesh(const ImageSource<C>& source, const MeshLimits& limits, ProgressReporter& progress,
               const ParallelFor& parallel_for = {})
         : source_(&source), limits_(limits), progress_(&progress), parallel_for_(parallel_for) {}
@@ -40,20 +41,20 @@ class TiledMesh {
     [[nodiscard]] const MeshLimits& limits() const noexcept { return limits_; }
     [[nodiscard]] ProgressReporter& progress() const noexcept { return *progress_; }
     [[nodiscard]] const ParallelFor& parallel_for() const noexcept { return parallel_for_; }
-    // The mesh between phases, in spatial order.
+    /// The mesh between phases, in spatial order.
     [[nodiscard]] IndexedMesh<C>& indexed() {
         put_back();
         return indexed_;
     }
-    // Of the mesh, which may go on being one patch.
+    /// Of the mesh, which may go on being one patch.
     [[nodiscard]] std::size_t vertex_count() const noexcept { return only_ ? only_->vertex_count() : indexed_.vertex_count(); }
     [[nodiscard]] double energy() const noexcept { return only_ ? only_->mesh().energy() : indexed_.energy; }
-    // Of a vertex, never below 0, where rounding may leave less than nothing.
+    /// Of a vertex, never below 0, where rounding may leave less than nothing.
     [[nodiscard]] double mean_energy() const noexcept { return std::max(0.0, energy()) / static_cast<double>(vertex_count()); }
 
-    // Calls work(patch, tile) for the patch of each tile that has triangles, then puts all together again. The pieces
-    // together are what the progress expects. Returns whether to go on; after a cancellation the mesh is valid, some patches
-    // being worked on in part and some not at all, and indexed().energy is not known any more.
+    /// Calls work(patch, tile) for the patch of each tile that has triangles, then puts all together again. The pieces
+    /// together are what the progress expects. Returns whether to go on; after a cancellation the mesh is valid, some patches
+    /// being worked on in part and some not at all, and indexed().energy is not known any more.
     HMESH_COLD bool for_each(const Tiling& tiling, FunctionRef<void(Patch<C>& patch, std::size_t tile)> work) {
         if (tiling.size() == 1) {
             work_on_only(work);
@@ -73,8 +74,8 @@ class TiledMesh {
         return !progress_->stopped();
     }
 
-    // Calls look(patch, tile, faces) in the same way and changes nothing; faces[f] is the face of the whole mesh
-    // that is face f of the patch. After a cancellation patches may have been left out, unless `all`.
+    /// Calls look(patch, tile, faces) in the same way and changes nothing; faces[f] is the face of the whole mesh
+    /// that is face f of the patch. After a cancellation patches may have been left out, unless `all`.
     HMESH_COLD bool visit(const Tiling& tiling,
                           FunctionRef<void(Patch<C>& patch, std::size_t tile, const std::uint32_t* faces)> look,
                           bool all = false) {
@@ -86,7 +87,7 @@ class TiledMesh {
         return !progress_->stopped();
     }
 
-    // Computes the energy of indexed(), with the positions and colours that it has now.
+    /// Computes the energy of indexed(), with the positions and colours that it has now.
     HMESH_COLD void measure(const Tiling& tiling) {
         std::vector<double> energies(tiling.size(), 0.0);
         visit(
@@ -96,7 +97,7 @@ class TiledMesh {
     }
 
   private:
-    // Lets a mesh tell its progress as long as this lives, also if its work throws.
+    /// Lets a mesh tell its progress as long as this lives, also if its work throws.
     class TaskGuard {
       public:
         TaskGuard(ImageMesh<C>& mesh, TaskProgress& task) : mesh_(mesh) { mesh_.set_task(&task); }
@@ -108,8 +109,8 @@ class TiledMesh {
         ImageMesh<C>& mesh_;
     };
 
-    // Single-tile case: the one patch is kept alive between phases and put back only when indexed() is called. On the calling
-    // thread, so that the work may use the executor itself.
+    /// Single-tile case: the one patch is kept alive between phases and put back only when indexed() is called. On the calling
+    /// thread, so that the work may use the executor itself.
     HMESH_COLD void work_on_only(FunctionRef<void(Patch<C>&, std::size_t)> work) {
         if (!progress_->poll()) return;
         TaskProgress task(*progress_, 1);
@@ -133,7 +134,7 @@ class TiledMesh {
         only_.reset();
     }
 
-    // The patches that have triangles, the largest first; skip(tile) instead of work(patch, tile) once cancelled.
+    /// The patches that have triangles, the largest first; skip(tile) instead of work(patch, tile) once cancelled.
     HMESH_COLD void run(const detail::Cut& cut, FunctionRef<void(Patch<C>&, std::size_t)> work,
                         FunctionRef<void(std::size_t)> skip, bool all = false) {
         const auto count = [&](std::size_t k) { return cut.first[k + 1] - cut.first[k]; };
@@ -196,8 +197,8 @@ class TiledMesh {
     ProgressReporter* progress_;
     ParallelFor parallel_for_;
     IndexedMesh<C> indexed_;
-    std::unique_ptr<Patch<C>> only_;  // in place of whole_, where one patch is all of it
-    MomentTable<C> table_;            // of the whole image, for that patch: made once
+    std::unique_ptr<Patch<C>> only_;  ///< in place of whole_, where one patch is all of it
+    MomentTable<C> table_;            ///< of the whole image, for that patch: made once
 };
 
 }  // namespace hmesh::kit

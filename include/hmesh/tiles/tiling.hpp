@@ -1,4 +1,5 @@
-// hmesh - Tiling: the image cut into tiles, the units of work (tiles/patch.hpp).
+/// \file
+/// Tiling: the image cut into tiles, the units of work (tiles/patch.hpp).
 #ifndef HMESH_TILES_TILING_HPP
 #define HMESH_TILES_TILING_HPP
 
@@ -13,24 +14,24 @@
 
 namespace hmesh::kit {
 
-// The plane cut by vertical and horizontal lines at whole pixels. Tile (i, j) is [lines_x[i], lines_x[i + 1]) times
-// [lines_y[j], lines_y[j + 1]); tiles are numbered row after row.
+/// The plane cut by vertical and horizontal lines at whole pixels. Tile (i, j) is [lines_x[i], lines_x[i + 1]) times
+/// [lines_y[j], lines_y[j + 1]); tiles are numbered row after row.
 class Tiling {
   public:
-    // Of an image of this size into tiles as equal as can be, of about `tile` px; shifted by half a tile to the left or
-    // upwards where asked, so that tiles at the border are half as wide.
+    /// Of an image of this size into tiles as equal as can be, of about `tile` px; shifted by half a tile to the left or
+    /// upwards where asked, so that tiles at the border are half as wide.
     Tiling(int width, int height, double tile, bool shift_x = false, bool shift_y = false)
         : x_(lines(width, tile, shift_x)), y_(lines(height, tile, shift_y)) {}
 
     [[nodiscard]] std::size_t columns() const noexcept { return x_.size() - 1; }
     [[nodiscard]] std::size_t rows() const noexcept { return y_.size() - 1; }
     [[nodiscard]] std::size_t size() const noexcept { return columns() * rows(); }
-    // The pixels of a tile.
+    /// The pixels of a tile.
     [[nodiscard]] Rect rect(std::size_t tile) const noexcept {
         const std::size_t i = tile % columns(), j = tile / columns();
         return {x_[i], y_[j], x_[i + 1] - x_[i], y_[j + 1] - y_[j]};
     }
-    // The tile that holds a point of the image.
+    /// The tile that holds a point of the image.
     [[nodiscard]] std::size_t tile_at(Point p) const noexcept { return find(y_, p.y) * columns() + find(x_, p.x); }
 
   private:

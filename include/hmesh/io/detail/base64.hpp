@@ -1,12 +1,11 @@
-// hmesh - Base64Writer: bytes and little-endian numbers as base64 text (RFC 4648, with padding), for files that embed data.
+/// \file
+/// Base64Sink: a sink that writes what it takes as base64 text, for files of text that hold bytes.
 #ifndef HMESH_IO_DETAIL_BASE64_HPP
 #define HMESH_IO_DETAIL_BASE64_HPP
 
 #include <array>
 #include <cstddef>
 #include <cstdint>
-#include <cstring>
-#include <limits>
 
 #include "hmesh/io/sink.hpp"
 
@@ -14,48 +13,47 @@
 
 namespace hmesh::detail {
 
-template <class Sink>
-class Base64Writer {
+/// Base64 by RFC 4648, section 4: four letters for three bytes, no line breaks. finish() writes the last ones, with padding.
+class Base64Sink {
   public:
-    explicit Base64Writer(Writer<Sink>& writer) noexcept : writer_(&writer) {}
+    /// The text goes to this writer, which outlives the sink.
+    explicit Base64Sink(Writer& writer) noexcept : writer_(&writer) {}
 
-    void u8(std::uint8_t value) {
-        bits_ = bits_ << 8U | value;
-        if (++held_ == 3) flush(4);
+    /// Takes all: the writer remembers what its own sink refused.
+    bool operator()(const void* bytes, std::size_t size) {
+        const auto* from = static_cast<const unsigned char*>(bytes);
+        std::array<char, 1024> text;
+        std::size_t used = 0;
+        for (std::size_t i = 0; i < size; ++i) {
+            bits_ = bits_ << 8U | from[i];
+            if (++held_ < 3) continue;
+            for (std::size_t k = 0; k < 4; ++k) text[used++] = letter(bits_, k);
+            bits_ = 0;
+            held_ = 0;
+            if (used < text.size()) continue;
+            writer_->bytes(text.data(), used);
+            used = 0;
+        }
+        writer_->bytes(text.data(), used);
+        return true;
     }
-    void u16(std::uint16_t value) {
-        u8(static_cast<std::uint8_t>(value & 0xffU));
-        u8(static_cast<std::uint8_t>(value >> 8U));
-    }
-    void u32(std::uint32_t value) {
-        u16(static_cast<std::uint16_t>(value & 0xffffU));
-        u16(static_cast<std::uint16_t>(value >> 16U));
-    }
-    void f32(float value) {
-        static_assert(std::numeric_limits<float>::is_iec559 && sizeof(float) == 4, "float is IEEE 754 binary32");
-        std::uint32_t bits = 0;
-        std::memcpy(&bits, &value, 4);
-        u32(bits);
-    }
-    // Writes what is left. The next byte begins another text.
+    /// Writes the bytes that are left. The next byte begins another text.
     void finish() {
         if (held_ == 0) return;
-        const std::size_t digits = held_ + 1;
-        bits_ <<= 8 * (3 - held_);
-        flush(digits);
-    }
-
-  private:
-    void flush(std::size_t digits) {
         std::array<char, 4> text = {'=', '=', '=', '='};
-        for (std::size_t i = 0; i < digits; ++i)
-            text[i] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/"[(bits_ >> (18 - 6 * i)) & 63U];
+        for (std::size_t k = 0; k <= held_; ++k) text[k] = letter(bits_ << (8 * (3 - held_)), k);
         writer_->bytes(text.data(), text.size());
         bits_ = 0;
         held_ = 0;
     }
 
-    Writer<Sink>* writer_;
+  private:
+    // The letter of the k-th six of 24 bits.
+    [[nodiscard]] static char letter(std::uint32_t bits, std::size_t k) noexcept {
+        return "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/"[(bits >> (18 - 6 * k)) & 63U];
+    }
+
+    Writer* writer_;
     std::uint32_t bits_ = 0;  // of the bytes held
     std::size_t held_ = 0;    // 0 to 2
 };

@@ -1,12 +1,13 @@
-// hmesh - a mesh as a free-form Gouraud shading (type 4), the data that PDF and PostScript level 3 share.
-//
-// ISO 32000-1, 8.7.4.5.5: for each vertex an edge flag (strips.hpp), x, y and the colour components, most significant byte
-// first. Colours are interpolated in the shading's colour space: in DeviceRGB that is what hmesh fits.
-//
-// Coordinates count 1/256 px, the grid of hmesh's meshes: the range that /Decode maps to is whole pixels plus
-// (2^bits - 1) / 256, so that every position of the grid arrives exactly; in 24 bits up to 65535 px, in 16 below 256 px and
-// in 32 beyond. 16 bits for all would save a tenth of the deflated size, but move the vertices of a 512 px image by up to
-// 1/128 px, which turns over thin faces. Components have 8 bits where the mesh's peak is 255, else 16.
+/// \file
+/// A mesh as a free-form Gouraud shading (type 4), the stream of bytes that PDF and PostScript level 3 share.
+///
+/// ISO 32000-1, 8.7.4.5.5: for each vertex an edge flag (see strips.hpp), x, y and the colour components, most significant byte
+/// first. Colours are interpolated in the shading's colour space: in DeviceRGB that is what hmesh fits.
+///
+/// Coordinates count 1/256 px, the grid of hmesh's meshes: the range that /Decode maps to is whole pixels plus
+/// (2^bits - 1) / 256, so that every position of the grid arrives exactly; in 24 bits up to 65535 px, in 16 below 256 px and in
+/// 32 beyond. 16 bits for all would save a tenth of the deflated size, but move the vertices of a 512 px image by up to
+/// 1/128 px, which turns over thin faces. Components have 8 bits where the mesh's peak is 255, else 16.
 #ifndef HMESH_IO_DETAIL_GOURAUD_STREAM_HPP
 #define HMESH_IO_DETAIL_GOURAUD_STREAM_HPP
 
@@ -19,45 +20,38 @@
 
 #include "hmesh/core/finite.hpp"
 #include "hmesh/core/status.hpp"
-#include "hmesh/io/detail/color_shares.hpp"
+#include "hmesh/io/detail/export_mesh.hpp"
 #include "hmesh/io/detail/strips.hpp"
+#include "hmesh/io/page_options.hpp"
+#include "hmesh/io/sink.hpp"
 #include "hmesh/mesh/mesh.hpp"
 
 #include "hmesh/core/macros/push.hpp"
 
-namespace hmesh {
+namespace hmesh::detail {
 
-// A compressor that the user has: puts the zlib stream (RFC 1950) of the bytes, such as zlib's compress2() makes, into the
-// empty `out`. False, or nothing in `out`: it failed.
-using Deflate = bool (*)(void* user, const unsigned char* bytes, std::size_t size, std::vector<unsigned char>& out);
-
-namespace detail {
-
-// How a vertex is stored. y is up.
+/// How a vertex is stored, y up.
 struct ShadingLayout {
-    int coordinate_bytes = 0, component_bytes = 0;
-    std::int64_t left = 0, low = 0;  // px: the whole number that 0 stands for, of x and of y
+    int coordinate_bytes = 0;        ///< of x and of y: 2, 3 or 4
+    int component_bytes = 0;         ///< of a colour component: 1 or 2
+    std::int64_t left = 0, low = 0;  ///< px: the whole numbers for which 0 stands, of x and of y
 
+    /// Bytes from a vertex to the next, with so many colour components.
     [[nodiscard]] std::size_t vertex_bytes(int components) const noexcept {
         return static_cast<std::size_t>(1 + 2 * coordinate_bytes + components * component_bytes);
     }
-    [[nodiscard]] double extent() const noexcept {  // px, from 0 to the largest number; exact
+    /// Px from the number 0 to the largest; exact.
+    [[nodiscard]] double extent() const noexcept {
         return static_cast<double>((std::uint64_t{1} << (8 * coordinate_bytes)) - 1) / 256;
     }
 };
 
-[[nodiscard]] inline double up(const MeshView& mesh, std::size_t v) noexcept {
-    return mesh.height - static_cast<double>(mesh.positions[2 * v + 1]);
-}
-
-// Whether the mesh can be written as a shading, and how.
+/// Refuses what a shading cannot hold, and fills the layout of what it can. O(n).
 [[nodiscard]] inline Status plan_shading(const MeshView& mesh, ShadingLayout& layout) noexcept {
     // The longest stream, 3 vertices a face of 1 + 8 + 6 bytes, keeps its length below 2^31 (ISO 32000-1, annex C).
-    constexpr std::size_t most = ((std::size_t{1} << 31U) - 1) / 45;
-    if (mesh.face_count > most)
-        return {Errc::invalid_argument, "the mesh has more faces than a shading holds",
-                static_cast<std::int64_t>(std::min<std::uint64_t>(mesh.face_count, std::numeric_limits<std::int64_t>::max())),
-                static_cast<std::int64_t>(most)};
+    constexpr std::uint64_t most = ((std::uint64_t{1} << 31U) - 1) / 45, any = std::numeric_limits<std::uint64_t>::max();
+    if (const Status status = check_counts(mesh, any, most, "the mesh has more faces than a shading holds"); !status)
+        return status;
     constexpr int farthest = 4194304;  // px: numbers of 32 bits count 1/256 px up to 2^24 px
     for (const int side : {mesh.width, mesh.height})
         if (side > farthest)
@@ -66,7 +60,7 @@ struct ShadingLayout {
 
     double left = 0, low = 0, right = mesh.width, high = mesh.height;
     for (std::size_t v = 0; v < mesh.vertex_count; ++v) {
-        const double x = static_cast<double>(mesh.positions[2 * v]), y = up(mesh, v);
+        const double x = static_cast<double>(mesh.positions[2 * v]), y = y_up(mesh, v);
         if (!kit::is_within(x, -farthest, farthest) || !kit::is_within(y, -farthest, farthest))
             return {Errc::invalid_argument, "the mesh has a position far outside its image, at vertex",
                     static_cast<std::int64_t>(v), 0};
@@ -82,14 +76,14 @@ struct ShadingLayout {
     return {};
 }
 
-// The entries of the shading's dictionary that describe the data, in the syntax of PDF and PostScript.
-template <class Writer>
-void write_shading_entries(Writer& writer, const ShadingLayout& layout, int components) {
+/// Writes the entries of the shading's dictionary that describe its stream, in the syntax of PDF and PostScript. `components`
+/// is 1 for grey, 3 for red, green and blue.
+inline void write_shading_entries(Writer& writer, const ShadingLayout& layout, int components) {
     writer.text(components == 1 ? "/ShadingType 4 /ColorSpace /DeviceGray" : "/ShadingType 4 /ColorSpace /DeviceRGB");
     writer.text("\n/BitsPerCoordinate ");
-    writer.decimal(8 * layout.coordinate_bytes);
+    writer.decimal(std::int64_t{8} * layout.coordinate_bytes);
     writer.text(" /BitsPerComponent ");
-    writer.decimal(8 * layout.component_bytes);
+    writer.decimal(std::int64_t{8} * layout.component_bytes);
     writer.text(" /BitsPerFlag 8\n/Decode [");
     for (const std::int64_t from : {layout.left, layout.low}) {
         writer.decimal(from);
@@ -100,10 +94,11 @@ void write_shading_entries(Writer& writer, const ShadingLayout& layout, int comp
     writer.text(components == 1 ? "0 1]" : "0 1 0 1 0 1]");
 }
 
-// The stream's bytes. `share(v, k)` is component k of vertex v as a share of full intensity; it is held to [0, 1].
-template <class Share>
-[[nodiscard]] std::vector<unsigned char> shading_bytes(const MeshView& mesh, const std::vector<StripVertex>& vertices,
-                                                       const ShadingLayout& layout, int components, const Share& share) {
+/// The bytes of the stream. Component k of vertex v as a share of full intensity is shares[components * v + k]; it is held to
+/// [0, 1]. View and layout come by value, since a byte that is written might be any other object's: a fifth of the time.
+[[nodiscard]] inline std::vector<unsigned char> shading_bytes(MeshView mesh, const std::vector<StripVertex>& vertices,
+                                                              ShadingLayout layout, int components,
+                                                              const std::vector<double>& shares) {
     std::vector<unsigned char> out(vertices.size() * layout.vertex_bytes(components));
     unsigned char* to = out.data();
     const auto put = [&to](double number, int bytes) {
@@ -111,29 +106,30 @@ template <class Share>
         for (int i = bytes; i-- > 0;) *to++ = static_cast<unsigned char>((bits >> (8 * i)) & 0xffU);
     };
     const double full = layout.component_bytes == 1 ? 255 : 65535;
-    for (const StripVertex& s : vertices) {
+    const auto count = static_cast<std::size_t>(components);
+    const double* const from = shares.data();
+    for (const StripVertex s : vertices) {
         const std::size_t v = s.vertex;
         *to++ = s.flag;
         put((static_cast<double>(mesh.positions[2 * v]) - static_cast<double>(layout.left)) * 256, layout.coordinate_bytes);
-        put((up(mesh, v) - static_cast<double>(layout.low)) * 256, layout.coordinate_bytes);
-        for (int k = 0; k < components; ++k)
-            put(std::max(0.0, std::min(1.0, static_cast<double>(share(v, k)))) * full, layout.component_bytes);
+        put((y_up(mesh, v) - static_cast<double>(layout.low)) * 256, layout.coordinate_bytes);
+        for (std::size_t k = 0; k < count; ++k)
+            put(std::max(0.0, std::min(1.0, from[count * v + k])) * full, layout.component_bytes);
     }
     return out;
 }
 
-// Replaces the bytes by their zlib stream, where there is a compressor.
-[[nodiscard]] inline Status compress(Deflate deflate, void* user, std::vector<unsigned char>& bytes) {
-    if (deflate == nullptr) return {};
+/// Replaces the bytes by their zlib stream, where there is a compressor. Errc::write_failed where it fails.
+[[nodiscard]] inline Status compress(Deflate deflate, std::vector<unsigned char>& bytes) {
+    if (!deflate) return {};
     std::vector<unsigned char> out;
-    if (!deflate(user, bytes.data(), bytes.size(), out) || out.empty())
+    if (!deflate(bytes.data(), bytes.size(), out) || out.empty())
         return {Errc::write_failed, "the compressor failed, before the first byte was written", 0, 0};
     bytes.swap(out);
     return {};
 }
 
-}  // namespace detail
-}  // namespace hmesh
+}  // namespace hmesh::detail
 
 #include "hmesh/core/macros/pop.hpp"
 

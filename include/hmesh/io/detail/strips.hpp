@@ -1,11 +1,12 @@
-// hmesh - triangle strips: the faces of a mesh as the vertices and edge flags of a free-form Gouraud shading.
-//
-// A triangle that shares a side with the one before it needs one vertex instead of three (ISO 32000-1, 8.7.4.5.5): flag 0
-// begins anew with three vertices a, b, c; flag 1 adds d to make b, c, d; flag 2 adds d to make a, c, d. The newest vertex
-// is in both sides that can be shared, so any way from face to face that enters each by one side and leaves it by another
-// can be written. The walk goes to the neighbour that has the fewest ways on left (Akeley's rule, as in SGI's tomesh).
-// Meshes of images get strips of 30 to 40 faces on average, 1.06 vertices a face. Cost: about 0.1 us and 60 bytes a face,
-// O(n log n) at worst.
+/// \file
+/// Triangle strips: the faces of a mesh as the vertices and edge flags of a free-form Gouraud shading.
+///
+/// A triangle that shares a side with the one before it needs one vertex instead of three (ISO 32000-1, 8.7.4.5.5): flag 0
+/// begins anew with three vertices a, b, c; flag 1 adds d to make b, c, d; flag 2 adds d to make a, c, d. The newest vertex is
+/// in both sides that can be shared, so any way from face to face that enters each by one side and leaves it by another can be
+/// written. The walk goes to the neighbour that has the fewest ways on left (Akeley's rule, as in SGI's tomesh). Meshes of
+/// images get strips of 30 to 40 faces on average, 1.06 vertices a face. Cost: about 0.1 us and 60 bytes a face, O(n log n) at
+/// worst.
 #ifndef HMESH_IO_DETAIL_STRIPS_HPP
 #define HMESH_IO_DETAIL_STRIPS_HPP
 
@@ -22,16 +23,18 @@
 
 namespace hmesh::detail {
 
+/// A vertex as a reader of edge flags takes it.
 struct StripVertex {
-    std::uint32_t vertex;
-    std::uint8_t flag;  // 0, 1 or 2; 0 for the second and third vertex of a first triangle, where it means nothing
+    std::uint32_t vertex;  ///< its index in the mesh
+    std::uint8_t flag;     ///< 0, 1 or 2; 0 for the second and third vertex of a first triangle, where it means nothing
 };
 
+/// The index that stands for no face.
 inline constexpr std::uint32_t no_face = std::numeric_limits<std::uint32_t>::max();
 
-// The face across each side of each face; side k runs from corner k to corner k + 1. A side used by more than two faces
-// joins them two by two, so that each side leads to at most one face. At most 2^32 / 3 faces.
-[[nodiscard]] inline std::vector<std::array<std::uint32_t, 3>> face_neighbors(const MeshView& mesh) {
+/// The face across each side of each face, or no_face; side k runs from corner k to corner k + 1. A side used by more than two
+/// faces joins them two by two, so that each side leads to at most one face. At most 2^32 / 3 faces.
+[[nodiscard]] inline std::vector<Triangle> face_neighbors(const MeshView& mesh) {
     struct Side {
         std::uint32_t high, corner;  // the larger end; 3 * face + k
     };
@@ -46,7 +49,7 @@ inline constexpr std::uint32_t no_face = std::numeric_limits<std::uint32_t>::max
             const auto [low, high] = std::minmax({mesh.faces[f][k], mesh.faces[f][(k + 1) % 3]});
             sides[first[low]++] = {high, static_cast<std::uint32_t>(3 * f + k)};
         }
-    std::vector<std::array<std::uint32_t, 3>> across(mesh.face_count, {no_face, no_face, no_face});
+    std::vector<Triangle> across(mesh.face_count, {no_face, no_face, no_face});
     for (std::size_t v = 0, i = 0; v < mesh.vertex_count; ++v) {
         const std::size_t end = first[v];
         std::sort(sides.begin() + static_cast<std::ptrdiff_t>(i), sides.begin() + static_cast<std::ptrdiff_t>(end),
@@ -63,15 +66,17 @@ inline constexpr std::uint32_t no_face = std::numeric_limits<std::uint32_t>::max
     return across;
 }
 
-// Takes faces, one after the other, so that each is beside the one before it for as long as that goes.
+/// A walk over the faces of a mesh that goes on to a face beside the last one for as long as it can.
 class StripWalk {
   public:
+    /// Over a mesh that check() accepts and whose arrays outlive the walk.
     explicit StripWalk(const MeshView& mesh) : mesh_(mesh), across_(face_neighbors(mesh)), left_(mesh.face_count, 0) {
         for (std::size_t f = 0; f < mesh.face_count; ++f)
             for (const std::uint32_t g : across_[f]) left_[f] = static_cast<std::uint8_t>(left_[f] + (g != no_face ? 1 : 0));
         for (std::size_t f = mesh.face_count; f-- > 0;) starts_[left_[f]].push_back(static_cast<std::uint32_t>(f));
     }
 
+    /// Every face once, in strips. To be called once.
     [[nodiscard]] std::vector<StripVertex> run() {
         std::vector<StripVertex> out;
         out.reserve(mesh_.face_count + mesh_.face_count / 8 + 3);
@@ -120,20 +125,20 @@ class StripWalk {
     }
 
     // The corners of f, those of the side toward g first.
-    [[nodiscard]] std::array<std::uint32_t, 3> corners(std::uint32_t f, std::uint32_t g) const {
-        const std::array<std::uint32_t, 3>& face = mesh_.faces[f];
+    [[nodiscard]] Triangle corners(std::uint32_t f, std::uint32_t g) const {
+        const Triangle& face = mesh_.faces[f];
         for (std::size_t k = 0; k < 3; ++k)
             if (across_[f][k] == g) return {face[k], face[(k + 1) % 3], face[(k + 2) % 3]};
         return face;
     }
     void append(const std::vector<std::uint32_t>& path, std::vector<StripVertex>& out) const {
         std::uint32_t a = 0, b = 0, c = 0;
-        const auto same = [](std::uint32_t u, std::uint32_t v, const std::array<std::uint32_t, 3>& side) {
+        const auto same = [](std::uint32_t u, std::uint32_t v, const Triangle& side) {
             return (u == side[0] && v == side[1]) || (u == side[1] && v == side[0]);
         };
         for (std::size_t i = 0; i < path.size(); ++i) {
             if (i > 0) {
-                const std::array<std::uint32_t, 3> next = corners(path[i], path[i - 1]);
+                const Triangle next = corners(path[i], path[i - 1]);
                 if (same(b, c, next)) {
                     out.push_back({next[2], 1});
                     a = b, b = c, c = next[2];
@@ -146,19 +151,19 @@ class StripWalk {
                 }
                 // Faces that have a corner twice or lie on each other come here.
             }
-            const std::array<std::uint32_t, 3> face = corners(path[i], i + 1 < path.size() ? path[i + 1] : no_face);
+            const Triangle face = corners(path[i], i + 1 < path.size() ? path[i + 1] : no_face);
             a = face[2], b = face[0], c = face[1];
             for (const std::uint32_t v : {a, b, c}) out.push_back({v, 0});
         }
     }
 
     const MeshView mesh_;
-    const std::vector<std::array<std::uint32_t, 3>> across_;
+    const std::vector<Triangle> across_;
     std::vector<std::uint8_t> left_;                    // a face's neighbours that are not taken, or `taken`
     std::array<std::vector<std::uint32_t>, 4> starts_;  // faces that had so many; those that have still are in the right one
 };
 
-// Every face once, in strips or, without, each by itself in the mesh's order. Checked meshes only.
+/// Every face of a mesh that check() accepts once: in strips or, without, each by itself in the mesh's order.
 [[nodiscard]] inline std::vector<StripVertex> strip_vertices(const MeshView& mesh, bool strips) {
     if (strips) return StripWalk(mesh).run();
     std::vector<StripVertex> out;

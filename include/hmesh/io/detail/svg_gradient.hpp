@@ -1,15 +1,16 @@
-// hmesh - the linear gradients of write_svg(): where a gradient's line runs so that it shows a face's colours.
-//
-// Over a face a colour is linear; a gradient is constant across its direction. Of all gradients, whatever their direction
-// and stops, the one with the least squared error over the face's area is found in closed form. Fix a direction, and number
-// the corners a, b, c along it. The best colour at a place t on the line is the mean over the chord across the face at t: the
-// colour at the chord's middle, which runs straight from a to the middle of the chord through b, and from there to c. So
-// three stops are enough. What is missed is linear along each chord; chords lengthen linearly up to b's, so the mean of the
-// error is |d|^2 / 24, d the difference of colour between the ends of b's chord: between b and a point of the edge ac. Over
-// all directions that is least where that point has the colour nearest to b's: the foot of b on the line ac in the space of
-// colours. And over the choice of b it is least opposite to the longest side there, where the foot always is between a and
-// c. The stops are means of corner colours, so none leaves the range of colours. Where |d| is a few steps of 8 bits, two stops
-// save a tenth of the file.
+/// \file
+/// The linear gradients of write_svg(): where a gradient's line runs so that it shows a face's colours.
+///
+/// Over a face a colour is linear; a gradient is constant across its direction. Of all gradients, whatever their direction and
+/// stops, the one with the least squared error over the face's area is found in closed form. Fix a direction, and number the
+/// corners a, b, c along it. The best colour at a place t on the line is the mean over the chord across the face at t: the
+/// colour at the chord's middle, which runs straight from a to the middle of the chord through b, and from there to c. So three
+/// stops are enough. What is missed is linear along each chord; chords lengthen linearly up to b's, so the mean of the error is
+/// |d|^2 / 24, d the difference of colour between the ends of b's chord: between b and a point of the edge ac. Over all
+/// directions that is least where that point has the colour nearest to b's: the foot of b on the line ac in the space of
+/// colours. And over the choice of b it is least opposite to the longest side there, where the foot always is between a and c.
+/// The stops are means of corner colours, so none leaves the range of colours. Where |d| is a few steps of 8 bits, two stops
+/// save a tenth of the file.
 #ifndef HMESH_IO_DETAIL_SVG_GRADIENT_HPP
 #define HMESH_IO_DETAIL_SVG_GRADIENT_HPP
 
@@ -22,21 +23,24 @@
 
 namespace hmesh::detail {
 
+/// A place in the image, in px.
 struct PlanePoint {
-    double x = 0, y = 0;  // px
+    double x = 0, y = 0;
 };
 
-using FacePoints = std::array<PlanePoint, 3>;
-using Color4 = std::array<double, 4>;  // red, green, blue, alpha, or grey, 0, 0, 0; in [0, 255]
-using FaceColors = std::array<Color4, 3>;
+using FacePoints = std::array<PlanePoint, 3>;  ///< the places of a face's corners
+using Color4 = std::array<double, 4>;          ///< red, green, blue, alpha, or grey, 0, 0, 0; in [0, 255]
+using FaceColors = std::array<Color4, 3>;      ///< the colours of a face's corners
 
+/// The mean of the corners' colours, which is the mean over the face.
 [[nodiscard]] inline Color4 mean_color(const FaceColors& colors) noexcept {
     Color4 mean{};
     for (std::size_t c = 0; c < 4; ++c) mean[c] = (colors[0][c] + colors[1][c] + colors[2][c]) / 3;
     return mean;
 }
 
-// Colours stored multiplied by alpha, divided by it. A corner without alpha has no colour: it takes the others' mean.
+/// Divides colours that are multiplied by alpha by it. A corner without alpha has no colour: it takes the others' mean. Other
+/// than in ExportMesh it is the mean of this face alone, since faces are painted one by one.
 inline void divide_by_alpha(FaceColors& colors) noexcept {
     for (std::size_t c = 0; c < 3; ++c) {
         const double alphas = colors[0][3] + colors[1][3] + colors[2][3];
@@ -45,18 +49,18 @@ inline void divide_by_alpha(FaceColors& colors) noexcept {
     }
 }
 
-// A gradient's line, from offset 0 to offset 1.
+/// The line along which a gradient changes.
 struct GradientLine {
-    PlanePoint from, to;
-    int places = 0;                  // decimals to write
-    double low_at = 0, high_at = 1;  // offsets
+    PlanePoint from, to;             ///< the places of the offsets 0 and 1
+    int places = 0;                  ///< decimals to write of the places
+    double low_at = 0, high_at = 1;  ///< the offsets at which the function is 0 and 1
 };
 
-// The line on which a function that is linear over the face, given by its values at the corners, goes from 0 at low_at to 1
-// at high_at; it passes by the face's centroid. Across a needle the two offsets come closer, so that the line is at least
-// half as long as the face reaches to its sides: else a little error of the ends, which some viewers hold in 1/65536 px,
-// would turn it. Written with so many decimals that on the face no value is off by more than `error`; at most 9. The face
-// has an area and the function is not constant.
+/// The line on which a function that is linear over the face, given by its values at the corners, goes from 0 at low_at to 1 at
+/// high_at; it passes by the face's centroid. Across a needle the two offsets come closer, so that the line is at least half as
+/// long as the face reaches to its sides: else a little error of the ends, which some viewers hold in 1/65536 px, would turn
+/// it. It has so many decimals that on the face no value is off by more than `error`; at most 9. The face has an area and the
+/// function is not constant.
 [[nodiscard]] inline GradientLine gradient_line(const FacePoints& at, const std::array<double, 3>& values,
                                                 double error) noexcept {
     const double bx = at[1].x - at[0].x, by = at[1].y - at[0].y, cx = at[2].x - at[0].x, cy = at[2].y - at[0].y;
@@ -83,23 +87,28 @@ struct GradientLine {
     return line;
 }
 
+/// Whether the corners are not on one line.
 [[nodiscard]] inline bool has_area(const FacePoints& at) noexcept {
     return (at[1].x - at[0].x) * (at[2].y - at[0].y) != (at[1].y - at[0].y) * (at[2].x - at[0].x);
 }
 
-// Less than half a step of 8 bits between corners is no gradient.
+/// Steps of 8 bits: corners that differ by less need no gradient.
 inline constexpr double least_range = 0.5;
 
-// One channel of a face. Usually on a line along which it goes from 0 to 255, with the stops that all such faces share. A
-// viewer that gives a face a pixel whose centre is 1/256 px outside, or gives its line's ends in such units, shows steep
-// faces in colours far off; those of more than `steepest` get stops of their own, which hold them to the corners' colours.
+/// One channel of a face, exactly. Usually on a line along which it goes from 0 to 255, with the stops that all such faces
+/// share. A viewer that gives a face a pixel whose centre is 1/256 px outside, or gives its line's ends in such units, shows
+/// steep faces in colours far off; those of more than `steepest` get stops of their own, which hold them to the corners'
+/// colours.
 struct ChannelGradient {
-    static constexpr double steepest = 128;  // steps of 8 bits a px
+    static constexpr double steepest = 128;  ///< steps of 8 bits a px
 
-    bool is_plain = true, is_steep = false;
-    double mean = 0, low = 0, high = 255;
-    GradientLine line;
+    bool is_plain = true;        ///< the face has one colour, `mean`
+    bool is_steep = false;       ///< the stops are `low` and `high` and not those shared
+    double mean = 0;             ///< in [0, 255]
+    double low = 0, high = 255;  ///< the values at the line's two offsets
+    GradientLine line;           ///< unless the face is plain
 
+    /// Of a face, and which of its channels.
     ChannelGradient(const FacePoints& at, const FaceColors& colors, std::size_t channel) noexcept {
         std::array<double, 3> values = {colors[0][channel], colors[1][channel], colors[2][channel]};
         mean = (values[0] + values[1] + values[2]) / 3;
@@ -119,15 +128,17 @@ struct ChannelGradient {
     }
 };
 
-// Red, green and blue of a face by the best gradient.
+/// Red, green and blue of a face by the best gradient.
 struct FaceGradient {
-    static constexpr double least_miss = 4;  // steps of 8 bits, worth a third stop
+    static constexpr double least_miss = 4;  ///< steps of 8 bits, worth a third stop
 
-    bool is_plain = true, has_middle = false;
-    GradientLine line;
-    Color4 first{}, middle{}, last{};
-    double middle_at = 0;  // offset in [0, 1]
+    bool is_plain = true;              ///< the face has one colour, the mean of its corners'
+    bool has_middle = false;           ///< there are three stops
+    GradientLine line;                 ///< unless the face is plain
+    Color4 first{}, middle{}, last{};  ///< the stops' colours
+    double middle_at = 0;              ///< the middle's offset in [0, 1]
 
+    /// Of a face.
     FaceGradient(const FacePoints& at, const FaceColors& colors) noexcept {
         const auto product = [&](std::size_t from, std::size_t one, std::size_t other) {
             double sum = 0;

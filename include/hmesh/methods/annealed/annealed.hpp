@@ -1,13 +1,14 @@
-// hmesh - annealed: the method of best fidelity, and the default.
-//
-//     grid -> greedy insertion to o n vertices -> collapse to u n -> s sweeps of priced moves -> exactly n -> polish
-//
-// Too many vertices are placed where each lowers the energy most, then those that are missed least go; vertices move and
-// edges turn all along. Annealing (methods/annealed/annealing.hpp) then exchanges vertices between places at one common price. Colours
-// are least-squares optimal throughout. Each stage is left out where its options say 0 or 1.
-//
-// All of it happens in patches (tiles/patch.hpp). Each tile is first meshed by itself, with a share of the budget and with
-// its seams fixed; then phases shift the tiling, so that nothing of the seams remains.
+/// \file
+/// Annealed: the method of best fidelity, and the default.
+///
+///    grid -> greedy insertion to o n vertices -> collapse to u n -> s sweeps of priced moves -> exactly n -> polish
+///
+/// Too many vertices are placed where each lowers the energy most, then those that are missed least go; vertices move and edges
+/// turn all along. Annealing (methods/annealed/annealing.hpp) then exchanges vertices between places at one common price. Colours
+/// are least-squares optimal throughout. Each stage is left out where its options say 0 or 1.
+///
+/// All of it happens in patches (tiles/patch.hpp). Each tile is first meshed by itself, with a share of the budget and with its
+/// seams fixed; then phases shift the tiling, so that nothing of the seams remains.
 #ifndef HMESH_METHODS_ANNEALED_ANNEALED_HPP
 #define HMESH_METHODS_ANNEALED_ANNEALED_HPP
 
@@ -36,10 +37,9 @@
 #include "hmesh/core/macros/push.hpp"
 
 namespace hmesh {
-namespace kit {
-namespace detail {
+namespace kit::detail {
 
-// Greedy insertion until the mesh has n vertices.
+/// Greedy insertion until the mesh has n vertices.
 template <int C>
 HMESH_COLD void grow(ImageMesh<C>& mesh, std::size_t n, const AnnealedSteps& options) {
     const std::size_t first = mesh.vertex_count();
@@ -58,7 +58,7 @@ HMESH_COLD void grow(ImageMesh<C>& mesh, std::size_t n, const AnnealedSteps& opt
     if (mesh.vertex_count() < n && mesh.keep_going()) subdivide(mesh, n - mesh.vertex_count());
 }
 
-// Removes the cheapest vertices until n are left. May stop early where no vertex can go.
+/// Removes the cheapest vertices until n are left. May stop early where no vertex can go.
 template <int C>
 HMESH_COLD void shrink(ImageMesh<C>& mesh, std::size_t n, const AnnealedSteps& options) {
     const std::size_t first = mesh.vertex_count();
@@ -71,14 +71,14 @@ HMESH_COLD void shrink(ImageMesh<C>& mesh, std::size_t n, const AnnealedSteps& o
     }
 }
 
-// The recipe for n vertices.
+/// The recipe for n vertices.
 template <int C>
 class AnnealedRun {
   public:
     AnnealedRun(TiledMesh<C>& tiled, std::size_t n, const AnnealedSteps& steps, std::uint64_t seed, double tile)
         : tiled_(&tiled), n_(n), steps_(steps), seed_(seed), tile_(tile), aligned_(tiling(0)) {}
 
-    // False: cancelled, or more than n vertices none of which can go.
+    /// False: cancelled, or more than n vertices none of which can go.
     bool run() {
         tiled_->indexed() = corner_mesh(tiled_->source());  // what a cancellation finds
         return stage("grid", [&] { return start(); }) && stage("insert", [&] { return insert(); }) &&
@@ -89,7 +89,7 @@ class AnnealedRun {
 
   private:
     [[nodiscard]] ProgressReporter& progress() noexcept { return tiled_->progress(); }
-    // Phase k's cut of the plane: every vertex is within a tile in some of any 4 in a row.
+    /// Phase k's cut of the plane: every vertex is within a tile in some of any 4 in a row.
     [[nodiscard]] Tiling tiling(int phase) const {
         constexpr bool shift_x[] = {false, true, true, false}, shift_y[] = {false, true, false, true};
         return Tiling(tiled_->source().width(), tiled_->source().height(), tile_, shift_x[phase & 3], shift_y[phase & 3]);
@@ -117,13 +117,13 @@ class AnnealedRun {
         });
     }
 
-    // What is known of a tile.
+    /// What is known of a tile.
     struct Tile {
-        std::size_t free = 0;  // vertices that are free in it
+        std::size_t free = 0;  ///< vertices that are free in it
         double energy = 0;
-        std::size_t placed = 0;  // free vertices that insertion aims at
+        std::size_t placed = 0;  ///< free vertices that insertion aims at
     };
-    // Calls work(mesh, k, rim) for the patch of each tile k of the aligned tiling, of which `rim` vertices are frozen.
+    /// Calls work(mesh, k, rim) for the patch of each tile k of the aligned tiling, of which `rim` vertices are frozen.
     bool for_each_tile(FunctionRef<void(ImageMesh<C>& mesh, std::size_t tile, std::size_t rim)> work) {
         tiles_.resize(aligned_.size());
         return tiled_->for_each(aligned_, [&](Patch<C>& patch, std::size_t k) {
@@ -132,15 +132,15 @@ class AnnealedRun {
             tiles_[k].energy = patch.mesh().energy();
         });
     }
-    // Vertices that are free in no tile.
+    /// Vertices that are free in no tile.
     [[nodiscard]] std::size_t seam_count() noexcept {
         std::size_t count = tiled_->vertex_count();
         for (const Tile& tile : tiles_) count -= tile.free;
         return count;
     }
 
-    // Grows all tiles until they have about `count` vertices together, shared by area or, where `by_error`, by what error the
-    // tiles have now (methods/annealed/budget.hpp).
+    /// Grows all tiles until they have about `count` vertices together, shared by area or, where `by_error`, by what error the
+    /// tiles have now (methods/annealed/budget.hpp).
     HMESH_COLD bool grow_tiles(double count, bool by_error) {
         std::vector<double> weights;
         std::vector<std::size_t> caps;
@@ -236,9 +236,7 @@ class AnnealedRun {
     std::vector<Tile> tiles_;
 };
 
-}  // namespace detail
-
-}  // namespace kit
+}  // namespace kit::detail
 
 template <int C>
 Status Annealed::run(kit::TiledMesh<C>& mesh, std::size_t n) const {

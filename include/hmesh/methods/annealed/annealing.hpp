@@ -1,10 +1,11 @@
-// hmesh - annealing: priced moves with undo, the way to the best mesh for a budget.
-//
-// The ensemble is grand canonical: a vertex has the price mu, so meshes of n vertices minimise energy + mu n, and
-// vertices flow from where they are worth little to where they are worth much. Four kinds of move - remove, insert, flip,
-// jump - are each a transaction: do it, relax the surroundings, read the exact energy, then accept by Metropolis' rule at
-// temperature T or roll back to the last byte. Between sweeps the price is steered to the vertex target and T falls to 0.
-// Patches of one mesh share the price, so vertices flow between them too. A sweep costs 20 to 25 us a vertex for 3 channels.
+/// \file
+/// Annealing: priced moves with undo, the way to the best mesh for a budget.
+///
+/// The ensemble is grand canonical: a vertex has the price mu, so meshes of n vertices minimise energy + mu n, and
+/// vertices flow from where they are worth little to where they are worth much. Four kinds of move - remove, insert, flip,
+/// jump - are each a transaction: do it, relax the surroundings, read the exact energy, then accept by Metropolis' rule at
+/// temperature T or roll back to the last byte. Between sweeps the price is steered to the vertex target and T falls to 0.
+/// Patches of one mesh share the price, so vertices flow between them too. A sweep costs 20 to 25 us a vertex for 3 channels.
 #ifndef HMESH_METHODS_ANNEALED_ANNEALING_HPP
 #define HMESH_METHODS_ANNEALED_ANNEALING_HPP
 
@@ -27,25 +28,25 @@
 
 namespace hmesh::kit {
 
-// What a sweep did.
+/// How many vertices went and came in a sweep.
 struct AnnealingCounts {
-    std::size_t removed = 0, inserted = 0, flipped = 0, jumped = 0;
+    std::size_t removed = 0, inserted = 0;
 };
 
-// What all patches of a mesh share: the price of a vertex, steered between sweeps, and the temperature.
+/// What all patches of a mesh share: the price of a vertex, steered between sweeps, and the temperature.
 class AnnealingSchedule {
   public:
-    // Toward `target` vertices, from a mesh with this mean energy of a vertex.
+    /// Toward `target` vertices, from a mesh with this mean energy of a vertex.
     AnnealingSchedule(const AnnealingOptions& options, std::size_t target, double mean_energy) noexcept
         : options_(options), target_(static_cast<double>(target)), price_(options.start_price * mean_energy) {}
 
     [[nodiscard]] double price() const noexcept { return price_; }
-    // Of sweep 0, 1, ..: T in units of energy.
+    /// Of sweep 0, 1, ..: T in units of energy.
     [[nodiscard]] double temperature(int sweep) const noexcept {
         return options_.temperature * std::pow(1 - static_cast<double>(sweep) / options_.sweeps, options_.cooling) * price_;
     }
-    // After a sweep: the price rises with the surplus of vertices and with its rate of growth. Weaker gains lose 0.04 to
-    // 0.08 dB.
+    /// After a sweep: the price rises with the surplus of vertices and with its rate of growth. Weaker gains lose 0.04 to
+    /// 0.08 dB.
     void steer(const AnnealingCounts& counts, std::size_t vertices, double mean_energy) noexcept {
         const double deviation = (static_cast<double>(vertices) - target_) / target_;
         const double rate = (static_cast<double>(counts.inserted) - static_cast<double>(counts.removed)) / target_;
@@ -58,28 +59,28 @@ class AnnealingSchedule {
     double target_, price_;
 };
 
-// How many vertices a sweep may leave.
+/// How many vertices a sweep may leave.
 struct CountRange {
     double least = 0, most = 0;
 };
 
-// One sweep over a mesh or a patch.
+/// One sweep over a mesh or a patch.
 template <int C>
 class AnnealingSweep {
   public:
-    // At this price and temperature, in units of energy. The mesh outlives the object.
+    /// At this price and temperature, in units of energy. The mesh outlives the object.
     AnnealingSweep(ImageMesh<C>& mesh, const AnnealingOptions& options, double price, double temperature, const CountRange& range,
                    const Random& random)
         : mesh_(&mesh), options_(options), price_(price), temperature_(temperature), least_(5e-3 * price), range_(range),
           random_(random) {}
 
-    // Removals, insertions, flips and jumps, then two sweeps over the vertices that are due, with flips in between.
+    /// Removals, insertions, flips and jumps, then two sweeps over the vertices that are due, with flips in between.
     AnnealingCounts run() {
         AnnealingCounts counts;
         counts.removed = remove_moves();
         counts.inserted = insert_moves();
-        counts.flipped = flip_moves();
-        counts.jumped = jump_moves();
+        flip_moves();
+        jump_moves();
         const double mean = mesh_->mean_energy();
         const Tolerance tolerance{1e-2, mean > 0 ? least_ / mean : 0};
         sweep(*mesh_, tolerance);
@@ -89,8 +90,8 @@ class AnnealingSweep {
     }
 
   private:
-    // A change since `mark`, when the energy was `before`, that costs `cost` by itself: surroundings settle in up to two
-    // rounds, then Metropolis' rule keeps the change or undoes it. Hopeless after one round, it does not get the second.
+    /// A change since `mark`, when the energy was `before`, that costs `cost` by itself: surroundings settle in up to two
+    /// rounds, then Metropolis' rule keeps the change or undoes it. Hopeless after one round, it does not get the second.
     template <class Round>
     bool accept_or_roll_back(const typename ImageMesh<C>::Mark& mark, double before, double cost, Round&& round) {
         const double allowed = before - cost - temperature_ * std::log(random_.uniform());
@@ -109,7 +110,8 @@ class AnnealingSweep {
         }
         return keep;
     }
-    void collect(Vertex v) {  // the neighbours of v
+    /// The neighbours of v.
+    void collect(Vertex v) {
         around_.clear();
         for (const Halfedge h : topology().outgoing(v)) around_.push_back(topology().to_vertex(h));
     }
@@ -151,8 +153,7 @@ class AnnealingSweep {
         return inserted;
     }
 
-    std::size_t flip_moves() {
-        std::size_t flipped = 0;
+    void flip_moves() {
         for (const Edge e : spatial_edges(*mesh_)) {
             if (!mesh_->keep_going()) break;
             if (!is_flippable(*mesh_, e)) continue;
@@ -169,13 +170,11 @@ class AnnealingSweep {
             const auto round = [&] {
                 for (const Vertex v : around_) improve_vertex(*mesh_, v, least_);
             };
-            if (accept_or_roll_back(mark, before, 1e-4 * price_, round)) ++flipped;
+            accept_or_roll_back(mark, before, 1e-4 * price_, round);
         }
-        return flipped;
     }
 
-    std::size_t jump_moves() {
-        std::size_t jumped = 0;
+    void jump_moves() {
         for (const Vertex v : spatial_vertices(*mesh_)) {
             if (!mesh_->keep_going()) break;
             const VertexState<C> state = mesh_->vertex(v);
@@ -198,13 +197,12 @@ class AnnealingSweep {
             collect(v);
             around_.insert(around_.begin(), v);
             mesh_->place(v, target, state.color);
-            if (accept_or_roll_back(mark, before, 1e-3 * price_, [&] { relax(*mesh_, around_, 1, least_); })) ++jumped;
+            accept_or_roll_back(mark, before, 1e-3 * price_, [&] { relax(*mesh_, around_, 1, least_); });
         }
-        return jumped;
     }
 
     [[nodiscard]] const HalfedgeMesh& topology() const noexcept { return mesh_->topology(); }
-    // Loops that may stop early begin anywhere, or the top of the image would get more of the budget.
+    /// Loops that may stop early begin anywhere, or the top of the image would get more of the budget.
     template <class Element>
     [[nodiscard]] std::vector<Element> rotated(std::vector<Element> elements) {
         if (!elements.empty())
@@ -216,7 +214,7 @@ class AnnealingSweep {
     ImageMesh<C>* mesh_;
     AnnealingOptions options_;
     double price_, temperature_;
-    double least_;  // steps that promise less are not tried
+    double least_;  ///< steps that promise less are not tried
     CountRange range_;
     Random random_;
     RingScratch<C> scratch_;

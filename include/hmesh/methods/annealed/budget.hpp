@@ -1,7 +1,8 @@
-// hmesh - budget: how many vertices each tile gets, and how a mesh comes to exactly n.
-//
-// Before there is a common price, tiles share the budget by the error of a mesh of equal density in each. A mesh that is
-// near n already gets there by quotas: the cheapest removals wherever they are, or insertions in proportion to the error.
+/// \file
+/// Budget: how many vertices each tile gets, and how a mesh comes to exactly n.
+///
+/// Before there is a common price, tiles share the budget by the error of a mesh of equal density in each. A mesh that is
+/// near n already gets there by quotas: the cheapest removals wherever they are, or insertions in proportion to the error.
 #ifndef HMESH_METHODS_ANNEALED_BUDGET_HPP
 #define HMESH_METHODS_ANNEALED_BUDGET_HPP
 
@@ -23,15 +24,15 @@
 
 namespace hmesh::kit {
 
-// A tile's share of the budget: area (E / area)^p, E being the error in it of a mesh of equal density everywhere. Equal
-// returns from all tiles ask for p = 0.65 where error falls with the 0.53th power of the vertices (1.6 dB a doubling); on
-// mosaics of photographs 0.8 came out 0.05 dB above 0.65, 0.1 above 0.5 (fast).
+/// A tile's share of the budget: area (E / area)^p, E being the error in it of a mesh of equal density everywhere. Equal
+/// returns from all tiles ask for p = 0.65 where error falls with the 0.53th power of the vertices (1.6 dB a doubling); on
+/// mosaics of photographs 0.8 came out 0.05 dB above 0.65, 0.1 above 0.5 (fast).
 [[nodiscard]] inline double error_share(double area, double energy) noexcept {
     return area * std::pow(std::max(0.0, energy) / area, 0.8);
 }
 
-// `count` things shared in proportion to `weights` >= 0 (equally, where only 0 is left), none getting more than its cap;
-// whole numbers that sum to `count` as long as the caps do. O(size) for each cap that is met, at most `size` times.
+/// `count` things shared in proportion to `weights` >= 0 (equally, where only 0 is left), none getting more than its cap;
+/// whole numbers that sum to `count` as long as the caps do. O(size) for each cap that is met, at most `size` times.
 [[nodiscard]] inline std::vector<std::size_t> apportion(std::size_t count, std::vector<double> weights,
                                                         const std::vector<std::size_t>& caps) {
     const std::size_t size = weights.size();
@@ -68,7 +69,7 @@ namespace hmesh::kit {
 
 namespace detail {
 
-// Removes `count` vertices: the cheapest of all patches. Returns whether any went.
+/// Removes `count` vertices: the cheapest of all patches. Returns whether any went.
 template <int C>
 HMESH_COLD bool remove_cheapest(TiledMesh<C>& tiled, const Tiling& tiling, std::size_t count, const Relaxation& relaxation) {
     std::vector<std::size_t> quota(tiling.size(), count);
@@ -103,7 +104,7 @@ HMESH_COLD bool remove_cheapest(TiledMesh<C>& tiled, const Tiling& tiling, std::
     return tiled.vertex_count() < before;
 }
 
-// Inserts `count` vertices where the error is, at the best sites of each patch. Returns whether any came.
+/// Inserts `count` vertices where the error is, at the best sites of each patch. Returns whether any came.
 template <int C>
 HMESH_COLD bool insert_best(TiledMesh<C>& tiled, const Tiling& tiling, std::size_t count) {
     std::vector<double> energies(tiling.size(), 0.0);
@@ -115,7 +116,7 @@ HMESH_COLD bool insert_best(TiledMesh<C>& tiled, const Tiling& tiling, std::size
     const std::size_t before = tiled.vertex_count();
     tiled.for_each(tiling, [&](Patch<C>& patch, std::size_t tile) {
         for (std::size_t left = quota[tile]; left > 0;) {
-            const std::size_t inserted = insert_batch(patch.mesh(), left, {true, true, 0});
+            const std::size_t inserted = insert_batch(patch.mesh(), left, {true, true});
             if (inserted == 0) {  // nothing to gain
                 subdivide(patch.mesh(), left);
                 break;
@@ -128,8 +129,8 @@ HMESH_COLD bool insert_best(TiledMesh<C>& tiled, const Tiling& tiling, std::size
 
 }  // namespace detail
 
-// Brings the mesh to exactly n vertices, in patches of about `tile` px. Returns false where it could not: cancelled, or more
-// than n vertices none of which can go.
+/// Brings the mesh to exactly n vertices, in patches of about `tile` px. Returns false where it could not: cancelled, or more
+/// than n vertices none of which can go.
 template <int C>
 HMESH_COLD bool reach_vertex_count(TiledMesh<C>& tiled, std::size_t n, double tile, const Relaxation& relaxation = {}) {
     const int width = tiled.source().width(), height = tiled.source().height();

@@ -1,7 +1,8 @@
-// hmesh - first grid: the mesh that everything starts from.
-//
-// One tile gets a regular grid. Several tiles get one each, sewn to the nodes on the seams between them (methods/annealed/seams.hpp), so
-// that each tile can then be meshed by itself. Grids adapt to nothing yet; the stages after do.
+/// \file
+/// First grid: the mesh that everything starts from.
+///
+/// One tile gets a regular grid. Several tiles get one each, sewn to the nodes on the seams between them
+/// (methods/annealed/seams.hpp), so that each tile can then be meshed by itself. Grids adapt to nothing yet; the stages after do.
 #ifndef HMESH_METHODS_ANNEALED_FIRST_GRID_HPP
 #define HMESH_METHODS_ANNEALED_FIRST_GRID_HPP
 
@@ -25,7 +26,7 @@
 namespace hmesh::kit {
 namespace detail {
 
-// Triangles of a grid of columns times rows vertices, of which (i, j) is number(i, j); its diagonals alternate.
+/// Triangles of a grid of columns times rows vertices, of which (i, j) is number(i, j); its diagonals alternate.
 inline void add_grid_triangles(std::uint32_t columns, std::uint32_t rows, std::vector<Triangle>& triangles,
                                FunctionRef<std::uint32_t(std::uint32_t, std::uint32_t)> number) {
     for (std::uint32_t j = 0; j + 1 < rows; ++j)
@@ -41,8 +42,8 @@ inline void add_grid_triangles(std::uint32_t columns, std::uint32_t rows, std::v
         }
 }
 
-// Triangles between two parallel polylines that run the same way, `inner` to the right of `outer` as seen along them (y
-// down). Each vertex is a number and its place along the direction, and goes with those that are nearest to it.
+/// Triangles between two parallel polylines that run the same way, `inner` to the right of `outer` as seen along them (y
+/// down). Each vertex is a number and its place along the direction, and goes with those that are nearest to it.
 struct ChainVertex {
     std::uint32_t vertex;
     double along;
@@ -65,7 +66,7 @@ HMESH_COLD inline void add_strip(const std::vector<ChainVertex>& outer, const st
 
 }  // namespace detail
 
-// A regular grid of at most `count` >= 4 vertices over the image.
+/// A regular grid of at most `count` >= 4 vertices over the image.
 template <int C>
 [[nodiscard]] HMESH_COLD IndexedMesh<C> regular_grid(const ImageSource<C>& source, double count) {
     const int width = source.width(), height = source.height();
@@ -88,8 +89,8 @@ template <int C>
     return mesh;
 }
 
-// A grid of about `count` vertices in the tiles of an unshifted tiling, sewn to about `seam_count` nodes on the seams, which
-// are found while go_on() says true (see seam_lines). Either is more where the other would give vertices too many neighbours.
+/// A grid of about `count` vertices in the tiles of an unshifted tiling, sewn to about `seam_count` nodes on the seams, which
+/// are found while go_on() says true (see seam_lines). Either is more where the other would give vertices too many neighbours.
 template <int C>
 [[nodiscard]] HMESH_COLD IndexedMesh<C> tiled_grid(const ImageSource<C>& source, const Tiling& tiling, double count,
                                                    double seam_count, FunctionRef<bool()> go_on,

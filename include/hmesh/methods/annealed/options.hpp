@@ -1,7 +1,8 @@
-// hmesh - Annealed: the recipe of best fidelity, and the default. What it can be told, and what its efforts mean.
-//
-// What it does is in annealed.hpp; this header needs none of that, so that a program may name the recipe and leave its compilation
-// to another file.
+/// \file
+/// Annealed: the recipe of best fidelity, and the default. What it can be told, and what its efforts mean.
+///
+/// What it does is in annealed.hpp; this header needs none of that, so that a program may name the recipe and leave its
+/// compilation to another file.
 #ifndef HMESH_METHODS_ANNEALED_OPTIONS_HPP
 #define HMESH_METHODS_ANNEALED_OPTIONS_HPP
 
@@ -11,7 +12,6 @@
 #include <optional>
 
 #include "hmesh/core/compiler.hpp"
-#include "hmesh/core/range.hpp"
 #include "hmesh/core/status.hpp"
 #include "hmesh/edit/tolerance.hpp"
 #include "hmesh/image/image_view.hpp"
@@ -31,40 +31,40 @@ enum class Effort : std::uint8_t {
 
 namespace kit {
 
-// Options of AnnealingSchedule and AnnealingSweep.
+/// Options of AnnealingSchedule and AnnealingSweep.
 struct AnnealingOptions {
     int sweeps = 8;
-    double temperature = 0.5;        // T at the start, in prices mu
-    double cooling = 1;              // T falls as (1 - t)^cooling, t in [0, 1)
-    double try_probability = 1;      // probability that a vertex is tried for removal, a site for insertion, in a sweep
-    double jump = 0.1;               // probability that a vertex is displaced in a sweep
-    double jump_reach = 0.3;         // by at most this, in mean spoke lengths
-    double removal_screen = 3;       // removals that cost more than this many mu + 3 T before relaxing are not tried
-    double insertion_screen = 0.35;  // insertions that gain less than this many mu so are not tried
-    double flip_screen = 3;          // flips that cost more than this many mu so are not tried
-    double start_price = 0.2;        // mu at the start, in mean energies of a vertex
-    double count_tolerance = 0.5;    // the count may leave the target by this share in the first sweep, ever less later
+    double temperature = 0.5;        ///< T at the start, in prices mu
+    double cooling = 1;              ///< T falls as (1 - t)^cooling, t in [0, 1)
+    double try_probability = 1;      ///< probability that a vertex is tried for removal, a site for insertion, in a sweep
+    double jump = 0.1;               ///< probability that a vertex is displaced in a sweep
+    double jump_reach = 0.3;         ///< by at most this, in mean spoke lengths
+    double removal_screen = 3;       ///< removals that cost more than this many mu + 3 T before relaxing are not tried
+    double insertion_screen = 0.35;  ///< insertions that gain less than this many mu so are not tried
+    double flip_screen = 3;          ///< flips that cost more than this many mu so are not tried
+    double start_price = 0.2;        ///< mu at the start, in mean energies of a vertex
+    double count_tolerance = 0.5;    ///< the count may leave the target by this share in the first sweep, ever less later
 };
 
-// The steps of the method, in their order. What differs between efforts is set by annealed_steps().
+/// The steps of the method, in their order. What differs between efforts is set by annealed_steps().
 struct AnnealedSteps {
-    double insert_factor = 3;      // o: vertices placed before the collapse, in units of the target; 1 for none
-    double collapse_factor = 1;    // u: vertices that the collapse leaves, in units of the target
-    double start = 0.3;            // vertices of the first grid, share of those placed
-    double insert_batch = 0.4;     // vertices inserted at a time, share of those there
-    double collapse_batch = 0.15;  // vertices removed at a time, share of those there
-    int insert_sweeps = 2;         // after each insertion
-    int polish_rounds = 2;         // flips and a sweep, at the end
-    // While the mesh grows, small gains wait: the next insertion changes the neighbourhood anyway. Against the tight
-    // 1e-3 and {1e-3, 0} this buys a second sweep for the time of one, +0.2 dB.
-    double insert_flip_gain = 3e-2;  // gains up to this wait, in units of the mean energy of a vertex
+    double insert_factor = 3;      ///< o: vertices placed before the collapse, in units of the target; 1 for none
+    double collapse_factor = 1;    ///< u: vertices that the collapse leaves, in units of the target
+    double start = 0.3;            ///< vertices of the first grid, share of those placed
+    double insert_batch = 0.4;     ///< vertices inserted at a time, share of those there
+    double collapse_batch = 0.15;  ///< vertices removed at a time, share of those there
+    int insert_sweeps = 2;         ///< after each insertion
+    int polish_rounds = 2;         ///< flips and a sweep, at the end
+    /// While the mesh grows, small gains wait: the next insertion changes the neighbourhood anyway. Against the tight
+    /// 1e-3 and {1e-3, 0} this buys a second sweep for the time of one, +0.2 dB.
+    double insert_flip_gain = 3e-2;  ///< gains up to this wait, in units of the mean energy of a vertex
     Tolerance insert_tolerance{5e-2, 5e-3};
     Tolerance polish{1e-3, 5e-3};
-    Relaxation relaxation{1, 1e-3};  // around each removal
-    AnnealingOptions annealing;      // sweeps = 0: none
+    Relaxation relaxation{1, 1e-3};  ///< around each removal
+    AnnealingOptions annealing;      ///< sweeps = 0: none
 };
 
-// The steps that make an effort.
+/// The steps that make an effort.
 [[nodiscard]] inline AnnealedSteps annealed_steps(Effort effort) noexcept {
     AnnealedSteps steps;
     switch (effort) {
@@ -95,7 +95,7 @@ struct AnnealedSteps {
     return steps;
 }
 
-// Whether the steps mean something; the sentence names the first that does not.
+/// Whether the steps mean something; the sentence names the first that does not.
 [[nodiscard]] HMESH_COLD inline Status check(const AnnealedSteps& steps) noexcept {
     const AnnealingOptions& annealing = steps.annealing;
     const Tolerance &insert = steps.insert_tolerance, &polish = steps.polish;

@@ -1,11 +1,12 @@
-// hmesh - seams: vertices on the straight line between two tiles, chosen before either tile has a mesh.
-//
-// Along a seam the picture is a curve, the mean of the pixels on both sides, and the mesh will show its interpolation
-// between the seam's nodes. Dynamic programming finds the nodes that minimise squared error + price * nodes exactly; a
-// price common to all seams shares a number of nodes among them. The nodes' colours are then the least-squares ones. Both
-// tiles see the same nodes, so they fit together without a T-junction.
-//
-// Nodes are at multiples of `step` px: with s = length / step places, a seam costs some s^2 / 2 evaluations of 5 ns.
+/// \file
+/// Seams: vertices on the straight line between two tiles, chosen before either tile has a mesh.
+///
+/// Along a seam the picture is a curve, the mean of the pixels on both sides, and the mesh will show its interpolation
+/// between the seam's nodes. Dynamic programming finds the nodes that minimise squared error + price * nodes exactly; a
+/// price common to all seams shares a number of nodes among them. The nodes' colours are then the least-squares ones. Both
+/// tiles see the same nodes, so they fit together without a T-junction.
+///
+/// Nodes are at multiples of `step` px: with s = length / step places, a seam costs some s^2 / 2 evaluations of 5 ns.
 #ifndef HMESH_METHODS_ANNEALED_SEAMS_HPP
 #define HMESH_METHODS_ANNEALED_SEAMS_HPP
 
@@ -25,22 +26,22 @@
 
 namespace hmesh::kit {
 
-// From (x, y), `length` px along a line at whole pixels: down if it is vertical, else to the right.
+/// From (x, y), `length` px along a line at whole pixels: down if it is vertical, else to the right.
 struct Seam {
     int x = 0, y = 0, length = 1;
     bool vertical = false;
 };
 
-// The nodes of a seam and their colours.
+/// The nodes of a seam and their colours.
 template <int C>
 struct SeamLine {
-    std::vector<int> offsets;  // px from the seam's start, in (0, length), rising
+    std::vector<int> offsets;  ///< px from the seam's start, in (0, length), rising
     std::vector<Color<C>> colors;
 };
 
 namespace detail {
 
-// The curve of a seam as prefix sums over its pixel rows j: of s, (j + 1/2) s and |s|^2, s the mean of both sides.
+/// The curve of a seam as prefix sums over its pixel rows j: of s, (j + 1/2) s and |s|^2, s the mean of both sides.
 template <int C>
 class SeamCurve {
   public:
@@ -63,10 +64,10 @@ class SeamCurve {
         }
     }
     [[nodiscard]] int length() const noexcept { return length_; }
-    // The picture at offset j: the mean of the four pixels around.
+    /// The picture at offset j: the mean of the four pixels around.
     [[nodiscard]] const Color<C>& value(int j) const noexcept { return values_[static_cast<std::size_t>(j)]; }
 
-    // For the rows between offsets a and b, with t from 0 to 1 between them: sums of (1 - t) s, t s and |s|^2.
+    /// For the rows between offsets a and b, with t from 0 to 1 between them: sums of (1 - t) s, t s and |s|^2.
     struct Part {
         Color<C> from, to;
         double squares;
@@ -77,11 +78,11 @@ class SeamCurve {
         const Color<C> to = (1.0 / (b - a)) * (moments_[k] - moments_[i] - static_cast<double>(a) * sum);
         return {sum - to, to, squares_[k] - squares_[i]};
     }
-    // Sums of t^2 and t (1 - t) over n rows; that of (1 - t)^2 equals the first.
+    /// Sums of t^2 and t (1 - t) over n rows; that of (1 - t)^2 equals the first.
     [[nodiscard]] static double square(int n) noexcept { return n / 3.0 - 1 / (12.0 * n); }
     [[nodiscard]] static double coupling(int n) noexcept { return n / 6.0 + 1 / (12.0 * n); }
 
-    // The squared error of interpolating between the values at a and b.
+    /// The squared error of interpolating between the values at a and b.
     [[nodiscard]] double error(int a, int b) const noexcept {
         const Part p = part(a, b);
         const Color<C>&ca = value(a), &cb = value(b);
@@ -90,7 +91,7 @@ class SeamCurve {
     }
 
   private:
-    // The mean of the pixels on both sides at row j.
+    /// The mean of the pixels on both sides at row j.
     [[nodiscard]] static HMESH_ALWAYS_INLINE Color<C> at(const ImageSource<C>& source, const Seam& seam, int j) noexcept {
         const int x = seam.vertical ? seam.x : seam.x + j, y = seam.vertical ? seam.y + j : seam.y;
         const int x1 = seam.vertical ? x - 1 : x, y1 = seam.vertical ? y : y - 1;
@@ -103,8 +104,8 @@ class SeamCurve {
 
 }  // namespace detail
 
-// The nodes of one seam: multiples of `step` between its ends, none further than `reach` >= step from the next, with the
-// least error + price * (number of nodes).
+/// The nodes of one seam: multiples of `step` between its ends, none further than `reach` >= step from the next, with the
+/// least error + price * (number of nodes).
 template <int C>
 [[nodiscard]] std::vector<int> seam_nodes(const detail::SeamCurve<C>& curve, int step, int reach, double price) {
     const int length = curve.length(), places = (length + step - 1) / step;  // place k is at min(length, k step)
@@ -126,7 +127,7 @@ template <int C>
     return nodes;
 }
 
-// The least-squares colours of a seam's nodes, its ends keeping their value: a tridiagonal system.
+/// The least-squares colours of a seam's nodes, its ends keeping their value: a tridiagonal system.
 template <int C>
 [[nodiscard]] std::vector<Color<C>> seam_colors(const detail::SeamCurve<C>& curve, const std::vector<int>& nodes) {
     using Curve = detail::SeamCurve<C>;
@@ -160,8 +161,8 @@ template <int C>
     return right;
 }
 
-// About `count` nodes on all seams together, at one price; none further than `reach` px from the next. Seams that come up
-// after go_on(), called from any thread, has said false are left without nodes.
+/// About `count` nodes on all seams together, at one price; none further than `reach` px from the next. Seams that come up
+/// after go_on(), called from any thread, has said false are left without nodes.
 template <int C>
 [[nodiscard]] HMESH_COLD std::vector<SeamLine<C>> seam_lines(const ImageSource<C>& source, const std::vector<Seam>& seams,
                                                              double count, int step, int reach, FunctionRef<bool()> go_on,

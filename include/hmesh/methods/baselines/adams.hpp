@@ -1,9 +1,10 @@
-// hmesh - adams: the method of Adams, "A flexible content-adaptive mesh-generation strategy for image representation" (2011).
-//
-//     feature map -> error diffusion to d n points -> Delaunay triangulation -> greedy point removal to n
-//
-// Colours are sampled; edges are Delaunay edges whatever the picture. The paper's baseline, and where it starts from. Some
-// 40 us a vertex of the result.
+/// \file
+/// Adams: the method of Adams, "A flexible content-adaptive mesh-generation strategy for image representation" (2011).
+///
+///     feature map -> error diffusion to d n points -> Delaunay triangulation -> greedy point removal to n
+///
+/// Colours are sampled; edges are Delaunay edges whatever the picture. The paper's baseline, and where it starts from. Some
+/// 40 us a vertex of the result.
 #ifndef HMESH_METHODS_BASELINES_ADAMS_HPP
 #define HMESH_METHODS_BASELINES_ADAMS_HPP
 
@@ -13,7 +14,6 @@
 #include <cstdint>
 #include <vector>
 
-#include "hmesh/core/range.hpp"
 #include "hmesh/core/status.hpp"
 #include "hmesh/mesh/delaunay.hpp"
 #include "hmesh/mesh/spatial_order.hpp"
@@ -31,7 +31,7 @@
 namespace hmesh {
 namespace kit::detail {
 
-// The Delaunay triangulation of the corners and of these pixels, with their colours, in place of what work had. False: cancelled.
+/// The Delaunay triangulation of the corners and of these pixels, with their colours, in place of what work had. False: cancelled.
 template <int C>
 bool triangulate_pixels(TiledMesh<C>& tiled, const std::vector<std::uint32_t>& pixels) {
     const ImageSource<C>& source = tiled.source();
@@ -49,7 +49,7 @@ bool triangulate_pixels(TiledMesh<C>& tiled, const std::vector<std::uint32_t>& p
     return tiled.for_each(one_tile(source), [](Patch<C>&, std::size_t) {});  // from here on its energy is known
 }
 
-// Removal to n vertices, as a stage.
+/// Removal to n vertices, as a stage.
 template <int C>
 bool remove_points(TiledMesh<C>& tiled, std::size_t n) {
     return run_whole_stage<C>(tiled, "removal", [&](ImageMesh<C>& mesh) { PointRemoval<C>(mesh).remove_down_to(n); });
@@ -59,8 +59,8 @@ bool remove_points(TiledMesh<C>& tiled, std::size_t n) {
 
 /// Adams' method, with sampled colors.
 struct Adams {
-    /// Points before the removal, in units of the target, in [1, 1000], as far as there are pixels. They cost time in proportion:
-    /// Lena at 1 % has 27.06 dB with 2, 28.05 with 4.5, 28.21 with 8; Fruits 26.29, 27.14 and 27.06.
+    /// Points before the removal, in units of the target, in [1, 1000], as far as there are pixels. They cost time in
+    /// proportion: / Lena at 1 % has 27.06 dB with 2, 28.05 with 4.5, 28.21 with 8; Fruits 26.29, 27.14 and 27.06.
     double density = 4.5;
     int smoothing =
         3;  ///< passes of [1 2 1] / 4 before the derivatives, in [0, 100]; none costs 0.1 to 0.4 dB on Lena and Fruits
@@ -74,7 +74,7 @@ struct Adams {
                                   {"adams smoothing must be in [0, 100] passes", static_cast<double>(smoothing), 0, 100}});
     }
     /// px: the image in one piece.
-    [[nodiscard]] double tile_size(int width, int height, std::size_t) const noexcept { return std::max(width, height); }
+    [[nodiscard]] static double tile_size(int width, int height, std::size_t) noexcept { return std::max(width, height); }
     /// Makes a mesh of n vertices, 4 <= n <= max(4, pixels).
     template <int C>
     [[nodiscard]] Status run(kit::TiledMesh<C>& mesh, std::size_t n) const {

@@ -1,10 +1,11 @@
-// hmesh - adaptive thinning: the method of Demaret and Iske, "Advances in digital image compression by adaptive thinning" (2004).
-//
-//     Delaunay triangulation of all pixels -> greedy point removal to n
-//
-// Colours are sampled. What Adams' method is a short cut of. Costs 8 us and 0.7 KB a pixel of the image, whatever the target, and
-// is not always better: above that method in 38 of 90 meshes of 256 x 256 px, with optimal colours in 80, then by 0.2 dB on
-// average (docs/paper.md).
+/// \file
+/// Adaptive thinning: the method of Demaret and Iske, "Advances in digital image compression by adaptive thinning" (2004).
+///
+///    Delaunay triangulation of all pixels -> greedy point removal to n
+///
+/// Colours are sampled. What Adams' method is a short cut of. Costs 8 us and 0.7 KB a pixel of the image, whatever the target,
+/// and is not always better: above that method in 38 of 90 meshes of 256 x 256 px, with optimal colours in 80, then by 0.2 dB on
+/// average (docs/paper.md).
 #ifndef HMESH_METHODS_BASELINES_ADAPTIVE_THINNING_HPP
 #define HMESH_METHODS_BASELINES_ADAPTIVE_THINNING_HPP
 
@@ -31,14 +32,14 @@ struct AdaptiveThinning {
     static constexpr Colors colors = Colors::sampled;
 
     /// Whether the image is small enough.
-    [[nodiscard]] Status check(int width, int height) const noexcept {
+    [[nodiscard]] static Status check(int width, int height) noexcept {
         const std::int64_t pixels = std::int64_t{width} * height;
         if (pixels <= max_pixels) return {};
         return {Errc::image_too_large, "adaptive thinning starts from all pixels, and the image has too many", pixels,
                 max_pixels};
     }
     /// px: the image in one piece.
-    [[nodiscard]] double tile_size(int width, int height, std::size_t) const noexcept { return std::max(width, height); }
+    [[nodiscard]] static double tile_size(int width, int height, std::size_t) noexcept { return std::max(width, height); }
     /// Makes a mesh of n vertices, 4 <= n <= max(4, pixels).
     template <int C>
     [[nodiscard]] Status run(kit::TiledMesh<C>& mesh, std::size_t n) const {

@@ -1,10 +1,11 @@
-// hmesh - error diffusion: points with the density that a map asks for, about as many as wanted.
-//
-// Floyd and Steinberg's halftoning ("An adaptive algorithm for spatial greyscale", 1976) of the map, rows there and back by
-// turns: a pixel becomes a point when its density plus the errors that its neighbours left is at least 1/2, and hands its
-// own error on. Yang, Wernick and Brankov ("A fast approach for accurate content-adaptive mesh generation", 2003) place the
-// vertices of a mesh so. The first points come late, because errors have to gather: some 0.3 / density rows from the top. The
-// factor from map to density is found by bisection: some 10 passes of 4 to 6 ns a pixel.
+/// \file
+/// Error diffusion: points with the density that a map asks for, about as many as wanted.
+///
+/// Floyd and Steinberg's halftoning ("An adaptive algorithm for spatial greyscale", 1976) of the map, rows there and back by
+/// turns: a pixel becomes a point when its density plus the errors that its neighbours left is at least 1/2, and hands its
+/// own error on. Yang, Wernick and Brankov ("A fast approach for accurate content-adaptive mesh generation", 2003) place the
+/// vertices of a mesh so. The first points come late, because errors have to gather: some 0.3 / density rows from the top. The
+/// factor from map to density is found by bisection: some 10 passes of 4 to 6 ns a pixel.
 #ifndef HMESH_METHODS_BASELINES_ERROR_DIFFUSION_HPP
 #define HMESH_METHODS_BASELINES_ERROR_DIFFUSION_HPP
 
@@ -23,9 +24,9 @@
 namespace hmesh::kit {
 namespace detail {
 
-// Calls point(x, y) for the points of density min(1, factor * (map + floor)). What would fall over a side goes to the nearest
-// pixel below; only the last row loses errors. Each row can lose half of them while the first point is yet to come, so in images
-// of a few rows the columns take their part: a thin image would else have points where the map is largest alone.
+/// Calls point(x, y) for the points of density min(1, factor * (map + floor)). What would fall over a side goes to the nearest
+/// pixel below; only the last row loses errors. Each row can lose half of them while the first point is yet to come, so in images
+/// of a few rows the columns take their part: a thin image would else have points where the map is largest alone.
 template <class Point>
 void diffuse(const ImageView<float, 1>& map, double factor, double floor, Point&& point) {
     const bool is_flat = map.width > 8 * map.height;
@@ -61,9 +62,9 @@ void diffuse(const ImageView<float, 1>& map, double factor, double floor, Point&
 
 }  // namespace detail
 
-// At least `count` <= pixels points, at most about 1 % more where the map allows, as pixel numbers y * width + x, row after row
-// there and back; column after column in images more than 8 times as wide as high. Values of the map are finite and >= 0; one
-// that is 0 everywhere counts as even. go_on() is asked between passes, if set; when it says no, there are no points.
+/// At least `count` <= pixels points, at most about 1 % more where the map allows, as pixel numbers y * width + x, row after row
+/// there and back; column after column in images more than 8 times as wide as high. Values of the map are finite and >= 0; one
+/// that is 0 everywhere counts as even. go_on() is asked between passes, if set; when it says no, there are no points.
 [[nodiscard]] inline std::vector<std::uint32_t> diffused_points(const ImageView<float, 1>& map, std::size_t count,
                                                                 FunctionRef<bool()> go_on = {}) {
     const std::size_t pixels = static_cast<std::size_t>(map.width) * static_cast<std::size_t>(map.height);

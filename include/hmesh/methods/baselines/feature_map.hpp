@@ -1,9 +1,10 @@
-// hmesh - feature map: how strongly the image bends at each pixel, which is where a linear picture needs vertices.
-//
-// The largest magnitude of a second directional derivative (Adams, "A flexible content-adaptive mesh-generation strategy
-// for image representation", 2011; after Yang, Wernick and Brankov, "A fast approach for accurate content-adaptive mesh
-// generation", 2003), that is of the two eigenvalues of the Hessian, of the image after some passes of the binomial filter
-// [1 2 1] / 4 in both directions, summed over channels. About 40 ns a pixel for 3 channels.
+/// \file
+/// Feature map: how strongly the image bends at each pixel, which is where a linear picture needs vertices.
+///
+/// The largest magnitude of a second directional derivative (Adams, "A flexible content-adaptive mesh-generation strategy
+/// for image representation", 2011; after Yang, Wernick and Brankov, "A fast approach for accurate content-adaptive mesh
+/// generation", 2003), that is of the two eigenvalues of the Hessian, of the image after some passes of the binomial filter
+/// [1 2 1] / 4 in both directions, summed over channels. About 40 ns a pixel for 3 channels.
 #ifndef HMESH_METHODS_BASELINES_FEATURE_MAP_HPP
 #define HMESH_METHODS_BASELINES_FEATURE_MAP_HPP
 
@@ -22,7 +23,7 @@
 namespace hmesh::kit {
 namespace detail {
 
-// One channel of an image, row after row. Doubles: sums of float samples near the largest do not overflow.
+/// One channel of an image, row after row. Doubles: sums of float samples near the largest do not overflow.
 struct Plane {
     int width, height;
     std::vector<double> values;
@@ -35,7 +36,7 @@ struct Plane {
     [[nodiscard]] const double* row_held(int y) const noexcept { return row(std::max(0, std::min(height - 1, y))); }
 };
 
-// Calls body(y) for all rows, in pieces.
+/// Calls body(y) for all rows, in pieces.
 template <class Body>
 void for_each_row(const ParallelFor& parallel_for, int height, Body&& body) {
     for_each_chunk(parallel_for, static_cast<std::size_t>(height), 32, [&](std::size_t begin, std::size_t end) {
@@ -43,7 +44,7 @@ void for_each_row(const ParallelFor& parallel_for, int height, Body&& body) {
     });
 }
 
-// [1 2 1] / 4 down the columns, then along the rows; pixels beyond the border are those on it. `rest` is overwritten.
+/// [1 2 1] / 4 down the columns, then along the rows; pixels beyond the border are those on it. `rest` is overwritten.
 inline void smooth(Plane& plane, Plane& rest, const ParallelFor& parallel_for) {
     const int width = plane.width;
     for_each_row(parallel_for, plane.height, [&](int y) {
@@ -62,7 +63,7 @@ inline void smooth(Plane& plane, Plane& rest, const ParallelFor& parallel_for) {
 
 }  // namespace detail
 
-// The map of the whole image, values >= 0 and finite, after `passes` >= 0 of smoothing (three are Adams').
+/// The map of the whole image, values >= 0 and finite, after `passes` >= 0 of smoothing (three are Adams').
 template <int C>
 [[nodiscard]] Image<float, 1> feature_map(const ImageSource<C>& source, int passes = 3, const ParallelFor& parallel_for = {}) {
     const int width = source.width(), height = source.height();

@@ -1,9 +1,10 @@
-// hmesh - flip queue: the paper's topology step (section 4.5.2, after Xie et al. 2014).
-//
-// All interior edges are suspects, the one whose two faces have the largest error first. A suspect turns if that lowers the
-// error, with positions and colours held; then the four sides of its quadrilateral are suspects again. An edge comes up a
-// bounded number of times. flip_edges (edit/flip.hpp) reaches the same kind of minimum without the order, in half the time.
-// About 0.3 us an edge.
+/// \file
+/// Flip queue: the paper's topology step (section 4.5.2, after Xie et al. 2014).
+///
+/// All interior edges are suspects, the one whose two faces have the largest error first. A suspect turns if that lowers the
+/// error, with positions and colours held; then the four sides of its quadrilateral are suspects again. An edge comes up a
+/// bounded number of times. flip_edges (edit/flip.hpp) reaches the same kind of minimum without the order, in half the time.
+/// About 0.3 us an edge.
 #ifndef HMESH_METHODS_BASELINES_FLIP_QUEUE_HPP
 #define HMESH_METHODS_BASELINES_FLIP_QUEUE_HPP
 
@@ -19,8 +20,8 @@
 
 namespace hmesh::kit {
 
-// Turns suspects until none is left; each comes up at most `visits` >= 1 times. The energy falls with every flip, by more
-// than rounding, so that the bound only keeps edges from coming up for tiny gains. Returns the number of flips.
+/// Turns suspects until none is left; each comes up at most `visits` >= 1 times. The energy falls with every flip, by more
+/// than rounding, so that the bound only keeps edges from coming up for tiny gains. Returns the number of flips.
 template <int C>
 std::size_t run_flip_queue(ImageMesh<C>& mesh, int visits = 8) {
     const HalfedgeMesh& topology = mesh.topology();

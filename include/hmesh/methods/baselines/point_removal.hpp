@@ -1,12 +1,13 @@
-// hmesh - point removal: greedily, the vertex whose removal costs least, from a Delaunay triangulation.
-//
-// Demaret and Iske's adaptive thinning ("Advances in digital image compression by adaptive thinning", 2004), and the second
-// half of Adams' method (2011). The hole that a vertex leaves is filled by Delaunay ears (mesh/hole_filler.hpp), colours
-// stay; the cost is the exact rise of the energy, known from the moments of the hole's sides and of the new edges. All costs
-// stand in one heap and those around a removed vertex are computed again: about 1 us each, 6 to 8 us a removal.
-//
-// edit/collapse.hpp is what the method `annealed` uses instead: it merges a vertex into its best neighbour and re-optimises
-// around, which fits better and keeps no mesh Delaunay.
+/// \file
+/// Point removal: greedily, the vertex whose removal costs least, from a Delaunay triangulation.
+///
+/// Demaret and Iske's adaptive thinning ("Advances in digital image compression by adaptive thinning", 2004), and the second
+/// half of Adams' method (2011). The hole that a vertex leaves is filled by Delaunay ears (mesh/hole_filler.hpp), colours
+/// stay; the cost is the exact rise of the energy, known from the moments of the hole's sides and of the new edges. All costs
+/// stand in one heap and those around a removed vertex are computed again: about 1 us each, 6 to 8 us a removal.
+///
+/// edit/collapse.hpp is what the method `annealed` uses instead: it merges a vertex into its best neighbour and re-optimises
+/// around, which fits better and keeps no mesh Delaunay.
 #ifndef HMESH_METHODS_BASELINES_POINT_REMOVAL_HPP
 #define HMESH_METHODS_BASELINES_POINT_REMOVAL_HPP
 
@@ -22,11 +23,11 @@
 
 namespace hmesh::kit {
 
-// A mesh, and what the removal of each vertex would cost.
+/// A mesh, and what the removal of each vertex would cost.
 template <int C>
 class PointRemoval {
   public:
-    // Of a mesh whose inner edges are Delaunay edges and whose corners at least are fixed; it outlives this.
+    /// Of a mesh whose inner edges are Delaunay edges and whose corners at least are fixed; it outlives this.
     explicit PointRemoval(ImageMesh<C>& mesh) : mesh_(&mesh) {
         for (const Vertex v : mesh.topology().vertices()) {
             if (!mesh.keep_going()) break;  // and then no vertex goes
@@ -34,8 +35,8 @@ class PointRemoval {
         }
     }
 
-    // Removes the cheapest vertices until `count` >= 4 are left. Returns how many went, fewer if the work was told to stop.
-    // Vertices with more than ring_capacity neighbours stay.
+    /// Removes the cheapest vertices until `count` >= 4 are left. Returns how many went, fewer if the work was told to stop.
+    /// Vertices with more than ring_capacity neighbours stay.
     std::size_t remove_down_to(std::size_t count) {
         const std::size_t first = mesh_->vertex_count();
         while (mesh_->vertex_count() > count && !costs_.empty() && mesh_->keep_going()) {
@@ -47,12 +48,12 @@ class PointRemoval {
         return first - mesh_->vertex_count();
     }
 
-    // By how much the energy would rise without v, which is in the heap.
+    /// By how much the energy would rise without v, which is in the heap.
     [[nodiscard]] double cost(Vertex v) const noexcept { return costs_.key(static_cast<std::uint32_t>(v.index())); }
     [[nodiscard]] bool can_go(Vertex v) const noexcept { return costs_.contains(static_cast<std::uint32_t>(v.index())); }
 
   private:
-    // Puts v's cost into the heap, or takes v out of it.
+    /// Puts v's cost into the heap, or takes v out of it.
     void rate(Vertex v) {
         const auto id = static_cast<std::uint32_t>(v.index());
         const Mobility mobility = mesh_->vertex(v).mobility;
@@ -62,7 +63,7 @@ class PointRemoval {
         else if (costs_.contains(id)) costs_.erase(id);
     }
 
-    // Fills the hole of v on trial: ears, moments of their diagonals and their energies. Returns the cost.
+    /// Fills the hole of v on trial: ears, moments of their diagonals and their energies. Returns the cost.
     double fill(Vertex v) {
         mesh_->gather(v, ring_, spokes_);
         ears_ = &filler_.fill(
@@ -119,7 +120,7 @@ class PointRemoval {
     ImageMesh<C>* mesh_;
     IndexedHeap costs_;
     HoleFiller filler_;
-    const std::vector<Ear>* ears_ = nullptr;  // the filler's last
+    const std::vector<Ear>* ears_ = nullptr;  ///< the filler's last
     Ring<C> ring_;
     Spokes<C> spokes_;
     Moments<C> sides_[ring_capacity], diagonals_[ring_capacity];

@@ -1,9 +1,10 @@
-// hmesh - vertex search: move vertices from pixel to pixel to where the error is least, with sampled colours.
-//
-// The geometry step of Xie et al. (2014) as a pattern search: a vertex tries the eight neighbours at a distance of
-// `first_step` pixels, goes to the best while that lowers the error of its ring, then halves the distance down to one pixel.
-// Its colour is always the image's at its place. Where a vertex moved, its neighbours come up again, up to `visits` times
-// each. A trial walks the ring's spokes, about 0.4 us, and ends as soon as it has lost; a visit takes some 6 us.
+/// \file
+/// Vertex search: move vertices from pixel to pixel to where the error is least, with sampled colours.
+///
+/// The geometry step of Xie et al. (2014) as a pattern search: a vertex tries the eight neighbours at a distance of
+/// `first_step` pixels, goes to the best while that lowers the error of its ring, then halves the distance down to one pixel.
+/// Its colour is always the image's at its place. Where a vertex moved, its neighbours come up again, up to `visits` times
+/// each. A trial walks the ring's spokes, about 0.4 us, and ends as soon as it has lost; a visit takes some 6 us.
 #ifndef HMESH_METHODS_BASELINES_VERTEX_SEARCH_HPP
 #define HMESH_METHODS_BASELINES_VERTEX_SEARCH_HPP
 
@@ -17,15 +18,15 @@
 
 namespace hmesh::kit {
 
-// How far and how often vertices are moved.
+/// How far and how often vertices are moved.
 struct VertexSearch {
-    int first_step = 4;  // px
-    int visits = 6;      // of a vertex
+    int first_step = 4;  ///< px
+    int visits = 6;      ///< of a vertex
 };
 
 namespace detail {
 
-// The energy of the faces of a ring with its centre at `centre`; anything not below `bound` once that is reached.
+/// The energy of the faces of a ring with its centre at `centre`; anything not below `bound` once that is reached.
 template <int C>
 [[nodiscard]] double centered_energy(const MomentTable<C>& table, const Ring<C>& ring, const VertexState<C>& center,
                                      double bound) {
@@ -47,7 +48,7 @@ template <int C>
     return energy;
 }
 
-// One visit; whether v moved.
+/// One visit; whether v moved.
 template <int C>
 bool search_vertex(ImageMesh<C>& mesh, Vertex v, int first_step, Ring<C>& ring, Spokes<C>& spokes) {
     const VertexState<C> state = mesh.vertex(v);
@@ -91,9 +92,9 @@ bool search_vertex(ImageMesh<C>& mesh, Vertex v, int first_step, Ring<C>& ring, 
 
 }  // namespace detail
 
-// Searches until no vertex is due or all have come up `visits` times, in rounds in spatial order. Returns the number of visits
-// that moved their vertex. Colours are to be sampled ones (sample_colors): a vertex that stays keeps what it has. Vertices with
-// more than ring_capacity neighbours stay where they are.
+/// Searches until no vertex is due or all have come up `visits` times, in rounds in spatial order. Returns the number of visits
+/// that moved their vertex. Colours are to be sampled ones (sample_colors): a vertex that stays keeps what it has. Vertices with
+/// more than ring_capacity neighbours stay where they are.
 template <int C>
 std::size_t search_vertices(ImageMesh<C>& mesh, const VertexSearch& options) {
     const HalfedgeMesh& topology = mesh.topology();

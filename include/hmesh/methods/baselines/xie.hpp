@@ -1,16 +1,16 @@
-// hmesh - xie: the method of Xie et al. (2014), as "Image meshing via hierarchical optimization" describes and compares it.
-//
-//     Adams' mesh -> (vertex search, flip queue) by turns until neither gains
-//
-// Colours are sampled, vertices stay on pixels. That text leaves the search open: here it is the pattern search of
-// methods/baselines/vertex_search.hpp. Some 110 to 170 us a vertex.
+/// \file
+/// Xie: the method of Xie et al. (2014), as "Image meshing via hierarchical optimization" describes and compares it.
+///
+///     Adams' mesh -> (vertex search, flip queue) by turns until neither gains
+///
+/// Colours are sampled, vertices stay on pixels. That text leaves the search open: here it is the pattern search of
+/// methods/baselines/vertex_search.hpp. Some 110 to 170 us a vertex.
 #ifndef HMESH_METHODS_BASELINES_XIE_HPP
 #define HMESH_METHODS_BASELINES_XIE_HPP
 
 #include <algorithm>
 #include <cstddef>
 
-#include "hmesh/core/range.hpp"
 #include "hmesh/core/status.hpp"
 #include "hmesh/methods/baselines/adams.hpp"
 #include "hmesh/methods/baselines/flip_queue.hpp"
@@ -44,7 +44,7 @@ struct Xie {
              {"xie enough must be in [0, 1]", enough, 0, 1}});
     }
     /// px: the image in one piece.
-    [[nodiscard]] double tile_size(int width, int height, std::size_t) const noexcept { return std::max(width, height); }
+    [[nodiscard]] static double tile_size(int width, int height, std::size_t) noexcept { return std::max(width, height); }
     /// Makes a mesh of n vertices, 4 <= n <= max(4, pixels).
     template <int C>
     [[nodiscard]] Status run(kit::TiledMesh<C>& mesh, std::size_t n) const {

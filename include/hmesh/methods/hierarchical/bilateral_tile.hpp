@@ -1,6 +1,7 @@
-// hmesh - BilateralTile: the bilateral filter at work on a tile of an image, in vectors of floats.
-//
-// The definition is in bilateral.hpp. Here are the planes, the weights and the order of the work.
+/// \file
+/// BilateralTile: the bilateral filter at work on a tile of an image, in vectors of floats.
+///
+/// The definition is in bilateral.hpp. Here are the planes, the weights and the order of the work.
 #ifndef HMESH_METHODS_HIERARCHICAL_BILATERAL_TILE_HPP
 #define HMESH_METHODS_HIERARCHICAL_BILATERAL_TILE_HPP
 
@@ -66,12 +67,12 @@ HMESH_ALWAYS_INLINE Floats from_bits(Bits bits) {
 }
 HMESH_ALWAYS_INLINE Floats magnitude(Floats x) { return from_bits(bits_of(x) & 0x7fffffffU); }
 
-// The least exponent of 2 that a weight can have: 2^-125 is a float, and nothing beside the weight 1 of the centre.
+/// The least exponent of 2 that a weight can have: 2^-125 is a float, and nothing beside the weight 1 of the centre.
 inline constexpr float least_exponent = -125;
 
-// 2^x for x <= 0, no less than 2^least_exponent. The integer part goes to the exponent's bits; the polynomial is that of
-// degree 5 with the least relative error of 2^f over -1 <= f <= 0 (Remez), 7.5e-8; with rounding it is 3e-7. Rounding
-// of x itself, 2^-24 |x|, adds as much at weights of 1/8 and 1e-6 at 2^-24, which hardly count.
+/// 2^x for x <= 0, no less than 2^least_exponent. The integer part goes to the exponent's bits; the polynomial is that of
+/// degree 5 with the least relative error of 2^f over -1 <= f <= 0 (Remez), 7.5e-8; with rounding it is 3e-7. Rounding
+/// of x itself, 2^-24 |x|, adds as much at weights of 1/8 and 1e-6 at 2^-24, which hardly count.
 HMESH_ALWAYS_INLINE Floats power_of_2(Floats x) {
     const Floats least = Floats{} + least_exponent;
     x = x > least ? x : least;
@@ -85,23 +86,23 @@ HMESH_ALWAYS_INLINE Floats power_of_2(Floats x) {
     return from_bits(bits_of(p) + (bits_of(n) << 23U));
 }
 
-// Index i, also one outside [0, n), mirrored at the centres of the first and the last of n pixels until it is inside.
+/// Index i, also one outside [0, n), mirrored at the centres of the first and the last of n pixels until it is inside.
 [[nodiscard]] inline int reflect(int i, int n) noexcept {
     if (n == 1) return 0;
     const int period = 2 * (n - 1), k = (i % period + period) % period;
     return k < n ? k : period - k;
 }
 
-// Half of the window, since two pixels have one weight for each other, in the units of BilateralTile: samples times unit().
+/// Half of the window, since two pixels have one weight for each other, in the units of BilateralTile: samples times unit().
 class BilateralWindow {
   public:
-    // The tap (dx, dy) below or to the right of the centre, and the one opposite.
+    /// The tap (dx, dy) below or to the right of the centre, and the one opposite.
     struct Pair {
         int dx, dy;
-        float exponent;  // log2 of the weight by nearness in the plane
+        float exponent;  ///< log2 of the weight by nearness in the plane
     };
 
-    // The radius in px, sigma of colours in stored values, sigma of places in px; both finite and at least 0.
+    /// The radius in px, sigma of colours in stored values, sigma of places in px; both finite and at least 0.
     BilateralWindow(int radius, double sigma_color, double sigma_space) : radius_(radius) {
         constexpr double log2_e = 1.4426950408889634;
         for (int dy = 0; dy <= radius_; ++dy)
@@ -120,9 +121,9 @@ class BilateralWindow {
     }
 
     [[nodiscard]] int radius() const noexcept { return radius_; }
-    [[nodiscard]] const std::vector<Pair>& pairs() const noexcept { return pairs_; }  // by rising dy
+    [[nodiscard]] const std::vector<Pair>& pairs() const noexcept { return pairs_; }  ///< by rising dy
     [[nodiscard]] double unit() const noexcept { return unit_; }
-    [[nodiscard]] float factor() const noexcept { return factor_; }  // -log2 of the weight of colours 1 apart, in [0, 4]
+    [[nodiscard]] float factor() const noexcept { return factor_; }  ///< -log2 of the weight of colours 1 apart, in [0, 4]
 
   private:
     int radius_;
@@ -131,25 +132,25 @@ class BilateralWindow {
     float factor_ = 1;
 };
 
-// A tile of an image as planes of floats, with a margin of the window's radius, and the sums over its windows.
+/// A tile of an image as planes of floats, with a margin of the window's radius, and the sums over its windows.
 //
-// Samples are multiplied by the window's unit and kept within +-2^57; a float's own steps are there far longer than
-// sigma. Distances over 16 channels stay below 2^62, their squares times the factor below 2^126, and a difference of
-// 2^58 times the least weight is still nothing: whatever the samples, no sum overflows. Integers are within by
-// themselves if sigma of colours is at least least_sigma: where all differences are 0 or at least 1, a smaller one
-// has no other weights.
+/// Samples are multiplied by the window's unit and kept within +-2^57; a float's own steps are there far longer than
+/// sigma. Distances over 16 channels stay below 2^62, their squares times the factor below 2^126, and a difference of
+/// 2^58 times the least weight is still nothing: whatever the samples, no sum overflows. Integers are within by
+/// themselves if sigma of colours is at least least_sigma: where all differences are 0 or at least 1, a smaller one
+/// has no other weights.
 //
-// Row by row, the weights of all pairs are found and kept for as many rows as the pairs reach down; then each pixel
-// takes those of its own row for the taps ahead and the kept ones for the taps behind. That halves the work on weights.
-// Pairs whose rows together are longer than max_kept wait for another turn.
-// float_lanes is a parameter so that files compiled for different processors do not share one layout's functions.
+/// Row by row, the weights of all pairs are found and kept for as many rows as the pairs reach down; then each pixel
+/// takes those of its own row for the taps ahead and the kept ones for the taps behind. That halves the work on weights.
+/// Pairs whose rows together are longer than max_kept wait for another turn.
+/// float_lanes is a parameter so that files compiled for different processors do not share one layout's functions.
 template <class T, int C, int = float_lanes>
 class BilateralTile {
   public:
     static constexpr int max_width = 128, max_height = 64;
     static constexpr double least_sigma =
         PixelTraits<T>::is_integer ? std::max(PixelTraits<T>::highest, -PixelTraits<T>::lowest) / 144115188075855872.0 : 0;
-    static constexpr std::size_t max_kept = 16384;  // floats: 64 kB; diameter 9 needs some 9,000
+    static constexpr std::size_t max_kept = 16384;  ///< floats: 64 kB; diameter 9 needs some 9,000
 
     BilateralTile(const BilateralWindow& window, int image_width)
         : window_(window), radius_(window.radius()),
@@ -168,7 +169,7 @@ class BilateralTile {
         weights_.resize(most);
     }
 
-    // Filters the pixels of `rect`, at most max_width x max_height, of the view into the same place of `out`.
+    /// Filters the pixels of `rect`, at most max_width x max_height, of the view into the same place of `out`.
     void filter(const ImageView<T, C>& view, const Rect& rect, Image<T, C>& out) {
         load(view, rect);
         const auto weights = sums_.begin() + static_cast<std::ptrdiff_t>(C) * width_ * max_height;
@@ -189,9 +190,9 @@ class BilateralTile {
   private:
     struct Tap {
         BilateralWindow::Pair pair;
-        std::size_t kept;             // where the pair.dy + 1 rows of its weights begin; 0: another turn begins with it
-        std::ptrdiff_t offset;        // of the samples ahead
-        const float *ahead, *behind;  // weights of the row at hand, and of the row pair.dy above it from -pair.dx on
+        std::size_t kept;             ///< where the pair.dy + 1 rows of its weights begin; 0: another turn begins with it
+        std::ptrdiff_t offset;        ///< of the samples ahead
+        const float *ahead, *behind;  ///< weights of the row at hand, and of the row pair.dy above it from -pair.dx on
     };
 
     [[nodiscard]] const float* samples(int y) const noexcept { return samples_.data() + (y + radius_) * stride_ + radius_; }
@@ -215,7 +216,7 @@ class BilateralTile {
             }
         }
     }
-    // The samples `from` and the means of the differences to them. Stores of bytes may change any member: hence locals.
+    /// The samples `from` and the means of the differences to them. Stores of bytes may change any member: hence locals.
     void store(const float* sum, const T* from, int width, T* to) const {
         const std::ptrdiff_t plane = static_cast<std::ptrdiff_t>(width_) * max_height;
         const double unit = 1 / window_.unit();
@@ -226,7 +227,7 @@ class BilateralTile {
         }
     }
 
-    // The weights of row y, -pair.dy <= y, for the pixels that have the tile's as their tap ahead or behind.
+    /// The weights of row y, -pair.dy <= y, for the pixels that have the tile's as their tap ahead or behind.
     HMESH_NEVER_INLINE void weigh(Tap& tap, int y) {
         const int dx = tap.pair.dx, dy = tap.pair.dy;
         const auto kept_row = [&](int row) { return weights_.data() + tap.kept + (row + dy) % (dy + 1) * stride_ + radius_; };
@@ -247,9 +248,9 @@ class BilateralTile {
         }
     }
 
-    // Adds the weights of row y and the weighted differences of the samples to those of the pixel in the middle.
-    // Differences, because those of integers are exact and those to a huge neighbour not lost, and because an image of
-    // one colour stays what it is.
+    /// Adds the weights of row y and the weighted differences of the samples to those of the pixel in the middle.
+    /// Differences, because those of integers are exact and those to a huge neighbour not lost, and because an image of
+    /// one colour stays what it is.
     HMESH_NEVER_INLINE void add(const Tap* begin, const Tap* end, int y) {
         const std::ptrdiff_t plane = plane_, sums_plane = static_cast<std::ptrdiff_t>(width_) * max_height;
         for (int x = 0; x < width_; x += float_lanes) {
@@ -278,10 +279,10 @@ class BilateralTile {
 
     const BilateralWindow& window_;
     int radius_, width_;
-    std::ptrdiff_t stride_, plane_;  // floats from row to row and from channel to channel
+    std::ptrdiff_t stride_, plane_;  ///< floats from row to row and from channel to channel
     std::vector<float> samples_;
-    std::vector<int> columns_;  // of the view's rows, for each column of the planes
-    std::vector<float> sums_;   // of channels and then of weights, a plane of width_ x max_height each
+    std::vector<int> columns_;  ///< of the view's rows, for each column of the planes
+    std::vector<float> sums_;   ///< of channels and then of weights, a plane of width_ x max_height each
     std::vector<float> weights_;
     std::vector<Tap> taps_;
 };

@@ -1,12 +1,13 @@
-// hmesh - foot points: the point of the mesh that is nearest to a pixel in the space of position and colour.
-//
-// The paper's convexification (section 4.4, Fig. 3b; as in Xiong et al., "Robust surface reconstruction via dictionary
-// learning", 2014): with its colours the mesh is a surface in 2 + C dimensions, and a pixel belongs to the point of it that is
-// nearest, not to the point under it. The barycentric coordinates of these foot points are the columns of the K that lets
-// least squares move vertices; with the coordinates under the pixels V K = P holds exactly, and nothing moves.
-//
-// Three inner products take a pixel into the plane of a face, where it is inside or nearest to one of three sides: about
-// 30 ns a pixel and face.
+/// \file
+/// Foot points: the point of the mesh that is nearest to a pixel in the space of position and colour.
+///
+/// The paper's convexification (section 4.4, Fig. 3b; as in Xiong et al., "Robust surface reconstruction via dictionary
+/// learning", 2014): with its colours the mesh is a surface in 2 + C dimensions, and a pixel belongs to the point of it that is
+/// nearest, not to the point under it. The barycentric coordinates of these foot points are the columns of the K that lets
+/// least squares move vertices; with the coordinates under the pixels V K = P holds exactly, and nothing moves.
+///
+/// Three inner products take a pixel into the plane of a face, where it is inside or nearest to one of three sides: about
+/// 30 ns a pixel and face.
 #ifndef HMESH_METHODS_HIERARCHICAL_FOOTPOINTS_HPP
 #define HMESH_METHODS_HIERARCHICAL_FOOTPOINTS_HPP
 
@@ -28,39 +29,39 @@
 
 namespace hmesh::kit {
 
-// Where a pixel's foot point is looked for.
+/// Where a pixel's foot point is looked for.
 enum class FootSearch : std::uint8_t {
-    plane,     // not at all: the point under the pixel, so that least squares changes colours only
-    own_face,  // in the face under the pixel
-    one_ring,  // in all faces that share a vertex with that one: worse by 0.01 to 0.08 dB, ten times as long
+    plane,     ///< not at all: the point under the pixel, so that least squares changes colours only
+    own_face,  ///< in the face under the pixel
+    one_ring,  ///< in all faces that share a vertex with that one: worse by 0.01 to 0.08 dB, ten times as long
 };
 
-// A pixel or vertex in 2 + C dimensions.
+/// A pixel or vertex in 2 + C dimensions.
 template <int C>
 struct LiftedPoint {
     Point position;
-    Color<C> color;  // times the px that a unit of colour is worth; 0 in the lanes above C
-    // The difference of two points.
+    Color<C> color;  ///< times the px that a unit of colour is worth; 0 in the lanes above C
+    /// The difference of two points.
     [[nodiscard]] HMESH_ALWAYS_INLINE LiftedPoint minus(const LiftedPoint& o) const {
         return {{position.x - o.position.x, position.y - o.position.y}, color - o.color};
     }
-    // All coordinates by a factor.
+    /// All coordinates by a factor.
     [[nodiscard]] HMESH_ALWAYS_INLINE LiftedPoint times(double factor) const {
         return {{position.x * factor, position.y * factor}, color * factor};
     }
-    // The inner product of all 2 + C coordinates.
+    /// The inner product of all 2 + C coordinates.
     [[nodiscard]] HMESH_ALWAYS_INLINE double dot(const LiftedPoint& o) const {
         return position.x * o.position.x + position.y * o.position.y + (color * o.color).sum();
     }
 };
 
-// A triangle a, b, c in that space; it may be a segment or a point. Its own plane gets an orthonormal frame, with the origin
-// in a and the first axis along the longer of the two sides there, so that slivers and colours of any size move the foot by no
-// more than some 1e-15 of what is measured: a system in inner products would square the condition.
+/// A triangle a, b, c in that space; it may be a segment or a point. Its own plane gets an orthonormal frame, with the origin
+/// in a and the first axis along the longer of the two sides there, so that slivers and colours of any size move the foot by no
+/// more than some 1e-15 of what is measured: a system in inner products would square the condition.
 template <int C>
 class LiftedFace {
   public:
-    // Of its corners.
+    /// Of its corners.
     LiftedFace(const LiftedPoint<C>& a, const LiftedPoint<C>& b, const LiftedPoint<C>& c) : a_(a) {
         LiftedPoint<C> base = b.minus(a), other = c.minus(a);
         is_swapped_ = base.dot(base) < other.dot(other);
@@ -78,7 +79,7 @@ class LiftedFace {
         inverse_far2_ = inverse((apex_x_ - length_) * (apex_x_ - length_) + apex_y_ * apex_y_);
     }
 
-    // The point nearest to p as weights of the corners, all >= 0, and its squared distance.
+    /// The point nearest to p as weights of the corners, all >= 0, and its squared distance.
     [[nodiscard]] HMESH_ALWAYS_INLINE Barycentric foot(const LiftedPoint<C>& p, double& distance2) const {
         const LiftedPoint<C> ap = p.minus(a_);
         const double x = ap.dot(x_axis_), y = ap.dot(y_axis_), off_plane = std::max(0.0, ap.dot(ap) - x * x - y * y);
@@ -105,10 +106,10 @@ class LiftedFace {
     }
 
     LiftedPoint<C> a_, x_axis_, y_axis_;
-    // In the frame: a at 0, the end of the base at (length, 0), the apex.
+    /// In the frame: a at 0, the end of the base at (length, 0), the apex.
     double length_, apex_x_, apex_y_;
-    double inverse_length_, inverse_height_, inverse_near2_, inverse_far2_;  // of the sides, squared the last two; 0 for 1 / 0
-    bool is_swapped_;                                                        // c ends the base, b is the apex
+    double inverse_length_, inverse_height_, inverse_near2_, inverse_far2_;  ///< of the sides, squared the last two; 0 for 1 / 0
+    bool is_swapped_;                                                        ///< c ends the base, b is the apex
 };
 
 namespace detail {
@@ -120,7 +121,7 @@ template <int C>
     return {at(v[0]), at(v[1]), at(v[2])};
 }
 
-// Adds a pixel that counts `weight` times to the sums of the corners of face f, the first of which halfedge(f) leaves.
+/// Adds a pixel that counts `weight` times to the sums of the corners of face f, the first of which halfedge(f) leaves.
 template <int C>
 HMESH_ALWAYS_INLINE void add_pixel(const Barycentric& w, double weight, Point center, const Color<C>& image, CornerSums<C>& a,
                                    CornerSums<C>& b, CornerSums<C>& c) {
@@ -137,7 +138,7 @@ HMESH_ALWAYS_INLINE void add_pixel(const Barycentric& w, double weight, Point ce
     add(c, w.c, w.a);
 }
 
-// The faces that share a vertex with f, f first, none twice.
+/// The faces that share a vertex with f, f first, none twice.
 inline void faces_around(const HalfedgeMesh& topology, Face f, std::vector<Face>& faces) {
     faces.assign(1, f);
     for (const Vertex v : topology.vertices(f))
@@ -149,11 +150,11 @@ inline void faces_around(const HalfedgeMesh& topology, Face f, std::vector<Face>
 
 }  // namespace detail
 
-// What each corner of each face adds to the normal equations of the K of foot points, by half-edge as in corner_sums
-// (solve/normal_equations.hpp): gram_matrix, position_rhs and image_rhs make K K^T, K P^T and K I^T of it. `color_scale`: px that a
-// unit of colour is worth, > 0. The mesh must tile its table's rectangle. Faces are independent pieces of work, but not in
-// one_ring, which runs serially: there they add to each other's corners. Told to stop, one_ring leaves the sums of some faces
-// out. Lane C of `image` stays 0 where there is a search.
+/// What each corner of each face adds to the normal equations of the K of foot points, by half-edge as in corner_sums
+/// (solve/normal_equations.hpp): gram_matrix, position_rhs and image_rhs make K K^T, K P^T and K I^T of it. `color_scale`: px
+/// that a unit of colour is worth, > 0. The mesh must tile its table's rectangle. Faces are independent pieces of work, but not
+/// in one_ring, which runs serially: there they add to each other's corners. Told to stop, one_ring leaves the sums of some faces
+/// out. Lane C of `image` stays 0 where there is a search.
 template <int C>
 [[nodiscard]] std::vector<CornerSums<C>> foot_sums(const ImageMesh<C>& mesh, FootSearch search, double color_scale,
                                                    const ParallelFor& parallel_for = {}) {

@@ -1,13 +1,14 @@
-// hmesh - geometry step: the paper's linear least squares in position and colour (sections 4.4 and 4.5.1), with a safeguard.
-//
-// With K the barycentric coordinates of the pixels' foot points (methods/hierarchical/footpoints.hpp), positions and colours of all vertices
-// are the least squares solution of V K = P, one matrix K K^T for all rows, by preconditioned conjugate gradients. Taken at
-// its word that lowers the distance in 2 + C dimensions and raises the error that one sees: Lena at 1 % ends at
-// 28.4 dB instead of the 29.7 of colours alone. So the solution is a direction only: each vertex in turn goes the part of its way
-// that lowers the error of its ring most, and colours are then solved for under the pixels (solve/bounded_colors.hpp), so that the error
-// never rises, but by rounding. Two such steps and flips on two levels take Adams' mesh from 28.2 to 30.3 dB.
-//
-// A trial on a ring costs 0.4 us, because edge moments make it free of pixels; the foot points 30 ns a pixel.
+/// \file
+/// Geometry step: the paper's linear least squares in position and colour (sections 4.4 and 4.5.1), with a safeguard.
+///
+/// With K the barycentric coordinates of the pixels' foot points (methods/hierarchical/footpoints.hpp), positions and colours of
+/// all vertices are the least squares solution of V K = P, one matrix K K^T for all rows, by preconditioned conjugate gradients.
+/// Taken at its word that lowers the distance in 2 + C dimensions and raises the error that one sees: Lena at 1 % ends at 28.4 dB
+/// instead of the 29.7 of colours alone. So the solution is a direction only: each vertex in turn goes the part of its way that
+/// lowers the error of its ring most, and colours are then solved for under the pixels (solve/bounded_colors.hpp), so that the
+/// error never rises, but by rounding. Two such steps and flips on two levels take Adams' mesh from 28.2 to 30.3 dB.
+///
+/// A trial on a ring costs 0.4 us, because edge moments make it free of pixels; the foot points 30 ns a pixel.
 #ifndef HMESH_METHODS_HIERARCHICAL_GEOMETRY_STEP_HPP
 #define HMESH_METHODS_HIERARCHICAL_GEOMETRY_STEP_HPP
 
@@ -32,30 +33,30 @@
 
 namespace hmesh::kit {
 
-// What becomes of the positions that were solved for.
+/// What becomes of the positions that were solved for.
 enum class StepRule : std::uint8_t {
-    safeguarded,  // the part of the way that lowers the ring's error most; colours are solved for afterwards
-    literal,      // all of it, halved only as long as faces would fold over; colours as solved for
+    safeguarded,  ///< the part of the way that lowers the ring's error most; colours are solved for afterwards
+    literal,      ///< all of it, halved only as long as faces would fold over; colours as solved for
 };
 
-// How a step is taken.
+/// How a step is taken.
 struct GeometryStep {
     FootSearch search = FootSearch::own_face;
     StepRule rule = StepRule::safeguarded;
-    double color_scale = 1;  // px that a unit of colour is worth, where 255 is the peak; 0.3 to 3 differ by up to 0.1 dB
-    double ridge = 1e-3;     // toward the current value, in pixels: faces may own none
-    int halvings = 4;        // of a step: 1, 1/2, .. 1/16 of the way are tried
+    double color_scale = 1;  ///< px that a unit of colour is worth, where 255 is the peak; 0.3 to 3 differ by up to 0.1 dB
+    double ridge = 1e-3;     ///< toward the current value, in pixels: faces may own none
+    int halvings = 4;        ///< of a step: 1, 1/2, .. 1/16 of the way are tried
     PcgOptions pcg{200, 1e-7};
 };
 
-// The system that a geometry step solves: gram X = rhs, n_v by 2 + C, columns x, y and the colours; what is held in X.
+/// The system that a geometry step solves: gram X = rhs, n_v by 2 + C, columns x, y and the colours; what is held in X.
 struct GeometrySystem {
     Eigen::SparseMatrix<double> gram;
-    Eigen::MatrixXd rhs, solution;  // on the way in, where the vertices are
-    std::vector<HeldEntry> held;    // border vertices stay on their side
+    Eigen::MatrixXd rhs, solution;  ///< on the way in, where the vertices are
+    std::vector<HeldEntry> held;    ///< border vertices stay on their side
 };
 
-// `color_scale`: px that a unit of stored value is worth.
+/// `color_scale`: px that a unit of stored value is worth.
 template <int C>
 [[nodiscard]] GeometrySystem geometry_system(const ImageMesh<C>& mesh, FootSearch search, double color_scale, double ridge,
                                              const ParallelFor& parallel_for = {}) {
@@ -81,7 +82,7 @@ template <int C>
 
 namespace detail {
 
-// Takes v the part of the way to `target` where its ring's error, with its colour at the best, is least. Whether it moved.
+/// Takes v the part of the way to `target` where its ring's error, with its colour at the best, is least. Whether it moved.
 template <int C>
 bool step_toward(ImageMesh<C>& mesh, Vertex v, Point target, int halvings, RingScratch<C>& scratch) {
     const MeshLimits& limits = mesh.limits();
@@ -110,8 +111,8 @@ bool step_toward(ImageMesh<C>& mesh, Vertex v, Point target, int halvings, RingS
     return true;
 }
 
-// Gives all vertices the best colours under the pixels. The optimum held to a range may be worse than what there is, and so may
-// one that was not solved for to the end: then the descent within the range that never is.
+/// Gives all vertices the best colours under the pixels. The optimum held to a range may be worse than what there is, and so may
+/// one that was not solved for to the end: then the descent within the range that never is.
 template <int C>
 void improve_colors(ImageMesh<C>& mesh, const PcgOptions& options, const ParallelFor& parallel_for) {
     const double before = mesh.energy();
@@ -124,7 +125,7 @@ void improve_colors(ImageMesh<C>& mesh, const PcgOptions& options, const Paralle
     bounded_colors(mesh, mesh.color_low(), mesh.color_high(), 0, parallel_for);
 }
 
-// Takes v as far toward `target` as no face around it folds over. Whether it arrived.
+/// Takes v as far toward `target` as no face around it folds over. Whether it arrived.
 template <int C>
 bool step_unfolded(ImageMesh<C>& mesh, Vertex v, Point target, RingScratch<C>& scratch) {
     mesh.gather(v, scratch.ring, scratch.spokes);
@@ -144,7 +145,7 @@ bool step_unfolded(ImageMesh<C>& mesh, Vertex v, Point target, RingScratch<C>& s
 
 }  // namespace detail
 
-// One step. Vertices with more than ring_capacity neighbours keep their place. Returns how the solver did.
+/// One step. Vertices with more than ring_capacity neighbours keep their place. Returns how the solver did.
 template <int C>
 PcgReport geometry_step(ImageMesh<C>& mesh, const GeometryStep& options, double peak, const ParallelFor& parallel_for = {}) {
     GeometrySystem system = geometry_system(mesh, options.search, options.color_scale * 255 / peak, options.ridge, parallel_for);

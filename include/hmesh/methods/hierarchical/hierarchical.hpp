@@ -1,10 +1,11 @@
-// hmesh - hierarchical: "Image meshing via hierarchical optimization", its Algorithm 1.
-//
-//     bilateral levels -> Adams' mesh on the coarsest -> per level, coarse to fine, r times: geometry step, flip queue
-//
-// The next level takes the mesh over as it is. What the text leaves open is an option below, with what was measured about it;
-// PSNR with the MSE over pixels and channels, on Lena and Fruits at 1, 2 and 3 %. Colours are those solved for. Some 100 us a
-// vertex, half of it for Adams' mesh.
+/// \file
+/// Hierarchical: "Image meshing via hierarchical optimization", its Algorithm 1.
+///
+///     bilateral levels -> Adams' mesh on the coarsest -> per level, coarse to fine, r times: geometry step, flip queue
+///
+/// The next level takes the mesh over as it is. What the text leaves open is an option below, with what was measured about it;
+/// PSNR with the MSE over pixels and channels, on Lena and Fruits at 1, 2 and 3 %. Colours are those solved for. Some 100 us a
+/// vertex, half of it for Adams' mesh.
 #ifndef HMESH_METHODS_HIERARCHICAL_HIERARCHICAL_HPP
 #define HMESH_METHODS_HIERARCHICAL_HIERARCHICAL_HPP
 
@@ -13,7 +14,6 @@
 #include <utility>
 #include <vector>
 
-#include "hmesh/core/range.hpp"
 #include "hmesh/core/status.hpp"
 #include "hmesh/fit/image_source.hpp"
 #include "hmesh/methods/baselines/adams.hpp"
@@ -31,7 +31,7 @@ namespace hmesh {
 
 namespace kit::detail {
 
-// The paper's AlternatingOptimization of the mesh on one level. False: cancelled.
+/// The paper's AlternatingOptimization of the mesh on one level. False: cancelled.
 template <int C>
 [[nodiscard]] bool optimize_level(TiledMesh<C>& mesh, const GeometryStep& geometry, int rounds, int flip_visits) {
     for (int round = 0; round < rounds; ++round) {
@@ -55,8 +55,8 @@ struct Hierarchical {
     kit::BilateralOptions bilateral{};  ///< diameter 9, sigmas 50, as in the paper
     kit::LevelFilter filter{};          ///< in place of the bilateral one, if set
     Adams start{6, 3};                  ///< a density of 6 is worth 0.05 to 0.15 above 4.5 in five of the six
-    /// The first mesh is that of the coarsest level, as in the paper. From the image itself it is better by 0.2 to 0.6 in five of
-    /// the six: it has points in the textures that the filter removes.
+    /// The first mesh is that of the coarsest level, as in the paper. From the image itself it is better by 0.2 to 0.6 in five
+    /// of / the six: it has points in the textures that the filter removes.
     bool start_filtered = true;
     kit::GeometryStep geometry{};  ///< how a step is taken
     int rounds = 2;       ///< of geometry step and flips, per level, in [0, 1000]; the paper: two; four are worth 0.1 to 0.2
@@ -87,7 +87,7 @@ struct Hierarchical {
              {"hierarchical geometry.pcg.tolerance must be in [1e-15, 1]", geometry.pcg.tolerance, 1e-15, 1}});
     }
     /// px: the image in one piece.
-    [[nodiscard]] double tile_size(int width, int height, std::size_t) const noexcept { return std::max(width, height); }
+    [[nodiscard]] static double tile_size(int width, int height, std::size_t) noexcept { return std::max(width, height); }
     /// Makes a mesh of n vertices of the image, 4 <= n <= max(4, pixels).
     template <class T, int C>
     [[nodiscard]] Status run(kit::TiledMesh<C>& mesh, const ImageView<T, C>& image, std::size_t n) const {

@@ -1,4 +1,4 @@
-#include "hmesh/core/message.hpp"
+#include "hmesh/core/status.hpp"
 
 #include <doctest/doctest.h>
 

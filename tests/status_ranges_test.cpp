@@ -1,4 +1,4 @@
-#include "hmesh/core/range.hpp"
+#include "hmesh/core/status.hpp"
 
 #include <doctest/doctest.h>
 

@@ -1,0 +1,130 @@
+#include "hmesh/methods/final_colors.hpp"
+
+#include <doctest/doctest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include "hmesh/tiles/indexed_mesh.hpp"
+#include "hmesh/tiles/tiling.hpp"
+#include "test_colors.hpp"
+#include "test_executors.hpp"
+#include "test_images.hpp"
+#include "test_indexed_meshes.hpp"
+#include "test_tiled_meshes.hpp"
+
+using hmesh::Image;
+using hmesh::kit::bounded_colors;
+using hmesh::kit::BoundedReport;
+using hmesh::kit::IndexedMesh;
+using hmesh::kit::Point;
+using hmesh::kit::sample_colors;
+using hmesh::kit::Tiling;
+
+namespace {
+
+// For a mesh of one tile and of several, with colours as they are and in steps of `grid`.
+template <class T, int C>
+void check_sampled(const Image<T, C>& image, hmesh_test::Shape shape, double grid) {
+    const int width = image.width(), height = image.height();
+    const IndexedMesh<C> start = hmesh_test::make_indexed(image, shape, 120, 1);
+    for (const double tile : {1000.0, 25.0, 9.0}) {
+        hmesh_test::Work<T, C> work(image);
+        const hmesh_test::ThreadFor two{2};
+        hmesh_test::Work<T, C> threads(image, {}, {}, two);
+        work.tiled.indexed() = threads.tiled.indexed() = start;
+        const Tiling tiling(width, height, tile, true, false);
+        sample_colors(work.tiled, tiling, grid);
+        hmesh_test::prove(work);  // its energy among others
+        const IndexedMesh<C>& mesh = work.indexed();
+        CHECK(mesh.positions == start.positions);
+        CHECK(mesh.faces == start.faces);
+        for (std::size_t v = 0; v < mesh.vertex_count(); ++v)
+            for (int c = 0; c < C; ++c) {
+                const double color = mesh.colors[v][c], exact = test::naive_sample(image, mesh.positions[v], c);
+                if (grid > 0) REQUIRE(color == grid * std::round(color / grid));
+                REQUIRE(std::abs(color - exact) <= 0.5 * grid + 1e-13 * hmesh::PixelTraits<T>::peak);
+            }
+        sample_colors(threads.tiled, tiling, grid);
+        CHECK(hmesh_test::same_bits(threads.indexed(), mesh));
+    }
+}
+
+template <int C>
+void check_allowed(const IndexedMesh<C>& mesh, double low, double high, double grid) {
+    for (const hmesh::kit::Color<C>& color : mesh.colors)
+        for (int c = 0; c < C; ++c) {
+            REQUIRE((color[c] >= low && color[c] <= high));
+            if (grid > 0) REQUIRE(color[c] == grid * std::round(color[c] / grid));
+        }
+}
+
+std::vector<Point> in_order(std::vector<Point> points) {
+    std::sort(points.begin(), points.end(), [](Point a, Point b) { return a.y < b.y || (a.y == b.y && a.x < b.x); });
+    return points;
+}
+
+// The same by the best colours in [low, high]: they are as good whatever the tiles, and any executor finds them.
+template <class T, int C>
+void check_bounded(const Image<T, C>& image, hmesh_test::Shape shape, double low, double high, double grid) {
+    const IndexedMesh<C> start = hmesh_test::make_indexed(image, shape, 120, 1);
+    double best = 0;
+    for (const double tile : {1000.0, 25.0, 9.0}) {
+        const hmesh_test::ThreadFor two{2};
+        hmesh_test::Work<T, C> work(image), threads(image, {}, {}, two);
+        work.tiled.indexed() = threads.tiled.indexed() = start;
+        const Tiling tiling(image.width(), image.height(), tile, true, false);
+        const BoundedReport report = bounded_colors(work.tiled, tiling, low, high, grid);
+        CHECK(report.sweeps > 1);
+        CHECK((report.rounding_sweeps > 0) == (grid > 0));
+        hmesh_test::prove(work);  // its energy among others
+        const IndexedMesh<C>& mesh = work.indexed();
+        CHECK(in_order(mesh.positions) == in_order(start.positions));  // one tile numbers them anew
+        CHECK(mesh.faces.size() == start.faces.size());
+        check_allowed(mesh, low, high, grid);
+        if (tile == 1000) best = mesh.energy;
+        CHECK(mesh.energy == doctest::Approx(best).epsilon(1e-3));
+        bounded_colors(threads.tiled, tiling, low, high, grid);
+        CHECK(hmesh_test::same_bits(threads.indexed(), mesh));
+    }
+}
+
+}  // namespace
+
+TEST_CASE("a mesh in tiles has sampled colours in steps of the grid, and the energy of its pixels, however it is cut") {
+    check_sampled(hmesh_test::scene<std::uint8_t, 3>(60, 45, 1), hmesh_test::Shape::worn, 1);
+    check_sampled(hmesh_test::scene<std::uint8_t, 1>(60, 45, 2), hmesh_test::Shape::delaunay, 0);
+    check_sampled(hmesh_test::noise<std::uint16_t, 2>(40, 45, 3), hmesh_test::Shape::slivers, 16);
+    check_sampled(hmesh_test::scene<float, 4>(50, 30, 4), hmesh_test::Shape::scattered, 0);
+    check_sampled(hmesh_test::scene<float, 1>(50, 30, 5), hmesh_test::Shape::grid, 1.0 / 64);
+}
+
+TEST_CASE("a mesh in tiles gets colours in their range and on their grid, as good as in one tile, and the energy of its pixels") {
+    check_bounded(hmesh_test::scene<std::uint8_t, 3>(60, 45, 1), hmesh_test::Shape::worn, 0, 255, 1);
+    check_bounded(hmesh_test::noise<std::uint8_t, 1>(60, 45, 2), hmesh_test::Shape::delaunay, 60, 190, 1);
+    check_bounded(hmesh_test::scene<std::uint16_t, 2>(40, 45, 3), hmesh_test::Shape::grid, 0, 65535, 0);
+    check_bounded(hmesh_test::scene<float, 4>(50, 30, 4), hmesh_test::Shape::scattered, 0, 1, 0);
+}
+
+TEST_CASE("told to stop, colours go to the nearest that are allowed, and the energy is true of them") {
+    const auto image = hmesh_test::scene<std::uint8_t, 3>(60, 45, 1);
+    const IndexedMesh<3> start = hmesh_test::make_indexed(image, hmesh_test::Shape::worn, 120, 1);
+    const auto stop = [](const hmesh::ProgressInfo&) { return false; };
+    for (const double tile : {1000.0, 25.0}) {
+        hmesh_test::Work<std::uint8_t, 3> work(image, {}, stop);
+        work.tiled.indexed() = start;
+        REQUIRE_FALSE(work.progress.poll());
+        bounded_colors(work.tiled, Tiling(60, 45, tile, true, false), 50, 200, 1);
+        hmesh_test::prove(work);
+        const IndexedMesh<3>& mesh = work.indexed();
+        check_allowed(mesh, 50, 200, 1);
+        for (std::size_t v = 0; v < mesh.vertex_count(); ++v)
+            for (int c = 0; c < 3; ++c) {
+                const double held = std::min(200.0, std::max(50.0, start.colors[v][c]));
+                CHECK(std::abs(mesh.colors[v][c] - held) <= 0.5);
+            }
+    }
+}

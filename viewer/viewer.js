@@ -1,0 +1,217 @@
+// How the page is handled, and its start.
+//
+// Drag to pan, wheel or pinch to zoom about the pointer, double click to fit. Keys: + and - zoom, arrows pan, 0 fits the
+// window, 1 shows one pixel to one of the screen, w turns the wireframe on and off, o the original. With `#native` in the
+// address the canvas has the picture's very size and there is nothing else: a page to embed, and to test.
+//
+// The canvas says what it shows by its attribute data-drawn: x, y, scale, whether there are edges, the original's share; see
+// drawing.js. It has none before it is drawn.
+import { createPainter } from './drawing.js';
+
+const byId = (id) => document.getElementById(id);
+const canvas = byId('mesh');
+const share = byId('share');
+const original = byId('original');
+const mesh = JSON.parse(byId('data').textContent);
+const isNative = location.hash === '#native';
+
+const view = { x: mesh.width / 2, y: mesh.height / 2, scale: 1, wires: false, share: 0 }; // see drawing.js
+let isFitted = true; // stays so when the window changes
+let isQueued = false; // the next frame will be drawn
+let gl = null;
+let paint = null;
+
+// --- the view ---
+
+function redraw() {
+  if (isQueued) return;
+  isQueued = true;
+  requestAnimationFrame(() => {
+    isQueued = false;
+    if (gl.isContextLost()) return;
+    view.share = Number(share.value); // which browsers may have restored
+    paint(view);
+    canvas.dataset.drawn = [view.x, view.y, view.scale, Number(view.wires), view.share].join(' ');
+  });
+}
+
+function fitScale() {
+  return Math.min(canvas.width / mesh.width, canvas.height / mesh.height);
+}
+function clampScale(scale) {
+  return Math.min(1e5, Math.max(Math.min(fitScale(), 1) / 16, scale));
+}
+
+function show(x, y, scale, isFit = false) {
+  view.scale = clampScale(scale);
+  view.x = Math.min(mesh.width, Math.max(0, x));
+  view.y = Math.min(mesh.height, Math.max(0, y));
+  isFitted = isFit;
+  redraw();
+}
+function fit() {
+  show(mesh.width / 2, mesh.height / 2, 0.96 * fitScale(), true);
+}
+// Whole pixels, so that pixels fall on pixels.
+function showNativeSize() {
+  const whole = (at, size) => Math.round(at - size / 2) + size / 2;
+  show(whole(view.x, canvas.width), whole(view.y, canvas.height), 1);
+}
+// Zooms by a factor about a place of the window, in device px from its center.
+function zoom(factor, dx = 0, dy = 0) {
+  const scale = clampScale(view.scale * factor);
+  const gain = 1 / view.scale - 1 / scale;
+  show(view.x + dx * gain, view.y + dy * gain, scale);
+}
+function pan(dx, dy) {
+  show(view.x - dx / view.scale, view.y - dy / view.scale, view.scale);
+}
+
+function toggleWires() {
+  view.wires = !view.wires;
+  byId('wires').setAttribute('aria-pressed', view.wires);
+  redraw();
+}
+function toggleOriginal() {
+  if (!original) return;
+  share.value = Number(share.value) > 0.5 ? 0 : 1;
+  redraw();
+}
+
+// The canvas has a pixel for each of the device, or in `#native` of the mesh.
+function resize() {
+  const ratio = window.devicePixelRatio || 1;
+  if (isNative) {
+    canvas.width = mesh.width;
+    canvas.height = mesh.height;
+    canvas.style.width = `${mesh.width / ratio}px`;
+    canvas.style.height = `${mesh.height / ratio}px`;
+    redraw();
+    return;
+  }
+  canvas.width = Math.max(1, Math.round(canvas.clientWidth * ratio));
+  canvas.height = Math.max(1, Math.round(canvas.clientHeight * ratio));
+  if (isFitted) fit();
+  else redraw();
+}
+
+// --- what the user does ---
+
+function listenToPointers() {
+  const pointers = new Map();
+  // Device px from the center of the canvas, and how many of them are a px of the page.
+  const fromCenter = (x, y) => {
+    const box = canvas.getBoundingClientRect();
+    const ratio = canvas.width / box.width;
+    return [(x - box.left - box.width / 2) * ratio, (y - box.top - box.height / 2) * ratio, ratio];
+  };
+  const onWheel = (event) => {
+    event.preventDefault();
+    const lines = { 0: 1, 1: 16, 2: 400 }[event.deltaMode];
+    const pinch = event.ctrlKey ? 4 : 1;
+    const [x, y] = fromCenter(event.clientX, event.clientY);
+    zoom(Math.exp(-0.0018 * lines * pinch * event.deltaY), x, y);
+  };
+  canvas.addEventListener('wheel', onWheel, { passive: false });
+  canvas.addEventListener('pointerdown', (event) => {
+    canvas.setPointerCapture(event.pointerId);
+    pointers.set(event.pointerId, [event.clientX, event.clientY]);
+    canvas.classList.add('drag');
+  });
+  canvas.addEventListener('pointermove', (event) => {
+    const last = pointers.get(event.pointerId);
+    if (!last) return;
+    const others = [...pointers].filter(([id]) => id !== event.pointerId).map(([, at]) => at);
+    const ratio = fromCenter(0, 0)[2];
+    const now = [event.clientX, event.clientY];
+    pointers.set(event.pointerId, now);
+    if (others.length === 0) pan((now[0] - last[0]) * ratio, (now[1] - last[1]) * ratio);
+    if (others.length !== 1) return;
+    // Two fingers: what is under them stays there.
+    const [still] = others;
+    const span = (p) => Math.max(8, Math.hypot(p[0] - still[0], p[1] - still[1]));
+    const [x, y] = fromCenter((last[0] + still[0]) / 2, (last[1] + still[1]) / 2);
+    zoom(span(now) / span(last), x, y);
+    pan(((now[0] - last[0]) / 2) * ratio, ((now[1] - last[1]) / 2) * ratio);
+  });
+  for (const type of ['pointerup', 'pointercancel'])
+    canvas.addEventListener(type, (event) => {
+      pointers.delete(event.pointerId);
+      if (pointers.size === 0) canvas.classList.remove('drag');
+    });
+  canvas.addEventListener('dblclick', fit);
+}
+
+function listenToKeys() {
+  const step = () => 0.1 * Math.min(canvas.width, canvas.height);
+  const keys = {
+    '+': () => zoom(1.25),
+    '=': () => zoom(1.25),
+    '-': () => zoom(0.8),
+    _: () => zoom(0.8),
+    0: fit,
+    1: showNativeSize,
+    ArrowLeft: () => pan(step(), 0),
+    ArrowRight: () => pan(-step(), 0),
+    ArrowUp: () => pan(0, step()),
+    ArrowDown: () => pan(0, -step()),
+    w: toggleWires,
+    W: toggleWires,
+    o: toggleOriginal,
+    O: toggleOriginal,
+  };
+  window.addEventListener('keydown', (event) => {
+    const act = keys[event.key];
+    if (!act || event.ctrlKey || event.metaKey || event.altKey) return;
+    if (event.target === share && event.key.startsWith('Arrow')) return; // they move the slider
+    event.preventDefault();
+    act();
+  });
+}
+
+function listenToControls() {
+  byId('in').onclick = () => zoom(1.5);
+  byId('out').onclick = () => zoom(1 / 1.5);
+  byId('fit').onclick = fit;
+  byId('one').onclick = showNativeSize;
+  byId('wires').onclick = toggleWires;
+  share.oninput = redraw;
+  window.addEventListener('resize', resize);
+  canvas.addEventListener('webglcontextlost', (event) => event.preventDefault());
+  canvas.addEventListener('webglcontextrestored', () => {
+    paint = createPainter(gl, mesh, original);
+    redraw();
+  });
+}
+
+// --- the start ---
+
+function start() {
+  canvas.setAttribute(
+    'aria-label',
+    `${document.title}: a mesh of ${mesh.vertices} vertices and ${mesh.faces} triangles. ` +
+      `Keys: plus and minus zoom, arrows pan, 0 fits, 1 native size, w wireframe${original ? ', o original.' : '.'}`,
+  );
+  try {
+    gl = canvas.getContext('webgl', { alpha: false, antialias: false, depth: false, preserveDrawingBuffer: isNative });
+    if (gl) paint = createPainter(gl, mesh, original);
+  } catch (error) {
+    console.warn(error);
+  }
+  if (!paint) {
+    canvas.hidden = true;
+    byId('controls').hidden = true;
+    byId('without').hidden = false;
+    return;
+  }
+  byId('compare').hidden = !original;
+  document.body.classList.toggle('native', isNative);
+  if (original && !original.complete) original.onload = redraw;
+  if (!isNative) {
+    listenToPointers();
+    listenToKeys();
+    listenToControls();
+  }
+  resize();
+}
+start();
