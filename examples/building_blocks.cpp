@@ -97,7 +97,7 @@ int main(int argc, char** argv) {
     const kit::Pyramid<std::uint8_t, 3> pyramid = kit::make_pyramid(picture.view(), 2);
     const kit::ImageSource<3> coarse(pyramid.level(1));
     const kit::Delaunay delaunay = kit::triangulate(picture.width(), picture.height(), place_points(coarse));
-    kit::IndexedMesh<3> result = kit::delaunay_mesh(coarse, delaunay);
+    hmesh::Mesh result = kit::to_mesh(kit::delaunay_mesh(coarse, delaunay), 255);
     const kit::HalfedgeMesh& halfedges = delaunay.topology();
     std::printf("%zu vertices, %zu edges, of which %zu on the border, %zu faces\n", halfedges.vertex_count(),
                 halfedges.edge_count(), border_edges(halfedges, kit::Vertex(0)), halfedges.face_count());
@@ -107,7 +107,7 @@ int main(int argc, char** argv) {
         // An ImageMesh knows the error of each face from the moment table, sums along the rows of the level.
         const kit::MomentTable<3> table(pyramid.level(level), pyramid.level(level).bounds());
         kit::ImageMesh<3> mesh(table, 0, 255);
-        if (!mesh.assign(result.positions, result.faces, result.colors)) return 1;
+        if (!mesh.assign(result)) return 1;
         print_error(level, "vertices", static_cast<int>(mesh.vertex_count()), mesh);
         for (int round = 0; round < 2; ++round) {
             // The normal equations follow from the moments, without a product of matrices; conjugate gradients solve them.
@@ -119,10 +119,10 @@ int main(int argc, char** argv) {
             const std::size_t flips = kit::run_flip_queue(mesh);
             print_error(level, "edges turned", static_cast<int>(flips), mesh);
         }
-        result = kit::to_indexed_mesh(mesh);  // for the next level to begin with
+        result = kit::to_mesh(mesh, 255);  // for the next level to begin with, and to be drawn
         if (level > 0) continue;
 
-        const auto [drawn, status] = hmesh::render<3>(kit::to_mesh(result, 255).view());
+        const auto [drawn, status] = hmesh::render<3>(result.view());
         const double difference = status ? largest_difference(drawn, mesh) : 255;
         std::printf("drawn: %.3f dB; I(V) K is the same to %.0e\n", hmesh::psnr(picture.view(), drawn.view()), difference);
         if (difference > 1e-3) return 1;  // colours of a Mesh are floats
