@@ -96,7 +96,7 @@ std::vector<double> all_gains(const ImageMesh<C>& mesh, const InsertionOptions& 
     std::vector<double> gains;
     hmesh::kit::RingScratch<C> work;
     const auto add = [&](const InsertionCandidate<C>& c) {
-        if (c.fits && c.gain > options.least_gain) gains.push_back(c.gain);
+        if (c.fits && c.gain > options.min_gain) gains.push_back(c.gain);
     };
     for (const Edge e : mesh.topology().edges()) add(hmesh::kit::edge_candidate(mesh, work, e, options.may_move));
     if (options.faces)
@@ -220,7 +220,7 @@ TEST_CASE("each edge and each face is a site once, and no site gains more than i
                 for (const Face f : {topology.face(HalfedgeMesh::halfedge(site.edge())),
                                      topology.face(HalfedgeMesh::opposite(HalfedgeMesh::halfedge(site.edge())))})
                     if (f.is_valid()) faces_have += hmesh_test::brute_energy(subject, f);
-            CHECK(std::abs(hmesh::kit::most_gain(subject.mesh, site) - faces_have) <= hmesh_test::rounding(subject));
+            CHECK(std::abs(hmesh::kit::max_gain(subject.mesh, site) - faces_have) <= hmesh_test::rounding(subject));
             const auto candidate = hmesh::kit::candidate_at(subject.mesh, work, site, true);
             CHECK(std::pair(candidate.edge, candidate.face) == named(site));
             CHECK(candidate.gain <= faces_have + hmesh_test::rounding(subject));

@@ -140,7 +140,7 @@ class AnnealingSweep {
             if (static_cast<double>(mesh_->vertex_count()) > range_.most || !mesh_->keep_going()) break;
             if (random_.uniform() > options_.try_probability) continue;
             if (site.is_edge() ? topology().is_deleted(site.edge()) : topology().is_deleted(site.face())) continue;
-            if (!(most_gain(*mesh_, site) > least)) continue;
+            if (!(max_gain(*mesh_, site) > least)) continue;
             const InsertionCandidate<C> candidate = candidate_at(*mesh_, scratch_, site, true);
             if (!candidate.fits || !(candidate.gain > least) || !can_gain_edge(*mesh_, candidate)) continue;
             const auto mark = mesh_->begin();
