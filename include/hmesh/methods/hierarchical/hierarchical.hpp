@@ -35,13 +35,13 @@ namespace kit::detail {
 template <int C>
 [[nodiscard]] bool optimize_level(TiledMesh<C>& mesh, const GeometryStep& geometry, int rounds, int flip_visits) {
     for (int round = 0; round < rounds; ++round) {
-        const bool go_on = run_whole_stage<C>(mesh, "geometry", [&](ImageMesh<C>& piece) {
+        const bool go_on = run_one_tile_stage<C>(mesh, "geometry", [&](ImageMesh<C>& piece) {
             // A mesh from elsewhere has the colours of another picture.
             if (round == 0 && geometry.rule == StepRule::safeguarded) optimal_colors(piece, geometry.pcg, mesh.parallel_for());
             const PcgReport report = geometry_step(piece, geometry, mesh.source().peak(), mesh.parallel_for());
             mesh.progress().note_solve(report.iterations, report.residual);
         });
-        if (!go_on || !run_whole_stage<C>(mesh, "flips", [&](ImageMesh<C>& piece) { run_flip_queue(piece, flip_visits); }))
+        if (!go_on || !run_one_tile_stage<C>(mesh, "flips", [&](ImageMesh<C>& piece) { run_flip_queue(piece, flip_visits); }))
             return false;
     }
     return true;
