@@ -33,22 +33,22 @@ struct CollapseCandidate {
 
 namespace detail {
 
-/// The energy of the faces that fill a ring once its center is merged into neighbor j. The largest double as soon as the energy
+/// The energy of the faces that fill a ring once its centre is merged into neighbour j. The largest double as soon as the energy
 /// reaches `bound`, or if a face would be smaller than limits().min_double_area.
 template <int C>
 [[nodiscard]] double filled_energy(const ImageMesh<C>& mesh, const Ring<C>& ring, int j, double bound) {
     constexpr double never = std::numeric_limits<double>::max();
     const VertexState<C>& u = *ring.neighbor[j];
     const double min_area = mesh.limits().min_double_area;
-    // Faces i (neighbors i, i - 1) that do not have j as a corner; an open ring has no face 0.
+    // Faces i (neighbours i, i - 1) that do not have j as a corner; an open ring has no face 0.
     for (int i = ring.first_face(); i < ring.size; ++i)
         if (i != j && ring.before(i) != j &&
             !(orient2d(u.position, ring.neighbor[i]->position, ring.neighbor[ring.before(i)]->position) >= min_area))
             return never;
     double energy = 0;
-    // Once around the ring from neighbor j + 1, whose edge to j is the link of face j + 1; each edge from u is walked once.
+    // Once around the ring from neighbour j + 1, whose edge to j is the link of face j + 1; each edge from u is walked once.
     Moments<C> spoke = Moments<C>::zero();
-    bool known = false;  // whether `spoke` holds the moments from u to neighbor i - 1
+    bool known = false;  // whether `spoke` holds the moments from u to neighbour i - 1
     for (int step = 1; step < ring.size; ++step) {
         const int i = (j + step) % ring.size, before = ring.before(i);
         if (ring.open && i == 0) continue;
@@ -88,7 +88,7 @@ template <int C>
     double lowest = std::numeric_limits<double>::max();
     for (int j = 0; j < ring.size; ++j) {
         if (ring.open && j != 0 && j != ring.size - 1) continue;  // a border vertex collapses along the border
-        // The merged vertex has the neighbors of both, less the two themselves and the far corners that both had.
+        // The merged vertex has the neighbours of both, less the two themselves and the far corners that both had.
         const int shared = ring.open ? 3 : 4;
         if (topology.valence(topology.to_vertex(ring.halfedge[j])) + ring.size - shared > ring.neighbor[j]->valence_limit)
             continue;

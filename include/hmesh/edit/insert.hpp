@@ -69,7 +69,7 @@ template <int C>
     const VertexState<C>&v0 = mesh.vertex(topology.to_vertex(b)), &v1 = mesh.vertex(topology.to_vertex(a));
     Ring<C>& ring = scratch.ring;
     double before = mesh.energy(topology.face(a));
-    // Neighbors around the midpoint, against the orientation of faces: v0, v2, v1, v3.
+    // Neighbours around the midpoint, against the orientation of faces: v0, v2, v1, v3.
     ring.open = topology.is_boundary(b);
     ring.size = ring.open ? 3 : 4;
     ring.neighbor[0] = &v0;
@@ -109,7 +109,7 @@ template <int C>
     Ring<C>& ring = scratch.ring;
     ring.open = false;
     ring.size = 3;
-    // Neighbors around the centroid, against the orientation: neighbor i - 1 follows neighbor i along the face's sides.
+    // Neighbours around the centroid, against the orientation: neighbour i - 1 follows neighbour i along the face's sides.
     Halfedge h = topology.halfedge(f);
     for (int i = 2; i >= 0; --i, h = topology.next(h)) {
         ring.neighbor[i] = &mesh.vertex(topology.from_vertex(h));

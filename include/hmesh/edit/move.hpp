@@ -20,7 +20,7 @@
 
 namespace hmesh::kit {
 
-/// The state of a ring's center vertex, and the energy of the ring with it.
+/// The state of a ring's centre vertex, and the energy of the ring with it.
 template <int C>
 struct RingCenter {
     Point position;     ///< px, in the plane of the mesh's table
@@ -30,7 +30,7 @@ struct RingCenter {
 
 namespace detail {
 
-/// The longest step to try, in px: 0.6 of the root mean square length of the ring's spokes, with the center at v.
+/// The longest step to try, in px: 0.6 of the root mean square length of the ring's spokes, with the centre at v.
 template <int C>
 [[nodiscard]] inline double step_cap(const Ring<C>& ring, Point v) noexcept {
     double sum = 0;
@@ -46,8 +46,8 @@ template <int C>
 /// Workspace for optimising one ring; tens of kB, so callers that visit many rings keep one.
 template <int C>
 struct RingScratch {
-    Ring<C> ring;                           ///< the neighbors, and the moments of the edges opposite the center
-    Spokes<C> spokes;                       ///< moments of the edges from the center as it is
+    Ring<C> ring;                           ///< the neighbours, and the moments of the edges opposite the centre
+    Spokes<C> spokes;                       ///< moments of the edges from the centre as it is
     Spokes<C> trial_spokes;                 ///< moments of the edges from a trial position
     FaceFit<C> faces[ring_capacity];        ///< fits of the ring's faces as they are
     FaceFit<C> trial_faces[ring_capacity];  ///< fits of the ring's faces for a trial position
@@ -60,7 +60,7 @@ enum class RingOutcome {
     moved,       ///< position and colour are new
 };
 
-/// Optimises the center of scratch.ring. `center` holds position and colour on entry, and on return the best found with the
+/// Optimises the centre of scratch.ring. `center` holds position and colour on entry, and on return the best found with the
 /// energy of the ring; scratch.spokes must fit the position on entry, scratch.spokes and scratch.faces fit it on return. No step
 /// is tried unless `may_move` and its predicted decrease of the energy is above `min_gain`. The mesh itself stays as it is.
 template <int C>
@@ -125,7 +125,7 @@ double improve_vertex(ImageMesh<C>& mesh, Vertex v, double min_gain) {
 }
 
 /// Visits all dirty vertices once, in spatial order, and clears their marks; where a visit gains more than
-/// tolerance.propagate_above, the vertex and its neighbors become dirty again. Ends early where mesh.keep_going() says stop.
+/// tolerance.propagate_above, the vertex and its neighbours become dirty again. Ends early where mesh.keep_going() says stop.
 /// Returns the decrease of the energy.
 template <int C>
 double sweep(ImageMesh<C>& mesh, const Tolerance& tolerance = {}) {

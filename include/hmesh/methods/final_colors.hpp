@@ -60,8 +60,7 @@ BoundedReport bounded_colors(TiledMesh<C>& tiled, const Tiling& tiling, double l
             detail::sum_face(patch.mesh(), f, corners[h0.index()], corners[h1.index()], corners[h2.index()]);
         }
     });
-    if (tiled.progress().stopped())
-        std::fill(corners.begin(), corners.end(), CornerSums<C>());  // only the ridge is left
+    if (tiled.progress().stopped()) std::fill(corners.begin(), corners.end(), CornerSums<C>());  // only the ridge is left
     const auto system = detail::color_system(topology, corners, mesh.colors, tiled.limits().ridge, tiled.parallel_for());
     report = detail::descend(system, low, high, grid, mesh.colors, [&] { return tiled.progress().poll(); });
     tiled.measure(tiling);

@@ -28,7 +28,7 @@ namespace hmesh::kit {
 /// Searches for the fewest vertices that reach `psnr`, in dB. mesh_of(n) makes the mesh of n vertices, 4 <= n <= most, with its
 /// status and report.psnr; the search begins with `first` vertices, in the same range, and makes at most 60 runs. Returns the
 /// result of the fewest vertices that reached the PSNR; where none did, that of the best PSNR with Errc::target_out_of_range;
-/// where a run fails or is cancelled, the best result until then with the status of that run.
+/// where a run fails or is cancelled, the best result until then, its own included, with the status of that run.
 [[nodiscard]] HMESH_COLD inline Result fewest_vertices(double psnr, std::size_t first, std::size_t most,
                                                        FunctionRef<Result(std::size_t n)> mesh_of) {
     constexpr double slope = 1.6;  // dB for each doubling of the vertices

@@ -4,7 +4,7 @@
 ///
 /// The squared error is quadratic in the colours (solve/optimal_colors.hpp). Clamping and rounding its unconstrained minimum
 /// would lose more than the coordinate descent here, in which each vertex makes up for what the bounds and the grid cost its
-/// neighbors. ridge (c - c_now)^2 is added for each vertex, so that vertices without pixels keep their colour.
+/// neighbours. ridge (c - c_now)^2 is added for each vertex, so that vertices without pixels keep their colour.
 ///
 /// Cost: 0.6 us a vertex at 3 channels.
 #ifndef HMESH_SOLVE_BOUNDED_COLORS_HPP

@@ -85,7 +85,7 @@ template <int C>
     return colors;
 }
 
-/// K: n_v by n_p, the barycentric coordinates of pixel p's center in column p: 3 entries, of which some may be 0, with sum 1.
+/// K: n_v by n_p, the barycentric coordinates of pixel p's centre in column p: 3 entries, of which some may be 0, with sum 1.
 /// Faces are independent pieces of work, because each pixel belongs to one face. The mesh must tile its rectangle, as
 /// ImageMesh::check() proves.
 template <int C>

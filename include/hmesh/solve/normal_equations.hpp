@@ -1,7 +1,7 @@
 /// \file
 /// Normal equations of all vertices at once: K K^T, sparse and symmetric, and the right-hand sides K I^T and K P^T.
 ///
-/// Column p of the paper's matrix K holds the barycentric coordinates of pixel p's center in the face that the pixel belongs to,
+/// Column p of the paper's matrix K holds the barycentric coordinates of pixel p's centre in the face that the pixel belongs to,
 /// so the picture that a mesh shows is I(V) K (section 3). K K^T and the right-hand sides are never multiplied out: they follow
 /// from the moments of the faces, corner by corner. Rows are the mesh's vertices, row r the r-th of topology().vertices().
 /// Matrices are plain arrays; solve/eigen.hpp converts them to Eigen's, and has K itself.
@@ -166,7 +166,7 @@ template <int C>
     return sums;
 }
 
-/// K P^T, n_v by 2, of a mesh with this topology and these corner sums; P, 2 by n_p, are the centers of the pixels.
+/// K P^T, n_v by 2, of a mesh with this topology and these corner sums; P, 2 by n_p, are the centres of the pixels.
 template <int C>
 [[nodiscard]] DenseMatrix position_sums(const HalfedgeMesh& topology, const std::vector<CornerSums<C>>& corners,
                                         const ParallelFor& parallel_for = {}) {

@@ -1,8 +1,8 @@
 /// \file
 /// Sampled colors: vertex colours read from the image, as in the methods of Adams and of Xie and in section 1 of the paper.
 ///
-/// A vertex takes the colour of the image at its position: of the pixel if it lies on a pixel's center, else bilinear between
-/// the four nearest centers. Positions beyond the outermost centers take the colour of the nearest point between these. Optimal
+/// A vertex takes the colour of the image at its position: of the pixel if it lies on a pixel's centre, else bilinear between
+/// the four nearest centres. Positions beyond the outermost centres take the colour of the nearest point between these. Optimal
 /// colours (solve/bounded_colors.hpp) are 0.3 to 1.4 dB better on the meshes of Adams and Xie, for a few microseconds a vertex.
 #ifndef HMESH_SOLVE_SAMPLED_COLORS_HPP
 #define HMESH_SOLVE_SAMPLED_COLORS_HPP

@@ -122,7 +122,7 @@ class AnnealingSweep {
         }
         return keep;
     }
-    /// Sets around_ to the neighbors of v.
+    /// Sets around_ to the neighbours of v.
     void collect(Vertex v) {
         around_.clear();
         for (const Halfedge h : topology().outgoing(v)) around_.push_back(topology().to_vertex(h));

@@ -100,7 +100,7 @@ HMESH_COLD bool remove_cheapest(TiledMesh<C>& tiled, const Tiling& tiling, std::
     const std::size_t before = tiled.vertex_count();
     tiled.for_each(tiling, [&](Patch<C>& patch, std::size_t tile) {
         for (std::size_t left = quota[tile]; left > 0;) {
-            // Large batches would reach vertices that are not cheap, since the neighbors of removed vertices stay in a batch.
+            // Large batches would reach vertices that are not cheap, since the neighbours of removed vertices stay in a batch.
             const std::size_t batch = std::max<std::size_t>(1, patch.vertex_count() / 32);
             const std::size_t removed = remove_batch(patch.mesh(), std::min(left, batch), relaxation);
             if (removed == 0) break;

@@ -29,7 +29,7 @@ namespace detail {
 
 /// Appends the faces of a grid of columns times rows vertices, of which (i, j) is number(i, j); the diagonals alternate.
 inline void add_grid_faces(std::uint32_t columns, std::uint32_t rows, std::vector<Triangle>& faces,
-                               FunctionRef<std::uint32_t(std::uint32_t, std::uint32_t)> number) {
+                           FunctionRef<std::uint32_t(std::uint32_t, std::uint32_t)> number) {
     for (std::uint32_t j = 0; j + 1 < rows; ++j)
         for (std::uint32_t i = 0; i + 1 < columns; ++i) {
             const std::uint32_t a = number(i, j), b = number(i + 1, j), c = number(i + 1, j + 1), d = number(i, j + 1);
@@ -92,7 +92,7 @@ template <int C>
 }
 
 /// Grids of about `count` vertices in the tiles of a tiling without shift, joined to about `seam_count` nodes on the seams.
-/// Either number is exceeded where the other one would give vertices too many neighbors. Seams are searched by seam_lines() as
+/// Either number is exceeded where the other one would give vertices too many neighbours. Seams are searched by seam_lines() as
 /// long as go_on() says true.
 template <int C>
 [[nodiscard]] HMESH_COLD IndexedMesh<C> tiled_grid(const ImageSource<C>& source, const Tiling& tiling, double count,

@@ -65,7 +65,7 @@ class SeamCurve {
             squares_[k + 1] = squares_[k] + (s * s).sum();
         }
     }
-    /// Px.
+    /// The length of the seam in px.
     [[nodiscard]] int length() const noexcept { return length_; }
     /// The picture at offset j, 0 <= j <= length(): the mean of the four pixels around.
     [[nodiscard]] const Color<C>& value(int j) const noexcept { return values_[static_cast<std::size_t>(j)]; }

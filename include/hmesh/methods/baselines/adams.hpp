@@ -33,7 +33,7 @@
 namespace hmesh {
 namespace kit::detail {
 
-/// The position, in px, of the vertex that stands for a pixel: the pixel's center, but on the border for the outermost pixels, so
+/// The position, in px, of the vertex that stands for a pixel: the pixel's centre, but on the border for the outermost pixels, so
 /// that the mesh covers the image.
 [[nodiscard]] inline Point pixel_vertex(int x, int y, int width, int height) noexcept {
     const auto place = [](int i, int size) {
@@ -65,7 +65,7 @@ bool triangulate_pixels(TiledMesh<C>& tiled, const std::vector<std::uint32_t>& p
     for (const Face f : mesh.topology().faces()) {
         const auto v = mesh.topology().vertices(f);
         indexed.faces.push_back({static_cast<std::uint32_t>(v[0].index()), static_cast<std::uint32_t>(v[1].index()),
-                               static_cast<std::uint32_t>(v[2].index())});
+                                 static_cast<std::uint32_t>(v[2].index())});
     }
     tiled.indexed() = std::move(indexed);
     tiled.progress().set_range(1, 1);

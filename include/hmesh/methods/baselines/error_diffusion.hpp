@@ -2,7 +2,7 @@
 /// Error diffusion: points with a density in proportion to a map, about as many as wanted.
 ///
 /// The map is halftoned by the method of Floyd and Steinberg ("An adaptive algorithm for spatial greyscale", 1976), rows running
-/// left and right in turn: a pixel becomes a point if its density plus the errors that its neighbors left is at least 1/2, and
+/// left and right in turn: a pixel becomes a point if its density plus the errors that its neighbours left is at least 1/2, and
 /// passes its own error on. Yang, Wernick and Brankov ("A fast approach for accurate content-adaptive mesh generation", 2003)
 /// place the vertices of a mesh in this way. Errors must add up before the first point, which therefore lies some 0.3 / density
 /// rows below the top.
@@ -26,9 +26,9 @@ namespace hmesh::kit {
 namespace detail {
 
 /// Calls point(x, y) for points of the density min(1, factor * (map + floor)). Errors that would leave the image at a side go to
-/// the nearest pixel below; only the last row loses errors. Images more than 8 times as wide as high are passed column by
-/// column: the errors that wait for a first point can be half a point in each column, which in a few rows would leave points
-/// only where the map is largest.
+/// the nearest pixel below; only the last row loses errors, up to half a point for each of its pixels. In an image of a few rows
+/// that could be most of the points, and the rest would stand only where the map is largest: images more than 8 times as wide as
+/// high are therefore passed column by column.
 template <class Point>
 void diffuse(const ImageView<float, 1>& map, double factor, double floor, Point&& point) {
     const bool is_flat = map.width > 8 * map.height;

@@ -7,7 +7,7 @@
 /// edges. A heap has the costs of all vertices; those around a removed vertex are computed again.
 ///
 /// Cost: about 1 us for each cost, 6 to 8 us for a removal. The recipe Annealed uses edit/collapse.hpp instead, which merges a
-/// vertex into its best neighbor and re-optimises the surroundings: that fits better, and does not keep the mesh Delaunay.
+/// vertex into its best neighbour and re-optimises the surroundings: that fits better, and does not keep the mesh Delaunay.
 #ifndef HMESH_METHODS_BASELINES_POINT_REMOVAL_HPP
 #define HMESH_METHODS_BASELINES_POINT_REMOVAL_HPP
 
@@ -36,7 +36,7 @@ class PointRemoval {
         }
     }
 
-    /// Removes the cheapest vertices until `count` >= 4 are left. Vertices with more than ring_capacity neighbors stay. Returns
+    /// Removes the cheapest vertices until `count` >= 4 are left. Vertices with more than ring_capacity neighbours stay. Returns
     /// the number of vertices removed: fewer where no other vertex can be removed, or where mesh.keep_going() says stop.
     std::size_t remove_down_to(std::size_t count) {
         const std::size_t first = mesh_->vertex_count();
@@ -51,7 +51,7 @@ class PointRemoval {
 
     /// The rise of the energy if v were removed; can_go(v) must hold.
     [[nodiscard]] double cost(Vertex v) const noexcept { return costs_.key(static_cast<std::uint32_t>(v.index())); }
-    /// Whether v may be removed: not a corner, not locked, at most ring_capacity neighbors.
+    /// Whether v may be removed: not a corner, not locked, at most ring_capacity neighbours.
     [[nodiscard]] bool can_go(Vertex v) const noexcept { return costs_.contains(static_cast<std::uint32_t>(v.index())); }
 
   private:
@@ -77,7 +77,7 @@ class PointRemoval {
             sides_[0] = spokes_.spoke[ring_.size - 1];
             sides_[0] -= spokes_.spoke[0];
         }
-        // sides_[i] runs from neighbor i to the one before it among those not yet cut off by an ear.
+        // sides_[i] runs from neighbour i to the one before it among those not yet cut off by an ear.
         const std::size_t count = ears_->size();
         for (std::size_t k = 0; k < count; ++k) {
             const Ear& ear = (*ears_)[k];

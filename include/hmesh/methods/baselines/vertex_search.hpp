@@ -3,7 +3,7 @@
 ///
 /// The geometry step of Xie et al. (2014) as a pattern search: a vertex tries the eight positions at a distance of `first_step`
 /// pixels and moves to the best as long as that lowers the error of its ring; then the distance is halved, down to one pixel.
-/// The colour is always that of the image at the vertex. Neighbors of a vertex that moved are visited again, each vertex up to
+/// The colour is always that of the image at the vertex. Neighbours of a vertex that moved are visited again, each vertex up to
 /// `visits` times.
 ///
 /// Cost: a trial walks the ring's spokes in about 0.4 us, less where it is worse early; a visit takes some 6 us.
@@ -28,7 +28,7 @@ struct VertexSearch {
 
 namespace detail {
 
-/// The energy of the faces of a ring with its center vertex in this state; once it reaches `bound`, any value not below that.
+/// The energy of the faces of a ring with its centre vertex in this state; once it reaches `bound`, any value not below that.
 template <int C>
 [[nodiscard]] double centered_energy(const MomentTable<C>& table, const Ring<C>& ring, const VertexState<C>& center,
                                      double bound) {
@@ -37,7 +37,7 @@ template <int C>
     before = first;
     double energy = 0;
     for (int i = 1; i <= ring.size && energy < bound; ++i) {
-        const int k = i % ring.size;  // face k joins the center, neighbor k and the one before; face 0 comes last
+        const int k = i % ring.size;  // face k joins the centre, neighbour k and the one before; face 0 comes last
         if (k == 0 && ring.open) break;
         if (k == 0) spoke = first;
         else edge_moments(table, center.position, ring.neighbor[k]->position, spoke);
@@ -62,7 +62,7 @@ bool search_vertex(ImageMesh<C>& mesh, Vertex v, int first_step, Ring<C>& ring, 
     // A gain that rounding may feign: energies are differences of sums as large as the squares, some of them over whole rows.
     const double min_gain = 1e-9 * lowest + 1e-12 * squares;
     VertexState<C> best = state;
-    // A vertex stays on its side of the image or at least half a pixel off, where the centers of pixels are.
+    // A vertex stays on its side of the image or at least half a pixel off, where the centres of pixels are.
     const auto on_centers = [](double x, int size) { return x >= 0.5 && x <= size - 0.5; };
     for (int step = first_step; step >= 1; step /= 2)
         for (bool moved = true; moved;) {
@@ -94,9 +94,9 @@ bool search_vertex(ImageMesh<C>& mesh, Vertex v, int first_step, Ring<C>& ring, 
 
 }  // namespace detail
 
-/// Visits vertices in rounds, in spatial order: all in the first round, then those that are dirty because a neighbor moved,
+/// Visits vertices in rounds, in spatial order: all in the first round, then those that are dirty because a neighbour moved,
 /// until none is or options.visits rounds are done. The mesh should have sampled colours (sample_colors()), since a vertex that
-/// stays keeps its colour. Vertices with more than ring_capacity neighbors stay. Returns the number of visits that moved their
+/// stays keeps its colour. Vertices with more than ring_capacity neighbours stay. Returns the number of visits that moved their
 /// vertex; ends early where mesh.keep_going() says stop.
 template <int C>
 std::size_t search_vertices(ImageMesh<C>& mesh, const VertexSearch& options) {
