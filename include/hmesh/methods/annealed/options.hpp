@@ -66,7 +66,7 @@ struct AnnealedSteps {
     /// in insert_tolerance, the defaults buy a second sweep for the time of one, +0.2 dB.
     double insert_flip_gain = 3e-2;
     Tolerance insert_tolerance{5e-2, 5e-3};  ///< of the sweeps after each batch of insertions
-    /// Of the sweeps over the first grid and at the end; flips at the end that gain up to polish.propagate_above are not made.
+    /// Thresholds of the sweeps over the first grid and at the end; flips at the end gain more than polish.propagate_above.
     Tolerance polish{1e-3, 5e-3};
     Relaxation relaxation{1, 1e-3};  ///< around each removal; rounds in [0, 100]
     AnnealingOptions annealing;      ///< the annealing after the collapse
