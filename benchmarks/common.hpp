@@ -2,6 +2,7 @@
 #ifndef HMESH_BENCHMARKS_COMMON_HPP
 #define HMESH_BENCHMARKS_COMMON_HPP
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <cstdio>
@@ -29,7 +30,7 @@ void add_to_hash(const std::vector<Value>& values, std::uint64_t& hash) {
     for (std::size_t i = 0; i < values.size() * sizeof(Value); ++i) hash = (hash ^ bytes[i]) * 0x100000001b3U;
 }
 
-inline std::uint64_t hash_of(const hmesh::Mesh<3>& mesh, std::uint64_t hash = empty_hash) {
+inline std::uint64_t hash_of(const hmesh::Mesh& mesh, std::uint64_t hash = empty_hash) {
     add_to_hash(mesh.positions, hash);
     add_to_hash(mesh.colors, hash);
     add_to_hash(mesh.faces, hash);
@@ -46,11 +47,11 @@ inline std::vector<std::string> split(const std::string& list) {
     return parts;
 }
 
-inline bool effort_of(const std::string& name, hmesh::kit::Effort& effort) {
-    const std::pair<const char*, hmesh::kit::Effort> names[] = {{"draft", hmesh::kit::Effort::draft},
-                                                           {"fast", hmesh::kit::Effort::fast},
-                                                           {"normal", hmesh::kit::Effort::normal},
-                                                           {"best", hmesh::kit::Effort::best}};
+inline bool effort_of(const std::string& name, hmesh::Effort& effort) {
+    const std::pair<const char*, hmesh::Effort> names[] = {{"draft", hmesh::Effort::draft},
+                                                           {"fast", hmesh::Effort::fast},
+                                                           {"normal", hmesh::Effort::normal},
+                                                           {"best", hmesh::Effort::best}};
     for (const auto& [known, value] : names)
         if (name == known) {
             effort = value;
@@ -64,14 +65,14 @@ using Picture = hmesh::Image<std::uint8_t, 3>;
 
 // Reads 3 channels of 8 bits. Says why not, in the name of `program`.
 inline std::optional<Picture> read(const char* program, const std::string& path) {
-    example::ImageFile file;
-    const std::string why = example::read_image(path, file);
+    tool::ImageFile file;
+    const std::string why = tool::read_image(path, file);
     if (!why.empty() || file.channels != 3 || file.bits != 8) {
         std::fprintf(stderr, "%s: %s: %s\n", program, path.c_str(), why.empty() ? "not 3 channels of 8 bits" : why.c_str());
         return {};
     }
     Picture picture(file.width, file.height);
-    picture.samples() = std::move(file.samples8);
+    std::copy(file.samples8.begin(), file.samples8.end(), picture.data());
     return picture;
 }
 

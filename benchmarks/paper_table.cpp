@@ -21,9 +21,10 @@
 #include <set>
 #include <string>
 #include <utility>
+#include <variant>
 #include <vector>
 
-#include <hmesh/hmesh.hpp>
+#include <hmesh/paper.hpp>
 
 #include "common.hpp"
 
@@ -31,6 +32,7 @@ namespace {
 
 using bench::Picture;
 using View = hmesh::ImageView<std::uint8_t, 3>;
+using Recipe = std::variant<hmesh::Annealed, hmesh::Hierarchical, hmesh::Xie, hmesh::Adams, hmesh::AdaptiveThinning>;
 
 // --- what to measure ---
 struct Plan {
@@ -62,6 +64,7 @@ bool parse(int argc, char** argv, Plan& plan) {
 struct Run {
     View image;
     hmesh::Options options;
+    Recipe recipe;
     bool timed = true;  // else it is made once only
 
     double psnr = 0, seconds = 1e300;
@@ -76,7 +79,8 @@ bool measure(std::vector<Run>& runs, int repeats) {
         for (Run& run : runs) {
             if (k > 0 && !run.timed) continue;
             const double start = bench::processor_seconds();
-            auto result = hmesh::mesh_image(run.image, run.options);
+            hmesh::Result result =
+                std::visit([&](const auto& recipe) { return hmesh::mesh_image(run.image, run.options, recipe); }, run.recipe);
             run.seconds = std::min(run.seconds, bench::processor_seconds() - start);
             const std::uint64_t hash = bench::hash_of(result.mesh);
             const bool differs = k > 0 && hash != run.hash;
@@ -92,25 +96,28 @@ bool measure(std::vector<Run>& runs, int repeats) {
     return true;
 }
 
-// The options of a method or an effort, with the method's own colours. Says if there is none of that name.
-std::optional<hmesh::Options> options_of(const std::string& name, const std::string& rate, std::uint64_t seed) {
-    const std::pair<const char*, hmesh::Method> methods[] = {{"hierarchical", hmesh::Method::hierarchical},
-                                                             {"xie", hmesh::Method::xie},
-                                                             {"adams", hmesh::Method::adams},
-                                                             {"adaptive_thinning", hmesh::Method::adaptive_thinning}};
-    hmesh::Options options;
-    options.target = hmesh::Target::rate(std::atof(rate.c_str()));
-    options.seed = seed;
-    if (bench::effort_of(name, options.effort)) return options;
-    for (const auto& [known, method] : methods)
-        if (name == known) {
-            options.method = method;
-            return options;
-        }
+// A method, or Annealed with an effort. Says if there is none of that name.
+std::optional<Recipe> recipe_of(const std::string& name, std::uint64_t seed) {
+    hmesh::Annealed annealed;
+    annealed.seed = seed;
+    if (bench::effort_of(name, annealed.effort)) return annealed;
+    for (const Recipe& recipe :
+         {Recipe(hmesh::Hierarchical()), Recipe(hmesh::Xie()), Recipe(hmesh::Adams()), Recipe(hmesh::AdaptiveThinning())})
+        if (std::visit([&](const auto& method) { return name == method.name; }, recipe)) return recipe;
     std::fprintf(stderr, "paper_table: no method or effort is called %s\n", name.c_str());
     return {};
 }
 
+// Whether a method's own colors are sampled ones.
+bool is_sampled(const Recipe& recipe) {
+    return std::visit([](const auto& method) { return method.colors == hmesh::Colors::sampled; }, recipe);
+}
+
+hmesh::Options options_of(const std::string& rate) {
+    hmesh::Options options;
+    options.target = hmesh::Target::percent(std::atof(rate.c_str()));
+    return options;
+}
 hmesh::Options with_colors(hmesh::Options options, hmesh::Colors colors) {
     options.colors = colors;
     return options;
@@ -148,12 +155,11 @@ int tabulate_methods(const std::vector<Named>& images, const Plan& plan) {
     for (const Named& image : images)
         for (const std::string& rate : plan.rates)
             for (const std::string& method : plan.methods) {
-                const std::optional<hmesh::Options> options = options_of(method, rate, plan.seed);
-                if (!options) return 2;
-                const bool own_sampled = hmesh::final_colors(*options) == hmesh::Colors::sampled;
-                runs.push_back({image.picture.view(), *options});
-                runs.push_back(
-                    {image.picture.view(), with_colors(*options, own_sampled ? hmesh::Colors::optimal : hmesh::Colors::sampled)});
+                const std::optional<Recipe> recipe = recipe_of(method, plan.seed);
+                if (!recipe) return 2;
+                const hmesh::Colors others = is_sampled(*recipe) ? hmesh::Colors::optimal : hmesh::Colors::sampled;
+                runs.push_back({image.picture.view(), options_of(rate), *recipe});
+                runs.push_back({image.picture.view(), with_colors(options_of(rate), others), *recipe});
                 runs.back().timed = false;
             }
     if (!measure(runs, plan.repeats)) return 1;
@@ -173,7 +179,7 @@ int tabulate_methods(const std::vector<Named>& images, const Plan& plan) {
     for_each_row([&](const Named& image, const std::string& rate, std::size_t first) {
         std::printf("| %s | %s |", image.name.c_str(), rate.c_str());
         for (std::size_t i = first; i < first + 2 * plan.methods.size(); i += 2) {
-            const bool own_sampled = hmesh::final_colors(runs[i].options) == hmesh::Colors::sampled;
+            const bool own_sampled = is_sampled(runs[i].recipe);
             std::printf(" %.2f / %.2f |", runs[own_sampled ? i : i + 1].psnr, runs[own_sampled ? i + 1 : i].psnr);
         }
         std::printf("\n");
@@ -193,7 +199,7 @@ int tabulate_methods(const std::vector<Named>& images, const Plan& plan) {
     print_header({"image", "SR (%)", "steps"});
     for_each_row([&](const Named& image, const std::string& rate, std::size_t first) {
         for (std::size_t i = first; i < first + 2 * plan.methods.size(); i += 2) {
-            if (runs[i].options.method != hmesh::Method::hierarchical) continue;
+            if (!std::holds_alternative<hmesh::Hierarchical>(runs[i].recipe)) continue;
             std::printf("| %s | %s |", image.name.c_str(), rate.c_str());
             const char* separator = " ";
             for (const hmesh::StageReport& stage : runs[i].stages) {
@@ -213,10 +219,10 @@ int tabulate_crops(const std::vector<Named>& images, const Plan& plan) {
     for (const Named& image : images)
         for (int which = 0; which < 5; ++which)
             for (const std::string& rate : plan.rates)
-                for (const char* method : {"adams", "adaptive_thinning"})
+                for (const Recipe& recipe : {Recipe(hmesh::Adams()), Recipe(hmesh::AdaptiveThinning())})
                     for (const hmesh::Colors colors : {hmesh::Colors::sampled, hmesh::Colors::optimal}) {
-                        runs.push_back({part(image.picture.view(), plan.crop, which),
-                                        with_colors(*options_of(method, rate, plan.seed), colors)});
+                        const View view = part(image.picture.view(), plan.crop, which);
+                        runs.push_back({view, with_colors(options_of(rate), colors), recipe});
                         runs.back().timed = which == 0 && colors == hmesh::Colors::sampled;
                     }
     if (!measure(runs, plan.repeats)) return 1;
@@ -237,8 +243,9 @@ int tabulate_crops(const std::vector<Named>& images, const Plan& plan) {
 // --- what each part of the methods is worth ---
 struct Variant {
     std::string name;
-    hmesh::Options options;  // but for the target
-    bool as_solved = false;  // measured before the final colours
+    Recipe recipe;
+    std::optional<hmesh::Colors> colors{};  // none: the method's own
+    bool as_solved = false;                 // measured before the final colours
 };
 
 std::vector<Variant> all_variants() {
@@ -246,16 +253,8 @@ std::vector<Variant> all_variants() {
     using hmesh::kit::FootSearch;
     using hmesh::kit::StepRule;
     std::vector<Variant> variants;
-    const auto add = [&](hmesh::Method method, const char* name, auto&& change) {
-        variants.push_back({name, {}, false});
-        variants.back().options.method = method;
-        change(variants.back().options);
-    };
     const auto adams = [&](const char* name, double density, int smoothing, Colors colors) {
-        add(hmesh::Method::adams, name, [&](hmesh::Options& options) {
-            options.adams = {density, smoothing};
-            options.colors = colors;
-        });
+        variants.push_back({name, hmesh::Adams{density, smoothing}, colors});
     };
     adams("adams: density 2", 2, 3, Colors::sampled);
     adams("adams: as it is (density 4.5)", 4.5, 3, Colors::sampled);
@@ -266,32 +265,35 @@ std::vector<Variant> all_variants() {
     adams("adams: density 6, optimal colours", 6, 3, Colors::optimal);
 
     const auto xie = [&](const char* name, auto&& change) {
-        add(hmesh::Method::xie, name, [&](hmesh::Options& options) { change(options.xie); });
+        hmesh::Xie recipe;
+        change(recipe);
+        variants.push_back({name, recipe});
     };
-    xie("xie: as it is", [](hmesh::kit::XieOptions&) {});
-    xie("xie: 1 round", [](hmesh::kit::XieOptions& o) { o.rounds = 1; });
-    xie("xie: 1 round, 1 visit a vertex", [](hmesh::kit::XieOptions& o) { o.rounds = o.search.visits = 1; });
-    xie("xie: 1 round, 1 visit, steps of 1 px",
-        [](hmesh::kit::XieOptions& o) { o.rounds = o.search.visits = o.search.first_step = 1; });
-    xie("xie: density 6", [](hmesh::kit::XieOptions& o) { o.start.density = 6; });
-    add(hmesh::Method::xie, "xie: optimal colours", [](hmesh::Options& options) { options.colors = Colors::optimal; });
+    xie("xie: as it is", [](hmesh::Xie&) {});
+    xie("xie: 1 round", [](hmesh::Xie& o) { o.rounds = 1; });
+    xie("xie: 1 round, 1 visit a vertex", [](hmesh::Xie& o) { o.rounds = o.search.visits = 1; });
+    xie("xie: 1 round, 1 visit, steps of 1 px", [](hmesh::Xie& o) { o.rounds = o.search.visits = o.search.first_step = 1; });
+    xie("xie: density 6", [](hmesh::Xie& o) { o.start.density = 6; });
+    variants.push_back({"xie: optimal colours", hmesh::Xie(), Colors::optimal});
 
-    using Recipe = hmesh::kit::HierarchicalOptions;
+    using Paper = hmesh::Hierarchical;
     const auto paper = [&](const char* name, auto&& change) {
-        add(hmesh::Method::hierarchical, name, [&](hmesh::Options& options) { change(options.hierarchical); });
+        Paper recipe;
+        change(recipe);
+        variants.push_back({name, recipe});
     };
-    paper("hierarchical: as it is (2 levels, 2 rounds, density 6)", [](Recipe&) {});
-    add(hmesh::Method::hierarchical, "hierarchical: sampled colours", [](hmesh::Options& o) { o.colors = Colors::sampled; });
-    paper("hierarchical: the start alone, optimal colours", [](Recipe& r) { r.rounds = 0; });
-    paper("hierarchical: density 4.5", [](Recipe& r) { r.start.density = 4.5; });
-    paper("hierarchical: K under the pixels", [](Recipe& r) { r.geometry.search = FootSearch::plane; });
-    paper("hierarchical: K under the pixels, 1 level", [](Recipe& r) {
+    paper("hierarchical: as it is (2 levels, 2 rounds, density 6)", [](Paper&) {});
+    variants.push_back({"hierarchical: sampled colours", Paper(), Colors::sampled});
+    paper("hierarchical: the start alone, optimal colours", [](Paper& r) { r.rounds = 0; });
+    paper("hierarchical: density 4.5", [](Paper& r) { r.start.density = 4.5; });
+    paper("hierarchical: K under the pixels", [](Paper& r) { r.geometry.search = FootSearch::plane; });
+    paper("hierarchical: K under the pixels, 1 level", [](Paper& r) {
         r.geometry.search = FootSearch::plane;
         r.levels = 1;
     });
     const auto literal = [&](const std::string& name, FootSearch search, double color_scale) {
         for (const bool as_solved : {true, false}) {
-            paper((name + (as_solved ? ", colours as solved" : "")).c_str(), [&](Recipe& r) {
+            paper((name + (as_solved ? ", colours as solved" : "")).c_str(), [&](Paper& r) {
                 r.geometry.rule = StepRule::literal;
                 r.geometry.search = search;
                 r.geometry.color_scale = color_scale;
@@ -302,25 +304,25 @@ std::vector<Variant> all_variants() {
     literal("hierarchical: literal step, foot points in the one-ring", FootSearch::one_ring, 1);
     literal("hierarchical: literal step, foot points in the own face", FootSearch::own_face, 1);
     literal("hierarchical: literal step, one-ring, colour scale 0.1", FootSearch::one_ring, 0.1);
-    paper("hierarchical: foot points in the one-ring", [](Recipe& r) { r.geometry.search = FootSearch::one_ring; });
-    paper("hierarchical: colour scale 0.1", [](Recipe& r) { r.geometry.color_scale = 0.1; });
-    paper("hierarchical: colour scale 0.3", [](Recipe& r) { r.geometry.color_scale = 0.3; });
-    paper("hierarchical: colour scale 3", [](Recipe& r) { r.geometry.color_scale = 3; });
-    paper("hierarchical: the whole step or none", [](Recipe& r) { r.geometry.halvings = 0; });
-    paper("hierarchical: 1 level", [](Recipe& r) { r.levels = 1; });
-    paper("hierarchical: 3 levels", [](Recipe& r) { r.levels = 3; });
-    paper("hierarchical: 2 levels, start on the image", [](Recipe& r) { r.start_filtered = false; });
-    paper("hierarchical: 3 levels, start on the image", [](Recipe& r) {
+    paper("hierarchical: foot points in the one-ring", [](Paper& r) { r.geometry.search = FootSearch::one_ring; });
+    paper("hierarchical: colour scale 0.1", [](Paper& r) { r.geometry.color_scale = 0.1; });
+    paper("hierarchical: colour scale 0.3", [](Paper& r) { r.geometry.color_scale = 0.3; });
+    paper("hierarchical: colour scale 3", [](Paper& r) { r.geometry.color_scale = 3; });
+    paper("hierarchical: the whole step or none", [](Paper& r) { r.geometry.halvings = 0; });
+    paper("hierarchical: 1 level", [](Paper& r) { r.levels = 1; });
+    paper("hierarchical: 3 levels", [](Paper& r) { r.levels = 3; });
+    paper("hierarchical: 2 levels, start on the image", [](Paper& r) { r.start_filtered = false; });
+    paper("hierarchical: 3 levels, start on the image", [](Paper& r) {
         r.start_filtered = false;
         r.levels = 3;
     });
-    paper("hierarchical: 1 round", [](Recipe& r) { r.rounds = 1; });
-    paper("hierarchical: 4 rounds", [](Recipe& r) { r.rounds = 4; });
-    paper("hierarchical: 4 rounds, 1 level", [](Recipe& r) {
+    paper("hierarchical: 1 round", [](Paper& r) { r.rounds = 1; });
+    paper("hierarchical: 4 rounds", [](Paper& r) { r.rounds = 4; });
+    paper("hierarchical: 4 rounds, 1 level", [](Paper& r) {
         r.rounds = 4;
         r.levels = 1;
     });
-    paper("hierarchical: 8 rounds", [](Recipe& r) { r.rounds = 8; });
+    paper("hierarchical: 8 rounds", [](Paper& r) { r.rounds = 8; });
     return variants;
 }
 
@@ -341,11 +343,12 @@ int tabulate_variants(const std::vector<Named>& images, const Plan& plan) {
     for (const Variant& variant : variants) {
         for (const Named& image : images)
             for (const std::string& rate : plan.rates) {
-                runs.push_back({image.picture.view(), variant.options});
-                runs.back().options.target = hmesh::Target::rate(std::atof(rate.c_str()));
+                runs.push_back({image.picture.view(), options_of(rate), variant.recipe});
+                runs.back().options.colors = variant.colors;
             }
         starts.push_back(runs[runs.size() - cells]);
-        starts.back().options.hierarchical.rounds = starts.back().options.xie.rounds = 0;
+        if (auto* const xie = std::get_if<hmesh::Xie>(&starts.back().recipe)) xie->rounds = 0;
+        if (auto* const paper = std::get_if<hmesh::Hierarchical>(&starts.back().recipe)) paper->rounds = 0;
     }
     if (!measure(runs, plan.repeats) || !measure(starts, 1)) return 1;
     std::printf(

@@ -1,4 +1,4 @@
-// table: fidelity, time and memory of mesh_image over images, sizes and efforts, as a Markdown table.
+// table: fidelity, time and memory of mesh_image() over images, sizes and efforts, as a Markdown table.
 //
 //     table [--rates 1,2,3 | --vertices 1000,2000] [--efforts draft,fast] [--seeds 1,2,3] [--repeat 5] [--threads 2]
 //           [--mosaic COLUMNSxROWS] IMAGE...
@@ -130,7 +130,7 @@ std::optional<Picture> read_mosaic(const Plan& plan) {
     }
     const hmesh::ImageView<std::uint8_t, 3> view = tiles[0].view();
     const std::int64_t width = std::int64_t{view.width} * plan.columns, height = std::int64_t{view.height} * plan.rows;
-    if (width > hmesh::kit::max_side || height > hmesh::kit::max_side || width * height > hmesh::max_pixels) {
+    if (width > hmesh::kit::max_side || height > hmesh::kit::max_side || width * height > hmesh::kit::max_pixels) {
         std::fprintf(stderr, "table: the mosaic would be too large\n");
         return {};
     }
@@ -146,16 +146,17 @@ struct Row {
 };
 
 // Meshes the image for all seeds and repeats.
-Row measure(const Picture& image, hmesh::Options options, const Plan& plan, const example::ThreadPool& pool) {
+Row measure(const Picture& image, const hmesh::Options& options, hmesh::Annealed recipe, const Plan& plan,
+            const example::ThreadPool& pool) {
     Row row;
     for (const std::string& seed : plan.seeds) {
-        options.seed = static_cast<std::uint64_t>(std::atoll(seed.c_str()));
+        recipe.seed = static_cast<std::uint64_t>(std::atoll(seed.c_str()));
         std::uint64_t first = 0;
         for (int k = 0; k < plan.repeats; ++k) {
             const std::size_t before = allocated;
             most_allocated = before;
             const double cpu_start = bench::processor_seconds(), wall_start = wall_seconds();
-            const auto result = hmesh::mesh_image(image.view(), options, pool);
+            const hmesh::Result result = hmesh::mesh_image(image.view(), options, recipe, pool);
             row.wall_seconds = std::min(row.wall_seconds, wall_seconds() - wall_start);
             row.cpu_seconds = std::min(row.cpu_seconds, bench::processor_seconds() - cpu_start);
             row.bytes = std::max(row.bytes, most_allocated - before);
@@ -180,12 +181,13 @@ int tabulate(const std::string& name, const Picture& image, const Plan& plan, co
         for (const std::string& effort : plan.efforts) {
             hmesh::Options options;
             options.target = plan.by_vertices ? hmesh::Target::vertices(std::atoll(size.c_str()))
-                                              : hmesh::Target::rate(std::atof(size.c_str()));
-            if (!bench::effort_of(effort, options.effort)) {
+                                              : hmesh::Target::percent(std::atof(size.c_str()));
+            hmesh::Annealed recipe;
+            if (!bench::effort_of(effort, recipe.effort)) {
                 std::fprintf(stderr, "table: no effort is called %s\n", effort.c_str());
                 return 2;
             }
-            const Row row = measure(image, options, plan, pool);
+            const Row row = measure(image, options, recipe, plan, pool);
             if (row.fault != nullptr) {
                 std::fprintf(stderr, "table: %s: %s\n", name.c_str(), row.fault);
                 return 1;

@@ -36,9 +36,15 @@ endfunction()
 if(HMESH_BUILD_EXAMPLES OR HMESH_BUILD_COMMAND OR HMESH_BUILD_BENCHMARKS)
     # Debian has it in a folder stb, vcpkg has it not.
     hmesh_find_header(hmesh_stb stb_image.h
-        "the command, examples and benchmarks need stb (libstb-dev); set HMESH_BUILD_EXAMPLES to OFF without it" stb)
+        "the command, examples and benchmarks need stb (Debian: libstb-dev); without it set HMESH_BUILD_EXAMPLES, \
+HMESH_BUILD_COMMAND and HMESH_BUILD_BENCHMARKS to OFF" stb)
+endif()
+if(HMESH_BUILD_EXAMPLES OR HMESH_BUILD_COMMAND)
+    set(switch "without it set HMESH_BUILD_EXAMPLES and HMESH_BUILD_COMMAND to OFF")
+    hmesh_find_header(hmesh_cli11 CLI/CLI.hpp "the command needs CLI11 (Debian: libcli11-dev); ${switch}")
+    hmesh_find_header(hmesh_json nlohmann/json.hpp "the command needs nlohmann/json (Debian: nlohmann-json3-dev); ${switch}")
 endif()
 if(HMESH_BUILD_TESTS)
     hmesh_find_header(hmesh_doctest doctest/doctest.h
-        "the tests need doctest (doctest-dev); HMESH_BUILD_TESTS=OFF leaves them out")
+        "the tests need doctest (Debian: doctest-dev); without it set HMESH_BUILD_TESTS to OFF")
 endif()

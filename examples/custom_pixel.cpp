@@ -42,9 +42,9 @@ int main() {
     const hmesh::Image<Video10, 1> frame = draw_frame(320, 180);
     hmesh::Options options;
     options.target = hmesh::Target::vertices(400);
-    const auto result = hmesh::mesh_image(frame.view(), options);
-    if (!result.status) {
-        std::fprintf(stderr, "custom_pixel: %s\n", result.status.what);
+    const hmesh::Result result = hmesh::mesh_image(frame.view(), options);
+    if (!result.has_mesh()) {
+        std::fprintf(stderr, "custom_pixel: %s\n", hmesh::message(result.status).c_str());
         return 1;
     }
     const float darkest = *std::min_element(result.mesh.colors.begin(), result.mesh.colors.end());

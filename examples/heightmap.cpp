@@ -1,6 +1,6 @@
 // heightmap - terrain as triangles: one 16-bit channel of heights becomes an OBJ model, its vertices where the ground bends.
 //
-// usage: heightmap FILE.obj [HEIGHTS.png|pgm]        without HEIGHTS: an island of its own
+// usage: heightmap FILE.obj [HEIGHTS.png]        8 or 16 bits; without HEIGHTS: an island of its own
 //
 // The colour that hmesh fits to each vertex is its height; where vertices lie, and which triangles join them, is chosen so that
 // the squared error of the heights is least. A grid of squares with as many vertices is the usual terrain: its error is
@@ -9,13 +9,14 @@
 #include <cmath>
 #include <cstdint>
 #include <cstdio>
-#include <string>
+#include <memory>
 #include <vector>
 
 #include "hmesh/mesh_image.hpp"
 #include "hmesh/render.hpp"
-#include "image_file.hpp"
-#include "output_file.hpp"
+
+#define STB_IMAGE_IMPLEMENTATION
+#include <stb_image.h>
 
 namespace {
 
@@ -42,17 +43,14 @@ Heights draw_island(int width, int height) {
     return heights;
 }
 
-// Returns "" or what is wrong with the file. An image of 8 bits is stretched to 16.
-std::string read_heights(const std::string& path, Heights& heights) {
-    example::ImageFile file;
-    if (const std::string why = example::read_image(path, file); !why.empty()) return why;
-    if (file.channels != 1) return "it has " + std::to_string(file.channels) + " channels, not one of heights";
-    heights = Heights(file.width, file.height);
-    if (file.bits == 16) heights.samples() = file.samples16;
-    else
-        for (std::size_t i = 0; i < file.samples8.size(); ++i)
-            heights.samples()[i] = static_cast<std::uint16_t>(257 * file.samples8[i]);
-    return {};
+// False where the file cannot be read, as stbi_failure_reason() says. 8 bits are stretched to 16, colours become grey.
+bool read_heights(const char* path, Heights& heights) {
+    int width = 0, height = 0;
+    const std::unique_ptr<stbi_us, void (*)(void*)> samples(stbi_load_16(path, &width, &height, nullptr, 1), stbi_image_free);
+    if (!samples) return false;
+    heights = Heights(width, height);
+    std::copy_n(samples.get(), heights.size(), heights.data());
+    return true;
 }
 
 struct Error {
@@ -60,21 +58,22 @@ struct Error {
 };
 
 Error error_of(const Heights& heights, const hmesh::MeshView& terrain) {
-    hmesh::Image<float, 1> drawn;
+    const auto [drawn, status] = hmesh::render<1>(terrain);
+    if (!status) return {1, 1};
     Error error;
-    if (!hmesh::render(terrain, drawn)) return {1, 1};
-    for (std::size_t i = 0; i < drawn.samples().size(); ++i) {
-        const double difference = std::fabs(static_cast<double>(drawn.samples()[i]) - heights.samples()[i]) / 65535;
+    for (std::size_t i = 0; i < drawn.size(); ++i) {
+        const double difference = std::fabs(static_cast<double>(drawn.data()[i]) - heights.data()[i]) / 65535;
         error.root_mean_square += difference * difference;
         error.largest = std::max(error.largest, difference);
     }
-    error.root_mean_square = std::sqrt(error.root_mean_square / static_cast<double>(drawn.samples().size()));
+    error.root_mean_square = std::sqrt(error.root_mean_square / static_cast<double>(drawn.size()));
     return error;
 }
 
 // Squares, as many vertices as the mesh has or a few less, each with the height of the pixel under it.
-hmesh::Mesh<1> grid_terrain(const Heights& heights, std::size_t vertices) {
-    hmesh::Mesh<1> grid;
+hmesh::Mesh grid_terrain(const Heights& heights, std::size_t vertices) {
+    hmesh::Mesh grid;
+    grid.channels = 1;
     grid.width = heights.width();
     grid.height = heights.height();
     grid.peak = 65535;
@@ -98,49 +97,46 @@ hmesh::Mesh<1> grid_terrain(const Heights& heights, std::size_t vertices) {
 
 // x to the right, y up from the ground, z towards the viewer; one unit is one pixel. Seen from above, faces of a mesh are
 // clockwise as in the image; those of an OBJ file are to be counter-clockwise, so two corners change places.
-bool write_terrain(const hmesh::Mesh<1>& mesh, example::OutputFile& file) {
-    char line[128];
-    const auto write = [&](int size) { return file(line, static_cast<std::size_t>(size)); };
+bool write_terrain(const hmesh::Mesh& mesh, const char* path) {
+    const std::unique_ptr<std::FILE, int (*)(std::FILE*)> file(std::fopen(path, "wb"), std::fclose);
+    if (!file) return false;
     const double unit = relief * mesh.width / 65535;
-    bool good = file.open();
-    for (std::size_t v = 0; v < mesh.vertex_count() && good; ++v)
-        good = write(std::snprintf(line, sizeof line, "v %.3f %.3f %.3f\n", static_cast<double>(mesh.positions[2 * v]),
-                                   unit * static_cast<double>(mesh.colors[v]), static_cast<double>(mesh.positions[2 * v + 1])));
-    for (std::size_t f = 0; f < mesh.faces.size() && good; ++f)
-        good = write(
-            std::snprintf(line, sizeof line, "f %u %u %u\n", mesh.faces[f][0] + 1, mesh.faces[f][2] + 1, mesh.faces[f][1] + 1));
-    return good && file.commit();
-}
-
-int fail(const std::string& sentence) {
-    std::fprintf(stderr, "heightmap: %s\n", sentence.c_str());
-    return 1;
+    for (std::size_t v = 0; v < mesh.vertex_count(); ++v)
+        std::fprintf(file.get(), "v %.3f %.3f %.3f\n", static_cast<double>(mesh.positions[2 * v]),
+                     unit * static_cast<double>(mesh.colors[v]), static_cast<double>(mesh.positions[2 * v + 1]));
+    for (const auto& [a, b, c] : mesh.faces) std::fprintf(file.get(), "f %u %u %u\n", a + 1, c + 1, b + 1);
+    return std::fflush(file.get()) == 0 && std::ferror(file.get()) == 0;
 }
 
 }  // namespace
 
 int main(int argc, char** argv) {
     if (argc != 2 && argc != 3) {
-        std::fprintf(stderr, "usage: heightmap FILE.obj [HEIGHTS.png|pgm]\n");
+        std::fprintf(stderr, "usage: heightmap FILE.obj [HEIGHTS.png]\n");
         return 2;
     }
     Heights heights = draw_island(512, 512);
-    if (argc == 3)
-        if (const std::string why = read_heights(argv[2], heights); !why.empty()) return fail(std::string(argv[2]) + ": " + why);
+    if (argc == 3 && !read_heights(argv[2], heights)) {
+        std::fprintf(stderr, "heightmap: cannot read '%s': %s\n", argv[2], stbi_failure_reason());
+        return 1;
+    }
 
-    hmesh::Options options;
-    options.effort = hmesh::kit::Effort::fast;
-    const auto result = hmesh::mesh_image(heights.view(), options);
-    if (!result.status) return fail(result.status.what);
+    const hmesh::Result result = hmesh::mesh_image(heights.view(), {}, hmesh::Annealed{hmesh::Effort::fast});
+    if (!result.has_mesh()) {
+        std::fprintf(stderr, "heightmap: %s\n", hmesh::message(result.status).c_str());
+        return 1;
+    }
 
-    const hmesh::Mesh<1> grid = grid_terrain(heights, result.report.vertices);
+    const hmesh::Mesh grid = grid_terrain(heights, result.report.vertices);
     const Error mesh_error = error_of(heights, result.mesh.view()), grid_error = error_of(heights, grid.view());
     std::printf("%d x %d heights; errors as shares of the full height\n", heights.width(), heights.height());
     std::printf("mesh %7zu vertices, root mean square %.5f, largest %.4f\n", result.report.vertices, mesh_error.root_mean_square,
                 mesh_error.largest);
     std::printf("grid %7zu vertices, root mean square %.5f, largest %.4f\n", grid.vertex_count(), grid_error.root_mean_square,
                 grid_error.largest);
-    example::OutputFile file(argv[1]);
-    if (!write_terrain(result.mesh, file)) return fail("cannot write '" + std::string(argv[1]) + "': " + file.error());
+    if (!write_terrain(result.mesh, argv[1])) {
+        std::fprintf(stderr, "heightmap: cannot write '%s'\n", argv[1]);
+        return 1;
+    }
     return 0;
 }

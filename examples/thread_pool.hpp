@@ -11,11 +11,11 @@
 #include <atomic>
 #include <condition_variable>
 #include <cstddef>
-#include <memory>
 #include <mutex>
 #include <thread>
-#include <type_traits>
 #include <vector>
+
+#include "hmesh/core/parallel.hpp"
 
 namespace example {
 
@@ -41,18 +41,15 @@ class ThreadPool {
     // The calling one included.
     [[nodiscard]] std::size_t threads() const noexcept { return workers_.size() + 1; }
 
-    // Calls body(i) once for each i in [0, n) and returns when all calls have returned. One call at a time has the
-    // workers: a call from within a body, or from another thread meanwhile, runs on its own thread alone. A single
-    // piece leaves them to the calls within it. A body that throws on several threads ends the program.
-    template <class Body>
-    void operator()(std::size_t n, Body&& body) const {
-        using Callable = std::remove_reference_t<Body>;
+    // Calls piece(i) once for each i in [0, n) and returns when all calls have returned. One call at a time has the
+    // workers: a call from within a piece, or from another thread meanwhile, runs on its own thread alone. A single
+    // piece leaves them to the calls within it. A piece that throws on several threads ends the program.
+    void operator()(std::size_t n, hmesh::Piece piece) const {
         if (n < 2 || workers_.empty() || busy_.exchange(true, std::memory_order_acquire)) {
-            for (std::size_t i = 0; i < n; ++i) body(i);
+            for (std::size_t i = 0; i < n; ++i) piece(i);
             return;
         }
-        const auto call = [](void* callable, std::size_t i) { (*static_cast<Callable*>(callable))(i); };
-        share({call, const_cast<void*>(static_cast<const void*>(std::addressof(body))), n});
+        share({piece, n});
         busy_.store(false, std::memory_order_release);
     }
 
@@ -62,8 +59,7 @@ class ThreadPool {
     explicit ThreadPool(Empty) {}
 
     struct Job {
-        void (*call)(void* callable, std::size_t i) = nullptr;
-        void* callable = nullptr;
+        hmesh::Piece piece;
         std::size_t n = 0;
     };
 
@@ -83,7 +79,7 @@ class ThreadPool {
     }
 
     void work(const Job& job) const noexcept {
-        for (std::size_t i = 0; (i = next_.fetch_add(1, std::memory_order_relaxed)) < job.n;) job.call(job.callable, i);
+        for (std::size_t i = 0; (i = next_.fetch_add(1, std::memory_order_relaxed)) < job.n;) job.piece(i);
     }
 
     void serve() const noexcept {

@@ -38,6 +38,15 @@ has_header() {
     printf '#include <%s>\n' "$1" | "${CXX:-c++}" -x c++ -E "${include_folders[@]}" - >/dev/null 2>&1
 }
 
+# Whether a python3 has it, and Pillow: of the path, or the system's.
+has_pytest() {
+    local python
+    for python in $(type -ap python3) /usr/bin/python3; do
+        ! "$python" -c 'import PIL, pytest' 2>/dev/null || return 0
+    done
+    return 1
+}
+
 has_fuzzer() {
     printf 'extern "C" int LLVMFuzzerTestOneInput(const unsigned char*, unsigned long) { return 0; }\n' |
         clang++ -x c++ -fsanitize=fuzzer,address -o /dev/null - >/dev/null 2>&1
@@ -59,7 +68,13 @@ need() {
                 has make || packages+=(make)
                 ;;
             eigen) has_header signature_of_eigen3_matrix_library || packages+=(libeigen3-dev) ;;
+            command)  # what tools/hmesh is made of, beside Eigen
+                has_header stb_image.h || packages+=(libstb-dev)
+                has_header CLI/CLI.hpp || packages+=(libcli11-dev)
+                has_header nlohmann/json.hpp || packages+=(nlohmann-json3-dev)
+                ;;
             stb) has_header stb_image.h || packages+=(libstb-dev) ;;
+            pytest) has_pytest || packages+=(python3 python3-pil python3-pytest) ;;
             doctest) has_header doctest/doctest.h || packages+=(doctest-dev) ;;
             benchmark) has_header benchmark/benchmark.h || packages+=(libbenchmark-dev) ;;
             ninja) has ninja || packages+=(ninja-build) ;;

@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # Builds hmesh and turns a picture into a mesh. What it makes is in out/.
 #
-# usage: scripts/demo.sh [IMAGE]        without IMAGE: a scene drawn by examples/scene.cpp
+# usage: scripts/demo.sh [IMAGE]        without IMAGE: a scene drawn by tools/pictures/scene.cpp
 # shellcheck source=scripts/common.sh
 . "$(dirname "${BASH_SOURCE[0]}")/common.sh"
 
@@ -16,7 +16,7 @@ case $image in
 esac
 [ -z "$image" ] || [ -r "$image" ] || fail "$image cannot be read"
 
-need compiler cmake eigen stb
+need compiler cmake eigen command
 step "Configuring build/release ..." cmake --preset release -DHMESH_BUILD_TESTS=OFF
 step "Building hmesh ..." cmake --build --preset release --parallel "$jobs" --target hmesh_command --target scene
 

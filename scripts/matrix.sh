@@ -40,7 +40,7 @@ version_of() {
     esac
 }
 
-# What a cell needs beyond compiler, CMake, Eigen, stb and doctest.
+# What a cell needs beyond compiler, CMake, Eigen, doctest, and what the command is made of and tested with.
 need_for() {
     case $1 in
         clang14* | single*) need clang-14 ;;
@@ -139,7 +139,7 @@ if [ $# != 0 ]; then
     done)
 fi
 
-need compiler cmake eigen stb doctest
+need compiler cmake eigen command doctest pytest
 failed=0
 while read -r line <&3; do
     run_cell "$line" </dev/null || failed=1

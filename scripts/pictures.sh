@@ -2,7 +2,7 @@
 # Draws the pictures of docs/method.md anew, into docs/method/, and prints the figures that go with them.
 # shellcheck source=scripts/common.sh
 . "$(dirname "${BASH_SOURCE[0]}")/common.sh"
-need compiler cmake eigen stb
+need compiler cmake eigen command
 step "Configuring build/release ..." cmake --preset release -DHMESH_BUILD_TESTS=OFF
 step "Building stages ..." cmake --build --preset release --parallel "$jobs" --target stages
 rm -f docs/method/*.jpg

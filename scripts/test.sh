@@ -28,7 +28,7 @@ while [ $# != 0 ]; do
     esac
 done
 
-need compiler cmake eigen stb doctest
+need compiler cmake eigen command doctest pytest
 case $preset in clang*) need clang ;; esac
 if [ ${#targets[@]} != 0 ]; then
     need viewers

@@ -3,17 +3,17 @@
 #
 # usage: scripts/tidy.sh [--all | FILE...]
 #
-# FILE: .cpp files. Without any: two that between them see every header of the library and of the command, and most of the
-# tests'. That takes a minute; --all, which is every source, half an hour.
+# FILE: .cpp files. Without any: those of the command and one test, which between them see every header of the library, and most
+# of the tests'. That takes three minutes of one core; --all, which is every source, half an hour.
 # shellcheck source=scripts/common.sh
 . "$(dirname "${BASH_SOURCE[0]}")/common.sh"
 
-files=(examples/hmesh.cpp tests/hierarchical_test.cpp)
-needed=(clang-tidy eigen stb doctest)
+files=(tools/hmesh/*.cpp tests/hierarchical_test.cpp)
+needed=(clang-tidy eigen command doctest)
 case ${1-} in
     '') ;;
     --all)
-        mapfile -t files < <(find examples tests benchmarks -name '*.cpp' | LC_ALL=C sort)
+        mapfile -t files < <(find tools examples tests benchmarks -name '*.cpp' | LC_ALL=C sort)
         needed+=(benchmark)
         ;;
     -*) fail "usage: scripts/tidy.sh [--all | FILE...]" ;;
@@ -35,7 +35,7 @@ tidy() {
     local said
     # What it says to standard error is how many warnings it kept to itself, unless it fails.
     # shellcheck disable=SC2086  # words
-    said=$("$CLANG_TIDY" --quiet "$1" -- -std=c++17 -Iinclude -Iexamples -Itests -Itests/fuzz $include_words 2>&1) && return
+    said=$("$CLANG_TIDY" --quiet "$1" -- -std=c++17 -Iinclude -Iexamples -Itools/hmesh -Itools/pictures -Itests -Itests/fuzz $include_words 2>&1) && return
     printf '%s\n' "$said" | grep -v '^[0-9]* warnings\? generated\|^Suppressed ' >&2
     return 1
 }

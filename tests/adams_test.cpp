@@ -111,7 +111,8 @@ TEST_CASE("as many points as pixels are adaptive thinning, to the last bit") {
 TEST_CASE("float pictures of any size and sign have their vertices too") {
     for (const double factor : {3.4e38, 1.0, 1e-30}) {
         auto image = hmesh_test::noise<float, 1>(14, 11, 4);
-        for (float& sample : image.samples()) sample = static_cast<float>(factor * (2 * static_cast<double>(sample) - 1));
+        hmesh_test::for_each_sample(
+            image, [&](float& sample) { sample = static_cast<float>(factor * (2 * static_cast<double>(sample) - 1)); });
         Work<float, 1> work(std::move(image));
         for (const std::size_t n : {4U, 30U, 154U}) {
             CHECK(Adams().run(work.tiled, n));

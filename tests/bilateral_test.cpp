@@ -88,7 +88,7 @@ int wrong_samples(const ImageView<T, C>& view, const BilateralOptions& options) 
     const double tolerance = 1e-6 * PixelTraits<T>::peak;
     int wrong = 0;
     for (std::size_t i = 0; i < means.size(); ++i) {
-        const double off = std::abs(static_cast<double>(filtered.samples()[i]) - means[i]);
+        const double off = std::abs(static_cast<double>(filtered.data()[i]) - means[i]);
         wrong += off > (PixelTraits<T>::is_integer ? 0.5 : 0) + tolerance;
     }
     return wrong;
@@ -154,19 +154,19 @@ TEST_CASE("the filter is its definition for sigmas of any size") {
 TEST_CASE_TEMPLATE("an image of one colour stays as it is, to the last bit", T, std::uint8_t, std::uint16_t, float) {
     for (const double level : {0.0, 0.1, 0.7, 1.0}) {
         const Image<T, 3> image = hmesh_test::constant_image<T, 3>(40, 35, level);
-        CHECK(bilateral_filter(image.view()).samples() == image.samples());
+        CHECK(hmesh_test::samples_of(bilateral_filter(image.view())) == hmesh_test::samples_of(image));
     }
 }
 
 TEST_CASE("a diameter of 1 changes nothing, nor does a colour sigma far below the steps of the samples") {
     const Image<float, 2> floats = hmesh_test::noise<float, 2>(33, 20, 1);
-    CHECK(bilateral_filter(floats.view(), {1, 50, 50}).samples() == floats.samples());
-    CHECK(bilateral_filter(floats.view(), {9, 1e-12, 50}).samples() == floats.samples());
+    CHECK(hmesh_test::samples_of(bilateral_filter(floats.view(), {1, 50, 50})) == hmesh_test::samples_of(floats));
+    CHECK(hmesh_test::samples_of(bilateral_filter(floats.view(), {9, 1e-12, 50})) == hmesh_test::samples_of(floats));
     Image<Depth, 1> depths(33, 20);
-    for (std::size_t k = 0; k < depths.samples().size(); ++k)
-        depths.samples()[k].value = static_cast<std::int16_t>(-static_cast<int>(k * k % 1001));
+    for (std::size_t k = 0; k < depths.size(); ++k)
+        depths.data()[k].value = static_cast<std::int16_t>(-static_cast<int>(k * k % 1001));
     const Image<Depth, 1> filtered = bilateral_filter(depths.view(), {9, 1e-300, 50});
-    for (std::size_t k = 0; k < depths.samples().size(); ++k) CHECK(filtered.samples()[k].value == depths.samples()[k].value);
+    for (std::size_t k = 0; k < depths.size(); ++k) CHECK(filtered.data()[k].value == depths.data()[k].value);
 }
 
 TEST_CASE("8-bit, 16-bit and float images of one picture are filtered alike") {
@@ -174,10 +174,10 @@ TEST_CASE("8-bit, 16-bit and float images of one picture are filtered alike") {
     const auto words = bilateral_filter(hmesh_test::scene<std::uint16_t, 3>(40, 30, 4).view());
     const auto floats = bilateral_filter(hmesh_test::scene<float, 3>(40, 30, 4).view());
     double furthest = 0;
-    for (std::size_t i = 0; i < bytes.samples().size(); ++i) {
-        const double value = 255 * static_cast<double>(floats.samples()[i]);
-        furthest = std::max(furthest, std::abs(value - bytes.samples()[i]));
-        furthest = std::max(furthest, std::abs(value - words.samples()[i] / 257.0));
+    for (std::size_t i = 0; i < bytes.size(); ++i) {
+        const double value = 255 * static_cast<double>(floats.data()[i]);
+        furthest = std::max(furthest, std::abs(value - bytes.data()[i]));
+        furthest = std::max(furthest, std::abs(value - words.data()[i] / 257.0));
     }
     CHECK(furthest < 0.5 + 1e-3);
 }
@@ -209,7 +209,7 @@ TEST_CASE("floats of any finite size give finite means, and those alone at their
     for (const double color : {1e-300, 0.1, 50.0, 1e20}) {
         CHECK(wrong_samples(image.view(), {1, color, 50}) == 0);
         const Image<float, 4> filtered = bilateral_filter(image.view(), {9, color, 50});
-        for (const float value : filtered.samples()) CHECK(std::isfinite(value));
+        for (const float value : hmesh_test::samples_of(filtered)) CHECK(std::isfinite(value));
         for (int c = 0; c < 4; ++c) {
             CHECK(filtered.pixel(3, 3)[c] == most);
             CHECK(filtered.pixel(4, 3)[c] == -most);
@@ -219,9 +219,9 @@ TEST_CASE("floats of any finite size give finite means, and those alone at their
         if (color == 50) CHECK(std::abs(filtered.pixel(5, 3)[0] - 0.5F) < 0.5F);
     }
     // All alike within sigma: a blur of huge values.
-    for (float& value : image.samples()) value = value > 0.5F ? most : -most;
+    hmesh_test::for_each_sample(image, [&](float& value) { value = value > 0.5F ? most : -most; });
     const Image<float, 4> blurred = bilateral_filter(image.view(), {9, 1e300, 50});
-    for (const float value : blurred.samples()) CHECK(std::abs(value) < most);
+    for (const float value : hmesh_test::samples_of(blurred)) CHECK(std::abs(value) < most);
 }
 
 TEST_CASE_TEMPLATE("a padded and a bottom-up view are filtered like the packed image", T, std::uint8_t, float) {
@@ -230,16 +230,19 @@ TEST_CASE_TEMPLATE("a padded and a bottom-up view are filtered like the packed i
     for (const int padding : {0, 5})
         for (const bool bottom_up : {false, true}) {
             const hmesh_test::PaddedCopy<T, 3> copy(image, padding, bottom_up, T(200));
-            CHECK(bilateral_filter(copy.view()).samples() == expected.samples());
+            CHECK(hmesh_test::samples_of(bilateral_filter(copy.view())) == hmesh_test::samples_of(expected));
         }
 }
 
 TEST_CASE("any executor gives the same bytes") {
     const Image<float, 3> image = hmesh_test::noise<float, 3>(140, 100, 1);
     const Image<float, 3> expected = bilateral_filter(image.view(), {5, 50, 50});
-    CHECK(bilateral_filter(image.view(), {5, 50, 50}, hmesh_test::ReverseFor()).samples() == expected.samples());
-    CHECK(bilateral_filter(image.view(), {5, 50, 50}, hmesh_test::ShuffledFor()).samples() == expected.samples());
-    CHECK(bilateral_filter(image.view(), {5, 50, 50}, hmesh_test::ThreadFor{3}).samples() == expected.samples());
+    CHECK(hmesh_test::samples_of(bilateral_filter(image.view(), {5, 50, 50}, hmesh_test::ReverseFor())) ==
+          hmesh_test::samples_of(expected));
+    CHECK(hmesh_test::samples_of(bilateral_filter(image.view(), {5, 50, 50}, hmesh_test::ShuffledFor())) ==
+          hmesh_test::samples_of(expected));
+    CHECK(hmesh_test::samples_of(bilateral_filter(image.view(), {5, 50, 50}, hmesh_test::ThreadFor{3})) ==
+          hmesh_test::samples_of(expected));
 }
 
 TEST_CASE("check refuses windows and sigmas that mean nothing") {

@@ -34,8 +34,7 @@ void check_repeatable(const Image<T, C>& image, const Options& options, const Re
     const Result first = mesh_image(image.view(), options, recipe);
     REQUIRE(first.mesh.vertex_count() >= 4);
     // Other memory under the pixels, and other contents in memory to come.
-    Image<T, C> copy(image.width(), image.height());
-    copy.samples() = image.samples();
+    const Image<T, C> copy = image;
     {
         const std::vector<double> dirt(100000, 12345.678);
         CHECK(dirt.back() > 0);

@@ -79,6 +79,19 @@ TEST_CASE("I(V) has the colours of the vertices, row by row, and V their places"
     }
 }
 
+TEST_CASE("colours that are set are those that are read, and the energy follows") {
+    Sample<std::uint8_t, 3> s(test::noise<std::uint8_t, 3>(40, 30, 7));
+    test::jitter(s.mesh, 7, 5, 200, 7);
+    const MatrixXd before = color_matrix(s.mesh), after = 255 * MatrixXd::Identity(before.rows(), 3);
+    const double energy = s.mesh.energy();
+    set_colors(s.mesh, after);
+    CHECK(color_matrix(s.mesh) == after);
+    CHECK(s.mesh.energy() != energy);
+    REQUIRE(s.mesh.check());
+    set_colors(s.mesh, before);
+    CHECK(s.mesh.energy() == doctest::Approx(energy).epsilon(1e-12));
+}
+
 TEST_CASE("the plain arrays of the normal equations are Eigen's matrices and back, to the bit") {
     Sample<std::uint8_t, 3> s(test::noise<std::uint8_t, 3>(40, 30, 7));
     test::jitter(s.mesh, 7, 5, 200, 7);

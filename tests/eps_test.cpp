@@ -62,13 +62,13 @@ Picture read_eps(const std::string& file) {
     return {file.substr(0, start), decode_ascii85(file.substr(start + mark.size(), end - start - mark.size()))};
 }
 
-template <int C>
 void check_read_back(const hmesh::Mesh& mesh, double tolerance, const hmesh::PageOptions& options = {}) {
     const Picture picture = read_eps(written(mesh.view(), options));
     CHECK(numbers_after(picture.entries, "%%BoundingBox:") ==
           std::vector<double>{0, 0, static_cast<double>(mesh.width), static_cast<double>(mesh.height)});
-    check_drawn(read_shading(picture.entries, picture.data), mesh.view(), C, tolerance,
-                [&](std::size_t v, std::size_t k) { return static_cast<double>(mesh.colors[C * v + k]) / mesh.peak; });
+    const auto channels = static_cast<std::size_t>(mesh.channels);
+    check_drawn(read_shading(picture.entries, picture.data), mesh.view(), channels, tolerance,
+                [&](std::size_t v, std::size_t k) { return static_cast<double>(mesh.colors[channels * v + k]) / mesh.peak; });
 }
 
 constexpr double half_of_8 = 0.5 / 255 + 1e-9, half_of_16 = 0.5 / 65535 + 1e-9;
@@ -76,7 +76,7 @@ constexpr double half_of_8 = 0.5 / 255 + 1e-9, half_of_16 = 0.5 / 65535 + 1e-9;
 }  // namespace
 
 TEST_CASE("a mesh of two faces is written as these bytes") {
-    hmesh::Mesh mesh = two_faces<1>();
+    hmesh::Mesh mesh = two_faces(1);
     mesh.positions = {0, 0, 3, 0, 3, 2, 0, 1.5F};
     mesh.colors = {-1, 128, 300, 99};
     // Flag, x, y and colour: 00 0300 0200 80, 00 0300 0000 FF, 00 0000 0200 00, 01 0000 0080 63.
@@ -107,19 +107,19 @@ TEST_CASE("the triangles read back are the faces of the mesh, in strips and with
     for (const bool strips : {true, false}) {
         hmesh::PageOptions options;
         options.strips = strips;
-        check_read_back(two_faces<3>(), half_of_8, options);
-        check_read_back(two_faces<1>(), half_of_8, options);
-        hmesh::Mesh single = two_faces<3>();
+        check_read_back(two_faces(3), half_of_8, options);
+        check_read_back(two_faces(1), half_of_8, options);
+        hmesh::Mesh single = two_faces(3);
         single.faces.pop_back();
         check_read_back(single, half_of_8, options);
-        check_read_back(random_grid<3>(512, 384, 30, 20, 255, 2), half_of_8, options);
-        check_read_back(random_grid<1>(600, 30, 25, 12, 255, 3), half_of_8, options);
-        check_read_back(random_grid<3>(300, 200, 12, 8, 65535, 4), half_of_16, options);
+        check_read_back(random_grid(3, 512, 384, 30, 20, 255, 2), half_of_8, options);
+        check_read_back(random_grid(1, 600, 30, 25, 12, 255, 3), half_of_8, options);
+        check_read_back(random_grid(3, 300, 200, 12, 8, 65535, 4), half_of_16, options);
     }
 }
 
 TEST_CASE("all is printable ASCII in lines of at most 255 characters, and no line of the data looks like a comment") {
-    const hmesh::Mesh mesh = random_grid<3>(512, 384, 60, 40, 255, 5);
+    const hmesh::Mesh mesh = random_grid(3, 512, 384, 60, 40, 255, 5);
     const std::string file = written(mesh.view());
     std::size_t length = 0;
     for (const char c : file) {
@@ -153,7 +153,7 @@ TEST_CASE("data of every length is encoded and decoded") {
 }
 
 TEST_CASE("4 channels are laid over white") {
-    hmesh::Mesh mesh = random_grid<4>(300, 200, 12, 8, 255, 9);
+    hmesh::Mesh mesh = random_grid(4, 300, 200, 12, 8, 255, 9);
     mesh.colors[3] = -20, mesh.colors[7] = 300;
     const Picture picture = read_eps(written(mesh.view()));
     check_drawn(read_shading(picture.entries, picture.data), mesh.view(), 3, half_of_8, [&](std::size_t v, std::size_t k) {
@@ -163,7 +163,7 @@ TEST_CASE("4 channels are laid over white") {
 }
 
 TEST_CASE("a compressor is used for the mesh, and where it fails there is a Status and no byte") {
-    const hmesh::Mesh mesh = random_grid<3>(400, 300, 12, 10, 255, 10);
+    const hmesh::Mesh mesh = random_grid(3, 400, 300, 12, 10, 255, 10);
     int calls = 0;
     hmesh::PageOptions options;
     const auto count = [&](const unsigned char* bytes, std::size_t size, Bytes& out) {
@@ -187,12 +187,12 @@ TEST_CASE("a compressor is used for the mesh, and where it fails there is a Stat
 }
 
 TEST_CASE("a sink that refuses after k bytes gets no more and is reported, for all k") {
-    check_refusing_sinks(random_grid<4>(64, 48, 24, 18, 255, 11).view(), to_sink, 1);
+    check_refusing_sinks(random_grid(4, 64, 48, 24, 18, 255, 11).view(), to_sink, 1);
 }
 
 TEST_CASE("a mesh that cannot be written gives a Status and no byte") { check_refusals(to_sink); }
 
 TEST_CASE("the bytes do not depend on the locale") {
-    const hmesh::Mesh mesh = random_grid<3>(300, 200, 12, 8, 255, 12);
+    const hmesh::Mesh mesh = random_grid(3, 300, 200, 12, 8, 255, 12);
     hmesh_test::check_locale_makes_no_difference(mesh.view(), to_sink);
 }

@@ -46,7 +46,7 @@ std::vector<std::uint32_t> naive_points(const Image<float, 1>& map, double facto
             const auto at = [&](int i, int j) {
                 return static_cast<std::size_t>(flat ? i * map.width() + j : j * map.width() + i);
             };
-            const double density = std::min(1.0, factor * (static_cast<double>(map.samples()[at(x, y)]) + floor));
+            const double density = std::min(1.0, factor * (static_cast<double>(map.data()[at(x, y)]) + floor));
             double error = density + errors[static_cast<std::size_t>(y)][static_cast<std::size_t>(x)];
             if (error >= 0.5) {
                 points.push_back(static_cast<std::uint32_t>(at(x, y)));
@@ -225,4 +225,18 @@ TEST_CASE("told to stop between two passes there are no points, and otherwise th
         CHECK(diffused_points(map.view(), 300, [&] { return ++calls < stop; }).empty());
         CHECK(calls == stop);
     }
+    CHECK(diffused_points(map.view(), 300) == points);  // never told to stop
+}
+
+TEST_CASE("vertices of pixels are on their centers, and on the border for the outermost, whatever the size") {
+    using hmesh::kit::pixel_vertex;
+    using hmesh::kit::Point;
+    CHECK(pixel_vertex(0, 5, 4) == Point{0, 0});
+    CHECK(pixel_vertex(3, 5, 4) == Point{3.5, 0});
+    CHECK(pixel_vertex(4, 5, 4) == Point{5, 0});
+    CHECK(pixel_vertex(5 + 2, 5, 4) == Point{2.5, 1.5});
+    CHECK(pixel_vertex(19, 5, 4) == Point{5, 4});
+    CHECK(pixel_vertex(0, 1, 1) == Point{0.5, 0.5});
+    CHECK(pixel_vertex(2, 1, 3) == Point{0.5, 3});
+    CHECK(pixel_vertex(4294967295U, 65536, 65536) == Point{65536, 65536});
 }

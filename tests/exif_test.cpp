@@ -23,7 +23,7 @@ TEST_CASE("pictures are turned upright from all eight orientations") {
             for (const char letter : letters)
                 for (int c = 0; c < channels; ++c) samples.push_back(letter + 100 * c);
             int width = stored.width, height = 6 / stored.width;
-            example::turn_upright(stored.orientation, channels, width, height, samples);
+            tool::turn_upright(stored.orientation, channels, width, height, samples);
             CHECK(width == 3);
             CHECK(height == 2);
             REQUIRE(samples.size() == 6 * static_cast<std::size_t>(channels));

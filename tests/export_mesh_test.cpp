@@ -26,15 +26,15 @@ using hmesh_test::exported;
 namespace {
 
 // Opaque, half and fully transparent corners, one of them with colour above alpha.
-Mesh<4> premultiplied_mesh() {
-    Mesh<4> mesh = hmesh_test::two_faces<4>();
+Mesh premultiplied_mesh() {
+    Mesh mesh = hmesh_test::two_faces(4);
     mesh.colors = {10, 20, 30, 255, 0, 0, 0, 0, 50, 30, 0, 51, 40, 250, 0, 102};
     mesh.premultiplied = true;
     return mesh;
 }
 // The same, divided by hand. Vertex 1 shares a face with 0 and 2 only: (10 + 50, 20 + 30, 30) / (306 / 255).
-Mesh<4> straight_mesh() {
-    Mesh<4> mesh = premultiplied_mesh();
+Mesh straight_mesh() {
+    Mesh mesh = premultiplied_mesh();
     mesh.colors = {10, 20, 30, 255, 50, 50 / 1.2F, 25, 0, 250, 150, 0, 51, 100, 255, 0, 102};
     mesh.premultiplied = false;
     return mesh;
@@ -46,9 +46,9 @@ std::vector<float> colors_of(const ExportMesh& mesh) {
 }
 
 void check_same(hmesh_test::Write write) {
-    const Mesh<4> straight = straight_mesh(), premultiplied = premultiplied_mesh();
+    const Mesh straight = straight_mesh(), premultiplied = premultiplied_mesh();
     CHECK(exported(premultiplied.view(), write) == exported(straight.view(), write));
-    Mesh<4> bare = premultiplied;
+    Mesh bare = premultiplied;
     bare.premultiplied = false;
     CHECK(exported(premultiplied.view(), write) != exported(bare.view(), write));
 }
@@ -57,18 +57,18 @@ void check_same(hmesh_test::Write write) {
 
 TEST_CASE("a mesh without a width or a height or with more than 4 channels is not exported") {
     using hmesh::detail::check_for_export;
-    const Mesh<3> mesh = hmesh_test::two_faces<3>();
+    const Mesh mesh = hmesh_test::two_faces(3);
     CHECK(check_for_export(mesh.view()));
     for (const int size : {0, -7}) {
-        Mesh<3> bad = mesh;
+        Mesh bad = mesh;
         bad.width = size;
         CHECK(check_for_export(bad.view()).value == size);
         bad = mesh;
         bad.height = size;
         CHECK(check_for_export(bad.view()).value == size);
     }
-    CHECK(check_for_export(hmesh_test::two_faces<2>().view()));
-    CHECK(check_for_export(hmesh_test::two_faces<5>().view()).value == 5);
+    CHECK(check_for_export(hmesh_test::two_faces(2).view()));
+    CHECK(check_for_export(hmesh_test::two_faces(5).view()).value == 5);
 }
 
 TEST_CASE("more vertices or faces than a format numbers are refused, and nothing is read of them") {
@@ -89,10 +89,10 @@ TEST_CASE("more vertices or faces than a format numbers are refused, and nothing
 }
 
 TEST_CASE("y is up, and faces are turned so that they stay seen from the front") {
-    const Mesh<3> mesh = hmesh_test::two_faces<3>();
+    const Mesh mesh = hmesh_test::two_faces(3);
     CHECK(hmesh::detail::y_up(mesh.view(), 0) == 2);
     CHECK(hmesh::detail::y_up(mesh.view(), 2) == 0);
-    CHECK(hmesh::detail::turned({4, 5, 6}) == std::array<std::uint32_t, 3>{4, 6, 5});
+    CHECK(hmesh::detail::turned({4, 5, 6}) == hmesh::Triangle{4, 6, 5});
 }
 
 TEST_CASE("shares of the peak are held to [0, 1]") {
@@ -112,9 +112,9 @@ TEST_CASE("every integer of 8 and 16 bits comes back from its share") {
 
 TEST_CASE("grey is red, green and blue; without alpha a vertex is opaque") {
     using Shares = std::array<double, 4>;
-    Mesh<1> gray = hmesh_test::two_faces<1>();
-    Mesh<3> color = hmesh_test::two_faces<3>();
-    Mesh<4> alpha = hmesh_test::two_faces<4>();
+    Mesh gray = hmesh_test::two_faces(1);
+    Mesh color = hmesh_test::two_faces(3);
+    Mesh alpha = hmesh_test::two_faces(4);
     gray.peak = color.peak = alpha.peak = 40;
     CHECK(hmesh::detail::rgba_shares(gray.view(), 1) == Shares{0.25, 0.25, 0.25, 1});
     CHECK(hmesh::detail::rgba_shares(color.view(), 2) == Shares{0.5, 21.0 / 40, 22.0 / 40, 1});
@@ -122,7 +122,7 @@ TEST_CASE("grey is red, green and blue; without alpha a vertex is opaque") {
 }
 
 TEST_CASE("straight colours are divided by alpha, and transparent corners take the mean of their neighbours") {
-    const Mesh<4> mesh = premultiplied_mesh(), expected = straight_mesh();
+    const Mesh mesh = premultiplied_mesh(), expected = straight_mesh();
     const ExportMesh straight(mesh.view(), Premultiplied::divided);
     CHECK(!straight.view().premultiplied);
     for (std::size_t i = 0; i < expected.colors.size(); ++i)
@@ -130,7 +130,7 @@ TEST_CASE("straight colours are divided by alpha, and transparent corners take t
 }
 
 TEST_CASE("where all is transparent colours are 0") {
-    Mesh<4> clear = premultiplied_mesh();
+    Mesh clear = premultiplied_mesh();
     for (std::size_t v = 0; v < 4; ++v) clear.colors[4 * v + 3] = v == 0 ? -1.0F : 0.0F;
     const ExportMesh none(clear.view(), Premultiplied::divided);
     for (std::size_t v = 0; v < 4; ++v)
@@ -138,7 +138,7 @@ TEST_CASE("where all is transparent colours are 0") {
 }
 
 TEST_CASE("grey with alpha becomes red, green, blue and alpha, premultiplied or divided") {
-    Mesh<2> gray = hmesh_test::two_faces<2>();
+    Mesh gray = hmesh_test::two_faces(2);
     gray.colors = {10, 51, 0, 0, 20, 51, 0, 0};
     gray.premultiplied = true;
     const ExportMesh kept(gray.view(), Premultiplied::kept);
@@ -155,9 +155,9 @@ TEST_CASE("grey with alpha becomes red, green, blue and alpha, premultiplied or 
 }
 
 TEST_CASE("every format writes grey with alpha as the red, green, blue and alpha that it is") {
-    Mesh<2> gray = hmesh_test::two_faces<2>();
+    Mesh gray = hmesh_test::two_faces(2);
     gray.colors = {10, 255, 70, 0, 60, 128, 200, 201};
-    Mesh<4> rgba = hmesh_test::two_faces<4>();
+    Mesh rgba = hmesh_test::two_faces(4);
     rgba.colors = {10, 10, 10, 255, 70, 70, 70, 0, 60, 60, 60, 128, 200, 200, 200, 201};
     for (const bool premultiplied : {false, true}) {
         gray.premultiplied = rgba.premultiplied = premultiplied;
@@ -177,12 +177,12 @@ TEST_CASE("every format writes grey with alpha as the red, green, blue and alpha
 }
 
 TEST_CASE("meshes with straight colours or without alpha are left as they are") {
-    const Mesh<4> mesh = straight_mesh();
+    const Mesh mesh = straight_mesh();
     CHECK(ExportMesh(mesh.view(), Premultiplied::divided).view().colors == mesh.colors.data());
-    Mesh<3> color = hmesh_test::two_faces<3>();
+    Mesh color = hmesh_test::two_faces(3);
     color.premultiplied = true;
     CHECK(ExportMesh(color.view(), Premultiplied::divided).view().colors == color.colors.data());
-    const Mesh<4> premultiplied = premultiplied_mesh();
+    const Mesh premultiplied = premultiplied_mesh();
     CHECK(ExportMesh(premultiplied.view(), Premultiplied::kept).view().colors == premultiplied.colors.data());
 }
 
@@ -194,9 +194,9 @@ TEST_CASE("formats that know straight colours only are given these") {
 }
 
 TEST_CASE("EPS lays premultiplied colours over white, HTML is told of them") {
-    Mesh<4> premultiplied = premultiplied_mesh();
+    Mesh premultiplied = premultiplied_mesh();
     premultiplied.colors[13] = 102;  // no colour above alpha: that one would be cut off on its way over straight colours
-    Mesh<4> straight = straight_mesh();
+    Mesh straight = straight_mesh();
     const auto eps = [](const hmesh::MeshView& mesh, hmesh::Sink sink) { return hmesh::write_eps(mesh, sink); };
     CHECK(exported(premultiplied.view(), eps) == exported(straight.view(), eps));
     const auto html = [](const hmesh::MeshView& mesh, hmesh::Sink sink) { return hmesh::write_html(mesh, sink); };
@@ -205,7 +205,7 @@ TEST_CASE("EPS lays premultiplied colours over white, HTML is told of them") {
     };
     CHECK(says(premultiplied.view(), "\"premultiplied\":true"));
     CHECK(says(straight.view(), "\"premultiplied\":false"));
-    Mesh<3> color = hmesh_test::two_faces<3>();
+    Mesh color = hmesh_test::two_faces(3);
     color.premultiplied = true;
     CHECK(says(color.view(), "\"premultiplied\":false"));
 }

@@ -89,14 +89,13 @@ void check_map(const Image<T, C>& image) {
         REQUIRE(map.height() == height);
         int wrong = 0;
         for (std::size_t k = 0; k < expected.size(); ++k)  // the sum is rounded to float with each channel
-            wrong += !(std::abs(static_cast<double>(map.samples()[k]) - expected[k]) <= 2e-6 * expected[k] + 1e-14 * peak);
+            wrong += !(std::abs(static_cast<double>(map.data()[k]) - expected[k]) <= 2e-6 * expected[k] + 1e-14 * peak);
         CHECK(wrong == 0);
     }
 }
 
 bool same_bytes(const Image<float, 1>& a, const Image<float, 1>& b) {
-    return a.samples().size() == b.samples().size() &&
-           std::memcmp(a.samples().data(), b.samples().data(), a.samples().size() * sizeof(float)) == 0;
+    return a.size() == b.size() && std::memcmp(a.data(), b.data(), a.size() * sizeof(float)) == 0;
 }
 
 }  // namespace
@@ -113,7 +112,7 @@ TEST_CASE("images of one or two rows or columns have the map that the definition
     for (const auto& [width, height] : {std::pair{1, 1}, {1, 2}, {2, 1}, {2, 2}, {1, 9}, {23, 1}, {2, 7}, {7, 2}, {3, 3}})
         check_map(hmesh_test::noise<std::uint8_t, 2>(width, height, 5));
     const auto pixel = hmesh_test::noise<float, 3>(1, 1, 6);
-    CHECK(feature_map(ImageSource<3>(pixel.view()), 2).samples()[0] == 0);
+    CHECK(feature_map(ImageSource<3>(pixel.view()), 2).data()[0] == 0);
 }
 
 TEST_CASE("a quadratic picture has the map of its coefficients") {
@@ -158,7 +157,7 @@ TEST_CASE("a linear picture has a map of 0 as far from the border as it is smoot
     }
     const auto flat = hmesh_test::constant_image<std::uint8_t, 3>(9, 8, 0.7);
     const Image<float, 1> map = feature_map(ImageSource<3>(flat.view()), 3);
-    for (const float value : map.samples()) REQUIRE(value == 0);
+    for (const float value : hmesh_test::samples_of(map)) REQUIRE(value == 0);
 }
 
 TEST_CASE("floats up to the largest give a map that is finite, and the smallest one that is not negative") {
@@ -166,11 +165,11 @@ TEST_CASE("floats up to the largest give a map that is finite, and the smallest 
     for (const float size : {1e38F, most, 1e-38F, std::numeric_limits<float>::denorm_min()}) {
         hmesh::kit::Random random(1);
         Image<float, 16> image(12, 11);
-        for (float& sample : image.samples()) sample = random.below(2) == 0 ? size : -size;
+        hmesh_test::for_each_sample(image, [&](float& sample) { sample = random.below(2) == 0 ? size : -size; });
         for (const int passes : {0, 3}) {
             float largest = 0;
             const Image<float, 1> map = feature_map(ImageSource<16>(image.view()), passes);
-            for (const float value : map.samples()) {
+            for (const float value : hmesh_test::samples_of(map)) {
                 REQUIRE(std::isfinite(value));
                 REQUIRE(value >= 0);
                 largest = std::max(largest, value);

@@ -1,4 +1,4 @@
-#include "hmesh/tiles/final_colors.hpp"
+#include "hmesh/methods/final_colors.hpp"
 
 #include <doctest/doctest.h>
 

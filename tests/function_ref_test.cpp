@@ -3,6 +3,7 @@
 #include <doctest/doctest.h>
 
 #include <cstddef>
+#include <cstdint>
 #include <functional>
 #include <memory>
 #include <type_traits>
@@ -114,7 +115,7 @@ TEST_CASE("what gives another type than was asked for, takes other arguments or 
     static_assert(!becomes<const Counter&, int(int)>, "its call is not const");
     static_assert(!becomes<int, int(int)> && !becomes<void*, int(int)>);
     static_assert(becomes<int (*)(int), int(int)> && becomes<int (&)(int), int(int)> && becomes<int (*)(int) noexcept, int(int)>);
-    static_assert(!becomes<long (*)(int), int(int)> && !becomes<int (*)(long), int(int)>);
+    static_assert(!becomes<std::int64_t (*)(int), int(int)> && !becomes<int (*)(std::int64_t), int(int)>);
     static_assert(!becomes<FunctionRef<bool(int)>, int(int)>);
     CHECK(counts(0) == (says(0) ? 1 : 0));
 }

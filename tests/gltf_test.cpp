@@ -60,7 +60,7 @@ struct GlbFile {
     std::vector<std::array<double, 3>> positions;  // of the node's space: units
     std::vector<std::array<double, 3>> stored;     // of the buffer
     std::vector<std::array<int, 4>> colors;
-    std::vector<std::array<std::uint32_t, 3>> faces;
+    std::vector<hmesh::Triangle> faces;
     std::size_t index_size = 0;
 };
 
@@ -122,7 +122,6 @@ GlbFile read_glb(const Bytes& bytes) {
     return file;
 }
 
-template <int C>
 GlbFile read_back(const hmesh::Mesh& mesh, const hmesh::GltfOptions& options = {}) {
     return read_glb(hmesh_test::exported(mesh.view(), with(options)));
 }
@@ -137,7 +136,7 @@ int to_linear_light(double share) {
 }  // namespace
 
 TEST_CASE("a mesh of two faces is written as these bytes") {
-    hmesh::Mesh mesh = two_faces<3>();
+    hmesh::Mesh mesh = two_faces(3);
     mesh.positions = {0, 0, 3, 0, 3, 2, 0, 1.5F};
     mesh.colors = {0, 128, 255, 1, 2, 3, -5, 300, 10, 11, 254, 99.5F};
     const std::string json =
@@ -219,7 +218,7 @@ TEST_CASE("what is read back is the mesh with y up, counter-clockwise, in linear
 }
 
 TEST_CASE("the bounds of positions off the grid are those of the floats in the file, to the last bit") {
-    hmesh::Mesh mesh = two_faces<3>();
+    hmesh::Mesh mesh = two_faces(3);
     mesh.positions = {1e-9F, 1e-3F, 1234.567F, 0.1F, 3.3333F, 1.9F, 1.0F / 3, -7e9F};
     mesh.height = 1;
     const GlbFile file = read_back(mesh);
@@ -235,7 +234,7 @@ TEST_CASE("quantised positions are rounded to a step of 1/256 px or a 65535th of
         CAPTURE(side);
         const double half_step = side <= 255 ? 0 : side / 65535.0 / 2;
         const auto full = static_cast<float>(side);
-        hmesh::Mesh mesh = two_faces<3>();
+        hmesh::Mesh mesh = two_faces(3);
         mesh.width = side, mesh.height = side;
         mesh.positions = {0, 0, full, 0, full, full, full / 3, full - 1.0F / 256};
         mesh.positions[6] = std::floor(mesh.positions[6] * 256) / 256;
@@ -251,7 +250,7 @@ TEST_CASE("quantised positions are rounded to a step of 1/256 px or a 65535th of
         CHECK(file.stored[1][0] == (side <= 255 ? side * 256 : 65535));
     }
     // Positions may lie outside the image, and the grid is theirs.
-    hmesh::Mesh mesh = two_faces<3>();
+    hmesh::Mesh mesh = two_faces(3);
     for (float& x : mesh.positions) x -= 100;
     hmesh::GltfOptions options = quantized();
     options.longer_side = 6;
@@ -280,7 +279,7 @@ TEST_CASE("the longer side has the length asked for, and positions in the buffer
 }
 
 TEST_CASE("grey is three equal colours, alpha is not decoded and blends") {
-    const GlbFile gray = read_back(two_faces<1>()), alpha = read_back(two_faces<4>());
+    const GlbFile gray = read_back(two_faces(1)), alpha = read_back(two_faces(4));
     const int ten = to_linear_light(10.0 / 255);
     CHECK(gray.colors[1] == std::array<int, 4>{ten, ten, ten, 65535});
     CHECK(alpha.colors[1] == std::array<int, 4>{ten, to_linear_light(11.0 / 255), to_linear_light(12.0 / 255), 13 * 257});
@@ -292,7 +291,7 @@ TEST_CASE("grey is three equal colours, alpha is not decoded and blends") {
 TEST_CASE("colours that are linear already are written as they are") {
     hmesh::GltfOptions options;
     options.colors_are_linear = true;
-    CHECK(read_back(two_faces<4>(), options).colors[3] == std::array<int, 4>{30 * 257, 31 * 257, 32 * 257, 33 * 257});
+    CHECK(read_back(two_faces(4), options).colors[3] == std::array<int, 4>{30 * 257, 31 * 257, 32 * 257, 33 * 257});
 }
 
 TEST_CASE("indices have 16 bits up to 65535 vertices and 32 beyond: 65535 is never an index of 16 bits") {
@@ -306,15 +305,15 @@ TEST_CASE("indices have 16 bits up to 65535 vertices and 32 beyond: 65535 is nev
         CHECK(file.faces.size() == mesh->face_count());
         std::size_t wrong = 0;
         for (std::size_t f = 0; f < mesh->face_count(); ++f) {
-            const std::array<std::uint32_t, 3>& face = mesh->faces[f];
-            wrong += file.faces[f] != std::array<std::uint32_t, 3>{face[0], face[2], face[1]};
+            const hmesh::Triangle& face = mesh->faces[f];
+            wrong += file.faces[f] != hmesh::Triangle{face[0], face[2], face[1]};
         }
         CHECK(wrong == 0);
     }
 }
 
 TEST_CASE("a buffer that is no multiple of four is padded with zeros and keeps its length") {
-    hmesh::Mesh mesh = two_faces<3>();
+    hmesh::Mesh mesh = two_faces(3);
     mesh.faces.pop_back();
     const GlbFile file = read_back(mesh);  // checks the padding
     CHECK(numbers(file.json, "byteLength", 3)[0] == 86);
@@ -323,7 +322,7 @@ TEST_CASE("a buffer that is no multiple of four is padded with zeros and keeps i
 TEST_CASE("the JSON is padded with spaces, whatever its length") {
     std::array<int, 4> lengths{};
     for (int width = 1; width <= 1000000; width *= 10) {
-        hmesh::Mesh mesh = two_faces<3>();
+        hmesh::Mesh mesh = two_faces(3);
         mesh.positions[2] = mesh.positions[4] = static_cast<float>(width);
         const GlbFile file = read_back(mesh);  // checks the padding
         ++lengths[(file.json.find_last_not_of(' ') + 1) % 4];
@@ -332,7 +331,7 @@ TEST_CASE("the JSON is padded with spaces, whatever its length") {
 }
 
 TEST_CASE("the locale makes no difference") {
-    hmesh::Mesh mesh = two_faces<3>();
+    hmesh::Mesh mesh = two_faces(3);
     mesh.positions[4] = 3.5F;
     hmesh_test::check_locale_makes_no_difference(mesh.view(), with({}));
 }
@@ -349,7 +348,7 @@ TEST_CASE("a mesh that cannot be written gives a Status and no byte") {
 }
 
 TEST_CASE("a mesh of 4 GiB or more is refused before it is read") {
-    const hmesh::Mesh mesh = two_faces<3>();
+    const hmesh::Mesh mesh = two_faces(3);
     for (const std::size_t count : {std::size_t{358000000}, std::size_t{1} << 31U, std::numeric_limits<std::size_t>::max()}) {
         hmesh::MeshView huge = mesh.view();
         huge.vertex_count = count;  // 20 bytes each

@@ -576,6 +576,24 @@ TEST_CASE("HalfedgeMesh: assign builds the triangles it is given, replaces what 
     CHECK(mesh.edge_slots() == 0);
 }
 
+TEST_CASE("HalfedgeMesh: triangles() is what assign() was given, and after edits a list over the vertices that are left") {
+    for (const Input& input : {grid(4, 3), grid(3, 3, true), octahedron(), Input{}})
+        CHECK(mesh_of(input).triangles() == input.triangles);
+    HalfedgeMesh mesh = mesh_of(grid(4, 4));
+    // The vertex in the middle goes: those after it move up by one.
+    const Vertex middle(12), neighbor(11);
+    mesh.collapse(mesh.find_halfedge(middle, neighbor));
+    const Triangles list = mesh.triangles();
+    REQUIRE(list.size() == mesh.face_count());
+    std::size_t k = 0;
+    for (const Face f : mesh.faces()) {
+        const std::array<Vertex, 3> v = mesh.vertices(f);
+        for (std::size_t c = 0; c < 3; ++c) CHECK(list[k][c] == v[c].index() - (v[c].index() > 12 ? 1 : 0));
+        ++k;
+    }
+    CHECK(mesh_of({mesh.vertex_count(), list}).edge_count() == mesh.edge_count());
+}
+
 TEST_CASE("HalfedgeMesh: clear forgets everything, deleted slots too") {
     HalfedgeMesh mesh = mesh_of(grid(4, 4));
     Random random(13);

@@ -27,13 +27,13 @@ std::string written(const hmesh::MeshView& mesh, const HtmlOptions& options = {}
 }
 
 // A strip of `count` vertices, odd ones below, in colours below 0, within and above the peak of 1.
-template <int C>
-hmesh::Mesh strip(int count) {
+hmesh::Mesh strip(int channels, int count) {
     hmesh::Mesh mesh;
+    mesh.channels = channels;
     mesh.width = count, mesh.height = 1, mesh.peak = 1;
     for (int v = 0; v < count; ++v) {
         mesh.positions.insert(mesh.positions.end(), {static_cast<float>(v) + 0.00390625F, static_cast<float>(v % 2)});
-        for (int k = 0; k < C; ++k) mesh.colors.push_back(static_cast<float>((7 * v + 3 * k) % 50) / 40 - 0.1F);
+        for (int k = 0; k < channels; ++k) mesh.colors.push_back(static_cast<float>((7 * v + 3 * k) % 50) / 40 - 0.1F);
         const auto u = static_cast<std::uint32_t>(v);
         if (v >= 2) mesh.faces.push_back({u - 2, u - 1, u});
     }
@@ -67,12 +67,12 @@ Bytes decoded(const std::string& text) {
     return bytes;
 }
 
-template <int C>
 void check_round_trip(const hmesh::Mesh& mesh) {
     const std::string text = written(mesh.view());
     const Bytes bytes = decoded(between(text, "\"data\":\"", "\"}"));
     const std::size_t n = mesh.vertex_count(), index_size = n <= 65535 ? 2 : 4;
-    REQUIRE(bytes.size() == 8 * n + 3 * index_size * mesh.face_count() + C * n);
+    const auto channels = static_cast<std::size_t>(mesh.channels);
+    REQUIRE(bytes.size() == 8 * n + 3 * index_size * mesh.face_count() + channels * n);
     std::size_t at = 0, wrong = 0;
     const auto number = [&](std::size_t size) {
         std::uint32_t value = 0;
@@ -106,7 +106,7 @@ void check_refused(const hmesh::MeshView& mesh, hmesh::Errc code, const HtmlOpti
 }  // namespace
 
 TEST_CASE("a mesh of two faces is embedded as these bytes") {
-    hmesh::Mesh mesh = two_faces<3>();
+    hmesh::Mesh mesh = two_faces(3);
     mesh.colors = {0, 128, 255, 1, 2, 3, -5, 300, 99.5F, 99.4F, 0.4F, 254.6F};
     const std::string data = between(written(mesh.view()), "<script id=\"data\" type=\"application/json\">", "</script>");
     CHECK(data ==
@@ -115,22 +115,22 @@ TEST_CASE("a mesh of two faces is embedded as these bytes") {
 }
 
 TEST_CASE("the base64 text decodes to the mesh, for 1, 3 and 4 channels") {
-    check_round_trip(strip<1>(101));
-    check_round_trip(strip<3>(100));
-    check_round_trip(strip<4>(99));
+    check_round_trip(strip(1, 101));
+    check_round_trip(strip(3, 100));
+    check_round_trip(strip(4, 99));
 }
 
 TEST_CASE("indices have 16 bits up to 65535 vertices, then 32") {
-    hmesh::Mesh mesh = strip<1>(65535);
+    hmesh::Mesh mesh = strip(1, 65535);
     mesh.faces = {{0, 1, 2}, {65532, 65533, 65534}};
     check_round_trip(mesh);
-    mesh = strip<1>(65536);
+    mesh = strip(1, 65536);
     mesh.faces = {{0, 1, 2}, {65533, 65534, 65535}};
     check_round_trip(mesh);
 }
 
 TEST_CASE("the page is whole and asks for nothing") {
-    const std::string text = written(two_faces<4>().view());
+    const std::string text = written(two_faces(4).view());
     CHECK(text.compare(0, 15, "<!DOCTYPE html>") == 0);
     CHECK(text.substr(text.size() - 8) == "</html>\n");
     CHECK(text.find("http:") == std::string::npos);
@@ -146,7 +146,7 @@ TEST_CASE("the page is whole and asks for nothing") {
 }
 
 TEST_CASE("the scripts are one module, and no place is left that something was to be put in") {
-    const std::string text = written(two_faces<3>().view());
+    const std::string text = written(two_faces(3).view());
     CHECK(text.find("\n<script type=\"module\">\n") != std::string::npos);
     for (const char* words : {"\nimport ", "\nexport ", "{{", "}}"}) CHECK(text.find(words) == std::string::npos);
 }
@@ -155,7 +155,7 @@ TEST_CASE("title and figures are shown as they are, whatever is in them") {
     HtmlOptions options;
     options.title = "a < b & \"c\" > 'd'</title>";
     options.figures = "1 %\n<script>alert(1)</script>\n\xc3\xa4";
-    const std::string text = written(two_faces<3>().view(), options);
+    const std::string text = written(two_faces(3).view(), options);
     const std::string title = "a &lt; b &amp; &quot;c&quot; &gt; &#39;d&#39;&lt;/title&gt;";
     CHECK(between(text, "<title>", "</title>") == title);
     CHECK(between(text, "<h1>", "</h1>") == title);
@@ -170,19 +170,19 @@ TEST_CASE("the original is embedded byte by byte") {
         options.original = file.data();
         options.original_size = file.size();
         options.original_type = "image/svg+xml";
-        const std::string text = written(two_faces<3>().view(), options);
+        const std::string text = written(two_faces(3).view(), options);
         CHECK(decoded(between(text, "src=\"data:image/svg+xml;base64,", "\"")) == file);
     }
 }
 
 TEST_CASE("the bytes do not depend on the locale") {
-    const hmesh::Mesh mesh = strip<3>(2000);
+    const hmesh::Mesh mesh = strip(3, 2000);
     hmesh_test::check_locale_makes_no_difference(
         mesh.view(), [](const hmesh::MeshView& view, hmesh::Sink sink) { return hmesh::write_html(view, sink); });
 }
 
 TEST_CASE("a sink that refuses after k bytes gets no more and is reported, for all k") {
-    const hmesh::Mesh mesh = strip<3>(100);
+    const hmesh::Mesh mesh = strip(3, 100);
     const std::size_t size = written(mesh.view()).size();
     for (std::size_t k = 0; k <= size; k += k + 211 > size && k < size ? size - k : 211) {
         std::size_t taken = 0;
@@ -194,14 +194,13 @@ TEST_CASE("a sink that refuses after k bytes gets no more and is reported, for a
             return fits;
         });
         if (static_cast<bool>(status) != (k == size) || refusals != (k == size ? 0 : 1) || taken > k) FAIL("k = ", k);
-        if (k < size && (status.code != hmesh::Errc::write_failed || status.value != static_cast<std::int64_t>(taken)))
-            FAIL("k = ", k);
+        if (k < size && (status.code != hmesh::Errc::write_failed || status.value != static_cast<double>(taken))) FAIL("k = ", k);
     }
 }
 
 TEST_CASE("a mesh or options that cannot be written give a Status and no byte") {
     const float nan = std::numeric_limits<float>::quiet_NaN();
-    const hmesh::Mesh good = two_faces<3>();
+    const hmesh::Mesh good = two_faces(3);
     check_refused(hmesh::MeshView{}, hmesh::Errc::invalid_argument);
     hmesh::Mesh mesh = good;
     mesh.positions[7] = nan;
@@ -218,7 +217,7 @@ TEST_CASE("a mesh or options that cannot be written give a Status and no byte") 
     mesh = good;
     mesh.height = 0;
     check_refused(mesh.view(), hmesh::Errc::invalid_argument);
-    check_refused(two_faces<5>().view(), hmesh::Errc::invalid_argument);
+    check_refused(two_faces(5).view(), hmesh::Errc::invalid_argument);
     if constexpr (sizeof(std::size_t) > 4) {
         hmesh::MeshView huge = good.view();
         huge.vertex_count = std::numeric_limits<std::size_t>::max() / 2;

@@ -6,15 +6,18 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "hmesh/core/random.hpp"
+#include "mesh_flaws.hpp"
 #include "test_executors.hpp"
 #include "test_images.hpp"
 #include "test_meshes.hpp"
 
+using hmesh::Errc;
 using hmesh::Triangle;
 using hmesh::kit::Color;
 using hmesh::kit::Edge;
@@ -184,14 +187,162 @@ TEST_CASE("triangulations that are none are refused") {
     ImageMesh<1>& mesh = subject.mesh;
     REQUIRE(mesh.assign(square, {{0, 1, 2}, {0, 2, 3}}));
     REQUIRE(mesh.check());
-    CHECK(mesh.assign(square, {{0, 1, 2}, {0, 2, 4}}).code == hmesh::Errc::invalid_argument);  // no vertex 4
-    CHECK(mesh.assign(square, {{0, 1, 2}, {0, 1, 3}}).code == hmesh::Errc::invalid_argument);  // 0 -> 1 twice
-    CHECK(mesh.assign(square, {{0, 1, 2}, {0, 2, 2}}).code == hmesh::Errc::invalid_argument);  // a corner twice
-    CHECK(mesh.assign(square, {{0, 1, 2}}).code == hmesh::Errc::invalid_argument);             // vertex 3 alone
+    CHECK(mesh.assign(square, {{0, 1, 2}, {0, 2, 4}}).code == Errc::invalid_argument);  // no vertex 4
+    CHECK(mesh.assign(square, {{0, 1, 2}, {0, 1, 3}}).code == Errc::invalid_argument);  // 0 -> 1 twice
+    CHECK(mesh.assign(square, {{0, 1, 2}, {0, 2, 2}}).code == Errc::invalid_argument);  // a corner twice
+    CHECK(mesh.assign(square, {{0, 1, 2}}).code == hmesh::Errc::invalid_argument);      // vertex 3 alone
     CHECK(mesh.assign({{0, 0}, {4, 0}, {0, 3}, {8, 6}, {4, 6}, {8, 3}, {4, 3}}, {{0, 1, 6}, {0, 6, 2}, {3, 4, 6}, {3, 6, 5}})
-              .code == hmesh::Errc::invalid_argument);  // two fans in 6
+              .code == Errc::invalid_argument);  // two fans in 6
     REQUIRE(mesh.assign(square, {{0, 1, 3}, {1, 2, 3}}));
     hmesh_test::prove(subject);
+}
+
+TEST_CASE("vertices outside the rectangle, off the grid or not finite are refused, and the mesh is then empty") {
+    Subject<std::uint8_t, 2> subject(hmesh_test::noise<std::uint8_t, 2>(8, 6, 1));
+    ImageMesh<2>& mesh = subject.mesh;
+    const std::vector<Triangle> fan = {{0, 1, 4}, {1, 2, 4}, {2, 3, 4}, {3, 0, 4}};
+    constexpr double infinity = std::numeric_limits<double>::infinity(), nan = std::numeric_limits<double>::quiet_NaN();
+    const auto refused = [&](std::size_t vertex, Point place, Errc code, const char* word) {
+        std::vector<Point> positions = square;
+        positions.push_back({4, 3});
+        REQUIRE(mesh.assign(positions, fan));
+        REQUIRE(mesh.vertex_count() == 5);
+        positions[vertex] = place;
+        const hmesh::Status status = mesh.assign(positions, fan);
+        CHECK(status.code == code);
+        CHECK_MESSAGE(std::string(status.what).find(word) != std::string::npos, status.what);
+        CHECK(status.value == static_cast<double>(vertex));
+        CHECK(mesh.vertex_count() == 0);
+        CHECK(mesh.topology().face_count() == 0);
+        CHECK(mesh.energy() == 0);
+    };
+    for (const double far : {-1.0 / 256, -1.0, -1e9, -1e300}) {
+        refused(4, {far, 3}, Errc::invalid_argument, "outside");
+        refused(0, {0, far}, Errc::invalid_argument, "outside");
+    }
+    for (const double far : {8 + 1.0 / 256, 9.0, 1e9, 1e300}) refused(2, {far, 6}, Errc::invalid_argument, "outside");
+    for (const double far : {6 + 1.0 / 256, 1e9, 1e300}) refused(3, {0, far}, Errc::invalid_argument, "outside");
+    for (const double step : {1.0 / 512, 1e-12, 1.0 / 3}) {
+        refused(4, {4 + step, 3}, Errc::invalid_argument, "grid");
+        refused(4, {4, 3 - step}, Errc::invalid_argument, "grid");
+    }
+    for (const double bad : {nan, infinity, -infinity}) {
+        refused(4, {bad, 3}, Errc::not_finite, "position");
+        refused(1, {8, bad}, Errc::not_finite, "position");
+    }
+    REQUIRE(mesh.assign(square, {{0, 1, 3}, {1, 2, 3}}));
+    CHECK(mesh.assign(square, {{0, 1, 2}}).code == Errc::invalid_argument);
+    CHECK(mesh.vertex_count() == 0);
+    REQUIRE(mesh.assign(square, {{0, 1, 3}, {1, 2, 3}}));  // it is of use again
+    hmesh_test::prove(subject);
+}
+
+TEST_CASE("colours that are not as many as the vertices, or not finite, are refused; what is in their padding does not count") {
+    Subject<std::uint8_t, 2> subject(hmesh_test::noise<std::uint8_t, 2>(8, 6, 1));
+    ImageMesh<2>& mesh = subject.mesh;
+    const std::vector<Triangle> faces = {{0, 1, 2}, {0, 2, 3}};
+    std::vector<Color<2>> colors(4, Color<2>::all(7));
+    REQUIRE(mesh.assign(square, faces, colors, {}));
+    hmesh_test::prove(subject);
+    CHECK(mesh.color(Vertex(3))[1] == 7);
+    for (const std::size_t number : {1U, 3U, 5U, 100U}) {
+        const hmesh::Status status = mesh.assign(square, faces, std::vector<Color<2>>(number, Color<2>::zero()), {});
+        CHECK(status.code == Errc::invalid_argument);
+        CHECK(status.value == static_cast<double>(number));
+        CHECK(status.limit == 4);
+        CHECK(mesh.vertex_count() == 0);
+    }
+    for (const double bad : {std::numeric_limits<double>::quiet_NaN(), -std::numeric_limits<double>::infinity()})
+        for (std::size_t v = 0; v < 4; ++v)
+            for (int k = 0; k < 2; ++k) {
+                std::vector<Color<2>> broken = colors;
+                broken[v].set(k, bad);
+                const hmesh::Status status = mesh.assign(square, faces, broken, {});
+                CHECK(status.code == Errc::not_finite);
+                CHECK(status.value == static_cast<double>(v));
+            }
+}
+
+TEST_CASE("a mesh becomes plain arrays and comes back: places, colours as floats, faces and the energy") {
+    Subject<std::uint16_t, 3> subject(hmesh_test::scene<std::uint16_t, 3>(26, 22, 1), hmesh_test::jittered_grid(26, 22, 5, 4, 1));
+    ImageMesh<3>& mesh = subject.mesh;
+    hmesh_test::wear(mesh, 300, 65535, 1);
+    REQUIRE(hmesh::kit::remove_batch(mesh, 5, {}) > 0);
+    REQUIRE(mesh.topology().vertex_slots() > mesh.vertex_count());
+    const hmesh::Mesh plain = to_mesh(mesh, 65535);
+    CHECK(plain.channels == 3);
+    CHECK(plain.width == 26);
+    CHECK(plain.height == 22);
+    CHECK(plain.peak == 65535);
+    CHECK_FALSE(plain.premultiplied);
+    CHECK(hmesh_test::flaw_of(plain.view(), 26, 22) == "");
+    REQUIRE(plain.vertex_count() == mesh.vertex_count());
+    REQUIRE(plain.face_count() == mesh.topology().face_count());
+    std::size_t row = 0;
+    std::vector<std::uint32_t> number(mesh.topology().vertex_slots());
+    for (const Vertex v : mesh.topology().vertices()) {
+        CHECK(static_cast<double>(plain.positions[2 * row]) == mesh.position(v).x);
+        CHECK(static_cast<double>(plain.positions[2 * row + 1]) == mesh.position(v).y);
+        for (int k = 0; k < 3; ++k)
+            CHECK(plain.colors[3 * row + static_cast<std::size_t>(k)] == static_cast<float>(mesh.color(v)[k]));
+        number[v.index()] = static_cast<std::uint32_t>(row++);
+    }
+    row = 0;
+    for (const Face f : mesh.topology().faces()) {
+        const auto v = mesh.topology().vertices(f);
+        CHECK(plain.faces[row++] == Triangle{number[v[0].index()], number[v[1].index()], number[v[2].index()]});
+    }
+
+    Subject<std::uint16_t, 3> again(subject.image);
+    REQUIRE(again.mesh.assign(plain, hmesh_test::ReverseFor{}));
+    hmesh_test::prove(again);
+    CHECK(again.mesh.energy() == doctest::Approx(mesh.energy()).epsilon(1e-5));
+    const hmesh::Mesh copy = to_mesh(again.mesh, 65535);
+    CHECK(copy.positions == plain.positions);
+    CHECK(copy.colors == plain.colors);
+    CHECK(copy.faces.size() == plain.faces.size());
+    hmesh_test::wear(again.mesh, 50, 65535, 2);  // and work goes on
+    hmesh_test::prove(again);
+}
+
+TEST_CASE("plain arrays that are no mesh of the image are refused") {
+    Subject<std::uint8_t, 3> subject(hmesh_test::noise<std::uint8_t, 3>(8, 6, 1));
+    ImageMesh<3>& mesh = subject.mesh;
+    REQUIRE(mesh.assign(square, {{0, 1, 2}, {0, 2, 3}}));
+    const hmesh::Mesh good = to_mesh(mesh, 255);
+    const auto refused = [&](const hmesh::Mesh& bad) {
+        REQUIRE(mesh.assign(good));
+        REQUIRE(mesh.check());
+        const hmesh::Status status = mesh.assign(bad);
+        CHECK(mesh.vertex_count() == (status ? 4 : 0));
+        return status;
+    };
+    CHECK(refused(good));
+    CHECK(refused(hmesh::Mesh()).code == Errc::invalid_argument);
+    hmesh::Mesh bad = good;
+    bad.channels = 4;
+    CHECK(refused(bad).value == 4);
+    CHECK(refused(bad).limit == 3);
+    bad = good, bad.width = 9;
+    CHECK(refused(bad).value == 9);
+    CHECK(refused(bad).limit == 8);
+    bad = good, bad.height = 5;
+    CHECK(refused(bad).value == 5);
+    CHECK(refused(bad).limit == 6);
+    bad = good, bad.positions.pop_back();
+    CHECK(refused(bad).code == Errc::invalid_argument);
+    bad = good, bad.colors.push_back(0);
+    CHECK(refused(bad).code == Errc::invalid_argument);
+    bad = good, bad.positions[2] = 8.25F;
+    CHECK(refused(bad).value == 1);
+    bad = good, bad.colors[7] = std::numeric_limits<float>::quiet_NaN();
+    CHECK(refused(bad).code == Errc::not_finite);
+    CHECK(refused(bad).value == 2);
+    bad = good, bad.faces[1][2] = 4;
+    CHECK(refused(bad).code == Errc::invalid_argument);
+    bad = good, bad.positions.clear(), bad.colors.clear(), bad.faces.clear();
+    CHECK(mesh.assign(bad));  // as HalfedgeMesh has it: a mesh of nothing
+    CHECK(mesh.vertex_count() == 0);
 }
 
 TEST_CASE("check() notices a mesh that does not tile the rectangle, turns a face over, or leaves the grid or its padding") {
@@ -204,9 +355,11 @@ TEST_CASE("check() notices a mesh that does not tile the rectangle, turns a face
     REQUIRE(mesh.assign({{0, 0}, {8, 0}, {8, 6}, {0, 6}, {4, 3}}, {{0, 1, 4}, {1, 2, 4}, {2, 3, 4}}));
     CHECK_FALSE(mesh.check());  // a notch, so that vertex 4 is on the mesh's border but inside the image
     const std::vector<Triangle> fan = {{0, 1, 4}, {1, 2, 4}, {2, 3, 4}, {3, 0, 4}};
-    REQUIRE(mesh.assign({{0, 0}, {8, 0}, {8, 6}, {0, 6}, {4 + 1.0 / 512, 3}}, fan));
-    CHECK_FALSE(mesh.check());
     REQUIRE(mesh.assign({{0, 0}, {8, 0}, {8, 6}, {0, 6}, {4, 3}}, fan));
+    REQUIRE(mesh.check());
+    mesh.place(Vertex(4), {4 + 1.0 / 512, 3}, mesh.color(Vertex(4)));
+    CHECK_FALSE(mesh.check());
+    mesh.place(Vertex(4), {4, 3}, mesh.color(Vertex(4)));
     REQUIRE(mesh.check());
     Color<1> padded = Color<1>::zero();
     padded.set(1, 1);
@@ -243,7 +396,7 @@ TEST_CASE("a vertex's place is clamped to the grid, and off the border unless it
     CHECK(mesh.clamp({8, 0}, Mobility::corner) == Point{8, 0});
 }
 
-TEST_CASE("colours keep within their range and its insert_factor, also when that overflows") {
+TEST_CASE("colours keep within their range and its overshoot, also when that overflows") {
     Subject<std::uint8_t, 1> bytes(hmesh_test::noise<std::uint8_t, 1>(8, 6, 1));
     const double slack = 255 * bytes.mesh.limits().color_overshoot;
     CHECK(bytes.mesh.color_low() == doctest::Approx(-slack));

@@ -80,6 +80,29 @@ TEST_CASE("meshes of every shape are accepted, and all of their edges and corner
     hmesh_test::prove(kit::tiled_grid(source, kit::Tiling(40, 31, 13), 80, 30, [] { return true; }));
 }
 
+TEST_CASE("a mesh at work becomes arrays, which it takes back: the same energy and, over 8 bits, the same bytes") {
+    hmesh_test::Subject<std::uint8_t, 3> subject(hmesh_test::scene<std::uint8_t, 3>(40, 31, 1),
+                                                 hmesh_test::jittered_grid(40, 31, 7, 6, 1));
+    hmesh_test::wear(subject.mesh, 300, 255, 1);  // leaves deleted slots
+    REQUIRE(subject.mesh.topology().vertex_slots() > subject.mesh.vertex_count());
+    const IndexedMesh<3> mesh = kit::to_indexed_mesh(subject.mesh);
+    hmesh_test::prove(mesh);
+    CHECK(mesh.energy == subject.mesh.energy());
+    std::size_t row = 0;
+    for (const kit::Vertex v : subject.mesh.topology().vertices()) {
+        CHECK(mesh.positions[row] == subject.mesh.position(v));
+        for (int c = 0; c < 3; ++c) CHECK(mesh.colors[row][c] == subject.mesh.color(v)[c]);
+        CHECK((mesh.dirty[row] != 0) == subject.mesh.is_dirty(v));
+        ++row;
+    }
+    REQUIRE(row == mesh.vertex_count());
+    hmesh_test::Subject<std::uint8_t, 3> other(subject.image);
+    REQUIRE(other.mesh.assign(mesh.positions, mesh.faces, mesh.colors));
+    REQUIRE(other.mesh.check());
+    CHECK(other.mesh.energy() == doctest::Approx(mesh.energy).epsilon(1e-12));
+    CHECK(kit::to_indexed_mesh(other.mesh).faces == mesh.faces);
+}
+
 TEST_CASE("arrays of vertices that differ in length are found") {
     IndexedMesh<1> mesh = fan();
     mesh.colors.pop_back();
@@ -260,4 +283,69 @@ TEST_CASE(
     }
     CHECK(accepted > 30);
     CHECK(refused > 30);
+}
+
+TEST_CASE("the corners of an image are a mesh of two faces, in the colors of its outermost pixels") {
+    for (const auto& [width, height] : {std::pair{1, 1}, {1, 5}, {7, 1}, {7, 4}}) {
+        const auto image = hmesh_test::noise<std::uint8_t, 3>(width, height, 3);
+        const kit::ImageSource<3> source(image.view());
+        const IndexedMesh<3> mesh = kit::corner_mesh(source);
+        hmesh_test::prove(mesh);
+        CHECK(mesh.width == width);
+        CHECK(mesh.height == height);
+        CHECK(mesh.faces.size() == 2);
+        REQUIRE(mesh.vertex_count() == 4);
+        for (std::size_t v = 0; v < 4; ++v) {
+            const Point p = mesh.positions[v];
+            for (int c = 0; c < 3; ++c)
+                CHECK(mesh.colors[v][c] == image.pixel(p.x == 0 ? 0 : width - 1, p.y == 0 ? 0 : height - 1)[c]);
+        }
+    }
+}
+
+TEST_CASE("a mesh goes into plain arrays and back, and loses nothing but what floats cannot hold of its colors") {
+    const IndexedMesh<3> whole = make_indexed(hmesh_test::scene<std::uint8_t, 3>(64, 40, 2), Shape::worn, 60, 3);
+    const hmesh::Mesh plain = kit::to_mesh(whole, 255);
+    CHECK(plain.channels == 3);
+    CHECK(plain.width == 64);
+    CHECK(plain.height == 40);
+    CHECK(plain.peak == 255);
+    CHECK(!plain.premultiplied);
+    CHECK(plain.faces == whole.faces);
+    const IndexedMesh<3> back = kit::to_indexed_mesh<3>(plain);
+    hmesh_test::prove(back);
+    CHECK(back.positions == whole.positions);
+    CHECK(back.faces == whole.faces);
+    CHECK(back.dirty == std::vector<unsigned char>(whole.vertex_count(), 1));  // all is to be looked at
+    bool same = true;
+    for (std::size_t v = 0; v < whole.vertex_count(); ++v) {
+        for (int c = 0; c < 3; ++c)
+            same = same && static_cast<float>(whole.colors[v][c]) == static_cast<float>(back.colors[v][c]);
+        for (int c = 3; c < kit::lanes_for(4); ++c) same = same && back.colors[v][c] == 0;
+    }
+    CHECK(same);
+    // As floats they go round and round.
+    const hmesh::Mesh again = kit::to_mesh(back, 255);
+    CHECK(again.positions == plain.positions);
+    CHECK(again.colors == plain.colors);
+}
+
+TEST_CASE("plain arrays of other channels, or that are not of one number of vertices, give an empty mesh") {
+    const IndexedMesh<1> whole = fan();
+    const hmesh::Mesh good = kit::to_mesh(whole, 255);
+    CHECK(kit::to_indexed_mesh<1>(good).vertex_count() == 5);
+    CHECK(kit::to_indexed_mesh<2>(good).vertex_count() == 0);
+    hmesh::Mesh bad = good;
+    bad.colors.pop_back();
+    CHECK(kit::to_indexed_mesh<1>(bad).vertex_count() == 0);
+    bad = good;
+    bad.channels = 2;
+    CHECK(kit::to_indexed_mesh<1>(bad).vertex_count() == 0);
+    // Whether it is a mesh of its image is for check() to say.
+    bad = good;
+    bad.faces[1] = {0, 9, 4};
+    CHECK(!check(kit::to_indexed_mesh<1>(bad)));
+    bad = good;
+    bad.positions[8] = 8;  // vertex 4: a face without area
+    CHECK(!check(kit::to_indexed_mesh<1>(bad)));
 }

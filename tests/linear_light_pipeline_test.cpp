@@ -44,10 +44,8 @@ hmesh::LinearLightOptions whole_numbers() {
 // The PSNR of the mesh as it is drawn, dB.
 double psnr_of(const Pixels& image, const Mesh& mesh, bool linear_light) {
     hmesh::RenderOptions options;
-    options.linear_light = linear_light;
-    Image<float, 4> drawn;
-    REQUIRE(hmesh::render(mesh.view(), drawn, options));
-    return hmesh::psnr(image.view(), drawn.view());
+    if (linear_light) options.interpolation = hmesh::Interpolation::linear;
+    return hmesh::psnr(image.view(), hmesh_test::drawn<4>(mesh, options).view());
 }
 
 }  // namespace
@@ -132,8 +130,8 @@ TEST_CASE("premultiplied meshes are neither fitted for linear light nor drawn in
     CHECK(fit_linear_light(fitted, image.view()).status.code == Errc::invalid_argument);
     CHECK(hmesh_test::same_bytes(fitted, mesh));
     hmesh::RenderOptions options;
-    options.linear_light = true;
-    Image<float, 4> out;
-    CHECK(hmesh::render(mesh.view(), out, options).code == Errc::invalid_argument);
-    CHECK(out.samples().empty());
+    options.interpolation = hmesh::Interpolation::linear;
+    const hmesh::RenderResult<4> picture = hmesh::render<4>(mesh.view(), options);
+    CHECK(picture.status.code == Errc::invalid_argument);
+    CHECK(picture.image.size() == 0);
 }

@@ -62,7 +62,7 @@ Image<std::uint8_t, 3> small_scene() { return hmesh_test::scene<std::uint8_t, 3>
 // Exactly n vertices for every n that the image can hold.
 template <class T, int C>
 void mesh_with_every_count(const Image<T, C>& image, Effort effort, std::size_t stride = 1) {
-    const std::size_t most = std::max<std::size_t>(4, image.samples().size() / C);
+    const std::size_t most = std::max<std::size_t>(4, image.size() / C);
     for (std::size_t n = 4; n <= most; n += stride) {
         CAPTURE(n);
         hmesh_test::prove_result(image, mesh_of(image, Target::vertices(static_cast<std::int64_t>(n)), effort), n);
@@ -146,11 +146,11 @@ TEST_CASE("the most negative row stride is refused and not negated") {
 
 TEST_CASE("NaN and infinite samples are refused wherever they are, but not between the rows") {
     Image<float, 3> image = hmesh_test::scene<float, 3>(13, 9, 1);
-    const std::size_t last = image.samples().size() - 1;
+    const std::size_t last = image.size() - 1;
     for (const std::size_t where : {std::size_t{0}, std::size_t{100}, last})
         for (const double bad : {not_a_number, infinity, -infinity}) {
             Image<float, 3> spoilt = image;
-            spoilt.samples()[where] = static_cast<float>(bad);
+            spoilt.data()[where] = static_cast<float>(bad);
             check_refused(spoilt.view(), Errc::not_finite);
         }
     const hmesh_test::PaddedCopy<float, 3> padded(image, 5, false, static_cast<float>(not_a_number));
@@ -293,8 +293,8 @@ TEST_CASE("images of 1 to 6 by 1 to 6 pixels take every number of vertices exact
 TEST_CASE("images of 1 to 6 by 1 to 6 pixels take numbers of vertices exactly by best") {
     for_each_tiny_size([](int width, int height) {
         const auto image = hmesh_test::noise<std::uint8_t, 1>(width, height, static_cast<std::uint64_t>(7 * width + height));
-        const std::size_t most = std::max<std::size_t>(4, image.samples().size());
-        const std::size_t n = most <= 16 ? most : 4 + image.samples().size() * 5 % 11;
+        const std::size_t most = std::max<std::size_t>(4, image.size());
+        const std::size_t n = most <= 16 ? most : 4 + image.size() * 5 % 11;
         hmesh_test::prove_result(image, mesh_of(image, Target::vertices(static_cast<std::int64_t>(n)), Effort::best), n);
     });
 }
@@ -424,7 +424,7 @@ TEST_CASE("float images may have any scale: the mesh is that of the scaled pictu
         for (const int exponent : {-60, -20, -4, 4, 20, 60}) {  // powers of 2, so that scaling rounds nothing
             CAPTURE(exponent);
             Image<float, 3> scaled = plain;
-            for (float& sample : scaled.samples()) sample = std::ldexp(sample, exponent);
+            hmesh_test::for_each_sample(scaled, [&](float& sample) { sample = std::ldexp(sample, exponent); });
             const auto result = mesh_of(scaled, Target::vertices(70), effort);
             hmesh_test::prove_result(scaled, result, 70);
             CHECK(result.mesh.positions == reference.mesh.positions);
@@ -436,7 +436,7 @@ TEST_CASE("float images may have any scale: the mesh is that of the scaled pictu
 TEST_CASE("a float image may be far from 0: the report is still true") {
     for (const double offset : {300.0, -1000.0}) {
         Image<float, 2> image = hmesh_test::scene<float, 2>(40, 36, 4);
-        for (float& sample : image.samples()) sample += static_cast<float>(offset);
+        hmesh_test::for_each_sample(image, [&](float& sample) { sample += static_cast<float>(offset); });
         for (const Effort effort : {Effort::draft, Effort::fast, Effort::normal})
             hmesh_test::prove_result(image, mesh_of(image, Target::vertices(70), effort), 70);
     }
@@ -447,7 +447,8 @@ TEST_CASE("floats near the largest and the smallest there are give valid meshes"
     for (const double factor : {3.4e38, 1e30, 1e-30, 1e-38, 1e-44}) {
         CAPTURE(factor);
         Image<float, 1> image = plain;
-        for (float& sample : image.samples()) sample = static_cast<float>(factor * (2 * static_cast<double>(sample) - 1));
+        hmesh_test::for_each_sample(
+            image, [&](float& sample) { sample = static_cast<float>(factor * (2 * static_cast<double>(sample) - 1)); });
         for (const Effort effort : {Effort::draft, Effort::fast, Effort::normal})
             hmesh_test::prove_result(image, mesh_of(image, Target::vertices(30), effort), 30);
     }

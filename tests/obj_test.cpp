@@ -18,17 +18,14 @@ using hmesh_test::two_faces;
 
 const auto to_sink = [](const hmesh::MeshView& mesh, hmesh::Sink sink) { return hmesh::write_obj(mesh, sink); };
 
-template <int C>
-std::string written(const hmesh::Mesh& mesh) {
-    return hmesh_test::as_text(hmesh_test::exported(mesh.view(), to_sink));
-}
+std::string written(const hmesh::Mesh& mesh) { return hmesh_test::as_text(hmesh_test::exported(mesh.view(), to_sink)); }
 
 const std::string header = "# made by hmesh " HMESH_VERSION_STRING "\n";
 
 }  // namespace
 
 TEST_CASE("a mesh of two faces is written as these lines") {
-    hmesh::Mesh mesh = two_faces<3>();
+    hmesh::Mesh mesh = two_faces(3);
     mesh.positions = {0, 0, 3, 0, 2.99609375F, 2, 0, 1.5F};
     mesh.colors = {0, 128, 255, 1, 2, 3, -5, 300, 99.5F, 51, 0.4F, 254.6F};
     CHECK(written(mesh) == header +
@@ -41,14 +38,14 @@ TEST_CASE("a mesh of two faces is written as these lines") {
 }
 
 TEST_CASE("grey is written as three equal colours") {
-    CHECK(written(two_faces<1>()).substr(header.size(), 53) ==
+    CHECK(written(two_faces(1)).substr(header.size(), 53) ==
           "v 0 2 0 0 0 0\n"
           "v 3 2 0 0.039216 0.039216 0.039216\nv 3 ");
 }
 
 TEST_CASE("alpha is left out") {
-    hmesh::Mesh mesh = two_faces<4>();
-    hmesh::Mesh opaque = two_faces<3>();
+    hmesh::Mesh mesh = two_faces(4);
+    hmesh::Mesh opaque = two_faces(3);
     CHECK(written(mesh) == written(opaque));
 }
 
@@ -91,7 +88,7 @@ TEST_CASE("what is read back is the mesh with y up and faces counter-clockwise")
 }
 
 TEST_CASE("the locale makes no difference") {
-    hmesh::Mesh mesh = two_faces<3>();
+    hmesh::Mesh mesh = two_faces(3);
     mesh.positions[4] = 2.5F;
     hmesh_test::check_locale_makes_no_difference(mesh.view(), to_sink);
 }

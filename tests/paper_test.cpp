@@ -52,7 +52,7 @@ void for_each_recipe(Body&& body) {
 // Valid meshes with any count from 4 to one vertex a pixel.
 template <class T, int C>
 void mesh_by_all(const Image<T, C>& image) {
-    const std::size_t pixels = image.samples().size() / C, most = std::max<std::size_t>(4, pixels);
+    const std::size_t pixels = image.size() / C, most = std::max<std::size_t>(4, pixels);
     for_each_recipe([&](const auto& recipe) {
         for (const std::size_t n : {std::size_t{4}, std::min<std::size_t>(most, 5), std::max<std::size_t>(4, pixels / 7), most}) {
             CAPTURE(n);
@@ -65,13 +65,12 @@ void mesh_by_all(const Image<T, C>& image) {
 // The weighted error of the mesh as it is drawn, and whether the report agrees.
 template <class T, int C>
 bool is_weighted_report_true(const Image<T, C>& image, const Image<float, 1>& weights, const Result& result) {
-    Image<float, C> drawn;
-    REQUIRE(hmesh::render(result.mesh.view(), drawn));
+    const Image<float, C> drawn = hmesh_test::drawn<C>(result.mesh);
     const hmesh::kit::WeightScale scale(hmesh::kit::weight_unit(weights.view()), image.width(), image.height());
     double energy = 0, squares = 0;
-    for (std::size_t k = 0; k < drawn.samples().size(); ++k) {
-        const double sample = static_cast<double>(image.samples()[k]), weight = scale(weights.samples()[k / C]);
-        const double difference = static_cast<double>(drawn.samples()[k]) - sample;
+    for (std::size_t k = 0; k < drawn.size(); ++k) {
+        const double sample = static_cast<double>(image.data()[k]), weight = scale(weights.data()[k / C]);
+        const double difference = static_cast<double>(drawn.data()[k]) - sample;
         energy += weight * difference * difference;
         squares += sample * sample;
     }
@@ -117,7 +116,8 @@ TEST_CASE("the methods of the paper mesh every sample type, numbers of channels,
     for (const double factor : {3.4e38, 1e30, 7.0, 1e-30}) {
         CAPTURE(factor);
         Image<float, 1> image = hmesh_test::noise<float, 1>(14, 12, 4);
-        for (float& sample : image.samples()) sample = static_cast<float>(factor * (2 * static_cast<double>(sample) - 1));
+        hmesh_test::for_each_sample(
+            image, [&](float& sample) { sample = static_cast<float>(factor * (2 * static_cast<double>(sample) - 1)); });
         mesh_by_all(image);
     }
 }
@@ -126,7 +126,7 @@ TEST_CASE("the methods of the paper count pixels by their weights, zeros among t
     const auto image = hmesh_test::scene<std::uint8_t, 3>(24, 18, 3);
     for (const double factor : {1.0, 0.0}) {
         Image<float, 1> weights = hmesh_test::random_weights(24, 18, 5);
-        for (float& weight : weights.samples()) weight *= static_cast<float>(factor);
+        hmesh_test::for_each_sample(weights, [&](float& weight) { weight *= static_cast<float>(factor); });
         for_each_recipe([&](const auto& recipe) {
             for (const auto colors : {hmesh::Colors::optimal, hmesh::Colors::sampled})
                 for (const std::int64_t n : {4, 40, 432}) {

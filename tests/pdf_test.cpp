@@ -78,7 +78,6 @@ const Object& page_of(const std::vector<Object>& objects) {
     return follow(objects, pages.entries, "/Kids");
 }
 
-template <int C>
 void check_read_back(const hmesh::Mesh& mesh, double tolerance, const hmesh::PageOptions& options = {}) {
     const std::vector<Object> objects = read_pdf(written(mesh.view(), options));
     const Object& page = page_of(objects);
@@ -86,8 +85,9 @@ void check_read_back(const hmesh::Mesh& mesh, double tolerance, const hmesh::Pag
           std::vector<double>{0, 0, static_cast<double>(mesh.width), static_cast<double>(mesh.height)});
     CHECK(follow(objects, page.entries, "/Contents").data == "/S0 sh");
     const Object& shading = follow(objects, page.entries, "/S0");
-    check_drawn(read_shading(shading.entries, shading.data), mesh.view(), C, tolerance,
-                [&](std::size_t v, std::size_t k) { return static_cast<double>(mesh.colors[C * v + k]) / mesh.peak; });
+    const auto channels = static_cast<std::size_t>(mesh.channels);
+    check_drawn(read_shading(shading.entries, shading.data), mesh.view(), channels, tolerance,
+                [&](std::size_t v, std::size_t k) { return static_cast<double>(mesh.colors[channels * v + k]) / mesh.peak; });
 }
 
 constexpr double half_of_8 = 0.5 / 255 + 1e-9, half_of_16 = 0.5 / 65535 + 1e-9;
@@ -95,7 +95,7 @@ constexpr double half_of_8 = 0.5 / 255 + 1e-9, half_of_16 = 0.5 / 65535 + 1e-9;
 }  // namespace
 
 TEST_CASE("a mesh of two faces is written as these bytes") {
-    hmesh::Mesh mesh = two_faces<3>();
+    hmesh::Mesh mesh = two_faces(3);
     mesh.positions = {0, 0, 3, 0, 3, 2, 0, 1.5F};
     mesh.colors = {0, 128, 255, 1, 2, 3, -5, 300, 99.5F, 99.4F, 0.4F, 254.6F};
     const std::string head =
@@ -132,37 +132,37 @@ TEST_CASE("the triangles read back are the faces of the mesh, in strips and with
     for (const bool strips : {true, false}) {
         hmesh::PageOptions options;
         options.strips = strips;
-        check_read_back(two_faces<3>(), half_of_8, options);
-        check_read_back(two_faces<1>(), half_of_8, options);
-        hmesh::Mesh single = two_faces<3>();
+        check_read_back(two_faces(3), half_of_8, options);
+        check_read_back(two_faces(1), half_of_8, options);
+        hmesh::Mesh single = two_faces(3);
         single.faces.pop_back();
         check_read_back(single, half_of_8, options);
-        check_read_back(random_grid<3>(200, 150, 1, 30, 255, 1), half_of_8, options);
-        check_read_back(random_grid<3>(512, 384, 30, 20, 255, 2), half_of_8, options);
-        check_read_back(random_grid<1>(600, 30, 25, 12, 255, 3), half_of_8, options);
+        check_read_back(random_grid(3, 200, 150, 1, 30, 255, 1), half_of_8, options);
+        check_read_back(random_grid(3, 512, 384, 30, 20, 255, 2), half_of_8, options);
+        check_read_back(random_grid(1, 600, 30, 25, 12, 255, 3), half_of_8, options);
     }
 }
 
 TEST_CASE("colours whose peak is not 255 are written with 16 bits") {
-    check_read_back(random_grid<3>(300, 200, 12, 8, 65535, 4), half_of_16);
-    check_read_back(random_grid<1>(300, 200, 12, 8, 1, 5), half_of_16);
+    check_read_back(random_grid(3, 300, 200, 12, 8, 65535, 4), half_of_16);
+    check_read_back(random_grid(1, 300, 200, 12, 8, 1, 5), half_of_16);
 }
 
 TEST_CASE("positions of the 1/256 px grid arrive exactly in images of every size and outside of them") {
     for (const int side : {1, 255, 256, 65535, 65536}) {
-        hmesh::Mesh mesh = random_grid<1>(side, side, 2, 2, 255, 6);
+        hmesh::Mesh mesh = random_grid(1, side, side, 2, 2, 255, 6);
         check_read_back(mesh, half_of_8);
         mesh.positions[0] = -1.25F;
         mesh.positions[1] = static_cast<float>(side) + 7.00390625F;
         check_read_back(mesh, half_of_8);
     }
-    CHECK(written(random_grid<1>(255, 255, 1, 1, 255, 7).view()).find("/BitsPerCoordinate 16 ") != std::string::npos);
-    CHECK(written(random_grid<1>(256, 9, 1, 1, 255, 7).view()).find("/BitsPerCoordinate 24 ") != std::string::npos);
-    CHECK(written(random_grid<1>(9, 65536, 1, 1, 255, 7).view()).find("/BitsPerCoordinate 32 ") != std::string::npos);
+    CHECK(written(random_grid(1, 255, 255, 1, 1, 255, 7).view()).find("/BitsPerCoordinate 16 ") != std::string::npos);
+    CHECK(written(random_grid(1, 256, 9, 1, 1, 255, 7).view()).find("/BitsPerCoordinate 24 ") != std::string::npos);
+    CHECK(written(random_grid(1, 9, 65536, 1, 1, 255, 7).view()).find("/BitsPerCoordinate 32 ") != std::string::npos);
 }
 
 TEST_CASE("strips need little more than one vertex a face") {
-    const hmesh::Mesh mesh = random_grid<3>(512, 384, 40, 40, 255, 8);
+    const hmesh::Mesh mesh = random_grid(3, 512, 384, 40, 40, 255, 8);
     const std::vector<Object> objects = read_pdf(written(mesh.view()));
     const std::size_t bytes = follow(objects, page_of(objects).entries, "/S0").data.size();
     CHECK(bytes < 10 * mesh.face_count() * 11 / 10);
@@ -170,7 +170,7 @@ TEST_CASE("strips need little more than one vertex a face") {
 }
 
 TEST_CASE("4 channels are colours drawn straight, masked as a whole by a shading of the fourth") {
-    const hmesh::Mesh mesh = random_grid<4>(300, 200, 12, 8, 255, 9);
+    const hmesh::Mesh mesh = random_grid(4, 300, 200, 12, 8, 255, 9);
     const std::vector<Object> objects = read_pdf(written(mesh.view()));
     const Object& page = page_of(objects);
     CHECK(follow(objects, page.entries, "/Contents").data == "/G0 gs /X0 Do");
@@ -191,8 +191,8 @@ TEST_CASE("4 channels are colours drawn straight, masked as a whole by a shading
 }
 
 TEST_CASE("a compressor is used for the mesh, and where it fails there is a Status and no byte") {
-    const hmesh::Mesh mesh = random_grid<4>(400, 300, 60, 40, 255, 10);  // more than one block of 65535 bytes
-    hmesh::Mesh opaque = random_grid<3>(400, 300, 60, 40, 255, 10);
+    const hmesh::Mesh mesh = random_grid(4, 400, 300, 60, 40, 255, 10);  // more than one block of 65535 bytes
+    hmesh::Mesh opaque = random_grid(3, 400, 300, 60, 40, 255, 10);
     int calls = 0;
     hmesh::PageOptions options;
     options.strips = false;
@@ -224,12 +224,12 @@ TEST_CASE("a compressor is used for the mesh, and where it fails there is a Stat
 }
 
 TEST_CASE("a sink that refuses after k bytes gets no more and is reported, for all k") {
-    check_refusing_sinks(random_grid<4>(64, 48, 24, 18, 255, 11).view(), to_sink, 1);
+    check_refusing_sinks(random_grid(4, 64, 48, 24, 18, 255, 11).view(), to_sink, 1);
 }
 
 TEST_CASE("a mesh that cannot be written gives a Status and no byte") { check_refusals(to_sink); }
 
 TEST_CASE("the bytes do not depend on the locale") {
-    const hmesh::Mesh mesh = random_grid<3>(300, 200, 12, 8, 255, 12);
+    const hmesh::Mesh mesh = random_grid(3, 300, 200, 12, 8, 255, 12);
     hmesh_test::check_locale_makes_no_difference(mesh.view(), to_sink);
 }

@@ -21,7 +21,6 @@ using hmesh_test::two_faces;
 
 const auto to_sink = [](const hmesh::MeshView& mesh, hmesh::Sink sink) { return hmesh::write_ply(mesh, sink); };
 
-template <int C>
 Bytes written(const hmesh::Mesh& mesh, const hmesh::PlyOptions& options = {}) {
     return hmesh_test::exported(
         mesh.view(), [&](const hmesh::MeshView& view, hmesh::Sink sink) { return hmesh::write_ply(view, sink, options); });
@@ -74,7 +73,7 @@ PlyFile read_ply(const Bytes& bytes) {
 }  // namespace
 
 TEST_CASE("a mesh of two faces is written as these bytes") {
-    hmesh::Mesh mesh = two_faces<3>();
+    hmesh::Mesh mesh = two_faces(3);
     mesh.positions = {0, 0, 3, 0, 3, 2, 0, 1.5F};
     mesh.colors = {0, 128, 255, 1, 2, 3, -5, 300, 99.5F, 99.4F, 0.4F, 254.6F};
     const std::string header =
@@ -107,9 +106,9 @@ TEST_CASE("a mesh of two faces is written as these bytes") {
 
 TEST_CASE("1, 3 and 4 channels are written under the names that viewers know") {
     using Names = std::vector<std::string>;
-    const PlyFile gray = read_ply(written(two_faces<1>()));
-    const PlyFile color = read_ply(written(two_faces<3>()));
-    const PlyFile alpha = read_ply(written(two_faces<4>()));
+    const PlyFile gray = read_ply(written(two_faces(1)));
+    const PlyFile color = read_ply(written(two_faces(3)));
+    const PlyFile alpha = read_ply(written(two_faces(4)));
     CHECK(gray.color_names == Names{"intensity"});
     CHECK(color.color_names == Names{"red", "green", "blue"});
     CHECK(alpha.color_names == Names{"red", "green", "blue", "alpha"});
@@ -138,7 +137,7 @@ TEST_CASE("what is read back is the mesh with y up and faces counter-clockwise")
 }
 
 TEST_CASE("with ascii, the same numbers are written as text") {
-    hmesh::Mesh mesh = two_faces<4>();
+    hmesh::Mesh mesh = two_faces(4);
     mesh.positions = {0, 0, 3, 0, 2.99609375F, 2, 0.1F, 1.5F};
     hmesh::PlyOptions options;
     options.ascii = true;
@@ -164,7 +163,7 @@ TEST_CASE("with ascii, the same numbers are written as text") {
               "3 0 2 1\n"
               "3 0 3 2\n");
     options.float_colors = true;
-    hmesh::Mesh gray = two_faces<1>();
+    hmesh::Mesh gray = two_faces(1);
     gray.colors = {0, 255, -51, 510};
     CHECK(hmesh_test::as_text(written(gray, options)) == header + "property float intensity\n" + faces +
                                                              "0 2 0 0\n"
@@ -176,7 +175,7 @@ TEST_CASE("with ascii, the same numbers are written as text") {
 }
 
 TEST_CASE("with float_colors, shares of the peak are written as they are, below 0 and above 1 too") {
-    hmesh::Mesh mesh = two_faces<3>();
+    hmesh::Mesh mesh = two_faces(3);
     mesh.peak = 2;
     mesh.colors = {0, 1, 2, -1, 3, 0.1F, 0, 0, 0, 0, 0, 0};
     hmesh::PlyOptions options;
@@ -201,7 +200,7 @@ TEST_CASE("with float_colors, shares of the peak are written as they are, below 
 }
 
 TEST_CASE("float_colors of a premultiplied mesh are straight, and may be above the peak or below 0") {
-    hmesh::Mesh mesh = two_faces<4>();
+    hmesh::Mesh mesh = two_faces(4);
     mesh.peak = 1;
     mesh.premultiplied = true;
     constexpr float largest = std::numeric_limits<float>::max();
@@ -225,7 +224,7 @@ TEST_CASE("float_colors of a premultiplied mesh are straight, and may be above t
 }
 
 TEST_CASE("the locale makes no difference") {
-    hmesh::Mesh mesh = two_faces<3>();
+    hmesh::Mesh mesh = two_faces(3);
     mesh.positions[4] = 2.5F;
     for (const bool ascii : {false, true})
         hmesh_test::check_locale_makes_no_difference(mesh.view(), [=](const hmesh::MeshView& view, hmesh::Sink sink) {
@@ -246,7 +245,7 @@ TEST_CASE("a mesh that cannot be written gives a Status and no byte") {
     hmesh_test::check_bad_meshes_are_refused([](const hmesh::MeshView& view, hmesh::Sink sink) {
         return hmesh::write_ply(view, sink, {true, true});
     });
-    hmesh::Mesh mesh = two_faces<3>();
+    hmesh::Mesh mesh = two_faces(3);
     hmesh::MeshView huge = mesh.view();
     huge.vertex_count = std::size_t{1} << 31U;
     hmesh_test::check_refused(huge, hmesh::Errc::invalid_argument, to_sink);

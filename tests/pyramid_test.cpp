@@ -61,7 +61,7 @@ TEST_CASE("level 0 is the user's memory, whatever its stride, and a pyramid of o
     CHECK(pyramid.size() == 1);
     CHECK(pyramid.level(0).data == view.data);
     CHECK(pyramid.level(0).row_stride == view.row_stride);
-    CHECK(samples_of(pyramid.level(0)) == image.samples());
+    CHECK(samples_of(pyramid.level(0)) == hmesh_test::samples_of(image));
 }
 
 TEST_CASE("level i is the filter applied to level i - 1, in the size of the input") {
@@ -69,14 +69,13 @@ TEST_CASE("level i is the filter applied to level i - 1, in the size of the inpu
     int calls = 0;
     const Pyramid<std::uint16_t, 2> pyramid(image.view(), 4, [&](const ImageView<std::uint16_t, 2>& view) {
         Image<std::uint16_t, 2> out(view.width, view.height);
-        for (std::size_t i = 0; i < out.samples().size(); ++i)
-            out.samples()[i] = static_cast<std::uint16_t>(samples_of(view)[i] / 3);
+        for (std::size_t i = 0; i < out.size(); ++i) out.data()[i] = static_cast<std::uint16_t>(samples_of(view)[i] / 3);
         ++calls;
         return out;
     });
     CHECK(pyramid.size() == 4);
     CHECK(calls == 3);
-    std::vector<std::uint16_t> expected = image.samples();
+    std::vector<std::uint16_t> expected = hmesh_test::samples_of(image);
     for (int i = 0; i < 4; ++i) {
         CHECK(pyramid.level(i).width == 7);
         CHECK(pyramid.level(i).height == 4);
@@ -102,20 +101,20 @@ TEST_CASE("without a user's filter levels are the bilateral filter's, in any ord
     const auto second = bilateral_filter(first.view(), options);
     const auto check = [&](const Pyramid<std::uint8_t, 3>& pyramid) {
         CHECK(pyramid.size() == 3);
-        CHECK(samples_of(pyramid.level(0)) == image.samples());
-        CHECK(samples_of(pyramid.level(1)) == first.samples());
-        CHECK(samples_of(pyramid.level(2)) == second.samples());
+        CHECK(samples_of(pyramid.level(0)) == hmesh_test::samples_of(image));
+        CHECK(samples_of(pyramid.level(1)) == hmesh_test::samples_of(first));
+        CHECK(samples_of(pyramid.level(2)) == hmesh_test::samples_of(second));
     };
     check(make_pyramid(image.view(), 3, options));
     check(make_pyramid(image.view(), 3, options, {}, hmesh_test::ThreadFor{3}));
-    CHECK(first.samples() != image.samples());
-    CHECK(second.samples() != first.samples());
+    CHECK(hmesh_test::samples_of(first) != hmesh_test::samples_of(image));
+    CHECK(hmesh_test::samples_of(second) != hmesh_test::samples_of(first));
 }
 
 TEST_CASE("a user's filter takes the place of the bilateral one") {
     const auto image = hmesh_test::noise<float, 3>(9, 4, 1);
     const auto pyramid = make_pyramid(image.view(), 3, {}, halve);
-    std::vector<float> expected = image.samples();
+    std::vector<float> expected = hmesh_test::samples_of(image);
     for (float& sample : expected) sample /= 4;
     CHECK(samples_of(pyramid.level(2)) == expected);
 }
@@ -130,8 +129,8 @@ TEST_CASE_TEMPLATE("a user's filter sees packed rows of stored values, also of a
     CHECK(calls.width == 5);
     CHECK(calls.height == 4);
     CHECK(calls.channels == 3);
-    CHECK(calls.seen == std::vector<float>(image.samples().begin(), image.samples().end()));
-    CHECK(out.samples() == image.samples());  // it wrote nothing, and `to` began as a copy
+    CHECK(calls.seen == std::vector<float>(image.data(), image.data() + image.size()));
+    CHECK(hmesh_test::samples_of(out) == hmesh_test::samples_of(image));  // it wrote nothing, and `to` began as a copy
 }
 
 TEST_CASE("what a user's filter writes is rounded and clamped; what is not finite keeps the sample") {
@@ -140,8 +139,9 @@ TEST_CASE("what a user's filter writes is rounded and clamped; what is not finit
     Calls calls;
     calls.answer = {99.4F, 99.6F, -3, 1e30F, not_a_number, infinity, -infinity};
     const auto bytes = hmesh_test::constant_image<std::uint8_t, 1>(3, 3, 50 / 255.0);
-    CHECK(apply_filter(calls, bytes.view()).samples() == std::vector<std::uint8_t>{99, 100, 0, 255, 50, 50, 50, 50, 50});
+    CHECK(hmesh_test::samples_of(apply_filter(calls, bytes.view())) ==
+          std::vector<std::uint8_t>{99, 100, 0, 255, 50, 50, 50, 50, 50});
     const auto floats = hmesh_test::constant_image<float, 1>(3, 3, 0.25);
-    CHECK(apply_filter(calls, floats.view()).samples() ==
+    CHECK(hmesh_test::samples_of(apply_filter(calls, floats.view())) ==
           std::vector<float>{99.4F, 99.6F, -3, 1e30F, 0.25F, 0.25F, 0.25F, 0.25F, 0.25F});
 }

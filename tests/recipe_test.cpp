@@ -142,12 +142,12 @@ TEST_CASE("a recipe that wants the pixels is given the image, multiplied by alph
     std::vector<std::size_t> asked;
     Options options = options_of(50);
     const Result straight = hmesh::mesh_image(image.view(), options, Curious{&seen, &asked});
-    CHECK(seen == std::vector<float>(image.samples().begin(), image.samples().end()));
+    CHECK(seen == std::vector<float>(image.data(), image.data() + image.size()));
     CHECK(!straight.mesh.premultiplied);
     options.premultiplied = true;
     const Result premultiplied = hmesh::mesh_image(image.view(), options, Curious{&seen, &asked});
     const auto product = hmesh::kit::premultiply(image.view());
-    CHECK(seen == std::vector<float>(product.samples().begin(), product.samples().end()));
+    CHECK(seen == std::vector<float>(product.data(), product.data() + product.size()));
     CHECK(premultiplied.mesh.premultiplied);
     CHECK(asked == std::vector<std::size_t>{50, 50});
 }

@@ -3,14 +3,13 @@
 #include <doctest/doctest.h>
 
 #include <algorithm>
-#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <vector>
 
 #include "hmesh/core/random.hpp"
 
-using Faces = std::vector<std::array<std::uint32_t, 3>>;
+using Faces = std::vector<hmesh::Triangle>;
 
 namespace {
 
@@ -60,8 +59,7 @@ std::size_t strips_of(const Faces& faces, std::size_t vertices) {
 TEST_CASE("a band, a fan and a closed ring of faces are one strip each") {
     Faces band, fan, ring;
     for (std::uint32_t i = 0; i < 50; ++i) {
-        band.push_back(i % 2 == 0 ? std::array<std::uint32_t, 3>{i, i + 1, i + 2}
-                                  : std::array<std::uint32_t, 3>{i + 1, i, i + 2});
+        band.push_back(i % 2 == 0 ? hmesh::Triangle{i, i + 1, i + 2} : hmesh::Triangle{i + 1, i, i + 2});
         fan.push_back({0, i + 1, i + 2});
         ring.push_back({50, i, (i + 1) % 50});
     }

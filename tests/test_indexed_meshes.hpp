@@ -31,18 +31,13 @@ kit::IndexedMesh<C> indexed_of(const kit::ImageMesh<C>& mesh, double range, std:
     kit::IndexedMesh<C> whole;
     whole.width = mesh.width();
     whole.height = mesh.height();
-    std::vector<std::uint32_t> number(mesh.topology().vertex_slots());
     for (const kit::Vertex v : mesh.topology().vertices()) {
-        number[v.index()] = static_cast<std::uint32_t>(whole.vertex_count());
         kit::Color<C> color = mesh.color(v);
         for (int k = 0; k < C; ++k) color.set(k, color[k] + 0.05 * range * (random.uniform() - 0.5));
         whole.add(mesh.position(v), color);
         whole.dirty.back() = random.below(2) == 0 ? 1 : 0;
     }
-    for (const kit::Face f : mesh.topology().faces()) {
-        const auto v = mesh.topology().vertices(f);
-        whole.faces.push_back({number[v[0].index()], number[v[1].index()], number[v[2].index()]});
-    }
+    whole.faces = mesh.topology().triangles();
     return whole;
 }
 

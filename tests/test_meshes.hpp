@@ -22,6 +22,7 @@
 #include "hmesh/fit/image_mesh.hpp"
 #include "hmesh/fit/moment_table.hpp"
 #include "hmesh/image/image_view.hpp"
+#include "test_kit.hpp"
 #include "test_images.hpp"
 
 namespace hmesh_test {

@@ -12,6 +12,7 @@
 #include <cstdint>
 #include <cstring>
 #include <limits>
+#include <utility>
 #include <vector>
 
 #include "hmesh/image/image_view.hpp"
@@ -23,16 +24,22 @@
 
 namespace hmesh_test {
 
+// The mesh as it is drawn.
+template <int C>
+[[nodiscard]] hmesh::Image<float, C> drawn(const hmesh::Mesh& mesh, const hmesh::RenderOptions& options = {}) {
+    hmesh::RenderResult<C> result = hmesh::render<C>(mesh.view(), options);
+    REQUIRE(result.status);
+    return std::move(result.image);
+}
+
 // The sum over pixels and channels of the squared difference between the image and the mesh drawn at its size.
 template <class T, int C>
 double rendered_error(const hmesh::Image<T, C>& image, const hmesh::Mesh& mesh) {
-    const hmesh::RenderResult<C> result = hmesh::render<C>(mesh.view());
-    REQUIRE(result.status);
-    const hmesh::Image<float, C>& drawn = result.image;
-    REQUIRE(drawn.size() == image.size());
+    const hmesh::Image<float, C> picture = drawn<C>(mesh);
+    REQUIRE(picture.size() == image.size());
     double energy = 0;
-    for (std::size_t k = 0; k < drawn.size(); ++k) {
-        const double difference = static_cast<double>(drawn.data()[k]) - static_cast<double>(image.data()[k]);
+    for (std::size_t k = 0; k < picture.size(); ++k) {
+        const double difference = static_cast<double>(picture.data()[k]) - static_cast<double>(image.data()[k]);
         energy += difference * difference;
     }
     return energy;

@@ -77,7 +77,7 @@ struct Phase {
         switch (mixed ? static_cast<Kind>(random.below(kinds)) : kind) {
             case Kind::sweep: kit::sweep(mesh); return;
             case Kind::flip: kit::flip_edges(mesh); return;
-            case Kind::insert: kit::insert_batch(mesh, 1 + random.below(count / 3 + 1), {true, true, 0}); return;
+            case Kind::insert: kit::insert_batch(mesh, 1 + random.below(count / 3 + 1), {true, true}); return;
             case Kind::remove: kit::remove_batch(mesh, 1 + random.below(count / 3 + 1), {}); return;
             case Kind::anneal: {
                 const double least = 0.7 * static_cast<double>(count), most = 1.3 * static_cast<double>(count);

@@ -39,15 +39,14 @@ template <class T, int C>
 struct Weighted {
     double energy = 0, weight = 0;
     Weighted(const Image<T, C>& image, const Image<float, 1>& weights, const hmesh::Mesh& mesh) {
-        Image<float, C> drawn;
-        REQUIRE(hmesh::render(mesh.view(), drawn));
+        const Image<float, C> drawn = hmesh_test::drawn<C>(mesh);
         float most = 0;
-        for (const float w : weights.samples()) most = std::max(most, w);
-        for (std::size_t p = 0; p < weights.samples().size(); ++p) {
-            const double w = most > 0 ? static_cast<double>(weights.samples()[p]) / static_cast<double>(most) : 0;
+        for (const float w : hmesh_test::samples_of(weights)) most = std::max(most, w);
+        for (std::size_t p = 0; p < weights.size(); ++p) {
+            const double w = most > 0 ? static_cast<double>(weights.data()[p]) / static_cast<double>(most) : 0;
             weight += w;
             for (std::size_t c = p * C; c < (p + 1) * C; ++c) {
-                const double difference = static_cast<double>(drawn.samples()[c]) - static_cast<double>(image.samples()[c]);
+                const double difference = static_cast<double>(drawn.data()[c]) - static_cast<double>(image.data()[c]);
                 energy += w * difference * difference;
             }
         }
@@ -152,7 +151,7 @@ TEST_CASE("equal weights change no byte of the mesh, whatever their unit") {
     const Result plain = hmesh::mesh_image(image.view(), options, in_tiles());
     for (const float w : {1.0F, 0.001F, 1e30F}) {
         Image<float, 1> weights(70, 60);
-        for (float& weight : weights.samples()) weight = w;
+        hmesh_test::for_each_sample(weights, [&](float& weight) { weight = w; });
         options.weights = weights.view();
         CHECK(hmesh_test::same_bytes(hmesh::mesh_image(image.view(), options, in_tiles()).mesh, plain.mesh));
     }

@@ -27,7 +27,7 @@ TEST_CASE("xie gives every number of vertices, on pixels and with sampled colour
     for (const auto& [width, height] : {std::pair{26, 18}, {1, 60}, {60, 1}, {2, 40}, {40, 2}, {3, 3}})
         for (auto& picture : hmesh_test::hard_pictures<std::uint8_t, 1>(width, height)) {
             Work<std::uint8_t, 1> work(std::move(picture));
-            const std::size_t pixels = work.image.samples().size();
+            const std::size_t pixels = work.image.size();
             for (const std::size_t n : {std::size_t{4}, std::size_t{7}, pixels / 8 + 4, pixels}) {
                 CAPTURE(work.image.width());
                 CAPTURE(n);

@@ -29,7 +29,7 @@
 
 namespace hmesh::detail {
 
-/// A recipe as seen by what does not depend on it.
+/// / A recipe as seen by what does not depend on it.
 template <int C>
 struct RecipeRef {
     FunctionRef<double(std::size_t n)> tile_size;
@@ -37,7 +37,7 @@ struct RecipeRef {
     Colors colors;
 };
 
-/// One mesh of n vertices, finished. `samples`: pixels, or the sum of their weights, times channels.
+/// / One mesh of n vertices, finished. `samples`: pixels, or the sum of their weights, times channels.
 template <int C>
 [[nodiscard]] HMESH_COLD Result mesh_once(const kit::ImageSource<C>& source, double samples, std::size_t n,
                                           const RecipeRef<C>& recipe, const Options& options, const ParallelFor& parallel_for) {
@@ -71,7 +71,7 @@ template <int C>
     return result;
 }
 
-/// The mesh that options.target asks for.
+/// / The mesh that options.target asks for.
 template <int C>
 [[nodiscard]] HMESH_COLD Result mesh_target(const kit::ImageSource<C>& source, double samples, const RecipeRef<C>& recipe,
                                             const Options& options, const ParallelFor& parallel_for) {

@@ -51,14 +51,14 @@ void check_file(const std::string& file, const hmesh::MeshView& mesh, bool is_de
         demand(column <= 255, "lines are short");
     }
     FuzzText text(file);
-    text.set_range("%!PS-Adobe-3.0 EPSF-3.0\n");
+    text.expect("%!PS-Adobe-3.0 EPSF-3.0\n");
     const std::size_t vertex_bytes = hmesh_test::read_vertex_bytes(text);
     static_cast<void>(text.until("} exec\n"));
     const std::string data = text.until("~>\n");
     for (std::size_t at = 0; at < data.size(); ++at)
         demand(data[at] != '%' || (at > 0 && data[at - 1] != '\n'), "no line of data looks like a comment");
     const std::string bytes = decode_ascii85(data);
-    text.set_range("grestore\nshowpage\n%%Trailer\n%%EOF\n");
+    text.expect("grestore\nshowpage\n%%Trailer\n%%EOF\n");
     text.expect_end();
     if (is_deflated) return;
     const std::size_t faces = hmesh_test::shading_faces(bytes, vertex_bytes);

@@ -64,7 +64,7 @@ std::string read_markup(const std::string& file, bool is_html, const OnTag& on_t
             text.skip(end - text.at());
             continue;
         }
-        text.set_range("<");
+        text.expect("<");
         if (text.accept("!--")) {
             static_cast<void>(text.until("-->"));
         } else if (text.accept("!")) {
@@ -73,7 +73,7 @@ std::string read_markup(const std::string& file, bool is_html, const OnTag& on_t
             const std::string name = detail::read_name(text);
             demand(!open.empty() && open.back() == name, "tags are closed in turn");
             open.pop_back();
-            text.set_range(">");
+            text.expect(">");
         } else {
             Tag tag;
             tag.name = detail::read_name(text);
@@ -86,11 +86,11 @@ std::string read_markup(const std::string& file, bool is_html, const OnTag& on_t
                 for (const auto& other : tag.attributes) demand(&other.first == &key || other.first != key, "an attribute once");
                 if (is_html && text.next() != '=') continue;
                 if (is_html && !text.accept("=\"")) {
-                    text.set_range("=");
+                    text.expect("=");
                     value = detail::read_name(text);
                     continue;
                 }
-                if (!is_html) text.set_range("=\"");
+                if (!is_html) text.expect("=\"");
                 value = text.until("\"");
                 detail::demand_escaped(value);
             }

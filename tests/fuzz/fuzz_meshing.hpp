@@ -1,5 +1,5 @@
-// hmesh tests - mesh_image() for the types that are fuzzed, each compiled by itself in tests/fuzz/meshing/: with sanitizers it
-// takes a minute.
+// hmesh tests - mesh_image() for the types that are fuzzed, by every recipe: declared here, each type compiled by itself in
+// tests/fuzz/meshing/. With sanitizers it takes a minute.
 #ifndef HMESH_TESTS_FUZZ_FUZZ_MESHING_HPP
 #define HMESH_TESTS_FUZZ_FUZZ_MESHING_HPP
 
@@ -8,7 +8,7 @@
 #include <cstddef>
 #include <cstdint>
 
-#include "hmesh/mesh_image.hpp"
+#include "hmesh/paper.hpp"
 
 namespace hmesh_test {
 
@@ -28,14 +28,5 @@ struct hmesh::PixelTraits<hmesh_test::Height> {
         return {static_cast<std::int16_t>(std::floor(std::max(lowest, std::min(highest, value)) + 0.5))};
     }
 };
-
-#define HMESH_FUZZ_MESHING(PREFIX, T, C) \
-    PREFIX template hmesh::Result<C> hmesh::mesh_image(const ImageView<T, C>&, const Options&, const ParallelFor&);
-
-HMESH_FUZZ_MESHING(extern, std::uint8_t, 3)
-HMESH_FUZZ_MESHING(extern, std::uint16_t, 4)
-HMESH_FUZZ_MESHING(extern, float, 1)
-HMESH_FUZZ_MESHING(extern, float, 2)
-HMESH_FUZZ_MESHING(extern, hmesh_test::Height, 1)
 
 #endif  // HMESH_TESTS_FUZZ_FUZZ_MESHING_HPP

@@ -32,7 +32,7 @@ class FuzzText {
         at_ += size;
         return true;
     }
-    void set_range(const char* words) { demand(accept(words), words); }
+    void expect(const char* words) { demand(accept(words), words); }
     void expect_end() const { demand(left() == 0, "the file ends here"); }
     // To the end of these words.
     std::string until(const char* words) {
@@ -52,7 +52,7 @@ class FuzzText {
         at_ += figures.size();
         return value;
     }
-    std::int64_t indexed() {
+    std::int64_t whole() {
         const double value = number();
         demand(value == std::floor(value) && std::abs(value) < 9007199254740992.0, "a whole number");
         return static_cast<std::int64_t>(value);

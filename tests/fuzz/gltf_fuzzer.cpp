@@ -26,15 +26,15 @@ void read_json(FuzzText& text) {
         return;
     } else if (text.accept("{")) {
         do {
-            text.set_range("\"");
+            text.expect("\"");
             static_cast<void>(text.until("\":"));
             read_json(text);
         } while (text.accept(","));
-        text.set_range("}");
+        text.expect("}");
     } else if (text.accept("[")) {
         do read_json(text);
         while (text.accept(","));
-        text.set_range("]");
+        text.expect("]");
     } else if (!text.accept("true") && !text.accept("false")) {
         demand(text.next() == '-' || (text.next() >= '0' && text.next() <= '9'), "a JSON number begins with a digit");
         static_cast<void>(text.number());
@@ -45,17 +45,17 @@ std::array<double, 2> read_bounds(const std::string& json, const char* name) {
     FuzzText text(json);
     static_cast<void>(text.until(name));
     const double x = text.number();
-    text.set_range(",");
+    text.expect(",");
     return {x, text.number()};
 }
 
 void check_file(const std::string& file, const hmesh::MeshView& mesh, const hmesh::GltfOptions& options) {
     FuzzText text(file);
-    text.set_range("glTF");
+    text.expect("glTF");
     demand(text.word() == 2, "the version is 2");
     demand(text.word() == file.size(), "the head has the file's length");
     const std::size_t json_bytes = text.word();
-    text.set_range("JSON");
+    text.expect("JSON");
     demand(json_bytes % 4 == 0 && json_bytes <= text.left(), "the JSON is padded");
     const std::string json = file.substr(text.at(), json_bytes);
     FuzzText json_text(json);
@@ -73,7 +73,7 @@ void check_file(const std::string& file, const hmesh::MeshView& mesh, const hmes
     demand(buffer_bytes >= used && buffer_bytes < used + 4, "the buffer holds vertices and indices");
     FuzzText announced(json);
     static_cast<void>(announced.until("\"buffers\":[{\"byteLength\":"));
-    demand(announced.indexed() == static_cast<std::int64_t>(used), "the JSON has the buffer's length");
+    demand(announced.whole() == static_cast<std::int64_t>(used), "the JSON has the buffer's length");
 
     constexpr double infinity = std::numeric_limits<double>::infinity();
     std::array<double, 2> low = {infinity, infinity}, high = {-infinity, -infinity};

@@ -1,5 +1,6 @@
-// Fuzzes mesh_image(): images of any size, sample type, stride and content; any options, absurd ones among them; weights;
-// cancellation. Whatever comes back has to be what its docstring promises, and the same when asked again.
+// Fuzzes mesh_image(): images of any size, sample type, stride and content; any options and recipes, absurd ones among them;
+// weights; cancellation; then fit_linear_light(). Whatever comes back has to be what its docstring promises, and the same when
+// asked again.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -11,6 +12,7 @@
 #include <optional>
 #include <string>
 #include <type_traits>
+#include <variant>
 #include <vector>
 
 #include "fuzz_input.hpp"
@@ -18,6 +20,7 @@
 #include "fuzz_options.hpp"
 #include "hmesh/mesh_image.hpp"
 #include "hmesh/render.hpp"
+#include "hmesh/solve/linear_light.hpp"
 #include "mesh_flaws.hpp"
 #include "test_executors.hpp"
 
@@ -155,25 +158,26 @@ hmesh::ImageView<T, C> spoil(FuzzInput& input, hmesh::ImageView<T, C> view) {
 struct Patience {
     int calls = 0;
     bool is_over = false;
-};
 
-bool go_on(void* user, const hmesh::ProgressInfo& info) {
-    Patience& patience = *static_cast<Patience*>(user);
-    demand(!patience.is_over, "a callback that cancelled is called no more");
-    demand(info.stage != nullptr && *info.stage != 0, "a stage has a name");
-    demand(info.fraction >= 0 && info.fraction <= 1, "a fraction is in [0, 1]");
-    demand(!std::isnan(info.energy), "an energy is a number");
-    patience.is_over = patience.calls-- <= 0;
-    return !patience.is_over;
-}
+    bool operator()(const hmesh::ProgressInfo& info) {
+        demand(info.stage != nullptr && *info.stage != 0, "a stage has a name");
+        demand(!std::isnan(info.energy), "an energy is a number");
+        return operator()(info.fraction);
+    }
+    bool operator()(double fraction) {
+        demand(!is_over, "a callback that cancelled is called no more");
+        demand(fraction >= 0 && fraction <= 1, "a fraction is in [0, 1]");
+        is_over = calls-- <= 0;
+        return !is_over;
+    }
+};
 
 template <class T>
 bool same_bytes(const std::vector<T>& a, const std::vector<T>& b) {
     return a.size() == b.size() && (a.empty() || std::memcmp(a.data(), b.data(), a.size() * sizeof(T)) == 0);
 }
 
-template <int C>
-void demand_same(const hmesh::Result<C>& a, const hmesh::Result<C>& b) {
+void demand_same(const hmesh::Result& a, const hmesh::Result& b) {
     demand(a.status.code == b.status.code && a.status.what == b.status.what && a.status.value == b.status.value &&
                a.status.limit == b.status.limit,
            "the same input gives the same status");
@@ -187,9 +191,9 @@ void demand_same(const hmesh::Result<C>& a, const hmesh::Result<C>& b) {
 
 // The report is true: of stored values of integer types, which all count the same.
 template <class T, int C>
-void demand_true_energy(const hmesh::ImageView<T, C>& view, const hmesh::Result<C>& result) {
-    hmesh::Image<float, C> drawn;
-    demand(static_cast<bool>(hmesh::render(result.mesh.view(), drawn)), "a mesh can be drawn");
+void demand_true_energy(const hmesh::ImageView<T, C>& view, const hmesh::Result& result) {
+    const auto [drawn, status] = hmesh::render<C>(result.mesh.view());
+    demand(static_cast<bool>(status), "a mesh can be drawn");
     double energy = 0;
     for (int y = 0; y < view.height; ++y)
         for (int i = 0; i < view.width * C; ++i) {
@@ -202,13 +206,20 @@ void demand_true_energy(const hmesh::ImageView<T, C>& view, const hmesh::Result<
     demand(std::abs(result.report.energy - energy) <= 2.3e-4 * energy + rounding, "the energy reported is that of the mesh");
 }
 
+void demand_good_colors(const hmesh::Mesh& mesh, double lowest, double highest, bool whole) {
+    for (const float color : mesh.colors) {
+        demand(static_cast<double>(color) >= lowest && static_cast<double>(color) <= highest, "a colour is in range");
+        if (whole) demand(std::floor(color) == color, "a colour is a stored value");
+    }
+}
+
 template <class T, int C>
-void demand_good_mesh(const hmesh::ImageView<T, C>& view, const hmesh::Options& options, const hmesh::Result<C>& result) {
+void demand_good_mesh(const hmesh::ImageView<T, C>& view, const hmesh::Options& options, const hmesh::Result& result) {
     using Traits = hmesh::PixelTraits<T>;
     const hmesh::Mesh& mesh = result.mesh;
     const std::string flaw = hmesh_test::flaw_of(mesh.view(), view.width, view.height);
     demand(flaw.empty(), flaw.c_str());
-    demand(mesh.colors.size() == C * mesh.vertex_count(), "a vertex has a colour");
+    demand(mesh.channels == C && mesh.colors.size() == C * mesh.vertex_count(), "a vertex has a colour");
     demand(mesh.peak == Traits::peak && mesh.premultiplied == options.premultiplied, "the mesh says what its colours mean");
     demand(result.report.vertices == mesh.vertex_count() && result.report.faces == mesh.face_count(),
            "the report counts what there is");
@@ -217,47 +228,68 @@ void demand_good_mesh(const hmesh::ImageView<T, C>& view, const hmesh::Options& 
     for (const hmesh::StageReport& stage : result.report.stages)
         demand(stage.energy >= 0 && !std::isnan(stage.psnr) && !std::isnan(stage.residual), "stages report numbers");
 
-    const bool is_light = options.fit_space == hmesh::FitSpace::linear_light;
-    const double lowest = is_light ? 0 : Traits::lowest, highest = is_light ? Traits::peak : Traits::highest;
-    for (const float color : mesh.colors) {
-        demand(static_cast<double>(color) >= lowest && static_cast<double>(color) <= highest, "a colour is in range");
-        if (Traits::is_integer && options.round_colors) demand(std::floor(color) == color, "a colour is a stored value");
-    }
+    demand_good_colors(mesh, Traits::lowest, Traits::highest, Traits::is_integer && options.round_colors);
     if constexpr (Traits::is_integer)
-        if (!is_light && !options.premultiplied && options.weights.data == nullptr) demand_true_energy(view, result);
+        if (!options.premultiplied && options.weights.data == nullptr) demand_true_energy(view, result);
 }
 
 // What a status says is so. `patience`: as it was left.
 template <class T, int C>
-void demand_true_status(const hmesh::ImageView<T, C>& view, const hmesh::Options& options, const hmesh::Result<C>& result,
+void demand_true_status(const hmesh::ImageView<T, C>& view, const hmesh_test::Request& request, const hmesh::Result& result,
                         const Patience& patience) {
     using hmesh::Errc;
+    const hmesh::Options& options = request.options;
     const Errc code = result.status.code;
-    const bool has_mesh = result.mesh.vertex_count() > 0;
+    const bool has_mesh = result.has_mesh();
+    demand(has_mesh == (result.mesh.vertex_count() > 0), "a mesh has vertices and faces, or neither");
     demand(code != Errc::write_failed, "nothing is written");
     demand((code == Errc::ok) == (*result.status.what == 0), "a status has a sentence if and only if it is bad");
     demand((code == Errc::cancelled) == patience.is_over, "cancelled is who was");
     demand(!has_mesh || code == Errc::ok || code == Errc::cancelled || options.target.kind == hmesh::Target::Kind::psnr,
            "what is refused gives no mesh");
     demand(has_mesh || (code != Errc::ok && code != Errc::cancelled), "what is not refused gives a mesh");
-    demand(!has_mesh || !hmesh_test::names_nothing_known(options), "an enumerator that means nothing is refused");
+    demand(!has_mesh || !hmesh_test::names_nothing_known(request), "an enumerator that means nothing is refused");
     if (code != Errc::ok) return;
     const double pixels = static_cast<double>(view.width) * view.height, most = std::max(4.0, pixels),
                  value = options.target.value, n = static_cast<double>(result.report.vertices);
     switch (options.target.kind) {
         case hmesh::Target::Kind::vertices: demand(n == std::floor(value), "the number of vertices is met"); break;
-        case hmesh::Target::Kind::rate:
-            demand(n == std::min(most, std::max(4.0, std::round(pixels * value / 100))), "the rate is met");
+        case hmesh::Target::Kind::percent:
+            demand(n == std::min(most, std::max(4.0, std::round(pixels * value / 100))), "the percentage is met");
             break;
         case hmesh::Target::Kind::psnr: demand(result.report.psnr >= value && n <= most, "the PSNR is met"); break;
     }
 }
 
+// Colors for linear light, for a mesh of this image.
+template <class T, int C>
+void fuzz_linear_light(const hmesh::ImageView<T, C>& view, const hmesh::Options& options, const hmesh::Mesh& mesh, int calls) {
+    using Traits = hmesh::PixelTraits<T>;
+    hmesh::LinearLightOptions light;
+    light.weights = options.weights;
+    light.ridge = options.limits.ridge;
+    light.grid = Traits::is_integer && options.round_colors ? 1 : 0;
+    Patience patience{calls, false};
+    hmesh::Mesh fitted = mesh;
+    const auto go_on = [&](double share) { return patience(share); };
+    const hmesh::LinearLightReport report = hmesh::fit_linear_light(fitted, view, light, {}, go_on);
+    demand(static_cast<bool>(report.status) == !mesh.premultiplied, "what is fitted for linear light are straight colours");
+    demand(fitted.faces == mesh.faces && same_bytes(fitted.positions, mesh.positions), "the geometry stays");
+    if (!report.status) {
+        demand(same_bytes(fitted.colors, mesh.colors), "what is refused stays as it was");
+        return;
+    }
+    demand_good_colors(fitted, 0, Traits::peak, light.grid > 0);
+    demand(report.energy >= 0 && report.energy <= report.converted, "a fit never raises the error");
+    demand(!std::isnan(report.psnr) && !std::isnan(report.residual), "the report of a fit holds numbers");
+}
+
 template <class T, int C>
 void fuzz(FuzzInput& input) {
     const Size size = draw_size(input);
-    hmesh_test::OptionDraw draw(input);
-    hmesh::Options options = draw.options(size.width, size.height);
+    hmesh_test::RequestDraw draw(input);
+    hmesh_test::Request request = draw.request(size.width, size.height);
+    hmesh::Options& options = request.options;
     FuzzImage<T, C> image = draw_image<T, C>(input, size);
     std::optional<FuzzImage<float, 1>> weights;
     if (input.one_in(4)) {
@@ -279,11 +311,16 @@ void fuzz(FuzzInput& input) {
     const std::vector<unsigned char> before = image.bytes();
 
     Patience patience{calls, false};
-    options.progress = {go_on, &patience};
-    const hmesh::Result<C> result = hmesh::mesh_image(view, options);
+    options.progress = patience;
+    const auto mesh_image = [&](const hmesh::ParallelFor& parallel_for) {
+        return std::visit([&](const auto& recipe) { return hmesh::mesh_image(view, options, recipe, parallel_for); },
+                          request.recipe);
+    };
+    const hmesh::Result result = mesh_image({});
     demand(!is_spoilt || !result.status, "a view that makes no sense is refused");
-    demand_true_status(view, options, result, patience);
-    if (result.mesh.vertex_count() > 0) demand_good_mesh(view, options, result);
+    demand_true_status(view, request, result, patience);
+    if (result.has_mesh()) demand_good_mesh(view, options, result);
+    if (result.has_mesh() && request.linear_light) fuzz_linear_light(view, options, result.mesh, calls);
     demand(image.bytes() == before, "nothing is written into the image");
 
     if (!is_repeated) return;
@@ -293,7 +330,7 @@ void fuzz(FuzzInput& input) {
     const bool was_cancelled = patience.is_over;
     patience = {calls, false};
     const hmesh_test::ReverseFor backwards;
-    demand_same(result, hmesh::mesh_image(view, options, was_cancelled ? hmesh::ParallelFor() : hmesh::ParallelFor(backwards)));
+    demand_same(result, mesh_image(was_cancelled ? hmesh::ParallelFor() : hmesh::ParallelFor(backwards)));
 }
 
 }  // namespace

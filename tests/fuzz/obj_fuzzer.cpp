@@ -15,29 +15,29 @@ using hmesh_test::demand;
 
 void check_file(const std::string& file, const hmesh::MeshView& mesh) {
     hmesh_test::FuzzText text(file);
-    text.set_range("# ");
+    text.expect("# ");
     static_cast<void>(text.until("\n"));
     for (std::size_t v = 0; v < mesh.vertex_count; ++v) {
-        text.set_range("v ");
+        text.expect("v ");
         demand(static_cast<float>(text.number()) == mesh.positions[2 * v], "x is the mesh's");
-        text.set_range(" ");
+        text.expect(" ");
         const double y = mesh.height - static_cast<double>(mesh.positions[2 * v + 1]);
         demand(std::abs(text.number() - y) <= 1e-8 * std::abs(y), "y is the mesh's, upward, to nine digits");
-        text.set_range(" 0");
+        text.expect(" 0");
         for (int k = 0; k < 3; ++k) {
-            text.set_range(" ");
+            text.expect(" ");
             const double share = text.number();
             demand(share >= 0 && share <= 1, "a colour is in [0, 1]");
         }
-        text.set_range("\n");
+        text.expect("\n");
     }
     for (std::size_t f = 0; f < mesh.face_count; ++f) {
-        text.set_range("f");
+        text.expect("f");
         for (const std::size_t k : {0U, 2U, 1U}) {
-            text.set_range(" ");
-            demand(text.indexed() == std::int64_t{mesh.faces[f][k]} + 1, "a corner is the mesh's, counted from 1");
+            text.expect(" ");
+            demand(text.whole() == std::int64_t{mesh.faces[f][k]} + 1, "a corner is the mesh's, counted from 1");
         }
-        text.set_range("\n");
+        text.expect("\n");
     }
     text.expect_end();
 }

@@ -1,5 +1,4 @@
 // Fuzzes write_ply(). A file has to hold what its head says, and positions that are read back as they were.
-#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <string>
@@ -72,7 +71,7 @@ void check_file(const std::string& file, const hmesh::MeshView& mesh, const hmes
         numbers.end_line();
     }
     for (std::size_t f = 0; f < mesh.face_count; ++f) {
-        const std::array<std::uint32_t, 3>& face = mesh.faces[f];
+        const hmesh::Triangle& face = mesh.faces[f];
         demand(numbers.whole(1) == 3, "a face has three corners");
         for (const std::uint32_t v : {face[0], face[2], face[1]}) demand(numbers.whole(4) == v, "a corner is the mesh's");
         numbers.end_line();

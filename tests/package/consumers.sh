@@ -129,7 +129,8 @@ case $way in
     install_dirs)
         "$cmake" -S "$source" -B "$work/hmesh" -DCMAKE_INSTALL_INCLUDEDIR=headers/all -DCMAKE_INSTALL_DATADIR=data/any \
             -DCMAKE_INSTALL_BINDIR=programs -DCMAKE_INSTALL_DOCDIR=papers -DHMESH_BUILD_TESTS=OFF -DHMESH_BUILD_EXAMPLES=OFF \
-            -DHMESH_BUILD_COMMAND=ON "-DHMESH_STB_IMAGE_H_DIR=$work"
+            -DHMESH_BUILD_COMMAND=ON "-DHMESH_STB_IMAGE_H_DIR=$work" "-DHMESH_CLI_CLI_HPP_DIR=$work" \
+            "-DHMESH_NLOHMANN_JSON_HPP_DIR=$work"
         program "$work/hmesh/bin/hmesh"  # as if it had been built
         "$cmake" --install "$work/hmesh" --prefix "$work/installed"
         mv "$work/installed" "$work/prefix"  # which makes no difference

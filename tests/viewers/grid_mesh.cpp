@@ -1,6 +1,6 @@
 // grid_mesh - a mesh without thin faces, in all formats and as pictures: grid_mesh DIRECTORY [CHANNELS [COLUMNS ROWS]]
 //
-// A grid of 768 x 512 px whose inner vertices are moved by up to a quarter of a cell, coloured from the scene of the examples,
+// A grid of 768 x 512 px whose inner vertices are moved by up to a quarter of a cell, coloured from the scene of tools/pictures,
 // with 3 channels or 4, the fourth a wave of alpha. What viewers show of it tells what the exporters are worth, where thin
 // faces would tell what the viewers are. Writes mesh.ply, .obj, .glb, .pdf, .eps and .html, quantized.glb, plain.pdf and
 // plain.eps (not deflated), gradient.svg, exact.svg and flat.svg; of render()'s picture reference.png, reference4.png, four
@@ -16,7 +16,6 @@
 
 #include <hmesh/hmesh.hpp>
 
-#include "formats.hpp"
 #include "image_file.hpp"
 #include "output_file.hpp"
 #include "pictures.hpp"
@@ -25,11 +24,12 @@
 namespace {
 
 using Bytes = std::vector<unsigned char>;
+using Write = hmesh::FunctionRef<hmesh::Status(hmesh::Sink sink)>;  // an exporter with its mesh and options
 
-template <int C>
-hmesh::Mesh<C> make_grid(int columns, int rows) {
-    const hmesh::Image<std::uint8_t, 3> scene = example::draw_scene(columns + 1, rows + 1);  // a pixel for a vertex
-    hmesh::Mesh<C> mesh;
+hmesh::Mesh make_grid(int channels, int columns, int rows) {
+    const hmesh::Image<std::uint8_t, 3> scene = tool::draw_scene(columns + 1, rows + 1);  // a pixel for a vertex
+    hmesh::Mesh mesh;
+    mesh.channels = channels;
     mesh.width = 768;
     mesh.height = 512;
     mesh.peak = 255;
@@ -44,7 +44,7 @@ hmesh::Mesh<C> make_grid(int columns, int rows) {
             const float x = place(i, columns, mesh.width), y = place(j, rows, mesh.height);
             mesh.positions.insert(mesh.positions.end(), {x, y});
             for (int c = 0; c < 3; ++c) mesh.colors.push_back(static_cast<float>(scene.pixel(i, j)[c]));
-            if (C == 4) mesh.colors.push_back(std::round(127.5F + 127.5F * std::sin(x / 40)));
+            if (channels == 4) mesh.colors.push_back(std::round(127.5F + 127.5F * std::sin(x / 40)));
         }
     const auto at = [&](int i, int j) { return static_cast<std::uint32_t>(j * (columns + 1) + i); };
     for (int j = 0; j < rows; ++j)
@@ -59,9 +59,8 @@ class Directory {
   public:
     explicit Directory(std::string name) : name_(std::move(name)) {}
 
-    // write(sink) gives the file's bytes as a Status.
-    template <class Write>
-    void put(const std::string& file, Write&& write) {
+    // Calls `write` five times.
+    void put(const std::string& file, Write write) {
         Bytes bytes;
         const auto sink = [&](const void* from, std::size_t size) {
             const auto* first = static_cast<const unsigned char*>(from);
@@ -76,15 +75,15 @@ class Directory {
             const double seconds = static_cast<double>(std::clock() - start) / CLOCKS_PER_SEC;
             least = k == 0 ? seconds : std::min(least, seconds);
         }
-        example::OutputFile out(name_ + "/" + file);
+        tool::OutputFile out(name_ + "/" + file);
         if (!out.open() || !out(bytes.data(), bytes.size()) || !out.commit()) return fail(file, out.error().c_str());
         const auto size = static_cast<double>(bytes.size());
         const double speed = size / std::max(least, 1e-6) / 1e6;
         std::printf("%-14s %9.0f bytes %7.2f ms %5.0f MB/s\n", file.c_str(), size, 1e3 * least, speed);
     }
-    void put_picture(const std::string& file, const example::Picture& picture) {
-        example::OutputFile out(name_ + "/" + file);
-        if (!out.open() || !example::write_png(picture, out) || !out.commit()) return fail(file, out.error().c_str());
+    void put_picture(const std::string& file, const tool::Picture& picture) {
+        tool::OutputFile out(name_ + "/" + file);
+        if (!out.open() || !tool::write_png(picture, out) || !out.commit()) return fail(file, out.error().c_str());
     }
     [[nodiscard]] bool is_good() const noexcept { return is_good_; }
 
@@ -98,41 +97,45 @@ class Directory {
 };
 
 template <int C>
-example::Picture drawn(const hmesh::MeshView& mesh, int scale) {
-    hmesh::Image<float, C> out;
-    if (!hmesh::render(mesh, out, {scale * mesh.width, scale * mesh.height})) return {};
-    return {out.width(), out.height(), C, std::move(hmesh::to_pixels<std::uint8_t>(out).samples())};
+tool::Picture drawn(const hmesh::MeshView& mesh, int scale) {
+    hmesh::RenderOptions options;
+    options.width = scale * mesh.width;
+    options.height = scale * mesh.height;
+    const hmesh::RenderResult<C> out = hmesh::render<C>(mesh, options);
+    if (!out.status) return {};
+    const hmesh::Image<std::uint8_t, C> pixels = hmesh::to_pixels<std::uint8_t>(out.image);
+    return {pixels.width(), pixels.height(), C, {pixels.data(), pixels.data() + pixels.size()}};
 }
 
 template <int C>
 bool write_all(const hmesh::MeshView& mesh, const std::string& name) {
     Directory to(name);
-    to.put("mesh.ply", [&](auto& sink) { return hmesh::write_ply(mesh, sink); });
-    to.put("mesh.obj", [&](auto& sink) { return hmesh::write_obj(mesh, sink); });
-    to.put("mesh.glb", [&](auto& sink) { return hmesh::write_glb(mesh, sink); });
+    to.put("mesh.ply", [&](hmesh::Sink sink) { return hmesh::write_ply(mesh, sink); });
+    to.put("mesh.obj", [&](hmesh::Sink sink) { return hmesh::write_obj(mesh, sink); });
+    to.put("mesh.glb", [&](hmesh::Sink sink) { return hmesh::write_glb(mesh, sink); });
     hmesh::GltfOptions quantized;
     quantized.quantized_positions = true;
-    to.put("quantized.glb", [&](auto& sink) { return hmesh::write_glb(mesh, sink, quantized); });
-    to.put("plain.pdf", [&](auto& sink) { return hmesh::write_pdf(mesh, sink); });
+    to.put("quantized.glb", [&](hmesh::Sink sink) { return hmesh::write_glb(mesh, sink, quantized); });
+    to.put("plain.pdf", [&](hmesh::Sink sink) { return hmesh::write_pdf(mesh, sink); });
     hmesh::PageOptions pdf;
-    pdf.deflate = example::detail::deflate;
-    to.put("mesh.pdf", [&](auto& sink) { return hmesh::write_pdf(mesh, sink, pdf); });
-    to.put("plain.eps", [&](auto& sink) { return hmesh::write_eps(mesh, sink); });
+    pdf.deflate = tool::deflate;
+    to.put("mesh.pdf", [&](hmesh::Sink sink) { return hmesh::write_pdf(mesh, sink, pdf); });
+    to.put("plain.eps", [&](hmesh::Sink sink) { return hmesh::write_eps(mesh, sink); });
     hmesh::PageOptions eps;
-    eps.deflate = example::detail::deflate;
-    to.put("mesh.eps", [&](auto& sink) { return hmesh::write_eps(mesh, sink, eps); });
+    eps.deflate = tool::deflate;
+    to.put("mesh.eps", [&](hmesh::Sink sink) { return hmesh::write_eps(mesh, sink, eps); });
     const auto put_svg = [&](const char* file, hmesh::SvgKind kind) {
         hmesh::SvgOptions svg;
         svg.kind = kind;
-        to.put(file, [&](auto& sink) { return hmesh::write_svg(mesh, sink, svg); });
+        to.put(file, [&](hmesh::Sink sink) { return hmesh::write_svg(mesh, sink, svg); });
     };
     put_svg("gradient.svg", hmesh::SvgKind::gradient);
     put_svg("exact.svg", hmesh::SvgKind::exact);
     put_svg("flat.svg", hmesh::SvgKind::flat);
-    to.put("mesh.html", [&](auto& sink) { return hmesh::write_html(mesh, sink); });
+    to.put("mesh.html", [&](hmesh::Sink sink) { return hmesh::write_html(mesh, sink); });
     to.put_picture("reference.png", drawn<C>(mesh, 1));
     to.put_picture("reference4.png", drawn<C>(mesh, 4));
-    to.put_picture("paper.png", example::to_picture(example::to_rgb(drawn<C>(mesh, 1))));
+    to.put_picture("paper.png", tool::to_picture(tool::to_rgb(drawn<C>(mesh, 1))));
     return to.is_good();
 }
 
@@ -146,7 +149,7 @@ int main(int argc, char** argv) {
         std::fprintf(stderr, "usage: grid_mesh DIRECTORY [CHANNELS [COLUMNS ROWS]]   (3 72 48; 3 or 4, each 1 to 2048)\n");
         return 2;
     }
-    const bool is_good = channels == 4 ? write_all<4>(make_grid<4>(columns, rows).view(), argv[1])
-                                       : write_all<3>(make_grid<3>(columns, rows).view(), argv[1]);
+    const hmesh::Mesh mesh = make_grid(channels, columns, rows);
+    const bool is_good = channels == 4 ? write_all<4>(mesh.view(), argv[1]) : write_all<3>(mesh.view(), argv[1]);
     return is_good ? 0 : 1;
 }

@@ -2,7 +2,7 @@
 # Makes what the tests labelled `viewers` show: three meshes in all formats, with the pictures that they are compared with.
 #
 # usage: meshes.sh HMESH SCENE GRID_MESH DIRECTORY      the three programs; DIRECTORY is emptied
-#   DIRECTORY/scene   the scene of the examples at 1 %, as the command fits and writes it
+#   DIRECTORY/scene   the scene of tools/pictures at 1 %, as the command fits and writes it
 #   DIRECTORY/grid    a mesh without thin faces (grid_mesh.cpp), and DIRECTORY/alpha with 4 channels
 set -eu
 [ $# = 4 ] || { sed -n 's/^# usage: /usage: /p' "$0" >&2; exit 2; }

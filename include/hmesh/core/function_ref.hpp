@@ -34,11 +34,11 @@ class FunctionRef<Result(Arguments...)> {
     FunctionRef() noexcept = default;
     /// To a function.
     FunctionRef(Result (*function)(Arguments...)) noexcept  // NOLINT(google-explicit-constructor)
-        : function_(reinterpret_cast<void (*)()>(function)), call_(function != nullptr ? &call_function : nullptr) {}
+        : any_function(reinterpret_cast<void (*)()>(function)), call_(function != nullptr ? &call_function : nullptr) {}
     /// To an object that can be called with these arguments.
     template <class Callable, std::enable_if_t<accepts<std::remove_reference_t<Callable>>(), int> = 0>
     FunctionRef(Callable&& object) noexcept  // NOLINT(google-explicit-constructor,bugprone-forwarding-reference-overload)
-        : object_(const_cast<void*>(static_cast<const void*>(std::addressof(object)))),
+        : any_object(const_cast<void*>(static_cast<const void*>(std::addressof(object)))),
           call_(&call_object<std::remove_reference_t<Callable>>) {}
     template <class Callable, std::enable_if_t<accepts<Callable>(), int> = 0>
     FunctionRef& operator=(const Callable&&) = delete;  // it would not outlive the statement
@@ -50,17 +50,17 @@ class FunctionRef<Result(Arguments...)> {
   private:
     template <class Object>
     static Result call_object(const FunctionRef& self, Arguments... arguments) {
-        Object& object = *static_cast<Object*>(self.object_);
+        Object& object = *static_cast<Object*>(self.any_object);
         if constexpr (std::is_void_v<Result>) object(std::forward<Arguments>(arguments)...);
         else return object(std::forward<Arguments>(arguments)...);
     }
     static Result call_function(const FunctionRef& self, Arguments... arguments) {
-        return reinterpret_cast<Result (*)(Arguments...)>(self.function_)(std::forward<Arguments>(arguments)...);
+        return reinterpret_cast<Result (*)(Arguments...)>(self.any_function)(std::forward<Arguments>(arguments)...);
     }
 
     union {
-        void* object_ = nullptr;
-        void (*function_)();
+        void* any_object = nullptr;
+        void (*any_function)();
     };
     Result (*call_)(const FunctionRef& self, Arguments... arguments) = nullptr;
 };

@@ -39,7 +39,6 @@ struct InsertionCandidate {
 struct InsertionOptions {
     bool faces = false;     ///< candidates are centroids of faces too, not only midpoints of edges
     bool may_move = false;  ///< candidates take one Gauss-Newton step before their gain is read
-    double min_gain = 0;    ///< candidates must lower the energy by more than this energy
 };
 
 namespace detail {
@@ -213,15 +212,14 @@ template <int C>
     const std::vector<InsertionSite> sites = insertion_sites(mesh, options.faces);
     const double scale = mesh.energy() > 0 ? 1 / mesh.mean_energy() : 0;  // keeps floats in range, whatever the unit of samples
     const auto bound = [&](std::size_t k) { return static_cast<float>(scale * max_gain(mesh, sites[k])); };
-    const auto min_gain = static_cast<float>(scale * options.min_gain);
     const std::size_t wanted = 2 * count;  // about half of them touch a better site
     std::vector<float> values;
     values.reserve(sites.size());
     const auto nth_largest = [&] {
-        if (wanted >= values.size()) return min_gain;
+        if (wanted >= values.size()) return 0.0F;
         const auto nth = values.begin() + static_cast<std::ptrdiff_t>(wanted);
         std::nth_element(values.begin(), nth, values.end(), std::greater<>());
-        return std::max(*nth, min_gain);
+        return std::max(*nth, 0.0F);
     };
     std::vector<Gain> gains;
     gains.reserve(sites.size());
@@ -244,7 +242,7 @@ template <int C>
     for (const Gain& g : gains) values.push_back(g.gain);
     evaluate(nth_largest(), first_cut);
 
-    gains.erase(std::remove_if(gains.begin(), gains.end(), [&](const Gain& g) { return !(g.gain > min_gain); }), gains.end());
+    gains.erase(std::remove_if(gains.begin(), gains.end(), [&](const Gain& g) { return !(g.gain > 0); }), gains.end());
     const auto better = [](const Gain& a, const Gain& b) { return a.gain > b.gain || (a.gain == b.gain && a.site < b.site); };
     if (gains.size() > 2 * wanted) {
         std::nth_element(gains.begin(), gains.begin() + static_cast<std::ptrdiff_t>(2 * wanted), gains.end(), better);
@@ -259,7 +257,7 @@ template <int C>
 
 /// Inserts up to `count` vertices at the best sites that have no face in common, then around each new vertex tries to flip the
 /// outer edges of its faces and visits the vertex. The rings of new vertices become dirty. Returns the number of vertices
-/// inserted, which is 0 where nothing gains more than options.min_gain; it may be less than `count` also because
+/// inserted, which is 0 where no candidate lowers the energy; it may be less than `count` also because
 /// mesh.keep_going() says stop.
 template <int C>
 std::size_t insert_batch(ImageMesh<C>& mesh, std::size_t count, const InsertionOptions& options) {

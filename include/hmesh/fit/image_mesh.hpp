@@ -28,6 +28,7 @@
 #include "hmesh/fit/ring.hpp"
 #include "hmesh/mesh/halfedge_mesh.hpp"
 #include "hmesh/mesh/limits.hpp"
+#include "hmesh/mesh/mesh.hpp"
 #include "hmesh/mesh/spatial_order.hpp"
 
 #include "hmesh/core/macros/push.hpp"
@@ -57,16 +58,19 @@ class ImageMesh {
         color_high_ = std::min(high + slack, 1e300);
     }
 
-    /// Takes over a triangulation with corners on the 1/256 px grid, of the rectangle or of a part of it; colours are the
-    /// pixels under the vertices. Refuses what HalfedgeMesh::assign refuses. Edges and faces are filled in through the
-    /// executor.
+    /// Takes over a triangulation of the rectangle or of a part of it, with one colour a vertex or none: then they are those of
+    /// the pixels under the vertices. Refuses places outside the rectangle or off the 1/256 px grid, colours that are not as many
+    /// as the vertices, numbers that are not finite, and what HalfedgeMesh::assign refuses; the mesh is then empty. Whether faces
+    /// turn the right way and tile the rectangle is for check() to say. Edges and faces are filled in through the executor.
+    [[nodiscard]] HMESH_COLD Status assign(const std::vector<Point>& positions, const std::vector<Triangle>& triangles,
+                                           const std::vector<Color<C>>& colors, const ParallelFor& parallel_for = {});
     [[nodiscard]] Status assign(const std::vector<Point>& positions, const std::vector<Triangle>& triangles,
                                 const ParallelFor& parallel_for = {}) {
         return assign(positions, triangles, {}, parallel_for);
     }
-    /// The same with given colours, one a vertex; none: as above.
-    [[nodiscard]] HMESH_COLD Status assign(const std::vector<Point>& positions, const std::vector<Triangle>& triangles,
-                                           const std::vector<Color<C>>& colors, const ParallelFor& parallel_for);
+    /// The same from plain arrays, to go on working on a mesh of C channels whose image is as large as the table: vertex i is
+    /// number i there, face f number f. to_mesh() is the way back.
+    [[nodiscard]] HMESH_COLD Status assign(const Mesh& mesh, const ParallelFor& parallel_for = {});
 
     [[nodiscard]] const HalfedgeMesh& topology() const noexcept { return topology_; }
     [[nodiscard]] const MomentTable<C>& table() const noexcept { return *table_; }
@@ -138,17 +142,7 @@ class ImageMesh {
     }
     /// Where a vertex with this mobility may be: on the grid, within the table, off the image's border unless it lives
     /// there. A coordinate that is not free to move is returned as given.
-    [[nodiscard]] Point clamp(Point p, Mobility mobility) const noexcept {
-        const auto held = [gap = limits_.border_gap](double x, int size, int image_low, int image_size) {
-            const double low = image_low == 0 ? gap : 0, high = image_low + image_size == size ? size - gap : size;
-            return snap(std::max(low, std::min(high, x)));
-        };
-        const Rect& image = context_.image;
-        Point q = p;
-        if (mobility == Mobility::free || mobility == Mobility::along_x) q.x = held(p.x, width(), image.x, image.width);
-        if (mobility == Mobility::free || mobility == Mobility::along_y) q.y = held(p.y, height(), image.y, image.height);
-        return q;
-    }
+    [[nodiscard]] Point clamp(Point p, Mobility mobility) const noexcept;
     /// Of a vertex at p: free unless p is on the image's border.
     [[nodiscard]] Mobility mobility_at(Point p) const noexcept {
         const Rect& image = context_.image;
@@ -240,6 +234,10 @@ class ImageMesh {
     [[nodiscard]] HMESH_COLD Status check() const;
 
   private:
+    /// Why these cannot be the vertices, if they cannot.
+    [[nodiscard]] Status check_vertices(const std::vector<Point>& positions, const std::vector<Color<C>>& colors) const noexcept;
+    /// Empties the mesh and gives back why.
+    Status refuse(const Status& status);
     /// A transaction; the outermost forgets all notes.
     void close() noexcept {
         if (--depth_ > 0) return;
@@ -282,18 +280,10 @@ class ImageMesh {
     int depth_ = 0;
 };
 
-namespace detail {
-
-/// Writes colours[r] to vertex r of topology().vertices().
+/// As plain arrays: vertices and faces in the order of topology(), deleted ones left out, positions in the plane of the table,
+/// colours rounded to float. `peak`: the colour value of full intensity.
 template <int C>
-void write_colors(ImageMesh<C>& mesh, const std::vector<Color<C>>& colors, const ParallelFor& parallel_for) {
-    std::vector<Color<C>> by_slot(mesh.topology().vertex_slots(), Color<C>::zero());
-    std::size_t row = 0;
-    for (const Vertex v : mesh.topology().vertices()) by_slot[v.index()] = colors[row++];
-    mesh.set_colors(by_slot, parallel_for);
-}
-
-}  // namespace detail
+[[nodiscard]] HMESH_COLD Mesh to_mesh(const ImageMesh<C>& from, double peak);
 
 /// Vertices, faces and edges in the order in which operators visit them, see mesh/spatial_order.hpp.
 template <int C>

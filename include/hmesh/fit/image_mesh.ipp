@@ -15,12 +15,41 @@ namespace hmesh::kit {
 // --- building, recoloring and checking -----------------------------------------------------------------------------
 
 template <int C>
+Status ImageMesh<C>::check_vertices(const std::vector<Point>& positions, const std::vector<Color<C>>& colors) const noexcept {
+    if (!colors.empty() && colors.size() != positions.size())
+        return {Errc::invalid_argument, "the colours are not as many as the vertices", colors.size(), positions.size()};
+    for (std::size_t i = 0; i < positions.size(); ++i) {
+        const Point p = positions[i];
+        if (!is_finite(p.x) || !is_finite(p.y))
+            return {Errc::not_finite, "the mesh has a position that is NaN or infinite, at vertex", i};
+        if (!(p.x >= 0 && p.x <= width() && p.y >= 0 && p.y <= height()))
+            return {Errc::invalid_argument, "the mesh has a position outside its image, at vertex", i};
+        if (snap(p) != p) return {Errc::invalid_argument, "the mesh has a position off the grid of 1/256 px, at vertex", i};
+    }
+    for (std::size_t i = 0; i < colors.size(); ++i)
+        for (int k = 0; k < C; ++k)
+            if (const double value = colors[i][k]; !is_finite(value))
+                return {Errc::not_finite, "the mesh has a colour that is NaN or infinite, at vertex", i};
+    return {};
+}
+
+template <int C>
+Status ImageMesh<C>::refuse(const Status& status) {
+    topology_ = HalfedgeMesh();
+    vertices_.resize(0);
+    moments_.resize(0);
+    energies_.resize(0);
+    dirty_.clear();
+    energy_ = twice_area_ = 0;
+    return status;
+}
+
+template <int C>
 Status ImageMesh<C>::assign(const std::vector<Point>& positions, const std::vector<Triangle>& triangles,
                             const std::vector<Color<C>>& colors, const ParallelFor& parallel_for) {
-    HMESH_ASSERT(colors.empty() || colors.size() == positions.size());
-    energy_ = 0;
-    const Status status = topology_.assign(positions.size(), triangles);
-    if (!status) return status;
+    HMESH_ASSERT(table_ != nullptr && depth_ == 0);
+    if (const Status status = check_vertices(positions, colors); !status) return refuse(status);
+    if (const Status status = topology_.assign(positions.size(), triangles); !status) return refuse(status);
     vertices_.resize(positions.size());
     moments_.resize(topology_.edge_slots());
     energies_.resize(topology_.face_slots());
@@ -31,8 +60,9 @@ Status ImageMesh<C>::assign(const std::vector<Point>& positions, const std::vect
         state.position = p;
         state.mobility = mobility_at(p);
         state.valence_limit = max_valence;
-        if (!colors.empty()) state.color = colors[i];
-        else
+        state.color = Color<C>::zero();
+        for (int k = 0; k < C && !colors.empty(); ++k) state.color.set(k, colors[i][k]);
+        if (colors.empty())
             table_->pixel(std::min(static_cast<int>(p.x), width() - 1), std::min(static_cast<int>(p.y), height() - 1),
                           state.color);
     }
@@ -50,6 +80,51 @@ Status ImageMesh<C>::assign(const std::vector<Point>& positions, const std::vect
         return sum;
     });
     return {};
+}
+
+template <int C>
+Status ImageMesh<C>::assign(const Mesh& mesh, const ParallelFor& parallel_for) {
+    HMESH_ASSERT(table_ != nullptr);
+    const std::size_t n = mesh.vertex_count();
+    if (mesh.channels != C)
+        return refuse({Errc::invalid_argument, "the mesh has not the image's number of channels", mesh.channels, C});
+    if (mesh.positions.size() != 2 * n || mesh.colors.size() != C * n)
+        return refuse({Errc::invalid_argument, "the mesh's arrays are not of one number of vertices"});
+    if (mesh.width != width())
+        return refuse({Errc::invalid_argument, "the mesh is not as wide as the image", mesh.width, width()});
+    if (mesh.height != height())
+        return refuse({Errc::invalid_argument, "the mesh is not as high as the image", mesh.height, height()});
+    std::vector<Point> positions(n);
+    std::vector<Color<C>> colors(n, Color<C>::zero());
+    for (std::size_t v = 0; v < n; ++v) {
+        positions[v] = {static_cast<double>(mesh.positions[2 * v]), static_cast<double>(mesh.positions[2 * v + 1])};
+        for (std::size_t k = 0; k < C; ++k) colors[v].set(static_cast<int>(k), static_cast<double>(mesh.colors[C * v + k]));
+    }
+    return assign(positions, mesh.faces, colors, parallel_for);
+}
+
+template <int C>
+Mesh to_mesh(const ImageMesh<C>& from, double peak) {
+    const HalfedgeMesh& topology = from.topology();
+    Mesh to;
+    to.channels = C;
+    to.width = from.width(), to.height = from.height(), to.peak = peak;
+    to.positions.reserve(2 * topology.vertex_count());
+    to.colors.reserve(C * topology.vertex_count());
+    to.faces.reserve(topology.face_count());
+    std::vector<std::uint32_t> number(topology.vertex_slots());
+    std::uint32_t count = 0;
+    for (const Vertex v : topology.vertices()) {
+        number[v.index()] = count++;
+        to.positions.push_back(static_cast<float>(from.position(v).x));
+        to.positions.push_back(static_cast<float>(from.position(v).y));
+        for (int k = 0; k < C; ++k) to.colors.push_back(static_cast<float>(from.color(v)[k]));
+    }
+    for (const Face f : topology.faces()) {
+        const auto v = topology.vertices(f);
+        to.faces.push_back({number[v[0].index()], number[v[1].index()], number[v[2].index()]});
+    }
+    return to;
 }
 
 template <int C>
@@ -115,6 +190,21 @@ Status ImageMesh<C>::check() const {
             if (fresh.q[k] != m.q[k]) return fail("an edge's moments are stale", e.index());
     }
     return {};
+}
+
+// --- places --------------------------------------------------------------------------------------------------------
+
+template <int C>
+Point ImageMesh<C>::clamp(Point p, Mobility mobility) const noexcept {
+    const auto held = [gap = limits_.border_gap](double x, int size, int image_low, int image_size) {
+        const double low = image_low == 0 ? gap : 0, high = image_low + image_size == size ? size - gap : size;
+        return snap(std::max(low, std::min(high, x)));
+    };
+    const Rect& image = context_.image;
+    Point q = p;
+    if (mobility == Mobility::free || mobility == Mobility::along_x) q.x = held(p.x, width(), image.x, image.width);
+    if (mobility == Mobility::free || mobility == Mobility::along_y) q.y = held(p.y, height(), image.y, image.height);
+    return q;
 }
 
 // --- edits ---------------------------------------------------------------------------------------------------------

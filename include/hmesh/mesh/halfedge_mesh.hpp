@@ -81,6 +81,8 @@ class HalfedgeMesh {
         const Halfedge h = halfedge(f);
         return {from_vertex(h), to_vertex(h), to_vertex(next(h))};
     }
+    // The faces as an index list, in their order, over the vertices numbered in theirs: what assign() takes. O(n).
+    [[nodiscard]] HMESH_COLD std::vector<Triangle> triangles() const;
     class OneRing;
     /// The half-edges that leave v, each once, against the orientation of the faces, the boundary one first.
     [[nodiscard]] OneRing outgoing(Vertex v) const noexcept;

@@ -3,6 +3,7 @@
 #define HMESH_MESH_HALFEDGE_MESH_IPP
 
 #include <algorithm>
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <vector>
@@ -81,6 +82,19 @@ inline Status HalfedgeMesh::assign(std::size_t vertex_count, const std::vector<T
     const Status status = check();
     if (!status) clear();
     return status;
+}
+
+inline std::vector<Triangle> HalfedgeMesh::triangles() const {
+    std::vector<std::uint32_t> numbers(vertex_slots(), 0);
+    std::uint32_t count = 0;
+    for (const Vertex v : vertices()) numbers[v.index()] = count++;
+    std::vector<Triangle> out;
+    out.reserve(face_count());
+    for (const Face f : faces()) {
+        const std::array<Vertex, 3> v = vertices(f);
+        out.push_back({numbers[v[0].index()], numbers[v[1].index()], numbers[v[2].index()]});
+    }
+    return out;
 }
 
 inline Status HalfedgeMesh::check_vertex(Vertex v) const {

@@ -37,7 +37,7 @@ template <int C>
 
 /// Runs body(mesh) as a stage on the whole mesh as one patch, on the calling thread; see run_stage(). Returns whether to go on.
 template <int C>
-bool run_one_tile_stage(TiledMesh<C>& tiled, const char* name, FunctionRef<void(ImageMesh<C>& mesh)> body) {
+bool run_one_tile_stage(TiledMesh<C>& tiled, const char* name, typename TiledMesh<C>::MeshWork body) {
     return run_stage(tiled, name, [&] {
         tiled.progress().set_range(0, 1);
         return tiled.for_each(one_tile(tiled.source()), [&](Patch<C>& patch, std::size_t) { body(patch.mesh()); });

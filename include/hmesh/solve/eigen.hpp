@@ -22,6 +22,7 @@
 #include <utility>
 #include <vector>
 
+#include "hmesh/core/assert.hpp"
 #include "hmesh/core/parallel.hpp"
 #include "hmesh/fit/image_mesh.hpp"
 #include "hmesh/mesh/geometry.hpp"
@@ -83,6 +84,19 @@ template <int C>
         ++row;
     }
     return colors;
+}
+
+/// Gives all vertices the colours in the rows of `colors`, n_v by C, as color_matrix() returns them; the energy follows.
+template <int C>
+void set_colors(ImageMesh<C>& mesh, const Eigen::MatrixXd& colors, const ParallelFor& parallel_for = {}) {
+    HMESH_ASSERT(colors.rows() == static_cast<Eigen::Index>(mesh.vertex_count()) && colors.cols() == C);
+    std::vector<Color<C>> by_slot(mesh.topology().vertex_slots(), Color<C>::zero());
+    Eigen::Index row = 0;
+    for (const Vertex v : mesh.topology().vertices()) {
+        for (int k = 0; k < C; ++k) by_slot[v.index()].set(k, colors(row, k));
+        ++row;
+    }
+    mesh.set_colors(by_slot, parallel_for);
 }
 
 /// K: n_v by n_p, the barycentric coordinates of pixel p's centre in column p: 3 entries, of which some may be 0, with sum 1.

@@ -99,6 +99,15 @@ inline void for_each_vertex(const HalfedgeMesh& topology, const ParallelFor& par
     });
 }
 
+/// Writes colours[r] to vertex r of topology().vertices().
+template <int C>
+void write_colors(ImageMesh<C>& mesh, const std::vector<Color<C>>& colors, const ParallelFor& parallel_for) {
+    std::vector<Color<C>> by_slot(mesh.topology().vertex_slots(), Color<C>::zero());
+    std::size_t row = 0;
+    for (const Vertex v : mesh.topology().vertices()) by_slot[v.index()] = colors[row++];
+    mesh.set_colors(by_slot, parallel_for);
+}
+
 }  // namespace detail
 
 /// The corner sums of all faces, indexed by the half-edge that leaves the corner; zero for half-edges without a face.

@@ -12,6 +12,7 @@
 
 #include "hmesh/core/compiler.hpp"
 #include "hmesh/core/status.hpp"
+#include "hmesh/fit/image_mesh.hpp"
 #include "hmesh/fit/image_source.hpp"
 #include "hmesh/fit/squared_error.hpp"
 #include "hmesh/mesh/halfedge_mesh.hpp"
@@ -86,6 +87,22 @@ template <int C>
         for (const int x : {0, source.width()}) mesh.add({static_cast<double>(x), static_cast<double>(y)}, source.pixel(x, y));
     mesh.faces = {{0, 1, 2}, {1, 3, 2}};
     return mesh;
+}
+
+/// The mesh of an ImageMesh that is no patch, with vertices and faces in the order of its topology(), its dirty marks and its
+/// energy. ImageMesh::assign() takes it back.
+template <int C>
+[[nodiscard]] HMESH_COLD IndexedMesh<C> to_indexed_mesh(const ImageMesh<C>& from) {
+    IndexedMesh<C> to;
+    to.width = from.width();
+    to.height = from.height();
+    for (const Vertex v : from.topology().vertices()) {
+        to.add(from.position(v), from.color(v));
+        to.dirty.back() = from.is_dirty(v) ? 1 : 0;
+    }
+    to.faces = from.topology().triangles();
+    to.energy = from.energy();
+    return to;
 }
 
 /// The mesh as plain float arrays, the result of mesh_image(). `peak`: the stored value of full intensity.

@@ -32,6 +32,9 @@ namespace hmesh::kit {
 template <int C>
 class TiledMesh {
   public:
+    /// What is done to the mesh of one patch.
+    using MeshWork = FunctionRef<void(ImageMesh<C>& mesh)>;
+
     /// An empty mesh. The image source, the progress reporter and the executor must outlive the TiledMesh.
     TiledMesh(const ImageSource<C>& source, const MeshLimits& limits, ProgressReporter& progress,
               const ParallelFor& parallel_for = {})

@@ -1,3 +1,4 @@
 #include "fuzz_meshing.hpp"
+#include "meshing/instantiate.hpp"
 
-HMESH_FUZZ_MESHING(, float, 2)
+HMESH_TEST_INSTANTIATE_TYPE(float, 2)

@@ -1,3 +1,4 @@
 #include "fuzz_meshing.hpp"
+#include "meshing/instantiate.hpp"
 
-HMESH_FUZZ_MESHING(, hmesh_test::Height, 1)
+HMESH_TEST_INSTANTIATE_TYPE(hmesh_test::Height, 1)

@@ -1,3 +1,4 @@
 #include "fuzz_meshing.hpp"
+#include "meshing/instantiate.hpp"
 
-HMESH_FUZZ_MESHING(, std::uint16_t, 4)
+HMESH_TEST_INSTANTIATE_TYPE(std::uint16_t, 4)

@@ -1,3 +1,4 @@
 #include "fuzz_meshing.hpp"
+#include "meshing/instantiate.hpp"
 
-HMESH_FUZZ_MESHING(, std::uint8_t, 3)
+HMESH_TEST_INSTANTIATE_TYPE(std::uint8_t, 3)

@@ -38,8 +38,7 @@
 #include "hmesh/core/macros/push.hpp"
 
 namespace hmesh {
-namespace kit {
-namespace detail {
+namespace kit::detail {
 
 /// Inserts vertices greedily, in batches with flips and sweeps in between, until the mesh has n vertices; by subdivision where
 /// nothing gains any more.
@@ -239,9 +238,7 @@ class AnnealedRun {
     std::vector<Tile> tiles_;
 };
 
-}  // namespace detail
-
-}  // namespace kit
+}  // namespace kit::detail
 
 template <int C>
 Status Annealed::run(kit::TiledMesh<C>& mesh, std::size_t n) const {

@@ -31,9 +31,9 @@
 
 namespace hmesh::kit {
 
-/// The numbers of moves of each kind that a sweep accepted.
+/// The numbers of removals and of insertions that a sweep accepted.
 struct AnnealingCounts {
-    std::size_t removed = 0, inserted = 0, flipped = 0, jumped = 0;
+    std::size_t removed = 0, inserted = 0;
 };
 
 /// The price mu of a vertex and the temperature T, which all patches of a mesh share; set between sweeps.
@@ -89,8 +89,8 @@ class AnnealingSweep {
         AnnealingCounts counts;
         counts.removed = remove_moves();
         counts.inserted = insert_moves();
-        counts.flipped = flip_moves();
-        counts.jumped = jump_moves();
+        flip_moves();
+        jump_moves();
         const double mean = mesh_->mean_energy();
         const Tolerance tolerance{1e-2, mean > 0 ? min_gain_ / mean : 0};
         sweep(*mesh_, tolerance);
@@ -167,9 +167,8 @@ class AnnealingSweep {
         return inserted;
     }
 
-    /// Tries to flip each edge. Returns how many flipped.
-    std::size_t flip_moves() {
-        std::size_t flipped = 0;
+    /// Tries to flip each edge.
+    void flip_moves() {
         for (const Edge e : spatial_edges(*mesh_)) {
             if (!mesh_->keep_going()) break;
             if (!is_flippable(*mesh_, e)) continue;
@@ -186,14 +185,12 @@ class AnnealingSweep {
             const auto round = [&] {
                 for (const Vertex v : around_) improve_vertex(*mesh_, v, min_gain_);
             };
-            if (accept_or_roll_back(mark, before, 1e-4 * price_, round)) ++flipped;
+            accept_or_roll_back(mark, before, 1e-4 * price_, round);
         }
-        return flipped;
     }
 
-    /// Displaces some free vertices at random. Returns how many stayed displaced.
-    std::size_t jump_moves() {
-        std::size_t jumped = 0;
+    /// Displaces some free vertices at random, and keeps those displacements that are accepted.
+    void jump_moves() {
         for (const Vertex v : spatial_vertices(*mesh_)) {
             if (!mesh_->keep_going()) break;
             const VertexState<C> state = mesh_->vertex(v);
@@ -216,9 +213,8 @@ class AnnealingSweep {
             collect(v);
             around_.insert(around_.begin(), v);
             mesh_->place(v, target, state.color);
-            if (accept_or_roll_back(mark, before, 1e-3 * price_, [&] { relax(*mesh_, around_, 1, min_gain_); })) ++jumped;
+            accept_or_roll_back(mark, before, 1e-3 * price_, [&] { relax(*mesh_, around_, 1, min_gain_); });
         }
-        return jumped;
     }
 
     [[nodiscard]] const HalfedgeMesh& topology() const noexcept { return mesh_->topology(); }

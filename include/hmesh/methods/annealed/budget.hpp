@@ -123,7 +123,7 @@ HMESH_COLD bool insert_best(TiledMesh<C>& tiled, const Tiling& tiling, std::size
     const std::size_t before = tiled.vertex_count();
     tiled.for_each(tiling, [&](Patch<C>& patch, std::size_t tile) {
         for (std::size_t left = quota[tile]; left > 0;) {
-            const std::size_t inserted = insert_batch(patch.mesh(), left, {true, true, 0});
+            const std::size_t inserted = insert_batch(patch.mesh(), left, {true, true});
             if (inserted == 0) {  // no site lowers the energy
                 subdivide(patch.mesh(), left);
                 break;
@@ -139,7 +139,7 @@ HMESH_COLD bool insert_best(TiledMesh<C>& tiled, const Tiling& tiling, std::size
 /// Brings the mesh to exactly n vertices by removal or insertion, in patches of about `tile` px. False: cancelled, or more than n
 /// vertices are left and none of them can be removed.
 template <int C>
-HMESH_COLD bool reach_vertex_count(TiledMesh<C>& tiled, std::size_t n, double tile, const Relaxation& relaxation) {
+HMESH_COLD bool reach_vertex_count(TiledMesh<C>& tiled, std::size_t n, double tile, const Relaxation& relaxation = {}) {
     const int width = tiled.source().width(), height = tiled.source().height();
     const auto count = [&] { return tiled.vertex_count(); };
     // Vertices that are locked in one tiling are free in another: only four tilings without a change mean that nothing can

@@ -14,7 +14,6 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
-#include <utility>
 #include <vector>
 
 #include "hmesh/core/status.hpp"
@@ -25,6 +24,7 @@
 #include "hmesh/methods/baselines/point_removal.hpp"
 #include "hmesh/methods/stage.hpp"
 #include "hmesh/options.hpp"
+#include "hmesh/tiles/delaunay_mesh.hpp"
 #include "hmesh/tiles/indexed_mesh.hpp"
 #include "hmesh/tiles/tiled_mesh.hpp"
 
@@ -33,24 +33,13 @@
 namespace hmesh {
 namespace kit::detail {
 
-/// The position, in px, of the vertex that stands for a pixel: the pixel's centre, but on the border for the outermost pixels, so
-/// that the mesh covers the image.
-[[nodiscard]] inline Point pixel_vertex(int x, int y, int width, int height) noexcept {
-    const auto place = [](int i, int size) {
-        return size == 1 ? 0.5 : i == 0 ? 0.0 : i == size - 1 ? static_cast<double>(size) : i + 0.5;
-    };
-    return {place(x, width), place(y, height)};
-}
-
 /// Replaces the mesh by the Delaunay triangulation of the image's corners and of these pixels, given as y * width + x, with the
 /// pixels' colours, and measures it. False: cancelled.
 template <int C>
 bool triangulate_pixels(TiledMesh<C>& tiled, const std::vector<std::uint32_t>& pixels) {
     const ImageSource<C>& source = tiled.source();
     const int width = source.width(), height = source.height();
-    const auto column = [&](std::uint32_t pixel) { return static_cast<int>(pixel % static_cast<std::uint32_t>(width)); };
-    const auto row = [&](std::uint32_t pixel) { return static_cast<int>(pixel / static_cast<std::uint32_t>(width)); };
-    const auto place = [&](std::uint32_t pixel) { return pixel_vertex(column(pixel), row(pixel), width, height); };
+    const auto place = [&](std::uint32_t pixel) { return pixel_vertex(pixel, width, height); };
     Delaunay mesh(width, height);
     mesh.reserve(pixels.size() + 4);
     std::size_t done = 0;
@@ -58,16 +47,7 @@ bool triangulate_pixels(TiledMesh<C>& tiled, const std::vector<std::uint32_t>& p
         if (++done % 4096 == 0 && !tiled.progress().poll()) return false;
         (void)mesh.insert(place(pixel));
     }
-    IndexedMesh<C> indexed;
-    indexed.width = width;
-    indexed.height = height;
-    for (const Point p : mesh.positions()) indexed.add(p, source.pixel(static_cast<int>(p.x), static_cast<int>(p.y)));
-    for (const Face f : mesh.topology().faces()) {
-        const auto v = mesh.topology().vertices(f);
-        indexed.faces.push_back({static_cast<std::uint32_t>(v[0].index()), static_cast<std::uint32_t>(v[1].index()),
-                                 static_cast<std::uint32_t>(v[2].index())});
-    }
-    tiled.indexed() = std::move(indexed);
+    tiled.indexed() = delaunay_mesh(source, mesh);
     tiled.progress().set_range(1, 1);
     return tiled.for_each(one_tile(source), [](Patch<C>&, std::size_t) {});  // makes the patch, which has the energy
 }
@@ -101,7 +81,7 @@ struct Adams {
                                   {"adams smoothing must be in [0, 100] passes", static_cast<double>(smoothing), 0, 100}});
     }
     /// The image's longer side in px: the image is one piece.
-    [[nodiscard]] double tile_size(int width, int height, std::size_t) const noexcept { return std::max(width, height); }
+    [[nodiscard]] static double tile_size(int width, int height, std::size_t) noexcept { return std::max(width, height); }
     /// Replaces `mesh` by a mesh of n vertices of its image, 4 <= n <= max(4, pixels). Errc::cancelled: it is valid, with any
     /// number of vertices.
     template <int C>

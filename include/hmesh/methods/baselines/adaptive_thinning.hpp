@@ -35,14 +35,14 @@ struct AdaptiveThinning {
     static constexpr Colors colors = Colors::sampled;         ///< final colours where Options::colors says nothing
 
     /// Whether the image has at most max_pixels; else Errc::image_too_large with the number of pixels and that bound.
-    [[nodiscard]] Status check(int width, int height) const noexcept {
+    [[nodiscard]] static Status check(int width, int height) noexcept {
         const std::int64_t pixels = std::int64_t{width} * height;
         if (pixels <= max_pixels) return {};
         return {Errc::image_too_large, "adaptive thinning starts from all pixels, and the image has too many", pixels,
                 max_pixels};
     }
     /// The image's longer side in px: the image is one piece.
-    [[nodiscard]] double tile_size(int width, int height, std::size_t) const noexcept { return std::max(width, height); }
+    [[nodiscard]] static double tile_size(int width, int height, std::size_t) noexcept { return std::max(width, height); }
     /// Replaces `mesh` by a mesh of n vertices of its image, 4 <= n <= max(4, pixels). Errc::cancelled: it is valid, with any
     /// number of vertices.
     template <int C>

@@ -19,6 +19,7 @@
 #include "hmesh/core/assert.hpp"
 #include "hmesh/core/function_ref.hpp"
 #include "hmesh/image/image_view.hpp"
+#include "hmesh/mesh/geometry.hpp"
 
 #include "hmesh/core/macros/push.hpp"
 
@@ -66,10 +67,10 @@ void diffuse(const ImageView<float, 1>& map, double factor, double floor, Point&
 
 /// At least `count` <= pixels points, and about 1 % more at most where the map allows, as pixel numbers y * width + x. They come
 /// row by row, left and right in turn, or column by column in images more than 8 times as wide as high. Values of the map must
-/// be finite and >= 0; a map that is 0 everywhere stands for an even density. go_on() is called between passes; once it says
-/// false, the result is empty.
+/// be finite and >= 0; a map that is 0 everywhere stands for an even density. go_on(), where set, is called between passes; once
+/// it says false, the result is empty.
 [[nodiscard]] inline std::vector<std::uint32_t> diffused_points(const ImageView<float, 1>& map, std::size_t count,
-                                                                FunctionRef<bool()> go_on) {
+                                                                FunctionRef<bool()> go_on = {}) {
     const std::size_t pixels = static_cast<std::size_t>(map.width) * static_cast<std::size_t>(map.height);
     HMESH_ASSERT(count <= pixels);
     double sum = 0, largest = 0;
@@ -89,12 +90,12 @@ void diffuse(const ImageView<float, 1>& map, double factor, double floor, Point&
     double low = 0, high = static_cast<double>(count) / (sum + floor * static_cast<double>(pixels));
     std::size_t number = 0;
     while ((number = number_at(high)) < count) {
-        if (!go_on()) return {};
+        if (go_on && !go_on()) return {};
         low = high;
         high *= 2;
     }
     for (int pass = 0; pass < 40 && number > count + count / 128; ++pass) {
-        if (!go_on()) return {};
+        if (go_on && !go_on()) return {};
         const double middle = 0.5 * (low + high);
         const std::size_t now = number_at(middle);
         if (now < count) low = middle;
@@ -106,6 +107,16 @@ void diffuse(const ImageView<float, 1>& map, double factor, double floor, Point&
         points.push_back(static_cast<std::uint32_t>(y) * static_cast<std::uint32_t>(map.width) + static_cast<std::uint32_t>(x));
     });
     return points;
+}
+
+// Where the vertex of pixel y * width + x is: on its centre, and on the border for the outermost pixels, so that a mesh of such
+// vertices covers the image.
+[[nodiscard]] inline Point pixel_vertex(std::uint32_t pixel, int width, int height) noexcept {
+    const auto place = [](std::uint32_t i, int size) {
+        return size == 1 ? 0.5 : i == 0 ? 0.0 : i + 1 == static_cast<std::uint32_t>(size) ? static_cast<double>(size) : i + 0.5;
+    };
+    const auto columns = static_cast<std::uint32_t>(width);
+    return {place(pixel % columns, width), place(pixel / columns, height)};
 }
 
 }  // namespace hmesh::kit

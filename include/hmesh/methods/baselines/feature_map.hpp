@@ -67,9 +67,10 @@ inline void smooth(Plane& plane, Plane& scratch, const ParallelFor& parallel_for
 
 }  // namespace detail
 
-/// The map of the whole image, of its size, after `passes` >= 0 of smoothing. Values are >= 0, finite, in stored values a px^2.
+/// The map of the whole image, of its size, after `passes` >= 0 of smoothing, three in the recipe Adams. Values are >= 0,
+/// finite, in stored values a px^2.
 template <int C>
-[[nodiscard]] Image<float, 1> feature_map(const ImageSource<C>& source, int passes, const ParallelFor& parallel_for = {}) {
+[[nodiscard]] Image<float, 1> feature_map(const ImageSource<C>& source, int passes = 3, const ParallelFor& parallel_for = {}) {
     const int width = source.width(), height = source.height();
     const std::size_t pixels = static_cast<std::size_t>(width) * static_cast<std::size_t>(height);
     Image<float, 1> map(width, height);

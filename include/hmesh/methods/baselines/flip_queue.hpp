@@ -26,7 +26,7 @@ namespace hmesh::kit {
 /// than rounding, so the queue would empty anyway; the bound saves trials for tiny gains. The four vertices around a flipped
 /// edge become dirty. Ends early where mesh.keep_going() says stop. Returns the number of flips.
 template <int C>
-std::size_t run_flip_queue(ImageMesh<C>& mesh, int visits) {
+std::size_t run_flip_queue(ImageMesh<C>& mesh, int visits = 8) {
     const HalfedgeMesh& topology = mesh.topology();
     IndexedHeap suspects;
     std::vector<int> left(topology.edge_slots(), visits);

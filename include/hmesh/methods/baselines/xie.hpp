@@ -49,7 +49,7 @@ struct Xie {
              {"xie enough must be in [0, 1]", enough, 0, 1}});
     }
     /// The image's longer side in px: the image is one piece.
-    [[nodiscard]] double tile_size(int width, int height, std::size_t) const noexcept { return std::max(width, height); }
+    [[nodiscard]] static double tile_size(int width, int height, std::size_t) noexcept { return std::max(width, height); }
     /// Replaces `mesh` by a mesh of n vertices of its image, 4 <= n <= max(4, pixels). Errc::cancelled: it is valid, with any
     /// number of vertices.
     template <int C>

@@ -96,7 +96,7 @@ struct Hierarchical {
              {"hierarchical geometry.pcg.tolerance must be in [1e-15, 1]", geometry.pcg.tolerance, 1e-15, 1}});
     }
     /// The image's longer side in px: the image is one piece.
-    [[nodiscard]] double tile_size(int width, int height, std::size_t) const noexcept { return std::max(width, height); }
+    [[nodiscard]] static double tile_size(int width, int height, std::size_t) noexcept { return std::max(width, height); }
     /// Replaces `mesh` by a mesh of n vertices of `image`, which is the one that mesh.source() reads, 4 <= n <= max(4, pixels).
     /// Errc::cancelled: it is valid, with any number of vertices.
     template <class T, int C>

@@ -1,0 +1,149 @@
+"""What cannot be read, meshed or written, and Ctrl-C."""
+import errno
+import json
+import os
+import resource
+import signal
+import stat
+import subprocess
+import time
+from pathlib import Path
+
+import pytest
+
+from conftest import FORMATS, contents, is_failure, is_png, is_whole, ply_header, program, read, rows
+
+FAILURES = rows("""
+    'missing.png'                                     | missing.png -o keep.ply
+    'empty.png'                                       | empty.png -o keep.ply
+    'text.png'                                        | text.png -o keep.ply
+    'short.ppm': the file ends before its last pixel  | short.ppm -o keep.ply
+    'huge.pgm': the image is too wide                 | huge.pgm -o keep.ply
+    'above.pgm'                                       | above.pgm -o keep.ply
+    '.'                                               | . -o keep.ply
+    'missing.png'                                     | grey.pgm --weights missing.png -o keep.ply
+    'text.png'                                        | grey.pgm --weights text.png -o keep.ply
+    'constant.pgm' are 8 x 8 px, the image is 20 x 16 px | grey.pgm --weights constant.pgm -o keep.ply --depfile new.d
+    --vertices 3                                      | grey.pgm -o keep.ply --vertices 3
+    got 3                                             | grey.pgm -o keep.ply --vertices 3
+    --vertices -5                                     | grey.pgm -o keep.ply --vertices -5
+    --vertices 321                                    | grey.pgm -o keep.ply --vertices 321
+    limit 320                                         | grey.pgm -o keep.ply --vertices 321
+    'nowhere/mesh.ply'                                | grey.pgm -o nowhere/mesh.ply
+    'nowhere/r.d'                                     | grey.pgm -o new.ply --depfile nowhere/r.d
+    'nowhere/r.json'                                  | grey.pgm -o new.ply --report nowhere/r.json
+    which those of 2 or 4 channels have               | color.ppm --vertices 40 --premultiplied -o new.ply
+    sampled ones are asked for                        | picture.png --fit-space linear --colors sampled -o new.ply
+    nothing is written                                | grey.pgm -o new.ply --psnr 99 --depfile new.d
+    """)
+
+
+@pytest.mark.parametrize("sentence, arguments", FAILURES)
+def test_a_failure_is_told_in_one_sentence_and_writes_nothing(hmesh, sentence, arguments):
+    before = contents()
+    hmesh.fails(sentence, arguments)
+    assert contents() == before
+
+
+def test_a_folder_is_not_written(hmesh):
+    Path("folder.ply").mkdir()
+    hmesh.fails("'folder.ply'", "grey.pgm -o folder.ply")
+
+
+@pytest.mark.skipif(os.geteuid() == 0, reason="root may write everywhere")
+def test_a_locked_folder_is_not_written(hmesh):
+    Path("locked").mkdir(0o555)
+    hmesh.fails("'locked/mesh.ply'", "grey.pgm -o locked/mesh.ply")
+
+
+@pytest.fixture
+def full(hmesh):
+    """A full disk. Nobody but root could replace the system's by a file; root gets one of its own."""
+    try:
+        if os.geteuid() == 0:
+            os.mknod("full", stat.S_IFCHR | 0o666, os.makedev(1, 7))
+        else:
+            Path("full").symlink_to("/dev/full")
+        Path("full").write_bytes(b"x")
+    except OSError as error:
+        if error.errno == errno.ENOSPC:
+            return Path("full")
+    pytest.skip("no full device can be made here")
+
+
+@pytest.mark.parametrize("arguments", [*(f"-o x.{kind}" for kind in FORMATS), "--render x.png", "--wireframe x.png",
+                                       "--residual x.png", "--strip x.png", "--report x.json", "--report full"])
+def test_a_full_disk_is_the_reason_and_is_not_replaced(hmesh, full, arguments):
+    file = Path(arguments.split()[1])
+    if file != full:
+        file.symlink_to(full)
+    hmesh.fails(f"'{file}': No space left", f"grey.pgm {arguments}")
+    assert file.is_char_device() and (file == full or file.is_symlink())
+
+
+@pytest.mark.skipif(not Path("/dev/full").is_char_device(), reason="there is no /dev/full")
+def test_a_full_standard_output_is_a_failure(hmesh):
+    with open("/dev/full", "wb") as file:
+        hmesh.fails("standard output", "grey.pgm", stdout=file)
+
+
+def limit(what, size):
+    """For run(): no more than so many bytes. Python has SIGXFSZ ignored, and so has what it starts."""
+    return {"preexec_fn": lambda: resource.setrlimit(what, (size, size)), "restore_signals": False}
+
+
+@pytest.mark.parametrize("kind", FORMATS)
+def test_a_disk_that_fills_up_leaves_what_was_there(hmesh, kind):
+    Path(f"keep.{kind}").write_text("old")
+    # 1 KiB is less than any of these files.
+    hmesh.fails(f"'keep.{kind}'", f"picture.png --vertices 100 -o keep.{kind}", **limit(resource.RLIMIT_FSIZE, 1024))
+    assert read(f"keep.{kind}") == b"old"
+
+
+def test_where_there_is_no_memory_one_sentence_says_so(hmesh):
+    within = limit(resource.RLIMIT_AS, 1024**3)
+    if hmesh.run("--version", **within).returncode != 0:
+        pytest.skip("the address sanitizer takes more")
+    Path("flat.pgm").write_bytes(b"P5 1024 1024 255\n" + bytes(1024**2))
+    hmesh.fails("memory", "flat.pgm --vertices 4 --effort draft --render none.png --render-scale 16", **within)  # takes 1 GiB
+    assert not Path("none.png").exists()
+
+
+def interrupt(hmesh, arguments, sentence):
+    """Ctrl-C after a second of what takes more than five on any machine: two threads, however many cores there are."""
+    with subprocess.Popen(hmesh.words(f"large.png --threads 2 {arguments}"), stdout=subprocess.PIPE, stderr=subprocess.PIPE,
+                          encoding="utf-8") as job:
+        time.sleep(1)
+        job.send_signal(signal.SIGINT)
+        out, err = job.communicate(timeout=60)
+    is_failure(subprocess.CompletedProcess(job.args, job.returncode, out, err), f": interrupted; {sentence}")
+
+
+def test_ctrl_c_writes_the_mesh_reached_so_far(hmesh):
+    interrupt(hmesh, "-o cut.ply --effort best --vertices 6000 --report cut.json", "the mesh reached so far, ")
+    report = json.loads(read("cut.json"))
+    assert report["status"] == "interrupted"
+    assert f"element vertex {report['vertices']}" in ply_header("cut.ply")
+
+
+def test_ctrl_c_in_a_search_writes_the_mesh_reached_so_far(hmesh):
+    interrupt(hmesh, "-o search.ply --psnr 60", "the mesh reached so far, ")
+    assert is_whole("search.ply")
+
+
+def test_ctrl_c_writes_nothing_beside_a_depfile(hmesh):
+    before = contents()  # make and Ninja would take what is there as up to date
+    outputs = "-o keep.ply -o new.ply --render new.png --report new.json --depfile new.d"
+    interrupt(hmesh, f"--effort best --vertices 6000 {outputs}", "nothing is written")
+    assert contents() == before
+
+
+def test_scene_draws_the_same_bytes_twice_and_says_what_it_cannot_do(hmesh, pytestconfig):
+    def scene(*words):
+        return subprocess.run([program(pytestconfig, "scene"), *words], capture_output=True, encoding="utf-8")
+
+    assert scene("again.png", "96", "64").returncode == 0
+    assert is_png("again.png", (96, 64)) and read("again.png") == read("picture.png")
+    assert scene("zero.png", "0", "64").returncode == 2
+    run = scene("missing/picture.png", "8", "8")
+    assert run.returncode == 1 and "missing/picture.png" in run.stderr

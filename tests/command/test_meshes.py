@@ -1,0 +1,262 @@
+"""What is written, and what is said of it."""
+import base64
+import io
+import json
+import math
+import os
+import pty
+import re
+import shutil
+import subprocess
+from pathlib import Path
+
+import pytest
+from PIL import Image, ImageOps
+
+from conftest import FORMATS, is_png, is_whole, ply_header, program, read
+
+ALL_FORMATS = " ".join(f"-o x.{kind}" for kind in FORMATS)
+
+
+def test_a_mesh_pictures_and_a_report_are_written_and_told(hmesh):
+    files = ["mesh.ply", "second.PLY", "render.png", "wire.png", "report.json"]
+    out = hmesh.done("picture.png --vertices 100 -o {} -o {} --render {} --wireframe {} --report {}".format(*files))
+    for line in [r"vertices +100", r"PSNR +[0-9.]+ dB .*pixels and channels.*", r"time +[0-9.]+ s"]:
+        assert re.search(f"^{line}$", out, re.M)
+    assert re.findall(r"^written +(.*)$", out, re.M) == files
+    assert read("mesh.ply") == read("second.PLY")
+    assert is_png("render.png", (96, 64)) and is_png("wire.png", (192, 128))
+    report = json.loads(read("report.json"))
+    assert {"element vertex 100", f"element face {report['faces']}"} <= set(ply_header("mesh.ply"))
+    assert list(report) == """version input width height channels bits method effort colors fit_space premultiplied seed weights
+                              tile target status vertices faces psnr psnr_convention energy seconds stages""".split()
+    assert report.items() >= {"input": "picture.png", "width": 96, "height": 64, "channels": 3, "bits": 8, "method": "annealed",
+                              "effort": "normal", "colors": "optimal", "fit_space": "stored", "premultiplied": False, "seed": 1,
+                              "weights": None, "tile": 0, "target": "--vertices 100", "status": "ok", "vertices": 100}.items()
+    assert report["psnr_convention"] == ("10 log10(peak^2 / MSE) in dB, MSE the mean over pixels and channels of the image's "
+                                         "stored values")
+    assert report["psnr"] == pytest.approx(10 * math.log10(255**2 * 96 * 64 * 3 / report["energy"]), abs=1e-6)
+    for stage in report["stages"]:
+        assert list(stage) == ["name", "vertices", "energy", "psnr", "seconds"]
+        assert stage["name"] and stage["vertices"] >= 4 and stage["psnr"] > 0 and stage["seconds"] >= 0
+
+
+def test_quiet_prints_nothing(hmesh):
+    assert hmesh.done("picture.png -o quiet.ply --quiet") == ""
+    assert is_whole("quiet.ply")
+
+
+@pytest.mark.parametrize("options, key, value", [
+    ("", "vertices", 61), ("--effort draft", "effort", "draft"), ("--seed 7", "seed", 7), ("--tile 64", "tile", 64)])
+def test_the_report_tells_options_and_one_vertex_for_100_pixels_is_the_default(hmesh, options, key, value):
+    assert hmesh.report("picture.png " + options)[key] == value
+
+
+def test_a_search_reaches_its_psnr_and_times_its_stages(hmesh):
+    report = hmesh.report("picture.png --psnr 24")
+    assert report["psnr"] >= 24
+    assert any(stage["seconds"] is not None for stage in report["stages"])
+
+
+@pytest.mark.parametrize("arguments", [
+    "picture.png --vertices 100 --seed 1", "--vertices=100 --seed=1 -- picture.png", "picture.png --vertices 100 --threads 1",
+    "picture.png --vertices 100 --threads 3", "picture.png --vertices 100 " + ALL_FORMATS])
+def test_the_same_mesh_is_the_same_bytes(hmesh, arguments):
+    hmesh.done("picture.png --vertices 100 -o mesh.ply")
+    hmesh.done("-o again.ply " + arguments)
+    assert read("mesh.ply") == read("again.ply")
+
+
+def test_tiles_make_another_mesh_for_any_number_of_threads(hmesh):
+    for name, tiles in {"whole": "", "tiles": "--tile 64 --threads 1", "again": "--tile 64 --threads 3"}.items():
+        hmesh.done(f"wide.png --vertices 1400 --effort fast -o {name}.ply {tiles}")
+    assert read("whole.ply") != read("tiles.ply") == read("again.ply")
+
+
+@pytest.mark.parametrize("file", ["grey.pgm", "grey16.pgm", "color.ppm", "color16.ppm", "grey_alpha.tga", "rgba.tga"])
+def test_any_image_serves_as_weights(hmesh, file):
+    report = hmesh.report(f"grey.pgm --weights {file}")
+    assert report["weights"] == file
+    assert ", each as often as its weight over the largest says," in report["psnr_convention"]
+
+
+def test_premultiplied_colors_are_told_and_drawn(hmesh):
+    hmesh.done("rgba.tga -o straight.html --vertices 40")
+    outputs = "-o pre.html -o pre.glb -o pre.ply --render pre.png --strip strip.png"
+    assert hmesh.report(f"rgba.tga --vertices 40 --premultiplied {outputs}")["premultiplied"] is True
+    assert b"premultiplied: true" in read("pre.html") and b"premultiplied: false" in read("straight.html")
+    assert is_png("pre.png")
+
+
+def test_colors_for_linear_light_are_others(hmesh):
+    hmesh.done("picture.png -o stored.glb --vertices 100")
+    report = hmesh.report("picture.png -o linear.glb --vertices 100 --fit-space linear --residual residual.png")
+    assert report["fit_space"] == "linear"
+    assert read("stored.glb") != read("linear.glb")
+
+
+@pytest.mark.parametrize("method, own_colors", [("annealed", "optimal"), ("adams", "sampled"), ("adaptive_thinning", "sampled"),
+                                                ("xie", "sampled"), ("hierarchical", "optimal")])
+def test_methods_have_colors_of_their_own_and_take_others(hmesh, method, own_colors):
+    own = hmesh.report(f"picture.png -o own.ply --vertices 90 --method {method}")
+    assert (own["method"], own["colors"]) == (method, own_colors)
+    assert "element vertex 90" in ply_header("own.ply")
+    psnr = {}
+    for colors in ["optimal", "sampled"]:
+        report = hmesh.report(f"picture.png -o {colors}.ply --vertices 90 --method {method} --colors {colors}")
+        assert report["colors"] == colors
+        psnr[colors] = report["psnr"]
+    assert read("own.ply") == read(f"{own_colors}.ply")
+    assert psnr["optimal"] > psnr["sampled"]
+    solved = [stage for stage in own["stages"] if "iterations" in stage]
+    assert [stage["name"] for stage in solved] == (["geometry"] * 4 if method == "hierarchical" else [])
+    assert all(stage["iterations"] > 0 and 0 <= stage["residual"] < 1 for stage in solved)
+
+
+def original_of(page):
+    """The bytes of the picture in an .html file."""
+    return base64.b64decode(re.search(rb'src="data:image/[a-z]+;base64,([^"]*)"', read(page))[1])
+
+
+def test_every_format_holds_the_mesh(hmesh):
+    report = hmesh.report(f"picture.png {ALL_FORMATS} --vertices 100")
+    faces = report["faces"]
+    assert all(is_whole(f"x.{kind}") for kind in FORMATS)
+    assert read("x.obj").count(b"\nf ") == faces and read("x.svg").count(b"<path ") == faces
+    assert b"/FlateDecode" in read("x.pdf") and b"/FlateDecode" in read("x.eps")
+    page = read("x.html").decode()
+    assert "<title>picture.png</title>" in page and "MSE over pixels and channels" in page
+    assert f"100 vertices\n{faces} faces\nPSNR {report['psnr']:.2f} dB\n" in page
+    assert original_of("x.html") == read("picture.png")
+
+
+@pytest.mark.parametrize("file", ["plain.jpg", "upright.jpg"])
+def test_a_page_holds_the_jpeg_file_that_is_shown_as_it_is_stored(hmesh, file):
+    hmesh.done(f"{file} -o x.html")
+    assert original_of("x.html") == read(file)
+
+
+@pytest.mark.parametrize("file", ["turned.jpg", "turned_little.jpg"])
+def test_a_page_holds_as_png_the_jpeg_file_that_browsers_would_turn(hmesh, file):
+    hmesh.done(f"{file} -o x.html")
+    image, upright = Image.open(io.BytesIO(original_of("x.html"))), ImageOps.exif_transpose(Image.open(file))
+    assert (image.format, image.size) == ("PNG", (8, 16))
+    assert max(abs(a - b) for a, b in zip(image.getdata(), upright.getdata())) < 8  # decoders differ
+
+
+def test_a_page_holds_other_images_as_png(hmesh):
+    hmesh.done("grey_alpha.tga -o x.html --vertices 40")
+    Path("original.png").write_bytes(original_of("x.html"))
+    assert is_png("original.png", (20, 16)) and Image.open("original.png").mode == "LA"
+
+
+def test_svg_has_three_kinds(hmesh):
+    for name, option in {"default": "", "gradient": "--svg gradient", "exact": "--svg exact", "flat": "--svg flat"}.items():
+        hmesh.done(f"picture.png --vertices 100 -o {name}.svg {option}")
+        assert is_whole(f"{name}.svg")
+    assert read("default.svg") == read("gradient.svg")
+    assert b"mix-blend-mode:screen" in read("exact.svg") and b"linearGradient" not in read("flat.svg")
+
+
+def test_pictures_have_their_sizes(hmesh):
+    hmesh.done("picture.png --vertices 100 --render big.png --render-scale 3 --residual residual.png --strip strip.png")
+    assert is_png("big.png", (288, 192)) and is_png("residual.png", (96, 64))
+    assert is_png("strip.png", (396, 64))  # four pictures, 4 px between
+
+
+def test_where_nothing_is_lost_the_residual_is_plain(hmesh):
+    hmesh.done("constant.pgm --residual residual.png")
+    assert set(Image.open("residual.png").getdata()) == {(128, 128, 128)}
+
+
+@pytest.mark.parametrize("file, channels, bits, last", [
+    ("grey.pgm", 1, 8, "intensity"), ("grey16.pgm", 1, 16, "intensity"), ("grey_alpha.tga", 2, 8, "alpha"),
+    ("color.ppm", 3, 8, "blue"), ("color16.ppm", 3, 16, "blue"), ("rgba.tga", 4, 8, "alpha")])
+def test_images_of_any_depth_and_channels_become_meshes_and_pictures(hmesh, file, channels, bits, last):
+    pictures = "--render render.png --wireframe wire.png --residual residual.png --strip strip.png"
+    report = hmesh.report(f"{file} {ALL_FORMATS} --vertices 40 {pictures}")
+    assert (report["channels"], report["bits"]) == (channels, bits)
+    assert f"property uchar {last}" in ply_header("x.ply")
+    assert all(is_whole(f"x.{kind}") for kind in FORMATS)
+    assert all(is_png(f"{name}.png") for name in ["render", "wire", "residual", "strip"])
+
+
+@pytest.mark.parametrize("eight, sixteen", [("grey.pgm", "grey16.pgm"), ("color.ppm", "color16.ppm")])
+def test_8_and_16_bits_are_the_same_picture(hmesh, eight, sixteen):
+    psnr = hmesh.report(f"{eight} --vertices 8")["psnr"]
+    assert psnr > 20  # bytes in the wrong order would make noise of 10 dB
+    assert hmesh.report(f"{sixteen} --vertices 8")["psnr"] == pytest.approx(psnr, abs=1)
+
+
+def test_the_smallest_images_become_meshes(hmesh):
+    hmesh.done("one.pgm -o one.ply --vertices 4")
+    assert "element vertex 4" in ply_header("one.ply")
+    hmesh.done("row.pgm -o row.ply")
+
+
+def test_a_constant_image_has_the_psnr_inf(hmesh):
+    assert re.search(r"^PSNR +inf ", hmesh.done("constant.pgm"), re.M)
+    assert hmesh.report("constant.pgm")["psnr"] == "inf"
+
+
+def test_any_file_name_is_told_in_utf_8(hmesh):
+    name = b'odd "name" \\ \t\xff\xc3\xa4.pgm'
+    shutil.copy(b"grey.pgm", name)
+    assert hmesh.run([name, "--report", "odd.json"]).returncode == 0
+    assert json.loads(read("odd.json"))["input"] == 'odd "name" \\ \t\ufffd\u00e4.pgm'
+
+
+def test_links_are_followed_and_permissions_kept(hmesh):
+    Path("real.ply").touch(0o600)
+    Path("later").mkdir()
+    links = {"link.ply": "real.ply", "first.ply": "later/new.ply", "second.ply": Path("first.ply").absolute(),
+             "loop.ply": "loop.ply"}
+    for link, target in links.items():
+        Path(link).symlink_to(target)
+    hmesh.done("grey.pgm -o link.ply -o second.ply")
+    hmesh.fails("'loop.ply'", "grey.pgm -o loop.ply")
+    assert all(Path(link).is_symlink() for link in links)
+    assert is_whole("real.ply") and is_whole("later/new.ply")
+    assert Path("real.ply").stat().st_mode & 0o777 == 0o600
+
+
+def test_a_depfile_says_what_was_read_for_what_was_written(hmesh):
+    shutil.copy("grey.pgm", "a #1 $2.pgm")
+    hmesh.done("'a #1 $2.pgm' -o 'b $.ply' --report b.json --weights grey.pgm --depfile b.d")
+    assert Path("b.d").read_text() == "b\\ $$.ply b.json: \\\n  a\\ \\#1\\ $$2.pgm \\\n  grey.pgm\n"
+    if shutil.which("make") is None:
+        pytest.skip("there is no make")
+    Path("makefile").write_text("include b.d\nb\\ $$.ply:\n\techo again\n")
+    assert subprocess.run(["make", "-q", "b $.ply"]).returncode == 0
+    later = Path("b $.ply").stat().st_mtime + 10
+    os.utime("grey.pgm", (later, later))
+    assert subprocess.run(["make", "-s", "b $.ply"], capture_output=True).stdout == b"again\n"
+
+
+def on_terminal(words):
+    """What a program prints on a terminal."""
+    ours, its = pty.openpty()
+    with subprocess.Popen(words, stdin=subprocess.DEVNULL, stdout=its, stderr=its), open(ours, "rb", buffering=0) as terminal:
+        os.close(its)
+        printed = b""
+        try:
+            while more := terminal.read(4096):
+                printed += more
+        except OSError:  # nobody writes any more
+            return printed
+    return printed
+
+
+def test_a_terminal_shows_a_progress_bar_unless_quiet(hmesh):
+    assert re.search(rb"\[#*\.*\].* vertices", on_terminal(hmesh.words("picture.png --vertices 100")))
+    assert on_terminal(hmesh.words("picture.png --vertices 100 --quiet")) == b""
+
+
+def test_the_terrain_of_heightmap_looks_up(tmp_path, pytestconfig):
+    terrain = tmp_path / "island.obj"
+    subprocess.run([program(pytestconfig, "heightmap"), terrain], check=True, capture_output=True)
+    lines = [line.split() for line in terrain.read_text().splitlines()]
+    ground = [(float(x), float(z)) for kind, x, _, z in lines if kind == "v"]
+    faces = [[ground[int(v) - 1] for v in corners] for kind, *corners in lines if kind == "f"]
+    assert len(faces) > 1000
+    assert all((b[1] - a[1]) * (c[0] - a[0]) > (b[0] - a[0]) * (c[1] - a[1]) for a, b, c in faces)

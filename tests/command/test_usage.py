@@ -1,0 +1,101 @@
+"""Help, version, and command lines that are refused."""
+import re
+
+import pytest
+
+from conftest import contents, rows
+
+
+def test_help_names_every_option(hmesh):
+    text = hmesh.done("--help")
+    for name in """output vertices rate psnr effort method colors fit-space premultiplied seed weights tile threads svg render
+                   render-scale wireframe residual strip report depfile quiet help version""".split():
+        assert re.search(rf"^ +(-\w, *)?--{name}\b", text, re.M), name
+    assert hmesh.done("-h") == text
+    assert hmesh.done("grey.pgm --rate x --help") == text
+
+
+def test_version_prints_name_and_version(hmesh):
+    assert re.fullmatch(r"hmesh \d+\.\d+\.\d+\n", hmesh.done("--version"))
+
+
+WRONG = rows("""
+    no input image                            |
+    no input image                            | ''
+    'two.png'                                 | grey.pgm two.png
+    'two.png'                                 | -- grey.pgm two.png
+    '--frobnicate'                            | grey.pgm --frobnicate
+    '--frobnicate'                            | --frobnicate
+    '-x'                                      | grey.pgm -x
+    --quiet takes no value                    | grey.pgm --quiet=1
+    --vertices needs a value                  | grey.pgm --vertices
+    --output needs a value                    | grey.pgm -o
+    --weights needs a value                   | grey.pgm --weights
+    --method needs a value                    | grey.pgm --method
+    --colors needs a value                    | grey.pgm --colors
+    --depfile needs a value                   | grey.pgm -o a.ply --depfile
+    --output needs a value that is not empty  | grey.pgm -o ''
+    '12x' is not a whole number               | grey.pgm --vertices 12x
+    '1.5' is not a whole number               | grey.pgm --vertices 1.5
+    ' 5' is not a whole number                | grey.pgm --vertices=' 5'
+    '99999999999999999999'                    | grey.pgm --vertices 99999999999999999999
+    'nan' is not a number                     | grey.pgm --rate nan
+    'inf' is not a number                     | grey.pgm --psnr inf
+    '1e999' must be above 0 and at most 1000  | grey.pgm --psnr 1e999
+    '0x10' is not a number                    | grey.pgm --rate 0x10
+    '1,5' is not a number                     | grey.pgm --rate 1,5
+    '0' must be above 0 and at most 100       | grey.pgm --rate 0
+    '-1' must be above 0 and at most 100      | grey.pgm --rate -1
+    '100.1' must be above 0 and at most 100   | grey.pgm --rate 100.1
+    '-3' is not a whole number from 0 to 2^64 - 1 | grey.pgm --seed -3
+    '18446744073709551616' is not             | grey.pgm --seed 18446744073709551616
+    --vertices excludes --rate                | grey.pgm --vertices 20 --rate 2
+    --rate excludes --psnr                    | grey.pgm --rate 2 --psnr 30
+    --seed is given twice                     | grey.pgm --seed 1 --seed 2
+    --weights is given twice                  | grey.pgm --weights grey.pgm --weights grey.pgm
+    --method is given twice                   | grey.pgm --method xie --method xie
+    --svg is given twice                      | grey.pgm -o a.svg --svg exact --svg flat
+    '-1' must be from 0 to 1024               | grey.pgm --threads -1
+    '1025' must be from 0 to 1024             | grey.pgm --threads 1025
+    'two' is not a whole number               | grey.pgm --threads two
+    '63' must be from 64 to 65536             | grey.pgm --tile 63
+    '65537' must be from 64 to 65536          | grey.pgm --tile 65537
+    '1e3' is not a whole number               | grey.pgm --tile 1e3
+    '0' must be from 1 to 16                  | grey.pgm --render a.png --render-scale 0
+    '17' must be from 1 to 16                 | grey.pgm --render a.png --render-scale 17
+    'slow' is not one of: draft, fast, normal, best | grey.pgm --effort slow
+    'magic' is not one of: annealed, hierarchical, xie, adams, adaptive_thinning | grey.pgm --method magic
+    'magic' is not one of: optimal, sampled   | grey.pgm --colors magic
+    'light' is not one of: stored, linear     | grey.pgm --fit-space light
+    'Exact' is not one of: gradient, exact, flat | grey.pgm -o a.svg --svg Exact
+    'mesh' is not one of: gradient, exact, flat | grey.pgm -o a.svg --svg=mesh
+    'mesh.xyz' must end in one of: .ply, .obj, .glb, .pdf, .eps, .svg, .html | grey.pgm -o mesh.xyz
+    'mesh' must end in one of                 | grey.pgm -o mesh
+    '.svg' must end in one of                 | grey.pgm -o .svg
+    'x.jpg' must end in .png                  | grey.pgm --render x.jpg
+    'x' must end in .png                      | grey.pgm --wireframe x
+    'x.pdf' must end in .png                  | grey.pgm --residual x.pdf
+    'x' must end in .png                      | grey.pgm --strip x
+    --svg is given without an output that ends in .svg | grey.pgm -o a.pdf --svg exact
+    --render-scale requires --render          | grey.pgm --wireframe a.png --render-scale 2
+    --depfile is given without another output | grey.pgm --depfile a.d
+    named for two outputs                     | grey.pgm -o a.ply -o ./a.ply
+    named for two outputs                     | grey.pgm -o a.svg -o ./a.svg
+    named for two outputs                     | grey.pgm -o a.ply --report a.d --depfile ./a.d
+    named for two outputs                     | grey.pgm --render a.png --wireframe a.png
+    named for two outputs                     | grey.pgm --residual a.png --strip a.png
+    overwrite the input                       | picture.png --render picture.png
+    overwrite the input                       | picture.png --residual ./picture.png
+    overwrite the input                       | picture.png --strip picture.png
+    overwrite the weights                     | grey.pgm --weights picture.png --render ./picture.png
+    overwrite the weights                     | grey.pgm -o a.ply --weights picture.png --depfile picture.png
+    """)
+
+
+@pytest.mark.parametrize("sentence, arguments", WRONG)
+def test_wrong_usage_is_told_in_a_sentence_and_touches_no_file(hmesh, sentence, arguments):
+    before = contents()
+    run = hmesh.run(arguments)
+    assert (run.returncode, run.stdout) == (2, "")
+    assert sentence in run.stderr and "hmesh --help" in run.stderr
+    assert contents() == before

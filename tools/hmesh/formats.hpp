@@ -1,0 +1,37 @@
+// tools - the mesh formats that the command writes, chosen by the ending of a file's name. A new format is a line in
+// the table of formats.cpp.
+#ifndef HMESH_TOOLS_FORMATS_HPP
+#define HMESH_TOOLS_FORMATS_HPP
+
+#include <string>
+
+#include "hmesh/core/status.hpp"
+#include "hmesh/io/html.hpp"
+#include "hmesh/io/svg.hpp"
+#include "hmesh/mesh/mesh.hpp"
+#include "image_file.hpp"
+
+namespace tool {
+
+// What some formats are told beside the mesh.
+struct FormatOptions {
+    hmesh::SvgOptions svg;
+    hmesh::HtmlOptions html;
+};
+
+// Whether the name ends so, in lower or upper case, and has more before it.
+[[nodiscard]] bool has_ending(const std::string& name, const std::string& ending);
+
+// Whether there is a format for a file of this name.
+[[nodiscard]] bool is_format(const std::string& name);
+
+// ".ply, .obj" and so on.
+[[nodiscard]] std::string format_endings();
+
+// Writes the mesh in the format of a file of this name, for which there is one.
+[[nodiscard]] hmesh::Status write_mesh(const hmesh::MeshView& mesh, const std::string& name, const FormatOptions& options,
+                                       hmesh::Sink sink);
+
+}  // namespace tool
+
+#endif  // HMESH_TOOLS_FORMATS_HPP

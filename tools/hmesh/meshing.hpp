@@ -1,0 +1,71 @@
+// tools - from types chosen at run time to hmesh's templates: meshes an ImageFile and draws the mesh, whatever the bits and
+// channels of the file. What is told to the library stands in channels.hpp alone.
+#ifndef HMESH_TOOLS_MESHING_HPP
+#define HMESH_TOOLS_MESHING_HPP
+
+#include <cstdint>
+#include <optional>
+#include <string>
+
+#include "hmesh/core/parallel.hpp"
+#include "hmesh/core/progress.hpp"
+#include "hmesh/core/status.hpp"
+#include "hmesh/image/image_view.hpp"
+#include "hmesh/mesh/mesh.hpp"
+#include "hmesh/methods/annealed/options.hpp"
+#include "hmesh/options.hpp"
+#include "hmesh/result.hpp"
+#include "image_file.hpp"
+
+namespace tool {
+
+// How meshes are made. All but the first are there to be compared with: they know no effort, seed or tile.
+enum class Method : std::uint8_t { annealed, hierarchical, xie, adams, adaptive_thinning };
+
+// Between which values of the vertices programs that show the mesh are to interpolate.
+enum class FitSpace : std::uint8_t { stored, linear };
+
+// What a mesh is to be like.
+struct MeshingOptions {
+    hmesh::Target target;
+    Method method = Method::annealed;
+    hmesh::Effort effort = hmesh::Effort::normal;
+    std::uint64_t seed = 1;
+    int tile = 0;                         // px; 0: as the library chooses
+    std::optional<hmesh::Colors> colors;  // none: those of the method
+    FitSpace fit_space = FitSpace::stored;
+    bool premultiplied = false;
+    hmesh::ImageView<float, 1> weights;  // none: all pixels count the same
+    hmesh::Progress progress;
+};
+
+// The colours that a mesh made with these options has.
+[[nodiscard]] hmesh::Colors final_colors(const MeshingOptions& options) noexcept;
+
+// What is wrong with options that are right each by itself, a sentence; empty: nothing.
+[[nodiscard]] std::string find_conflict(const MeshingOptions& options);
+
+[[nodiscard]] hmesh::Result mesh_file(const ImageFile& image, const MeshingOptions& options,
+                                      const hmesh::ParallelFor& parallel_for);
+
+struct DrawOptions {
+    int scale = 1;              // picture over mesh
+    bool linear_light = false;  // see hmesh::RenderOptions
+};
+
+// The mesh drawn at 8 bits, with as many channels as it has, straight colours.
+[[nodiscard]] hmesh::Status draw(const hmesh::MeshView& mesh, const DrawOptions& options, Picture& picture);
+
+namespace detail {
+
+// Defined in channels.hpp, compiled in channels_grey.cpp and channels_color.cpp.
+template <int C>
+[[nodiscard]] hmesh::Result mesh_channels(const ImageFile& image, const MeshingOptions& options,
+                                          const hmesh::ParallelFor& parallel_for);
+template <int C>
+[[nodiscard]] hmesh::Status draw_channels(const hmesh::MeshView& mesh, const DrawOptions& options, Picture& picture);
+
+}  // namespace detail
+}  // namespace tool
+
+#endif  // HMESH_TOOLS_MESHING_HPP

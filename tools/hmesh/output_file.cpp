@@ -1,0 +1,103 @@
+#include "output_file.hpp"
+
+#include <cerrno>
+#include <cstring>
+#include <filesystem>
+#include <system_error>
+#include <utility>
+
+namespace tool {
+
+namespace fs = std::filesystem;
+
+OutputFile::OutputFile(std::string path) : target_(std::move(path)) {
+    std::error_code none;
+    const auto leads_nowhere = [&] { return !fs::exists(target_, none) && fs::is_symlink(fs::symlink_status(target_, none)); };
+    for (int links = 0; links < 40 && leads_nowhere(); ++links)  // to a file that is to be made
+        target_ = (fs::path(target_).parent_path() / fs::read_symlink(target_, none)).string();
+    const fs::file_status status = fs::status(target_, none);
+    if (leads_nowhere()) refusal_ = ELOOP;
+    if (fs::is_directory(status)) refusal_ = EISDIR;
+    in_place_ = fs::exists(status) && !fs::is_regular_file(status);
+    if (fs::is_regular_file(status)) {
+        const fs::path real = fs::canonical(target_, none);
+        if (!none) target_ = real.string();
+    }
+}
+
+bool OutputFile::is_writable() {
+    if (in_place_ && refusal_ == 0) return true;
+    const bool opened = open();
+    discard();
+    return opened;
+}
+
+bool OutputFile::open() {
+    if (refusal_ != 0) return fail(refusal_);
+    errno = 0;
+    if (in_place_) {
+        file_ = std::fopen(target_.c_str(), "wb");
+        return file_ != nullptr || fail(errno);
+    }
+    if (!may_replace()) return fail(errno);
+    for (int number = 0; number < 100 && file_ == nullptr; ++number) {
+        const std::string name = target_ + ".part" + std::to_string(number);
+        errno = 0;
+        file_ = std::fopen(name.c_str(), "wbx");
+        if (file_ != nullptr) temporary_ = name;
+        if (file_ == nullptr && errno != EEXIST) break;
+    }
+    return file_ != nullptr || fail(errno);
+}
+
+bool OutputFile::operator()(const void* bytes, std::size_t size) {
+    if (size == 0) return true;
+    errno = 0;
+    return std::fwrite(bytes, 1, size, file_) == size || fail(errno);
+}
+
+bool OutputFile::commit() {
+    errno = 0;
+    std::FILE* file = file_;
+    file_ = nullptr;
+    if (std::fclose(file) != 0) {
+        const int why = errno;
+        discard();
+        return fail(why);
+    }
+    if (in_place_) return true;
+    std::error_code code;
+    const fs::file_status replaced = fs::status(target_, code);
+    if (fs::exists(replaced)) fs::permissions(temporary_, replaced.permissions(), code);
+    fs::rename(temporary_, target_, code);
+    if (!code) {
+        temporary_.clear();
+        return true;
+    }
+    discard();
+    return fail(code.value());
+}
+
+// A target that exists is replaced only if it could be written.
+bool OutputFile::may_replace() const {
+    std::error_code none;
+    if (!fs::exists(target_, none)) return true;
+    std::FILE* existing = std::fopen(target_.c_str(), "r+b");
+    if (existing == nullptr) return false;
+    std::fclose(existing);
+    return true;
+}
+
+void OutputFile::discard() {
+    if (file_ != nullptr) std::fclose(file_);
+    if (!temporary_.empty()) static_cast<void>(std::remove(temporary_.c_str()));
+    file_ = nullptr;
+    temporary_.clear();
+}
+
+bool OutputFile::fail(int why) {
+    error_ = why != 0 ? std::strerror(why) : "unknown error";
+    return false;
+}
+
+}  // namespace tool

@@ -1,0 +1,24 @@
+// tools - the command's report as JSON (RFC 8259). An infinite PSNR is the string "inf"; seconds that were not measured are
+// null; what is no UTF-8 in names of files is replaced.
+#ifndef HMESH_TOOLS_REPORT_HPP
+#define HMESH_TOOLS_REPORT_HPP
+
+#include <string>
+
+#include "arguments.hpp"
+#include "image_file.hpp"
+#include "meshing.hpp"
+#include "progress_watch.hpp"
+
+namespace tool {
+
+// What the PSNR of a mesh made with these arguments is, for people.
+[[nodiscard]] std::string psnr_formula(const Arguments& arguments);
+
+// `seconds`: of wall-clock time, for the whole mesh.
+[[nodiscard]] std::string report_json(const Arguments& arguments, const ImageFile& image, const hmesh::Result& outcome,
+                                      double seconds, const ProgressWatch& watch);
+
+}  // namespace tool
+
+#endif  // HMESH_TOOLS_REPORT_HPP
