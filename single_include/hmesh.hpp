@@ -19,17 +19,17 @@
 // ---- hmesh/core/version.hpp
 
 /// \file
-/// The version, read by CMake from here and nowhere else.
+/// The version of hmesh. CMake and the packages read it from here.
 #ifndef HMESH_CORE_VERSION_HPP
 #define HMESH_CORE_VERSION_HPP
 
-/// Rises when programs must be changed; while it is 0, the next number does.
+/// Major version: rises with breaking changes (while it is 0, the minor version does).
 #define HMESH_VERSION_MAJOR 0
-/// Rises when there is something new.
+/// Minor version: rises with new features.
 #define HMESH_VERSION_MINOR 1
-/// Rises when something was mended.
+/// Patch version: rises with fixes.
 #define HMESH_VERSION_PATCH 0
-/// The three numbers, as in names of packages.
+/// The version as text, "major.minor.patch".
 #define HMESH_VERSION_STRING "0.1.0"
 
 #endif  // HMESH_CORE_VERSION_HPP
@@ -37,11 +37,11 @@
 // ---- hmesh/core/finite.hpp
 
 /// \file
-/// is_finite(), is_within(): can a number that came from outside be calculated with?
+/// is_finite(), is_within(): whether a number that came from outside can be calculated with.
 ///
-/// Answered by the bits. Compilers that are told of finite numbers only (-ffast-math) take std::isfinite() and comparisons
-/// with NaN to be true without looking; what users hand over is checked with these two, so that it is refused there too. They
-/// look at memory: clang++ takes numbers that are parameters or results of functions to be finite as well.
+/// Both look at the bits in memory. Compilers that assume finite numbers (-ffast-math) answer std::isfinite() and comparisons
+/// with NaN without looking, and clang++ assumes parameters and results of functions to be finite too; what users hand over is
+/// checked with these two, so that NaN is refused there as well.
 #ifndef HMESH_CORE_FINITE_HPP
 #define HMESH_CORE_FINITE_HPP
 
@@ -53,12 +53,13 @@ namespace hmesh::kit {
 
 static_assert(std::numeric_limits<float>::is_iec559 && std::numeric_limits<double>::is_iec559, "hmesh needs IEEE 754");
 
-/// Whether it is neither NaN nor infinite.
+/// Whether the value is neither NaN nor infinite.
 [[nodiscard]] inline bool is_finite(const float& value) noexcept {
     std::uint32_t bits = 0;
     std::memcpy(&bits, &value, sizeof bits);
     return (bits & 0x7F800000U) != 0x7F800000U;
 }
+/// Whether the value is neither NaN nor infinite.
 [[nodiscard]] inline bool is_finite(const double& value) noexcept {
     std::uint64_t bits = 0;
     std::memcpy(&bits, &value, sizeof bits);
@@ -67,13 +68,16 @@ static_assert(std::numeric_limits<float>::is_iec559 && std::numeric_limits<doubl
 
 namespace detail {
 
-/// Made of their bits too: the same compilers warn of the constants, and of whatever is called infinity.
+/// The double with these bits. Infinity and NaN are made of them, because compilers that assume finite numbers warn of the
+/// constants, and of whatever is called infinity.
 [[nodiscard]] inline double double_of_bits(std::uint64_t bits) noexcept {
     double value = 0;
     std::memcpy(&value, &bits, sizeof value);
     return value;
 }
+/// Positive infinity.
 [[nodiscard]] inline double infinity() noexcept { return double_of_bits(0x7FF0000000000000U); }
+/// A quiet NaN.
 [[nodiscard]] inline double nan() noexcept { return double_of_bits(0x7FF8000000000000U); }
 
 }  // namespace detail
@@ -90,11 +94,11 @@ namespace detail {
 // ---- hmesh/core/status.hpp
 
 /// \file
-/// Status: how every function that can meet bad input says so.
+/// Status: how a function that checks its input reports what is wrong.
 ///
-/// hmesh throws nothing of its own, prints nothing and aborts nothing; std::bad_alloc passes through (without exceptions, no
-/// memory ends the program). A Status is a small value that allocates nothing; message() makes a sentence of
-/// it, check_ranges() makes one from a table of options.
+/// hmesh throws nothing of its own, prints nothing and never aborts; std::bad_alloc passes through (without exceptions, running
+/// out of memory ends the program). A Status is a small value that allocates nothing; message() makes a sentence of it,
+/// check_ranges() makes one from a table of options.
 #ifndef HMESH_CORE_STATUS_HPP
 #define HMESH_CORE_STATUS_HPP
 
@@ -105,39 +109,42 @@ namespace detail {
 
 namespace hmesh {
 
-/// What kind of thing went wrong.
+/// Kinds of failure.
 enum class Errc : std::uint8_t {
-    ok,                   ///< all is well
-    invalid_argument,     ///< a pointer, size, stride or option that means nothing
+    ok,                   ///< success
+    invalid_argument,     ///< a pointer, size, stride or option outside its range
     image_too_large,      ///< more pixels or a longer side than the library addresses
-    target_out_of_range,  ///< a target that the image cannot hold, or a PSNR that no mesh of it reached
-    not_finite,           ///< NaN or infinity where a number is needed
+    target_out_of_range,  ///< a number of vertices that the image cannot hold, or a PSNR that no mesh of it reached
+    not_finite,           ///< NaN or infinity where a finite number is needed
     write_failed,         ///< a sink refused bytes
-    cancelled,            ///< the progress callback said stop
+    cancelled,            ///< the progress callback returned false
 };
 
-/// The outcome of a function that checks its input. Converts to true when all is well.
+/// The outcome of a function that checks its input. Converts to true on success.
 struct [[nodiscard]] Status {
-    Errc code = Errc::ok;   ///< the kind of failure
-    const char* what = "";  ///< a sentence without numbers, in static memory
-    double value = 0;       ///< the number that offended
-    double limit = 0;       ///< the bound that it missed; both 0 where the sentence says it all
+    Errc code = Errc::ok;   ///< kind of failure
+    const char* what = "";  ///< a sentence without numbers, in static memory; empty on success
+    double value = 0;       ///< the offending number
+    /// The bound that `value` violates. Both are 0 where the sentence says all.
+    double limit = 0;
 
-    /// All is well.
+    /// Success.
     constexpr Status() noexcept = default;
-    /// A failure; numbers of any arithmetic type, of which 64-bit integers keep 53 bits.
+    /// A failure. `sentence` must be in static memory; `offending` and `bound` are of any arithmetic type (64-bit integers keep
+    /// 53 bits).
     template <class Value = int, class Limit = int>
     constexpr Status(Errc kind, const char* sentence, Value offending = 0, Limit bound = 0) noexcept
         : code(kind), what(sentence), value(static_cast<double>(offending)), limit(static_cast<double>(bound)) {}
 
+    /// Whether the outcome is success.
     constexpr explicit operator bool() const noexcept { return code == Errc::ok; }
 };
 
-/// A sentence of at most 255 bytes, ended by a zero; what is longer is cut. Allocates nothing.
+/// Text of at most 255 bytes, zero-terminated; longer text is cut. Allocates nothing.
 class Message {
   public:
-    [[nodiscard]] const char* c_str() const noexcept { return text_; }
-    [[nodiscard]] std::size_t size() const noexcept { return size_; }  ///< bytes, without the zero
+    [[nodiscard]] const char* c_str() const noexcept { return text_; }  ///< the text, valid as long as the Message
+    [[nodiscard]] std::size_t size() const noexcept { return size_; }   ///< length in bytes, without the terminating zero
 
     /// Appends text.
     Message& operator<<(const char* text) noexcept {
@@ -145,7 +152,7 @@ class Message {
         text_[size_] = 0;
         return *this;
     }
-    /// Appends a number: whole ones below 1e15 with all digits, others with six significant ones, whatever the locale.
+    /// Appends a number in any locale alike: whole numbers below 1e15 with all digits, others with six significant ones.
     Message& operator<<(double number) noexcept {
         if (!kit::is_finite(number)) return *this << "a number that is not finite";
         if (number < 0) *this << "-";
@@ -167,6 +174,7 @@ class Message {
   private:
     static constexpr std::size_t capacity = 256;
 
+    /// Appends a whole number with all digits.
     Message& digits(std::uint64_t number) noexcept {
         char text[21];
         std::size_t at = sizeof text - 1;
@@ -177,7 +185,7 @@ class Message {
         } while (number != 0);
         return *this << text + at;
     }
-    // number / 10^places, without zeros at the end.
+    /// Appends number / 10^places, without zeros at the end.
     Message& fixed(std::uint64_t number, int places) noexcept {
         std::uint64_t power = 1;
         for (; places > 0 && number % 10 == 0; --places) number /= 10;
@@ -196,7 +204,7 @@ class Message {
     std::size_t size_ = 0;
 };
 
-/// What a status says, with the numbers that it has: "the image is too wide (70000, limit 65536)"; "ok" when all is well.
+/// The sentence of a status with its numbers, as in "the image is too wide (70000, limit 65536)"; "ok" on success.
 [[nodiscard]] inline Message message(const Status& status) noexcept {
     Message out;
     if (status) return out << "ok";
@@ -213,13 +221,16 @@ class Message {
 
 namespace kit {
 
-/// An option: the sentence that says what it must be, its value, and the least and the largest that are allowed.
+/// An option and the values that it may have, for check_ranges().
 struct Range {
-    const char* what;
-    double value, low, high;
+    const char* what;  ///< sentence for the user: what the option must be
+    double value,      ///< value of the option
+        low,           ///< smallest value allowed
+        high;          ///< largest value allowed
 };
 
-/// The first option that is out of its range as invalid_argument with the bound that it missed; what is not finite missed the upper.
+/// invalid_argument for the first option that is outside its range, with the bound that it violates (NaN and infinities:
+/// `high`).
 [[nodiscard]] inline Status check_ranges(std::initializer_list<Range> ranges) noexcept {
     for (const Range& range : ranges)
         if (!is_within(range.value, range.low, range.high)) {
@@ -237,11 +248,11 @@ struct Range {
 // ---- hmesh/mesh/mesh.hpp
 
 /// \file
-/// Mesh, the result as plain arrays, and MeshView, the pointers and counts that exporters and renderers read.
+/// Mesh, a triangle mesh as plain arrays, and MeshView, the pointers and counts that exporters and render() read.
 ///
-/// Vertex i is at (positions[2i], positions[2i + 1]) in the plane of the image it stands for, [0, width] x [0, height], y
-/// down; its colour is colors[C i] .. colors[C i + C - 1] in the image's stored values, `peak` meaning full intensity. Face f
-/// joins faces[f][0..2], positively oriented: clockwise on the screen.
+/// Vertex i is at (positions[2i], positions[2i + 1]) in the plane of the image, [0, width] x [0, height] in px, y down. Its
+/// colour is colors[C i] .. colors[C i + C - 1], in the image's stored values; `peak` is full intensity. Face f joins the
+/// vertices faces[f][0], faces[f][1] and faces[f][2], positively oriented: clockwise on the screen.
 #ifndef HMESH_MESH_MESH_HPP
 #define HMESH_MESH_MESH_HPP
 
@@ -252,44 +263,49 @@ struct Range {
 
 namespace hmesh {
 
-/// The indices of its corners.
+/// A face: the indices of its three vertices.
 using Triangle = std::array<std::uint32_t, 3>;
 
-/// A mesh in somebody else's memory, which outlives the view.
+/// A non-owning view of a mesh, whose arrays must outlive it.
 struct MeshView {
-    const float* positions = nullptr;  ///< 2 a vertex
-    const float* colors = nullptr;     ///< `channels` a vertex
-    const Triangle* faces = nullptr;
-    std::size_t vertex_count = 0, face_count = 0;
-    int channels = 0;
-    int width = 0, height = 0;  ///< px of the image
-    double peak = 0;            ///< the colour value of full intensity
-    /// Of 2 or 4 channels, of which the last is alpha: the others are stored multiplied by alpha / peak. Exporters to formats
-    /// that want straight colours divide by it.
+    const float* positions = nullptr;  ///< x and y of each vertex, in px: 2 * vertex_count numbers
+    const float* colors = nullptr;     ///< colour of each vertex, in stored values: channels * vertex_count numbers
+    const Triangle* faces = nullptr;   ///< the faces: face_count triples of indices
+    std::size_t vertex_count = 0,      ///< number of vertices
+        face_count = 0;                ///< number of faces
+    int channels = 0;                  ///< samples of a colour, 1 to 16; of 2 or 4 the last is alpha
+    int width = 0,                     ///< px of the image
+        height = 0;                    ///< px of the image
+    double peak = 0;                   ///< colour value of full intensity, > 0
+    /// Whether the colours, of 2 or 4 channels, are stored multiplied by alpha / peak. Exporters to formats that want straight
+    /// colours divide by it.
     bool premultiplied = false;
 };
 
-/// A mesh that owns its arrays; all members mean what the view's mean.
+/// A triangle mesh that owns its arrays.
 struct Mesh {
-    std::vector<float> positions;
-    std::vector<float> colors;
-    std::vector<Triangle> faces;
-    int channels = 0;
-    int width = 0, height = 0;
-    double peak = 0;
-    bool premultiplied = false;
+    std::vector<float> positions;  ///< x and y of each vertex, in px
+    std::vector<float> colors;     ///< colour of each vertex, `channels` numbers in stored values
+    std::vector<Triangle> faces;   ///< the three vertices of each face
+    int channels = 0;              ///< samples of a colour, 1 to 16; of 2 or 4 the last is alpha
+    int width = 0,                 ///< px of the image
+        height = 0;                ///< px of the image
+    double peak = 0;               ///< colour value of full intensity, > 0
+    bool premultiplied = false;    ///< whether colours are stored multiplied by alpha / peak
 
+    /// The number of vertices.
     [[nodiscard]] std::size_t vertex_count() const noexcept { return positions.size() / 2; }
+    /// The number of faces.
     [[nodiscard]] std::size_t face_count() const noexcept { return faces.size(); }
-    /// Valid until the arrays change.
+    /// A view of the mesh, valid until its arrays change.
     [[nodiscard]] MeshView view() const noexcept {
         return {positions.data(), colors.data(), faces.data(), vertex_count(), face_count(),
                 channels,         width,         height,       peak,           premultiplied};
     }
 };
 
-/// Whether a view can be drawn and written: it has vertices and faces, 1 to `most_channels` channels, finite numbers, a
-/// positive peak, and every index in range. O(n).
+/// Whether a mesh can be drawn and written: it has vertices and faces, 1 to `most_channels` channels, finite numbers, a
+/// positive peak, and every index in range. Otherwise invalid_argument or not_finite. O(vertices + faces).
 [[nodiscard]] inline Status check(const MeshView& mesh, int most_channels) noexcept {
     if (mesh.vertex_count == 0) return {Errc::invalid_argument, "the mesh has no vertices", 0, 1};
     if (mesh.face_count == 0) return {Errc::invalid_argument, "the mesh has no faces", 0, 1};
@@ -649,11 +665,11 @@ class StripWalk {
 // ---- hmesh/core/function_ref.hpp
 
 /// \file
-/// FunctionRef: a reference to any callable, so that what takes a callback is compiled once.
+/// FunctionRef: a non-owning reference to any callable, so that what takes a callback is compiled once.
 ///
-/// Two words, nothing allocated; a call costs one jump through a pointer, some 2 ns. As C++26's std::function_ref, except that
-/// it may refer to nothing, and that what it calls must return the very type that was asked for: a count where a bool is
-/// wanted is a mistake.
+/// Two pointers, nothing allocated; a call costs an indirect jump, some 2 ns. Like C++26's std::function_ref, except that it
+/// may refer to nothing, and that the callable must return exactly the type asked for: a count where a bool is wanted is a
+/// mistake.
 #ifndef HMESH_CORE_FUNCTION_REF_HPP
 #define HMESH_CORE_FUNCTION_REF_HPP
 
@@ -663,11 +679,12 @@ class StripWalk {
 
 namespace hmesh {
 
+/// A non-owning reference to a callable with this signature, as in FunctionRef<bool(int)>.
 template <class Signature>
 class FunctionRef;
 
-/// Refers to an object, which must outlive the reference, or holds a pointer to a function. A lambda written in the call is
-/// fine: it lives until the call returns. To keep a reference, keep the callable first: assigning a temporary is refused.
+/// Refers to a callable object, which must outlive the reference, or to a function. A lambda written in the call lives until
+/// the call returns. To keep a reference, keep the callable first: assigning a temporary is refused.
 template <class Result, class... Arguments>
 class FunctionRef<Result(Arguments...)> {
     template <class Callable>
@@ -678,21 +695,22 @@ class FunctionRef<Result(Arguments...)> {
     }
 
   public:
-    /// Refers to nothing; must not be called.
+    /// Refers to nothing, and must not be called.
     FunctionRef() noexcept = default;
-    /// To a function.
+    /// Refers to a function; to nothing for a null pointer.
     FunctionRef(Result (*function)(Arguments...)) noexcept  // NOLINT(google-explicit-constructor)
         : any_function(reinterpret_cast<void (*)()>(function)), call_(function != nullptr ? &call_function : nullptr) {}
-    /// To an object that can be called with these arguments.
+    /// Refers to an object that can be called with these arguments and outlives the reference.
     template <class Callable, std::enable_if_t<accepts<std::remove_reference_t<Callable>>(), int> = 0>
     FunctionRef(Callable&& object) noexcept  // NOLINT(google-explicit-constructor,bugprone-forwarding-reference-overload)
         : any_object(const_cast<void*>(static_cast<const void*>(std::addressof(object)))),
           call_(&call_object<std::remove_reference_t<Callable>>) {}
     template <class Callable, std::enable_if_t<accepts<Callable>(), int> = 0>
-    FunctionRef& operator=(const Callable&&) = delete;  // it would not outlive the statement
+    FunctionRef& operator=(const Callable&&) = delete;  ///< refused: a temporary would not outlive the statement
 
+    /// Calls what it refers to.
     Result operator()(Arguments... arguments) const { return call_(*this, std::forward<Arguments>(arguments)...); }
-    /// Whether it refers to anything.
+    /// Whether it refers to a callable.
     explicit operator bool() const noexcept { return call_ != nullptr; }
 
   private:
@@ -1131,10 +1149,10 @@ inline Status write_eps(const MeshView& source, Sink sink, const PageOptions& op
 // ---- hmesh/core/srgb.hpp
 
 /// \file
-/// SRGB: what light a stored value stands for, and which stored value stands for some light.
+/// The sRGB transfer function of IEC 61966-2-1, both ways: between stored values and light, as shares of full intensity.
 ///
-/// IEC 61966-2-1, all values shares of the full one. Nothing but sums, products, quotients and square roots, which are the
-/// same on all machines; the last bit of std::pow differs between standard libraries. About 10 ns each.
+/// Nothing but sums, products, quotients and square roots, which are the same on all machines; the last bit of std::pow differs
+/// between standard libraries. About 10 ns a call.
 #ifndef HMESH_CORE_SRGB_HPP
 #define HMESH_CORE_SRGB_HPP
 
@@ -1142,8 +1160,8 @@ inline Status write_eps(const MeshView& source, Sink sink, const PageOptions& op
 
 namespace hmesh::kit {
 
-/// The light, as a share of full light, of an sRGB-encoded share in [0, 1]. The power 2.4 is the twelfth of the fifth root,
-/// found by Newton's method. Off by less than 1e-14.
+/// The linear light, as a share of full light, of an sRGB-encoded share in [0, 1]. Error below 1e-14. The power 2.4 is the
+/// twelfth power of the fifth root, found by Newton's method.
 [[nodiscard]] inline double srgb_to_linear(double share) noexcept {
     if (share <= 0.04045) return share / 12.92;
     const double x = (share + 0.055) / 1.055;
@@ -1156,8 +1174,8 @@ namespace hmesh::kit {
     return fourth * fourth * fourth;
 }
 
-/// The sRGB-encoded share of light in [0, 1]. The power 1 / 2.4 is the square root of the square root, times the cube root of
-/// the square root, found by Halley's method. Off by less than 1e-12.
+/// The sRGB-encoded share of a share of light in [0, 1]. Error below 1e-12. The power 1 / 2.4 is the square root of the square
+/// root times the cube root of the square root, found by Halley's method.
 [[nodiscard]] inline double linear_to_srgb(double light) noexcept {
     if (light <= 0.0031308) return 12.92 * light;
     const double s = std::sqrt(light);
@@ -1169,7 +1187,7 @@ namespace hmesh::kit {
     return 1.055 * (std::sqrt(s) * root) - 0.055;
 }
 
-/// The derivative of linear_to_srgb at light that it encodes to `share`: 12.92 near black, 0.44 at white.
+/// The derivative of linear_to_srgb() at `light`, of which `share` is the encoded value: 12.92 near black, 0.44 at white.
 [[nodiscard]] inline double linear_to_srgb_slope(double light, double share) noexcept {
     return light <= 0.0031308 ? 12.92 : (share + 0.055) / (2.4 * light);
 }
@@ -2254,16 +2272,16 @@ inline Status write_obj(const MeshView& source, Sink sink) {
 // ---- hmesh/core/assert.hpp
 
 /// \file
-/// HMESH_ASSERT, the check for wrong use of the library by its caller.
+/// HMESH_ASSERT: the check for wrong use of the library by its caller.
 ///
-/// Wrong *input* (sizes, targets, pixels) never asserts: it comes back as a Status. Define HMESH_ASSERT before the first
-/// include of hmesh to send failures elsewhere. It changes no type and no layout.
+/// Wrong *input* (sizes, targets, pixels) never asserts: it is reported by a Status. Define HMESH_ASSERT before the first
+/// include of hmesh to send failures elsewhere; that changes no type and no layout.
 #ifndef HMESH_CORE_ASSERT_HPP
 #define HMESH_CORE_ASSERT_HPP
 
 #ifndef HMESH_ASSERT
 #include <cassert>
-/// Fails where the condition is false: a mistake of the caller. By default as assert() does, hence nothing with NDEBUG.
+/// Fails where the condition is false, which is a mistake of the caller. By default it is assert(), hence nothing with NDEBUG.
 #define HMESH_ASSERT(condition) assert(condition)
 #endif
 
@@ -3113,12 +3131,12 @@ inline Status write_svg(const MeshView& mesh, Sink sink, const SvgOptions& optio
 // ---- hmesh/core/compiler.hpp
 
 /// \file
-/// What compilers are told of functions: which are inlined, which never, and which run seldom.
+/// Attributes of functions: inlined always, inlined never, seldom run.
 #ifndef HMESH_CORE_COMPILER_HPP
 #define HMESH_CORE_COMPILER_HPP
 
-/// Inlined even where compilers think it too large: what innermost loops call. Not without optimisation, where it would only make
-/// compiling slower, up to twice.
+/// Inlined even where a compiler thinks the function too large: for what innermost loops call. Not without optimisation, where
+/// it would only make compiling slower, up to twice.
 #if defined(__GNUC__) && defined(__OPTIMIZE__)
 #define HMESH_ALWAYS_INLINE inline __attribute__((always_inline))
 #elif defined(_MSC_VER)
@@ -3138,8 +3156,8 @@ inline Status write_svg(const MeshView& mesh, Sink sink, const SvgOptions& optio
 #define HMESH_NEVER_INLINE
 #endif
 
-/// Runs once a mesh, a tile or a stage, never once a vertex: compiled for size, which takes a tenth off the compile time of a call
-/// of mesh_image() and adds less than 0.5 % to its run time.
+/// For functions that run once a mesh, tile or stage, never once a vertex: compiled for size, which takes a tenth off the compile
+/// time of a call of mesh_image() and adds less than 0.5 % to its run time.
 #if defined(__GNUC__)
 #define HMESH_COLD __attribute__((cold))
 #else
@@ -3151,14 +3169,14 @@ inline Status write_svg(const MeshView& mesh, Sink sink, const SvgOptions& optio
 // ---- hmesh/core/lanes.hpp
 
 /// \file
-/// Lanes<N>: N doubles that are added and multiplied together.
+/// Lanes: N doubles that are added and multiplied together.
 ///
-/// The channels of a pixel, padded to a size the processor likes, so that the arithmetic of all channels costs that of
-/// one. With GCC and Clang the lanes are vector-extension types of 2 or 4 doubles, which become SSE, AVX or NEON registers
-/// without naming any of them; with another compiler they are plain doubles.
+/// The channels of a pixel, padded to a size the processor likes, so that the arithmetic of all channels costs that of one.
+/// With GCC and Clang the lanes are vector-extension types of 2 or 4 doubles, which become SSE, AVX or NEON registers; with
+/// another compiler they are plain doubles.
 ///
-/// Functions that are not inlined take and give them by reference: in which registers a vector is passed depends on -mavx, and
-/// a program may hold files compiled with it and without. The layout does not.
+/// Pass Lanes by reference across calls that are not inlined: the vector ABI depends on -mavx, and translation units may differ
+/// in it. The layout in memory does not.
 #ifndef HMESH_CORE_LANES_HPP
 #define HMESH_CORE_LANES_HPP
 
@@ -3169,6 +3187,7 @@ inline Status write_svg(const MeshView& mesh, Sink sink, const SvgOptions& optio
 namespace hmesh::kit {
 namespace detail {
 
+// The type of one register, and the number of doubles in it.
 template <int Width>
 struct LaneBlock {
     using Type = double;
@@ -3192,18 +3211,18 @@ struct LaneBlock<4> {
 /// The number of lanes that holds n values: 1, 2 or the next multiple of 4.
 constexpr int lanes_for(int n) { return n <= 2 ? n : (n + 3) / 4 * 4; }
 
-/// Arithmetic is lane by lane; N is what lanes_for() gives.
+/// N doubles, N = lanes_for(N); arithmetic is lane by lane.
 template <int N>
 struct Lanes {
     static_assert(N == lanes_for(N), "1, 2 or a multiple of 4 lanes");
-    using Block = typename detail::LaneBlock<(N < 4 ? N : 4)>::Type;
-    static constexpr int width = detail::LaneBlock<(N < 4 ? N : 4)>::width;
-    static constexpr int blocks = N / width;
+    using Block = typename detail::LaneBlock<(N < 4 ? N : 4)>::Type;         ///< the type of one register
+    static constexpr int width = detail::LaneBlock<(N < 4 ? N : 4)>::width;  ///< doubles in a register
+    static constexpr int blocks = N / width;                                 ///< number of registers
 
-    Block block[std::size_t{blocks}];
+    Block block[std::size_t{blocks}];  ///< lane i is in block i / width
 
-    [[nodiscard]] static HMESH_ALWAYS_INLINE Lanes zero() { return Lanes{}; }
-    /// This value in all lanes.
+    [[nodiscard]] static HMESH_ALWAYS_INLINE Lanes zero() { return Lanes{}; }  ///< 0 in all lanes
+    /// The value in all lanes.
     [[nodiscard]] static HMESH_ALWAYS_INLINE Lanes all(double value) {
         Lanes r;
         for (int k = 0; k < blocks; ++k) r.block[k] = Block{} + value;
@@ -3215,6 +3234,7 @@ struct Lanes {
         std::memcpy(r.block, from, sizeof r.block);
         return r;
     }
+    /// N integers from memory, which need not be aligned, converted to double.
     [[nodiscard]] static HMESH_ALWAYS_INLINE Lanes load(const std::int32_t* from) {
         Lanes r;
 #if defined(__GNUC__)
@@ -3232,55 +3252,64 @@ struct Lanes {
         return r;
     }
 
+    /// Lane i, 0 <= i < N.
     HMESH_ALWAYS_INLINE double operator[](int i) const {
         if constexpr (width == 1) return block[i];
         else return block[i / width][i % width];
     }
-    /// Lane i, 0 <= i < N.
+    /// Sets lane i, 0 <= i < N.
     HMESH_ALWAYS_INLINE void set(int i, double value) {
         if constexpr (width == 1) block[i] = value;
         else block[i / width][i % width] = value;
     }
-    /// N numbers to memory, which need not be aligned.
+    /// Writes N numbers to memory, which need not be aligned.
     HMESH_ALWAYS_INLINE void store(double* to) const { std::memcpy(to, block, sizeof block); }
 
+    /// Adds lane by lane.
     HMESH_ALWAYS_INLINE Lanes& operator+=(const Lanes& o) {
         for (int k = 0; k < blocks; ++k) block[k] += o.block[k];
         return *this;
     }
+    /// Subtracts lane by lane.
     HMESH_ALWAYS_INLINE Lanes& operator-=(const Lanes& o) {
         for (int k = 0; k < blocks; ++k) block[k] -= o.block[k];
         return *this;
     }
+    /// Multiplies all lanes by a number.
     HMESH_ALWAYS_INLINE Lanes& operator*=(double s) {
         for (int k = 0; k < blocks; ++k) block[k] *= s;
         return *this;
     }
+    /// The sum, lane by lane.
     friend HMESH_ALWAYS_INLINE Lanes operator+(const Lanes& a, const Lanes& b) {
         Lanes r = a;
         return r += b;
     }
+    /// The difference, lane by lane.
     friend HMESH_ALWAYS_INLINE Lanes operator-(const Lanes& a, const Lanes& b) {
         Lanes r = a;
         return r -= b;
     }
+    /// The product with a number.
     friend HMESH_ALWAYS_INLINE Lanes operator*(const Lanes& a, double s) {
         Lanes r = a;
         return r *= s;
     }
-    friend HMESH_ALWAYS_INLINE Lanes operator*(double s, const Lanes& a) { return a * s; }
+    friend HMESH_ALWAYS_INLINE Lanes operator*(double s, const Lanes& a) { return a * s; }  ///< product with a number
+    /// The product, lane by lane.
     friend HMESH_ALWAYS_INLINE Lanes operator*(const Lanes& a, const Lanes& b) {
         Lanes r = a;
         for (int k = 0; k < blocks; ++k) r.block[k] *= b.block[k];
         return r;
     }
+    /// The negative of each lane.
     friend HMESH_ALWAYS_INLINE Lanes operator-(const Lanes& a) {
         Lanes r;
         for (int k = 0; k < blocks; ++k) r.block[k] = -a.block[k];
         return r;
     }
 
-    /// Holds each lane to [low, high], low <= high.
+    /// Clamps each lane to [low, high], low <= high.
     HMESH_ALWAYS_INLINE void clamp(double low, double high) {
 #if defined(__GNUC__)
         if constexpr (width > 1) {
@@ -3305,7 +3334,7 @@ struct Lanes {
     }
 };
 
-/// The sum of the products, lane by lane.
+/// The scalar product: the sum of the products of lanes.
 template <int N>
 [[nodiscard]] HMESH_ALWAYS_INLINE double dot(const Lanes<N>& a, const Lanes<N>& b) {
     return (a * b).sum();
@@ -3318,18 +3347,18 @@ template <int N>
 // ---- hmesh/core/parallel.hpp
 
 /// \file
-/// The executor: how stages share out their work, on one thread or on the user's.
+/// ParallelFor: the executor, by which stages share out their work on one thread or on the user's threads.
 ///
-/// hmesh starts no thread. A stage hands `n` independent pieces of work to an executor, any const callable
+/// hmesh starts no thread. A stage hands `n` independent pieces of work to an executor, which is any const callable
 ///
 ///     void parallel_for(std::size_t n, hmesh::Piece piece)   // calls piece(i) once for each i in [0, n), in any order, on any
 ///                                                            // thread, and returns when all calls have returned
 ///
-/// and the pieces follow from the problem alone, never from the number of threads. Sums are added in index order. A stage sees
-/// every executor as a ParallelFor, so that it is compiled once: in two copies of one source a compiler may round differently,
-/// as where it contracts a product and a sum into one instruction. Hence the same bits for any executor. It costs an indirect
-/// call a piece, and pieces take microseconds. Pieces may be handed to the same executor from within a piece only if the
-/// executor allows that; hmesh does so nowhere.
+/// Any executor gives the same bits: the pieces follow from the problem alone, never from the number of threads, and sums are
+/// added in index order. A stage sees every executor as a ParallelFor, so that it is compiled once: in two copies of one source
+/// a compiler may round differently, as where it contracts a product and a sum into one instruction. This costs an indirect
+/// call a piece; pieces take microseconds or more. hmesh never hands pieces to an executor from within a piece, so an executor
+/// need not allow that.
 #ifndef HMESH_CORE_PARALLEL_HPP
 #define HMESH_CORE_PARALLEL_HPP
 
@@ -3339,14 +3368,15 @@ template <int N>
 
 namespace hmesh {
 
-/// One of the pieces of work that an executor calls, by its index.
+/// The work that an executor calls: piece(index) does one piece of it. Valid until the executor returns.
 using Piece = FunctionRef<void(std::size_t index)>;
 
-/// Non-owning reference to an executor, which must outlive it. By default pieces run on the calling thread, in index order.
+/// Non-owning reference to an executor, which must outlive it; a lambda written in the call does. Default-constructed it runs
+/// the pieces on the calling thread, in index order.
 class ParallelFor : public FunctionRef<void(std::size_t n, Piece piece)> {
   public:
     using FunctionRef::FunctionRef;
-    /// The calling thread.
+    /// The executor that runs the pieces on the calling thread, in index order.
     ParallelFor() noexcept : FunctionRef(&serial) {}
 
   private:
@@ -3357,14 +3387,15 @@ class ParallelFor : public FunctionRef<void(std::size_t n, Piece piece)> {
 
 namespace kit {
 
-/// Calls body(begin, end) for consecutive ranges of at most `grain` >= 1 indices that together are [0, n).
+/// Splits [0, n) into consecutive ranges [begin, end) of `grain` >= 1 indices (the last may be shorter) and calls body(begin,
+/// end) for each.
 inline void for_each_chunk(const ParallelFor& parallel_for, std::size_t n, std::size_t grain,
                            FunctionRef<void(std::size_t begin, std::size_t end)> body) {
     const std::size_t chunks = n / grain + (n % grain != 0);
     parallel_for(chunks, [&](std::size_t i) { body(i * grain, std::min(n, (i + 1) * grain)); });
 }
 
-/// The sum of body(begin, end) over the same ranges, added in index order.
+/// The sum of body(begin, end) over the ranges of for_each_chunk(), added in index order.
 [[nodiscard]] inline double ordered_sum(const ParallelFor& parallel_for, std::size_t n, std::size_t grain,
                                         FunctionRef<double(std::size_t begin, std::size_t end)> body) {
     std::vector<double> parts(n / grain + (n % grain != 0), 0.0);
@@ -3382,9 +3413,9 @@ inline void for_each_chunk(const ParallelFor& parallel_for, std::size_t n, std::
 // ---- hmesh/image/image_view.hpp
 
 /// \file
-/// Images: ImageView over the user's pixels, Image that owns some, PixelTraits for what a sample means.
+/// Images: ImageView over the user's pixels, Image that owns pixels, PixelTraits for what a sample means.
 ///
-/// The plane: pixel (i, j) is the unit square [i, i+1] x [j, j+1], its centre (i + 1/2, j + 1/2), y down.
+/// The plane: pixel (i, j) is the unit square [i, i+1] x [j, j+1], its centre is (i + 1/2, j + 1/2), and y runs down.
 #ifndef HMESH_IMAGE_IMAGE_VIEW_HPP
 #define HMESH_IMAGE_IMAGE_VIEW_HPP
 
@@ -3398,28 +3429,34 @@ namespace hmesh {
 
 namespace kit {
 
-/// The largest number of channels a pixel can have.
+/// The largest number of channels of an image.
 inline constexpr int max_channels = 16;
-/// Whether the last of so many channels is alpha.
+/// Whether the last of this number of channels is alpha.
 [[nodiscard]] constexpr bool has_alpha(int channels) noexcept { return channels == 2 || channels == 4; }
-/// The longest side of an image: positions on the 1/256 px grid are then exact in float (16 + 8 bits).
+/// The longest side of an image, in px: positions on the 1/256 px grid are then exact in float (16 + 8 bits).
 inline constexpr int max_side = 65536;
-/// The largest number of pixels: handles of a mesh with one vertex a pixel then fit 32 bits.
+/// The largest number of pixels of an image: the handles of a mesh with one vertex a pixel then fit 32 bits.
 inline constexpr std::int64_t max_pixels = std::int64_t{1} << 28;
 
 /// A rectangle of pixels [x, x + width) x [y, y + height).
 struct Rect {
-    int x = 0, y = 0, width = 0, height = 0;
+    int x = 0,       ///< column of the leftmost pixels
+        y = 0,       ///< row of the topmost pixels
+        width = 0,   ///< px
+        height = 0;  ///< px
 };
 
 }  // namespace kit
 
-/// What a sample of type T means. hmesh knows the three types below; specialise it for a sample type of your own with the
-/// same members (examples/custom_pixel.cpp).
-///   peak         the value of full intensity: PSNR = 10 log10(peak^2 / MSE), and "white" for exporters
-///   lowest, highest  the range of vertex colours
-///   is_integer   to_real yields integers from `lowest` to `highest`, both of magnitude at most 65535: then all moments are exact
-///   to_real, from_real  conversions; from_real rounds to nearest and clamps
+/// What a sample of type T means. Specialised for std::uint8_t, std::uint16_t and float; specialise it for a sample type of
+/// your own with the same static members (examples/custom_pixel.cpp):
+///
+/// - `peak`: the value of full intensity, for PSNR = 10 log10(peak^2 / MSE), and "white" for exporters;
+/// - `lowest`, `highest`: the range of vertex colours;
+/// - `is_integer`: whether to_real() yields integers from `lowest` to `highest`, both of magnitude at most 65535: all moments
+///   are then exact;
+/// - `to_real(T)`: the sample as a double;
+/// - `from_real(double)`: the nearest sample, clamped to the range.
 template <class T>
 struct PixelTraits;
 
@@ -3439,58 +3476,70 @@ struct UnsignedTraits {
 
 }  // namespace detail
 
+/// Samples of 8 bits: integers from 0 to the peak, 255.
 template <>
 struct PixelTraits<std::uint8_t> : detail::UnsignedTraits<std::uint8_t> {};
+/// Samples of 16 bits: integers from 0 to the peak, 65535.
 template <>
 struct PixelTraits<std::uint16_t> : detail::UnsignedTraits<std::uint16_t> {};
+/// Samples of type float: any finite value, with the peak 1.
 template <>
 struct PixelTraits<float> {
-    static constexpr double peak = 1;
-    static constexpr double highest = static_cast<double>(std::numeric_limits<float>::max());
-    static constexpr double lowest = -highest;
-    static constexpr bool is_integer = false;
-    static double to_real(float value) noexcept { return static_cast<double>(value); }
-    /// Held to the finite floats; NaN becomes the lowest.
+    static constexpr double peak = 1;                                                          ///< value of full intensity
+    static constexpr double highest = static_cast<double>(std::numeric_limits<float>::max());  ///< largest finite float
+    static constexpr double lowest = -highest;                                                 ///< smallest finite float
+    static constexpr bool is_integer = false;                                                  ///< moments are rounded
+    static double to_real(float value) noexcept { return static_cast<double>(value); }         ///< the value itself
+    /// The nearest float, clamped to the finite ones; NaN becomes the lowest.
     static float from_real(double value) noexcept {
         return static_cast<float>(value > lowest ? (value < highest ? value : highest) : lowest);
     }
 };
 
-/// Pixels of C interleaved samples of type T in somebody else's memory, row after row, `row_stride` bytes apart (0: packed,
-/// that is width * C * sizeof(T); a multiple of alignof(T) that is negative stores the rows bottom up from `data`).
+/// A non-owning view of an image: pixels of C interleaved samples of type T, row after row. check() says whether it is valid.
 template <class T, int C>
 struct ImageView {
     static_assert(C >= 1 && C <= kit::max_channels, "an image has 1 to 16 channels");
-    const T* data = nullptr;
-    int width = 0, height = 0;
+    const T* data = nullptr;  ///< first sample of row 0; must outlive the view
+    int width = 0,            ///< px, 1 to kit::max_side
+        height = 0;           ///< px, 1 to kit::max_side
+    /// Bytes from one row to the next, a multiple of alignof(T). 0: rows are packed, width * C * sizeof(T) bytes apart.
+    /// Negative: rows are stored bottom up, and `data` is the last row in memory.
     std::ptrdiff_t row_stride = 0;
 
-    /// The first sample of row y.
+    /// The first sample of row y, 0 <= y < height.
     [[nodiscard]] const T* row(int y) const noexcept {
         const std::ptrdiff_t packed = static_cast<std::ptrdiff_t>(width) * C * static_cast<std::ptrdiff_t>(sizeof(T));
         const auto* bytes = reinterpret_cast<const unsigned char*>(data) + (row_stride != 0 ? row_stride : packed) * y;
         return reinterpret_cast<const T*>(bytes);
     }
+    /// The first sample of pixel (x, y).
     [[nodiscard]] const T* pixel(int x, int y) const noexcept { return row(y) + static_cast<std::ptrdiff_t>(x) * C; }
+    /// The rectangle of all pixels.
     [[nodiscard]] kit::Rect bounds() const noexcept { return {0, 0, width, height}; }
 };
 
-/// Packed pixels of its own. A default-constructed image is empty.
+/// An image that owns its pixels: packed rows of C interleaved samples of type T. Default-constructed it is empty.
 template <class T, int C>
 class Image {
   public:
+    /// The empty image.
     Image() = default;
-    /// width and height >= 0; all samples start at T().
+    /// An image of width x height pixels, both >= 0, with all samples T().
     Image(int width, int height)
         : samples_(static_cast<std::size_t>(width) * static_cast<std::size_t>(height) * C), width_(width), height_(height) {}
 
-    [[nodiscard]] int width() const noexcept { return width_; }
-    [[nodiscard]] int height() const noexcept { return height_; }
+    [[nodiscard]] int width() const noexcept { return width_; }    ///< px
+    [[nodiscard]] int height() const noexcept { return height_; }  ///< px
+    /// The first sample of pixel (x, y), for writing.
     [[nodiscard]] T* pixel(int x, int y) noexcept { return samples_.data() + offset(x, y); }
+    /// The first sample of pixel (x, y).
     [[nodiscard]] const T* pixel(int x, int y) const noexcept { return samples_.data() + offset(x, y); }
+    /// A view of all pixels; valid until the image is assigned to or destroyed.
     [[nodiscard]] ImageView<T, C> view() const noexcept { return {samples_.data(), width_, height_, 0}; }
-    /// All samples, pixel after pixel, row after row; valid until the image is assigned to or gone.
+    /// All samples, pixel after pixel, row after row, for writing; valid until the image is assigned to or destroyed.
     [[nodiscard]] T* data() noexcept { return samples_.data(); }
+    /// All samples, pixel after pixel, row after row; valid until the image is assigned to or destroyed.
     [[nodiscard]] const T* data() const noexcept { return samples_.data(); }
     /// The number of samples: width * height * C.
     [[nodiscard]] std::size_t size() const noexcept { return samples_.size(); }
@@ -3503,8 +3552,8 @@ class Image {
     int width_ = 0, height_ = 0;
 };
 
-/// Whether the view can be read at all: a pointer, sizes and stride that make sense, no more than max_side and max_pixels.
-/// Reads no pixel.
+/// Whether a view is valid: it has a pointer, sizes and a stride that fit together, and at most kit::max_side px a side and
+/// kit::max_pixels in all. Otherwise invalid_argument or image_too_large. Reads no pixel.
 template <class T, int C>
 [[nodiscard]] Status check(const ImageView<T, C>& view) noexcept {
     if (view.width < 1) return {Errc::invalid_argument, "the image's width must be at least 1", view.width, 1};
@@ -3535,7 +3584,8 @@ template <class T, int C>
 
 namespace kit {
 
-/// Whether all samples are finite, as floats too, which is what meshes hold. Costs nothing for integer pixels.
+/// Whether all samples are finite as floats, which is what meshes hold; otherwise not_finite. Costs nothing for integer
+/// samples.
 template <class T, int C>
 [[nodiscard]] Status check_finite(const ImageView<T, C>& view, const ParallelFor& parallel_for = {}) {
     using Traits = PixelTraits<T>;
@@ -3596,7 +3646,7 @@ struct Relaxation {
 // ---- hmesh/core/psnr.hpp
 
 /// \file
-/// psnr_of_energy(): how much of an image is lost, in dB.
+/// psnr_of_energy(): the PSNR of a sum of squared differences, in dB.
 #ifndef HMESH_CORE_PSNR_HPP
 #define HMESH_CORE_PSNR_HPP
 
@@ -3604,8 +3654,9 @@ struct Relaxation {
 
 namespace hmesh::kit {
 
-/// 10 log10(peak^2 / MSE), MSE = energy / samples the mean over pixels AND channels. Infinity for energy 0, or below, where
-/// rounding left less than nothing.
+/// 10 log10(peak^2 / MSE) in dB, MSE = energy / samples. `energy`: sum of squared differences; `samples`: pixels times
+/// channels, so that the MSE is the mean over pixels AND channels. Infinity for energies <= 0 (rounding may leave a negative
+/// sum).
 [[nodiscard]] inline double psnr_of_energy(double energy, double samples, double peak) noexcept {
     return energy <= 0 ? detail::infinity() : 10 * std::log10(peak * peak * samples / energy);
 }
@@ -3617,7 +3668,7 @@ namespace hmesh::kit {
 // ---- hmesh/core/progress.hpp
 
 /// \file
-/// Progress: how long work reports where it is, and is told to stop.
+/// Progress: how long work reports how far it is, and learns that it should stop.
 #ifndef HMESH_CORE_PROGRESS_HPP
 #define HMESH_CORE_PROGRESS_HPP
 
@@ -3629,77 +3680,80 @@ namespace hmesh::kit {
 
 namespace hmesh {
 
-/// Where the work is: the stage's name (static), how much of it is done in [0, 1], and the mesh reached so far.
+/// How far the work is, as told to the progress callback.
 struct ProgressInfo {
-    const char* stage = "";
-    double fraction = 0;
-    std::size_t vertices = 0;
-    double energy = 0;  ///< sum of squared differences over pixels and channels; 0 before there is a mesh
+    const char* stage = "";    ///< name of the stage, in static memory
+    double fraction = 0;       ///< how much of the stage is done, in [0, 1]
+    std::size_t vertices = 0;  ///< number of vertices of the mesh reached so far
+    double energy = 0;         ///< sum of squared differences over pixels and channels; 0 before there is a mesh
 };
 
-/// The progress callback: true to go on, false to cancel, and then the last valid mesh comes back with Errc::cancelled. Called
-/// with fraction 0 when a stage begins, 1 when it ends, and every few milliseconds of work in between where vertices and edges
-/// are worked on, from the threads that do the work but never from two at a time (calls are ordered as by a lock). Silent are
-/// parts that pass over all pixels once, some 0.2 s a megapixel at most, and the putting together of a mesh, some 0.8 us a
-/// vertex. Refers to a callable that must outlive the work: keep a lambda in a variable of its own.
+/// The progress callback: returns true to go on, false to cancel; the last valid mesh is then returned with Errc::cancelled.
+///
+/// It is called with fraction 0 when a stage begins, with 1 when it ends, and every few milliseconds in between where vertices
+/// and edges are worked on; from the threads that do the work, but never from two at a time (calls are ordered as by a lock).
+/// There are no calls during passes over all pixels, some 0.2 s a megapixel at most, and while a mesh is put together, some 0.8
+/// us a vertex.
+///
+/// A Progress refers to a callable that must outlive the work: keep a lambda in a variable of its own.
 using Progress = FunctionRef<bool(const ProgressInfo& info)>;
 
-/// What a stage left behind.
+/// Size and error of the mesh after one stage.
 struct StageReport {
-    const char* name = "";
-    std::size_t vertices = 0;
-    double energy = 0;
-    double psnr = 0;  ///< dB, see core/psnr.hpp
-    /// Of stages that solve linear systems for a result of their own: iterations, and the largest residual relative to its
-    /// right-hand side.
-    int iterations = 0;
-    double residual = 0;
+    const char* name = "";     ///< name of the stage, in static memory
+    std::size_t vertices = 0;  ///< number of vertices
+    double energy = 0;         ///< sum of squared differences over pixels and channels
+    double psnr = 0;           ///< dB, from `energy` by kit::psnr_of_energy()
+    int iterations = 0;   ///< number of iterations of the linear systems that the stage solved, in all; 0 where it solved none
+    double residual = 0;  ///< largest residual of these systems, relative to the right-hand side
 };
 
 namespace kit {
 
-/// Carries a Progress through the stages of a method and notes what each stage left.
+/// Takes a Progress through the stages of a method and notes the mesh after each stage. begin(), update(), set_range() and
+/// end() are called from one thread while no task runs; poll(), add() and stopped() from any thread. Once cancelled it stays
+/// cancelled.
 class ProgressReporter {
   public:
-    /// `samples`: pixels times channels.
+    /// `samples`: number of pixels (or sum of their weights) times channels; `peak`: value of full intensity. Both are for the
+    /// PSNR of reports.
     ProgressReporter(const Progress& progress, double samples, double peak)
         : progress_(progress), samples_(samples), peak_(peak) {}
 
-    /// begin, update, set_range and end are called between pieces of work. Those that return something tell whether to go on;
-    /// once told to stop it stays so. A stage begins: `stage` is a static name, the mesh has so many vertices and this energy.
+    /// Begins a stage, whose name is in static memory, with a mesh of this size and energy. False once cancelled.
     bool begin(const char* stage, std::size_t vertices, double energy) {
         info_.stage = stage;
         iterations_ = 0;
         residual_ = 0;
         return update(0, vertices, energy);
     }
-    /// Within a stage: this fraction of it is done, in [0, 1].
+    /// Reports that this fraction of the stage is done, in [0, 1], with a mesh of this size and energy. False once cancelled.
     bool update(double fraction, std::size_t vertices, double energy) {
         set_range(fraction, fraction);
         info_.vertices = vertices;
         info_.energy = std::max(0.0, energy);  // rounding may leave less than nothing
         return poll();
     }
-    /// The pieces of work that come next take the stage from fraction `from` to `to`.
+    /// The tasks that follow take the stage from fraction `from` to fraction `to`, both in [0, 1].
     void set_range(double from, double to) noexcept {
         from_ = std::max(0.0, std::min(1.0, from));
         to_ = std::max(0.0, std::min(1.0, to));
         done_ = 0;
     }
-    /// The stage ends, and its report is noted with what the mesh is now.
+    /// Ends the stage and notes its StageReport with a mesh of this size and energy. False once cancelled.
     bool end(std::size_t vertices, double energy) {
         energy = std::max(0.0, energy);
         stages_.push_back({info_.stage, vertices, energy, psnr_of_energy(energy, samples_, peak_), iterations_, residual_});
         return update(1, vertices, energy);
     }
-    /// Within a stage, by one piece of work at a time: a system was solved.
+    /// Notes for the report of the stage that a linear system was solved. From one task at a time.
     void note_solve(int iterations, double residual) noexcept {
         iterations_ += iterations;
         residual_ = std::max(residual_, residual);
     }
-    [[nodiscard]] const std::vector<StageReport>& stages() const noexcept { return stages_; }
+    [[nodiscard]] const std::vector<StageReport>& stages() const noexcept { return stages_; }  ///< of the stages ended, in order
 
-    /// From any thread: whether to go on, asking the callback unless another thread is doing so.
+    /// Asks the callback unless another thread is doing so. False once cancelled. From any thread.
     bool poll() {
         if (stopped_.load(std::memory_order_relaxed)) return false;
         if (!progress_ || asking_.test_and_set(std::memory_order_acquire)) return true;
@@ -3710,17 +3764,18 @@ class ProgressReporter {
         asking_.clear(std::memory_order_release);
         return !stopped_.load();
     }
-    /// From any thread: this share of the pieces expected is done.
+    /// Reports that this share of the range of set_range() is done. From any thread.
     void add(double share) noexcept { done_ += static_cast<std::int64_t>(share * whole); }
-    [[nodiscard]] bool stopped() const noexcept { return stopped_.load(); }
+    [[nodiscard]] bool stopped() const noexcept { return stopped_.load(); }  ///< whether the work was cancelled; from any thread
 
   private:
-    static constexpr double whole = 1e15;  ///< of done_: a sum of integers is the same in any order
+    /// The value of done_ for a whole range. An integer: a sum of integers is the same in any order.
+    static constexpr double whole = 1e15;
     Progress progress_;
     double samples_, peak_;
     ProgressInfo info_;
     double from_ = 0, to_ = 0;
-    int iterations_ = 0;  ///< of the stage at work
+    int iterations_ = 0;  ///< of the current stage
     double residual_ = 0;
     std::atomic<std::int64_t> done_{0};
     std::atomic<bool> stopped_{false};
@@ -3728,27 +3783,30 @@ class ProgressReporter {
     std::vector<StageReport> stages_;
 };
 
-/// One piece of work among those that run at once, as a ProgressReporter sees it. Work beats it every few microseconds.
+/// The progress of one of the tasks that run at once under a ProgressReporter. Not shared between threads.
 class TaskProgress {
   public:
-    /// A piece that is `share` in [0, 1] of what the monitor expects.
-    TaskProgress(ProgressReporter& monitor, double share) noexcept : monitor_(&monitor), share_(share) {}
+    /// A task that is `share`, in [0, 1], of the range of ProgressReporter::set_range().
+    TaskProgress(ProgressReporter& reporter, double share) noexcept : reporter_(&reporter), share_(share) {}
+    /// Not copied: its destructor reports.
     TaskProgress(const TaskProgress&) = delete;
-    TaskProgress& operator=(const TaskProgress&) = delete;
+    TaskProgress& operator=(const TaskProgress&) = delete;  ///< not assigned
+    /// Reports that the task is done.
     ~TaskProgress() { set_fraction(1); }
 
-    /// Whether to go on. Every 256th call asks the callback, which is every few milliseconds.
-    bool keep_going() { return (++beats_ & 255U) != 0 ? !monitor_->stopped() : monitor_->poll(); }
-    /// This fraction of the piece is done. Never falls.
+    /// Whether to go on; called every few microseconds of work. Every 256th call asks the callback, which is every few
+    /// milliseconds.
+    bool keep_going() { return (++beats_ & 255U) != 0 ? !reporter_->stopped() : reporter_->poll(); }
+    /// Reports that this fraction of the task is done, in [0, 1]. It never falls.
     void set_fraction(double fraction) noexcept {
         if (!(fraction > reached_)) return;
-        monitor_->add(share_ * (std::min(1.0, fraction) - reached_));
+        reporter_->add(share_ * (std::min(1.0, fraction) - reached_));
         reached_ = std::min(1.0, fraction);
     }
-    [[nodiscard]] bool stopped() const noexcept { return monitor_->stopped(); }
+    [[nodiscard]] bool stopped() const noexcept { return reporter_->stopped(); }  ///< whether the work was cancelled
 
   private:
-    ProgressReporter* monitor_;
+    ProgressReporter* reporter_;
     double share_, reached_ = 0;
     unsigned beats_ = 0;
 };
@@ -3761,28 +3819,29 @@ class TaskProgress {
 // ---- hmesh/mesh/limits.hpp
 
 /// \file
-/// MeshLimits: bounds that keep a mesh sane while it is fitted.
+/// MeshLimits: bounds on faces, positions and colours while a mesh is fitted.
 #ifndef HMESH_MESH_LIMITS_HPP
 #define HMESH_MESH_LIMITS_HPP
 
 namespace hmesh {
 
-/// Bounds that keep a mesh sane.
+/// Bounds on faces, positions and colours while a mesh is fitted.
 struct MeshLimits {
-    /// Least twice the area of a face, in px^2. Slivers that hold no pixel are free for the energy but ugly when enlarged;
-    /// 0.02 costs nothing measurable, 1 costs 0.03 dB (Lena, 1 %).
+    /// Twice the smallest area of a face, in px^2, in [1e-4, 0.25]. Slivers that hold no pixel cost no energy but are ugly when
+    /// enlarged; a bound of 0.02 costs nothing measurable, 1 costs 0.03 dB (Lena, 1 %).
     double min_double_area = 0.02;
-    /// A free vertex keeps this distance from the image's border, in px.
+    /// Smallest distance of a free vertex from the image's border, in px, in [1/256, 1/4].
     double border_gap = 1.0 / 32;
-    /// Colours may leave the pixel type's range while optimising, but not by more than this many ranges. The final colours
-    /// are in range: geometry that counted on others loses up to 0.4 dB then (kodim03 at 1.2), geometry that never may
-    /// leave it gets stuck a little earlier (Lena: 0.03 dB at 0).
+    /// How far colours may leave the pixel type's range while fitting, as a share of that range, in [0, 100]. Final colours are
+    /// in range. A large value costs up to 0.4 dB, because the geometry relied on colours that are then clamped (kodim03 at
+    /// 1.2); 0 makes the fit get stuck a little earlier (0.03 dB, Lena).
     double color_overshoot = 0.02;
-    /// Faces without a pixel leave the colour of their corners undetermined: a pull toward the current colour, in pixels.
+    /// Weight of a vertex's current colour in the choice of a new one, in pixels, in [1e-9, 1]. It determines the colours of
+    /// corners whose faces hold no pixel.
     double ridge = 1e-3;
 };
 
-/// Whether the limits mean something; the sentence names the first that does not.
+/// Whether the limits are in their ranges; otherwise invalid_argument with a sentence about the first that is not.
 [[nodiscard]] inline Status check(const MeshLimits& limits) noexcept {
     return kit::check_ranges({{"limits.min_double_area must be in [1e-4, 0.25] px^2", limits.min_double_area, 1e-4, 0.25},
                               {"limits.border_gap must be in [1/256, 1/4] px", limits.border_gap, 1.0 / 256, 0.25},
@@ -3797,7 +3856,8 @@ struct MeshLimits {
 // ---- hmesh/options.hpp
 
 /// \file
-/// Options of mesh_image(): what all methods share. What belongs to one method stands in its recipe (methods/).
+/// Options: what mesh_image() can be told, whatever the method. Options of one method are members of its recipe (folder
+/// methods/).
 #ifndef HMESH_OPTIONS_HPP
 #define HMESH_OPTIONS_HPP
 
@@ -3807,47 +3867,55 @@ struct MeshLimits {
 
 namespace hmesh {
 
-/// How vertices get their final colours.
+/// How the final colours of the vertices are chosen.
 enum class Colors : std::uint8_t {
-    optimal,  ///< least squares for the final geometry
-    sampled,  ///< those of the image under the vertices
+    optimal,  ///< least squares: the colours with the smallest error for the final geometry
+    sampled,  ///< the colour of the image at the position of each vertex
 };
 
-/// How many vertices the mesh gets. Corners of the image count.
+/// How many vertices the mesh gets, the four corners of the image included. Made by Target::vertices(), percent() or psnr().
 struct Target {
     /// What `value` counts.
-    enum class Kind : std::uint8_t { vertices, percent, psnr };
-    Kind kind = Kind::percent;  ///< set by the functions below
-    double value = 1;           ///< vertices, percent of the pixels, or dB
+    enum class Kind : std::uint8_t {
+        vertices,  ///< a number of vertices
+        percent,   ///< vertices in percent of the pixels
+        psnr,      ///< dB
+    };
+    Kind kind = Kind::percent;  ///< what `value` counts
+    double value = 1;           ///< number of vertices, percent of the pixels, or dB
 
-    /// Exactly n vertices, 4 <= n <= max(4, pixels).
+    /// Exactly n vertices, 4 <= n <= max(4, number of pixels).
     [[nodiscard]] static Target vertices(std::int64_t n) noexcept { return {Kind::vertices, static_cast<double>(n)}; }
-    /// This percentage of the pixels, rounded, in (0, 100]; at least 4 vertices.
+    /// This percentage of the number of pixels, rounded to a whole number of vertices; in (0, 100], at least 4 vertices.
     [[nodiscard]] static Target percent(double of_pixels) noexcept { return {Kind::percent, of_pixels}; }
-    /// The fewest vertices found that reach this PSNR, in dB > 0: about six runs at counts that close in on it.
+    /// The fewest vertices found whose mesh reaches this PSNR, in dB, > 0. Takes about six runs at counts that close in on the
+    /// target.
     [[nodiscard]] static Target psnr(double decibel) noexcept { return {Kind::psnr, decibel}; }
 };
 
-/// What mesh_image() can be told, whatever the method. Each has a default that is good for photographs.
+/// What mesh_image() can be told, whatever the method. The defaults are good for photographs.
 struct Options {
-    Target target{};      ///< how many vertices; by default one for 100 pixels
-    Progress progress{};  ///< told of the work, and may cancel it; refers to a callable that outlives the call
-    MeshLimits limits{};  ///< bounds that keep faces and colours sane
-    /// Per-pixel weights >= 0, of the image's size; an empty view: all pixels count the same. Only ratios matter. Rounded to
-    /// steps of 2^-24 to 2^-8 of the largest, finer for smaller images (kit::WeightScale); less than half a step counts as 0.
+    Target target{};      ///< number of vertices; by default 1 % of the number of pixels
+    Progress progress{};  ///< is told how far the work is and may cancel it; its callable must outlive the call
+    MeshLimits limits{};  ///< smallest area of a face and range of colours while fitting
+    /// Per-pixel weights >= 0, of the image's size. An empty view (the default): all pixels count the same. Only ratios matter.
+    /// Weights are rounded to steps of 2^-24 to 2^-8 of the largest one, finer for smaller images (kit::WeightScale); less than
+    /// half a step counts as 0.
     ImageView<float, 1> weights{};
-    /// Final colours; none: as the method is defined, optimal for Annealed and Hierarchical, sampled for the baselines.
+    /// How the final colours are chosen. Empty (the default): as the method defines it, `optimal` for Annealed and
+    /// Hierarchical, `sampled` for the baselines.
     std::optional<Colors> colors{};
-    /// Round colours to the pixel type's values, so that a file with such colours holds the very mesh that was measured.
-    /// Ignored for float. Costs about 0.003 dB at 30 dB, 0.1 dB at 45 dB.
+    /// Whether final colours are rounded to values of the pixel type, so that a file that stores such values holds the very
+    /// mesh whose error is reported. Ignored for float images. Costs about 0.003 dB at 30 dB, 0.1 dB at 45 dB.
     bool round_colors = true;
-    /// For 2 or 4 channels: the image's straight colours are multiplied by alpha / peak, and what is meshed and reported is that;
-    /// the mesh says premultiplied. Colours under transparent pixels then do not count, and edges of sprites carry no fringes.
-    /// Takes a copy of the image.
+    /// Whether the colours of an image of 2 or 4 channels are multiplied by alpha / peak before meshing. Error and PSNR are
+    /// then those of the premultiplied image, and Mesh::premultiplied is set. Colours under transparent pixels do not count,
+    /// and the edges of sprites carry no fringes. Takes a copy of the image.
     bool premultiplied = false;
 };
 
-/// Whether the options mean something for an image of so many pixels and channels; the sentence names the first that does not.
+/// Whether the options are valid for an image of `pixels` pixels and `channels` channels: target_out_of_range or
+/// invalid_argument, with a sentence about the first option that is not. mesh_image() calls it.
 [[nodiscard]] HMESH_COLD inline Status check(const Options& options, std::int64_t pixels, int channels) noexcept {
     const Target& target = options.target;
     const std::int64_t most = std::max<std::int64_t>(4, pixels);
@@ -4093,7 +4161,7 @@ inline constexpr bool is_recipe<Recipe, std::enable_if_t<std::is_same_v<std::rem
 // ---- hmesh/result.hpp
 
 /// \file
-/// Result: what mesh_image() gives back, a mesh and what is known of it.
+/// Result: what mesh_image() returns, a mesh with its error and a status.
 #ifndef HMESH_RESULT_HPP
 #define HMESH_RESULT_HPP
 
@@ -4102,23 +4170,23 @@ inline constexpr bool is_recipe<Recipe, std::enable_if_t<std::is_same_v<std::rem
 
 namespace hmesh {
 
-/// What is known of a mesh. PSNR = 10 log10(peak^2 / MSE), MSE the mean over pixels AND channels of the squared difference in
-/// stored values between the image and the mesh drawn at its size, colours neither rounded nor clamped after interpolation;
-/// infinity for MSE 0. Of the premultiplied image where Options says so. With weights, each pixel counts in `energy` and in the
-/// mean as often as its weight over the largest says.
+/// Size and error of a mesh. The error is that of the mesh drawn at its own size, colours neither rounded nor clamped after
+/// interpolation, against the image's stored values (against the premultiplied image where Options::premultiplied is set). With
+/// weights, a pixel counts with its weight / the largest weight, in `energy` as in the mean.
 struct Report {
-    std::size_t vertices = 0;         ///< of the mesh
-    std::size_t faces = 0;            ///< of the mesh
-    double energy = 0;                ///< the sum of squared differences over pixels and channels
-    double psnr = 0;                  ///< dB
-    std::vector<StageReport> stages;  ///< what each stage left behind, in order
+    std::size_t vertices = 0;  ///< number of vertices
+    std::size_t faces = 0;     ///< number of faces
+    double energy = 0;         ///< sum of squared differences over pixels and channels, in squares of stored values
+    /// PSNR in dB, 10 log10(peak^2 / MSE), with the MSE the mean over pixels AND channels; infinity for MSE 0.
+    double psnr = 0;
+    std::vector<StageReport> stages;  ///< size and error after each stage of the method, in order
 };
 
-/// What mesh_image() gives back. A status that is not ok may come with a good mesh all the same: the nearest to a PSNR that was
-/// not reached, or what there was when the work was cancelled.
+/// What mesh_image() returns. A status that is not ok may come with a good mesh (has_mesh()): the nearest one to a PSNR that
+/// was not reached, or the one reached when the work was cancelled.
 struct [[nodiscard]] Result {
-    Mesh mesh;      ///< valid whatever the status, or empty
-    Report report;  ///< true of the mesh
+    Mesh mesh;      ///< a valid mesh whatever the status, or empty
+    Report report;  ///< size and error of `mesh`
     Status status;  ///< ok, or why not
 
     /// Whether there is a mesh, whatever the status.
@@ -4132,18 +4200,19 @@ struct [[nodiscard]] Result {
 // ---- hmesh/mesh_image.hpp
 
 /// \file
-/// mesh_image(): an image in, a mesh out. The place to begin.
+/// mesh_image(): turns an image into a mesh. The place to begin.
 ///
 ///     hmesh::ImageView<std::uint8_t, 3> view{pixels, width, height};
 ///     const hmesh::Result result = hmesh::mesh_image(view);                 // one vertex for 100 pixels
 ///     if (!result.has_mesh()) std::puts(hmesh::message(result.status).c_str());
 ///
-/// The error that is minimised and reported is that of the final mesh - positions on the 1/256 px grid, colours rounded to the
-/// pixel type - as a GPU draws it: the squared difference in the image's stored values (sRGB-encoded for usual files), summed over
-/// pixels and channels.
+/// The error that is minimised and reported is that of the final mesh as a GPU draws it, with positions on the 1/256 px grid
+/// and colours rounded to the pixel type: the squared difference to the image's stored values (sRGB-encoded for usual files),
+/// summed over pixels and channels.
 ///
-/// Compiling a call takes seconds. A program of many files defines HMESH_COMPILED for all of them: they then see declarations only,
-/// and one file that defines HMESH_IMPLEMENTATION too says HMESH_INSTANTIATE(std::uint8_t, 3) for each kind of image in use.
+/// Compiling a call takes seconds. A program of many files can define HMESH_COMPILED for all of them: they then see
+/// declarations only, and one file, which defines HMESH_IMPLEMENTATION too, says HMESH_INSTANTIATE(std::uint8_t, 3) for each
+/// kind of image in use.
 #ifndef HMESH_MESH_IMAGE_HPP
 #define HMESH_MESH_IMAGE_HPP
 
@@ -4151,28 +4220,31 @@ struct [[nodiscard]] Result {
 
 namespace hmesh {
 
-/// Meshes an image.
+/// Turns an image into a mesh of the number of vertices that options.target asks for.
 ///
 /// \param view          the image, which check() must accept; 1 to 16 channels of 8-bit, 16-bit, float or own samples
-/// \param options       how many vertices, and what else all methods share
-/// \param recipe        the method and its options: Annealed, another one of methods/, or one's own (methods/recipe.hpp)
-/// \param parallel_for  runs the tiles and the passes over pixels (core/parallel.hpp)
+/// \param options       number of vertices, and what else all methods share
+/// \param recipe        the method with its options: Annealed, another one of the folder methods/, or one's own
+///     (methods/recipe.hpp)
+/// \param parallel_for  executor of the tiles and of the passes over pixels (core/parallel.hpp); by default the calling thread
+/// \return              the mesh, its error, and a status:
+///     - invalid_argument, image_too_large or not_finite where the image or an option is refused (no mesh);
+///     - target_out_of_range for a number of vertices that the image cannot hold (no mesh), or for a PSNR that no mesh reached
+///       (with the nearest mesh);
+///     - cancelled by options.progress (with the mesh reached so far).
 ///
-/// Same image, options and recipe give the same bytes, whatever the executor does.
+/// The same image, options and recipe give the same bytes with any executor and any number of threads. Throws nothing of its
+/// own; std::bad_alloc passes through.
 ///
-/// Status: invalid_argument, image_too_large or not_finite where the image or an option is refused (no mesh);
-/// target_out_of_range for a number of vertices that the image cannot hold (no mesh) or a PSNR that no mesh reached (the nearest
-/// one is returned); cancelled by options.progress (the mesh reached so far is returned). std::bad_alloc passes through.
-///
-/// Memory: about 0.7 KB a vertex, and for each tile at work its moment table (32 bytes a pixel for 8-bit RGB, 92 with weights) and
-/// 0.6 KB for each vertex placed there; a small image is one tile, and any image is for recipes other than Annealed. Stack, on each
-/// thread that works: up to 4 channels 0.2 MB, for 16 channels 0.5 MB. Never inlined: all calls run the same instructions, so that
-/// they round alike.
+/// Memory: about 0.7 KB a vertex, and for each tile at work its moment table (32 bytes a pixel for 8-bit RGB, 92 with weights)
+/// and 0.6 KB for each vertex placed there. Small images are one tile; with recipes other than Annealed any image is. Stack on
+/// each thread that works: 0.2 MB for up to 4 channels, 0.5 MB for 16. Never inlined: all calls run the same instructions, so
+/// that they round alike.
 template <class T, int C, class Recipe = Annealed, class = std::enable_if_t<kit::is_recipe<Recipe>>>
 [[nodiscard]] HMESH_NEVER_INLINE Result mesh_image(const ImageView<T, C>& view, const Options& options = {},
                                                    const Recipe& recipe = {}, const ParallelFor& parallel_for = {});
 
-/// The same by the default recipe, on the user's threads.
+/// mesh_image() by the default recipe, with an executor.
 template <class T, int C>
 [[nodiscard]] Result mesh_image(const ImageView<T, C>& view, const Options& options, const ParallelFor& parallel_for) {
     return mesh_image(view, options, Annealed(), parallel_for);
@@ -4180,9 +4252,11 @@ template <class T, int C>
 
 }  // namespace hmesh
 
-/// Compiles mesh_image() for images of C channels of type T by the default recipe, in the file that defines HMESH_IMPLEMENTATION.
+/// Compiles mesh_image() with the default recipe for images of C channels of type T. Only in the file that defines
+/// HMESH_IMPLEMENTATION, outside of any namespace.
 #define HMESH_INSTANTIATE(T, C) HMESH_INSTANTIATE_RECIPE(T, C, ::hmesh::Annealed)
-/// The same by another recipe.
+/// Compiles mesh_image() with the recipe type RECIPE for images of C channels of type T, as HMESH_INSTANTIATE does for the
+/// default one.
 #define HMESH_INSTANTIATE_RECIPE(T, C, RECIPE)                                                                         \
     template ::hmesh::Result hmesh::mesh_image<T, C, RECIPE>(const ::hmesh::ImageView<T, C>&, const ::hmesh::Options&, \
                                                              const RECIPE&, const ::hmesh::ParallelFor&);
@@ -4194,10 +4268,10 @@ template <class T, int C>
 /// \file
 /// Weights: how much each pixel of an image counts.
 ///
-/// Weights are a second image of the same size with one float a pixel, >= 0; a view without data means that all pixels
-/// count alike. Their unit is free: weight_unit() makes the largest 1, so that what is measured in pixels (ridges, mean
-/// energies) keeps its meaning. Scaled weights are rounded to a step, a power of two between 2^-24 and 2^-8, so that
-/// sums over them are exact and cancel like those of pixels that all count 1, see WeightScale.
+/// Weights are a second image of the same size with one float >= 0 a pixel; a view without data means that all pixels count the
+/// same. Their unit is free: weight_unit() scales the largest to 1, so that what is measured in pixels (ridges, mean energies)
+/// keeps its meaning. Scaled weights are rounded to a step, a power of two between 2^-24 and 2^-8, so that sums over them are
+/// exact and cancel like those of pixels that all count 1 (WeightScale).
 #ifndef HMESH_IMAGE_WEIGHTS_HPP
 #define HMESH_IMAGE_WEIGHTS_HPP
 
@@ -4209,8 +4283,8 @@ template <class T, int C>
 
 namespace hmesh::kit {
 
-/// Whether these can be the weights of a width x height image: none at all, or a view of this size that check() accepts
-/// with samples that are finite and not negative. Reads each once.
+/// Whether `weights` can be the weights of a width x height image: none at all, or a view of this size that check() accepts
+/// with finite samples >= 0. Otherwise invalid_argument, image_too_large or not_finite. Reads each sample once.
 [[nodiscard]] inline Status check_weights(const ImageView<float, 1>& weights, int width, int height,
                                           const ParallelFor& parallel_for = {}) {
     if (weights.data == nullptr) return {};
@@ -4237,7 +4311,7 @@ namespace hmesh::kit {
     return {};
 }
 
-/// 1 / the largest weight; 1 where there are no weights or all are 0. Of weights that check_weights() accepts.
+/// 1 / the largest weight; 1 where there are no weights or all are 0. check_weights() must accept the weights.
 [[nodiscard]] inline double weight_unit(const ImageView<float, 1>& weights, const ParallelFor& parallel_for = {}) {
     if (weights.data == nullptr) return 1;
     std::vector<float> largest(static_cast<std::size_t>(weights.height), 0.0F);
@@ -4251,16 +4325,16 @@ namespace hmesh::kit {
     return most > 0 ? 1 / most : 1;
 }
 
-/// The number of pixels that a weight counts for: unit times the weight, rounded to a multiple of `step`.
-//
-/// Without that the moments of a face would keep the rounding of the sums over all pixels to its left. Its energy takes
-/// them times the squares of the picture's slopes, and slivers, whose slopes reach 1e4 a pixel, would win by rounding
-/// alone. The step is as fine as lets sums of w x^2, w x y, w y^2 stay below 2^53 steps along edges that cross 32 rows
-/// of the image (longer ones may be rounded): 2^-20 at 512 x 512 px, 2^-12 at 4000 x 3000. Sums of 8-bit samples are
-/// exact then too. Weights below half a step count as 0.
+/// The number of pixels that a pixel with a given weight counts for: the weight times a unit, rounded to a multiple of step().
+///
+/// Unrounded, the moments of a face would keep the rounding of the sums over all pixels to its left. Its energy multiplies them
+/// by the squares of the picture's slopes, so slivers, whose slopes reach 1e4 a pixel, would win by rounding alone. The step is
+/// as fine as keeps the sums of w x^2, w x y and w y^2 along edges that cross at most 32 rows of the image below 2^53 steps
+/// (sums along longer ones may be rounded): 2^-20 at 512 x 512 px, 2^-12 at 4000 x 3000. Sums of 8-bit samples are then exact
+/// too. Weights below half a step count as 0.
 class WeightScale {
   public:
-    /// `unit`: see weight_unit(); width and height those of the image.
+    /// The scale for the weights of a width x height image; `unit` as by weight_unit().
     WeightScale(double unit, int width, int height) noexcept {
         const double w = width, h = height, rows = std::min(32, height);
         int bits = 0;  // of the largest sum
@@ -4269,7 +4343,8 @@ class WeightScale {
         step_ = std::ldexp(1.0, -digits);
         factor_ = std::ldexp(unit, digits);
     }
-    [[nodiscard]] double step() const noexcept { return step_; }
+    [[nodiscard]] double step() const noexcept { return step_; }  ///< the step, a power of two
+    /// The weight scaled by the unit and rounded to a multiple of the step.
     [[nodiscard]] double operator()(float weight) const noexcept {
         return std::floor(factor_ * static_cast<double>(weight) + 0.5) * step_;
     }
@@ -4278,8 +4353,8 @@ class WeightScale {
     double step_ = 1, factor_ = 1;
 };
 
-/// How many pixels of a width x height image count: the sum of its weights as WeightScale gives them, added row by row;
-/// the number of pixels where there are no weights.
+/// How many pixels of a width x height image count: the sum of its weights as rounded by WeightScale, added row by row; the
+/// number of pixels where there are no weights.
 [[nodiscard]] inline double weight_sum(const ImageView<float, 1>& weights, double unit, int width, int height,
                                        const ParallelFor& parallel_for = {}) {
     if (weights.data == nullptr) return static_cast<double>(width) * height;
@@ -4307,22 +4382,21 @@ class WeightScale {
 ///
 ///     I_0 .. I_{C-1}, 1     and     i I_0 .. i I_{C-1}, |I|^2          (|I|^2: summed over channels)
 ///
-/// in coordinates local to the rectangle. By Green's theorem (Leu, "Computing a shape's moments from its boundary", 1991)
-/// the moments of any polygon are signed sums of such entries along its edges, see fit/edge_moments.hpp.
+/// in coordinates local to the rectangle. By Green's theorem (Leu, "Computing a shape's moments from its boundary", 1991) the
+/// moments of any polygon are signed sums of such entries along its edges (fit/edge_moments.hpp).
 ///
 /// Sums of 8-bit samples are 32-bit integers as long as they fit (rectangles up to about 4,000 px wide); all others are
-/// doubles, exact for 16-bit samples too. Cost: 2 * lanes_for(C + 1) numbers a pixel, that is 32 bytes for 8-bit RGB, and
-/// about 5 ns a pixel to build. Entries of one column strip of 2 pixels are contiguous down the rows, because walks run
-/// down edges: this keeps them in few cache lines and pages.
+/// doubles, exact for 16-bit samples too. Cost: 2 * lanes_for(C + 1) numbers a pixel, that is 32 bytes for 8-bit RGB, and about
+/// 5 ns a pixel to build. The entries of a column strip of 2 pixels are contiguous down the rows, because walks run down edges:
+/// this keeps them in few cache lines and pages.
 ///
-/// Pixels may have weights. Then each of these sums carries the weight w of its pixel (1 becomes w), and two more sums,
+/// With weights, each of these sums carries the weight w of its pixel (1 becomes w), and two more sums,
 ///
 ///     w i  and  w i^2,
 ///
-/// which follow from x where all weights are 1, stand in an array of their own. All are doubles then, exact for 8-bit
-/// samples, because WeightScale rounds the weights. The samples themselves cannot be had back from sums with
-/// weights of 0: they are kept as floats. Cost: 2 * lanes_for(C + 1) + 2 doubles and C floats a pixel, that is 92 bytes
-/// for RGB.
+/// which follow from x where all weights are 1, stand in an array of their own. All are then doubles, exact for 8-bit samples,
+/// because WeightScale rounds the weights. The samples cannot be recovered from sums with weights of 0: they are kept as
+/// floats. Cost: 2 * lanes_for(C + 1) + 2 doubles and C floats a pixel, that is 92 bytes for RGB.
 #ifndef HMESH_FIT_MOMENT_TABLE_HPP
 #define HMESH_FIT_MOMENT_TABLE_HPP
 
@@ -4334,22 +4408,25 @@ class WeightScale {
 
 namespace hmesh::kit {
 
+/// Row prefix sums of a rectangle of an image of C channels, from which edges collect their moments.
 template <int C>
 class MomentTable {
   public:
-    static constexpr int lanes = lanes_for(C + 1);  ///< of one half of an entry
-    static constexpr int entry_size = 2 * lanes;
+    static constexpr int lanes = lanes_for(C + 1);  ///< numbers in one half of an entry
+    static constexpr int entry_size = 2 * lanes;    ///< numbers in an entry
 
+    /// No table; to be assigned to.
     MomentTable() = default;
 
-    /// The table of `rect`, which must lie in a view that check() accepts. Rows are independent pieces of work.
+    /// The table of `rect`, which must lie in a view that check() accepts; all pixels count the same. Rows are independent
+    /// pieces of work for the executor.
     template <class T>
     explicit MomentTable(const ImageView<T, C>& view, const Rect& rect, const ParallelFor& parallel_for = {})
         : MomentTable(view, ImageView<float, 1>(), 1.0, rect, parallel_for) {}
 
-    /// The same with pixel (i, j) of the view counting WeightScale(unit, width, height) of weight (i, j) times, width
-    /// and height those of the view. check_weights() accepts the weights; the largest times `unit` is at most about 1,
-    /// see weight_unit(). Without data: all pixels count alike.
+    /// The table of `rect` with pixel (i, j) counting as WeightScale(unit, view.width, view.height) says of weight (i, j).
+    /// check_weights() must accept the weights; the largest one times `unit` is at most about 1 (weight_unit()). A view of
+    /// weights without data: all pixels count the same.
     template <class T>
     MomentTable(const ImageView<T, C>& view, const ImageView<float, 1>& weights, double unit, const Rect& rect,
                 const ParallelFor& parallel_for = {})
@@ -4359,7 +4436,7 @@ class MomentTable {
         HMESH_ASSERT(rect.width <= view.width - rect.x && rect.height <= view.height - rect.y);
         HMESH_ASSERT(!weighted_ || (weights.width == view.width && weights.height == view.height));
         strip_size_ = static_cast<std::size_t>(height_) * strip_width * entry_size;
-        // What cannot be addressed is more than there is, and fails as that does.
+        // Sizes beyond PTRDIFF_MAX become the largest allocation, so that new[] throws std::bad_alloc.
         const std::size_t size = fits_memory(width_, height_) ? (static_cast<std::size_t>(width_) / strip_width + 1) * strip_size_
                                                               : std::numeric_limits<std::ptrdiff_t>::max() / sizeof(double);
         // Not initialised: fill writes all that is ever read.
@@ -4380,26 +4457,26 @@ class MomentTable {
         for_each_row(parallel_for, [&](int y) { fill_weighted_row(view, weights, scale, rect, y); });
     }
 
-    /// Whether so much memory can be addressed as the arrays of the largest kind of table of this size, >= 1, would take: always
-    /// with pointers of 64 bits.
+    /// Whether a table of the largest kind for width x height >= 1 pixels has at most `most` bytes, by default what can be
+    /// addressed: always true with 64-bit pointers.
     [[nodiscard]] static bool fits_memory(int width, int height,
                                           std::int64_t most = std::numeric_limits<std::ptrdiff_t>::max()) noexcept {
         const std::int64_t entries = (std::int64_t{width} + strip_width) * height;
         return entries <= most / std::int64_t{(entry_size + 2) * sizeof(double) + C * sizeof(float)};
     }
 
-    [[nodiscard]] int width() const noexcept { return width_; }
-    [[nodiscard]] int height() const noexcept { return height_; }
-    [[nodiscard]] bool is_int32() const noexcept { return int32_; }  ///< 32-bit integers or doubles?
-    [[nodiscard]] bool is_weighted() const noexcept { return weighted_; }
-    /// The memory of its arrays.
+    [[nodiscard]] int width() const noexcept { return width_; }            ///< px
+    [[nodiscard]] int height() const noexcept { return height_; }          ///< px
+    [[nodiscard]] bool is_int32() const noexcept { return int32_; }        ///< whether sums are 32-bit integers, not doubles
+    [[nodiscard]] bool is_weighted() const noexcept { return weighted_; }  ///< whether pixels have weights
+    /// The memory of the table in bytes.
     [[nodiscard]] std::size_t bytes() const noexcept {
         if (int32_) return size_ * sizeof(std::int32_t);
         if (!weighted_) return size_ * sizeof(double);
         return (size_ + size_ / lanes) * sizeof(double) + sample_count() * sizeof(float);
     }
 
-    /// The samples of pixel (x, y), 0 <= x < width, 0 <= y < height, whatever its weight, and 0 in the lanes above them.
+    /// The samples of pixel (x, y), 0 <= x < width, 0 <= y < height, whatever its weight; 0 in the lanes above them.
     void pixel(int x, int y, Lanes<lanes>& out) const noexcept {
         if (weighted_) {
             const float* samples = samples_.get() + sample_offset(x, y);
@@ -4416,31 +4493,33 @@ class MomentTable {
         else sample(float64_entries_.get());
     }
 
-    /// How often pixel (x, y) counts, with the rounding of sums over those to its left.
+    /// How often pixel (x, y) counts, with the rounding of the sums over the pixels to its left.
     [[nodiscard]] double weight(int x, int y) const noexcept {
         return weighted_ ? float64_entries_[offset(x + 1, y) + C] - float64_entries_[offset(x, y) + C] : 1.0;
     }
 
-    /// Where entries of type N (std::int32_t if is_int32(), else double) begin.
+    /// The entries, of type N: std::int32_t if is_int32(), else double.
     template <class N>
     [[nodiscard]] HMESH_ALWAYS_INLINE const N* entries() const noexcept {
         if constexpr (sizeof(N) == sizeof(std::int32_t)) return int32_entries_.get();
         else return float64_entries_.get();
     }
-    /// Of entry (x, y), 0 <= x <= width, 0 <= y < height, in numbers.
+    /// The offset of entry (x, y), 0 <= x <= width, 0 <= y < height, in numbers from entries().
     [[nodiscard]] HMESH_ALWAYS_INLINE std::size_t offset(int x, int y) const noexcept {
         return static_cast<std::size_t>(x / strip_width) * strip_size_ +
                static_cast<std::size_t>(y * strip_width + x % strip_width) * entry_size;
     }
-    /// Of a table that is_weighted(): the sums of w i and w i^2 that belong to the entry at this offset.
+    /// The sums of w i and w i^2 that belong to the entry at this offset; only if is_weighted().
     [[nodiscard]] HMESH_ALWAYS_INLINE const double* x_moments(std::size_t offset) const noexcept {
         return x_moment_entries_.get() + offset / lanes;
     }
 
   private:
+    /// Columns whose entries are contiguous down the rows.
     static constexpr int strip_width = 2;
-    static constexpr std::size_t numbers = entry_size;  ///< of an entry, as array sizes are told
+    static constexpr std::size_t numbers = entry_size;  ///< entry_size as the size of an array
 
+    /// Whether all sums over rows of this width fit 32-bit integers.
     template <class T>
     [[nodiscard]] static bool fits_32_bits(int width) noexcept {
         if constexpr (!PixelTraits<T>::is_integer) return false;
@@ -4529,7 +4608,7 @@ class MomentTable {
     std::unique_ptr<std::int32_t[]> int32_entries_;
     std::unique_ptr<double[]> float64_entries_;
     std::unique_ptr<double[]> x_moment_entries_;  ///< of weighted tables: w i, w i^2
-    std::unique_ptr<float[]> samples_;            ///< likewise: I_0 .. I_{C-1}, row after row
+    std::unique_ptr<float[]> samples_;            ///< of weighted tables: I_0 .. I_{C-1}, row after row
 };
 
 }  // namespace hmesh::kit
@@ -4539,9 +4618,9 @@ class MomentTable {
 // ---- hmesh/mesh/geometry.hpp
 
 /// \file
-/// Plane geometry: points, orientation, circles, barycentric coordinates.
+/// Plane geometry: points, the grid of positions, orientation, circles, barycentric coordinates.
 ///
-/// y runs down. A face is positively oriented when cross(a, b, c) > 0, which looks clockwise on the screen.
+/// y runs down. A face (a, b, c) is positively oriented when orient2d(a, b, c) > 0, which looks clockwise on the screen.
 #ifndef HMESH_MESH_GEOMETRY_HPP
 #define HMESH_MESH_GEOMETRY_HPP
 
@@ -4551,33 +4630,35 @@ class MomentTable {
 
 namespace hmesh::kit {
 
-/// A place in the plane of the image, in px.
+/// A point of the image plane, in px, y down.
 struct Point {
-    double x = 0, y = 0;
-    friend constexpr bool operator==(Point a, Point b) noexcept { return a.x == b.x && a.y == b.y; }
-    friend constexpr bool operator!=(Point a, Point b) noexcept { return !(a == b); }
+    double x = 0,                                                                                     ///< px from the left
+        y = 0;                                                                                        ///< px from the top
+    friend constexpr bool operator==(Point a, Point b) noexcept { return a.x == b.x && a.y == b.y; }  ///< same coordinates
+    friend constexpr bool operator!=(Point a, Point b) noexcept { return !(a == b); }                 ///< other coordinates
 };
 
-/// Half way from a to b.
+/// The point half way from a to b.
 [[nodiscard]] constexpr Point midpoint(Point a, Point b) noexcept { return {0.5 * (a.x + b.x), 0.5 * (a.y + b.y)}; }
 
-/// Positions of a mesh live on a grid of 1/256 px: exact in float, the sub-pixel grid of GPUs, and fine enough to cost no
+/// Steps a px of the grid of positions, 1/256 px: exact in float, the sub-pixel grid of GPUs, and fine enough to cost no
 /// fidelity (rounding to 1/16 px would cost 0.02 dB). Coordinates are >= 0.
 inline constexpr double grid_steps = 256;
-/// To the nearest place of that grid; halves go up. x in [0, 2^23).
+/// A coordinate rounded to the nearest step of the 1/256 px grid, halves up. x in [0, 2^23).
 [[nodiscard]] HMESH_ALWAYS_INLINE double snap(double x) noexcept {
     return static_cast<double>(static_cast<int>(x * grid_steps + 0.5)) * (1 / grid_steps);
 }
+/// A point rounded to the 1/256 px grid.
 [[nodiscard]] HMESH_ALWAYS_INLINE Point snap(Point p) noexcept { return {snap(p.x), snap(p.y)}; }
 
-/// Twice the signed area of the triangle a, b, c. On the 1/256 px grid with coordinates below 2^16 it is exact.
+/// Twice the signed area of the triangle (a, b, c), in px^2. Exact on the 1/256 px grid for coordinates below 2^16.
 [[nodiscard]] HMESH_ALWAYS_INLINE double orient2d(Point a, Point b, Point c) noexcept {
     return (b.x - a.x) * (c.y - a.y) - (c.x - a.x) * (b.y - a.y);
 }
 
 namespace detail {
 
-/// The sign of a0 b0 + a1 b1 + a2 b2, |a|, |b| < 2^50: in digits of 25 bits no product and no sum leaves 64 bits.
+/// The sign of a0 b0 + a1 b1 + a2 b2 for |a|, |b| < 2^50. In digits of 25 bits no product and no sum leaves 64 bits.
 [[nodiscard]] inline int sign_of_products(const std::int64_t (&a)[3], const std::int64_t (&b)[3]) noexcept {
     constexpr std::int64_t base = std::int64_t{1} << 25;
     std::int64_t high = 0, middle = 0, low = 0;
@@ -4594,7 +4675,7 @@ namespace detail {
     return first > 0 ? 1 : first < 0 ? -1 : 0;
 }
 
-/// in_circle of differences to d, in integers of grid units: at most 2^24, so squares and crosses are at most 2^49.
+/// in_circle() of differences to d, in integers of grid units: at most 2^24, so that squares and products are at most 2^49.
 [[nodiscard]] HMESH_NEVER_INLINE inline int in_circle_of_integers(Point a, Point b, Point c) noexcept {
     const auto units = [](double x) { return static_cast<std::int64_t>(x * grid_steps); };
     const std::int64_t ax = units(a.x), ay = units(a.y), bx = units(b.x), by = units(b.y), cx = units(c.x), cy = units(c.y);
@@ -4604,9 +4685,9 @@ namespace detail {
 
 }  // namespace detail
 
-/// 1 when d lies inside the circle through the positively oriented a, b, c, 0 when on it, -1 when outside. Exact on the
-/// 1/256 px grid with coordinates in [0, 2^16]. About 5 ns; 25 ns for a circle of more than some 20 px that passes
-/// through d, or by it at some 1e-15 of its radius.
+/// The position of d relative to the circle through the positively oriented a, b, c: 1 inside, 0 on it, -1 outside. Exact on
+/// the 1/256 px grid for coordinates in [0, 2^16]. About 5 ns; 25 ns for a circle of more than some 20 px with d on it, or off
+/// it by some 1e-15 of its radius.
 [[nodiscard]] inline int in_circle(Point a, Point b, Point c, Point d) noexcept {
     const double ax = a.x - d.x, ay = a.y - d.y, bx = b.x - d.x, by = b.y - d.y, cx = c.x - d.x, cy = c.y - d.y;
     // Up to here and in both factors of the products nothing rounds: all are below 2^50 grid units or their squares.
@@ -4623,11 +4704,14 @@ namespace detail {
     return detail::in_circle_of_integers({ax, ay}, {bx, by}, {cx, cy});
 }
 
-/// The weights of a, b, c that make p; they sum to 1 and are all >= 0 inside the triangle. The triangle's area is not 0.
+/// Barycentric coordinates: the weights of the corners a, b, c that make a point. They sum to 1 and are all >= 0 inside the
+/// triangle.
 struct Barycentric {
-    double a = 0, b = 0, c = 0;
+    double a = 0,  ///< weight of corner a
+        b = 0,     ///< weight of corner b
+        c = 0;     ///< weight of corner c
 };
-/// Of p, which may lie outside.
+/// The barycentric coordinates of p, anywhere in the plane, in the triangle (a, b, c), whose area must not be 0.
 [[nodiscard]] inline Barycentric barycentric(Point a, Point b, Point c, Point p) noexcept {
     const double area = orient2d(a, b, c);
     const double wb = orient2d(a, p, c) / area, wc = orient2d(a, b, p) / area;
@@ -4643,10 +4727,10 @@ struct Barycentric {
 /// \file
 /// Rasterization: which pixels a face owns, row by row.
 ///
-/// A pixel belongs to the face that holds its centre; a centre on an edge belongs to the face to the right of the edge or, if the
-/// edge is level, below it: the top-left rule of Direct3D, Vulkan and most OpenGL drivers. first_row() and EdgeWalker are the
-/// only place that decides it, for the moments that fit a mesh as for the pictures that are drawn of it, so the spans of a mesh's
-/// faces cover each pixel once.
+/// A pixel belongs to the face that holds its centre; a centre on an edge belongs to the face to the right of the edge or, if
+/// the edge is level, below it: the top-left rule of Direct3D, Vulkan and most OpenGL drivers. Only first_row() and EdgeWalker
+/// decide this, for the moments that fit a mesh as for the pictures drawn of it, so that the spans of a mesh's faces cover each
+/// pixel once.
 #ifndef HMESH_MESH_RASTER_HPP
 #define HMESH_MESH_RASTER_HPP
 
@@ -4656,7 +4740,8 @@ struct Barycentric {
 
 namespace hmesh::kit {
 
-/// The first row whose centre is not above y, y >= 0: rows [first_row(a.y), first_row(b.y)) are crossed from a down to b.
+/// The first row whose centre is not above y, y >= 0. An edge from a down to b crosses the rows [first_row(a.y),
+/// first_row(b.y)).
 [[nodiscard]] HMESH_ALWAYS_INLINE int first_row(double y) noexcept {
     // ceil(y - 1/2) without a library call: y + 1/2 truncated, less 1 where y is exactly on a centre.
     const double shifted = y + 0.5;
@@ -4664,16 +4749,18 @@ namespace hmesh::kit {
     return row - (static_cast<double>(row) == shifted ? 1 : 0);
 }
 
-/// The edge from a down to b (a.y < b.y) as columns: column(j) is the first pixel of row j whose centre is not left of it.
-/// The slack of 2^-33 px keeps centres that lie on the edge to its right in spite of rounding (errors stay below 2^-35 for
-/// coordinates below 2^16), and catches no other: on the 1/256 px grid distances along a row from a centre to an edge of d
-/// rows are multiples of 2^-8 / (2^8 d) px, at least 2^-32 px for the longest.
+/// An edge from a down to b, a.y < b.y, as one column a row: column(j) is the first pixel of row j whose centre is not left of
+/// the edge.
+///
+/// A slack of 2^-33 px keeps centres that lie on the edge to its right in spite of rounding (errors stay below 2^-35 px for
+/// coordinates below 2^16) and moves no other centre: on the 1/256 px grid the distance along a row from a centre to an edge of
+/// d rows is a multiple of 2^-8 / (2^8 d) px, at least 2^-32 px for the longest edge.
 class EdgeWalker {
   public:
-    /// Of the edge from a down to b.
+    /// The edge from a down to b, a.y < b.y.
     HMESH_ALWAYS_INLINE EdgeWalker(Point a, Point b) noexcept
         : slope_((b.x - a.x) / (b.y - a.y)), start_y_(a.y - 0.5), start_x_(a.x + (0.5 - 1.0 / 8589934592.0)) {}
-    /// For first_row(a.y) <= j < first_row(b.y).
+    /// The first pixel of row j whose centre is not left of the edge, first_row(a.y) <= j < first_row(b.y).
     [[nodiscard]] HMESH_ALWAYS_INLINE int column(int j) const noexcept {
         return static_cast<int>(start_x_ + (static_cast<double>(j) - start_y_) * slope_);
     }
@@ -4682,18 +4769,18 @@ class EdgeWalker {
     double slope_, start_y_, start_x_;
 };
 
-/// barycentric() at the centres of the pixels that a face owns. The weights of b and c are held to [0, 1]: a centre can be
-/// outside by the rounding of an edge, which is much for a face of no width. They are divided by the area last: on the 1/256 px
-/// grid everything before is exact, however thin the face.
+/// barycentric() at the centres of the pixels that a face owns. The weights of b and c are clamped to [0, 1]: rounding of an
+/// edge can leave a centre outside, which is much for a face of no width. They are divided by the area last: on the 1/256 px
+/// grid everything before that is exact, however thin the face.
 class PixelBarycentric {
   public:
-    /// Of a face of either orientation; where it has no area, all is a's.
+    /// The face (a, b, c), of either orientation. Where it has no area, a has all the weight.
     HMESH_ALWAYS_INLINE PixelBarycentric(Point a, Point b, Point c) noexcept
         : a_(a), ab_{b.x - a.x, b.y - a.y}, ac_{c.x - a.x, c.y - a.y} {
         const double area = orient2d(a, b, c);
         per_area_ = area != 0 ? 1 / area : 0;
     }
-    /// At the centre of pixel (i, j).
+    /// The barycentric coordinates of the centre of pixel (i, j).
     [[nodiscard]] HMESH_ALWAYS_INLINE Barycentric operator()(int i, int j) const noexcept {
         const double x = i + 0.5 - a_.x, y = j + 0.5 - a_.y;
         const double b = std::max(0.0, std::min(1.0, (x * ac_.y - ac_.x * y) * per_area_));
@@ -4706,19 +4793,20 @@ class PixelBarycentric {
     double per_area_;
 };
 
-/// What is seen of a picture: rows [first, last), columns [0, width). By default all that there may be.
+/// The part of a picture that is drawn: rows [first, last), columns [0, width). By default everything.
 struct ClipRect {
-    int width = std::numeric_limits<int>::max();
-    int first = 0, last = std::numeric_limits<int>::max();
+    int width = std::numeric_limits<int>::max();  ///< number of columns
+    int first = 0,                                ///< first row
+        last = std::numeric_limits<int>::max();   ///< end of the rows
 
-    /// first_row(y) of y held to the rows seen.
+    /// first_row(y), clamped to [first, last].
     [[nodiscard]] int row(double y) const noexcept {
         return first_row(std::max(static_cast<double>(first), std::min(static_cast<double>(last), y)));
     }
 };
 
-/// Calls body(j, begin, end) for the pixels [begin, end), begin < end, of each row j that the face a, b, c owns, down the rows.
-/// Either orientation will do; columns of corners fit an int.
+/// Calls body(j, begin, end) for each row j, top to bottom, in which the face (a, b, c), of either orientation, owns pixels:
+/// [begin, end), begin < end, clipped. Columns of corners must fit an int.
 template <class Body>
 void for_each_span(Point a, Point b, Point c, const ClipRect& clip, Body&& body) {
     if (b.y < a.y) std::swap(a, b);
@@ -4745,13 +4833,11 @@ void for_each_span(Point a, Point b, Point c, const ClipRect& clip, Body&& body)
 // ---- hmesh/fit/rendered_error.hpp
 
 /// \file
-/// rendered_error(): the error of a finished mesh, pixel by pixel, as render() draws it.
+/// rendered_error(): the squared error of a finished mesh, pixel by pixel, as render() draws it.
 ///
-/// While a mesh is fitted its energy comes from sums along the image's rows (fit/moment_table.hpp). They are exact for samples
-/// that are integers; of floats they lose what is 2^-53 of the largest sum, and where a sun of 1e6 stands beside shades of 0.1
-/// that is more than the whole error. What is reported of float images is therefore measured here.
-///
-/// Cost: some 5 ns a pixel.
+/// While a mesh is fitted its energy comes from sums along the image's rows (fit/moment_table.hpp). They are exact for integer
+/// samples; those of floats lose 2^-53 of the largest sum, and where a sun of 1e6 stands beside shades of 0.1 that is more than
+/// the whole error. The error reported for float images is therefore measured here. Cost: some 5 ns a pixel.
 #ifndef HMESH_FIT_RENDERED_ERROR_HPP
 #define HMESH_FIT_RENDERED_ERROR_HPP
 
@@ -4762,14 +4848,15 @@ void for_each_span(Point a, Point b, Point c, const ClipRect& clip, Body&& body)
 namespace hmesh::kit {
 namespace detail {
 
+/// The position of vertex v.
 [[nodiscard]] inline Point position(const Mesh& mesh, std::size_t v) noexcept {
     return {static_cast<double>(mesh.positions[2 * v]), static_cast<double>(mesh.positions[2 * v + 1])};
 }
 
 }  // namespace detail
 
-/// The sum of squared differences in stored values over pixels and channels, times weights (`unit`: weight_unit() of them),
-/// of a mesh of C channels that tiles the image and whose faces have positive areas.
+/// The sum over pixels and channels of squared differences in stored values between a mesh, of C channels, and an image, times
+/// the weights (`unit` as by weight_unit()). The mesh must tile the image with faces of positive area.
 template <class T, int C>
 [[nodiscard]] double rendered_error(const Mesh& mesh, const ImageView<T, C>& view, const ImageView<float, 1>& weights = {},
                                     double unit = 1, const ParallelFor& parallel_for = {}) {
@@ -4812,11 +4899,11 @@ template <class T, int C>
 // ---- hmesh/fit/image_source.hpp
 
 /// \file
-/// ImageSource: an image of any pixel type as a maker of moment tables.
+/// ImageSource: an image of any pixel type, from which moment tables are made.
 ///
-/// Methods work patch by patch, and each patch has a table of its own rectangle (fit/moment_table.hpp). They need not
-/// know what the samples are, nor whether pixels have weights: this class is the last to know, so that all above it depends
-/// on the number of channels alone.
+/// Methods work patch by patch, and each patch has a table of its own rectangle (fit/moment_table.hpp). Only this class knows
+/// the type of the samples and whether pixels have weights, so that everything above it depends on the number of channels
+/// alone.
 #ifndef HMESH_FIT_IMAGE_SOURCE_HPP
 #define HMESH_FIT_IMAGE_SOURCE_HPP
 
@@ -4825,42 +4912,42 @@ template <class T, int C>
 
 namespace hmesh::kit {
 
+/// An image of C channels of any pixel type, with or without weights, from which moment tables are made.
 template <int C>
 class ImageSource {
   public:
-    /// Of a view that check() accepts, with weights that check_weights() accepts (or none), both outliving the source.
+    /// The image of a view that check() accepts, with weights that check_weights() accepts (or none) in the unit of
+    /// weight_unit(). Both must outlive the source.
     template <class T>
     explicit ImageSource(const ImageView<T, C>& view, const ImageView<float, 1>& weights = {}, double unit = 1) noexcept
         : data_(view.data), width_(view.width), height_(view.height), row_stride_(view.row_stride), weights_(weights),
           unit_(unit), low_(PixelTraits<T>::lowest), high_(PixelTraits<T>::highest), peak_(PixelTraits<T>::peak),
           is_integer_(PixelTraits<T>::is_integer), make_(&make<T>), sample_(&sample<T>), error_(&error<T>) {}
 
-    /// The same weights over other pixels, of the same size.
+    /// The same weights with other pixels, an image of the same size.
     template <class T>
     [[nodiscard]] ImageSource with_pixels(const ImageView<T, C>& view) const noexcept {
         return ImageSource(view, weights_, unit_);
     }
 
-    [[nodiscard]] int width() const noexcept { return width_; }
-    [[nodiscard]] int height() const noexcept { return height_; }
-    [[nodiscard]] double pixels() const noexcept { return static_cast<double>(width_) * height_; }
-    /// The range of colours.
-    [[nodiscard]] double low() const noexcept { return low_; }
-    [[nodiscard]] double high() const noexcept { return high_; }
+    [[nodiscard]] int width() const noexcept { return width_; }                                     ///< px
+    [[nodiscard]] int height() const noexcept { return height_; }                                   ///< px
+    [[nodiscard]] double pixels() const noexcept { return static_cast<double>(width_) * height_; }  ///< number of pixels
+    [[nodiscard]] double low() const noexcept { return low_; }    ///< smallest colour of the pixel type
+    [[nodiscard]] double high() const noexcept { return high_; }  ///< largest colour of the pixel type
     /// Whether samples are whole numbers, so that sums of them are exact.
     [[nodiscard]] bool is_integer() const noexcept { return is_integer_; }
-    /// The value of full intensity.
-    [[nodiscard]] double peak() const noexcept { return peak_; }
+    [[nodiscard]] double peak() const noexcept { return peak_; }  ///< value of full intensity
 
-    /// The table of a rectangle of the image.
+    /// The moment table of a rectangle of the image.
     [[nodiscard]] MomentTable<C> table(const Rect& rect) const { return make_(*this, rect); }
 
-    /// The squared error of a finished mesh as drawn, see rendered_error(), with the weights.
+    /// The squared error of a finished mesh as drawn, with the weights: rendered_error() of fit/rendered_error.hpp.
     [[nodiscard]] double rendered_error(const Mesh& mesh, const ParallelFor& parallel_for) const {
         return error_(*this, mesh, parallel_for);
     }
 
-    /// The samples at pixel (x, y), held to the image where it is outside; 0 in the lanes above.
+    /// The samples of the pixel nearest to (x, y), which may lie outside the image; 0 in the lanes above them.
     [[nodiscard]] HMESH_ALWAYS_INLINE Lanes<lanes_for(C + 1)> pixel(int x, int y) const noexcept {
         Lanes<lanes_for(C + 1)> out;
         sample_(*this, std::max(0, std::min(width_ - 1, x)), std::max(0, std::min(height_ - 1, y)), out);
@@ -4906,11 +4993,11 @@ class ImageSource {
 // ---- hmesh/image/premultiply.hpp
 
 /// \file
-/// premultiply(): an image whose colours are multiplied by alpha.
+/// premultiply(): an image with its colours multiplied by alpha.
 ///
-/// Between an opaque pixel and a transparent one, straight colours drag in whatever the transparent pixel hides: fringes.
-/// Multiplied by alpha, colours mix as light does: a mean of such pixels is what their mean would look like over anything
-/// (Porter and Duff, "Compositing digital images", 1984). O(pixels).
+/// Between an opaque pixel and a transparent one, interpolated straight colours mix in whatever the transparent pixel hides:
+/// fringes. Colours multiplied by alpha mix as light does: a mean of such pixels is what the mean of the pixels would look like
+/// over any background (Porter and Duff, "Compositing digital images", 1984). O(pixels).
 #ifndef HMESH_IMAGE_PREMULTIPLY_HPP
 #define HMESH_IMAGE_PREMULTIPLY_HPP
 
@@ -4919,8 +5006,8 @@ class ImageSource {
 
 namespace hmesh::kit {
 
-/// The image with all channels but the last multiplied by the last / peak, rounded to the pixel type. Alpha is held to
-/// [0, peak], which floats may leave. Of a view that check() accepts.
+/// The image with all channels but alpha, the last one, multiplied by alpha / peak and rounded to the pixel type. Alpha is
+/// clamped to [0, peak], which float images may leave. check() must accept the view.
 template <class T, int C>
 [[nodiscard]] Image<T, C> premultiply(const ImageView<T, C>& view, const ParallelFor& parallel_for = {}) {
     static_assert(has_alpha(C), "images of 2 or 4 channels have alpha");
@@ -4949,9 +5036,9 @@ template <class T, int C>
 /// \file
 /// UndoArray: an array that can return to an earlier state.
 ///
-/// The building block of transactions: while recording, edit(i) first notes the old value of element i. rollback() undoes
-/// the notes in reverse order and drops elements added since the mark, so every byte is as it was. A note costs one copy
-/// of the element; outside a transaction edit() is a plain access. Marks nest: roll back or keep the latest first.
+/// The building block of transactions: while recording, edit(i) first notes the old value of element i; rollback() restores the
+/// noted values in reverse order and drops elements added since the mark, so that every byte is as it was. A note costs one
+/// copy of the element; outside a transaction edit() is a plain access. Marks nest: the latest is rolled back or kept first.
 #ifndef HMESH_CORE_UNDO_ARRAY_HPP
 #define HMESH_CORE_UNDO_ARRAY_HPP
 
@@ -4962,31 +5049,33 @@ template <class T, int C>
 
 namespace hmesh::kit {
 
+/// An array of trivially copyable elements that can return to an earlier state.
 template <class T>
 class UndoArray {
     static_assert(std::is_trivially_copyable_v<T>, "old values are restored by plain copies");
 
   public:
+    /// A state to return to, made by mark().
     struct Mark {
-        std::size_t notes = 0;
-        std::size_t size = 0;
+        std::size_t notes = 0;  ///< number of notes
+        std::size_t size = 0;   ///< number of elements
     };
 
-    [[nodiscard]] std::size_t size() const noexcept { return values_.size(); }
-    [[nodiscard]] const T& operator[](std::size_t i) const noexcept { return values_[i]; }
-    [[nodiscard]] const std::vector<T>& values() const noexcept { return values_; }
+    [[nodiscard]] std::size_t size() const noexcept { return values_.size(); }              ///< number of elements
+    [[nodiscard]] const T& operator[](std::size_t i) const noexcept { return values_[i]; }  ///< element i, for reading
+    [[nodiscard]] const std::vector<T>& values() const noexcept { return values_; }         ///< all elements, for reading
 
-    /// Element i for writing. The reference holds until the next push_back.
+    /// Element i for writing; its old value is noted while recording. The reference is valid until the next push_back().
     [[nodiscard]] T& edit(std::size_t i) {
         if (recording_) notes_.push_back({values_[i], static_cast<std::uint32_t>(i)});
         return values_[i];
     }
-    /// Element i for writing where nothing will ever be undone (building a mesh, distinct elements from many threads).
+    /// Element i for writing, never undone: for building a mesh, or for writing distinct elements from many threads.
     [[nodiscard]] T& raw(std::size_t i) noexcept { return values_[i]; }
 
-    void push_back(const T& value) { values_.push_back(value); }
-    void reserve(std::size_t n) { values_.reserve(n); }
-    /// Outside a transaction only; what was reserved stays.
+    void push_back(const T& value) { values_.push_back(value); }  ///< adds an element; undone by dropping it
+    void reserve(std::size_t n) { values_.reserve(n); }           ///< memory for n elements
+    /// Sets the number of elements, outside a transaction only. Memory is kept.
     void resize(std::size_t n) {
         HMESH_ASSERT(!recording_);
         values_.resize(n);
@@ -4997,7 +5086,7 @@ class UndoArray {
         recording_ = true;
         return {notes_.size(), values_.size()};
     }
-    /// Brings all elements and the size back to what they were at that mark. O(edits since).
+    /// Returns all elements and the size to what they were at that mark. O(edits since).
     void rollback(const Mark& to) {
         while (notes_.size() > to.notes) {
             values_[notes_.back().index] = notes_.back().old;
@@ -5005,7 +5094,7 @@ class UndoArray {
         }
         values_.resize(to.size);
     }
-    /// Forgets all notes: the outermost transaction is over, whatever became of it.
+    /// Ends the outermost transaction: forgets all notes. The elements stay as they are.
     void stop_recording() noexcept {
         notes_.clear();
         recording_ = false;
@@ -5028,22 +5117,24 @@ class UndoArray {
 // ---- hmesh/fit/edge_moments.hpp
 
 /// \file
-/// Moments: what a face needs to know of its pixels, collected along its edges.
+/// Moments: sums over the pixels of a face, collected along its edges.
 ///
-/// The energy of a face, its normal equations, gradients and Gauss-Newton blocks all follow from the sums over its pixels
-/// of 1, x, y, x^2, xy, y^2, I_c, x I_c, y I_c and |I|^2. By Green's theorem these are the signed sums of the moments of its
-/// three edges, and an edge's moments are a walk down the pixel rows that it crosses, over the prefix sums of a
-/// MomentTable: O(rows), not O(pixels). For integer pixels all moments are integers, exact as long as they stay below 2^53:
-/// shared edges cancel and every pixel is counted once, whatever the rounding of coordinates. An edge with p pixels to its
-/// left in its rows reaches 2^53 at C p = 2^21 for 16-bit samples (their squares), 2^37 for 8-bit ones, and in x^2 sums
-/// beyond widths of 8,192 px at as many rows; edges of a fitted mesh cross few rows and stay far below.
+/// The energy of a face, its normal equations, gradients and Gauss-Newton blocks all follow from the sums over its pixels of 1,
+/// x, y, x^2, xy, y^2, I_c, x I_c, y I_c and |I|^2. By Green's theorem these are the signed sums of the moments of its three
+/// edges, and an edge's moments are a walk down the pixel rows that it crosses, over the prefix sums of a MomentTable: O(rows),
+/// not O(pixels).
 ///
-/// Over a weighted table each pixel counts as often as its weight says, in all of these sums ("number of pixels" is then
-/// a sum of weights). Those without samples are multiples of the weights' step, exact as long as they stay below 2^53
-/// of it; beyond, where no pixel counts, some 1e-16 of the sums to the left may remain, of either sign.
+/// For integer samples all moments are integers, exact as long as they stay below 2^53: shared edges cancel and every pixel is
+/// counted once, whatever the rounding of coordinates. An edge with p pixels to its left in its rows reaches 2^53 at C p = 2^21
+/// for 16-bit samples (their squares), 2^37 for 8-bit ones, and in sums of x^2 beyond widths of 8,192 px at as many rows; edges
+/// of a fitted mesh cross few rows and stay far below.
 ///
-/// Pixels have integer coordinates here: pixel (i, j) of the table's rectangle is the point (i, j), half a pixel off the
-/// plane's (i + 1/2, j + 1/2).
+/// Over a weighted table each pixel counts with its weight in all of these sums ("number of pixels" is then a sum of weights).
+/// Sums without samples are multiples of the weights' step, exact below 2^53 steps; beyond, where no pixel counts, some 1e-16
+/// of the sums to the left may remain, of either sign.
+///
+/// Pixels have integer coordinates here: pixel (i, j) of the table's rectangle is the point (i, j), half a pixel off its centre
+/// in the plane, (i + 1/2, j + 1/2).
 #ifndef HMESH_FIT_EDGE_MOMENTS_HPP
 #define HMESH_FIT_EDGE_MOMENTS_HPP
 
@@ -5053,39 +5144,44 @@ class UndoArray {
 
 namespace hmesh::kit {
 
-/// Sums over a set of pixels. "One" is carried as channel C, so that sums of I and of 1 shift and combine alike.
+/// Sums over a set of pixels of C channels. The constant 1 is carried as channel C, so that sums of I and of 1 shift and
+/// combine alike.
 template <int C>
 struct Moments {
-    static constexpr int one = C;
-    using Channels = Lanes<lanes_for(C + 1)>;
-    Channels s;   ///< (I_0 .. I_{C-1}, 1)
-    Channels sx;  ///< x times these
-    Channels sy;  ///< y times these
-    Lanes<4> q;   ///< x^2, xy, y^2, |I|^2
+    static constexpr int one = C;              ///< lane of the constant 1
+    using Channels = Lanes<lanes_for(C + 1)>;  ///< the channels and 1, padded
+    Channels s;                                ///< sums of (I_0 .. I_{C-1}, 1)
+    Channels sx;                               ///< sums of x (I_0 .. I_{C-1}, 1)
+    Channels sy;                               ///< sums of y (I_0 .. I_{C-1}, 1)
+    Lanes<4> q;                                ///< sums of x^2, xy, y^2, |I|^2
 
-    /// Of no pixels.
+    /// The moments of no pixels.
     [[nodiscard]] static HMESH_ALWAYS_INLINE Moments zero() {
         return {Channels::zero(), Channels::zero(), Channels::zero(), Lanes<4>::zero()};
     }
+    /// Adds the moments of other pixels.
     HMESH_ALWAYS_INLINE Moments& operator+=(const Moments& o) {
         s += o.s, sx += o.sx, sy += o.sy, q += o.q;
         return *this;
     }
+    /// Subtracts the moments of pixels.
     HMESH_ALWAYS_INLINE Moments& operator-=(const Moments& o) {
         s -= o.s, sx -= o.sx, sy -= o.sy, q -= o.q;
         return *this;
     }
+    /// Multiplies all sums, as a rule by the sign 1 or -1.
     HMESH_ALWAYS_INLINE Moments& operator*=(double sign) {
         s *= sign, sx *= sign, sy *= sign, q *= sign;
         return *this;
     }
 };
 
-/// Pixels that together count for less count for nothing: it may be the rounding of weighted sums. In pixels.
+/// Pixels that together count for less than this count for nothing, in pixels: it may be the rounding of weighted sums.
 inline constexpr double least_weight = 1e-9;
 
 namespace detail {
 
+/// `sign` times the moments of the pixels left of the edge from a down to b, over a table of N without weights.
 template <int C, class N>
 HMESH_ALWAYS_INLINE void walk(const MomentTable<C>& table, Point a, Point b, double sign, Moments<C>& m) {
     using Channels = typename Moments<C>::Channels;
@@ -5120,7 +5216,7 @@ HMESH_ALWAYS_INLINE void walk(const MomentTable<C>& table, Point a, Point b, dou
     m.q.set(3, sign * squares);
 }
 
-/// The same over a weighted table. Not for inlining: the two walks above are to stay as small and as fast as they are.
+/// walk() over a weighted table. Never inlined: the two walks without weights are to stay as small and as fast as they are.
 template <int C>
 HMESH_NEVER_INLINE void weighted_walk(const MomentTable<C>& table, Point a, Point b, double sign, Moments<C>& m) {
     using Channels = typename Moments<C>::Channels;
@@ -5155,9 +5251,9 @@ HMESH_NEVER_INLINE void weighted_walk(const MomentTable<C>& table, Point a, Poin
 
 }  // namespace detail
 
-/// The moments of the pixels left of the edge from a to b, positive where it runs down (to larger y), negative where it
-/// runs up: edge_moments(a, b) = -edge_moments(b, a), and the sum over the edges of a polygon of positive orientation is
-/// the moments of its pixels. Points lie in [0, width] x [0, height] of the table. Cost: some 4 ns a row crossed.
+/// The moments of the pixels left of the edge from a to b, positive where it runs down (to larger y), negative where it runs
+/// up. So edge_moments(a, b) = -edge_moments(b, a), and the sum over the edges of a polygon of positive orientation is the
+/// moments of its pixels. Points lie in [0, width] x [0, height] of the table. Cost: some 4 ns a row crossed.
 template <int C>
 HMESH_NEVER_INLINE void edge_moments(const MomentTable<C>& table, Point a, Point b, Moments<C>& m) {
     double sign = 1;
@@ -5180,12 +5276,12 @@ HMESH_NEVER_INLINE void edge_moments(const MomentTable<C>& table, Point a, Point
 /// The squared error of a face: all its closed forms, from the moments of its pixels.
 ///
 /// In a face the picture is linear, so its squared error to the image is a polynomial in the moments of the face's pixels
-/// (edge_moments.hpp), the corners' colours and their positions. Here stand the error itself (face_energy), the error as a
-/// function of one corner's colour and what moves that corner (FaceFit), and what the corners add to the normal equations of all
-/// colours (CornerSums). An energy of another kind is another header like this one.
+/// (fit/edge_moments.hpp), the colours of its corners and their positions. This header holds the error itself (face_energy),
+/// the error as a function of one corner's colour with what moves that corner (FaceFit), and what the corners add to the normal
+/// equations of all colours (CornerSums). An energy of another kind is another header like this one.
 ///
-/// In a face (v, a, b) with the origin in v the picture is f = c (1 + l.x) + f1 x + f2 y, where c is v's colour, l the
-/// gradient of v's hat function and (f1, f2) what the colours of a and b contribute. Its squared error is
+/// In a face (v, a, b) with the origin in v the picture is f = c (1 + l.x) + f1 x + f2 y, where c is v's colour, l the gradient
+/// of v's hat function and (f1, f2) what the colours of a and b contribute. Its squared error is
 ///     E = d + sum over channels of (A c^2 - 2 b c),     A = sum of lambda^2,  b = sum of lambda (I - f1 x - f2 y),
 /// all sums over the face's pixels. Cost: about 13 ns a face for up to 3 channels.
 #ifndef HMESH_FIT_SQUARED_ERROR_HPP
@@ -5201,6 +5297,7 @@ using Color = typename Moments<C>::Channels;
 
 namespace detail {
 
+/// Clamps the channels to [low, high]; the padding stays 0.
 template <int C>
 HMESH_ALWAYS_INLINE void clamp_channels(Color<C>& c, double low, double high) {
     c.clamp(low, high);
@@ -5209,28 +5306,39 @@ HMESH_ALWAYS_INLINE void clamp_channels(Color<C>& c, double low, double high) {
 
 }  // namespace detail
 
-/// Where a vertex may go: what is not free stays on a side of the image, or in a corner (fixed). A frozen vertex belongs to
-/// other patches too: neither its position nor its colour changes, and it is not removed.
-enum class Mobility : unsigned char { free, along_x, along_y, corner, locked };
-
-/// Most half-edges around a vertex that an operator makes.
-inline constexpr int max_valence = 40;
-
-/// What a vertex is, apart from its edges.
-template <int C>
-struct VertexState {
-    Color<C> color;
-    Point position;
-    Mobility mobility;
-    unsigned char valence_limit = max_valence;  ///< less for a frozen vertex, whose other patches may add edges too
+/// Where a vertex may go.
+enum class Mobility : unsigned char {
+    free,     ///< anywhere
+    along_x,  ///< along a horizontal side of the image
+    along_y,  ///< along a vertical side of the image
+    corner,   ///< nowhere: a corner of the image
+    locked,   ///< nowhere: it belongs to other patches too, keeps its colour and is not removed
 };
 
-/// The moments of a face with the origin moved to its corner v, in plane coordinates.
+/// The largest valence that an operator gives a vertex.
+inline constexpr int max_valence = 40;
+
+/// What an ImageMesh stores of a vertex, apart from its edges.
+template <int C>
+struct VertexState {
+    Color<C> color;     ///< colour in stored values
+    Point position;     ///< px, in the rectangle of the moment table
+    Mobility mobility;  ///< where the vertex may go
+    /// Largest valence allowed, smaller for a locked vertex, whose other patches may add edges too.
+    unsigned char valence_limit = max_valence;
+};
+
+/// The moments of a face with the origin moved to its corner v, in coordinates of the plane.
 template <int C>
 struct ShiftedMoments {
-    Color<C> mx, my;       ///< sums of x (I, 1) and y (I, 1)
-    double sx, sy;         ///< of x and y
-    double sxx, sxy, syy;  ///< of x^2, xy, y^2
+    Color<C> mx,  ///< sums of x (I, 1)
+        my;       ///< sums of y (I, 1)
+    double sx,    ///< sum of x
+        sy;       ///< sum of y
+    double sxx,   ///< sum of x^2
+        sxy,      ///< sum of xy
+        syy;      ///< sum of y^2
+    /// The moments m of a face, as an ImageMesh stores them, with the origin moved to v.
     HMESH_ALWAYS_INLINE ShiftedMoments(const Moments<C>& m, Point v) {
         const double ox = v.x - 0.5, oy = v.y - 0.5;  // the origin in pixel coordinates
         mx = m.sx - ox * m.s, my = m.sy - oy * m.s;
@@ -5240,20 +5348,26 @@ struct ShiftedMoments {
     }
 };
 
-/// One face of a ring, as a function of the centre's colour.
+/// The squared error of a face of a ring as a function of the centre's colour. The formulas are at the top of
+/// fit/squared_error.hpp.
 template <int C>
 struct FaceFit {
-    double a;        ///< A
-    double lx, ly;   ///< gradient of the hat function
-    double squares;  ///< d = squares + rest.sum()
-    Color<C> b, f1, f2, rest;
-    /// With the centre of this colour.
+    double a;        ///< A, the sum of lambda^2
+    double lx,       ///< x of the gradient of the centre's hat function
+        ly;          ///< y of that gradient
+    double squares;  ///< sum of |I|^2; d = squares + rest.sum()
+    Color<C> b,      ///< b, the sum of lambda (I - f1 x - f2 y)
+        f1,          ///< x of the picture's gradient, the part of the other corners
+        f2,          ///< y of the picture's gradient, the part of the other corners
+        rest;        ///< the part of d that depends on the other corners
+    /// The squared error of the face with the centre in colour c.
     [[nodiscard]] HMESH_ALWAYS_INLINE double energy(const Color<C>& c) const {
         return squares + (rest + c * (a * c - 2.0 * b)).sum();
     }
 };
 
-/// Face (v, a, b) with moments m. False when twice its area is below min_double_area.
+/// Fits the face (v, a, b) with moments m; `va` and `vb` are its other corners. False when twice its area is below
+/// min_double_area.
 template <int C>
 [[nodiscard]] HMESH_ALWAYS_INLINE bool fit_face(const Moments<C>& m, Point v, const VertexState<C>& va, const VertexState<C>& vb,
                                                 double min_double_area, FaceFit<C>& out) {
@@ -5279,7 +5393,7 @@ template <int C>
     return true;
 }
 
-/// The squared error of a face with moments m and positive area.
+/// The squared error of the face (v0, v1, v2) with moments m and positive area.
 template <int C>
 [[nodiscard]] HMESH_ALWAYS_INLINE double face_energy(const Moments<C>& m, const VertexState<C>& v0, const VertexState<C>& v1,
                                                      const VertexState<C>& v2) {
@@ -5297,19 +5411,23 @@ template <int C>
                .sum();
 }
 
-/// What one corner of a face adds to the normal equations. It goes with the half-edge that leaves the corner within the
-/// face; lambda is the corner's hat function, sums are over the face's pixels.
+/// What one corner of a face adds to the normal equations. It belongs to the half-edge that leaves the corner within the face.
+/// Sums are over the face's pixels; lambda is the corner's hat function.
 template <int C>
 struct CornerSums {
-    double square = 0;                  ///< lambda^2
-    double coupling = 0;                ///< lambda times that of the half-edge's other end
-    double x = 0, y = 0;                ///< lambda (x, y), plane coordinates of the pixel's centre
-    Color<C> image = Color<C>::zero();  ///< lambda I; lane C: lambda
+    double square = 0;                  ///< sum of lambda^2
+    double coupling = 0;                ///< sum of lambda times the hat function of the half-edge's other end
+    double x = 0,                       ///< sum of lambda x, x of the pixel's centre in the plane
+        y = 0;                          ///< sum of lambda y, y of the pixel's centre in the plane
+    Color<C> image = Color<C>::zero();  ///< sum of lambda I; lane C: of lambda
 };
 
-/// The corners of face (v0, v1, v2) with moments m. With the origin in v0, lambda_1 = u / area and lambda_2 = w / area
-/// for u = b_y x - b_x y and w = a_x y - a_y x. Dividing last and nesting sums of products as below keeps all before it
-/// exact on the 1/256 px grid for faces of common size: slivers, where terms of 1e8 cancel, lose nothing.
+/// The sums of the corners of the face (v0, v1, v2) with moments m and positive area; left as they are for a face without
+/// pixels.
+///
+/// With the origin in v0, lambda_1 = u / area and lambda_2 = w / area for u = b_y x - b_x y and w = a_x y - a_y x. Dividing
+/// last and nesting sums of products as below keeps everything before exact on the 1/256 px grid for faces of common size:
+/// slivers, where terms of 1e8 cancel, lose nothing.
 template <int C>
 void sum_corners(const Moments<C>& m, Point v0, Point v1, Point v2, CornerSums<C>& out0, CornerSums<C>& out1,
                  CornerSums<C>& out2) {
@@ -5352,7 +5470,7 @@ void sum_corners(const Moments<C>& m, Point v0, Point v1, Point v2, CornerSums<C
 // ---- hmesh/mesh/handles.hpp
 
 /// \file
-/// Handles: Vertex, Halfedge, Edge and Face, indices of 4 bytes that do not mix.
+/// Handles: Vertex, Halfedge, Edge and Face, 4-byte indices of different types, so that they cannot be mixed up.
 #ifndef HMESH_MESH_HANDLES_HPP
 #define HMESH_MESH_HANDLES_HPP
 
@@ -5361,17 +5479,19 @@ void sum_corners(const Moments<C>& m, Point v0, Point v1, Point v2, CornerSums<C
 
 namespace hmesh::kit {
 
-/// An index into one kind of element; default-constructed it names none. No implicit conversion, in or out.
+/// The index of an element of one kind. Default-constructed it refers to no element. No implicit conversion, in or out.
 template <class Kind>
 class Handle {
   public:
+    /// Refers to no element.
     constexpr Handle() noexcept = default;
+    /// Refers to the element at this index, below 2^32 - 1.
     constexpr explicit Handle(std::size_t index) noexcept : index_(static_cast<std::uint32_t>(index)) {}
-    [[nodiscard]] constexpr std::size_t index() const noexcept { return index_; }
-    [[nodiscard]] constexpr bool is_valid() const noexcept { return index_ != none; }
-    friend constexpr bool operator==(Handle a, Handle b) noexcept { return a.index_ == b.index_; }
-    friend constexpr bool operator!=(Handle a, Handle b) noexcept { return a.index_ != b.index_; }
-    friend constexpr bool operator<(Handle a, Handle b) noexcept { return a.index_ < b.index_; }
+    [[nodiscard]] constexpr std::size_t index() const noexcept { return index_; }      ///< the index
+    [[nodiscard]] constexpr bool is_valid() const noexcept { return index_ != none; }  ///< whether it refers to an element
+    friend constexpr bool operator==(Handle a, Handle b) noexcept { return a.index_ == b.index_; }  ///< same index
+    friend constexpr bool operator!=(Handle a, Handle b) noexcept { return a.index_ != b.index_; }  ///< other index
+    friend constexpr bool operator<(Handle a, Handle b) noexcept { return a.index_ < b.index_; }    ///< smaller index
 
   private:
     static constexpr std::uint32_t none = 0xffffffffU;
@@ -5380,11 +5500,11 @@ class Handle {
 
 /// A vertex of a mesh.
 using Vertex = Handle<struct VertexKind>;
-/// One of the two directions of an edge.
+/// A half-edge: one of the two directions of an edge.
 using Halfedge = Handle<struct HalfedgeKind>;
 /// An edge of a mesh: two half-edges.
 using Edge = Handle<struct EdgeKind>;
-/// A triangle of a mesh.
+/// A face (triangle) of a mesh.
 using Face = Handle<struct FaceKind>;
 
 }  // namespace hmesh::kit
@@ -5394,42 +5514,46 @@ using Face = Handle<struct FaceKind>;
 // ---- hmesh/fit/ring.hpp
 
 /// \file
-/// Ring: a vertex with the fan of faces around it, and their energy as a function of the vertex.
+/// Ring: the one-ring of a vertex, and the energy of its faces as a function of the vertex.
 ///
-/// The squared errors of the faces around a vertex (squared_error.hpp) are parabolas in its colour. Summed over the ring, the
-/// best colour is b / A; with that colour put back in, Gauss-Newton moves the vertex. The same code serves a vertex of the mesh
+/// The squared errors of the faces around a vertex (fit/squared_error.hpp) are parabolas in its colour. Summed over the ring,
+/// the best colour is b / A; with that colour put in, Gauss-Newton moves the vertex. The same code serves a vertex of the mesh
 /// and one that might be inserted. Cost: about 13 ns a face for up to 3 channels.
 #ifndef HMESH_FIT_RING_HPP
 #define HMESH_FIT_RING_HPP
 
 namespace hmesh::kit {
 
-/// Most neighbors that a Ring holds.
+/// The largest valence of the centre of a Ring.
 inline constexpr int ring_capacity = 64;
 
-/// The sums over a ring: E(c) = d + sum (A c^2 - 2 b c). Lane C of b is not zero and means nothing.
+/// The squared error of a ring as a function of the centre's colour c: E(c) = d + sum over channels of (A c^2 - 2 b c).
 template <int C>
 struct RingFit {
-    double a = 0, d = 0;
-    double squares = 0;  ///< |I|^2
-    Color<C> b = Color<C>::zero();
+    double a = 0,                   ///< A, the sum of lambda^2 over the ring
+        d = 0;                      ///< the part that does not depend on c
+    double squares = 0;             ///< sum of |I|^2 over the ring
+    Color<C> b = Color<C>::zero();  ///< the sum of FaceFit::b; lane C is not zero and means nothing
+    /// The squared error of the ring with the centre in colour c.
     [[nodiscard]] HMESH_ALWAYS_INLINE double energy(const Color<C>& c) const { return d + (c * (a * c - 2.0 * b)).sum(); }
 };
 
-/// The vertex in the middle is not part of a Ring. Neighbours follow each other against the orientation of the faces:
-/// face i joins the centre, neighbour i and neighbour i - 1; an open ring (around a border vertex) lacks face 0.
+/// The one-ring of a vertex, the centre, which itself is not part of it. Neighbours follow each other against the orientation
+/// of the faces: face i joins the centre, neighbour i and neighbour i - 1; an open ring (around a boundary vertex) has no face
+/// 0. An object takes ring_capacity Moments, 8 KB for 3 channels.
 template <int C>
 struct Ring {
-    int size = 0;
-    bool open = false;
-    Halfedge halfedge[ring_capacity];  ///< from the centre to each neighbour, where the centre is in the mesh
-    const VertexState<C>* neighbor[ring_capacity];
-    Moments<C> link[ring_capacity];  ///< of the far side of face i, from neighbour i to neighbour i - 1
+    int size = 0;                                   ///< number of neighbours
+    bool open = false;                              ///< whether the centre is on the boundary
+    Halfedge halfedge[ring_capacity];               ///< from the centre to neighbour i, if the centre is in the mesh
+    const VertexState<C>* neighbor[ring_capacity];  ///< neighbour i
+    Moments<C> link[ring_capacity];                 ///< moments of the far side of face i, from neighbour i to neighbour i - 1
 
-    [[nodiscard]] int first_face() const noexcept { return open ? 1 : 0; }
+    [[nodiscard]] int first_face() const noexcept { return open ? 1 : 0; }  ///< index of the first face
+    /// The index before i around the ring.
     [[nodiscard]] int before(int i) const noexcept { return i == 0 ? size - 1 : i - 1; }
 
-    /// Whether all faces have at least the area min_double_area / 2 with the centre at v.
+    /// Whether all faces have at least the area min_double_area / 2, in px^2, with the centre at v.
     [[nodiscard]] HMESH_ALWAYS_INLINE bool accepts(Point v, double min_double_area) const noexcept {
         for (int i = first_face(); i < size; ++i)
             if (!(orient2d(v, neighbor[i]->position, neighbor[before(i)]->position) >= min_double_area)) return false;
@@ -5437,19 +5561,19 @@ struct Ring {
     }
 };
 
-/// Moments of the edges from a ring's centre to its neighbours.
+/// The moments of the edges from the centre of a ring to its neighbours.
 template <int C>
 struct Spokes {
-    Moments<C> spoke[ring_capacity];
+    Moments<C> spoke[ring_capacity];  ///< to neighbour i
 };
 
-/// Walks them all, from the centre at v.
+/// Collects the moments of all edges from the centre at v to the neighbours.
 template <int C>
 HMESH_ALWAYS_INLINE void walk_spokes(const MomentTable<C>& table, const Ring<C>& ring, Point v, Spokes<C>& spokes) {
     for (int i = 0; i < ring.size; ++i) edge_moments(table, v, ring.neighbor[i]->position, spokes.spoke[i]);
 }
 
-/// How many pixels the ring holds: over a weighted table the sum of their weights, with its rounding.
+/// The number of pixels in the ring; over a weighted table the sum of their weights, with its rounding.
 template <int C>
 [[nodiscard]] inline double ring_weight(const Ring<C>& ring, const Spokes<C>& spokes) noexcept {
     double sum = ring.open ? spokes.spoke[ring.size - 1].s[C] - spokes.spoke[0].s[C] : 0.0;
@@ -5457,7 +5581,7 @@ template <int C>
     return sum;
 }
 
-/// All faces of the ring with the centre at v. False when one is smaller than min_double_area.
+/// Fits all faces of the ring, with the centre at v, and their sum. False when twice the area of one is below min_double_area.
 template <int C>
 [[nodiscard]] HMESH_NEVER_INLINE bool fit_ring(const Ring<C>& ring, const Spokes<C>& spokes, Point v, double min_double_area,
                                                FaceFit<C>* faces, RingFit<C>& out) {
@@ -5478,8 +5602,8 @@ template <int C>
     return true;
 }
 
-/// The colour that minimises the ring's energy, with the ridge toward `current`, kept within [low, high]. A sum of
-/// squares that rounding of weighted sums made negative counts as 0.
+/// The colour of the centre that minimises the ring's energy, with the ridge toward `current`, clamped to [low, high]. A sum of
+/// squares that the rounding of weighted sums made negative counts as 0.
 template <int C>
 [[nodiscard]] HMESH_ALWAYS_INLINE Color<C> best_color(const RingFit<C>& fit, const Color<C>& current, double ridge, double low,
                                                       double high) {
@@ -5488,17 +5612,21 @@ template <int C>
     return c;
 }
 
-/// What a step of the centre would be.
+/// A step of the centre of a ring.
 struct RingStep {
-    double dx = 0, dy = 0;
-    double predicted = 0;  ///< the decrease of energy that the linear model expects to first order, >= 0
+    double dx = 0,         ///< px
+        dy = 0;            ///< px
+    double predicted = 0;  ///< decrease of energy that the linear model expects to first order, >= 0
 };
 
-/// The Gauss-Newton step of the centre with its colour eliminated, from the fit at colour c = best_color: with the
+/// The Gauss-Newton step of the centre with its colour eliminated, from the fit at the colour c = best_color(). With the
 /// gradient of the picture g_t = (f1 + lx c, f2 + ly c) in face t,
+///
 ///     grad = -2 sum_t g_t (A_t c - b_t),     H = 2 [sum A_t g_t g_t' - (sum A_t g_t)(sum A_t g_t)' / sum A_t],
-/// summed over channels; there are no terms from pixels that change sides, because the picture is continuous. H is damped
-/// by 2 % of its trace (H is singular where the picture is flat in one direction). Half of grad and H are used.
+///
+/// summed over channels; pixels that change sides add no terms, because the picture is continuous. H is damped by 2 % of its
+/// trace (H is singular where the picture is flat in one direction). Half of grad and H are used. No step where the picture is
+/// flat.
 template <int C>
 [[nodiscard]] HMESH_ALWAYS_INLINE RingStep gauss_newton_step(const Ring<C>& ring, const FaceFit<C>* faces, const RingFit<C>& fit,
                                                              const Color<C>& c, Mobility mobility) {
@@ -5552,12 +5680,13 @@ template <int C>
 /// HalfedgeMesh: the connectivity of a triangle mesh, compact, editable and undoable.
 ///
 /// Half-edges come in pairs: opposite(h) = h xor 1, edge(h) = h / 2, so edges keep their identity under flips and can carry
-/// data. Each half-edge stores its next, the vertex it points to and its face; boundary half-edges have no face and are
-/// linked along the boundary, counter to the faces. 24 bytes an edge, 4 a vertex and 4 a face; about 84 bytes a vertex.
+/// data. Each half-edge stores its next half-edge, the vertex it points to and its face; boundary half-edges have no face and
+/// are linked along the boundary, against the orientation of the faces. 24 bytes an edge, 4 a vertex and 4 a face; about 84
+/// bytes a vertex.
 ///
-/// The mesh is an oriented 2-manifold with boundary: every vertex has one fan of faces. A boundary vertex's half-edge is the
-/// boundary half-edge that leaves it. flip, split and collapse cost O(1) plus the valence for collapse; deleted slots are
-/// used again. begin/commit/rollback make any sequence of edits a transaction.
+/// The mesh is an oriented 2-manifold with boundary: every vertex has one fan of faces. The half-edge stored for a boundary
+/// vertex is the boundary half-edge that leaves it. flip and split cost O(1), collapse O(valence); slots of deleted elements
+/// are reused. begin/commit/rollback make any sequence of edits a transaction.
 #ifndef HMESH_MESH_HALFEDGE_MESH_HPP
 #define HMESH_MESH_HALFEDGE_MESH_HPP
 
@@ -5568,41 +5697,56 @@ template <int C>
 
 namespace hmesh::kit {
 
+/// The connectivity of an oriented triangle mesh with boundary, as half-edges. Knows no positions.
 class HalfedgeMesh {
   public:
+    /// The empty mesh.
     HalfedgeMesh() = default;
 
-    /// The mesh of `triangles` over the vertices [0, vertex_count), all turning the same way. Replaces what was there.
-    /// Refuses (and leaves the mesh empty) an index out of range, an edge used twice in one direction, a vertex that is
-    /// isolated or where two fans meet. Cost O(n) for bounded valences.
+    /// Replaces the mesh by that of `triangles` over the vertices [0, vertex_count), all of one orientation. Refuses
+    /// (invalid_argument with the index where, or image_too_large, and leaves the mesh empty): an index out of range, an edge
+    /// used twice in one direction, an isolated vertex, a vertex where two fans meet. O(n) for bounded valences.
     [[nodiscard]] HMESH_COLD Status assign(std::size_t vertex_count, const std::vector<Triangle>& triangles);
 
     // --- counts and elements: live ones, and slots including deleted ones (the size for arrays indexed by handles) ---
-    [[nodiscard]] std::size_t vertex_count() const noexcept { return counts_.vertices; }
-    [[nodiscard]] std::size_t edge_count() const noexcept { return counts_.edges; }
-    [[nodiscard]] std::size_t face_count() const noexcept { return counts_.faces; }
-    [[nodiscard]] std::size_t vertex_slots() const noexcept { return vertices_.size(); }
-    [[nodiscard]] std::size_t edge_slots() const noexcept { return halfedges_.size() / 2; }
-    [[nodiscard]] std::size_t face_slots() const noexcept { return faces_.size(); }
+    [[nodiscard]] std::size_t vertex_count() const noexcept { return counts_.vertices; }     ///< number of live vertices
+    [[nodiscard]] std::size_t edge_count() const noexcept { return counts_.edges; }          ///< number of live edges
+    [[nodiscard]] std::size_t face_count() const noexcept { return counts_.faces; }          ///< number of live faces
+    [[nodiscard]] std::size_t vertex_slots() const noexcept { return vertices_.size(); }     ///< size of an array by vertices
+    [[nodiscard]] std::size_t edge_slots() const noexcept { return halfedges_.size() / 2; }  ///< size of an array by edges
+    [[nodiscard]] std::size_t face_slots() const noexcept { return faces_.size(); }          ///< size of an array by faces
+    /// Whether the vertex is deleted.
     [[nodiscard]] bool is_deleted(Vertex v) const noexcept { return vertices_[v.index()].deleted(); }
+    /// Whether the edge is deleted.
     [[nodiscard]] bool is_deleted(Edge e) const noexcept { return halfedges_[2 * e.index()].deleted(); }
+    /// Whether the face is deleted.
     [[nodiscard]] bool is_deleted(Face f) const noexcept { return faces_[f.index()].deleted(); }
 
+    /// The live elements of one kind, see vertices(), edges() and faces().
     template <class Element>
     class Range;
-    [[nodiscard]] Range<Vertex> vertices() const noexcept;  ///< live ones in the order of their indices, for range-based loops
-    [[nodiscard]] Range<Edge> edges() const noexcept;       ///< live edges, likewise
-    [[nodiscard]] Range<Face> faces() const noexcept;       ///< live faces, likewise
+    [[nodiscard]] Range<Vertex> vertices() const noexcept;  ///< live vertices in the order of their indices
+    [[nodiscard]] Range<Edge> edges() const noexcept;       ///< live edges in the order of their indices
+    [[nodiscard]] Range<Face> faces() const noexcept;       ///< live faces in the order of their indices
 
     // --- navigation ---
+    /// The other half-edge of h's edge.
     [[nodiscard]] static Halfedge opposite(Halfedge h) noexcept { return Halfedge(h.index() ^ 1U); }
+    /// The edge of a half-edge.
     [[nodiscard]] static Edge edge(Halfedge h) noexcept { return Edge(h.index() >> 1U); }
+    /// The even half-edge of an edge; opposite() gives the other.
     [[nodiscard]] static Halfedge halfedge(Edge e) noexcept { return Halfedge(e.index() << 1U); }
+    /// The half-edge after h around its face, or along the boundary.
     [[nodiscard]] Halfedge next(Halfedge h) const noexcept { return halfedges_[h.index()].next; }
+    /// The vertex at the end of h.
     [[nodiscard]] Vertex to_vertex(Halfedge h) const noexcept { return halfedges_[h.index()].to; }
+    /// The vertex at the beginning of h.
     [[nodiscard]] Vertex from_vertex(Halfedge h) const noexcept { return to_vertex(opposite(h)); }
+    /// The face of h; invalid on the boundary.
     [[nodiscard]] Face face(Halfedge h) const noexcept { return halfedges_[h.index()].face; }
-    [[nodiscard]] Halfedge halfedge(Vertex v) const noexcept { return vertices_[v.index()].halfedge; }  ///< leaves v
+    /// A half-edge that leaves v: the boundary one if v is on the boundary.
+    [[nodiscard]] Halfedge halfedge(Vertex v) const noexcept { return vertices_[v.index()].halfedge; }
+    /// A half-edge of face f.
     [[nodiscard]] Halfedge halfedge(Face f) const noexcept { return faces_[f.index()].halfedge; }
     /// The half-edge before h: within a face two steps, along the boundary one turn around from_vertex(h).
     [[nodiscard]] Halfedge previous(Halfedge h) const noexcept {
@@ -5611,23 +5755,28 @@ class HalfedgeMesh {
         while (next(into) != h) into = opposite(next(into));
         return into;
     }
+    /// Whether the half-edge has no face.
     [[nodiscard]] bool is_boundary(Halfedge h) const noexcept { return !face(h).is_valid(); }
+    /// Whether the vertex is on the boundary.
     [[nodiscard]] bool is_boundary(Vertex v) const noexcept { return is_boundary(halfedge(v)); }
-    /// Whether it has one face.
+    /// Whether the edge is on the boundary, with one face.
     [[nodiscard]] bool is_boundary(Edge e) const noexcept {
         return is_boundary(halfedge(e)) || is_boundary(opposite(halfedge(e)));
     }
-    /// From that on which halfedge(f) begins.
+    /// The corners of a face, beginning with from_vertex(halfedge(f)), in its orientation.
     [[nodiscard]] std::array<Vertex, 3> vertices(Face f) const noexcept {
         const Halfedge h = halfedge(f);
         return {from_vertex(h), to_vertex(h), to_vertex(next(h))};
     }
-    // The faces as an index list, in their order, over the vertices numbered in theirs: what assign() takes. O(n).
+    /// The live faces as triples of indices, in the order of faces(); vertices are numbered in the order of vertices(). This is
+    /// what assign() takes. O(n).
     [[nodiscard]] HMESH_COLD std::vector<Triangle> triangles() const;
+    /// The half-edges that leave a vertex, see outgoing().
     class OneRing;
-    /// The half-edges that leave v, each once, against the orientation of the faces, the boundary one first.
+    /// The half-edges that leave v, each once, against the orientation of the faces; on the boundary the boundary half-edge
+    /// comes first. For range-based loops.
     [[nodiscard]] OneRing outgoing(Vertex v) const noexcept;
-    /// The number of its edges.
+    /// The number of edges at v.
     [[nodiscard]] int valence(Vertex v) const noexcept {
         int count = 0;
         Halfedge h = halfedge(v);
@@ -5637,44 +5786,48 @@ class HalfedgeMesh {
         } while (h != halfedge(v));
         return count;
     }
-    [[nodiscard]] Halfedge find_halfedge(Vertex from, Vertex to) const noexcept;  ///< invalid when there is none
+    /// The half-edge from one vertex to another; invalid if there is none.
+    [[nodiscard]] Halfedge find_halfedge(Vertex from, Vertex to) const noexcept;
 
     // --- edits; each needs its predicate to hold ---
-    /// Two faces, and their far corners are not neighbours yet.
+    /// Whether e can be flipped: it has two faces, whose far corners (not on e) are not neighbours yet.
     [[nodiscard]] bool is_flip_ok(Edge e) const noexcept {
         const Halfedge a = halfedge(e), b = opposite(a);
         return !is_boundary(a) && !is_boundary(b) && !find_halfedge(to_vertex(next(a)), to_vertex(next(b))).is_valid();
     }
-    /// Turns the edge against the faces' orientation: halfedge(e) then runs from the far corner of its opposite's face to
-    /// that of its own. Twice gives the same mesh with the edge reversed.
+    /// Turns e, for which is_flip_ok(e), against the orientation of the faces: halfedge(e) then runs from the far corner of its
+    /// opposite's face to that of its own. Two flips give the same mesh with the edge reversed.
     void flip(Edge e);
 
-    /// Puts a new vertex on edge e, joined to the far corners. halfedge(e) keeps its origin and now ends at the new vertex.
+    /// Puts a new vertex on e, joined to the far corners of its faces. halfedge(e) keeps its origin and then ends at the new
+    /// vertex.
     Vertex split(Edge e);
-    /// Puts a new vertex inside face f, joined to its corners.
+    /// Puts a new vertex inside f, joined to its corners.
     Vertex split(Face f);
 
-    /// Whether from_vertex(h) can be merged into to_vertex(h) and leave a manifold whose boundary keeps its vertices'
-    /// order: the two share no neighbour but the far corners, and a boundary vertex goes along the boundary only.
+    /// Whether from_vertex(h) can be merged into to_vertex(h) and leave a manifold whose boundary keeps the order of its
+    /// vertices: the two share no neighbours but the far corners of h's edge, and a boundary vertex moves along the boundary
+    /// only.
     [[nodiscard]] bool is_collapse_ok(Halfedge h) const noexcept;
-    /// Merges from_vertex(h), which is deleted with h's faces, into to_vertex(h). Edges of the removed fan that keep their
-    /// identity: all but edge(h) and the two of from_vertex(h) to the far corners.
+    /// Merges from_vertex(h) into to_vertex(h), for is_collapse_ok(h); from_vertex(h) and the faces of h's edge are deleted.
+    /// All other edges of from_vertex(h) keep their identity, except those to the far corners.
     void collapse(Halfedge h);
 
     // --- transactions; they nest, the inner ends first ---
+    /// The beginning of a transaction, see begin().
     struct Mark;
-    [[nodiscard]] Mark begin();              ///< from here on changes can be undone
-    void commit(const Mark& mark) noexcept;  ///< keeps what was done since
-    void rollback(const Mark& mark);         ///< brings all back to what it was at that mark, handles included
+    [[nodiscard]] Mark begin();              ///< begins a transaction: from here on changes can be undone
+    void commit(const Mark& mark) noexcept;  ///< ends a transaction and keeps its changes
+    void rollback(const Mark& mark);         ///< ends a transaction and undoes its changes, to the last handle
 
-    /// Memory for so many vertices.
+    /// Reserves memory for this number of vertices.
     void reserve(std::size_t vertices) {
         vertices_.reserve(vertices);
         halfedges_.reserve(6 * vertices);
         faces_.reserve(2 * vertices);
     }
 
-    /// Outside a transaction. Memory that was reserved stays.
+    /// Deletes everything. Outside a transaction only; memory is kept.
     void clear() {
         HMESH_ASSERT(depth_ == 0);
         halfedges_.resize(0);
@@ -5683,16 +5836,17 @@ class HalfedgeMesh {
         counts_ = Counts();
     }
 
-    /// Proves every invariant above; the sentence names what is broken and `got` the first index where. O(n).
+    /// Verifies every invariant named above; invalid_argument with a sentence about the broken one and the first index where.
+    /// O(n).
     [[nodiscard]] HMESH_COLD Status check() const;
 
   private:
-    /// A deleted slot holds, behind a flag in the top bit, the slot deleted before it (free_end: none).
+    /// The half-edge of a deleted slot is the index of the slot deleted before it (free_end: none) with this flag.
     static constexpr std::uint32_t deleted_flag = 0x80000000U;
     static constexpr std::uint32_t free_end = 0x7fffffffU;
     struct Slot {
         Halfedge halfedge;
-        /// An unset handle has the top bit too, but is no slot: a live element always has a half-edge.
+        /// Whether the slot is deleted. An unset handle has the top bit too, but a live element always has a half-edge.
         [[nodiscard]] bool deleted() const noexcept { return (halfedge.index() & deleted_flag) != 0; }
     };
     struct HalfedgeSlot {
@@ -5721,12 +5875,12 @@ class HalfedgeMesh {
     void set_triangle(Face f, Halfedge a, Halfedge b, Halfedge c);
 
     [[nodiscard]] Vertex new_vertex();
-    [[nodiscard]] Halfedge new_edge();  ///< the even half-edge
+    [[nodiscard]] Halfedge new_edge();  ///< returns the even half-edge
     [[nodiscard]] Face new_face();
     void delete_vertex(Vertex v);
     void delete_edge(Edge e);
     void delete_face(Face f);
-    /// `stays`, an edge of a face that goes, takes the place of `goes` in the next face (or boundary) over.
+    /// Puts `stays`, an edge of a face to be deleted, in the place of `goes` in the adjacent face (or boundary).
     void replace(Halfedge goes, Halfedge stays);
     [[nodiscard]] Status check_vertex(Vertex v) const;
 
@@ -5736,28 +5890,34 @@ class HalfedgeMesh {
     int depth_ = 0;
 };
 
-/// Where a transaction began.
+/// The beginning of a transaction.
 struct HalfedgeMesh::Mark {
-    UndoArray<HalfedgeSlot>::Mark halfedges;
-    UndoArray<Slot>::Mark vertices, faces;
-    Counts counts;
+    UndoArray<HalfedgeSlot>::Mark halfedges;  ///< notes on half-edges
+    UndoArray<Slot>::Mark vertices,           ///< notes on vertices
+        faces;                                ///< notes on faces
+    Counts counts;                            ///< numbers of live elements
 };
 
-template <class Element>  ///< what vertices(), edges() and faces() give
+/// The live elements of one kind in the order of their indices: what vertices(), edges() and faces() return.
+template <class Element>
 class HalfedgeMesh::Range {
   public:
-    Range(const HalfedgeMesh& mesh, std::size_t end) noexcept : mesh_(&mesh), end_(end) {}
+    Range(const HalfedgeMesh& mesh, std::size_t end) noexcept : mesh_(&mesh), end_(end) {}  ///< slots [0, end)
+    /// Goes from one live element to the next.
     class Iterator {
       public:
+        /// At the first live element from slot `index` on, before slot `end`.
         Iterator(const HalfedgeMesh& mesh, std::size_t index, std::size_t end) noexcept : mesh_(&mesh), index_(index), end_(end) {
             skip();
         }
-        [[nodiscard]] Element operator*() const noexcept { return Element(index_); }
+        [[nodiscard]] Element operator*() const noexcept { return Element(index_); }  ///< the element
+        /// To the next live element.
         Iterator& operator++() noexcept {
             ++index_;
             skip();
             return *this;
         }
+        /// Whether the iterators differ.
         friend bool operator!=(const Iterator& a, const Iterator& b) noexcept { return a.index_ != b.index_; }
 
       private:
@@ -5767,28 +5927,33 @@ class HalfedgeMesh::Range {
         const HalfedgeMesh* mesh_;
         std::size_t index_, end_;
     };
-    [[nodiscard]] Iterator begin() const noexcept { return {*mesh_, 0, end_}; }
-    [[nodiscard]] Iterator end() const noexcept { return {*mesh_, end_, end_}; }
+    [[nodiscard]] Iterator begin() const noexcept { return {*mesh_, 0, end_}; }   ///< first live element
+    [[nodiscard]] Iterator end() const noexcept { return {*mesh_, end_, end_}; }  ///< end of the slots
 
   private:
     const HalfedgeMesh* mesh_;
     std::size_t end_;
 };
 
-/// What outgoing() gives.
+/// The half-edges that leave a vertex, against the orientation of the faces: what outgoing() returns.
 class HalfedgeMesh::OneRing {
   public:
+    /// All half-edges that leave from_vertex(first), beginning with `first`.
     OneRing(const HalfedgeMesh& mesh, Halfedge first) noexcept : mesh_(&mesh), first_(first) {}
+    /// Turns around the vertex.
     class Iterator {
       public:
+        /// At `first`, before the turn or after it.
         Iterator(const HalfedgeMesh& mesh, Halfedge first, bool done) noexcept
             : mesh_(&mesh), first_(first), current_(first), done_(done) {}
-        [[nodiscard]] Halfedge operator*() const noexcept { return current_; }
+        [[nodiscard]] Halfedge operator*() const noexcept { return current_; }  ///< the half-edge
+        /// To the next half-edge against the orientation of the faces.
         Iterator& operator++() noexcept {
             current_ = mesh_->next(opposite(current_));
             done_ = current_ == first_;
             return *this;
         }
+        /// Whether one turn is complete and the other is not.
         friend bool operator!=(const Iterator& a, const Iterator& b) noexcept { return a.done_ != b.done_; }
 
       private:
@@ -5796,8 +5961,8 @@ class HalfedgeMesh::OneRing {
         Halfedge first_, current_;
         bool done_;
     };
-    [[nodiscard]] Iterator begin() const noexcept { return {*mesh_, first_, false}; }
-    [[nodiscard]] Iterator end() const noexcept { return {*mesh_, first_, true}; }
+    [[nodiscard]] Iterator begin() const noexcept { return {*mesh_, first_, false}; }  ///< before the turn
+    [[nodiscard]] Iterator end() const noexcept { return {*mesh_, first_, true}; }     ///< after the turn
 
   private:
     const HalfedgeMesh* mesh_;
@@ -5843,7 +6008,7 @@ inline void HalfedgeMesh::rollback(const Mark& mark) {
 
 // ---- hmesh/mesh/halfedge_mesh.ipp
 
-// hmesh - the members of HalfedgeMesh that are too long to stand in the class. Included by halfedge_mesh.hpp alone.
+// hmesh - the longer member functions of HalfedgeMesh. Included by halfedge_mesh.hpp only.
 #ifndef HMESH_MESH_HALFEDGE_MESH_IPP
 #define HMESH_MESH_HALFEDGE_MESH_IPP
 
@@ -6221,10 +6386,10 @@ inline void HalfedgeMesh::collapse(Halfedge h) {
 // ---- hmesh/mesh/spatial_order.hpp
 
 /// \file
-/// Spatial order: elements along a space-filling curve.
+/// Spatial order: elements sorted along a space-filling curve.
 ///
-/// Loops that visit neighbours in the plane one after another find them in the cache: worth 1.5 times the speed of loops in
-/// order of index or of gain. The curve is Morton's (interleaved bits of x and y); ties go by index. A radix sort, O(n).
+/// A loop that visits neighbours in the plane one after another finds them in the cache: 1.5 times as fast as in order of index
+/// or of gain. The curve is Morton's (interleaved bits of x and y); ties go by index. A radix sort, O(n).
 #ifndef HMESH_MESH_SPATIAL_ORDER_HPP
 #define HMESH_MESH_SPATIAL_ORDER_HPP
 
@@ -6247,12 +6412,13 @@ namespace detail {
 
 }  // namespace detail
 
-/// The place of p's pixel on the curve. Sides up to 2^16; the border x = 2^16 wraps around, which only costs speed.
+/// The position of p's pixel on the Morton curve, for sides up to 2^16. The border x = 2^16 wraps around, which only costs
+/// speed.
 [[nodiscard]] constexpr std::uint32_t morton_code(Point p) noexcept {
     return detail::spread_bits(static_cast<std::uint32_t>(p.x)) | (detail::spread_bits(static_cast<std::uint32_t>(p.y)) << 1U);
 }
 
-/// The elements of `range` (of `count`), sorted by the code of position(element).
+/// The `count` elements of a range, sorted by the Morton code of position(element).
 template <class Element, class Range, class Position>
 [[nodiscard]] std::vector<Element> in_spatial_order(const Range& range, std::size_t count, Position&& position) {
     struct Item {
@@ -6280,8 +6446,8 @@ template <class Element, class Range, class Position>
     return elements;
 }
 
-/// Calls body(e) for the edges that come with face f: of the two faces beside an edge, it comes with that of its even
-/// half-edge, or the only one. So a loop over all faces meets each edge once.
+/// Calls body(e) for the edges that belong to face f: an edge belongs to the face of its even half-edge, or to its only face. A
+/// loop over all faces meets each edge once.
 template <class Body>
 HMESH_ALWAYS_INLINE void for_each_edge(const HalfedgeMesh& topology, Face f, Body&& body) {
     Halfedge h = topology.halfedge(f);
@@ -6289,11 +6455,12 @@ HMESH_ALWAYS_INLINE void for_each_edge(const HalfedgeMesh& topology, Face f, Bod
         if ((h.index() & 1U) == 0 || topology.is_boundary(HalfedgeMesh::opposite(h))) body(HalfedgeMesh::edge(h));
 }
 
-/// The vertices of a mesh whose vertex v is at position(v); neighbors in the list are mostly neighbors in the plane. O(n).
+/// The vertices of a mesh in spatial order, `position` giving their positions: neighbours in the list are mostly neighbours in
+/// the plane. O(n).
 [[nodiscard]] inline std::vector<Vertex> spatial_vertices(const HalfedgeMesh& topology, FunctionRef<Point(Vertex)> position) {
     return in_spatial_order<Vertex>(topology.vertices(), topology.vertex_count(), position);
 }
-/// The faces, by their centroids.
+/// The faces of a mesh in spatial order of their centroids, `position` giving the positions of vertices. O(n).
 [[nodiscard]] inline std::vector<Face> spatial_faces(const HalfedgeMesh& topology, FunctionRef<Point(Vertex)> position) {
     return in_spatial_order<Face>(topology.faces(), topology.face_count(), [&](Face f) {
         const auto v = topology.vertices(f);
@@ -6301,7 +6468,7 @@ HMESH_ALWAYS_INLINE void for_each_edge(const HalfedgeMesh& topology, Face f, Bod
         return Point{(a.x + b.x + c.x) / 3, (a.y + b.y + c.y) / 3};
     });
 }
-/// Each edge once, face by face.
+/// The edges of a mesh, each once, in the order of spatial_faces(), `position` giving the positions of vertices. O(n).
 [[nodiscard]] inline std::vector<Edge> spatial_edges(const HalfedgeMesh& topology, FunctionRef<Point(Vertex)> position) {
     std::vector<Edge> edges;
     edges.reserve(topology.edge_count());
@@ -6316,16 +6483,16 @@ HMESH_ALWAYS_INLINE void for_each_edge(const HalfedgeMesh& topology, Face f, Bod
 // ---- hmesh/fit/image_mesh.hpp
 
 /// \file
-/// ImageMesh: a mesh that knows how well it matches the image under it.
+/// ImageMesh: a triangle mesh over an image that knows its squared error.
 ///
-/// A half-edge mesh plus, for each vertex, position and colour, for each edge the moments of the pixels beside it, for each
-/// face its energy. Positions are local to the rectangle of the moment table and lie on the 1/256 px grid. Every public
-/// edit keeps moments and energies true to the geometry, so that a flip costs one walk, moving a vertex its spokes, and
-/// nothing else is touched. begin/rollback undo any sequence of edits to the last byte; with them any operator is a
-/// transaction: try it, re-optimise around it, read the exact energy, keep it or not.
+/// A half-edge mesh that stores for each vertex position and colour, for each edge the moments of the pixels left of it, for
+/// each face its energy. Positions are local to the rectangle of the moment table and lie on the 1/256 px grid. Every public
+/// edit keeps moments and energies true to the geometry: a flip costs one walk, moving a vertex the walks of its spokes, and
+/// nothing else is touched. begin/commit/rollback make any sequence of edits a transaction, undone to the last byte: try it,
+/// re-optimise around it, read the exact energy, keep it or not.
 ///
-/// The mesh may be a patch of a larger one (tiles/patch.hpp): then PatchContext tell what lies outside, its rim belongs to
-/// other patches too and is frozen, and rim edges that are not on the image's border stay as they are.
+/// The mesh may be a patch of a larger one (tiles/patch.hpp). PatchContext then tells what lies outside; the rim of the patch
+/// belongs to other patches too and is locked, and rim edges that are not on the image's border stay as they are.
 ///
 /// Memory: about 560 bytes a vertex for up to 3 channels, of which 384 are edge moments.
 #ifndef HMESH_FIT_IMAGE_MESH_HPP
@@ -6337,91 +6504,106 @@ HMESH_ALWAYS_INLINE void for_each_edge(const HalfedgeMesh& topology, Face f, Bod
 
 namespace hmesh::kit {
 
-/// What a mesh knows of the image and the mesh that it is a patch of.
+/// What an ImageMesh knows of the image and of the whole mesh that it is a patch of.
 struct PatchContext {
-    Rect image;                    ///< the whole image, in the pixels of the patch's table: x, y <= 0
+    Rect image;                    ///< the whole image in the coordinates of the patch's table: x, y <= 0
     bool is_part = false;          ///< whether there are other patches
-    double scale = 1;              ///< mean energy of a vertex in the whole mesh over that in the patch
-    TaskProgress* task = nullptr;  ///< told that work goes on; asked whether to stop
+    double scale = 1;              ///< ratio of mean energies a vertex, whole mesh / this patch; multiplies all tolerances
+    TaskProgress* task = nullptr;  ///< told that work goes on, asked whether to stop; may be null
 };
 
+/// A triangle mesh of C channels over a moment table that knows the squared error of each face.
 template <int C>
 class ImageMesh {
   public:
-    /// Empty, of no image: only to be assigned to.
+    /// Placeholder without a table; assign another ImageMesh before use.
     ImageMesh() = default;
-    /// Over a table that outlives the mesh. Colours are held within [low, high] widened by limits.color_overshoot.
+    /// An empty mesh over the table of a whole image, which must outlive it. Colours are kept within [low, high], widened by
+    /// limits.color_overshoot.
     ImageMesh(const MomentTable<C>& table, double low, double high, const MeshLimits& limits = {})
         : ImageMesh(table, low, high, limits, {{0, 0, table.width(), table.height()}, false, 1, nullptr}) {}
-    ImageMesh(const MomentTable<C>& table, double low, double high, const MeshLimits& limits, const PatchContext& surroundings)
-        : table_(&table), limits_(limits), context_(surroundings) {
+    /// An empty mesh over the table of a patch, which must outlive it.
+    ImageMesh(const MomentTable<C>& table, double low, double high, const MeshLimits& limits, const PatchContext& context)
+        : table_(&table), limits_(limits), context_(context) {
         const double slack = limits.color_overshoot * (high - low);
         color_low_ = std::max(low - slack, -1e300);  // slack may overflow: float images know no range
         color_high_ = std::min(high + slack, 1e300);
     }
 
-    /// Takes over a triangulation of the rectangle or of a part of it, with one colour a vertex or none: then they are those of
-    /// the pixels under the vertices. Refuses places outside the rectangle or off the 1/256 px grid, colours that are not as many
-    /// as the vertices, numbers that are not finite, and what HalfedgeMesh::assign refuses; the mesh is then empty. Whether faces
-    /// turn the right way and tile the rectangle is for check() to say. Edges and faces are filled in through the executor.
+    /// Replaces the mesh by a triangulation of the rectangle, or of a part of it if this is a patch, with one colour a vertex or
+    /// none (an empty vector): then the colour of a vertex is that of the pixel at its position. Refuses, and leaves the mesh
+    /// empty: positions outside the rectangle or off the 1/256 px grid, another number of colours than of vertices, numbers that
+    /// are not finite, and what HalfedgeMesh::assign() refuses. Whether faces are positively oriented and tile the rectangle is
+    /// for check() to say. The executor fills in edges and faces.
     [[nodiscard]] HMESH_COLD Status assign(const std::vector<Point>& positions, const std::vector<Triangle>& triangles,
                                            const std::vector<Color<C>>& colors, const ParallelFor& parallel_for = {});
+    /// Replaces the mesh by a triangulation as above, with the colours of the pixels.
     [[nodiscard]] Status assign(const std::vector<Point>& positions, const std::vector<Triangle>& triangles,
                                 const ParallelFor& parallel_for = {}) {
         return assign(positions, triangles, {}, parallel_for);
     }
-    /// The same from plain arrays, to go on working on a mesh of C channels whose image is as large as the table: vertex i is
-    /// number i there, face f number f. to_mesh() is the way back.
+    /// Replaces the mesh by one in plain arrays, of C channels and for an image of the size of the table, to go on working on it.
+    /// Vertices and faces keep their numbers. to_mesh() is the way back. Refuses what the other overloads refuse.
     [[nodiscard]] HMESH_COLD Status assign(const Mesh& mesh, const ParallelFor& parallel_for = {});
 
+    /// The connectivity.
     [[nodiscard]] const HalfedgeMesh& topology() const noexcept { return topology_; }
+    /// The moment table of the image, or of the patch's rectangle.
     [[nodiscard]] const MomentTable<C>& table() const noexcept { return *table_; }
+    /// The limits on faces, positions and colours.
     [[nodiscard]] const MeshLimits& limits() const noexcept { return limits_; }
-    [[nodiscard]] double color_low() const noexcept { return color_low_; }
-    [[nodiscard]] double color_high() const noexcept { return color_high_; }
-    [[nodiscard]] int width() const noexcept { return table_->width(); }
-    [[nodiscard]] int height() const noexcept { return table_->height(); }
+    [[nodiscard]] double color_low() const noexcept { return color_low_; }    ///< smallest value of a colour while fitting
+    [[nodiscard]] double color_high() const noexcept { return color_high_; }  ///< largest value of a colour while fitting
+    [[nodiscard]] int width() const noexcept { return table_->width(); }      ///< px, of the table
+    [[nodiscard]] int height() const noexcept { return table_->height(); }    ///< px, of the table
+    /// The number of vertices.
     [[nodiscard]] std::size_t vertex_count() const noexcept { return topology_.vertex_count(); }
+    /// The state of vertex v.
     [[nodiscard]] const VertexState<C>& vertex(Vertex v) const noexcept { return vertices_[v.index()]; }
+    /// The position of vertex v, in px.
     [[nodiscard]] Point position(Vertex v) const noexcept { return vertex(v).position; }
+    /// The colour of vertex v.
     [[nodiscard]] const Color<C>& color(Vertex v) const noexcept { return vertex(v).color; }
-    /// The mean of its corners.
+    /// The mean of the positions of a face's corners.
     [[nodiscard]] Point centroid(Face f) const noexcept {
         const auto v = topology_.vertices(f);
         const Point a = position(v[0]), b = position(v[1]), c = position(v[2]);
         return {(a.x + b.x + c.x) / 3, (a.y + b.y + c.y) / 3};
     }
-    /// The squared error over the pixels of a face, summed over channels; and over all faces.
+    /// The squared error of a face: the sum of squared differences over its pixels and channels.
     [[nodiscard]] double energy(Face f) const noexcept { return energies_[f.index()]; }
+    /// The squared error of the mesh: the sum over all faces.
     [[nodiscard]] double energy() const noexcept { return energy_; }
-    /// Over the faces of a ring that was gathered here.
+    /// The squared error of the faces of a ring, which gather() collected from this mesh.
     [[nodiscard]] double energy(const Ring<C>& ring) const noexcept {
         double sum = 0;
         for (int i = ring.first_face(); i < ring.size; ++i) sum += energy(topology_.face(ring.halfedge[i]));
         return sum;
     }
-    /// The mean energy of a vertex, of the whole mesh if this is a patch: the scale of all tolerances, or easy patches
-    /// would be polished for nothing; 0 where rounding left less.
+    /// The mean energy of a vertex, in a patch that of the whole mesh; >= 0. It is the scale of all tolerances: measured by its
+    /// own mean, an easy patch would be polished for nothing.
     [[nodiscard]] double mean_energy() const noexcept {
         return context_.scale * std::max(0.0, energy_) / static_cast<double>(vertex_count());
     }
-    /// To be called by long work every few microseconds; where it says false, the work ends as it is.
+    /// Whether to go on. Long work calls it every few microseconds, and ends as it is when it returns false.
     [[nodiscard]] bool keep_going() const { return context_.task == nullptr || context_.task->keep_going(); }
+    /// The task that is told of progress; may be null.
     [[nodiscard]] TaskProgress* task() const noexcept { return context_.task; }
+    /// Sets the task that is told of progress; it must outlive its use here, null: none.
     void set_task(TaskProgress* task) noexcept { context_.task = task; }
 
-    /// The moments of a half-edge (those of its edge, with a sign), written to `out`.
+    /// Writes the moments of a half-edge (those of its edge, with a sign) to `out`.
     HMESH_ALWAYS_INLINE void moments(Halfedge h, Moments<C>& out) const {
         out = moments_[h.index() >> 1U];
         if ((h.index() & 1U) != 0) out *= -1.0;
     }
-    /// The same, added.
+    /// Adds the moments of a half-edge to `out`.
     HMESH_ALWAYS_INLINE void add_moments(Halfedge h, Moments<C>& out) const {
         const Moments<C>& m = moments_[h.index() >> 1U];
         if ((h.index() & 1U) != 0) out -= m;
         else out += m;
     }
-    /// Of the pixels of a face.
+    /// Writes the moments of the pixels of a face to `out`.
     void face_moments(Face f, Moments<C>& out) const {
         const Halfedge h = topology_.halfedge(f);
         moments(h, out);
@@ -6429,7 +6611,7 @@ class ImageMesh {
         add_moments(topology_.next(topology_.next(h)), out);
     }
 
-    /// The ring of v and the moments of its spokes. v has at most ring_capacity neighbours.
+    /// Collects the one-ring of v and the moments of its spokes. v has at most ring_capacity neighbours.
     void gather(Vertex v, Ring<C>& ring, Spokes<C>& spokes) const {
         ring.size = 0;
         ring.open = topology_.is_boundary(v);
@@ -6442,16 +6624,16 @@ class ImageMesh {
             if (!topology_.is_boundary(h)) moments(topology_.next(h), ring.link[i]);
         }
     }
-    /// Where a vertex with this mobility may be: on the grid, within the table, off the image's border unless it lives
-    /// there. A coordinate that is not free to move is returned as given.
+    /// The position nearest to p where a vertex of this mobility may be: on the grid, within the table, and limits().border_gap
+    /// off the image's border unless the vertex lies on it. A coordinate that is not free to move is returned as given.
     [[nodiscard]] Point clamp(Point p, Mobility mobility) const noexcept;
-    /// Of a vertex at p: free unless p is on the image's border.
+    /// The mobility of a vertex at p: Mobility::free unless p is on the image's border.
     [[nodiscard]] Mobility mobility_at(Point p) const noexcept {
         const Rect& image = context_.image;
         const bool on_x = p.x == image.x || p.x == image.x + image.width, on_y = p.y == image.y || p.y == image.y + image.height;
         return on_x && on_y ? Mobility::corner : on_x ? Mobility::along_y : on_y ? Mobility::along_x : Mobility::free;
     }
-    /// Of a vertex that splits e; frozen: a rim edge of the patch, which must not be split.
+    /// The mobility of a vertex that would split e; Mobility::locked for a rim edge of the patch, which must not be split.
     [[nodiscard]] Mobility edge_mobility(Edge e) const noexcept {
         if (!topology_.is_boundary(e)) return Mobility::free;
         const Halfedge h = HalfedgeMesh::halfedge(e);
@@ -6460,8 +6642,9 @@ class ImageMesh {
     }
     /// Whether v may get one more edge.
     [[nodiscard]] bool can_gain_edge(Vertex v) const noexcept { return topology_.valence(v) < vertex(v).valence_limit; }
+    /// Sets PatchContext::scale.
     void set_scale(double scale) noexcept { context_.scale = scale; }
-    /// From now on v stays as it is, with at most this many edges. Not undone by rollback.
+    /// Locks v: it keeps position and colour, and has at most `valence_limit` edges. Not undone by rollback().
     void lock(Vertex v, int valence_limit) noexcept {
         VertexState<C>& state = vertices_.raw(v.index());
         state.mobility = Mobility::locked;
@@ -6469,40 +6652,45 @@ class ImageMesh {
     }
 
     // --- edits ---
-    /// A new state for v whose consequences are known: fits of its ring's faces and, if it moved, moments of its spokes.
+    /// Commits a trial state of v: `faces` are the fits of the faces of its ring, `moved` the moments of its spokes (null: v
+    /// did not move). Saves the edge walks of place().
     void apply_fit(Vertex v, const Ring<C>& ring, Point position, const Color<C>& color, const FaceFit<C>* faces,
                    const Spokes<C>* moved);
-    /// A new state for v; spokes are walked. All faces around must have positive area.
+    /// Gives v a new position and colour; walks its spokes. All faces around v must have positive area.
     void place(Vertex v, Point position, const Color<C>& color);
-    /// Turns edge e, whose moments and whose faces' energies after the turn are known.
+    /// Flips e, for which HalfedgeMesh::is_flip_ok(): `m` are the moments of the flipped edge's even half-edge, and the
+    /// energies are those of the new faces of that half-edge and of its opposite.
     void flip(Edge e, const Moments<C>& m, double energy_own, double energy_opposite);
-    /// New vertices. The caller makes sure that the new faces have positive area.
+    /// Puts a new vertex on e; the new faces must have positive area. It is dirty.
     Vertex split(Edge e, Point position, const Color<C>& color);
+    /// Puts a new vertex in f; the new faces must have positive area. It is dirty.
     Vertex split(Face f, Point position, const Color<C>& color);
-    /// Merges from_vertex(h) into to_vertex(h), which stays where it is.
+    /// Merges from_vertex(h) into to_vertex(h), which keeps its position; for HalfedgeMesh::is_collapse_ok(). The remaining
+    /// faces must have positive area.
     void collapse(Halfedge h);
-    /// New colours for all vertices, indexed by slot; energies follow.
+    /// Gives all vertices new colours, indexed by vertex slot, and updates all energies. Outside a transaction only.
     HMESH_COLD void set_colors(const std::vector<Color<C>>& colors, const ParallelFor& parallel_for = {});
 
     // --- transactions; they nest ---
+    /// The beginning of a transaction.
     struct Mark {
-        HalfedgeMesh::Mark topology;
-        typename UndoArray<VertexState<C>>::Mark vertices;
-        typename UndoArray<Moments<C>>::Mark moments;
-        UndoArray<double>::Mark energies;
-        double energy;
+        HalfedgeMesh::Mark topology;                        ///< connectivity
+        typename UndoArray<VertexState<C>>::Mark vertices;  ///< states of vertices
+        typename UndoArray<Moments<C>>::Mark moments;       ///< moments of edges
+        UndoArray<double>::Mark energies;                   ///< energies of faces
+        double energy;                                      ///< energy of the mesh
     };
-    /// From here on changes can be undone.
+    /// Begins a transaction: from here on changes can be undone. Transactions nest; the inner one ends first.
     [[nodiscard]] Mark begin() {
         ++depth_;
         return {topology_.begin(), vertices_.mark(), moments_.mark(), energies_.mark(), energy_};
     }
-    /// Keeps what was done since.
+    /// Ends a transaction and keeps its changes.
     void commit(const Mark& mark) noexcept {
         topology_.commit(mark.topology);
         close();
     }
-    /// Brings all back to what it was at that mark.
+    /// Ends a transaction and undoes its changes, to the last byte.
     void rollback(const Mark& mark) {
         vertices_.rollback(mark.vertices);
         moments_.rollback(mark.moments);
@@ -6512,7 +6700,7 @@ class ImageMesh {
         close();
     }
 
-    /// Room for this many vertices at once, so that growing up to it copies nothing.
+    /// Reserves memory for this number of vertices, so that growing up to it copies nothing.
     void reserve(std::size_t vertices) {
         topology_.reserve(vertices);
         vertices_.reserve(vertices);
@@ -6521,26 +6709,27 @@ class ImageMesh {
         dirty_.reserve(vertices);
     }
 
-    /// Vertices whose surroundings changed since they were last optimised; sweeps visit only these.
+    /// Whether v or its neighbourhood changed since v was last optimised; sweeps visit only dirty vertices.
     [[nodiscard]] bool is_dirty(Vertex v) const noexcept { return dirty_[v.index()] != 0; }
-    void set_dirty(Vertex v, bool due) noexcept { dirty_[v.index()] = due ? 1 : 0; }
-    /// V and its neighbours.
+    /// Marks v as dirty or not. Not undone by rollback().
+    void set_dirty(Vertex v, bool dirty) noexcept { dirty_[v.index()] = dirty ? 1 : 0; }
+    /// Marks v and its neighbours as dirty. Not undone by rollback().
     void set_ring_dirty(Vertex v) noexcept {
         set_dirty(v, true);
         for (const Halfedge h : topology_.outgoing(v)) set_dirty(topology_.to_vertex(h), true);
     }
 
-    /// Proves what this class promises: the topology's invariants, faces that turn the right way and tile what they tiled
-    /// when assigned (the rectangle, unless the mesh is a patch), moments as walked afresh, energies as computed afresh
-    /// (1e-9 relative). O(edges).
+    /// Verifies what this class promises: the invariants of the topology, faces of positive area that tile what they tiled when
+    /// assigned (the rectangle, unless the mesh is a patch), moments as walked afresh, energies as computed afresh (to 1e-9 of
+    /// their size). Otherwise invalid_argument with a sentence and an index. O(edges).
     [[nodiscard]] HMESH_COLD Status check() const;
 
   private:
-    /// Why these cannot be the vertices, if they cannot.
+    /// Why these cannot be the vertices of the mesh, or ok.
     [[nodiscard]] Status check_vertices(const std::vector<Point>& positions, const std::vector<Color<C>>& colors) const noexcept;
-    /// Empties the mesh and gives back why.
+    /// Empties the mesh and returns the status.
     Status refuse(const Status& status);
-    /// A transaction; the outermost forgets all notes.
+    /// Ends a transaction; the outermost one forgets all notes.
     void close() noexcept {
         if (--depth_ > 0) return;
         vertices_.stop_recording();
@@ -6574,28 +6763,30 @@ class ImageMesh {
     double color_low_ = 0, color_high_ = 0;
     HalfedgeMesh topology_;
     UndoArray<VertexState<C>> vertices_;
-    UndoArray<Moments<C>> moments_;  ///< per edge, of halfedge(e)
-    UndoArray<double> energies_;     ///< per face
+    UndoArray<Moments<C>> moments_;  ///< of halfedge(e), by edge
+    UndoArray<double> energies_;     ///< by face
     double energy_ = 0;
-    double twice_area_ = 0;  ///< of all faces
+    double twice_area_ = 0;  ///< of all faces, when assigned
     std::vector<unsigned char> dirty_;
     int depth_ = 0;
 };
 
-/// As plain arrays: vertices and faces in the order of topology(), deleted ones left out, positions in the plane of the table,
-/// colours rounded to float. `peak`: the colour value of full intensity.
+/// A mesh as plain arrays: live vertices and faces in the order of topology(), positions in the coordinates of the table, colours
+/// rounded to float. `peak`: colour value of full intensity.
 template <int C>
 [[nodiscard]] HMESH_COLD Mesh to_mesh(const ImageMesh<C>& from, double peak);
 
-/// Vertices, faces and edges in the order in which operators visit them, see mesh/spatial_order.hpp.
+/// The vertices of the mesh in spatial order (mesh/spatial_order.hpp).
 template <int C>
 [[nodiscard]] std::vector<Vertex> spatial_vertices(const ImageMesh<C>& mesh) {
     return spatial_vertices(mesh.topology(), [&](Vertex v) { return mesh.position(v); });
 }
+/// The faces of the mesh in spatial order (mesh/spatial_order.hpp).
 template <int C>
 [[nodiscard]] std::vector<Face> spatial_faces(const ImageMesh<C>& mesh) {
     return spatial_faces(mesh.topology(), [&](Vertex v) { return mesh.position(v); });
 }
+/// The edges of the mesh in spatial order (mesh/spatial_order.hpp).
 template <int C>
 [[nodiscard]] std::vector<Edge> spatial_edges(const ImageMesh<C>& mesh) {
     return spatial_edges(mesh.topology(), [&](Vertex v) { return mesh.position(v); });
@@ -6607,7 +6798,7 @@ template <int C>
 
 // ---- hmesh/fit/image_mesh.ipp
 
-// hmesh - the members of ImageMesh that are too long to stand in the class. Included by image_mesh.hpp alone.
+// hmesh - the longer member functions of ImageMesh. Included by image_mesh.hpp only.
 #ifndef HMESH_FIT_IMAGE_MESH_IPP
 #define HMESH_FIT_IMAGE_MESH_IPP
 
@@ -6760,7 +6951,7 @@ Status ImageMesh<C>::check() const {
             (state.mobility != mobility_at(state.position) || topology_.is_boundary(v) == (state.mobility == Mobility::free)))
             return fail("a vertex's mobility is wrong", v.index());
     }
-    // Of the pixels of the rectangle: a part of it may own none, and yet its moments are differences of such sums.
+    // Sum of |I|^2 over the whole rectangle: a patch in it may own no pixel, and yet its moments are differences of such sums.
     double squares = 0;
     const auto add_rows = [&](const auto* entries) {
         for (int y = 0; y < height(); ++y)
@@ -7628,8 +7819,9 @@ std::size_t insert_batch(ImageMesh<C>& mesh, std::size_t count, const InsertionO
 /// \file
 /// IndexedHeap: a binary min-heap of ids whose keys can change.
 ///
-/// Ids are small integers, each at most once in the heap. push, update, pop and erase cost O(log n); contains and top
-/// O(1). Equal keys leave in the order of their ids, so that results never depend on the history of the heap.
+/// Ids are small integers, each at most once in the heap. push, update, pop and erase cost O(log n); contains and top O(1).
+/// Memory follows the largest id. Equal keys leave in the order of their ids, so that results never depend on the history of
+/// the heap.
 #ifndef HMESH_CORE_INDEXED_HEAP_HPP
 #define HMESH_CORE_INDEXED_HEAP_HPP
 
@@ -7639,29 +7831,31 @@ std::size_t insert_batch(ImageMesh<C>& mesh, std::size_t count, const InsertionO
 
 namespace hmesh::kit {
 
+/// A binary min-heap of ids whose keys can change.
 class IndexedHeap {
   public:
-    using Id = std::uint32_t;
+    using Id = std::uint32_t;  ///< a small integer
+    /// An id with its key.
     struct Entry {
-        double key;
-        Id id;
+        double key;  ///< not NaN
+        Id id;       ///< breaks ties between equal keys
     };
 
-    [[nodiscard]] bool empty() const noexcept { return heap_.empty(); }
-    [[nodiscard]] std::size_t size() const noexcept { return heap_.size(); }
-    [[nodiscard]] bool contains(Id id) const noexcept { return id < slot_of_.size() && slot_of_[id] != absent; }
-    /// Of an id that is there.
+    [[nodiscard]] bool empty() const noexcept { return heap_.empty(); }       ///< whether no id is in the heap
+    [[nodiscard]] std::size_t size() const noexcept { return heap_.size(); }  ///< number of ids in the heap
+    [[nodiscard]] bool contains(Id id) const noexcept { return id < slot_of_.size() && slot_of_[id] != absent; }  ///< O(1)
+    /// The key of an id that is in the heap.
     [[nodiscard]] double key(Id id) const noexcept {
         HMESH_ASSERT(contains(id));
         return heap_[slot_of_[id]].key;
     }
-    /// The entry with the least key; the heap is not empty.
+    /// The entry with the smallest key; the heap must not be empty.
     [[nodiscard]] Entry top() const noexcept {
         HMESH_ASSERT(!empty());
         return heap_.front();
     }
 
-    /// Inserts `id`, or changes its key when it is there already. The key must not be NaN.
+    /// Inserts `id`, or changes its key when it is in the heap already. The key must not be NaN.
     void push(Id id, double key) {
         HMESH_ASSERT(key == key);
         if (id >= slot_of_.size()) slot_of_.resize(static_cast<std::size_t>(id) + 1, absent);
@@ -7674,7 +7868,7 @@ class IndexedHeap {
         }
     }
 
-    /// Changes the key of an id that is there. The key must not be NaN.
+    /// Changes the key of an id that is in the heap. The key must not be NaN.
     void update(Id id, double key) {
         HMESH_ASSERT(contains(id) && key == key);
         const std::size_t slot = slot_of_[id];
@@ -7682,14 +7876,14 @@ class IndexedHeap {
         sift_down(sift_up(slot));
     }
 
-    /// Takes out top().
+    /// Removes and returns top().
     Entry pop() {
-        const Entry least = top();
-        erase(least.id);
-        return least;
+        const Entry first = top();
+        erase(first.id);
+        return first;
     }
 
-    /// Takes out an id that is there.
+    /// Removes an id that is in the heap.
     void erase(Id id) {
         HMESH_ASSERT(contains(id));
         const std::size_t slot = slot_of_[id];
@@ -7701,7 +7895,7 @@ class IndexedHeap {
         sift_down(sift_up(slot));
     }
 
-    /// O(size()), whatever ids there were before.
+    /// Removes all ids. O(size()), whatever ids were in the heap before.
     void clear() noexcept {
         for (const Entry& entry : heap_) slot_of_[entry.id] = absent;
         heap_.clear();
@@ -7806,11 +8000,11 @@ HMESH_COLD std::size_t subdivide(ImageMesh<C>& mesh, std::size_t count) {
 // ---- hmesh/core/random.hpp
 
 /// \file
-/// Random: a small generator that gives the same numbers on every machine.
+/// Random: a small random number generator that gives the same numbers on every machine.
 ///
-/// PCG-XSH-RR with 64 bits of state and 32 of output (M. O'Neill, "PCG: A family of simple fast space-efficient
-/// statistically good algorithms for random number generation", 2014). The distributions of <random> are left to each
-/// standard library, so hmesh has its own two.
+/// PCG-XSH-RR with 64 bits of state and 32 of output (M. O'Neill, "PCG: A family of simple fast space-efficient statistically
+/// good algorithms for random number generation", 2014). The distributions of the standard library differ between
+/// implementations, so hmesh has two of its own.
 #ifndef HMESH_CORE_RANDOM_HPP
 #define HMESH_CORE_RANDOM_HPP
 
@@ -7819,16 +8013,17 @@ HMESH_COLD std::size_t subdivide(ImageMesh<C>& mesh, std::size_t count) {
 
 namespace hmesh::kit {
 
+/// A PCG-XSH-RR generator: 64 bits of state, 32 of output.
 class Random {
   public:
-    /// Different streams of one seed are independent sequences: one per patch and phase.
+    /// Different streams of one seed are independent sequences: hmesh uses one per patch and phase.
     explicit Random(std::uint64_t seed, std::uint64_t stream = 0) noexcept : increment_((stream << 1U) | 1U) {
         next();
         state_ += seed;
         next();
     }
 
-    /// 32 uniform bits.
+    /// 32 uniform random bits.
     std::uint32_t next() noexcept {
         const std::uint64_t old = state_;
         state_ = old * 6364136223846793005ULL + increment_;
@@ -7837,10 +8032,10 @@ class Random {
         return (shifted >> turn) | (shifted << ((32U - turn) & 31U));
     }
 
-    /// Uniform in (0, 1): never 0, so that its logarithm is finite.
+    /// A uniform random number in (0, 1), never 0, so that its logarithm is finite.
     double uniform() noexcept { return (static_cast<double>(next()) + 0.5) * (1.0 / 4294967296.0); }
 
-    /// Uniform in [0, n), n in [1, 2^32). The bias is below n / 2^32.
+    /// A uniform random integer in [0, n), n in [1, 2^32). The bias is below n / 2^32.
     std::size_t below(std::size_t n) noexcept {
         return static_cast<std::size_t>((static_cast<std::uint64_t>(next()) * static_cast<std::uint64_t>(n)) >> 32U);
     }
@@ -10104,7 +10299,7 @@ namespace hmesh::kit {
 
 // ---- hmesh/mesh_image.ipp
 
-// hmesh - how mesh_image() does it. Included by mesh_image.hpp alone; nothing where a program compiles it in another file.
+// hmesh - the definition of mesh_image(). Included by mesh_image.hpp only; empty where a program compiles it in another file.
 #ifndef HMESH_MESH_IMAGE_IPP
 #define HMESH_MESH_IMAGE_IPP
 #if !defined(HMESH_COMPILED) || defined(HMESH_IMPLEMENTATION)
@@ -10118,7 +10313,7 @@ namespace hmesh::kit {
 
 namespace hmesh::detail {
 
-/// / A recipe as seen by what does not depend on it.
+/// A recipe behind function references, so that what follows is compiled once for all recipes.
 template <int C>
 struct RecipeRef {
     FunctionRef<double(std::size_t n)> tile_size;
@@ -10126,7 +10321,7 @@ struct RecipeRef {
     Colors colors;
 };
 
-/// / One mesh of n vertices, finished. `samples`: pixels, or the sum of their weights, times channels.
+/// One finished mesh of n vertices. `samples`: number of pixels, or the sum of their weights, times channels.
 template <int C>
 [[nodiscard]] HMESH_COLD Result mesh_once(const kit::ImageSource<C>& source, double samples, std::size_t n,
                                           const RecipeRef<C>& recipe, const Options& options, const ParallelFor& parallel_for) {
@@ -10160,7 +10355,7 @@ template <int C>
     return result;
 }
 
-/// / The mesh that options.target asks for.
+/// The mesh that options.target asks for; `samples` as for mesh_once().
 template <int C>
 [[nodiscard]] HMESH_COLD Result mesh_target(const kit::ImageSource<C>& source, double samples, const RecipeRef<C>& recipe,
                                             const Options& options, const ParallelFor& parallel_for) {
@@ -10178,6 +10373,7 @@ template <int C>
     return mesh_of(static_cast<std::size_t>(options.target.value));
 }
 
+// Whether a recipe's run() takes the image's view too: run(mesh, view, n).
 template <class Recipe, class T, int C, class = void>
 inline constexpr bool wants_view = false;
 template <class Recipe, class T, int C>
@@ -10232,11 +10428,10 @@ Result mesh_image(const ImageView<T, C>& view, const Options& options, const Rec
 /// \file
 /// render(): draws a mesh into an image of any size, pixel for pixel as a GPU does; with psnr() and to_pixels().
 ///
-/// A pixel takes the colour of the face that holds its centre, by the top-left rule of geometry.hpp, interpolated
-/// linearly (Gouraud) at that centre. At the mesh's own size these are the very pixels that were counted when the mesh
-/// was fitted. Each edge is always evaluated from its upper to its lower end, so that the two faces beside it agree to
-/// the bit and leave no gap at any size. Cost: about 5 ns a pixel and 60 ns a face; memory beside the image: 16 bytes a
-/// vertex and about 14 a face.
+/// A pixel takes the colour of the face that holds its centre, by the top-left rule of mesh/raster.hpp, interpolated linearly
+/// (Gouraud) at that centre. At the mesh's own size these are the very pixels that were counted when the mesh was fitted. Each
+/// edge is evaluated from its upper to its lower end, so that the two faces beside it agree to the bit and leave no gap at any
+/// size. Cost: about 5 ns a pixel and 60 ns a face; memory beside the image: 16 bytes a vertex and about 14 a face.
 #ifndef HMESH_RENDER_HPP
 #define HMESH_RENDER_HPP
 
@@ -10252,43 +10447,47 @@ Result mesh_image(const ImageView<T, C>& view, const Options& options, const Rec
 
 namespace hmesh {
 
-/// Between what values of its corners a face is drawn.
+/// Which values are interpolated between the corners of a face.
 enum class Interpolation : std::uint8_t {
     encoded,  ///< the stored values, as GPUs do with colours that they take for plain numbers
-    /// Light, as glTF renderers do: colours are held to [0, peak], decoded from sRGB (IEC 61966-2-1), and pixels encoded again.
-    /// Alpha, the last of 2 or 4 channels, is held to [0, peak] and else as ever. Costs another 15 ns a pixel and channel.
+    /// Linear light, as glTF renderers do: colours are clamped to [0, peak], decoded from sRGB (IEC 61966-2-1) and
+    /// interpolated; pixels are encoded again. Alpha, the last of 2 or 4 channels, is clamped to [0, peak] but not decoded.
+    /// Costs another 15 ns a pixel and channel.
     linear,
 };
 
 /// Options of render().
 struct RenderOptions {
-    std::optional<int> width{}, height{};  ///< of the picture in pixels; none: the mesh's own
-    Interpolation interpolation = Interpolation::encoded;
+    std::optional<int> width{},                            ///< px of the picture, 1 to kit::max_side; empty: the mesh's width
+        height{};                                          ///< px of the picture, 1 to kit::max_side; empty: the mesh's height
+    Interpolation interpolation = Interpolation::encoded;  ///< which values are interpolated
 };
 
-/// A picture, or why there is none: it is then empty.
+/// What render() returns: a picture of C channels, or why there is none.
 template <int C>
 struct [[nodiscard]] RenderResult {
-    Image<float, C> image;
-    Status status;
+    Image<float, C> image;  ///< the picture; empty unless the status is ok
+    Status status;          ///< ok, or why there is no picture
 };
 
 namespace detail {
 
+// Rows that are drawn as one piece of work.
 inline constexpr int band_rows = 32;
 
-/// The rows of an image of `height` rows whose centres a face can hold.
+/// A range of rows of a picture, or of bands.
 struct RowRange {
     int first = 0, last = 0;  ///< [first, last)
 };
 
+/// A corner of a face: position in the picture, in px, and colour.
 template <int C>
 struct Corner {
     kit::Point at;
     const float* color;
 };
 
-/// The colours of a face as functions of the pixel.
+/// The colours of a face as linear functions of the pixel.
 template <int C>
 class Shading {
   public:
@@ -10299,7 +10498,7 @@ class Shading {
             to_c_[k] = static_cast<double>(c.color[k]) - base_[k];
         }
     }
-    /// Pixels [begin, end) of row j.
+    /// Writes pixels [begin, end) of row j to `pixel`.
     void fill(int j, int begin, int end, float* pixel) const noexcept {
         for (int i = begin; i < end; ++i, pixel += C) {
             const kit::Barycentric w = weights_(i, j);
@@ -10326,6 +10525,7 @@ struct Bands {
     std::vector<std::uint32_t> faces;
 };
 
+/// The faces of each band of a picture of `height` rows, by their positions `at` in the picture.
 [[nodiscard]] inline Bands sort_into_bands(const MeshView& mesh, const std::vector<kit::Point>& at, int height,
                                            const ParallelFor& parallel_for) {
     kit::ClipRect picture;
@@ -10378,10 +10578,11 @@ template <int C>
     return {};
 }
 
-/// A mesh's colours for interpolation in linear light, and drawn pixels back from it.
+/// Whether a channel is light (not alpha), which interpolation in linear light decodes.
 [[nodiscard]] inline bool is_light(const MeshView& mesh, int channel) noexcept {
     return !kit::has_alpha(mesh.channels) || channel + 1 != mesh.channels;
 }
+/// The colours of a mesh as shares of `peak` in [0, 1], light decoded from sRGB.
 [[nodiscard]] inline std::vector<float> decoded_colors(const MeshView& mesh, const ParallelFor& parallel_for) {
     const auto channels = static_cast<std::size_t>(mesh.channels);
     std::vector<float> out(channels * mesh.vertex_count);
@@ -10393,6 +10594,7 @@ template <int C>
     });
     return out;
 }
+/// Turns pixels drawn from decoded_colors() back into stored values.
 template <int C>
 void encode_rows(const MeshView& mesh, RowRange rows, Image<float, C>& out) {
     float* pixel = out.pixel(0, rows.first);
@@ -10406,9 +10608,14 @@ void encode_rows(const MeshView& mesh, RowRange rows, Image<float, C>& out) {
 
 }  // namespace detail
 
-/// Draws the mesh, scaled to the picture's size: the stored values, neither rounded nor clamped. Faces outside the picture are
-/// clipped; where faces overlap the later one wins; pixels in no face are 0. A premultiplied mesh gives a premultiplied picture,
-/// and cannot be drawn in linear light.
+/// Draws a mesh, scaled to the size of the picture. Pixels hold interpolated stored values, neither rounded nor clamped;
+/// to_pixels() rounds them. Faces outside the picture are clipped; where faces overlap the later one wins; pixels in no face
+/// are 0. A premultiplied mesh gives a premultiplied picture, and cannot be drawn in linear light.
+///
+/// \param mesh          of C channels; its arrays must live until the call returns
+/// \param options       size of the picture and kind of interpolation
+/// \param parallel_for  executor of the rows, in bands of 32
+/// \return              the picture, or the status invalid_argument, image_too_large or not_finite
 template <int C>
 [[nodiscard]] RenderResult<C> render(const MeshView& mesh, const RenderOptions& options = {},
                                      const ParallelFor& parallel_for = {}) {
@@ -10451,8 +10658,9 @@ template <int C>
     return result;
 }
 
-/// 10 log10(peak^2 / MSE) in dB, MSE the mean of the squared differences over pixels AND channels, peak that of the
-/// reference's pixel type. Infinity for equal images, NaN for images that cannot be compared: different or no sizes.
+/// The PSNR of a picture against a reference image, in dB: 10 log10(peak^2 / MSE), with the MSE the mean of the squared
+/// differences of stored values over pixels AND channels, and peak that of the reference's pixel type. Infinity for equal
+/// images; NaN for views that check() refuses or of different sizes.
 template <class T, class U, int C>
 [[nodiscard]] double psnr(const ImageView<T, C>& reference, const ImageView<U, C>& rendered,
                           const ParallelFor& parallel_for = {}) {
@@ -10475,7 +10683,7 @@ template <class T, class U, int C>
     return kit::psnr_of_energy(energy, samples, PixelTraits<T>::peak);
 }
 
-/// The picture in pixels of type T, rounded and held to the type's range.
+/// A picture in pixels of type T: values rounded to nearest and clamped to the type's range (PixelTraits::from_real).
 template <class T, int C>
 [[nodiscard]] Image<T, C> to_pixels(const Image<float, C>& image, const ParallelFor& parallel_for = {}) {
     Image<T, C> out(image.width(), image.height());

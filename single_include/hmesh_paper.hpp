@@ -23,22 +23,25 @@
 /// \file
 /// HoleFiller: which triangles fill the hole that a removed vertex leaves.
 ///
-/// The hole is the polygon of the vertex's neighbours. It is filled by ears: a corner, the tip, is cut off with its two
-/// neighbours when they make a triangle of positive area whose circumcircle holds no other corner that is left (O.
-/// Devillers, "On deletion in Delaunay triangulations", 1999, who finds the next ear with a heap; for the usual 6 corners
-/// a search is faster). Every decision is exact on the 1/256 px grid. Knows corners by their number only, so that a stage
-/// may try a removal before it edits any mesh. Cost: about 70 ns for 6 corners, 300 ns for 12, O(k^2) for k.
+/// The hole is the polygon of the removed vertex's neighbours. It is filled by ears: a corner of the polygon, the tip, is cut
+/// off with its two neighbours if the three make a triangle of positive area whose circumcircle holds no other remaining corner
+/// (O. Devillers, "On deletion in Delaunay triangulations", 1999, who finds the next ear with a heap; for the usual 6 corners a
+/// search is faster). Every decision is exact on the 1/256 px grid. Corners are known by number only, so that a stage may try a
+/// removal before it edits any mesh. Cost: about 70 ns for 6 corners, 300 ns for 12, O(k^2) for k.
 ///
-/// Why it never gets stuck. A cut ear is a true one: a corner in its closed triangle, on its diagonal too, would be
-/// strictly inside its circle. So what is left stays a simple polygon, and a simple polygon of 3 corners has an area. If
-/// all sides of the polygon are edges of some Delaunay triangulation of its corners, as after a removal from one, that
-/// triangulation fills the polygon, and of its ears (two at least, not next to each other) none is refused, since the
-/// circles of Delaunay triangles are empty inside; its diagonals are such edges again. Where more than 3 corners lie on a
-/// circle there are several such triangulations and any ear of any of them will do. An ear that was refused stays so until
-/// a neighbour of its tip is cut: it would otherwise, put back together with that cut, be an ear of the fuller polygon. So
-/// one turn and a look back at each cut suffice. In a mesh that is not Delaunay there may be polygons where every ear is
-/// refused: then the first true ear is cut (each simple polygon has two that are not next to each other: G. Meisters,
-/// "Polygons have ears", 1975), and the result is a triangulation all the same.
+/// Why it always ends with a triangulation:
+///
+/// 1. Invariant: what remains is a simple polygon. A corner in the closed triangle of a cut ear, or on its diagonal, would be
+///    strictly inside the ear's circumcircle, so a cut ear is a true ear. A simple polygon of 3 corners has a positive area.
+/// 2. Existence: if all sides of the polygon are edges of some Delaunay triangulation of its corners, as after a removal from
+///    one, that triangulation fills the polygon. None of its ears (at least two that are not adjacent) is refused, since the
+///    circumcircles of Delaunay triangles are empty inside, and the diagonals of these ears are such edges again. Where more
+///    than 3 corners are cocircular there are several such triangulations, and any ear of any of them will do.
+/// 3. Refused ears stay refused until a neighbour of their tip is cut: otherwise, put back together with that cut, the ear
+///    would be an ear of the fuller polygon. So one turn and a look back at each cut suffice.
+/// 4. Fallback: in a mesh that is not Delaunay every ear of a polygon may be refused. Then the first true ear is cut (each
+///    simple polygon has two that are not adjacent: G. Meisters, "Polygons have ears", 1975), and the result is still a
+///    triangulation.
 #ifndef HMESH_MESH_HOLE_FILLER_HPP
 #define HMESH_MESH_HOLE_FILLER_HPP
 
@@ -48,15 +51,17 @@
 
 namespace hmesh::kit {
 
-/// Three corners of the hole, by their numbers in the ring that was given. The ring runs against the orientation of faces:
-/// the face of an ear is (after, tip, before).
+/// A triangle of the filling: three corners of the hole, by their numbers in the ring given to HoleFiller::fill(). The ring
+/// runs against the orientation of faces, so the face of an ear is (after, tip, before).
 struct Ear {
-    int before, tip, after;
+    int before,  ///< the corner before the tip
+        tip,     ///< the corner that is cut off
+        after;   ///< the corner after the tip
 };
 
 namespace detail {
 
-/// The circle through the positively oriented a, b, c, for tests of many points against it: in_circle, expanded around b.
+/// The circle through the positively oriented a, b, c, for tests of many points against it: in_circle(), expanded around b.
 class Circle {
   public:
     Circle(Point a, Point b, Point c) noexcept : a_(a), b_(b), c_(c) {
@@ -85,15 +90,19 @@ class Circle {
 
 }  // namespace detail
 
+/// Finds the triangles that fill the hole of a removed vertex. Keep one object: it keeps its memory.
 class HoleFiller {
   public:
-    /// The `count` - 2 triangles, in the order of cutting, of the polygon position_at(0), ..., position_at(count - 1),
-    /// count >= 3. Flipping the edge from the removed vertex to each tip but the last makes them in turn; the last is what
-    /// is left. The corners follow each other against the orientation of the faces, as in a one-ring; the polygon is simple:
-    /// no side meets another and no corner is there twice (of any other polygon some faces have no area). In an `open` ring,
-    /// around a vertex on the border, the side from the last corner to the first is the border's, and neither is a tip (the
-    /// last triangle has them as `after` and `before`).
-    /// The result holds until the next call; nothing is allocated unless `count` is a new record.
+    /// The `count` - 2 triangles that fill the polygon position_at(0), ..., position_at(count - 1), count >= 3, in the order in
+    /// which they are cut. Flipping the edge from the removed vertex to the tip of each ear but the last makes the triangles in
+    /// turn; the last one is what remains.
+    ///
+    /// The corners follow each other against the orientation of the faces, as in a one-ring. The polygon must be simple: no
+    /// side meets another and no corner occurs twice (otherwise some faces have no area). In an `open` ring, around a boundary
+    /// vertex, the side from the last corner to the first is on the boundary, and neither of the two is a tip (the last
+    /// triangle has them as `after` and `before`).
+    ///
+    /// The result is valid until the next call. Nothing is allocated unless `count` is larger than ever before.
     template <class PositionAt>
     const std::vector<Ear>& fill(int count, PositionAt&& position_at, bool open) {
         HMESH_ASSERT(count >= 3);
@@ -111,7 +120,7 @@ class HoleFiller {
         int number;
     };
 
-    /// `margin` corners at the beginning and as many at the end are no tips.
+    /// Cuts ears of `size` corners. The first `margin` corners and the last `margin` ones are no tips.
     void cut(int size, int margin) {
         Corner* const corners = corners_.data();
         Ear* ear = ears_.data();
@@ -173,19 +182,19 @@ class HoleFiller {
 // ---- hmesh/mesh/delaunay.hpp
 
 /// \file
-/// Delaunay: a Delaunay triangulation of a rectangle, in which points come and go.
+/// Delaunay: a Delaunay triangulation of a rectangle, with insertion and removal of points.
 ///
-/// Insertion walks to the face that holds the point, splits it and flips edges until all are locally Delaunay again (C.
-/// Lawson, "Software for C1 surface interpolation", 1977). The visibility walk, which crosses any edge that separates it
-/// from its goal, ends in every Delaunay triangulation (O. Devillers, S. Pion and M. Teillaud, "Walking in a
-/// triangulation", 2002): at each crossing the goal's power with respect to the face's circle falls, and where it stays,
-/// among faces with one circle, their neighbourhood is a tree. Removal fills the hole by ears (hole_filler.hpp). All
-/// decisions are exact for points of the 1/256 px grid, so nothing is degenerate: points in line, on the border or on one
-/// circle are as good as any. Which of several Delaunay triangulations it is follows from the order of the calls alone.
+/// Insertion walks to the face that holds the point, splits it and flips edges until all are locally Delaunay again (C. Lawson,
+/// "Software for C1 surface interpolation", 1977). The visibility walk, which crosses any edge that separates it from its goal,
+/// ends in every Delaunay triangulation (O. Devillers, S. Pion and M. Teillaud, "Walking in a triangulation", 2002): each
+/// crossing lowers the power of the goal with respect to the face's circle, or keeps it among faces with one circle, whose
+/// adjacency is a tree. Removal fills the hole by ears (mesh/hole_filler.hpp). All decisions are exact for points of the 1/256
+/// px grid, so that no case is degenerate: collinear points, points on the border and cocircular points are allowed. Which of
+/// several Delaunay triangulations results follows from the order of the calls alone.
 ///
-/// Cost: 0.4 to 1 us for an insertion and 0.2 to 0.6 us for a removal, each near the last one; out of the cache a removal
-/// takes up to 3 us. A vertex of valence k takes O(k^2) to remove. The walk visits about as many faces as lie on the
-/// straight way: 40 us in random order at 100000 vertices, so insert in spatial order, as triangulate() does.
+/// Cost: 0.4 to 1 us an insertion and 0.2 to 0.6 us a removal, each near the previous one; a removal out of the cache takes up
+/// to 3 us. Removing a vertex of valence k takes O(k^2). The walk visits about as many faces as lie on the straight way: 40 us
+/// in random order at 100000 vertices, so insert in spatial order, as triangulate() does.
 #ifndef HMESH_MESH_DELAUNAY_HPP
 #define HMESH_MESH_DELAUNAY_HPP
 
@@ -196,47 +205,49 @@ class HoleFiller {
 
 namespace hmesh::kit {
 
+/// A Delaunay triangulation of a rectangle, with insertion and removal of points of the 1/256 px grid.
 class Delaunay {
   public:
-    /// The rectangle [0, width] x [0, height], sides from 1 to 2^16: vertices 0 to 3 are its corners (0, 0), (width, 0),
-    /// (width, height), (0, height). They stay for good.
+    /// The triangulation of the rectangle [0, width] x [0, height] with sides from 1 to 2^16. Vertices 0 to 3 are its corners
+    /// (0, 0), (width, 0), (width, height), (0, height) and cannot be removed.
     Delaunay(int width, int height);
 
-    [[nodiscard]] int width() const noexcept { return width_; }
-    [[nodiscard]] int height() const noexcept { return height_; }
-    [[nodiscard]] const HalfedgeMesh& topology() const noexcept { return topology_; }
-    [[nodiscard]] Point position(Vertex v) const noexcept { return positions_[v.index()]; }
-    /// By vertex slot; what a deleted slot holds means nothing.
+    [[nodiscard]] int width() const noexcept { return width_; }                              ///< px
+    [[nodiscard]] int height() const noexcept { return height_; }                            ///< px
+    [[nodiscard]] const HalfedgeMesh& topology() const noexcept { return topology_; }        ///< the connectivity
+    [[nodiscard]] Point position(Vertex v) const noexcept { return positions_[v.index()]; }  ///< position of a vertex
+    /// Positions by vertex slot. The entries of deleted slots are meaningless.
     [[nodiscard]] const std::vector<Point>& positions() const noexcept { return positions_; }
-    [[nodiscard]] static bool is_corner(Vertex v) noexcept { return v.index() < 4; }
+    [[nodiscard]] static bool is_corner(Vertex v) noexcept { return v.index() < 4; }  ///< whether v is a corner
 
-    /// Memory for so many vertices.
+    /// Reserves memory for this number of vertices.
     void reserve(std::size_t vertices) {
         topology_.reserve(vertices);
         positions_.reserve(vertices);
     }
 
-    /// A half-edge of a face that holds p, a point of the closed rectangle: if p is a vertex, the half-edge leaves it; if p
-    /// is on an edge, it is that edge's. Walks from the place of the last insertion or removal.
+    /// A half-edge of a face that holds p, a point of the closed rectangle. If p is a vertex, the half-edge leaves it; if p is
+    /// on an edge, the half-edge is one of that edge's. Walks from the place of the last insertion or removal.
     [[nodiscard]] Halfedge locate(Point p) const noexcept;
 
-    /// The vertex at p, a point of the 1/256 px grid in the closed rectangle: the one that is there, or a new one.
+    /// Inserts p, a point of the 1/256 px grid in the closed rectangle, and returns its vertex: a new one, or the one already
+    /// at p.
     Vertex insert(Point p);
 
-    /// Removes v, which is no corner.
+    /// Removes the vertex v, which must not be a corner of the rectangle.
     void remove(Vertex v);
 
-    /// Proves that the faces tile the rectangle, are positively oriented and that every edge is locally Delaunay, which
-    /// makes all circumcircles empty. O(n).
+    /// Verifies that the faces tile the rectangle and are positively oriented, and that every edge is locally Delaunay, which
+    /// makes all circumcircles empty. Otherwise invalid_argument, with the index where. O(n).
     [[nodiscard]] Status check() const;
 
   private:
-    /// Twice the area to the left of h, positive for p on the side of h's face.
+    /// Twice the signed area of h and p, positive for p on the side of h's face.
     [[nodiscard]] double side(Halfedge h, Point p) const noexcept {
         return orient2d(position(topology_.from_vertex(h)), position(topology_.to_vertex(h)), p);
     }
     [[nodiscard]] Vertex apex(Halfedge h) const noexcept { return topology_.to_vertex(topology_.next(h)); }
-    /// Flips edges around v, a new vertex, until its faces' circles are empty.
+    /// Flips edges around v, a new vertex, until the circumcircles of its faces are empty.
     void legalize(Vertex v);
     [[nodiscard]] Status check_border() const;
 
@@ -248,9 +259,9 @@ class Delaunay {
     HoleFiller filler_;
 };
 
-/// The Delaunay triangulation of the rectangle's corners and `points`, of the 1/256 px grid in [0, width] x [0, height].
-/// Vertices 0 to 3 are the corners; the points follow in spatial order, so neighbours are near each other in memory too,
-/// and a point that repeats an earlier one or a corner makes no vertex.
+/// The Delaunay triangulation of the corners of the rectangle [0, width] x [0, height] and of `points` of the 1/256 px grid in
+/// it. Vertices 0 to 3 are the corners. The points follow in spatial order, so that neighbours are near each other in memory
+/// too; a point that repeats an earlier one or a corner makes no vertex.
 [[nodiscard]] inline Delaunay triangulate(int width, int height, const std::vector<Point>& points) {
     std::vector<std::uint32_t> indices(points.size());
     for (std::size_t k = 0; k < indices.size(); ++k) indices[k] = static_cast<std::uint32_t>(k);

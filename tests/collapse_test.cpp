@@ -44,8 +44,8 @@ double brute_cost(Subject<T, C>& subject, Halfedge h) {
     for (const Halfedge s : topology.outgoing(u)) {
         if (topology.is_boundary(s)) continue;
         const auto w = topology.vertices(topology.face(s));
-        allowed =
-            allowed && hmesh::kit::orient2d(mesh.position(w[0]), mesh.position(w[1]), mesh.position(w[2])) >= mesh.limits().min_double_area;
+        allowed = allowed && hmesh::kit::orient2d(mesh.position(w[0]), mesh.position(w[1]), mesh.position(w[2])) >=
+                                 mesh.limits().min_double_area;
     }
     double rise = never;
     if (allowed) {
@@ -204,7 +204,8 @@ TEST_CASE("no collapse gives a vertex more neighbors than it may have, inside th
     check_costs(wheel, seen);
     for (int k = 0; k < 30; ++k) {
         hmesh::kit::remove_batch(wheel.mesh, 3, {});
-        for (const Vertex v : wheel.mesh.topology().vertices()) REQUIRE(wheel.mesh.topology().valence(v) <= hmesh::kit::max_valence);
+        for (const Vertex v : wheel.mesh.topology().vertices())
+            REQUIRE(wheel.mesh.topology().valence(v) <= hmesh::kit::max_valence);
     }
     hmesh_test::prove(wheel);
 }

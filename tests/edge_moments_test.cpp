@@ -14,13 +14,13 @@
 #include "test_executors.hpp"
 #include "test_images.hpp"
 
-using hmesh::kit::edge_moments;
-using hmesh::kit::HalfedgeMesh;
 using hmesh::Image;
 using hmesh::ImageView;
+using hmesh::PixelTraits;
+using hmesh::kit::edge_moments;
+using hmesh::kit::HalfedgeMesh;
 using hmesh::kit::Moments;
 using hmesh::kit::MomentTable;
-using hmesh::PixelTraits;
 using hmesh::kit::Point;
 using hmesh::kit::Random;
 using hmesh::kit::Rect;

@@ -5,6 +5,8 @@
 #include <cstring>
 #include <vector>
 
+#include "hmesh/fit/image_mesh.hpp"
+#include "hmesh/fit/moment_table.hpp"
 #include "hmesh/io/ply.hpp"
 #include "hmesh/mesh_image.hpp"
 #include "hmesh/render.hpp"
@@ -69,6 +71,24 @@ TEST_CASE("options that are no numbers are refused") {
         recipe.steps = hmesh::kit::annealed_steps(hmesh::Effort::draft);
         recipe.steps->insert_batch = bad;
         CHECK(mesh_image(image.view(), with_vertices(40), recipe).status.code == Errc::invalid_argument);
+    }
+}
+
+TEST_CASE("a mesh at work refuses places and colours that are no numbers") {
+    const Image<float, 1> image = hmesh_test::scene<float, 1>(8, 6, 3);
+    const hmesh::kit::MomentTable<1> table(image.view(), image.view().bounds());
+    hmesh::kit::ImageMesh<1> mesh(table, 0, 1);
+    const std::vector<hmesh::kit::Point> square = {{0, 0}, {8, 0}, {8, 6}, {0, 6}};
+    const std::vector<hmesh::Triangle> faces = {{0, 1, 2}, {0, 2, 3}};
+    const std::vector<hmesh::kit::Color<1>> colors(4, hmesh::kit::Color<1>::zero());
+    CHECK(mesh.assign(square, faces, colors, {}));
+    for (const double bad : bad_doubles) {
+        std::vector<hmesh::kit::Point> places = square;
+        places[2].y = bad;
+        CHECK(mesh.assign(places, faces).code == Errc::not_finite);
+        std::vector<hmesh::kit::Color<1>> painted = colors;
+        painted[1].set(0, bad);
+        CHECK(mesh.assign(square, faces, painted, {}).code == Errc::not_finite);
     }
 }
 

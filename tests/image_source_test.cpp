@@ -11,10 +11,10 @@
 #include "test_images.hpp"
 
 using hmesh::Image;
-using hmesh::kit::ImageSource;
 using hmesh::ImageView;
-using hmesh::kit::MomentTable;
 using hmesh::PixelTraits;
+using hmesh::kit::ImageSource;
+using hmesh::kit::MomentTable;
 using hmesh::kit::Rect;
 
 namespace {
@@ -27,8 +27,8 @@ double number(const MomentTable<C>& table, int x, int y, int k) {
 
 template <int C>
 bool same_bits(const MomentTable<C>& a, const MomentTable<C>& b) {
-    bool same = a.width() == b.width() && a.height() == b.height() && a.is_int32() == b.is_int32() &&
-                a.is_weighted() == b.is_weighted();
+    bool same =
+        a.width() == b.width() && a.height() == b.height() && a.is_int32() == b.is_int32() && a.is_weighted() == b.is_weighted();
     for (int y = 0; same && y < a.height(); ++y)
         for (int x = 0; x <= a.width(); ++x) {
             for (int k = 0; k < MomentTable<C>::entry_size; ++k) same = same && number(a, x, y, k) == number(b, x, y, k);

@@ -53,4 +53,14 @@
 #define PI a syntax error
 #define F_CPU a syntax error
 
+// These are put aside by each header, and given back.
+#define min(a, b) a syntax error
+#define max(a, b) a syntax error
+#define Status a syntax error
+
 #include "hmesh/hmesh.hpp"
+#include "hmesh/paper.hpp"
+
+#if !defined(min) || !defined(max) || !defined(Status)
+#error "a macro of the user's is gone"
+#endif

@@ -13,10 +13,10 @@
 #include "test_images.hpp"
 #include "test_meshes.hpp"
 
+using hmesh::PixelTraits;
 using hmesh::kit::Color;
 using hmesh::kit::Face;
 using hmesh::kit::Mobility;
-using hmesh::PixelTraits;
 using hmesh::kit::Point;
 using hmesh::kit::Random;
 using hmesh::kit::Vertex;
@@ -98,27 +98,6 @@ void check_energy(std::uint64_t seed) {
     }
     CHECK(accepted > 100);
     CHECK(refused > 5);
-}
-
-template <class T, int C>
-void check_faces(std::uint64_t seed) {
-    Subject<T, C> subject(hmesh_test::scene<T, C>(29, 34, seed), hmesh_test::jittered_grid(29, 34, 4, 5, seed));
-    hmesh_test::wear(subject.mesh, 100, PixelTraits<T>::peak, seed);
-    const double slack = 1e-11 * hmesh_test::squares(subject.image);
-    for (const Face f : subject.mesh.topology().faces()) {
-        const auto v = subject.mesh.topology().vertices(f);
-        hmesh::kit::Moments<C> m;
-        subject.mesh.face_moments(f, m);
-        const double truth = hmesh_test::brute_energy(subject, f);
-        for (std::size_t k = 0; k < 3; ++k) {
-            const VertexState<C>&a = subject.mesh.vertex(v[k]), &b = subject.mesh.vertex(v[(k + 1) % 3]);
-            const VertexState<C>& c = subject.mesh.vertex(v[(k + 2) % 3]);
-            REQUIRE(std::abs(hmesh::kit::face_energy(m, a, b, c) - truth) <= 1e-8 * truth + slack);
-            hmesh::kit::FaceFit<C> fit{};
-            REQUIRE(hmesh::kit::fit_face(m, a.position, b, c, 0.02, fit));
-            REQUIRE(std::abs(fit.energy(a.color) - truth) <= 1e-8 * truth + slack);
-        }
-    }
 }
 
 template <class T, int C>
@@ -260,7 +239,8 @@ void check_step(std::uint64_t seed, hmesh::Image<T, C> image) {
         CHECK(close(free.predicted, -(n.gx * dx + n.gy * dy), n.length * scale));
         CHECK(free.predicted >= 0);
 
-        const hmesh::kit::RingStep x = step_for(Mobility::along_x), y = step_for(Mobility::along_y), none = step_for(Mobility::corner);
+        const hmesh::kit::RingStep x = step_for(Mobility::along_x), y = step_for(Mobility::along_y),
+                                   none = step_for(Mobility::corner);
         CHECK(close(x.dx, -n.gx / n.xx, n.length / n.xx));
         CHECK(close(x.predicted, n.gx * n.gx / n.xx, n.length * n.length / n.xx));
         CHECK(x.dy == 0);
@@ -280,14 +260,6 @@ TEST_CASE("the energy of a ring is that of its pixels, wherever its centre is an
     check_energy<float, 4>(4);
     check_energy<float, 7>(5);
     check_energy<std::uint8_t, 16>(6);
-}
-
-TEST_CASE("the energy of a face is that of its pixels, from whichever corner it is computed") {
-    check_faces<std::uint8_t, 3>(11);
-    check_faces<std::uint16_t, 1>(12);
-    check_faces<float, 2>(13);
-    check_faces<std::uint8_t, 7>(14);
-    check_faces<float, 4>(15);
 }
 
 TEST_CASE("the best colour has no gradient, the ridge draws it to the current one, and bounds hold") {
@@ -319,35 +291,13 @@ TEST_CASE("a flat picture gives a step of no length") {
         hmesh::kit::RingFit<1> fit;
         REQUIRE(hmesh::kit::fit_ring(work.ring, work.spokes, subject.mesh.position(v), 0.02, work.faces, fit));
         for (const Mobility mobility : {Mobility::free, Mobility::along_x, Mobility::along_y}) {
-            const hmesh::kit::RingStep step = hmesh::kit::gauss_newton_step(work.ring, work.faces, fit, subject.mesh.color(v), mobility);
+            const hmesh::kit::RingStep step =
+                hmesh::kit::gauss_newton_step(work.ring, work.faces, fit, subject.mesh.color(v), mobility);
             CHECK(std::abs(step.dx) < 1e-6);
             CHECK(std::abs(step.dy) < 1e-6);
             CHECK(std::abs(step.predicted) < 1e-6);
         }
     }
-}
-
-TEST_CASE("a face that is flipped, degenerate or smaller than the bound is refused, one of just that area is not") {
-    Subject<std::uint8_t, 1> subject(hmesh_test::scene<std::uint8_t, 1>(16, 16, 1));
-    VertexState<1> a{Color<1>::zero(), {4, 4}, Mobility::free}, b{Color<1>::zero(), {8, 4}, Mobility::free};
-    const auto fits = [&](Point v, double min_double_area) {
-        hmesh::kit::Moments<1> m, side;
-        hmesh::kit::edge_moments(subject.table, v, a.position, m);
-        hmesh::kit::edge_moments(subject.table, a.position, b.position, side);
-        m += side;
-        hmesh::kit::edge_moments(subject.table, b.position, v, side);
-        m += side;
-        hmesh::kit::FaceFit<1> fit{};
-        return hmesh::kit::fit_face(m, v, a, b, min_double_area, fit);
-    };
-    CHECK(fits({6, 8}, 0.02));
-    CHECK(fits({6, 8}, 16));  // 4 * 4
-    CHECK_FALSE(fits({6, 8}, 16.001));
-    CHECK_FALSE(fits({6, 0}, 0.02));              // flipped
-    CHECK_FALSE(fits({6, 4}, 0.02));              // level with its far side
-    CHECK_FALSE(fits({4, 4}, 0.02));              // in a corner
-    CHECK_FALSE(fits({6, 4 + 1.0 / 256}, 0.02));  // 4 / 256 < 0.02
-    CHECK(fits({6, 4 + 2.0 / 256}, 0.02));
 }
 
 TEST_CASE("an open ring has one face fewer than neighbors, a closed one as many, and each follows the orientation") {

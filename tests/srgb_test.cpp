@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "hmesh/io/detail/color_shares.hpp"
+#include "hmesh/io/detail/export_mesh.hpp"
 
 namespace {
 
