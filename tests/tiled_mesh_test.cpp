@@ -375,7 +375,7 @@ TEST_CASE("what a patch makes due is due in the whole, its frozen vertices too")
     const Cut cut = kit::detail::cut(work.indexed(), tiling);
     std::vector<unsigned char> expected(work.indexed().vertex_count(), 0);
     for (std::size_t k = cut.first[3]; k < cut.first[4]; ++k)
-        for (const std::uint32_t v : work.indexed().faces[cut.triangles[k]]) expected[v] = 1;
+        for (const std::uint32_t v : work.indexed().faces[cut.faces[k]]) expected[v] = 1;
     CHECK(work.indexed().dirty == expected);
     // Sweeps of the others leave it so: frozen vertices are due for another patch.
     work.for_each(tiling, [&](Patch<1>& patch, std::size_t tile) {

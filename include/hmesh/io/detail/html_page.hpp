@@ -5,6 +5,8 @@
 #ifndef HMESH_IO_DETAIL_HTML_PAGE_HPP
 #define HMESH_IO_DETAIL_HTML_PAGE_HPP
 
+#include "hmesh/core/macros/push.hpp"
+
 namespace hmesh::detail {
 
 /// What stands behind a piece of the page.
@@ -542,5 +544,7 @@ start();
 // clang-format on
 
 }  // namespace hmesh::detail
+
+#include "hmesh/core/macros/pop.hpp"
 
 #endif  // HMESH_IO_DETAIL_HTML_PAGE_HPP
