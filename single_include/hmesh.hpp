@@ -3621,22 +3621,25 @@ template <class T, int C>
 // ---- hmesh/edit/tolerance.hpp
 
 /// \file
-/// Tolerance and Relaxation: how small a gain operators still go after.
+/// Tolerance and Relaxation: the smallest gains that the edits of a mesh still pursue.
+///
+/// All gains are decreases of the energy in units of ImageMesh::mean_energy(), so that one number fits images of any size, peak
+/// and difficulty.
 #ifndef HMESH_EDIT_TOLERANCE_HPP
 #define HMESH_EDIT_TOLERANCE_HPP
 
 namespace hmesh::kit {
 
-/// Tolerances of a stage, in units of the mean energy of a vertex.
+/// Thresholds of sweep() (edit/move.hpp) and of stages made of sweeps and flips; in units of the mean energy of a vertex.
 struct Tolerance {
-    double propagate_above = 1e-3;  ///< a visit or flip that gained more makes its neighbours due
-    double min_gain = 0;            ///< predicted gains below this are not tried
+    double propagate_above = 1e-3;  ///< a visit that gained more than this marks the vertex and its neighbours dirty
+    double min_gain = 0;            ///< Gauss-Newton steps with a predicted gain up to this are not tried
 };
 
-/// How much work goes into the surroundings of a change.
+/// Thresholds of relax() (edit/relax.hpp): how much work the surroundings of a change get.
 struct Relaxation {
-    int rounds = 2;          ///< a round that gains less than 1e-3 of a vertex's mean energy is the last
-    double min_gain = 5e-3;  ///< steps that promise less are not tried, in mean energies of a vertex
+    int rounds = 2;          ///< at most; one that gains less than 1e-3 mean energies of a vertex is the last
+    double min_gain = 5e-3;  ///< steps and flips that gain up to this are not tried, in mean energies of a vertex
 };
 
 }  // namespace hmesh::kit
@@ -3952,10 +3955,10 @@ struct Options {
 // ---- hmesh/methods/annealed/options.hpp
 
 /// \file
-/// Annealed: the recipe of best fidelity, and the default. What it can be told, and what its efforts mean.
+/// Annealed: the recipe of best fidelity, which is the default; its options and the meaning of its efforts.
 ///
-/// What it does is in annealed.hpp; this header needs none of that, so that a program may name the recipe and leave its
-/// compilation to another file.
+/// The method itself is in methods/annealed/annealed.hpp. This header does not include it, so that a program may name the recipe
+/// and leave its compilation to another file.
 #ifndef HMESH_METHODS_ANNEALED_OPTIONS_HPP
 #define HMESH_METHODS_ANNEALED_OPTIONS_HPP
 
@@ -3966,50 +3969,58 @@ struct Options {
 
 namespace hmesh {
 
-/// How much work goes into a mesh, counted in steps, never in seconds.
+/// How much work goes into a mesh. Counted in steps, never in seconds, so that an effort gives the same mesh on every machine.
 enum class Effort : std::uint8_t {
-    draft,   ///< greedy insertion
-    fast,    ///< insertion of twice as many, then removal: about +2 dB
-    normal,  ///< insertion of three times as many, removal, then 8 sweeps of annealing: about +1 dB
-    best,    ///< 1000 sweeps
+    draft,   ///< greedy insertion up to the target
+    fast,    ///< insertion of twice the target, then removal: about 2 dB above draft
+    normal,  ///< insertion of three times the target, removal, then 8 sweeps of annealing: about 1 dB above fast
+    best,    ///< insertion of four times the target, removal, then 1000 sweeps of annealing
 };
 
 namespace kit {
 
-/// Options of AnnealingSchedule and AnnealingSweep.
+/// Options of the annealing (methods/annealed/annealing.hpp). mu is the price of a vertex and T the temperature, both energies.
+/// The screens compare the change of the energy before any relaxation, which is cheap to know, and skip moves without a chance.
 struct AnnealingOptions {
-    int sweeps = 8;
-    double temperature = 0.5;        ///< T at the start, in prices mu
-    double cooling = 1;              ///< T falls as (1 - t)^cooling, t in [0, 1)
-    double try_probability = 1;      ///< probability that a vertex is tried for removal, a site for insertion, in a sweep
-    double jump = 0.1;               ///< probability that a vertex is displaced in a sweep
-    double jump_reach = 0.3;         ///< by at most this, in mean spoke lengths
-    double removal_screen = 3;       ///< removals that cost more than this many mu + 3 T before relaxing are not tried
-    double insertion_screen = 0.35;  ///< insertions that gain less than this many mu so are not tried
-    double flip_screen = 3;          ///< flips that cost more than this many mu so are not tried
-    double start_price = 0.2;        ///< mu at the start, in mean energies of a vertex
-    double count_tolerance = 0.5;    ///< the count may leave the target by this share in the first sweep, ever less later
+    int sweeps = 8;              ///< in [0, 1e6]; 0: no annealing
+    double temperature = 0.5;    ///< T in the first sweep, in units of mu, in [0, 1000]
+    double cooling = 1;          ///< exponent, in [0, 100]: T / mu falls as (1 - t)^cooling, t = sweep / sweeps
+    double try_probability = 1;  ///< probability, in a sweep, that a vertex is tried for removal and a site for insertion
+    double jump = 0.1;           ///< probability, in a sweep, that a free vertex is displaced at random
+    double jump_reach = 0.3;     ///< largest displacement, in mean lengths of the vertex's edges, in [0, 1]
+    /// Removals whose cost is above removal_screen * mu + 3 T are not tried; in [0, 1e6].
+    double removal_screen = 3;
+    /// Insertions whose gain is not above insertion_screen * mu are not tried; in [0, 1e6].
+    double insertion_screen = 0.35;
+    /// Flips that raise the energy by flip_screen * mu or more are not tried; in [0, 1e6].
+    double flip_screen = 3;
+    double start_price = 0.2;  ///< mu in the first sweep, in mean energies of a vertex, in [1e-6, 1e6]
+    /// How far the number of vertices may leave the target in the first sweep, as a share of the target, in [0, 1]; falls
+    /// linearly to 0.
+    double count_tolerance = 0.5;
 };
 
-/// The steps of the method, in their order. What differs between efforts is set by annealed_steps().
+/// The steps of the recipe Annealed in their order; the defaults are those of Effort::normal.
 struct AnnealedSteps {
-    double insert_factor = 3;      ///< o: vertices placed before the collapse, in units of the target; 1 for none
-    double collapse_factor = 1;    ///< u: vertices that the collapse leaves, in units of the target
-    double start = 0.3;            ///< vertices of the first grid, share of those placed
-    double insert_batch = 0.4;     ///< vertices inserted at a time, share of those there
-    double collapse_batch = 0.15;  ///< vertices removed at a time, share of those there
-    int insert_sweeps = 2;         ///< after each insertion
-    int polish_rounds = 2;         ///< flips and a sweep, at the end
-    /// While the mesh grows, small gains wait: the next insertion changes the neighbourhood anyway. Against the tight
-    /// 1e-3 and {1e-3, 0} this buys a second sweep for the time of one, +0.2 dB.
-    double insert_flip_gain = 3e-2;  ///< gains up to this wait, in units of the mean energy of a vertex
-    Tolerance insert_tolerance{5e-2, 5e-3};
+    double insert_factor = 3;      ///< o: vertices before the collapse, in units of the target, in [1, 100]; 1: no collapse
+    double collapse_factor = 1;    ///< u: vertices that the collapse leaves, in units of the target, in [0.1, 1]
+    double start = 0.3;            ///< vertices of the first grid, as a share of those before the collapse, in [0, 1]
+    double insert_batch = 0.4;     ///< vertices inserted at a time, as a share of those present, in [0.001, 10]
+    double collapse_batch = 0.15;  ///< vertices removed at a time, as a share of those present, in [0.001, 1]
+    int insert_sweeps = 2;         ///< over dirty vertices after each batch of insertions, in [0, 1000]
+    int polish_rounds = 2;         ///< flips and a sweep at the end, in [0, 1000]
+    /// Flips after each batch of insertions that gain up to this are not made; in mean energies of a vertex, in [0, 1e6]. While
+    /// the mesh grows, small gains wait, since the next batch changes the surroundings anyway: against 1e-3 here and {1e-3, 0}
+    /// in insert_tolerance, the defaults buy a second sweep for the time of one, +0.2 dB.
+    double insert_flip_gain = 3e-2;
+    Tolerance insert_tolerance{5e-2, 5e-3};  ///< of the sweeps after each batch of insertions
+    /// Thresholds of the sweeps over the first grid and at the end; flips at the end gain more than polish.propagate_above.
     Tolerance polish{1e-3, 5e-3};
-    Relaxation relaxation{1, 1e-3};  ///< around each removal
-    AnnealingOptions annealing;      ///< sweeps = 0: none
+    Relaxation relaxation{1, 1e-3};  ///< around each removal; rounds in [0, 100]
+    AnnealingOptions annealing;      ///< the annealing after the collapse
 };
 
-/// The steps that make an effort.
+/// The steps of an effort.
 [[nodiscard]] inline AnnealedSteps annealed_steps(Effort effort) noexcept {
     AnnealedSteps steps;
     switch (effort) {
@@ -4022,7 +4033,7 @@ struct AnnealedSteps {
         case Effort::fast:
             steps.insert_factor = 2;
             steps.insert_batch = 0.2;
-            steps.collapse_factor = 0.92;  // what is missing goes where it is worth most: 0.08 dB
+            steps.collapse_factor = 0.92;  // the rest is inserted where it gains most: 0.08 dB
             steps.polish_rounds = 3;
             steps.annealing.sweeps = 0;
             break;
@@ -4040,7 +4051,7 @@ struct AnnealedSteps {
     return steps;
 }
 
-/// Whether the steps mean something; the sentence names the first that does not.
+/// Whether all steps are in range: Errc::invalid_argument for the first that is not, with its name, value and bound.
 [[nodiscard]] HMESH_COLD inline Status check(const AnnealedSteps& steps) noexcept {
     const AnnealingOptions& annealing = steps.annealing;
     const Tolerance &insert = steps.insert_tolerance, &polish = steps.polish;
@@ -4078,22 +4089,27 @@ class TiledMesh;
 
 }  // namespace kit
 
-/// The default recipe: too many vertices are placed, those that are missed least go, and annealing exchanges the others between
-/// places at one common price. The interface of a recipe is described in methods/recipe.hpp.
+/// The default recipe of mesh_image(), and the one of best fidelity: too many vertices are inserted, those whose loss costs
+/// least are removed, and simulated annealing moves vertices from where they are worth little to where they are worth much.
+///
+/// Meshes have least-squares colours unless Options::colors says otherwise. The same options and seed give the same bits for any
+/// number of threads. The interface of a recipe is described in methods/recipe.hpp, the method in methods/annealed/annealed.hpp.
 struct Annealed {
-    Effort effort = Effort::normal;  ///< how much work
-    std::uint64_t seed = 1;          ///< of the random numbers of the annealing
-    /// px: larger images are meshed in tiles of about this size, 64 to 65536, each of which is a piece of work for a thread.
-    /// 0: in one piece up to a megapixel and 16384 vertices, in tiles of 256 px beyond. Where a tile would hold less than 256
-    /// vertices on average, tiles are larger, up to the image, and so is the memory for each.
+    Effort effort = Effort::normal;  ///< how much work goes into the mesh
+    std::uint64_t seed = 1;          ///< of the annealing's random numbers; any value. draft and fast use none
+    /// The side of a tile in px, 64 to 65536, or 0 for the default. Images larger than a tile are meshed in tiles of about this
+    /// size, each of them a piece of work for a thread. The default is one piece up to 1048576 pixels and 16384 vertices, and
+    /// tiles of 256 px beyond. Where a tile would hold less than 256 vertices on average, tiles are made larger, up to the
+    /// image, and so is the memory that each takes.
     int tile = 0;
-    /// In place of what `effort` means: start from kit::annealed_steps(effort) and change what you like.
+    /// The steps in detail, in place of those that `effort` stands for: start from kit::annealed_steps(effort) and change some.
     std::optional<kit::AnnealedSteps> steps{};
 
-    static constexpr const char* name = "annealed";
-    static constexpr Colors colors = Colors::optimal;
+    static constexpr const char* name = "annealed";    ///< for reports
+    static constexpr Colors colors = Colors::optimal;  ///< final colours where Options::colors says nothing
 
-    /// Whether the recipe's options mean something.
+    /// Whether all options are in range, for images of any size; else Errc::invalid_argument with the offending value and its
+    /// bound.
     [[nodiscard]] Status check(int /*width*/, int /*height*/) const noexcept {
         if (tile != 0 && (tile < 64 || tile > kit::max_side))
             return {Errc::invalid_argument, "the tile must be 0, for the default, or 64 to 65536 px", tile,
@@ -4102,16 +4118,17 @@ struct Annealed {
         if (effort <= Effort::best) return {};
         return {Errc::invalid_argument, "the effort is none of those known", static_cast<int>(effort), 3};
     }
-    /// px: the size of the tiles for a mesh of n vertices.
+    /// The side of the tiles in px for a mesh of n vertices; the image's longer side or more: one piece.
     [[nodiscard]] double tile_size(int width, int height, std::size_t n) const noexcept {
-        // Up to here one tile is as fast as several, and no seam needs healing.
+        // Up to this size one tile is as fast as several, and there are no seams whose traces must be removed.
         const bool is_small = static_cast<double>(width) * height <= 1048576 && n <= 16384;
         double size = tile != 0 ? tile : is_small ? std::max(width, height) : 256;
         const double needed = 256.0 * width * height / static_cast<double>(n), longest = std::max(width, height);
         while (size < longest && std::min<double>(size, width) * std::min<double>(size, height) < needed) size *= 1.25;
         return size;
     }
-    /// Makes a mesh of n vertices in place of what `mesh` was (annealed.hpp).
+    /// Replaces `mesh` by a mesh of n vertices of its image, 4 <= n <= max(4, pixels). Errc::cancelled: it is valid, with any
+    /// number of vertices. Defined in methods/annealed/annealed.hpp.
     template <int C>
     [[nodiscard]] Status run(kit::TiledMesh<C>& mesh, std::size_t n) const;
 };
@@ -4123,21 +4140,23 @@ struct Annealed {
 // ---- hmesh/methods/recipe.hpp
 
 /// \file
-/// Recipes: what mesh_image() wants of a method, and how to write one of your own (examples/own_method.cpp does).
+/// Recipes: the interface between mesh_image() and a method, and how to write a recipe of one's own (as examples/own_method.cpp
+/// does).
 ///
-/// A recipe is a struct of options with these members:
+/// A recipe is a struct whose data members are the method's options, with these members besides:
 ///
 ///     static constexpr const char* name = "grid";                     // for reports
-///     static constexpr hmesh::Colors colors = hmesh::Colors::optimal; // what colors vertices end with by default
-///     hmesh::Status check(int width, int height) const;               // refuses options, or sizes of images
-///     double tile_size(int width, int height, std::size_t n) const;   // px, for the final colors; the longer side: one piece
+///     static constexpr hmesh::Colors colors = hmesh::Colors::optimal; // final colours where Options::colors says nothing
+///     hmesh::Status check(int width, int height) const;               // refuses options, or images by their size in px
+///     double tile_size(int width, int height, std::size_t n) const;   // px, of the tiles in which final colours are found
 ///     template <int C> hmesh::Status run(hmesh::kit::TiledMesh<C>& mesh, std::size_t n) const;
 ///
-/// run() makes a mesh of exactly n vertices of mesh.source(), 4 <= n <= max(4, pixels), in place of what `mesh` held, and says
-/// whether it was finished; cancelled, it leaves a valid mesh. It may also be declared with the image between its two arguments,
-/// `template <class T, int C> run(TiledMesh<C>&, const ImageView<T, C>&, std::size_t)`, where it wants the pixels themselves.
-/// mesh_image() does the rest: checks, premultiplication, weights, the search for a PSNR, final colors, the report. What it works
-/// with are the building blocks of hmesh::kit, which are public, documented, and free to change before version 1.
+/// run() replaces `mesh` by a mesh of exactly n vertices of the image mesh.source(), 4 <= n <= max(4, pixels), and returns an ok
+/// status; cancelled, it leaves a valid mesh and returns Errc::cancelled. A recipe that wants the pixels themselves declares
+/// run() with the image between its arguments, `template <class T, int C> run(TiledMesh<C>&, const ImageView<T, C>&,
+/// std::size_t)`. A tile_size() of the image's longer side means one piece. mesh_image() does the rest: checks,
+/// premultiplication, weights, the search for a PSNR, final colours, the report. Recipes are made of the building blocks in
+/// hmesh::kit, which are public, documented, and free to change before version 1.
 #ifndef HMESH_METHODS_RECIPE_HPP
 #define HMESH_METHODS_RECIPE_HPP
 
@@ -4147,9 +4166,10 @@ struct Annealed {
 
 namespace hmesh::kit {
 
+/// Whether a type is a recipe, by its members `name` and `colors`.
 template <class Recipe, class = void>
 inline constexpr bool is_recipe = false;
-/// Whether a type names itself and its colors as recipes do.
+/// True for types with the members `name` and `colors` of a recipe.
 template <class Recipe>
 inline constexpr bool is_recipe<Recipe, std::enable_if_t<std::is_same_v<std::remove_const_t<decltype(Recipe::colors)>, Colors> &&
                                                          std::is_convertible_v<decltype(Recipe::name), const char*>>> = true;
@@ -6909,19 +6929,12 @@ Mesh to_mesh(const ImageMesh<C>& from, double peak) {
     to.width = from.width(), to.height = from.height(), to.peak = peak;
     to.positions.reserve(2 * topology.vertex_count());
     to.colors.reserve(C * topology.vertex_count());
-    to.faces.reserve(topology.face_count());
-    std::vector<std::uint32_t> number(topology.vertex_slots());
-    std::uint32_t count = 0;
     for (const Vertex v : topology.vertices()) {
-        number[v.index()] = count++;
         to.positions.push_back(static_cast<float>(from.position(v).x));
         to.positions.push_back(static_cast<float>(from.position(v).y));
         for (int k = 0; k < C; ++k) to.colors.push_back(static_cast<float>(from.color(v)[k]));
     }
-    for (const Face f : topology.faces()) {
-        const auto v = topology.vertices(f);
-        to.faces.push_back({number[v[0].index()], number[v[1].index()], number[v[2].index()]});
-    }
+    to.faces = topology.triangles();
     return to;
 }
 
@@ -7102,12 +7115,13 @@ void ImageMesh<C>::collapse(Halfedge h) {
 // ---- hmesh/edit/move.hpp
 
 /// \file
-/// Vertices: move one vertex, or all in turn, to where the picture fits best.
+/// Vertex moves: optimise position and colour of one vertex, or of all dirty vertices in turn.
 ///
-/// One visit: the vertex's colour goes to its optimum, and one Gauss-Newton step with the colour eliminated is tried; it
-/// stays if the exact energy of the ring falls. Gauss-Seidel over such visits beats a joint Levenberg-Marquardt step by
-/// far (the normal equations are mass-like, so there is no long-range coupling to profit from). A visit walks each spoke
-/// once and evaluates the ring twice, some 0.6 us.
+/// A visit sets the vertex's colour to its optimum and tries one Gauss-Newton step of the position with the colour eliminated;
+/// the step is kept if the exact energy of the ring falls. Gauss-Seidel over such visits beats a joint Levenberg-Marquardt step
+/// by far: the normal equations are those of a mass matrix, so there is no long-range coupling to profit from.
+///
+/// Cost: a visit walks each spoke once and evaluates the ring twice, some 0.6 us.
 #ifndef HMESH_EDIT_MOVE_HPP
 #define HMESH_EDIT_MOVE_HPP
 
@@ -7117,17 +7131,17 @@ void ImageMesh<C>::collapse(Halfedge h) {
 
 namespace hmesh::kit {
 
-/// The state of a ring's centre, and what the ring costs with it.
+/// The state of a ring's centre vertex, and the energy of the ring with it.
 template <int C>
 struct RingCenter {
-    Point position;
-    Color<C> color;
-    double energy = 0;
+    Point position;     ///< px, in the plane of the mesh's table
+    Color<C> color;     ///< stored values
+    double energy = 0;  ///< of the faces of the ring
 };
 
 namespace detail {
 
-/// The longest step that is tried: 0.6 of the root mean square length of a ring's spokes.
+/// The longest step to try, in px: 0.6 of the root mean square length of the ring's spokes, with the centre at v.
 template <int C>
 [[nodiscard]] inline double step_cap(const Ring<C>& ring, Point v) noexcept {
     double sum = 0;
@@ -7140,28 +7154,34 @@ template <int C>
 
 }  // namespace detail
 
-/// Workspace of one ring optimisation, too large to clear on every call.
+/// Workspace for optimising one ring; tens of kB, so callers that visit many rings keep one.
 template <int C>
 struct RingScratch {
-    Ring<C> ring;
-    Spokes<C> spokes, trial_spokes;
-    FaceFit<C> faces[ring_capacity], trial_faces[ring_capacity];
+    Ring<C> ring;                           ///< the neighbours, and the moments of the edges opposite the centre
+    Spokes<C> spokes;                       ///< moments of the edges from the centre as it is
+    Spokes<C> trial_spokes;                 ///< moments of the edges from a trial position
+    FaceFit<C> faces[ring_capacity];        ///< fits of the ring's faces as they are
+    FaceFit<C> trial_faces[ring_capacity];  ///< fits of the ring's faces for a trial position
 };
 
-/// What optimise_centre() did.
-enum class RingOutcome { degenerate, recolored, moved };
+/// The outcome of optimize_center().
+enum class RingOutcome {
+    degenerate,  ///< a face is smaller than limits().min_double_area: nothing was done
+    recolored,   ///< the position stayed, the colour is the best for it
+    moved,       ///< position and colour are new
+};
 
-/// Optimises the centre of scratch.ring: `centre` holds position and colour on entry and the best found on return, with its
-/// energy; scratch.spokes and scratch.faces belong to it. `least` is the predicted decrease below which no step is tried.
-/// degenerate: a face is smaller than limits allow, nothing done.
+/// Optimises the centre of scratch.ring. `center` holds position and colour on entry, and on return the best found with the
+/// energy of the ring; scratch.spokes must fit the position on entry, scratch.spokes and scratch.faces fit it on return. No step
+/// is tried unless `may_move` and its predicted decrease of the energy is above `min_gain`. The mesh itself stays as it is.
 template <int C>
-RingOutcome optimize_center(const ImageMesh<C>& mesh, RingScratch<C>& scratch, Mobility mobility, double least, bool may_move,
+RingOutcome optimize_center(const ImageMesh<C>& mesh, RingScratch<C>& scratch, Mobility mobility, double min_gain, bool may_move,
                             RingCenter<C>& center) {
     const MeshLimits& limits = mesh.limits();
     RingFit<C> fit;
     if (!fit_ring(scratch.ring, scratch.spokes, center.position, limits.min_double_area, scratch.faces, fit))
         return RingOutcome::degenerate;
-    // A ring without weight wants nothing: it is not to chase the rounding of its sums.
+    // A ring whose pixels have no weight stays: its sums are rounding, and a step would follow that.
     if (mesh.table().is_weighted() && !(ring_weight(scratch.ring, scratch.spokes) > least_weight)) {
         center.energy = fit.energy(center.color);
         return RingOutcome::recolored;
@@ -7171,14 +7191,14 @@ RingOutcome optimize_center(const ImageMesh<C>& mesh, RingScratch<C>& scratch, M
     if (!may_move || mobility == Mobility::corner) return RingOutcome::recolored;
 
     const RingStep step = gauss_newton_step(scratch.ring, scratch.faces, fit, center.color, mobility);
-    if (!(step.predicted > least)) return RingOutcome::recolored;
+    if (!(step.predicted > min_gain)) return RingOutcome::recolored;
     double dx = step.dx, dy = step.dy;
     const double length = std::sqrt(dx * dx + dy * dy), cap = detail::step_cap(scratch.ring, center.position);
     if (length > cap) {
         dx *= cap / length;
         dy *= cap / length;
     }
-    // Halve the step while a face would get too small; the last of 6 tries is 1/32 of it.
+    // Halve the step while a face would get too small; the last of 6 trials is 1/32 of the step.
     for (int halvings = 0; halvings < 6; ++halvings, dx *= 0.5, dy *= 0.5) {
         const Point trial = mesh.clamp({center.position.x + dx, center.position.y + dy}, mobility);
         if (trial == center.position) break;
@@ -7198,32 +7218,36 @@ RingOutcome optimize_center(const ImageMesh<C>& mesh, RingScratch<C>& scratch, M
     return RingOutcome::recolored;
 }
 
-/// One visit of v; returns by how much the energy fell, >= 0. Steps that promise less than `least` are not tried.
+/// Visits v: optimises its colour, and its position where the step's predicted gain is above `min_gain`, an energy. Returns the
+/// decrease of the mesh's energy, >= 0; 0 for locked vertices. About 0.6 us.
 template <int C>
-double improve_vertex(ImageMesh<C>& mesh, Vertex v, double least) {
+double improve_vertex(ImageMesh<C>& mesh, Vertex v, double min_gain) {
     if (mesh.vertex(v).mobility == Mobility::locked) return 0;
     RingScratch<C> scratch;
     mesh.gather(v, scratch.ring, scratch.spokes);
     const double before = mesh.energy(scratch.ring);
     const VertexState<C>& state = mesh.vertex(v);
     RingCenter<C> center{state.position, state.color, 0};
-    const RingOutcome outcome = optimize_center(mesh, scratch, state.mobility, least, true, center);
+    const RingOutcome outcome = optimize_center(mesh, scratch, state.mobility, min_gain, true, center);
     if (outcome == RingOutcome::degenerate || !(center.energy < before)) return 0;
     mesh.apply_fit(v, scratch.ring, center.position, center.color, scratch.faces,
                    outcome == RingOutcome::moved ? &scratch.spokes : nullptr);
     return before - center.energy;
 }
 
-/// Visits all vertices that are due, in spatial order; returns by how much the energy fell.
+/// Visits all dirty vertices once, in spatial order, and clears their marks; where a visit gains more than
+/// tolerance.propagate_above, the vertex and its neighbours become dirty again. Ends early where mesh.keep_going() says stop.
+/// Returns the decrease of the energy.
 template <int C>
 double sweep(ImageMesh<C>& mesh, const Tolerance& tolerance = {}) {
     const double start = mesh.energy();
-    const double spread = tolerance.propagate_above * mesh.mean_energy(), least = tolerance.min_gain * mesh.mean_energy();
+    const double propagate_above = tolerance.propagate_above * mesh.mean_energy();
+    const double min_gain = tolerance.min_gain * mesh.mean_energy();
     for (const Vertex v : spatial_vertices(mesh)) {
-        if (!mesh.is_dirty(v) || mesh.vertex(v).mobility == Mobility::locked) continue;  // due for another patch
+        if (!mesh.is_dirty(v) || mesh.vertex(v).mobility == Mobility::locked) continue;  // locked: dirty for another patch
         if (!mesh.keep_going()) break;
         mesh.set_dirty(v, false);
-        if (improve_vertex(mesh, v, least) > spread) mesh.set_ring_dirty(v);
+        if (improve_vertex(mesh, v, min_gain) > propagate_above) mesh.set_ring_dirty(v);
     }
     return start - mesh.energy();
 }
@@ -7235,11 +7259,11 @@ double sweep(ImageMesh<C>& mesh, const Tolerance& tolerance = {}) {
 // ---- hmesh/edit/flip.hpp
 
 /// \file
-/// Flips: turn edges where the other diagonal fits the picture better.
+/// Flips: replace an edge by the other diagonal of its two faces where that fits the picture better.
 ///
-/// A flip is judged with positions and colours held fixed: one edge walk and two face energies. It is kept if the energy
-/// falls by more than a tolerance, so the total decreases strictly and the queue ends by itself. 26-44 % of the edges of a
-/// fitted mesh are diagonals of non-convex quadrilaterals and cannot turn; minimum area covers that test.
+/// A flip is judged with positions and colours held: one edge walk and two face energies. It is kept if the energy falls by more
+/// than a tolerance, so the energy decreases strictly and the stack of edges runs empty. 26-44 % of the edges of a fitted mesh
+/// are diagonals of quadrilaterals that are not convex and cannot flip; the test for minimum area covers these.
 #ifndef HMESH_EDIT_FLIP_HPP
 #define HMESH_EDIT_FLIP_HPP
 
@@ -7249,16 +7273,18 @@ double sweep(ImageMesh<C>& mesh, const Tolerance& tolerance = {}) {
 
 namespace hmesh::kit {
 
-/// What turning an edge would do: the new edge's moments and its faces' energies, valid until the mesh changes.
+/// What the flip of an edge e would lead to; valid until the mesh changes.
 template <int C>
 struct FlipTrial {
-    Moments<C> moments;
-    double own = 0, opposite = 0;  ///< energies of face(halfedge(e)) and of the other
-    double decrease = 0;
+    Moments<C> moments;   ///< of the new edge, along halfedge(e) after the flip
+    double own = 0;       ///< energy of face(halfedge(e)) after the flip
+    double opposite = 0;  ///< energy of face(opposite(halfedge(e))) after the flip
+    double decrease = 0;  ///< of the mesh's energy; negative where the flip would raise it
 };
 
-/// Whether the shape around e lets it turn: interior, both new faces at least limits.min_double_area. In a triangulation of the
-/// plane, far corners with a convex quadrilateral between them have no other edge.
+/// Whether the geometry lets e flip: e is an interior edge, and both new faces have at least limits().min_double_area, which
+/// implies that the quadrilateral around e is convex. In a triangulation of the plane the two far corners of a convex
+/// quadrilateral have no other edge in common. can_flip() looks at valences too.
 template <int C>
 [[nodiscard]] HMESH_ALWAYS_INLINE bool is_flippable(const ImageMesh<C>& mesh, Edge e) {
     const HalfedgeMesh& topology = mesh.topology();
@@ -7267,11 +7293,11 @@ template <int C>
     const Vertex v2 = topology.to_vertex(topology.next(a)), v3 = topology.to_vertex(topology.next(b));
     const Point p0 = mesh.position(topology.to_vertex(b)), p1 = mesh.position(topology.to_vertex(a));
     const Point p2 = mesh.position(v2), p3 = mesh.position(v3);
-    const double least = mesh.limits().min_double_area;
-    return orient2d(p0, p3, p2) >= least && orient2d(p3, p1, p2) >= least;
+    const double min_area = mesh.limits().min_double_area;
+    return orient2d(p0, p3, p2) >= min_area && orient2d(p3, p1, p2) >= min_area;
 }
 
-/// Whether e can turn: convex, and both far corners have room for one more edge.
+/// Whether e can flip: is_flippable(), and both far corners may have one more edge.
 template <int C>
 [[nodiscard]] bool can_flip(const ImageMesh<C>& mesh, Edge e) {
     if (!is_flippable(mesh, e)) return false;
@@ -7281,7 +7307,8 @@ template <int C>
            mesh.can_gain_edge(topology.to_vertex(topology.next(HalfedgeMesh::opposite(a))));
 }
 
-/// Evaluates turning e, which is_flippable.
+/// Evaluates the flip of e, for which is_flippable() must hold, into `trial`; the mesh stays as it is. One edge walk and two face
+/// energies.
 template <int C>
 void evaluate_flip(const ImageMesh<C>& mesh, Edge e, FlipTrial<C>& trial) {
     const HalfedgeMesh& topology = mesh.topology();
@@ -7301,35 +7328,37 @@ void evaluate_flip(const ImageMesh<C>& mesh, Edge e, FlipTrial<C>& trial) {
     trial.decrease = mesh.energy(topology.face(a)) + mesh.energy(topology.face(b)) - trial.own - trial.opposite;
 }
 
-/// Turns e if that lowers the energy by more than `least` (and more than rounding). Returns the decrease, 0 if it stays.
+/// Flips e if that lowers the energy by more than `min_gain` >= 0, an energy, and by more than rounding (1e-9 of the energy of
+/// its two faces). Returns the decrease of the energy, 0 if e stays.
 template <int C>
-double improve_edge(ImageMesh<C>& mesh, Edge e, double least) {
+double improve_edge(ImageMesh<C>& mesh, Edge e, double min_gain) {
     const HalfedgeMesh& topology = mesh.topology();
     const Halfedge a = HalfedgeMesh::halfedge(e), b = HalfedgeMesh::opposite(a);
     if (topology.is_boundary(a) || topology.is_boundary(b)) return 0;
     const double before = mesh.energy(topology.face(a)) + mesh.energy(topology.face(b));
-    if (!(before > least) || !is_flippable(mesh, e)) return 0;
+    if (!(before > min_gain) || !is_flippable(mesh, e)) return 0;
     FlipTrial<C> trial;
     evaluate_flip(mesh, e, trial);
-    if (!(trial.decrease > least + 1e-9 * before) || !can_flip(mesh, e)) return 0;
+    if (!(trial.decrease > min_gain + 1e-9 * before) || !can_flip(mesh, e)) return 0;
     mesh.flip(e, trial.moments, trial.own, trial.opposite);
     return trial.decrease;
 }
 
-/// Turns edges until none gains more than `least`, in units of the mean energy of a vertex: a stack in spatial order; the four
-/// sides of each turned edge come up again. Vertices around turned edges become due. Returns the number of flips.
+/// Flips edges until no flip gains more than `min_gain` >= 0, in units of the mean energy of a vertex. Edges wait on a stack, at
+/// first all in spatial order; after a flip the four sides of its quadrilateral are pushed again. The four vertices around a
+/// flipped edge become dirty. Ends early where mesh.keep_going() says stop. Returns the number of flips.
 template <int C>
-std::size_t flip_edges(ImageMesh<C>& mesh, double least = 1e-4) {
+std::size_t flip_edges(ImageMesh<C>& mesh, double min_gain = 1e-4) {
     const HalfedgeMesh& topology = mesh.topology();
-    least *= mesh.mean_energy();
+    min_gain *= mesh.mean_energy();
     std::vector<Edge> stack = spatial_edges(mesh);
     std::reverse(stack.begin(), stack.end());
     std::size_t flips = 0;
-    // The energy falls with every flip; the bound only guards against a tolerance of 0 and a million tiny gains.
+    // The energy falls with every flip; the budget only guards against a million tiny gains where min_gain is 0.
     for (std::size_t budget = 20 * stack.size(); !stack.empty() && budget > 0 && mesh.keep_going(); --budget) {
         const Edge e = stack.back();
         stack.pop_back();
-        if (!(improve_edge(mesh, e, least) > 0)) continue;
+        if (!(improve_edge(mesh, e, min_gain) > 0)) continue;
         ++flips;
         for (const Halfedge h : {HalfedgeMesh::halfedge(e), HalfedgeMesh::opposite(HalfedgeMesh::halfedge(e))}) {
             const Halfedge n = topology.next(h), p = topology.next(n);
@@ -7351,8 +7380,11 @@ std::size_t flip_edges(ImageMesh<C>& mesh, double least = 1e-4) {
 /// \file
 /// Relaxation: re-optimise a handful of vertices and their edges after a local change.
 ///
-/// What turns a change of topology into an honest trial: a removal, insertion or flip is judged by the energy after the
-/// vertices around it have moved to their new optimum. A round visits each vertex, then tries each of their edges once.
+/// Relaxation makes the trial of a removal, an insertion or a flip a fair one: the change is judged by the energy after the
+/// vertices around it have moved to their new optimum. A round visits each of the given vertices, then tries to flip each of
+/// their edges.
+///
+/// Cost: for each round a visit (0.6 us) a vertex, and an edge walk and two face energies an edge.
 #ifndef HMESH_EDIT_RELAX_HPP
 #define HMESH_EDIT_RELAX_HPP
 
@@ -7362,27 +7394,30 @@ std::size_t flip_edges(ImageMesh<C>& mesh, double least = 1e-4) {
 
 namespace hmesh::kit {
 
-/// At most `rounds` rounds; steps that promise less energy than `least` are not tried.
+/// Optimises `vertices` and flips their edges in at most `rounds` rounds; a round that gains less than 1e-3 mean energies of a
+/// vertex is the last. Gauss-Newton steps with a predicted gain up to `min_gain`, an energy, and flips that gain no more are not
+/// made.
 template <int C>
-void relax(ImageMesh<C>& mesh, const std::vector<Vertex>& vertices, int rounds, double least) {
+void relax(ImageMesh<C>& mesh, const std::vector<Vertex>& vertices, int rounds, double min_gain) {
     const HalfedgeMesh& topology = mesh.topology();
-    const double enough = 1e-3 * mesh.mean_energy();
+    const double min_round_gain = 1e-3 * mesh.mean_energy();
     for (int round = 0; round < rounds; ++round) {
         const double start = mesh.energy();
-        for (const Vertex v : vertices) improve_vertex(mesh, v, least);
+        for (const Vertex v : vertices) improve_vertex(mesh, v, min_gain);
         for (const Vertex v : vertices) {
             Edge edges[ring_capacity];
             int count = 0;
             for (const Halfedge h : topology.outgoing(v)) {
-                const Vertex u = topology.to_vertex(h);  // an edge between two of the vertices comes up once
+                const Vertex u = topology.to_vertex(h);  // an edge between two of the vertices is tried once
                 if (u < v && std::find(vertices.begin(), vertices.end(), u) != vertices.end()) continue;
                 edges[count++] = HalfedgeMesh::edge(h);
             }
-            for (int i = 0; i < count; ++i) improve_edge(mesh, edges[i], least);
+            for (int i = 0; i < count; ++i) improve_edge(mesh, edges[i], min_gain);
         }
-        if (start - mesh.energy() < enough) break;
+        if (start - mesh.energy() < min_round_gain) break;
     }
 }
+/// Optimises `vertices` and flips their edges, with rounds and threshold from `relaxation` (edit/tolerance.hpp).
 template <int C>
 void relax(ImageMesh<C>& mesh, const std::vector<Vertex>& vertices, const Relaxation& relaxation) {
     relax(mesh, vertices, relaxation.rounds, relaxation.min_gain * mesh.mean_energy());
@@ -7395,13 +7430,14 @@ void relax(ImageMesh<C>& mesh, const std::vector<Vertex>& vertices, const Relaxa
 // ---- hmesh/edit/collapse.hpp
 
 /// \file
-/// Collapse: which vertex the mesh misses least.
+/// Collapse: remove the vertices whose loss raises the energy least.
 ///
-/// A vertex goes by merging it into one of its neighbours. The cost is the exact rise of the energy with the other
-/// vertices held; the best of all neighbours is taken. Removing a batch of the cheapest that share no neighbour and
-/// re-optimising around each is the second half of "insert too many, then remove": the best bargain in meshing
-/// (+2 dB for 0.1 s on Lena, 1 %). Finding the cheapest collapse of a vertex costs up to (valence)^2 face energies, with
-/// early exit about 1 us.
+/// A vertex is removed by merging it into the neighbour for which the energy rises least, all other vertices held; this exact
+/// rise is the cost of the collapse. remove_batch() removes the cheapest vertices, no two of them adjacent, and re-optimises
+/// the ring of each. Inserting too many vertices and then removing the surplus is the best bargain in meshing (+2 dB for 0.1 s
+/// on Lena, 1 %).
+///
+/// Cost: finding the cheapest collapse of a vertex takes up to valence^2 face energies, with early exit about 1 us.
 #ifndef HMESH_EDIT_COLLAPSE_HPP
 #define HMESH_EDIT_COLLAPSE_HPP
 
@@ -7414,34 +7450,34 @@ void relax(ImageMesh<C>& mesh, const std::vector<Vertex>& vertices, const Relaxa
 
 namespace hmesh::kit {
 
-/// A half-edge along which its first vertex could go, and by how much the energy would rise.
+/// The cheapest collapse of a vertex: along which half-edge, and what it costs.
 struct CollapseCandidate {
-    Halfedge halfedge;  ///< invalid: the vertex cannot go
-    double cost = std::numeric_limits<double>::max();
+    Halfedge halfedge;  ///< from the vertex to the neighbour that it is merged into; invalid: the vertex cannot be removed
+    double cost = std::numeric_limits<double>::max();  ///< rise of the energy; may be negative
 };
 
 namespace detail {
 
-/// The energy of the faces that fill the ring when its centre goes into neighbour j; the largest double as soon as it reaches
-/// `bound` or a face would be too small.
+/// The energy of the faces that fill a ring once its centre is merged into neighbour j. The largest double as soon as the energy
+/// reaches `bound`, or if a face would be smaller than limits().min_double_area.
 template <int C>
 [[nodiscard]] double filled_energy(const ImageMesh<C>& mesh, const Ring<C>& ring, int j, double bound) {
     constexpr double never = std::numeric_limits<double>::max();
     const VertexState<C>& u = *ring.neighbor[j];
-    const double least = mesh.limits().min_double_area;
+    const double min_area = mesh.limits().min_double_area;
     // Faces i (neighbours i, i - 1) that do not have j as a corner; an open ring has no face 0.
     for (int i = ring.first_face(); i < ring.size; ++i)
         if (i != j && ring.before(i) != j &&
-            !(orient2d(u.position, ring.neighbor[i]->position, ring.neighbor[ring.before(i)]->position) >= least))
+            !(orient2d(u.position, ring.neighbor[i]->position, ring.neighbor[ring.before(i)]->position) >= min_area))
             return never;
     double energy = 0;
-    // Once around from j + 1, whose edge to j is the link of face j + 1; each edge from u is walked once.
+    // Once around the ring from neighbour j + 1, whose edge to j is the link of face j + 1; each edge from u is walked once.
     Moments<C> spoke = Moments<C>::zero();
-    bool known = false;  // is `spoke` the moments from u to neighbour i - 1?
+    bool known = false;  // whether `spoke` holds the moments from u to neighbour i - 1
     for (int step = 1; step < ring.size; ++step) {
         const int i = (j + step) % ring.size, before = ring.before(i);
         if (ring.open && i == 0) continue;
-        if (before == j) {  // face (v, i, j) goes; its far side from i to j is an edge of u
+        if (before == j) {  // face (v, i, j) vanishes; its far side from i to j is an edge of u
             spoke = ring.link[i];
             spoke *= -1.0;
             known = true;
@@ -7462,7 +7498,9 @@ template <int C>
 
 }  // namespace detail
 
-/// The cheapest way to remove v. Corners and frozen vertices cannot go, and border vertices only along their side.
+/// The cheapest collapse of v. None (an invalid half-edge) for corners and locked vertices, and where every collapse would break
+/// the topology, a valence limit or limits().min_double_area. Border vertices collapse along their side only. `scratch` is
+/// overwritten. O(valence^2), about 1 us.
 template <int C>
 [[nodiscard]] CollapseCandidate cheapest_collapse(const ImageMesh<C>& mesh, RingScratch<C>& scratch, Vertex v) {
     const HalfedgeMesh& topology = mesh.topology();
@@ -7472,23 +7510,24 @@ template <int C>
     Ring<C>& ring = scratch.ring;
     mesh.gather(v, ring, scratch.spokes);
     const double before = mesh.energy(ring);
-    double least = std::numeric_limits<double>::max();
+    double lowest = std::numeric_limits<double>::max();
     for (int j = 0; j < ring.size; ++j) {
-        if (ring.open && j != 0 && j != ring.size - 1) continue;  // a border vertex goes along the border
-        // The merged vertex has the neighbours of both, less the two themselves and the far corners they shared.
+        if (ring.open && j != 0 && j != ring.size - 1) continue;  // a border vertex collapses along the border
+        // The merged vertex has the neighbours of both, less the two themselves and the far corners that both had.
         const int shared = ring.open ? 3 : 4;
         if (topology.valence(topology.to_vertex(ring.halfedge[j])) + ring.size - shared > ring.neighbor[j]->valence_limit)
             continue;
-        const double energy = detail::filled_energy(mesh, ring, j, least);
-        if (!(energy < least) || !topology.is_collapse_ok(ring.halfedge[j])) continue;
-        least = energy;
+        const double energy = detail::filled_energy(mesh, ring, j, lowest);
+        if (!(energy < lowest) || !topology.is_collapse_ok(ring.halfedge[j])) continue;
+        lowest = energy;
         best = {ring.halfedge[j], energy - before};
     }
     return best;
 }
 
-/// Removes up to `count` of the cheapest vertices that share no neighbour, and re-optimises the ring of each. Returns how
-/// many.
+/// Removes up to `count` vertices, the cheapest first, and re-optimises the ring of each with relax(). A vertex in the ring of
+/// one removed before stays for the next batch. Vertices of these rings become dirty. Returns the number of vertices removed,
+/// which is less than `count` also where mesh.keep_going() says stop.
 template <int C>
 std::size_t remove_batch(ImageMesh<C>& mesh, std::size_t count, const Relaxation& relaxation) {
     const HalfedgeMesh& topology = mesh.topology();
@@ -7508,7 +7547,7 @@ std::size_t remove_batch(ImageMesh<C>& mesh, std::size_t count, const Relaxation
         if (removed >= count || !mesh.keep_going()) break;
         const Vertex v = vertices[k];
         if (touched[v.index()] != 0) continue;
-        // Flips around earlier removals may have changed the ring: judge again.
+        // Flips around earlier removals may have changed the ring: find the cheapest collapse again.
         const CollapseCandidate now = cheapest_collapse(mesh, scratch, v);
         if (!now.halfedge.is_valid()) continue;
         ring.clear();
@@ -7529,12 +7568,14 @@ std::size_t remove_batch(ImageMesh<C>& mesh, std::size_t count, const Relaxation
 // ---- hmesh/edit/insert.hpp
 
 /// \file
-/// Insertion: where one more vertex lowers the energy most.
+/// Insertion: add vertices where one more lowers the energy most.
 ///
-/// A candidate splits an edge at its midpoint or a face at its centroid; its gain is exact for the colour that fits best
-/// there (and, when asked, after one Gauss-Newton step), all other vertices held. Inserting a batch of the best that touch
-/// no common face and optimising in between is nearly as good as one at a time, and far faster. A candidate costs 3 or 4
-/// short walks, about 0.2 us.
+/// A candidate splits an edge at its midpoint or a face at its centroid. Its gain is the exact decrease of the energy, the new
+/// vertex having the best colour there (and, on request, one Gauss-Newton step), all other vertices held. Inserting a batch of
+/// the best candidates that have no face in common, and optimising between batches, is nearly as good as inserting one at a
+/// time, and far faster.
+///
+/// Cost: 3 or 4 short edge walks a candidate, about 0.2 us.
 #ifndef HMESH_EDIT_INSERT_HPP
 #define HMESH_EDIT_INSERT_HPP
 
@@ -7547,25 +7588,26 @@ std::size_t remove_batch(ImageMesh<C>& mesh, std::size_t count, const Relaxation
 
 namespace hmesh::kit {
 
-/// A vertex that could be inserted: in `edge` if that is valid, else in `face`.
+/// A vertex that could be inserted, and what it would gain; valid until the mesh changes.
 template <int C>
 struct InsertionCandidate {
-    Edge edge;
-    Face face;
-    RingCenter<C> center;
-    double gain = 0;    ///< decrease of the energy
-    bool fits = false;  ///< whether the new faces are large enough
+    Edge edge;             ///< the edge to split; invalid: split `face`
+    Face face;             ///< the face to split where `edge` is invalid
+    RingCenter<C> center;  ///< the new vertex, and the energy of the faces around it
+    double gain = 0;       ///< decrease of the mesh's energy
+    bool fits = false;     ///< whether all new faces have at least limits().min_double_area; else there is no gain
 };
 
-/// Which candidates are considered, and how closely.
+/// Options of insert_batch() and best_sites(): which candidates are considered, and how closely.
 struct InsertionOptions {
-    bool faces = false;     ///< consider centroids of faces too
-    bool may_move = false;  ///< one Gauss-Newton step before judging
+    bool faces = false;     ///< candidates are centroids of faces too, not only midpoints of edges
+    bool may_move = false;  ///< candidates take one Gauss-Newton step before their gain is read
 };
 
 namespace detail {
 
-/// `scratch` holds the ring and its spokes around candidate.centre.
+/// Completes a candidate: position, colour, gain. `scratch` holds the ring and the spokes of candidate.center, `before` is the
+/// energy of the faces that would be split.
 template <int C>
 void judge_candidate(const ImageMesh<C>& mesh, RingScratch<C>& scratch, Mobility mobility, bool may_move, double before,
                      InsertionCandidate<C>& candidate) {
@@ -7576,7 +7618,8 @@ void judge_candidate(const ImageMesh<C>& mesh, RingScratch<C>& scratch, Mobility
 
 }  // namespace detail
 
-/// A vertex in the middle of e with its best colour and, if it may, moved by a step. `scratch` is overwritten.
+/// The candidate at the midpoint of e, with its best colour and, where `may_move`, one Gauss-Newton step further. Does not fit
+/// where e is on the rim of a patch. `scratch` is overwritten. About 0.2 us.
 template <int C>
 [[nodiscard]] InsertionCandidate<C> edge_candidate(const ImageMesh<C>& mesh, RingScratch<C>& scratch, Edge e, bool may_move) {
     const HalfedgeMesh& topology = mesh.topology();
@@ -7588,7 +7631,7 @@ template <int C>
     const VertexState<C>&v0 = mesh.vertex(topology.to_vertex(b)), &v1 = mesh.vertex(topology.to_vertex(a));
     Ring<C>& ring = scratch.ring;
     double before = mesh.energy(topology.face(a));
-    // Around the midpoint, against the orientation: v0, v2, v1, v3.
+    // Neighbours around the midpoint, against the orientation of faces: v0, v2, v1, v3.
     ring.open = topology.is_boundary(b);
     ring.size = ring.open ? 3 : 4;
     ring.neighbor[0] = &v0;
@@ -7609,7 +7652,7 @@ template <int C>
     candidate.center.color = 0.5 * (v0.color + v1.color);
     const Point center = candidate.center.position;
     if (!ring.accepts(center, mesh.limits().min_double_area)) return candidate;
-    // The two halves of the edge add up to it: walk one only.
+    // The moments of the edge's halves add up to those of the edge: only one half is walked.
     for (int i = 0; i < ring.size; ++i)
         if (i != 2) edge_moments(mesh.table(), center, ring.neighbor[i]->position, scratch.spokes.spoke[i]);
     mesh.moments(a, scratch.spokes.spoke[2]);
@@ -7618,7 +7661,8 @@ template <int C>
     return candidate;
 }
 
-/// The same at the centroid of f.
+/// The candidate at the centroid of f, with its best colour and, where `may_move`, one Gauss-Newton step further. `scratch` is
+/// overwritten. About 0.2 us.
 template <int C>
 [[nodiscard]] InsertionCandidate<C> face_candidate(const ImageMesh<C>& mesh, RingScratch<C>& scratch, Face f, bool may_move) {
     const HalfedgeMesh& topology = mesh.topology();
@@ -7627,7 +7671,7 @@ template <int C>
     Ring<C>& ring = scratch.ring;
     ring.open = false;
     ring.size = 3;
-    // Around the centroid, against the orientation: neighbour i - 1 follows neighbour i along the face's sides.
+    // Neighbours around the centroid, against the orientation: neighbour i - 1 follows neighbour i along the face's sides.
     Halfedge h = topology.halfedge(f);
     for (int i = 2; i >= 0; --i, h = topology.next(h)) {
         ring.neighbor[i] = &mesh.vertex(topology.from_vertex(h));
@@ -7644,14 +7688,14 @@ template <int C>
     return candidate;
 }
 
-/// Splits the candidate's edge or face. The candidate must be of the mesh as it is.
+/// Inserts a candidate that fits and was evaluated for the mesh as it is, by splitting its edge or face. Returns the new vertex.
 template <int C>
 Vertex insert(ImageMesh<C>& mesh, const InsertionCandidate<C>& candidate) {
     return candidate.edge.is_valid() ? mesh.split(candidate.edge, candidate.center.position, candidate.center.color)
                                      : mesh.split(candidate.face, candidate.center.position, candidate.center.color);
 }
 
-/// The vertices whose valence an insertion raises stay below the bound.
+/// Whether the corners whose valence the candidate would raise may all have one more edge.
 template <int C>
 [[nodiscard]] bool can_gain_edge(const ImageMesh<C>& mesh, const InsertionCandidate<C>& candidate) {
     const HalfedgeMesh& topology = mesh.topology();
@@ -7667,21 +7711,25 @@ template <int C>
     return true;
 }
 
-/// Where a vertex could go: an edge or a face, in 4 bytes.
+/// A place for a new vertex, an edge or a face, in 4 bytes.
 class InsertionSite {
   public:
     InsertionSite() noexcept = default;
+    /// The midpoint of an edge, or the centroid of a face.
     explicit InsertionSite(Edge e) noexcept : code_(static_cast<std::uint32_t>(2 * e.index())) {}
     explicit InsertionSite(Face f) noexcept : code_(static_cast<std::uint32_t>(2 * f.index() + 1)) {}
+    /// Whether the site is an edge; else it is a face.
     [[nodiscard]] bool is_edge() const noexcept { return (code_ & 1U) == 0; }
+    /// The edge, where is_edge().
     [[nodiscard]] Edge edge() const noexcept { return Edge(code_ >> 1U); }
+    /// The face, where not is_edge().
     [[nodiscard]] Face face() const noexcept { return Face(code_ >> 1U); }
 
   private:
-    std::uint32_t code_ = 0;
+    std::uint32_t code_ = 0;  ///< 2 * index of an edge, or 2 * index of a face + 1
 };
 
-/// That of the site's edge or face.
+/// The candidate at a site: edge_candidate() or face_candidate(). `scratch` is overwritten.
 template <int C>
 [[nodiscard]] InsertionCandidate<C> candidate_at(const ImageMesh<C>& mesh, RingScratch<C>& scratch, InsertionSite site,
                                                  bool may_move) {
@@ -7689,9 +7737,9 @@ template <int C>
                           : face_candidate(mesh, scratch, site.face(), may_move);
 }
 
-/// What a vertex at the site could gain at most: the energy of the faces that it splits.
+/// An upper bound on the gain of a vertex at the site: the energy of the one or two faces that it splits.
 template <int C>
-[[nodiscard]] double most_gain(const ImageMesh<C>& mesh, InsertionSite site) {
+[[nodiscard]] double max_gain(const ImageMesh<C>& mesh, InsertionSite site) {
     if (!site.is_edge()) return mesh.energy(site.face());
     double sum = 0;
     const Halfedge h = HalfedgeMesh::halfedge(site.edge());
@@ -7700,7 +7748,7 @@ template <int C>
     return sum;
 }
 
-/// Each edge once (and each face), in spatial order.
+/// The sites of a mesh in spatial order: each edge once and, where `faces`, each face.
 template <int C>
 [[nodiscard]] std::vector<InsertionSite> insertion_sites(const ImageMesh<C>& mesh, bool faces) {
     const HalfedgeMesh& topology = mesh.topology();
@@ -7713,9 +7761,10 @@ template <int C>
     return sites;
 }
 
-/// The most rewarding sites for `count` vertices and some more, by falling gain (ties: in spatial order). The rewards of the
-/// sites with the most to gain tell how much the others must have for being worth a walk. Gains are compared as floats: this
-/// is the peak of the memory, 16 bytes a site.
+/// The best sites for `count` new vertices, by falling gain, ties in spatial order: up to 4 * count, since about half of a list
+/// touch a better site. Sites with the largest max_gain() are evaluated first; their gains then tell below which max_gain() the
+/// others cannot get into the list, and these are not walked. Gains are compared as floats: 16 bytes a site, the peak of a
+/// method's memory.
 template <int C>
 [[nodiscard]] std::vector<InsertionSite> best_sites(const ImageMesh<C>& mesh, std::size_t count,
                                                     const InsertionOptions& options) {
@@ -7724,9 +7773,9 @@ template <int C>
         std::uint32_t site;
     };
     const std::vector<InsertionSite> sites = insertion_sites(mesh, options.faces);
-    const double scale = mesh.energy() > 0 ? 1 / mesh.mean_energy() : 0;  // of the floats, whatever the unit of samples
-    const auto bound = [&](std::size_t k) { return static_cast<float>(scale * most_gain(mesh, sites[k])); };
-    const std::size_t wanted = 2 * count;  // about half of them touch a better one
+    const double scale = mesh.energy() > 0 ? 1 / mesh.mean_energy() : 0;  // keeps floats in range, whatever the unit of samples
+    const auto bound = [&](std::size_t k) { return static_cast<float>(scale * max_gain(mesh, sites[k])); };
+    const std::size_t wanted = 2 * count;  // about half of them touch a better site
     std::vector<float> values;
     values.reserve(sites.size());
     const auto nth_largest = [&] {
@@ -7769,8 +7818,10 @@ template <int C>
     return best;
 }
 
-/// Inserts up to `count` vertices at the best sites that share no face, then flips and visits around each. Returns how
-/// many. Neighbours become due.
+/// Inserts up to `count` vertices at the best sites that have no face in common, then around each new vertex tries to flip the
+/// outer edges of its faces and visits the vertex. The rings of new vertices become dirty. Returns the number of vertices
+/// inserted, which is 0 where no candidate lowers the energy; it may be less than `count` also because
+/// mesh.keep_going() says stop.
 template <int C>
 std::size_t insert_batch(ImageMesh<C>& mesh, std::size_t count, const InsertionOptions& options) {
     const HalfedgeMesh& topology = mesh.topology();
@@ -7943,11 +7994,13 @@ class IndexedHeap {
 // ---- hmesh/edit/subdivide.hpp
 
 /// \file
-/// Subdivision: more vertices where the picture asks for none.
+/// Subdivision: insert vertices by area alone, where none lowers the energy.
 ///
-/// A constant or affine picture gains nothing from another vertex, yet a caller who asked for n gets n. The face of largest
-/// area is split at its longest edge, or at its centroid where the edge cannot be, O(log n) each. An image of p pixels
-/// takes p vertices this way: among their 2 p faces one has the mean area, 1/2 px^2, far above the least.
+/// A constant or affine picture gains nothing from another vertex, yet a target of n vertices is met exactly. The face of largest
+/// area is split at the midpoint of its longest edge, or at its centroid where that edge cannot be split.
+///
+/// Cost: O(log faces) a vertex. An image of p pixels has room for p vertices: they make about 2 p faces, of which the largest
+/// has at least the mean area, 1/2 px^2, while the default of MeshLimits::min_double_area refuses areas below 0.01 px^2.
 #ifndef HMESH_EDIT_SUBDIVIDE_HPP
 #define HMESH_EDIT_SUBDIVIDE_HPP
 
@@ -7956,7 +8009,8 @@ class IndexedHeap {
 
 namespace hmesh::kit {
 
-/// Inserts `count` vertices; returns how many it could.
+/// Inserts up to `count` vertices by splitting the largest face again and again; rings of new vertices become dirty. Returns the
+/// number of vertices inserted: less than `count` where no face can be split any more, or where mesh.keep_going() says stop.
 template <int C>
 HMESH_COLD std::size_t subdivide(ImageMesh<C>& mesh, std::size_t count) {
     const HalfedgeMesh& topology = mesh.topology();
@@ -8052,13 +8106,16 @@ class Random {
 // ---- hmesh/methods/annealed/annealing.hpp
 
 /// \file
-/// Annealing: priced moves with undo, the way to the best mesh for a budget.
+/// Annealing: simulated annealing with a variable number of vertices.
 ///
-/// The ensemble is grand canonical: a vertex has the price mu, so meshes of n vertices minimise energy + mu n, and
-/// vertices flow from where they are worth little to where they are worth much. Four kinds of move - remove, insert, flip,
-/// jump - are each a transaction: do it, relax the surroundings, read the exact energy, then accept by Metropolis' rule at
-/// temperature T or roll back to the last byte. Between sweeps the price is steered to the vertex target and T falls to 0.
-/// Patches of one mesh share the price, so vertices flow between them too. A sweep costs 20 to 25 us a vertex for 3 channels.
+/// The annealing minimises energy + mu n, n being the number of vertices and mu a Lagrange multiplier, the price of a vertex:
+/// vertices leave places where they are worth less than mu and come where they are worth more. (Physicists call this a grand
+/// canonical ensemble.) A move removes, inserts or displaces a vertex or flips an edge. Each move is a transaction: change the
+/// mesh, relax the surroundings, read the exact energy, then accept by Metropolis' rule at temperature T or roll back to the
+/// last byte. Between sweeps mu is steered so that n meets the target, and T falls to 0. All patches of a mesh share mu, so that
+/// vertices flow between them too.
+///
+/// Cost: a sweep takes 20 to 25 us a vertex for 3 channels.
 #ifndef HMESH_METHODS_ANNEALED_ANNEALING_HPP
 #define HMESH_METHODS_ANNEALED_ANNEALING_HPP
 
@@ -8070,25 +8127,31 @@ class Random {
 
 namespace hmesh::kit {
 
-/// How many vertices went and came in a sweep.
+/// The numbers of removals and of insertions that a sweep accepted.
 struct AnnealingCounts {
     std::size_t removed = 0, inserted = 0;
 };
 
-/// What all patches of a mesh share: the price of a vertex, steered between sweeps, and the temperature.
+/// The price mu of a vertex and the temperature T, which all patches of a mesh share; set between sweeps.
 class AnnealingSchedule {
   public:
-    /// Toward `target` vertices, from a mesh with this mean energy of a vertex.
+    /// Starts an annealing toward `target` vertices, of a mesh with this mean energy of a vertex.
     AnnealingSchedule(const AnnealingOptions& options, std::size_t target, double mean_energy) noexcept
         : options_(options), target_(static_cast<double>(target)), price_(options.start_price * mean_energy) {}
 
+    /// mu for the next sweep, an energy.
     [[nodiscard]] double price() const noexcept { return price_; }
-    /// Of sweep 0, 1, ..: T in units of energy.
+    /// T of sweep 0, 1, .., an energy.
     [[nodiscard]] double temperature(int sweep) const noexcept {
         return options_.temperature * std::pow(1 - static_cast<double>(sweep) / options_.sweeps, options_.cooling) * price_;
     }
-    /// After a sweep: the price rises with the surplus of vertices and with its rate of growth. Weaker gains lose 0.04 to
-    /// 0.08 dB.
+    /// Steers mu after a sweep: it rises with the surplus of vertices over the target and with the rate at which vertices come.
+    ///
+    /// `counts`: moves accepted in all patches; `vertices` and `mean_energy`: of the mesh now. The gains 3 and 2 and the limits
+    /// are found by trial. On a mosaic of photographs in tiles of 256 px (as benchmarks/table --mosaic makes them), the weaker
+    /// gains (1, 0.5), (1, 0) and (0.5, 0) lost 0.04 to 0.08 dB. A change is at most a factor exp(0.2) a sweep. mu stays in
+    /// [0.15, 4] mean energies of a vertex, to keep a start that is far off from running away; kodim23 needs 1.1 in its first
+    /// sweeps.
     void steer(const AnnealingCounts& counts, std::size_t vertices, double mean_energy) noexcept {
         const double deviation = (static_cast<double>(vertices) - target_) / target_;
         const double rate = (static_cast<double>(counts.inserted) - static_cast<double>(counts.removed)) / target_;
@@ -8101,22 +8164,23 @@ class AnnealingSchedule {
     double target_, price_;
 };
 
-/// How many vertices a sweep may leave.
+/// The range in which the number of vertices stays during a sweep: below `low` nothing is removed, above `high` nothing inserted.
 struct CountRange {
-    double least = 0, most = 0;
+    double low = 0, high = 0;
 };
 
-/// One sweep over a mesh or a patch.
+/// One sweep of annealing over a mesh or a patch.
 template <int C>
 class AnnealingSweep {
   public:
-    /// At this price and temperature, in units of energy. The mesh outlives the object.
+    /// A sweep at this price and temperature, both energies. The mesh must outlive the sweep.
     AnnealingSweep(ImageMesh<C>& mesh, const AnnealingOptions& options, double price, double temperature, const CountRange& range,
                    const Random& random)
-        : mesh_(&mesh), options_(options), price_(price), temperature_(temperature), least_(5e-3 * price), range_(range),
+        : mesh_(&mesh), options_(options), price_(price), temperature_(temperature), min_gain_(5e-3 * price), range_(range),
           random_(random) {}
 
-    /// Removals, insertions, flips and jumps, then two sweeps over the vertices that are due, with flips in between.
+    /// Tries removals, insertions, flips and jumps, then visits dirty vertices twice with flips in between. Ends early where
+    /// mesh.keep_going() says stop.
     AnnealingCounts run() {
         AnnealingCounts counts;
         counts.removed = remove_moves();
@@ -8124,7 +8188,7 @@ class AnnealingSweep {
         flip_moves();
         jump_moves();
         const double mean = mesh_->mean_energy();
-        const Tolerance tolerance{1e-2, mean > 0 ? least_ / mean : 0};
+        const Tolerance tolerance{1e-2, mean > 0 ? min_gain_ / mean : 0};
         sweep(*mesh_, tolerance);
         flip_edges(*mesh_);
         sweep(*mesh_, tolerance);
@@ -8132,16 +8196,18 @@ class AnnealingSweep {
     }
 
   private:
-    /// A change since `mark`, when the energy was `before`, that costs `cost` by itself: surroundings settle in up to two
-    /// rounds, then Metropolis' rule keeps the change or undoes it. Hopeless after one round, it does not get the second.
+    /// Ends the transaction of a move that began at `mark` with the energy `before`. round() relaxes the surroundings; it is
+    /// called up to twice, once if it gains little or if the move is hopeless after it. Metropolis' rule then keeps the move or
+    /// undoes it; `cost` is the price of the move beside the energy: mu for an insertion, -mu for a removal, a little for
+    /// others, lest moves of no gain go on for ever. Returns whether the move was kept.
     template <class Round>
     bool accept_or_roll_back(const typename ImageMesh<C>::Mark& mark, double before, double cost, Round&& round) {
         const double allowed = before - cost - temperature_ * std::log(random_.uniform());
-        const double enough = 3e-2 * mesh_->mean_energy(), hopeless = allowed + 0.5 * price_;
+        const double min_round_gain = 3e-2 * mesh_->mean_energy(), hopeless = allowed + 0.5 * price_;
         for (int k = 0; k < 2; ++k) {
             const double start = mesh_->energy();
             round();
-            if (start - mesh_->energy() < enough || mesh_->energy() > hopeless) break;
+            if (start - mesh_->energy() < min_round_gain || mesh_->energy() > hopeless) break;
         }
         const bool keep = mesh_->energy() < allowed;
         if (keep) {
@@ -8152,16 +8218,17 @@ class AnnealingSweep {
         }
         return keep;
     }
-    /// The neighbours of v.
+    /// Sets around_ to the neighbours of v.
     void collect(Vertex v) {
         around_.clear();
         for (const Halfedge h : topology().outgoing(v)) around_.push_back(topology().to_vertex(h));
     }
 
+    /// Tries to collapse each vertex. Returns how many went.
     std::size_t remove_moves() {
         std::size_t removed = 0;
         for (const Vertex v : rotated(spatial_vertices(*mesh_))) {
-            if (static_cast<double>(mesh_->vertex_count()) < range_.least || !mesh_->keep_going()) break;
+            if (static_cast<double>(mesh_->vertex_count()) < range_.low || !mesh_->keep_going()) break;
             if (random_.uniform() > options_.try_probability) continue;
             const CollapseCandidate candidate = cheapest_collapse(*mesh_, scratch_, v);
             if (!candidate.halfedge.is_valid() || !(candidate.cost <= options_.removal_screen * price_ + 3 * temperature_))
@@ -8170,31 +8237,33 @@ class AnnealingSweep {
             const double before = mesh_->energy();
             collect(v);
             mesh_->collapse(candidate.halfedge);
-            if (accept_or_roll_back(mark, before, -price_, [&] { relax(*mesh_, around_, 1, least_); })) ++removed;
+            if (accept_or_roll_back(mark, before, -price_, [&] { relax(*mesh_, around_, 1, min_gain_); })) ++removed;
         }
         return removed;
     }
 
+    /// Tries to insert a vertex on each edge and face. Returns how many came.
     std::size_t insert_moves() {
         std::size_t inserted = 0;
-        const double least = options_.insertion_screen * price_;
+        const double min_gain = options_.insertion_screen * price_;
         for (const InsertionSite site : rotated(insertion_sites(*mesh_, true))) {
-            if (static_cast<double>(mesh_->vertex_count()) > range_.most || !mesh_->keep_going()) break;
+            if (static_cast<double>(mesh_->vertex_count()) > range_.high || !mesh_->keep_going()) break;
             if (random_.uniform() > options_.try_probability) continue;
             if (site.is_edge() ? topology().is_deleted(site.edge()) : topology().is_deleted(site.face())) continue;
-            if (!(most_gain(*mesh_, site) > least)) continue;
+            if (!(max_gain(*mesh_, site) > min_gain)) continue;
             const InsertionCandidate<C> candidate = candidate_at(*mesh_, scratch_, site, true);
-            if (!candidate.fits || !(candidate.gain > least) || !can_gain_edge(*mesh_, candidate)) continue;
+            if (!candidate.fits || !(candidate.gain > min_gain) || !can_gain_edge(*mesh_, candidate)) continue;
             const auto mark = mesh_->begin();
             const double before = mesh_->energy();
             const Vertex v = insert(*mesh_, candidate);
             collect(v);
             around_.push_back(v);
-            if (accept_or_roll_back(mark, before, price_, [&] { relax(*mesh_, around_, 1, least_); })) ++inserted;
+            if (accept_or_roll_back(mark, before, price_, [&] { relax(*mesh_, around_, 1, min_gain_); })) ++inserted;
         }
         return inserted;
     }
 
+    /// Tries to flip each edge.
     void flip_moves() {
         for (const Edge e : spatial_edges(*mesh_)) {
             if (!mesh_->keep_going()) break;
@@ -8208,14 +8277,15 @@ class AnnealingSweep {
             const auto mark = mesh_->begin();
             const double before = mesh_->energy();
             mesh_->flip(e, trial.moments, trial.own, trial.opposite);
-            // Without flips, which would turn the edge back.
+            // No flips in the relaxation, which would turn the edge back.
             const auto round = [&] {
-                for (const Vertex v : around_) improve_vertex(*mesh_, v, least_);
+                for (const Vertex v : around_) improve_vertex(*mesh_, v, min_gain_);
             };
             accept_or_roll_back(mark, before, 1e-4 * price_, round);
         }
     }
 
+    /// Displaces some free vertices at random, and keeps those displacements that are accepted.
     void jump_moves() {
         for (const Vertex v : spatial_vertices(*mesh_)) {
             if (!mesh_->keep_going()) break;
@@ -8239,12 +8309,12 @@ class AnnealingSweep {
             collect(v);
             around_.insert(around_.begin(), v);
             mesh_->place(v, target, state.color);
-            accept_or_roll_back(mark, before, 1e-3 * price_, [&] { relax(*mesh_, around_, 1, least_); });
+            accept_or_roll_back(mark, before, 1e-3 * price_, [&] { relax(*mesh_, around_, 1, min_gain_); });
         }
     }
 
     [[nodiscard]] const HalfedgeMesh& topology() const noexcept { return mesh_->topology(); }
-    /// Loops that may stop early begin anywhere, or the top of the image would get more of the budget.
+    /// The elements rotated to a random start: loops that a CountRange may end early would else favour the top of the image.
     template <class Element>
     [[nodiscard]] std::vector<Element> rotated(std::vector<Element> elements) {
         if (!elements.empty())
@@ -8256,7 +8326,7 @@ class AnnealingSweep {
     ImageMesh<C>* mesh_;
     AnnealingOptions options_;
     double price_, temperature_;
-    double least_;  ///< steps that promise less are not tried
+    double min_gain_;  ///< steps and flips that gain up to this energy are not tried in relaxations
     CountRange range_;
     Random random_;
     RingScratch<C> scratch_;
@@ -8270,10 +8340,10 @@ class AnnealingSweep {
 // ---- hmesh/tiles/indexed_mesh.hpp
 
 /// \file
-/// IndexedMesh: a mesh of any size between two phases of work, as arrays of vertices and an index list.
+/// IndexedMesh: a mesh of any size between two phases of work, as arrays of vertices and an index list of faces.
 ///
-/// Work happens in patches (tiles/patch.hpp), which have half-edges, moments and energies of their own; what remains in
-/// between is this: about 100 bytes a vertex, and nothing a pixel.
+/// Work happens in patches (tiles/patch.hpp), which have half-edges, moments and energies of their own. Between phases only the
+/// IndexedMesh exists: about 100 bytes a vertex, and nothing for each pixel.
 #ifndef HMESH_TILES_INDEXED_MESH_HPP
 #define HMESH_TILES_INDEXED_MESH_HPP
 
@@ -8283,18 +8353,21 @@ class AnnealingSweep {
 
 namespace hmesh::kit {
 
+/// A mesh of an image of C channels; positions, colors and dirty have one entry for each vertex.
 template <int C>
 struct IndexedMesh {
-    int width = 0, height = 0;     ///< px of the image; the faces tile [0, width] x [0, height]
-    std::vector<Point> positions;  ///< on the 1/256 px grid
-    std::vector<Color<C>> colors;
+    int width = 0, height = 0;         ///< px of the image; the faces tile [0, width] x [0, height]
+    std::vector<Point> positions;      ///< px, y down, on the 1/256 px grid
+    std::vector<Color<C>> colors;      ///< stored values
     std::vector<unsigned char> dirty;  ///< not 0: surroundings changed since the vertex was last optimised
-    std::vector<Triangle> faces;
-    double energy = 0;  ///< as of the last phase of work
+    std::vector<Triangle> faces;       ///< indices of vertices, each face turning like (0, 0), (1, 0), (0, 1)
+    double energy = 0;                 ///< squared error over pixels and channels, as of the last phase of work
 
+    /// The number of vertices.
     [[nodiscard]] std::size_t vertex_count() const noexcept { return positions.size(); }
+    /// The energy per vertex, the unit of all tolerances.
     [[nodiscard]] double mean_energy() const noexcept { return energy / static_cast<double>(vertex_count()); }
-    /// A vertex that is due.
+    /// Appends a vertex and marks it dirty.
     void add(Point position, const Color<C>& color) {
         positions.push_back(position);
         colors.push_back(color);
@@ -8302,8 +8375,8 @@ struct IndexedMesh {
     }
 };
 
-/// Proves that the mesh is one: arrays of one length, vertices on the grid, triangles that turn the right way, meet edge to
-/// edge without T-junctions, and tile the image. O(n log n).
+/// Checks that the mesh is valid: arrays of one length, vertices on the 1/256 px grid, faces that have positive area, meet edge
+/// to edge without T-junctions, and tile the image. Errc::invalid_argument with the index of what is wrong. O(n log n).
 template <int C>
 [[nodiscard]] Status check(const IndexedMesh<C>& mesh) {
     const auto fail = [](const char* what, std::size_t where) -> Status {
@@ -8317,8 +8390,8 @@ template <int C>
         if (snap(mesh.positions[i]) != mesh.positions[i]) return fail("a vertex is off the grid", i);
     double area = 0;
     for (std::size_t t = 0; t < mesh.faces.size(); ++t) {
-        const Triangle& triangle = mesh.faces[t];
-        const double twice = orient2d(mesh.positions[triangle[0]], mesh.positions[triangle[1]], mesh.positions[triangle[2]]);
+        const Triangle& face = mesh.faces[t];
+        const double twice = orient2d(mesh.positions[face[0]], mesh.positions[face[1]], mesh.positions[face[2]]);
         if (!(twice > 0)) return fail("a face is flipped or has no area", t);
         area += twice;
     }
@@ -8334,7 +8407,8 @@ template <int C>
     return {};
 }
 
-/// The rectangle of an image as two faces, in the colours of its corners: where a method begins, and what a cancellation finds.
+/// The mesh of two faces over the image's rectangle, with the colours of the corner pixels: the mesh that methods begin with,
+/// and that is returned when they are cancelled before they have a better one. Its energy is not computed.
 template <int C>
 [[nodiscard]] HMESH_COLD IndexedMesh<C> corner_mesh(const ImageSource<C>& source) {
     IndexedMesh<C> mesh;
@@ -8346,23 +8420,7 @@ template <int C>
     return mesh;
 }
 
-/// A mesh at work as arrays, vertices and faces in the order of its topology(): ImageMesh::assign() takes the arrays back. Of a mesh
-/// that is no patch.
-template <int C>
-[[nodiscard]] HMESH_COLD IndexedMesh<C> to_indexed_mesh(const ImageMesh<C>& from) {
-    IndexedMesh<C> to;
-    to.width = from.width();
-    to.height = from.height();
-    for (const Vertex v : from.topology().vertices()) {
-        to.add(from.position(v), from.color(v));
-        to.dirty.back() = from.is_dirty(v) ? 1 : 0;
-    }
-    to.faces = from.topology().triangles();
-    to.energy = from.energy();
-    return to;
-}
-
-/// As plain arrays, the result of all work. `peak`: the colour value of full intensity.
+/// The mesh as plain float arrays, the result of mesh_image(). `peak`: the stored value of full intensity.
 template <int C>
 [[nodiscard]] HMESH_COLD Mesh to_mesh(const IndexedMesh<C>& from, double peak) {
     Mesh to;
@@ -8380,9 +8438,9 @@ template <int C>
     to.faces = from.faces;
     return to;
 }
-
-/// From plain arrays, to go on working on a mesh; its energy is not known. Empty where the mesh has not C channels or its arrays
-/// are not of one number of vertices; whether it tiles its image is for check() to say.
+/// The mesh as an IndexedMesh, for further work on it; all vertices are dirty, the energy is not computed. Returns an empty mesh
+/// where `from` does not have C channels or its arrays differ in their number of vertices; whether it tiles its image is for
+/// check() to say.
 template <int C>
 [[nodiscard]] IndexedMesh<C> to_indexed_mesh(const Mesh& from) {
     IndexedMesh<C> to;
@@ -8405,7 +8463,7 @@ template <int C>
 // ---- hmesh/tiles/tiling.hpp
 
 /// \file
-/// Tiling: the image cut into tiles, the units of work (tiles/patch.hpp).
+/// Tiling: a cut of the image into rectangular tiles, each of which becomes a patch and a piece of work (tiles/patch.hpp).
 #ifndef HMESH_TILES_TILING_HPP
 #define HMESH_TILES_TILING_HPP
 
@@ -8415,42 +8473,48 @@ template <int C>
 
 namespace hmesh::kit {
 
-/// The plane cut by vertical and horizontal lines at whole pixels. Tile (i, j) is [lines_x[i], lines_x[i + 1]) times
-/// [lines_y[j], lines_y[j + 1]); tiles are numbered row after row.
+/// The image's plane cut by vertical lines x_0 = 0 < x_1 < ... and horizontal lines y_0 = 0 < y_1 < ... at whole pixels. Tile
+/// (i, j) is [x_i, x_(i+1)) times [y_j, y_(j+1)); tiles are numbered row after row.
 class Tiling {
   public:
-    /// Of an image of this size into tiles as equal as can be, of about `tile` px; shifted by half a tile to the left or
-    /// upwards where asked, so that tiles at the border are half as wide.
+    /// Cuts an image of width * height px into tiles of nearly equal sides of about `tile` > 0 px. `shift_x` and `shift_y` move
+    /// the lines by half a tile, so that tiles at these borders have half the width or height; one tile alone is not shifted.
     Tiling(int width, int height, double tile, bool shift_x = false, bool shift_y = false)
         : x_(lines(width, tile, shift_x)), y_(lines(height, tile, shift_y)) {}
 
+    /// The number of tiles in a row.
     [[nodiscard]] std::size_t columns() const noexcept { return x_.size() - 1; }
+    /// The number of tiles in a column.
     [[nodiscard]] std::size_t rows() const noexcept { return y_.size() - 1; }
+    /// The number of tiles.
     [[nodiscard]] std::size_t size() const noexcept { return columns() * rows(); }
-    /// The pixels of a tile.
+    /// The pixels of tile number `tile` < size().
     [[nodiscard]] Rect rect(std::size_t tile) const noexcept {
         const std::size_t i = tile % columns(), j = tile / columns();
         return {x_[i], y_[j], x_[i + 1] - x_[i], y_[j + 1] - y_[j]};
     }
-    /// The tile that holds a point of the image.
+    /// The number of the tile that holds p, in px of the image; points beyond the image belong to the nearest tile. O(log
+    /// size()).
     [[nodiscard]] std::size_t tile_at(Point p) const noexcept { return find(y_, p.y) * columns() + find(x_, p.x); }
 
   private:
+    /// The lines across a side of `size` px, from 0 to `size`.
     [[nodiscard]] static std::vector<int> lines(int size, double tile, bool shift) {
         const int count = std::max(1, static_cast<int>(std::min(65536.0, size / tile + 0.5)));
         std::vector<int> at{0};
         const auto line = [&](double k) { return static_cast<int>(size * k / count + 0.5); };
-        // Rounding may bring lines together where tiles are of about a pixel: then one of them is left out.
+        // Where tiles are about a pixel wide, rounding may bring two lines together: one of them is left out.
         for (int k = shift && count > 1 ? 0 : 1; k < count; ++k)
             if (const int next = line(shift ? k + 0.5 : k); next > at.back() && next < size) at.push_back(next);
         at.push_back(size);
         return at;
     }
+    /// The index of the interval of `at` that holds x.
     [[nodiscard]] static std::size_t find(const std::vector<int>& at, double x) noexcept {
         const auto after = std::upper_bound(at.begin() + 1, at.end() - 1, x, [](double a, int b) { return a < b; });
         return static_cast<std::size_t>(after - at.begin()) - 1;
     }
-    std::vector<int> x_, y_;
+    std::vector<int> x_, y_;  ///< the lines, px
 };
 
 }  // namespace hmesh::kit
@@ -8460,16 +8524,18 @@ class Tiling {
 // ---- hmesh/tiles/patch.hpp
 
 /// \file
-/// Patches: cut a mesh into tiles, work on each by itself, put them together again.
+/// Patches: parts of a mesh, one for each tile, that are worked on independently and then put together again.
 ///
-/// A patch is the part of the mesh whose triangles have their centroid in one tile, as an ImageMesh with local coordinates
-/// and a moment table of its own bounding box: about 3 MB at 256 px, so it stays in cache, and sums stay small, so no image
-/// is too wide. A vertex is free in a patch when all its triangles are in it; the others are frozen. So patches share
-/// nothing that changes and may be worked on in any order, on any number of threads, with the same result to the last bit.
-/// Phases shift the tiling by half a tile, so that every vertex is free in turn.
+/// A patch is the part of the mesh whose faces have their centroid in one tile, as an ImageMesh with local coordinates and a
+/// moment table of its own bounding box. The table takes about 3 MB for a tile of 256 px, so it stays in cache; its sums stay
+/// small, so no image is too wide. A vertex is free in a patch if all its faces belong to the patch; the others are locked.
+/// Patches share nothing that changes, so they may be worked on in any order and on any number of threads, with the same result
+/// to the last bit. Phases shift the tiling by half a tile, so that every vertex is free in turn.
 ///
-/// A patch may have holes, several components, and frozen vertices where two fans of it meet: those it holds once a fan.
-/// Cutting and putting back costs about 1 us a vertex and the table 5 ns a pixel.
+/// A patch may have holes and several components. A locked vertex in which two or more fans of the patch's faces meet is held
+/// once for each fan.
+///
+/// Cost: cutting and putting back about 1 us a vertex, the table 5 ns a pixel.
 #ifndef HMESH_TILES_PATCH_HPP
 #define HMESH_TILES_PATCH_HPP
 
@@ -8484,88 +8550,89 @@ namespace hmesh::kit {
 
 namespace detail {
 
-/// Which triangles each tile has, and in which tile each vertex is free.
+/// A cut of a mesh along a tiling: which faces each tile has, and in which tile each vertex is free.
 struct Cut {
-    static constexpr std::uint32_t locked = 0xffffffffU;
-    std::vector<std::uint32_t> triangles;  ///< those of tile k: [first[k], first[k + 1])
-    std::vector<std::size_t> first;
-    std::vector<std::uint32_t> owner;           ///< of a vertex: the tile where it is free, or frozen
-    std::vector<std::uint32_t> number;          ///< of a vertex: its number among those free in its tile, or among the frozen
-    std::vector<std::uint16_t> triangle_count;  ///< of a vertex, in the whole mesh
-    std::vector<std::size_t> free_count;        ///< of a tile
-    std::size_t frozen_count = 0;
+    static constexpr std::uint32_t locked = 0xffffffffU;  ///< the owner of vertices that are free in no tile
+    std::vector<std::uint32_t> faces;       ///< faces of the mesh by tile; those of tile k at [first[k], first[k + 1])
+    std::vector<std::size_t> first;         ///< one more entry than tiles
+    std::vector<std::uint32_t> owner;       ///< of each vertex: the tile where it is free, or `locked`
+    std::vector<std::uint32_t> number;      ///< of each vertex: its place among the free ones of its tile or the locked
+    std::vector<std::uint16_t> face_count;  ///< of each vertex: its faces in the mesh
+    std::vector<std::size_t> free_count;    ///< of each tile: the vertices that are free in it
+    std::size_t locked_count = 0;           ///< vertices that are free in no tile
 };
 
+/// Cuts a mesh along a tiling. O(faces).
 template <int C>
-[[nodiscard]] HMESH_COLD Cut cut(const IndexedMesh<C>& whole, const Tiling& tiling) {
+[[nodiscard]] HMESH_COLD Cut cut(const IndexedMesh<C>& indexed, const Tiling& tiling) {
     constexpr std::uint32_t none = 0xfffffffeU;
-    const std::size_t n = whole.vertex_count();
+    const std::size_t n = indexed.vertex_count();
     Cut cut;
-    std::vector<std::uint32_t> tile(whole.faces.size());
+    std::vector<std::uint32_t> tile(indexed.faces.size());
     cut.first.assign(tiling.size() + 1, 0);
     cut.owner.assign(n, none);
-    cut.triangle_count.assign(n, 0);
-    for (std::size_t t = 0; t < whole.faces.size(); ++t) {
+    cut.face_count.assign(n, 0);
+    for (std::size_t t = 0; t < indexed.faces.size(); ++t) {
         double x = 0, y = 0;
-        for (const std::uint32_t v : whole.faces[t]) x += whole.positions[v].x, y += whole.positions[v].y;
+        for (const std::uint32_t v : indexed.faces[t]) x += indexed.positions[v].x, y += indexed.positions[v].y;
         tile[t] = static_cast<std::uint32_t>(tiling.tile_at({x / 3, y / 3}));
         ++cut.first[tile[t] + 1];
-        for (const std::uint32_t v : whole.faces[t]) {
-            ++cut.triangle_count[v];
+        for (const std::uint32_t v : indexed.faces[t]) {
+            ++cut.face_count[v];
             cut.owner[v] = cut.owner[v] == none || cut.owner[v] == tile[t] ? tile[t] : Cut::locked;
         }
     }
     for (std::size_t k = 0; k < tiling.size(); ++k) cut.first[k + 1] += cut.first[k];
-    cut.triangles.resize(whole.faces.size());
+    cut.faces.resize(indexed.faces.size());
     std::vector<std::size_t> at(cut.first.begin(), cut.first.end() - 1);
-    for (std::size_t t = 0; t < tile.size(); ++t) cut.triangles[at[tile[t]]++] = static_cast<std::uint32_t>(t);
+    for (std::size_t t = 0; t < tile.size(); ++t) cut.faces[at[tile[t]]++] = static_cast<std::uint32_t>(t);
     cut.number.resize(n);
     cut.free_count.assign(tiling.size(), 0);
     for (std::size_t v = 0; v < n; ++v)
         cut.number[v] =
-            static_cast<std::uint32_t>(cut.owner[v] == Cut::locked ? cut.frozen_count++ : cut.free_count[cut.owner[v]]++);
+            static_cast<std::uint32_t>(cut.owner[v] == Cut::locked ? cut.locked_count++ : cut.free_count[cut.owner[v]]++);
     return cut;
 }
 
-/// A tile's triangles with vertices numbered anew: first those that are free, by Cut::number, then the frozen ones, once for
-/// each fan of triangles around them.
-struct PatchTriangles {
-    struct Frozen {
-        std::uint32_t vertex;  ///< of the whole mesh
-        int triangle_count;    ///< of this fan
+/// The faces of a tile with vertices numbered for its patch: first the free ones, by Cut::number, then the locked ones, once for
+/// each fan of the tile's faces around them.
+struct PatchFaces {
+    /// A locked vertex with one fan of faces.
+    struct Locked {
+        std::uint32_t vertex;  ///< in the indexed mesh
+        int face_count;        ///< faces of this fan
     };
-    std::vector<Triangle> triangles;
-    std::vector<Frozen> locked;
+    std::vector<Triangle> faces;  ///< in the order of Cut::faces
+    std::vector<Locked> locked;   ///< vertices after the free ones
 };
 
+/// Numbers the vertices of a tile's faces for its patch. O(faces of the tile log locked corners), and the square of the faces
+/// around each locked vertex.
 template <int C>
-[[nodiscard]] HMESH_COLD PatchTriangles renumber(const IndexedMesh<C>& whole, const Cut& cut, std::size_t tile) {
-    PatchTriangles patch;
-    struct Corner {  // of a triangle, in a frozen vertex
-        std::uint32_t vertex, triangle, corner;
-        std::uint32_t next, previous;  // the triangle's other vertices
-        std::uint32_t fan;             // the corner of the group that stands for its fan
+[[nodiscard]] HMESH_COLD PatchFaces renumber(const IndexedMesh<C>& indexed, const Cut& cut, std::size_t tile) {
+    PatchFaces patch;
+    struct Corner {  // of a face, at a locked vertex
+        std::uint32_t vertex, face, corner;
+        std::uint32_t next, previous;  // the face's other vertices
+        std::uint32_t fan;             // the first corner of the vertex that is known to be of the same fan
     };
     std::vector<Corner> corners;
-    patch.triangles.reserve(cut.first[tile + 1] - cut.first[tile]);
+    patch.faces.reserve(cut.first[tile + 1] - cut.first[tile]);
     for (std::size_t k = cut.first[tile]; k < cut.first[tile + 1]; ++k) {
-        const Triangle& t = whole.faces[cut.triangles[k]];
+        const Triangle& t = indexed.faces[cut.faces[k]];
         Triangle local{};
         for (std::uint32_t c = 0; c < 3; ++c) {
             if (cut.owner[t[c]] != Cut::locked) local[c] = cut.number[t[c]];
-            else
-                corners.push_back(
-                    {t[c], static_cast<std::uint32_t>(patch.triangles.size()), c, t[(c + 1) % 3], t[(c + 2) % 3], 0});
+            else corners.push_back({t[c], static_cast<std::uint32_t>(patch.faces.size()), c, t[(c + 1) % 3], t[(c + 2) % 3], 0});
         }
-        patch.triangles.push_back(local);
+        patch.faces.push_back(local);
     }
-    std::sort(corners.begin(), corners.end(), [](const Corner& a, const Corner& b) {
-        return a.vertex != b.vertex ? a.vertex < b.vertex : a.triangle < b.triangle;
-    });
-    const auto first_frozen = static_cast<std::uint32_t>(cut.free_count[tile]);
+    std::sort(corners.begin(), corners.end(),
+              [](const Corner& a, const Corner& b) { return a.vertex != b.vertex ? a.vertex < b.vertex : a.face < b.face; });
+    const auto first_locked = static_cast<std::uint32_t>(cut.free_count[tile]);
     for (std::size_t begin = 0, end = 0; begin < corners.size(); begin = end) {
         while (end < corners.size() && corners[end].vertex == corners[begin].vertex) ++end;
-        // Triangles that share a side in this vertex are of one fan: the least corner of a fan spreads over it.
+        // Faces that share an edge at this vertex are of one fan: the first corner of a fan spreads over it.
         for (std::size_t i = begin; i < end; ++i) corners[i].fan = static_cast<std::uint32_t>(i);
         for (bool changed = true; changed;) {
             changed = false;
@@ -8579,73 +8646,75 @@ template <int C>
         std::size_t known = patch.locked.size();
         for (std::size_t i = begin; i < end; ++i) {
             if (corners[i].fan == i) patch.locked.push_back({corners[i].vertex, 0});
-            std::size_t id = known;  // fans are numbered by their least corner
+            std::size_t id = known;  // fans are numbered by their first corner
             for (std::size_t k = begin; k < corners[i].fan; ++k) id += corners[k].fan == k ? 1U : 0U;
-            ++patch.locked[id].triangle_count;
-            patch.triangles[corners[i].triangle][corners[i].corner] = first_frozen + static_cast<std::uint32_t>(id);
+            ++patch.locked[id].face_count;
+            patch.faces[corners[i].face][corners[i].corner] = first_locked + static_cast<std::uint32_t>(id);
         }
     }
     return patch;
 }
 
-/// What becomes of a patch, in the plane of the whole image.
+/// A patch after work, in the coordinates of the whole image, ready to be merged.
 template <int C>
 struct PatchResult {
-    std::vector<Point> positions;  ///< of free vertices
-    std::vector<Color<C>> colors;
-    std::vector<unsigned char> dirty;
-    std::vector<Triangle> triangles;    ///< free vertices by their place above, frozen ones after them
-    std::vector<std::uint32_t> locked;  ///< of the whole mesh, may repeat
-    std::vector<std::uint32_t> locked_dirty;
-    double energy = 0;
+    std::vector<Point> positions;             ///< of the free vertices, px of the image
+    std::vector<Color<C>> colors;             ///< of the free vertices
+    std::vector<unsigned char> dirty;         ///< of the free vertices, as in IndexedMesh
+    std::vector<Triangle> faces;              ///< indices of free vertices, then of `locked`
+    std::vector<std::uint32_t> locked;        ///< locked vertices by their index in the cut mesh; may repeat
+    std::vector<std::uint32_t> locked_dirty;  ///< those that are dirty, by their index in the cut mesh
+    double energy = 0;                        ///< of the patch's faces
 };
 
-/// A tile's part of the whole that nobody worked on. Its energy is not known.
+/// The result of a tile that was not worked on. Its energy is not known.
 template <int C>
-[[nodiscard]] HMESH_COLD PatchResult<C> unchanged(const IndexedMesh<C>& whole, const Cut& cut, std::size_t tile) {
+[[nodiscard]] HMESH_COLD PatchResult<C> unchanged(const IndexedMesh<C>& indexed, const Cut& cut, std::size_t tile) {
     PatchResult<C> out;
     out.positions.resize(cut.free_count[tile]);
     out.colors.resize(cut.free_count[tile]);
     out.dirty.resize(cut.free_count[tile]);
     for (std::size_t k = cut.first[tile]; k < cut.first[tile + 1]; ++k) {
-        Triangle t = whole.faces[cut.triangles[k]];
+        Triangle t = indexed.faces[cut.faces[k]];
         for (std::uint32_t& v : t) {
             const std::uint32_t number = cut.number[v];
             if (cut.owner[v] == Cut::locked) {
                 out.locked.push_back(v);
-                if (whole.dirty[v] != 0) out.locked_dirty.push_back(v);
+                if (indexed.dirty[v] != 0) out.locked_dirty.push_back(v);
                 v = static_cast<std::uint32_t>(cut.free_count[tile] + out.locked.size() - 1);
                 continue;
             }
-            out.positions[number] = whole.positions[v];
-            out.colors[number] = whole.colors[v];
-            out.dirty[number] = whole.dirty[v];
+            out.positions[number] = indexed.positions[v];
+            out.colors[number] = indexed.colors[v];
+            out.dirty[number] = indexed.dirty[v];
             v = number;
         }
-        out.triangles.push_back(t);
+        out.faces.push_back(t);
     }
     return out;
 }
 
 }  // namespace detail
 
-/// A tile's part of a whole mesh, as an ImageMesh over a table of its own.
+/// The part of a mesh that belongs to one tile, as an ImageMesh over a moment table of its own.
 template <int C>
 class Patch {
   public:
-    /// `table`: a table to use if it is that of the patch's rectangle; it is taken.
-    HMESH_COLD Patch(const IndexedMesh<C>& whole, const ImageSource<C>& source, const detail::Cut& cut, std::size_t tile,
+    /// Makes the patch of tile number `tile` of a cut of the mesh. `task` is told of work on the patch and asked whether to go
+    /// on; nullptr: nobody. `table`: a table of the whole image, which is used if the patch's rectangle is the image's, else
+    /// dropped.
+    HMESH_COLD Patch(const IndexedMesh<C>& indexed, const ImageSource<C>& source, const detail::Cut& cut, std::size_t tile,
                      const MeshLimits& limits, TaskProgress* task, MomentTable<C> table = {})
-        : numbered_(detail::renumber(whole, cut, tile)), free_(cut.free_count[tile]) {
-        std::vector<std::uint32_t> vertices(free_ + numbered_.locked.size());  // of the whole mesh
+        : numbered_(detail::renumber(indexed, cut, tile)), free_(cut.free_count[tile]) {
+        std::vector<std::uint32_t> vertices(free_ + numbered_.locked.size());  // by their index in the mesh that was cut
         for (std::size_t k = 0; k < numbered_.locked.size(); ++k) vertices[free_ + k] = numbered_.locked[k].vertex;
         for (std::size_t k = cut.first[tile]; k < cut.first[tile + 1]; ++k)
-            for (const std::uint32_t v : whole.faces[cut.triangles[k]])
+            for (const std::uint32_t v : indexed.faces[cut.faces[k]])
                 if (cut.owner[v] != detail::Cut::locked) vertices[cut.number[v]] = v;
 
         Point low{1e9, 1e9}, high{0, 0};
         for (const std::uint32_t v : vertices) {
-            const Point p = whole.positions[v];
+            const Point p = indexed.positions[v];
             low = {std::min(low.x, p.x), std::min(low.y, p.y)};
             high = {std::max(high.x, p.x), std::max(high.y, p.y)};
         }
@@ -8661,43 +8730,45 @@ class Patch {
         positions.reserve(vertices.size());
         colors.reserve(vertices.size());
         for (const std::uint32_t v : vertices) {
-            positions.push_back({whole.positions[v].x - x, whole.positions[v].y - y});
-            colors.push_back(whole.colors[v]);
+            positions.push_back({indexed.positions[v].x - x, indexed.positions[v].y - y});
+            colors.push_back(indexed.colors[v]);
         }
         mesh_ = ImageMesh<C>(table_, source.low(), source.high(), limits,
                              {{-x, -y, source.width(), source.height()}, !numbered_.locked.empty(), 1, task});
-        const Status status = mesh_.assign(positions, numbered_.triangles, colors, {});
+        const Status status = mesh_.assign(positions, numbered_.faces, colors, {});
         HMESH_ASSERT(status);
         (void)status;
-        for (std::size_t k = 0; k < vertices.size(); ++k) mesh_.set_dirty(Vertex(k), whole.dirty[vertices[k]] != 0);
+        for (std::size_t k = 0; k < vertices.size(); ++k) mesh_.set_dirty(Vertex(k), indexed.dirty[vertices[k]] != 0);
         for (std::size_t k = 0; k < numbered_.locked.size(); ++k) {
-            // Each of its fans may grow in proportion: together they stay within the bound.
-            const detail::PatchTriangles::Frozen& f = numbered_.locked[k];
-            mesh_.lock(Vertex(free_ + k), f.triangle_count * (max_valence - 1) / cut.triangle_count[f.vertex] + 1);
+            // Each fan of a locked vertex may grow in proportion to its faces: together they stay within max_valence.
+            const detail::PatchFaces::Locked& f = numbered_.locked[k];
+            mesh_.lock(Vertex(free_ + k), f.face_count * (max_valence - 1) / cut.face_count[f.vertex] + 1);
         }
-        // A patch without error would ask for infinite tolerance.
-        if (whole.energy > 0 && mesh_.energy() > 0) mesh_.set_scale(std::min(1e3, whole.mean_energy() / mesh_.mean_energy()));
+        // Tolerances use the mean energy of the whole mesh. A patch without error would ask for an infinite scale.
+        if (indexed.energy > 0 && mesh_.energy() > 0) mesh_.set_scale(std::min(1e3, indexed.mean_energy() / mesh_.mean_energy()));
     }
     Patch(const Patch&) = delete;
     Patch& operator=(const Patch&) = delete;
 
+    /// The mesh to work on; coordinates are those of the patch's table, px from its upper left corner.
     [[nodiscard]] ImageMesh<C>& mesh() noexcept { return mesh_; }
-    /// Gives its table away; the patch is of no more use.
+    /// Moves the moment table out; the patch must not be used any more.
     [[nodiscard]] MomentTable<C> take_table() noexcept { return std::move(table_); }
+    /// All vertices of the patch, a locked one once for each of its fans.
     [[nodiscard]] std::size_t vertex_count() const noexcept { return mesh_.vertex_count(); }
-    /// Vertices that may be changed: all but the frozen ones.
+    /// Vertices that may be changed and removed: all but the locked ones.
     [[nodiscard]] std::size_t free_count() const noexcept { return mesh_.vertex_count() - numbered_.locked.size(); }
 
-    /// The patch as it is now, in spatial order.
+    /// The patch as it is now, in the coordinates of the whole image; free vertices and faces are in spatial order.
     [[nodiscard]] HMESH_COLD detail::PatchResult<C> result() const {
         detail::PatchResult<C> out;
         std::vector<std::uint32_t> number(mesh_.topology().vertex_slots());
-        const auto is_frozen = [&](Vertex v) { return v.index() >= free_ && v.index() < free_ + numbered_.locked.size(); };
+        const auto is_locked = [&](Vertex v) { return v.index() >= free_ && v.index() < free_ + numbered_.locked.size(); };
         out.positions.reserve(free_count());
         out.colors.reserve(free_count());
         out.dirty.reserve(free_count());
         for (const Vertex v : spatial_vertices(mesh_)) {
-            if (is_frozen(v)) continue;
+            if (is_locked(v)) continue;
             number[v.index()] = static_cast<std::uint32_t>(out.positions.size());
             const Point p = mesh_.position(v);
             out.positions.push_back({p.x + origin_.x, p.y + origin_.y});
@@ -8710,18 +8781,18 @@ class Patch {
             out.locked.push_back(numbered_.locked[k].vertex);
             if (mesh_.is_dirty(Vertex(free_ + k))) out.locked_dirty.push_back(numbered_.locked[k].vertex);
         }
-        out.triangles.reserve(mesh_.topology().face_count());
+        out.faces.reserve(mesh_.topology().face_count());
         for (const Face f : spatial_faces(mesh_)) {
             const auto v = mesh_.topology().vertices(f);
-            out.triangles.push_back({number[v[0].index()], number[v[1].index()], number[v[2].index()]});
+            out.faces.push_back({number[v[0].index()], number[v[1].index()], number[v[2].index()]});
         }
         out.energy = mesh_.energy();
         return out;
     }
 
   private:
-    detail::PatchTriangles numbered_;
-    std::size_t free_;  ///< vertices [0, free_) were free at first, those after them are frozen, later ones are new
+    detail::PatchFaces numbered_;
+    std::size_t free_;  ///< slots [0, free_) began as free vertices, then come the locked ones, later slots are new vertices
     Point origin_;
     MomentTable<C> table_;
     ImageMesh<C> mesh_;
@@ -8734,10 +8805,12 @@ class Patch {
 // ---- hmesh/tiles/tiled_mesh.hpp
 
 /// \file
-/// TiledMesh: a mesh of any size under work, patch by patch.
+/// TiledMesh: a mesh of any size that is worked on patch by patch.
 ///
-/// What a method holds: the whole mesh, the image, and how to run pieces of work. for_each cuts the mesh along a tiling, lets
-/// each patch be worked on through the executor, and merges the results: a serial part of about 0.2 us a vertex.
+/// A TiledMesh is what recipes are given (methods/recipe.hpp): the mesh, the image, the progress, and the executor. for_each()
+/// cuts the mesh along a tiling, has each patch worked on through the executor, and merges the results.
+///
+/// Cost of a cut and a merge: about 1 us a vertex in the patches, which is parallel, and 0.2 us a vertex, which is not.
 #ifndef HMESH_TILES_TILED_MESH_HPP
 #define HMESH_TILES_TILED_MESH_HPP
 
@@ -8750,38 +8823,49 @@ class Patch {
 
 namespace hmesh::kit {
 
+/// A mesh of an image of C channels, as the patches of a tiling or, between phases, as an IndexedMesh.
 template <int C>
 class TiledMesh {
   public:
-    /// Work on the mesh of one patch.
+    /// What is done to the mesh of one patch.
     using MeshWork = FunctionRef<void(ImageMesh<C>& mesh)>;
 
-    /// Over an image, a progress and an executor that outlive it.
+    /// An empty mesh. The image source, the progress reporter and the executor must outlive the TiledMesh.
     TiledMesh(const ImageSource<C>& source, const MeshLimits& limits, ProgressReporter& progress,
               const ParallelFor& parallel_for = {})
         : source_(&source), limits_(limits), progress_(&progress), parallel_for_(parallel_for) {}
 
+    /// The image to be meshed.
     [[nodiscard]] const ImageSource<C>& source() const noexcept { return *source_; }
+    /// The bounds that patches keep.
     [[nodiscard]] const MeshLimits& limits() const noexcept { return limits_; }
+    /// Told of stages and of the work in patches; says whether the work was cancelled.
     [[nodiscard]] ProgressReporter& progress() const noexcept { return *progress_; }
+    /// The executor of pieces of work.
     [[nodiscard]] const ParallelFor& parallel_for() const noexcept { return parallel_for_; }
-    /// The mesh between phases, in spatial order.
+    /// The mesh between phases, to read or to replace; not within for_each() or visit(). After for_each() vertices and faces are
+    /// in spatial order within each tile.
     [[nodiscard]] IndexedMesh<C>& indexed() {
         put_back();
         return indexed_;
     }
-    /// Of the mesh, which may go on being one patch.
-    [[nodiscard]] std::size_t vertex_count() const noexcept { return only_ ? only_->vertex_count() : indexed_.vertex_count(); }
-    [[nodiscard]] double energy() const noexcept { return only_ ? only_->mesh().energy() : indexed_.energy; }
-    /// Of a vertex, never below 0, where rounding may leave less than nothing.
+    /// The number of vertices; unlike indexed(), never converts the mesh.
+    [[nodiscard]] std::size_t vertex_count() const noexcept {
+        return single_ ? single_->vertex_count() : indexed_.vertex_count();
+    }
+    /// The squared error over pixels and channels, as of the last for_each() or measure(); rounding may leave it slightly
+    /// negative.
+    [[nodiscard]] double energy() const noexcept { return single_ ? single_->mesh().energy() : indexed_.energy; }
+    /// The energy per vertex, >= 0.
     [[nodiscard]] double mean_energy() const noexcept { return std::max(0.0, energy()) / static_cast<double>(vertex_count()); }
 
-    /// Calls work(patch, tile) for the patch of each tile that has triangles, then puts all together again. The pieces
-    /// together are what the progress expects. Returns whether to go on; after a cancellation the mesh is valid, some patches
-    /// being worked on in part and some not at all, and indexed().energy is not known any more.
-    HMESH_COLD bool for_each(const Tiling& tiling, FunctionRef<void(Patch<C>& patch, std::size_t tile)> work) {
+    /// Calls body(patch, tile) for the patch of each tile that has faces, as pieces of work, then merges the patches. All pieces
+    /// together are the range that progress().set_range() announced. With one tile the body runs on the calling thread. Returns
+    /// whether to go on: false after a cancellation, when the mesh is valid, some patches worked on in part and some not at all,
+    /// and indexed().energy is no longer known.
+    HMESH_COLD bool for_each(const Tiling& tiling, FunctionRef<void(Patch<C>& patch, std::size_t tile)> body) {
         if (tiling.size() == 1) {
-            work_on_only(work);
+            run_single(body);
             return !progress_->stopped();
         }
         put_back();
@@ -8790,7 +8874,7 @@ class TiledMesh {
         run(
             cut,
             [&](Patch<C>& patch, std::size_t tile) {
-                work(patch, tile);
+                body(patch, tile);
                 results[tile] = patch.result();
             },
             [&](std::size_t tile) { results[tile] = detail::unchanged(indexed_, cut, tile); });
@@ -8798,20 +8882,22 @@ class TiledMesh {
         return !progress_->stopped();
     }
 
-    /// Calls look(patch, tile, faces) in the same way and changes nothing; faces[f] is the face of the whole mesh
-    /// that is face f of the patch. After a cancellation patches may have been left out, unless `all`.
+    /// Calls look(patch, tile, faces) for the patch of each tile that has faces, as pieces of work, and drops the patches: the
+    /// mesh stays as it is. faces[f] is the face of indexed() that is face f of the patch. Returns whether to go on; after a
+    /// cancellation patches are left out, unless `all`.
     HMESH_COLD bool visit(const Tiling& tiling,
                           FunctionRef<void(Patch<C>& patch, std::size_t tile, const std::uint32_t* faces)> look,
                           bool all = false) {
         put_back();
         const detail::Cut cut = detail::cut(indexed_, tiling);
         run(
-            cut, [&](Patch<C>& patch, std::size_t tile) { look(patch, tile, cut.triangles.data() + cut.first[tile]); },
+            cut, [&](Patch<C>& patch, std::size_t tile) { look(patch, tile, cut.faces.data() + cut.first[tile]); },
             [](std::size_t) {}, all);
         return !progress_->stopped();
     }
 
-    /// Computes the energy of indexed(), with the positions and colours that it has now.
+    /// Computes indexed().energy for the positions and colours that the mesh has now, also after a cancellation. One table of
+    /// each tile.
     HMESH_COLD void measure(const Tiling& tiling) {
         std::vector<double> energies(tiling.size(), 0.0);
         visit(
@@ -8821,7 +8907,7 @@ class TiledMesh {
     }
 
   private:
-    /// Lets a mesh tell its progress as long as this lives, also if its work throws.
+    /// Connects a mesh with a task's progress for the guard's lifetime, also where the body throws.
     class TaskGuard {
       public:
         TaskGuard(ImageMesh<C>& mesh, TaskProgress& task) : mesh_(mesh) { mesh_.set_task(&task); }
@@ -8833,33 +8919,35 @@ class TiledMesh {
         ImageMesh<C>& mesh_;
     };
 
-    /// Single-tile case: the one patch is kept alive between phases and put back only when indexed() is called. On the calling
-    /// thread, so that the work may use the executor itself.
-    HMESH_COLD void work_on_only(FunctionRef<void(Patch<C>&, std::size_t)> work) {
+    /// for_each() with a single tile: the one patch is kept alive between phases and converted back only when indexed() is
+    /// called. Runs on the calling thread, so that the body may use the executor itself.
+    HMESH_COLD void run_single(FunctionRef<void(Patch<C>&, std::size_t)> body) {
         if (!progress_->poll()) return;
         TaskProgress task(*progress_, 1);
-        if (!only_) {
+        if (!single_) {
             const detail::Cut cut =
                 detail::cut(indexed_, Tiling(indexed_.width, indexed_.height, std::max(indexed_.width, indexed_.height)));
-            only_ = std::make_unique<Patch<C>>(indexed_, *source_, cut, 0, limits_, nullptr, std::move(table_));
+            single_ = std::make_unique<Patch<C>>(indexed_, *source_, cut, 0, limits_, nullptr, std::move(table_));
         }
-        const TaskGuard guard(only_->mesh(), task);
-        work(*only_, 0);
+        const TaskGuard guard(single_->mesh(), task);
+        body(*single_, 0);
     }
+    /// Converts the single patch, if there is one, back to indexed_.
     HMESH_COLD void put_back() {
-        if (!only_) return;
-        detail::PatchResult<C> result = only_->result();
+        if (!single_) return;
+        detail::PatchResult<C> result = single_->result();
         indexed_.positions = std::move(result.positions);
         indexed_.colors = std::move(result.colors);
         indexed_.dirty = std::move(result.dirty);
-        indexed_.faces = std::move(result.triangles);
+        indexed_.faces = std::move(result.faces);
         indexed_.energy = result.energy;
-        table_ = only_->take_table();
-        only_.reset();
+        table_ = single_->take_table();
+        single_.reset();
     }
 
-    /// The patches that have triangles, the largest first; skip(tile) instead of work(patch, tile) once cancelled.
-    HMESH_COLD void run(const detail::Cut& cut, FunctionRef<void(Patch<C>&, std::size_t)> work,
+    /// Calls body(patch, tile) for the patches that have faces, those with most faces first; once cancelled, and unless `all`,
+    /// calls skip(tile) instead.
+    HMESH_COLD void run(const detail::Cut& cut, FunctionRef<void(Patch<C>&, std::size_t)> body,
                         FunctionRef<void(std::size_t)> skip, bool all = false) {
         const auto count = [&](std::size_t k) { return cut.first[k + 1] - cut.first[k]; };
         std::vector<std::size_t> tiles;
@@ -8871,27 +8959,28 @@ class TiledMesh {
             const std::size_t k = tiles[i];
             if (!progress_->poll() && !all) return skip(k);
             TaskProgress task(*progress_, static_cast<double>(count(k)) / static_cast<double>(indexed_.faces.size()));
-            const bool only = tiles.size() == 1;
-            Patch<C> patch(indexed_, *source_, cut, k, limits_, &task, only ? std::move(table_) : MomentTable<C>());
-            work(patch, k);
-            if (only) table_ = patch.take_table();
+            const bool is_single = tiles.size() == 1;
+            Patch<C> patch(indexed_, *source_, cut, k, limits_, &task, is_single ? std::move(table_) : MomentTable<C>());
+            body(patch, k);
+            if (is_single) table_ = patch.take_table();
         });
     }
 
+    /// Makes indexed_ of the locked vertices of a cut and the results of all its tiles, in the order of the tiles.
     HMESH_COLD void merge(const detail::Cut& cut, const std::vector<detail::PatchResult<C>>& results) {
         IndexedMesh<C> merged;
         merged.width = indexed_.width;
         merged.height = indexed_.height;
-        std::vector<std::size_t> first_vertex(results.size() + 1, cut.frozen_count), first_triangle(results.size() + 1, 0);
+        std::vector<std::size_t> first_vertex(results.size() + 1, cut.locked_count), first_face(results.size() + 1, 0);
         for (std::size_t k = 0; k < results.size(); ++k) {
             first_vertex[k + 1] = first_vertex[k] + results[k].positions.size();
-            first_triangle[k + 1] = first_triangle[k] + results[k].triangles.size();
+            first_face[k + 1] = first_face[k] + results[k].faces.size();
             merged.energy += results[k].energy;
         }
         merged.positions.resize(first_vertex.back());
         merged.colors.resize(first_vertex.back());
         merged.dirty.resize(first_vertex.back());
-        merged.faces.resize(first_triangle.back());
+        merged.faces.resize(first_face.back());
         for (std::size_t v = 0; v < indexed_.vertex_count(); ++v) {
             if (cut.owner[v] != detail::Cut::locked) continue;
             merged.positions[cut.number[v]] = indexed_.positions[v];
@@ -8904,10 +8993,10 @@ class TiledMesh {
             std::copy(result.colors.begin(), result.colors.end(), merged.colors.begin() + to);
             std::copy(result.dirty.begin(), result.dirty.end(), merged.dirty.begin() + to);
             const std::size_t free = result.positions.size();
-            for (std::size_t t = 0; t < result.triangles.size(); ++t)
+            for (std::size_t t = 0; t < result.faces.size(); ++t)
                 for (std::size_t c = 0; c < 3; ++c) {
-                    const std::uint32_t v = result.triangles[t][c];
-                    merged.faces[first_triangle[k] + t][c] =
+                    const std::uint32_t v = result.faces[t][c];
+                    merged.faces[first_face[k] + t][c] =
                         v < free ? static_cast<std::uint32_t>(first_vertex[k]) + v : cut.number[result.locked[v - free]];
                 }
         });
@@ -8921,8 +9010,8 @@ class TiledMesh {
     ProgressReporter* progress_;
     ParallelFor parallel_for_;
     IndexedMesh<C> indexed_;
-    std::unique_ptr<Patch<C>> only_;  ///< in place of whole_, where one patch is all of it
-    MomentTable<C> table_;            ///< of the whole image, for that patch: made once
+    std::unique_ptr<Patch<C>> single_;  ///< the whole mesh as one patch, in place of indexed_; or null
+    MomentTable<C> table_;              ///< of the whole image, kept for that patch between phases
 };
 
 }  // namespace hmesh::kit
@@ -8932,10 +9021,11 @@ class TiledMesh {
 // ---- hmesh/methods/annealed/budget.hpp
 
 /// \file
-/// Budget: how many vertices each tile gets, and how a mesh comes to exactly n.
+/// Budget: how many vertices each tile gets, and how a mesh is brought to exactly n vertices.
 ///
-/// Before there is a common price, tiles share the budget by the error of a mesh of equal density in each. A mesh that is
-/// near n already gets there by quotas: the cheapest removals wherever they are, or insertions in proportion to the error.
+/// Before the annealing has a common price, tiles share the budget according to the error of a mesh of equal density. A mesh of
+/// nearly n vertices is brought to n by quotas for its tiles: the cheapest removals wherever they are, or insertions in
+/// proportion to the error.
 #ifndef HMESH_METHODS_ANNEALED_BUDGET_HPP
 #define HMESH_METHODS_ANNEALED_BUDGET_HPP
 
@@ -8948,15 +9038,19 @@ class TiledMesh {
 
 namespace hmesh::kit {
 
-/// A tile's share of the budget: area (E / area)^p, E being the error in it of a mesh of equal density everywhere. Equal
-/// returns from all tiles ask for p = 0.65 where error falls with the 0.53th power of the vertices (1.6 dB a doubling); on
-/// mosaics of photographs 0.8 came out 0.05 dB above 0.65, 0.1 above 0.5 (fast).
+/// A tile's share of the budget, area * (energy / area)^p with p = 0.8; `area` in px^2, `energy` that of a mesh of equal density
+/// everywhere. Only the ratios of shares matter.
+///
+/// Where the error of a tile falls as n^-0.53, which is 1.6 dB a doubling, equal returns of one more vertex in all tiles ask for
+/// p = 1 / 1.53 = 0.65. The value is found by trial: on mosaics of photographs (as benchmarks/table --mosaic makes them),
+/// Effort::fast, 0.8 came out 0.05 dB above 0.65 and 0.1 dB above 0.5.
 [[nodiscard]] inline double error_share(double area, double energy) noexcept {
     return area * std::pow(std::max(0.0, energy) / area, 0.8);
 }
 
-/// `count` things shared in proportion to `weights` >= 0 (equally, where only 0 is left), none getting more than its cap;
-/// whole numbers that sum to `count` as long as the caps do. O(size) for each cap that is met, at most `size` times.
+/// Apportions `count` items in proportion to `weights` >= 0, item k getting at most caps[k]; where only weights of 0 are left,
+/// equally. The result is of whole numbers, whose sum is `count` or, if less, the sum of the caps. O(size) for each round in
+/// which a cap is reached, at most `size` rounds.
 [[nodiscard]] inline std::vector<std::size_t> apportion(std::size_t count, std::vector<double> weights,
                                                         const std::vector<std::size_t>& caps) {
     const std::size_t size = weights.size();
@@ -8971,7 +9065,7 @@ namespace hmesh::kit {
             else total += weights[k], ++open;
         }
         if (!(total > 0)) weights.assign(size, 1.0), total = open;
-        // Whole numbers by rounding running sums: they add up.
+        // Rounded running sums give whole numbers with the right sum.
         double sum = 0;
         std::size_t given = 0;
         for (std::size_t k = 0; k < size; ++k) {
@@ -8993,7 +9087,8 @@ namespace hmesh::kit {
 
 namespace detail {
 
-/// Removes `count` vertices: the cheapest of all patches. Returns whether any went.
+/// Removes about `count` vertices, with a quota for each patch from the sorted list of all patches' collapse costs. Returns
+/// whether any vertex was removed; false also after a cancellation.
 template <int C>
 HMESH_COLD bool remove_cheapest(TiledMesh<C>& tiled, const Tiling& tiling, std::size_t count, const Relaxation& relaxation) {
     std::vector<std::size_t> quota(tiling.size(), count);
@@ -9018,7 +9113,7 @@ HMESH_COLD bool remove_cheapest(TiledMesh<C>& tiled, const Tiling& tiling, std::
     const std::size_t before = tiled.vertex_count();
     tiled.for_each(tiling, [&](Patch<C>& patch, std::size_t tile) {
         for (std::size_t left = quota[tile]; left > 0;) {
-            // In large batches vertices go that are cheap only beside those that may not go at the same time.
+            // Large batches would reach vertices that are not cheap, since the neighbours of removed vertices stay in a batch.
             const std::size_t batch = std::max<std::size_t>(1, patch.vertex_count() / 32);
             const std::size_t removed = remove_batch(patch.mesh(), std::min(left, batch), relaxation);
             if (removed == 0) break;
@@ -9028,7 +9123,8 @@ HMESH_COLD bool remove_cheapest(TiledMesh<C>& tiled, const Tiling& tiling, std::
     return tiled.vertex_count() < before;
 }
 
-/// Inserts `count` vertices where the error is, at the best sites of each patch. Returns whether any came.
+/// Inserts `count` vertices, shared among patches in proportion to their error, at the best sites of each. Returns whether any
+/// vertex was inserted; false also after a cancellation.
 template <int C>
 HMESH_COLD bool insert_best(TiledMesh<C>& tiled, const Tiling& tiling, std::size_t count) {
     std::vector<double> energies(tiling.size(), 0.0);
@@ -9041,7 +9137,7 @@ HMESH_COLD bool insert_best(TiledMesh<C>& tiled, const Tiling& tiling, std::size
     tiled.for_each(tiling, [&](Patch<C>& patch, std::size_t tile) {
         for (std::size_t left = quota[tile]; left > 0;) {
             const std::size_t inserted = insert_batch(patch.mesh(), left, {true, true});
-            if (inserted == 0) {  // nothing to gain
+            if (inserted == 0) {  // no site lowers the energy
                 subdivide(patch.mesh(), left);
                 break;
             }
@@ -9053,13 +9149,14 @@ HMESH_COLD bool insert_best(TiledMesh<C>& tiled, const Tiling& tiling, std::size
 
 }  // namespace detail
 
-/// Brings the mesh to exactly n vertices, in patches of about `tile` px. Returns false where it could not: cancelled, or more
-/// than n vertices none of which can go.
+/// Brings the mesh to exactly n vertices by removal or insertion, in patches of about `tile` px. False: cancelled, or more than n
+/// vertices are left and none of them can be removed.
 template <int C>
 HMESH_COLD bool reach_vertex_count(TiledMesh<C>& tiled, std::size_t n, double tile, const Relaxation& relaxation = {}) {
     const int width = tiled.source().width(), height = tiled.source().height();
     const auto count = [&] { return tiled.vertex_count(); };
-    // Where one tiling is stuck, another may not be.
+    // Vertices that are locked in one tiling are free in another: only four tilings without a change mean that nothing can
+    // change.
     for (int k = 0, stuck = 0; count() != n && stuck < 4 && !tiled.progress().stopped(); ++k) {
         const Tiling tiling(width, height, tile, (k & 2) == 0, (k & 1) == 0);
         const bool moved = count() > n ? detail::remove_cheapest(tiled, tiling, count() - n, relaxation)
@@ -9081,12 +9178,12 @@ HMESH_COLD bool reach_vertex_count(TiledMesh<C>& tiled, std::size_t n, double ti
 /// \file
 /// Seams: vertices on the straight line between two tiles, chosen before either tile has a mesh.
 ///
-/// Along a seam the picture is a curve, the mean of the pixels on both sides, and the mesh will show its interpolation
-/// between the seam's nodes. Dynamic programming finds the nodes that minimise squared error + price * nodes exactly; a
-/// price common to all seams shares a number of nodes among them. The nodes' colours are then the least-squares ones. Both
-/// tiles see the same nodes, so they fit together without a T-junction.
+/// Along a seam the picture is a curve, the mean of the pixels on both sides, and a mesh will show the linear interpolation
+/// between the seam's nodes. Dynamic programming finds the nodes that minimise squared error + price * number of nodes exactly;
+/// one price for all seams shares a number of nodes among them. The colours of the nodes are then the least-squares ones. Both
+/// tiles have the same nodes, so that they meet without T-junctions.
 ///
-/// Nodes are at multiples of `step` px: with s = length / step places, a seam costs some s^2 / 2 evaluations of 5 ns.
+/// Cost: nodes lie at multiples of `step` px; with s = length / step places, a seam takes some s^2 / 2 evaluations of 5 ns.
 #ifndef HMESH_METHODS_ANNEALED_SEAMS_HPP
 #define HMESH_METHODS_ANNEALED_SEAMS_HPP
 
@@ -9097,22 +9194,24 @@ HMESH_COLD bool reach_vertex_count(TiledMesh<C>& tiled, std::size_t n, double ti
 
 namespace hmesh::kit {
 
-/// From (x, y), `length` px along a line at whole pixels: down if it is vertical, else to the right.
+/// A line between pixels of the image, inside it: from (x, y) down if it is vertical, else to the right.
 struct Seam {
-    int x = 0, y = 0, length = 1;
-    bool vertical = false;
+    int x = 0, y = 0;       ///< px, where the seam starts
+    int length = 1;         ///< px
+    bool vertical = false;  ///< down; else to the right
 };
 
-/// The nodes of a seam and their colours.
+/// The nodes of a seam and their colours, without the ends of the seam.
 template <int C>
 struct SeamLine {
-    std::vector<int> offsets;  ///< px from the seam's start, in (0, length), rising
-    std::vector<Color<C>> colors;
+    std::vector<int> offsets;      ///< px from the seam's start, in (0, length), rising
+    std::vector<Color<C>> colors;  ///< of each node
 };
 
 namespace detail {
 
-/// The curve of a seam as prefix sums over its pixel rows j: of s, (j + 1/2) s and |s|^2, s the mean of both sides.
+/// The picture along a seam, as prefix sums over its rows of pixels j: of s, (j + 1/2) s and |s|^2, s being the mean of both
+/// sides.
 template <int C>
 class SeamCurve {
   public:
@@ -9134,26 +9233,30 @@ class SeamCurve {
             squares_[k + 1] = squares_[k] + (s * s).sum();
         }
     }
+    /// The length of the seam in px.
     [[nodiscard]] int length() const noexcept { return length_; }
-    /// The picture at offset j: the mean of the four pixels around.
+    /// The picture at offset j, 0 <= j <= length(): the mean of the four pixels around.
     [[nodiscard]] const Color<C>& value(int j) const noexcept { return values_[static_cast<std::size_t>(j)]; }
 
-    /// For the rows between offsets a and b, with t from 0 to 1 between them: sums of (1 - t) s, t s and |s|^2.
+    /// Sums over the rows between two offsets, with t running from 0 to 1 between them.
     struct Part {
-        Color<C> from, to;
-        double squares;
+        Color<C> from;   ///< of (1 - t) s
+        Color<C> to;     ///< of t s
+        double squares;  ///< of |s|^2
     };
+    /// The sums over the rows between offsets a < b.
     [[nodiscard]] Part part(int a, int b) const noexcept {
         const auto i = static_cast<std::size_t>(a), k = static_cast<std::size_t>(b);
         const Color<C> sum = sums_[k] - sums_[i];
         const Color<C> to = (1.0 / (b - a)) * (moments_[k] - moments_[i] - static_cast<double>(a) * sum);
         return {sum - to, to, squares_[k] - squares_[i]};
     }
-    /// Sums of t^2 and t (1 - t) over n rows; that of (1 - t)^2 equals the first.
+    /// The sum of t^2 over n rows, which is also that of (1 - t)^2.
     [[nodiscard]] static double square(int n) noexcept { return n / 3.0 - 1 / (12.0 * n); }
+    /// The sum of t (1 - t) over n rows.
     [[nodiscard]] static double coupling(int n) noexcept { return n / 6.0 + 1 / (12.0 * n); }
 
-    /// The squared error of interpolating between the values at a and b.
+    /// The squared error of linear interpolation between the values at offsets a < b, summed over rows and channels.
     [[nodiscard]] double error(int a, int b) const noexcept {
         const Part p = part(a, b);
         const Color<C>&ca = value(a), &cb = value(b);
@@ -9175,8 +9278,8 @@ class SeamCurve {
 
 }  // namespace detail
 
-/// The nodes of one seam: multiples of `step` between its ends, none further than `reach` >= step from the next, with the
-/// least error + price * (number of nodes).
+/// The offsets of one seam's nodes, in px: the multiples of `step` between its ends that minimise error + price * number of
+/// nodes, none further than `reach` >= step px from the next. O((length / step) * (reach / step)).
 template <int C>
 [[nodiscard]] std::vector<int> seam_nodes(const detail::SeamCurve<C>& curve, int step, int reach, double price) {
     const int length = curve.length(), places = (length + step - 1) / step;  // place k is at min(length, k step)
@@ -9198,7 +9301,8 @@ template <int C>
     return nodes;
 }
 
-/// The least-squares colours of a seam's nodes, its ends keeping their value: a tridiagonal system.
+/// The least-squares colours of a seam's nodes, the ends of the seam keeping the value of the picture; solves a tridiagonal
+/// system.
 template <int C>
 [[nodiscard]] std::vector<Color<C>> seam_colors(const detail::SeamCurve<C>& curve, const std::vector<int>& nodes) {
     using Curve = detail::SeamCurve<C>;
@@ -9232,8 +9336,9 @@ template <int C>
     return right;
 }
 
-/// About `count` nodes on all seams together, at one price; none further than `reach` px from the next. Seams that come up
-/// after go_on(), called from any thread, has said false are left without nodes.
+/// Chooses about `count` nodes on all seams together, at one price, at multiples of `step` px and none further than `reach` px
+/// from the next. The price is searched until the number of nodes is within 10 % of `count`, in at most 12 rounds. go_on() is
+/// called from any thread; seams that are reached after it said false have no nodes.
 template <int C>
 [[nodiscard]] HMESH_COLD std::vector<SeamLine<C>> seam_lines(const ImageSource<C>& source, const std::vector<Seam>& seams,
                                                              double count, int step, int reach, FunctionRef<bool()> go_on,
@@ -9248,7 +9353,7 @@ template <int C>
         for (const SeamLine<C>& line : lines) nodes += static_cast<double>(line.offsets.size());
         return nodes;
     };
-    // The price lies between 0 and the error of one node a seam; the number of nodes falls roughly as its inverse root.
+    // The price lies between 0 and the error of seams without nodes; the number of nodes falls roughly as its inverse root.
     double price = ordered_sum(parallel_for, seams.size(), 1,
                                [&](std::size_t i, std::size_t) {
                                    return detail::SeamCurve<C>(source, seams[i]).error(0, seams[i].length);
@@ -9273,10 +9378,11 @@ template <int C>
 // ---- hmesh/methods/annealed/first_grid.hpp
 
 /// \file
-/// First grid: the mesh that everything starts from.
+/// First grid: the mesh that the recipe Annealed starts from.
 ///
-/// One tile gets a regular grid. Several tiles get one each, sewn to the nodes on the seams between them
-/// (methods/annealed/seams.hpp), so that each tile can then be meshed by itself. Grids adapt to nothing yet; the stages after do.
+/// A single tile gets a regular grid. Several tiles get a grid each, joined to the nodes on the seams between them
+/// (methods/annealed/seams.hpp), so that each tile can then be meshed by itself. Only the seams look at the picture; the stages
+/// after this one adapt the rest.
 #ifndef HMESH_METHODS_ANNEALED_FIRST_GRID_HPP
 #define HMESH_METHODS_ANNEALED_FIRST_GRID_HPP
 
@@ -9289,39 +9395,40 @@ template <int C>
 namespace hmesh::kit {
 namespace detail {
 
-/// Triangles of a grid of columns times rows vertices, of which (i, j) is number(i, j); its diagonals alternate.
-inline void add_grid_triangles(std::uint32_t columns, std::uint32_t rows, std::vector<Triangle>& triangles,
-                               FunctionRef<std::uint32_t(std::uint32_t, std::uint32_t)> number) {
+/// Appends the faces of a grid of columns times rows vertices, of which (i, j) is number(i, j); the diagonals alternate.
+inline void add_grid_faces(std::uint32_t columns, std::uint32_t rows, std::vector<Triangle>& faces,
+                           FunctionRef<std::uint32_t(std::uint32_t, std::uint32_t)> number) {
     for (std::uint32_t j = 0; j + 1 < rows; ++j)
         for (std::uint32_t i = 0; i + 1 < columns; ++i) {
             const std::uint32_t a = number(i, j), b = number(i + 1, j), c = number(i + 1, j + 1), d = number(i, j + 1);
             if ((i + j) % 2 != 0) {
-                triangles.push_back({a, b, c});
-                triangles.push_back({a, c, d});
+                faces.push_back({a, b, c});
+                faces.push_back({a, c, d});
             } else {
-                triangles.push_back({a, b, d});
-                triangles.push_back({b, c, d});
+                faces.push_back({a, b, d});
+                faces.push_back({b, c, d});
             }
         }
 }
 
-/// Triangles between two parallel polylines that run the same way, `inner` to the right of `outer` as seen along them (y
-/// down). Each vertex is a number and its place along the direction, and goes with those that are nearest to it.
+/// A vertex of a polyline that runs along a side of a tile.
 struct ChainVertex {
-    std::uint32_t vertex;
-    double along;
+    std::uint32_t vertex;  ///< its index in the mesh
+    double along;          ///< px along the direction of the polyline
 };
+/// Appends the faces between two polylines that run the same way, `inner` on the right of `outer` as seen along them (y down). A
+/// vertex is joined to those of the other polyline that are nearest to it along the direction.
 HMESH_COLD inline void add_strip(const std::vector<ChainVertex>& outer, const std::vector<ChainVertex>& inner,
-                                 std::vector<Triangle>& triangles) {
+                                 std::vector<Triangle>& faces) {
     std::size_t a = 0, b = 0;
     while (a + 1 < outer.size() || b + 1 < inner.size()) {
         const bool on_outer = b + 1 == inner.size() || (a + 1 < outer.size() && outer[a].along + outer[a + 1].along <=
                                                                                     inner[b].along + inner[b + 1].along);
         if (on_outer) {
-            triangles.push_back({outer[a].vertex, outer[a + 1].vertex, inner[b].vertex});
+            faces.push_back({outer[a].vertex, outer[a + 1].vertex, inner[b].vertex});
             ++a;
         } else {
-            triangles.push_back({outer[a].vertex, inner[b + 1].vertex, inner[b].vertex});
+            faces.push_back({outer[a].vertex, inner[b + 1].vertex, inner[b].vertex});
             ++b;
         }
     }
@@ -9329,7 +9436,7 @@ HMESH_COLD inline void add_strip(const std::vector<ChainVertex>& outer, const st
 
 }  // namespace detail
 
-/// A regular grid of at most `count` >= 4 vertices over the image.
+/// A regular grid of at most `count` >= 4 vertices over the image, with the colours of the pixels under the vertices.
 template <int C>
 [[nodiscard]] HMESH_COLD IndexedMesh<C> regular_grid(const ImageSource<C>& source, double count) {
     const int width = source.width(), height = source.height();
@@ -9348,12 +9455,13 @@ template <int C>
             const Point p = snap(Point{static_cast<double>(width) * i / nx, static_cast<double>(height) * j / ny});
             mesh.add(p, source.pixel(static_cast<int>(p.x), static_cast<int>(p.y)));
         }
-    detail::add_grid_triangles(nx + 1, ny + 1, mesh.faces, [&](std::uint32_t i, std::uint32_t j) { return j * (nx + 1) + i; });
+    detail::add_grid_faces(nx + 1, ny + 1, mesh.faces, [&](std::uint32_t i, std::uint32_t j) { return j * (nx + 1) + i; });
     return mesh;
 }
 
-/// A grid of about `count` vertices in the tiles of an unshifted tiling, sewn to about `seam_count` nodes on the seams, which
-/// are found while go_on() says true (see seam_lines). Either is more where the other would give vertices too many neighbours.
+/// Grids of about `count` vertices in the tiles of a tiling without shift, joined to about `seam_count` nodes on the seams.
+/// Either number is exceeded where the other one would give vertices too many neighbours. Seams are searched by seam_lines() as
+/// long as go_on() says true.
 template <int C>
 [[nodiscard]] HMESH_COLD IndexedMesh<C> tiled_grid(const ImageSource<C>& source, const Tiling& tiling, double count,
                                                    double seam_count, FunctionRef<bool()> go_on,
@@ -9368,8 +9476,8 @@ template <int C>
         mesh.add(p, source.pixel(static_cast<int>(p.x), static_cast<int>(p.y)));
     };
 
-    // Corners of tiles, then the nodes on their sides: vertical ones, of which (i, j) is left of tile (i, j), then level
-    // ones, of which (i, j) is above it. Sides within the image are seams.
+    // Vertices are the corners of tiles, then the nodes on vertical sides, of which (i, j) is left of tile (i, j), then those on
+    // horizontal sides, of which (i, j) is above tile (i, j). Sides within the image are seams.
     const auto at_x = [&](std::uint32_t i) { return i == columns ? source.width() : tile(i, 0).x; };
     const auto at_y = [&](std::uint32_t j) { return j == rows ? source.height() : tile(0, j).y; };
     for (std::uint32_t j = 0; j <= rows; ++j)
@@ -9385,7 +9493,7 @@ template <int C>
     for (std::uint32_t j = 0; j < rows; ++j)
         for (std::uint32_t i = 0; i <= columns; ++i)
             add_side({at_x(i), at_y(j), at_y(j + 1) - at_y(j), true}, i == 0 || i == columns);
-    const std::size_t first_level = sides.size();
+    const std::size_t first_horizontal = sides.size();
     for (std::uint32_t j = 0; j <= rows; ++j)
         for (std::uint32_t i = 0; i < columns; ++i)
             add_side({at_x(i), at_y(j), at_x(i + 1) - at_x(i), false}, j == 0 || j == rows);
@@ -9419,7 +9527,7 @@ template <int C>
     }
     first_node.push_back(static_cast<std::uint32_t>(mesh.vertex_count()));
 
-    // In each tile a grid, and four strips between it and the sides, clockwise on the screen.
+    // Each tile gets a grid, and four strips of faces between the grid and the tile's sides, clockwise on the screen.
     for (std::uint32_t j = 0; j < rows; ++j)
         for (std::uint32_t i = 0; i < columns; ++i) {
             const Rect rect = tile(i, j);
@@ -9432,9 +9540,9 @@ template <int C>
                 for (std::uint32_t k = 0; k < nx; ++k)
                     add(rect.x + rect.width * (k + 1.0) / (nx + 1), rect.y + rect.height * (m + 1.0) / (ny + 1));
             const auto number = [&](std::uint32_t k, std::uint32_t m) { return first + m * nx + k; };
-            detail::add_grid_triangles(nx, ny, mesh.faces, number);
+            detail::add_grid_faces(nx, ny, mesh.faces, number);
 
-            const std::size_t left = std::size_t{j} * (columns + 1) + i, above = first_level + std::size_t{j} * columns + i;
+            const std::size_t left = std::size_t{j} * (columns + 1) + i, above = first_horizontal + std::size_t{j} * columns + i;
             const auto strip = [&](std::size_t side, std::uint32_t from, std::uint32_t to, bool reversed,
                                    std::uint32_t inner_count, FunctionRef<std::uint32_t(std::uint32_t)> inner_at) {
                 std::vector<std::uint32_t> nodes;
@@ -9467,7 +9575,7 @@ template <int C>
 // ---- hmesh/methods/stage.hpp
 
 /// \file
-/// Stages: what recipes are made of, as far as progress and reports go.
+/// Stages: the named steps of a recipe, which progress and reports tell of.
 #ifndef HMESH_METHODS_STAGE_HPP
 #define HMESH_METHODS_STAGE_HPP
 
@@ -9475,29 +9583,30 @@ template <int C>
 
 namespace hmesh::kit {
 
-/// The status of work that the progress callback stopped.
+/// The status of a recipe that the progress callback cancelled.
 [[nodiscard]] inline Status cancelled_by_callback() noexcept { return {Errc::cancelled, "cancelled by the progress callback"}; }
-/// The status of work that says whether it was finished.
+/// The status ok where `is_finished`, else that of a cancellation.
 [[nodiscard]] inline Status finished_or_cancelled(bool is_finished) noexcept {
     return is_finished ? Status() : cancelled_by_callback();
 }
 
-/// Runs body(), which says whether to go on, as a stage of this static name. Returns whether to go on.
+/// Runs body() as a stage: tells progress of its begin and end, and adds its StageReport. `name` must be a static string; body()
+/// returns whether to go on. Returns whether to go on; false: cancelled.
 template <int C>
 bool run_stage(TiledMesh<C>& tiled, const char* name, FunctionRef<bool()> body) {
     return tiled.progress().begin(name, tiled.vertex_count(), tiled.energy()) && body() &&
            tiled.progress().end(tiled.vertex_count(), tiled.energy());
 }
 
-/// The whole image as one tile: how the paper's methods work.
+/// The tiling of one tile over the whole image, in which the paper's methods and the baselines work.
 template <int C>
 [[nodiscard]] Tiling one_tile(const ImageSource<C>& source) {
     return Tiling(source.width(), source.height(), std::max(source.width(), source.height()));
 }
 
-/// A stage of body(mesh) on the whole mesh at once. Returns whether to go on.
+/// Runs body(mesh) as a stage on the whole mesh as one patch, on the calling thread; see run_stage(). Returns whether to go on.
 template <int C>
-bool run_whole_stage(TiledMesh<C>& tiled, const char* name, typename TiledMesh<C>::MeshWork body) {
+bool run_one_tile_stage(TiledMesh<C>& tiled, const char* name, typename TiledMesh<C>::MeshWork body) {
     return run_stage(tiled, name, [&] {
         tiled.progress().set_range(0, 1);
         return tiled.for_each(one_tile(tiled.source()), [&](Patch<C>& patch, std::size_t) { body(patch.mesh()); });
@@ -9511,16 +9620,17 @@ bool run_whole_stage(TiledMesh<C>& tiled, const char* name, typename TiledMesh<C
 // ---- hmesh/methods/annealed/annealed.hpp
 
 /// \file
-/// Annealed: the method of best fidelity, and the default.
+/// Annealed: the method behind the default recipe (methods/annealed/options.hpp).
 ///
 ///    grid -> greedy insertion to o n vertices -> collapse to u n -> s sweeps of priced moves -> exactly n -> polish
 ///
-/// Too many vertices are placed where each lowers the energy most, then those that are missed least go; vertices move and edges
-/// turn all along. Annealing (methods/annealed/annealing.hpp) then exchanges vertices between places at one common price. Colours
-/// are least-squares optimal throughout. Each stage is left out where its options say 0 or 1.
+/// Too many vertices are inserted, each where it lowers the energy most; then those whose loss raises it least are removed;
+/// vertices move and edges flip throughout. Annealing (methods/annealed/annealing.hpp) then moves vertices between places at one
+/// common price. Whenever a vertex is visited, its colour becomes the least-squares one. o, u and s are
+/// AnnealedSteps::insert_factor, collapse_factor and annealing.sweeps; collapse is left out where o = 1, annealing where s = 0.
 ///
-/// All of it happens in patches (tiles/patch.hpp). Each tile is first meshed by itself, with a share of the budget and with its
-/// seams fixed; then phases shift the tiling, so that nothing of the seams remains.
+/// All stages work in patches (tiles/patch.hpp). First each tile is meshed by itself, with a share of the budget and with the
+/// vertices on its seams locked; then phases shift the tiling, so that no trace of the seams remains.
 #ifndef HMESH_METHODS_ANNEALED_ANNEALED_HPP
 #define HMESH_METHODS_ANNEALED_ANNEALED_HPP
 
@@ -9534,7 +9644,8 @@ bool run_whole_stage(TiledMesh<C>& tiled, const char* name, typename TiledMesh<C
 namespace hmesh {
 namespace kit::detail {
 
-/// Greedy insertion until the mesh has n vertices.
+/// Inserts vertices greedily, in batches with flips and sweeps in between, until the mesh has n vertices; by subdivision where
+/// nothing gains any more.
 template <int C>
 HMESH_COLD void grow(ImageMesh<C>& mesh, std::size_t n, const AnnealedSteps& options) {
     const std::size_t first = mesh.vertex_count();
@@ -9553,7 +9664,7 @@ HMESH_COLD void grow(ImageMesh<C>& mesh, std::size_t n, const AnnealedSteps& opt
     if (mesh.vertex_count() < n && mesh.keep_going()) subdivide(mesh, n - mesh.vertex_count());
 }
 
-/// Removes the cheapest vertices until n are left. May stop early where no vertex can go.
+/// Removes the cheapest vertices in batches until n are left, or none of those left can be removed.
 template <int C>
 HMESH_COLD void shrink(ImageMesh<C>& mesh, std::size_t n, const AnnealedSteps& options) {
     const std::size_t first = mesh.vertex_count();
@@ -9566,16 +9677,16 @@ HMESH_COLD void shrink(ImageMesh<C>& mesh, std::size_t n, const AnnealedSteps& o
     }
 }
 
-/// The recipe for n vertices.
+/// One run of the method for n vertices: the stages, and what they know of the tiles.
 template <int C>
 class AnnealedRun {
   public:
     AnnealedRun(TiledMesh<C>& tiled, std::size_t n, const AnnealedSteps& steps, std::uint64_t seed, double tile)
         : tiled_(&tiled), n_(n), steps_(steps), seed_(seed), tile_(tile), aligned_(tiling(0)) {}
 
-    /// False: cancelled, or more than n vertices none of which can go.
+    /// Runs all stages. False: cancelled, or more than n vertices are left and none of them can be removed.
     bool run() {
-        tiled_->indexed() = corner_mesh(tiled_->source());  // what a cancellation finds
+        tiled_->indexed() = corner_mesh(tiled_->source());  // the mesh after a cancellation in the first stage
         return stage("grid", [&] { return start(); }) && stage("insert", [&] { return insert(); }) &&
                (steps_.insert_factor <= 1 || stage("collapse", [&] { return collapse(); })) &&
                (steps_.annealing.sweeps == 0 || stage("anneal", [&] { return anneal(); })) &&
@@ -9584,7 +9695,7 @@ class AnnealedRun {
 
   private:
     [[nodiscard]] ProgressReporter& progress() noexcept { return tiled_->progress(); }
-    /// Phase k's cut of the plane: every vertex is within a tile in some of any 4 in a row.
+    /// The tiling of phase k: in any 4 phases in a row, every vertex is within a tile in at least one.
     [[nodiscard]] Tiling tiling(int phase) const {
         constexpr bool shift_x[] = {false, true, true, false}, shift_y[] = {false, true, false, true};
         return Tiling(tiled_->source().width(), tiled_->source().height(), tile_, shift_x[phase & 3], shift_y[phase & 3]);
@@ -9597,7 +9708,7 @@ class AnnealedRun {
         if (aligned_.size() == 1) {
             tiled_->indexed() = regular_grid(tiled_->source(), count);
         } else {
-            // 0.7 of the nodes that squares of equal density would have on the seams.
+            // 0.7 of the nodes that a square grid of n vertices would have on the seams.
             const double length = static_cast<double>(aligned_.columns() - 1) * tiled_->source().height() +
                                   static_cast<double>(aligned_.rows() - 1) * tiled_->source().width();
             IndexedMesh<C> grid = tiled_grid<C>(
@@ -9612,30 +9723,30 @@ class AnnealedRun {
         });
     }
 
-    /// What is known of a tile.
+    /// The state of a tile of the aligned tiling after the last stage.
     struct Tile {
-        std::size_t free = 0;  ///< vertices that are free in it
-        double energy = 0;
-        std::size_t placed = 0;  ///< free vertices that insertion aims at
+        std::size_t free = 0;    ///< vertices that are free in the tile
+        double energy = 0;       ///< of the tile's faces
+        std::size_t placed = 0;  ///< target of insertion, in free vertices
     };
-    /// Calls work(mesh, k, rim) for the patch of each tile k of the aligned tiling, of which `rim` vertices are frozen.
-    bool for_each_tile(FunctionRef<void(ImageMesh<C>& mesh, std::size_t tile, std::size_t rim)> work) {
+    /// Calls body(mesh, k, rim) for the patch of each tile k of the aligned tiling; `rim` is the number of its locked vertices.
+    bool for_each_tile(FunctionRef<void(ImageMesh<C>& mesh, std::size_t tile, std::size_t rim)> body) {
         tiles_.resize(aligned_.size());
         return tiled_->for_each(aligned_, [&](Patch<C>& patch, std::size_t k) {
-            work(patch.mesh(), k, patch.vertex_count() - patch.free_count());
+            body(patch.mesh(), k, patch.vertex_count() - patch.free_count());
             tiles_[k].free = patch.free_count();
             tiles_[k].energy = patch.mesh().energy();
         });
     }
-    /// Vertices that are free in no tile.
+    /// The number of vertices that are free in no tile.
     [[nodiscard]] std::size_t seam_count() noexcept {
         std::size_t count = tiled_->vertex_count();
         for (const Tile& tile : tiles_) count -= tile.free;
         return count;
     }
 
-    /// Grows all tiles until they have about `count` vertices together, shared by area or, where `by_error`, by what error the
-    /// tiles have now (methods/annealed/budget.hpp).
+    /// Grows all tiles until they have about `count` vertices together, shared among them by area or, where `by_error`, by the
+    /// error that the tiles have now (error_share() in methods/annealed/budget.hpp).
     HMESH_COLD bool grow_tiles(double count, bool by_error) {
         std::vector<double> weights;
         std::vector<std::size_t> caps;
@@ -9655,7 +9766,7 @@ class AnnealedRun {
     HMESH_COLD bool insert() {
         const double n = static_cast<double>(n_), pixels = std::max(4.0, tiled_->source().pixels());
         const double placed = std::max(n, std::min(pixels, std::round(n * steps_.insert_factor)));
-        // Where flat tiles get more than their share at first, removal has more to choose from: 0.1 dB.
+        // Growing by area first gives flat tiles more than their share, so that removal has more to choose from: 0.1 dB.
         const bool in_two = aligned_.size() > 1 && placed > n;
         if (in_two) {
             progress().set_range(0, 0.4);
@@ -9666,7 +9777,7 @@ class AnnealedRun {
     }
 
     HMESH_COLD bool collapse() {
-        // All tiles shrink by the same ratio.
+        // The free vertices of all tiles shrink by the same ratio.
         const auto left = static_cast<std::size_t>(std::round(static_cast<double>(n_) * steps_.collapse_factor));
         double placed = 0;
         for (const Tile& tile : tiles_) placed += static_cast<double>(tile.placed);
@@ -9675,7 +9786,7 @@ class AnnealedRun {
         const bool go_on = for_each_tile([&](ImageMesh<C>& mesh, std::size_t k, std::size_t rim) {
             shrink(mesh, rim + static_cast<std::size_t>(std::round(static_cast<double>(tiles_[k].placed) * ratio)), steps_);
         });
-        (void)tiled_->indexed();  // renumbered without the many that went
+        (void)tiled_->indexed();  // renumbers a single patch without its many deleted slots
         return go_on;
     }
 
@@ -9686,11 +9797,11 @@ class AnnealedRun {
             const auto total = static_cast<double>(tiled_->vertex_count()), target = static_cast<double>(n_);
             const Tiling phase = tiling(k + 1);
             std::vector<AnnealingCounts> counts(phase.size());
-            const double band = annealing.count_tolerance * (1 - static_cast<double>(k) / annealing.sweeps);
+            const double tolerance = annealing.count_tolerance * (1 - static_cast<double>(k) / annealing.sweeps);
             progress().set_range(static_cast<double>(k) / annealing.sweeps, (k + 1.0) / annealing.sweeps);
             const bool go_on = tiled_->for_each(phase, [&](Patch<C>& patch, std::size_t tile) {
                 const double share = static_cast<double>(patch.mesh().vertex_count()) * target / total;
-                const CountRange range{(1 - band) * share, (1 + band) * share};
+                const CountRange range{(1 - tolerance) * share, (1 + tolerance) * share};
                 const Random random(seed_, (static_cast<std::uint64_t>(k) << 32U) + tile);
                 counts[tile] =
                     AnnealingSweep<C>(patch.mesh(), annealing, schedule.price(), schedule.temperature(k), range, random).run();
@@ -9708,7 +9819,7 @@ class AnnealedRun {
     }
 
     HMESH_COLD bool polish() {
-        // Seams that nothing has healed yet get one round at least.
+        // Without annealing no phase has shifted the tiling yet: one round at least works across the seams.
         const bool has_seams = aligned_.size() > 1 && steps_.annealing.sweeps == 0;
         const int rounds = std::max(steps_.polish_rounds, has_seams ? 1 : 0);
         for (int k = 0; k < rounds; ++k) {
@@ -9740,7 +9851,8 @@ Status Annealed::run(kit::TiledMesh<C>& mesh, std::size_t n) const {
     kit::AnnealedSteps plan = steps.value_or(kit::annealed_steps(effort));
     if (kit::detail::AnnealedRun<C>(mesh, n, plan, seed, size).run()) return {};
     if (mesh.progress().stopped()) return kit::cancelled_by_callback();
-    // Too many slivers that min_double_area protects: growing to n alone in one piece always gets there.
+    // More than n vertices are left, each of whose collapses would make a face below min_double_area. Growing to n in one piece,
+    // without a collapse, always ends at n.
     plan.insert_factor = 1;
     plan.annealing.sweeps = 0;
     const bool is_done = kit::detail::AnnealedRun<C>(mesh, n, plan, seed, std::max(source.width(), source.height())).run();
@@ -9754,12 +9866,14 @@ Status Annealed::run(kit::TiledMesh<C>& mesh, std::size_t n) const {
 // ---- hmesh/solve/normal_equations.hpp
 
 /// \file
-/// The normal equations of all vertices at once: K K^T, K I^T and K P^T, sparse and symmetric.
+/// Normal equations of all vertices at once: K K^T, sparse and symmetric, and the right-hand sides K I^T and K P^T.
 ///
-/// Column p of the paper's matrix K holds the barycentric coordinates of pixel p's centre in the face that owns it, so the
-/// picture that a mesh shows is I(V) K (section 3). K K^T and its right-hand sides are never multiplied out: they follow from the
-/// moments of the faces, corner by corner. Rows are the mesh's vertices, row r the r-th of topology().vertices(). 0.4 us a
-/// vertex, whatever the number of pixels. Plain arrays: solve/eigen.hpp gives them as Eigen's matrices, and K itself.
+/// Column p of the paper's matrix K holds the barycentric coordinates of pixel p's centre in the face that the pixel belongs to,
+/// so the picture that a mesh shows is I(V) K (section 3). K K^T and the right-hand sides are never multiplied out: they follow
+/// from the moments of the faces, corner by corner. Rows are the mesh's vertices, row r the r-th of topology().vertices().
+/// Matrices are plain arrays; solve/eigen.hpp converts them to Eigen's, and has K itself.
+///
+/// Cost: 0.4 us a vertex, whatever the number of pixels.
 #ifndef HMESH_SOLVE_NORMAL_EQUATIONS_HPP
 #define HMESH_SOLVE_NORMAL_EQUATIONS_HPP
 
@@ -9768,13 +9882,14 @@ Status Annealed::run(kit::TiledMesh<C>& mesh, std::size_t n) const {
 
 namespace hmesh::kit {
 
-/// A symmetric matrix of n rows, row after row, with both triangles stored: row i has the entries [starts[i], starts[i + 1]) of
-/// `columns`, rising, and `values`.
+/// A sparse symmetric matrix of n rows in compressed row storage, both triangles stored: row i has the entries
+/// [starts[i], starts[i + 1]) of `columns`, which rise, and of `values`.
 struct SymmetricMatrix {
-    std::vector<int> starts{0};
-    std::vector<int> columns;
-    std::vector<double> values;
+    std::vector<int> starts{0};  ///< n + 1 offsets
+    std::vector<int> columns;    ///< of each entry
+    std::vector<double> values;  ///< of each entry
 
+    /// The number of rows, which is that of columns.
     [[nodiscard]] std::size_t size() const noexcept { return starts.size() - 1; }
     /// The value on the diagonal of row i, 0 where none is stored.
     [[nodiscard]] double diagonal(std::size_t i) const noexcept {
@@ -9792,20 +9907,23 @@ struct SymmetricMatrix {
     }
 };
 
-/// A matrix of rows * columns numbers, row after row.
+/// A dense matrix in row-major order.
 struct DenseMatrix {
     std::size_t rows = 0, columns = 0;
-    std::vector<double> values;
+    std::vector<double> values;  ///< rows * columns numbers, row after row
 
+    /// The empty matrix.
     DenseMatrix() = default;
-    /// All 0.
+    /// A matrix of zeros.
     DenseMatrix(std::size_t row_count, std::size_t column_count)
         : rows(row_count), columns(column_count), values(row_count * column_count, 0.0) {}
+    /// The entry at a row and column, unchecked.
     [[nodiscard]] double& operator()(std::size_t row, std::size_t column) noexcept { return values[row * columns + column]; }
+    /// The entry at a row and column, unchecked.
     [[nodiscard]] double operator()(std::size_t row, std::size_t column) const noexcept { return values[row * columns + column]; }
 };
 
-/// The row of each vertex, by slot; -1 for deleted slots.
+/// The row of each vertex in the matrices, indexed by the vertex's slot; -1 for deleted slots.
 [[nodiscard]] inline std::vector<int> vertex_rows(const HalfedgeMesh& topology) {
     std::vector<int> rows(topology.vertex_slots(), -1);
     int row = 0;
@@ -9815,7 +9933,7 @@ struct DenseMatrix {
 
 namespace detail {
 
-/// The corners of face f, the first being that which topology().halfedge(f) leaves.
+/// The corner sums of face f; out0 is the corner that topology().halfedge(f) leaves, then follow those of its next half-edges.
 template <int C>
 void sum_face(const ImageMesh<C>& mesh, Face f, CornerSums<C>& out0, CornerSums<C>& out1, CornerSums<C>& out2) {
     const auto v = mesh.topology().vertices(f);
@@ -9824,7 +9942,7 @@ void sum_face(const ImageMesh<C>& mesh, Face f, CornerSums<C>& out0, CornerSums<
     sum_corners(m, mesh.position(v[0]), mesh.position(v[1]), mesh.position(v[2]), out0, out1, out2);
 }
 
-/// Calls body(v) for all live vertices, in pieces.
+/// Calls body(v) for all live vertices, in chunks of 1024 slots as pieces of work.
 template <class Body>
 void for_each_vertex(const HalfedgeMesh& topology, const ParallelFor& parallel_for, Body&& body) {
     for_each_chunk(parallel_for, topology.vertex_slots(), 1024, [&](std::size_t begin, std::size_t end) {
@@ -9833,7 +9951,7 @@ void for_each_vertex(const HalfedgeMesh& topology, const ParallelFor& parallel_f
     });
 }
 
-/// Calls body(v) for all live vertices, in pieces.
+/// Calls body(v) for all live vertices, in chunks of 1024 slots as pieces of work; compiled once.
 inline void for_each_vertex(const HalfedgeMesh& topology, const ParallelFor& parallel_for, FunctionRef<void(Vertex)> body) {
     for_each_chunk(parallel_for, topology.vertex_slots(), 1024, [&](std::size_t begin, std::size_t end) {
         for (std::size_t v = begin; v < end; ++v)
@@ -9852,7 +9970,7 @@ void write_colors(ImageMesh<C>& mesh, const std::vector<Color<C>>& colors, const
 
 }  // namespace detail
 
-/// The corners of all faces, by the index of their half-edge; zero at half-edges without a face.
+/// The corner sums of all faces, indexed by the half-edge that leaves the corner; zero for half-edges without a face.
 template <int C>
 [[nodiscard]] std::vector<CornerSums<C>> corner_sums(const ImageMesh<C>& mesh, const ParallelFor& parallel_for = {}) {
     const HalfedgeMesh& topology = mesh.topology();
@@ -9867,8 +9985,8 @@ template <int C>
     return corners;
 }
 
-/// K K^T of a mesh with this topology and these corners: n_v by n_v, symmetric to the bit; an entry for each vertex and each edge
-/// either way, even where no pixel makes it differ from 0.
+/// K K^T, n_v by n_v, of a mesh with this topology and these corner sums. Symmetric to the bit; one entry for each vertex and
+/// two for each edge, also where no pixel makes them differ from 0.
 template <int C>
 [[nodiscard]] SymmetricMatrix normal_matrix(const HalfedgeMesh& topology, const std::vector<CornerSums<C>>& corners,
                                             const ParallelFor& parallel_for = {}) {
@@ -9903,7 +10021,7 @@ template <int C>
     return matrix;
 }
 
-/// K I^T: n_v by C, where I is C by n_p, the image.
+/// K I^T, n_v by C, of a mesh with this topology and these corner sums; I, C by n_p, is the image.
 template <int C>
 [[nodiscard]] DenseMatrix image_sums(const HalfedgeMesh& topology, const std::vector<CornerSums<C>>& corners,
                                      const ParallelFor& parallel_for = {}) {
@@ -9917,7 +10035,7 @@ template <int C>
     return sums;
 }
 
-/// K P^T: n_v by 2, where P is 2 by n_p, the centres of the pixels.
+/// K P^T, n_v by 2, of a mesh with this topology and these corner sums; P, 2 by n_p, are the centres of the pixels.
 template <int C>
 [[nodiscard]] DenseMatrix position_sums(const HalfedgeMesh& topology, const std::vector<CornerSums<C>>& corners,
                                         const ParallelFor& parallel_for = {}) {
@@ -9940,11 +10058,14 @@ template <int C>
 // ---- hmesh/solve/bounded_colors.hpp
 
 /// \file
-/// Bounded colors: the best colours that a pixel type can hold, in its range and on its grid.
+/// Bounded colors: the vertex colours of least squared error among those that a pixel type can hold, in its range and on its
+/// grid.
 ///
-/// The squared error is quadratic in the colours (optimal_colors.hpp). Clamping and rounding its minimum would lose more than
-/// this descent: each vertex makes up for what its neighbours could not do. ridge (c - c_now)^2 is added for each vertex, so that
-/// vertices without pixels keep their colour. 0.6 us a vertex at 3 channels.
+/// The squared error is quadratic in the colours (solve/optimal_colors.hpp). Clamping and rounding its unconstrained minimum
+/// would lose more than the coordinate descent here, in which each vertex makes up for what the bounds and the grid cost its
+/// neighbours. ridge (c - c_now)^2 is added for each vertex, so that vertices without pixels keep their colour.
+///
+/// Cost: 0.6 us a vertex at 3 channels.
 #ifndef HMESH_SOLVE_BOUNDED_COLORS_HPP
 #define HMESH_SOLVE_BOUNDED_COLORS_HPP
 
@@ -9954,24 +10075,28 @@ template <int C>
 #include <vector>
 
 namespace hmesh::kit {
-/// Converged: without a grid, the last sweep changed nothing that matters; with one, no channel of any vertex can be
-/// changed by itself, to whatever value is allowed, and lower the error (ridge included).
+/// The report of bounded_colors().
 struct BoundedReport {
-    int sweeps = 0, rounding_sweeps = 0;
+    int sweeps = 0;           ///< over all vertices, without the grid; at most 20
+    int rounding_sweeps = 0;  ///< over the grid; at most 10
+    /// Without a grid: the last sweep changed no channel by more than 1e-7 of the largest. With a grid: no channel of any vertex
+    /// can be changed by itself, to whatever allowed value, and lower the error (ridge included).
     bool converged = false;
 };
 
 namespace detail {
 
-/// The energy with ridge as a function of single colours.
+/// The energy with ridge as a function of the colours; rows are the mesh's vertices in the order of topology().vertices().
 template <int C>
 struct ColorSystem {
-    SymmetricMatrix gram;
-    std::vector<Color<C>> rhs, anchor;  ///< K I^T, and the colours that ridge pulls to
-    std::vector<double> inverse;        ///< 1 / (diagonal + ridge)
-    double ridge = 0;
+    SymmetricMatrix gram;          ///< K K^T
+    std::vector<Color<C>> rhs;     ///< K I^T
+    std::vector<Color<C>> anchor;  ///< the colours that ridge favours: those at the start
+    std::vector<double> inverse;   ///< 1 / (diagonal + ridge); 0 where that is not positive
+    double ridge = 0;              ///< in pixels, see MeshLimits
 
-    /// Calls update(c, step) for each vertex in turn: c is its colour, c + step the best one while the others stay.
+    /// Calls update(c, step) for each vertex in turn: c is the vertex's colour, c + step the best one for it while the others
+    /// stay.
     template <class Update>
     void sweep(std::vector<Color<C>>& colors, Update&& update) const {
         const int* const starts = gram.starts.data();
@@ -9987,20 +10112,22 @@ struct ColorSystem {
     }
 };
 
-/// The multiples of `grid` in [low, high] as the range of their factors.
+/// The multiples of a grid step in [low, high], as the range [first, last] of their integer factors.
 struct GridRange {
     double grid, first, last;
+    /// The multiples of `step` > 0 in [low, high]; first > last: there are none.
     GridRange(double low, double high, double step) noexcept
         : grid(step), first(std::ceil(low / step)), last(std::floor(high / step)) {
         if (first * grid < low) first += 1;  // the division may have rounded the wrong way
         if (last * grid > high) last -= 1;
     }
+    /// The multiple nearest to `value`, held to the range.
     [[nodiscard]] double nearest(double value) const noexcept {
         return std::max(first, std::min(last, std::floor(value / grid + 0.5))) * grid;
     }
 };
 
-/// The system of a mesh with this topology and these corners (solve/fit/squared_error.hpp); colours go by row.
+/// The system of a mesh with this topology and these corner sums (fit/squared_error.hpp); `colors`, one a row, become the anchor.
 template <int C>
 [[nodiscard]] ColorSystem<C> color_system(const HalfedgeMesh& topology, const std::vector<CornerSums<C>>& corners,
                                           const std::vector<Color<C>>& colors, double ridge, const ParallelFor& parallel_for) {
@@ -10022,20 +10149,20 @@ template <int C>
     return system;
 }
 
-/// Takes colours that lie in [low, high] to the best there, see bounded_colors; before each sweep but the one that puts them
-/// on the grid, go_on() is asked.
+/// The descent of bounded_colors(): improves `colors`, which lie in [low, high], one a row. Asks go_on() before each sweep but
+/// the one that puts the colours on the grid.
 template <int C>
 BoundedReport descend(const ColorSystem<C>& system, double low, double high, double grid, std::vector<Color<C>>& colors,
                       FunctionRef<bool()> go_on) {
     HMESH_ASSERT(low <= high && grid >= 0);
-    constexpr int most_sweeps = 20, most_rounding_sweeps = 10;
+    constexpr int max_sweeps = 20, max_rounding_sweeps = 10;
     double scale = 0;
     for (const Color<C>& c : colors)
         for (int k = 0; k < C; ++k) scale = std::max(scale, std::abs(c[k]));
 
     BoundedReport report;
-    const double least = grid > 0 ? grid / 16 : 1e-7 * scale;
-    while (report.sweeps < most_sweeps && !report.converged && go_on()) {
+    const double max_change = grid > 0 ? grid / 16 : 1e-7 * scale;
+    while (report.sweeps < max_sweeps && !report.converged && go_on()) {
         double largest = 0;
         system.sweep(colors, [&](Color<C>& c, const Color<C>& step) {
             Color<C> next = c + step;
@@ -10044,7 +10171,7 @@ BoundedReport descend(const ColorSystem<C>& system, double low, double high, dou
             c = next;
         });
         ++report.sweeps;
-        report.converged = largest <= least;
+        report.converged = largest <= max_change;
     }
 
     if (grid > 0) {
@@ -10053,11 +10180,11 @@ BoundedReport descend(const ColorSystem<C>& system, double low, double high, dou
         system.sweep(colors, [&](Color<C>& c, const Color<C>& step) {
             for (int k = 0; k < C; ++k) c.set(k, range.nearest(c[k] + step[k]));
         });
-        // The nearest multiple is the best one, since the error along one colour is a parabola. Steps of half the grid
-        // are ties: left alone, or rounding could trade two colours to and fro.
+        // The nearest multiple is the best one, since the error along one channel is a parabola. Steps of half the grid
+        // are ties and not taken, or rounding could move two colours back and forth.
         const double half = grid * (0.5 + 1e-9);
         report.converged = false;
-        while (report.rounding_sweeps < most_rounding_sweeps && !report.converged && go_on()) {
+        while (report.rounding_sweeps < max_rounding_sweeps && !report.converged && go_on()) {
             bool changed = false;
             system.sweep(colors, [&](Color<C>& c, const Color<C>& step) {
                 for (int k = 0; k < C; ++k) {
@@ -10076,9 +10203,10 @@ BoundedReport descend(const ColorSystem<C>& system, double low, double high, dou
 
 }  // namespace detail
 
-/// Gives all vertices colours in [low, high], which may be infinite, that are multiples of grid if grid > 0 (one must be
-/// in the range). By coordinate descent (projected Gauss-Seidel) from the current colours: first without the grid, then
-/// onto it, vertex by vertex, then over the grid while that lowers the error.
+/// Gives all vertices colours in [low, high], stored values whose bounds may be infinite; where grid > 0, colours become
+/// multiples of it, of which one must lie in the range. Coordinate descent (projected Gauss-Seidel) from the current colours:
+/// first without the grid; then onto the grid, vertex by vertex; then over the grid as long as that lowers the error. 0.6 us a
+/// vertex at 3 channels.
 template <int C>
 BoundedReport bounded_colors(ImageMesh<C>& mesh, double low, double high, double grid, const ParallelFor& parallel_for = {}) {
     std::vector<Color<C>> colors;
@@ -10101,11 +10229,11 @@ BoundedReport bounded_colors(ImageMesh<C>& mesh, double low, double high, double
 // ---- hmesh/solve/sampled_colors.hpp
 
 /// \file
-/// Sampling: vertex colours read from the image, as Adams, Xie and the paper's section 1 have them.
+/// Sampled colors: vertex colours read from the image, as in the methods of Adams and of Xie and in section 1 of the paper.
 ///
-/// A vertex takes the colour of the image at its place: that of the pixel where it is on a pixel's centre, else between the four
-/// nearest, bilinear. Places beyond the outermost centres take the nearest pixel's. Optimal colours (solve/bounded_colors.hpp)
-/// are 0.3 to 1.4 dB better on the meshes of the former two, for a few microseconds a vertex.
+/// A vertex takes the colour of the image at its position: of the pixel if it lies on a pixel's centre, else bilinear between
+/// the four nearest centres. Positions beyond the outermost centres take the colour of the nearest point between these. Optimal
+/// colours (solve/bounded_colors.hpp) are 0.3 to 1.4 dB better on the meshes of Adams and Xie, for a few microseconds a vertex.
 #ifndef HMESH_SOLVE_SAMPLED_COLORS_HPP
 #define HMESH_SOLVE_SAMPLED_COLORS_HPP
 
@@ -10116,7 +10244,7 @@ BoundedReport bounded_colors(ImageMesh<C>& mesh, double low, double high, double
 
 namespace hmesh::kit {
 
-/// The colour at p in [0, width] x [0, height] of an image whose pixels are pixel(x, y).
+/// The colour at p, in px, in [0, width] x [0, height], of an image whose pixels are pixel(x, y); bilinear.
 template <int C, class Pixel>
 [[nodiscard]] HMESH_ALWAYS_INLINE Color<C> sampled_color(int width, int height, Point p, Pixel&& pixel) {
     const double x = std::max(0.0, std::min(width - 1.0, p.x - 0.5)), y = std::max(0.0, std::min(height - 1.0, p.y - 0.5));
@@ -10128,6 +10256,7 @@ template <int C, class Pixel>
     const Color<C> below = pixel(left, low) * (1 - right_share) + pixel(right, low) * right_share;
     return above * (1 - low_share) + below * low_share;
 }
+/// The colour at p, in px of the table's rectangle, of the image that the table was made from; bilinear.
 template <int C>
 [[nodiscard]] HMESH_ALWAYS_INLINE Color<C> sampled_color(const MomentTable<C>& table, Point p) {
     return sampled_color<C>(table.width(), table.height(), p, [&](int x, int y) {
@@ -10137,7 +10266,7 @@ template <int C>
     });
 }
 
-/// Gives all vertices the colours under them.
+/// Gives all vertices the colours of the image at their positions. The energy of the mesh follows.
 template <int C>
 void sample_colors(ImageMesh<C>& mesh, const ParallelFor& parallel_for = {}) {
     std::vector<Color<C>> colors(mesh.topology().vertex_slots(), Color<C>::zero());
@@ -10152,9 +10281,9 @@ void sample_colors(ImageMesh<C>& mesh, const ParallelFor& parallel_for = {}) {
 // ---- hmesh/methods/final_colors.hpp
 
 /// \file
-/// Final colors: the last step of every method, for a mesh in tiles.
+/// Final colors: sampled or bounded colours for all vertices of a tiled mesh, the last step of every recipe.
 ///
-/// About 1 us a vertex, and a moment table of each tile.
+/// Cost: about 1 us a vertex, and one moment table for each tile.
 #ifndef HMESH_METHODS_FINAL_COLORS_HPP
 #define HMESH_METHODS_FINAL_COLORS_HPP
 
@@ -10166,8 +10295,8 @@ void sample_colors(ImageMesh<C>& mesh, const ParallelFor& parallel_for = {}) {
 
 namespace hmesh::kit {
 
-/// Gives all vertices the colours of the image under them (solve/sampled_colors.hpp), rounded to multiples of grid if grid > 0;
-/// its energy is then that of these colours.
+/// Gives all vertices the colours of the image at their positions (solve/sampled_colors.hpp), rounded to multiples of `grid`
+/// where grid > 0, and measures the mesh's energy with them. `tiling`: the pieces of the measurement.
 template <int C>
 HMESH_COLD void sample_colors(TiledMesh<C>& tiled, const Tiling& tiling, double grid) {
     IndexedMesh<C>& mesh = tiled.indexed();
@@ -10182,9 +10311,10 @@ HMESH_COLD void sample_colors(TiledMesh<C>& tiled, const Tiling& tiling, double 
     tiled.measure(tiling);
 }
 
-/// Gives all vertices the best colours in [low, high] that are multiples of grid if grid > 0 (solve/bounded_colors.hpp). The
-/// energy is then that of these colours. After a cancellation colours go to the nearest that are allowed, no more, and what is
-/// reported is still true of the mesh.
+/// Gives all vertices the colours of least squared error in [low, high] that are multiples of `grid` where grid > 0
+/// (solve/bounded_colors.hpp), and measures the mesh's energy with them. `tiling`: the patches over which sums are taken; the
+/// system is solved for the whole mesh. After a cancellation colours are only clamped and rounded, and the energy is still true
+/// of them.
 template <int C>
 BoundedReport bounded_colors(TiledMesh<C>& tiled, const Tiling& tiling, double low, double high, double grid) {
     BoundedReport report;
@@ -10204,7 +10334,7 @@ BoundedReport bounded_colors(TiledMesh<C>& tiled, const Tiling& tiling, double l
             detail::sum_face(patch.mesh(), f, corners[h0.index()], corners[h1.index()], corners[h2.index()]);
         }
     });
-    if (tiled.progress().stopped()) std::fill(corners.begin(), corners.end(), CornerSums<C>());  // only ridges pull
+    if (tiled.progress().stopped()) std::fill(corners.begin(), corners.end(), CornerSums<C>());  // only the ridge is left
     const auto system = detail::color_system(topology, corners, mesh.colors, tiled.limits().ridge, tiled.parallel_for());
     report = detail::descend(system, low, high, grid, mesh.colors, [&] { return tiled.progress().poll(); });
     tiled.measure(tiling);
@@ -10218,11 +10348,13 @@ BoundedReport bounded_colors(TiledMesh<C>& tiled, const Tiling& tiling, double l
 // ---- hmesh/methods/psnr_search.hpp
 
 /// \file
-/// The search for the fewest vertices that reach a PSNR.
+/// Psnr search: the fewest vertices whose mesh reaches a given PSNR.
 ///
-/// PSNR rises by about 1.6 dB a doubling of the vertices, the slope of a piecewise linear fit to photographs; that first
-/// guess is replaced by the secant of the two runs that enclose the target as soon as there are two, and by the middle between
-/// them where the same side moved twice. Ends when the counts on both sides differ by at most 0.5 % (or 1): some 5 to 8 runs.
+/// PSNR rises by about 1.6 dB a doubling of the vertices, the slope of piecewise linear fits to photographs; steps of this slope
+/// lead to two runs that enclose the target. From then on the next count is that of the secant between the two, or the middle
+/// (of the logarithms) after more than two runs in a row on the same side.
+///
+/// Cost: ends when the two counts differ by at most 0.5 % (or 1), after some 5 to 8 runs of the method.
 #ifndef HMESH_METHODS_PSNR_SEARCH_HPP
 #define HMESH_METHODS_PSNR_SEARCH_HPP
 
@@ -10234,23 +10366,24 @@ BoundedReport bounded_colors(TiledMesh<C>& tiled, const Tiling& tiling, double l
 
 namespace hmesh::kit {
 
-/// `mesh_of(n)` makes a result with .status and .report.psnr, meshes of 4 <= n <= most vertices. Returns that of the fewest
-/// vertices that reached `psnr`, or of the best PSNR with target_out_of_range when none did; where a run fails, what there is
-/// then with its status.
+/// Searches for the fewest vertices that reach `psnr`, in dB. mesh_of(n) makes the mesh of n vertices, 4 <= n <= most, with its
+/// status and report.psnr; the search begins with `first` vertices, in the same range, and makes at most 60 runs. Returns the
+/// result of the fewest vertices that reached the PSNR; where none did, that of the best PSNR with Errc::target_out_of_range;
+/// where a run fails or is cancelled, the best result until then, its own included, with the status of that run.
 [[nodiscard]] HMESH_COLD inline Result fewest_vertices(double psnr, std::size_t first, std::size_t most,
                                                        FunctionRef<Result(std::size_t n)> mesh_of) {
-    constexpr double slope = 1.6;  // dB a doubling
+    constexpr double slope = 1.6;  // dB for each doubling of the vertices
     struct Run {
         double log_n = 0, psnr = 0;
         std::size_t n = 0;
     };
-    Run low, high;  // the most vertices that failed, the fewest that reached it; n = 0: none yet
+    Run low, high;  // the most vertices that missed the PSNR, the fewest that reached it; n = 0: none yet
     Result best = mesh_of(first);
     Run run{std::log2(static_cast<double>(first)), best.report.psnr, first};
     bool reached = false;
     int same_side = 0;  // runs in a row that fell on one side
     bool last_side = false;
-    double stride = 0.1;  // while the target is not enclosed, steps grow: curves can be flat
+    double stride = 0.1;  // in log2(n); grows while the target is not enclosed, since curves can be flat
     for (int runs = 1;; ++runs) {
         if (!best.status) return best;
         if (run.psnr >= psnr) high = run, reached = true;
@@ -10264,7 +10397,7 @@ namespace hmesh::kit {
 
         double log_n = 0;
         if (low.n != 0 && high.n != 0) {
-            // The secant, kept off the ends: a run that teaches nothing would repeat.
+            // The secant, kept off both ends, where a run would tell nothing new.
             const double t = is_finite(high.psnr) ? (psnr - low.psnr) / std::max(1e-9, high.psnr - low.psnr) : 0.5;
             const double aim = same_side > 2 ? 0.5 : std::max(0.1, std::min(0.9, t + (last_side ? -0.02 : 0.02)));
             log_n = low.log_n + aim * (high.log_n - low.log_n);
@@ -10279,7 +10412,7 @@ namespace hmesh::kit {
         Result result = mesh_of(n);
         run = {std::log2(static_cast<double>(n)), result.report.psnr, n};
         const bool better = run.psnr >= psnr ? true : !reached && run.psnr > best.report.psnr;
-        if (!result.status) {  // cancelled: the best so far, which may be what this run came to
+        if (!result.status) {  // failed or cancelled: the best so far, which may be this run's mesh
             const Status why = result.status;
             if (!reached && run.psnr > best.report.psnr) best = std::move(result);
             best.status = why;
@@ -10373,7 +10506,7 @@ template <int C>
     return mesh_of(static_cast<std::size_t>(options.target.value));
 }
 
-// Whether a recipe's run() takes the image's view too: run(mesh, view, n).
+/// Whether a recipe's run() takes the image's view too: run(mesh, view, n).
 template <class Recipe, class T, int C, class = void>
 inline constexpr bool wants_view = false;
 template <class Recipe, class T, int C>
@@ -10702,12 +10835,13 @@ template <class T, int C>
 // ---- hmesh/solve/pcg.hpp
 
 /// \file
-/// Pcg: conjugate gradients with Jacobi preconditioner, for several right-hand sides at once.
+/// Preconditioned conjugate gradients (PCG) with the Jacobi preconditioner, for several right-hand sides at once.
 ///
-/// For self-adjoint positive semidefinite matrices like K K^T, which is a mass matrix: divided by its diagonal it is
-/// well conditioned, so 15 to 25 iterations reach 1e-7 whatever the size of the mesh, and no factorisation is needed.
-/// Each right-hand side has its own step sizes and stops by itself; they share the passes over the matrix. An iteration
-/// costs about 2 ns an entry and right-hand side.
+/// For symmetric positive semidefinite matrices like K K^T, which is a mass matrix: divided by its diagonal it is well
+/// conditioned, so that 15 to 25 iterations reach a relative residual of 1e-7 whatever the size of the mesh, and no
+/// factorisation is needed. Each right-hand side has step sizes and a stop of its own; the passes over the matrix are shared.
+///
+/// Cost: an iteration takes about 2 ns for each entry of the matrix and right-hand side.
 #ifndef HMESH_SOLVE_PCG_HPP
 #define HMESH_SOLVE_PCG_HPP
 
@@ -10720,27 +10854,27 @@ namespace hmesh::kit {
 
 /// When solve_pcg() stops.
 struct PcgOptions {
-    int max_iterations = 200;
-    double tolerance = 1e-10;  ///< of the residual, relative to the right-hand side
+    int max_iterations = 200;  ///< over all restarts, >= 1
+    double tolerance = 1e-10;  ///< on the 2-norm of the residual, relative to that of the right-hand side
 };
 
-/// How far solve_pcg() came.
+/// The report of solve_pcg().
 struct PcgReport {
-    int iterations = 0;
-    /// max over columns of |b - A x| / |b|, computed from the x returned; both without the rows that are held, and b less what
-    /// these contribute
+    int iterations = 0;  ///< each advances all columns that have not stopped
+    /// The largest |b - A x| / |b| of a column in 2-norms, computed from the X returned. Held rows are left out of both norms,
+    /// and b is less what the held entries contribute.
     double residual = 0;
-    bool converged = false;
+    bool converged = false;  ///< whether every column's residual is within the tolerance
 };
 
-/// An entry of X that is given.
+/// An entry of X that is given, not solved for.
 struct HeldEntry {
     std::size_t row = 0, column = 0;
 };
 
 namespace detail {
 
-/// out = A x: row i gathers along row i of A, which is symmetric.
+/// out = A x; row i of `out` gathers along row i of A.
 inline void multiply(const SymmetricMatrix& a, const DenseMatrix& x, DenseMatrix& out) {
     const std::size_t columns = x.columns;
     for (std::size_t i = 0; i < a.size(); ++i) {
@@ -10754,7 +10888,7 @@ inline void multiply(const SymmetricMatrix& a, const DenseMatrix& x, DenseMatrix
     }
 }
 
-/// Dot products of the columns of a and b.
+/// out[k] = the dot product of column k of a and column k of b.
 inline void column_dots(const DenseMatrix& a, const DenseMatrix& b, std::vector<double>& out) {
     std::fill(out.begin(), out.end(), 0.0);
     for (std::size_t i = 0; i < a.rows; ++i)
@@ -10763,10 +10897,12 @@ inline void column_dots(const DenseMatrix& a, const DenseMatrix& b, std::vector<
 
 }  // namespace detail
 
-/// Solves A X = B. A: n by n, self-adjoint, positive semidefinite, both triangles stored. B: n by k. X: n by k, on entry
-/// where to start, on return the solution. A column of B that is 0 has the solution 0. A row whose diagonal is not
-/// positive (a vertex without pixels) leaves its row of X as it was. So do entries that `held` names, by row and column:
-/// the others are then solved for with these given, all columns with the one matrix; B may be anything in such entries.
+/// Solves A X = B. A: n by n, symmetric, positive semidefinite, both triangles stored. B: n by k. X: n by k, the start on entry,
+/// the solution on return.
+///
+/// A column of B that is 0 has the solution 0. Where the diagonal of A is not positive (a vertex without pixels), the row of X
+/// stays as it was. The entries of X that `held` names by row and column stay too; the other entries are solved for with these
+/// given, and B may hold anything there. Each iteration costs about 2 ns for each entry of A and column of B.
 inline PcgReport solve_pcg(const SymmetricMatrix& a, const DenseMatrix& b, DenseMatrix& x, const PcgOptions& options = {},
                            const std::vector<HeldEntry>& held = {}) {
     HMESH_ASSERT(b.rows == a.size() && x.rows == b.rows && x.columns == b.columns);
@@ -10782,10 +10918,10 @@ inline PcgReport solve_pcg(const SymmetricMatrix& a, const DenseMatrix& b, Dense
     DenseMatrix residual(n, width), direction(n, width), product(n, width);
     std::vector<double> norm(width), rr(width), rz(width), rz_before(width), steps(width), reference(width);
     std::vector<unsigned char> runs(width, 1);
-    const auto release = [&](DenseMatrix& rows) {  // what is held has no residual
+    const auto release = [&](DenseMatrix& rows) {  // held entries have no residual
         for (const HeldEntry& entry : held) rows(entry.row, entry.column) = 0;
     };
-    // For now the solution's held entries.
+    // At first `direction` has only the held entries of the solution, whose product is part of B's side.
     for (const HeldEntry& entry : held) direction(entry.row, entry.column) = solution(entry.row, entry.column);
     const auto subtract_product = [&] {  // residual = b - product
         for (std::size_t i = 0; i < residual.values.size(); ++i) residual.values[i] = b.values[i] - product.values[i];
@@ -10810,8 +10946,8 @@ inline PcgReport solve_pcg(const SymmetricMatrix& a, const DenseMatrix& b, Dense
             }
     };
 
-    // The residual that the iteration carries along drifts from the true one by rounding; a column has converged when
-    // the true one is small. Otherwise it starts again from there, unless the last start gained less than a factor 2.
+    // The residual that the iteration updates drifts from the true one by rounding; a column has converged when the true one is
+    // small. Otherwise the column starts again from there, unless the last start lowered its residual by less than a factor of 2.
     for (bool first = true;; first = false) {
         detail::multiply(a, solution, product);
         subtract_product();
@@ -10866,20 +11002,22 @@ inline PcgReport solve_pcg(const SymmetricMatrix& a, const DenseMatrix& b, Dense
 // ---- hmesh/solve/linear_light.hpp
 
 /// \file
-/// Linear light: vertex colours for renderers that interpolate light, not stored values.
+/// Linear light: vertex colours for renderers that interpolate linear light, not stored values.
 ///
-/// A picture drawn in linear light has in each pixel the stored value peak * e(sum of lambda_v l_v): l_v the light of vertex v
-/// as a share of the full one, lambda_v its barycentric weights, e the sRGB encoding. A mesh fitted between stored values
-/// looks different there: inside faces light is brighter. fit_linear_light() finds the l_v with the least squared error in
-/// stored values, the geometry staying. With r the residual of a pixel the Gauss-Newton step d solves, for each channel,
+/// A renderer that interpolates linear light shows in each pixel the stored value peak * e(sum over v of lambda_v l_v), where
+/// l_v in [0, 1] is the linear light of vertex v, lambda_v are the pixel's barycentric coordinates, and e is the sRGB encoding.
+/// A mesh whose colours were fitted for interpolation between stored values looks brighter inside faces there.
+/// fit_linear_light() finds the l_v of least squared error in stored values; the geometry stays. With r the residual of a pixel,
+/// the Gauss-Newton step d solves, for each channel,
 ///
 ///     sum of e'^2 lambda_v lambda_w d_w  =  - sum of e' r lambda_v
 ///
-/// over the mesh's edges. It is halved until the error falls. Lights stay in [0, 1]: those that lie on a bound and would
-/// leave it are held in the system (Bertsekas 1982), others are cut off at it. Alpha is not encoded: e is the identity there.
+/// with a sparse matrix of one entry for each vertex and edge. The step is halved until the error falls. Lights stay in [0, 1]:
+/// those on a bound whose step would leave it are held in the system (Bertsekas 1982), the others are clamped. Alpha is not
+/// encoded: e is the identity for it.
 ///
-/// Cost: about 35 ns a pixel and channel for each step, for the measure before the first and for that of rounded colours, some
-/// 5 in all. Memory: about 0.5 KB a vertex, with one channel at work at a time.
+/// Cost: about 35 ns a pixel and channel for each evaluation of the error: one at the start, one or more a step, one for rounded
+/// colours; some 5 in all. Memory: about 0.5 KB a vertex, since channels are fitted one after the other.
 #ifndef HMESH_SOLVE_LINEAR_LIGHT_HPP
 #define HMESH_SOLVE_LINEAR_LIGHT_HPP
 
@@ -10892,37 +11030,37 @@ inline PcgReport solve_pcg(const SymmetricMatrix& a, const DenseMatrix& b, Dense
 
 namespace hmesh {
 
-/// Options of fit_linear_light()
+/// Options of fit_linear_light().
 struct LinearLightOptions {
-    int iterations = 6;  ///< Gauss-Newton steps at most, >= 0; 0 measures only
-    /// A channel is done when a step lowers its error by less than this share: 1e-4 is 4e-4 dB.
-    double least_gain = 1e-4;
-    double ridge = MeshLimits().ridge;  ///< pixels, as MeshLimits has it
-    double grid = 0;                    ///< colours become multiples of it, in stored values; 0: any
-    ImageView<float, 1> weights;        ///< see image/weights.hpp; none: all pixels count the same
+    int iterations = 6;  ///< Gauss-Newton steps a channel at most, >= 0; 0 only measures the error
+    /// A channel is done when a step lowers its error by this share of it or less; 1e-4 is 4e-4 dB.
+    double min_gain = 1e-4;
+    double ridge = MeshLimits().ridge;  ///< weight of the current colour against a step, in pixels; see MeshLimits::ridge
+    double grid = 0;                    ///< colours become multiples of this, in stored values; 0: any value
+    ImageView<float, 1> weights;        ///< per-pixel weights >= 0 of the image's size (Options::weights); empty: all 1
 };
 
-/// What it came to.
+/// The report of fit_linear_light(). Energies are sums of squared differences in stored values over pixels and channels, times
+/// the weights where there are any, for a renderer that interpolates linear light.
 struct [[nodiscard]] LinearLightReport {
-    /// Sums of squared differences in stored values over pixels and channels, times weights: of the colours as they came,
-    /// and as they are now. The latter is never the larger.
-    double converted = 0, energy = 0;
-    int iterations = 0;         ///< steps taken, those of the channel that took most
-    int solver_iterations = 0;  ///< of all
-    double residual = 0;        ///< the largest of a solve, relative to its right-hand side
-    double psnr = 0;            ///< dB, of `energy`, as Report has it
-    Status status;
+    double converted = 0;       ///< energy with the colours that the mesh came with, held to [0, peak] and to the grid
+    double energy = 0;          ///< energy with the colours that the mesh has now; at most `converted`
+    int iterations = 0;         ///< Gauss-Newton steps of the channel that took most
+    int solver_iterations = 0;  ///< iterations of conjugate gradients, over all steps and channels
+    double residual = 0;        ///< the largest residual of a linear system, relative to its right-hand side
+    double psnr = 0;            ///< dB, of `energy`, the MSE being the mean over pixels (by weight) and channels
+    Status status;              ///< not ok: the mesh is as it was, all figures are 0
 };
 
 namespace kit::detail {
 
-/// One channel of a mesh as light: stored shares of the peak, rounded to float as the mesh has them, and what they decode to.
+/// One channel of all vertices.
 struct ChannelLight {
-    std::vector<float> stored;
-    std::vector<double> light;
+    std::vector<float> stored;  ///< stored values, in [0, peak]
+    std::vector<double> light;  ///< the linear light that they decode to, in [0, 1]; for alpha the share of the peak
 };
 
-/// The error and the Gauss-Newton system of one channel after the other.
+/// The error of a mesh against an image, and its Gauss-Newton system, for one channel k at a time.
 template <class T, int C>
 class LinearLight {
   public:
@@ -10931,14 +11069,14 @@ class LinearLight {
         : mesh_(mesh), topology_(topology), view_(view), options_(options), parallel_for_(parallel_for),
           scale_(weight_unit(options.weights, parallel_for), view.width, view.height), corners_(2 * topology.edge_slots()) {}
 
-    /// The colours of channel k as they may be: in [0, peak] and on the grid.
+    /// Channel k of the mesh's colours, held to [0, peak] and to the grid.
     [[nodiscard]] ChannelLight start(std::size_t k) const {
         ChannelLight out;
         for (std::size_t v = 0; v < mesh_.vertex_count(); ++v)
             add(out, k, static_cast<double>(mesh_.colors[C * v + k]), options_.grid);
         return out;
     }
-    /// The light `step` times `direction` further on, cut off at 0 and 1.
+    /// Channel k with the lights `step` times `direction` further on, clamped to [0, 1].
     [[nodiscard]] ChannelLight moved(const ChannelLight& from, std::size_t k, const DenseMatrix& direction, double step) const {
         ChannelLight out;
         for (std::size_t v = 0; v < from.light.size(); ++v) {
@@ -10947,14 +11085,14 @@ class LinearLight {
         }
         return out;
     }
-    /// Put on the grid.
+    /// Channel k with stored values rounded to the grid.
     [[nodiscard]] ChannelLight rounded(const ChannelLight& from, std::size_t k) const {
         ChannelLight out;
         for (const float stored : from.stored) add(out, k, static_cast<double>(stored), options_.grid);
         return out;
     }
 
-    /// The error, in squared shares of the peak. Leaves the sums of the faces for direction().
+    /// The error of channel k, in squared shares of the peak. Leaves the sums of the faces for direction().
     [[nodiscard]] double measure(const ChannelLight& at, std::size_t k) {
         return ordered_sum(parallel_for_, mesh_.faces.size(), 256, [&](std::size_t begin, std::size_t end) {
             double sum = 0;
@@ -10962,7 +11100,7 @@ class LinearLight {
             return sum;
         });
     }
-    /// The Gauss-Newton step from where measure() was called last.
+    /// Solves for the Gauss-Newton step `out`, n_v by 1, from `at`, for which measure() must have been called last.
     [[nodiscard]] PcgReport direction(const ChannelLight& at, std::size_t k, DenseMatrix& out) const {
         SymmetricMatrix matrix = normal_matrix(topology_, corners_, parallel_for_);
         const DenseMatrix rhs = image_sums(topology_, corners_, parallel_for_);
@@ -10975,7 +11113,7 @@ class LinearLight {
         }
         out = DenseMatrix(rhs.rows, 1);
         PcgOptions exactness;
-        exactness.tolerance = 1e-6;  // steps are inexact by what the encoding is not linear
+        exactness.tolerance = 1e-6;  // the encoding's curvature makes steps less exact than this
         return solve_pcg(matrix, rhs, out, exactness, held);
     }
 
@@ -10985,6 +11123,7 @@ class LinearLight {
         return is_encoded(k) ? linear_to_srgb(light) : light;
     }
 
+    /// Appends a vertex with this stored value, held to [0, peak] and, where grid > 0, to the grid.
     void add(ChannelLight& to, std::size_t k, double stored, double grid) const {
         stored = std::max(0.0, std::min(mesh_.peak, stored));
         if (grid > 0) stored = GridRange(0, mesh_.peak, grid).nearest(stored);
@@ -10993,6 +11132,7 @@ class LinearLight {
         to.light.push_back(is_encoded(k) ? srgb_to_linear(share) : share);
     }
 
+    /// The error of face f, in squared shares of the peak; its sums go to corners_.
     template <bool encoded>
     [[nodiscard]] double face(const ChannelLight& at, std::size_t f, std::size_t k) {
         const std::array<Vertex, 3> v = topology_.vertices(Face(f));
@@ -11000,11 +11140,11 @@ class LinearLight {
         const PixelBarycentric weights_at(a, b, c);
         const double per_peak = 1 / mesh_.peak;
         const double la = at.light[v[0].index()], lb = at.light[v[1].index()] - la, lc = at.light[v[2].index()] - la;
-        // A face of one colour shows that very colour. Stored values are compared, not shares: they are exact, and stay so where
-        // the processor keeps more digits of some products than of others.
+        // A face of one colour shows exactly that colour. Stored values are compared, not shares of the peak: these are exact,
+        // also where the processor keeps more digits of some products than of others.
         const bool is_plain = lb == 0 && lc == 0;
         const auto plain = static_cast<double>(at.stored[v[0].index()]);
-        double energy = 0, s00 = 0, s11 = 0, s22 = 0, s01 = 0, s12 = 0, s20 = 0, p0 = 0, p1 = 0, p2 = 0;
+        double energy = 0, s00 = 0, s11 = 0, s22 = 0, s01 = 0, s12 = 0, s20 = 0, rhs0 = 0, rhs1 = 0, rhs2 = 0;
         for_each_span(a, b, c, {}, [&](int j, int begin, int end) {
             const T* sample = view_.pixel(begin, j) + k;
             const float* weights = options_.weights.data != nullptr ? options_.weights.pixel(begin, j) : nullptr;
@@ -11016,7 +11156,7 @@ class LinearLight {
                 const double shown = is_plain ? plain : share * mesh_.peak;
                 const double difference = (shown - PixelTraits<T>::to_real(*sample)) * per_peak;
                 const double weight = weights != nullptr ? scale_(weights[i - begin]) : 1;
-                const double square = weight * slope * slope, pull = -weight * slope * difference;
+                const double square = weight * slope * slope, rhs = -weight * slope * difference;
                 energy += weight * difference * difference;
                 const double qa = square * w.a, qb = square * w.b, qc = square * w.c;
                 s00 += qa * w.a;
@@ -11025,22 +11165,22 @@ class LinearLight {
                 s01 += qa * w.b;
                 s12 += qb * w.c;
                 s20 += qc * w.a;
-                p0 += pull * w.a;
-                p1 += pull * w.b;
-                p2 += pull * w.c;
+                rhs0 += rhs * w.a;
+                rhs1 += rhs * w.b;
+                rhs2 += rhs * w.c;
             }
         });
-        const auto sums = [](double square, double coupling, double pull) {
+        const auto sums = [](double square, double coupling, double rhs) {
             CornerSums<1> out;
             out.square = square;
             out.coupling = coupling;
-            out.image.set(0, pull);
+            out.image.set(0, rhs);
             return out;
         };
         const Halfedge h0 = topology_.halfedge(Face(f)), h1 = topology_.next(h0), h2 = topology_.next(h1);
-        corners_[h0.index()] = sums(s00, s01, p0);
-        corners_[h1.index()] = sums(s11, s12, p1);
-        corners_[h2.index()] = sums(s22, s20, p2);
+        corners_[h0.index()] = sums(s00, s01, rhs0);
+        corners_[h1.index()] = sums(s11, s12, rhs1);
+        corners_[h2.index()] = sums(s22, s20, rhs2);
         return energy;
     }
 
@@ -11050,10 +11190,11 @@ class LinearLight {
     const LinearLightOptions& options_;
     ParallelFor parallel_for_;
     WeightScale scale_;
-    std::vector<CornerSums<1>> corners_;  ///< of the last measure(); `image` is - e' r lambda
+    std::vector<CornerSums<1>> corners_;  ///< of the last measure(); `image` holds sums of - e' r lambda
 };
 
-/// Whether the mesh is one of the image: what for_each_span asks for, and each pixel's owner in reach.
+/// Whether the mesh fits the image: channels, size, arrays of one length, positions inside, faces of positive area; so that
+/// for_each_span() stays within the image. Fills `topology` with the mesh's connectivity.
 template <int C, class T>
 [[nodiscard]] Status check_fit(const Mesh& mesh, const ImageView<T, C>& view, HalfedgeMesh& topology) {
     if (mesh.channels != C) return {Errc::invalid_argument, "the mesh has not the image's number of channels", mesh.channels, C};
@@ -11078,13 +11219,18 @@ template <int C, class T>
 
 }  // namespace kit::detail
 
-/// Gives the mesh the colours with the least squared error to the image in stored values, as seen through interpolation in
-/// linear light; they stay stored values, in [0, peak]. Starts from those that it has, which are held to that range first, as
-/// files of linear light do; so are values of the picture drawn, while the image may have any. The error falls or stays.
-/// Before each step `go_on(share of the work done)` is asked, until it says no; what is reported is true of the mesh in any case.
-//
-/// Status: invalid_argument where the mesh is not one of this image, is premultiplied, or has a vertex without a face; the mesh
-/// is then as it was. The view and the weights are such as check(), check_finite() and check_weights() accept.
+/// Fits the colours of a finished mesh for renderers that interpolate linear light: those of least squared error to the image in
+/// stored values. Call it after mesh_image() and before write_glb(), say: renderers of glTF interpolate linear light.
+/// Positions and faces stay. Colours remain stored values, in [0, peak]; the current ones, held to that range, are the start,
+/// and the error never rises.
+///
+/// `view`: the image that was meshed, of the mesh's size and channels; `view` and `options.weights` must be such as check(),
+/// check_finite() and check_weights() accept. `go_on(share)`, where given, is called before each step with the share of the work
+/// done, in [0, 1); false stops the fit, and the report is still true of the mesh.
+///
+/// Status: Errc::invalid_argument, with the mesh unchanged, where the mesh is not one of this image (channels, size, a position
+/// outside, a face without positive area), is premultiplied, or has a vertex without a face. About 35 ns a pixel and channel for
+/// each of some 5 passes; 0.5 KB a vertex.
 template <class T, int C>
 LinearLightReport fit_linear_light(Mesh& mesh, const ImageView<T, C>& view, const LinearLightOptions& options = {},
                                    const ParallelFor& parallel_for = {}, FunctionRef<bool(double share)> go_on = {}) {
@@ -11114,7 +11260,7 @@ LinearLightReport fit_linear_light(Mesh& mesh, const ImageView<T, C>& view, cons
                 ChannelLight next = scene.moved(now, k, direction, step);
                 const double after = scene.measure(next, k);
                 if (!(after < energy)) continue;
-                gains = energy - after > options.least_gain * energy;
+                gains = energy - after > options.min_gain * energy;
                 now = std::move(next);
                 energy = after;
                 ++steps;

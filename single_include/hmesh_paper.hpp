@@ -404,13 +404,15 @@ inline Status Delaunay::check() const {
 // ---- hmesh/methods/baselines/error_diffusion.hpp
 
 /// \file
-/// Error diffusion: points with the density that a map asks for, about as many as wanted.
+/// Error diffusion: points with a density in proportion to a map, about as many as wanted.
 ///
-/// Floyd and Steinberg's halftoning ("An adaptive algorithm for spatial greyscale", 1976) of the map, rows there and back by
-/// turns: a pixel becomes a point when its density plus the errors that its neighbours left is at least 1/2, and hands its
-/// own error on. Yang, Wernick and Brankov ("A fast approach for accurate content-adaptive mesh generation", 2003) place the
-/// vertices of a mesh so. The first points come late, because errors have to gather: some 0.3 / density rows from the top. The
-/// factor from map to density is found by bisection: some 10 passes of 4 to 6 ns a pixel.
+/// The map is halftoned by the method of Floyd and Steinberg ("An adaptive algorithm for spatial greyscale", 1976), rows running
+/// left and right in turn: a pixel becomes a point if its density plus the errors that its neighbours left is at least 1/2, and
+/// passes its own error on. Yang, Wernick and Brankov ("A fast approach for accurate content-adaptive mesh generation", 2003)
+/// place the vertices of a mesh in this way. Errors must add up before the first point, which therefore lies some 0.3 / density
+/// rows below the top.
+///
+/// Cost: the factor from map to density is found by bisection, in some 10 passes of 4 to 6 ns a pixel.
 #ifndef HMESH_METHODS_BASELINES_ERROR_DIFFUSION_HPP
 #define HMESH_METHODS_BASELINES_ERROR_DIFFUSION_HPP
 
@@ -422,9 +424,10 @@ inline Status Delaunay::check() const {
 namespace hmesh::kit {
 namespace detail {
 
-/// Calls point(x, y) for the points of density min(1, factor * (map + floor)). What would fall over a side goes to the nearest
-/// pixel below; only the last row loses errors. Each row can lose half of them while the first point is yet to come, so in images
-/// of a few rows the columns take their part: a thin image would else have points where the map is largest alone.
+/// Calls point(x, y) for points of the density min(1, factor * (map + floor)). Errors that would leave the image at a side go to
+/// the nearest pixel below; only the last row loses errors, up to half a point for each of its pixels. In an image of a few rows
+/// that could be most of the points, and the rest would stand only where the map is largest: images more than 8 times as wide as
+/// high are therefore passed column by column.
 template <class Point>
 void diffuse(const ImageView<float, 1>& map, double factor, double floor, Point&& point) {
     const bool is_flat = map.width > 8 * map.height;
@@ -460,9 +463,10 @@ void diffuse(const ImageView<float, 1>& map, double factor, double floor, Point&
 
 }  // namespace detail
 
-/// At least `count` <= pixels points, at most about 1 % more where the map allows, as pixel numbers y * width + x, row after row
-/// there and back; column after column in images more than 8 times as wide as high. Values of the map are finite and >= 0; one
-/// that is 0 everywhere counts as even. go_on() is asked between passes, if set; when it says no, there are no points.
+/// At least `count` <= pixels points, and about 1 % more at most where the map allows, as pixel numbers y * width + x. They come
+/// row by row, left and right in turn, or column by column in images more than 8 times as wide as high. Values of the map must
+/// be finite and >= 0; a map that is 0 everywhere stands for an even density. go_on(), where set, is called between passes; once
+/// it says false, the result is empty.
 [[nodiscard]] inline std::vector<std::uint32_t> diffused_points(const ImageView<float, 1>& map, std::size_t count,
                                                                 FunctionRef<bool()> go_on = {}) {
     const std::size_t pixels = static_cast<std::size_t>(map.width) * static_cast<std::size_t>(map.height);
@@ -473,7 +477,8 @@ void diffuse(const ImageView<float, 1>& map, double factor, double floor, Point&
             sum += static_cast<double>(map.row(y)[x]);
             largest = std::max(largest, static_cast<double>(map.row(y)[x]));
         }
-    // With a floor of 1e-9 flat parts have no points unless all others have, and all pixels are points at some factor.
+    // With a floor of 1e-9 of the largest value, pixels of value 0 become points only when nearly all others are, and with a
+    // large enough factor all pixels are points.
     const double floor = largest > 0 ? 1e-9 * largest : 1;
     const auto number_at = [&](double factor) {
         std::size_t number = 0;
@@ -519,12 +524,14 @@ void diffuse(const ImageView<float, 1>& map, double factor, double floor, Point&
 // ---- hmesh/methods/baselines/feature_map.hpp
 
 /// \file
-/// Feature map: how strongly the image bends at each pixel, which is where a linear picture needs vertices.
+/// Feature map: how strongly the image bends at each pixel, which is where a piecewise linear picture needs vertices.
 ///
-/// The largest magnitude of a second directional derivative (Adams, "A flexible content-adaptive mesh-generation strategy
-/// for image representation", 2011; after Yang, Wernick and Brankov, "A fast approach for accurate content-adaptive mesh
-/// generation", 2003), that is of the two eigenvalues of the Hessian, of the image after some passes of the binomial filter
-/// [1 2 1] / 4 in both directions, summed over channels. About 40 ns a pixel for 3 channels.
+/// The value of a pixel is the largest magnitude of a second directional derivative, that is of the two eigenvalues of the
+/// Hessian, summed over channels; the image is smoothed before by some passes of the binomial filter [1 2 1] / 4 in both
+/// directions. After Adams, "A flexible content-adaptive mesh-generation strategy for image representation" (2011), and Yang,
+/// Wernick and Brankov, "A fast approach for accurate content-adaptive mesh generation" (2003).
+///
+/// Cost: about 40 ns a pixel for 3 channels, 16 bytes a pixel besides the map.
 #ifndef HMESH_METHODS_BASELINES_FEATURE_MAP_HPP
 #define HMESH_METHODS_BASELINES_FEATURE_MAP_HPP
 
@@ -537,20 +544,21 @@ void diffuse(const ImageView<float, 1>& map, double factor, double floor, Point&
 namespace hmesh::kit {
 namespace detail {
 
-/// One channel of an image, row after row. Doubles: sums of float samples near the largest do not overflow.
+/// One channel of an image; of doubles, so that sums of float samples near the largest float do not overflow.
 struct Plane {
-    int width, height;
-    std::vector<double> values;
+    int width, height;           ///< px
+    std::vector<double> values;  ///< row after row
     [[nodiscard]] double* row(int y) noexcept {
         return values.data() + static_cast<std::size_t>(y) * static_cast<std::size_t>(width);
     }
     [[nodiscard]] const double* row(int y) const noexcept {
         return values.data() + static_cast<std::size_t>(y) * static_cast<std::size_t>(width);
     }
+    /// Row y, or the nearest one where y is outside the image.
     [[nodiscard]] const double* row_held(int y) const noexcept { return row(std::max(0, std::min(height - 1, y))); }
 };
 
-/// Calls body(y) for all rows, in pieces.
+/// Calls body(y) for all rows, in chunks of 32 rows as pieces of work.
 template <class Body>
 void for_each_row(const ParallelFor& parallel_for, int height, Body&& body) {
     for_each_chunk(parallel_for, static_cast<std::size_t>(height), 32, [&](std::size_t begin, std::size_t end) {
@@ -558,16 +566,17 @@ void for_each_row(const ParallelFor& parallel_for, int height, Body&& body) {
     });
 }
 
-/// [1 2 1] / 4 down the columns, then along the rows; pixels beyond the border are those on it. `rest` is overwritten.
-inline void smooth(Plane& plane, Plane& rest, const ParallelFor& parallel_for) {
+/// Applies [1 2 1] / 4 down the columns, then along the rows; beyond the border the outermost pixels repeat. `scratch`, of the
+/// same size, is overwritten.
+inline void smooth(Plane& plane, Plane& scratch, const ParallelFor& parallel_for) {
     const int width = plane.width;
     for_each_row(parallel_for, plane.height, [&](int y) {
         const double *above = plane.row_held(y - 1), *here = plane.row(y), *below = plane.row_held(y + 1);
-        double* to = rest.row(y);
+        double* to = scratch.row(y);
         for (int x = 0; x < width; ++x) to[x] = 0.25 * above[x] + 0.5 * here[x] + 0.25 * below[x];
     });
     for_each_row(parallel_for, plane.height, [&](int y) {
-        const double* from = rest.row(y);
+        const double* from = scratch.row(y);
         double* to = plane.row(y);
         to[0] = 0.75 * from[0] + 0.25 * from[std::min(1, width - 1)];
         for (int x = 1; x + 1 < width; ++x) to[x] = 0.25 * from[x - 1] + 0.5 * from[x] + 0.25 * from[x + 1];
@@ -577,19 +586,20 @@ inline void smooth(Plane& plane, Plane& rest, const ParallelFor& parallel_for) {
 
 }  // namespace detail
 
-/// The map of the whole image, values >= 0 and finite, after `passes` >= 0 of smoothing (three are Adams').
+/// The map of the whole image, of its size, after `passes` >= 0 of smoothing, three in the recipe Adams. Values are >= 0,
+/// finite, in stored values a px^2.
 template <int C>
 [[nodiscard]] Image<float, 1> feature_map(const ImageSource<C>& source, int passes = 3, const ParallelFor& parallel_for = {}) {
     const int width = source.width(), height = source.height();
     const std::size_t pixels = static_cast<std::size_t>(width) * static_cast<std::size_t>(height);
     Image<float, 1> map(width, height);
-    detail::Plane plane{width, height, std::vector<double>(pixels)}, rest = plane;
+    detail::Plane plane{width, height, std::vector<double>(pixels)}, scratch = plane;
     for (int c = 0; c < C; ++c) {
         detail::for_each_row(parallel_for, height, [&](int y) {
             double* to = plane.row(y);
             for (int x = 0; x < width; ++x) to[x] = source.pixel(x, y)[c];
         });
-        for (int pass = 0; pass < passes; ++pass) detail::smooth(plane, rest, parallel_for);
+        for (int pass = 0; pass < passes; ++pass) detail::smooth(plane, scratch, parallel_for);
         detail::for_each_row(parallel_for, height, [&](int y) {
             const double *above = plane.row_held(y - 1), *here = plane.row(y), *below = plane.row_held(y + 1);
             float* to = map.data() + static_cast<std::size_t>(y) * static_cast<std::size_t>(width);
@@ -613,15 +623,15 @@ template <int C>
 // ---- hmesh/methods/baselines/point_removal.hpp
 
 /// \file
-/// Point removal: greedily, the vertex whose removal costs least, from a Delaunay triangulation.
+/// Point removal: removes from a Delaunay triangulation, again and again, the vertex whose removal costs least.
 ///
-/// Demaret and Iske's adaptive thinning ("Advances in digital image compression by adaptive thinning", 2004), and the second
-/// half of Adams' method (2011). The hole that a vertex leaves is filled by Delaunay ears (mesh/hole_filler.hpp), colours
-/// stay; the cost is the exact rise of the energy, known from the moments of the hole's sides and of the new edges. All costs
-/// stand in one heap and those around a removed vertex are computed again: about 1 us each, 6 to 8 us a removal.
+/// This is the adaptive thinning of Demaret and Iske ("Advances in digital image compression by adaptive thinning", 2004), and
+/// the second half of Adams' method (2011). The hole that a vertex leaves is filled by Delaunay ears (mesh/hole_filler.hpp), and
+/// colours stay. The cost is the exact rise of the energy, which follows from the moments of the hole's sides and of the new
+/// edges. A heap has the costs of all vertices; those around a removed vertex are computed again.
 ///
-/// edit/collapse.hpp is what the method `annealed` uses instead: it merges a vertex into its best neighbour and re-optimises
-/// around, which fits better and keeps no mesh Delaunay.
+/// Cost: about 1 us for each cost, 6 to 8 us for a removal. The recipe Annealed uses edit/collapse.hpp instead, which merges a
+/// vertex into its best neighbour and re-optimises the surroundings: that fits better, and does not keep the mesh Delaunay.
 #ifndef HMESH_METHODS_BASELINES_POINT_REMOVAL_HPP
 #define HMESH_METHODS_BASELINES_POINT_REMOVAL_HPP
 
@@ -631,20 +641,21 @@ template <int C>
 
 namespace hmesh::kit {
 
-/// A mesh, and what the removal of each vertex would cost.
+/// A mesh together with the cost of removing each of its vertices.
 template <int C>
 class PointRemoval {
   public:
-    /// Of a mesh whose inner edges are Delaunay edges and whose corners at least are fixed; it outlives this.
+    /// Computes the costs of all vertices, 1 us each. The mesh must outlive the object; its inner edges must be Delaunay edges,
+    /// and its corners must have Mobility::corner or locked.
     explicit PointRemoval(ImageMesh<C>& mesh) : mesh_(&mesh) {
         for (const Vertex v : mesh.topology().vertices()) {
-            if (!mesh.keep_going()) break;  // and then no vertex goes
+            if (!mesh.keep_going()) break;  // remove_down_to() then stops too
             rate(v);
         }
     }
 
-    /// Removes the cheapest vertices until `count` >= 4 are left. Returns how many went, fewer if the work was told to stop.
-    /// Vertices with more than ring_capacity neighbours stay.
+    /// Removes the cheapest vertices until `count` >= 4 are left. Vertices with more than ring_capacity neighbours stay. Returns
+    /// the number of vertices removed: fewer where no other vertex can be removed, or where mesh.keep_going() says stop.
     std::size_t remove_down_to(std::size_t count) {
         const std::size_t first = mesh_->vertex_count();
         while (mesh_->vertex_count() > count && !costs_.empty() && mesh_->keep_going()) {
@@ -656,12 +667,13 @@ class PointRemoval {
         return first - mesh_->vertex_count();
     }
 
-    /// By how much the energy would rise without v, which is in the heap.
+    /// The rise of the energy if v were removed; can_go(v) must hold.
     [[nodiscard]] double cost(Vertex v) const noexcept { return costs_.key(static_cast<std::uint32_t>(v.index())); }
+    /// Whether v may be removed: not a corner, not locked, at most ring_capacity neighbours.
     [[nodiscard]] bool can_go(Vertex v) const noexcept { return costs_.contains(static_cast<std::uint32_t>(v.index())); }
 
   private:
-    /// Puts v's cost into the heap, or takes v out of it.
+    /// Enters the cost of v into the heap or, where v must stay, takes v out of the heap.
     void rate(Vertex v) {
         const auto id = static_cast<std::uint32_t>(v.index());
         const Mobility mobility = mesh_->vertex(v).mobility;
@@ -671,7 +683,8 @@ class PointRemoval {
         else if (costs_.contains(id)) costs_.erase(id);
     }
 
-    /// Fills the hole of v on trial: ears, moments of their diagonals and their energies. Returns the cost.
+    /// Finds the ears that would fill the hole of v, the moments of their diagonals, and their energies; the mesh stays as it
+    /// is. Returns the cost of removing v.
     double fill(Vertex v) {
         mesh_->gather(v, ring_, spokes_);
         ears_ = &filler_.fill(
@@ -682,7 +695,7 @@ class PointRemoval {
             sides_[0] = spokes_.spoke[ring_.size - 1];
             sides_[0] -= spokes_.spoke[0];
         }
-        // sides_[i] runs from i to the neighbour before it among those that are left.
+        // sides_[i] runs from neighbour i to the one before it among those not yet cut off by an ear.
         const std::size_t count = ears_->size();
         for (std::size_t k = 0; k < count; ++k) {
             const Ear& ear = (*ears_)[k];
@@ -702,12 +715,13 @@ class PointRemoval {
         return energy;
     }
 
+    /// Removes v, and computes the costs around it again.
     void remove(Vertex v) {
         const HalfedgeMesh& topology = mesh_->topology();
         (void)fill(v);
         around_.clear();
         for (int i = 0; i < ring_.size; ++i) around_.push_back(topology.to_vertex(ring_.halfedge[i]));
-        // The spoke to an ear's tip turns into the ear's diagonal. Between, faces at v may have no area: they are given no
+        // The spoke to an ear's tip flips into the ear's diagonal. In between, faces at v may have no area: they are given no
         // energy, and the last of them gets its true one from the collapse.
         bool is_left[ring_capacity];
         for (int i = 0; i < ring_.size; ++i) is_left[i] = true;
@@ -719,7 +733,7 @@ class PointRemoval {
             if (!is_even) diagonals_[k] *= -1.0;
             mesh_->flip(HalfedgeMesh::edge(spoke), diagonals_[k], is_even ? 0 : energies_[k], is_even ? energies_[k] : 0);
         }
-        int into = 0;  // a border vertex goes along the border
+        int into = 0;  // a border vertex collapses along the border
         while (!is_left[into]) ++into;
         mesh_->collapse(ring_.halfedge[into]);
         for (const Vertex u : around_) rate(u);
@@ -728,7 +742,7 @@ class PointRemoval {
     ImageMesh<C>* mesh_;
     IndexedHeap costs_;
     HoleFiller filler_;
-    const std::vector<Ear>* ears_ = nullptr;  ///< the filler's last
+    const std::vector<Ear>* ears_ = nullptr;  ///< those of the last fill()
     Ring<C> ring_;
     Spokes<C> spokes_;
     Moments<C> sides_[ring_capacity], diagonals_[ring_capacity];
@@ -743,14 +757,15 @@ class PointRemoval {
 // ---- hmesh/tiles/delaunay_mesh.hpp
 
 /// \file
-/// delaunay_mesh(): a Delaunay triangulation as a mesh of an image, which is how many methods begin.
+/// delaunay_mesh(): a Delaunay triangulation as a mesh of an image, the start of many methods. O(n).
 #ifndef HMESH_TILES_DELAUNAY_MESH_HPP
 #define HMESH_TILES_DELAUNAY_MESH_HPP
 
 namespace hmesh::kit {
 
-/// The triangulation of the image's rectangle, in the colours of the pixels under its vertices; vertices and faces are in the
-/// order of its topology(). The energy is not known: ImageMesh::assign() and TiledMesh::measure() find it. O(n).
+/// The mesh of a Delaunay triangulation of the image's rectangle, with the colours of the pixels under the vertices; vertices
+/// and faces are in the order of delaunay.topology(). The energy is not computed: ImageMesh::assign() and TiledMesh::measure()
+/// do that. O(n).
 template <int C>
 [[nodiscard]] HMESH_COLD IndexedMesh<C> delaunay_mesh(const ImageSource<C>& source, const Delaunay& delaunay) {
     HMESH_ASSERT(delaunay.width() == source.width() && delaunay.height() == source.height());
@@ -776,8 +791,10 @@ template <int C>
 ///
 ///     feature map -> error diffusion to d n points -> Delaunay triangulation -> greedy point removal to n
 ///
-/// Colours are sampled; edges are Delaunay edges whatever the picture. The paper's baseline, and where it starts from. Some
-/// 40 us a vertex of the result.
+/// Colours are sampled, and edges are Delaunay edges whatever the picture. The paper compares itself with this method, and
+/// starts from its meshes.
+///
+/// Cost: some 40 us a vertex of the result.
 #ifndef HMESH_METHODS_BASELINES_ADAMS_HPP
 #define HMESH_METHODS_BASELINES_ADAMS_HPP
 
@@ -790,7 +807,8 @@ template <int C>
 namespace hmesh {
 namespace kit::detail {
 
-/// The Delaunay triangulation of the corners and of these pixels, with their colours, in place of what work had. False: cancelled.
+/// Replaces the mesh by the Delaunay triangulation of the image's corners and of these pixels, given as y * width + x, with the
+/// pixels' colours, and measures it. False: cancelled.
 template <int C>
 bool triangulate_pixels(TiledMesh<C>& tiled, const std::vector<std::uint32_t>& pixels) {
     const ImageSource<C>& source = tiled.source();
@@ -805,40 +823,45 @@ bool triangulate_pixels(TiledMesh<C>& tiled, const std::vector<std::uint32_t>& p
     }
     tiled.indexed() = delaunay_mesh(source, mesh);
     tiled.progress().set_range(1, 1);
-    return tiled.for_each(one_tile(source), [](Patch<C>&, std::size_t) {});  // from here on its energy is known
+    return tiled.for_each(one_tile(source), [](Patch<C>&, std::size_t) {});  // makes the patch, which has the energy
 }
 
-/// Removal to n vertices, as a stage.
+/// Removes the cheapest points until n vertices are left (methods/baselines/point_removal.hpp), as a stage. False: cancelled.
 template <int C>
 bool remove_points(TiledMesh<C>& tiled, std::size_t n) {
-    return run_whole_stage<C>(tiled, "removal", [&](ImageMesh<C>& mesh) { PointRemoval<C>(mesh).remove_down_to(n); });
+    return run_one_tile_stage<C>(tiled, "removal", [&](ImageMesh<C>& mesh) { PointRemoval<C>(mesh).remove_down_to(n); });
 }
 
 }  // namespace kit::detail
 
-/// Adams' method, with sampled colors.
+/// The recipe of Adams' method (2011): error-diffused points with a density that follows the second derivatives of the image,
+/// their Delaunay triangulation, and greedy removal of the points whose loss costs least. Colours are sampled unless
+/// Options::colors says otherwise. The whole image is one piece of work, on one thread but for the feature map; some 40 us a
+/// vertex.
 struct Adams {
-    /// Points before the removal, in units of the target, in [1, 1000], as far as there are pixels. They cost time in
-    /// proportion: / Lena at 1 % has 27.06 dB with 2, 28.05 with 4.5, 28.21 with 8; Fruits 26.29, 27.14 and 27.06.
+    /// Points before the removal, in units of the target, in [1, 1000]; at most one for each pixel. Time is proportional to it.
+    /// Lena at 1 % has 27.06 dB with 2, 28.05 with 4.5, 28.21 with 8; Fruits 26.29, 27.14 and 27.06 (docs/paper.md).
     double density = 4.5;
-    int smoothing =
-        3;  ///< passes of [1 2 1] / 4 before the derivatives, in [0, 100]; none costs 0.1 to 0.4 dB on Lena and Fruits
+    /// Passes of the binomial filter [1 2 1] / 4 before the derivatives, in [0, 100]; 0 costs 0.1 to 0.4 dB on Lena and Fruits.
+    int smoothing = 3;
 
-    static constexpr const char* name = "adams";
-    static constexpr Colors colors = Colors::sampled;
+    static constexpr const char* name = "adams";       ///< for reports
+    static constexpr Colors colors = Colors::sampled;  ///< final colours where Options::colors says nothing
 
-    /// Whether the options mean something.
+    /// Whether all options are in range, for images of any size; else Errc::invalid_argument with the offending value and its
+    /// bound.
     [[nodiscard]] Status check(int = 1, int = 1) const noexcept {
         return kit::check_ranges({{"adams density must be in [1, 1000]", density, 1, 1000},
                                   {"adams smoothing must be in [0, 100] passes", static_cast<double>(smoothing), 0, 100}});
     }
-    /// px: the image in one piece.
+    /// The image's longer side in px: the image is one piece.
     [[nodiscard]] static double tile_size(int width, int height, std::size_t) noexcept { return std::max(width, height); }
-    /// Makes a mesh of n vertices, 4 <= n <= max(4, pixels).
+    /// Replaces `mesh` by a mesh of n vertices of its image, 4 <= n <= max(4, pixels). Errc::cancelled: it is valid, with any
+    /// number of vertices.
     template <int C>
     [[nodiscard]] Status run(kit::TiledMesh<C>& mesh, std::size_t n) const {
         const kit::ImageSource<C>& source = mesh.source();
-        mesh.indexed() = kit::corner_mesh(source);  // what a cancellation finds
+        mesh.indexed() = kit::corner_mesh(source);  // the mesh after a cancellation in the first stage
         const bool go_on = kit::run_stage<C>(mesh, "points", [&] {
             const double wanted = std::ceil(density * static_cast<double>(n));
             const auto count = static_cast<std::size_t>(std::min(source.pixels(), wanted));
@@ -861,9 +884,10 @@ struct Adams {
 ///
 ///    Delaunay triangulation of all pixels -> greedy point removal to n
 ///
-/// Colours are sampled. What Adams' method is a short cut of. Costs 8 us and 0.7 KB a pixel of the image, whatever the target,
-/// and is not always better: above that method in 38 of 90 meshes of 256 x 256 px, with optimal colours in 80, then by 0.2 dB on
-/// average (docs/paper.md).
+/// Colours are sampled. Adams' method is a short cut of this one, which is not always better: it is above Adams' in 38 of 90
+/// meshes of 256 x 256 px and, with optimal colours for both, in 80, by 0.2 dB on average (docs/paper.md).
+///
+/// Cost: 8 us and 0.7 KB a pixel of the image, whatever the target.
 #ifndef HMESH_METHODS_BASELINES_ADAPTIVE_THINNING_HPP
 #define HMESH_METHODS_BASELINES_ADAPTIVE_THINNING_HPP
 
@@ -875,27 +899,30 @@ struct Adams {
 
 namespace hmesh {
 
-/// Adaptive thinning, with sampled colors.
+/// The recipe of adaptive thinning (Demaret and Iske 2004): the Delaunay triangulation of all pixels, and greedy removal of the
+/// points whose loss costs least. For small images: 8 us and 0.7 KB for each pixel, on one thread. Colours are sampled unless
+/// Options::colors says otherwise. There are no options.
 struct AdaptiveThinning {
-    static constexpr std::int64_t max_pixels = std::int64_t{1} << 22;  ///< of an image: its mesh takes 3 GB at first
+    static constexpr std::int64_t max_pixels = std::int64_t{1} << 22;  ///< of an image, whose first mesh then takes 3 GB
 
-    static constexpr const char* name = "adaptive_thinning";
-    static constexpr Colors colors = Colors::sampled;
+    static constexpr const char* name = "adaptive_thinning";  ///< for reports
+    static constexpr Colors colors = Colors::sampled;         ///< final colours where Options::colors says nothing
 
-    /// Whether the image is small enough.
+    /// Whether the image has at most max_pixels; else Errc::image_too_large with the number of pixels and that bound.
     [[nodiscard]] static Status check(int width, int height) noexcept {
         const std::int64_t pixels = std::int64_t{width} * height;
         if (pixels <= max_pixels) return {};
         return {Errc::image_too_large, "adaptive thinning starts from all pixels, and the image has too many", pixels,
                 max_pixels};
     }
-    /// px: the image in one piece.
+    /// The image's longer side in px: the image is one piece.
     [[nodiscard]] static double tile_size(int width, int height, std::size_t) noexcept { return std::max(width, height); }
-    /// Makes a mesh of n vertices, 4 <= n <= max(4, pixels).
+    /// Replaces `mesh` by a mesh of n vertices of its image, 4 <= n <= max(4, pixels). Errc::cancelled: it is valid, with any
+    /// number of vertices.
     template <int C>
     [[nodiscard]] Status run(kit::TiledMesh<C>& mesh, std::size_t n) const {
         const kit::ImageSource<C>& source = mesh.source();
-        mesh.indexed() = kit::corner_mesh(source);  // what a cancellation finds
+        mesh.indexed() = kit::corner_mesh(source);  // the mesh after a cancellation in the first stage
         const bool go_on = kit::run_stage<C>(mesh, "points", [&] {
             std::vector<std::uint32_t> pixels(static_cast<std::size_t>(source.pixels()));
             std::iota(pixels.begin(), pixels.end(), 0U);
@@ -914,10 +941,12 @@ struct AdaptiveThinning {
 /// \file
 /// Flip queue: the paper's topology step (section 4.5.2, after Xie et al. 2014).
 ///
-/// All interior edges are suspects, the one whose two faces have the largest error first. A suspect turns if that lowers the
-/// error, with positions and colours held; then the four sides of its quadrilateral are suspects again. An edge comes up a
-/// bounded number of times. flip_edges (edit/flip.hpp) reaches the same kind of minimum without the order, in half the time.
-/// About 0.3 us an edge.
+/// The queue holds all interior edges at first; the edge whose two faces have the largest error is next. It flips if that lowers
+/// the error, with positions and colours held, and then the four sides of its quadrilateral enter the queue again. An edge
+/// leaves the queue a bounded number of times. flip_edges() (edit/flip.hpp) reaches the same kind of minimum without this order,
+/// in half the time.
+///
+/// Cost: about 0.3 us an edge.
 #ifndef HMESH_METHODS_BASELINES_FLIP_QUEUE_HPP
 #define HMESH_METHODS_BASELINES_FLIP_QUEUE_HPP
 
@@ -927,8 +956,9 @@ struct AdaptiveThinning {
 
 namespace hmesh::kit {
 
-/// Turns suspects until none is left; each comes up at most `visits` >= 1 times. The energy falls with every flip, by more
-/// than rounding, so that the bound only keeps edges from coming up for tiny gains. Returns the number of flips.
+/// Flips edges until the queue is empty; an edge is tried at most `visits` >= 1 times. The energy falls with every flip by more
+/// than rounding, so the queue would empty anyway; the bound saves trials for tiny gains. The four vertices around a flipped
+/// edge become dirty. Ends early where mesh.keep_going() says stop. Returns the number of flips.
 template <int C>
 std::size_t run_flip_queue(ImageMesh<C>& mesh, int visits = 8) {
     const HalfedgeMesh& topology = mesh.topology();
@@ -965,12 +995,14 @@ std::size_t run_flip_queue(ImageMesh<C>& mesh, int visits = 8) {
 // ---- hmesh/methods/baselines/vertex_search.hpp
 
 /// \file
-/// Vertex search: move vertices from pixel to pixel to where the error is least, with sampled colours.
+/// Vertex search: move vertices in whole pixels to where the error is least, with sampled colours.
 ///
-/// The geometry step of Xie et al. (2014) as a pattern search: a vertex tries the eight neighbours at a distance of
-/// `first_step` pixels, goes to the best while that lowers the error of its ring, then halves the distance down to one pixel.
-/// Its colour is always the image's at its place. Where a vertex moved, its neighbours come up again, up to `visits` times
-/// each. A trial walks the ring's spokes, about 0.4 us, and ends as soon as it has lost; a visit takes some 6 us.
+/// The geometry step of Xie et al. (2014) as a pattern search: a vertex tries the eight positions at a distance of `first_step`
+/// pixels and moves to the best as long as that lowers the error of its ring; then the distance is halved, down to one pixel.
+/// The colour is always that of the image at the vertex. Neighbours of a vertex that moved are visited again, each vertex up to
+/// `visits` times.
+///
+/// Cost: a trial walks the ring's spokes in about 0.4 us, less where it is worse early; a visit takes some 6 us.
 #ifndef HMESH_METHODS_BASELINES_VERTEX_SEARCH_HPP
 #define HMESH_METHODS_BASELINES_VERTEX_SEARCH_HPP
 
@@ -979,15 +1011,15 @@ std::size_t run_flip_queue(ImageMesh<C>& mesh, int visits = 8) {
 
 namespace hmesh::kit {
 
-/// How far and how often vertices are moved.
+/// Options of search_vertices().
 struct VertexSearch {
-    int first_step = 4;  ///< px
-    int visits = 6;      ///< of a vertex
+    int first_step = 4;  ///< the first distance, px, in [1, 4096]; halved down to 1
+    int visits = 6;      ///< of each vertex at most, in [1, 1000]
 };
 
 namespace detail {
 
-/// The energy of the faces of a ring with its centre at `centre`; anything not below `bound` once that is reached.
+/// The energy of the faces of a ring with its centre vertex in this state; once it reaches `bound`, any value not below that.
 template <int C>
 [[nodiscard]] double centered_energy(const MomentTable<C>& table, const Ring<C>& ring, const VertexState<C>& center,
                                      double bound) {
@@ -1009,19 +1041,19 @@ template <int C>
     return energy;
 }
 
-/// One visit; whether v moved.
+/// Visits v. Returns whether it moved. `ring` and `spokes` are overwritten.
 template <int C>
 bool search_vertex(ImageMesh<C>& mesh, Vertex v, int first_step, Ring<C>& ring, Spokes<C>& spokes) {
     const VertexState<C> state = mesh.vertex(v);
     if (state.mobility == Mobility::corner || state.mobility == Mobility::locked) return false;
     mesh.gather(v, ring, spokes);
-    double least = mesh.energy(ring);
+    double lowest = mesh.energy(ring);
     double squares = ring.open ? spokes.spoke[ring.size - 1].q[3] - spokes.spoke[0].q[3] : 0;  // |I|^2 of the ring
     for (int i = ring.first_face(); i < ring.size; ++i) squares += ring.link[i].q[3];
-    // What rounding may seem to gain: energies are differences of sums as large as the squares, some of them over whole rows.
-    const double enough = 1e-9 * least + 1e-12 * squares;
+    // A gain that rounding may feign: energies are differences of sums as large as the squares, some of them over whole rows.
+    const double min_gain = 1e-9 * lowest + 1e-12 * squares;
     VertexState<C> best = state;
-    // Along a side, or half a pixel off it at least, where the centres are.
+    // A vertex stays on its side of the image or at least half a pixel off, where the centres of pixels are.
     const auto on_centers = [](double x, int size) { return x >= 0.5 && x <= size - 0.5; };
     for (int step = first_step; step >= 1; step /= 2)
         for (bool moved = true; moved;) {
@@ -1039,9 +1071,9 @@ bool search_vertex(ImageMesh<C>& mesh, Vertex v, int first_step, Ring<C>& ring, 
                     !ring.accepts(trial.position, mesh.limits().min_double_area))
                     continue;
                 trial.color = sampled_color(mesh.table(), trial.position);
-                const double energy = centered_energy(mesh.table(), ring, trial, least - enough);
-                if (!(energy < least - enough)) continue;
-                least = energy;
+                const double energy = centered_energy(mesh.table(), ring, trial, lowest - min_gain);
+                if (!(energy < lowest - min_gain)) continue;
+                lowest = energy;
                 best = trial;
                 moved = true;
             }
@@ -1053,9 +1085,10 @@ bool search_vertex(ImageMesh<C>& mesh, Vertex v, int first_step, Ring<C>& ring, 
 
 }  // namespace detail
 
-/// Searches until no vertex is due or all have come up `visits` times, in rounds in spatial order. Returns the number of visits
-/// that moved their vertex. Colours are to be sampled ones (sample_colors): a vertex that stays keeps what it has. Vertices with
-/// more than ring_capacity neighbours stay where they are.
+/// Visits vertices in rounds, in spatial order: all in the first round, then those that are dirty because a neighbour moved,
+/// until none is or options.visits rounds are done. The mesh should have sampled colours (sample_colors()), since a vertex that
+/// stays keeps its colour. Vertices with more than ring_capacity neighbours stay. Returns the number of visits that moved their
+/// vertex; ends early where mesh.keep_going() says stop.
 template <int C>
 std::size_t search_vertices(ImageMesh<C>& mesh, const VertexSearch& options) {
     const HalfedgeMesh& topology = mesh.topology();
@@ -1090,8 +1123,10 @@ std::size_t search_vertices(ImageMesh<C>& mesh, const VertexSearch& options) {
 ///
 ///     Adams' mesh -> (vertex search, flip queue) by turns until neither gains
 ///
-/// Colours are sampled, vertices stay on pixels. That text leaves the search open: here it is the pattern search of
-/// methods/baselines/vertex_search.hpp. Some 110 to 170 us a vertex.
+/// Colours are sampled, and vertices move in whole pixels. The paper does not say how vertices are searched; here it is the
+/// pattern search of methods/baselines/vertex_search.hpp.
+///
+/// Cost: some 110 to 170 us a vertex.
 #ifndef HMESH_METHODS_BASELINES_XIE_HPP
 #define HMESH_METHODS_BASELINES_XIE_HPP
 
@@ -1100,18 +1135,21 @@ std::size_t search_vertices(ImageMesh<C>& mesh, const VertexSearch& options) {
 
 namespace hmesh {
 
-/// The method of Xie et al., with sampled colors.
+/// The recipe of the method of Xie et al. (2014), the paper's baseline: Adams' mesh, then vertices searched from pixel to pixel
+/// and edges flipped by turns. Colours are sampled unless Options::colors says otherwise. The whole image is one piece of work,
+/// on one thread but for the feature map; some 110 to 170 us a vertex.
 struct Xie {
-    Adams start{};               ///< the mesh that it starts from
-    kit::VertexSearch search{};  ///< how vertices move
-    int flip_visits = 8;         ///< how often an edge is a suspect in a round, in [1, 1000000]
-    int rounds = 8;              ///< at most, in [0, 1000]; one that gains less than `enough` is the last
-    double enough = 1e-3;        ///< of the energy, in [0, 1]
+    Adams start{};               ///< the recipe of the mesh to start from
+    kit::VertexSearch search{};  ///< how far and how often vertices move in a round
+    int flip_visits = 8;         ///< how often an edge is tried in a round at most, in [1, 1000000]
+    int rounds = 8;              ///< of a search and flips at most, in [0, 1000]; 0 leaves the mesh of `start`
+    double enough = 1e-3;        ///< a round that lowers the energy by this share of it or less is the last; in [0, 1]
 
-    static constexpr const char* name = "xie";
-    static constexpr Colors colors = Colors::sampled;
+    static constexpr const char* name = "xie";         ///< for reports
+    static constexpr Colors colors = Colors::sampled;  ///< final colours where Options::colors says nothing
 
-    /// Whether the options mean something.
+    /// Whether all options are in range, for images of any size; else Errc::invalid_argument with the offending value and its
+    /// bound.
     [[nodiscard]] Status check(int = 1, int = 1) const noexcept {
         if (const Status status = start.check(); !status) return status;
         return kit::check_ranges(
@@ -1121,9 +1159,10 @@ struct Xie {
              {"xie rounds must be in [0, 1000]", static_cast<double>(rounds), 0, 1000},
              {"xie enough must be in [0, 1]", enough, 0, 1}});
     }
-    /// px: the image in one piece.
+    /// The image's longer side in px: the image is one piece.
     [[nodiscard]] static double tile_size(int width, int height, std::size_t) noexcept { return std::max(width, height); }
-    /// Makes a mesh of n vertices, 4 <= n <= max(4, pixels).
+    /// Replaces `mesh` by a mesh of n vertices of its image, 4 <= n <= max(4, pixels). Errc::cancelled: it is valid, with any
+    /// number of vertices.
     template <int C>
     [[nodiscard]] Status run(kit::TiledMesh<C>& mesh, std::size_t n) const {
         using kit::ImageMesh;
@@ -1131,8 +1170,8 @@ struct Xie {
         for (int round = 0; round < rounds; ++round) {
             const double before = mesh.energy();
             const bool go_on =
-                kit::run_whole_stage<C>(mesh, "search", [&](ImageMesh<C>& piece) { search_vertices(piece, search); }) &&
-                kit::run_whole_stage<C>(mesh, "flips", [&](ImageMesh<C>& piece) { run_flip_queue(piece, flip_visits); });
+                kit::run_one_tile_stage<C>(mesh, "search", [&](ImageMesh<C>& piece) { search_vertices(piece, search); }) &&
+                kit::run_one_tile_stage<C>(mesh, "flips", [&](ImageMesh<C>& piece) { run_flip_queue(piece, flip_visits); });
             if (!go_on) return kit::cancelled_by_callback();
             if (!(before - mesh.energy() > enough * before)) break;
         }
@@ -1147,9 +1186,10 @@ struct Xie {
 // ---- hmesh/methods/hierarchical/bilateral_tile.hpp
 
 /// \file
-/// BilateralTile: the bilateral filter at work on a tile of an image, in vectors of floats.
+/// BilateralTile: the kernel of bilateral_filter(), for one tile of an image, in vectors of floats.
 ///
-/// The definition is in bilateral.hpp. Here are the planes, the weights and the order of the work.
+/// methods/hierarchical/bilateral.hpp defines the filter; this header has the planes of samples, the weights, and the order in
+/// which they are computed.
 #ifndef HMESH_METHODS_HIERARCHICAL_BILATERAL_TILE_HPP
 #define HMESH_METHODS_HIERARCHICAL_BILATERAL_TILE_HPP
 
@@ -1160,7 +1200,7 @@ struct Xie {
 #include <cstring>
 #include <vector>
 
-// GCC leaves short loops over channels as they are at -O2.
+// GCC does not unroll short loops over channels at -O2.
 #if defined(__GNUC__) && !defined(__clang__)
 #define HMESH_UNROLL _Pragma("GCC unroll 16")
 #else
@@ -1169,7 +1209,8 @@ struct Xie {
 
 namespace hmesh::kit::detail {
 
-// Neighbouring pixels of one channel, as many as a register holds. One at a time where compiler or processor has no vectors.
+// Floats: neighbouring pixels of one channel, as many as a register holds; one where the compiler or the processor has no
+// vectors.
 #if defined(__GNUC__) && (defined(__SSE__) || !defined(__i386__))
 #if defined(__AVX2__)
 inline constexpr int float_lanes = 8;
@@ -1209,15 +1250,17 @@ HMESH_ALWAYS_INLINE Floats from_bits(Bits bits) {
 }
 HMESH_ALWAYS_INLINE Floats magnitude(Floats x) { return from_bits(bits_of(x) & 0x7fffffffU); }
 
-/// The least exponent of 2 that a weight can have: 2^-125 is a float, and nothing beside the weight 1 of the centre.
-inline constexpr float least_exponent = -125;
+/// The smallest exponent of 2 that a weight can have: 2^-125 is a normal float, and negligible beside the weight 1 of the
+/// window's centre.
+inline constexpr float min_exponent = -125;
 
-/// 2^x for x <= 0, no less than 2^least_exponent. The integer part goes to the exponent's bits; the polynomial is that of
-/// degree 5 with the least relative error of 2^f over -1 <= f <= 0 (Remez), 7.5e-8; with rounding it is 3e-7. Rounding
-/// of x itself, 2^-24 |x|, adds as much at weights of 1/8 and 1e-6 at 2^-24, which hardly count.
+/// 2^x for x <= 0, at least 2^min_exponent. The integer part of x is added to the bits of the exponent. For the fraction f, in
+/// [-1, 0], a polynomial of degree 5 with the smallest largest relative error (Remez) approximates 2^f to 7.5e-8, with rounding
+/// to 3e-7. The rounding of x itself, 2^-24 |x|, adds as much at weights of 1/8, and 1e-6 at weights of 2^-24, which hardly
+/// count.
 HMESH_ALWAYS_INLINE Floats power_of_2(Floats x) {
-    const Floats least = Floats{} + least_exponent;
-    x = x > least ? x : least;
+    const Floats lowest = Floats{} + min_exponent;
+    x = x > lowest ? x : lowest;
     const Ints n = truncate(x);
     const Floats f = x - to_floats(n);
     Floats p = f * 0.000938788337F + 0.00918861173F;
@@ -1228,23 +1271,24 @@ HMESH_ALWAYS_INLINE Floats power_of_2(Floats x) {
     return from_bits(bits_of(p) + (bits_of(n) << 23U));
 }
 
-/// Index i, also one outside [0, n), mirrored at the centres of the first and the last of n pixels until it is inside.
+/// Any index i mirrored at the centres of the first and the last of n pixels until it is in [0, n).
 [[nodiscard]] inline int reflect(int i, int n) noexcept {
     if (n == 1) return 0;
     const int period = 2 * (n - 1), k = (i % period + period) % period;
     return k < n ? k : period - k;
 }
 
-/// Half of the window, since two pixels have one weight for each other, in the units of BilateralTile: samples times unit().
+/// The window of the filter, one tap of each pair of opposite ones, since two pixels have the same weight for each other.
+/// Colours are in the unit of BilateralTile: samples times unit().
 class BilateralWindow {
   public:
-    /// The tap (dx, dy) below or to the right of the centre, and the one opposite.
+    /// The tap (dx, dy) below or to the right of the centre, and the tap (-dx, -dy).
     struct Pair {
-        int dx, dy;
+        int dx, dy;      ///< px
         float exponent;  ///< log2 of the weight by nearness in the plane
     };
 
-    /// The radius in px, sigma of colours in stored values, sigma of places in px; both finite and at least 0.
+    /// The window of `radius` px; sigma_color in stored values and sigma_space in px, both finite and >= 0.
     BilateralWindow(int radius, double sigma_color, double sigma_space) : radius_(radius) {
         constexpr double log2_e = 1.4426950408889634;
         for (int dy = 0; dy <= radius_; ++dy)
@@ -1253,19 +1297,23 @@ class BilateralWindow {
                 if (square > radius_ * radius_) continue;
                 const double distance = std::sqrt(static_cast<double>(square)) / sigma_space;
                 const double exponent = -log2_e / 2 * distance * distance;
-                pairs_.push_back({dx, dy, static_cast<float>(std::max(exponent, static_cast<double>(least_exponent)))});
+                pairs_.push_back({dx, dy, static_cast<float>(std::max(exponent, static_cast<double>(min_exponent)))});
             }
-        // A power of two, so that products do not round. From 2^-72, which keeps any float below the 2^57 of the tile
-        // however large sigma, to 2^1000, which has an inverse; the factor takes what is left.
+        // unit_ is a power of two, so that products do not round: at least 2^-72, which keeps any float below the 2^57 of the
+        // tile however large sigma is, at most 2^1000, which has an inverse. factor_ takes the rest of the scale.
         const double scale = std::sqrt(log2_e / 2) / std::max(1e-290, sigma_color);
         unit_ = std::ldexp(1.0, std::max(-72, std::min(1000, std::ilogb(scale))));
         factor_ = static_cast<float>(std::min(4.0, (scale / unit_) * (scale / unit_)));
     }
 
+    /// The radius in px.
     [[nodiscard]] int radius() const noexcept { return radius_; }
-    [[nodiscard]] const std::vector<Pair>& pairs() const noexcept { return pairs_; }  ///< by rising dy
+    /// All pairs of taps, by rising dy.
+    [[nodiscard]] const std::vector<Pair>& pairs() const noexcept { return pairs_; }
+    /// The factor that samples are multiplied by.
     [[nodiscard]] double unit() const noexcept { return unit_; }
-    [[nodiscard]] float factor() const noexcept { return factor_; }  ///< -log2 of the weight of colours 1 apart, in [0, 4]
+    /// -log2 of the weight of two colours whose distance is 1 / unit() stored values; in [0, 4].
+    [[nodiscard]] float factor() const noexcept { return factor_; }
 
   private:
     int radius_;
@@ -1275,25 +1323,26 @@ class BilateralWindow {
 };
 
 /// A tile of an image as planes of floats, with a margin of the window's radius, and the sums over its windows.
-//
-/// Samples are multiplied by the window's unit and kept within +-2^57; a float's own steps are there far longer than
-/// sigma. Distances over 16 channels stay below 2^62, their squares times the factor below 2^126, and a difference of
-/// 2^58 times the least weight is still nothing: whatever the samples, no sum overflows. Integers are within by
-/// themselves if sigma of colours is at least least_sigma: where all differences are 0 or at least 1, a smaller one
-/// has no other weights.
-//
-/// Row by row, the weights of all pairs are found and kept for as many rows as the pairs reach down; then each pixel
-/// takes those of its own row for the taps ahead and the kept ones for the taps behind. That halves the work on weights.
-/// Pairs whose rows together are longer than max_kept wait for another turn.
-/// float_lanes is a parameter so that files compiled for different processors do not share one layout's functions.
+///
+/// Range: samples are multiplied by the window's unit and clamped to +-2^57, where the steps of floats are far longer than
+/// sigma. Distances over 16 channels stay below 2^62, their squares times the factor below 2^126, and a difference of 2^58 times
+/// the smallest weight is negligible: whatever the samples, no sum overflows. Integers need no clamping if sigma_color is at
+/// least min_sigma, and a smaller sigma_color would give the same weights, since all differences are 0 or at least 1.
+///
+/// Order: row by row, the weights of all pairs are computed and kept for as many rows as the pairs reach down. Each pixel then
+/// takes the weights of its own row for the taps ahead, and the kept ones for the taps behind, which halves the number of
+/// weights. Pairs whose rows together take more than max_kept floats are left for another turn over the tile.
+///
+/// float_lanes is a parameter so that files compiled for different processors do not share functions with one layout.
 template <class T, int C, int = float_lanes>
 class BilateralTile {
   public:
     static constexpr int max_width = 128, max_height = 64;
-    static constexpr double least_sigma =
+    static constexpr double min_sigma =
         PixelTraits<T>::is_integer ? std::max(PixelTraits<T>::highest, -PixelTraits<T>::lowest) / 144115188075855872.0 : 0;
     static constexpr std::size_t max_kept = 16384;  ///< floats: 64 kB; diameter 9 needs some 9,000
 
+    /// Workspace for tiles of an image of this width in px; the window must outlive it.
     BilateralTile(const BilateralWindow& window, int image_width)
         : window_(window), radius_(window.radius()),
           width_((std::min(max_width, image_width) + float_lanes - 1) / float_lanes * float_lanes),
@@ -1311,12 +1360,12 @@ class BilateralTile {
         weights_.resize(most);
     }
 
-    /// Filters the pixels of `rect`, at most max_width x max_height, of the view into the same place of `out`.
+    /// Filters the pixels in `rect` of the view, at most max_width x max_height, into the same pixels of `out`.
     void filter(const ImageView<T, C>& view, const Rect& rect, Image<T, C>& out) {
         load(view, rect);
         const auto weights = sums_.begin() + static_cast<std::ptrdiff_t>(C) * width_ * max_height;
         std::fill(sums_.begin(), weights, 0.0F);
-        std::fill(weights, sums_.end(), 1.0F);  // of the centre
+        std::fill(weights, sums_.end(), 1.0F);  // the weight of the centre itself
         for (Tap *begin = taps_.data(), *last = begin + taps_.size(), *end = begin; begin < last; begin = end) {
             for (end = begin + 1; end < last && end->kept > 0;) ++end;
             for (int y = -end[-1].pair.dy; y < rect.height; ++y) {
@@ -1330,16 +1379,18 @@ class BilateralTile {
     }
 
   private:
+    /// A pair of taps and where its weights are.
     struct Tap {
         BilateralWindow::Pair pair;
-        std::size_t kept;             ///< where the pair.dy + 1 rows of its weights begin; 0: another turn begins with it
-        std::ptrdiff_t offset;        ///< of the samples ahead
-        const float *ahead, *behind;  ///< weights of the row at hand, and of the row pair.dy above it from -pair.dx on
+        std::size_t kept;             ///< where its pair.dy + 1 rows of weights begin in weights_; 0: another turn begins with it
+        std::ptrdiff_t offset;        ///< from a sample to the one ahead, in floats
+        const float *ahead, *behind;  ///< weights of the current row, and of the row pair.dy above it from -pair.dx on
     };
 
     [[nodiscard]] const float* samples(int y) const noexcept { return samples_.data() + (y + radius_) * stride_ + radius_; }
     [[nodiscard]] float* sums(int y) noexcept { return sums_.data() + static_cast<std::ptrdiff_t>(y) * width_; }
 
+    /// Fills the planes with the samples of `rect` and its margin.
     void load(const ImageView<T, C>& view, const Rect& rect) {
         for (std::ptrdiff_t x = 0; x < stride_; ++x)
             columns_[static_cast<std::size_t>(x)] = reflect(rect.x + static_cast<int>(x) - radius_, view.width) * C;
@@ -1358,7 +1409,8 @@ class BilateralTile {
             }
         }
     }
-    /// The samples `from` and the means of the differences to them. Stores of bytes may change any member: hence locals.
+    /// Writes a row: the samples `from` plus the weighted means of the differences from them. Members are copied to locals, since
+    /// stores of bytes might change any member.
     void store(const float* sum, const T* from, int width, T* to) const {
         const std::ptrdiff_t plane = static_cast<std::ptrdiff_t>(width_) * max_height;
         const double unit = 1 / window_.unit();
@@ -1369,7 +1421,8 @@ class BilateralTile {
         }
     }
 
-    /// The weights of row y, -pair.dy <= y, for the pixels that have the tile's as their tap ahead or behind.
+    /// Computes the weights of a pair for row y >= -pair.dy, for all pixels that have a pixel of the tile as their tap or are
+    /// one.
     HMESH_NEVER_INLINE void weigh(Tap& tap, int y) {
         const int dx = tap.pair.dx, dy = tap.pair.dy;
         const auto kept_row = [&](int row) { return weights_.data() + tap.kept + (row + dy) % (dy + 1) * stride_ + radius_; };
@@ -1390,9 +1443,8 @@ class BilateralTile {
         }
     }
 
-    /// Adds the weights of row y and the weighted differences of the samples to those of the pixel in the middle.
-    /// Differences, because those of integers are exact and those to a huge neighbour not lost, and because an image of
-    /// one colour stays what it is.
+    /// Adds to the sums of row y the weights of the taps and the weighted differences of their samples from the centre's.
+    /// Differences of integers are exact, those from a huge neighbour are not lost, and an image of one colour stays as it is.
     HMESH_NEVER_INLINE void add(const Tap* begin, const Tap* end, int y) {
         const std::ptrdiff_t plane = plane_, sums_plane = static_cast<std::ptrdiff_t>(width_) * max_height;
         for (int x = 0; x < width_; x += float_lanes) {
@@ -1421,10 +1473,10 @@ class BilateralTile {
 
     const BilateralWindow& window_;
     int radius_, width_;
-    std::ptrdiff_t stride_, plane_;  ///< floats from row to row and from channel to channel
+    std::ptrdiff_t stride_, plane_;  ///< floats from one row to the next, and from one channel to the next
     std::vector<float> samples_;
-    std::vector<int> columns_;  ///< of the view's rows, for each column of the planes
-    std::vector<float> sums_;   ///< of channels and then of weights, a plane of width_ x max_height each
+    std::vector<int> columns_;  ///< for each column of the planes the index of its samples in a row of the view
+    std::vector<float> sums_;   ///< of the channels, then of the weights, planes of width_ x max_height
     std::vector<float> weights_;
     std::vector<Tap> taps_;
 };
@@ -1438,15 +1490,15 @@ class BilateralTile {
 // ---- hmesh/methods/hierarchical/bilateral.hpp
 
 /// \file
-/// Bilateral_filter: smooths an image and keeps its edges.
+/// Bilateral filter: smooths an image and keeps its edges.
 ///
-/// Tomasi and Manduchi, "Bilateral filtering for gray and color images" (1998): each pixel becomes the mean of those in a
-/// disc around it, weighted by nearness in the plane and in colour. Window, distance of colours (L1) and border follow
-/// OpenCV's bilateralFilter, whose parameters the hierarchical method states: diameter 9, both sigmas 50.
+/// Tomasi and Manduchi, "Bilateral filtering for gray and color images" (1998): each pixel becomes the mean of the pixels in a
+/// disc around it, weighted by nearness in the plane and in colour. Window, distance of colours (L1) and border follow OpenCV's
+/// bilateralFilter, in whose parameters the paper states its filter: diameter 9, both sigmas 50.
 ///
-/// Cost: for each tap of the disc (49 at diameter 9) some 0.5 ns a pixel of 3 channels with vectors of 8 floats, 1.1 ns with
-/// vectors of 4, and 9 ns a pixel besides. Memory beyond the output: the planes of a tile, some 300 kB a thread at
-/// diameter 9 and 1 MB at 99, whatever the image's size.
+/// Cost: 9 ns a pixel of 3 channels, and for each tap of the disc (49 at diameter 9) some 0.5 ns with vectors of 8 floats, 1.1
+/// ns with vectors of 4. Memory beyond the output: the planes of a tile, some 300 kB a thread at diameter 9 and 1 MB at diameter
+/// 99, whatever the image's size.
 #ifndef HMESH_METHODS_HIERARCHICAL_BILATERAL_HPP
 #define HMESH_METHODS_HIERARCHICAL_BILATERAL_HPP
 
@@ -1459,11 +1511,11 @@ namespace hmesh::kit {
 /// Options of bilateral_filter().
 struct BilateralOptions {
     int diameter = 9;         ///< of the window, px, in [1, 99]; its radius is diameter / 2 rounded down
-    double sigma_color = 50;  ///< in 1/255 of the peak of the pixel type, at least 1e-300
-    double sigma_space = 50;  ///< px, at least 1e-300
+    double sigma_color = 50;  ///< of the weight by colour, in 1/255 of the peak of the pixel type, finite, at least 1e-300
+    double sigma_space = 50;  ///< of the weight by distance, px, finite, at least 1e-300
 };
 
-/// Whether all options are in range.
+/// Whether all options are in range: Errc::invalid_argument for the first that is not, with its name, value and bound.
 [[nodiscard]] inline Status check(const BilateralOptions& options) noexcept {
     constexpr double most = std::numeric_limits<double>::max();
     return check_ranges({{"bilateral diameter must be in [1, 99] px", static_cast<double>(options.diameter), 1, 99},
@@ -1471,16 +1523,16 @@ struct BilateralOptions {
                          {"bilateral sigma_space must be at least 1e-300, and finite", options.sigma_space, 1e-300, most}});
 }
 
-/// The view filtered, of the same size; samples are rounded by PixelTraits<T>::from_real. Colours are as far apart as the
-/// sum over channels of their absolute differences, in stored values; beyond the border the image is mirrored without
-/// repeating the pixels there. check() accepts the view and the options, and float samples are finite. Bands of 64 rows
-/// are independent pieces of work.
+/// The view filtered, an image of the same size; samples are rounded by PixelTraits<T>::from_real(). The distance of two colours
+/// is the sum over channels of their absolute differences, in stored values. Beyond the border the image is mirrored without
+/// repeating the outermost pixels. check() must accept the view and the options, and float samples must be finite. Bands of 64
+/// rows are pieces of work; 34 ns a pixel of 3 channels at diameter 9 with vectors of 8 floats.
 template <class T, int C>
 [[nodiscard]] Image<T, C> bilateral_filter(const ImageView<T, C>& view, const BilateralOptions& options = {},
                                            const ParallelFor& parallel_for = {}) {
     HMESH_ASSERT(check(view) && check(options));
     using Tile = detail::BilateralTile<T, C>;
-    const double sigma_color = std::max(Tile::least_sigma, options.sigma_color * (PixelTraits<T>::peak / 255));
+    const double sigma_color = std::max(Tile::min_sigma, options.sigma_color * (PixelTraits<T>::peak / 255));
     const detail::BilateralWindow window(options.diameter / 2, sigma_color, options.sigma_space);
     Image<T, C> out(view.width, view.height);
     const auto rows = static_cast<std::size_t>(view.height);
@@ -1500,15 +1552,16 @@ template <class T, int C>
 // ---- hmesh/methods/hierarchical/footpoints.hpp
 
 /// \file
-/// Foot points: the point of the mesh that is nearest to a pixel in the space of position and colour.
+/// Foot points: for each pixel the nearest point of the mesh in the space of position and colour.
 ///
 /// The paper's convexification (section 4.4, Fig. 3b; as in Xiong et al., "Robust surface reconstruction via dictionary
-/// learning", 2014): with its colours the mesh is a surface in 2 + C dimensions, and a pixel belongs to the point of it that is
-/// nearest, not to the point under it. The barycentric coordinates of these foot points are the columns of the K that lets
-/// least squares move vertices; with the coordinates under the pixels V K = P holds exactly, and nothing moves.
+/// learning", 2014): with its colours the mesh is a surface in 2 + C dimensions, and a pixel is assigned to the nearest point of
+/// this surface, its foot point, not to the point of the mesh under its centre. With the barycentric coordinates of foot points
+/// as the columns of K, least squares moves vertices; with the coordinates under the pixels V K = P holds exactly, and no vertex
+/// moves.
 ///
-/// Three inner products take a pixel into the plane of a face, where it is inside or nearest to one of three sides: about
-/// 30 ns a pixel and face.
+/// Cost: three inner products project a pixel into the plane of a face, where its foot is inside the face or on one of three
+/// sides: about 30 ns a pixel and face.
 #ifndef HMESH_METHODS_HIERARCHICAL_FOOTPOINTS_HPP
 #define HMESH_METHODS_HIERARCHICAL_FOOTPOINTS_HPP
 
@@ -1522,23 +1575,23 @@ template <class T, int C>
 
 namespace hmesh::kit {
 
-/// Where a pixel's foot point is looked for.
+/// Where the foot point of a pixel is searched.
 enum class FootSearch : std::uint8_t {
-    plane,     ///< not at all: the point under the pixel, so that least squares changes colours only
-    own_face,  ///< in the face under the pixel
-    one_ring,  ///< in all faces that share a vertex with that one: worse by 0.01 to 0.08 dB, ten times as long
+    plane,     ///< nowhere: it is the point under the pixel's centre, so that least squares changes colours only
+    own_face,  ///< in the face that the pixel belongs to
+    one_ring,  ///< in all faces that share a vertex with the pixel's: 0.01 to 0.08 dB worse, ten times the time
 };
 
-/// A pixel or vertex in 2 + C dimensions.
+/// A pixel or a vertex as a point in 2 + C dimensions.
 template <int C>
 struct LiftedPoint {
-    Point position;
-    Color<C> color;  ///< times the px that a unit of colour is worth; 0 in the lanes above C
-    /// The difference of two points.
+    Point position;  ///< px
+    Color<C> color;  ///< stored values times color_scale, hence in px; 0 in the lanes above C
+    /// This point less another.
     [[nodiscard]] HMESH_ALWAYS_INLINE LiftedPoint minus(const LiftedPoint& o) const {
         return {{position.x - o.position.x, position.y - o.position.y}, color - o.color};
     }
-    /// All coordinates by a factor.
+    /// All coordinates times a factor.
     [[nodiscard]] HMESH_ALWAYS_INLINE LiftedPoint times(double factor) const {
         return {{position.x * factor, position.y * factor}, color * factor};
     }
@@ -1548,13 +1601,14 @@ struct LiftedPoint {
     }
 };
 
-/// A triangle a, b, c in that space; it may be a segment or a point. Its own plane gets an orthonormal frame, with the origin
-/// in a and the first axis along the longer of the two sides there, so that slivers and colours of any size move the foot by no
-/// more than some 1e-15 of what is measured: a system in inner products would square the condition.
+/// A face a, b, c lifted to 2 + C dimensions; it may degenerate to a segment or a point. The plane of the face has an
+/// orthonormal frame with its origin in a and its first axis along the longer of the sides ab and ac. Rounding then moves a foot
+/// point by no more than some 1e-15 of the lengths involved, for slivers and for colours of any size; normal equations would
+/// square the condition number.
 template <int C>
 class LiftedFace {
   public:
-    /// Of its corners.
+    /// Makes the frame of the face with these corners.
     LiftedFace(const LiftedPoint<C>& a, const LiftedPoint<C>& b, const LiftedPoint<C>& c) : a_(a) {
         LiftedPoint<C> base = b.minus(a), other = c.minus(a);
         is_swapped_ = base.dot(base) < other.dot(other);
@@ -1563,7 +1617,7 @@ class LiftedFace {
         x_axis_ = base.times(inverse(length_));
         apex_x_ = other.dot(x_axis_);
         LiftedPoint<C> height = other.minus(x_axis_.times(apex_x_));
-        height = height.minus(x_axis_.times(height.dot(x_axis_)));  // once more: the first time leaves rounding along the axis
+        height = height.minus(x_axis_.times(height.dot(x_axis_)));  // again: the first subtraction leaves rounding along the axis
         apex_y_ = std::sqrt(height.dot(height));
         y_axis_ = height.times(inverse(apex_y_));
         inverse_length_ = inverse(length_);
@@ -1572,14 +1626,15 @@ class LiftedFace {
         inverse_far2_ = inverse((apex_x_ - length_) * (apex_x_ - length_) + apex_y_ * apex_y_);
     }
 
-    /// The point nearest to p as weights of the corners, all >= 0, and its squared distance.
+    /// The foot point of p on the face, as weights of the corners, all >= 0 with sum 1; `distance2` is set to its squared
+    /// distance from p.
     [[nodiscard]] HMESH_ALWAYS_INLINE Barycentric foot(const LiftedPoint<C>& p, double& distance2) const {
         const LiftedPoint<C> ap = p.minus(a_);
         const double x = ap.dot(x_axis_), y = ap.dot(y_axis_), off_plane = std::max(0.0, ap.dot(ap) - x * x - y * y);
         const double h = y * inverse_height_, t = (x - h * apex_x_) * inverse_length_, rest = 1 - t - h;
         distance2 = off_plane;
         if (h >= 0 && t >= 0 && rest >= 0) return weights(rest, t, h);
-        // Outside, so on one of the three sides.
+        // The projection is outside the face: the foot is on one of the three sides.
         const double on_base = unit(x * inverse_length_), on_near = unit((x * apex_x_ + y * apex_y_) * inverse_near2_);
         const double on_far = unit(((x - length_) * (apex_x_ - length_) + y * apex_y_) * inverse_far2_);
         const double base2 = square(x - on_base * length_) + y * y;
@@ -1591,15 +1646,17 @@ class LiftedFace {
     }
 
   private:
+    /// 1 / size, 0 for 0.
     [[nodiscard]] static double inverse(double size) noexcept { return size > 0 ? 1 / size : 0.0; }
     [[nodiscard]] static HMESH_ALWAYS_INLINE double square(double x) noexcept { return x * x; }
     [[nodiscard]] static HMESH_ALWAYS_INLINE double unit(double x) noexcept { return std::max(0.0, std::min(1.0, x)); }
+    /// Weights of a, of the end of the base and of the apex, in the order of the corners.
     [[nodiscard]] HMESH_ALWAYS_INLINE Barycentric weights(double a, double base, double apex) const noexcept {
         return is_swapped_ ? Barycentric{a, apex, base} : Barycentric{a, base, apex};
     }
 
     LiftedPoint<C> a_, x_axis_, y_axis_;
-    /// In the frame: a at 0, the end of the base at (length, 0), the apex.
+    /// In the frame, a is (0, 0), the end of the base (length_, 0), the apex (apex_x_, apex_y_).
     double length_, apex_x_, apex_y_;
     double inverse_length_, inverse_height_, inverse_near2_, inverse_far2_;  ///< of the sides, squared the last two; 0 for 1 / 0
     bool is_swapped_;                                                        ///< c ends the base, b is the apex
@@ -1607,6 +1664,7 @@ class LiftedFace {
 
 namespace detail {
 
+/// Face f of the mesh, lifted with color_scale px for a unit of stored value.
 template <int C>
 [[nodiscard]] LiftedFace<C> lift(const ImageMesh<C>& mesh, Face f, double color_scale) {
     const auto v = mesh.topology().vertices(f);
@@ -1614,7 +1672,7 @@ template <int C>
     return {at(v[0]), at(v[1]), at(v[2])};
 }
 
-/// Adds a pixel that counts `weight` times to the sums of the corners of face f, the first of which halfedge(f) leaves.
+/// Adds a pixel of this weight, with its foot point w, to the sums of a face's corners a, b and c.
 template <int C>
 HMESH_ALWAYS_INLINE void add_pixel(const Barycentric& w, double weight, Point center, const Color<C>& image, CornerSums<C>& a,
                                    CornerSums<C>& b, CornerSums<C>& c) {
@@ -1631,7 +1689,7 @@ HMESH_ALWAYS_INLINE void add_pixel(const Barycentric& w, double weight, Point ce
     add(c, w.c, w.a);
 }
 
-/// The faces that share a vertex with f, f first, none twice.
+/// Sets `faces` to f and all faces that share a vertex with f, f first, none twice.
 inline void faces_around(const HalfedgeMesh& topology, Face f, std::vector<Face>& faces) {
     faces.assign(1, f);
     for (const Vertex v : topology.vertices(f))
@@ -1643,11 +1701,13 @@ inline void faces_around(const HalfedgeMesh& topology, Face f, std::vector<Face>
 
 }  // namespace detail
 
-/// What each corner of each face adds to the normal equations of the K of foot points, by half-edge as in corner_sums
-/// (solve/normal_equations.hpp): gram_matrix, position_rhs and image_rhs make K K^T, K P^T and K I^T of it. `color_scale`: px
-/// that a unit of colour is worth, > 0. The mesh must tile its table's rectangle. Faces are independent pieces of work, but not
-/// in one_ring, which runs serially: there they add to each other's corners. Told to stop, one_ring leaves the sums of some faces
-/// out. Lane C of `image` stays 0 where there is a search.
+/// The corner sums of the K whose columns are the foot points of the pixels, indexed as those of corner_sums(): with them
+/// gram_matrix(), position_rhs() and image_rhs() make K K^T, K P^T and K I^T (solve/eigen.hpp). `color_scale` > 0: px that a
+/// unit of stored value is worth. The mesh must tile its table's rectangle.
+///
+/// Chunks of faces are pieces of work, except with one_ring, which is serial because faces add to each other's corners; it
+/// leaves out the faces that remain when mesh.keep_going() says stop. Lane C of `image` stays 0 unless `search` is
+/// FootSearch::plane.
 template <int C>
 [[nodiscard]] std::vector<CornerSums<C>> foot_sums(const ImageMesh<C>& mesh, FootSearch search, double color_scale,
                                                    const ParallelFor& parallel_for = {}) {
@@ -1698,14 +1758,14 @@ template <int C>
         for (const Face g : faces) lifted.push_back(detail::lift(mesh, g, color_scale));
         for_each_pixel(f, [&](Point center, const Color<C>& image, double weight) {
             const LiftedPoint<C> pixel{center, image * color_scale};
-            double least = std::numeric_limits<double>::max();
+            double lowest = std::numeric_limits<double>::max();
             Barycentric best;
             std::size_t nearest = 0;
             for (std::size_t k = 0; k < faces.size(); ++k) {
                 double distance2 = 0;
                 const Barycentric w = lifted[k].foot(pixel, distance2);
-                if (!(distance2 < least)) continue;
-                least = distance2;
+                if (!(distance2 < lowest)) continue;
+                lowest = distance2;
                 best = w;
                 nearest = k;
             }
@@ -1723,12 +1783,14 @@ template <int C>
 // ---- hmesh/solve/eigen.hpp
 
 /// \file
-/// The linear algebra of a mesh as Eigen's matrices: K itself, the normal equations, and PCG over them.
+/// The linear algebra of a mesh in Eigen's matrices: K itself, the normal equations, and PCG over them.
 ///
-/// The paper's sparse matrix K, n_v by n_p, serves tests and what wants to see single pixels; V K is the pixels' positions P
-/// exactly. About 20 ns a pixel and 40 bytes of memory. All else here converts what solve/normal_equations.hpp and solve/pcg.hpp
-/// have in plain arrays. Rows are the mesh's vertices, row r the r-th of topology().vertices(); columns of K are the pixels of
-/// the table's rectangle, row after row.
+/// K is the paper's sparse matrix of barycentric coordinates, n_v by n_p; it is the reference for tests, and for programs that
+/// want to see single pixels. V K are the pixels' positions P exactly. All else here converts the plain arrays of
+/// solve/normal_equations.hpp and solve/pcg.hpp. Rows are the mesh's vertices, row r the r-th of topology().vertices(); columns
+/// of K are the pixels of the table's rectangle, row after row.
+///
+/// Cost of K: about 20 ns and 40 bytes a pixel.
 #ifndef HMESH_SOLVE_EIGEN_HPP
 #define HMESH_SOLVE_EIGEN_HPP
 
@@ -1746,7 +1808,7 @@ template <int C>
 
 namespace hmesh::kit {
 
-/// The same numbers in Eigen's types and back.
+/// The symmetric matrix in Eigen's compressed storage, both triangles stored.
 [[nodiscard]] inline Eigen::SparseMatrix<double> to_eigen(const SymmetricMatrix& from) {
     const auto n = static_cast<Eigen::Index>(from.size());
     Eigen::SparseMatrix<double> to(n, n);
@@ -1756,10 +1818,12 @@ namespace hmesh::kit {
     std::copy(from.values.begin(), from.values.end(), to.valuePtr());
     return to;
 }
+/// The dense matrix in Eigen's type.
 [[nodiscard]] inline Eigen::MatrixXd to_eigen(const DenseMatrix& from) {
     return Eigen::Map<const Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>>(
         from.values.data(), static_cast<Eigen::Index>(from.rows), static_cast<Eigen::Index>(from.columns));
 }
+/// An Eigen matrix that is symmetric, with both triangles stored, as plain arrays.
 [[nodiscard]] inline SymmetricMatrix from_eigen(Eigen::SparseMatrix<double> from) {
     from.makeCompressed();
     SymmetricMatrix to;
@@ -1768,6 +1832,7 @@ namespace hmesh::kit {
     to.values.assign(from.valuePtr(), from.valuePtr() + from.nonZeros());
     return to;
 }
+/// A dense Eigen matrix as a plain array.
 [[nodiscard]] inline DenseMatrix from_eigen(const Eigen::MatrixXd& from) {
     DenseMatrix to(static_cast<std::size_t>(from.rows()), static_cast<std::size_t>(from.cols()));
     for (std::size_t i = 0; i < to.rows; ++i)
@@ -1775,7 +1840,7 @@ namespace hmesh::kit {
     return to;
 }
 
-/// V: n_v by 2, where the vertices are.
+/// V: n_v by 2, the positions of the vertices in px.
 template <int C>
 [[nodiscard]] Eigen::MatrixXd position_matrix(const ImageMesh<C>& mesh) {
     Eigen::MatrixXd positions(static_cast<Eigen::Index>(mesh.vertex_count()), 2);
@@ -1783,7 +1848,7 @@ template <int C>
     for (const Vertex v : mesh.topology().vertices()) positions.row(row++) << mesh.position(v).x, mesh.position(v).y;
     return positions;
 }
-/// I(V): n_v by C, their colours.
+/// I(V): n_v by C, the colours of the vertices in stored values.
 template <int C>
 [[nodiscard]] Eigen::MatrixXd color_matrix(const ImageMesh<C>& mesh) {
     Eigen::MatrixXd colors(static_cast<Eigen::Index>(mesh.vertex_count()), C);
@@ -1795,7 +1860,7 @@ template <int C>
     return colors;
 }
 
-/// Gives all vertices these colours, n_v by C: what color_matrix() reads.
+/// Gives all vertices the colours in the rows of `colors`, n_v by C, as color_matrix() returns them; the energy follows.
 template <int C>
 void set_colors(ImageMesh<C>& mesh, const Eigen::MatrixXd& colors, const ParallelFor& parallel_for = {}) {
     HMESH_ASSERT(colors.rows() == static_cast<Eigen::Index>(mesh.vertex_count()) && colors.cols() == C);
@@ -1808,8 +1873,9 @@ void set_colors(ImageMesh<C>& mesh, const Eigen::MatrixXd& colors, const Paralle
     mesh.set_colors(by_slot, parallel_for);
 }
 
-/// K: n_v by n_p, columns of 3 entries (some may be 0) that sum to 1. Faces are independent pieces of work, because each
-/// pixel has one owner. The mesh must tile its rectangle, as check() proves.
+/// K: n_v by n_p, the barycentric coordinates of pixel p's centre in column p: 3 entries, of which some may be 0, with sum 1.
+/// Faces are independent pieces of work, because each pixel belongs to one face. The mesh must tile its rectangle, as
+/// ImageMesh::check() proves.
 template <int C>
 [[nodiscard]] Eigen::SparseMatrix<double> barycentric_matrix(const ImageMesh<C>& mesh, const ParallelFor& parallel_for = {}) {
     const HalfedgeMesh& topology = mesh.topology();
@@ -1822,7 +1888,7 @@ template <int C>
         for (std::size_t f = first; f < last; ++f) {
             if (topology.is_deleted(Face(f))) continue;
             std::array<Vertex, 3> v = topology.vertices(Face(f));
-            if (v[1] < v[0]) std::swap(v[0], v[1]);  // rows rise down a column; the weights do not mind
+            if (v[1] < v[0]) std::swap(v[0], v[1]);  // rows rise down a column; the weights are found for this order
             if (v[2] < v[1]) std::swap(v[1], v[2]);
             if (v[1] < v[0]) std::swap(v[0], v[1]);
             const Point a = mesh.position(v[0]), b = mesh.position(v[1]), c = mesh.position(v[2]);
@@ -1841,38 +1907,41 @@ template <int C>
     return matrix;
 }
 
-/// K K^T, see normal_matrix(): from the corners of the mesh with this topology, or from the mesh.
+/// K K^T, n_v by n_v, of a mesh with this topology and these corner sums: normal_matrix().
 template <int C>
 [[nodiscard]] Eigen::SparseMatrix<double> gram_matrix(const HalfedgeMesh& topology, const std::vector<CornerSums<C>>& corners,
                                                       const ParallelFor& parallel_for = {}) {
     return to_eigen(normal_matrix(topology, corners, parallel_for));
 }
+/// K K^T of a mesh, n_v by n_v.
 template <int C>
 [[nodiscard]] Eigen::SparseMatrix<double> gram_matrix(const ImageMesh<C>& mesh, const ParallelFor& parallel_for = {}) {
     return gram_matrix(mesh.topology(), corner_sums(mesh, parallel_for), parallel_for);
 }
-/// K I^T, see image_sums().
+/// K I^T, n_v by C, of a mesh with this topology and these corner sums: image_sums().
 template <int C>
 [[nodiscard]] Eigen::MatrixXd image_rhs(const HalfedgeMesh& topology, const std::vector<CornerSums<C>>& corners,
                                         const ParallelFor& parallel_for = {}) {
     return to_eigen(image_sums(topology, corners, parallel_for));
 }
+/// K I^T of a mesh, n_v by C.
 template <int C>
 [[nodiscard]] Eigen::MatrixXd image_rhs(const ImageMesh<C>& mesh, const ParallelFor& parallel_for = {}) {
     return image_rhs(mesh.topology(), corner_sums(mesh, parallel_for), parallel_for);
 }
-/// K P^T, see position_sums().
+/// K P^T, n_v by 2, of a mesh with this topology and these corner sums: position_sums().
 template <int C>
 [[nodiscard]] Eigen::MatrixXd position_rhs(const HalfedgeMesh& topology, const std::vector<CornerSums<C>>& corners,
                                            const ParallelFor& parallel_for = {}) {
     return to_eigen(position_sums(topology, corners, parallel_for));
 }
+/// K P^T of a mesh, n_v by 2.
 template <int C>
 [[nodiscard]] Eigen::MatrixXd position_rhs(const ImageMesh<C>& mesh, const ParallelFor& parallel_for = {}) {
     return position_rhs(mesh.topology(), corner_sums(mesh, parallel_for), parallel_for);
 }
 
-/// solve_pcg() of solve/pcg.hpp over Eigen's matrices, which are copied.
+/// Solves A X = B for Eigen's matrices, which are copied; contract and report are those of solve_pcg() in solve/pcg.hpp.
 inline PcgReport solve_pcg(const Eigen::SparseMatrix<double>& a, const Eigen::MatrixXd& b, Eigen::MatrixXd& x,
                            const PcgOptions& options = {}, const std::vector<HeldEntry>& held = {}) {
     DenseMatrix solution = from_eigen(x);
@@ -1888,11 +1957,13 @@ inline PcgReport solve_pcg(const Eigen::SparseMatrix<double>& a, const Eigen::Ma
 // ---- hmesh/solve/optimal_colors.hpp
 
 /// \file
-/// Optimal colors: the colours of all vertices at once that fit the picture best, for geometry that stays.
+/// Optimal colors: the vertex colours of least squared error for given positions and faces.
 ///
 /// The squared error is quadratic in the colours: c' K K^T c - 2 c' K I^T + |I|^2 for each channel. optimal_colors() solves for
 /// its minimum by conjugate gradients; ridge (c - c_now)^2 is added for each vertex, so that vertices without pixels keep their
-/// colour. 1 to 1.5 us a vertex at 3 channels.
+/// colour. solve/bounded_colors.hpp finds the best colours that a pixel type can hold.
+///
+/// Cost: 1 to 1.5 us a vertex at 3 channels.
 #ifndef HMESH_SOLVE_OPTIMAL_COLORS_HPP
 #define HMESH_SOLVE_OPTIMAL_COLORS_HPP
 
@@ -1901,8 +1972,8 @@ inline PcgReport solve_pcg(const Eigen::SparseMatrix<double>& a, const Eigen::Ma
 
 namespace hmesh::kit {
 
-/// Gives all vertices the colours with the least squared error, held to the mesh's [color_low, color_high]. Outside a
-/// transaction.
+/// Gives all vertices the colours of least squared error, then clamps these to the mesh's [color_low(), color_high()], which may
+/// raise the error again. Must not be called within a transaction. Returns the solver's report.
 template <int C>
 PcgReport optimal_colors(ImageMesh<C>& mesh, const PcgOptions& options = {}, const ParallelFor& parallel_for = {}) {
     const double ridge = mesh.limits().ridge;
@@ -1936,14 +2007,16 @@ PcgReport optimal_colors(ImageMesh<C>& mesh, const PcgOptions& options = {}, con
 /// \file
 /// Geometry step: the paper's linear least squares in position and colour (sections 4.4 and 4.5.1), with a safeguard.
 ///
-/// With K the barycentric coordinates of the pixels' foot points (methods/hierarchical/footpoints.hpp), positions and colours of
-/// all vertices are the least squares solution of V K = P, one matrix K K^T for all rows, by preconditioned conjugate gradients.
-/// Taken at its word that lowers the distance in 2 + C dimensions and raises the error that one sees: Lena at 1 % ends at 28.4 dB
-/// instead of the 29.7 of colours alone. So the solution is a direction only: each vertex in turn goes the part of its way that
-/// lowers the error of its ring most, and colours are then solved for under the pixels (solve/bounded_colors.hpp), so that the
-/// error never rises, but by rounding. Two such steps and flips on two levels take Adams' mesh from 28.2 to 30.3 dB.
+/// K has the barycentric coordinates of the pixels' foot points (methods/hierarchical/footpoints.hpp). Positions and colours of
+/// all vertices are the least-squares solution of V K = P and I(V) K = I, with one matrix K K^T for all coordinates, by
+/// preconditioned conjugate gradients. The plain solution lowers the distance in 2 + C dimensions but raises the error of the
+/// picture: Lena at 1 % ends at 28.4 dB, instead of the 29.7 dB that solving for colours alone reaches. By default the solution
+/// is therefore only a direction: each vertex in turn goes the part of its way for which the error of its ring is least, and
+/// colours are then solved for under the pixels (solve/optimal_colors.hpp), so that the error never rises but by rounding. Two
+/// such steps with flips on two levels take Adams' mesh from 28.2 to 30.3 dB.
 ///
-/// A trial on a ring costs 0.4 us, because edge moments make it free of pixels; the foot points 30 ns a pixel.
+/// Cost: 30 ns a pixel for the foot points; 0.4 us for a trial on a ring, since edge moments make it independent of the number
+/// of pixels.
 #ifndef HMESH_METHODS_HIERARCHICAL_GEOMETRY_STEP_HPP
 #define HMESH_METHODS_HIERARCHICAL_GEOMETRY_STEP_HPP
 
@@ -1956,30 +2029,33 @@ PcgReport optimal_colors(ImageMesh<C>& mesh, const PcgOptions& options = {}, con
 
 namespace hmesh::kit {
 
-/// What becomes of the positions that were solved for.
+/// How a geometry step uses its least-squares solution.
 enum class StepRule : std::uint8_t {
-    safeguarded,  ///< the part of the way that lowers the ring's error most; colours are solved for afterwards
-    literal,      ///< all of it, halved only as long as faces would fold over; colours as solved for
+    safeguarded,  ///< each vertex goes the part of its way for which its ring's error is least; colours are solved for afterwards
+    literal,      ///< each vertex goes all of its way, or the first half, quarter .. that folds no face; colours as solved for
 };
 
-/// How a step is taken.
+/// Options of geometry_step().
 struct GeometryStep {
-    FootSearch search = FootSearch::own_face;
-    StepRule rule = StepRule::safeguarded;
-    double color_scale = 1;  ///< px that a unit of colour is worth, where 255 is the peak; 0.3 to 3 differ by up to 0.1 dB
-    double ridge = 1e-3;     ///< toward the current value, in pixels: faces may own none
-    int halvings = 4;        ///< of a step: 1, 1/2, .. 1/16 of the way are tried
-    PcgOptions pcg{200, 1e-7};
+    FootSearch search = FootSearch::own_face;  ///< where foot points are searched
+    StepRule rule = StepRule::safeguarded;     ///< how the solution is used
+    /// Px that 1/255 of the peak is worth in the distance of pixels and mesh, in [0.001, 1000]; 0.3 to 3 differ by up to 0.1 dB.
+    double color_scale = 1;
+    double ridge = 1e-3;        ///< weight of the current state, in pixels, in [1e-9, 1000]; for faces without pixels
+    int halvings = 4;           ///< safeguarded tries 1, 1/2, .. 2^-halvings of the way, in [0, 20]
+    PcgOptions pcg{200, 1e-7};  ///< of the solves for positions and for colours
 };
 
-/// The system that a geometry step solves: gram X = rhs, n_v by 2 + C, columns x, y and the colours; what is held in X.
+/// The linear system of a geometry step, gram * solution = rhs; rows are vertices, the 2 + C columns x, y and the colour
+/// channels.
 struct GeometrySystem {
-    Eigen::SparseMatrix<double> gram;
-    Eigen::MatrixXd rhs, solution;  ///< on the way in, where the vertices are
-    std::vector<HeldEntry> held;    ///< border vertices stay on their side
+    Eigen::SparseMatrix<double> gram;  ///< n_v by n_v: K K^T with the ridge on its diagonal
+    Eigen::MatrixXd rhs;               ///< n_v by 2 + C
+    Eigen::MatrixXd solution;          ///< n_v by 2 + C; at first the positions in px and colours in stored values of the mesh
+    std::vector<HeldEntry> held;       ///< coordinates of border vertices across their side, of corners and of locked vertices
 };
 
-/// `color_scale`: px that a unit of stored value is worth.
+/// Makes the system for a mesh. `color_scale`: px that a unit of stored value is worth; `ridge`: in pixels.
 template <int C>
 [[nodiscard]] GeometrySystem geometry_system(const ImageMesh<C>& mesh, FootSearch search, double color_scale, double ridge,
                                              const ParallelFor& parallel_for = {}) {
@@ -2005,17 +2081,18 @@ template <int C>
 
 namespace detail {
 
-/// Takes v the part of the way to `target` where its ring's error, with its colour at the best, is least. Whether it moved.
+/// Moves v the part 1, 1/2, .. 2^-halvings of the way to `target` for which the error of its ring, with the best colour for v,
+/// is least. Returns whether v moved. `scratch` is overwritten.
 template <int C>
 bool step_toward(ImageMesh<C>& mesh, Vertex v, Point target, int halvings, RingScratch<C>& scratch) {
     const MeshLimits& limits = mesh.limits();
     const VertexState<C>& state = mesh.vertex(v);
     mesh.gather(v, scratch.ring, scratch.spokes);
-    // A ring without weight wants nothing, though pixels next to it may have their foot points there.
+    // A ring whose pixels have no weight stays, though pixels next to it may have their foot points there.
     if (mesh.table().is_weighted() && !(ring_weight(scratch.ring, scratch.spokes) > least_weight)) return false;
     const double before = mesh.energy(scratch.ring);
     const Point from = state.position;
-    RingCenter<C> best{from, state.color, before * (1 - 1e-9)};  // gains of the size of rounding are none
+    RingCenter<C> best{from, state.color, before * (1 - 1e-9)};  // gains within rounding do not count
     double share = 1;
     for (int k = 0; k <= halvings; ++k, share *= 0.5) {
         const Point part{from.x + share * (target.x - from.x), from.y + share * (target.y - from.y)};
@@ -2034,8 +2111,9 @@ bool step_toward(ImageMesh<C>& mesh, Vertex v, Point target, int halvings, RingS
     return true;
 }
 
-/// Gives all vertices the best colours under the pixels. The optimum held to a range may be worse than what there is, and so may
-/// one that was not solved for to the end: then the descent within the range that never is.
+/// Gives all vertices the least-squares colours under the pixels, within the mesh's range. Clamping the optimum may raise the
+/// error, and so may stopping the solver early: then the old colours are restored and improved by bounded_colors(), which never
+/// raises it.
 template <int C>
 void improve_colors(ImageMesh<C>& mesh, const PcgOptions& options, const ParallelFor& parallel_for) {
     const double before = mesh.energy();
@@ -2048,7 +2126,8 @@ void improve_colors(ImageMesh<C>& mesh, const PcgOptions& options, const Paralle
     bounded_colors(mesh, mesh.color_low(), mesh.color_high(), 0, parallel_for);
 }
 
-/// Takes v as far toward `target` as no face around it folds over. Whether it arrived.
+/// Moves v toward `target`, the first of 1, 1/2, .. 1/32 of the way with which no face around it folds over. Returns whether v
+/// arrived.
 template <int C>
 bool step_unfolded(ImageMesh<C>& mesh, Vertex v, Point target, RingScratch<C>& scratch) {
     mesh.gather(v, scratch.ring, scratch.spokes);
@@ -2068,11 +2147,12 @@ bool step_unfolded(ImageMesh<C>& mesh, Vertex v, Point target, RingScratch<C>& s
 
 }  // namespace detail
 
-/// One step. Vertices with more than ring_capacity neighbours keep their place. Returns how the solver did.
+/// Makes one geometry step. `peak`: the stored value of full intensity. Vertices with more than ring_capacity neighbours keep
+/// their position. Returns the report of the solve for positions; ends early where mesh.keep_going() says stop.
 template <int C>
 PcgReport geometry_step(ImageMesh<C>& mesh, const GeometryStep& options, double peak, const ParallelFor& parallel_for = {}) {
     GeometrySystem system = geometry_system(mesh, options.search, options.color_scale * 255 / peak, options.ridge, parallel_for);
-    if (mesh.task() != nullptr && mesh.task()->stopped()) return {};  // the system may be of some faces only
+    if (mesh.task() != nullptr && mesh.task()->stopped()) return {};  // some sums may be missing
     const PcgReport report = solve_pcg(system.gram, system.rhs, system.solution, options.pcg, system.held);
     const HalfedgeMesh& topology = mesh.topology();
     const std::vector<int> rows = vertex_rows(topology);
@@ -2091,7 +2171,7 @@ PcgReport geometry_step(ImageMesh<C>& mesh, const GeometryStep& options, double 
         return report;
     }
     std::vector<unsigned char> arrived(topology.vertex_slots(), 0);
-    for (int round = 0; round < 3; ++round)  // neighbours that gave way make room
+    for (int round = 0; round < 3; ++round)  // neighbours that have moved meanwhile make room
         for (const Vertex v : vertices) {
             if (!mesh.keep_going()) break;
             if (arrived[v.index()] == 0 && topology.valence(v) <= ring_capacity)
@@ -2114,11 +2194,11 @@ PcgReport geometry_step(ImageMesh<C>& mesh, const GeometryStep& options, double 
 // ---- hmesh/methods/hierarchical/pyramid.hpp
 
 /// \file
-/// Pyramid: an image and ever smoother versions of it, for work from coarse to fine.
+/// Pyramid: an image and ever smoother versions of it, for optimisation from coarse to fine.
 ///
-/// "Image meshing via hierarchical optimization", section 4.2: level 0 is the input and level i the filter applied to
-/// level i - 1. All levels have the input's size, so that a mesh of one is a mesh of the next. The filter is the bilateral
-/// one unless the user brings another, as a callable or, where there is no template to carry it, as a LevelFilter.
+/// "Image meshing via hierarchical optimization", section 4.2: level 0 is the input, and level i is the filter applied to level
+/// i - 1. All levels have the size of the input, so that a mesh of one level is a mesh of all. The filter is the bilateral one
+/// unless the user brings another, as a LevelFilter.
 ///
 /// Cost: one call of the filter and one image for each level but 0.
 #ifndef HMESH_METHODS_HIERARCHICAL_PYRAMID_HPP
@@ -2131,14 +2211,14 @@ PcgReport geometry_step(ImageMesh<C>& mesh, const GeometryStep& options, double 
 
 namespace hmesh::kit {
 
-/// A user's filter of images of any sample type and number of channels. `from` and `to` are images of width * height pixels,
+/// A user's filter, for images of any sample type and number of channels. `from` and `to` are images of width * height pixels,
 /// packed row after row, of `channels` interleaved samples in stored values (0 to 255 for 8 bits). `to` begins as a copy of
-/// `from`. Called once for a level, from one thread, which may start others.
+/// `from`. Called once for each level but 0, from one thread, which may start others. A reference: the callable must outlive it.
 using LevelFilter = FunctionRef<void(const float* from, float* to, int width, int height, int channels)>;
 
-/// The view filtered; which is set. Samples are rounded by PixelTraits<T>::from_real. One that is not finite keeps the
-/// view's value: a level is data for sums over many pixels, where one NaN would spoil them all, and where a filter has no
-/// answer (a mean without weights, 0 / 0) the unfiltered sample is the one that adds no error. Takes two floats a sample.
+/// The view filtered by a filter that is set. Samples are rounded by PixelTraits<T>::from_real(). Where the filter gives a value
+/// that is not finite, the sample keeps the view's value: one NaN would spoil sums over many pixels, and where a filter has no
+/// answer (a mean without weights, 0 / 0) the unfiltered sample adds no error. Memory: two floats a sample.
 template <class T, int C>
 [[nodiscard]] Image<T, C> apply_filter(const LevelFilter& filter, const ImageView<T, C>& view) {
     HMESH_ASSERT(check(view) && filter);
@@ -2162,11 +2242,12 @@ template <class T, int C>
     return out;
 }
 
+/// The levels of an image. Owns those from 1 on, and refers to the image as level 0.
 template <class T, int C>
 class Pyramid {
   public:
-    /// `levels` >= 1 levels of the view, which outlives the pyramid; filter(level) gives an image of the same size and is called
-    /// levels - 1 times, from fine to coarse.
+    /// Makes `levels` >= 1 levels of the view, which must outlive the pyramid. filter(level) returns an image of the same size;
+    /// it is called levels - 1 times, from fine to coarse.
     Pyramid(const ImageView<T, C>& view, int levels, FunctionRef<Image<T, C>(const ImageView<T, C>& level)> filter)
         : input_(view) {
         HMESH_ASSERT(levels >= 1);
@@ -2176,8 +2257,9 @@ class Pyramid {
         }
     }
 
+    /// The number of levels, with the image itself.
     [[nodiscard]] int size() const noexcept { return static_cast<int>(filtered_.size()) + 1; }
-    /// 0 <= i < size(); 0 is the input itself. Valid as long as the pyramid is.
+    /// Level i, 0 <= i < size(); level 0 is the image itself. Valid as long as the pyramid.
     [[nodiscard]] ImageView<T, C> level(int i) const noexcept {
         HMESH_ASSERT(i >= 0 && i < size());
         return i == 0 ? input_ : filtered_[static_cast<std::size_t>(i) - 1].view();
@@ -2188,8 +2270,8 @@ class Pyramid {
     std::vector<Image<T, C>> filtered_;  ///< level i is filtered_[i - 1]
 };
 
-/// The levels that `filter` gives if it is set, else those of the bilateral filter. check() accepts the view and the
-/// bilateral options, and float samples are finite.
+/// Makes the pyramid of `levels` >= 1 levels of a view, with `filter` if it is set, else with the bilateral filter. check() must
+/// accept the view and the bilateral options, and float samples must be finite. The view must outlive the pyramid.
 template <class T, int C>
 [[nodiscard]] Pyramid<T, C> make_pyramid(const ImageView<T, C>& view, int levels, const BilateralOptions& bilateral = {},
                                          const LevelFilter& filter = {}, const ParallelFor& parallel_for = {}) {
@@ -2209,9 +2291,10 @@ template <class T, int C>
 ///
 ///     bilateral levels -> Adams' mesh on the coarsest -> per level, coarse to fine, r times: geometry step, flip queue
 ///
-/// The next level takes the mesh over as it is. What the text leaves open is an option below, with what was measured about it;
-/// PSNR with the MSE over pixels and channels, on Lena and Fruits at 1, 2 and 3 %. Colours are those solved for. Some 100 us a
-/// vertex, half of it for Adams' mesh.
+/// All levels have the image's size, so each takes over the mesh of the level before as it is. What the paper leaves open is an
+/// option of Hierarchical, with the effect that was measured. Colours are the least-squares ones.
+///
+/// Cost: some 100 us a vertex, half of it for Adams' mesh.
 #ifndef HMESH_METHODS_HIERARCHICAL_HIERARCHICAL_HPP
 #define HMESH_METHODS_HIERARCHICAL_HIERARCHICAL_HPP
 
@@ -2224,17 +2307,18 @@ namespace hmesh {
 
 namespace kit::detail {
 
-/// The paper's AlternatingOptimization of the mesh on one level. False: cancelled.
+/// Optimises the mesh on one level, the paper's AlternatingOptimization: `rounds` times a geometry step and a flip queue in
+/// which an edge is tried up to `flip_visits` times. False: cancelled.
 template <int C>
 [[nodiscard]] bool optimize_level(TiledMesh<C>& mesh, const GeometryStep& geometry, int rounds, int flip_visits) {
     for (int round = 0; round < rounds; ++round) {
-        const bool go_on = run_whole_stage<C>(mesh, "geometry", [&](ImageMesh<C>& piece) {
-            // A mesh from elsewhere has the colours of another picture.
+        const bool go_on = run_one_tile_stage<C>(mesh, "geometry", [&](ImageMesh<C>& piece) {
+            // The mesh comes with sampled colours, or with those of the coarser level.
             if (round == 0 && geometry.rule == StepRule::safeguarded) optimal_colors(piece, geometry.pcg, mesh.parallel_for());
             const PcgReport report = geometry_step(piece, geometry, mesh.source().peak(), mesh.parallel_for());
             mesh.progress().note_solve(report.iterations, report.residual);
         });
-        if (!go_on || !run_whole_stage<C>(mesh, "flips", [&](ImageMesh<C>& piece) { run_flip_queue(piece, flip_visits); }))
+        if (!go_on || !run_one_tile_stage<C>(mesh, "flips", [&](ImageMesh<C>& piece) { run_flip_queue(piece, flip_visits); }))
             return false;
     }
     return true;
@@ -2242,23 +2326,30 @@ template <int C>
 
 }  // namespace kit::detail
 
-/// The paper's method. Figures: dB over the six meshes of Lena and Fruits at 1, 2 and 3 % (docs/paper.md has all of them).
+/// The recipe of the paper's method, "Image meshing via hierarchical optimization": Adams' mesh on the coarsest of a few
+/// bilateral levels, then on each level, coarse to fine, geometry steps and flips by turns. Safeguarded by default
+/// (kit::StepRule); colours are the least-squares ones unless Options::colors says otherwise.
+///
+/// The whole image is one piece of work; filters, foot points and sums use the executor. Some 100 us a vertex. Differences below
+/// are in dB over the six meshes of Lena and Fruits at 1, 2 and 3 %, the MSE being over pixels and channels; docs/paper.md has
+/// all figures.
 struct Hierarchical {
-    int levels = 2;                     ///< N, in [1, 20]; the paper: two or three, of which three lose 0.1 to 0.9
-    kit::BilateralOptions bilateral{};  ///< diameter 9, sigmas 50, as in the paper
-    kit::LevelFilter filter{};          ///< in place of the bilateral one, if set
-    Adams start{6, 3};                  ///< a density of 6 is worth 0.05 to 0.15 above 4.5 in five of the six
-    /// The first mesh is that of the coarsest level, as in the paper. From the image itself it is better by 0.2 to 0.6 in five
-    /// of / the six: it has points in the textures that the filter removes.
+    int levels = 2;                     ///< N, in [1, 20], the image itself included; the paper: 2 or 3; 3 lose 0.1 to 0.9 dB
+    kit::BilateralOptions bilateral{};  ///< the filter from level to level; diameter 9 and sigmas 50, as in the paper
+    kit::LevelFilter filter{};          ///< if set, used in place of the bilateral filter; must outlive the call of mesh_image()
+    Adams start{6, 3};                  ///< for the first mesh; density 6 is 0.05 to 0.15 dB above 4.5 in five of six
+    /// Whether the first mesh is made on the coarsest level, as in the paper, or on the image itself. The latter is better by
+    /// 0.2 to 0.6 dB in five of the six: the mesh then has points in textures that the filter removes.
     bool start_filtered = true;
-    kit::GeometryStep geometry{};  ///< how a step is taken
-    int rounds = 2;       ///< of geometry step and flips, per level, in [0, 1000]; the paper: two; four are worth 0.1 to 0.2
-    int flip_visits = 8;  ///< how often an edge is a suspect in a round, in [1, 1000000]; never reached in practice
+    kit::GeometryStep geometry{};  ///< how positions and colours are solved for, and how the solution is used
+    int rounds = 2;       ///< of geometry step and flips on each level, in [0, 1000]; two in the paper; four gain 0.1 to 0.2 dB
+    int flip_visits = 8;  ///< how often an edge is tried in a round at most, in [1, 1000000]; never reached in practice
 
-    static constexpr const char* name = "hierarchical";
-    static constexpr Colors colors = Colors::optimal;
+    static constexpr const char* name = "hierarchical";  ///< for reports
+    static constexpr Colors colors = Colors::optimal;    ///< final colours where Options::colors says nothing
 
-    /// Whether the options mean something.
+    /// Whether all options are in range, for images of any size; else Errc::invalid_argument with the offending value and its
+    /// bound.
     [[nodiscard]] Status check(int = 1, int = 1) const noexcept {
         if (const Status status = start.check(); !status) return status;
         if (const Status status = kit::check(bilateral); !status) return status;
@@ -2279,9 +2370,10 @@ struct Hierarchical {
              {"hierarchical geometry.pcg.max_iterations must be in [1, 100000]", iterations, 1, 1e5},
              {"hierarchical geometry.pcg.tolerance must be in [1e-15, 1]", geometry.pcg.tolerance, 1e-15, 1}});
     }
-    /// px: the image in one piece.
+    /// The image's longer side in px: the image is one piece.
     [[nodiscard]] static double tile_size(int width, int height, std::size_t) noexcept { return std::max(width, height); }
-    /// Makes a mesh of n vertices of the image, 4 <= n <= max(4, pixels).
+    /// Replaces `mesh` by a mesh of n vertices of `image`, which is the one that mesh.source() reads, 4 <= n <= max(4, pixels).
+    /// Errc::cancelled: it is valid, with any number of vertices.
     template <class T, int C>
     [[nodiscard]] Status run(kit::TiledMesh<C>& mesh, const ImageView<T, C>& image, std::size_t n) const {
         if (!mesh.progress().begin("levels", mesh.vertex_count(), mesh.energy())) return kit::cancelled_by_callback();
@@ -2289,7 +2381,8 @@ struct Hierarchical {
         std::vector<kit::ImageSource<C>> coarse;
         for (int level = 1; level < levels; ++level) coarse.push_back(mesh.source().with_pixels(pyramid.level(level)));
         {
-            // The report tells the error of what there is, measured apart so that no moment table stays meanwhile.
+            // The stage reports the error of the mesh at hand. A TiledMesh of its own measures it, so that its table is freed at
+            // once.
             kit::TiledMesh<C> corners(mesh.source(), mesh.limits(), mesh.progress(), mesh.parallel_for());
             corners.indexed() = std::move(mesh.indexed());
             corners.measure(kit::one_tile(mesh.source()));
@@ -2298,7 +2391,9 @@ struct Hierarchical {
         if (!mesh.progress().end(mesh.vertex_count(), mesh.energy())) return kit::cancelled_by_callback();
         return run(mesh, coarse, n);
     }
-    /// The same with given levels from 1 to N - 1, of the same size.
+    /// Replaces `mesh` by a mesh of n vertices, given the levels 1 to N - 1 in `coarse`; they must be of the size of
+    /// mesh.source(), which is level 0. An empty `coarse` means one level. Errc::cancelled: the mesh is valid, with any number
+    /// of vertices.
     template <int C>
     [[nodiscard]] Status run(kit::TiledMesh<C>& mesh, const std::vector<kit::ImageSource<C>>& coarse, std::size_t n) const {
         Status status;
@@ -2322,6 +2417,7 @@ struct Hierarchical {
     }
 
   private:
+    /// The rounds of one level.
     template <int C>
     [[nodiscard]] Status optimize(kit::TiledMesh<C>& mesh) const {
         return kit::finished_or_cancelled(kit::detail::optimize_level(mesh, geometry, rounds, flip_visits));

@@ -89,7 +89,7 @@ template <int C>
     return mesh_of(static_cast<std::size_t>(options.target.value));
 }
 
-// Whether a recipe's run() takes the image's view too: run(mesh, view, n).
+/// Whether a recipe's run() takes the image's view too: run(mesh, view, n).
 template <class Recipe, class T, int C, class = void>
 inline constexpr bool wants_view = false;
 template <class Recipe, class T, int C>
