@@ -7715,8 +7715,9 @@ template <int C>
 class InsertionSite {
   public:
     InsertionSite() noexcept = default;
-    /// The midpoint of an edge, or the centroid of a face.
+    /// The midpoint of an edge.
     explicit InsertionSite(Edge e) noexcept : code_(static_cast<std::uint32_t>(2 * e.index())) {}
+    /// The centroid of a face.
     explicit InsertionSite(Face f) noexcept : code_(static_cast<std::uint32_t>(2 * f.index() + 1)) {}
     /// Whether the site is an edge; else it is a face.
     [[nodiscard]] bool is_edge() const noexcept { return (code_ & 1U) == 0; }
@@ -8129,7 +8130,8 @@ namespace hmesh::kit {
 
 /// The numbers of removals and of insertions that a sweep accepted.
 struct AnnealingCounts {
-    std::size_t removed = 0, inserted = 0;
+    std::size_t removed = 0;   ///< vertices that went
+    std::size_t inserted = 0;  ///< vertices that came
 };
 
 /// The price mu of a vertex and the temperature T, which all patches of a mesh share; set between sweeps.
@@ -8166,7 +8168,8 @@ class AnnealingSchedule {
 
 /// The range in which the number of vertices stays during a sweep: below `low` nothing is removed, above `high` nothing inserted.
 struct CountRange {
-    double low = 0, high = 0;
+    double low = 0;   ///< vertices, at least
+    double high = 0;  ///< vertices, at most
 };
 
 /// One sweep of annealing over a mesh or a patch.
@@ -8356,7 +8359,8 @@ namespace hmesh::kit {
 /// A mesh of an image of C channels; positions, colors and dirty have one entry for each vertex.
 template <int C>
 struct IndexedMesh {
-    int width = 0, height = 0;         ///< px of the image; the faces tile [0, width] x [0, height]
+    int width = 0;                     ///< px of the image; the faces tile [0, width] x [0, height]
+    int height = 0;                    ///< px of the image
     std::vector<Point> positions;      ///< px, y down, on the 1/256 px grid
     std::vector<Color<C>> colors;      ///< stored values
     std::vector<unsigned char> dirty;  ///< not 0: surroundings changed since the vertex was last optimised
@@ -9196,7 +9200,8 @@ namespace hmesh::kit {
 
 /// A line between pixels of the image, inside it: from (x, y) down if it is vertical, else to the right.
 struct Seam {
-    int x = 0, y = 0;       ///< px, where the seam starts
+    int x = 0;              ///< px, where the seam starts
+    int y = 0;              ///< px, where the seam starts
     int length = 1;         ///< px
     bool vertical = false;  ///< down; else to the right
 };
@@ -9909,7 +9914,8 @@ struct SymmetricMatrix {
 
 /// A dense matrix in row-major order.
 struct DenseMatrix {
-    std::size_t rows = 0, columns = 0;
+    std::size_t rows = 0;        ///< how many
+    std::size_t columns = 0;     ///< how many
     std::vector<double> values;  ///< rows * columns numbers, row after row
 
     /// The empty matrix.
@@ -10869,7 +10875,8 @@ struct PcgReport {
 
 /// An entry of X that is given, not solved for.
 struct HeldEntry {
-    std::size_t row = 0, column = 0;
+    std::size_t row = 0;     ///< of X
+    std::size_t column = 0;  ///< of X
 };
 
 namespace detail {

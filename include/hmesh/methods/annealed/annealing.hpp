@@ -33,7 +33,8 @@ namespace hmesh::kit {
 
 /// The numbers of removals and of insertions that a sweep accepted.
 struct AnnealingCounts {
-    std::size_t removed = 0, inserted = 0;
+    std::size_t removed = 0;   ///< vertices that went
+    std::size_t inserted = 0;  ///< vertices that came
 };
 
 /// The price mu of a vertex and the temperature T, which all patches of a mesh share; set between sweeps.
@@ -70,7 +71,8 @@ class AnnealingSchedule {
 
 /// The range in which the number of vertices stays during a sweep: below `low` nothing is removed, above `high` nothing inserted.
 struct CountRange {
-    double low = 0, high = 0;
+    double low = 0;   ///< vertices, at least
+    double high = 0;  ///< vertices, at most
 };
 
 /// One sweep of annealing over a mesh or a patch.

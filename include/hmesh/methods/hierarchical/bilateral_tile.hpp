@@ -19,7 +19,7 @@
 
 #include "hmesh/core/macros/push.hpp"
 
-// GCC does not unroll short loops over channels at -O2.
+/// GCC does not unroll short loops over channels at -O2.
 #if defined(__GNUC__) && !defined(__clang__)
 #define HMESH_UNROLL _Pragma("GCC unroll 16")
 #else
