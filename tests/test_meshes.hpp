@@ -22,8 +22,8 @@
 #include "hmesh/fit/image_mesh.hpp"
 #include "hmesh/fit/moment_table.hpp"
 #include "hmesh/image/image_view.hpp"
-#include "test_kit.hpp"
 #include "test_images.hpp"
+#include "test_kit.hpp"
 
 namespace hmesh_test {
 
