@@ -152,8 +152,9 @@ template <int C>
 class InsertionSite {
   public:
     InsertionSite() noexcept = default;
-    /// The midpoint of an edge, or the centroid of a face.
+    /// The midpoint of an edge.
     explicit InsertionSite(Edge e) noexcept : code_(static_cast<std::uint32_t>(2 * e.index())) {}
+    /// The centroid of a face.
     explicit InsertionSite(Face f) noexcept : code_(static_cast<std::uint32_t>(2 * f.index() + 1)) {}
     /// Whether the site is an edge; else it is a face.
     [[nodiscard]] bool is_edge() const noexcept { return (code_ & 1U) == 0; }

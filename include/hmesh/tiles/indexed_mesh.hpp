@@ -25,7 +25,8 @@ namespace hmesh::kit {
 /// A mesh of an image of C channels; positions, colors and dirty have one entry for each vertex.
 template <int C>
 struct IndexedMesh {
-    int width = 0, height = 0;         ///< px of the image; the faces tile [0, width] x [0, height]
+    int width = 0;                     ///< px of the image; the faces tile [0, width] x [0, height]
+    int height = 0;                    ///< px of the image
     std::vector<Point> positions;      ///< px, y down, on the 1/256 px grid
     std::vector<Color<C>> colors;      ///< stored values
     std::vector<unsigned char> dirty;  ///< not 0: surroundings changed since the vertex was last optimised
