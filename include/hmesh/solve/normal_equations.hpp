@@ -49,8 +49,8 @@ struct SymmetricMatrix {
 
 /// A dense matrix in row-major order.
 struct DenseMatrix {
-    std::size_t rows = 0;        ///< how many
-    std::size_t columns = 0;     ///< how many
+    std::size_t rows = 0;        ///< number of rows
+    std::size_t columns = 0;     ///< number of columns
     std::vector<double> values;  ///< rows * columns numbers, row after row
 
     /// The empty matrix.

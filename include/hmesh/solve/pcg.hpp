@@ -38,8 +38,8 @@ struct PcgReport {
 
 /// An entry of X that is given, not solved for.
 struct HeldEntry {
-    std::size_t row = 0;     ///< of X
-    std::size_t column = 0;  ///< of X
+    std::size_t row = 0;     ///< of X, that is the vertex
+    std::size_t column = 0;  ///< of X, that is the right-hand side
 };
 
 namespace detail {

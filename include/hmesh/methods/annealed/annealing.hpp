@@ -33,8 +33,8 @@ namespace hmesh::kit {
 
 /// The numbers of removals and of insertions that a sweep accepted.
 struct AnnealingCounts {
-    std::size_t removed = 0;   ///< vertices that went
-    std::size_t inserted = 0;  ///< vertices that came
+    std::size_t removed = 0;   ///< vertices removed
+    std::size_t inserted = 0;  ///< vertices inserted
 };
 
 /// The price mu of a vertex and the temperature T, which all patches of a mesh share; set between sweeps.
@@ -69,10 +69,10 @@ class AnnealingSchedule {
     double target_, price_;
 };
 
-/// The range in which the number of vertices stays during a sweep: below `low` nothing is removed, above `high` nothing inserted.
+/// The range in which the number of vertices stays during a sweep.
 struct CountRange {
-    double low = 0;   ///< vertices, at least
-    double high = 0;  ///< vertices, at most
+    double low = 0;   ///< with fewer vertices, none is removed
+    double high = 0;  ///< with more vertices, none is inserted
 };
 
 /// One sweep of annealing over a mesh or a patch.

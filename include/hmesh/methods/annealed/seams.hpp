@@ -28,8 +28,8 @@ namespace hmesh::kit {
 
 /// A line between pixels of the image, inside it: from (x, y) down if it is vertical, else to the right.
 struct Seam {
-    int x = 0;              ///< px, where the seam starts
-    int y = 0;              ///< px, where the seam starts
+    int x = 0;              ///< px, of the start
+    int y = 0;              ///< px, of the start
     int length = 1;         ///< px
     bool vertical = false;  ///< down; else to the right
 };

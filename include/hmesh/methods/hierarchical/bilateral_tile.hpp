@@ -19,8 +19,8 @@
 
 #include "hmesh/core/macros/push.hpp"
 
-/// GCC does not unroll short loops over channels at -O2.
 #if defined(__GNUC__) && !defined(__clang__)
+/// Before a short loop over channels, which GCC does not unroll at -O2.
 #define HMESH_UNROLL _Pragma("GCC unroll 16")
 #else
 #define HMESH_UNROLL
