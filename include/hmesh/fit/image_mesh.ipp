@@ -111,19 +111,12 @@ Mesh to_mesh(const ImageMesh<C>& from, double peak) {
     to.width = from.width(), to.height = from.height(), to.peak = peak;
     to.positions.reserve(2 * topology.vertex_count());
     to.colors.reserve(C * topology.vertex_count());
-    to.faces.reserve(topology.face_count());
-    std::vector<std::uint32_t> number(topology.vertex_slots());
-    std::uint32_t count = 0;
     for (const Vertex v : topology.vertices()) {
-        number[v.index()] = count++;
         to.positions.push_back(static_cast<float>(from.position(v).x));
         to.positions.push_back(static_cast<float>(from.position(v).y));
         for (int k = 0; k < C; ++k) to.colors.push_back(static_cast<float>(from.color(v)[k]));
     }
-    for (const Face f : topology.faces()) {
-        const auto v = topology.vertices(f);
-        to.faces.push_back({number[v[0].index()], number[v[1].index()], number[v[2].index()]});
-    }
+    to.faces = topology.triangles();
     return to;
 }
 
