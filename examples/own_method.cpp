@@ -57,8 +57,8 @@ struct Scattered {
         };
         // Stages have names for progress and report, and say whether to go on.
         return kit::finished_or_cancelled(
-            kit::run_stage(mesh, "scatter", scatter) && kit::run_whole_stage(mesh, "improve", improve) &&
-            kit::run_stage(mesh, "remove", remove) && kit::run_whole_stage(mesh, "polish", improve));
+            kit::run_stage(mesh, "scatter", scatter) && kit::run_one_tile_stage(mesh, "improve", improve) &&
+            kit::run_stage(mesh, "remove", remove) && kit::run_one_tile_stage(mesh, "polish", improve));
     }
 
   private:

@@ -87,6 +87,7 @@ need() {
                 ;;
             coverage)
                 has g++ && has gcov || packages+=(g++)
+                has gcovr || packages+=(gcovr)
                 ctags --version 2>/dev/null | grep -q Universal || packages+=(universal-ctags)
                 ;;
             clang-*) has "clang++-${what#clang-}" || packages+=("$what") ;;

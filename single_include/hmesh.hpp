@@ -18,75 +18,30 @@
 
 // ---- hmesh/core/version.hpp
 
-// hmesh - the version, read by CMake from here and nowhere else.
+/// \file
+/// The version of hmesh. CMake and the packages read it from here.
 #ifndef HMESH_CORE_VERSION_HPP
 #define HMESH_CORE_VERSION_HPP
 
-// Rises when programs must be changed; while it is 0, the next number does.
+/// Major version: rises with breaking changes (while it is 0, the minor version does).
 #define HMESH_VERSION_MAJOR 0
-// Rises when there is something new.
+/// Minor version: rises with new features.
 #define HMESH_VERSION_MINOR 1
-// Rises when something was mended.
+/// Patch version: rises with fixes.
 #define HMESH_VERSION_PATCH 0
-// The three numbers, as in names of packages.
+/// The version as text, "major.minor.patch".
 #define HMESH_VERSION_STRING "0.1.0"
 
 #endif  // HMESH_CORE_VERSION_HPP
 
-// ---- hmesh/core/status.hpp
-
-/// \file
-/// Status: how every function that can meet bad input says so.
-///
-/// hmesh throws nothing of its own, prints nothing and aborts nothing; std::bad_alloc passes through (without exceptions, no
-/// memory ends the program). A Status is a small value that allocates nothing; message() (core/message.hpp)
-/// makes a sentence of it.
-#ifndef HMESH_CORE_STATUS_HPP
-#define HMESH_CORE_STATUS_HPP
-
-#include <cstdint>
-
-namespace hmesh {
-
-/// What kind of thing went wrong.
-enum class Errc : std::uint8_t {
-    ok,                   ///< all is well
-    invalid_argument,     ///< a pointer, size, stride or option that means nothing
-    image_too_large,      ///< more pixels or a longer side than the library addresses
-    target_out_of_range,  ///< a target that the image cannot hold, or a PSNR that no mesh of it reached
-    not_finite,           ///< NaN or infinity where a number is needed
-    write_failed,         ///< a sink refused bytes
-    cancelled,            ///< the progress callback said stop
-};
-
-/// The outcome of a function that checks its input. Converts to true when all is well.
-struct [[nodiscard]] Status {
-    Errc code = Errc::ok;   ///< the kind of failure
-    const char* what = "";  ///< a sentence without numbers, in static memory
-    double value = 0;       ///< the number that offended
-    double limit = 0;       ///< the bound that it missed; both 0 where the sentence says it all
-
-    /// All is well.
-    constexpr Status() noexcept = default;
-    /// A failure; numbers of any arithmetic type, of which 64-bit integers keep 53 bits.
-    template <class Value = int, class Limit = int>
-    constexpr Status(Errc kind, const char* sentence, Value offending = 0, Limit bound = 0) noexcept
-        : code(kind), what(sentence), value(static_cast<double>(offending)), limit(static_cast<double>(bound)) {}
-
-    constexpr explicit operator bool() const noexcept { return code == Errc::ok; }
-};
-
-}  // namespace hmesh
-
-#endif  // HMESH_CORE_STATUS_HPP
-
 // ---- hmesh/core/finite.hpp
 
-// hmesh - is_finite(), is_within(): can a number that came from outside be calculated with?
-//
-// Answered by the bits. Compilers that are told of finite numbers only (-ffast-math) take std::isfinite() and comparisons
-// with NaN to be true without looking; what users hand over is checked with these two, so that it is refused there too. They
-// look at memory: clang++ takes numbers that are parameters or results of functions to be finite as well.
+/// \file
+/// is_finite(), is_within(): whether a number that came from outside can be calculated with.
+///
+/// Both look at the bits in memory. Compilers that assume finite numbers (-ffast-math) answer std::isfinite() and comparisons
+/// with NaN without looking, and clang++ assumes parameters and results of functions to be finite too; what users hand over is
+/// checked with these two, so that NaN is refused there as well.
 #ifndef HMESH_CORE_FINITE_HPP
 #define HMESH_CORE_FINITE_HPP
 
@@ -98,12 +53,13 @@ namespace hmesh::kit {
 
 static_assert(std::numeric_limits<float>::is_iec559 && std::numeric_limits<double>::is_iec559, "hmesh needs IEEE 754");
 
-// Whether it is neither NaN nor infinite.
+/// Whether the value is neither NaN nor infinite.
 [[nodiscard]] inline bool is_finite(const float& value) noexcept {
     std::uint32_t bits = 0;
     std::memcpy(&bits, &value, sizeof bits);
     return (bits & 0x7F800000U) != 0x7F800000U;
 }
+/// Whether the value is neither NaN nor infinite.
 [[nodiscard]] inline bool is_finite(const double& value) noexcept {
     std::uint64_t bits = 0;
     std::memcpy(&bits, &value, sizeof bits);
@@ -112,18 +68,21 @@ static_assert(std::numeric_limits<float>::is_iec559 && std::numeric_limits<doubl
 
 namespace detail {
 
-// Made of their bits too: the same compilers warn of the constants, and of whatever is called infinity.
+/// The double with these bits. Infinity and NaN are made of them, because compilers that assume finite numbers warn of the
+/// constants, and of whatever is called infinity.
 [[nodiscard]] inline double double_of_bits(std::uint64_t bits) noexcept {
     double value = 0;
     std::memcpy(&value, &bits, sizeof value);
     return value;
 }
+/// Positive infinity.
 [[nodiscard]] inline double infinity() noexcept { return double_of_bits(0x7FF0000000000000U); }
+/// A quiet NaN.
 [[nodiscard]] inline double nan() noexcept { return double_of_bits(0x7FF8000000000000U); }
 
 }  // namespace detail
 
-// Whether low <= value <= high; false for NaN.
+/// Whether low <= value <= high; false for NaN.
 [[nodiscard]] inline bool is_within(const double& value, double low, double high) noexcept {
     return is_finite(value) && value >= low && value <= high;
 }
@@ -132,13 +91,168 @@ namespace detail {
 
 #endif  // HMESH_CORE_FINITE_HPP
 
+// ---- hmesh/core/status.hpp
+
+/// \file
+/// Status: how a function that checks its input reports what is wrong.
+///
+/// hmesh throws nothing of its own, prints nothing and never aborts; std::bad_alloc passes through (without exceptions, running
+/// out of memory ends the program). A Status is a small value that allocates nothing; message() makes a sentence of it,
+/// check_ranges() makes one from a table of options.
+#ifndef HMESH_CORE_STATUS_HPP
+#define HMESH_CORE_STATUS_HPP
+
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <initializer_list>
+
+namespace hmesh {
+
+/// Kinds of failure.
+enum class Errc : std::uint8_t {
+    ok,                   ///< success
+    invalid_argument,     ///< a pointer, size, stride or option outside its range
+    image_too_large,      ///< more pixels or a longer side than the library addresses
+    target_out_of_range,  ///< a number of vertices that the image cannot hold, or a PSNR that no mesh of it reached
+    not_finite,           ///< NaN or infinity where a finite number is needed
+    write_failed,         ///< a sink refused bytes
+    cancelled,            ///< the progress callback returned false
+};
+
+/// The outcome of a function that checks its input. Converts to true on success.
+struct [[nodiscard]] Status {
+    Errc code = Errc::ok;   ///< kind of failure
+    const char* what = "";  ///< a sentence without numbers, in static memory; empty on success
+    double value = 0;       ///< the offending number
+    /// The bound that `value` violates. Both are 0 where the sentence says all.
+    double limit = 0;
+
+    /// Success.
+    constexpr Status() noexcept = default;
+    /// A failure. `sentence` must be in static memory; `offending` and `bound` are of any arithmetic type (64-bit integers keep
+    /// 53 bits).
+    template <class Value = int, class Limit = int>
+    constexpr Status(Errc kind, const char* sentence, Value offending = 0, Limit bound = 0) noexcept
+        : code(kind), what(sentence), value(static_cast<double>(offending)), limit(static_cast<double>(bound)) {}
+
+    /// Whether the outcome is success.
+    constexpr explicit operator bool() const noexcept { return code == Errc::ok; }
+};
+
+/// Text of at most 255 bytes, zero-terminated; longer text is cut. Allocates nothing.
+class Message {
+  public:
+    [[nodiscard]] const char* c_str() const noexcept { return text_; }  ///< the text, valid as long as the Message
+    [[nodiscard]] std::size_t size() const noexcept { return size_; }   ///< length in bytes, without the terminating zero
+
+    /// Appends text.
+    Message& operator<<(const char* text) noexcept {
+        for (; *text != 0 && size_ + 1 < capacity; ++text) text_[size_++] = *text;
+        text_[size_] = 0;
+        return *this;
+    }
+    /// Appends a number in any locale alike: whole numbers below 1e15 with all digits, others with six significant ones.
+    Message& operator<<(double number) noexcept {
+        if (!kit::is_finite(number)) return *this << "a number that is not finite";
+        if (number < 0) *this << "-";
+        const double size = std::abs(number);
+        if (size < 1e15 && size == std::floor(size)) return digits(static_cast<std::uint64_t>(size));
+        int exponent = static_cast<int>(std::floor(std::log10(size)));
+        const bool is_plain = exponent >= -5 && exponent < 6;
+        // Six significant digits as a whole number, below 10^6 but for rounding, which is as good.
+        // In two steps for the smallest doubles, for which 10^308 is not enough.
+        const int lift = exponent < -300 ? 30 : 0;
+        const auto scaled = static_cast<std::uint64_t>(size * std::pow(10.0, lift) * std::pow(10.0, 5 - exponent - lift) + 0.5);
+        if (is_plain) return fixed(scaled, 5 - exponent);
+        fixed(scaled, 5) << "e";
+        if (exponent < 0) *this << "-";
+        exponent = exponent < 0 ? -exponent : exponent;
+        return digits(static_cast<std::uint64_t>(exponent));
+    }
+
+  private:
+    static constexpr std::size_t capacity = 256;
+
+    /// Appends a whole number with all digits.
+    Message& digits(std::uint64_t number) noexcept {
+        char text[21];
+        std::size_t at = sizeof text - 1;
+        text[at] = 0;
+        do {
+            text[--at] = static_cast<char>('0' + number % 10);
+            number /= 10;
+        } while (number != 0);
+        return *this << text + at;
+    }
+    /// Appends number / 10^places, without zeros at the end.
+    Message& fixed(std::uint64_t number, int places) noexcept {
+        std::uint64_t power = 1;
+        for (; places > 0 && number % 10 == 0; --places) number /= 10;
+        for (int k = 0; k < places; ++k) power *= 10;
+        digits(number / power);
+        if (places == 0) return *this;
+        *this << ".";
+        for (std::uint64_t rest = number % power; places > 0; --places, rest %= power) {
+            power /= 10;
+            digits(rest / power);
+        }
+        return *this;
+    }
+
+    char text_[capacity] = {};
+    std::size_t size_ = 0;
+};
+
+/// The sentence of a status with its numbers, as in "the image is too wide (70000, limit 65536)"; "ok" on success.
+[[nodiscard]] inline Message message(const Status& status) noexcept {
+    Message out;
+    if (status) return out << "ok";
+    out << status.what;
+    // Bitwise, so that NaN counts as a number that is there even where compilers are told of finite ones only.
+    const bool has_limit = !kit::is_finite(status.limit) || status.limit != 0;
+    if (has_limit || !kit::is_finite(status.value) || status.value != 0) {
+        out << " (" << status.value;
+        if (has_limit) out << ", limit " << status.limit;
+        out << ")";
+    }
+    return out;
+}
+
+namespace kit {
+
+/// An option and the values that it may have, for check_ranges().
+struct Range {
+    const char* what;  ///< sentence for the user: what the option must be
+    double value,      ///< value of the option
+        low,           ///< smallest value allowed
+        high;          ///< largest value allowed
+};
+
+/// invalid_argument for the first option that is outside its range, with the bound that it violates (NaN and infinities:
+/// `high`).
+[[nodiscard]] inline Status check_ranges(std::initializer_list<Range> ranges) noexcept {
+    for (const Range& range : ranges)
+        if (!is_within(range.value, range.low, range.high)) {
+            const bool is_low = is_finite(range.value) && range.value < range.low;
+            return {Errc::invalid_argument, range.what, range.value, is_low ? range.low : range.high};
+        }
+    return {};
+}
+
+}  // namespace kit
+}  // namespace hmesh
+
+#endif  // HMESH_CORE_STATUS_HPP
+
 // ---- hmesh/mesh/mesh.hpp
 
-// hmesh - Mesh, the result as plain arrays, and MeshView, the pointers and counts that exporters and renderers read.
-//
-// Vertex i is at (positions[2i], positions[2i + 1]) in the plane of the image it stands for, [0, width] x [0, height], y
-// down; its colour is colors[C i] .. colors[C i + C - 1] in the image's stored values, `peak` meaning full intensity. Face f
-// joins faces[f][0..2], positively oriented: clockwise on the screen.
+/// \file
+/// Mesh, a triangle mesh as plain arrays, and MeshView, the pointers and counts that exporters and render() read.
+///
+/// Vertex i is at (positions[2i], positions[2i + 1]) in the plane of the image, [0, width] x [0, height] in px, y down. Its
+/// colour is colors[C i] .. colors[C i + C - 1], in the image's stored values; `peak` is full intensity. Face f joins the
+/// vertices faces[f][0], faces[f][1] and faces[f][2], positively oriented: clockwise on the screen.
 #ifndef HMESH_MESH_MESH_HPP
 #define HMESH_MESH_MESH_HPP
 
@@ -149,44 +263,49 @@ namespace detail {
 
 namespace hmesh {
 
-// The indices of its corners.
+/// A face: the indices of its three vertices.
 using Triangle = std::array<std::uint32_t, 3>;
 
-// A mesh in somebody else's memory, which outlives the view.
+/// A non-owning view of a mesh, whose arrays must outlive it.
 struct MeshView {
-    const float* positions = nullptr;  // 2 a vertex
-    const float* colors = nullptr;     // `channels` a vertex
-    const Triangle* faces = nullptr;
-    std::size_t vertex_count = 0, face_count = 0;
-    int channels = 0;
-    int width = 0, height = 0;  // px of the image
-    double peak = 0;            // the colour value of full intensity
-    // Of 2 or 4 channels, of which the last is alpha: the others are stored multiplied by alpha / peak. Exporters to formats
-    // that want straight colours divide by it.
+    const float* positions = nullptr;  ///< x and y of each vertex, in px: 2 * vertex_count numbers
+    const float* colors = nullptr;     ///< colour of each vertex, in stored values: channels * vertex_count numbers
+    const Triangle* faces = nullptr;   ///< the faces: face_count triples of indices
+    std::size_t vertex_count = 0,      ///< number of vertices
+        face_count = 0;                ///< number of faces
+    int channels = 0;                  ///< samples of a colour, 1 to 16; of 2 or 4 the last is alpha
+    int width = 0,                     ///< px of the image
+        height = 0;                    ///< px of the image
+    double peak = 0;                   ///< colour value of full intensity, > 0
+    /// Whether the colours, of 2 or 4 channels, are stored multiplied by alpha / peak. Exporters to formats that want straight
+    /// colours divide by it.
     bool premultiplied = false;
 };
 
-// A mesh that owns its arrays; all members mean what the view's mean.
+/// A triangle mesh that owns its arrays.
 struct Mesh {
-    std::vector<float> positions;
-    std::vector<float> colors;
-    std::vector<Triangle> faces;
-    int channels = 0;
-    int width = 0, height = 0;
-    double peak = 0;
-    bool premultiplied = false;
+    std::vector<float> positions;  ///< x and y of each vertex, in px
+    std::vector<float> colors;     ///< colour of each vertex, `channels` numbers in stored values
+    std::vector<Triangle> faces;   ///< the three vertices of each face
+    int channels = 0;              ///< samples of a colour, 1 to 16; of 2 or 4 the last is alpha
+    int width = 0,                 ///< px of the image
+        height = 0;                ///< px of the image
+    double peak = 0;               ///< colour value of full intensity, > 0
+    bool premultiplied = false;    ///< whether colours are stored multiplied by alpha / peak
 
+    /// The number of vertices.
     [[nodiscard]] std::size_t vertex_count() const noexcept { return positions.size() / 2; }
+    /// The number of faces.
     [[nodiscard]] std::size_t face_count() const noexcept { return faces.size(); }
-    // Valid until the arrays change.
+    /// A view of the mesh, valid until its arrays change.
     [[nodiscard]] MeshView view() const noexcept {
         return {positions.data(), colors.data(), faces.data(), vertex_count(), face_count(),
                 channels,         width,         height,       peak,           premultiplied};
     }
 };
 
-// Whether a view can be drawn and written: it has vertices and faces, 1 to `most_channels` channels, finite numbers, a
-// positive peak, and every index in range. O(n).
+/// Whether a mesh can be drawn and written: it has vertices and faces, 1 to `most_channels` channels, finite numbers, a
+/// positive peak, and every index in range. Otherwise invalid_argument or not_finite. O(vertices + faces).
 [[nodiscard]] inline Status check(const MeshView& mesh, int most_channels) noexcept {
     if (mesh.vertex_count == 0) return {Errc::invalid_argument, "the mesh has no vertices", 0, 1};
     if (mesh.face_count == 0) return {Errc::invalid_argument, "the mesh has no faces", 0, 1};
@@ -218,40 +337,73 @@ struct Mesh {
 
 #endif  // HMESH_MESH_MESH_HPP
 
-// ---- hmesh/io/detail/color_shares.hpp
+// ---- hmesh/io/detail/export_mesh.hpp
 
-// hmesh - colours on their way out: what exporters do alike with a vertex's stored values.
-//
-// Files hold shares of full intensity. Optimal colours may lie outside [0, peak]; formats with integers, and those that
-// ask for [0, 1], get them held to that range. O(1) each.
-#ifndef HMESH_IO_DETAIL_COLOR_SHARES_HPP
-#define HMESH_IO_DETAIL_COLOR_SHARES_HPP
+/// \file
+/// What exporters have in common: which meshes they refuse, and how positions, faces and colours become what files hold.
+///
+/// Files of models have y up; faces that are clockwise on the screen with y down stay so, seen from the front, when two of
+/// their corners change places. Files hold shares of full intensity: optimal colours may lie outside [0, peak], and are held
+/// to it where a format has integers or asks for [0, 1]. No format knows grey with alpha: such a mesh is written as red, green,
+/// blue and alpha, the first three equal.
+#ifndef HMESH_IO_DETAIL_EXPORT_MESH_HPP
+#define HMESH_IO_DETAIL_EXPORT_MESH_HPP
 
 #include <algorithm>
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <limits>
+#include <vector>
 
 namespace hmesh::detail {
 
-// Whether a mesh is one of grey, RGB or RGBA that fills a picture. O(n).
+// --- what is refused ---
+
+/// Refuses a mesh of more vertices or faces than a format numbers, with the sentence `what`; reads none of them.
+[[nodiscard]] inline Status check_counts(const MeshView& mesh, std::uint64_t most_vertices, std::uint64_t most_faces,
+                                         const char* what) noexcept {
+    const std::array<std::array<std::uint64_t, 2>, 2> limits = {
+        {{mesh.vertex_count, most_vertices}, {mesh.face_count, most_faces}}};
+    constexpr std::uint64_t most_reported = std::numeric_limits<std::int64_t>::max();
+    for (const auto& [count, most] : limits)
+        if (count > most)
+            return {Errc::invalid_argument, what, static_cast<std::int64_t>(std::min(count, most_reported)),
+                    static_cast<std::int64_t>(most)};
+    return {};
+}
+
+/// Refuses a mesh without a size in px, and what check() refuses, more than 4 channels among it. O(n).
 [[nodiscard]] inline Status check_for_export(const MeshView& mesh) noexcept {
-    if (mesh.channels == 2) return {Errc::invalid_argument, "this format holds 1, 3 or 4 channels", 2, 0};
     if (mesh.width < 1) return {Errc::invalid_argument, "the mesh's width must be at least 1", mesh.width, 1};
     if (mesh.height < 1) return {Errc::invalid_argument, "the mesh's height must be at least 1", mesh.height, 1};
     return check(mesh, 4);
 }
 
-// A stored value as a share of the peak, held to [0, 1].
+// --- positions and faces ---
+
+/// The y of a vertex in px with y up: 0 at the lower edge of the image, `height` at the upper one.
+[[nodiscard]] inline double y_up(const MeshView& mesh, std::size_t vertex) noexcept {
+    return mesh.height - static_cast<double>(mesh.positions[2 * vertex + 1]);
+}
+
+/// The corners of a face in the order that makes it counter-clockwise, seen from the front, with y up.
+[[nodiscard]] inline Triangle turned(const Triangle& face) noexcept { return {face[0], face[2], face[1]}; }
+
+// --- colours ---
+
+/// A stored value as a share of the peak, held to [0, 1].
 [[nodiscard]] inline double share_of_peak(float value, double peak) noexcept {
     return std::max(0.0, std::min(1.0, static_cast<double>(value) / peak));
 }
 
-// A share in [0, 1] as an integer, rounded: 255 or 65535 is all of it.
+/// A share in [0, 1] as an integer of 8 bits, rounded; 255 is full intensity.
 [[nodiscard]] inline std::uint8_t to_u8(double share) noexcept { return static_cast<std::uint8_t>(share * 255 + 0.5); }
+/// A share in [0, 1] as an integer of 16 bits, rounded; 65535 is full intensity.
 [[nodiscard]] inline std::uint16_t to_u16(double share) noexcept { return static_cast<std::uint16_t>(share * 65535 + 0.5); }
 
-// Red, green, blue and alpha of a vertex as shares: grey is all three, and what has no alpha is opaque.
+/// Red, green, blue and alpha of a vertex as shares in [0, 1]; of a mesh of 1, 3 or 4 channels. One channel is all three
+/// colours, and what has no alpha is opaque.
 [[nodiscard]] inline std::array<double, 4> rgba_shares(const MeshView& mesh, std::size_t vertex) noexcept {
     const float* color = mesh.colors + static_cast<std::size_t>(mesh.channels) * vertex;
     const auto share = [&](int k) { return share_of_peak(color[k], mesh.peak); };
@@ -259,20 +411,91 @@ namespace hmesh::detail {
     return {share(0), share(1), share(2), mesh.channels == 4 ? share(3) : 1.0};
 }
 
+/// How a format wants the colours of meshes that are premultiplied, that is stored multiplied by alpha / peak.
+enum class Premultiplied : std::uint8_t {
+    kept,          ///< as they are; the view says whether they are premultiplied
+    divided,       ///< divided by alpha / peak and held to [0, peak]
+    divided_only,  ///< divided, and held only to what floats can say, as shares of the peak too
+};
+
+/// A mesh as exporters write it: with 1, 3 or 4 channels and, if it is so wanted, straight colours. Where the mesh has them
+/// already it is a view of it and nothing is copied; else it has colours of its own, 16 bytes a vertex.
+///
+/// Vertices without alpha have no straight colour. They take the mean of those with which they share faces, weighted by
+/// alpha, so that no fringe runs into the faces between; black where all of those are transparent. Between vertices the
+/// picture is that of straight colours, which is the premultiplied one where alpha or the colour does not change.
+/// O(vertices + faces).
+class ExportMesh {
+  public:
+    /// Of a mesh that check_for_export() accepts and that outlives this one.
+    ExportMesh(const MeshView& mesh, Premultiplied wanted) : view_(mesh) {
+        if (mesh.channels == 2) spread_gray();
+        if (wanted != Premultiplied::kept && view_.premultiplied && view_.channels == 4)
+            divide_by_alpha(wanted == Premultiplied::divided);
+    }
+    ExportMesh(const ExportMesh&) = delete;
+    ExportMesh& operator=(const ExportMesh&) = delete;
+
+    /// Valid as long as this object.
+    [[nodiscard]] const MeshView& view() const noexcept { return view_; }
+
+  private:
+    void spread_gray() {
+        colors_.reserve(4 * view_.vertex_count);
+        for (std::size_t v = 0; v < view_.vertex_count; ++v) {
+            colors_.insert(colors_.end(), 3, view_.colors[2 * v]);
+            colors_.push_back(view_.colors[2 * v + 1]);
+        }
+        view_.colors = colors_.data();
+        view_.channels = 4;
+    }
+
+    void divide_by_alpha(bool is_held) {
+        if (colors_.empty()) colors_.assign(view_.colors, view_.colors + 4 * view_.vertex_count);
+        const auto value = [&](std::size_t v, std::size_t k) { return static_cast<double>(colors_[4 * v + k]); };
+        std::vector<double> sums;  // of vertices without alpha: what their neighbours have, a neighbour for each face shared
+        for (std::size_t f = 0; f < view_.face_count; ++f)
+            for (const std::uint32_t v : view_.faces[f]) {
+                if (value(v, 3) > 0) continue;
+                if (sums.empty()) sums.resize(4 * view_.vertex_count);
+                for (const std::uint32_t other : view_.faces[f])
+                    for (std::size_t k = 0; k < 4 && value(other, 3) > 0; ++k) sums[4 * std::size_t{v} + k] += value(other, k);
+            }
+        // Half of the largest float: a share is a float too where the peak is below 1, and rounding leads to no infinity.
+        const double most =
+            is_held ? view_.peak : 0.5 * static_cast<double>(std::numeric_limits<float>::max()) * std::min(1.0, view_.peak);
+        const double least = is_held ? 0 : -most;
+        for (std::size_t v = 0; v < view_.vertex_count; ++v) {
+            const bool is_clear = !(value(v, 3) > 0);
+            const auto part = [&](std::size_t k) { return !is_clear ? value(v, k) : sums.empty() ? 0.0 : sums[4 * v + k]; };
+            for (std::size_t k = 0; k < 3; ++k) {
+                const double color = part(3) > 0 ? part(k) * view_.peak / part(3) : 0;
+                colors_[4 * v + k] = static_cast<float>(std::max(least, std::min(most, color)));
+            }
+        }
+        view_.colors = colors_.data();
+        view_.premultiplied = false;
+    }
+
+    MeshView view_;
+    std::vector<float> colors_;  // 4 a vertex, or none
+};
+
 }  // namespace hmesh::detail
 
-#endif  // HMESH_IO_DETAIL_COLOR_SHARES_HPP
+#endif  // HMESH_IO_DETAIL_EXPORT_MESH_HPP
 
 // ---- hmesh/io/detail/strips.hpp
 
-// hmesh - triangle strips: the faces of a mesh as the vertices and edge flags of a free-form Gouraud shading.
-//
-// A triangle that shares a side with the one before it needs one vertex instead of three (ISO 32000-1, 8.7.4.5.5): flag 0
-// begins anew with three vertices a, b, c; flag 1 adds d to make b, c, d; flag 2 adds d to make a, c, d. The newest vertex
-// is in both sides that can be shared, so any way from face to face that enters each by one side and leaves it by another
-// can be written. The walk goes to the neighbour that has the fewest ways on left (Akeley's rule, as in SGI's tomesh).
-// Meshes of images get strips of 30 to 40 faces on average, 1.06 vertices a face. Cost: about 0.1 us and 60 bytes a face,
-// O(n log n) at worst.
+/// \file
+/// Triangle strips: the faces of a mesh as the vertices and edge flags of a free-form Gouraud shading.
+///
+/// A triangle that shares a side with the one before it needs one vertex instead of three (ISO 32000-1, 8.7.4.5.5): flag 0
+/// begins anew with three vertices a, b, c; flag 1 adds d to make b, c, d; flag 2 adds d to make a, c, d. The newest vertex is
+/// in both sides that can be shared, so any way from face to face that enters each by one side and leaves it by another can be
+/// written. The walk goes to the neighbour that has the fewest ways on left (Akeley's rule, as in SGI's tomesh). Meshes of
+/// images get strips of 30 to 40 faces on average, 1.06 vertices a face. Cost: about 0.1 us and 60 bytes a face, O(n log n) at
+/// worst.
 #ifndef HMESH_IO_DETAIL_STRIPS_HPP
 #define HMESH_IO_DETAIL_STRIPS_HPP
 
@@ -285,16 +508,18 @@ namespace hmesh::detail {
 
 namespace hmesh::detail {
 
+/// A vertex as a reader of edge flags takes it.
 struct StripVertex {
-    std::uint32_t vertex;
-    std::uint8_t flag;  // 0, 1 or 2; 0 for the second and third vertex of a first triangle, where it means nothing
+    std::uint32_t vertex;  ///< its index in the mesh
+    std::uint8_t flag;     ///< 0, 1 or 2; 0 for the second and third vertex of a first triangle, where it means nothing
 };
 
+/// The index that stands for no face.
 inline constexpr std::uint32_t no_face = std::numeric_limits<std::uint32_t>::max();
 
-// The face across each side of each face; side k runs from corner k to corner k + 1. A side used by more than two faces
-// joins them two by two, so that each side leads to at most one face. At most 2^32 / 3 faces.
-[[nodiscard]] inline std::vector<std::array<std::uint32_t, 3>> face_neighbors(const MeshView& mesh) {
+/// The face across each side of each face, or no_face; side k runs from corner k to corner k + 1. A side used by more than two
+/// faces joins them two by two, so that each side leads to at most one face. At most 2^32 / 3 faces.
+[[nodiscard]] inline std::vector<Triangle> face_neighbors(const MeshView& mesh) {
     struct Side {
         std::uint32_t high, corner;  // the larger end; 3 * face + k
     };
@@ -309,7 +534,7 @@ inline constexpr std::uint32_t no_face = std::numeric_limits<std::uint32_t>::max
             const auto [low, high] = std::minmax({mesh.faces[f][k], mesh.faces[f][(k + 1) % 3]});
             sides[first[low]++] = {high, static_cast<std::uint32_t>(3 * f + k)};
         }
-    std::vector<std::array<std::uint32_t, 3>> across(mesh.face_count, {no_face, no_face, no_face});
+    std::vector<Triangle> across(mesh.face_count, {no_face, no_face, no_face});
     for (std::size_t v = 0, i = 0; v < mesh.vertex_count; ++v) {
         const std::size_t end = first[v];
         std::sort(sides.begin() + static_cast<std::ptrdiff_t>(i), sides.begin() + static_cast<std::ptrdiff_t>(end),
@@ -326,15 +551,17 @@ inline constexpr std::uint32_t no_face = std::numeric_limits<std::uint32_t>::max
     return across;
 }
 
-// Takes faces, one after the other, so that each is beside the one before it for as long as that goes.
+/// A walk over the faces of a mesh that goes on to a face beside the last one for as long as it can.
 class StripWalk {
   public:
+    /// Over a mesh that check() accepts and whose arrays outlive the walk.
     explicit StripWalk(const MeshView& mesh) : mesh_(mesh), across_(face_neighbors(mesh)), left_(mesh.face_count, 0) {
         for (std::size_t f = 0; f < mesh.face_count; ++f)
             for (const std::uint32_t g : across_[f]) left_[f] = static_cast<std::uint8_t>(left_[f] + (g != no_face ? 1 : 0));
         for (std::size_t f = mesh.face_count; f-- > 0;) starts_[left_[f]].push_back(static_cast<std::uint32_t>(f));
     }
 
+    /// Every face once, in strips. To be called once.
     [[nodiscard]] std::vector<StripVertex> run() {
         std::vector<StripVertex> out;
         out.reserve(mesh_.face_count + mesh_.face_count / 8 + 3);
@@ -383,20 +610,20 @@ class StripWalk {
     }
 
     // The corners of f, those of the side toward g first.
-    [[nodiscard]] std::array<std::uint32_t, 3> corners(std::uint32_t f, std::uint32_t g) const {
-        const std::array<std::uint32_t, 3>& face = mesh_.faces[f];
+    [[nodiscard]] Triangle corners(std::uint32_t f, std::uint32_t g) const {
+        const Triangle& face = mesh_.faces[f];
         for (std::size_t k = 0; k < 3; ++k)
             if (across_[f][k] == g) return {face[k], face[(k + 1) % 3], face[(k + 2) % 3]};
         return face;
     }
     void append(const std::vector<std::uint32_t>& path, std::vector<StripVertex>& out) const {
         std::uint32_t a = 0, b = 0, c = 0;
-        const auto same = [](std::uint32_t u, std::uint32_t v, const std::array<std::uint32_t, 3>& side) {
+        const auto same = [](std::uint32_t u, std::uint32_t v, const Triangle& side) {
             return (u == side[0] && v == side[1]) || (u == side[1] && v == side[0]);
         };
         for (std::size_t i = 0; i < path.size(); ++i) {
             if (i > 0) {
-                const std::array<std::uint32_t, 3> next = corners(path[i], path[i - 1]);
+                const Triangle next = corners(path[i], path[i - 1]);
                 if (same(b, c, next)) {
                     out.push_back({next[2], 1});
                     a = b, b = c, c = next[2];
@@ -409,19 +636,19 @@ class StripWalk {
                 }
                 // Faces that have a corner twice or lie on each other come here.
             }
-            const std::array<std::uint32_t, 3> face = corners(path[i], i + 1 < path.size() ? path[i + 1] : no_face);
+            const Triangle face = corners(path[i], i + 1 < path.size() ? path[i + 1] : no_face);
             a = face[2], b = face[0], c = face[1];
             for (const std::uint32_t v : {a, b, c}) out.push_back({v, 0});
         }
     }
 
     const MeshView mesh_;
-    const std::vector<std::array<std::uint32_t, 3>> across_;
+    const std::vector<Triangle> across_;
     std::vector<std::uint8_t> left_;                    // a face's neighbours that are not taken, or `taken`
     std::array<std::vector<std::uint32_t>, 4> starts_;  // faces that had so many; those that have still are in the right one
 };
 
-// Every face once, in strips or, without, each by itself in the mesh's order. Checked meshes only.
+/// Every face of a mesh that check() accepts once: in strips or, without, each by itself in the mesh's order.
 [[nodiscard]] inline std::vector<StripVertex> strip_vertices(const MeshView& mesh, bool strips) {
     if (strips) return StripWalk(mesh).run();
     std::vector<StripVertex> out;
@@ -435,149 +662,115 @@ class StripWalk {
 
 #endif  // HMESH_IO_DETAIL_STRIPS_HPP
 
-// ---- hmesh/io/detail/gouraud_stream.hpp
+// ---- hmesh/core/function_ref.hpp
 
-// hmesh - a mesh as a free-form Gouraud shading (type 4), the data that PDF and PostScript level 3 share.
-//
-// ISO 32000-1, 8.7.4.5.5: for each vertex an edge flag (strips.hpp), x, y and the colour components, most significant byte
-// first. Colours are interpolated in the shading's colour space: in DeviceRGB that is what hmesh fits.
-//
-// Coordinates count 1/256 px, the grid of hmesh's meshes: the range that /Decode maps to is whole pixels plus
-// (2^bits - 1) / 256, so that every position of the grid arrives exactly; in 24 bits up to 65535 px, in 16 below 256 px and
-// in 32 beyond. 16 bits for all would save a tenth of the deflated size, but move the vertices of a 512 px image by up to
-// 1/128 px, which turns over thin faces. Components have 8 bits where the mesh's peak is 255, else 16.
-#ifndef HMESH_IO_DETAIL_GOURAUD_STREAM_HPP
-#define HMESH_IO_DETAIL_GOURAUD_STREAM_HPP
+/// \file
+/// FunctionRef: a non-owning reference to any callable, so that what takes a callback is compiled once.
+///
+/// Two pointers, nothing allocated; a call costs an indirect jump, some 2 ns. Like C++26's std::function_ref, except that it
+/// may refer to nothing, and that the callable must return exactly the type asked for: a count where a bool is wanted is a
+/// mistake.
+#ifndef HMESH_CORE_FUNCTION_REF_HPP
+#define HMESH_CORE_FUNCTION_REF_HPP
 
-#include <algorithm>
-#include <cmath>
+#include <memory>
+#include <type_traits>
+#include <utility>
+
+namespace hmesh {
+
+/// A non-owning reference to a callable with this signature, as in FunctionRef<bool(int)>.
+template <class Signature>
+class FunctionRef;
+
+/// Refers to a callable object, which must outlive the reference, or to a function. A lambda written in the call lives until
+/// the call returns. To keep a reference, keep the callable first: assigning a temporary is refused.
+template <class Result, class... Arguments>
+class FunctionRef<Result(Arguments...)> {
+    template <class Callable>
+    [[nodiscard]] static constexpr bool accepts() noexcept {
+        if constexpr (!std::is_class_v<Callable> || std::is_base_of_v<FunctionRef, Callable>) return false;
+        else if constexpr (!std::is_invocable_v<Callable&, Arguments...>) return false;
+        else return std::is_void_v<Result> || std::is_same_v<Result, std::invoke_result_t<Callable&, Arguments...>>;
+    }
+
+  public:
+    /// Refers to nothing, and must not be called.
+    FunctionRef() noexcept = default;
+    /// Refers to a function; to nothing for a null pointer.
+    FunctionRef(Result (*function)(Arguments...)) noexcept  // NOLINT(google-explicit-constructor)
+        : any_function(reinterpret_cast<void (*)()>(function)), call_(function != nullptr ? &call_function : nullptr) {}
+    /// Refers to an object that can be called with these arguments and outlives the reference.
+    template <class Callable, std::enable_if_t<accepts<std::remove_reference_t<Callable>>(), int> = 0>
+    FunctionRef(Callable&& object) noexcept  // NOLINT(google-explicit-constructor,bugprone-forwarding-reference-overload)
+        : any_object(const_cast<void*>(static_cast<const void*>(std::addressof(object)))),
+          call_(&call_object<std::remove_reference_t<Callable>>) {}
+    template <class Callable, std::enable_if_t<accepts<Callable>(), int> = 0>
+    FunctionRef& operator=(const Callable&&) = delete;  ///< refused: a temporary would not outlive the statement
+
+    /// Calls what it refers to.
+    Result operator()(Arguments... arguments) const { return call_(*this, std::forward<Arguments>(arguments)...); }
+    /// Whether it refers to a callable.
+    explicit operator bool() const noexcept { return call_ != nullptr; }
+
+  private:
+    template <class Object>
+    static Result call_object(const FunctionRef& self, Arguments... arguments) {
+        Object& object = *static_cast<Object*>(self.any_object);
+        if constexpr (std::is_void_v<Result>) object(std::forward<Arguments>(arguments)...);
+        else return object(std::forward<Arguments>(arguments)...);
+    }
+    static Result call_function(const FunctionRef& self, Arguments... arguments) {
+        return reinterpret_cast<Result (*)(Arguments...)>(self.any_function)(std::forward<Arguments>(arguments)...);
+    }
+
+    union {
+        void* any_object = nullptr;
+        void (*any_function)();
+    };
+    Result (*call_)(const FunctionRef& self, Arguments... arguments) = nullptr;
+};
+
+}  // namespace hmesh
+
+#endif  // HMESH_CORE_FUNCTION_REF_HPP
+
+// ---- hmesh/io/page_options.hpp
+
+/// \file
+/// PageOptions: how write_pdf() and write_eps() store the mesh in a page.
+#ifndef HMESH_IO_PAGE_OPTIONS_HPP
+#define HMESH_IO_PAGE_OPTIONS_HPP
+
 #include <cstddef>
-#include <cstdint>
-#include <limits>
 #include <vector>
 
 namespace hmesh {
 
-// A compressor that the user has: puts the zlib stream (RFC 1950) of the bytes, such as zlib's compress2() makes, into the
-// empty `out`. False, or nothing in `out`: it failed.
-using Deflate = bool (*)(void* user, const unsigned char* bytes, std::size_t size, std::vector<unsigned char>& out);
+/// A compressor that the program brings, since the library has none: it puts the zlib stream (RFC 1950) of `bytes`, such as
+/// zlib's compress2() makes, into `out`, which is empty. It says whether it could; false or an empty `out` is a failure.
+using Deflate = FunctionRef<bool(const unsigned char* bytes, std::size_t size, std::vector<unsigned char>& out)>;
 
-namespace detail {
-
-// How a vertex is stored. y is up.
-struct ShadingLayout {
-    int coordinate_bytes = 0, component_bytes = 0;
-    std::int64_t left = 0, low = 0;  // px: the whole number that 0 stands for, of x and of y
-
-    [[nodiscard]] std::size_t vertex_bytes(int components) const noexcept {
-        return static_cast<std::size_t>(1 + 2 * coordinate_bytes + components * component_bytes);
-    }
-    [[nodiscard]] double extent() const noexcept {  // px, from 0 to the largest number; exact
-        return static_cast<double>((std::uint64_t{1} << (8 * coordinate_bytes)) - 1) / 256;
-    }
+/// Options of write_pdf() and write_eps(), which hold the mesh as the same stream of bytes.
+struct PageOptions {
+    /// Compresses the stream, to about a half: 12 bytes a vertex instead of 21 in PDF. What it refers to must live until the
+    /// exporter returns. None: the stream is written as it is.
+    Deflate deflate;
+    /// Whether a face shares two vertices with the one before it, wherever it can: a third of the size. Faces are then drawn
+    /// in another order than the mesh's, which shows only where they overlap. False: each face by itself, in the mesh's order.
+    bool strips = true;
 };
 
-[[nodiscard]] inline double up(const MeshView& mesh, std::size_t v) noexcept {
-    return mesh.height - static_cast<double>(mesh.positions[2 * v + 1]);
-}
-
-// Whether the mesh can be written as a shading, and how.
-[[nodiscard]] inline Status plan_shading(const MeshView& mesh, ShadingLayout& layout) noexcept {
-    // The longest stream, 3 vertices a face of 1 + 8 + 6 bytes, keeps its length below 2^31 (ISO 32000-1, annex C).
-    constexpr std::size_t most = ((std::size_t{1} << 31U) - 1) / 45;
-    if (mesh.face_count > most)
-        return {Errc::invalid_argument, "the mesh has more faces than a shading holds",
-                static_cast<std::int64_t>(std::min<std::uint64_t>(mesh.face_count, std::numeric_limits<std::int64_t>::max())),
-                static_cast<std::int64_t>(most)};
-    constexpr int farthest = 4194304;  // px: numbers of 32 bits count 1/256 px up to 2^24 px
-    for (const int side : {mesh.width, mesh.height})
-        if (side > farthest)
-            return {Errc::invalid_argument, "the mesh's width or height is more than a shading holds", side, farthest};
-    if (const Status status = check_for_export(mesh); !status) return status;
-
-    double left = 0, low = 0, right = mesh.width, high = mesh.height;
-    for (std::size_t v = 0; v < mesh.vertex_count; ++v) {
-        const double x = static_cast<double>(mesh.positions[2 * v]), y = up(mesh, v);
-        if (!kit::is_within(x, -farthest, farthest) || !kit::is_within(y, -farthest, farthest))
-            return {Errc::invalid_argument, "the mesh has a position far outside its image, at vertex",
-                    static_cast<std::int64_t>(v), 0};
-        left = std::min(left, x), right = std::max(right, x);
-        low = std::min(low, y), high = std::max(high, y);
-    }
-    layout.left = static_cast<std::int64_t>(std::floor(left));
-    layout.low = static_cast<std::int64_t>(std::floor(low));
-    const double side = std::max(right - static_cast<double>(layout.left), high - static_cast<double>(layout.low));
-    layout.coordinate_bytes = 2;
-    while (layout.extent() < side) ++layout.coordinate_bytes;
-    layout.component_bytes = mesh.peak == 255 ? 1 : 2;
-    return {};
-}
-
-// The entries of the shading's dictionary that describe the data, in the syntax of PDF and PostScript.
-template <class Writer>
-void write_shading_entries(Writer& writer, const ShadingLayout& layout, int components) {
-    writer.text(components == 1 ? "/ShadingType 4 /ColorSpace /DeviceGray" : "/ShadingType 4 /ColorSpace /DeviceRGB");
-    writer.text("\n/BitsPerCoordinate ");
-    writer.decimal(8 * layout.coordinate_bytes);
-    writer.text(" /BitsPerComponent ");
-    writer.decimal(8 * layout.component_bytes);
-    writer.text(" /BitsPerFlag 8\n/Decode [");
-    for (const std::int64_t from : {layout.left, layout.low}) {
-        writer.decimal(from);
-        writer.text(" ");
-        writer.fixed(static_cast<double>(from) + layout.extent(), 8);
-        writer.text(" ");
-    }
-    writer.text(components == 1 ? "0 1]" : "0 1 0 1 0 1]");
-}
-
-// The stream's bytes. `share(v, k)` is component k of vertex v as a share of full intensity; it is held to [0, 1].
-template <class Share>
-[[nodiscard]] std::vector<unsigned char> shading_bytes(const MeshView& mesh, const std::vector<StripVertex>& vertices,
-                                                       const ShadingLayout& layout, int components, const Share& share) {
-    std::vector<unsigned char> out(vertices.size() * layout.vertex_bytes(components));
-    unsigned char* to = out.data();
-    const auto put = [&to](double number, int bytes) {
-        const auto bits = static_cast<std::uint32_t>(number + 0.5);
-        for (int i = bytes; i-- > 0;) *to++ = static_cast<unsigned char>((bits >> (8 * i)) & 0xffU);
-    };
-    const double full = layout.component_bytes == 1 ? 255 : 65535;
-    for (const StripVertex& s : vertices) {
-        const std::size_t v = s.vertex;
-        *to++ = s.flag;
-        put((static_cast<double>(mesh.positions[2 * v]) - static_cast<double>(layout.left)) * 256, layout.coordinate_bytes);
-        put((up(mesh, v) - static_cast<double>(layout.low)) * 256, layout.coordinate_bytes);
-        for (int k = 0; k < components; ++k)
-            put(std::max(0.0, std::min(1.0, static_cast<double>(share(v, k)))) * full, layout.component_bytes);
-    }
-    return out;
-}
-
-// Replaces the bytes by their zlib stream, where there is a compressor.
-[[nodiscard]] inline Status compress(Deflate deflate, void* user, std::vector<unsigned char>& bytes) {
-    if (deflate == nullptr) return {};
-    std::vector<unsigned char> out;
-    if (!deflate(user, bytes.data(), bytes.size(), out) || out.empty())
-        return {Errc::write_failed, "the compressor failed, before the first byte was written", 0, 0};
-    bytes.swap(out);
-    return {};
-}
-
-}  // namespace detail
 }  // namespace hmesh
 
-#endif  // HMESH_IO_DETAIL_GOURAUD_STREAM_HPP
+#endif  // HMESH_IO_PAGE_OPTIONS_HPP
 
 // ---- hmesh/io/sink.hpp
 
-// hmesh - sinks: where exporters put their bytes, and the small buffered writer that they all use.
-//
-// A sink is any callable
-//
-//     bool sink(const void* bytes, std::size_t size)      // size > 0; false: the bytes were refused, ask no more
-//
-// a lambda around fwrite, std::vector or a socket. hmesh itself opens no file. What the writer puts depends neither on
-// the byte order of the machine nor on its locale.
+/// \file
+/// Sink: where exporters put their bytes. And the buffered writer that they all use.
+///
+/// hmesh itself opens no file. What the writer puts depends neither on the byte order of the machine nor on its locale.
 #ifndef HMESH_IO_SINK_HPP
 #define HMESH_IO_SINK_HPP
 
@@ -588,16 +781,24 @@ template <class Share>
 #include <cstdint>
 #include <cstring>
 #include <limits>
-#include <type_traits>
 
-namespace hmesh::detail {
+namespace hmesh {
 
-// Collects bytes and hands them to the sink 4 KiB at a time. After the sink's first refusal everything is dropped.
-template <class Sink>
+/// Takes the bytes of a file, piece after piece, `size` > 0 of them a call: any callable of this signature, such as a lambda
+/// around fwrite(), a std::vector or a socket. False says that the bytes were refused: the sink is called no more, and the
+/// exporter returns Errc::write_failed with the number of bytes that were taken. The callable must live until the exporter
+/// returns; the bytes may be read until the sink does. What returns another type than bool, as fwrite() does, does not compile.
+using Sink = FunctionRef<bool(const void* bytes, std::size_t size)>;
+
+namespace detail {
+
+/// Puts bytes, numbers and words into a sink, 4 KiB at a time. After the sink's first refusal everything is dropped.
 class Writer {
   public:
-    explicit Writer(Sink& sink) noexcept : sink_(&sink) {}
+    /// What the sink refers to must outlive the writer.
+    explicit Writer(Sink sink) noexcept : sink_(sink) {}
 
+    /// Puts bytes as they are.
     void bytes(const void* from, std::size_t size) {
         const auto* at = static_cast<const unsigned char*>(from);
         while (size > 0) {
@@ -611,9 +812,13 @@ class Writer {
     }
 
     // --- binary numbers, little-endian ---
+    /// Puts an integer of 8 bits.
     void u8(std::uint8_t value) { bytes(&value, 1); }
+    /// Puts an integer of 16 bits.
     void u16(std::uint16_t value) { little_endian<2>(value); }
+    /// Puts an integer of 32 bits.
     void u32(std::uint32_t value) { little_endian<4>(value); }
+    /// Puts a number as IEEE 754 binary32.
     void f32(float value) {
         static_assert(std::numeric_limits<float>::is_iec559 && sizeof(float) == 4, "float is IEEE 754 binary32");
         std::uint32_t bits = 0;
@@ -622,7 +827,9 @@ class Writer {
     }
 
     // --- text ---
+    /// Puts a text that ends with a zero, without the zero.
     void text(const char* words) { bytes(words, std::strlen(words)); }
+    /// Puts an integer in decimal digits.
     void decimal(std::int64_t value) {
         std::array<char, 20> digits{};  // a sign and the 19 digits of 2^63
         std::size_t at = digits.size();
@@ -634,8 +841,8 @@ class Writer {
         if (value < 0) digits[--at] = '-';
         bytes(digits.data() + at, digits.size() - at);
     }
-    // A finite number with at most `places` <= 9 digits after the point, rounded, without zeros at the end; its magnitude
-    // is below 2^53 / 10^places, beyond which it is held to that.
+    /// Puts a finite number with at most `places` <= 9 digits after the point, rounded, without zeros at the end. Magnitudes
+    /// above 2^53 / 10^places are held to that.
     void fixed(double value, int places) {
         std::int64_t power = 1;
         for (int i = 0; i < places; ++i) power *= 10;
@@ -652,8 +859,8 @@ class Writer {
         }
         bytes(digits.data(), used);
     }
-    // A finite number with nine significant digits or more, so that a float is read back as itself. Multiples of 1/256 up to
-    // 2^22, as vertex positions are, and numbers in [0.1, 2^22) are written plainly and the others with an exponent.
+    /// Puts a finite number with nine significant digits or more, so that a float is read back as itself. Multiples of 1/256
+    /// up to 2^22, as vertex positions are, and numbers in [0.1, 2^22) are put plainly, the others with an exponent.
     void real(double value) {
         const double size = std::abs(value);
         // Below 2^22 fixed() is exact for nine places: 2^22 10^9 < 2^52.
@@ -667,7 +874,11 @@ class Writer {
         decimal(exponent);
     }
 
-    // Hands over what is left, and says whether the sink took everything; `got` is the number of bytes that it took.
+    /// The number of bytes that were put so far, whether the sink took them or not: where the next one stands in the file.
+    [[nodiscard]] std::int64_t position() const noexcept { return flushed_ + static_cast<std::int64_t>(used_); }
+
+    /// Hands over what is left, and says whether the sink took everything. If not: Errc::write_failed, and how many bytes it
+    /// took.
     Status finish() {
         flush();
         if (refused_) return {Errc::write_failed, "the sink refused bytes, after", accepted_, 0};
@@ -682,36 +893,164 @@ class Writer {
         bytes(out.data(), Size);
     }
     void flush() {
-        if (used_ > 0 && !refused_) {
-            if ((*sink_)(static_cast<const void*>(buffer_.data()), used_)) accepted_ += static_cast<std::int64_t>(used_);
-            else refused_ = true;
-        }
+        if (used_ == 0) return;
+        const auto size = static_cast<std::int64_t>(used_);
+        refused_ = refused_ || !sink_(buffer_.data(), used_);
+        if (!refused_) accepted_ += size;
+        flushed_ += size;
         used_ = 0;
     }
 
-    static_assert(std::is_same_v<bool, std::invoke_result_t<Sink&, const void*, std::size_t>>,
-                  "a sink returns a bool, whether it took all bytes: fwrite(...) == size, not the count");
-
-    Sink* sink_;
-    std::int64_t accepted_ = 0;
+    Sink sink_;
+    std::int64_t flushed_ = 0, accepted_ = 0;
     std::size_t used_ = 0;
     bool refused_ = false;
     std::array<unsigned char, 4096> buffer_;
 };
 
-}  // namespace hmesh::detail
+}  // namespace detail
+}  // namespace hmesh
 
 #endif  // HMESH_IO_SINK_HPP
 
+// ---- hmesh/io/detail/gouraud_stream.hpp
+
+/// \file
+/// A mesh as a free-form Gouraud shading (type 4), the stream of bytes that PDF and PostScript level 3 share.
+///
+/// ISO 32000-1, 8.7.4.5.5: for each vertex an edge flag (see strips.hpp), x, y and the colour components, most significant byte
+/// first. Colours are interpolated in the shading's colour space: in DeviceRGB that is what hmesh fits.
+///
+/// Coordinates count 1/256 px, the grid of hmesh's meshes: the range that /Decode maps to is whole pixels plus
+/// (2^bits - 1) / 256, so that every position of the grid arrives exactly; in 24 bits up to 65535 px, in 16 below 256 px and in
+/// 32 beyond. 16 bits for all would save a tenth of the deflated size, but move the vertices of a 512 px image by up to
+/// 1/128 px, which turns over thin faces. Components have 8 bits where the mesh's peak is 255, else 16.
+#ifndef HMESH_IO_DETAIL_GOURAUD_STREAM_HPP
+#define HMESH_IO_DETAIL_GOURAUD_STREAM_HPP
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+#include <vector>
+
+namespace hmesh::detail {
+
+/// How a vertex is stored, y up.
+struct ShadingLayout {
+    int coordinate_bytes = 0;        ///< of x and of y: 2, 3 or 4
+    int component_bytes = 0;         ///< of a colour component: 1 or 2
+    std::int64_t left = 0, low = 0;  ///< px: the whole numbers for which 0 stands, of x and of y
+
+    /// Bytes from a vertex to the next, with so many colour components.
+    [[nodiscard]] std::size_t vertex_bytes(int components) const noexcept {
+        return static_cast<std::size_t>(1 + 2 * coordinate_bytes + components * component_bytes);
+    }
+    /// Px from the number 0 to the largest; exact.
+    [[nodiscard]] double extent() const noexcept {
+        return static_cast<double>((std::uint64_t{1} << (8 * coordinate_bytes)) - 1) / 256;
+    }
+};
+
+/// Refuses what a shading cannot hold, and fills the layout of what it can. O(n).
+[[nodiscard]] inline Status plan_shading(const MeshView& mesh, ShadingLayout& layout) noexcept {
+    // The longest stream, 3 vertices a face of 1 + 8 + 6 bytes, keeps its length below 2^31 (ISO 32000-1, annex C).
+    constexpr std::uint64_t most = ((std::uint64_t{1} << 31U) - 1) / 45, any = std::numeric_limits<std::uint64_t>::max();
+    if (const Status status = check_counts(mesh, any, most, "the mesh has more faces than a shading holds"); !status)
+        return status;
+    constexpr int farthest = 4194304;  // px: numbers of 32 bits count 1/256 px up to 2^24 px
+    for (const int side : {mesh.width, mesh.height})
+        if (side > farthest)
+            return {Errc::invalid_argument, "the mesh's width or height is more than a shading holds", side, farthest};
+    if (const Status status = check_for_export(mesh); !status) return status;
+
+    double left = 0, low = 0, right = mesh.width, high = mesh.height;
+    for (std::size_t v = 0; v < mesh.vertex_count; ++v) {
+        const double x = static_cast<double>(mesh.positions[2 * v]), y = y_up(mesh, v);
+        if (!kit::is_within(x, -farthest, farthest) || !kit::is_within(y, -farthest, farthest))
+            return {Errc::invalid_argument, "the mesh has a position far outside its image, at vertex",
+                    static_cast<std::int64_t>(v), 0};
+        left = std::min(left, x), right = std::max(right, x);
+        low = std::min(low, y), high = std::max(high, y);
+    }
+    layout.left = static_cast<std::int64_t>(std::floor(left));
+    layout.low = static_cast<std::int64_t>(std::floor(low));
+    const double side = std::max(right - static_cast<double>(layout.left), high - static_cast<double>(layout.low));
+    layout.coordinate_bytes = 2;
+    while (layout.extent() < side) ++layout.coordinate_bytes;
+    layout.component_bytes = mesh.peak == 255 ? 1 : 2;
+    return {};
+}
+
+/// Writes the entries of the shading's dictionary that describe its stream, in the syntax of PDF and PostScript. `components`
+/// is 1 for grey, 3 for red, green and blue.
+inline void write_shading_entries(Writer& writer, const ShadingLayout& layout, int components) {
+    writer.text(components == 1 ? "/ShadingType 4 /ColorSpace /DeviceGray" : "/ShadingType 4 /ColorSpace /DeviceRGB");
+    writer.text("\n/BitsPerCoordinate ");
+    writer.decimal(std::int64_t{8} * layout.coordinate_bytes);
+    writer.text(" /BitsPerComponent ");
+    writer.decimal(std::int64_t{8} * layout.component_bytes);
+    writer.text(" /BitsPerFlag 8\n/Decode [");
+    for (const std::int64_t from : {layout.left, layout.low}) {
+        writer.decimal(from);
+        writer.text(" ");
+        writer.fixed(static_cast<double>(from) + layout.extent(), 8);
+        writer.text(" ");
+    }
+    writer.text(components == 1 ? "0 1]" : "0 1 0 1 0 1]");
+}
+
+/// The bytes of the stream. Component k of vertex v as a share of full intensity is shares[components * v + k]; it is held to
+/// [0, 1]. View and layout come by value, since a byte that is written might be any other object's: a fifth of the time.
+[[nodiscard]] inline std::vector<unsigned char> shading_bytes(MeshView mesh, const std::vector<StripVertex>& vertices,
+                                                              ShadingLayout layout, int components,
+                                                              const std::vector<double>& shares) {
+    std::vector<unsigned char> out(vertices.size() * layout.vertex_bytes(components));
+    unsigned char* to = out.data();
+    const auto put = [&to](double number, int bytes) {
+        const auto bits = static_cast<std::uint32_t>(number + 0.5);
+        for (int i = bytes; i-- > 0;) *to++ = static_cast<unsigned char>((bits >> (8 * i)) & 0xffU);
+    };
+    const double full = layout.component_bytes == 1 ? 255 : 65535;
+    const auto count = static_cast<std::size_t>(components);
+    const double* const from = shares.data();
+    for (const StripVertex s : vertices) {
+        const std::size_t v = s.vertex;
+        *to++ = s.flag;
+        put((static_cast<double>(mesh.positions[2 * v]) - static_cast<double>(layout.left)) * 256, layout.coordinate_bytes);
+        put((y_up(mesh, v) - static_cast<double>(layout.low)) * 256, layout.coordinate_bytes);
+        for (std::size_t k = 0; k < count; ++k)
+            put(std::max(0.0, std::min(1.0, from[count * v + k])) * full, layout.component_bytes);
+    }
+    return out;
+}
+
+/// Replaces the bytes by their zlib stream, where there is a compressor. Errc::write_failed where it fails.
+[[nodiscard]] inline Status compress(Deflate deflate, std::vector<unsigned char>& bytes) {
+    if (!deflate) return {};
+    std::vector<unsigned char> out;
+    if (!deflate(bytes.data(), bytes.size(), out) || out.empty())
+        return {Errc::write_failed, "the compressor failed, before the first byte was written", 0, 0};
+    bytes.swap(out);
+    return {};
+}
+
+}  // namespace hmesh::detail
+
+#endif  // HMESH_IO_DETAIL_GOURAUD_STREAM_HPP
+
 // ---- hmesh/io/eps.hpp
 
-// hmesh - write_eps(): a mesh as encapsulated PostScript, language level 3.
-//
-// The shading of type 4 that write_pdf() draws (shading_stream.hpp), in ASCII: of the image's size, 1 px = 1/72 inch.
-// PostScript has no opacity: for 4 channels the colours of the vertices, straight or premultiplied with the fourth channel
-// as opacity, are laid over white paper, and the white is part of the picture. The same mesh gives the same bytes.
-//
-// Size of an RGB mesh of 256 px or more: 26 bytes a vertex, deflated 15; without strips 74 and 20.
+/// \file
+/// write_eps(): a mesh as encapsulated PostScript, language level 3.
+///
+/// The shading that write_pdf() draws, in ASCII: of the image's size, 1 px = 1/72 inch. PostScript has no opacity: where there
+/// is alpha, the colours of the vertices, straight or premultiplied, are laid over white paper, and the white is part of the
+/// picture. The same mesh gives the same bytes.
+///
+/// Size of an RGB mesh of 256 px or more: 26 bytes a vertex, deflated 15; without strips 74 and 20. Time and memory as PDF's.
+/// Source: Adobe, PostScript Language Reference, third edition, 3.13.3 and 4.9.3.
 #ifndef HMESH_IO_EPS_HPP
 #define HMESH_IO_EPS_HPP
 
@@ -723,18 +1062,10 @@ class Writer {
 
 namespace hmesh {
 
-// Options of write_eps().
-struct EpsOptions {
-    Deflate deflate = nullptr;  // compresses the mesh (shading_stream.hpp); none: it is written as it is
-    void* deflate_user = nullptr;
-    bool strips = true;  // faces share vertices with the one before; false: each by itself in the mesh's order
-};
-
 namespace detail {
 
-// Lines of at most 101 characters that ASCII85Decode reads, its end mark included.
-template <class Sink>
-void write_ascii85(Writer<Sink>& writer, const std::vector<unsigned char>& bytes) {
+/// Writes bytes as lines of at most 101 characters that ASCII85Decode reads, its end mark included.
+inline void write_ascii85(Writer& writer, const std::vector<unsigned char>& bytes) {
     std::array<char, 102> line{};
     std::size_t used = 0;
     const auto end_line = [&] {
@@ -763,27 +1094,31 @@ void write_ascii85(Writer<Sink>& writer, const std::vector<unsigned char>& bytes
 
 }  // namespace detail
 
-// Writes the mesh to the sink (see sink.hpp). Colours are held to [0, peak]. Faces are drawn in another order than the
-// mesh's when in strips, which shows only where they overlap. A mesh of 2 or more than 4 channels, an empty one and others
-// that cannot be written give a Status and no byte, and so does a compressor that fails.
-template <class Sink>
-Status write_eps(const MeshView& mesh, Sink&& sink, const EpsOptions& options = {}) {
+/// Writes a mesh of 1 to 4 channels as an EPS file; colours are held to [0, peak]. What write_pdf() refuses is refused here: a
+/// Status says so, and no byte is written. A sink that refuses bytes gives Errc::write_failed.
+inline Status write_eps(const MeshView& source, Sink sink, const PageOptions& options = {}) {
     detail::ShadingLayout layout;
-    if (const Status status = detail::plan_shading(mesh, layout); !status) return status;
+    if (const Status status = detail::plan_shading(source, layout); !status) return status;
+    const detail::ExportMesh exported(source, detail::Premultiplied::kept);
+    const MeshView& mesh = exported.view();
     const auto channels = static_cast<std::size_t>(mesh.channels);
     const int components = mesh.channels == 1 ? 1 : 3;
 
     const auto share = [&](std::size_t v, std::size_t k) {
         return detail::share_of_peak(mesh.colors[channels * v + k], mesh.peak);
     };
-    const auto on_paper = [&](std::size_t v, int k) {
-        const double color = share(v, static_cast<std::size_t>(k));
+    const auto on_paper = [&](std::size_t v, std::size_t k) {
+        const double color = share(v, k);
         if (channels != 4) return color;
         return mesh.premultiplied ? 1 - share(v, 3) + color : 1 - share(v, 3) * (1 - color);
     };
+    std::vector<double> shares;
+    shares.reserve(static_cast<std::size_t>(components) * mesh.vertex_count);
+    for (std::size_t v = 0; v < mesh.vertex_count; ++v)
+        for (std::size_t k = 0; k < static_cast<std::size_t>(components); ++k) shares.push_back(on_paper(v, k));
     std::vector<unsigned char> bytes =
-        detail::shading_bytes(mesh, detail::strip_vertices(mesh, options.strips), layout, components, on_paper);
-    if (const Status status = detail::compress(options.deflate, options.deflate_user, bytes); !status) return status;
+        detail::shading_bytes(mesh, detail::strip_vertices(mesh, options.strips), layout, components, shares);
+    if (const Status status = detail::compress(options.deflate, bytes); !status) return status;
 
     detail::Writer writer(sink);
     const auto size = [&](const char* before, const char* after) {
@@ -798,7 +1133,7 @@ Status write_eps(const MeshView& mesh, Sink&& sink, const EpsOptions& options = 
     size("%%Page: 1 1\ngsave\n0 0 ", " rectclip\n");
     // Read as one procedure, so that what follows the drawing - skipping to the end of the data - is known before them.
     writer.text("{ currentfile /ASCII85Decode filter dup");
-    if (options.deflate != nullptr) writer.text(" /FlateDecode filter");
+    if (options.deflate) writer.text(" /FlateDecode filter");
     writer.text("\n<< /DataSource 3 -1 roll\n");
     detail::write_shading_entries(writer, layout, components);
     writer.text(" >> shfill flushfile } exec\n");
@@ -813,10 +1148,11 @@ Status write_eps(const MeshView& mesh, Sink&& sink, const EpsOptions& options = 
 
 // ---- hmesh/core/srgb.hpp
 
-// hmesh - sRGB: what light a stored value stands for, and which stored value stands for some light.
-//
-// IEC 61966-2-1, all values shares of the full one. Nothing but sums, products, quotients and square roots, which are the
-// same on all machines; the last bit of std::pow differs between standard libraries. About 10 ns each.
+/// \file
+/// The sRGB transfer function of IEC 61966-2-1, both ways: between stored values and light, as shares of full intensity.
+///
+/// Nothing but sums, products, quotients and square roots, which are the same on all machines; the last bit of std::pow differs
+/// between standard libraries. About 10 ns a call.
 #ifndef HMESH_CORE_SRGB_HPP
 #define HMESH_CORE_SRGB_HPP
 
@@ -824,8 +1160,8 @@ Status write_eps(const MeshView& mesh, Sink&& sink, const EpsOptions& options = 
 
 namespace hmesh::kit {
 
-// The light, as a share of full light, of an sRGB-encoded share in [0, 1]. The power 2.4 is the twelfth of the fifth root,
-// found by Newton's method. Off by less than 1e-14.
+/// The linear light, as a share of full light, of an sRGB-encoded share in [0, 1]. Error below 1e-14. The power 2.4 is the
+/// twelfth power of the fifth root, found by Newton's method.
 [[nodiscard]] inline double srgb_to_linear(double share) noexcept {
     if (share <= 0.04045) return share / 12.92;
     const double x = (share + 0.055) / 1.055;
@@ -838,8 +1174,8 @@ namespace hmesh::kit {
     return fourth * fourth * fourth;
 }
 
-// The sRGB-encoded share of light in [0, 1]. The power 1 / 2.4 is the square root of the square root, times the cube root of
-// the square root, found by Halley's method. Off by less than 1e-12.
+/// The sRGB-encoded share of a share of light in [0, 1]. Error below 1e-12. The power 1 / 2.4 is the square root of the square
+/// root times the cube root of the square root, found by Halley's method.
 [[nodiscard]] inline double linear_to_srgb(double light) noexcept {
     if (light <= 0.0031308) return 12.92 * light;
     const double s = std::sqrt(light);
@@ -851,7 +1187,7 @@ namespace hmesh::kit {
     return 1.055 * (std::sqrt(s) * root) - 0.055;
 }
 
-// The derivative of linear_to_srgb at light that it encodes to `share`: 12.92 near black, 0.44 at white.
+/// The derivative of linear_to_srgb() at `light`, of which `share` is the encoded value: 12.92 near black, 0.44 at white.
 [[nodiscard]] inline double linear_to_srgb_slope(double light, double share) noexcept {
     return light <= 0.0031308 ? 12.92 : (share + 0.055) / (2.4 * light);
 }
@@ -860,87 +1196,22 @@ namespace hmesh::kit {
 
 #endif  // HMESH_CORE_SRGB_HPP
 
-// ---- hmesh/io/detail/straight_colors.hpp
-
-// hmesh - straight colours of premultiplied meshes, for formats that know no others.
-#ifndef HMESH_IO_DETAIL_STRAIGHT_COLORS_HPP
-#define HMESH_IO_DETAIL_STRAIGHT_COLORS_HPP
-
-#include <algorithm>
-#include <array>
-#include <cstddef>
-#include <cstdint>
-#include <limits>
-#include <vector>
-
-namespace hmesh::detail {
-
-// A mesh as it is or, if it is premultiplied and has alpha, with colours of its own that are divided by it: color * peak /
-// alpha at each vertex, held to [0, peak] or else to what floats hold, as shares of the peak too. Vertices without alpha have
-// no colour; they take the mean of those with which they share faces, weighted by alpha, so that no fringe runs into the faces
-// between; none, 0, where all are transparent. Between vertices the picture is that of straight colours, which agrees with the
-// premultiplied one where alpha or the colour does not change. Of a mesh that check() accepts and that outlives this one.
-// O(vertices + faces).
-class StraightMesh {
-  public:
-    explicit StraightMesh(const MeshView& mesh, bool is_held = true) : view_(mesh) {
-        if (!mesh.premultiplied || (mesh.channels != 2 && mesh.channels != 4)) return;
-        const auto channels = static_cast<std::size_t>(mesh.channels), alpha = channels - 1;
-        const auto from = [&](std::size_t v, std::size_t k) { return static_cast<double>(mesh.colors[channels * v + k]); };
-        std::vector<double> sums;  // of vertices without alpha: what their neighbours have, a neighbour for each face shared
-        for (std::size_t f = 0; f < mesh.face_count; ++f)
-            for (const std::uint32_t v : mesh.faces[f]) {
-                if (from(v, alpha) > 0) continue;
-                if (sums.empty()) sums.resize(channels * mesh.vertex_count);
-                for (const std::uint32_t other : mesh.faces[f])
-                    for (std::size_t k = 0; k < channels && from(other, alpha) > 0; ++k) sums[channels * v + k] += from(other, k);
-            }
-        const double most =
-            is_held ? mesh.peak : 0.5 * static_cast<double>(std::numeric_limits<float>::max()) * std::min(1.0, mesh.peak);
-        const double least = is_held ? 0 : -most;
-        colors_.resize(channels * mesh.vertex_count);
-        for (std::size_t v = 0; v < mesh.vertex_count; ++v) {
-            const bool is_clear = !(from(v, alpha) > 0);
-            const auto part = [&](std::size_t k) { return !is_clear ? from(v, k) : sums.empty() ? 0.0 : sums[channels * v + k]; };
-            for (std::size_t k = 0; k < alpha; ++k) {
-                const double color = part(alpha) > 0 ? part(k) * mesh.peak / part(alpha) : 0;
-                colors_[channels * v + k] = static_cast<float>(std::max(least, std::min(most, color)));
-            }
-            colors_[channels * v + alpha] = mesh.colors[channels * v + alpha];
-        }
-        view_.colors = colors_.data();
-        view_.premultiplied = false;
-    }
-    StraightMesh(const StraightMesh&) = delete;
-    StraightMesh& operator=(const StraightMesh&) = delete;
-
-    [[nodiscard]] const MeshView& view() const noexcept { return view_; }
-
-  private:
-    MeshView view_;
-    std::vector<float> colors_;
-};
-
-}  // namespace hmesh::detail
-
-#endif  // HMESH_IO_DETAIL_STRAIGHT_COLORS_HPP
-
 // ---- hmesh/io/gltf.hpp
 
-// hmesh - write_glb(): a mesh as a binary glTF 2.0 file (.glb), for engines, editors and web viewers.
-//
-// One node, one mesh, one unlit material (KHR_materials_unlit; a rough, non-metallic one where that is not known). y is up
-// and faces are counter-clockwise seen from +z; the picture's lower left corner is the origin. The buffer holds POSITION,
-// COLOR_0 and the indices, all little-endian. Positions are pixels, sized by the node: float VEC3, exact; or unsigned
-// shorts. Colours are unsigned shorts, RGBA, alpha straight: grey is r = g = b, and 4 channels are drawn with
-// alphaMode BLEND. glTF colours are linear light, so stored values are decoded from sRGB: 16 bits keep them to 0.02 of a
-// 255th, in 8 bits only 183 of 256 values would stay apart. Viewers interpolate linear light: pictures look a little
-// different inside faces, unless the mesh was fitted for that (Options::fit_space).
-//
-// 20 bytes a vertex (16 quantised) and 6 a face, or 12 from 65,536 vertices on. O(n), and nothing is allocated unless the
-// mesh is premultiplied: the sizes in the head of the file follow from the counts, and the JSON is written twice, the first
-// time to be counted.
-// Sources: Khronos, glTF 2.0 specification, sections 3.6, 3.7 and 4.4, KHR_mesh_quantization, KHR_materials_unlit.
+/// \file
+/// write_glb(): a mesh as a binary glTF 2.0 file (.glb), for engines, editors and web viewers.
+///
+/// One node, one mesh, one unlit material (KHR_materials_unlit; a rough, non-metallic one where that is not known). y is up and
+/// faces are counter-clockwise seen from +z; the picture's lower left corner is the origin. The buffer holds POSITION, COLOR_0
+/// and the indices, all little-endian. Positions are pixels, sized by the node: float VEC3, exact; or unsigned shorts. Colours
+/// are unsigned shorts, RGBA, alpha straight: grey is r = g = b, and what has alpha is drawn with alphaMode BLEND. glTF
+/// colours are linear light, so stored values are decoded from sRGB: 16 bits keep them to 0.02 of a 255th, in 8 bits only 183
+/// of 256 values would stay apart. Viewers interpolate linear light: pictures look a little different inside faces, unless the
+/// mesh was fitted for that.
+///
+/// 20 bytes a vertex (16 quantised) and 6 a face, or 12 from 65,536 vertices on. O(n), and nothing is allocated unless there is
+/// alpha: the sizes in the head of the file follow from the counts, and the JSON is written twice, the first time to be counted.
+/// Sources: Khronos, glTF 2.0 specification, sections 3.6, 3.7 and 4.4, KHR_mesh_quantization, KHR_materials_unlit.
 #ifndef HMESH_IO_GLTF_HPP
 #define HMESH_IO_GLTF_HPP
 
@@ -953,39 +1224,47 @@ class StraightMesh {
 
 namespace hmesh {
 
-// Options of write_glb().
+/// Options of write_glb().
 struct GltfOptions {
-    // The length of the image's longer side, in units, which glTF takes for metres; 0: a pixel is a unit. A metre is about
-    // what editors make of a picture; with a pixel a unit a photo is kilometres wide, beyond what their cameras see at
-    // first. It is the scale of the node alone: the positions in the buffer stay pixels.
+    /// The length of the image's longer side in units, which glTF takes for metres; 0: a pixel is a unit. A metre is about what
+    /// editors make of a picture; with a pixel a unit a photo is kilometres wide, beyond what their cameras see at first. It is
+    /// the scale of the node alone: the positions in the buffer stay pixels.
     double longer_side = 1;
-    // Positions as unsigned shorts, 4 bytes a vertex less. Readers must know KHR_mesh_quantization: three.js, Babylon.js
-    // and Blender do, assimp 5.2 does not. Positions are rounded to a step of 1/256 px or, if the mesh spans more than
-    // 65535 / 256 px, to a 65535th of its larger extent: exact up to a side of 255 px, off by 0.004 px at 512 and 0.03 px
-    // at 4096. Faces much thinner than a step may turn over.
+    /// Positions are unsigned shorts, 4 bytes a vertex less. Readers must know KHR_mesh_quantization: three.js, Babylon.js and
+    /// Blender do, assimp 5.2 does not. Positions are rounded to a step of 1/256 px or, if the mesh spans more than 65535 / 256
+    /// px, to a 65535th of its larger extent: exact up to a side of 255 px, off by 0.004 px at 512 and 0.03 px at 4096. Faces
+    /// much thinner than a step may turn over.
     bool quantized_positions = false;
-    bool colors_are_linear = false;  // the stored values are linear light already, as in many float images
+    /// The stored values are linear light already, as in many float images, and are written as they are.
+    bool colors_are_linear = false;
 };
 
 namespace detail {
 
-// How the positions are stored, and where everything lies.
+/// How the positions are stored, and where everything lies in the file. Sizes are in bytes.
 struct GlbLayout {
-    bool quantized = false, wide_indices = false;
-    double origin_x = 0, origin_y = 0, step = 1;        // px, y up: position = origin + step * stored number
-    double min_x = 0, min_y = 0, max_x = 0, max_y = 0;  // of the numbers stored
-    double unit = 1;                                    // units a px
-    std::uint64_t vertices = 0, corners = 0;
-    std::uint64_t position_bytes = 0, color_bytes = 0, index_bytes = 0;
-    std::uint64_t json_bytes = 0;  // without padding
+    bool quantized = false;                                              ///< positions are unsigned shorts
+    bool wide_indices = false;                                           ///< indices have 32 bits
+    bool blends = false;                                                 ///< there is alpha
+    double origin_x = 0, origin_y = 0, step = 1;                         ///< px, y up: position = origin + step * stored number
+    double min_x = 0, min_y = 0, max_x = 0, max_y = 0;                   ///< the bounds of the stored numbers
+    double unit = 1;                                                     ///< units a px
+    std::uint64_t vertices = 0, corners = 0;                             ///< counts; three corners a face
+    std::uint64_t position_bytes = 0, color_bytes = 0, index_bytes = 0;  ///< the three arrays of the buffer, in this order
+    std::uint64_t json_bytes = 0;                                        ///< without padding
 
+    /// From one position to the next.
     [[nodiscard]] std::uint64_t position_stride() const noexcept { return quantized ? 8 : 12; }
+    /// The buffer without padding.
     [[nodiscard]] std::uint64_t binary_bytes() const noexcept { return position_bytes + color_bytes + index_bytes; }
+    /// All of the file.
     [[nodiscard]] std::uint64_t file_bytes() const noexcept { return 28 + padded(json_bytes) + padded(binary_bytes()); }
+    /// A size with the padding that makes it a multiple of 4.
     [[nodiscard]] static std::uint64_t padded(std::uint64_t size) noexcept { return (size + 3) / 4 * 4; }
 
-    // The numbers stored for a position in px, y up; integers if quantised.
+    /// The number stored for an x in px; an integer if quantised.
     [[nodiscard]] double stored_x(double x) const noexcept { return stored(x, origin_x); }
+    /// The number stored for a y in px, y up; an integer if quantised.
     [[nodiscard]] double stored_y(double y) const noexcept { return stored(y, origin_y); }
 
   private:
@@ -995,11 +1274,7 @@ struct GlbLayout {
     }
 };
 
-[[nodiscard]] inline double y_up(const MeshView& mesh, std::size_t vertex) noexcept {
-    return mesh.height - static_cast<double>(mesh.positions[2 * vertex + 1]);
-}
-
-// Origin, step and bounds of the positions.
+/// Finds origin, step and bounds of the positions. O(n).
 inline void lay_out_positions(const MeshView& mesh, GlbLayout& layout) noexcept {
     double left = static_cast<double>(mesh.positions[0]), right = left, bottom = y_up(mesh, 0), top = bottom;
     for (std::size_t v = 1; v < mesh.vertex_count; ++v) {
@@ -1018,8 +1293,8 @@ inline void lay_out_positions(const MeshView& mesh, GlbLayout& layout) noexcept 
     layout.min_y = layout.stored_y(bottom), layout.max_y = layout.stored_y(top);
 }
 
-template <class Sink>
-void write_pair(Writer<Sink>& writer, double x, double y, const char* rest) {
+/// Writes a bracket and two numbers.
+inline void write_pair(Writer& writer, double x, double y, const char* rest) {
     writer.text("[");
     writer.real(x);
     writer.text(",");
@@ -1027,14 +1302,14 @@ void write_pair(Writer<Sink>& writer, double x, double y, const char* rest) {
     writer.text(rest);
 }
 
-template <class Sink>
-void write_count(Writer<Sink>& writer, const char* name, std::uint64_t value) {
+/// Writes words and an integer.
+inline void write_count(Writer& writer, const char* name, std::uint64_t value) {
     writer.text(name);
     writer.decimal(static_cast<std::int64_t>(value));
 }
 
-template <class Sink>
-void write_gltf_json(Writer<Sink>& writer, const GlbLayout& layout, bool has_alpha) {
+/// Writes the JSON chunk without padding.
+inline void write_gltf_json(Writer& writer, const GlbLayout& layout) {
     writer.text("{\"asset\":{\"version\":\"2.0\",\"generator\":\"hmesh " HMESH_VERSION_STRING "\"},");
     writer.text("\"extensionsUsed\":[\"KHR_materials_unlit\"");
     if (layout.quantized) writer.text(",\"KHR_mesh_quantization\"],\"extensionsRequired\":[\"KHR_mesh_quantization\"");
@@ -1045,7 +1320,7 @@ void write_gltf_json(Writer<Sink>& writer, const GlbLayout& layout, bool has_alp
     writer.text("]}],\"meshes\":[{\"primitives\":[{\"attributes\":{\"POSITION\":0,\"COLOR_0\":1},");
     writer.text("\"indices\":2,\"material\":0}]}],");
     writer.text("\"materials\":[{\"pbrMetallicRoughness\":{\"metallicFactor\":0,\"roughnessFactor\":1},");
-    if (has_alpha) writer.text("\"alphaMode\":\"BLEND\",");
+    if (layout.blends) writer.text("\"alphaMode\":\"BLEND\",");
     writer.text("\"extensions\":{\"KHR_materials_unlit\":{}}}],");
 
     // 5123 and 5125 are unsigned short and int, 5126 is float.
@@ -1070,6 +1345,7 @@ void write_gltf_json(Writer<Sink>& writer, const GlbLayout& layout, bool has_alp
     writer.text("}]}");
 }
 
+/// Refuses a file of 4 GiB or more.
 [[nodiscard]] inline Status check_size(const GlbLayout& layout) noexcept {
     constexpr std::uint64_t most = std::numeric_limits<std::uint32_t>::max();
     if (layout.file_bytes() <= most) return {};
@@ -1077,12 +1353,13 @@ void write_gltf_json(Writer<Sink>& writer, const GlbLayout& layout, bool has_alp
             static_cast<std::int64_t>(layout.file_bytes()), static_cast<std::int64_t>(most)};
 }
 
+/// Refuses what a .glb file cannot hold, and fills the layout of what it can. O(n).
 [[nodiscard]] inline Status lay_out_glb(const MeshView& mesh, const GltfOptions& options, GlbLayout& layout) noexcept {
-    constexpr std::int64_t most = std::numeric_limits<std::int32_t>::max();  // products with strides stay below 2^63
-    for (const std::size_t count : {mesh.vertex_count, mesh.face_count})
-        if (count > static_cast<std::size_t>(most))
-            return {Errc::invalid_argument, "the mesh has more vertices or faces than a .glb file holds",
-                    static_cast<std::int64_t>(count), most};
+    constexpr std::uint64_t most = std::numeric_limits<std::int32_t>::max();  // products with strides stay below 2^63
+    if (const Status status = check_counts(mesh, most, most, "the mesh has more vertices or faces than a .glb file holds");
+        !status)
+        return status;
+    layout.blends = mesh.channels == 2 || mesh.channels == 4;
     layout.quantized = options.quantized_positions;
     layout.vertices = mesh.vertex_count;
     layout.corners = 3 * static_cast<std::uint64_t>(mesh.face_count);
@@ -1098,18 +1375,15 @@ void write_gltf_json(Writer<Sink>& writer, const GlbLayout& layout, bool has_alp
 
     if (options.longer_side > 0) layout.unit = options.longer_side / std::max(mesh.width, mesh.height);
     lay_out_positions(mesh, layout);
-    const auto count = [&](const void*, std::size_t size) {
-        layout.json_bytes += size;
-        return true;
-    };
-    Writer counter(count);
-    write_gltf_json(counter, layout, mesh.channels == 4);
-    (void)counter.finish();  // it refuses nothing
+    const auto nowhere = [](const void*, std::size_t) { return true; };
+    Writer counter(nowhere);
+    write_gltf_json(counter, layout);
+    layout.json_bytes = static_cast<std::uint64_t>(counter.position());
     return check_size(layout);
 }
 
-template <class Sink>
-void write_glb_positions(Writer<Sink>& writer, const MeshView& mesh, const GlbLayout& layout) {
+/// Writes the positions, z = 0.
+inline void write_glb_positions(Writer& writer, const MeshView& mesh, const GlbLayout& layout) {
     for (std::size_t v = 0; v < mesh.vertex_count; ++v) {
         const double x = layout.stored_x(static_cast<double>(mesh.positions[2 * v])), y = layout.stored_y(y_up(mesh, v));
         if (layout.quantized) {
@@ -1124,8 +1398,8 @@ void write_glb_positions(Writer<Sink>& writer, const MeshView& mesh, const GlbLa
     }
 }
 
-template <class Sink>
-void write_glb_colors(Writer<Sink>& writer, const MeshView& mesh, bool are_linear) {
+/// Writes RGBA of 16 bits each.
+inline void write_glb_colors(Writer& writer, const MeshView& mesh, bool are_linear) {
     for (std::size_t v = 0; v < mesh.vertex_count; ++v) {
         const std::array<double, 4> rgba = rgba_shares(mesh, v);
         for (std::size_t k = 0; k < 3; ++k) writer.u16(to_u16(are_linear ? rgba[k] : kit::srgb_to_linear(rgba[k])));
@@ -1133,39 +1407,38 @@ void write_glb_colors(Writer<Sink>& writer, const MeshView& mesh, bool are_linea
     }
 }
 
-template <class Sink>
-void write_glb_indices(Writer<Sink>& writer, const MeshView& mesh, bool wide) {
+/// Writes the faces' corners.
+inline void write_glb_indices(Writer& writer, const MeshView& mesh, bool wide) {
     for (std::size_t f = 0; f < mesh.face_count; ++f) {
-        // Clockwise on the screen with y down stays clockwise there with y up: two corners change places.
-        const std::array<std::uint32_t, 3>& face = mesh.faces[f];
-        for (const std::uint32_t v : {face[0], face[2], face[1]}) {
+        for (const std::uint32_t v : turned(mesh.faces[f])) {
             if (wide) writer.u32(v);
             else writer.u16(static_cast<std::uint16_t>(v));
         }
     }
 }
 
-template <class Sink>
-void pad(Writer<Sink>& writer, std::uint64_t size, char with) {
+/// Fills a chunk of this size up to a multiple of 4.
+inline void pad(Writer& writer, std::uint64_t size, char with) {
     for (; size % 4 != 0; ++size) writer.u8(static_cast<std::uint8_t>(with));
 }
 
 }  // namespace detail
 
-// Writes the mesh to the sink (see sink.hpp). A mesh that cannot be written, or needs 4 GiB, gives a Status and no byte.
-template <class Sink>
-Status write_glb(const MeshView& source, Sink&& sink, const GltfOptions& options = {}) {
+/// Writes a mesh of 1 to 4 channels as a .glb file. A mesh that is empty, has no size, numbers that are not finite, faces
+/// without their vertices, or needs 4 GiB, and a longer side that is negative or no float, give a Status that says so, and no
+/// byte is written; a sink that refuses bytes gives Errc::write_failed.
+inline Status write_glb(const MeshView& source, Sink sink, const GltfOptions& options = {}) {
     detail::GlbLayout layout;
     if (const Status status = detail::lay_out_glb(source, options, layout); !status) return status;
-    const detail::StraightMesh straight(source);
-    const MeshView& mesh = straight.view();
+    const detail::ExportMesh exported(source, detail::Premultiplied::divided);
+    const MeshView& mesh = exported.view();
     detail::Writer writer(sink);
     writer.text("glTF");
     writer.u32(2);
     writer.u32(static_cast<std::uint32_t>(layout.file_bytes()));
     writer.u32(static_cast<std::uint32_t>(detail::GlbLayout::padded(layout.json_bytes)));
     writer.text("JSON");
-    detail::write_gltf_json(writer, layout, mesh.channels == 4);
+    detail::write_gltf_json(writer, layout);
     detail::pad(writer, layout.json_bytes, ' ');
     writer.u32(static_cast<std::uint32_t>(detail::GlbLayout::padded(layout.binary_bytes())));
     writer.bytes("BIN", 4);  // with its zero
@@ -1182,60 +1455,58 @@ Status write_glb(const MeshView& source, Sink&& sink, const GltfOptions& options
 
 // ---- hmesh/io/detail/base64.hpp
 
-// hmesh - Base64Writer: bytes and little-endian numbers as base64 text (RFC 4648, with padding), for files that embed data.
+/// \file
+/// Base64Sink: a sink that writes what it takes as base64 text, for files of text that hold bytes.
 #ifndef HMESH_IO_DETAIL_BASE64_HPP
 #define HMESH_IO_DETAIL_BASE64_HPP
 
 #include <array>
 #include <cstddef>
 #include <cstdint>
-#include <cstring>
-#include <limits>
 
 namespace hmesh::detail {
 
-template <class Sink>
-class Base64Writer {
+/// Base64 by RFC 4648, section 4: four letters for three bytes, no line breaks. finish() writes the last ones, with padding.
+class Base64Sink {
   public:
-    explicit Base64Writer(Writer<Sink>& writer) noexcept : writer_(&writer) {}
+    /// The text goes to this writer, which outlives the sink.
+    explicit Base64Sink(Writer& writer) noexcept : writer_(&writer) {}
 
-    void u8(std::uint8_t value) {
-        bits_ = bits_ << 8U | value;
-        if (++held_ == 3) flush(4);
+    /// Takes all: the writer remembers what its own sink refused.
+    bool operator()(const void* bytes, std::size_t size) {
+        const auto* from = static_cast<const unsigned char*>(bytes);
+        std::array<char, 1024> text;
+        std::size_t used = 0;
+        for (std::size_t i = 0; i < size; ++i) {
+            bits_ = bits_ << 8U | from[i];
+            if (++held_ < 3) continue;
+            for (std::size_t k = 0; k < 4; ++k) text[used++] = letter(bits_, k);
+            bits_ = 0;
+            held_ = 0;
+            if (used < text.size()) continue;
+            writer_->bytes(text.data(), used);
+            used = 0;
+        }
+        writer_->bytes(text.data(), used);
+        return true;
     }
-    void u16(std::uint16_t value) {
-        u8(static_cast<std::uint8_t>(value & 0xffU));
-        u8(static_cast<std::uint8_t>(value >> 8U));
-    }
-    void u32(std::uint32_t value) {
-        u16(static_cast<std::uint16_t>(value & 0xffffU));
-        u16(static_cast<std::uint16_t>(value >> 16U));
-    }
-    void f32(float value) {
-        static_assert(std::numeric_limits<float>::is_iec559 && sizeof(float) == 4, "float is IEEE 754 binary32");
-        std::uint32_t bits = 0;
-        std::memcpy(&bits, &value, 4);
-        u32(bits);
-    }
-    // Writes what is left. The next byte begins another text.
+    /// Writes the bytes that are left. The next byte begins another text.
     void finish() {
         if (held_ == 0) return;
-        const std::size_t digits = held_ + 1;
-        bits_ <<= 8 * (3 - held_);
-        flush(digits);
-    }
-
-  private:
-    void flush(std::size_t digits) {
         std::array<char, 4> text = {'=', '=', '=', '='};
-        for (std::size_t i = 0; i < digits; ++i)
-            text[i] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/"[(bits_ >> (18 - 6 * i)) & 63U];
+        for (std::size_t k = 0; k <= held_; ++k) text[k] = letter(bits_ << (8 * (3 - held_)), k);
         writer_->bytes(text.data(), text.size());
         bits_ = 0;
         held_ = 0;
     }
 
-    Writer<Sink>* writer_;
+  private:
+    // The letter of the k-th six of 24 bits.
+    [[nodiscard]] static char letter(std::uint32_t bits, std::size_t k) noexcept {
+        return "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/"[(bits >> (18 - 6 * k)) & 63U];
+    }
+
+    Writer* writer_;
     std::uint32_t bits_ = 0;  // of the bytes held
     std::size_t held_ = 0;    // 0 to 2
 };
@@ -1244,340 +1515,30 @@ class Base64Writer {
 
 #endif  // HMESH_IO_DETAIL_BASE64_HPP
 
-// ---- hmesh/io/detail/html_drawing.hpp
-
-// hmesh - the script with which write_html()'s page draws: the mesh, its edges and the original, by WebGL 1.
-//
-// It reads `mesh`, which html.hpp writes before it, and the view that html_handling.hpp changes. The vertex shader takes the
-// view's centre from the positions in two parts, high and low, so that 24 bits are enough at any zoom. No anti-aliasing:
-// neighbouring faces meet without a seam and colours are continuous. Colours with alpha lie over a checkerboard. Once the
-// picture is drawn the canvas has the attribute data-drawn.
-#ifndef HMESH_IO_DETAIL_HTML_DRAWING_HPP
-#define HMESH_IO_DETAIL_HTML_DRAWING_HPP
-
-namespace hmesh::detail {
-
-inline constexpr const char* html_drawing = R"html(const byId = (id) => document.getElementById(id);
-const canvas = byId('mesh'), share = byId('share'), original = byId('original');
-const native = location.hash === '#native';
-const view = { x: mesh.width / 2, y: mesh.height / 2, scale: 1 };  // the centre in the mesh's px; device px a px
-let wires = false, fitted = true, wanted = false, gl, draw;
-
-function decode() {
-  const text = atob(mesh.data), bytes = new Uint8Array(text.length);
-  for (let i = 0; i < bytes.length; i++) bytes[i] = text.charCodeAt(i);
-  const Index = mesh.vertices <= 65535 ? Uint16Array : Uint32Array;
-  const positions = new Float32Array(bytes.buffer, 0, 2 * mesh.vertices);
-  const faces = new Index(bytes.buffer, positions.byteLength, 3 * mesh.faces);
-  const stored = bytes.subarray(positions.byteLength + faces.byteLength), n = mesh.channels;
-  const colors = new Uint8Array(4 * mesh.vertices).fill(255);
-  for (let v = 0; v < mesh.vertices; v++)
-    for (let k = 0; k < (n === 4 ? 4 : 3); k++) colors[4 * v + k] = stored[n * v + (n === 1 ? 0 : k)];
-  return { positions, faces, colors };
-}
-
-function edgesOf({ faces }) {  // each once
-  const seen = new Set(), edges = [];
-  for (let i = 0; i < faces.length; i++) {
-    const a = faces[i], b = faces[i % 3 === 2 ? i - 2 : i + 1], key = Math.min(a, b) * mesh.vertices + Math.max(a, b);
-    if (!seen.has(key)) { seen.add(key); edges.push(a, b); }
-  }
-  return new faces.constructor(edges);
-}
-
-function compile(vertex, fragment) {
-  const program = gl.createProgram();
-  for (const [type, source] of [[gl.VERTEX_SHADER, vertex], [gl.FRAGMENT_SHADER, 'precision mediump float;' + fragment]]) {
-    const shader = gl.createShader(type);
-    gl.shaderSource(shader, source);
-    gl.compileShader(shader);
-    gl.attachShader(program, shader);
-  }
-  gl.bindAttribLocation(program, 0, 'at');
-  gl.bindAttribLocation(program, 1, 'stored');
-  gl.linkProgram(program);
-  if (!gl.getProgramParameter(program, gl.LINK_STATUS) && !gl.isContextLost()) throw new Error(gl.getProgramInfoLog(program));
-  const where = {};
-  for (const name of ['high', 'low', 'scale', 'full', 'straight', 'one']) where[name] = gl.getUniformLocation(program, name);
-  return { program, where };
-}
-
-function buffer(target, data) {
-  const made = gl.createBuffer();
-  gl.bindBuffer(target, made);
-  gl.bufferData(target, data, gl.STATIC_DRAW);
-  return made;
-}
-
-function loadOriginal() {
-  const texture = gl.createTexture(), most = gl.getParameter(gl.MAX_TEXTURE_SIZE);
-  let source = original;
-  const shrink = most / Math.max(source.naturalWidth, source.naturalHeight);
-  if (shrink < 1) {
-    source = document.createElement('canvas');
-    source.width = Math.floor(original.naturalWidth * shrink) || 1;
-    source.height = Math.floor(original.naturalHeight * shrink) || 1;
-    source.getContext('2d').drawImage(original, 0, 0, source.width, source.height);
-  }
-  gl.bindTexture(gl.TEXTURE_2D, texture);
-  gl.pixelStorei(gl.UNPACK_COLORSPACE_CONVERSION_WEBGL, gl.NONE);
-  gl.pixelStorei(gl.UNPACK_PREMULTIPLY_ALPHA_WEBGL, true);
-  gl.texImage2D(gl.TEXTURE_2D, 0, gl.RGBA, gl.RGBA, gl.UNSIGNED_BYTE, source);
-  for (const wrap of [gl.TEXTURE_WRAP_S, gl.TEXTURE_WRAP_T]) gl.texParameteri(gl.TEXTURE_2D, wrap, gl.CLAMP_TO_EDGE);
-  gl.texParameteri(gl.TEXTURE_2D, gl.TEXTURE_MIN_FILTER, gl.LINEAR);
-}
-
-function setUp() {
-  const data = decode();
-  if (data.faces.BYTES_PER_ELEMENT === 4 && !gl.getExtension('OES_element_index_uint')) throw new Error('no 32-bit indices');
-  const indexType = data.faces.BYTES_PER_ELEMENT === 4 ? gl.UNSIGNED_INT : gl.UNSIGNED_SHORT;
-  const place = 'attribute vec2 at; attribute vec4 stored; uniform vec2 high, low, scale; varying vec4 color;' +
-    'void main() { color = stored; gl_Position = vec4(((at - high) - low) * scale, 0, 1); }';
-  const shade = compile(place, 'varying vec4 color; uniform float straight;' +
-    'void main() { gl_FragColor = vec4(color.rgb * mix(1.0, color.a, straight), color.a); }');
-  const line = compile(place, 'void main() { gl_FragColor = vec4(0.5); }');
-  const board = compile(place, 'void main() { vec2 q = floor(gl_FragCoord.xy / 12.0);' +
-    'gl_FragColor = vec4(vec3(mod(q.x + q.y, 2.0) < 1.0 ? 0.36 : 0.5), 1); }');
-  const picture = compile('attribute vec2 at; uniform vec2 high, low, scale, full; varying vec2 q;' +
-    'void main() { q = at / full; gl_Position = vec4(((at - high) - low) * scale, 0, 1); }',
-    'varying vec2 q; uniform sampler2D one; void main() { gl_FragColor = texture2D(one, q); }');
-  const positions = buffer(gl.ARRAY_BUFFER, data.positions), colors = buffer(gl.ARRAY_BUFFER, data.colors);
-  const corners = buffer(gl.ARRAY_BUFFER, new Float32Array([0, 0, mesh.width, 0, 0, mesh.height, mesh.width, mesh.height]));
-  const faces = buffer(gl.ELEMENT_ARRAY_BUFFER, data.faces);
-  let edges = null, edgeCount = 0, loaded = false;
-
-  const use = ({ program, where }, points) => {
-    gl.useProgram(program);
-    const high = [Math.fround(view.x), Math.fround(view.y)];
-    gl.uniform2f(where.high, high[0], high[1]);
-    gl.uniform2f(where.low, view.x - high[0], view.y - high[1]);
-    gl.uniform2f(where.scale, 2 * view.scale / canvas.width, -2 * view.scale / canvas.height);
-    gl.uniform2f(where.full, mesh.width, mesh.height);
-    gl.uniform1f(where.straight, mesh.premultiplied ? 0 : 1);
-    gl.bindBuffer(gl.ARRAY_BUFFER, points);
-    gl.vertexAttribPointer(0, 2, gl.FLOAT, false, 0, 0);
-  };
-  const quad = (program) => {
-    use(program, corners);
-    gl.disableVertexAttribArray(1);
-    gl.drawArrays(gl.TRIANGLE_STRIP, 0, 4);
-  };
-  const mapped = (program, elements, mode, count) => {
-    use(program, positions);
-    gl.bindBuffer(gl.ARRAY_BUFFER, colors);
-    gl.enableVertexAttribArray(1);
-    gl.vertexAttribPointer(1, 4, gl.UNSIGNED_BYTE, true, 0, 0);
-    gl.bindBuffer(gl.ELEMENT_ARRAY_BUFFER, elements);
-    gl.drawElements(mode, count, indexType, 0);
-  };
-  gl.enableVertexAttribArray(0);
-  gl.disable(gl.DITHER);
-  gl.blendFunc(gl.ONE, gl.ONE_MINUS_SRC_ALPHA);
-
-  return () => {
-    gl.viewport(0, 0, canvas.width, canvas.height);
-    gl.disable(gl.SCISSOR_TEST);
-    gl.disable(gl.BLEND);
-    gl.clearColor(27 / 255, 27 / 255, 29 / 255, 1);
-    gl.clear(gl.COLOR_BUFFER_BIT);
-    if (mesh.channels === 4) { quad(board); gl.enable(gl.BLEND); }
-    mapped(shade, faces, gl.TRIANGLES, data.faces.length);
-    if (original && Number(share.value) > 0 && original.naturalWidth > 0) {
-      if (!loaded) { loadOriginal(); loaded = true; }
-      // The original's part is at the right, up to the picture's edge.
-      const left = canvas.width / 2 - view.x * view.scale, wide = mesh.width * view.scale;
-      const from = Math.round(Math.min(canvas.width, Math.max(0, left + wide * (1 - Number(share.value)))));
-      gl.enable(gl.SCISSOR_TEST);
-      gl.scissor(from, 0, canvas.width - from, canvas.height);
-      gl.disable(gl.BLEND);
-      if (mesh.channels === 4) { quad(board); gl.enable(gl.BLEND); }
-      gl.texParameteri(gl.TEXTURE_2D, gl.TEXTURE_MAG_FILTER, view.scale < 2 ? gl.LINEAR : gl.NEAREST);
-      quad(picture);
-      gl.disable(gl.SCISSOR_TEST);
-    }
-    if (wires) {
-      if (!edges) { const list = edgesOf(data); edges = buffer(gl.ELEMENT_ARRAY_BUFFER, list); edgeCount = list.length; }
-      gl.enable(gl.BLEND);
-      mapped(line, edges, gl.LINES, edgeCount);
-    }
-    canvas.dataset.drawn = '';
-  };
-}
-)html";
-
-}  // namespace hmesh::detail
-
-#endif  // HMESH_IO_DETAIL_HTML_DRAWING_HPP
-
-// ---- hmesh/io/detail/html_handling.hpp
-
-// hmesh - the script with which write_html()'s page is handled, and its start.
-//
-// Drag to pan, wheel or pinch to zoom about the pointer, double click to fit. Keys: + and - zoom, arrows pan, 0 fits the
-// window, 1 shows one pixel to one of the screen, w turns the wireframe on and off, o the original. With `#native` in the
-// address the canvas has the picture's very size and there is nothing else: a page to embed, and to test.
-#ifndef HMESH_IO_DETAIL_HTML_HANDLING_HPP
-#define HMESH_IO_DETAIL_HTML_HANDLING_HPP
-
-namespace hmesh::detail {
-
-inline constexpr const char* html_handling = R"html(function redraw() {
-  if (wanted) return;
-  wanted = true;
-  requestAnimationFrame(() => { wanted = false; if (!gl.isContextLost()) draw(); });
-}
-
-function fitScale() { return Math.min(canvas.width / mesh.width, canvas.height / mesh.height); }
-
-function show(x, y, scale, isFit) {
-  const least = Math.min(fitScale(), 1) / 16;
-  view.scale = Math.min(1e5, Math.max(least, scale));
-  view.x = Math.min(mesh.width, Math.max(0, x));
-  view.y = Math.min(mesh.height, Math.max(0, y));
-  fitted = !!isFit;
-  redraw();
-}
-function fit() { show(mesh.width / 2, mesh.height / 2, 0.96 * fitScale(), true); }
-function actual() {  // whole pixels, so that pixels fall on pixels
-  const whole = (at, size) => Math.round(at - size / 2) + size / 2;
-  show(whole(view.x, canvas.width), whole(view.y, canvas.height), 1);
-}
-// Zoom by a factor about a place of the window, in device px from its centre.
-function zoom(factor, dx = 0, dy = 0) {
-  const scale = Math.min(1e5, Math.max(Math.min(fitScale(), 1) / 16, view.scale * factor));
-  const gain = 1 / view.scale - 1 / scale;
-  show(view.x + dx * gain, view.y + dy * gain, scale);
-}
-function pan(dx, dy) { show(view.x - dx / view.scale, view.y - dy / view.scale, view.scale); }
-
-function resize() {
-  const ratio = window.devicePixelRatio || 1;
-  if (native) {
-    canvas.width = mesh.width;
-    canvas.height = mesh.height;
-    canvas.style.width = mesh.width / ratio + 'px';
-    canvas.style.height = mesh.height / ratio + 'px';
-    return redraw();
-  }
-  canvas.width = Math.max(1, Math.round(canvas.clientWidth * ratio));
-  canvas.height = Math.max(1, Math.round(canvas.clientHeight * ratio));
-  if (fitted) fit(); else redraw();
-}
-function toggleWires() {
-  wires = !wires;
-  byId('wires').setAttribute('aria-pressed', wires);
-  redraw();
-}
-function toggleOriginal() {
-  if (!original) return;
-  share.value = Number(share.value) > 0.5 ? 0 : 1;
-  redraw();
-}
-
-function listen() {
-  const pointers = new Map();
-  const fromCenter = (x, y) => {
-    const box = canvas.getBoundingClientRect(), ratio = canvas.width / box.width;
-    return [(x - box.left - box.width / 2) * ratio, (y - box.top - box.height / 2) * ratio, ratio];
-  };
-  canvas.addEventListener('wheel', (event) => {
-    event.preventDefault();
-    const lines = event.deltaMode === 1 ? 16 : event.deltaMode === 2 ? 400 : 1, pinch = event.ctrlKey ? 4 : 1;
-    const [x, y] = fromCenter(event.clientX, event.clientY);
-    zoom(Math.exp(-0.0018 * lines * pinch * event.deltaY), x, y);
-  }, { passive: false });
-  canvas.addEventListener('pointerdown', (event) => {
-    canvas.setPointerCapture(event.pointerId);
-    pointers.set(event.pointerId, [event.clientX, event.clientY]);
-    canvas.classList.add('drag');
-  });
-  canvas.addEventListener('pointermove', (event) => {
-    const last = pointers.get(event.pointerId);
-    if (!last) return;
-    const others = [...pointers].filter(([id]) => id !== event.pointerId).map(([, at]) => at);
-    const ratio = fromCenter(0, 0)[2], now = [event.clientX, event.clientY];
-    pointers.set(event.pointerId, now);
-    if (others.length === 0) return pan((now[0] - last[0]) * ratio, (now[1] - last[1]) * ratio);
-    if (others.length > 1) return;
-    // Two fingers: what is under them stays there.
-    const [still] = others, span = (p) => Math.max(8, Math.hypot(p[0] - still[0], p[1] - still[1]));
-    const [x, y] = fromCenter((last[0] + still[0]) / 2, (last[1] + still[1]) / 2);
-    zoom(span(now) / span(last), x, y);
-    pan((now[0] - last[0]) / 2 * ratio, (now[1] - last[1]) / 2 * ratio);
-  });
-  for (const type of ['pointerup', 'pointercancel']) canvas.addEventListener(type, (event) => {
-    pointers.delete(event.pointerId);
-    if (pointers.size === 0) canvas.classList.remove('drag');
-  });
-  canvas.addEventListener('dblclick', fit);
-  const step = () => 0.1 * Math.min(canvas.width, canvas.height);
-  const keys = {
-    '+': () => zoom(1.25), '=': () => zoom(1.25), '-': () => zoom(0.8), '_': () => zoom(0.8), '0': fit, '1': actual,
-    ArrowLeft: () => pan(step(), 0), ArrowRight: () => pan(-step(), 0), ArrowUp: () => pan(0, step()),
-    ArrowDown: () => pan(0, -step()), w: toggleWires, W: toggleWires, o: toggleOriginal, O: toggleOriginal,
-  };
-  window.addEventListener('keydown', (event) => {
-    const act = keys[event.key];
-    if (!act || event.ctrlKey || event.metaKey || event.altKey) return;
-    if (event.target === share && event.key.startsWith('Arrow')) return;  // they move the slider
-    event.preventDefault();
-    act();
-  });
-  byId('in').onclick = () => zoom(1.5);
-  byId('out').onclick = () => zoom(1 / 1.5);
-  byId('fit').onclick = fit;
-  byId('one').onclick = actual;
-  byId('wires').onclick = toggleWires;
-  share.oninput = redraw;
-  window.addEventListener('resize', resize);
-  canvas.addEventListener('webglcontextlost', (event) => event.preventDefault());
-  canvas.addEventListener('webglcontextrestored', () => { draw = setUp(); redraw(); });
-}
-
-function start() {
-  canvas.setAttribute('aria-label', document.title + ': a mesh of ' + mesh.vertices + ' vertices and ' + mesh.faces +
-    ' triangles. Keys: plus and minus zoom, arrows pan, 0 fits, 1 native size, w wireframe' + (original ? ', o original.' : '.'));
-  try {
-    gl = canvas.getContext('webgl', { alpha: false, antialias: false, depth: false, preserveDrawingBuffer: native });
-    if (gl) draw = setUp();
-  } catch (error) {
-    console.warn(error);
-    draw = null;
-  }
-  if (!draw) {
-    canvas.hidden = byId('controls').hidden = true;
-    byId('without').hidden = false;
-    return;
-  }
-  byId('compare').hidden = !original;
-  document.body.classList.toggle('native', native);
-  if (original && !original.complete) original.onload = redraw;
-  if (!native) listen();
-  resize();
-}
-start();
-</script>
-</body>
-</html>
-)html";
-
-}  // namespace hmesh::detail
-
-#endif  // HMESH_IO_DETAIL_HTML_HANDLING_HPP
-
 // ---- hmesh/io/detail/html_page.hpp
 
-// hmesh - the markup and the style of write_html()'s page, in the order in which they are written.
-//
-// A dark page that is all canvas; the title and the figures in the lower left corner, the controls in the upper right one.
-// The scripts of html_drawing.hpp and html_handling.hpp follow.
+/// \file
+/// The page that write_html() writes, cut where it puts what it is given.
+///
+/// Generated by scripts/embed_viewer from the files in viewer/: do not edit.
 #ifndef HMESH_IO_DETAIL_HTML_PAGE_HPP
 #define HMESH_IO_DETAIL_HTML_PAGE_HPP
 
 namespace hmesh::detail {
 
-// Then the title.
-inline constexpr const char* html_head = R"html(<!DOCTYPE html>
+/// What stands behind a piece of the page.
+enum class HtmlField { title, figures, original, mesh, nothing };
+
+/// A piece of the page, and what write_html() puts behind it.
+struct HtmlPiece {
+    const char* text;  ///< ends with a zero
+    HtmlField next;    ///< what follows
+};
+
+/// The page.
+// clang-format off
+inline constexpr HtmlPiece html_page[] = {
+{R"html(<!DOCTYPE html>
 <html lang="en">
 <head>
 <meta charset="utf-8">
@@ -1585,33 +1546,119 @@ inline constexpr const char* html_head = R"html(<!DOCTYPE html>
 <meta name="color-scheme" content="dark">
 <meta http-equiv="Content-Security-Policy"
   content="default-src 'none'; script-src 'unsafe-inline'; style-src 'unsafe-inline'; img-src data:">
-<title>)html";
-
-// Then the title again.
-inline constexpr const char* html_style = R"html(</title>
+<title>)html", HtmlField::title},
+{R"html(</title>
 <style>
-html, body { margin: 0; height: 100%; overflow: hidden; background: #1b1b1d; color: #e8e8ea;
-  font: 14px/1.45 system-ui, sans-serif; }
-canvas { position: fixed; inset: 0; width: 100%; height: 100%; touch-action: none; cursor: grab; outline: none; }
-canvas.drag { cursor: grabbing; }
-canvas:focus-visible { box-shadow: inset 0 0 0 2px #7ab7ff; }
-.panel { position: fixed; box-sizing: border-box; max-width: calc(100vw - 24px); padding: 8px 12px; border-radius: 8px;
-  background: rgba(20, 20, 22, .72);
-  backdrop-filter: blur(6px); }
-#about { left: 12px; bottom: 12px; max-width: min(28em, 80vw); pointer-events: none; }
-h1 { margin: 0; font-size: 1em; font-weight: 600; overflow-wrap: anywhere; }
-#figures { margin: 0; color: #b8b8bd; white-space: pre-line; font-variant-numeric: tabular-nums; }
-#figures:empty { display: none; }
-#controls { right: 12px; top: 12px; display: flex; flex-wrap: wrap; align-items: center; gap: 4px; padding: 4px; }
-button { min-width: 2.4em; height: 2.4em; padding: 0 .7em; border: 0; border-radius: 6px; background: none; color: inherit;
-  font: inherit; cursor: pointer; }
-button:hover { background: rgba(255, 255, 255, .1); }
-button[aria-pressed=true] { background: #e8e8ea; color: #1b1b1d; }
-button:focus-visible, input:focus-visible { outline: 2px solid #7ab7ff; outline-offset: 1px; }
-label { display: flex; align-items: center; gap: 6px; padding: 0 .7em; color: #b8b8bd; }
-input { width: 9em; accent-color: #e8e8ea; }
-#without { display: grid; place-items: center; height: 100%; margin: 0 2em; text-align: center; }
-[hidden], .native .panel { display: none !important; }
+html,
+body {
+  margin: 0;
+  height: 100%;
+  overflow: hidden;
+  background: #1b1b1d;
+  color: #e8e8ea;
+  font:
+    14px/1.45 system-ui,
+    sans-serif;
+}
+[hidden],
+.native .panel {
+  display: none !important;
+}
+canvas {
+  position: fixed;
+  inset: 0;
+  width: 100%;
+  height: 100%;
+  touch-action: none;
+  cursor: grab;
+  outline: none;
+}
+canvas.drag {
+  cursor: grabbing;
+}
+canvas:focus-visible {
+  box-shadow: inset 0 0 0 2px #7ab7ff;
+}
+#without {
+  display: grid;
+  place-items: center;
+  height: 100%;
+  margin: 0 2em;
+  text-align: center;
+}
+.panel {
+  position: fixed;
+  box-sizing: border-box;
+  max-width: calc(100vw - 24px);
+  padding: 8px 12px;
+  border-radius: 8px;
+  background: rgba(20, 20, 22, 0.72);
+  backdrop-filter: blur(6px);
+}
+#about {
+  left: 12px;
+  bottom: 12px;
+  max-width: min(28em, 80vw);
+  pointer-events: none;
+}
+h1 {
+  margin: 0;
+  font-size: 1em;
+  font-weight: 600;
+  overflow-wrap: anywhere;
+}
+#figures {
+  margin: 0;
+  color: #b8b8bd;
+  white-space: pre-line;
+  font-variant-numeric: tabular-nums;
+}
+#figures:empty {
+  display: none;
+}
+#controls {
+  right: 12px;
+  top: 12px;
+  display: flex;
+  flex-wrap: wrap;
+  align-items: center;
+  gap: 4px;
+  padding: 4px;
+}
+button {
+  min-width: 2.4em;
+  height: 2.4em;
+  padding: 0 0.7em;
+  border: 0;
+  border-radius: 6px;
+  background: none;
+  color: inherit;
+  font: inherit;
+  cursor: pointer;
+}
+button:hover {
+  background: rgba(255, 255, 255, 0.1);
+}
+button[aria-pressed='true'] {
+  background: #e8e8ea;
+  color: #1b1b1d;
+}
+button:focus-visible,
+input:focus-visible {
+  outline: 2px solid #7ab7ff;
+  outline-offset: 1px;
+}
+label {
+  display: flex;
+  align-items: center;
+  gap: 6px;
+  padding: 0 0.7em;
+  color: #b8b8bd;
+}
+input {
+  width: 9em;
+  accent-color: #e8e8ea;
+}
 </style>
 </head>
 <body>
@@ -1619,14 +1666,10 @@ input { width: 9em; accent-color: #e8e8ea; }
 <p id="without" hidden>This browser does not offer WebGL, so the mesh cannot be drawn here.</p>
 <noscript><p class="panel">The mesh is drawn by a script, and scripts are turned off.</p></noscript>
 <div class="panel" id="about">
-<h1>)html";
-
-// Then the figures.
-inline constexpr const char* html_figures = R"html(</h1>
-<p id="figures">)html";
-
-// Then the original, if there is one, and the mesh.
-inline constexpr const char* html_controls = R"html(</p>
+<h1>)html", HtmlField::title},
+{R"html(</h1>
+<p id="figures">)html", HtmlField::figures},
+{R"html(</p>
 </div>
 <div class="panel" id="controls" role="toolbar" aria-label="View">
 <button id="in" title="Zoom in (+)" aria-label="Zoom in">+</button>
@@ -1637,7 +1680,385 @@ inline constexpr const char* html_controls = R"html(</p>
 <label id="compare" title="Original (o)" hidden>Original
   <input id="share" type="range" min="0" max="1" step="any" value="0"></label>
 </div>
-)html";
+)html", HtmlField::original},
+{R"html(
+<script id="data" type="application/json">)html", HtmlField::mesh},
+{R"html(</script>
+<script type="module">
+const toCanvas = `
+  attribute vec2 at;
+  uniform vec2 high, low, scale;
+  vec4 place() { return vec4(((at - high) - low) * scale, 0, 1); }`;
+const vertexShaders = {
+  mesh: `${toCanvas}
+    attribute vec4 stored;
+    varying vec4 color;
+    void main() { color = stored; gl_Position = place(); }`,
+  picture: `${toCanvas}
+    uniform vec2 full;
+    varying vec2 q;
+    void main() { q = at / full; gl_Position = place(); }`,
+};
+const fragmentShaders = {
+  faces: `
+    varying vec4 color;
+    uniform float straight;
+    void main() { gl_FragColor = vec4(color.rgb * mix(1.0, color.a, straight), color.a); }`,
+  edges: `
+    void main() { gl_FragColor = vec4(0.5); }`,
+  board: `
+    void main() {
+      vec2 q = floor(gl_FragCoord.xy / 12.0);
+      gl_FragColor = vec4(vec3(mod(q.x + q.y, 2.0) < 1.0 ? 0.36 : 0.5), 1);
+    }`,
+  original: `
+    varying vec2 q;
+    uniform sampler2D one;
+    void main() { gl_FragColor = texture2D(one, q); }`,
+};
+function decode(mesh) {
+  const text = atob(mesh.data);
+  const bytes = new Uint8Array(text.length);
+  for (let i = 0; i < bytes.length; i++) bytes[i] = text.charCodeAt(i);
+  const Index = mesh.vertices <= 65535 ? Uint16Array : Uint32Array;
+  const positions = new Float32Array(bytes.buffer, 0, 2 * mesh.vertices);
+  const faces = new Index(bytes.buffer, positions.byteLength, 3 * mesh.faces);
+  const stored = bytes.subarray(positions.byteLength + faces.byteLength);
+  const n = mesh.channels;
+  const colors = new Uint8Array(4 * mesh.vertices).fill(255);
+  for (let v = 0; v < mesh.vertices; v++)
+    for (let k = 0; k < (n === 4 ? 4 : 3); k++) colors[4 * v + k] = stored[n * v + (n === 1 ? 0 : k)];
+  return { positions, faces, colors };
+}
+function edgesOf(faces, vertices) {
+  const seen = new Set();
+  const ends = [];
+  for (let i = 0; i < faces.length; i++) {
+    const a = faces[i];
+    const b = faces[i % 3 === 2 ? i - 2 : i + 1];
+    const key = Math.min(a, b) * vertices + Math.max(a, b);
+    if (seen.has(key)) continue;
+    seen.add(key);
+    ends.push(a, b);
+  }
+  return new faces.constructor(ends);
+}
+function compile(gl, vertexShader, fragmentShader) {
+  const program = gl.createProgram();
+  const sources = [
+    [gl.VERTEX_SHADER, vertexShader],
+    [gl.FRAGMENT_SHADER, `precision mediump float;${fragmentShader}`],
+  ];
+  for (const [type, source] of sources) {
+    const shader = gl.createShader(type);
+    gl.shaderSource(shader, source);
+    gl.compileShader(shader);
+    gl.attachShader(program, shader);
+  }
+  gl.bindAttribLocation(program, 0, 'at');
+  gl.bindAttribLocation(program, 1, 'stored');
+  gl.linkProgram(program);
+  if (!gl.getProgramParameter(program, gl.LINK_STATUS) && !gl.isContextLost()) throw new Error(gl.getProgramInfoLog(program));
+  const where = {};
+  for (const name of ['high', 'low', 'scale', 'full', 'straight']) where[name] = gl.getUniformLocation(program, name);
+  return { program, where };
+}
+function buffer(gl, target, data) {
+  const made = gl.createBuffer();
+  gl.bindBuffer(target, made);
+  gl.bufferData(target, data, gl.STATIC_DRAW);
+  return made;
+}
+function loadPicture(gl, image) {
+  let source = image;
+  const shrink = gl.getParameter(gl.MAX_TEXTURE_SIZE) / Math.max(image.naturalWidth, image.naturalHeight);
+  if (shrink < 1) {
+    source = document.createElement('canvas');
+    source.width = Math.floor(image.naturalWidth * shrink) || 1;
+    source.height = Math.floor(image.naturalHeight * shrink) || 1;
+    source.getContext('2d').drawImage(image, 0, 0, source.width, source.height);
+  }
+  gl.bindTexture(gl.TEXTURE_2D, gl.createTexture());
+  gl.pixelStorei(gl.UNPACK_COLORSPACE_CONVERSION_WEBGL, gl.NONE);
+  gl.pixelStorei(gl.UNPACK_PREMULTIPLY_ALPHA_WEBGL, true);
+  gl.texImage2D(gl.TEXTURE_2D, 0, gl.RGBA, gl.RGBA, gl.UNSIGNED_BYTE, source);
+  for (const wrap of [gl.TEXTURE_WRAP_S, gl.TEXTURE_WRAP_T]) gl.texParameteri(gl.TEXTURE_2D, wrap, gl.CLAMP_TO_EDGE);
+  gl.texParameteri(gl.TEXTURE_2D, gl.TEXTURE_MIN_FILTER, gl.LINEAR);
+}
+function createPainter(gl, mesh, original) {
+  const canvas = gl.canvas;
+  const data = decode(mesh);
+  const isWide = data.faces.BYTES_PER_ELEMENT === 4;
+  if (isWide && !gl.getExtension('OES_element_index_uint')) throw new Error('no 32-bit indices');
+  const programs = {
+    faces: compile(gl, vertexShaders.mesh, fragmentShaders.faces),
+    edges: compile(gl, vertexShaders.mesh, fragmentShaders.edges),
+    board: compile(gl, vertexShaders.picture, fragmentShaders.board),
+    original: compile(gl, vertexShaders.picture, fragmentShaders.original),
+  };
+  const corners = buffer(gl, gl.ARRAY_BUFFER, new Float32Array([0, 0, mesh.width, 0, 0, mesh.height, mesh.width, mesh.height]));
+  const positions = buffer(gl, gl.ARRAY_BUFFER, data.positions);
+  const colors = buffer(gl, gl.ARRAY_BUFFER, data.colors);
+  const faces = { buffer: buffer(gl, gl.ELEMENT_ARRAY_BUFFER, data.faces), count: data.faces.length };
+  let edges = null; // made when they are first drawn
+  let isLoaded = false;
+  gl.enableVertexAttribArray(0);
+  gl.disable(gl.DITHER);
+  gl.blendFunc(gl.ONE, gl.ONE_MINUS_SRC_ALPHA);
+  const use = ({ program, where }, points, view) => {
+    gl.useProgram(program);
+    const high = [Math.fround(view.x), Math.fround(view.y)];
+    gl.uniform2f(where.high, high[0], high[1]);
+    gl.uniform2f(where.low, view.x - high[0], view.y - high[1]);
+    gl.uniform2f(where.scale, (2 * view.scale) / canvas.width, (-2 * view.scale) / canvas.height);
+    gl.uniform2f(where.full, mesh.width, mesh.height);
+    gl.uniform1f(where.straight, mesh.premultiplied ? 0 : 1);
+    gl.bindBuffer(gl.ARRAY_BUFFER, points);
+    gl.vertexAttribPointer(0, 2, gl.FLOAT, false, 0, 0);
+  };
+  const drawPicture = (program, view) => {
+    use(program, corners, view);
+    gl.disableVertexAttribArray(1);
+    gl.drawArrays(gl.TRIANGLE_STRIP, 0, 4);
+  };
+  const drawElements = (program, elements, mode, view) => {
+    use(program, positions, view);
+    gl.bindBuffer(gl.ARRAY_BUFFER, colors);
+    gl.enableVertexAttribArray(1);
+    gl.vertexAttribPointer(1, 4, gl.UNSIGNED_BYTE, true, 0, 0);
+    gl.bindBuffer(gl.ELEMENT_ARRAY_BUFFER, elements.buffer);
+    gl.drawElements(mode, elements.count, isWide ? gl.UNSIGNED_INT : gl.UNSIGNED_SHORT, 0);
+  };
+  const drawBoard = (view) => {
+    gl.disable(gl.BLEND);
+    if (mesh.channels !== 4) return;
+    drawPicture(programs.board, view);
+    gl.enable(gl.BLEND);
+  };
+  const drawOriginal = (view) => {
+    if (!isLoaded) loadPicture(gl, original);
+    isLoaded = true;
+    const left = canvas.width / 2 - view.x * view.scale;
+    const edge = left + mesh.width * view.scale * (1 - view.share);
+    const from = Math.round(Math.min(canvas.width, Math.max(0, edge)));
+    gl.enable(gl.SCISSOR_TEST);
+    gl.scissor(from, 0, canvas.width - from, canvas.height);
+    drawBoard(view);
+    gl.texParameteri(gl.TEXTURE_2D, gl.TEXTURE_MAG_FILTER, view.scale < 2 ? gl.LINEAR : gl.NEAREST);
+    drawPicture(programs.original, view);
+    gl.disable(gl.SCISSOR_TEST);
+  };
+  const drawEdges = (view) => {
+    if (!edges) {
+      const ends = edgesOf(data.faces, mesh.vertices);
+      edges = { buffer: buffer(gl, gl.ELEMENT_ARRAY_BUFFER, ends), count: ends.length };
+    }
+    gl.enable(gl.BLEND);
+    drawElements(programs.edges, edges, gl.LINES, view);
+  };
+  return (view) => {
+    gl.viewport(0, 0, canvas.width, canvas.height);
+    gl.clearColor(27 / 255, 27 / 255, 29 / 255, 1); // the page's background
+    gl.clear(gl.COLOR_BUFFER_BIT);
+    drawBoard(view);
+    drawElements(programs.faces, faces, gl.TRIANGLES, view);
+    if (original && original.naturalWidth > 0 && view.share > 0) drawOriginal(view);
+    if (view.wires) drawEdges(view);
+  };
+}
+const byId = (id) => document.getElementById(id);
+const canvas = byId('mesh');
+const share = byId('share');
+const original = byId('original');
+const mesh = JSON.parse(byId('data').textContent);
+const isNative = location.hash === '#native';
+const view = { x: mesh.width / 2, y: mesh.height / 2, scale: 1, wires: false, share: 0 }; // see drawing.js
+let isFitted = true; // stays so when the window changes
+let isQueued = false; // the next frame will be drawn
+let gl = null;
+let paint = null;
+function redraw() {
+  if (isQueued) return;
+  isQueued = true;
+  requestAnimationFrame(() => {
+    isQueued = false;
+    if (gl.isContextLost()) return;
+    view.share = Number(share.value); // which browsers may have restored
+    paint(view);
+    canvas.dataset.drawn = [view.x, view.y, view.scale, Number(view.wires), view.share].join(' ');
+  });
+}
+function fitScale() {
+  return Math.min(canvas.width / mesh.width, canvas.height / mesh.height);
+}
+function clampScale(scale) {
+  return Math.min(1e5, Math.max(Math.min(fitScale(), 1) / 16, scale));
+}
+function show(x, y, scale, isFit = false) {
+  view.scale = clampScale(scale);
+  view.x = Math.min(mesh.width, Math.max(0, x));
+  view.y = Math.min(mesh.height, Math.max(0, y));
+  isFitted = isFit;
+  redraw();
+}
+function fit() {
+  show(mesh.width / 2, mesh.height / 2, 0.96 * fitScale(), true);
+}
+function showNativeSize() {
+  const whole = (at, size) => Math.round(at - size / 2) + size / 2;
+  show(whole(view.x, canvas.width), whole(view.y, canvas.height), 1);
+}
+function zoom(factor, dx = 0, dy = 0) {
+  const scale = clampScale(view.scale * factor);
+  const gain = 1 / view.scale - 1 / scale;
+  show(view.x + dx * gain, view.y + dy * gain, scale);
+}
+function pan(dx, dy) {
+  show(view.x - dx / view.scale, view.y - dy / view.scale, view.scale);
+}
+function toggleWires() {
+  view.wires = !view.wires;
+  byId('wires').setAttribute('aria-pressed', view.wires);
+  redraw();
+}
+function toggleOriginal() {
+  if (!original) return;
+  share.value = Number(share.value) > 0.5 ? 0 : 1;
+  redraw();
+}
+function resize() {
+  const ratio = window.devicePixelRatio || 1;
+  if (isNative) {
+    canvas.width = mesh.width;
+    canvas.height = mesh.height;
+    canvas.style.width = `${mesh.width / ratio}px`;
+    canvas.style.height = `${mesh.height / ratio}px`;
+    redraw();
+    return;
+  }
+  canvas.width = Math.max(1, Math.round(canvas.clientWidth * ratio));
+  canvas.height = Math.max(1, Math.round(canvas.clientHeight * ratio));
+  if (isFitted) fit();
+  else redraw();
+}
+function listenToPointers() {
+  const pointers = new Map();
+  const fromCenter = (x, y) => {
+    const box = canvas.getBoundingClientRect();
+    const ratio = canvas.width / box.width;
+    return [(x - box.left - box.width / 2) * ratio, (y - box.top - box.height / 2) * ratio, ratio];
+  };
+  const onWheel = (event) => {
+    event.preventDefault();
+    const lines = { 0: 1, 1: 16, 2: 400 }[event.deltaMode];
+    const pinch = event.ctrlKey ? 4 : 1;
+    const [x, y] = fromCenter(event.clientX, event.clientY);
+    zoom(Math.exp(-0.0018 * lines * pinch * event.deltaY), x, y);
+  };
+  canvas.addEventListener('wheel', onWheel, { passive: false });
+  canvas.addEventListener('pointerdown', (event) => {
+    canvas.setPointerCapture(event.pointerId);
+    pointers.set(event.pointerId, [event.clientX, event.clientY]);
+    canvas.classList.add('drag');
+  });
+  canvas.addEventListener('pointermove', (event) => {
+    const last = pointers.get(event.pointerId);
+    if (!last) return;
+    const others = [...pointers].filter(([id]) => id !== event.pointerId).map(([, at]) => at);
+    const ratio = fromCenter(0, 0)[2];
+    const now = [event.clientX, event.clientY];
+    pointers.set(event.pointerId, now);
+    if (others.length === 0) pan((now[0] - last[0]) * ratio, (now[1] - last[1]) * ratio);
+    if (others.length !== 1) return;
+    const [still] = others;
+    const span = (p) => Math.max(8, Math.hypot(p[0] - still[0], p[1] - still[1]));
+    const [x, y] = fromCenter((last[0] + still[0]) / 2, (last[1] + still[1]) / 2);
+    zoom(span(now) / span(last), x, y);
+    pan(((now[0] - last[0]) / 2) * ratio, ((now[1] - last[1]) / 2) * ratio);
+  });
+  for (const type of ['pointerup', 'pointercancel'])
+    canvas.addEventListener(type, (event) => {
+      pointers.delete(event.pointerId);
+)html"
+R"html(      if (pointers.size === 0) canvas.classList.remove('drag');
+    });
+  canvas.addEventListener('dblclick', fit);
+}
+function listenToKeys() {
+  const step = () => 0.1 * Math.min(canvas.width, canvas.height);
+  const keys = {
+    '+': () => zoom(1.25),
+    '=': () => zoom(1.25),
+    '-': () => zoom(0.8),
+    _: () => zoom(0.8),
+    0: fit,
+    1: showNativeSize,
+    ArrowLeft: () => pan(step(), 0),
+    ArrowRight: () => pan(-step(), 0),
+    ArrowUp: () => pan(0, step()),
+    ArrowDown: () => pan(0, -step()),
+    w: toggleWires,
+    W: toggleWires,
+    o: toggleOriginal,
+    O: toggleOriginal,
+  };
+  window.addEventListener('keydown', (event) => {
+    const act = keys[event.key];
+    if (!act || event.ctrlKey || event.metaKey || event.altKey) return;
+    if (event.target === share && event.key.startsWith('Arrow')) return; // they move the slider
+    event.preventDefault();
+    act();
+  });
+}
+function listenToControls() {
+  byId('in').onclick = () => zoom(1.5);
+  byId('out').onclick = () => zoom(1 / 1.5);
+  byId('fit').onclick = fit;
+  byId('one').onclick = showNativeSize;
+  byId('wires').onclick = toggleWires;
+  share.oninput = redraw;
+  window.addEventListener('resize', resize);
+  canvas.addEventListener('webglcontextlost', (event) => event.preventDefault());
+  canvas.addEventListener('webglcontextrestored', () => {
+    paint = createPainter(gl, mesh, original);
+    redraw();
+  });
+}
+function start() {
+  canvas.setAttribute(
+    'aria-label',
+    `${document.title}: a mesh of ${mesh.vertices} vertices and ${mesh.faces} triangles. ` +
+      `Keys: plus and minus zoom, arrows pan, 0 fits, 1 native size, w wireframe${original ? ', o original.' : '.'}`,
+  );
+  try {
+    gl = canvas.getContext('webgl', { alpha: false, antialias: false, depth: false, preserveDrawingBuffer: isNative });
+    if (gl) paint = createPainter(gl, mesh, original);
+  } catch (error) {
+    console.warn(error);
+  }
+  if (!paint) {
+    canvas.hidden = true;
+    byId('controls').hidden = true;
+    byId('without').hidden = false;
+    return;
+  }
+  byId('compare').hidden = !original;
+  document.body.classList.toggle('native', isNative);
+  if (original && !original.complete) original.onload = redraw;
+  if (!isNative) {
+    listenToPointers();
+    listenToKeys();
+    listenToControls();
+  }
+  resize();
+}
+start();
+</script>
+</body>
+</html>
+)html", HtmlField::nothing},
+};
+// clang-format on
 
 }  // namespace hmesh::detail
 
@@ -1645,17 +2066,19 @@ inline constexpr const char* html_controls = R"html(</p>
 
 // ---- hmesh/io/html.hpp
 
-// hmesh - write_html(): a mesh as one web page that draws it, by itself, with WebGL.
-//
-// The page needs no network, no library and no server: it works from a file:// address and asks for nothing (its content
-// security policy forbids it to). It draws what a GPU draws of the mesh, Gouraud in the stored (sRGB) values as fitted, at
-// any zoom, colours with alpha premultiplied or straight as the mesh has them; html_handling.hpp says how it is handled.
-// Opened with `#native` in the address it shows one pixel of the picture to one of the screen, the picture's corner in the
-// window's, and nothing else.
-//
-// The mesh is embedded as base64 of, in this order and little-endian: positions, two floats a vertex in px; faces, three
-// indices each of 16 bits up to 65535 vertices and of 32 bits above; colours, a byte a channel, 255 the mesh's peak. About
-// 31 bytes a vertex for RGB, 47 above 65535 vertices, and 20 kB for the page. Cost: about 0.2 us a vertex.
+/// \file
+/// write_html(): a mesh as one web page that draws it, by itself, with WebGL.
+///
+/// The page needs no network, no library and no server: it works from a file:// address and asks for nothing (its content
+/// security policy forbids it to). It draws what a GPU draws of the mesh, Gouraud in the stored (sRGB) values as fitted, at any
+/// zoom, colours with alpha premultiplied or straight as the mesh has them. Drag to pan, wheel or pinch to zoom, double click
+/// to fit; the keys + - and arrows, 0 to fit, 1 for one pixel to one of the screen, w for the edges, o for the original. Opened
+/// with `#native` in the address it shows one pixel of the picture to one of the screen, the picture's corner in the window's,
+/// and nothing else. Its source is in viewer/.
+///
+/// The mesh is embedded as base64 of, in this order and little-endian: positions, two floats a vertex in px; faces, three
+/// indices each of 16 bits up to 65535 vertices and of 32 bits above; colours, a byte a channel, 255 the mesh's peak. About 31
+/// bytes a vertex for RGB, 47 above 65535 vertices, and 20 kB for the page. Cost: about 0.2 us a vertex.
 #ifndef HMESH_IO_HTML_HPP
 #define HMESH_IO_HTML_HPP
 
@@ -1663,21 +2086,24 @@ inline constexpr const char* html_controls = R"html(</p>
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 
 namespace hmesh {
 
-// Texts are UTF-8 and are shown as they are: their &, <, >, " and ' are escaped.
+/// Options of write_html(). Texts are UTF-8 that ends with a zero, and are shown as they are: their &, <, >, " and ' are escaped.
+/// All pointers must be valid until write_html() returns.
 struct HtmlOptions {
-    const char* title = "Triangle mesh";
-    const char* figures = "";  // shown in a corner, line by line
-    // The original picture, as the bytes of a file that browsers read, to compare with; none: no slider.
+    const char* title = "Triangle mesh";  ///< the page's title, shown in a corner too
+    const char* figures = "";             ///< shown below the title, line by line
+    /// The original picture to compare with, as the bytes of a file that browsers read; nullptr: the page has no slider.
     const unsigned char* original = nullptr;
-    std::size_t original_size = 0;
-    const char* original_type = "image/png";  // its media type: letters, digits and any of / + - .
+    std::size_t original_size = 0;            ///< bytes of `original`
+    const char* original_type = "image/png";  ///< its media type: letters, digits and any of / + - .
 };
 
 namespace detail {
 
+/// Whether a text can be the media type of the original.
 [[nodiscard]] inline bool is_media_type(const char* text) noexcept {
     if (text == nullptr || *text == 0) return false;
     for (; *text != 0; ++text) {
@@ -1689,12 +2115,11 @@ namespace detail {
     return true;
 }
 
+/// Refuses what a page cannot hold. O(n).
 [[nodiscard]] inline Status check_for_html(const MeshView& mesh, const HtmlOptions& options) noexcept {
-    constexpr std::int64_t most = 0xffffffff;
-    for (const std::size_t count : {mesh.vertex_count, mesh.face_count})
-        if (count > static_cast<std::size_t>(most))
-            return {Errc::invalid_argument, "the mesh has more vertices or faces than a page numbers",
-                    static_cast<std::int64_t>(count), most};
+    constexpr std::uint64_t most = std::numeric_limits<std::uint32_t>::max();
+    if (const Status status = check_counts(mesh, most, most, "the mesh has more vertices or faces than a page numbers"); !status)
+        return status;
     if (options.title == nullptr || options.figures == nullptr)
         return {Errc::invalid_argument, "the title and the figures must be texts", 0, 0};
     if (options.original != nullptr && !is_media_type(options.original_type))
@@ -1702,9 +2127,8 @@ namespace detail {
     return check_for_export(mesh);
 }
 
-// Text between tags or in a quoted attribute.
-template <class Sink>
-void write_escaped(Writer<Sink>& writer, const char* text) {
+/// Writes a text to stand between tags or in a quoted attribute.
+inline void write_escaped(Writer& writer, const char* text) {
     for (; *text != 0; ++text) switch (*text) {
             case '&': writer.text("&amp;"); break;
             case '<': writer.text("&lt;"); break;
@@ -1715,9 +2139,8 @@ void write_escaped(Writer<Sink>& writer, const char* text) {
         }
 }
 
-template <class Sink>
-void write_mesh_base64(Writer<Sink>& writer, const MeshView& mesh) {
-    Base64Writer<Sink> out(writer);
+/// Puts positions, faces and colours as they are embedded.
+inline void write_mesh_bytes(Writer& out, const MeshView& mesh) {
     for (std::size_t i = 0; i < 2 * mesh.vertex_count; ++i) out.f32(mesh.positions[i]);
     const bool is_short = mesh.vertex_count <= 65535;
     for (std::size_t f = 0; f < mesh.face_count; ++f)
@@ -1727,47 +2150,60 @@ void write_mesh_base64(Writer<Sink>& writer, const MeshView& mesh) {
         }
     const std::size_t samples = static_cast<std::size_t>(mesh.channels) * mesh.vertex_count;
     for (std::size_t i = 0; i < samples; ++i) out.u8(to_u8(share_of_peak(mesh.colors[i], mesh.peak)));
-    out.finish();
 }
 
-}  // namespace detail
-
-// Writes the page to the sink (see sink.hpp). A mesh or options that cannot be written give a Status and no byte.
-template <class Sink>
-Status write_html(const MeshView& mesh, Sink&& sink, const HtmlOptions& options = {}) {
-    if (const Status status = detail::check_for_html(mesh, options); !status) return status;
-    detail::Writer writer(sink);
-    writer.text(detail::html_head);
-    detail::write_escaped(writer, options.title);
-    writer.text(detail::html_style);
-    detail::write_escaped(writer, options.title);
-    writer.text(detail::html_figures);
-    detail::write_escaped(writer, options.figures);
-    writer.text(detail::html_controls);
-    if (options.original != nullptr && options.original_size > 0) {
-        writer.text("<img id=\"original\" alt=\"\" hidden src=\"data:");
-        writer.text(options.original_type);
-        writer.text(";base64,");
-        detail::Base64Writer out(writer);
-        for (std::size_t i = 0; i < options.original_size; ++i) out.u8(options.original[i]);
-        out.finish();
-        writer.text("\">\n");
-    }
-    writer.text("<script>\n'use strict';\nconst mesh = {");
+/// Writes the mesh as the JSON that viewer/drawing.js reads.
+inline void write_html_mesh(Writer& writer, const MeshView& mesh) {
     const std::array<std::int64_t, 5> numbers = {mesh.width, mesh.height, mesh.channels,
                                                  static_cast<std::int64_t>(mesh.vertex_count),
                                                  static_cast<std::int64_t>(mesh.face_count)};
-    static constexpr std::array<const char*, 5> names = {"width: ", ", height: ", ", channels: ", ", vertices: ", ", faces: "};
+    static constexpr std::array<const char*, 5> names = {
+        "{\"width\":", ",\"height\":", ",\"channels\":", ",\"vertices\":", ",\"faces\":"};
     for (std::size_t i = 0; i < numbers.size(); ++i) {
         writer.text(names[i]);
         writer.decimal(numbers[i]);
     }
-    writer.text(mesh.premultiplied && mesh.channels == 4 ? ", premultiplied: true" : ", premultiplied: false");
-    writer.text(", data: '");
-    detail::write_mesh_base64(writer, mesh);
-    writer.text("'};\n");
-    writer.text(detail::html_drawing);
-    writer.text(detail::html_handling);
+    writer.text(mesh.premultiplied && mesh.channels == 4 ? ",\"premultiplied\":true" : ",\"premultiplied\":false");
+    writer.text(",\"data\":\"");
+    Base64Sink base64(writer);
+    Writer bytes(base64);
+    write_mesh_bytes(bytes, mesh);
+    static_cast<void>(bytes.finish());  // the sink takes all
+    base64.finish();
+    writer.text("\"}");
+}
+
+/// Writes the picture to compare with, if there is one.
+inline void write_html_original(Writer& writer, const HtmlOptions& options) {
+    if (options.original == nullptr || options.original_size == 0) return;
+    writer.text("<img id=\"original\" alt=\"\" hidden src=\"data:");
+    writer.text(options.original_type);
+    writer.text(";base64,");
+    Base64Sink base64(writer);
+    base64(options.original, options.original_size);
+    base64.finish();
+    writer.text("\">");
+}
+
+}  // namespace detail
+
+/// Writes a mesh of 1 to 4 channels as a web page; colours are held to [0, peak]. A mesh that is empty, has no size, numbers that
+/// are not finite, faces without their vertices or 2^32 vertices or faces, and options without texts or a media type give a
+/// Status that says so, and no byte is written; a sink that refuses bytes gives Errc::write_failed.
+inline Status write_html(const MeshView& source, Sink sink, const HtmlOptions& options = {}) {
+    if (const Status status = detail::check_for_html(source, options); !status) return status;
+    const detail::ExportMesh exported(source, detail::Premultiplied::kept);
+    detail::Writer writer(sink);
+    for (const detail::HtmlPiece& piece : detail::html_page) {
+        writer.text(piece.text);
+        switch (piece.next) {
+            case detail::HtmlField::title: detail::write_escaped(writer, options.title); break;
+            case detail::HtmlField::figures: detail::write_escaped(writer, options.figures); break;
+            case detail::HtmlField::original: detail::write_html_original(writer, options); break;
+            case detail::HtmlField::mesh: detail::write_html_mesh(writer, exported.view()); break;
+            case detail::HtmlField::nothing: break;
+        }
+    }
     return writer.finish();
 }
 
@@ -1777,13 +2213,16 @@ Status write_html(const MeshView& mesh, Sink&& sink, const HtmlOptions& options 
 
 // ---- hmesh/io/obj.hpp
 
-// hmesh - write_obj(): a mesh as a Wavefront OBJ file with colours, which MeshLab, Blender, Godot and others open.
-//
-// Lines `v x y 0 r g b`, then `f a b c`: pixels with y up (y = height - y of the mesh), faces counter-clockwise. Colours
-// after the position are no part of the format, but what all programs agree on that know them: sRGB-encoded as stored,
-// held to [0, 1], here with six decimals. Grey is written as r = g = b. There is no place for alpha: it is left out, and
-// where a mesh is transparent its bare colours show. Positions are exact on the 1/256 px grid, and elsewhere if a reader
-// keeps floats. Stock Unity ignores the colours: use .glb there.
+/// \file
+/// write_obj(): a mesh as a Wavefront OBJ file with colours, which MeshLab, Blender, Godot and others open.
+///
+/// Lines `v x y 0 r g b`, then `f a b c`: pixels with y up (y = height - y of the mesh), faces counter-clockwise. Colours after
+/// the position are no part of the format, but what all programs agree on that know them: sRGB-encoded as stored, held to
+/// [0, 1], here with six decimals. Grey is written as r = g = b. There is no place for alpha: it is left out, and where a mesh
+/// is transparent its straight colours show. Positions are exact on the 1/256 px grid, and elsewhere if a reader keeps floats.
+/// Stock Unity ignores the colours: use .glb there.
+///
+/// Some 50 bytes a vertex and 20 a face. O(n); nothing is allocated unless there is alpha.
 #ifndef HMESH_IO_OBJ_HPP
 #define HMESH_IO_OBJ_HPP
 
@@ -1793,19 +2232,20 @@ Status write_html(const MeshView& mesh, Sink&& sink, const HtmlOptions& options 
 
 namespace hmesh {
 
-// Writes the mesh to the sink (see sink.hpp). A mesh that cannot be written gives a Status and no byte.
-template <class Sink>
-Status write_obj(const MeshView& source, Sink&& sink) {
+/// Writes a mesh of 1 to 4 channels as an OBJ file. A mesh that is empty, has no size, numbers that are not finite or faces
+/// without their vertices gives a Status that says so, and no byte is written; a sink that refuses bytes gives
+/// Errc::write_failed.
+inline Status write_obj(const MeshView& source, Sink sink) {
     if (const Status status = detail::check_for_export(source); !status) return status;
-    const detail::StraightMesh straight(source);
-    const MeshView& mesh = straight.view();
+    const detail::ExportMesh exported(source, detail::Premultiplied::divided);
+    const MeshView& mesh = exported.view();
     detail::Writer writer(sink);
     writer.text("# made by hmesh " HMESH_VERSION_STRING "\n");
     for (std::size_t v = 0; v < mesh.vertex_count; ++v) {
         writer.text("v ");
         writer.real(static_cast<double>(mesh.positions[2 * v]));
         writer.text(" ");
-        writer.real(mesh.height - static_cast<double>(mesh.positions[2 * v + 1]));
+        writer.real(detail::y_up(mesh, v));
         writer.text(" 0");
         const std::array<double, 4> rgba = detail::rgba_shares(mesh, v);
         for (std::size_t k = 0; k < 3; ++k) {
@@ -1815,12 +2255,10 @@ Status write_obj(const MeshView& source, Sink&& sink) {
         writer.text("\n");
     }
     for (std::size_t f = 0; f < mesh.face_count; ++f) {
-        // Two corners change places, since y does; vertices count from 1.
-        const std::array<std::uint32_t, 3>& face = mesh.faces[f];
         writer.text("f");
-        for (const std::uint32_t v : {face[0], face[2], face[1]}) {
+        for (const std::uint32_t v : detail::turned(mesh.faces[f])) {
             writer.text(" ");
-            writer.decimal(static_cast<std::int64_t>(v) + 1);
+            writer.decimal(static_cast<std::int64_t>(v) + 1);  // vertices count from 1
         }
         writer.text("\n");
     }
@@ -1833,16 +2271,17 @@ Status write_obj(const MeshView& source, Sink&& sink) {
 
 // ---- hmesh/core/assert.hpp
 
-// hmesh - HMESH_ASSERT, the check for wrong use of the library by its caller.
-//
-// Wrong *input* (sizes, targets, pixels) never asserts: it comes back as a Status. Define HMESH_ASSERT before the first
-// include of hmesh to send failures elsewhere. It changes no type and no layout.
+/// \file
+/// HMESH_ASSERT: the check for wrong use of the library by its caller.
+///
+/// Wrong *input* (sizes, targets, pixels) never asserts: it is reported by a Status. Define HMESH_ASSERT before the first
+/// include of hmesh to send failures elsewhere; that changes no type and no layout.
 #ifndef HMESH_CORE_ASSERT_HPP
 #define HMESH_CORE_ASSERT_HPP
 
 #ifndef HMESH_ASSERT
 #include <cassert>
-// Fails where the condition is false: a mistake of the caller. By default as assert() does, hence nothing with NDEBUG.
+/// Fails where the condition is false, which is a mistake of the caller. By default it is assert(), hence nothing with NDEBUG.
 #define HMESH_ASSERT(condition) assert(condition)
 #endif
 
@@ -1850,15 +2289,17 @@ Status write_obj(const MeshView& source, Sink&& sink) {
 
 // ---- hmesh/io/pdf.hpp
 
-// hmesh - write_pdf(): a mesh as a PDF 1.4 page that is exactly a Gouraud-shaded mesh: vectors, no pixels.
-//
-// One page of the image's size, 1 px = 1/72 inch (Acrobat opens pages of up to 14400 px), with a shading of type 4 in
-// DeviceRGB, or DeviceGray for 1 channel; see shading_stream.hpp. For 4 channels the fourth is opacity: colours are drawn
-// straight (not premultiplied) under a soft mask (ISO 32000-1, 11.6.5.3) that is a shading of the opacity. No date and no
-// random identifier: the same mesh gives the same bytes.
-//
-// Size of an RGB mesh of 256 px or more: 21 bytes a vertex, deflated 12; without strips 59 and 16. Time: some 100 MB/s in
-// strips, of which finding them takes most.
+/// \file
+/// write_pdf(): a mesh as a PDF 1.4 page that is exactly a Gouraud-shaded mesh: vectors, no pixels.
+///
+/// One page of the image's size, 1 px = 1/72 inch (Acrobat opens pages of up to 14400 px), with a free-form Gouraud shading
+/// (ISO 32000-1, 8.7.4.5.5) in DeviceRGB, or DeviceGray for 1 channel. Positions of the 1/256 px grid arrive exactly; colours
+/// have 8 bits where the mesh's peak is 255, else 16. Where there is alpha, straight colours are drawn under a soft mask
+/// (ISO 32000-1, 11.6.5.3) that is a shading of alpha. No date and no random identifier: the same mesh gives the same bytes.
+///
+/// Size of an RGB mesh of 256 px or more: 21 bytes a vertex, deflated 12; without strips 59 and 16. Time: some 100 MB/s in
+/// strips, of which finding them takes most. Memory: the streams, and 60 bytes a face to find
+/// the strips.
 #ifndef HMESH_IO_PDF_HPP
 #define HMESH_IO_PDF_HPP
 
@@ -1866,52 +2307,33 @@ Status write_obj(const MeshView& source, Sink&& sink) {
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
-#include <type_traits>
 #include <vector>
 
 namespace hmesh {
 
-// Options of write_pdf().
-struct PdfOptions {
-    Deflate deflate = nullptr;  // compresses the mesh (shading_stream.hpp); none: it is written as it is
-    void* deflate_user = nullptr;
-    bool strips = true;  // faces share vertices with the one before; false: each by itself in the mesh's order
-};
-
 namespace detail {
 
-template <class Sink>
-struct CountingSink {
-    Sink* sink;
-    std::int64_t count = 0;
-    bool operator()(const void* bytes, std::size_t size) {
-        count += static_cast<std::int64_t>(size);
-        return (*sink)(bytes, size);
-    }
-};
-
-// Objects one after the other, numbered from 1, and the table of where each begins.
-template <class Sink>
+/// A file of objects one after the other, numbered from 1, and the table of where each begins.
 class PdfFile {
   public:
-    using Output = Writer<CountingSink<Sink>>;
-
-    explicit PdfFile(Sink& sink) noexcept : sink_{&sink}, writer_(sink_) {
+    /// Begins a file in a sink, whose callable outlives this object.
+    explicit PdfFile(Sink sink) noexcept : writer_(sink) {
         writer_.text("%PDF-1.4\n%\xe2\xe3\xcf\xd3\n");  // 4 bytes above 127 say that the file is binary
     }
     PdfFile(const PdfFile&) = delete;
     PdfFile& operator=(const PdfFile&) = delete;
 
-    Output& begin_object() {
-        static_cast<void>(writer_.finish());  // whether bytes were refused is asked at the end
+    /// Begins an object and its dictionary, whose entries are for the caller to put. At most 10 objects.
+    Writer& begin_object() {
         HMESH_ASSERT(objects_ < offsets_.size());
-        offsets_[objects_++] = sink_.count;
+        offsets_[objects_++] = writer_.position();
         writer_.decimal(static_cast<std::int64_t>(objects_));
         writer_.text(" 0 obj\n<< ");
         return writer_;
     }
+    /// Ends an object without a stream.
     void end_object() { writer_.text(" >>\nendobj\n"); }
-    // Ends the object's dictionary and puts its stream.
+    /// Ends the object's dictionary and puts its stream.
     void end_object(const unsigned char* bytes, std::size_t size) {
         writer_.text("\n/Length ");
         writer_.decimal(static_cast<std::int64_t>(size));
@@ -1919,9 +2341,9 @@ class PdfFile {
         writer_.bytes(bytes, size);
         writer_.text("\nendstream\nendobj\n");
     }
+    /// Ends the file, with the numbers of its catalog and of the object that says who made it.
     [[nodiscard]] Status finish(int root, int info) {
-        static_cast<void>(writer_.finish());
-        const std::int64_t table = sink_.count;
+        const std::int64_t table = writer_.position();
         const auto entries = static_cast<std::int64_t>(objects_ + 1);
         writer_.text("xref\n0 ");
         writer_.decimal(entries);
@@ -1945,42 +2367,45 @@ class PdfFile {
     }
 
   private:
-    CountingSink<Sink> sink_;
-    Output writer_;
+    Writer writer_;
     std::array<std::int64_t, 10> offsets_{};
     std::size_t objects_ = 0;
 };
 
 }  // namespace detail
 
-// Writes the mesh to the sink (see sink.hpp). Colours are held to [0, peak]. Faces are drawn in another order than the
-// mesh's when in strips, which shows only where they overlap. A mesh of 2 or more than 4 channels, an empty one and others
-// that cannot be written give a Status and no byte, and so does a compressor that fails.
-template <class Sink>
-Status write_pdf(const MeshView& source, Sink&& sink, const PdfOptions& options = {}) {
+/// Writes a mesh of 1 to 4 channels as a PDF file; colours are held to [0, peak]. A mesh that is empty, has no size or one above
+/// 4,194,304 px, numbers that are not finite, positions further than that from the corner, faces without their vertices or more
+/// than 47,721,858 of them gives a Status that says so, and a compressor that fails gives Errc::write_failed: no byte is written.
+/// A sink that refuses bytes gives Errc::write_failed.
+inline Status write_pdf(const MeshView& source, Sink sink, const PageOptions& options = {}) {
     detail::ShadingLayout layout;
     if (const Status status = detail::plan_shading(source, layout); !status) return status;
-    const detail::StraightMesh straight(source);
-    const MeshView& mesh = straight.view();
+    const detail::ExportMesh exported(source, detail::Premultiplied::divided);
+    const MeshView& mesh = exported.view();
     const auto channels = static_cast<std::size_t>(mesh.channels);
     const int components = mesh.channels == 1 ? 1 : 3;
-    const bool has_alpha = mesh.channels == 4;
+    const bool is_masked = mesh.channels == 4;
 
-    const auto share = [&](std::size_t v, std::size_t k) {
-        return static_cast<double>(mesh.colors[channels * v + k]) / mesh.peak;
-    };
     const std::vector<detail::StripVertex> vertices = detail::strip_vertices(mesh, options.strips);
-    std::vector<unsigned char> colors = detail::shading_bytes(
-        mesh, vertices, layout, components, [&](std::size_t v, int k) { return share(v, static_cast<std::size_t>(k)); });
-    if (const Status status = detail::compress(options.deflate, options.deflate_user, colors); !status) return status;
+    const auto stream = [&](int count, std::size_t first_channel) {  // of so many channels
+        std::vector<double> shares;
+        shares.reserve(static_cast<std::size_t>(count) * mesh.vertex_count);
+        for (std::size_t v = 0; v < mesh.vertex_count; ++v)
+            for (std::size_t k = 0; k < static_cast<std::size_t>(count); ++k)
+                shares.push_back(static_cast<double>(mesh.colors[channels * v + first_channel + k]) / mesh.peak);
+        return detail::shading_bytes(mesh, vertices, layout, count, shares);
+    };
+    std::vector<unsigned char> colors = stream(components, 0);
+    if (const Status status = detail::compress(options.deflate, colors); !status) return status;
     std::vector<unsigned char> alpha;
-    if (has_alpha) {
-        alpha = detail::shading_bytes(mesh, vertices, layout, 1, [&](std::size_t v, int) { return share(v, 3); });
-        if (const Status status = detail::compress(options.deflate, options.deflate_user, alpha); !status) return status;
+    if (is_masked) {
+        alpha = stream(1, 3);
+        if (const Status status = detail::compress(options.deflate, alpha); !status) return status;
     }
 
-    detail::PdfFile<std::remove_reference_t<Sink>> file(sink);
-    const auto box = [&](auto& writer, const char* name) {
+    detail::PdfFile file(sink);
+    const auto box = [&](detail::Writer& writer, const char* name) {
         writer.text(name);
         writer.text(" [0 0 ");
         writer.decimal(mesh.width);
@@ -1992,13 +2417,13 @@ Status write_pdf(const MeshView& source, Sink&& sink, const PdfOptions& options 
         file.end_object(reinterpret_cast<const unsigned char*>(text), std::strlen(text));
     };
     const auto shading = [&](int count, const std::vector<unsigned char>& bytes) {
-        auto& writer = file.begin_object();
+        detail::Writer& writer = file.begin_object();
         detail::write_shading_entries(writer, layout, count);
-        if (options.deflate != nullptr) writer.text("\n/Filter /FlateDecode");
+        if (options.deflate) writer.text("\n/Filter /FlateDecode");
         file.end_object(bytes.data(), bytes.size());
     };
     const auto group = [&](const char* space, const char* shading_name) {
-        auto& writer = file.begin_object();
+        detail::Writer& writer = file.begin_object();
         writer.text("/Type /XObject /Subtype /Form ");
         box(writer, "/BBox");
         writer.text("\n/Group << /S /Transparency /CS /Device");
@@ -2014,18 +2439,18 @@ Status write_pdf(const MeshView& source, Sink&& sink, const PdfOptions& options 
     file.end_object();
     file.begin_object().text("/Type /Pages /Kids [4 0 R] /Count 1");  // 3
     file.end_object();
-    auto& page = file.begin_object();  // 4
+    detail::Writer& page = file.begin_object();  // 4
     page.text("/Type /Page /Parent 3 0 R ");
     box(page, "/MediaBox");
     page.text(" /Contents 5 0 R\n/Resources << ");
-    page.text(has_alpha ? "/XObject << /X0 7 0 R >> /ExtGState << /G0 8 0 R >> >>\n"
+    page.text(is_masked ? "/XObject << /X0 7 0 R >> /ExtGState << /G0 8 0 R >> >>\n"
                           "/Group << /S /Transparency /CS /DeviceRGB >>"
                         : "/Shading << /S0 6 0 R >> >>");
     file.end_object();
     file.begin_object();  // 5
-    end_text_stream(has_alpha ? "/G0 gs /X0 Do" : "/S0 sh");
+    end_text_stream(is_masked ? "/G0 gs /X0 Do" : "/S0 sh");
     shading(components, colors);  // 6
-    if (has_alpha) {
+    if (is_masked) {
         // The colours are a group and masked as a whole: poppler draws parts of a face over each other.
         group("RGB", "6");                                                                  // 7
         file.begin_object().text("/Type /ExtGState /SMask << /S /Luminosity /G 9 0 R >>");  // 8
@@ -2042,12 +2467,16 @@ Status write_pdf(const MeshView& source, Sink&& sink, const PdfOptions& options 
 
 // ---- hmesh/io/ply.hpp
 
-// hmesh - write_ply(): a mesh as a PLY file, which MeshLab, CloudCompare, Blender and others open.
-//
-// Vertices are `float x y z` in pixels with y up (y = height - y of the mesh) and z = 0, so that the picture stands
-// upright; faces are counter-clockwise, so that it is seen from the front. Colours are `uchar red green blue [alpha]`
-// for 3 or 4 channels, one `uchar intensity` for 1; 255 is the mesh's peak. PLY has no names for other numbers of
-// channels. The file is binary and little-endian unless it is asked to be text.
+/// \file
+/// write_ply(): a mesh as a PLY file, which MeshLab, CloudCompare, Blender and others open.
+///
+/// Vertices are `float x y z` in pixels with y up (y = height - y of the mesh) and z = 0, so that the picture stands upright;
+/// faces are counter-clockwise, so that it is seen from the front. Colours are `uchar red green blue` for 3 channels, with
+/// `alpha` for 4 and for grey with alpha, one `uchar intensity` for 1; 255 is the mesh's peak, and alpha is straight. The file is
+/// binary and little-endian unless it is asked to be text.
+///
+/// 15 bytes a vertex of 3 channels and 13 a face. O(n); nothing is allocated unless there is alpha.
+/// Source: Greg Turk, The PLY Polygon File Format, 1994.
 #ifndef HMESH_IO_PLY_HPP
 #define HMESH_IO_PLY_HPP
 
@@ -2059,22 +2488,23 @@ Status write_pdf(const MeshView& source, Sink&& sink, const PdfOptions& options 
 
 namespace hmesh {
 
-// Options of write_ply().
+/// Options of write_ply().
 struct PlyOptions {
-    bool ascii = false;  // numbers as text, with the digits that give the same floats: about 1.7 times the size
-    // `property float`, 1 being the peak: shares are rounded to floats only, and values outside [0, peak] stay there, so that a
-    // program can have the mesh back. Most viewers know `uchar` colours only: MeshLab and CloudCompare show these as none.
+    /// Numbers are text, with the digits that give the same floats: about 1.7 times the size.
+    bool ascii = false;
+    /// Colours are `property float`, 1 being the peak: they are rounded to floats only and may lie outside [0, 1], so that a
+    /// program can have the mesh back. Most viewers know `uchar` colours only: MeshLab and CloudCompare show these as none.
     bool float_colors = false;
 };
 
 namespace detail {
 
+/// Refuses what a PLY file cannot hold. O(n).
 [[nodiscard]] inline Status check_for_ply(const MeshView& mesh, const PlyOptions& options) noexcept {
-    constexpr std::int64_t most = std::numeric_limits<std::int32_t>::max();
-    for (const std::size_t count : {mesh.vertex_count, mesh.face_count})
-        if (count > static_cast<std::size_t>(most))
-            return {Errc::invalid_argument, "the mesh has more vertices or faces than a PLY file numbers",
-                    static_cast<std::int64_t>(count), most};
+    constexpr std::uint64_t most = std::numeric_limits<std::int32_t>::max();
+    if (const Status status = check_counts(mesh, most, most, "the mesh has more vertices or faces than a PLY file numbers");
+        !status)
+        return status;
     if (const Status status = check_for_export(mesh); !status) return status;
     const auto channels = static_cast<std::size_t>(mesh.channels);
     constexpr auto largest = static_cast<double>(std::numeric_limits<float>::max());
@@ -2086,8 +2516,8 @@ namespace detail {
     return {};
 }
 
-template <class Sink>
-void write_ply_header(Writer<Sink>& writer, const MeshView& mesh, const PlyOptions& options) {
+/// The lines before the numbers.
+inline void write_ply_header(Writer& writer, const MeshView& mesh, const PlyOptions& options) {
     writer.text(options.ascii ? "ply\nformat ascii 1.0\n" : "ply\nformat binary_little_endian 1.0\n");
     writer.text("comment made by hmesh " HMESH_VERSION_STRING "\nelement vertex ");
     writer.decimal(static_cast<std::int64_t>(mesh.vertex_count));
@@ -2103,27 +2533,31 @@ void write_ply_header(Writer<Sink>& writer, const MeshView& mesh, const PlyOptio
     writer.text("\nproperty list uchar int vertex_indices\nend_header\n");
 }
 
-// The numbers of a PLY file, in order: bytes, or words with spaces between.
-template <class Sink>
+/// The numbers of a PLY file, in order: bytes, or words with spaces between them.
 class PlyNumbers {
   public:
-    PlyNumbers(Writer<Sink>& writer, bool ascii) noexcept : writer_(&writer), ascii_(ascii) {}
+    /// Puts them into a writer, which outlives this object.
+    PlyNumbers(Writer& writer, bool ascii) noexcept : writer_(&writer), ascii_(ascii) {}
 
+    /// Puts a `float`.
     void f32(float value) {
         if (!ascii_) return writer_->f32(value);
         separate();
         writer_->real(static_cast<double>(value));
     }
+    /// Puts a `uchar`.
     void u8(std::uint8_t value) {
         if (!ascii_) return writer_->u8(value);
         separate();
         writer_->decimal(value);
     }
+    /// Puts an `int`, below 2^31.
     void u32(std::uint32_t value) {
         if (!ascii_) return writer_->u32(value);
         separate();
         writer_->decimal(value);
     }
+    /// Ends a vertex or a face.
     void end_line() {
         if (ascii_) writer_->text("\n");
         line_begins_ = true;
@@ -2135,26 +2569,28 @@ class PlyNumbers {
         line_begins_ = false;
     }
 
-    Writer<Sink>* writer_;
+    Writer* writer_;
     bool ascii_;
     bool line_begins_ = true;
 };
 
 }  // namespace detail
 
-// Writes the mesh to the sink (see sink.hpp). A mesh that cannot be written gives a Status and no byte.
-template <class Sink>
-Status write_ply(const MeshView& source, Sink&& sink, const PlyOptions& options = {}) {
+/// Writes a mesh of 1 to 4 channels as a PLY file. A mesh that is empty, has no size, numbers that are not finite, faces without
+/// their vertices, 2^31 vertices or faces, or colours that are no floats as shares gives a Status that says so, and no byte is
+/// written; a sink that refuses bytes gives Errc::write_failed.
+inline Status write_ply(const MeshView& source, Sink sink, const PlyOptions& options = {}) {
     if (const Status status = detail::check_for_ply(source, options); !status) return status;
-    const detail::StraightMesh straight(source, !options.float_colors);
-    const MeshView& mesh = straight.view();
+    const auto wanted = options.float_colors ? detail::Premultiplied::divided_only : detail::Premultiplied::divided;
+    const detail::ExportMesh exported(source, wanted);
+    const MeshView& mesh = exported.view();
     detail::Writer writer(sink);
     detail::write_ply_header(writer, mesh, options);
     detail::PlyNumbers numbers(writer, options.ascii);
     const auto channels = static_cast<std::size_t>(mesh.channels);
     for (std::size_t v = 0; v < mesh.vertex_count; ++v) {
         numbers.f32(mesh.positions[2 * v]);
-        numbers.f32(static_cast<float>(mesh.height - static_cast<double>(mesh.positions[2 * v + 1])));
+        numbers.f32(static_cast<float>(detail::y_up(mesh, v)));
         numbers.f32(0);
         for (std::size_t k = 0; k < channels; ++k) {
             const float value = mesh.colors[channels * v + k];
@@ -2164,12 +2600,8 @@ Status write_ply(const MeshView& source, Sink&& sink, const PlyOptions& options 
         numbers.end_line();
     }
     for (std::size_t f = 0; f < mesh.face_count; ++f) {
-        // Clockwise on the screen with y down stays clockwise there with y up: two corners change places.
-        const std::array<std::uint32_t, 3>& face = mesh.faces[f];
         numbers.u8(3);
-        numbers.u32(face[0]);
-        numbers.u32(face[2]);
-        numbers.u32(face[1]);
+        for (const std::uint32_t v : detail::turned(mesh.faces[f])) numbers.u32(v);
         numbers.end_line();
     }
     return writer.finish();
@@ -2181,18 +2613,19 @@ Status write_ply(const MeshView& source, Sink&& sink, const PlyOptions& options 
 
 // ---- hmesh/io/detail/svg_gradient.hpp
 
-// hmesh - the linear gradients of write_svg(): where a gradient's line runs so that it shows a face's colours.
-//
-// Over a face a colour is linear; a gradient is constant across its direction. Of all gradients, whatever their direction
-// and stops, the one with the least squared error over the face's area is found in closed form. Fix a direction, and number
-// the corners a, b, c along it. The best colour at a place t on the line is the mean over the chord across the face at t: the
-// colour at the chord's middle, which runs straight from a to the middle of the chord through b, and from there to c. So
-// three stops are enough. What is missed is linear along each chord; chords lengthen linearly up to b's, so the mean of the
-// error is |d|^2 / 24, d the difference of colour between the ends of b's chord: between b and a point of the edge ac. Over
-// all directions that is least where that point has the colour nearest to b's: the foot of b on the line ac in the space of
-// colours. And over the choice of b it is least opposite to the longest side there, where the foot always is between a and
-// c. The stops are means of corner colours, so none leaves the range of colours. Where |d| is a few steps of 8 bits, two stops
-// save a tenth of the file.
+/// \file
+/// The linear gradients of write_svg(): where a gradient's line runs so that it shows a face's colours.
+///
+/// Over a face a colour is linear; a gradient is constant across its direction. Of all gradients, whatever their direction and
+/// stops, the one with the least squared error over the face's area is found in closed form. Fix a direction, and number the
+/// corners a, b, c along it. The best colour at a place t on the line is the mean over the chord across the face at t: the
+/// colour at the chord's middle, which runs straight from a to the middle of the chord through b, and from there to c. So three
+/// stops are enough. What is missed is linear along each chord; chords lengthen linearly up to b's, so the mean of the error is
+/// |d|^2 / 24, d the difference of colour between the ends of b's chord: between b and a point of the edge ac. Over all
+/// directions that is least where that point has the colour nearest to b's: the foot of b on the line ac in the space of
+/// colours. And over the choice of b it is least opposite to the longest side there, where the foot always is between a and c.
+/// The stops are means of corner colours, so none leaves the range of colours. Where |d| is a few steps of 8 bits, two stops
+/// save a tenth of the file.
 #ifndef HMESH_IO_DETAIL_SVG_GRADIENT_HPP
 #define HMESH_IO_DETAIL_SVG_GRADIENT_HPP
 
@@ -2203,21 +2636,24 @@ Status write_ply(const MeshView& source, Sink&& sink, const PlyOptions& options 
 
 namespace hmesh::detail {
 
+/// A place in the image, in px.
 struct PlanePoint {
-    double x = 0, y = 0;  // px
+    double x = 0, y = 0;
 };
 
-using FacePoints = std::array<PlanePoint, 3>;
-using Color4 = std::array<double, 4>;  // red, green, blue, alpha, or grey, 0, 0, 0; in [0, 255]
-using FaceColors = std::array<Color4, 3>;
+using FacePoints = std::array<PlanePoint, 3>;  ///< the places of a face's corners
+using Color4 = std::array<double, 4>;          ///< red, green, blue, alpha, or grey, 0, 0, 0; in [0, 255]
+using FaceColors = std::array<Color4, 3>;      ///< the colours of a face's corners
 
+/// The mean of the corners' colours, which is the mean over the face.
 [[nodiscard]] inline Color4 mean_color(const FaceColors& colors) noexcept {
     Color4 mean{};
     for (std::size_t c = 0; c < 4; ++c) mean[c] = (colors[0][c] + colors[1][c] + colors[2][c]) / 3;
     return mean;
 }
 
-// Colours stored multiplied by alpha, divided by it. A corner without alpha has no colour: it takes the others' mean.
+/// Divides colours that are multiplied by alpha by it. A corner without alpha has no colour: it takes the others' mean. Other
+/// than in ExportMesh it is the mean of this face alone, since faces are painted one by one.
 inline void divide_by_alpha(FaceColors& colors) noexcept {
     for (std::size_t c = 0; c < 3; ++c) {
         const double alphas = colors[0][3] + colors[1][3] + colors[2][3];
@@ -2226,18 +2662,18 @@ inline void divide_by_alpha(FaceColors& colors) noexcept {
     }
 }
 
-// A gradient's line, from offset 0 to offset 1.
+/// The line along which a gradient changes.
 struct GradientLine {
-    PlanePoint from, to;
-    int places = 0;                  // decimals to write
-    double low_at = 0, high_at = 1;  // offsets
+    PlanePoint from, to;             ///< the places of the offsets 0 and 1
+    int places = 0;                  ///< decimals to write of the places
+    double low_at = 0, high_at = 1;  ///< the offsets at which the function is 0 and 1
 };
 
-// The line on which a function that is linear over the face, given by its values at the corners, goes from 0 at low_at to 1
-// at high_at; it passes by the face's centroid. Across a needle the two offsets come closer, so that the line is at least
-// half as long as the face reaches to its sides: else a little error of the ends, which some viewers hold in 1/65536 px,
-// would turn it. Written with so many decimals that on the face no value is off by more than `error`; at most 9. The face
-// has an area and the function is not constant.
+/// The line on which a function that is linear over the face, given by its values at the corners, goes from 0 at low_at to 1 at
+/// high_at; it passes by the face's centroid. Across a needle the two offsets come closer, so that the line is at least half as
+/// long as the face reaches to its sides: else a little error of the ends, which some viewers hold in 1/65536 px, would turn
+/// it. It has so many decimals that on the face no value is off by more than `error`; at most 9. The face has an area and the
+/// function is not constant.
 [[nodiscard]] inline GradientLine gradient_line(const FacePoints& at, const std::array<double, 3>& values,
                                                 double error) noexcept {
     const double bx = at[1].x - at[0].x, by = at[1].y - at[0].y, cx = at[2].x - at[0].x, cy = at[2].y - at[0].y;
@@ -2264,23 +2700,28 @@ struct GradientLine {
     return line;
 }
 
+/// Whether the corners are not on one line.
 [[nodiscard]] inline bool has_area(const FacePoints& at) noexcept {
     return (at[1].x - at[0].x) * (at[2].y - at[0].y) != (at[1].y - at[0].y) * (at[2].x - at[0].x);
 }
 
-// Less than half a step of 8 bits between corners is no gradient.
+/// Steps of 8 bits: corners that differ by less need no gradient.
 inline constexpr double least_range = 0.5;
 
-// One channel of a face. Usually on a line along which it goes from 0 to 255, with the stops that all such faces share. A
-// viewer that gives a face a pixel whose centre is 1/256 px outside, or gives its line's ends in such units, shows steep
-// faces in colours far off; those of more than `steepest` get stops of their own, which hold them to the corners' colours.
+/// One channel of a face, exactly. Usually on a line along which it goes from 0 to 255, with the stops that all such faces
+/// share. A viewer that gives a face a pixel whose centre is 1/256 px outside, or gives its line's ends in such units, shows
+/// steep faces in colours far off; those of more than `steepest` get stops of their own, which hold them to the corners'
+/// colours.
 struct ChannelGradient {
-    static constexpr double steepest = 128;  // steps of 8 bits a px
+    static constexpr double steepest = 128;  ///< steps of 8 bits a px
 
-    bool is_plain = true, is_steep = false;
-    double mean = 0, low = 0, high = 255;
-    GradientLine line;
+    bool is_plain = true;        ///< the face has one colour, `mean`
+    bool is_steep = false;       ///< the stops are `low` and `high` and not those shared
+    double mean = 0;             ///< in [0, 255]
+    double low = 0, high = 255;  ///< the values at the line's two offsets
+    GradientLine line;           ///< unless the face is plain
 
+    /// Of a face, and which of its channels.
     ChannelGradient(const FacePoints& at, const FaceColors& colors, std::size_t channel) noexcept {
         std::array<double, 3> values = {colors[0][channel], colors[1][channel], colors[2][channel]};
         mean = (values[0] + values[1] + values[2]) / 3;
@@ -2300,15 +2741,17 @@ struct ChannelGradient {
     }
 };
 
-// Red, green and blue of a face by the best gradient.
+/// Red, green and blue of a face by the best gradient.
 struct FaceGradient {
-    static constexpr double least_miss = 4;  // steps of 8 bits, worth a third stop
+    static constexpr double least_miss = 4;  ///< steps of 8 bits, worth a third stop
 
-    bool is_plain = true, has_middle = false;
-    GradientLine line;
-    Color4 first{}, middle{}, last{};
-    double middle_at = 0;  // offset in [0, 1]
+    bool is_plain = true;              ///< the face has one colour, the mean of its corners'
+    bool has_middle = false;           ///< there are three stops
+    GradientLine line;                 ///< unless the face is plain
+    Color4 first{}, middle{}, last{};  ///< the stops' colours
+    double middle_at = 0;              ///< the middle's offset in [0, 1]
 
+    /// Of a face.
     FaceGradient(const FacePoints& at, const FaceColors& colors) noexcept {
         const auto product = [&](std::size_t from, std::size_t one, std::size_t other) {
             double sum = 0;
@@ -2351,96 +2794,23 @@ struct FaceGradient {
 
 #endif  // HMESH_IO_DETAIL_SVG_GRADIENT_HPP
 
-// ---- hmesh/io/detail/svg_writer.hpp
-
-// hmesh - the numbers, colours and names in write_svg()'s files, in as few bytes as they need.
-#ifndef HMESH_IO_DETAIL_SVG_WRITER_HPP
-#define HMESH_IO_DETAIL_SVG_WRITER_HPP
-
-#include <array>
-#include <cstddef>
-
-namespace hmesh::detail {
-
-template <class Sink>
-class SvgWriter : public Writer<Sink> {
-  public:
-    using Writer<Sink>::Writer;
-
-    void size(int width, int height) {
-        this->text("width=\"");
-        this->decimal(width);
-        this->text("\" height=\"");
-        this->decimal(height);
-        this->text("\"");
-    }
-    // Three decimals are enough to tell the units of 1/256 px of which meshes are made, and many viewers' pictures too.
-    void point(double x, double y) {
-        this->fixed(x, 3);
-        this->text(" ");
-        this->fixed(y, 3);
-    }
-    void ends(const GradientLine& line) {
-        const std::array<double, 4> values = {line.from.x, line.from.y, line.to.x, line.to.y};
-        static constexpr std::array<const char*, 4> names = {"x1=\"", "\" y1=\"", "\" x2=\"", "\" y2=\""};
-        for (std::size_t i = 0; i < 4; ++i) {
-            this->text(names[i]);
-            this->fixed(values[i], line.places);
-        }
-        this->text("\"");
-    }
-    void stop(double offset, const Color4& color) {
-        this->text("<stop offset=\"");
-        this->fixed(offset, 4);
-        this->text("\" stop-color=\"");
-        hex(color);
-        this->text("\"/>");
-    }
-    void hex(const Color4& color) {
-        std::array<char, 8> out{'#'};
-        for (std::size_t k = 0; k < 3; ++k) {
-            const auto byte = static_cast<std::size_t>(color[k] + 0.5);
-            out[1 + 2 * k] = "0123456789abcdef"[byte >> 4U];
-            out[2 + 2 * k] = "0123456789abcdef"[byte & 15U];
-        }
-        this->text(out.data());
-    }
-    // Letters alone: the ids of other things have an underscore.
-    void id(std::size_t number) {
-        std::array<char, 14> letters{};  // 52^12 > 2^64
-        std::size_t at = letters.size() - 1;
-        do {
-            letters[--at] = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ"[number % 52];
-            number /= 52;
-        } while (number != 0);
-        this->text(letters.data() + at);
-    }
-};
-
-}  // namespace hmesh::detail
-
-#endif  // HMESH_IO_DETAIL_SVG_WRITER_HPP
-
 // ---- hmesh/io/svg.hpp
 
-// hmesh - write_svg(): a mesh as an SVG picture, which browsers, Inkscape and office programs show.
-//
-// SVG has no mesh of coloured vertices (mesh gradients were dropped from SVG 2), so each face is a path, filled in one of
-// three ways:
-//   gradient  one linear gradient a face, the best there is: see svg_gradient.hpp. About 310 bytes a face.
-//   exact     three layers, one a channel, added by mix-blend-mode:screen over black. A channel is linear over a face,
-//             hence exactly one gradient. Viewers must know blend modes: browsers and librsvg do. About 560 bytes a face.
-//   flat      the mean of the corners' colours. About 70 bytes a face.
-// One channel needs one gradient, so gradient and exact are the same picture, from grey gradients and without blending.
-//
-// Edges of neighbours meet without a seam because the picture asks for crispEdges: no anti-aliasing, every pixel to the
-// face that holds its centre. At its own size exact is within a step of 8 bits of render() but for the few pixels beside
-// needles narrower than what the viewer tells apart (1/256 px in librsvg). SVG interpolates in the stored (sRGB) values, as
-// meshes are fitted. Colours are held to [0, peak] and rounded to 8 bits. The fourth channel is alpha: a mask of grey faces,
-// left out where all is opaque. SVG interpolates colours before alpha is applied: those of premultiplied meshes are divided
-// by it at the corners; a corner without alpha takes the others' mean, so that transparent edges carry no fringe. Ids are
-// short and the same in every file: put several pictures in one page by <img>, not inline. Cost: about 1 us a face, exact
-// 3 us; memory only for the wireframe, about 40 bytes a face.
+/// \file
+/// write_svg(): a mesh as an SVG picture, which browsers, Inkscape and office programs show.
+///
+/// SVG has no mesh of coloured vertices (mesh gradients were dropped from SVG 2), so each face is a path, filled in one of three
+/// ways (SvgKind). Edges of neighbours meet without a seam because the picture asks for crispEdges: no anti-aliasing, every
+/// pixel to the face that holds its centre. At its own size the exact kind is within a step of 8 bits of render() but for the
+/// few pixels beside needles narrower than what the viewer tells apart (1/256 px in librsvg). SVG interpolates in the stored
+/// (sRGB) values, as meshes are fitted. Colours are held to [0, peak] and rounded to 8 bits.
+///
+/// Alpha is a mask of grey faces, left out where all is opaque. SVG interpolates colours before alpha is applied: those of
+/// premultiplied meshes are divided by it at the corners; a corner without alpha takes the others' mean, so that transparent
+/// edges carry no fringe. Ids are short and the same in every file: put several pictures in one page by img elements, not inline.
+///
+/// Cost: about 1 us a face, exact 3 us; memory only for the wireframe, about 40 bytes a face, and where grey has alpha.
+/// Source: W3C, SVG 1.1 and Compositing and Blending Level 1.
 #ifndef HMESH_IO_SVG_HPP
 #define HMESH_IO_SVG_HPP
 
@@ -2448,36 +2818,105 @@ class SvgWriter : public Writer<Sink> {
 #include <array>
 #include <cstddef>
 #include <cstdint>
-#include <type_traits>
 #include <vector>
 
 namespace hmesh {
 
-// How faces are filled, see above: the best gradient, exactly, or with one colour.
-enum class SvgKind : std::uint8_t { gradient, exact, flat };
+/// How write_svg() fills faces. A mesh of one channel needs one gradient a face, so gradient and exact are the same picture of
+/// it, from grey gradients and without blending.
+enum class SvgKind : std::uint8_t {
+    gradient,  ///< one linear gradient a face, the best that there is (io/detail/svg_gradient.hpp): about 310 bytes a face
+    /// Three layers, one a channel, added by mix-blend-mode: screen over black; over a face a channel is linear, hence a gradient
+    /// shows it exactly. Viewers must know blend modes, as browsers and librsvg do. About 560 bytes a face.
+    exact,
+    flat,  ///< the mean of the corners' colours: about 70 bytes a face
+};
 
-// Options of write_svg().
+/// Options of write_svg().
 struct SvgOptions {
-    SvgKind kind = SvgKind::gradient;
-    bool wireframe = false;  // all edges over it, thin, white and half transparent, as wide at any zoom
+    SvgKind kind = SvgKind::gradient;  ///< how faces are filled
+    bool wireframe = false;            ///< all edges over the faces, thin, white and half transparent, as wide at any zoom
 };
 
 namespace detail {
 
+/// Refuses what write_svg() cannot draw. O(n).
 [[nodiscard]] inline Status check_for_svg(const MeshView& mesh, const SvgOptions& options) noexcept {
     if (options.kind > SvgKind::flat)
         return {Errc::invalid_argument, "the kind of SVG is none of those known", static_cast<std::int64_t>(options.kind), 2};
     return check_for_export(mesh);
 }
 
-// Which channel a layer of faces shows, and how.
-enum class SvgLayer : std::uint8_t { red, green, blue, grey, alpha };
+/// A writer of the numbers, colours and names of SVG files, in as few bytes as they need.
+class SvgWriter : public Writer {
+  public:
+    using Writer::Writer;
 
-template <class Sink>
+    /// Writes the attributes of a size in px.
+    void size(int width, int height) {
+        text("width=\"");
+        decimal(width);
+        text("\" height=\"");
+        decimal(height);
+        text("\"");
+    }
+    /// Writes a place in px. Three decimals are enough to tell the units of 1/256 px of which meshes are made, and many viewers'
+    /// pictures too.
+    void point(double x, double y) {
+        fixed(x, 3);
+        text(" ");
+        fixed(y, 3);
+    }
+    /// Writes the attributes of a gradient's line.
+    void ends(const GradientLine& line) {
+        const std::array<double, 4> values = {line.from.x, line.from.y, line.to.x, line.to.y};
+        static constexpr std::array<const char*, 4> names = {"x1=\"", "\" y1=\"", "\" x2=\"", "\" y2=\""};
+        for (std::size_t i = 0; i < 4; ++i) {
+            text(names[i]);
+            fixed(values[i], line.places);
+        }
+        text("\"");
+    }
+    /// Writes a stop of a gradient.
+    void stop(double offset, const Color4& color) {
+        text("<stop offset=\"");
+        fixed(offset, 4);
+        text("\" stop-color=\"");
+        hex(color);
+        text("\"/>");
+    }
+    /// Writes a colour as # and six digits.
+    void hex(const Color4& color) {
+        std::array<char, 8> out{'#'};
+        for (std::size_t k = 0; k < 3; ++k) {
+            const auto byte = static_cast<std::size_t>(color[k] + 0.5);
+            out[1 + 2 * k] = "0123456789abcdef"[byte >> 4U];
+            out[2 + 2 * k] = "0123456789abcdef"[byte & 15U];
+        }
+        text(out.data());
+    }
+    /// Writes the id of a number: letters alone, since the ids of other things have an underscore.
+    void id(std::size_t number) {
+        std::array<char, 14> letters{};  // 52^12 > 2^64
+        std::size_t at = letters.size() - 1;
+        do {
+            letters[--at] = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ"[number % 52];
+            number /= 52;
+        } while (number != 0);
+        text(letters.data() + at);
+    }
+};
+
+/// What a layer of faces shows: one of three colours, the one channel of a mesh without colour, or alpha.
+enum class SvgLayer : std::uint8_t { red, green, blue, gray, alpha };
+
+/// A file of write_svg().
 class SvgPage {
   public:
-    SvgPage(const MeshView& mesh, const SvgOptions& options, Sink& sink) : mesh_(mesh), options_(options), writer_(sink) {}
+    /// Of a mesh that check_for_svg() accepts. All must outlive this object.
+    SvgPage(const MeshView& mesh, const SvgOptions& options, Sink sink) : mesh_(mesh), options_(options), writer_(sink) {}
 
+    /// Writes the file. To be called once.
     Status write() {
         begin();
         const bool is_masked = mesh_.channels == 4 && !is_opaque();
@@ -2488,7 +2927,7 @@ class SvgPage {
             layer(SvgLayer::alpha);
             writer_.text("</mask>\n<g mask=\"url(#_m)\">\n");
         }
-        if (mesh_.channels == 1) layer(SvgLayer::grey);
+        if (mesh_.channels == 1) layer(SvgLayer::gray);
         else if (options_.kind == SvgKind::exact) screened_layers();
         else if (options_.kind == SvgKind::gradient) gradients();
         else flat_faces();
@@ -2670,17 +3109,19 @@ class SvgPage {
 
     const MeshView& mesh_;
     const SvgOptions& options_;
-    SvgWriter<Sink> writer_;
+    SvgWriter writer_;
     std::size_t next_id_ = 0;
 };
 
 }  // namespace detail
 
-// Writes the mesh to the sink (see sink.hpp). A mesh that cannot be written gives a Status and no byte.
-template <class Sink>
-Status write_svg(const MeshView& mesh, Sink&& sink, const SvgOptions& options = {}) {
+/// Writes a mesh of 1 to 4 channels as an SVG file. A mesh that is empty, has no size, numbers that are not finite or faces
+/// without their vertices, and a kind that is none of SvgKind give a Status that says so, and no byte is written; a sink that
+/// refuses bytes gives Errc::write_failed.
+inline Status write_svg(const MeshView& mesh, Sink sink, const SvgOptions& options = {}) {
     if (const Status status = detail::check_for_svg(mesh, options); !status) return status;
-    return detail::SvgPage<std::remove_reference_t<Sink>>(mesh, options, sink).write();
+    const detail::ExportMesh exported(mesh, detail::Premultiplied::kept);
+    return detail::SvgPage(exported.view(), options, sink).write();
 }
 
 }  // namespace hmesh
@@ -2690,12 +3131,12 @@ Status write_svg(const MeshView& mesh, Sink&& sink, const SvgOptions& options = 
 // ---- hmesh/core/compiler.hpp
 
 /// \file
-/// What compilers are told of functions: which are inlined, which never, and which run seldom.
+/// Attributes of functions: inlined always, inlined never, seldom run.
 #ifndef HMESH_CORE_COMPILER_HPP
 #define HMESH_CORE_COMPILER_HPP
 
-/// Inlined even where compilers think it too large: what innermost loops call. Not without optimisation, where it would only make
-/// compiling slower, up to twice.
+/// Inlined even where a compiler thinks the function too large: for what innermost loops call. Not without optimisation, where
+/// it would only make compiling slower, up to twice.
 #if defined(__GNUC__) && defined(__OPTIMIZE__)
 #define HMESH_ALWAYS_INLINE inline __attribute__((always_inline))
 #elif defined(_MSC_VER)
@@ -2715,8 +3156,8 @@ Status write_svg(const MeshView& mesh, Sink&& sink, const SvgOptions& options = 
 #define HMESH_NEVER_INLINE
 #endif
 
-/// Runs once a mesh, a tile or a stage, never once a vertex: compiled for size, which takes a tenth off the compile time of a call
-/// of mesh_image() and adds less than 0.5 % to its run time.
+/// For functions that run once a mesh, tile or stage, never once a vertex: compiled for size, which takes a tenth off the compile
+/// time of a call of mesh_image() and adds less than 0.5 % to its run time.
 #if defined(__GNUC__)
 #define HMESH_COLD __attribute__((cold))
 #else
@@ -2727,14 +3168,15 @@ Status write_svg(const MeshView& mesh, Sink&& sink, const SvgOptions& options = 
 
 // ---- hmesh/core/lanes.hpp
 
-// hmesh - Lanes<N>: N doubles that are added and multiplied together.
-//
-// The channels of a pixel, padded to a size the processor likes, so that the arithmetic of all channels costs that of
-// one. With GCC and Clang the lanes are vector-extension types of 2 or 4 doubles, which become SSE, AVX or NEON registers
-// without naming any of them; with another compiler they are plain doubles.
-//
-// Functions that are not inlined take and give them by reference: in which registers a vector is passed depends on -mavx, and
-// a program may hold files compiled with it and without. The layout does not.
+/// \file
+/// Lanes: N doubles that are added and multiplied together.
+///
+/// The channels of a pixel, padded to a size the processor likes, so that the arithmetic of all channels costs that of one.
+/// With GCC and Clang the lanes are vector-extension types of 2 or 4 doubles, which become SSE, AVX or NEON registers; with
+/// another compiler they are plain doubles.
+///
+/// Pass Lanes by reference across calls that are not inlined: the vector ABI depends on -mavx, and translation units may differ
+/// in it. The layout in memory does not.
 #ifndef HMESH_CORE_LANES_HPP
 #define HMESH_CORE_LANES_HPP
 
@@ -2745,6 +3187,7 @@ Status write_svg(const MeshView& mesh, Sink&& sink, const SvgOptions& options = 
 namespace hmesh::kit {
 namespace detail {
 
+// The type of one register, and the number of doubles in it.
 template <int Width>
 struct LaneBlock {
     using Type = double;
@@ -2765,32 +3208,33 @@ struct LaneBlock<4> {
 
 }  // namespace detail
 
-// The number of lanes that holds n values: 1, 2 or the next multiple of 4.
+/// The number of lanes that holds n values: 1, 2 or the next multiple of 4.
 constexpr int lanes_for(int n) { return n <= 2 ? n : (n + 3) / 4 * 4; }
 
-// Arithmetic is lane by lane; N is what lanes_for() gives.
+/// N doubles, N = lanes_for(N); arithmetic is lane by lane.
 template <int N>
 struct Lanes {
     static_assert(N == lanes_for(N), "1, 2 or a multiple of 4 lanes");
-    using Block = typename detail::LaneBlock<(N < 4 ? N : 4)>::Type;
-    static constexpr int width = detail::LaneBlock<(N < 4 ? N : 4)>::width;
-    static constexpr int blocks = N / width;
+    using Block = typename detail::LaneBlock<(N < 4 ? N : 4)>::Type;         ///< the type of one register
+    static constexpr int width = detail::LaneBlock<(N < 4 ? N : 4)>::width;  ///< doubles in a register
+    static constexpr int blocks = N / width;                                 ///< number of registers
 
-    Block block[std::size_t{blocks}];
+    Block block[std::size_t{blocks}];  ///< lane i is in block i / width
 
-    [[nodiscard]] static HMESH_ALWAYS_INLINE Lanes zero() { return Lanes{}; }
-    // This value in all lanes.
+    [[nodiscard]] static HMESH_ALWAYS_INLINE Lanes zero() { return Lanes{}; }  ///< 0 in all lanes
+    /// The value in all lanes.
     [[nodiscard]] static HMESH_ALWAYS_INLINE Lanes all(double value) {
         Lanes r;
         for (int k = 0; k < blocks; ++k) r.block[k] = Block{} + value;
         return r;
     }
-    // N numbers from memory, which need not be aligned.
+    /// N numbers from memory, which need not be aligned.
     [[nodiscard]] static HMESH_ALWAYS_INLINE Lanes load(const double* from) {
         Lanes r;
         std::memcpy(r.block, from, sizeof r.block);
         return r;
     }
+    /// N integers from memory, which need not be aligned, converted to double.
     [[nodiscard]] static HMESH_ALWAYS_INLINE Lanes load(const std::int32_t* from) {
         Lanes r;
 #if defined(__GNUC__)
@@ -2808,55 +3252,64 @@ struct Lanes {
         return r;
     }
 
+    /// Lane i, 0 <= i < N.
     HMESH_ALWAYS_INLINE double operator[](int i) const {
         if constexpr (width == 1) return block[i];
         else return block[i / width][i % width];
     }
-    // Lane i, 0 <= i < N.
+    /// Sets lane i, 0 <= i < N.
     HMESH_ALWAYS_INLINE void set(int i, double value) {
         if constexpr (width == 1) block[i] = value;
         else block[i / width][i % width] = value;
     }
-    // N numbers to memory, which need not be aligned.
+    /// Writes N numbers to memory, which need not be aligned.
     HMESH_ALWAYS_INLINE void store(double* to) const { std::memcpy(to, block, sizeof block); }
 
+    /// Adds lane by lane.
     HMESH_ALWAYS_INLINE Lanes& operator+=(const Lanes& o) {
         for (int k = 0; k < blocks; ++k) block[k] += o.block[k];
         return *this;
     }
+    /// Subtracts lane by lane.
     HMESH_ALWAYS_INLINE Lanes& operator-=(const Lanes& o) {
         for (int k = 0; k < blocks; ++k) block[k] -= o.block[k];
         return *this;
     }
+    /// Multiplies all lanes by a number.
     HMESH_ALWAYS_INLINE Lanes& operator*=(double s) {
         for (int k = 0; k < blocks; ++k) block[k] *= s;
         return *this;
     }
+    /// The sum, lane by lane.
     friend HMESH_ALWAYS_INLINE Lanes operator+(const Lanes& a, const Lanes& b) {
         Lanes r = a;
         return r += b;
     }
+    /// The difference, lane by lane.
     friend HMESH_ALWAYS_INLINE Lanes operator-(const Lanes& a, const Lanes& b) {
         Lanes r = a;
         return r -= b;
     }
+    /// The product with a number.
     friend HMESH_ALWAYS_INLINE Lanes operator*(const Lanes& a, double s) {
         Lanes r = a;
         return r *= s;
     }
-    friend HMESH_ALWAYS_INLINE Lanes operator*(double s, const Lanes& a) { return a * s; }
+    friend HMESH_ALWAYS_INLINE Lanes operator*(double s, const Lanes& a) { return a * s; }  ///< product with a number
+    /// The product, lane by lane.
     friend HMESH_ALWAYS_INLINE Lanes operator*(const Lanes& a, const Lanes& b) {
         Lanes r = a;
         for (int k = 0; k < blocks; ++k) r.block[k] *= b.block[k];
         return r;
     }
+    /// The negative of each lane.
     friend HMESH_ALWAYS_INLINE Lanes operator-(const Lanes& a) {
         Lanes r;
         for (int k = 0; k < blocks; ++k) r.block[k] = -a.block[k];
         return r;
     }
 
-    // Holds each lane to [low, high], low <= high.
+    /// Clamps each lane to [low, high], low <= high.
     HMESH_ALWAYS_INLINE void clamp(double low, double high) {
 #if defined(__GNUC__)
         if constexpr (width > 1) {
@@ -2871,7 +3324,7 @@ struct Lanes {
         for (int i = 0; i < N; ++i) set(i, (*this)[i] < low ? low : ((*this)[i] > high ? high : (*this)[i]));
     }
 
-    // The sum of all lanes.
+    /// The sum of all lanes.
     [[nodiscard]] HMESH_ALWAYS_INLINE double sum() const {
         Block s = block[0];
         for (int k = 1; k < blocks; ++k) s += block[k];
@@ -2881,7 +3334,7 @@ struct Lanes {
     }
 };
 
-// The sum of the products, lane by lane.
+/// The scalar product: the sum of the products of lanes.
 template <int N>
 [[nodiscard]] HMESH_ALWAYS_INLINE double dot(const Lanes<N>& a, const Lanes<N>& b) {
     return (a * b).sum();
@@ -2891,91 +3344,21 @@ template <int N>
 
 #endif  // HMESH_CORE_LANES_HPP
 
-// ---- hmesh/core/function_ref.hpp
-
-// hmesh - FunctionRef: a reference to any callable, so that what takes a callback is compiled once.
-//
-// Two words, nothing allocated; a call costs one jump through a pointer, some 2 ns. As C++26's std::function_ref, except that
-// it may refer to nothing, and that what it calls must return the very type that was asked for: a count where a bool is
-// wanted is a mistake.
-#ifndef HMESH_CORE_FUNCTION_REF_HPP
-#define HMESH_CORE_FUNCTION_REF_HPP
-
-#include <memory>
-#include <type_traits>
-#include <utility>
-
-namespace hmesh {
-
-template <class Signature>
-class FunctionRef;
-
-// Refers to an object, which must outlive the reference, or holds a pointer to a function. A lambda written in the call is
-// fine: it lives until the call returns. To keep a reference, keep the callable first: assigning a temporary is refused.
-template <class Result, class... Arguments>
-class FunctionRef<Result(Arguments...)> {
-    template <class Callable>
-    [[nodiscard]] static constexpr bool accepts() noexcept {
-        if constexpr (!std::is_class_v<Callable> || std::is_base_of_v<FunctionRef, Callable>) return false;
-        else if constexpr (!std::is_invocable_v<Callable&, Arguments...>) return false;
-        else return std::is_void_v<Result> || std::is_same_v<Result, std::invoke_result_t<Callable&, Arguments...>>;
-    }
-
-  public:
-    // Refers to nothing; must not be called.
-    FunctionRef() noexcept = default;
-    // To a function.
-    FunctionRef(Result (*function)(Arguments...)) noexcept  // NOLINT(google-explicit-constructor)
-        : function_(reinterpret_cast<void (*)()>(function)), call_(function != nullptr ? &call_function : nullptr) {}
-    // To an object that can be called with these arguments.
-    template <class Callable, std::enable_if_t<accepts<std::remove_reference_t<Callable>>(), int> = 0>
-    FunctionRef(Callable&& object) noexcept  // NOLINT(google-explicit-constructor,bugprone-forwarding-reference-overload)
-        : object_(const_cast<void*>(static_cast<const void*>(std::addressof(object)))),
-          call_(&call_object<std::remove_reference_t<Callable>>) {}
-    template <class Callable, std::enable_if_t<accepts<Callable>(), int> = 0>
-    FunctionRef& operator=(const Callable&&) = delete;  // it would not outlive the statement
-
-    Result operator()(Arguments... arguments) const { return call_(*this, std::forward<Arguments>(arguments)...); }
-    // Whether it refers to anything.
-    explicit operator bool() const noexcept { return call_ != nullptr; }
-
-  private:
-    template <class Object>
-    static Result call_object(const FunctionRef& self, Arguments... arguments) {
-        Object& object = *static_cast<Object*>(self.object_);
-        if constexpr (std::is_void_v<Result>) object(std::forward<Arguments>(arguments)...);
-        else return object(std::forward<Arguments>(arguments)...);
-    }
-    static Result call_function(const FunctionRef& self, Arguments... arguments) {
-        return reinterpret_cast<Result (*)(Arguments...)>(self.function_)(std::forward<Arguments>(arguments)...);
-    }
-
-    union {
-        void* object_ = nullptr;
-        void (*function_)();
-    };
-    Result (*call_)(const FunctionRef& self, Arguments... arguments) = nullptr;
-};
-
-}  // namespace hmesh
-
-#endif  // HMESH_CORE_FUNCTION_REF_HPP
-
 // ---- hmesh/core/parallel.hpp
 
 /// \file
-/// The executor: how stages share out their work, on one thread or on the user's.
+/// ParallelFor: the executor, by which stages share out their work on one thread or on the user's threads.
 ///
-/// hmesh starts no thread. A stage hands `n` independent pieces of work to an executor, any const callable
+/// hmesh starts no thread. A stage hands `n` independent pieces of work to an executor, which is any const callable
 ///
 ///     void parallel_for(std::size_t n, hmesh::Piece piece)   // calls piece(i) once for each i in [0, n), in any order, on any
 ///                                                            // thread, and returns when all calls have returned
 ///
-/// and the pieces follow from the problem alone, never from the number of threads. Sums are added in index order. A stage sees
-/// every executor as a ParallelFor, so that it is compiled once: in two copies of one source a compiler may round differently,
-/// as where it contracts a product and a sum into one instruction. Hence the same bits for any executor. It costs an indirect
-/// call a piece, and pieces take microseconds. Pieces may be handed to the same executor from within a piece only if the
-/// executor allows that; hmesh does so nowhere.
+/// Any executor gives the same bits: the pieces follow from the problem alone, never from the number of threads, and sums are
+/// added in index order. A stage sees every executor as a ParallelFor, so that it is compiled once: in two copies of one source
+/// a compiler may round differently, as where it contracts a product and a sum into one instruction. This costs an indirect
+/// call a piece; pieces take microseconds or more. hmesh never hands pieces to an executor from within a piece, so an executor
+/// need not allow that.
 #ifndef HMESH_CORE_PARALLEL_HPP
 #define HMESH_CORE_PARALLEL_HPP
 
@@ -2985,14 +3368,15 @@ class FunctionRef<Result(Arguments...)> {
 
 namespace hmesh {
 
-/// One of the pieces of work that an executor calls, by its index.
+/// The work that an executor calls: piece(index) does one piece of it. Valid until the executor returns.
 using Piece = FunctionRef<void(std::size_t index)>;
 
-/// Non-owning reference to an executor, which must outlive it. By default pieces run on the calling thread, in index order.
+/// Non-owning reference to an executor, which must outlive it; a lambda written in the call does. Default-constructed it runs
+/// the pieces on the calling thread, in index order.
 class ParallelFor : public FunctionRef<void(std::size_t n, Piece piece)> {
   public:
     using FunctionRef::FunctionRef;
-    /// The calling thread.
+    /// The executor that runs the pieces on the calling thread, in index order.
     ParallelFor() noexcept : FunctionRef(&serial) {}
 
   private:
@@ -3003,14 +3387,15 @@ class ParallelFor : public FunctionRef<void(std::size_t n, Piece piece)> {
 
 namespace kit {
 
-/// Calls body(begin, end) for consecutive ranges of at most `grain` >= 1 indices that together are [0, n).
+/// Splits [0, n) into consecutive ranges [begin, end) of `grain` >= 1 indices (the last may be shorter) and calls body(begin,
+/// end) for each.
 inline void for_each_chunk(const ParallelFor& parallel_for, std::size_t n, std::size_t grain,
                            FunctionRef<void(std::size_t begin, std::size_t end)> body) {
     const std::size_t chunks = n / grain + (n % grain != 0);
     parallel_for(chunks, [&](std::size_t i) { body(i * grain, std::min(n, (i + 1) * grain)); });
 }
 
-/// The sum of body(begin, end) over the same ranges, added in index order.
+/// The sum of body(begin, end) over the ranges of for_each_chunk(), added in index order.
 [[nodiscard]] inline double ordered_sum(const ParallelFor& parallel_for, std::size_t n, std::size_t grain,
                                         FunctionRef<double(std::size_t begin, std::size_t end)> body) {
     std::vector<double> parts(n / grain + (n % grain != 0), 0.0);
@@ -3027,9 +3412,10 @@ inline void for_each_chunk(const ParallelFor& parallel_for, std::size_t n, std::
 
 // ---- hmesh/image/image_view.hpp
 
-// hmesh - images: ImageView over the user's pixels, Image that owns some, PixelTraits for what a sample means.
-//
-// The plane: pixel (i, j) is the unit square [i, i+1] x [j, j+1], its centre (i + 1/2, j + 1/2), y down.
+/// \file
+/// Images: ImageView over the user's pixels, Image that owns pixels, PixelTraits for what a sample means.
+///
+/// The plane: pixel (i, j) is the unit square [i, i+1] x [j, j+1], its centre is (i + 1/2, j + 1/2), and y runs down.
 #ifndef HMESH_IMAGE_IMAGE_VIEW_HPP
 #define HMESH_IMAGE_IMAGE_VIEW_HPP
 
@@ -3043,28 +3429,34 @@ namespace hmesh {
 
 namespace kit {
 
-// The largest number of channels a pixel can have.
+/// The largest number of channels of an image.
 inline constexpr int max_channels = 16;
-// Whether the last of so many channels is alpha.
+/// Whether the last of this number of channels is alpha.
 [[nodiscard]] constexpr bool has_alpha(int channels) noexcept { return channels == 2 || channels == 4; }
-// The longest side of an image: positions on the 1/256 px grid are then exact in float (16 + 8 bits).
+/// The longest side of an image, in px: positions on the 1/256 px grid are then exact in float (16 + 8 bits).
 inline constexpr int max_side = 65536;
-// The largest number of pixels: handles of a mesh with one vertex a pixel then fit 32 bits.
+/// The largest number of pixels of an image: the handles of a mesh with one vertex a pixel then fit 32 bits.
 inline constexpr std::int64_t max_pixels = std::int64_t{1} << 28;
 
-// A rectangle of pixels [x, x + width) x [y, y + height).
+/// A rectangle of pixels [x, x + width) x [y, y + height).
 struct Rect {
-    int x = 0, y = 0, width = 0, height = 0;
+    int x = 0,       ///< column of the leftmost pixels
+        y = 0,       ///< row of the topmost pixels
+        width = 0,   ///< px
+        height = 0;  ///< px
 };
 
 }  // namespace kit
 
-// What a sample of type T means. hmesh knows the three types below; specialise it for a sample type of your own with the
-// same members (examples/custom_pixel.cpp).
-//   peak         the value of full intensity: PSNR = 10 log10(peak^2 / MSE), and "white" for exporters
-//   lowest, highest  the range of vertex colours
-//   is_integer   to_real yields integers from `lowest` to `highest`, both of magnitude at most 65535: then all moments are exact
-//   to_real, from_real  conversions; from_real rounds to nearest and clamps
+/// What a sample of type T means. Specialised for std::uint8_t, std::uint16_t and float; specialise it for a sample type of
+/// your own with the same static members (examples/custom_pixel.cpp):
+///
+/// - `peak`: the value of full intensity, for PSNR = 10 log10(peak^2 / MSE), and "white" for exporters;
+/// - `lowest`, `highest`: the range of vertex colours;
+/// - `is_integer`: whether to_real() yields integers from `lowest` to `highest`, both of magnitude at most 65535: all moments
+///   are then exact;
+/// - `to_real(T)`: the sample as a double;
+/// - `from_real(double)`: the nearest sample, clamped to the range.
 template <class T>
 struct PixelTraits;
 
@@ -3084,58 +3476,73 @@ struct UnsignedTraits {
 
 }  // namespace detail
 
+/// Samples of 8 bits: integers from 0 to the peak, 255.
 template <>
 struct PixelTraits<std::uint8_t> : detail::UnsignedTraits<std::uint8_t> {};
+/// Samples of 16 bits: integers from 0 to the peak, 65535.
 template <>
 struct PixelTraits<std::uint16_t> : detail::UnsignedTraits<std::uint16_t> {};
+/// Samples of type float: any finite value, with the peak 1.
 template <>
 struct PixelTraits<float> {
-    static constexpr double peak = 1;
-    static constexpr double highest = static_cast<double>(std::numeric_limits<float>::max());
-    static constexpr double lowest = -highest;
-    static constexpr bool is_integer = false;
-    static double to_real(float value) noexcept { return static_cast<double>(value); }
-    // Held to the finite floats; NaN becomes the lowest.
+    static constexpr double peak = 1;                                                          ///< value of full intensity
+    static constexpr double highest = static_cast<double>(std::numeric_limits<float>::max());  ///< largest finite float
+    static constexpr double lowest = -highest;                                                 ///< smallest finite float
+    static constexpr bool is_integer = false;                                                  ///< moments are rounded
+    static double to_real(float value) noexcept { return static_cast<double>(value); }         ///< the value itself
+    /// The nearest float, clamped to the finite ones; NaN becomes the lowest.
     static float from_real(double value) noexcept {
         return static_cast<float>(value > lowest ? (value < highest ? value : highest) : lowest);
     }
 };
 
-// Pixels of C interleaved samples of type T in somebody else's memory, row after row, `row_stride` bytes apart (0: packed,
-// that is width * C * sizeof(T); a multiple of alignof(T) that is negative stores the rows bottom up from `data`).
+/// A non-owning view of an image: pixels of C interleaved samples of type T, row after row. check() says whether it is valid.
 template <class T, int C>
 struct ImageView {
     static_assert(C >= 1 && C <= kit::max_channels, "an image has 1 to 16 channels");
-    const T* data = nullptr;
-    int width = 0, height = 0;
+    const T* data = nullptr;  ///< first sample of row 0; must outlive the view
+    int width = 0,            ///< px, 1 to kit::max_side
+        height = 0;           ///< px, 1 to kit::max_side
+    /// Bytes from one row to the next, a multiple of alignof(T). 0: rows are packed, width * C * sizeof(T) bytes apart.
+    /// Negative: rows are stored bottom up, and `data` is the last row in memory.
     std::ptrdiff_t row_stride = 0;
 
-    // The first sample of row y.
+    /// The first sample of row y, 0 <= y < height.
     [[nodiscard]] const T* row(int y) const noexcept {
         const std::ptrdiff_t packed = static_cast<std::ptrdiff_t>(width) * C * static_cast<std::ptrdiff_t>(sizeof(T));
         const auto* bytes = reinterpret_cast<const unsigned char*>(data) + (row_stride != 0 ? row_stride : packed) * y;
         return reinterpret_cast<const T*>(bytes);
     }
+    /// The first sample of pixel (x, y).
     [[nodiscard]] const T* pixel(int x, int y) const noexcept { return row(y) + static_cast<std::ptrdiff_t>(x) * C; }
+    /// The rectangle of all pixels.
     [[nodiscard]] kit::Rect bounds() const noexcept { return {0, 0, width, height}; }
 };
 
-// Packed pixels of its own. A default-constructed image is empty.
+/// An image that owns its pixels: packed rows of C interleaved samples of type T. Default-constructed it is empty.
 template <class T, int C>
 class Image {
   public:
+    /// The empty image.
     Image() = default;
-    // width and height >= 0; all samples start at T().
+    /// An image of width x height pixels, both >= 0, with all samples T().
     Image(int width, int height)
         : samples_(static_cast<std::size_t>(width) * static_cast<std::size_t>(height) * C), width_(width), height_(height) {}
 
-    [[nodiscard]] int width() const noexcept { return width_; }
-    [[nodiscard]] int height() const noexcept { return height_; }
+    [[nodiscard]] int width() const noexcept { return width_; }    ///< px
+    [[nodiscard]] int height() const noexcept { return height_; }  ///< px
+    /// The first sample of pixel (x, y), for writing.
     [[nodiscard]] T* pixel(int x, int y) noexcept { return samples_.data() + offset(x, y); }
+    /// The first sample of pixel (x, y).
     [[nodiscard]] const T* pixel(int x, int y) const noexcept { return samples_.data() + offset(x, y); }
+    /// A view of all pixels; valid until the image is assigned to or destroyed.
     [[nodiscard]] ImageView<T, C> view() const noexcept { return {samples_.data(), width_, height_, 0}; }
-    [[nodiscard]] std::vector<T>& samples() noexcept { return samples_; }
-    [[nodiscard]] const std::vector<T>& samples() const noexcept { return samples_; }
+    /// All samples, pixel after pixel, row after row, for writing; valid until the image is assigned to or destroyed.
+    [[nodiscard]] T* data() noexcept { return samples_.data(); }
+    /// All samples, pixel after pixel, row after row; valid until the image is assigned to or destroyed.
+    [[nodiscard]] const T* data() const noexcept { return samples_.data(); }
+    /// The number of samples: width * height * C.
+    [[nodiscard]] std::size_t size() const noexcept { return samples_.size(); }
 
   private:
     [[nodiscard]] std::size_t offset(int x, int y) const noexcept {
@@ -3145,8 +3552,8 @@ class Image {
     int width_ = 0, height_ = 0;
 };
 
-// Whether the view can be read at all: a pointer, sizes and stride that make sense, no more than max_side and max_pixels.
-// Reads no pixel.
+/// Whether a view is valid: it has a pointer, sizes and a stride that fit together, and at most kit::max_side px a side and
+/// kit::max_pixels in all. Otherwise invalid_argument or image_too_large. Reads no pixel.
 template <class T, int C>
 [[nodiscard]] Status check(const ImageView<T, C>& view) noexcept {
     if (view.width < 1) return {Errc::invalid_argument, "the image's width must be at least 1", view.width, 1};
@@ -3177,7 +3584,8 @@ template <class T, int C>
 
 namespace kit {
 
-// Whether all samples are finite, as floats too, which is what meshes hold. Costs nothing for integer pixels.
+/// Whether all samples are finite as floats, which is what meshes hold; otherwise not_finite. Costs nothing for integer
+/// samples.
 template <class T, int C>
 [[nodiscard]] Status check_finite(const ImageView<T, C>& view, const ParallelFor& parallel_for = {}) {
     using Traits = PixelTraits<T>;
@@ -3210,54 +3618,25 @@ template <class T, int C>
 
 #endif  // HMESH_IMAGE_IMAGE_VIEW_HPP
 
-// ---- hmesh/core/range.hpp
-
-// hmesh - check_ranges(): options held against their bounds, in one table.
-#ifndef HMESH_CORE_RANGE_HPP
-#define HMESH_CORE_RANGE_HPP
-
-#include <initializer_list>
-
-namespace hmesh::kit {
-
-// An option: the sentence that says what it must be, its value, and the least and the largest that are allowed.
-struct Range {
-    const char* what;
-    double value, low, high;
-};
-
-// The first option that is out of its range, or not a number, as invalid_argument with the bound that it missed.
-[[nodiscard]] inline Status check_ranges(std::initializer_list<Range> ranges) noexcept {
-    for (const Range& range : ranges)
-        if (!is_within(range.value, range.low, range.high)) {
-            const bool is_low = is_finite(range.value) && range.value < range.low;
-            return {Errc::invalid_argument, range.what, range.value, is_low ? range.low : range.high};
-        }
-    return {};
-}
-
-}  // namespace hmesh::kit
-
-#endif  // HMESH_CORE_RANGE_HPP
-
 // ---- hmesh/edit/tolerance.hpp
 
-// hmesh - Tolerance and Relaxation: how small a gain operators still go after.
+/// \file
+/// Tolerance and Relaxation: how small a gain operators still go after.
 #ifndef HMESH_EDIT_TOLERANCE_HPP
 #define HMESH_EDIT_TOLERANCE_HPP
 
 namespace hmesh::kit {
 
-// Tolerances of a stage, in units of the mean energy of a vertex.
+/// Tolerances of a stage, in units of the mean energy of a vertex.
 struct Tolerance {
-    double propagate_above = 1e-3;  // a visit or flip that gained more makes its neighbours due
-    double min_gain = 0;            // predicted gains below this are not tried
+    double propagate_above = 1e-3;  ///< a visit or flip that gained more makes its neighbours due
+    double min_gain = 0;            ///< predicted gains below this are not tried
 };
 
-// How much work goes into the surroundings of a change.
+/// How much work goes into the surroundings of a change.
 struct Relaxation {
-    int rounds = 2;          // a round that gains less than 1e-3 of a vertex's mean energy is the last
-    double min_gain = 5e-3;  // steps that promise less are not tried, in mean energies of a vertex
+    int rounds = 2;          ///< a round that gains less than 1e-3 of a vertex's mean energy is the last
+    double min_gain = 5e-3;  ///< steps that promise less are not tried, in mean energies of a vertex
 };
 
 }  // namespace hmesh::kit
@@ -3266,7 +3645,8 @@ struct Relaxation {
 
 // ---- hmesh/core/psnr.hpp
 
-// hmesh - psnr_of_energy(): how much of an image is lost, in dB.
+/// \file
+/// psnr_of_energy(): the PSNR of a sum of squared differences, in dB.
 #ifndef HMESH_CORE_PSNR_HPP
 #define HMESH_CORE_PSNR_HPP
 
@@ -3274,8 +3654,9 @@ struct Relaxation {
 
 namespace hmesh::kit {
 
-// 10 log10(peak^2 / MSE), MSE = energy / samples the mean over pixels AND channels. Infinity for energy 0, or below, where
-// rounding left less than nothing.
+/// 10 log10(peak^2 / MSE) in dB, MSE = energy / samples. `energy`: sum of squared differences; `samples`: pixels times
+/// channels, so that the MSE is the mean over pixels AND channels. Infinity for energies <= 0 (rounding may leave a negative
+/// sum).
 [[nodiscard]] inline double psnr_of_energy(double energy, double samples, double peak) noexcept {
     return energy <= 0 ? detail::infinity() : 10 * std::log10(peak * peak * samples / energy);
 }
@@ -3286,7 +3667,8 @@ namespace hmesh::kit {
 
 // ---- hmesh/core/progress.hpp
 
-// hmesh - Progress: how long work reports where it is, and is told to stop.
+/// \file
+/// Progress: how long work reports how far it is, and learns that it should stop.
 #ifndef HMESH_CORE_PROGRESS_HPP
 #define HMESH_CORE_PROGRESS_HPP
 
@@ -3298,78 +3680,80 @@ namespace hmesh::kit {
 
 namespace hmesh {
 
-// Where the work is: the stage's name (static), how much of it is done in [0, 1], and the mesh reached so far.
+/// How far the work is, as told to the progress callback.
 struct ProgressInfo {
-    const char* stage = "";
-    double fraction = 0;
-    std::size_t vertices = 0;
-    double energy = 0;  // sum of squared differences over pixels and channels; 0 before there is a mesh
+    const char* stage = "";    ///< name of the stage, in static memory
+    double fraction = 0;       ///< how much of the stage is done, in [0, 1]
+    std::size_t vertices = 0;  ///< number of vertices of the mesh reached so far
+    double energy = 0;         ///< sum of squared differences over pixels and channels; 0 before there is a mesh
 };
 
-// The progress callback: true to go on, false to cancel, and then the last valid mesh comes back with Errc::cancelled. Called
-// with fraction 0 when a stage begins, 1 when it ends, and every few milliseconds of work in between where vertices and edges
-// are worked on, from the threads that do the work but never from two at a time (calls are ordered as by a lock). Silent are
-// parts that pass over all pixels once, some 0.2 s a megapixel at most, and the putting together of a mesh, some 0.8 us a
-// vertex. Refers to a callable that must outlive the work: keep a lambda in a variable of its own.
+/// The progress callback: returns true to go on, false to cancel; the last valid mesh is then returned with Errc::cancelled.
+///
+/// It is called with fraction 0 when a stage begins, with 1 when it ends, and every few milliseconds in between where vertices
+/// and edges are worked on; from the threads that do the work, but never from two at a time (calls are ordered as by a lock).
+/// There are no calls during passes over all pixels, some 0.2 s a megapixel at most, and while a mesh is put together, some 0.8
+/// us a vertex.
+///
+/// A Progress refers to a callable that must outlive the work: keep a lambda in a variable of its own.
 using Progress = FunctionRef<bool(const ProgressInfo& info)>;
 
-// What a stage left behind.
+/// Size and error of the mesh after one stage.
 struct StageReport {
-    const char* name = "";
-    std::size_t vertices = 0;
-    double energy = 0;
-    double psnr = 0;  // dB, see core/psnr.hpp
-    // Of stages that solve linear systems for a result of their own: iterations, and the largest residual relative to its
-    // right-hand side.
-    int iterations = 0;
-    double residual = 0;
+    const char* name = "";     ///< name of the stage, in static memory
+    std::size_t vertices = 0;  ///< number of vertices
+    double energy = 0;         ///< sum of squared differences over pixels and channels
+    double psnr = 0;           ///< dB, from `energy` by kit::psnr_of_energy()
+    int iterations = 0;   ///< number of iterations of the linear systems that the stage solved, in all; 0 where it solved none
+    double residual = 0;  ///< largest residual of these systems, relative to the right-hand side
 };
 
 namespace kit {
 
-// Carries a Progress through the stages of a method and notes what each stage left.
+/// Takes a Progress through the stages of a method and notes the mesh after each stage. begin(), update(), set_range() and
+/// end() are called from one thread while no task runs; poll(), add() and stopped() from any thread. Once cancelled it stays
+/// cancelled.
 class ProgressReporter {
   public:
-    // `samples`: pixels times channels.
+    /// `samples`: number of pixels (or sum of their weights) times channels; `peak`: value of full intensity. Both are for the
+    /// PSNR of reports.
     ProgressReporter(const Progress& progress, double samples, double peak)
         : progress_(progress), samples_(samples), peak_(peak) {}
 
-    // begin, update, set_range and end are called between pieces of work. Those that return something tell whether to go on; once
-    // told to stop it stays so.
-    // A stage begins: `stage` is a static name, the mesh has so many vertices and this energy.
+    /// Begins a stage, whose name is in static memory, with a mesh of this size and energy. False once cancelled.
     bool begin(const char* stage, std::size_t vertices, double energy) {
         info_.stage = stage;
         iterations_ = 0;
         residual_ = 0;
         return update(0, vertices, energy);
     }
-    // Within a stage: this fraction of it is done, in [0, 1].
+    /// Reports that this fraction of the stage is done, in [0, 1], with a mesh of this size and energy. False once cancelled.
     bool update(double fraction, std::size_t vertices, double energy) {
         set_range(fraction, fraction);
         info_.vertices = vertices;
         info_.energy = std::max(0.0, energy);  // rounding may leave less than nothing
         return poll();
     }
-    // The pieces of work that come next take the stage from fraction `from` to `to`.
+    /// The tasks that follow take the stage from fraction `from` to fraction `to`, both in [0, 1].
     void set_range(double from, double to) noexcept {
         from_ = std::max(0.0, std::min(1.0, from));
         to_ = std::max(0.0, std::min(1.0, to));
         done_ = 0;
     }
-    // The stage ends, and its report is noted with what the mesh is now.
+    /// Ends the stage and notes its StageReport with a mesh of this size and energy. False once cancelled.
     bool end(std::size_t vertices, double energy) {
         energy = std::max(0.0, energy);
         stages_.push_back({info_.stage, vertices, energy, psnr_of_energy(energy, samples_, peak_), iterations_, residual_});
         return update(1, vertices, energy);
     }
-    // Within a stage, by one piece of work at a time: a system was solved.
+    /// Notes for the report of the stage that a linear system was solved. From one task at a time.
     void note_solve(int iterations, double residual) noexcept {
         iterations_ += iterations;
         residual_ = std::max(residual_, residual);
     }
-    [[nodiscard]] const std::vector<StageReport>& stages() const noexcept { return stages_; }
+    [[nodiscard]] const std::vector<StageReport>& stages() const noexcept { return stages_; }  ///< of the stages ended, in order
 
-    // From any thread: whether to go on, asking the callback unless another thread is doing so.
+    /// Asks the callback unless another thread is doing so. False once cancelled. From any thread.
     bool poll() {
         if (stopped_.load(std::memory_order_relaxed)) return false;
         if (!progress_ || asking_.test_and_set(std::memory_order_acquire)) return true;
@@ -3380,17 +3764,18 @@ class ProgressReporter {
         asking_.clear(std::memory_order_release);
         return !stopped_.load();
     }
-    // From any thread: this share of the pieces expected is done.
+    /// Reports that this share of the range of set_range() is done. From any thread.
     void add(double share) noexcept { done_ += static_cast<std::int64_t>(share * whole); }
-    [[nodiscard]] bool stopped() const noexcept { return stopped_.load(); }
+    [[nodiscard]] bool stopped() const noexcept { return stopped_.load(); }  ///< whether the work was cancelled; from any thread
 
   private:
-    static constexpr double whole = 1e15;  // of done_: a sum of integers is the same in any order
+    /// The value of done_ for a whole range. An integer: a sum of integers is the same in any order.
+    static constexpr double whole = 1e15;
     Progress progress_;
     double samples_, peak_;
     ProgressInfo info_;
     double from_ = 0, to_ = 0;
-    int iterations_ = 0;  // of the stage at work
+    int iterations_ = 0;  ///< of the current stage
     double residual_ = 0;
     std::atomic<std::int64_t> done_{0};
     std::atomic<bool> stopped_{false};
@@ -3398,27 +3783,30 @@ class ProgressReporter {
     std::vector<StageReport> stages_;
 };
 
-// One piece of work among those that run at once, as a ProgressReporter sees it. Work beats it every few microseconds.
+/// The progress of one of the tasks that run at once under a ProgressReporter. Not shared between threads.
 class TaskProgress {
   public:
-    // A piece that is `share` in [0, 1] of what the monitor expects.
-    TaskProgress(ProgressReporter& monitor, double share) noexcept : monitor_(&monitor), share_(share) {}
+    /// A task that is `share`, in [0, 1], of the range of ProgressReporter::set_range().
+    TaskProgress(ProgressReporter& reporter, double share) noexcept : reporter_(&reporter), share_(share) {}
+    /// Not copied: its destructor reports.
     TaskProgress(const TaskProgress&) = delete;
-    TaskProgress& operator=(const TaskProgress&) = delete;
+    TaskProgress& operator=(const TaskProgress&) = delete;  ///< not assigned
+    /// Reports that the task is done.
     ~TaskProgress() { set_fraction(1); }
 
-    // Whether to go on. Every 256th call asks the callback, which is every few milliseconds.
-    bool keep_going() { return (++beats_ & 255U) != 0 ? !monitor_->stopped() : monitor_->poll(); }
-    // This fraction of the piece is done. Never falls.
+    /// Whether to go on; called every few microseconds of work. Every 256th call asks the callback, which is every few
+    /// milliseconds.
+    bool keep_going() { return (++beats_ & 255U) != 0 ? !reporter_->stopped() : reporter_->poll(); }
+    /// Reports that this fraction of the task is done, in [0, 1]. It never falls.
     void set_fraction(double fraction) noexcept {
         if (!(fraction > reached_)) return;
-        monitor_->add(share_ * (std::min(1.0, fraction) - reached_));
+        reporter_->add(share_ * (std::min(1.0, fraction) - reached_));
         reached_ = std::min(1.0, fraction);
     }
-    [[nodiscard]] bool stopped() const noexcept { return monitor_->stopped(); }
+    [[nodiscard]] bool stopped() const noexcept { return reporter_->stopped(); }  ///< whether the work was cancelled
 
   private:
-    ProgressReporter* monitor_;
+    ProgressReporter* reporter_;
     double share_, reached_ = 0;
     unsigned beats_ = 0;
 };
@@ -3430,28 +3818,30 @@ class TaskProgress {
 
 // ---- hmesh/mesh/limits.hpp
 
-// hmesh - MeshLimits: bounds that keep a mesh sane while it is fitted.
+/// \file
+/// MeshLimits: bounds on faces, positions and colours while a mesh is fitted.
 #ifndef HMESH_MESH_LIMITS_HPP
 #define HMESH_MESH_LIMITS_HPP
 
 namespace hmesh {
 
-// Bounds that keep a mesh sane.
+/// Bounds on faces, positions and colours while a mesh is fitted.
 struct MeshLimits {
-    // Least twice the area of a face, in px^2. Slivers that hold no pixel are free for the energy but ugly when enlarged;
-    // 0.02 costs nothing measurable, 1 costs 0.03 dB (Lena, 1 %).
+    /// Twice the smallest area of a face, in px^2, in [1e-4, 0.25]. Slivers that hold no pixel cost no energy but are ugly when
+    /// enlarged; a bound of 0.02 costs nothing measurable, 1 costs 0.03 dB (Lena, 1 %).
     double min_double_area = 0.02;
-    // A free vertex keeps this distance from the image's border, in px.
+    /// Smallest distance of a free vertex from the image's border, in px, in [1/256, 1/4].
     double border_gap = 1.0 / 32;
-    // Colours may leave the pixel type's range while optimising, but not by more than this many ranges. The final colours
-    // are in range: geometry that counted on others loses up to 0.4 dB then (kodim03 at 1.2), geometry that never may
-    // leave it gets stuck a little earlier (Lena: 0.03 dB at 0).
+    /// How far colours may leave the pixel type's range while fitting, as a share of that range, in [0, 100]. Final colours are
+    /// in range. A large value costs up to 0.4 dB, because the geometry relied on colours that are then clamped (kodim03 at
+    /// 1.2); 0 makes the fit get stuck a little earlier (0.03 dB, Lena).
     double color_overshoot = 0.02;
-    // Faces without a pixel leave the colour of their corners undetermined: a pull toward the current colour, in pixels.
+    /// Weight of a vertex's current colour in the choice of a new one, in pixels, in [1e-9, 1]. It determines the colours of
+    /// corners whose faces hold no pixel.
     double ridge = 1e-3;
 };
 
-// Whether the limits mean something; the sentence names the first that does not.
+/// Whether the limits are in their ranges; otherwise invalid_argument with a sentence about the first that is not.
 [[nodiscard]] inline Status check(const MeshLimits& limits) noexcept {
     return kit::check_ranges({{"limits.min_double_area must be in [1e-4, 0.25] px^2", limits.min_double_area, 1e-4, 0.25},
                               {"limits.border_gap must be in [1/256, 1/4] px", limits.border_gap, 1.0 / 256, 0.25},
@@ -3466,7 +3856,8 @@ struct MeshLimits {
 // ---- hmesh/options.hpp
 
 /// \file
-/// Options of mesh_image(): what all methods share. What belongs to one method stands in its recipe (methods/).
+/// Options: what mesh_image() can be told, whatever the method. Options of one method are members of its recipe (folder
+/// methods/).
 #ifndef HMESH_OPTIONS_HPP
 #define HMESH_OPTIONS_HPP
 
@@ -3476,47 +3867,55 @@ struct MeshLimits {
 
 namespace hmesh {
 
-/// How vertices get their final colours.
+/// How the final colours of the vertices are chosen.
 enum class Colors : std::uint8_t {
-    optimal,  ///< least squares for the final geometry
-    sampled,  ///< those of the image under the vertices
+    optimal,  ///< least squares: the colours with the smallest error for the final geometry
+    sampled,  ///< the colour of the image at the position of each vertex
 };
 
-/// How many vertices the mesh gets. Corners of the image count.
+/// How many vertices the mesh gets, the four corners of the image included. Made by Target::vertices(), percent() or psnr().
 struct Target {
     /// What `value` counts.
-    enum class Kind : std::uint8_t { vertices, percent, psnr };
-    Kind kind = Kind::percent;  ///< set by the functions below
-    double value = 1;           ///< vertices, percent of the pixels, or dB
+    enum class Kind : std::uint8_t {
+        vertices,  ///< a number of vertices
+        percent,   ///< vertices in percent of the pixels
+        psnr,      ///< dB
+    };
+    Kind kind = Kind::percent;  ///< what `value` counts
+    double value = 1;           ///< number of vertices, percent of the pixels, or dB
 
-    /// Exactly n vertices, 4 <= n <= max(4, pixels).
+    /// Exactly n vertices, 4 <= n <= max(4, number of pixels).
     [[nodiscard]] static Target vertices(std::int64_t n) noexcept { return {Kind::vertices, static_cast<double>(n)}; }
-    /// This percentage of the pixels, rounded, in (0, 100]; at least 4 vertices.
+    /// This percentage of the number of pixels, rounded to a whole number of vertices; in (0, 100], at least 4 vertices.
     [[nodiscard]] static Target percent(double of_pixels) noexcept { return {Kind::percent, of_pixels}; }
-    /// The fewest vertices found that reach this PSNR, in dB > 0: about six runs at counts that close in on it.
+    /// The fewest vertices found whose mesh reaches this PSNR, in dB, > 0. Takes about six runs at counts that close in on the
+    /// target.
     [[nodiscard]] static Target psnr(double decibel) noexcept { return {Kind::psnr, decibel}; }
 };
 
-/// What mesh_image() can be told, whatever the method. Each has a default that is good for photographs.
+/// What mesh_image() can be told, whatever the method. The defaults are good for photographs.
 struct Options {
-    Target target;      ///< how many vertices; by default one for 100 pixels
-    Progress progress;  ///< told of the work, and may cancel it; refers to a callable that outlives the call
-    MeshLimits limits;  ///< bounds that keep faces and colours sane
-    /// Per-pixel weights >= 0, of the image's size; an empty view: all pixels count the same. Only ratios matter. Rounded to
-    /// steps of 2^-24 to 2^-8 of the largest, finer for smaller images (kit::WeightScale); less than half a step counts as 0.
-    ImageView<float, 1> weights;
-    /// Final colours; none: as the method is defined, optimal for Annealed and Hierarchical, sampled for the baselines.
-    std::optional<Colors> colors;
-    /// Round colours to the pixel type's values, so that a file with such colours holds the very mesh that was measured.
-    /// Ignored for float. Costs about 0.003 dB at 30 dB, 0.1 dB at 45 dB.
+    Target target{};      ///< number of vertices; by default 1 % of the number of pixels
+    Progress progress{};  ///< is told how far the work is and may cancel it; its callable must outlive the call
+    MeshLimits limits{};  ///< smallest area of a face and range of colours while fitting
+    /// Per-pixel weights >= 0, of the image's size. An empty view (the default): all pixels count the same. Only ratios matter.
+    /// Weights are rounded to steps of 2^-24 to 2^-8 of the largest one, finer for smaller images (kit::WeightScale); less than
+    /// half a step counts as 0.
+    ImageView<float, 1> weights{};
+    /// How the final colours are chosen. Empty (the default): as the method defines it, `optimal` for Annealed and
+    /// Hierarchical, `sampled` for the baselines.
+    std::optional<Colors> colors{};
+    /// Whether final colours are rounded to values of the pixel type, so that a file that stores such values holds the very
+    /// mesh whose error is reported. Ignored for float images. Costs about 0.003 dB at 30 dB, 0.1 dB at 45 dB.
     bool round_colors = true;
-    /// For 2 or 4 channels: the image's straight colours are multiplied by alpha / peak, and what is meshed and reported is that;
-    /// the mesh says premultiplied. Colours under transparent pixels then do not count, and edges of sprites carry no fringes.
-    /// Takes a copy of the image.
+    /// Whether the colours of an image of 2 or 4 channels are multiplied by alpha / peak before meshing. Error and PSNR are
+    /// then those of the premultiplied image, and Mesh::premultiplied is set. Colours under transparent pixels do not count,
+    /// and the edges of sprites carry no fringes. Takes a copy of the image.
     bool premultiplied = false;
 };
 
-/// Whether the options mean something for an image of so many pixels and channels; the sentence names the first that does not.
+/// Whether the options are valid for an image of `pixels` pixels and `channels` channels: target_out_of_range or
+/// invalid_argument, with a sentence about the first option that is not. mesh_image() calls it.
 [[nodiscard]] HMESH_COLD inline Status check(const Options& options, std::int64_t pixels, int channels) noexcept {
     const Target& target = options.target;
     const std::int64_t most = std::max<std::int64_t>(4, pixels);
@@ -3552,10 +3951,11 @@ struct Options {
 
 // ---- hmesh/methods/annealed/options.hpp
 
-// hmesh - Annealed: the recipe of best fidelity, and the default. What it can be told, and what its efforts mean.
-//
-// What it does is in annealed.hpp; this header needs none of that, so that a program may name the recipe and leave its compilation
-// to another file.
+/// \file
+/// Annealed: the recipe of best fidelity, and the default. What it can be told, and what its efforts mean.
+///
+/// What it does is in annealed.hpp; this header needs none of that, so that a program may name the recipe and leave its
+/// compilation to another file.
 #ifndef HMESH_METHODS_ANNEALED_OPTIONS_HPP
 #define HMESH_METHODS_ANNEALED_OPTIONS_HPP
 
@@ -3576,40 +3976,40 @@ enum class Effort : std::uint8_t {
 
 namespace kit {
 
-// Options of AnnealingSchedule and AnnealingSweep.
+/// Options of AnnealingSchedule and AnnealingSweep.
 struct AnnealingOptions {
     int sweeps = 8;
-    double temperature = 0.5;        // T at the start, in prices mu
-    double cooling = 1;              // T falls as (1 - t)^cooling, t in [0, 1)
-    double try_probability = 1;      // probability that a vertex is tried for removal, a site for insertion, in a sweep
-    double jump = 0.1;               // probability that a vertex is displaced in a sweep
-    double jump_reach = 0.3;         // by at most this, in mean spoke lengths
-    double removal_screen = 3;       // removals that cost more than this many mu + 3 T before relaxing are not tried
-    double insertion_screen = 0.35;  // insertions that gain less than this many mu so are not tried
-    double flip_screen = 3;          // flips that cost more than this many mu so are not tried
-    double start_price = 0.2;        // mu at the start, in mean energies of a vertex
-    double count_tolerance = 0.5;    // the count may leave the target by this share in the first sweep, ever less later
+    double temperature = 0.5;        ///< T at the start, in prices mu
+    double cooling = 1;              ///< T falls as (1 - t)^cooling, t in [0, 1)
+    double try_probability = 1;      ///< probability that a vertex is tried for removal, a site for insertion, in a sweep
+    double jump = 0.1;               ///< probability that a vertex is displaced in a sweep
+    double jump_reach = 0.3;         ///< by at most this, in mean spoke lengths
+    double removal_screen = 3;       ///< removals that cost more than this many mu + 3 T before relaxing are not tried
+    double insertion_screen = 0.35;  ///< insertions that gain less than this many mu so are not tried
+    double flip_screen = 3;          ///< flips that cost more than this many mu so are not tried
+    double start_price = 0.2;        ///< mu at the start, in mean energies of a vertex
+    double count_tolerance = 0.5;    ///< the count may leave the target by this share in the first sweep, ever less later
 };
 
-// The steps of the method, in their order. What differs between efforts is set by annealed_steps().
+/// The steps of the method, in their order. What differs between efforts is set by annealed_steps().
 struct AnnealedSteps {
-    double insert_factor = 3;      // o: vertices placed before the collapse, in units of the target; 1 for none
-    double collapse_factor = 1;    // u: vertices that the collapse leaves, in units of the target
-    double start = 0.3;            // vertices of the first grid, share of those placed
-    double insert_batch = 0.4;     // vertices inserted at a time, share of those there
-    double collapse_batch = 0.15;  // vertices removed at a time, share of those there
-    int insert_sweeps = 2;         // after each insertion
-    int polish_rounds = 2;         // flips and a sweep, at the end
-    // While the mesh grows, small gains wait: the next insertion changes the neighbourhood anyway. Against the tight
-    // 1e-3 and {1e-3, 0} this buys a second sweep for the time of one, +0.2 dB.
-    double insert_flip_gain = 3e-2;  // gains up to this wait, in units of the mean energy of a vertex
+    double insert_factor = 3;      ///< o: vertices placed before the collapse, in units of the target; 1 for none
+    double collapse_factor = 1;    ///< u: vertices that the collapse leaves, in units of the target
+    double start = 0.3;            ///< vertices of the first grid, share of those placed
+    double insert_batch = 0.4;     ///< vertices inserted at a time, share of those there
+    double collapse_batch = 0.15;  ///< vertices removed at a time, share of those there
+    int insert_sweeps = 2;         ///< after each insertion
+    int polish_rounds = 2;         ///< flips and a sweep, at the end
+    /// While the mesh grows, small gains wait: the next insertion changes the neighbourhood anyway. Against the tight
+    /// 1e-3 and {1e-3, 0} this buys a second sweep for the time of one, +0.2 dB.
+    double insert_flip_gain = 3e-2;  ///< gains up to this wait, in units of the mean energy of a vertex
     Tolerance insert_tolerance{5e-2, 5e-3};
     Tolerance polish{1e-3, 5e-3};
-    Relaxation relaxation{1, 1e-3};  // around each removal
-    AnnealingOptions annealing;      // sweeps = 0: none
+    Relaxation relaxation{1, 1e-3};  ///< around each removal
+    AnnealingOptions annealing;      ///< sweeps = 0: none
 };
 
-// The steps that make an effort.
+/// The steps that make an effort.
 [[nodiscard]] inline AnnealedSteps annealed_steps(Effort effort) noexcept {
     AnnealedSteps steps;
     switch (effort) {
@@ -3640,7 +4040,7 @@ struct AnnealedSteps {
     return steps;
 }
 
-// Whether the steps mean something; the sentence names the first that does not.
+/// Whether the steps mean something; the sentence names the first that does not.
 [[nodiscard]] HMESH_COLD inline Status check(const AnnealedSteps& steps) noexcept {
     const AnnealingOptions& annealing = steps.annealing;
     const Tolerance &insert = steps.insert_tolerance, &polish = steps.polish;
@@ -3688,7 +4088,7 @@ struct Annealed {
     /// vertices on average, tiles are larger, up to the image, and so is the memory for each.
     int tile = 0;
     /// In place of what `effort` means: start from kit::annealed_steps(effort) and change what you like.
-    std::optional<kit::AnnealedSteps> steps;
+    std::optional<kit::AnnealedSteps> steps{};
 
     static constexpr const char* name = "annealed";
     static constexpr Colors colors = Colors::optimal;
@@ -3758,103 +4158,10 @@ inline constexpr bool is_recipe<Recipe, std::enable_if_t<std::is_same_v<std::rem
 
 #endif  // HMESH_METHODS_RECIPE_HPP
 
-// ---- hmesh/core/message.hpp
-
-/// \file
-/// message(): a Status as a sentence with its numbers.
-#ifndef HMESH_CORE_MESSAGE_HPP
-#define HMESH_CORE_MESSAGE_HPP
-
-#include <cmath>
-#include <cstddef>
-#include <cstdint>
-
-namespace hmesh {
-
-/// A sentence of at most 255 bytes, ended by a zero; what is longer is cut. Allocates nothing.
-class Message {
-  public:
-    [[nodiscard]] const char* c_str() const noexcept { return text_; }
-    [[nodiscard]] std::size_t size() const noexcept { return size_; }  ///< bytes, without the zero
-
-    /// Appends text.
-    Message& operator<<(const char* text) noexcept {
-        for (; *text != 0 && size_ + 1 < capacity; ++text) text_[size_++] = *text;
-        text_[size_] = 0;
-        return *this;
-    }
-    /// Appends a number: whole ones below 1e15 with all digits, others with six significant ones, whatever the locale.
-    Message& operator<<(double number) noexcept {
-        if (!kit::is_finite(number)) return *this << "a number that is not finite";
-        if (number < 0) *this << "-";
-        const double size = std::abs(number);
-        if (size < 1e15 && size == std::floor(size)) return digits(static_cast<std::uint64_t>(size));
-        int exponent = static_cast<int>(std::floor(std::log10(size)));
-        const bool is_plain = exponent >= -5 && exponent < 6;
-        // Six significant digits as a whole number, below 10^6 but for rounding, which is as good.
-        const auto scaled = static_cast<std::uint64_t>(size * std::pow(10.0, 5 - exponent) + 0.5);
-        if (is_plain) return fixed(scaled, 5 - exponent);
-        fixed(scaled, 5) << "e";
-        if (exponent < 0) *this << "-";
-        exponent = exponent < 0 ? -exponent : exponent;
-        return digits(static_cast<std::uint64_t>(exponent));
-    }
-
-  private:
-    static constexpr std::size_t capacity = 256;
-
-    Message& digits(std::uint64_t number) noexcept {
-        char text[21];
-        std::size_t at = sizeof text - 1;
-        text[at] = 0;
-        do {
-            text[--at] = static_cast<char>('0' + number % 10);
-            number /= 10;
-        } while (number != 0);
-        return *this << text + at;
-    }
-    // number / 10^places, without zeros at the end.
-    Message& fixed(std::uint64_t number, int places) noexcept {
-        std::uint64_t power = 1;
-        for (; places > 0 && number % 10 == 0; --places) number /= 10;
-        for (int k = 0; k < places; ++k) power *= 10;
-        digits(number / power);
-        if (places == 0) return *this;
-        *this << ".";
-        for (std::uint64_t rest = number % power; places > 0; --places, rest %= power) {
-            power /= 10;
-            digits(rest / power);
-        }
-        return *this;
-    }
-
-    char text_[capacity] = {};
-    std::size_t size_ = 0;
-};
-
-/// What a status says, with the numbers that it has: "the image is too wide (70000, limit 65536)"; "ok" when all is well.
-[[nodiscard]] inline Message message(const Status& status) noexcept {
-    Message out;
-    if (status) return out << "ok";
-    out << status.what;
-    // Bitwise, so that NaN counts as a number that is there even where compilers are told of finite ones only.
-    const bool has_limit = !kit::is_finite(status.limit) || status.limit != 0;
-    if (has_limit || !kit::is_finite(status.value) || status.value != 0) {
-        out << " (" << status.value;
-        if (has_limit) out << ", limit " << status.limit;
-        out << ")";
-    }
-    return out;
-}
-
-}  // namespace hmesh
-
-#endif  // HMESH_CORE_MESSAGE_HPP
-
 // ---- hmesh/result.hpp
 
 /// \file
-/// Result: what mesh_image() gives back, a mesh and what is known of it.
+/// Result: what mesh_image() returns, a mesh with its error and a status.
 #ifndef HMESH_RESULT_HPP
 #define HMESH_RESULT_HPP
 
@@ -3863,23 +4170,23 @@ class Message {
 
 namespace hmesh {
 
-/// What is known of a mesh. PSNR = 10 log10(peak^2 / MSE), MSE the mean over pixels AND channels of the squared difference in
-/// stored values between the image and the mesh drawn at its size, colours neither rounded nor clamped after interpolation;
-/// infinity for MSE 0. Of the premultiplied image where Options says so. With weights, each pixel counts in `energy` and in the
-/// mean as often as its weight over the largest says.
+/// Size and error of a mesh. The error is that of the mesh drawn at its own size, colours neither rounded nor clamped after
+/// interpolation, against the image's stored values (against the premultiplied image where Options::premultiplied is set). With
+/// weights, a pixel counts with its weight / the largest weight, in `energy` as in the mean.
 struct Report {
-    std::size_t vertices = 0;         ///< of the mesh
-    std::size_t faces = 0;            ///< of the mesh
-    double energy = 0;                ///< the sum of squared differences over pixels and channels
-    double psnr = 0;                  ///< dB
-    std::vector<StageReport> stages;  ///< what each stage left behind, in order
+    std::size_t vertices = 0;  ///< number of vertices
+    std::size_t faces = 0;     ///< number of faces
+    double energy = 0;         ///< sum of squared differences over pixels and channels, in squares of stored values
+    /// PSNR in dB, 10 log10(peak^2 / MSE), with the MSE the mean over pixels AND channels; infinity for MSE 0.
+    double psnr = 0;
+    std::vector<StageReport> stages;  ///< size and error after each stage of the method, in order
 };
 
-/// What mesh_image() gives back. A status that is not ok may come with a good mesh all the same: the nearest to a PSNR that was
-/// not reached, or what there was when the work was cancelled.
+/// What mesh_image() returns. A status that is not ok may come with a good mesh (has_mesh()): the nearest one to a PSNR that
+/// was not reached, or the one reached when the work was cancelled.
 struct [[nodiscard]] Result {
-    Mesh mesh;      ///< valid whatever the status, or empty
-    Report report;  ///< true of the mesh
+    Mesh mesh;      ///< a valid mesh whatever the status, or empty
+    Report report;  ///< size and error of `mesh`
     Status status;  ///< ok, or why not
 
     /// Whether there is a mesh, whatever the status.
@@ -3893,18 +4200,19 @@ struct [[nodiscard]] Result {
 // ---- hmesh/mesh_image.hpp
 
 /// \file
-/// mesh_image(): an image in, a mesh out. The place to begin.
+/// mesh_image(): turns an image into a mesh. The place to begin.
 ///
 ///     hmesh::ImageView<std::uint8_t, 3> view{pixels, width, height};
 ///     const hmesh::Result result = hmesh::mesh_image(view);                 // one vertex for 100 pixels
 ///     if (!result.has_mesh()) std::puts(hmesh::message(result.status).c_str());
 ///
-/// The error that is minimised and reported is that of the final mesh - positions on the 1/256 px grid, colours rounded to the
-/// pixel type - as a GPU draws it: the squared difference in the image's stored values (sRGB-encoded for usual files), summed over
-/// pixels and channels.
+/// The error that is minimised and reported is that of the final mesh as a GPU draws it, with positions on the 1/256 px grid
+/// and colours rounded to the pixel type: the squared difference to the image's stored values (sRGB-encoded for usual files),
+/// summed over pixels and channels.
 ///
-/// Compiling a call takes seconds. A program of many files defines HMESH_COMPILED for all of them: they then see declarations only,
-/// and one file that defines HMESH_IMPLEMENTATION too says HMESH_INSTANTIATE(std::uint8_t, 3) for each kind of image in use.
+/// Compiling a call takes seconds. A program of many files can define HMESH_COMPILED for all of them: they then see
+/// declarations only, and one file, which defines HMESH_IMPLEMENTATION too, says HMESH_INSTANTIATE(std::uint8_t, 3) for each
+/// kind of image in use.
 #ifndef HMESH_MESH_IMAGE_HPP
 #define HMESH_MESH_IMAGE_HPP
 
@@ -3912,28 +4220,31 @@ struct [[nodiscard]] Result {
 
 namespace hmesh {
 
-/// Meshes an image.
+/// Turns an image into a mesh of the number of vertices that options.target asks for.
 ///
 /// \param view          the image, which check() must accept; 1 to 16 channels of 8-bit, 16-bit, float or own samples
-/// \param options       how many vertices, and what else all methods share
-/// \param recipe        the method and its options: Annealed, another one of methods/, or one's own (methods/recipe.hpp)
-/// \param parallel_for  runs the tiles and the passes over pixels (core/parallel.hpp)
+/// \param options       number of vertices, and what else all methods share
+/// \param recipe        the method with its options: Annealed, another one of the folder methods/, or one's own
+///     (methods/recipe.hpp)
+/// \param parallel_for  executor of the tiles and of the passes over pixels (core/parallel.hpp); by default the calling thread
+/// \return              the mesh, its error, and a status:
+///     - invalid_argument, image_too_large or not_finite where the image or an option is refused (no mesh);
+///     - target_out_of_range for a number of vertices that the image cannot hold (no mesh), or for a PSNR that no mesh reached
+///       (with the nearest mesh);
+///     - cancelled by options.progress (with the mesh reached so far).
 ///
-/// Same image, options and recipe give the same bytes, whatever the executor does.
+/// The same image, options and recipe give the same bytes with any executor and any number of threads. Throws nothing of its
+/// own; std::bad_alloc passes through.
 ///
-/// Status: invalid_argument, image_too_large or not_finite where the image or an option is refused (no mesh);
-/// target_out_of_range for a number of vertices that the image cannot hold (no mesh) or a PSNR that no mesh reached (the nearest
-/// one is returned); cancelled by options.progress (the mesh reached so far is returned). std::bad_alloc passes through.
-///
-/// Memory: about 0.7 KB a vertex, and for each tile at work its moment table (32 bytes a pixel for 8-bit RGB, 92 with weights) and
-/// 0.6 KB for each vertex placed there; a small image is one tile, and any image is for recipes other than Annealed. Stack, on each
-/// thread that works: up to 4 channels 0.2 MB, for 16 channels 0.5 MB. Never inlined: all calls run the same instructions, so that
-/// they round alike.
+/// Memory: about 0.7 KB a vertex, and for each tile at work its moment table (32 bytes a pixel for 8-bit RGB, 92 with weights)
+/// and 0.6 KB for each vertex placed there. Small images are one tile; with recipes other than Annealed any image is. Stack on
+/// each thread that works: 0.2 MB for up to 4 channels, 0.5 MB for 16. Never inlined: all calls run the same instructions, so
+/// that they round alike.
 template <class T, int C, class Recipe = Annealed, class = std::enable_if_t<kit::is_recipe<Recipe>>>
 [[nodiscard]] HMESH_NEVER_INLINE Result mesh_image(const ImageView<T, C>& view, const Options& options = {},
                                                    const Recipe& recipe = {}, const ParallelFor& parallel_for = {});
 
-/// The same by the default recipe, on the user's threads.
+/// mesh_image() by the default recipe, with an executor.
 template <class T, int C>
 [[nodiscard]] Result mesh_image(const ImageView<T, C>& view, const Options& options, const ParallelFor& parallel_for) {
     return mesh_image(view, options, Annealed(), parallel_for);
@@ -3941,9 +4252,11 @@ template <class T, int C>
 
 }  // namespace hmesh
 
-/// Compiles mesh_image() for images of C channels of type T by the default recipe, in the file that defines HMESH_IMPLEMENTATION.
+/// Compiles mesh_image() with the default recipe for images of C channels of type T. Only in the file that defines
+/// HMESH_IMPLEMENTATION, outside of any namespace.
 #define HMESH_INSTANTIATE(T, C) HMESH_INSTANTIATE_RECIPE(T, C, ::hmesh::Annealed)
-/// The same by another recipe.
+/// Compiles mesh_image() with the recipe type RECIPE for images of C channels of type T, as HMESH_INSTANTIATE does for the
+/// default one.
 #define HMESH_INSTANTIATE_RECIPE(T, C, RECIPE)                                                                         \
     template ::hmesh::Result hmesh::mesh_image<T, C, RECIPE>(const ::hmesh::ImageView<T, C>&, const ::hmesh::Options&, \
                                                              const RECIPE&, const ::hmesh::ParallelFor&);
@@ -3952,12 +4265,13 @@ template <class T, int C>
 
 // ---- hmesh/image/weights.hpp
 
-// hmesh - weights: how much each pixel of an image counts.
-//
-// Weights are a second image of the same size with one float a pixel, >= 0; a view without data means that all pixels
-// count alike. Their unit is free: weight_unit() makes the largest 1, so that what is measured in pixels (ridges, mean
-// energies) keeps its meaning. Scaled weights are rounded to a step, a power of two between 2^-24 and 2^-8, so that
-// sums over them are exact and cancel like those of pixels that all count 1, see WeightScale.
+/// \file
+/// Weights: how much each pixel of an image counts.
+///
+/// Weights are a second image of the same size with one float >= 0 a pixel; a view without data means that all pixels count the
+/// same. Their unit is free: weight_unit() scales the largest to 1, so that what is measured in pixels (ridges, mean energies)
+/// keeps its meaning. Scaled weights are rounded to a step, a power of two between 2^-24 and 2^-8, so that sums over them are
+/// exact and cancel like those of pixels that all count 1 (WeightScale).
 #ifndef HMESH_IMAGE_WEIGHTS_HPP
 #define HMESH_IMAGE_WEIGHTS_HPP
 
@@ -3969,8 +4283,8 @@ template <class T, int C>
 
 namespace hmesh::kit {
 
-// Whether these can be the weights of a width x height image: none at all, or a view of this size that check() accepts
-// with samples that are finite and not negative. Reads each once.
+/// Whether `weights` can be the weights of a width x height image: none at all, or a view of this size that check() accepts
+/// with finite samples >= 0. Otherwise invalid_argument, image_too_large or not_finite. Reads each sample once.
 [[nodiscard]] inline Status check_weights(const ImageView<float, 1>& weights, int width, int height,
                                           const ParallelFor& parallel_for = {}) {
     if (weights.data == nullptr) return {};
@@ -3997,7 +4311,7 @@ namespace hmesh::kit {
     return {};
 }
 
-// 1 / the largest weight; 1 where there are no weights or all are 0. Of weights that check_weights() accepts.
+/// 1 / the largest weight; 1 where there are no weights or all are 0. check_weights() must accept the weights.
 [[nodiscard]] inline double weight_unit(const ImageView<float, 1>& weights, const ParallelFor& parallel_for = {}) {
     if (weights.data == nullptr) return 1;
     std::vector<float> largest(static_cast<std::size_t>(weights.height), 0.0F);
@@ -4011,16 +4325,16 @@ namespace hmesh::kit {
     return most > 0 ? 1 / most : 1;
 }
 
-// The number of pixels that a weight counts for: unit times the weight, rounded to a multiple of `step`.
-//
-// Without that the moments of a face would keep the rounding of the sums over all pixels to its left. Its energy takes
-// them times the squares of the picture's slopes, and slivers, whose slopes reach 1e4 a pixel, would win by rounding
-// alone. The step is as fine as lets sums of w x^2, w x y, w y^2 stay below 2^53 steps along edges that cross 32 rows
-// of the image (longer ones may be rounded): 2^-20 at 512 x 512 px, 2^-12 at 4000 x 3000. Sums of 8-bit samples are
-// exact then too. Weights below half a step count as 0.
+/// The number of pixels that a pixel with a given weight counts for: the weight times a unit, rounded to a multiple of step().
+///
+/// Unrounded, the moments of a face would keep the rounding of the sums over all pixels to its left. Its energy multiplies them
+/// by the squares of the picture's slopes, so slivers, whose slopes reach 1e4 a pixel, would win by rounding alone. The step is
+/// as fine as keeps the sums of w x^2, w x y and w y^2 along edges that cross at most 32 rows of the image below 2^53 steps
+/// (sums along longer ones may be rounded): 2^-20 at 512 x 512 px, 2^-12 at 4000 x 3000. Sums of 8-bit samples are then exact
+/// too. Weights below half a step count as 0.
 class WeightScale {
   public:
-    // `unit`: see weight_unit(); width and height those of the image.
+    /// The scale for the weights of a width x height image; `unit` as by weight_unit().
     WeightScale(double unit, int width, int height) noexcept {
         const double w = width, h = height, rows = std::min(32, height);
         int bits = 0;  // of the largest sum
@@ -4029,7 +4343,8 @@ class WeightScale {
         step_ = std::ldexp(1.0, -digits);
         factor_ = std::ldexp(unit, digits);
     }
-    [[nodiscard]] double step() const noexcept { return step_; }
+    [[nodiscard]] double step() const noexcept { return step_; }  ///< the step, a power of two
+    /// The weight scaled by the unit and rounded to a multiple of the step.
     [[nodiscard]] double operator()(float weight) const noexcept {
         return std::floor(factor_ * static_cast<double>(weight) + 0.5) * step_;
     }
@@ -4038,8 +4353,8 @@ class WeightScale {
     double step_ = 1, factor_ = 1;
 };
 
-// How many pixels of a width x height image count: the sum of its weights as WeightScale gives them, added row by row;
-// the number of pixels where there are no weights.
+/// How many pixels of a width x height image count: the sum of its weights as rounded by WeightScale, added row by row; the
+/// number of pixels where there are no weights.
 [[nodiscard]] inline double weight_sum(const ImageView<float, 1>& weights, double unit, int width, int height,
                                        const ParallelFor& parallel_for = {}) {
     if (weights.data == nullptr) return static_cast<double>(width) * height;
@@ -4060,28 +4375,28 @@ class WeightScale {
 
 // ---- hmesh/fit/moment_table.hpp
 
-// hmesh - MomentTable: row prefix sums of a rectangle of an image, from which edges collect their moments.
-//
-// Entry (x, y), 0 <= x <= width, 0 <= y < height, holds the sums over the pixels (i, y), 0 <= i < x, of
-//
-//     I_0 .. I_{C-1}, 1     and     i I_0 .. i I_{C-1}, |I|^2          (|I|^2: summed over channels)
-//
-// in coordinates local to the rectangle. By Green's theorem (Leu, "Computing a shape's moments from its boundary", 1991)
-// the moments of any polygon are signed sums of such entries along its edges, see fit/edge_moments.hpp.
-//
-// Sums of 8-bit samples are 32-bit integers as long as they fit (rectangles up to about 4,000 px wide); all others are
-// doubles, exact for 16-bit samples too. Cost: 2 * lanes_for(C + 1) numbers a pixel, that is 32 bytes for 8-bit RGB, and
-// about 5 ns a pixel to build. Entries of one column strip of 2 pixels are contiguous down the rows, because walks run
-// down edges: this keeps them in few cache lines and pages.
-//
-// Pixels may have weights. Then each of these sums carries the weight w of its pixel (1 becomes w), and two more sums,
-//
-//     w i  and  w i^2,
-//
-// which follow from x where all weights are 1, stand in an array of their own. All are doubles then, exact for 8-bit
-// samples, because WeightScale rounds the weights. The samples themselves cannot be had back from sums with
-// weights of 0: they are kept as floats. Cost: 2 * lanes_for(C + 1) + 2 doubles and C floats a pixel, that is 92 bytes
-// for RGB.
+/// \file
+/// MomentTable: row prefix sums of a rectangle of an image, from which edges collect their moments.
+///
+/// Entry (x, y), 0 <= x <= width, 0 <= y < height, holds the sums over the pixels (i, y), 0 <= i < x, of
+///
+///     I_0 .. I_{C-1}, 1     and     i I_0 .. i I_{C-1}, |I|^2          (|I|^2: summed over channels)
+///
+/// in coordinates local to the rectangle. By Green's theorem (Leu, "Computing a shape's moments from its boundary", 1991) the
+/// moments of any polygon are signed sums of such entries along its edges (fit/edge_moments.hpp).
+///
+/// Sums of 8-bit samples are 32-bit integers as long as they fit (rectangles up to about 4,000 px wide); all others are
+/// doubles, exact for 16-bit samples too. Cost: 2 * lanes_for(C + 1) numbers a pixel, that is 32 bytes for 8-bit RGB, and about
+/// 5 ns a pixel to build. The entries of a column strip of 2 pixels are contiguous down the rows, because walks run down edges:
+/// this keeps them in few cache lines and pages.
+///
+/// With weights, each of these sums carries the weight w of its pixel (1 becomes w), and two more sums,
+///
+///     w i  and  w i^2,
+///
+/// which follow from x where all weights are 1, stand in an array of their own. All are then doubles, exact for 8-bit samples,
+/// because WeightScale rounds the weights. The samples cannot be recovered from sums with weights of 0: they are kept as
+/// floats. Cost: 2 * lanes_for(C + 1) + 2 doubles and C floats a pixel, that is 92 bytes for RGB.
 #ifndef HMESH_FIT_MOMENT_TABLE_HPP
 #define HMESH_FIT_MOMENT_TABLE_HPP
 
@@ -4093,22 +4408,25 @@ class WeightScale {
 
 namespace hmesh::kit {
 
+/// Row prefix sums of a rectangle of an image of C channels, from which edges collect their moments.
 template <int C>
 class MomentTable {
   public:
-    static constexpr int lanes = lanes_for(C + 1);  // of one half of an entry
-    static constexpr int entry_size = 2 * lanes;
+    static constexpr int lanes = lanes_for(C + 1);  ///< numbers in one half of an entry
+    static constexpr int entry_size = 2 * lanes;    ///< numbers in an entry
 
+    /// No table; to be assigned to.
     MomentTable() = default;
 
-    // The table of `rect`, which must lie in a view that check() accepts. Rows are independent pieces of work.
+    /// The table of `rect`, which must lie in a view that check() accepts; all pixels count the same. Rows are independent
+    /// pieces of work for the executor.
     template <class T>
     explicit MomentTable(const ImageView<T, C>& view, const Rect& rect, const ParallelFor& parallel_for = {})
         : MomentTable(view, ImageView<float, 1>(), 1.0, rect, parallel_for) {}
 
-    // The same with pixel (i, j) of the view counting WeightScale(unit, width, height) of weight (i, j) times, width
-    // and height those of the view. check_weights() accepts the weights; the largest times `unit` is at most about 1,
-    // see weight_unit(). Without data: all pixels count alike.
+    /// The table of `rect` with pixel (i, j) counting as WeightScale(unit, view.width, view.height) says of weight (i, j).
+    /// check_weights() must accept the weights; the largest one times `unit` is at most about 1 (weight_unit()). A view of
+    /// weights without data: all pixels count the same.
     template <class T>
     MomentTable(const ImageView<T, C>& view, const ImageView<float, 1>& weights, double unit, const Rect& rect,
                 const ParallelFor& parallel_for = {})
@@ -4118,7 +4436,7 @@ class MomentTable {
         HMESH_ASSERT(rect.width <= view.width - rect.x && rect.height <= view.height - rect.y);
         HMESH_ASSERT(!weighted_ || (weights.width == view.width && weights.height == view.height));
         strip_size_ = static_cast<std::size_t>(height_) * strip_width * entry_size;
-        // What cannot be addressed is more than there is, and fails as that does.
+        // Sizes beyond PTRDIFF_MAX become the largest allocation, so that new[] throws std::bad_alloc.
         const std::size_t size = fits_memory(width_, height_) ? (static_cast<std::size_t>(width_) / strip_width + 1) * strip_size_
                                                               : std::numeric_limits<std::ptrdiff_t>::max() / sizeof(double);
         // Not initialised: fill writes all that is ever read.
@@ -4139,26 +4457,26 @@ class MomentTable {
         for_each_row(parallel_for, [&](int y) { fill_weighted_row(view, weights, scale, rect, y); });
     }
 
-    // Whether so much memory can be addressed as the arrays of the largest kind of table of this size, >= 1, would take: always
-    // with pointers of 64 bits.
+    /// Whether a table of the largest kind for width x height >= 1 pixels has at most `most` bytes, by default what can be
+    /// addressed: always true with 64-bit pointers.
     [[nodiscard]] static bool fits_memory(int width, int height,
                                           std::int64_t most = std::numeric_limits<std::ptrdiff_t>::max()) noexcept {
         const std::int64_t entries = (std::int64_t{width} + strip_width) * height;
         return entries <= most / std::int64_t{(entry_size + 2) * sizeof(double) + C * sizeof(float)};
     }
 
-    [[nodiscard]] int width() const noexcept { return width_; }
-    [[nodiscard]] int height() const noexcept { return height_; }
-    [[nodiscard]] bool is_int32() const noexcept { return int32_; }  // 32-bit integers or doubles?
-    [[nodiscard]] bool is_weighted() const noexcept { return weighted_; }
-    // The memory of its arrays.
+    [[nodiscard]] int width() const noexcept { return width_; }            ///< px
+    [[nodiscard]] int height() const noexcept { return height_; }          ///< px
+    [[nodiscard]] bool is_int32() const noexcept { return int32_; }        ///< whether sums are 32-bit integers, not doubles
+    [[nodiscard]] bool is_weighted() const noexcept { return weighted_; }  ///< whether pixels have weights
+    /// The memory of the table in bytes.
     [[nodiscard]] std::size_t bytes() const noexcept {
         if (int32_) return size_ * sizeof(std::int32_t);
         if (!weighted_) return size_ * sizeof(double);
         return (size_ + size_ / lanes) * sizeof(double) + sample_count() * sizeof(float);
     }
 
-    // The samples of pixel (x, y), 0 <= x < width, 0 <= y < height, whatever its weight, and 0 in the lanes above them.
+    /// The samples of pixel (x, y), 0 <= x < width, 0 <= y < height, whatever its weight; 0 in the lanes above them.
     void pixel(int x, int y, Lanes<lanes>& out) const noexcept {
         if (weighted_) {
             const float* samples = samples_.get() + sample_offset(x, y);
@@ -4175,31 +4493,33 @@ class MomentTable {
         else sample(float64_entries_.get());
     }
 
-    // How often pixel (x, y) counts, with the rounding of sums over those to its left.
+    /// How often pixel (x, y) counts, with the rounding of the sums over the pixels to its left.
     [[nodiscard]] double weight(int x, int y) const noexcept {
         return weighted_ ? float64_entries_[offset(x + 1, y) + C] - float64_entries_[offset(x, y) + C] : 1.0;
     }
 
-    // Where entries of type N (std::int32_t if is_int32(), else double) begin.
+    /// The entries, of type N: std::int32_t if is_int32(), else double.
     template <class N>
     [[nodiscard]] HMESH_ALWAYS_INLINE const N* entries() const noexcept {
         if constexpr (sizeof(N) == sizeof(std::int32_t)) return int32_entries_.get();
         else return float64_entries_.get();
     }
-    // Of entry (x, y), 0 <= x <= width, 0 <= y < height, in numbers.
+    /// The offset of entry (x, y), 0 <= x <= width, 0 <= y < height, in numbers from entries().
     [[nodiscard]] HMESH_ALWAYS_INLINE std::size_t offset(int x, int y) const noexcept {
         return static_cast<std::size_t>(x / strip_width) * strip_size_ +
                static_cast<std::size_t>(y * strip_width + x % strip_width) * entry_size;
     }
-    // Of a table that is_weighted(): the sums of w i and w i^2 that belong to the entry at this offset.
+    /// The sums of w i and w i^2 that belong to the entry at this offset; only if is_weighted().
     [[nodiscard]] HMESH_ALWAYS_INLINE const double* x_moments(std::size_t offset) const noexcept {
         return x_moment_entries_.get() + offset / lanes;
     }
 
   private:
+    /// Columns whose entries are contiguous down the rows.
     static constexpr int strip_width = 2;
-    static constexpr std::size_t numbers = entry_size;  // of an entry, as array sizes are told
+    static constexpr std::size_t numbers = entry_size;  ///< entry_size as the size of an array
 
+    /// Whether all sums over rows of this width fit 32-bit integers.
     template <class T>
     [[nodiscard]] static bool fits_32_bits(int width) noexcept {
         if constexpr (!PixelTraits<T>::is_integer) return false;
@@ -4287,8 +4607,8 @@ class MomentTable {
     std::size_t size_ = 0;
     std::unique_ptr<std::int32_t[]> int32_entries_;
     std::unique_ptr<double[]> float64_entries_;
-    std::unique_ptr<double[]> x_moment_entries_;  // of weighted tables: w i, w i^2
-    std::unique_ptr<float[]> samples_;            // likewise: I_0 .. I_{C-1}, row after row
+    std::unique_ptr<double[]> x_moment_entries_;  ///< of weighted tables: w i, w i^2
+    std::unique_ptr<float[]> samples_;            ///< of weighted tables: I_0 .. I_{C-1}, row after row
 };
 
 }  // namespace hmesh::kit
@@ -4297,9 +4617,10 @@ class MomentTable {
 
 // ---- hmesh/mesh/geometry.hpp
 
-// hmesh - plane geometry: points, orientation, circles, barycentric coordinates.
-//
-// y runs down. A face is positively oriented when cross(a, b, c) > 0, which looks clockwise on the screen.
+/// \file
+/// Plane geometry: points, the grid of positions, orientation, circles, barycentric coordinates.
+///
+/// y runs down. A face (a, b, c) is positively oriented when orient2d(a, b, c) > 0, which looks clockwise on the screen.
 #ifndef HMESH_MESH_GEOMETRY_HPP
 #define HMESH_MESH_GEOMETRY_HPP
 
@@ -4309,33 +4630,35 @@ class MomentTable {
 
 namespace hmesh::kit {
 
-// A place in the plane of the image, in px.
+/// A point of the image plane, in px, y down.
 struct Point {
-    double x = 0, y = 0;
-    friend constexpr bool operator==(Point a, Point b) noexcept { return a.x == b.x && a.y == b.y; }
-    friend constexpr bool operator!=(Point a, Point b) noexcept { return !(a == b); }
+    double x = 0,                                                                                     ///< px from the left
+        y = 0;                                                                                        ///< px from the top
+    friend constexpr bool operator==(Point a, Point b) noexcept { return a.x == b.x && a.y == b.y; }  ///< same coordinates
+    friend constexpr bool operator!=(Point a, Point b) noexcept { return !(a == b); }                 ///< other coordinates
 };
 
-// Half way from a to b.
+/// The point half way from a to b.
 [[nodiscard]] constexpr Point midpoint(Point a, Point b) noexcept { return {0.5 * (a.x + b.x), 0.5 * (a.y + b.y)}; }
 
-// Positions of a mesh live on a grid of 1/256 px: exact in float, the sub-pixel grid of GPUs, and fine enough to cost no
-// fidelity (rounding to 1/16 px would cost 0.02 dB). Coordinates are >= 0.
+/// Steps a px of the grid of positions, 1/256 px: exact in float, the sub-pixel grid of GPUs, and fine enough to cost no
+/// fidelity (rounding to 1/16 px would cost 0.02 dB). Coordinates are >= 0.
 inline constexpr double grid_steps = 256;
-// To the nearest place of that grid; halves go up. x in [0, 2^23).
+/// A coordinate rounded to the nearest step of the 1/256 px grid, halves up. x in [0, 2^23).
 [[nodiscard]] HMESH_ALWAYS_INLINE double snap(double x) noexcept {
     return static_cast<double>(static_cast<int>(x * grid_steps + 0.5)) * (1 / grid_steps);
 }
+/// A point rounded to the 1/256 px grid.
 [[nodiscard]] HMESH_ALWAYS_INLINE Point snap(Point p) noexcept { return {snap(p.x), snap(p.y)}; }
 
-// Twice the signed area of the triangle a, b, c. On the 1/256 px grid with coordinates below 2^16 it is exact.
+/// Twice the signed area of the triangle (a, b, c), in px^2. Exact on the 1/256 px grid for coordinates below 2^16.
 [[nodiscard]] HMESH_ALWAYS_INLINE double orient2d(Point a, Point b, Point c) noexcept {
     return (b.x - a.x) * (c.y - a.y) - (c.x - a.x) * (b.y - a.y);
 }
 
 namespace detail {
 
-// The sign of a0 b0 + a1 b1 + a2 b2, |a|, |b| < 2^50: in digits of 25 bits no product and no sum leaves 64 bits.
+/// The sign of a0 b0 + a1 b1 + a2 b2 for |a|, |b| < 2^50. In digits of 25 bits no product and no sum leaves 64 bits.
 [[nodiscard]] inline int sign_of_products(const std::int64_t (&a)[3], const std::int64_t (&b)[3]) noexcept {
     constexpr std::int64_t base = std::int64_t{1} << 25;
     std::int64_t high = 0, middle = 0, low = 0;
@@ -4352,7 +4675,7 @@ namespace detail {
     return first > 0 ? 1 : first < 0 ? -1 : 0;
 }
 
-// in_circle of differences to d, in integers of grid units: at most 2^24, so squares and crosses are at most 2^49.
+/// in_circle() of differences to d, in integers of grid units: at most 2^24, so that squares and products are at most 2^49.
 [[nodiscard]] HMESH_NEVER_INLINE inline int in_circle_of_integers(Point a, Point b, Point c) noexcept {
     const auto units = [](double x) { return static_cast<std::int64_t>(x * grid_steps); };
     const std::int64_t ax = units(a.x), ay = units(a.y), bx = units(b.x), by = units(b.y), cx = units(c.x), cy = units(c.y);
@@ -4362,9 +4685,9 @@ namespace detail {
 
 }  // namespace detail
 
-// 1 when d lies inside the circle through the positively oriented a, b, c, 0 when on it, -1 when outside. Exact on the
-// 1/256 px grid with coordinates in [0, 2^16]. About 5 ns; 25 ns for a circle of more than some 20 px that passes
-// through d, or by it at some 1e-15 of its radius.
+/// The position of d relative to the circle through the positively oriented a, b, c: 1 inside, 0 on it, -1 outside. Exact on
+/// the 1/256 px grid for coordinates in [0, 2^16]. About 5 ns; 25 ns for a circle of more than some 20 px with d on it, or off
+/// it by some 1e-15 of its radius.
 [[nodiscard]] inline int in_circle(Point a, Point b, Point c, Point d) noexcept {
     const double ax = a.x - d.x, ay = a.y - d.y, bx = b.x - d.x, by = b.y - d.y, cx = c.x - d.x, cy = c.y - d.y;
     // Up to here and in both factors of the products nothing rounds: all are below 2^50 grid units or their squares.
@@ -4381,11 +4704,14 @@ namespace detail {
     return detail::in_circle_of_integers({ax, ay}, {bx, by}, {cx, cy});
 }
 
-// The weights of a, b, c that make p; they sum to 1 and are all >= 0 inside the triangle. The triangle's area is not 0.
+/// Barycentric coordinates: the weights of the corners a, b, c that make a point. They sum to 1 and are all >= 0 inside the
+/// triangle.
 struct Barycentric {
-    double a = 0, b = 0, c = 0;
+    double a = 0,  ///< weight of corner a
+        b = 0,     ///< weight of corner b
+        c = 0;     ///< weight of corner c
 };
-// Of p, which may lie outside.
+/// The barycentric coordinates of p, anywhere in the plane, in the triangle (a, b, c), whose area must not be 0.
 [[nodiscard]] inline Barycentric barycentric(Point a, Point b, Point c, Point p) noexcept {
     const double area = orient2d(a, b, c);
     const double wb = orient2d(a, p, c) / area, wc = orient2d(a, b, p) / area;
@@ -4398,12 +4724,13 @@ struct Barycentric {
 
 // ---- hmesh/mesh/raster.hpp
 
-// hmesh - rasterization: which pixels a face owns, row by row.
-//
-// A pixel belongs to the face that holds its centre; a centre on an edge belongs to the face to the right of the edge or, if the
-// edge is level, below it: the top-left rule of Direct3D, Vulkan and most OpenGL drivers. first_row() and EdgeWalker are the only
-// place that decides it, for the moments that fit a mesh as for the pictures that are drawn of it, so the spans of a mesh's faces
-// cover each pixel once.
+/// \file
+/// Rasterization: which pixels a face owns, row by row.
+///
+/// A pixel belongs to the face that holds its centre; a centre on an edge belongs to the face to the right of the edge or, if
+/// the edge is level, below it: the top-left rule of Direct3D, Vulkan and most OpenGL drivers. Only first_row() and EdgeWalker
+/// decide this, for the moments that fit a mesh as for the pictures drawn of it, so that the spans of a mesh's faces cover each
+/// pixel once.
 #ifndef HMESH_MESH_RASTER_HPP
 #define HMESH_MESH_RASTER_HPP
 
@@ -4413,7 +4740,8 @@ struct Barycentric {
 
 namespace hmesh::kit {
 
-// The first row whose centre is not above y, y >= 0: rows [first_row(a.y), first_row(b.y)) are crossed from a down to b.
+/// The first row whose centre is not above y, y >= 0. An edge from a down to b crosses the rows [first_row(a.y),
+/// first_row(b.y)).
 [[nodiscard]] HMESH_ALWAYS_INLINE int first_row(double y) noexcept {
     // ceil(y - 1/2) without a library call: y + 1/2 truncated, less 1 where y is exactly on a centre.
     const double shifted = y + 0.5;
@@ -4421,16 +4749,18 @@ namespace hmesh::kit {
     return row - (static_cast<double>(row) == shifted ? 1 : 0);
 }
 
-// The edge from a down to b (a.y < b.y) as columns: column(j) is the first pixel of row j whose centre is not left of it.
-// The slack of 2^-33 px keeps centres that lie on the edge to its right in spite of rounding (errors stay below 2^-35 for
-// coordinates below 2^16), and catches no other: on the 1/256 px grid distances along a row from a centre to an edge of d
-// rows are multiples of 2^-8 / (2^8 d) px, at least 2^-32 px for the longest.
+/// An edge from a down to b, a.y < b.y, as one column a row: column(j) is the first pixel of row j whose centre is not left of
+/// the edge.
+///
+/// A slack of 2^-33 px keeps centres that lie on the edge to its right in spite of rounding (errors stay below 2^-35 px for
+/// coordinates below 2^16) and moves no other centre: on the 1/256 px grid the distance along a row from a centre to an edge of
+/// d rows is a multiple of 2^-8 / (2^8 d) px, at least 2^-32 px for the longest edge.
 class EdgeWalker {
   public:
-    // Of the edge from a down to b.
+    /// The edge from a down to b, a.y < b.y.
     HMESH_ALWAYS_INLINE EdgeWalker(Point a, Point b) noexcept
         : slope_((b.x - a.x) / (b.y - a.y)), start_y_(a.y - 0.5), start_x_(a.x + (0.5 - 1.0 / 8589934592.0)) {}
-    // For first_row(a.y) <= j < first_row(b.y).
+    /// The first pixel of row j whose centre is not left of the edge, first_row(a.y) <= j < first_row(b.y).
     [[nodiscard]] HMESH_ALWAYS_INLINE int column(int j) const noexcept {
         return static_cast<int>(start_x_ + (static_cast<double>(j) - start_y_) * slope_);
     }
@@ -4439,18 +4769,18 @@ class EdgeWalker {
     double slope_, start_y_, start_x_;
 };
 
-// barycentric() at the centres of the pixels that a face owns. The weights of b and c are held to [0, 1]: a centre can be outside
-// by the rounding of an edge, which is much for a face of no width. They are divided by the area last: on the 1/256 px grid
-// everything before is exact, however thin the face.
+/// barycentric() at the centres of the pixels that a face owns. The weights of b and c are clamped to [0, 1]: rounding of an
+/// edge can leave a centre outside, which is much for a face of no width. They are divided by the area last: on the 1/256 px
+/// grid everything before that is exact, however thin the face.
 class PixelBarycentric {
   public:
-    // Of a face of either orientation; where it has no area, all is a's.
+    /// The face (a, b, c), of either orientation. Where it has no area, a has all the weight.
     HMESH_ALWAYS_INLINE PixelBarycentric(Point a, Point b, Point c) noexcept
         : a_(a), ab_{b.x - a.x, b.y - a.y}, ac_{c.x - a.x, c.y - a.y} {
         const double area = orient2d(a, b, c);
         per_area_ = area != 0 ? 1 / area : 0;
     }
-    // At the centre of pixel (i, j).
+    /// The barycentric coordinates of the centre of pixel (i, j).
     [[nodiscard]] HMESH_ALWAYS_INLINE Barycentric operator()(int i, int j) const noexcept {
         const double x = i + 0.5 - a_.x, y = j + 0.5 - a_.y;
         const double b = std::max(0.0, std::min(1.0, (x * ac_.y - ac_.x * y) * per_area_));
@@ -4463,19 +4793,20 @@ class PixelBarycentric {
     double per_area_;
 };
 
-// What is seen of a picture: rows [first, last), columns [0, width). By default all that there may be.
+/// The part of a picture that is drawn: rows [first, last), columns [0, width). By default everything.
 struct ClipRect {
-    int width = std::numeric_limits<int>::max();
-    int first = 0, last = std::numeric_limits<int>::max();
+    int width = std::numeric_limits<int>::max();  ///< number of columns
+    int first = 0,                                ///< first row
+        last = std::numeric_limits<int>::max();   ///< end of the rows
 
-    // first_row(y) of y held to the rows seen.
+    /// first_row(y), clamped to [first, last].
     [[nodiscard]] int row(double y) const noexcept {
         return first_row(std::max(static_cast<double>(first), std::min(static_cast<double>(last), y)));
     }
 };
 
-// Calls body(j, begin, end) for the pixels [begin, end), begin < end, of each row j that the face a, b, c owns, down the rows.
-// Either orientation will do; columns of corners fit an int.
+/// Calls body(j, begin, end) for each row j, top to bottom, in which the face (a, b, c), of either orientation, owns pixels:
+/// [begin, end), begin < end, clipped. Columns of corners must fit an int.
 template <class Body>
 void for_each_span(Point a, Point b, Point c, const ClipRect& clip, Body&& body) {
     if (b.y < a.y) std::swap(a, b);
@@ -4501,13 +4832,12 @@ void for_each_span(Point a, Point b, Point c, const ClipRect& clip, Body&& body)
 
 // ---- hmesh/fit/rendered_error.hpp
 
-// hmesh - rendered_error(): the error of a finished mesh, pixel by pixel, as render() draws it.
-//
-// While a mesh is fitted its energy comes from sums along the image's rows (fit/moment_table.hpp). They are exact for samples
-// that are integers; of floats they lose what is 2^-53 of the largest sum, and where a sun of 1e6 stands beside shades of 0.1
-// that is more than the whole error. What is reported of float images is therefore measured here.
-//
-// Cost: some 5 ns a pixel.
+/// \file
+/// rendered_error(): the squared error of a finished mesh, pixel by pixel, as render() draws it.
+///
+/// While a mesh is fitted its energy comes from sums along the image's rows (fit/moment_table.hpp). They are exact for integer
+/// samples; those of floats lose 2^-53 of the largest sum, and where a sun of 1e6 stands beside shades of 0.1 that is more than
+/// the whole error. The error reported for float images is therefore measured here. Cost: some 5 ns a pixel.
 #ifndef HMESH_FIT_RENDERED_ERROR_HPP
 #define HMESH_FIT_RENDERED_ERROR_HPP
 
@@ -4518,14 +4848,15 @@ void for_each_span(Point a, Point b, Point c, const ClipRect& clip, Body&& body)
 namespace hmesh::kit {
 namespace detail {
 
+/// The position of vertex v.
 [[nodiscard]] inline Point position(const Mesh& mesh, std::size_t v) noexcept {
     return {static_cast<double>(mesh.positions[2 * v]), static_cast<double>(mesh.positions[2 * v + 1])};
 }
 
 }  // namespace detail
 
-// The sum of squared differences in stored values over pixels and channels, times weights (`unit`: weight_unit() of them),
-// of a mesh of C channels that tiles the image and whose faces have positive areas.
+/// The sum over pixels and channels of squared differences in stored values between a mesh, of C channels, and an image, times
+/// the weights (`unit` as by weight_unit()). The mesh must tile the image with faces of positive area.
 template <class T, int C>
 [[nodiscard]] double rendered_error(const Mesh& mesh, const ImageView<T, C>& view, const ImageView<float, 1>& weights = {},
                                     double unit = 1, const ParallelFor& parallel_for = {}) {
@@ -4567,11 +4898,12 @@ template <class T, int C>
 
 // ---- hmesh/fit/image_source.hpp
 
-// hmesh - ImageSource: an image of any pixel type as a maker of moment tables.
-//
-// Methods work patch by patch, and each patch has a table of its own rectangle (fit/moment_table.hpp). They need not
-// know what the samples are, nor whether pixels have weights: this class is the last to know, so that all above it depends
-// on the number of channels alone.
+/// \file
+/// ImageSource: an image of any pixel type, from which moment tables are made.
+///
+/// Methods work patch by patch, and each patch has a table of its own rectangle (fit/moment_table.hpp). Only this class knows
+/// the type of the samples and whether pixels have weights, so that everything above it depends on the number of channels
+/// alone.
 #ifndef HMESH_FIT_IMAGE_SOURCE_HPP
 #define HMESH_FIT_IMAGE_SOURCE_HPP
 
@@ -4580,42 +4912,42 @@ template <class T, int C>
 
 namespace hmesh::kit {
 
+/// An image of C channels of any pixel type, with or without weights, from which moment tables are made.
 template <int C>
 class ImageSource {
   public:
-    // Of a view that check() accepts, with weights that check_weights() accepts (or none), both outliving the source.
+    /// The image of a view that check() accepts, with weights that check_weights() accepts (or none) in the unit of
+    /// weight_unit(). Both must outlive the source.
     template <class T>
     explicit ImageSource(const ImageView<T, C>& view, const ImageView<float, 1>& weights = {}, double unit = 1) noexcept
         : data_(view.data), width_(view.width), height_(view.height), row_stride_(view.row_stride), weights_(weights),
           unit_(unit), low_(PixelTraits<T>::lowest), high_(PixelTraits<T>::highest), peak_(PixelTraits<T>::peak),
           is_integer_(PixelTraits<T>::is_integer), make_(&make<T>), sample_(&sample<T>), error_(&error<T>) {}
 
-    // The same weights over other pixels, of the same size.
+    /// The same weights with other pixels, an image of the same size.
     template <class T>
     [[nodiscard]] ImageSource with_pixels(const ImageView<T, C>& view) const noexcept {
         return ImageSource(view, weights_, unit_);
     }
 
-    [[nodiscard]] int width() const noexcept { return width_; }
-    [[nodiscard]] int height() const noexcept { return height_; }
-    [[nodiscard]] double pixels() const noexcept { return static_cast<double>(width_) * height_; }
-    // The range of colours.
-    [[nodiscard]] double low() const noexcept { return low_; }
-    [[nodiscard]] double high() const noexcept { return high_; }
-    // Whether samples are whole numbers, so that sums of them are exact.
+    [[nodiscard]] int width() const noexcept { return width_; }                                     ///< px
+    [[nodiscard]] int height() const noexcept { return height_; }                                   ///< px
+    [[nodiscard]] double pixels() const noexcept { return static_cast<double>(width_) * height_; }  ///< number of pixels
+    [[nodiscard]] double low() const noexcept { return low_; }    ///< smallest colour of the pixel type
+    [[nodiscard]] double high() const noexcept { return high_; }  ///< largest colour of the pixel type
+    /// Whether samples are whole numbers, so that sums of them are exact.
     [[nodiscard]] bool is_integer() const noexcept { return is_integer_; }
-    // The value of full intensity.
-    [[nodiscard]] double peak() const noexcept { return peak_; }
+    [[nodiscard]] double peak() const noexcept { return peak_; }  ///< value of full intensity
 
-    // The table of a rectangle of the image.
+    /// The moment table of a rectangle of the image.
     [[nodiscard]] MomentTable<C> table(const Rect& rect) const { return make_(*this, rect); }
 
-    // The squared error of a finished mesh as drawn, see rendered_error(), with the weights.
+    /// The squared error of a finished mesh as drawn, with the weights: rendered_error() of fit/rendered_error.hpp.
     [[nodiscard]] double rendered_error(const Mesh& mesh, const ParallelFor& parallel_for) const {
         return error_(*this, mesh, parallel_for);
     }
 
-    // The samples at pixel (x, y), held to the image where it is outside; 0 in the lanes above.
+    /// The samples of the pixel nearest to (x, y), which may lie outside the image; 0 in the lanes above them.
     [[nodiscard]] HMESH_ALWAYS_INLINE Lanes<lanes_for(C + 1)> pixel(int x, int y) const noexcept {
         Lanes<lanes_for(C + 1)> out;
         sample_(*this, std::max(0, std::min(width_ - 1, x)), std::max(0, std::min(height_ - 1, y)), out);
@@ -4646,7 +4978,7 @@ class ImageSource {
     int width_, height_;
     std::ptrdiff_t row_stride_;
     ImageView<float, 1> weights_;
-    double unit_;  // of the weights, see weight_unit()
+    double unit_;  ///< of the weights, see weight_unit()
     double low_, high_, peak_;
     bool is_integer_;
     MomentTable<C> (*make_)(const ImageSource&, const Rect&);
@@ -4660,11 +4992,12 @@ class ImageSource {
 
 // ---- hmesh/image/premultiply.hpp
 
-// hmesh - premultiply(): an image whose colours are multiplied by alpha.
-//
-// Between an opaque pixel and a transparent one, straight colours drag in whatever the transparent pixel hides: fringes.
-// Multiplied by alpha, colours mix as light does: a mean of such pixels is what their mean would look like over anything
-// (Porter and Duff, "Compositing digital images", 1984). O(pixels).
+/// \file
+/// premultiply(): an image with its colours multiplied by alpha.
+///
+/// Between an opaque pixel and a transparent one, interpolated straight colours mix in whatever the transparent pixel hides:
+/// fringes. Colours multiplied by alpha mix as light does: a mean of such pixels is what the mean of the pixels would look like
+/// over any background (Porter and Duff, "Compositing digital images", 1984). O(pixels).
 #ifndef HMESH_IMAGE_PREMULTIPLY_HPP
 #define HMESH_IMAGE_PREMULTIPLY_HPP
 
@@ -4673,8 +5006,8 @@ class ImageSource {
 
 namespace hmesh::kit {
 
-// The image with all channels but the last multiplied by the last / peak, rounded to the pixel type. Alpha is held to
-// [0, peak], which floats may leave. Of a view that check() accepts.
+/// The image with all channels but alpha, the last one, multiplied by alpha / peak and rounded to the pixel type. Alpha is
+/// clamped to [0, peak], which float images may leave. check() must accept the view.
 template <class T, int C>
 [[nodiscard]] Image<T, C> premultiply(const ImageView<T, C>& view, const ParallelFor& parallel_for = {}) {
     static_assert(has_alpha(C), "images of 2 or 4 channels have alpha");
@@ -4700,11 +5033,12 @@ template <class T, int C>
 
 // ---- hmesh/core/undo_array.hpp
 
-// hmesh - UndoArray: an array that can return to an earlier state.
-//
-// The building block of transactions: while recording, edit(i) first notes the old value of element i. rollback() undoes
-// the notes in reverse order and drops elements added since the mark, so every byte is as it was. A note costs one copy
-// of the element; outside a transaction edit() is a plain access. Marks nest: roll back or keep the latest first.
+/// \file
+/// UndoArray: an array that can return to an earlier state.
+///
+/// The building block of transactions: while recording, edit(i) first notes the old value of element i; rollback() restores the
+/// noted values in reverse order and drops elements added since the mark, so that every byte is as it was. A note costs one
+/// copy of the element; outside a transaction edit() is a plain access. Marks nest: the latest is rolled back or kept first.
 #ifndef HMESH_CORE_UNDO_ARRAY_HPP
 #define HMESH_CORE_UNDO_ARRAY_HPP
 
@@ -4715,42 +5049,44 @@ template <class T, int C>
 
 namespace hmesh::kit {
 
+/// An array of trivially copyable elements that can return to an earlier state.
 template <class T>
 class UndoArray {
     static_assert(std::is_trivially_copyable_v<T>, "old values are restored by plain copies");
 
   public:
+    /// A state to return to, made by mark().
     struct Mark {
-        std::size_t notes = 0;
-        std::size_t size = 0;
+        std::size_t notes = 0;  ///< number of notes
+        std::size_t size = 0;   ///< number of elements
     };
 
-    [[nodiscard]] std::size_t size() const noexcept { return values_.size(); }
-    [[nodiscard]] const T& operator[](std::size_t i) const noexcept { return values_[i]; }
-    [[nodiscard]] const std::vector<T>& values() const noexcept { return values_; }
+    [[nodiscard]] std::size_t size() const noexcept { return values_.size(); }              ///< number of elements
+    [[nodiscard]] const T& operator[](std::size_t i) const noexcept { return values_[i]; }  ///< element i, for reading
+    [[nodiscard]] const std::vector<T>& values() const noexcept { return values_; }         ///< all elements, for reading
 
-    // Element i for writing. The reference holds until the next push_back.
+    /// Element i for writing; its old value is noted while recording. The reference is valid until the next push_back().
     [[nodiscard]] T& edit(std::size_t i) {
         if (recording_) notes_.push_back({values_[i], static_cast<std::uint32_t>(i)});
         return values_[i];
     }
-    // Element i for writing where nothing will ever be undone (building a mesh, distinct elements from many threads).
+    /// Element i for writing, never undone: for building a mesh, or for writing distinct elements from many threads.
     [[nodiscard]] T& raw(std::size_t i) noexcept { return values_[i]; }
 
-    void push_back(const T& value) { values_.push_back(value); }
-    void reserve(std::size_t n) { values_.reserve(n); }
-    // Outside a transaction only; what was reserved stays.
+    void push_back(const T& value) { values_.push_back(value); }  ///< adds an element; undone by dropping it
+    void reserve(std::size_t n) { values_.reserve(n); }           ///< memory for n elements
+    /// Sets the number of elements, outside a transaction only. Memory is kept.
     void resize(std::size_t n) {
         HMESH_ASSERT(!recording_);
         values_.resize(n);
     }
 
-    // Begins a transaction, or one within it: from here on old values are noted.
+    /// Begins a transaction, or one within it: from here on old values are noted.
     [[nodiscard]] Mark mark() noexcept {
         recording_ = true;
         return {notes_.size(), values_.size()};
     }
-    // Brings all elements and the size back to what they were at that mark. O(edits since).
+    /// Returns all elements and the size to what they were at that mark. O(edits since).
     void rollback(const Mark& to) {
         while (notes_.size() > to.notes) {
             values_[notes_.back().index] = notes_.back().old;
@@ -4758,7 +5094,7 @@ class UndoArray {
         }
         values_.resize(to.size);
     }
-    // Forgets all notes: the outermost transaction is over, whatever became of it.
+    /// Ends the outermost transaction: forgets all notes. The elements stay as they are.
     void stop_recording() noexcept {
         notes_.clear();
         recording_ = false;
@@ -4780,22 +5116,25 @@ class UndoArray {
 
 // ---- hmesh/fit/edge_moments.hpp
 
-// hmesh - moments: what a face needs to know of its pixels, collected along its edges.
-//
-// The energy of a face, its normal equations, gradients and Gauss-Newton blocks all follow from the sums over its pixels
-// of 1, x, y, x^2, xy, y^2, I_c, x I_c, y I_c and |I|^2. By Green's theorem these are the signed sums of the moments of its
-// three edges, and an edge's moments are a walk down the pixel rows that it crosses, over the prefix sums of a
-// MomentTable: O(rows), not O(pixels). For integer pixels all moments are integers, exact as long as they stay below 2^53:
-// shared edges cancel and every pixel is counted once, whatever the rounding of coordinates. An edge with p pixels to its
-// left in its rows reaches 2^53 at C p = 2^21 for 16-bit samples (their squares), 2^37 for 8-bit ones, and in x^2 sums
-// beyond widths of 8,192 px at as many rows; edges of a fitted mesh cross few rows and stay far below.
-//
-// Over a weighted table each pixel counts as often as its weight says, in all of these sums ("number of pixels" is then
-// a sum of weights). Those without samples are multiples of the weights' step, exact as long as they stay below 2^53
-// of it; beyond, where no pixel counts, some 1e-16 of the sums to the left may remain, of either sign.
-//
-// Pixels have integer coordinates here: pixel (i, j) of the table's rectangle is the point (i, j), half a pixel off the
-// plane's (i + 1/2, j + 1/2).
+/// \file
+/// Moments: sums over the pixels of a face, collected along its edges.
+///
+/// The energy of a face, its normal equations, gradients and Gauss-Newton blocks all follow from the sums over its pixels of 1,
+/// x, y, x^2, xy, y^2, I_c, x I_c, y I_c and |I|^2. By Green's theorem these are the signed sums of the moments of its three
+/// edges, and an edge's moments are a walk down the pixel rows that it crosses, over the prefix sums of a MomentTable: O(rows),
+/// not O(pixels).
+///
+/// For integer samples all moments are integers, exact as long as they stay below 2^53: shared edges cancel and every pixel is
+/// counted once, whatever the rounding of coordinates. An edge with p pixels to its left in its rows reaches 2^53 at C p = 2^21
+/// for 16-bit samples (their squares), 2^37 for 8-bit ones, and in sums of x^2 beyond widths of 8,192 px at as many rows; edges
+/// of a fitted mesh cross few rows and stay far below.
+///
+/// Over a weighted table each pixel counts with its weight in all of these sums ("number of pixels" is then a sum of weights).
+/// Sums without samples are multiples of the weights' step, exact below 2^53 steps; beyond, where no pixel counts, some 1e-16
+/// of the sums to the left may remain, of either sign.
+///
+/// Pixels have integer coordinates here: pixel (i, j) of the table's rectangle is the point (i, j), half a pixel off its centre
+/// in the plane, (i + 1/2, j + 1/2).
 #ifndef HMESH_FIT_EDGE_MOMENTS_HPP
 #define HMESH_FIT_EDGE_MOMENTS_HPP
 
@@ -4805,39 +5144,44 @@ class UndoArray {
 
 namespace hmesh::kit {
 
-// Sums over a set of pixels. "One" is carried as channel C, so that sums of I and of 1 shift and combine alike.
+/// Sums over a set of pixels of C channels. The constant 1 is carried as channel C, so that sums of I and of 1 shift and
+/// combine alike.
 template <int C>
 struct Moments {
-    static constexpr int one = C;
-    using Channels = Lanes<lanes_for(C + 1)>;
-    Channels s;   // (I_0 .. I_{C-1}, 1)
-    Channels sx;  // x times these
-    Channels sy;  // y times these
-    Lanes<4> q;   // x^2, xy, y^2, |I|^2
+    static constexpr int one = C;              ///< lane of the constant 1
+    using Channels = Lanes<lanes_for(C + 1)>;  ///< the channels and 1, padded
+    Channels s;                                ///< sums of (I_0 .. I_{C-1}, 1)
+    Channels sx;                               ///< sums of x (I_0 .. I_{C-1}, 1)
+    Channels sy;                               ///< sums of y (I_0 .. I_{C-1}, 1)
+    Lanes<4> q;                                ///< sums of x^2, xy, y^2, |I|^2
 
-    // Of no pixels.
+    /// The moments of no pixels.
     [[nodiscard]] static HMESH_ALWAYS_INLINE Moments zero() {
         return {Channels::zero(), Channels::zero(), Channels::zero(), Lanes<4>::zero()};
     }
+    /// Adds the moments of other pixels.
     HMESH_ALWAYS_INLINE Moments& operator+=(const Moments& o) {
         s += o.s, sx += o.sx, sy += o.sy, q += o.q;
         return *this;
     }
+    /// Subtracts the moments of pixels.
     HMESH_ALWAYS_INLINE Moments& operator-=(const Moments& o) {
         s -= o.s, sx -= o.sx, sy -= o.sy, q -= o.q;
         return *this;
     }
+    /// Multiplies all sums, as a rule by the sign 1 or -1.
     HMESH_ALWAYS_INLINE Moments& operator*=(double sign) {
         s *= sign, sx *= sign, sy *= sign, q *= sign;
         return *this;
     }
 };
 
-// Pixels that together count for less count for nothing: it may be the rounding of weighted sums. In pixels.
+/// Pixels that together count for less than this count for nothing, in pixels: it may be the rounding of weighted sums.
 inline constexpr double least_weight = 1e-9;
 
 namespace detail {
 
+/// `sign` times the moments of the pixels left of the edge from a down to b, over a table of N without weights.
 template <int C, class N>
 HMESH_ALWAYS_INLINE void walk(const MomentTable<C>& table, Point a, Point b, double sign, Moments<C>& m) {
     using Channels = typename Moments<C>::Channels;
@@ -4872,7 +5216,7 @@ HMESH_ALWAYS_INLINE void walk(const MomentTable<C>& table, Point a, Point b, dou
     m.q.set(3, sign * squares);
 }
 
-// The same over a weighted table. Not for inlining: the two walks above are to stay as small and as fast as they are.
+/// walk() over a weighted table. Never inlined: the two walks without weights are to stay as small and as fast as they are.
 template <int C>
 HMESH_NEVER_INLINE void weighted_walk(const MomentTable<C>& table, Point a, Point b, double sign, Moments<C>& m) {
     using Channels = typename Moments<C>::Channels;
@@ -4907,9 +5251,9 @@ HMESH_NEVER_INLINE void weighted_walk(const MomentTable<C>& table, Point a, Poin
 
 }  // namespace detail
 
-// The moments of the pixels left of the edge from a to b, positive where it runs down (to larger y), negative where it
-// runs up: edge_moments(a, b) = -edge_moments(b, a), and the sum over the edges of a polygon of positive orientation is
-// the moments of its pixels. Points lie in [0, width] x [0, height] of the table. Cost: some 4 ns a row crossed.
+/// The moments of the pixels left of the edge from a to b, positive where it runs down (to larger y), negative where it runs
+/// up. So edge_moments(a, b) = -edge_moments(b, a), and the sum over the edges of a polygon of positive orientation is the
+/// moments of its pixels. Points lie in [0, width] x [0, height] of the table. Cost: some 4 ns a row crossed.
 template <int C>
 HMESH_NEVER_INLINE void edge_moments(const MomentTable<C>& table, Point a, Point b, Moments<C>& m) {
     double sign = 1;
@@ -4928,17 +5272,18 @@ HMESH_NEVER_INLINE void edge_moments(const MomentTable<C>& table, Point a, Point
 
 // ---- hmesh/fit/squared_error.hpp
 
-// hmesh - the squared error of a face: all its closed forms, from the moments of its pixels.
-//
-// In a face the picture is linear, so its squared error to the image is a polynomial in the moments of the face's pixels
-// (edge_moments.hpp), the corners' colours and their positions. Here stand the error itself (face_energy), the error as a
-// function of one corner's colour and what moves that corner (FaceFit), and what the corners add to the normal equations of all
-// colours (CornerSums). An energy of another kind is another header like this one.
-//
-// In a face (v, a, b) with the origin in v the picture is f = c (1 + l.x) + f1 x + f2 y, where c is v's colour, l the
-// gradient of v's hat function and (f1, f2) what the colours of a and b contribute. Its squared error is
-//     E = d + sum over channels of (A c^2 - 2 b c),     A = sum of lambda^2,  b = sum of lambda (I - f1 x - f2 y),
-// all sums over the face's pixels. Cost: about 13 ns a face for up to 3 channels.
+/// \file
+/// The squared error of a face: all its closed forms, from the moments of its pixels.
+///
+/// In a face the picture is linear, so its squared error to the image is a polynomial in the moments of the face's pixels
+/// (fit/edge_moments.hpp), the colours of its corners and their positions. This header holds the error itself (face_energy),
+/// the error as a function of one corner's colour with what moves that corner (FaceFit), and what the corners add to the normal
+/// equations of all colours (CornerSums). An energy of another kind is another header like this one.
+///
+/// In a face (v, a, b) with the origin in v the picture is f = c (1 + l.x) + f1 x + f2 y, where c is v's colour, l the gradient
+/// of v's hat function and (f1, f2) what the colours of a and b contribute. Its squared error is
+///     E = d + sum over channels of (A c^2 - 2 b c),     A = sum of lambda^2,  b = sum of lambda (I - f1 x - f2 y),
+/// all sums over the face's pixels. Cost: about 13 ns a face for up to 3 channels.
 #ifndef HMESH_FIT_SQUARED_ERROR_HPP
 #define HMESH_FIT_SQUARED_ERROR_HPP
 
@@ -4946,12 +5291,13 @@ HMESH_NEVER_INLINE void edge_moments(const MomentTable<C>& table, Point a, Point
 
 namespace hmesh::kit {
 
-// The channels of a colour, padded with zeros to the lanes of Moments (lane C, where moments carry 1, is 0 in a colour).
+/// The channels of a colour, padded with zeros to the lanes of Moments (lane C, where moments carry 1, is 0 in a colour).
 template <int C>
 using Color = typename Moments<C>::Channels;
 
 namespace detail {
 
+/// Clamps the channels to [low, high]; the padding stays 0.
 template <int C>
 HMESH_ALWAYS_INLINE void clamp_channels(Color<C>& c, double low, double high) {
     c.clamp(low, high);
@@ -4960,28 +5306,39 @@ HMESH_ALWAYS_INLINE void clamp_channels(Color<C>& c, double low, double high) {
 
 }  // namespace detail
 
-// Where a vertex may go: what is not free stays on a side of the image, or in a corner (fixed). A frozen vertex belongs to
-// other patches too: neither its position nor its colour changes, and it is not removed.
-enum class Mobility : unsigned char { free, along_x, along_y, corner, locked };
-
-// Most half-edges around a vertex that an operator makes.
-inline constexpr int max_valence = 40;
-
-// What a vertex is, apart from its edges.
-template <int C>
-struct VertexState {
-    Color<C> color;
-    Point position;
-    Mobility mobility;
-    unsigned char valence_limit = max_valence;  // less for a frozen vertex, whose other patches may add edges too
+/// Where a vertex may go.
+enum class Mobility : unsigned char {
+    free,     ///< anywhere
+    along_x,  ///< along a horizontal side of the image
+    along_y,  ///< along a vertical side of the image
+    corner,   ///< nowhere: a corner of the image
+    locked,   ///< nowhere: it belongs to other patches too, keeps its colour and is not removed
 };
 
-// The moments of a face with the origin moved to its corner v, in plane coordinates.
+/// The largest valence that an operator gives a vertex.
+inline constexpr int max_valence = 40;
+
+/// What an ImageMesh stores of a vertex, apart from its edges.
+template <int C>
+struct VertexState {
+    Color<C> color;     ///< colour in stored values
+    Point position;     ///< px, in the rectangle of the moment table
+    Mobility mobility;  ///< where the vertex may go
+    /// Largest valence allowed, smaller for a locked vertex, whose other patches may add edges too.
+    unsigned char valence_limit = max_valence;
+};
+
+/// The moments of a face with the origin moved to its corner v, in coordinates of the plane.
 template <int C>
 struct ShiftedMoments {
-    Color<C> mx, my;       // sums of x (I, 1) and y (I, 1)
-    double sx, sy;         // of x and y
-    double sxx, sxy, syy;  // of x^2, xy, y^2
+    Color<C> mx,  ///< sums of x (I, 1)
+        my;       ///< sums of y (I, 1)
+    double sx,    ///< sum of x
+        sy;       ///< sum of y
+    double sxx,   ///< sum of x^2
+        sxy,      ///< sum of xy
+        syy;      ///< sum of y^2
+    /// The moments m of a face, as an ImageMesh stores them, with the origin moved to v.
     HMESH_ALWAYS_INLINE ShiftedMoments(const Moments<C>& m, Point v) {
         const double ox = v.x - 0.5, oy = v.y - 0.5;  // the origin in pixel coordinates
         mx = m.sx - ox * m.s, my = m.sy - oy * m.s;
@@ -4991,20 +5348,26 @@ struct ShiftedMoments {
     }
 };
 
-// One face of a ring, as a function of the centre's colour.
+/// The squared error of a face of a ring as a function of the centre's colour. The formulas are at the top of
+/// fit/squared_error.hpp.
 template <int C>
 struct FaceFit {
-    double a;        // A
-    double lx, ly;   // gradient of the hat function
-    double squares;  // d = squares + rest.sum()
-    Color<C> b, f1, f2, rest;
-    // With the centre of this colour.
+    double a;        ///< A, the sum of lambda^2
+    double lx,       ///< x of the gradient of the centre's hat function
+        ly;          ///< y of that gradient
+    double squares;  ///< sum of |I|^2; d = squares + rest.sum()
+    Color<C> b,      ///< b, the sum of lambda (I - f1 x - f2 y)
+        f1,          ///< x of the picture's gradient, the part of the other corners
+        f2,          ///< y of the picture's gradient, the part of the other corners
+        rest;        ///< the part of d that depends on the other corners
+    /// The squared error of the face with the centre in colour c.
     [[nodiscard]] HMESH_ALWAYS_INLINE double energy(const Color<C>& c) const {
         return squares + (rest + c * (a * c - 2.0 * b)).sum();
     }
 };
 
-// Face (v, a, b) with moments m. False when twice its area is below min_double_area.
+/// Fits the face (v, a, b) with moments m; `va` and `vb` are its other corners. False when twice its area is below
+/// min_double_area.
 template <int C>
 [[nodiscard]] HMESH_ALWAYS_INLINE bool fit_face(const Moments<C>& m, Point v, const VertexState<C>& va, const VertexState<C>& vb,
                                                 double min_double_area, FaceFit<C>& out) {
@@ -5030,7 +5393,7 @@ template <int C>
     return true;
 }
 
-// The squared error of a face with moments m and positive area.
+/// The squared error of the face (v0, v1, v2) with moments m and positive area.
 template <int C>
 [[nodiscard]] HMESH_ALWAYS_INLINE double face_energy(const Moments<C>& m, const VertexState<C>& v0, const VertexState<C>& v1,
                                                      const VertexState<C>& v2) {
@@ -5048,19 +5411,23 @@ template <int C>
                .sum();
 }
 
-// What one corner of a face adds to the normal equations. It goes with the half-edge that leaves the corner within the
-// face; lambda is the corner's hat function, sums are over the face's pixels.
+/// What one corner of a face adds to the normal equations. It belongs to the half-edge that leaves the corner within the face.
+/// Sums are over the face's pixels; lambda is the corner's hat function.
 template <int C>
 struct CornerSums {
-    double square = 0;                  // lambda^2
-    double coupling = 0;                // lambda times that of the half-edge's other end
-    double x = 0, y = 0;                // lambda (x, y), plane coordinates of the pixel's centre
-    Color<C> image = Color<C>::zero();  // lambda I; lane C: lambda
+    double square = 0;                  ///< sum of lambda^2
+    double coupling = 0;                ///< sum of lambda times the hat function of the half-edge's other end
+    double x = 0,                       ///< sum of lambda x, x of the pixel's centre in the plane
+        y = 0;                          ///< sum of lambda y, y of the pixel's centre in the plane
+    Color<C> image = Color<C>::zero();  ///< sum of lambda I; lane C: of lambda
 };
 
-// The corners of face (v0, v1, v2) with moments m. With the origin in v0, lambda_1 = u / area and lambda_2 = w / area
-// for u = b_y x - b_x y and w = a_x y - a_y x. Dividing last and nesting sums of products as below keeps all before it
-// exact on the 1/256 px grid for faces of common size: slivers, where terms of 1e8 cancel, lose nothing.
+/// The sums of the corners of the face (v0, v1, v2) with moments m and positive area; left as they are for a face without
+/// pixels.
+///
+/// With the origin in v0, lambda_1 = u / area and lambda_2 = w / area for u = b_y x - b_x y and w = a_x y - a_y x. Dividing
+/// last and nesting sums of products as below keeps everything before exact on the 1/256 px grid for faces of common size:
+/// slivers, where terms of 1e8 cancel, lose nothing.
 template <int C>
 void sum_corners(const Moments<C>& m, Point v0, Point v1, Point v2, CornerSums<C>& out0, CornerSums<C>& out1,
                  CornerSums<C>& out2) {
@@ -5102,7 +5469,8 @@ void sum_corners(const Moments<C>& m, Point v0, Point v1, Point v2, CornerSums<C
 
 // ---- hmesh/mesh/handles.hpp
 
-// hmesh - handles: Vertex, Halfedge, Edge and Face, indices of 4 bytes that do not mix.
+/// \file
+/// Handles: Vertex, Halfedge, Edge and Face, 4-byte indices of different types, so that they cannot be mixed up.
 #ifndef HMESH_MESH_HANDLES_HPP
 #define HMESH_MESH_HANDLES_HPP
 
@@ -5111,30 +5479,32 @@ void sum_corners(const Moments<C>& m, Point v0, Point v1, Point v2, CornerSums<C
 
 namespace hmesh::kit {
 
-// An index into one kind of element; default-constructed it names none. No implicit conversion, in or out.
+/// The index of an element of one kind. Default-constructed it refers to no element. No implicit conversion, in or out.
 template <class Kind>
 class Handle {
   public:
+    /// Refers to no element.
     constexpr Handle() noexcept = default;
+    /// Refers to the element at this index, below 2^32 - 1.
     constexpr explicit Handle(std::size_t index) noexcept : index_(static_cast<std::uint32_t>(index)) {}
-    [[nodiscard]] constexpr std::size_t index() const noexcept { return index_; }
-    [[nodiscard]] constexpr bool is_valid() const noexcept { return index_ != none; }
-    friend constexpr bool operator==(Handle a, Handle b) noexcept { return a.index_ == b.index_; }
-    friend constexpr bool operator!=(Handle a, Handle b) noexcept { return a.index_ != b.index_; }
-    friend constexpr bool operator<(Handle a, Handle b) noexcept { return a.index_ < b.index_; }
+    [[nodiscard]] constexpr std::size_t index() const noexcept { return index_; }      ///< the index
+    [[nodiscard]] constexpr bool is_valid() const noexcept { return index_ != none; }  ///< whether it refers to an element
+    friend constexpr bool operator==(Handle a, Handle b) noexcept { return a.index_ == b.index_; }  ///< same index
+    friend constexpr bool operator!=(Handle a, Handle b) noexcept { return a.index_ != b.index_; }  ///< other index
+    friend constexpr bool operator<(Handle a, Handle b) noexcept { return a.index_ < b.index_; }    ///< smaller index
 
   private:
     static constexpr std::uint32_t none = 0xffffffffU;
     std::uint32_t index_ = none;
 };
 
-// A vertex of a mesh.
+/// A vertex of a mesh.
 using Vertex = Handle<struct VertexKind>;
-// One of the two directions of an edge.
+/// A half-edge: one of the two directions of an edge.
 using Halfedge = Handle<struct HalfedgeKind>;
-// An edge of a mesh: two half-edges.
+/// An edge of a mesh: two half-edges.
 using Edge = Handle<struct EdgeKind>;
-// A triangle of a mesh.
+/// A face (triangle) of a mesh.
 using Face = Handle<struct FaceKind>;
 
 }  // namespace hmesh::kit
@@ -5143,42 +5513,47 @@ using Face = Handle<struct FaceKind>;
 
 // ---- hmesh/fit/ring.hpp
 
-// hmesh - Ring: a vertex with the fan of faces around it, and their energy as a function of the vertex.
-//
-// The squared errors of the faces around a vertex (squared_error.hpp) are parabolas in its colour. Summed over the ring, the best colour is b / A; with that
-// colour put back in, Gauss-Newton moves the vertex. The same code serves a vertex of the mesh and one that might be
-// inserted. Cost: about 13 ns a face for up to 3 channels.
+/// \file
+/// Ring: the one-ring of a vertex, and the energy of its faces as a function of the vertex.
+///
+/// The squared errors of the faces around a vertex (fit/squared_error.hpp) are parabolas in its colour. Summed over the ring,
+/// the best colour is b / A; with that colour put in, Gauss-Newton moves the vertex. The same code serves a vertex of the mesh
+/// and one that might be inserted. Cost: about 13 ns a face for up to 3 channels.
 #ifndef HMESH_FIT_RING_HPP
 #define HMESH_FIT_RING_HPP
 
 namespace hmesh::kit {
 
-// Most neighbors that a Ring holds.
+/// The largest valence of the centre of a Ring.
 inline constexpr int ring_capacity = 64;
 
-// The sums over a ring: E(c) = d + sum (A c^2 - 2 b c). Lane C of b is not zero and means nothing.
+/// The squared error of a ring as a function of the centre's colour c: E(c) = d + sum over channels of (A c^2 - 2 b c).
 template <int C>
 struct RingFit {
-    double a = 0, d = 0;
-    double squares = 0;  // |I|^2
-    Color<C> b = Color<C>::zero();
+    double a = 0,                   ///< A, the sum of lambda^2 over the ring
+        d = 0;                      ///< the part that does not depend on c
+    double squares = 0;             ///< sum of |I|^2 over the ring
+    Color<C> b = Color<C>::zero();  ///< the sum of FaceFit::b; lane C is not zero and means nothing
+    /// The squared error of the ring with the centre in colour c.
     [[nodiscard]] HMESH_ALWAYS_INLINE double energy(const Color<C>& c) const { return d + (c * (a * c - 2.0 * b)).sum(); }
 };
 
-// The vertex in the middle is not part of a Ring. Neighbours follow each other against the orientation of the faces:
-// face i joins the centre, neighbour i and neighbour i - 1; an open ring (around a border vertex) lacks face 0.
+/// The one-ring of a vertex, the centre, which itself is not part of it. Neighbours follow each other against the orientation
+/// of the faces: face i joins the centre, neighbour i and neighbour i - 1; an open ring (around a boundary vertex) has no face
+/// 0. An object takes ring_capacity Moments, 8 KB for 3 channels.
 template <int C>
 struct Ring {
-    int size = 0;
-    bool open = false;
-    Halfedge halfedge[ring_capacity];  // from the centre to each neighbour, where the centre is in the mesh
-    const VertexState<C>* neighbor[ring_capacity];
-    Moments<C> link[ring_capacity];  // of the far side of face i, from neighbour i to neighbour i - 1
+    int size = 0;                                   ///< number of neighbours
+    bool open = false;                              ///< whether the centre is on the boundary
+    Halfedge halfedge[ring_capacity];               ///< from the centre to neighbour i, if the centre is in the mesh
+    const VertexState<C>* neighbor[ring_capacity];  ///< neighbour i
+    Moments<C> link[ring_capacity];                 ///< moments of the far side of face i, from neighbour i to neighbour i - 1
 
-    [[nodiscard]] int first_face() const noexcept { return open ? 1 : 0; }
+    [[nodiscard]] int first_face() const noexcept { return open ? 1 : 0; }  ///< index of the first face
+    /// The index before i around the ring.
     [[nodiscard]] int before(int i) const noexcept { return i == 0 ? size - 1 : i - 1; }
 
-    // Whether all faces have at least the area min_double_area / 2 with the centre at v.
+    /// Whether all faces have at least the area min_double_area / 2, in px^2, with the centre at v.
     [[nodiscard]] HMESH_ALWAYS_INLINE bool accepts(Point v, double min_double_area) const noexcept {
         for (int i = first_face(); i < size; ++i)
             if (!(orient2d(v, neighbor[i]->position, neighbor[before(i)]->position) >= min_double_area)) return false;
@@ -5186,19 +5561,19 @@ struct Ring {
     }
 };
 
-// Moments of the edges from a ring's centre to its neighbours.
+/// The moments of the edges from the centre of a ring to its neighbours.
 template <int C>
 struct Spokes {
-    Moments<C> spoke[ring_capacity];
+    Moments<C> spoke[ring_capacity];  ///< to neighbour i
 };
 
-// Walks them all, from the centre at v.
+/// Collects the moments of all edges from the centre at v to the neighbours.
 template <int C>
 HMESH_ALWAYS_INLINE void walk_spokes(const MomentTable<C>& table, const Ring<C>& ring, Point v, Spokes<C>& spokes) {
     for (int i = 0; i < ring.size; ++i) edge_moments(table, v, ring.neighbor[i]->position, spokes.spoke[i]);
 }
 
-// How many pixels the ring holds: over a weighted table the sum of their weights, with its rounding.
+/// The number of pixels in the ring; over a weighted table the sum of their weights, with its rounding.
 template <int C>
 [[nodiscard]] inline double ring_weight(const Ring<C>& ring, const Spokes<C>& spokes) noexcept {
     double sum = ring.open ? spokes.spoke[ring.size - 1].s[C] - spokes.spoke[0].s[C] : 0.0;
@@ -5206,7 +5581,7 @@ template <int C>
     return sum;
 }
 
-// All faces of the ring with the centre at v. False when one is smaller than min_double_area.
+/// Fits all faces of the ring, with the centre at v, and their sum. False when twice the area of one is below min_double_area.
 template <int C>
 [[nodiscard]] HMESH_NEVER_INLINE bool fit_ring(const Ring<C>& ring, const Spokes<C>& spokes, Point v, double min_double_area,
                                                FaceFit<C>* faces, RingFit<C>& out) {
@@ -5227,8 +5602,8 @@ template <int C>
     return true;
 }
 
-// The colour that minimises the ring's energy, with the ridge toward `current`, kept within [low, high]. A sum of
-// squares that rounding of weighted sums made negative counts as 0.
+/// The colour of the centre that minimises the ring's energy, with the ridge toward `current`, clamped to [low, high]. A sum of
+/// squares that the rounding of weighted sums made negative counts as 0.
 template <int C>
 [[nodiscard]] HMESH_ALWAYS_INLINE Color<C> best_color(const RingFit<C>& fit, const Color<C>& current, double ridge, double low,
                                                       double high) {
@@ -5237,17 +5612,21 @@ template <int C>
     return c;
 }
 
-// What a step of the centre would be.
+/// A step of the centre of a ring.
 struct RingStep {
-    double dx = 0, dy = 0;
-    double predicted = 0;  // the decrease of energy that the linear model expects to first order, >= 0
+    double dx = 0,         ///< px
+        dy = 0;            ///< px
+    double predicted = 0;  ///< decrease of energy that the linear model expects to first order, >= 0
 };
 
-// The Gauss-Newton step of the centre with its colour eliminated, from the fit at colour c = best_color: with the
-// gradient of the picture g_t = (f1 + lx c, f2 + ly c) in face t,
-//     grad = -2 sum_t g_t (A_t c - b_t),     H = 2 [sum A_t g_t g_t' - (sum A_t g_t)(sum A_t g_t)' / sum A_t],
-// summed over channels; there are no terms from pixels that change sides, because the picture is continuous. H is damped
-// by 2 % of its trace (H is singular where the picture is flat in one direction). Half of grad and H are used.
+/// The Gauss-Newton step of the centre with its colour eliminated, from the fit at the colour c = best_color(). With the
+/// gradient of the picture g_t = (f1 + lx c, f2 + ly c) in face t,
+///
+///     grad = -2 sum_t g_t (A_t c - b_t),     H = 2 [sum A_t g_t g_t' - (sum A_t g_t)(sum A_t g_t)' / sum A_t],
+///
+/// summed over channels; pixels that change sides add no terms, because the picture is continuous. H is damped by 2 % of its
+/// trace (H is singular where the picture is flat in one direction). Half of grad and H are used. No step where the picture is
+/// flat.
 template <int C>
 [[nodiscard]] HMESH_ALWAYS_INLINE RingStep gauss_newton_step(const Ring<C>& ring, const FaceFit<C>* faces, const RingFit<C>& fit,
                                                              const Color<C>& c, Mobility mobility) {
@@ -5297,15 +5676,17 @@ template <int C>
 
 // ---- hmesh/mesh/halfedge_mesh.hpp
 
-// hmesh - HalfedgeMesh: the connectivity of a triangle mesh, compact, editable and undoable.
-//
-// Half-edges come in pairs: opposite(h) = h xor 1, edge(h) = h / 2, so edges keep their identity under flips and can carry
-// data. Each half-edge stores its next, the vertex it points to and its face; boundary half-edges have no face and are
-// linked along the boundary, counter to the faces. 24 bytes an edge, 4 a vertex and 4 a face; about 84 bytes a vertex.
-//
-// The mesh is an oriented 2-manifold with boundary: every vertex has one fan of faces. A boundary vertex's half-edge is the
-// boundary half-edge that leaves it. flip, split and collapse cost O(1) plus the valence for collapse; deleted slots are
-// used again. begin/commit/rollback make any sequence of edits a transaction.
+/// \file
+/// HalfedgeMesh: the connectivity of a triangle mesh, compact, editable and undoable.
+///
+/// Half-edges come in pairs: opposite(h) = h xor 1, edge(h) = h / 2, so edges keep their identity under flips and can carry
+/// data. Each half-edge stores its next half-edge, the vertex it points to and its face; boundary half-edges have no face and
+/// are linked along the boundary, against the orientation of the faces. 24 bytes an edge, 4 a vertex and 4 a face; about 84
+/// bytes a vertex.
+///
+/// The mesh is an oriented 2-manifold with boundary: every vertex has one fan of faces. The half-edge stored for a boundary
+/// vertex is the boundary half-edge that leaves it. flip and split cost O(1), collapse O(valence); slots of deleted elements
+/// are reused. begin/commit/rollback make any sequence of edits a transaction.
 #ifndef HMESH_MESH_HALFEDGE_MESH_HPP
 #define HMESH_MESH_HALFEDGE_MESH_HPP
 
@@ -5316,62 +5697,87 @@ template <int C>
 
 namespace hmesh::kit {
 
+/// The connectivity of an oriented triangle mesh with boundary, as half-edges. Knows no positions.
 class HalfedgeMesh {
   public:
+    /// The empty mesh.
     HalfedgeMesh() = default;
 
-    // The mesh of `triangles` over the vertices [0, vertex_count), all turning the same way. Replaces what was there.
-    // Refuses (and leaves the mesh empty) an index out of range, an edge used twice in one direction, a vertex that is
-    // isolated or where two fans meet. Cost O(n) for bounded valences.
+    /// Replaces the mesh by that of `triangles` over the vertices [0, vertex_count), all of one orientation. Refuses
+    /// (invalid_argument with the index where, or image_too_large, and leaves the mesh empty): an index out of range, an edge
+    /// used twice in one direction, an isolated vertex, a vertex where two fans meet. O(n) for bounded valences.
     [[nodiscard]] HMESH_COLD Status assign(std::size_t vertex_count, const std::vector<Triangle>& triangles);
 
     // --- counts and elements: live ones, and slots including deleted ones (the size for arrays indexed by handles) ---
-    [[nodiscard]] std::size_t vertex_count() const noexcept { return counts_.vertices; }
-    [[nodiscard]] std::size_t edge_count() const noexcept { return counts_.edges; }
-    [[nodiscard]] std::size_t face_count() const noexcept { return counts_.faces; }
-    [[nodiscard]] std::size_t vertex_slots() const noexcept { return vertices_.size(); }
-    [[nodiscard]] std::size_t edge_slots() const noexcept { return halfedges_.size() / 2; }
-    [[nodiscard]] std::size_t face_slots() const noexcept { return faces_.size(); }
+    [[nodiscard]] std::size_t vertex_count() const noexcept { return counts_.vertices; }     ///< number of live vertices
+    [[nodiscard]] std::size_t edge_count() const noexcept { return counts_.edges; }          ///< number of live edges
+    [[nodiscard]] std::size_t face_count() const noexcept { return counts_.faces; }          ///< number of live faces
+    [[nodiscard]] std::size_t vertex_slots() const noexcept { return vertices_.size(); }     ///< size of an array by vertices
+    [[nodiscard]] std::size_t edge_slots() const noexcept { return halfedges_.size() / 2; }  ///< size of an array by edges
+    [[nodiscard]] std::size_t face_slots() const noexcept { return faces_.size(); }          ///< size of an array by faces
+    /// Whether the vertex is deleted.
     [[nodiscard]] bool is_deleted(Vertex v) const noexcept { return vertices_[v.index()].deleted(); }
+    /// Whether the edge is deleted.
     [[nodiscard]] bool is_deleted(Edge e) const noexcept { return halfedges_[2 * e.index()].deleted(); }
+    /// Whether the face is deleted.
     [[nodiscard]] bool is_deleted(Face f) const noexcept { return faces_[f.index()].deleted(); }
 
+    /// The live elements of one kind, see vertices(), edges() and faces().
     template <class Element>
     class Range;
-    [[nodiscard]] Range<Vertex> vertices() const noexcept;  // live ones in the order of their indices, for range-based loops
-    [[nodiscard]] Range<Edge> edges() const noexcept;       // live edges, likewise
-    [[nodiscard]] Range<Face> faces() const noexcept;       // live faces, likewise
+    [[nodiscard]] Range<Vertex> vertices() const noexcept;  ///< live vertices in the order of their indices
+    [[nodiscard]] Range<Edge> edges() const noexcept;       ///< live edges in the order of their indices
+    [[nodiscard]] Range<Face> faces() const noexcept;       ///< live faces in the order of their indices
 
     // --- navigation ---
+    /// The other half-edge of h's edge.
     [[nodiscard]] static Halfedge opposite(Halfedge h) noexcept { return Halfedge(h.index() ^ 1U); }
+    /// The edge of a half-edge.
     [[nodiscard]] static Edge edge(Halfedge h) noexcept { return Edge(h.index() >> 1U); }
+    /// The even half-edge of an edge; opposite() gives the other.
     [[nodiscard]] static Halfedge halfedge(Edge e) noexcept { return Halfedge(e.index() << 1U); }
+    /// The half-edge after h around its face, or along the boundary.
     [[nodiscard]] Halfedge next(Halfedge h) const noexcept { return halfedges_[h.index()].next; }
+    /// The vertex at the end of h.
     [[nodiscard]] Vertex to_vertex(Halfedge h) const noexcept { return halfedges_[h.index()].to; }
+    /// The vertex at the beginning of h.
     [[nodiscard]] Vertex from_vertex(Halfedge h) const noexcept { return to_vertex(opposite(h)); }
+    /// The face of h; invalid on the boundary.
     [[nodiscard]] Face face(Halfedge h) const noexcept { return halfedges_[h.index()].face; }
-    [[nodiscard]] Halfedge halfedge(Vertex v) const noexcept { return vertices_[v.index()].halfedge; }  // leaves v
+    /// A half-edge that leaves v: the boundary one if v is on the boundary.
+    [[nodiscard]] Halfedge halfedge(Vertex v) const noexcept { return vertices_[v.index()].halfedge; }
+    /// A half-edge of face f.
     [[nodiscard]] Halfedge halfedge(Face f) const noexcept { return faces_[f.index()].halfedge; }
-    // The half-edge before h: within a face two steps, along the boundary one turn around from_vertex(h).
+    /// The half-edge before h: within a face two steps, along the boundary one turn around from_vertex(h).
     [[nodiscard]] Halfedge previous(Halfedge h) const noexcept {
         if (face(h).is_valid()) return next(next(h));
         Halfedge into = opposite(h);
         while (next(into) != h) into = opposite(next(into));
         return into;
     }
+    /// Whether the half-edge has no face.
     [[nodiscard]] bool is_boundary(Halfedge h) const noexcept { return !face(h).is_valid(); }
+    /// Whether the vertex is on the boundary.
     [[nodiscard]] bool is_boundary(Vertex v) const noexcept { return is_boundary(halfedge(v)); }
-    [[nodiscard]] bool is_boundary(Edge e) const noexcept {  // whether it has one face
+    /// Whether the edge is on the boundary, with one face.
+    [[nodiscard]] bool is_boundary(Edge e) const noexcept {
         return is_boundary(halfedge(e)) || is_boundary(opposite(halfedge(e)));
     }
-    [[nodiscard]] std::array<Vertex, 3> vertices(Face f) const noexcept {  // from that on which halfedge(f) begins
+    /// The corners of a face, beginning with from_vertex(halfedge(f)), in its orientation.
+    [[nodiscard]] std::array<Vertex, 3> vertices(Face f) const noexcept {
         const Halfedge h = halfedge(f);
         return {from_vertex(h), to_vertex(h), to_vertex(next(h))};
     }
+    /// The live faces as triples of indices, in the order of faces(); vertices are numbered in the order of vertices(). This is
+    /// what assign() takes. O(n).
+    [[nodiscard]] HMESH_COLD std::vector<Triangle> triangles() const;
+    /// The half-edges that leave a vertex, see outgoing().
     class OneRing;
-    // The half-edges that leave v, each once, against the orientation of the faces, the boundary one first.
+    /// The half-edges that leave v, each once, against the orientation of the faces; on the boundary the boundary half-edge
+    /// comes first. For range-based loops.
     [[nodiscard]] OneRing outgoing(Vertex v) const noexcept;
-    [[nodiscard]] int valence(Vertex v) const noexcept {  // the number of its edges
+    /// The number of edges at v.
+    [[nodiscard]] int valence(Vertex v) const noexcept {
         int count = 0;
         Halfedge h = halfedge(v);
         do {
@@ -5380,43 +5786,48 @@ class HalfedgeMesh {
         } while (h != halfedge(v));
         return count;
     }
-    [[nodiscard]] Halfedge find_halfedge(Vertex from, Vertex to) const noexcept;  // invalid when there is none
+    /// The half-edge from one vertex to another; invalid if there is none.
+    [[nodiscard]] Halfedge find_halfedge(Vertex from, Vertex to) const noexcept;
 
     // --- edits; each needs its predicate to hold ---
-    // Two faces, and their far corners are not neighbours yet.
+    /// Whether e can be flipped: it has two faces, whose far corners (not on e) are not neighbours yet.
     [[nodiscard]] bool is_flip_ok(Edge e) const noexcept {
         const Halfedge a = halfedge(e), b = opposite(a);
         return !is_boundary(a) && !is_boundary(b) && !find_halfedge(to_vertex(next(a)), to_vertex(next(b))).is_valid();
     }
-    // Turns the edge against the faces' orientation: halfedge(e) then runs from the far corner of its opposite's face to
-    // that of its own. Twice gives the same mesh with the edge reversed.
+    /// Turns e, for which is_flip_ok(e), against the orientation of the faces: halfedge(e) then runs from the far corner of its
+    /// opposite's face to that of its own. Two flips give the same mesh with the edge reversed.
     void flip(Edge e);
 
-    // Puts a new vertex on edge e, joined to the far corners. halfedge(e) keeps its origin and now ends at the new vertex.
+    /// Puts a new vertex on e, joined to the far corners of its faces. halfedge(e) keeps its origin and then ends at the new
+    /// vertex.
     Vertex split(Edge e);
-    // Puts a new vertex inside face f, joined to its corners.
+    /// Puts a new vertex inside f, joined to its corners.
     Vertex split(Face f);
 
-    // Whether from_vertex(h) can be merged into to_vertex(h) and leave a manifold whose boundary keeps its vertices'
-    // order: the two share no neighbour but the far corners, and a boundary vertex goes along the boundary only.
+    /// Whether from_vertex(h) can be merged into to_vertex(h) and leave a manifold whose boundary keeps the order of its
+    /// vertices: the two share no neighbours but the far corners of h's edge, and a boundary vertex moves along the boundary
+    /// only.
     [[nodiscard]] bool is_collapse_ok(Halfedge h) const noexcept;
-    // Merges from_vertex(h), which is deleted with h's faces, into to_vertex(h). Edges of the removed fan that keep their
-    // identity: all but edge(h) and the two of from_vertex(h) to the far corners.
+    /// Merges from_vertex(h) into to_vertex(h), for is_collapse_ok(h); from_vertex(h) and the faces of h's edge are deleted.
+    /// All other edges of from_vertex(h) keep their identity, except those to the far corners.
     void collapse(Halfedge h);
 
     // --- transactions; they nest, the inner ends first ---
+    /// The beginning of a transaction, see begin().
     struct Mark;
-    [[nodiscard]] Mark begin();              // from here on changes can be undone
-    void commit(const Mark& mark) noexcept;  // keeps what was done since
-    void rollback(const Mark& mark);         // brings all back to what it was at that mark, handles included
+    [[nodiscard]] Mark begin();              ///< begins a transaction: from here on changes can be undone
+    void commit(const Mark& mark) noexcept;  ///< ends a transaction and keeps its changes
+    void rollback(const Mark& mark);         ///< ends a transaction and undoes its changes, to the last handle
 
-    void reserve(std::size_t vertices) {  // memory for so many vertices
+    /// Reserves memory for this number of vertices.
+    void reserve(std::size_t vertices) {
         vertices_.reserve(vertices);
         halfedges_.reserve(6 * vertices);
         faces_.reserve(2 * vertices);
     }
 
-    // Outside a transaction. Memory that was reserved stays.
+    /// Deletes everything. Outside a transaction only; memory is kept.
     void clear() {
         HMESH_ASSERT(depth_ == 0);
         halfedges_.resize(0);
@@ -5425,16 +5836,17 @@ class HalfedgeMesh {
         counts_ = Counts();
     }
 
-    // Proves every invariant above; the sentence names what is broken and `got` the first index where. O(n).
+    /// Verifies every invariant named above; invalid_argument with a sentence about the broken one and the first index where.
+    /// O(n).
     [[nodiscard]] HMESH_COLD Status check() const;
 
   private:
-    // A deleted slot holds, behind a flag in the top bit, the slot deleted before it (free_end: none).
+    /// The half-edge of a deleted slot is the index of the slot deleted before it (free_end: none) with this flag.
     static constexpr std::uint32_t deleted_flag = 0x80000000U;
     static constexpr std::uint32_t free_end = 0x7fffffffU;
     struct Slot {
         Halfedge halfedge;
-        // An unset handle has the top bit too, but is no slot: a live element always has a half-edge.
+        /// Whether the slot is deleted. An unset handle has the top bit too, but a live element always has a half-edge.
         [[nodiscard]] bool deleted() const noexcept { return (halfedge.index() & deleted_flag) != 0; }
     };
     struct HalfedgeSlot {
@@ -5463,12 +5875,12 @@ class HalfedgeMesh {
     void set_triangle(Face f, Halfedge a, Halfedge b, Halfedge c);
 
     [[nodiscard]] Vertex new_vertex();
-    [[nodiscard]] Halfedge new_edge();  // the even half-edge
+    [[nodiscard]] Halfedge new_edge();  ///< returns the even half-edge
     [[nodiscard]] Face new_face();
     void delete_vertex(Vertex v);
     void delete_edge(Edge e);
     void delete_face(Face f);
-    // `stays`, an edge of a face that goes, takes the place of `goes` in the next face (or boundary) over.
+    /// Puts `stays`, an edge of a face to be deleted, in the place of `goes` in the adjacent face (or boundary).
     void replace(Halfedge goes, Halfedge stays);
     [[nodiscard]] Status check_vertex(Vertex v) const;
 
@@ -5478,27 +5890,34 @@ class HalfedgeMesh {
     int depth_ = 0;
 };
 
-struct HalfedgeMesh::Mark {  // where a transaction began
-    UndoArray<HalfedgeSlot>::Mark halfedges;
-    UndoArray<Slot>::Mark vertices, faces;
-    Counts counts;
+/// The beginning of a transaction.
+struct HalfedgeMesh::Mark {
+    UndoArray<HalfedgeSlot>::Mark halfedges;  ///< notes on half-edges
+    UndoArray<Slot>::Mark vertices,           ///< notes on vertices
+        faces;                                ///< notes on faces
+    Counts counts;                            ///< numbers of live elements
 };
 
-template <class Element>  // what vertices(), edges() and faces() give
+/// The live elements of one kind in the order of their indices: what vertices(), edges() and faces() return.
+template <class Element>
 class HalfedgeMesh::Range {
   public:
-    Range(const HalfedgeMesh& mesh, std::size_t end) noexcept : mesh_(&mesh), end_(end) {}
+    Range(const HalfedgeMesh& mesh, std::size_t end) noexcept : mesh_(&mesh), end_(end) {}  ///< slots [0, end)
+    /// Goes from one live element to the next.
     class Iterator {
       public:
+        /// At the first live element from slot `index` on, before slot `end`.
         Iterator(const HalfedgeMesh& mesh, std::size_t index, std::size_t end) noexcept : mesh_(&mesh), index_(index), end_(end) {
             skip();
         }
-        [[nodiscard]] Element operator*() const noexcept { return Element(index_); }
+        [[nodiscard]] Element operator*() const noexcept { return Element(index_); }  ///< the element
+        /// To the next live element.
         Iterator& operator++() noexcept {
             ++index_;
             skip();
             return *this;
         }
+        /// Whether the iterators differ.
         friend bool operator!=(const Iterator& a, const Iterator& b) noexcept { return a.index_ != b.index_; }
 
       private:
@@ -5508,27 +5927,33 @@ class HalfedgeMesh::Range {
         const HalfedgeMesh* mesh_;
         std::size_t index_, end_;
     };
-    [[nodiscard]] Iterator begin() const noexcept { return {*mesh_, 0, end_}; }
-    [[nodiscard]] Iterator end() const noexcept { return {*mesh_, end_, end_}; }
+    [[nodiscard]] Iterator begin() const noexcept { return {*mesh_, 0, end_}; }   ///< first live element
+    [[nodiscard]] Iterator end() const noexcept { return {*mesh_, end_, end_}; }  ///< end of the slots
 
   private:
     const HalfedgeMesh* mesh_;
     std::size_t end_;
 };
 
-class HalfedgeMesh::OneRing {  // what outgoing() gives
+/// The half-edges that leave a vertex, against the orientation of the faces: what outgoing() returns.
+class HalfedgeMesh::OneRing {
   public:
+    /// All half-edges that leave from_vertex(first), beginning with `first`.
     OneRing(const HalfedgeMesh& mesh, Halfedge first) noexcept : mesh_(&mesh), first_(first) {}
+    /// Turns around the vertex.
     class Iterator {
       public:
+        /// At `first`, before the turn or after it.
         Iterator(const HalfedgeMesh& mesh, Halfedge first, bool done) noexcept
             : mesh_(&mesh), first_(first), current_(first), done_(done) {}
-        [[nodiscard]] Halfedge operator*() const noexcept { return current_; }
+        [[nodiscard]] Halfedge operator*() const noexcept { return current_; }  ///< the half-edge
+        /// To the next half-edge against the orientation of the faces.
         Iterator& operator++() noexcept {
             current_ = mesh_->next(opposite(current_));
             done_ = current_ == first_;
             return *this;
         }
+        /// Whether one turn is complete and the other is not.
         friend bool operator!=(const Iterator& a, const Iterator& b) noexcept { return a.done_ != b.done_; }
 
       private:
@@ -5536,8 +5961,8 @@ class HalfedgeMesh::OneRing {  // what outgoing() gives
         Halfedge first_, current_;
         bool done_;
     };
-    [[nodiscard]] Iterator begin() const noexcept { return {*mesh_, first_, false}; }
-    [[nodiscard]] Iterator end() const noexcept { return {*mesh_, first_, true}; }
+    [[nodiscard]] Iterator begin() const noexcept { return {*mesh_, first_, false}; }  ///< before the turn
+    [[nodiscard]] Iterator end() const noexcept { return {*mesh_, first_, true}; }     ///< after the turn
 
   private:
     const HalfedgeMesh* mesh_;
@@ -5583,11 +6008,12 @@ inline void HalfedgeMesh::rollback(const Mark& mark) {
 
 // ---- hmesh/mesh/halfedge_mesh.ipp
 
-// hmesh - the members of HalfedgeMesh that are too long to stand in the class. Included by halfedge_mesh.hpp alone.
+// hmesh - the longer member functions of HalfedgeMesh. Included by halfedge_mesh.hpp only.
 #ifndef HMESH_MESH_HALFEDGE_MESH_IPP
 #define HMESH_MESH_HALFEDGE_MESH_IPP
 
 #include <algorithm>
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <vector>
@@ -5664,6 +6090,19 @@ inline Status HalfedgeMesh::assign(std::size_t vertex_count, const std::vector<T
     const Status status = check();
     if (!status) clear();
     return status;
+}
+
+inline std::vector<Triangle> HalfedgeMesh::triangles() const {
+    std::vector<std::uint32_t> numbers(vertex_slots(), 0);
+    std::uint32_t count = 0;
+    for (const Vertex v : vertices()) numbers[v.index()] = count++;
+    std::vector<Triangle> out;
+    out.reserve(face_count());
+    for (const Face f : faces()) {
+        const std::array<Vertex, 3> v = vertices(f);
+        out.push_back({numbers[v[0].index()], numbers[v[1].index()], numbers[v[2].index()]});
+    }
+    return out;
 }
 
 inline Status HalfedgeMesh::check_vertex(Vertex v) const {
@@ -5946,10 +6385,11 @@ inline void HalfedgeMesh::collapse(Halfedge h) {
 
 // ---- hmesh/mesh/spatial_order.hpp
 
-// hmesh - spatial order: elements along a space-filling curve.
-//
-// Loops that visit neighbours in the plane one after another find them in the cache: worth 1.5 times the speed of loops in
-// order of index or of gain. The curve is Morton's (interleaved bits of x and y); ties go by index. A radix sort, O(n).
+/// \file
+/// Spatial order: elements sorted along a space-filling curve.
+///
+/// A loop that visits neighbours in the plane one after another finds them in the cache: 1.5 times as fast as in order of index
+/// or of gain. The curve is Morton's (interleaved bits of x and y); ties go by index. A radix sort, O(n).
 #ifndef HMESH_MESH_SPATIAL_ORDER_HPP
 #define HMESH_MESH_SPATIAL_ORDER_HPP
 
@@ -5961,7 +6401,7 @@ inline void HalfedgeMesh::collapse(Halfedge h) {
 namespace hmesh::kit {
 namespace detail {
 
-// The low 16 bits of x, spread to the even bits.
+/// The low 16 bits of x, spread to the even bits.
 [[nodiscard]] constexpr std::uint32_t spread_bits(std::uint32_t x) noexcept {
     x &= 0xffffU;
     x = (x | (x << 8U)) & 0x00ff00ffU;
@@ -5972,12 +6412,13 @@ namespace detail {
 
 }  // namespace detail
 
-// The place of p's pixel on the curve. Sides up to 2^16; the border x = 2^16 wraps around, which only costs speed.
+/// The position of p's pixel on the Morton curve, for sides up to 2^16. The border x = 2^16 wraps around, which only costs
+/// speed.
 [[nodiscard]] constexpr std::uint32_t morton_code(Point p) noexcept {
     return detail::spread_bits(static_cast<std::uint32_t>(p.x)) | (detail::spread_bits(static_cast<std::uint32_t>(p.y)) << 1U);
 }
 
-// The elements of `range` (of `count`), sorted by the code of position(element).
+/// The `count` elements of a range, sorted by the Morton code of position(element).
 template <class Element, class Range, class Position>
 [[nodiscard]] std::vector<Element> in_spatial_order(const Range& range, std::size_t count, Position&& position) {
     struct Item {
@@ -6005,8 +6446,8 @@ template <class Element, class Range, class Position>
     return elements;
 }
 
-// Calls body(e) for the edges that come with face f: of the two faces beside an edge, it comes with that of its even
-// half-edge, or the only one. So a loop over all faces meets each edge once.
+/// Calls body(e) for the edges that belong to face f: an edge belongs to the face of its even half-edge, or to its only face. A
+/// loop over all faces meets each edge once.
 template <class Body>
 HMESH_ALWAYS_INLINE void for_each_edge(const HalfedgeMesh& topology, Face f, Body&& body) {
     Halfedge h = topology.halfedge(f);
@@ -6014,11 +6455,12 @@ HMESH_ALWAYS_INLINE void for_each_edge(const HalfedgeMesh& topology, Face f, Bod
         if ((h.index() & 1U) == 0 || topology.is_boundary(HalfedgeMesh::opposite(h))) body(HalfedgeMesh::edge(h));
 }
 
-// The vertices of a mesh whose vertex v is at position(v); neighbors in the list are mostly neighbors in the plane. O(n).
+/// The vertices of a mesh in spatial order, `position` giving their positions: neighbours in the list are mostly neighbours in
+/// the plane. O(n).
 [[nodiscard]] inline std::vector<Vertex> spatial_vertices(const HalfedgeMesh& topology, FunctionRef<Point(Vertex)> position) {
     return in_spatial_order<Vertex>(topology.vertices(), topology.vertex_count(), position);
 }
-// The faces, by their centroids.
+/// The faces of a mesh in spatial order of their centroids, `position` giving the positions of vertices. O(n).
 [[nodiscard]] inline std::vector<Face> spatial_faces(const HalfedgeMesh& topology, FunctionRef<Point(Vertex)> position) {
     return in_spatial_order<Face>(topology.faces(), topology.face_count(), [&](Face f) {
         const auto v = topology.vertices(f);
@@ -6026,7 +6468,7 @@ HMESH_ALWAYS_INLINE void for_each_edge(const HalfedgeMesh& topology, Face f, Bod
         return Point{(a.x + b.x + c.x) / 3, (a.y + b.y + c.y) / 3};
     });
 }
-// Each edge once, face by face.
+/// The edges of a mesh, each once, in the order of spatial_faces(), `position` giving the positions of vertices. O(n).
 [[nodiscard]] inline std::vector<Edge> spatial_edges(const HalfedgeMesh& topology, FunctionRef<Point(Vertex)> position) {
     std::vector<Edge> edges;
     edges.reserve(topology.edge_count());
@@ -6040,18 +6482,19 @@ HMESH_ALWAYS_INLINE void for_each_edge(const HalfedgeMesh& topology, Face f, Bod
 
 // ---- hmesh/fit/image_mesh.hpp
 
-// hmesh - ImageMesh: a mesh that knows how well it matches the image under it.
-//
-// A half-edge mesh plus, for each vertex, position and colour, for each edge the moments of the pixels beside it, for each
-// face its energy. Positions are local to the rectangle of the moment table and lie on the 1/256 px grid. Every public
-// edit keeps moments and energies true to the geometry, so that a flip costs one walk, moving a vertex its spokes, and
-// nothing else is touched. begin/rollback undo any sequence of edits to the last byte; with them any operator is a
-// transaction: try it, re-optimise around it, read the exact energy, keep it or not.
-//
-// The mesh may be a patch of a larger one (tiles/patch.hpp): then PatchContext tell what lies outside, its rim belongs to
-// other patches too and is frozen, and rim edges that are not on the image's border stay as they are.
-//
-// Memory: about 560 bytes a vertex for up to 3 channels, of which 384 are edge moments.
+/// \file
+/// ImageMesh: a triangle mesh over an image that knows its squared error.
+///
+/// A half-edge mesh that stores for each vertex position and colour, for each edge the moments of the pixels left of it, for
+/// each face its energy. Positions are local to the rectangle of the moment table and lie on the 1/256 px grid. Every public
+/// edit keeps moments and energies true to the geometry: a flip costs one walk, moving a vertex the walks of its spokes, and
+/// nothing else is touched. begin/commit/rollback make any sequence of edits a transaction, undone to the last byte: try it,
+/// re-optimise around it, read the exact energy, keep it or not.
+///
+/// The mesh may be a patch of a larger one (tiles/patch.hpp). PatchContext then tells what lies outside; the rim of the patch
+/// belongs to other patches too and is locked, and rim edges that are not on the image's border stay as they are.
+///
+/// Memory: about 560 bytes a vertex for up to 3 channels, of which 384 are edge moments.
 #ifndef HMESH_FIT_IMAGE_MESH_HPP
 #define HMESH_FIT_IMAGE_MESH_HPP
 
@@ -6061,93 +6504,114 @@ HMESH_ALWAYS_INLINE void for_each_edge(const HalfedgeMesh& topology, Face f, Bod
 
 namespace hmesh::kit {
 
-// What a mesh knows of the image and the mesh that it is a patch of.
+/// What an ImageMesh knows of the image and of the whole mesh that it is a patch of.
 struct PatchContext {
-    Rect image;                    // the whole image, in the pixels of the patch's table: x, y <= 0
-    bool is_part = false;          // whether there are other patches
-    double scale = 1;              // mean energy of a vertex in the whole mesh over that in the patch
-    TaskProgress* task = nullptr;  // told that work goes on; asked whether to stop
+    Rect image;                    ///< the whole image in the coordinates of the patch's table: x, y <= 0
+    bool is_part = false;          ///< whether there are other patches
+    double scale = 1;              ///< ratio of mean energies a vertex, whole mesh / this patch; multiplies all tolerances
+    TaskProgress* task = nullptr;  ///< told that work goes on, asked whether to stop; may be null
 };
 
+/// A triangle mesh of C channels over a moment table that knows the squared error of each face.
 template <int C>
 class ImageMesh {
   public:
-    // Empty, of no image: only to be assigned to.
+    /// Placeholder without a table; assign another ImageMesh before use.
     ImageMesh() = default;
-    // Over a table that outlives the mesh. Colours are held within [low, high] widened by limits.color_overshoot.
+    /// An empty mesh over the table of a whole image, which must outlive it. Colours are kept within [low, high], widened by
+    /// limits.color_overshoot.
     ImageMesh(const MomentTable<C>& table, double low, double high, const MeshLimits& limits = {})
         : ImageMesh(table, low, high, limits, {{0, 0, table.width(), table.height()}, false, 1, nullptr}) {}
-    ImageMesh(const MomentTable<C>& table, double low, double high, const MeshLimits& limits, const PatchContext& surroundings)
-        : table_(&table), limits_(limits), context_(surroundings) {
+    /// An empty mesh over the table of a patch, which must outlive it.
+    ImageMesh(const MomentTable<C>& table, double low, double high, const MeshLimits& limits, const PatchContext& context)
+        : table_(&table), limits_(limits), context_(context) {
         const double slack = limits.color_overshoot * (high - low);
         color_low_ = std::max(low - slack, -1e300);  // slack may overflow: float images know no range
         color_high_ = std::min(high + slack, 1e300);
     }
 
-    // Takes over a triangulation with corners on the 1/256 px grid, of the rectangle or of a part of it; colours are the
-    // pixels under the vertices. Refuses what HalfedgeMesh::assign refuses. Edges and faces are filled in through the
-    // executor.
+    /// Replaces the mesh by a triangulation of the rectangle, or of a part of it if this is a patch, with one colour a vertex or
+    /// none (an empty vector): then the colour of a vertex is that of the pixel at its position. Refuses, and leaves the mesh
+    /// empty: positions outside the rectangle or off the 1/256 px grid, another number of colours than of vertices, numbers that
+    /// are not finite, and what HalfedgeMesh::assign() refuses. Whether faces are positively oriented and tile the rectangle is
+    /// for check() to say. The executor fills in edges and faces.
+    [[nodiscard]] HMESH_COLD Status assign(const std::vector<Point>& positions, const std::vector<Triangle>& triangles,
+                                           const std::vector<Color<C>>& colors, const ParallelFor& parallel_for = {});
+    /// Replaces the mesh by a triangulation as above, with the colours of the pixels.
     [[nodiscard]] Status assign(const std::vector<Point>& positions, const std::vector<Triangle>& triangles,
                                 const ParallelFor& parallel_for = {}) {
         return assign(positions, triangles, {}, parallel_for);
     }
-    // The same with given colours, one a vertex; none: as above.
-    [[nodiscard]] HMESH_COLD Status assign(const std::vector<Point>& positions, const std::vector<Triangle>& triangles,
-                                           const std::vector<Color<C>>& colors, const ParallelFor& parallel_for);
+    /// Replaces the mesh by one in plain arrays, of C channels and for an image of the size of the table, to go on working on it.
+    /// Vertices and faces keep their numbers. to_mesh() is the way back. Refuses what the other overloads refuse.
+    [[nodiscard]] HMESH_COLD Status assign(const Mesh& mesh, const ParallelFor& parallel_for = {});
 
+    /// The connectivity.
     [[nodiscard]] const HalfedgeMesh& topology() const noexcept { return topology_; }
+    /// The moment table of the image, or of the patch's rectangle.
     [[nodiscard]] const MomentTable<C>& table() const noexcept { return *table_; }
+    /// The limits on faces, positions and colours.
     [[nodiscard]] const MeshLimits& limits() const noexcept { return limits_; }
-    [[nodiscard]] double color_low() const noexcept { return color_low_; }
-    [[nodiscard]] double color_high() const noexcept { return color_high_; }
-    [[nodiscard]] int width() const noexcept { return table_->width(); }
-    [[nodiscard]] int height() const noexcept { return table_->height(); }
+    [[nodiscard]] double color_low() const noexcept { return color_low_; }    ///< smallest value of a colour while fitting
+    [[nodiscard]] double color_high() const noexcept { return color_high_; }  ///< largest value of a colour while fitting
+    [[nodiscard]] int width() const noexcept { return table_->width(); }      ///< px, of the table
+    [[nodiscard]] int height() const noexcept { return table_->height(); }    ///< px, of the table
+    /// The number of vertices.
     [[nodiscard]] std::size_t vertex_count() const noexcept { return topology_.vertex_count(); }
+    /// The state of vertex v.
     [[nodiscard]] const VertexState<C>& vertex(Vertex v) const noexcept { return vertices_[v.index()]; }
+    /// The position of vertex v, in px.
     [[nodiscard]] Point position(Vertex v) const noexcept { return vertex(v).position; }
+    /// The colour of vertex v.
     [[nodiscard]] const Color<C>& color(Vertex v) const noexcept { return vertex(v).color; }
-    [[nodiscard]] Point centroid(Face f) const noexcept {  // the mean of its corners
+    /// The mean of the positions of a face's corners.
+    [[nodiscard]] Point centroid(Face f) const noexcept {
         const auto v = topology_.vertices(f);
         const Point a = position(v[0]), b = position(v[1]), c = position(v[2]);
         return {(a.x + b.x + c.x) / 3, (a.y + b.y + c.y) / 3};
     }
-    // The squared error over the pixels of a face, summed over channels; and over all faces.
+    /// The squared error of a face: the sum of squared differences over its pixels and channels.
     [[nodiscard]] double energy(Face f) const noexcept { return energies_[f.index()]; }
+    /// The squared error of the mesh: the sum over all faces.
     [[nodiscard]] double energy() const noexcept { return energy_; }
-    // Over the faces of a ring that was gathered here.
+    /// The squared error of the faces of a ring, which gather() collected from this mesh.
     [[nodiscard]] double energy(const Ring<C>& ring) const noexcept {
         double sum = 0;
         for (int i = ring.first_face(); i < ring.size; ++i) sum += energy(topology_.face(ring.halfedge[i]));
         return sum;
     }
-    // The mean energy of a vertex, of the whole mesh if this is a patch: the scale of all tolerances, or easy patches
-    // would be polished for nothing; 0 where rounding left less.
+    /// The mean energy of a vertex, in a patch that of the whole mesh; >= 0. It is the scale of all tolerances: measured by its
+    /// own mean, an easy patch would be polished for nothing.
     [[nodiscard]] double mean_energy() const noexcept {
         return context_.scale * std::max(0.0, energy_) / static_cast<double>(vertex_count());
     }
-    // To be called by long work every few microseconds; where it says false, the work ends as it is.
+    /// Whether to go on. Long work calls it every few microseconds, and ends as it is when it returns false.
     [[nodiscard]] bool keep_going() const { return context_.task == nullptr || context_.task->keep_going(); }
+    /// The task that is told of progress; may be null.
     [[nodiscard]] TaskProgress* task() const noexcept { return context_.task; }
+    /// Sets the task that is told of progress; it must outlive its use here, null: none.
     void set_task(TaskProgress* task) noexcept { context_.task = task; }
 
-    // The moments of a half-edge (those of its edge, with a sign), written to `out`.
+    /// Writes the moments of a half-edge (those of its edge, with a sign) to `out`.
     HMESH_ALWAYS_INLINE void moments(Halfedge h, Moments<C>& out) const {
         out = moments_[h.index() >> 1U];
         if ((h.index() & 1U) != 0) out *= -1.0;
     }
-    HMESH_ALWAYS_INLINE void add_moments(Halfedge h, Moments<C>& out) const {  // the same, added
+    /// Adds the moments of a half-edge to `out`.
+    HMESH_ALWAYS_INLINE void add_moments(Halfedge h, Moments<C>& out) const {
         const Moments<C>& m = moments_[h.index() >> 1U];
         if ((h.index() & 1U) != 0) out -= m;
         else out += m;
     }
-    void face_moments(Face f, Moments<C>& out) const {  // of the pixels of a face
+    /// Writes the moments of the pixels of a face to `out`.
+    void face_moments(Face f, Moments<C>& out) const {
         const Halfedge h = topology_.halfedge(f);
         moments(h, out);
         add_moments(topology_.next(h), out);
         add_moments(topology_.next(topology_.next(h)), out);
     }
 
-    // The ring of v and the moments of its spokes. v has at most ring_capacity neighbours.
+    /// Collects the one-ring of v and the moments of its spokes. v has at most ring_capacity neighbours.
     void gather(Vertex v, Ring<C>& ring, Spokes<C>& spokes) const {
         ring.size = 0;
         ring.open = topology_.is_boundary(v);
@@ -6160,36 +6624,27 @@ class ImageMesh {
             if (!topology_.is_boundary(h)) moments(topology_.next(h), ring.link[i]);
         }
     }
-    // Where a vertex with this mobility may be: on the grid, within the table, off the image's border unless it lives
-    // there. A coordinate that is not free to move is returned as given.
-    [[nodiscard]] Point clamp(Point p, Mobility mobility) const noexcept {
-        const auto held = [gap = limits_.border_gap](double x, int size, int image_low, int image_size) {
-            const double low = image_low == 0 ? gap : 0, high = image_low + image_size == size ? size - gap : size;
-            return snap(std::max(low, std::min(high, x)));
-        };
-        const Rect& image = context_.image;
-        Point q = p;
-        if (mobility == Mobility::free || mobility == Mobility::along_x) q.x = held(p.x, width(), image.x, image.width);
-        if (mobility == Mobility::free || mobility == Mobility::along_y) q.y = held(p.y, height(), image.y, image.height);
-        return q;
-    }
-    // Of a vertex at p: free unless p is on the image's border.
+    /// The position nearest to p where a vertex of this mobility may be: on the grid, within the table, and limits().border_gap
+    /// off the image's border unless the vertex lies on it. A coordinate that is not free to move is returned as given.
+    [[nodiscard]] Point clamp(Point p, Mobility mobility) const noexcept;
+    /// The mobility of a vertex at p: Mobility::free unless p is on the image's border.
     [[nodiscard]] Mobility mobility_at(Point p) const noexcept {
         const Rect& image = context_.image;
         const bool on_x = p.x == image.x || p.x == image.x + image.width, on_y = p.y == image.y || p.y == image.y + image.height;
         return on_x && on_y ? Mobility::corner : on_x ? Mobility::along_y : on_y ? Mobility::along_x : Mobility::free;
     }
-    // Of a vertex that splits e; frozen: a rim edge of the patch, which must not be split.
+    /// The mobility of a vertex that would split e; Mobility::locked for a rim edge of the patch, which must not be split.
     [[nodiscard]] Mobility edge_mobility(Edge e) const noexcept {
         if (!topology_.is_boundary(e)) return Mobility::free;
         const Halfedge h = HalfedgeMesh::halfedge(e);
         const Mobility mobility = mobility_at(midpoint(position(topology_.from_vertex(h)), position(topology_.to_vertex(h))));
         return mobility == Mobility::free ? Mobility::locked : mobility;
     }
-    // Whether v may get one more edge.
+    /// Whether v may get one more edge.
     [[nodiscard]] bool can_gain_edge(Vertex v) const noexcept { return topology_.valence(v) < vertex(v).valence_limit; }
+    /// Sets PatchContext::scale.
     void set_scale(double scale) noexcept { context_.scale = scale; }
-    // From now on v stays as it is, with at most this many edges. Not undone by rollback.
+    /// Locks v: it keeps position and colour, and has at most `valence_limit` edges. Not undone by rollback().
     void lock(Vertex v, int valence_limit) noexcept {
         VertexState<C>& state = vertices_.raw(v.index());
         state.mobility = Mobility::locked;
@@ -6197,38 +6652,46 @@ class ImageMesh {
     }
 
     // --- edits ---
-    // A new state for v whose consequences are known: fits of its ring's faces and, if it moved, moments of its spokes.
+    /// Commits a trial state of v: `faces` are the fits of the faces of its ring, `moved` the moments of its spokes (null: v
+    /// did not move). Saves the edge walks of place().
     void apply_fit(Vertex v, const Ring<C>& ring, Point position, const Color<C>& color, const FaceFit<C>* faces,
                    const Spokes<C>* moved);
-    // A new state for v; spokes are walked. All faces around must have positive area.
+    /// Gives v a new position and colour; walks its spokes. All faces around v must have positive area.
     void place(Vertex v, Point position, const Color<C>& color);
-    // Turns edge e, whose moments and whose faces' energies after the turn are known.
+    /// Flips e, for which HalfedgeMesh::is_flip_ok(): `m` are the moments of the flipped edge's even half-edge, and the
+    /// energies are those of the new faces of that half-edge and of its opposite.
     void flip(Edge e, const Moments<C>& m, double energy_own, double energy_opposite);
-    // New vertices. The caller makes sure that the new faces have positive area.
+    /// Puts a new vertex on e; the new faces must have positive area. It is dirty.
     Vertex split(Edge e, Point position, const Color<C>& color);
+    /// Puts a new vertex in f; the new faces must have positive area. It is dirty.
     Vertex split(Face f, Point position, const Color<C>& color);
-    // Merges from_vertex(h) into to_vertex(h), which stays where it is.
+    /// Merges from_vertex(h) into to_vertex(h), which keeps its position; for HalfedgeMesh::is_collapse_ok(). The remaining
+    /// faces must have positive area.
     void collapse(Halfedge h);
-    // New colours for all vertices, indexed by slot; energies follow.
+    /// Gives all vertices new colours, indexed by vertex slot, and updates all energies. Outside a transaction only.
     HMESH_COLD void set_colors(const std::vector<Color<C>>& colors, const ParallelFor& parallel_for = {});
 
     // --- transactions; they nest ---
+    /// The beginning of a transaction.
     struct Mark {
-        HalfedgeMesh::Mark topology;
-        typename UndoArray<VertexState<C>>::Mark vertices;
-        typename UndoArray<Moments<C>>::Mark moments;
-        UndoArray<double>::Mark energies;
-        double energy;
+        HalfedgeMesh::Mark topology;                        ///< connectivity
+        typename UndoArray<VertexState<C>>::Mark vertices;  ///< states of vertices
+        typename UndoArray<Moments<C>>::Mark moments;       ///< moments of edges
+        UndoArray<double>::Mark energies;                   ///< energies of faces
+        double energy;                                      ///< energy of the mesh
     };
-    [[nodiscard]] Mark begin() {  // from here on changes can be undone
+    /// Begins a transaction: from here on changes can be undone. Transactions nest; the inner one ends first.
+    [[nodiscard]] Mark begin() {
         ++depth_;
         return {topology_.begin(), vertices_.mark(), moments_.mark(), energies_.mark(), energy_};
     }
-    void commit(const Mark& mark) noexcept {  // keeps what was done since
+    /// Ends a transaction and keeps its changes.
+    void commit(const Mark& mark) noexcept {
         topology_.commit(mark.topology);
         close();
     }
-    void rollback(const Mark& mark) {  // brings all back to what it was at that mark
+    /// Ends a transaction and undoes its changes, to the last byte.
+    void rollback(const Mark& mark) {
         vertices_.rollback(mark.vertices);
         moments_.rollback(mark.moments);
         energies_.rollback(mark.energies);
@@ -6237,7 +6700,7 @@ class ImageMesh {
         close();
     }
 
-    // Room for this many vertices at once, so that growing up to it copies nothing.
+    /// Reserves memory for this number of vertices, so that growing up to it copies nothing.
     void reserve(std::size_t vertices) {
         topology_.reserve(vertices);
         vertices_.reserve(vertices);
@@ -6246,21 +6709,28 @@ class ImageMesh {
         dirty_.reserve(vertices);
     }
 
-    // Vertices whose surroundings changed since they were last optimised; sweeps visit only these.
+    /// Whether v or its neighbourhood changed since v was last optimised; sweeps visit only dirty vertices.
     [[nodiscard]] bool is_dirty(Vertex v) const noexcept { return dirty_[v.index()] != 0; }
-    void set_dirty(Vertex v, bool due) noexcept { dirty_[v.index()] = due ? 1 : 0; }
-    void set_ring_dirty(Vertex v) noexcept {  // v and its neighbours
+    /// Marks v as dirty or not. Not undone by rollback().
+    void set_dirty(Vertex v, bool dirty) noexcept { dirty_[v.index()] = dirty ? 1 : 0; }
+    /// Marks v and its neighbours as dirty. Not undone by rollback().
+    void set_ring_dirty(Vertex v) noexcept {
         set_dirty(v, true);
         for (const Halfedge h : topology_.outgoing(v)) set_dirty(topology_.to_vertex(h), true);
     }
 
-    // Proves what this class promises: the topology's invariants, faces that turn the right way and tile what they tiled
-    // when assigned (the rectangle, unless the mesh is a patch), moments as walked afresh, energies as computed afresh
-    // (1e-9 relative). O(edges).
+    /// Verifies what this class promises: the invariants of the topology, faces of positive area that tile what they tiled when
+    /// assigned (the rectangle, unless the mesh is a patch), moments as walked afresh, energies as computed afresh (to 1e-9 of
+    /// their size). Otherwise invalid_argument with a sentence and an index. O(edges).
     [[nodiscard]] HMESH_COLD Status check() const;
 
   private:
-    void close() noexcept {  // a transaction; the outermost forgets all notes
+    /// Why these cannot be the vertices of the mesh, or ok.
+    [[nodiscard]] Status check_vertices(const std::vector<Point>& positions, const std::vector<Color<C>>& colors) const noexcept;
+    /// Empties the mesh and returns the status.
+    Status refuse(const Status& status);
+    /// Ends a transaction; the outermost one forgets all notes.
+    void close() noexcept {
         if (--depth_ > 0) return;
         vertices_.stop_recording();
         moments_.stop_recording();
@@ -6283,7 +6753,7 @@ class ImageMesh {
         energy_ += energy - stored;
         stored = energy;
     }
-    // Grows the arrays to the topology's slots after a split, and fills in everything around the new vertex.
+    /// Grows the arrays to the topology's slots after a split, and fills in everything around the new vertex.
     void adopt(Vertex v, Point position, const Color<C>& color, Mobility mobility);
     void refresh_ring(Vertex v);
 
@@ -6293,36 +6763,30 @@ class ImageMesh {
     double color_low_ = 0, color_high_ = 0;
     HalfedgeMesh topology_;
     UndoArray<VertexState<C>> vertices_;
-    UndoArray<Moments<C>> moments_;  // per edge, of halfedge(e)
-    UndoArray<double> energies_;     // per face
+    UndoArray<Moments<C>> moments_;  ///< of halfedge(e), by edge
+    UndoArray<double> energies_;     ///< by face
     double energy_ = 0;
-    double twice_area_ = 0;  // of all faces
+    double twice_area_ = 0;  ///< of all faces, when assigned
     std::vector<unsigned char> dirty_;
     int depth_ = 0;
 };
 
-namespace detail {
-
-// Writes colours[r] to vertex r of topology().vertices().
+/// A mesh as plain arrays: live vertices and faces in the order of topology(), positions in the coordinates of the table, colours
+/// rounded to float. `peak`: colour value of full intensity.
 template <int C>
-void write_colors(ImageMesh<C>& mesh, const std::vector<Color<C>>& colors, const ParallelFor& parallel_for) {
-    std::vector<Color<C>> by_slot(mesh.topology().vertex_slots(), Color<C>::zero());
-    std::size_t row = 0;
-    for (const Vertex v : mesh.topology().vertices()) by_slot[v.index()] = colors[row++];
-    mesh.set_colors(by_slot, parallel_for);
-}
+[[nodiscard]] HMESH_COLD Mesh to_mesh(const ImageMesh<C>& from, double peak);
 
-}  // namespace detail
-
-// Vertices, faces and edges in the order in which operators visit them, see mesh/spatial_order.hpp.
+/// The vertices of the mesh in spatial order (mesh/spatial_order.hpp).
 template <int C>
 [[nodiscard]] std::vector<Vertex> spatial_vertices(const ImageMesh<C>& mesh) {
     return spatial_vertices(mesh.topology(), [&](Vertex v) { return mesh.position(v); });
 }
+/// The faces of the mesh in spatial order (mesh/spatial_order.hpp).
 template <int C>
 [[nodiscard]] std::vector<Face> spatial_faces(const ImageMesh<C>& mesh) {
     return spatial_faces(mesh.topology(), [&](Vertex v) { return mesh.position(v); });
 }
+/// The edges of the mesh in spatial order (mesh/spatial_order.hpp).
 template <int C>
 [[nodiscard]] std::vector<Edge> spatial_edges(const ImageMesh<C>& mesh) {
     return spatial_edges(mesh.topology(), [&](Vertex v) { return mesh.position(v); });
@@ -6334,7 +6798,7 @@ template <int C>
 
 // ---- hmesh/fit/image_mesh.ipp
 
-// hmesh - the members of ImageMesh that are too long to stand in the class. Included by image_mesh.hpp alone.
+// hmesh - the longer member functions of ImageMesh. Included by image_mesh.hpp only.
 #ifndef HMESH_FIT_IMAGE_MESH_IPP
 #define HMESH_FIT_IMAGE_MESH_IPP
 
@@ -6349,12 +6813,41 @@ namespace hmesh::kit {
 // --- building, recoloring and checking -----------------------------------------------------------------------------
 
 template <int C>
+Status ImageMesh<C>::check_vertices(const std::vector<Point>& positions, const std::vector<Color<C>>& colors) const noexcept {
+    if (!colors.empty() && colors.size() != positions.size())
+        return {Errc::invalid_argument, "the colours are not as many as the vertices", colors.size(), positions.size()};
+    for (std::size_t i = 0; i < positions.size(); ++i) {
+        const Point p = positions[i];
+        if (!is_finite(p.x) || !is_finite(p.y))
+            return {Errc::not_finite, "the mesh has a position that is NaN or infinite, at vertex", i};
+        if (!(p.x >= 0 && p.x <= width() && p.y >= 0 && p.y <= height()))
+            return {Errc::invalid_argument, "the mesh has a position outside its image, at vertex", i};
+        if (snap(p) != p) return {Errc::invalid_argument, "the mesh has a position off the grid of 1/256 px, at vertex", i};
+    }
+    for (std::size_t i = 0; i < colors.size(); ++i)
+        for (int k = 0; k < C; ++k)
+            if (const double value = colors[i][k]; !is_finite(value))
+                return {Errc::not_finite, "the mesh has a colour that is NaN or infinite, at vertex", i};
+    return {};
+}
+
+template <int C>
+Status ImageMesh<C>::refuse(const Status& status) {
+    topology_ = HalfedgeMesh();
+    vertices_.resize(0);
+    moments_.resize(0);
+    energies_.resize(0);
+    dirty_.clear();
+    energy_ = twice_area_ = 0;
+    return status;
+}
+
+template <int C>
 Status ImageMesh<C>::assign(const std::vector<Point>& positions, const std::vector<Triangle>& triangles,
                             const std::vector<Color<C>>& colors, const ParallelFor& parallel_for) {
-    HMESH_ASSERT(colors.empty() || colors.size() == positions.size());
-    energy_ = 0;
-    const Status status = topology_.assign(positions.size(), triangles);
-    if (!status) return status;
+    HMESH_ASSERT(table_ != nullptr && depth_ == 0);
+    if (const Status status = check_vertices(positions, colors); !status) return refuse(status);
+    if (const Status status = topology_.assign(positions.size(), triangles); !status) return refuse(status);
     vertices_.resize(positions.size());
     moments_.resize(topology_.edge_slots());
     energies_.resize(topology_.face_slots());
@@ -6365,8 +6858,9 @@ Status ImageMesh<C>::assign(const std::vector<Point>& positions, const std::vect
         state.position = p;
         state.mobility = mobility_at(p);
         state.valence_limit = max_valence;
-        if (!colors.empty()) state.color = colors[i];
-        else
+        state.color = Color<C>::zero();
+        for (int k = 0; k < C && !colors.empty(); ++k) state.color.set(k, colors[i][k]);
+        if (colors.empty())
             table_->pixel(std::min(static_cast<int>(p.x), width() - 1), std::min(static_cast<int>(p.y), height() - 1),
                           state.color);
     }
@@ -6384,6 +6878,51 @@ Status ImageMesh<C>::assign(const std::vector<Point>& positions, const std::vect
         return sum;
     });
     return {};
+}
+
+template <int C>
+Status ImageMesh<C>::assign(const Mesh& mesh, const ParallelFor& parallel_for) {
+    HMESH_ASSERT(table_ != nullptr);
+    const std::size_t n = mesh.vertex_count();
+    if (mesh.channels != C)
+        return refuse({Errc::invalid_argument, "the mesh has not the image's number of channels", mesh.channels, C});
+    if (mesh.positions.size() != 2 * n || mesh.colors.size() != C * n)
+        return refuse({Errc::invalid_argument, "the mesh's arrays are not of one number of vertices"});
+    if (mesh.width != width())
+        return refuse({Errc::invalid_argument, "the mesh is not as wide as the image", mesh.width, width()});
+    if (mesh.height != height())
+        return refuse({Errc::invalid_argument, "the mesh is not as high as the image", mesh.height, height()});
+    std::vector<Point> positions(n);
+    std::vector<Color<C>> colors(n, Color<C>::zero());
+    for (std::size_t v = 0; v < n; ++v) {
+        positions[v] = {static_cast<double>(mesh.positions[2 * v]), static_cast<double>(mesh.positions[2 * v + 1])};
+        for (std::size_t k = 0; k < C; ++k) colors[v].set(static_cast<int>(k), static_cast<double>(mesh.colors[C * v + k]));
+    }
+    return assign(positions, mesh.faces, colors, parallel_for);
+}
+
+template <int C>
+Mesh to_mesh(const ImageMesh<C>& from, double peak) {
+    const HalfedgeMesh& topology = from.topology();
+    Mesh to;
+    to.channels = C;
+    to.width = from.width(), to.height = from.height(), to.peak = peak;
+    to.positions.reserve(2 * topology.vertex_count());
+    to.colors.reserve(C * topology.vertex_count());
+    to.faces.reserve(topology.face_count());
+    std::vector<std::uint32_t> number(topology.vertex_slots());
+    std::uint32_t count = 0;
+    for (const Vertex v : topology.vertices()) {
+        number[v.index()] = count++;
+        to.positions.push_back(static_cast<float>(from.position(v).x));
+        to.positions.push_back(static_cast<float>(from.position(v).y));
+        for (int k = 0; k < C; ++k) to.colors.push_back(static_cast<float>(from.color(v)[k]));
+    }
+    for (const Face f : topology.faces()) {
+        const auto v = topology.vertices(f);
+        to.faces.push_back({number[v[0].index()], number[v[1].index()], number[v[2].index()]});
+    }
+    return to;
 }
 
 template <int C>
@@ -6412,7 +6951,7 @@ Status ImageMesh<C>::check() const {
             (state.mobility != mobility_at(state.position) || topology_.is_boundary(v) == (state.mobility == Mobility::free)))
             return fail("a vertex's mobility is wrong", v.index());
     }
-    // Of the pixels of the rectangle: a part of it may own none, and yet its moments are differences of such sums.
+    // Sum of |I|^2 over the whole rectangle: a patch in it may own no pixel, and yet its moments are differences of such sums.
     double squares = 0;
     const auto add_rows = [&](const auto* entries) {
         for (int y = 0; y < height(); ++y)
@@ -6449,6 +6988,21 @@ Status ImageMesh<C>::check() const {
             if (fresh.q[k] != m.q[k]) return fail("an edge's moments are stale", e.index());
     }
     return {};
+}
+
+// --- places --------------------------------------------------------------------------------------------------------
+
+template <int C>
+Point ImageMesh<C>::clamp(Point p, Mobility mobility) const noexcept {
+    const auto held = [gap = limits_.border_gap](double x, int size, int image_low, int image_size) {
+        const double low = image_low == 0 ? gap : 0, high = image_low + image_size == size ? size - gap : size;
+        return snap(std::max(low, std::min(high, x)));
+    };
+    const Rect& image = context_.image;
+    Point q = p;
+    if (mobility == Mobility::free || mobility == Mobility::along_x) q.x = held(p.x, width(), image.x, image.width);
+    if (mobility == Mobility::free || mobility == Mobility::along_y) q.y = held(p.y, height(), image.y, image.height);
+    return q;
 }
 
 // --- edits ---------------------------------------------------------------------------------------------------------
@@ -6547,12 +7101,13 @@ void ImageMesh<C>::collapse(Halfedge h) {
 
 // ---- hmesh/edit/move.hpp
 
-// hmesh - vertices: move one vertex, or all in turn, to where the picture fits best.
-//
-// One visit: the vertex's colour goes to its optimum, and one Gauss-Newton step with the colour eliminated is tried; it
-// stays if the exact energy of the ring falls. Gauss-Seidel over such visits beats a joint Levenberg-Marquardt step by
-// far (the normal equations are mass-like, so there is no long-range coupling to profit from). A visit walks each spoke
-// once and evaluates the ring twice, some 0.6 us.
+/// \file
+/// Vertices: move one vertex, or all in turn, to where the picture fits best.
+///
+/// One visit: the vertex's colour goes to its optimum, and one Gauss-Newton step with the colour eliminated is tried; it
+/// stays if the exact energy of the ring falls. Gauss-Seidel over such visits beats a joint Levenberg-Marquardt step by
+/// far (the normal equations are mass-like, so there is no long-range coupling to profit from). A visit walks each spoke
+/// once and evaluates the ring twice, some 0.6 us.
 #ifndef HMESH_EDIT_MOVE_HPP
 #define HMESH_EDIT_MOVE_HPP
 
@@ -6562,7 +7117,7 @@ void ImageMesh<C>::collapse(Halfedge h) {
 
 namespace hmesh::kit {
 
-// The state of a ring's centre, and what the ring costs with it.
+/// The state of a ring's centre, and what the ring costs with it.
 template <int C>
 struct RingCenter {
     Point position;
@@ -6572,7 +7127,7 @@ struct RingCenter {
 
 namespace detail {
 
-// The longest step that is tried: 0.6 of the root mean square length of a ring's spokes.
+/// The longest step that is tried: 0.6 of the root mean square length of a ring's spokes.
 template <int C>
 [[nodiscard]] inline double step_cap(const Ring<C>& ring, Point v) noexcept {
     double sum = 0;
@@ -6585,7 +7140,7 @@ template <int C>
 
 }  // namespace detail
 
-// Workspace of one ring optimisation, too large to clear on every call.
+/// Workspace of one ring optimisation, too large to clear on every call.
 template <int C>
 struct RingScratch {
     Ring<C> ring;
@@ -6593,12 +7148,12 @@ struct RingScratch {
     FaceFit<C> faces[ring_capacity], trial_faces[ring_capacity];
 };
 
-// What optimise_centre() did.
+/// What optimise_centre() did.
 enum class RingOutcome { degenerate, recolored, moved };
 
-// Optimises the centre of scratch.ring: `centre` holds position and colour on entry and the best found on return, with its
-// energy; scratch.spokes and scratch.faces belong to it. `least` is the predicted decrease below which no step is tried.
-// degenerate: a face is smaller than limits allow, nothing done.
+/// Optimises the centre of scratch.ring: `centre` holds position and colour on entry and the best found on return, with its
+/// energy; scratch.spokes and scratch.faces belong to it. `least` is the predicted decrease below which no step is tried.
+/// degenerate: a face is smaller than limits allow, nothing done.
 template <int C>
 RingOutcome optimize_center(const ImageMesh<C>& mesh, RingScratch<C>& scratch, Mobility mobility, double least, bool may_move,
                             RingCenter<C>& center) {
@@ -6643,7 +7198,7 @@ RingOutcome optimize_center(const ImageMesh<C>& mesh, RingScratch<C>& scratch, M
     return RingOutcome::recolored;
 }
 
-// One visit of v; returns by how much the energy fell, >= 0. Steps that promise less than `least` are not tried.
+/// One visit of v; returns by how much the energy fell, >= 0. Steps that promise less than `least` are not tried.
 template <int C>
 double improve_vertex(ImageMesh<C>& mesh, Vertex v, double least) {
     if (mesh.vertex(v).mobility == Mobility::locked) return 0;
@@ -6659,7 +7214,7 @@ double improve_vertex(ImageMesh<C>& mesh, Vertex v, double least) {
     return before - center.energy;
 }
 
-// Visits all vertices that are due, in spatial order; returns by how much the energy fell.
+/// Visits all vertices that are due, in spatial order; returns by how much the energy fell.
 template <int C>
 double sweep(ImageMesh<C>& mesh, const Tolerance& tolerance = {}) {
     const double start = mesh.energy();
@@ -6679,11 +7234,12 @@ double sweep(ImageMesh<C>& mesh, const Tolerance& tolerance = {}) {
 
 // ---- hmesh/edit/flip.hpp
 
-// hmesh - flips: turn edges where the other diagonal fits the picture better.
-//
-// A flip is judged with positions and colours held fixed: one edge walk and two face energies. It is kept if the energy
-// falls by more than a tolerance, so the total decreases strictly and the queue ends by itself. 26-44 % of the edges of a
-// fitted mesh are diagonals of non-convex quadrilaterals and cannot turn; minimum area covers that test.
+/// \file
+/// Flips: turn edges where the other diagonal fits the picture better.
+///
+/// A flip is judged with positions and colours held fixed: one edge walk and two face energies. It is kept if the energy
+/// falls by more than a tolerance, so the total decreases strictly and the queue ends by itself. 26-44 % of the edges of a
+/// fitted mesh are diagonals of non-convex quadrilaterals and cannot turn; minimum area covers that test.
 #ifndef HMESH_EDIT_FLIP_HPP
 #define HMESH_EDIT_FLIP_HPP
 
@@ -6693,16 +7249,16 @@ double sweep(ImageMesh<C>& mesh, const Tolerance& tolerance = {}) {
 
 namespace hmesh::kit {
 
-// What turning an edge would do: the new edge's moments and its faces' energies, valid until the mesh changes.
+/// What turning an edge would do: the new edge's moments and its faces' energies, valid until the mesh changes.
 template <int C>
 struct FlipTrial {
     Moments<C> moments;
-    double own = 0, opposite = 0;  // energies of face(halfedge(e)) and of the other
+    double own = 0, opposite = 0;  ///< energies of face(halfedge(e)) and of the other
     double decrease = 0;
 };
 
-// Whether the shape around e lets it turn: interior, both new faces at least limits.min_double_area. In a triangulation of the
-// plane, far corners with a convex quadrilateral between them have no other edge.
+/// Whether the shape around e lets it turn: interior, both new faces at least limits.min_double_area. In a triangulation of the
+/// plane, far corners with a convex quadrilateral between them have no other edge.
 template <int C>
 [[nodiscard]] HMESH_ALWAYS_INLINE bool is_flippable(const ImageMesh<C>& mesh, Edge e) {
     const HalfedgeMesh& topology = mesh.topology();
@@ -6715,7 +7271,7 @@ template <int C>
     return orient2d(p0, p3, p2) >= least && orient2d(p3, p1, p2) >= least;
 }
 
-// Whether e can turn: convex, and both far corners have room for one more edge.
+/// Whether e can turn: convex, and both far corners have room for one more edge.
 template <int C>
 [[nodiscard]] bool can_flip(const ImageMesh<C>& mesh, Edge e) {
     if (!is_flippable(mesh, e)) return false;
@@ -6725,7 +7281,7 @@ template <int C>
            mesh.can_gain_edge(topology.to_vertex(topology.next(HalfedgeMesh::opposite(a))));
 }
 
-// Evaluates turning e, which is_flippable.
+/// Evaluates turning e, which is_flippable.
 template <int C>
 void evaluate_flip(const ImageMesh<C>& mesh, Edge e, FlipTrial<C>& trial) {
     const HalfedgeMesh& topology = mesh.topology();
@@ -6745,7 +7301,7 @@ void evaluate_flip(const ImageMesh<C>& mesh, Edge e, FlipTrial<C>& trial) {
     trial.decrease = mesh.energy(topology.face(a)) + mesh.energy(topology.face(b)) - trial.own - trial.opposite;
 }
 
-// Turns e if that lowers the energy by more than `least` (and more than rounding). Returns the decrease, 0 if it stays.
+/// Turns e if that lowers the energy by more than `least` (and more than rounding). Returns the decrease, 0 if it stays.
 template <int C>
 double improve_edge(ImageMesh<C>& mesh, Edge e, double least) {
     const HalfedgeMesh& topology = mesh.topology();
@@ -6760,8 +7316,8 @@ double improve_edge(ImageMesh<C>& mesh, Edge e, double least) {
     return trial.decrease;
 }
 
-// Turns edges until none gains more than `least`, in units of the mean energy of a vertex: a stack in spatial order; the four
-// sides of each turned edge come up again. Vertices around turned edges become due. Returns the number of flips.
+/// Turns edges until none gains more than `least`, in units of the mean energy of a vertex: a stack in spatial order; the four
+/// sides of each turned edge come up again. Vertices around turned edges become due. Returns the number of flips.
 template <int C>
 std::size_t flip_edges(ImageMesh<C>& mesh, double least = 1e-4) {
     const HalfedgeMesh& topology = mesh.topology();
@@ -6792,10 +7348,11 @@ std::size_t flip_edges(ImageMesh<C>& mesh, double least = 1e-4) {
 
 // ---- hmesh/edit/relax.hpp
 
-// hmesh - relaxation: re-optimise a handful of vertices and their edges after a local change.
-//
-// What turns a change of topology into an honest trial: a removal, insertion or flip is judged by the energy after the
-// vertices around it have moved to their new optimum. A round visits each vertex, then tries each of their edges once.
+/// \file
+/// Relaxation: re-optimise a handful of vertices and their edges after a local change.
+///
+/// What turns a change of topology into an honest trial: a removal, insertion or flip is judged by the energy after the
+/// vertices around it have moved to their new optimum. A round visits each vertex, then tries each of their edges once.
 #ifndef HMESH_EDIT_RELAX_HPP
 #define HMESH_EDIT_RELAX_HPP
 
@@ -6805,7 +7362,7 @@ std::size_t flip_edges(ImageMesh<C>& mesh, double least = 1e-4) {
 
 namespace hmesh::kit {
 
-// At most `rounds` rounds; steps that promise less energy than `least` are not tried.
+/// At most `rounds` rounds; steps that promise less energy than `least` are not tried.
 template <int C>
 void relax(ImageMesh<C>& mesh, const std::vector<Vertex>& vertices, int rounds, double least) {
     const HalfedgeMesh& topology = mesh.topology();
@@ -6837,13 +7394,14 @@ void relax(ImageMesh<C>& mesh, const std::vector<Vertex>& vertices, const Relaxa
 
 // ---- hmesh/edit/collapse.hpp
 
-// hmesh - collapse: which vertex the mesh misses least.
-//
-// A vertex goes by merging it into one of its neighbours. The cost is the exact rise of the energy with the other
-// vertices held; the best of all neighbours is taken. Removing a batch of the cheapest that share no neighbour and
-// re-optimising around each is the second half of "insert too many, then remove": the best bargain in meshing
-// (+2 dB for 0.1 s on Lena, 1 %). Finding the cheapest collapse of a vertex costs up to (valence)^2 face energies, with
-// early exit about 1 us.
+/// \file
+/// Collapse: which vertex the mesh misses least.
+///
+/// A vertex goes by merging it into one of its neighbours. The cost is the exact rise of the energy with the other
+/// vertices held; the best of all neighbours is taken. Removing a batch of the cheapest that share no neighbour and
+/// re-optimising around each is the second half of "insert too many, then remove": the best bargain in meshing
+/// (+2 dB for 0.1 s on Lena, 1 %). Finding the cheapest collapse of a vertex costs up to (valence)^2 face energies, with
+/// early exit about 1 us.
 #ifndef HMESH_EDIT_COLLAPSE_HPP
 #define HMESH_EDIT_COLLAPSE_HPP
 
@@ -6856,16 +7414,16 @@ void relax(ImageMesh<C>& mesh, const std::vector<Vertex>& vertices, const Relaxa
 
 namespace hmesh::kit {
 
-// A half-edge along which its first vertex could go, and by how much the energy would rise.
+/// A half-edge along which its first vertex could go, and by how much the energy would rise.
 struct CollapseCandidate {
-    Halfedge halfedge;  // invalid: the vertex cannot go
+    Halfedge halfedge;  ///< invalid: the vertex cannot go
     double cost = std::numeric_limits<double>::max();
 };
 
 namespace detail {
 
-// The energy of the faces that fill the ring when its centre goes into neighbour j; the largest double as soon as it reaches
-// `bound` or a face would be too small.
+/// The energy of the faces that fill the ring when its centre goes into neighbour j; the largest double as soon as it reaches
+/// `bound` or a face would be too small.
 template <int C>
 [[nodiscard]] double filled_energy(const ImageMesh<C>& mesh, const Ring<C>& ring, int j, double bound) {
     constexpr double never = std::numeric_limits<double>::max();
@@ -6904,7 +7462,7 @@ template <int C>
 
 }  // namespace detail
 
-// The cheapest way to remove v. Corners and frozen vertices cannot go, and border vertices only along their side.
+/// The cheapest way to remove v. Corners and frozen vertices cannot go, and border vertices only along their side.
 template <int C>
 [[nodiscard]] CollapseCandidate cheapest_collapse(const ImageMesh<C>& mesh, RingScratch<C>& scratch, Vertex v) {
     const HalfedgeMesh& topology = mesh.topology();
@@ -6929,8 +7487,8 @@ template <int C>
     return best;
 }
 
-// Removes up to `count` of the cheapest vertices that share no neighbour, and re-optimises the ring of each. Returns how
-// many.
+/// Removes up to `count` of the cheapest vertices that share no neighbour, and re-optimises the ring of each. Returns how
+/// many.
 template <int C>
 std::size_t remove_batch(ImageMesh<C>& mesh, std::size_t count, const Relaxation& relaxation) {
     const HalfedgeMesh& topology = mesh.topology();
@@ -6970,12 +7528,13 @@ std::size_t remove_batch(ImageMesh<C>& mesh, std::size_t count, const Relaxation
 
 // ---- hmesh/edit/insert.hpp
 
-// hmesh - insertion: where one more vertex lowers the energy most.
-//
-// A candidate splits an edge at its midpoint or a face at its centroid; its gain is exact for the colour that fits best
-// there (and, when asked, after one Gauss-Newton step), all other vertices held. Inserting a batch of the best that touch
-// no common face and optimising in between is nearly as good as one at a time, and far faster. A candidate costs 3 or 4
-// short walks, about 0.2 us.
+/// \file
+/// Insertion: where one more vertex lowers the energy most.
+///
+/// A candidate splits an edge at its midpoint or a face at its centroid; its gain is exact for the colour that fits best
+/// there (and, when asked, after one Gauss-Newton step), all other vertices held. Inserting a batch of the best that touch
+/// no common face and optimising in between is nearly as good as one at a time, and far faster. A candidate costs 3 or 4
+/// short walks, about 0.2 us.
 #ifndef HMESH_EDIT_INSERT_HPP
 #define HMESH_EDIT_INSERT_HPP
 
@@ -6988,26 +7547,25 @@ std::size_t remove_batch(ImageMesh<C>& mesh, std::size_t count, const Relaxation
 
 namespace hmesh::kit {
 
-// A vertex that could be inserted: in `edge` if that is valid, else in `face`.
+/// A vertex that could be inserted: in `edge` if that is valid, else in `face`.
 template <int C>
 struct InsertionCandidate {
     Edge edge;
     Face face;
     RingCenter<C> center;
-    double gain = 0;    // decrease of the energy
-    bool fits = false;  // whether the new faces are large enough
+    double gain = 0;    ///< decrease of the energy
+    bool fits = false;  ///< whether the new faces are large enough
 };
 
-// Which candidates are considered, and how closely.
+/// Which candidates are considered, and how closely.
 struct InsertionOptions {
-    bool faces = false;     // consider centroids of faces too
-    bool may_move = false;  // one Gauss-Newton step before judging
-    double least_gain = 0;  // candidates must gain more
+    bool faces = false;     ///< consider centroids of faces too
+    bool may_move = false;  ///< one Gauss-Newton step before judging
 };
 
 namespace detail {
 
-// `scratch` holds the ring and its spokes around candidate.centre.
+/// `scratch` holds the ring and its spokes around candidate.centre.
 template <int C>
 void judge_candidate(const ImageMesh<C>& mesh, RingScratch<C>& scratch, Mobility mobility, bool may_move, double before,
                      InsertionCandidate<C>& candidate) {
@@ -7018,7 +7576,7 @@ void judge_candidate(const ImageMesh<C>& mesh, RingScratch<C>& scratch, Mobility
 
 }  // namespace detail
 
-// A vertex in the middle of e with its best colour and, if it may, moved by a step. `scratch` is overwritten.
+/// A vertex in the middle of e with its best colour and, if it may, moved by a step. `scratch` is overwritten.
 template <int C>
 [[nodiscard]] InsertionCandidate<C> edge_candidate(const ImageMesh<C>& mesh, RingScratch<C>& scratch, Edge e, bool may_move) {
     const HalfedgeMesh& topology = mesh.topology();
@@ -7060,7 +7618,7 @@ template <int C>
     return candidate;
 }
 
-// The same at the centroid of f.
+/// The same at the centroid of f.
 template <int C>
 [[nodiscard]] InsertionCandidate<C> face_candidate(const ImageMesh<C>& mesh, RingScratch<C>& scratch, Face f, bool may_move) {
     const HalfedgeMesh& topology = mesh.topology();
@@ -7086,14 +7644,14 @@ template <int C>
     return candidate;
 }
 
-// Splits the candidate's edge or face. The candidate must be of the mesh as it is.
+/// Splits the candidate's edge or face. The candidate must be of the mesh as it is.
 template <int C>
 Vertex insert(ImageMesh<C>& mesh, const InsertionCandidate<C>& candidate) {
     return candidate.edge.is_valid() ? mesh.split(candidate.edge, candidate.center.position, candidate.center.color)
                                      : mesh.split(candidate.face, candidate.center.position, candidate.center.color);
 }
 
-// The vertices whose valence an insertion raises stay below the bound.
+/// The vertices whose valence an insertion raises stay below the bound.
 template <int C>
 [[nodiscard]] bool can_gain_edge(const ImageMesh<C>& mesh, const InsertionCandidate<C>& candidate) {
     const HalfedgeMesh& topology = mesh.topology();
@@ -7109,7 +7667,7 @@ template <int C>
     return true;
 }
 
-// Where a vertex could go: an edge or a face, in 4 bytes.
+/// Where a vertex could go: an edge or a face, in 4 bytes.
 class InsertionSite {
   public:
     InsertionSite() noexcept = default;
@@ -7123,7 +7681,7 @@ class InsertionSite {
     std::uint32_t code_ = 0;
 };
 
-// That of the site's edge or face.
+/// That of the site's edge or face.
 template <int C>
 [[nodiscard]] InsertionCandidate<C> candidate_at(const ImageMesh<C>& mesh, RingScratch<C>& scratch, InsertionSite site,
                                                  bool may_move) {
@@ -7131,7 +7689,7 @@ template <int C>
                           : face_candidate(mesh, scratch, site.face(), may_move);
 }
 
-// What a vertex at the site could gain at most: the energy of the faces that it splits.
+/// What a vertex at the site could gain at most: the energy of the faces that it splits.
 template <int C>
 [[nodiscard]] double most_gain(const ImageMesh<C>& mesh, InsertionSite site) {
     if (!site.is_edge()) return mesh.energy(site.face());
@@ -7142,7 +7700,7 @@ template <int C>
     return sum;
 }
 
-// Each edge once (and each face), in spatial order.
+/// Each edge once (and each face), in spatial order.
 template <int C>
 [[nodiscard]] std::vector<InsertionSite> insertion_sites(const ImageMesh<C>& mesh, bool faces) {
     const HalfedgeMesh& topology = mesh.topology();
@@ -7155,9 +7713,9 @@ template <int C>
     return sites;
 }
 
-// The most rewarding sites for `count` vertices and some more, by falling gain (ties: in spatial order). The rewards of the
-// sites with the most to gain tell how much the others must have for being worth a walk. Gains are compared as floats: this
-// is the peak of the memory, 16 bytes a site.
+/// The most rewarding sites for `count` vertices and some more, by falling gain (ties: in spatial order). The rewards of the
+/// sites with the most to gain tell how much the others must have for being worth a walk. Gains are compared as floats: this
+/// is the peak of the memory, 16 bytes a site.
 template <int C>
 [[nodiscard]] std::vector<InsertionSite> best_sites(const ImageMesh<C>& mesh, std::size_t count,
                                                     const InsertionOptions& options) {
@@ -7168,15 +7726,14 @@ template <int C>
     const std::vector<InsertionSite> sites = insertion_sites(mesh, options.faces);
     const double scale = mesh.energy() > 0 ? 1 / mesh.mean_energy() : 0;  // of the floats, whatever the unit of samples
     const auto bound = [&](std::size_t k) { return static_cast<float>(scale * most_gain(mesh, sites[k])); };
-    const auto least = static_cast<float>(scale * options.least_gain);
     const std::size_t wanted = 2 * count;  // about half of them touch a better one
     std::vector<float> values;
     values.reserve(sites.size());
     const auto nth_largest = [&] {
-        if (wanted >= values.size()) return least;
+        if (wanted >= values.size()) return 0.0F;
         const auto nth = values.begin() + static_cast<std::ptrdiff_t>(wanted);
         std::nth_element(values.begin(), nth, values.end(), std::greater<>());
-        return std::max(*nth, least);
+        return std::max(*nth, 0.0F);
     };
     std::vector<Gain> gains;
     gains.reserve(sites.size());
@@ -7199,7 +7756,7 @@ template <int C>
     for (const Gain& g : gains) values.push_back(g.gain);
     evaluate(nth_largest(), first_cut);
 
-    gains.erase(std::remove_if(gains.begin(), gains.end(), [&](const Gain& g) { return !(g.gain > least); }), gains.end());
+    gains.erase(std::remove_if(gains.begin(), gains.end(), [&](const Gain& g) { return !(g.gain > 0); }), gains.end());
     const auto better = [](const Gain& a, const Gain& b) { return a.gain > b.gain || (a.gain == b.gain && a.site < b.site); };
     if (gains.size() > 2 * wanted) {
         std::nth_element(gains.begin(), gains.begin() + static_cast<std::ptrdiff_t>(2 * wanted), gains.end(), better);
@@ -7212,8 +7769,8 @@ template <int C>
     return best;
 }
 
-// Inserts up to `count` vertices at the best sites that share no face, then flips and visits around each. Returns how
-// many. Neighbours become due.
+/// Inserts up to `count` vertices at the best sites that share no face, then flips and visits around each. Returns how
+/// many. Neighbours become due.
 template <int C>
 std::size_t insert_batch(ImageMesh<C>& mesh, std::size_t count, const InsertionOptions& options) {
     const HalfedgeMesh& topology = mesh.topology();
@@ -7259,10 +7816,12 @@ std::size_t insert_batch(ImageMesh<C>& mesh, std::size_t count, const InsertionO
 
 // ---- hmesh/core/indexed_heap.hpp
 
-// hmesh - IndexedHeap: a binary min-heap of ids whose keys can change.
-//
-// Ids are small integers, each at most once in the heap. push, update, pop and erase cost O(log n); contains and top
-// O(1). Equal keys leave in the order of their ids, so that results never depend on the history of the heap.
+/// \file
+/// IndexedHeap: a binary min-heap of ids whose keys can change.
+///
+/// Ids are small integers, each at most once in the heap. push, update, pop and erase cost O(log n); contains and top O(1).
+/// Memory follows the largest id. Equal keys leave in the order of their ids, so that results never depend on the history of
+/// the heap.
 #ifndef HMESH_CORE_INDEXED_HEAP_HPP
 #define HMESH_CORE_INDEXED_HEAP_HPP
 
@@ -7272,29 +7831,31 @@ std::size_t insert_batch(ImageMesh<C>& mesh, std::size_t count, const InsertionO
 
 namespace hmesh::kit {
 
+/// A binary min-heap of ids whose keys can change.
 class IndexedHeap {
   public:
-    using Id = std::uint32_t;
+    using Id = std::uint32_t;  ///< a small integer
+    /// An id with its key.
     struct Entry {
-        double key;
-        Id id;
+        double key;  ///< not NaN
+        Id id;       ///< breaks ties between equal keys
     };
 
-    [[nodiscard]] bool empty() const noexcept { return heap_.empty(); }
-    [[nodiscard]] std::size_t size() const noexcept { return heap_.size(); }
-    [[nodiscard]] bool contains(Id id) const noexcept { return id < slot_of_.size() && slot_of_[id] != absent; }
-    // Of an id that is there.
+    [[nodiscard]] bool empty() const noexcept { return heap_.empty(); }       ///< whether no id is in the heap
+    [[nodiscard]] std::size_t size() const noexcept { return heap_.size(); }  ///< number of ids in the heap
+    [[nodiscard]] bool contains(Id id) const noexcept { return id < slot_of_.size() && slot_of_[id] != absent; }  ///< O(1)
+    /// The key of an id that is in the heap.
     [[nodiscard]] double key(Id id) const noexcept {
         HMESH_ASSERT(contains(id));
         return heap_[slot_of_[id]].key;
     }
-    // The entry with the least key; the heap is not empty.
+    /// The entry with the smallest key; the heap must not be empty.
     [[nodiscard]] Entry top() const noexcept {
         HMESH_ASSERT(!empty());
         return heap_.front();
     }
 
-    // Inserts `id`, or changes its key when it is there already. The key must not be NaN.
+    /// Inserts `id`, or changes its key when it is in the heap already. The key must not be NaN.
     void push(Id id, double key) {
         HMESH_ASSERT(key == key);
         if (id >= slot_of_.size()) slot_of_.resize(static_cast<std::size_t>(id) + 1, absent);
@@ -7307,7 +7868,7 @@ class IndexedHeap {
         }
     }
 
-    // Changes the key of an id that is there. The key must not be NaN.
+    /// Changes the key of an id that is in the heap. The key must not be NaN.
     void update(Id id, double key) {
         HMESH_ASSERT(contains(id) && key == key);
         const std::size_t slot = slot_of_[id];
@@ -7315,14 +7876,14 @@ class IndexedHeap {
         sift_down(sift_up(slot));
     }
 
-    // Takes out top().
+    /// Removes and returns top().
     Entry pop() {
-        const Entry least = top();
-        erase(least.id);
-        return least;
+        const Entry first = top();
+        erase(first.id);
+        return first;
     }
 
-    // Takes out an id that is there.
+    /// Removes an id that is in the heap.
     void erase(Id id) {
         HMESH_ASSERT(contains(id));
         const std::size_t slot = slot_of_[id];
@@ -7334,7 +7895,7 @@ class IndexedHeap {
         sift_down(sift_up(slot));
     }
 
-    // O(size()), whatever ids there were before.
+    /// Removes all ids. O(size()), whatever ids were in the heap before.
     void clear() noexcept {
         for (const Entry& entry : heap_) slot_of_[entry.id] = absent;
         heap_.clear();
@@ -7381,11 +7942,12 @@ class IndexedHeap {
 
 // ---- hmesh/edit/subdivide.hpp
 
-// hmesh - subdivision: more vertices where the picture asks for none.
-//
-// A constant or affine picture gains nothing from another vertex, yet a caller who asked for n gets n. The face of largest
-// area is split at its longest edge, or at its centroid where the edge cannot be, O(log n) each. An image of p pixels
-// takes p vertices this way: among their 2 p faces one has the mean area, 1/2 px^2, far above the least.
+/// \file
+/// Subdivision: more vertices where the picture asks for none.
+///
+/// A constant or affine picture gains nothing from another vertex, yet a caller who asked for n gets n. The face of largest
+/// area is split at its longest edge, or at its centroid where the edge cannot be, O(log n) each. An image of p pixels
+/// takes p vertices this way: among their 2 p faces one has the mean area, 1/2 px^2, far above the least.
 #ifndef HMESH_EDIT_SUBDIVIDE_HPP
 #define HMESH_EDIT_SUBDIVIDE_HPP
 
@@ -7394,7 +7956,7 @@ class IndexedHeap {
 
 namespace hmesh::kit {
 
-// Inserts `count` vertices; returns how many it could.
+/// Inserts `count` vertices; returns how many it could.
 template <int C>
 HMESH_COLD std::size_t subdivide(ImageMesh<C>& mesh, std::size_t count) {
     const HalfedgeMesh& topology = mesh.topology();
@@ -7437,11 +7999,12 @@ HMESH_COLD std::size_t subdivide(ImageMesh<C>& mesh, std::size_t count) {
 
 // ---- hmesh/core/random.hpp
 
-// hmesh - Random: a small generator that gives the same numbers on every machine.
-//
-// PCG-XSH-RR with 64 bits of state and 32 of output (M. O'Neill, "PCG: A family of simple fast space-efficient
-// statistically good algorithms for random number generation", 2014). The distributions of <random> are left to each
-// standard library, so hmesh has its own two.
+/// \file
+/// Random: a small random number generator that gives the same numbers on every machine.
+///
+/// PCG-XSH-RR with 64 bits of state and 32 of output (M. O'Neill, "PCG: A family of simple fast space-efficient statistically
+/// good algorithms for random number generation", 2014). The distributions of the standard library differ between
+/// implementations, so hmesh has two of its own.
 #ifndef HMESH_CORE_RANDOM_HPP
 #define HMESH_CORE_RANDOM_HPP
 
@@ -7450,16 +8013,17 @@ HMESH_COLD std::size_t subdivide(ImageMesh<C>& mesh, std::size_t count) {
 
 namespace hmesh::kit {
 
+/// A PCG-XSH-RR generator: 64 bits of state, 32 of output.
 class Random {
   public:
-    // Different streams of one seed are independent sequences: one per patch and phase.
+    /// Different streams of one seed are independent sequences: hmesh uses one per patch and phase.
     explicit Random(std::uint64_t seed, std::uint64_t stream = 0) noexcept : increment_((stream << 1U) | 1U) {
         next();
         state_ += seed;
         next();
     }
 
-    // 32 uniform bits.
+    /// 32 uniform random bits.
     std::uint32_t next() noexcept {
         const std::uint64_t old = state_;
         state_ = old * 6364136223846793005ULL + increment_;
@@ -7468,10 +8032,10 @@ class Random {
         return (shifted >> turn) | (shifted << ((32U - turn) & 31U));
     }
 
-    // Uniform in (0, 1): never 0, so that its logarithm is finite.
+    /// A uniform random number in (0, 1), never 0, so that its logarithm is finite.
     double uniform() noexcept { return (static_cast<double>(next()) + 0.5) * (1.0 / 4294967296.0); }
 
-    // Uniform in [0, n), n in [1, 2^32). The bias is below n / 2^32.
+    /// A uniform random integer in [0, n), n in [1, 2^32). The bias is below n / 2^32.
     std::size_t below(std::size_t n) noexcept {
         return static_cast<std::size_t>((static_cast<std::uint64_t>(next()) * static_cast<std::uint64_t>(n)) >> 32U);
     }
@@ -7487,13 +8051,14 @@ class Random {
 
 // ---- hmesh/methods/annealed/annealing.hpp
 
-// hmesh - annealing: priced moves with undo, the way to the best mesh for a budget.
-//
-// The ensemble is grand canonical: a vertex has the price mu, so meshes of n vertices minimise energy + mu n, and
-// vertices flow from where they are worth little to where they are worth much. Four kinds of move - remove, insert, flip,
-// jump - are each a transaction: do it, relax the surroundings, read the exact energy, then accept by Metropolis' rule at
-// temperature T or roll back to the last byte. Between sweeps the price is steered to the vertex target and T falls to 0.
-// Patches of one mesh share the price, so vertices flow between them too. A sweep costs 20 to 25 us a vertex for 3 channels.
+/// \file
+/// Annealing: priced moves with undo, the way to the best mesh for a budget.
+///
+/// The ensemble is grand canonical: a vertex has the price mu, so meshes of n vertices minimise energy + mu n, and
+/// vertices flow from where they are worth little to where they are worth much. Four kinds of move - remove, insert, flip,
+/// jump - are each a transaction: do it, relax the surroundings, read the exact energy, then accept by Metropolis' rule at
+/// temperature T or roll back to the last byte. Between sweeps the price is steered to the vertex target and T falls to 0.
+/// Patches of one mesh share the price, so vertices flow between them too. A sweep costs 20 to 25 us a vertex for 3 channels.
 #ifndef HMESH_METHODS_ANNEALED_ANNEALING_HPP
 #define HMESH_METHODS_ANNEALED_ANNEALING_HPP
 
@@ -7505,25 +8070,25 @@ class Random {
 
 namespace hmesh::kit {
 
-// What a sweep did.
+/// How many vertices went and came in a sweep.
 struct AnnealingCounts {
-    std::size_t removed = 0, inserted = 0, flipped = 0, jumped = 0;
+    std::size_t removed = 0, inserted = 0;
 };
 
-// What all patches of a mesh share: the price of a vertex, steered between sweeps, and the temperature.
+/// What all patches of a mesh share: the price of a vertex, steered between sweeps, and the temperature.
 class AnnealingSchedule {
   public:
-    // Toward `target` vertices, from a mesh with this mean energy of a vertex.
+    /// Toward `target` vertices, from a mesh with this mean energy of a vertex.
     AnnealingSchedule(const AnnealingOptions& options, std::size_t target, double mean_energy) noexcept
         : options_(options), target_(static_cast<double>(target)), price_(options.start_price * mean_energy) {}
 
     [[nodiscard]] double price() const noexcept { return price_; }
-    // Of sweep 0, 1, ..: T in units of energy.
+    /// Of sweep 0, 1, ..: T in units of energy.
     [[nodiscard]] double temperature(int sweep) const noexcept {
         return options_.temperature * std::pow(1 - static_cast<double>(sweep) / options_.sweeps, options_.cooling) * price_;
     }
-    // After a sweep: the price rises with the surplus of vertices and with its rate of growth. Weaker gains lose 0.04 to
-    // 0.08 dB.
+    /// After a sweep: the price rises with the surplus of vertices and with its rate of growth. Weaker gains lose 0.04 to
+    /// 0.08 dB.
     void steer(const AnnealingCounts& counts, std::size_t vertices, double mean_energy) noexcept {
         const double deviation = (static_cast<double>(vertices) - target_) / target_;
         const double rate = (static_cast<double>(counts.inserted) - static_cast<double>(counts.removed)) / target_;
@@ -7536,28 +8101,28 @@ class AnnealingSchedule {
     double target_, price_;
 };
 
-// How many vertices a sweep may leave.
+/// How many vertices a sweep may leave.
 struct CountRange {
     double least = 0, most = 0;
 };
 
-// One sweep over a mesh or a patch.
+/// One sweep over a mesh or a patch.
 template <int C>
 class AnnealingSweep {
   public:
-    // At this price and temperature, in units of energy. The mesh outlives the object.
+    /// At this price and temperature, in units of energy. The mesh outlives the object.
     AnnealingSweep(ImageMesh<C>& mesh, const AnnealingOptions& options, double price, double temperature, const CountRange& range,
                    const Random& random)
         : mesh_(&mesh), options_(options), price_(price), temperature_(temperature), least_(5e-3 * price), range_(range),
           random_(random) {}
 
-    // Removals, insertions, flips and jumps, then two sweeps over the vertices that are due, with flips in between.
+    /// Removals, insertions, flips and jumps, then two sweeps over the vertices that are due, with flips in between.
     AnnealingCounts run() {
         AnnealingCounts counts;
         counts.removed = remove_moves();
         counts.inserted = insert_moves();
-        counts.flipped = flip_moves();
-        counts.jumped = jump_moves();
+        flip_moves();
+        jump_moves();
         const double mean = mesh_->mean_energy();
         const Tolerance tolerance{1e-2, mean > 0 ? least_ / mean : 0};
         sweep(*mesh_, tolerance);
@@ -7567,8 +8132,8 @@ class AnnealingSweep {
     }
 
   private:
-    // A change since `mark`, when the energy was `before`, that costs `cost` by itself: surroundings settle in up to two
-    // rounds, then Metropolis' rule keeps the change or undoes it. Hopeless after one round, it does not get the second.
+    /// A change since `mark`, when the energy was `before`, that costs `cost` by itself: surroundings settle in up to two
+    /// rounds, then Metropolis' rule keeps the change or undoes it. Hopeless after one round, it does not get the second.
     template <class Round>
     bool accept_or_roll_back(const typename ImageMesh<C>::Mark& mark, double before, double cost, Round&& round) {
         const double allowed = before - cost - temperature_ * std::log(random_.uniform());
@@ -7587,7 +8152,8 @@ class AnnealingSweep {
         }
         return keep;
     }
-    void collect(Vertex v) {  // the neighbours of v
+    /// The neighbours of v.
+    void collect(Vertex v) {
         around_.clear();
         for (const Halfedge h : topology().outgoing(v)) around_.push_back(topology().to_vertex(h));
     }
@@ -7629,8 +8195,7 @@ class AnnealingSweep {
         return inserted;
     }
 
-    std::size_t flip_moves() {
-        std::size_t flipped = 0;
+    void flip_moves() {
         for (const Edge e : spatial_edges(*mesh_)) {
             if (!mesh_->keep_going()) break;
             if (!is_flippable(*mesh_, e)) continue;
@@ -7647,13 +8212,11 @@ class AnnealingSweep {
             const auto round = [&] {
                 for (const Vertex v : around_) improve_vertex(*mesh_, v, least_);
             };
-            if (accept_or_roll_back(mark, before, 1e-4 * price_, round)) ++flipped;
+            accept_or_roll_back(mark, before, 1e-4 * price_, round);
         }
-        return flipped;
     }
 
-    std::size_t jump_moves() {
-        std::size_t jumped = 0;
+    void jump_moves() {
         for (const Vertex v : spatial_vertices(*mesh_)) {
             if (!mesh_->keep_going()) break;
             const VertexState<C> state = mesh_->vertex(v);
@@ -7676,13 +8239,12 @@ class AnnealingSweep {
             collect(v);
             around_.insert(around_.begin(), v);
             mesh_->place(v, target, state.color);
-            if (accept_or_roll_back(mark, before, 1e-3 * price_, [&] { relax(*mesh_, around_, 1, least_); })) ++jumped;
+            accept_or_roll_back(mark, before, 1e-3 * price_, [&] { relax(*mesh_, around_, 1, least_); });
         }
-        return jumped;
     }
 
     [[nodiscard]] const HalfedgeMesh& topology() const noexcept { return mesh_->topology(); }
-    // Loops that may stop early begin anywhere, or the top of the image would get more of the budget.
+    /// Loops that may stop early begin anywhere, or the top of the image would get more of the budget.
     template <class Element>
     [[nodiscard]] std::vector<Element> rotated(std::vector<Element> elements) {
         if (!elements.empty())
@@ -7694,7 +8256,7 @@ class AnnealingSweep {
     ImageMesh<C>* mesh_;
     AnnealingOptions options_;
     double price_, temperature_;
-    double least_;  // steps that promise less are not tried
+    double least_;  ///< steps that promise less are not tried
     CountRange range_;
     Random random_;
     RingScratch<C> scratch_;
@@ -7707,10 +8269,11 @@ class AnnealingSweep {
 
 // ---- hmesh/tiles/indexed_mesh.hpp
 
-// hmesh - IndexedMesh: a mesh of any size between two phases of work, as arrays of vertices and an index list.
-//
-// Work happens in patches (tiles/patch.hpp), which have half-edges, moments and energies of their own; what remains in
-// between is this: about 100 bytes a vertex, and nothing a pixel.
+/// \file
+/// IndexedMesh: a mesh of any size between two phases of work, as arrays of vertices and an index list.
+///
+/// Work happens in patches (tiles/patch.hpp), which have half-edges, moments and energies of their own; what remains in
+/// between is this: about 100 bytes a vertex, and nothing a pixel.
 #ifndef HMESH_TILES_INDEXED_MESH_HPP
 #define HMESH_TILES_INDEXED_MESH_HPP
 
@@ -7722,16 +8285,16 @@ namespace hmesh::kit {
 
 template <int C>
 struct IndexedMesh {
-    int width = 0, height = 0;     // px of the image; the faces tile [0, width] x [0, height]
-    std::vector<Point> positions;  // on the 1/256 px grid
+    int width = 0, height = 0;     ///< px of the image; the faces tile [0, width] x [0, height]
+    std::vector<Point> positions;  ///< on the 1/256 px grid
     std::vector<Color<C>> colors;
-    std::vector<unsigned char> dirty;  // not 0: surroundings changed since the vertex was last optimised
+    std::vector<unsigned char> dirty;  ///< not 0: surroundings changed since the vertex was last optimised
     std::vector<Triangle> faces;
-    double energy = 0;  // as of the last phase of work
+    double energy = 0;  ///< as of the last phase of work
 
     [[nodiscard]] std::size_t vertex_count() const noexcept { return positions.size(); }
     [[nodiscard]] double mean_energy() const noexcept { return energy / static_cast<double>(vertex_count()); }
-    // A vertex that is due.
+    /// A vertex that is due.
     void add(Point position, const Color<C>& color) {
         positions.push_back(position);
         colors.push_back(color);
@@ -7739,8 +8302,8 @@ struct IndexedMesh {
     }
 };
 
-// Proves that the mesh is one: arrays of one length, vertices on the grid, triangles that turn the right way, meet edge to
-// edge without T-junctions, and tile the image. O(n log n).
+/// Proves that the mesh is one: arrays of one length, vertices on the grid, triangles that turn the right way, meet edge to
+/// edge without T-junctions, and tile the image. O(n log n).
 template <int C>
 [[nodiscard]] Status check(const IndexedMesh<C>& mesh) {
     const auto fail = [](const char* what, std::size_t where) -> Status {
@@ -7771,7 +8334,7 @@ template <int C>
     return {};
 }
 
-// The rectangle of an image as two faces, in the colours of its corners: where a method begins, and what a cancellation finds.
+/// The rectangle of an image as two faces, in the colours of its corners: where a method begins, and what a cancellation finds.
 template <int C>
 [[nodiscard]] HMESH_COLD IndexedMesh<C> corner_mesh(const ImageSource<C>& source) {
     IndexedMesh<C> mesh;
@@ -7783,7 +8346,23 @@ template <int C>
     return mesh;
 }
 
-// As plain arrays, the result of all work. `peak`: the colour value of full intensity.
+/// A mesh at work as arrays, vertices and faces in the order of its topology(): ImageMesh::assign() takes the arrays back. Of a mesh
+/// that is no patch.
+template <int C>
+[[nodiscard]] HMESH_COLD IndexedMesh<C> to_indexed_mesh(const ImageMesh<C>& from) {
+    IndexedMesh<C> to;
+    to.width = from.width();
+    to.height = from.height();
+    for (const Vertex v : from.topology().vertices()) {
+        to.add(from.position(v), from.color(v));
+        to.dirty.back() = from.is_dirty(v) ? 1 : 0;
+    }
+    to.faces = from.topology().triangles();
+    to.energy = from.energy();
+    return to;
+}
+
+/// As plain arrays, the result of all work. `peak`: the colour value of full intensity.
 template <int C>
 [[nodiscard]] HMESH_COLD Mesh to_mesh(const IndexedMesh<C>& from, double peak) {
     Mesh to;
@@ -7801,8 +8380,9 @@ template <int C>
     to.faces = from.faces;
     return to;
 }
-// From plain arrays, to go on working on a mesh; its energy is not known. Empty where the mesh has not C channels or its arrays
-// are not of one number of vertices; whether it tiles its image is for check() to say.
+
+/// From plain arrays, to go on working on a mesh; its energy is not known. Empty where the mesh has not C channels or its arrays
+/// are not of one number of vertices; whether it tiles its image is for check() to say.
 template <int C>
 [[nodiscard]] IndexedMesh<C> to_indexed_mesh(const Mesh& from) {
     IndexedMesh<C> to;
@@ -7824,7 +8404,8 @@ template <int C>
 
 // ---- hmesh/tiles/tiling.hpp
 
-// hmesh - Tiling: the image cut into tiles, the units of work (tiles/patch.hpp).
+/// \file
+/// Tiling: the image cut into tiles, the units of work (tiles/patch.hpp).
 #ifndef HMESH_TILES_TILING_HPP
 #define HMESH_TILES_TILING_HPP
 
@@ -7834,24 +8415,24 @@ template <int C>
 
 namespace hmesh::kit {
 
-// The plane cut by vertical and horizontal lines at whole pixels. Tile (i, j) is [lines_x[i], lines_x[i + 1]) times
-// [lines_y[j], lines_y[j + 1]); tiles are numbered row after row.
+/// The plane cut by vertical and horizontal lines at whole pixels. Tile (i, j) is [lines_x[i], lines_x[i + 1]) times
+/// [lines_y[j], lines_y[j + 1]); tiles are numbered row after row.
 class Tiling {
   public:
-    // Of an image of this size into tiles as equal as can be, of about `tile` px; shifted by half a tile to the left or
-    // upwards where asked, so that tiles at the border are half as wide.
+    /// Of an image of this size into tiles as equal as can be, of about `tile` px; shifted by half a tile to the left or
+    /// upwards where asked, so that tiles at the border are half as wide.
     Tiling(int width, int height, double tile, bool shift_x = false, bool shift_y = false)
         : x_(lines(width, tile, shift_x)), y_(lines(height, tile, shift_y)) {}
 
     [[nodiscard]] std::size_t columns() const noexcept { return x_.size() - 1; }
     [[nodiscard]] std::size_t rows() const noexcept { return y_.size() - 1; }
     [[nodiscard]] std::size_t size() const noexcept { return columns() * rows(); }
-    // The pixels of a tile.
+    /// The pixels of a tile.
     [[nodiscard]] Rect rect(std::size_t tile) const noexcept {
         const std::size_t i = tile % columns(), j = tile / columns();
         return {x_[i], y_[j], x_[i + 1] - x_[i], y_[j + 1] - y_[j]};
     }
-    // The tile that holds a point of the image.
+    /// The tile that holds a point of the image.
     [[nodiscard]] std::size_t tile_at(Point p) const noexcept { return find(y_, p.y) * columns() + find(x_, p.x); }
 
   private:
@@ -7878,16 +8459,17 @@ class Tiling {
 
 // ---- hmesh/tiles/patch.hpp
 
-// hmesh - patches: cut a mesh into tiles, work on each by itself, put them together again.
-//
-// A patch is the part of the mesh whose triangles have their centroid in one tile, as an ImageMesh with local coordinates
-// and a moment table of its own bounding box: about 3 MB at 256 px, so it stays in cache, and sums stay small, so no image
-// is too wide. A vertex is free in a patch when all its triangles are in it; the others are frozen. So patches share
-// nothing that changes and may be worked on in any order, on any number of threads, with the same result to the last bit.
-// Phases shift the tiling by half a tile, so that every vertex is free in turn.
-//
-// A patch may have holes, several components, and frozen vertices where two fans of it meet: those it holds once a fan.
-// Cutting and putting back costs about 1 us a vertex and the table 5 ns a pixel.
+/// \file
+/// Patches: cut a mesh into tiles, work on each by itself, put them together again.
+///
+/// A patch is the part of the mesh whose triangles have their centroid in one tile, as an ImageMesh with local coordinates
+/// and a moment table of its own bounding box: about 3 MB at 256 px, so it stays in cache, and sums stay small, so no image
+/// is too wide. A vertex is free in a patch when all its triangles are in it; the others are frozen. So patches share
+/// nothing that changes and may be worked on in any order, on any number of threads, with the same result to the last bit.
+/// Phases shift the tiling by half a tile, so that every vertex is free in turn.
+///
+/// A patch may have holes, several components, and frozen vertices where two fans of it meet: those it holds once a fan.
+/// Cutting and putting back costs about 1 us a vertex and the table 5 ns a pixel.
 #ifndef HMESH_TILES_PATCH_HPP
 #define HMESH_TILES_PATCH_HPP
 
@@ -7902,15 +8484,15 @@ namespace hmesh::kit {
 
 namespace detail {
 
-// Which triangles each tile has, and in which tile each vertex is free.
+/// Which triangles each tile has, and in which tile each vertex is free.
 struct Cut {
     static constexpr std::uint32_t locked = 0xffffffffU;
-    std::vector<std::uint32_t> triangles;  // those of tile k: [first[k], first[k + 1])
+    std::vector<std::uint32_t> triangles;  ///< those of tile k: [first[k], first[k + 1])
     std::vector<std::size_t> first;
-    std::vector<std::uint32_t> owner;           // of a vertex: the tile where it is free, or frozen
-    std::vector<std::uint32_t> number;          // of a vertex: its number among those free in its tile, or among the frozen
-    std::vector<std::uint16_t> triangle_count;  // of a vertex, in the whole mesh
-    std::vector<std::size_t> free_count;        // of a tile
+    std::vector<std::uint32_t> owner;           ///< of a vertex: the tile where it is free, or frozen
+    std::vector<std::uint32_t> number;          ///< of a vertex: its number among those free in its tile, or among the frozen
+    std::vector<std::uint16_t> triangle_count;  ///< of a vertex, in the whole mesh
+    std::vector<std::size_t> free_count;        ///< of a tile
     std::size_t frozen_count = 0;
 };
 
@@ -7945,12 +8527,12 @@ template <int C>
     return cut;
 }
 
-// A tile's triangles with vertices numbered anew: first those that are free, by Cut::number, then the frozen ones, once for
-// each fan of triangles around them.
+/// A tile's triangles with vertices numbered anew: first those that are free, by Cut::number, then the frozen ones, once for
+/// each fan of triangles around them.
 struct PatchTriangles {
     struct Frozen {
-        std::uint32_t vertex;  // of the whole mesh
-        int triangle_count;    // of this fan
+        std::uint32_t vertex;  ///< of the whole mesh
+        int triangle_count;    ///< of this fan
     };
     std::vector<Triangle> triangles;
     std::vector<Frozen> locked;
@@ -8006,19 +8588,19 @@ template <int C>
     return patch;
 }
 
-// What becomes of a patch, in the plane of the whole image.
+/// What becomes of a patch, in the plane of the whole image.
 template <int C>
 struct PatchResult {
-    std::vector<Point> positions;  // of free vertices
+    std::vector<Point> positions;  ///< of free vertices
     std::vector<Color<C>> colors;
     std::vector<unsigned char> dirty;
-    std::vector<Triangle> triangles;    // free vertices by their place above, frozen ones after them
-    std::vector<std::uint32_t> locked;  // of the whole mesh, may repeat
+    std::vector<Triangle> triangles;    ///< free vertices by their place above, frozen ones after them
+    std::vector<std::uint32_t> locked;  ///< of the whole mesh, may repeat
     std::vector<std::uint32_t> locked_dirty;
     double energy = 0;
 };
 
-// A tile's part of the whole that nobody worked on. Its energy is not known.
+/// A tile's part of the whole that nobody worked on. Its energy is not known.
 template <int C>
 [[nodiscard]] HMESH_COLD PatchResult<C> unchanged(const IndexedMesh<C>& whole, const Cut& cut, std::size_t tile) {
     PatchResult<C> out;
@@ -8047,11 +8629,11 @@ template <int C>
 
 }  // namespace detail
 
-// A tile's part of a whole mesh, as an ImageMesh over a table of its own.
+/// A tile's part of a whole mesh, as an ImageMesh over a table of its own.
 template <int C>
 class Patch {
   public:
-    // `table`: a table to use if it is that of the patch's rectangle; it is taken.
+    /// `table`: a table to use if it is that of the patch's rectangle; it is taken.
     HMESH_COLD Patch(const IndexedMesh<C>& whole, const ImageSource<C>& source, const detail::Cut& cut, std::size_t tile,
                      const MeshLimits& limits, TaskProgress* task, MomentTable<C> table = {})
         : numbered_(detail::renumber(whole, cut, tile)), free_(cut.free_count[tile]) {
@@ -8100,13 +8682,13 @@ class Patch {
     Patch& operator=(const Patch&) = delete;
 
     [[nodiscard]] ImageMesh<C>& mesh() noexcept { return mesh_; }
-    // Gives its table away; the patch is of no more use.
+    /// Gives its table away; the patch is of no more use.
     [[nodiscard]] MomentTable<C> take_table() noexcept { return std::move(table_); }
     [[nodiscard]] std::size_t vertex_count() const noexcept { return mesh_.vertex_count(); }
-    // Vertices that may be changed: all but the frozen ones.
+    /// Vertices that may be changed: all but the frozen ones.
     [[nodiscard]] std::size_t free_count() const noexcept { return mesh_.vertex_count() - numbered_.locked.size(); }
 
-    // The patch as it is now, in spatial order.
+    /// The patch as it is now, in spatial order.
     [[nodiscard]] HMESH_COLD detail::PatchResult<C> result() const {
         detail::PatchResult<C> out;
         std::vector<std::uint32_t> number(mesh_.topology().vertex_slots());
@@ -8139,7 +8721,7 @@ class Patch {
 
   private:
     detail::PatchTriangles numbered_;
-    std::size_t free_;  // vertices [0, free_) were free at first, those after them are frozen, later ones are new
+    std::size_t free_;  ///< vertices [0, free_) were free at first, those after them are frozen, later ones are new
     Point origin_;
     MomentTable<C> table_;
     ImageMesh<C> mesh_;
@@ -8151,10 +8733,11 @@ class Patch {
 
 // ---- hmesh/tiles/tiled_mesh.hpp
 
-// hmesh - TiledMesh: a mesh of any size under work, patch by patch.
-//
-// What a method holds: the whole mesh, the image, and how to run pieces of work. for_each cuts the mesh along a tiling, lets
-// each patch be worked on through the executor, and merges the results: a serial part of about 0.2 us a vertex.
+/// \file
+/// TiledMesh: a mesh of any size under work, patch by patch.
+///
+/// What a method holds: the whole mesh, the image, and how to run pieces of work. for_each cuts the mesh along a tiling, lets
+/// each patch be worked on through the executor, and merges the results: a serial part of about 0.2 us a vertex.
 #ifndef HMESH_TILES_TILED_MESH_HPP
 #define HMESH_TILES_TILED_MESH_HPP
 
@@ -8170,7 +8753,10 @@ namespace hmesh::kit {
 template <int C>
 class TiledMesh {
   public:
-    // Over an image, a progress and an executor that outlive it.
+    /// Work on the mesh of one patch.
+    using MeshWork = FunctionRef<void(ImageMesh<C>& mesh)>;
+
+    /// Over an image, a progress and an executor that outlive it.
     TiledMesh(const ImageSource<C>& source, const MeshLimits& limits, ProgressReporter& progress,
               const ParallelFor& parallel_for = {})
         : source_(&source), limits_(limits), progress_(&progress), parallel_for_(parallel_for) {}
@@ -8179,20 +8765,20 @@ class TiledMesh {
     [[nodiscard]] const MeshLimits& limits() const noexcept { return limits_; }
     [[nodiscard]] ProgressReporter& progress() const noexcept { return *progress_; }
     [[nodiscard]] const ParallelFor& parallel_for() const noexcept { return parallel_for_; }
-    // The mesh between phases, in spatial order.
+    /// The mesh between phases, in spatial order.
     [[nodiscard]] IndexedMesh<C>& indexed() {
         put_back();
         return indexed_;
     }
-    // Of the mesh, which may go on being one patch.
+    /// Of the mesh, which may go on being one patch.
     [[nodiscard]] std::size_t vertex_count() const noexcept { return only_ ? only_->vertex_count() : indexed_.vertex_count(); }
     [[nodiscard]] double energy() const noexcept { return only_ ? only_->mesh().energy() : indexed_.energy; }
-    // Of a vertex, never below 0, where rounding may leave less than nothing.
+    /// Of a vertex, never below 0, where rounding may leave less than nothing.
     [[nodiscard]] double mean_energy() const noexcept { return std::max(0.0, energy()) / static_cast<double>(vertex_count()); }
 
-    // Calls work(patch, tile) for the patch of each tile that has triangles, then puts all together again. The pieces
-    // together are what the progress expects. Returns whether to go on; after a cancellation the mesh is valid, some patches
-    // being worked on in part and some not at all, and indexed().energy is not known any more.
+    /// Calls work(patch, tile) for the patch of each tile that has triangles, then puts all together again. The pieces
+    /// together are what the progress expects. Returns whether to go on; after a cancellation the mesh is valid, some patches
+    /// being worked on in part and some not at all, and indexed().energy is not known any more.
     HMESH_COLD bool for_each(const Tiling& tiling, FunctionRef<void(Patch<C>& patch, std::size_t tile)> work) {
         if (tiling.size() == 1) {
             work_on_only(work);
@@ -8212,8 +8798,8 @@ class TiledMesh {
         return !progress_->stopped();
     }
 
-    // Calls look(patch, tile, faces) in the same way and changes nothing; faces[f] is the face of the whole mesh
-    // that is face f of the patch. After a cancellation patches may have been left out, unless `all`.
+    /// Calls look(patch, tile, faces) in the same way and changes nothing; faces[f] is the face of the whole mesh
+    /// that is face f of the patch. After a cancellation patches may have been left out, unless `all`.
     HMESH_COLD bool visit(const Tiling& tiling,
                           FunctionRef<void(Patch<C>& patch, std::size_t tile, const std::uint32_t* faces)> look,
                           bool all = false) {
@@ -8225,7 +8811,7 @@ class TiledMesh {
         return !progress_->stopped();
     }
 
-    // Computes the energy of indexed(), with the positions and colours that it has now.
+    /// Computes the energy of indexed(), with the positions and colours that it has now.
     HMESH_COLD void measure(const Tiling& tiling) {
         std::vector<double> energies(tiling.size(), 0.0);
         visit(
@@ -8235,7 +8821,7 @@ class TiledMesh {
     }
 
   private:
-    // Lets a mesh tell its progress as long as this lives, also if its work throws.
+    /// Lets a mesh tell its progress as long as this lives, also if its work throws.
     class TaskGuard {
       public:
         TaskGuard(ImageMesh<C>& mesh, TaskProgress& task) : mesh_(mesh) { mesh_.set_task(&task); }
@@ -8247,8 +8833,8 @@ class TiledMesh {
         ImageMesh<C>& mesh_;
     };
 
-    // Single-tile case: the one patch is kept alive between phases and put back only when indexed() is called. On the calling
-    // thread, so that the work may use the executor itself.
+    /// Single-tile case: the one patch is kept alive between phases and put back only when indexed() is called. On the calling
+    /// thread, so that the work may use the executor itself.
     HMESH_COLD void work_on_only(FunctionRef<void(Patch<C>&, std::size_t)> work) {
         if (!progress_->poll()) return;
         TaskProgress task(*progress_, 1);
@@ -8272,7 +8858,7 @@ class TiledMesh {
         only_.reset();
     }
 
-    // The patches that have triangles, the largest first; skip(tile) instead of work(patch, tile) once cancelled.
+    /// The patches that have triangles, the largest first; skip(tile) instead of work(patch, tile) once cancelled.
     HMESH_COLD void run(const detail::Cut& cut, FunctionRef<void(Patch<C>&, std::size_t)> work,
                         FunctionRef<void(std::size_t)> skip, bool all = false) {
         const auto count = [&](std::size_t k) { return cut.first[k + 1] - cut.first[k]; };
@@ -8335,8 +8921,8 @@ class TiledMesh {
     ProgressReporter* progress_;
     ParallelFor parallel_for_;
     IndexedMesh<C> indexed_;
-    std::unique_ptr<Patch<C>> only_;  // in place of whole_, where one patch is all of it
-    MomentTable<C> table_;            // of the whole image, for that patch: made once
+    std::unique_ptr<Patch<C>> only_;  ///< in place of whole_, where one patch is all of it
+    MomentTable<C> table_;            ///< of the whole image, for that patch: made once
 };
 
 }  // namespace hmesh::kit
@@ -8345,10 +8931,11 @@ class TiledMesh {
 
 // ---- hmesh/methods/annealed/budget.hpp
 
-// hmesh - budget: how many vertices each tile gets, and how a mesh comes to exactly n.
-//
-// Before there is a common price, tiles share the budget by the error of a mesh of equal density in each. A mesh that is
-// near n already gets there by quotas: the cheapest removals wherever they are, or insertions in proportion to the error.
+/// \file
+/// Budget: how many vertices each tile gets, and how a mesh comes to exactly n.
+///
+/// Before there is a common price, tiles share the budget by the error of a mesh of equal density in each. A mesh that is
+/// near n already gets there by quotas: the cheapest removals wherever they are, or insertions in proportion to the error.
 #ifndef HMESH_METHODS_ANNEALED_BUDGET_HPP
 #define HMESH_METHODS_ANNEALED_BUDGET_HPP
 
@@ -8361,15 +8948,15 @@ class TiledMesh {
 
 namespace hmesh::kit {
 
-// A tile's share of the budget: area (E / area)^p, E being the error in it of a mesh of equal density everywhere. Equal
-// returns from all tiles ask for p = 0.65 where error falls with the 0.53th power of the vertices (1.6 dB a doubling); on
-// mosaics of photographs 0.8 came out 0.05 dB above 0.65, 0.1 above 0.5 (fast).
+/// A tile's share of the budget: area (E / area)^p, E being the error in it of a mesh of equal density everywhere. Equal
+/// returns from all tiles ask for p = 0.65 where error falls with the 0.53th power of the vertices (1.6 dB a doubling); on
+/// mosaics of photographs 0.8 came out 0.05 dB above 0.65, 0.1 above 0.5 (fast).
 [[nodiscard]] inline double error_share(double area, double energy) noexcept {
     return area * std::pow(std::max(0.0, energy) / area, 0.8);
 }
 
-// `count` things shared in proportion to `weights` >= 0 (equally, where only 0 is left), none getting more than its cap;
-// whole numbers that sum to `count` as long as the caps do. O(size) for each cap that is met, at most `size` times.
+/// `count` things shared in proportion to `weights` >= 0 (equally, where only 0 is left), none getting more than its cap;
+/// whole numbers that sum to `count` as long as the caps do. O(size) for each cap that is met, at most `size` times.
 [[nodiscard]] inline std::vector<std::size_t> apportion(std::size_t count, std::vector<double> weights,
                                                         const std::vector<std::size_t>& caps) {
     const std::size_t size = weights.size();
@@ -8406,7 +8993,7 @@ namespace hmesh::kit {
 
 namespace detail {
 
-// Removes `count` vertices: the cheapest of all patches. Returns whether any went.
+/// Removes `count` vertices: the cheapest of all patches. Returns whether any went.
 template <int C>
 HMESH_COLD bool remove_cheapest(TiledMesh<C>& tiled, const Tiling& tiling, std::size_t count, const Relaxation& relaxation) {
     std::vector<std::size_t> quota(tiling.size(), count);
@@ -8441,7 +9028,7 @@ HMESH_COLD bool remove_cheapest(TiledMesh<C>& tiled, const Tiling& tiling, std::
     return tiled.vertex_count() < before;
 }
 
-// Inserts `count` vertices where the error is, at the best sites of each patch. Returns whether any came.
+/// Inserts `count` vertices where the error is, at the best sites of each patch. Returns whether any came.
 template <int C>
 HMESH_COLD bool insert_best(TiledMesh<C>& tiled, const Tiling& tiling, std::size_t count) {
     std::vector<double> energies(tiling.size(), 0.0);
@@ -8453,7 +9040,7 @@ HMESH_COLD bool insert_best(TiledMesh<C>& tiled, const Tiling& tiling, std::size
     const std::size_t before = tiled.vertex_count();
     tiled.for_each(tiling, [&](Patch<C>& patch, std::size_t tile) {
         for (std::size_t left = quota[tile]; left > 0;) {
-            const std::size_t inserted = insert_batch(patch.mesh(), left, {true, true, 0});
+            const std::size_t inserted = insert_batch(patch.mesh(), left, {true, true});
             if (inserted == 0) {  // nothing to gain
                 subdivide(patch.mesh(), left);
                 break;
@@ -8466,10 +9053,10 @@ HMESH_COLD bool insert_best(TiledMesh<C>& tiled, const Tiling& tiling, std::size
 
 }  // namespace detail
 
-// Brings the mesh to exactly n vertices, in patches of about `tile` px. Returns false where it could not: cancelled, or more
-// than n vertices none of which can go.
+/// Brings the mesh to exactly n vertices, in patches of about `tile` px. Returns false where it could not: cancelled, or more
+/// than n vertices none of which can go.
 template <int C>
-HMESH_COLD bool reach_vertex_count(TiledMesh<C>& tiled, std::size_t n, double tile, const Relaxation& relaxation) {
+HMESH_COLD bool reach_vertex_count(TiledMesh<C>& tiled, std::size_t n, double tile, const Relaxation& relaxation = {}) {
     const int width = tiled.source().width(), height = tiled.source().height();
     const auto count = [&] { return tiled.vertex_count(); };
     // Where one tiling is stuck, another may not be.
@@ -8491,14 +9078,15 @@ HMESH_COLD bool reach_vertex_count(TiledMesh<C>& tiled, std::size_t n, double ti
 
 // ---- hmesh/methods/annealed/seams.hpp
 
-// hmesh - seams: vertices on the straight line between two tiles, chosen before either tile has a mesh.
-//
-// Along a seam the picture is a curve, the mean of the pixels on both sides, and the mesh will show its interpolation
-// between the seam's nodes. Dynamic programming finds the nodes that minimise squared error + price * nodes exactly; a
-// price common to all seams shares a number of nodes among them. The nodes' colours are then the least-squares ones. Both
-// tiles see the same nodes, so they fit together without a T-junction.
-//
-// Nodes are at multiples of `step` px: with s = length / step places, a seam costs some s^2 / 2 evaluations of 5 ns.
+/// \file
+/// Seams: vertices on the straight line between two tiles, chosen before either tile has a mesh.
+///
+/// Along a seam the picture is a curve, the mean of the pixels on both sides, and the mesh will show its interpolation
+/// between the seam's nodes. Dynamic programming finds the nodes that minimise squared error + price * nodes exactly; a
+/// price common to all seams shares a number of nodes among them. The nodes' colours are then the least-squares ones. Both
+/// tiles see the same nodes, so they fit together without a T-junction.
+///
+/// Nodes are at multiples of `step` px: with s = length / step places, a seam costs some s^2 / 2 evaluations of 5 ns.
 #ifndef HMESH_METHODS_ANNEALED_SEAMS_HPP
 #define HMESH_METHODS_ANNEALED_SEAMS_HPP
 
@@ -8509,22 +9097,22 @@ HMESH_COLD bool reach_vertex_count(TiledMesh<C>& tiled, std::size_t n, double ti
 
 namespace hmesh::kit {
 
-// From (x, y), `length` px along a line at whole pixels: down if it is vertical, else to the right.
+/// From (x, y), `length` px along a line at whole pixels: down if it is vertical, else to the right.
 struct Seam {
     int x = 0, y = 0, length = 1;
     bool vertical = false;
 };
 
-// The nodes of a seam and their colours.
+/// The nodes of a seam and their colours.
 template <int C>
 struct SeamLine {
-    std::vector<int> offsets;  // px from the seam's start, in (0, length), rising
+    std::vector<int> offsets;  ///< px from the seam's start, in (0, length), rising
     std::vector<Color<C>> colors;
 };
 
 namespace detail {
 
-// The curve of a seam as prefix sums over its pixel rows j: of s, (j + 1/2) s and |s|^2, s the mean of both sides.
+/// The curve of a seam as prefix sums over its pixel rows j: of s, (j + 1/2) s and |s|^2, s the mean of both sides.
 template <int C>
 class SeamCurve {
   public:
@@ -8547,10 +9135,10 @@ class SeamCurve {
         }
     }
     [[nodiscard]] int length() const noexcept { return length_; }
-    // The picture at offset j: the mean of the four pixels around.
+    /// The picture at offset j: the mean of the four pixels around.
     [[nodiscard]] const Color<C>& value(int j) const noexcept { return values_[static_cast<std::size_t>(j)]; }
 
-    // For the rows between offsets a and b, with t from 0 to 1 between them: sums of (1 - t) s, t s and |s|^2.
+    /// For the rows between offsets a and b, with t from 0 to 1 between them: sums of (1 - t) s, t s and |s|^2.
     struct Part {
         Color<C> from, to;
         double squares;
@@ -8561,11 +9149,11 @@ class SeamCurve {
         const Color<C> to = (1.0 / (b - a)) * (moments_[k] - moments_[i] - static_cast<double>(a) * sum);
         return {sum - to, to, squares_[k] - squares_[i]};
     }
-    // Sums of t^2 and t (1 - t) over n rows; that of (1 - t)^2 equals the first.
+    /// Sums of t^2 and t (1 - t) over n rows; that of (1 - t)^2 equals the first.
     [[nodiscard]] static double square(int n) noexcept { return n / 3.0 - 1 / (12.0 * n); }
     [[nodiscard]] static double coupling(int n) noexcept { return n / 6.0 + 1 / (12.0 * n); }
 
-    // The squared error of interpolating between the values at a and b.
+    /// The squared error of interpolating between the values at a and b.
     [[nodiscard]] double error(int a, int b) const noexcept {
         const Part p = part(a, b);
         const Color<C>&ca = value(a), &cb = value(b);
@@ -8574,7 +9162,7 @@ class SeamCurve {
     }
 
   private:
-    // The mean of the pixels on both sides at row j.
+    /// The mean of the pixels on both sides at row j.
     [[nodiscard]] static HMESH_ALWAYS_INLINE Color<C> at(const ImageSource<C>& source, const Seam& seam, int j) noexcept {
         const int x = seam.vertical ? seam.x : seam.x + j, y = seam.vertical ? seam.y + j : seam.y;
         const int x1 = seam.vertical ? x - 1 : x, y1 = seam.vertical ? y : y - 1;
@@ -8587,8 +9175,8 @@ class SeamCurve {
 
 }  // namespace detail
 
-// The nodes of one seam: multiples of `step` between its ends, none further than `reach` >= step from the next, with the
-// least error + price * (number of nodes).
+/// The nodes of one seam: multiples of `step` between its ends, none further than `reach` >= step from the next, with the
+/// least error + price * (number of nodes).
 template <int C>
 [[nodiscard]] std::vector<int> seam_nodes(const detail::SeamCurve<C>& curve, int step, int reach, double price) {
     const int length = curve.length(), places = (length + step - 1) / step;  // place k is at min(length, k step)
@@ -8610,7 +9198,7 @@ template <int C>
     return nodes;
 }
 
-// The least-squares colours of a seam's nodes, its ends keeping their value: a tridiagonal system.
+/// The least-squares colours of a seam's nodes, its ends keeping their value: a tridiagonal system.
 template <int C>
 [[nodiscard]] std::vector<Color<C>> seam_colors(const detail::SeamCurve<C>& curve, const std::vector<int>& nodes) {
     using Curve = detail::SeamCurve<C>;
@@ -8644,8 +9232,8 @@ template <int C>
     return right;
 }
 
-// About `count` nodes on all seams together, at one price; none further than `reach` px from the next. Seams that come up
-// after go_on(), called from any thread, has said false are left without nodes.
+/// About `count` nodes on all seams together, at one price; none further than `reach` px from the next. Seams that come up
+/// after go_on(), called from any thread, has said false are left without nodes.
 template <int C>
 [[nodiscard]] HMESH_COLD std::vector<SeamLine<C>> seam_lines(const ImageSource<C>& source, const std::vector<Seam>& seams,
                                                              double count, int step, int reach, FunctionRef<bool()> go_on,
@@ -8684,10 +9272,11 @@ template <int C>
 
 // ---- hmesh/methods/annealed/first_grid.hpp
 
-// hmesh - first grid: the mesh that everything starts from.
-//
-// One tile gets a regular grid. Several tiles get one each, sewn to the nodes on the seams between them (methods/annealed/seams.hpp), so
-// that each tile can then be meshed by itself. Grids adapt to nothing yet; the stages after do.
+/// \file
+/// First grid: the mesh that everything starts from.
+///
+/// One tile gets a regular grid. Several tiles get one each, sewn to the nodes on the seams between them
+/// (methods/annealed/seams.hpp), so that each tile can then be meshed by itself. Grids adapt to nothing yet; the stages after do.
 #ifndef HMESH_METHODS_ANNEALED_FIRST_GRID_HPP
 #define HMESH_METHODS_ANNEALED_FIRST_GRID_HPP
 
@@ -8700,7 +9289,7 @@ template <int C>
 namespace hmesh::kit {
 namespace detail {
 
-// Triangles of a grid of columns times rows vertices, of which (i, j) is number(i, j); its diagonals alternate.
+/// Triangles of a grid of columns times rows vertices, of which (i, j) is number(i, j); its diagonals alternate.
 inline void add_grid_triangles(std::uint32_t columns, std::uint32_t rows, std::vector<Triangle>& triangles,
                                FunctionRef<std::uint32_t(std::uint32_t, std::uint32_t)> number) {
     for (std::uint32_t j = 0; j + 1 < rows; ++j)
@@ -8716,8 +9305,8 @@ inline void add_grid_triangles(std::uint32_t columns, std::uint32_t rows, std::v
         }
 }
 
-// Triangles between two parallel polylines that run the same way, `inner` to the right of `outer` as seen along them (y
-// down). Each vertex is a number and its place along the direction, and goes with those that are nearest to it.
+/// Triangles between two parallel polylines that run the same way, `inner` to the right of `outer` as seen along them (y
+/// down). Each vertex is a number and its place along the direction, and goes with those that are nearest to it.
 struct ChainVertex {
     std::uint32_t vertex;
     double along;
@@ -8740,7 +9329,7 @@ HMESH_COLD inline void add_strip(const std::vector<ChainVertex>& outer, const st
 
 }  // namespace detail
 
-// A regular grid of at most `count` >= 4 vertices over the image.
+/// A regular grid of at most `count` >= 4 vertices over the image.
 template <int C>
 [[nodiscard]] HMESH_COLD IndexedMesh<C> regular_grid(const ImageSource<C>& source, double count) {
     const int width = source.width(), height = source.height();
@@ -8763,8 +9352,8 @@ template <int C>
     return mesh;
 }
 
-// A grid of about `count` vertices in the tiles of an unshifted tiling, sewn to about `seam_count` nodes on the seams, which
-// are found while go_on() says true (see seam_lines). Either is more where the other would give vertices too many neighbours.
+/// A grid of about `count` vertices in the tiles of an unshifted tiling, sewn to about `seam_count` nodes on the seams, which
+/// are found while go_on() says true (see seam_lines). Either is more where the other would give vertices too many neighbours.
 template <int C>
 [[nodiscard]] HMESH_COLD IndexedMesh<C> tiled_grid(const ImageSource<C>& source, const Tiling& tiling, double count,
                                                    double seam_count, FunctionRef<bool()> go_on,
@@ -8877,7 +9466,8 @@ template <int C>
 
 // ---- hmesh/methods/stage.hpp
 
-// hmesh - stages: what recipes are made of, as far as progress and reports go.
+/// \file
+/// Stages: what recipes are made of, as far as progress and reports go.
 #ifndef HMESH_METHODS_STAGE_HPP
 #define HMESH_METHODS_STAGE_HPP
 
@@ -8885,29 +9475,29 @@ template <int C>
 
 namespace hmesh::kit {
 
-// The status of work that the progress callback stopped.
+/// The status of work that the progress callback stopped.
 [[nodiscard]] inline Status cancelled_by_callback() noexcept { return {Errc::cancelled, "cancelled by the progress callback"}; }
-// The status of work that says whether it was finished.
+/// The status of work that says whether it was finished.
 [[nodiscard]] inline Status finished_or_cancelled(bool is_finished) noexcept {
     return is_finished ? Status() : cancelled_by_callback();
 }
 
-// Runs body(), which says whether to go on, as a stage of this static name. Returns whether to go on.
+/// Runs body(), which says whether to go on, as a stage of this static name. Returns whether to go on.
 template <int C>
 bool run_stage(TiledMesh<C>& tiled, const char* name, FunctionRef<bool()> body) {
     return tiled.progress().begin(name, tiled.vertex_count(), tiled.energy()) && body() &&
            tiled.progress().end(tiled.vertex_count(), tiled.energy());
 }
 
-// The whole image as one tile: how the paper's methods work.
+/// The whole image as one tile: how the paper's methods work.
 template <int C>
 [[nodiscard]] Tiling one_tile(const ImageSource<C>& source) {
     return Tiling(source.width(), source.height(), std::max(source.width(), source.height()));
 }
 
-// A stage of body(mesh) on the whole mesh at once. Returns whether to go on.
+/// A stage of body(mesh) on the whole mesh at once. Returns whether to go on.
 template <int C>
-bool run_whole_stage(TiledMesh<C>& tiled, const char* name, FunctionRef<void(ImageMesh<C>& mesh)> body) {
+bool run_whole_stage(TiledMesh<C>& tiled, const char* name, typename TiledMesh<C>::MeshWork body) {
     return run_stage(tiled, name, [&] {
         tiled.progress().set_range(0, 1);
         return tiled.for_each(one_tile(tiled.source()), [&](Patch<C>& patch, std::size_t) { body(patch.mesh()); });
@@ -8920,16 +9510,17 @@ bool run_whole_stage(TiledMesh<C>& tiled, const char* name, FunctionRef<void(Ima
 
 // ---- hmesh/methods/annealed/annealed.hpp
 
-// hmesh - annealed: the method of best fidelity, and the default.
-//
-//     grid -> greedy insertion to o n vertices -> collapse to u n -> s sweeps of priced moves -> exactly n -> polish
-//
-// Too many vertices are placed where each lowers the energy most, then those that are missed least go; vertices move and
-// edges turn all along. Annealing (methods/annealed/annealing.hpp) then exchanges vertices between places at one common price. Colours
-// are least-squares optimal throughout. Each stage is left out where its options say 0 or 1.
-//
-// All of it happens in patches (tiles/patch.hpp). Each tile is first meshed by itself, with a share of the budget and with
-// its seams fixed; then phases shift the tiling, so that nothing of the seams remains.
+/// \file
+/// Annealed: the method of best fidelity, and the default.
+///
+///    grid -> greedy insertion to o n vertices -> collapse to u n -> s sweeps of priced moves -> exactly n -> polish
+///
+/// Too many vertices are placed where each lowers the energy most, then those that are missed least go; vertices move and edges
+/// turn all along. Annealing (methods/annealed/annealing.hpp) then exchanges vertices between places at one common price. Colours
+/// are least-squares optimal throughout. Each stage is left out where its options say 0 or 1.
+///
+/// All of it happens in patches (tiles/patch.hpp). Each tile is first meshed by itself, with a share of the budget and with its
+/// seams fixed; then phases shift the tiling, so that nothing of the seams remains.
 #ifndef HMESH_METHODS_ANNEALED_ANNEALED_HPP
 #define HMESH_METHODS_ANNEALED_ANNEALED_HPP
 
@@ -8941,10 +9532,9 @@ bool run_whole_stage(TiledMesh<C>& tiled, const char* name, FunctionRef<void(Ima
 #include <vector>
 
 namespace hmesh {
-namespace kit {
-namespace detail {
+namespace kit::detail {
 
-// Greedy insertion until the mesh has n vertices.
+/// Greedy insertion until the mesh has n vertices.
 template <int C>
 HMESH_COLD void grow(ImageMesh<C>& mesh, std::size_t n, const AnnealedSteps& options) {
     const std::size_t first = mesh.vertex_count();
@@ -8963,7 +9553,7 @@ HMESH_COLD void grow(ImageMesh<C>& mesh, std::size_t n, const AnnealedSteps& opt
     if (mesh.vertex_count() < n && mesh.keep_going()) subdivide(mesh, n - mesh.vertex_count());
 }
 
-// Removes the cheapest vertices until n are left. May stop early where no vertex can go.
+/// Removes the cheapest vertices until n are left. May stop early where no vertex can go.
 template <int C>
 HMESH_COLD void shrink(ImageMesh<C>& mesh, std::size_t n, const AnnealedSteps& options) {
     const std::size_t first = mesh.vertex_count();
@@ -8976,14 +9566,14 @@ HMESH_COLD void shrink(ImageMesh<C>& mesh, std::size_t n, const AnnealedSteps& o
     }
 }
 
-// The recipe for n vertices.
+/// The recipe for n vertices.
 template <int C>
 class AnnealedRun {
   public:
     AnnealedRun(TiledMesh<C>& tiled, std::size_t n, const AnnealedSteps& steps, std::uint64_t seed, double tile)
         : tiled_(&tiled), n_(n), steps_(steps), seed_(seed), tile_(tile), aligned_(tiling(0)) {}
 
-    // False: cancelled, or more than n vertices none of which can go.
+    /// False: cancelled, or more than n vertices none of which can go.
     bool run() {
         tiled_->indexed() = corner_mesh(tiled_->source());  // what a cancellation finds
         return stage("grid", [&] { return start(); }) && stage("insert", [&] { return insert(); }) &&
@@ -8994,7 +9584,7 @@ class AnnealedRun {
 
   private:
     [[nodiscard]] ProgressReporter& progress() noexcept { return tiled_->progress(); }
-    // Phase k's cut of the plane: every vertex is within a tile in some of any 4 in a row.
+    /// Phase k's cut of the plane: every vertex is within a tile in some of any 4 in a row.
     [[nodiscard]] Tiling tiling(int phase) const {
         constexpr bool shift_x[] = {false, true, true, false}, shift_y[] = {false, true, false, true};
         return Tiling(tiled_->source().width(), tiled_->source().height(), tile_, shift_x[phase & 3], shift_y[phase & 3]);
@@ -9022,13 +9612,13 @@ class AnnealedRun {
         });
     }
 
-    // What is known of a tile.
+    /// What is known of a tile.
     struct Tile {
-        std::size_t free = 0;  // vertices that are free in it
+        std::size_t free = 0;  ///< vertices that are free in it
         double energy = 0;
-        std::size_t placed = 0;  // free vertices that insertion aims at
+        std::size_t placed = 0;  ///< free vertices that insertion aims at
     };
-    // Calls work(mesh, k, rim) for the patch of each tile k of the aligned tiling, of which `rim` vertices are frozen.
+    /// Calls work(mesh, k, rim) for the patch of each tile k of the aligned tiling, of which `rim` vertices are frozen.
     bool for_each_tile(FunctionRef<void(ImageMesh<C>& mesh, std::size_t tile, std::size_t rim)> work) {
         tiles_.resize(aligned_.size());
         return tiled_->for_each(aligned_, [&](Patch<C>& patch, std::size_t k) {
@@ -9037,15 +9627,15 @@ class AnnealedRun {
             tiles_[k].energy = patch.mesh().energy();
         });
     }
-    // Vertices that are free in no tile.
+    /// Vertices that are free in no tile.
     [[nodiscard]] std::size_t seam_count() noexcept {
         std::size_t count = tiled_->vertex_count();
         for (const Tile& tile : tiles_) count -= tile.free;
         return count;
     }
 
-    // Grows all tiles until they have about `count` vertices together, shared by area or, where `by_error`, by what error the
-    // tiles have now (methods/annealed/budget.hpp).
+    /// Grows all tiles until they have about `count` vertices together, shared by area or, where `by_error`, by what error the
+    /// tiles have now (methods/annealed/budget.hpp).
     HMESH_COLD bool grow_tiles(double count, bool by_error) {
         std::vector<double> weights;
         std::vector<std::size_t> caps;
@@ -9141,9 +9731,7 @@ class AnnealedRun {
     std::vector<Tile> tiles_;
 };
 
-}  // namespace detail
-
-}  // namespace kit
+}  // namespace kit::detail
 
 template <int C>
 Status Annealed::run(kit::TiledMesh<C>& mesh, std::size_t n) const {
@@ -9165,12 +9753,13 @@ Status Annealed::run(kit::TiledMesh<C>& mesh, std::size_t n) const {
 
 // ---- hmesh/solve/normal_equations.hpp
 
-// hmesh - the normal equations of all vertices at once: K K^T, K I^T and K P^T, sparse and symmetric.
-//
-// Column p of the paper's matrix K holds the barycentric coordinates of pixel p's centre in the face that owns it, so the picture
-// that a mesh shows is I(V) K (section 3). K K^T and its right-hand sides are never multiplied out: they follow from the moments
-// of the faces, corner by corner. Rows are the mesh's vertices, row r the r-th of topology().vertices(). 0.4 us a vertex, whatever
-// the number of pixels. Plain arrays: solve/eigen.hpp gives them as Eigen's matrices, and K itself.
+/// \file
+/// The normal equations of all vertices at once: K K^T, K I^T and K P^T, sparse and symmetric.
+///
+/// Column p of the paper's matrix K holds the barycentric coordinates of pixel p's centre in the face that owns it, so the
+/// picture that a mesh shows is I(V) K (section 3). K K^T and its right-hand sides are never multiplied out: they follow from the
+/// moments of the faces, corner by corner. Rows are the mesh's vertices, row r the r-th of topology().vertices(). 0.4 us a
+/// vertex, whatever the number of pixels. Plain arrays: solve/eigen.hpp gives them as Eigen's matrices, and K itself.
 #ifndef HMESH_SOLVE_NORMAL_EQUATIONS_HPP
 #define HMESH_SOLVE_NORMAL_EQUATIONS_HPP
 
@@ -9179,20 +9768,20 @@ Status Annealed::run(kit::TiledMesh<C>& mesh, std::size_t n) const {
 
 namespace hmesh::kit {
 
-// A symmetric matrix of n rows, row after row, with both triangles stored: row i has the entries [starts[i], starts[i + 1]) of
-// `columns`, rising, and `values`.
+/// A symmetric matrix of n rows, row after row, with both triangles stored: row i has the entries [starts[i], starts[i + 1]) of
+/// `columns`, rising, and `values`.
 struct SymmetricMatrix {
     std::vector<int> starts{0};
     std::vector<int> columns;
     std::vector<double> values;
 
     [[nodiscard]] std::size_t size() const noexcept { return starts.size() - 1; }
-    // The value on the diagonal of row i, 0 where none is stored.
+    /// The value on the diagonal of row i, 0 where none is stored.
     [[nodiscard]] double diagonal(std::size_t i) const noexcept {
         const int at = find_diagonal(i);
         return at < 0 ? 0 : values[static_cast<std::size_t>(at)];
     }
-    // Adds to the diagonal of row i, which must be stored.
+    /// Adds to the diagonal of row i, which must be stored.
     void add_to_diagonal(std::size_t i, double value) noexcept { values[static_cast<std::size_t>(find_diagonal(i))] += value; }
 
   private:
@@ -9203,20 +9792,20 @@ struct SymmetricMatrix {
     }
 };
 
-// A matrix of rows * columns numbers, row after row.
+/// A matrix of rows * columns numbers, row after row.
 struct DenseMatrix {
     std::size_t rows = 0, columns = 0;
     std::vector<double> values;
 
     DenseMatrix() = default;
-    // All 0.
+    /// All 0.
     DenseMatrix(std::size_t row_count, std::size_t column_count)
         : rows(row_count), columns(column_count), values(row_count * column_count, 0.0) {}
     [[nodiscard]] double& operator()(std::size_t row, std::size_t column) noexcept { return values[row * columns + column]; }
     [[nodiscard]] double operator()(std::size_t row, std::size_t column) const noexcept { return values[row * columns + column]; }
 };
 
-// The row of each vertex, by slot; -1 for deleted slots.
+/// The row of each vertex, by slot; -1 for deleted slots.
 [[nodiscard]] inline std::vector<int> vertex_rows(const HalfedgeMesh& topology) {
     std::vector<int> rows(topology.vertex_slots(), -1);
     int row = 0;
@@ -9226,7 +9815,7 @@ struct DenseMatrix {
 
 namespace detail {
 
-// The corners of face f, the first being that which topology().halfedge(f) leaves.
+/// The corners of face f, the first being that which topology().halfedge(f) leaves.
 template <int C>
 void sum_face(const ImageMesh<C>& mesh, Face f, CornerSums<C>& out0, CornerSums<C>& out1, CornerSums<C>& out2) {
     const auto v = mesh.topology().vertices(f);
@@ -9235,7 +9824,7 @@ void sum_face(const ImageMesh<C>& mesh, Face f, CornerSums<C>& out0, CornerSums<
     sum_corners(m, mesh.position(v[0]), mesh.position(v[1]), mesh.position(v[2]), out0, out1, out2);
 }
 
-// Calls body(v) for all live vertices, in pieces.
+/// Calls body(v) for all live vertices, in pieces.
 template <class Body>
 void for_each_vertex(const HalfedgeMesh& topology, const ParallelFor& parallel_for, Body&& body) {
     for_each_chunk(parallel_for, topology.vertex_slots(), 1024, [&](std::size_t begin, std::size_t end) {
@@ -9244,7 +9833,7 @@ void for_each_vertex(const HalfedgeMesh& topology, const ParallelFor& parallel_f
     });
 }
 
-// Calls body(v) for all live vertices, in pieces.
+/// Calls body(v) for all live vertices, in pieces.
 inline void for_each_vertex(const HalfedgeMesh& topology, const ParallelFor& parallel_for, FunctionRef<void(Vertex)> body) {
     for_each_chunk(parallel_for, topology.vertex_slots(), 1024, [&](std::size_t begin, std::size_t end) {
         for (std::size_t v = begin; v < end; ++v)
@@ -9252,9 +9841,18 @@ inline void for_each_vertex(const HalfedgeMesh& topology, const ParallelFor& par
     });
 }
 
+/// Writes colours[r] to vertex r of topology().vertices().
+template <int C>
+void write_colors(ImageMesh<C>& mesh, const std::vector<Color<C>>& colors, const ParallelFor& parallel_for) {
+    std::vector<Color<C>> by_slot(mesh.topology().vertex_slots(), Color<C>::zero());
+    std::size_t row = 0;
+    for (const Vertex v : mesh.topology().vertices()) by_slot[v.index()] = colors[row++];
+    mesh.set_colors(by_slot, parallel_for);
+}
+
 }  // namespace detail
 
-// The corners of all faces, by the index of their half-edge; zero at half-edges without a face.
+/// The corners of all faces, by the index of their half-edge; zero at half-edges without a face.
 template <int C>
 [[nodiscard]] std::vector<CornerSums<C>> corner_sums(const ImageMesh<C>& mesh, const ParallelFor& parallel_for = {}) {
     const HalfedgeMesh& topology = mesh.topology();
@@ -9269,8 +9867,8 @@ template <int C>
     return corners;
 }
 
-// K K^T of a mesh with this topology and these corners: n_v by n_v, symmetric to the bit; an entry for each vertex and each edge
-// either way, even where no pixel makes it differ from 0.
+/// K K^T of a mesh with this topology and these corners: n_v by n_v, symmetric to the bit; an entry for each vertex and each edge
+/// either way, even where no pixel makes it differ from 0.
 template <int C>
 [[nodiscard]] SymmetricMatrix normal_matrix(const HalfedgeMesh& topology, const std::vector<CornerSums<C>>& corners,
                                             const ParallelFor& parallel_for = {}) {
@@ -9305,7 +9903,7 @@ template <int C>
     return matrix;
 }
 
-// K I^T: n_v by C, where I is C by n_p, the image.
+/// K I^T: n_v by C, where I is C by n_p, the image.
 template <int C>
 [[nodiscard]] DenseMatrix image_sums(const HalfedgeMesh& topology, const std::vector<CornerSums<C>>& corners,
                                      const ParallelFor& parallel_for = {}) {
@@ -9319,7 +9917,7 @@ template <int C>
     return sums;
 }
 
-// K P^T: n_v by 2, where P is 2 by n_p, the centres of the pixels.
+/// K P^T: n_v by 2, where P is 2 by n_p, the centres of the pixels.
 template <int C>
 [[nodiscard]] DenseMatrix position_sums(const HalfedgeMesh& topology, const std::vector<CornerSums<C>>& corners,
                                         const ParallelFor& parallel_for = {}) {
@@ -9341,11 +9939,12 @@ template <int C>
 
 // ---- hmesh/solve/bounded_colors.hpp
 
-// hmesh - bounded colors: the best colours that a pixel type can hold, in its range and on its grid.
-//
-// The squared error is quadratic in the colours (optimal_colors.hpp). Clamping and rounding its minimum would lose more than
-// this descent: each vertex makes up for what its neighbours could not do. ridge (c - c_now)^2 is added for each vertex, so that
-// vertices without pixels keep their colour. 0.6 us a vertex at 3 channels.
+/// \file
+/// Bounded colors: the best colours that a pixel type can hold, in its range and on its grid.
+///
+/// The squared error is quadratic in the colours (optimal_colors.hpp). Clamping and rounding its minimum would lose more than
+/// this descent: each vertex makes up for what its neighbours could not do. ridge (c - c_now)^2 is added for each vertex, so that
+/// vertices without pixels keep their colour. 0.6 us a vertex at 3 channels.
 #ifndef HMESH_SOLVE_BOUNDED_COLORS_HPP
 #define HMESH_SOLVE_BOUNDED_COLORS_HPP
 
@@ -9355,8 +9954,8 @@ template <int C>
 #include <vector>
 
 namespace hmesh::kit {
-// Converged: without a grid, the last sweep changed nothing that matters; with one, no channel of any vertex can be
-// changed by itself, to whatever value is allowed, and lower the error (ridge included).
+/// Converged: without a grid, the last sweep changed nothing that matters; with one, no channel of any vertex can be
+/// changed by itself, to whatever value is allowed, and lower the error (ridge included).
 struct BoundedReport {
     int sweeps = 0, rounding_sweeps = 0;
     bool converged = false;
@@ -9364,15 +9963,15 @@ struct BoundedReport {
 
 namespace detail {
 
-// The energy with ridge as a function of single colours.
+/// The energy with ridge as a function of single colours.
 template <int C>
 struct ColorSystem {
     SymmetricMatrix gram;
-    std::vector<Color<C>> rhs, anchor;  // K I^T, and the colours that ridge pulls to
-    std::vector<double> inverse;        // 1 / (diagonal + ridge)
+    std::vector<Color<C>> rhs, anchor;  ///< K I^T, and the colours that ridge pulls to
+    std::vector<double> inverse;        ///< 1 / (diagonal + ridge)
     double ridge = 0;
 
-    // Calls update(c, step) for each vertex in turn: c is its colour, c + step the best one while the others stay.
+    /// Calls update(c, step) for each vertex in turn: c is its colour, c + step the best one while the others stay.
     template <class Update>
     void sweep(std::vector<Color<C>>& colors, Update&& update) const {
         const int* const starts = gram.starts.data();
@@ -9388,7 +9987,7 @@ struct ColorSystem {
     }
 };
 
-// The multiples of `grid` in [low, high] as the range of their factors.
+/// The multiples of `grid` in [low, high] as the range of their factors.
 struct GridRange {
     double grid, first, last;
     GridRange(double low, double high, double step) noexcept
@@ -9401,7 +10000,7 @@ struct GridRange {
     }
 };
 
-// The system of a mesh with this topology and these corners (solve/fit/squared_error.hpp); colours go by row.
+/// The system of a mesh with this topology and these corners (solve/fit/squared_error.hpp); colours go by row.
 template <int C>
 [[nodiscard]] ColorSystem<C> color_system(const HalfedgeMesh& topology, const std::vector<CornerSums<C>>& corners,
                                           const std::vector<Color<C>>& colors, double ridge, const ParallelFor& parallel_for) {
@@ -9423,8 +10022,8 @@ template <int C>
     return system;
 }
 
-// Takes colours that lie in [low, high] to the best there, see bounded_colors; before each sweep but the one that puts them
-// on the grid, go_on() is asked.
+/// Takes colours that lie in [low, high] to the best there, see bounded_colors; before each sweep but the one that puts them
+/// on the grid, go_on() is asked.
 template <int C>
 BoundedReport descend(const ColorSystem<C>& system, double low, double high, double grid, std::vector<Color<C>>& colors,
                       FunctionRef<bool()> go_on) {
@@ -9477,9 +10076,9 @@ BoundedReport descend(const ColorSystem<C>& system, double low, double high, dou
 
 }  // namespace detail
 
-// Gives all vertices colours in [low, high], which may be infinite, that are multiples of grid if grid > 0 (one must be
-// in the range). By coordinate descent (projected Gauss-Seidel) from the current colours: first without the grid, then
-// onto it, vertex by vertex, then over the grid while that lowers the error.
+/// Gives all vertices colours in [low, high], which may be infinite, that are multiples of grid if grid > 0 (one must be
+/// in the range). By coordinate descent (projected Gauss-Seidel) from the current colours: first without the grid, then
+/// onto it, vertex by vertex, then over the grid while that lowers the error.
 template <int C>
 BoundedReport bounded_colors(ImageMesh<C>& mesh, double low, double high, double grid, const ParallelFor& parallel_for = {}) {
     std::vector<Color<C>> colors;
@@ -9501,11 +10100,12 @@ BoundedReport bounded_colors(ImageMesh<C>& mesh, double low, double high, double
 
 // ---- hmesh/solve/sampled_colors.hpp
 
-// hmesh - sampling: vertex colours read from the image, as Adams, Xie and the paper's section 1 have them.
-//
-// A vertex takes the colour of the image at its place: that of the pixel where it is on a pixel's centre, else between the
-// four nearest, bilinear. Places beyond the outermost centres take the nearest pixel's. Optimal colours (solve/bounded_colors.hpp) are
-// 0.3 to 1.4 dB better on the meshes of the former two, for a few microseconds a vertex.
+/// \file
+/// Sampling: vertex colours read from the image, as Adams, Xie and the paper's section 1 have them.
+///
+/// A vertex takes the colour of the image at its place: that of the pixel where it is on a pixel's centre, else between the four
+/// nearest, bilinear. Places beyond the outermost centres take the nearest pixel's. Optimal colours (solve/bounded_colors.hpp)
+/// are 0.3 to 1.4 dB better on the meshes of the former two, for a few microseconds a vertex.
 #ifndef HMESH_SOLVE_SAMPLED_COLORS_HPP
 #define HMESH_SOLVE_SAMPLED_COLORS_HPP
 
@@ -9516,7 +10116,7 @@ BoundedReport bounded_colors(ImageMesh<C>& mesh, double low, double high, double
 
 namespace hmesh::kit {
 
-// The colour at p in [0, width] x [0, height] of an image whose pixels are pixel(x, y).
+/// The colour at p in [0, width] x [0, height] of an image whose pixels are pixel(x, y).
 template <int C, class Pixel>
 [[nodiscard]] HMESH_ALWAYS_INLINE Color<C> sampled_color(int width, int height, Point p, Pixel&& pixel) {
     const double x = std::max(0.0, std::min(width - 1.0, p.x - 0.5)), y = std::max(0.0, std::min(height - 1.0, p.y - 0.5));
@@ -9537,7 +10137,7 @@ template <int C>
     });
 }
 
-// Gives all vertices the colours under them.
+/// Gives all vertices the colours under them.
 template <int C>
 void sample_colors(ImageMesh<C>& mesh, const ParallelFor& parallel_for = {}) {
     std::vector<Color<C>> colors(mesh.topology().vertex_slots(), Color<C>::zero());
@@ -9551,9 +10151,10 @@ void sample_colors(ImageMesh<C>& mesh, const ParallelFor& parallel_for = {}) {
 
 // ---- hmesh/methods/final_colors.hpp
 
-// hmesh - final colors: the last step of every method, for a mesh in tiles.
-//
-// About 1 us a vertex, and a moment table of each tile.
+/// \file
+/// Final colors: the last step of every method, for a mesh in tiles.
+///
+/// About 1 us a vertex, and a moment table of each tile.
 #ifndef HMESH_METHODS_FINAL_COLORS_HPP
 #define HMESH_METHODS_FINAL_COLORS_HPP
 
@@ -9565,7 +10166,8 @@ void sample_colors(ImageMesh<C>& mesh, const ParallelFor& parallel_for = {}) {
 
 namespace hmesh::kit {
 
-// Gives all vertices the colours of the image under them (solve/sampled_colors.hpp), rounded to multiples of grid if grid > 0; its energy is then that of these colours.
+/// Gives all vertices the colours of the image under them (solve/sampled_colors.hpp), rounded to multiples of grid if grid > 0;
+/// its energy is then that of these colours.
 template <int C>
 HMESH_COLD void sample_colors(TiledMesh<C>& tiled, const Tiling& tiling, double grid) {
     IndexedMesh<C>& mesh = tiled.indexed();
@@ -9580,8 +10182,9 @@ HMESH_COLD void sample_colors(TiledMesh<C>& tiled, const Tiling& tiling, double 
     tiled.measure(tiling);
 }
 
-// Gives all vertices the best colours in [low, high] that are multiples of grid if grid > 0 (solve/bounded_colors.hpp). The energy is then that of these colours. After a cancellation colours go to the
-// nearest that are allowed, no more, and what is reported is still true of the mesh.
+/// Gives all vertices the best colours in [low, high] that are multiples of grid if grid > 0 (solve/bounded_colors.hpp). The
+/// energy is then that of these colours. After a cancellation colours go to the nearest that are allowed, no more, and what is
+/// reported is still true of the mesh.
 template <int C>
 BoundedReport bounded_colors(TiledMesh<C>& tiled, const Tiling& tiling, double low, double high, double grid) {
     BoundedReport report;
@@ -9614,11 +10217,12 @@ BoundedReport bounded_colors(TiledMesh<C>& tiled, const Tiling& tiling, double l
 
 // ---- hmesh/methods/psnr_search.hpp
 
-// hmesh - the search for the fewest vertices that reach a PSNR.
-//
-// PSNR rises by about 1.6 dB a doubling of the vertices, the slope of a piecewise linear fit to photographs; that first
-// guess is replaced by the secant of the two runs that enclose the target as soon as there are two, and by the middle between
-// them where the same side moved twice. Ends when the counts on both sides differ by at most 0.5 % (or 1): some 5 to 8 runs.
+/// \file
+/// The search for the fewest vertices that reach a PSNR.
+///
+/// PSNR rises by about 1.6 dB a doubling of the vertices, the slope of a piecewise linear fit to photographs; that first
+/// guess is replaced by the secant of the two runs that enclose the target as soon as there are two, and by the middle between
+/// them where the same side moved twice. Ends when the counts on both sides differ by at most 0.5 % (or 1): some 5 to 8 runs.
 #ifndef HMESH_METHODS_PSNR_SEARCH_HPP
 #define HMESH_METHODS_PSNR_SEARCH_HPP
 
@@ -9630,9 +10234,9 @@ BoundedReport bounded_colors(TiledMesh<C>& tiled, const Tiling& tiling, double l
 
 namespace hmesh::kit {
 
-// `mesh_of(n)` makes a result with .status and .report.psnr, meshes of 4 <= n <= most vertices. Returns that of the fewest
-// vertices that reached `psnr`, or of the best PSNR with target_out_of_range when none did; where a run fails, what there is
-// then with its status.
+/// `mesh_of(n)` makes a result with .status and .report.psnr, meshes of 4 <= n <= most vertices. Returns that of the fewest
+/// vertices that reached `psnr`, or of the best PSNR with target_out_of_range when none did; where a run fails, what there is
+/// then with its status.
 [[nodiscard]] HMESH_COLD inline Result fewest_vertices(double psnr, std::size_t first, std::size_t most,
                                                        FunctionRef<Result(std::size_t n)> mesh_of) {
     constexpr double slope = 1.6;  // dB a doubling
@@ -9695,7 +10299,7 @@ namespace hmesh::kit {
 
 // ---- hmesh/mesh_image.ipp
 
-// hmesh - how mesh_image() does it. Included by mesh_image.hpp alone; nothing where a program compiles it in another file.
+// hmesh - the definition of mesh_image(). Included by mesh_image.hpp only; empty where a program compiles it in another file.
 #ifndef HMESH_MESH_IMAGE_IPP
 #define HMESH_MESH_IMAGE_IPP
 #if !defined(HMESH_COMPILED) || defined(HMESH_IMPLEMENTATION)
@@ -9709,7 +10313,7 @@ namespace hmesh::kit {
 
 namespace hmesh::detail {
 
-// A recipe as seen by what does not depend on it.
+/// A recipe behind function references, so that what follows is compiled once for all recipes.
 template <int C>
 struct RecipeRef {
     FunctionRef<double(std::size_t n)> tile_size;
@@ -9717,7 +10321,7 @@ struct RecipeRef {
     Colors colors;
 };
 
-// One mesh of n vertices, finished. `samples`: pixels, or the sum of their weights, times channels.
+/// One finished mesh of n vertices. `samples`: number of pixels, or the sum of their weights, times channels.
 template <int C>
 [[nodiscard]] HMESH_COLD Result mesh_once(const kit::ImageSource<C>& source, double samples, std::size_t n,
                                           const RecipeRef<C>& recipe, const Options& options, const ParallelFor& parallel_for) {
@@ -9751,7 +10355,7 @@ template <int C>
     return result;
 }
 
-// The mesh that options.target asks for.
+/// The mesh that options.target asks for; `samples` as for mesh_once().
 template <int C>
 [[nodiscard]] HMESH_COLD Result mesh_target(const kit::ImageSource<C>& source, double samples, const RecipeRef<C>& recipe,
                                             const Options& options, const ParallelFor& parallel_for) {
@@ -9769,6 +10373,7 @@ template <int C>
     return mesh_of(static_cast<std::size_t>(options.target.value));
 }
 
+// Whether a recipe's run() takes the image's view too: run(mesh, view, n).
 template <class Recipe, class T, int C, class = void>
 inline constexpr bool wants_view = false;
 template <class Recipe, class T, int C>
@@ -9820,13 +10425,13 @@ Result mesh_image(const ImageView<T, C>& view, const Options& options, const Rec
 
 // ---- hmesh/render.hpp
 
-// hmesh - render(): draws a mesh into an image of any size, pixel for pixel as a GPU does; with psnr() and to_pixels().
-//
-// A pixel takes the colour of the face that holds its centre, by the top-left rule of geometry.hpp, interpolated
-// linearly (Gouraud) at that centre. At the mesh's own size these are the very pixels that were counted when the mesh
-// was fitted. Each edge is always evaluated from its upper to its lower end, so that the two faces beside it agree to
-// the bit and leave no gap at any size. Cost: about 5 ns a pixel and 60 ns a face; memory beside the image: 16 bytes a
-// vertex and about 14 a face.
+/// \file
+/// render(): draws a mesh into an image of any size, pixel for pixel as a GPU does; with psnr() and to_pixels().
+///
+/// A pixel takes the colour of the face that holds its centre, by the top-left rule of mesh/raster.hpp, interpolated linearly
+/// (Gouraud) at that centre. At the mesh's own size these are the very pixels that were counted when the mesh was fitted. Each
+/// edge is evaluated from its upper to its lower end, so that the two faces beside it agree to the bit and leave no gap at any
+/// size. Cost: about 5 ns a pixel and 60 ns a face; memory beside the image: 16 bytes a vertex and about 14 a face.
 #ifndef HMESH_RENDER_HPP
 #define HMESH_RENDER_HPP
 
@@ -9836,36 +10441,53 @@ Result mesh_image(const ImageView<T, C>& view, const Options& options, const Rec
 #include <cstddef>
 #include <cstdint>
 #include <limits>
+#include <optional>
 #include <utility>
 #include <vector>
 
 namespace hmesh {
 
-// Options of render().
+/// Which values are interpolated between the corners of a face.
+enum class Interpolation : std::uint8_t {
+    encoded,  ///< the stored values, as GPUs do with colours that they take for plain numbers
+    /// Linear light, as glTF renderers do: colours are clamped to [0, peak], decoded from sRGB (IEC 61966-2-1) and
+    /// interpolated; pixels are encoded again. Alpha, the last of 2 or 4 channels, is clamped to [0, peak] but not decoded.
+    /// Costs another 15 ns a pixel and channel.
+    linear,
+};
+
+/// Options of render().
 struct RenderOptions {
-    int width = 0, height = 0;  // of the picture in pixels; 0 or less: the mesh's own
-    // Interpolate light in place of stored values, as glTF renderers do: colours are held to [0, peak], decoded from sRGB
-    // (IEC 61966-2-1), and pixels encoded again. Alpha, the last of 2 or 4 channels, is held to [0, peak] and else as ever.
-    // Costs another 15 ns a pixel and channel.
-    bool linear_light = false;
+    std::optional<int> width{},                            ///< px of the picture, 1 to kit::max_side; empty: the mesh's width
+        height{};                                          ///< px of the picture, 1 to kit::max_side; empty: the mesh's height
+    Interpolation interpolation = Interpolation::encoded;  ///< which values are interpolated
+};
+
+/// What render() returns: a picture of C channels, or why there is none.
+template <int C>
+struct [[nodiscard]] RenderResult {
+    Image<float, C> image;  ///< the picture; empty unless the status is ok
+    Status status;          ///< ok, or why there is no picture
 };
 
 namespace detail {
 
+// Rows that are drawn as one piece of work.
 inline constexpr int band_rows = 32;
 
-// The rows of an image of `height` rows whose centres a face can hold.
+/// A range of rows of a picture, or of bands.
 struct RowRange {
-    int first = 0, last = 0;  // [first, last)
+    int first = 0, last = 0;  ///< [first, last)
 };
 
+/// A corner of a face: position in the picture, in px, and colour.
 template <int C>
 struct Corner {
     kit::Point at;
     const float* color;
 };
 
-// The colours of a face as functions of the pixel.
+/// The colours of a face as linear functions of the pixel.
 template <int C>
 class Shading {
   public:
@@ -9876,7 +10498,7 @@ class Shading {
             to_c_[k] = static_cast<double>(c.color[k]) - base_[k];
         }
     }
-    // Pixels [begin, end) of row j.
+    /// Writes pixels [begin, end) of row j to `pixel`.
     void fill(int j, int begin, int end, float* pixel) const noexcept {
         for (int i = begin; i < end; ++i, pixel += C) {
             const kit::Barycentric w = weights_(i, j);
@@ -9889,7 +10511,7 @@ class Shading {
     std::array<double, std::size_t{C}> base_, to_b_, to_c_;
 };
 
-// Draws the rows of a face that lie in `rows`.
+/// Draws the rows of a face that lie in `rows`.
 template <int C>
 void draw_face(const Corner<C>& a, const Corner<C>& b, const Corner<C>& c, RowRange rows, Image<float, C>& out) {
     const Shading<C> shading(a, b, c);
@@ -9897,12 +10519,13 @@ void draw_face(const Corner<C>& a, const Corner<C>& b, const Corner<C>& c, RowRa
                        [&](int j, int begin, int end) { shading.fill(j, begin, end, out.pixel(begin, j)); });
 }
 
-// Which faces touch which band of rows: those of band b are faces[starts[b]] .. faces[starts[b + 1] - 1], in order.
+/// Which faces touch which band of rows: those of band b are faces[starts[b]] .. faces[starts[b + 1] - 1], in order.
 struct Bands {
     std::vector<std::size_t> starts;
     std::vector<std::uint32_t> faces;
 };
 
+/// The faces of each band of a picture of `height` rows, by their positions `at` in the picture.
 [[nodiscard]] inline Bands sort_into_bands(const MeshView& mesh, const std::vector<kit::Point>& at, int height,
                                            const ParallelFor& parallel_for) {
     kit::ClipRect picture;
@@ -9930,21 +10553,36 @@ struct Bands {
     return bands;
 }
 
-[[nodiscard]] inline Status check_sizes(const MeshView& mesh, int width, int height) noexcept {
+/// Whether the mesh can be drawn into a picture of C channels and this size.
+template <int C>
+[[nodiscard]] Status check_drawing(const MeshView& mesh, int width, int height, Interpolation interpolation) noexcept {
     if (mesh.width < 1) return {Errc::invalid_argument, "the mesh's width must be at least 1", mesh.width, 1};
     if (mesh.height < 1) return {Errc::invalid_argument, "the mesh's height must be at least 1", mesh.height, 1};
+    if (width < 1) return {Errc::invalid_argument, "the picture to draw must be at least 1 pixel wide", width, 1};
+    if (height < 1) return {Errc::invalid_argument, "the picture to draw must be at least 1 pixel high", height, 1};
     if (width > kit::max_side) return {Errc::image_too_large, "the picture to draw is too wide", width, kit::max_side};
     if (height > kit::max_side) return {Errc::image_too_large, "the picture to draw is too high", height, kit::max_side};
     const std::int64_t pixels = std::int64_t{width} * height;
     if (pixels > kit::max_pixels)
         return {Errc::image_too_large, "the picture to draw has too many pixels", pixels, kit::max_pixels};
+    // Comes only where pointers have 32 bits.
+    constexpr std::int64_t most = std::numeric_limits<std::ptrdiff_t>::max() / (C * std::int64_t{sizeof(float)});
+    if (pixels > most) return {Errc::image_too_large, "the picture to draw has too many pixels", pixels, most};
+    if (const Status status = check(mesh, kit::max_channels); !status) return status;
+    if (mesh.channels != C)
+        return {Errc::invalid_argument, "the mesh has not the picture's number of channels", mesh.channels, C};
+    if (interpolation != Interpolation::encoded && interpolation != Interpolation::linear)
+        return {Errc::invalid_argument, "the interpolation is none of those known", static_cast<int>(interpolation), 1};
+    if (interpolation == Interpolation::linear && mesh.premultiplied)
+        return {Errc::invalid_argument, "linear light is drawn from straight colours, and the mesh's are premultiplied"};
     return {};
 }
 
-// A mesh's colours for interpolation in linear light, and drawn pixels back from it.
+/// Whether a channel is light (not alpha), which interpolation in linear light decodes.
 [[nodiscard]] inline bool is_light(const MeshView& mesh, int channel) noexcept {
     return !kit::has_alpha(mesh.channels) || channel + 1 != mesh.channels;
 }
+/// The colours of a mesh as shares of `peak` in [0, 1], light decoded from sRGB.
 [[nodiscard]] inline std::vector<float> decoded_colors(const MeshView& mesh, const ParallelFor& parallel_for) {
     const auto channels = static_cast<std::size_t>(mesh.channels);
     std::vector<float> out(channels * mesh.vertex_count);
@@ -9956,6 +10594,7 @@ struct Bands {
     });
     return out;
 }
+/// Turns pixels drawn from decoded_colors() back into stored values.
 template <int C>
 void encode_rows(const MeshView& mesh, RowRange rows, Image<float, C>& out) {
     float* pixel = out.pixel(0, rows.first);
@@ -9969,24 +10608,22 @@ void encode_rows(const MeshView& mesh, RowRange rows, Image<float, C>& out) {
 
 }  // namespace detail
 
-// Draws the mesh, scaled to the picture's size, into `out`: the stored values, neither rounded nor clamped. Faces
-// outside the picture are clipped; where faces overlap the later one wins; pixels in no face are 0. A premultiplied mesh
-// gives a premultiplied picture, and cannot be drawn in linear light. When the Status says no, `out` is as it was.
+/// Draws a mesh, scaled to the size of the picture. Pixels hold interpolated stored values, neither rounded nor clamped;
+/// to_pixels() rounds them. Faces outside the picture are clipped; where faces overlap the later one wins; pixels in no face
+/// are 0. A premultiplied mesh gives a premultiplied picture, and cannot be drawn in linear light.
+///
+/// \param mesh          of C channels; its arrays must live until the call returns
+/// \param options       size of the picture and kind of interpolation
+/// \param parallel_for  executor of the rows, in bands of 32
+/// \return              the picture, or the status invalid_argument, image_too_large or not_finite
 template <int C>
-Status render(const MeshView& mesh, Image<float, C>& out, const RenderOptions& options = {},
-              const ParallelFor& parallel_for = {}) {
-    const int width = options.width > 0 ? options.width : mesh.width;
-    const int height = options.height > 0 ? options.height : mesh.height;
-    if (const Status status = detail::check_sizes(mesh, width, height); !status) return status;
-    if (const Status status = check(mesh, kit::max_channels); !status) return status;
-    if (mesh.channels != C)
-        return {Errc::invalid_argument, "the mesh has not the picture's number of channels", mesh.channels, C};
-    // Comes only where pointers have 32 bits.
-    constexpr std::int64_t most = std::numeric_limits<std::ptrdiff_t>::max() / (C * std::int64_t{sizeof(float)});
-    if (std::int64_t{width} * height > most)
-        return {Errc::image_too_large, "the picture to draw has too many pixels", std::int64_t{width} * height, most};
-    if (options.linear_light && mesh.premultiplied)
-        return {Errc::invalid_argument, "linear light is drawn from straight colours, and the mesh's are premultiplied", 0, 0};
+[[nodiscard]] RenderResult<C> render(const MeshView& mesh, const RenderOptions& options = {},
+                                     const ParallelFor& parallel_for = {}) {
+    RenderResult<C> result;
+    const int width = options.width.value_or(mesh.width), height = options.height.value_or(mesh.height);
+    result.status = detail::check_drawing<C>(mesh, width, height, options.interpolation);
+    if (!result.status) return result;
+    const bool is_linear = options.interpolation == Interpolation::linear;
 
     // A position on the mesh's border comes out on the picture's: the product is exact and the quotient rounded once.
     std::vector<kit::Point> at(mesh.vertex_count);
@@ -9997,15 +10634,17 @@ Status render(const MeshView& mesh, Image<float, C>& out, const RenderOptions& o
     });
     constexpr double farthest = 16.0 * kit::max_side;  // px, so that columns fit an int
     for (std::size_t v = 0; v < at.size(); ++v)
-        if (std::abs(at[v].x) > farthest || std::abs(at[v].y) > farthest)
-            return {Errc::invalid_argument, "the mesh has a position far outside its image, at vertex",
-                    static_cast<std::int64_t>(v), 0};
+        if (std::abs(at[v].x) > farthest || std::abs(at[v].y) > farthest) {
+            result.status = {Errc::invalid_argument, "the mesh has a position far outside its image, at vertex", v};
+            return result;
+        }
 
     const detail::Bands bands = detail::sort_into_bands(mesh, at, height, parallel_for);
     std::vector<float> light;
-    if (options.linear_light) light = detail::decoded_colors(mesh, parallel_for);
-    const float* const colors = options.linear_light ? light.data() : mesh.colors;
-    out = Image<float, C>(width, height);
+    if (is_linear) light = detail::decoded_colors(mesh, parallel_for);
+    const float* const colors = is_linear ? light.data() : mesh.colors;
+    result.image = Image<float, C>(width, height);
+    Image<float, C>& out = result.image;
     parallel_for(bands.starts.size() - 1, [&](std::size_t band) {
         const int first = static_cast<int>(band) * detail::band_rows;
         const detail::RowRange rows{first, std::min(height, first + detail::band_rows)};
@@ -10014,13 +10653,14 @@ Status render(const MeshView& mesh, Image<float, C>& out, const RenderOptions& o
             const std::array<std::uint32_t, 3>& face = mesh.faces[bands.faces[i]];
             detail::draw_face(corner(face[0]), corner(face[1]), corner(face[2]), rows, out);
         }
-        if (options.linear_light) detail::encode_rows(mesh, rows, out);
+        if (is_linear) detail::encode_rows(mesh, rows, out);
     });
-    return {};
+    return result;
 }
 
-// 10 log10(peak^2 / MSE) in dB, MSE the mean of the squared differences over pixels AND channels, peak that of the
-// reference's pixel type. Infinity for equal images, NaN for images that cannot be compared: different or no sizes.
+/// The PSNR of a picture against a reference image, in dB: 10 log10(peak^2 / MSE), with the MSE the mean of the squared
+/// differences of stored values over pixels AND channels, and peak that of the reference's pixel type. Infinity for equal
+/// images; NaN for views that check() refuses or of different sizes.
 template <class T, class U, int C>
 [[nodiscard]] double psnr(const ImageView<T, C>& reference, const ImageView<U, C>& rendered,
                           const ParallelFor& parallel_for = {}) {
@@ -10043,13 +10683,13 @@ template <class T, class U, int C>
     return kit::psnr_of_energy(energy, samples, PixelTraits<T>::peak);
 }
 
-// The picture in pixels of type T, rounded and held to the type's range.
+/// A picture in pixels of type T: values rounded to nearest and clamped to the type's range (PixelTraits::from_real).
 template <class T, int C>
 [[nodiscard]] Image<T, C> to_pixels(const Image<float, C>& image, const ParallelFor& parallel_for = {}) {
     Image<T, C> out(image.width(), image.height());
-    const std::vector<float>& from = image.samples();
-    std::vector<T>& to = out.samples();
-    kit::for_each_chunk(parallel_for, from.size(), 65536, [&](std::size_t begin, std::size_t end) {
+    const float* const from = image.data();
+    T* const to = out.data();
+    kit::for_each_chunk(parallel_for, image.size(), 65536, [&](std::size_t begin, std::size_t end) {
         for (std::size_t k = begin; k < end; ++k) to[k] = PixelTraits<T>::from_real(static_cast<double>(from[k]));
     });
     return out;
@@ -10061,12 +10701,13 @@ template <class T, int C>
 
 // ---- hmesh/solve/pcg.hpp
 
-// hmesh - pcg: conjugate gradients with Jacobi preconditioner, for several right-hand sides at once.
-//
-// For self-adjoint positive semidefinite matrices like K K^T, which is a mass matrix: divided by its diagonal it is
-// well conditioned, so 15 to 25 iterations reach 1e-7 whatever the size of the mesh, and no factorisation is needed.
-// Each right-hand side has its own step sizes and stops by itself; they share the passes over the matrix. An iteration
-// costs about 2 ns an entry and right-hand side.
+/// \file
+/// Pcg: conjugate gradients with Jacobi preconditioner, for several right-hand sides at once.
+///
+/// For self-adjoint positive semidefinite matrices like K K^T, which is a mass matrix: divided by its diagonal it is
+/// well conditioned, so 15 to 25 iterations reach 1e-7 whatever the size of the mesh, and no factorisation is needed.
+/// Each right-hand side has its own step sizes and stops by itself; they share the passes over the matrix. An iteration
+/// costs about 2 ns an entry and right-hand side.
 #ifndef HMESH_SOLVE_PCG_HPP
 #define HMESH_SOLVE_PCG_HPP
 
@@ -10077,29 +10718,29 @@ template <class T, int C>
 
 namespace hmesh::kit {
 
-// When solve_pcg() stops.
+/// When solve_pcg() stops.
 struct PcgOptions {
     int max_iterations = 200;
-    double tolerance = 1e-10;  // of the residual, relative to the right-hand side
+    double tolerance = 1e-10;  ///< of the residual, relative to the right-hand side
 };
 
-// How far solve_pcg() came.
+/// How far solve_pcg() came.
 struct PcgReport {
     int iterations = 0;
-    // max over columns of |b - A x| / |b|, computed from the x returned; both without the rows that are held, and b less what
-    // these contribute
+    /// max over columns of |b - A x| / |b|, computed from the x returned; both without the rows that are held, and b less what
+    /// these contribute
     double residual = 0;
     bool converged = false;
 };
 
-// An entry of X that is given.
+/// An entry of X that is given.
 struct HeldEntry {
     std::size_t row = 0, column = 0;
 };
 
 namespace detail {
 
-// out = A x: row i gathers along row i of A, which is symmetric.
+/// out = A x: row i gathers along row i of A, which is symmetric.
 inline void multiply(const SymmetricMatrix& a, const DenseMatrix& x, DenseMatrix& out) {
     const std::size_t columns = x.columns;
     for (std::size_t i = 0; i < a.size(); ++i) {
@@ -10113,7 +10754,7 @@ inline void multiply(const SymmetricMatrix& a, const DenseMatrix& x, DenseMatrix
     }
 }
 
-// Dot products of the columns of a and b.
+/// Dot products of the columns of a and b.
 inline void column_dots(const DenseMatrix& a, const DenseMatrix& b, std::vector<double>& out) {
     std::fill(out.begin(), out.end(), 0.0);
     for (std::size_t i = 0; i < a.rows; ++i)
@@ -10122,10 +10763,10 @@ inline void column_dots(const DenseMatrix& a, const DenseMatrix& b, std::vector<
 
 }  // namespace detail
 
-// Solves A X = B. A: n by n, self-adjoint, positive semidefinite, both triangles stored. B: n by k. X: n by k, on entry
-// where to start, on return the solution. A column of B that is 0 has the solution 0. A row whose diagonal is not
-// positive (a vertex without pixels) leaves its row of X as it was. So do entries that `held` names, by row and column:
-// the others are then solved for with these given, all columns with the one matrix; B may be anything in such entries.
+/// Solves A X = B. A: n by n, self-adjoint, positive semidefinite, both triangles stored. B: n by k. X: n by k, on entry
+/// where to start, on return the solution. A column of B that is 0 has the solution 0. A row whose diagonal is not
+/// positive (a vertex without pixels) leaves its row of X as it was. So do entries that `held` names, by row and column:
+/// the others are then solved for with these given, all columns with the one matrix; B may be anything in such entries.
 inline PcgReport solve_pcg(const SymmetricMatrix& a, const DenseMatrix& b, DenseMatrix& x, const PcgOptions& options = {},
                            const std::vector<HeldEntry>& held = {}) {
     HMESH_ASSERT(b.rows == a.size() && x.rows == b.rows && x.columns == b.columns);
@@ -10224,20 +10865,21 @@ inline PcgReport solve_pcg(const SymmetricMatrix& a, const DenseMatrix& b, Dense
 
 // ---- hmesh/solve/linear_light.hpp
 
-// hmesh - linear light: vertex colours for renderers that interpolate light, not stored values.
-//
-// A picture drawn in linear light has in each pixel the stored value peak * e(sum of lambda_v l_v): l_v the light of vertex v
-// as a share of the full one, lambda_v its barycentric weights, e the sRGB encoding. A mesh fitted between stored values
-// looks different there: inside faces light is brighter. fit_linear_light() finds the l_v with the least squared error in
-// stored values, the geometry staying. With r the residual of a pixel the Gauss-Newton step d solves, for each channel,
-//
-//     sum of e'^2 lambda_v lambda_w d_w  =  - sum of e' r lambda_v
-//
-// over the mesh's edges. It is halved until the error falls. Lights stay in [0, 1]: those that lie on a bound and would
-// leave it are held in the system (Bertsekas 1982), others are cut off at it. Alpha is not encoded: e is the identity there.
-//
-// Cost: about 35 ns a pixel and channel for each step, for the measure before the first and for that of rounded colours, some
-// 5 in all. Memory: about 0.5 KB a vertex, with one channel at work at a time.
+/// \file
+/// Linear light: vertex colours for renderers that interpolate light, not stored values.
+///
+/// A picture drawn in linear light has in each pixel the stored value peak * e(sum of lambda_v l_v): l_v the light of vertex v
+/// as a share of the full one, lambda_v its barycentric weights, e the sRGB encoding. A mesh fitted between stored values
+/// looks different there: inside faces light is brighter. fit_linear_light() finds the l_v with the least squared error in
+/// stored values, the geometry staying. With r the residual of a pixel the Gauss-Newton step d solves, for each channel,
+///
+///     sum of e'^2 lambda_v lambda_w d_w  =  - sum of e' r lambda_v
+///
+/// over the mesh's edges. It is halved until the error falls. Lights stay in [0, 1]: those that lie on a bound and would
+/// leave it are held in the system (Bertsekas 1982), others are cut off at it. Alpha is not encoded: e is the identity there.
+///
+/// Cost: about 35 ns a pixel and channel for each step, for the measure before the first and for that of rounded colours, some
+/// 5 in all. Memory: about 0.5 KB a vertex, with one channel at work at a time.
 #ifndef HMESH_SOLVE_LINEAR_LIGHT_HPP
 #define HMESH_SOLVE_LINEAR_LIGHT_HPP
 
@@ -10250,35 +10892,37 @@ inline PcgReport solve_pcg(const SymmetricMatrix& a, const DenseMatrix& b, Dense
 
 namespace hmesh {
 
-struct LinearLightOptions {  // options of fit_linear_light()
-    int iterations = 6;      // Gauss-Newton steps at most, >= 0; 0 measures only
-    // A channel is done when a step lowers its error by less than this share: 1e-4 is 4e-4 dB.
+/// Options of fit_linear_light()
+struct LinearLightOptions {
+    int iterations = 6;  ///< Gauss-Newton steps at most, >= 0; 0 measures only
+    /// A channel is done when a step lowers its error by less than this share: 1e-4 is 4e-4 dB.
     double least_gain = 1e-4;
-    double ridge = MeshLimits().ridge;  // pixels, as MeshLimits has it
-    double grid = 0;                    // colours become multiples of it, in stored values; 0: any
-    ImageView<float, 1> weights;        // see image/weights.hpp; none: all pixels count the same
+    double ridge = MeshLimits().ridge;  ///< pixels, as MeshLimits has it
+    double grid = 0;                    ///< colours become multiples of it, in stored values; 0: any
+    ImageView<float, 1> weights;        ///< see image/weights.hpp; none: all pixels count the same
 };
 
-struct [[nodiscard]] LinearLightReport {  // what it came to
-    // Sums of squared differences in stored values over pixels and channels, times weights: of the colours as they came,
-    // and as they are now. The latter is never the larger.
+/// What it came to.
+struct [[nodiscard]] LinearLightReport {
+    /// Sums of squared differences in stored values over pixels and channels, times weights: of the colours as they came,
+    /// and as they are now. The latter is never the larger.
     double converted = 0, energy = 0;
-    int iterations = 0;         // steps taken, those of the channel that took most
-    int solver_iterations = 0;  // of all
-    double residual = 0;        // the largest of a solve, relative to its right-hand side
-    double psnr = 0;            // dB, of `energy`, as Report has it
+    int iterations = 0;         ///< steps taken, those of the channel that took most
+    int solver_iterations = 0;  ///< of all
+    double residual = 0;        ///< the largest of a solve, relative to its right-hand side
+    double psnr = 0;            ///< dB, of `energy`, as Report has it
     Status status;
 };
 
 namespace kit::detail {
 
-// One channel of a mesh as light: stored shares of the peak, rounded to float as the mesh has them, and what they decode to.
+/// One channel of a mesh as light: stored shares of the peak, rounded to float as the mesh has them, and what they decode to.
 struct ChannelLight {
     std::vector<float> stored;
     std::vector<double> light;
 };
 
-// The error and the Gauss-Newton system of one channel after the other.
+/// The error and the Gauss-Newton system of one channel after the other.
 template <class T, int C>
 class LinearLight {
   public:
@@ -10287,14 +10931,14 @@ class LinearLight {
         : mesh_(mesh), topology_(topology), view_(view), options_(options), parallel_for_(parallel_for),
           scale_(weight_unit(options.weights, parallel_for), view.width, view.height), corners_(2 * topology.edge_slots()) {}
 
-    // The colours of channel k as they may be: in [0, peak] and on the grid.
+    /// The colours of channel k as they may be: in [0, peak] and on the grid.
     [[nodiscard]] ChannelLight start(std::size_t k) const {
         ChannelLight out;
         for (std::size_t v = 0; v < mesh_.vertex_count(); ++v)
             add(out, k, static_cast<double>(mesh_.colors[C * v + k]), options_.grid);
         return out;
     }
-    // The light `step` times `direction` further on, cut off at 0 and 1.
+    /// The light `step` times `direction` further on, cut off at 0 and 1.
     [[nodiscard]] ChannelLight moved(const ChannelLight& from, std::size_t k, const DenseMatrix& direction, double step) const {
         ChannelLight out;
         for (std::size_t v = 0; v < from.light.size(); ++v) {
@@ -10303,14 +10947,14 @@ class LinearLight {
         }
         return out;
     }
-    // Put on the grid.
+    /// Put on the grid.
     [[nodiscard]] ChannelLight rounded(const ChannelLight& from, std::size_t k) const {
         ChannelLight out;
         for (const float stored : from.stored) add(out, k, static_cast<double>(stored), options_.grid);
         return out;
     }
 
-    // The error, in squared shares of the peak. Leaves the sums of the faces for direction().
+    /// The error, in squared shares of the peak. Leaves the sums of the faces for direction().
     [[nodiscard]] double measure(const ChannelLight& at, std::size_t k) {
         return ordered_sum(parallel_for_, mesh_.faces.size(), 256, [&](std::size_t begin, std::size_t end) {
             double sum = 0;
@@ -10318,7 +10962,7 @@ class LinearLight {
             return sum;
         });
     }
-    // The Gauss-Newton step from where measure() was called last.
+    /// The Gauss-Newton step from where measure() was called last.
     [[nodiscard]] PcgReport direction(const ChannelLight& at, std::size_t k, DenseMatrix& out) const {
         SymmetricMatrix matrix = normal_matrix(topology_, corners_, parallel_for_);
         const DenseMatrix rhs = image_sums(topology_, corners_, parallel_for_);
@@ -10406,10 +11050,10 @@ class LinearLight {
     const LinearLightOptions& options_;
     ParallelFor parallel_for_;
     WeightScale scale_;
-    std::vector<CornerSums<1>> corners_;  // of the last measure(); `image` is - e' r lambda
+    std::vector<CornerSums<1>> corners_;  ///< of the last measure(); `image` is - e' r lambda
 };
 
-// Whether the mesh is one of the image: what for_each_span asks for, and each pixel's owner in reach.
+/// Whether the mesh is one of the image: what for_each_span asks for, and each pixel's owner in reach.
 template <int C, class T>
 [[nodiscard]] Status check_fit(const Mesh& mesh, const ImageView<T, C>& view, HalfedgeMesh& topology) {
     if (mesh.channels != C) return {Errc::invalid_argument, "the mesh has not the image's number of channels", mesh.channels, C};
@@ -10434,13 +11078,13 @@ template <int C, class T>
 
 }  // namespace kit::detail
 
-// Gives the mesh the colours with the least squared error to the image in stored values, as seen through interpolation in
-// linear light; they stay stored values, in [0, peak]. Starts from those that it has, which are held to that range first, as
-// files of linear light do; so are values of the picture drawn, while the image may have any. The error falls or stays.
-// Before each step `go_on(share of the work done)` is asked; what is reported is true of the mesh in any case.
+/// Gives the mesh the colours with the least squared error to the image in stored values, as seen through interpolation in
+/// linear light; they stay stored values, in [0, peak]. Starts from those that it has, which are held to that range first, as
+/// files of linear light do; so are values of the picture drawn, while the image may have any. The error falls or stays.
+/// Before each step `go_on(share of the work done)` is asked, until it says no; what is reported is true of the mesh in any case.
 //
-// Status: invalid_argument where the mesh is not one of this image, is premultiplied, or has a vertex without a face; the mesh
-// is then as it was. The view and the weights are such as check(), check_finite() and check_weights() accept.
+/// Status: invalid_argument where the mesh is not one of this image, is premultiplied, or has a vertex without a face; the mesh
+/// is then as it was. The view and the weights are such as check(), check_finite() and check_weights() accept.
 template <class T, int C>
 LinearLightReport fit_linear_light(Mesh& mesh, const ImageView<T, C>& view, const LinearLightOptions& options = {},
                                    const ParallelFor& parallel_for = {}, FunctionRef<bool(double share)> go_on = {}) {
@@ -10451,6 +11095,7 @@ LinearLightReport fit_linear_light(Mesh& mesh, const ImageView<T, C>& view, cons
     if (!report.status) return report;
     kit::detail::LinearLight<T, C> scene(mesh, topology, view, options, parallel_for);
     const double unit = mesh.peak * mesh.peak;
+    bool is_stopped = false;
     for (std::size_t k = 0; k < C; ++k) {
         const ChannelLight start = scene.start(k);
         ChannelLight now = start;
@@ -10458,8 +11103,9 @@ LinearLightReport fit_linear_light(Mesh& mesh, const ImageView<T, C>& view, cons
         double energy = converted;
         kit::DenseMatrix direction;
         int steps = 0;
-        for (bool gains = true; gains && energy > 0 && steps < options.iterations;) {
-            if (go_on && !go_on((static_cast<double>(k) + static_cast<double>(steps) / options.iterations) / C)) break;
+        for (bool gains = true; gains && energy > 0 && steps < options.iterations && !is_stopped;) {
+            is_stopped = go_on && !go_on((static_cast<double>(k) + static_cast<double>(steps) / options.iterations) / C);
+            if (is_stopped) break;
             const kit::PcgReport solve = scene.direction(now, k, direction);
             report.solver_iterations += solve.iterations;
             report.residual = std::max(report.residual, solve.residual);

@@ -31,6 +31,10 @@ using hmesh::Options;
 using hmesh::Result;
 using hmesh::Target;
 
+#ifndef HMESH_TEST_SOURCE
+#define HMESH_TEST_SOURCE "tests"  // seen from the repository's root
+#endif
+
 namespace {
 
 // The file that this build is compared with; empty: none.

@@ -80,29 +80,6 @@ TEST_CASE("meshes of every shape are accepted, and all of their edges and corner
     hmesh_test::prove(kit::tiled_grid(source, kit::Tiling(40, 31, 13), 80, 30, [] { return true; }));
 }
 
-TEST_CASE("a mesh at work becomes arrays, which it takes back: the same energy and, over 8 bits, the same bytes") {
-    hmesh_test::Subject<std::uint8_t, 3> subject(hmesh_test::scene<std::uint8_t, 3>(40, 31, 1),
-                                                 hmesh_test::jittered_grid(40, 31, 7, 6, 1));
-    hmesh_test::wear(subject.mesh, 300, 255, 1);  // leaves deleted slots
-    REQUIRE(subject.mesh.topology().vertex_slots() > subject.mesh.vertex_count());
-    const IndexedMesh<3> mesh = kit::to_indexed_mesh(subject.mesh);
-    hmesh_test::prove(mesh);
-    CHECK(mesh.energy == subject.mesh.energy());
-    std::size_t row = 0;
-    for (const kit::Vertex v : subject.mesh.topology().vertices()) {
-        CHECK(mesh.positions[row] == subject.mesh.position(v));
-        for (int c = 0; c < 3; ++c) CHECK(mesh.colors[row][c] == subject.mesh.color(v)[c]);
-        CHECK((mesh.dirty[row] != 0) == subject.mesh.is_dirty(v));
-        ++row;
-    }
-    REQUIRE(row == mesh.vertex_count());
-    hmesh_test::Subject<std::uint8_t, 3> other(subject.image);
-    REQUIRE(other.mesh.assign(mesh.positions, mesh.faces, mesh.colors));
-    REQUIRE(other.mesh.check());
-    CHECK(other.mesh.energy() == doctest::Approx(mesh.energy).epsilon(1e-12));
-    CHECK(kit::to_indexed_mesh(other.mesh).faces == mesh.faces);
-}
-
 TEST_CASE("arrays of vertices that differ in length are found") {
     IndexedMesh<1> mesh = fan();
     mesh.colors.pop_back();

@@ -136,7 +136,7 @@ double error_of(const Image<T, C>& image, const Mesh& mesh, const Image<float, 1
 LinearLightOptions to_the_end() {
     LinearLightOptions options;
     options.iterations = 200;
-    options.least_gain = 0;
+    options.min_gain = 0;
     return options;
 }
 

@@ -35,8 +35,8 @@ using hmesh::kit::Rect;
 using hmesh::kit::Tiling;
 using hmesh::kit::Vertex;
 using hmesh::kit::detail::Cut;
+using hmesh::kit::detail::PatchFaces;
 using hmesh::kit::detail::PatchResult;
-using hmesh::kit::detail::PatchTriangles;
 using hmesh_test::Corner;
 using hmesh_test::Corners;
 using hmesh_test::make_indexed;
@@ -129,7 +129,7 @@ Form form_of(const std::vector<Triangle>& triangles) {
 template <int C>
 std::vector<Triangle> triangles_of(const IndexedMesh<C>& whole, const Cut& cut, std::size_t tile) {
     std::vector<Triangle> triangles;
-    for (std::size_t k = cut.first[tile]; k < cut.first[tile + 1]; ++k) triangles.push_back(whole.faces[cut.triangles[k]]);
+    for (std::size_t k = cut.first[tile]; k < cut.first[tile + 1]; ++k) triangles.push_back(whole.faces[cut.faces[k]]);
     return triangles;
 }
 
@@ -143,7 +143,7 @@ template <int C>
 std::vector<Corners<C>> corners_of(const IndexedMesh<C>& whole, const PatchResult<C>& result) {
     const std::size_t free = result.positions.size();
     std::vector<Corners<C>> out;
-    for (const Triangle& t : result.triangles) {
+    for (const Triangle& t : result.faces) {
         Corners<C> corners;
         for (std::size_t k = 0; k < 3; ++k)
             corners[k] = t[k] < free ? hmesh_test::corner_of<C>(result.positions[t[k]], result.colors[t[k]])
@@ -209,18 +209,18 @@ void prove_patches(const ImageSource<C>& source, const IndexedMesh<C>& whole, co
         REQUIRE(patch.free_count() == owned);
         REQUIRE(patch.vertex_count() == owned + fans);
         free += owned;
-        const PatchTriangles numbered = kit::detail::renumber(whole, cut, tile);
+        const PatchFaces numbered = kit::detail::renumber(whole, cut, tile);
         REQUIRE(numbered.locked.size() == fans);
         std::map<std::uint32_t, std::vector<int>> sizes;
         for (std::size_t k = 0; k < fans; ++k) {
             const Vertex v(owned + k);
             const auto& locked = numbered.locked[k];
             REQUIRE(mesh.vertex(v).mobility == Mobility::locked);
-            REQUIRE(mesh.topology().valence(v) == locked.triangle_count + 1);
+            REQUIRE(mesh.topology().valence(v) == locked.face_count + 1);
             REQUIRE(mesh.topology().valence(v) <= mesh.vertex(v).valence_limit);
             REQUIRE(mesh.topology().is_boundary(v));
             room[locked.vertex] += mesh.vertex(v).valence_limit - 1;
-            sizes[locked.vertex].push_back(locked.triangle_count);
+            sizes[locked.vertex].push_back(locked.face_count);
         }
         for (auto& [v, list] : sizes) {
             std::sort(list.begin(), list.end());
@@ -257,7 +257,7 @@ void prove_patches(const ImageSource<C>& source, const IndexedMesh<C>& whole, co
         met.narrow += mesh.width() == 1 || mesh.height() == 1 ? 1 : 0;
         met.one_tile += fans == 0 ? 1 : 0;
     }
-    REQUIRE(free + cut.frozen_count == whole.vertex_count());
+    REQUIRE(free + cut.locked_count == whole.vertex_count());
     REQUIRE(std::abs(energy - whole.energy) <= 1e-9 * whole.energy);
     for (const int triangles : room) REQUIRE(triangles < kit::max_valence);
 }
@@ -285,9 +285,9 @@ TEST_CASE("every triangle is in one tile, that of its centroid; vertices are fre
                 std::vector<std::uint32_t> listed;
                 for (std::size_t k = 0; k < tiling.size(); ++k)
                     for (std::size_t t = cut.first[k]; t < cut.first[k + 1]; ++t) {
-                        REQUIRE(tiles[cut.triangles[t]] == k);
-                        if (t > cut.first[k]) REQUIRE(cut.triangles[t - 1] < cut.triangles[t]);
-                        listed.push_back(cut.triangles[t]);
+                        REQUIRE(tiles[cut.faces[t]] == k);
+                        if (t > cut.first[k]) REQUIRE(cut.faces[t - 1] < cut.faces[t]);
+                        listed.push_back(cut.faces[t]);
                     }
                 std::sort(listed.begin(), listed.end());
                 for (std::size_t t = 0; t < listed.size(); ++t) REQUIRE(listed[t] == t);
@@ -302,10 +302,10 @@ TEST_CASE("every triangle is in one tile, that of its centroid; vertices are fre
                     const bool is_free = around[v].size() == 1;
                     REQUIRE(cut.owner[v] == (is_free ? *around[v].begin() : Cut::locked));
                     REQUIRE(cut.number[v] == (is_free ? free[*around[v].begin()]++ : locked++));
-                    REQUIRE(cut.triangle_count[v] == count[v]);
+                    REQUIRE(cut.face_count[v] == count[v]);
                 }
                 REQUIRE(cut.free_count == free);
-                REQUIRE(cut.frozen_count == locked);
+                REQUIRE(cut.locked_count == locked);
             }
 }
 

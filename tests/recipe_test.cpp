@@ -50,7 +50,7 @@ struct Grid {
     [[nodiscard]] Status run(TiledMesh<C>& mesh, std::size_t n) const {
         mesh.indexed() = hmesh::kit::regular_grid(mesh.source(), static_cast<double>(n));
         return hmesh::kit::finished_or_cancelled(
-            hmesh::kit::run_whole_stage<C>(mesh, "own", [&](hmesh::kit::ImageMesh<C>& piece) {
+            hmesh::kit::run_one_tile_stage<C>(mesh, "own", [&](hmesh::kit::ImageMesh<C>& piece) {
                 subdivide(piece, n - piece.vertex_count());
                 for (int k = 0; k < sweeps; ++k) sweep(piece);
             }));

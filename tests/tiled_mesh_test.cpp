@@ -77,7 +77,7 @@ struct Phase {
         switch (mixed ? static_cast<Kind>(random.below(kinds)) : kind) {
             case Kind::sweep: kit::sweep(mesh); return;
             case Kind::flip: kit::flip_edges(mesh); return;
-            case Kind::insert: kit::insert_batch(mesh, 1 + random.below(count / 3 + 1), {true, true, 0}); return;
+            case Kind::insert: kit::insert_batch(mesh, 1 + random.below(count / 3 + 1), {true, true}); return;
             case Kind::remove: kit::remove_batch(mesh, 1 + random.below(count / 3 + 1), {}); return;
             case Kind::anneal: {
                 const double least = 0.7 * static_cast<double>(count), most = 1.3 * static_cast<double>(count);
@@ -375,7 +375,7 @@ TEST_CASE("what a patch makes due is due in the whole, its frozen vertices too")
     const Cut cut = kit::detail::cut(work.indexed(), tiling);
     std::vector<unsigned char> expected(work.indexed().vertex_count(), 0);
     for (std::size_t k = cut.first[3]; k < cut.first[4]; ++k)
-        for (const std::uint32_t v : work.indexed().faces[cut.triangles[k]]) expected[v] = 1;
+        for (const std::uint32_t v : work.indexed().faces[cut.faces[k]]) expected[v] = 1;
     CHECK(work.indexed().dirty == expected);
     // Sweeps of the others leave it so: frozen vertices are due for another patch.
     work.for_each(tiling, [&](Patch<1>& patch, std::size_t tile) {

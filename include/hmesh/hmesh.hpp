@@ -1,6 +1,8 @@
 /// \file
-/// hmesh - what most programs need in one include: mesh_image() by the default recipe, render(), colors for linear light, and the
-/// exporters. Defines nothing itself. The methods of the paper and the baselines are in hmesh/paper.hpp.
+/// hmesh - turns a raster image into a triangle mesh with one colour a vertex. What most programs need in one include:
+/// mesh_image() with the default recipe (Annealed), render(), psnr(), colours for linear light, and the exporters.
+///
+/// This header defines nothing itself. The methods of the paper and the baselines are in hmesh/paper.hpp.
 #ifndef HMESH_HMESH_HPP
 #define HMESH_HMESH_HPP
 

@@ -1,4 +1,4 @@
-// hmesh - how mesh_image() does it. Included by mesh_image.hpp alone; nothing where a program compiles it in another file.
+// hmesh - the definition of mesh_image(). Included by mesh_image.hpp only; empty where a program compiles it in another file.
 #ifndef HMESH_MESH_IMAGE_IPP
 #define HMESH_MESH_IMAGE_IPP
 #if !defined(HMESH_COMPILED) || defined(HMESH_IMPLEMENTATION)
@@ -29,7 +29,7 @@
 
 namespace hmesh::detail {
 
-/// / A recipe as seen by what does not depend on it.
+/// A recipe behind function references, so that what follows is compiled once for all recipes.
 template <int C>
 struct RecipeRef {
     FunctionRef<double(std::size_t n)> tile_size;
@@ -37,7 +37,7 @@ struct RecipeRef {
     Colors colors;
 };
 
-/// / One mesh of n vertices, finished. `samples`: pixels, or the sum of their weights, times channels.
+/// One finished mesh of n vertices. `samples`: number of pixels, or the sum of their weights, times channels.
 template <int C>
 [[nodiscard]] HMESH_COLD Result mesh_once(const kit::ImageSource<C>& source, double samples, std::size_t n,
                                           const RecipeRef<C>& recipe, const Options& options, const ParallelFor& parallel_for) {
@@ -71,7 +71,7 @@ template <int C>
     return result;
 }
 
-/// / The mesh that options.target asks for.
+/// The mesh that options.target asks for; `samples` as for mesh_once().
 template <int C>
 [[nodiscard]] HMESH_COLD Result mesh_target(const kit::ImageSource<C>& source, double samples, const RecipeRef<C>& recipe,
                                             const Options& options, const ParallelFor& parallel_for) {
@@ -89,6 +89,7 @@ template <int C>
     return mesh_of(static_cast<std::size_t>(options.target.value));
 }
 
+// Whether a recipe's run() takes the image's view too: run(mesh, view, n).
 template <class Recipe, class T, int C, class = void>
 inline constexpr bool wants_view = false;
 template <class Recipe, class T, int C>

@@ -1,5 +1,6 @@
 /// \file
-/// Options of mesh_image(): what all methods share. What belongs to one method stands in its recipe (methods/).
+/// Options: what mesh_image() can be told, whatever the method. Options of one method are members of its recipe (folder
+/// methods/).
 #ifndef HMESH_OPTIONS_HPP
 #define HMESH_OPTIONS_HPP
 
@@ -18,47 +19,55 @@
 
 namespace hmesh {
 
-/// How vertices get their final colours.
+/// How the final colours of the vertices are chosen.
 enum class Colors : std::uint8_t {
-    optimal,  ///< least squares for the final geometry
-    sampled,  ///< those of the image under the vertices
+    optimal,  ///< least squares: the colours with the smallest error for the final geometry
+    sampled,  ///< the colour of the image at the position of each vertex
 };
 
-/// How many vertices the mesh gets. Corners of the image count.
+/// How many vertices the mesh gets, the four corners of the image included. Made by Target::vertices(), percent() or psnr().
 struct Target {
     /// What `value` counts.
-    enum class Kind : std::uint8_t { vertices, percent, psnr };
-    Kind kind = Kind::percent;  ///< set by the functions below
-    double value = 1;           ///< vertices, percent of the pixels, or dB
+    enum class Kind : std::uint8_t {
+        vertices,  ///< a number of vertices
+        percent,   ///< vertices in percent of the pixels
+        psnr,      ///< dB
+    };
+    Kind kind = Kind::percent;  ///< what `value` counts
+    double value = 1;           ///< number of vertices, percent of the pixels, or dB
 
-    /// Exactly n vertices, 4 <= n <= max(4, pixels).
+    /// Exactly n vertices, 4 <= n <= max(4, number of pixels).
     [[nodiscard]] static Target vertices(std::int64_t n) noexcept { return {Kind::vertices, static_cast<double>(n)}; }
-    /// This percentage of the pixels, rounded, in (0, 100]; at least 4 vertices.
+    /// This percentage of the number of pixels, rounded to a whole number of vertices; in (0, 100], at least 4 vertices.
     [[nodiscard]] static Target percent(double of_pixels) noexcept { return {Kind::percent, of_pixels}; }
-    /// The fewest vertices found that reach this PSNR, in dB > 0: about six runs at counts that close in on it.
+    /// The fewest vertices found whose mesh reaches this PSNR, in dB, > 0. Takes about six runs at counts that close in on the
+    /// target.
     [[nodiscard]] static Target psnr(double decibel) noexcept { return {Kind::psnr, decibel}; }
 };
 
-/// What mesh_image() can be told, whatever the method. Each has a default that is good for photographs.
+/// What mesh_image() can be told, whatever the method. The defaults are good for photographs.
 struct Options {
-    Target target{};      ///< how many vertices; by default one for 100 pixels
-    Progress progress{};  ///< told of the work, and may cancel it; refers to a callable that outlives the call
-    MeshLimits limits{};  ///< bounds that keep faces and colours sane
-    /// Per-pixel weights >= 0, of the image's size; an empty view: all pixels count the same. Only ratios matter. Rounded to
-    /// steps of 2^-24 to 2^-8 of the largest, finer for smaller images (kit::WeightScale); less than half a step counts as 0.
+    Target target{};      ///< number of vertices; by default 1 % of the number of pixels
+    Progress progress{};  ///< is told how far the work is and may cancel it; its callable must outlive the call
+    MeshLimits limits{};  ///< smallest area of a face and range of colours while fitting
+    /// Per-pixel weights >= 0, of the image's size. An empty view (the default): all pixels count the same. Only ratios matter.
+    /// Weights are rounded to steps of 2^-24 to 2^-8 of the largest one, finer for smaller images (kit::WeightScale); less than
+    /// half a step counts as 0.
     ImageView<float, 1> weights{};
-    /// Final colours; none: as the method is defined, optimal for Annealed and Hierarchical, sampled for the baselines.
+    /// How the final colours are chosen. Empty (the default): as the method defines it, `optimal` for Annealed and
+    /// Hierarchical, `sampled` for the baselines.
     std::optional<Colors> colors{};
-    /// Round colours to the pixel type's values, so that a file with such colours holds the very mesh that was measured.
-    /// Ignored for float. Costs about 0.003 dB at 30 dB, 0.1 dB at 45 dB.
+    /// Whether final colours are rounded to values of the pixel type, so that a file that stores such values holds the very
+    /// mesh whose error is reported. Ignored for float images. Costs about 0.003 dB at 30 dB, 0.1 dB at 45 dB.
     bool round_colors = true;
-    /// For 2 or 4 channels: the image's straight colours are multiplied by alpha / peak, and what is meshed and reported is that;
-    /// the mesh says premultiplied. Colours under transparent pixels then do not count, and edges of sprites carry no fringes.
-    /// Takes a copy of the image.
+    /// Whether the colours of an image of 2 or 4 channels are multiplied by alpha / peak before meshing. Error and PSNR are
+    /// then those of the premultiplied image, and Mesh::premultiplied is set. Colours under transparent pixels do not count,
+    /// and the edges of sprites carry no fringes. Takes a copy of the image.
     bool premultiplied = false;
 };
 
-/// Whether the options mean something for an image of so many pixels and channels; the sentence names the first that does not.
+/// Whether the options are valid for an image of `pixels` pixels and `channels` channels: target_out_of_range or
+/// invalid_argument, with a sentence about the first option that is not. mesh_image() calls it.
 [[nodiscard]] HMESH_COLD inline Status check(const Options& options, std::int64_t pixels, int channels) noexcept {
     const Target& target = options.target;
     const std::int64_t most = std::max<std::int64_t>(4, pixels);

@@ -1,8 +1,10 @@
 /// \file
-/// The methods of "Image meshing via hierarchical optimization" and those that it is compared with, as recipes for mesh_image():
-/// Hierarchical, Xie, Adams and AdaptiveThinning; and the linear algebra behind them as Eigen's matrices (solve/eigen.hpp).
+/// The methods of the paper "Image meshing via hierarchical optimization" and the baselines that it is compared with, as
+/// recipes for mesh_image(): Hierarchical, Xie, Adams and AdaptiveThinning; and the matrices behind them as Eigen's types
+/// (solve/eigen.hpp).
 ///
-/// Beside hmesh/hmesh.hpp, so that programs that do not ask for them neither parse nor compile them. Needs Eigen 3.4 or newer.
+/// Apart from hmesh/hmesh.hpp, so that a program that does not use these methods neither parses nor compiles them. Needs Eigen
+/// 3.4 or newer.
 #ifndef HMESH_PAPER_HPP
 #define HMESH_PAPER_HPP
 

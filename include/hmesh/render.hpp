@@ -1,11 +1,10 @@
 /// \file
 /// render(): draws a mesh into an image of any size, pixel for pixel as a GPU does; with psnr() and to_pixels().
 ///
-/// A pixel takes the colour of the face that holds its centre, by the top-left rule of geometry.hpp, interpolated
-/// linearly (Gouraud) at that centre. At the mesh's own size these are the very pixels that were counted when the mesh
-/// was fitted. Each edge is always evaluated from its upper to its lower end, so that the two faces beside it agree to
-/// the bit and leave no gap at any size. Cost: about 5 ns a pixel and 60 ns a face; memory beside the image: 16 bytes a
-/// vertex and about 14 a face.
+/// A pixel takes the colour of the face that holds its centre, by the top-left rule of mesh/raster.hpp, interpolated linearly
+/// (Gouraud) at that centre. At the mesh's own size these are the very pixels that were counted when the mesh was fitted. Each
+/// edge is evaluated from its upper to its lower end, so that the two faces beside it agree to the bit and leave no gap at any
+/// size. Cost: about 5 ns a pixel and 60 ns a face; memory beside the image: 16 bytes a vertex and about 14 a face.
 #ifndef HMESH_RENDER_HPP
 #define HMESH_RENDER_HPP
 
@@ -33,43 +32,47 @@
 
 namespace hmesh {
 
-/// Between what values of its corners a face is drawn.
+/// Which values are interpolated between the corners of a face.
 enum class Interpolation : std::uint8_t {
     encoded,  ///< the stored values, as GPUs do with colours that they take for plain numbers
-    /// Light, as glTF renderers do: colours are held to [0, peak], decoded from sRGB (IEC 61966-2-1), and pixels encoded again.
-    /// Alpha, the last of 2 or 4 channels, is held to [0, peak] and else as ever. Costs another 15 ns a pixel and channel.
+    /// Linear light, as glTF renderers do: colours are clamped to [0, peak], decoded from sRGB (IEC 61966-2-1) and
+    /// interpolated; pixels are encoded again. Alpha, the last of 2 or 4 channels, is clamped to [0, peak] but not decoded.
+    /// Costs another 15 ns a pixel and channel.
     linear,
 };
 
 /// Options of render().
 struct RenderOptions {
-    std::optional<int> width{}, height{};  ///< of the picture in pixels; none: the mesh's own
-    Interpolation interpolation = Interpolation::encoded;
+    std::optional<int> width{},                            ///< px of the picture, 1 to kit::max_side; empty: the mesh's width
+        height{};                                          ///< px of the picture, 1 to kit::max_side; empty: the mesh's height
+    Interpolation interpolation = Interpolation::encoded;  ///< which values are interpolated
 };
 
-/// A picture, or why there is none: it is then empty.
+/// What render() returns: a picture of C channels, or why there is none.
 template <int C>
 struct [[nodiscard]] RenderResult {
-    Image<float, C> image;
-    Status status;
+    Image<float, C> image;  ///< the picture; empty unless the status is ok
+    Status status;          ///< ok, or why there is no picture
 };
 
 namespace detail {
 
+// Rows that are drawn as one piece of work.
 inline constexpr int band_rows = 32;
 
-/// The rows of an image of `height` rows whose centres a face can hold.
+/// A range of rows of a picture, or of bands.
 struct RowRange {
     int first = 0, last = 0;  ///< [first, last)
 };
 
+/// A corner of a face: position in the picture, in px, and colour.
 template <int C>
 struct Corner {
     kit::Point at;
     const float* color;
 };
 
-/// The colours of a face as functions of the pixel.
+/// The colours of a face as linear functions of the pixel.
 template <int C>
 class Shading {
   public:
@@ -80,7 +83,7 @@ class Shading {
             to_c_[k] = static_cast<double>(c.color[k]) - base_[k];
         }
     }
-    /// Pixels [begin, end) of row j.
+    /// Writes pixels [begin, end) of row j to `pixel`.
     void fill(int j, int begin, int end, float* pixel) const noexcept {
         for (int i = begin; i < end; ++i, pixel += C) {
             const kit::Barycentric w = weights_(i, j);
@@ -107,6 +110,7 @@ struct Bands {
     std::vector<std::uint32_t> faces;
 };
 
+/// The faces of each band of a picture of `height` rows, by their positions `at` in the picture.
 [[nodiscard]] inline Bands sort_into_bands(const MeshView& mesh, const std::vector<kit::Point>& at, int height,
                                            const ParallelFor& parallel_for) {
     kit::ClipRect picture;
@@ -159,10 +163,11 @@ template <int C>
     return {};
 }
 
-/// A mesh's colours for interpolation in linear light, and drawn pixels back from it.
+/// Whether a channel is light (not alpha), which interpolation in linear light decodes.
 [[nodiscard]] inline bool is_light(const MeshView& mesh, int channel) noexcept {
     return !kit::has_alpha(mesh.channels) || channel + 1 != mesh.channels;
 }
+/// The colours of a mesh as shares of `peak` in [0, 1], light decoded from sRGB.
 [[nodiscard]] inline std::vector<float> decoded_colors(const MeshView& mesh, const ParallelFor& parallel_for) {
     const auto channels = static_cast<std::size_t>(mesh.channels);
     std::vector<float> out(channels * mesh.vertex_count);
@@ -174,6 +179,7 @@ template <int C>
     });
     return out;
 }
+/// Turns pixels drawn from decoded_colors() back into stored values.
 template <int C>
 void encode_rows(const MeshView& mesh, RowRange rows, Image<float, C>& out) {
     float* pixel = out.pixel(0, rows.first);
@@ -187,9 +193,14 @@ void encode_rows(const MeshView& mesh, RowRange rows, Image<float, C>& out) {
 
 }  // namespace detail
 
-/// Draws the mesh, scaled to the picture's size: the stored values, neither rounded nor clamped. Faces outside the picture are
-/// clipped; where faces overlap the later one wins; pixels in no face are 0. A premultiplied mesh gives a premultiplied picture,
-/// and cannot be drawn in linear light.
+/// Draws a mesh, scaled to the size of the picture. Pixels hold interpolated stored values, neither rounded nor clamped;
+/// to_pixels() rounds them. Faces outside the picture are clipped; where faces overlap the later one wins; pixels in no face
+/// are 0. A premultiplied mesh gives a premultiplied picture, and cannot be drawn in linear light.
+///
+/// \param mesh          of C channels; its arrays must live until the call returns
+/// \param options       size of the picture and kind of interpolation
+/// \param parallel_for  executor of the rows, in bands of 32
+/// \return              the picture, or the status invalid_argument, image_too_large or not_finite
 template <int C>
 [[nodiscard]] RenderResult<C> render(const MeshView& mesh, const RenderOptions& options = {},
                                      const ParallelFor& parallel_for = {}) {
@@ -232,8 +243,9 @@ template <int C>
     return result;
 }
 
-/// 10 log10(peak^2 / MSE) in dB, MSE the mean of the squared differences over pixels AND channels, peak that of the
-/// reference's pixel type. Infinity for equal images, NaN for images that cannot be compared: different or no sizes.
+/// The PSNR of a picture against a reference image, in dB: 10 log10(peak^2 / MSE), with the MSE the mean of the squared
+/// differences of stored values over pixels AND channels, and peak that of the reference's pixel type. Infinity for equal
+/// images; NaN for views that check() refuses or of different sizes.
 template <class T, class U, int C>
 [[nodiscard]] double psnr(const ImageView<T, C>& reference, const ImageView<U, C>& rendered,
                           const ParallelFor& parallel_for = {}) {
@@ -256,7 +268,7 @@ template <class T, class U, int C>
     return kit::psnr_of_energy(energy, samples, PixelTraits<T>::peak);
 }
 
-/// The picture in pixels of type T, rounded and held to the type's range.
+/// A picture in pixels of type T: values rounded to nearest and clamped to the type's range (PixelTraits::from_real).
 template <class T, int C>
 [[nodiscard]] Image<T, C> to_pixels(const Image<float, C>& image, const ParallelFor& parallel_for = {}) {
     Image<T, C> out(image.width(), image.height());

@@ -1,5 +1,5 @@
 /// \file
-/// Result: what mesh_image() gives back, a mesh and what is known of it.
+/// Result: what mesh_image() returns, a mesh with its error and a status.
 #ifndef HMESH_RESULT_HPP
 #define HMESH_RESULT_HPP
 
@@ -14,23 +14,23 @@
 
 namespace hmesh {
 
-/// What is known of a mesh. PSNR = 10 log10(peak^2 / MSE), MSE the mean over pixels AND channels of the squared difference in
-/// stored values between the image and the mesh drawn at its size, colours neither rounded nor clamped after interpolation;
-/// infinity for MSE 0. Of the premultiplied image where Options says so. With weights, each pixel counts in `energy` and in the
-/// mean as often as its weight over the largest says.
+/// Size and error of a mesh. The error is that of the mesh drawn at its own size, colours neither rounded nor clamped after
+/// interpolation, against the image's stored values (against the premultiplied image where Options::premultiplied is set). With
+/// weights, a pixel counts with its weight / the largest weight, in `energy` as in the mean.
 struct Report {
-    std::size_t vertices = 0;         ///< of the mesh
-    std::size_t faces = 0;            ///< of the mesh
-    double energy = 0;                ///< the sum of squared differences over pixels and channels
-    double psnr = 0;                  ///< dB
-    std::vector<StageReport> stages;  ///< what each stage left behind, in order
+    std::size_t vertices = 0;  ///< number of vertices
+    std::size_t faces = 0;     ///< number of faces
+    double energy = 0;         ///< sum of squared differences over pixels and channels, in squares of stored values
+    /// PSNR in dB, 10 log10(peak^2 / MSE), with the MSE the mean over pixels AND channels; infinity for MSE 0.
+    double psnr = 0;
+    std::vector<StageReport> stages;  ///< size and error after each stage of the method, in order
 };
 
-/// What mesh_image() gives back. A status that is not ok may come with a good mesh all the same: the nearest to a PSNR that was
-/// not reached, or what there was when the work was cancelled.
+/// What mesh_image() returns. A status that is not ok may come with a good mesh (has_mesh()): the nearest one to a PSNR that
+/// was not reached, or the one reached when the work was cancelled.
 struct [[nodiscard]] Result {
-    Mesh mesh;      ///< valid whatever the status, or empty
-    Report report;  ///< true of the mesh
+    Mesh mesh;      ///< a valid mesh whatever the status, or empty
+    Report report;  ///< size and error of `mesh`
     Status status;  ///< ok, or why not
 
     /// Whether there is a mesh, whatever the status.

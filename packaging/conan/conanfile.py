@@ -25,7 +25,7 @@ class HmeshConan(ConanFile):
         self.version = re.search(r'#define HMESH_VERSION_STRING "(.*)"', header).group(1)
 
     def export_sources(self):
-        for pattern in ("include/hmesh/*.hpp", "cmake/hmesh-meshes.cmake", "LICENSE"):
+        for pattern in ("include/hmesh/*.hpp", "include/hmesh/*.ipp", "cmake/hmesh-meshes.cmake", "LICENSE"):
             copy(self, pattern, self._checkout(), self.export_sources_folder)
 
     def layout(self):
@@ -42,7 +42,8 @@ class HmeshConan(ConanFile):
 
     def package(self):
         copy(self, "LICENSE", self.source_folder, os.path.join(self.package_folder, "licenses"))
-        copy(self, "*.hpp", os.path.join(self.source_folder, "include"), os.path.join(self.package_folder, "include"))
+        for pattern in ("*.hpp", "*.ipp"):
+            copy(self, pattern, os.path.join(self.source_folder, "include"), os.path.join(self.package_folder, "include"))
         copy(self, "*.cmake", os.path.join(self.source_folder, "cmake"), os.path.join(self.package_folder, "share", "cmake", "hmesh"))
 
     def package_info(self):

@@ -25,7 +25,7 @@ FAILURES = rows("""
     'text.png'                                        | grey.pgm --weights text.png -o keep.ply
     'constant.pgm' are 8 x 8 px, the image is 20 x 16 px | grey.pgm --weights constant.pgm -o keep.ply --depfile new.d
     --vertices 3                                      | grey.pgm -o keep.ply --vertices 3
-    got 3                                             | grey.pgm -o keep.ply --vertices 3
+    (3, limit 4)                                      | grey.pgm -o keep.ply --vertices 3
     --vertices -5                                     | grey.pgm -o keep.ply --vertices -5
     --vertices 321                                    | grey.pgm -o keep.ply --vertices 321
     limit 320                                         | grey.pgm -o keep.ply --vertices 321
@@ -33,7 +33,6 @@ FAILURES = rows("""
     'nowhere/r.d'                                     | grey.pgm -o new.ply --depfile nowhere/r.d
     'nowhere/r.json'                                  | grey.pgm -o new.ply --report nowhere/r.json
     which those of 2 or 4 channels have               | color.ppm --vertices 40 --premultiplied -o new.ply
-    sampled ones are asked for                        | picture.png --fit-space linear --colors sampled -o new.ply
     nothing is written                                | grey.pgm -o new.ply --psnr 99 --depfile new.d
     """)
 

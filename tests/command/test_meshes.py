@@ -84,7 +84,7 @@ def test_premultiplied_colors_are_told_and_drawn(hmesh):
     hmesh.done("rgba.tga -o straight.html --vertices 40")
     outputs = "-o pre.html -o pre.glb -o pre.ply --render pre.png --strip strip.png"
     assert hmesh.report(f"rgba.tga --vertices 40 --premultiplied {outputs}")["premultiplied"] is True
-    assert b"premultiplied: true" in read("pre.html") and b"premultiplied: false" in read("straight.html")
+    assert b'"premultiplied":true' in read("pre.html") and b'"premultiplied":false' in read("straight.html")
     assert is_png("pre.png")
 
 

@@ -21,6 +21,8 @@ def test_version_prints_name_and_version(hmesh):
 
 WRONG = rows("""
     no input image                            |
+    sampled ones are asked for                | grey.pgm --fit-space linear --colors sampled
+    not premultiplied ones                    | grey.pgm --fit-space linear --premultiplied
     no input image                            | ''
     'two.png'                                 | grey.pgm two.png
     'two.png'                                 | -- grey.pgm two.png

@@ -2,9 +2,10 @@
 # A project takes hmesh in, in one of the ways in which projects do, is built and run.
 #
 # usage: tests/package/consumers.sh WAY SOURCE BUILD VERSION
-#        WAY: find_package, add_subdirectory, fetch_content, pkg_config, single_header or wrong_eigen; install_dirs, which
-#        is to install into folders of other names; readme, which is to install as README.md says; or flat_stb, which is to
-#        build an example with stb's headers in no folder of theirs
+#        WAY: find_package, add_subdirectory, fetch_content, pkg_config, single_header or wrong_eigen; compiled, which is a
+#        program of two files, one of which compiles mesh_image() for the other, and compiled_single, the same with the single
+#        header; install_dirs, which is to install into folders of other names; readme, which is to install as README.md says; or
+#        flat_stb, which is to build an example with stb's headers in no folder of theirs
 #        SOURCE: hmesh's sources; BUILD: its binary directory, from which it is installed; VERSION: that of hmesh
 # CMAKE, CXX: the programs to use. Exit status 77: what the way needs is not there.
 set -eu
@@ -30,9 +31,27 @@ with_compiler() {
     "$cxx" -std=c++17 "$source/tests/package/main.cpp" "$@" -o "$work/consumer"
     "$work/consumer" "$version"
 }
+# copied: the single header and that of the paper's methods, copied into a project.
+copied() {
+    mkdir -p "$work/include/hmesh"
+    cp "$source/single_include/hmesh.hpp" "$work/include/hmesh"
+    cp "$source/single_include/hmesh_paper.hpp" "$work/include/hmesh/paper.hpp"
+}
+# compiled INCLUDE: the two files in declare-only mode. Eigen is not there.
+compiled() {
+    for file in compiled compiled_meshing; do
+        "$cxx" -std=c++17 -DHMESH_COMPILED "-I$1" -c "$source/tests/package/$file.cpp" -o "$work/$file.o"
+    done
+    "$cxx" "$work/compiled.o" "$work/compiled_meshing.o" -o "$work/consumer"
+    "$work/consumer" "$version" >"$work/said"
+    cat "$work/said"
+    # Declared only is declared only.
+    ! "$cxx" "$work/compiled.o" -o "$work/alone" 2>"$work/log" || fail "mesh_image() was compiled in both files"
+    grep -q mesh_image "$work/log" || fail "the linker misses something else: $(cat "$work/log")"
+}
 install() {
     "$cmake" --install "$build" --prefix "$work/prefix" >"$work/installed"
-    case $(find "$work/prefix" -name '*.hpp' -o -name '*.cmake' -o -name '*.pc') in
+    case $(find "$work/prefix" -name '*.[hi]pp' -o -name '*.cmake' -o -name '*.pc') in
         */lib/*) fail "something was installed to a folder of this machine's kind" ;;
     esac
 }
@@ -149,9 +168,19 @@ case $way in
         # shellcheck disable=SC2046  # words
         with_compiler $(pkg-config --cflags --libs hmesh)
         ;;
+    compiled)
+        compiled "$source/include"
+        # Header-only the first file is a program by itself, and does the same.
+        "$cxx" -std=c++17 "-I$source/include" "$source/tests/package/compiled.cpp" -o "$work/alone"
+        "$work/alone" "$version" >"$work/header_only"
+        cmp "$work/header_only" "$work/said" || fail "header-only it does something else"
+        ;;
+    compiled_single)
+        copied
+        compiled "$work/include"
+        ;;
     single_header)
-        mkdir -p "$work/include/hmesh"
-        cp "$source/single_include/hmesh.hpp" "$work/include/hmesh"
+        copied
         # shellcheck disable=SC2046  # words
         with_compiler "-I$work/include" $(eigen_include)
         ;;

@@ -2,24 +2,26 @@
 //
 // usage: consumer VERSION        exit status 1: hmesh is of another version, or does not work
 #include <hmesh/hmesh.hpp>
+#include <hmesh/paper.hpp>
 
 #include <cstddef>
 #include <cstdio>
 #include <cstring>
 
 int main(int argc, char** argv) {
-    hmesh::Mesh<1> mesh;  // a square that is dark at the left and bright at the right
+    hmesh::Mesh mesh;  // a square that is dark at the left and bright at the right
     mesh.positions = {0, 0, 8, 0, 8, 8, 0, 8};
     mesh.colors = {0, 255, 255, 0};
     mesh.faces = {{0, 1, 3}, {1, 2, 3}};
+    mesh.channels = 1;
     mesh.width = mesh.height = 8;
     mesh.peak = 255;
 
     std::size_t bytes = 0;
     const auto sink = [&](const void*, std::size_t size) { return bytes += size, true; };
-    hmesh::Image<float, 1> picture;
-    if (!hmesh::write_ply(mesh.view(), sink) || !hmesh::render(mesh.view(), picture)) return 1;
-    const Eigen::Map<const Eigen::ArrayXf> pixels(picture.samples().data(), 64);
+    const auto [picture, status] = hmesh::render<1>(mesh.view());
+    if (!status || !hmesh::write_ply(mesh.view(), sink)) return 1;
+    const Eigen::Map<const Eigen::ArrayXf> pixels(picture.data(), 64);
     std::printf("hmesh %s: a PLY file of %zu bytes, the mean of its picture is %.1f\n", HMESH_VERSION_STRING, bytes,
                 static_cast<double>(pixels.mean()));
     return argc == 2 && std::strcmp(argv[1], HMESH_VERSION_STRING) == 0 && bytes > 0 && pixels.mean() == 127.5F ? 0 : 1;

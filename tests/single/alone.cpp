@@ -6,6 +6,7 @@
 #include <cstring>
 #include <string>
 
+bool paper_is_there();                                 // paper.cpp
 std::size_t size_as_svg(const hmesh::MeshView& mesh);  // both.cpp
 
 int main() {
@@ -14,7 +15,7 @@ int main() {
 
     hmesh::Options options;
     options.target = hmesh::Target::vertices(20);
-    const auto result = hmesh::mesh_image(hmesh::ImageView<std::uint8_t, 1>{pixels, 24, 16}, options);
+    const hmesh::Result result = hmesh::mesh_image(hmesh::ImageView<std::uint8_t, 1>{pixels, 24, 16}, options);
     if (!result.status || result.report.vertices != 20) return 1;
 
     std::string ply;
@@ -24,5 +25,6 @@ int main() {
     };
     if (!hmesh::write_ply(result.mesh.view(), sink)) return 2;
     if (std::strncmp(ply.c_str(), "ply\n", 4) != 0 || ply.find("element vertex 20\n") == std::string::npos) return 3;
-    return size_as_svg(result.mesh.view()) != 0 ? 0 : 4;
+    if (size_as_svg(result.mesh.view()) == 0) return 4;
+    return paper_is_there() ? 0 : 5;
 }

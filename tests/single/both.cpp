@@ -1,13 +1,16 @@
-// Some headers, the single header, then headers again: whichever comes first, nothing is defined twice or missing. The program
-// links, so nothing is defined in both its translation units either.
-#include "hmesh/fit/image_mesh_edits.hpp"  // continues a header that includes it
+// Some headers, the single headers, then headers again: whichever comes first, nothing is defined twice or missing. The program
+// links, so nothing is defined in two of its translation units either.
+#include "hmesh/fit/image_mesh.hpp"
 #include "hmesh/io/sink.hpp"
+#include "hmesh/methods/baselines/adams.hpp"
 
 #include "../../single_include/hmesh.hpp"
+#include "../../single_include/hmesh_paper.hpp"
 
 #include "hmesh/hmesh.hpp"
 #include "hmesh/io/svg.hpp"
-#include "hmesh/mesh/halfedge_build.hpp"
+#include "hmesh/mesh/halfedge_mesh.hpp"
+#include "hmesh/paper.hpp"
 
 std::size_t size_as_svg(const hmesh::MeshView& mesh);  // alone.cpp
 

@@ -108,7 +108,7 @@ void add_mesh_options(CLI::App& app, Arguments& out) {
         add(app, "--rate", "PERCENT", "PERCENT vertices for 100 pixels (default: 1)", [&](const std::string& text) {
             double percent = 0;
             std::string why = parse_positive(text, 100, percent);
-            out.meshing.target = hmesh::Target::rate(percent);
+            out.meshing.target = hmesh::Target::percent(percent);
             out.target = "--rate " + text;
             return why;
         });
@@ -148,7 +148,7 @@ void add_meshing_options(CLI::App& app, Arguments& out) {
     add(app, "--seed", "N", "of the random numbers; the same seed gives the same mesh (default: 1)",
         [&](const std::string& text) { return parse_seed(text, meshing.seed); });
     add(app, "--tile", "N", "mesh in tiles of about N px, 64 to 65536 (default: one up to a megapixel, then 256)",
-        [&](const std::string& text) { return parse_in_range(text, 64, hmesh::max_side, meshing.tile); });
+        [&](const std::string& text) { return parse_in_range(text, 64, hmesh::kit::max_side, meshing.tile); });
     add(app, "--threads", "N", "work on N threads, 1 to 1024; the mesh is the same for all N (default: 0, all cores)",
         [&](const std::string& text) { return parse_in_range(text, 0, 1024, out.threads); });
 }
@@ -197,7 +197,7 @@ std::string find_conflict(const CLI::App& app, const Arguments& arguments) {
     if (arguments.input.empty()) return "no input image is given";
     if (app.count("--svg") != 0 && !has_output(arguments, ".svg")) return "--svg is given without an output that ends in .svg";
     if (!arguments.depfile.empty() && output_files(arguments).size() == 1) return "--depfile is given without another output";
-    return {};
+    return find_conflict(arguments.meshing);
 }
 
 }  // namespace

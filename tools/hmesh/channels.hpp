@@ -6,64 +6,89 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <utility>
-#include <vector>
 
 #include "hmesh/mesh_image.hpp"
+#include "hmesh/methods/baselines/adams.hpp"
+#include "hmesh/methods/baselines/adaptive_thinning.hpp"
+#include "hmesh/methods/baselines/xie.hpp"
+#include "hmesh/methods/hierarchical/hierarchical.hpp"
 #include "hmesh/render.hpp"
+#include "hmesh/solve/linear_light.hpp"
 #include "meshing.hpp"
 
 namespace tool::detail {
 
-[[nodiscard]] inline hmesh::Method to_library(Method method) noexcept {
-    switch (method) {
-        case Method::annealed: break;
-        case Method::hierarchical: return hmesh::Method::hierarchical;
-        case Method::xie: return hmesh::Method::xie;
-        case Method::adams: return hmesh::Method::adams;
-        case Method::adaptive_thinning: return hmesh::Method::adaptive_thinning;
-    }
-    return hmesh::Method::annealed;
-}
-
 template <class T, int C>
-[[nodiscard]] Outcome mesh_samples(const hmesh::ImageView<T, C>& view, const MeshingOptions& wanted,
-                                   const hmesh::ParallelFor& parallel_for) {
+[[nodiscard]] hmesh::Result mesh_samples(const hmesh::ImageView<T, C>& view, const MeshingOptions& wanted,
+                                         const hmesh::ParallelFor& parallel_for) {
     hmesh::Options options;
     options.target = wanted.target;
-    options.method = to_library(wanted.method);
-    options.effort = wanted.effort;
-    options.seed = wanted.seed;
-    options.tile = wanted.tile;
     options.colors = wanted.colors;
-    options.fit_space = wanted.fit_space;
     options.premultiplied = wanted.premultiplied;
     options.weights = wanted.weights;
     options.progress = wanted.progress;
-    hmesh::Result<C> result = hmesh::mesh_image(view, options, parallel_for);
-    hmesh::Mesh<C>& mesh = result.mesh;
-    hmesh::Report& report = result.report;
-    return {{std::move(mesh.positions), std::move(mesh.colors), std::move(mesh.faces), C, mesh.width, mesh.height, mesh.peak,
-             mesh.premultiplied},
-            {report.vertices, report.faces, report.energy, report.psnr, std::move(report.stages)},
-            result.status};
+    switch (wanted.method) {
+        case Method::annealed: break;
+        case Method::hierarchical: return hmesh::mesh_image(view, options, hmesh::Hierarchical(), parallel_for);
+        case Method::xie: return hmesh::mesh_image(view, options, hmesh::Xie(), parallel_for);
+        case Method::adams: return hmesh::mesh_image(view, options, hmesh::Adams(), parallel_for);
+        case Method::adaptive_thinning: return hmesh::mesh_image(view, options, hmesh::AdaptiveThinning(), parallel_for);
+    }
+    hmesh::Annealed recipe;
+    recipe.effort = wanted.effort;
+    recipe.seed = wanted.seed;
+    recipe.tile = wanted.tile;
+    return hmesh::mesh_image(view, options, recipe, parallel_for);
+}
+
+// A stage after all others: colours for linear light.
+template <class T, int C>
+void fit_light(const hmesh::ImageView<T, C>& view, const MeshingOptions& wanted, hmesh::Result& result,
+               const hmesh::ParallelFor& parallel_for) {
+    hmesh::LinearLightOptions options;
+    options.weights = wanted.weights;
+    options.grid = 1;
+    hmesh::ProgressInfo info{"linear light", 0, result.report.vertices, result.report.energy};
+    const auto go_on = [&](double share) {
+        info.fraction = share;
+        return !wanted.progress || wanted.progress(info);
+    };
+    bool is_stopped = !go_on(0);
+    const hmesh::LinearLightReport report = hmesh::fit_linear_light(result.mesh, view, options, parallel_for, [&](double share) {
+        is_stopped = is_stopped || !go_on(share);
+        return !is_stopped;
+    });
+    result.report.energy = info.energy = report.energy;
+    result.report.psnr = report.psnr;
+    result.report.stages.push_back(
+        {info.stage, result.report.vertices, report.energy, report.psnr, report.solver_iterations, report.residual});
+    is_stopped = !go_on(1) || is_stopped;
+    if (result.status && is_stopped) result.status = {hmesh::Errc::cancelled, "cancelled by the progress callback"};
+}
+
+template <class T, int C>
+[[nodiscard]] hmesh::Result mesh_view(const hmesh::ImageView<T, C>& view, const MeshingOptions& options,
+                                      const hmesh::ParallelFor& parallel_for) {
+    hmesh::Result result = mesh_samples(view, options, parallel_for);
+    if (options.fit_space == FitSpace::linear && result.has_mesh()) fit_light(view, options, result, parallel_for);
+    return result;
 }
 
 template <int C>
-Outcome mesh_channels(const ImageFile& image, const MeshingOptions& options, const hmesh::ParallelFor& parallel_for) {
+hmesh::Result mesh_channels(const ImageFile& image, const MeshingOptions& options, const hmesh::ParallelFor& parallel_for) {
     if (image.bits == 16) {
         const hmesh::ImageView<std::uint16_t, C> view{image.samples16.data(), image.width, image.height, 0};
-        return mesh_samples(view, options, parallel_for);
+        return mesh_view(view, options, parallel_for);
     }
     const hmesh::ImageView<std::uint8_t, C> view{image.samples8.data(), image.width, image.height, 0};
-    return mesh_samples(view, options, parallel_for);
+    return mesh_view(view, options, parallel_for);
 }
 
 // PNG files have straight colours.
 template <int C>
 void divide_by_alpha(hmesh::Image<float, C>& picture, double peak) {
-    std::vector<float>& samples = picture.samples();
-    for (std::size_t k = 0; k < samples.size(); k += C) {
+    float* const samples = picture.data();
+    for (std::size_t k = 0; k < picture.size(); k += C) {
         const float alpha = samples[k + C - 1];
         for (std::size_t c = 0; c + 1 < C && alpha > 0; ++c) samples[k + c] *= static_cast<float>(peak) / alpha;
     }
@@ -71,15 +96,19 @@ void divide_by_alpha(hmesh::Image<float, C>& picture, double peak) {
 
 template <int C>
 hmesh::Status draw_channels(const hmesh::MeshView& mesh, const DrawOptions& options, Picture& picture) {
-    const hmesh::RenderOptions render_options{options.scale * mesh.width, options.scale * mesh.height, options.linear_light};
-    hmesh::Image<float, C> drawn;
-    if (const hmesh::Status status = hmesh::render(mesh, drawn, render_options); !status) return status;
-    if (mesh.premultiplied) divide_by_alpha(drawn, mesh.peak);
-    picture = {drawn.width(), drawn.height(), C, {}};
-    picture.samples.reserve(drawn.samples().size());
+    hmesh::RenderOptions render_options;
+    render_options.width = options.scale * mesh.width;
+    render_options.height = options.scale * mesh.height;
+    if (options.linear_light) render_options.interpolation = hmesh::Interpolation::linear;
+    hmesh::RenderResult<C> drawn = hmesh::render<C>(mesh, render_options);
+    if (!drawn.status) return drawn.status;
+    if (mesh.premultiplied) divide_by_alpha(drawn.image, mesh.peak);
+    picture = {drawn.image.width(), drawn.image.height(), C, {}};
+    picture.samples.reserve(drawn.image.size());
     const double scale = 255 / mesh.peak;
-    for (const float sample : drawn.samples())
-        picture.samples.push_back(hmesh::PixelTraits<std::uint8_t>::from_real(scale * static_cast<double>(sample)));
+    for (std::size_t k = 0; k < drawn.image.size(); ++k)
+        picture.samples.push_back(
+            hmesh::PixelTraits<std::uint8_t>::from_real(scale * static_cast<double>(drawn.image.data()[k])));
     return {};
 }
 
@@ -87,7 +116,7 @@ hmesh::Status draw_channels(const hmesh::MeshView& mesh, const DrawOptions& opti
 
 // The definitions for images of C channels.
 #define HMESH_TOOLS_CHANNELS(C)                                                                                                \
-    template tool::Outcome tool::detail::mesh_channels<C>(const ImageFile&, const MeshingOptions&, const hmesh::ParallelFor&); \
+    template hmesh::Result tool::detail::mesh_channels<C>(const ImageFile&, const MeshingOptions&, const hmesh::ParallelFor&); \
     template hmesh::Status tool::detail::draw_channels<C>(const hmesh::MeshView&, const DrawOptions&, Picture&);
 
 #endif  // HMESH_TOOLS_CHANNELS_HPP

@@ -15,30 +15,27 @@ namespace {
 
 struct Format {
     const char* ending;  // in lower case
-    hmesh::Status (*write)(const hmesh::MeshView& mesh, const FormatOptions& options, ByteSink sink);
+    hmesh::Status (*write)(const hmesh::MeshView& mesh, const FormatOptions& options, hmesh::Sink sink);
 };
 
-hmesh::Status write_pdf(const hmesh::MeshView& mesh, const FormatOptions&, ByteSink sink) {
-    hmesh::PdfOptions options;
+hmesh::PageOptions page_options() {
+    hmesh::PageOptions options;
     options.deflate = deflate;
-    return hmesh::write_pdf(mesh, sink, options);
-}
-hmesh::Status write_eps(const hmesh::MeshView& mesh, const FormatOptions&, ByteSink sink) {
-    hmesh::EpsOptions options;
-    options.deflate = deflate;
-    return hmesh::write_eps(mesh, sink, options);
+    return options;
 }
 
 constexpr Format formats[] = {
-    {".ply", [](const hmesh::MeshView& mesh, const FormatOptions&, ByteSink sink) { return hmesh::write_ply(mesh, sink); }},
-    {".obj", [](const hmesh::MeshView& mesh, const FormatOptions&, ByteSink sink) { return hmesh::write_obj(mesh, sink); }},
-    {".glb", [](const hmesh::MeshView& mesh, const FormatOptions&, ByteSink sink) { return hmesh::write_glb(mesh, sink); }},
-    {".pdf", write_pdf},
-    {".eps", write_eps},
+    {".ply", [](const hmesh::MeshView& mesh, const FormatOptions&, hmesh::Sink sink) { return hmesh::write_ply(mesh, sink); }},
+    {".obj", [](const hmesh::MeshView& mesh, const FormatOptions&, hmesh::Sink sink) { return hmesh::write_obj(mesh, sink); }},
+    {".glb", [](const hmesh::MeshView& mesh, const FormatOptions&, hmesh::Sink sink) { return hmesh::write_glb(mesh, sink); }},
+    {".pdf", [](const hmesh::MeshView& mesh, const FormatOptions&,
+                hmesh::Sink sink) { return hmesh::write_pdf(mesh, sink, page_options()); }},
+    {".eps", [](const hmesh::MeshView& mesh, const FormatOptions&,
+                hmesh::Sink sink) { return hmesh::write_eps(mesh, sink, page_options()); }},
     {".svg", [](const hmesh::MeshView& mesh, const FormatOptions& options,
-                ByteSink sink) { return hmesh::write_svg(mesh, sink, options.svg); }},
+                hmesh::Sink sink) { return hmesh::write_svg(mesh, sink, options.svg); }},
     {".html", [](const hmesh::MeshView& mesh, const FormatOptions& options,
-                 ByteSink sink) { return hmesh::write_html(mesh, sink, options.html); }},
+                 hmesh::Sink sink) { return hmesh::write_html(mesh, sink, options.html); }},
 };
 
 const Format* find_format(const std::string& name) {
@@ -66,17 +63,7 @@ std::string format_endings() {
     return endings;
 }
 
-hmesh::Status write_mesh(hmesh::MeshView mesh, const std::string& name, const FormatOptions& options, ByteSink sink) {
-    std::vector<float> colors;
-    if (mesh.channels == 2) {
-        colors.reserve(4 * mesh.vertex_count);
-        for (std::size_t v = 0; v < mesh.vertex_count; ++v) {
-            colors.insert(colors.end(), 3, mesh.colors[2 * v]);
-            colors.push_back(mesh.colors[2 * v + 1]);
-        }
-        mesh.colors = colors.data();
-        mesh.channels = 4;
-    }
+hmesh::Status write_mesh(const hmesh::MeshView& mesh, const std::string& name, const FormatOptions& options, hmesh::Sink sink) {
     return find_format(name)->write(mesh, options, sink);
 }
 

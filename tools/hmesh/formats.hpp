@@ -8,7 +8,7 @@
 #include "hmesh/core/status.hpp"
 #include "hmesh/io/html.hpp"
 #include "hmesh/io/svg.hpp"
-#include "hmesh/mesh/mesh_view.hpp"
+#include "hmesh/mesh/mesh.hpp"
 #include "image_file.hpp"
 
 namespace tool {
@@ -28,10 +28,9 @@ struct FormatOptions {
 // ".ply, .obj" and so on.
 [[nodiscard]] std::string format_endings();
 
-// Writes the mesh in the format of a file of this name, for which there is one. No format knows grey with alpha: such a mesh is
-// written as red, green, blue, alpha.
-[[nodiscard]] hmesh::Status write_mesh(hmesh::MeshView mesh, const std::string& name, const FormatOptions& options,
-                                       ByteSink sink);
+// Writes the mesh in the format of a file of this name, for which there is one.
+[[nodiscard]] hmesh::Status write_mesh(const hmesh::MeshView& mesh, const std::string& name, const FormatOptions& options,
+                                       hmesh::Sink sink);
 
 }  // namespace tool
 

@@ -103,7 +103,7 @@ std::string read_stb(const std::vector<unsigned char>& bytes, ImageFile& image) 
 
 // What stb's writers call, once for a PNG file and often for a JPEG file.
 struct Taker {
-    ByteSink sink;
+    hmesh::Sink sink;
     bool called = false, refused = false;
 
     static void call(void* context, void* bytes, int size) {
@@ -125,7 +125,7 @@ std::string read_image(const std::string& path, ImageFile& image) {
     return read_image(path, image, bytes);
 }
 
-bool write_png(const Picture& picture, ByteSink sink) {
+bool write_png(const Picture& picture, hmesh::Sink sink) {
     if (picture.samples.size() + static_cast<std::size_t>(picture.height) > max_deflated) return false;
     Taker taker{sink};
     return stbi_write_png_to_func(Taker::call, &taker, picture.width, picture.height, picture.channels, picture.samples.data(),
@@ -133,14 +133,14 @@ bool write_png(const Picture& picture, ByteSink sink) {
            taker.called && !taker.refused;
 }
 
-bool write_jpeg(const Picture& picture, int quality, ByteSink sink) {
+bool write_jpeg(const Picture& picture, int quality, hmesh::Sink sink) {
     Taker taker{sink};
     return stbi_write_jpg_to_func(Taker::call, &taker, picture.width, picture.height, picture.channels, picture.samples.data(),
                                   quality) != 0 &&
            taker.called && !taker.refused;
 }
 
-bool deflate(void*, const unsigned char* bytes, std::size_t size, std::vector<unsigned char>& out) {
+bool deflate(const unsigned char* bytes, std::size_t size, std::vector<unsigned char>& out) {
     if (size > max_deflated) return false;
     std::vector<unsigned char> copy(bytes, bytes + size);  // stb takes no const
     int length = 0;

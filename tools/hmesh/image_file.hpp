@@ -10,12 +10,9 @@
 #include <string>
 #include <vector>
 
-#include "hmesh/core/function_ref.hpp"
+#include "hmesh/io/sink.hpp"
 
 namespace tool {
-
-// Where the bytes of a file go; false: they were refused.
-using ByteSink = hmesh::FunctionRef<bool(const void* bytes, std::size_t size)>;
 
 // The pixels of a file, packed: in `samples8` where bits is 8, in `samples16` where it is 16.
 struct ImageFile {
@@ -36,12 +33,12 @@ struct Picture {
 [[nodiscard]] std::string read_image(const std::string& path, ImageFile& image);
 
 // Encodes a picture. False when there is no memory, the picture has more than 2^30 samples, or the sink refused.
-[[nodiscard]] bool write_png(const Picture& picture, ByteSink sink);
+[[nodiscard]] bool write_png(const Picture& picture, hmesh::Sink sink);
 // The same of 1 or 3 channels, lossy: `quality` from 1 to 100.
-[[nodiscard]] bool write_jpeg(const Picture& picture, int quality, ByteSink sink);
+[[nodiscard]] bool write_jpeg(const Picture& picture, int quality, hmesh::Sink sink);
 
 // hmesh::Deflate by stb_image_write: no zlib is needed. About 10 MB/s.
-[[nodiscard]] bool deflate(void* user, const unsigned char* bytes, std::size_t size, std::vector<unsigned char>& out);
+[[nodiscard]] bool deflate(const unsigned char* bytes, std::size_t size, std::vector<unsigned char>& out);
 
 // Whether the bytes begin as those of a PNG file do.
 [[nodiscard]] bool is_png(const std::vector<unsigned char>& bytes) noexcept;

@@ -109,7 +109,7 @@ hmesh::Status draw_strip(const hmesh::MeshView& mesh, bool linear_light, const R
 
 std::string write_pictures(const Arguments& arguments, const ImageFile& image, const hmesh::MeshView& mesh) {
     std::string why;
-    const bool linear_light = arguments.meshing.fit_space == hmesh::FitSpace::linear_light;  // as what it is meant for shows it
+    const bool linear_light = arguments.meshing.fit_space == FitSpace::linear;  // as what it is meant for shows it
     if (!arguments.render.empty()) {
         Picture picture;
         const hmesh::Status status = draw(mesh, {arguments.render_scale, linear_light}, picture);
@@ -119,16 +119,16 @@ std::string write_pictures(const Arguments& arguments, const ImageFile& image, c
     if (!arguments.wireframe.empty()) {
         const int scale = mesh.width <= 2048 && mesh.height <= 2048 ? 2 : 1;
         const hmesh::Status status = draw_with_edges(mesh, {scale, linear_light}, rgb);
-        if (why = write_picture(arguments.wireframe, status, to_picture(std::move(rgb))); !why.empty()) return why;
+        if (why = write_picture(arguments.wireframe, status, to_picture(rgb)); !why.empty()) return why;
     }
     if (!arguments.residual.empty()) {
         const hmesh::Status status = draw_rgb(mesh, {1, linear_light}, rgb);
         if (status) rgb = residual(to_rgb(to_picture(image)), rgb);
-        if (why = write_picture(arguments.residual, status, to_picture(std::move(rgb))); !why.empty()) return why;
+        if (why = write_picture(arguments.residual, status, to_picture(rgb)); !why.empty()) return why;
     }
     if (!arguments.strip.empty()) {
         const hmesh::Status status = draw_strip(mesh, linear_light, to_rgb(to_picture(image)), rgb);
-        if (why = write_picture(arguments.strip, status, to_picture(std::move(rgb))); !why.empty()) return why;
+        if (why = write_picture(arguments.strip, status, to_picture(rgb)); !why.empty()) return why;
     }
     return {};
 }
@@ -156,7 +156,7 @@ std::string write_depfile(const Arguments& arguments) {
                       [&](OutputFile& file) { return file(rule.data(), rule.size()) ? "" : "the disk refused the rule"; });
 }
 
-void print_summary(const Arguments& arguments, const ImageFile& image, const Outcome& outcome, double seconds) {
+void print_summary(const Arguments& arguments, const ImageFile& image, const hmesh::Result& outcome, double seconds) {
     std::printf("image     %s, %d x %d, %d channel%s of %d bits\n", arguments.input.c_str(), image.width, image.height,
                 image.channels, image.channels == 1 ? "" : "s", image.bits);
     std::printf("vertices  %zu\n", outcome.report.vertices);
@@ -195,9 +195,9 @@ int run(const Arguments& arguments) {
 
     ProgressWatch watch(!arguments.quiet && is_terminal(stderr));
     MeshingOptions options = arguments.meshing;
-    options.progress = watch.progress();
+    options.progress = watch;
     if (!arguments.weights.empty()) options.weights = weights.view();
-    const Outcome outcome = mesh_file(image, options, *pool);
+    const hmesh::Result outcome = mesh_file(image, options, *pool);
     const double seconds = watch.seconds();
     watch.finish();
 

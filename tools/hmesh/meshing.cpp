@@ -7,7 +7,13 @@ hmesh::Colors final_colors(const MeshingOptions& options) noexcept {
     return options.colors.value_or(is_sampled ? hmesh::Colors::sampled : hmesh::Colors::optimal);
 }
 
-Outcome mesh_file(const ImageFile& image, const MeshingOptions& options, const hmesh::ParallelFor& parallel_for) {
+std::string find_conflict(const MeshingOptions& options) {
+    if (options.fit_space != FitSpace::linear) return {};
+    if (final_colors(options) == hmesh::Colors::sampled) return "--fit-space linear fits colours, and sampled ones are asked for";
+    return options.premultiplied ? "--fit-space linear fits straight colours, not premultiplied ones" : "";
+}
+
+hmesh::Result mesh_file(const ImageFile& image, const MeshingOptions& options, const hmesh::ParallelFor& parallel_for) {
     switch (image.channels) {
         case 1: return detail::mesh_channels<1>(image, options, parallel_for);
         case 2: return detail::mesh_channels<2>(image, options, parallel_for);

@@ -12,15 +12,15 @@ Picture to_picture(const ImageFile& image) {
     return picture;
 }
 
-Picture to_picture(Rgb&& rgb) { return {rgb.width(), rgb.height(), 3, std::move(rgb.samples())}; }
+Picture to_picture(const Rgb& rgb) { return {rgb.width(), rgb.height(), 3, {rgb.data(), rgb.data() + rgb.size()}}; }
 
 Rgb to_rgb(const Picture& picture) {
     Rgb rgb(picture.width, picture.height);
     const int channels = picture.channels;
     const bool has_alpha = channels == 2 || channels == 4;
     const std::uint8_t* from = picture.samples.data();
-    std::uint8_t* to = rgb.samples().data();
-    for (std::size_t i = 0; i < rgb.samples().size() / 3; ++i, from += channels, to += 3)
+    std::uint8_t* to = rgb.data();
+    for (std::size_t i = 0; i < rgb.size() / 3; ++i, from += channels, to += 3)
         for (int c = 0; c < 3; ++c) {
             const int alpha = has_alpha ? from[channels - 1] : 255;
             const int value = from[channels < 3 ? 0 : c];
@@ -31,9 +31,9 @@ Rgb to_rgb(const Picture& picture) {
 
 Rgb residual(const Rgb& original, const Rgb& drawn, double gain) {
     Rgb out(original.width(), original.height());
-    for (std::size_t k = 0; k < out.samples().size(); ++k) {
-        const int difference = int{drawn.samples()[k]} - int{original.samples()[k]};
-        out.samples()[k] = hmesh::PixelTraits<std::uint8_t>::from_real(128 + gain * difference);
+    for (std::size_t k = 0; k < out.size(); ++k) {
+        const int difference = int{drawn.data()[k]} - int{original.data()[k]};
+        out.data()[k] = hmesh::PixelTraits<std::uint8_t>::from_real(128 + gain * difference);
     }
     return out;
 }
@@ -45,7 +45,7 @@ Rgb side_by_side(const std::vector<Rgb>& pictures, int gap) {
         height = std::max(height, picture.height());
     }
     Rgb out(std::max(0, width), height);
-    std::fill(out.samples().begin(), out.samples().end(), std::uint8_t{255});
+    std::fill(out.data(), out.data() + out.size(), std::uint8_t{255});
     int x = 0;
     for (const Rgb& picture : pictures) {
         for (int y = 0; y < picture.height(); ++y) std::copy_n(picture.view().row(y), 3 * picture.width(), out.pixel(x, y));

@@ -14,7 +14,7 @@ using Rgb = hmesh::Image<std::uint8_t, 3>;
 
 // The samples of a file at 8 bits.
 [[nodiscard]] Picture to_picture(const ImageFile& image);
-[[nodiscard]] Picture to_picture(Rgb&& rgb);
+[[nodiscard]] Picture to_picture(const Rgb& rgb);
 
 // The picture as red, green and blue, whatever is transparent over white.
 [[nodiscard]] Rgb to_rgb(const Picture& picture);

@@ -54,10 +54,8 @@ class ProgressWatch {
     ProgressWatch(const ProgressWatch&) = delete;
     ProgressWatch& operator=(const ProgressWatch&) = delete;
 
-    // Valid as long as the watch stays where it is.
-    [[nodiscard]] hmesh::Progress progress() {
-        return {[](void* user, const hmesh::ProgressInfo& info) { return static_cast<ProgressWatch*>(user)->update(info); }, this};
-    }
+    // The callback.
+    bool operator()(const hmesh::ProgressInfo& info) { return update(info); }
 
     // Ends the last stage and wipes the bar.
     void finish() {

@@ -19,7 +19,7 @@ std::string psnr_convention(const Arguments& arguments) {
     return std::string("10 log10(peak^2 / MSE) in dB, MSE the mean over pixels") +
            (arguments.weights.empty() ? "" : ", each as often as its weight over the largest says,") +
            " and channels of the image's stored values" + (meshing.premultiplied ? ", colours times alpha" : "") +
-           (meshing.fit_space == hmesh::FitSpace::linear_light ? ", the mesh drawn in linear light" : "");
+           (meshing.fit_space == FitSpace::linear ? ", the mesh drawn in linear light" : "");
 }
 
 Json psnr_value(double psnr) { return std::isinf(psnr) && psnr > 0 ? Json("inf") : Json(psnr); }
@@ -46,10 +46,10 @@ std::string psnr_formula(const Arguments& arguments) {
     const MeshingOptions& meshing = arguments.meshing;
     return std::string("10 log10(peak^2 / MSE), MSE over ") + (arguments.weights.empty() ? "" : "weighted ") +
            "pixels and channels" + (meshing.premultiplied ? ", colours times alpha" : "") +
-           (meshing.fit_space == hmesh::FitSpace::linear_light ? ", drawn in linear light" : "");
+           (meshing.fit_space == FitSpace::linear ? ", drawn in linear light" : "");
 }
 
-std::string report_json(const Arguments& arguments, const ImageFile& image, const Outcome& outcome, double seconds,
+std::string report_json(const Arguments& arguments, const ImageFile& image, const hmesh::Result& outcome, double seconds,
                         const ProgressWatch& watch) {
     const MeshingOptions& meshing = arguments.meshing;
     Json stages = Json::array();

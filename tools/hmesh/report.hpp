@@ -16,8 +16,8 @@ namespace tool {
 [[nodiscard]] std::string psnr_formula(const Arguments& arguments);
 
 // `seconds`: of wall-clock time, for the whole mesh.
-[[nodiscard]] std::string report_json(const Arguments& arguments, const ImageFile& image, const Outcome& outcome, double seconds,
-                                      const ProgressWatch& watch);
+[[nodiscard]] std::string report_json(const Arguments& arguments, const ImageFile& image, const hmesh::Result& outcome,
+                                      double seconds, const ProgressWatch& watch);
 
 }  // namespace tool
 

@@ -48,7 +48,7 @@ namespace detail {
 
 // `bytes` are those of the input file. Without an original if there is no memory to encode one.
 [[nodiscard]] inline WebPage make_web_page(const Arguments& arguments, const ImageFile& image, std::vector<unsigned char>&& bytes,
-                                           const Report& report) {
+                                           const hmesh::Report& report) {
     WebPage page;
     page.title = detail::file_name(arguments.input);
     page.figures = std::to_string(report.vertices) + " vertices\n" + std::to_string(report.faces) + " faces\nPSNR " +

@@ -14,13 +14,13 @@ namespace tool {
 namespace detail {
 
 template <class T>
-void take_weights(const std::vector<T>& samples, int channels, std::vector<float>& weights) {
+void take_weights(const std::vector<T>& samples, int channels, hmesh::Image<float, 1>& weights) {
     const int colors = channels < 3 ? 1 : 3;
     const T* pixel = samples.data();
-    for (float& weight : weights) {
+    for (std::size_t i = 0; i < weights.size(); ++i) {
         double sum = 0;
         for (int c = 0; c < colors; ++c) sum += hmesh::PixelTraits<T>::to_real(pixel[c]);
-        weight = static_cast<float>(sum / (colors * hmesh::PixelTraits<T>::peak));
+        weights.data()[i] = static_cast<float>(sum / (colors * hmesh::PixelTraits<T>::peak));
         pixel += channels;
     }
 }
@@ -31,8 +31,8 @@ void take_weights(const std::vector<T>& samples, int channels, std::vector<float
 // nothing.
 [[nodiscard]] inline hmesh::Image<float, 1> to_weights(const ImageFile& file) {
     hmesh::Image<float, 1> weights(file.width, file.height);
-    if (file.bits == 16) detail::take_weights(file.samples16, file.channels, weights.samples());
-    else detail::take_weights(file.samples8, file.channels, weights.samples());
+    if (file.bits == 16) detail::take_weights(file.samples16, file.channels, weights);
+    else detail::take_weights(file.samples8, file.channels, weights);
     return weights;
 }
 

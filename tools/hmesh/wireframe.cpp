@@ -23,7 +23,7 @@ struct Coverage {
 };
 
 // Walks along the axis in which the line is longer; a pixel's share is one less its distance beyond the line's edge.
-void draw_line(hmesh::Point a, hmesh::Point b, double line_width, Coverage& coverage) {
+void draw_line(hmesh::kit::Point a, hmesh::kit::Point b, double line_width, Coverage& coverage) {
     const bool steep = std::abs(b.y - a.y) > std::abs(b.x - a.x);
     if (steep) {
         std::swap(a.x, a.y);
@@ -50,23 +50,23 @@ void draw_line(hmesh::Point a, hmesh::Point b, double line_width, Coverage& cove
 
 hmesh::Status draw_wireframe(const hmesh::MeshView& mesh, hmesh::Image<std::uint8_t, 3>& picture,
                              const WireframeOptions& options) {
-    if (const hmesh::Status status = hmesh::check(mesh, hmesh::max_channels); !status) return status;
+    if (const hmesh::Status status = hmesh::check(mesh, hmesh::kit::max_channels); !status) return status;
     if (mesh.width < 1 || mesh.height < 1)
         return {hmesh::Errc::invalid_argument, "the mesh's size must be at least 1", std::min(mesh.width, mesh.height), 1};
-    Coverage coverage{picture.width(), picture.height(), std::vector<std::uint8_t>(picture.samples().size() / 3)};
+    Coverage coverage{picture.width(), picture.height(), std::vector<std::uint8_t>(picture.size() / 3)};
     const double scale_x = static_cast<double>(picture.width()) / mesh.width;
     const double scale_y = static_cast<double>(picture.height()) / mesh.height;
     const auto place = [&](std::uint32_t v) {
         const float* at = mesh.positions + 2 * std::size_t{v};
-        return hmesh::Point{static_cast<double>(at[0]) * scale_x, static_cast<double>(at[1]) * scale_y};
+        return hmesh::kit::Point{static_cast<double>(at[0]) * scale_x, static_cast<double>(at[1]) * scale_y};
     };
     for (std::size_t f = 0; f < mesh.face_count; ++f)
         for (std::size_t k = 0; k < 3; ++k)
             draw_line(place(mesh.faces[f][k]), place(mesh.faces[f][(k + 1) % 3]), options.width, coverage);
-    for (std::size_t i = 0; i < picture.samples().size(); ++i) {
+    for (std::size_t i = 0; i < picture.size(); ++i) {
         const double share = coverage.share[i / 3] * (options.opacity / 255);
-        const auto old = static_cast<double>(picture.samples()[i]);
-        picture.samples()[i] = hmesh::PixelTraits<std::uint8_t>::from_real(old + share * (options.color[i % 3] - old));
+        const auto old = static_cast<double>(picture.data()[i]);
+        picture.data()[i] = hmesh::PixelTraits<std::uint8_t>::from_real(old + share * (options.color[i % 3] - old));
     }
     return {};
 }

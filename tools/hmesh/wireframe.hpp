@@ -10,7 +10,7 @@
 
 #include "hmesh/core/status.hpp"
 #include "hmesh/image/image_view.hpp"
-#include "hmesh/mesh/mesh_view.hpp"
+#include "hmesh/mesh/mesh.hpp"
 
 namespace tool {
 

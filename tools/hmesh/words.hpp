@@ -17,9 +17,7 @@ namespace tool {
 
 // The same with the offending value and its bound, where the status has them.
 [[nodiscard]] inline std::string in_words(const hmesh::Status& status) {
-    const bool has_numbers = status.got != 0 || status.want != 0;
-    const std::string numbers = " (got " + std::to_string(status.got) + ", limit " + std::to_string(status.want) + ")";
-    return what_of(status) + (has_numbers ? numbers : std::string());
+    return status.code == hmesh::Errc::cancelled ? "interrupted" : hmesh::message(status).c_str();
 }
 
 // "31.83 dB" or "inf".

@@ -28,7 +28,7 @@ int main(int argc, char** argv) {
     tool::OutputFile file(argv[1]);
     if (file.open()) {
         hmesh::Image<std::uint8_t, 3> image = tool::draw_scene(width, height);
-        const tool::Picture picture{width, height, 3, std::move(image.samples())};
+        const tool::Picture picture{width, height, 3, {image.data(), image.data() + image.size()}};
         if (tool::write_png(picture, file) && file.commit()) return 0;
     }
     std::fprintf(stderr, "scene: cannot write '%s': %s\n", argv[1],

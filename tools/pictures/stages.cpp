@@ -10,7 +10,7 @@
 #include <utility>
 #include <vector>
 
-#include <hmesh/hmesh.hpp>
+#include <hmesh/paper.hpp>
 
 #include "image_file.hpp"
 #include "output_file.hpp"
@@ -29,29 +29,27 @@ struct Stop {
     std::string name;
     double fraction = 2;
 
-    static bool call(void* user, const hmesh::ProgressInfo& info) {
-        Stop& stop = *static_cast<Stop*>(user);
-        if (stop.name != info.stage || info.fraction < stop.fraction) ++stop.stage;
-        stop.name = info.stage;
-        stop.fraction = info.fraction;
-        return stop.stage <= stop.last;
+    bool operator()(const hmesh::ProgressInfo& info) {
+        if (name != info.stage || info.fraction < fraction) ++stage;
+        name = info.stage;
+        fraction = info.fraction;
+        return stage <= last;
     }
 };
 
-bool write_jpeg(const std::string& name, Rgb picture) {
+bool write_jpeg(const std::string& name, const Rgb& picture) {
     tool::OutputFile file(name);
-    return file.open() && tool::write_jpeg(tool::to_picture(std::move(picture)), 88, file) && file.commit();
+    return file.open() && tool::write_jpeg(tool::to_picture(picture), 88, file) && file.commit();
 }
 
-Rgb drawn(const hmesh::Mesh<3>& mesh) {
-    hmesh::Image<float, 3> out;
-    if (!hmesh::render(mesh.view(), out)) return {1, 1};
-    return hmesh::to_pixels<std::uint8_t>(out);
+Rgb drawn(const hmesh::Mesh& mesh) {
+    const hmesh::RenderResult<3> out = hmesh::render<3>(mesh.view());
+    return out.status ? hmesh::to_pixels<std::uint8_t>(out.image) : Rgb(1, 1);
 }
 
 int run(const std::string& directory, const std::string& method, const Rgb& image) {
     hmesh::Options options;
-    if (method == "hierarchical") options.method = hmesh::Method::hierarchical;
+    const bool is_hierarchical = method == "hierarchical";
     const auto view = image.view();
     const auto write = [&](const std::string& name, const Rgb& picture) {
         if (write_jpeg(directory + "/" + name, picture)) return true;
@@ -59,7 +57,7 @@ int run(const std::string& directory, const std::string& method, const Rgb& imag
         return false;
     };
     std::printf("| stage | mesh |\n|---|---|\n");
-    if (options.method == hmesh::Method::hierarchical) {
+    if (is_hierarchical) {
         const auto pyramid = hmesh::kit::make_pyramid(view, 3);
         std::vector<Rgb> levels;
         for (int level = 0; level < 3; ++level) {
@@ -73,10 +71,11 @@ int run(const std::string& directory, const std::string& method, const Rgb& imag
     for (int k = 0;; ++k) {
         Stop stop;
         stop.last = k;
-        options.progress = {&Stop::call, &stop};
-        const hmesh::Result<3> result = hmesh::mesh_image(view, options);
-        if (result.mesh.face_count() == 0) {
-            std::fprintf(stderr, "stages: %s\n", result.status.what);
+        options.progress = stop;
+        const hmesh::Result result =
+            is_hierarchical ? hmesh::mesh_image(view, options, hmesh::Hierarchical()) : hmesh::mesh_image(view, options);
+        if (!result.has_mesh()) {
+            std::fprintf(stderr, "stages: %s\n", hmesh::message(result.status).c_str());
             return 1;
         }
         Rgb picture = drawn(result.mesh);

@@ -1,14 +1,14 @@
 /// \file
-/// HMESH_ASSERT, the check for wrong use of the library by its caller.
+/// HMESH_ASSERT: the check for wrong use of the library by its caller.
 ///
-/// Wrong *input* (sizes, targets, pixels) never asserts: it comes back as a Status. Define HMESH_ASSERT before the first
-/// include of hmesh to send failures elsewhere. It changes no type and no layout.
+/// Wrong *input* (sizes, targets, pixels) never asserts: it is reported by a Status. Define HMESH_ASSERT before the first
+/// include of hmesh to send failures elsewhere; that changes no type and no layout.
 #ifndef HMESH_CORE_ASSERT_HPP
 #define HMESH_CORE_ASSERT_HPP
 
 #ifndef HMESH_ASSERT
 #include <cassert>
-/// Fails where the condition is false: a mistake of the caller. By default as assert() does, hence nothing with NDEBUG.
+/// Fails where the condition is false, which is a mistake of the caller. By default it is assert(), hence nothing with NDEBUG.
 #define HMESH_ASSERT(condition) assert(condition)
 #endif
 

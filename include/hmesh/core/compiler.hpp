@@ -1,10 +1,10 @@
 /// \file
-/// What compilers are told of functions: which are inlined, which never, and which run seldom.
+/// Attributes of functions: inlined always, inlined never, seldom run.
 #ifndef HMESH_CORE_COMPILER_HPP
 #define HMESH_CORE_COMPILER_HPP
 
-/// Inlined even where compilers think it too large: what innermost loops call. Not without optimisation, where it would only make
-/// compiling slower, up to twice.
+/// Inlined even where a compiler thinks the function too large: for what innermost loops call. Not without optimisation, where
+/// it would only make compiling slower, up to twice.
 #if defined(__GNUC__) && defined(__OPTIMIZE__)
 #define HMESH_ALWAYS_INLINE inline __attribute__((always_inline))
 #elif defined(_MSC_VER)
@@ -24,8 +24,8 @@
 #define HMESH_NEVER_INLINE
 #endif
 
-/// Runs once a mesh, a tile or a stage, never once a vertex: compiled for size, which takes a tenth off the compile time of a call
-/// of mesh_image() and adds less than 0.5 % to its run time.
+/// For functions that run once a mesh, tile or stage, never once a vertex: compiled for size, which takes a tenth off the compile
+/// time of a call of mesh_image() and adds less than 0.5 % to its run time.
 #if defined(__GNUC__)
 #define HMESH_COLD __attribute__((cold))
 #else

@@ -1,9 +1,9 @@
 /// \file
-/// is_finite(), is_within(): can a number that came from outside be calculated with?
+/// is_finite(), is_within(): whether a number that came from outside can be calculated with.
 ///
-/// Answered by the bits. Compilers that are told of finite numbers only (-ffast-math) take std::isfinite() and comparisons
-/// with NaN to be true without looking; what users hand over is checked with these two, so that it is refused there too. They
-/// look at memory: clang++ takes numbers that are parameters or results of functions to be finite as well.
+/// Both look at the bits in memory. Compilers that assume finite numbers (-ffast-math) answer std::isfinite() and comparisons
+/// with NaN without looking, and clang++ assumes parameters and results of functions to be finite too; what users hand over is
+/// checked with these two, so that NaN is refused there as well.
 #ifndef HMESH_CORE_FINITE_HPP
 #define HMESH_CORE_FINITE_HPP
 
@@ -17,12 +17,13 @@ namespace hmesh::kit {
 
 static_assert(std::numeric_limits<float>::is_iec559 && std::numeric_limits<double>::is_iec559, "hmesh needs IEEE 754");
 
-/// Whether it is neither NaN nor infinite.
+/// Whether the value is neither NaN nor infinite.
 [[nodiscard]] inline bool is_finite(const float& value) noexcept {
     std::uint32_t bits = 0;
     std::memcpy(&bits, &value, sizeof bits);
     return (bits & 0x7F800000U) != 0x7F800000U;
 }
+/// Whether the value is neither NaN nor infinite.
 [[nodiscard]] inline bool is_finite(const double& value) noexcept {
     std::uint64_t bits = 0;
     std::memcpy(&bits, &value, sizeof bits);
@@ -31,13 +32,16 @@ static_assert(std::numeric_limits<float>::is_iec559 && std::numeric_limits<doubl
 
 namespace detail {
 
-/// Made of their bits too: the same compilers warn of the constants, and of whatever is called infinity.
+/// The double with these bits. Infinity and NaN are made of them, because compilers that assume finite numbers warn of the
+/// constants, and of whatever is called infinity.
 [[nodiscard]] inline double double_of_bits(std::uint64_t bits) noexcept {
     double value = 0;
     std::memcpy(&value, &bits, sizeof value);
     return value;
 }
+/// Positive infinity.
 [[nodiscard]] inline double infinity() noexcept { return double_of_bits(0x7FF0000000000000U); }
+/// A quiet NaN.
 [[nodiscard]] inline double nan() noexcept { return double_of_bits(0x7FF8000000000000U); }
 
 }  // namespace detail

@@ -1,9 +1,9 @@
 /// \file
-/// FunctionRef: a reference to any callable, so that what takes a callback is compiled once.
+/// FunctionRef: a non-owning reference to any callable, so that what takes a callback is compiled once.
 ///
-/// Two words, nothing allocated; a call costs one jump through a pointer, some 2 ns. As C++26's std::function_ref, except that
-/// it may refer to nothing, and that what it calls must return the very type that was asked for: a count where a bool is
-/// wanted is a mistake.
+/// Two pointers, nothing allocated; a call costs an indirect jump, some 2 ns. Like C++26's std::function_ref, except that it
+/// may refer to nothing, and that the callable must return exactly the type asked for: a count where a bool is wanted is a
+/// mistake.
 #ifndef HMESH_CORE_FUNCTION_REF_HPP
 #define HMESH_CORE_FUNCTION_REF_HPP
 
@@ -15,11 +15,12 @@
 
 namespace hmesh {
 
+/// A non-owning reference to a callable with this signature, as in FunctionRef<bool(int)>.
 template <class Signature>
 class FunctionRef;
 
-/// Refers to an object, which must outlive the reference, or holds a pointer to a function. A lambda written in the call is
-/// fine: it lives until the call returns. To keep a reference, keep the callable first: assigning a temporary is refused.
+/// Refers to a callable object, which must outlive the reference, or to a function. A lambda written in the call lives until
+/// the call returns. To keep a reference, keep the callable first: assigning a temporary is refused.
 template <class Result, class... Arguments>
 class FunctionRef<Result(Arguments...)> {
     template <class Callable>
@@ -30,21 +31,22 @@ class FunctionRef<Result(Arguments...)> {
     }
 
   public:
-    /// Refers to nothing; must not be called.
+    /// Refers to nothing, and must not be called.
     FunctionRef() noexcept = default;
-    /// To a function.
+    /// Refers to a function; to nothing for a null pointer.
     FunctionRef(Result (*function)(Arguments...)) noexcept  // NOLINT(google-explicit-constructor)
         : any_function(reinterpret_cast<void (*)()>(function)), call_(function != nullptr ? &call_function : nullptr) {}
-    /// To an object that can be called with these arguments.
+    /// Refers to an object that can be called with these arguments and outlives the reference.
     template <class Callable, std::enable_if_t<accepts<std::remove_reference_t<Callable>>(), int> = 0>
     FunctionRef(Callable&& object) noexcept  // NOLINT(google-explicit-constructor,bugprone-forwarding-reference-overload)
         : any_object(const_cast<void*>(static_cast<const void*>(std::addressof(object)))),
           call_(&call_object<std::remove_reference_t<Callable>>) {}
     template <class Callable, std::enable_if_t<accepts<Callable>(), int> = 0>
-    FunctionRef& operator=(const Callable&&) = delete;  // it would not outlive the statement
+    FunctionRef& operator=(const Callable&&) = delete;  ///< refused: a temporary would not outlive the statement
 
+    /// Calls what it refers to.
     Result operator()(Arguments... arguments) const { return call_(*this, std::forward<Arguments>(arguments)...); }
-    /// Whether it refers to anything.
+    /// Whether it refers to a callable.
     explicit operator bool() const noexcept { return call_ != nullptr; }
 
   private:

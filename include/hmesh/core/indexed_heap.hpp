@@ -1,8 +1,9 @@
 /// \file
 /// IndexedHeap: a binary min-heap of ids whose keys can change.
 ///
-/// Ids are small integers, each at most once in the heap. push, update, pop and erase cost O(log n); contains and top
-/// O(1). Equal keys leave in the order of their ids, so that results never depend on the history of the heap.
+/// Ids are small integers, each at most once in the heap. push, update, pop and erase cost O(log n); contains and top O(1).
+/// Memory follows the largest id. Equal keys leave in the order of their ids, so that results never depend on the history of
+/// the heap.
 #ifndef HMESH_CORE_INDEXED_HEAP_HPP
 #define HMESH_CORE_INDEXED_HEAP_HPP
 
@@ -16,29 +17,31 @@
 
 namespace hmesh::kit {
 
+/// A binary min-heap of ids whose keys can change.
 class IndexedHeap {
   public:
-    using Id = std::uint32_t;
+    using Id = std::uint32_t;  ///< a small integer
+    /// An id with its key.
     struct Entry {
-        double key;
-        Id id;
+        double key;  ///< not NaN
+        Id id;       ///< breaks ties between equal keys
     };
 
-    [[nodiscard]] bool empty() const noexcept { return heap_.empty(); }
-    [[nodiscard]] std::size_t size() const noexcept { return heap_.size(); }
-    [[nodiscard]] bool contains(Id id) const noexcept { return id < slot_of_.size() && slot_of_[id] != absent; }
-    /// Of an id that is there.
+    [[nodiscard]] bool empty() const noexcept { return heap_.empty(); }       ///< whether no id is in the heap
+    [[nodiscard]] std::size_t size() const noexcept { return heap_.size(); }  ///< number of ids in the heap
+    [[nodiscard]] bool contains(Id id) const noexcept { return id < slot_of_.size() && slot_of_[id] != absent; }  ///< O(1)
+    /// The key of an id that is in the heap.
     [[nodiscard]] double key(Id id) const noexcept {
         HMESH_ASSERT(contains(id));
         return heap_[slot_of_[id]].key;
     }
-    /// The entry with the least key; the heap is not empty.
+    /// The entry with the smallest key; the heap must not be empty.
     [[nodiscard]] Entry top() const noexcept {
         HMESH_ASSERT(!empty());
         return heap_.front();
     }
 
-    /// Inserts `id`, or changes its key when it is there already. The key must not be NaN.
+    /// Inserts `id`, or changes its key when it is in the heap already. The key must not be NaN.
     void push(Id id, double key) {
         HMESH_ASSERT(key == key);
         if (id >= slot_of_.size()) slot_of_.resize(static_cast<std::size_t>(id) + 1, absent);
@@ -51,7 +54,7 @@ class IndexedHeap {
         }
     }
 
-    /// Changes the key of an id that is there. The key must not be NaN.
+    /// Changes the key of an id that is in the heap. The key must not be NaN.
     void update(Id id, double key) {
         HMESH_ASSERT(contains(id) && key == key);
         const std::size_t slot = slot_of_[id];
@@ -59,14 +62,14 @@ class IndexedHeap {
         sift_down(sift_up(slot));
     }
 
-    /// Takes out top().
+    /// Removes and returns top().
     Entry pop() {
-        const Entry least = top();
-        erase(least.id);
-        return least;
+        const Entry first = top();
+        erase(first.id);
+        return first;
     }
 
-    /// Takes out an id that is there.
+    /// Removes an id that is in the heap.
     void erase(Id id) {
         HMESH_ASSERT(contains(id));
         const std::size_t slot = slot_of_[id];
@@ -78,7 +81,7 @@ class IndexedHeap {
         sift_down(sift_up(slot));
     }
 
-    /// O(size()), whatever ids there were before.
+    /// Removes all ids. O(size()), whatever ids were in the heap before.
     void clear() noexcept {
         for (const Entry& entry : heap_) slot_of_[entry.id] = absent;
         heap_.clear();

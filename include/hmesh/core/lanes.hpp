@@ -1,12 +1,12 @@
 /// \file
-/// Lanes<N>: N doubles that are added and multiplied together.
+/// Lanes: N doubles that are added and multiplied together.
 ///
-/// The channels of a pixel, padded to a size the processor likes, so that the arithmetic of all channels costs that of
-/// one. With GCC and Clang the lanes are vector-extension types of 2 or 4 doubles, which become SSE, AVX or NEON registers
-/// without naming any of them; with another compiler they are plain doubles.
+/// The channels of a pixel, padded to a size the processor likes, so that the arithmetic of all channels costs that of one.
+/// With GCC and Clang the lanes are vector-extension types of 2 or 4 doubles, which become SSE, AVX or NEON registers; with
+/// another compiler they are plain doubles.
 ///
-/// Functions that are not inlined take and give them by reference: in which registers a vector is passed depends on -mavx, and
-/// a program may hold files compiled with it and without. The layout does not.
+/// Pass Lanes by reference across calls that are not inlined: the vector ABI depends on -mavx, and translation units may differ
+/// in it. The layout in memory does not.
 #ifndef HMESH_CORE_LANES_HPP
 #define HMESH_CORE_LANES_HPP
 
@@ -21,6 +21,7 @@
 namespace hmesh::kit {
 namespace detail {
 
+// The type of one register, and the number of doubles in it.
 template <int Width>
 struct LaneBlock {
     using Type = double;
@@ -44,18 +45,18 @@ struct LaneBlock<4> {
 /// The number of lanes that holds n values: 1, 2 or the next multiple of 4.
 constexpr int lanes_for(int n) { return n <= 2 ? n : (n + 3) / 4 * 4; }
 
-/// Arithmetic is lane by lane; N is what lanes_for() gives.
+/// N doubles, N = lanes_for(N); arithmetic is lane by lane.
 template <int N>
 struct Lanes {
     static_assert(N == lanes_for(N), "1, 2 or a multiple of 4 lanes");
-    using Block = typename detail::LaneBlock<(N < 4 ? N : 4)>::Type;
-    static constexpr int width = detail::LaneBlock<(N < 4 ? N : 4)>::width;
-    static constexpr int blocks = N / width;
+    using Block = typename detail::LaneBlock<(N < 4 ? N : 4)>::Type;         ///< the type of one register
+    static constexpr int width = detail::LaneBlock<(N < 4 ? N : 4)>::width;  ///< doubles in a register
+    static constexpr int blocks = N / width;                                 ///< number of registers
 
-    Block block[std::size_t{blocks}];
+    Block block[std::size_t{blocks}];  ///< lane i is in block i / width
 
-    [[nodiscard]] static HMESH_ALWAYS_INLINE Lanes zero() { return Lanes{}; }
-    /// This value in all lanes.
+    [[nodiscard]] static HMESH_ALWAYS_INLINE Lanes zero() { return Lanes{}; }  ///< 0 in all lanes
+    /// The value in all lanes.
     [[nodiscard]] static HMESH_ALWAYS_INLINE Lanes all(double value) {
         Lanes r;
         for (int k = 0; k < blocks; ++k) r.block[k] = Block{} + value;
@@ -67,6 +68,7 @@ struct Lanes {
         std::memcpy(r.block, from, sizeof r.block);
         return r;
     }
+    /// N integers from memory, which need not be aligned, converted to double.
     [[nodiscard]] static HMESH_ALWAYS_INLINE Lanes load(const std::int32_t* from) {
         Lanes r;
 #if defined(__GNUC__)
@@ -84,55 +86,64 @@ struct Lanes {
         return r;
     }
 
+    /// Lane i, 0 <= i < N.
     HMESH_ALWAYS_INLINE double operator[](int i) const {
         if constexpr (width == 1) return block[i];
         else return block[i / width][i % width];
     }
-    /// Lane i, 0 <= i < N.
+    /// Sets lane i, 0 <= i < N.
     HMESH_ALWAYS_INLINE void set(int i, double value) {
         if constexpr (width == 1) block[i] = value;
         else block[i / width][i % width] = value;
     }
-    /// N numbers to memory, which need not be aligned.
+    /// Writes N numbers to memory, which need not be aligned.
     HMESH_ALWAYS_INLINE void store(double* to) const { std::memcpy(to, block, sizeof block); }
 
+    /// Adds lane by lane.
     HMESH_ALWAYS_INLINE Lanes& operator+=(const Lanes& o) {
         for (int k = 0; k < blocks; ++k) block[k] += o.block[k];
         return *this;
     }
+    /// Subtracts lane by lane.
     HMESH_ALWAYS_INLINE Lanes& operator-=(const Lanes& o) {
         for (int k = 0; k < blocks; ++k) block[k] -= o.block[k];
         return *this;
     }
+    /// Multiplies all lanes by a number.
     HMESH_ALWAYS_INLINE Lanes& operator*=(double s) {
         for (int k = 0; k < blocks; ++k) block[k] *= s;
         return *this;
     }
+    /// The sum, lane by lane.
     friend HMESH_ALWAYS_INLINE Lanes operator+(const Lanes& a, const Lanes& b) {
         Lanes r = a;
         return r += b;
     }
+    /// The difference, lane by lane.
     friend HMESH_ALWAYS_INLINE Lanes operator-(const Lanes& a, const Lanes& b) {
         Lanes r = a;
         return r -= b;
     }
+    /// The product with a number.
     friend HMESH_ALWAYS_INLINE Lanes operator*(const Lanes& a, double s) {
         Lanes r = a;
         return r *= s;
     }
-    friend HMESH_ALWAYS_INLINE Lanes operator*(double s, const Lanes& a) { return a * s; }
+    friend HMESH_ALWAYS_INLINE Lanes operator*(double s, const Lanes& a) { return a * s; }  ///< product with a number
+    /// The product, lane by lane.
     friend HMESH_ALWAYS_INLINE Lanes operator*(const Lanes& a, const Lanes& b) {
         Lanes r = a;
         for (int k = 0; k < blocks; ++k) r.block[k] *= b.block[k];
         return r;
     }
+    /// The negative of each lane.
     friend HMESH_ALWAYS_INLINE Lanes operator-(const Lanes& a) {
         Lanes r;
         for (int k = 0; k < blocks; ++k) r.block[k] = -a.block[k];
         return r;
     }
 
-    /// Holds each lane to [low, high], low <= high.
+    /// Clamps each lane to [low, high], low <= high.
     HMESH_ALWAYS_INLINE void clamp(double low, double high) {
 #if defined(__GNUC__)
         if constexpr (width > 1) {
@@ -157,7 +168,7 @@ struct Lanes {
     }
 };
 
-/// The sum of the products, lane by lane.
+/// The scalar product: the sum of the products of lanes.
 template <int N>
 [[nodiscard]] HMESH_ALWAYS_INLINE double dot(const Lanes<N>& a, const Lanes<N>& b) {
     return (a * b).sum();

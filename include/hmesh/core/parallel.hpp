@@ -1,16 +1,16 @@
 /// \file
-/// The executor: how stages share out their work, on one thread or on the user's.
+/// ParallelFor: the executor, by which stages share out their work on one thread or on the user's threads.
 ///
-/// hmesh starts no thread. A stage hands `n` independent pieces of work to an executor, any const callable
+/// hmesh starts no thread. A stage hands `n` independent pieces of work to an executor, which is any const callable
 ///
 ///     void parallel_for(std::size_t n, hmesh::Piece piece)   // calls piece(i) once for each i in [0, n), in any order, on any
 ///                                                            // thread, and returns when all calls have returned
 ///
-/// and the pieces follow from the problem alone, never from the number of threads. Sums are added in index order. A stage sees
-/// every executor as a ParallelFor, so that it is compiled once: in two copies of one source a compiler may round differently,
-/// as where it contracts a product and a sum into one instruction. Hence the same bits for any executor. It costs an indirect
-/// call a piece, and pieces take microseconds. Pieces may be handed to the same executor from within a piece only if the
-/// executor allows that; hmesh does so nowhere.
+/// Any executor gives the same bits: the pieces follow from the problem alone, never from the number of threads, and sums are
+/// added in index order. A stage sees every executor as a ParallelFor, so that it is compiled once: in two copies of one source
+/// a compiler may round differently, as where it contracts a product and a sum into one instruction. This costs an indirect
+/// call a piece; pieces take microseconds or more. hmesh never hands pieces to an executor from within a piece, so an executor
+/// need not allow that.
 #ifndef HMESH_CORE_PARALLEL_HPP
 #define HMESH_CORE_PARALLEL_HPP
 
@@ -24,14 +24,15 @@
 
 namespace hmesh {
 
-/// One of the pieces of work that an executor calls, by its index.
+/// The work that an executor calls: piece(index) does one piece of it. Valid until the executor returns.
 using Piece = FunctionRef<void(std::size_t index)>;
 
-/// Non-owning reference to an executor, which must outlive it. By default pieces run on the calling thread, in index order.
+/// Non-owning reference to an executor, which must outlive it; a lambda written in the call does. Default-constructed it runs
+/// the pieces on the calling thread, in index order.
 class ParallelFor : public FunctionRef<void(std::size_t n, Piece piece)> {
   public:
     using FunctionRef::FunctionRef;
-    /// The calling thread.
+    /// The executor that runs the pieces on the calling thread, in index order.
     ParallelFor() noexcept : FunctionRef(&serial) {}
 
   private:
@@ -42,14 +43,15 @@ class ParallelFor : public FunctionRef<void(std::size_t n, Piece piece)> {
 
 namespace kit {
 
-/// Calls body(begin, end) for consecutive ranges of at most `grain` >= 1 indices that together are [0, n).
+/// Splits [0, n) into consecutive ranges [begin, end) of `grain` >= 1 indices (the last may be shorter) and calls body(begin,
+/// end) for each.
 inline void for_each_chunk(const ParallelFor& parallel_for, std::size_t n, std::size_t grain,
                            FunctionRef<void(std::size_t begin, std::size_t end)> body) {
     const std::size_t chunks = n / grain + (n % grain != 0);
     parallel_for(chunks, [&](std::size_t i) { body(i * grain, std::min(n, (i + 1) * grain)); });
 }
 
-/// The sum of body(begin, end) over the same ranges, added in index order.
+/// The sum of body(begin, end) over the ranges of for_each_chunk(), added in index order.
 [[nodiscard]] inline double ordered_sum(const ParallelFor& parallel_for, std::size_t n, std::size_t grain,
                                         FunctionRef<double(std::size_t begin, std::size_t end)> body) {
     std::vector<double> parts(n / grain + (n % grain != 0), 0.0);

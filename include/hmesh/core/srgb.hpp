@@ -1,8 +1,8 @@
 /// \file
-/// SRGB: what light a stored value stands for, and which stored value stands for some light.
+/// The sRGB transfer function of IEC 61966-2-1, both ways: between stored values and light, as shares of full intensity.
 ///
-/// IEC 61966-2-1, all values shares of the full one. Nothing but sums, products, quotients and square roots, which are the
-/// same on all machines; the last bit of std::pow differs between standard libraries. About 10 ns each.
+/// Nothing but sums, products, quotients and square roots, which are the same on all machines; the last bit of std::pow differs
+/// between standard libraries. About 10 ns a call.
 #ifndef HMESH_CORE_SRGB_HPP
 #define HMESH_CORE_SRGB_HPP
 
@@ -12,8 +12,8 @@
 
 namespace hmesh::kit {
 
-/// The light, as a share of full light, of an sRGB-encoded share in [0, 1]. The power 2.4 is the twelfth of the fifth root,
-/// found by Newton's method. Off by less than 1e-14.
+/// The linear light, as a share of full light, of an sRGB-encoded share in [0, 1]. Error below 1e-14. The power 2.4 is the
+/// twelfth power of the fifth root, found by Newton's method.
 [[nodiscard]] inline double srgb_to_linear(double share) noexcept {
     if (share <= 0.04045) return share / 12.92;
     const double x = (share + 0.055) / 1.055;
@@ -26,8 +26,8 @@ namespace hmesh::kit {
     return fourth * fourth * fourth;
 }
 
-/// The sRGB-encoded share of light in [0, 1]. The power 1 / 2.4 is the square root of the square root, times the cube root of
-/// the square root, found by Halley's method. Off by less than 1e-12.
+/// The sRGB-encoded share of a share of light in [0, 1]. Error below 1e-12. The power 1 / 2.4 is the square root of the square
+/// root times the cube root of the square root, found by Halley's method.
 [[nodiscard]] inline double linear_to_srgb(double light) noexcept {
     if (light <= 0.0031308) return 12.92 * light;
     const double s = std::sqrt(light);
@@ -39,7 +39,7 @@ namespace hmesh::kit {
     return 1.055 * (std::sqrt(s) * root) - 0.055;
 }
 
-/// The derivative of linear_to_srgb at light that it encodes to `share`: 12.92 near black, 0.44 at white.
+/// The derivative of linear_to_srgb() at `light`, of which `share` is the encoded value: 12.92 near black, 0.44 at white.
 [[nodiscard]] inline double linear_to_srgb_slope(double light, double share) noexcept {
     return light <= 0.0031308 ? 12.92 : (share + 0.055) / (2.4 * light);
 }

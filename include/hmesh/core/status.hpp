@@ -1,9 +1,9 @@
 /// \file
-/// Status: how every function that can meet bad input says so.
+/// Status: how a function that checks its input reports what is wrong.
 ///
-/// hmesh throws nothing of its own, prints nothing and aborts nothing; std::bad_alloc passes through (without exceptions, no
-/// memory ends the program). A Status is a small value that allocates nothing; message() makes a sentence of
-/// it, check_ranges() makes one from a table of options.
+/// hmesh throws nothing of its own, prints nothing and never aborts; std::bad_alloc passes through (without exceptions, running
+/// out of memory ends the program). A Status is a small value that allocates nothing; message() makes a sentence of it,
+/// check_ranges() makes one from a table of options.
 #ifndef HMESH_CORE_STATUS_HPP
 #define HMESH_CORE_STATUS_HPP
 
@@ -18,39 +18,42 @@
 
 namespace hmesh {
 
-/// What kind of thing went wrong.
+/// Kinds of failure.
 enum class Errc : std::uint8_t {
-    ok,                   ///< all is well
-    invalid_argument,     ///< a pointer, size, stride or option that means nothing
+    ok,                   ///< success
+    invalid_argument,     ///< a pointer, size, stride or option outside its range
     image_too_large,      ///< more pixels or a longer side than the library addresses
-    target_out_of_range,  ///< a target that the image cannot hold, or a PSNR that no mesh of it reached
-    not_finite,           ///< NaN or infinity where a number is needed
+    target_out_of_range,  ///< a number of vertices that the image cannot hold, or a PSNR that no mesh of it reached
+    not_finite,           ///< NaN or infinity where a finite number is needed
     write_failed,         ///< a sink refused bytes
-    cancelled,            ///< the progress callback said stop
+    cancelled,            ///< the progress callback returned false
 };
 
-/// The outcome of a function that checks its input. Converts to true when all is well.
+/// The outcome of a function that checks its input. Converts to true on success.
 struct [[nodiscard]] Status {
-    Errc code = Errc::ok;   ///< the kind of failure
-    const char* what = "";  ///< a sentence without numbers, in static memory
-    double value = 0;       ///< the number that offended
-    double limit = 0;       ///< the bound that it missed; both 0 where the sentence says it all
+    Errc code = Errc::ok;   ///< kind of failure
+    const char* what = "";  ///< a sentence without numbers, in static memory; empty on success
+    double value = 0;       ///< the offending number
+    /// The bound that `value` violates. Both are 0 where the sentence says all.
+    double limit = 0;
 
-    /// All is well.
+    /// Success.
     constexpr Status() noexcept = default;
-    /// A failure; numbers of any arithmetic type, of which 64-bit integers keep 53 bits.
+    /// A failure. `sentence` must be in static memory; `offending` and `bound` are of any arithmetic type (64-bit integers keep
+    /// 53 bits).
     template <class Value = int, class Limit = int>
     constexpr Status(Errc kind, const char* sentence, Value offending = 0, Limit bound = 0) noexcept
         : code(kind), what(sentence), value(static_cast<double>(offending)), limit(static_cast<double>(bound)) {}
 
+    /// Whether the outcome is success.
     constexpr explicit operator bool() const noexcept { return code == Errc::ok; }
 };
 
-/// A sentence of at most 255 bytes, ended by a zero; what is longer is cut. Allocates nothing.
+/// Text of at most 255 bytes, zero-terminated; longer text is cut. Allocates nothing.
 class Message {
   public:
-    [[nodiscard]] const char* c_str() const noexcept { return text_; }
-    [[nodiscard]] std::size_t size() const noexcept { return size_; }  ///< bytes, without the zero
+    [[nodiscard]] const char* c_str() const noexcept { return text_; }  ///< the text, valid as long as the Message
+    [[nodiscard]] std::size_t size() const noexcept { return size_; }   ///< length in bytes, without the terminating zero
 
     /// Appends text.
     Message& operator<<(const char* text) noexcept {
@@ -58,7 +61,7 @@ class Message {
         text_[size_] = 0;
         return *this;
     }
-    /// Appends a number: whole ones below 1e15 with all digits, others with six significant ones, whatever the locale.
+    /// Appends a number in any locale alike: whole numbers below 1e15 with all digits, others with six significant ones.
     Message& operator<<(double number) noexcept {
         if (!kit::is_finite(number)) return *this << "a number that is not finite";
         if (number < 0) *this << "-";
@@ -80,6 +83,7 @@ class Message {
   private:
     static constexpr std::size_t capacity = 256;
 
+    /// Appends a whole number with all digits.
     Message& digits(std::uint64_t number) noexcept {
         char text[21];
         std::size_t at = sizeof text - 1;
@@ -90,7 +94,7 @@ class Message {
         } while (number != 0);
         return *this << text + at;
     }
-    // number / 10^places, without zeros at the end.
+    /// Appends number / 10^places, without zeros at the end.
     Message& fixed(std::uint64_t number, int places) noexcept {
         std::uint64_t power = 1;
         for (; places > 0 && number % 10 == 0; --places) number /= 10;
@@ -109,7 +113,7 @@ class Message {
     std::size_t size_ = 0;
 };
 
-/// What a status says, with the numbers that it has: "the image is too wide (70000, limit 65536)"; "ok" when all is well.
+/// The sentence of a status with its numbers, as in "the image is too wide (70000, limit 65536)"; "ok" on success.
 [[nodiscard]] inline Message message(const Status& status) noexcept {
     Message out;
     if (status) return out << "ok";
@@ -126,13 +130,16 @@ class Message {
 
 namespace kit {
 
-/// An option: the sentence that says what it must be, its value, and the least and the largest that are allowed.
+/// An option and the values that it may have, for check_ranges().
 struct Range {
-    const char* what;
-    double value, low, high;
+    const char* what;  ///< sentence for the user: what the option must be
+    double value,      ///< value of the option
+        low,           ///< smallest value allowed
+        high;          ///< largest value allowed
 };
 
-/// The first option that is out of its range as invalid_argument with the bound that it missed; what is not finite missed the upper.
+/// invalid_argument for the first option that is outside its range, with the bound that it violates (NaN and infinities:
+/// `high`).
 [[nodiscard]] inline Status check_ranges(std::initializer_list<Range> ranges) noexcept {
     for (const Range& range : ranges)
         if (!is_within(range.value, range.low, range.high)) {

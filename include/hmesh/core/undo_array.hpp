@@ -1,9 +1,9 @@
 /// \file
 /// UndoArray: an array that can return to an earlier state.
 ///
-/// The building block of transactions: while recording, edit(i) first notes the old value of element i. rollback() undoes
-/// the notes in reverse order and drops elements added since the mark, so every byte is as it was. A note costs one copy
-/// of the element; outside a transaction edit() is a plain access. Marks nest: roll back or keep the latest first.
+/// The building block of transactions: while recording, edit(i) first notes the old value of element i; rollback() restores the
+/// noted values in reverse order and drops elements added since the mark, so that every byte is as it was. A note costs one
+/// copy of the element; outside a transaction edit() is a plain access. Marks nest: the latest is rolled back or kept first.
 #ifndef HMESH_CORE_UNDO_ARRAY_HPP
 #define HMESH_CORE_UNDO_ARRAY_HPP
 
@@ -18,31 +18,33 @@
 
 namespace hmesh::kit {
 
+/// An array of trivially copyable elements that can return to an earlier state.
 template <class T>
 class UndoArray {
     static_assert(std::is_trivially_copyable_v<T>, "old values are restored by plain copies");
 
   public:
+    /// A state to return to, made by mark().
     struct Mark {
-        std::size_t notes = 0;
-        std::size_t size = 0;
+        std::size_t notes = 0;  ///< number of notes
+        std::size_t size = 0;   ///< number of elements
     };
 
-    [[nodiscard]] std::size_t size() const noexcept { return values_.size(); }
-    [[nodiscard]] const T& operator[](std::size_t i) const noexcept { return values_[i]; }
-    [[nodiscard]] const std::vector<T>& values() const noexcept { return values_; }
+    [[nodiscard]] std::size_t size() const noexcept { return values_.size(); }              ///< number of elements
+    [[nodiscard]] const T& operator[](std::size_t i) const noexcept { return values_[i]; }  ///< element i, for reading
+    [[nodiscard]] const std::vector<T>& values() const noexcept { return values_; }         ///< all elements, for reading
 
-    /// Element i for writing. The reference holds until the next push_back.
+    /// Element i for writing; its old value is noted while recording. The reference is valid until the next push_back().
     [[nodiscard]] T& edit(std::size_t i) {
         if (recording_) notes_.push_back({values_[i], static_cast<std::uint32_t>(i)});
         return values_[i];
     }
-    /// Element i for writing where nothing will ever be undone (building a mesh, distinct elements from many threads).
+    /// Element i for writing, never undone: for building a mesh, or for writing distinct elements from many threads.
     [[nodiscard]] T& raw(std::size_t i) noexcept { return values_[i]; }
 
-    void push_back(const T& value) { values_.push_back(value); }
-    void reserve(std::size_t n) { values_.reserve(n); }
-    /// Outside a transaction only; what was reserved stays.
+    void push_back(const T& value) { values_.push_back(value); }  ///< adds an element; undone by dropping it
+    void reserve(std::size_t n) { values_.reserve(n); }           ///< memory for n elements
+    /// Sets the number of elements, outside a transaction only. Memory is kept.
     void resize(std::size_t n) {
         HMESH_ASSERT(!recording_);
         values_.resize(n);
@@ -53,7 +55,7 @@ class UndoArray {
         recording_ = true;
         return {notes_.size(), values_.size()};
     }
-    /// Brings all elements and the size back to what they were at that mark. O(edits since).
+    /// Returns all elements and the size to what they were at that mark. O(edits since).
     void rollback(const Mark& to) {
         while (notes_.size() > to.notes) {
             values_[notes_.back().index] = notes_.back().old;
@@ -61,7 +63,7 @@ class UndoArray {
         }
         values_.resize(to.size);
     }
-    /// Forgets all notes: the outermost transaction is over, whatever became of it.
+    /// Ends the outermost transaction: forgets all notes. The elements stay as they are.
     void stop_recording() noexcept {
         notes_.clear();
         recording_ = false;

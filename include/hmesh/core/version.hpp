@@ -1,15 +1,15 @@
 /// \file
-/// The version, read by CMake from here and nowhere else.
+/// The version of hmesh. CMake and the packages read it from here.
 #ifndef HMESH_CORE_VERSION_HPP
 #define HMESH_CORE_VERSION_HPP
 
-/// Rises when programs must be changed; while it is 0, the next number does.
+/// Major version: rises with breaking changes (while it is 0, the minor version does).
 #define HMESH_VERSION_MAJOR 0
-/// Rises when there is something new.
+/// Minor version: rises with new features.
 #define HMESH_VERSION_MINOR 1
-/// Rises when something was mended.
+/// Patch version: rises with fixes.
 #define HMESH_VERSION_PATCH 0
-/// The three numbers, as in names of packages.
+/// The version as text, "major.minor.patch".
 #define HMESH_VERSION_STRING "0.1.0"
 
 #endif  // HMESH_CORE_VERSION_HPP

@@ -1,11 +1,12 @@
 /// \file
-/// Collapse: which vertex the mesh misses least.
+/// Collapse: remove the vertices whose loss raises the energy least.
 ///
-/// A vertex goes by merging it into one of its neighbours. The cost is the exact rise of the energy with the other
-/// vertices held; the best of all neighbours is taken. Removing a batch of the cheapest that share no neighbour and
-/// re-optimising around each is the second half of "insert too many, then remove": the best bargain in meshing
-/// (+2 dB for 0.1 s on Lena, 1 %). Finding the cheapest collapse of a vertex costs up to (valence)^2 face energies, with
-/// early exit about 1 us.
+/// A vertex is removed by merging it into the neighbour for which the energy rises least, all other vertices held; this exact
+/// rise is the cost of the collapse. remove_batch() removes the cheapest vertices, no two of them adjacent, and re-optimises
+/// the ring of each. Inserting too many vertices and then removing the surplus is the best bargain in meshing (+2 dB for 0.1 s
+/// on Lena, 1 %).
+///
+/// Cost: finding the cheapest collapse of a vertex takes up to valence^2 face energies, with early exit about 1 us.
 #ifndef HMESH_EDIT_COLLAPSE_HPP
 #define HMESH_EDIT_COLLAPSE_HPP
 
@@ -24,34 +25,34 @@
 
 namespace hmesh::kit {
 
-/// A half-edge along which its first vertex could go, and by how much the energy would rise.
+/// The cheapest collapse of a vertex: along which half-edge, and what it costs.
 struct CollapseCandidate {
-    Halfedge halfedge;  ///< invalid: the vertex cannot go
-    double cost = std::numeric_limits<double>::max();
+    Halfedge halfedge;  ///< from the vertex to the neighbour that it is merged into; invalid: the vertex cannot be removed
+    double cost = std::numeric_limits<double>::max();  ///< rise of the energy; may be negative
 };
 
 namespace detail {
 
-/// The energy of the faces that fill the ring when its centre goes into neighbour j; the largest double as soon as it reaches
-/// `bound` or a face would be too small.
+/// The energy of the faces that fill a ring once its centre is merged into neighbour j. The largest double as soon as the energy
+/// reaches `bound`, or if a face would be smaller than limits().min_double_area.
 template <int C>
 [[nodiscard]] double filled_energy(const ImageMesh<C>& mesh, const Ring<C>& ring, int j, double bound) {
     constexpr double never = std::numeric_limits<double>::max();
     const VertexState<C>& u = *ring.neighbor[j];
-    const double least = mesh.limits().min_double_area;
+    const double min_area = mesh.limits().min_double_area;
     // Faces i (neighbours i, i - 1) that do not have j as a corner; an open ring has no face 0.
     for (int i = ring.first_face(); i < ring.size; ++i)
         if (i != j && ring.before(i) != j &&
-            !(orient2d(u.position, ring.neighbor[i]->position, ring.neighbor[ring.before(i)]->position) >= least))
+            !(orient2d(u.position, ring.neighbor[i]->position, ring.neighbor[ring.before(i)]->position) >= min_area))
             return never;
     double energy = 0;
-    // Once around from j + 1, whose edge to j is the link of face j + 1; each edge from u is walked once.
+    // Once around the ring from neighbour j + 1, whose edge to j is the link of face j + 1; each edge from u is walked once.
     Moments<C> spoke = Moments<C>::zero();
-    bool known = false;  // is `spoke` the moments from u to neighbour i - 1?
+    bool known = false;  // whether `spoke` holds the moments from u to neighbour i - 1
     for (int step = 1; step < ring.size; ++step) {
         const int i = (j + step) % ring.size, before = ring.before(i);
         if (ring.open && i == 0) continue;
-        if (before == j) {  // face (v, i, j) goes; its far side from i to j is an edge of u
+        if (before == j) {  // face (v, i, j) vanishes; its far side from i to j is an edge of u
             spoke = ring.link[i];
             spoke *= -1.0;
             known = true;
@@ -72,7 +73,9 @@ template <int C>
 
 }  // namespace detail
 
-/// The cheapest way to remove v. Corners and frozen vertices cannot go, and border vertices only along their side.
+/// The cheapest collapse of v. None (an invalid half-edge) for corners and locked vertices, and where every collapse would break
+/// the topology, a valence limit or limits().min_double_area. Border vertices collapse along their side only. `scratch` is
+/// overwritten. O(valence^2), about 1 us.
 template <int C>
 [[nodiscard]] CollapseCandidate cheapest_collapse(const ImageMesh<C>& mesh, RingScratch<C>& scratch, Vertex v) {
     const HalfedgeMesh& topology = mesh.topology();
@@ -82,23 +85,24 @@ template <int C>
     Ring<C>& ring = scratch.ring;
     mesh.gather(v, ring, scratch.spokes);
     const double before = mesh.energy(ring);
-    double least = std::numeric_limits<double>::max();
+    double lowest = std::numeric_limits<double>::max();
     for (int j = 0; j < ring.size; ++j) {
-        if (ring.open && j != 0 && j != ring.size - 1) continue;  // a border vertex goes along the border
-        // The merged vertex has the neighbours of both, less the two themselves and the far corners they shared.
+        if (ring.open && j != 0 && j != ring.size - 1) continue;  // a border vertex collapses along the border
+        // The merged vertex has the neighbours of both, less the two themselves and the far corners that both had.
         const int shared = ring.open ? 3 : 4;
         if (topology.valence(topology.to_vertex(ring.halfedge[j])) + ring.size - shared > ring.neighbor[j]->valence_limit)
             continue;
-        const double energy = detail::filled_energy(mesh, ring, j, least);
-        if (!(energy < least) || !topology.is_collapse_ok(ring.halfedge[j])) continue;
-        least = energy;
+        const double energy = detail::filled_energy(mesh, ring, j, lowest);
+        if (!(energy < lowest) || !topology.is_collapse_ok(ring.halfedge[j])) continue;
+        lowest = energy;
         best = {ring.halfedge[j], energy - before};
     }
     return best;
 }
 
-/// Removes up to `count` of the cheapest vertices that share no neighbour, and re-optimises the ring of each. Returns how
-/// many.
+/// Removes up to `count` vertices, the cheapest first, and re-optimises the ring of each with relax(). A vertex in the ring of
+/// one removed before stays for the next batch. Vertices of these rings become dirty. Returns the number of vertices removed,
+/// which is less than `count` also where mesh.keep_going() says stop.
 template <int C>
 std::size_t remove_batch(ImageMesh<C>& mesh, std::size_t count, const Relaxation& relaxation) {
     const HalfedgeMesh& topology = mesh.topology();
@@ -118,7 +122,7 @@ std::size_t remove_batch(ImageMesh<C>& mesh, std::size_t count, const Relaxation
         if (removed >= count || !mesh.keep_going()) break;
         const Vertex v = vertices[k];
         if (touched[v.index()] != 0) continue;
-        // Flips around earlier removals may have changed the ring: judge again.
+        // Flips around earlier removals may have changed the ring: find the cheapest collapse again.
         const CollapseCandidate now = cheapest_collapse(mesh, scratch, v);
         if (!now.halfedge.is_valid()) continue;
         ring.clear();

@@ -1,9 +1,9 @@
 /// \file
-/// Flips: turn edges where the other diagonal fits the picture better.
+/// Flips: replace an edge by the other diagonal of its two faces where that fits the picture better.
 ///
-/// A flip is judged with positions and colours held fixed: one edge walk and two face energies. It is kept if the energy
-/// falls by more than a tolerance, so the total decreases strictly and the queue ends by itself. 26-44 % of the edges of a
-/// fitted mesh are diagonals of non-convex quadrilaterals and cannot turn; minimum area covers that test.
+/// A flip is judged with positions and colours held: one edge walk and two face energies. It is kept if the energy falls by more
+/// than a tolerance, so the energy decreases strictly and the stack of edges runs empty. 26-44 % of the edges of a fitted mesh
+/// are diagonals of quadrilaterals that are not convex and cannot flip; the test for minimum area covers these.
 #ifndef HMESH_EDIT_FLIP_HPP
 #define HMESH_EDIT_FLIP_HPP
 
@@ -19,16 +19,18 @@
 
 namespace hmesh::kit {
 
-/// What turning an edge would do: the new edge's moments and its faces' energies, valid until the mesh changes.
+/// What the flip of an edge e would lead to; valid until the mesh changes.
 template <int C>
 struct FlipTrial {
-    Moments<C> moments;
-    double own = 0, opposite = 0;  ///< energies of face(halfedge(e)) and of the other
-    double decrease = 0;
+    Moments<C> moments;   ///< of the new edge, along halfedge(e) after the flip
+    double own = 0;       ///< energy of face(halfedge(e)) after the flip
+    double opposite = 0;  ///< energy of face(opposite(halfedge(e))) after the flip
+    double decrease = 0;  ///< of the mesh's energy; negative where the flip would raise it
 };
 
-/// Whether the shape around e lets it turn: interior, both new faces at least limits.min_double_area. In a triangulation of the
-/// plane, far corners with a convex quadrilateral between them have no other edge.
+/// Whether the geometry lets e flip: e is an interior edge, and both new faces have at least limits().min_double_area, which
+/// implies that the quadrilateral around e is convex. In a triangulation of the plane the two far corners of a convex
+/// quadrilateral have no other edge in common. can_flip() looks at valences too.
 template <int C>
 [[nodiscard]] HMESH_ALWAYS_INLINE bool is_flippable(const ImageMesh<C>& mesh, Edge e) {
     const HalfedgeMesh& topology = mesh.topology();
@@ -37,11 +39,11 @@ template <int C>
     const Vertex v2 = topology.to_vertex(topology.next(a)), v3 = topology.to_vertex(topology.next(b));
     const Point p0 = mesh.position(topology.to_vertex(b)), p1 = mesh.position(topology.to_vertex(a));
     const Point p2 = mesh.position(v2), p3 = mesh.position(v3);
-    const double least = mesh.limits().min_double_area;
-    return orient2d(p0, p3, p2) >= least && orient2d(p3, p1, p2) >= least;
+    const double min_area = mesh.limits().min_double_area;
+    return orient2d(p0, p3, p2) >= min_area && orient2d(p3, p1, p2) >= min_area;
 }
 
-/// Whether e can turn: convex, and both far corners have room for one more edge.
+/// Whether e can flip: is_flippable(), and both far corners may have one more edge.
 template <int C>
 [[nodiscard]] bool can_flip(const ImageMesh<C>& mesh, Edge e) {
     if (!is_flippable(mesh, e)) return false;
@@ -51,7 +53,8 @@ template <int C>
            mesh.can_gain_edge(topology.to_vertex(topology.next(HalfedgeMesh::opposite(a))));
 }
 
-/// Evaluates turning e, which is_flippable.
+/// Evaluates the flip of e, for which is_flippable() must hold, into `trial`; the mesh stays as it is. One edge walk and two face
+/// energies.
 template <int C>
 void evaluate_flip(const ImageMesh<C>& mesh, Edge e, FlipTrial<C>& trial) {
     const HalfedgeMesh& topology = mesh.topology();
@@ -71,35 +74,37 @@ void evaluate_flip(const ImageMesh<C>& mesh, Edge e, FlipTrial<C>& trial) {
     trial.decrease = mesh.energy(topology.face(a)) + mesh.energy(topology.face(b)) - trial.own - trial.opposite;
 }
 
-/// Turns e if that lowers the energy by more than `least` (and more than rounding). Returns the decrease, 0 if it stays.
+/// Flips e if that lowers the energy by more than `min_gain` >= 0, an energy, and by more than rounding (1e-9 of the energy of
+/// its two faces). Returns the decrease of the energy, 0 if e stays.
 template <int C>
-double improve_edge(ImageMesh<C>& mesh, Edge e, double least) {
+double improve_edge(ImageMesh<C>& mesh, Edge e, double min_gain) {
     const HalfedgeMesh& topology = mesh.topology();
     const Halfedge a = HalfedgeMesh::halfedge(e), b = HalfedgeMesh::opposite(a);
     if (topology.is_boundary(a) || topology.is_boundary(b)) return 0;
     const double before = mesh.energy(topology.face(a)) + mesh.energy(topology.face(b));
-    if (!(before > least) || !is_flippable(mesh, e)) return 0;
+    if (!(before > min_gain) || !is_flippable(mesh, e)) return 0;
     FlipTrial<C> trial;
     evaluate_flip(mesh, e, trial);
-    if (!(trial.decrease > least + 1e-9 * before) || !can_flip(mesh, e)) return 0;
+    if (!(trial.decrease > min_gain + 1e-9 * before) || !can_flip(mesh, e)) return 0;
     mesh.flip(e, trial.moments, trial.own, trial.opposite);
     return trial.decrease;
 }
 
-/// Turns edges until none gains more than `least`, in units of the mean energy of a vertex: a stack in spatial order; the four
-/// sides of each turned edge come up again. Vertices around turned edges become due. Returns the number of flips.
+/// Flips edges until no flip gains more than `min_gain` >= 0, in units of the mean energy of a vertex. Edges wait on a stack, at
+/// first all in spatial order; after a flip the four sides of its quadrilateral are pushed again. The four vertices around a
+/// flipped edge become dirty. Ends early where mesh.keep_going() says stop. Returns the number of flips.
 template <int C>
-std::size_t flip_edges(ImageMesh<C>& mesh, double least = 1e-4) {
+std::size_t flip_edges(ImageMesh<C>& mesh, double min_gain = 1e-4) {
     const HalfedgeMesh& topology = mesh.topology();
-    least *= mesh.mean_energy();
+    min_gain *= mesh.mean_energy();
     std::vector<Edge> stack = spatial_edges(mesh);
     std::reverse(stack.begin(), stack.end());
     std::size_t flips = 0;
-    // The energy falls with every flip; the bound only guards against a tolerance of 0 and a million tiny gains.
+    // The energy falls with every flip; the budget only guards against a million tiny gains where min_gain is 0.
     for (std::size_t budget = 20 * stack.size(); !stack.empty() && budget > 0 && mesh.keep_going(); --budget) {
         const Edge e = stack.back();
         stack.pop_back();
-        if (!(improve_edge(mesh, e, least) > 0)) continue;
+        if (!(improve_edge(mesh, e, min_gain) > 0)) continue;
         ++flips;
         for (const Halfedge h : {HalfedgeMesh::halfedge(e), HalfedgeMesh::opposite(HalfedgeMesh::halfedge(e))}) {
             const Halfedge n = topology.next(h), p = topology.next(n);

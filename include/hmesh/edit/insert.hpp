@@ -1,10 +1,12 @@
 /// \file
-/// Insertion: where one more vertex lowers the energy most.
+/// Insertion: add vertices where one more lowers the energy most.
 ///
-/// A candidate splits an edge at its midpoint or a face at its centroid; its gain is exact for the colour that fits best
-/// there (and, when asked, after one Gauss-Newton step), all other vertices held. Inserting a batch of the best that touch
-/// no common face and optimising in between is nearly as good as one at a time, and far faster. A candidate costs 3 or 4
-/// short walks, about 0.2 us.
+/// A candidate splits an edge at its midpoint or a face at its centroid. Its gain is the exact decrease of the energy, the new
+/// vertex having the best colour there (and, on request, one Gauss-Newton step), all other vertices held. Inserting a batch of
+/// the best candidates that have no face in common, and optimising between batches, is nearly as good as inserting one at a
+/// time, and far faster.
+///
+/// Cost: 3 or 4 short edge walks a candidate, about 0.2 us.
 #ifndef HMESH_EDIT_INSERT_HPP
 #define HMESH_EDIT_INSERT_HPP
 
@@ -23,25 +25,26 @@
 
 namespace hmesh::kit {
 
-/// A vertex that could be inserted: in `edge` if that is valid, else in `face`.
+/// A vertex that could be inserted, and what it would gain; valid until the mesh changes.
 template <int C>
 struct InsertionCandidate {
-    Edge edge;
-    Face face;
-    RingCenter<C> center;
-    double gain = 0;    ///< decrease of the energy
-    bool fits = false;  ///< whether the new faces are large enough
+    Edge edge;             ///< the edge to split; invalid: split `face`
+    Face face;             ///< the face to split where `edge` is invalid
+    RingCenter<C> center;  ///< the new vertex, and the energy of the faces around it
+    double gain = 0;       ///< decrease of the mesh's energy
+    bool fits = false;     ///< whether all new faces have at least limits().min_double_area; else there is no gain
 };
 
-/// Which candidates are considered, and how closely.
+/// Options of insert_batch() and best_sites(): which candidates are considered, and how closely.
 struct InsertionOptions {
-    bool faces = false;     ///< consider centroids of faces too
-    bool may_move = false;  ///< one Gauss-Newton step before judging
+    bool faces = false;     ///< candidates are centroids of faces too, not only midpoints of edges
+    bool may_move = false;  ///< candidates take one Gauss-Newton step before their gain is read
 };
 
 namespace detail {
 
-/// `scratch` holds the ring and its spokes around candidate.centre.
+/// Completes a candidate: position, colour, gain. `scratch` holds the ring and the spokes of candidate.center, `before` is the
+/// energy of the faces that would be split.
 template <int C>
 void judge_candidate(const ImageMesh<C>& mesh, RingScratch<C>& scratch, Mobility mobility, bool may_move, double before,
                      InsertionCandidate<C>& candidate) {
@@ -52,7 +55,8 @@ void judge_candidate(const ImageMesh<C>& mesh, RingScratch<C>& scratch, Mobility
 
 }  // namespace detail
 
-/// A vertex in the middle of e with its best colour and, if it may, moved by a step. `scratch` is overwritten.
+/// The candidate at the midpoint of e, with its best colour and, where `may_move`, one Gauss-Newton step further. Does not fit
+/// where e is on the rim of a patch. `scratch` is overwritten. About 0.2 us.
 template <int C>
 [[nodiscard]] InsertionCandidate<C> edge_candidate(const ImageMesh<C>& mesh, RingScratch<C>& scratch, Edge e, bool may_move) {
     const HalfedgeMesh& topology = mesh.topology();
@@ -64,7 +68,7 @@ template <int C>
     const VertexState<C>&v0 = mesh.vertex(topology.to_vertex(b)), &v1 = mesh.vertex(topology.to_vertex(a));
     Ring<C>& ring = scratch.ring;
     double before = mesh.energy(topology.face(a));
-    // Around the midpoint, against the orientation: v0, v2, v1, v3.
+    // Neighbours around the midpoint, against the orientation of faces: v0, v2, v1, v3.
     ring.open = topology.is_boundary(b);
     ring.size = ring.open ? 3 : 4;
     ring.neighbor[0] = &v0;
@@ -85,7 +89,7 @@ template <int C>
     candidate.center.color = 0.5 * (v0.color + v1.color);
     const Point center = candidate.center.position;
     if (!ring.accepts(center, mesh.limits().min_double_area)) return candidate;
-    // The two halves of the edge add up to it: walk one only.
+    // The moments of the edge's halves add up to those of the edge: only one half is walked.
     for (int i = 0; i < ring.size; ++i)
         if (i != 2) edge_moments(mesh.table(), center, ring.neighbor[i]->position, scratch.spokes.spoke[i]);
     mesh.moments(a, scratch.spokes.spoke[2]);
@@ -94,7 +98,8 @@ template <int C>
     return candidate;
 }
 
-/// The same at the centroid of f.
+/// The candidate at the centroid of f, with its best colour and, where `may_move`, one Gauss-Newton step further. `scratch` is
+/// overwritten. About 0.2 us.
 template <int C>
 [[nodiscard]] InsertionCandidate<C> face_candidate(const ImageMesh<C>& mesh, RingScratch<C>& scratch, Face f, bool may_move) {
     const HalfedgeMesh& topology = mesh.topology();
@@ -103,7 +108,7 @@ template <int C>
     Ring<C>& ring = scratch.ring;
     ring.open = false;
     ring.size = 3;
-    // Around the centroid, against the orientation: neighbour i - 1 follows neighbour i along the face's sides.
+    // Neighbours around the centroid, against the orientation: neighbour i - 1 follows neighbour i along the face's sides.
     Halfedge h = topology.halfedge(f);
     for (int i = 2; i >= 0; --i, h = topology.next(h)) {
         ring.neighbor[i] = &mesh.vertex(topology.from_vertex(h));
@@ -120,14 +125,14 @@ template <int C>
     return candidate;
 }
 
-/// Splits the candidate's edge or face. The candidate must be of the mesh as it is.
+/// Inserts a candidate that fits and was evaluated for the mesh as it is, by splitting its edge or face. Returns the new vertex.
 template <int C>
 Vertex insert(ImageMesh<C>& mesh, const InsertionCandidate<C>& candidate) {
     return candidate.edge.is_valid() ? mesh.split(candidate.edge, candidate.center.position, candidate.center.color)
                                      : mesh.split(candidate.face, candidate.center.position, candidate.center.color);
 }
 
-/// The vertices whose valence an insertion raises stay below the bound.
+/// Whether the corners whose valence the candidate would raise may all have one more edge.
 template <int C>
 [[nodiscard]] bool can_gain_edge(const ImageMesh<C>& mesh, const InsertionCandidate<C>& candidate) {
     const HalfedgeMesh& topology = mesh.topology();
@@ -143,21 +148,25 @@ template <int C>
     return true;
 }
 
-/// Where a vertex could go: an edge or a face, in 4 bytes.
+/// A place for a new vertex, an edge or a face, in 4 bytes.
 class InsertionSite {
   public:
     InsertionSite() noexcept = default;
+    /// The midpoint of an edge, or the centroid of a face.
     explicit InsertionSite(Edge e) noexcept : code_(static_cast<std::uint32_t>(2 * e.index())) {}
     explicit InsertionSite(Face f) noexcept : code_(static_cast<std::uint32_t>(2 * f.index() + 1)) {}
+    /// Whether the site is an edge; else it is a face.
     [[nodiscard]] bool is_edge() const noexcept { return (code_ & 1U) == 0; }
+    /// The edge, where is_edge().
     [[nodiscard]] Edge edge() const noexcept { return Edge(code_ >> 1U); }
+    /// The face, where not is_edge().
     [[nodiscard]] Face face() const noexcept { return Face(code_ >> 1U); }
 
   private:
-    std::uint32_t code_ = 0;
+    std::uint32_t code_ = 0;  ///< 2 * index of an edge, or 2 * index of a face + 1
 };
 
-/// That of the site's edge or face.
+/// The candidate at a site: edge_candidate() or face_candidate(). `scratch` is overwritten.
 template <int C>
 [[nodiscard]] InsertionCandidate<C> candidate_at(const ImageMesh<C>& mesh, RingScratch<C>& scratch, InsertionSite site,
                                                  bool may_move) {
@@ -165,9 +174,9 @@ template <int C>
                           : face_candidate(mesh, scratch, site.face(), may_move);
 }
 
-/// What a vertex at the site could gain at most: the energy of the faces that it splits.
+/// An upper bound on the gain of a vertex at the site: the energy of the one or two faces that it splits.
 template <int C>
-[[nodiscard]] double most_gain(const ImageMesh<C>& mesh, InsertionSite site) {
+[[nodiscard]] double max_gain(const ImageMesh<C>& mesh, InsertionSite site) {
     if (!site.is_edge()) return mesh.energy(site.face());
     double sum = 0;
     const Halfedge h = HalfedgeMesh::halfedge(site.edge());
@@ -176,7 +185,7 @@ template <int C>
     return sum;
 }
 
-/// Each edge once (and each face), in spatial order.
+/// The sites of a mesh in spatial order: each edge once and, where `faces`, each face.
 template <int C>
 [[nodiscard]] std::vector<InsertionSite> insertion_sites(const ImageMesh<C>& mesh, bool faces) {
     const HalfedgeMesh& topology = mesh.topology();
@@ -189,9 +198,10 @@ template <int C>
     return sites;
 }
 
-/// The most rewarding sites for `count` vertices and some more, by falling gain (ties: in spatial order). The rewards of the
-/// sites with the most to gain tell how much the others must have for being worth a walk. Gains are compared as floats: this
-/// is the peak of the memory, 16 bytes a site.
+/// The best sites for `count` new vertices, by falling gain, ties in spatial order: up to 4 * count, since about half of a list
+/// touch a better site. Sites with the largest max_gain() are evaluated first; their gains then tell below which max_gain() the
+/// others cannot get into the list, and these are not walked. Gains are compared as floats: 16 bytes a site, the peak of a
+/// method's memory.
 template <int C>
 [[nodiscard]] std::vector<InsertionSite> best_sites(const ImageMesh<C>& mesh, std::size_t count,
                                                     const InsertionOptions& options) {
@@ -200,9 +210,9 @@ template <int C>
         std::uint32_t site;
     };
     const std::vector<InsertionSite> sites = insertion_sites(mesh, options.faces);
-    const double scale = mesh.energy() > 0 ? 1 / mesh.mean_energy() : 0;  // of the floats, whatever the unit of samples
-    const auto bound = [&](std::size_t k) { return static_cast<float>(scale * most_gain(mesh, sites[k])); };
-    const std::size_t wanted = 2 * count;  // about half of them touch a better one
+    const double scale = mesh.energy() > 0 ? 1 / mesh.mean_energy() : 0;  // keeps floats in range, whatever the unit of samples
+    const auto bound = [&](std::size_t k) { return static_cast<float>(scale * max_gain(mesh, sites[k])); };
+    const std::size_t wanted = 2 * count;  // about half of them touch a better site
     std::vector<float> values;
     values.reserve(sites.size());
     const auto nth_largest = [&] {
@@ -245,8 +255,10 @@ template <int C>
     return best;
 }
 
-/// Inserts up to `count` vertices at the best sites that share no face, then flips and visits around each. Returns how
-/// many. Neighbours become due.
+/// Inserts up to `count` vertices at the best sites that have no face in common, then around each new vertex tries to flip the
+/// outer edges of its faces and visits the vertex. The rings of new vertices become dirty. Returns the number of vertices
+/// inserted, which is 0 where no candidate lowers the energy; it may be less than `count` also because
+/// mesh.keep_going() says stop.
 template <int C>
 std::size_t insert_batch(ImageMesh<C>& mesh, std::size_t count, const InsertionOptions& options) {
     const HalfedgeMesh& topology = mesh.topology();

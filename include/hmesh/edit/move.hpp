@@ -1,10 +1,11 @@
 /// \file
-/// Vertices: move one vertex, or all in turn, to where the picture fits best.
+/// Vertex moves: optimise position and colour of one vertex, or of all dirty vertices in turn.
 ///
-/// One visit: the vertex's colour goes to its optimum, and one Gauss-Newton step with the colour eliminated is tried; it
-/// stays if the exact energy of the ring falls. Gauss-Seidel over such visits beats a joint Levenberg-Marquardt step by
-/// far (the normal equations are mass-like, so there is no long-range coupling to profit from). A visit walks each spoke
-/// once and evaluates the ring twice, some 0.6 us.
+/// A visit sets the vertex's colour to its optimum and tries one Gauss-Newton step of the position with the colour eliminated;
+/// the step is kept if the exact energy of the ring falls. Gauss-Seidel over such visits beats a joint Levenberg-Marquardt step
+/// by far: the normal equations are those of a mass matrix, so there is no long-range coupling to profit from.
+///
+/// Cost: a visit walks each spoke once and evaluates the ring twice, some 0.6 us.
 #ifndef HMESH_EDIT_MOVE_HPP
 #define HMESH_EDIT_MOVE_HPP
 
@@ -19,17 +20,17 @@
 
 namespace hmesh::kit {
 
-/// The state of a ring's centre, and what the ring costs with it.
+/// The state of a ring's centre vertex, and the energy of the ring with it.
 template <int C>
 struct RingCenter {
-    Point position;
-    Color<C> color;
-    double energy = 0;
+    Point position;     ///< px, in the plane of the mesh's table
+    Color<C> color;     ///< stored values
+    double energy = 0;  ///< of the faces of the ring
 };
 
 namespace detail {
 
-/// The longest step that is tried: 0.6 of the root mean square length of a ring's spokes.
+/// The longest step to try, in px: 0.6 of the root mean square length of the ring's spokes, with the centre at v.
 template <int C>
 [[nodiscard]] inline double step_cap(const Ring<C>& ring, Point v) noexcept {
     double sum = 0;
@@ -42,28 +43,34 @@ template <int C>
 
 }  // namespace detail
 
-/// Workspace of one ring optimisation, too large to clear on every call.
+/// Workspace for optimising one ring; tens of kB, so callers that visit many rings keep one.
 template <int C>
 struct RingScratch {
-    Ring<C> ring;
-    Spokes<C> spokes, trial_spokes;
-    FaceFit<C> faces[ring_capacity], trial_faces[ring_capacity];
+    Ring<C> ring;                           ///< the neighbours, and the moments of the edges opposite the centre
+    Spokes<C> spokes;                       ///< moments of the edges from the centre as it is
+    Spokes<C> trial_spokes;                 ///< moments of the edges from a trial position
+    FaceFit<C> faces[ring_capacity];        ///< fits of the ring's faces as they are
+    FaceFit<C> trial_faces[ring_capacity];  ///< fits of the ring's faces for a trial position
 };
 
-/// What optimise_centre() did.
-enum class RingOutcome { degenerate, recolored, moved };
+/// The outcome of optimize_center().
+enum class RingOutcome {
+    degenerate,  ///< a face is smaller than limits().min_double_area: nothing was done
+    recolored,   ///< the position stayed, the colour is the best for it
+    moved,       ///< position and colour are new
+};
 
-/// Optimises the centre of scratch.ring: `centre` holds position and colour on entry and the best found on return, with its
-/// energy; scratch.spokes and scratch.faces belong to it. `least` is the predicted decrease below which no step is tried.
-/// degenerate: a face is smaller than limits allow, nothing done.
+/// Optimises the centre of scratch.ring. `center` holds position and colour on entry, and on return the best found with the
+/// energy of the ring; scratch.spokes must fit the position on entry, scratch.spokes and scratch.faces fit it on return. No step
+/// is tried unless `may_move` and its predicted decrease of the energy is above `min_gain`. The mesh itself stays as it is.
 template <int C>
-RingOutcome optimize_center(const ImageMesh<C>& mesh, RingScratch<C>& scratch, Mobility mobility, double least, bool may_move,
+RingOutcome optimize_center(const ImageMesh<C>& mesh, RingScratch<C>& scratch, Mobility mobility, double min_gain, bool may_move,
                             RingCenter<C>& center) {
     const MeshLimits& limits = mesh.limits();
     RingFit<C> fit;
     if (!fit_ring(scratch.ring, scratch.spokes, center.position, limits.min_double_area, scratch.faces, fit))
         return RingOutcome::degenerate;
-    // A ring without weight wants nothing: it is not to chase the rounding of its sums.
+    // A ring whose pixels have no weight stays: its sums are rounding, and a step would follow that.
     if (mesh.table().is_weighted() && !(ring_weight(scratch.ring, scratch.spokes) > least_weight)) {
         center.energy = fit.energy(center.color);
         return RingOutcome::recolored;
@@ -73,14 +80,14 @@ RingOutcome optimize_center(const ImageMesh<C>& mesh, RingScratch<C>& scratch, M
     if (!may_move || mobility == Mobility::corner) return RingOutcome::recolored;
 
     const RingStep step = gauss_newton_step(scratch.ring, scratch.faces, fit, center.color, mobility);
-    if (!(step.predicted > least)) return RingOutcome::recolored;
+    if (!(step.predicted > min_gain)) return RingOutcome::recolored;
     double dx = step.dx, dy = step.dy;
     const double length = std::sqrt(dx * dx + dy * dy), cap = detail::step_cap(scratch.ring, center.position);
     if (length > cap) {
         dx *= cap / length;
         dy *= cap / length;
     }
-    // Halve the step while a face would get too small; the last of 6 tries is 1/32 of it.
+    // Halve the step while a face would get too small; the last of 6 trials is 1/32 of the step.
     for (int halvings = 0; halvings < 6; ++halvings, dx *= 0.5, dy *= 0.5) {
         const Point trial = mesh.clamp({center.position.x + dx, center.position.y + dy}, mobility);
         if (trial == center.position) break;
@@ -100,32 +107,36 @@ RingOutcome optimize_center(const ImageMesh<C>& mesh, RingScratch<C>& scratch, M
     return RingOutcome::recolored;
 }
 
-/// One visit of v; returns by how much the energy fell, >= 0. Steps that promise less than `least` are not tried.
+/// Visits v: optimises its colour, and its position where the step's predicted gain is above `min_gain`, an energy. Returns the
+/// decrease of the mesh's energy, >= 0; 0 for locked vertices. About 0.6 us.
 template <int C>
-double improve_vertex(ImageMesh<C>& mesh, Vertex v, double least) {
+double improve_vertex(ImageMesh<C>& mesh, Vertex v, double min_gain) {
     if (mesh.vertex(v).mobility == Mobility::locked) return 0;
     RingScratch<C> scratch;
     mesh.gather(v, scratch.ring, scratch.spokes);
     const double before = mesh.energy(scratch.ring);
     const VertexState<C>& state = mesh.vertex(v);
     RingCenter<C> center{state.position, state.color, 0};
-    const RingOutcome outcome = optimize_center(mesh, scratch, state.mobility, least, true, center);
+    const RingOutcome outcome = optimize_center(mesh, scratch, state.mobility, min_gain, true, center);
     if (outcome == RingOutcome::degenerate || !(center.energy < before)) return 0;
     mesh.apply_fit(v, scratch.ring, center.position, center.color, scratch.faces,
                    outcome == RingOutcome::moved ? &scratch.spokes : nullptr);
     return before - center.energy;
 }
 
-/// Visits all vertices that are due, in spatial order; returns by how much the energy fell.
+/// Visits all dirty vertices once, in spatial order, and clears their marks; where a visit gains more than
+/// tolerance.propagate_above, the vertex and its neighbours become dirty again. Ends early where mesh.keep_going() says stop.
+/// Returns the decrease of the energy.
 template <int C>
 double sweep(ImageMesh<C>& mesh, const Tolerance& tolerance = {}) {
     const double start = mesh.energy();
-    const double spread = tolerance.propagate_above * mesh.mean_energy(), least = tolerance.min_gain * mesh.mean_energy();
+    const double propagate_above = tolerance.propagate_above * mesh.mean_energy();
+    const double min_gain = tolerance.min_gain * mesh.mean_energy();
     for (const Vertex v : spatial_vertices(mesh)) {
-        if (!mesh.is_dirty(v) || mesh.vertex(v).mobility == Mobility::locked) continue;  // due for another patch
+        if (!mesh.is_dirty(v) || mesh.vertex(v).mobility == Mobility::locked) continue;  // locked: dirty for another patch
         if (!mesh.keep_going()) break;
         mesh.set_dirty(v, false);
-        if (improve_vertex(mesh, v, least) > spread) mesh.set_ring_dirty(v);
+        if (improve_vertex(mesh, v, min_gain) > propagate_above) mesh.set_ring_dirty(v);
     }
     return start - mesh.energy();
 }

@@ -1,8 +1,11 @@
 /// \file
 /// Relaxation: re-optimise a handful of vertices and their edges after a local change.
 ///
-/// What turns a change of topology into an honest trial: a removal, insertion or flip is judged by the energy after the
-/// vertices around it have moved to their new optimum. A round visits each vertex, then tries each of their edges once.
+/// Relaxation makes the trial of a removal, an insertion or a flip a fair one: the change is judged by the energy after the
+/// vertices around it have moved to their new optimum. A round visits each of the given vertices, then tries to flip each of
+/// their edges.
+///
+/// Cost: for each round a visit (0.6 us) a vertex, and an edge walk and two face energies an edge.
 #ifndef HMESH_EDIT_RELAX_HPP
 #define HMESH_EDIT_RELAX_HPP
 
@@ -19,27 +22,30 @@
 
 namespace hmesh::kit {
 
-/// At most `rounds` rounds; steps that promise less energy than `least` are not tried.
+/// Optimises `vertices` and flips their edges in at most `rounds` rounds; a round that gains less than 1e-3 mean energies of a
+/// vertex is the last. Gauss-Newton steps with a predicted gain up to `min_gain`, an energy, and flips that gain no more are not
+/// made.
 template <int C>
-void relax(ImageMesh<C>& mesh, const std::vector<Vertex>& vertices, int rounds, double least) {
+void relax(ImageMesh<C>& mesh, const std::vector<Vertex>& vertices, int rounds, double min_gain) {
     const HalfedgeMesh& topology = mesh.topology();
-    const double enough = 1e-3 * mesh.mean_energy();
+    const double min_round_gain = 1e-3 * mesh.mean_energy();
     for (int round = 0; round < rounds; ++round) {
         const double start = mesh.energy();
-        for (const Vertex v : vertices) improve_vertex(mesh, v, least);
+        for (const Vertex v : vertices) improve_vertex(mesh, v, min_gain);
         for (const Vertex v : vertices) {
             Edge edges[ring_capacity];
             int count = 0;
             for (const Halfedge h : topology.outgoing(v)) {
-                const Vertex u = topology.to_vertex(h);  // an edge between two of the vertices comes up once
+                const Vertex u = topology.to_vertex(h);  // an edge between two of the vertices is tried once
                 if (u < v && std::find(vertices.begin(), vertices.end(), u) != vertices.end()) continue;
                 edges[count++] = HalfedgeMesh::edge(h);
             }
-            for (int i = 0; i < count; ++i) improve_edge(mesh, edges[i], least);
+            for (int i = 0; i < count; ++i) improve_edge(mesh, edges[i], min_gain);
         }
-        if (start - mesh.energy() < enough) break;
+        if (start - mesh.energy() < min_round_gain) break;
     }
 }
+/// Optimises `vertices` and flips their edges, with rounds and threshold from `relaxation` (edit/tolerance.hpp).
 template <int C>
 void relax(ImageMesh<C>& mesh, const std::vector<Vertex>& vertices, const Relaxation& relaxation) {
     relax(mesh, vertices, relaxation.rounds, relaxation.min_gain * mesh.mean_energy());

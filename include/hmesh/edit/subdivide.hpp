@@ -1,9 +1,11 @@
 /// \file
-/// Subdivision: more vertices where the picture asks for none.
+/// Subdivision: insert vertices by area alone, where none lowers the energy.
 ///
-/// A constant or affine picture gains nothing from another vertex, yet a caller who asked for n gets n. The face of largest
-/// area is split at its longest edge, or at its centroid where the edge cannot be, O(log n) each. An image of p pixels
-/// takes p vertices this way: among their 2 p faces one has the mean area, 1/2 px^2, far above the least.
+/// A constant or affine picture gains nothing from another vertex, yet a target of n vertices is met exactly. The face of largest
+/// area is split at the midpoint of its longest edge, or at its centroid where that edge cannot be split.
+///
+/// Cost: O(log faces) a vertex. An image of p pixels has room for p vertices: they make about 2 p faces, of which the largest
+/// has at least the mean area, 1/2 px^2, while the default of MeshLimits::min_double_area refuses areas below 0.01 px^2.
 #ifndef HMESH_EDIT_SUBDIVIDE_HPP
 #define HMESH_EDIT_SUBDIVIDE_HPP
 
@@ -19,7 +21,8 @@
 
 namespace hmesh::kit {
 
-/// Inserts `count` vertices; returns how many it could.
+/// Inserts up to `count` vertices by splitting the largest face again and again; rings of new vertices become dirty. Returns the
+/// number of vertices inserted: less than `count` where no face can be split any more, or where mesh.keep_going() says stop.
 template <int C>
 HMESH_COLD std::size_t subdivide(ImageMesh<C>& mesh, std::size_t count) {
     const HalfedgeMesh& topology = mesh.topology();

@@ -1,5 +1,8 @@
 /// \file
-/// Tolerance and Relaxation: how small a gain operators still go after.
+/// Tolerance and Relaxation: the smallest gains that the edits of a mesh still pursue.
+///
+/// All gains are decreases of the energy in units of ImageMesh::mean_energy(), so that one number fits images of any size, peak
+/// and difficulty.
 #ifndef HMESH_EDIT_TOLERANCE_HPP
 #define HMESH_EDIT_TOLERANCE_HPP
 
@@ -7,16 +10,16 @@
 
 namespace hmesh::kit {
 
-/// Tolerances of a stage, in units of the mean energy of a vertex.
+/// Thresholds of sweep() (edit/move.hpp) and of stages made of sweeps and flips; in units of the mean energy of a vertex.
 struct Tolerance {
-    double propagate_above = 1e-3;  ///< a visit or flip that gained more makes its neighbours due
-    double min_gain = 0;            ///< predicted gains below this are not tried
+    double propagate_above = 1e-3;  ///< a visit that gained more than this marks the vertex and its neighbours dirty
+    double min_gain = 0;            ///< Gauss-Newton steps with a predicted gain up to this are not tried
 };
 
-/// How much work goes into the surroundings of a change.
+/// Thresholds of relax() (edit/relax.hpp): how much work the surroundings of a change get.
 struct Relaxation {
-    int rounds = 2;          ///< a round that gains less than 1e-3 of a vertex's mean energy is the last
-    double min_gain = 5e-3;  ///< steps that promise less are not tried, in mean energies of a vertex
+    int rounds = 2;          ///< at most; one that gains less than 1e-3 mean energies of a vertex is the last
+    double min_gain = 5e-3;  ///< steps and flips that gain up to this are not tried, in mean energies of a vertex
 };
 
 }  // namespace hmesh::kit

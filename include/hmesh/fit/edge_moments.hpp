@@ -1,20 +1,22 @@
 /// \file
-/// Moments: what a face needs to know of its pixels, collected along its edges.
+/// Moments: sums over the pixels of a face, collected along its edges.
 ///
-/// The energy of a face, its normal equations, gradients and Gauss-Newton blocks all follow from the sums over its pixels
-/// of 1, x, y, x^2, xy, y^2, I_c, x I_c, y I_c and |I|^2. By Green's theorem these are the signed sums of the moments of its
-/// three edges, and an edge's moments are a walk down the pixel rows that it crosses, over the prefix sums of a
-/// MomentTable: O(rows), not O(pixels). For integer pixels all moments are integers, exact as long as they stay below 2^53:
-/// shared edges cancel and every pixel is counted once, whatever the rounding of coordinates. An edge with p pixels to its
-/// left in its rows reaches 2^53 at C p = 2^21 for 16-bit samples (their squares), 2^37 for 8-bit ones, and in x^2 sums
-/// beyond widths of 8,192 px at as many rows; edges of a fitted mesh cross few rows and stay far below.
+/// The energy of a face, its normal equations, gradients and Gauss-Newton blocks all follow from the sums over its pixels of 1,
+/// x, y, x^2, xy, y^2, I_c, x I_c, y I_c and |I|^2. By Green's theorem these are the signed sums of the moments of its three
+/// edges, and an edge's moments are a walk down the pixel rows that it crosses, over the prefix sums of a MomentTable: O(rows),
+/// not O(pixels).
 ///
-/// Over a weighted table each pixel counts as often as its weight says, in all of these sums ("number of pixels" is then
-/// a sum of weights). Those without samples are multiples of the weights' step, exact as long as they stay below 2^53
-/// of it; beyond, where no pixel counts, some 1e-16 of the sums to the left may remain, of either sign.
+/// For integer samples all moments are integers, exact as long as they stay below 2^53: shared edges cancel and every pixel is
+/// counted once, whatever the rounding of coordinates. An edge with p pixels to its left in its rows reaches 2^53 at C p = 2^21
+/// for 16-bit samples (their squares), 2^37 for 8-bit ones, and in sums of x^2 beyond widths of 8,192 px at as many rows; edges
+/// of a fitted mesh cross few rows and stay far below.
 ///
-/// Pixels have integer coordinates here: pixel (i, j) of the table's rectangle is the point (i, j), half a pixel off the
-/// plane's (i + 1/2, j + 1/2).
+/// Over a weighted table each pixel counts with its weight in all of these sums ("number of pixels" is then a sum of weights).
+/// Sums without samples are multiples of the weights' step, exact below 2^53 steps; beyond, where no pixel counts, some 1e-16
+/// of the sums to the left may remain, of either sign.
+///
+/// Pixels have integer coordinates here: pixel (i, j) of the table's rectangle is the point (i, j), half a pixel off its centre
+/// in the plane, (i + 1/2, j + 1/2).
 #ifndef HMESH_FIT_EDGE_MOMENTS_HPP
 #define HMESH_FIT_EDGE_MOMENTS_HPP
 
@@ -32,39 +34,44 @@
 
 namespace hmesh::kit {
 
-/// Sums over a set of pixels. "One" is carried as channel C, so that sums of I and of 1 shift and combine alike.
+/// Sums over a set of pixels of C channels. The constant 1 is carried as channel C, so that sums of I and of 1 shift and
+/// combine alike.
 template <int C>
 struct Moments {
-    static constexpr int one = C;
-    using Channels = Lanes<lanes_for(C + 1)>;
-    Channels s;   ///< (I_0 .. I_{C-1}, 1)
-    Channels sx;  ///< x times these
-    Channels sy;  ///< y times these
-    Lanes<4> q;   ///< x^2, xy, y^2, |I|^2
+    static constexpr int one = C;              ///< lane of the constant 1
+    using Channels = Lanes<lanes_for(C + 1)>;  ///< the channels and 1, padded
+    Channels s;                                ///< sums of (I_0 .. I_{C-1}, 1)
+    Channels sx;                               ///< sums of x (I_0 .. I_{C-1}, 1)
+    Channels sy;                               ///< sums of y (I_0 .. I_{C-1}, 1)
+    Lanes<4> q;                                ///< sums of x^2, xy, y^2, |I|^2
 
-    /// Of no pixels.
+    /// The moments of no pixels.
     [[nodiscard]] static HMESH_ALWAYS_INLINE Moments zero() {
         return {Channels::zero(), Channels::zero(), Channels::zero(), Lanes<4>::zero()};
     }
+    /// Adds the moments of other pixels.
     HMESH_ALWAYS_INLINE Moments& operator+=(const Moments& o) {
         s += o.s, sx += o.sx, sy += o.sy, q += o.q;
         return *this;
     }
+    /// Subtracts the moments of pixels.
     HMESH_ALWAYS_INLINE Moments& operator-=(const Moments& o) {
         s -= o.s, sx -= o.sx, sy -= o.sy, q -= o.q;
         return *this;
     }
+    /// Multiplies all sums, as a rule by the sign 1 or -1.
     HMESH_ALWAYS_INLINE Moments& operator*=(double sign) {
         s *= sign, sx *= sign, sy *= sign, q *= sign;
         return *this;
     }
 };
 
-/// Pixels that together count for less count for nothing: it may be the rounding of weighted sums. In pixels.
+/// Pixels that together count for less than this count for nothing, in pixels: it may be the rounding of weighted sums.
 inline constexpr double least_weight = 1e-9;
 
 namespace detail {
 
+/// `sign` times the moments of the pixels left of the edge from a down to b, over a table of N without weights.
 template <int C, class N>
 HMESH_ALWAYS_INLINE void walk(const MomentTable<C>& table, Point a, Point b, double sign, Moments<C>& m) {
     using Channels = typename Moments<C>::Channels;
@@ -99,7 +106,7 @@ HMESH_ALWAYS_INLINE void walk(const MomentTable<C>& table, Point a, Point b, dou
     m.q.set(3, sign * squares);
 }
 
-/// The same over a weighted table. Not for inlining: the two walks above are to stay as small and as fast as they are.
+/// walk() over a weighted table. Never inlined: the two walks without weights are to stay as small and as fast as they are.
 template <int C>
 HMESH_NEVER_INLINE void weighted_walk(const MomentTable<C>& table, Point a, Point b, double sign, Moments<C>& m) {
     using Channels = typename Moments<C>::Channels;
@@ -134,9 +141,9 @@ HMESH_NEVER_INLINE void weighted_walk(const MomentTable<C>& table, Point a, Poin
 
 }  // namespace detail
 
-/// The moments of the pixels left of the edge from a to b, positive where it runs down (to larger y), negative where it
-/// runs up: edge_moments(a, b) = -edge_moments(b, a), and the sum over the edges of a polygon of positive orientation is
-/// the moments of its pixels. Points lie in [0, width] x [0, height] of the table. Cost: some 4 ns a row crossed.
+/// The moments of the pixels left of the edge from a to b, positive where it runs down (to larger y), negative where it runs
+/// up. So edge_moments(a, b) = -edge_moments(b, a), and the sum over the edges of a polygon of positive orientation is the
+/// moments of its pixels. Points lie in [0, width] x [0, height] of the table. Cost: some 4 ns a row crossed.
 template <int C>
 HMESH_NEVER_INLINE void edge_moments(const MomentTable<C>& table, Point a, Point b, Moments<C>& m) {
     double sign = 1;

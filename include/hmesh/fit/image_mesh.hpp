@@ -1,14 +1,14 @@
 /// \file
-/// ImageMesh: a mesh that knows how well it matches the image under it.
+/// ImageMesh: a triangle mesh over an image that knows its squared error.
 ///
-/// A half-edge mesh plus, for each vertex, position and colour, for each edge the moments of the pixels beside it, for each
-/// face its energy. Positions are local to the rectangle of the moment table and lie on the 1/256 px grid. Every public
-/// edit keeps moments and energies true to the geometry, so that a flip costs one walk, moving a vertex its spokes, and
-/// nothing else is touched. begin/rollback undo any sequence of edits to the last byte; with them any operator is a
-/// transaction: try it, re-optimise around it, read the exact energy, keep it or not.
+/// A half-edge mesh that stores for each vertex position and colour, for each edge the moments of the pixels left of it, for
+/// each face its energy. Positions are local to the rectangle of the moment table and lie on the 1/256 px grid. Every public
+/// edit keeps moments and energies true to the geometry: a flip costs one walk, moving a vertex the walks of its spokes, and
+/// nothing else is touched. begin/commit/rollback make any sequence of edits a transaction, undone to the last byte: try it,
+/// re-optimise around it, read the exact energy, keep it or not.
 ///
-/// The mesh may be a patch of a larger one (tiles/patch.hpp): then PatchContext tell what lies outside, its rim belongs to
-/// other patches too and is frozen, and rim edges that are not on the image's border stay as they are.
+/// The mesh may be a patch of a larger one (tiles/patch.hpp). PatchContext then tells what lies outside; the rim of the patch
+/// belongs to other patches too and is locked, and rim edges that are not on the image's border stay as they are.
 ///
 /// Memory: about 560 bytes a vertex for up to 3 channels, of which 384 are edge moments.
 #ifndef HMESH_FIT_IMAGE_MESH_HPP
@@ -35,91 +35,106 @@
 
 namespace hmesh::kit {
 
-/// What a mesh knows of the image and the mesh that it is a patch of.
+/// What an ImageMesh knows of the image and of the whole mesh that it is a patch of.
 struct PatchContext {
-    Rect image;                    ///< the whole image, in the pixels of the patch's table: x, y <= 0
+    Rect image;                    ///< the whole image in the coordinates of the patch's table: x, y <= 0
     bool is_part = false;          ///< whether there are other patches
-    double scale = 1;              ///< mean energy of a vertex in the whole mesh over that in the patch
-    TaskProgress* task = nullptr;  ///< told that work goes on; asked whether to stop
+    double scale = 1;              ///< ratio of mean energies a vertex, whole mesh / this patch; multiplies all tolerances
+    TaskProgress* task = nullptr;  ///< told that work goes on, asked whether to stop; may be null
 };
 
+/// A triangle mesh of C channels over a moment table that knows the squared error of each face.
 template <int C>
 class ImageMesh {
   public:
-    /// Empty, of no image: only to be assigned to.
+    /// Placeholder without a table; assign another ImageMesh before use.
     ImageMesh() = default;
-    /// Over a table that outlives the mesh. Colours are held within [low, high] widened by limits.color_overshoot.
+    /// An empty mesh over the table of a whole image, which must outlive it. Colours are kept within [low, high], widened by
+    /// limits.color_overshoot.
     ImageMesh(const MomentTable<C>& table, double low, double high, const MeshLimits& limits = {})
         : ImageMesh(table, low, high, limits, {{0, 0, table.width(), table.height()}, false, 1, nullptr}) {}
-    ImageMesh(const MomentTable<C>& table, double low, double high, const MeshLimits& limits, const PatchContext& surroundings)
-        : table_(&table), limits_(limits), context_(surroundings) {
+    /// An empty mesh over the table of a patch, which must outlive it.
+    ImageMesh(const MomentTable<C>& table, double low, double high, const MeshLimits& limits, const PatchContext& context)
+        : table_(&table), limits_(limits), context_(context) {
         const double slack = limits.color_overshoot * (high - low);
         color_low_ = std::max(low - slack, -1e300);  // slack may overflow: float images know no range
         color_high_ = std::min(high + slack, 1e300);
     }
 
-    /// Takes over a triangulation of the rectangle or of a part of it, with one colour a vertex or none: then they are those of
-    /// the pixels under the vertices. Refuses places outside the rectangle or off the 1/256 px grid, colours that are not as many
-    /// as the vertices, numbers that are not finite, and what HalfedgeMesh::assign refuses; the mesh is then empty. Whether faces
-    /// turn the right way and tile the rectangle is for check() to say. Edges and faces are filled in through the executor.
+    /// Replaces the mesh by a triangulation of the rectangle, or of a part of it if this is a patch, with one colour a vertex or
+    /// none (an empty vector): then the colour of a vertex is that of the pixel at its position. Refuses, and leaves the mesh
+    /// empty: positions outside the rectangle or off the 1/256 px grid, another number of colours than of vertices, numbers that
+    /// are not finite, and what HalfedgeMesh::assign() refuses. Whether faces are positively oriented and tile the rectangle is
+    /// for check() to say. The executor fills in edges and faces.
     [[nodiscard]] HMESH_COLD Status assign(const std::vector<Point>& positions, const std::vector<Triangle>& triangles,
                                            const std::vector<Color<C>>& colors, const ParallelFor& parallel_for = {});
+    /// Replaces the mesh by a triangulation as above, with the colours of the pixels.
     [[nodiscard]] Status assign(const std::vector<Point>& positions, const std::vector<Triangle>& triangles,
                                 const ParallelFor& parallel_for = {}) {
         return assign(positions, triangles, {}, parallel_for);
     }
-    /// The same from plain arrays, to go on working on a mesh of C channels whose image is as large as the table: vertex i is
-    /// number i there, face f number f. to_mesh() is the way back.
+    /// Replaces the mesh by one in plain arrays, of C channels and for an image of the size of the table, to go on working on it.
+    /// Vertices and faces keep their numbers. to_mesh() is the way back. Refuses what the other overloads refuse.
     [[nodiscard]] HMESH_COLD Status assign(const Mesh& mesh, const ParallelFor& parallel_for = {});
 
+    /// The connectivity.
     [[nodiscard]] const HalfedgeMesh& topology() const noexcept { return topology_; }
+    /// The moment table of the image, or of the patch's rectangle.
     [[nodiscard]] const MomentTable<C>& table() const noexcept { return *table_; }
+    /// The limits on faces, positions and colours.
     [[nodiscard]] const MeshLimits& limits() const noexcept { return limits_; }
-    [[nodiscard]] double color_low() const noexcept { return color_low_; }
-    [[nodiscard]] double color_high() const noexcept { return color_high_; }
-    [[nodiscard]] int width() const noexcept { return table_->width(); }
-    [[nodiscard]] int height() const noexcept { return table_->height(); }
+    [[nodiscard]] double color_low() const noexcept { return color_low_; }    ///< smallest value of a colour while fitting
+    [[nodiscard]] double color_high() const noexcept { return color_high_; }  ///< largest value of a colour while fitting
+    [[nodiscard]] int width() const noexcept { return table_->width(); }      ///< px, of the table
+    [[nodiscard]] int height() const noexcept { return table_->height(); }    ///< px, of the table
+    /// The number of vertices.
     [[nodiscard]] std::size_t vertex_count() const noexcept { return topology_.vertex_count(); }
+    /// The state of vertex v.
     [[nodiscard]] const VertexState<C>& vertex(Vertex v) const noexcept { return vertices_[v.index()]; }
+    /// The position of vertex v, in px.
     [[nodiscard]] Point position(Vertex v) const noexcept { return vertex(v).position; }
+    /// The colour of vertex v.
     [[nodiscard]] const Color<C>& color(Vertex v) const noexcept { return vertex(v).color; }
-    /// The mean of its corners.
+    /// The mean of the positions of a face's corners.
     [[nodiscard]] Point centroid(Face f) const noexcept {
         const auto v = topology_.vertices(f);
         const Point a = position(v[0]), b = position(v[1]), c = position(v[2]);
         return {(a.x + b.x + c.x) / 3, (a.y + b.y + c.y) / 3};
     }
-    /// The squared error over the pixels of a face, summed over channels; and over all faces.
+    /// The squared error of a face: the sum of squared differences over its pixels and channels.
     [[nodiscard]] double energy(Face f) const noexcept { return energies_[f.index()]; }
+    /// The squared error of the mesh: the sum over all faces.
     [[nodiscard]] double energy() const noexcept { return energy_; }
-    /// Over the faces of a ring that was gathered here.
+    /// The squared error of the faces of a ring, which gather() collected from this mesh.
     [[nodiscard]] double energy(const Ring<C>& ring) const noexcept {
         double sum = 0;
         for (int i = ring.first_face(); i < ring.size; ++i) sum += energy(topology_.face(ring.halfedge[i]));
         return sum;
     }
-    /// The mean energy of a vertex, of the whole mesh if this is a patch: the scale of all tolerances, or easy patches
-    /// would be polished for nothing; 0 where rounding left less.
+    /// The mean energy of a vertex, in a patch that of the whole mesh; >= 0. It is the scale of all tolerances: measured by its
+    /// own mean, an easy patch would be polished for nothing.
     [[nodiscard]] double mean_energy() const noexcept {
         return context_.scale * std::max(0.0, energy_) / static_cast<double>(vertex_count());
     }
-    /// To be called by long work every few microseconds; where it says false, the work ends as it is.
+    /// Whether to go on. Long work calls it every few microseconds, and ends as it is when it returns false.
     [[nodiscard]] bool keep_going() const { return context_.task == nullptr || context_.task->keep_going(); }
+    /// The task that is told of progress; may be null.
     [[nodiscard]] TaskProgress* task() const noexcept { return context_.task; }
+    /// Sets the task that is told of progress; it must outlive its use here, null: none.
     void set_task(TaskProgress* task) noexcept { context_.task = task; }
 
-    /// The moments of a half-edge (those of its edge, with a sign), written to `out`.
+    /// Writes the moments of a half-edge (those of its edge, with a sign) to `out`.
     HMESH_ALWAYS_INLINE void moments(Halfedge h, Moments<C>& out) const {
         out = moments_[h.index() >> 1U];
         if ((h.index() & 1U) != 0) out *= -1.0;
     }
-    /// The same, added.
+    /// Adds the moments of a half-edge to `out`.
     HMESH_ALWAYS_INLINE void add_moments(Halfedge h, Moments<C>& out) const {
         const Moments<C>& m = moments_[h.index() >> 1U];
         if ((h.index() & 1U) != 0) out -= m;
         else out += m;
     }
-    /// Of the pixels of a face.
+    /// Writes the moments of the pixels of a face to `out`.
     void face_moments(Face f, Moments<C>& out) const {
         const Halfedge h = topology_.halfedge(f);
         moments(h, out);
@@ -127,7 +142,7 @@ class ImageMesh {
         add_moments(topology_.next(topology_.next(h)), out);
     }
 
-    /// The ring of v and the moments of its spokes. v has at most ring_capacity neighbours.
+    /// Collects the one-ring of v and the moments of its spokes. v has at most ring_capacity neighbours.
     void gather(Vertex v, Ring<C>& ring, Spokes<C>& spokes) const {
         ring.size = 0;
         ring.open = topology_.is_boundary(v);
@@ -140,16 +155,16 @@ class ImageMesh {
             if (!topology_.is_boundary(h)) moments(topology_.next(h), ring.link[i]);
         }
     }
-    /// Where a vertex with this mobility may be: on the grid, within the table, off the image's border unless it lives
-    /// there. A coordinate that is not free to move is returned as given.
+    /// The position nearest to p where a vertex of this mobility may be: on the grid, within the table, and limits().border_gap
+    /// off the image's border unless the vertex lies on it. A coordinate that is not free to move is returned as given.
     [[nodiscard]] Point clamp(Point p, Mobility mobility) const noexcept;
-    /// Of a vertex at p: free unless p is on the image's border.
+    /// The mobility of a vertex at p: Mobility::free unless p is on the image's border.
     [[nodiscard]] Mobility mobility_at(Point p) const noexcept {
         const Rect& image = context_.image;
         const bool on_x = p.x == image.x || p.x == image.x + image.width, on_y = p.y == image.y || p.y == image.y + image.height;
         return on_x && on_y ? Mobility::corner : on_x ? Mobility::along_y : on_y ? Mobility::along_x : Mobility::free;
     }
-    /// Of a vertex that splits e; frozen: a rim edge of the patch, which must not be split.
+    /// The mobility of a vertex that would split e; Mobility::locked for a rim edge of the patch, which must not be split.
     [[nodiscard]] Mobility edge_mobility(Edge e) const noexcept {
         if (!topology_.is_boundary(e)) return Mobility::free;
         const Halfedge h = HalfedgeMesh::halfedge(e);
@@ -158,8 +173,9 @@ class ImageMesh {
     }
     /// Whether v may get one more edge.
     [[nodiscard]] bool can_gain_edge(Vertex v) const noexcept { return topology_.valence(v) < vertex(v).valence_limit; }
+    /// Sets PatchContext::scale.
     void set_scale(double scale) noexcept { context_.scale = scale; }
-    /// From now on v stays as it is, with at most this many edges. Not undone by rollback.
+    /// Locks v: it keeps position and colour, and has at most `valence_limit` edges. Not undone by rollback().
     void lock(Vertex v, int valence_limit) noexcept {
         VertexState<C>& state = vertices_.raw(v.index());
         state.mobility = Mobility::locked;
@@ -167,40 +183,45 @@ class ImageMesh {
     }
 
     // --- edits ---
-    /// A new state for v whose consequences are known: fits of its ring's faces and, if it moved, moments of its spokes.
+    /// Commits a trial state of v: `faces` are the fits of the faces of its ring, `moved` the moments of its spokes (null: v
+    /// did not move). Saves the edge walks of place().
     void apply_fit(Vertex v, const Ring<C>& ring, Point position, const Color<C>& color, const FaceFit<C>* faces,
                    const Spokes<C>* moved);
-    /// A new state for v; spokes are walked. All faces around must have positive area.
+    /// Gives v a new position and colour; walks its spokes. All faces around v must have positive area.
     void place(Vertex v, Point position, const Color<C>& color);
-    /// Turns edge e, whose moments and whose faces' energies after the turn are known.
+    /// Flips e, for which HalfedgeMesh::is_flip_ok(): `m` are the moments of the flipped edge's even half-edge, and the
+    /// energies are those of the new faces of that half-edge and of its opposite.
     void flip(Edge e, const Moments<C>& m, double energy_own, double energy_opposite);
-    /// New vertices. The caller makes sure that the new faces have positive area.
+    /// Puts a new vertex on e; the new faces must have positive area. It is dirty.
     Vertex split(Edge e, Point position, const Color<C>& color);
+    /// Puts a new vertex in f; the new faces must have positive area. It is dirty.
     Vertex split(Face f, Point position, const Color<C>& color);
-    /// Merges from_vertex(h) into to_vertex(h), which stays where it is.
+    /// Merges from_vertex(h) into to_vertex(h), which keeps its position; for HalfedgeMesh::is_collapse_ok(). The remaining
+    /// faces must have positive area.
     void collapse(Halfedge h);
-    /// New colours for all vertices, indexed by slot; energies follow.
+    /// Gives all vertices new colours, indexed by vertex slot, and updates all energies. Outside a transaction only.
     HMESH_COLD void set_colors(const std::vector<Color<C>>& colors, const ParallelFor& parallel_for = {});
 
     // --- transactions; they nest ---
+    /// The beginning of a transaction.
     struct Mark {
-        HalfedgeMesh::Mark topology;
-        typename UndoArray<VertexState<C>>::Mark vertices;
-        typename UndoArray<Moments<C>>::Mark moments;
-        UndoArray<double>::Mark energies;
-        double energy;
+        HalfedgeMesh::Mark topology;                        ///< connectivity
+        typename UndoArray<VertexState<C>>::Mark vertices;  ///< states of vertices
+        typename UndoArray<Moments<C>>::Mark moments;       ///< moments of edges
+        UndoArray<double>::Mark energies;                   ///< energies of faces
+        double energy;                                      ///< energy of the mesh
     };
-    /// From here on changes can be undone.
+    /// Begins a transaction: from here on changes can be undone. Transactions nest; the inner one ends first.
     [[nodiscard]] Mark begin() {
         ++depth_;
         return {topology_.begin(), vertices_.mark(), moments_.mark(), energies_.mark(), energy_};
     }
-    /// Keeps what was done since.
+    /// Ends a transaction and keeps its changes.
     void commit(const Mark& mark) noexcept {
         topology_.commit(mark.topology);
         close();
     }
-    /// Brings all back to what it was at that mark.
+    /// Ends a transaction and undoes its changes, to the last byte.
     void rollback(const Mark& mark) {
         vertices_.rollback(mark.vertices);
         moments_.rollback(mark.moments);
@@ -210,7 +231,7 @@ class ImageMesh {
         close();
     }
 
-    /// Room for this many vertices at once, so that growing up to it copies nothing.
+    /// Reserves memory for this number of vertices, so that growing up to it copies nothing.
     void reserve(std::size_t vertices) {
         topology_.reserve(vertices);
         vertices_.reserve(vertices);
@@ -219,26 +240,27 @@ class ImageMesh {
         dirty_.reserve(vertices);
     }
 
-    /// Vertices whose surroundings changed since they were last optimised; sweeps visit only these.
+    /// Whether v or its neighbourhood changed since v was last optimised; sweeps visit only dirty vertices.
     [[nodiscard]] bool is_dirty(Vertex v) const noexcept { return dirty_[v.index()] != 0; }
-    void set_dirty(Vertex v, bool due) noexcept { dirty_[v.index()] = due ? 1 : 0; }
-    /// V and its neighbours.
+    /// Marks v as dirty or not. Not undone by rollback().
+    void set_dirty(Vertex v, bool dirty) noexcept { dirty_[v.index()] = dirty ? 1 : 0; }
+    /// Marks v and its neighbours as dirty. Not undone by rollback().
     void set_ring_dirty(Vertex v) noexcept {
         set_dirty(v, true);
         for (const Halfedge h : topology_.outgoing(v)) set_dirty(topology_.to_vertex(h), true);
     }
 
-    /// Proves what this class promises: the topology's invariants, faces that turn the right way and tile what they tiled
-    /// when assigned (the rectangle, unless the mesh is a patch), moments as walked afresh, energies as computed afresh
-    /// (1e-9 relative). O(edges).
+    /// Verifies what this class promises: the invariants of the topology, faces of positive area that tile what they tiled when
+    /// assigned (the rectangle, unless the mesh is a patch), moments as walked afresh, energies as computed afresh (to 1e-9 of
+    /// their size). Otherwise invalid_argument with a sentence and an index. O(edges).
     [[nodiscard]] HMESH_COLD Status check() const;
 
   private:
-    /// Why these cannot be the vertices, if they cannot.
+    /// Why these cannot be the vertices of the mesh, or ok.
     [[nodiscard]] Status check_vertices(const std::vector<Point>& positions, const std::vector<Color<C>>& colors) const noexcept;
-    /// Empties the mesh and gives back why.
+    /// Empties the mesh and returns the status.
     Status refuse(const Status& status);
-    /// A transaction; the outermost forgets all notes.
+    /// Ends a transaction; the outermost one forgets all notes.
     void close() noexcept {
         if (--depth_ > 0) return;
         vertices_.stop_recording();
@@ -272,28 +294,30 @@ class ImageMesh {
     double color_low_ = 0, color_high_ = 0;
     HalfedgeMesh topology_;
     UndoArray<VertexState<C>> vertices_;
-    UndoArray<Moments<C>> moments_;  ///< per edge, of halfedge(e)
-    UndoArray<double> energies_;     ///< per face
+    UndoArray<Moments<C>> moments_;  ///< of halfedge(e), by edge
+    UndoArray<double> energies_;     ///< by face
     double energy_ = 0;
-    double twice_area_ = 0;  ///< of all faces
+    double twice_area_ = 0;  ///< of all faces, when assigned
     std::vector<unsigned char> dirty_;
     int depth_ = 0;
 };
 
-/// As plain arrays: vertices and faces in the order of topology(), deleted ones left out, positions in the plane of the table,
-/// colours rounded to float. `peak`: the colour value of full intensity.
+/// A mesh as plain arrays: live vertices and faces in the order of topology(), positions in the coordinates of the table, colours
+/// rounded to float. `peak`: colour value of full intensity.
 template <int C>
 [[nodiscard]] HMESH_COLD Mesh to_mesh(const ImageMesh<C>& from, double peak);
 
-/// Vertices, faces and edges in the order in which operators visit them, see mesh/spatial_order.hpp.
+/// The vertices of the mesh in spatial order (mesh/spatial_order.hpp).
 template <int C>
 [[nodiscard]] std::vector<Vertex> spatial_vertices(const ImageMesh<C>& mesh) {
     return spatial_vertices(mesh.topology(), [&](Vertex v) { return mesh.position(v); });
 }
+/// The faces of the mesh in spatial order (mesh/spatial_order.hpp).
 template <int C>
 [[nodiscard]] std::vector<Face> spatial_faces(const ImageMesh<C>& mesh) {
     return spatial_faces(mesh.topology(), [&](Vertex v) { return mesh.position(v); });
 }
+/// The edges of the mesh in spatial order (mesh/spatial_order.hpp).
 template <int C>
 [[nodiscard]] std::vector<Edge> spatial_edges(const ImageMesh<C>& mesh) {
     return spatial_edges(mesh.topology(), [&](Vertex v) { return mesh.position(v); });

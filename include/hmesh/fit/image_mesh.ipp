@@ -1,4 +1,4 @@
-// hmesh - the members of ImageMesh that are too long to stand in the class. Included by image_mesh.hpp alone.
+// hmesh - the longer member functions of ImageMesh. Included by image_mesh.hpp only.
 #ifndef HMESH_FIT_IMAGE_MESH_IPP
 #define HMESH_FIT_IMAGE_MESH_IPP
 
@@ -146,7 +146,7 @@ Status ImageMesh<C>::check() const {
             (state.mobility != mobility_at(state.position) || topology_.is_boundary(v) == (state.mobility == Mobility::free)))
             return fail("a vertex's mobility is wrong", v.index());
     }
-    // Of the pixels of the rectangle: a part of it may own none, and yet its moments are differences of such sums.
+    // Sum of |I|^2 over the whole rectangle: a patch in it may own no pixel, and yet its moments are differences of such sums.
     double squares = 0;
     const auto add_rows = [&](const auto* entries) {
         for (int y = 0; y < height(); ++y)

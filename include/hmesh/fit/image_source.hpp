@@ -1,9 +1,9 @@
 /// \file
-/// ImageSource: an image of any pixel type as a maker of moment tables.
+/// ImageSource: an image of any pixel type, from which moment tables are made.
 ///
-/// Methods work patch by patch, and each patch has a table of its own rectangle (fit/moment_table.hpp). They need not
-/// know what the samples are, nor whether pixels have weights: this class is the last to know, so that all above it depends
-/// on the number of channels alone.
+/// Methods work patch by patch, and each patch has a table of its own rectangle (fit/moment_table.hpp). Only this class knows
+/// the type of the samples and whether pixels have weights, so that everything above it depends on the number of channels
+/// alone.
 #ifndef HMESH_FIT_IMAGE_SOURCE_HPP
 #define HMESH_FIT_IMAGE_SOURCE_HPP
 
@@ -22,42 +22,42 @@
 
 namespace hmesh::kit {
 
+/// An image of C channels of any pixel type, with or without weights, from which moment tables are made.
 template <int C>
 class ImageSource {
   public:
-    /// Of a view that check() accepts, with weights that check_weights() accepts (or none), both outliving the source.
+    /// The image of a view that check() accepts, with weights that check_weights() accepts (or none) in the unit of
+    /// weight_unit(). Both must outlive the source.
     template <class T>
     explicit ImageSource(const ImageView<T, C>& view, const ImageView<float, 1>& weights = {}, double unit = 1) noexcept
         : data_(view.data), width_(view.width), height_(view.height), row_stride_(view.row_stride), weights_(weights),
           unit_(unit), low_(PixelTraits<T>::lowest), high_(PixelTraits<T>::highest), peak_(PixelTraits<T>::peak),
           is_integer_(PixelTraits<T>::is_integer), make_(&make<T>), sample_(&sample<T>), error_(&error<T>) {}
 
-    /// The same weights over other pixels, of the same size.
+    /// The same weights with other pixels, an image of the same size.
     template <class T>
     [[nodiscard]] ImageSource with_pixels(const ImageView<T, C>& view) const noexcept {
         return ImageSource(view, weights_, unit_);
     }
 
-    [[nodiscard]] int width() const noexcept { return width_; }
-    [[nodiscard]] int height() const noexcept { return height_; }
-    [[nodiscard]] double pixels() const noexcept { return static_cast<double>(width_) * height_; }
-    /// The range of colours.
-    [[nodiscard]] double low() const noexcept { return low_; }
-    [[nodiscard]] double high() const noexcept { return high_; }
+    [[nodiscard]] int width() const noexcept { return width_; }                                     ///< px
+    [[nodiscard]] int height() const noexcept { return height_; }                                   ///< px
+    [[nodiscard]] double pixels() const noexcept { return static_cast<double>(width_) * height_; }  ///< number of pixels
+    [[nodiscard]] double low() const noexcept { return low_; }    ///< smallest colour of the pixel type
+    [[nodiscard]] double high() const noexcept { return high_; }  ///< largest colour of the pixel type
     /// Whether samples are whole numbers, so that sums of them are exact.
     [[nodiscard]] bool is_integer() const noexcept { return is_integer_; }
-    /// The value of full intensity.
-    [[nodiscard]] double peak() const noexcept { return peak_; }
+    [[nodiscard]] double peak() const noexcept { return peak_; }  ///< value of full intensity
 
-    /// The table of a rectangle of the image.
+    /// The moment table of a rectangle of the image.
     [[nodiscard]] MomentTable<C> table(const Rect& rect) const { return make_(*this, rect); }
 
-    /// The squared error of a finished mesh as drawn, see rendered_error(), with the weights.
+    /// The squared error of a finished mesh as drawn, with the weights: rendered_error() of fit/rendered_error.hpp.
     [[nodiscard]] double rendered_error(const Mesh& mesh, const ParallelFor& parallel_for) const {
         return error_(*this, mesh, parallel_for);
     }
 
-    /// The samples at pixel (x, y), held to the image where it is outside; 0 in the lanes above.
+    /// The samples of the pixel nearest to (x, y), which may lie outside the image; 0 in the lanes above them.
     [[nodiscard]] HMESH_ALWAYS_INLINE Lanes<lanes_for(C + 1)> pixel(int x, int y) const noexcept {
         Lanes<lanes_for(C + 1)> out;
         sample_(*this, std::max(0, std::min(width_ - 1, x)), std::max(0, std::min(height_ - 1, y)), out);

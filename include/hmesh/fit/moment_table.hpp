@@ -5,22 +5,21 @@
 ///
 ///     I_0 .. I_{C-1}, 1     and     i I_0 .. i I_{C-1}, |I|^2          (|I|^2: summed over channels)
 ///
-/// in coordinates local to the rectangle. By Green's theorem (Leu, "Computing a shape's moments from its boundary", 1991)
-/// the moments of any polygon are signed sums of such entries along its edges, see fit/edge_moments.hpp.
+/// in coordinates local to the rectangle. By Green's theorem (Leu, "Computing a shape's moments from its boundary", 1991) the
+/// moments of any polygon are signed sums of such entries along its edges (fit/edge_moments.hpp).
 ///
 /// Sums of 8-bit samples are 32-bit integers as long as they fit (rectangles up to about 4,000 px wide); all others are
-/// doubles, exact for 16-bit samples too. Cost: 2 * lanes_for(C + 1) numbers a pixel, that is 32 bytes for 8-bit RGB, and
-/// about 5 ns a pixel to build. Entries of one column strip of 2 pixels are contiguous down the rows, because walks run
-/// down edges: this keeps them in few cache lines and pages.
+/// doubles, exact for 16-bit samples too. Cost: 2 * lanes_for(C + 1) numbers a pixel, that is 32 bytes for 8-bit RGB, and about
+/// 5 ns a pixel to build. The entries of a column strip of 2 pixels are contiguous down the rows, because walks run down edges:
+/// this keeps them in few cache lines and pages.
 ///
-/// Pixels may have weights. Then each of these sums carries the weight w of its pixel (1 becomes w), and two more sums,
+/// With weights, each of these sums carries the weight w of its pixel (1 becomes w), and two more sums,
 ///
 ///     w i  and  w i^2,
 ///
-/// which follow from x where all weights are 1, stand in an array of their own. All are doubles then, exact for 8-bit
-/// samples, because WeightScale rounds the weights. The samples themselves cannot be had back from sums with
-/// weights of 0: they are kept as floats. Cost: 2 * lanes_for(C + 1) + 2 doubles and C floats a pixel, that is 92 bytes
-/// for RGB.
+/// which follow from x where all weights are 1, stand in an array of their own. All are then doubles, exact for 8-bit samples,
+/// because WeightScale rounds the weights. The samples cannot be recovered from sums with weights of 0: they are kept as
+/// floats. Cost: 2 * lanes_for(C + 1) + 2 doubles and C floats a pixel, that is 92 bytes for RGB.
 #ifndef HMESH_FIT_MOMENT_TABLE_HPP
 #define HMESH_FIT_MOMENT_TABLE_HPP
 
@@ -41,22 +40,25 @@
 
 namespace hmesh::kit {
 
+/// Row prefix sums of a rectangle of an image of C channels, from which edges collect their moments.
 template <int C>
 class MomentTable {
   public:
-    static constexpr int lanes = lanes_for(C + 1);  ///< of one half of an entry
-    static constexpr int entry_size = 2 * lanes;
+    static constexpr int lanes = lanes_for(C + 1);  ///< numbers in one half of an entry
+    static constexpr int entry_size = 2 * lanes;    ///< numbers in an entry
 
+    /// No table; to be assigned to.
     MomentTable() = default;
 
-    /// The table of `rect`, which must lie in a view that check() accepts. Rows are independent pieces of work.
+    /// The table of `rect`, which must lie in a view that check() accepts; all pixels count the same. Rows are independent
+    /// pieces of work for the executor.
     template <class T>
     explicit MomentTable(const ImageView<T, C>& view, const Rect& rect, const ParallelFor& parallel_for = {})
         : MomentTable(view, ImageView<float, 1>(), 1.0, rect, parallel_for) {}
 
-    /// The same with pixel (i, j) of the view counting WeightScale(unit, width, height) of weight (i, j) times, width
-    /// and height those of the view. check_weights() accepts the weights; the largest times `unit` is at most about 1,
-    /// see weight_unit(). Without data: all pixels count alike.
+    /// The table of `rect` with pixel (i, j) counting as WeightScale(unit, view.width, view.height) says of weight (i, j).
+    /// check_weights() must accept the weights; the largest one times `unit` is at most about 1 (weight_unit()). A view of
+    /// weights without data: all pixels count the same.
     template <class T>
     MomentTable(const ImageView<T, C>& view, const ImageView<float, 1>& weights, double unit, const Rect& rect,
                 const ParallelFor& parallel_for = {})
@@ -66,7 +68,7 @@ class MomentTable {
         HMESH_ASSERT(rect.width <= view.width - rect.x && rect.height <= view.height - rect.y);
         HMESH_ASSERT(!weighted_ || (weights.width == view.width && weights.height == view.height));
         strip_size_ = static_cast<std::size_t>(height_) * strip_width * entry_size;
-        // What cannot be addressed is more than there is, and fails as that does.
+        // Sizes beyond PTRDIFF_MAX become the largest allocation, so that new[] throws std::bad_alloc.
         const std::size_t size = fits_memory(width_, height_) ? (static_cast<std::size_t>(width_) / strip_width + 1) * strip_size_
                                                               : std::numeric_limits<std::ptrdiff_t>::max() / sizeof(double);
         // Not initialised: fill writes all that is ever read.
@@ -87,26 +89,26 @@ class MomentTable {
         for_each_row(parallel_for, [&](int y) { fill_weighted_row(view, weights, scale, rect, y); });
     }
 
-    /// Whether so much memory can be addressed as the arrays of the largest kind of table of this size, >= 1, would take: always
-    /// with pointers of 64 bits.
+    /// Whether a table of the largest kind for width x height >= 1 pixels has at most `most` bytes, by default what can be
+    /// addressed: always true with 64-bit pointers.
     [[nodiscard]] static bool fits_memory(int width, int height,
                                           std::int64_t most = std::numeric_limits<std::ptrdiff_t>::max()) noexcept {
         const std::int64_t entries = (std::int64_t{width} + strip_width) * height;
         return entries <= most / std::int64_t{(entry_size + 2) * sizeof(double) + C * sizeof(float)};
     }
 
-    [[nodiscard]] int width() const noexcept { return width_; }
-    [[nodiscard]] int height() const noexcept { return height_; }
-    [[nodiscard]] bool is_int32() const noexcept { return int32_; }  ///< 32-bit integers or doubles?
-    [[nodiscard]] bool is_weighted() const noexcept { return weighted_; }
-    /// The memory of its arrays.
+    [[nodiscard]] int width() const noexcept { return width_; }            ///< px
+    [[nodiscard]] int height() const noexcept { return height_; }          ///< px
+    [[nodiscard]] bool is_int32() const noexcept { return int32_; }        ///< whether sums are 32-bit integers, not doubles
+    [[nodiscard]] bool is_weighted() const noexcept { return weighted_; }  ///< whether pixels have weights
+    /// The memory of the table in bytes.
     [[nodiscard]] std::size_t bytes() const noexcept {
         if (int32_) return size_ * sizeof(std::int32_t);
         if (!weighted_) return size_ * sizeof(double);
         return (size_ + size_ / lanes) * sizeof(double) + sample_count() * sizeof(float);
     }
 
-    /// The samples of pixel (x, y), 0 <= x < width, 0 <= y < height, whatever its weight, and 0 in the lanes above them.
+    /// The samples of pixel (x, y), 0 <= x < width, 0 <= y < height, whatever its weight; 0 in the lanes above them.
     void pixel(int x, int y, Lanes<lanes>& out) const noexcept {
         if (weighted_) {
             const float* samples = samples_.get() + sample_offset(x, y);
@@ -123,31 +125,33 @@ class MomentTable {
         else sample(float64_entries_.get());
     }
 
-    /// How often pixel (x, y) counts, with the rounding of sums over those to its left.
+    /// How often pixel (x, y) counts, with the rounding of the sums over the pixels to its left.
     [[nodiscard]] double weight(int x, int y) const noexcept {
         return weighted_ ? float64_entries_[offset(x + 1, y) + C] - float64_entries_[offset(x, y) + C] : 1.0;
     }
 
-    /// Where entries of type N (std::int32_t if is_int32(), else double) begin.
+    /// The entries, of type N: std::int32_t if is_int32(), else double.
     template <class N>
     [[nodiscard]] HMESH_ALWAYS_INLINE const N* entries() const noexcept {
         if constexpr (sizeof(N) == sizeof(std::int32_t)) return int32_entries_.get();
         else return float64_entries_.get();
     }
-    /// Of entry (x, y), 0 <= x <= width, 0 <= y < height, in numbers.
+    /// The offset of entry (x, y), 0 <= x <= width, 0 <= y < height, in numbers from entries().
     [[nodiscard]] HMESH_ALWAYS_INLINE std::size_t offset(int x, int y) const noexcept {
         return static_cast<std::size_t>(x / strip_width) * strip_size_ +
                static_cast<std::size_t>(y * strip_width + x % strip_width) * entry_size;
     }
-    /// Of a table that is_weighted(): the sums of w i and w i^2 that belong to the entry at this offset.
+    /// The sums of w i and w i^2 that belong to the entry at this offset; only if is_weighted().
     [[nodiscard]] HMESH_ALWAYS_INLINE const double* x_moments(std::size_t offset) const noexcept {
         return x_moment_entries_.get() + offset / lanes;
     }
 
   private:
+    /// Columns whose entries are contiguous down the rows.
     static constexpr int strip_width = 2;
-    static constexpr std::size_t numbers = entry_size;  ///< of an entry, as array sizes are told
+    static constexpr std::size_t numbers = entry_size;  ///< entry_size as the size of an array
 
+    /// Whether all sums over rows of this width fit 32-bit integers.
     template <class T>
     [[nodiscard]] static bool fits_32_bits(int width) noexcept {
         if constexpr (!PixelTraits<T>::is_integer) return false;
@@ -236,7 +240,7 @@ class MomentTable {
     std::unique_ptr<std::int32_t[]> int32_entries_;
     std::unique_ptr<double[]> float64_entries_;
     std::unique_ptr<double[]> x_moment_entries_;  ///< of weighted tables: w i, w i^2
-    std::unique_ptr<float[]> samples_;            ///< likewise: I_0 .. I_{C-1}, row after row
+    std::unique_ptr<float[]> samples_;            ///< of weighted tables: I_0 .. I_{C-1}, row after row
 };
 
 }  // namespace hmesh::kit

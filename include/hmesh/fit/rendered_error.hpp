@@ -1,11 +1,9 @@
 /// \file
-/// rendered_error(): the error of a finished mesh, pixel by pixel, as render() draws it.
+/// rendered_error(): the squared error of a finished mesh, pixel by pixel, as render() draws it.
 ///
-/// While a mesh is fitted its energy comes from sums along the image's rows (fit/moment_table.hpp). They are exact for samples
-/// that are integers; of floats they lose what is 2^-53 of the largest sum, and where a sun of 1e6 stands beside shades of 0.1
-/// that is more than the whole error. What is reported of float images is therefore measured here.
-///
-/// Cost: some 5 ns a pixel.
+/// While a mesh is fitted its energy comes from sums along the image's rows (fit/moment_table.hpp). They are exact for integer
+/// samples; those of floats lose 2^-53 of the largest sum, and where a sun of 1e6 stands beside shades of 0.1 that is more than
+/// the whole error. The error reported for float images is therefore measured here. Cost: some 5 ns a pixel.
 #ifndef HMESH_FIT_RENDERED_ERROR_HPP
 #define HMESH_FIT_RENDERED_ERROR_HPP
 
@@ -25,14 +23,15 @@
 namespace hmesh::kit {
 namespace detail {
 
+/// The position of vertex v.
 [[nodiscard]] inline Point position(const Mesh& mesh, std::size_t v) noexcept {
     return {static_cast<double>(mesh.positions[2 * v]), static_cast<double>(mesh.positions[2 * v + 1])};
 }
 
 }  // namespace detail
 
-/// The sum of squared differences in stored values over pixels and channels, times weights (`unit`: weight_unit() of them),
-/// of a mesh of C channels that tiles the image and whose faces have positive areas.
+/// The sum over pixels and channels of squared differences in stored values between a mesh, of C channels, and an image, times
+/// the weights (`unit` as by weight_unit()). The mesh must tile the image with faces of positive area.
 template <class T, int C>
 [[nodiscard]] double rendered_error(const Mesh& mesh, const ImageView<T, C>& view, const ImageView<float, 1>& weights = {},
                                     double unit = 1, const ParallelFor& parallel_for = {}) {

@@ -1,8 +1,8 @@
 /// \file
-/// Ring: a vertex with the fan of faces around it, and their energy as a function of the vertex.
+/// Ring: the one-ring of a vertex, and the energy of its faces as a function of the vertex.
 ///
-/// The squared errors of the faces around a vertex (squared_error.hpp) are parabolas in its colour. Summed over the ring, the
-/// best colour is b / A; with that colour put back in, Gauss-Newton moves the vertex. The same code serves a vertex of the mesh
+/// The squared errors of the faces around a vertex (fit/squared_error.hpp) are parabolas in its colour. Summed over the ring,
+/// the best colour is b / A; with that colour put in, Gauss-Newton moves the vertex. The same code serves a vertex of the mesh
 /// and one that might be inserted. Cost: about 13 ns a face for up to 3 channels.
 #ifndef HMESH_FIT_RING_HPP
 #define HMESH_FIT_RING_HPP
@@ -17,32 +17,36 @@
 
 namespace hmesh::kit {
 
-/// Most neighbors that a Ring holds.
+/// The largest valence of the centre of a Ring.
 inline constexpr int ring_capacity = 64;
 
-/// The sums over a ring: E(c) = d + sum (A c^2 - 2 b c). Lane C of b is not zero and means nothing.
+/// The squared error of a ring as a function of the centre's colour c: E(c) = d + sum over channels of (A c^2 - 2 b c).
 template <int C>
 struct RingFit {
-    double a = 0, d = 0;
-    double squares = 0;  ///< |I|^2
-    Color<C> b = Color<C>::zero();
+    double a = 0,                   ///< A, the sum of lambda^2 over the ring
+        d = 0;                      ///< the part that does not depend on c
+    double squares = 0;             ///< sum of |I|^2 over the ring
+    Color<C> b = Color<C>::zero();  ///< the sum of FaceFit::b; lane C is not zero and means nothing
+    /// The squared error of the ring with the centre in colour c.
     [[nodiscard]] HMESH_ALWAYS_INLINE double energy(const Color<C>& c) const { return d + (c * (a * c - 2.0 * b)).sum(); }
 };
 
-/// The vertex in the middle is not part of a Ring. Neighbours follow each other against the orientation of the faces:
-/// face i joins the centre, neighbour i and neighbour i - 1; an open ring (around a border vertex) lacks face 0.
+/// The one-ring of a vertex, the centre, which itself is not part of it. Neighbours follow each other against the orientation
+/// of the faces: face i joins the centre, neighbour i and neighbour i - 1; an open ring (around a boundary vertex) has no face
+/// 0. An object takes ring_capacity Moments, 8 KB for 3 channels.
 template <int C>
 struct Ring {
-    int size = 0;
-    bool open = false;
-    Halfedge halfedge[ring_capacity];  ///< from the centre to each neighbour, where the centre is in the mesh
-    const VertexState<C>* neighbor[ring_capacity];
-    Moments<C> link[ring_capacity];  ///< of the far side of face i, from neighbour i to neighbour i - 1
+    int size = 0;                                   ///< number of neighbours
+    bool open = false;                              ///< whether the centre is on the boundary
+    Halfedge halfedge[ring_capacity];               ///< from the centre to neighbour i, if the centre is in the mesh
+    const VertexState<C>* neighbor[ring_capacity];  ///< neighbour i
+    Moments<C> link[ring_capacity];                 ///< moments of the far side of face i, from neighbour i to neighbour i - 1
 
-    [[nodiscard]] int first_face() const noexcept { return open ? 1 : 0; }
+    [[nodiscard]] int first_face() const noexcept { return open ? 1 : 0; }  ///< index of the first face
+    /// The index before i around the ring.
     [[nodiscard]] int before(int i) const noexcept { return i == 0 ? size - 1 : i - 1; }
 
-    /// Whether all faces have at least the area min_double_area / 2 with the centre at v.
+    /// Whether all faces have at least the area min_double_area / 2, in px^2, with the centre at v.
     [[nodiscard]] HMESH_ALWAYS_INLINE bool accepts(Point v, double min_double_area) const noexcept {
         for (int i = first_face(); i < size; ++i)
             if (!(orient2d(v, neighbor[i]->position, neighbor[before(i)]->position) >= min_double_area)) return false;
@@ -50,19 +54,19 @@ struct Ring {
     }
 };
 
-/// Moments of the edges from a ring's centre to its neighbours.
+/// The moments of the edges from the centre of a ring to its neighbours.
 template <int C>
 struct Spokes {
-    Moments<C> spoke[ring_capacity];
+    Moments<C> spoke[ring_capacity];  ///< to neighbour i
 };
 
-/// Walks them all, from the centre at v.
+/// Collects the moments of all edges from the centre at v to the neighbours.
 template <int C>
 HMESH_ALWAYS_INLINE void walk_spokes(const MomentTable<C>& table, const Ring<C>& ring, Point v, Spokes<C>& spokes) {
     for (int i = 0; i < ring.size; ++i) edge_moments(table, v, ring.neighbor[i]->position, spokes.spoke[i]);
 }
 
-/// How many pixels the ring holds: over a weighted table the sum of their weights, with its rounding.
+/// The number of pixels in the ring; over a weighted table the sum of their weights, with its rounding.
 template <int C>
 [[nodiscard]] inline double ring_weight(const Ring<C>& ring, const Spokes<C>& spokes) noexcept {
     double sum = ring.open ? spokes.spoke[ring.size - 1].s[C] - spokes.spoke[0].s[C] : 0.0;
@@ -70,7 +74,7 @@ template <int C>
     return sum;
 }
 
-/// All faces of the ring with the centre at v. False when one is smaller than min_double_area.
+/// Fits all faces of the ring, with the centre at v, and their sum. False when twice the area of one is below min_double_area.
 template <int C>
 [[nodiscard]] HMESH_NEVER_INLINE bool fit_ring(const Ring<C>& ring, const Spokes<C>& spokes, Point v, double min_double_area,
                                                FaceFit<C>* faces, RingFit<C>& out) {
@@ -91,8 +95,8 @@ template <int C>
     return true;
 }
 
-/// The colour that minimises the ring's energy, with the ridge toward `current`, kept within [low, high]. A sum of
-/// squares that rounding of weighted sums made negative counts as 0.
+/// The colour of the centre that minimises the ring's energy, with the ridge toward `current`, clamped to [low, high]. A sum of
+/// squares that the rounding of weighted sums made negative counts as 0.
 template <int C>
 [[nodiscard]] HMESH_ALWAYS_INLINE Color<C> best_color(const RingFit<C>& fit, const Color<C>& current, double ridge, double low,
                                                       double high) {
@@ -101,17 +105,21 @@ template <int C>
     return c;
 }
 
-/// What a step of the centre would be.
+/// A step of the centre of a ring.
 struct RingStep {
-    double dx = 0, dy = 0;
-    double predicted = 0;  ///< the decrease of energy that the linear model expects to first order, >= 0
+    double dx = 0,         ///< px
+        dy = 0;            ///< px
+    double predicted = 0;  ///< decrease of energy that the linear model expects to first order, >= 0
 };
 
-/// The Gauss-Newton step of the centre with its colour eliminated, from the fit at colour c = best_color: with the
+/// The Gauss-Newton step of the centre with its colour eliminated, from the fit at the colour c = best_color(). With the
 /// gradient of the picture g_t = (f1 + lx c, f2 + ly c) in face t,
+///
 ///     grad = -2 sum_t g_t (A_t c - b_t),     H = 2 [sum A_t g_t g_t' - (sum A_t g_t)(sum A_t g_t)' / sum A_t],
-/// summed over channels; there are no terms from pixels that change sides, because the picture is continuous. H is damped
-/// by 2 % of its trace (H is singular where the picture is flat in one direction). Half of grad and H are used.
+///
+/// summed over channels; pixels that change sides add no terms, because the picture is continuous. H is damped by 2 % of its
+/// trace (H is singular where the picture is flat in one direction). Half of grad and H are used. No step where the picture is
+/// flat.
 template <int C>
 [[nodiscard]] HMESH_ALWAYS_INLINE RingStep gauss_newton_step(const Ring<C>& ring, const FaceFit<C>* faces, const RingFit<C>& fit,
                                                              const Color<C>& c, Mobility mobility) {

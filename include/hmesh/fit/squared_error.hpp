@@ -2,12 +2,12 @@
 /// The squared error of a face: all its closed forms, from the moments of its pixels.
 ///
 /// In a face the picture is linear, so its squared error to the image is a polynomial in the moments of the face's pixels
-/// (edge_moments.hpp), the corners' colours and their positions. Here stand the error itself (face_energy), the error as a
-/// function of one corner's colour and what moves that corner (FaceFit), and what the corners add to the normal equations of all
-/// colours (CornerSums). An energy of another kind is another header like this one.
+/// (fit/edge_moments.hpp), the colours of its corners and their positions. This header holds the error itself (face_energy),
+/// the error as a function of one corner's colour with what moves that corner (FaceFit), and what the corners add to the normal
+/// equations of all colours (CornerSums). An energy of another kind is another header like this one.
 ///
-/// In a face (v, a, b) with the origin in v the picture is f = c (1 + l.x) + f1 x + f2 y, where c is v's colour, l the
-/// gradient of v's hat function and (f1, f2) what the colours of a and b contribute. Its squared error is
+/// In a face (v, a, b) with the origin in v the picture is f = c (1 + l.x) + f1 x + f2 y, where c is v's colour, l the gradient
+/// of v's hat function and (f1, f2) what the colours of a and b contribute. Its squared error is
 ///     E = d + sum over channels of (A c^2 - 2 b c),     A = sum of lambda^2,  b = sum of lambda (I - f1 x - f2 y),
 /// all sums over the face's pixels. Cost: about 13 ns a face for up to 3 channels.
 #ifndef HMESH_FIT_SQUARED_ERROR_HPP
@@ -30,6 +30,7 @@ using Color = typename Moments<C>::Channels;
 
 namespace detail {
 
+/// Clamps the channels to [low, high]; the padding stays 0.
 template <int C>
 HMESH_ALWAYS_INLINE void clamp_channels(Color<C>& c, double low, double high) {
     c.clamp(low, high);
@@ -38,28 +39,39 @@ HMESH_ALWAYS_INLINE void clamp_channels(Color<C>& c, double low, double high) {
 
 }  // namespace detail
 
-/// Where a vertex may go: what is not free stays on a side of the image, or in a corner (fixed). A frozen vertex belongs to
-/// other patches too: neither its position nor its colour changes, and it is not removed.
-enum class Mobility : unsigned char { free, along_x, along_y, corner, locked };
-
-/// Most half-edges around a vertex that an operator makes.
-inline constexpr int max_valence = 40;
-
-/// What a vertex is, apart from its edges.
-template <int C>
-struct VertexState {
-    Color<C> color;
-    Point position;
-    Mobility mobility;
-    unsigned char valence_limit = max_valence;  ///< less for a frozen vertex, whose other patches may add edges too
+/// Where a vertex may go.
+enum class Mobility : unsigned char {
+    free,     ///< anywhere
+    along_x,  ///< along a horizontal side of the image
+    along_y,  ///< along a vertical side of the image
+    corner,   ///< nowhere: a corner of the image
+    locked,   ///< nowhere: it belongs to other patches too, keeps its colour and is not removed
 };
 
-/// The moments of a face with the origin moved to its corner v, in plane coordinates.
+/// The largest valence that an operator gives a vertex.
+inline constexpr int max_valence = 40;
+
+/// What an ImageMesh stores of a vertex, apart from its edges.
+template <int C>
+struct VertexState {
+    Color<C> color;     ///< colour in stored values
+    Point position;     ///< px, in the rectangle of the moment table
+    Mobility mobility;  ///< where the vertex may go
+    /// Largest valence allowed, smaller for a locked vertex, whose other patches may add edges too.
+    unsigned char valence_limit = max_valence;
+};
+
+/// The moments of a face with the origin moved to its corner v, in coordinates of the plane.
 template <int C>
 struct ShiftedMoments {
-    Color<C> mx, my;       ///< sums of x (I, 1) and y (I, 1)
-    double sx, sy;         ///< of x and y
-    double sxx, sxy, syy;  ///< of x^2, xy, y^2
+    Color<C> mx,  ///< sums of x (I, 1)
+        my;       ///< sums of y (I, 1)
+    double sx,    ///< sum of x
+        sy;       ///< sum of y
+    double sxx,   ///< sum of x^2
+        sxy,      ///< sum of xy
+        syy;      ///< sum of y^2
+    /// The moments m of a face, as an ImageMesh stores them, with the origin moved to v.
     HMESH_ALWAYS_INLINE ShiftedMoments(const Moments<C>& m, Point v) {
         const double ox = v.x - 0.5, oy = v.y - 0.5;  // the origin in pixel coordinates
         mx = m.sx - ox * m.s, my = m.sy - oy * m.s;
@@ -69,20 +81,26 @@ struct ShiftedMoments {
     }
 };
 
-/// One face of a ring, as a function of the centre's colour.
+/// The squared error of a face of a ring as a function of the centre's colour. The formulas are at the top of
+/// fit/squared_error.hpp.
 template <int C>
 struct FaceFit {
-    double a;        ///< A
-    double lx, ly;   ///< gradient of the hat function
-    double squares;  ///< d = squares + rest.sum()
-    Color<C> b, f1, f2, rest;
-    /// With the centre of this colour.
+    double a;        ///< A, the sum of lambda^2
+    double lx,       ///< x of the gradient of the centre's hat function
+        ly;          ///< y of that gradient
+    double squares;  ///< sum of |I|^2; d = squares + rest.sum()
+    Color<C> b,      ///< b, the sum of lambda (I - f1 x - f2 y)
+        f1,          ///< x of the picture's gradient, the part of the other corners
+        f2,          ///< y of the picture's gradient, the part of the other corners
+        rest;        ///< the part of d that depends on the other corners
+    /// The squared error of the face with the centre in colour c.
     [[nodiscard]] HMESH_ALWAYS_INLINE double energy(const Color<C>& c) const {
         return squares + (rest + c * (a * c - 2.0 * b)).sum();
     }
 };
 
-/// Face (v, a, b) with moments m. False when twice its area is below min_double_area.
+/// Fits the face (v, a, b) with moments m; `va` and `vb` are its other corners. False when twice its area is below
+/// min_double_area.
 template <int C>
 [[nodiscard]] HMESH_ALWAYS_INLINE bool fit_face(const Moments<C>& m, Point v, const VertexState<C>& va, const VertexState<C>& vb,
                                                 double min_double_area, FaceFit<C>& out) {
@@ -108,7 +126,7 @@ template <int C>
     return true;
 }
 
-/// The squared error of a face with moments m and positive area.
+/// The squared error of the face (v0, v1, v2) with moments m and positive area.
 template <int C>
 [[nodiscard]] HMESH_ALWAYS_INLINE double face_energy(const Moments<C>& m, const VertexState<C>& v0, const VertexState<C>& v1,
                                                      const VertexState<C>& v2) {
@@ -126,19 +144,23 @@ template <int C>
                .sum();
 }
 
-/// What one corner of a face adds to the normal equations. It goes with the half-edge that leaves the corner within the
-/// face; lambda is the corner's hat function, sums are over the face's pixels.
+/// What one corner of a face adds to the normal equations. It belongs to the half-edge that leaves the corner within the face.
+/// Sums are over the face's pixels; lambda is the corner's hat function.
 template <int C>
 struct CornerSums {
-    double square = 0;                  ///< lambda^2
-    double coupling = 0;                ///< lambda times that of the half-edge's other end
-    double x = 0, y = 0;                ///< lambda (x, y), plane coordinates of the pixel's centre
-    Color<C> image = Color<C>::zero();  ///< lambda I; lane C: lambda
+    double square = 0;                  ///< sum of lambda^2
+    double coupling = 0;                ///< sum of lambda times the hat function of the half-edge's other end
+    double x = 0,                       ///< sum of lambda x, x of the pixel's centre in the plane
+        y = 0;                          ///< sum of lambda y, y of the pixel's centre in the plane
+    Color<C> image = Color<C>::zero();  ///< sum of lambda I; lane C: of lambda
 };
 
-/// The corners of face (v0, v1, v2) with moments m. With the origin in v0, lambda_1 = u / area and lambda_2 = w / area
-/// for u = b_y x - b_x y and w = a_x y - a_y x. Dividing last and nesting sums of products as below keeps all before it
-/// exact on the 1/256 px grid for faces of common size: slivers, where terms of 1e8 cancel, lose nothing.
+/// The sums of the corners of the face (v0, v1, v2) with moments m and positive area; left as they are for a face without
+/// pixels.
+///
+/// With the origin in v0, lambda_1 = u / area and lambda_2 = w / area for u = b_y x - b_x y and w = a_x y - a_y x. Dividing
+/// last and nesting sums of products as below keeps everything before exact on the 1/256 px grid for faces of common size:
+/// slivers, where terms of 1e8 cancel, lose nothing.
 template <int C>
 void sum_corners(const Moments<C>& m, Point v0, Point v1, Point v2, CornerSums<C>& out0, CornerSums<C>& out1,
                  CornerSums<C>& out2) {

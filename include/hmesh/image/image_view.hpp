@@ -1,7 +1,7 @@
 /// \file
-/// Images: ImageView over the user's pixels, Image that owns some, PixelTraits for what a sample means.
+/// Images: ImageView over the user's pixels, Image that owns pixels, PixelTraits for what a sample means.
 ///
-/// The plane: pixel (i, j) is the unit square [i, i+1] x [j, j+1], its centre (i + 1/2, j + 1/2), y down.
+/// The plane: pixel (i, j) is the unit square [i, i+1] x [j, j+1], its centre is (i + 1/2, j + 1/2), and y runs down.
 #ifndef HMESH_IMAGE_IMAGE_VIEW_HPP
 #define HMESH_IMAGE_IMAGE_VIEW_HPP
 
@@ -21,28 +21,34 @@ namespace hmesh {
 
 namespace kit {
 
-/// The largest number of channels a pixel can have.
+/// The largest number of channels of an image.
 inline constexpr int max_channels = 16;
-/// Whether the last of so many channels is alpha.
+/// Whether the last of this number of channels is alpha.
 [[nodiscard]] constexpr bool has_alpha(int channels) noexcept { return channels == 2 || channels == 4; }
-/// The longest side of an image: positions on the 1/256 px grid are then exact in float (16 + 8 bits).
+/// The longest side of an image, in px: positions on the 1/256 px grid are then exact in float (16 + 8 bits).
 inline constexpr int max_side = 65536;
-/// The largest number of pixels: handles of a mesh with one vertex a pixel then fit 32 bits.
+/// The largest number of pixels of an image: the handles of a mesh with one vertex a pixel then fit 32 bits.
 inline constexpr std::int64_t max_pixels = std::int64_t{1} << 28;
 
 /// A rectangle of pixels [x, x + width) x [y, y + height).
 struct Rect {
-    int x = 0, y = 0, width = 0, height = 0;
+    int x = 0,       ///< column of the leftmost pixels
+        y = 0,       ///< row of the topmost pixels
+        width = 0,   ///< px
+        height = 0;  ///< px
 };
 
 }  // namespace kit
 
-/// What a sample of type T means. hmesh knows the three types below; specialise it for a sample type of your own with the
-/// same members (examples/custom_pixel.cpp).
-///   peak         the value of full intensity: PSNR = 10 log10(peak^2 / MSE), and "white" for exporters
-///   lowest, highest  the range of vertex colours
-///   is_integer   to_real yields integers from `lowest` to `highest`, both of magnitude at most 65535: then all moments are exact
-///   to_real, from_real  conversions; from_real rounds to nearest and clamps
+/// What a sample of type T means. Specialised for std::uint8_t, std::uint16_t and float; specialise it for a sample type of
+/// your own with the same static members (examples/custom_pixel.cpp):
+///
+/// - `peak`: the value of full intensity, for PSNR = 10 log10(peak^2 / MSE), and "white" for exporters;
+/// - `lowest`, `highest`: the range of vertex colours;
+/// - `is_integer`: whether to_real() yields integers from `lowest` to `highest`, both of magnitude at most 65535: all moments
+///   are then exact;
+/// - `to_real(T)`: the sample as a double;
+/// - `from_real(double)`: the nearest sample, clamped to the range.
 template <class T>
 struct PixelTraits;
 
@@ -62,58 +68,70 @@ struct UnsignedTraits {
 
 }  // namespace detail
 
+/// Samples of 8 bits: integers from 0 to the peak, 255.
 template <>
 struct PixelTraits<std::uint8_t> : detail::UnsignedTraits<std::uint8_t> {};
+/// Samples of 16 bits: integers from 0 to the peak, 65535.
 template <>
 struct PixelTraits<std::uint16_t> : detail::UnsignedTraits<std::uint16_t> {};
+/// Samples of type float: any finite value, with the peak 1.
 template <>
 struct PixelTraits<float> {
-    static constexpr double peak = 1;
-    static constexpr double highest = static_cast<double>(std::numeric_limits<float>::max());
-    static constexpr double lowest = -highest;
-    static constexpr bool is_integer = false;
-    static double to_real(float value) noexcept { return static_cast<double>(value); }
-    /// Held to the finite floats; NaN becomes the lowest.
+    static constexpr double peak = 1;                                                          ///< value of full intensity
+    static constexpr double highest = static_cast<double>(std::numeric_limits<float>::max());  ///< largest finite float
+    static constexpr double lowest = -highest;                                                 ///< smallest finite float
+    static constexpr bool is_integer = false;                                                  ///< moments are rounded
+    static double to_real(float value) noexcept { return static_cast<double>(value); }         ///< the value itself
+    /// The nearest float, clamped to the finite ones; NaN becomes the lowest.
     static float from_real(double value) noexcept {
         return static_cast<float>(value > lowest ? (value < highest ? value : highest) : lowest);
     }
 };
 
-/// Pixels of C interleaved samples of type T in somebody else's memory, row after row, `row_stride` bytes apart (0: packed,
-/// that is width * C * sizeof(T); a multiple of alignof(T) that is negative stores the rows bottom up from `data`).
+/// A non-owning view of an image: pixels of C interleaved samples of type T, row after row. check() says whether it is valid.
 template <class T, int C>
 struct ImageView {
     static_assert(C >= 1 && C <= kit::max_channels, "an image has 1 to 16 channels");
-    const T* data = nullptr;
-    int width = 0, height = 0;
+    const T* data = nullptr;  ///< first sample of row 0; must outlive the view
+    int width = 0,            ///< px, 1 to kit::max_side
+        height = 0;           ///< px, 1 to kit::max_side
+    /// Bytes from one row to the next, a multiple of alignof(T). 0: rows are packed, width * C * sizeof(T) bytes apart.
+    /// Negative: rows are stored bottom up, and `data` is the last row in memory.
     std::ptrdiff_t row_stride = 0;
 
-    /// The first sample of row y.
+    /// The first sample of row y, 0 <= y < height.
     [[nodiscard]] const T* row(int y) const noexcept {
         const std::ptrdiff_t packed = static_cast<std::ptrdiff_t>(width) * C * static_cast<std::ptrdiff_t>(sizeof(T));
         const auto* bytes = reinterpret_cast<const unsigned char*>(data) + (row_stride != 0 ? row_stride : packed) * y;
         return reinterpret_cast<const T*>(bytes);
     }
+    /// The first sample of pixel (x, y).
     [[nodiscard]] const T* pixel(int x, int y) const noexcept { return row(y) + static_cast<std::ptrdiff_t>(x) * C; }
+    /// The rectangle of all pixels.
     [[nodiscard]] kit::Rect bounds() const noexcept { return {0, 0, width, height}; }
 };
 
-/// Packed pixels of its own. A default-constructed image is empty.
+/// An image that owns its pixels: packed rows of C interleaved samples of type T. Default-constructed it is empty.
 template <class T, int C>
 class Image {
   public:
+    /// The empty image.
     Image() = default;
-    /// width and height >= 0; all samples start at T().
+    /// An image of width x height pixels, both >= 0, with all samples T().
     Image(int width, int height)
         : samples_(static_cast<std::size_t>(width) * static_cast<std::size_t>(height) * C), width_(width), height_(height) {}
 
-    [[nodiscard]] int width() const noexcept { return width_; }
-    [[nodiscard]] int height() const noexcept { return height_; }
+    [[nodiscard]] int width() const noexcept { return width_; }    ///< px
+    [[nodiscard]] int height() const noexcept { return height_; }  ///< px
+    /// The first sample of pixel (x, y), for writing.
     [[nodiscard]] T* pixel(int x, int y) noexcept { return samples_.data() + offset(x, y); }
+    /// The first sample of pixel (x, y).
     [[nodiscard]] const T* pixel(int x, int y) const noexcept { return samples_.data() + offset(x, y); }
+    /// A view of all pixels; valid until the image is assigned to or destroyed.
     [[nodiscard]] ImageView<T, C> view() const noexcept { return {samples_.data(), width_, height_, 0}; }
-    /// All samples, pixel after pixel, row after row; valid until the image is assigned to or gone.
+    /// All samples, pixel after pixel, row after row, for writing; valid until the image is assigned to or destroyed.
     [[nodiscard]] T* data() noexcept { return samples_.data(); }
+    /// All samples, pixel after pixel, row after row; valid until the image is assigned to or destroyed.
     [[nodiscard]] const T* data() const noexcept { return samples_.data(); }
     /// The number of samples: width * height * C.
     [[nodiscard]] std::size_t size() const noexcept { return samples_.size(); }
@@ -126,8 +144,8 @@ class Image {
     int width_ = 0, height_ = 0;
 };
 
-/// Whether the view can be read at all: a pointer, sizes and stride that make sense, no more than max_side and max_pixels.
-/// Reads no pixel.
+/// Whether a view is valid: it has a pointer, sizes and a stride that fit together, and at most kit::max_side px a side and
+/// kit::max_pixels in all. Otherwise invalid_argument or image_too_large. Reads no pixel.
 template <class T, int C>
 [[nodiscard]] Status check(const ImageView<T, C>& view) noexcept {
     if (view.width < 1) return {Errc::invalid_argument, "the image's width must be at least 1", view.width, 1};
@@ -158,7 +176,8 @@ template <class T, int C>
 
 namespace kit {
 
-/// Whether all samples are finite, as floats too, which is what meshes hold. Costs nothing for integer pixels.
+/// Whether all samples are finite as floats, which is what meshes hold; otherwise not_finite. Costs nothing for integer
+/// samples.
 template <class T, int C>
 [[nodiscard]] Status check_finite(const ImageView<T, C>& view, const ParallelFor& parallel_for = {}) {
     using Traits = PixelTraits<T>;

@@ -1,9 +1,9 @@
 /// \file
-/// premultiply(): an image whose colours are multiplied by alpha.
+/// premultiply(): an image with its colours multiplied by alpha.
 ///
-/// Between an opaque pixel and a transparent one, straight colours drag in whatever the transparent pixel hides: fringes.
-/// Multiplied by alpha, colours mix as light does: a mean of such pixels is what their mean would look like over anything
-/// (Porter and Duff, "Compositing digital images", 1984). O(pixels).
+/// Between an opaque pixel and a transparent one, interpolated straight colours mix in whatever the transparent pixel hides:
+/// fringes. Colours multiplied by alpha mix as light does: a mean of such pixels is what the mean of the pixels would look like
+/// over any background (Porter and Duff, "Compositing digital images", 1984). O(pixels).
 #ifndef HMESH_IMAGE_PREMULTIPLY_HPP
 #define HMESH_IMAGE_PREMULTIPLY_HPP
 
@@ -17,8 +17,8 @@
 
 namespace hmesh::kit {
 
-/// The image with all channels but the last multiplied by the last / peak, rounded to the pixel type. Alpha is held to
-/// [0, peak], which floats may leave. Of a view that check() accepts.
+/// The image with all channels but alpha, the last one, multiplied by alpha / peak and rounded to the pixel type. Alpha is
+/// clamped to [0, peak], which float images may leave. check() must accept the view.
 template <class T, int C>
 [[nodiscard]] Image<T, C> premultiply(const ImageView<T, C>& view, const ParallelFor& parallel_for = {}) {
     static_assert(has_alpha(C), "images of 2 or 4 channels have alpha");

@@ -1,10 +1,10 @@
 /// \file
 /// Weights: how much each pixel of an image counts.
 ///
-/// Weights are a second image of the same size with one float a pixel, >= 0; a view without data means that all pixels
-/// count alike. Their unit is free: weight_unit() makes the largest 1, so that what is measured in pixels (ridges, mean
-/// energies) keeps its meaning. Scaled weights are rounded to a step, a power of two between 2^-24 and 2^-8, so that
-/// sums over them are exact and cancel like those of pixels that all count 1, see WeightScale.
+/// Weights are a second image of the same size with one float >= 0 a pixel; a view without data means that all pixels count the
+/// same. Their unit is free: weight_unit() scales the largest to 1, so that what is measured in pixels (ridges, mean energies)
+/// keeps its meaning. Scaled weights are rounded to a step, a power of two between 2^-24 and 2^-8, so that sums over them are
+/// exact and cancel like those of pixels that all count 1 (WeightScale).
 #ifndef HMESH_IMAGE_WEIGHTS_HPP
 #define HMESH_IMAGE_WEIGHTS_HPP
 
@@ -23,8 +23,8 @@
 
 namespace hmesh::kit {
 
-/// Whether these can be the weights of a width x height image: none at all, or a view of this size that check() accepts
-/// with samples that are finite and not negative. Reads each once.
+/// Whether `weights` can be the weights of a width x height image: none at all, or a view of this size that check() accepts
+/// with finite samples >= 0. Otherwise invalid_argument, image_too_large or not_finite. Reads each sample once.
 [[nodiscard]] inline Status check_weights(const ImageView<float, 1>& weights, int width, int height,
                                           const ParallelFor& parallel_for = {}) {
     if (weights.data == nullptr) return {};
@@ -51,7 +51,7 @@ namespace hmesh::kit {
     return {};
 }
 
-/// 1 / the largest weight; 1 where there are no weights or all are 0. Of weights that check_weights() accepts.
+/// 1 / the largest weight; 1 where there are no weights or all are 0. check_weights() must accept the weights.
 [[nodiscard]] inline double weight_unit(const ImageView<float, 1>& weights, const ParallelFor& parallel_for = {}) {
     if (weights.data == nullptr) return 1;
     std::vector<float> largest(static_cast<std::size_t>(weights.height), 0.0F);
@@ -65,16 +65,16 @@ namespace hmesh::kit {
     return most > 0 ? 1 / most : 1;
 }
 
-/// The number of pixels that a weight counts for: unit times the weight, rounded to a multiple of `step`.
-//
-/// Without that the moments of a face would keep the rounding of the sums over all pixels to its left. Its energy takes
-/// them times the squares of the picture's slopes, and slivers, whose slopes reach 1e4 a pixel, would win by rounding
-/// alone. The step is as fine as lets sums of w x^2, w x y, w y^2 stay below 2^53 steps along edges that cross 32 rows
-/// of the image (longer ones may be rounded): 2^-20 at 512 x 512 px, 2^-12 at 4000 x 3000. Sums of 8-bit samples are
-/// exact then too. Weights below half a step count as 0.
+/// The number of pixels that a pixel with a given weight counts for: the weight times a unit, rounded to a multiple of step().
+///
+/// Unrounded, the moments of a face would keep the rounding of the sums over all pixels to its left. Its energy multiplies them
+/// by the squares of the picture's slopes, so slivers, whose slopes reach 1e4 a pixel, would win by rounding alone. The step is
+/// as fine as keeps the sums of w x^2, w x y and w y^2 along edges that cross at most 32 rows of the image below 2^53 steps
+/// (sums along longer ones may be rounded): 2^-20 at 512 x 512 px, 2^-12 at 4000 x 3000. Sums of 8-bit samples are then exact
+/// too. Weights below half a step count as 0.
 class WeightScale {
   public:
-    /// `unit`: see weight_unit(); width and height those of the image.
+    /// The scale for the weights of a width x height image; `unit` as by weight_unit().
     WeightScale(double unit, int width, int height) noexcept {
         const double w = width, h = height, rows = std::min(32, height);
         int bits = 0;  // of the largest sum
@@ -83,7 +83,8 @@ class WeightScale {
         step_ = std::ldexp(1.0, -digits);
         factor_ = std::ldexp(unit, digits);
     }
-    [[nodiscard]] double step() const noexcept { return step_; }
+    [[nodiscard]] double step() const noexcept { return step_; }  ///< the step, a power of two
+    /// The weight scaled by the unit and rounded to a multiple of the step.
     [[nodiscard]] double operator()(float weight) const noexcept {
         return std::floor(factor_ * static_cast<double>(weight) + 0.5) * step_;
     }
@@ -92,8 +93,8 @@ class WeightScale {
     double step_ = 1, factor_ = 1;
 };
 
-/// How many pixels of a width x height image count: the sum of its weights as WeightScale gives them, added row by row;
-/// the number of pixels where there are no weights.
+/// How many pixels of a width x height image count: the sum of its weights as rounded by WeightScale, added row by row; the
+/// number of pixels where there are no weights.
 [[nodiscard]] inline double weight_sum(const ImageView<float, 1>& weights, double unit, int width, int height,
                                        const ParallelFor& parallel_for = {}) {
     if (weights.data == nullptr) return static_cast<double>(width) * height;

@@ -1,17 +1,17 @@
 /// \file
-/// Delaunay: a Delaunay triangulation of a rectangle, in which points come and go.
+/// Delaunay: a Delaunay triangulation of a rectangle, with insertion and removal of points.
 ///
-/// Insertion walks to the face that holds the point, splits it and flips edges until all are locally Delaunay again (C.
-/// Lawson, "Software for C1 surface interpolation", 1977). The visibility walk, which crosses any edge that separates it
-/// from its goal, ends in every Delaunay triangulation (O. Devillers, S. Pion and M. Teillaud, "Walking in a
-/// triangulation", 2002): at each crossing the goal's power with respect to the face's circle falls, and where it stays,
-/// among faces with one circle, their neighbourhood is a tree. Removal fills the hole by ears (hole_filler.hpp). All
-/// decisions are exact for points of the 1/256 px grid, so nothing is degenerate: points in line, on the border or on one
-/// circle are as good as any. Which of several Delaunay triangulations it is follows from the order of the calls alone.
+/// Insertion walks to the face that holds the point, splits it and flips edges until all are locally Delaunay again (C. Lawson,
+/// "Software for C1 surface interpolation", 1977). The visibility walk, which crosses any edge that separates it from its goal,
+/// ends in every Delaunay triangulation (O. Devillers, S. Pion and M. Teillaud, "Walking in a triangulation", 2002): each
+/// crossing lowers the power of the goal with respect to the face's circle, or keeps it among faces with one circle, whose
+/// adjacency is a tree. Removal fills the hole by ears (mesh/hole_filler.hpp). All decisions are exact for points of the 1/256
+/// px grid, so that no case is degenerate: collinear points, points on the border and cocircular points are allowed. Which of
+/// several Delaunay triangulations results follows from the order of the calls alone.
 ///
-/// Cost: 0.4 to 1 us for an insertion and 0.2 to 0.6 us for a removal, each near the last one; out of the cache a removal
-/// takes up to 3 us. A vertex of valence k takes O(k^2) to remove. The walk visits about as many faces as lie on the
-/// straight way: 40 us in random order at 100000 vertices, so insert in spatial order, as triangulate() does.
+/// Cost: 0.4 to 1 us an insertion and 0.2 to 0.6 us a removal, each near the previous one; a removal out of the cache takes up
+/// to 3 us. Removing a vertex of valence k takes O(k^2). The walk visits about as many faces as lie on the straight way: 40 us
+/// in random order at 100000 vertices, so insert in spatial order, as triangulate() does.
 #ifndef HMESH_MESH_DELAUNAY_HPP
 #define HMESH_MESH_DELAUNAY_HPP
 
@@ -32,47 +32,49 @@
 
 namespace hmesh::kit {
 
+/// A Delaunay triangulation of a rectangle, with insertion and removal of points of the 1/256 px grid.
 class Delaunay {
   public:
-    /// The rectangle [0, width] x [0, height], sides from 1 to 2^16: vertices 0 to 3 are its corners (0, 0), (width, 0),
-    /// (width, height), (0, height). They stay for good.
+    /// The triangulation of the rectangle [0, width] x [0, height] with sides from 1 to 2^16. Vertices 0 to 3 are its corners
+    /// (0, 0), (width, 0), (width, height), (0, height) and cannot be removed.
     Delaunay(int width, int height);
 
-    [[nodiscard]] int width() const noexcept { return width_; }
-    [[nodiscard]] int height() const noexcept { return height_; }
-    [[nodiscard]] const HalfedgeMesh& topology() const noexcept { return topology_; }
-    [[nodiscard]] Point position(Vertex v) const noexcept { return positions_[v.index()]; }
-    /// By vertex slot; what a deleted slot holds means nothing.
+    [[nodiscard]] int width() const noexcept { return width_; }                              ///< px
+    [[nodiscard]] int height() const noexcept { return height_; }                            ///< px
+    [[nodiscard]] const HalfedgeMesh& topology() const noexcept { return topology_; }        ///< the connectivity
+    [[nodiscard]] Point position(Vertex v) const noexcept { return positions_[v.index()]; }  ///< position of a vertex
+    /// Positions by vertex slot. The entries of deleted slots are meaningless.
     [[nodiscard]] const std::vector<Point>& positions() const noexcept { return positions_; }
-    [[nodiscard]] static bool is_corner(Vertex v) noexcept { return v.index() < 4; }
+    [[nodiscard]] static bool is_corner(Vertex v) noexcept { return v.index() < 4; }  ///< whether v is a corner
 
-    /// Memory for so many vertices.
+    /// Reserves memory for this number of vertices.
     void reserve(std::size_t vertices) {
         topology_.reserve(vertices);
         positions_.reserve(vertices);
     }
 
-    /// A half-edge of a face that holds p, a point of the closed rectangle: if p is a vertex, the half-edge leaves it; if p
-    /// is on an edge, it is that edge's. Walks from the place of the last insertion or removal.
+    /// A half-edge of a face that holds p, a point of the closed rectangle. If p is a vertex, the half-edge leaves it; if p is
+    /// on an edge, the half-edge is one of that edge's. Walks from the place of the last insertion or removal.
     [[nodiscard]] Halfedge locate(Point p) const noexcept;
 
-    /// The vertex at p, a point of the 1/256 px grid in the closed rectangle: the one that is there, or a new one.
+    /// Inserts p, a point of the 1/256 px grid in the closed rectangle, and returns its vertex: a new one, or the one already
+    /// at p.
     Vertex insert(Point p);
 
-    /// Removes v, which is no corner.
+    /// Removes the vertex v, which must not be a corner of the rectangle.
     void remove(Vertex v);
 
-    /// Proves that the faces tile the rectangle, are positively oriented and that every edge is locally Delaunay, which
-    /// makes all circumcircles empty. O(n).
+    /// Verifies that the faces tile the rectangle and are positively oriented, and that every edge is locally Delaunay, which
+    /// makes all circumcircles empty. Otherwise invalid_argument, with the index where. O(n).
     [[nodiscard]] Status check() const;
 
   private:
-    /// Twice the area to the left of h, positive for p on the side of h's face.
+    /// Twice the signed area of h and p, positive for p on the side of h's face.
     [[nodiscard]] double side(Halfedge h, Point p) const noexcept {
         return orient2d(position(topology_.from_vertex(h)), position(topology_.to_vertex(h)), p);
     }
     [[nodiscard]] Vertex apex(Halfedge h) const noexcept { return topology_.to_vertex(topology_.next(h)); }
-    /// Flips edges around v, a new vertex, until its faces' circles are empty.
+    /// Flips edges around v, a new vertex, until the circumcircles of its faces are empty.
     void legalize(Vertex v);
     [[nodiscard]] Status check_border() const;
 
@@ -84,9 +86,9 @@ class Delaunay {
     HoleFiller filler_;
 };
 
-/// The Delaunay triangulation of the rectangle's corners and `points`, of the 1/256 px grid in [0, width] x [0, height].
-/// Vertices 0 to 3 are the corners; the points follow in spatial order, so neighbours are near each other in memory too,
-/// and a point that repeats an earlier one or a corner makes no vertex.
+/// The Delaunay triangulation of the corners of the rectangle [0, width] x [0, height] and of `points` of the 1/256 px grid in
+/// it. Vertices 0 to 3 are the corners. The points follow in spatial order, so that neighbours are near each other in memory
+/// too; a point that repeats an earlier one or a corner makes no vertex.
 [[nodiscard]] inline Delaunay triangulate(int width, int height, const std::vector<Point>& points) {
     std::vector<std::uint32_t> indices(points.size());
     for (std::size_t k = 0; k < indices.size(); ++k) indices[k] = static_cast<std::uint32_t>(k);

@@ -1,7 +1,7 @@
 /// \file
-/// Plane geometry: points, orientation, circles, barycentric coordinates.
+/// Plane geometry: points, the grid of positions, orientation, circles, barycentric coordinates.
 ///
-/// y runs down. A face is positively oriented when cross(a, b, c) > 0, which looks clockwise on the screen.
+/// y runs down. A face (a, b, c) is positively oriented when orient2d(a, b, c) > 0, which looks clockwise on the screen.
 #ifndef HMESH_MESH_GEOMETRY_HPP
 #define HMESH_MESH_GEOMETRY_HPP
 
@@ -16,33 +16,35 @@
 
 namespace hmesh::kit {
 
-/// A place in the plane of the image, in px.
+/// A point of the image plane, in px, y down.
 struct Point {
-    double x = 0, y = 0;
-    friend constexpr bool operator==(Point a, Point b) noexcept { return a.x == b.x && a.y == b.y; }
-    friend constexpr bool operator!=(Point a, Point b) noexcept { return !(a == b); }
+    double x = 0,                                                                                     ///< px from the left
+        y = 0;                                                                                        ///< px from the top
+    friend constexpr bool operator==(Point a, Point b) noexcept { return a.x == b.x && a.y == b.y; }  ///< same coordinates
+    friend constexpr bool operator!=(Point a, Point b) noexcept { return !(a == b); }                 ///< other coordinates
 };
 
-/// Half way from a to b.
+/// The point half way from a to b.
 [[nodiscard]] constexpr Point midpoint(Point a, Point b) noexcept { return {0.5 * (a.x + b.x), 0.5 * (a.y + b.y)}; }
 
-/// Positions of a mesh live on a grid of 1/256 px: exact in float, the sub-pixel grid of GPUs, and fine enough to cost no
+/// Steps a px of the grid of positions, 1/256 px: exact in float, the sub-pixel grid of GPUs, and fine enough to cost no
 /// fidelity (rounding to 1/16 px would cost 0.02 dB). Coordinates are >= 0.
 inline constexpr double grid_steps = 256;
-/// To the nearest place of that grid; halves go up. x in [0, 2^23).
+/// A coordinate rounded to the nearest step of the 1/256 px grid, halves up. x in [0, 2^23).
 [[nodiscard]] HMESH_ALWAYS_INLINE double snap(double x) noexcept {
     return static_cast<double>(static_cast<int>(x * grid_steps + 0.5)) * (1 / grid_steps);
 }
+/// A point rounded to the 1/256 px grid.
 [[nodiscard]] HMESH_ALWAYS_INLINE Point snap(Point p) noexcept { return {snap(p.x), snap(p.y)}; }
 
-/// Twice the signed area of the triangle a, b, c. On the 1/256 px grid with coordinates below 2^16 it is exact.
+/// Twice the signed area of the triangle (a, b, c), in px^2. Exact on the 1/256 px grid for coordinates below 2^16.
 [[nodiscard]] HMESH_ALWAYS_INLINE double orient2d(Point a, Point b, Point c) noexcept {
     return (b.x - a.x) * (c.y - a.y) - (c.x - a.x) * (b.y - a.y);
 }
 
 namespace detail {
 
-/// The sign of a0 b0 + a1 b1 + a2 b2, |a|, |b| < 2^50: in digits of 25 bits no product and no sum leaves 64 bits.
+/// The sign of a0 b0 + a1 b1 + a2 b2 for |a|, |b| < 2^50. In digits of 25 bits no product and no sum leaves 64 bits.
 [[nodiscard]] inline int sign_of_products(const std::int64_t (&a)[3], const std::int64_t (&b)[3]) noexcept {
     constexpr std::int64_t base = std::int64_t{1} << 25;
     std::int64_t high = 0, middle = 0, low = 0;
@@ -59,7 +61,7 @@ namespace detail {
     return first > 0 ? 1 : first < 0 ? -1 : 0;
 }
 
-/// in_circle of differences to d, in integers of grid units: at most 2^24, so squares and crosses are at most 2^49.
+/// in_circle() of differences to d, in integers of grid units: at most 2^24, so that squares and products are at most 2^49.
 [[nodiscard]] HMESH_NEVER_INLINE inline int in_circle_of_integers(Point a, Point b, Point c) noexcept {
     const auto units = [](double x) { return static_cast<std::int64_t>(x * grid_steps); };
     const std::int64_t ax = units(a.x), ay = units(a.y), bx = units(b.x), by = units(b.y), cx = units(c.x), cy = units(c.y);
@@ -69,9 +71,9 @@ namespace detail {
 
 }  // namespace detail
 
-/// 1 when d lies inside the circle through the positively oriented a, b, c, 0 when on it, -1 when outside. Exact on the
-/// 1/256 px grid with coordinates in [0, 2^16]. About 5 ns; 25 ns for a circle of more than some 20 px that passes
-/// through d, or by it at some 1e-15 of its radius.
+/// The position of d relative to the circle through the positively oriented a, b, c: 1 inside, 0 on it, -1 outside. Exact on
+/// the 1/256 px grid for coordinates in [0, 2^16]. About 5 ns; 25 ns for a circle of more than some 20 px with d on it, or off
+/// it by some 1e-15 of its radius.
 [[nodiscard]] inline int in_circle(Point a, Point b, Point c, Point d) noexcept {
     const double ax = a.x - d.x, ay = a.y - d.y, bx = b.x - d.x, by = b.y - d.y, cx = c.x - d.x, cy = c.y - d.y;
     // Up to here and in both factors of the products nothing rounds: all are below 2^50 grid units or their squares.
@@ -88,11 +90,14 @@ namespace detail {
     return detail::in_circle_of_integers({ax, ay}, {bx, by}, {cx, cy});
 }
 
-/// The weights of a, b, c that make p; they sum to 1 and are all >= 0 inside the triangle. The triangle's area is not 0.
+/// Barycentric coordinates: the weights of the corners a, b, c that make a point. They sum to 1 and are all >= 0 inside the
+/// triangle.
 struct Barycentric {
-    double a = 0, b = 0, c = 0;
+    double a = 0,  ///< weight of corner a
+        b = 0,     ///< weight of corner b
+        c = 0;     ///< weight of corner c
 };
-/// Of p, which may lie outside.
+/// The barycentric coordinates of p, anywhere in the plane, in the triangle (a, b, c), whose area must not be 0.
 [[nodiscard]] inline Barycentric barycentric(Point a, Point b, Point c, Point p) noexcept {
     const double area = orient2d(a, b, c);
     const double wb = orient2d(a, p, c) / area, wc = orient2d(a, b, p) / area;

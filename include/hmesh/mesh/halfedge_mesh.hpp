@@ -2,12 +2,13 @@
 /// HalfedgeMesh: the connectivity of a triangle mesh, compact, editable and undoable.
 ///
 /// Half-edges come in pairs: opposite(h) = h xor 1, edge(h) = h / 2, so edges keep their identity under flips and can carry
-/// data. Each half-edge stores its next, the vertex it points to and its face; boundary half-edges have no face and are
-/// linked along the boundary, counter to the faces. 24 bytes an edge, 4 a vertex and 4 a face; about 84 bytes a vertex.
+/// data. Each half-edge stores its next half-edge, the vertex it points to and its face; boundary half-edges have no face and
+/// are linked along the boundary, against the orientation of the faces. 24 bytes an edge, 4 a vertex and 4 a face; about 84
+/// bytes a vertex.
 ///
-/// The mesh is an oriented 2-manifold with boundary: every vertex has one fan of faces. A boundary vertex's half-edge is the
-/// boundary half-edge that leaves it. flip, split and collapse cost O(1) plus the valence for collapse; deleted slots are
-/// used again. begin/commit/rollback make any sequence of edits a transaction.
+/// The mesh is an oriented 2-manifold with boundary: every vertex has one fan of faces. The half-edge stored for a boundary
+/// vertex is the boundary half-edge that leaves it. flip and split cost O(1), collapse O(valence); slots of deleted elements
+/// are reused. begin/commit/rollback make any sequence of edits a transaction.
 #ifndef HMESH_MESH_HALFEDGE_MESH_HPP
 #define HMESH_MESH_HALFEDGE_MESH_HPP
 
@@ -27,41 +28,56 @@
 
 namespace hmesh::kit {
 
+/// The connectivity of an oriented triangle mesh with boundary, as half-edges. Knows no positions.
 class HalfedgeMesh {
   public:
+    /// The empty mesh.
     HalfedgeMesh() = default;
 
-    /// The mesh of `triangles` over the vertices [0, vertex_count), all turning the same way. Replaces what was there.
-    /// Refuses (and leaves the mesh empty) an index out of range, an edge used twice in one direction, a vertex that is
-    /// isolated or where two fans meet. Cost O(n) for bounded valences.
+    /// Replaces the mesh by that of `triangles` over the vertices [0, vertex_count), all of one orientation. Refuses
+    /// (invalid_argument with the index where, or image_too_large, and leaves the mesh empty): an index out of range, an edge
+    /// used twice in one direction, an isolated vertex, a vertex where two fans meet. O(n) for bounded valences.
     [[nodiscard]] HMESH_COLD Status assign(std::size_t vertex_count, const std::vector<Triangle>& triangles);
 
     // --- counts and elements: live ones, and slots including deleted ones (the size for arrays indexed by handles) ---
-    [[nodiscard]] std::size_t vertex_count() const noexcept { return counts_.vertices; }
-    [[nodiscard]] std::size_t edge_count() const noexcept { return counts_.edges; }
-    [[nodiscard]] std::size_t face_count() const noexcept { return counts_.faces; }
-    [[nodiscard]] std::size_t vertex_slots() const noexcept { return vertices_.size(); }
-    [[nodiscard]] std::size_t edge_slots() const noexcept { return halfedges_.size() / 2; }
-    [[nodiscard]] std::size_t face_slots() const noexcept { return faces_.size(); }
+    [[nodiscard]] std::size_t vertex_count() const noexcept { return counts_.vertices; }     ///< number of live vertices
+    [[nodiscard]] std::size_t edge_count() const noexcept { return counts_.edges; }          ///< number of live edges
+    [[nodiscard]] std::size_t face_count() const noexcept { return counts_.faces; }          ///< number of live faces
+    [[nodiscard]] std::size_t vertex_slots() const noexcept { return vertices_.size(); }     ///< size of an array by vertices
+    [[nodiscard]] std::size_t edge_slots() const noexcept { return halfedges_.size() / 2; }  ///< size of an array by edges
+    [[nodiscard]] std::size_t face_slots() const noexcept { return faces_.size(); }          ///< size of an array by faces
+    /// Whether the vertex is deleted.
     [[nodiscard]] bool is_deleted(Vertex v) const noexcept { return vertices_[v.index()].deleted(); }
+    /// Whether the edge is deleted.
     [[nodiscard]] bool is_deleted(Edge e) const noexcept { return halfedges_[2 * e.index()].deleted(); }
+    /// Whether the face is deleted.
     [[nodiscard]] bool is_deleted(Face f) const noexcept { return faces_[f.index()].deleted(); }
 
+    /// The live elements of one kind, see vertices(), edges() and faces().
     template <class Element>
     class Range;
-    [[nodiscard]] Range<Vertex> vertices() const noexcept;  ///< live ones in the order of their indices, for range-based loops
-    [[nodiscard]] Range<Edge> edges() const noexcept;       ///< live edges, likewise
-    [[nodiscard]] Range<Face> faces() const noexcept;       ///< live faces, likewise
+    [[nodiscard]] Range<Vertex> vertices() const noexcept;  ///< live vertices in the order of their indices
+    [[nodiscard]] Range<Edge> edges() const noexcept;       ///< live edges in the order of their indices
+    [[nodiscard]] Range<Face> faces() const noexcept;       ///< live faces in the order of their indices
 
     // --- navigation ---
+    /// The other half-edge of h's edge.
     [[nodiscard]] static Halfedge opposite(Halfedge h) noexcept { return Halfedge(h.index() ^ 1U); }
+    /// The edge of a half-edge.
     [[nodiscard]] static Edge edge(Halfedge h) noexcept { return Edge(h.index() >> 1U); }
+    /// The even half-edge of an edge; opposite() gives the other.
     [[nodiscard]] static Halfedge halfedge(Edge e) noexcept { return Halfedge(e.index() << 1U); }
+    /// The half-edge after h around its face, or along the boundary.
     [[nodiscard]] Halfedge next(Halfedge h) const noexcept { return halfedges_[h.index()].next; }
+    /// The vertex at the end of h.
     [[nodiscard]] Vertex to_vertex(Halfedge h) const noexcept { return halfedges_[h.index()].to; }
+    /// The vertex at the beginning of h.
     [[nodiscard]] Vertex from_vertex(Halfedge h) const noexcept { return to_vertex(opposite(h)); }
+    /// The face of h; invalid on the boundary.
     [[nodiscard]] Face face(Halfedge h) const noexcept { return halfedges_[h.index()].face; }
-    [[nodiscard]] Halfedge halfedge(Vertex v) const noexcept { return vertices_[v.index()].halfedge; }  ///< leaves v
+    /// A half-edge that leaves v: the boundary one if v is on the boundary.
+    [[nodiscard]] Halfedge halfedge(Vertex v) const noexcept { return vertices_[v.index()].halfedge; }
+    /// A half-edge of face f.
     [[nodiscard]] Halfedge halfedge(Face f) const noexcept { return faces_[f.index()].halfedge; }
     /// The half-edge before h: within a face two steps, along the boundary one turn around from_vertex(h).
     [[nodiscard]] Halfedge previous(Halfedge h) const noexcept {
@@ -70,23 +86,28 @@ class HalfedgeMesh {
         while (next(into) != h) into = opposite(next(into));
         return into;
     }
+    /// Whether the half-edge has no face.
     [[nodiscard]] bool is_boundary(Halfedge h) const noexcept { return !face(h).is_valid(); }
+    /// Whether the vertex is on the boundary.
     [[nodiscard]] bool is_boundary(Vertex v) const noexcept { return is_boundary(halfedge(v)); }
-    /// Whether it has one face.
+    /// Whether the edge is on the boundary, with one face.
     [[nodiscard]] bool is_boundary(Edge e) const noexcept {
         return is_boundary(halfedge(e)) || is_boundary(opposite(halfedge(e)));
     }
-    /// From that on which halfedge(f) begins.
+    /// The corners of a face, beginning with from_vertex(halfedge(f)), in its orientation.
     [[nodiscard]] std::array<Vertex, 3> vertices(Face f) const noexcept {
         const Halfedge h = halfedge(f);
         return {from_vertex(h), to_vertex(h), to_vertex(next(h))};
     }
-    // The faces as an index list, in their order, over the vertices numbered in theirs: what assign() takes. O(n).
+    /// The live faces as triples of indices, in the order of faces(); vertices are numbered in the order of vertices(). This is
+    /// what assign() takes. O(n).
     [[nodiscard]] HMESH_COLD std::vector<Triangle> triangles() const;
+    /// The half-edges that leave a vertex, see outgoing().
     class OneRing;
-    /// The half-edges that leave v, each once, against the orientation of the faces, the boundary one first.
+    /// The half-edges that leave v, each once, against the orientation of the faces; on the boundary the boundary half-edge
+    /// comes first. For range-based loops.
     [[nodiscard]] OneRing outgoing(Vertex v) const noexcept;
-    /// The number of its edges.
+    /// The number of edges at v.
     [[nodiscard]] int valence(Vertex v) const noexcept {
         int count = 0;
         Halfedge h = halfedge(v);
@@ -96,44 +117,48 @@ class HalfedgeMesh {
         } while (h != halfedge(v));
         return count;
     }
-    [[nodiscard]] Halfedge find_halfedge(Vertex from, Vertex to) const noexcept;  ///< invalid when there is none
+    /// The half-edge from one vertex to another; invalid if there is none.
+    [[nodiscard]] Halfedge find_halfedge(Vertex from, Vertex to) const noexcept;
 
     // --- edits; each needs its predicate to hold ---
-    /// Two faces, and their far corners are not neighbours yet.
+    /// Whether e can be flipped: it has two faces, whose far corners (not on e) are not neighbours yet.
     [[nodiscard]] bool is_flip_ok(Edge e) const noexcept {
         const Halfedge a = halfedge(e), b = opposite(a);
         return !is_boundary(a) && !is_boundary(b) && !find_halfedge(to_vertex(next(a)), to_vertex(next(b))).is_valid();
     }
-    /// Turns the edge against the faces' orientation: halfedge(e) then runs from the far corner of its opposite's face to
-    /// that of its own. Twice gives the same mesh with the edge reversed.
+    /// Turns e, for which is_flip_ok(e), against the orientation of the faces: halfedge(e) then runs from the far corner of its
+    /// opposite's face to that of its own. Two flips give the same mesh with the edge reversed.
     void flip(Edge e);
 
-    /// Puts a new vertex on edge e, joined to the far corners. halfedge(e) keeps its origin and now ends at the new vertex.
+    /// Puts a new vertex on e, joined to the far corners of its faces. halfedge(e) keeps its origin and then ends at the new
+    /// vertex.
     Vertex split(Edge e);
-    /// Puts a new vertex inside face f, joined to its corners.
+    /// Puts a new vertex inside f, joined to its corners.
     Vertex split(Face f);
 
-    /// Whether from_vertex(h) can be merged into to_vertex(h) and leave a manifold whose boundary keeps its vertices'
-    /// order: the two share no neighbour but the far corners, and a boundary vertex goes along the boundary only.
+    /// Whether from_vertex(h) can be merged into to_vertex(h) and leave a manifold whose boundary keeps the order of its
+    /// vertices: the two share no neighbours but the far corners of h's edge, and a boundary vertex moves along the boundary
+    /// only.
     [[nodiscard]] bool is_collapse_ok(Halfedge h) const noexcept;
-    /// Merges from_vertex(h), which is deleted with h's faces, into to_vertex(h). Edges of the removed fan that keep their
-    /// identity: all but edge(h) and the two of from_vertex(h) to the far corners.
+    /// Merges from_vertex(h) into to_vertex(h), for is_collapse_ok(h); from_vertex(h) and the faces of h's edge are deleted.
+    /// All other edges of from_vertex(h) keep their identity, except those to the far corners.
     void collapse(Halfedge h);
 
     // --- transactions; they nest, the inner ends first ---
+    /// The beginning of a transaction, see begin().
     struct Mark;
-    [[nodiscard]] Mark begin();              ///< from here on changes can be undone
-    void commit(const Mark& mark) noexcept;  ///< keeps what was done since
-    void rollback(const Mark& mark);         ///< brings all back to what it was at that mark, handles included
+    [[nodiscard]] Mark begin();              ///< begins a transaction: from here on changes can be undone
+    void commit(const Mark& mark) noexcept;  ///< ends a transaction and keeps its changes
+    void rollback(const Mark& mark);         ///< ends a transaction and undoes its changes, to the last handle
 
-    /// Memory for so many vertices.
+    /// Reserves memory for this number of vertices.
     void reserve(std::size_t vertices) {
         vertices_.reserve(vertices);
         halfedges_.reserve(6 * vertices);
         faces_.reserve(2 * vertices);
     }
 
-    /// Outside a transaction. Memory that was reserved stays.
+    /// Deletes everything. Outside a transaction only; memory is kept.
     void clear() {
         HMESH_ASSERT(depth_ == 0);
         halfedges_.resize(0);
@@ -142,16 +167,17 @@ class HalfedgeMesh {
         counts_ = Counts();
     }
 
-    /// Proves every invariant above; the sentence names what is broken and `got` the first index where. O(n).
+    /// Verifies every invariant named above; invalid_argument with a sentence about the broken one and the first index where.
+    /// O(n).
     [[nodiscard]] HMESH_COLD Status check() const;
 
   private:
-    /// A deleted slot holds, behind a flag in the top bit, the slot deleted before it (free_end: none).
+    /// The half-edge of a deleted slot is the index of the slot deleted before it (free_end: none) with this flag.
     static constexpr std::uint32_t deleted_flag = 0x80000000U;
     static constexpr std::uint32_t free_end = 0x7fffffffU;
     struct Slot {
         Halfedge halfedge;
-        /// An unset handle has the top bit too, but is no slot: a live element always has a half-edge.
+        /// Whether the slot is deleted. An unset handle has the top bit too, but a live element always has a half-edge.
         [[nodiscard]] bool deleted() const noexcept { return (halfedge.index() & deleted_flag) != 0; }
     };
     struct HalfedgeSlot {
@@ -180,12 +206,12 @@ class HalfedgeMesh {
     void set_triangle(Face f, Halfedge a, Halfedge b, Halfedge c);
 
     [[nodiscard]] Vertex new_vertex();
-    [[nodiscard]] Halfedge new_edge();  ///< the even half-edge
+    [[nodiscard]] Halfedge new_edge();  ///< returns the even half-edge
     [[nodiscard]] Face new_face();
     void delete_vertex(Vertex v);
     void delete_edge(Edge e);
     void delete_face(Face f);
-    /// `stays`, an edge of a face that goes, takes the place of `goes` in the next face (or boundary) over.
+    /// Puts `stays`, an edge of a face to be deleted, in the place of `goes` in the adjacent face (or boundary).
     void replace(Halfedge goes, Halfedge stays);
     [[nodiscard]] Status check_vertex(Vertex v) const;
 
@@ -195,28 +221,34 @@ class HalfedgeMesh {
     int depth_ = 0;
 };
 
-/// Where a transaction began.
+/// The beginning of a transaction.
 struct HalfedgeMesh::Mark {
-    UndoArray<HalfedgeSlot>::Mark halfedges;
-    UndoArray<Slot>::Mark vertices, faces;
-    Counts counts;
+    UndoArray<HalfedgeSlot>::Mark halfedges;  ///< notes on half-edges
+    UndoArray<Slot>::Mark vertices,           ///< notes on vertices
+        faces;                                ///< notes on faces
+    Counts counts;                            ///< numbers of live elements
 };
 
-template <class Element>  ///< what vertices(), edges() and faces() give
+/// The live elements of one kind in the order of their indices: what vertices(), edges() and faces() return.
+template <class Element>
 class HalfedgeMesh::Range {
   public:
-    Range(const HalfedgeMesh& mesh, std::size_t end) noexcept : mesh_(&mesh), end_(end) {}
+    Range(const HalfedgeMesh& mesh, std::size_t end) noexcept : mesh_(&mesh), end_(end) {}  ///< slots [0, end)
+    /// Goes from one live element to the next.
     class Iterator {
       public:
+        /// At the first live element from slot `index` on, before slot `end`.
         Iterator(const HalfedgeMesh& mesh, std::size_t index, std::size_t end) noexcept : mesh_(&mesh), index_(index), end_(end) {
             skip();
         }
-        [[nodiscard]] Element operator*() const noexcept { return Element(index_); }
+        [[nodiscard]] Element operator*() const noexcept { return Element(index_); }  ///< the element
+        /// To the next live element.
         Iterator& operator++() noexcept {
             ++index_;
             skip();
             return *this;
         }
+        /// Whether the iterators differ.
         friend bool operator!=(const Iterator& a, const Iterator& b) noexcept { return a.index_ != b.index_; }
 
       private:
@@ -226,28 +258,33 @@ class HalfedgeMesh::Range {
         const HalfedgeMesh* mesh_;
         std::size_t index_, end_;
     };
-    [[nodiscard]] Iterator begin() const noexcept { return {*mesh_, 0, end_}; }
-    [[nodiscard]] Iterator end() const noexcept { return {*mesh_, end_, end_}; }
+    [[nodiscard]] Iterator begin() const noexcept { return {*mesh_, 0, end_}; }   ///< first live element
+    [[nodiscard]] Iterator end() const noexcept { return {*mesh_, end_, end_}; }  ///< end of the slots
 
   private:
     const HalfedgeMesh* mesh_;
     std::size_t end_;
 };
 
-/// What outgoing() gives.
+/// The half-edges that leave a vertex, against the orientation of the faces: what outgoing() returns.
 class HalfedgeMesh::OneRing {
   public:
+    /// All half-edges that leave from_vertex(first), beginning with `first`.
     OneRing(const HalfedgeMesh& mesh, Halfedge first) noexcept : mesh_(&mesh), first_(first) {}
+    /// Turns around the vertex.
     class Iterator {
       public:
+        /// At `first`, before the turn or after it.
         Iterator(const HalfedgeMesh& mesh, Halfedge first, bool done) noexcept
             : mesh_(&mesh), first_(first), current_(first), done_(done) {}
-        [[nodiscard]] Halfedge operator*() const noexcept { return current_; }
+        [[nodiscard]] Halfedge operator*() const noexcept { return current_; }  ///< the half-edge
+        /// To the next half-edge against the orientation of the faces.
         Iterator& operator++() noexcept {
             current_ = mesh_->next(opposite(current_));
             done_ = current_ == first_;
             return *this;
         }
+        /// Whether one turn is complete and the other is not.
         friend bool operator!=(const Iterator& a, const Iterator& b) noexcept { return a.done_ != b.done_; }
 
       private:
@@ -255,8 +292,8 @@ class HalfedgeMesh::OneRing {
         Halfedge first_, current_;
         bool done_;
     };
-    [[nodiscard]] Iterator begin() const noexcept { return {*mesh_, first_, false}; }
-    [[nodiscard]] Iterator end() const noexcept { return {*mesh_, first_, true}; }
+    [[nodiscard]] Iterator begin() const noexcept { return {*mesh_, first_, false}; }  ///< before the turn
+    [[nodiscard]] Iterator end() const noexcept { return {*mesh_, first_, true}; }     ///< after the turn
 
   private:
     const HalfedgeMesh* mesh_;

@@ -1,4 +1,4 @@
-// hmesh - the members of HalfedgeMesh that are too long to stand in the class. Included by halfedge_mesh.hpp alone.
+// hmesh - the longer member functions of HalfedgeMesh. Included by halfedge_mesh.hpp only.
 #ifndef HMESH_MESH_HALFEDGE_MESH_IPP
 #define HMESH_MESH_HALFEDGE_MESH_IPP
 

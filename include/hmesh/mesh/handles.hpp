@@ -1,5 +1,5 @@
 /// \file
-/// Handles: Vertex, Halfedge, Edge and Face, indices of 4 bytes that do not mix.
+/// Handles: Vertex, Halfedge, Edge and Face, 4-byte indices of different types, so that they cannot be mixed up.
 #ifndef HMESH_MESH_HANDLES_HPP
 #define HMESH_MESH_HANDLES_HPP
 
@@ -10,17 +10,19 @@
 
 namespace hmesh::kit {
 
-/// An index into one kind of element; default-constructed it names none. No implicit conversion, in or out.
+/// The index of an element of one kind. Default-constructed it refers to no element. No implicit conversion, in or out.
 template <class Kind>
 class Handle {
   public:
+    /// Refers to no element.
     constexpr Handle() noexcept = default;
+    /// Refers to the element at this index, below 2^32 - 1.
     constexpr explicit Handle(std::size_t index) noexcept : index_(static_cast<std::uint32_t>(index)) {}
-    [[nodiscard]] constexpr std::size_t index() const noexcept { return index_; }
-    [[nodiscard]] constexpr bool is_valid() const noexcept { return index_ != none; }
-    friend constexpr bool operator==(Handle a, Handle b) noexcept { return a.index_ == b.index_; }
-    friend constexpr bool operator!=(Handle a, Handle b) noexcept { return a.index_ != b.index_; }
-    friend constexpr bool operator<(Handle a, Handle b) noexcept { return a.index_ < b.index_; }
+    [[nodiscard]] constexpr std::size_t index() const noexcept { return index_; }      ///< the index
+    [[nodiscard]] constexpr bool is_valid() const noexcept { return index_ != none; }  ///< whether it refers to an element
+    friend constexpr bool operator==(Handle a, Handle b) noexcept { return a.index_ == b.index_; }  ///< same index
+    friend constexpr bool operator!=(Handle a, Handle b) noexcept { return a.index_ != b.index_; }  ///< other index
+    friend constexpr bool operator<(Handle a, Handle b) noexcept { return a.index_ < b.index_; }    ///< smaller index
 
   private:
     static constexpr std::uint32_t none = 0xffffffffU;
@@ -29,11 +31,11 @@ class Handle {
 
 /// A vertex of a mesh.
 using Vertex = Handle<struct VertexKind>;
-/// One of the two directions of an edge.
+/// A half-edge: one of the two directions of an edge.
 using Halfedge = Handle<struct HalfedgeKind>;
 /// An edge of a mesh: two half-edges.
 using Edge = Handle<struct EdgeKind>;
-/// A triangle of a mesh.
+/// A face (triangle) of a mesh.
 using Face = Handle<struct FaceKind>;
 
 }  // namespace hmesh::kit

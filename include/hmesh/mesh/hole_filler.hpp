@@ -1,22 +1,25 @@
 /// \file
 /// HoleFiller: which triangles fill the hole that a removed vertex leaves.
 ///
-/// The hole is the polygon of the vertex's neighbours. It is filled by ears: a corner, the tip, is cut off with its two
-/// neighbours when they make a triangle of positive area whose circumcircle holds no other corner that is left (O.
-/// Devillers, "On deletion in Delaunay triangulations", 1999, who finds the next ear with a heap; for the usual 6 corners
-/// a search is faster). Every decision is exact on the 1/256 px grid. Knows corners by their number only, so that a stage
-/// may try a removal before it edits any mesh. Cost: about 70 ns for 6 corners, 300 ns for 12, O(k^2) for k.
+/// The hole is the polygon of the removed vertex's neighbours. It is filled by ears: a corner of the polygon, the tip, is cut
+/// off with its two neighbours if the three make a triangle of positive area whose circumcircle holds no other remaining corner
+/// (O. Devillers, "On deletion in Delaunay triangulations", 1999, who finds the next ear with a heap; for the usual 6 corners a
+/// search is faster). Every decision is exact on the 1/256 px grid. Corners are known by number only, so that a stage may try a
+/// removal before it edits any mesh. Cost: about 70 ns for 6 corners, 300 ns for 12, O(k^2) for k.
 ///
-/// Why it never gets stuck. A cut ear is a true one: a corner in its closed triangle, on its diagonal too, would be
-/// strictly inside its circle. So what is left stays a simple polygon, and a simple polygon of 3 corners has an area. If
-/// all sides of the polygon are edges of some Delaunay triangulation of its corners, as after a removal from one, that
-/// triangulation fills the polygon, and of its ears (two at least, not next to each other) none is refused, since the
-/// circles of Delaunay triangles are empty inside; its diagonals are such edges again. Where more than 3 corners lie on a
-/// circle there are several such triangulations and any ear of any of them will do. An ear that was refused stays so until
-/// a neighbour of its tip is cut: it would otherwise, put back together with that cut, be an ear of the fuller polygon. So
-/// one turn and a look back at each cut suffice. In a mesh that is not Delaunay there may be polygons where every ear is
-/// refused: then the first true ear is cut (each simple polygon has two that are not next to each other: G. Meisters,
-/// "Polygons have ears", 1975), and the result is a triangulation all the same.
+/// Why it always ends with a triangulation:
+///
+/// 1. Invariant: what remains is a simple polygon. A corner in the closed triangle of a cut ear, or on its diagonal, would be
+///    strictly inside the ear's circumcircle, so a cut ear is a true ear. A simple polygon of 3 corners has a positive area.
+/// 2. Existence: if all sides of the polygon are edges of some Delaunay triangulation of its corners, as after a removal from
+///    one, that triangulation fills the polygon. None of its ears (at least two that are not adjacent) is refused, since the
+///    circumcircles of Delaunay triangles are empty inside, and the diagonals of these ears are such edges again. Where more
+///    than 3 corners are cocircular there are several such triangulations, and any ear of any of them will do.
+/// 3. Refused ears stay refused until a neighbour of their tip is cut: otherwise, put back together with that cut, the ear
+///    would be an ear of the fuller polygon. So one turn and a look back at each cut suffice.
+/// 4. Fallback: in a mesh that is not Delaunay every ear of a polygon may be refused. Then the first true ear is cut (each
+///    simple polygon has two that are not adjacent: G. Meisters, "Polygons have ears", 1975), and the result is still a
+///    triangulation.
 #ifndef HMESH_MESH_HOLE_FILLER_HPP
 #define HMESH_MESH_HOLE_FILLER_HPP
 
@@ -31,15 +34,17 @@
 
 namespace hmesh::kit {
 
-/// Three corners of the hole, by their numbers in the ring that was given. The ring runs against the orientation of faces:
-/// the face of an ear is (after, tip, before).
+/// A triangle of the filling: three corners of the hole, by their numbers in the ring given to HoleFiller::fill(). The ring
+/// runs against the orientation of faces, so the face of an ear is (after, tip, before).
 struct Ear {
-    int before, tip, after;
+    int before,  ///< the corner before the tip
+        tip,     ///< the corner that is cut off
+        after;   ///< the corner after the tip
 };
 
 namespace detail {
 
-/// The circle through the positively oriented a, b, c, for tests of many points against it: in_circle, expanded around b.
+/// The circle through the positively oriented a, b, c, for tests of many points against it: in_circle(), expanded around b.
 class Circle {
   public:
     Circle(Point a, Point b, Point c) noexcept : a_(a), b_(b), c_(c) {
@@ -68,15 +73,19 @@ class Circle {
 
 }  // namespace detail
 
+/// Finds the triangles that fill the hole of a removed vertex. Keep one object: it keeps its memory.
 class HoleFiller {
   public:
-    /// The `count` - 2 triangles, in the order of cutting, of the polygon position_at(0), ..., position_at(count - 1),
-    /// count >= 3. Flipping the edge from the removed vertex to each tip but the last makes them in turn; the last is what
-    /// is left. The corners follow each other against the orientation of the faces, as in a one-ring; the polygon is simple:
-    /// no side meets another and no corner is there twice (of any other polygon some faces have no area). In an `open` ring,
-    /// around a vertex on the border, the side from the last corner to the first is the border's, and neither is a tip (the
-    /// last triangle has them as `after` and `before`).
-    /// The result holds until the next call; nothing is allocated unless `count` is a new record.
+    /// The `count` - 2 triangles that fill the polygon position_at(0), ..., position_at(count - 1), count >= 3, in the order in
+    /// which they are cut. Flipping the edge from the removed vertex to the tip of each ear but the last makes the triangles in
+    /// turn; the last one is what remains.
+    ///
+    /// The corners follow each other against the orientation of the faces, as in a one-ring. The polygon must be simple: no
+    /// side meets another and no corner occurs twice (otherwise some faces have no area). In an `open` ring, around a boundary
+    /// vertex, the side from the last corner to the first is on the boundary, and neither of the two is a tip (the last
+    /// triangle has them as `after` and `before`).
+    ///
+    /// The result is valid until the next call. Nothing is allocated unless `count` is larger than ever before.
     template <class PositionAt>
     const std::vector<Ear>& fill(int count, PositionAt&& position_at, bool open) {
         HMESH_ASSERT(count >= 3);
@@ -94,7 +103,7 @@ class HoleFiller {
         int number;
     };
 
-    /// `margin` corners at the beginning and as many at the end are no tips.
+    /// Cuts ears of `size` corners. The first `margin` corners and the last `margin` ones are no tips.
     void cut(int size, int margin) {
         Corner* const corners = corners_.data();
         Ear* ear = ears_.data();

@@ -1,5 +1,5 @@
 /// \file
-/// MeshLimits: bounds that keep a mesh sane while it is fitted.
+/// MeshLimits: bounds on faces, positions and colours while a mesh is fitted.
 #ifndef HMESH_MESH_LIMITS_HPP
 #define HMESH_MESH_LIMITS_HPP
 
@@ -9,22 +9,23 @@
 
 namespace hmesh {
 
-/// Bounds that keep a mesh sane.
+/// Bounds on faces, positions and colours while a mesh is fitted.
 struct MeshLimits {
-    /// Least twice the area of a face, in px^2. Slivers that hold no pixel are free for the energy but ugly when enlarged;
-    /// 0.02 costs nothing measurable, 1 costs 0.03 dB (Lena, 1 %).
+    /// Twice the smallest area of a face, in px^2, in [1e-4, 0.25]. Slivers that hold no pixel cost no energy but are ugly when
+    /// enlarged; a bound of 0.02 costs nothing measurable, 1 costs 0.03 dB (Lena, 1 %).
     double min_double_area = 0.02;
-    /// A free vertex keeps this distance from the image's border, in px.
+    /// Smallest distance of a free vertex from the image's border, in px, in [1/256, 1/4].
     double border_gap = 1.0 / 32;
-    /// Colours may leave the pixel type's range while optimising, but not by more than this many ranges. The final colours
-    /// are in range: geometry that counted on others loses up to 0.4 dB then (kodim03 at 1.2), geometry that never may
-    /// leave it gets stuck a little earlier (Lena: 0.03 dB at 0).
+    /// How far colours may leave the pixel type's range while fitting, as a share of that range, in [0, 100]. Final colours are
+    /// in range. A large value costs up to 0.4 dB, because the geometry relied on colours that are then clamped (kodim03 at
+    /// 1.2); 0 makes the fit get stuck a little earlier (0.03 dB, Lena).
     double color_overshoot = 0.02;
-    /// Faces without a pixel leave the colour of their corners undetermined: a pull toward the current colour, in pixels.
+    /// Weight of a vertex's current colour in the choice of a new one, in pixels, in [1e-9, 1]. It determines the colours of
+    /// corners whose faces hold no pixel.
     double ridge = 1e-3;
 };
 
-/// Whether the limits mean something; the sentence names the first that does not.
+/// Whether the limits are in their ranges; otherwise invalid_argument with a sentence about the first that is not.
 [[nodiscard]] inline Status check(const MeshLimits& limits) noexcept {
     return kit::check_ranges({{"limits.min_double_area must be in [1e-4, 0.25] px^2", limits.min_double_area, 1e-4, 0.25},
                               {"limits.border_gap must be in [1/256, 1/4] px", limits.border_gap, 1.0 / 256, 0.25},

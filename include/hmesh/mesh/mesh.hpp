@@ -1,9 +1,9 @@
 /// \file
-/// Mesh, the result as plain arrays, and MeshView, the pointers and counts that exporters and renderers read.
+/// Mesh, a triangle mesh as plain arrays, and MeshView, the pointers and counts that exporters and render() read.
 ///
-/// Vertex i is at (positions[2i], positions[2i + 1]) in the plane of the image it stands for, [0, width] x [0, height], y
-/// down; its colour is colors[C i] .. colors[C i + C - 1] in the image's stored values, `peak` meaning full intensity. Face f
-/// joins faces[f][0..2], positively oriented: clockwise on the screen.
+/// Vertex i is at (positions[2i], positions[2i + 1]) in the plane of the image, [0, width] x [0, height] in px, y down. Its
+/// colour is colors[C i] .. colors[C i + C - 1], in the image's stored values; `peak` is full intensity. Face f joins the
+/// vertices faces[f][0], faces[f][1] and faces[f][2], positively oriented: clockwise on the screen.
 #ifndef HMESH_MESH_MESH_HPP
 #define HMESH_MESH_MESH_HPP
 
@@ -19,44 +19,49 @@
 
 namespace hmesh {
 
-/// The indices of its corners.
+/// A face: the indices of its three vertices.
 using Triangle = std::array<std::uint32_t, 3>;
 
-/// A mesh in somebody else's memory, which outlives the view.
+/// A non-owning view of a mesh, whose arrays must outlive it.
 struct MeshView {
-    const float* positions = nullptr;  ///< 2 a vertex
-    const float* colors = nullptr;     ///< `channels` a vertex
-    const Triangle* faces = nullptr;
-    std::size_t vertex_count = 0, face_count = 0;
-    int channels = 0;
-    int width = 0, height = 0;  ///< px of the image
-    double peak = 0;            ///< the colour value of full intensity
-    /// Of 2 or 4 channels, of which the last is alpha: the others are stored multiplied by alpha / peak. Exporters to formats
-    /// that want straight colours divide by it.
+    const float* positions = nullptr;  ///< x and y of each vertex, in px: 2 * vertex_count numbers
+    const float* colors = nullptr;     ///< colour of each vertex, in stored values: channels * vertex_count numbers
+    const Triangle* faces = nullptr;   ///< the faces: face_count triples of indices
+    std::size_t vertex_count = 0,      ///< number of vertices
+        face_count = 0;                ///< number of faces
+    int channels = 0;                  ///< samples of a colour, 1 to 16; of 2 or 4 the last is alpha
+    int width = 0,                     ///< px of the image
+        height = 0;                    ///< px of the image
+    double peak = 0;                   ///< colour value of full intensity, > 0
+    /// Whether the colours, of 2 or 4 channels, are stored multiplied by alpha / peak. Exporters to formats that want straight
+    /// colours divide by it.
     bool premultiplied = false;
 };
 
-/// A mesh that owns its arrays; all members mean what the view's mean.
+/// A triangle mesh that owns its arrays.
 struct Mesh {
-    std::vector<float> positions;
-    std::vector<float> colors;
-    std::vector<Triangle> faces;
-    int channels = 0;
-    int width = 0, height = 0;
-    double peak = 0;
-    bool premultiplied = false;
+    std::vector<float> positions;  ///< x and y of each vertex, in px
+    std::vector<float> colors;     ///< colour of each vertex, `channels` numbers in stored values
+    std::vector<Triangle> faces;   ///< the three vertices of each face
+    int channels = 0;              ///< samples of a colour, 1 to 16; of 2 or 4 the last is alpha
+    int width = 0,                 ///< px of the image
+        height = 0;                ///< px of the image
+    double peak = 0;               ///< colour value of full intensity, > 0
+    bool premultiplied = false;    ///< whether colours are stored multiplied by alpha / peak
 
+    /// The number of vertices.
     [[nodiscard]] std::size_t vertex_count() const noexcept { return positions.size() / 2; }
+    /// The number of faces.
     [[nodiscard]] std::size_t face_count() const noexcept { return faces.size(); }
-    /// Valid until the arrays change.
+    /// A view of the mesh, valid until its arrays change.
     [[nodiscard]] MeshView view() const noexcept {
         return {positions.data(), colors.data(), faces.data(), vertex_count(), face_count(),
                 channels,         width,         height,       peak,           premultiplied};
     }
 };
 
-/// Whether a view can be drawn and written: it has vertices and faces, 1 to `most_channels` channels, finite numbers, a
-/// positive peak, and every index in range. O(n).
+/// Whether a mesh can be drawn and written: it has vertices and faces, 1 to `most_channels` channels, finite numbers, a
+/// positive peak, and every index in range. Otherwise invalid_argument or not_finite. O(vertices + faces).
 [[nodiscard]] inline Status check(const MeshView& mesh, int most_channels) noexcept {
     if (mesh.vertex_count == 0) return {Errc::invalid_argument, "the mesh has no vertices", 0, 1};
     if (mesh.face_count == 0) return {Errc::invalid_argument, "the mesh has no faces", 0, 1};

@@ -1,10 +1,10 @@
 /// \file
 /// Rasterization: which pixels a face owns, row by row.
 ///
-/// A pixel belongs to the face that holds its centre; a centre on an edge belongs to the face to the right of the edge or, if the
-/// edge is level, below it: the top-left rule of Direct3D, Vulkan and most OpenGL drivers. first_row() and EdgeWalker are the
-/// only place that decides it, for the moments that fit a mesh as for the pictures that are drawn of it, so the spans of a mesh's
-/// faces cover each pixel once.
+/// A pixel belongs to the face that holds its centre; a centre on an edge belongs to the face to the right of the edge or, if
+/// the edge is level, below it: the top-left rule of Direct3D, Vulkan and most OpenGL drivers. Only first_row() and EdgeWalker
+/// decide this, for the moments that fit a mesh as for the pictures drawn of it, so that the spans of a mesh's faces cover each
+/// pixel once.
 #ifndef HMESH_MESH_RASTER_HPP
 #define HMESH_MESH_RASTER_HPP
 
@@ -20,7 +20,8 @@
 
 namespace hmesh::kit {
 
-/// The first row whose centre is not above y, y >= 0: rows [first_row(a.y), first_row(b.y)) are crossed from a down to b.
+/// The first row whose centre is not above y, y >= 0. An edge from a down to b crosses the rows [first_row(a.y),
+/// first_row(b.y)).
 [[nodiscard]] HMESH_ALWAYS_INLINE int first_row(double y) noexcept {
     // ceil(y - 1/2) without a library call: y + 1/2 truncated, less 1 where y is exactly on a centre.
     const double shifted = y + 0.5;
@@ -28,16 +29,18 @@ namespace hmesh::kit {
     return row - (static_cast<double>(row) == shifted ? 1 : 0);
 }
 
-/// The edge from a down to b (a.y < b.y) as columns: column(j) is the first pixel of row j whose centre is not left of it.
-/// The slack of 2^-33 px keeps centres that lie on the edge to its right in spite of rounding (errors stay below 2^-35 for
-/// coordinates below 2^16), and catches no other: on the 1/256 px grid distances along a row from a centre to an edge of d
-/// rows are multiples of 2^-8 / (2^8 d) px, at least 2^-32 px for the longest.
+/// An edge from a down to b, a.y < b.y, as one column a row: column(j) is the first pixel of row j whose centre is not left of
+/// the edge.
+///
+/// A slack of 2^-33 px keeps centres that lie on the edge to its right in spite of rounding (errors stay below 2^-35 px for
+/// coordinates below 2^16) and moves no other centre: on the 1/256 px grid the distance along a row from a centre to an edge of
+/// d rows is a multiple of 2^-8 / (2^8 d) px, at least 2^-32 px for the longest edge.
 class EdgeWalker {
   public:
-    /// Of the edge from a down to b.
+    /// The edge from a down to b, a.y < b.y.
     HMESH_ALWAYS_INLINE EdgeWalker(Point a, Point b) noexcept
         : slope_((b.x - a.x) / (b.y - a.y)), start_y_(a.y - 0.5), start_x_(a.x + (0.5 - 1.0 / 8589934592.0)) {}
-    /// For first_row(a.y) <= j < first_row(b.y).
+    /// The first pixel of row j whose centre is not left of the edge, first_row(a.y) <= j < first_row(b.y).
     [[nodiscard]] HMESH_ALWAYS_INLINE int column(int j) const noexcept {
         return static_cast<int>(start_x_ + (static_cast<double>(j) - start_y_) * slope_);
     }
@@ -46,18 +49,18 @@ class EdgeWalker {
     double slope_, start_y_, start_x_;
 };
 
-/// barycentric() at the centres of the pixels that a face owns. The weights of b and c are held to [0, 1]: a centre can be
-/// outside by the rounding of an edge, which is much for a face of no width. They are divided by the area last: on the 1/256 px
-/// grid everything before is exact, however thin the face.
+/// barycentric() at the centres of the pixels that a face owns. The weights of b and c are clamped to [0, 1]: rounding of an
+/// edge can leave a centre outside, which is much for a face of no width. They are divided by the area last: on the 1/256 px
+/// grid everything before that is exact, however thin the face.
 class PixelBarycentric {
   public:
-    /// Of a face of either orientation; where it has no area, all is a's.
+    /// The face (a, b, c), of either orientation. Where it has no area, a has all the weight.
     HMESH_ALWAYS_INLINE PixelBarycentric(Point a, Point b, Point c) noexcept
         : a_(a), ab_{b.x - a.x, b.y - a.y}, ac_{c.x - a.x, c.y - a.y} {
         const double area = orient2d(a, b, c);
         per_area_ = area != 0 ? 1 / area : 0;
     }
-    /// At the centre of pixel (i, j).
+    /// The barycentric coordinates of the centre of pixel (i, j).
     [[nodiscard]] HMESH_ALWAYS_INLINE Barycentric operator()(int i, int j) const noexcept {
         const double x = i + 0.5 - a_.x, y = j + 0.5 - a_.y;
         const double b = std::max(0.0, std::min(1.0, (x * ac_.y - ac_.x * y) * per_area_));
@@ -70,19 +73,20 @@ class PixelBarycentric {
     double per_area_;
 };
 
-/// What is seen of a picture: rows [first, last), columns [0, width). By default all that there may be.
+/// The part of a picture that is drawn: rows [first, last), columns [0, width). By default everything.
 struct ClipRect {
-    int width = std::numeric_limits<int>::max();
-    int first = 0, last = std::numeric_limits<int>::max();
+    int width = std::numeric_limits<int>::max();  ///< number of columns
+    int first = 0,                                ///< first row
+        last = std::numeric_limits<int>::max();   ///< end of the rows
 
-    /// first_row(y) of y held to the rows seen.
+    /// first_row(y), clamped to [first, last].
     [[nodiscard]] int row(double y) const noexcept {
         return first_row(std::max(static_cast<double>(first), std::min(static_cast<double>(last), y)));
     }
 };
 
-/// Calls body(j, begin, end) for the pixels [begin, end), begin < end, of each row j that the face a, b, c owns, down the rows.
-/// Either orientation will do; columns of corners fit an int.
+/// Calls body(j, begin, end) for each row j, top to bottom, in which the face (a, b, c), of either orientation, owns pixels:
+/// [begin, end), begin < end, clipped. Columns of corners must fit an int.
 template <class Body>
 void for_each_span(Point a, Point b, Point c, const ClipRect& clip, Body&& body) {
     if (b.y < a.y) std::swap(a, b);

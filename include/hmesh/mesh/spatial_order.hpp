@@ -1,8 +1,8 @@
 /// \file
-/// Spatial order: elements along a space-filling curve.
+/// Spatial order: elements sorted along a space-filling curve.
 ///
-/// Loops that visit neighbours in the plane one after another find them in the cache: worth 1.5 times the speed of loops in
-/// order of index or of gain. The curve is Morton's (interleaved bits of x and y); ties go by index. A radix sort, O(n).
+/// A loop that visits neighbours in the plane one after another finds them in the cache: 1.5 times as fast as in order of index
+/// or of gain. The curve is Morton's (interleaved bits of x and y); ties go by index. A radix sort, O(n).
 #ifndef HMESH_MESH_SPATIAL_ORDER_HPP
 #define HMESH_MESH_SPATIAL_ORDER_HPP
 
@@ -33,12 +33,13 @@ namespace detail {
 
 }  // namespace detail
 
-/// The place of p's pixel on the curve. Sides up to 2^16; the border x = 2^16 wraps around, which only costs speed.
+/// The position of p's pixel on the Morton curve, for sides up to 2^16. The border x = 2^16 wraps around, which only costs
+/// speed.
 [[nodiscard]] constexpr std::uint32_t morton_code(Point p) noexcept {
     return detail::spread_bits(static_cast<std::uint32_t>(p.x)) | (detail::spread_bits(static_cast<std::uint32_t>(p.y)) << 1U);
 }
 
-/// The elements of `range` (of `count`), sorted by the code of position(element).
+/// The `count` elements of a range, sorted by the Morton code of position(element).
 template <class Element, class Range, class Position>
 [[nodiscard]] std::vector<Element> in_spatial_order(const Range& range, std::size_t count, Position&& position) {
     struct Item {
@@ -66,8 +67,8 @@ template <class Element, class Range, class Position>
     return elements;
 }
 
-/// Calls body(e) for the edges that come with face f: of the two faces beside an edge, it comes with that of its even
-/// half-edge, or the only one. So a loop over all faces meets each edge once.
+/// Calls body(e) for the edges that belong to face f: an edge belongs to the face of its even half-edge, or to its only face. A
+/// loop over all faces meets each edge once.
 template <class Body>
 HMESH_ALWAYS_INLINE void for_each_edge(const HalfedgeMesh& topology, Face f, Body&& body) {
     Halfedge h = topology.halfedge(f);
@@ -75,11 +76,12 @@ HMESH_ALWAYS_INLINE void for_each_edge(const HalfedgeMesh& topology, Face f, Bod
         if ((h.index() & 1U) == 0 || topology.is_boundary(HalfedgeMesh::opposite(h))) body(HalfedgeMesh::edge(h));
 }
 
-/// The vertices of a mesh whose vertex v is at position(v); neighbors in the list are mostly neighbors in the plane. O(n).
+/// The vertices of a mesh in spatial order, `position` giving their positions: neighbours in the list are mostly neighbours in
+/// the plane. O(n).
 [[nodiscard]] inline std::vector<Vertex> spatial_vertices(const HalfedgeMesh& topology, FunctionRef<Point(Vertex)> position) {
     return in_spatial_order<Vertex>(topology.vertices(), topology.vertex_count(), position);
 }
-/// The faces, by their centroids.
+/// The faces of a mesh in spatial order of their centroids, `position` giving the positions of vertices. O(n).
 [[nodiscard]] inline std::vector<Face> spatial_faces(const HalfedgeMesh& topology, FunctionRef<Point(Vertex)> position) {
     return in_spatial_order<Face>(topology.faces(), topology.face_count(), [&](Face f) {
         const auto v = topology.vertices(f);
@@ -87,7 +89,7 @@ HMESH_ALWAYS_INLINE void for_each_edge(const HalfedgeMesh& topology, Face f, Bod
         return Point{(a.x + b.x + c.x) / 3, (a.y + b.y + c.y) / 3};
     });
 }
-/// Each edge once, face by face.
+/// The edges of a mesh, each once, in the order of spatial_faces(), `position` giving the positions of vertices. O(n).
 [[nodiscard]] inline std::vector<Edge> spatial_edges(const HalfedgeMesh& topology, FunctionRef<Point(Vertex)> position) {
     std::vector<Edge> edges;
     edges.reserve(topology.edge_count());

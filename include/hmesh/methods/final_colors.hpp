@@ -1,7 +1,7 @@
 /// \file
-/// Final colors: the last step of every method, for a mesh in tiles.
+/// Final colors: sampled or bounded colours for all vertices of a tiled mesh, the last step of every recipe.
 ///
-/// About 1 us a vertex, and a moment table of each tile.
+/// Cost: about 1 us a vertex, and one moment table for each tile.
 #ifndef HMESH_METHODS_FINAL_COLORS_HPP
 #define HMESH_METHODS_FINAL_COLORS_HPP
 
@@ -21,8 +21,8 @@
 
 namespace hmesh::kit {
 
-/// Gives all vertices the colours of the image under them (solve/sampled_colors.hpp), rounded to multiples of grid if grid > 0;
-/// its energy is then that of these colours.
+/// Gives all vertices the colours of the image at their positions (solve/sampled_colors.hpp), rounded to multiples of `grid`
+/// where grid > 0, and measures the mesh's energy with them. `tiling`: the pieces of the measurement.
 template <int C>
 HMESH_COLD void sample_colors(TiledMesh<C>& tiled, const Tiling& tiling, double grid) {
     IndexedMesh<C>& mesh = tiled.indexed();
@@ -37,9 +37,10 @@ HMESH_COLD void sample_colors(TiledMesh<C>& tiled, const Tiling& tiling, double 
     tiled.measure(tiling);
 }
 
-/// Gives all vertices the best colours in [low, high] that are multiples of grid if grid > 0 (solve/bounded_colors.hpp). The
-/// energy is then that of these colours. After a cancellation colours go to the nearest that are allowed, no more, and what is
-/// reported is still true of the mesh.
+/// Gives all vertices the colours of least squared error in [low, high] that are multiples of `grid` where grid > 0
+/// (solve/bounded_colors.hpp), and measures the mesh's energy with them. `tiling`: the patches over which sums are taken; the
+/// system is solved for the whole mesh. After a cancellation colours are only clamped and rounded, and the energy is still true
+/// of them.
 template <int C>
 BoundedReport bounded_colors(TiledMesh<C>& tiled, const Tiling& tiling, double low, double high, double grid) {
     BoundedReport report;
@@ -59,7 +60,7 @@ BoundedReport bounded_colors(TiledMesh<C>& tiled, const Tiling& tiling, double l
             detail::sum_face(patch.mesh(), f, corners[h0.index()], corners[h1.index()], corners[h2.index()]);
         }
     });
-    if (tiled.progress().stopped()) std::fill(corners.begin(), corners.end(), CornerSums<C>());  // only ridges pull
+    if (tiled.progress().stopped()) std::fill(corners.begin(), corners.end(), CornerSums<C>());  // only the ridge is left
     const auto system = detail::color_system(topology, corners, mesh.colors, tiled.limits().ridge, tiled.parallel_for());
     report = detail::descend(system, low, high, grid, mesh.colors, [&] { return tiled.progress().poll(); });
     tiled.measure(tiling);

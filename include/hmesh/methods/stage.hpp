@@ -1,5 +1,5 @@
 /// \file
-/// Stages: what recipes are made of, as far as progress and reports go.
+/// Stages: the named steps of a recipe, which progress and reports tell of.
 #ifndef HMESH_METHODS_STAGE_HPP
 #define HMESH_METHODS_STAGE_HPP
 
@@ -14,29 +14,30 @@
 
 namespace hmesh::kit {
 
-/// The status of work that the progress callback stopped.
+/// The status of a recipe that the progress callback cancelled.
 [[nodiscard]] inline Status cancelled_by_callback() noexcept { return {Errc::cancelled, "cancelled by the progress callback"}; }
-/// The status of work that says whether it was finished.
+/// The status ok where `is_finished`, else that of a cancellation.
 [[nodiscard]] inline Status finished_or_cancelled(bool is_finished) noexcept {
     return is_finished ? Status() : cancelled_by_callback();
 }
 
-/// Runs body(), which says whether to go on, as a stage of this static name. Returns whether to go on.
+/// Runs body() as a stage: tells progress of its begin and end, and adds its StageReport. `name` must be a static string; body()
+/// returns whether to go on. Returns whether to go on; false: cancelled.
 template <int C>
 bool run_stage(TiledMesh<C>& tiled, const char* name, FunctionRef<bool()> body) {
     return tiled.progress().begin(name, tiled.vertex_count(), tiled.energy()) && body() &&
            tiled.progress().end(tiled.vertex_count(), tiled.energy());
 }
 
-/// The whole image as one tile: how the paper's methods work.
+/// The tiling of one tile over the whole image, in which the paper's methods and the baselines work.
 template <int C>
 [[nodiscard]] Tiling one_tile(const ImageSource<C>& source) {
     return Tiling(source.width(), source.height(), std::max(source.width(), source.height()));
 }
 
-/// A stage of body(mesh) on the whole mesh at once. Returns whether to go on.
+/// Runs body(mesh) as a stage on the whole mesh as one patch, on the calling thread; see run_stage(). Returns whether to go on.
 template <int C>
-bool run_whole_stage(TiledMesh<C>& tiled, const char* name, typename TiledMesh<C>::MeshWork body) {
+bool run_one_tile_stage(TiledMesh<C>& tiled, const char* name, typename TiledMesh<C>::MeshWork body) {
     return run_stage(tiled, name, [&] {
         tiled.progress().set_range(0, 1);
         return tiled.for_each(one_tile(tiled.source()), [&](Patch<C>& patch, std::size_t) { body(patch.mesh()); });

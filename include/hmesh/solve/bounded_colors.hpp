@@ -1,9 +1,12 @@
 /// \file
-/// Bounded colors: the best colours that a pixel type can hold, in its range and on its grid.
+/// Bounded colors: the vertex colours of least squared error among those that a pixel type can hold, in its range and on its
+/// grid.
 ///
-/// The squared error is quadratic in the colours (optimal_colors.hpp). Clamping and rounding its minimum would lose more than
-/// this descent: each vertex makes up for what its neighbours could not do. ridge (c - c_now)^2 is added for each vertex, so that
-/// vertices without pixels keep their colour. 0.6 us a vertex at 3 channels.
+/// The squared error is quadratic in the colours (solve/optimal_colors.hpp). Clamping and rounding its unconstrained minimum
+/// would lose more than the coordinate descent here, in which each vertex makes up for what the bounds and the grid cost its
+/// neighbours. ridge (c - c_now)^2 is added for each vertex, so that vertices without pixels keep their colour.
+///
+/// Cost: 0.6 us a vertex at 3 channels.
 #ifndef HMESH_SOLVE_BOUNDED_COLORS_HPP
 #define HMESH_SOLVE_BOUNDED_COLORS_HPP
 
@@ -21,24 +24,28 @@
 #include "hmesh/core/macros/push.hpp"
 
 namespace hmesh::kit {
-/// Converged: without a grid, the last sweep changed nothing that matters; with one, no channel of any vertex can be
-/// changed by itself, to whatever value is allowed, and lower the error (ridge included).
+/// The report of bounded_colors().
 struct BoundedReport {
-    int sweeps = 0, rounding_sweeps = 0;
+    int sweeps = 0;           ///< over all vertices, without the grid; at most 20
+    int rounding_sweeps = 0;  ///< over the grid; at most 10
+    /// Without a grid: the last sweep changed no channel by more than 1e-7 of the largest. With a grid: no channel of any vertex
+    /// can be changed by itself, to whatever allowed value, and lower the error (ridge included).
     bool converged = false;
 };
 
 namespace detail {
 
-/// The energy with ridge as a function of single colours.
+/// The energy with ridge as a function of the colours; rows are the mesh's vertices in the order of topology().vertices().
 template <int C>
 struct ColorSystem {
-    SymmetricMatrix gram;
-    std::vector<Color<C>> rhs, anchor;  ///< K I^T, and the colours that ridge pulls to
-    std::vector<double> inverse;        ///< 1 / (diagonal + ridge)
-    double ridge = 0;
+    SymmetricMatrix gram;          ///< K K^T
+    std::vector<Color<C>> rhs;     ///< K I^T
+    std::vector<Color<C>> anchor;  ///< the colours that ridge favours: those at the start
+    std::vector<double> inverse;   ///< 1 / (diagonal + ridge); 0 where that is not positive
+    double ridge = 0;              ///< in pixels, see MeshLimits
 
-    /// Calls update(c, step) for each vertex in turn: c is its colour, c + step the best one while the others stay.
+    /// Calls update(c, step) for each vertex in turn: c is the vertex's colour, c + step the best one for it while the others
+    /// stay.
     template <class Update>
     void sweep(std::vector<Color<C>>& colors, Update&& update) const {
         const int* const starts = gram.starts.data();
@@ -54,20 +61,22 @@ struct ColorSystem {
     }
 };
 
-/// The multiples of `grid` in [low, high] as the range of their factors.
+/// The multiples of a grid step in [low, high], as the range [first, last] of their integer factors.
 struct GridRange {
     double grid, first, last;
+    /// The multiples of `step` > 0 in [low, high]; first > last: there are none.
     GridRange(double low, double high, double step) noexcept
         : grid(step), first(std::ceil(low / step)), last(std::floor(high / step)) {
         if (first * grid < low) first += 1;  // the division may have rounded the wrong way
         if (last * grid > high) last -= 1;
     }
+    /// The multiple nearest to `value`, held to the range.
     [[nodiscard]] double nearest(double value) const noexcept {
         return std::max(first, std::min(last, std::floor(value / grid + 0.5))) * grid;
     }
 };
 
-/// The system of a mesh with this topology and these corners (solve/fit/squared_error.hpp); colours go by row.
+/// The system of a mesh with this topology and these corner sums (fit/squared_error.hpp); `colors`, one a row, become the anchor.
 template <int C>
 [[nodiscard]] ColorSystem<C> color_system(const HalfedgeMesh& topology, const std::vector<CornerSums<C>>& corners,
                                           const std::vector<Color<C>>& colors, double ridge, const ParallelFor& parallel_for) {
@@ -89,20 +98,20 @@ template <int C>
     return system;
 }
 
-/// Takes colours that lie in [low, high] to the best there, see bounded_colors; before each sweep but the one that puts them
-/// on the grid, go_on() is asked.
+/// The descent of bounded_colors(): improves `colors`, which lie in [low, high], one a row. Asks go_on() before each sweep but
+/// the one that puts the colours on the grid.
 template <int C>
 BoundedReport descend(const ColorSystem<C>& system, double low, double high, double grid, std::vector<Color<C>>& colors,
                       FunctionRef<bool()> go_on) {
     HMESH_ASSERT(low <= high && grid >= 0);
-    constexpr int most_sweeps = 20, most_rounding_sweeps = 10;
+    constexpr int max_sweeps = 20, max_rounding_sweeps = 10;
     double scale = 0;
     for (const Color<C>& c : colors)
         for (int k = 0; k < C; ++k) scale = std::max(scale, std::abs(c[k]));
 
     BoundedReport report;
-    const double least = grid > 0 ? grid / 16 : 1e-7 * scale;
-    while (report.sweeps < most_sweeps && !report.converged && go_on()) {
+    const double max_change = grid > 0 ? grid / 16 : 1e-7 * scale;
+    while (report.sweeps < max_sweeps && !report.converged && go_on()) {
         double largest = 0;
         system.sweep(colors, [&](Color<C>& c, const Color<C>& step) {
             Color<C> next = c + step;
@@ -111,7 +120,7 @@ BoundedReport descend(const ColorSystem<C>& system, double low, double high, dou
             c = next;
         });
         ++report.sweeps;
-        report.converged = largest <= least;
+        report.converged = largest <= max_change;
     }
 
     if (grid > 0) {
@@ -120,11 +129,11 @@ BoundedReport descend(const ColorSystem<C>& system, double low, double high, dou
         system.sweep(colors, [&](Color<C>& c, const Color<C>& step) {
             for (int k = 0; k < C; ++k) c.set(k, range.nearest(c[k] + step[k]));
         });
-        // The nearest multiple is the best one, since the error along one colour is a parabola. Steps of half the grid
-        // are ties: left alone, or rounding could trade two colours to and fro.
+        // The nearest multiple is the best one, since the error along one channel is a parabola. Steps of half the grid
+        // are ties and not taken, or rounding could move two colours back and forth.
         const double half = grid * (0.5 + 1e-9);
         report.converged = false;
-        while (report.rounding_sweeps < most_rounding_sweeps && !report.converged && go_on()) {
+        while (report.rounding_sweeps < max_rounding_sweeps && !report.converged && go_on()) {
             bool changed = false;
             system.sweep(colors, [&](Color<C>& c, const Color<C>& step) {
                 for (int k = 0; k < C; ++k) {
@@ -143,9 +152,10 @@ BoundedReport descend(const ColorSystem<C>& system, double low, double high, dou
 
 }  // namespace detail
 
-/// Gives all vertices colours in [low, high], which may be infinite, that are multiples of grid if grid > 0 (one must be
-/// in the range). By coordinate descent (projected Gauss-Seidel) from the current colours: first without the grid, then
-/// onto it, vertex by vertex, then over the grid while that lowers the error.
+/// Gives all vertices colours in [low, high], stored values whose bounds may be infinite; where grid > 0, colours become
+/// multiples of it, of which one must lie in the range. Coordinate descent (projected Gauss-Seidel) from the current colours:
+/// first without the grid; then onto the grid, vertex by vertex; then over the grid as long as that lowers the error. 0.6 us a
+/// vertex at 3 channels.
 template <int C>
 BoundedReport bounded_colors(ImageMesh<C>& mesh, double low, double high, double grid, const ParallelFor& parallel_for = {}) {
     std::vector<Color<C>> colors;

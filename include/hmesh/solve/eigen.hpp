@@ -1,10 +1,12 @@
 /// \file
-/// The linear algebra of a mesh as Eigen's matrices: K itself, the normal equations, and PCG over them.
+/// The linear algebra of a mesh in Eigen's matrices: K itself, the normal equations, and PCG over them.
 ///
-/// The paper's sparse matrix K, n_v by n_p, serves tests and what wants to see single pixels; V K is the pixels' positions P
-/// exactly. About 20 ns a pixel and 40 bytes of memory. All else here converts what solve/normal_equations.hpp and solve/pcg.hpp
-/// have in plain arrays. Rows are the mesh's vertices, row r the r-th of topology().vertices(); columns of K are the pixels of
-/// the table's rectangle, row after row.
+/// K is the paper's sparse matrix of barycentric coordinates, n_v by n_p; it is the reference for tests, and for programs that
+/// want to see single pixels. V K are the pixels' positions P exactly. All else here converts the plain arrays of
+/// solve/normal_equations.hpp and solve/pcg.hpp. Rows are the mesh's vertices, row r the r-th of topology().vertices(); columns
+/// of K are the pixels of the table's rectangle, row after row.
+///
+/// Cost of K: about 20 ns and 40 bytes a pixel.
 #ifndef HMESH_SOLVE_EIGEN_HPP
 #define HMESH_SOLVE_EIGEN_HPP
 
@@ -32,7 +34,7 @@
 
 namespace hmesh::kit {
 
-/// The same numbers in Eigen's types and back.
+/// The symmetric matrix in Eigen's compressed storage, both triangles stored.
 [[nodiscard]] inline Eigen::SparseMatrix<double> to_eigen(const SymmetricMatrix& from) {
     const auto n = static_cast<Eigen::Index>(from.size());
     Eigen::SparseMatrix<double> to(n, n);
@@ -42,10 +44,12 @@ namespace hmesh::kit {
     std::copy(from.values.begin(), from.values.end(), to.valuePtr());
     return to;
 }
+/// The dense matrix in Eigen's type.
 [[nodiscard]] inline Eigen::MatrixXd to_eigen(const DenseMatrix& from) {
     return Eigen::Map<const Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>>(
         from.values.data(), static_cast<Eigen::Index>(from.rows), static_cast<Eigen::Index>(from.columns));
 }
+/// An Eigen matrix that is symmetric, with both triangles stored, as plain arrays.
 [[nodiscard]] inline SymmetricMatrix from_eigen(Eigen::SparseMatrix<double> from) {
     from.makeCompressed();
     SymmetricMatrix to;
@@ -54,6 +58,7 @@ namespace hmesh::kit {
     to.values.assign(from.valuePtr(), from.valuePtr() + from.nonZeros());
     return to;
 }
+/// A dense Eigen matrix as a plain array.
 [[nodiscard]] inline DenseMatrix from_eigen(const Eigen::MatrixXd& from) {
     DenseMatrix to(static_cast<std::size_t>(from.rows()), static_cast<std::size_t>(from.cols()));
     for (std::size_t i = 0; i < to.rows; ++i)
@@ -61,7 +66,7 @@ namespace hmesh::kit {
     return to;
 }
 
-/// V: n_v by 2, where the vertices are.
+/// V: n_v by 2, the positions of the vertices in px.
 template <int C>
 [[nodiscard]] Eigen::MatrixXd position_matrix(const ImageMesh<C>& mesh) {
     Eigen::MatrixXd positions(static_cast<Eigen::Index>(mesh.vertex_count()), 2);
@@ -69,7 +74,7 @@ template <int C>
     for (const Vertex v : mesh.topology().vertices()) positions.row(row++) << mesh.position(v).x, mesh.position(v).y;
     return positions;
 }
-/// I(V): n_v by C, their colours.
+/// I(V): n_v by C, the colours of the vertices in stored values.
 template <int C>
 [[nodiscard]] Eigen::MatrixXd color_matrix(const ImageMesh<C>& mesh) {
     Eigen::MatrixXd colors(static_cast<Eigen::Index>(mesh.vertex_count()), C);
@@ -81,7 +86,7 @@ template <int C>
     return colors;
 }
 
-/// Gives all vertices these colours, n_v by C: what color_matrix() reads.
+/// Gives all vertices the colours in the rows of `colors`, n_v by C, as color_matrix() returns them; the energy follows.
 template <int C>
 void set_colors(ImageMesh<C>& mesh, const Eigen::MatrixXd& colors, const ParallelFor& parallel_for = {}) {
     HMESH_ASSERT(colors.rows() == static_cast<Eigen::Index>(mesh.vertex_count()) && colors.cols() == C);
@@ -94,8 +99,9 @@ void set_colors(ImageMesh<C>& mesh, const Eigen::MatrixXd& colors, const Paralle
     mesh.set_colors(by_slot, parallel_for);
 }
 
-/// K: n_v by n_p, columns of 3 entries (some may be 0) that sum to 1. Faces are independent pieces of work, because each
-/// pixel has one owner. The mesh must tile its rectangle, as check() proves.
+/// K: n_v by n_p, the barycentric coordinates of pixel p's centre in column p: 3 entries, of which some may be 0, with sum 1.
+/// Faces are independent pieces of work, because each pixel belongs to one face. The mesh must tile its rectangle, as
+/// ImageMesh::check() proves.
 template <int C>
 [[nodiscard]] Eigen::SparseMatrix<double> barycentric_matrix(const ImageMesh<C>& mesh, const ParallelFor& parallel_for = {}) {
     const HalfedgeMesh& topology = mesh.topology();
@@ -108,7 +114,7 @@ template <int C>
         for (std::size_t f = first; f < last; ++f) {
             if (topology.is_deleted(Face(f))) continue;
             std::array<Vertex, 3> v = topology.vertices(Face(f));
-            if (v[1] < v[0]) std::swap(v[0], v[1]);  // rows rise down a column; the weights do not mind
+            if (v[1] < v[0]) std::swap(v[0], v[1]);  // rows rise down a column; the weights are found for this order
             if (v[2] < v[1]) std::swap(v[1], v[2]);
             if (v[1] < v[0]) std::swap(v[0], v[1]);
             const Point a = mesh.position(v[0]), b = mesh.position(v[1]), c = mesh.position(v[2]);
@@ -127,38 +133,41 @@ template <int C>
     return matrix;
 }
 
-/// K K^T, see normal_matrix(): from the corners of the mesh with this topology, or from the mesh.
+/// K K^T, n_v by n_v, of a mesh with this topology and these corner sums: normal_matrix().
 template <int C>
 [[nodiscard]] Eigen::SparseMatrix<double> gram_matrix(const HalfedgeMesh& topology, const std::vector<CornerSums<C>>& corners,
                                                       const ParallelFor& parallel_for = {}) {
     return to_eigen(normal_matrix(topology, corners, parallel_for));
 }
+/// K K^T of a mesh, n_v by n_v.
 template <int C>
 [[nodiscard]] Eigen::SparseMatrix<double> gram_matrix(const ImageMesh<C>& mesh, const ParallelFor& parallel_for = {}) {
     return gram_matrix(mesh.topology(), corner_sums(mesh, parallel_for), parallel_for);
 }
-/// K I^T, see image_sums().
+/// K I^T, n_v by C, of a mesh with this topology and these corner sums: image_sums().
 template <int C>
 [[nodiscard]] Eigen::MatrixXd image_rhs(const HalfedgeMesh& topology, const std::vector<CornerSums<C>>& corners,
                                         const ParallelFor& parallel_for = {}) {
     return to_eigen(image_sums(topology, corners, parallel_for));
 }
+/// K I^T of a mesh, n_v by C.
 template <int C>
 [[nodiscard]] Eigen::MatrixXd image_rhs(const ImageMesh<C>& mesh, const ParallelFor& parallel_for = {}) {
     return image_rhs(mesh.topology(), corner_sums(mesh, parallel_for), parallel_for);
 }
-/// K P^T, see position_sums().
+/// K P^T, n_v by 2, of a mesh with this topology and these corner sums: position_sums().
 template <int C>
 [[nodiscard]] Eigen::MatrixXd position_rhs(const HalfedgeMesh& topology, const std::vector<CornerSums<C>>& corners,
                                            const ParallelFor& parallel_for = {}) {
     return to_eigen(position_sums(topology, corners, parallel_for));
 }
+/// K P^T of a mesh, n_v by 2.
 template <int C>
 [[nodiscard]] Eigen::MatrixXd position_rhs(const ImageMesh<C>& mesh, const ParallelFor& parallel_for = {}) {
     return position_rhs(mesh.topology(), corner_sums(mesh, parallel_for), parallel_for);
 }
 
-/// solve_pcg() of solve/pcg.hpp over Eigen's matrices, which are copied.
+/// Solves A X = B for Eigen's matrices, which are copied; contract and report are those of solve_pcg() in solve/pcg.hpp.
 inline PcgReport solve_pcg(const Eigen::SparseMatrix<double>& a, const Eigen::MatrixXd& b, Eigen::MatrixXd& x,
                            const PcgOptions& options = {}, const std::vector<HeldEntry>& held = {}) {
     DenseMatrix solution = from_eigen(x);

@@ -1,18 +1,20 @@
 /// \file
-/// Linear light: vertex colours for renderers that interpolate light, not stored values.
+/// Linear light: vertex colours for renderers that interpolate linear light, not stored values.
 ///
-/// A picture drawn in linear light has in each pixel the stored value peak * e(sum of lambda_v l_v): l_v the light of vertex v
-/// as a share of the full one, lambda_v its barycentric weights, e the sRGB encoding. A mesh fitted between stored values
-/// looks different there: inside faces light is brighter. fit_linear_light() finds the l_v with the least squared error in
-/// stored values, the geometry staying. With r the residual of a pixel the Gauss-Newton step d solves, for each channel,
+/// A renderer that interpolates linear light shows in each pixel the stored value peak * e(sum over v of lambda_v l_v), where
+/// l_v in [0, 1] is the linear light of vertex v, lambda_v are the pixel's barycentric coordinates, and e is the sRGB encoding.
+/// A mesh whose colours were fitted for interpolation between stored values looks brighter inside faces there.
+/// fit_linear_light() finds the l_v of least squared error in stored values; the geometry stays. With r the residual of a pixel,
+/// the Gauss-Newton step d solves, for each channel,
 ///
 ///     sum of e'^2 lambda_v lambda_w d_w  =  - sum of e' r lambda_v
 ///
-/// over the mesh's edges. It is halved until the error falls. Lights stay in [0, 1]: those that lie on a bound and would
-/// leave it are held in the system (Bertsekas 1982), others are cut off at it. Alpha is not encoded: e is the identity there.
+/// with a sparse matrix of one entry for each vertex and edge. The step is halved until the error falls. Lights stay in [0, 1]:
+/// those on a bound whose step would leave it are held in the system (Bertsekas 1982), the others are clamped. Alpha is not
+/// encoded: e is the identity for it.
 ///
-/// Cost: about 35 ns a pixel and channel for each step, for the measure before the first and for that of rounded colours, some
-/// 5 in all. Memory: about 0.5 KB a vertex, with one channel at work at a time.
+/// Cost: about 35 ns a pixel and channel for each evaluation of the error: one at the start, one or more a step, one for rounded
+/// colours; some 5 in all. Memory: about 0.5 KB a vertex, since channels are fitted one after the other.
 #ifndef HMESH_SOLVE_LINEAR_LIGHT_HPP
 #define HMESH_SOLVE_LINEAR_LIGHT_HPP
 
@@ -44,37 +46,37 @@
 
 namespace hmesh {
 
-/// Options of fit_linear_light()
+/// Options of fit_linear_light().
 struct LinearLightOptions {
-    int iterations = 6;  ///< Gauss-Newton steps at most, >= 0; 0 measures only
-    /// A channel is done when a step lowers its error by less than this share: 1e-4 is 4e-4 dB.
-    double least_gain = 1e-4;
-    double ridge = MeshLimits().ridge;  ///< pixels, as MeshLimits has it
-    double grid = 0;                    ///< colours become multiples of it, in stored values; 0: any
-    ImageView<float, 1> weights;        ///< see image/weights.hpp; none: all pixels count the same
+    int iterations = 6;  ///< Gauss-Newton steps a channel at most, >= 0; 0 only measures the error
+    /// A channel is done when a step lowers its error by this share of it or less; 1e-4 is 4e-4 dB.
+    double min_gain = 1e-4;
+    double ridge = MeshLimits().ridge;  ///< weight of the current colour against a step, in pixels; see MeshLimits::ridge
+    double grid = 0;                    ///< colours become multiples of this, in stored values; 0: any value
+    ImageView<float, 1> weights;        ///< per-pixel weights >= 0 of the image's size (Options::weights); empty: all 1
 };
 
-/// What it came to.
+/// The report of fit_linear_light(). Energies are sums of squared differences in stored values over pixels and channels, times
+/// the weights where there are any, for a renderer that interpolates linear light.
 struct [[nodiscard]] LinearLightReport {
-    /// Sums of squared differences in stored values over pixels and channels, times weights: of the colours as they came,
-    /// and as they are now. The latter is never the larger.
-    double converted = 0, energy = 0;
-    int iterations = 0;         ///< steps taken, those of the channel that took most
-    int solver_iterations = 0;  ///< of all
-    double residual = 0;        ///< the largest of a solve, relative to its right-hand side
-    double psnr = 0;            ///< dB, of `energy`, as Report has it
-    Status status;
+    double converted = 0;       ///< energy with the colours that the mesh came with, held to [0, peak] and to the grid
+    double energy = 0;          ///< energy with the colours that the mesh has now; at most `converted`
+    int iterations = 0;         ///< Gauss-Newton steps of the channel that took most
+    int solver_iterations = 0;  ///< iterations of conjugate gradients, over all steps and channels
+    double residual = 0;        ///< the largest residual of a linear system, relative to its right-hand side
+    double psnr = 0;            ///< dB, of `energy`, the MSE being the mean over pixels (by weight) and channels
+    Status status;              ///< not ok: the mesh is as it was, all figures are 0
 };
 
 namespace kit::detail {
 
-/// One channel of a mesh as light: stored shares of the peak, rounded to float as the mesh has them, and what they decode to.
+/// One channel of all vertices.
 struct ChannelLight {
-    std::vector<float> stored;
-    std::vector<double> light;
+    std::vector<float> stored;  ///< stored values, in [0, peak]
+    std::vector<double> light;  ///< the linear light that they decode to, in [0, 1]; for alpha the share of the peak
 };
 
-/// The error and the Gauss-Newton system of one channel after the other.
+/// The error of a mesh against an image, and its Gauss-Newton system, for one channel k at a time.
 template <class T, int C>
 class LinearLight {
   public:
@@ -83,14 +85,14 @@ class LinearLight {
         : mesh_(mesh), topology_(topology), view_(view), options_(options), parallel_for_(parallel_for),
           scale_(weight_unit(options.weights, parallel_for), view.width, view.height), corners_(2 * topology.edge_slots()) {}
 
-    /// The colours of channel k as they may be: in [0, peak] and on the grid.
+    /// Channel k of the mesh's colours, held to [0, peak] and to the grid.
     [[nodiscard]] ChannelLight start(std::size_t k) const {
         ChannelLight out;
         for (std::size_t v = 0; v < mesh_.vertex_count(); ++v)
             add(out, k, static_cast<double>(mesh_.colors[C * v + k]), options_.grid);
         return out;
     }
-    /// The light `step` times `direction` further on, cut off at 0 and 1.
+    /// Channel k with the lights `step` times `direction` further on, clamped to [0, 1].
     [[nodiscard]] ChannelLight moved(const ChannelLight& from, std::size_t k, const DenseMatrix& direction, double step) const {
         ChannelLight out;
         for (std::size_t v = 0; v < from.light.size(); ++v) {
@@ -99,14 +101,14 @@ class LinearLight {
         }
         return out;
     }
-    /// Put on the grid.
+    /// Channel k with stored values rounded to the grid.
     [[nodiscard]] ChannelLight rounded(const ChannelLight& from, std::size_t k) const {
         ChannelLight out;
         for (const float stored : from.stored) add(out, k, static_cast<double>(stored), options_.grid);
         return out;
     }
 
-    /// The error, in squared shares of the peak. Leaves the sums of the faces for direction().
+    /// The error of channel k, in squared shares of the peak. Leaves the sums of the faces for direction().
     [[nodiscard]] double measure(const ChannelLight& at, std::size_t k) {
         return ordered_sum(parallel_for_, mesh_.faces.size(), 256, [&](std::size_t begin, std::size_t end) {
             double sum = 0;
@@ -114,7 +116,7 @@ class LinearLight {
             return sum;
         });
     }
-    /// The Gauss-Newton step from where measure() was called last.
+    /// Solves for the Gauss-Newton step `out`, n_v by 1, from `at`, for which measure() must have been called last.
     [[nodiscard]] PcgReport direction(const ChannelLight& at, std::size_t k, DenseMatrix& out) const {
         SymmetricMatrix matrix = normal_matrix(topology_, corners_, parallel_for_);
         const DenseMatrix rhs = image_sums(topology_, corners_, parallel_for_);
@@ -127,7 +129,7 @@ class LinearLight {
         }
         out = DenseMatrix(rhs.rows, 1);
         PcgOptions exactness;
-        exactness.tolerance = 1e-6;  // steps are inexact by what the encoding is not linear
+        exactness.tolerance = 1e-6;  // the encoding's curvature makes steps less exact than this
         return solve_pcg(matrix, rhs, out, exactness, held);
     }
 
@@ -137,6 +139,7 @@ class LinearLight {
         return is_encoded(k) ? linear_to_srgb(light) : light;
     }
 
+    /// Appends a vertex with this stored value, held to [0, peak] and, where grid > 0, to the grid.
     void add(ChannelLight& to, std::size_t k, double stored, double grid) const {
         stored = std::max(0.0, std::min(mesh_.peak, stored));
         if (grid > 0) stored = GridRange(0, mesh_.peak, grid).nearest(stored);
@@ -145,6 +148,7 @@ class LinearLight {
         to.light.push_back(is_encoded(k) ? srgb_to_linear(share) : share);
     }
 
+    /// The error of face f, in squared shares of the peak; its sums go to corners_.
     template <bool encoded>
     [[nodiscard]] double face(const ChannelLight& at, std::size_t f, std::size_t k) {
         const std::array<Vertex, 3> v = topology_.vertices(Face(f));
@@ -152,11 +156,11 @@ class LinearLight {
         const PixelBarycentric weights_at(a, b, c);
         const double per_peak = 1 / mesh_.peak;
         const double la = at.light[v[0].index()], lb = at.light[v[1].index()] - la, lc = at.light[v[2].index()] - la;
-        // A face of one colour shows that very colour. Stored values are compared, not shares: they are exact, and stay so where
-        // the processor keeps more digits of some products than of others.
+        // A face of one colour shows exactly that colour. Stored values are compared, not shares of the peak: these are exact,
+        // also where the processor keeps more digits of some products than of others.
         const bool is_plain = lb == 0 && lc == 0;
         const auto plain = static_cast<double>(at.stored[v[0].index()]);
-        double energy = 0, s00 = 0, s11 = 0, s22 = 0, s01 = 0, s12 = 0, s20 = 0, p0 = 0, p1 = 0, p2 = 0;
+        double energy = 0, s00 = 0, s11 = 0, s22 = 0, s01 = 0, s12 = 0, s20 = 0, rhs0 = 0, rhs1 = 0, rhs2 = 0;
         for_each_span(a, b, c, {}, [&](int j, int begin, int end) {
             const T* sample = view_.pixel(begin, j) + k;
             const float* weights = options_.weights.data != nullptr ? options_.weights.pixel(begin, j) : nullptr;
@@ -168,7 +172,7 @@ class LinearLight {
                 const double shown = is_plain ? plain : share * mesh_.peak;
                 const double difference = (shown - PixelTraits<T>::to_real(*sample)) * per_peak;
                 const double weight = weights != nullptr ? scale_(weights[i - begin]) : 1;
-                const double square = weight * slope * slope, pull = -weight * slope * difference;
+                const double square = weight * slope * slope, rhs = -weight * slope * difference;
                 energy += weight * difference * difference;
                 const double qa = square * w.a, qb = square * w.b, qc = square * w.c;
                 s00 += qa * w.a;
@@ -177,22 +181,22 @@ class LinearLight {
                 s01 += qa * w.b;
                 s12 += qb * w.c;
                 s20 += qc * w.a;
-                p0 += pull * w.a;
-                p1 += pull * w.b;
-                p2 += pull * w.c;
+                rhs0 += rhs * w.a;
+                rhs1 += rhs * w.b;
+                rhs2 += rhs * w.c;
             }
         });
-        const auto sums = [](double square, double coupling, double pull) {
+        const auto sums = [](double square, double coupling, double rhs) {
             CornerSums<1> out;
             out.square = square;
             out.coupling = coupling;
-            out.image.set(0, pull);
+            out.image.set(0, rhs);
             return out;
         };
         const Halfedge h0 = topology_.halfedge(Face(f)), h1 = topology_.next(h0), h2 = topology_.next(h1);
-        corners_[h0.index()] = sums(s00, s01, p0);
-        corners_[h1.index()] = sums(s11, s12, p1);
-        corners_[h2.index()] = sums(s22, s20, p2);
+        corners_[h0.index()] = sums(s00, s01, rhs0);
+        corners_[h1.index()] = sums(s11, s12, rhs1);
+        corners_[h2.index()] = sums(s22, s20, rhs2);
         return energy;
     }
 
@@ -202,10 +206,11 @@ class LinearLight {
     const LinearLightOptions& options_;
     ParallelFor parallel_for_;
     WeightScale scale_;
-    std::vector<CornerSums<1>> corners_;  ///< of the last measure(); `image` is - e' r lambda
+    std::vector<CornerSums<1>> corners_;  ///< of the last measure(); `image` holds sums of - e' r lambda
 };
 
-/// Whether the mesh is one of the image: what for_each_span asks for, and each pixel's owner in reach.
+/// Whether the mesh fits the image: channels, size, arrays of one length, positions inside, faces of positive area; so that
+/// for_each_span() stays within the image. Fills `topology` with the mesh's connectivity.
 template <int C, class T>
 [[nodiscard]] Status check_fit(const Mesh& mesh, const ImageView<T, C>& view, HalfedgeMesh& topology) {
     if (mesh.channels != C) return {Errc::invalid_argument, "the mesh has not the image's number of channels", mesh.channels, C};
@@ -230,13 +235,18 @@ template <int C, class T>
 
 }  // namespace kit::detail
 
-/// Gives the mesh the colours with the least squared error to the image in stored values, as seen through interpolation in
-/// linear light; they stay stored values, in [0, peak]. Starts from those that it has, which are held to that range first, as
-/// files of linear light do; so are values of the picture drawn, while the image may have any. The error falls or stays.
-/// Before each step `go_on(share of the work done)` is asked, until it says no; what is reported is true of the mesh in any case.
-//
-/// Status: invalid_argument where the mesh is not one of this image, is premultiplied, or has a vertex without a face; the mesh
-/// is then as it was. The view and the weights are such as check(), check_finite() and check_weights() accept.
+/// Fits the colours of a finished mesh for renderers that interpolate linear light: those of least squared error to the image in
+/// stored values. Call it after mesh_image() and before write_glb(), say: renderers of glTF interpolate linear light.
+/// Positions and faces stay. Colours remain stored values, in [0, peak]; the current ones, held to that range, are the start,
+/// and the error never rises.
+///
+/// `view`: the image that was meshed, of the mesh's size and channels; `view` and `options.weights` must be such as check(),
+/// check_finite() and check_weights() accept. `go_on(share)`, where given, is called before each step with the share of the work
+/// done, in [0, 1); false stops the fit, and the report is still true of the mesh.
+///
+/// Status: Errc::invalid_argument, with the mesh unchanged, where the mesh is not one of this image (channels, size, a position
+/// outside, a face without positive area), is premultiplied, or has a vertex without a face. About 35 ns a pixel and channel for
+/// each of some 5 passes; 0.5 KB a vertex.
 template <class T, int C>
 LinearLightReport fit_linear_light(Mesh& mesh, const ImageView<T, C>& view, const LinearLightOptions& options = {},
                                    const ParallelFor& parallel_for = {}, FunctionRef<bool(double share)> go_on = {}) {
@@ -266,7 +276,7 @@ LinearLightReport fit_linear_light(Mesh& mesh, const ImageView<T, C>& view, cons
                 ChannelLight next = scene.moved(now, k, direction, step);
                 const double after = scene.measure(next, k);
                 if (!(after < energy)) continue;
-                gains = energy - after > options.least_gain * energy;
+                gains = energy - after > options.min_gain * energy;
                 now = std::move(next);
                 energy = after;
                 ++steps;

@@ -1,10 +1,12 @@
 /// \file
-/// The normal equations of all vertices at once: K K^T, K I^T and K P^T, sparse and symmetric.
+/// Normal equations of all vertices at once: K K^T, sparse and symmetric, and the right-hand sides K I^T and K P^T.
 ///
-/// Column p of the paper's matrix K holds the barycentric coordinates of pixel p's centre in the face that owns it, so the
-/// picture that a mesh shows is I(V) K (section 3). K K^T and its right-hand sides are never multiplied out: they follow from the
-/// moments of the faces, corner by corner. Rows are the mesh's vertices, row r the r-th of topology().vertices(). 0.4 us a
-/// vertex, whatever the number of pixels. Plain arrays: solve/eigen.hpp gives them as Eigen's matrices, and K itself.
+/// Column p of the paper's matrix K holds the barycentric coordinates of pixel p's centre in the face that the pixel belongs to,
+/// so the picture that a mesh shows is I(V) K (section 3). K K^T and the right-hand sides are never multiplied out: they follow
+/// from the moments of the faces, corner by corner. Rows are the mesh's vertices, row r the r-th of topology().vertices().
+/// Matrices are plain arrays; solve/eigen.hpp converts them to Eigen's, and has K itself.
+///
+/// Cost: 0.4 us a vertex, whatever the number of pixels.
 #ifndef HMESH_SOLVE_NORMAL_EQUATIONS_HPP
 #define HMESH_SOLVE_NORMAL_EQUATIONS_HPP
 
@@ -20,13 +22,14 @@
 
 namespace hmesh::kit {
 
-/// A symmetric matrix of n rows, row after row, with both triangles stored: row i has the entries [starts[i], starts[i + 1]) of
-/// `columns`, rising, and `values`.
+/// A sparse symmetric matrix of n rows in compressed row storage, both triangles stored: row i has the entries
+/// [starts[i], starts[i + 1]) of `columns`, which rise, and of `values`.
 struct SymmetricMatrix {
-    std::vector<int> starts{0};
-    std::vector<int> columns;
-    std::vector<double> values;
+    std::vector<int> starts{0};  ///< n + 1 offsets
+    std::vector<int> columns;    ///< of each entry
+    std::vector<double> values;  ///< of each entry
 
+    /// The number of rows, which is that of columns.
     [[nodiscard]] std::size_t size() const noexcept { return starts.size() - 1; }
     /// The value on the diagonal of row i, 0 where none is stored.
     [[nodiscard]] double diagonal(std::size_t i) const noexcept {
@@ -44,20 +47,23 @@ struct SymmetricMatrix {
     }
 };
 
-/// A matrix of rows * columns numbers, row after row.
+/// A dense matrix in row-major order.
 struct DenseMatrix {
     std::size_t rows = 0, columns = 0;
-    std::vector<double> values;
+    std::vector<double> values;  ///< rows * columns numbers, row after row
 
+    /// The empty matrix.
     DenseMatrix() = default;
-    /// All 0.
+    /// A matrix of zeros.
     DenseMatrix(std::size_t row_count, std::size_t column_count)
         : rows(row_count), columns(column_count), values(row_count * column_count, 0.0) {}
+    /// The entry at a row and column, unchecked.
     [[nodiscard]] double& operator()(std::size_t row, std::size_t column) noexcept { return values[row * columns + column]; }
+    /// The entry at a row and column, unchecked.
     [[nodiscard]] double operator()(std::size_t row, std::size_t column) const noexcept { return values[row * columns + column]; }
 };
 
-/// The row of each vertex, by slot; -1 for deleted slots.
+/// The row of each vertex in the matrices, indexed by the vertex's slot; -1 for deleted slots.
 [[nodiscard]] inline std::vector<int> vertex_rows(const HalfedgeMesh& topology) {
     std::vector<int> rows(topology.vertex_slots(), -1);
     int row = 0;
@@ -67,7 +73,7 @@ struct DenseMatrix {
 
 namespace detail {
 
-/// The corners of face f, the first being that which topology().halfedge(f) leaves.
+/// The corner sums of face f; out0 is the corner that topology().halfedge(f) leaves, then follow those of its next half-edges.
 template <int C>
 void sum_face(const ImageMesh<C>& mesh, Face f, CornerSums<C>& out0, CornerSums<C>& out1, CornerSums<C>& out2) {
     const auto v = mesh.topology().vertices(f);
@@ -76,7 +82,7 @@ void sum_face(const ImageMesh<C>& mesh, Face f, CornerSums<C>& out0, CornerSums<
     sum_corners(m, mesh.position(v[0]), mesh.position(v[1]), mesh.position(v[2]), out0, out1, out2);
 }
 
-/// Calls body(v) for all live vertices, in pieces.
+/// Calls body(v) for all live vertices, in chunks of 1024 slots as pieces of work.
 template <class Body>
 void for_each_vertex(const HalfedgeMesh& topology, const ParallelFor& parallel_for, Body&& body) {
     for_each_chunk(parallel_for, topology.vertex_slots(), 1024, [&](std::size_t begin, std::size_t end) {
@@ -85,7 +91,7 @@ void for_each_vertex(const HalfedgeMesh& topology, const ParallelFor& parallel_f
     });
 }
 
-/// Calls body(v) for all live vertices, in pieces.
+/// Calls body(v) for all live vertices, in chunks of 1024 slots as pieces of work; compiled once.
 inline void for_each_vertex(const HalfedgeMesh& topology, const ParallelFor& parallel_for, FunctionRef<void(Vertex)> body) {
     for_each_chunk(parallel_for, topology.vertex_slots(), 1024, [&](std::size_t begin, std::size_t end) {
         for (std::size_t v = begin; v < end; ++v)
@@ -104,7 +110,7 @@ void write_colors(ImageMesh<C>& mesh, const std::vector<Color<C>>& colors, const
 
 }  // namespace detail
 
-/// The corners of all faces, by the index of their half-edge; zero at half-edges without a face.
+/// The corner sums of all faces, indexed by the half-edge that leaves the corner; zero for half-edges without a face.
 template <int C>
 [[nodiscard]] std::vector<CornerSums<C>> corner_sums(const ImageMesh<C>& mesh, const ParallelFor& parallel_for = {}) {
     const HalfedgeMesh& topology = mesh.topology();
@@ -119,8 +125,8 @@ template <int C>
     return corners;
 }
 
-/// K K^T of a mesh with this topology and these corners: n_v by n_v, symmetric to the bit; an entry for each vertex and each edge
-/// either way, even where no pixel makes it differ from 0.
+/// K K^T, n_v by n_v, of a mesh with this topology and these corner sums. Symmetric to the bit; one entry for each vertex and
+/// two for each edge, also where no pixel makes them differ from 0.
 template <int C>
 [[nodiscard]] SymmetricMatrix normal_matrix(const HalfedgeMesh& topology, const std::vector<CornerSums<C>>& corners,
                                             const ParallelFor& parallel_for = {}) {
@@ -155,7 +161,7 @@ template <int C>
     return matrix;
 }
 
-/// K I^T: n_v by C, where I is C by n_p, the image.
+/// K I^T, n_v by C, of a mesh with this topology and these corner sums; I, C by n_p, is the image.
 template <int C>
 [[nodiscard]] DenseMatrix image_sums(const HalfedgeMesh& topology, const std::vector<CornerSums<C>>& corners,
                                      const ParallelFor& parallel_for = {}) {
@@ -169,7 +175,7 @@ template <int C>
     return sums;
 }
 
-/// K P^T: n_v by 2, where P is 2 by n_p, the centres of the pixels.
+/// K P^T, n_v by 2, of a mesh with this topology and these corner sums; P, 2 by n_p, are the centres of the pixels.
 template <int C>
 [[nodiscard]] DenseMatrix position_sums(const HalfedgeMesh& topology, const std::vector<CornerSums<C>>& corners,
                                         const ParallelFor& parallel_for = {}) {

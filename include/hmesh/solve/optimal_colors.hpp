@@ -1,9 +1,11 @@
 /// \file
-/// Optimal colors: the colours of all vertices at once that fit the picture best, for geometry that stays.
+/// Optimal colors: the vertex colours of least squared error for given positions and faces.
 ///
 /// The squared error is quadratic in the colours: c' K K^T c - 2 c' K I^T + |I|^2 for each channel. optimal_colors() solves for
 /// its minimum by conjugate gradients; ridge (c - c_now)^2 is added for each vertex, so that vertices without pixels keep their
-/// colour. 1 to 1.5 us a vertex at 3 channels.
+/// colour. solve/bounded_colors.hpp finds the best colours that a pixel type can hold.
+///
+/// Cost: 1 to 1.5 us a vertex at 3 channels.
 #ifndef HMESH_SOLVE_OPTIMAL_COLORS_HPP
 #define HMESH_SOLVE_OPTIMAL_COLORS_HPP
 
@@ -19,8 +21,8 @@
 
 namespace hmesh::kit {
 
-/// Gives all vertices the colours with the least squared error, held to the mesh's [color_low, color_high]. Outside a
-/// transaction.
+/// Gives all vertices the colours of least squared error, then clamps these to the mesh's [color_low(), color_high()], which may
+/// raise the error again. Must not be called within a transaction. Returns the solver's report.
 template <int C>
 PcgReport optimal_colors(ImageMesh<C>& mesh, const PcgOptions& options = {}, const ParallelFor& parallel_for = {}) {
     const double ridge = mesh.limits().ridge;

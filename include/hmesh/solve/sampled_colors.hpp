@@ -1,9 +1,9 @@
 /// \file
-/// Sampling: vertex colours read from the image, as Adams, Xie and the paper's section 1 have them.
+/// Sampled colors: vertex colours read from the image, as in the methods of Adams and of Xie and in section 1 of the paper.
 ///
-/// A vertex takes the colour of the image at its place: that of the pixel where it is on a pixel's centre, else between the four
-/// nearest, bilinear. Places beyond the outermost centres take the nearest pixel's. Optimal colours (solve/bounded_colors.hpp)
-/// are 0.3 to 1.4 dB better on the meshes of the former two, for a few microseconds a vertex.
+/// A vertex takes the colour of the image at its position: of the pixel if it lies on a pixel's centre, else bilinear between
+/// the four nearest centres. Positions beyond the outermost centres take the colour of the nearest point between these. Optimal
+/// colours (solve/bounded_colors.hpp) are 0.3 to 1.4 dB better on the meshes of Adams and Xie, for a few microseconds a vertex.
 #ifndef HMESH_SOLVE_SAMPLED_COLORS_HPP
 #define HMESH_SOLVE_SAMPLED_COLORS_HPP
 
@@ -21,7 +21,7 @@
 
 namespace hmesh::kit {
 
-/// The colour at p in [0, width] x [0, height] of an image whose pixels are pixel(x, y).
+/// The colour at p, in px, in [0, width] x [0, height], of an image whose pixels are pixel(x, y); bilinear.
 template <int C, class Pixel>
 [[nodiscard]] HMESH_ALWAYS_INLINE Color<C> sampled_color(int width, int height, Point p, Pixel&& pixel) {
     const double x = std::max(0.0, std::min(width - 1.0, p.x - 0.5)), y = std::max(0.0, std::min(height - 1.0, p.y - 0.5));
@@ -33,6 +33,7 @@ template <int C, class Pixel>
     const Color<C> below = pixel(left, low) * (1 - right_share) + pixel(right, low) * right_share;
     return above * (1 - low_share) + below * low_share;
 }
+/// The colour at p, in px of the table's rectangle, of the image that the table was made from; bilinear.
 template <int C>
 [[nodiscard]] HMESH_ALWAYS_INLINE Color<C> sampled_color(const MomentTable<C>& table, Point p) {
     return sampled_color<C>(table.width(), table.height(), p, [&](int x, int y) {
@@ -42,7 +43,7 @@ template <int C>
     });
 }
 
-/// Gives all vertices the colours under them.
+/// Gives all vertices the colours of the image at their positions. The energy of the mesh follows.
 template <int C>
 void sample_colors(ImageMesh<C>& mesh, const ParallelFor& parallel_for = {}) {
     std::vector<Color<C>> colors(mesh.topology().vertex_slots(), Color<C>::zero());

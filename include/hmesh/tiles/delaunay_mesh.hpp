@@ -1,5 +1,5 @@
 /// \file
-/// delaunay_mesh(): a Delaunay triangulation as a mesh of an image, which is how many methods begin.
+/// delaunay_mesh(): a Delaunay triangulation as a mesh of an image, the start of many methods. O(n).
 #ifndef HMESH_TILES_DELAUNAY_MESH_HPP
 #define HMESH_TILES_DELAUNAY_MESH_HPP
 
@@ -13,8 +13,9 @@
 
 namespace hmesh::kit {
 
-/// The triangulation of the image's rectangle, in the colours of the pixels under its vertices; vertices and faces are in the
-/// order of its topology(). The energy is not known: ImageMesh::assign() and TiledMesh::measure() find it. O(n).
+/// The mesh of a Delaunay triangulation of the image's rectangle, with the colours of the pixels under the vertices; vertices
+/// and faces are in the order of delaunay.topology(). The energy is not computed: ImageMesh::assign() and TiledMesh::measure()
+/// do that. O(n).
 template <int C>
 [[nodiscard]] HMESH_COLD IndexedMesh<C> delaunay_mesh(const ImageSource<C>& source, const Delaunay& delaunay) {
     HMESH_ASSERT(delaunay.width() == source.width() && delaunay.height() == source.height());

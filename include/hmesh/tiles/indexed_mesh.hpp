@@ -1,8 +1,8 @@
 /// \file
-/// IndexedMesh: a mesh of any size between two phases of work, as arrays of vertices and an index list.
+/// IndexedMesh: a mesh of any size between two phases of work, as arrays of vertices and an index list of faces.
 ///
-/// Work happens in patches (tiles/patch.hpp), which have half-edges, moments and energies of their own; what remains in
-/// between is this: about 100 bytes a vertex, and nothing a pixel.
+/// Work happens in patches (tiles/patch.hpp), which have half-edges, moments and energies of their own. Between phases only the
+/// IndexedMesh exists: about 100 bytes a vertex, and nothing for each pixel.
 #ifndef HMESH_TILES_INDEXED_MESH_HPP
 #define HMESH_TILES_INDEXED_MESH_HPP
 
@@ -12,7 +12,6 @@
 
 #include "hmesh/core/compiler.hpp"
 #include "hmesh/core/status.hpp"
-#include "hmesh/fit/image_mesh.hpp"
 #include "hmesh/fit/image_source.hpp"
 #include "hmesh/fit/squared_error.hpp"
 #include "hmesh/mesh/halfedge_mesh.hpp"
@@ -22,18 +21,21 @@
 
 namespace hmesh::kit {
 
+/// A mesh of an image of C channels; positions, colors and dirty have one entry for each vertex.
 template <int C>
 struct IndexedMesh {
-    int width = 0, height = 0;     ///< px of the image; the faces tile [0, width] x [0, height]
-    std::vector<Point> positions;  ///< on the 1/256 px grid
-    std::vector<Color<C>> colors;
+    int width = 0, height = 0;         ///< px of the image; the faces tile [0, width] x [0, height]
+    std::vector<Point> positions;      ///< px, y down, on the 1/256 px grid
+    std::vector<Color<C>> colors;      ///< stored values
     std::vector<unsigned char> dirty;  ///< not 0: surroundings changed since the vertex was last optimised
-    std::vector<Triangle> faces;
-    double energy = 0;  ///< as of the last phase of work
+    std::vector<Triangle> faces;       ///< indices of vertices, each face turning like (0, 0), (1, 0), (0, 1)
+    double energy = 0;                 ///< squared error over pixels and channels, as of the last phase of work
 
+    /// The number of vertices.
     [[nodiscard]] std::size_t vertex_count() const noexcept { return positions.size(); }
+    /// The energy per vertex, the unit of all tolerances.
     [[nodiscard]] double mean_energy() const noexcept { return energy / static_cast<double>(vertex_count()); }
-    /// A vertex that is due.
+    /// Appends a vertex and marks it dirty.
     void add(Point position, const Color<C>& color) {
         positions.push_back(position);
         colors.push_back(color);
@@ -41,8 +43,8 @@ struct IndexedMesh {
     }
 };
 
-/// Proves that the mesh is one: arrays of one length, vertices on the grid, triangles that turn the right way, meet edge to
-/// edge without T-junctions, and tile the image. O(n log n).
+/// Checks that the mesh is valid: arrays of one length, vertices on the 1/256 px grid, faces that have positive area, meet edge
+/// to edge without T-junctions, and tile the image. Errc::invalid_argument with the index of what is wrong. O(n log n).
 template <int C>
 [[nodiscard]] Status check(const IndexedMesh<C>& mesh) {
     const auto fail = [](const char* what, std::size_t where) -> Status {
@@ -56,8 +58,8 @@ template <int C>
         if (snap(mesh.positions[i]) != mesh.positions[i]) return fail("a vertex is off the grid", i);
     double area = 0;
     for (std::size_t t = 0; t < mesh.faces.size(); ++t) {
-        const Triangle& triangle = mesh.faces[t];
-        const double twice = orient2d(mesh.positions[triangle[0]], mesh.positions[triangle[1]], mesh.positions[triangle[2]]);
+        const Triangle& face = mesh.faces[t];
+        const double twice = orient2d(mesh.positions[face[0]], mesh.positions[face[1]], mesh.positions[face[2]]);
         if (!(twice > 0)) return fail("a face is flipped or has no area", t);
         area += twice;
     }
@@ -73,7 +75,8 @@ template <int C>
     return {};
 }
 
-/// The rectangle of an image as two faces, in the colours of its corners: where a method begins, and what a cancellation finds.
+/// The mesh of two faces over the image's rectangle, with the colours of the corner pixels: the mesh that methods begin with,
+/// and that is returned when they are cancelled before they have a better one. Its energy is not computed.
 template <int C>
 [[nodiscard]] HMESH_COLD IndexedMesh<C> corner_mesh(const ImageSource<C>& source) {
     IndexedMesh<C> mesh;
@@ -85,23 +88,7 @@ template <int C>
     return mesh;
 }
 
-/// A mesh at work as arrays, vertices and faces in the order of its topology(): ImageMesh::assign() takes the arrays back. Of a mesh
-/// that is no patch.
-template <int C>
-[[nodiscard]] HMESH_COLD IndexedMesh<C> to_indexed_mesh(const ImageMesh<C>& from) {
-    IndexedMesh<C> to;
-    to.width = from.width();
-    to.height = from.height();
-    for (const Vertex v : from.topology().vertices()) {
-        to.add(from.position(v), from.color(v));
-        to.dirty.back() = from.is_dirty(v) ? 1 : 0;
-    }
-    to.faces = from.topology().triangles();
-    to.energy = from.energy();
-    return to;
-}
-
-/// As plain arrays, the result of all work. `peak`: the colour value of full intensity.
+/// The mesh as plain float arrays, the result of mesh_image(). `peak`: the stored value of full intensity.
 template <int C>
 [[nodiscard]] HMESH_COLD Mesh to_mesh(const IndexedMesh<C>& from, double peak) {
     Mesh to;
@@ -119,9 +106,9 @@ template <int C>
     to.faces = from.faces;
     return to;
 }
-
-/// From plain arrays, to go on working on a mesh; its energy is not known. Empty where the mesh has not C channels or its arrays
-/// are not of one number of vertices; whether it tiles its image is for check() to say.
+/// The mesh as an IndexedMesh, for further work on it; all vertices are dirty, the energy is not computed. Returns an empty mesh
+/// where `from` does not have C channels or its arrays differ in their number of vertices; whether it tiles its image is for
+/// check() to say.
 template <int C>
 [[nodiscard]] IndexedMesh<C> to_indexed_mesh(const Mesh& from) {
     IndexedMesh<C> to;

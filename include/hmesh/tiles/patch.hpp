@@ -1,14 +1,16 @@
 /// \file
-/// Patches: cut a mesh into tiles, work on each by itself, put them together again.
+/// Patches: parts of a mesh, one for each tile, that are worked on independently and then put together again.
 ///
-/// A patch is the part of the mesh whose triangles have their centroid in one tile, as an ImageMesh with local coordinates
-/// and a moment table of its own bounding box: about 3 MB at 256 px, so it stays in cache, and sums stay small, so no image
-/// is too wide. A vertex is free in a patch when all its triangles are in it; the others are frozen. So patches share
-/// nothing that changes and may be worked on in any order, on any number of threads, with the same result to the last bit.
-/// Phases shift the tiling by half a tile, so that every vertex is free in turn.
+/// A patch is the part of the mesh whose faces have their centroid in one tile, as an ImageMesh with local coordinates and a
+/// moment table of its own bounding box. The table takes about 3 MB for a tile of 256 px, so it stays in cache; its sums stay
+/// small, so no image is too wide. A vertex is free in a patch if all its faces belong to the patch; the others are locked.
+/// Patches share nothing that changes, so they may be worked on in any order and on any number of threads, with the same result
+/// to the last bit. Phases shift the tiling by half a tile, so that every vertex is free in turn.
 ///
-/// A patch may have holes, several components, and frozen vertices where two fans of it meet: those it holds once a fan.
-/// Cutting and putting back costs about 1 us a vertex and the table 5 ns a pixel.
+/// A patch may have holes and several components. A locked vertex in which two or more fans of the patch's faces meet is held
+/// once for each fan.
+///
+/// Cost: cutting and putting back about 1 us a vertex, the table 5 ns a pixel.
 #ifndef HMESH_TILES_PATCH_HPP
 #define HMESH_TILES_PATCH_HPP
 
@@ -35,88 +37,89 @@ namespace hmesh::kit {
 
 namespace detail {
 
-/// Which triangles each tile has, and in which tile each vertex is free.
+/// A cut of a mesh along a tiling: which faces each tile has, and in which tile each vertex is free.
 struct Cut {
-    static constexpr std::uint32_t locked = 0xffffffffU;
-    std::vector<std::uint32_t> triangles;  ///< those of tile k: [first[k], first[k + 1])
-    std::vector<std::size_t> first;
-    std::vector<std::uint32_t> owner;           ///< of a vertex: the tile where it is free, or frozen
-    std::vector<std::uint32_t> number;          ///< of a vertex: its number among those free in its tile, or among the frozen
-    std::vector<std::uint16_t> triangle_count;  ///< of a vertex, in the whole mesh
-    std::vector<std::size_t> free_count;        ///< of a tile
-    std::size_t frozen_count = 0;
+    static constexpr std::uint32_t locked = 0xffffffffU;  ///< the owner of vertices that are free in no tile
+    std::vector<std::uint32_t> faces;       ///< faces of the mesh by tile; those of tile k at [first[k], first[k + 1])
+    std::vector<std::size_t> first;         ///< one more entry than tiles
+    std::vector<std::uint32_t> owner;       ///< of each vertex: the tile where it is free, or `locked`
+    std::vector<std::uint32_t> number;      ///< of each vertex: its place among the free ones of its tile or the locked
+    std::vector<std::uint16_t> face_count;  ///< of each vertex: its faces in the mesh
+    std::vector<std::size_t> free_count;    ///< of each tile: the vertices that are free in it
+    std::size_t locked_count = 0;           ///< vertices that are free in no tile
 };
 
+/// Cuts a mesh along a tiling. O(faces).
 template <int C>
-[[nodiscard]] HMESH_COLD Cut cut(const IndexedMesh<C>& whole, const Tiling& tiling) {
+[[nodiscard]] HMESH_COLD Cut cut(const IndexedMesh<C>& indexed, const Tiling& tiling) {
     constexpr std::uint32_t none = 0xfffffffeU;
-    const std::size_t n = whole.vertex_count();
+    const std::size_t n = indexed.vertex_count();
     Cut cut;
-    std::vector<std::uint32_t> tile(whole.faces.size());
+    std::vector<std::uint32_t> tile(indexed.faces.size());
     cut.first.assign(tiling.size() + 1, 0);
     cut.owner.assign(n, none);
-    cut.triangle_count.assign(n, 0);
-    for (std::size_t t = 0; t < whole.faces.size(); ++t) {
+    cut.face_count.assign(n, 0);
+    for (std::size_t t = 0; t < indexed.faces.size(); ++t) {
         double x = 0, y = 0;
-        for (const std::uint32_t v : whole.faces[t]) x += whole.positions[v].x, y += whole.positions[v].y;
+        for (const std::uint32_t v : indexed.faces[t]) x += indexed.positions[v].x, y += indexed.positions[v].y;
         tile[t] = static_cast<std::uint32_t>(tiling.tile_at({x / 3, y / 3}));
         ++cut.first[tile[t] + 1];
-        for (const std::uint32_t v : whole.faces[t]) {
-            ++cut.triangle_count[v];
+        for (const std::uint32_t v : indexed.faces[t]) {
+            ++cut.face_count[v];
             cut.owner[v] = cut.owner[v] == none || cut.owner[v] == tile[t] ? tile[t] : Cut::locked;
         }
     }
     for (std::size_t k = 0; k < tiling.size(); ++k) cut.first[k + 1] += cut.first[k];
-    cut.triangles.resize(whole.faces.size());
+    cut.faces.resize(indexed.faces.size());
     std::vector<std::size_t> at(cut.first.begin(), cut.first.end() - 1);
-    for (std::size_t t = 0; t < tile.size(); ++t) cut.triangles[at[tile[t]]++] = static_cast<std::uint32_t>(t);
+    for (std::size_t t = 0; t < tile.size(); ++t) cut.faces[at[tile[t]]++] = static_cast<std::uint32_t>(t);
     cut.number.resize(n);
     cut.free_count.assign(tiling.size(), 0);
     for (std::size_t v = 0; v < n; ++v)
         cut.number[v] =
-            static_cast<std::uint32_t>(cut.owner[v] == Cut::locked ? cut.frozen_count++ : cut.free_count[cut.owner[v]]++);
+            static_cast<std::uint32_t>(cut.owner[v] == Cut::locked ? cut.locked_count++ : cut.free_count[cut.owner[v]]++);
     return cut;
 }
 
-/// A tile's triangles with vertices numbered anew: first those that are free, by Cut::number, then the frozen ones, once for
-/// each fan of triangles around them.
-struct PatchTriangles {
-    struct Frozen {
-        std::uint32_t vertex;  ///< of the whole mesh
-        int triangle_count;    ///< of this fan
+/// The faces of a tile with vertices numbered for its patch: first the free ones, by Cut::number, then the locked ones, once for
+/// each fan of the tile's faces around them.
+struct PatchFaces {
+    /// A locked vertex with one fan of faces.
+    struct Locked {
+        std::uint32_t vertex;  ///< in the indexed mesh
+        int face_count;        ///< faces of this fan
     };
-    std::vector<Triangle> triangles;
-    std::vector<Frozen> locked;
+    std::vector<Triangle> faces;  ///< in the order of Cut::faces
+    std::vector<Locked> locked;   ///< vertices after the free ones
 };
 
+/// Numbers the vertices of a tile's faces for its patch. O(faces of the tile log locked corners), and the square of the faces
+/// around each locked vertex.
 template <int C>
-[[nodiscard]] HMESH_COLD PatchTriangles renumber(const IndexedMesh<C>& whole, const Cut& cut, std::size_t tile) {
-    PatchTriangles patch;
-    struct Corner {  // of a triangle, in a frozen vertex
-        std::uint32_t vertex, triangle, corner;
-        std::uint32_t next, previous;  // the triangle's other vertices
-        std::uint32_t fan;             // the corner of the group that stands for its fan
+[[nodiscard]] HMESH_COLD PatchFaces renumber(const IndexedMesh<C>& indexed, const Cut& cut, std::size_t tile) {
+    PatchFaces patch;
+    struct Corner {  // of a face, at a locked vertex
+        std::uint32_t vertex, face, corner;
+        std::uint32_t next, previous;  // the face's other vertices
+        std::uint32_t fan;             // the first corner of the vertex that is known to be of the same fan
     };
     std::vector<Corner> corners;
-    patch.triangles.reserve(cut.first[tile + 1] - cut.first[tile]);
+    patch.faces.reserve(cut.first[tile + 1] - cut.first[tile]);
     for (std::size_t k = cut.first[tile]; k < cut.first[tile + 1]; ++k) {
-        const Triangle& t = whole.faces[cut.triangles[k]];
+        const Triangle& t = indexed.faces[cut.faces[k]];
         Triangle local{};
         for (std::uint32_t c = 0; c < 3; ++c) {
             if (cut.owner[t[c]] != Cut::locked) local[c] = cut.number[t[c]];
-            else
-                corners.push_back(
-                    {t[c], static_cast<std::uint32_t>(patch.triangles.size()), c, t[(c + 1) % 3], t[(c + 2) % 3], 0});
+            else corners.push_back({t[c], static_cast<std::uint32_t>(patch.faces.size()), c, t[(c + 1) % 3], t[(c + 2) % 3], 0});
         }
-        patch.triangles.push_back(local);
+        patch.faces.push_back(local);
     }
-    std::sort(corners.begin(), corners.end(), [](const Corner& a, const Corner& b) {
-        return a.vertex != b.vertex ? a.vertex < b.vertex : a.triangle < b.triangle;
-    });
-    const auto first_frozen = static_cast<std::uint32_t>(cut.free_count[tile]);
+    std::sort(corners.begin(), corners.end(),
+              [](const Corner& a, const Corner& b) { return a.vertex != b.vertex ? a.vertex < b.vertex : a.face < b.face; });
+    const auto first_locked = static_cast<std::uint32_t>(cut.free_count[tile]);
     for (std::size_t begin = 0, end = 0; begin < corners.size(); begin = end) {
         while (end < corners.size() && corners[end].vertex == corners[begin].vertex) ++end;
-        // Triangles that share a side in this vertex are of one fan: the least corner of a fan spreads over it.
+        // Faces that share an edge at this vertex are of one fan: the first corner of a fan spreads over it.
         for (std::size_t i = begin; i < end; ++i) corners[i].fan = static_cast<std::uint32_t>(i);
         for (bool changed = true; changed;) {
             changed = false;
@@ -130,73 +133,75 @@ template <int C>
         std::size_t known = patch.locked.size();
         for (std::size_t i = begin; i < end; ++i) {
             if (corners[i].fan == i) patch.locked.push_back({corners[i].vertex, 0});
-            std::size_t id = known;  // fans are numbered by their least corner
+            std::size_t id = known;  // fans are numbered by their first corner
             for (std::size_t k = begin; k < corners[i].fan; ++k) id += corners[k].fan == k ? 1U : 0U;
-            ++patch.locked[id].triangle_count;
-            patch.triangles[corners[i].triangle][corners[i].corner] = first_frozen + static_cast<std::uint32_t>(id);
+            ++patch.locked[id].face_count;
+            patch.faces[corners[i].face][corners[i].corner] = first_locked + static_cast<std::uint32_t>(id);
         }
     }
     return patch;
 }
 
-/// What becomes of a patch, in the plane of the whole image.
+/// A patch after work, in the coordinates of the whole image, ready to be merged.
 template <int C>
 struct PatchResult {
-    std::vector<Point> positions;  ///< of free vertices
-    std::vector<Color<C>> colors;
-    std::vector<unsigned char> dirty;
-    std::vector<Triangle> triangles;    ///< free vertices by their place above, frozen ones after them
-    std::vector<std::uint32_t> locked;  ///< of the whole mesh, may repeat
-    std::vector<std::uint32_t> locked_dirty;
-    double energy = 0;
+    std::vector<Point> positions;             ///< of the free vertices, px of the image
+    std::vector<Color<C>> colors;             ///< of the free vertices
+    std::vector<unsigned char> dirty;         ///< of the free vertices, as in IndexedMesh
+    std::vector<Triangle> faces;              ///< indices of free vertices, then of `locked`
+    std::vector<std::uint32_t> locked;        ///< locked vertices by their index in the cut mesh; may repeat
+    std::vector<std::uint32_t> locked_dirty;  ///< those that are dirty, by their index in the cut mesh
+    double energy = 0;                        ///< of the patch's faces
 };
 
-/// A tile's part of the whole that nobody worked on. Its energy is not known.
+/// The result of a tile that was not worked on. Its energy is not known.
 template <int C>
-[[nodiscard]] HMESH_COLD PatchResult<C> unchanged(const IndexedMesh<C>& whole, const Cut& cut, std::size_t tile) {
+[[nodiscard]] HMESH_COLD PatchResult<C> unchanged(const IndexedMesh<C>& indexed, const Cut& cut, std::size_t tile) {
     PatchResult<C> out;
     out.positions.resize(cut.free_count[tile]);
     out.colors.resize(cut.free_count[tile]);
     out.dirty.resize(cut.free_count[tile]);
     for (std::size_t k = cut.first[tile]; k < cut.first[tile + 1]; ++k) {
-        Triangle t = whole.faces[cut.triangles[k]];
+        Triangle t = indexed.faces[cut.faces[k]];
         for (std::uint32_t& v : t) {
             const std::uint32_t number = cut.number[v];
             if (cut.owner[v] == Cut::locked) {
                 out.locked.push_back(v);
-                if (whole.dirty[v] != 0) out.locked_dirty.push_back(v);
+                if (indexed.dirty[v] != 0) out.locked_dirty.push_back(v);
                 v = static_cast<std::uint32_t>(cut.free_count[tile] + out.locked.size() - 1);
                 continue;
             }
-            out.positions[number] = whole.positions[v];
-            out.colors[number] = whole.colors[v];
-            out.dirty[number] = whole.dirty[v];
+            out.positions[number] = indexed.positions[v];
+            out.colors[number] = indexed.colors[v];
+            out.dirty[number] = indexed.dirty[v];
             v = number;
         }
-        out.triangles.push_back(t);
+        out.faces.push_back(t);
     }
     return out;
 }
 
 }  // namespace detail
 
-/// A tile's part of a whole mesh, as an ImageMesh over a table of its own.
+/// The part of a mesh that belongs to one tile, as an ImageMesh over a moment table of its own.
 template <int C>
 class Patch {
   public:
-    /// `table`: a table to use if it is that of the patch's rectangle; it is taken.
-    HMESH_COLD Patch(const IndexedMesh<C>& whole, const ImageSource<C>& source, const detail::Cut& cut, std::size_t tile,
+    /// Makes the patch of tile number `tile` of a cut of the mesh. `task` is told of work on the patch and asked whether to go
+    /// on; nullptr: nobody. `table`: a table of the whole image, which is used if the patch's rectangle is the image's, else
+    /// dropped.
+    HMESH_COLD Patch(const IndexedMesh<C>& indexed, const ImageSource<C>& source, const detail::Cut& cut, std::size_t tile,
                      const MeshLimits& limits, TaskProgress* task, MomentTable<C> table = {})
-        : numbered_(detail::renumber(whole, cut, tile)), free_(cut.free_count[tile]) {
-        std::vector<std::uint32_t> vertices(free_ + numbered_.locked.size());  // of the whole mesh
+        : numbered_(detail::renumber(indexed, cut, tile)), free_(cut.free_count[tile]) {
+        std::vector<std::uint32_t> vertices(free_ + numbered_.locked.size());  // by their index in the mesh that was cut
         for (std::size_t k = 0; k < numbered_.locked.size(); ++k) vertices[free_ + k] = numbered_.locked[k].vertex;
         for (std::size_t k = cut.first[tile]; k < cut.first[tile + 1]; ++k)
-            for (const std::uint32_t v : whole.faces[cut.triangles[k]])
+            for (const std::uint32_t v : indexed.faces[cut.faces[k]])
                 if (cut.owner[v] != detail::Cut::locked) vertices[cut.number[v]] = v;
 
         Point low{1e9, 1e9}, high{0, 0};
         for (const std::uint32_t v : vertices) {
-            const Point p = whole.positions[v];
+            const Point p = indexed.positions[v];
             low = {std::min(low.x, p.x), std::min(low.y, p.y)};
             high = {std::max(high.x, p.x), std::max(high.y, p.y)};
         }
@@ -212,43 +217,45 @@ class Patch {
         positions.reserve(vertices.size());
         colors.reserve(vertices.size());
         for (const std::uint32_t v : vertices) {
-            positions.push_back({whole.positions[v].x - x, whole.positions[v].y - y});
-            colors.push_back(whole.colors[v]);
+            positions.push_back({indexed.positions[v].x - x, indexed.positions[v].y - y});
+            colors.push_back(indexed.colors[v]);
         }
         mesh_ = ImageMesh<C>(table_, source.low(), source.high(), limits,
                              {{-x, -y, source.width(), source.height()}, !numbered_.locked.empty(), 1, task});
-        const Status status = mesh_.assign(positions, numbered_.triangles, colors, {});
+        const Status status = mesh_.assign(positions, numbered_.faces, colors, {});
         HMESH_ASSERT(status);
         (void)status;
-        for (std::size_t k = 0; k < vertices.size(); ++k) mesh_.set_dirty(Vertex(k), whole.dirty[vertices[k]] != 0);
+        for (std::size_t k = 0; k < vertices.size(); ++k) mesh_.set_dirty(Vertex(k), indexed.dirty[vertices[k]] != 0);
         for (std::size_t k = 0; k < numbered_.locked.size(); ++k) {
-            // Each of its fans may grow in proportion: together they stay within the bound.
-            const detail::PatchTriangles::Frozen& f = numbered_.locked[k];
-            mesh_.lock(Vertex(free_ + k), f.triangle_count * (max_valence - 1) / cut.triangle_count[f.vertex] + 1);
+            // Each fan of a locked vertex may grow in proportion to its faces: together they stay within max_valence.
+            const detail::PatchFaces::Locked& f = numbered_.locked[k];
+            mesh_.lock(Vertex(free_ + k), f.face_count * (max_valence - 1) / cut.face_count[f.vertex] + 1);
         }
-        // A patch without error would ask for infinite tolerance.
-        if (whole.energy > 0 && mesh_.energy() > 0) mesh_.set_scale(std::min(1e3, whole.mean_energy() / mesh_.mean_energy()));
+        // Tolerances use the mean energy of the whole mesh. A patch without error would ask for an infinite scale.
+        if (indexed.energy > 0 && mesh_.energy() > 0) mesh_.set_scale(std::min(1e3, indexed.mean_energy() / mesh_.mean_energy()));
     }
     Patch(const Patch&) = delete;
     Patch& operator=(const Patch&) = delete;
 
+    /// The mesh to work on; coordinates are those of the patch's table, px from its upper left corner.
     [[nodiscard]] ImageMesh<C>& mesh() noexcept { return mesh_; }
-    /// Gives its table away; the patch is of no more use.
+    /// Moves the moment table out; the patch must not be used any more.
     [[nodiscard]] MomentTable<C> take_table() noexcept { return std::move(table_); }
+    /// All vertices of the patch, a locked one once for each of its fans.
     [[nodiscard]] std::size_t vertex_count() const noexcept { return mesh_.vertex_count(); }
-    /// Vertices that may be changed: all but the frozen ones.
+    /// Vertices that may be changed and removed: all but the locked ones.
     [[nodiscard]] std::size_t free_count() const noexcept { return mesh_.vertex_count() - numbered_.locked.size(); }
 
-    /// The patch as it is now, in spatial order.
+    /// The patch as it is now, in the coordinates of the whole image; free vertices and faces are in spatial order.
     [[nodiscard]] HMESH_COLD detail::PatchResult<C> result() const {
         detail::PatchResult<C> out;
         std::vector<std::uint32_t> number(mesh_.topology().vertex_slots());
-        const auto is_frozen = [&](Vertex v) { return v.index() >= free_ && v.index() < free_ + numbered_.locked.size(); };
+        const auto is_locked = [&](Vertex v) { return v.index() >= free_ && v.index() < free_ + numbered_.locked.size(); };
         out.positions.reserve(free_count());
         out.colors.reserve(free_count());
         out.dirty.reserve(free_count());
         for (const Vertex v : spatial_vertices(mesh_)) {
-            if (is_frozen(v)) continue;
+            if (is_locked(v)) continue;
             number[v.index()] = static_cast<std::uint32_t>(out.positions.size());
             const Point p = mesh_.position(v);
             out.positions.push_back({p.x + origin_.x, p.y + origin_.y});
@@ -261,18 +268,18 @@ class Patch {
             out.locked.push_back(numbered_.locked[k].vertex);
             if (mesh_.is_dirty(Vertex(free_ + k))) out.locked_dirty.push_back(numbered_.locked[k].vertex);
         }
-        out.triangles.reserve(mesh_.topology().face_count());
+        out.faces.reserve(mesh_.topology().face_count());
         for (const Face f : spatial_faces(mesh_)) {
             const auto v = mesh_.topology().vertices(f);
-            out.triangles.push_back({number[v[0].index()], number[v[1].index()], number[v[2].index()]});
+            out.faces.push_back({number[v[0].index()], number[v[1].index()], number[v[2].index()]});
         }
         out.energy = mesh_.energy();
         return out;
     }
 
   private:
-    detail::PatchTriangles numbered_;
-    std::size_t free_;  ///< vertices [0, free_) were free at first, those after them are frozen, later ones are new
+    detail::PatchFaces numbered_;
+    std::size_t free_;  ///< slots [0, free_) began as free vertices, then come the locked ones, later slots are new vertices
     Point origin_;
     MomentTable<C> table_;
     ImageMesh<C> mesh_;

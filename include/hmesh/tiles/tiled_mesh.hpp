@@ -1,8 +1,10 @@
 /// \file
-/// TiledMesh: a mesh of any size under work, patch by patch.
+/// TiledMesh: a mesh of any size that is worked on patch by patch.
 ///
-/// What a method holds: the whole mesh, the image, and how to run pieces of work. for_each cuts the mesh along a tiling, lets
-/// each patch be worked on through the executor, and merges the results: a serial part of about 0.2 us a vertex.
+/// A TiledMesh is what recipes are given (methods/recipe.hpp): the mesh, the image, the progress, and the executor. for_each()
+/// cuts the mesh along a tiling, has each patch worked on through the executor, and merges the results.
+///
+/// Cost of a cut and a merge: about 1 us a vertex in the patches, which is parallel, and 0.2 us a vertex, which is not.
 #ifndef HMESH_TILES_TILED_MESH_HPP
 #define HMESH_TILES_TILED_MESH_HPP
 
@@ -26,38 +28,49 @@
 
 namespace hmesh::kit {
 
+/// A mesh of an image of C channels, as the patches of a tiling or, between phases, as an IndexedMesh.
 template <int C>
 class TiledMesh {
   public:
-    /// Work on the mesh of one patch.
+    /// What is done to the mesh of one patch.
     using MeshWork = FunctionRef<void(ImageMesh<C>& mesh)>;
 
-    /// Over an image, a progress and an executor that outlive it.
+    /// An empty mesh. The image source, the progress reporter and the executor must outlive the TiledMesh.
     TiledMesh(const ImageSource<C>& source, const MeshLimits& limits, ProgressReporter& progress,
               const ParallelFor& parallel_for = {})
         : source_(&source), limits_(limits), progress_(&progress), parallel_for_(parallel_for) {}
 
+    /// The image to be meshed.
     [[nodiscard]] const ImageSource<C>& source() const noexcept { return *source_; }
+    /// The bounds that patches keep.
     [[nodiscard]] const MeshLimits& limits() const noexcept { return limits_; }
+    /// Told of stages and of the work in patches; says whether the work was cancelled.
     [[nodiscard]] ProgressReporter& progress() const noexcept { return *progress_; }
+    /// The executor of pieces of work.
     [[nodiscard]] const ParallelFor& parallel_for() const noexcept { return parallel_for_; }
-    /// The mesh between phases, in spatial order.
+    /// The mesh between phases, to read or to replace; not within for_each() or visit(). After for_each() vertices and faces are
+    /// in spatial order within each tile.
     [[nodiscard]] IndexedMesh<C>& indexed() {
         put_back();
         return indexed_;
     }
-    /// Of the mesh, which may go on being one patch.
-    [[nodiscard]] std::size_t vertex_count() const noexcept { return only_ ? only_->vertex_count() : indexed_.vertex_count(); }
-    [[nodiscard]] double energy() const noexcept { return only_ ? only_->mesh().energy() : indexed_.energy; }
-    /// Of a vertex, never below 0, where rounding may leave less than nothing.
+    /// The number of vertices; unlike indexed(), never converts the mesh.
+    [[nodiscard]] std::size_t vertex_count() const noexcept {
+        return single_ ? single_->vertex_count() : indexed_.vertex_count();
+    }
+    /// The squared error over pixels and channels, as of the last for_each() or measure(); rounding may leave it slightly
+    /// negative.
+    [[nodiscard]] double energy() const noexcept { return single_ ? single_->mesh().energy() : indexed_.energy; }
+    /// The energy per vertex, >= 0.
     [[nodiscard]] double mean_energy() const noexcept { return std::max(0.0, energy()) / static_cast<double>(vertex_count()); }
 
-    /// Calls work(patch, tile) for the patch of each tile that has triangles, then puts all together again. The pieces
-    /// together are what the progress expects. Returns whether to go on; after a cancellation the mesh is valid, some patches
-    /// being worked on in part and some not at all, and indexed().energy is not known any more.
-    HMESH_COLD bool for_each(const Tiling& tiling, FunctionRef<void(Patch<C>& patch, std::size_t tile)> work) {
+    /// Calls body(patch, tile) for the patch of each tile that has faces, as pieces of work, then merges the patches. All pieces
+    /// together are the range that progress().set_range() announced. With one tile the body runs on the calling thread. Returns
+    /// whether to go on: false after a cancellation, when the mesh is valid, some patches worked on in part and some not at all,
+    /// and indexed().energy is no longer known.
+    HMESH_COLD bool for_each(const Tiling& tiling, FunctionRef<void(Patch<C>& patch, std::size_t tile)> body) {
         if (tiling.size() == 1) {
-            work_on_only(work);
+            run_single(body);
             return !progress_->stopped();
         }
         put_back();
@@ -66,7 +79,7 @@ class TiledMesh {
         run(
             cut,
             [&](Patch<C>& patch, std::size_t tile) {
-                work(patch, tile);
+                body(patch, tile);
                 results[tile] = patch.result();
             },
             [&](std::size_t tile) { results[tile] = detail::unchanged(indexed_, cut, tile); });
@@ -74,20 +87,22 @@ class TiledMesh {
         return !progress_->stopped();
     }
 
-    /// Calls look(patch, tile, faces) in the same way and changes nothing; faces[f] is the face of the whole mesh
-    /// that is face f of the patch. After a cancellation patches may have been left out, unless `all`.
+    /// Calls look(patch, tile, faces) for the patch of each tile that has faces, as pieces of work, and drops the patches: the
+    /// mesh stays as it is. faces[f] is the face of indexed() that is face f of the patch. Returns whether to go on; after a
+    /// cancellation patches are left out, unless `all`.
     HMESH_COLD bool visit(const Tiling& tiling,
                           FunctionRef<void(Patch<C>& patch, std::size_t tile, const std::uint32_t* faces)> look,
                           bool all = false) {
         put_back();
         const detail::Cut cut = detail::cut(indexed_, tiling);
         run(
-            cut, [&](Patch<C>& patch, std::size_t tile) { look(patch, tile, cut.triangles.data() + cut.first[tile]); },
+            cut, [&](Patch<C>& patch, std::size_t tile) { look(patch, tile, cut.faces.data() + cut.first[tile]); },
             [](std::size_t) {}, all);
         return !progress_->stopped();
     }
 
-    /// Computes the energy of indexed(), with the positions and colours that it has now.
+    /// Computes indexed().energy for the positions and colours that the mesh has now, also after a cancellation. One table of
+    /// each tile.
     HMESH_COLD void measure(const Tiling& tiling) {
         std::vector<double> energies(tiling.size(), 0.0);
         visit(
@@ -97,7 +112,7 @@ class TiledMesh {
     }
 
   private:
-    /// Lets a mesh tell its progress as long as this lives, also if its work throws.
+    /// Connects a mesh with a task's progress for the guard's lifetime, also where the body throws.
     class TaskGuard {
       public:
         TaskGuard(ImageMesh<C>& mesh, TaskProgress& task) : mesh_(mesh) { mesh_.set_task(&task); }
@@ -109,33 +124,35 @@ class TiledMesh {
         ImageMesh<C>& mesh_;
     };
 
-    /// Single-tile case: the one patch is kept alive between phases and put back only when indexed() is called. On the calling
-    /// thread, so that the work may use the executor itself.
-    HMESH_COLD void work_on_only(FunctionRef<void(Patch<C>&, std::size_t)> work) {
+    /// for_each() with a single tile: the one patch is kept alive between phases and converted back only when indexed() is
+    /// called. Runs on the calling thread, so that the body may use the executor itself.
+    HMESH_COLD void run_single(FunctionRef<void(Patch<C>&, std::size_t)> body) {
         if (!progress_->poll()) return;
         TaskProgress task(*progress_, 1);
-        if (!only_) {
+        if (!single_) {
             const detail::Cut cut =
                 detail::cut(indexed_, Tiling(indexed_.width, indexed_.height, std::max(indexed_.width, indexed_.height)));
-            only_ = std::make_unique<Patch<C>>(indexed_, *source_, cut, 0, limits_, nullptr, std::move(table_));
+            single_ = std::make_unique<Patch<C>>(indexed_, *source_, cut, 0, limits_, nullptr, std::move(table_));
         }
-        const TaskGuard guard(only_->mesh(), task);
-        work(*only_, 0);
+        const TaskGuard guard(single_->mesh(), task);
+        body(*single_, 0);
     }
+    /// Converts the single patch, if there is one, back to indexed_.
     HMESH_COLD void put_back() {
-        if (!only_) return;
-        detail::PatchResult<C> result = only_->result();
+        if (!single_) return;
+        detail::PatchResult<C> result = single_->result();
         indexed_.positions = std::move(result.positions);
         indexed_.colors = std::move(result.colors);
         indexed_.dirty = std::move(result.dirty);
-        indexed_.faces = std::move(result.triangles);
+        indexed_.faces = std::move(result.faces);
         indexed_.energy = result.energy;
-        table_ = only_->take_table();
-        only_.reset();
+        table_ = single_->take_table();
+        single_.reset();
     }
 
-    /// The patches that have triangles, the largest first; skip(tile) instead of work(patch, tile) once cancelled.
-    HMESH_COLD void run(const detail::Cut& cut, FunctionRef<void(Patch<C>&, std::size_t)> work,
+    /// Calls body(patch, tile) for the patches that have faces, those with most faces first; once cancelled, and unless `all`,
+    /// calls skip(tile) instead.
+    HMESH_COLD void run(const detail::Cut& cut, FunctionRef<void(Patch<C>&, std::size_t)> body,
                         FunctionRef<void(std::size_t)> skip, bool all = false) {
         const auto count = [&](std::size_t k) { return cut.first[k + 1] - cut.first[k]; };
         std::vector<std::size_t> tiles;
@@ -147,27 +164,28 @@ class TiledMesh {
             const std::size_t k = tiles[i];
             if (!progress_->poll() && !all) return skip(k);
             TaskProgress task(*progress_, static_cast<double>(count(k)) / static_cast<double>(indexed_.faces.size()));
-            const bool only = tiles.size() == 1;
-            Patch<C> patch(indexed_, *source_, cut, k, limits_, &task, only ? std::move(table_) : MomentTable<C>());
-            work(patch, k);
-            if (only) table_ = patch.take_table();
+            const bool is_single = tiles.size() == 1;
+            Patch<C> patch(indexed_, *source_, cut, k, limits_, &task, is_single ? std::move(table_) : MomentTable<C>());
+            body(patch, k);
+            if (is_single) table_ = patch.take_table();
         });
     }
 
+    /// Makes indexed_ of the locked vertices of a cut and the results of all its tiles, in the order of the tiles.
     HMESH_COLD void merge(const detail::Cut& cut, const std::vector<detail::PatchResult<C>>& results) {
         IndexedMesh<C> merged;
         merged.width = indexed_.width;
         merged.height = indexed_.height;
-        std::vector<std::size_t> first_vertex(results.size() + 1, cut.frozen_count), first_triangle(results.size() + 1, 0);
+        std::vector<std::size_t> first_vertex(results.size() + 1, cut.locked_count), first_face(results.size() + 1, 0);
         for (std::size_t k = 0; k < results.size(); ++k) {
             first_vertex[k + 1] = first_vertex[k] + results[k].positions.size();
-            first_triangle[k + 1] = first_triangle[k] + results[k].triangles.size();
+            first_face[k + 1] = first_face[k] + results[k].faces.size();
             merged.energy += results[k].energy;
         }
         merged.positions.resize(first_vertex.back());
         merged.colors.resize(first_vertex.back());
         merged.dirty.resize(first_vertex.back());
-        merged.faces.resize(first_triangle.back());
+        merged.faces.resize(first_face.back());
         for (std::size_t v = 0; v < indexed_.vertex_count(); ++v) {
             if (cut.owner[v] != detail::Cut::locked) continue;
             merged.positions[cut.number[v]] = indexed_.positions[v];
@@ -180,10 +198,10 @@ class TiledMesh {
             std::copy(result.colors.begin(), result.colors.end(), merged.colors.begin() + to);
             std::copy(result.dirty.begin(), result.dirty.end(), merged.dirty.begin() + to);
             const std::size_t free = result.positions.size();
-            for (std::size_t t = 0; t < result.triangles.size(); ++t)
+            for (std::size_t t = 0; t < result.faces.size(); ++t)
                 for (std::size_t c = 0; c < 3; ++c) {
-                    const std::uint32_t v = result.triangles[t][c];
-                    merged.faces[first_triangle[k] + t][c] =
+                    const std::uint32_t v = result.faces[t][c];
+                    merged.faces[first_face[k] + t][c] =
                         v < free ? static_cast<std::uint32_t>(first_vertex[k]) + v : cut.number[result.locked[v - free]];
                 }
         });
@@ -197,8 +215,8 @@ class TiledMesh {
     ProgressReporter* progress_;
     ParallelFor parallel_for_;
     IndexedMesh<C> indexed_;
-    std::unique_ptr<Patch<C>> only_;  ///< in place of whole_, where one patch is all of it
-    MomentTable<C> table_;            ///< of the whole image, for that patch: made once
+    std::unique_ptr<Patch<C>> single_;  ///< the whole mesh as one patch, in place of indexed_; or null
+    MomentTable<C> table_;              ///< of the whole image, kept for that patch between phases
 };
 
 }  // namespace hmesh::kit

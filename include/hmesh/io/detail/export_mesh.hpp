@@ -123,7 +123,7 @@ class ExportMesh {
                 if (value(v, 3) > 0) continue;
                 if (sums.empty()) sums.resize(4 * view_.vertex_count);
                 for (const std::uint32_t other : view_.faces[f])
-                    for (std::size_t k = 0; k < 4 && value(other, 3) > 0; ++k) sums[4 * v + k] += value(other, k);
+                    for (std::size_t k = 0; k < 4 && value(other, 3) > 0; ++k) sums[4 * std::size_t{v} + k] += value(other, k);
             }
         // Half of the largest float: a share is a float too where the peak is below 1, and rounding leads to no infinity.
         const double most =

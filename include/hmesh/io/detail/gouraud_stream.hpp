@@ -81,9 +81,9 @@ struct ShadingLayout {
 inline void write_shading_entries(Writer& writer, const ShadingLayout& layout, int components) {
     writer.text(components == 1 ? "/ShadingType 4 /ColorSpace /DeviceGray" : "/ShadingType 4 /ColorSpace /DeviceRGB");
     writer.text("\n/BitsPerCoordinate ");
-    writer.decimal(8 * layout.coordinate_bytes);
+    writer.decimal(std::int64_t{8} * layout.coordinate_bytes);
     writer.text(" /BitsPerComponent ");
-    writer.decimal(8 * layout.component_bytes);
+    writer.decimal(std::int64_t{8} * layout.component_bytes);
     writer.text(" /BitsPerFlag 8\n/Decode [");
     for (const std::int64_t from : {layout.left, layout.low}) {
         writer.decimal(from);

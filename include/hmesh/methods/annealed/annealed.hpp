@@ -1,14 +1,15 @@
 /// \file
-/// Annealed: the method of best fidelity, and the default.
+/// Annealed: the method behind the default recipe (methods/annealed/options.hpp).
 ///
 ///    grid -> greedy insertion to o n vertices -> collapse to u n -> s sweeps of priced moves -> exactly n -> polish
 ///
-/// Too many vertices are placed where each lowers the energy most, then those that are missed least go; vertices move and edges
-/// turn all along. Annealing (methods/annealed/annealing.hpp) then exchanges vertices between places at one common price. Colours
-/// are least-squares optimal throughout. Each stage is left out where its options say 0 or 1.
+/// Too many vertices are inserted, each where it lowers the energy most; then those whose loss raises it least are removed;
+/// vertices move and edges flip throughout. Annealing (methods/annealed/annealing.hpp) then moves vertices between places at one
+/// common price. Whenever a vertex is visited, its colour becomes the least-squares one. o, u and s are
+/// AnnealedSteps::insert_factor, collapse_factor and annealing.sweeps; collapse is left out where o = 1, annealing where s = 0.
 ///
-/// All of it happens in patches (tiles/patch.hpp). Each tile is first meshed by itself, with a share of the budget and with its
-/// seams fixed; then phases shift the tiling, so that nothing of the seams remains.
+/// All stages work in patches (tiles/patch.hpp). First each tile is meshed by itself, with a share of the budget and with the
+/// vertices on its seams locked; then phases shift the tiling, so that no trace of the seams remains.
 #ifndef HMESH_METHODS_ANNEALED_ANNEALED_HPP
 #define HMESH_METHODS_ANNEALED_ANNEALED_HPP
 
@@ -37,10 +38,10 @@
 #include "hmesh/core/macros/push.hpp"
 
 namespace hmesh {
-namespace kit {
-namespace detail {
+namespace kit::detail {
 
-/// Greedy insertion until the mesh has n vertices.
+/// Inserts vertices greedily, in batches with flips and sweeps in between, until the mesh has n vertices; by subdivision where
+/// nothing gains any more.
 template <int C>
 HMESH_COLD void grow(ImageMesh<C>& mesh, std::size_t n, const AnnealedSteps& options) {
     const std::size_t first = mesh.vertex_count();
@@ -59,7 +60,7 @@ HMESH_COLD void grow(ImageMesh<C>& mesh, std::size_t n, const AnnealedSteps& opt
     if (mesh.vertex_count() < n && mesh.keep_going()) subdivide(mesh, n - mesh.vertex_count());
 }
 
-/// Removes the cheapest vertices until n are left. May stop early where no vertex can go.
+/// Removes the cheapest vertices in batches until n are left, or none of those left can be removed.
 template <int C>
 HMESH_COLD void shrink(ImageMesh<C>& mesh, std::size_t n, const AnnealedSteps& options) {
     const std::size_t first = mesh.vertex_count();
@@ -72,16 +73,16 @@ HMESH_COLD void shrink(ImageMesh<C>& mesh, std::size_t n, const AnnealedSteps& o
     }
 }
 
-/// The recipe for n vertices.
+/// One run of the method for n vertices: the stages, and what they know of the tiles.
 template <int C>
 class AnnealedRun {
   public:
     AnnealedRun(TiledMesh<C>& tiled, std::size_t n, const AnnealedSteps& steps, std::uint64_t seed, double tile)
         : tiled_(&tiled), n_(n), steps_(steps), seed_(seed), tile_(tile), aligned_(tiling(0)) {}
 
-    /// False: cancelled, or more than n vertices none of which can go.
+    /// Runs all stages. False: cancelled, or more than n vertices are left and none of them can be removed.
     bool run() {
-        tiled_->indexed() = corner_mesh(tiled_->source());  // what a cancellation finds
+        tiled_->indexed() = corner_mesh(tiled_->source());  // the mesh after a cancellation in the first stage
         return stage("grid", [&] { return start(); }) && stage("insert", [&] { return insert(); }) &&
                (steps_.insert_factor <= 1 || stage("collapse", [&] { return collapse(); })) &&
                (steps_.annealing.sweeps == 0 || stage("anneal", [&] { return anneal(); })) &&
@@ -90,7 +91,7 @@ class AnnealedRun {
 
   private:
     [[nodiscard]] ProgressReporter& progress() noexcept { return tiled_->progress(); }
-    /// Phase k's cut of the plane: every vertex is within a tile in some of any 4 in a row.
+    /// The tiling of phase k: in any 4 phases in a row, every vertex is within a tile in at least one.
     [[nodiscard]] Tiling tiling(int phase) const {
         constexpr bool shift_x[] = {false, true, true, false}, shift_y[] = {false, true, false, true};
         return Tiling(tiled_->source().width(), tiled_->source().height(), tile_, shift_x[phase & 3], shift_y[phase & 3]);
@@ -103,7 +104,7 @@ class AnnealedRun {
         if (aligned_.size() == 1) {
             tiled_->indexed() = regular_grid(tiled_->source(), count);
         } else {
-            // 0.7 of the nodes that squares of equal density would have on the seams.
+            // 0.7 of the nodes that a square grid of n vertices would have on the seams.
             const double length = static_cast<double>(aligned_.columns() - 1) * tiled_->source().height() +
                                   static_cast<double>(aligned_.rows() - 1) * tiled_->source().width();
             IndexedMesh<C> grid = tiled_grid<C>(
@@ -118,30 +119,30 @@ class AnnealedRun {
         });
     }
 
-    /// What is known of a tile.
+    /// The state of a tile of the aligned tiling after the last stage.
     struct Tile {
-        std::size_t free = 0;  ///< vertices that are free in it
-        double energy = 0;
-        std::size_t placed = 0;  ///< free vertices that insertion aims at
+        std::size_t free = 0;    ///< vertices that are free in the tile
+        double energy = 0;       ///< of the tile's faces
+        std::size_t placed = 0;  ///< target of insertion, in free vertices
     };
-    /// Calls work(mesh, k, rim) for the patch of each tile k of the aligned tiling, of which `rim` vertices are frozen.
-    bool for_each_tile(FunctionRef<void(ImageMesh<C>& mesh, std::size_t tile, std::size_t rim)> work) {
+    /// Calls body(mesh, k, rim) for the patch of each tile k of the aligned tiling; `rim` is the number of its locked vertices.
+    bool for_each_tile(FunctionRef<void(ImageMesh<C>& mesh, std::size_t tile, std::size_t rim)> body) {
         tiles_.resize(aligned_.size());
         return tiled_->for_each(aligned_, [&](Patch<C>& patch, std::size_t k) {
-            work(patch.mesh(), k, patch.vertex_count() - patch.free_count());
+            body(patch.mesh(), k, patch.vertex_count() - patch.free_count());
             tiles_[k].free = patch.free_count();
             tiles_[k].energy = patch.mesh().energy();
         });
     }
-    /// Vertices that are free in no tile.
+    /// The number of vertices that are free in no tile.
     [[nodiscard]] std::size_t seam_count() noexcept {
         std::size_t count = tiled_->vertex_count();
         for (const Tile& tile : tiles_) count -= tile.free;
         return count;
     }
 
-    /// Grows all tiles until they have about `count` vertices together, shared by area or, where `by_error`, by what error the
-    /// tiles have now (methods/annealed/budget.hpp).
+    /// Grows all tiles until they have about `count` vertices together, shared among them by area or, where `by_error`, by the
+    /// error that the tiles have now (error_share() in methods/annealed/budget.hpp).
     HMESH_COLD bool grow_tiles(double count, bool by_error) {
         std::vector<double> weights;
         std::vector<std::size_t> caps;
@@ -161,7 +162,7 @@ class AnnealedRun {
     HMESH_COLD bool insert() {
         const double n = static_cast<double>(n_), pixels = std::max(4.0, tiled_->source().pixels());
         const double placed = std::max(n, std::min(pixels, std::round(n * steps_.insert_factor)));
-        // Where flat tiles get more than their share at first, removal has more to choose from: 0.1 dB.
+        // Growing by area first gives flat tiles more than their share, so that removal has more to choose from: 0.1 dB.
         const bool in_two = aligned_.size() > 1 && placed > n;
         if (in_two) {
             progress().set_range(0, 0.4);
@@ -172,7 +173,7 @@ class AnnealedRun {
     }
 
     HMESH_COLD bool collapse() {
-        // All tiles shrink by the same ratio.
+        // The free vertices of all tiles shrink by the same ratio.
         const auto left = static_cast<std::size_t>(std::round(static_cast<double>(n_) * steps_.collapse_factor));
         double placed = 0;
         for (const Tile& tile : tiles_) placed += static_cast<double>(tile.placed);
@@ -181,7 +182,7 @@ class AnnealedRun {
         const bool go_on = for_each_tile([&](ImageMesh<C>& mesh, std::size_t k, std::size_t rim) {
             shrink(mesh, rim + static_cast<std::size_t>(std::round(static_cast<double>(tiles_[k].placed) * ratio)), steps_);
         });
-        (void)tiled_->indexed();  // renumbered without the many that went
+        (void)tiled_->indexed();  // renumbers a single patch without its many deleted slots
         return go_on;
     }
 
@@ -192,11 +193,11 @@ class AnnealedRun {
             const auto total = static_cast<double>(tiled_->vertex_count()), target = static_cast<double>(n_);
             const Tiling phase = tiling(k + 1);
             std::vector<AnnealingCounts> counts(phase.size());
-            const double band = annealing.count_tolerance * (1 - static_cast<double>(k) / annealing.sweeps);
+            const double tolerance = annealing.count_tolerance * (1 - static_cast<double>(k) / annealing.sweeps);
             progress().set_range(static_cast<double>(k) / annealing.sweeps, (k + 1.0) / annealing.sweeps);
             const bool go_on = tiled_->for_each(phase, [&](Patch<C>& patch, std::size_t tile) {
                 const double share = static_cast<double>(patch.mesh().vertex_count()) * target / total;
-                const CountRange range{(1 - band) * share, (1 + band) * share};
+                const CountRange range{(1 - tolerance) * share, (1 + tolerance) * share};
                 const Random random(seed_, (static_cast<std::uint64_t>(k) << 32U) + tile);
                 counts[tile] =
                     AnnealingSweep<C>(patch.mesh(), annealing, schedule.price(), schedule.temperature(k), range, random).run();
@@ -214,7 +215,7 @@ class AnnealedRun {
     }
 
     HMESH_COLD bool polish() {
-        // Seams that nothing has healed yet get one round at least.
+        // Without annealing no phase has shifted the tiling yet: one round at least works across the seams.
         const bool has_seams = aligned_.size() > 1 && steps_.annealing.sweeps == 0;
         const int rounds = std::max(steps_.polish_rounds, has_seams ? 1 : 0);
         for (int k = 0; k < rounds; ++k) {
@@ -237,9 +238,7 @@ class AnnealedRun {
     std::vector<Tile> tiles_;
 };
 
-}  // namespace detail
-
-}  // namespace kit
+}  // namespace kit::detail
 
 template <int C>
 Status Annealed::run(kit::TiledMesh<C>& mesh, std::size_t n) const {
@@ -248,7 +247,8 @@ Status Annealed::run(kit::TiledMesh<C>& mesh, std::size_t n) const {
     kit::AnnealedSteps plan = steps.value_or(kit::annealed_steps(effort));
     if (kit::detail::AnnealedRun<C>(mesh, n, plan, seed, size).run()) return {};
     if (mesh.progress().stopped()) return kit::cancelled_by_callback();
-    // Too many slivers that min_double_area protects: growing to n alone in one piece always gets there.
+    // More than n vertices are left, each of whose collapses would make a face below min_double_area. Growing to n in one piece,
+    // without a collapse, always ends at n.
     plan.insert_factor = 1;
     plan.annealing.sweeps = 0;
     const bool is_done = kit::detail::AnnealedRun<C>(mesh, n, plan, seed, std::max(source.width(), source.height())).run();

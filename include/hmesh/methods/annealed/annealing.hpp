@@ -1,11 +1,14 @@
 /// \file
-/// Annealing: priced moves with undo, the way to the best mesh for a budget.
+/// Annealing: simulated annealing with a variable number of vertices.
 ///
-/// The ensemble is grand canonical: a vertex has the price mu, so meshes of n vertices minimise energy + mu n, and
-/// vertices flow from where they are worth little to where they are worth much. Four kinds of move - remove, insert, flip,
-/// jump - are each a transaction: do it, relax the surroundings, read the exact energy, then accept by Metropolis' rule at
-/// temperature T or roll back to the last byte. Between sweeps the price is steered to the vertex target and T falls to 0.
-/// Patches of one mesh share the price, so vertices flow between them too. A sweep costs 20 to 25 us a vertex for 3 channels.
+/// The annealing minimises energy + mu n, n being the number of vertices and mu a Lagrange multiplier, the price of a vertex:
+/// vertices leave places where they are worth less than mu and come where they are worth more. (Physicists call this a grand
+/// canonical ensemble.) A move removes, inserts or displaces a vertex or flips an edge. Each move is a transaction: change the
+/// mesh, relax the surroundings, read the exact energy, then accept by Metropolis' rule at temperature T or roll back to the
+/// last byte. Between sweeps mu is steered so that n meets the target, and T falls to 0. All patches of a mesh share mu, so that
+/// vertices flow between them too.
+///
+/// Cost: a sweep takes 20 to 25 us a vertex for 3 channels.
 #ifndef HMESH_METHODS_ANNEALED_ANNEALING_HPP
 #define HMESH_METHODS_ANNEALED_ANNEALING_HPP
 
@@ -28,25 +31,31 @@
 
 namespace hmesh::kit {
 
-/// How many vertices went and came in a sweep.
+/// The numbers of removals and of insertions that a sweep accepted.
 struct AnnealingCounts {
     std::size_t removed = 0, inserted = 0;
 };
 
-/// What all patches of a mesh share: the price of a vertex, steered between sweeps, and the temperature.
+/// The price mu of a vertex and the temperature T, which all patches of a mesh share; set between sweeps.
 class AnnealingSchedule {
   public:
-    /// Toward `target` vertices, from a mesh with this mean energy of a vertex.
+    /// Starts an annealing toward `target` vertices, of a mesh with this mean energy of a vertex.
     AnnealingSchedule(const AnnealingOptions& options, std::size_t target, double mean_energy) noexcept
         : options_(options), target_(static_cast<double>(target)), price_(options.start_price * mean_energy) {}
 
+    /// mu for the next sweep, an energy.
     [[nodiscard]] double price() const noexcept { return price_; }
-    /// Of sweep 0, 1, ..: T in units of energy.
+    /// T of sweep 0, 1, .., an energy.
     [[nodiscard]] double temperature(int sweep) const noexcept {
         return options_.temperature * std::pow(1 - static_cast<double>(sweep) / options_.sweeps, options_.cooling) * price_;
     }
-    /// After a sweep: the price rises with the surplus of vertices and with its rate of growth. Weaker gains lose 0.04 to
-    /// 0.08 dB.
+    /// Steers mu after a sweep: it rises with the surplus of vertices over the target and with the rate at which vertices come.
+    ///
+    /// `counts`: moves accepted in all patches; `vertices` and `mean_energy`: of the mesh now. The gains 3 and 2 and the limits
+    /// are found by trial. On a mosaic of photographs in tiles of 256 px (as benchmarks/table --mosaic makes them), the weaker
+    /// gains (1, 0.5), (1, 0) and (0.5, 0) lost 0.04 to 0.08 dB. A change is at most a factor exp(0.2) a sweep. mu stays in
+    /// [0.15, 4] mean energies of a vertex, to keep a start that is far off from running away; kodim23 needs 1.1 in its first
+    /// sweeps.
     void steer(const AnnealingCounts& counts, std::size_t vertices, double mean_energy) noexcept {
         const double deviation = (static_cast<double>(vertices) - target_) / target_;
         const double rate = (static_cast<double>(counts.inserted) - static_cast<double>(counts.removed)) / target_;
@@ -59,22 +68,23 @@ class AnnealingSchedule {
     double target_, price_;
 };
 
-/// How many vertices a sweep may leave.
+/// The range in which the number of vertices stays during a sweep: below `low` nothing is removed, above `high` nothing inserted.
 struct CountRange {
-    double least = 0, most = 0;
+    double low = 0, high = 0;
 };
 
-/// One sweep over a mesh or a patch.
+/// One sweep of annealing over a mesh or a patch.
 template <int C>
 class AnnealingSweep {
   public:
-    /// At this price and temperature, in units of energy. The mesh outlives the object.
+    /// A sweep at this price and temperature, both energies. The mesh must outlive the sweep.
     AnnealingSweep(ImageMesh<C>& mesh, const AnnealingOptions& options, double price, double temperature, const CountRange& range,
                    const Random& random)
-        : mesh_(&mesh), options_(options), price_(price), temperature_(temperature), least_(5e-3 * price), range_(range),
+        : mesh_(&mesh), options_(options), price_(price), temperature_(temperature), min_gain_(5e-3 * price), range_(range),
           random_(random) {}
 
-    /// Removals, insertions, flips and jumps, then two sweeps over the vertices that are due, with flips in between.
+    /// Tries removals, insertions, flips and jumps, then visits dirty vertices twice with flips in between. Ends early where
+    /// mesh.keep_going() says stop.
     AnnealingCounts run() {
         AnnealingCounts counts;
         counts.removed = remove_moves();
@@ -82,7 +92,7 @@ class AnnealingSweep {
         flip_moves();
         jump_moves();
         const double mean = mesh_->mean_energy();
-        const Tolerance tolerance{1e-2, mean > 0 ? least_ / mean : 0};
+        const Tolerance tolerance{1e-2, mean > 0 ? min_gain_ / mean : 0};
         sweep(*mesh_, tolerance);
         flip_edges(*mesh_);
         sweep(*mesh_, tolerance);
@@ -90,16 +100,18 @@ class AnnealingSweep {
     }
 
   private:
-    /// A change since `mark`, when the energy was `before`, that costs `cost` by itself: surroundings settle in up to two
-    /// rounds, then Metropolis' rule keeps the change or undoes it. Hopeless after one round, it does not get the second.
+    /// Ends the transaction of a move that began at `mark` with the energy `before`. round() relaxes the surroundings; it is
+    /// called up to twice, once if it gains little or if the move is hopeless after it. Metropolis' rule then keeps the move or
+    /// undoes it; `cost` is the price of the move beside the energy: mu for an insertion, -mu for a removal, a little for
+    /// others, lest moves of no gain go on for ever. Returns whether the move was kept.
     template <class Round>
     bool accept_or_roll_back(const typename ImageMesh<C>::Mark& mark, double before, double cost, Round&& round) {
         const double allowed = before - cost - temperature_ * std::log(random_.uniform());
-        const double enough = 3e-2 * mesh_->mean_energy(), hopeless = allowed + 0.5 * price_;
+        const double min_round_gain = 3e-2 * mesh_->mean_energy(), hopeless = allowed + 0.5 * price_;
         for (int k = 0; k < 2; ++k) {
             const double start = mesh_->energy();
             round();
-            if (start - mesh_->energy() < enough || mesh_->energy() > hopeless) break;
+            if (start - mesh_->energy() < min_round_gain || mesh_->energy() > hopeless) break;
         }
         const bool keep = mesh_->energy() < allowed;
         if (keep) {
@@ -110,16 +122,17 @@ class AnnealingSweep {
         }
         return keep;
     }
-    /// The neighbours of v.
+    /// Sets around_ to the neighbours of v.
     void collect(Vertex v) {
         around_.clear();
         for (const Halfedge h : topology().outgoing(v)) around_.push_back(topology().to_vertex(h));
     }
 
+    /// Tries to collapse each vertex. Returns how many went.
     std::size_t remove_moves() {
         std::size_t removed = 0;
         for (const Vertex v : rotated(spatial_vertices(*mesh_))) {
-            if (static_cast<double>(mesh_->vertex_count()) < range_.least || !mesh_->keep_going()) break;
+            if (static_cast<double>(mesh_->vertex_count()) < range_.low || !mesh_->keep_going()) break;
             if (random_.uniform() > options_.try_probability) continue;
             const CollapseCandidate candidate = cheapest_collapse(*mesh_, scratch_, v);
             if (!candidate.halfedge.is_valid() || !(candidate.cost <= options_.removal_screen * price_ + 3 * temperature_))
@@ -128,31 +141,33 @@ class AnnealingSweep {
             const double before = mesh_->energy();
             collect(v);
             mesh_->collapse(candidate.halfedge);
-            if (accept_or_roll_back(mark, before, -price_, [&] { relax(*mesh_, around_, 1, least_); })) ++removed;
+            if (accept_or_roll_back(mark, before, -price_, [&] { relax(*mesh_, around_, 1, min_gain_); })) ++removed;
         }
         return removed;
     }
 
+    /// Tries to insert a vertex on each edge and face. Returns how many came.
     std::size_t insert_moves() {
         std::size_t inserted = 0;
-        const double least = options_.insertion_screen * price_;
+        const double min_gain = options_.insertion_screen * price_;
         for (const InsertionSite site : rotated(insertion_sites(*mesh_, true))) {
-            if (static_cast<double>(mesh_->vertex_count()) > range_.most || !mesh_->keep_going()) break;
+            if (static_cast<double>(mesh_->vertex_count()) > range_.high || !mesh_->keep_going()) break;
             if (random_.uniform() > options_.try_probability) continue;
             if (site.is_edge() ? topology().is_deleted(site.edge()) : topology().is_deleted(site.face())) continue;
-            if (!(most_gain(*mesh_, site) > least)) continue;
+            if (!(max_gain(*mesh_, site) > min_gain)) continue;
             const InsertionCandidate<C> candidate = candidate_at(*mesh_, scratch_, site, true);
-            if (!candidate.fits || !(candidate.gain > least) || !can_gain_edge(*mesh_, candidate)) continue;
+            if (!candidate.fits || !(candidate.gain > min_gain) || !can_gain_edge(*mesh_, candidate)) continue;
             const auto mark = mesh_->begin();
             const double before = mesh_->energy();
             const Vertex v = insert(*mesh_, candidate);
             collect(v);
             around_.push_back(v);
-            if (accept_or_roll_back(mark, before, price_, [&] { relax(*mesh_, around_, 1, least_); })) ++inserted;
+            if (accept_or_roll_back(mark, before, price_, [&] { relax(*mesh_, around_, 1, min_gain_); })) ++inserted;
         }
         return inserted;
     }
 
+    /// Tries to flip each edge.
     void flip_moves() {
         for (const Edge e : spatial_edges(*mesh_)) {
             if (!mesh_->keep_going()) break;
@@ -166,14 +181,15 @@ class AnnealingSweep {
             const auto mark = mesh_->begin();
             const double before = mesh_->energy();
             mesh_->flip(e, trial.moments, trial.own, trial.opposite);
-            // Without flips, which would turn the edge back.
+            // No flips in the relaxation, which would turn the edge back.
             const auto round = [&] {
-                for (const Vertex v : around_) improve_vertex(*mesh_, v, least_);
+                for (const Vertex v : around_) improve_vertex(*mesh_, v, min_gain_);
             };
             accept_or_roll_back(mark, before, 1e-4 * price_, round);
         }
     }
 
+    /// Displaces some free vertices at random, and keeps those displacements that are accepted.
     void jump_moves() {
         for (const Vertex v : spatial_vertices(*mesh_)) {
             if (!mesh_->keep_going()) break;
@@ -197,12 +213,12 @@ class AnnealingSweep {
             collect(v);
             around_.insert(around_.begin(), v);
             mesh_->place(v, target, state.color);
-            accept_or_roll_back(mark, before, 1e-3 * price_, [&] { relax(*mesh_, around_, 1, least_); });
+            accept_or_roll_back(mark, before, 1e-3 * price_, [&] { relax(*mesh_, around_, 1, min_gain_); });
         }
     }
 
     [[nodiscard]] const HalfedgeMesh& topology() const noexcept { return mesh_->topology(); }
-    /// Loops that may stop early begin anywhere, or the top of the image would get more of the budget.
+    /// The elements rotated to a random start: loops that a CountRange may end early would else favour the top of the image.
     template <class Element>
     [[nodiscard]] std::vector<Element> rotated(std::vector<Element> elements) {
         if (!elements.empty())
@@ -214,7 +230,7 @@ class AnnealingSweep {
     ImageMesh<C>* mesh_;
     AnnealingOptions options_;
     double price_, temperature_;
-    double least_;  ///< steps that promise less are not tried
+    double min_gain_;  ///< steps and flips that gain up to this energy are not tried in relaxations
     CountRange range_;
     Random random_;
     RingScratch<C> scratch_;

@@ -1,8 +1,9 @@
 /// \file
-/// Budget: how many vertices each tile gets, and how a mesh comes to exactly n.
+/// Budget: how many vertices each tile gets, and how a mesh is brought to exactly n vertices.
 ///
-/// Before there is a common price, tiles share the budget by the error of a mesh of equal density in each. A mesh that is
-/// near n already gets there by quotas: the cheapest removals wherever they are, or insertions in proportion to the error.
+/// Before the annealing has a common price, tiles share the budget according to the error of a mesh of equal density. A mesh of
+/// nearly n vertices is brought to n by quotas for its tiles: the cheapest removals wherever they are, or insertions in
+/// proportion to the error.
 #ifndef HMESH_METHODS_ANNEALED_BUDGET_HPP
 #define HMESH_METHODS_ANNEALED_BUDGET_HPP
 
@@ -24,15 +25,19 @@
 
 namespace hmesh::kit {
 
-/// A tile's share of the budget: area (E / area)^p, E being the error in it of a mesh of equal density everywhere. Equal
-/// returns from all tiles ask for p = 0.65 where error falls with the 0.53th power of the vertices (1.6 dB a doubling); on
-/// mosaics of photographs 0.8 came out 0.05 dB above 0.65, 0.1 above 0.5 (fast).
+/// A tile's share of the budget, area * (energy / area)^p with p = 0.8; `area` in px^2, `energy` that of a mesh of equal density
+/// everywhere. Only the ratios of shares matter.
+///
+/// Where the error of a tile falls as n^-0.53, which is 1.6 dB a doubling, equal returns of one more vertex in all tiles ask for
+/// p = 1 / 1.53 = 0.65. The value is found by trial: on mosaics of photographs (as benchmarks/table --mosaic makes them),
+/// Effort::fast, 0.8 came out 0.05 dB above 0.65 and 0.1 dB above 0.5.
 [[nodiscard]] inline double error_share(double area, double energy) noexcept {
     return area * std::pow(std::max(0.0, energy) / area, 0.8);
 }
 
-/// `count` things shared in proportion to `weights` >= 0 (equally, where only 0 is left), none getting more than its cap;
-/// whole numbers that sum to `count` as long as the caps do. O(size) for each cap that is met, at most `size` times.
+/// Apportions `count` items in proportion to `weights` >= 0, item k getting at most caps[k]; where only weights of 0 are left,
+/// equally. The result is of whole numbers, whose sum is `count` or, if less, the sum of the caps. O(size) for each round in
+/// which a cap is reached, at most `size` rounds.
 [[nodiscard]] inline std::vector<std::size_t> apportion(std::size_t count, std::vector<double> weights,
                                                         const std::vector<std::size_t>& caps) {
     const std::size_t size = weights.size();
@@ -47,7 +52,7 @@ namespace hmesh::kit {
             else total += weights[k], ++open;
         }
         if (!(total > 0)) weights.assign(size, 1.0), total = open;
-        // Whole numbers by rounding running sums: they add up.
+        // Rounded running sums give whole numbers with the right sum.
         double sum = 0;
         std::size_t given = 0;
         for (std::size_t k = 0; k < size; ++k) {
@@ -69,7 +74,8 @@ namespace hmesh::kit {
 
 namespace detail {
 
-/// Removes `count` vertices: the cheapest of all patches. Returns whether any went.
+/// Removes about `count` vertices, with a quota for each patch from the sorted list of all patches' collapse costs. Returns
+/// whether any vertex was removed; false also after a cancellation.
 template <int C>
 HMESH_COLD bool remove_cheapest(TiledMesh<C>& tiled, const Tiling& tiling, std::size_t count, const Relaxation& relaxation) {
     std::vector<std::size_t> quota(tiling.size(), count);
@@ -94,7 +100,7 @@ HMESH_COLD bool remove_cheapest(TiledMesh<C>& tiled, const Tiling& tiling, std::
     const std::size_t before = tiled.vertex_count();
     tiled.for_each(tiling, [&](Patch<C>& patch, std::size_t tile) {
         for (std::size_t left = quota[tile]; left > 0;) {
-            // In large batches vertices go that are cheap only beside those that may not go at the same time.
+            // Large batches would reach vertices that are not cheap, since the neighbours of removed vertices stay in a batch.
             const std::size_t batch = std::max<std::size_t>(1, patch.vertex_count() / 32);
             const std::size_t removed = remove_batch(patch.mesh(), std::min(left, batch), relaxation);
             if (removed == 0) break;
@@ -104,7 +110,8 @@ HMESH_COLD bool remove_cheapest(TiledMesh<C>& tiled, const Tiling& tiling, std::
     return tiled.vertex_count() < before;
 }
 
-/// Inserts `count` vertices where the error is, at the best sites of each patch. Returns whether any came.
+/// Inserts `count` vertices, shared among patches in proportion to their error, at the best sites of each. Returns whether any
+/// vertex was inserted; false also after a cancellation.
 template <int C>
 HMESH_COLD bool insert_best(TiledMesh<C>& tiled, const Tiling& tiling, std::size_t count) {
     std::vector<double> energies(tiling.size(), 0.0);
@@ -117,7 +124,7 @@ HMESH_COLD bool insert_best(TiledMesh<C>& tiled, const Tiling& tiling, std::size
     tiled.for_each(tiling, [&](Patch<C>& patch, std::size_t tile) {
         for (std::size_t left = quota[tile]; left > 0;) {
             const std::size_t inserted = insert_batch(patch.mesh(), left, {true, true});
-            if (inserted == 0) {  // nothing to gain
+            if (inserted == 0) {  // no site lowers the energy
                 subdivide(patch.mesh(), left);
                 break;
             }
@@ -129,13 +136,14 @@ HMESH_COLD bool insert_best(TiledMesh<C>& tiled, const Tiling& tiling, std::size
 
 }  // namespace detail
 
-/// Brings the mesh to exactly n vertices, in patches of about `tile` px. Returns false where it could not: cancelled, or more
-/// than n vertices none of which can go.
+/// Brings the mesh to exactly n vertices by removal or insertion, in patches of about `tile` px. False: cancelled, or more than n
+/// vertices are left and none of them can be removed.
 template <int C>
 HMESH_COLD bool reach_vertex_count(TiledMesh<C>& tiled, std::size_t n, double tile, const Relaxation& relaxation = {}) {
     const int width = tiled.source().width(), height = tiled.source().height();
     const auto count = [&] { return tiled.vertex_count(); };
-    // Where one tiling is stuck, another may not be.
+    // Vertices that are locked in one tiling are free in another: only four tilings without a change mean that nothing can
+    // change.
     for (int k = 0, stuck = 0; count() != n && stuck < 4 && !tiled.progress().stopped(); ++k) {
         const Tiling tiling(width, height, tile, (k & 2) == 0, (k & 1) == 0);
         const bool moved = count() > n ? detail::remove_cheapest(tiled, tiling, count() - n, relaxation)

@@ -1,8 +1,9 @@
 /// \file
-/// First grid: the mesh that everything starts from.
+/// First grid: the mesh that the recipe Annealed starts from.
 ///
-/// One tile gets a regular grid. Several tiles get one each, sewn to the nodes on the seams between them
-/// (methods/annealed/seams.hpp), so that each tile can then be meshed by itself. Grids adapt to nothing yet; the stages after do.
+/// A single tile gets a regular grid. Several tiles get a grid each, joined to the nodes on the seams between them
+/// (methods/annealed/seams.hpp), so that each tile can then be meshed by itself. Only the seams look at the picture; the stages
+/// after this one adapt the rest.
 #ifndef HMESH_METHODS_ANNEALED_FIRST_GRID_HPP
 #define HMESH_METHODS_ANNEALED_FIRST_GRID_HPP
 
@@ -26,39 +27,40 @@
 namespace hmesh::kit {
 namespace detail {
 
-/// Triangles of a grid of columns times rows vertices, of which (i, j) is number(i, j); its diagonals alternate.
-inline void add_grid_triangles(std::uint32_t columns, std::uint32_t rows, std::vector<Triangle>& triangles,
-                               FunctionRef<std::uint32_t(std::uint32_t, std::uint32_t)> number) {
+/// Appends the faces of a grid of columns times rows vertices, of which (i, j) is number(i, j); the diagonals alternate.
+inline void add_grid_faces(std::uint32_t columns, std::uint32_t rows, std::vector<Triangle>& faces,
+                           FunctionRef<std::uint32_t(std::uint32_t, std::uint32_t)> number) {
     for (std::uint32_t j = 0; j + 1 < rows; ++j)
         for (std::uint32_t i = 0; i + 1 < columns; ++i) {
             const std::uint32_t a = number(i, j), b = number(i + 1, j), c = number(i + 1, j + 1), d = number(i, j + 1);
             if ((i + j) % 2 != 0) {
-                triangles.push_back({a, b, c});
-                triangles.push_back({a, c, d});
+                faces.push_back({a, b, c});
+                faces.push_back({a, c, d});
             } else {
-                triangles.push_back({a, b, d});
-                triangles.push_back({b, c, d});
+                faces.push_back({a, b, d});
+                faces.push_back({b, c, d});
             }
         }
 }
 
-/// Triangles between two parallel polylines that run the same way, `inner` to the right of `outer` as seen along them (y
-/// down). Each vertex is a number and its place along the direction, and goes with those that are nearest to it.
+/// A vertex of a polyline that runs along a side of a tile.
 struct ChainVertex {
-    std::uint32_t vertex;
-    double along;
+    std::uint32_t vertex;  ///< its index in the mesh
+    double along;          ///< px along the direction of the polyline
 };
+/// Appends the faces between two polylines that run the same way, `inner` on the right of `outer` as seen along them (y down). A
+/// vertex is joined to those of the other polyline that are nearest to it along the direction.
 HMESH_COLD inline void add_strip(const std::vector<ChainVertex>& outer, const std::vector<ChainVertex>& inner,
-                                 std::vector<Triangle>& triangles) {
+                                 std::vector<Triangle>& faces) {
     std::size_t a = 0, b = 0;
     while (a + 1 < outer.size() || b + 1 < inner.size()) {
         const bool on_outer = b + 1 == inner.size() || (a + 1 < outer.size() && outer[a].along + outer[a + 1].along <=
                                                                                     inner[b].along + inner[b + 1].along);
         if (on_outer) {
-            triangles.push_back({outer[a].vertex, outer[a + 1].vertex, inner[b].vertex});
+            faces.push_back({outer[a].vertex, outer[a + 1].vertex, inner[b].vertex});
             ++a;
         } else {
-            triangles.push_back({outer[a].vertex, inner[b + 1].vertex, inner[b].vertex});
+            faces.push_back({outer[a].vertex, inner[b + 1].vertex, inner[b].vertex});
             ++b;
         }
     }
@@ -66,7 +68,7 @@ HMESH_COLD inline void add_strip(const std::vector<ChainVertex>& outer, const st
 
 }  // namespace detail
 
-/// A regular grid of at most `count` >= 4 vertices over the image.
+/// A regular grid of at most `count` >= 4 vertices over the image, with the colours of the pixels under the vertices.
 template <int C>
 [[nodiscard]] HMESH_COLD IndexedMesh<C> regular_grid(const ImageSource<C>& source, double count) {
     const int width = source.width(), height = source.height();
@@ -85,12 +87,13 @@ template <int C>
             const Point p = snap(Point{static_cast<double>(width) * i / nx, static_cast<double>(height) * j / ny});
             mesh.add(p, source.pixel(static_cast<int>(p.x), static_cast<int>(p.y)));
         }
-    detail::add_grid_triangles(nx + 1, ny + 1, mesh.faces, [&](std::uint32_t i, std::uint32_t j) { return j * (nx + 1) + i; });
+    detail::add_grid_faces(nx + 1, ny + 1, mesh.faces, [&](std::uint32_t i, std::uint32_t j) { return j * (nx + 1) + i; });
     return mesh;
 }
 
-/// A grid of about `count` vertices in the tiles of an unshifted tiling, sewn to about `seam_count` nodes on the seams, which
-/// are found while go_on() says true (see seam_lines). Either is more where the other would give vertices too many neighbours.
+/// Grids of about `count` vertices in the tiles of a tiling without shift, joined to about `seam_count` nodes on the seams.
+/// Either number is exceeded where the other one would give vertices too many neighbours. Seams are searched by seam_lines() as
+/// long as go_on() says true.
 template <int C>
 [[nodiscard]] HMESH_COLD IndexedMesh<C> tiled_grid(const ImageSource<C>& source, const Tiling& tiling, double count,
                                                    double seam_count, FunctionRef<bool()> go_on,
@@ -105,8 +108,8 @@ template <int C>
         mesh.add(p, source.pixel(static_cast<int>(p.x), static_cast<int>(p.y)));
     };
 
-    // Corners of tiles, then the nodes on their sides: vertical ones, of which (i, j) is left of tile (i, j), then level
-    // ones, of which (i, j) is above it. Sides within the image are seams.
+    // Vertices are the corners of tiles, then the nodes on vertical sides, of which (i, j) is left of tile (i, j), then those on
+    // horizontal sides, of which (i, j) is above tile (i, j). Sides within the image are seams.
     const auto at_x = [&](std::uint32_t i) { return i == columns ? source.width() : tile(i, 0).x; };
     const auto at_y = [&](std::uint32_t j) { return j == rows ? source.height() : tile(0, j).y; };
     for (std::uint32_t j = 0; j <= rows; ++j)
@@ -122,7 +125,7 @@ template <int C>
     for (std::uint32_t j = 0; j < rows; ++j)
         for (std::uint32_t i = 0; i <= columns; ++i)
             add_side({at_x(i), at_y(j), at_y(j + 1) - at_y(j), true}, i == 0 || i == columns);
-    const std::size_t first_level = sides.size();
+    const std::size_t first_horizontal = sides.size();
     for (std::uint32_t j = 0; j <= rows; ++j)
         for (std::uint32_t i = 0; i < columns; ++i)
             add_side({at_x(i), at_y(j), at_x(i + 1) - at_x(i), false}, j == 0 || j == rows);
@@ -156,7 +159,7 @@ template <int C>
     }
     first_node.push_back(static_cast<std::uint32_t>(mesh.vertex_count()));
 
-    // In each tile a grid, and four strips between it and the sides, clockwise on the screen.
+    // Each tile gets a grid, and four strips of faces between the grid and the tile's sides, clockwise on the screen.
     for (std::uint32_t j = 0; j < rows; ++j)
         for (std::uint32_t i = 0; i < columns; ++i) {
             const Rect rect = tile(i, j);
@@ -169,9 +172,9 @@ template <int C>
                 for (std::uint32_t k = 0; k < nx; ++k)
                     add(rect.x + rect.width * (k + 1.0) / (nx + 1), rect.y + rect.height * (m + 1.0) / (ny + 1));
             const auto number = [&](std::uint32_t k, std::uint32_t m) { return first + m * nx + k; };
-            detail::add_grid_triangles(nx, ny, mesh.faces, number);
+            detail::add_grid_faces(nx, ny, mesh.faces, number);
 
-            const std::size_t left = std::size_t{j} * (columns + 1) + i, above = first_level + std::size_t{j} * columns + i;
+            const std::size_t left = std::size_t{j} * (columns + 1) + i, above = first_horizontal + std::size_t{j} * columns + i;
             const auto strip = [&](std::size_t side, std::uint32_t from, std::uint32_t to, bool reversed,
                                    std::uint32_t inner_count, FunctionRef<std::uint32_t(std::uint32_t)> inner_at) {
                 std::vector<std::uint32_t> nodes;

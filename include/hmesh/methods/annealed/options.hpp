@@ -1,8 +1,8 @@
 /// \file
-/// Annealed: the recipe of best fidelity, and the default. What it can be told, and what its efforts mean.
+/// Annealed: the recipe of best fidelity, which is the default; its options and the meaning of its efforts.
 ///
-/// What it does is in annealed.hpp; this header needs none of that, so that a program may name the recipe and leave its
-/// compilation to another file.
+/// The method itself is in methods/annealed/annealed.hpp. This header does not include it, so that a program may name the recipe
+/// and leave its compilation to another file.
 #ifndef HMESH_METHODS_ANNEALED_OPTIONS_HPP
 #define HMESH_METHODS_ANNEALED_OPTIONS_HPP
 
@@ -21,50 +21,58 @@
 
 namespace hmesh {
 
-/// / How much work goes into a mesh, counted in steps, never in seconds.
+/// How much work goes into a mesh. Counted in steps, never in seconds, so that an effort gives the same mesh on every machine.
 enum class Effort : std::uint8_t {
-    draft,   ///< greedy insertion
-    fast,    ///< insertion of twice as many, then removal: about +2 dB
-    normal,  ///< insertion of three times as many, removal, then 8 sweeps of annealing: about +1 dB
-    best,    ///< 1000 sweeps
+    draft,   ///< greedy insertion up to the target
+    fast,    ///< insertion of twice the target, then removal: about 2 dB above draft
+    normal,  ///< insertion of three times the target, removal, then 8 sweeps of annealing: about 1 dB above fast
+    best,    ///< insertion of four times the target, removal, then 1000 sweeps of annealing
 };
 
 namespace kit {
 
-/// Options of AnnealingSchedule and AnnealingSweep.
+/// Options of the annealing (methods/annealed/annealing.hpp). mu is the price of a vertex and T the temperature, both energies.
+/// The screens compare the change of the energy before any relaxation, which is cheap to know, and skip moves without a chance.
 struct AnnealingOptions {
-    int sweeps = 8;
-    double temperature = 0.5;        ///< T at the start, in prices mu
-    double cooling = 1;              ///< T falls as (1 - t)^cooling, t in [0, 1)
-    double try_probability = 1;      ///< probability that a vertex is tried for removal, a site for insertion, in a sweep
-    double jump = 0.1;               ///< probability that a vertex is displaced in a sweep
-    double jump_reach = 0.3;         ///< by at most this, in mean spoke lengths
-    double removal_screen = 3;       ///< removals that cost more than this many mu + 3 T before relaxing are not tried
-    double insertion_screen = 0.35;  ///< insertions that gain less than this many mu so are not tried
-    double flip_screen = 3;          ///< flips that cost more than this many mu so are not tried
-    double start_price = 0.2;        ///< mu at the start, in mean energies of a vertex
-    double count_tolerance = 0.5;    ///< the count may leave the target by this share in the first sweep, ever less later
+    int sweeps = 8;              ///< in [0, 1e6]; 0: no annealing
+    double temperature = 0.5;    ///< T in the first sweep, in units of mu, in [0, 1000]
+    double cooling = 1;          ///< exponent, in [0, 100]: T / mu falls as (1 - t)^cooling, t = sweep / sweeps
+    double try_probability = 1;  ///< probability, in a sweep, that a vertex is tried for removal and a site for insertion
+    double jump = 0.1;           ///< probability, in a sweep, that a free vertex is displaced at random
+    double jump_reach = 0.3;     ///< largest displacement, in mean lengths of the vertex's edges, in [0, 1]
+    /// Removals whose cost is above removal_screen * mu + 3 T are not tried; in [0, 1e6].
+    double removal_screen = 3;
+    /// Insertions whose gain is not above insertion_screen * mu are not tried; in [0, 1e6].
+    double insertion_screen = 0.35;
+    /// Flips that raise the energy by flip_screen * mu or more are not tried; in [0, 1e6].
+    double flip_screen = 3;
+    double start_price = 0.2;  ///< mu in the first sweep, in mean energies of a vertex, in [1e-6, 1e6]
+    /// How far the number of vertices may leave the target in the first sweep, as a share of the target, in [0, 1]; falls
+    /// linearly to 0.
+    double count_tolerance = 0.5;
 };
 
-/// The steps of the method, in their order. What differs between efforts is set by annealed_steps().
+/// The steps of the recipe Annealed in their order; the defaults are those of Effort::normal.
 struct AnnealedSteps {
-    double insert_factor = 3;      ///< o: vertices placed before the collapse, in units of the target; 1 for none
-    double collapse_factor = 1;    ///< u: vertices that the collapse leaves, in units of the target
-    double start = 0.3;            ///< vertices of the first grid, share of those placed
-    double insert_batch = 0.4;     ///< vertices inserted at a time, share of those there
-    double collapse_batch = 0.15;  ///< vertices removed at a time, share of those there
-    int insert_sweeps = 2;         ///< after each insertion
-    int polish_rounds = 2;         ///< flips and a sweep, at the end
-    /// While the mesh grows, small gains wait: the next insertion changes the neighbourhood anyway. Against the tight
-    /// 1e-3 and {1e-3, 0} this buys a second sweep for the time of one, +0.2 dB.
-    double insert_flip_gain = 3e-2;  ///< gains up to this wait, in units of the mean energy of a vertex
-    Tolerance insert_tolerance{5e-2, 5e-3};
+    double insert_factor = 3;      ///< o: vertices before the collapse, in units of the target, in [1, 100]; 1: no collapse
+    double collapse_factor = 1;    ///< u: vertices that the collapse leaves, in units of the target, in [0.1, 1]
+    double start = 0.3;            ///< vertices of the first grid, as a share of those before the collapse, in [0, 1]
+    double insert_batch = 0.4;     ///< vertices inserted at a time, as a share of those present, in [0.001, 10]
+    double collapse_batch = 0.15;  ///< vertices removed at a time, as a share of those present, in [0.001, 1]
+    int insert_sweeps = 2;         ///< over dirty vertices after each batch of insertions, in [0, 1000]
+    int polish_rounds = 2;         ///< flips and a sweep at the end, in [0, 1000]
+    /// Flips after each batch of insertions that gain up to this are not made; in mean energies of a vertex, in [0, 1e6]. While
+    /// the mesh grows, small gains wait, since the next batch changes the surroundings anyway: against 1e-3 here and {1e-3, 0}
+    /// in insert_tolerance, the defaults buy a second sweep for the time of one, +0.2 dB.
+    double insert_flip_gain = 3e-2;
+    Tolerance insert_tolerance{5e-2, 5e-3};  ///< of the sweeps after each batch of insertions
+    /// Thresholds of the sweeps over the first grid and at the end; flips at the end gain more than polish.propagate_above.
     Tolerance polish{1e-3, 5e-3};
-    Relaxation relaxation{1, 1e-3};  ///< around each removal
-    AnnealingOptions annealing;      ///< sweeps = 0: none
+    Relaxation relaxation{1, 1e-3};  ///< around each removal; rounds in [0, 100]
+    AnnealingOptions annealing;      ///< the annealing after the collapse
 };
 
-/// The steps that make an effort.
+/// The steps of an effort.
 [[nodiscard]] inline AnnealedSteps annealed_steps(Effort effort) noexcept {
     AnnealedSteps steps;
     switch (effort) {
@@ -77,7 +85,7 @@ struct AnnealedSteps {
         case Effort::fast:
             steps.insert_factor = 2;
             steps.insert_batch = 0.2;
-            steps.collapse_factor = 0.92;  // what is missing goes where it is worth most: 0.08 dB
+            steps.collapse_factor = 0.92;  // the rest is inserted where it gains most: 0.08 dB
             steps.polish_rounds = 3;
             steps.annealing.sweeps = 0;
             break;
@@ -95,7 +103,7 @@ struct AnnealedSteps {
     return steps;
 }
 
-/// Whether the steps mean something; the sentence names the first that does not.
+/// Whether all steps are in range: Errc::invalid_argument for the first that is not, with its name, value and bound.
 [[nodiscard]] HMESH_COLD inline Status check(const AnnealedSteps& steps) noexcept {
     const AnnealingOptions& annealing = steps.annealing;
     const Tolerance &insert = steps.insert_tolerance, &polish = steps.polish;
@@ -133,22 +141,27 @@ class TiledMesh;
 
 }  // namespace kit
 
-/// / The default recipe: too many vertices are placed, those that are missed least go, and annealing exchanges the others between
-/// / places at one common price. The interface of a recipe is described in methods/recipe.hpp.
+/// The default recipe of mesh_image(), and the one of best fidelity: too many vertices are inserted, those whose loss costs
+/// least are removed, and simulated annealing moves vertices from where they are worth little to where they are worth much.
+///
+/// Meshes have least-squares colours unless Options::colors says otherwise. The same options and seed give the same bits for any
+/// number of threads. The interface of a recipe is described in methods/recipe.hpp, the method in methods/annealed/annealed.hpp.
 struct Annealed {
-    Effort effort = Effort::normal;  ///< how much work
-    std::uint64_t seed = 1;          ///< of the random numbers of the annealing
-    /// / px: larger images are meshed in tiles of about this size, 64 to 65536, each of which is a piece of work for a thread.
-    /// / 0: in one piece up to a megapixel and 16384 vertices, in tiles of 256 px beyond. Where a tile would hold less than 256
-    /// / vertices on average, tiles are larger, up to the image, and so is the memory for each.
+    Effort effort = Effort::normal;  ///< how much work goes into the mesh
+    std::uint64_t seed = 1;          ///< of the annealing's random numbers; any value. draft and fast use none
+    /// The side of a tile in px, 64 to 65536, or 0 for the default. Images larger than a tile are meshed in tiles of about this
+    /// size, each of them a piece of work for a thread. The default is one piece up to 1048576 pixels and 16384 vertices, and
+    /// tiles of 256 px beyond. Where a tile would hold less than 256 vertices on average, tiles are made larger, up to the
+    /// image, and so is the memory that each takes.
     int tile = 0;
-    /// / In place of what `effort` means: start from kit::annealed_steps(effort) and change what you like.
+    /// The steps in detail, in place of those that `effort` stands for: start from kit::annealed_steps(effort) and change some.
     std::optional<kit::AnnealedSteps> steps{};
 
-    static constexpr const char* name = "annealed";
-    static constexpr Colors colors = Colors::optimal;
+    static constexpr const char* name = "annealed";    ///< for reports
+    static constexpr Colors colors = Colors::optimal;  ///< final colours where Options::colors says nothing
 
-    /// / Whether the recipe's options mean something.
+    /// Whether all options are in range, for images of any size; else Errc::invalid_argument with the offending value and its
+    /// bound.
     [[nodiscard]] Status check(int /*width*/, int /*height*/) const noexcept {
         if (tile != 0 && (tile < 64 || tile > kit::max_side))
             return {Errc::invalid_argument, "the tile must be 0, for the default, or 64 to 65536 px", tile,
@@ -157,16 +170,17 @@ struct Annealed {
         if (effort <= Effort::best) return {};
         return {Errc::invalid_argument, "the effort is none of those known", static_cast<int>(effort), 3};
     }
-    /// / px: the size of the tiles for a mesh of n vertices.
+    /// The side of the tiles in px for a mesh of n vertices; the image's longer side or more: one piece.
     [[nodiscard]] double tile_size(int width, int height, std::size_t n) const noexcept {
-        // Up to here one tile is as fast as several, and no seam needs healing.
+        // Up to this size one tile is as fast as several, and there are no seams whose traces must be removed.
         const bool is_small = static_cast<double>(width) * height <= 1048576 && n <= 16384;
         double size = tile != 0 ? tile : is_small ? std::max(width, height) : 256;
         const double needed = 256.0 * width * height / static_cast<double>(n), longest = std::max(width, height);
         while (size < longest && std::min<double>(size, width) * std::min<double>(size, height) < needed) size *= 1.25;
         return size;
     }
-    /// / Makes a mesh of n vertices in place of what `mesh` was (annealed.hpp).
+    /// Replaces `mesh` by a mesh of n vertices of its image, 4 <= n <= max(4, pixels). Errc::cancelled: it is valid, with any
+    /// number of vertices. Defined in methods/annealed/annealed.hpp.
     template <int C>
     [[nodiscard]] Status run(kit::TiledMesh<C>& mesh, std::size_t n) const;
 };

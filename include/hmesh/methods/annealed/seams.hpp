@@ -1,12 +1,12 @@
 /// \file
 /// Seams: vertices on the straight line between two tiles, chosen before either tile has a mesh.
 ///
-/// Along a seam the picture is a curve, the mean of the pixels on both sides, and the mesh will show its interpolation
-/// between the seam's nodes. Dynamic programming finds the nodes that minimise squared error + price * nodes exactly; a
-/// price common to all seams shares a number of nodes among them. The nodes' colours are then the least-squares ones. Both
-/// tiles see the same nodes, so they fit together without a T-junction.
+/// Along a seam the picture is a curve, the mean of the pixels on both sides, and a mesh will show the linear interpolation
+/// between the seam's nodes. Dynamic programming finds the nodes that minimise squared error + price * number of nodes exactly;
+/// one price for all seams shares a number of nodes among them. The colours of the nodes are then the least-squares ones. Both
+/// tiles have the same nodes, so that they meet without T-junctions.
 ///
-/// Nodes are at multiples of `step` px: with s = length / step places, a seam costs some s^2 / 2 evaluations of 5 ns.
+/// Cost: nodes lie at multiples of `step` px; with s = length / step places, a seam takes some s^2 / 2 evaluations of 5 ns.
 #ifndef HMESH_METHODS_ANNEALED_SEAMS_HPP
 #define HMESH_METHODS_ANNEALED_SEAMS_HPP
 
@@ -26,22 +26,24 @@
 
 namespace hmesh::kit {
 
-/// From (x, y), `length` px along a line at whole pixels: down if it is vertical, else to the right.
+/// A line between pixels of the image, inside it: from (x, y) down if it is vertical, else to the right.
 struct Seam {
-    int x = 0, y = 0, length = 1;
-    bool vertical = false;
+    int x = 0, y = 0;       ///< px, where the seam starts
+    int length = 1;         ///< px
+    bool vertical = false;  ///< down; else to the right
 };
 
-/// The nodes of a seam and their colours.
+/// The nodes of a seam and their colours, without the ends of the seam.
 template <int C>
 struct SeamLine {
-    std::vector<int> offsets;  ///< px from the seam's start, in (0, length), rising
-    std::vector<Color<C>> colors;
+    std::vector<int> offsets;      ///< px from the seam's start, in (0, length), rising
+    std::vector<Color<C>> colors;  ///< of each node
 };
 
 namespace detail {
 
-/// The curve of a seam as prefix sums over its pixel rows j: of s, (j + 1/2) s and |s|^2, s the mean of both sides.
+/// The picture along a seam, as prefix sums over its rows of pixels j: of s, (j + 1/2) s and |s|^2, s being the mean of both
+/// sides.
 template <int C>
 class SeamCurve {
   public:
@@ -63,26 +65,30 @@ class SeamCurve {
             squares_[k + 1] = squares_[k] + (s * s).sum();
         }
     }
+    /// The length of the seam in px.
     [[nodiscard]] int length() const noexcept { return length_; }
-    /// The picture at offset j: the mean of the four pixels around.
+    /// The picture at offset j, 0 <= j <= length(): the mean of the four pixels around.
     [[nodiscard]] const Color<C>& value(int j) const noexcept { return values_[static_cast<std::size_t>(j)]; }
 
-    /// For the rows between offsets a and b, with t from 0 to 1 between them: sums of (1 - t) s, t s and |s|^2.
+    /// Sums over the rows between two offsets, with t running from 0 to 1 between them.
     struct Part {
-        Color<C> from, to;
-        double squares;
+        Color<C> from;   ///< of (1 - t) s
+        Color<C> to;     ///< of t s
+        double squares;  ///< of |s|^2
     };
+    /// The sums over the rows between offsets a < b.
     [[nodiscard]] Part part(int a, int b) const noexcept {
         const auto i = static_cast<std::size_t>(a), k = static_cast<std::size_t>(b);
         const Color<C> sum = sums_[k] - sums_[i];
         const Color<C> to = (1.0 / (b - a)) * (moments_[k] - moments_[i] - static_cast<double>(a) * sum);
         return {sum - to, to, squares_[k] - squares_[i]};
     }
-    /// Sums of t^2 and t (1 - t) over n rows; that of (1 - t)^2 equals the first.
+    /// The sum of t^2 over n rows, which is also that of (1 - t)^2.
     [[nodiscard]] static double square(int n) noexcept { return n / 3.0 - 1 / (12.0 * n); }
+    /// The sum of t (1 - t) over n rows.
     [[nodiscard]] static double coupling(int n) noexcept { return n / 6.0 + 1 / (12.0 * n); }
 
-    /// The squared error of interpolating between the values at a and b.
+    /// The squared error of linear interpolation between the values at offsets a < b, summed over rows and channels.
     [[nodiscard]] double error(int a, int b) const noexcept {
         const Part p = part(a, b);
         const Color<C>&ca = value(a), &cb = value(b);
@@ -104,8 +110,8 @@ class SeamCurve {
 
 }  // namespace detail
 
-/// The nodes of one seam: multiples of `step` between its ends, none further than `reach` >= step from the next, with the
-/// least error + price * (number of nodes).
+/// The offsets of one seam's nodes, in px: the multiples of `step` between its ends that minimise error + price * number of
+/// nodes, none further than `reach` >= step px from the next. O((length / step) * (reach / step)).
 template <int C>
 [[nodiscard]] std::vector<int> seam_nodes(const detail::SeamCurve<C>& curve, int step, int reach, double price) {
     const int length = curve.length(), places = (length + step - 1) / step;  // place k is at min(length, k step)
@@ -127,7 +133,8 @@ template <int C>
     return nodes;
 }
 
-/// The least-squares colours of a seam's nodes, its ends keeping their value: a tridiagonal system.
+/// The least-squares colours of a seam's nodes, the ends of the seam keeping the value of the picture; solves a tridiagonal
+/// system.
 template <int C>
 [[nodiscard]] std::vector<Color<C>> seam_colors(const detail::SeamCurve<C>& curve, const std::vector<int>& nodes) {
     using Curve = detail::SeamCurve<C>;
@@ -161,8 +168,9 @@ template <int C>
     return right;
 }
 
-/// About `count` nodes on all seams together, at one price; none further than `reach` px from the next. Seams that come up
-/// after go_on(), called from any thread, has said false are left without nodes.
+/// Chooses about `count` nodes on all seams together, at one price, at multiples of `step` px and none further than `reach` px
+/// from the next. The price is searched until the number of nodes is within 10 % of `count`, in at most 12 rounds. go_on() is
+/// called from any thread; seams that are reached after it said false have no nodes.
 template <int C>
 [[nodiscard]] HMESH_COLD std::vector<SeamLine<C>> seam_lines(const ImageSource<C>& source, const std::vector<Seam>& seams,
                                                              double count, int step, int reach, FunctionRef<bool()> go_on,
@@ -177,7 +185,7 @@ template <int C>
         for (const SeamLine<C>& line : lines) nodes += static_cast<double>(line.offsets.size());
         return nodes;
     };
-    // The price lies between 0 and the error of one node a seam; the number of nodes falls roughly as its inverse root.
+    // The price lies between 0 and the error of seams without nodes; the number of nodes falls roughly as its inverse root.
     double price = ordered_sum(parallel_for, seams.size(), 1,
                                [&](std::size_t i, std::size_t) {
                                    return detail::SeamCurve<C>(source, seams[i]).error(0, seams[i].length);

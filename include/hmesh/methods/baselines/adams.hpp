@@ -3,8 +3,10 @@
 ///
 ///     feature map -> error diffusion to d n points -> Delaunay triangulation -> greedy point removal to n
 ///
-/// Colours are sampled; edges are Delaunay edges whatever the picture. The paper's baseline, and where it starts from. Some
-/// 40 us a vertex of the result.
+/// Colours are sampled, and edges are Delaunay edges whatever the picture. The paper compares itself with this method, and
+/// starts from its meshes.
+///
+/// Cost: some 40 us a vertex of the result.
 #ifndef HMESH_METHODS_BASELINES_ADAMS_HPP
 #define HMESH_METHODS_BASELINES_ADAMS_HPP
 
@@ -31,7 +33,8 @@
 namespace hmesh {
 namespace kit::detail {
 
-/// The Delaunay triangulation of the corners and of these pixels, with their colours, in place of what work had. False: cancelled.
+/// Replaces the mesh by the Delaunay triangulation of the image's corners and of these pixels, given as y * width + x, with the
+/// pixels' colours, and measures it. False: cancelled.
 template <int C>
 bool triangulate_pixels(TiledMesh<C>& tiled, const std::vector<std::uint32_t>& pixels) {
     const ImageSource<C>& source = tiled.source();
@@ -46,40 +49,45 @@ bool triangulate_pixels(TiledMesh<C>& tiled, const std::vector<std::uint32_t>& p
     }
     tiled.indexed() = delaunay_mesh(source, mesh);
     tiled.progress().set_range(1, 1);
-    return tiled.for_each(one_tile(source), [](Patch<C>&, std::size_t) {});  // from here on its energy is known
+    return tiled.for_each(one_tile(source), [](Patch<C>&, std::size_t) {});  // makes the patch, which has the energy
 }
 
-/// Removal to n vertices, as a stage.
+/// Removes the cheapest points until n vertices are left (methods/baselines/point_removal.hpp), as a stage. False: cancelled.
 template <int C>
 bool remove_points(TiledMesh<C>& tiled, std::size_t n) {
-    return run_whole_stage<C>(tiled, "removal", [&](ImageMesh<C>& mesh) { PointRemoval<C>(mesh).remove_down_to(n); });
+    return run_one_tile_stage<C>(tiled, "removal", [&](ImageMesh<C>& mesh) { PointRemoval<C>(mesh).remove_down_to(n); });
 }
 
 }  // namespace kit::detail
 
-/// / Adams' method, with sampled colors.
+/// The recipe of Adams' method (2011): error-diffused points with a density that follows the second derivatives of the image,
+/// their Delaunay triangulation, and greedy removal of the points whose loss costs least. Colours are sampled unless
+/// Options::colors says otherwise. The whole image is one piece of work, on one thread but for the feature map; some 40 us a
+/// vertex.
 struct Adams {
-    /// / Points before the removal, in units of the target, in [1, 1000], as far as there are pixels. They cost time in
-    /// proportion: / Lena at 1 % has 27.06 dB with 2, 28.05 with 4.5, 28.21 with 8; Fruits 26.29, 27.14 and 27.06.
+    /// Points before the removal, in units of the target, in [1, 1000]; at most one for each pixel. Time is proportional to it.
+    /// Lena at 1 % has 27.06 dB with 2, 28.05 with 4.5, 28.21 with 8; Fruits 26.29, 27.14 and 27.06 (docs/paper.md).
     double density = 4.5;
-    int smoothing =
-        3;  ///< passes of [1 2 1] / 4 before the derivatives, in [0, 100]; none costs 0.1 to 0.4 dB on Lena and Fruits
+    /// Passes of the binomial filter [1 2 1] / 4 before the derivatives, in [0, 100]; 0 costs 0.1 to 0.4 dB on Lena and Fruits.
+    int smoothing = 3;
 
-    static constexpr const char* name = "adams";
-    static constexpr Colors colors = Colors::sampled;
+    static constexpr const char* name = "adams";       ///< for reports
+    static constexpr Colors colors = Colors::sampled;  ///< final colours where Options::colors says nothing
 
-    /// / Whether the options mean something.
+    /// Whether all options are in range, for images of any size; else Errc::invalid_argument with the offending value and its
+    /// bound.
     [[nodiscard]] Status check(int = 1, int = 1) const noexcept {
         return kit::check_ranges({{"adams density must be in [1, 1000]", density, 1, 1000},
                                   {"adams smoothing must be in [0, 100] passes", static_cast<double>(smoothing), 0, 100}});
     }
-    /// / px: the image in one piece.
-    [[nodiscard]] double tile_size(int width, int height, std::size_t) const noexcept { return std::max(width, height); }
-    /// / Makes a mesh of n vertices, 4 <= n <= max(4, pixels).
+    /// The image's longer side in px: the image is one piece.
+    [[nodiscard]] static double tile_size(int width, int height, std::size_t) noexcept { return std::max(width, height); }
+    /// Replaces `mesh` by a mesh of n vertices of its image, 4 <= n <= max(4, pixels). Errc::cancelled: it is valid, with any
+    /// number of vertices.
     template <int C>
     [[nodiscard]] Status run(kit::TiledMesh<C>& mesh, std::size_t n) const {
         const kit::ImageSource<C>& source = mesh.source();
-        mesh.indexed() = kit::corner_mesh(source);  // what a cancellation finds
+        mesh.indexed() = kit::corner_mesh(source);  // the mesh after a cancellation in the first stage
         const bool go_on = kit::run_stage<C>(mesh, "points", [&] {
             const double wanted = std::ceil(density * static_cast<double>(n));
             const auto count = static_cast<std::size_t>(std::min(source.pixels(), wanted));

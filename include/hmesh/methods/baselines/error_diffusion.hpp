@@ -1,11 +1,13 @@
 /// \file
-/// Error diffusion: points with the density that a map asks for, about as many as wanted.
+/// Error diffusion: points with a density in proportion to a map, about as many as wanted.
 ///
-/// Floyd and Steinberg's halftoning ("An adaptive algorithm for spatial greyscale", 1976) of the map, rows there and back by
-/// turns: a pixel becomes a point when its density plus the errors that its neighbours left is at least 1/2, and hands its
-/// own error on. Yang, Wernick and Brankov ("A fast approach for accurate content-adaptive mesh generation", 2003) place the
-/// vertices of a mesh so. The first points come late, because errors have to gather: some 0.3 / density rows from the top. The
-/// factor from map to density is found by bisection: some 10 passes of 4 to 6 ns a pixel.
+/// The map is halftoned by the method of Floyd and Steinberg ("An adaptive algorithm for spatial greyscale", 1976), rows running
+/// left and right in turn: a pixel becomes a point if its density plus the errors that its neighbours left is at least 1/2, and
+/// passes its own error on. Yang, Wernick and Brankov ("A fast approach for accurate content-adaptive mesh generation", 2003)
+/// place the vertices of a mesh in this way. Errors must add up before the first point, which therefore lies some 0.3 / density
+/// rows below the top.
+///
+/// Cost: the factor from map to density is found by bisection, in some 10 passes of 4 to 6 ns a pixel.
 #ifndef HMESH_METHODS_BASELINES_ERROR_DIFFUSION_HPP
 #define HMESH_METHODS_BASELINES_ERROR_DIFFUSION_HPP
 
@@ -24,9 +26,10 @@
 namespace hmesh::kit {
 namespace detail {
 
-/// Calls point(x, y) for the points of density min(1, factor * (map + floor)). What would fall over a side goes to the nearest
-/// pixel below; only the last row loses errors. Each row can lose half of them while the first point is yet to come, so in images
-/// of a few rows the columns take their part: a thin image would else have points where the map is largest alone.
+/// Calls point(x, y) for points of the density min(1, factor * (map + floor)). Errors that would leave the image at a side go to
+/// the nearest pixel below; only the last row loses errors, up to half a point for each of its pixels. In an image of a few rows
+/// that could be most of the points, and the rest would stand only where the map is largest: images more than 8 times as wide as
+/// high are therefore passed column by column.
 template <class Point>
 void diffuse(const ImageView<float, 1>& map, double factor, double floor, Point&& point) {
     const bool is_flat = map.width > 8 * map.height;
@@ -62,9 +65,10 @@ void diffuse(const ImageView<float, 1>& map, double factor, double floor, Point&
 
 }  // namespace detail
 
-/// At least `count` <= pixels points, at most about 1 % more where the map allows, as pixel numbers y * width + x, row after row
-/// there and back; column after column in images more than 8 times as wide as high. Values of the map are finite and >= 0; one
-/// that is 0 everywhere counts as even. go_on() is asked between passes, if set; when it says no, there are no points.
+/// At least `count` <= pixels points, and about 1 % more at most where the map allows, as pixel numbers y * width + x. They come
+/// row by row, left and right in turn, or column by column in images more than 8 times as wide as high. Values of the map must
+/// be finite and >= 0; a map that is 0 everywhere stands for an even density. go_on(), where set, is called between passes; once
+/// it says false, the result is empty.
 [[nodiscard]] inline std::vector<std::uint32_t> diffused_points(const ImageView<float, 1>& map, std::size_t count,
                                                                 FunctionRef<bool()> go_on = {}) {
     const std::size_t pixels = static_cast<std::size_t>(map.width) * static_cast<std::size_t>(map.height);
@@ -75,7 +79,8 @@ void diffuse(const ImageView<float, 1>& map, double factor, double floor, Point&
             sum += static_cast<double>(map.row(y)[x]);
             largest = std::max(largest, static_cast<double>(map.row(y)[x]));
         }
-    // With a floor of 1e-9 flat parts have no points unless all others have, and all pixels are points at some factor.
+    // With a floor of 1e-9 of the largest value, pixels of value 0 become points only when nearly all others are, and with a
+    // large enough factor all pixels are points.
     const double floor = largest > 0 ? 1e-9 * largest : 1;
     const auto number_at = [&](double factor) {
         std::size_t number = 0;

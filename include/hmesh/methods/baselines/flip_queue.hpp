@@ -1,10 +1,12 @@
 /// \file
 /// Flip queue: the paper's topology step (section 4.5.2, after Xie et al. 2014).
 ///
-/// All interior edges are suspects, the one whose two faces have the largest error first. A suspect turns if that lowers the
-/// error, with positions and colours held; then the four sides of its quadrilateral are suspects again. An edge comes up a
-/// bounded number of times. flip_edges (edit/flip.hpp) reaches the same kind of minimum without the order, in half the time.
-/// About 0.3 us an edge.
+/// The queue holds all interior edges at first; the edge whose two faces have the largest error is next. It flips if that lowers
+/// the error, with positions and colours held, and then the four sides of its quadrilateral enter the queue again. An edge
+/// leaves the queue a bounded number of times. flip_edges() (edit/flip.hpp) reaches the same kind of minimum without this order,
+/// in half the time.
+///
+/// Cost: about 0.3 us an edge.
 #ifndef HMESH_METHODS_BASELINES_FLIP_QUEUE_HPP
 #define HMESH_METHODS_BASELINES_FLIP_QUEUE_HPP
 
@@ -20,8 +22,9 @@
 
 namespace hmesh::kit {
 
-/// Turns suspects until none is left; each comes up at most `visits` >= 1 times. The energy falls with every flip, by more
-/// than rounding, so that the bound only keeps edges from coming up for tiny gains. Returns the number of flips.
+/// Flips edges until the queue is empty; an edge is tried at most `visits` >= 1 times. The energy falls with every flip by more
+/// than rounding, so the queue would empty anyway; the bound saves trials for tiny gains. The four vertices around a flipped
+/// edge become dirty. Ends early where mesh.keep_going() says stop. Returns the number of flips.
 template <int C>
 std::size_t run_flip_queue(ImageMesh<C>& mesh, int visits = 8) {
     const HalfedgeMesh& topology = mesh.topology();

@@ -1,10 +1,12 @@
 /// \file
-/// Vertex search: move vertices from pixel to pixel to where the error is least, with sampled colours.
+/// Vertex search: move vertices in whole pixels to where the error is least, with sampled colours.
 ///
-/// The geometry step of Xie et al. (2014) as a pattern search: a vertex tries the eight neighbours at a distance of
-/// `first_step` pixels, goes to the best while that lowers the error of its ring, then halves the distance down to one pixel.
-/// Its colour is always the image's at its place. Where a vertex moved, its neighbours come up again, up to `visits` times
-/// each. A trial walks the ring's spokes, about 0.4 us, and ends as soon as it has lost; a visit takes some 6 us.
+/// The geometry step of Xie et al. (2014) as a pattern search: a vertex tries the eight positions at a distance of `first_step`
+/// pixels and moves to the best as long as that lowers the error of its ring; then the distance is halved, down to one pixel.
+/// The colour is always that of the image at the vertex. Neighbours of a vertex that moved are visited again, each vertex up to
+/// `visits` times.
+///
+/// Cost: a trial walks the ring's spokes in about 0.4 us, less where it is worse early; a visit takes some 6 us.
 #ifndef HMESH_METHODS_BASELINES_VERTEX_SEARCH_HPP
 #define HMESH_METHODS_BASELINES_VERTEX_SEARCH_HPP
 
@@ -18,15 +20,15 @@
 
 namespace hmesh::kit {
 
-/// How far and how often vertices are moved.
+/// Options of search_vertices().
 struct VertexSearch {
-    int first_step = 4;  ///< px
-    int visits = 6;      ///< of a vertex
+    int first_step = 4;  ///< the first distance, px, in [1, 4096]; halved down to 1
+    int visits = 6;      ///< of each vertex at most, in [1, 1000]
 };
 
 namespace detail {
 
-/// The energy of the faces of a ring with its centre at `centre`; anything not below `bound` once that is reached.
+/// The energy of the faces of a ring with its centre vertex in this state; once it reaches `bound`, any value not below that.
 template <int C>
 [[nodiscard]] double centered_energy(const MomentTable<C>& table, const Ring<C>& ring, const VertexState<C>& center,
                                      double bound) {
@@ -48,19 +50,19 @@ template <int C>
     return energy;
 }
 
-/// One visit; whether v moved.
+/// Visits v. Returns whether it moved. `ring` and `spokes` are overwritten.
 template <int C>
 bool search_vertex(ImageMesh<C>& mesh, Vertex v, int first_step, Ring<C>& ring, Spokes<C>& spokes) {
     const VertexState<C> state = mesh.vertex(v);
     if (state.mobility == Mobility::corner || state.mobility == Mobility::locked) return false;
     mesh.gather(v, ring, spokes);
-    double least = mesh.energy(ring);
+    double lowest = mesh.energy(ring);
     double squares = ring.open ? spokes.spoke[ring.size - 1].q[3] - spokes.spoke[0].q[3] : 0;  // |I|^2 of the ring
     for (int i = ring.first_face(); i < ring.size; ++i) squares += ring.link[i].q[3];
-    // What rounding may seem to gain: energies are differences of sums as large as the squares, some of them over whole rows.
-    const double enough = 1e-9 * least + 1e-12 * squares;
+    // A gain that rounding may feign: energies are differences of sums as large as the squares, some of them over whole rows.
+    const double min_gain = 1e-9 * lowest + 1e-12 * squares;
     VertexState<C> best = state;
-    // Along a side, or half a pixel off it at least, where the centres are.
+    // A vertex stays on its side of the image or at least half a pixel off, where the centres of pixels are.
     const auto on_centers = [](double x, int size) { return x >= 0.5 && x <= size - 0.5; };
     for (int step = first_step; step >= 1; step /= 2)
         for (bool moved = true; moved;) {
@@ -78,9 +80,9 @@ bool search_vertex(ImageMesh<C>& mesh, Vertex v, int first_step, Ring<C>& ring, 
                     !ring.accepts(trial.position, mesh.limits().min_double_area))
                     continue;
                 trial.color = sampled_color(mesh.table(), trial.position);
-                const double energy = centered_energy(mesh.table(), ring, trial, least - enough);
-                if (!(energy < least - enough)) continue;
-                least = energy;
+                const double energy = centered_energy(mesh.table(), ring, trial, lowest - min_gain);
+                if (!(energy < lowest - min_gain)) continue;
+                lowest = energy;
                 best = trial;
                 moved = true;
             }
@@ -92,9 +94,10 @@ bool search_vertex(ImageMesh<C>& mesh, Vertex v, int first_step, Ring<C>& ring, 
 
 }  // namespace detail
 
-/// Searches until no vertex is due or all have come up `visits` times, in rounds in spatial order. Returns the number of visits
-/// that moved their vertex. Colours are to be sampled ones (sample_colors): a vertex that stays keeps what it has. Vertices with
-/// more than ring_capacity neighbours stay where they are.
+/// Visits vertices in rounds, in spatial order: all in the first round, then those that are dirty because a neighbour moved,
+/// until none is or options.visits rounds are done. The mesh should have sampled colours (sample_colors()), since a vertex that
+/// stays keeps its colour. Vertices with more than ring_capacity neighbours stay. Returns the number of visits that moved their
+/// vertex; ends early where mesh.keep_going() says stop.
 template <int C>
 std::size_t search_vertices(ImageMesh<C>& mesh, const VertexSearch& options) {
     const HalfedgeMesh& topology = mesh.topology();

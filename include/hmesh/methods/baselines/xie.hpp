@@ -3,8 +3,10 @@
 ///
 ///     Adams' mesh -> (vertex search, flip queue) by turns until neither gains
 ///
-/// Colours are sampled, vertices stay on pixels. That text leaves the search open: here it is the pattern search of
-/// methods/baselines/vertex_search.hpp. Some 110 to 170 us a vertex.
+/// Colours are sampled, and vertices move in whole pixels. The paper does not say how vertices are searched; here it is the
+/// pattern search of methods/baselines/vertex_search.hpp.
+///
+/// Cost: some 110 to 170 us a vertex.
 #ifndef HMESH_METHODS_BASELINES_XIE_HPP
 #define HMESH_METHODS_BASELINES_XIE_HPP
 
@@ -22,18 +24,21 @@
 
 namespace hmesh {
 
-/// / The method of Xie et al., with sampled colors.
+/// The recipe of the method of Xie et al. (2014), the paper's baseline: Adams' mesh, then vertices searched from pixel to pixel
+/// and edges flipped by turns. Colours are sampled unless Options::colors says otherwise. The whole image is one piece of work,
+/// on one thread but for the feature map; some 110 to 170 us a vertex.
 struct Xie {
-    Adams start{};               ///< the mesh that it starts from
-    kit::VertexSearch search{};  ///< how vertices move
-    int flip_visits = 8;         ///< how often an edge is a suspect in a round, in [1, 1000000]
-    int rounds = 8;              ///< at most, in [0, 1000]; one that gains less than `enough` is the last
-    double enough = 1e-3;        ///< of the energy, in [0, 1]
+    Adams start{};               ///< the recipe of the mesh to start from
+    kit::VertexSearch search{};  ///< how far and how often vertices move in a round
+    int flip_visits = 8;         ///< how often an edge is tried in a round at most, in [1, 1000000]
+    int rounds = 8;              ///< of a search and flips at most, in [0, 1000]; 0 leaves the mesh of `start`
+    double enough = 1e-3;        ///< a round that lowers the energy by this share of it or less is the last; in [0, 1]
 
-    static constexpr const char* name = "xie";
-    static constexpr Colors colors = Colors::sampled;
+    static constexpr const char* name = "xie";         ///< for reports
+    static constexpr Colors colors = Colors::sampled;  ///< final colours where Options::colors says nothing
 
-    /// / Whether the options mean something.
+    /// Whether all options are in range, for images of any size; else Errc::invalid_argument with the offending value and its
+    /// bound.
     [[nodiscard]] Status check(int = 1, int = 1) const noexcept {
         if (const Status status = start.check(); !status) return status;
         return kit::check_ranges(
@@ -43,9 +48,10 @@ struct Xie {
              {"xie rounds must be in [0, 1000]", static_cast<double>(rounds), 0, 1000},
              {"xie enough must be in [0, 1]", enough, 0, 1}});
     }
-    /// / px: the image in one piece.
-    [[nodiscard]] double tile_size(int width, int height, std::size_t) const noexcept { return std::max(width, height); }
-    /// / Makes a mesh of n vertices, 4 <= n <= max(4, pixels).
+    /// The image's longer side in px: the image is one piece.
+    [[nodiscard]] static double tile_size(int width, int height, std::size_t) noexcept { return std::max(width, height); }
+    /// Replaces `mesh` by a mesh of n vertices of its image, 4 <= n <= max(4, pixels). Errc::cancelled: it is valid, with any
+    /// number of vertices.
     template <int C>
     [[nodiscard]] Status run(kit::TiledMesh<C>& mesh, std::size_t n) const {
         using kit::ImageMesh;
@@ -53,8 +59,8 @@ struct Xie {
         for (int round = 0; round < rounds; ++round) {
             const double before = mesh.energy();
             const bool go_on =
-                kit::run_whole_stage<C>(mesh, "search", [&](ImageMesh<C>& piece) { search_vertices(piece, search); }) &&
-                kit::run_whole_stage<C>(mesh, "flips", [&](ImageMesh<C>& piece) { run_flip_queue(piece, flip_visits); });
+                kit::run_one_tile_stage<C>(mesh, "search", [&](ImageMesh<C>& piece) { search_vertices(piece, search); }) &&
+                kit::run_one_tile_stage<C>(mesh, "flips", [&](ImageMesh<C>& piece) { run_flip_queue(piece, flip_visits); });
             if (!go_on) return kit::cancelled_by_callback();
             if (!(before - mesh.energy() > enough * before)) break;
         }

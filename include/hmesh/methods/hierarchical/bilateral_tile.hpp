@@ -1,7 +1,8 @@
 /// \file
-/// BilateralTile: the bilateral filter at work on a tile of an image, in vectors of floats.
+/// BilateralTile: the kernel of bilateral_filter(), for one tile of an image, in vectors of floats.
 ///
-/// The definition is in bilateral.hpp. Here are the planes, the weights and the order of the work.
+/// methods/hierarchical/bilateral.hpp defines the filter; this header has the planes of samples, the weights, and the order in
+/// which they are computed.
 #ifndef HMESH_METHODS_HIERARCHICAL_BILATERAL_TILE_HPP
 #define HMESH_METHODS_HIERARCHICAL_BILATERAL_TILE_HPP
 
@@ -18,7 +19,7 @@
 
 #include "hmesh/core/macros/push.hpp"
 
-// GCC leaves short loops over channels as they are at -O2.
+// GCC does not unroll short loops over channels at -O2.
 #if defined(__GNUC__) && !defined(__clang__)
 #define HMESH_UNROLL _Pragma("GCC unroll 16")
 #else
@@ -27,7 +28,8 @@
 
 namespace hmesh::kit::detail {
 
-// Neighbouring pixels of one channel, as many as a register holds. One at a time where compiler or processor has no vectors.
+// Floats: neighbouring pixels of one channel, as many as a register holds; one where the compiler or the processor has no
+// vectors.
 #if defined(__GNUC__) && (defined(__SSE__) || !defined(__i386__))
 #if defined(__AVX2__)
 inline constexpr int float_lanes = 8;
@@ -67,15 +69,17 @@ HMESH_ALWAYS_INLINE Floats from_bits(Bits bits) {
 }
 HMESH_ALWAYS_INLINE Floats magnitude(Floats x) { return from_bits(bits_of(x) & 0x7fffffffU); }
 
-/// The least exponent of 2 that a weight can have: 2^-125 is a float, and nothing beside the weight 1 of the centre.
-inline constexpr float least_exponent = -125;
+/// The smallest exponent of 2 that a weight can have: 2^-125 is a normal float, and negligible beside the weight 1 of the
+/// window's centre.
+inline constexpr float min_exponent = -125;
 
-/// 2^x for x <= 0, no less than 2^least_exponent. The integer part goes to the exponent's bits; the polynomial is that of
-/// degree 5 with the least relative error of 2^f over -1 <= f <= 0 (Remez), 7.5e-8; with rounding it is 3e-7. Rounding
-/// of x itself, 2^-24 |x|, adds as much at weights of 1/8 and 1e-6 at 2^-24, which hardly count.
+/// 2^x for x <= 0, at least 2^min_exponent. The integer part of x is added to the bits of the exponent. For the fraction f, in
+/// [-1, 0], a polynomial of degree 5 with the smallest largest relative error (Remez) approximates 2^f to 7.5e-8, with rounding
+/// to 3e-7. The rounding of x itself, 2^-24 |x|, adds as much at weights of 1/8, and 1e-6 at weights of 2^-24, which hardly
+/// count.
 HMESH_ALWAYS_INLINE Floats power_of_2(Floats x) {
-    const Floats least = Floats{} + least_exponent;
-    x = x > least ? x : least;
+    const Floats lowest = Floats{} + min_exponent;
+    x = x > lowest ? x : lowest;
     const Ints n = truncate(x);
     const Floats f = x - to_floats(n);
     Floats p = f * 0.000938788337F + 0.00918861173F;
@@ -86,23 +90,24 @@ HMESH_ALWAYS_INLINE Floats power_of_2(Floats x) {
     return from_bits(bits_of(p) + (bits_of(n) << 23U));
 }
 
-/// Index i, also one outside [0, n), mirrored at the centres of the first and the last of n pixels until it is inside.
+/// Any index i mirrored at the centres of the first and the last of n pixels until it is in [0, n).
 [[nodiscard]] inline int reflect(int i, int n) noexcept {
     if (n == 1) return 0;
     const int period = 2 * (n - 1), k = (i % period + period) % period;
     return k < n ? k : period - k;
 }
 
-/// Half of the window, since two pixels have one weight for each other, in the units of BilateralTile: samples times unit().
+/// The window of the filter, one tap of each pair of opposite ones, since two pixels have the same weight for each other.
+/// Colours are in the unit of BilateralTile: samples times unit().
 class BilateralWindow {
   public:
-    /// The tap (dx, dy) below or to the right of the centre, and the one opposite.
+    /// The tap (dx, dy) below or to the right of the centre, and the tap (-dx, -dy).
     struct Pair {
-        int dx, dy;
+        int dx, dy;      ///< px
         float exponent;  ///< log2 of the weight by nearness in the plane
     };
 
-    /// The radius in px, sigma of colours in stored values, sigma of places in px; both finite and at least 0.
+    /// The window of `radius` px; sigma_color in stored values and sigma_space in px, both finite and >= 0.
     BilateralWindow(int radius, double sigma_color, double sigma_space) : radius_(radius) {
         constexpr double log2_e = 1.4426950408889634;
         for (int dy = 0; dy <= radius_; ++dy)
@@ -111,19 +116,23 @@ class BilateralWindow {
                 if (square > radius_ * radius_) continue;
                 const double distance = std::sqrt(static_cast<double>(square)) / sigma_space;
                 const double exponent = -log2_e / 2 * distance * distance;
-                pairs_.push_back({dx, dy, static_cast<float>(std::max(exponent, static_cast<double>(least_exponent)))});
+                pairs_.push_back({dx, dy, static_cast<float>(std::max(exponent, static_cast<double>(min_exponent)))});
             }
-        // A power of two, so that products do not round. From 2^-72, which keeps any float below the 2^57 of the tile
-        // however large sigma, to 2^1000, which has an inverse; the factor takes what is left.
+        // unit_ is a power of two, so that products do not round: at least 2^-72, which keeps any float below the 2^57 of the
+        // tile however large sigma is, at most 2^1000, which has an inverse. factor_ takes the rest of the scale.
         const double scale = std::sqrt(log2_e / 2) / std::max(1e-290, sigma_color);
         unit_ = std::ldexp(1.0, std::max(-72, std::min(1000, std::ilogb(scale))));
         factor_ = static_cast<float>(std::min(4.0, (scale / unit_) * (scale / unit_)));
     }
 
+    /// The radius in px.
     [[nodiscard]] int radius() const noexcept { return radius_; }
-    [[nodiscard]] const std::vector<Pair>& pairs() const noexcept { return pairs_; }  ///< by rising dy
+    /// All pairs of taps, by rising dy.
+    [[nodiscard]] const std::vector<Pair>& pairs() const noexcept { return pairs_; }
+    /// The factor that samples are multiplied by.
     [[nodiscard]] double unit() const noexcept { return unit_; }
-    [[nodiscard]] float factor() const noexcept { return factor_; }  ///< -log2 of the weight of colours 1 apart, in [0, 4]
+    /// -log2 of the weight of two colours whose distance is 1 / unit() stored values; in [0, 4].
+    [[nodiscard]] float factor() const noexcept { return factor_; }
 
   private:
     int radius_;
@@ -133,25 +142,26 @@ class BilateralWindow {
 };
 
 /// A tile of an image as planes of floats, with a margin of the window's radius, and the sums over its windows.
-//
-/// Samples are multiplied by the window's unit and kept within +-2^57; a float's own steps are there far longer than
-/// sigma. Distances over 16 channels stay below 2^62, their squares times the factor below 2^126, and a difference of
-/// 2^58 times the least weight is still nothing: whatever the samples, no sum overflows. Integers are within by
-/// themselves if sigma of colours is at least least_sigma: where all differences are 0 or at least 1, a smaller one
-/// has no other weights.
-//
-/// Row by row, the weights of all pairs are found and kept for as many rows as the pairs reach down; then each pixel
-/// takes those of its own row for the taps ahead and the kept ones for the taps behind. That halves the work on weights.
-/// Pairs whose rows together are longer than max_kept wait for another turn.
-/// float_lanes is a parameter so that files compiled for different processors do not share one layout's functions.
+///
+/// Range: samples are multiplied by the window's unit and clamped to +-2^57, where the steps of floats are far longer than
+/// sigma. Distances over 16 channels stay below 2^62, their squares times the factor below 2^126, and a difference of 2^58 times
+/// the smallest weight is negligible: whatever the samples, no sum overflows. Integers need no clamping if sigma_color is at
+/// least min_sigma, and a smaller sigma_color would give the same weights, since all differences are 0 or at least 1.
+///
+/// Order: row by row, the weights of all pairs are computed and kept for as many rows as the pairs reach down. Each pixel then
+/// takes the weights of its own row for the taps ahead, and the kept ones for the taps behind, which halves the number of
+/// weights. Pairs whose rows together take more than max_kept floats are left for another turn over the tile.
+///
+/// float_lanes is a parameter so that files compiled for different processors do not share functions with one layout.
 template <class T, int C, int = float_lanes>
 class BilateralTile {
   public:
     static constexpr int max_width = 128, max_height = 64;
-    static constexpr double least_sigma =
+    static constexpr double min_sigma =
         PixelTraits<T>::is_integer ? std::max(PixelTraits<T>::highest, -PixelTraits<T>::lowest) / 144115188075855872.0 : 0;
     static constexpr std::size_t max_kept = 16384;  ///< floats: 64 kB; diameter 9 needs some 9,000
 
+    /// Workspace for tiles of an image of this width in px; the window must outlive it.
     BilateralTile(const BilateralWindow& window, int image_width)
         : window_(window), radius_(window.radius()),
           width_((std::min(max_width, image_width) + float_lanes - 1) / float_lanes * float_lanes),
@@ -169,12 +179,12 @@ class BilateralTile {
         weights_.resize(most);
     }
 
-    /// Filters the pixels of `rect`, at most max_width x max_height, of the view into the same place of `out`.
+    /// Filters the pixels in `rect` of the view, at most max_width x max_height, into the same pixels of `out`.
     void filter(const ImageView<T, C>& view, const Rect& rect, Image<T, C>& out) {
         load(view, rect);
         const auto weights = sums_.begin() + static_cast<std::ptrdiff_t>(C) * width_ * max_height;
         std::fill(sums_.begin(), weights, 0.0F);
-        std::fill(weights, sums_.end(), 1.0F);  // of the centre
+        std::fill(weights, sums_.end(), 1.0F);  // the weight of the centre itself
         for (Tap *begin = taps_.data(), *last = begin + taps_.size(), *end = begin; begin < last; begin = end) {
             for (end = begin + 1; end < last && end->kept > 0;) ++end;
             for (int y = -end[-1].pair.dy; y < rect.height; ++y) {
@@ -188,16 +198,18 @@ class BilateralTile {
     }
 
   private:
+    /// A pair of taps and where its weights are.
     struct Tap {
         BilateralWindow::Pair pair;
-        std::size_t kept;             ///< where the pair.dy + 1 rows of its weights begin; 0: another turn begins with it
-        std::ptrdiff_t offset;        ///< of the samples ahead
-        const float *ahead, *behind;  ///< weights of the row at hand, and of the row pair.dy above it from -pair.dx on
+        std::size_t kept;             ///< where its pair.dy + 1 rows of weights begin in weights_; 0: another turn begins with it
+        std::ptrdiff_t offset;        ///< from a sample to the one ahead, in floats
+        const float *ahead, *behind;  ///< weights of the current row, and of the row pair.dy above it from -pair.dx on
     };
 
     [[nodiscard]] const float* samples(int y) const noexcept { return samples_.data() + (y + radius_) * stride_ + radius_; }
     [[nodiscard]] float* sums(int y) noexcept { return sums_.data() + static_cast<std::ptrdiff_t>(y) * width_; }
 
+    /// Fills the planes with the samples of `rect` and its margin.
     void load(const ImageView<T, C>& view, const Rect& rect) {
         for (std::ptrdiff_t x = 0; x < stride_; ++x)
             columns_[static_cast<std::size_t>(x)] = reflect(rect.x + static_cast<int>(x) - radius_, view.width) * C;
@@ -216,7 +228,8 @@ class BilateralTile {
             }
         }
     }
-    /// The samples `from` and the means of the differences to them. Stores of bytes may change any member: hence locals.
+    /// Writes a row: the samples `from` plus the weighted means of the differences from them. Members are copied to locals, since
+    /// stores of bytes might change any member.
     void store(const float* sum, const T* from, int width, T* to) const {
         const std::ptrdiff_t plane = static_cast<std::ptrdiff_t>(width_) * max_height;
         const double unit = 1 / window_.unit();
@@ -227,7 +240,8 @@ class BilateralTile {
         }
     }
 
-    /// The weights of row y, -pair.dy <= y, for the pixels that have the tile's as their tap ahead or behind.
+    /// Computes the weights of a pair for row y >= -pair.dy, for all pixels that have a pixel of the tile as their tap or are
+    /// one.
     HMESH_NEVER_INLINE void weigh(Tap& tap, int y) {
         const int dx = tap.pair.dx, dy = tap.pair.dy;
         const auto kept_row = [&](int row) { return weights_.data() + tap.kept + (row + dy) % (dy + 1) * stride_ + radius_; };
@@ -248,9 +262,8 @@ class BilateralTile {
         }
     }
 
-    /// Adds the weights of row y and the weighted differences of the samples to those of the pixel in the middle.
-    /// Differences, because those of integers are exact and those to a huge neighbour not lost, and because an image of
-    /// one colour stays what it is.
+    /// Adds to the sums of row y the weights of the taps and the weighted differences of their samples from the centre's.
+    /// Differences of integers are exact, those from a huge neighbour are not lost, and an image of one colour stays as it is.
     HMESH_NEVER_INLINE void add(const Tap* begin, const Tap* end, int y) {
         const std::ptrdiff_t plane = plane_, sums_plane = static_cast<std::ptrdiff_t>(width_) * max_height;
         for (int x = 0; x < width_; x += float_lanes) {
@@ -279,10 +292,10 @@ class BilateralTile {
 
     const BilateralWindow& window_;
     int radius_, width_;
-    std::ptrdiff_t stride_, plane_;  ///< floats from row to row and from channel to channel
+    std::ptrdiff_t stride_, plane_;  ///< floats from one row to the next, and from one channel to the next
     std::vector<float> samples_;
-    std::vector<int> columns_;  ///< of the view's rows, for each column of the planes
-    std::vector<float> sums_;   ///< of channels and then of weights, a plane of width_ x max_height each
+    std::vector<int> columns_;  ///< for each column of the planes the index of its samples in a row of the view
+    std::vector<float> sums_;   ///< of the channels, then of the weights, planes of width_ x max_height
     std::vector<float> weights_;
     std::vector<Tap> taps_;
 };

@@ -1,13 +1,14 @@
 /// \file
-/// Foot points: the point of the mesh that is nearest to a pixel in the space of position and colour.
+/// Foot points: for each pixel the nearest point of the mesh in the space of position and colour.
 ///
 /// The paper's convexification (section 4.4, Fig. 3b; as in Xiong et al., "Robust surface reconstruction via dictionary
-/// learning", 2014): with its colours the mesh is a surface in 2 + C dimensions, and a pixel belongs to the point of it that is
-/// nearest, not to the point under it. The barycentric coordinates of these foot points are the columns of the K that lets
-/// least squares move vertices; with the coordinates under the pixels V K = P holds exactly, and nothing moves.
+/// learning", 2014): with its colours the mesh is a surface in 2 + C dimensions, and a pixel is assigned to the nearest point of
+/// this surface, its foot point, not to the point of the mesh under its centre. With the barycentric coordinates of foot points
+/// as the columns of K, least squares moves vertices; with the coordinates under the pixels V K = P holds exactly, and no vertex
+/// moves.
 ///
-/// Three inner products take a pixel into the plane of a face, where it is inside or nearest to one of three sides: about
-/// 30 ns a pixel and face.
+/// Cost: three inner products project a pixel into the plane of a face, where its foot is inside the face or on one of three
+/// sides: about 30 ns a pixel and face.
 #ifndef HMESH_METHODS_HIERARCHICAL_FOOTPOINTS_HPP
 #define HMESH_METHODS_HIERARCHICAL_FOOTPOINTS_HPP
 
@@ -29,23 +30,23 @@
 
 namespace hmesh::kit {
 
-/// Where a pixel's foot point is looked for.
+/// Where the foot point of a pixel is searched.
 enum class FootSearch : std::uint8_t {
-    plane,     ///< not at all: the point under the pixel, so that least squares changes colours only
-    own_face,  ///< in the face under the pixel
-    one_ring,  ///< in all faces that share a vertex with that one: worse by 0.01 to 0.08 dB, ten times as long
+    plane,     ///< nowhere: it is the point under the pixel's centre, so that least squares changes colours only
+    own_face,  ///< in the face that the pixel belongs to
+    one_ring,  ///< in all faces that share a vertex with the pixel's: 0.01 to 0.08 dB worse, ten times the time
 };
 
-/// A pixel or vertex in 2 + C dimensions.
+/// A pixel or a vertex as a point in 2 + C dimensions.
 template <int C>
 struct LiftedPoint {
-    Point position;
-    Color<C> color;  ///< times the px that a unit of colour is worth; 0 in the lanes above C
-    /// The difference of two points.
+    Point position;  ///< px
+    Color<C> color;  ///< stored values times color_scale, hence in px; 0 in the lanes above C
+    /// This point less another.
     [[nodiscard]] HMESH_ALWAYS_INLINE LiftedPoint minus(const LiftedPoint& o) const {
         return {{position.x - o.position.x, position.y - o.position.y}, color - o.color};
     }
-    /// All coordinates by a factor.
+    /// All coordinates times a factor.
     [[nodiscard]] HMESH_ALWAYS_INLINE LiftedPoint times(double factor) const {
         return {{position.x * factor, position.y * factor}, color * factor};
     }
@@ -55,13 +56,14 @@ struct LiftedPoint {
     }
 };
 
-/// A triangle a, b, c in that space; it may be a segment or a point. Its own plane gets an orthonormal frame, with the origin
-/// in a and the first axis along the longer of the two sides there, so that slivers and colours of any size move the foot by no
-/// more than some 1e-15 of what is measured: a system in inner products would square the condition.
+/// A face a, b, c lifted to 2 + C dimensions; it may degenerate to a segment or a point. The plane of the face has an
+/// orthonormal frame with its origin in a and its first axis along the longer of the sides ab and ac. Rounding then moves a foot
+/// point by no more than some 1e-15 of the lengths involved, for slivers and for colours of any size; normal equations would
+/// square the condition number.
 template <int C>
 class LiftedFace {
   public:
-    /// Of its corners.
+    /// Makes the frame of the face with these corners.
     LiftedFace(const LiftedPoint<C>& a, const LiftedPoint<C>& b, const LiftedPoint<C>& c) : a_(a) {
         LiftedPoint<C> base = b.minus(a), other = c.minus(a);
         is_swapped_ = base.dot(base) < other.dot(other);
@@ -70,7 +72,7 @@ class LiftedFace {
         x_axis_ = base.times(inverse(length_));
         apex_x_ = other.dot(x_axis_);
         LiftedPoint<C> height = other.minus(x_axis_.times(apex_x_));
-        height = height.minus(x_axis_.times(height.dot(x_axis_)));  // once more: the first time leaves rounding along the axis
+        height = height.minus(x_axis_.times(height.dot(x_axis_)));  // again: the first subtraction leaves rounding along the axis
         apex_y_ = std::sqrt(height.dot(height));
         y_axis_ = height.times(inverse(apex_y_));
         inverse_length_ = inverse(length_);
@@ -79,14 +81,15 @@ class LiftedFace {
         inverse_far2_ = inverse((apex_x_ - length_) * (apex_x_ - length_) + apex_y_ * apex_y_);
     }
 
-    /// The point nearest to p as weights of the corners, all >= 0, and its squared distance.
+    /// The foot point of p on the face, as weights of the corners, all >= 0 with sum 1; `distance2` is set to its squared
+    /// distance from p.
     [[nodiscard]] HMESH_ALWAYS_INLINE Barycentric foot(const LiftedPoint<C>& p, double& distance2) const {
         const LiftedPoint<C> ap = p.minus(a_);
         const double x = ap.dot(x_axis_), y = ap.dot(y_axis_), off_plane = std::max(0.0, ap.dot(ap) - x * x - y * y);
         const double h = y * inverse_height_, t = (x - h * apex_x_) * inverse_length_, rest = 1 - t - h;
         distance2 = off_plane;
         if (h >= 0 && t >= 0 && rest >= 0) return weights(rest, t, h);
-        // Outside, so on one of the three sides.
+        // The projection is outside the face: the foot is on one of the three sides.
         const double on_base = unit(x * inverse_length_), on_near = unit((x * apex_x_ + y * apex_y_) * inverse_near2_);
         const double on_far = unit(((x - length_) * (apex_x_ - length_) + y * apex_y_) * inverse_far2_);
         const double base2 = square(x - on_base * length_) + y * y;
@@ -98,15 +101,17 @@ class LiftedFace {
     }
 
   private:
+    /// 1 / size, 0 for 0.
     [[nodiscard]] static double inverse(double size) noexcept { return size > 0 ? 1 / size : 0.0; }
     [[nodiscard]] static HMESH_ALWAYS_INLINE double square(double x) noexcept { return x * x; }
     [[nodiscard]] static HMESH_ALWAYS_INLINE double unit(double x) noexcept { return std::max(0.0, std::min(1.0, x)); }
+    /// Weights of a, of the end of the base and of the apex, in the order of the corners.
     [[nodiscard]] HMESH_ALWAYS_INLINE Barycentric weights(double a, double base, double apex) const noexcept {
         return is_swapped_ ? Barycentric{a, apex, base} : Barycentric{a, base, apex};
     }
 
     LiftedPoint<C> a_, x_axis_, y_axis_;
-    /// In the frame: a at 0, the end of the base at (length, 0), the apex.
+    /// In the frame, a is (0, 0), the end of the base (length_, 0), the apex (apex_x_, apex_y_).
     double length_, apex_x_, apex_y_;
     double inverse_length_, inverse_height_, inverse_near2_, inverse_far2_;  ///< of the sides, squared the last two; 0 for 1 / 0
     bool is_swapped_;                                                        ///< c ends the base, b is the apex
@@ -114,6 +119,7 @@ class LiftedFace {
 
 namespace detail {
 
+/// Face f of the mesh, lifted with color_scale px for a unit of stored value.
 template <int C>
 [[nodiscard]] LiftedFace<C> lift(const ImageMesh<C>& mesh, Face f, double color_scale) {
     const auto v = mesh.topology().vertices(f);
@@ -121,7 +127,7 @@ template <int C>
     return {at(v[0]), at(v[1]), at(v[2])};
 }
 
-/// Adds a pixel that counts `weight` times to the sums of the corners of face f, the first of which halfedge(f) leaves.
+/// Adds a pixel of this weight, with its foot point w, to the sums of a face's corners a, b and c.
 template <int C>
 HMESH_ALWAYS_INLINE void add_pixel(const Barycentric& w, double weight, Point center, const Color<C>& image, CornerSums<C>& a,
                                    CornerSums<C>& b, CornerSums<C>& c) {
@@ -138,7 +144,7 @@ HMESH_ALWAYS_INLINE void add_pixel(const Barycentric& w, double weight, Point ce
     add(c, w.c, w.a);
 }
 
-/// The faces that share a vertex with f, f first, none twice.
+/// Sets `faces` to f and all faces that share a vertex with f, f first, none twice.
 inline void faces_around(const HalfedgeMesh& topology, Face f, std::vector<Face>& faces) {
     faces.assign(1, f);
     for (const Vertex v : topology.vertices(f))
@@ -150,11 +156,13 @@ inline void faces_around(const HalfedgeMesh& topology, Face f, std::vector<Face>
 
 }  // namespace detail
 
-/// What each corner of each face adds to the normal equations of the K of foot points, by half-edge as in corner_sums
-/// (solve/normal_equations.hpp): gram_matrix, position_rhs and image_rhs make K K^T, K P^T and K I^T of it. `color_scale`: px
-/// that a unit of colour is worth, > 0. The mesh must tile its table's rectangle. Faces are independent pieces of work, but not
-/// in one_ring, which runs serially: there they add to each other's corners. Told to stop, one_ring leaves the sums of some faces
-/// out. Lane C of `image` stays 0 where there is a search.
+/// The corner sums of the K whose columns are the foot points of the pixels, indexed as those of corner_sums(): with them
+/// gram_matrix(), position_rhs() and image_rhs() make K K^T, K P^T and K I^T (solve/eigen.hpp). `color_scale` > 0: px that a
+/// unit of stored value is worth. The mesh must tile its table's rectangle.
+///
+/// Chunks of faces are pieces of work, except with one_ring, which is serial because faces add to each other's corners; it
+/// leaves out the faces that remain when mesh.keep_going() says stop. Lane C of `image` stays 0 unless `search` is
+/// FootSearch::plane.
 template <int C>
 [[nodiscard]] std::vector<CornerSums<C>> foot_sums(const ImageMesh<C>& mesh, FootSearch search, double color_scale,
                                                    const ParallelFor& parallel_for = {}) {
@@ -205,14 +213,14 @@ template <int C>
         for (const Face g : faces) lifted.push_back(detail::lift(mesh, g, color_scale));
         for_each_pixel(f, [&](Point center, const Color<C>& image, double weight) {
             const LiftedPoint<C> pixel{center, image * color_scale};
-            double least = std::numeric_limits<double>::max();
+            double lowest = std::numeric_limits<double>::max();
             Barycentric best;
             std::size_t nearest = 0;
             for (std::size_t k = 0; k < faces.size(); ++k) {
                 double distance2 = 0;
                 const Barycentric w = lifted[k].foot(pixel, distance2);
-                if (!(distance2 < least)) continue;
-                least = distance2;
+                if (!(distance2 < lowest)) continue;
+                lowest = distance2;
                 best = w;
                 nearest = k;
             }

@@ -1,14 +1,16 @@
 /// \file
 /// Geometry step: the paper's linear least squares in position and colour (sections 4.4 and 4.5.1), with a safeguard.
 ///
-/// With K the barycentric coordinates of the pixels' foot points (methods/hierarchical/footpoints.hpp), positions and colours of
-/// all vertices are the least squares solution of V K = P, one matrix K K^T for all rows, by preconditioned conjugate gradients.
-/// Taken at its word that lowers the distance in 2 + C dimensions and raises the error that one sees: Lena at 1 % ends at 28.4 dB
-/// instead of the 29.7 of colours alone. So the solution is a direction only: each vertex in turn goes the part of its way that
-/// lowers the error of its ring most, and colours are then solved for under the pixels (solve/bounded_colors.hpp), so that the
-/// error never rises, but by rounding. Two such steps and flips on two levels take Adams' mesh from 28.2 to 30.3 dB.
+/// K has the barycentric coordinates of the pixels' foot points (methods/hierarchical/footpoints.hpp). Positions and colours of
+/// all vertices are the least-squares solution of V K = P and I(V) K = I, with one matrix K K^T for all coordinates, by
+/// preconditioned conjugate gradients. The plain solution lowers the distance in 2 + C dimensions but raises the error of the
+/// picture: Lena at 1 % ends at 28.4 dB, instead of the 29.7 dB that solving for colours alone reaches. By default the solution
+/// is therefore only a direction: each vertex in turn goes the part of its way for which the error of its ring is least, and
+/// colours are then solved for under the pixels (solve/optimal_colors.hpp), so that the error never rises but by rounding. Two
+/// such steps with flips on two levels take Adams' mesh from 28.2 to 30.3 dB.
 ///
-/// A trial on a ring costs 0.4 us, because edge moments make it free of pixels; the foot points 30 ns a pixel.
+/// Cost: 30 ns a pixel for the foot points; 0.4 us for a trial on a ring, since edge moments make it independent of the number
+/// of pixels.
 #ifndef HMESH_METHODS_HIERARCHICAL_GEOMETRY_STEP_HPP
 #define HMESH_METHODS_HIERARCHICAL_GEOMETRY_STEP_HPP
 
@@ -33,30 +35,33 @@
 
 namespace hmesh::kit {
 
-/// What becomes of the positions that were solved for.
+/// How a geometry step uses its least-squares solution.
 enum class StepRule : std::uint8_t {
-    safeguarded,  ///< the part of the way that lowers the ring's error most; colours are solved for afterwards
-    literal,      ///< all of it, halved only as long as faces would fold over; colours as solved for
+    safeguarded,  ///< each vertex goes the part of its way for which its ring's error is least; colours are solved for afterwards
+    literal,      ///< each vertex goes all of its way, or the first half, quarter .. that folds no face; colours as solved for
 };
 
-/// How a step is taken.
+/// Options of geometry_step().
 struct GeometryStep {
-    FootSearch search = FootSearch::own_face;
-    StepRule rule = StepRule::safeguarded;
-    double color_scale = 1;  ///< px that a unit of colour is worth, where 255 is the peak; 0.3 to 3 differ by up to 0.1 dB
-    double ridge = 1e-3;     ///< toward the current value, in pixels: faces may own none
-    int halvings = 4;        ///< of a step: 1, 1/2, .. 1/16 of the way are tried
-    PcgOptions pcg{200, 1e-7};
+    FootSearch search = FootSearch::own_face;  ///< where foot points are searched
+    StepRule rule = StepRule::safeguarded;     ///< how the solution is used
+    /// Px that 1/255 of the peak is worth in the distance of pixels and mesh, in [0.001, 1000]; 0.3 to 3 differ by up to 0.1 dB.
+    double color_scale = 1;
+    double ridge = 1e-3;        ///< weight of the current state, in pixels, in [1e-9, 1000]; for faces without pixels
+    int halvings = 4;           ///< safeguarded tries 1, 1/2, .. 2^-halvings of the way, in [0, 20]
+    PcgOptions pcg{200, 1e-7};  ///< of the solves for positions and for colours
 };
 
-/// The system that a geometry step solves: gram X = rhs, n_v by 2 + C, columns x, y and the colours; what is held in X.
+/// The linear system of a geometry step, gram * solution = rhs; rows are vertices, the 2 + C columns x, y and the colour
+/// channels.
 struct GeometrySystem {
-    Eigen::SparseMatrix<double> gram;
-    Eigen::MatrixXd rhs, solution;  ///< on the way in, where the vertices are
-    std::vector<HeldEntry> held;    ///< border vertices stay on their side
+    Eigen::SparseMatrix<double> gram;  ///< n_v by n_v: K K^T with the ridge on its diagonal
+    Eigen::MatrixXd rhs;               ///< n_v by 2 + C
+    Eigen::MatrixXd solution;          ///< n_v by 2 + C; at first the positions in px and colours in stored values of the mesh
+    std::vector<HeldEntry> held;       ///< coordinates of border vertices across their side, of corners and of locked vertices
 };
 
-/// `color_scale`: px that a unit of stored value is worth.
+/// Makes the system for a mesh. `color_scale`: px that a unit of stored value is worth; `ridge`: in pixels.
 template <int C>
 [[nodiscard]] GeometrySystem geometry_system(const ImageMesh<C>& mesh, FootSearch search, double color_scale, double ridge,
                                              const ParallelFor& parallel_for = {}) {
@@ -82,17 +87,18 @@ template <int C>
 
 namespace detail {
 
-/// Takes v the part of the way to `target` where its ring's error, with its colour at the best, is least. Whether it moved.
+/// Moves v the part 1, 1/2, .. 2^-halvings of the way to `target` for which the error of its ring, with the best colour for v,
+/// is least. Returns whether v moved. `scratch` is overwritten.
 template <int C>
 bool step_toward(ImageMesh<C>& mesh, Vertex v, Point target, int halvings, RingScratch<C>& scratch) {
     const MeshLimits& limits = mesh.limits();
     const VertexState<C>& state = mesh.vertex(v);
     mesh.gather(v, scratch.ring, scratch.spokes);
-    // A ring without weight wants nothing, though pixels next to it may have their foot points there.
+    // A ring whose pixels have no weight stays, though pixels next to it may have their foot points there.
     if (mesh.table().is_weighted() && !(ring_weight(scratch.ring, scratch.spokes) > least_weight)) return false;
     const double before = mesh.energy(scratch.ring);
     const Point from = state.position;
-    RingCenter<C> best{from, state.color, before * (1 - 1e-9)};  // gains of the size of rounding are none
+    RingCenter<C> best{from, state.color, before * (1 - 1e-9)};  // gains within rounding do not count
     double share = 1;
     for (int k = 0; k <= halvings; ++k, share *= 0.5) {
         const Point part{from.x + share * (target.x - from.x), from.y + share * (target.y - from.y)};
@@ -111,8 +117,9 @@ bool step_toward(ImageMesh<C>& mesh, Vertex v, Point target, int halvings, RingS
     return true;
 }
 
-/// Gives all vertices the best colours under the pixels. The optimum held to a range may be worse than what there is, and so may
-/// one that was not solved for to the end: then the descent within the range that never is.
+/// Gives all vertices the least-squares colours under the pixels, within the mesh's range. Clamping the optimum may raise the
+/// error, and so may stopping the solver early: then the old colours are restored and improved by bounded_colors(), which never
+/// raises it.
 template <int C>
 void improve_colors(ImageMesh<C>& mesh, const PcgOptions& options, const ParallelFor& parallel_for) {
     const double before = mesh.energy();
@@ -125,7 +132,8 @@ void improve_colors(ImageMesh<C>& mesh, const PcgOptions& options, const Paralle
     bounded_colors(mesh, mesh.color_low(), mesh.color_high(), 0, parallel_for);
 }
 
-/// Takes v as far toward `target` as no face around it folds over. Whether it arrived.
+/// Moves v toward `target`, the first of 1, 1/2, .. 1/32 of the way with which no face around it folds over. Returns whether v
+/// arrived.
 template <int C>
 bool step_unfolded(ImageMesh<C>& mesh, Vertex v, Point target, RingScratch<C>& scratch) {
     mesh.gather(v, scratch.ring, scratch.spokes);
@@ -145,11 +153,12 @@ bool step_unfolded(ImageMesh<C>& mesh, Vertex v, Point target, RingScratch<C>& s
 
 }  // namespace detail
 
-/// One step. Vertices with more than ring_capacity neighbours keep their place. Returns how the solver did.
+/// Makes one geometry step. `peak`: the stored value of full intensity. Vertices with more than ring_capacity neighbours keep
+/// their position. Returns the report of the solve for positions; ends early where mesh.keep_going() says stop.
 template <int C>
 PcgReport geometry_step(ImageMesh<C>& mesh, const GeometryStep& options, double peak, const ParallelFor& parallel_for = {}) {
     GeometrySystem system = geometry_system(mesh, options.search, options.color_scale * 255 / peak, options.ridge, parallel_for);
-    if (mesh.task() != nullptr && mesh.task()->stopped()) return {};  // the system may be of some faces only
+    if (mesh.task() != nullptr && mesh.task()->stopped()) return {};  // some sums may be missing
     const PcgReport report = solve_pcg(system.gram, system.rhs, system.solution, options.pcg, system.held);
     const HalfedgeMesh& topology = mesh.topology();
     const std::vector<int> rows = vertex_rows(topology);
@@ -168,7 +177,7 @@ PcgReport geometry_step(ImageMesh<C>& mesh, const GeometryStep& options, double 
         return report;
     }
     std::vector<unsigned char> arrived(topology.vertex_slots(), 0);
-    for (int round = 0; round < 3; ++round)  // neighbours that gave way make room
+    for (int round = 0; round < 3; ++round)  // neighbours that have moved meanwhile make room
         for (const Vertex v : vertices) {
             if (!mesh.keep_going()) break;
             if (arrived[v.index()] == 0 && topology.valence(v) <= ring_capacity)

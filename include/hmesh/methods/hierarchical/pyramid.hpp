@@ -1,9 +1,9 @@
 /// \file
-/// Pyramid: an image and ever smoother versions of it, for work from coarse to fine.
+/// Pyramid: an image and ever smoother versions of it, for optimisation from coarse to fine.
 ///
-/// "Image meshing via hierarchical optimization", section 4.2: level 0 is the input and level i the filter applied to
-/// level i - 1. All levels have the input's size, so that a mesh of one is a mesh of the next. The filter is the bilateral
-/// one unless the user brings another, as a callable or, where there is no template to carry it, as a LevelFilter.
+/// "Image meshing via hierarchical optimization", section 4.2: level 0 is the input, and level i is the filter applied to level
+/// i - 1. All levels have the size of the input, so that a mesh of one level is a mesh of all. The filter is the bilateral one
+/// unless the user brings another, as a LevelFilter.
 ///
 /// Cost: one call of the filter and one image for each level but 0.
 #ifndef HMESH_METHODS_HIERARCHICAL_PYRAMID_HPP
@@ -25,14 +25,14 @@
 
 namespace hmesh::kit {
 
-/// A user's filter of images of any sample type and number of channels. `from` and `to` are images of width * height pixels,
+/// A user's filter, for images of any sample type and number of channels. `from` and `to` are images of width * height pixels,
 /// packed row after row, of `channels` interleaved samples in stored values (0 to 255 for 8 bits). `to` begins as a copy of
-/// `from`. Called once for a level, from one thread, which may start others.
+/// `from`. Called once for each level but 0, from one thread, which may start others. A reference: the callable must outlive it.
 using LevelFilter = FunctionRef<void(const float* from, float* to, int width, int height, int channels)>;
 
-/// The view filtered; which is set. Samples are rounded by PixelTraits<T>::from_real. One that is not finite keeps the
-/// view's value: a level is data for sums over many pixels, where one NaN would spoil them all, and where a filter has no
-/// answer (a mean without weights, 0 / 0) the unfiltered sample is the one that adds no error. Takes two floats a sample.
+/// The view filtered by a filter that is set. Samples are rounded by PixelTraits<T>::from_real(). Where the filter gives a value
+/// that is not finite, the sample keeps the view's value: one NaN would spoil sums over many pixels, and where a filter has no
+/// answer (a mean without weights, 0 / 0) the unfiltered sample adds no error. Memory: two floats a sample.
 template <class T, int C>
 [[nodiscard]] Image<T, C> apply_filter(const LevelFilter& filter, const ImageView<T, C>& view) {
     HMESH_ASSERT(check(view) && filter);
@@ -56,11 +56,12 @@ template <class T, int C>
     return out;
 }
 
+/// The levels of an image. Owns those from 1 on, and refers to the image as level 0.
 template <class T, int C>
 class Pyramid {
   public:
-    /// `levels` >= 1 levels of the view, which outlives the pyramid; filter(level) gives an image of the same size and is called
-    /// levels - 1 times, from fine to coarse.
+    /// Makes `levels` >= 1 levels of the view, which must outlive the pyramid. filter(level) returns an image of the same size;
+    /// it is called levels - 1 times, from fine to coarse.
     Pyramid(const ImageView<T, C>& view, int levels, FunctionRef<Image<T, C>(const ImageView<T, C>& level)> filter)
         : input_(view) {
         HMESH_ASSERT(levels >= 1);
@@ -70,8 +71,9 @@ class Pyramid {
         }
     }
 
+    /// The number of levels, with the image itself.
     [[nodiscard]] int size() const noexcept { return static_cast<int>(filtered_.size()) + 1; }
-    /// 0 <= i < size(); 0 is the input itself. Valid as long as the pyramid is.
+    /// Level i, 0 <= i < size(); level 0 is the image itself. Valid as long as the pyramid.
     [[nodiscard]] ImageView<T, C> level(int i) const noexcept {
         HMESH_ASSERT(i >= 0 && i < size());
         return i == 0 ? input_ : filtered_[static_cast<std::size_t>(i) - 1].view();
@@ -82,8 +84,8 @@ class Pyramid {
     std::vector<Image<T, C>> filtered_;  ///< level i is filtered_[i - 1]
 };
 
-/// The levels that `filter` gives if it is set, else those of the bilateral filter. check() accepts the view and the
-/// bilateral options, and float samples are finite.
+/// Makes the pyramid of `levels` >= 1 levels of a view, with `filter` if it is set, else with the bilateral filter. check() must
+/// accept the view and the bilateral options, and float samples must be finite. The view must outlive the pyramid.
 template <class T, int C>
 [[nodiscard]] Pyramid<T, C> make_pyramid(const ImageView<T, C>& view, int levels, const BilateralOptions& bilateral = {},
                                          const LevelFilter& filter = {}, const ParallelFor& parallel_for = {}) {
