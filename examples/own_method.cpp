@@ -2,8 +2,8 @@
 //
 // A recipe is a struct of options with the few members that hmesh/methods/recipe.hpp lists. mesh_image() takes it like those of
 // hmesh and does the rest: checks, weights, the search for a PSNR, final colours, the report. This one scatters points over the
-// image, more where it is busy, joins them by Delaunay's triangulation, turns edges and moves vertices, and removes those that are
-// missed least. Its PSNR is printed beside that of the default recipe's quickest effort.
+// image, more where it is busy, joins them by Delaunay's triangulation, turns edges and moves vertices, and removes those that
+// are missed least. Its PSNR is printed beside that of the default recipe's quickest effort.
 #include <hmesh/hmesh.hpp>
 #include <hmesh/mesh/delaunay.hpp>
 #include <hmesh/tiles/delaunay_mesh.hpp>

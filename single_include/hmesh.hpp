@@ -6399,7 +6399,7 @@ inline void HalfedgeMesh::collapse(Halfedge h) {
     delete_vertex(v);
 }
 
-}  // namespace hmesh::kit
+}  ///< namespace hmesh::kit
 
 #endif  // HMESH_MESH_HALFEDGE_MESH_IPP
 
@@ -7108,7 +7108,7 @@ void ImageMesh<C>::collapse(Halfedge h) {
     for (int i = 0; i < face_count; ++i) set_energy(faces[i], fresh_energy(faces[i]));
 }
 
-}  // namespace hmesh::kit
+}  ///< namespace hmesh::kit
 
 #endif  // HMESH_FIT_IMAGE_MESH_IPP
 
@@ -8130,8 +8130,8 @@ namespace hmesh::kit {
 
 /// The numbers of removals and of insertions that a sweep accepted.
 struct AnnealingCounts {
-    std::size_t removed = 0;   ///< vertices that went
-    std::size_t inserted = 0;  ///< vertices that came
+    std::size_t removed = 0;   ///< vertices removed
+    std::size_t inserted = 0;  ///< vertices inserted
 };
 
 /// The price mu of a vertex and the temperature T, which all patches of a mesh share; set between sweeps.
@@ -8166,10 +8166,10 @@ class AnnealingSchedule {
     double target_, price_;
 };
 
-/// The range in which the number of vertices stays during a sweep: below `low` nothing is removed, above `high` nothing inserted.
+/// The range in which the number of vertices stays during a sweep.
 struct CountRange {
-    double low = 0;   ///< vertices, at least
-    double high = 0;  ///< vertices, at most
+    double low = 0;   ///< with fewer vertices, none is removed
+    double high = 0;  ///< with more vertices, none is inserted
 };
 
 /// One sweep of annealing over a mesh or a patch.
@@ -9200,8 +9200,8 @@ namespace hmesh::kit {
 
 /// A line between pixels of the image, inside it: from (x, y) down if it is vertical, else to the right.
 struct Seam {
-    int x = 0;              ///< px, where the seam starts
-    int y = 0;              ///< px, where the seam starts
+    int x = 0;              ///< px, of the start
+    int y = 0;              ///< px, of the start
     int length = 1;         ///< px
     bool vertical = false;  ///< down; else to the right
 };
@@ -9914,8 +9914,8 @@ struct SymmetricMatrix {
 
 /// A dense matrix in row-major order.
 struct DenseMatrix {
-    std::size_t rows = 0;        ///< how many
-    std::size_t columns = 0;     ///< how many
+    std::size_t rows = 0;        ///< number of rows
+    std::size_t columns = 0;     ///< number of columns
     std::vector<double> values;  ///< rows * columns numbers, row after row
 
     /// The empty matrix.
@@ -10452,7 +10452,7 @@ namespace hmesh::kit {
 
 namespace hmesh::detail {
 
-/// A recipe behind function references, so that what follows is compiled once for all recipes.
+/// / A recipe behind function references, so that what follows is compiled once for all recipes.
 template <int C>
 struct RecipeRef {
     FunctionRef<double(std::size_t n)> tile_size;
@@ -10460,7 +10460,7 @@ struct RecipeRef {
     Colors colors;
 };
 
-/// One finished mesh of n vertices. `samples`: number of pixels, or the sum of their weights, times channels.
+/// / One finished mesh of n vertices. `samples`: number of pixels, or the sum of their weights, times channels.
 template <int C>
 [[nodiscard]] HMESH_COLD Result mesh_once(const kit::ImageSource<C>& source, double samples, std::size_t n,
                                           const RecipeRef<C>& recipe, const Options& options, const ParallelFor& parallel_for) {
@@ -10494,7 +10494,7 @@ template <int C>
     return result;
 }
 
-/// The mesh that options.target asks for; `samples` as for mesh_once().
+/// / The mesh that options.target asks for; `samples` as for mesh_once().
 template <int C>
 [[nodiscard]] HMESH_COLD Result mesh_target(const kit::ImageSource<C>& source, double samples, const RecipeRef<C>& recipe,
                                             const Options& options, const ParallelFor& parallel_for) {
@@ -10512,7 +10512,7 @@ template <int C>
     return mesh_of(static_cast<std::size_t>(options.target.value));
 }
 
-/// Whether a recipe's run() takes the image's view too: run(mesh, view, n).
+/// / Whether a recipe's run() takes the image's view too: run(mesh, view, n).
 template <class Recipe, class T, int C, class = void>
 inline constexpr bool wants_view = false;
 template <class Recipe, class T, int C>
@@ -10521,7 +10521,7 @@ inline constexpr bool
                std::void_t<decltype(std::declval<const Recipe&>().run(
                    std::declval<kit::TiledMesh<C>&>(), std::declval<const ImageView<T, C>&>(), std::size_t{}))>> = true;
 
-}  // namespace hmesh::detail
+}  ///< namespace hmesh::detail
 
 namespace hmesh {
 
@@ -10557,7 +10557,7 @@ Result mesh_image(const ImageView<T, C>& view, const Options& options, const Rec
     return result;
 }
 
-}  // namespace hmesh
+}  ///< namespace hmesh
 
 #endif  // HMESH_COMPILED
 #endif  // HMESH_MESH_IMAGE_IPP
@@ -10875,8 +10875,8 @@ struct PcgReport {
 
 /// An entry of X that is given, not solved for.
 struct HeldEntry {
-    std::size_t row = 0;     ///< of X
-    std::size_t column = 0;  ///< of X
+    std::size_t row = 0;     ///< of X, that is the vertex
+    std::size_t column = 0;  ///< of X, that is the right-hand side
 };
 
 namespace detail {

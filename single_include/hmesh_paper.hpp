@@ -507,8 +507,8 @@ void diffuse(const ImageView<float, 1>& map, double factor, double floor, Point&
     return points;
 }
 
-/// Where the vertex of pixel y * width + x is: on its centre, and on the border for the outermost pixels, so that a mesh of such
-/// vertices covers the image.
+/// The position, in px, of the vertex that stands for pixel number y * width + x: the pixel's centre, but on the border for the
+/// outermost pixels, so that a mesh of such vertices covers the image.
 [[nodiscard]] inline Point pixel_vertex(std::uint32_t pixel, int width, int height) noexcept {
     const auto place = [](std::uint32_t i, int size) {
         return size == 1 ? 0.5 : i == 0 ? 0.0 : i + 1 == static_cast<std::uint32_t>(size) ? static_cast<double>(size) : i + 0.5;
@@ -1200,8 +1200,8 @@ struct Xie {
 #include <cstring>
 #include <vector>
 
-/// GCC does not unroll short loops over channels at -O2.
 #if defined(__GNUC__) && !defined(__clang__)
+/// Before a short loop over channels, which GCC does not unroll at -O2.
 #define HMESH_UNROLL _Pragma("GCC unroll 16")
 #else
 #define HMESH_UNROLL

@@ -1,4 +1,4 @@
-// hmesh tests - the building blocks that take longest to compile, for up to 4 channels: compiled once for all tests, in tests/kit/.
+// hmesh tests - the building blocks that take longest to compile, for up to 4 channels: compiled once for all tests.
 #ifndef HMESH_TESTS_TEST_KIT_HPP
 #define HMESH_TESTS_TEST_KIT_HPP
 

@@ -29,7 +29,7 @@
 
 namespace hmesh::detail {
 
-/// A recipe behind function references, so that what follows is compiled once for all recipes.
+/// / A recipe behind function references, so that what follows is compiled once for all recipes.
 template <int C>
 struct RecipeRef {
     FunctionRef<double(std::size_t n)> tile_size;
@@ -37,7 +37,7 @@ struct RecipeRef {
     Colors colors;
 };
 
-/// One finished mesh of n vertices. `samples`: number of pixels, or the sum of their weights, times channels.
+/// / One finished mesh of n vertices. `samples`: number of pixels, or the sum of their weights, times channels.
 template <int C>
 [[nodiscard]] HMESH_COLD Result mesh_once(const kit::ImageSource<C>& source, double samples, std::size_t n,
                                           const RecipeRef<C>& recipe, const Options& options, const ParallelFor& parallel_for) {
@@ -71,7 +71,7 @@ template <int C>
     return result;
 }
 
-/// The mesh that options.target asks for; `samples` as for mesh_once().
+/// / The mesh that options.target asks for; `samples` as for mesh_once().
 template <int C>
 [[nodiscard]] HMESH_COLD Result mesh_target(const kit::ImageSource<C>& source, double samples, const RecipeRef<C>& recipe,
                                             const Options& options, const ParallelFor& parallel_for) {
@@ -89,7 +89,7 @@ template <int C>
     return mesh_of(static_cast<std::size_t>(options.target.value));
 }
 
-/// Whether a recipe's run() takes the image's view too: run(mesh, view, n).
+/// / Whether a recipe's run() takes the image's view too: run(mesh, view, n).
 template <class Recipe, class T, int C, class = void>
 inline constexpr bool wants_view = false;
 template <class Recipe, class T, int C>
@@ -98,7 +98,7 @@ inline constexpr bool
                std::void_t<decltype(std::declval<const Recipe&>().run(
                    std::declval<kit::TiledMesh<C>&>(), std::declval<const ImageView<T, C>&>(), std::size_t{}))>> = true;
 
-}  // namespace hmesh::detail
+}  ///< namespace hmesh::detail
 
 namespace hmesh {
 
@@ -134,7 +134,7 @@ Result mesh_image(const ImageView<T, C>& view, const Options& options, const Rec
     return result;
 }
 
-}  // namespace hmesh
+}  ///< namespace hmesh
 
 #include "hmesh/core/macros/pop.hpp"
 

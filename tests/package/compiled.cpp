@@ -1,4 +1,4 @@
-// A file of a program that compiles mesh_image() elsewhere, in compiled_meshing.cpp: with HMESH_COMPILED it sees declarations only.
+// A file of a program that compiles mesh_image() in compiled_meshing.cpp: with HMESH_COMPILED it sees declarations only.
 //
 // usage: consumer VERSION        exit status 1: hmesh is of another version, or does not work
 #include <hmesh/hmesh.hpp>
