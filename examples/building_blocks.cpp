@@ -5,9 +5,9 @@
 // usage: building_blocks OUT.png [IMAGE]        without IMAGE: a picture of its own
 //
 // It is "Image meshing via hierarchical optimization" in short, less the steps that move vertices (hmesh::Hierarchical has them).
-// In the paper's words a picture I has a row for each channel and a column for each pixel, the mesh has colours I(V), and column p
-// of the sparse matrix K holds the three barycentric coordinates of pixel p in the triangle that it lies in. So what the mesh shows
-// is I(V) K, and the best colours for these triangles solve K K^T I(V)^T = K I^T.
+// In the paper's words a picture I has a row for each channel and a column for each pixel, the mesh has colours I(V), and column
+// p of the sparse matrix K holds the three barycentric coordinates of pixel p in the triangle that it lies in. So what the mesh
+// shows is I(V) K, and the best colours for these triangles solve K K^T I(V)^T = K I^T.
 #include <hmesh/paper.hpp>
 
 #include <algorithm>
