@@ -9948,15 +9948,6 @@ void sum_face(const ImageMesh<C>& mesh, Face f, CornerSums<C>& out0, CornerSums<
     sum_corners(m, mesh.position(v[0]), mesh.position(v[1]), mesh.position(v[2]), out0, out1, out2);
 }
 
-/// Calls body(v) for all live vertices, in chunks of 1024 slots as pieces of work.
-template <class Body>
-void for_each_vertex(const HalfedgeMesh& topology, const ParallelFor& parallel_for, Body&& body) {
-    for_each_chunk(parallel_for, topology.vertex_slots(), 1024, [&](std::size_t begin, std::size_t end) {
-        for (std::size_t v = begin; v < end; ++v)
-            if (!topology.is_deleted(Vertex(v))) body(Vertex(v));
-    });
-}
-
 /// Calls body(v) for all live vertices, in chunks of 1024 slots as pieces of work; compiled once.
 inline void for_each_vertex(const HalfedgeMesh& topology, const ParallelFor& parallel_for, FunctionRef<void(Vertex)> body) {
     for_each_chunk(parallel_for, topology.vertex_slots(), 1024, [&](std::size_t begin, std::size_t end) {
