@@ -6399,7 +6399,7 @@ inline void HalfedgeMesh::collapse(Halfedge h) {
     delete_vertex(v);
 }
 
-}  ///< namespace hmesh::kit
+}  // namespace hmesh::kit
 
 #endif  // HMESH_MESH_HALFEDGE_MESH_IPP
 
@@ -7108,7 +7108,7 @@ void ImageMesh<C>::collapse(Halfedge h) {
     for (int i = 0; i < face_count; ++i) set_energy(faces[i], fresh_energy(faces[i]));
 }
 
-}  ///< namespace hmesh::kit
+}  // namespace hmesh::kit
 
 #endif  // HMESH_FIT_IMAGE_MESH_IPP
 
@@ -10512,7 +10512,7 @@ inline constexpr bool
                std::void_t<decltype(std::declval<const Recipe&>().run(
                    std::declval<kit::TiledMesh<C>&>(), std::declval<const ImageView<T, C>&>(), std::size_t{}))>> = true;
 
-}  ///< namespace hmesh::detail
+}  // namespace hmesh::detail
 
 namespace hmesh {
 
@@ -10548,7 +10548,7 @@ Result mesh_image(const ImageView<T, C>& view, const Options& options, const Rec
     return result;
 }
 
-}  ///< namespace hmesh
+}  // namespace hmesh
 
 #endif  // HMESH_COMPILED
 #endif  // HMESH_MESH_IMAGE_IPP

@@ -22,6 +22,7 @@
 
 namespace hmesh::kit {
 
+// NOLINTBEGIN(bugprone-macro-parentheses): these are declarations.
 #define HMESH_TEST_KIT_PIXELS(PREFIX, T, C)                                                                              \
     PREFIX template MomentTable<C>::MomentTable(const ImageView<T, C>&, const ImageView<float, 1>&, double, const Rect&, \
                                                 const ParallelFor&);                                                     \
@@ -54,6 +55,7 @@ namespace hmesh::kit {
     HMESH_TEST_KIT_PIXELS(PREFIX, std::uint8_t, C)                                                                         \
     HMESH_TEST_KIT_PIXELS(PREFIX, std::uint16_t, C)                                                                        \
     HMESH_TEST_KIT_PIXELS(PREFIX, float, C)
+// NOLINTEND(bugprone-macro-parentheses)
 
 HMESH_TEST_KIT(extern, 1)
 HMESH_TEST_KIT(extern, 2)

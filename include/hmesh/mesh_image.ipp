@@ -98,7 +98,7 @@ inline constexpr bool
                std::void_t<decltype(std::declval<const Recipe&>().run(
                    std::declval<kit::TiledMesh<C>&>(), std::declval<const ImageView<T, C>&>(), std::size_t{}))>> = true;
 
-}  ///< namespace hmesh::detail
+}  // namespace hmesh::detail
 
 namespace hmesh {
 
@@ -134,7 +134,7 @@ Result mesh_image(const ImageView<T, C>& view, const Options& options, const Rec
     return result;
 }
 
-}  ///< namespace hmesh
+}  // namespace hmesh
 
 #include "hmesh/core/macros/pop.hpp"
 

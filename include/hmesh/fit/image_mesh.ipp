@@ -290,7 +290,7 @@ void ImageMesh<C>::collapse(Halfedge h) {
     for (int i = 0; i < face_count; ++i) set_energy(faces[i], fresh_energy(faces[i]));
 }
 
-}  ///< namespace hmesh::kit
+}  // namespace hmesh::kit
 
 #include "hmesh/core/macros/pop.hpp"
 

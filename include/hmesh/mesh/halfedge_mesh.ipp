@@ -371,7 +371,7 @@ inline void HalfedgeMesh::collapse(Halfedge h) {
     delete_vertex(v);
 }
 
-}  ///< namespace hmesh::kit
+}  // namespace hmesh::kit
 
 #include "hmesh/core/macros/pop.hpp"
 
