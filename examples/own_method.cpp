@@ -5,7 +5,13 @@
 // image, more where it is busy, joins them by Delaunay's triangulation, turns edges and moves vertices, and removes those that
 // are missed least. Its PSNR is printed beside that of the default recipe's quickest effort.
 #include <hmesh/hmesh.hpp>
+
+#include <hmesh/core/random.hpp>
+#include <hmesh/edit/flip.hpp>
+#include <hmesh/edit/move.hpp>
 #include <hmesh/mesh/delaunay.hpp>
+#include <hmesh/methods/annealed/budget.hpp>
+#include <hmesh/methods/stage.hpp>
 #include <hmesh/tiles/delaunay_mesh.hpp>
 
 #include <algorithm>
