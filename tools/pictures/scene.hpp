@@ -23,7 +23,7 @@ inline Vec operator-(Vec a, Vec b) { return {a.x - b.x, a.y - b.y, a.z - b.z}; }
 inline Vec operator*(Vec a, Vec b) { return {a.x * b.x, a.y * b.y, a.z * b.z}; }
 inline Vec operator*(double s, Vec a) { return {s * a.x, s * a.y, s * a.z}; }
 inline double dot(Vec a, Vec b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
-inline Vec orient2d(Vec a, Vec b) { return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x}; }
+inline Vec cross(Vec a, Vec b) { return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x}; }
 inline double length(Vec a) { return std::sqrt(dot(a, a)); }
 inline double length(double x, double y) { return std::sqrt(x * x + y * y); }
 inline Vec normalized(Vec a) { return (1 / length(a)) * a; }
@@ -194,7 +194,7 @@ inline Hit find_hit(Vec from, Vec along) {
     Hit hit;
     if (along.y < 0 && from.y > 1e-4) hit = {-from.y / along.y, Surface::table, nullptr};
     if (const double t = (wall_z - from.z) / along.z; t > 1e-3 && t < hit.t) hit = {t, Surface::wall, nullptr};
-    const Vec normal = normalized(orient2d(window_u, window_v));
+    const Vec normal = normalized(cross(window_u, window_v));
     if (const double t = dot(window_corner - from, normal) / dot(along, normal); t > 1e-3 && t < hit.t) {
         const Vec q = from + t * along - window_corner;
         const double u = dot(q, window_u) / dot(window_u, window_u), v = dot(q, window_v) / dot(window_v, window_v);
@@ -366,7 +366,7 @@ struct Samples {
 };
 
 inline Vec direct_light(Vec p, Vec normal, const Samples& samples) {
-    const Vec facing = normalized(orient2d(window_v, window_u));
+    const Vec facing = normalized(cross(window_v, window_u));
     const double area = length(window_u) * length(window_v);
     double sum = 0;
     for (int k = 0; k < samples.count; ++k) {
@@ -422,8 +422,8 @@ inline std::uint8_t to_stored(double light) {
     using scene::Vec;
     hmesh::Image<std::uint8_t, 3> image(width, height);
     const Vec eye{0.1, 2.75, -6.6}, aim{0.02, 0.80, 0};
-    const Vec ahead = scene::normalized(aim - eye), right = scene::normalized(scene::orient2d({0, 1, 0}, ahead));
-    const Vec up = scene::orient2d(ahead, right);
+    const Vec ahead = scene::normalized(aim - eye), right = scene::normalized(scene::cross({0, 1, 0}, ahead));
+    const Vec up = scene::cross(ahead, right);
     const double pixel = 2 * 0.272 / height;  // the tangent of half the vertical angle of view
     for (int y = 0; y < height; ++y)
         for (int x = 0; x < width; ++x) {
