@@ -4942,7 +4942,9 @@ class ImageSource {
     explicit ImageSource(const ImageView<T, C>& view, const ImageView<float, 1>& weights = {}, double unit = 1) noexcept
         : data_(view.data), width_(view.width), height_(view.height), row_stride_(view.row_stride), weights_(weights),
           unit_(unit), low_(PixelTraits<T>::lowest), high_(PixelTraits<T>::highest), peak_(PixelTraits<T>::peak),
-          is_integer_(PixelTraits<T>::is_integer), make_(&make<T>), sample_(&sample<T>), error_(&error<T>) {}
+          is_integer_(PixelTraits<T>::is_integer), make_(&make<T>), sample_(&sample<T>) {
+        if constexpr (!PixelTraits<T>::is_integer) error_ = &error<T>;
+    }
 
     /// The same weights with other pixels, an image of the same size.
     template <class T>
@@ -4962,8 +4964,10 @@ class ImageSource {
     /// The moment table of a rectangle of the image.
     [[nodiscard]] MomentTable<C> table(const Rect& rect) const { return make_(*this, rect); }
 
-    /// The squared error of a finished mesh as drawn, with the weights: rendered_error() of fit/rendered_error.hpp.
+    /// The squared error of a finished mesh as drawn, with the weights: rendered_error() of fit/rendered_error.hpp. Only where not
+    /// is_integer(): else the energy of the fit is exact, and nothing is compiled for this.
     [[nodiscard]] double rendered_error(const Mesh& mesh, const ParallelFor& parallel_for) const {
+        HMESH_ASSERT(error_ != nullptr);
         return error_(*this, mesh, parallel_for);
     }
 
@@ -5003,7 +5007,7 @@ class ImageSource {
     bool is_integer_;
     MomentTable<C> (*make_)(const ImageSource&, const Rect&);
     void (*sample_)(const ImageSource&, int, int, Lanes<lanes_for(C + 1)>&) noexcept;
-    double (*error_)(const ImageSource&, const Mesh&, const ParallelFor&);
+    double (*error_)(const ImageSource&, const Mesh&, const ParallelFor&) = nullptr;  ///< null: is_integer()
 };
 
 }  // namespace hmesh::kit
@@ -6036,6 +6040,7 @@ inline void HalfedgeMesh::rollback(const Mark& mark) {
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <utility>
 #include <vector>
 
 namespace hmesh::kit {
@@ -6181,7 +6186,7 @@ inline Status HalfedgeMesh::check() const {
     for (const Edge e : edges()) bounded += (is_boundary(halfedge(e)) ? 0U : 1U) + (is_boundary(opposite(halfedge(e))) ? 0U : 1U);
     if (bounded != 3 * face_total) return fail("the faces do not use each half-edge once", bounded);
     // One fan a vertex: a turn around it meets all half-edges that leave it, and no neighbour twice.
-    std::vector<std::size_t> neighbors;
+    std::vector<std::size_t> neighbors, met_by(vertex_slots(), vertex_slots());
     for (const Vertex v : vertices()) {
         neighbors.clear();
         for (const Halfedge h : outgoing(v)) {
@@ -6189,9 +6194,8 @@ inline Status HalfedgeMesh::check() const {
             if (neighbors.size() > leaving[v.index()]) return fail("a turn around a vertex does not close", v.index());
         }
         if (neighbors.size() != leaving[v.index()]) return fail("two fans meet in a vertex", v.index());
-        std::sort(neighbors.begin(), neighbors.end());
-        if (std::adjacent_find(neighbors.begin(), neighbors.end()) != neighbors.end())
-            return fail("two edges join the same vertices", v.index());
+        for (const std::size_t u : neighbors)
+            if (std::exchange(met_by[u], v.index()) == v.index()) return fail("two edges join the same vertices", v.index());
     }
     return {};
 }
@@ -6438,32 +6442,42 @@ namespace detail {
     return detail::spread_bits(static_cast<std::uint32_t>(p.x)) | (detail::spread_bits(static_cast<std::uint32_t>(p.y)) << 1U);
 }
 
-/// The `count` elements of a range, sorted by the Morton code of position(element).
-template <class Element, class Range, class Position>
-[[nodiscard]] std::vector<Element> in_spatial_order(const Range& range, std::size_t count, Position&& position) {
-    struct Item {
-        std::uint32_t code;
-        Element element;
-    };
-    std::vector<Item> items, sorted(count);
-    items.reserve(count);
+/// Something by its number, with its place on the Morton curve.
+struct MortonItem {
+    std::uint32_t code;    ///< morton_code() of its position
+    std::uint32_t number;  ///< whatever the caller counts
+};
+
+/// Sorts by code; items of one code stay in their order. Three passes at most, each O(n).
+inline void sort_by_code(std::vector<MortonItem>& items) {
     std::uint32_t all = 0;
-    for (const Element e : range) {
-        items.push_back({morton_code(position(e)), e});
-        all |= items.back().code;
-    }
+    for (const MortonItem& item : items) all |= item.code;
+    std::vector<MortonItem> sorted(items.size());
     constexpr std::uint32_t digit_bits = 11, digits = 1U << digit_bits;
     for (std::uint32_t shift = 0; shift < 32 && (all >> shift) != 0; shift += digit_bits) {
         std::array<std::uint32_t, digits + 1> start{};
-        for (const Item& item : items) ++start[((item.code >> shift) & (digits - 1)) + 1];
+        for (const MortonItem& item : items) ++start[((item.code >> shift) & (digits - 1)) + 1];
         for (std::size_t k = 1; k < start.size(); ++k) start[k] += start[k - 1];
-        for (const Item& item : items) sorted[start[(item.code >> shift) & (digits - 1)]++] = item;
+        for (const MortonItem& item : items) sorted[start[(item.code >> shift) & (digits - 1)]++] = item;
         items.swap(sorted);
     }
-    std::vector<Element> elements;
+}
+
+/// The `count` elements of a range, sorted by the Morton code of position(element), the position of an element in px.
+template <class Element, class Range, class Position>
+[[nodiscard]] std::vector<Element> in_spatial_order(const Range& range, std::size_t count, Position&& position) {
+    std::vector<MortonItem> items;
+    std::vector<Element> elements, sorted;
+    items.reserve(count);
     elements.reserve(count);
-    for (const Item& item : items) elements.push_back(item.element);
-    return elements;
+    sorted.reserve(count);
+    for (const Element e : range) {
+        items.push_back({morton_code(position(e)), static_cast<std::uint32_t>(elements.size())});
+        elements.push_back(e);
+    }
+    sort_by_code(items);
+    for (const MortonItem& item : items) sorted.push_back(elements[item.number]);
+    return sorted;
 }
 
 /// Calls body(e) for the edges that belong to face f: an edge belongs to the face of its even half-edge, or to its only face. A
@@ -7582,7 +7596,6 @@ std::size_t remove_batch(ImageMesh<C>& mesh, std::size_t count, const Relaxation
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
-#include <functional>
 #include <limits>
 #include <vector>
 
@@ -7756,66 +7769,79 @@ template <int C>
     std::vector<InsertionSite> sites;
     sites.reserve(topology.edge_count() + (faces ? topology.face_count() : 0));
     for (const Face f : spatial_faces(mesh)) {
-        for_each_edge(topology, f, [&](Edge e) { sites.emplace_back(e); });
-        if (faces) sites.emplace_back(f);
+        for_each_edge(topology, f, [&](Edge e) { sites.push_back(InsertionSite(e)); });
+        if (faces) sites.push_back(InsertionSite(f));
     }
     return sites;
 }
 
-/// The best sites for `count` new vertices, by falling gain, ties in spatial order: up to 4 * count, since about half of a list
-/// touch a better site. Sites with the largest max_gain() are evaluated first; their gains then tell below which max_gain() the
-/// others cannot get into the list, and these are not walked. Gains are compared as floats: 16 bytes a site, the peak of a
-/// method's memory.
-template <int C>
-[[nodiscard]] std::vector<InsertionSite> best_sites(const ImageMesh<C>& mesh, std::size_t count,
-                                                    const InsertionOptions& options) {
+namespace detail {
+
+/// The numbers of the largest of n gains > 0, by falling gain, ties by number: at most 4 * count, since about half of a list of
+/// sites touch a better one. A gain below 0 never counts. Those with the largest bounds are evaluated first; their gains then
+/// tell up to which bound the others cannot get into the list, and these are not evaluated. 12 bytes for each of the n.
+[[nodiscard]] HMESH_COLD inline std::vector<std::uint32_t> largest_gains(std::size_t n, std::size_t count,
+                                                                         FunctionRef<float(std::size_t)> bound,
+                                                                         FunctionRef<float(std::size_t)> gain) {
     struct Gain {
         float gain;
-        std::uint32_t site;
+        std::uint32_t number;
     };
-    const std::vector<InsertionSite> sites = insertion_sites(mesh, options.faces);
-    const double scale = mesh.energy() > 0 ? 1 / mesh.mean_energy() : 0;  // keeps floats in range, whatever the unit of samples
-    const auto bound = [&](std::size_t k) { return static_cast<float>(scale * max_gain(mesh, sites[k])); };
-    const std::size_t wanted = 2 * count;  // about half of them touch a better site
+    const std::size_t wanted = 2 * count;
     std::vector<float> values;
-    values.reserve(sites.size());
     const auto nth_largest = [&] {
         if (wanted >= values.size()) return 0.0F;
         const auto nth = values.begin() + static_cast<std::ptrdiff_t>(wanted);
-        std::nth_element(values.begin(), nth, values.end(), std::greater<>());
+        std::nth_element(values.begin(), nth, values.end(), [](float a, float b) { return a > b; });
         return std::max(*nth, 0.0F);
     };
     std::vector<Gain> gains;
-    gains.reserve(sites.size());
-    RingScratch<C> scratch;
+    gains.reserve(n);
     const auto evaluate = [&](float above, float up_to) {
-        const std::size_t start = gains.size();
-        for (std::size_t k = 0; k < sites.size(); ++k)
-            if (const float b = bound(k); b > above && b <= up_to) gains.push_back({0, static_cast<std::uint32_t>(k)});
-        for (std::size_t k = start; k < gains.size(); ++k) {
-            gains[k].gain = -1;
-            if (!mesh.keep_going()) continue;
-            const auto candidate = candidate_at(mesh, scratch, sites[gains[k].site], options.may_move);
-            if (candidate.fits) gains[k].gain = static_cast<float>(scale * candidate.gain);
+        for (std::size_t k = 0; k < n; ++k) {
+            const float b = bound(k);
+            if (b > above && b <= up_to) gains.push_back({gain(k), static_cast<std::uint32_t>(k)});
         }
     };
-    for (std::size_t k = 0; k < sites.size(); ++k) values.push_back(bound(k));
+    values.reserve(n);
+    for (std::size_t k = 0; k < n; ++k) values.push_back(bound(k));
     const float first_cut = nth_largest();
     evaluate(first_cut, std::numeric_limits<float>::max());
     values.clear();
     for (const Gain& g : gains) values.push_back(g.gain);
     evaluate(nth_largest(), first_cut);
 
-    gains.erase(std::remove_if(gains.begin(), gains.end(), [&](const Gain& g) { return !(g.gain > 0); }), gains.end());
-    const auto better = [](const Gain& a, const Gain& b) { return a.gain > b.gain || (a.gain == b.gain && a.site < b.site); };
+    gains.erase(std::remove_if(gains.begin(), gains.end(), [](const Gain& g) { return !(g.gain > 0); }), gains.end());
+    const auto better = [](const Gain& a, const Gain& b) { return a.gain > b.gain || (a.gain == b.gain && a.number < b.number); };
     if (gains.size() > 2 * wanted) {
         std::nth_element(gains.begin(), gains.begin() + static_cast<std::ptrdiff_t>(2 * wanted), gains.end(), better);
         gains.resize(2 * wanted);
     }
     std::sort(gains.begin(), gains.end(), better);
-    std::vector<InsertionSite> best;
+    std::vector<std::uint32_t> best;
     best.reserve(gains.size());
-    for (const Gain& g : gains) best.push_back(sites[g.site]);
+    for (const Gain& g : gains) best.push_back(g.number);
+    return best;
+}
+
+}  // namespace detail
+
+/// The best sites for `count` new vertices, by falling gain, ties in spatial order: up to 4 * count. max_gain() spares most sites
+/// their evaluation. Gains are compared as floats: 16 bytes a site, the peak of a method's memory.
+template <int C>
+[[nodiscard]] std::vector<InsertionSite> best_sites(const ImageMesh<C>& mesh, std::size_t count,
+                                                    const InsertionOptions& options) {
+    const std::vector<InsertionSite> sites = insertion_sites(mesh, options.faces);
+    const double scale = mesh.energy() > 0 ? 1 / mesh.mean_energy() : 0;  // keeps floats in range, whatever the unit of samples
+    RingScratch<C> scratch;
+    const auto bound = [&](std::size_t k) { return static_cast<float>(scale * max_gain(mesh, sites[k])); };
+    const auto gain = [&](std::size_t k) {
+        if (!mesh.keep_going()) return -1.0F;
+        const auto candidate = candidate_at(mesh, scratch, sites[k], options.may_move);
+        return candidate.fits ? static_cast<float>(scale * candidate.gain) : -1.0F;
+    };
+    std::vector<InsertionSite> best;
+    for (const std::uint32_t k : detail::largest_gains(sites.size(), count, bound, gain)) best.push_back(sites[k]);
     return best;
 }
 
@@ -7910,7 +7936,7 @@ class IndexedHeap {
     /// Inserts `id`, or changes its key when it is in the heap already. The key must not be NaN.
     void push(Id id, double key) {
         HMESH_ASSERT(key == key);
-        if (id >= slot_of_.size()) slot_of_.resize(static_cast<std::size_t>(id) + 1, absent);
+        while (id >= slot_of_.size()) slot_of_.push_back(absent);
         if (slot_of_[id] == absent) {
             slot_of_[id] = static_cast<Slot>(heap_.size());
             heap_.push_back({key, id});
@@ -8172,6 +8198,21 @@ struct CountRange {
     double high = 0;  ///< with more vertices, none is inserted
 };
 
+namespace detail {
+
+/// The elements rotated to a random start: loops that a CountRange may end early would else favour the top of the image.
+template <class Element>
+[[nodiscard]] std::vector<Element> rotated(const std::vector<Element>& elements, Random& random) {
+    std::vector<Element> out;
+    out.reserve(elements.size());
+    const std::size_t start = elements.empty() ? 0 : random.below(elements.size());
+    for (std::size_t k = start; k < elements.size(); ++k) out.push_back(elements[k]);
+    for (std::size_t k = 0; k < start; ++k) out.push_back(elements[k]);
+    return out;
+}
+
+}  // namespace detail
+
 /// One sweep of annealing over a mesh or a patch.
 template <int C>
 class AnnealingSweep {
@@ -8203,8 +8244,7 @@ class AnnealingSweep {
     /// called up to twice, once if it gains little or if the move is hopeless after it. Metropolis' rule then keeps the move or
     /// undoes it; `cost` is the price of the move beside the energy: mu for an insertion, -mu for a removal, a little for
     /// others, lest moves of no gain go on for ever. Returns whether the move was kept.
-    template <class Round>
-    bool accept_or_roll_back(const typename ImageMesh<C>::Mark& mark, double before, double cost, Round&& round) {
+    bool accept_or_roll_back(const typename ImageMesh<C>::Mark& mark, double before, double cost, FunctionRef<void()> round) {
         const double allowed = before - cost - temperature_ * std::log(random_.uniform());
         const double min_round_gain = 3e-2 * mesh_->mean_energy(), hopeless = allowed + 0.5 * price_;
         for (int k = 0; k < 2; ++k) {
@@ -8230,7 +8270,7 @@ class AnnealingSweep {
     /// Tries to collapse each vertex. Returns how many went.
     std::size_t remove_moves() {
         std::size_t removed = 0;
-        for (const Vertex v : rotated(spatial_vertices(*mesh_))) {
+        for (const Vertex v : detail::rotated(spatial_vertices(*mesh_), random_)) {
             if (static_cast<double>(mesh_->vertex_count()) < range_.low || !mesh_->keep_going()) break;
             if (random_.uniform() > options_.try_probability) continue;
             const CollapseCandidate candidate = cheapest_collapse(*mesh_, scratch_, v);
@@ -8249,7 +8289,7 @@ class AnnealingSweep {
     std::size_t insert_moves() {
         std::size_t inserted = 0;
         const double min_gain = options_.insertion_screen * price_;
-        for (const InsertionSite site : rotated(insertion_sites(*mesh_, true))) {
+        for (const InsertionSite site : detail::rotated(insertion_sites(*mesh_, true), random_)) {
             if (static_cast<double>(mesh_->vertex_count()) > range_.high || !mesh_->keep_going()) break;
             if (random_.uniform() > options_.try_probability) continue;
             if (site.is_edge() ? topology().is_deleted(site.edge()) : topology().is_deleted(site.face())) continue;
@@ -8317,14 +8357,6 @@ class AnnealingSweep {
     }
 
     [[nodiscard]] const HalfedgeMesh& topology() const noexcept { return mesh_->topology(); }
-    /// The elements rotated to a random start: loops that a CountRange may end early would else favour the top of the image.
-    template <class Element>
-    [[nodiscard]] std::vector<Element> rotated(std::vector<Element> elements) {
-        if (!elements.empty())
-            std::rotate(elements.begin(), elements.begin() + static_cast<std::ptrdiff_t>(random_.below(elements.size())),
-                        elements.end());
-        return elements;
-    }
 
     ImageMesh<C>* mesh_;
     AnnealingOptions options_;
@@ -8567,35 +8599,49 @@ struct Cut {
 };
 
 /// Cuts a mesh along a tiling. O(faces).
-template <int C>
-[[nodiscard]] HMESH_COLD Cut cut(const IndexedMesh<C>& indexed, const Tiling& tiling) {
+[[nodiscard]] HMESH_COLD inline Cut cut(const std::vector<Point>& positions, const std::vector<Triangle>& faces,
+                                        const Tiling& tiling) {
     constexpr std::uint32_t none = 0xfffffffeU;
-    const std::size_t n = indexed.vertex_count();
+    const std::size_t n = positions.size();
     Cut cut;
-    std::vector<std::uint32_t> tile(indexed.faces.size());
-    cut.first.assign(tiling.size() + 1, 0);
-    cut.owner.assign(n, none);
-    cut.face_count.assign(n, 0);
-    for (std::size_t t = 0; t < indexed.faces.size(); ++t) {
+    std::vector<std::uint32_t> tile(faces.size());
+    cut.first.resize(tiling.size() + 1);
+    cut.owner = std::vector<std::uint32_t>(n, none);
+    cut.face_count.resize(n);
+    for (std::size_t t = 0; t < faces.size(); ++t) {
         double x = 0, y = 0;
-        for (const std::uint32_t v : indexed.faces[t]) x += indexed.positions[v].x, y += indexed.positions[v].y;
+        for (const std::uint32_t v : faces[t]) x += positions[v].x, y += positions[v].y;
         tile[t] = static_cast<std::uint32_t>(tiling.tile_at({x / 3, y / 3}));
         ++cut.first[tile[t] + 1];
-        for (const std::uint32_t v : indexed.faces[t]) {
+        for (const std::uint32_t v : faces[t]) {
             ++cut.face_count[v];
             cut.owner[v] = cut.owner[v] == none || cut.owner[v] == tile[t] ? tile[t] : Cut::locked;
         }
     }
     for (std::size_t k = 0; k < tiling.size(); ++k) cut.first[k + 1] += cut.first[k];
-    cut.faces.resize(indexed.faces.size());
+    cut.faces.resize(faces.size());
     std::vector<std::size_t> at(cut.first.begin(), cut.first.end() - 1);
     for (std::size_t t = 0; t < tile.size(); ++t) cut.faces[at[tile[t]]++] = static_cast<std::uint32_t>(t);
     cut.number.resize(n);
-    cut.free_count.assign(tiling.size(), 0);
+    cut.free_count.resize(tiling.size());
     for (std::size_t v = 0; v < n; ++v)
         cut.number[v] =
             static_cast<std::uint32_t>(cut.owner[v] == Cut::locked ? cut.locked_count++ : cut.free_count[cut.owner[v]]++);
     return cut;
+}
+
+/// The tiles of a cut that have faces, those with most faces first.
+[[nodiscard]] HMESH_COLD inline std::vector<std::size_t> largest_first(const Cut& cut) {
+    std::vector<std::pair<double, std::uint32_t>> tiles;  // less the number of faces, and the tile
+    for (std::size_t k = 0; k + 1 < cut.first.size(); ++k)
+        if (cut.first[k] < cut.first[k + 1])
+            tiles.emplace_back(static_cast<double>(cut.first[k]) - static_cast<double>(cut.first[k + 1]),
+                               static_cast<std::uint32_t>(k));
+    std::sort(tiles.begin(), tiles.end());
+    std::vector<std::size_t> numbers;
+    numbers.reserve(tiles.size());
+    for (const auto& [count, tile] : tiles) numbers.push_back(tile);
+    return numbers;
 }
 
 /// The faces of a tile with vertices numbered for its patch: first the free ones, by Cut::number, then the locked ones, once for
@@ -8612,8 +8658,7 @@ struct PatchFaces {
 
 /// Numbers the vertices of a tile's faces for its patch. O(faces of the tile log locked corners), and the square of the faces
 /// around each locked vertex.
-template <int C>
-[[nodiscard]] HMESH_COLD PatchFaces renumber(const IndexedMesh<C>& indexed, const Cut& cut, std::size_t tile) {
+[[nodiscard]] HMESH_COLD inline PatchFaces renumber(const std::vector<Triangle>& faces, const Cut& cut, std::size_t tile) {
     PatchFaces patch;
     struct Corner {  // of a face, at a locked vertex
         std::uint32_t vertex, face, corner;
@@ -8623,7 +8668,7 @@ template <int C>
     std::vector<Corner> corners;
     patch.faces.reserve(cut.first[tile + 1] - cut.first[tile]);
     for (std::size_t k = cut.first[tile]; k < cut.first[tile + 1]; ++k) {
-        const Triangle& t = indexed.faces[cut.faces[k]];
+        const Triangle& t = faces[cut.faces[k]];
         Triangle local{};
         for (std::uint32_t c = 0; c < 3; ++c) {
             if (cut.owner[t[c]] != Cut::locked) local[c] = cut.number[t[c]];
@@ -8709,7 +8754,7 @@ class Patch {
     /// dropped.
     HMESH_COLD Patch(const IndexedMesh<C>& indexed, const ImageSource<C>& source, const detail::Cut& cut, std::size_t tile,
                      const MeshLimits& limits, TaskProgress* task, MomentTable<C> table = {})
-        : numbered_(detail::renumber(indexed, cut, tile)), free_(cut.free_count[tile]) {
+        : numbered_(detail::renumber(indexed.faces, cut, tile)), free_(cut.free_count[tile]) {
         std::vector<std::uint32_t> vertices(free_ + numbered_.locked.size());  // by their index in the mesh that was cut
         for (std::size_t k = 0; k < numbered_.locked.size(); ++k) vertices[free_ + k] = numbered_.locked[k].vertex;
         for (std::size_t k = cut.first[tile]; k < cut.first[tile + 1]; ++k)
@@ -8873,7 +8918,7 @@ class TiledMesh {
             return !progress_->stopped();
         }
         put_back();
-        const detail::Cut cut = detail::cut(indexed_, tiling);
+        const detail::Cut cut = detail::cut(indexed_.positions, indexed_.faces, tiling);
         std::vector<detail::PatchResult<C>> results(tiling.size());
         run(
             cut,
@@ -8893,7 +8938,7 @@ class TiledMesh {
                           FunctionRef<void(Patch<C>& patch, std::size_t tile, const std::uint32_t* faces)> look,
                           bool all = false) {
         put_back();
-        const detail::Cut cut = detail::cut(indexed_, tiling);
+        const detail::Cut cut = detail::cut(indexed_.positions, indexed_.faces, tiling);
         run(
             cut, [&](Patch<C>& patch, std::size_t tile) { look(patch, tile, cut.faces.data() + cut.first[tile]); },
             [](std::size_t) {}, all);
@@ -8929,8 +8974,8 @@ class TiledMesh {
         if (!progress_->poll()) return;
         TaskProgress task(*progress_, 1);
         if (!single_) {
-            const detail::Cut cut =
-                detail::cut(indexed_, Tiling(indexed_.width, indexed_.height, std::max(indexed_.width, indexed_.height)));
+            const Tiling whole(indexed_.width, indexed_.height, std::max(indexed_.width, indexed_.height));
+            const detail::Cut cut = detail::cut(indexed_.positions, indexed_.faces, whole);
             single_ = std::make_unique<Patch<C>>(indexed_, *source_, cut, 0, limits_, nullptr, std::move(table_));
         }
         const TaskGuard guard(single_->mesh(), task);
@@ -8953,16 +8998,11 @@ class TiledMesh {
     /// calls skip(tile) instead.
     HMESH_COLD void run(const detail::Cut& cut, FunctionRef<void(Patch<C>&, std::size_t)> body,
                         FunctionRef<void(std::size_t)> skip, bool all = false) {
-        const auto count = [&](std::size_t k) { return cut.first[k + 1] - cut.first[k]; };
-        std::vector<std::size_t> tiles;
-        for (std::size_t k = 0; k + 1 < cut.first.size(); ++k)
-            if (count(k) > 0) tiles.push_back(k);
-        std::sort(tiles.begin(), tiles.end(),
-                  [&](std::size_t a, std::size_t b) { return count(a) != count(b) ? count(a) > count(b) : a < b; });
+        const std::vector<std::size_t> tiles = detail::largest_first(cut);
         parallel_for_(tiles.size(), [&](std::size_t i) {
             const std::size_t k = tiles[i];
             if (!progress_->poll() && !all) return skip(k);
-            TaskProgress task(*progress_, static_cast<double>(count(k)) / static_cast<double>(indexed_.faces.size()));
+            TaskProgress task(*progress_, static_cast<double>(cut.first[k + 1] - cut.first[k]) / static_cast<double>(indexed_.faces.size()));
             const bool is_single = tiles.size() == 1;
             Patch<C> patch(indexed_, *source_, cut, k, limits_, &task, is_single ? std::move(table_) : MomentTable<C>());
             body(patch, k);
@@ -9068,7 +9108,7 @@ namespace hmesh::kit {
             if (full[k] != 0) left -= std::min(left, out[k]);
             else total += weights[k], ++open;
         }
-        if (!(total > 0)) weights.assign(size, 1.0), total = open;
+        if (!(total > 0)) std::fill(weights.begin(), weights.end(), 1.0), total = open;
         // Rounded running sums give whole numbers with the right sum.
         double sum = 0;
         std::size_t given = 0;
@@ -9107,11 +9147,11 @@ HMESH_COLD bool remove_cheapest(TiledMesh<C>& tiled, const Tiling& tiling, std::
                 }
             }))
             return false;
-        std::vector<std::pair<double, std::size_t>> all;
+        std::vector<std::pair<double, std::uint32_t>> all;  // a cost, and the patch of the vertex
         for (std::size_t k = 0; k < costs.size(); ++k)
-            for (const double cost : costs[k]) all.emplace_back(cost, k);
+            for (const double cost : costs[k]) all.emplace_back(cost, static_cast<std::uint32_t>(k));
         std::sort(all.begin(), all.end());
-        quota.assign(tiling.size(), 0);
+        std::fill(quota.begin(), quota.end(), 0);
         for (std::size_t i = 0; i < std::min(count, all.size()); ++i) ++quota[all[i].second];
     }
     const std::size_t before = tiled.vertex_count();
@@ -9222,10 +9262,10 @@ class SeamCurve {
   public:
     SeamCurve(const ImageSource<C>& source, const Seam& seam) : length_(seam.length) {
         const auto count = static_cast<std::size_t>(length_) + 1;
-        sums_.resize(count, Color<C>::zero());
-        moments_.resize(count, Color<C>::zero());
-        squares_.resize(count, 0.0);
-        values_.resize(count, Color<C>::zero());
+        sums_.assign(count, Color<C>::zero());
+        moments_.assign(count, Color<C>::zero());
+        squares_.assign(count, 0.0);
+        values_.assign(count, Color<C>::zero());
         Color<C> last = at(source, seam, -1);
         for (int j = 0; j <= length_; ++j) {
             const auto k = static_cast<std::size_t>(j);
@@ -9286,7 +9326,7 @@ class SeamCurve {
 /// The offsets of one seam's nodes, in px: the multiples of `step` between its ends that minimise error + price * number of
 /// nodes, none further than `reach` >= step px from the next. O((length / step) * (reach / step)).
 template <int C>
-[[nodiscard]] std::vector<int> seam_nodes(const detail::SeamCurve<C>& curve, int step, int reach, double price) {
+[[nodiscard]] HMESH_COLD std::vector<int> seam_nodes(const detail::SeamCurve<C>& curve, int step, int reach, double price) {
     const int length = curve.length(), places = (length + step - 1) / step;  // place k is at min(length, k step)
     const auto at = [&](int k) { return std::min(length, k * step); };
     std::vector<double> best(static_cast<std::size_t>(places) + 1, std::numeric_limits<double>::max());
@@ -9309,7 +9349,7 @@ template <int C>
 /// The least-squares colours of a seam's nodes, the ends of the seam keeping the value of the picture; solves a tridiagonal
 /// system.
 template <int C>
-[[nodiscard]] std::vector<Color<C>> seam_colors(const detail::SeamCurve<C>& curve, const std::vector<int>& nodes) {
+[[nodiscard]] HMESH_COLD std::vector<Color<C>> seam_colors(const detail::SeamCurve<C>& curve, const std::vector<int>& nodes) {
     using Curve = detail::SeamCurve<C>;
     const std::size_t n = nodes.size();
     std::vector<Color<C>> right(n, Color<C>::zero());
@@ -9682,6 +9722,13 @@ HMESH_COLD void shrink(ImageMesh<C>& mesh, std::size_t n, const AnnealedSteps& o
     }
 }
 
+/// The state of a tile of the aligned tiling after the last stage.
+struct TileState {
+    std::size_t free = 0;    ///< vertices that are free in the tile
+    double energy = 0;       ///< of the tile's faces
+    std::size_t placed = 0;  ///< target of insertion, in free vertices
+};
+
 /// One run of the method for n vertices: the stages, and what they know of the tiles.
 template <int C>
 class AnnealedRun {
@@ -9728,12 +9775,6 @@ class AnnealedRun {
         });
     }
 
-    /// The state of a tile of the aligned tiling after the last stage.
-    struct Tile {
-        std::size_t free = 0;    ///< vertices that are free in the tile
-        double energy = 0;       ///< of the tile's faces
-        std::size_t placed = 0;  ///< target of insertion, in free vertices
-    };
     /// Calls body(mesh, k, rim) for the patch of each tile k of the aligned tiling; `rim` is the number of its locked vertices.
     bool for_each_tile(FunctionRef<void(ImageMesh<C>& mesh, std::size_t tile, std::size_t rim)> body) {
         tiles_.resize(aligned_.size());
@@ -9746,7 +9787,7 @@ class AnnealedRun {
     /// The number of vertices that are free in no tile.
     [[nodiscard]] std::size_t seam_count() noexcept {
         std::size_t count = tiled_->vertex_count();
-        for (const Tile& tile : tiles_) count -= tile.free;
+        for (const TileState& tile : tiles_) count -= tile.free;
         return count;
     }
 
@@ -9785,7 +9826,7 @@ class AnnealedRun {
         // The free vertices of all tiles shrink by the same ratio.
         const auto left = static_cast<std::size_t>(std::round(static_cast<double>(n_) * steps_.collapse_factor));
         double placed = 0;
-        for (const Tile& tile : tiles_) placed += static_cast<double>(tile.placed);
+        for (const TileState& tile : tiles_) placed += static_cast<double>(tile.placed);
         const double ratio = static_cast<double>(left - std::min(left, seam_count())) / std::max(1.0, placed);
         progress().set_range(0, 1);
         const bool go_on = for_each_tile([&](ImageMesh<C>& mesh, std::size_t k, std::size_t rim) {
@@ -9844,7 +9885,7 @@ class AnnealedRun {
     std::uint64_t seed_;
     double tile_;
     Tiling aligned_;
-    std::vector<Tile> tiles_;
+    std::vector<TileState> tiles_;
 };
 
 }  // namespace kit::detail
@@ -9985,7 +10026,7 @@ template <int C>
 /// K K^T, n_v by n_v, of a mesh with this topology and these corner sums. Symmetric to the bit; one entry for each vertex and
 /// two for each edge, also where no pixel makes them differ from 0.
 template <int C>
-[[nodiscard]] SymmetricMatrix normal_matrix(const HalfedgeMesh& topology, const std::vector<CornerSums<C>>& corners,
+[[nodiscard]] HMESH_COLD SymmetricMatrix normal_matrix(const HalfedgeMesh& topology, const std::vector<CornerSums<C>>& corners,
                                             const ParallelFor& parallel_for = {}) {
     const std::vector<int> rows = vertex_rows(topology);
     SymmetricMatrix matrix;
@@ -10126,7 +10167,7 @@ struct GridRange {
 
 /// The system of a mesh with this topology and these corner sums (fit/squared_error.hpp); `colors`, one a row, become the anchor.
 template <int C>
-[[nodiscard]] ColorSystem<C> color_system(const HalfedgeMesh& topology, const std::vector<CornerSums<C>>& corners,
+[[nodiscard]] HMESH_COLD ColorSystem<C> color_system(const HalfedgeMesh& topology, const std::vector<CornerSums<C>>& corners,
                                           const std::vector<Color<C>>& colors, double ridge, const ParallelFor& parallel_for) {
     ColorSystem<C> system;
     system.ridge = ridge;
@@ -10205,7 +10246,7 @@ BoundedReport descend(const ColorSystem<C>& system, double low, double high, dou
 /// first without the grid; then onto the grid, vertex by vertex; then over the grid as long as that lowers the error. 0.6 us a
 /// vertex at 3 channels.
 template <int C>
-BoundedReport bounded_colors(ImageMesh<C>& mesh, double low, double high, double grid, const ParallelFor& parallel_for = {}) {
+HMESH_COLD BoundedReport bounded_colors(ImageMesh<C>& mesh, double low, double high, double grid, const ParallelFor& parallel_for = {}) {
     std::vector<Color<C>> colors;
     colors.reserve(mesh.vertex_count());
     for (const Vertex v : mesh.topology().vertices()) {
@@ -10313,7 +10354,7 @@ HMESH_COLD void sample_colors(TiledMesh<C>& tiled, const Tiling& tiling, double 
 /// system is solved for the whole mesh. After a cancellation colours are only clamped and rounded, and the energy is still true
 /// of them.
 template <int C>
-BoundedReport bounded_colors(TiledMesh<C>& tiled, const Tiling& tiling, double low, double high, double grid) {
+HMESH_COLD BoundedReport bounded_colors(TiledMesh<C>& tiled, const Tiling& tiling, double low, double high, double grid) {
     BoundedReport report;
     if (tiling.size() == 1 &&
         tiled.for_each(tiling, [&](Patch<C>& patch, std::size_t) { report = bounded_colors(patch.mesh(), low, high, grid); }))
@@ -10443,7 +10484,7 @@ namespace hmesh::kit {
 
 namespace hmesh::detail {
 
-/// / A recipe behind function references, so that what follows is compiled once for all recipes.
+/// A recipe for images of C channels behind function references, so that what follows is compiled once for all recipes.
 template <int C>
 struct RecipeRef {
     FunctionRef<double(std::size_t n)> tile_size;
@@ -10451,7 +10492,7 @@ struct RecipeRef {
     Colors colors;
 };
 
-/// / One finished mesh of n vertices. `samples`: number of pixels, or the sum of their weights, times channels.
+/// One finished mesh of n vertices. `samples`: number of pixels, or the sum of their weights, times channels.
 template <int C>
 [[nodiscard]] HMESH_COLD Result mesh_once(const kit::ImageSource<C>& source, double samples, std::size_t n,
                                           const RecipeRef<C>& recipe, const Options& options, const ParallelFor& parallel_for) {
@@ -10485,7 +10526,7 @@ template <int C>
     return result;
 }
 
-/// / The mesh that options.target asks for; `samples` as for mesh_once().
+/// The mesh that options.target asks for; `samples` as for mesh_once().
 template <int C>
 [[nodiscard]] HMESH_COLD Result mesh_target(const kit::ImageSource<C>& source, double samples, const RecipeRef<C>& recipe,
                                             const Options& options, const ParallelFor& parallel_for) {
@@ -10503,21 +10544,19 @@ template <int C>
     return mesh_of(static_cast<std::size_t>(options.target.value));
 }
 
-/// / Whether a recipe's run() takes the image's view too: run(mesh, view, n).
-template <class Recipe, class T, int C, class = void>
-inline constexpr bool wants_view = false;
-template <class Recipe, class T, int C>
-inline constexpr bool
-    wants_view<Recipe, T, C,
-               std::void_t<decltype(std::declval<const Recipe&>().run(
-                   std::declval<kit::TiledMesh<C>&>(), std::declval<const ImageView<T, C>&>(), std::size_t{}))>> = true;
+/// A recipe for images of one kind behind function references.
+template <class T, int C>
+struct ImageRecipeRef {
+    FunctionRef<Status(int width, int height)> check;
+    FunctionRef<double(std::size_t n)> tile_size;
+    FunctionRef<Status(kit::TiledMesh<C>& mesh, const ImageView<T, C>& image, std::size_t n)> run;
+    Colors colors;
+};
 
-}  // namespace hmesh::detail
-
-namespace hmesh {
-
-template <class T, int C, class Recipe, class>
-Result mesh_image(const ImageView<T, C>& view, const Options& options, const Recipe& recipe, const ParallelFor& parallel_for) {
+/// mesh_image() with any recipe.
+template <class T, int C>
+[[nodiscard]] HMESH_NEVER_INLINE HMESH_COLD Result mesh_view(const ImageView<T, C>& view, const Options& options,
+                                                             const ImageRecipeRef<T, C>& recipe, const ParallelFor& parallel_for) {
     Result result;
     result.status = check(view);
     if (result.status) result.status = check(options, std::int64_t{view.width} * view.height, C);
@@ -10537,15 +10576,35 @@ Result mesh_image(const ImageView<T, C>& view, const Options& options, const Rec
     const double unit = kit::weight_unit(options.weights, parallel_for);
     const double samples = C * kit::weight_sum(options.weights, unit, view.width, view.height, parallel_for);
     const kit::ImageSource<C> source(image, options.weights, unit);
+    const auto run = [&](kit::TiledMesh<C>& mesh, std::size_t n) { return recipe.run(mesh, image, n); };
+    result = mesh_target(source, samples, RecipeRef<C>{recipe.tile_size, run, recipe.colors}, options, parallel_for);
+    result.mesh.premultiplied = options.premultiplied;
+    return result;
+}
+
+/// Whether a recipe's run() takes the image's view too: run(mesh, view, n).
+template <class Recipe, class T, int C, class = void>
+inline constexpr bool wants_view = false;
+template <class Recipe, class T, int C>
+inline constexpr bool
+    wants_view<Recipe, T, C,
+               std::void_t<decltype(std::declval<const Recipe&>().run(
+                   std::declval<kit::TiledMesh<C>&>(), std::declval<const ImageView<T, C>&>(), std::size_t{}))>> = true;
+
+}  // namespace hmesh::detail
+
+namespace hmesh {
+
+template <class T, int C, class Recipe, class>
+Result mesh_image(const ImageView<T, C>& view, const Options& options, const Recipe& recipe, const ParallelFor& parallel_for) {
+    const auto check = [&](int width, int height) -> Status { return recipe.check(width, height); };
     const auto tile_size = [&](std::size_t n) { return static_cast<double>(recipe.tile_size(view.width, view.height, n)); };
-    const auto run = [&](kit::TiledMesh<C>& mesh, std::size_t n) -> Status {
+    const auto run = [&](kit::TiledMesh<C>& mesh, [[maybe_unused]] const ImageView<T, C>& image, std::size_t n) -> Status {
         if constexpr (detail::wants_view<Recipe, T, C>) return recipe.run(mesh, image, n);
         else return recipe.run(mesh, n);
     };
-    const detail::RecipeRef<C> reference{tile_size, run, options.colors.value_or(Recipe::colors)};
-    result = detail::mesh_target(source, samples, reference, options, parallel_for);
-    result.mesh.premultiplied = options.premultiplied;
-    return result;
+    const Colors colors = options.colors.value_or(Recipe::colors);
+    return detail::mesh_view(view, options, detail::ImageRecipeRef<T, C>{check, tile_size, run, colors}, parallel_for);
 }
 
 }  // namespace hmesh
@@ -11058,20 +11117,22 @@ struct ChannelLight {
     std::vector<double> light;  ///< the linear light that they decode to, in [0, 1]; for alpha the share of the peak
 };
 
-/// The error of a mesh against an image, and its Gauss-Newton system, for one channel k at a time.
-template <class T, int C>
+/// Writes the stored values of one channel for the pixels [begin, end) of a row.
+using ReadSamples = FunctionRef<void(std::size_t channel, int row, int begin, int end, double* out)>;
+
+/// The error of a mesh against the image of its size and channels, and its Gauss-Newton system, for one channel k at a time.
 class LinearLight {
   public:
-    LinearLight(const Mesh& mesh, const HalfedgeMesh& topology, const ImageView<T, C>& view, const LinearLightOptions& options,
+    LinearLight(const Mesh& mesh, const HalfedgeMesh& topology, ReadSamples read, const LinearLightOptions& options,
                 const ParallelFor& parallel_for)
-        : mesh_(mesh), topology_(topology), view_(view), options_(options), parallel_for_(parallel_for),
-          scale_(weight_unit(options.weights, parallel_for), view.width, view.height), corners_(2 * topology.edge_slots()) {}
+        : mesh_(mesh), topology_(topology), read_(read), options_(options), parallel_for_(parallel_for),
+          scale_(weight_unit(options.weights, parallel_for), mesh.width, mesh.height), corners_(2 * topology.edge_slots()) {}
 
     /// Channel k of the mesh's colours, held to [0, peak] and to the grid.
     [[nodiscard]] ChannelLight start(std::size_t k) const {
         ChannelLight out;
         for (std::size_t v = 0; v < mesh_.vertex_count(); ++v)
-            add(out, k, static_cast<double>(mesh_.colors[C * v + k]), options_.grid);
+            add(out, k, static_cast<double>(mesh_.colors[channels() * v + k]), options_.grid);
         return out;
     }
     /// Channel k with the lights `step` times `direction` further on, clamped to [0, 1].
@@ -11094,7 +11155,7 @@ class LinearLight {
     [[nodiscard]] double measure(const ChannelLight& at, std::size_t k) {
         return ordered_sum(parallel_for_, mesh_.faces.size(), 256, [&](std::size_t begin, std::size_t end) {
             double sum = 0;
-            for (std::size_t f = begin; f < end; ++f) sum += is_encoded(k) ? face<true>(at, f, k) : face<false>(at, f, k);
+            for (std::size_t f = begin; f < end; ++f) sum += face(at, f, k);
             return sum;
         });
     }
@@ -11116,8 +11177,9 @@ class LinearLight {
     }
 
   private:
-    [[nodiscard]] static constexpr bool is_encoded(std::size_t k) noexcept { return !has_alpha(C) || k + 1 != C; }
-    [[nodiscard]] static double encode(std::size_t k, double light) noexcept {
+    [[nodiscard]] std::size_t channels() const noexcept { return static_cast<std::size_t>(mesh_.channels); }
+    [[nodiscard]] bool is_encoded(std::size_t k) const noexcept { return !has_alpha(mesh_.channels) || k + 1 != channels(); }
+    [[nodiscard]] double encode(std::size_t k, double light) const noexcept {
         return is_encoded(k) ? linear_to_srgb(light) : light;
     }
 
@@ -11131,7 +11193,6 @@ class LinearLight {
     }
 
     /// The error of face f, in squared shares of the peak; its sums go to corners_.
-    template <bool encoded>
     [[nodiscard]] double face(const ChannelLight& at, std::size_t f, std::size_t k) {
         const std::array<Vertex, 3> v = topology_.vertices(Face(f));
         const Point a = position(mesh_, v[0].index()), b = position(mesh_, v[1].index()), c = position(mesh_, v[2].index());
@@ -11143,16 +11204,18 @@ class LinearLight {
         const bool is_plain = lb == 0 && lc == 0;
         const auto plain = static_cast<double>(at.stored[v[0].index()]);
         double energy = 0, s00 = 0, s11 = 0, s22 = 0, s01 = 0, s12 = 0, s20 = 0, rhs0 = 0, rhs1 = 0, rhs2 = 0;
-        for_each_span(a, b, c, {}, [&](int j, int begin, int end) {
-            const T* sample = view_.pixel(begin, j) + k;
+        const bool encoded = is_encoded(k);
+        const auto add_pixels = [&](int j, int begin, int end) {
+            std::array<double, block> samples;
+            read_(k, j, begin, end, samples.data());
             const float* weights = options_.weights.data != nullptr ? options_.weights.pixel(begin, j) : nullptr;
-            for (int i = begin; i < end; ++i, sample += C) {
+            for (int i = begin; i < end; ++i) {
                 const Barycentric w = weights_at(i, j);
                 const double light = la + w.b * lb + w.c * lc;
                 const double share = encoded ? linear_to_srgb(light) : light;
                 const double slope = encoded ? linear_to_srgb_slope(light, share) : 1;
                 const double shown = is_plain ? plain : share * mesh_.peak;
-                const double difference = (shown - PixelTraits<T>::to_real(*sample)) * per_peak;
+                const double difference = (shown - samples[static_cast<std::size_t>(i - begin)]) * per_peak;
                 const double weight = weights != nullptr ? scale_(weights[i - begin]) : 1;
                 const double square = weight * slope * slope, rhs = -weight * slope * difference;
                 energy += weight * difference * difference;
@@ -11167,6 +11230,9 @@ class LinearLight {
                 rhs1 += rhs * w.b;
                 rhs2 += rhs * w.c;
             }
+        };
+        for_each_span(a, b, c, {}, [&](int j, int begin, int end) {
+            for (; begin < end; begin += block) add_pixels(j, begin, std::min(end, begin + block));
         });
         const auto sums = [](double square, double coupling, double rhs) {
             CornerSums<1> out;
@@ -11182,9 +11248,10 @@ class LinearLight {
         return energy;
     }
 
+    static constexpr int block = 64;  ///< pixels of a row that are read at once
     const Mesh& mesh_;
     const HalfedgeMesh& topology_;
-    const ImageView<T, C>& view_;
+    ReadSamples read_;
     const LinearLightOptions& options_;
     ParallelFor parallel_for_;
     WeightScale scale_;
@@ -11193,17 +11260,16 @@ class LinearLight {
 
 /// Whether the mesh fits the image: channels, size, arrays of one length, positions inside, faces of positive area; so that
 /// for_each_span() stays within the image. Fills `topology` with the mesh's connectivity.
-template <int C, class T>
-[[nodiscard]] Status check_fit(const Mesh& mesh, const ImageView<T, C>& view, HalfedgeMesh& topology) {
-    if (mesh.channels != C) return {Errc::invalid_argument, "the mesh has not the image's number of channels", mesh.channels, C};
-    if (mesh.positions.size() % 2 != 0 || mesh.colors.size() != C * mesh.vertex_count())
+[[nodiscard]] HMESH_COLD inline Status check_fit(const Mesh& mesh, int channels, int width, int height, HalfedgeMesh& topology) {
+    if (mesh.channels != channels)
+        return {Errc::invalid_argument, "the mesh has not the image's number of channels", mesh.channels, channels};
+    if (mesh.positions.size() % 2 != 0 || mesh.colors.size() != static_cast<std::size_t>(channels) * mesh.vertex_count())
         return {Errc::invalid_argument, "the mesh's arrays are not of one number of vertices", 0, 0};
-    if (const Status status = check(mesh.view(), C); !status) return status;
+    if (const Status status = check(mesh.view(), channels); !status) return status;
     if (mesh.premultiplied)
         return {Errc::invalid_argument, "linear light is fitted to straight colours, and the mesh's are premultiplied", 0, 0};
-    if (mesh.width != view.width) return {Errc::invalid_argument, "the mesh is not as wide as the image", mesh.width, view.width};
-    if (mesh.height != view.height)
-        return {Errc::invalid_argument, "the mesh is not as high as the image", mesh.height, view.height};
+    if (mesh.width != width) return {Errc::invalid_argument, "the mesh is not as wide as the image", mesh.width, width};
+    if (mesh.height != height) return {Errc::invalid_argument, "the mesh is not as high as the image", mesh.height, height};
     const auto at = [&](std::uint32_t v) { return position(mesh, v); };
     for (std::uint32_t v = 0; v < mesh.vertex_count(); ++v)
         if (!(at(v).x >= 0 && at(v).x <= mesh.width && at(v).y >= 0 && at(v).y <= mesh.height))
@@ -11215,42 +11281,26 @@ template <int C, class T>
     return topology.assign(mesh.vertex_count(), mesh.faces);
 }
 
-}  // namespace kit::detail
-
-/// Fits the colours of a finished mesh for renderers that interpolate linear light: those of least squared error to the image in
-/// stored values. Call it after mesh_image() and before write_glb(), say: renderers of glTF interpolate linear light.
-/// Positions and faces stay. Colours remain stored values, in [0, peak]; the current ones, held to that range, are the start,
-/// and the error never rises.
-///
-/// `view`: the image that was meshed, of the mesh's size and channels; `view` and `options.weights` must be such as check(),
-/// check_finite() and check_weights() accept. `go_on(share)`, where given, is called before each step with the share of the work
-/// done, in [0, 1); false stops the fit, and the report is still true of the mesh.
-///
-/// Status: Errc::invalid_argument, with the mesh unchanged, where the mesh is not one of this image (channels, size, a position
-/// outside, a face without positive area), is premultiplied, or has a vertex without a face. About 35 ns a pixel and channel for
-/// each of some 5 passes; 0.5 KB a vertex.
-template <class T, int C>
-LinearLightReport fit_linear_light(Mesh& mesh, const ImageView<T, C>& view, const LinearLightOptions& options = {},
-                                   const ParallelFor& parallel_for = {}, FunctionRef<bool(double share)> go_on = {}) {
-    using kit::detail::ChannelLight;
+/// fit_linear_light() for a mesh that check_fit() accepted, with that connectivity.
+[[nodiscard]] inline LinearLightReport fit_light(Mesh& mesh, const HalfedgeMesh& topology, ReadSamples read,
+                                                 const LinearLightOptions& options, const ParallelFor& parallel_for,
+                                                 FunctionRef<bool(double share)> go_on) {
     LinearLightReport report;
-    kit::HalfedgeMesh topology;
-    report.status = kit::detail::check_fit<C>(mesh, view, topology);
-    if (!report.status) return report;
-    kit::detail::LinearLight<T, C> scene(mesh, topology, view, options, parallel_for);
+    const auto channels = static_cast<std::size_t>(mesh.channels);
+    LinearLight scene(mesh, topology, read, options, parallel_for);
     const double unit = mesh.peak * mesh.peak;
     bool is_stopped = false;
-    for (std::size_t k = 0; k < C; ++k) {
+    for (std::size_t k = 0; k < channels; ++k) {
         const ChannelLight start = scene.start(k);
         ChannelLight now = start;
         const double converted = scene.measure(now, k);
         double energy = converted;
-        kit::DenseMatrix direction;
+        DenseMatrix direction;
         int steps = 0;
         for (bool gains = true; gains && energy > 0 && steps < options.iterations && !is_stopped;) {
-            is_stopped = go_on && !go_on((static_cast<double>(k) + static_cast<double>(steps) / options.iterations) / C);
+            is_stopped = go_on && !go_on((static_cast<double>(k) + static_cast<double>(steps) / options.iterations) / mesh.channels);
             if (is_stopped) break;
-            const kit::PcgReport solve = scene.direction(now, k, direction);
+            const PcgReport solve = scene.direction(now, k, direction);
             report.solver_iterations += solve.iterations;
             report.residual = std::max(report.residual, solve.residual);
             gains = false;
@@ -11270,15 +11320,43 @@ LinearLightReport fit_linear_light(Mesh& mesh, const ImageView<T, C>& view, cons
             energy = scene.measure(now, k);
             if (energy > converted) now = start, energy = converted;
         }
-        for (std::size_t v = 0; v < mesh.vertex_count(); ++v) mesh.colors[C * v + k] = now.stored[v];
+        for (std::size_t v = 0; v < mesh.vertex_count(); ++v) mesh.colors[channels * v + k] = now.stored[v];
         report.converted += unit * converted;
         report.energy += unit * energy;
         report.iterations = std::max(report.iterations, steps);
     }
-    const double weight = kit::weight_unit(options.weights, parallel_for);
-    const double samples = C * kit::weight_sum(options.weights, weight, view.width, view.height, parallel_for);
-    report.psnr = kit::psnr_of_energy(report.energy, samples, mesh.peak);
+    const double weight = weight_unit(options.weights, parallel_for);
+    const double samples = mesh.channels * weight_sum(options.weights, weight, mesh.width, mesh.height, parallel_for);
+    report.psnr = psnr_of_energy(report.energy, samples, mesh.peak);
     return report;
+}
+
+}  // namespace kit::detail
+
+/// Fits the colours of a finished mesh for renderers that interpolate linear light: those of least squared error to the image in
+/// stored values. Call it after mesh_image() and before write_glb(), say: renderers of glTF interpolate linear light.
+/// Positions and faces stay. Colours remain stored values, in [0, peak]; the current ones, held to that range, are the start,
+/// and the error never rises.
+///
+/// `view`: the image that was meshed, of the mesh's size and channels; `view` and `options.weights` must be such as check(),
+/// check_finite() and check_weights() accept. `go_on(share)`, where given, is called before each step with the share of the work
+/// done, in [0, 1); false stops the fit, and the report is still true of the mesh.
+///
+/// Status: Errc::invalid_argument, with the mesh unchanged, where the mesh is not one of this image (channels, size, a position
+/// outside, a face without positive area), is premultiplied, or has a vertex without a face. About 35 ns a pixel and channel for
+/// each of some 5 passes; 0.5 KB a vertex.
+template <class T, int C>
+LinearLightReport fit_linear_light(Mesh& mesh, const ImageView<T, C>& view, const LinearLightOptions& options = {},
+                                   const ParallelFor& parallel_for = {}, FunctionRef<bool(double share)> go_on = {}) {
+    LinearLightReport report;
+    kit::HalfedgeMesh topology;
+    report.status = kit::detail::check_fit(mesh, C, view.width, view.height, topology);
+    if (!report.status) return report;
+    const auto read = [&](std::size_t channel, int row, int begin, int end, double* out) {
+        const T* sample = view.pixel(begin, row) + channel;
+        for (int i = begin; i < end; ++i, sample += C) *out++ = PixelTraits<T>::to_real(*sample);
+    };
+    return kit::detail::fit_light(mesh, topology, read, options, parallel_for, go_on);
 }
 
 }  // namespace hmesh

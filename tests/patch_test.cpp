@@ -186,7 +186,7 @@ void prove_result(const IndexedMesh<C>& whole, const Cut& cut, std::size_t tile,
 // Everything that is promised of the patches of one cut.
 template <int C>
 void prove_patches(const ImageSource<C>& source, const IndexedMesh<C>& whole, const Tiling& tiling, Met& met) {
-    const Cut cut = kit::detail::cut(whole, tiling);
+    const Cut cut = kit::detail::cut(whole.positions, whole.faces, tiling);
     double energy = 0;
     std::vector<int> room(whole.vertex_count(), 0);  // triangles that the fans of a frozen vertex may have together
     std::size_t free = 0;
@@ -209,7 +209,7 @@ void prove_patches(const ImageSource<C>& source, const IndexedMesh<C>& whole, co
         REQUIRE(patch.free_count() == owned);
         REQUIRE(patch.vertex_count() == owned + fans);
         free += owned;
-        const PatchFaces numbered = kit::detail::renumber(whole, cut, tile);
+        const PatchFaces numbered = kit::detail::renumber(whole.faces, cut, tile);
         REQUIRE(numbered.locked.size() == fans);
         std::map<std::uint32_t, std::vector<int>> sizes;
         for (std::size_t k = 0; k < fans; ++k) {
@@ -278,7 +278,7 @@ TEST_CASE("every triangle is in one tile, that of its centroid; vertices are fre
             for (int shift = 0; shift < 4; ++shift) {
                 const IndexedMesh<1> whole = make_indexed(image, shape, 80, 3);
                 const Tiling tiling(50, 37, tile, (shift & 1) != 0, (shift & 2) != 0);
-                const Cut cut = kit::detail::cut(whole, tiling);
+                const Cut cut = kit::detail::cut(whole.positions, whole.faces, tiling);
                 const std::vector<std::size_t> tiles = brute_tiles(whole, tiling);
                 REQUIRE(cut.first.size() == tiling.size() + 1);
                 REQUIRE((cut.first.front() == 0 && cut.first.back() == whole.faces.size()));
@@ -380,7 +380,7 @@ TEST_CASE("a patch that is the whole takes the table it is offered and gives it 
     const IndexedMesh<3> whole = make_indexed(image, Shape::worn, 60, 9);
     const ImageSource<3> source(image.view());
     const Tiling one(40, 30, 100), four(40, 30, 20);
-    const Cut cut_one = kit::detail::cut(whole, one), cut_four = kit::detail::cut(whole, four);
+    const Cut cut_one = kit::detail::cut(whole.positions, whole.faces, one), cut_four = kit::detail::cut(whole.positions, whole.faces, four);
     auto table = source.table({0, 0, 40, 30});
     const auto* entries = table.entries<std::int32_t>();
     Patch<3> patch(whole, source, cut_one, 0, {}, nullptr, std::move(table));
@@ -432,7 +432,7 @@ void torture(const Image<T, C>& image, const IndexedMesh<C>& whole, double tile_
     const double range = hmesh::PixelTraits<T>::peak;
     const ImageSource<C> source(image.view());
     const Tiling tiling(image.width(), image.height(), tile_size, (seed & 1U) != 0, (seed & 2U) != 0);
-    const Cut cut = kit::detail::cut(whole, tiling);
+    const Cut cut = kit::detail::cut(whole.positions, whole.faces, tiling);
     const double squares = hmesh_test::squares(image);  // a patch may own no pixel, and have rounding for an energy
     Random random(seed);
     for (std::size_t tile = 0; tile < tiling.size(); ++tile) {

@@ -372,7 +372,7 @@ TEST_CASE("what a patch makes due is due in the whole, its frozen vertices too")
         if (tile != 3) return;  // the last, at (20, 20) or a little less
         for (const Vertex v : patch.mesh().topology().vertices()) patch.mesh().set_dirty(v, true);
     });
-    const Cut cut = kit::detail::cut(work.indexed(), tiling);
+    const Cut cut = kit::detail::cut(work.indexed().positions, work.indexed().faces, tiling);
     std::vector<unsigned char> expected(work.indexed().vertex_count(), 0);
     for (std::size_t k = cut.first[3]; k < cut.first[4]; ++k)
         for (const std::uint32_t v : work.indexed().faces[cut.faces[k]]) expected[v] = 1;

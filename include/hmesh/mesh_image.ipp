@@ -29,7 +29,7 @@
 
 namespace hmesh::detail {
 
-/// / A recipe behind function references, so that what follows is compiled once for all recipes.
+/// A recipe for images of C channels behind function references, so that what follows is compiled once for all recipes.
 template <int C>
 struct RecipeRef {
     FunctionRef<double(std::size_t n)> tile_size;
@@ -37,7 +37,7 @@ struct RecipeRef {
     Colors colors;
 };
 
-/// / One finished mesh of n vertices. `samples`: number of pixels, or the sum of their weights, times channels.
+/// One finished mesh of n vertices. `samples`: number of pixels, or the sum of their weights, times channels.
 template <int C>
 [[nodiscard]] HMESH_COLD Result mesh_once(const kit::ImageSource<C>& source, double samples, std::size_t n,
                                           const RecipeRef<C>& recipe, const Options& options, const ParallelFor& parallel_for) {
@@ -71,7 +71,7 @@ template <int C>
     return result;
 }
 
-/// / The mesh that options.target asks for; `samples` as for mesh_once().
+/// The mesh that options.target asks for; `samples` as for mesh_once().
 template <int C>
 [[nodiscard]] HMESH_COLD Result mesh_target(const kit::ImageSource<C>& source, double samples, const RecipeRef<C>& recipe,
                                             const Options& options, const ParallelFor& parallel_for) {
@@ -89,21 +89,19 @@ template <int C>
     return mesh_of(static_cast<std::size_t>(options.target.value));
 }
 
-/// / Whether a recipe's run() takes the image's view too: run(mesh, view, n).
-template <class Recipe, class T, int C, class = void>
-inline constexpr bool wants_view = false;
-template <class Recipe, class T, int C>
-inline constexpr bool
-    wants_view<Recipe, T, C,
-               std::void_t<decltype(std::declval<const Recipe&>().run(
-                   std::declval<kit::TiledMesh<C>&>(), std::declval<const ImageView<T, C>&>(), std::size_t{}))>> = true;
+/// A recipe for images of one kind behind function references.
+template <class T, int C>
+struct ImageRecipeRef {
+    FunctionRef<Status(int width, int height)> check;
+    FunctionRef<double(std::size_t n)> tile_size;
+    FunctionRef<Status(kit::TiledMesh<C>& mesh, const ImageView<T, C>& image, std::size_t n)> run;
+    Colors colors;
+};
 
-}  // namespace hmesh::detail
-
-namespace hmesh {
-
-template <class T, int C, class Recipe, class>
-Result mesh_image(const ImageView<T, C>& view, const Options& options, const Recipe& recipe, const ParallelFor& parallel_for) {
+/// mesh_image() with any recipe.
+template <class T, int C>
+[[nodiscard]] HMESH_NEVER_INLINE HMESH_COLD Result mesh_view(const ImageView<T, C>& view, const Options& options,
+                                                             const ImageRecipeRef<T, C>& recipe, const ParallelFor& parallel_for) {
     Result result;
     result.status = check(view);
     if (result.status) result.status = check(options, std::int64_t{view.width} * view.height, C);
@@ -123,15 +121,35 @@ Result mesh_image(const ImageView<T, C>& view, const Options& options, const Rec
     const double unit = kit::weight_unit(options.weights, parallel_for);
     const double samples = C * kit::weight_sum(options.weights, unit, view.width, view.height, parallel_for);
     const kit::ImageSource<C> source(image, options.weights, unit);
+    const auto run = [&](kit::TiledMesh<C>& mesh, std::size_t n) { return recipe.run(mesh, image, n); };
+    result = mesh_target(source, samples, RecipeRef<C>{recipe.tile_size, run, recipe.colors}, options, parallel_for);
+    result.mesh.premultiplied = options.premultiplied;
+    return result;
+}
+
+/// Whether a recipe's run() takes the image's view too: run(mesh, view, n).
+template <class Recipe, class T, int C, class = void>
+inline constexpr bool wants_view = false;
+template <class Recipe, class T, int C>
+inline constexpr bool
+    wants_view<Recipe, T, C,
+               std::void_t<decltype(std::declval<const Recipe&>().run(
+                   std::declval<kit::TiledMesh<C>&>(), std::declval<const ImageView<T, C>&>(), std::size_t{}))>> = true;
+
+}  // namespace hmesh::detail
+
+namespace hmesh {
+
+template <class T, int C, class Recipe, class>
+Result mesh_image(const ImageView<T, C>& view, const Options& options, const Recipe& recipe, const ParallelFor& parallel_for) {
+    const auto check = [&](int width, int height) -> Status { return recipe.check(width, height); };
     const auto tile_size = [&](std::size_t n) { return static_cast<double>(recipe.tile_size(view.width, view.height, n)); };
-    const auto run = [&](kit::TiledMesh<C>& mesh, std::size_t n) -> Status {
+    const auto run = [&](kit::TiledMesh<C>& mesh, [[maybe_unused]] const ImageView<T, C>& image, std::size_t n) -> Status {
         if constexpr (detail::wants_view<Recipe, T, C>) return recipe.run(mesh, image, n);
         else return recipe.run(mesh, n);
     };
-    const detail::RecipeRef<C> reference{tile_size, run, options.colors.value_or(Recipe::colors)};
-    result = detail::mesh_target(source, samples, reference, options, parallel_for);
-    result.mesh.premultiplied = options.premultiplied;
-    return result;
+    const Colors colors = options.colors.value_or(Recipe::colors);
+    return detail::mesh_view(view, options, detail::ImageRecipeRef<T, C>{check, tile_size, run, colors}, parallel_for);
 }
 
 }  // namespace hmesh

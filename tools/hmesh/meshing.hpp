@@ -1,5 +1,5 @@
 // tools - from types chosen at run time to hmesh's templates: meshes an ImageFile and draws the mesh, whatever the bits and
-// channels of the file. What is told to the library stands in channels.hpp alone.
+// channels of the file.
 #ifndef HMESH_TOOLS_MESHING_HPP
 #define HMESH_TOOLS_MESHING_HPP
 
@@ -56,16 +56,6 @@ struct DrawOptions {
 // The mesh drawn at 8 bits, with as many channels as it has, straight colours.
 [[nodiscard]] hmesh::Status draw(const hmesh::MeshView& mesh, const DrawOptions& options, Picture& picture);
 
-namespace detail {
-
-// Defined in channels.hpp, compiled in channels_grey.cpp and channels_color.cpp.
-template <int C>
-[[nodiscard]] hmesh::Result mesh_channels(const ImageFile& image, const MeshingOptions& options,
-                                          const hmesh::ParallelFor& parallel_for);
-template <int C>
-[[nodiscard]] hmesh::Status draw_channels(const hmesh::MeshView& mesh, const DrawOptions& options, Picture& picture);
-
-}  // namespace detail
 }  // namespace tool
 
 #endif  // HMESH_TOOLS_MESHING_HPP

@@ -44,7 +44,7 @@ class IndexedHeap {
     /// Inserts `id`, or changes its key when it is in the heap already. The key must not be NaN.
     void push(Id id, double key) {
         HMESH_ASSERT(key == key);
-        if (id >= slot_of_.size()) slot_of_.resize(static_cast<std::size_t>(id) + 1, absent);
+        while (id >= slot_of_.size()) slot_of_.push_back(absent);
         if (slot_of_[id] == absent) {
             slot_of_[id] = static_cast<Slot>(heap_.size());
             heap_.push_back({key, id});

@@ -13,10 +13,11 @@
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
-#include <functional>
 #include <limits>
 #include <vector>
 
+#include "hmesh/core/compiler.hpp"
+#include "hmesh/core/function_ref.hpp"
 #include "hmesh/edit/flip.hpp"
 #include "hmesh/edit/move.hpp"
 #include "hmesh/fit/image_mesh.hpp"
@@ -193,66 +194,79 @@ template <int C>
     std::vector<InsertionSite> sites;
     sites.reserve(topology.edge_count() + (faces ? topology.face_count() : 0));
     for (const Face f : spatial_faces(mesh)) {
-        for_each_edge(topology, f, [&](Edge e) { sites.emplace_back(e); });
-        if (faces) sites.emplace_back(f);
+        for_each_edge(topology, f, [&](Edge e) { sites.push_back(InsertionSite(e)); });
+        if (faces) sites.push_back(InsertionSite(f));
     }
     return sites;
 }
 
-/// The best sites for `count` new vertices, by falling gain, ties in spatial order: up to 4 * count, since about half of a list
-/// touch a better site. Sites with the largest max_gain() are evaluated first; their gains then tell below which max_gain() the
-/// others cannot get into the list, and these are not walked. Gains are compared as floats: 16 bytes a site, the peak of a
-/// method's memory.
-template <int C>
-[[nodiscard]] std::vector<InsertionSite> best_sites(const ImageMesh<C>& mesh, std::size_t count,
-                                                    const InsertionOptions& options) {
+namespace detail {
+
+/// The numbers of the largest of n gains > 0, by falling gain, ties by number: at most 4 * count, since about half of a list of
+/// sites touch a better one. A gain below 0 never counts. Those with the largest bounds are evaluated first; their gains then
+/// tell up to which bound the others cannot get into the list, and these are not evaluated. 12 bytes for each of the n.
+[[nodiscard]] HMESH_COLD inline std::vector<std::uint32_t> largest_gains(std::size_t n, std::size_t count,
+                                                                         FunctionRef<float(std::size_t)> bound,
+                                                                         FunctionRef<float(std::size_t)> gain) {
     struct Gain {
         float gain;
-        std::uint32_t site;
+        std::uint32_t number;
     };
-    const std::vector<InsertionSite> sites = insertion_sites(mesh, options.faces);
-    const double scale = mesh.energy() > 0 ? 1 / mesh.mean_energy() : 0;  // keeps floats in range, whatever the unit of samples
-    const auto bound = [&](std::size_t k) { return static_cast<float>(scale * max_gain(mesh, sites[k])); };
-    const std::size_t wanted = 2 * count;  // about half of them touch a better site
+    const std::size_t wanted = 2 * count;
     std::vector<float> values;
-    values.reserve(sites.size());
     const auto nth_largest = [&] {
         if (wanted >= values.size()) return 0.0F;
         const auto nth = values.begin() + static_cast<std::ptrdiff_t>(wanted);
-        std::nth_element(values.begin(), nth, values.end(), std::greater<>());
+        std::nth_element(values.begin(), nth, values.end(), [](float a, float b) { return a > b; });
         return std::max(*nth, 0.0F);
     };
     std::vector<Gain> gains;
-    gains.reserve(sites.size());
-    RingScratch<C> scratch;
+    gains.reserve(n);
     const auto evaluate = [&](float above, float up_to) {
-        const std::size_t start = gains.size();
-        for (std::size_t k = 0; k < sites.size(); ++k)
-            if (const float b = bound(k); b > above && b <= up_to) gains.push_back({0, static_cast<std::uint32_t>(k)});
-        for (std::size_t k = start; k < gains.size(); ++k) {
-            gains[k].gain = -1;
-            if (!mesh.keep_going()) continue;
-            const auto candidate = candidate_at(mesh, scratch, sites[gains[k].site], options.may_move);
-            if (candidate.fits) gains[k].gain = static_cast<float>(scale * candidate.gain);
+        for (std::size_t k = 0; k < n; ++k) {
+            const float b = bound(k);
+            if (b > above && b <= up_to) gains.push_back({gain(k), static_cast<std::uint32_t>(k)});
         }
     };
-    for (std::size_t k = 0; k < sites.size(); ++k) values.push_back(bound(k));
+    values.reserve(n);
+    for (std::size_t k = 0; k < n; ++k) values.push_back(bound(k));
     const float first_cut = nth_largest();
     evaluate(first_cut, std::numeric_limits<float>::max());
     values.clear();
     for (const Gain& g : gains) values.push_back(g.gain);
     evaluate(nth_largest(), first_cut);
 
-    gains.erase(std::remove_if(gains.begin(), gains.end(), [&](const Gain& g) { return !(g.gain > 0); }), gains.end());
-    const auto better = [](const Gain& a, const Gain& b) { return a.gain > b.gain || (a.gain == b.gain && a.site < b.site); };
+    gains.erase(std::remove_if(gains.begin(), gains.end(), [](const Gain& g) { return !(g.gain > 0); }), gains.end());
+    const auto better = [](const Gain& a, const Gain& b) { return a.gain > b.gain || (a.gain == b.gain && a.number < b.number); };
     if (gains.size() > 2 * wanted) {
         std::nth_element(gains.begin(), gains.begin() + static_cast<std::ptrdiff_t>(2 * wanted), gains.end(), better);
         gains.resize(2 * wanted);
     }
     std::sort(gains.begin(), gains.end(), better);
-    std::vector<InsertionSite> best;
+    std::vector<std::uint32_t> best;
     best.reserve(gains.size());
-    for (const Gain& g : gains) best.push_back(sites[g.site]);
+    for (const Gain& g : gains) best.push_back(g.number);
+    return best;
+}
+
+}  // namespace detail
+
+/// The best sites for `count` new vertices, by falling gain, ties in spatial order: up to 4 * count. max_gain() spares most sites
+/// their evaluation. Gains are compared as floats: 16 bytes a site, the peak of a method's memory.
+template <int C>
+[[nodiscard]] std::vector<InsertionSite> best_sites(const ImageMesh<C>& mesh, std::size_t count,
+                                                    const InsertionOptions& options) {
+    const std::vector<InsertionSite> sites = insertion_sites(mesh, options.faces);
+    const double scale = mesh.energy() > 0 ? 1 / mesh.mean_energy() : 0;  // keeps floats in range, whatever the unit of samples
+    RingScratch<C> scratch;
+    const auto bound = [&](std::size_t k) { return static_cast<float>(scale * max_gain(mesh, sites[k])); };
+    const auto gain = [&](std::size_t k) {
+        if (!mesh.keep_going()) return -1.0F;
+        const auto candidate = candidate_at(mesh, scratch, sites[k], options.may_move);
+        return candidate.fits ? static_cast<float>(scale * candidate.gain) : -1.0F;
+    };
+    std::vector<InsertionSite> best;
+    for (const std::uint32_t k : detail::largest_gains(sites.size(), count, bound, gain)) best.push_back(sites[k]);
     return best;
 }
 

@@ -10,6 +10,7 @@
 #include <algorithm>
 #include <cstddef>
 
+#include "hmesh/core/assert.hpp"
 #include "hmesh/core/compiler.hpp"
 #include "hmesh/core/lanes.hpp"
 #include "hmesh/core/parallel.hpp"
@@ -32,7 +33,9 @@ class ImageSource {
     explicit ImageSource(const ImageView<T, C>& view, const ImageView<float, 1>& weights = {}, double unit = 1) noexcept
         : data_(view.data), width_(view.width), height_(view.height), row_stride_(view.row_stride), weights_(weights),
           unit_(unit), low_(PixelTraits<T>::lowest), high_(PixelTraits<T>::highest), peak_(PixelTraits<T>::peak),
-          is_integer_(PixelTraits<T>::is_integer), make_(&make<T>), sample_(&sample<T>), error_(&error<T>) {}
+          is_integer_(PixelTraits<T>::is_integer), make_(&make<T>), sample_(&sample<T>) {
+        if constexpr (!PixelTraits<T>::is_integer) error_ = &error<T>;
+    }
 
     /// The same weights with other pixels, an image of the same size.
     template <class T>
@@ -52,8 +55,10 @@ class ImageSource {
     /// The moment table of a rectangle of the image.
     [[nodiscard]] MomentTable<C> table(const Rect& rect) const { return make_(*this, rect); }
 
-    /// The squared error of a finished mesh as drawn, with the weights: rendered_error() of fit/rendered_error.hpp.
+    /// The squared error of a finished mesh as drawn, with the weights: rendered_error() of fit/rendered_error.hpp. Only where not
+    /// is_integer(): else the energy of the fit is exact, and nothing is compiled for this.
     [[nodiscard]] double rendered_error(const Mesh& mesh, const ParallelFor& parallel_for) const {
+        HMESH_ASSERT(error_ != nullptr);
         return error_(*this, mesh, parallel_for);
     }
 
@@ -93,7 +98,7 @@ class ImageSource {
     bool is_integer_;
     MomentTable<C> (*make_)(const ImageSource&, const Rect&);
     void (*sample_)(const ImageSource&, int, int, Lanes<lanes_for(C + 1)>&) noexcept;
-    double (*error_)(const ImageSource&, const Mesh&, const ParallelFor&);
+    double (*error_)(const ImageSource&, const Mesh&, const ParallelFor&) = nullptr;  ///< null: is_integer()
 };
 
 }  // namespace hmesh::kit

@@ -6,6 +6,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <utility>
 #include <vector>
 
 #include "hmesh/core/macros/push.hpp"
@@ -153,7 +154,7 @@ inline Status HalfedgeMesh::check() const {
     for (const Edge e : edges()) bounded += (is_boundary(halfedge(e)) ? 0U : 1U) + (is_boundary(opposite(halfedge(e))) ? 0U : 1U);
     if (bounded != 3 * face_total) return fail("the faces do not use each half-edge once", bounded);
     // One fan a vertex: a turn around it meets all half-edges that leave it, and no neighbour twice.
-    std::vector<std::size_t> neighbors;
+    std::vector<std::size_t> neighbors, met_by(vertex_slots(), vertex_slots());
     for (const Vertex v : vertices()) {
         neighbors.clear();
         for (const Halfedge h : outgoing(v)) {
@@ -161,9 +162,8 @@ inline Status HalfedgeMesh::check() const {
             if (neighbors.size() > leaving[v.index()]) return fail("a turn around a vertex does not close", v.index());
         }
         if (neighbors.size() != leaving[v.index()]) return fail("two fans meet in a vertex", v.index());
-        std::sort(neighbors.begin(), neighbors.end());
-        if (std::adjacent_find(neighbors.begin(), neighbors.end()) != neighbors.end())
-            return fail("two edges join the same vertices", v.index());
+        for (const std::size_t u : neighbors)
+            if (std::exchange(met_by[u], v.index()) == v.index()) return fail("two edges join the same vertices", v.index());
     }
     return {};
 }

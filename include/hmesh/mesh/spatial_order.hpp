@@ -39,32 +39,42 @@ namespace detail {
     return detail::spread_bits(static_cast<std::uint32_t>(p.x)) | (detail::spread_bits(static_cast<std::uint32_t>(p.y)) << 1U);
 }
 
-/// The `count` elements of a range, sorted by the Morton code of position(element).
-template <class Element, class Range, class Position>
-[[nodiscard]] std::vector<Element> in_spatial_order(const Range& range, std::size_t count, Position&& position) {
-    struct Item {
-        std::uint32_t code;
-        Element element;
-    };
-    std::vector<Item> items, sorted(count);
-    items.reserve(count);
+/// Something by its number, with its place on the Morton curve.
+struct MortonItem {
+    std::uint32_t code;    ///< morton_code() of its position
+    std::uint32_t number;  ///< whatever the caller counts
+};
+
+/// Sorts by code; items of one code stay in their order. Three passes at most, each O(n).
+inline void sort_by_code(std::vector<MortonItem>& items) {
     std::uint32_t all = 0;
-    for (const Element e : range) {
-        items.push_back({morton_code(position(e)), e});
-        all |= items.back().code;
-    }
+    for (const MortonItem& item : items) all |= item.code;
+    std::vector<MortonItem> sorted(items.size());
     constexpr std::uint32_t digit_bits = 11, digits = 1U << digit_bits;
     for (std::uint32_t shift = 0; shift < 32 && (all >> shift) != 0; shift += digit_bits) {
         std::array<std::uint32_t, digits + 1> start{};
-        for (const Item& item : items) ++start[((item.code >> shift) & (digits - 1)) + 1];
+        for (const MortonItem& item : items) ++start[((item.code >> shift) & (digits - 1)) + 1];
         for (std::size_t k = 1; k < start.size(); ++k) start[k] += start[k - 1];
-        for (const Item& item : items) sorted[start[(item.code >> shift) & (digits - 1)]++] = item;
+        for (const MortonItem& item : items) sorted[start[(item.code >> shift) & (digits - 1)]++] = item;
         items.swap(sorted);
     }
-    std::vector<Element> elements;
+}
+
+/// The `count` elements of a range, sorted by the Morton code of position(element), the position of an element in px.
+template <class Element, class Range, class Position>
+[[nodiscard]] std::vector<Element> in_spatial_order(const Range& range, std::size_t count, Position&& position) {
+    std::vector<MortonItem> items;
+    std::vector<Element> elements, sorted;
+    items.reserve(count);
     elements.reserve(count);
-    for (const Item& item : items) elements.push_back(item.element);
-    return elements;
+    sorted.reserve(count);
+    for (const Element e : range) {
+        items.push_back({morton_code(position(e)), static_cast<std::uint32_t>(elements.size())});
+        elements.push_back(e);
+    }
+    sort_by_code(items);
+    for (const MortonItem& item : items) sorted.push_back(elements[item.number]);
+    return sorted;
 }
 
 /// Calls body(e) for the edges that belong to face f: an edge belongs to the face of its even half-edge, or to its only face. A

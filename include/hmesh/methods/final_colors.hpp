@@ -42,7 +42,7 @@ HMESH_COLD void sample_colors(TiledMesh<C>& tiled, const Tiling& tiling, double 
 /// system is solved for the whole mesh. After a cancellation colours are only clamped and rounded, and the energy is still true
 /// of them.
 template <int C>
-BoundedReport bounded_colors(TiledMesh<C>& tiled, const Tiling& tiling, double low, double high, double grid) {
+HMESH_COLD BoundedReport bounded_colors(TiledMesh<C>& tiled, const Tiling& tiling, double low, double high, double grid) {
     BoundedReport report;
     if (tiling.size() == 1 &&
         tiled.for_each(tiling, [&](Patch<C>& patch, std::size_t) { report = bounded_colors(patch.mesh(), low, high, grid); }))

@@ -25,6 +25,7 @@
 #include <utility>
 #include <vector>
 
+#include "hmesh/core/compiler.hpp"
 #include "hmesh/core/function_ref.hpp"
 #include "hmesh/core/parallel.hpp"
 #include "hmesh/core/psnr.hpp"
@@ -76,20 +77,22 @@ struct ChannelLight {
     std::vector<double> light;  ///< the linear light that they decode to, in [0, 1]; for alpha the share of the peak
 };
 
-/// The error of a mesh against an image, and its Gauss-Newton system, for one channel k at a time.
-template <class T, int C>
+/// Writes the stored values of one channel for the pixels [begin, end) of a row.
+using ReadSamples = FunctionRef<void(std::size_t channel, int row, int begin, int end, double* out)>;
+
+/// The error of a mesh against the image of its size and channels, and its Gauss-Newton system, for one channel k at a time.
 class LinearLight {
   public:
-    LinearLight(const Mesh& mesh, const HalfedgeMesh& topology, const ImageView<T, C>& view, const LinearLightOptions& options,
+    LinearLight(const Mesh& mesh, const HalfedgeMesh& topology, ReadSamples read, const LinearLightOptions& options,
                 const ParallelFor& parallel_for)
-        : mesh_(mesh), topology_(topology), view_(view), options_(options), parallel_for_(parallel_for),
-          scale_(weight_unit(options.weights, parallel_for), view.width, view.height), corners_(2 * topology.edge_slots()) {}
+        : mesh_(mesh), topology_(topology), read_(read), options_(options), parallel_for_(parallel_for),
+          scale_(weight_unit(options.weights, parallel_for), mesh.width, mesh.height), corners_(2 * topology.edge_slots()) {}
 
     /// Channel k of the mesh's colours, held to [0, peak] and to the grid.
     [[nodiscard]] ChannelLight start(std::size_t k) const {
         ChannelLight out;
         for (std::size_t v = 0; v < mesh_.vertex_count(); ++v)
-            add(out, k, static_cast<double>(mesh_.colors[C * v + k]), options_.grid);
+            add(out, k, static_cast<double>(mesh_.colors[channels() * v + k]), options_.grid);
         return out;
     }
     /// Channel k with the lights `step` times `direction` further on, clamped to [0, 1].
@@ -112,7 +115,7 @@ class LinearLight {
     [[nodiscard]] double measure(const ChannelLight& at, std::size_t k) {
         return ordered_sum(parallel_for_, mesh_.faces.size(), 256, [&](std::size_t begin, std::size_t end) {
             double sum = 0;
-            for (std::size_t f = begin; f < end; ++f) sum += is_encoded(k) ? face<true>(at, f, k) : face<false>(at, f, k);
+            for (std::size_t f = begin; f < end; ++f) sum += face(at, f, k);
             return sum;
         });
     }
@@ -134,8 +137,9 @@ class LinearLight {
     }
 
   private:
-    [[nodiscard]] static constexpr bool is_encoded(std::size_t k) noexcept { return !has_alpha(C) || k + 1 != C; }
-    [[nodiscard]] static double encode(std::size_t k, double light) noexcept {
+    [[nodiscard]] std::size_t channels() const noexcept { return static_cast<std::size_t>(mesh_.channels); }
+    [[nodiscard]] bool is_encoded(std::size_t k) const noexcept { return !has_alpha(mesh_.channels) || k + 1 != channels(); }
+    [[nodiscard]] double encode(std::size_t k, double light) const noexcept {
         return is_encoded(k) ? linear_to_srgb(light) : light;
     }
 
@@ -149,7 +153,6 @@ class LinearLight {
     }
 
     /// The error of face f, in squared shares of the peak; its sums go to corners_.
-    template <bool encoded>
     [[nodiscard]] double face(const ChannelLight& at, std::size_t f, std::size_t k) {
         const std::array<Vertex, 3> v = topology_.vertices(Face(f));
         const Point a = position(mesh_, v[0].index()), b = position(mesh_, v[1].index()), c = position(mesh_, v[2].index());
@@ -161,16 +164,18 @@ class LinearLight {
         const bool is_plain = lb == 0 && lc == 0;
         const auto plain = static_cast<double>(at.stored[v[0].index()]);
         double energy = 0, s00 = 0, s11 = 0, s22 = 0, s01 = 0, s12 = 0, s20 = 0, rhs0 = 0, rhs1 = 0, rhs2 = 0;
-        for_each_span(a, b, c, {}, [&](int j, int begin, int end) {
-            const T* sample = view_.pixel(begin, j) + k;
+        const bool encoded = is_encoded(k);
+        const auto add_pixels = [&](int j, int begin, int end) {
+            std::array<double, block> samples;
+            read_(k, j, begin, end, samples.data());
             const float* weights = options_.weights.data != nullptr ? options_.weights.pixel(begin, j) : nullptr;
-            for (int i = begin; i < end; ++i, sample += C) {
+            for (int i = begin; i < end; ++i) {
                 const Barycentric w = weights_at(i, j);
                 const double light = la + w.b * lb + w.c * lc;
                 const double share = encoded ? linear_to_srgb(light) : light;
                 const double slope = encoded ? linear_to_srgb_slope(light, share) : 1;
                 const double shown = is_plain ? plain : share * mesh_.peak;
-                const double difference = (shown - PixelTraits<T>::to_real(*sample)) * per_peak;
+                const double difference = (shown - samples[static_cast<std::size_t>(i - begin)]) * per_peak;
                 const double weight = weights != nullptr ? scale_(weights[i - begin]) : 1;
                 const double square = weight * slope * slope, rhs = -weight * slope * difference;
                 energy += weight * difference * difference;
@@ -185,6 +190,9 @@ class LinearLight {
                 rhs1 += rhs * w.b;
                 rhs2 += rhs * w.c;
             }
+        };
+        for_each_span(a, b, c, {}, [&](int j, int begin, int end) {
+            for (; begin < end; begin += block) add_pixels(j, begin, std::min(end, begin + block));
         });
         const auto sums = [](double square, double coupling, double rhs) {
             CornerSums<1> out;
@@ -200,9 +208,10 @@ class LinearLight {
         return energy;
     }
 
+    static constexpr int block = 64;  ///< pixels of a row that are read at once
     const Mesh& mesh_;
     const HalfedgeMesh& topology_;
-    const ImageView<T, C>& view_;
+    ReadSamples read_;
     const LinearLightOptions& options_;
     ParallelFor parallel_for_;
     WeightScale scale_;
@@ -211,17 +220,16 @@ class LinearLight {
 
 /// Whether the mesh fits the image: channels, size, arrays of one length, positions inside, faces of positive area; so that
 /// for_each_span() stays within the image. Fills `topology` with the mesh's connectivity.
-template <int C, class T>
-[[nodiscard]] Status check_fit(const Mesh& mesh, const ImageView<T, C>& view, HalfedgeMesh& topology) {
-    if (mesh.channels != C) return {Errc::invalid_argument, "the mesh has not the image's number of channels", mesh.channels, C};
-    if (mesh.positions.size() % 2 != 0 || mesh.colors.size() != C * mesh.vertex_count())
+[[nodiscard]] HMESH_COLD inline Status check_fit(const Mesh& mesh, int channels, int width, int height, HalfedgeMesh& topology) {
+    if (mesh.channels != channels)
+        return {Errc::invalid_argument, "the mesh has not the image's number of channels", mesh.channels, channels};
+    if (mesh.positions.size() % 2 != 0 || mesh.colors.size() != static_cast<std::size_t>(channels) * mesh.vertex_count())
         return {Errc::invalid_argument, "the mesh's arrays are not of one number of vertices", 0, 0};
-    if (const Status status = check(mesh.view(), C); !status) return status;
+    if (const Status status = check(mesh.view(), channels); !status) return status;
     if (mesh.premultiplied)
         return {Errc::invalid_argument, "linear light is fitted to straight colours, and the mesh's are premultiplied", 0, 0};
-    if (mesh.width != view.width) return {Errc::invalid_argument, "the mesh is not as wide as the image", mesh.width, view.width};
-    if (mesh.height != view.height)
-        return {Errc::invalid_argument, "the mesh is not as high as the image", mesh.height, view.height};
+    if (mesh.width != width) return {Errc::invalid_argument, "the mesh is not as wide as the image", mesh.width, width};
+    if (mesh.height != height) return {Errc::invalid_argument, "the mesh is not as high as the image", mesh.height, height};
     const auto at = [&](std::uint32_t v) { return position(mesh, v); };
     for (std::uint32_t v = 0; v < mesh.vertex_count(); ++v)
         if (!(at(v).x >= 0 && at(v).x <= mesh.width && at(v).y >= 0 && at(v).y <= mesh.height))
@@ -233,42 +241,26 @@ template <int C, class T>
     return topology.assign(mesh.vertex_count(), mesh.faces);
 }
 
-}  // namespace kit::detail
-
-/// Fits the colours of a finished mesh for renderers that interpolate linear light: those of least squared error to the image in
-/// stored values. Call it after mesh_image() and before write_glb(), say: renderers of glTF interpolate linear light.
-/// Positions and faces stay. Colours remain stored values, in [0, peak]; the current ones, held to that range, are the start,
-/// and the error never rises.
-///
-/// `view`: the image that was meshed, of the mesh's size and channels; `view` and `options.weights` must be such as check(),
-/// check_finite() and check_weights() accept. `go_on(share)`, where given, is called before each step with the share of the work
-/// done, in [0, 1); false stops the fit, and the report is still true of the mesh.
-///
-/// Status: Errc::invalid_argument, with the mesh unchanged, where the mesh is not one of this image (channels, size, a position
-/// outside, a face without positive area), is premultiplied, or has a vertex without a face. About 35 ns a pixel and channel for
-/// each of some 5 passes; 0.5 KB a vertex.
-template <class T, int C>
-LinearLightReport fit_linear_light(Mesh& mesh, const ImageView<T, C>& view, const LinearLightOptions& options = {},
-                                   const ParallelFor& parallel_for = {}, FunctionRef<bool(double share)> go_on = {}) {
-    using kit::detail::ChannelLight;
+/// fit_linear_light() for a mesh that check_fit() accepted, with that connectivity.
+[[nodiscard]] inline LinearLightReport fit_light(Mesh& mesh, const HalfedgeMesh& topology, ReadSamples read,
+                                                 const LinearLightOptions& options, const ParallelFor& parallel_for,
+                                                 FunctionRef<bool(double share)> go_on) {
     LinearLightReport report;
-    kit::HalfedgeMesh topology;
-    report.status = kit::detail::check_fit<C>(mesh, view, topology);
-    if (!report.status) return report;
-    kit::detail::LinearLight<T, C> scene(mesh, topology, view, options, parallel_for);
+    const auto channels = static_cast<std::size_t>(mesh.channels);
+    LinearLight scene(mesh, topology, read, options, parallel_for);
     const double unit = mesh.peak * mesh.peak;
     bool is_stopped = false;
-    for (std::size_t k = 0; k < C; ++k) {
+    for (std::size_t k = 0; k < channels; ++k) {
         const ChannelLight start = scene.start(k);
         ChannelLight now = start;
         const double converted = scene.measure(now, k);
         double energy = converted;
-        kit::DenseMatrix direction;
+        DenseMatrix direction;
         int steps = 0;
         for (bool gains = true; gains && energy > 0 && steps < options.iterations && !is_stopped;) {
-            is_stopped = go_on && !go_on((static_cast<double>(k) + static_cast<double>(steps) / options.iterations) / C);
+            is_stopped = go_on && !go_on((static_cast<double>(k) + static_cast<double>(steps) / options.iterations) / mesh.channels);
             if (is_stopped) break;
-            const kit::PcgReport solve = scene.direction(now, k, direction);
+            const PcgReport solve = scene.direction(now, k, direction);
             report.solver_iterations += solve.iterations;
             report.residual = std::max(report.residual, solve.residual);
             gains = false;
@@ -288,15 +280,43 @@ LinearLightReport fit_linear_light(Mesh& mesh, const ImageView<T, C>& view, cons
             energy = scene.measure(now, k);
             if (energy > converted) now = start, energy = converted;
         }
-        for (std::size_t v = 0; v < mesh.vertex_count(); ++v) mesh.colors[C * v + k] = now.stored[v];
+        for (std::size_t v = 0; v < mesh.vertex_count(); ++v) mesh.colors[channels * v + k] = now.stored[v];
         report.converted += unit * converted;
         report.energy += unit * energy;
         report.iterations = std::max(report.iterations, steps);
     }
-    const double weight = kit::weight_unit(options.weights, parallel_for);
-    const double samples = C * kit::weight_sum(options.weights, weight, view.width, view.height, parallel_for);
-    report.psnr = kit::psnr_of_energy(report.energy, samples, mesh.peak);
+    const double weight = weight_unit(options.weights, parallel_for);
+    const double samples = mesh.channels * weight_sum(options.weights, weight, mesh.width, mesh.height, parallel_for);
+    report.psnr = psnr_of_energy(report.energy, samples, mesh.peak);
     return report;
+}
+
+}  // namespace kit::detail
+
+/// Fits the colours of a finished mesh for renderers that interpolate linear light: those of least squared error to the image in
+/// stored values. Call it after mesh_image() and before write_glb(), say: renderers of glTF interpolate linear light.
+/// Positions and faces stay. Colours remain stored values, in [0, peak]; the current ones, held to that range, are the start,
+/// and the error never rises.
+///
+/// `view`: the image that was meshed, of the mesh's size and channels; `view` and `options.weights` must be such as check(),
+/// check_finite() and check_weights() accept. `go_on(share)`, where given, is called before each step with the share of the work
+/// done, in [0, 1); false stops the fit, and the report is still true of the mesh.
+///
+/// Status: Errc::invalid_argument, with the mesh unchanged, where the mesh is not one of this image (channels, size, a position
+/// outside, a face without positive area), is premultiplied, or has a vertex without a face. About 35 ns a pixel and channel for
+/// each of some 5 passes; 0.5 KB a vertex.
+template <class T, int C>
+LinearLightReport fit_linear_light(Mesh& mesh, const ImageView<T, C>& view, const LinearLightOptions& options = {},
+                                   const ParallelFor& parallel_for = {}, FunctionRef<bool(double share)> go_on = {}) {
+    LinearLightReport report;
+    kit::HalfedgeMesh topology;
+    report.status = kit::detail::check_fit(mesh, C, view.width, view.height, topology);
+    if (!report.status) return report;
+    const auto read = [&](std::size_t channel, int row, int begin, int end, double* out) {
+        const T* sample = view.pixel(begin, row) + channel;
+        for (int i = begin; i < end; ++i, sample += C) *out++ = PixelTraits<T>::to_real(*sample);
+    };
+    return kit::detail::fit_light(mesh, topology, read, options, parallel_for, go_on);
 }
 
 }  // namespace hmesh

@@ -13,6 +13,7 @@
 #include <cstddef>
 #include <vector>
 
+#include "hmesh/core/compiler.hpp"
 #include "hmesh/core/function_ref.hpp"
 #include "hmesh/core/parallel.hpp"
 #include "hmesh/fit/image_mesh.hpp"
@@ -121,7 +122,7 @@ template <int C>
 /// K K^T, n_v by n_v, of a mesh with this topology and these corner sums. Symmetric to the bit; one entry for each vertex and
 /// two for each edge, also where no pixel makes them differ from 0.
 template <int C>
-[[nodiscard]] SymmetricMatrix normal_matrix(const HalfedgeMesh& topology, const std::vector<CornerSums<C>>& corners,
+[[nodiscard]] HMESH_COLD SymmetricMatrix normal_matrix(const HalfedgeMesh& topology, const std::vector<CornerSums<C>>& corners,
                                             const ParallelFor& parallel_for = {}) {
     const std::vector<int> rows = vertex_rows(topology);
     SymmetricMatrix matrix;

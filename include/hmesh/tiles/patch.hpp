@@ -50,35 +50,49 @@ struct Cut {
 };
 
 /// Cuts a mesh along a tiling. O(faces).
-template <int C>
-[[nodiscard]] HMESH_COLD Cut cut(const IndexedMesh<C>& indexed, const Tiling& tiling) {
+[[nodiscard]] HMESH_COLD inline Cut cut(const std::vector<Point>& positions, const std::vector<Triangle>& faces,
+                                        const Tiling& tiling) {
     constexpr std::uint32_t none = 0xfffffffeU;
-    const std::size_t n = indexed.vertex_count();
+    const std::size_t n = positions.size();
     Cut cut;
-    std::vector<std::uint32_t> tile(indexed.faces.size());
-    cut.first.assign(tiling.size() + 1, 0);
-    cut.owner.assign(n, none);
-    cut.face_count.assign(n, 0);
-    for (std::size_t t = 0; t < indexed.faces.size(); ++t) {
+    std::vector<std::uint32_t> tile(faces.size());
+    cut.first.resize(tiling.size() + 1);
+    cut.owner = std::vector<std::uint32_t>(n, none);
+    cut.face_count.resize(n);
+    for (std::size_t t = 0; t < faces.size(); ++t) {
         double x = 0, y = 0;
-        for (const std::uint32_t v : indexed.faces[t]) x += indexed.positions[v].x, y += indexed.positions[v].y;
+        for (const std::uint32_t v : faces[t]) x += positions[v].x, y += positions[v].y;
         tile[t] = static_cast<std::uint32_t>(tiling.tile_at({x / 3, y / 3}));
         ++cut.first[tile[t] + 1];
-        for (const std::uint32_t v : indexed.faces[t]) {
+        for (const std::uint32_t v : faces[t]) {
             ++cut.face_count[v];
             cut.owner[v] = cut.owner[v] == none || cut.owner[v] == tile[t] ? tile[t] : Cut::locked;
         }
     }
     for (std::size_t k = 0; k < tiling.size(); ++k) cut.first[k + 1] += cut.first[k];
-    cut.faces.resize(indexed.faces.size());
+    cut.faces.resize(faces.size());
     std::vector<std::size_t> at(cut.first.begin(), cut.first.end() - 1);
     for (std::size_t t = 0; t < tile.size(); ++t) cut.faces[at[tile[t]]++] = static_cast<std::uint32_t>(t);
     cut.number.resize(n);
-    cut.free_count.assign(tiling.size(), 0);
+    cut.free_count.resize(tiling.size());
     for (std::size_t v = 0; v < n; ++v)
         cut.number[v] =
             static_cast<std::uint32_t>(cut.owner[v] == Cut::locked ? cut.locked_count++ : cut.free_count[cut.owner[v]]++);
     return cut;
+}
+
+/// The tiles of a cut that have faces, those with most faces first.
+[[nodiscard]] HMESH_COLD inline std::vector<std::size_t> largest_first(const Cut& cut) {
+    std::vector<std::pair<double, std::uint32_t>> tiles;  // less the number of faces, and the tile
+    for (std::size_t k = 0; k + 1 < cut.first.size(); ++k)
+        if (cut.first[k] < cut.first[k + 1])
+            tiles.emplace_back(static_cast<double>(cut.first[k]) - static_cast<double>(cut.first[k + 1]),
+                               static_cast<std::uint32_t>(k));
+    std::sort(tiles.begin(), tiles.end());
+    std::vector<std::size_t> numbers;
+    numbers.reserve(tiles.size());
+    for (const auto& [count, tile] : tiles) numbers.push_back(tile);
+    return numbers;
 }
 
 /// The faces of a tile with vertices numbered for its patch: first the free ones, by Cut::number, then the locked ones, once for
@@ -95,8 +109,7 @@ struct PatchFaces {
 
 /// Numbers the vertices of a tile's faces for its patch. O(faces of the tile log locked corners), and the square of the faces
 /// around each locked vertex.
-template <int C>
-[[nodiscard]] HMESH_COLD PatchFaces renumber(const IndexedMesh<C>& indexed, const Cut& cut, std::size_t tile) {
+[[nodiscard]] HMESH_COLD inline PatchFaces renumber(const std::vector<Triangle>& faces, const Cut& cut, std::size_t tile) {
     PatchFaces patch;
     struct Corner {  // of a face, at a locked vertex
         std::uint32_t vertex, face, corner;
@@ -106,7 +119,7 @@ template <int C>
     std::vector<Corner> corners;
     patch.faces.reserve(cut.first[tile + 1] - cut.first[tile]);
     for (std::size_t k = cut.first[tile]; k < cut.first[tile + 1]; ++k) {
-        const Triangle& t = indexed.faces[cut.faces[k]];
+        const Triangle& t = faces[cut.faces[k]];
         Triangle local{};
         for (std::uint32_t c = 0; c < 3; ++c) {
             if (cut.owner[t[c]] != Cut::locked) local[c] = cut.number[t[c]];
@@ -192,7 +205,7 @@ class Patch {
     /// dropped.
     HMESH_COLD Patch(const IndexedMesh<C>& indexed, const ImageSource<C>& source, const detail::Cut& cut, std::size_t tile,
                      const MeshLimits& limits, TaskProgress* task, MomentTable<C> table = {})
-        : numbered_(detail::renumber(indexed, cut, tile)), free_(cut.free_count[tile]) {
+        : numbered_(detail::renumber(indexed.faces, cut, tile)), free_(cut.free_count[tile]) {
         std::vector<std::uint32_t> vertices(free_ + numbered_.locked.size());  // by their index in the mesh that was cut
         for (std::size_t k = 0; k < numbered_.locked.size(); ++k) vertices[free_ + k] = numbered_.locked[k].vertex;
         for (std::size_t k = cut.first[tile]; k < cut.first[tile + 1]; ++k)

@@ -74,7 +74,7 @@ class TiledMesh {
             return !progress_->stopped();
         }
         put_back();
-        const detail::Cut cut = detail::cut(indexed_, tiling);
+        const detail::Cut cut = detail::cut(indexed_.positions, indexed_.faces, tiling);
         std::vector<detail::PatchResult<C>> results(tiling.size());
         run(
             cut,
@@ -94,7 +94,7 @@ class TiledMesh {
                           FunctionRef<void(Patch<C>& patch, std::size_t tile, const std::uint32_t* faces)> look,
                           bool all = false) {
         put_back();
-        const detail::Cut cut = detail::cut(indexed_, tiling);
+        const detail::Cut cut = detail::cut(indexed_.positions, indexed_.faces, tiling);
         run(
             cut, [&](Patch<C>& patch, std::size_t tile) { look(patch, tile, cut.faces.data() + cut.first[tile]); },
             [](std::size_t) {}, all);
@@ -130,8 +130,8 @@ class TiledMesh {
         if (!progress_->poll()) return;
         TaskProgress task(*progress_, 1);
         if (!single_) {
-            const detail::Cut cut =
-                detail::cut(indexed_, Tiling(indexed_.width, indexed_.height, std::max(indexed_.width, indexed_.height)));
+            const Tiling whole(indexed_.width, indexed_.height, std::max(indexed_.width, indexed_.height));
+            const detail::Cut cut = detail::cut(indexed_.positions, indexed_.faces, whole);
             single_ = std::make_unique<Patch<C>>(indexed_, *source_, cut, 0, limits_, nullptr, std::move(table_));
         }
         const TaskGuard guard(single_->mesh(), task);
@@ -154,16 +154,11 @@ class TiledMesh {
     /// calls skip(tile) instead.
     HMESH_COLD void run(const detail::Cut& cut, FunctionRef<void(Patch<C>&, std::size_t)> body,
                         FunctionRef<void(std::size_t)> skip, bool all = false) {
-        const auto count = [&](std::size_t k) { return cut.first[k + 1] - cut.first[k]; };
-        std::vector<std::size_t> tiles;
-        for (std::size_t k = 0; k + 1 < cut.first.size(); ++k)
-            if (count(k) > 0) tiles.push_back(k);
-        std::sort(tiles.begin(), tiles.end(),
-                  [&](std::size_t a, std::size_t b) { return count(a) != count(b) ? count(a) > count(b) : a < b; });
+        const std::vector<std::size_t> tiles = detail::largest_first(cut);
         parallel_for_(tiles.size(), [&](std::size_t i) {
             const std::size_t k = tiles[i];
             if (!progress_->poll() && !all) return skip(k);
-            TaskProgress task(*progress_, static_cast<double>(count(k)) / static_cast<double>(indexed_.faces.size()));
+            TaskProgress task(*progress_, static_cast<double>(cut.first[k + 1] - cut.first[k]) / static_cast<double>(indexed_.faces.size()));
             const bool is_single = tiles.size() == 1;
             Patch<C> patch(indexed_, *source_, cut, k, limits_, &task, is_single ? std::move(table_) : MomentTable<C>());
             body(patch, k);

@@ -73,6 +73,13 @@ HMESH_COLD void shrink(ImageMesh<C>& mesh, std::size_t n, const AnnealedSteps& o
     }
 }
 
+/// The state of a tile of the aligned tiling after the last stage.
+struct TileState {
+    std::size_t free = 0;    ///< vertices that are free in the tile
+    double energy = 0;       ///< of the tile's faces
+    std::size_t placed = 0;  ///< target of insertion, in free vertices
+};
+
 /// One run of the method for n vertices: the stages, and what they know of the tiles.
 template <int C>
 class AnnealedRun {
@@ -119,12 +126,6 @@ class AnnealedRun {
         });
     }
 
-    /// The state of a tile of the aligned tiling after the last stage.
-    struct Tile {
-        std::size_t free = 0;    ///< vertices that are free in the tile
-        double energy = 0;       ///< of the tile's faces
-        std::size_t placed = 0;  ///< target of insertion, in free vertices
-    };
     /// Calls body(mesh, k, rim) for the patch of each tile k of the aligned tiling; `rim` is the number of its locked vertices.
     bool for_each_tile(FunctionRef<void(ImageMesh<C>& mesh, std::size_t tile, std::size_t rim)> body) {
         tiles_.resize(aligned_.size());
@@ -137,7 +138,7 @@ class AnnealedRun {
     /// The number of vertices that are free in no tile.
     [[nodiscard]] std::size_t seam_count() noexcept {
         std::size_t count = tiled_->vertex_count();
-        for (const Tile& tile : tiles_) count -= tile.free;
+        for (const TileState& tile : tiles_) count -= tile.free;
         return count;
     }
 
@@ -176,7 +177,7 @@ class AnnealedRun {
         // The free vertices of all tiles shrink by the same ratio.
         const auto left = static_cast<std::size_t>(std::round(static_cast<double>(n_) * steps_.collapse_factor));
         double placed = 0;
-        for (const Tile& tile : tiles_) placed += static_cast<double>(tile.placed);
+        for (const TileState& tile : tiles_) placed += static_cast<double>(tile.placed);
         const double ratio = static_cast<double>(left - std::min(left, seam_count())) / std::max(1.0, placed);
         progress().set_range(0, 1);
         const bool go_on = for_each_tile([&](ImageMesh<C>& mesh, std::size_t k, std::size_t rim) {
@@ -235,7 +236,7 @@ class AnnealedRun {
     std::uint64_t seed_;
     double tile_;
     Tiling aligned_;
-    std::vector<Tile> tiles_;
+    std::vector<TileState> tiles_;
 };
 
 }  // namespace kit::detail

@@ -18,6 +18,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "hmesh/core/function_ref.hpp"
 #include "hmesh/core/random.hpp"
 #include "hmesh/edit/collapse.hpp"
 #include "hmesh/edit/flip.hpp"
@@ -75,6 +76,21 @@ struct CountRange {
     double high = 0;  ///< with more vertices, none is inserted
 };
 
+namespace detail {
+
+/// The elements rotated to a random start: loops that a CountRange may end early would else favour the top of the image.
+template <class Element>
+[[nodiscard]] std::vector<Element> rotated(const std::vector<Element>& elements, Random& random) {
+    std::vector<Element> out;
+    out.reserve(elements.size());
+    const std::size_t start = elements.empty() ? 0 : random.below(elements.size());
+    for (std::size_t k = start; k < elements.size(); ++k) out.push_back(elements[k]);
+    for (std::size_t k = 0; k < start; ++k) out.push_back(elements[k]);
+    return out;
+}
+
+}  // namespace detail
+
 /// One sweep of annealing over a mesh or a patch.
 template <int C>
 class AnnealingSweep {
@@ -106,8 +122,7 @@ class AnnealingSweep {
     /// called up to twice, once if it gains little or if the move is hopeless after it. Metropolis' rule then keeps the move or
     /// undoes it; `cost` is the price of the move beside the energy: mu for an insertion, -mu for a removal, a little for
     /// others, lest moves of no gain go on for ever. Returns whether the move was kept.
-    template <class Round>
-    bool accept_or_roll_back(const typename ImageMesh<C>::Mark& mark, double before, double cost, Round&& round) {
+    bool accept_or_roll_back(const typename ImageMesh<C>::Mark& mark, double before, double cost, FunctionRef<void()> round) {
         const double allowed = before - cost - temperature_ * std::log(random_.uniform());
         const double min_round_gain = 3e-2 * mesh_->mean_energy(), hopeless = allowed + 0.5 * price_;
         for (int k = 0; k < 2; ++k) {
@@ -133,7 +148,7 @@ class AnnealingSweep {
     /// Tries to collapse each vertex. Returns how many went.
     std::size_t remove_moves() {
         std::size_t removed = 0;
-        for (const Vertex v : rotated(spatial_vertices(*mesh_))) {
+        for (const Vertex v : detail::rotated(spatial_vertices(*mesh_), random_)) {
             if (static_cast<double>(mesh_->vertex_count()) < range_.low || !mesh_->keep_going()) break;
             if (random_.uniform() > options_.try_probability) continue;
             const CollapseCandidate candidate = cheapest_collapse(*mesh_, scratch_, v);
@@ -152,7 +167,7 @@ class AnnealingSweep {
     std::size_t insert_moves() {
         std::size_t inserted = 0;
         const double min_gain = options_.insertion_screen * price_;
-        for (const InsertionSite site : rotated(insertion_sites(*mesh_, true))) {
+        for (const InsertionSite site : detail::rotated(insertion_sites(*mesh_, true), random_)) {
             if (static_cast<double>(mesh_->vertex_count()) > range_.high || !mesh_->keep_going()) break;
             if (random_.uniform() > options_.try_probability) continue;
             if (site.is_edge() ? topology().is_deleted(site.edge()) : topology().is_deleted(site.face())) continue;
@@ -220,14 +235,6 @@ class AnnealingSweep {
     }
 
     [[nodiscard]] const HalfedgeMesh& topology() const noexcept { return mesh_->topology(); }
-    /// The elements rotated to a random start: loops that a CountRange may end early would else favour the top of the image.
-    template <class Element>
-    [[nodiscard]] std::vector<Element> rotated(std::vector<Element> elements) {
-        if (!elements.empty())
-            std::rotate(elements.begin(), elements.begin() + static_cast<std::ptrdiff_t>(random_.below(elements.size())),
-                        elements.end());
-        return elements;
-    }
 
     ImageMesh<C>* mesh_;
     AnnealingOptions options_;

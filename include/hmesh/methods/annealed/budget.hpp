@@ -51,7 +51,7 @@ namespace hmesh::kit {
             if (full[k] != 0) left -= std::min(left, out[k]);
             else total += weights[k], ++open;
         }
-        if (!(total > 0)) weights.assign(size, 1.0), total = open;
+        if (!(total > 0)) std::fill(weights.begin(), weights.end(), 1.0), total = open;
         // Rounded running sums give whole numbers with the right sum.
         double sum = 0;
         std::size_t given = 0;
@@ -90,11 +90,11 @@ HMESH_COLD bool remove_cheapest(TiledMesh<C>& tiled, const Tiling& tiling, std::
                 }
             }))
             return false;
-        std::vector<std::pair<double, std::size_t>> all;
+        std::vector<std::pair<double, std::uint32_t>> all;  // a cost, and the patch of the vertex
         for (std::size_t k = 0; k < costs.size(); ++k)
-            for (const double cost : costs[k]) all.emplace_back(cost, k);
+            for (const double cost : costs[k]) all.emplace_back(cost, static_cast<std::uint32_t>(k));
         std::sort(all.begin(), all.end());
-        quota.assign(tiling.size(), 0);
+        std::fill(quota.begin(), quota.end(), 0);
         for (std::size_t i = 0; i < std::min(count, all.size()); ++i) ++quota[all[i].second];
     }
     const std::size_t before = tiled.vertex_count();

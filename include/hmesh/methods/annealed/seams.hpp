@@ -50,10 +50,10 @@ class SeamCurve {
   public:
     SeamCurve(const ImageSource<C>& source, const Seam& seam) : length_(seam.length) {
         const auto count = static_cast<std::size_t>(length_) + 1;
-        sums_.resize(count, Color<C>::zero());
-        moments_.resize(count, Color<C>::zero());
-        squares_.resize(count, 0.0);
-        values_.resize(count, Color<C>::zero());
+        sums_.assign(count, Color<C>::zero());
+        moments_.assign(count, Color<C>::zero());
+        squares_.assign(count, 0.0);
+        values_.assign(count, Color<C>::zero());
         Color<C> last = at(source, seam, -1);
         for (int j = 0; j <= length_; ++j) {
             const auto k = static_cast<std::size_t>(j);
@@ -114,7 +114,7 @@ class SeamCurve {
 /// The offsets of one seam's nodes, in px: the multiples of `step` between its ends that minimise error + price * number of
 /// nodes, none further than `reach` >= step px from the next. O((length / step) * (reach / step)).
 template <int C>
-[[nodiscard]] std::vector<int> seam_nodes(const detail::SeamCurve<C>& curve, int step, int reach, double price) {
+[[nodiscard]] HMESH_COLD std::vector<int> seam_nodes(const detail::SeamCurve<C>& curve, int step, int reach, double price) {
     const int length = curve.length(), places = (length + step - 1) / step;  // place k is at min(length, k step)
     const auto at = [&](int k) { return std::min(length, k * step); };
     std::vector<double> best(static_cast<std::size_t>(places) + 1, std::numeric_limits<double>::max());
@@ -137,7 +137,7 @@ template <int C>
 /// The least-squares colours of a seam's nodes, the ends of the seam keeping the value of the picture; solves a tridiagonal
 /// system.
 template <int C>
-[[nodiscard]] std::vector<Color<C>> seam_colors(const detail::SeamCurve<C>& curve, const std::vector<int>& nodes) {
+[[nodiscard]] HMESH_COLD std::vector<Color<C>> seam_colors(const detail::SeamCurve<C>& curve, const std::vector<int>& nodes) {
     using Curve = detail::SeamCurve<C>;
     const std::size_t n = nodes.size();
     std::vector<Color<C>> right(n, Color<C>::zero());
