@@ -4964,8 +4964,8 @@ class ImageSource {
     /// The moment table of a rectangle of the image.
     [[nodiscard]] MomentTable<C> table(const Rect& rect) const { return make_(*this, rect); }
 
-    /// The squared error of a finished mesh as drawn, with the weights: rendered_error() of fit/rendered_error.hpp. Only where not
-    /// is_integer(): else the energy of the fit is exact, and nothing is compiled for this.
+    /// The squared error of a finished mesh as drawn, with the weights: rendered_error() of fit/rendered_error.hpp. Only where
+    /// not is_integer(): else the energy of the fit is exact, and nothing is compiled for this.
     [[nodiscard]] double rendered_error(const Mesh& mesh, const ParallelFor& parallel_for) const {
         HMESH_ASSERT(error_ != nullptr);
         return error_(*this, mesh, parallel_for);
@@ -9002,7 +9002,8 @@ class TiledMesh {
         parallel_for_(tiles.size(), [&](std::size_t i) {
             const std::size_t k = tiles[i];
             if (!progress_->poll() && !all) return skip(k);
-            TaskProgress task(*progress_, static_cast<double>(cut.first[k + 1] - cut.first[k]) / static_cast<double>(indexed_.faces.size()));
+            TaskProgress task(*progress_,
+                              static_cast<double>(cut.first[k + 1] - cut.first[k]) / static_cast<double>(indexed_.faces.size()));
             const bool is_single = tiles.size() == 1;
             Patch<C> patch(indexed_, *source_, cut, k, limits_, &task, is_single ? std::move(table_) : MomentTable<C>());
             body(patch, k);
@@ -10027,7 +10028,7 @@ template <int C>
 /// two for each edge, also where no pixel makes them differ from 0.
 template <int C>
 [[nodiscard]] HMESH_COLD SymmetricMatrix normal_matrix(const HalfedgeMesh& topology, const std::vector<CornerSums<C>>& corners,
-                                            const ParallelFor& parallel_for = {}) {
+                                                       const ParallelFor& parallel_for = {}) {
     const std::vector<int> rows = vertex_rows(topology);
     SymmetricMatrix matrix;
     matrix.starts.reserve(topology.vertex_count() + 1);
@@ -10168,7 +10169,8 @@ struct GridRange {
 /// The system of a mesh with this topology and these corner sums (fit/squared_error.hpp); `colors`, one a row, become the anchor.
 template <int C>
 [[nodiscard]] HMESH_COLD ColorSystem<C> color_system(const HalfedgeMesh& topology, const std::vector<CornerSums<C>>& corners,
-                                          const std::vector<Color<C>>& colors, double ridge, const ParallelFor& parallel_for) {
+                                                     const std::vector<Color<C>>& colors, double ridge,
+                                                     const ParallelFor& parallel_for) {
     ColorSystem<C> system;
     system.ridge = ridge;
     system.gram = normal_matrix(topology, corners, parallel_for);
@@ -10246,7 +10248,8 @@ BoundedReport descend(const ColorSystem<C>& system, double low, double high, dou
 /// first without the grid; then onto the grid, vertex by vertex; then over the grid as long as that lowers the error. 0.6 us a
 /// vertex at 3 channels.
 template <int C>
-HMESH_COLD BoundedReport bounded_colors(ImageMesh<C>& mesh, double low, double high, double grid, const ParallelFor& parallel_for = {}) {
+HMESH_COLD BoundedReport bounded_colors(ImageMesh<C>& mesh, double low, double high, double grid,
+                                        const ParallelFor& parallel_for = {}) {
     std::vector<Color<C>> colors;
     colors.reserve(mesh.vertex_count());
     for (const Vertex v : mesh.topology().vertices()) {
@@ -10556,7 +10559,8 @@ struct ImageRecipeRef {
 /// mesh_image() with any recipe.
 template <class T, int C>
 [[nodiscard]] HMESH_NEVER_INLINE HMESH_COLD Result mesh_view(const ImageView<T, C>& view, const Options& options,
-                                                             const ImageRecipeRef<T, C>& recipe, const ParallelFor& parallel_for) {
+                                                             const ImageRecipeRef<T, C>& recipe,
+                                                             const ParallelFor& parallel_for) {
     Result result;
     result.status = check(view);
     if (result.status) result.status = check(options, std::int64_t{view.width} * view.height, C);
@@ -11298,7 +11302,8 @@ class LinearLight {
         DenseMatrix direction;
         int steps = 0;
         for (bool gains = true; gains && energy > 0 && steps < options.iterations && !is_stopped;) {
-            is_stopped = go_on && !go_on((static_cast<double>(k) + static_cast<double>(steps) / options.iterations) / mesh.channels);
+            is_stopped =
+                go_on && !go_on((static_cast<double>(k) + static_cast<double>(steps) / options.iterations) / mesh.channels);
             if (is_stopped) break;
             const PcgReport solve = scene.direction(now, k, direction);
             report.solver_iterations += solve.iterations;

@@ -380,7 +380,8 @@ TEST_CASE("a patch that is the whole takes the table it is offered and gives it 
     const IndexedMesh<3> whole = make_indexed(image, Shape::worn, 60, 9);
     const ImageSource<3> source(image.view());
     const Tiling one(40, 30, 100), four(40, 30, 20);
-    const Cut cut_one = kit::detail::cut(whole.positions, whole.faces, one), cut_four = kit::detail::cut(whole.positions, whole.faces, four);
+    const Cut cut_one = kit::detail::cut(whole.positions, whole.faces, one),
+              cut_four = kit::detail::cut(whole.positions, whole.faces, four);
     auto table = source.table({0, 0, 40, 30});
     const auto* entries = table.entries<std::int32_t>();
     Patch<3> patch(whole, source, cut_one, 0, {}, nullptr, std::move(table));

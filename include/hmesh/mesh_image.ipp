@@ -101,7 +101,8 @@ struct ImageRecipeRef {
 /// mesh_image() with any recipe.
 template <class T, int C>
 [[nodiscard]] HMESH_NEVER_INLINE HMESH_COLD Result mesh_view(const ImageView<T, C>& view, const Options& options,
-                                                             const ImageRecipeRef<T, C>& recipe, const ParallelFor& parallel_for) {
+                                                             const ImageRecipeRef<T, C>& recipe,
+                                                             const ParallelFor& parallel_for) {
     Result result;
     result.status = check(view);
     if (result.status) result.status = check(options, std::int64_t{view.width} * view.height, C);

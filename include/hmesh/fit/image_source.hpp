@@ -55,8 +55,8 @@ class ImageSource {
     /// The moment table of a rectangle of the image.
     [[nodiscard]] MomentTable<C> table(const Rect& rect) const { return make_(*this, rect); }
 
-    /// The squared error of a finished mesh as drawn, with the weights: rendered_error() of fit/rendered_error.hpp. Only where not
-    /// is_integer(): else the energy of the fit is exact, and nothing is compiled for this.
+    /// The squared error of a finished mesh as drawn, with the weights: rendered_error() of fit/rendered_error.hpp. Only where
+    /// not is_integer(): else the energy of the fit is exact, and nothing is compiled for this.
     [[nodiscard]] double rendered_error(const Mesh& mesh, const ParallelFor& parallel_for) const {
         HMESH_ASSERT(error_ != nullptr);
         return error_(*this, mesh, parallel_for);

@@ -80,7 +80,8 @@ struct GridRange {
 /// The system of a mesh with this topology and these corner sums (fit/squared_error.hpp); `colors`, one a row, become the anchor.
 template <int C>
 [[nodiscard]] HMESH_COLD ColorSystem<C> color_system(const HalfedgeMesh& topology, const std::vector<CornerSums<C>>& corners,
-                                          const std::vector<Color<C>>& colors, double ridge, const ParallelFor& parallel_for) {
+                                                     const std::vector<Color<C>>& colors, double ridge,
+                                                     const ParallelFor& parallel_for) {
     ColorSystem<C> system;
     system.ridge = ridge;
     system.gram = normal_matrix(topology, corners, parallel_for);
@@ -158,7 +159,8 @@ BoundedReport descend(const ColorSystem<C>& system, double low, double high, dou
 /// first without the grid; then onto the grid, vertex by vertex; then over the grid as long as that lowers the error. 0.6 us a
 /// vertex at 3 channels.
 template <int C>
-HMESH_COLD BoundedReport bounded_colors(ImageMesh<C>& mesh, double low, double high, double grid, const ParallelFor& parallel_for = {}) {
+HMESH_COLD BoundedReport bounded_colors(ImageMesh<C>& mesh, double low, double high, double grid,
+                                        const ParallelFor& parallel_for = {}) {
     std::vector<Color<C>> colors;
     colors.reserve(mesh.vertex_count());
     for (const Vertex v : mesh.topology().vertices()) {

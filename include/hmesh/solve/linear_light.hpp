@@ -258,7 +258,8 @@ class LinearLight {
         DenseMatrix direction;
         int steps = 0;
         for (bool gains = true; gains && energy > 0 && steps < options.iterations && !is_stopped;) {
-            is_stopped = go_on && !go_on((static_cast<double>(k) + static_cast<double>(steps) / options.iterations) / mesh.channels);
+            is_stopped =
+                go_on && !go_on((static_cast<double>(k) + static_cast<double>(steps) / options.iterations) / mesh.channels);
             if (is_stopped) break;
             const PcgReport solve = scene.direction(now, k, direction);
             report.solver_iterations += solve.iterations;

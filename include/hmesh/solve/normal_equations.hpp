@@ -123,7 +123,7 @@ template <int C>
 /// two for each edge, also where no pixel makes them differ from 0.
 template <int C>
 [[nodiscard]] HMESH_COLD SymmetricMatrix normal_matrix(const HalfedgeMesh& topology, const std::vector<CornerSums<C>>& corners,
-                                            const ParallelFor& parallel_for = {}) {
+                                                       const ParallelFor& parallel_for = {}) {
     const std::vector<int> rows = vertex_rows(topology);
     SymmetricMatrix matrix;
     matrix.starts.reserve(topology.vertex_count() + 1);

@@ -158,7 +158,8 @@ class TiledMesh {
         parallel_for_(tiles.size(), [&](std::size_t i) {
             const std::size_t k = tiles[i];
             if (!progress_->poll() && !all) return skip(k);
-            TaskProgress task(*progress_, static_cast<double>(cut.first[k + 1] - cut.first[k]) / static_cast<double>(indexed_.faces.size()));
+            TaskProgress task(*progress_,
+                              static_cast<double>(cut.first[k + 1] - cut.first[k]) / static_cast<double>(indexed_.faces.size()));
             const bool is_single = tiles.size() == 1;
             Patch<C> patch(indexed_, *source_, cut, k, limits_, &task, is_single ? std::move(table_) : MomentTable<C>());
             body(patch, k);
