@@ -5,7 +5,8 @@
 #        NAME: one of CMakePresets.json, default release; ARGUMENT: for ctest, such as -R render
 # With --viewers it runs only those that show meshes to other programs (poppler, Ghostscript, librsvg, assimp, Chromium,
 # Khronos' validator), which it installs; without, all the others. The words of the variable HMESH_CONFIGURE are handed to
-# cmake when it configures.
+# cmake when it configures. The command and the examples are optimised lightly, for they take longer to compile than to run;
+# HMESH_CONFIGURE=-DHMESH_LIGHT=OFF tests them as users get them.
 # shellcheck source=scripts/common.sh
 . "$(dirname "${BASH_SOURCE[0]}")/common.sh"
 
@@ -37,6 +38,6 @@ if [ ${#targets[@]} != 0 ]; then
     export CHROMIUM
 fi
 # shellcheck disable=SC2086  # words
-step "Configuring build/$preset ..." cmake --preset "$preset" -DHMESH_BUILD_TESTS=ON ${HMESH_CONFIGURE-}
+step "Configuring build/$preset ..." cmake --preset "$preset" -DHMESH_BUILD_TESTS=ON -DHMESH_LIGHT=ON ${HMESH_CONFIGURE-}
 step "Building build/$preset ..." cmake --build --preset "$preset" --parallel "$jobs" ${targets[@]+"${targets[@]}"}
 ctest --preset "$preset" --parallel "$jobs" "${label[@]}" "$@"
