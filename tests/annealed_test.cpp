@@ -15,6 +15,7 @@
 
 #include "test_images.hpp"
 #include "test_methods.hpp"
+#include "test_sanitized.hpp"
 #include "test_tiled_meshes.hpp"
 
 using hmesh::Annealed;
@@ -47,7 +48,8 @@ TEST_CASE("every effort's recipe gives every number of vertices from 4 to one a 
                 const auto seed = static_cast<std::uint64_t>(width + 9 * height);
                 Work<std::uint8_t, 2> work(hmesh_test::noise<std::uint8_t, 2>(width, height, seed), limits);
                 const auto most = static_cast<std::size_t>(std::max(4, width * height));
-                for (std::size_t n = 4; n <= most; ++n) {
+                const std::size_t step = hmesh_test::stride_if_sanitized(3);
+                for (std::size_t n = 4; n <= most; n = n == most ? most + 1 : std::min(n + step, most)) {
                     CAPTURE(width);
                     CAPTURE(height);
                     CAPTURE(n);
@@ -195,7 +197,7 @@ TEST_CASE("stages come in order, those whose options say none are left out, and 
 }
 
 TEST_CASE("every round of polish lowers the energy, and every stage but the collapse leaves a better mesh") {
-    for (const std::uint64_t seed : {1U, 2U, 3U}) {
+    for (std::uint64_t seed = 1; seed <= (hmesh_test::sanitized ? 1U : 3U); ++seed) {
         double before = 1e300;
         for (const int rounds : {0, 1, 3}) {
             Work<std::uint8_t, 3> work(hmesh_test::scene<std::uint8_t, 3>(64, 56, seed));

@@ -18,6 +18,7 @@
 #include "test_images.hpp"
 #include "test_meshing.hpp"
 #include "test_results.hpp"
+#include "test_sanitized.hpp"
 
 using hmesh::Annealed;
 using hmesh::Effort;
@@ -40,6 +41,10 @@ void check_repeatable(const Image<T, C>& image, const Options& options, const Re
         CHECK(dirt.back() > 0);
     }
     CHECK(hmesh_test::same_bytes(mesh_image(copy.view(), options, recipe), first));
+    if (hmesh_test::sanitized) {
+        CHECK(hmesh_test::same_bytes(mesh_image(image.view(), options, recipe, hmesh_test::ThreadFor{7}), first));
+        return;
+    }
     const hmesh_test::ReverseFor backwards;
     const hmesh_test::ShuffledFor anyhow{1}, otherwise{2};
     const hmesh_test::ThreadFor two{2}, seven{7};
