@@ -1,5 +1,5 @@
-// hmesh tests - whether sanitizers watch, under which all takes ten to twenty times as long. They look for wrong accesses and not for
-// wrong results, so that tests that try each of thousands of places, or many seeds, then try some.
+// hmesh tests - whether sanitizers watch, under which all takes ten to twenty times as long. They look for wrong accesses and not
+// for wrong results, so that tests that try each of thousands of places, or many seeds, then try some.
 #ifndef HMESH_TESTS_TEST_SANITIZED_HPP
 #define HMESH_TESTS_TEST_SANITIZED_HPP
 

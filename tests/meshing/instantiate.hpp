@@ -1,5 +1,5 @@
-// hmesh tests - what test_meshing.hpp and test_kit.hpp promise, for images of so many channels. mesh_image() is made of those building
-// blocks, so that in one file they cost nothing.
+// hmesh tests - what test_meshing.hpp and test_kit.hpp promise, for images of so many channels. mesh_image() is made of those
+// building blocks, so that in one file they cost nothing.
 #ifndef HMESH_TESTS_MESHING_INSTANTIATE_HPP
 #define HMESH_TESTS_MESHING_INSTANTIATE_HPP
 
