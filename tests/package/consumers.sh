@@ -137,7 +137,8 @@ case $way in
         fake_eigen 3.3.9
         refuses "hmesh needs Eigen 3.4 or newer" "-DEigen3_DIR=$work/eigen-3.3.9/share/eigen3/cmake"
         fake_eigen 5.0.1
-        with_cmake find_package "-DCMAKE_PREFIX_PATH=$work/prefix" "-DEigen3_DIR=$work/eigen-5.0.1/share/eigen3/cmake"
+        rm -rf "$work/build"
+        accepts "-DCMAKE_PREFIX_PATH=$work/prefix" "-DEigen3_DIR=$work/eigen-5.0.1/share/eigen3/cmake"
         ;;
     add_subdirectory)
         with_cmake "$way" "-DHMESH_SOURCE_DIR=$source"
