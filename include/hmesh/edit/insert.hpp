@@ -194,8 +194,12 @@ template <int C>
     std::vector<InsertionSite> sites;
     sites.reserve(topology.edge_count() + (faces ? topology.face_count() : 0));
     for (const Face f : spatial_faces(mesh)) {
-        for_each_edge(topology, f, [&](Edge e) { sites.push_back(InsertionSite(e)); });
-        if (faces) sites.push_back(InsertionSite(f));
+        for_each_edge(topology, f, [&](Edge e) {
+            const InsertionSite site(e);
+            sites.push_back(site);
+        });
+        const InsertionSite center(f);
+        if (faces) sites.push_back(center);
     }
     return sites;
 }
