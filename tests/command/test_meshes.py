@@ -150,6 +150,13 @@ def test_a_page_holds_other_images_as_png(hmesh):
     assert is_png("original.png", (20, 16)) and Image.open("original.png").mode == "LA"
 
 
+def test_a_page_without_the_original_differs_in_nothing_else(hmesh):
+    hmesh.done("picture.png -o with.html --vertices 100")
+    hmesh.done("picture.png -o without.html --no-original --vertices 100")
+    assert read("without.html") == re.sub(rb"<img[^>]*>", b"", read("with.html"))
+    assert b"<img" in read("with.html")
+
+
 def test_svg_has_three_kinds(hmesh):
     for name, option in {"default": "", "gradient": "--svg gradient", "exact": "--svg exact", "flat": "--svg flat"}.items():
         hmesh.done(f"picture.png --vertices 100 -o {name}.svg {option}")

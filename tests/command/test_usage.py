@@ -8,8 +8,8 @@ from conftest import contents, rows
 
 def test_help_names_every_option(hmesh):
     text = hmesh.done("--help")
-    for name in """output vertices rate psnr effort method colors fit-space premultiplied seed weights tile threads svg render
-                   render-scale wireframe residual strip report depfile quiet help version""".split():
+    for name in """output vertices rate psnr effort method colors fit-space premultiplied seed weights tile threads svg
+                   no-original render render-scale wireframe residual strip report depfile quiet help version""".split():
         assert re.search(rf"^ +(-\w, *)?--{name}\b", text, re.M), name
     assert hmesh.done("-h") == text
     assert hmesh.done("grey.pgm --rate x --help") == text
@@ -79,6 +79,8 @@ WRONG = rows("""
     'x.pdf' must end in .png                  | grey.pgm --residual x.pdf
     'x' must end in .png                      | grey.pgm --strip x
     --svg is given without an output that ends in .svg | grey.pgm -o a.pdf --svg exact
+    --no-original is given without an output that ends in .html | grey.pgm -o a.svg --no-original
+    --no-original takes no value              | grey.pgm -o a.html --no-original=1
     --render-scale requires --render          | grey.pgm --wireframe a.png --render-scale 2
     --depfile is given without another output | grey.pgm --depfile a.d
     named for two outputs                     | grey.pgm -o a.ply -o ./a.ply

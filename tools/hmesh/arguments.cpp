@@ -95,6 +95,9 @@ void add_mesh_options(CLI::App& app, Arguments& out) {
         "how .svg shows a face: gradient (default), one gradient; exact, one a channel, larger\n"
         "and slower; flat, its mean colour",
         [&](const std::string& text) { return find_name(svg_kinds, text, out.svg); });
+    app.add_flag_callback(
+        "--no-original", [&] { out.original = false; },
+        "leave the image out of .html, of which it is the larger part: nothing to compare with");
 
     app.option_defaults()->group("How many vertices, one of");
     CLI::Option* vertices = add(app, "--vertices", "N", "the mesh has N vertices", [&](const std::string& text) {
@@ -196,6 +199,8 @@ constexpr char footer[] =
 std::string find_conflict(const CLI::App& app, const Arguments& arguments) {
     if (arguments.input.empty()) return "no input image is given";
     if (app.count("--svg") != 0 && !has_output(arguments, ".svg")) return "--svg is given without an output that ends in .svg";
+    if (!arguments.original && !has_output(arguments, ".html"))
+        return "--no-original is given without an output that ends in .html";
     if (!arguments.depfile.empty() && output_files(arguments).size() == 1) return "--depfile is given without another output";
     return find_conflict(arguments.meshing);
 }

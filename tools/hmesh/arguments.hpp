@@ -59,6 +59,7 @@ struct Arguments {
     std::string render, wireframe, residual, strip, report, depfile;
     int render_scale = 1;
     hmesh::SvgKind svg = hmesh::SvgKind::gradient;
+    bool original = true;             // is in .html files
     MeshingOptions meshing;           // but for the weights and the progress
     std::string target = "--rate 1";  // as typed
     unsigned threads = 0;             // 0: all cores

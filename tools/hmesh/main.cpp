@@ -183,7 +183,7 @@ int run(const Arguments& arguments) {
     std::vector<unsigned char> bytes;
     if (const std::string why = read_image(arguments.input, image, bytes); !why.empty())
         return fail(failed, "cannot read '" + arguments.input + "': " + why);
-    if (!has_output(arguments, ".html")) std::vector<unsigned char>().swap(bytes);
+    if (!has_output(arguments, ".html") || !arguments.original) std::vector<unsigned char>().swap(bytes);
     hmesh::Image<float, 1> weights;
     if (!arguments.weights.empty()) {
         const std::string why = read_weights(arguments.weights, image.width, image.height, weights);

@@ -46,13 +46,14 @@ namespace detail {
 
 }  // namespace detail
 
-// `bytes` are those of the input file. Without an original if there is no memory to encode one.
+// `bytes` are those of the input file. Without an original if there is no memory to encode one, or if none is wanted.
 [[nodiscard]] inline WebPage make_web_page(const Arguments& arguments, const ImageFile& image, std::vector<unsigned char>&& bytes,
                                            const hmesh::Report& report) {
     WebPage page;
     page.title = detail::file_name(arguments.input);
     page.figures = std::to_string(report.vertices) + " vertices\n" + std::to_string(report.faces) + " faces\nPSNR " +
                    psnr_text(report.psnr) + "\n(" + psnr_formula(arguments) + ")";
+    if (!arguments.original) return page;
     if (is_png(bytes) || (is_jpeg(bytes) && orientation(bytes) == 1)) {
         page.original_type = is_png(bytes) ? "image/png" : "image/jpeg";
         page.original = std::move(bytes);
