@@ -175,6 +175,20 @@ TEST_CASE("the original is embedded byte by byte") {
     }
 }
 
+TEST_CASE("the page knows how to turn the original, and takes 1 to 8 for it") {
+    const unsigned char byte = 0;
+    HtmlOptions options;
+    options.original = &byte;
+    options.original_size = 1;
+    CHECK(between(written(two_faces(3).view(), options), "data-turn=\"", "\"") == "1");
+    options.original_orientation = 8;
+    CHECK(between(written(two_faces(3).view(), options), "data-turn=\"", "\"") == "8");
+    for (const int wrong : {-1, 0, 9}) {
+        options.original_orientation = wrong;
+        check_refused(two_faces(3).view(), hmesh::Errc::invalid_argument, options);
+    }
+}
+
 TEST_CASE("the bytes do not depend on the locale") {
     const hmesh::Mesh mesh = strip(3, 2000);
     hmesh_test::check_locale_makes_no_difference(

@@ -18,8 +18,9 @@ const vertexShaders = {
     void main() { color = stored; gl_Position = place(); }`,
   picture: `${toCanvas}
     uniform vec2 full;
+    uniform mat2 turn;
     varying vec2 q;
-    void main() { q = at / full; gl_Position = place(); }`,
+    void main() { q = turn * (at / full - 0.5) + 0.5; gl_Position = place(); }`,
 };
 const fragmentShaders = {
   // What is drawn is premultiplied; `straight` is 1 where the mesh is not, else 0.
@@ -90,7 +91,7 @@ function compile(gl, vertexShader, fragmentShader) {
   gl.linkProgram(program);
   if (!gl.getProgramParameter(program, gl.LINK_STATUS) && !gl.isContextLost()) throw new Error(gl.getProgramInfoLog(program));
   const where = {};
-  for (const name of ['high', 'low', 'scale', 'full', 'straight']) where[name] = gl.getUniformLocation(program, name);
+  for (const name of ['high', 'low', 'scale', 'full', 'turn', 'straight']) where[name] = gl.getUniformLocation(program, name);
   return { program, where };
 }
 
@@ -119,8 +120,16 @@ function loadPicture(gl, image) {
   gl.texParameteri(gl.TEXTURE_2D, gl.TEXTURE_MIN_FILTER, gl.LINEAR);
 }
 
-// Loads a mesh into a context and returns the function that draws a view of it. `original` is an <img> or null; until it is
-// loaded there is none. Throws what WebGL says where it cannot. To be called again when a lost context is restored.
+// The matrix, column by column, that takes a place in the upright picture to one in the picture as it is stored, both from their
+// centers, for Exif's orientations: from 5 on lines are columns, and some are stored from their ends.
+function turnOf(orientation) {
+  const along = [2, 3, 7, 8].includes(orientation) ? -1 : 1;
+  const across = [3, 4, 6, 7].includes(orientation) ? -1 : 1;
+  return orientation < 5 ? [along, 0, 0, across] : [0, across, along, 0];
+}
+
+// Loads a mesh into a context and returns the function that draws a view of it. `original` is an <img> or null, with its orientation
+// in data-turn; no view may ask for it before it is loaded. Throws what WebGL says where it cannot. To be called again when a lost context is restored.
 export function createPainter(gl, mesh, original) {
   const canvas = gl.canvas;
   const data = decode(mesh);
@@ -137,6 +146,7 @@ export function createPainter(gl, mesh, original) {
   const colors = buffer(gl, gl.ARRAY_BUFFER, data.colors);
   const faces = { buffer: buffer(gl, gl.ELEMENT_ARRAY_BUFFER, data.faces), count: data.faces.length };
   let edges = null; // made when they are first drawn
+  const turn = turnOf(Number(original?.dataset.turn ?? 1));
   let isLoaded = false;
   gl.enableVertexAttribArray(0);
   gl.disable(gl.DITHER);
@@ -149,6 +159,7 @@ export function createPainter(gl, mesh, original) {
     gl.uniform2f(where.low, view.x - high[0], view.y - high[1]);
     gl.uniform2f(where.scale, (2 * view.scale) / canvas.width, (-2 * view.scale) / canvas.height);
     gl.uniform2f(where.full, mesh.width, mesh.height);
+    gl.uniformMatrix2fv(where.turn, false, turn);
     gl.uniform1f(where.straight, mesh.premultiplied ? 0 : 1);
     gl.bindBuffer(gl.ARRAY_BUFFER, points);
     gl.vertexAttribPointer(0, 2, gl.FLOAT, false, 0, 0);
@@ -202,7 +213,7 @@ export function createPainter(gl, mesh, original) {
     gl.clear(gl.COLOR_BUFFER_BIT);
     drawBoard(view);
     drawElements(programs.faces, faces, gl.TRIANGLES, view);
-    if (original && original.naturalWidth > 0 && view.share > 0) drawOriginal(view);
+    if (view.share > 0) drawOriginal(view);
     if (view.wires) drawEdges(view);
   };
 }

@@ -2,7 +2,8 @@
 //
 // Drag to pan, wheel or pinch to zoom about the pointer, double click to fit. Keys: + and - zoom, arrows pan, 0 fits the
 // window, 1 shows one pixel to one of the screen, w turns the wireframe on and off, o the original. With `#native` in the
-// address the canvas has the picture's very size and there is nothing else: a page to embed, and to test.
+// address the canvas has the picture's very size and there is nothing else: a page to embed, and to test; with `#original` it
+// shows the original so.
 //
 // The canvas says what it shows by its attribute data-drawn: x, y, scale, whether there are edges, the original's share; see
 // drawing.js. It has none before it is drawn.
@@ -13,7 +14,7 @@ const canvas = byId('mesh');
 const share = byId('share');
 const original = byId('original');
 const mesh = JSON.parse(byId('data').textContent);
-const isNative = location.hash === '#native';
+const isNative = ['#native', '#original'].includes(location.hash);
 
 const view = { x: mesh.width / 2, y: mesh.height / 2, scale: 1, wires: false, share: 0 }; // see drawing.js
 let isFitted = true; // stays so when the window changes
@@ -29,7 +30,7 @@ function redraw() {
   requestAnimationFrame(() => {
     isQueued = false;
     if (gl.isContextLost()) return;
-    view.share = Number(share.value); // which browsers may have restored
+    view.share = original?.naturalWidth > 0 ? Number(share.value) : 0; // browsers may have restored it
     paint(view);
     canvas.dataset.drawn = [view.x, view.y, view.scale, Number(view.wires), view.share].join(' ');
   });
@@ -205,6 +206,7 @@ function start() {
     return;
   }
   byId('compare').hidden = !original;
+  if (location.hash === '#original') share.value = 1;
   document.body.classList.toggle('native', isNative);
   if (original && !original.complete) original.onload = redraw;
   if (!isNative) {

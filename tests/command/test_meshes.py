@@ -11,7 +11,7 @@ import subprocess
 from pathlib import Path
 
 import pytest
-from PIL import Image, ImageOps
+from PIL import Image
 
 from conftest import FORMATS, is_png, is_whole, ply_header, program, read
 
@@ -130,18 +130,71 @@ def test_every_format_holds_the_mesh(hmesh):
     assert original_of("x.html") == read("picture.png")
 
 
-@pytest.mark.parametrize("file", ["plain.jpg", "upright.jpg"])
-def test_a_page_holds_the_jpeg_file_that_is_shown_as_it_is_stored(hmesh, file):
-    hmesh.done(f"{file} -o x.html")
-    assert original_of("x.html") == read(file)
+def turn_of(page):
+    """How the page turns its picture: a number of Exif's."""
+    return int(re.search(rb'data-turn="(\d)"', read(page))[1])
 
 
-@pytest.mark.parametrize("file", ["turned.jpg", "turned_little.jpg"])
-def test_a_page_holds_as_png_the_jpeg_file_that_browsers_would_turn(hmesh, file):
+def chunks(png):
+    """The names of a PNG file's."""
+    names, at = [], 8
+    while at < len(png):
+        names.append(png[at + 4 : at + 8].decode())
+        at += 12 + int.from_bytes(png[at : at + 4], "big")
+    return names
+
+
+def same_samples(one, two):
+    """Whether two pictures hold the same, as they are stored."""
+    one, two = Image.open(io.BytesIO(one)), Image.open(io.BytesIO(two))
+    return (one.mode, one.size, list(one.getdata())) == (two.mode, two.size, list(two.getdata()))
+
+
+@pytest.mark.parametrize("file, turn", [("plain.jpg", 1), ("upright.jpg", 1), ("turned.jpg", 6), ("turned_little.jpg", 6)])
+def test_a_page_holds_a_jpeg_file_turns_it_itself_and_tells_nothing_of_the_camera(hmesh, file, turn):
     hmesh.done(f"{file} -o x.html")
-    image, upright = Image.open(io.BytesIO(original_of("x.html"))), ImageOps.exif_transpose(Image.open(file))
-    assert (image.format, image.size) == ("PNG", (8, 16))
-    assert max(abs(a - b) for a, b in zip(image.getdata(), upright.getdata())) < 8  # decoders differ
+    kept = original_of("x.html")
+    assert turn_of("x.html") == turn
+    assert b"Exif" in read(file) and b"Exif" not in kept
+    assert same_samples(kept, read(file))
+    assert kept[kept.index(b"\xff\xdb") :] in read(file)  # the tables, and all behind
+
+
+def test_of_a_jpeg_file_the_page_leaves_out_profiles_comments_and_what_follows(hmesh):
+    image = Image.open("picture.png").convert("RGB")
+    image.save("rich.jpg", progressive=True, icc_profile=b"profile" * 20000, comment=b"a comment", restart_marker_blocks=2)
+    plain = len(read("rich.jpg"))
+    Path("rich.jpg").write_bytes(read("rich.jpg") + b"a clip" * 1000)
+    hmesh.done("rich.jpg -o x.html")
+    kept = original_of("x.html")
+    assert same_samples(kept, read("rich.jpg")) and len(kept) < plain - 140000
+    assert kept.endswith(b"\xff\xd9") and not any(word in kept for word in [b"profile", b"a comment", b"a clip"])
+
+
+def test_of_a_png_file_the_page_leaves_out_what_changes_how_browsers_show_it(hmesh):
+    image = Image.open("picture.png").convert("RGB").quantize(30)
+    exif = Image.Exif()
+    exif[274] = 6
+    image.save("rich.png", icc_profile=b"profile", exif=exif, transparency=3, save_all=True,
+               append_images=[image.transpose(Image.Transpose.ROTATE_180)])
+    assert {"iCCP", "eXIf", "acTL", "fdAT"} <= set(chunks(read("rich.png")))
+    hmesh.done("rich.png -o x.html")
+    kept = original_of("x.html")
+    assert [name for name in chunks(kept) if name != "IDAT"] == ["IHDR", "PLTE", "tRNS", "IEND"] and turn_of("x.html") == 1
+    assert same_samples(kept, read("rich.png"))
+
+
+def test_a_page_holds_as_png_what_browsers_may_show_otherwise(hmesh):
+    image = Image.open("picture.png").convert("RGB")
+    Image.merge("CMYK", [*image.split(), image.getchannel(0)]).save("four.jpg")
+    Image.linear_gradient("L").convert("I;16").save("deep.png")
+    damaged = bytearray(read("picture.png"))
+    damaged[29] ^= 1  # of the first chunk's sum, at which browsers give up
+    Path("damaged.png").write_bytes(damaged)
+    for file, mode in {"four.jpg": "RGB", "deep.png": "L", "damaged.png": "RGB"}.items():
+        hmesh.done(f"{file} -o x.html --vertices 40")
+        kept = Image.open(io.BytesIO(original_of("x.html")))
+        assert (kept.format, kept.mode) == ("PNG", mode), file
 
 
 def test_a_page_holds_other_images_as_png(hmesh):

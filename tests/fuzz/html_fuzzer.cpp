@@ -110,9 +110,10 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* bytes, std::size_t siz
         for (unsigned char& b : original) b = input.byte();
         options.original = original.data();
         options.original_size = original.size() - (input.one_in(8) ? original.size() : 0);
+        options.original_orientation = input.one_in(16) ? 0 : input.within(1, 8);
     }
     hmesh_test::FuzzMesh mesh = hmesh_test::FuzzMeshDraw(input).mesh();
-    mesh.is_good = mesh.is_good && has_texts && has_type && options.figures != nullptr;
+    mesh.is_good = mesh.is_good && has_texts && has_type && options.figures != nullptr && options.original_orientation > 0;
     hmesh_test::fuzz_exporter(
         input, mesh, [&](const hmesh::MeshView& view, hmesh::Sink sink) { return hmesh::write_html(view, sink, options); },
         [&](const std::string& file, const hmesh::MeshView& view) { check_file(file, view, options); });

@@ -1,8 +1,8 @@
 // chromium.js - what Chromium shows of a picture or a page of hmesh's, as a PNG file: node chromium.js FILE SCREENSHOT
 //
 // FILE is an .svg, drawn at its own size, or an .html that write_html() wrote, whose canvas is taken as `#native` shows it:
-// one pixel of the picture to one of the screen. A page is then opened again and handled by keys, wheel and pointer. Errors
-// of the page, and anything that it asks the network for, make this fail. chromium.sh says what is needed.
+// one pixel of the picture to one of the screen. A page is then opened again and handled by keys, wheel and pointer. Of
+// FILE.html#original only the original is taken, which the page holds to compare with. Errors of the page, and anything that it asks the network for, make this fail. chromium.sh says what is needed.
 'use strict';
 const { chromium } = require('playwright-core');
 const { readFileSync, writeFileSync } = require('fs');
@@ -44,7 +44,8 @@ async function main([file, screenshot]) {
     args: ['--no-sandbox', '--use-angle=swiftshader', '--enable-unsafe-swiftshader', '--force-color-profile=srgb'],
   });
   try {
-    const url = pathToFileURL(resolve(file)).href, is_page = file.endsWith('.html');
+    const [path, part] = file.split('#');
+    const url = pathToFileURL(resolve(path)).href, is_page = path.endsWith('.html');
     const size = is_page ? null : /viewBox="0 0 (\d+) (\d+)"/.exec(readFileSync(file, 'latin1').slice(0, 1000));
     const viewport = size ? { width: Number(size[1]), height: Number(size[2]) } : { width: 1600, height: 1200 };
     const page = await browser.newPage({ viewport });
@@ -53,10 +54,10 @@ async function main([file, screenshot]) {
     page.on('console', (message) => { if (['error', 'warning'].includes(message.type())) faults.push(message.text()); });
     page.on('request', (request) => { if (!/^(file|data|about):/.test(request.url())) faults.push('asked for ' + request.url()); });
     if (is_page) {
-      await page.goto(url + '#native', patience);
-      await page.waitForSelector('#mesh[data-drawn]', patience);
+      await page.goto(`${url}#${part || 'native'}`, patience);
+      await page.waitForSelector(part ? '#mesh[data-drawn$=" 1"]' : '#mesh[data-drawn]', patience);
       writeFileSync(screenshot, await page.locator('#mesh').screenshot(patience));
-      await handle(page, url);
+      if (!part) await handle(page, url);
     } else {
       await page.goto(url, patience);
       writeFileSync(screenshot, await page.screenshot({ omitBackground: true, ...patience }));

@@ -7,7 +7,6 @@
 #include <optional>
 #include <string>
 #include <system_error>
-#include <utility>
 #include <vector>
 
 #include "arguments.hpp"
@@ -211,7 +210,7 @@ int run(const Arguments& arguments) {
         return fail(failed,
                     where + ": " + in_words(outcome.status) + "; nothing is written, as --depfile asks for whole results");
     WebPage page;
-    if (has_output(arguments, ".html")) page = make_web_page(arguments, image, std::move(bytes), outcome.report);
+    if (has_output(arguments, ".html")) page = make_web_page(arguments, image, bytes, outcome.report);
     std::string why = write_meshes(arguments, outcome.mesh.view(), page);
     if (why.empty()) why = write_pictures(arguments, image, outcome.mesh.view());
     if (why.empty() && !arguments.report.empty()) {

@@ -1,13 +1,12 @@
 // tools - what an .html page shows beside the mesh: the file's name, figures, and the original to compare with.
 //
-// The original is the file itself where browsers read it and show its pixels as they are stored: PNG, and JPEG unless its Exif
-// tags say that it is to be turned. Else it is encoded as PNG with 8 bits.
+// The original is the JPEG or PNG file as it was, less what is not its pixels (plain_file.hpp); the page turns photographs. What
+// browsers do not read, or not alike, is encoded as PNG with 8 bits.
 #ifndef HMESH_TOOLS_WEB_PAGE_HPP
 #define HMESH_TOOLS_WEB_PAGE_HPP
 
 #include <cstddef>
 #include <string>
-#include <utility>
 #include <vector>
 
 #include "exif.hpp"
@@ -15,6 +14,7 @@
 #include "image_file.hpp"
 #include "meshing.hpp"
 #include "pictures.hpp"
+#include "plain_file.hpp"
 #include "report.hpp"
 #include "words.hpp"
 
@@ -24,6 +24,7 @@ struct WebPage {
     std::string title, figures;
     std::vector<unsigned char> original;
     const char* original_type = "image/png";
+    int original_orientation = 1;
 
     // Refers to this object.
     [[nodiscard]] hmesh::HtmlOptions options() const noexcept {
@@ -33,6 +34,7 @@ struct WebPage {
         options.original = original.data();
         options.original_size = original.size();
         options.original_type = original_type;
+        options.original_orientation = original_orientation;
         return options;
     }
 };
@@ -47,16 +49,17 @@ namespace detail {
 }  // namespace detail
 
 // `bytes` are those of the input file. Without an original if there is no memory to encode one, or if none is wanted.
-[[nodiscard]] inline WebPage make_web_page(const Arguments& arguments, const ImageFile& image, std::vector<unsigned char>&& bytes,
-                                           const hmesh::Report& report) {
+[[nodiscard]] inline WebPage make_web_page(const Arguments& arguments, const ImageFile& image,
+                                           const std::vector<unsigned char>& bytes, const hmesh::Report& report) {
     WebPage page;
     page.title = detail::file_name(arguments.input);
     page.figures = std::to_string(report.vertices) + " vertices\n" + std::to_string(report.faces) + " faces\nPSNR " +
                    psnr_text(report.psnr) + "\n(" + psnr_formula(arguments) + ")";
     if (!arguments.original) return page;
-    if (is_png(bytes) || (is_jpeg(bytes) && orientation(bytes) == 1)) {
-        page.original_type = is_png(bytes) ? "image/png" : "image/jpeg";
-        page.original = std::move(bytes);
+    if (page.original = plain_png(bytes); !page.original.empty()) return page;
+    if (page.original = plain_jpeg(bytes); !page.original.empty()) {
+        page.original_type = "image/jpeg";
+        page.original_orientation = static_cast<int>(orientation(bytes));
         return page;
     }
     const auto keep = [&](const void* from, std::size_t size) {

@@ -6,7 +6,7 @@
 /// zoom, colours with alpha premultiplied or straight as the mesh has them. Drag to pan, wheel or pinch to zoom, double click
 /// to fit; the keys + - and arrows, 0 to fit, 1 for one pixel to one of the screen, w for the edges, o for the original. Opened
 /// with `#native` in the address it shows one pixel of the picture to one of the screen, the picture's corner in the window's,
-/// and nothing else. Its source is in viewer/.
+/// and nothing else; with `#original` it shows the original so. Its source is in viewer/.
 ///
 /// The mesh is embedded as base64 of, in this order and little-endian: positions, two floats a vertex in px; faces, three
 /// indices each of 16 bits up to 65535 vertices and of 32 bits above; colours, a byte a channel, 255 the mesh's peak. About 31
@@ -40,6 +40,9 @@ struct HtmlOptions {
     const unsigned char* original = nullptr;
     std::size_t original_size = 0;            ///< bytes of `original`
     const char* original_type = "image/png";  ///< its media type: letters, digits and any of / + - .
+    /// How the page turns the original to show it: 1, as it is, to 8, as Exif's tag Orientation numbers them. Browsers turn by
+    /// that tag themselves, not everywhere alike, so the file should be without it.
+    int original_orientation = 1;
 };
 
 namespace detail {
@@ -65,6 +68,9 @@ namespace detail {
         return {Errc::invalid_argument, "the title and the figures must be texts", 0, 0};
     if (options.original != nullptr && !is_media_type(options.original_type))
         return {Errc::invalid_argument, "the original's media type must be such as image/png", 0, 0};
+    if (options.original_orientation < 1 || options.original_orientation > 8)
+        return {Errc::invalid_argument, "the original's orientation must be from 1 to 8",
+                static_cast<double>(options.original_orientation), options.original_orientation < 1 ? 1.0 : 8.0};
     return check_for_export(mesh);
 }
 
@@ -117,7 +123,9 @@ inline void write_html_mesh(Writer& writer, const MeshView& mesh) {
 /// Writes the picture to compare with, if there is one.
 inline void write_html_original(Writer& writer, const HtmlOptions& options) {
     if (options.original == nullptr || options.original_size == 0) return;
-    writer.text("<img id=\"original\" alt=\"\" hidden src=\"data:");
+    writer.text("<img id=\"original\" alt=\"\" hidden data-turn=\"");
+    writer.decimal(options.original_orientation);
+    writer.text("\" src=\"data:");
     writer.text(options.original_type);
     writer.text(";base64,");
     Base64Sink base64(writer);

@@ -179,8 +179,9 @@ const vertexShaders = {
     void main() { color = stored; gl_Position = place(); }`,
   picture: `${toCanvas}
     uniform vec2 full;
+    uniform mat2 turn;
     varying vec2 q;
-    void main() { q = at / full; gl_Position = place(); }`,
+    void main() { q = turn * (at / full - 0.5) + 0.5; gl_Position = place(); }`,
 };
 const fragmentShaders = {
   faces: `
@@ -243,7 +244,7 @@ function compile(gl, vertexShader, fragmentShader) {
   gl.linkProgram(program);
   if (!gl.getProgramParameter(program, gl.LINK_STATUS) && !gl.isContextLost()) throw new Error(gl.getProgramInfoLog(program));
   const where = {};
-  for (const name of ['high', 'low', 'scale', 'full', 'straight']) where[name] = gl.getUniformLocation(program, name);
+  for (const name of ['high', 'low', 'scale', 'full', 'turn', 'straight']) where[name] = gl.getUniformLocation(program, name);
   return { program, where };
 }
 function buffer(gl, target, data) {
@@ -268,6 +269,11 @@ function loadPicture(gl, image) {
   for (const wrap of [gl.TEXTURE_WRAP_S, gl.TEXTURE_WRAP_T]) gl.texParameteri(gl.TEXTURE_2D, wrap, gl.CLAMP_TO_EDGE);
   gl.texParameteri(gl.TEXTURE_2D, gl.TEXTURE_MIN_FILTER, gl.LINEAR);
 }
+function turnOf(orientation) {
+  const along = [2, 3, 7, 8].includes(orientation) ? -1 : 1;
+  const across = [3, 4, 6, 7].includes(orientation) ? -1 : 1;
+  return orientation < 5 ? [along, 0, 0, across] : [0, across, along, 0];
+}
 function createPainter(gl, mesh, original) {
   const canvas = gl.canvas;
   const data = decode(mesh);
@@ -284,6 +290,7 @@ function createPainter(gl, mesh, original) {
   const colors = buffer(gl, gl.ARRAY_BUFFER, data.colors);
   const faces = { buffer: buffer(gl, gl.ELEMENT_ARRAY_BUFFER, data.faces), count: data.faces.length };
   let edges = null; // made when they are first drawn
+  const turn = turnOf(Number(original?.dataset.turn ?? 1));
   let isLoaded = false;
   gl.enableVertexAttribArray(0);
   gl.disable(gl.DITHER);
@@ -295,6 +302,7 @@ function createPainter(gl, mesh, original) {
     gl.uniform2f(where.low, view.x - high[0], view.y - high[1]);
     gl.uniform2f(where.scale, (2 * view.scale) / canvas.width, (-2 * view.scale) / canvas.height);
     gl.uniform2f(where.full, mesh.width, mesh.height);
+    gl.uniformMatrix2fv(where.turn, false, turn);
     gl.uniform1f(where.straight, mesh.premultiplied ? 0 : 1);
     gl.bindBuffer(gl.ARRAY_BUFFER, points);
     gl.vertexAttribPointer(0, 2, gl.FLOAT, false, 0, 0);
@@ -345,7 +353,7 @@ function createPainter(gl, mesh, original) {
     gl.clear(gl.COLOR_BUFFER_BIT);
     drawBoard(view);
     drawElements(programs.faces, faces, gl.TRIANGLES, view);
-    if (original && original.naturalWidth > 0 && view.share > 0) drawOriginal(view);
+    if (view.share > 0) drawOriginal(view);
     if (view.wires) drawEdges(view);
   };
 }
@@ -354,7 +362,7 @@ const canvas = byId('mesh');
 const share = byId('share');
 const original = byId('original');
 const mesh = JSON.parse(byId('data').textContent);
-const isNative = location.hash === '#native';
+const isNative = ['#native', '#original'].includes(location.hash);
 const view = { x: mesh.width / 2, y: mesh.height / 2, scale: 1, wires: false, share: 0 }; // see drawing.js
 let isFitted = true; // stays so when the window changes
 let isQueued = false; // the next frame will be drawn
@@ -366,7 +374,7 @@ function redraw() {
   requestAnimationFrame(() => {
     isQueued = false;
     if (gl.isContextLost()) return;
-    view.share = Number(share.value); // which browsers may have restored
+    view.share = original?.naturalWidth > 0 ? Number(share.value) : 0; // browsers may have restored it
     paint(view);
     canvas.dataset.drawn = [view.x, view.y, view.scale, Number(view.wires), view.share].join(' ');
   });
@@ -454,7 +462,8 @@ function listenToPointers() {
     if (others.length === 0) pan((now[0] - last[0]) * ratio, (now[1] - last[1]) * ratio);
     if (others.length !== 1) return;
     const [still] = others;
-    const span = (p) => Math.max(8, Math.hypot(p[0] - still[0], p[1] - still[1]));
+)html"
+R"html(    const span = (p) => Math.max(8, Math.hypot(p[0] - still[0], p[1] - still[1]));
     const [x, y] = fromCenter((last[0] + still[0]) / 2, (last[1] + still[1]) / 2);
     zoom(span(now) / span(last), x, y);
     pan(((now[0] - last[0]) / 2) * ratio, ((now[1] - last[1]) / 2) * ratio);
@@ -462,8 +471,7 @@ function listenToPointers() {
   for (const type of ['pointerup', 'pointercancel'])
     canvas.addEventListener(type, (event) => {
       pointers.delete(event.pointerId);
-)html"
-R"html(      if (pointers.size === 0) canvas.classList.remove('drag');
+      if (pointers.size === 0) canvas.classList.remove('drag');
     });
   canvas.addEventListener('dblclick', fit);
 }
@@ -526,6 +534,7 @@ function start() {
     return;
   }
   byId('compare').hidden = !original;
+  if (location.hash === '#original') share.value = 1;
   document.body.classList.toggle('native', isNative);
   if (original && !original.complete) original.onload = redraw;
   if (!isNative) {
