@@ -151,14 +151,16 @@ TEST_CASE("the scripts are one module, and no place is left that something was t
     for (const char* words : {"\nimport ", "\nexport ", "{{", "}}"}) CHECK(text.find(words) == std::string::npos);
 }
 
-TEST_CASE("title and figures are shown as they are, whatever is in them") {
+TEST_CASE("title, figures and notes are shown as they are, whatever is in them") {
     HtmlOptions options;
     options.title = "a < b & \"c\" > 'd'</title>";
     options.figures = "1 %\n<script>alert(1)</script>\n\xc3\xa4";
+    options.notes = "'b' & c";
     const std::string text = written(two_faces(3).view(), options);
     const std::string title = "a &lt; b &amp; &quot;c&quot; &gt; &#39;d&#39;&lt;/title&gt;";
     CHECK(between(text, "<title>", "</title>") == title);
-    CHECK(between(text, "<h1>", "</h1>") == title);
+    CHECK(between(text, "title=\"Figures (p)\">", "</button></h1>") == title);
+    CHECK(between(text, "<p id=\"notes\">", "</p>") == "&#39;b&#39; &amp; c");
     CHECK(between(text, "<p id=\"figures\">", "</p>") == "1 %\n&lt;script&gt;alert(1)&lt;/script&gt;\n\xc3\xa4");
 }
 
@@ -242,6 +244,9 @@ TEST_CASE("a mesh or options that cannot be written give a Status and no byte") 
     check_refused(good.view(), hmesh::Errc::invalid_argument, options);
     options = {};
     options.figures = nullptr;
+    check_refused(good.view(), hmesh::Errc::invalid_argument, options);
+    options = {};
+    options.notes = nullptr;
     check_refused(good.view(), hmesh::Errc::invalid_argument, options);
     const unsigned char byte = 0;
     for (const char* type : {static_cast<const char*>(nullptr), "", "image/png\" onload=\""}) {

@@ -2,8 +2,9 @@
 //
 // A mesh is {width, height, channels, vertices, faces, premultiplied, data}: its size in px, what there is of each, whether
 // colors are stored multiplied by alpha, and base64 of positions, faces and colors, as write_html() in io/html.hpp says.
-// A view is {x, y, scale, wires, share}: the place in px of the mesh that is in the center of the canvas, how many px of the
-// canvas a px of the mesh takes, whether edges are drawn, and how much of the picture shows the original, 0 to 1 from the right.
+// A view is {x, y, scale, wires, share, ground}: the place in px of the mesh that is in the center of the canvas, how many px of
+// the canvas a px of the mesh takes, whether edges are drawn, how much of the picture shows the original, 0 to 1 from the right,
+// and the color around the picture.
 
 // Vertices to the canvas. The center is taken from the positions in two parts, so that the 24 bits of a float are enough at any
 // zoom: `high` is a float, and `low` what it lacks.
@@ -128,8 +129,9 @@ function turnOf(orientation) {
   return orientation < 5 ? [along, 0, 0, across] : [0, across, along, 0];
 }
 
-// Loads a mesh into a context and returns the function that draws a view of it. `original` is an <img> or null, with its orientation
-// in data-turn; no view may ask for it before it is loaded. Throws what WebGL says where it cannot. To be called again when a lost context is restored.
+// Loads a mesh into a context and returns the function that draws a view of it. `original` is an <img> or null, with its
+// orientation in data-turn; no view may ask for it before it is loaded. Throws what WebGL says where it cannot. To be called
+// again when a lost context is restored.
 export function createPainter(gl, mesh, original) {
   const canvas = gl.canvas;
   const data = decode(mesh);
@@ -209,7 +211,7 @@ export function createPainter(gl, mesh, original) {
 
   return (view) => {
     gl.viewport(0, 0, canvas.width, canvas.height);
-    gl.clearColor(27 / 255, 27 / 255, 29 / 255, 1); // the page's background
+    gl.clearColor(...view.ground, 1);
     gl.clear(gl.COLOR_BUFFER_BIT);
     drawBoard(view);
     drawElements(programs.faces, faces, gl.TRIANGLES, view);

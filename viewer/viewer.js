@@ -1,7 +1,8 @@
 // How the page is handled, and its start.
 //
 // Drag to pan, wheel or pinch to zoom about the pointer, double click to fit. Keys: + and - zoom, arrows pan, 0 fits the
-// window, 1 shows one pixel to one of the screen, w turns the wireframe on and off, o the original. With `#native` in the
+// window, 1 shows one pixel to one of the screen, w turns the wireframe on and off, o the original, p folds the panels, which are
+// folded at first on small screens, and ? lists all this. With `#native` in the
 // address the canvas has the picture's very size and there is nothing else: a page to embed, and to test; with `#original` it
 // shows the original so.
 //
@@ -13,10 +14,12 @@ const byId = (id) => document.getElementById(id);
 const canvas = byId('mesh');
 const share = byId('share');
 const original = byId('original');
+const help = byId('help');
+const folds = [...document.querySelectorAll('.fold')]; // the buttons of the panels
 const mesh = JSON.parse(byId('data').textContent);
 const isNative = ['#native', '#original'].includes(location.hash);
 
-const view = { x: mesh.width / 2, y: mesh.height / 2, scale: 1, wires: false, share: 0 }; // see drawing.js
+const view = { x: mesh.width / 2, y: mesh.height / 2, scale: 1, wires: false, share: 0, ground: [0, 0, 0] }; // see drawing.js
 let isFitted = true; // stays so when the window changes
 let isQueued = false; // the next frame will be drawn
 let gl = null;
@@ -31,6 +34,9 @@ function redraw() {
     isQueued = false;
     if (gl.isContextLost()) return;
     view.share = original?.naturalWidth > 0 ? Number(share.value) : 0; // browsers may have restored it
+    view.ground = getComputedStyle(document.body)
+      .backgroundColor.match(/\d+/g)
+      .map((byte) => byte / 255);
     paint(view);
     canvas.dataset.drawn = [view.x, view.y, view.scale, Number(view.wires), view.share].join(' ');
   });
@@ -77,6 +83,22 @@ function toggleOriginal() {
   if (!original) return;
   share.value = Number(share.value) > 0.5 ? 0 : 1;
   redraw();
+}
+
+// --- panels ---
+
+const isFolded = (button) => button.getAttribute('aria-expanded') === 'false';
+function fold(button, folded) {
+  button.setAttribute('aria-expanded', !folded);
+  byId(button.getAttribute('aria-controls')).hidden = folded;
+}
+function foldAll() {
+  const folded = !folds.every(isFolded);
+  for (const button of folds) fold(button, folded);
+}
+function toggleHelp() {
+  if (help.open) help.close();
+  else help.showModal();
 }
 
 // The canvas has a pixel for each of the device, or in `#native` of the mesh.
@@ -160,10 +182,14 @@ function listenToKeys() {
     W: toggleWires,
     o: toggleOriginal,
     O: toggleOriginal,
+    p: foldAll,
+    P: foldAll,
+    '?': toggleHelp,
   };
   window.addEventListener('keydown', (event) => {
     const act = keys[event.key];
     if (!act || event.ctrlKey || event.metaKey || event.altKey) return;
+    if (help.open && event.key !== '?') return;
     if (event.target === share && event.key.startsWith('Arrow')) return; // they move the slider
     event.preventDefault();
     act();
@@ -177,6 +203,10 @@ function listenToControls() {
   byId('one').onclick = showNativeSize;
   byId('wires').onclick = toggleWires;
   share.oninput = redraw;
+  byId('keys').onclick = toggleHelp;
+  byId('close').onclick = toggleHelp;
+  help.onclick = (event) => event.target === help && help.close(); // beside it
+  matchMedia('(prefers-color-scheme: dark)').onchange = redraw;
   window.addEventListener('resize', resize);
   canvas.addEventListener('webglcontextlost', (event) => event.preventDefault());
   canvas.addEventListener('webglcontextrestored', () => {
@@ -185,14 +215,24 @@ function listenToControls() {
   });
 }
 
+function listenToFolds() {
+  const isSmall = matchMedia('(max-width: 600px), (max-height: 480px)').matches;
+  for (const button of folds) {
+    button.onclick = () => fold(button, !isFolded(button));
+    fold(button, isSmall);
+  }
+  folds[0].disabled = !byId('figures').textContent;
+}
+
 // --- the start ---
 
 function start() {
   canvas.setAttribute(
     'aria-label',
     `${document.title}: a mesh of ${mesh.vertices} vertices and ${mesh.faces} triangles. ` +
-      `Keys: plus and minus zoom, arrows pan, 0 fits, 1 native size, w wireframe${original ? ', o original.' : '.'}`,
+      'The question mark lists the keys.',
   );
+  listenToFolds();
   try {
     gl = canvas.getContext('webgl', { alpha: false, antialias: false, depth: false, preserveDrawingBuffer: isNative });
     if (gl) paint = createPainter(gl, mesh, original);
@@ -205,7 +245,7 @@ function start() {
     byId('without').hidden = false;
     return;
   }
-  byId('compare').hidden = !original;
+  for (const part of document.querySelectorAll('.compare')) part.hidden = !original;
   if (location.hash === '#original') share.value = 1;
   document.body.classList.toggle('native', isNative);
   if (original && !original.complete) original.onload = redraw;

@@ -82,6 +82,7 @@ void check_file(const std::string& file, const hmesh::MeshView& mesh, const hmes
     demand(first != std::string::npos && shown.find(title, first + title.size()) != std::string::npos,
            "the title is there twice");
     demand(shown.find(options.figures) != std::string::npos, "the figures are shown");
+    demand(shown.find(options.notes) != std::string::npos, "the notes are shown");
 }
 
 std::string draw_text(FuzzInput& input) {
@@ -101,6 +102,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* bytes, std::size_t siz
     const std::string title = draw_text(input), figures = draw_text(input), type = draw_text(input);
     const bool has_texts = !input.one_in(32), has_type = !input.one_in(4);
     options.title = has_texts ? title.c_str() : nullptr;
+    options.notes = type.c_str();
     options.figures = input.one_in(64) ? nullptr : figures.c_str();
     if (has_type) options.original_type = "image/webp";
     else options.original_type = input.one_in(16) ? nullptr : type.c_str();

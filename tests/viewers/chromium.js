@@ -1,8 +1,9 @@
 // chromium.js - what Chromium shows of a picture or a page of hmesh's, as a PNG file: node chromium.js FILE SCREENSHOT
 //
 // FILE is an .svg, drawn at its own size, or an .html that write_html() wrote, whose canvas is taken as `#native` shows it:
-// one pixel of the picture to one of the screen. A page is then opened again and handled by keys, wheel and pointer. Of
-// FILE.html#original only the original is taken, which the page holds to compare with. Errors of the page, and anything that it asks the network for, make this fail. chromium.sh says what is needed.
+// one pixel of the picture to one of the screen. A page is then opened again and handled by keys, wheel and pointer, and by
+// fingers on the screen of a phone. Of FILE.html#original only the original is taken, which the page holds to compare with.
+// Errors of the page, and anything that it asks the network for, make this fail. chromium.sh says what is needed.
 'use strict';
 const { chromium } = require('playwright-core');
 const { readFileSync, writeFileSync } = require('fs');
@@ -37,6 +38,74 @@ async function handle(page, url) {
   }
 }
 
+// Panels, the list of keys and their names, by keys alone.
+async function unfold(page, isSmall) {
+  const expect = (truth, what) => { if (!truth) throw new Error(`${isSmall ? 'small' : 'large'} screen: ${what}`); };
+  const shown = (id) => page.isVisible(id);
+  const hasTexts = await page.isEnabled('[aria-controls=figures]');  // pages may be without
+  const parts = hasTexts ? ['tools', 'figures'] : ['tools'];
+  const folded = async () => (await Promise.all(parts.map((part) => shown('#' + part)))).every((is) => !is);
+  expect(await folded() === isSmall, isSmall ? 'panels are not folded' : 'panels are folded');
+  const expanded = () => page.$$eval('.fold', (buttons) => buttons.map((button) => button.ariaExpanded).join());
+  expect(await expanded() === (isSmall ? 'false,false' : 'true,true'), 'aria-expanded is ' + await expanded());
+  if (!isSmall) await page.keyboard.press('p');
+  expect(await folded() && await expanded() === 'false,false', 'p does not fold');
+  await page.keyboard.press('p');
+  expect(await shown('#tools') && !await folded(), 'p does not unfold');
+  for (const part of parts) {
+    await page.focus(`[aria-controls=${part}]`);
+    await page.keyboard.press('Enter');
+    expect(!await shown('#' + part), part + ' do not fold');
+    await page.keyboard.press('Enter');
+    expect(await shown('#' + part), part + ' do not unfold');
+  }
+  for (const close of ['Escape', '?', 'Enter']) {  // of which the last is the button's
+    await page.keyboard.press('?');
+    expect(await shown('#help') && await shown('#notes') === hasTexts, '? lists no keys');
+    await page.keyboard.press(close);
+    expect(!await shown('#help'), close + ' does not close the list');
+  }
+  await page.click('#keys');
+  expect(await shown('#help'), 'the button ? lists no keys');
+  const box = await page.locator('#help').boundingBox(), view = page.viewportSize();
+  expect(box.x >= 0 && box.y >= 0 && box.x + box.width <= view.width && box.y + box.height <= view.height, 'keys are cut off');
+  await page.keyboard.press('Escape');
+  const nameless = await page.$$eval('button', (all) => all.filter((one) => !(one.ariaLabel || one.innerText).trim()).length);
+  expect(nameless === 0, 'a button has no name');
+  const wide = await page.$$eval('.panel', (all) => all.some((one) => one.scrollWidth > one.clientWidth));
+  const outside = await page.$$eval('.panel button, .panel input', (all) => all.some((one) => {
+    const at = one.getBoundingClientRect();
+    return at.width > 0 && (at.left < 0 || at.top < 0 || at.right > innerWidth || at.bottom > innerHeight);
+  }));
+  expect(!wide && !outside, 'a panel is cut off');
+}
+
+// One finger moves the picture, two zoom it.
+async function touch(page) {
+  const session = await page.context().newCDPSession(page);
+  const state = async () => (await page.getAttribute('#mesh', 'data-drawn')).split(' ').map(Number);
+  const move = async (from, to) => {
+    const before = await state();
+    const send = (type, touchPoints) => session.send('Input.dispatchTouchEvent', { type, touchPoints });
+    await send('touchStart', from);
+    for (const share of [0.25, 0.5, 0.75, 1])
+      await send('touchMove', from.map((at, k) => ({
+        x: at.x + share * (to[k].x - at.x), y: at.y + share * (to[k].y - at.y), id: k })));
+    await send('touchEnd', []);
+    await page.waitForFunction((old) => document.querySelector('#mesh').dataset.drawn !== old, before.join(' '), { timeout: 5000 })
+      .catch(() => { throw new Error('fingers change nothing'); });
+    await page.waitForTimeout(200);  // all of them drawn
+    return [before, await state()];
+  };
+  const { width, height } = page.viewportSize(), x = width / 2, y = height / 2;
+  let [before, after] = await move([{ x, y, id: 0 }], [{ x: x + 60, y: y + 20, id: 0 }]);
+  if (!(after[0] < before[0] && after[1] < before[1] && after[2] === before[2])) throw new Error('a finger does not move it');
+  [before, after] = await move([{ x: x - 40, y, id: 0 }, { x: x + 40, y, id: 1 }],
+    [{ x: x - 80, y, id: 0 }, { x: x + 80, y, id: 1 }]);
+  if (Math.abs(after[2] / before[2] - 2) > 0.05) throw new Error(`two fingers zoom by ${after[2] / before[2]}, not by 2`);
+  if (await page.evaluate(() => window.visualViewport.scale) !== 1) throw new Error('the browser zooms the page');
+}
+
 async function main([file, screenshot]) {
   if (!screenshot) throw new Error('usage: chromium.js FILE SCREENSHOT');
   const browser = await chromium.launch({
@@ -47,17 +116,31 @@ async function main([file, screenshot]) {
     const [path, part] = file.split('#');
     const url = pathToFileURL(resolve(path)).href, is_page = path.endsWith('.html');
     const size = is_page ? null : /viewBox="0 0 (\d+) (\d+)"/.exec(readFileSync(file, 'latin1').slice(0, 1000));
-    const viewport = size ? { width: Number(size[1]), height: Number(size[2]) } : { width: 1600, height: 1200 };
-    const page = await browser.newPage({ viewport });
     const faults = [];
-    page.on('pageerror', (error) => faults.push(String(error)));
-    page.on('console', (message) => { if (['error', 'warning'].includes(message.type())) faults.push(message.text()); });
-    page.on('request', (request) => { if (!/^(file|data|about):/.test(request.url())) faults.push('asked for ' + request.url()); });
+    const open = async (width, height, options) => {
+      const page = await browser.newPage({ viewport: { width, height }, ...options });
+      page.on('pageerror', (error) => faults.push(String(error)));
+      page.on('console', (message) => { if (['error', 'warning'].includes(message.type())) faults.push(message.text()); });
+      page.on('request', (request) => { if (!/^(file|data|about):/.test(request.url())) faults.push('asked for ' + request.url()); });
+      return page;
+    };
+    const page = size ? await open(Number(size[1]), Number(size[2])) : await open(1600, 1200);
     if (is_page) {
       await page.goto(`${url}#${part || 'native'}`, patience);
       await page.waitForSelector(part ? '#mesh[data-drawn$=" 1"]' : '#mesh[data-drawn]', patience);
       writeFileSync(screenshot, await page.locator('#mesh').screenshot(patience));
-      if (!part) await handle(page, url);
+      if (!part) {
+        await handle(page, url);
+        await unfold(page, false);
+        for (const [width, height] of [[390, 844], [844, 390]]) {  // a phone upright, and on its side
+          const phone = await open(width, height, { hasTouch: true, isMobile: true, colorScheme: 'dark' });
+          await phone.goto(url, patience);
+          await phone.waitForSelector('#mesh[data-drawn]', patience);
+          await touch(phone);
+          await unfold(phone, true);
+          await phone.close();
+        }
+      }
     } else {
       await page.goto(url, patience);
       writeFileSync(screenshot, await page.screenshot({ omitBackground: true, ...patience }));

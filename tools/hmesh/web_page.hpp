@@ -21,7 +21,7 @@
 namespace tool {
 
 struct WebPage {
-    std::string title, figures;
+    std::string title, figures, notes;
     std::vector<unsigned char> original;
     const char* original_type = "image/png";
     int original_orientation = 1;
@@ -31,6 +31,7 @@ struct WebPage {
         hmesh::HtmlOptions options;
         options.title = title.c_str();
         options.figures = figures.c_str();
+        options.notes = notes.c_str();
         options.original = original.data();
         options.original_size = original.size();
         options.original_type = original_type;
@@ -53,8 +54,9 @@ namespace detail {
                                            const std::vector<unsigned char>& bytes, const hmesh::Report& report) {
     WebPage page;
     page.title = detail::file_name(arguments.input);
-    page.figures = std::to_string(report.vertices) + " vertices\n" + std::to_string(report.faces) + " faces\nPSNR " +
-                   psnr_text(report.psnr) + "\n(" + psnr_formula(arguments) + ")";
+    page.figures =
+        std::to_string(report.vertices) + " vertices\n" + std::to_string(report.faces) + " faces\nPSNR " + psnr_text(report.psnr);
+    page.notes = "PSNR = " + psnr_formula(arguments);
     if (!arguments.original) return page;
     if (page.original = plain_png(bytes); !page.original.empty()) return page;
     if (page.original = plain_jpeg(bytes); !page.original.empty()) {

@@ -4,13 +4,14 @@
 /// The page needs no network, no library and no server: it works from a file:// address and asks for nothing (its content
 /// security policy forbids it to). It draws what a GPU draws of the mesh, Gouraud in the stored (sRGB) values as fitted, at any
 /// zoom, colours with alpha premultiplied or straight as the mesh has them. Drag to pan, wheel or pinch to zoom, double click
-/// to fit; the keys + - and arrows, 0 to fit, 1 for one pixel to one of the screen, w for the edges, o for the original. Opened
-/// with `#native` in the address it shows one pixel of the picture to one of the screen, the picture's corner in the window's,
-/// and nothing else; with `#original` it shows the original so. Its source is in viewer/.
+/// to fit; the keys + - and arrows, 0 to fit, 1 for one pixel to one of the screen, w for the edges, o for the original, p to
+/// fold the panels away, as they are at first on a phone, and ? for a list of these. Light or dark as the reader's system is.
+/// Opened with `#native` in the address it shows one pixel of the picture to one of the screen, the picture's corner in the
+/// window's, and nothing else; with `#original` it shows the original so. Its source is in viewer/.
 ///
 /// The mesh is embedded as base64 of, in this order and little-endian: positions, two floats a vertex in px; faces, three
 /// indices each of 16 bits up to 65535 vertices and of 32 bits above; colours, a byte a channel, 255 the mesh's peak. About 31
-/// bytes a vertex for RGB, 47 above 65535 vertices, and 20 kB for the page. Cost: about 0.2 us a vertex.
+/// bytes a vertex for RGB, 47 above 65535 vertices, and 21 kB for the page. Cost: about 0.2 us a vertex.
 #ifndef HMESH_IO_HTML_HPP
 #define HMESH_IO_HTML_HPP
 
@@ -35,7 +36,8 @@ namespace hmesh {
 /// All pointers must be valid until write_html() returns.
 struct HtmlOptions {
     const char* title = "Triangle mesh";  ///< the page's title, shown in a corner too
-    const char* figures = "";             ///< shown below the title, line by line
+    const char* figures = "";             ///< shown below the title, line by line; folded away on small screens
+    const char* notes = "";               ///< shown below the list of keys, line by line: what the figures mean
     /// The original picture to compare with, as the bytes of a file that browsers read; nullptr: the page has no slider.
     const unsigned char* original = nullptr;
     std::size_t original_size = 0;            ///< bytes of `original`
@@ -64,8 +66,8 @@ namespace detail {
     constexpr std::uint64_t most = std::numeric_limits<std::uint32_t>::max();
     if (const Status status = check_counts(mesh, most, most, "the mesh has more vertices or faces than a page numbers"); !status)
         return status;
-    if (options.title == nullptr || options.figures == nullptr)
-        return {Errc::invalid_argument, "the title and the figures must be texts", 0, 0};
+    if (options.title == nullptr || options.figures == nullptr || options.notes == nullptr)
+        return {Errc::invalid_argument, "the title, the figures and the notes must be texts", 0, 0};
     if (options.original != nullptr && !is_media_type(options.original_type))
         return {Errc::invalid_argument, "the original's media type must be such as image/png", 0, 0};
     if (options.original_orientation < 1 || options.original_orientation > 8)
@@ -148,6 +150,7 @@ inline Status write_html(const MeshView& source, Sink sink, const HtmlOptions& o
         switch (piece.next) {
             case detail::HtmlField::title: detail::write_escaped(writer, options.title); break;
             case detail::HtmlField::figures: detail::write_escaped(writer, options.figures); break;
+            case detail::HtmlField::notes: detail::write_escaped(writer, options.notes); break;
             case detail::HtmlField::original: detail::write_html_original(writer, options); break;
             case detail::HtmlField::mesh: detail::write_html_mesh(writer, exported.view()); break;
             case detail::HtmlField::nothing: break;

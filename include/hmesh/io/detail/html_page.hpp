@@ -10,7 +10,7 @@
 namespace hmesh::detail {
 
 /// What stands behind a piece of the page.
-enum class HtmlField { title, figures, original, mesh, nothing };
+enum class HtmlField { title, figures, notes, original, mesh, nothing };
 
 /// A piece of the page, and what write_html() puts behind it.
 struct HtmlPiece {
@@ -25,122 +25,253 @@ inline constexpr HtmlPiece html_page[] = {
 <html lang="en">
 <head>
 <meta charset="utf-8">
-<meta name="viewport" content="width=device-width, initial-scale=1">
-<meta name="color-scheme" content="dark">
+<meta name="viewport" content="width=device-width, initial-scale=1, viewport-fit=cover">
+<meta name="color-scheme" content="light dark">
 <meta http-equiv="Content-Security-Policy"
-  content="default-src 'none'; script-src 'unsafe-inline'; style-src 'unsafe-inline'; img-src data:">
+content="default-src 'none'; script-src 'unsafe-inline'; style-src 'unsafe-inline'; img-src data:">
 <title>)html", HtmlField::title},
 {R"html(</title>
 <style>
+:root {
+--ground: #f3f3f1;
+--ink: #1b1b1d;
+--soft: #55555b;
+--panel: rgba(255, 255, 255, 0.84);
+--hover: rgba(0, 0, 0, 0.09);
+--mark: #0b62d6;
+--gap: 12px;
+}
+@media (prefers-color-scheme: dark) {
+:root {
+--ground: #1b1b1d;
+--ink: #e8e8ea;
+--soft: #b8b8bd;
+--panel: rgba(20, 20, 22, 0.78);
+--hover: rgba(255, 255, 255, 0.12);
+--mark: #7ab7ff;
+}
+}
+@media (max-width: 600px), (max-height: 480px) {
+:root {
+--gap: 8px;
+}
+}
 html,
 body {
-  margin: 0;
-  height: 100%;
-  overflow: hidden;
-  background: #1b1b1d;
-  color: #e8e8ea;
-  font:
-    14px/1.45 system-ui,
-    sans-serif;
+margin: 0;
+height: 100%;
+overflow: hidden;
+background: var(--ground);
+color: var(--ink);
+font:
+14px/1.45 system-ui,
+sans-serif;
 }
 [hidden],
 .native .panel {
-  display: none !important;
+display: none !important;
 }
 canvas {
-  position: fixed;
-  inset: 0;
-  width: 100%;
-  height: 100%;
-  touch-action: none;
-  cursor: grab;
-  outline: none;
+position: fixed;
+inset: 0;
+width: 100%;
+height: 100%;
+touch-action: none;
+cursor: grab;
+outline: none;
 }
 canvas.drag {
-  cursor: grabbing;
+cursor: grabbing;
 }
 canvas:focus-visible {
-  box-shadow: inset 0 0 0 2px #7ab7ff;
+box-shadow: inset 0 0 0 2px var(--mark);
 }
 #without {
-  display: grid;
-  place-items: center;
-  height: 100%;
-  margin: 0 2em;
-  text-align: center;
+display: grid;
+place-items: center;
+height: 100%;
+margin: 0 2em;
+text-align: center;
 }
 .panel {
-  position: fixed;
-  box-sizing: border-box;
-  max-width: calc(100vw - 24px);
-  padding: 8px 12px;
-  border-radius: 8px;
-  background: rgba(20, 20, 22, 0.72);
-  backdrop-filter: blur(6px);
+position: fixed;
+box-sizing: border-box;
+max-width: calc(100vw - 2 * var(--gap));
+border-radius: 8px;
+background: var(--panel);
+color: inherit;
+backdrop-filter: blur(6px);
 }
 #about {
-  left: 12px;
-  bottom: 12px;
-  max-width: min(28em, 80vw);
-  pointer-events: none;
+left: max(var(--gap), env(safe-area-inset-left));
+bottom: max(var(--gap), env(safe-area-inset-bottom));
+max-width: min(28em, 100vw - 2 * var(--gap));
+pointer-events: none;
 }
-h1 {
-  margin: 0;
-  font-size: 1em;
-  font-weight: 600;
-  overflow-wrap: anywhere;
+h1,
+h2 {
+margin: 0;
+font-size: 1em;
+font-weight: 600;
+}
+h1 .fold {
+max-width: 100%;
+padding: 0.5em 0.8em;
+pointer-events: auto;
+text-align: left;
+font-weight: inherit;
+}
+h1 .fold[aria-expanded='true'] {
+overflow-wrap: anywhere;
+white-space: normal;
+}
+#figures,
+#notes {
+margin: 0;
+color: var(--soft);
+white-space: pre-line;
+font-variant-numeric: tabular-nums;
 }
 #figures {
-  margin: 0;
-  color: #b8b8bd;
-  white-space: pre-line;
-  font-variant-numeric: tabular-nums;
+padding: 0 12px 8px;
 }
-#figures:empty {
-  display: none;
+#figures:empty,
+#notes:empty {
+display: none;
 }
 #controls {
-  right: 12px;
-  top: 12px;
-  display: flex;
-  flex-wrap: wrap;
-  align-items: center;
-  gap: 4px;
-  padding: 4px;
+right: max(var(--gap), env(safe-area-inset-right));
+top: max(var(--gap), env(safe-area-inset-top));
+display: flex;
+align-items: flex-start;
+padding: 4px;
+}
+#tools {
+display: flex;
+flex-wrap: wrap;
+align-items: center;
+gap: 4px;
 }
 button {
-  min-width: 2.4em;
-  height: 2.4em;
-  padding: 0 0.7em;
-  border: 0;
-  border-radius: 6px;
-  background: none;
-  color: inherit;
-  font: inherit;
-  cursor: pointer;
+min-width: 2.4em;
+min-height: 2.4em;
+padding: 0 0.7em;
+overflow: hidden;
+border: 0;
+border-radius: 6px;
+background: none;
+color: inherit;
+font: inherit;
+text-overflow: ellipsis;
+white-space: nowrap;
+cursor: pointer;
 }
 button:hover {
-  background: rgba(255, 255, 255, 0.1);
+background: var(--hover);
+}
+button:disabled {
+background: none;
+cursor: inherit;
 }
 button[aria-pressed='true'] {
-  background: #e8e8ea;
-  color: #1b1b1d;
+background: var(--ink);
+color: var(--ground);
 }
 button:focus-visible,
 input:focus-visible {
-  outline: 2px solid #7ab7ff;
-  outline-offset: 1px;
+outline: 2px solid var(--mark);
+outline-offset: -2px;
+}
+.fold {
+--turn: translateY(-25%) rotate(45deg);
+flex: none;
+}
+h1 .fold[aria-expanded='false'],
+#controls .fold[aria-expanded='true'] {
+--turn: translateY(25%) rotate(225deg);
+}
+.fold:enabled::before {
+content: '';
+display: inline-block;
+width: 0.4em;
+height: 0.4em;
+margin: 0 0.2em;
+border: solid;
+border-width: 0 2px 2px 0;
+vertical-align: middle;
+transform: var(--turn);
+}
+h1 .fold:enabled::before,
+#controls .fold[aria-expanded='false']::before {
+margin-right: 0.7em;
+}
+.fold[aria-expanded='true'] span {
+display: none;
 }
 label {
-  display: flex;
-  align-items: center;
-  gap: 6px;
-  padding: 0 0.7em;
-  color: #b8b8bd;
+display: flex;
+align-items: center;
+gap: 6px;
+padding: 0 0.7em;
+color: var(--soft);
 }
 input {
-  width: 9em;
-  accent-color: #e8e8ea;
+width: 9em;
+accent-color: var(--ink);
+}
+@media (pointer: coarse) {
+button,
+input {
+min-width: 40px;
+min-height: 44px;
+}
+#tools button {
+padding: 0 0.5em;
+}
+}
+#help {
+width: 30em;
+max-height: calc(100vh - 2 * var(--gap));
+padding: 0;
+border: 0;
+overflow: auto;
+background: var(--ground);
+}
+#help::backdrop {
+background: rgba(0, 0, 0, 0.4);
+}
+#help > div {
+padding: 4px 4px 12px 16px;
+}
+header {
+display: flex;
+align-items: center;
+justify-content: space-between;
+}
+dl {
+display: grid;
+grid-template-columns: max-content 1fr;
+gap: 6px 14px;
+margin: 4px 0 12px;
+}
+dd {
+margin: 0;
+}
+kbd {
+display: inline-block;
+min-width: 1.5em;
+border-radius: 4px;
+background: var(--hover);
+font: inherit;
+text-align: center;
+}
+@media (max-height: 480px) and (min-width: 640px) {
+#help {
+width: 46em;
+}
+dl {
+grid-template-columns: max-content 1fr max-content 1fr;
+}
 }
 </style>
 </head>
@@ -149,400 +280,457 @@ input {
 <p id="without" hidden>This browser does not offer WebGL, so the mesh cannot be drawn here.</p>
 <noscript><p class="panel">The mesh is drawn by a script, and scripts are turned off.</p></noscript>
 <div class="panel" id="about">
-<h1>)html", HtmlField::title},
-{R"html(</h1>
+<h1><button class="fold" aria-expanded="true" aria-controls="figures" title="Figures (p)">)html", HtmlField::title},
+{R"html(</button></h1>
 <p id="figures">)html", HtmlField::figures},
 {R"html(</p>
 </div>
-<div class="panel" id="controls" role="toolbar" aria-label="View">
+<div class="panel" id="controls">
+<div id="tools" role="toolbar" aria-label="View">
 <button id="in" title="Zoom in (+)" aria-label="Zoom in">+</button>
 <button id="out" title="Zoom out (-)" aria-label="Zoom out">&minus;</button>
 <button id="fit" title="Fit the window (0)">Fit</button>
 <button id="one" title="One pixel to one of the screen (1)" aria-label="Native size">1:1</button>
 <button id="wires" title="Wireframe (w)" aria-pressed="false">Wireframe</button>
-<label id="compare" title="Original (o)" hidden>Original
-  <input id="share" type="range" min="0" max="1" step="any" value="0"></label>
+<label class="compare" title="Original (o)" hidden>Original
+<input id="share" type="range" min="0" max="1" step="any" value="0"></label>
+<button id="keys" title="Keys (?)" aria-label="Keys" aria-haspopup="dialog">?</button>
 </div>
+<button class="fold" aria-expanded="true" aria-controls="tools" title="Controls (p)"
+aria-label="Controls"><span>Controls</span></button>
+</div>
+<dialog class="panel" id="help" aria-labelledby="heading">
+<div>
+<header><h2 id="heading">Keys</h2><button id="close">Close</button></header>
+<dl>
+<dt><kbd>+</kbd> <kbd>&minus;</kbd></dt><dd>zoom, as the wheel and two fingers do</dd>
+<dt><kbd>&larr;</kbd> <kbd>&uarr;</kbd> <kbd>&darr;</kbd> <kbd>&rarr;</kbd></dt><dd>move, as dragging does</dd>
+<dt><kbd>0</kbd></dt><dd>fit the window, as a double click does</dd>
+<dt><kbd>1</kbd></dt><dd>one pixel to one of the screen</dd>
+<dt><kbd>w</kbd></dt><dd>wireframe</dd>
+<dt class="compare"><kbd>o</kbd></dt><dd class="compare">original or mesh</dd>
+<dt><kbd>p</kbd></dt><dd>fold the panels, or unfold them</dd>
+<dt><kbd>?</kbd></dt><dd>this list</dd>
+</dl>
+<p id="notes">)html", HtmlField::notes},
+{R"html(</p>
+</div>
+</dialog>
 )html", HtmlField::original},
 {R"html(
 <script id="data" type="application/json">)html", HtmlField::mesh},
 {R"html(</script>
 <script type="module">
 const toCanvas = `
-  attribute vec2 at;
-  uniform vec2 high, low, scale;
-  vec4 place() { return vec4(((at - high) - low) * scale, 0, 1); }`;
+attribute vec2 at;
+uniform vec2 high, low, scale;
+vec4 place() { return vec4(((at - high) - low) * scale, 0, 1); }`;
 const vertexShaders = {
-  mesh: `${toCanvas}
-    attribute vec4 stored;
-    varying vec4 color;
-    void main() { color = stored; gl_Position = place(); }`,
-  picture: `${toCanvas}
-    uniform vec2 full;
-    uniform mat2 turn;
-    varying vec2 q;
-    void main() { q = turn * (at / full - 0.5) + 0.5; gl_Position = place(); }`,
+mesh: `${toCanvas}
+attribute vec4 stored;
+varying vec4 color;
+void main() { color = stored; gl_Position = place(); }`,
+picture: `${toCanvas}
+uniform vec2 full;
+uniform mat2 turn;
+varying vec2 q;
+void main() { q = turn * (at / full - 0.5) + 0.5; gl_Position = place(); }`,
 };
 const fragmentShaders = {
-  faces: `
-    varying vec4 color;
-    uniform float straight;
-    void main() { gl_FragColor = vec4(color.rgb * mix(1.0, color.a, straight), color.a); }`,
-  edges: `
-    void main() { gl_FragColor = vec4(0.5); }`,
-  board: `
-    void main() {
-      vec2 q = floor(gl_FragCoord.xy / 12.0);
-      gl_FragColor = vec4(vec3(mod(q.x + q.y, 2.0) < 1.0 ? 0.36 : 0.5), 1);
-    }`,
-  original: `
-    varying vec2 q;
-    uniform sampler2D one;
-    void main() { gl_FragColor = texture2D(one, q); }`,
+faces: `
+varying vec4 color;
+uniform float straight;
+void main() { gl_FragColor = vec4(color.rgb * mix(1.0, color.a, straight), color.a); }`,
+edges: `
+void main() { gl_FragColor = vec4(0.5); }`,
+board: `
+void main() {
+vec2 q = floor(gl_FragCoord.xy / 12.0);
+gl_FragColor = vec4(vec3(mod(q.x + q.y, 2.0) < 1.0 ? 0.36 : 0.5), 1);
+}`,
+original: `
+varying vec2 q;
+uniform sampler2D one;
+void main() { gl_FragColor = texture2D(one, q); }`,
 };
 function decode(mesh) {
-  const text = atob(mesh.data);
-  const bytes = new Uint8Array(text.length);
-  for (let i = 0; i < bytes.length; i++) bytes[i] = text.charCodeAt(i);
-  const Index = mesh.vertices <= 65535 ? Uint16Array : Uint32Array;
-  const positions = new Float32Array(bytes.buffer, 0, 2 * mesh.vertices);
-  const faces = new Index(bytes.buffer, positions.byteLength, 3 * mesh.faces);
-  const stored = bytes.subarray(positions.byteLength + faces.byteLength);
-  const n = mesh.channels;
-  const colors = new Uint8Array(4 * mesh.vertices).fill(255);
-  for (let v = 0; v < mesh.vertices; v++)
-    for (let k = 0; k < (n === 4 ? 4 : 3); k++) colors[4 * v + k] = stored[n * v + (n === 1 ? 0 : k)];
-  return { positions, faces, colors };
+const text = atob(mesh.data);
+const bytes = new Uint8Array(text.length);
+for (let i = 0; i < bytes.length; i++) bytes[i] = text.charCodeAt(i);
+const Index = mesh.vertices <= 65535 ? Uint16Array : Uint32Array;
+const positions = new Float32Array(bytes.buffer, 0, 2 * mesh.vertices);
+const faces = new Index(bytes.buffer, positions.byteLength, 3 * mesh.faces);
+const stored = bytes.subarray(positions.byteLength + faces.byteLength);
+const n = mesh.channels;
+const colors = new Uint8Array(4 * mesh.vertices).fill(255);
+for (let v = 0; v < mesh.vertices; v++)
+for (let k = 0; k < (n === 4 ? 4 : 3); k++) colors[4 * v + k] = stored[n * v + (n === 1 ? 0 : k)];
+return { positions, faces, colors };
 }
 function edgesOf(faces, vertices) {
-  const seen = new Set();
-  const ends = [];
-  for (let i = 0; i < faces.length; i++) {
-    const a = faces[i];
-    const b = faces[i % 3 === 2 ? i - 2 : i + 1];
-    const key = Math.min(a, b) * vertices + Math.max(a, b);
-    if (seen.has(key)) continue;
-    seen.add(key);
-    ends.push(a, b);
-  }
-  return new faces.constructor(ends);
+const seen = new Set();
+const ends = [];
+for (let i = 0; i < faces.length; i++) {
+const a = faces[i];
+const b = faces[i % 3 === 2 ? i - 2 : i + 1];
+const key = Math.min(a, b) * vertices + Math.max(a, b);
+if (seen.has(key)) continue;
+seen.add(key);
+ends.push(a, b);
+}
+return new faces.constructor(ends);
 }
 function compile(gl, vertexShader, fragmentShader) {
-  const program = gl.createProgram();
-  const sources = [
-    [gl.VERTEX_SHADER, vertexShader],
-    [gl.FRAGMENT_SHADER, `precision mediump float;${fragmentShader}`],
-  ];
-  for (const [type, source] of sources) {
-    const shader = gl.createShader(type);
-    gl.shaderSource(shader, source);
-    gl.compileShader(shader);
-    gl.attachShader(program, shader);
-  }
-  gl.bindAttribLocation(program, 0, 'at');
-  gl.bindAttribLocation(program, 1, 'stored');
-  gl.linkProgram(program);
-  if (!gl.getProgramParameter(program, gl.LINK_STATUS) && !gl.isContextLost()) throw new Error(gl.getProgramInfoLog(program));
-  const where = {};
-  for (const name of ['high', 'low', 'scale', 'full', 'turn', 'straight']) where[name] = gl.getUniformLocation(program, name);
-  return { program, where };
+const program = gl.createProgram();
+const sources = [
+[gl.VERTEX_SHADER, vertexShader],
+[gl.FRAGMENT_SHADER, `precision mediump float;${fragmentShader}`],
+];
+for (const [type, source] of sources) {
+const shader = gl.createShader(type);
+gl.shaderSource(shader, source);
+gl.compileShader(shader);
+gl.attachShader(program, shader);
+}
+gl.bindAttribLocation(program, 0, 'at');
+gl.bindAttribLocation(program, 1, 'stored');
+gl.linkProgram(program);
+if (!gl.getProgramParameter(program, gl.LINK_STATUS) && !gl.isContextLost()) throw new Error(gl.getProgramInfoLog(program));
+const where = {};
+for (const name of ['high', 'low', 'scale', 'full', 'turn', 'straight']) where[name] = gl.getUniformLocation(program, name);
+return { program, where };
 }
 function buffer(gl, target, data) {
-  const made = gl.createBuffer();
-  gl.bindBuffer(target, made);
-  gl.bufferData(target, data, gl.STATIC_DRAW);
-  return made;
+const made = gl.createBuffer();
+gl.bindBuffer(target, made);
+gl.bufferData(target, data, gl.STATIC_DRAW);
+return made;
 }
 function loadPicture(gl, image) {
-  let source = image;
-  const shrink = gl.getParameter(gl.MAX_TEXTURE_SIZE) / Math.max(image.naturalWidth, image.naturalHeight);
-  if (shrink < 1) {
-    source = document.createElement('canvas');
-    source.width = Math.floor(image.naturalWidth * shrink) || 1;
-    source.height = Math.floor(image.naturalHeight * shrink) || 1;
-    source.getContext('2d').drawImage(image, 0, 0, source.width, source.height);
-  }
-  gl.bindTexture(gl.TEXTURE_2D, gl.createTexture());
-  gl.pixelStorei(gl.UNPACK_COLORSPACE_CONVERSION_WEBGL, gl.NONE);
-  gl.pixelStorei(gl.UNPACK_PREMULTIPLY_ALPHA_WEBGL, true);
-  gl.texImage2D(gl.TEXTURE_2D, 0, gl.RGBA, gl.RGBA, gl.UNSIGNED_BYTE, source);
-  for (const wrap of [gl.TEXTURE_WRAP_S, gl.TEXTURE_WRAP_T]) gl.texParameteri(gl.TEXTURE_2D, wrap, gl.CLAMP_TO_EDGE);
-  gl.texParameteri(gl.TEXTURE_2D, gl.TEXTURE_MIN_FILTER, gl.LINEAR);
+let source = image;
+const shrink = gl.getParameter(gl.MAX_TEXTURE_SIZE) / Math.max(image.naturalWidth, image.naturalHeight);
+if (shrink < 1) {
+source = document.createElement('canvas');
+source.width = Math.floor(image.naturalWidth * shrink) || 1;
+source.height = Math.floor(image.naturalHeight * shrink) || 1;
+source.getContext('2d').drawImage(image, 0, 0, source.width, source.height);
+}
+gl.bindTexture(gl.TEXTURE_2D, gl.createTexture());
+gl.pixelStorei(gl.UNPACK_COLORSPACE_CONVERSION_WEBGL, gl.NONE);
+gl.pixelStorei(gl.UNPACK_PREMULTIPLY_ALPHA_WEBGL, true);
+gl.texImage2D(gl.TEXTURE_2D, 0, gl.RGBA, gl.RGBA, gl.UNSIGNED_BYTE, source);
+for (const wrap of [gl.TEXTURE_WRAP_S, gl.TEXTURE_WRAP_T]) gl.texParameteri(gl.TEXTURE_2D, wrap, gl.CLAMP_TO_EDGE);
+gl.texParameteri(gl.TEXTURE_2D, gl.TEXTURE_MIN_FILTER, gl.LINEAR);
 }
 function turnOf(orientation) {
-  const along = [2, 3, 7, 8].includes(orientation) ? -1 : 1;
-  const across = [3, 4, 6, 7].includes(orientation) ? -1 : 1;
-  return orientation < 5 ? [along, 0, 0, across] : [0, across, along, 0];
+const along = [2, 3, 7, 8].includes(orientation) ? -1 : 1;
+const across = [3, 4, 6, 7].includes(orientation) ? -1 : 1;
+return orientation < 5 ? [along, 0, 0, across] : [0, across, along, 0];
 }
 function createPainter(gl, mesh, original) {
-  const canvas = gl.canvas;
-  const data = decode(mesh);
-  const isWide = data.faces.BYTES_PER_ELEMENT === 4;
-  if (isWide && !gl.getExtension('OES_element_index_uint')) throw new Error('no 32-bit indices');
-  const programs = {
-    faces: compile(gl, vertexShaders.mesh, fragmentShaders.faces),
-    edges: compile(gl, vertexShaders.mesh, fragmentShaders.edges),
-    board: compile(gl, vertexShaders.picture, fragmentShaders.board),
-    original: compile(gl, vertexShaders.picture, fragmentShaders.original),
-  };
-  const corners = buffer(gl, gl.ARRAY_BUFFER, new Float32Array([0, 0, mesh.width, 0, 0, mesh.height, mesh.width, mesh.height]));
-  const positions = buffer(gl, gl.ARRAY_BUFFER, data.positions);
-  const colors = buffer(gl, gl.ARRAY_BUFFER, data.colors);
-  const faces = { buffer: buffer(gl, gl.ELEMENT_ARRAY_BUFFER, data.faces), count: data.faces.length };
-  let edges = null; // made when they are first drawn
-  const turn = turnOf(Number(original?.dataset.turn ?? 1));
-  let isLoaded = false;
-  gl.enableVertexAttribArray(0);
-  gl.disable(gl.DITHER);
-  gl.blendFunc(gl.ONE, gl.ONE_MINUS_SRC_ALPHA);
-  const use = ({ program, where }, points, view) => {
-    gl.useProgram(program);
-    const high = [Math.fround(view.x), Math.fround(view.y)];
-    gl.uniform2f(where.high, high[0], high[1]);
-    gl.uniform2f(where.low, view.x - high[0], view.y - high[1]);
-    gl.uniform2f(where.scale, (2 * view.scale) / canvas.width, (-2 * view.scale) / canvas.height);
-    gl.uniform2f(where.full, mesh.width, mesh.height);
-    gl.uniformMatrix2fv(where.turn, false, turn);
-    gl.uniform1f(where.straight, mesh.premultiplied ? 0 : 1);
-    gl.bindBuffer(gl.ARRAY_BUFFER, points);
-    gl.vertexAttribPointer(0, 2, gl.FLOAT, false, 0, 0);
-  };
-  const drawPicture = (program, view) => {
-    use(program, corners, view);
-    gl.disableVertexAttribArray(1);
-    gl.drawArrays(gl.TRIANGLE_STRIP, 0, 4);
-  };
-  const drawElements = (program, elements, mode, view) => {
-    use(program, positions, view);
-    gl.bindBuffer(gl.ARRAY_BUFFER, colors);
-    gl.enableVertexAttribArray(1);
-    gl.vertexAttribPointer(1, 4, gl.UNSIGNED_BYTE, true, 0, 0);
-    gl.bindBuffer(gl.ELEMENT_ARRAY_BUFFER, elements.buffer);
-    gl.drawElements(mode, elements.count, isWide ? gl.UNSIGNED_INT : gl.UNSIGNED_SHORT, 0);
-  };
-  const drawBoard = (view) => {
-    gl.disable(gl.BLEND);
-    if (mesh.channels !== 4) return;
-    drawPicture(programs.board, view);
-    gl.enable(gl.BLEND);
-  };
-  const drawOriginal = (view) => {
-    if (!isLoaded) loadPicture(gl, original);
-    isLoaded = true;
-    const left = canvas.width / 2 - view.x * view.scale;
-    const edge = left + mesh.width * view.scale * (1 - view.share);
-    const from = Math.round(Math.min(canvas.width, Math.max(0, edge)));
-    gl.enable(gl.SCISSOR_TEST);
-    gl.scissor(from, 0, canvas.width - from, canvas.height);
-    drawBoard(view);
-    gl.texParameteri(gl.TEXTURE_2D, gl.TEXTURE_MAG_FILTER, view.scale < 2 ? gl.LINEAR : gl.NEAREST);
-    drawPicture(programs.original, view);
-    gl.disable(gl.SCISSOR_TEST);
-  };
-  const drawEdges = (view) => {
-    if (!edges) {
-      const ends = edgesOf(data.faces, mesh.vertices);
-      edges = { buffer: buffer(gl, gl.ELEMENT_ARRAY_BUFFER, ends), count: ends.length };
-    }
-    gl.enable(gl.BLEND);
-    drawElements(programs.edges, edges, gl.LINES, view);
-  };
-  return (view) => {
-    gl.viewport(0, 0, canvas.width, canvas.height);
-    gl.clearColor(27 / 255, 27 / 255, 29 / 255, 1); // the page's background
-    gl.clear(gl.COLOR_BUFFER_BIT);
-    drawBoard(view);
-    drawElements(programs.faces, faces, gl.TRIANGLES, view);
-    if (view.share > 0) drawOriginal(view);
-    if (view.wires) drawEdges(view);
-  };
+const canvas = gl.canvas;
+const data = decode(mesh);
+const isWide = data.faces.BYTES_PER_ELEMENT === 4;
+if (isWide && !gl.getExtension('OES_element_index_uint')) throw new Error('no 32-bit indices');
+const programs = {
+faces: compile(gl, vertexShaders.mesh, fragmentShaders.faces),
+edges: compile(gl, vertexShaders.mesh, fragmentShaders.edges),
+board: compile(gl, vertexShaders.picture, fragmentShaders.board),
+original: compile(gl, vertexShaders.picture, fragmentShaders.original),
+};
+const corners = buffer(gl, gl.ARRAY_BUFFER, new Float32Array([0, 0, mesh.width, 0, 0, mesh.height, mesh.width, mesh.height]));
+const positions = buffer(gl, gl.ARRAY_BUFFER, data.positions);
+const colors = buffer(gl, gl.ARRAY_BUFFER, data.colors);
+const faces = { buffer: buffer(gl, gl.ELEMENT_ARRAY_BUFFER, data.faces), count: data.faces.length };
+let edges = null; // made when they are first drawn
+const turn = turnOf(Number(original?.dataset.turn ?? 1));
+let isLoaded = false;
+gl.enableVertexAttribArray(0);
+gl.disable(gl.DITHER);
+gl.blendFunc(gl.ONE, gl.ONE_MINUS_SRC_ALPHA);
+const use = ({ program, where }, points, view) => {
+gl.useProgram(program);
+const high = [Math.fround(view.x), Math.fround(view.y)];
+gl.uniform2f(where.high, high[0], high[1]);
+gl.uniform2f(where.low, view.x - high[0], view.y - high[1]);
+gl.uniform2f(where.scale, (2 * view.scale) / canvas.width, (-2 * view.scale) / canvas.height);
+gl.uniform2f(where.full, mesh.width, mesh.height);
+gl.uniformMatrix2fv(where.turn, false, turn);
+gl.uniform1f(where.straight, mesh.premultiplied ? 0 : 1);
+gl.bindBuffer(gl.ARRAY_BUFFER, points);
+gl.vertexAttribPointer(0, 2, gl.FLOAT, false, 0, 0);
+};
+const drawPicture = (program, view) => {
+use(program, corners, view);
+gl.disableVertexAttribArray(1);
+gl.drawArrays(gl.TRIANGLE_STRIP, 0, 4);
+};
+const drawElements = (program, elements, mode, view) => {
+use(program, positions, view);
+gl.bindBuffer(gl.ARRAY_BUFFER, colors);
+gl.enableVertexAttribArray(1);
+gl.vertexAttribPointer(1, 4, gl.UNSIGNED_BYTE, true, 0, 0);
+gl.bindBuffer(gl.ELEMENT_ARRAY_BUFFER, elements.buffer);
+gl.drawElements(mode, elements.count, isWide ? gl.UNSIGNED_INT : gl.UNSIGNED_SHORT, 0);
+};
+const drawBoard = (view) => {
+gl.disable(gl.BLEND);
+if (mesh.channels !== 4) return;
+drawPicture(programs.board, view);
+gl.enable(gl.BLEND);
+};
+const drawOriginal = (view) => {
+if (!isLoaded) loadPicture(gl, original);
+isLoaded = true;
+const left = canvas.width / 2 - view.x * view.scale;
+const edge = left + mesh.width * view.scale * (1 - view.share);
+const from = Math.round(Math.min(canvas.width, Math.max(0, edge)));
+gl.enable(gl.SCISSOR_TEST);
+gl.scissor(from, 0, canvas.width - from, canvas.height);
+drawBoard(view);
+gl.texParameteri(gl.TEXTURE_2D, gl.TEXTURE_MAG_FILTER, view.scale < 2 ? gl.LINEAR : gl.NEAREST);
+drawPicture(programs.original, view);
+gl.disable(gl.SCISSOR_TEST);
+};
+const drawEdges = (view) => {
+if (!edges) {
+const ends = edgesOf(data.faces, mesh.vertices);
+edges = { buffer: buffer(gl, gl.ELEMENT_ARRAY_BUFFER, ends), count: ends.length };
+}
+gl.enable(gl.BLEND);
+drawElements(programs.edges, edges, gl.LINES, view);
+};
+return (view) => {
+gl.viewport(0, 0, canvas.width, canvas.height);
+gl.clearColor(...view.ground, 1);
+gl.clear(gl.COLOR_BUFFER_BIT);
+drawBoard(view);
+drawElements(programs.faces, faces, gl.TRIANGLES, view);
+if (view.share > 0) drawOriginal(view);
+if (view.wires) drawEdges(view);
+};
 }
 const byId = (id) => document.getElementById(id);
 const canvas = byId('mesh');
 const share = byId('share');
 const original = byId('original');
+const help = byId('help');
+const folds = [...document.querySelectorAll('.fold')]; // the buttons of the panels
 const mesh = JSON.parse(byId('data').textContent);
 const isNative = ['#native', '#original'].includes(location.hash);
-const view = { x: mesh.width / 2, y: mesh.height / 2, scale: 1, wires: false, share: 0 }; // see drawing.js
+const view = { x: mesh.width / 2, y: mesh.height / 2, scale: 1, wires: false, share: 0, ground: [0, 0, 0] }; // see drawing.js
 let isFitted = true; // stays so when the window changes
 let isQueued = false; // the next frame will be drawn
 let gl = null;
 let paint = null;
 function redraw() {
-  if (isQueued) return;
-  isQueued = true;
-  requestAnimationFrame(() => {
-    isQueued = false;
-    if (gl.isContextLost()) return;
-    view.share = original?.naturalWidth > 0 ? Number(share.value) : 0; // browsers may have restored it
-    paint(view);
-    canvas.dataset.drawn = [view.x, view.y, view.scale, Number(view.wires), view.share].join(' ');
-  });
+if (isQueued) return;
+isQueued = true;
+requestAnimationFrame(() => {
+isQueued = false;
+if (gl.isContextLost()) return;
+view.share = original?.naturalWidth > 0 ? Number(share.value) : 0; // browsers may have restored it
+view.ground = getComputedStyle(document.body)
+.backgroundColor.match(/\d+/g)
+.map((byte) => byte / 255);
+paint(view);
+canvas.dataset.drawn = [view.x, view.y, view.scale, Number(view.wires), view.share].join(' ');
+});
 }
 function fitScale() {
-  return Math.min(canvas.width / mesh.width, canvas.height / mesh.height);
+return Math.min(canvas.width / mesh.width, canvas.height / mesh.height);
 }
 function clampScale(scale) {
-  return Math.min(1e5, Math.max(Math.min(fitScale(), 1) / 16, scale));
+return Math.min(1e5, Math.max(Math.min(fitScale(), 1) / 16, scale));
 }
 function show(x, y, scale, isFit = false) {
-  view.scale = clampScale(scale);
-  view.x = Math.min(mesh.width, Math.max(0, x));
-  view.y = Math.min(mesh.height, Math.max(0, y));
-  isFitted = isFit;
-  redraw();
+view.scale = clampScale(scale);
+view.x = Math.min(mesh.width, Math.max(0, x));
+view.y = Math.min(mesh.height, Math.max(0, y));
+isFitted = isFit;
+redraw();
 }
 function fit() {
-  show(mesh.width / 2, mesh.height / 2, 0.96 * fitScale(), true);
+show(mesh.width / 2, mesh.height / 2, 0.96 * fitScale(), true);
 }
 function showNativeSize() {
-  const whole = (at, size) => Math.round(at - size / 2) + size / 2;
-  show(whole(view.x, canvas.width), whole(view.y, canvas.height), 1);
+const whole = (at, size) => Math.round(at - size / 2) + size / 2;
+show(whole(view.x, canvas.width), whole(view.y, canvas.height), 1);
 }
 function zoom(factor, dx = 0, dy = 0) {
-  const scale = clampScale(view.scale * factor);
-  const gain = 1 / view.scale - 1 / scale;
-  show(view.x + dx * gain, view.y + dy * gain, scale);
+const scale = clampScale(view.scale * factor);
+const gain = 1 / view.scale - 1 / scale;
+show(view.x + dx * gain, view.y + dy * gain, scale);
 }
 function pan(dx, dy) {
-  show(view.x - dx / view.scale, view.y - dy / view.scale, view.scale);
+show(view.x - dx / view.scale, view.y - dy / view.scale, view.scale);
 }
 function toggleWires() {
-  view.wires = !view.wires;
-  byId('wires').setAttribute('aria-pressed', view.wires);
-  redraw();
+view.wires = !view.wires;
+byId('wires').setAttribute('aria-pressed', view.wires);
+redraw();
 }
 function toggleOriginal() {
-  if (!original) return;
-  share.value = Number(share.value) > 0.5 ? 0 : 1;
-  redraw();
+if (!original) return;
+share.value = Number(share.value) > 0.5 ? 0 : 1;
+redraw();
+}
+const isFolded = (button) => button.getAttribute('aria-expanded') === 'false';
+function fold(button, folded) {
+button.setAttribute('aria-expanded', !folded);
+byId(button.getAttribute('aria-controls')).hidden = folded;
+}
+function foldAll() {
+const folded = !folds.every(isFolded);
+for (const button of folds) fold(button, folded);
+}
+function toggleHelp() {
+if (help.open) help.close();
+else help.showModal();
 }
 function resize() {
-  const ratio = window.devicePixelRatio || 1;
-  if (isNative) {
-    canvas.width = mesh.width;
-    canvas.height = mesh.height;
-    canvas.style.width = `${mesh.width / ratio}px`;
-    canvas.style.height = `${mesh.height / ratio}px`;
-    redraw();
-    return;
-  }
-  canvas.width = Math.max(1, Math.round(canvas.clientWidth * ratio));
-  canvas.height = Math.max(1, Math.round(canvas.clientHeight * ratio));
-  if (isFitted) fit();
-  else redraw();
+const ratio = window.devicePixelRatio || 1;
+if (isNative) {
+canvas.width = mesh.width;
+canvas.height = mesh.height;
+canvas.style.width = `${mesh.width / ratio}px`;
+canvas.style.height = `${mesh.height / ratio}px`;
+redraw();
+return;
+}
+canvas.width = Math.max(1, Math.round(canvas.clientWidth * ratio));
+canvas.height = Math.max(1, Math.round(canvas.clientHeight * ratio));
+if (isFitted) fit();
+else redraw();
 }
 function listenToPointers() {
-  const pointers = new Map();
-  const fromCenter = (x, y) => {
-    const box = canvas.getBoundingClientRect();
-    const ratio = canvas.width / box.width;
-    return [(x - box.left - box.width / 2) * ratio, (y - box.top - box.height / 2) * ratio, ratio];
-  };
-  const onWheel = (event) => {
-    event.preventDefault();
-    const lines = { 0: 1, 1: 16, 2: 400 }[event.deltaMode];
-    const pinch = event.ctrlKey ? 4 : 1;
-    const [x, y] = fromCenter(event.clientX, event.clientY);
-    zoom(Math.exp(-0.0018 * lines * pinch * event.deltaY), x, y);
-  };
-  canvas.addEventListener('wheel', onWheel, { passive: false });
-  canvas.addEventListener('pointerdown', (event) => {
-    canvas.setPointerCapture(event.pointerId);
-    pointers.set(event.pointerId, [event.clientX, event.clientY]);
-    canvas.classList.add('drag');
-  });
-  canvas.addEventListener('pointermove', (event) => {
-    const last = pointers.get(event.pointerId);
-    if (!last) return;
-    const others = [...pointers].filter(([id]) => id !== event.pointerId).map(([, at]) => at);
-    const ratio = fromCenter(0, 0)[2];
-    const now = [event.clientX, event.clientY];
-    pointers.set(event.pointerId, now);
-    if (others.length === 0) pan((now[0] - last[0]) * ratio, (now[1] - last[1]) * ratio);
-    if (others.length !== 1) return;
-    const [still] = others;
+const pointers = new Map();
+const fromCenter = (x, y) => {
+const box = canvas.getBoundingClientRect();
+const ratio = canvas.width / box.width;
+return [(x - box.left - box.width / 2) * ratio, (y - box.top - box.height / 2) * ratio, ratio];
+};
+const onWheel = (event) => {
+event.preventDefault();
+const lines = { 0: 1, 1: 16, 2: 400 }[event.deltaMode];
+const pinch = event.ctrlKey ? 4 : 1;
+const [x, y] = fromCenter(event.clientX, event.clientY);
+zoom(Math.exp(-0.0018 * lines * pinch * event.deltaY), x, y);
+};
+canvas.addEventListener('wheel', onWheel, { passive: false });
+canvas.addEventListener('pointerdown', (event) => {
+canvas.setPointerCapture(event.pointerId);
+pointers.set(event.pointerId, [event.clientX, event.clientY]);
+canvas.classList.add('drag');
+});
+canvas.addEventListener('pointermove', (event) => {
+const last = pointers.get(event.pointerId);
+if (!last) return;
+const others = [...pointers].filter(([id]) => id !== event.pointerId).map(([, at]) => at);
+const ratio = fromCenter(0, 0)[2];
+const now = [event.clientX, event.clientY];
+pointers.set(event.pointerId, now);
+if (others.length === 0) pan((now[0] - last[0]) * ratio, (now[1] - last[1]) * ratio);
+if (others.length !== 1) return;
+const [still] = others;
+const span = (p) => Math.max(8, Math.hypot(p[0] - still[0], p[1] - still[1]));
+const [x, y] = fromCenter((last[0] + still[0]) / 2, (last[1] + still[1]) / 2);
 )html"
-R"html(    const span = (p) => Math.max(8, Math.hypot(p[0] - still[0], p[1] - still[1]));
-    const [x, y] = fromCenter((last[0] + still[0]) / 2, (last[1] + still[1]) / 2);
-    zoom(span(now) / span(last), x, y);
-    pan(((now[0] - last[0]) / 2) * ratio, ((now[1] - last[1]) / 2) * ratio);
-  });
-  for (const type of ['pointerup', 'pointercancel'])
-    canvas.addEventListener(type, (event) => {
-      pointers.delete(event.pointerId);
-      if (pointers.size === 0) canvas.classList.remove('drag');
-    });
-  canvas.addEventListener('dblclick', fit);
+R"html(zoom(span(now) / span(last), x, y);
+pan(((now[0] - last[0]) / 2) * ratio, ((now[1] - last[1]) / 2) * ratio);
+});
+for (const type of ['pointerup', 'pointercancel'])
+canvas.addEventListener(type, (event) => {
+pointers.delete(event.pointerId);
+if (pointers.size === 0) canvas.classList.remove('drag');
+});
+canvas.addEventListener('dblclick', fit);
 }
 function listenToKeys() {
-  const step = () => 0.1 * Math.min(canvas.width, canvas.height);
-  const keys = {
-    '+': () => zoom(1.25),
-    '=': () => zoom(1.25),
-    '-': () => zoom(0.8),
-    _: () => zoom(0.8),
-    0: fit,
-    1: showNativeSize,
-    ArrowLeft: () => pan(step(), 0),
-    ArrowRight: () => pan(-step(), 0),
-    ArrowUp: () => pan(0, step()),
-    ArrowDown: () => pan(0, -step()),
-    w: toggleWires,
-    W: toggleWires,
-    o: toggleOriginal,
-    O: toggleOriginal,
-  };
-  window.addEventListener('keydown', (event) => {
-    const act = keys[event.key];
-    if (!act || event.ctrlKey || event.metaKey || event.altKey) return;
-    if (event.target === share && event.key.startsWith('Arrow')) return; // they move the slider
-    event.preventDefault();
-    act();
-  });
+const step = () => 0.1 * Math.min(canvas.width, canvas.height);
+const keys = {
+'+': () => zoom(1.25),
+'=': () => zoom(1.25),
+'-': () => zoom(0.8),
+_: () => zoom(0.8),
+0: fit,
+1: showNativeSize,
+ArrowLeft: () => pan(step(), 0),
+ArrowRight: () => pan(-step(), 0),
+ArrowUp: () => pan(0, step()),
+ArrowDown: () => pan(0, -step()),
+w: toggleWires,
+W: toggleWires,
+o: toggleOriginal,
+O: toggleOriginal,
+p: foldAll,
+P: foldAll,
+'?': toggleHelp,
+};
+window.addEventListener('keydown', (event) => {
+const act = keys[event.key];
+if (!act || event.ctrlKey || event.metaKey || event.altKey) return;
+if (help.open && event.key !== '?') return;
+if (event.target === share && event.key.startsWith('Arrow')) return; // they move the slider
+event.preventDefault();
+act();
+});
 }
 function listenToControls() {
-  byId('in').onclick = () => zoom(1.5);
-  byId('out').onclick = () => zoom(1 / 1.5);
-  byId('fit').onclick = fit;
-  byId('one').onclick = showNativeSize;
-  byId('wires').onclick = toggleWires;
-  share.oninput = redraw;
-  window.addEventListener('resize', resize);
-  canvas.addEventListener('webglcontextlost', (event) => event.preventDefault());
-  canvas.addEventListener('webglcontextrestored', () => {
-    paint = createPainter(gl, mesh, original);
-    redraw();
-  });
+byId('in').onclick = () => zoom(1.5);
+byId('out').onclick = () => zoom(1 / 1.5);
+byId('fit').onclick = fit;
+byId('one').onclick = showNativeSize;
+byId('wires').onclick = toggleWires;
+share.oninput = redraw;
+byId('keys').onclick = toggleHelp;
+byId('close').onclick = toggleHelp;
+help.onclick = (event) => event.target === help && help.close(); // beside it
+matchMedia('(prefers-color-scheme: dark)').onchange = redraw;
+window.addEventListener('resize', resize);
+canvas.addEventListener('webglcontextlost', (event) => event.preventDefault());
+canvas.addEventListener('webglcontextrestored', () => {
+paint = createPainter(gl, mesh, original);
+redraw();
+});
+}
+function listenToFolds() {
+const isSmall = matchMedia('(max-width: 600px), (max-height: 480px)').matches;
+for (const button of folds) {
+button.onclick = () => fold(button, !isFolded(button));
+fold(button, isSmall);
+}
+folds[0].disabled = !byId('figures').textContent;
 }
 function start() {
-  canvas.setAttribute(
-    'aria-label',
-    `${document.title}: a mesh of ${mesh.vertices} vertices and ${mesh.faces} triangles. ` +
-      `Keys: plus and minus zoom, arrows pan, 0 fits, 1 native size, w wireframe${original ? ', o original.' : '.'}`,
-  );
-  try {
-    gl = canvas.getContext('webgl', { alpha: false, antialias: false, depth: false, preserveDrawingBuffer: isNative });
-    if (gl) paint = createPainter(gl, mesh, original);
-  } catch (error) {
-    console.warn(error);
-  }
-  if (!paint) {
-    canvas.hidden = true;
-    byId('controls').hidden = true;
-    byId('without').hidden = false;
-    return;
-  }
-  byId('compare').hidden = !original;
-  if (location.hash === '#original') share.value = 1;
-  document.body.classList.toggle('native', isNative);
-  if (original && !original.complete) original.onload = redraw;
-  if (!isNative) {
-    listenToPointers();
-    listenToKeys();
-    listenToControls();
-  }
-  resize();
+canvas.setAttribute(
+'aria-label',
+`${document.title}: a mesh of ${mesh.vertices} vertices and ${mesh.faces} triangles. ` +
+'The question mark lists the keys.',
+);
+listenToFolds();
+try {
+gl = canvas.getContext('webgl', { alpha: false, antialias: false, depth: false, preserveDrawingBuffer: isNative });
+if (gl) paint = createPainter(gl, mesh, original);
+} catch (error) {
+console.warn(error);
+}
+if (!paint) {
+canvas.hidden = true;
+byId('controls').hidden = true;
+byId('without').hidden = false;
+return;
+}
+for (const part of document.querySelectorAll('.compare')) part.hidden = !original;
+if (location.hash === '#original') share.value = 1;
+document.body.classList.toggle('native', isNative);
+if (original && !original.complete) original.onload = redraw;
+if (!isNative) {
+listenToPointers();
+listenToKeys();
+listenToControls();
+}
+resize();
 }
 start();
 </script>
