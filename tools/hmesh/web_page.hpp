@@ -1,7 +1,7 @@
 // tools - what an .html page shows beside the mesh: the file's name, figures, and the original to compare with.
 //
-// The original is the file itself where browsers read it and show its pixels as they are stored: PNG, and JPEG unless its Exif
-// tags say that it is to be turned. Else it is encoded as PNG with 8 bits.
+// The original is the file itself where browsers read it and show its pixels as they are stored: PNG and JPEG, unless the
+// picture is to be turned or holds CMYK. Else it is encoded as PNG with 8 bits.
 #ifndef HMESH_TOOLS_WEB_PAGE_HPP
 #define HMESH_TOOLS_WEB_PAGE_HPP
 
@@ -10,7 +10,6 @@
 #include <utility>
 #include <vector>
 
-#include "exif.hpp"
 #include "hmesh/io/html.hpp"
 #include "image_file.hpp"
 #include "meshing.hpp"
@@ -53,8 +52,8 @@ namespace detail {
     page.title = detail::file_name(arguments.input);
     page.figures = std::to_string(report.vertices) + " vertices\n" + std::to_string(report.faces) + " faces\nPSNR " +
                    psnr_text(report.psnr) + "\n(" + psnr_formula(arguments) + ")";
-    if (is_png(bytes) || (is_jpeg(bytes) && orientation(bytes) == 1)) {
-        page.original_type = is_png(bytes) ? "image/png" : "image/jpeg";
+    if (!image.media_type.empty()) {
+        page.original_type = image.media_type == "image/png" ? "image/png" : "image/jpeg";
         page.original = std::move(bytes);
         return page;
     }
