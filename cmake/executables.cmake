@@ -33,12 +33,13 @@ function(hmesh_find_header target header advice)
     target_include_directories(${target} SYSTEM INTERFACE "${${variable}}")
 endfunction()
 
-if(HMESH_BUILD_EXAMPLES OR HMESH_BUILD_COMMAND OR HMESH_BUILD_BENCHMARKS)
+if(HMESH_BUILD_EXAMPLES OR HMESH_BUILD_COMMAND OR HMESH_BUILD_BENCHMARKS OR HMESH_BUILD_FUZZERS)
     # Debian has it in a folder stb, vcpkg has it not.
     hmesh_find_header(hmesh_stb stb_image.h
-        "the command, examples and benchmarks need stb (Debian: libstb-dev); without it set HMESH_BUILD_EXAMPLES, \
-HMESH_BUILD_COMMAND and HMESH_BUILD_BENCHMARKS to OFF" stb)
+        "the command, examples, benchmarks and fuzzers need stb (Debian: libstb-dev); without it set HMESH_BUILD_EXAMPLES, \
+HMESH_BUILD_COMMAND, HMESH_BUILD_BENCHMARKS and HMESH_BUILD_FUZZERS to OFF" stb)
 endif()
+include("${CMAKE_CURRENT_LIST_DIR}/readers.cmake")
 if(HMESH_BUILD_EXAMPLES OR HMESH_BUILD_COMMAND)
     set(switch "without it set HMESH_BUILD_EXAMPLES and HMESH_BUILD_COMMAND to OFF")
     hmesh_find_header(hmesh_cli11 CLI/CLI.hpp "the command needs CLI11 (Debian: libcli11-dev); ${switch}")

@@ -59,7 +59,7 @@ as_root() {
 # need WHAT...: makes sure that what each of the words below stands for is there. What is missing is installed where the system
 # has apt-get; elsewhere one sentence says what to install.
 need() {
-    local what packages=()
+    local what packages=() optional=()
     for what in "$@"; do
         case $what in
             compiler) has "${CXX:-c++}" || packages+=(g++) ;;
@@ -72,6 +72,11 @@ need() {
                 has_header stb_image.h || packages+=(libstb-dev)
                 has_header CLI/CLI.hpp || packages+=(libcli11-dev)
                 has_header nlohmann/json.hpp || packages+=(nlohmann-json3-dev)
+                # what reads image files best, without which it is built too
+                has_header png.h || optional+=(libpng-dev)
+                has_header jpeglib.h || optional+=(libjpeg-dev)
+                has_header webp/demux.h || optional+=(libwebp-dev)
+                has_header tiffio.h || optional+=(libtiff-dev)
                 ;;
             stb) has_header stb_image.h || packages+=(libstb-dev) ;;
             pytest) has_pytest || packages+=(python3 python3-pil python3-pytest) ;;
@@ -107,6 +112,11 @@ need() {
             *) fail "need: unknown '$what'" ;;
         esac
     done
+    if [ ${#optional[@]} != 0 ] && has apt-get && { [ "$(id -u)" = 0 ] || has sudo; }; then
+        printf 'Installing %s ...\n' "${optional[*]}"
+        install_packages "${optional[@]}" >/dev/null 2>&1 </dev/null ||
+            printf 'They could not be installed: fewer image files will be read.\n' >&2
+    fi
     [ ${#packages[@]} != 0 ] || return 0
     if ! has apt-get; then
         fail "Please install what these Debian packages hold, with your system's package manager: ${packages[*]}."

@@ -37,8 +37,10 @@ fi
 # fuzz NAME: runs it and writes the line about it into build/fuzz/NAME.line.
 fuzz() {
     local name=$1 log=build/fuzz/$1.log new=build/fuzz/corpus/$1 findings=build/fuzz/findings/$1 begin=$SECONDS
+    local longest=1024
+    [[ $name != read_* ]] || longest=8192  # image files
     mkdir -p "$new" "$findings"
-    "build/fuzz/bin/${name}_fuzzer" -max_total_time="$seconds" -max_len=1024 -len_control=0 -rss_limit_mb=4096 \
+    "build/fuzz/bin/${name}_fuzzer" -max_total_time="$seconds" -max_len="$longest" -len_control=0 -rss_limit_mb=4096 \
         -timeout=120 -report_slow_units=120 -print_final_stats=1 -artifact_prefix="$findings/" \
         "$new" "tests/fuzz/corpus/$name" >"$log" 2>&1 </dev/null || true
     awk -v name="$name" -v seconds="$((SECONDS - begin))" '
@@ -53,7 +55,7 @@ fuzz() {
 export -f fuzz
 export seconds
 
-need compiler cmake eigen fuzzer
+need compiler cmake eigen fuzzer command
 step "Configuring build/fuzz ..." cmake --preset fuzz
 step "Building build/fuzz ..." cmake --build --preset fuzz --parallel "$jobs" --target "${names[@]/%/_fuzzer}"
 printf 'Fuzzing for %s s each: %s\n' "$seconds" "${names[*]}"

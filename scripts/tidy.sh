@@ -8,7 +8,7 @@
 # shellcheck source=scripts/common.sh
 . "$(dirname "${BASH_SOURCE[0]}")/common.sh"
 
-files=(tools/hmesh/*.cpp tests/hierarchical_test.cpp)
+files=(tools/hmesh/*.cpp tools/hmesh/readers/*.cpp tests/hierarchical_test.cpp)
 needed=(clang-tidy eigen command doctest)
 case ${1-} in
     '') ;;
@@ -30,6 +30,9 @@ need "${needed[@]}"
 # The compile line is said here, so that nothing need be configured first.
 CLANG_TIDY=${CLANG_TIDY:-$(command -v clang-tidy-14 || echo clang-tidy)}
 include_words=${include_folders[*]}  # a list cannot be exported
+for library in PNG=png.h JPEG=jpeglib.h WEBP=webp/demux.h TIFF=tiffio.h; do
+    ! has_header "${library#*=}" || include_words+=" -DHMESH_HAS_${library%=*}"
+done
 export CLANG_TIDY include_words
 tidy() {
     local said

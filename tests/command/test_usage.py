@@ -15,8 +15,8 @@ def test_help_names_every_option(hmesh):
     assert hmesh.done("grey.pgm --rate x --help") == text
 
 
-def test_version_prints_name_and_version(hmesh):
-    assert re.fullmatch(r"hmesh \d+\.\d+\.\d+\n", hmesh.done("--version"))
+def test_version_prints_name_version_and_decoders(hmesh):
+    assert re.match(r"hmesh \d+\.\d+\.\d+\nreads\n", hmesh.done("--version"))
 
 
 WRONG = rows("""

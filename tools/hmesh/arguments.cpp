@@ -11,6 +11,7 @@
 
 #include "formats.hpp"
 #include "hmesh/core/version.hpp"
+#include "image_file.hpp"
 
 namespace tool {
 namespace {
@@ -185,7 +186,7 @@ void add_other_options(CLI::App& app, Arguments& out) {
            "-h,--help", [] { throw CLI::CallForHelp(); }, "print this text")
         ->trigger_on_parse();
     app.add_flag_callback(
-           "--version", [] { throw CLI::CallForVersion("", 0); }, "print the version")
+           "--version", [] { throw CLI::CallForVersion("", 0); }, "print the version, and which image files are read by what")
         ->trigger_on_parse();
 }
 
@@ -235,7 +236,8 @@ CommandLine parse(const std::vector<std::string>& words) {
         arguments.input = texts.front();
         return true;
     };
-    app.add_option("INPUT", set_input, "PNG, JPEG, BMP, TGA or binary PGM or PPM file, 8 or 16 bits, 1 to 4 channels")
+    app.add_option("INPUT", set_input,
+                   "image file: " + formats_read() + "; 8 or 16\nbits or floats, 1 to 4 channels; --version says what reads them")
         ->required();
     add_mesh_options(app, arguments);
     add_meshing_options(app, arguments);
@@ -247,7 +249,7 @@ CommandLine parse(const std::vector<std::string>& words) {
         line.answer = CLI::detail::find_and_replace(app.help(), "\n\n\n", "\n\n");  // between groups
         return line;
     } catch (const CLI::CallForVersion&) {
-        line.answer = "hmesh " HMESH_VERSION_STRING "\n";
+        line.answer = "hmesh " HMESH_VERSION_STRING "\nreads\n" + decoders();
         return line;
     } catch (const CLI::RequiredError&) {
         line.wrong = "no input image is given";

@@ -1,41 +1,37 @@
 // tools - which way up a photograph is: cameras store the pixels as they come and note how to turn them.
 //
-// The tag Orientation of a JPEG file's Exif segment: CIPA DC-008 (Exif 2.32), 4.5, 4.6.4 and 4.7.
+// The tag Orientation of Exif data, which JPEG, PNG and WebP files hold: CIPA DC-008 (Exif 2.32), 4.5, 4.6.4 and 4.7.
 #ifndef HMESH_TOOLS_EXIF_HPP
 #define HMESH_TOOLS_EXIF_HPP
 
 #include <algorithm>
 #include <cstddef>
-#include <cstring>
 #include <utility>
 #include <vector>
 
+#include "readers/bytes.hpp"
+
 namespace tool {
 
-[[nodiscard]] inline bool is_jpeg(const std::vector<unsigned char>& bytes) noexcept {
-    return bytes.size() > 3 && std::memcmp(bytes.data(), "\xff\xd8\xff", 3) == 0;
+// The orientation that Exif data say, which begin as a TIFF file does: 1 to 8, and 1, which is upright, where they say none.
+[[nodiscard]] inline unsigned tiff_orientation(Bytes exif) noexcept {
+    const bool little = exif.u8(0) == 'I';
+    const auto u16 = [&](std::size_t at) { return little ? exif.le16(at) : exif.be16(at); };
+    const std::size_t table = little ? exif.le32(4) : exif.be32(4);
+    for (std::size_t k = 0; k < u16(table) && exif.has(table + 2 + 12 * k, 12); ++k) {
+        if (u16(table + 2 + 12 * k) != 274) continue;
+        const unsigned found = u16(table + 10 + 12 * k);
+        return found >= 1 && found <= 8 ? found : 1;
+    }
+    return 1;
 }
 
-// The orientation of a JPEG file's picture, 1 to 8; 1, which is upright, where the file says none.
-[[nodiscard]] inline unsigned orientation(const std::vector<unsigned char>& bytes) noexcept {
-    const auto number = [&](std::size_t at, std::size_t size, bool little) {
-        unsigned value = 0;
-        for (std::size_t k = 0; k < size && at + size <= bytes.size(); ++k)
-            value = value << 8U | bytes[little ? at + size - 1 - k : at + k];
-        return value;
-    };
-    for (std::size_t at = 2; at + 18 < bytes.size() && bytes[at] == 0xff && bytes[at + 1] != 0xda;
-         at += 2 + std::max(2U, number(at + 2, 2, false))) {
-        if (bytes[at + 1] != 0xe1 || std::memcmp(bytes.data() + at + 4, "Exif\0\0", 6) != 0) continue;
-        const std::size_t tiff = at + 10;
-        const bool little = bytes[tiff] == 'I';
-        const std::size_t table = tiff + number(tiff + 4, 4, little);
-        for (std::size_t entry = 0; entry < number(table, 2, little); ++entry) {
-            if (number(table + 2 + 12 * entry, 2, little) != 274) continue;
-            const unsigned found = number(table + 10 + 12 * entry, 2, little);
-            return found >= 1 && found <= 8 ? found : 1;
-        }
-    }
+// That of a JPEG file's picture.
+[[nodiscard]] inline unsigned jpeg_orientation(Bytes file) noexcept {
+    for (std::size_t at = 2; file.has(at, 18) && file.u8(at) == 0xff && file.u8(at + 1) != 0xda;
+         at += 2 + std::max(2U, file.be16(at + 2)))
+        if (file.u8(at + 1) == 0xe1 && file.says(at + 4, "Exif\0\0"))
+            return tiff_orientation(file.part(at + 10, std::max(8U, file.be16(at + 2)) - 8));
     return 1;
 }
 

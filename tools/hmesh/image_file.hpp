@@ -1,7 +1,8 @@
-// tools - image files of 8 and 16 bits and 1 to 4 channels are read, PNG and JPEG files of 8 bits are encoded, with stb.
+// tools - image files of 8 and 16 bits or floats and 1 to 4 channels are read, by readers/, and PNG and JPEG files of 8 bits are
+// encoded, with stb.
 //
 // The bit depth and the number of channels are those of the file; a caller picks its ImageView<T, C> at run time. Photographs
-// are turned as their Exif tags say.
+// are turned as their tags say.
 #ifndef HMESH_TOOLS_IMAGE_FILE_HPP
 #define HMESH_TOOLS_IMAGE_FILE_HPP
 
@@ -14,11 +15,14 @@
 
 namespace tool {
 
-// The pixels of a file, packed: in `samples8` where bits is 8, in `samples16` where it is 16.
+// The pixels of a file, packed: in `samples8` where bits is 8, in `samples16` where it is 16, in `samples32` where it is 32.
 struct ImageFile {
     int width = 0, height = 0, channels = 0, bits = 0;
     std::vector<std::uint8_t> samples8;
     std::vector<std::uint16_t> samples16;
+    std::vector<float> samples32;
+    std::string note;     // what the file has beside this picture, a sentence; empty: nothing
+    int orientation = 1;  // of the picture in a PNG or JPEG file as Exif numbers them, 1 to 8; here it is upright
 };
 
 // Pixels of 8 bits, packed, 1 to 4 channels: what a PNG file is made of.
@@ -40,8 +44,10 @@ struct Picture {
 // hmesh::Deflate by stb_image_write: no zlib is needed. About 10 MB/s.
 [[nodiscard]] bool deflate(const unsigned char* bytes, std::size_t size, std::vector<unsigned char>& out);
 
-// Whether the bytes begin as those of a PNG file do.
-[[nodiscard]] bool is_png(const std::vector<unsigned char>& bytes) noexcept;
+// The formats that this build reads: "PNG, JPEG, ...".
+[[nodiscard]] std::string formats_read();
+// What it reads them with: lines of "  PNG: libpng 1.6.39".
+[[nodiscard]] std::string decoders();
 
 }  // namespace tool
 

@@ -158,6 +158,7 @@ std::string write_depfile(const Arguments& arguments) {
 void print_summary(const Arguments& arguments, const ImageFile& image, const hmesh::Result& outcome, double seconds) {
     std::printf("image     %s, %d x %d, %d channel%s of %d bits\n", arguments.input.c_str(), image.width, image.height,
                 image.channels, image.channels == 1 ? "" : "s", image.bits);
+    if (!image.note.empty()) std::printf("note      %s\n", image.note.c_str());
     std::printf("vertices  %zu\n", outcome.report.vertices);
     std::printf("faces     %zu\n", outcome.report.faces);
     std::printf("PSNR      %s (%s)\n", psnr_text(outcome.report.psnr).c_str(), psnr_formula(arguments).c_str());

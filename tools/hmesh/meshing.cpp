@@ -78,6 +78,10 @@ hmesh::Result mesh_channels(const ImageFile& image, const MeshingOptions& option
         const hmesh::ImageView<std::uint16_t, C> view{image.samples16.data(), image.width, image.height, 0};
         return mesh_view(view, options, parallel_for);
     }
+    if (image.bits == 32) {
+        const hmesh::ImageView<float, C> view{image.samples32.data(), image.width, image.height, 0};
+        return mesh_view(view, options, parallel_for);
+    }
     const hmesh::ImageView<std::uint8_t, C> view{image.samples8.data(), image.width, image.height, 0};
     return mesh_view(view, options, parallel_for);
 }

@@ -9,6 +9,8 @@ namespace tool {
 Picture to_picture(const ImageFile& image) {
     Picture picture{image.width, image.height, image.channels, image.samples8};
     for (const std::uint16_t sample : image.samples16) picture.samples.push_back(static_cast<std::uint8_t>((sample + 128) / 257));
+    for (const float sample : image.samples32)
+        picture.samples.push_back(hmesh::PixelTraits<std::uint8_t>::from_real(255 * static_cast<double>(sample)));
     return picture;
 }
 

@@ -23,6 +23,11 @@ namespace detail {
 
 using Bytes = std::vector<unsigned char>;
 
+[[nodiscard]] inline bool begins_with(const Bytes& bytes, const char* signature) noexcept {
+    const std::size_t size = std::strlen(signature);
+    return bytes.size() >= size && std::memcmp(bytes.data(), signature, size) == 0;
+}
+
 // The number of `size` bytes there, the highest first; they must be there.
 [[nodiscard]] inline std::uint32_t big_endian(const Bytes& bytes, std::size_t at, std::size_t size) noexcept {
     std::uint32_t value = 0;
@@ -51,11 +56,11 @@ using Bytes = std::vector<unsigned char>;
 
 }  // namespace detail
 
-// The picture of a JPEG file of 1 or 3 components, to be turned as orientation() says. Of the applications' segments those of
-// JFIF and Adobe stay, which say what the components are. Empty where browsers may show other pixels than stb_image or none:
-// CMYK, a height that follows later, and what is not as the standard has it.
+// The picture of a JPEG file of 1 or 3 components, to be turned as ImageFile::orientation says. Of the applications' segments
+// those of JFIF and Adobe stay, which say what the components are. Empty where browsers may show other pixels than were read or
+// none: CMYK, a height that follows later, and what is not as the standard has it.
 [[nodiscard]] inline std::vector<unsigned char> plain_jpeg(const std::vector<unsigned char>& bytes) {
-    if (!is_jpeg(bytes)) return {};
+    if (!detail::begins_with(bytes, "\xff\xd8\xff")) return {};
     std::vector<unsigned char> out(bytes.begin(), bytes.begin() + 2);
     const auto keep = [&](std::size_t from, std::size_t to) {
         out.insert(out.end(), bytes.begin() + static_cast<std::ptrdiff_t>(from), bytes.begin() + static_cast<std::ptrdiff_t>(to));
@@ -94,7 +99,7 @@ using Bytes = std::vector<unsigned char>;
 // would show other pixels than stb_image or none: Apple's own kind, and what is cut off or damaged; and for 16 bits, which are
 // larger than what is seen of them.
 [[nodiscard]] inline std::vector<unsigned char> plain_png(const std::vector<unsigned char>& bytes) {
-    if (!is_png(bytes) || bytes.size() < 33 || bytes[24] > 8) return {};
+    if (!detail::begins_with(bytes, "\x89PNG\r\n\x1a\n") || bytes.size() < 33 || bytes[24] > 8) return {};
     std::vector<unsigned char> out(bytes.begin(), bytes.begin() + 8);
     for (std::size_t at = 8; at + 12 <= bytes.size();) {
         const std::size_t size = detail::big_endian(bytes, at, 4);

@@ -9,7 +9,6 @@
 #include <string>
 #include <vector>
 
-#include "exif.hpp"
 #include "hmesh/io/html.hpp"
 #include "image_file.hpp"
 #include "meshing.hpp"
@@ -58,10 +57,10 @@ namespace detail {
         std::to_string(report.vertices) + " vertices\n" + std::to_string(report.faces) + " faces\nPSNR " + psnr_text(report.psnr);
     page.notes = "PSNR = " + psnr_formula(arguments);
     if (!arguments.original) return page;
+    page.original_orientation = image.orientation;
     if (page.original = plain_png(bytes); !page.original.empty()) return page;
     if (page.original = plain_jpeg(bytes); !page.original.empty()) {
         page.original_type = "image/jpeg";
-        page.original_orientation = static_cast<int>(orientation(bytes));
         return page;
     }
     const auto keep = [&](const void* from, std::size_t size) {
@@ -69,6 +68,7 @@ namespace detail {
         page.original.insert(page.original.end(), first, first + size);
         return true;
     };
+    page.original_orientation = 1;
     if (!write_png(to_picture(image), keep)) page.original.clear();
     return page;
 }

@@ -27,11 +27,12 @@ void take_weights(const std::vector<T>& samples, int channels, hmesh::Image<floa
 
 }  // namespace detail
 
-// The weights that an image file holds, in [0, 1], 1 for white: its grey, or the mean of red, green and blue. Alpha means
-// nothing.
+// The weights that an image file holds, 1 for white, and in [0, 1] unless it holds floats: its grey, or the mean of red, green
+// and blue. Alpha means nothing.
 [[nodiscard]] inline hmesh::Image<float, 1> to_weights(const ImageFile& file) {
     hmesh::Image<float, 1> weights(file.width, file.height);
-    if (file.bits == 16) detail::take_weights(file.samples16, file.channels, weights);
+    if (file.bits == 32) detail::take_weights(file.samples32, file.channels, weights);
+    else if (file.bits == 16) detail::take_weights(file.samples16, file.channels, weights);
     else detail::take_weights(file.samples8, file.channels, weights);
     return weights;
 }

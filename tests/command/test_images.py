@@ -1,0 +1,264 @@
+"""Image files: which are read, as what, and what is said of those that are not whole."""
+import os
+import re
+import resource
+import struct
+from pathlib import Path
+
+import pytest
+from PIL import Image
+
+import images
+from conftest import is_failure, rows
+
+# Name, channels, bits, and by how much of 255 colours may differ from those that images.py draws.
+WHOLE = rows("""
+    rgb.png         | 3 |  8 |  0
+    grey.png        | 1 |  8 |  1
+    alpha.png       | 4 |  8 |  1
+    rgb16.png       | 3 | 16 |  1
+    grey16.png      | 1 | 16 | -1
+    palette.png     | 3 |  8 | -1
+    bits.png        | 1 |  8 | -1
+    exif.png        | 3 |  8 |  0
+    rgb.jpg         | 3 |  8 | 60
+    grey.jpg        | 1 |  8 | 20
+    progressive.jpg | 3 |  8 | 60
+    cmyk.jpg        | 3 |  8 | 20
+    exif.jpg        | 3 |  8 | 60
+    rgb.bmp         | 3 |  8 |  0
+    alpha.bmp       | 4 |  8 |  1
+    palette.bmp     | 3 |  8 | 40
+    bits.bmp        | 3 |  8 | -1
+    rgb.tga         | 3 |  8 |  0
+    runs.tga        | 3 |  8 |  0
+    alpha.tga       | 4 |  8 |  1
+    palette.tga     | 3 |  8 | 40
+    grey.tga        | 1 |  8 |  1
+    rgb.gif         | 3 |  8 | 40
+    animated.gif    | 3 |  8 | 40
+    interlaced.gif  | 3 |  8 | 40
+    raw.psd         | 3 |  8 |  0
+    runs.psd        | 3 |  8 |  0
+    deep.psd        | 3 | 16 |  0
+    alpha.psd       | 4 |  8 | -1
+    cmyk.psd        | 3 |  8 |  1
+    deep_runs.psd   | 3 | 16 |  0
+    rgb.ppm         | 3 |  8 |  0
+    grey.pgm        | 1 |  8 |  1
+    deep.pgm        | 1 | 16 | -1
+    rgb.pfm         | 3 | 32 |  1
+    grey.pfm        | 1 | 32 | -1
+    rgb.hdr         | 3 | 32 |  1
+    flat.hdr        | 3 | 32 |  1
+    rgb.tif         | 3 |  8 |  0
+    rgb16.tif       | 3 | 16 |  1
+    big_endian.tif  | 3 | 16 |  1
+    float.tif       | 3 | 32 |  1
+    grey_float.tif  | 1 | 32 | -1
+    cmyk.tif        | 3 |  8 |  1
+    palette.tif     | 3 |  8 | 40
+    bits.tif        | 1 |  8 | -1
+    fax.tif         | 1 |  8 | -1
+    alpha.tif       | 4 |  8 |  1
+    turned.tif      | 3 |  8 |  0
+    lzw.tif         | 3 |  8 |  0
+    deflate.tif     | 3 |  8 |  0
+    packbits.tif    | 3 |  8 |  0
+    jpeg.tif        | 3 |  8 | 70
+    rgb.webp        | 3 |  8 | 60
+    lossless.webp   | 3 |  8 |  0
+    alpha.webp      | 4 |  8 |  1
+    exif.webp       | 3 |  8 |  0
+    animated.webp   | 3 |  8 |  0
+    """)
+FILES = images.all_files()
+LIBRARIES = {"tif": ("TIFF", "libtiff"), "webp": ("WebP", "libwebp")}
+
+
+def put(name):
+    if name not in FILES:
+        pytest.skip("Pillow does not write it here")
+    Path(name).write_bytes(FILES[name])
+
+
+def reads(hmesh, name):
+    """Whether this build does."""
+    needed = LIBRARIES.get(name.rpartition(".")[2])
+    return needed is None or f"\n  {needed[0]}: " in hmesh.done("--version")
+
+
+def skip_unless_read(hmesh, name):
+    if not reads(hmesh, name):
+        pytest.skip("this build does not read it")
+
+
+def test_every_file_that_is_drawn_here_is_in_the_table():
+    assert set(FILES) <= {name for name, *_ in WHOLE}
+
+
+@pytest.mark.parametrize("name, channels, bits, most", WHOLE)
+def test_a_picture_has_the_channels_bits_and_colors_of_its_file(hmesh, name, channels, bits, most):
+    put(name)
+    if not reads(hmesh, name):
+        hmesh.fails(f"this hmesh was built without {LIBRARIES[name.rpartition('.')[2]][1]}", f"{name} -o x.ply")
+        return
+    report = hmesh.report(f"{name} --effort draft --vertices 8 --strip strip.png")
+    turned = name.rpartition(".")[0] in ("exif", "turned")
+    size = images.SIZE[::-1] if turned else images.SIZE
+    assert (report["channels"], report["bits"], report["width"], report["height"]) == (int(channels), int(bits), *size)
+    if int(most) < 0:
+        return
+    expected = images.picture("RGBA") if channels == "4" else images.picture("L" if channels == "1" else "RGB").convert("RGB")
+    if bits == "32":  # 128 is 1, and all above
+        expected = expected.point(lambda sample: min(255, (sample * 255 + 64) // 128))
+    if channels == "4":
+        expected = Image.alpha_composite(Image.new("RGBA", size, "white"), expected).convert("RGB")
+    if turned:
+        expected = expected.transpose(Image.Transpose.ROTATE_270)
+    seen = Image.open("strip.png").convert("RGB").crop((0, 0, *size))
+    assert max(abs(a - b) for p, q in zip(seen.getdata(), expected.getdata()) for a, b in zip(p, q)) <= int(most)
+
+
+@pytest.mark.parametrize("share", [0.2, 0.6, 0.9])
+@pytest.mark.parametrize("name", sorted(FILES))
+def test_a_file_that_is_cut_is_refused(hmesh, name, share):
+    skip_unless_read(hmesh, name)
+    whole = FILES[name]
+    if name.endswith(".tga") and whole.endswith(b"TRUEVISION-XFILE.\0"):
+        whole = whole[:-26]  # its footer, behind the pixels
+    cut = Path("cut." + name.rpartition(".")[2])
+    cut.write_bytes(whole[: int(len(whole) * share)])
+    run = hmesh.run(f"{cut} -o x.ply")
+    is_failure(run, f"cannot read '{cut}': ")
+    assert "outofdata" not in run.stderr
+    assert not Path("x.ply").exists()
+
+
+@pytest.mark.parametrize("kind", [1, 2, 3, 9, 10])
+def test_a_cut_tga_is_refused_whatever_the_memory_held(hmesh, kind):
+    map_ = bytes(range(96)) if kind in (1, 9) else b""
+    bits, size = (24, 3) if kind in (2, 10) else (8, 1)
+    pixel = bytes([5] * size)
+    whole = (bytes([127]) + pixel * 128) * 4 if kind > 8 else pixel * images.WIDTH * images.HEIGHT
+    for length in [0, 1, 100, len(whole) // 2 if kind < 8 else 300]:
+        Path("t.tga").write_bytes(images.tga(bits, kind, color_map=map_, pixels=whole[:length]))
+        sentences = {hmesh.run("t.tga", env={**os.environ, "MALLOC_PERTURB_": fill}).stderr for fill in ["1", "85", "254"]}
+        assert len(sentences) == 1 and "the file ends before its last pixel (" in sentences.pop()
+
+
+def sized(width, height):
+    """Headers that are whole, of pictures without pixels."""
+    return {
+        "png": images.png(size=(width, height), lines=[b""]), "ppm": b"P6 %d %d 255\n" % (width, height),
+        "pfm": b"PF %d %d -1\n" % (width, height), "hdr": images.hdr(f"-Y {height} +X {width}"),
+        "bmp": struct.pack("<2sIIIIiiHHIIIIII", b"BM", 0, 0, 54, 40, width, height, 1, 24, 0, 0, 0, 0, 0, 0),
+        "psd": struct.pack(">4sH6xHIIHH", b"8BPS", 1, 3, height, width, 8, 3) + bytes(14),
+        "tif": images.tiff(bytes(10), 8, 2, size=(1, 1), strip=10, more={256: (4, [width]), 257: (4, [height]), 278: (4, [height])}.items()),
+    }
+
+
+@pytest.mark.parametrize("kind", sorted(sized(1, 1)))
+def test_a_picture_that_is_too_large_is_refused_by_its_header(hmesh, kind):
+    if hmesh.run("--version", preexec_fn=small_memory).returncode != 0:
+        pytest.skip("the address sanitizer takes more")
+    for (width, height), why in {(70000, 10): "the image is too wide (70000, limit 65536)",
+                                 (10, 70000): "the image is too high (70000, limit 65536)",
+                                 (60000, 60000): "the image has too many pixels (3600000000, limit 268435456)"}.items():
+        file = Path(f"large.{kind}")
+        file.write_bytes(sized(width, height)[kind])
+        os.truncate(file, 1 << 30)  # not read: there is less memory
+        hmesh.fails(f"'{file}': {why}", f"{file} -o x.ply", preexec_fn=small_memory)
+
+
+def small_memory():
+    resource.setrlimit(resource.RLIMIT_AS, (1 << 29, 1 << 29))
+
+
+def test_a_header_that_asks_for_more_than_the_file_can_hold_is_refused(hmesh):
+    for kind, file in sized(16000, 16000).items():
+        Path(f"empty.{kind}").write_bytes(file)
+        hmesh.fails(f"'empty.{kind}'", f"empty.{kind} -o x.ply")
+
+
+def damaged_files():
+    """Sentence and bytes."""
+    rgb = FILES["rgb.png"]
+    flipped = bytearray(rgb)
+    flipped[60] ^= 16
+    no_end = FILES["rgb.jpg"][:-2]
+    corrupt = bytearray(FILES["grey.jpg"])
+    corrupt[-60:-2] = bytes(58)
+    bmp = bytearray(FILES["palette.bmp"])
+    first = struct.unpack_from("<I", bmp, 10)[0]
+    small = bytes(bmp[:54]) + bytes(bmp[54:62]) + bytes(bmp[first:])  # two colours are left
+    gif = FILES["rgb.gif"]
+    hdr = FILES["rgb.hdr"].replace(b"rle_rgbe", b"rle_xyze")
+    return {
+        "flipped.png": ("libpng refuses it|check sum", bytes(flipped)), "colors.png": ("palette", images.png_palette(2)),
+        "no_end.jpg": ("libjpeg refuses it: Premature end|end marker", no_end),
+        "small.bmp": ("its palette has 2", small[:10] + struct.pack("<I", 62) + small[14:]),
+        "mask.bmp": ("bits a pixel", FILES["rgb.bmp"][:28] + b"\x07" + FILES["rgb.bmp"][29:]),
+        "runs.tga": ("a run beyond its last pixel", images.tga(24, 10, pixels=b"\xff\1\2\3" * 4)),
+        "color.tga": ("a pixel of colour 9, and its colour map has 2", images.tga(8, 1, color_map=bytes(6), pixels=b"\x09" * 432)),
+        "no_trailer.gif": ("the file ends before its trailer", gif[:-1]),
+        "mode.psd": ("its PSD colour mode is 9, and hmesh reads 1, 3 and 4", images.psd(mode=9)),
+        "xyz.hdr": ("'32-bit_rle_xyze'", hdr), "nan.pfm": ("NaN", b"PF 2 2 -1\n" + struct.pack("<12f", *[float("nan")] * 12)),
+        "unknown.heic": ("in no format that hmesh reads", b"\0\0\0\x18ftypheic" + bytes(40)),
+        "signed.tif": ("its samples have 16 bits and a sign", images.tiff(bytes(2592), 16, 2, more={339: (3, [2] * 3)}.items())),
+        "long.tif": ("its samples have 32 bits", images.tiff(bytes(5184), 32, 2)),
+        "codes.tif": ("libtiff refuses it", images.tiff(bytes(600), 8, 2, more={259: (3, [5])}.items())),
+    }
+
+
+@pytest.mark.parametrize("name", sorted(damaged_files()))
+def test_what_is_wrong_with_a_file_is_named(hmesh, name):
+    skip_unless_read(hmesh, name)
+    why, content = damaged_files()[name]
+    Path(name).write_bytes(content)
+    run = hmesh.run(f"{name} -o x.ply --vertices 4")
+    is_failure(run, f"'{name}'")
+    assert re.search(why, run.stderr), run.stderr
+
+
+def test_rows_from_right_to_left_are_turned(hmesh):
+    Path("left.tga").write_bytes(images.tga(descriptor=0x30))
+    hmesh.done("left.tga --vertices 4 --effort draft --strip strip.png")
+    seen = Image.open("strip.png").convert("RGB").crop((0, 0, *images.SIZE))
+    assert list(seen.getdata()) == list(images.picture().transpose(Image.Transpose.FLIP_LEFT_RIGHT).getdata())
+
+
+@pytest.mark.parametrize("layout, turn", [
+    (f"+Y {images.HEIGHT} +X {images.WIDTH}", Image.Transpose.FLIP_TOP_BOTTOM),
+    (f"-Y {images.HEIGHT} -X {images.WIDTH}", Image.Transpose.FLIP_LEFT_RIGHT),
+    (f"+X {images.HEIGHT} -Y {images.WIDTH}", Image.Transpose.TRANSPOSE),
+    (f"-X {images.HEIGHT} -Y {images.WIDTH}", Image.Transpose.ROTATE_270),
+    (f"+X {images.HEIGHT} +Y {images.WIDTH}", Image.Transpose.ROTATE_90)])
+def test_a_radiance_file_says_where_its_rows_lie(hmesh, layout, turn):
+    Path("x.hdr").write_bytes(images.hdr(layout))
+    hmesh.done("x.hdr --vertices 4 --effort draft --strip strip.png")
+    expected = images.picture().point(lambda sample: min(255, (sample * 255 + 64) // 128)).transpose(turn)
+    seen = Image.open("strip.png").convert("RGB").crop((0, 0, *expected.size))
+    assert max(abs(a - b) for p, q in zip(seen.getdata(), expected.getdata()) for a, b in zip(p, q)) <= 1
+
+
+@pytest.mark.parametrize("name", ["animated.gif", "animated.webp"])
+def test_of_an_animation_the_first_frame_is_taken_and_told(hmesh, name):
+    skip_unless_read(hmesh, name)
+    put(name)
+    assert re.search(r"^note +the file is animated: .*first .*taken$", hmesh.done(f"{name} --vertices 8"), re.M)
+
+
+def test_floats_are_meshed_as_they_are(hmesh):
+    put("rgb.pfm")
+    report = hmesh.report("rgb.pfm -o x.ply -o x.html --vertices 300 --render r.png --weights rgb.pfm")
+    assert report["bits"] == 32 and report["psnr"] > 30
+
+
+def test_help_and_version_say_what_is_read(hmesh):
+    text = hmesh.done("--help")
+    version = hmesh.done("--version")
+    for name in ["PNG", "JPEG", "BMP", "TGA", "GIF", "PSD", "PGM", "PPM", "PFM", "HDR"]:
+        assert name in text and re.search(rf"^  .*\b{name}\b.*: \S", version, re.M)
+    for kind, _ in LIBRARIES.values():
+        assert (kind in text) == (kind in version)

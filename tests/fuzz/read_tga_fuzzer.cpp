@@ -1,0 +1,7 @@
+// Fuzzes the command's reader of TGA files.
+#include "fuzz_reading.hpp"
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* bytes, std::size_t size) {
+    hmesh_test::fuzz_reader(bytes, size, tool::read_tga);
+    return 0;
+}
