@@ -4160,6 +4160,63 @@ struct Options {
 
 #endif  // HMESH_OPTIONS_HPP
 
+// ---- hmesh/methods/recipe.hpp
+
+/// \file
+/// Recipes: the interface between mesh_image() and a method, and how to write a recipe of one's own (as examples/own_method.cpp
+/// does).
+///
+/// A recipe is a struct whose data members are the method's options, with these members besides:
+///
+///     static constexpr const char* name = "grid";                     // for reports
+///     static constexpr hmesh::Colors colors = hmesh::Colors::optimal; // final colours where Options::colors says nothing
+///     hmesh::Status check(int width, int height) const;               // refuses options, or images by their size in px
+///     double tile_size(int width, int height, std::size_t n) const;   // px, of the tiles in which final colours are found
+///     template <int C> hmesh::Status run(hmesh::kit::TiledMesh<C>& mesh, std::size_t n) const;
+///
+/// run() replaces `mesh` by a mesh of exactly n vertices of the image mesh.source(), 4 <= n <= max(4, pixels), and returns an ok
+/// status; cancelled, it leaves a valid mesh and returns Errc::cancelled; any other status means that there is no mesh. A recipe
+/// that wants the pixels themselves declares run() with the image between its arguments, `template <class T, int C>
+/// run(TiledMesh<C>&, const ImageView<T, C>&, std::size_t)`. One that can go on from a mesh of another run makes searches for a
+/// PSNR cheaper, by `Recipe from(const hmesh::kit::Beginning&) const`, the recipe for one run of a search, and `double
+/// gain_over_sketch() const`, by how many dB whole runs are above sketches. A tile_size() of the image's longer side means one piece. mesh_image() does the rest: checks,
+/// premultiplication, weights, the search for a PSNR, final colours, the report. Recipes are made of the building blocks in
+/// hmesh::kit, which are public, documented, and free to change before version 1.
+#ifndef HMESH_METHODS_RECIPE_HPP
+#define HMESH_METHODS_RECIPE_HPP
+
+#include <cstddef>
+#include <type_traits>
+#include <utility>
+
+namespace hmesh::kit {
+
+/// How much work one run of a search is worth.
+enum class Work : unsigned char {
+    whole,   ///< as much as the recipe says
+    refine,  ///< what makes a mesh of nearly as many vertices as good as a whole run
+    sketch,  ///< what tells the PSNR of a whole run to within some 0.3 dB, in a quarter of its time
+    draft,   ///< what tells it to within 2 dB, in a tenth
+};
+
+/// What one run of a search begins with.
+struct Beginning {
+    const Mesh* mesh = nullptr;  ///< the mesh of another run, of about as many vertices; null: none, a run from the start
+    Work work = Work::whole;     ///< for it
+};
+
+/// Whether a type is a recipe, by its members `name` and `colors`.
+template <class Recipe, class = void>
+inline constexpr bool is_recipe = false;
+/// True for types with the members `name` and `colors` of a recipe.
+template <class Recipe>
+inline constexpr bool is_recipe<Recipe, std::enable_if_t<std::is_same_v<std::remove_const_t<decltype(Recipe::colors)>, Colors> &&
+                                                         std::is_convertible_v<decltype(Recipe::name), const char*>>> = true;
+
+}  // namespace hmesh::kit
+
+#endif  // HMESH_METHODS_RECIPE_HPP
+
 // ---- hmesh/methods/annealed/options.hpp
 
 /// \file
@@ -4310,6 +4367,10 @@ struct Annealed {
     /// tiles of 256 px beyond. Where a tile would hold less than 256 vertices on average, tiles are made larger, up to the
     /// image, and so is the memory that each takes.
     int tile = 0;
+    /// A mesh of the image to go on from in place of the first grid, with any number of vertices: it is brought to the number asked
+    /// for, then annealed and polished. It must outlive the call; null: none. Errc::invalid_argument where it is no mesh of the
+    /// image: size, channels, positions off the 1/256 px grid, colours that are not finite, faces that do not tile the image.
+    const Mesh* start = nullptr;
     /// The steps in detail, in place of those that `effort` stands for: start from kit::annealed_steps(effort) and change some.
     std::optional<kit::AnnealedSteps> steps{};
 
@@ -4335,6 +4396,25 @@ struct Annealed {
         while (size < longest && std::min<double>(size, width) * std::min<double>(size, height) < needed) size *= 1.25;
         return size;
     }
+    /// The recipe for one run of a search. Sketches are of effort fast, and meshes refined with 3 / 8 of the sweeps, which makes
+    /// them as good as whole runs where they come from 0.8 to 1.25 times the vertices.
+    [[nodiscard]] Annealed from(const kit::Beginning& beginning) const {
+        Annealed out = *this;
+        if (beginning.work == kit::Work::whole && beginning.mesh == nullptr) return out;
+        out.start = beginning.mesh;
+        if (beginning.work == kit::Work::draft || beginning.work == kit::Work::sketch) {
+            out.effort = beginning.work == kit::Work::draft ? Effort::draft : std::min(effort, Effort::fast);
+            out.steps.reset();
+        } else if (beginning.work == kit::Work::refine) {
+            out.steps = steps.value_or(kit::annealed_steps(effort));
+            out.steps->annealing.sweeps = (3 * out.steps->annealing.sweeps + 7) / 8;
+        }
+        return out;
+    }
+    /// By how many dB a whole run ends above a sketch of as many vertices, on the average.
+    [[nodiscard]] double gain_over_sketch() const noexcept {
+        return effort <= Effort::fast ? 0 : effort == Effort::normal ? 0.9 : 1.4;
+    }
     /// Replaces `mesh` by a mesh of n vertices of its image, 4 <= n <= max(4, pixels). Errc::cancelled: it is valid, with any
     /// number of vertices. Defined in methods/annealed/annealed.hpp.
     template <int C>
@@ -4344,47 +4424,6 @@ struct Annealed {
 }  // namespace hmesh
 
 #endif  // HMESH_METHODS_ANNEALED_OPTIONS_HPP
-
-// ---- hmesh/methods/recipe.hpp
-
-/// \file
-/// Recipes: the interface between mesh_image() and a method, and how to write a recipe of one's own (as examples/own_method.cpp
-/// does).
-///
-/// A recipe is a struct whose data members are the method's options, with these members besides:
-///
-///     static constexpr const char* name = "grid";                     // for reports
-///     static constexpr hmesh::Colors colors = hmesh::Colors::optimal; // final colours where Options::colors says nothing
-///     hmesh::Status check(int width, int height) const;               // refuses options, or images by their size in px
-///     double tile_size(int width, int height, std::size_t n) const;   // px, of the tiles in which final colours are found
-///     template <int C> hmesh::Status run(hmesh::kit::TiledMesh<C>& mesh, std::size_t n) const;
-///
-/// run() replaces `mesh` by a mesh of exactly n vertices of the image mesh.source(), 4 <= n <= max(4, pixels), and returns an ok
-/// status; cancelled, it leaves a valid mesh and returns Errc::cancelled. A recipe that wants the pixels themselves declares
-/// run() with the image between its arguments, `template <class T, int C> run(TiledMesh<C>&, const ImageView<T, C>&,
-/// std::size_t)`. A tile_size() of the image's longer side means one piece. mesh_image() does the rest: checks,
-/// premultiplication, weights, the search for a PSNR, final colours, the report. Recipes are made of the building blocks in
-/// hmesh::kit, which are public, documented, and free to change before version 1.
-#ifndef HMESH_METHODS_RECIPE_HPP
-#define HMESH_METHODS_RECIPE_HPP
-
-#include <cstddef>
-#include <type_traits>
-#include <utility>
-
-namespace hmesh::kit {
-
-/// Whether a type is a recipe, by its members `name` and `colors`.
-template <class Recipe, class = void>
-inline constexpr bool is_recipe = false;
-/// True for types with the members `name` and `colors` of a recipe.
-template <class Recipe>
-inline constexpr bool is_recipe<Recipe, std::enable_if_t<std::is_same_v<std::remove_const_t<decltype(Recipe::colors)>, Colors> &&
-                                                         std::is_convertible_v<decltype(Recipe::name), const char*>>> = true;
-
-}  // namespace hmesh::kit
-
-#endif  // HMESH_METHODS_RECIPE_HPP
 
 // ---- hmesh/result.hpp
 
@@ -9887,6 +9926,9 @@ bool run_one_tile_stage(TiledMesh<C>& tiled, const char* name, typename TiledMes
 /// common price. Whenever a vertex is visited, its colour becomes the least-squares one. o, u and s are
 /// AnnealedSteps::insert_factor, collapse_factor and annealing.sweeps; collapse is left out where o = 1, annealing where s = 0.
 ///
+/// A mesh to go on from (Annealed::start) takes the place of the grid, greedy insertion and collapse: the cheapest vertices are
+/// removed, or the best ones inserted, until there are n.
+///
 /// All stages work in patches (tiles/patch.hpp). First each tile is meshed by itself, with a share of the budget and with the
 /// vertices on its seams locked; then phases shift the tiling, so that no trace of the seams remains.
 #ifndef HMESH_METHODS_ANNEALED_ANNEALED_HPP
@@ -9935,6 +9977,22 @@ HMESH_COLD void shrink(ImageMesh<C>& mesh, std::size_t n, const AnnealedSteps& o
     }
 }
 
+/// Whether this is a mesh of the image, with finite colours; else Errc::invalid_argument.
+template <int C>
+[[nodiscard]] HMESH_COLD Status check_start(const IndexedMesh<C>& mesh, const ImageSource<C>& source) {
+    if (mesh.vertex_count() == 0) return {Errc::invalid_argument, "the mesh to start from has not the image's channels"};
+    if (mesh.width != source.width())
+        return {Errc::invalid_argument, "the mesh to start from is not as wide as the image", mesh.width, source.width()};
+    if (mesh.height != source.height())
+        return {Errc::invalid_argument, "the mesh to start from is not as high as the image", mesh.height, source.height()};
+    for (std::size_t v = 0; v < mesh.vertex_count(); ++v)
+        for (int c = 0; c < C; ++c)
+            if (!is_finite(mesh.colors[v][c]))
+                return {Errc::invalid_argument, "the mesh to start from has a colour that is not finite, at vertex",
+                        static_cast<std::int64_t>(v), 0};
+    return check(mesh);
+}
+
 /// The state of a tile of the aligned tiling after the last stage.
 struct TileState {
     std::size_t free = 0;    ///< vertices that are free in the tile
@@ -9953,12 +10011,24 @@ class AnnealedRun {
     bool run() {
         tiled_->indexed() = corner_mesh(tiled_->source());  // the mesh after a cancellation in the first stage
         return stage("grid", [&] { return start(); }) && stage("insert", [&] { return insert(); }) &&
-               (steps_.insert_factor <= 1 || stage("collapse", [&] { return collapse(); })) &&
-               (steps_.annealing.sweeps == 0 || stage("anneal", [&] { return anneal(); })) &&
-               stage("polish", [&] { return reach_vertex_count(*tiled_, n_, tile_, steps_.relaxation) && polish(); });
+               (steps_.insert_factor <= 1 || stage("collapse", [&] { return collapse(); })) && finish();
+    }
+    /// The same from `mesh` on, which check_start() accepts.
+    bool run_from(IndexedMesh<C> mesh) {
+        tiled_->indexed() = std::move(mesh);
+        return stage("start",
+                     [&] {
+                         tiled_->measure(aligned_);
+                         return reach_vertex_count(*tiled_, n_, tile_, steps_.relaxation);
+                     }) &&
+               finish();
     }
 
   private:
+    bool finish() {
+        return (steps_.annealing.sweeps == 0 || stage("anneal", [&] { return anneal(); })) &&
+               stage("polish", [&] { return reach_vertex_count(*tiled_, n_, tile_, steps_.relaxation) && polish(); });
+    }
     [[nodiscard]] ProgressReporter& progress() noexcept { return tiled_->progress(); }
     /// The tiling of phase k: in any 4 phases in a row, every vertex is within a tile in at least one.
     [[nodiscard]] Tiling tiling(int phase) const {
@@ -10108,13 +10178,22 @@ Status Annealed::run(kit::TiledMesh<C>& mesh, std::size_t n) const {
     const kit::ImageSource<C>& source = mesh.source();
     const double size = tile_size(source.width(), source.height(), n);
     kit::AnnealedSteps plan = steps.value_or(kit::annealed_steps(effort));
-    if (kit::detail::AnnealedRun<C>(mesh, n, plan, seed, size).run()) return {};
+    kit::detail::AnnealedRun<C> first(mesh, n, plan, seed, size);
+    bool is_done = false;
+    if (start != nullptr) {
+        kit::IndexedMesh<C> from = kit::to_indexed_mesh<C>(*start);
+        if (const Status status = kit::detail::check_start(from, source); !status) return status;
+        is_done = first.run_from(std::move(from));
+    } else {
+        is_done = first.run();
+    }
+    if (is_done) return {};
     if (mesh.progress().stopped()) return kit::cancelled_by_callback();
     // More than n vertices are left, each of whose collapses would make a face below min_double_area. Growing to n in one piece,
     // without a collapse, always ends at n.
     plan.insert_factor = 1;
     plan.annealing.sweeps = 0;
-    const bool is_done = kit::detail::AnnealedRun<C>(mesh, n, plan, seed, std::max(source.width(), source.height())).run();
+    is_done = kit::detail::AnnealedRun<C>(mesh, n, plan, seed, std::max(source.width(), source.height())).run();
     return kit::finished_or_cancelled(is_done);
 }
 
@@ -10608,6 +10687,9 @@ HMESH_COLD BoundedReport bounded_colors(TiledMesh<C>& tiled, const Tiling& tilin
 /// (of the logarithms) after more than two runs in a row on the same side.
 ///
 /// Cost: ends when the two counts differ by at most 0.5 % (or 1), after some 5 to 8 runs of the method.
+///
+/// Of a method that can go on from a mesh, drafts first tell the slope and about how many vertices it takes; then comes one whole
+/// run, and all further ones go on from the one before. Cost: some 2 runs of the method.
 #ifndef HMESH_METHODS_PSNR_SEARCH_HPP
 #define HMESH_METHODS_PSNR_SEARCH_HPP
 
@@ -10679,6 +10761,75 @@ namespace hmesh::kit {
     return best;
 }
 
+/// The same for a method that can go on from a mesh. mesh_from(n, beginning) makes the mesh of n vertices. The result has at most
+/// some 1 % more vertices than those that the method would need from the start, and may have fewer: a mesh gets better with each
+/// run that goes on from it.
+[[nodiscard]] HMESH_COLD inline Result fewest_vertices_going_on(
+    double psnr, double gain_over_sketch, std::size_t first, std::size_t most,
+    FunctionRef<Result(std::size_t n, const Beginning& from)> mesh_from) {
+    constexpr double near_enough = 0.025;  // dB above the target: 1 % of the vertices
+    constexpr double is_nearby = 0.4;      // doublings of the vertices up to which a run goes on from the one before
+    double slope = 1.6;                    // dB for each doubling of the vertices
+    const auto doublings = [](std::size_t from, std::size_t to) {
+        return std::log2(static_cast<double>(to) / static_cast<double>(from));
+    };
+    const auto next_after = [&](std::size_t n, double missing) {  // where a run of n vertices missed so many dB
+        const double count = static_cast<double>(n) * std::exp2(std::max(-4.0, std::min(4.0, missing / slope)));
+        return std::max<std::size_t>(4, std::min(most, static_cast<std::size_t>(std::llround(count))));
+    };
+    const auto learn = [&](std::size_t from, double from_psnr, std::size_t to, double to_psnr) {
+        const double distance = doublings(from, to);
+        if (is_finite(to_psnr) && std::abs(distance) > 0.2)
+            slope = std::max(0.6, std::min(8.0, (to_psnr - from_psnr) / distance));
+    };
+
+    // Drafts, 6 % of a whole run each, lead near a sketch, and sketches to the whole run. How far a draft is below a sketch
+    // differs much between images: rather too few vertices than too many, which take longer.
+    std::size_t n = first, before = 0;
+    double before_psnr = 0;
+    for (int drafts = 0, sketches = 0; drafts < 4 && sketches < 4;) {
+        const bool is_sketch = sketches != 0 || drafts == 3 || (before != 0 && std::abs(doublings(before, n)) < 1);
+        const Result result = mesh_from(n, {nullptr, is_sketch ? Work::sketch : Work::draft});
+        if (!result.status || !is_finite(result.report.psnr)) break;
+        if (before != 0 && (sketches != 0) == is_sketch) learn(before, before_psnr, n, result.report.psnr);
+        before = n, before_psnr = result.report.psnr;
+        ++(is_sketch ? sketches : drafts);
+        n = next_after(n, psnr - gain_over_sketch - (is_sketch ? 0 : 3) - result.report.psnr);
+        if (is_sketch && std::abs(doublings(before, n)) < is_nearby) break;
+    }
+
+    Result best = mesh_from(n, {});
+    if (!best.status) return best;
+    double now = best.report.psnr;
+    Mesh last = best.mesh;
+    for (int near_runs = 0, runs = 1; near_runs < 2 && runs < 20; ++runs) {
+        const bool is_reached = now >= psnr;
+        if (is_reached ? n == 4 || now <= psnr + near_enough : n == most) break;
+        std::size_t next = next_after(n, is_finite(now) ? psnr + 0.4 * near_enough - now : -slope);
+        if (next == n) next = is_reached ? n - 1 : n + 1;
+        const bool goes_on = std::abs(doublings(n, next)) <= is_nearby;
+        Result result = mesh_from(next, {goes_on ? &last : nullptr, goes_on ? Work::refine : Work::whole});
+        const double then = result.report.psnr;
+        const bool is_better = then >= psnr ? best.report.psnr < psnr || next < best.report.vertices
+                                            : best.report.psnr < psnr && then > best.report.psnr;
+        if (!result.status) {
+            const Status why = result.status;
+            if (best.report.psnr < psnr && then > best.report.psnr) best = std::move(result);
+            best.status = why;
+            return best;
+        }
+        learn(n, now, next, then);
+        if (then >= psnr || now >= psnr) near_runs += goes_on ? 1 : 0;  // from here on only to save vertices
+        n = next, now = then;
+        last = result.mesh;
+        if (is_better) best = std::move(result);
+    }
+    if (best.report.psnr < psnr)
+        best.status = {Errc::target_out_of_range, "no mesh of this image reached the PSNR asked for, in dB", best.report.psnr,
+                       psnr};
+    return best;
+}
+
 }  // namespace hmesh::kit
 
 #endif  // HMESH_METHODS_PSNR_SEARCH_HPP
@@ -10703,14 +10854,17 @@ namespace hmesh::detail {
 template <int C>
 struct RecipeRef {
     FunctionRef<double(std::size_t n)> tile_size;
-    FunctionRef<Status(kit::TiledMesh<C>& mesh, std::size_t n)> run;
+    FunctionRef<Status(kit::TiledMesh<C>& mesh, std::size_t n, const kit::Beginning& from)> run;
     Colors colors;
+    bool can_go_on;           // whether run() knows beginnings other than the first
+    double gain_over_sketch;  // where it does
 };
 
 /// One finished mesh of n vertices. `samples`: number of pixels, or the sum of their weights, times channels.
 template <int C>
 [[nodiscard]] HMESH_COLD Result mesh_once(const kit::ImageSource<C>& source, double samples, std::size_t n,
-                                          const RecipeRef<C>& recipe, const Options& options, const ParallelFor& parallel_for) {
+                                          const kit::Beginning& from, const RecipeRef<C>& recipe, const Options& options,
+                                          const ParallelFor& parallel_for) {
     Result result;
     const double tile = recipe.tile_size(n);
     // Patches stand out of their tiles by parts of a triangle: hence twice as large.
@@ -10724,7 +10878,8 @@ template <int C>
     kit::ProgressReporter progress(options.progress, samples, source.peak());
     kit::TiledMesh<C> tiled(source, options.limits, progress, parallel_for);
     tiled.indexed() = kit::corner_mesh(source);  // what a cancellation finds
-    result.status = recipe.run(tiled, n);
+    result.status = recipe.run(tiled, n, from);
+    if (!result.status && result.status.code != Errc::cancelled) return result;  // refused: no mesh
     progress.begin("colors", tiled.vertex_count(), tiled.energy());
     const double grid = source.is_integer() && options.round_colors ? 1 : 0;
     const kit::Tiling tiling(source.width(), source.height(), tile);
@@ -10747,13 +10902,19 @@ template <int C>
                                             const Options& options, const ParallelFor& parallel_for) {
     const double pixels = source.pixels();
     const auto most = static_cast<std::size_t>(std::max(4.0, pixels));
-    const auto mesh_of = [&](std::size_t n) { return mesh_once(source, samples, n, recipe, options, parallel_for); };
+    const auto mesh_from = [&](std::size_t n, const kit::Beginning& from) {
+        return mesh_once(source, samples, n, from, recipe, options, parallel_for);
+    };
+    const auto mesh_of = [&](std::size_t n) { return mesh_from(n, {}); };
     const auto share = [&](double percent) {
         return std::min(most, std::max<std::size_t>(4, static_cast<std::size_t>(std::llround(pixels * percent / 100))));
     };
     switch (options.target.kind) {
         case Target::Kind::percent: return mesh_of(share(options.target.value));
-        case Target::Kind::psnr: return kit::fewest_vertices(options.target.value, share(1), most, mesh_of);
+        case Target::Kind::psnr:
+            return recipe.can_go_on ? kit::fewest_vertices_going_on(options.target.value, recipe.gain_over_sketch, share(0.25),
+                                                                    most, mesh_from)
+                                    : kit::fewest_vertices(options.target.value, share(1), most, mesh_of);
         case Target::Kind::vertices: break;
     }
     return mesh_of(static_cast<std::size_t>(options.target.value));
@@ -10764,8 +10925,10 @@ template <class T, int C>
 struct ImageRecipeRef {
     FunctionRef<Status(int width, int height)> check;
     FunctionRef<double(std::size_t n)> tile_size;
-    FunctionRef<Status(kit::TiledMesh<C>& mesh, const ImageView<T, C>& image, std::size_t n)> run;
+    FunctionRef<Status(kit::TiledMesh<C>& mesh, const ImageView<T, C>& image, std::size_t n, const kit::Beginning& from)> run;
     Colors colors;
+    bool can_go_on;
+    double gain_over_sketch;
 };
 
 /// mesh_image() with any recipe.
@@ -10792,8 +10955,11 @@ template <class T, int C>
     const double unit = kit::weight_unit(options.weights, parallel_for);
     const double samples = C * kit::weight_sum(options.weights, unit, view.width, view.height, parallel_for);
     const kit::ImageSource<C> source(image, options.weights, unit);
-    const auto run = [&](kit::TiledMesh<C>& mesh, std::size_t n) { return recipe.run(mesh, image, n); };
-    result = mesh_target(source, samples, RecipeRef<C>{recipe.tile_size, run, recipe.colors}, options, parallel_for);
+    const auto run = [&](kit::TiledMesh<C>& mesh, std::size_t n, const kit::Beginning& from) {
+        return recipe.run(mesh, image, n, from);
+    };
+    const RecipeRef<C> reference{recipe.tile_size, run, recipe.colors, recipe.can_go_on, recipe.gain_over_sketch};
+    result = mesh_target(source, samples, reference, options, parallel_for);
     result.mesh.premultiplied = options.premultiplied;
     return result;
 }
@@ -10807,6 +10973,13 @@ inline constexpr bool
                std::void_t<decltype(std::declval<const Recipe&>().run(
                    std::declval<kit::TiledMesh<C>&>(), std::declval<const ImageView<T, C>&>(), std::size_t{}))>> = true;
 
+/// Whether a recipe can go on from a mesh, by a member from(beginning).
+template <class Recipe, class = void>
+inline constexpr bool can_go_on = false;
+template <class Recipe>
+inline constexpr bool
+    can_go_on<Recipe, std::void_t<decltype(std::declval<const Recipe&>().from(std::declval<const kit::Beginning&>()))>> = true;
+
 }  // namespace hmesh::detail
 
 namespace hmesh {
@@ -10815,12 +10988,18 @@ template <class T, int C, class Recipe, class>
 Result mesh_image(const ImageView<T, C>& view, const Options& options, const Recipe& recipe, const ParallelFor& parallel_for) {
     const auto check = [&](int width, int height) -> Status { return recipe.check(width, height); };
     const auto tile_size = [&](std::size_t n) { return static_cast<double>(recipe.tile_size(view.width, view.height, n)); };
-    const auto run = [&](kit::TiledMesh<C>& mesh, [[maybe_unused]] const ImageView<T, C>& image, std::size_t n) -> Status {
-        if constexpr (detail::wants_view<Recipe, T, C>) return recipe.run(mesh, image, n);
+    const auto run = [&](kit::TiledMesh<C>& mesh, [[maybe_unused]] const ImageView<T, C>& image, std::size_t n,
+                         [[maybe_unused]] const kit::Beginning& from) -> Status {
+        if constexpr (detail::can_go_on<Recipe>) return recipe.from(from).run(mesh, n);
+        else if constexpr (detail::wants_view<Recipe, T, C>) return recipe.run(mesh, image, n);
         else return recipe.run(mesh, n);
     };
+    double gain = 0;
+    if constexpr (detail::can_go_on<Recipe>) gain = recipe.gain_over_sketch();
     const Colors colors = options.colors.value_or(Recipe::colors);
-    return detail::mesh_view(view, options, detail::ImageRecipeRef<T, C>{check, tile_size, run, colors}, parallel_for);
+    return detail::mesh_view(view, options,
+                             detail::ImageRecipeRef<T, C>{check, tile_size, run, colors, detail::can_go_on<Recipe>, gain},
+                             parallel_for);
 }
 
 }  // namespace hmesh

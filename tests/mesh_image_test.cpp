@@ -539,3 +539,65 @@ TEST_CASE("a target that is of no known kind is refused") {
     CHECK(result.status.value == 7);
     CHECK(!result.has_mesh());
 }
+
+TEST_CASE(
+    "a mesh to start from is brought to any number of vertices, in tiles too, and ends no worse than a run from the start") {
+    const auto picture = hmesh_test::scene<std::uint8_t, 3>(96, 80, 5);
+    const auto mesh_of = [&](std::int64_t n, const Annealed& recipe) {
+        hmesh::Options options;
+        options.target = hmesh::Target::vertices(n);
+        return hmesh::mesh_image(picture.view(), options, recipe);
+    };
+    const hmesh::Result first = mesh_of(200, Annealed());
+    for (const int tile : {0, 64})
+        for (const std::int64_t n : {4, 60, 160, 200, 250, 900}) {
+            CAPTURE(n);
+            Annealed recipe;
+            recipe.start = &first.mesh;
+            recipe.tile = tile;
+            const hmesh::Result result = mesh_of(n, recipe);
+            REQUIRE(result.status);
+            CHECK(result.report.vertices == static_cast<std::size_t>(n));
+            hmesh_test::prove_result(picture, result, static_cast<std::size_t>(n));
+            if (n >= 160 && n <= 250) CHECK(result.report.psnr >= mesh_of(n, Annealed()).report.psnr - 0.1);
+        }
+}
+
+TEST_CASE("what is no mesh of the image is refused as a start") {
+    const auto picture = hmesh_test::scene<std::uint8_t, 3>(40, 30, 5);
+    hmesh::Options options;
+    options.target = hmesh::Target::vertices(40);
+    Annealed recipe;
+    const hmesh::Mesh good = hmesh::mesh_image(picture.view(), options, recipe).mesh;
+    const auto refuses = [&](const hmesh::Mesh& start) {
+        recipe.start = &start;
+        const hmesh::Result result = hmesh::mesh_image(picture.view(), options, recipe);
+        return result.status.code == hmesh::Errc::invalid_argument && !result.has_mesh();
+    };
+    CHECK(!refuses(good));
+    hmesh::Mesh bad = good;
+    bad.positions[4] += 0.001F;
+    CHECK(refuses(bad));
+    bad = good;
+    bad.positions[5] = std::numeric_limits<float>::quiet_NaN();
+    CHECK(refuses(bad));
+    bad = good;
+    bad.faces[3] = {0, 1, 4000000000U};
+    CHECK(refuses(bad));
+    bad = good;
+    bad.faces.pop_back();
+    CHECK(refuses(bad));
+    bad = good;
+    bad.colors[7] = std::numeric_limits<float>::infinity();
+    CHECK(refuses(bad));
+    bad = good;
+    bad.colors.pop_back();
+    CHECK(refuses(bad));
+    bad = good;
+    bad.width = 41;
+    CHECK(refuses(bad));
+    bad = good;
+    bad.channels = 4;
+    CHECK(refuses(bad));
+    CHECK(refuses({}));
+}

@@ -33,14 +33,17 @@ namespace hmesh::detail {
 template <int C>
 struct RecipeRef {
     FunctionRef<double(std::size_t n)> tile_size;
-    FunctionRef<Status(kit::TiledMesh<C>& mesh, std::size_t n)> run;
+    FunctionRef<Status(kit::TiledMesh<C>& mesh, std::size_t n, const kit::Beginning& from)> run;
     Colors colors;
+    bool can_go_on;           // whether run() knows beginnings other than the first
+    double gain_over_sketch;  // where it does
 };
 
 /// One finished mesh of n vertices. `samples`: number of pixels, or the sum of their weights, times channels.
 template <int C>
 [[nodiscard]] HMESH_COLD Result mesh_once(const kit::ImageSource<C>& source, double samples, std::size_t n,
-                                          const RecipeRef<C>& recipe, const Options& options, const ParallelFor& parallel_for) {
+                                          const kit::Beginning& from, const RecipeRef<C>& recipe, const Options& options,
+                                          const ParallelFor& parallel_for) {
     Result result;
     const double tile = recipe.tile_size(n);
     // Patches stand out of their tiles by parts of a triangle: hence twice as large.
@@ -54,7 +57,8 @@ template <int C>
     kit::ProgressReporter progress(options.progress, samples, source.peak());
     kit::TiledMesh<C> tiled(source, options.limits, progress, parallel_for);
     tiled.indexed() = kit::corner_mesh(source);  // what a cancellation finds
-    result.status = recipe.run(tiled, n);
+    result.status = recipe.run(tiled, n, from);
+    if (!result.status && result.status.code != Errc::cancelled) return result;  // refused: no mesh
     progress.begin("colors", tiled.vertex_count(), tiled.energy());
     const double grid = source.is_integer() && options.round_colors ? 1 : 0;
     const kit::Tiling tiling(source.width(), source.height(), tile);
@@ -77,13 +81,19 @@ template <int C>
                                             const Options& options, const ParallelFor& parallel_for) {
     const double pixels = source.pixels();
     const auto most = static_cast<std::size_t>(std::max(4.0, pixels));
-    const auto mesh_of = [&](std::size_t n) { return mesh_once(source, samples, n, recipe, options, parallel_for); };
+    const auto mesh_from = [&](std::size_t n, const kit::Beginning& from) {
+        return mesh_once(source, samples, n, from, recipe, options, parallel_for);
+    };
+    const auto mesh_of = [&](std::size_t n) { return mesh_from(n, {}); };
     const auto share = [&](double percent) {
         return std::min(most, std::max<std::size_t>(4, static_cast<std::size_t>(std::llround(pixels * percent / 100))));
     };
     switch (options.target.kind) {
         case Target::Kind::percent: return mesh_of(share(options.target.value));
-        case Target::Kind::psnr: return kit::fewest_vertices(options.target.value, share(1), most, mesh_of);
+        case Target::Kind::psnr:
+            return recipe.can_go_on ? kit::fewest_vertices_going_on(options.target.value, recipe.gain_over_sketch, share(0.25),
+                                                                    most, mesh_from)
+                                    : kit::fewest_vertices(options.target.value, share(1), most, mesh_of);
         case Target::Kind::vertices: break;
     }
     return mesh_of(static_cast<std::size_t>(options.target.value));
@@ -94,8 +104,10 @@ template <class T, int C>
 struct ImageRecipeRef {
     FunctionRef<Status(int width, int height)> check;
     FunctionRef<double(std::size_t n)> tile_size;
-    FunctionRef<Status(kit::TiledMesh<C>& mesh, const ImageView<T, C>& image, std::size_t n)> run;
+    FunctionRef<Status(kit::TiledMesh<C>& mesh, const ImageView<T, C>& image, std::size_t n, const kit::Beginning& from)> run;
     Colors colors;
+    bool can_go_on;
+    double gain_over_sketch;
 };
 
 /// mesh_image() with any recipe.
@@ -122,8 +134,11 @@ template <class T, int C>
     const double unit = kit::weight_unit(options.weights, parallel_for);
     const double samples = C * kit::weight_sum(options.weights, unit, view.width, view.height, parallel_for);
     const kit::ImageSource<C> source(image, options.weights, unit);
-    const auto run = [&](kit::TiledMesh<C>& mesh, std::size_t n) { return recipe.run(mesh, image, n); };
-    result = mesh_target(source, samples, RecipeRef<C>{recipe.tile_size, run, recipe.colors}, options, parallel_for);
+    const auto run = [&](kit::TiledMesh<C>& mesh, std::size_t n, const kit::Beginning& from) {
+        return recipe.run(mesh, image, n, from);
+    };
+    const RecipeRef<C> reference{recipe.tile_size, run, recipe.colors, recipe.can_go_on, recipe.gain_over_sketch};
+    result = mesh_target(source, samples, reference, options, parallel_for);
     result.mesh.premultiplied = options.premultiplied;
     return result;
 }
@@ -137,6 +152,13 @@ inline constexpr bool
                std::void_t<decltype(std::declval<const Recipe&>().run(
                    std::declval<kit::TiledMesh<C>&>(), std::declval<const ImageView<T, C>&>(), std::size_t{}))>> = true;
 
+/// Whether a recipe can go on from a mesh, by a member from(beginning).
+template <class Recipe, class = void>
+inline constexpr bool can_go_on = false;
+template <class Recipe>
+inline constexpr bool
+    can_go_on<Recipe, std::void_t<decltype(std::declval<const Recipe&>().from(std::declval<const kit::Beginning&>()))>> = true;
+
 }  // namespace hmesh::detail
 
 namespace hmesh {
@@ -145,12 +167,18 @@ template <class T, int C, class Recipe, class>
 Result mesh_image(const ImageView<T, C>& view, const Options& options, const Recipe& recipe, const ParallelFor& parallel_for) {
     const auto check = [&](int width, int height) -> Status { return recipe.check(width, height); };
     const auto tile_size = [&](std::size_t n) { return static_cast<double>(recipe.tile_size(view.width, view.height, n)); };
-    const auto run = [&](kit::TiledMesh<C>& mesh, [[maybe_unused]] const ImageView<T, C>& image, std::size_t n) -> Status {
-        if constexpr (detail::wants_view<Recipe, T, C>) return recipe.run(mesh, image, n);
+    const auto run = [&](kit::TiledMesh<C>& mesh, [[maybe_unused]] const ImageView<T, C>& image, std::size_t n,
+                         [[maybe_unused]] const kit::Beginning& from) -> Status {
+        if constexpr (detail::can_go_on<Recipe>) return recipe.from(from).run(mesh, n);
+        else if constexpr (detail::wants_view<Recipe, T, C>) return recipe.run(mesh, image, n);
         else return recipe.run(mesh, n);
     };
+    double gain = 0;
+    if constexpr (detail::can_go_on<Recipe>) gain = recipe.gain_over_sketch();
     const Colors colors = options.colors.value_or(Recipe::colors);
-    return detail::mesh_view(view, options, detail::ImageRecipeRef<T, C>{check, tile_size, run, colors}, parallel_for);
+    return detail::mesh_view(view, options,
+                             detail::ImageRecipeRef<T, C>{check, tile_size, run, colors, detail::can_go_on<Recipe>, gain},
+                             parallel_for);
 }
 
 }  // namespace hmesh

@@ -6,6 +6,9 @@
 /// (of the logarithms) after more than two runs in a row on the same side.
 ///
 /// Cost: ends when the two counts differ by at most 0.5 % (or 1), after some 5 to 8 runs of the method.
+///
+/// Of a method that can go on from a mesh, drafts first tell the slope and about how many vertices it takes; then comes one whole
+/// run, and all further ones go on from the one before. Cost: some 2 runs of the method.
 #ifndef HMESH_METHODS_PSNR_SEARCH_HPP
 #define HMESH_METHODS_PSNR_SEARCH_HPP
 
@@ -19,6 +22,7 @@
 #include "hmesh/core/finite.hpp"
 #include "hmesh/core/function_ref.hpp"
 #include "hmesh/core/status.hpp"
+#include "hmesh/methods/recipe.hpp"
 #include "hmesh/result.hpp"
 
 #include "hmesh/core/macros/push.hpp"
@@ -80,6 +84,75 @@ namespace hmesh::kit {
         if (better) best = std::move(result);
     }
     if (!reached)
+        best.status = {Errc::target_out_of_range, "no mesh of this image reached the PSNR asked for, in dB", best.report.psnr,
+                       psnr};
+    return best;
+}
+
+/// The same for a method that can go on from a mesh. mesh_from(n, beginning) makes the mesh of n vertices. The result has at most
+/// some 1 % more vertices than those that the method would need from the start, and may have fewer: a mesh gets better with each
+/// run that goes on from it.
+[[nodiscard]] HMESH_COLD inline Result fewest_vertices_going_on(
+    double psnr, double gain_over_sketch, std::size_t first, std::size_t most,
+    FunctionRef<Result(std::size_t n, const Beginning& from)> mesh_from) {
+    constexpr double near_enough = 0.025;  // dB above the target: 1 % of the vertices
+    constexpr double is_nearby = 0.4;      // doublings of the vertices up to which a run goes on from the one before
+    double slope = 1.6;                    // dB for each doubling of the vertices
+    const auto doublings = [](std::size_t from, std::size_t to) {
+        return std::log2(static_cast<double>(to) / static_cast<double>(from));
+    };
+    const auto next_after = [&](std::size_t n, double missing) {  // where a run of n vertices missed so many dB
+        const double count = static_cast<double>(n) * std::exp2(std::max(-4.0, std::min(4.0, missing / slope)));
+        return std::max<std::size_t>(4, std::min(most, static_cast<std::size_t>(std::llround(count))));
+    };
+    const auto learn = [&](std::size_t from, double from_psnr, std::size_t to, double to_psnr) {
+        const double distance = doublings(from, to);
+        if (is_finite(to_psnr) && std::abs(distance) > 0.2)
+            slope = std::max(0.6, std::min(8.0, (to_psnr - from_psnr) / distance));
+    };
+
+    // Drafts, 6 % of a whole run each, lead near a sketch, and sketches to the whole run. How far a draft is below a sketch
+    // differs much between images: rather too few vertices than too many, which take longer.
+    std::size_t n = first, before = 0;
+    double before_psnr = 0;
+    for (int drafts = 0, sketches = 0; drafts < 4 && sketches < 4;) {
+        const bool is_sketch = sketches != 0 || drafts == 3 || (before != 0 && std::abs(doublings(before, n)) < 1);
+        const Result result = mesh_from(n, {nullptr, is_sketch ? Work::sketch : Work::draft});
+        if (!result.status || !is_finite(result.report.psnr)) break;
+        if (before != 0 && (sketches != 0) == is_sketch) learn(before, before_psnr, n, result.report.psnr);
+        before = n, before_psnr = result.report.psnr;
+        ++(is_sketch ? sketches : drafts);
+        n = next_after(n, psnr - gain_over_sketch - (is_sketch ? 0 : 3) - result.report.psnr);
+        if (is_sketch && std::abs(doublings(before, n)) < is_nearby) break;
+    }
+
+    Result best = mesh_from(n, {});
+    if (!best.status) return best;
+    double now = best.report.psnr;
+    Mesh last = best.mesh;
+    for (int near_runs = 0, runs = 1; near_runs < 2 && runs < 20; ++runs) {
+        const bool is_reached = now >= psnr;
+        if (is_reached ? n == 4 || now <= psnr + near_enough : n == most) break;
+        std::size_t next = next_after(n, is_finite(now) ? psnr + 0.4 * near_enough - now : -slope);
+        if (next == n) next = is_reached ? n - 1 : n + 1;
+        const bool goes_on = std::abs(doublings(n, next)) <= is_nearby;
+        Result result = mesh_from(next, {goes_on ? &last : nullptr, goes_on ? Work::refine : Work::whole});
+        const double then = result.report.psnr;
+        const bool is_better = then >= psnr ? best.report.psnr < psnr || next < best.report.vertices
+                                            : best.report.psnr < psnr && then > best.report.psnr;
+        if (!result.status) {
+            const Status why = result.status;
+            if (best.report.psnr < psnr && then > best.report.psnr) best = std::move(result);
+            best.status = why;
+            return best;
+        }
+        learn(n, now, next, then);
+        if (then >= psnr || now >= psnr) near_runs += goes_on ? 1 : 0;  // from here on only to save vertices
+        n = next, now = then;
+        last = result.mesh;
+        if (is_better) best = std::move(result);
+    }
+    if (best.report.psnr < psnr)
         best.status = {Errc::target_out_of_range, "no mesh of this image reached the PSNR asked for, in dB", best.report.psnr,
                        psnr};
     return best;

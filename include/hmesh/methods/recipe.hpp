@@ -11,9 +11,11 @@
 ///     template <int C> hmesh::Status run(hmesh::kit::TiledMesh<C>& mesh, std::size_t n) const;
 ///
 /// run() replaces `mesh` by a mesh of exactly n vertices of the image mesh.source(), 4 <= n <= max(4, pixels), and returns an ok
-/// status; cancelled, it leaves a valid mesh and returns Errc::cancelled. A recipe that wants the pixels themselves declares
-/// run() with the image between its arguments, `template <class T, int C> run(TiledMesh<C>&, const ImageView<T, C>&,
-/// std::size_t)`. A tile_size() of the image's longer side means one piece. mesh_image() does the rest: checks,
+/// status; cancelled, it leaves a valid mesh and returns Errc::cancelled; any other status means that there is no mesh. A recipe
+/// that wants the pixels themselves declares run() with the image between its arguments, `template <class T, int C>
+/// run(TiledMesh<C>&, const ImageView<T, C>&, std::size_t)`. One that can go on from a mesh of another run makes searches for a
+/// PSNR cheaper, by `Recipe from(const hmesh::kit::Beginning&) const`, the recipe for one run of a search, and `double
+/// gain_over_sketch() const`, by how many dB whole runs are above sketches. A tile_size() of the image's longer side means one piece. mesh_image() does the rest: checks,
 /// premultiplication, weights, the search for a PSNR, final colours, the report. Recipes are made of the building blocks in
 /// hmesh::kit, which are public, documented, and free to change before version 1.
 #ifndef HMESH_METHODS_RECIPE_HPP
@@ -24,11 +26,26 @@
 #include <utility>
 
 #include "hmesh/image/image_view.hpp"
+#include "hmesh/mesh/mesh.hpp"
 #include "hmesh/options.hpp"
 
 #include "hmesh/core/macros/push.hpp"
 
 namespace hmesh::kit {
+
+/// How much work one run of a search is worth.
+enum class Work : unsigned char {
+    whole,   ///< as much as the recipe says
+    refine,  ///< what makes a mesh of nearly as many vertices as good as a whole run
+    sketch,  ///< what tells the PSNR of a whole run to within some 0.3 dB, in a quarter of its time
+    draft,   ///< what tells it to within 2 dB, in a tenth
+};
+
+/// What one run of a search begins with.
+struct Beginning {
+    const Mesh* mesh = nullptr;  ///< the mesh of another run, of about as many vertices; null: none, a run from the start
+    Work work = Work::whole;     ///< for it
+};
 
 /// Whether a type is a recipe, by its members `name` and `colors`.
 template <class Recipe, class = void>

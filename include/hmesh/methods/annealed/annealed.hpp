@@ -8,6 +8,9 @@
 /// common price. Whenever a vertex is visited, its colour becomes the least-squares one. o, u and s are
 /// AnnealedSteps::insert_factor, collapse_factor and annealing.sweeps; collapse is left out where o = 1, annealing where s = 0.
 ///
+/// A mesh to go on from (Annealed::start) takes the place of the grid, greedy insertion and collapse: the cheapest vertices are
+/// removed, or the best ones inserted, until there are n.
+///
 /// All stages work in patches (tiles/patch.hpp). First each tile is meshed by itself, with a share of the budget and with the
 /// vertices on its seams locked; then phases shift the tiling, so that no trace of the seams remains.
 #ifndef HMESH_METHODS_ANNEALED_ANNEALED_HPP
@@ -21,6 +24,7 @@
 #include <vector>
 
 #include "hmesh/core/compiler.hpp"
+#include "hmesh/core/finite.hpp"
 #include "hmesh/core/progress.hpp"
 #include "hmesh/core/status.hpp"
 #include "hmesh/edit/collapse.hpp"
@@ -73,6 +77,22 @@ HMESH_COLD void shrink(ImageMesh<C>& mesh, std::size_t n, const AnnealedSteps& o
     }
 }
 
+/// Whether this is a mesh of the image, with finite colours; else Errc::invalid_argument.
+template <int C>
+[[nodiscard]] HMESH_COLD Status check_start(const IndexedMesh<C>& mesh, const ImageSource<C>& source) {
+    if (mesh.vertex_count() == 0) return {Errc::invalid_argument, "the mesh to start from has not the image's channels"};
+    if (mesh.width != source.width())
+        return {Errc::invalid_argument, "the mesh to start from is not as wide as the image", mesh.width, source.width()};
+    if (mesh.height != source.height())
+        return {Errc::invalid_argument, "the mesh to start from is not as high as the image", mesh.height, source.height()};
+    for (std::size_t v = 0; v < mesh.vertex_count(); ++v)
+        for (int c = 0; c < C; ++c)
+            if (!is_finite(mesh.colors[v][c]))
+                return {Errc::invalid_argument, "the mesh to start from has a colour that is not finite, at vertex",
+                        static_cast<std::int64_t>(v), 0};
+    return check(mesh);
+}
+
 /// The state of a tile of the aligned tiling after the last stage.
 struct TileState {
     std::size_t free = 0;    ///< vertices that are free in the tile
@@ -91,12 +111,24 @@ class AnnealedRun {
     bool run() {
         tiled_->indexed() = corner_mesh(tiled_->source());  // the mesh after a cancellation in the first stage
         return stage("grid", [&] { return start(); }) && stage("insert", [&] { return insert(); }) &&
-               (steps_.insert_factor <= 1 || stage("collapse", [&] { return collapse(); })) &&
-               (steps_.annealing.sweeps == 0 || stage("anneal", [&] { return anneal(); })) &&
-               stage("polish", [&] { return reach_vertex_count(*tiled_, n_, tile_, steps_.relaxation) && polish(); });
+               (steps_.insert_factor <= 1 || stage("collapse", [&] { return collapse(); })) && finish();
+    }
+    /// The same from `mesh` on, which check_start() accepts.
+    bool run_from(IndexedMesh<C> mesh) {
+        tiled_->indexed() = std::move(mesh);
+        return stage("start",
+                     [&] {
+                         tiled_->measure(aligned_);
+                         return reach_vertex_count(*tiled_, n_, tile_, steps_.relaxation);
+                     }) &&
+               finish();
     }
 
   private:
+    bool finish() {
+        return (steps_.annealing.sweeps == 0 || stage("anneal", [&] { return anneal(); })) &&
+               stage("polish", [&] { return reach_vertex_count(*tiled_, n_, tile_, steps_.relaxation) && polish(); });
+    }
     [[nodiscard]] ProgressReporter& progress() noexcept { return tiled_->progress(); }
     /// The tiling of phase k: in any 4 phases in a row, every vertex is within a tile in at least one.
     [[nodiscard]] Tiling tiling(int phase) const {
@@ -246,13 +278,22 @@ Status Annealed::run(kit::TiledMesh<C>& mesh, std::size_t n) const {
     const kit::ImageSource<C>& source = mesh.source();
     const double size = tile_size(source.width(), source.height(), n);
     kit::AnnealedSteps plan = steps.value_or(kit::annealed_steps(effort));
-    if (kit::detail::AnnealedRun<C>(mesh, n, plan, seed, size).run()) return {};
+    kit::detail::AnnealedRun<C> first(mesh, n, plan, seed, size);
+    bool is_done = false;
+    if (start != nullptr) {
+        kit::IndexedMesh<C> from = kit::to_indexed_mesh<C>(*start);
+        if (const Status status = kit::detail::check_start(from, source); !status) return status;
+        is_done = first.run_from(std::move(from));
+    } else {
+        is_done = first.run();
+    }
+    if (is_done) return {};
     if (mesh.progress().stopped()) return kit::cancelled_by_callback();
     // More than n vertices are left, each of whose collapses would make a face below min_double_area. Growing to n in one piece,
     // without a collapse, always ends at n.
     plan.insert_factor = 1;
     plan.annealing.sweeps = 0;
-    const bool is_done = kit::detail::AnnealedRun<C>(mesh, n, plan, seed, std::max(source.width(), source.height())).run();
+    is_done = kit::detail::AnnealedRun<C>(mesh, n, plan, seed, std::max(source.width(), source.height())).run();
     return kit::finished_or_cancelled(is_done);
 }
 
