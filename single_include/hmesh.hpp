@@ -4179,9 +4179,9 @@ struct Options {
 /// that wants the pixels themselves declares run() with the image between its arguments, `template <class T, int C>
 /// run(TiledMesh<C>&, const ImageView<T, C>&, std::size_t)`. One that can go on from a mesh of another run makes searches for a
 /// PSNR cheaper, by `Recipe from(const hmesh::kit::Beginning&) const`, the recipe for one run of a search, and `double
-/// gain_over_sketch() const`, by how many dB whole runs are above sketches. A tile_size() of the image's longer side means one piece. mesh_image() does the rest: checks,
-/// premultiplication, weights, the search for a PSNR, final colours, the report. Recipes are made of the building blocks in
-/// hmesh::kit, which are public, documented, and free to change before version 1.
+/// gain_over_sketch() const`, by how many dB whole runs are above sketches. A tile_size() of the image's longer side means one
+/// piece. mesh_image() does the rest: checks, premultiplication, weights, the search for a PSNR, final colours, the report.
+/// Recipes are made of the building blocks in hmesh::kit, which are public, documented, and free to change before version 1.
 #ifndef HMESH_METHODS_RECIPE_HPP
 #define HMESH_METHODS_RECIPE_HPP
 
@@ -4367,9 +4367,9 @@ struct Annealed {
     /// tiles of 256 px beyond. Where a tile would hold less than 256 vertices on average, tiles are made larger, up to the
     /// image, and so is the memory that each takes.
     int tile = 0;
-    /// A mesh of the image to go on from in place of the first grid, with any number of vertices: it is brought to the number asked
-    /// for, then annealed and polished. It must outlive the call; null: none. Errc::invalid_argument where it is no mesh of the
-    /// image: size, channels, positions off the 1/256 px grid, colours that are not finite, faces that do not tile the image.
+    /// A mesh of the image to go on from in place of the first grid, with any number of vertices: it is brought to the number
+    /// asked for, then annealed and polished. It must outlive the call; null: none. Errc::invalid_argument where it is no mesh of
+    /// the image: size, channels, positions off the 1/256 px grid, colours that are not finite, faces that do not tile the image.
     const Mesh* start = nullptr;
     /// The steps in detail, in place of those that `effort` stands for: start from kit::annealed_steps(effort) and change some.
     std::optional<kit::AnnealedSteps> steps{};
