@@ -1,5 +1,6 @@
 """What cannot be read, meshed or written, and Ctrl-C."""
 import errno
+import fcntl
 import json
 import os
 import resource
@@ -108,33 +109,86 @@ def test_where_there_is_no_memory_one_sentence_says_so(hmesh):
     assert not Path("none.png").exists()
 
 
-def interrupt(hmesh, arguments, sentence):
-    """Ctrl-C after a second of what takes more than five on any machine: two threads, however many cores there are."""
+def interrupt(hmesh, arguments, sentence, which=signal.SIGINT, delay=1):
+    """Ctrl-C or another signal after some seconds of what takes more than five on any machine: two threads, however many cores there are."""
     with subprocess.Popen(hmesh.words(f"large.png --threads 2 {arguments}"), stdout=subprocess.PIPE, stderr=subprocess.PIPE,
                           encoding="utf-8") as job:
-        time.sleep(1)
-        job.send_signal(signal.SIGINT)
+        time.sleep(delay)
+        job.send_signal(which)
         out, err = job.communicate(timeout=60)
     is_failure(subprocess.CompletedProcess(job.args, job.returncode, out, err), f": interrupted; {sentence}")
 
 
-def test_ctrl_c_writes_the_mesh_reached_so_far(hmesh):
-    interrupt(hmesh, "-o cut.ply --effort best --vertices 6000 --report cut.json", "the mesh reached so far, ")
-    report = json.loads(read("cut.json"))
-    assert report["status"] == "interrupted"
-    assert f"element vertex {report['vertices']}" in ply_header("cut.ply")
+LONG = "--effort best --vertices 6000"
 
 
-def test_ctrl_c_in_a_search_writes_the_mesh_reached_so_far(hmesh):
-    interrupt(hmesh, "-o search.ply --psnr 60", "the mesh reached so far, ")
+def test_ctrl_c_leaves_all_files_as_they_are(hmesh):
+    before = contents()
+    interrupt(hmesh, f"{LONG} -o keep.ply -o new.ply --render new.png --report new.json --depfile new.d", "nothing is written")
+    assert contents() == before
+
+
+@pytest.mark.parametrize("which", [signal.SIGTERM, signal.SIGHUP])
+def test_a_request_to_end_is_as_ctrl_c(hmesh, which):
+    before = contents()
+    interrupt(hmesh, f"{LONG} -o keep.ply", "nothing is written", which)
+    assert contents() == before
+
+
+def test_ctrl_c_with_keep_partial_writes_the_mesh_reached_so_far_within_its_budget(hmesh):
+    for delay in [0.4, 1]:  # best inserts four times as many at first
+        interrupt(hmesh, f"-o cut.ply {LONG} --report cut.json --keep-partial", "the mesh reached so far, ", delay=delay)
+        report = json.loads(read("cut.json"))
+        assert report["status"] == "interrupted" and report["vertices"] <= 6000
+        assert f"element vertex {report['vertices']}" in ply_header("cut.ply")
+
+
+def test_ctrl_c_in_a_search_with_keep_partial_writes_the_mesh_reached_so_far(hmesh):
+    interrupt(hmesh, "-o search.ply --psnr 60 --effort best --keep-partial", "the mesh reached so far, ")
     assert is_whole("search.ply")
 
 
-def test_ctrl_c_writes_nothing_beside_a_depfile(hmesh):
-    before = contents()  # make and Ninja would take what is there as up to date
-    outputs = "-o keep.ply -o new.ply --render new.png --report new.json --depfile new.d"
-    interrupt(hmesh, f"--effort best --vertices 6000 {outputs}", "nothing is written")
-    assert contents() == before
+def test_what_a_killed_run_leaves_behind_is_in_nobodys_way(hmesh):
+    for number in range(100):
+        Path(f"keep.ply.part{number}").write_bytes(b"left behind")
+    hmesh.done("grey.pgm --vertices 40 -o keep.ply")
+    assert is_whole("keep.ply")
+    with open("keep.ply.part1", "r+b") as taken:  # of a run that still goes on
+        fcntl.flock(taken, fcntl.LOCK_EX)
+        hmesh.done("grey.pgm --vertices 41 -o keep.ply")
+        hmesh.done("grey.pgm --vertices 42 -o keep.ply")
+    assert is_whole("keep.ply") and read("keep.ply.part1") == b"left behind"
+    Path("other").write_bytes(b"somebody's")
+    Path("linked.ply.part0").symlink_to("other")
+    os.link("other", "linked.ply.part1")
+    hmesh.done("grey.pgm --vertices 40 -o linked.ply")
+    assert read("other") == b"somebody's"
+
+
+def test_a_run_that_is_ended_at_any_moment_leaves_the_old_file_or_the_new_one(hmesh):
+    """HMESH_KILLS of each kind, at moments spread over a run."""
+    def run(vertices):
+        return subprocess.Popen(hmesh.words(f"large.png --effort draft --vertices {vertices} -o a.ply -o a.html -q"),
+                                stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+
+    begin = time.monotonic()
+    assert run(900).wait() == 0
+    seconds = time.monotonic() - begin
+    old = {name: read(name) for name in ["a.ply", "a.html"]}
+    assert run(901).wait() == 0
+    new = {name: read(name) for name in old}
+    kills = int(os.environ.get("HMESH_KILLS", "5"))
+    for which in [signal.SIGINT, signal.SIGTERM, signal.SIGKILL]:
+        for k in range(kills):
+            for name, content in old.items():
+                Path(name).write_bytes(content)
+            with run(901) as job:
+                time.sleep(1.2 * seconds * (k + 1) / kills)
+                job.send_signal(which)
+            assert all(read(name) in [old[name], new[name]] for name in old)
+    assert run(901).wait() == 0 and {name: read(name) for name in old} == new
+    left = [path.name for path in Path().glob("a.*.part*")]
+    assert left == []
 
 
 def test_scene_draws_the_same_bytes_twice_and_says_what_it_cannot_do(hmesh, pytestconfig):

@@ -176,8 +176,11 @@ void add_other_options(CLI::App& app, Arguments& out) {
         [&](const std::string& text) { return set_file(text, out.report); });
     add(app, "--depfile", "FILE",
         "write, as a rule for make or Ninja, which files were read for those written; nothing\n"
-        "is written then after Ctrl-C, or where the PSNR asked for is out of reach",
+        "is written then where the PSNR asked for is out of reach",
         [&](const std::string& text) { return set_file(text, out.depfile); });
+    app.add_flag_callback(
+        "--keep-partial", [&] { out.keep_partial = true; },
+        "after Ctrl-C, write the mesh reached so far, with no more vertices than asked for");
     app.add_flag_callback(
         "-q,--quiet", [&] { out.quiet = true; }, "print errors only");
     // At once, whatever is wrong with the rest of the command line.
@@ -193,7 +196,7 @@ void add_other_options(CLI::App& app, Arguments& out) {
 constexpr char footer[] =
     "PSNR = 10 log10(peak^2 / MSE), MSE the mean over pixels and channels of the image's stored values; with weights\n"
     "over weighted pixels, with --premultiplied of colours times alpha, with --fit-space linear of the mesh drawn so.\n"
-    "Ctrl-C stops early and writes the mesh reached so far, unless --depfile is given.\n"
+    "Ctrl-C stops early and leaves files as they are; with --keep-partial the mesh reached so far is written.\n"
     "Exit status: 0 done, 1 failed, 2 wrong usage.";
 
 // What is wrong with a command line of which each option is right by itself.
@@ -203,6 +206,8 @@ std::string find_conflict(const CLI::App& app, const Arguments& arguments) {
     if (!arguments.original && !has_output(arguments, ".html"))
         return "--no-original is given without an output that ends in .html";
     if (!arguments.depfile.empty() && output_files(arguments).size() == 1) return "--depfile is given without another output";
+    if (arguments.keep_partial && !arguments.depfile.empty())
+        return "--keep-partial is given with --depfile, for which nothing but whole results is written";
     return find_conflict(arguments.meshing);
 }
 

@@ -64,6 +64,7 @@ struct Arguments {
     std::string target = "--rate 1";  // as typed
     unsigned threads = 0;             // 0: all cores
     bool quiet = false;
+    bool keep_partial = false;  // after an interrupt
 };
 
 // Every file that the command writes.

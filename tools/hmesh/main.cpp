@@ -1,4 +1,7 @@
 // hmesh - the command: an image file becomes a mesh. See `hmesh --help`.
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
 #include <cstdio>
 #include <cstdlib>
 #include <exception>
@@ -72,6 +75,7 @@ std::string write_file(const std::string& name, Write&& write) {
     OutputFile file(name);
     std::string why = file.open() ? write(file) : file.error();
     if (!file.error().empty()) why = file.error();
+    if (why.empty() && interrupted) why = "interrupted";
     if (why.empty() && !file.commit()) why = file.error();
     return why.empty() ? "" : "cannot write '" + name + "': " + why;
 }
@@ -166,6 +170,30 @@ void print_summary(const Arguments& arguments, const ImageFile& image, const hme
     for (const std::string& name : output_files(arguments)) std::printf("written   %s\n", name.c_str());
 }
 
+// The most vertices that a mesh may have; a PSNR sets no bound.
+std::size_t budget(const hmesh::Target& target, const ImageFile& image) {
+    const double pixels = static_cast<double>(image.width) * image.height;
+    switch (target.kind) {
+        case hmesh::Target::Kind::vertices: return static_cast<std::size_t>(target.value);
+        case hmesh::Target::Kind::percent: return static_cast<std::size_t>(std::max(4.0, pixels * target.value / 100));
+        case hmesh::Target::Kind::psnr: break;
+    }
+    return static_cast<std::size_t>(std::max(4.0, pixels));
+}
+
+// Brings the mesh of an interrupted run to its budget, if it has more vertices: the method inserts too many before it removes.
+void keep_budget(const ImageFile& image, MeshingOptions options, const hmesh::ParallelFor& parallel_for, hmesh::Result& outcome) {
+    const std::size_t most = budget(options.target, image);
+    if (outcome.mesh.vertex_count() <= most) return;
+    const hmesh::Status why = outcome.status;
+    const hmesh::Mesh reached = std::move(outcome.mesh);
+    options.start = &reached;
+    options.target = hmesh::Target::vertices(static_cast<std::int64_t>(most));
+    options.progress = {};
+    outcome = mesh_file(image, options, parallel_for);
+    if (outcome.status) outcome.status = why;
+}
+
 // Starts the pool. Returns "" or why not, as a sentence.
 std::string start(std::optional<example::ThreadPool>& pool, unsigned threads) {
     try {
@@ -197,7 +225,12 @@ int run(const Arguments& arguments) {
     MeshingOptions options = arguments.meshing;
     options.progress = watch;
     if (!arguments.weights.empty()) options.weights = weights.view();
-    const hmesh::Result outcome = mesh_file(image, options, *pool);
+    hmesh::Result outcome = mesh_file(image, options, *pool);
+    const bool is_interrupted = outcome.status.code == hmesh::Errc::cancelled;
+    if (is_interrupted && arguments.keep_partial) {
+        interrupted = false;
+        keep_budget(image, options, *pool, outcome);
+    }
     const double seconds = watch.seconds();
     watch.finish();
 
@@ -206,6 +239,8 @@ int run(const Arguments& arguments) {
                               (has_effort ? std::string(" --effort ") + name_of(efforts, options.effort)
                                           : std::string(" --method ") + name_of(methods, options.method));
     if (!outcome.has_mesh()) return fail(failed, where + ": " + in_words(outcome.status));
+    if (is_interrupted && !arguments.keep_partial)
+        return fail(failed, where + ": interrupted; nothing is written, as --keep-partial is not given");
     // make and Ninja would take files that are there as up to date, whatever the exit status was.
     if (!outcome.status && !arguments.depfile.empty())
         return fail(failed,

@@ -25,7 +25,7 @@ template <class T, int C>
     options.premultiplied = wanted.premultiplied;
     options.weights = wanted.weights;
     options.progress = wanted.progress;
-    switch (wanted.method) {
+    switch (wanted.start != nullptr ? Method::annealed : wanted.method) {
         case Method::annealed: break;
         case Method::hierarchical: return hmesh::mesh_image(view, options, hmesh::Hierarchical(), parallel_for);
         case Method::xie: return hmesh::mesh_image(view, options, hmesh::Xie(), parallel_for);
@@ -36,6 +36,10 @@ template <class T, int C>
     recipe.effort = wanted.effort;
     recipe.seed = wanted.seed;
     recipe.tile = wanted.tile;
+    if (wanted.start != nullptr) {
+        recipe.start = wanted.start;
+        recipe.steps = hmesh::kit::annealed_steps(hmesh::Effort::draft);
+    }
     return hmesh::mesh_image(view, options, recipe, parallel_for);
 }
 

@@ -35,6 +35,7 @@ struct MeshingOptions {
     std::optional<hmesh::Colors> colors;  // none: those of the method
     FitSpace fit_space = FitSpace::stored;
     bool premultiplied = false;
+    const hmesh::Mesh* start = nullptr;  // a mesh to bring to the target without more ado; null: none
     hmesh::ImageView<float, 1> weights;  // none: all pixels count the same
     hmesh::Progress progress;
 };

@@ -6,9 +6,53 @@
 #include <system_error>
 #include <utility>
 
+#ifndef _WIN32
+#include <fcntl.h>
+#include <sys/file.h>
+#include <sys/stat.h>
+#include <unistd.h>
+#endif
+
 namespace tool {
 
 namespace fs = std::filesystem;
+
+namespace {
+
+#ifdef _WIN32
+// A new file of this name; else null, errno EEXIST where there is one.
+std::FILE* open_part(const std::string& name) { return std::fopen(name.c_str(), "wbx"); }
+#else
+// Whether `file` is a plain file of this user's, of that name and no other.
+bool is_ours(int file, const std::string& name) {
+    struct stat opened, named;
+    return ::fstat(file, &opened) == 0 && ::lstat(name.c_str(), &named) == 0 && opened.st_dev == named.st_dev &&
+           opened.st_ino == named.st_ino && S_ISREG(opened.st_mode) && opened.st_nlink == 1 && opened.st_uid == ::geteuid();
+}
+
+// A new file of this name, or one that a program left behind which was killed; else null, errno EEXIST where another program
+// writes it now. Who writes holds the file's lock, which ends with the program, however it ends.
+std::FILE* open_part(const std::string& name) {
+    int file = ::open(name.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC | O_NOFOLLOW, 0666);
+    const bool is_new = file >= 0;
+    if (!is_new && errno == EEXIST) file = ::open(name.c_str(), O_WRONLY | O_CLOEXEC | O_NOFOLLOW);
+    if (file < 0) {
+        if (errno == ENOENT || errno == ELOOP || errno == EACCES) errno = is_new ? errno : EEXIST;
+        return nullptr;
+    }
+    const bool is_locked = ::flock(file, LOCK_EX | LOCK_NB) == 0;
+    // Where there are no locks, as on some network drives, a new file is safe enough. One that another program has just renamed
+    // or removed is not of this name any more.
+    const bool is_free = is_locked || (is_new && errno != EWOULDBLOCK);
+    if (is_free && is_ours(file, name) && ::ftruncate(file, 0) == 0)
+        if (std::FILE* const stream = ::fdopen(file, "wb"); stream != nullptr) return stream;
+    ::close(file);
+    errno = EEXIST;
+    return nullptr;
+}
+#endif
+
+}  // namespace
 
 OutputFile::OutputFile(std::string path) : target_(std::move(path)) {
     std::error_code none;
@@ -43,7 +87,7 @@ bool OutputFile::open() {
     for (int number = 0; number < 100 && file_ == nullptr; ++number) {
         const std::string name = target_ + ".part" + std::to_string(number);
         errno = 0;
-        file_ = std::fopen(name.c_str(), "wbx");
+        file_ = open_part(name);
         if (file_ != nullptr) temporary_ = name;
         if (file_ == nullptr && errno != EEXIST) break;
     }

@@ -1,7 +1,8 @@
 // tools - OutputFile: writes a file whole or not at all.
 //
-// The bytes go to a new file beside the target, which takes the target's name and permissions when all of them are written. A
-// target that exists and is no regular file (a device, a pipe) is written directly; a symbolic link is followed.
+// The bytes go to a file beside the target, which takes the target's name and permissions when all of them are written. A program
+// that is killed leaves it behind, and the next one uses it again. A target that exists and is no regular file (a device, a
+// pipe) is written directly; a symbolic link is followed.
 #ifndef HMESH_TOOLS_OUTPUT_FILE_HPP
 #define HMESH_TOOLS_OUTPUT_FILE_HPP
 

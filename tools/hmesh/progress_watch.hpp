@@ -34,12 +34,21 @@ namespace tool {
 inline std::atomic<bool> interrupted{false};
 static_assert(std::atomic<bool>::is_always_lock_free, "a signal handler must not wait for a lock");
 
-// From now on Ctrl-C sets `interrupted`; a second one ends the program at once.
+// From now on Ctrl-C sets `interrupted`, and so do a request to end and the end of the terminal; a second one ends the program at
+// once. What was ignored, as nohup wants it, stays so.
 inline void catch_interrupt() {
-    std::signal(SIGINT, [](int) {
+    const auto note = [](int signal) {
         interrupted = true;
-        std::signal(SIGINT, SIG_DFL);
-    });
+        std::signal(signal, SIG_DFL);
+    };
+    for (const int signal : {
+             SIGINT,
+             SIGTERM,
+#ifdef SIGHUP
+             SIGHUP,
+#endif
+         })
+        if (std::signal(signal, note) == SIG_IGN) std::signal(signal, SIG_IGN);
 }
 
 // Takes calls from any thread, one at a time, each after the one before it, as the library makes them: has no lock.
