@@ -4367,12 +4367,12 @@ struct Annealed {
     /// tiles of 256 px beyond. Where a tile would hold less than 256 vertices on average, tiles are made larger, up to the
     /// image, and so is the memory that each takes.
     int tile = 0;
+    /// The steps in detail, in place of those that `effort` stands for: start from kit::annealed_steps(effort) and change some.
+    std::optional<kit::AnnealedSteps> steps{};
     /// A mesh of the image to go on from in place of the first grid, with any number of vertices: it is brought to the number
     /// asked for, then annealed and polished. It must outlive the call; null: none. Errc::invalid_argument where it is no mesh of
     /// the image: size, channels, positions off the 1/256 px grid, colours that are not finite, faces that do not tile the image.
     const Mesh* start = nullptr;
-    /// The steps in detail, in place of those that `effort` stands for: start from kit::annealed_steps(effort) and change some.
-    std::optional<kit::AnnealedSteps> steps{};
 
     static constexpr const char* name = "annealed";    ///< for reports
     static constexpr Colors colors = Colors::optimal;  ///< final colours where Options::colors says nothing

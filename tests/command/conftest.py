@@ -63,7 +63,8 @@ def pictures(tmp_path_factory, pytestconfig):
         write_jpeg(folder / f"{name}.jpg", orientation, endian)
     contents = {"one.pgm": b"P5 1 1 255\nA", "row.pgm": b"P5 5 1 255\nA0a9Z", "short.ppm": b"P6\n20 16\n255\nshort",
                 "huge.pgm": b"P5 99999999 99999999 255\nx", "above.pgm": b"P5 2 2 100\ndded", "empty.png": b"",
-                "text.png": b"this is no image\n", "keep.ply": b"old\n"}
+                "text.png": b"this is no image\n", "keep.ply": b"old\n",
+                "black.pgm": b"P5 20 16 255\n" + bytes(320)}
     for name, content in contents.items():
         (folder / name).write_bytes(content)
     return folder

@@ -25,6 +25,7 @@ FAILURES = rows("""
     'missing.png'                                     | grey.pgm --weights missing.png -o keep.ply
     'text.png'                                        | grey.pgm --weights text.png -o keep.ply
     'constant.pgm' are 8 x 8 px, the image is 20 x 16 px | grey.pgm --weights constant.pgm -o keep.ply --depfile new.d
+    'black.pgm' are all zero                          | grey.pgm --weights black.pgm -o keep.ply
     --vertices 3                                      | grey.pgm -o keep.ply --vertices 3
     (3, limit 4)                                      | grey.pgm -o keep.ply --vertices 3
     --vertices -5                                     | grey.pgm -o keep.ply --vertices -5

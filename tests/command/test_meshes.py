@@ -29,7 +29,7 @@ def test_a_mesh_pictures_and_a_report_are_written_and_told(hmesh):
     report = json.loads(read("report.json"))
     assert {"element vertex 100", f"element face {report['faces']}"} <= set(ply_header("mesh.ply"))
     assert list(report) == """version input width height channels bits method effort colors fit_space premultiplied seed weights
-                              tile target status vertices faces psnr psnr_convention energy seconds stages""".split()
+                              tile target status vertices faces psnr psnr_convention psnr_glb psnr_glb_fitted energy seconds stages""".split()
     assert report.items() >= {"input": "picture.png", "width": 96, "height": 64, "channels": 3, "bits": 8, "method": "annealed",
                               "effort": "normal", "colors": "optimal", "fit_space": "stored", "premultiplied": False, "seed": 1,
                               "weights": None, "tile": 0, "target": "--vertices 100", "status": "ok", "vertices": 100}.items()
@@ -193,6 +193,18 @@ def test_a_page_holds_as_png_what_browsers_may_show_otherwise(hmesh):
         hmesh.done(f"{file} -o x.html --vertices 40")
         kept = Image.open(io.BytesIO(original_of("x.html")))
         assert (kept.format, kept.mode) == ("PNG", mode), file
+
+
+def test_the_psnr_of_a_glb_file_is_told_as_its_viewers_show_it_and_each_format_may_have_colours_of_its_own(hmesh):
+    plain = hmesh.report("picture.png -o plain.glb -o plain.ply --vertices 100")
+    each = hmesh.report("picture.png -o each.glb -o each.ply --vertices 100 --fit-space each")
+    linear = hmesh.report("picture.png -o linear.glb --vertices 100 --fit-space linear")
+    assert plain["psnr_glb"] < plain["psnr_glb_fitted"] == each["psnr_glb"] == linear["psnr"] and linear["psnr_glb"] is None
+    assert plain["psnr"] == each["psnr"] and read("plain.ply") == read("each.ply")
+    assert read("each.glb") == read("linear.glb") != read("plain.glb")
+    said = hmesh.done("picture.png -o plain.glb --vertices 100")
+    assert f"PSNR .glb {plain['psnr_glb']:.2f} dB" in said and f"{plain['psnr_glb_fitted']:.2f} dB with --fit-space each" in said
+    assert ".glb" not in hmesh.done("picture.png -o plain.ply --vertices 100")
 
 
 def test_a_page_holds_other_images_as_png(hmesh):

@@ -21,6 +21,10 @@ def test_version_prints_name_version_and_decoders(hmesh):
 
 WRONG = rows("""
     no input image                            |
+    --seed means nothing to --method xie      | grey.pgm --method xie --seed 2
+    --effort means nothing to --method adams  | grey.pgm --effort best --method adams
+    larger number than any image has pixels   | grey.pgm --vertices 99999999999999999999
+    --keep-partial is given with --depfile    | grey.pgm -o new.ply --depfile new.d --keep-partial
     sampled ones are asked for                | grey.pgm --fit-space linear --colors sampled
     not premultiplied ones                    | grey.pgm --fit-space linear --premultiplied
     no input image                            | ''
@@ -68,7 +72,7 @@ WRONG = rows("""
     'slow' is not one of: draft, fast, normal, best | grey.pgm --effort slow
     'magic' is not one of: annealed, hierarchical, xie, adams, adaptive_thinning | grey.pgm --method magic
     'magic' is not one of: optimal, sampled   | grey.pgm --colors magic
-    'light' is not one of: stored, linear     | grey.pgm --fit-space light
+    'light' is not one of: stored, linear, each | grey.pgm --fit-space light
     'Exact' is not one of: gradient, exact, flat | grey.pgm -o a.svg --svg Exact
     'mesh' is not one of: gradient, exact, flat | grey.pgm -o a.svg --svg=mesh
     'mesh.xyz' must end in one of: .ply, .obj, .glb, .pdf, .eps, .svg, .html | grey.pgm -o mesh.xyz

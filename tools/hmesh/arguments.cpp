@@ -26,7 +26,8 @@ bool is_integer(const std::string& text) {
 std::string parse_integer(const std::string& text, std::int64_t& value) {
     errno = 0;
     value = is_integer(text) ? std::strtoll(text.c_str(), nullptr, 10) : 0;
-    return is_integer(text) && errno == 0 ? "" : "is not a whole number";
+    if (!is_integer(text)) return "is not a whole number";
+    return errno == 0 ? "" : "is a larger number than any image has pixels";
 }
 
 template <class Integer>
@@ -140,7 +141,9 @@ void add_meshing_options(CLI::App& app, Arguments& out) {
         "optimal, by least squares, or sampled from the image under the vertices (default:\n"
         "sampled for xie, adams and adaptive_thinning, else optimal)",
         [&](const std::string& text) { return find_name(colors, text, meshing.colors.emplace()); });
-    add(app, "--fit-space", "NAME", "stored (default), or linear: colours for programs that interpolate light, as glTF's do",
+    add(app, "--fit-space", "NAME",
+        "stored (default); linear: colours for programs that interpolate light, as glTF's do;\n"
+        "each: those in .glb, all else as stored",
         [&](const std::string& text) { return find_name(fit_spaces, text, meshing.fit_space); });
     app.add_flag_callback(
         "--premultiplied", [&] { meshing.premultiplied = true; },
@@ -208,6 +211,9 @@ std::string find_conflict(const CLI::App& app, const Arguments& arguments) {
     if (!arguments.depfile.empty() && output_files(arguments).size() == 1) return "--depfile is given without another output";
     if (arguments.keep_partial && !arguments.depfile.empty())
         return "--keep-partial is given with --depfile, for which nothing but whole results is written";
+    for (const char* option : {"--effort", "--seed", "--tile"})
+        if (arguments.meshing.method != Method::annealed && app.count(option) != 0)
+            return std::string(option) + " means nothing to --method " + name_of(methods, arguments.meshing.method);
     return find_conflict(arguments.meshing);
 }
 

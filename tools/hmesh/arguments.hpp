@@ -23,7 +23,8 @@ inline constexpr Named<Method> methods[] = {{"annealed", Method::annealed},
                                             {"adams", Method::adams},
                                             {"adaptive_thinning", Method::adaptive_thinning}};
 inline constexpr Named<hmesh::Colors> colors[] = {{"optimal", hmesh::Colors::optimal}, {"sampled", hmesh::Colors::sampled}};
-inline constexpr Named<FitSpace> fit_spaces[] = {{"stored", FitSpace::stored}, {"linear", FitSpace::linear}};
+inline constexpr Named<FitSpace> fit_spaces[] = {
+    {"stored", FitSpace::stored}, {"linear", FitSpace::linear}, {"each", FitSpace::each}};
 inline constexpr Named<hmesh::Effort> efforts[] = {{"draft", hmesh::Effort::draft},
                                                    {"fast", hmesh::Effort::fast},
                                                    {"normal", hmesh::Effort::normal},

@@ -136,13 +136,16 @@ std::string write_pictures(const Arguments& arguments, const ImageFile& image, c
     return {};
 }
 
-std::string write_meshes(const Arguments& arguments, const hmesh::MeshView& mesh, const WebPage& page) {
+// `light`: of the mesh, for .glb where --fit-space is each.
+std::string write_meshes(const Arguments& arguments, const hmesh::MeshView& mesh, const std::optional<LightMesh>& light,
+                         const WebPage& page) {
     FormatOptions options;
     options.svg.kind = arguments.svg;
     options.html = page.options();
     for (const std::string& name : arguments.meshes) {
         const std::string why = write_file(name, [&](OutputFile& file) {
-            const hmesh::Status status = write_mesh(mesh, name, options, file);
+            const bool is_light = light && arguments.meshing.fit_space == FitSpace::each && has_ending(name, ".glb");
+            const hmesh::Status status = write_mesh(is_light ? light->mesh.view() : mesh, name, options, file);
             return status ? std::string() : in_words(status);
         });
         if (!why.empty()) return why;
@@ -159,13 +162,19 @@ std::string write_depfile(const Arguments& arguments) {
                       [&](OutputFile& file) { return file(rule.data(), rule.size()) ? "" : "the disk refused the rule"; });
 }
 
-void print_summary(const Arguments& arguments, const ImageFile& image, const hmesh::Result& outcome, double seconds) {
+void print_summary(const Arguments& arguments, const ImageFile& image, const hmesh::Result& outcome,
+                   const std::optional<LightMesh>& light, double seconds) {
     std::printf("image     %s, %d x %d, %d channel%s of %d bits\n", arguments.input.c_str(), image.width, image.height,
                 image.channels, image.channels == 1 ? "" : "s", image.bits);
     if (!image.note.empty()) std::printf("note      %s\n", image.note.c_str());
     std::printf("vertices  %zu\n", outcome.report.vertices);
     std::printf("faces     %zu\n", outcome.report.faces);
     std::printf("PSNR      %s (%s)\n", psnr_text(outcome.report.psnr).c_str(), psnr_formula(arguments).c_str());
+    if (light && arguments.meshing.fit_space == FitSpace::each)
+        std::printf("PSNR .glb %s as its viewers show it, in linear light\n", psnr_text(light->psnr).c_str());
+    else if (light)
+        std::printf("PSNR .glb %s as its viewers show it, in linear light; %s with --fit-space each or linear\n",
+                    psnr_text(light->stored_psnr).c_str(), psnr_text(light->psnr).c_str());
     std::printf("time      %.2f s\n", seconds);
     for (const std::string& name : output_files(arguments)) std::printf("written   %s\n", name.c_str());
 }
@@ -245,19 +254,22 @@ int run(const Arguments& arguments) {
     if (!outcome.status && !arguments.depfile.empty())
         return fail(failed,
                     where + ": " + in_words(outcome.status) + "; nothing is written, as --depfile asks for whole results");
+    std::optional<LightMesh> light;
+    if (has_output(arguments, ".glb") && options.fit_space != FitSpace::linear && !options.premultiplied)
+        light = light_mesh(image, options, outcome.mesh, *pool);
     WebPage page;
     if (has_output(arguments, ".html")) page = make_web_page(arguments, image, bytes, outcome.report);
-    std::string why = write_meshes(arguments, outcome.mesh.view(), page);
+    std::string why = write_meshes(arguments, outcome.mesh.view(), light, page);
     if (why.empty()) why = write_pictures(arguments, image, outcome.mesh.view());
     if (why.empty() && !arguments.report.empty()) {
-        const std::string report = report_json(arguments, image, outcome, seconds, watch);
+        const std::string report = report_json(arguments, image, outcome, light, seconds, watch);
         why = write_file(arguments.report, [&](OutputFile& file) {
             return file(report.data(), report.size()) ? "" : "the disk refused the report";
         });
     }
     if (why.empty() && !arguments.depfile.empty()) why = write_depfile(arguments);
     if (!why.empty()) return fail(failed, why);
-    if (!arguments.quiet) print_summary(arguments, image, outcome, seconds);
+    if (!arguments.quiet) print_summary(arguments, image, outcome, light, seconds);
     if (std::fflush(stdout) != 0) return fail(failed, "cannot write to the standard output");
     if (outcome.status) return done;
     const std::string reached = "the mesh reached so far, " + std::to_string(outcome.report.vertices) + " vertices and " +

@@ -2,6 +2,7 @@
 // file for each number of channels would be done sooner on four cores, and compile what all of them share three times more.
 #include "meshing.hpp"
 
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 
@@ -76,18 +77,21 @@ template <class T, int C>
     return result;
 }
 
-template <int C>
-hmesh::Result mesh_channels(const ImageFile& image, const MeshingOptions& options, const hmesh::ParallelFor& parallel_for) {
-    if (image.bits == 16) {
-        const hmesh::ImageView<std::uint16_t, C> view{image.samples16.data(), image.width, image.height, 0};
-        return mesh_view(view, options, parallel_for);
+// Calls body(view) with the view of the image.
+template <int C, class Body>
+auto with_view(const ImageFile& image, Body&& body) {
+    if (image.bits == 16) return body(hmesh::ImageView<std::uint16_t, C>{image.samples16.data(), image.width, image.height, 0});
+    if (image.bits == 32) return body(hmesh::ImageView<float, C>{image.samples32.data(), image.width, image.height, 0});
+    return body(hmesh::ImageView<std::uint8_t, C>{image.samples8.data(), image.width, image.height, 0});
+}
+template <class Body>
+auto with_view(const ImageFile& image, Body&& body) {
+    switch (image.channels) {
+        case 1: return with_view<1>(image, body);
+        case 2: return with_view<2>(image, body);
+        case 3: return with_view<3>(image, body);
+        default: return with_view<4>(image, body);
     }
-    if (image.bits == 32) {
-        const hmesh::ImageView<float, C> view{image.samples32.data(), image.width, image.height, 0};
-        return mesh_view(view, options, parallel_for);
-    }
-    const hmesh::ImageView<std::uint8_t, C> view{image.samples8.data(), image.width, image.height, 0};
-    return mesh_view(view, options, parallel_for);
 }
 
 // PNG files have straight colours.
@@ -126,18 +130,28 @@ hmesh::Colors final_colors(const MeshingOptions& options) noexcept {
 }
 
 std::string find_conflict(const MeshingOptions& options) {
-    if (options.fit_space != FitSpace::linear) return {};
+    if (options.fit_space == FitSpace::stored) return {};
     if (final_colors(options) == hmesh::Colors::sampled) return "--fit-space linear fits colours, and sampled ones are asked for";
-    return options.premultiplied ? "--fit-space linear fits straight colours, not premultiplied ones" : "";
+    return options.premultiplied ? "--fit-space linear fits straight colours, not premultiplied ones: leave one of them out" : "";
 }
 
 hmesh::Result mesh_file(const ImageFile& image, const MeshingOptions& options, const hmesh::ParallelFor& parallel_for) {
-    switch (image.channels) {
-        case 1: return mesh_channels<1>(image, options, parallel_for);
-        case 2: return mesh_channels<2>(image, options, parallel_for);
-        case 3: return mesh_channels<3>(image, options, parallel_for);
-        default: return mesh_channels<4>(image, options, parallel_for);
-    }
+    return with_view(image, [&](const auto& view) { return mesh_view(view, options, parallel_for); });
+}
+
+LightMesh light_mesh(const ImageFile& image, const MeshingOptions& options, const hmesh::Mesh& mesh,
+                     const hmesh::ParallelFor& parallel_for) {
+    LightMesh out;
+    out.mesh = mesh;
+    hmesh::LinearLightOptions light;
+    light.weights = options.weights;
+    light.grid = image.bits == 32 ? 0 : 1;
+    const hmesh::LinearLightReport report =
+        with_view(image, [&](const auto& view) { return hmesh::fit_linear_light(out.mesh, view, light, parallel_for); });
+    out.psnr = report.psnr;
+    out.stored_psnr = report.psnr - 10 * std::log10(report.converted / report.energy);
+    if (!(report.energy > 0)) out.stored_psnr = out.psnr;  // converted is 0 too, or as good as that
+    return out;
 }
 
 hmesh::Status draw(const hmesh::MeshView& mesh, const DrawOptions& options, Picture& picture) {

@@ -22,8 +22,8 @@ namespace tool {
 // How meshes are made. All but the first are there to be compared with: they know no effort, seed or tile.
 enum class Method : std::uint8_t { annealed, hierarchical, xie, adams, adaptive_thinning };
 
-// Between which values of the vertices programs that show the mesh are to interpolate.
-enum class FitSpace : std::uint8_t { stored, linear };
+// Between which values of the vertices programs that show the mesh are to interpolate: each as its file's format says.
+enum class FitSpace : std::uint8_t { stored, linear, each };
 
 // What a mesh is to be like.
 struct MeshingOptions {
@@ -48,6 +48,17 @@ struct MeshingOptions {
 
 [[nodiscard]] hmesh::Result mesh_file(const ImageFile& image, const MeshingOptions& options,
                                       const hmesh::ParallelFor& parallel_for);
+
+// A mesh for programs that interpolate linear light.
+struct LightMesh {
+    hmesh::Mesh mesh;
+    double psnr = 0;         // dB, drawn so
+    double stored_psnr = 0;  // dB, of the mesh that it was made from, drawn so
+};
+
+// The same mesh with colours that are fitted for linear light; straight colours alone.
+[[nodiscard]] LightMesh light_mesh(const ImageFile& image, const MeshingOptions& options, const hmesh::Mesh& mesh,
+                                   const hmesh::ParallelFor& parallel_for);
 
 struct DrawOptions {
     int scale = 1;              // picture over mesh

@@ -49,9 +49,10 @@ std::string psnr_formula(const Arguments& arguments) {
            (meshing.fit_space == FitSpace::linear ? ", drawn in linear light" : "");
 }
 
-std::string report_json(const Arguments& arguments, const ImageFile& image, const hmesh::Result& outcome, double seconds,
-                        const ProgressWatch& watch) {
+std::string report_json(const Arguments& arguments, const ImageFile& image, const hmesh::Result& outcome,
+                        const std::optional<LightMesh>& light, double seconds, const ProgressWatch& watch) {
     const MeshingOptions& meshing = arguments.meshing;
+    const bool is_each = meshing.fit_space == FitSpace::each;
     Json stages = Json::array();
     for (const hmesh::StageReport& stage : outcome.report.stages) stages.push_back(stage_value(stage, watch.seconds_of(stage)));
     const Json report = {{"version", HMESH_VERSION_STRING},
@@ -74,6 +75,8 @@ std::string report_json(const Arguments& arguments, const ImageFile& image, cons
                          {"faces", outcome.report.faces},
                          {"psnr", psnr_value(outcome.report.psnr)},
                          {"psnr_convention", psnr_convention(arguments)},
+                         {"psnr_glb", light ? psnr_value(is_each ? light->psnr : light->stored_psnr) : Json()},
+                         {"psnr_glb_fitted", light ? psnr_value(light->psnr) : Json()},
                          {"energy", outcome.report.energy},
                          {"seconds", seconds_value(seconds)},
                          {"stages", stages}};

@@ -3,6 +3,7 @@
 #ifndef HMESH_TOOLS_REPORT_HPP
 #define HMESH_TOOLS_REPORT_HPP
 
+#include <optional>
 #include <string>
 
 #include "arguments.hpp"
@@ -15,9 +16,9 @@ namespace tool {
 // What the PSNR of a mesh made with these arguments is, for people.
 [[nodiscard]] std::string psnr_formula(const Arguments& arguments);
 
-// `seconds`: of wall-clock time, for the whole mesh.
+// `light`: of the mesh, where a .glb file is written. `seconds`: of wall-clock time, for the whole mesh.
 [[nodiscard]] std::string report_json(const Arguments& arguments, const ImageFile& image, const hmesh::Result& outcome,
-                                      double seconds, const ProgressWatch& watch);
+                                      const std::optional<LightMesh>& light, double seconds, const ProgressWatch& watch);
 
 }  // namespace tool
 

@@ -2,6 +2,7 @@
 #ifndef HMESH_TOOLS_WEIGHTS_HPP
 #define HMESH_TOOLS_WEIGHTS_HPP
 
+#include <algorithm>
 #include <cstddef>
 #include <string>
 #include <vector>
@@ -45,6 +46,9 @@ void take_weights(const std::vector<T>& samples, int channels, hmesh::Image<floa
         return "the weights '" + path + "' are " + std::to_string(file.width) + " x " + std::to_string(file.height) +
                " px, the image is " + std::to_string(width) + " x " + std::to_string(height) + " px";
     weights = to_weights(file);
+    const float* const first = weights.data();
+    if (std::all_of(first, first + weights.size(), [](float weight) { return weight == 0; }))
+        return "the weights '" + path + "' are all zero: no pixel would count";
     return {};
 }
 
