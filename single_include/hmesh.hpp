@@ -4175,8 +4175,8 @@ struct Options {
 ///     template <int C> hmesh::Status run(hmesh::kit::TiledMesh<C>& mesh, std::size_t n) const;
 ///
 /// run() replaces `mesh` by a mesh of exactly n vertices of the image mesh.source(), 4 <= n <= max(4, pixels), and returns an ok
-/// status; cancelled, it leaves a valid mesh and returns Errc::cancelled; any other status means that there is no mesh. A recipe
-/// that wants the pixels themselves declares run() with the image between its arguments, `template <class T, int C>
+/// status; cancelled, it leaves a valid mesh and returns Errc::cancelled, and where it fails, any other status. A recipe that
+/// wants the pixels themselves declares run() with the image between its arguments, `template <class T, int C>
 /// run(TiledMesh<C>&, const ImageView<T, C>&, std::size_t)`. One that can go on from a mesh of another run makes searches for a
 /// PSNR cheaper, by `Recipe from(const hmesh::kit::Beginning&) const`, the recipe for one run of a search, and `double
 /// gain_over_sketch() const`, by how many dB whole runs are above sketches. A tile_size() of the image's longer side means one
@@ -4370,8 +4370,9 @@ struct Annealed {
     /// The steps in detail, in place of those that `effort` stands for: start from kit::annealed_steps(effort) and change some.
     std::optional<kit::AnnealedSteps> steps{};
     /// A mesh of the image to go on from in place of the first grid, with any number of vertices: it is brought to the number
-    /// asked for, then annealed and polished. It must outlive the call; null: none. Errc::invalid_argument where it is no mesh of
-    /// the image: size, channels, positions off the 1/256 px grid, colours that are not finite, faces that do not tile the image.
+    /// asked for, then annealed and polished. It must outlive the call; null: none. Errc::invalid_argument, and the image's two
+    /// triangles for a mesh, where it is no mesh of the image: size, channels, positions off the 1/256 px grid, colours that are
+    /// not finite, faces that do not tile the image.
     const Mesh* start = nullptr;
 
     static constexpr const char* name = "annealed";    ///< for reports
@@ -10787,18 +10788,31 @@ namespace hmesh::kit {
     // differs much between images: rather too few vertices than too many, which take longer.
     std::size_t n = first, before = 0;
     double before_psnr = 0;
+    Result rough;  // the last one but the very last
     for (int drafts = 0, sketches = 0; drafts < 4 && sketches < 4;) {
         const bool is_sketch = sketches != 0 || drafts == 3 || (before != 0 && std::abs(doublings(before, n)) < 1);
-        const Result result = mesh_from(n, {nullptr, is_sketch ? Work::sketch : Work::draft});
-        if (!result.status || !is_finite(result.report.psnr)) break;
+        Result result = mesh_from(n, {nullptr, is_sketch ? Work::sketch : Work::draft});
+        if (!result.status) {  // failed or cancelled: the better of this mesh and the one before
+            if (result.report.psnr < rough.report.psnr) {
+                rough.status = result.status;
+                return rough;
+            }
+            return result;
+        }
+        if (!is_finite(result.report.psnr)) break;
         if (before != 0 && (sketches != 0) == is_sketch) learn(before, before_psnr, n, result.report.psnr);
         before = n, before_psnr = result.report.psnr;
         ++(is_sketch ? sketches : drafts);
         n = next_after(n, psnr - gain_over_sketch - (is_sketch ? 0 : 3) - result.report.psnr);
         if (is_sketch && std::abs(doublings(before, n)) < is_nearby) break;
+        rough = std::move(result);
     }
 
     Result best = mesh_from(n, {});
+    if (!best.status && best.report.psnr < rough.report.psnr) {
+        rough.status = best.status;
+        return rough;
+    }
     if (!best.status) return best;
     double now = best.report.psnr;
     Mesh last = best.mesh;
@@ -10879,7 +10893,6 @@ template <int C>
     kit::TiledMesh<C> tiled(source, options.limits, progress, parallel_for);
     tiled.indexed() = kit::corner_mesh(source);  // what a cancellation finds
     result.status = recipe.run(tiled, n, from);
-    if (!result.status && result.status.code != Errc::cancelled) return result;  // refused: no mesh
     progress.begin("colors", tiled.vertex_count(), tiled.energy());
     const double grid = source.is_integer() && options.round_colors ? 1 : 0;
     const kit::Tiling tiling(source.width(), source.height(), tile);

@@ -58,7 +58,6 @@ template <int C>
     kit::TiledMesh<C> tiled(source, options.limits, progress, parallel_for);
     tiled.indexed() = kit::corner_mesh(source);  // what a cancellation finds
     result.status = recipe.run(tiled, n, from);
-    if (!result.status && result.status.code != Errc::cancelled) return result;  // refused: no mesh
     progress.begin("colors", tiled.vertex_count(), tiled.energy());
     const double grid = source.is_integer() && options.round_colors ? 1 : 0;
     const kit::Tiling tiling(source.width(), source.height(), tile);

@@ -115,18 +115,31 @@ namespace hmesh::kit {
     // differs much between images: rather too few vertices than too many, which take longer.
     std::size_t n = first, before = 0;
     double before_psnr = 0;
+    Result rough;  // the last one but the very last
     for (int drafts = 0, sketches = 0; drafts < 4 && sketches < 4;) {
         const bool is_sketch = sketches != 0 || drafts == 3 || (before != 0 && std::abs(doublings(before, n)) < 1);
-        const Result result = mesh_from(n, {nullptr, is_sketch ? Work::sketch : Work::draft});
-        if (!result.status || !is_finite(result.report.psnr)) break;
+        Result result = mesh_from(n, {nullptr, is_sketch ? Work::sketch : Work::draft});
+        if (!result.status) {  // failed or cancelled: the better of this mesh and the one before
+            if (result.report.psnr < rough.report.psnr) {
+                rough.status = result.status;
+                return rough;
+            }
+            return result;
+        }
+        if (!is_finite(result.report.psnr)) break;
         if (before != 0 && (sketches != 0) == is_sketch) learn(before, before_psnr, n, result.report.psnr);
         before = n, before_psnr = result.report.psnr;
         ++(is_sketch ? sketches : drafts);
         n = next_after(n, psnr - gain_over_sketch - (is_sketch ? 0 : 3) - result.report.psnr);
         if (is_sketch && std::abs(doublings(before, n)) < is_nearby) break;
+        rough = std::move(result);
     }
 
     Result best = mesh_from(n, {});
+    if (!best.status && best.report.psnr < rough.report.psnr) {
+        rough.status = best.status;
+        return rough;
+    }
     if (!best.status) return best;
     double now = best.report.psnr;
     Mesh last = best.mesh;

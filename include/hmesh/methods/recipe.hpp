@@ -11,8 +11,8 @@
 ///     template <int C> hmesh::Status run(hmesh::kit::TiledMesh<C>& mesh, std::size_t n) const;
 ///
 /// run() replaces `mesh` by a mesh of exactly n vertices of the image mesh.source(), 4 <= n <= max(4, pixels), and returns an ok
-/// status; cancelled, it leaves a valid mesh and returns Errc::cancelled; any other status means that there is no mesh. A recipe
-/// that wants the pixels themselves declares run() with the image between its arguments, `template <class T, int C>
+/// status; cancelled, it leaves a valid mesh and returns Errc::cancelled, and where it fails, any other status. A recipe that
+/// wants the pixels themselves declares run() with the image between its arguments, `template <class T, int C>
 /// run(TiledMesh<C>&, const ImageView<T, C>&, std::size_t)`. One that can go on from a mesh of another run makes searches for a
 /// PSNR cheaper, by `Recipe from(const hmesh::kit::Beginning&) const`, the recipe for one run of a search, and `double
 /// gain_over_sketch() const`, by how many dB whole runs are above sketches. A tile_size() of the image's longer side means one

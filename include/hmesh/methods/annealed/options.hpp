@@ -159,8 +159,9 @@ struct Annealed {
     /// The steps in detail, in place of those that `effort` stands for: start from kit::annealed_steps(effort) and change some.
     std::optional<kit::AnnealedSteps> steps{};
     /// A mesh of the image to go on from in place of the first grid, with any number of vertices: it is brought to the number
-    /// asked for, then annealed and polished. It must outlive the call; null: none. Errc::invalid_argument where it is no mesh of
-    /// the image: size, channels, positions off the 1/256 px grid, colours that are not finite, faces that do not tile the image.
+    /// asked for, then annealed and polished. It must outlive the call; null: none. Errc::invalid_argument, and the image's two
+    /// triangles for a mesh, where it is no mesh of the image: size, channels, positions off the 1/256 px grid, colours that are
+    /// not finite, faces that do not tile the image.
     const Mesh* start = nullptr;
 
     static constexpr const char* name = "annealed";    ///< for reports
