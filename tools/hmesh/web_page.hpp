@@ -58,8 +58,8 @@ namespace detail {
     page.notes = "PSNR = " + psnr_formula(arguments);
     if (!arguments.original) return page;
     page.original_orientation = image.orientation;
-    if (page.original = plain_png(bytes); !page.original.empty()) return page;
-    if (page.original = plain_jpeg(bytes); !page.original.empty()) {
+    if (page.original = plain_png({bytes.data(), bytes.size()}); !page.original.empty()) return page;
+    if (page.original = plain_jpeg({bytes.data(), bytes.size()}); !page.original.empty()) {
         page.original_type = "image/jpeg";
         return page;
     }
