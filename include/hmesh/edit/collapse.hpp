@@ -100,35 +100,67 @@ template <int C>
     return best;
 }
 
-/// Removes up to `count` vertices, the cheapest first, and re-optimises the ring of each with relax(). A vertex in the ring of
-/// one removed before stays for the next batch. Vertices of these rings become dirty. Returns the number of vertices removed,
-/// which is less than `count` also where mesh.keep_going() says stop.
+/// The costs of the cheapest collapses of all vertices that have one, in spatial order. Some 1 us a vertex.
+template <int C>
+[[nodiscard]] HMESH_COLD std::vector<double> collapse_costs(const ImageMesh<C>& mesh) {
+    std::vector<double> costs;
+    RingScratch<C> scratch;
+    for (const Vertex v : spatial_vertices(mesh)) {
+        if (!mesh.keep_going()) break;
+        const CollapseCandidate candidate = cheapest_collapse(mesh, scratch, v);
+        if (candidate.halfedge.is_valid()) costs.push_back(candidate.cost);
+    }
+    return costs;
+}
+
+namespace detail {
+
+/// Up to `count` vertices that are cheapest to remove, none in the ring of another, in spatial order.
+template <int C>
+[[nodiscard]] std::vector<Vertex> cheapest_vertices(const ImageMesh<C>& mesh, std::size_t count, RingScratch<C>& scratch) {
+    const HalfedgeMesh& topology = mesh.topology();
+    const std::vector<Vertex> vertices = spatial_vertices(mesh);
+    std::vector<std::pair<double, std::uint32_t>> costs;  // and the place in the list
+    for (std::size_t k = 0; k < vertices.size() && mesh.keep_going(); ++k) {
+        const CollapseCandidate candidate = cheapest_collapse(mesh, scratch, vertices[k]);
+        if (candidate.halfedge.is_valid()) costs.emplace_back(candidate.cost, static_cast<std::uint32_t>(k));
+    }
+    std::sort(costs.begin(), costs.end());
+    std::vector<unsigned char> touched(topology.vertex_slots(), 0);
+    std::vector<std::uint32_t> places;
+    for (const auto& [cost, k] : costs) {
+        if (places.size() >= count) break;
+        if (touched[vertices[k].index()] != 0) continue;
+        for (const Halfedge h : topology.outgoing(vertices[k])) touched[topology.to_vertex(h).index()] = 1;
+        places.push_back(k);
+    }
+    std::sort(places.begin(), places.end());
+    std::vector<Vertex> cheapest;
+    cheapest.reserve(places.size());
+    for (const std::uint32_t k : places) cheapest.push_back(vertices[k]);
+    return cheapest;
+}
+
+}  // namespace detail
+
+/// Removes up to `count` vertices, those that are cheapest to remove, and re-optimises the ring of each with relax(). They are
+/// chosen by cost and removed in spatial order, which takes less time; a vertex in the ring of one chosen before stays for the
+/// next batch. Vertices of these rings become dirty. Returns the number of vertices removed, which is less than `count` also where
+/// mesh.keep_going() says stop.
 template <int C>
 std::size_t remove_batch(ImageMesh<C>& mesh, std::size_t count, const Relaxation& relaxation) {
     const HalfedgeMesh& topology = mesh.topology();
-    const std::vector<Vertex> vertices = spatial_vertices(mesh);
     RingScratch<C> scratch;
-    std::vector<std::pair<double, std::uint32_t>> cheapest;
-    for (std::size_t k = 0; k < vertices.size() && mesh.keep_going(); ++k) {
-        const CollapseCandidate candidate = cheapest_collapse(mesh, scratch, vertices[k]);
-        if (candidate.halfedge.is_valid()) cheapest.emplace_back(candidate.cost, static_cast<std::uint32_t>(k));
-    }
-    std::sort(cheapest.begin(), cheapest.end());
-
-    std::vector<unsigned char> touched(topology.vertex_slots(), 0);
     std::vector<Vertex> ring;
     std::size_t removed = 0;
-    for (const auto& [cost, k] : cheapest) {
-        if (removed >= count || !mesh.keep_going()) break;
-        const Vertex v = vertices[k];
-        if (touched[v.index()] != 0) continue;
+    for (const Vertex v : detail::cheapest_vertices(mesh, count, scratch)) {
+        if (!mesh.keep_going()) break;
         // Flips around earlier removals may have changed the ring: find the cheapest collapse again.
         const CollapseCandidate now = cheapest_collapse(mesh, scratch, v);
         if (!now.halfedge.is_valid()) continue;
         ring.clear();
         for (const Halfedge h : topology.outgoing(v)) ring.push_back(topology.to_vertex(h));
         mesh.collapse(now.halfedge);
-        for (const Vertex u : ring) touched[u.index()] = 1;
         relax(mesh, ring, relaxation);
         for (const Vertex u : ring) mesh.set_dirty(u, true);
         ++removed;

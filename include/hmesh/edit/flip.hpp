@@ -91,13 +91,12 @@ double improve_edge(ImageMesh<C>& mesh, Edge e, double min_gain) {
 }
 
 /// Flips edges until no flip gains more than `min_gain` >= 0, in units of the mean energy of a vertex. Edges wait on a stack, at
-/// first all in spatial order; after a flip the four sides of its quadrilateral are pushed again. The four vertices around a
-/// flipped edge become dirty. Ends early where mesh.keep_going() says stop. Returns the number of flips.
+/// first those given, the first on top; after a flip the four sides of its quadrilateral are pushed again. The four vertices
+/// around a flipped edge become dirty. Ends early where mesh.keep_going() says stop. Returns the number of flips.
 template <int C>
-std::size_t flip_edges(ImageMesh<C>& mesh, double min_gain = 1e-4) {
+std::size_t flip_edges(ImageMesh<C>& mesh, std::vector<Edge> stack, double min_gain) {
     const HalfedgeMesh& topology = mesh.topology();
     min_gain *= mesh.mean_energy();
-    std::vector<Edge> stack = spatial_edges(mesh);
     std::reverse(stack.begin(), stack.end());
     std::size_t flips = 0;
     // The energy falls with every flip; the budget only guards against a million tiny gains where min_gain is 0.
@@ -115,6 +114,11 @@ std::size_t flip_edges(ImageMesh<C>& mesh, double min_gain = 1e-4) {
         }
     }
     return flips;
+}
+/// The same for all edges of the mesh, in spatial order.
+template <int C>
+std::size_t flip_edges(ImageMesh<C>& mesh, double min_gain = 1e-4) {
+    return flip_edges(mesh, spatial_edges(mesh), min_gain);
 }
 
 }  // namespace hmesh::kit

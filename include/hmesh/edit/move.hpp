@@ -123,21 +123,26 @@ double improve_vertex(ImageMesh<C>& mesh, Vertex v, double min_gain) {
     return before - center.energy;
 }
 
-/// Visits all dirty vertices once, in spatial order, and clears their marks; where a visit gains more than
+/// Visits those of `vertices` that are dirty, once and in their order, and clears their marks; where a visit gains more than
 /// tolerance.propagate_above, the vertex and its neighbours become dirty again. Ends early where mesh.keep_going() says stop.
 /// Returns the decrease of the energy.
 template <int C>
-double sweep(ImageMesh<C>& mesh, const Tolerance& tolerance = {}) {
+double sweep(ImageMesh<C>& mesh, const std::vector<Vertex>& vertices, const Tolerance& tolerance) {
     const double start = mesh.energy();
     const double propagate_above = tolerance.propagate_above * mesh.mean_energy();
     const double min_gain = tolerance.min_gain * mesh.mean_energy();
-    for (const Vertex v : spatial_vertices(mesh)) {
+    for (const Vertex v : vertices) {
         if (!mesh.is_dirty(v) || mesh.vertex(v).mobility == Mobility::locked) continue;  // locked: dirty for another patch
         if (!mesh.keep_going()) break;
         mesh.set_dirty(v, false);
         if (improve_vertex(mesh, v, min_gain) > propagate_above) mesh.set_ring_dirty(v);
     }
     return start - mesh.energy();
+}
+/// The same for all vertices of the mesh, in spatial order.
+template <int C>
+double sweep(ImageMesh<C>& mesh, const Tolerance& tolerance = {}) {
+    return sweep(mesh, spatial_vertices(mesh), tolerance);
 }
 
 }  // namespace hmesh::kit

@@ -69,6 +69,11 @@ class ImageSource {
         return out;
     }
 
+    /// The weight of pixel (x, y), in the unit of the weights; 1 where there are none.
+    [[nodiscard]] double weight(int x, int y) const noexcept {
+        return weights_.data == nullptr ? 1 : static_cast<double>(*weights_.pixel(x, y)) / unit_;
+    }
+
   private:
     template <class T>
     [[nodiscard]] ImageView<T, C> view() const noexcept {

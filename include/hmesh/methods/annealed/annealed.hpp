@@ -1,18 +1,19 @@
 /// \file
 /// Annealed: the method behind the default recipe (methods/annealed/options.hpp).
 ///
-///    grid -> greedy insertion to o n vertices -> collapse to u n -> s sweeps of priced moves -> exactly n -> polish
+///    o n points -> settle -> collapse to n -> s sweeps of priced moves -> exactly n -> polish
 ///
-/// Too many vertices are inserted, each where it lowers the energy most; then those whose loss raises it least are removed;
-/// vertices move and edges flip throughout. Annealing (methods/annealed/annealing.hpp) then moves vertices between places at one
-/// common price. Whenever a vertex is visited, its colour becomes the least-squares one. o, u and s are
-/// AnnealedSteps::insert_factor, collapse_factor and annealing.sweeps; collapse is left out where o = 1, annealing where s = 0.
+/// More points than wanted are drawn, with the density that the image asks for (methods/annealed/first_points.hpp), and
+/// triangulated; vertices move and edges flip until little is gained; then the vertices whose loss raises the energy least are
+/// removed. Annealing (methods/annealed/annealing.hpp) moves vertices between places at one common price, which starts at a share
+/// of what the cheapest vertices are worth. Whenever a vertex is visited, its colour becomes the least-squares one. o and s are
+/// AnnealedSteps::points and annealing.sweeps; collapse is left out where o = 1, annealing where s = 0.
 ///
-/// A mesh to go on from (Annealed::start) takes the place of the grid, greedy insertion and collapse: the cheapest vertices are
-/// removed, or the best ones inserted, until there are n.
+/// A mesh to go on from (Annealed::start) takes the place of the points and the collapse: the cheapest vertices are removed, or
+/// the best ones inserted, until there are n.
 ///
-/// All stages work in patches (tiles/patch.hpp). First each tile is meshed by itself, with a share of the budget and with the
-/// vertices on its seams locked; then phases shift the tiling, so that no trace of the seams remains.
+/// All stages but the triangulation work in patches (tiles/patch.hpp), whose tiling shifts from phase to phase, so that no trace
+/// of their seams remains; in a patch, block by block (edit/blocks.hpp).
 #ifndef HMESH_METHODS_ANNEALED_ANNEALED_HPP
 #define HMESH_METHODS_ANNEALED_ANNEALED_HPP
 
@@ -27,55 +28,22 @@
 #include "hmesh/core/finite.hpp"
 #include "hmesh/core/progress.hpp"
 #include "hmesh/core/status.hpp"
-#include "hmesh/edit/collapse.hpp"
+#include "hmesh/edit/blocks.hpp"
 #include "hmesh/edit/flip.hpp"
-#include "hmesh/edit/insert.hpp"
 #include "hmesh/edit/move.hpp"
-#include "hmesh/edit/subdivide.hpp"
+#include "hmesh/mesh/delaunay.hpp"
 #include "hmesh/methods/annealed/annealing.hpp"
 #include "hmesh/methods/annealed/budget.hpp"
-#include "hmesh/methods/annealed/first_grid.hpp"
+#include "hmesh/methods/annealed/first_points.hpp"
 #include "hmesh/methods/annealed/options.hpp"
 #include "hmesh/methods/stage.hpp"
+#include "hmesh/tiles/delaunay_mesh.hpp"
 #include "hmesh/tiles/tiled_mesh.hpp"
 
 #include "hmesh/core/macros/push.hpp"
 
 namespace hmesh {
 namespace kit::detail {
-
-/// Inserts vertices greedily, in batches with flips and sweeps in between, until the mesh has n vertices; by subdivision where
-/// nothing gains any more.
-template <int C>
-HMESH_COLD void grow(ImageMesh<C>& mesh, std::size_t n, const AnnealedSteps& options) {
-    const std::size_t first = mesh.vertex_count();
-    mesh.reserve(n);
-    while (mesh.vertex_count() < n && mesh.keep_going()) {
-        const std::size_t count = mesh.vertex_count(), missing = n - count;
-        std::size_t batch =
-            std::min(missing, static_cast<std::size_t>(std::ceil(static_cast<double>(count) * options.insert_batch)));
-        if (missing - batch < batch / 2) batch = missing;  // no small last batch
-        if (insert_batch(mesh, batch, {}) == 0) break;
-        flip_edges(mesh, options.insert_flip_gain);
-        for (int i = 0; i < options.insert_sweeps; ++i) sweep(mesh, options.insert_tolerance);
-        if (mesh.task() != nullptr)
-            mesh.task()->set_fraction(static_cast<double>(mesh.vertex_count() - first) / static_cast<double>(n - first));
-    }
-    if (mesh.vertex_count() < n && mesh.keep_going()) subdivide(mesh, n - mesh.vertex_count());
-}
-
-/// Removes the cheapest vertices in batches until n are left, or none of those left can be removed.
-template <int C>
-HMESH_COLD void shrink(ImageMesh<C>& mesh, std::size_t n, const AnnealedSteps& options) {
-    const std::size_t first = mesh.vertex_count();
-    while (mesh.vertex_count() > n && mesh.keep_going()) {
-        const std::size_t count = mesh.vertex_count(), surplus = count - n;
-        const auto batch = static_cast<std::size_t>(std::ceil(static_cast<double>(count) * options.collapse_batch));
-        if (remove_batch(mesh, std::min(surplus, batch), options.relaxation) == 0) break;
-        if (mesh.task() != nullptr)
-            mesh.task()->set_fraction(static_cast<double>(first - mesh.vertex_count()) / static_cast<double>(first - n));
-    }
-}
 
 /// Whether this is a mesh of the image, with finite colours; else Errc::invalid_argument.
 template <int C>
@@ -93,13 +61,6 @@ template <int C>
     return check(mesh);
 }
 
-/// The state of a tile of the aligned tiling after the last stage.
-struct TileState {
-    std::size_t free = 0;    ///< vertices that are free in the tile
-    double energy = 0;       ///< of the tile's faces
-    std::size_t placed = 0;  ///< target of insertion, in free vertices
-};
-
 /// One run of the method for n vertices: the stages, and what they know of the tiles.
 template <int C>
 class AnnealedRun {
@@ -110,8 +71,8 @@ class AnnealedRun {
     /// Runs all stages. False: cancelled, or more than n vertices are left and none of them can be removed.
     bool run() {
         tiled_->indexed() = corner_mesh(tiled_->source());  // the mesh after a cancellation in the first stage
-        return stage("grid", [&] { return start(); }) && stage("insert", [&] { return insert(); }) &&
-               (steps_.insert_factor <= 1 || stage("collapse", [&] { return collapse(); })) && finish();
+        return stage("points", [&] { return draw_points(); }) && stage("settle", [&] { return settle(); }) &&
+               (steps_.points <= 1 || stage("collapse", [&] { return collapse(); })) && finish();
     }
     /// The same from `mesh` on, which check_start() accepts.
     bool run_from(IndexedMesh<C> mesh) {
@@ -137,91 +98,80 @@ class AnnealedRun {
     }
     bool stage(const char* name, FunctionRef<bool()> body) { return run_stage<C>(*tiled_, name, body); }
 
-    HMESH_COLD bool start() {
-        const double placed = static_cast<double>(n_) * steps_.insert_factor, pixels = tiled_->source().pixels();
-        const double count = std::max(4.0, std::min(placed, pixels) * steps_.start);
-        if (aligned_.size() == 1) {
-            tiled_->indexed() = regular_grid(tiled_->source(), count);
-        } else {
-            // 0.7 of the nodes that a square grid of n vertices would have on the seams.
-            const double length = static_cast<double>(aligned_.columns() - 1) * tiled_->source().height() +
-                                  static_cast<double>(aligned_.rows() - 1) * tiled_->source().width();
-            IndexedMesh<C> grid = tiled_grid<C>(
-                tiled_->source(), aligned_, count, 0.7 * length * std::sqrt(static_cast<double>(n_) / pixels),
-                [&] { return progress().poll(); }, tiled_->parallel_for());
+    HMESH_COLD bool draw_points() {
+        const ImageSource<C>& source = tiled_->source();
+        const auto go_on = [&] { return progress().poll(); };
+        const double wanted = std::ceil(static_cast<double>(n_) * steps_.points);
+        std::vector<std::uint32_t> pixels;
+        {
+            Image<float, 1> density = point_density(source, tiled_->parallel_for(), go_on);
             if (progress().stopped()) return false;
-            tiled_->indexed() = std::move(grid);
+            pixels = masked_points(density, static_cast<std::size_t>(std::min(source.pixels(), wanted)));
         }
-        progress().set_range(0, 1);
-        return for_each_tile([&](ImageMesh<C>& mesh, std::size_t, std::size_t) {
-            for (int i = 0; i < 2; ++i) sweep(mesh, steps_.polish);
-        });
+        Delaunay delaunay(source.width(), source.height());
+        if (!insert_pixels(delaunay, pixels, go_on)) return false;
+        tiled_->indexed() = delaunay_mesh(source, delaunay);
+        bound_valence(tiled_->indexed(), 32);  // room for flips up to max_valence
+        return true;
     }
 
-    /// Calls body(mesh, k, rim) for the patch of each tile k of the aligned tiling; `rim` is the number of its locked vertices.
-    bool for_each_tile(FunctionRef<void(ImageMesh<C>& mesh, std::size_t tile, std::size_t rim)> body) {
-        tiles_.resize(aligned_.size());
-        return tiled_->for_each(aligned_, [&](Patch<C>& patch, std::size_t k) {
-            body(patch.mesh(), k, patch.vertex_count() - patch.free_count());
-            tiles_[k].free = patch.free_count();
-            tiles_[k].energy = patch.mesh().energy();
-        });
-    }
-    /// The number of vertices that are free in no tile.
-    [[nodiscard]] std::size_t seam_count() noexcept {
-        std::size_t count = tiled_->vertex_count();
-        for (const TileState& tile : tiles_) count -= tile.free;
-        return count;
+    /// Calls body(mesh) for the patch of each tile of phase k, which is this part of the stage.
+    bool for_each_patch(int phase, double from, double to, FunctionRef<void(ImageMesh<C>& mesh)> body) {
+        progress().set_range(from, to);
+        return tiled_->for_each(tiling(phase), [&](Patch<C>& patch, std::size_t) { body(patch.mesh()); });
     }
 
-    /// Grows all tiles until they have about `count` vertices together, shared among them by area or, where `by_error`, by the
-    /// error that the tiles have now (error_share() in methods/annealed/budget.hpp).
-    HMESH_COLD bool grow_tiles(double count, bool by_error) {
-        std::vector<double> weights;
-        std::vector<std::size_t> caps;
-        for (std::size_t k = 0; k < tiles_.size(); ++k) {
-            const Rect rect = aligned_.rect(k);
-            const double area = static_cast<double>(rect.width) * rect.height;
-            weights.push_back(by_error ? error_share(area, tiles_[k].energy) : area);
-            caps.push_back(2 * static_cast<std::size_t>(area));
-        }
-        const std::size_t total = static_cast<std::size_t>(std::round(count)), seams = seam_count();
-        const std::vector<std::size_t> placed = apportion(total - std::min(total, seams), weights, caps);
-        for (std::size_t k = 0; k < tiles_.size(); ++k) tiles_[k].placed = placed[k];
-        return for_each_tile(
-            [&](ImageMesh<C>& mesh, std::size_t k, std::size_t rim) { grow(mesh, rim + tiles_[k].placed, steps_); });
-    }
-
-    HMESH_COLD bool insert() {
-        const double n = static_cast<double>(n_), pixels = std::max(4.0, tiled_->source().pixels());
-        const double placed = std::max(n, std::min(pixels, std::round(n * steps_.insert_factor)));
-        // Growing by area first gives flat tiles more than their share, so that removal has more to choose from: 0.1 dB.
-        const bool in_two = aligned_.size() > 1 && placed > n;
-        if (in_two) {
-            progress().set_range(0, 0.4);
-            if (!grow_tiles(n, false)) return false;
-        }
-        progress().set_range(in_two ? 0.4 : 0, 1);
-        return grow_tiles(placed, true);
+    HMESH_COLD bool settle() {
+        // What is locked in one tiling is free in the next.
+        const int phases = aligned_.size() > 1 ? 2 : 1;
+        for (int k = 0; k < phases; ++k)
+            if (!for_each_patch(k, static_cast<double>(k) / phases, (k + 1.0) / phases, [&](ImageMesh<C>& mesh) {
+                    for_each_block(mesh, 0, [&](std::vector<Vertex>& vertices) {
+                        for (int round = 0; round < steps_.settle_rounds; ++round) {
+                            sweep(mesh, vertices, steps_.settle);
+                            flip_edges(mesh, own_edges(mesh, vertices), steps_.settle_flip_gain);
+                        }
+                    });
+                }))
+                return false;
+        return true;
     }
 
     HMESH_COLD bool collapse() {
-        // The free vertices of all tiles shrink by the same ratio.
-        const auto left = static_cast<std::size_t>(std::round(static_cast<double>(n_) * steps_.collapse_factor));
-        double placed = 0;
-        for (const TileState& tile : tiles_) placed += static_cast<double>(tile.placed);
-        const double ratio = static_cast<double>(left - std::min(left, seam_count())) / std::max(1.0, placed);
-        progress().set_range(0, 1);
-        const bool go_on = for_each_tile([&](ImageMesh<C>& mesh, std::size_t k, std::size_t rim) {
-            shrink(mesh, rim + static_cast<std::size_t>(std::round(static_cast<double>(tiles_[k].placed) * ratio)), steps_);
-        });
+        const std::size_t first = tiled_->vertex_count();
+        for (int k = 0, stuck = 0; tiled_->vertex_count() > n_ && stuck < 4; ++k) {
+            const std::size_t count = tiled_->vertex_count();
+            const auto batch = static_cast<std::size_t>(std::ceil(static_cast<double>(count) * steps_.collapse_batch));
+            progress().set_range(
+                static_cast<double>(first - count) / static_cast<double>(first - n_),
+                static_cast<double>(first - std::max(n_, count - std::min(count, batch))) / static_cast<double>(first - n_));
+            const bool removed =
+                remove_cheapest(*tiled_, tiling(k), std::min(count - n_, batch), steps_.relaxation, steps_.collapse_batch);
+            if (progress().stopped()) return false;
+            stuck = removed ? 0 : stuck + 1;
+        }
         (void)tiled_->indexed();  // renumbers a single patch without its many deleted slots
-        return go_on;
+        return true;
+    }
+
+    /// The price at which a vertex is as good as another: the mean cost of the cheapest quarter of all collapses, an energy.
+    [[nodiscard]] HMESH_COLD double marginal_cost() {
+        std::vector<std::vector<double>> of_tile(aligned_.size());
+        progress().set_range(0, 0);
+        tiled_->for_each(aligned_, [&](Patch<C>& patch, std::size_t tile) { of_tile[tile] = collapse_costs(patch.mesh()); });
+        std::vector<double> costs;
+        for (const std::vector<double>& some : of_tile) costs.insert(costs.end(), some.begin(), some.end());
+        std::sort(costs.begin(), costs.end());
+        const std::size_t quarter = (costs.size() + 3) / 4;
+        double sum = 0;
+        for (std::size_t k = 0; k < quarter; ++k) sum += std::max(0.0, costs[k]);
+        return quarter > 0 ? sum / static_cast<double>(quarter) : tiled_->mean_energy();
     }
 
     HMESH_COLD bool anneal() {
         const AnnealingOptions& annealing = steps_.annealing;
-        AnnealingSchedule schedule(annealing, n_, tiled_->mean_energy());
+        AnnealingSchedule schedule(annealing, n_, marginal_cost());
+        if (progress().stopped()) return false;
         for (int k = 0; k < annealing.sweeps; ++k) {
             const auto total = static_cast<double>(tiled_->vertex_count()), target = static_cast<double>(n_);
             const Tiling phase = tiling(k + 1);
@@ -251,14 +201,14 @@ class AnnealedRun {
         // Without annealing no phase has shifted the tiling yet: one round at least works across the seams.
         const bool has_seams = aligned_.size() > 1 && steps_.annealing.sweeps == 0;
         const int rounds = std::max(steps_.polish_rounds, has_seams ? 1 : 0);
-        for (int k = 0; k < rounds; ++k) {
-            progress().set_range(static_cast<double>(k) / rounds, (k + 1.0) / rounds);
-            if (!tiled_->for_each(tiling(k + 1), [&](Patch<C>& patch, std::size_t) {
-                    flip_edges(patch.mesh(), steps_.polish.propagate_above);
-                    sweep(patch.mesh(), steps_.polish);
+        for (int k = 0; k < rounds; ++k)
+            if (!for_each_patch(k + 1, static_cast<double>(k) / rounds, (k + 1.0) / rounds, [&](ImageMesh<C>& mesh) {
+                    for_each_block(mesh, 0, [&](std::vector<Vertex>& vertices) {
+                        flip_edges(mesh, own_edges(mesh, vertices), steps_.polish.propagate_above);
+                        sweep(mesh, vertices, steps_.polish);
+                    });
                 }))
                 return false;
-        }
         return true;
     }
 
@@ -268,7 +218,6 @@ class AnnealedRun {
     std::uint64_t seed_;
     double tile_;
     Tiling aligned_;
-    std::vector<TileState> tiles_;
 };
 
 }  // namespace kit::detail
@@ -291,7 +240,7 @@ Status Annealed::run(kit::TiledMesh<C>& mesh, std::size_t n) const {
     if (mesh.progress().stopped()) return kit::cancelled_by_callback();
     // More than n vertices are left, each of whose collapses would make a face below min_double_area. Growing to n in one piece,
     // without a collapse, always ends at n.
-    plan.insert_factor = 1;
+    plan.points = 1;
     plan.annealing.sweeps = 0;
     is_done = kit::detail::AnnealedRun<C>(mesh, n, plan, seed, std::max(source.width(), source.height())).run();
     return kit::finished_or_cancelled(is_done);

@@ -20,6 +20,7 @@
 
 #include "hmesh/core/function_ref.hpp"
 #include "hmesh/core/random.hpp"
+#include "hmesh/edit/blocks.hpp"
 #include "hmesh/edit/collapse.hpp"
 #include "hmesh/edit/flip.hpp"
 #include "hmesh/edit/insert.hpp"
@@ -41,9 +42,9 @@ struct AnnealingCounts {
 /// The price mu of a vertex and the temperature T, which all patches of a mesh share; set between sweeps.
 class AnnealingSchedule {
   public:
-    /// Starts an annealing toward `target` vertices, of a mesh with this mean energy of a vertex.
-    AnnealingSchedule(const AnnealingOptions& options, std::size_t target, double mean_energy) noexcept
-        : options_(options), target_(static_cast<double>(target)), price_(options.start_price * mean_energy) {}
+    /// Starts an annealing toward `target` vertices, of a mesh whose cheapest vertices are worth `marginal_cost`, an energy.
+    AnnealingSchedule(const AnnealingOptions& options, std::size_t target, double marginal_cost) noexcept
+        : options_(options), target_(static_cast<double>(target)), price_(options.start_price * marginal_cost) {}
 
     /// mu for the next sweep, an energy.
     [[nodiscard]] double price() const noexcept { return price_; }
@@ -56,13 +57,13 @@ class AnnealingSchedule {
     /// `counts`: moves accepted in all patches; `vertices` and `mean_energy`: of the mesh now. The gains 3 and 2 and the limits
     /// are found by trial. On a mosaic of photographs in tiles of 256 px (as benchmarks/table --mosaic makes them), the weaker
     /// gains (1, 0.5), (1, 0) and (0.5, 0) lost 0.04 to 0.08 dB. A change is at most a factor exp(0.2) a sweep. mu stays in
-    /// [0.15, 4] mean energies of a vertex, to keep a start that is far off from running away; kodim23 needs 1.1 in its first
+    /// [0.15, 100] mean energies of a vertex, to keep a start that is far off from running away; kodim23 needs 1.1 in its first
     /// sweeps.
     void steer(const AnnealingCounts& counts, std::size_t vertices, double mean_energy) noexcept {
         const double deviation = (static_cast<double>(vertices) - target_) / target_;
         const double rate = (static_cast<double>(counts.inserted) - static_cast<double>(counts.removed)) / target_;
         price_ *= std::exp(std::max(-0.2, std::min(0.2, 3 * deviation + 2 * rate)));
-        price_ = std::max(0.15 * mean_energy, std::min(4 * mean_energy, price_));
+        price_ = std::max(0.15 * mean_energy, std::min(100 * mean_energy, price_));
     }
 
   private:
@@ -76,21 +77,6 @@ struct CountRange {
     double high = 0;  ///< with more vertices, none is inserted
 };
 
-namespace detail {
-
-/// The elements rotated to a random start: loops that a CountRange may end early would else favour the top of the image.
-template <class Element>
-[[nodiscard]] std::vector<Element> rotated(const std::vector<Element>& elements, Random& random) {
-    std::vector<Element> out;
-    out.reserve(elements.size());
-    const std::size_t start = elements.empty() ? 0 : random.below(elements.size());
-    for (std::size_t k = start; k < elements.size(); ++k) out.push_back(elements[k]);
-    for (std::size_t k = 0; k < start; ++k) out.push_back(elements[k]);
-    return out;
-}
-
-}  // namespace detail
-
 /// One sweep of annealing over a mesh or a patch.
 template <int C>
 class AnnealingSweep {
@@ -101,19 +87,22 @@ class AnnealingSweep {
         : mesh_(&mesh), options_(options), price_(price), temperature_(temperature), min_gain_(5e-3 * price), range_(range),
           random_(random) {}
 
-    /// Tries removals, insertions, flips and jumps, then visits dirty vertices twice with flips in between. Ends early where
+    /// Block by block: tries removals, insertions, flips and jumps, then visits dirty vertices twice with flips in between. Begins
+    /// at a random block: a CountRange that ends it early would else favour the top of the image. Ends early where
     /// mesh.keep_going() says stop.
     AnnealingCounts run() {
         AnnealingCounts counts;
-        counts.removed = remove_moves();
-        counts.inserted = insert_moves();
-        flip_moves();
-        jump_moves();
-        const double mean = mesh_->mean_energy();
-        const Tolerance tolerance{1e-2, mean > 0 ? min_gain_ / mean : 0};
-        sweep(*mesh_, tolerance);
-        flip_edges(*mesh_);
-        sweep(*mesh_, tolerance);
+        for_each_block(*mesh_, random_.below(std::size_t{1} << 30U), [&](std::vector<Vertex>& vertices) {
+            counts.removed += remove_moves(vertices);
+            counts.inserted += insert_moves(vertices);
+            flip_moves(vertices);
+            jump_moves(vertices);
+            const double mean = mesh_->mean_energy();
+            const Tolerance tolerance{1e-2, mean > 0 ? min_gain_ / mean : 0};
+            sweep(*mesh_, vertices, tolerance);
+            flip_edges(*mesh_, own_edges(*mesh_, vertices), 1e-4);
+            sweep(*mesh_, vertices, tolerance);
+        });
         return counts;
     }
 
@@ -145,10 +134,10 @@ class AnnealingSweep {
         for (const Halfedge h : topology().outgoing(v)) around_.push_back(topology().to_vertex(h));
     }
 
-    /// Tries to collapse each vertex. Returns how many went.
-    std::size_t remove_moves() {
-        std::size_t removed = 0;
-        for (const Vertex v : detail::rotated(spatial_vertices(*mesh_), random_)) {
+    /// Tries to collapse each vertex, and drops those that went. Returns how many went.
+    std::size_t remove_moves(std::vector<Vertex>& vertices) {
+        const std::size_t before_all = vertices.size();
+        for (const Vertex v : vertices) {
             if (static_cast<double>(mesh_->vertex_count()) < range_.low || !mesh_->keep_going()) break;
             if (random_.uniform() > options_.try_probability) continue;
             const CollapseCandidate candidate = cheapest_collapse(*mesh_, scratch_, v);
@@ -158,16 +147,18 @@ class AnnealingSweep {
             const double before = mesh_->energy();
             collect(v);
             mesh_->collapse(candidate.halfedge);
-            if (accept_or_roll_back(mark, before, -price_, [&] { relax(*mesh_, around_, 1, min_gain_); })) ++removed;
+            accept_or_roll_back(mark, before, -price_, [&] { relax(*mesh_, around_, 1, min_gain_); });
         }
-        return removed;
+        vertices.erase(std::remove_if(vertices.begin(), vertices.end(), [&](Vertex v) { return topology().is_deleted(v); }),
+                       vertices.end());
+        return before_all - vertices.size();
     }
 
-    /// Tries to insert a vertex on each edge and face. Returns how many came.
-    std::size_t insert_moves() {
+    /// Tries to insert a vertex on each edge and face, and adds those that came. Returns how many came.
+    std::size_t insert_moves(std::vector<Vertex>& vertices) {
         std::size_t inserted = 0;
         const double min_gain = options_.insertion_screen * price_;
-        for (const InsertionSite site : detail::rotated(insertion_sites(*mesh_, true), random_)) {
+        for (const InsertionSite site : own_sites(*mesh_, vertices)) {
             if (static_cast<double>(mesh_->vertex_count()) > range_.high || !mesh_->keep_going()) break;
             if (random_.uniform() > options_.try_probability) continue;
             if (site.is_edge() ? topology().is_deleted(site.edge()) : topology().is_deleted(site.face())) continue;
@@ -179,14 +170,17 @@ class AnnealingSweep {
             const Vertex v = insert(*mesh_, candidate);
             collect(v);
             around_.push_back(v);
-            if (accept_or_roll_back(mark, before, price_, [&] { relax(*mesh_, around_, 1, min_gain_); })) ++inserted;
+            if (accept_or_roll_back(mark, before, price_, [&] { relax(*mesh_, around_, 1, min_gain_); })) {
+                vertices.push_back(v);
+                ++inserted;
+            }
         }
         return inserted;
     }
 
     /// Tries to flip each edge.
-    void flip_moves() {
-        for (const Edge e : spatial_edges(*mesh_)) {
+    void flip_moves(const std::vector<Vertex>& vertices) {
+        for (const Edge e : own_edges(*mesh_, vertices)) {
             if (!mesh_->keep_going()) break;
             if (!is_flippable(*mesh_, e)) continue;
             FlipTrial<C> trial;
@@ -207,8 +201,8 @@ class AnnealingSweep {
     }
 
     /// Displaces some free vertices at random, and keeps those displacements that are accepted.
-    void jump_moves() {
-        for (const Vertex v : spatial_vertices(*mesh_)) {
+    void jump_moves(const std::vector<Vertex>& vertices) {
+        for (const Vertex v : vertices) {
             if (!mesh_->keep_going()) break;
             const VertexState<C> state = mesh_->vertex(v);
             if (state.mobility != Mobility::free || random_.uniform() > options_.jump) continue;

@@ -1,9 +1,7 @@
 /// \file
 /// Budget: how many vertices each tile gets, and how a mesh is brought to exactly n vertices.
 ///
-/// Before the annealing has a common price, tiles share the budget according to the error of a mesh of equal density. A mesh of
-/// nearly n vertices is brought to n by quotas for its tiles: the cheapest removals wherever they are, or insertions in
-/// proportion to the error.
+/// Tiles have quotas: the cheapest removals wherever they are, or insertions in proportion to the error.
 #ifndef HMESH_METHODS_ANNEALED_BUDGET_HPP
 #define HMESH_METHODS_ANNEALED_BUDGET_HPP
 
@@ -24,16 +22,6 @@
 #include "hmesh/core/macros/push.hpp"
 
 namespace hmesh::kit {
-
-/// A tile's share of the budget, area * (energy / area)^p with p = 0.8; `area` in px^2, `energy` that of a mesh of equal density
-/// everywhere. Only the ratios of shares matter.
-///
-/// Where the error of a tile falls as n^-0.53, which is 1.6 dB a doubling, equal returns of one more vertex in all tiles ask for
-/// p = 1 / 1.53 = 0.65. The value is found by trial: on mosaics of photographs (as benchmarks/table --mosaic makes them),
-/// Effort::fast, 0.8 came out 0.05 dB above 0.65 and 0.1 dB above 0.5.
-[[nodiscard]] inline double error_share(double area, double energy) noexcept {
-    return area * std::pow(std::max(0.0, energy) / area, 0.8);
-}
 
 /// Apportions `count` items in proportion to `weights` >= 0, item k getting at most caps[k]; where only weights of 0 are left,
 /// equally. The result is of whole numbers, whose sum is `count` or, if less, the sum of the caps. O(size) for each round in
@@ -74,20 +62,17 @@ namespace hmesh::kit {
 
 namespace detail {
 
-/// Removes about `count` vertices, with a quota for each patch from the sorted list of all patches' collapse costs. Returns
-/// whether any vertex was removed; false also after a cancellation.
+/// Removes about `count` vertices, with a quota for each patch from the sorted list of all patches' collapse costs, in batches of
+/// at most `most` of a patch's vertices: large batches reach vertices that are not cheap, since the neighbours of removed vertices
+/// stay in a batch. Returns whether any vertex was removed; false also after a cancellation.
 template <int C>
-HMESH_COLD bool remove_cheapest(TiledMesh<C>& tiled, const Tiling& tiling, std::size_t count, const Relaxation& relaxation) {
+HMESH_COLD bool remove_cheapest(TiledMesh<C>& tiled, const Tiling& tiling, std::size_t count, const Relaxation& relaxation,
+                                double most = 1.0 / 32) {
     std::vector<std::size_t> quota(tiling.size(), count);
     if (tiling.size() > 1) {
         std::vector<std::vector<double>> costs(tiling.size());
         if (!tiled.visit(tiling, [&](Patch<C>& patch, std::size_t tile, const std::uint32_t*) {
-                RingScratch<C> ring;
-                for (const Vertex v : patch.mesh().topology().vertices()) {
-                    if (!patch.mesh().keep_going()) break;
-                    const CollapseCandidate candidate = cheapest_collapse(patch.mesh(), ring, v);
-                    if (candidate.halfedge.is_valid()) costs[tile].push_back(candidate.cost);
-                }
+                costs[tile] = collapse_costs(patch.mesh());
             }))
             return false;
         std::vector<std::pair<double, std::uint32_t>> all;  // a cost, and the patch of the vertex
@@ -100,8 +85,7 @@ HMESH_COLD bool remove_cheapest(TiledMesh<C>& tiled, const Tiling& tiling, std::
     const std::size_t before = tiled.vertex_count();
     tiled.for_each(tiling, [&](Patch<C>& patch, std::size_t tile) {
         for (std::size_t left = quota[tile]; left > 0;) {
-            // Large batches would reach vertices that are not cheap, since the neighbours of removed vertices stay in a batch.
-            const std::size_t batch = std::max<std::size_t>(1, patch.vertex_count() / 32);
+            const auto batch = static_cast<std::size_t>(std::ceil(static_cast<double>(patch.vertex_count()) * most));
             const std::size_t removed = remove_batch(patch.mesh(), std::min(left, batch), relaxation);
             if (removed == 0) break;
             left -= removed;

@@ -25,10 +25,10 @@ namespace hmesh {
 
 /// How much work goes into a mesh. Counted in steps, never in seconds, so that an effort gives the same mesh on every machine.
 enum class Effort : std::uint8_t {
-    draft,   ///< greedy insertion up to the target
-    fast,    ///< insertion of twice the target, then removal: about 2 dB above draft
-    normal,  ///< insertion of three times the target, removal, then 8 sweeps of annealing: about 1 dB above fast
-    best,    ///< insertion of four times the target, removal, then 1000 sweeps of annealing
+    draft,   ///< half as many points as wanted too many, whose cheapest are removed
+    fast,    ///< the same, then 2 sweeps of annealing: about 3 dB above draft
+    normal,  ///< three times as many points as wanted, removal, then 6 sweeps of annealing: about 0.7 dB above fast
+    best,    ///< the same with 1000 sweeps of annealing
 };
 
 namespace kit {
@@ -36,7 +36,7 @@ namespace kit {
 /// Options of the annealing (methods/annealed/annealing.hpp). mu is the price of a vertex and T the temperature, both energies.
 /// The screens compare the change of the energy before any relaxation, which is cheap to know, and skip moves without a chance.
 struct AnnealingOptions {
-    int sweeps = 8;              ///< in [0, 1e6]; 0: no annealing
+    int sweeps = 6;              ///< in [0, 1e6]; 0: no annealing
     double temperature = 0.5;    ///< T in the first sweep, in units of mu, in [0, 1000]
     double cooling = 1;          ///< exponent, in [0, 100]: T / mu falls as (1 - t)^cooling, t = sweep / sweeps
     double try_probability = 1;  ///< probability, in a sweep, that a vertex is tried for removal and a site for insertion
@@ -48,7 +48,9 @@ struct AnnealingOptions {
     double insertion_screen = 0.35;
     /// Flips that raise the energy by flip_screen * mu or more are not tried; in [0, 1e6].
     double flip_screen = 3;
-    double start_price = 0.2;  ///< mu in the first sweep, in mean energies of a vertex, in [1e-6, 1e6]
+    /// mu in the first sweep, in mean costs of the cheapest quarter of all collapses, in [1e-6, 1e6]. Where the count comes to rest
+    /// it is about 1; a start below lets vertices come first, and chooses among more of them.
+    double start_price = 0.8;
     /// How far the number of vertices may leave the target in the first sweep, as a share of the target, in [0, 1]; falls
     /// linearly to 0.
     double count_tolerance = 0.5;
@@ -56,19 +58,15 @@ struct AnnealingOptions {
 
 /// The steps of the recipe Annealed in their order; the defaults are those of Effort::normal.
 struct AnnealedSteps {
-    double insert_factor = 3;      ///< o: vertices before the collapse, in units of the target, in [1, 100]; 1: no collapse
-    double collapse_factor = 1;    ///< u: vertices that the collapse leaves, in units of the target, in [0.1, 1]
-    double start = 0.3;            ///< vertices of the first grid, as a share of those before the collapse, in [0, 1]
-    double insert_batch = 0.4;     ///< vertices inserted at a time, as a share of those present, in [0.001, 10]
-    double collapse_batch = 0.15;  ///< vertices removed at a time, as a share of those present, in [0.001, 1]
-    int insert_sweeps = 2;         ///< over dirty vertices after each batch of insertions, in [0, 1000]
+    double points = 3;             ///< o: vertices of the first mesh, in units of the target, in [1, 100]; 1: no collapse
+    int settle_rounds = 2;         ///< of visits and flips over the first mesh, in [0, 1000]
+    double collapse_batch = 0.25;  ///< vertices removed at a time, as a share of those present, in [0.001, 1]
     int polish_rounds = 2;         ///< flips and a sweep at the end, in [0, 1000]
-    /// Flips after each batch of insertions that gain up to this are not made; in mean energies of a vertex, in [0, 1e6]. While
-    /// the mesh grows, small gains wait, since the next batch changes the surroundings anyway: against 1e-3 here and {1e-3, 0}
-    /// in insert_tolerance, the defaults buy a second sweep for the time of one, +0.2 dB.
-    double insert_flip_gain = 3e-2;
-    Tolerance insert_tolerance{5e-2, 5e-3};  ///< of the sweeps after each batch of insertions
-    /// Thresholds of the sweeps over the first grid and at the end; flips at the end gain more than polish.propagate_above.
+    /// Flips in the first mesh that gain up to this are not made; in mean energies of a vertex, in [0, 1e6]. Small gains can wait,
+    /// since the collapse changes the surroundings anyway.
+    double settle_flip_gain = 3e-2;
+    Tolerance settle{5e-2, 5e-3};  ///< of the visits in the first mesh
+    /// Thresholds of the sweeps at the end; flips at the end gain more than polish.propagate_above.
     Tolerance polish{1e-3, 5e-3};
     Relaxation relaxation{1, 1e-3};  ///< around each removal; rounds in [0, 100]
     AnnealingOptions annealing;      ///< the annealing after the collapse
@@ -79,21 +77,20 @@ struct AnnealedSteps {
     AnnealedSteps steps;
     switch (effort) {
         case Effort::draft:
-            steps.insert_factor = 1;
-            steps.insert_batch = 0.3;
+            steps.points = 1.5;
+            steps.collapse_batch = 0.5;
             steps.polish_rounds = 0;
             steps.annealing.sweeps = 0;
             break;
         case Effort::fast:
-            steps.insert_factor = 2;
-            steps.insert_batch = 0.2;
-            steps.collapse_factor = 0.92;  // the rest is inserted where it gains most: 0.08 dB
-            steps.polish_rounds = 3;
-            steps.annealing.sweeps = 0;
+            steps.points = 1.5;
+            steps.collapse_batch = 0.5;
+            steps.polish_rounds = 1;
+            steps.annealing.sweeps = 2;
+            steps.annealing.start_price = 1.4;
             break;
         case Effort::normal: break;
         case Effort::best:
-            steps.insert_factor = 4;
             steps.annealing.sweeps = 1000;
             steps.annealing.cooling = 2;
             steps.annealing.try_probability = 0.3;
@@ -108,20 +105,17 @@ struct AnnealedSteps {
 /// Whether all steps are in range: Errc::invalid_argument for the first that is not, with its name, value and bound.
 [[nodiscard]] HMESH_COLD inline Status check(const AnnealedSteps& steps) noexcept {
     const AnnealingOptions& annealing = steps.annealing;
-    const Tolerance &insert = steps.insert_tolerance, &polish = steps.polish;
+    const Tolerance &settle = steps.settle, &polish = steps.polish;
     return check_ranges({
-        {"annealed insert_factor must be in [1, 100]", steps.insert_factor, 1, 100},
-        {"annealed collapse_factor must be in [0.1, 1]", steps.collapse_factor, 0.1, 1},
-        {"annealed start must be in [0, 1]", steps.start, 0, 1},
-        {"annealed insert_batch must be in [0.001, 10]", steps.insert_batch, 1e-3, 10},
+        {"annealed points must be in [1, 100]", steps.points, 1, 100},
+        {"annealed settle_rounds must be in [0, 1000]", static_cast<double>(steps.settle_rounds), 0, 1000},
+        {"annealed settle_flip_gain must be in [0, 1e6]", steps.settle_flip_gain, 0, 1e6},
+        {"annealed settle.propagate_above must be in [0, 1e6]", settle.propagate_above, 0, 1e6},
+        {"annealed settle.min_gain must be in [0, 1e6]", settle.min_gain, 0, 1e6},
         {"annealed collapse_batch must be in [0.001, 1]", steps.collapse_batch, 1e-3, 1},
-        {"annealed insert_sweeps must be in [0, 1000]", static_cast<double>(steps.insert_sweeps), 0, 1000},
         {"annealed polish_rounds must be in [0, 1000]", static_cast<double>(steps.polish_rounds), 0, 1000},
         {"annealed relaxation.rounds must be in [0, 100]", static_cast<double>(steps.relaxation.rounds), 0, 100},
         {"annealed relaxation.min_gain must be in [0, 1e6]", steps.relaxation.min_gain, 0, 1e6},
-        {"annealed insert_flip_gain must be in [0, 1e6]", steps.insert_flip_gain, 0, 1e6},
-        {"annealed insert_tolerance.propagate_above must be in [0, 1e6]", insert.propagate_above, 0, 1e6},
-        {"annealed insert_tolerance.min_gain must be in [0, 1e6]", insert.min_gain, 0, 1e6},
         {"annealed polish.propagate_above must be in [0, 1e6]", polish.propagate_above, 0, 1e6},
         {"annealed polish.min_gain must be in [0, 1e6]", polish.min_gain, 0, 1e6},
         {"annealed annealing.sweeps must be in [0, 1e6]", static_cast<double>(annealing.sweeps), 0, 1e6},
@@ -143,14 +137,14 @@ class TiledMesh;
 
 }  // namespace kit
 
-/// The default recipe of mesh_image(), and the one of best fidelity: too many vertices are inserted, those whose loss costs
-/// least are removed, and simulated annealing moves vertices from where they are worth little to where they are worth much.
+/// The default recipe of mesh_image(), and the one of best fidelity: too many points are drawn, those whose loss costs least
+/// are removed, and simulated annealing moves vertices from where they are worth little to where they are worth much.
 ///
 /// Meshes have least-squares colours unless Options::colors says otherwise. The same options and seed give the same bits for any
 /// number of threads. The interface of a recipe is described in methods/recipe.hpp, the method in methods/annealed/annealed.hpp.
 struct Annealed {
     Effort effort = Effort::normal;  ///< how much work goes into the mesh
-    std::uint64_t seed = 1;          ///< of the annealing's random numbers; any value. draft and fast use none
+    std::uint64_t seed = 1;          ///< of the annealing's random numbers; any value. draft uses none
     /// The side of a tile in px, 64 to 65536, or 0 for the default. Images larger than a tile are meshed in tiles of about this
     /// size, each of them a piece of work for a thread. The default is one piece up to 1048576 pixels and 16384 vertices, and
     /// tiles of 256 px beyond. Where a tile would hold less than 256 vertices on average, tiles are made larger, up to the
@@ -158,7 +152,7 @@ struct Annealed {
     int tile = 0;
     /// The steps in detail, in place of those that `effort` stands for: start from kit::annealed_steps(effort) and change some.
     std::optional<kit::AnnealedSteps> steps{};
-    /// A mesh of the image to go on from in place of the first grid, with any number of vertices: it is brought to the number
+    /// A mesh of the image to go on from in place of the points, with any number of vertices: it is brought to the number
     /// asked for, then annealed and polished. It must outlive the call; null: none. Errc::invalid_argument, and the image's two
     /// triangles for a mesh, where it is no mesh of the image: size, channels, positions off the 1/256 px grid, colours that are
     /// not finite, faces that do not tile the image.
@@ -203,7 +197,7 @@ struct Annealed {
     }
     /// By how many dB a whole run ends above a sketch of as many vertices, on the average.
     [[nodiscard]] double gain_over_sketch() const noexcept {
-        return effort <= Effort::fast ? 0 : effort == Effort::normal ? 0.9 : 1.4;
+        return effort <= Effort::fast ? 0 : effort == Effort::normal ? 0.7 : 1.4;
     }
     /// Replaces `mesh` by a mesh of n vertices of its image, 4 <= n <= max(4, pixels). Errc::cancelled: it is valid, with any
     /// number of vertices. Defined in methods/annealed/annealed.hpp.

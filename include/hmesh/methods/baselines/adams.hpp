@@ -38,15 +38,8 @@ namespace kit::detail {
 template <int C>
 bool triangulate_pixels(TiledMesh<C>& tiled, const std::vector<std::uint32_t>& pixels) {
     const ImageSource<C>& source = tiled.source();
-    const int width = source.width(), height = source.height();
-    const auto place = [&](std::uint32_t pixel) { return pixel_vertex(pixel, width, height); };
-    Delaunay mesh(width, height);
-    mesh.reserve(pixels.size() + 4);
-    std::size_t done = 0;
-    for (const std::uint32_t pixel : in_spatial_order<std::uint32_t>(pixels, pixels.size(), place)) {
-        if (++done % 4096 == 0 && !tiled.progress().poll()) return false;
-        (void)mesh.insert(place(pixel));
-    }
+    Delaunay mesh(source.width(), source.height());
+    if (!insert_pixels(mesh, pixels, [&] { return tiled.progress().poll(); })) return false;
     tiled.indexed() = delaunay_mesh(source, mesh);
     tiled.progress().set_range(1, 1);
     return tiled.for_each(one_tile(source), [](Patch<C>&, std::size_t) {});  // makes the patch, which has the energy

@@ -19,7 +19,6 @@
 #include "hmesh/core/assert.hpp"
 #include "hmesh/core/function_ref.hpp"
 #include "hmesh/image/image_view.hpp"
-#include "hmesh/mesh/geometry.hpp"
 
 #include "hmesh/core/macros/push.hpp"
 
@@ -107,16 +106,6 @@ void diffuse(const ImageView<float, 1>& map, double factor, double floor, Point&
         points.push_back(static_cast<std::uint32_t>(y) * static_cast<std::uint32_t>(map.width) + static_cast<std::uint32_t>(x));
     });
     return points;
-}
-
-/// The position, in px, of the vertex that stands for pixel number y * width + x: the pixel's centre, but on the border for the
-/// outermost pixels, so that a mesh of such vertices covers the image.
-[[nodiscard]] inline Point pixel_vertex(std::uint32_t pixel, int width, int height) noexcept {
-    const auto place = [](std::uint32_t i, int size) {
-        return size == 1 ? 0.5 : i == 0 ? 0.0 : i + 1 == static_cast<std::uint32_t>(size) ? static_cast<double>(size) : i + 0.5;
-    };
-    const auto columns = static_cast<std::uint32_t>(width);
-    return {place(pixel % columns, width), place(pixel / columns, height)};
 }
 
 }  // namespace hmesh::kit
