@@ -3,6 +3,7 @@
 #include <doctest/doctest.h>
 
 #include <algorithm>
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <vector>
@@ -14,6 +15,32 @@
 namespace kit = hmesh::kit;
 using hmesh::kit::Delaunay;
 using hmesh::kit::Point;
+
+namespace {
+
+int most_edges(const kit::IndexedMesh<1>& mesh) {
+    kit::HalfedgeMesh topology;
+    REQUIRE(topology.assign(mesh.vertex_count(), mesh.faces));
+    int most = 0;
+    for (const kit::Vertex v : topology.vertices()) most = std::max(most, topology.valence(v));
+    return most;
+}
+
+// The Delaunay mesh of the points, whose valences are too large, with few enough edges; returns how many vertices came.
+std::size_t check_bound(int side, const std::vector<Point>& points, int limit) {
+    const auto image = hmesh_test::noise<std::uint8_t, 1>(side, side, 1);
+    kit::IndexedMesh<1> mesh = kit::delaunay_mesh(kit::ImageSource<1>(image.view()), kit::triangulate(side, side, points));
+    const std::size_t before = mesh.vertex_count();
+    REQUIRE(most_edges(mesh) > limit);
+    CHECK(kit::bound_valence(mesh, limit));
+    CHECK(most_edges(mesh) <= limit);
+    hmesh_test::prove(mesh);
+    for (const hmesh::Triangle& t : mesh.faces)
+        CHECK(kit::orient2d(mesh.positions[t[0]], mesh.positions[t[1]], mesh.positions[t[2]]) >= 0.25);
+    return mesh.vertex_count() - before;
+}
+
+}  // namespace
 
 TEST_CASE("a Delaunay triangulation is a mesh of its image, whether points were only added or some removed again") {
     const auto image = hmesh_test::scene<std::uint8_t, 3>(40, 31, 1);
@@ -40,4 +67,72 @@ TEST_CASE("a Delaunay triangulation is a mesh of its image, whether points were 
             if (!Delaunay::is_corner(v)) delaunay.remove(v);
         }
     }
+}
+
+TEST_CASE("a pixel's vertex is at its centre, and on the border for the outermost pixels; all are inserted") {
+    CHECK(kit::pixel_vertex(0, 5, 4) == Point{0, 0});
+    CHECK(kit::pixel_vertex(6, 5, 4) == Point{1.5, 1.5});
+    CHECK(kit::pixel_vertex(19, 5, 4) == Point{5, 4});
+    CHECK(kit::pixel_vertex(0, 1, 1) == Point{0.5, 0.5});
+    CHECK(kit::pixel_vertex(2, 1, 3) == Point{0.5, 3});
+    Delaunay delaunay(5, 4);
+    REQUIRE(kit::insert_pixels(delaunay, {0, 6, 7, 19, 13, 10}, [] { return true; }));
+    CHECK(delaunay.topology().vertex_count() == 8);  // two are corners
+    CHECK(delaunay.check());
+    std::vector<std::uint32_t> many(10000);
+    for (std::uint32_t k = 0; k < 10000; ++k) many[k] = k;
+    Delaunay stopped(100, 100);
+    int asked = 0;
+    CHECK_FALSE(kit::insert_pixels(stopped, many, [&] { return ++asked < 2; }));
+    CHECK(asked == 2);
+    CHECK(stopped.topology().vertex_count() < 10000);
+}
+
+TEST_CASE("a vertex in the middle of a circle of points has as few edges as asked for afterwards") {
+    for (const int limit : {16, 32}) {
+        std::vector<Point> points = {{128, 128}};
+        for (int k = 0; k < 200; ++k) {
+            const double angle = 6.283185307179586 * k / 200;
+            points.push_back(kit::snap({128 + 100 * std::cos(angle), 128 + 100 * std::sin(angle)}));
+        }
+        (void)check_bound(256, points, limit);
+        points.resize(1);  // the circle's pixels
+        for (int y = 0; y < 256; ++y)
+            for (int x = 0; x < 256; ++x)
+                if (std::abs(std::hypot(x - 127.5, y - 127.5) - 100) < 0.5) points.push_back({x + 0.5, y + 0.5});
+        (void)check_bound(256, points, limit);
+    }
+}
+
+TEST_CASE("a vertex beside a straight line of points, none of whose edges can turn, loses them to new vertices") {
+    for (const int limit : {16, 32})
+        for (const double distance : {1.0, 2.0, 40.0}) {
+            std::vector<Point> points = {{128.5, 100.5 - distance}};
+            for (int x = 30; x < 230; ++x) points.push_back({x + 0.5, 100.5});
+            CHECK(check_bound(256, points, limit) > 0);
+            std::vector<Point> upright;
+            for (const Point p : points) upright.push_back({p.y, p.x});
+            CHECK(check_bound(256, upright, limit) > 0);
+        }
+    // As many as no single layer of new vertices takes.
+    std::vector<Point> many = {{1500.5, 1000.5}};
+    for (int x = 10; x < 2990; ++x) many.push_back({x + 0.5, 2000.5});
+    CHECK(check_bound(3000, many, 32) > 100);
+    // A line along the border, and the border's own vertices.
+    std::vector<Point> border = {{128.5, 60.5}};
+    for (int x = 1; x < 255; ++x) border.push_back({x + 0.5, 0});
+    CHECK(check_bound(256, border, 16) > 0);
+}
+
+TEST_CASE("a mesh whose vertices have few edges stays as it is") {
+    const auto image = hmesh_test::scene<std::uint8_t, 1>(64, 64, 1);
+    kit::Random random(1);
+    std::vector<Point> points;
+    for (int k = 0; k < 300; ++k) points.push_back(kit::snap({64 * random.uniform(), 64 * random.uniform()}));
+    kit::IndexedMesh<1> mesh = kit::delaunay_mesh(kit::ImageSource<1>(image.view()), kit::triangulate(64, 64, points));
+    const kit::IndexedMesh<1> before = mesh;
+    REQUIRE(most_edges(mesh) <= 20);
+    CHECK(kit::bound_valence(mesh, 20));
+    CHECK(mesh.positions == before.positions);
+    CHECK(mesh.faces == before.faces);
 }

@@ -37,9 +37,9 @@ HMESH_ALWAYS_INLINE void for_each_own_face(const HalfedgeMesh& topology, Vertex 
         if (!topology.is_boundary(h) && topology.halfedge(topology.face(h)) == h) body(topology.face(h));
 }
 
-/// Calls body(vertices) for the vertices of each block, in spatial order, from block `first` modulo their number on. Vertices that
-/// the body inserts are in no block, those that it removes must have been in this one. Tells the mesh's task of the share of the
-/// blocks that is done. Ends early where mesh.keep_going() says stop.
+/// Calls body(vertices) for the vertices of each block, in spatial order, from block `first` modulo their number on. Vertices
+/// that the body inserts are in no block, those that it removes must have been in this one. Tells the mesh's task of the share of
+/// the blocks that is done. Ends early where mesh.keep_going() says stop.
 template <int C>
 HMESH_COLD void for_each_block(ImageMesh<C>& mesh, std::size_t first, FunctionRef<void(std::vector<Vertex>& vertices)> body) {
     const std::vector<Vertex> all = spatial_vertices(mesh);

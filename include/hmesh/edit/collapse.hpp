@@ -145,8 +145,8 @@ template <int C>
 
 /// Removes up to `count` vertices, those that are cheapest to remove, and re-optimises the ring of each with relax(). They are
 /// chosen by cost and removed in spatial order, which takes less time; a vertex in the ring of one chosen before stays for the
-/// next batch. Vertices of these rings become dirty. Returns the number of vertices removed, which is less than `count` also where
-/// mesh.keep_going() says stop.
+/// next batch. Vertices of these rings become dirty. Returns the number of vertices removed, which is less than `count` also
+/// where mesh.keep_going() says stop.
 template <int C>
 std::size_t remove_batch(ImageMesh<C>& mesh, std::size_t count, const Relaxation& relaxation) {
     const HalfedgeMesh& topology = mesh.topology();

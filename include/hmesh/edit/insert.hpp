@@ -256,7 +256,7 @@ namespace detail {
 }  // namespace detail
 
 /// The best sites for `count` new vertices, by falling gain, ties in spatial order: up to 4 * count. max_gain() spares most sites
-/// their evaluation. Gains are compared as floats: 16 bytes a site, the peak of a method's memory.
+/// their evaluation. Gains are compared as floats: 16 bytes a site.
 template <int C>
 [[nodiscard]] std::vector<InsertionSite> best_sites(const ImageMesh<C>& mesh, std::size_t count,
                                                     const InsertionOptions& options) {

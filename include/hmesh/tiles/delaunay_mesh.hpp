@@ -63,38 +63,117 @@ template <int C>
     return mesh;
 }
 
-/// Flips edges until no vertex has more than `limit` >= 8 edges, where a flip is possible that gives no other vertex more: a point
-/// in a flat part sees all those at a sharp edge around it. Faces stay positively oriented, which is enough for ImageMesh.
-/// O(n) where there is nothing to do.
+namespace detail {
+
+/// The work of bound_valence().
 template <int C>
-HMESH_COLD void bound_valence(IndexedMesh<C>& mesh, int limit) {
+class ValenceBound {
+  public:
+    ValenceBound(IndexedMesh<C>& mesh, HalfedgeMesh& topology, int limit) noexcept
+        : mesh_(&mesh), topology_(&topology), limit_(limit) {}
+
+    /// Whether v has few enough edges in the end. A new vertex takes about `limit` edges, and those around v must have room for
+    /// the next ones: their last places are kept for a second and a third layer of them.
+    bool apply(Vertex v) {
+        for (const int kept : {4, 2, 0}) {
+            most_ = limit_ - kept;
+            for (bool is_better = true; is_better && topology_->valence(v) > limit_;) {
+                const int before = topology_->valence(v);
+                flip_spokes(v);
+                if (topology_->valence(v) > limit_ && split_spoke(v)) flip_spokes(v);  // to the new vertex
+                is_better = topology_->valence(v) < before;
+            }
+        }
+        return topology_->valence(v) <= limit_;
+    }
+
+  private:
+    static constexpr double least_area_ = 0.25;  ///< twice a face's, in px^2: the most that MeshLimits may ask for
+
+    [[nodiscard]] Point at(Vertex v) const noexcept { return mesh_->positions[v.index()]; }
+    /// The corners beside an edge with two faces.
+    [[nodiscard]] Vertex far_corner(Halfedge h) const noexcept { return topology_->to_vertex(topology_->next(h)); }
+    [[nodiscard]] bool has_room(Vertex v) const noexcept { return topology_->valence(v) < most_; }
+
+    [[nodiscard]] bool turns_well(Halfedge a) const noexcept {
+        if (!topology_->is_flip_ok(HalfedgeMesh::edge(a))) return false;
+        const Vertex left = far_corner(a), right = far_corner(HalfedgeMesh::opposite(a));
+        const Point from = at(topology_->from_vertex(a)), to = at(topology_->to_vertex(a));
+        return orient2d(from, at(right), at(left)) >= least_area_ && orient2d(at(right), to, at(left)) >= least_area_ &&
+               has_room(left) && has_room(right);
+    }
+    /// Turns spokes of v as long as there are too many, round after round.
+    void flip_spokes(Vertex v) {
+        int valence = topology_->valence(v), misses = 0;
+        for (Halfedge h = topology_->halfedge(v); valence > limit_ && misses < valence;) {
+            const Halfedge next = topology_->next(HalfedgeMesh::opposite(h));
+            if (turns_well(h)) {
+                topology_->flip(HalfedgeMesh::edge(h));
+                --valence;
+                misses = 0;
+            } else {
+                ++misses;
+            }
+            h = next;
+        }
+    }
+    /// Puts a vertex in the middle of the spoke of v whose faces are largest. False: no face may get smaller.
+    bool split_spoke(Vertex v) {
+        Halfedge best;
+        double largest = 0;
+        for (const Halfedge h : topology_->outgoing(v)) {
+            const Halfedge back = HalfedgeMesh::opposite(h);
+            if (topology_->is_boundary(h) || topology_->is_boundary(back)) continue;
+            const Vertex left = far_corner(h), right = far_corner(back);
+            const double area = std::min(orient2d(at(v), at(topology_->to_vertex(h)), at(left)),
+                                         orient2d(at(v), at(right), at(topology_->to_vertex(h))));
+            if (area <= largest || area < 2 * least_area_ || !has_room(left) || !has_room(right)) continue;
+            best = h;
+            largest = area;
+        }
+        if (!best.is_valid()) return false;
+        const Vertex end = topology_->to_vertex(best);
+        const Point middle = snap({0.5 * (at(v).x + at(end).x), 0.5 * (at(v).y + at(end).y)});
+        const Vertex left = far_corner(best), right = far_corner(HalfedgeMesh::opposite(best));
+        for (const Vertex side : {v, end}) {  // of the line from right to left: snapping may move the middle off the spoke
+            const double turn = side == v ? 1 : -1;
+            if (turn * orient2d(at(side), middle, at(left)) < least_area_) return false;
+            if (turn * orient2d(at(side), at(right), middle) < least_area_) return false;
+        }
+        Color<C> color = Color<C>::zero();
+        for (int c = 0; c < C; ++c) color.set(c, 0.5 * (mesh_->colors[v.index()][c] + mesh_->colors[end.index()][c]));
+        mesh_->add(middle, color);
+        (void)topology_->split(HalfedgeMesh::edge(best));
+        return true;
+    }
+
+    IndexedMesh<C>* mesh_;
+    HalfedgeMesh* topology_;
+    int limit_;
+    int most_ = 0;  ///< edges that a flip or a split may give another vertex
+};
+
+}  // namespace detail
+
+/// Flips edges until no vertex has more than `limit` >= 16 edges, without giving another vertex more, and splits edges where
+/// flips are not enough: a point in a flat part sees all those at a sharp edge around it, and where that edge is straight none
+/// of their edges can turn. Twice the area of a new face is 0.25 px^2 at least. Whether it succeeded; else some vertices have
+/// more edges. O(n) where there is nothing to do.
+template <int C>
+[[nodiscard]] HMESH_COLD bool bound_valence(IndexedMesh<C>& mesh, int limit) {
     std::vector<int> faces(mesh.vertex_count(), 0);
     for (const Triangle& t : mesh.faces)
         for (const std::uint32_t v : t) ++faces[v];
     // A vertex on the border has one edge more than faces.
-    if (std::none_of(faces.begin(), faces.end(), [&](int count) { return count + 1 > limit; })) return;
+    if (std::none_of(faces.begin(), faces.end(), [&](int count) { return count + 1 > limit; })) return true;
     HalfedgeMesh topology;
-    if (!topology.assign(mesh.vertex_count(), mesh.faces)) return;
-    const auto at = [&](Vertex v) { return mesh.positions[v.index()]; };
-    const auto turns_well = [&](Halfedge a) {
-        const Halfedge b = HalfedgeMesh::opposite(a);
-        if (topology.is_boundary(a) || topology.is_boundary(b) || !topology.is_flip_ok(HalfedgeMesh::edge(a))) return false;
-        const Vertex left = topology.to_vertex(topology.next(a)), right = topology.to_vertex(topology.next(b));
-        const Point from = at(topology.from_vertex(a)), to = at(topology.to_vertex(a));
-        return topology.valence(left) < limit && topology.valence(right) < limit && orient2d(from, at(right), at(left)) >= 1 &&
-               orient2d(at(right), to, at(left)) >= 1;
-    };
-    for (const Vertex v : topology.vertices())
-        for (bool turned = true; turned && topology.valence(v) > limit;) {
-            turned = false;
-            for (const Halfedge h : topology.outgoing(v))
-                if (turns_well(h)) {
-                    topology.flip(HalfedgeMesh::edge(h));
-                    turned = true;
-                    break;
-                }
-        }
+    if (!topology.assign(mesh.vertex_count(), mesh.faces)) return false;
+    detail::ValenceBound<C> bound(mesh, topology, limit);
+    bool is_bounded = true;
+    for (std::size_t v = 0; v < faces.size(); ++v)
+        if (faces[v] + 1 > limit) is_bounded = bound.apply(Vertex(v)) && is_bounded;
     mesh.faces = topology.triangles();
+    return is_bounded;
 }
 
 }  // namespace hmesh::kit

@@ -101,7 +101,8 @@ class AnnealedRun {
     HMESH_COLD bool draw_points() {
         const ImageSource<C>& source = tiled_->source();
         const auto go_on = [&] { return progress().poll(); };
-        const double wanted = std::ceil(static_cast<double>(n_) * steps_.points);
+        // The corners come by themselves.
+        const double wanted = std::max(0.0, std::ceil(static_cast<double>(n_) * steps_.points) - 4);
         std::vector<std::uint32_t> pixels;
         {
             Image<float, 1> density = point_density(source, tiled_->parallel_for(), go_on);
@@ -111,8 +112,9 @@ class AnnealedRun {
         Delaunay delaunay(source.width(), source.height());
         if (!insert_pixels(delaunay, pixels, go_on)) return false;
         tiled_->indexed() = delaunay_mesh(source, delaunay);
-        bound_valence(tiled_->indexed(), 32);  // room for flips up to max_valence
-        return true;
+        // 32 leaves room for flips up to max_valence. The mesh of two faces, which grows to n, is for shapes nobody has seen.
+        if (!bound_valence(tiled_->indexed(), 32)) tiled_->indexed() = corner_mesh(source);
+        return for_each_patch(0, 1, 1, [](ImageMesh<C>&) {});  // tells the energy
     }
 
     /// Calls body(mesh) for the patch of each tile of phase k, which is this part of the stage.

@@ -87,8 +87,8 @@ class AnnealingSweep {
         : mesh_(&mesh), options_(options), price_(price), temperature_(temperature), min_gain_(5e-3 * price), range_(range),
           random_(random) {}
 
-    /// Block by block: tries removals, insertions, flips and jumps, then visits dirty vertices twice with flips in between. Begins
-    /// at a random block: a CountRange that ends it early would else favour the top of the image. Ends early where
+    /// Block by block: tries removals, insertions, flips and jumps, then visits dirty vertices twice with flips in between.
+    /// Begins at a random block: a CountRange that ends it early would else favour the top of the image. Ends early where
     /// mesh.keep_going() says stop.
     AnnealingCounts run() {
         AnnealingCounts counts;

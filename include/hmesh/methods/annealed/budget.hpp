@@ -63,8 +63,8 @@ namespace hmesh::kit {
 namespace detail {
 
 /// Removes about `count` vertices, with a quota for each patch from the sorted list of all patches' collapse costs, in batches of
-/// at most `most` of a patch's vertices: large batches reach vertices that are not cheap, since the neighbours of removed vertices
-/// stay in a batch. Returns whether any vertex was removed; false also after a cancellation.
+/// at most `most` of a patch's vertices: large batches reach vertices that are not cheap, since the neighbours of removed
+/// vertices stay in a batch. Returns whether any vertex was removed; false also after a cancellation.
 template <int C>
 HMESH_COLD bool remove_cheapest(TiledMesh<C>& tiled, const Tiling& tiling, std::size_t count, const Relaxation& relaxation,
                                 double most = 1.0 / 32) {

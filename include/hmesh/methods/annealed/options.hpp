@@ -48,8 +48,8 @@ struct AnnealingOptions {
     double insertion_screen = 0.35;
     /// Flips that raise the energy by flip_screen * mu or more are not tried; in [0, 1e6].
     double flip_screen = 3;
-    /// mu in the first sweep, in mean costs of the cheapest quarter of all collapses, in [1e-6, 1e6]. Where the count comes to rest
-    /// it is about 1; a start below lets vertices come first, and chooses among more of them.
+    /// mu in the first sweep, in mean costs of the cheapest quarter of all collapses, in [1e-6, 1e6]. Where the count comes to
+    /// rest it is about 1; a start below lets vertices come first, and chooses among more of them.
     double start_price = 0.8;
     /// How far the number of vertices may leave the target in the first sweep, as a share of the target, in [0, 1]; falls
     /// linearly to 0.
@@ -62,8 +62,8 @@ struct AnnealedSteps {
     int settle_rounds = 2;         ///< of visits and flips over the first mesh, in [0, 1000]
     double collapse_batch = 0.25;  ///< vertices removed at a time, as a share of those present, in [0.001, 1]
     int polish_rounds = 2;         ///< flips and a sweep at the end, in [0, 1000]
-    /// Flips in the first mesh that gain up to this are not made; in mean energies of a vertex, in [0, 1e6]. Small gains can wait,
-    /// since the collapse changes the surroundings anyway.
+    /// Flips in the first mesh that gain up to this are not made; in mean energies of a vertex, in [0, 1e6]. Small gains can
+    /// wait, since the collapse changes the surroundings anyway.
     double settle_flip_gain = 3e-2;
     Tolerance settle{5e-2, 5e-3};  ///< of the visits in the first mesh
     /// Thresholds of the sweeps at the end; flips at the end gain more than polish.propagate_above.
