@@ -143,7 +143,9 @@ namespace hmesh::kit {
     if (!best.status) return best;
     double now = best.report.psnr;
     Mesh last = best.mesh;
-    for (int near_runs = 0, runs = 1; near_runs < 2 && runs < 20; ++runs) {
+    // Two runs beside the target are enough, and two more where small meshes, which scatter, are still far above it.
+    const auto runs_beside = [&] { return best.report.psnr > psnr + 10 * near_enough ? 4 : 2; };
+    for (int near_runs = 0, runs = 1; near_runs < runs_beside() && runs < 20; ++runs) {
         const bool is_reached = now >= psnr;
         if (is_reached ? n == 4 || now <= psnr + near_enough : n == most) break;
         std::size_t next = next_after(n, is_finite(now) ? psnr + 0.4 * near_enough - now : -slope);
