@@ -9,8 +9,8 @@
 #include <utility>
 #include <vector>
 
+#include "even_mesh.hpp"
 #include "hmesh/core/random.hpp"
-#include "hmesh/methods/annealed/first_grid.hpp"
 #include "test_executors.hpp"
 #include "test_images.hpp"
 #include "test_tiled_meshes.hpp"
@@ -49,16 +49,17 @@ void check_shares(std::size_t count, const std::vector<double>& weights, const C
 
 // A mesh of about `count` vertices, its energy known.
 template <class T, int C>
-void start(Work<T, C>& work, double count) {
-    work.tiled.indexed() = kit::regular_grid(work.source, count);
+void start(Work<T, C>& work, std::size_t count) {
+    work.tiled.indexed() = hmesh_test::even_mesh(work.source, count);
     const Tiling one(work.image.width(), work.image.height(), 1e9);
     REQUIRE(work.tiled.for_each(one, [](kit::Patch<C>& patch, std::size_t) { kit::sweep(patch.mesh()); }));
     hmesh_test::prove(work);
 }
 
-// From a grid of `from` vertices to exactly `to`, in tiles; returns by what factor the energy changed.
+// From about `from` vertices to exactly `to`, in tiles; returns by what factor the energy changed.
 template <class T, int C>
-double change(const hmesh::Image<T, C>& image, double from, std::size_t to, double tile, const hmesh::MeshLimits& limits = {}) {
+double change(const hmesh::Image<T, C>& image, std::size_t from, std::size_t to, double tile,
+              const hmesh::MeshLimits& limits = {}) {
     CAPTURE(from);
     CAPTURE(to);
     CAPTURE(tile);
@@ -122,17 +123,6 @@ TEST_CASE("what capped shares leave goes to those without weight, if there are n
     CHECK(apportion(10, {1, 0, 0}, {4, 100, 100}) == Counts{4, 3, 3});
     CHECK(apportion(10, {1, 0, 0}, {4, 1, 100}) == Counts{4, 1, 5});
     CHECK(apportion(10, {1, 0, 0}, {4, 1, 2}) == Counts{4, 1, 2});
-}
-
-TEST_CASE("a tile's share grows with its error and area, and is nothing without error") {
-    using kit::error_share;
-    CHECK(error_share(100, 0) == 0);
-    CHECK(error_share(100, -1e-9) == 0);  // rounding
-    CHECK(error_share(100, 100) == doctest::Approx(100));
-    CHECK(error_share(100, 3200) == doctest::Approx(100 * 16));
-    CHECK(error_share(100, 3200) > error_share(100, 3199));
-    // Two tiles alike count as one of twice the area with both their errors.
-    CHECK(error_share(200, 84) == doctest::Approx(2 * error_share(100, 42)));
 }
 
 TEST_CASE("a mesh comes to exactly n vertices, from above and from below, in one and in several tiles") {

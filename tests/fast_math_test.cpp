@@ -69,7 +69,7 @@ TEST_CASE("options that are no numbers are refused") {
         CHECK(mesh_image(image.view(), options, quick).status.code == Errc::invalid_argument);
         hmesh::Annealed recipe = quick;
         recipe.steps = hmesh::kit::annealed_steps(hmesh::Effort::draft);
-        recipe.steps->insert_batch = bad;
+        recipe.steps->points = bad;
         CHECK(mesh_image(image.view(), with_vertices(40), recipe).status.code == Errc::invalid_argument);
     }
 }

@@ -9,8 +9,8 @@
 #include <utility>
 #include <vector>
 
+#include "even_mesh.hpp"
 #include "hmesh/core/random.hpp"
-#include "hmesh/methods/annealed/first_grid.hpp"
 #include "test_images.hpp"
 #include "test_indexed_meshes.hpp"
 #include "test_meshes.hpp"
@@ -76,8 +76,7 @@ TEST_CASE("meshes of every shape are accepted, and all of their edges and corner
     hmesh_test::prove(fan());
 
     const kit::ImageSource<1> source(image.view());
-    hmesh_test::prove(kit::regular_grid(source, 60));
-    hmesh_test::prove(kit::tiled_grid(source, kit::Tiling(40, 31, 13), 80, 30, [] { return true; }));
+    hmesh_test::prove(hmesh_test::even_mesh(source, 60));
 }
 
 TEST_CASE("arrays of vertices that differ in length are found") {

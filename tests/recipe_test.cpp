@@ -13,8 +13,8 @@
 #include "hmesh/edit/move.hpp"
 #include "hmesh/edit/subdivide.hpp"
 #include "hmesh/mesh_image.hpp"
-#include "hmesh/methods/annealed/first_grid.hpp"
 #include "hmesh/methods/stage.hpp"
+#include "hmesh/tiles/indexed_mesh.hpp"
 #include "test_images.hpp"
 #include "test_results.hpp"
 
@@ -33,7 +33,7 @@ namespace {
 
 Options options_of(std::int64_t n) { return {Target::vertices(n)}; }
 
-// A recipe as users write one: a regular grid and a vertex in some of its faces, then so many sweeps over all vertices.
+// A recipe as users write one: the largest faces are split, then so many sweeps over all vertices.
 struct Grid {
     int sweeps = 1;
 
@@ -48,7 +48,7 @@ struct Grid {
     [[nodiscard]] double tile_size(int width, int height, std::size_t) const noexcept { return std::max(width, height); }
     template <int C>
     [[nodiscard]] Status run(TiledMesh<C>& mesh, std::size_t n) const {
-        mesh.indexed() = hmesh::kit::regular_grid(mesh.source(), static_cast<double>(n));
+        mesh.indexed() = hmesh::kit::corner_mesh(mesh.source());
         return hmesh::kit::finished_or_cancelled(
             hmesh::kit::run_one_tile_stage<C>(mesh, "own", [&](hmesh::kit::ImageMesh<C>& piece) {
                 subdivide(piece, n - piece.vertex_count());

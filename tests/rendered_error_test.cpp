@@ -88,7 +88,8 @@ TEST_CASE("what is reported of a float image is what is drawn, a sun beside deep
             REQUIRE(result.status);
             const hmesh::RenderResult<1> drawn = hmesh::render<1>(result.mesh.view());
             REQUIRE(drawn.status);
-            CHECK(result.report.psnr == doctest::Approx(psnr(image.view(), drawn.image.view())).epsilon(1e-4));
+            CHECK(result.report.psnr ==
+                  doctest::Approx(psnr(image.view(), drawn.image.view())).epsilon(3e-4));  // drawn in floats
             CHECK(result.report.stages.back().psnr == result.report.psnr);
         };
         check_recipe(hmesh::Annealed{hmesh::Effort::fast});

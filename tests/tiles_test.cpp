@@ -28,7 +28,7 @@ Annealed in_tiles(int tile = 64) {
     Annealed recipe;
     recipe.tile = tile;
     recipe.steps.emplace();
-    recipe.steps->insert_factor = 1.5;
+    recipe.steps->points = 1.5;
     recipe.steps->annealing.sweeps = 2;
     return recipe;
 }

@@ -82,15 +82,12 @@ class RequestDraw {
         recipe = paper;
     }
     void draw(hmesh::kit::AnnealedSteps& options) {
-        real(options.insert_factor, 1, 10);
-        real(options.collapse_factor, 0.1, 1);
-        real(options.start, 0, 1);
-        real(options.insert_batch, 0.05, 10);
+        real(options.points, 1, 10);
+        whole(options.settle_rounds, 0, 5);
+        real(options.settle_flip_gain, 0, 1);
         real(options.collapse_batch, 0.02, 1);
-        whole(options.insert_sweeps, 0, 5);
         whole(options.polish_rounds, 0, 5);
-        real(options.insert_flip_gain, 0, 1);
-        for (hmesh::kit::Tolerance* tolerance : {&options.insert_tolerance, &options.polish}) {
+        for (hmesh::kit::Tolerance* tolerance : {&options.settle, &options.polish}) {
             real(tolerance->propagate_above, 0, 1);
             real(tolerance->min_gain, 0, 1);
         }
