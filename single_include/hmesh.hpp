@@ -4263,8 +4263,8 @@ struct AnnealingOptions {
     double insertion_screen = 0.35;
     /// Flips that raise the energy by flip_screen * mu or more are not tried; in [0, 1e6].
     double flip_screen = 3;
-    /// mu in the first sweep, in mean costs of the cheapest quarter of all collapses, in [1e-6, 1e6]. Where the count comes to rest
-    /// it is about 1; a start below lets vertices come first, and chooses among more of them.
+    /// mu in the first sweep, in mean costs of the cheapest quarter of all collapses, in [1e-6, 1e6]. Where the count comes to
+    /// rest it is about 1; a start below lets vertices come first, and chooses among more of them.
     double start_price = 0.8;
     /// How far the number of vertices may leave the target in the first sweep, as a share of the target, in [0, 1]; falls
     /// linearly to 0.
@@ -4277,8 +4277,8 @@ struct AnnealedSteps {
     int settle_rounds = 2;         ///< of visits and flips over the first mesh, in [0, 1000]
     double collapse_batch = 0.25;  ///< vertices removed at a time, as a share of those present, in [0.001, 1]
     int polish_rounds = 2;         ///< flips and a sweep at the end, in [0, 1000]
-    /// Flips in the first mesh that gain up to this are not made; in mean energies of a vertex, in [0, 1e6]. Small gains can wait,
-    /// since the collapse changes the surroundings anyway.
+    /// Flips in the first mesh that gain up to this are not made; in mean energies of a vertex, in [0, 1e6]. Small gains can
+    /// wait, since the collapse changes the surroundings anyway.
     double settle_flip_gain = 3e-2;
     Tolerance settle{5e-2, 5e-3};  ///< of the visits in the first mesh
     /// Thresholds of the sweeps at the end; flips at the end gain more than polish.propagate_above.
@@ -7905,7 +7905,7 @@ namespace detail {
 }  // namespace detail
 
 /// The best sites for `count` new vertices, by falling gain, ties in spatial order: up to 4 * count. max_gain() spares most sites
-/// their evaluation. Gains are compared as floats: 16 bytes a site, the peak of a method's memory.
+/// their evaluation. Gains are compared as floats: 16 bytes a site.
 template <int C>
 [[nodiscard]] std::vector<InsertionSite> best_sites(const ImageMesh<C>& mesh, std::size_t count,
                                                     const InsertionOptions& options) {
@@ -8001,9 +8001,9 @@ HMESH_ALWAYS_INLINE void for_each_own_face(const HalfedgeMesh& topology, Vertex 
         if (!topology.is_boundary(h) && topology.halfedge(topology.face(h)) == h) body(topology.face(h));
 }
 
-/// Calls body(vertices) for the vertices of each block, in spatial order, from block `first` modulo their number on. Vertices that
-/// the body inserts are in no block, those that it removes must have been in this one. Tells the mesh's task of the share of the
-/// blocks that is done. Ends early where mesh.keep_going() says stop.
+/// Calls body(vertices) for the vertices of each block, in spatial order, from block `first` modulo their number on. Vertices
+/// that the body inserts are in no block, those that it removes must have been in this one. Tells the mesh's task of the share of
+/// the blocks that is done. Ends early where mesh.keep_going() says stop.
 template <int C>
 HMESH_COLD void for_each_block(ImageMesh<C>& mesh, std::size_t first, FunctionRef<void(std::vector<Vertex>& vertices)> body) {
     const std::vector<Vertex> all = spatial_vertices(mesh);
@@ -8681,8 +8681,8 @@ template <int C>
 
 /// Removes up to `count` vertices, those that are cheapest to remove, and re-optimises the ring of each with relax(). They are
 /// chosen by cost and removed in spatial order, which takes less time; a vertex in the ring of one chosen before stays for the
-/// next batch. Vertices of these rings become dirty. Returns the number of vertices removed, which is less than `count` also where
-/// mesh.keep_going() says stop.
+/// next batch. Vertices of these rings become dirty. Returns the number of vertices removed, which is less than `count` also
+/// where mesh.keep_going() says stop.
 template <int C>
 std::size_t remove_batch(ImageMesh<C>& mesh, std::size_t count, const Relaxation& relaxation) {
     const HalfedgeMesh& topology = mesh.topology();
@@ -8786,8 +8786,8 @@ class AnnealingSweep {
         : mesh_(&mesh), options_(options), price_(price), temperature_(temperature), min_gain_(5e-3 * price), range_(range),
           random_(random) {}
 
-    /// Block by block: tries removals, insertions, flips and jumps, then visits dirty vertices twice with flips in between. Begins
-    /// at a random block: a CountRange that ends it early would else favour the top of the image. Ends early where
+    /// Block by block: tries removals, insertions, flips and jumps, then visits dirty vertices twice with flips in between.
+    /// Begins at a random block: a CountRange that ends it early would else favour the top of the image. Ends early where
     /// mesh.keep_going() says stop.
     AnnealingCounts run() {
         AnnealingCounts counts;
@@ -9878,8 +9878,8 @@ namespace hmesh::kit {
 namespace detail {
 
 /// Removes about `count` vertices, with a quota for each patch from the sorted list of all patches' collapse costs, in batches of
-/// at most `most` of a patch's vertices: large batches reach vertices that are not cheap, since the neighbours of removed vertices
-/// stay in a batch. Returns whether any vertex was removed; false also after a cancellation.
+/// at most `most` of a patch's vertices: large batches reach vertices that are not cheap, since the neighbours of removed
+/// vertices stay in a batch. Returns whether any vertex was removed; false also after a cancellation.
 template <int C>
 HMESH_COLD bool remove_cheapest(TiledMesh<C>& tiled, const Tiling& tiling, std::size_t count, const Relaxation& relaxation,
                                 double most = 1.0 / 32) {
@@ -9964,11 +9964,13 @@ HMESH_COLD bool reach_vertex_count(TiledMesh<C>& tiled, std::size_t n, double ti
 /// \file
 /// First points: where the vertices of the first mesh stand, many where the image bends and few where it is flat.
 ///
-/// A piecewise linear picture errs with the second derivatives: the density of points follows the square root of their magnitude,
-/// plus a tenth of its mean, so that no part is without points. (Powers from 0.4 to 1 change the mesh by 0.05 dB.) A pixel becomes a point if its value in a mask, evenly
-/// distributed in [0, 1), is below its density times a factor: each pixel decides by itself, which error diffusion does not
-/// allow, and any tiles and threads choose the same points. The mask is the R2 sequence, x / g + y / g^2 modulo 1 with g^3 = g + 1
-/// (M. Roberts, "The unreasonable effectiveness of quasirandom sequences", 2018), whose values nearby differ as much as they can.
+/// A piecewise linear picture errs with the second derivatives: the density of points follows their magnitude to the power 3 / 4,
+/// plus a tenth of its mean, so that no part is without points. (Powers from 0.4 to 1 change the mesh by 0.05 dB.)
+///
+/// A pixel becomes a point if its value in a mask, evenly distributed in [0, 1), is below its density times a factor: each pixel
+/// decides by itself, which error diffusion does not allow, and any tiles and threads choose the same points. The mask is the R2
+/// sequence, x / g + y / g^2 modulo 1 with g^3 = g + 1 (M. Roberts, "The unreasonable effectiveness of quasirandom sequences",
+/// 2018), whose values nearby differ as much as they can.
 ///
 /// Cost: some 30 ns a pixel of 3 channels, 4 bytes a pixel.
 #ifndef HMESH_METHODS_ANNEALED_FIRST_POINTS_HPP
@@ -10073,7 +10075,7 @@ template <int C>
 }
 
 /// The `count` pixels, as y * width + x, whose ratio of mask and density is least; of equal ratios those that come first, row by
-/// row. 1 <= count <= pixels.
+/// row. 0 <= count <= pixels. `density` is left with these ratios.
 [[nodiscard]] inline std::vector<std::uint32_t> masked_points(Image<float, 1>& density, std::size_t count) {
     HMESH_ASSERT(count <= density.size());
     const int width = density.width(), height = density.height();
@@ -10105,7 +10107,9 @@ template <int C>
     points.reserve(count);
     for (std::size_t k = 0; k < density.size(); ++k) {
         const std::uint32_t bits = bits_of(density.data()[k]);
-        if (bits < threshold || (bits == threshold && left-- > 0)) points.push_back(static_cast<std::uint32_t>(k));
+        if (bits > threshold || (bits == threshold && left == 0)) continue;
+        left -= bits == threshold ? 1 : 0;
+        points.push_back(static_cast<std::uint32_t>(k));
     }
     return points;
 }
@@ -10214,38 +10218,117 @@ template <int C>
     return mesh;
 }
 
-/// Flips edges until no vertex has more than `limit` >= 8 edges, where a flip is possible that gives no other vertex more: a point
-/// in a flat part sees all those at a sharp edge around it. Faces stay positively oriented, which is enough for ImageMesh.
-/// O(n) where there is nothing to do.
+namespace detail {
+
+/// The work of bound_valence().
 template <int C>
-HMESH_COLD void bound_valence(IndexedMesh<C>& mesh, int limit) {
+class ValenceBound {
+  public:
+    ValenceBound(IndexedMesh<C>& mesh, HalfedgeMesh& topology, int limit) noexcept
+        : mesh_(&mesh), topology_(&topology), limit_(limit) {}
+
+    /// Whether v has few enough edges in the end. A new vertex takes about `limit` edges, and those around v must have room for
+    /// the next ones: their last places are kept for a second and a third layer of them.
+    bool apply(Vertex v) {
+        for (const int kept : {4, 2, 0}) {
+            most_ = limit_ - kept;
+            for (bool is_better = true; is_better && topology_->valence(v) > limit_;) {
+                const int before = topology_->valence(v);
+                flip_spokes(v);
+                if (topology_->valence(v) > limit_ && split_spoke(v)) flip_spokes(v);  // to the new vertex
+                is_better = topology_->valence(v) < before;
+            }
+        }
+        return topology_->valence(v) <= limit_;
+    }
+
+  private:
+    static constexpr double least_area_ = 0.25;  ///< twice a face's, in px^2: the most that MeshLimits may ask for
+
+    [[nodiscard]] Point at(Vertex v) const noexcept { return mesh_->positions[v.index()]; }
+    /// The corners beside an edge with two faces.
+    [[nodiscard]] Vertex far_corner(Halfedge h) const noexcept { return topology_->to_vertex(topology_->next(h)); }
+    [[nodiscard]] bool has_room(Vertex v) const noexcept { return topology_->valence(v) < most_; }
+
+    [[nodiscard]] bool turns_well(Halfedge a) const noexcept {
+        if (!topology_->is_flip_ok(HalfedgeMesh::edge(a))) return false;
+        const Vertex left = far_corner(a), right = far_corner(HalfedgeMesh::opposite(a));
+        const Point from = at(topology_->from_vertex(a)), to = at(topology_->to_vertex(a));
+        return orient2d(from, at(right), at(left)) >= least_area_ && orient2d(at(right), to, at(left)) >= least_area_ &&
+               has_room(left) && has_room(right);
+    }
+    /// Turns spokes of v as long as there are too many, round after round.
+    void flip_spokes(Vertex v) {
+        int valence = topology_->valence(v), misses = 0;
+        for (Halfedge h = topology_->halfedge(v); valence > limit_ && misses < valence;) {
+            const Halfedge next = topology_->next(HalfedgeMesh::opposite(h));
+            if (turns_well(h)) {
+                topology_->flip(HalfedgeMesh::edge(h));
+                --valence;
+                misses = 0;
+            } else {
+                ++misses;
+            }
+            h = next;
+        }
+    }
+    /// Puts a vertex in the middle of the spoke of v whose faces are largest. False: no face may get smaller.
+    bool split_spoke(Vertex v) {
+        Halfedge best;
+        double largest = 0;
+        for (const Halfedge h : topology_->outgoing(v)) {
+            const Halfedge back = HalfedgeMesh::opposite(h);
+            if (topology_->is_boundary(h) || topology_->is_boundary(back)) continue;
+            const Vertex left = far_corner(h), right = far_corner(back);
+            const double area = std::min(orient2d(at(v), at(topology_->to_vertex(h)), at(left)),
+                                         orient2d(at(v), at(right), at(topology_->to_vertex(h))));
+            if (area <= largest || area < 2 * least_area_ || !has_room(left) || !has_room(right)) continue;
+            best = h;
+            largest = area;
+        }
+        if (!best.is_valid()) return false;
+        const Vertex end = topology_->to_vertex(best);
+        const Point middle = snap({0.5 * (at(v).x + at(end).x), 0.5 * (at(v).y + at(end).y)});
+        const Vertex left = far_corner(best), right = far_corner(HalfedgeMesh::opposite(best));
+        for (const Vertex side : {v, end}) {  // of the line from right to left: snapping may move the middle off the spoke
+            const double turn = side == v ? 1 : -1;
+            if (turn * orient2d(at(side), middle, at(left)) < least_area_) return false;
+            if (turn * orient2d(at(side), at(right), middle) < least_area_) return false;
+        }
+        Color<C> color = Color<C>::zero();
+        for (int c = 0; c < C; ++c) color.set(c, 0.5 * (mesh_->colors[v.index()][c] + mesh_->colors[end.index()][c]));
+        mesh_->add(middle, color);
+        (void)topology_->split(HalfedgeMesh::edge(best));
+        return true;
+    }
+
+    IndexedMesh<C>* mesh_;
+    HalfedgeMesh* topology_;
+    int limit_;
+    int most_ = 0;  ///< edges that a flip or a split may give another vertex
+};
+
+}  // namespace detail
+
+/// Flips edges until no vertex has more than `limit` >= 16 edges, without giving another vertex more, and splits edges where
+/// flips are not enough: a point in a flat part sees all those at a sharp edge around it, and where that edge is straight none
+/// of their edges can turn. Twice the area of a new face is 0.25 px^2 at least. Whether it succeeded; else some vertices have
+/// more edges. O(n) where there is nothing to do.
+template <int C>
+[[nodiscard]] HMESH_COLD bool bound_valence(IndexedMesh<C>& mesh, int limit) {
     std::vector<int> faces(mesh.vertex_count(), 0);
     for (const Triangle& t : mesh.faces)
         for (const std::uint32_t v : t) ++faces[v];
     // A vertex on the border has one edge more than faces.
-    if (std::none_of(faces.begin(), faces.end(), [&](int count) { return count + 1 > limit; })) return;
+    if (std::none_of(faces.begin(), faces.end(), [&](int count) { return count + 1 > limit; })) return true;
     HalfedgeMesh topology;
-    if (!topology.assign(mesh.vertex_count(), mesh.faces)) return;
-    const auto at = [&](Vertex v) { return mesh.positions[v.index()]; };
-    const auto turns_well = [&](Halfedge a) {
-        const Halfedge b = HalfedgeMesh::opposite(a);
-        if (topology.is_boundary(a) || topology.is_boundary(b) || !topology.is_flip_ok(HalfedgeMesh::edge(a))) return false;
-        const Vertex left = topology.to_vertex(topology.next(a)), right = topology.to_vertex(topology.next(b));
-        const Point from = at(topology.from_vertex(a)), to = at(topology.to_vertex(a));
-        return topology.valence(left) < limit && topology.valence(right) < limit && orient2d(from, at(right), at(left)) >= 1 &&
-               orient2d(at(right), to, at(left)) >= 1;
-    };
-    for (const Vertex v : topology.vertices())
-        for (bool turned = true; turned && topology.valence(v) > limit;) {
-            turned = false;
-            for (const Halfedge h : topology.outgoing(v))
-                if (turns_well(h)) {
-                    topology.flip(HalfedgeMesh::edge(h));
-                    turned = true;
-                    break;
-                }
-        }
+    if (!topology.assign(mesh.vertex_count(), mesh.faces)) return false;
+    detail::ValenceBound<C> bound(mesh, topology, limit);
+    bool is_bounded = true;
+    for (std::size_t v = 0; v < faces.size(); ++v)
+        if (faces[v] + 1 > limit) is_bounded = bound.apply(Vertex(v)) && is_bounded;
     mesh.faces = topology.triangles();
+    return is_bounded;
 }
 
 }  // namespace hmesh::kit
@@ -10339,7 +10422,8 @@ class AnnealedRun {
     HMESH_COLD bool draw_points() {
         const ImageSource<C>& source = tiled_->source();
         const auto go_on = [&] { return progress().poll(); };
-        const double wanted = std::ceil(static_cast<double>(n_) * steps_.points);
+        // The corners come by themselves.
+        const double wanted = std::max(0.0, std::ceil(static_cast<double>(n_) * steps_.points) - 4);
         std::vector<std::uint32_t> pixels;
         {
             Image<float, 1> density = point_density(source, tiled_->parallel_for(), go_on);
@@ -10349,8 +10433,9 @@ class AnnealedRun {
         Delaunay delaunay(source.width(), source.height());
         if (!insert_pixels(delaunay, pixels, go_on)) return false;
         tiled_->indexed() = delaunay_mesh(source, delaunay);
-        bound_valence(tiled_->indexed(), 32);  // room for flips up to max_valence
-        return true;
+        // 32 leaves room for flips up to max_valence. The mesh of two faces, which grows to n, is for shapes nobody has seen.
+        if (!bound_valence(tiled_->indexed(), 32)) tiled_->indexed() = corner_mesh(source);
+        return for_each_patch(0, 1, 1, [](ImageMesh<C>&) {});  // tells the energy
     }
 
     /// Calls body(mesh) for the patch of each tile of phase k, which is this part of the stage.
@@ -11102,7 +11187,9 @@ namespace hmesh::kit {
     if (!best.status) return best;
     double now = best.report.psnr;
     Mesh last = best.mesh;
-    for (int near_runs = 0, runs = 1; near_runs < 2 && runs < 20; ++runs) {
+    // Two runs beside the target are enough, and two more where small meshes, which scatter, are still far above it.
+    const auto runs_beside = [&] { return best.report.psnr > psnr + 10 * near_enough ? 4 : 2; };
+    for (int near_runs = 0, runs = 1; near_runs < runs_beside() && runs < 20; ++runs) {
         const bool is_reached = now >= psnr;
         if (is_reached ? n == 4 || now <= psnr + near_enough : n == most) break;
         std::size_t next = next_after(n, is_finite(now) ? psnr + 0.4 * near_enough - now : -slope);
