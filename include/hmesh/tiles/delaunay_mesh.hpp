@@ -69,6 +69,7 @@ namespace detail {
 template <int C>
 class ValenceBound {
   public:
+    /// Of a mesh and its connectivity, which both change and must outlive this.
     ValenceBound(IndexedMesh<C>& mesh, HalfedgeMesh& topology, int limit) noexcept
         : mesh_(&mesh), topology_(&topology), limit_(limit) {}
 
