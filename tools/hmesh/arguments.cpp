@@ -117,13 +117,16 @@ void add_mesh_options(CLI::App& app, Arguments& out) {
             out.target = "--rate " + text;
             return why;
         });
-    CLI::Option* psnr = add(app, "--psnr", "DB", "as few vertices as reach this PSNR", [&](const std::string& text) {
-        double decibel = 0;
-        std::string why = parse_positive(text, 1000, decibel);
-        out.meshing.target = hmesh::Target::psnr(decibel);
-        out.target = "--psnr " + text;
-        return why;
-    });
+    CLI::Option* psnr =
+        add(app, "--psnr", "DB",
+            "as few vertices as reach this PSNR, as every file\nholds it that is written, and the .png of --render",
+            [&](const std::string& text) {
+                double decibel = 0;
+                std::string why = parse_positive(text, 1000, decibel);
+                out.meshing.target = hmesh::Target::psnr(decibel);
+                out.target = "--psnr " + text;
+                return why;
+            });
     rate->excludes(vertices);
     psnr->excludes(vertices)->excludes(rate);
 }
@@ -199,6 +202,8 @@ void add_other_options(CLI::App& app, Arguments& out) {
 constexpr char footer[] =
     "PSNR = 10 log10(peak^2 / MSE), MSE the mean over pixels and channels of the image's stored values; with weights\n"
     "over weighted pixels, with --premultiplied of colours times alpha, with --fit-space linear of the mesh drawn so.\n"
+    "The values drawn are not rounded for it. A .png is rounded to 8 bits, and so are the colours of some formats where the\n"
+    "image has more: --psnr is kept by what the files hold, with --fit-space each by .glb as its viewers show it.\n"
     "Ctrl-C stops early and leaves files as they are; with --keep-partial the mesh reached so far is written.\n"
     "Exit status: 0 done, 1 failed, 2 wrong usage.";
 

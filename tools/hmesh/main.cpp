@@ -26,6 +26,7 @@
 #include "weights.hpp"
 #include "wireframe.hpp"
 #include "words.hpp"
+#include "written_psnr.hpp"
 
 namespace tool {
 namespace {
@@ -33,6 +34,7 @@ namespace {
 constexpr int done = 0, failed = 1, wrong_usage = 2;
 
 int fail(int exit_status, const std::string& sentence) {
+    wipe_bar();
     std::fprintf(stderr, "hmesh: %s\n", sentence.c_str());
     if (exit_status == wrong_usage) std::fprintf(stderr, "Try 'hmesh --help'.\n");
     return exit_status;
@@ -110,26 +112,46 @@ hmesh::Status draw_strip(const hmesh::MeshView& mesh, bool linear_light, const R
     return {};
 }
 
-std::string write_pictures(const Arguments& arguments, const ImageFile& image, const hmesh::MeshView& mesh) {
+// How long files take to write, in microseconds, roughly: of so many pixels drawn, each in 1 to 3 channels.
+double mesh_file_work(std::size_t vertices) { return 2.0 * static_cast<double>(vertices); }
+double picture_work(const ImageFile& image, int copies) { return 0.15 * image.width * image.height * copies; }
+
+double writing_work(const Arguments& arguments, const ImageFile& image) {
+    double work = 1;
+    if (has_output(arguments, ".glb") && arguments.meshing.fit_space != FitSpace::linear) work += light_work(image);
+    work +=
+        static_cast<double>(arguments.meshes.size()) * mesh_file_work(static_cast<std::size_t>(image.width) * image.height / 50);
+    if (!arguments.render.empty()) work += picture_work(image, arguments.render_scale * arguments.render_scale);
+    for (const std::string* name : {&arguments.wireframe, &arguments.residual, &arguments.strip})
+        if (!name->empty()) work += picture_work(image, name == &arguments.residual ? 1 : 4);
+    return work;
+}
+
+std::string write_pictures(const Arguments& arguments, const ImageFile& image, const hmesh::MeshView& mesh,
+                           ProgressWatch& watch) {
     std::string why;
     const bool linear_light = arguments.meshing.fit_space == FitSpace::linear;  // as what it is meant for shows it
     if (!arguments.render.empty()) {
+        watch.step("drawing", picture_work(image, arguments.render_scale * arguments.render_scale));
         Picture picture;
         const hmesh::Status status = draw(mesh, {arguments.render_scale, linear_light}, picture);
         if (why = write_picture(arguments.render, status, picture); !why.empty()) return why;
     }
     Rgb rgb;
     if (!arguments.wireframe.empty()) {
+        watch.step("drawing", picture_work(image, 4));
         const int scale = mesh.width <= 2048 && mesh.height <= 2048 ? 2 : 1;
         const hmesh::Status status = draw_with_edges(mesh, {scale, linear_light}, rgb);
         if (why = write_picture(arguments.wireframe, status, to_picture(rgb)); !why.empty()) return why;
     }
     if (!arguments.residual.empty()) {
+        watch.step("drawing", picture_work(image, 1));
         const hmesh::Status status = draw_rgb(mesh, {1, linear_light}, rgb);
         if (status) rgb = residual(to_rgb(to_picture(image)), rgb);
         if (why = write_picture(arguments.residual, status, to_picture(rgb)); !why.empty()) return why;
     }
     if (!arguments.strip.empty()) {
+        watch.step("drawing", picture_work(image, 4));
         const hmesh::Status status = draw_strip(mesh, linear_light, to_rgb(to_picture(image)), rgb);
         if (why = write_picture(arguments.strip, status, to_picture(rgb)); !why.empty()) return why;
     }
@@ -138,11 +160,12 @@ std::string write_pictures(const Arguments& arguments, const ImageFile& image, c
 
 // `light`: of the mesh, for .glb where --fit-space is each.
 std::string write_meshes(const Arguments& arguments, const hmesh::MeshView& mesh, const std::optional<LightMesh>& light,
-                         const WebPage& page) {
+                         const WebPage& page, ProgressWatch& watch) {
     FormatOptions options;
     options.svg.kind = arguments.svg;
     options.html = page.options();
     for (const std::string& name : arguments.meshes) {
+        watch.step("writing", mesh_file_work(mesh.vertex_count));
         const std::string why = write_file(name, [&](OutputFile& file) {
             const bool is_light = light && arguments.meshing.fit_space == FitSpace::each && has_ending(name, ".glb");
             const hmesh::Status status = write_mesh(is_light ? light->mesh.view() : mesh, name, options, file);
@@ -163,7 +186,7 @@ std::string write_depfile(const Arguments& arguments) {
 }
 
 void print_summary(const Arguments& arguments, const ImageFile& image, const hmesh::Result& outcome,
-                   const std::optional<LightMesh>& light, double seconds) {
+                   const std::optional<LightMesh>& light, const std::vector<WrittenPsnr>& written, double seconds) {
     std::printf("image     %s, %d x %d, %d channel%s of %d bits\n", arguments.input.c_str(), image.width, image.height,
                 image.channels, image.channels == 1 ? "" : "s", image.bits);
     if (!image.note.empty()) std::printf("note      %s\n", image.note.c_str());
@@ -175,8 +198,21 @@ void print_summary(const Arguments& arguments, const ImageFile& image, const hme
     else if (light)
         std::printf("PSNR .glb %s as its viewers show it, in linear light; %s with --fit-space each or linear\n",
                     psnr_text(light->stored_psnr).c_str(), psnr_text(light->psnr).c_str());
+    for (const WrittenPsnr& file : written)
+        if (!has_ending(file.file, ".glb") && psnr_text(file.psnr) != psnr_text(outcome.report.psnr))
+            std::printf("PSNR      %s as %s %s\n", psnr_text(file.psnr).c_str(), file.file.c_str(),
+                        file.is_picture ? "shows it, rounded to 8 bits" : "holds it, colours of 8 bits");
     std::printf("time      %.2f s\n", seconds);
     for (const std::string& name : output_files(arguments)) std::printf("written   %s\n", name.c_str());
+}
+
+// Which of the files is furthest below the mesh, if one is.
+std::string least_text(const std::vector<WrittenPsnr>& written, double psnr) {
+    const WrittenPsnr* least = nullptr;
+    for (const WrittenPsnr& file : written)
+        if (file.psnr < (least != nullptr ? least->psnr : psnr)) least = &file;
+    if (least == nullptr || psnr_text(least->psnr) == psnr_text(psnr)) return {};
+    return ", of which '" + least->file + "' keeps " + psnr_text(least->psnr);
 }
 
 // The most vertices that a mesh may have; a PSNR sets no bound.
@@ -216,6 +252,7 @@ std::string start(std::optional<example::ThreadPool>& pool, unsigned threads) {
 int run(const Arguments& arguments) {
     catch_interrupt();
     if (const std::string clash = find_clash(arguments); !clash.empty()) return fail(wrong_usage, clash);
+    ProgressWatch watch(!arguments.quiet && is_terminal(stderr));
     ImageFile image;
     std::vector<unsigned char> bytes;
     if (const std::string why = read_image(arguments.input, image, bytes); !why.empty())
@@ -230,10 +267,13 @@ int run(const Arguments& arguments) {
     std::optional<example::ThreadPool> pool;
     if (const std::string why = start(pool, arguments.threads); !why.empty()) return fail(failed, why);
 
-    ProgressWatch watch(!arguments.quiet && is_terminal(stderr));
     MeshingOptions options = arguments.meshing;
     options.progress = watch;
     if (!arguments.weights.empty()) options.weights = weights.view();
+    const hmesh::ParallelFor parallel_for = *pool;
+    const WrittenFiles files(arguments, image, options, parallel_for);
+    if (options.target.kind == hmesh::Target::Kind::psnr) options.psnr_of = files;
+    watch.begin_mesh(0.03 * image.width * image.height, meshing_work(image, options), writing_work(arguments, image));
     hmesh::Result outcome = mesh_file(image, options, *pool);
     const bool is_interrupted = outcome.status.code == hmesh::Errc::cancelled;
     if (is_interrupted && arguments.keep_partial) {
@@ -241,7 +281,7 @@ int run(const Arguments& arguments) {
         keep_budget(image, options, *pool, outcome);
     }
     const double seconds = watch.seconds();
-    watch.finish();
+    watch.end_mesh();
 
     const bool has_effort = options.method == Method::annealed;
     const std::string where = "'" + arguments.input + "' with " + arguments.target +
@@ -255,26 +295,33 @@ int run(const Arguments& arguments) {
         return fail(failed,
                     where + ": " + in_words(outcome.status) + "; nothing is written, as --depfile asks for whole results");
     std::optional<LightMesh> light;
-    if (has_output(arguments, ".glb") && options.fit_space != FitSpace::linear && !options.premultiplied)
+    if (has_output(arguments, ".glb") && options.fit_space != FitSpace::linear && !options.premultiplied) {
+        watch.step("linear light", light_work(image));
         light = light_mesh(image, options, outcome.mesh, *pool);
+    }
+    std::vector<WrittenPsnr> written;
+    if (!arguments.quiet || !arguments.report.empty() || !outcome.status)
+        written = files.measure(outcome.mesh, outcome.report.psnr, light);
     WebPage page;
     if (has_output(arguments, ".html")) page = make_web_page(arguments, image, bytes, outcome.report);
-    std::string why = write_meshes(arguments, outcome.mesh.view(), light, page);
-    if (why.empty()) why = write_pictures(arguments, image, outcome.mesh.view());
+    std::string why = write_meshes(arguments, outcome.mesh.view(), light, page, watch);
+    if (why.empty()) why = write_pictures(arguments, image, outcome.mesh.view(), watch);
     if (why.empty() && !arguments.report.empty()) {
-        const std::string report = report_json(arguments, image, outcome, light, seconds, watch);
+        const std::string report = report_json(arguments, image, outcome, light, written, seconds, watch);
         why = write_file(arguments.report, [&](OutputFile& file) {
             return file(report.data(), report.size()) ? "" : "the disk refused the report";
         });
     }
     if (why.empty() && !arguments.depfile.empty()) why = write_depfile(arguments);
     if (!why.empty()) return fail(failed, why);
-    if (!arguments.quiet) print_summary(arguments, image, outcome, light, seconds);
+    watch.finish();
+    if (!arguments.quiet) print_summary(arguments, image, outcome, light, written, seconds);
     if (std::fflush(stdout) != 0) return fail(failed, "cannot write to the standard output");
     if (outcome.status) return done;
+    const bool has_missed = options.psnr_of && outcome.status.code == hmesh::Errc::target_out_of_range;
     const std::string reached = "the mesh reached so far, " + std::to_string(outcome.report.vertices) + " vertices and " +
-                                psnr_text(outcome.report.psnr) + ", " +
-                                (output_files(arguments).empty() ? "is as above" : "is written");
+                                psnr_text(outcome.report.psnr) + (has_missed ? least_text(written, outcome.report.psnr) : "") +
+                                ", " + (output_files(arguments).empty() ? "is as above" : "is written");
     return fail(failed, where + ": " + in_words(outcome.status) + "; " + reached);
 }
 
@@ -285,6 +332,7 @@ constexpr char no_memory[] = "there is not enough memory for this image and thes
     try {
         if (std::exception_ptr why = std::current_exception()) std::rethrow_exception(why);
     } catch (const std::bad_alloc&) {
+        wipe_bar();
         std::fprintf(stderr, "hmesh: %s\n", no_memory);
         std::_Exit(failed);
     } catch (...) {
