@@ -4422,7 +4422,7 @@ template <int C>
 class TiledMesh;
 
 /// How long the stages of a run take, in microseconds of one core for 3 channels: only the ratios matter, for progress. From
-/// meshes of five photographs at 1 and 3 %, within a third.
+/// four photographs at 1 and 3 %; the larger stages of fast, normal and best are within a third, those of draft within a half.
 struct AnnealedWork {
     double grid = 0;      ///< or what a mesh to start from takes
     double insert = 0;    ///< 0: no such stage
