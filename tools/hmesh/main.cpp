@@ -61,7 +61,6 @@ int print(const std::string& text) {
 }  // namespace tool
 
 int main(int argc, char** argv) {
-    tool::fill_closed_streams();
     const tool::CommandLine line = tool::parse({argv + (argc > 0 ? 1 : 0), argv + argc});
     if (!line.wrong.empty()) return tool::fail(tool::wrong_usage, line.wrong);
     if (!line.answer.empty()) return tool::print(line.answer);

@@ -10,7 +10,6 @@
 #include <fcntl.h>
 #include <io.h>
 #else
-#include <fcntl.h>
 #include <unistd.h>
 #endif
 
@@ -35,15 +34,6 @@ namespace tool {
 inline void set_binary([[maybe_unused]] std::FILE* file) {
 #ifdef _WIN32
     static_cast<void>(_setmode(_fileno(file), _O_BINARY));
-#endif
-}
-
-// To be called first: where a standard stream was closed, no file that is opened takes its place, to be read or written by
-// mistake.
-inline void fill_closed_streams() {
-#ifndef _WIN32
-    for (int stream = 0; stream < 3; ++stream)
-        if (::fcntl(stream, F_GETFD) == -1) static_cast<void>(::open("/dev/null", stream == 0 ? O_WRONLY : O_RDONLY));
 #endif
 }
 
