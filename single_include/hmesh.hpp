@@ -4156,7 +4156,8 @@ struct Options {
         default: return {Errc::invalid_argument, "the target is of no known kind", static_cast<int>(target.kind), 2};
     }
     if (target.max_vertices && target.kind != Target::Kind::psnr)
-        return {Errc::invalid_argument, "max_vertices bounds the search for a PSNR, and the target is none", *target.max_vertices};
+        return {Errc::invalid_argument, "max_vertices bounds the search for a PSNR, and the target is none",
+                *target.max_vertices};
     if (target.max_vertices && *target.max_vertices < 4)
         return {Errc::target_out_of_range, "a mesh has at least 4 vertices, and so has the most that it may have",
                 *target.max_vertices, 4};

@@ -2,7 +2,6 @@
 #ifndef HMESH_TOOLS_COMMAND_WORDS_HPP
 #define HMESH_TOOLS_COMMAND_WORDS_HPP
 
-#include <cstddef>
 #include <string>
 #include <vector>
 
@@ -34,8 +33,7 @@ struct Note {
 [[nodiscard]] inline std::string brief(const OptionWords& option) {
     std::string out;
     int depth = 0;
-    for (std::size_t i = 0; i < option.description.size(); ++i) {
-        const char c = option.description[i];
+    for (const char c : option.description) {
         depth += c == '(' ? 1 : c == ')' ? -1 : 0;
         if (depth == 0 && (c == ';' || c == ':')) break;
         out += c == '\n' ? ' ' : c;

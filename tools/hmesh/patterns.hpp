@@ -25,7 +25,7 @@ inline constexpr char name_mark[] = "{name}";
     std::size_t from = 0;
     for (std::size_t at = 0; (at = pattern.find(name_mark, from)) != std::string::npos; from = at + sizeof name_mark - 1)
         out.append(pattern, from, at - from).append(name);
-    return out.append(pattern, from, std::string::npos);
+    return out + pattern.substr(from);
 }
 
 }  // namespace tool
