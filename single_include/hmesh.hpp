@@ -4098,14 +4098,21 @@ struct Target {
     };
     Kind kind = Kind::percent;  ///< what `value` counts
     double value = 1;           ///< number of vertices, percent of the pixels, or dB
+    /// Of a PSNR alone: the most vertices that the mesh may have, >= 4. Empty (the default): as many as the image has pixels.
+    std::optional<std::int64_t> max_vertices{};
 
     /// Exactly n vertices, 4 <= n <= max(4, number of pixels).
-    [[nodiscard]] static Target vertices(std::int64_t n) noexcept { return {Kind::vertices, static_cast<double>(n)}; }
+    [[nodiscard]] static Target vertices(std::int64_t n) noexcept { return {Kind::vertices, static_cast<double>(n), {}}; }
     /// This percentage of the number of pixels, rounded to a whole number of vertices; in (0, 100], at least 4 vertices.
-    [[nodiscard]] static Target percent(double of_pixels) noexcept { return {Kind::percent, of_pixels}; }
+    [[nodiscard]] static Target percent(double of_pixels) noexcept { return {Kind::percent, of_pixels, {}}; }
     /// The fewest vertices found whose mesh reaches this PSNR, in dB, > 0. Takes about six runs at counts that close in on the
     /// target.
-    [[nodiscard]] static Target psnr(double decibel) noexcept { return {Kind::psnr, decibel}; }
+    [[nodiscard]] static Target psnr(double decibel) noexcept { return {Kind::psnr, decibel, {}}; }
+    /// The same with at most `max_vertices`, >= 4; more than pixels bound nothing. Where these do not reach the PSNR, the mesh is
+    /// the best one found of at most so many, and the status target_out_of_range.
+    [[nodiscard]] static Target psnr(double decibel, std::int64_t max_vertices) noexcept {
+        return {Kind::psnr, decibel, max_vertices};
+    }
 };
 
 /// What mesh_image() can be told, whatever the method. The defaults are good for photographs.
@@ -4152,6 +4159,12 @@ struct Options {
             break;
         default: return {Errc::invalid_argument, "the target is of no known kind", static_cast<int>(target.kind), 2};
     }
+    if (target.max_vertices && target.kind != Target::Kind::psnr)
+        return {Errc::invalid_argument, "max_vertices bounds the search for a PSNR, and the target is none",
+                *target.max_vertices};
+    if (target.max_vertices && *target.max_vertices < 4)
+        return {Errc::target_out_of_range, "a mesh has at least 4 vertices, and so has the most that it may have",
+                *target.max_vertices, 4};
     if (const Status status = check(options.limits); !status) return status;
     if (options.colors && *options.colors != Colors::optimal && *options.colors != Colors::sampled)
         return {Errc::invalid_argument, "the colors are none of those known", static_cast<int>(*options.colors), 1};
@@ -10922,7 +10935,9 @@ template <int C>
 [[nodiscard]] HMESH_COLD Result mesh_target(const kit::ImageSource<C>& source, double samples, const RecipeRef<C>& recipe,
                                             const Options& options, const ParallelFor& parallel_for) {
     const double pixels = source.pixels();
-    const auto most = static_cast<std::size_t>(std::max(4.0, pixels));
+    const auto all = static_cast<std::int64_t>(std::max(4.0, pixels));
+    const auto most = static_cast<std::size_t>(std::min(all, options.target.max_vertices.value_or(all)));
+    const bool is_bounded = most < static_cast<std::size_t>(all);
     const auto mesh_from = [&](std::size_t n, const kit::Beginning& from) {
         return mesh_once(source, samples, n, from, recipe, options, parallel_for);
     };
@@ -10932,10 +10947,14 @@ template <int C>
     };
     switch (options.target.kind) {
         case Target::Kind::percent: return mesh_of(share(options.target.value));
-        case Target::Kind::psnr:
-            return recipe.can_go_on ? kit::fewest_vertices_going_on(options.target.value, recipe.gain_over_sketch, share(0.25),
-                                                                    most, mesh_from)
-                                    : kit::fewest_vertices(options.target.value, share(1), most, mesh_of);
+        case Target::Kind::psnr: {
+            const double psnr = options.target.value;
+            Result found = recipe.can_go_on ? kit::fewest_vertices_going_on(psnr, recipe.gain_over_sketch, share(0.25), most, mesh_from)
+                                            : kit::fewest_vertices(psnr, share(1), most, mesh_of);
+            if (found.status.code == Errc::target_out_of_range && is_bounded)
+                found.status.what = "no mesh of at most max_vertices vertices reached the PSNR asked for, in dB";
+            return found;
+        }
         case Target::Kind::vertices: break;
     }
     return mesh_of(static_cast<std::size_t>(options.target.value));

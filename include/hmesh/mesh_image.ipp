@@ -79,7 +79,9 @@ template <int C>
 [[nodiscard]] HMESH_COLD Result mesh_target(const kit::ImageSource<C>& source, double samples, const RecipeRef<C>& recipe,
                                             const Options& options, const ParallelFor& parallel_for) {
     const double pixels = source.pixels();
-    const auto most = static_cast<std::size_t>(std::max(4.0, pixels));
+    const auto all = static_cast<std::int64_t>(std::max(4.0, pixels));
+    const auto most = static_cast<std::size_t>(std::min(all, options.target.max_vertices.value_or(all)));
+    const bool is_bounded = most < static_cast<std::size_t>(all);
     const auto mesh_from = [&](std::size_t n, const kit::Beginning& from) {
         return mesh_once(source, samples, n, from, recipe, options, parallel_for);
     };
@@ -89,10 +91,14 @@ template <int C>
     };
     switch (options.target.kind) {
         case Target::Kind::percent: return mesh_of(share(options.target.value));
-        case Target::Kind::psnr:
-            return recipe.can_go_on ? kit::fewest_vertices_going_on(options.target.value, recipe.gain_over_sketch, share(0.25),
-                                                                    most, mesh_from)
-                                    : kit::fewest_vertices(options.target.value, share(1), most, mesh_of);
+        case Target::Kind::psnr: {
+            const double psnr = options.target.value;
+            Result found = recipe.can_go_on ? kit::fewest_vertices_going_on(psnr, recipe.gain_over_sketch, share(0.25), most, mesh_from)
+                                            : kit::fewest_vertices(psnr, share(1), most, mesh_of);
+            if (found.status.code == Errc::target_out_of_range && is_bounded)
+                found.status.what = "no mesh of at most max_vertices vertices reached the PSNR asked for, in dB";
+            return found;
+        }
         case Target::Kind::vertices: break;
     }
     return mesh_of(static_cast<std::size_t>(options.target.value));
