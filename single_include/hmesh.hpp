@@ -3451,7 +3451,11 @@ struct Lanes {
             for (int k = 0; k < blocks; ++k) {
                 Ints ints;
                 std::memcpy(&ints, from + std::ptrdiff_t{4} * k, sizeof ints);
+#if defined(__AVX__) && !defined(__clang__)
+                r.block[k] = __builtin_ia32_cvtdq2pd256(ints);  // GCC 12 makes four instructions of the line below
+#else
                 r.block[k] = __builtin_convertvector(ints, Block);
+#endif
             }
             return r;
         }
@@ -4155,14 +4159,21 @@ struct Target {
     };
     Kind kind = Kind::percent;  ///< what `value` counts
     double value = 1;           ///< number of vertices, percent of the pixels, or dB
+    /// Of a PSNR alone: the most vertices that the mesh may have, >= 4. Empty (the default): as many as the image has pixels.
+    std::optional<std::int64_t> max_vertices{};
 
     /// Exactly n vertices, 4 <= n <= max(4, number of pixels).
-    [[nodiscard]] static Target vertices(std::int64_t n) noexcept { return {Kind::vertices, static_cast<double>(n)}; }
+    [[nodiscard]] static Target vertices(std::int64_t n) noexcept { return {Kind::vertices, static_cast<double>(n), {}}; }
     /// This percentage of the number of pixels, rounded to a whole number of vertices; in (0, 100], at least 4 vertices.
-    [[nodiscard]] static Target percent(double of_pixels) noexcept { return {Kind::percent, of_pixels}; }
+    [[nodiscard]] static Target percent(double of_pixels) noexcept { return {Kind::percent, of_pixels, {}}; }
     /// The fewest vertices found whose mesh reaches this PSNR, in dB, > 0. Takes about six runs at counts that close in on the
     /// target.
-    [[nodiscard]] static Target psnr(double decibel) noexcept { return {Kind::psnr, decibel}; }
+    [[nodiscard]] static Target psnr(double decibel) noexcept { return {Kind::psnr, decibel, {}}; }
+    /// The same with at most `max_vertices`, >= 4; more than pixels bound nothing. Where these do not reach the PSNR, the mesh is
+    /// the best one found of at most so many, and the status target_out_of_range.
+    [[nodiscard]] static Target psnr(double decibel, std::int64_t max_vertices) noexcept {
+        return {Kind::psnr, decibel, max_vertices};
+    }
 };
 
 /// What mesh_image() can be told, whatever the method. The defaults are good for photographs.
@@ -4214,6 +4225,12 @@ struct Options {
             break;
         default: return {Errc::invalid_argument, "the target is of no known kind", static_cast<int>(target.kind), 2};
     }
+    if (target.max_vertices && target.kind != Target::Kind::psnr)
+        return {Errc::invalid_argument, "max_vertices bounds the search for a PSNR, and the target is none",
+                *target.max_vertices};
+    if (target.max_vertices && *target.max_vertices < 4)
+        return {Errc::target_out_of_range, "a mesh has at least 4 vertices, and so has the most that it may have",
+                *target.max_vertices, 4};
     if (const Status status = check(options.limits); !status) return status;
     if (options.colors && *options.colors != Colors::optimal && *options.colors != Colors::sampled)
         return {Errc::invalid_argument, "the colors are none of those known", static_cast<int>(*options.colors), 1};
@@ -6987,13 +7004,13 @@ class ImageMesh {
     /// Writes the moments of a half-edge (those of its edge, with a sign) to `out`.
     HMESH_ALWAYS_INLINE void moments(Halfedge h, Moments<C>& out) const {
         out = moments_[h.index() >> 1U];
-        if ((h.index() & 1U) != 0) out *= -1.0;
+        out *= sign(h);
     }
     /// Adds the moments of a half-edge to `out`.
     HMESH_ALWAYS_INLINE void add_moments(Halfedge h, Moments<C>& out) const {
-        const Moments<C>& m = moments_[h.index() >> 1U];
-        if ((h.index() & 1U) != 0) out -= m;
-        else out += m;
+        Moments<C> m = moments_[h.index() >> 1U];
+        m *= sign(h);
+        out += m;
     }
     /// Writes the moments of the pixels of a face to `out`.
     void face_moments(Face f, Moments<C>& out) const {
@@ -7128,10 +7145,15 @@ class ImageMesh {
         moments_.stop_recording();
         energies_.stop_recording();
     }
+    /// Of the moments of a half-edge, which are those of its edge or their negatives. Computed, since a branch on it is
+    /// mispredicted half of the time.
+    [[nodiscard]] static HMESH_ALWAYS_INLINE double sign(Halfedge h) noexcept {
+        return 1.0 - 2.0 * static_cast<double>(static_cast<int>(h.index() & 1U));
+    }
     void walk(Halfedge h) {
         Moments<C> m;
         edge_moments(*table_, position(topology_.from_vertex(h)), position(topology_.to_vertex(h)), m);
-        if ((h.index() & 1U) != 0) m *= -1.0;
+        m *= sign(h);
         moments_.edit(h.index() >> 1U) = m;
     }
     [[nodiscard]] double fresh_energy(Face f) const {
@@ -7401,10 +7423,10 @@ void ImageMesh<C>::apply_fit(Vertex v, const Ring<C>& ring, Point position, cons
     for (int i = ring.first_face(); i < ring.size; ++i) set_energy(topology_.face(ring.halfedge[i]), faces[i].energy(color));
     if (moved == nullptr) return;
     for (int i = 0; i < ring.size; ++i) {
-        const std::size_t h = ring.halfedge[i].index();
-        Moments<C>& m = moments_.edit(h >> 1U);
+        const Halfedge h = ring.halfedge[i];
+        Moments<C>& m = moments_.edit(h.index() >> 1U);
         m = moved->spoke[i];
-        if ((h & 1U) != 0) m *= -1.0;
+        m *= sign(h);
     }
 }
 
@@ -7497,7 +7519,6 @@ void ImageMesh<C>::collapse(Halfedge h) {
 #ifndef HMESH_EDIT_MOVE_HPP
 #define HMESH_EDIT_MOVE_HPP
 
-#include <algorithm>
 #include <cmath>
 #include <vector>
 
@@ -7544,8 +7565,9 @@ enum class RingOutcome {
 };
 
 /// Optimises the centre of scratch.ring. `center` holds position and colour on entry, and on return the best found with the
-/// energy of the ring; scratch.spokes must fit the position on entry, scratch.spokes and scratch.faces fit it on return. No step
-/// is tried unless `may_move` and its predicted decrease of the energy is above `min_gain`. The mesh itself stays as it is.
+/// energy of the ring; scratch.spokes must fit the position on entry. On return scratch.trial_spokes and scratch.trial_faces fit
+/// it where the centre moved, else scratch.spokes and scratch.faces. No step is tried unless `may_move` and its predicted
+/// decrease of the energy is above `min_gain`. The mesh itself stays as it is.
 template <int C>
 RingOutcome optimize_center(const ImageMesh<C>& mesh, RingScratch<C>& scratch, Mobility mobility, double min_gain, bool may_move,
                             RingCenter<C>& center) {
@@ -7583,8 +7605,6 @@ RingOutcome optimize_center(const ImageMesh<C>& mesh, RingScratch<C>& scratch, M
         const double energy = trial_fit.energy(color);
         if (!(energy < center.energy)) break;
         center = {trial, color, energy};
-        std::copy_n(scratch.trial_spokes.spoke, scratch.ring.size, scratch.spokes.spoke);
-        std::copy_n(scratch.trial_faces, scratch.ring.size, scratch.faces);
         return RingOutcome::moved;
     }
     return RingOutcome::recolored;
@@ -7602,8 +7622,9 @@ double improve_vertex(ImageMesh<C>& mesh, Vertex v, double min_gain) {
     RingCenter<C> center{state.position, state.color, 0};
     const RingOutcome outcome = optimize_center(mesh, scratch, state.mobility, min_gain, true, center);
     if (outcome == RingOutcome::degenerate || !(center.energy < before)) return 0;
-    mesh.apply_fit(v, scratch.ring, center.position, center.color, scratch.faces,
-                   outcome == RingOutcome::moved ? &scratch.spokes : nullptr);
+    const bool moved = outcome == RingOutcome::moved;
+    mesh.apply_fit(v, scratch.ring, center.position, center.color, moved ? scratch.trial_faces : scratch.faces,
+                   moved ? &scratch.trial_spokes : nullptr);
     return before - center.energy;
 }
 
@@ -11107,7 +11128,9 @@ template <int C>
 [[nodiscard]] HMESH_COLD Result mesh_target(const kit::ImageSource<C>& source, double samples, const RecipeRef<C>& recipe,
                                             const Options& options, const ParallelFor& parallel_for) {
     const double pixels = source.pixels();
-    const auto most = static_cast<std::size_t>(std::max(4.0, pixels));
+    const auto all = static_cast<std::int64_t>(std::max(4.0, pixels));
+    const auto most = static_cast<std::size_t>(std::min(all, options.target.max_vertices.value_or(all)));
+    const bool is_bounded = most < static_cast<std::size_t>(all);
     const auto share = [&](double percent) {
         return std::min(most, std::max<std::size_t>(4, static_cast<std::size_t>(std::llround(pixels * percent / 100))));
     };
@@ -11132,6 +11155,8 @@ template <int C>
     Result result =
         recipe.can_go_on ? kit::fewest_vertices_going_on(options.target.value, recipe.gain_over_sketch, share(0.25), most, mesh_from)
                         : kit::fewest_vertices(options.target.value, share(1), most, mesh_of);
+    if (result.status.code == Errc::target_out_of_range && is_bounded)
+        result.status.what = "no mesh of at most max_vertices vertices reached the PSNR asked for, in dB";
     return searched(std::move(result), options, samples, source.peak());
 }
 

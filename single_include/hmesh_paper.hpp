@@ -1339,12 +1339,15 @@ class BilateralWindow {
 /// weights. Pairs whose rows together take more than max_kept floats are left for another turn over the tile.
 ///
 /// float_lanes is a parameter so that files compiled for different processors do not share functions with one layout.
-template <class T, int C, int = float_lanes>
+template <int C, int = float_lanes>
 class BilateralTile {
   public:
     static constexpr int max_width = 128, max_height = 64;
-    static constexpr double min_sigma =
-        PixelTraits<T>::is_integer ? std::max(PixelTraits<T>::highest, -PixelTraits<T>::lowest) / 144115188075855872.0 : 0;
+    static constexpr double limit = 144115188075855872.0;  ///< 2^57, of samples
+    template <class T>
+    static constexpr double min_sigma = PixelTraits<T>::is_integer
+                                            ? std::max(PixelTraits<T>::highest, -PixelTraits<T>::lowest) / limit
+                                            : 0;
     static constexpr std::size_t max_kept = 16384;  ///< floats: 64 kB; diameter 9 needs some 9,000
 
     /// Workspace for tiles of an image of this width in px; the window must outlive it.
@@ -1366,19 +1369,10 @@ class BilateralTile {
     }
 
     /// Filters the pixels in `rect` of the view, at most max_width x max_height, into the same pixels of `out`.
+    template <class T>
     void filter(const ImageView<T, C>& view, const Rect& rect, Image<T, C>& out) {
         load(view, rect);
-        const auto weights = sums_.begin() + static_cast<std::ptrdiff_t>(C) * width_ * max_height;
-        std::fill(sums_.begin(), weights, 0.0F);
-        std::fill(weights, sums_.end(), 1.0F);  // the weight of the centre itself
-        for (Tap *begin = taps_.data(), *last = begin + taps_.size(), *end = begin; begin < last; begin = end) {
-            for (end = begin + 1; end < last && end->kept > 0;) ++end;
-            for (int y = -end[-1].pair.dy; y < rect.height; ++y) {
-                for (Tap* tap = begin; tap < end; ++tap)
-                    if (y + tap->pair.dy >= 0) weigh(*tap, y);
-                if (y >= 0) add(begin, end, y);
-            }
-        }
+        sum_windows(rect.height);
         for (int y = 0; y < rect.height; ++y)
             store(sums(y), view.pixel(rect.x, rect.y + y), rect.width, out.pixel(rect.x, rect.y + y));
     }
@@ -1392,22 +1386,38 @@ class BilateralTile {
         const float *ahead, *behind;  ///< weights of the current row, and of the row pair.dy above it from -pair.dx on
     };
 
+    /// The sums over the windows of all pixels in the rows [0, height).
+    void sum_windows(int height) {
+        const auto weights = sums_.begin() + static_cast<std::ptrdiff_t>(C) * width_ * max_height;
+        std::fill(sums_.begin(), weights, 0.0F);
+        std::fill(weights, sums_.end(), 1.0F);  // the weight of the centre itself
+        for (Tap *begin = taps_.data(), *last = begin + taps_.size(), *end = begin; begin < last; begin = end) {
+            for (end = begin + 1; end < last && end->kept > 0;) ++end;
+            for (int y = -end[-1].pair.dy; y < height; ++y) {
+                for (Tap* tap = begin; tap < end; ++tap)
+                    if (y + tap->pair.dy >= 0) weigh(*tap, y);
+                if (y >= 0) add(begin, end, y);
+            }
+        }
+    }
+
     [[nodiscard]] const float* samples(int y) const noexcept { return samples_.data() + (y + radius_) * stride_ + radius_; }
     [[nodiscard]] float* sums(int y) noexcept { return sums_.data() + static_cast<std::ptrdiff_t>(y) * width_; }
 
     /// Fills the planes with the samples of `rect` and its margin.
+    template <class T>
     void load(const ImageView<T, C>& view, const Rect& rect) {
         for (std::ptrdiff_t x = 0; x < stride_; ++x)
             columns_[static_cast<std::size_t>(x)] = reflect(rect.x + static_cast<int>(x) - radius_, view.width) * C;
         const std::ptrdiff_t plane = plane_;
-        const double unit = window_.unit(), most = 144115188075855872.0;  // 2^57
+        const double unit = window_.unit();
         for (int y = -radius_; y < rect.height + radius_; ++y) {
             const T* row = view.row(reflect(rect.y + y, view.height));
             float* to = samples_.data() + (y + radius_) * stride_;
             for (const int column : columns_) {
                 for (int c = 0; c < C; ++c) {
                     double value = PixelTraits<T>::to_real(row[column + c]) * unit;
-                    if (!PixelTraits<T>::is_integer) value = std::max(-most, std::min(most, value));
+                    if (!PixelTraits<T>::is_integer) value = std::max(-limit, std::min(limit, value));
                     to[c * plane] = static_cast<float>(value);
                 }
                 ++to;
@@ -1416,6 +1426,7 @@ class BilateralTile {
     }
     /// Writes a row: the samples `from` plus the weighted means of the differences from them. Members are copied to locals, since
     /// stores of bytes might change any member.
+    template <class T>
     void store(const float* sum, const T* from, int width, T* to) const {
         const std::ptrdiff_t plane = static_cast<std::ptrdiff_t>(width_) * max_height;
         const double unit = 1 / window_.unit();
@@ -1536,8 +1547,8 @@ template <class T, int C>
 [[nodiscard]] Image<T, C> bilateral_filter(const ImageView<T, C>& view, const BilateralOptions& options = {},
                                            const ParallelFor& parallel_for = {}) {
     HMESH_ASSERT(check(view) && check(options));
-    using Tile = detail::BilateralTile<T, C>;
-    const double sigma_color = std::max(Tile::min_sigma, options.sigma_color * (PixelTraits<T>::peak / 255));
+    using Tile = detail::BilateralTile<C>;
+    const double sigma_color = std::max(Tile::template min_sigma<T>, options.sigma_color * (PixelTraits<T>::peak / 255));
     const detail::BilateralWindow window(options.diameter / 2, sigma_color, options.sigma_space);
     Image<T, C> out(view.width, view.height);
     const auto rows = static_cast<std::size_t>(view.height);

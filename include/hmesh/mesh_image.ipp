@@ -91,7 +91,9 @@ template <int C>
 [[nodiscard]] HMESH_COLD Result mesh_target(const kit::ImageSource<C>& source, double samples, const RecipeRef<C>& recipe,
                                             const Options& options, const ParallelFor& parallel_for) {
     const double pixels = source.pixels();
-    const auto most = static_cast<std::size_t>(std::max(4.0, pixels));
+    const auto all = static_cast<std::int64_t>(std::max(4.0, pixels));
+    const auto most = static_cast<std::size_t>(std::min(all, options.target.max_vertices.value_or(all)));
+    const bool is_bounded = most < static_cast<std::size_t>(all);
     const auto share = [&](double percent) {
         return std::min(most, std::max<std::size_t>(4, static_cast<std::size_t>(std::llround(pixels * percent / 100))));
     };
@@ -116,6 +118,8 @@ template <int C>
     Result result =
         recipe.can_go_on ? kit::fewest_vertices_going_on(options.target.value, recipe.gain_over_sketch, share(0.25), most, mesh_from)
                         : kit::fewest_vertices(options.target.value, share(1), most, mesh_of);
+    if (result.status.code == Errc::target_out_of_range && is_bounded)
+        result.status.what = "no mesh of at most max_vertices vertices reached the PSNR asked for, in dB";
     return searched(std::move(result), options, samples, source.peak());
 }
 

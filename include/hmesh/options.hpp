@@ -38,14 +38,21 @@ struct Target {
     };
     Kind kind = Kind::percent;  ///< what `value` counts
     double value = 1;           ///< number of vertices, percent of the pixels, or dB
+    /// Of a PSNR alone: the most vertices that the mesh may have, >= 4. Empty (the default): as many as the image has pixels.
+    std::optional<std::int64_t> max_vertices{};
 
     /// Exactly n vertices, 4 <= n <= max(4, number of pixels).
-    [[nodiscard]] static Target vertices(std::int64_t n) noexcept { return {Kind::vertices, static_cast<double>(n)}; }
+    [[nodiscard]] static Target vertices(std::int64_t n) noexcept { return {Kind::vertices, static_cast<double>(n), {}}; }
     /// This percentage of the number of pixels, rounded to a whole number of vertices; in (0, 100], at least 4 vertices.
-    [[nodiscard]] static Target percent(double of_pixels) noexcept { return {Kind::percent, of_pixels}; }
+    [[nodiscard]] static Target percent(double of_pixels) noexcept { return {Kind::percent, of_pixels, {}}; }
     /// The fewest vertices found whose mesh reaches this PSNR, in dB, > 0. Takes about six runs at counts that close in on the
     /// target.
-    [[nodiscard]] static Target psnr(double decibel) noexcept { return {Kind::psnr, decibel}; }
+    [[nodiscard]] static Target psnr(double decibel) noexcept { return {Kind::psnr, decibel, {}}; }
+    /// The same with at most `max_vertices`, >= 4; more than pixels bound nothing. Where these do not reach the PSNR, the mesh is
+    /// the best one found of at most so many, and the status target_out_of_range.
+    [[nodiscard]] static Target psnr(double decibel, std::int64_t max_vertices) noexcept {
+        return {Kind::psnr, decibel, max_vertices};
+    }
 };
 
 /// What mesh_image() can be told, whatever the method. The defaults are good for photographs.
@@ -97,6 +104,12 @@ struct Options {
             break;
         default: return {Errc::invalid_argument, "the target is of no known kind", static_cast<int>(target.kind), 2};
     }
+    if (target.max_vertices && target.kind != Target::Kind::psnr)
+        return {Errc::invalid_argument, "max_vertices bounds the search for a PSNR, and the target is none",
+                *target.max_vertices};
+    if (target.max_vertices && *target.max_vertices < 4)
+        return {Errc::target_out_of_range, "a mesh has at least 4 vertices, and so has the most that it may have",
+                *target.max_vertices, 4};
     if (const Status status = check(options.limits); !status) return status;
     if (options.colors && *options.colors != Colors::optimal && *options.colors != Colors::sampled)
         return {Errc::invalid_argument, "the colors are none of those known", static_cast<int>(*options.colors), 1};

@@ -10,12 +10,14 @@ import termios
 import pytest
 
 
-def drawn_at(columns, words, environment=None):
-    """What a program draws on the standard error, a terminal of this width: its status, and the texts between returns."""
+def drawn_at(columns, words, environment=None, shows_output=False):
+    """What a program draws on the standard error, a terminal of this width: its status, and the texts between returns. Its
+    standard output is the same terminal or goes nowhere."""
     ours, its = pty.openpty()
     fcntl.ioctl(its, termios.TIOCSWINSZ, struct.pack("HHHH", 24, columns, 0, 0))
     environment = {**os.environ, **(environment or {})}
-    with subprocess.Popen(words, stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, stderr=its, env=environment) as run, \
+    with subprocess.Popen(words, stdin=subprocess.DEVNULL, stdout=its if shows_output else subprocess.DEVNULL, stderr=its,
+                          env=environment) as run, \
          open(ours, "rb", buffering=0) as terminal:
         os.close(its)
         printed = b""
@@ -90,3 +92,45 @@ def test_errors_stand_on_a_line_of_their_own(hmesh, arguments, sentence):
 def test_there_is_no_bar_where_none_is_wanted(hmesh):
     assert drawn_at(80, hmesh.words("picture.png --quiet")) == (0, [""])
     assert hmesh.run("picture.png").stderr == ""
+
+
+def check_wiped_before(lines, place):
+    """Whether the text stands on a line of its own, after a bar that was at 100 % and then wiped, or after no bar."""
+    before = [line for line in lines[:place] if line.strip()]
+    assert not lines[place - 1].strip()
+    assert not before or not before[-1].startswith("[") or "100 %" in before[-1]
+
+
+@pytest.mark.parametrize("options", ["", "--json", "-o {name}.ply --report -", "--quiet"])
+def test_each_of_several_images_has_a_bar_that_is_wiped_before_its_line(hmesh, options):
+    images = ["picture.png", "large.png", "grey.pgm"]
+    if "-o" in options:  # the standard output is one file
+        images = ["large.png"]
+    status, lines = drawn_at(80, hmesh.words(" ".join(images) + " --effort draft " + options), shows_output=True)
+    assert status == 0
+    if options == "--quiet":
+        assert lines == [""]
+        return
+    text = {"--json": r'\{"version"', "": r"[\w.]+: \d+ vertices"}.get(options, r"image +large\.png")
+    places = [at for at, line in enumerate(lines) if re.match(r"\n?" + text, line)]
+    assert len(places) == len(images)
+    for place in places:
+        check_wiped_before(lines, place)
+    assert sum("100 %, done" in line for line in lines) == len(images)
+
+
+def test_what_goes_to_the_terminal_as_a_file_and_the_summary_beside_it_do_not_meet_the_bar(hmesh):
+    status, lines = drawn_at(80, hmesh.words("large.png --vertices 20 -o - --format obj"), shows_output=True)
+    assert status == 0
+    begin, = [at for at, line in enumerate(lines) if line.startswith("# made by")]
+    assert not lines[begin - 1].strip()
+    summary, = [at for at, line in enumerate(lines) if line.lstrip("\n").startswith("image     large.png")]
+    check_wiped_before(lines, summary)
+
+
+def test_of_several_images_one_that_fails_has_its_sentence_on_a_line_of_its_own(hmesh):
+    status, lines = drawn_at(80, hmesh.words("large.png no.png picture.png --effort draft"), shows_output=True)
+    assert status == 1
+    errors = [at for at, line in enumerate(lines) if "hmesh: cannot read 'no.png'" in line]
+    assert len(errors) == 1 and lines[errors[0]].startswith("hmesh: ") and not lines[errors[0] - 1].strip()
+    assert lines[-1] == "\n" and lines[-2].strip() == "hmesh: 1 of 3 images failed"

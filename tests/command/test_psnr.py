@@ -3,6 +3,7 @@ import json
 import math
 import re
 import struct
+import subprocess
 from pathlib import Path
 
 import pytest
@@ -179,3 +180,29 @@ def test_pictures_of_other_kinds_are_no_part_of_the_target(hmesh):
 def test_a_target_that_a_file_cannot_hold_is_told_as_missed(hmesh):
     hmesh.fails("reached", "color16.ppm --psnr 62 -o a.ply")
     hmesh.done("color16.ppm --psnr 62 -o a.glb -o a.pdf")
+
+
+def test_what_goes_to_the_standard_output_keeps_the_target_too(hmesh):
+    words = hmesh.words("color16.ppm --psnr 42 -o - --format ply --report a.json")
+    run = subprocess.run(words, stdout=subprocess.PIPE, stderr=subprocess.PIPE, check=True)
+    Path("a.ply").write_bytes(run.stdout)
+    wanted, width, height = pixels("color16.ppm")
+    psnr = psnr_of(wanted, drawn(read_ply("a.ply"), width, height))
+    written = json.loads(read("a.json"))["psnr_written"]
+    assert psnr >= 42 and set(written) == {"-"} and abs(written["-"] - psnr) < 1e-3
+    assert re.search(r"PSNR +42\.\d\d dB as the standard output holds it, colours of 8 bits\n", run.stderr.decode())
+    line, = hmesh.done("color16.ppm --psnr 42 -o mesh --format ply --json").splitlines()
+    assert json.loads(line)["psnr_written"] == {"mesh": written["-"]}
+
+
+def test_within_the_most_vertices_it_is_the_file_that_misses_the_target(hmesh):
+    free = hmesh.report("wide.png --effort fast --psnr 42 -o a.ply --render a.png")
+    alone = hmesh.report("wide.png --effort fast --psnr 42 -o a.ply")
+    assert alone["vertices"] < free["vertices"]
+    run = hmesh.run(f"wide.png --effort fast --psnr 42 --max-vertices {alone['vertices'] // 2} -o a.ply --render a.png --report a.json")
+    report = json.loads(read("a.json"))
+    assert run.returncode == 1 and "no mesh of at most max_vertices vertices" in run.stderr
+    assert re.search(r"of which 'a\.png' keeps \d+\.\d\d dB, is written", run.stderr)
+    assert report["vertices"] <= alone["vertices"] // 2
+    assert report["psnr_written"]["a.png"] < report["psnr"] == report["psnr_written"]["a.ply"] < 42
+    hmesh.done(f"wide.png --effort fast --psnr 42 --max-vertices {2 * free['vertices']} -o a.ply --render a.png")

@@ -5,15 +5,9 @@
 
 #include <cstdint>
 
-#include "hmesh/paper.hpp"
+#include "instantiate_type.hpp"
 #include "test_kit.hpp"
 
-#define HMESH_TEST_INSTANTIATE_TYPE(T, C)                 \
-    HMESH_INSTANTIATE(T, C)                               \
-    HMESH_INSTANTIATE_RECIPE(T, C, ::hmesh::Hierarchical) \
-    HMESH_INSTANTIATE_RECIPE(T, C, ::hmesh::Xie)          \
-    HMESH_INSTANTIATE_RECIPE(T, C, ::hmesh::Adams)        \
-    HMESH_INSTANTIATE_RECIPE(T, C, ::hmesh::AdaptiveThinning)
 #define HMESH_TEST_INSTANTIATE(C)                 \
     HMESH_TEST_INSTANTIATE_TYPE(std::uint8_t, C)  \
     HMESH_TEST_INSTANTIATE_TYPE(std::uint16_t, C) \

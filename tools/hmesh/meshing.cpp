@@ -25,6 +25,7 @@ double meshing_work(int width, int height, const MeshingOptions& options) noexce
     const bool is_search = options.target.kind == hmesh::Target::Kind::psnr;
     double n = options.target.value;
     if (options.target.kind != hmesh::Target::Kind::vertices) n = std::max(4.0, pixels * (is_search ? 2 : n) / 100);
+    if (options.target.max_vertices) n = std::min(n, static_cast<double>(*options.target.max_vertices));
     const double one = options.method == Method::adaptive_thinning ? 12 * pixels
                        : options.method != Method::annealed
                            ? 0.2 * pixels + 150 * n

@@ -12,24 +12,10 @@
 #include <cstring>
 #include <vector>
 
-#ifdef _WIN32
-#include <io.h>
-#else
-#include <unistd.h>
-#endif
-
 #include "hmesh/core/progress.hpp"
 #include "progress_bar.hpp"
 
 namespace tool {
-
-[[nodiscard]] inline bool is_terminal(std::FILE* file) {
-#ifdef _WIN32
-    return _isatty(_fileno(file)) != 0;
-#else
-    return isatty(fileno(file)) != 0;
-#endif
-}
 
 // Set by a signal handler and read on any thread: hence atomic, and without a lock.
 inline std::atomic<bool> interrupted{false};

@@ -41,6 +41,10 @@ Json stage_value(const hmesh::StageReport& stage, double seconds) {
     return value;
 }
 
+std::string in_layout(const Json& value, Layout layout) {
+    return value.dump(layout == Layout::indented ? 2 : -1, ' ', false, Json::error_handler_t::replace) + "\n";
+}
+
 }  // namespace
 
 std::string psnr_formula(const Arguments& arguments) {
@@ -52,7 +56,7 @@ std::string psnr_formula(const Arguments& arguments) {
 
 std::string report_json(const Arguments& arguments, const ImageFile& image, const hmesh::Result& outcome,
                         const std::optional<LightMesh>& light, const std::vector<WrittenPsnr>& written, double seconds,
-                        const ProgressWatch& watch) {
+                        const ProgressWatch& watch, Layout layout) {
     const MeshingOptions& meshing = arguments.meshing;
     const bool is_each = meshing.fit_space == FitSpace::each;
     Json stages = Json::array();
@@ -85,7 +89,11 @@ std::string report_json(const Arguments& arguments, const ImageFile& image, cons
                          {"energy", outcome.report.energy},
                          {"seconds", seconds_value(seconds)},
                          {"stages", stages}};
-    return report.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+    return in_layout(report, layout);
+}
+
+std::string failure_json(const Arguments& arguments, const std::string& why) {
+    return in_layout({{"version", HMESH_VERSION_STRING}, {"input", arguments.input}, {"status", why}}, Layout::one_line);
 }
 
 }  // namespace tool

@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <cstdint>
 #include <limits>
 
-#include "formats.hpp"
 #include "hmesh/core/psnr.hpp"
 #include "hmesh/core/srgb.hpp"
 #include "hmesh/io/detail/export_mesh.hpp"
@@ -17,12 +17,12 @@ namespace {
 constexpr double margin = 1e-4;  // dB
 
 // How a format keeps shares of full intensity.
-enum class Keeps { bytes, shorts, six_decimals, linear_shorts };
+enum class Keeps : std::uint8_t { bytes, shorts, six_decimals, linear_shorts };
 
-Keeps kept_by(const std::string& name, double peak) {
-    if (has_ending(name, ".obj")) return Keeps::six_decimals;
-    if (has_ending(name, ".glb")) return Keeps::linear_shorts;
-    const bool is_page = has_ending(name, ".pdf") || has_ending(name, ".eps");
+Keeps kept_by(const std::string& ending, double peak) {
+    if (ending == ".obj") return Keeps::six_decimals;
+    if (ending == ".glb") return Keeps::linear_shorts;
+    const bool is_page = ending == ".pdf" || ending == ".eps";
     return is_page && peak != 255 ? Keeps::shorts : Keeps::bytes;
 }
 
@@ -39,18 +39,18 @@ double kept(Keeps keeps, double share, bool is_alpha) {
 
 bool has_alpha(int channels) { return channels == 2 || channels == 4; }
 
-bool holds_the_mesh(const std::string& name, const Arguments& arguments, int channels) {
-    if (has_ending(name, ".svg")) return arguments.svg == hmesh::SvgKind::exact;
-    return !has_alpha(channels) || !(has_ending(name, ".obj") || has_ending(name, ".eps"));
+bool holds_the_mesh(const std::string& ending, const Arguments& arguments, int channels) {
+    if (ending == ".svg") return arguments.svg == hmesh::SvgKind::exact;
+    return !has_alpha(channels) || (ending != ".obj" && ending != ".eps");
 }
 
-// The mesh that a reader of the file has, with as many channels.
-hmesh::Mesh as_kept(const hmesh::Mesh& mesh, const std::string& name) {
+// The mesh that a reader of a file of this format has, with as many channels.
+hmesh::Mesh as_kept(const hmesh::Mesh& mesh, const std::string& ending) {
     using hmesh::detail::Premultiplied;
-    const bool is_html = has_ending(name, ".html");
+    const bool is_html = ending == ".html";
     const hmesh::detail::ExportMesh exported(mesh.view(), is_html ? Premultiplied::kept : Premultiplied::divided);
     const hmesh::MeshView& view = exported.view();
-    const Keeps keeps = kept_by(name, mesh.peak);
+    const Keeps keeps = kept_by(ending, mesh.peak);
     hmesh::Mesh out = mesh;
     out.premultiplied = view.premultiplied;
     const auto channels = static_cast<std::size_t>(mesh.channels), given = static_cast<std::size_t>(view.channels);
@@ -102,15 +102,15 @@ std::vector<WrittenPsnr> WrittenFiles::measure(const hmesh::Mesh& stored, double
         return psnr_between(wanted_, drawn, channels, mesh.peak, options_.weights, options_.premultiplied && !is_premultiplied);
     };
     std::vector<float> drawn;
-    for (const std::string& name : arguments_.meshes) {
-        if (!holds_the_mesh(name, arguments_, image_.channels)) continue;
-        const bool is_light = light && options_.fit_space == FitSpace::each && has_ending(name, ".glb");
+    for (const auto& [name, ending] : arguments_.meshes) {
+        if (!holds_the_mesh(ending, arguments_, image_.channels)) continue;
+        const bool is_light = light && options_.fit_space == FitSpace::each && ending == ".glb";
         const hmesh::Mesh& from = is_light ? light->mesh : mesh;
-        const hmesh::Mesh read = as_kept(from, name);
+        const hmesh::Mesh read = as_kept(from, ending);
         if (read.colors == from.colors && read.premultiplied == from.premultiplied) {
-            out.push_back({name, is_light ? light->psnr : psnr, false});
+            out.push_back({name, ending, is_light ? light->psnr : psnr});
         } else if (draw_samples(read.view(), is_light || options_.fit_space == FitSpace::linear, drawn)) {
-            out.push_back({name, measured(drawn, read.premultiplied), false});
+            out.push_back({name, ending, measured(drawn, read.premultiplied)});
         }
     }
     if (arguments_.render.empty() || arguments_.render_scale != 1) return out;
@@ -118,7 +118,7 @@ std::vector<WrittenPsnr> WrittenFiles::measure(const hmesh::Mesh& stored, double
     if (!draw(mesh.view(), {1, options_.fit_space == FitSpace::linear}, picture)) return out;
     drawn.clear();
     for (const std::uint8_t sample : picture.samples) drawn.push_back(static_cast<float>(sample * (mesh.peak / 255)));
-    out.push_back({arguments_.render, measured(drawn, false), true});
+    out.push_back({arguments_.render, ".png", measured(drawn, false)});
     return out;
 }
 

@@ -17,8 +17,8 @@ namespace tool {
 
 struct WrittenPsnr {
     std::string file;
-    double psnr = 0;  // dB
-    bool is_picture = false;
+    std::string ending;  // that of its format: ".png" of a picture
+    double psnr = 0;     // dB
 };
 
 // The mesh files that hold the mesh's numbers, and the picture of --render at the size of the image. Left out are .svg whose

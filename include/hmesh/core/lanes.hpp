@@ -77,7 +77,11 @@ struct Lanes {
             for (int k = 0; k < blocks; ++k) {
                 Ints ints;
                 std::memcpy(&ints, from + std::ptrdiff_t{4} * k, sizeof ints);
+#if defined(__AVX__) && !defined(__clang__)
+                r.block[k] = __builtin_ia32_cvtdq2pd256(ints);  // GCC 12 makes four instructions of the line below
+#else
                 r.block[k] = __builtin_convertvector(ints, Block);
+#endif
             }
             return r;
         }

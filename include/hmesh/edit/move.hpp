@@ -9,7 +9,6 @@
 #ifndef HMESH_EDIT_MOVE_HPP
 #define HMESH_EDIT_MOVE_HPP
 
-#include <algorithm>
 #include <cmath>
 #include <vector>
 
@@ -61,8 +60,9 @@ enum class RingOutcome {
 };
 
 /// Optimises the centre of scratch.ring. `center` holds position and colour on entry, and on return the best found with the
-/// energy of the ring; scratch.spokes must fit the position on entry, scratch.spokes and scratch.faces fit it on return. No step
-/// is tried unless `may_move` and its predicted decrease of the energy is above `min_gain`. The mesh itself stays as it is.
+/// energy of the ring; scratch.spokes must fit the position on entry. On return scratch.trial_spokes and scratch.trial_faces fit
+/// it where the centre moved, else scratch.spokes and scratch.faces. No step is tried unless `may_move` and its predicted
+/// decrease of the energy is above `min_gain`. The mesh itself stays as it is.
 template <int C>
 RingOutcome optimize_center(const ImageMesh<C>& mesh, RingScratch<C>& scratch, Mobility mobility, double min_gain, bool may_move,
                             RingCenter<C>& center) {
@@ -100,8 +100,6 @@ RingOutcome optimize_center(const ImageMesh<C>& mesh, RingScratch<C>& scratch, M
         const double energy = trial_fit.energy(color);
         if (!(energy < center.energy)) break;
         center = {trial, color, energy};
-        std::copy_n(scratch.trial_spokes.spoke, scratch.ring.size, scratch.spokes.spoke);
-        std::copy_n(scratch.trial_faces, scratch.ring.size, scratch.faces);
         return RingOutcome::moved;
     }
     return RingOutcome::recolored;
@@ -119,8 +117,9 @@ double improve_vertex(ImageMesh<C>& mesh, Vertex v, double min_gain) {
     RingCenter<C> center{state.position, state.color, 0};
     const RingOutcome outcome = optimize_center(mesh, scratch, state.mobility, min_gain, true, center);
     if (outcome == RingOutcome::degenerate || !(center.energy < before)) return 0;
-    mesh.apply_fit(v, scratch.ring, center.position, center.color, scratch.faces,
-                   outcome == RingOutcome::moved ? &scratch.spokes : nullptr);
+    const bool moved = outcome == RingOutcome::moved;
+    mesh.apply_fit(v, scratch.ring, center.position, center.color, moved ? scratch.trial_faces : scratch.faces,
+                   moved ? &scratch.trial_spokes : nullptr);
     return before - center.energy;
 }
 

@@ -130,13 +130,13 @@ class ImageMesh {
     /// Writes the moments of a half-edge (those of its edge, with a sign) to `out`.
     HMESH_ALWAYS_INLINE void moments(Halfedge h, Moments<C>& out) const {
         out = moments_[h.index() >> 1U];
-        if ((h.index() & 1U) != 0) out *= -1.0;
+        out *= sign(h);
     }
     /// Adds the moments of a half-edge to `out`.
     HMESH_ALWAYS_INLINE void add_moments(Halfedge h, Moments<C>& out) const {
-        const Moments<C>& m = moments_[h.index() >> 1U];
-        if ((h.index() & 1U) != 0) out -= m;
-        else out += m;
+        Moments<C> m = moments_[h.index() >> 1U];
+        m *= sign(h);
+        out += m;
     }
     /// Writes the moments of the pixels of a face to `out`.
     void face_moments(Face f, Moments<C>& out) const {
@@ -271,10 +271,15 @@ class ImageMesh {
         moments_.stop_recording();
         energies_.stop_recording();
     }
+    /// Of the moments of a half-edge, which are those of its edge or their negatives. Computed, since a branch on it is
+    /// mispredicted half of the time.
+    [[nodiscard]] static HMESH_ALWAYS_INLINE double sign(Halfedge h) noexcept {
+        return 1.0 - 2.0 * static_cast<double>(static_cast<int>(h.index() & 1U));
+    }
     void walk(Halfedge h) {
         Moments<C> m;
         edge_moments(*table_, position(topology_.from_vertex(h)), position(topology_.to_vertex(h)), m);
-        if ((h.index() & 1U) != 0) m *= -1.0;
+        m *= sign(h);
         moments_.edit(h.index() >> 1U) = m;
     }
     [[nodiscard]] double fresh_energy(Face f) const {

@@ -211,10 +211,10 @@ void ImageMesh<C>::apply_fit(Vertex v, const Ring<C>& ring, Point position, cons
     for (int i = ring.first_face(); i < ring.size; ++i) set_energy(topology_.face(ring.halfedge[i]), faces[i].energy(color));
     if (moved == nullptr) return;
     for (int i = 0; i < ring.size; ++i) {
-        const std::size_t h = ring.halfedge[i].index();
-        Moments<C>& m = moments_.edit(h >> 1U);
+        const Halfedge h = ring.halfedge[i];
+        Moments<C>& m = moments_.edit(h.index() >> 1U);
         m = moved->spoke[i];
-        if ((h & 1U) != 0) m *= -1.0;
+        m *= sign(h);
     }
 }
 

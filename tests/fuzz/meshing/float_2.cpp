@@ -1,4 +1,4 @@
 #include "fuzz_meshing.hpp"
-#include "meshing/instantiate.hpp"
+#include "meshing/instantiate_type.hpp"
 
 HMESH_TEST_INSTANTIATE_TYPE(float, 2)

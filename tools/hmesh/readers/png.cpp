@@ -1,10 +1,10 @@
 // PNG files (W3C, third edition), by libpng, else by stb_image, which looks at no check sum: that is done here.
 #include <algorithm>
-#include <array>
 #include <cstring>
 #include <utility>
 
 #include "exif.hpp"
+#include "png_chunks.hpp"
 #include "readers.hpp"
 
 #ifdef HMESH_HAS_PNG
@@ -15,17 +15,6 @@
 
 namespace tool {
 namespace {
-
-// A chunk: its name stands at `at` + 4, its data at `at` + 8.
-struct Chunk {
-    std::size_t at = 8, size = 0;
-};
-
-// Whether there is a whole chunk; to the next: at += size + 12.
-bool read_chunk(Bytes file, Chunk& chunk) {
-    chunk.size = file.be32(chunk.at);
-    return file.has(chunk.at, 12) && chunk.size <= file.size - chunk.at - 12;
-}
 
 struct Chunks {
     std::size_t image_bytes = 0;  // of IDAT
@@ -153,25 +142,9 @@ std::string decode(Bytes file, ImageFile& image) {
 
 #else
 
-// CRC-32 of ISO 3309, as PNG has it.
-std::uint32_t crc(Bytes bytes) {
-    static const auto table = [] {
-        std::array<std::uint32_t, 256> values{};
-        for (std::uint32_t n = 0; n < 256; ++n) {
-            values[n] = n;
-            for (int k = 0; k < 8; ++k) values[n] = (values[n] & 1U) != 0 ? 0xedb88320U ^ (values[n] >> 1U) : values[n] >> 1U;
-        }
-        return values;
-    }();
-    std::uint32_t value = 0xffffffffU;
-    for (std::size_t k = 0; k < bytes.size; ++k) value = table[(value ^ bytes.data[k]) & 0xffU] ^ (value >> 8U);
-    return ~value;
-}
-
 std::string find_damage(Bytes file) {
     for (Chunk chunk; read_chunk(file, chunk); chunk.at += chunk.size + 12) {
-        if (crc(file.part(chunk.at + 4, chunk.size + 4)) != file.be32(chunk.at + chunk.size + 8))
-            return "the check sum of the chunk at byte " + std::to_string(chunk.at) + " is wrong";
+        if (!is_undamaged(file, chunk)) return "the check sum of the chunk at byte " + std::to_string(chunk.at) + " is wrong";
         if (file.says(chunk.at + 4, "CgBI")) return "it is a PNG file for iOS alone";
         if (file.says(chunk.at + 4, "IEND")) return {};
     }

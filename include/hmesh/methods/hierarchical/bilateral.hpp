@@ -48,8 +48,8 @@ template <class T, int C>
 [[nodiscard]] Image<T, C> bilateral_filter(const ImageView<T, C>& view, const BilateralOptions& options = {},
                                            const ParallelFor& parallel_for = {}) {
     HMESH_ASSERT(check(view) && check(options));
-    using Tile = detail::BilateralTile<T, C>;
-    const double sigma_color = std::max(Tile::min_sigma, options.sigma_color * (PixelTraits<T>::peak / 255));
+    using Tile = detail::BilateralTile<C>;
+    const double sigma_color = std::max(Tile::template min_sigma<T>, options.sigma_color * (PixelTraits<T>::peak / 255));
     const detail::BilateralWindow window(options.diameter / 2, sigma_color, options.sigma_space);
     Image<T, C> out(view.width, view.height);
     const auto rows = static_cast<std::size_t>(view.height);
