@@ -3891,6 +3891,7 @@ namespace hmesh::kit {
 #include <atomic>
 #include <cstddef>
 #include <cstdint>
+#include <initializer_list>
 #include <vector>
 
 namespace hmesh {
@@ -3901,6 +3902,9 @@ struct ProgressInfo {
     double fraction = 0;       ///< how much of the stage is done, in [0, 1]
     std::size_t vertices = 0;  ///< number of vertices of the mesh reached so far
     double energy = 0;         ///< sum of squared differences over pixels and channels; 0 before there is a mesh
+    /// How much of the whole call is done, in [0, 1]: an estimate of the share of its time, for one bar over all stages and, in a
+    /// search for a PSNR, over all runs. Never falls; 1 in the last call, unless the work was cancelled or failed.
+    double total = 0;
 };
 
 /// The progress callback: returns true to go on, false to cancel; the last valid mesh is then returned with Errc::cancelled.
@@ -3925,22 +3929,45 @@ struct StageReport {
 
 namespace kit {
 
-/// Takes a Progress through the stages of a method and notes the mesh after each stage. begin(), update(), set_range() and
-/// end() are called from one thread while no task runs; poll(), add() and stopped() from any thread. Once cancelled it stays
-/// cancelled.
+/// The part of the whole call that one run of a method is, as ProgressInfo::total counts; 0 <= from <= to <= 1.
+struct ProgressSpan {
+    double from = 0;  ///< where the run begins
+    double to = 1;    ///< where it ends
+};
+
+/// Takes a Progress through the stages of a method and notes the mesh after each stage. begin(), update(), set_range(),
+/// plan() and end() are called from one thread while no task runs; poll(), add() and stopped() from any thread. Once cancelled
+/// it stays cancelled.
 class ProgressReporter {
   public:
     /// `samples`: number of pixels (or sum of their weights) times channels; `peak`: value of full intensity. Both are for the
-    /// PSNR of reports.
-    ProgressReporter(const Progress& progress, double samples, double peak)
-        : progress_(progress), samples_(samples), peak_(peak) {}
+    /// PSNR of reports. `span`: what the stages are of the whole call.
+    ProgressReporter(const Progress& progress, double samples, double peak, const ProgressSpan& span = {})
+        : progress_(progress), samples_(samples), peak_(peak), span_(span) {
+        info_.total = span.from;
+    }
 
+    /// Says how long the stages to come take: each that begins takes the next of these shares, of any unit, >= 0 and not all 0.
+    /// The last one is that of the final colours, which mesh_image() adds. Only the first call counts, so that a method may be
+    /// the start of another. Stages beyond the plan, or without one, take half of what is left until the final colours.
+    HMESH_COLD void plan(std::initializer_list<double> shares) {
+        if (!plan_.empty()) return;
+        plan_ = shares;
+        double sum = 0;
+        for (const double share : plan_) sum += share;
+        for (double& share : plan_) share /= sum;
+    }
     /// Begins a stage, whose name is in static memory, with a mesh of this size and energy. False once cancelled.
-    bool begin(const char* stage, std::size_t vertices, double energy) {
-        info_.stage = stage;
-        iterations_ = 0;
-        residual_ = 0;
-        return update(0, vertices, energy);
+    HMESH_COLD bool begin(const char* stage, std::size_t vertices, double energy) {
+        const double rest = 1 - (plan_.empty() ? 0 : plan_.back()) - stage_to_;
+        const bool is_planned = planned_ + 1 < plan_.size();
+        return begin_stage(stage, vertices, energy, stage_to_,
+                           stage_to_ + std::max(0.0, is_planned ? plan_[planned_++] : 0.5 * rest));
+    }
+    /// Begins the last stage, that of the final colours.
+    HMESH_COLD bool begin_colors(std::size_t vertices, double energy) {
+        const double from = plan_.empty() ? stage_to_ : std::max(stage_to_, 1 - plan_.back());
+        return begin_stage("colors", vertices, energy, from, 1);
     }
     /// Reports that this fraction of the stage is done, in [0, 1], with a mesh of this size and energy. False once cancelled.
     bool update(double fraction, std::size_t vertices, double energy) {
@@ -3972,12 +3999,7 @@ class ProgressReporter {
     bool poll() {
         if (stopped_.load(std::memory_order_relaxed)) return false;
         if (!progress_ || asking_.test_and_set(std::memory_order_acquire)) return true;
-        ProgressInfo info = info_;
-        info.fraction = from_ + (to_ - from_) * std::min(1.0, static_cast<double>(done_.load()) / whole);
-        const bool go_on = stopped_.load() || progress_(info);
-        if (!go_on) stopped_.store(true);
-        asking_.clear(std::memory_order_release);
-        return !stopped_.load();
+        return ask();
     }
     /// Reports that this share of the range of set_range() is done. From any thread.
     void add(double share) noexcept { done_ += static_cast<std::int64_t>(share * whole); }
@@ -3986,8 +4008,34 @@ class ProgressReporter {
   private:
     /// The value of done_ for a whole range. An integer: a sum of integers is the same in any order.
     static constexpr double whole = 1e15;
+
+    bool begin_stage(const char* stage, std::size_t vertices, double energy, double from, double to) {
+        info_.stage = stage;
+        iterations_ = 0;
+        residual_ = 0;
+        stage_from_ = std::min(1.0, from);
+        stage_to_ = std::min(1.0, to);
+        return update(0, vertices, energy);
+    }
+    /// Calls the callback, as the one thread that set asking_.
+    HMESH_NEVER_INLINE HMESH_COLD bool ask() {
+        ProgressInfo info = info_;
+        info.fraction = from_ + (to_ - from_) * std::min(1.0, static_cast<double>(done_.load()) / whole);
+        const double of_run = info.fraction < 1 ? stage_from_ + (stage_to_ - stage_from_) * info.fraction : stage_to_;
+        info.total = of_run < 1 ? span_.from + (span_.to - span_.from) * of_run : span_.to;
+        info.total = info_.total = std::max(info_.total, info.total);  // rounding may lead a little back
+        const bool go_on = stopped_.load() || progress_(info);
+        if (!go_on) stopped_.store(true);
+        asking_.clear(std::memory_order_release);
+        return !stopped_.load();
+    }
+
     Progress progress_;
     double samples_, peak_;
+    ProgressSpan span_;
+    std::vector<double> plan_;              ///< shares of the run, whose sum is 1; or none
+    std::size_t planned_ = 0;               ///< stages of the plan that have begun
+    double stage_from_ = 0, stage_to_ = 0;  ///< of the run: the stage that began last
     ProgressInfo info_;
     double from_ = 0, to_ = 0;
     int iterations_ = 0;  ///< of the current stage
@@ -4011,7 +4059,12 @@ class TaskProgress {
 
     /// Whether to go on; called every few microseconds of work. Every 256th call asks the callback, which is every few
     /// milliseconds.
-    bool keep_going() { return (++beats_ & 255U) != 0 ? !reporter_->stopped() : reporter_->poll(); }
+    bool keep_going() { return (++beats_ & 255U) != 0 ? !reporter_->stopped() : beat(); }
+    /// Says what fraction of the task will be done after about this many more calls of keep_going(), which lead there evenly.
+    HMESH_COLD void expect(double fraction, double beats) noexcept {
+        limit_ = fraction;
+        step_ = (fraction - reached_) * 256 / std::max(256.0, beats);
+    }
     /// Reports that this fraction of the task is done, in [0, 1]. It never falls.
     void set_fraction(double fraction) noexcept {
         if (!(fraction > reached_)) return;
@@ -4021,8 +4074,14 @@ class TaskProgress {
     [[nodiscard]] bool stopped() const noexcept { return reporter_->stopped(); }  ///< whether the work was cancelled
 
   private:
+    HMESH_NEVER_INLINE HMESH_COLD bool beat() {
+        set_fraction(std::min(limit_, reached_ + step_));
+        return reporter_->poll();
+    }
+
     ProgressReporter* reporter_;
     double share_, reached_ = 0;
+    double limit_ = 0, step_ = 0;  ///< see expect()
     unsigned beats_ = 0;
 };
 
@@ -4082,6 +4141,8 @@ struct MeshLimits {
 
 namespace hmesh {
 
+struct Mesh;
+
 /// How the final colours of the vertices are chosen.
 enum class Colors : std::uint8_t {
     optimal,  ///< least squares: the colours with the smallest error for the final geometry
@@ -4134,6 +4195,11 @@ struct Options {
     /// then those of the premultiplied image, and Mesh::premultiplied is set. Colours under transparent pixels do not count,
     /// and the edges of sprites carry no fringes. Takes a copy of the image.
     bool premultiplied = false;
+    /// What a search for a PSNR goes by: psnr_of(mesh, psnr) returns the PSNR, in dB, that a mesh counts as, `psnr` being its own
+    /// (Report::psnr). For meshes that are to reach the target as they are stored or drawn, with fewer bits or between other
+    /// values. Empty (the default): their own. Called for each run of a search, on the thread that called mesh_image(); it
+    /// must return a number and rise with the number of vertices, on the whole, and its callable must outlive the call.
+    FunctionRef<double(const Mesh& mesh, double psnr)> psnr_of{};
 };
 
 /// Whether the options are valid for an image of `pixels` pixels and `channels` channels: target_out_of_range or
@@ -4196,7 +4262,9 @@ struct Options {
 /// wants the pixels themselves declares run() with the image between its arguments, `template <class T, int C>
 /// run(TiledMesh<C>&, const ImageView<T, C>&, std::size_t)`. One that can go on from a mesh of another run makes searches for a
 /// PSNR cheaper, by `Recipe from(const hmesh::kit::Beginning&) const`, the recipe for one run of a search, and `double
-/// gain_over_sketch() const`, by how many dB whole runs are above sketches. A tile_size() of the image's longer side means one
+/// gain_over_sketch() const`, by how many dB whole runs are above sketches; a `double work(int width, int height, std::size_t n)
+/// const`, how long a run takes, in any unit, lets the progress of such a search run evenly. run() may tell mesh.progress() by
+/// plan() how long its stages take. A tile_size() of the image's longer side means one
 /// piece. mesh_image() does the rest: checks, premultiplication, weights, the search for a PSNR, final colours, the report.
 /// Recipes are made of the building blocks in hmesh::kit, which are public, documented, and free to change before version 1.
 #ifndef HMESH_METHODS_RECIPE_HPP
@@ -4245,6 +4313,7 @@ inline constexpr bool is_recipe<Recipe, std::enable_if_t<std::is_same_v<std::rem
 #define HMESH_METHODS_ANNEALED_OPTIONS_HPP
 
 #include <algorithm>
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <optional>
@@ -4369,6 +4438,37 @@ struct AnnealedSteps {
 template <int C>
 class TiledMesh;
 
+/// How long the stages of a run take, in microseconds of one core for 3 channels: only the ratios matter, for progress. From
+/// four photographs at 1 and 3 %; the larger stages of fast, normal and best are within a third, those of draft within a half.
+struct AnnealedWork {
+    double grid = 0;      ///< or what a mesh to start from takes
+    double insert = 0;    ///< 0: no such stage
+    double collapse = 0;  ///< 0: no such stage
+    double anneal = 0;    ///< 0: no such stage
+    double polish = 0;    ///< at the end
+    double colors = 0;    ///< the final ones
+
+    /// Of all stages.
+    [[nodiscard]] double sum() const noexcept { return grid + insert + collapse + anneal + polish + colors; }
+};
+
+/// The work of a run for n vertices with these steps, of an image of so many pixels, from the start or from a mesh.
+[[nodiscard]] HMESH_COLD inline AnnealedWork annealed_work(const AnnealedSteps& steps, double pixels, double n,
+                                                           bool has_start) noexcept {
+    AnnealedWork work;
+    const double placed = steps.insert_factor * n, first = steps.start * placed;
+    const double missing = steps.annealing.sweeps == 0 && steps.insert_factor > 1 ? 1 - steps.collapse_factor : 0;
+    work.grid = 0.035 * pixels + (has_start ? 6 * n : 2.8 * first);
+    if (!has_start) {
+        work.insert = 0.05 * pixels + 16 * (placed - first) * std::pow(0.4 / steps.insert_batch, 0.4);
+        if (steps.insert_factor > 1) work.collapse = 34 * n * (steps.insert_factor - steps.collapse_factor);
+    }
+    work.anneal = 30.0 * n * steps.annealing.sweeps;
+    work.polish = n * (3 * steps.polish_rounds + 20 * missing + (has_start ? 8 : 0));
+    work.colors = 0.005 * pixels + 1.5 * n;
+    return work;
+}
+
 }  // namespace kit
 
 /// The default recipe of mesh_image(), and the one of best fidelity: too many vertices are inserted, those whose loss costs
@@ -4428,6 +4528,12 @@ struct Annealed {
             out.steps->annealing.sweeps = (3 * out.steps->annealing.sweeps + 7) / 8;
         }
         return out;
+    }
+    /// How long a run for n vertices takes, in the unit of kit::AnnealedWork: for the progress of searches.
+    [[nodiscard]] double work(int width, int height, std::size_t n) const noexcept {
+        return kit::annealed_work(steps.value_or(kit::annealed_steps(effort)), static_cast<double>(width) * height,
+                                  static_cast<double>(n), start != nullptr)
+            .sum();
     }
     /// By how many dB a whole run ends above a sketch of as many vertices, on the average.
     [[nodiscard]] double gain_over_sketch() const noexcept {
@@ -6886,6 +6992,10 @@ class ImageMesh {
     }
     /// Whether to go on. Long work calls it every few microseconds, and ends as it is when it returns false.
     [[nodiscard]] bool keep_going() const { return context_.task == nullptr || context_.task->keep_going(); }
+    /// Tells the task, if there is one, what TaskProgress::expect() is told.
+    void expect(double fraction, double beats) const noexcept {
+        if (context_.task != nullptr) context_.task->expect(fraction, beats);
+    }
     /// The task that is told of progress; may be null.
     [[nodiscard]] TaskProgress* task() const noexcept { return context_.task; }
     /// Sets the task that is told of progress; it must outlive its use here, null: none.
@@ -8500,10 +8610,15 @@ class AnnealingSweep {
     /// mesh.keep_going() says stop.
     AnnealingCounts run() {
         AnnealingCounts counts;
+        expect(0.25, 1);
         counts.removed = remove_moves();
+        expect(0.5, 4.4);
         counts.inserted = insert_moves();
+        expect(0.84, 2.8);
         flip_moves();
+        expect(0.9, 1);
         jump_moves();
+        expect(1, 4.6);
         const double mean = mesh_->mean_energy();
         const Tolerance tolerance{1e-2, mean > 0 ? min_gain_ / mean : 0};
         sweep(*mesh_, tolerance);
@@ -8513,6 +8628,10 @@ class AnnealingSweep {
     }
 
   private:
+    /// Until this fraction of the sweep is done, so many beats a vertex come.
+    HMESH_COLD void expect(double fraction, double beats) noexcept {
+        mesh_->expect(fraction, beats * static_cast<double>(mesh_->vertex_count()));
+    }
     /// Ends the transaction of a move that began at `mark` with the energy `before`. round() relaxes the surroundings; it is
     /// called up to twice, once if it gains little or if the move is hopeless after it. Metropolis' rule then keeps the move or
     /// undoes it; `cost` is the price of the move beside the energy: mu for an insertion, -mu for a removal, a little for
@@ -9430,6 +9549,7 @@ HMESH_COLD bool remove_cheapest(TiledMesh<C>& tiled, const Tiling& tiling, std::
     }
     const std::size_t before = tiled.vertex_count();
     tiled.for_each(tiling, [&](Patch<C>& patch, std::size_t tile) {
+        patch.mesh().expect(1, static_cast<double>(patch.vertex_count() + 2 * quota[tile]));
         for (std::size_t left = quota[tile]; left > 0;) {
             // Large batches would reach vertices that are not cheap, since the neighbours of removed vertices stay in a batch.
             const std::size_t batch = std::max<std::size_t>(1, patch.vertex_count() / 32);
@@ -9453,6 +9573,7 @@ HMESH_COLD bool insert_best(TiledMesh<C>& tiled, const Tiling& tiling, std::size
     const std::vector<std::size_t> quota = apportion(count, energies, std::vector<std::size_t>(tiling.size(), count));
     const std::size_t before = tiled.vertex_count();
     tiled.for_each(tiling, [&](Patch<C>& patch, std::size_t tile) {
+        patch.mesh().expect(1, 4.0 * static_cast<double>(patch.vertex_count()));
         for (std::size_t left = quota[tile]; left > 0;) {
             const std::size_t inserted = insert_batch(patch.mesh(), left, {true, true});
             if (inserted == 0) {  // no site lowers the energy
@@ -9972,16 +10093,20 @@ template <int C>
 HMESH_COLD void grow(ImageMesh<C>& mesh, std::size_t n, const AnnealedSteps& options) {
     const std::size_t first = mesh.vertex_count();
     mesh.reserve(n);
+    const auto fraction = [&](std::size_t count) { return static_cast<double>(count - first) / static_cast<double>(n - first); };
     while (mesh.vertex_count() < n && mesh.keep_going()) {
         const std::size_t count = mesh.vertex_count(), missing = n - count;
         std::size_t batch =
             std::min(missing, static_cast<std::size_t>(std::ceil(static_cast<double>(count) * options.insert_batch)));
         if (missing - batch < batch / 2) batch = missing;  // no small last batch
+        const double from = fraction(count), step = fraction(count + batch) - from, next = static_cast<double>(count + batch);
+        mesh.expect(from + 0.5 * step, 4.0 * static_cast<double>(count));
         if (insert_batch(mesh, batch, {}) == 0) break;
+        mesh.expect(from + 0.7 * step, 3.5 * next);
         flip_edges(mesh, options.insert_flip_gain);
+        mesh.expect(from + step, 0.8 * next * options.insert_sweeps);
         for (int i = 0; i < options.insert_sweeps; ++i) sweep(mesh, options.insert_tolerance);
-        if (mesh.task() != nullptr)
-            mesh.task()->set_fraction(static_cast<double>(mesh.vertex_count() - first) / static_cast<double>(n - first));
+        if (mesh.task() != nullptr) mesh.task()->set_fraction(fraction(mesh.vertex_count()));
     }
     if (mesh.vertex_count() < n && mesh.keep_going()) subdivide(mesh, n - mesh.vertex_count());
 }
@@ -9990,12 +10115,14 @@ HMESH_COLD void grow(ImageMesh<C>& mesh, std::size_t n, const AnnealedSteps& opt
 template <int C>
 HMESH_COLD void shrink(ImageMesh<C>& mesh, std::size_t n, const AnnealedSteps& options) {
     const std::size_t first = mesh.vertex_count();
+    const auto fraction = [&](std::size_t count) { return static_cast<double>(first - count) / static_cast<double>(first - n); };
     while (mesh.vertex_count() > n && mesh.keep_going()) {
         const std::size_t count = mesh.vertex_count(), surplus = count - n;
-        const auto batch = static_cast<std::size_t>(std::ceil(static_cast<double>(count) * options.collapse_batch));
-        if (remove_batch(mesh, std::min(surplus, batch), options.relaxation) == 0) break;
-        if (mesh.task() != nullptr)
-            mesh.task()->set_fraction(static_cast<double>(first - mesh.vertex_count()) / static_cast<double>(first - n));
+        const auto largest = static_cast<std::size_t>(std::ceil(static_cast<double>(count) * options.collapse_batch));
+        const std::size_t batch = std::min(surplus, largest);
+        mesh.expect(fraction(count - batch), static_cast<double>(count) + 1.7 * static_cast<double>(batch));
+        if (remove_batch(mesh, batch, options.relaxation) == 0) break;
+        if (mesh.task() != nullptr) mesh.task()->set_fraction(fraction(mesh.vertex_count()));
     }
 }
 
@@ -10015,6 +10142,18 @@ template <int C>
     return check(mesh);
 }
 
+/// Tells progress of the stages of a run.
+HMESH_COLD inline void plan_stages(ProgressReporter& progress, const AnnealedSteps& steps, double pixels, std::size_t n,
+                                   bool has_start) {
+    const AnnealedWork work = annealed_work(steps, pixels, static_cast<double>(n), has_start);
+    const bool collapses = work.collapse > 0, anneals = work.anneal > 0;
+    if (has_start && anneals) progress.plan({work.grid, work.anneal, work.polish, work.colors});
+    else if (has_start) progress.plan({work.grid, work.polish, work.colors});
+    else if (collapses && anneals) progress.plan({work.grid, work.insert, work.collapse, work.anneal, work.polish, work.colors});
+    else if (collapses || anneals) progress.plan({work.grid, work.insert, work.collapse + work.anneal, work.polish, work.colors});
+    else progress.plan({work.grid, work.insert, work.polish, work.colors});
+}
+
 /// The state of a tile of the aligned tiling after the last stage.
 struct TileState {
     std::size_t free = 0;    ///< vertices that are free in the tile
@@ -10031,12 +10170,14 @@ class AnnealedRun {
 
     /// Runs all stages. False: cancelled, or more than n vertices are left and none of them can be removed.
     bool run() {
+        plan_stages(progress(), steps_, tiled_->source().pixels(), n_, false);
         tiled_->indexed() = corner_mesh(tiled_->source());  // the mesh after a cancellation in the first stage
         return stage("grid", [&] { return start(); }) && stage("insert", [&] { return insert(); }) &&
                (steps_.insert_factor <= 1 || stage("collapse", [&] { return collapse(); })) && finish();
     }
     /// The same from `mesh` on, which check_start() accepts.
     bool run_from(IndexedMesh<C> mesh) {
+        plan_stages(progress(), steps_, tiled_->source().pixels(), n_, true);
         tiled_->indexed() = std::move(mesh);
         return stage("start",
                      [&] {
@@ -10048,8 +10189,10 @@ class AnnealedRun {
 
   private:
     bool finish() {
-        return (steps_.annealing.sweeps == 0 || stage("anneal", [&] { return anneal(); })) &&
-               stage("polish", [&] { return reach_vertex_count(*tiled_, n_, tile_, steps_.relaxation) && polish(); });
+        return (steps_.annealing.sweeps == 0 || stage("anneal", [&] { return anneal(); })) && stage("polish", [&] {
+                   progress().set_range(0, 0.35);
+                   return reach_vertex_count(*tiled_, n_, tile_, steps_.relaxation) && polish(0.35);
+               });
     }
     [[nodiscard]] ProgressReporter& progress() noexcept { return tiled_->progress(); }
     /// The tiling of phase k: in any 4 phases in a row, every vertex is within a tile in at least one.
@@ -10144,12 +10287,17 @@ class AnnealedRun {
     HMESH_COLD bool anneal() {
         const AnnealingOptions& annealing = steps_.annealing;
         AnnealingSchedule schedule(annealing, n_, tiled_->mean_energy());
+        // Sweeps take less and less time; the first one, in which the mesh grows, a half more.
+        const auto done = [&](int k) {
+            const double sweeps = annealing.sweeps, t = k / sweeps;
+            return k == 0 ? 0 : (0.4 + sweeps * t * (1.08 - 0.15 * t)) / (0.4 + 0.93 * sweeps);
+        };
         for (int k = 0; k < annealing.sweeps; ++k) {
             const auto total = static_cast<double>(tiled_->vertex_count()), target = static_cast<double>(n_);
             const Tiling phase = tiling(k + 1);
             std::vector<AnnealingCounts> counts(phase.size());
             const double tolerance = annealing.count_tolerance * (1 - static_cast<double>(k) / annealing.sweeps);
-            progress().set_range(static_cast<double>(k) / annealing.sweeps, (k + 1.0) / annealing.sweeps);
+            progress().set_range(done(k), done(k + 1));
             const bool go_on = tiled_->for_each(phase, [&](Patch<C>& patch, std::size_t tile) {
                 const double share = static_cast<double>(patch.mesh().vertex_count()) * target / total;
                 const CountRange range{(1 - tolerance) * share, (1 + tolerance) * share};
@@ -10164,18 +10312,20 @@ class AnnealedRun {
                 sum.inserted += c.inserted;
             }
             schedule.steer(sum, tiled_->vertex_count(), tiled_->mean_energy());
-            if (!progress().update((k + 1.0) / annealing.sweeps, tiled_->vertex_count(), tiled_->energy())) return false;
+            if (!progress().update(done(k + 1), tiled_->vertex_count(), tiled_->energy())) return false;
         }
         return true;
     }
 
-    HMESH_COLD bool polish() {
+    /// Begins where this fraction of the stage is done.
+    HMESH_COLD bool polish(double from) {
         // Without annealing no phase has shifted the tiling yet: one round at least works across the seams.
         const bool has_seams = aligned_.size() > 1 && steps_.annealing.sweeps == 0;
         const int rounds = std::max(steps_.polish_rounds, has_seams ? 1 : 0);
         for (int k = 0; k < rounds; ++k) {
-            progress().set_range(static_cast<double>(k) / rounds, (k + 1.0) / rounds);
+            progress().set_range(from + (1 - from) * k / rounds, from + (1 - from) * (k + 1) / rounds);
             if (!tiled_->for_each(tiling(k + 1), [&](Patch<C>& patch, std::size_t) {
+                    patch.mesh().expect(1, 4.0 * static_cast<double>(patch.mesh().vertex_count()));
                     flip_edges(patch.mesh(), steps_.polish.propagate_above);
                     sweep(patch.mesh(), steps_.polish);
                 }))
@@ -10716,12 +10866,43 @@ HMESH_COLD BoundedReport bounded_colors(TiledMesh<C>& tiled, const Tiling& tilin
 #define HMESH_METHODS_PSNR_SEARCH_HPP
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <utility>
 
 namespace hmesh::kit {
+
+/// The progress of a search, of which nobody knows how many runs it takes: each is given its share of what is left, from
+/// estimates of what comes after it.
+class SearchProgress {
+  public:
+    /// The part of a run that takes `work`, where some `later` is expected to follow; in the same unit, > 0 and >= 0.
+    [[nodiscard]] HMESH_COLD ProgressSpan next(double work, double later) noexcept {
+        const double from = reached_;
+        reached_ += (1 - reached_) * (work / (work + later));
+        return {from, reached_};
+    }
+    /// The same for a run of fewest_vertices().
+    [[nodiscard]] HMESH_COLD ProgressSpan next() noexcept { return next(1, std::max(1.0, 6.0 - runs_++)); }
+    /// The same for a run of fewest_vertices_going_on(): work_of(Work) is that of a run of as many vertices.
+    [[nodiscard]] HMESH_COLD ProgressSpan next(Work kind, FunctionRef<double(Work kind)> work_of) {
+        int& count = runs_of_[static_cast<std::size_t>(kind)];
+        ++count;
+        // Two sketches and two refinements are usual, and the first draft has a quarter of the vertices that the others have.
+        double later = work_of(Work::refine) * (kind != Work::refine ? 1.9 : count == 1 ? 0.9 : 0.1);
+        if (kind == Work::draft || kind == Work::sketch) later += work_of(Work::whole);
+        if (kind == Work::draft || count == 1)
+            later += (kind == Work::draft ? 2 : kind == Work::sketch ? 1 : 0) * work_of(Work::sketch);
+        return next(work_of(kind), kind == Work::draft && count == 1 ? 4 * later : later);
+    }
+
+  private:
+    double reached_ = 0;
+    int runs_ = 0;
+    std::array<int, 4> runs_of_{};  ///< by Work
+};
 
 /// Searches for the fewest vertices that reach `psnr`, in dB. mesh_of(n) makes the mesh of n vertices, 4 <= n <= most, with its
 /// status and report.psnr; the search begins with `first` vertices, in the same range, and makes at most 60 runs. Returns the
@@ -10890,6 +11071,7 @@ template <int C>
 struct RecipeRef {
     FunctionRef<double(std::size_t n)> tile_size;
     FunctionRef<Status(kit::TiledMesh<C>& mesh, std::size_t n, const kit::Beginning& from)> run;
+    FunctionRef<double(std::size_t n, const kit::Beginning& from)> work;
     Colors colors;
     bool can_go_on;           // whether run() knows beginnings other than the first
     double gain_over_sketch;  // where it does
@@ -10898,8 +11080,8 @@ struct RecipeRef {
 /// One finished mesh of n vertices. `samples`: number of pixels, or the sum of their weights, times channels.
 template <int C>
 [[nodiscard]] HMESH_COLD Result mesh_once(const kit::ImageSource<C>& source, double samples, std::size_t n,
-                                          const kit::Beginning& from, const RecipeRef<C>& recipe, const Options& options,
-                                          const ParallelFor& parallel_for) {
+                                          const kit::Beginning& from, const kit::ProgressSpan& span,
+                                          const RecipeRef<C>& recipe, const Options& options, const ParallelFor& parallel_for) {
     Result result;
     const double tile = recipe.tile_size(n);
     // Patches stand out of their tiles by parts of a triangle: hence twice as large.
@@ -10910,11 +11092,11 @@ template <int C>
                          widest};
         return result;
     }
-    kit::ProgressReporter progress(options.progress, samples, source.peak());
+    kit::ProgressReporter progress(options.progress, samples, source.peak(), span);
     kit::TiledMesh<C> tiled(source, options.limits, progress, parallel_for);
     tiled.indexed() = kit::corner_mesh(source);  // what a cancellation finds
     result.status = recipe.run(tiled, n, from);
-    progress.begin("colors", tiled.vertex_count(), tiled.energy());
+    progress.begin_colors(tiled.vertex_count(), tiled.energy());
     const double grid = source.is_integer() && options.round_colors ? 1 : 0;
     const kit::Tiling tiling(source.width(), source.height(), tile);
     if (recipe.colors == Colors::sampled) sample_colors(tiled, tiling, grid);
@@ -10930,6 +11112,17 @@ template <int C>
     return result;
 }
 
+/// After a search: the mesh's own PSNR, and the last word to the callback.
+[[nodiscard]] HMESH_COLD inline Result searched(Result result, const Options& options, double samples, double peak) {
+    const Report& report = result.report;
+    if (!result.has_mesh()) return result;
+    result.report.psnr = kit::psnr_of_energy(report.energy, samples, peak);
+    if (!options.progress || !(result.status || result.status.code == Errc::target_out_of_range)) return result;
+    if (!options.progress({report.stages.back().name, 1, report.vertices, report.energy, 1}))
+        result.status = kit::cancelled_by_callback();
+    return result;
+}
+
 /// The mesh that options.target asks for; `samples` as for mesh_once().
 template <int C>
 [[nodiscard]] HMESH_COLD Result mesh_target(const kit::ImageSource<C>& source, double samples, const RecipeRef<C>& recipe,
@@ -10938,26 +11131,33 @@ template <int C>
     const auto all = static_cast<std::int64_t>(std::max(4.0, pixels));
     const auto most = static_cast<std::size_t>(std::min(all, options.target.max_vertices.value_or(all)));
     const bool is_bounded = most < static_cast<std::size_t>(all);
-    const auto mesh_from = [&](std::size_t n, const kit::Beginning& from) {
-        return mesh_once(source, samples, n, from, recipe, options, parallel_for);
-    };
-    const auto mesh_of = [&](std::size_t n) { return mesh_from(n, {}); };
     const auto share = [&](double percent) {
         return std::min(most, std::max<std::size_t>(4, static_cast<std::size_t>(std::llround(pixels * percent / 100))));
     };
-    switch (options.target.kind) {
-        case Target::Kind::percent: return mesh_of(share(options.target.value));
-        case Target::Kind::psnr: {
-            const double psnr = options.target.value;
-            Result found = recipe.can_go_on ? kit::fewest_vertices_going_on(psnr, recipe.gain_over_sketch, share(0.25), most, mesh_from)
-                                            : kit::fewest_vertices(psnr, share(1), most, mesh_of);
-            if (found.status.code == Errc::target_out_of_range && is_bounded)
-                found.status.what = "no mesh of at most max_vertices vertices reached the PSNR asked for, in dB";
-            return found;
-        }
-        case Target::Kind::vertices: break;
+    if (options.target.kind != Target::Kind::psnr) {
+        const bool is_percent = options.target.kind == Target::Kind::percent;
+        return mesh_once(source, samples,
+                         is_percent ? share(options.target.value) : static_cast<std::size_t>(options.target.value), {}, {},
+                         recipe, options, parallel_for);
     }
-    return mesh_of(static_cast<std::size_t>(options.target.value));
+    kit::SearchProgress progress;
+    const Mesh any;  // stands for the mesh of another run
+    const auto run = [&](std::size_t n, const kit::Beginning& from, const kit::ProgressSpan& span) {
+        Result result = mesh_once(source, samples, n, from, span, recipe, options, parallel_for);
+        if (options.psnr_of && result.has_mesh()) result.report.psnr = options.psnr_of(result.mesh, result.report.psnr);
+        return result;
+    };
+    const auto mesh_of = [&](std::size_t n) { return run(n, {}, progress.next()); };
+    const auto mesh_from = [&](std::size_t n, const kit::Beginning& from) {
+        const auto work_of = [&](kit::Work work) { return recipe.work(n, {work == kit::Work::refine ? &any : nullptr, work}); };
+        return run(n, from, progress.next(from.work, work_of));
+    };
+    Result result =
+        recipe.can_go_on ? kit::fewest_vertices_going_on(options.target.value, recipe.gain_over_sketch, share(0.25), most, mesh_from)
+                        : kit::fewest_vertices(options.target.value, share(1), most, mesh_of);
+    if (result.status.code == Errc::target_out_of_range && is_bounded)
+        result.status.what = "no mesh of at most max_vertices vertices reached the PSNR asked for, in dB";
+    return searched(std::move(result), options, samples, source.peak());
 }
 
 /// A recipe for images of one kind behind function references.
@@ -10966,6 +11166,7 @@ struct ImageRecipeRef {
     FunctionRef<Status(int width, int height)> check;
     FunctionRef<double(std::size_t n)> tile_size;
     FunctionRef<Status(kit::TiledMesh<C>& mesh, const ImageView<T, C>& image, std::size_t n, const kit::Beginning& from)> run;
+    FunctionRef<double(std::size_t n, const kit::Beginning& from)> work;
     Colors colors;
     bool can_go_on;
     double gain_over_sketch;
@@ -10998,7 +11199,7 @@ template <class T, int C>
     const auto run = [&](kit::TiledMesh<C>& mesh, std::size_t n, const kit::Beginning& from) {
         return recipe.run(mesh, image, n, from);
     };
-    const RecipeRef<C> reference{recipe.tile_size, run, recipe.colors, recipe.can_go_on, recipe.gain_over_sketch};
+    const RecipeRef<C> reference{recipe.tile_size, run, recipe.work, recipe.colors, recipe.can_go_on, recipe.gain_over_sketch};
     result = mesh_target(source, samples, reference, options, parallel_for);
     result.mesh.premultiplied = options.premultiplied;
     return result;
@@ -11020,6 +11221,13 @@ template <class Recipe>
 inline constexpr bool
     can_go_on<Recipe, std::void_t<decltype(std::declval<const Recipe&>().from(std::declval<const kit::Beginning&>()))>> = true;
 
+/// Whether such a recipe knows how long a run takes, by a member work(width, height, n).
+template <class Recipe, class = void>
+inline constexpr bool knows_work = false;
+template <class Recipe>
+inline constexpr bool knows_work<
+    Recipe, std::void_t<decltype(std::declval<const Recipe&>().from(std::declval<const kit::Beginning&>()).work(0, 0, 0))>> = true;
+
 }  // namespace hmesh::detail
 
 namespace hmesh {
@@ -11034,11 +11242,15 @@ Result mesh_image(const ImageView<T, C>& view, const Options& options, const Rec
         else if constexpr (detail::wants_view<Recipe, T, C>) return recipe.run(mesh, image, n);
         else return recipe.run(mesh, n);
     };
+    const auto work = [&](std::size_t n, [[maybe_unused]] const kit::Beginning& from) {
+        if constexpr (detail::knows_work<Recipe>) return static_cast<double>(recipe.from(from).work(view.width, view.height, n));
+        else return static_cast<double>(n);
+    };
     double gain = 0;
     if constexpr (detail::can_go_on<Recipe>) gain = recipe.gain_over_sketch();
     const Colors colors = options.colors.value_or(Recipe::colors);
     return detail::mesh_view(view, options,
-                             detail::ImageRecipeRef<T, C>{check, tile_size, run, colors, detail::can_go_on<Recipe>, gain},
+                             detail::ImageRecipeRef<T, C>{check, tile_size, run, work, colors, detail::can_go_on<Recipe>, gain},
                              parallel_for);
 }
 

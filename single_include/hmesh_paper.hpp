@@ -862,6 +862,7 @@ struct Adams {
     [[nodiscard]] Status run(kit::TiledMesh<C>& mesh, std::size_t n) const {
         const kit::ImageSource<C>& source = mesh.source();
         mesh.indexed() = kit::corner_mesh(source);  // the mesh after a cancellation in the first stage
+        mesh.progress().plan({0.3, 0.67, 0.03});
         const bool go_on = kit::run_stage<C>(mesh, "points", [&] {
             const double wanted = std::ceil(density * static_cast<double>(n));
             const auto count = static_cast<std::size_t>(std::min(source.pixels(), wanted));
@@ -923,6 +924,7 @@ struct AdaptiveThinning {
     [[nodiscard]] Status run(kit::TiledMesh<C>& mesh, std::size_t n) const {
         const kit::ImageSource<C>& source = mesh.source();
         mesh.indexed() = kit::corner_mesh(source);  // the mesh after a cancellation in the first stage
+        mesh.progress().plan({0.16, 0.83, 0.01});
         const bool go_on = kit::run_stage<C>(mesh, "points", [&] {
             std::vector<std::uint32_t> pixels(static_cast<std::size_t>(source.pixels()));
             std::iota(pixels.begin(), pixels.end(), 0U);
@@ -1096,6 +1098,7 @@ std::size_t search_vertices(ImageMesh<C>& mesh, const VertexSearch& options) {
     Spokes<C> spokes;
     std::size_t moves = 0, moved = 1;
     for (const Vertex v : topology.vertices()) mesh.set_dirty(v, true);
+    mesh.expect(1, 0.6 * options.visits * static_cast<double>(mesh.vertex_count()));
     for (int round = 0; round < options.visits && moved > 0; ++round) {
         moved = 0;
         for (const Vertex v : spatial_vertices(mesh)) {
@@ -1166,6 +1169,8 @@ struct Xie {
     template <int C>
     [[nodiscard]] Status run(kit::TiledMesh<C>& mesh, std::size_t n) const {
         using kit::ImageMesh;
+        // Points, removal, and searches and flips by turns: six rounds are usual.
+        mesh.progress().plan({13, 20, 25, 2, 13, 2, 8, 2, 6, 2, 5, 2, 5, 2, 1});
         if (const Status status = start.run(mesh, n); !status) return status;
         for (int round = 0; round < rounds; ++round) {
             const double before = mesh.energy();
@@ -2387,6 +2392,8 @@ struct Hierarchical {
     /// Errc::cancelled: it is valid, with any number of vertices.
     template <class T, int C>
     [[nodiscard]] Status run(kit::TiledMesh<C>& mesh, const ImageView<T, C>& image, std::size_t n) const {
+        // Levels, points, removal, and four times geometry and flips: of other options too, whose stages are more or fewer.
+        mesh.progress().plan({5, 15, 37, 12, 2, 10, 2, 9, 1, 6, 1, 1});
         if (!mesh.progress().begin("levels", mesh.vertex_count(), mesh.energy())) return kit::cancelled_by_callback();
         const kit::Pyramid<T, C> pyramid = kit::make_pyramid(image, levels, bilateral, filter, mesh.parallel_for());
         std::vector<kit::ImageSource<C>> coarse;

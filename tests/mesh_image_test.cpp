@@ -528,6 +528,45 @@ TEST_CASE("a PSNR is reached, and 5 percent fewer vertices do not reach it by mo
     }
 }
 
+TEST_CASE("a search goes by what psnr_of says of each mesh, and the report tells the mesh's own PSNR") {
+    const auto image = hmesh_test::scene<std::uint8_t, 3>(56, 56, 5);
+    const auto check_lost = [&](const auto& recipe, double lost) {
+        Options options = options_of(Target::psnr(30));
+        std::size_t calls = 0;
+        double last = 0;
+        const auto psnr_of = [&](const hmesh::Mesh& mesh, double psnr) {
+            ++calls;
+            CHECK(mesh.width == 56);
+            CHECK(mesh.vertex_count() >= 4);
+            last = psnr;
+            return psnr - lost;
+        };
+        options.psnr_of = psnr_of;
+        const hmesh::Result result = hmesh::mesh_image(image.view(), options, recipe);
+        hmesh_test::prove_result(image, result, result.report.vertices);
+        CHECK(calls > 2);
+        CHECK(result.report.psnr >= 30 + lost);
+        CHECK(result.report.psnr < 30 + lost + 0.4);
+        calls = 0;
+        options.target = Target::vertices(100);
+        CHECK(hmesh::mesh_image(image.view(), options, recipe).status);
+        CHECK(calls == 0);
+    };
+    for (const double lost : {0.0, 1.0, -2.0}) check_lost(Annealed{Effort::fast, 1}, lost);
+    Options options = options_of(Target::psnr(30));
+    const auto never = [](const hmesh::Mesh&, double psnr) { return std::min(psnr, 29.0); };
+    options.psnr_of = never;
+    const hmesh::Result result = hmesh::mesh_image(image.view(), options, Annealed{Effort::draft, 1});
+    CHECK(result.status.code == Errc::target_out_of_range);
+    CHECK(result.status.value == 29);
+    options.target = Target::psnr(30, 60);
+    const hmesh::Result bounded = hmesh::mesh_image(image.view(), options, Annealed{Effort::draft, 1});
+    CHECK(bounded.status.code == Errc::target_out_of_range);
+    CHECK(std::string(bounded.status.what).find("max_vertices") != std::string::npos);
+    CHECK(bounded.report.vertices <= 60);
+    CHECK(bounded.report.psnr > bounded.status.value - 1e-9);  // the mesh's own
+}
+
 TEST_CASE("steps of one's own take the place of the effort's, with the recipe's seed, and bad ones are refused") {
     const auto image = small_scene();
     const Options options = options_of(Target::vertices(40));

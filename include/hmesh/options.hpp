@@ -10,6 +10,7 @@
 
 #include "hmesh/core/compiler.hpp"
 #include "hmesh/core/finite.hpp"
+#include "hmesh/core/function_ref.hpp"
 #include "hmesh/core/progress.hpp"
 #include "hmesh/core/status.hpp"
 #include "hmesh/image/image_view.hpp"
@@ -18,6 +19,8 @@
 #include "hmesh/core/macros/push.hpp"
 
 namespace hmesh {
+
+struct Mesh;
 
 /// How the final colours of the vertices are chosen.
 enum class Colors : std::uint8_t {
@@ -71,6 +74,11 @@ struct Options {
     /// then those of the premultiplied image, and Mesh::premultiplied is set. Colours under transparent pixels do not count,
     /// and the edges of sprites carry no fringes. Takes a copy of the image.
     bool premultiplied = false;
+    /// What a search for a PSNR goes by: psnr_of(mesh, psnr) returns the PSNR, in dB, that a mesh counts as, `psnr` being its own
+    /// (Report::psnr). For meshes that are to reach the target as they are stored or drawn, with fewer bits or between other
+    /// values. Empty (the default): their own. Called for each run of a search, on the thread that called mesh_image(); it
+    /// must return a number and rise with the number of vertices, on the whole, and its callable must outlive the call.
+    FunctionRef<double(const Mesh& mesh, double psnr)> psnr_of{};
 };
 
 /// Whether the options are valid for an image of `pixels` pixels and `channels` channels: target_out_of_range or

@@ -29,12 +29,14 @@ def test_a_mesh_pictures_and_a_report_are_written_and_told(hmesh):
     report = json.loads(read("report.json"))
     assert {"element vertex 100", f"element face {report['faces']}"} <= set(ply_header("mesh.ply"))
     assert list(report) == """version input width height channels bits method effort colors fit_space premultiplied seed weights
-                              tile target status vertices faces psnr psnr_convention psnr_glb psnr_glb_fitted energy seconds stages""".split()
+                              tile target status vertices faces psnr psnr_convention psnr_written psnr_glb psnr_glb_fitted energy seconds
+                                  stages""".split()
     assert report.items() >= {"input": "picture.png", "width": 96, "height": 64, "channels": 3, "bits": 8, "method": "annealed",
                               "effort": "normal", "colors": "optimal", "fit_space": "stored", "premultiplied": False, "seed": 1,
                               "weights": None, "tile": 0, "target": "--vertices 100", "status": "ok", "vertices": 100}.items()
     assert report["psnr_convention"] == ("10 log10(peak^2 / MSE) in dB, MSE the mean over pixels and channels of the image's "
-                                         "stored values")
+                                         "stored values; psnr of the mesh, values drawn not rounded, psnr_written of "
+                                         "what the files hold")
     assert report["psnr"] == pytest.approx(10 * math.log10(255**2 * 96 * 64 * 3 / report["energy"]), abs=1e-6)
     for stage in report["stages"]:
         assert list(stage) == ["name", "vertices", "energy", "psnr", "seconds"]
@@ -127,7 +129,7 @@ def test_every_format_holds_the_mesh(hmesh):
     page = read("x.html").decode()
     assert "<title>picture.png</title>" in page
     assert f">100 vertices\n{faces} faces\nPSNR {report['psnr']:.2f} dB<" in page
-    assert '<p id="notes">PSNR = 10 log10(peak^2 / MSE), MSE over pixels and channels</p>' in page
+    assert '<p id="notes">PSNR = 10 log10(peak^2 / MSE), MSE over pixels and channels, values drawn not rounded</p>' in page
     assert original_of("x.html") == read("picture.png")
 
 

@@ -130,13 +130,16 @@ void add_mesh_options(CLI::App& app, Arguments& out) {
             out.target = "--rate " + text;
             return why;
         });
-    CLI::Option* psnr = add(app, "--psnr", "DB", "as few vertices as reach this PSNR", [&](const std::string& text) {
-        double decibel = 0;
-        std::string why = parse_positive(text, 1000, decibel);
-        out.meshing.target = hmesh::Target::psnr(decibel);
-        out.target = "--psnr " + text;
-        return why;
-    });
+    CLI::Option* psnr = add(app, "--psnr", "DB",
+                            "as few vertices as reach this PSNR, as every file holds it that is written, and the .png\n"
+                            "of --render",
+                            [&](const std::string& text) {
+                                double decibel = 0;
+                                std::string why = parse_positive(text, 1000, decibel);
+                                out.meshing.target = hmesh::Target::psnr(decibel);
+                                out.target = "--psnr " + text;
+                                return why;
+                            });
     // Called after that of --psnr, whatever their order is on the command line: options are, as they were added.
     add(app, "--max-vertices", "N",
         "with --psnr, no more than N vertices: where they do not reach it, the best mesh of so many\n"
@@ -237,7 +240,9 @@ void add_other_options(CLI::App& app, Arguments& out) {
 constexpr Note notes[] = {
     {"PSNR",
      "10 log10(peak^2 / MSE), MSE the mean over pixels and channels of the image's stored values; with weights\n"
-     "over weighted pixels, with --premultiplied of colours times alpha, with --fit-space linear of the mesh drawn so."},
+     "over weighted pixels, with --premultiplied of colours times alpha, with --fit-space linear of the mesh drawn so.\n"
+     "The values drawn are not rounded for it. A .png is rounded to 8 bits, and so are the colours of some formats where the\n"
+     "image has more: --psnr is kept by what the files hold, with --fit-space each by .glb as its viewers show it."},
     {"Several images",
      "each needs files of its own, whose names hold {name}. A line is printed for each; of one that fails\n"
      "a sentence on stderr, the others are meshed all the same, and the exit status is 1."},

@@ -23,6 +23,7 @@
 #include "weights.hpp"
 #include "words.hpp"
 #include "writing.hpp"
+#include "written_psnr.hpp"
 
 namespace tool {
 namespace {
@@ -93,17 +94,28 @@ std::string what_is_made(const Arguments& arguments) {
 
 // Prints what is said of a mesh. Returns "" or why it cannot be, as a sentence.
 std::string tell(const Arguments& arguments, bool is_one_of_several, const ImageFile& image, const hmesh::Result& outcome,
-                 const std::optional<LightMesh>& light, double seconds, const std::string& json_line) {
+                 const std::optional<LightMesh>& light, const std::vector<WrittenPsnr>& written, double seconds,
+                 const std::string& json_line) {
     std::FILE* const to = writes_standard_output(arguments) ? stderr : stdout;
     if (arguments.json) std::fputs(json_line.c_str(), to);
     else if (!arguments.quiet && is_one_of_several) print_line(to, arguments, image, outcome, seconds);
-    else if (!arguments.quiet) print_summary(to, arguments, image, outcome, light, seconds);
+    else if (!arguments.quiet) print_summary(to, arguments, image, outcome, light, written, seconds);
     errno = 0;
     const bool is_printed = std::fflush(to) == 0 && std::ferror(to) == 0;
     return is_printed ? "" : "cannot write to the standard output: " + std::string(std::strerror(errno != 0 ? errno : EIO));
 }
 
+// Which of the files is furthest below the mesh, if one is.
+std::string least_text(const std::vector<WrittenPsnr>& written, double psnr) {
+    const WrittenPsnr* least = nullptr;
+    for (const WrittenPsnr& file : written)
+        if (file.psnr < (least != nullptr ? least->psnr : psnr)) least = &file;
+    if (least == nullptr || psnr_text(least->psnr) == psnr_text(psnr)) return {};
+    return ", of which " + output_words(least->file) + " keeps " + psnr_text(least->psnr);
+}
+
 Failure make_mesh(const Arguments& arguments, bool is_one_of_several, std::optional<example::ThreadPool>& pool) {
+    ProgressWatch watch(!arguments.quiet && is_terminal(stderr));
     Inputs inputs;
     NewFolders folders;
     if (std::string why = read_inputs(arguments, inputs); !why.empty()) return {why};
@@ -112,10 +124,13 @@ Failure make_mesh(const Arguments& arguments, bool is_one_of_several, std::optio
     if (!pool)
         if (std::string why = start(pool, arguments.threads); !why.empty()) return {why, false, true};
 
-    ProgressWatch watch(!arguments.quiet && is_terminal(stderr));
     MeshingOptions options = arguments.meshing;
     options.progress = watch;
     if (!arguments.weights.empty()) options.weights = inputs.weights.view();
+    const hmesh::ParallelFor parallel_for = *pool;
+    const WrittenFiles files(arguments, image, options, parallel_for);
+    if (options.target.kind == hmesh::Target::Kind::psnr) options.psnr_of = files;
+    watch.begin_mesh(0.03 * image.width * image.height, meshing_work(image, options), writing_work(arguments, image));
     hmesh::Result outcome = mesh_file(image, options, *pool);
     const bool is_interrupted = outcome.status.code == hmesh::Errc::cancelled;
     if (is_interrupted && arguments.keep_partial) {
@@ -123,7 +138,7 @@ Failure make_mesh(const Arguments& arguments, bool is_one_of_several, std::optio
         keep_budget(image, options, *pool, outcome);
     }
     const double seconds = watch.seconds();
-    watch.finish();
+    watch.end_mesh();
 
     const std::string sentence = what_is_made(arguments) + ": " + in_words(outcome.status);
     if (!outcome.has_mesh()) return {sentence, false, is_interrupted};
@@ -133,20 +148,29 @@ Failure make_mesh(const Arguments& arguments, bool is_one_of_several, std::optio
     if (!outcome.status && !arguments.depfile.empty())
         return {sentence + "; nothing is written, as --depfile asks for whole results", false, is_interrupted};
     std::optional<LightMesh> light;
-    if (has_output(arguments, ".glb") && options.fit_space != FitSpace::linear && !options.premultiplied)
+    if (has_output(arguments, ".glb") && options.fit_space != FitSpace::linear && !options.premultiplied) {
+        watch.step("linear light", light_work(image));
         light = light_mesh(image, options, outcome.mesh, *pool);
+    }
+    const bool has_missed = options.psnr_of && outcome.status.code == hmesh::Errc::target_out_of_range;
+    const bool is_summed_up = !arguments.quiet && !is_one_of_several;
+    std::vector<WrittenPsnr> written;
+    if (is_summed_up || arguments.json || !arguments.report.empty() || has_missed)
+        written = files.measure(outcome.mesh, outcome.report.psnr, light);
     const auto report = [&](bool is_wanted, Layout layout) {
-        return is_wanted ? report_json(arguments, image, outcome, light, seconds, watch, layout) : std::string();
+        return is_wanted ? report_json(arguments, image, outcome, light, written, seconds, watch, layout) : std::string();
     };
     const std::string file_report = report(!arguments.report.empty(), Layout::indented);
-    if (std::string why = write_files(arguments, image, inputs.bytes, outcome, light, file_report); !why.empty())
+    if (std::string why = write_files(arguments, image, inputs.bytes, outcome, light, file_report, watch); !why.empty())
         return {why, false, is_interrupted};
+    watch.finish();
     const std::string json_line = report(arguments.json, Layout::one_line);
-    if (std::string why = tell(arguments, is_one_of_several, image, outcome, light, seconds, json_line); !why.empty())
+    if (std::string why = tell(arguments, is_one_of_several, image, outcome, light, written, seconds, json_line); !why.empty())
         return {why, true, true};
     if (outcome.status) return {};
     return {sentence + "; the mesh reached so far, " + std::to_string(outcome.report.vertices) + " vertices and " +
-                psnr_text(outcome.report.psnr) + ", " + (output_files(arguments).empty() ? "is as above" : "is written"),
+                psnr_text(outcome.report.psnr) + (has_missed ? least_text(written, outcome.report.psnr) : "") + ", " +
+                (output_files(arguments).empty() ? "is as above" : "is written"),
             true, is_interrupted};
 }
 

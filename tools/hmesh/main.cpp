@@ -11,6 +11,7 @@
 #include "arguments.hpp"
 #include "clashes.hpp"
 #include "job.hpp"
+#include "progress_bar.hpp"
 #include "progress_watch.hpp"
 #include "say.hpp"
 #include "standard_streams.hpp"
@@ -45,6 +46,7 @@ int run(const std::vector<Arguments>& images) {
     try {
         if (std::exception_ptr why = std::current_exception()) std::rethrow_exception(why);
     } catch (const std::bad_alloc&) {
+        wipe_bar();
         std::fprintf(stderr, "hmesh: %s\n", no_memory);
         std::_Exit(failed);
     } catch (...) {

@@ -17,9 +17,12 @@ namespace tool {
 
 [[nodiscard]] inline bool is_standard(const std::string& name) { return name == "-"; }
 
-// As sentences have it: 'photo.png' or the standard input.
+// As sentences have them: 'photo.png' or the standard input, 'mesh.ply' or the standard output.
 [[nodiscard]] inline std::string input_words(const std::string& name) {
     return is_standard(name) ? "the standard input" : "'" + name + "'";
+}
+[[nodiscard]] inline std::string output_words(const std::string& name) {
+    return is_standard(name) ? "the standard output" : "'" + name + "'";
 }
 
 [[nodiscard]] inline bool is_terminal(std::FILE* file) {

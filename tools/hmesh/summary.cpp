@@ -3,12 +3,13 @@
 #include <string>
 
 #include "report.hpp"
+#include "standard_streams.hpp"
 #include "words.hpp"
 
 namespace tool {
 
 void print_summary(std::FILE* to, const Arguments& arguments, const ImageFile& image, const hmesh::Result& outcome,
-                   const std::optional<LightMesh>& light, double seconds) {
+                   const std::optional<LightMesh>& light, const std::vector<WrittenPsnr>& written, double seconds) {
     std::fprintf(to, "image     %s, %d x %d, %d channel%s of %d bits\n", arguments.input.c_str(), image.width, image.height,
                  image.channels, image.channels == 1 ? "" : "s", image.bits);
     if (!image.note.empty()) std::fprintf(to, "note      %s\n", image.note.c_str());
@@ -20,6 +21,11 @@ void print_summary(std::FILE* to, const Arguments& arguments, const ImageFile& i
     else if (light)
         std::fprintf(to, "PSNR .glb %s as its viewers show it, in linear light; %s with --fit-space each or linear\n",
                      psnr_text(light->stored_psnr).c_str(), psnr_text(light->psnr).c_str());
+    for (const WrittenPsnr& file : written)
+        if (file.ending != ".glb" && psnr_text(file.psnr) != psnr_text(outcome.report.psnr))
+            std::fprintf(to, "PSNR      %s as %s %s\n", psnr_text(file.psnr).c_str(),
+                         is_standard(file.file) ? "the standard output" : file.file.c_str(),
+                         file.ending == ".png" ? "shows it, rounded to 8 bits" : "holds it, colours of 8 bits");
     std::fprintf(to, "time      %.2f s\n", seconds);
     for (const std::string& name : output_files(arguments)) std::fprintf(to, "written   %s\n", name.c_str());
 }

@@ -4,16 +4,18 @@
 
 #include <cstdio>
 #include <optional>
+#include <vector>
 
 #include "arguments.hpp"
 #include "hmesh/result.hpp"
 #include "image_file.hpp"
 #include "meshing.hpp"
+#include "written_psnr.hpp"
 
 namespace tool {
 
 void print_summary(std::FILE* to, const Arguments& arguments, const ImageFile& image, const hmesh::Result& outcome,
-                   const std::optional<LightMesh>& light, double seconds);
+                   const std::optional<LightMesh>& light, const std::vector<WrittenPsnr>& written, double seconds);
 
 void print_line(std::FILE* to, const Arguments& arguments, const ImageFile& image, const hmesh::Result& outcome, double seconds);
 

@@ -13,6 +13,7 @@
 #define HMESH_METHODS_PSNR_SEARCH_HPP
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
@@ -21,6 +22,7 @@
 #include "hmesh/core/compiler.hpp"
 #include "hmesh/core/finite.hpp"
 #include "hmesh/core/function_ref.hpp"
+#include "hmesh/core/progress.hpp"
 #include "hmesh/core/status.hpp"
 #include "hmesh/methods/recipe.hpp"
 #include "hmesh/result.hpp"
@@ -28,6 +30,36 @@
 #include "hmesh/core/macros/push.hpp"
 
 namespace hmesh::kit {
+
+/// The progress of a search, of which nobody knows how many runs it takes: each is given its share of what is left, from
+/// estimates of what comes after it.
+class SearchProgress {
+  public:
+    /// The part of a run that takes `work`, where some `later` is expected to follow; in the same unit, > 0 and >= 0.
+    [[nodiscard]] HMESH_COLD ProgressSpan next(double work, double later) noexcept {
+        const double from = reached_;
+        reached_ += (1 - reached_) * (work / (work + later));
+        return {from, reached_};
+    }
+    /// The same for a run of fewest_vertices().
+    [[nodiscard]] HMESH_COLD ProgressSpan next() noexcept { return next(1, std::max(1.0, 6.0 - runs_++)); }
+    /// The same for a run of fewest_vertices_going_on(): work_of(Work) is that of a run of as many vertices.
+    [[nodiscard]] HMESH_COLD ProgressSpan next(Work kind, FunctionRef<double(Work kind)> work_of) {
+        int& count = runs_of_[static_cast<std::size_t>(kind)];
+        ++count;
+        // Two sketches and two refinements are usual, and the first draft has a quarter of the vertices that the others have.
+        double later = work_of(Work::refine) * (kind != Work::refine ? 1.9 : count == 1 ? 0.9 : 0.1);
+        if (kind == Work::draft || kind == Work::sketch) later += work_of(Work::whole);
+        if (kind == Work::draft || count == 1)
+            later += (kind == Work::draft ? 2 : kind == Work::sketch ? 1 : 0) * work_of(Work::sketch);
+        return next(work_of(kind), kind == Work::draft && count == 1 ? 4 * later : later);
+    }
+
+  private:
+    double reached_ = 0;
+    int runs_ = 0;
+    std::array<int, 4> runs_of_{};  ///< by Work
+};
 
 /// Searches for the fewest vertices that reach `psnr`, in dB. mesh_of(n) makes the mesh of n vertices, 4 <= n <= most, with its
 /// status and report.psnr; the search begins with `first` vertices, in the same range, and makes at most 60 runs. Returns the

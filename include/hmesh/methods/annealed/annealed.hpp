@@ -50,16 +50,20 @@ template <int C>
 HMESH_COLD void grow(ImageMesh<C>& mesh, std::size_t n, const AnnealedSteps& options) {
     const std::size_t first = mesh.vertex_count();
     mesh.reserve(n);
+    const auto fraction = [&](std::size_t count) { return static_cast<double>(count - first) / static_cast<double>(n - first); };
     while (mesh.vertex_count() < n && mesh.keep_going()) {
         const std::size_t count = mesh.vertex_count(), missing = n - count;
         std::size_t batch =
             std::min(missing, static_cast<std::size_t>(std::ceil(static_cast<double>(count) * options.insert_batch)));
         if (missing - batch < batch / 2) batch = missing;  // no small last batch
+        const double from = fraction(count), step = fraction(count + batch) - from, next = static_cast<double>(count + batch);
+        mesh.expect(from + 0.5 * step, 4.0 * static_cast<double>(count));
         if (insert_batch(mesh, batch, {}) == 0) break;
+        mesh.expect(from + 0.7 * step, 3.5 * next);
         flip_edges(mesh, options.insert_flip_gain);
+        mesh.expect(from + step, 0.8 * next * options.insert_sweeps);
         for (int i = 0; i < options.insert_sweeps; ++i) sweep(mesh, options.insert_tolerance);
-        if (mesh.task() != nullptr)
-            mesh.task()->set_fraction(static_cast<double>(mesh.vertex_count() - first) / static_cast<double>(n - first));
+        if (mesh.task() != nullptr) mesh.task()->set_fraction(fraction(mesh.vertex_count()));
     }
     if (mesh.vertex_count() < n && mesh.keep_going()) subdivide(mesh, n - mesh.vertex_count());
 }
@@ -68,12 +72,14 @@ HMESH_COLD void grow(ImageMesh<C>& mesh, std::size_t n, const AnnealedSteps& opt
 template <int C>
 HMESH_COLD void shrink(ImageMesh<C>& mesh, std::size_t n, const AnnealedSteps& options) {
     const std::size_t first = mesh.vertex_count();
+    const auto fraction = [&](std::size_t count) { return static_cast<double>(first - count) / static_cast<double>(first - n); };
     while (mesh.vertex_count() > n && mesh.keep_going()) {
         const std::size_t count = mesh.vertex_count(), surplus = count - n;
-        const auto batch = static_cast<std::size_t>(std::ceil(static_cast<double>(count) * options.collapse_batch));
-        if (remove_batch(mesh, std::min(surplus, batch), options.relaxation) == 0) break;
-        if (mesh.task() != nullptr)
-            mesh.task()->set_fraction(static_cast<double>(first - mesh.vertex_count()) / static_cast<double>(first - n));
+        const auto largest = static_cast<std::size_t>(std::ceil(static_cast<double>(count) * options.collapse_batch));
+        const std::size_t batch = std::min(surplus, largest);
+        mesh.expect(fraction(count - batch), static_cast<double>(count) + 1.7 * static_cast<double>(batch));
+        if (remove_batch(mesh, batch, options.relaxation) == 0) break;
+        if (mesh.task() != nullptr) mesh.task()->set_fraction(fraction(mesh.vertex_count()));
     }
 }
 
@@ -93,6 +99,18 @@ template <int C>
     return check(mesh);
 }
 
+/// Tells progress of the stages of a run.
+HMESH_COLD inline void plan_stages(ProgressReporter& progress, const AnnealedSteps& steps, double pixels, std::size_t n,
+                                   bool has_start) {
+    const AnnealedWork work = annealed_work(steps, pixels, static_cast<double>(n), has_start);
+    const bool collapses = work.collapse > 0, anneals = work.anneal > 0;
+    if (has_start && anneals) progress.plan({work.grid, work.anneal, work.polish, work.colors});
+    else if (has_start) progress.plan({work.grid, work.polish, work.colors});
+    else if (collapses && anneals) progress.plan({work.grid, work.insert, work.collapse, work.anneal, work.polish, work.colors});
+    else if (collapses || anneals) progress.plan({work.grid, work.insert, work.collapse + work.anneal, work.polish, work.colors});
+    else progress.plan({work.grid, work.insert, work.polish, work.colors});
+}
+
 /// The state of a tile of the aligned tiling after the last stage.
 struct TileState {
     std::size_t free = 0;    ///< vertices that are free in the tile
@@ -109,12 +127,14 @@ class AnnealedRun {
 
     /// Runs all stages. False: cancelled, or more than n vertices are left and none of them can be removed.
     bool run() {
+        plan_stages(progress(), steps_, tiled_->source().pixels(), n_, false);
         tiled_->indexed() = corner_mesh(tiled_->source());  // the mesh after a cancellation in the first stage
         return stage("grid", [&] { return start(); }) && stage("insert", [&] { return insert(); }) &&
                (steps_.insert_factor <= 1 || stage("collapse", [&] { return collapse(); })) && finish();
     }
     /// The same from `mesh` on, which check_start() accepts.
     bool run_from(IndexedMesh<C> mesh) {
+        plan_stages(progress(), steps_, tiled_->source().pixels(), n_, true);
         tiled_->indexed() = std::move(mesh);
         return stage("start",
                      [&] {
@@ -126,8 +146,10 @@ class AnnealedRun {
 
   private:
     bool finish() {
-        return (steps_.annealing.sweeps == 0 || stage("anneal", [&] { return anneal(); })) &&
-               stage("polish", [&] { return reach_vertex_count(*tiled_, n_, tile_, steps_.relaxation) && polish(); });
+        return (steps_.annealing.sweeps == 0 || stage("anneal", [&] { return anneal(); })) && stage("polish", [&] {
+                   progress().set_range(0, 0.35);
+                   return reach_vertex_count(*tiled_, n_, tile_, steps_.relaxation) && polish(0.35);
+               });
     }
     [[nodiscard]] ProgressReporter& progress() noexcept { return tiled_->progress(); }
     /// The tiling of phase k: in any 4 phases in a row, every vertex is within a tile in at least one.
@@ -222,12 +244,17 @@ class AnnealedRun {
     HMESH_COLD bool anneal() {
         const AnnealingOptions& annealing = steps_.annealing;
         AnnealingSchedule schedule(annealing, n_, tiled_->mean_energy());
+        // Sweeps take less and less time; the first one, in which the mesh grows, a half more.
+        const auto done = [&](int k) {
+            const double sweeps = annealing.sweeps, t = k / sweeps;
+            return k == 0 ? 0 : (0.4 + sweeps * t * (1.08 - 0.15 * t)) / (0.4 + 0.93 * sweeps);
+        };
         for (int k = 0; k < annealing.sweeps; ++k) {
             const auto total = static_cast<double>(tiled_->vertex_count()), target = static_cast<double>(n_);
             const Tiling phase = tiling(k + 1);
             std::vector<AnnealingCounts> counts(phase.size());
             const double tolerance = annealing.count_tolerance * (1 - static_cast<double>(k) / annealing.sweeps);
-            progress().set_range(static_cast<double>(k) / annealing.sweeps, (k + 1.0) / annealing.sweeps);
+            progress().set_range(done(k), done(k + 1));
             const bool go_on = tiled_->for_each(phase, [&](Patch<C>& patch, std::size_t tile) {
                 const double share = static_cast<double>(patch.mesh().vertex_count()) * target / total;
                 const CountRange range{(1 - tolerance) * share, (1 + tolerance) * share};
@@ -242,18 +269,20 @@ class AnnealedRun {
                 sum.inserted += c.inserted;
             }
             schedule.steer(sum, tiled_->vertex_count(), tiled_->mean_energy());
-            if (!progress().update((k + 1.0) / annealing.sweeps, tiled_->vertex_count(), tiled_->energy())) return false;
+            if (!progress().update(done(k + 1), tiled_->vertex_count(), tiled_->energy())) return false;
         }
         return true;
     }
 
-    HMESH_COLD bool polish() {
+    /// Begins where this fraction of the stage is done.
+    HMESH_COLD bool polish(double from) {
         // Without annealing no phase has shifted the tiling yet: one round at least works across the seams.
         const bool has_seams = aligned_.size() > 1 && steps_.annealing.sweeps == 0;
         const int rounds = std::max(steps_.polish_rounds, has_seams ? 1 : 0);
         for (int k = 0; k < rounds; ++k) {
-            progress().set_range(static_cast<double>(k) / rounds, (k + 1.0) / rounds);
+            progress().set_range(from + (1 - from) * k / rounds, from + (1 - from) * (k + 1) / rounds);
             if (!tiled_->for_each(tiling(k + 1), [&](Patch<C>& patch, std::size_t) {
+                    patch.mesh().expect(1, 4.0 * static_cast<double>(patch.mesh().vertex_count()));
                     flip_edges(patch.mesh(), steps_.polish.propagate_above);
                     sweep(patch.mesh(), steps_.polish);
                 }))

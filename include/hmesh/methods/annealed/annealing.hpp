@@ -105,10 +105,15 @@ class AnnealingSweep {
     /// mesh.keep_going() says stop.
     AnnealingCounts run() {
         AnnealingCounts counts;
+        expect(0.25, 1);
         counts.removed = remove_moves();
+        expect(0.5, 4.4);
         counts.inserted = insert_moves();
+        expect(0.84, 2.8);
         flip_moves();
+        expect(0.9, 1);
         jump_moves();
+        expect(1, 4.6);
         const double mean = mesh_->mean_energy();
         const Tolerance tolerance{1e-2, mean > 0 ? min_gain_ / mean : 0};
         sweep(*mesh_, tolerance);
@@ -118,6 +123,10 @@ class AnnealingSweep {
     }
 
   private:
+    /// Until this fraction of the sweep is done, so many beats a vertex come.
+    HMESH_COLD void expect(double fraction, double beats) noexcept {
+        mesh_->expect(fraction, beats * static_cast<double>(mesh_->vertex_count()));
+    }
     /// Ends the transaction of a move that began at `mark` with the energy `before`. round() relaxes the surroundings; it is
     /// called up to twice, once if it gains little or if the move is hopeless after it. Metropolis' rule then keeps the move or
     /// undoes it; `cost` is the price of the move beside the energy: mu for an insertion, -mu for a removal, a little for

@@ -105,6 +105,7 @@ std::size_t search_vertices(ImageMesh<C>& mesh, const VertexSearch& options) {
     Spokes<C> spokes;
     std::size_t moves = 0, moved = 1;
     for (const Vertex v : topology.vertices()) mesh.set_dirty(v, true);
+    mesh.expect(1, 0.6 * options.visits * static_cast<double>(mesh.vertex_count()));
     for (int round = 0; round < options.visits && moved > 0; ++round) {
         moved = 0;
         for (const Vertex v : spatial_vertices(mesh)) {
