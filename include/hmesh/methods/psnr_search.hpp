@@ -61,6 +61,39 @@ class SearchProgress {
     std::array<int, 4> runs_of_{};  ///< by Work
 };
 
+namespace detail {
+
+/// The best result of a search: of those that reach the PSNR the one of the fewest vertices, else the one of the best PSNR.
+class BestResult {
+  public:
+    explicit BestResult(double psnr, Result first) : psnr_(psnr), result_(std::move(first)) {}
+
+    [[nodiscard]] bool is_reached() const noexcept { return result_.report.psnr >= psnr_; }  ///< whether one reached the PSNR
+    /// Offers the result of one more run. False: it failed or was cancelled, which ends the search; its mesh counts where none
+    /// reached the PSNR before.
+    bool offer(Result result) {
+        const Status status = result.status;
+        const bool is_smaller = status && result.report.psnr >= psnr_ && result.report.vertices < result_.report.vertices;
+        if (is_reached() ? is_smaller : result.report.psnr > result_.report.psnr) result_ = std::move(result);
+        result_.status = status;
+        return static_cast<bool>(status);
+    }
+    /// The result: Errc::target_out_of_range where all went well and none reached the PSNR.
+    [[nodiscard]] Result take() {
+        if (result_.status && !is_reached())
+            result_.status = {Errc::target_out_of_range, "no mesh of this image reached the PSNR asked for, in dB",
+                              result_.report.psnr, psnr_};
+        return std::move(result_);
+    }
+    [[nodiscard]] bool is_ok() const noexcept { return static_cast<bool>(result_.status); }  ///< whether the last run went well
+
+  private:
+    double psnr_;
+    Result result_;
+};
+
+}  // namespace detail
+
 /// Searches for the fewest vertices that reach `psnr`, in dB. mesh_of(n) makes the mesh of n vertices, 4 <= n <= most, with its
 /// status and report.psnr; the search begins with `first` vertices, in the same range, and makes at most 60 runs. Returns the
 /// result of the fewest vertices that reached the PSNR; where none did, that of the best PSNR with Errc::target_out_of_range;
@@ -73,16 +106,14 @@ class SearchProgress {
         std::size_t n = 0;
     };
     Run low, high;  // the most vertices that missed the PSNR, the fewest that reached it; n = 0: none yet
-    Result best = mesh_of(first);
-    Run run{std::log2(static_cast<double>(first)), best.report.psnr, first};
-    bool reached = false;
+    Result result = mesh_of(first);
+    Run run{std::log2(static_cast<double>(first)), result.report.psnr, first};
+    detail::BestResult best(psnr, std::move(result));
     int same_side = 0;  // runs in a row that fell on one side
     bool last_side = false;
     double stride = 0.1;  // in log2(n); grows while the target is not enclosed, since curves can be flat
-    for (int runs = 1;; ++runs) {
-        if (!best.status) return best;
-        if (run.psnr >= psnr) high = run, reached = true;
-        else low = run;
+    for (int runs = 1; best.is_ok(); ++runs) {
+        (run.psnr >= psnr ? high : low) = run;
         same_side = runs > 1 && last_side == (run.psnr >= psnr) ? same_side + 1 : 1;
         last_side = run.psnr >= psnr;
         if (high.n == 4 || low.n == most || runs == 60) break;
@@ -104,21 +135,11 @@ class SearchProgress {
         auto n = static_cast<std::size_t>(std::llround(std::exp2(log_n)));
         n = std::max<std::size_t>(low.n != 0 ? low.n + 1 : 4, std::min(n, high.n != 0 ? high.n - 1 : most));
 
-        Result result = mesh_of(n);
+        result = mesh_of(n);
         run = {std::log2(static_cast<double>(n)), result.report.psnr, n};
-        const bool better = run.psnr >= psnr ? true : !reached && run.psnr > best.report.psnr;
-        if (!result.status) {  // failed or cancelled: the best so far, which may be this run's mesh
-            const Status why = result.status;
-            if (!reached && run.psnr > best.report.psnr) best = std::move(result);
-            best.status = why;
-            return best;
-        }
-        if (better) best = std::move(result);
+        best.offer(std::move(result));
     }
-    if (!reached)
-        best.status = {Errc::target_out_of_range, "no mesh of this image reached the PSNR asked for, in dB", best.report.psnr,
-                       psnr};
-    return best;
+    return best.take();
 }
 
 /// The same for a method that can go on from a mesh. mesh_from(n, beginning) makes the mesh of n vertices. The result has at most
@@ -167,14 +188,15 @@ class SearchProgress {
         rough = std::move(result);
     }
 
-    Result best = mesh_from(n, {});
-    if (!best.status && best.report.psnr < rough.report.psnr) {
-        rough.status = best.status;
+    Result whole = mesh_from(n, {});
+    if (!whole.status) {
+        if (whole.report.psnr >= rough.report.psnr) return whole;
+        rough.status = whole.status;
         return rough;
     }
-    if (!best.status) return best;
-    double now = best.report.psnr;
-    Mesh last = best.mesh;
+    double now = whole.report.psnr;
+    Mesh last = whole.mesh;
+    detail::BestResult best(psnr, std::move(whole));
     for (int near_runs = 0, runs = 1; near_runs < 2 && runs < 20; ++runs) {
         const bool is_reached = now >= psnr;
         if (is_reached ? n == 4 || now <= psnr + near_enough : n == most) break;
@@ -183,24 +205,14 @@ class SearchProgress {
         const bool goes_on = std::abs(doublings(n, next)) <= is_nearby;
         Result result = mesh_from(next, {goes_on ? &last : nullptr, goes_on ? Work::refine : Work::whole});
         const double then = result.report.psnr;
-        const bool is_better = then >= psnr ? best.report.psnr < psnr || next < best.report.vertices
-                                            : best.report.psnr < psnr && then > best.report.psnr;
-        if (!result.status) {
-            const Status why = result.status;
-            if (best.report.psnr < psnr && then > best.report.psnr) best = std::move(result);
-            best.status = why;
-            return best;
-        }
+        Mesh reached = result.mesh;
+        if (!best.offer(std::move(result))) break;
         learn(n, now, next, then);
         if (then >= psnr || now >= psnr) near_runs += goes_on ? 1 : 0;  // from here on only to save vertices
         n = next, now = then;
-        last = result.mesh;
-        if (is_better) best = std::move(result);
+        last = std::move(reached);
     }
-    if (best.report.psnr < psnr)
-        best.status = {Errc::target_out_of_range, "no mesh of this image reached the PSNR asked for, in dB", best.report.psnr,
-                       psnr};
-    return best;
+    return best.take();
 }
 
 }  // namespace hmesh::kit
