@@ -12,6 +12,7 @@
 #include <system_error>
 #include <vector>
 
+#include "advice.hpp"
 #include "arguments.hpp"
 #include "depfile.hpp"
 #include "formats.hpp"
@@ -177,6 +178,7 @@ void print_summary(const Arguments& arguments, const ImageFile& image, const hme
                     psnr_text(light->stored_psnr).c_str(), psnr_text(light->psnr).c_str());
     std::printf("time      %.2f s\n", seconds);
     for (const std::string& name : output_files(arguments)) std::printf("written   %s\n", name.c_str());
+    print_advice(arguments, outcome.report.vertices);
 }
 
 // The most vertices that a mesh may have; a PSNR sets no bound.
