@@ -332,3 +332,24 @@ def test_the_terrain_of_heightmap_looks_up(tmp_path, pytestconfig):
     faces = [[ground[int(v) - 1] for v in corners] for kind, *corners in lines if kind == "f"]
     assert len(faces) > 1000
     assert all((b[1] - a[1]) * (c[0] - a[0]) > (b[0] - a[0]) * (c[1] - a[1]) for a, b, c in faces)
+
+
+@pytest.mark.parametrize("options, slow, who, seconds", [
+    ("--vertices 10000", {"x.svg"}, "browsers take", 7), ("--vertices 9999", set(), "", 0),
+    ("--vertices 5000 --svg exact", {"x.svg"}, "browsers take", 7), ("--vertices 4999 --svg exact", set(), "", 0),
+    ("--vertices 40000 --svg flat", {"x.svg"}, "browsers take", 9), ("--vertices 20000 --svg flat", set(), "", 0),
+    ("--vertices 100000", {"x.pdf", "X.SVG"}, "", 0)])
+def test_it_says_which_file_is_slow_to_draw_and_what_to_take_instead(hmesh, options, slow, who, seconds):
+    Image.effect_noise((400, 300), 80).save("noise.png")
+    svg = "X.SVG" if len(slow) == 2 else "x.svg"
+    out = hmesh.done(f"noise.png --effort draft {options} -o x.pdf -o {svg} -o x.glb -o x.html")
+    notes = re.findall(r"^note +(\S+) has ([\d,]+) vertices: (.*) about (\d+) s to draw it; .html or .glb draw at once$", out, re.M)
+    assert {note[0] for note in notes} == slow and out.count("note ") == len(slow)
+    vertices = re.search(r"^vertices +(\d+)$", out, re.M)[1]
+    for name, count, viewer, told in notes:
+        assert count == f"{int(vertices):,}"
+        if who:
+            assert (viewer, int(told)) == (who, seconds)
+    if len(slow) == 2:
+        assert [(n[2], int(n[3])) for n in notes] == [("poppler (Okular, pdftoppm) takes", 10), ("browsers take", 61)]
+    assert hmesh.done(f"noise.png --effort draft {options} -o {svg} --quiet") == ""

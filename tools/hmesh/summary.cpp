@@ -2,6 +2,7 @@
 
 #include <string>
 
+#include "advice.hpp"
 #include "report.hpp"
 #include "standard_streams.hpp"
 #include "words.hpp"
@@ -28,6 +29,7 @@ void print_summary(std::FILE* to, const Arguments& arguments, const ImageFile& i
                          file.ending == ".png" ? "shows it, rounded to 8 bits" : "holds it, colours of 8 bits");
     std::fprintf(to, "time      %.2f s\n", seconds);
     for (const std::string& name : output_files(arguments)) std::fprintf(to, "written   %s\n", name.c_str());
+    print_advice(to, arguments, outcome.report.vertices);
 }
 
 void print_line(std::FILE* to, const Arguments& arguments, const ImageFile& image, const hmesh::Result& outcome, double seconds) {

@@ -24,6 +24,11 @@ struct PageOptions {
     /// Whether a face shares two vertices with the one before it, wherever it can: a third of the size. Faces are then drawn
     /// in another order than the mesh's, which shows only where they overlap. False: each face by itself, in the mesh's order.
     bool strips = true;
+    /// PDF, in strips: whether meshes that take poppler long are drawn in up to five parts, those of small and steep faces first,
+    /// whose colours are stored as a half to a 16th, in a DeviceN space that multiplies them: io/detail/shading_parts.hpp.
+    /// poppler is up to 14 times as fast. Programs that list inks call the three components Red, Green and Blue; without, all
+    /// is DeviceRGB. Meshes of less than some thousand vertices are in either case.
+    bool parts = true;
 };
 
 }  // namespace hmesh
