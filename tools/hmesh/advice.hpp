@@ -40,9 +40,9 @@ inline constexpr SlowViewer slow_pdf = {"poppler (Okular, pdftoppm) takes", 1000
                                                : &slow_gradient_svg;
     if (viewer == nullptr || vertices < viewer->from) return {};
     const double seconds = viewer->seconds + viewer->seconds_of_1000 * static_cast<double>(vertices) / 1000;
-    return (is_standard(file.name) ? "the standard output" : file.name) + " has " + in_groups(vertices) +
-           " vertices: " + viewer->who + " about " + in_groups(static_cast<std::size_t>(seconds + 0.5)) +
-           " s to draw it; .html or .glb draw at once";
+    const std::string name = is_standard(file.name) ? "the standard output" : file.name;
+    return name + " has " + in_groups(vertices) + " vertices: " + viewer->who + " about " +
+           in_groups(static_cast<std::size_t>(seconds + 0.5)) + " s to draw it; .html or .glb draw at once";
 }
 
 // Says so of each mesh that was written.
