@@ -2528,7 +2528,7 @@ inline Status write_obj(const MeshView& source, Sink sink) {
 ///
 /// poppler (Splash: pdftoppm, Okular) halves a face of a shading until no side's ends differ by more than 3/256 in any component,
 /// at most 6 times, and fills every piece as a path, 0.4 us each on a fast core; it does not look how small a face is
-/// (Gfx::gouraudFillTriangle of poppler 22.12, and still of 26.04). A mesh of 100,000 vertices of photographs becomes 271 million
+/// (Gfx::gouraudFillTriangle; measured with poppler 22.12). A mesh of 100,000 vertices of photographs becomes 271 million
 /// pieces on a page of 3 million px.
 ///
 /// A shading's components may belong to a colour space that multiplies them (DeviceN with a tint transform): stored as a 16th,
