@@ -761,8 +761,8 @@ struct PageOptions {
     bool strips = true;
     /// PDF, in strips: whether meshes that take poppler long are drawn in up to five parts, those of small and steep faces first,
     /// whose colours are stored as a half to a 16th, in a DeviceN space that multiplies them: io/detail/shading_parts.hpp.
-    /// poppler is up to 14 times as fast. Programs that list inks call the three components Red, Green and Blue; without, all
-    /// is DeviceRGB. Meshes of less than some thousand vertices are in either case.
+    /// poppler is 2 to 8 times as fast and the file, deflated, 1.6 times as large. Programs that list inks call the components
+    /// Red, Green and Blue; false: all is DeviceRGB, as it is in either case of meshes that take poppler less than a second.
     bool parts = true;
 };
 
@@ -2528,7 +2528,7 @@ inline Status write_obj(const MeshView& source, Sink sink) {
 ///
 /// poppler (Splash: pdftoppm, Okular) halves a face of a shading until no side's ends differ by more than 3/256 in any component,
 /// at most 6 times, and fills every piece as a path, 0.4 us each on a fast core; it does not look how small a face is
-/// (Gfx::gouraudFillTriangle of poppler 22.12, and still of 26.04). A mesh of 100,000 vertices of photographs becomes 271 million
+/// (Gfx::gouraudFillTriangle; measured with poppler 22.12). A mesh of 100,000 vertices of photographs becomes 271 million
 /// pieces on a page of 3 million px.
 ///
 /// A shading's components may belong to a colour space that multiplies them (DeviceN with a tint transform): stored as a 16th,
@@ -2537,7 +2537,7 @@ inline Status write_obj(const MeshView& source, Sink sink) {
 /// neighbours have that; faces of one factor are a part.
 ///
 /// Parts go from the largest factor, that is the smallest and steepest faces, to factor 1: viewers paint pixels that a face
-/// only touches, and large faces that come later restore theirs. At 72 dpi this is worth 1.4 dB in poppler and 0.5 dB in
+/// only touches, and large faces that come later restore theirs. At 72 dpi this is worth 1 dB in poppler and 0.5 dB in
 /// Ghostscript.
 #ifndef HMESH_IO_DETAIL_SHADING_PARTS_HPP
 #define HMESH_IO_DETAIL_SHADING_PARTS_HPP
@@ -2554,17 +2554,18 @@ namespace hmesh::detail {
 /// The factors by which parts' colours may be stored smaller, in the order in which parts are drawn.
 inline constexpr std::array<int, 5> color_factors = {16, 8, 4, 2, 1};
 
-/// Pieces of half a px: at 288 dpi poppler's pictures stay as near to the mesh as with pieces of 3/256, at 72 dpi finer ones
-/// cannot be seen. One piece a px takes half of the time and costs 2 dB at 288 dpi.
-inline constexpr double pieces_per_px = 4;
+/// The least that a px of a face gets of pieces where its factor is not 1. At 288 dpi poppler's picture of a grid without thin
+/// faces then is 48.5 dB near to the mesh, in plain colours 49.1; with 4 a px it is 47.4 and takes two thirds of the time. That
+/// of a fitted mesh of 3 % is 40.8 dB, in plain colours 40.4.
+inline constexpr double pieces_per_px = 8;
 
 /// Meshes of fewer pieces are one part in plain colours: poppler takes less than a second for them.
 inline constexpr double most_plain_pieces = 2000000;
 
 /// What it may cost, in pieces, that two neighbours are of one part, so that one strip goes on and the second time that a
-/// vertex is stored is the same bytes again to a compressor. Of the mesh of 16,000 vertices of docs/formats.md 0 makes 2.2 times
-/// the deflated bytes of one part and takes poppler 4.1 s, 200 makes 1.9 and takes 4.3 s, 800 makes 1.6 and takes 5.1 s, 3000
-/// makes 1.6 and takes 5.7 s; one part takes 23 s.
+/// vertex is stored is the same bytes again to a compressor. Of the mesh of 16,000 vertices of docs/formats.md, with 4 pieces a
+/// px, 0 makes 2.2 times the deflated bytes of one part and takes poppler 4.1 s, 200 makes 1.9 and takes 4.3 s, 800 makes 1.6
+/// and takes 5.1 s, 3000 makes 1.6 and takes 5.7 s; one part takes 21 s.
 inline constexpr double pieces_per_cut = 800;
 
 /// How often all faces choose again; the fourth time changes next to nothing.
@@ -2682,10 +2683,11 @@ class ShadingDivision {
 /// (ISO 32000-1, 8.7.4.5.5) in DeviceRGB, or DeviceGray for 1 channel. Positions of the 1/256 px grid arrive exactly; colours
 /// have 8 bits where the mesh's peak is 255, else 16. Where there is alpha, straight colours are drawn under a soft mask
 /// (ISO 32000-1, 11.6.5.3) that is a shading of alpha. No date and no random identifier: the same mesh gives the same bytes.
+/// Meshes that take poppler long are several shadings, one after another (io/detail/shading_parts.hpp).
 ///
-/// Size of an RGB mesh of 256 px or more: 21 bytes a vertex, deflated 12; without strips 59 and 16. Time: some 100 MB/s in
-/// strips, of which finding them takes most. Memory: the streams, and 60 bytes a face to find
-/// the strips.
+/// Size of an RGB mesh of 256 px or more: 21 bytes a vertex, deflated 12; in parts 27 and 1.6 times as much deflated; without
+/// strips 59 and 16. Time: some 100 MB/s in strips, of which finding them takes most, and 30 MB/s in parts. Memory: the streams,
+/// and 60 bytes a face to find the strips; in parts 25 more.
 #ifndef HMESH_IO_PDF_HPP
 #define HMESH_IO_PDF_HPP
 

@@ -77,7 +77,7 @@ TEST_CASE("parts hold each face once, and none is stored so small that it would 
         if (&part != &parts.front()) CHECK(part.factor < (&part - 1)->factor);
         for (const hmesh::Triangle& face : faces_of(part)) {
             all.push_back(face);
-            if (part.factor != 1) CHECK(shading_pieces(range(mesh, face), part.factor) >= 4 * area(mesh, face));
+            if (part.factor != 1) CHECK(shading_pieces(range(mesh, face), part.factor) >= 8 * area(mesh, face));
         }
     }
     for (hmesh::Triangle& face : expected) std::sort(face.begin(), face.end());

@@ -18,10 +18,10 @@ struct SlowViewer {
     std::size_t from;                 // vertices
     double seconds, seconds_of_1000;  // of the picture, and of 1,000 vertices
 };
-inline constexpr SlowViewer slow_gradient_svg = {"browsers take", 10000, 1, 0.6};
-inline constexpr SlowViewer slow_exact_svg = {"browsers take", 5000, 1, 1.2};
+inline constexpr SlowViewer slow_gradient_svg = {"browsers take", 20000, 2, 0.4};
+inline constexpr SlowViewer slow_exact_svg = {"browsers take", 6000, 3, 1.2};
 inline constexpr SlowViewer slow_flat_svg = {"browsers take", 40000, 1, 0.2};
-inline constexpr SlowViewer slow_pdf = {"poppler (Okular, pdftoppm) takes", 100000, 3, 0.07};
+inline constexpr SlowViewer slow_pdf = {"poppler (Okular, pdftoppm) takes", 50000, 5, 0.1};
 
 // The number in groups of three digits: 94,372.
 [[nodiscard]] inline std::string in_groups(std::size_t number) {

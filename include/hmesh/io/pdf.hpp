@@ -5,10 +5,11 @@
 /// (ISO 32000-1, 8.7.4.5.5) in DeviceRGB, or DeviceGray for 1 channel. Positions of the 1/256 px grid arrive exactly; colours
 /// have 8 bits where the mesh's peak is 255, else 16. Where there is alpha, straight colours are drawn under a soft mask
 /// (ISO 32000-1, 11.6.5.3) that is a shading of alpha. No date and no random identifier: the same mesh gives the same bytes.
+/// Meshes that take poppler long are several shadings, one after another (io/detail/shading_parts.hpp).
 ///
-/// Size of an RGB mesh of 256 px or more: 21 bytes a vertex, deflated 12; without strips 59 and 16. Time: some 100 MB/s in
-/// strips, of which finding them takes most. Memory: the streams, and 60 bytes a face to find
-/// the strips.
+/// Size of an RGB mesh of 256 px or more: 21 bytes a vertex, deflated 12; in parts 27 and 1.6 times as much deflated; without
+/// strips 59 and 16. Time: some 100 MB/s in strips, of which finding them takes most, and 30 MB/s in parts. Memory: the streams,
+/// and 60 bytes a face to find the strips; in parts 25 more.
 #ifndef HMESH_IO_PDF_HPP
 #define HMESH_IO_PDF_HPP
 

@@ -3,7 +3,7 @@
 ///
 /// poppler (Splash: pdftoppm, Okular) halves a face of a shading until no side's ends differ by more than 3/256 in any component,
 /// at most 6 times, and fills every piece as a path, 0.4 us each on a fast core; it does not look how small a face is
-/// (Gfx::gouraudFillTriangle of poppler 22.12, and still of 26.04). A mesh of 100,000 vertices of photographs becomes 271 million
+/// (Gfx::gouraudFillTriangle; measured with poppler 22.12). A mesh of 100,000 vertices of photographs becomes 271 million
 /// pieces on a page of 3 million px.
 ///
 /// A shading's components may belong to a colour space that multiplies them (DeviceN with a tint transform): stored as a 16th,
@@ -12,7 +12,7 @@
 /// neighbours have that; faces of one factor are a part.
 ///
 /// Parts go from the largest factor, that is the smallest and steepest faces, to factor 1: viewers paint pixels that a face
-/// only touches, and large faces that come later restore theirs. At 72 dpi this is worth 1.4 dB in poppler and 0.5 dB in
+/// only touches, and large faces that come later restore theirs. At 72 dpi this is worth 1 dB in poppler and 0.5 dB in
 /// Ghostscript.
 #ifndef HMESH_IO_DETAIL_SHADING_PARTS_HPP
 #define HMESH_IO_DETAIL_SHADING_PARTS_HPP
@@ -34,17 +34,18 @@ namespace hmesh::detail {
 /// The factors by which parts' colours may be stored smaller, in the order in which parts are drawn.
 inline constexpr std::array<int, 5> color_factors = {16, 8, 4, 2, 1};
 
-/// Pieces of half a px: at 288 dpi poppler's pictures stay as near to the mesh as with pieces of 3/256, at 72 dpi finer ones
-/// cannot be seen. One piece a px takes half of the time and costs 2 dB at 288 dpi.
-inline constexpr double pieces_per_px = 4;
+/// The least that a px of a face gets of pieces where its factor is not 1. At 288 dpi poppler's picture of a grid without thin
+/// faces then is 48.5 dB near to the mesh, in plain colours 49.1; with 4 a px it is 47.4 and takes two thirds of the time. That
+/// of a fitted mesh of 3 % is 40.8 dB, in plain colours 40.4.
+inline constexpr double pieces_per_px = 8;
 
 /// Meshes of fewer pieces are one part in plain colours: poppler takes less than a second for them.
 inline constexpr double most_plain_pieces = 2000000;
 
 /// What it may cost, in pieces, that two neighbours are of one part, so that one strip goes on and the second time that a
-/// vertex is stored is the same bytes again to a compressor. Of the mesh of 16,000 vertices of docs/formats.md 0 makes 2.2 times
-/// the deflated bytes of one part and takes poppler 4.1 s, 200 makes 1.9 and takes 4.3 s, 800 makes 1.6 and takes 5.1 s, 3000
-/// makes 1.6 and takes 5.7 s; one part takes 23 s.
+/// vertex is stored is the same bytes again to a compressor. Of the mesh of 16,000 vertices of docs/formats.md, with 4 pieces a
+/// px, 0 makes 2.2 times the deflated bytes of one part and takes poppler 4.1 s, 200 makes 1.9 and takes 4.3 s, 800 makes 1.6
+/// and takes 5.1 s, 3000 makes 1.6 and takes 5.7 s; one part takes 21 s.
 inline constexpr double pieces_per_cut = 800;
 
 /// How often all faces choose again; the fourth time changes next to nothing.
