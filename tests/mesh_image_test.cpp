@@ -670,6 +670,9 @@ TEST_CASE("what is no mesh of the image is refused as a start") {
     bad.width = 41;
     CHECK(refuses(bad));
     bad = good;
+    bad.height = 29;
+    CHECK(refuses(bad));
+    bad = good;
     bad.channels = 4;
     CHECK(refuses(bad));
     CHECK(refuses({}));

@@ -246,7 +246,7 @@ struct Goer {
     [[nodiscard]] double psnr_of(std::size_t n) const { return at_1000 + slope * std::log2(static_cast<double>(n) / 1000); }
     Result operator()(std::size_t n, const hmesh::kit::Beginning& from) {
         using hmesh::kit::Work;
-        const double work[] = {from.mesh != nullptr ? 0.65 : 1, 0.35, 0.25, 0.06};
+        const double work[] = {from.mesh != nullptr ? 0.65 : 1, 0.375, 0.2, 0.25, 0.06};
         cost += work[static_cast<int>(from.work)] * static_cast<double>(n);
         if (from.mesh != nullptr) {
             CHECK(from.mesh->vertex_count() >= 0.7 * static_cast<double>(n));

@@ -112,7 +112,7 @@ template <int C>
     };
     const auto mesh_of = [&](std::size_t n) { return run(n, {}, progress.next()); };
     const auto mesh_from = [&](std::size_t n, const kit::Beginning& from) {
-        const auto work_of = [&](kit::Work work) { return recipe.work(n, {work == kit::Work::refine ? &any : nullptr, work}); };
+        const auto work_of = [&](kit::Work work) { return recipe.work(n, {work == kit::Work::refine || work == kit::Work::touch ? &any : nullptr, work}); };
         return run(n, from, progress.next(from.work, work_of));
     };
     Result result =

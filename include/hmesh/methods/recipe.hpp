@@ -39,6 +39,7 @@ namespace hmesh::kit {
 enum class Work : unsigned char {
     whole,   ///< as much as the recipe says
     refine,  ///< what makes a mesh of nearly as many vertices as good as a whole run
+    touch,   ///< what keeps a mesh as good whose vertices change by a few per cent, in half the time of that
     sketch,  ///< what tells the PSNR of a whole run to within some 0.3 dB, in a quarter of its time
     draft,   ///< what tells it to within 2 dB, in a tenth
 };
