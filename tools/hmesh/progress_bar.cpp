@@ -42,10 +42,10 @@ std::size_t usable(int columns) { return static_cast<std::size_t>(std::max(1, co
 
 // "0:07", "12:34" or "1:02:03".
 std::string clock_text(double seconds) {
-    const auto whole = static_cast<long>(std::min(3.6e6, std::ceil(seconds)));
+    const auto whole = static_cast<int>(std::min(3.6e6, std::ceil(seconds)));
     char text[32];
-    if (whole < 3600) std::snprintf(text, sizeof text, "%ld:%02ld", whole / 60, whole % 60);
-    else std::snprintf(text, sizeof text, "%ld:%02ld:%02ld", whole / 3600, whole / 60 % 60, whole % 60);
+    if (whole < 3600) std::snprintf(text, sizeof text, "%d:%02d", whole / 60, whole % 60);
+    else std::snprintf(text, sizeof text, "%d:%02d:%02d", whole / 3600, whole / 60 % 60, whole % 60);
     return text;
 }
 

@@ -91,21 +91,21 @@ double psnr_between(const std::vector<float>& wanted, const std::vector<float>& 
 
 }  // namespace
 
-std::vector<WrittenPsnr> WrittenFiles::measure(const hmesh::Mesh& stored, double psnr,
+std::vector<WrittenPsnr> WrittenFiles::measure(const hmesh::Mesh& mesh, double psnr,
                                                const std::optional<LightMesh>& light) const {
     std::vector<WrittenPsnr> out;
-    hmesh::Mesh mesh = stored;
-    mesh.premultiplied = options_.premultiplied;
+    hmesh::Mesh own = mesh;
+    own.premultiplied = options_.premultiplied;
     const auto channels = static_cast<std::size_t>(image_.channels);
     const auto measured = [&](const std::vector<float>& drawn, bool is_premultiplied) {
         if (wanted_.empty()) wanted_ = wanted_samples(image_, options_.premultiplied, parallel_for_);
-        return psnr_between(wanted_, drawn, channels, mesh.peak, options_.weights, options_.premultiplied && !is_premultiplied);
+        return psnr_between(wanted_, drawn, channels, own.peak, options_.weights, options_.premultiplied && !is_premultiplied);
     };
     std::vector<float> drawn;
     for (const auto& [name, ending] : arguments_.meshes) {
         if (!holds_the_mesh(ending, arguments_, image_.channels)) continue;
         const bool is_light = light && options_.fit_space == FitSpace::each && ending == ".glb";
-        const hmesh::Mesh& from = is_light ? light->mesh : mesh;
+        const hmesh::Mesh& from = is_light ? light->mesh : own;
         const hmesh::Mesh read = as_kept(from, ending);
         if (read.colors == from.colors && read.premultiplied == from.premultiplied) {
             out.push_back({name, ending, is_light ? light->psnr : psnr});
@@ -115,9 +115,9 @@ std::vector<WrittenPsnr> WrittenFiles::measure(const hmesh::Mesh& stored, double
     }
     if (arguments_.render.empty() || arguments_.render_scale != 1) return out;
     Picture picture;
-    if (!draw(mesh.view(), {1, options_.fit_space == FitSpace::linear}, picture)) return out;
+    if (!draw(own.view(), {1, options_.fit_space == FitSpace::linear}, picture)) return out;
     drawn.clear();
-    for (const std::uint8_t sample : picture.samples) drawn.push_back(static_cast<float>(sample * (mesh.peak / 255)));
+    for (const std::uint8_t sample : picture.samples) drawn.push_back(static_cast<float>(sample * (own.peak / 255)));
     out.push_back({arguments_.render, ".png", measured(drawn, false)});
     return out;
 }
