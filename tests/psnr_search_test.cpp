@@ -295,6 +295,15 @@ TEST_CASE(
         if (goer.asked.size() > static_cast<std::size_t>(k) + 1) continue;  // only a sketch was cut: the next run says so itself
         CHECK((cut.status.code == Errc::cancelled || goer.asked.size() <= static_cast<std::size_t>(k)));
     }
+    // A PSNR below 0, as of floats far off their peak, is better than no mesh.
+    for (int k = 0; k < 4; ++k) {
+        Goer goer;
+        goer.at_1000 = -200;
+        goer.cancel_at = k;
+        const Result cut = hmesh::kit::fewest_vertices_going_on(33.0, 0.9, 250, 100000, goer);
+        CHECK(cut.status.code == Errc::cancelled);
+        CHECK(cut.has_mesh());
+    }
     Goer flat;
     flat.slope = 0;
     flat.at_1000 = std::numeric_limits<double>::infinity();

@@ -170,17 +170,16 @@ class BestResult {
     // differs much between images: rather too few vertices than too many, which take longer.
     std::size_t n = first, before = 0;
     double before_psnr = 0;
-    Result rough;  // the last one but the very last
+    Result rough;                              // the last one but the very last; without a mesh at first
+    const auto better_of = [&](Result last) {  // that and one that failed or was cancelled, with its status
+        if (!rough.has_mesh() || last.report.psnr >= rough.report.psnr) return last;
+        rough.status = last.status;
+        return std::move(rough);
+    };
     for (int drafts = 0, sketches = 0; drafts < 4 && sketches < 4;) {
         const bool is_sketch = sketches != 0 || drafts == 3 || (before != 0 && std::abs(doublings(before, n)) < 1);
         Result result = mesh_from(n, {nullptr, is_sketch ? Work::sketch : Work::draft});
-        if (!result.status) {  // failed or cancelled: the better of this mesh and the one before
-            if (result.report.psnr < rough.report.psnr) {
-                rough.status = result.status;
-                return rough;
-            }
-            return result;
-        }
+        if (!result.status) return better_of(std::move(result));
         if (!is_finite(result.report.psnr)) break;
         if (before != 0 && (sketches != 0) == is_sketch) learn(before, before_psnr, n, result.report.psnr);
         before = n, before_psnr = result.report.psnr;
@@ -191,11 +190,7 @@ class BestResult {
     }
 
     Result whole = mesh_from(n, {});
-    if (!whole.status) {
-        if (whole.report.psnr >= rough.report.psnr) return whole;
-        rough.status = whole.status;
-        return rough;
-    }
+    if (!whole.status) return better_of(std::move(whole));
     double now = whole.report.psnr;
     Mesh last = whole.mesh;
     detail::BestResult best(psnr, std::move(whole));
