@@ -2788,7 +2788,7 @@ struct PdfShading {
 /// Puts the function that multiplies stored colours by their factor, in PostScript (ISO 32000-1, 7.10.5).
 inline void put_multiplier(PdfFile& file, const ShadingColors& colors) {
     const bool is_gray = colors.components == 1;
-    std::array<char, 48> code{};
+    std::array<char, 64> code{};  // 52 at most
     std::size_t used = 0;
     const auto add = [&](const char* text) {
         for (; *text != 0; ++text) code[used++] = *text;
