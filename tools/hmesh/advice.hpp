@@ -40,8 +40,7 @@ inline constexpr SlowViewer slow_pdf = {"poppler (Okular, pdftoppm) takes", 5000
                                                : &slow_gradient_svg;
     if (viewer == nullptr || vertices < viewer->from) return {};
     const double seconds = viewer->seconds + viewer->seconds_of_1000 * static_cast<double>(vertices) / 1000;
-    const std::string name = is_standard(file.name) ? "the standard output" : file.name;
-    return name + " has " + in_groups(vertices) + " vertices: " + viewer->who + " about " +
+    return output_name(file.name) + " has " + in_groups(vertices) + " vertices: " + viewer->who + " about " +
            in_groups(static_cast<std::size_t>(seconds + 0.5)) + " s to draw it; .html or .glb draw at once";
 }
 

@@ -63,13 +63,19 @@ template <class T, int C>
     return hmesh::mesh_image(view, options, recipe, parallel_for);
 }
 
+// Colours of floats are not rounded: the steps of whole numbers mean nothing to them.
+hmesh::LinearLightOptions light_options(const MeshingOptions& wanted, bool is_float) {
+    hmesh::LinearLightOptions options;
+    options.weights = wanted.weights;
+    options.grid = is_float ? 0 : 1;
+    return options;
+}
+
 // A stage after all others: colours for linear light, from the share `total` of the whole on.
 template <class T, int C>
 void fit_light(const hmesh::ImageView<T, C>& view, const MeshingOptions& wanted, double total, hmesh::Result& result,
                const hmesh::ParallelFor& parallel_for) {
-    hmesh::LinearLightOptions options;
-    options.weights = wanted.weights;
-    options.grid = std::is_same_v<T, float> ? 0 : 1;
+    const hmesh::LinearLightOptions options = light_options(wanted, std::is_same_v<T, float>);
     hmesh::ProgressInfo info{"linear light", 0, result.report.vertices, result.report.energy, total};
     const auto go_on = [&](double share) {
         info.fraction = share;
@@ -113,14 +119,19 @@ auto with_view(const ImageFile& image, Body&& body) {
     if (image.bits == 32) return body(hmesh::ImageView<float, C>{image.samples32.data(), image.width, image.height, 0});
     return body(hmesh::ImageView<std::uint8_t, C>{image.samples8.data(), image.width, image.height, 0});
 }
+// Calls body(c) with the number of channels, 1 to 4, as a constant.
+template <class Body>
+auto with_channels(int channels, Body&& body) {
+    switch (channels) {
+        case 1: return body(std::integral_constant<int, 1>());
+        case 2: return body(std::integral_constant<int, 2>());
+        case 3: return body(std::integral_constant<int, 3>());
+        default: return body(std::integral_constant<int, 4>());
+    }
+}
 template <class Body>
 auto with_view(const ImageFile& image, Body&& body) {
-    switch (image.channels) {
-        case 1: return with_view<1>(image, body);
-        case 2: return with_view<2>(image, body);
-        case 3: return with_view<3>(image, body);
-        default: return with_view<4>(image, body);
-    }
+    return with_channels(image.channels, [&](auto channels) { return with_view<channels.value>(image, body); });
 }
 
 // PNG files have straight colours.
@@ -189,12 +200,7 @@ std::vector<float> wanted_samples(const ImageFile& image, bool premultiplied, co
 }
 
 hmesh::Status draw_samples(const hmesh::MeshView& mesh, bool linear_light, std::vector<float>& samples) {
-    switch (mesh.channels) {
-        case 1: return draw_floats<1>(mesh, linear_light, samples);
-        case 2: return draw_floats<2>(mesh, linear_light, samples);
-        case 3: return draw_floats<3>(mesh, linear_light, samples);
-        default: return draw_floats<4>(mesh, linear_light, samples);
-    }
+    return with_channels(mesh.channels, [&](auto channels) { return draw_floats<channels.value>(mesh, linear_light, samples); });
 }
 
 hmesh::Colors final_colors(const MeshingOptions& options) noexcept {
@@ -216,9 +222,7 @@ LightMesh light_mesh(const ImageFile& image, const MeshingOptions& options, cons
                      const hmesh::ParallelFor& parallel_for) {
     LightMesh out;
     out.mesh = mesh;
-    hmesh::LinearLightOptions light;
-    light.weights = options.weights;
-    light.grid = image.bits == 32 ? 0 : 1;
+    const hmesh::LinearLightOptions light = light_options(options, image.bits == 32);
     const hmesh::LinearLightReport report =
         with_view(image, [&](const auto& view) { return hmesh::fit_linear_light(out.mesh, view, light, parallel_for); });
     out.psnr = report.psnr;
@@ -228,12 +232,7 @@ LightMesh light_mesh(const ImageFile& image, const MeshingOptions& options, cons
 }
 
 hmesh::Status draw(const hmesh::MeshView& mesh, const DrawOptions& options, Picture& picture) {
-    switch (mesh.channels) {
-        case 1: return draw_channels<1>(mesh, options, picture);
-        case 2: return draw_channels<2>(mesh, options, picture);
-        case 3: return draw_channels<3>(mesh, options, picture);
-        default: return draw_channels<4>(mesh, options, picture);
-    }
+    return with_channels(mesh.channels, [&](auto channels) { return draw_channels<channels.value>(mesh, options, picture); });
 }
 
 }  // namespace tool

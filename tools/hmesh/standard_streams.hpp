@@ -25,6 +25,9 @@ namespace tool {
     return is_standard(name) ? "the standard output" : "'" + name + "'";
 }
 
+// As lists of files have an output, without quotes.
+[[nodiscard]] inline std::string output_name(const std::string& name) { return is_standard(name) ? "the standard output" : name; }
+
 [[nodiscard]] inline bool is_terminal(std::FILE* file) {
 #ifdef _WIN32
     return _isatty(_fileno(file)) != 0;

@@ -24,8 +24,7 @@ void print_summary(std::FILE* to, const Arguments& arguments, const ImageFile& i
                      psnr_text(light->stored_psnr).c_str(), psnr_text(light->psnr).c_str());
     for (const WrittenPsnr& file : written)
         if (file.ending != ".glb" && psnr_text(file.psnr) != psnr_text(outcome.report.psnr))
-            std::fprintf(to, "PSNR      %s as %s %s\n", psnr_text(file.psnr).c_str(),
-                         is_standard(file.file) ? "the standard output" : file.file.c_str(),
+            std::fprintf(to, "PSNR      %s as %s %s\n", psnr_text(file.psnr).c_str(), output_name(file.file).c_str(),
                          file.ending == ".png" ? "shows it, rounded to 8 bits" : "holds it, colours of 8 bits");
     std::fprintf(to, "time      %.2f s\n", seconds);
     for (const std::string& name : output_files(arguments)) std::fprintf(to, "written   %s\n", name.c_str());

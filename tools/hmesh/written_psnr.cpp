@@ -8,6 +8,7 @@
 
 #include "hmesh/core/psnr.hpp"
 #include "hmesh/core/srgb.hpp"
+#include "hmesh/image/premultiply.hpp"
 #include "hmesh/io/detail/export_mesh.hpp"
 
 namespace tool {
@@ -37,11 +38,9 @@ double kept(Keeps keeps, double share, bool is_alpha) {
     return hmesh::kit::linear_to_srgb(hmesh::detail::to_u16(hmesh::kit::srgb_to_linear(share)) / 65535.0);
 }
 
-bool has_alpha(int channels) { return channels == 2 || channels == 4; }
-
 bool holds_the_mesh(const std::string& ending, const Arguments& arguments, int channels) {
     if (ending == ".svg") return arguments.svg == hmesh::SvgKind::exact;
-    return !has_alpha(channels) || (ending != ".obj" && ending != ".eps");
+    return !hmesh::kit::has_alpha(channels) || (ending != ".obj" && ending != ".eps");
 }
 
 // The mesh that a reader of a file of this format has, with as many channels.
@@ -56,7 +55,7 @@ hmesh::Mesh as_kept(const hmesh::Mesh& mesh, const std::string& ending) {
     const auto channels = static_cast<std::size_t>(mesh.channels), given = static_cast<std::size_t>(view.channels);
     for (std::size_t i = 0; i < out.colors.size(); ++i) {
         const std::size_t v = i / channels, c = i % channels;
-        const bool is_alpha = has_alpha(mesh.channels) && c + 1 == channels;
+        const bool is_alpha = hmesh::kit::has_alpha(mesh.channels) && c + 1 == channels;
         const float color = view.colors[given * v + (is_alpha ? given - 1 : c)];
         const double share = kept(keeps, hmesh::detail::share_of_peak(color, mesh.peak), is_alpha);
         // The stored value itself where it is kept, as bytes are.
