@@ -432,6 +432,7 @@ struct Adams {
     [[nodiscard]] Status run(kit::TiledMesh<C>& mesh, std::size_t n) const {
         const kit::ImageSource<C>& source = mesh.source();
         mesh.indexed() = kit::corner_mesh(source);  // the mesh after a cancellation in the first stage
+        mesh.progress().plan({0.3, 0.67, 0.03});
         const bool go_on = kit::run_stage<C>(mesh, "points", [&] {
             const double wanted = std::ceil(density * static_cast<double>(n));
             const auto count = static_cast<std::size_t>(std::min(source.pixels(), wanted));
@@ -493,6 +494,7 @@ struct AdaptiveThinning {
     [[nodiscard]] Status run(kit::TiledMesh<C>& mesh, std::size_t n) const {
         const kit::ImageSource<C>& source = mesh.source();
         mesh.indexed() = kit::corner_mesh(source);  // the mesh after a cancellation in the first stage
+        mesh.progress().plan({0.16, 0.83, 0.01});
         const bool go_on = kit::run_stage<C>(mesh, "points", [&] {
             std::vector<std::uint32_t> pixels(static_cast<std::size_t>(source.pixels()));
             std::iota(pixels.begin(), pixels.end(), 0U);
@@ -576,6 +578,7 @@ std::size_t run_flip_queue(ImageMesh<C>& mesh, int visits = 8) {
 #ifndef HMESH_METHODS_BASELINES_VERTEX_SEARCH_HPP
 #define HMESH_METHODS_BASELINES_VERTEX_SEARCH_HPP
 
+#include <algorithm>
 #include <cstddef>
 #include <vector>
 
@@ -621,7 +624,8 @@ bool search_vertex(ImageMesh<C>& mesh, Vertex v, int first_step, Ring<C>& ring, 
     double squares = ring.open ? spokes.spoke[ring.size - 1].q[3] - spokes.spoke[0].q[3] : 0;  // |I|^2 of the ring
     for (int i = ring.first_face(); i < ring.size; ++i) squares += ring.link[i].q[3];
     // A gain that rounding may feign: energies are differences of sums as large as the squares, some of them over whole rows.
-    const double min_gain = 1e-9 * lowest + 1e-12 * squares;
+    // Rounding may leave either below 0, and with gains below 0 the search would go round in circles.
+    const double min_gain = 1e-9 * std::max(0.0, lowest) + 1e-12 * std::max(0.0, squares);
     VertexState<C> best = state;
     // A vertex stays on its side of the image or at least half a pixel off, where the centres of pixels are.
     const auto on_centers = [](double x, int size) { return x >= 0.5 && x <= size - 0.5; };
@@ -666,6 +670,7 @@ std::size_t search_vertices(ImageMesh<C>& mesh, const VertexSearch& options) {
     Spokes<C> spokes;
     std::size_t moves = 0, moved = 1;
     for (const Vertex v : topology.vertices()) mesh.set_dirty(v, true);
+    mesh.expect(1, 0.6 * options.visits * static_cast<double>(mesh.vertex_count()));
     for (int round = 0; round < options.visits && moved > 0; ++round) {
         moved = 0;
         for (const Vertex v : spatial_vertices(mesh)) {
@@ -736,6 +741,8 @@ struct Xie {
     template <int C>
     [[nodiscard]] Status run(kit::TiledMesh<C>& mesh, std::size_t n) const {
         using kit::ImageMesh;
+        // Points, removal, and searches and flips by turns: six rounds are usual.
+        mesh.progress().plan({13, 20, 25, 2, 13, 2, 8, 2, 6, 2, 5, 2, 5, 2, 1});
         if (const Status status = start.run(mesh, n); !status) return status;
         for (int round = 0; round < rounds; ++round) {
             const double before = mesh.energy();
@@ -1957,6 +1964,8 @@ struct Hierarchical {
     /// Errc::cancelled: it is valid, with any number of vertices.
     template <class T, int C>
     [[nodiscard]] Status run(kit::TiledMesh<C>& mesh, const ImageView<T, C>& image, std::size_t n) const {
+        // Levels, points, removal, and four times geometry and flips: of other options too, whose stages are more or fewer.
+        mesh.progress().plan({5, 15, 37, 12, 2, 10, 2, 9, 1, 6, 1, 1});
         if (!mesh.progress().begin("levels", mesh.vertex_count(), mesh.energy())) return kit::cancelled_by_callback();
         const kit::Pyramid<T, C> pyramid = kit::make_pyramid(image, levels, bilateral, filter, mesh.parallel_for());
         std::vector<kit::ImageSource<C>> coarse;

@@ -125,6 +125,10 @@ TEST_CASE("check refuses strides so long that the place of the last row overflow
     constexpr std::ptrdiff_t largest = std::numeric_limits<std::ptrdiff_t>::max();
     for (const std::ptrdiff_t stride : {lowest, lowest + 1, largest, largest / 2, lowest / 2})
         CHECK(check(ImageView<std::uint8_t, 3>{&byte, 10, 4, stride}).code == Errc::invalid_argument);
+    if (sizeof(std::ptrdiff_t) < 8) return;
+    // Nor are there so many bytes where it does not.
+    CHECK(check(ImageView<std::uint8_t, 3>{&byte, 10, 4, largest / 8}).code == Errc::invalid_argument);
+    CHECK(check(ImageView<std::uint8_t, 3>{&byte, 10, 1, largest / 8}).code == Errc::invalid_argument);
 }
 
 TEST_CASE_TEMPLATE("a padded view and a bottom-up view show the same pixels as the packed image", T, std::uint8_t, std::uint16_t,

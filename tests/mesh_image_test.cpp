@@ -207,6 +207,40 @@ TEST_CASE("a PSNR that no mesh reaches gives the nearest mesh, and says so with 
     hmesh_test::prove_report(image, result);
 }
 
+TEST_CASE("a PSNR is searched for within the most vertices allowed, and where it takes more the mesh has those and says so") {
+    const auto image = hmesh_test::scene<std::uint8_t, 3>(56, 56, 5);
+    const auto free = mesh_of(image, Target::psnr(31), Effort::fast);
+    const auto needed = static_cast<std::int64_t>(free.report.vertices);
+    for (const std::int64_t most : {std::int64_t{4}, std::int64_t{7}, needed / 2, needed - needed / 20}) {
+        CAPTURE(most);
+        const auto result = mesh_of(image, Target::psnr(31, most), Effort::fast);
+        CHECK(result.status.code == Errc::target_out_of_range);
+        CHECK(std::string(result.status.what).find("max_vertices") != std::string::npos);
+        CHECK(result.status.value == result.report.psnr);
+        CHECK(result.status.limit == 31);
+        CHECK(result.report.vertices <= static_cast<std::size_t>(most));
+        const auto plain = mesh_of(image, Target::vertices(most), Effort::fast);
+        CHECK(result.report.psnr > plain.report.psnr - 0.2);  // as good as a mesh of so many
+        hmesh_test::prove_report(image, result);
+    }
+    const auto within = mesh_of(image, Target::psnr(31, needed + needed / 10), Effort::fast);
+    hmesh_test::prove_result(image, within, within.report.vertices);
+    CHECK(within.report.psnr >= 31);
+    CHECK(within.report.vertices <= static_cast<std::size_t>(needed + needed / 10));
+    // More than it has pixels bounds nothing.
+    for (const std::int64_t most : {std::int64_t{56 * 56}, std::int64_t{1} << 32, std::numeric_limits<std::int64_t>::max()})
+        CHECK(mesh_of(image, Target::psnr(31, most), Effort::fast).mesh.positions == free.mesh.positions);
+}
+
+TEST_CASE("the most vertices that a PSNR may take are at least 4, and bound nothing but a PSNR") {
+    const auto image = small_scene();
+    for (const std::int64_t bad : {std::int64_t{3}, std::int64_t{0}, std::numeric_limits<std::int64_t>::min()})
+        check_refused(mesh_of(image, Target::psnr(30, bad), Effort::draft), Errc::target_out_of_range);
+    Target target = Target::vertices(40);
+    target.max_vertices = 50;
+    check_refused(mesh_of(image, target, Effort::draft), Errc::invalid_argument);
+}
+
 TEST_CASE("the largest PSNR there is does not overflow the report of what was asked for") {
     const auto image = hmesh_test::noise<std::uint8_t, 1>(5, 4, 1);
     const auto result = mesh_of(image, Target::psnr(std::numeric_limits<double>::max()), Effort::draft);
@@ -494,6 +528,45 @@ TEST_CASE("a PSNR is reached, and 5 percent fewer vertices do not reach it by mo
     }
 }
 
+TEST_CASE("a search goes by what psnr_of says of each mesh, and the report tells the mesh's own PSNR") {
+    const auto image = hmesh_test::scene<std::uint8_t, 3>(56, 56, 5);
+    const auto check_lost = [&](const auto& recipe, double lost) {
+        Options options = options_of(Target::psnr(30));
+        std::size_t calls = 0;
+        double last = 0;
+        const auto psnr_of = [&](const hmesh::Mesh& mesh, double psnr) {
+            ++calls;
+            CHECK(mesh.width == 56);
+            CHECK(mesh.vertex_count() >= 4);
+            last = psnr;
+            return psnr - lost;
+        };
+        options.psnr_of = psnr_of;
+        const hmesh::Result result = hmesh::mesh_image(image.view(), options, recipe);
+        hmesh_test::prove_result(image, result, result.report.vertices);
+        CHECK(calls > 2);
+        CHECK(result.report.psnr >= 30 + lost);
+        CHECK(result.report.psnr < 30 + lost + 0.4);
+        calls = 0;
+        options.target = Target::vertices(100);
+        CHECK(hmesh::mesh_image(image.view(), options, recipe).status);
+        CHECK(calls == 0);
+    };
+    for (const double lost : {0.0, 1.0, -2.0}) check_lost(Annealed{Effort::fast, 1}, lost);
+    Options options = options_of(Target::psnr(30));
+    const auto never = [](const hmesh::Mesh&, double psnr) { return std::min(psnr, 29.0); };
+    options.psnr_of = never;
+    const hmesh::Result result = hmesh::mesh_image(image.view(), options, Annealed{Effort::draft, 1});
+    CHECK(result.status.code == Errc::target_out_of_range);
+    CHECK(result.status.value == 29);
+    options.target = Target::psnr(30, 60);
+    const hmesh::Result bounded = hmesh::mesh_image(image.view(), options, Annealed{Effort::draft, 1});
+    CHECK(bounded.status.code == Errc::target_out_of_range);
+    CHECK(std::string(bounded.status.what).find("max_vertices") != std::string::npos);
+    CHECK(bounded.report.vertices <= 60);
+    CHECK(bounded.report.psnr > bounded.status.value - 1e-9);  // the mesh's own
+}
+
 TEST_CASE("steps of one's own take the place of the effort's, with the recipe's seed, and bad ones are refused") {
     const auto image = small_scene();
     const Options options = options_of(Target::vertices(40));
@@ -597,6 +670,9 @@ TEST_CASE("what is no mesh of the image is refused as a start") {
     CHECK(refuses(bad));
     bad = good;
     bad.width = 41;
+    CHECK(refuses(bad));
+    bad = good;
+    bad.height = 29;
     CHECK(refuses(bad));
     bad = good;
     bad.channels = 4;

@@ -198,6 +198,9 @@ TEST_CASE("the methods of the paper reach a PSNR, and say so where they cannot")
         const Result most = mesh_image(image.view(), options_of(Target::psnr(200)), recipe);
         CHECK(most.status.code == Errc::target_out_of_range);
         hmesh_test::prove_report(image, most);
+        const Result few = mesh_image(image.view(), options_of(Target::psnr(28, 20)), recipe);
+        CHECK(few.status.code == Errc::target_out_of_range);
+        CHECK(few.report.vertices == 20);
     });
 }
 

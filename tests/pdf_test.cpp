@@ -3,9 +3,11 @@
 #include <doctest/doctest.h>
 
 #include <algorithm>
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <cstdlib>
+#include <sstream>
 #include <string>
 #include <vector>
 
@@ -79,16 +81,93 @@ const Object& page_of(const std::vector<Object>& objects) {
     return follow(objects, pages.entries, "/Kids");
 }
 
-void check_read_back(const hmesh::Mesh& mesh, double tolerance, const hmesh::PageOptions& options = {}) {
+// What a function of type 4 (ISO 32000-1, 7.10.5) that knows `mul` and `roll` makes of a colour.
+std::vector<double> calculated(const std::string& code, std::vector<double> stack) {
+    REQUIRE(code.front() == '{');
+    REQUIRE(code.back() == '}');
+    std::istringstream words(code.substr(1, code.size() - 2));
+    const auto pop = [&] {
+        REQUIRE(!stack.empty());
+        const double top = stack.back();
+        stack.pop_back();
+        return top;
+    };
+    for (std::string word; words >> word;) {
+        if (word == "mul") {
+            const double a = pop(), b = pop();
+            stack.push_back(a * b);
+        } else if (word == "roll") {
+            const auto times = static_cast<std::ptrdiff_t>(pop()), count = static_cast<std::ptrdiff_t>(pop());
+            REQUIRE(count >= times);
+            REQUIRE(static_cast<std::ptrdiff_t>(stack.size()) >= count);
+            std::rotate(stack.end() - count, stack.end() - times, stack.end());
+        } else {
+            stack.push_back(std::stod(word));
+        }
+    }
+    return stack;
+}
+
+// What `contents` draw of the shadings that `entries` name, in colours as they are shown. `factors` become how much each
+// shading's colours are multiplied.
+std::vector<Drawn> read_shadings(const std::vector<Object>& objects, const std::string& entries, const std::string& contents,
+                                 std::vector<double>& factors) {
+    std::vector<Drawn> drawn;
+    std::istringstream words(contents);
+    factors.clear();
+    for (std::string name, sh; words >> name;) {
+        words >> sh;
+        REQUIRE(sh == "sh");
+        const Object& shading = follow(objects, entries, name);
+        std::vector<Drawn> part = read_shading(shading.entries, shading.data);
+        factors.push_back(1);
+        if (shading.entries.find("/DeviceN") != std::string::npos) {
+            const bool gray = shading.entries.find("/DeviceGray") != std::string::npos;
+            const Object& function = follow(objects, shading.entries, gray ? "/DeviceGray" : "/DeviceRGB");
+            CHECK(numbers_after(function.entries, "/FunctionType")[0] == 4);
+            const std::size_t count = gray ? 1 : 3;
+            CHECK(numbers_after(function.entries, "/Domain").size() == 2 * count);
+            CHECK(numbers_after(function.entries, "/Range").size() == 2 * count);
+            for (Drawn& face : part)
+                for (Corner& corner : face) {
+                    const std::vector<double> shown = calculated(
+                        function.data, {corner.color.begin(), corner.color.begin() + static_cast<std::ptrdiff_t>(count)});
+                    REQUIRE(shown.size() == count);
+                    std::copy(shown.begin(), shown.end(), corner.color.begin());
+                }
+            factors.back() = calculated(function.data, std::vector<double>(count, 1)).back();
+            CHECK(numbers_after(shading.entries, "/Decode")[5] * factors.back() == 1);
+        }
+        drawn.insert(drawn.end(), part.begin(), part.end());
+    }
+    return drawn;
+}
+
+// Returns the factors of the parts.
+std::vector<double> check_read_back(const hmesh::Mesh& mesh, double tolerance, const hmesh::PageOptions& options = {}) {
     const std::vector<Object> objects = read_pdf(written(mesh.view(), options));
     const Object& page = page_of(objects);
     CHECK(numbers_after(page.entries, "/MediaBox") ==
           std::vector<double>{0, 0, static_cast<double>(mesh.width), static_cast<double>(mesh.height)});
-    CHECK(follow(objects, page.entries, "/Contents").data == "/S0 sh");
-    const Object& shading = follow(objects, page.entries, "/S0");
     const auto channels = static_cast<std::size_t>(mesh.channels);
-    check_drawn(read_shading(shading.entries, shading.data), mesh.view(), channels, tolerance,
+    std::vector<double> factors;
+    check_drawn(read_shadings(objects, page.entries, follow(objects, page.entries, "/Contents").data, factors), mesh.view(),
+                channels, tolerance,
                 [&](std::size_t v, std::size_t k) { return static_cast<double>(mesh.colors[channels * v + k]) / mesh.peak; });
+    return factors;
+}
+
+// Of faces of all sizes, and steps of colour from none to the largest.
+hmesh::Mesh mesh_of_all_parts(int channels) {
+    hmesh::Mesh mesh = random_grid(channels, 640, 400, 40, 40, 255, 21);
+    const auto count = static_cast<std::size_t>(channels);
+    for (std::size_t v = 0; v < mesh.vertex_count(); ++v) {
+        const auto bent = [](float at, float size) { return std::floor(at * at / size * 256) / 256; };
+        mesh.positions[2 * v] = bent(mesh.positions[2 * v], 640);
+        mesh.positions[2 * v + 1] = bent(mesh.positions[2 * v + 1], 400);
+        for (std::size_t k = 0; k < count; ++k) mesh.colors[count * v + k] *= mesh.positions[2 * v] / 640;
+    }
+    return mesh;
 }
 
 constexpr double half_of_8 = 0.5 / 255 + 1e-9, half_of_16 = 0.5 / 65535 + 1e-9;
@@ -164,31 +243,55 @@ TEST_CASE("positions of the 1/256 px grid arrive exactly in images of every size
 
 TEST_CASE("strips need little more than one vertex a face") {
     const hmesh::Mesh mesh = random_grid(3, 512, 384, 40, 40, 255, 8);
-    const std::vector<Object> objects = read_pdf(written(mesh.view()));
+    hmesh::PageOptions options;
+    options.parts = false;
+    const std::vector<Object> objects = read_pdf(written(mesh.view(), options));
     const std::size_t bytes = follow(objects, page_of(objects).entries, "/S0").data.size();
     CHECK(bytes < 10 * mesh.face_count() * 11 / 10);
     CHECK(bytes >= 10 * (mesh.face_count() + 2));
 }
 
-TEST_CASE("4 channels are colours drawn straight, masked as a whole by a shading of the fourth") {
-    const hmesh::Mesh mesh = random_grid(4, 300, 200, 12, 8, 255, 9);
-    const std::vector<Object> objects = read_pdf(written(mesh.view()));
-    const Object& page = page_of(objects);
-    CHECK(follow(objects, page.entries, "/Contents").data == "/G0 gs /X0 Do");
-    const Object& group = follow(objects, page.entries, "/X0");
-    const Object& mask = follow(objects, follow(objects, page.entries, "/G0").entries, "/SMask << /S /Luminosity /G");
-    CHECK(mask.entries.find("/Group << /S /Transparency /CS /DeviceGray") != std::string::npos);
-    const auto share = [&](std::size_t v, std::size_t k) { return static_cast<double>(mesh.colors[4 * v + k]) / 255; };
-    for (const Object* form : {&group, &mask}) {
-        CHECK(form->entries.find("/Subtype /Form") != std::string::npos);
-        CHECK(form->data == "/S0 sh");
-        CHECK(numbers_after(form->entries, "/BBox") == std::vector<double>{0, 0, 300, 200});
+TEST_CASE("a mesh that poppler would cut into many pieces is drawn in parts that show the same, those stored smallest first") {
+    for (const int channels : {1, 3}) {
+        const hmesh::Mesh mesh = mesh_of_all_parts(channels);
+        CHECK(check_read_back(mesh, half_of_8) == std::vector<double>{16, 8, 4, 2, 1});
+        hmesh::PageOptions options;
+        options.parts = false;
+        CHECK(check_read_back(mesh, half_of_8, options) == std::vector<double>{1});
+        options.parts = true;
+        options.strips = false;
+        CHECK(check_read_back(mesh, half_of_8, options) == std::vector<double>{1});
+        hmesh::Mesh dim = mesh;
+        dim.peak = 65535;
+        for (float& color : dim.colors) color *= 257;
+        CHECK(check_read_back(dim, half_of_16).front() == 16);
+        for (float& color : dim.colors) color /= 25600;
+        CHECK(check_read_back(dim, half_of_16) == std::vector<double>{1});
     }
-    const Object& colors = follow(objects, group.entries, "/S0");
-    const Object& alpha = follow(objects, mask.entries, "/S0");
-    check_drawn(read_shading(colors.entries, colors.data), mesh.view(), 3, half_of_8, share);
-    check_drawn(read_shading(alpha.entries, alpha.data), mesh.view(), 1, half_of_8,
-                [&](std::size_t v, std::size_t) { return share(v, 3); });
+}
+
+TEST_CASE("4 channels are colours drawn straight, masked as a whole by a shading of the fourth, both in parts or not") {
+    for (const bool is_large : {false, true}) {
+        const hmesh::Mesh mesh = is_large ? mesh_of_all_parts(4) : random_grid(4, 300, 200, 12, 8, 255, 9);
+        const std::vector<Object> objects = read_pdf(written(mesh.view()));
+        const Object& page = page_of(objects);
+        CHECK(follow(objects, page.entries, "/Contents").data == "/G0 gs /X0 Do");
+        const Object& group = follow(objects, page.entries, "/X0");
+        const Object& mask = follow(objects, follow(objects, page.entries, "/G0").entries, "/SMask << /S /Luminosity /G");
+        CHECK(mask.entries.find("/Group << /S /Transparency /CS /DeviceGray") != std::string::npos);
+        const auto share = [&](std::size_t v, std::size_t k) { return static_cast<double>(mesh.colors[4 * v + k]) / 255; };
+        for (const Object* form : {&group, &mask}) {
+            CHECK(form->entries.find("/Subtype /Form") != std::string::npos);
+            CHECK(numbers_after(form->entries, "/BBox") ==
+                  std::vector<double>{0, 0, static_cast<double>(mesh.width), static_cast<double>(mesh.height)});
+        }
+        std::vector<double> factors;
+        check_drawn(read_shadings(objects, group.entries, group.data, factors), mesh.view(), 3, half_of_8, share);
+        CHECK(factors.size() == (is_large ? 5 : 1));
+        check_drawn(read_shadings(objects, mask.entries, mask.data, factors), mesh.view(), 1, half_of_8,
+                    [&](std::size_t v, std::size_t) { return share(v, 3); });
+        CHECK(factors.size() == (is_large ? 5 : 1));
+    }
 }
 
 TEST_CASE("a compressor is used for the mesh, and where it fails there is a Status and no byte") {

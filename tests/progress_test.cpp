@@ -41,12 +41,13 @@ struct Recorder {
         double fraction;
         std::size_t vertices;
         double energy;
+        double total;
     };
     std::vector<Call> calls;
     std::size_t stop_at = std::numeric_limits<std::size_t>::max();
 
     bool operator()(const ProgressInfo& info) {
-        calls.push_back({info.stage, info.fraction, info.vertices, info.energy});
+        calls.push_back({info.stage, info.fraction, info.vertices, info.energy, info.total});
         return calls.size() <= stop_at;
     }
 };
@@ -55,13 +56,16 @@ struct Recorder {
 std::vector<std::string> check_calls(const std::vector<Recorder::Call>& calls) {
     std::vector<std::string> stages;
     bool open = false;
-    double last = 0;
+    double last = 0, total = 0;
     for (const Recorder::Call& call : calls) {
         CAPTURE(call.stage);
         CHECK(call.fraction >= 0);
         CHECK(call.fraction <= 1);
         CHECK(call.vertices >= 4);
         CHECK(std::isfinite(call.energy));
+        CHECK(call.total >= total);
+        CHECK(call.total <= 1);
+        total = call.total;
         if (!open) {
             CHECK(call.fraction == 0);
             stages.push_back(call.stage);
@@ -78,6 +82,7 @@ std::vector<std::string> check_calls(const std::vector<Recorder::Call>& calls) {
             open = false;
         }
     }
+    CHECK(total == 1);
     return stages;
 }
 
@@ -402,6 +407,111 @@ TEST_CASE("a search for a PSNR reports the stages of each of its runs") {
     options.progress = recorder;
     CHECK(hmesh::mesh_image(image.view(), options, annealed(Effort::fast)).status);
     CHECK(check_calls(recorder.calls).size() > 10);
+}
+
+TEST_CASE("a search for a PSNR that none reaches, or that needs all pixels, ends with a total of 1 too") {
+    const auto image = hmesh_test::noise<std::uint8_t, 1>(6, 5, 1);
+    for (const double psnr : {200.0, 2.0}) {
+        Recorder recorder;
+        Options options;
+        options.target = Target::psnr(psnr);
+        options.progress = recorder;
+        const hmesh::Result result = hmesh::mesh_image(image.view(), options, annealed(Effort::draft));
+        CHECK(result.status.code == (psnr > 100 ? Errc::target_out_of_range : Errc::ok));
+        check_calls(recorder.calls);
+        CHECK(recorder.calls.back().energy == result.report.energy);
+    }
+    Recorder recorder;
+    Options options;
+    options.target = Target::psnr(20);
+    options.progress = recorder;
+    const auto scene = hmesh_test::scene<std::uint8_t, 3>(40, 36, 2);
+    CHECK(hmesh::mesh_image(scene.view(), options, hmesh::Adams()).status);
+    check_calls(recorder.calls);
+}
+
+TEST_CASE("the stages of a plan take their shares of the run's span, whatever follows or is missing") {
+    Recorder recorder;
+    ProgressReporter reporter(recorder, 1000, 255, {0.2, 0.7});
+    reporter.plan({1, 4, 3, 2});
+    reporter.plan({1, 1});  // of a method within: no heed is taken
+    const auto total = [&] { return recorder.calls.back().total; };
+    reporter.begin("first", 4, 900);
+    CHECK(total() == doctest::Approx(0.2));
+    reporter.end(4, 900);
+    CHECK(total() == doctest::Approx(0.25));
+    reporter.begin("second", 4, 900);
+    reporter.update(0.5, 4, 900);
+    CHECK(total() == doctest::Approx(0.35));
+    reporter.update(0.25, 4, 900);  // never falls
+    CHECK(total() == doctest::Approx(0.35));
+    SUBCASE("a stage is left out") {
+        reporter.begin_colors(4, 900);
+        CHECK(total() == doctest::Approx(0.6));
+    }
+    SUBCASE("two come that are not in the plan") {
+        reporter.begin("third", 4, 900);
+        CHECK(total() == doctest::Approx(0.45));
+        reporter.end(4, 900);
+        CHECK(total() == doctest::Approx(0.6));
+        for (const char* more : {"fourth", "fifth"}) {
+            reporter.begin(more, 4, 900);
+            reporter.end(4, 900);
+            CHECK(total() == doctest::Approx(0.6));
+        }
+        reporter.begin_colors(4, 900);
+    }
+    CHECK(recorder.calls.back().stage == "colors");
+    reporter.end(4, 900);
+    CHECK(total() == 0.7);
+}
+
+TEST_CASE("stages without a plan take half of what is left each") {
+    Recorder recorder;
+    ProgressReporter reporter(recorder, 1000, 255);
+    for (const double expected : {0.5, 0.75, 0.875}) {
+        reporter.begin("own", 4, 900);
+        reporter.end(4, 900);
+        CHECK(recorder.calls.back().total == expected);
+    }
+    reporter.begin_colors(4, 900);
+    reporter.end(4, 900);
+    CHECK(recorder.calls.back().total == 1);
+}
+
+TEST_CASE("a task that expects a number of beats moves on with them, as far as it said and no further") {
+    Recorder recorder;
+    ProgressReporter reporter(recorder, 1000, 255);
+    reporter.begin("work", 4, 900);
+    reporter.set_range(0, 1);
+    TaskProgress task(reporter, 1);
+    task.expect(0.5, 1024);
+    for (const double expected : {0.125, 0.25, 0.375, 0.5, 0.5, 0.5}) {
+        for (int k = 0; k < 256; ++k) CHECK(task.keep_going());
+        CHECK(recorder.calls.back().fraction == doctest::Approx(expected));
+    }
+    task.expect(0.3, 1000);  // never falls
+    for (int k = 0; k < 256; ++k) CHECK(task.keep_going());
+    CHECK(recorder.calls.back().fraction == doctest::Approx(0.5));
+    task.expect(1, 3);
+    for (int k = 0; k < 256; ++k) CHECK(task.keep_going());
+    CHECK(recorder.calls.back().fraction == doctest::Approx(1));
+}
+
+TEST_CASE("the work of a run is that of the stages it has, and less from a mesh than from the start") {
+    for (const Effort effort : {Effort::draft, Effort::fast, Effort::normal, Effort::best}) {
+        const hmesh::kit::AnnealedSteps steps = hmesh::kit::annealed_steps(effort);
+        const hmesh::kit::AnnealedWork work = hmesh::kit::annealed_work(steps, 262144, 2621, false);
+        CHECK((work.collapse > 0) == (effort != Effort::draft));
+        CHECK((work.anneal > 0) == (effort >= Effort::normal));
+        CHECK(work.sum() > work.insert + work.collapse + work.anneal);
+        Annealed recipe = annealed(effort);
+        CHECK(recipe.work(512, 512, 2621) == work.sum());
+        const hmesh::Mesh any;
+        recipe.start = &any;
+        CHECK(recipe.work(512, 512, 2621) == hmesh::kit::annealed_work(steps, 262144, 2621, true).sum());
+        CHECK(recipe.work(512, 512, 2621) < work.sum());
+    }
 }
 
 TEST_CASE("a progress callback changes no byte of the result") {

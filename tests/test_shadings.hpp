@@ -77,11 +77,13 @@ struct Corner {
 };
 using Drawn = std::array<Corner, 3>;
 
-// The triangles of a shading of type 4: ISO 32000-1, 8.7.4.5.5. `entries` is its dictionary.
+// The triangles of a shading of type 4: ISO 32000-1, 8.7.4.5.5. `entries` is its dictionary. Colours are those of the shading's
+// space, which may be DeviceN.
 inline std::vector<Drawn> read_shading(const std::string& entries, const std::string& data) {
     CHECK(numbers_after(entries, "/ShadingType")[0] == 4);
-    const bool gray = entries.find("/ColorSpace /DeviceGray") != std::string::npos;
-    REQUIRE((gray || entries.find("/ColorSpace /DeviceRGB") != std::string::npos));
+    const auto has_space = [&](const char* space) { return entries.find(space) != std::string::npos; };
+    const bool gray = has_space("/ColorSpace /DeviceGray") || has_space("/ColorSpace [/DeviceN [/Gray] /DeviceGray ");
+    REQUIRE((gray || has_space("/ColorSpace /DeviceRGB") || has_space("/ColorSpace [/DeviceN [/Red /Green /Blue] /DeviceRGB ")));
     const std::vector<double> decode = numbers_after(entries, "/Decode");
     const std::size_t components = gray ? 1 : 3;
     REQUIRE(decode.size() == 4 + 2 * components);

@@ -34,6 +34,7 @@ template <int C>
 struct RecipeRef {
     FunctionRef<double(std::size_t n)> tile_size;
     FunctionRef<Status(kit::TiledMesh<C>& mesh, std::size_t n, const kit::Beginning& from)> run;
+    FunctionRef<double(std::size_t n, const kit::Beginning& from)> work;
     Colors colors;
     bool can_go_on;           // whether run() knows beginnings other than the first
     double gain_over_sketch;  // where it does
@@ -42,8 +43,8 @@ struct RecipeRef {
 /// One finished mesh of n vertices. `samples`: number of pixels, or the sum of their weights, times channels.
 template <int C>
 [[nodiscard]] HMESH_COLD Result mesh_once(const kit::ImageSource<C>& source, double samples, std::size_t n,
-                                          const kit::Beginning& from, const RecipeRef<C>& recipe, const Options& options,
-                                          const ParallelFor& parallel_for) {
+                                          const kit::Beginning& from, const kit::ProgressSpan& span,
+                                          const RecipeRef<C>& recipe, const Options& options, const ParallelFor& parallel_for) {
     Result result;
     const double tile = recipe.tile_size(n);
     // Patches stand out of their tiles by parts of a triangle: hence twice as large.
@@ -54,11 +55,11 @@ template <int C>
                          widest};
         return result;
     }
-    kit::ProgressReporter progress(options.progress, samples, source.peak());
+    kit::ProgressReporter progress(options.progress, samples, source.peak(), span);
     kit::TiledMesh<C> tiled(source, options.limits, progress, parallel_for);
     tiled.indexed() = kit::corner_mesh(source);  // what a cancellation finds
     result.status = recipe.run(tiled, n, from);
-    progress.begin("colors", tiled.vertex_count(), tiled.energy());
+    progress.begin_colors(tiled.vertex_count(), tiled.energy());
     const double grid = source.is_integer() && options.round_colors ? 1 : 0;
     const kit::Tiling tiling(source.width(), source.height(), tile);
     if (recipe.colors == Colors::sampled) sample_colors(tiled, tiling, grid);
@@ -74,28 +75,52 @@ template <int C>
     return result;
 }
 
+/// After a search: the mesh's own PSNR, and the last word to the callback.
+[[nodiscard]] HMESH_COLD inline Result searched(Result result, const Options& options, double samples, double peak) {
+    const Report& report = result.report;
+    if (!result.has_mesh()) return result;
+    result.report.psnr = kit::psnr_of_energy(report.energy, samples, peak);
+    if (!options.progress || !(result.status || result.status.code == Errc::target_out_of_range)) return result;
+    if (!options.progress({report.stages.back().name, 1, report.vertices, report.energy, 1}))
+        result.status = kit::cancelled_by_callback();
+    return result;
+}
+
 /// The mesh that options.target asks for; `samples` as for mesh_once().
 template <int C>
 [[nodiscard]] HMESH_COLD Result mesh_target(const kit::ImageSource<C>& source, double samples, const RecipeRef<C>& recipe,
                                             const Options& options, const ParallelFor& parallel_for) {
     const double pixels = source.pixels();
-    const auto most = static_cast<std::size_t>(std::max(4.0, pixels));
-    const auto mesh_from = [&](std::size_t n, const kit::Beginning& from) {
-        return mesh_once(source, samples, n, from, recipe, options, parallel_for);
-    };
-    const auto mesh_of = [&](std::size_t n) { return mesh_from(n, {}); };
+    const auto all = static_cast<std::int64_t>(std::max(4.0, pixels));
+    const auto most = static_cast<std::size_t>(std::min(all, options.target.max_vertices.value_or(all)));
+    const bool is_bounded = most < static_cast<std::size_t>(all);
     const auto share = [&](double percent) {
         return std::min(most, std::max<std::size_t>(4, static_cast<std::size_t>(std::llround(pixels * percent / 100))));
     };
-    switch (options.target.kind) {
-        case Target::Kind::percent: return mesh_of(share(options.target.value));
-        case Target::Kind::psnr:
-            return recipe.can_go_on ? kit::fewest_vertices_going_on(options.target.value, recipe.gain_over_sketch, share(0.25),
-                                                                    most, mesh_from)
-                                    : kit::fewest_vertices(options.target.value, share(1), most, mesh_of);
-        case Target::Kind::vertices: break;
+    if (options.target.kind != Target::Kind::psnr) {
+        const bool is_percent = options.target.kind == Target::Kind::percent;
+        return mesh_once(source, samples,
+                         is_percent ? share(options.target.value) : static_cast<std::size_t>(options.target.value), {}, {},
+                         recipe, options, parallel_for);
     }
-    return mesh_of(static_cast<std::size_t>(options.target.value));
+    kit::SearchProgress progress;
+    const Mesh any;  // stands for the mesh of another run
+    const auto run = [&](std::size_t n, const kit::Beginning& from, const kit::ProgressSpan& span) {
+        Result result = mesh_once(source, samples, n, from, span, recipe, options, parallel_for);
+        if (options.psnr_of && result.has_mesh()) result.report.psnr = options.psnr_of(result.mesh, result.report.psnr);
+        return result;
+    };
+    const auto mesh_of = [&](std::size_t n) { return run(n, {}, progress.next()); };
+    const auto mesh_from = [&](std::size_t n, const kit::Beginning& from) {
+        const auto work_of = [&](kit::Work work) { return recipe.work(n, {work == kit::Work::refine || work == kit::Work::touch ? &any : nullptr, work}); };
+        return run(n, from, progress.next(from.work, work_of));
+    };
+    Result result =
+        recipe.can_go_on ? kit::fewest_vertices_going_on(options.target.value, recipe.gain_over_sketch, share(0.25), most, mesh_from)
+                        : kit::fewest_vertices(options.target.value, share(1), most, mesh_of);
+    if (result.status.code == Errc::target_out_of_range && is_bounded)
+        result.status.what = "no mesh of at most max_vertices vertices reached the PSNR asked for, in dB";
+    return searched(std::move(result), options, samples, source.peak());
 }
 
 /// A recipe for images of one kind behind function references.
@@ -104,6 +129,7 @@ struct ImageRecipeRef {
     FunctionRef<Status(int width, int height)> check;
     FunctionRef<double(std::size_t n)> tile_size;
     FunctionRef<Status(kit::TiledMesh<C>& mesh, const ImageView<T, C>& image, std::size_t n, const kit::Beginning& from)> run;
+    FunctionRef<double(std::size_t n, const kit::Beginning& from)> work;
     Colors colors;
     bool can_go_on;
     double gain_over_sketch;
@@ -136,7 +162,7 @@ template <class T, int C>
     const auto run = [&](kit::TiledMesh<C>& mesh, std::size_t n, const kit::Beginning& from) {
         return recipe.run(mesh, image, n, from);
     };
-    const RecipeRef<C> reference{recipe.tile_size, run, recipe.colors, recipe.can_go_on, recipe.gain_over_sketch};
+    const RecipeRef<C> reference{recipe.tile_size, run, recipe.work, recipe.colors, recipe.can_go_on, recipe.gain_over_sketch};
     result = mesh_target(source, samples, reference, options, parallel_for);
     result.mesh.premultiplied = options.premultiplied;
     return result;
@@ -158,6 +184,13 @@ template <class Recipe>
 inline constexpr bool
     can_go_on<Recipe, std::void_t<decltype(std::declval<const Recipe&>().from(std::declval<const kit::Beginning&>()))>> = true;
 
+/// Whether such a recipe knows how long a run takes, by a member work(width, height, n).
+template <class Recipe, class = void>
+inline constexpr bool knows_work = false;
+template <class Recipe>
+inline constexpr bool knows_work<
+    Recipe, std::void_t<decltype(std::declval<const Recipe&>().from(std::declval<const kit::Beginning&>()).work(0, 0, 0))>> = true;
+
 }  // namespace hmesh::detail
 
 namespace hmesh {
@@ -172,11 +205,15 @@ Result mesh_image(const ImageView<T, C>& view, const Options& options, const Rec
         else if constexpr (detail::wants_view<Recipe, T, C>) return recipe.run(mesh, image, n);
         else return recipe.run(mesh, n);
     };
+    const auto work = [&](std::size_t n, [[maybe_unused]] const kit::Beginning& from) {
+        if constexpr (detail::knows_work<Recipe>) return static_cast<double>(recipe.from(from).work(view.width, view.height, n));
+        else return static_cast<double>(n);
+    };
     double gain = 0;
     if constexpr (detail::can_go_on<Recipe>) gain = recipe.gain_over_sketch();
     const Colors colors = options.colors.value_or(Recipe::colors);
     return detail::mesh_view(view, options,
-                             detail::ImageRecipeRef<T, C>{check, tile_size, run, colors, detail::can_go_on<Recipe>, gain},
+                             detail::ImageRecipeRef<T, C>{check, tile_size, run, work, colors, detail::can_go_on<Recipe>, gain},
                              parallel_for);
 }
 

@@ -10,6 +10,7 @@
 
 #include "hmesh/core/compiler.hpp"
 #include "hmesh/core/finite.hpp"
+#include "hmesh/core/function_ref.hpp"
 #include "hmesh/core/progress.hpp"
 #include "hmesh/core/status.hpp"
 #include "hmesh/image/image_view.hpp"
@@ -18,6 +19,8 @@
 #include "hmesh/core/macros/push.hpp"
 
 namespace hmesh {
+
+struct Mesh;
 
 /// How the final colours of the vertices are chosen.
 enum class Colors : std::uint8_t {
@@ -35,14 +38,21 @@ struct Target {
     };
     Kind kind = Kind::percent;  ///< what `value` counts
     double value = 1;           ///< number of vertices, percent of the pixels, or dB
+    /// Of a PSNR alone: the most vertices that the mesh may have, >= 4. Empty (the default): as many as the image has pixels.
+    std::optional<std::int64_t> max_vertices{};
 
     /// Exactly n vertices, 4 <= n <= max(4, number of pixels).
-    [[nodiscard]] static Target vertices(std::int64_t n) noexcept { return {Kind::vertices, static_cast<double>(n)}; }
+    [[nodiscard]] static Target vertices(std::int64_t n) noexcept { return {Kind::vertices, static_cast<double>(n), {}}; }
     /// This percentage of the number of pixels, rounded to a whole number of vertices; in (0, 100], at least 4 vertices.
-    [[nodiscard]] static Target percent(double of_pixels) noexcept { return {Kind::percent, of_pixels}; }
+    [[nodiscard]] static Target percent(double of_pixels) noexcept { return {Kind::percent, of_pixels, {}}; }
     /// The fewest vertices found whose mesh reaches this PSNR, in dB, > 0. Takes about six runs at counts that close in on the
     /// target.
-    [[nodiscard]] static Target psnr(double decibel) noexcept { return {Kind::psnr, decibel}; }
+    [[nodiscard]] static Target psnr(double decibel) noexcept { return {Kind::psnr, decibel, {}}; }
+    /// The same with at most `max_vertices`, >= 4; more than pixels bound nothing. Where these do not reach the PSNR, the mesh is
+    /// the best one found of at most so many, and the status target_out_of_range.
+    [[nodiscard]] static Target psnr(double decibel, std::int64_t max_vertices) noexcept {
+        return {Kind::psnr, decibel, max_vertices};
+    }
 };
 
 /// What mesh_image() can be told, whatever the method. The defaults are good for photographs.
@@ -64,6 +74,11 @@ struct Options {
     /// then those of the premultiplied image, and Mesh::premultiplied is set. Colours under transparent pixels do not count,
     /// and the edges of sprites carry no fringes. Takes a copy of the image.
     bool premultiplied = false;
+    /// What a search for a PSNR goes by: psnr_of(mesh, psnr) returns the PSNR, in dB, that a mesh counts as, `psnr` being its own
+    /// (Report::psnr). For meshes that are to reach the target as they are stored or drawn, with fewer bits or between other
+    /// values. Empty (the default): their own. Called for each run of a search, on the thread that called mesh_image(); it
+    /// must return a number and rise with the number of vertices, on the whole, and its callable must outlive the call.
+    FunctionRef<double(const Mesh& mesh, double psnr)> psnr_of{};
 };
 
 /// Whether the options are valid for an image of `pixels` pixels and `channels` channels: target_out_of_range or
@@ -89,6 +104,12 @@ struct Options {
             break;
         default: return {Errc::invalid_argument, "the target is of no known kind", static_cast<int>(target.kind), 2};
     }
+    if (target.max_vertices && target.kind != Target::Kind::psnr)
+        return {Errc::invalid_argument, "max_vertices bounds the search for a PSNR, and the target is none",
+                *target.max_vertices};
+    if (target.max_vertices && *target.max_vertices < 4)
+        return {Errc::target_out_of_range, "a mesh has at least 4 vertices, and so has the most that it may have",
+                *target.max_vertices, 4};
     if (const Status status = check(options.limits); !status) return status;
     if (options.colors && *options.colors != Colors::optimal && *options.colors != Colors::sampled)
         return {Errc::invalid_argument, "the colors are none of those known", static_cast<int>(*options.colors), 1};

@@ -29,12 +29,14 @@ def test_a_mesh_pictures_and_a_report_are_written_and_told(hmesh):
     report = json.loads(read("report.json"))
     assert {"element vertex 100", f"element face {report['faces']}"} <= set(ply_header("mesh.ply"))
     assert list(report) == """version input width height channels bits method effort colors fit_space premultiplied seed weights
-                              tile target status vertices faces psnr psnr_convention psnr_glb psnr_glb_fitted energy seconds stages""".split()
+                              tile target status vertices faces psnr psnr_convention psnr_written psnr_glb psnr_glb_fitted energy seconds
+                                  stages""".split()
     assert report.items() >= {"input": "picture.png", "width": 96, "height": 64, "channels": 3, "bits": 8, "method": "annealed",
                               "effort": "normal", "colors": "optimal", "fit_space": "stored", "premultiplied": False, "seed": 1,
                               "weights": None, "tile": 0, "target": "--vertices 100", "status": "ok", "vertices": 100}.items()
     assert report["psnr_convention"] == ("10 log10(peak^2 / MSE) in dB, MSE the mean over pixels and channels of the image's "
-                                         "stored values")
+                                         "stored values; psnr of the mesh, values drawn not rounded, psnr_written of "
+                                         "what the files hold")
     assert report["psnr"] == pytest.approx(10 * math.log10(255**2 * 96 * 64 * 3 / report["energy"]), abs=1e-6)
     for stage in report["stages"]:
         assert list(stage) == ["name", "vertices", "energy", "psnr", "seconds"]
@@ -127,7 +129,7 @@ def test_every_format_holds_the_mesh(hmesh):
     page = read("x.html").decode()
     assert "<title>picture.png</title>" in page
     assert f">100 vertices\n{faces} faces\nPSNR {report['psnr']:.2f} dB<" in page
-    assert '<p id="notes">PSNR = 10 log10(peak^2 / MSE), MSE over pixels and channels</p>' in page
+    assert '<p id="notes">PSNR = 10 log10(peak^2 / MSE), MSE over pixels and channels, values drawn not rounded</p>' in page
     assert original_of("x.html") == read("picture.png")
 
 
@@ -330,3 +332,24 @@ def test_the_terrain_of_heightmap_looks_up(tmp_path, pytestconfig):
     faces = [[ground[int(v) - 1] for v in corners] for kind, *corners in lines if kind == "f"]
     assert len(faces) > 1000
     assert all((b[1] - a[1]) * (c[0] - a[0]) > (b[0] - a[0]) * (c[1] - a[1]) for a, b, c in faces)
+
+
+@pytest.mark.parametrize("options, slow, who, seconds", [
+    ("--vertices 20000", {"x.svg"}, "browsers take", 10), ("--vertices 19999", set(), "", 0),
+    ("--vertices 6000 --svg exact", {"x.svg"}, "browsers take", 10), ("--vertices 5999 --svg exact", set(), "", 0),
+    ("--vertices 40000 --svg flat", {"x.svg"}, "browsers take", 9), ("--vertices 39999 --svg flat", set(), "", 0),
+    ("--vertices 50000", {"x.pdf", "X.SVG"}, "", 0)])
+def test_it_says_which_file_is_slow_to_draw_and_what_to_take_instead(hmesh, options, slow, who, seconds):
+    Image.effect_noise((400, 300), 80).save("noise.png")
+    svg = "X.SVG" if len(slow) == 2 else "x.svg"
+    out = hmesh.done(f"noise.png --effort draft {options} -o x.pdf -o {svg} -o x.glb -o x.html")
+    notes = re.findall(r"^note +(\S+) has ([\d,]+) vertices: (.*) about (\d+) s to draw it; .html or .glb draw at once$", out, re.M)
+    assert {note[0] for note in notes} == slow and out.count("note ") == len(slow)
+    vertices = re.search(r"^vertices +(\d+)$", out, re.M)[1]
+    for name, count, viewer, told in notes:
+        assert count == f"{int(vertices):,}"
+        if who:
+            assert (viewer, int(told)) == (who, seconds)
+    if len(slow) == 2:
+        assert [(n[2], int(n[3])) for n in notes] == [("poppler (Okular, pdftoppm) takes", 10), ("browsers take", 22)]
+    assert hmesh.done(f"noise.png --effort draft {options} -o {svg} --quiet") == ""

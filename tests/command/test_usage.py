@@ -8,8 +8,9 @@ from conftest import contents, rows
 
 def test_help_names_every_option(hmesh):
     text = hmesh.done("--help")
-    for name in """output vertices rate psnr effort method colors fit-space premultiplied seed weights tile threads svg
-                   no-original render render-scale wireframe residual strip report depfile quiet help version""".split():
+    for name in """output format vertices rate psnr max-vertices effort method colors fit-space premultiplied seed weights tile threads svg
+                   no-original render render-scale wireframe residual strip report depfile keep-partial quiet json help
+                   version man completion""".split():
         assert re.search(rf"^ +(-\w, *)?--{name}\b", text, re.M), name
     assert hmesh.done("-h") == text
     assert hmesh.done("grey.pgm --rate x --help") == text
@@ -28,8 +29,44 @@ WRONG = rows("""
     sampled ones are asked for                | grey.pgm --fit-space linear --colors sampled
     not premultiplied ones                    | grey.pgm --fit-space linear --premultiplied
     no input image                            | ''
-    'two.png'                                 | grey.pgm two.png
-    'two.png'                                 | -- grey.pgm two.png
+    no input image                            | grey.pgm '' constant.pgm
+    'mesh.ply' is named for 2 images: it needs {name} | grey.pgm constant.pgm -o mesh.ply
+    'r.json' is named for 2 images            | grey.pgm constant.pgm -o {name}.ply --report r.json
+    'a.d' is named for 2 images               | grey.pgm constant.pgm -o {name}.ply --depfile a.d
+    'grey.pgm' and './grey.pgm' would both become 'new/grey.ply' | grey.pgm ./grey.pgm -o new/{name}.ply
+    overwrite the input of that name          | grey.pgm picture.png --render {name}.png
+    overwrite the input of that name          | picture.png grey.pgm --render {name}.png
+    overwrite the weights                     | grey.pgm constant.pgm --weights picture.png --render picture.png
+    './' is no file: it has no name           | ./ -o {name}.ply
+    './' is no file: it has no name           | ./ --weights {name}.png
+    --output - needs --format, one of: ply, obj, glb, pdf, eps, svg, html | grey.pgm -o -
+    'xyz' is not one of: ply, obj, glb, pdf, eps, svg, html | grey.pgm -o - --format xyz
+    --format is given without an output       | grey.pgm --format ply
+    --format is given without an output       | grey.pgm -o a.ply --format ply
+    --format is given twice                   | grey.pgm -o - --format ply --format ply
+    --svg is given without an output          | grey.pgm -o - --format ply --svg exact
+    the standard output is named for two outputs | grey.pgm -o - --format ply --report -
+    the standard output is named for two outputs | grey.pgm -o - -o - --format ply
+    the standard output is named for two outputs | grey.pgm --render - --strip -
+    the standard output is named for 2 images | grey.pgm constant.pgm -o - --format obj
+    the standard output is named for 2 images; --json prints a line | grey.pgm constant.pgm --report -
+    the standard input is named twice         | - -
+    the standard input is named twice         | - --weights -
+    the standard input is named twice         | grey.pgm constant.pgm --weights -
+    --json is given with an output that is -  | grey.pgm -o - --format obj --json
+    --json is given with an output that is -  | grey.pgm --report - --json
+    --depfile is given with -                 | - -o a.ply --depfile a.d
+    --depfile is given with -                 | grey.pgm --weights - -o a.ply --depfile a.d
+    --depfile is given with -                 | grey.pgm -o - --format ply --depfile a.d
+    --json takes no value                     | grey.pgm --json=1
+    --max-vertices requires --psnr            | grey.pgm --max-vertices 50
+    --max-vertices requires --psnr            | grey.pgm --rate 2 --max-vertices 50
+    '3' must be at least 4                    | grey.pgm --psnr 30 --max-vertices 3
+    '-9' must be at least 4                   | grey.pgm --psnr 30 --max-vertices -9
+    '5e3' is not a whole number               | grey.pgm --psnr 30 --max-vertices 5e3
+    --max-vertices needs a value              | grey.pgm --psnr 30 --max-vertices
+    'tcsh' is not one of: bash, zsh, fish     | --completion tcsh
+    --completion needs a value                | --completion
     '--frobnicate'                            | grey.pgm --frobnicate
     '--frobnicate'                            | --frobnicate
     '-x'                                      | grey.pgm -x

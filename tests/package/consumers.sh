@@ -148,13 +148,18 @@ case $way in
         ;;
     install_dirs)
         "$cmake" -S "$source" -B "$work/hmesh" -DCMAKE_INSTALL_INCLUDEDIR=headers/all -DCMAKE_INSTALL_DATADIR=data/any \
-            -DCMAKE_INSTALL_BINDIR=programs -DCMAKE_INSTALL_DOCDIR=papers -DHMESH_BUILD_TESTS=OFF -DHMESH_BUILD_EXAMPLES=OFF \
-            -DHMESH_BUILD_COMMAND=ON "-DHMESH_STB_IMAGE_H_DIR=$work" "-DHMESH_CLI_CLI_HPP_DIR=$work" \
+            -DCMAKE_INSTALL_BINDIR=programs -DCMAKE_INSTALL_DOCDIR=papers -DCMAKE_INSTALL_MANDIR=manuals \
+            -DHMESH_BUILD_TESTS=OFF -DHMESH_BUILD_EXAMPLES=OFF -DHMESH_BUILD_COMMAND=ON "-DHMESH_STB_IMAGE_H_DIR=$work" "-DHMESH_CLI_CLI_HPP_DIR=$work" \
             "-DHMESH_NLOHMANN_JSON_HPP_DIR=$work"
-        program "$work/hmesh/bin/hmesh"  # as if it had been built
+        # As if they had been built.
+        program "$work/hmesh/bin/hmesh"
+        mkdir "$work/hmesh/tools/hmesh/words"
+        for words in hmesh.1 hmesh.bash _hmesh hmesh.fish; do echo >"$work/hmesh/tools/hmesh/words/$words"; done
         "$cmake" --install "$work/hmesh" --prefix "$work/installed"
         mv "$work/installed" "$work/prefix"  # which makes no difference
-        [ "$(cd "$work/prefix" && echo *)" = "data headers papers programs" ] || fail "other folders than those wanted"
+        [ "$(cd "$work/prefix" && echo *)" = "data headers manuals papers programs" ] || fail "other folders than those wanted"
+        [ -f "$work/prefix/manuals/man1/hmesh.1" ] || fail "the manual page is not where manual pages are"
+        [ -f "$work/prefix/data/any/bash-completion/completions/hmesh" ] || fail "the completions are not where data are"
         [ -f "$work/prefix/papers/LICENSE" ] || fail "the licence is not where documents are"
         with_cmake find_package "-Dhmesh_DIR=$work/prefix/data/any/cmake/hmesh" "-DWANTED_COMMAND=$work/prefix/programs/hmesh"
         command -v pkg-config >/dev/null || exit 0

@@ -80,7 +80,7 @@ check_refusals() {
     mkdir "$work/other"
     refuses "two images are named one" "-DIMAGES=$work/one.pgm;$work/other/one.pgm" "-DIMAGE_WEIGHTS=$work/weights.pgm"
     refuses "RATE and PSNR cannot both be given" "-DIMAGES=$work/one.pgm" "-DIMAGE_WEIGHTS=$work/weights.pgm" "-DRATE=8;PSNR;30"
-    formats=$("$command" "$work/one.pgm" -o mesh.xyz 2>&1 | sed -n 's/.*must end in //p' | tr -d .) || true
+    formats=$("$command" "$work/one.pgm" -o mesh.xyz 2>&1 | sed -n 's/.*must end in \([^;]*\);.*/\1/p' | tr -d .) || true
     refuses "FORMAT 'xyz' is not $formats" "$@" "-DMORE=FORMAT;ply;xyz"
     efforts=$("$command" "$work/one.pgm" --effort Fast 2>&1 | sed -n "s/.*'Fast' is not //p") || true
     refuses "EFFORT 'Fast' is not $efforts" "$@" "-DMORE=EFFORT;Fast"

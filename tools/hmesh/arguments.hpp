@@ -53,9 +53,15 @@ template <class Value, std::size_t n>
     return "is not one of: " + names;
 }
 
+struct MeshFile {
+    std::string name;
+    std::string ending;  // that of the format, in lower case: ".ply"
+};
+
+// What is to be done with one image. A name that is "-" is a standard stream.
 struct Arguments {
     std::string input;
-    std::vector<std::string> meshes;
+    std::vector<MeshFile> meshes;
     std::string weights;  // a file; empty: none
     std::string render, wireframe, residual, strip, report, depfile;
     int render_scale = 1;
@@ -65,19 +71,24 @@ struct Arguments {
     std::string target = "--rate 1";  // as typed
     unsigned threads = 0;             // 0: all cores
     bool quiet = false;
-    bool keep_partial = false;  // after an interrupt
+    bool json = false;                 // the report on the standard output, for the summary
+    bool keep_partial = false;         // after an interrupt
+    std::vector<std::string> folders;  // to be made where they are not there: those of names that held {name}
 };
 
-// Every file that the command writes.
+// Every file that the command writes for this image.
 [[nodiscard]] std::vector<std::string> output_files(const Arguments& arguments);
+
+// Whether the standard output is one of them.
+[[nodiscard]] bool writes_standard_output(const Arguments& arguments);
 
 // Whether a mesh is to be written with this ending.
 [[nodiscard]] bool has_output(const Arguments& arguments, const std::string& ending);
 
 struct CommandLine {
-    Arguments arguments;
-    std::string wrong;   // what is wrong with the command line, a sentence; empty: nothing
-    std::string answer;  // what is to be printed instead of running, for --help and --version; empty: nothing
+    std::vector<Arguments> images;  // one for each, {name} in names of files replaced by its own
+    std::string wrong;              // what is wrong with the command line, a sentence; empty: nothing
+    std::string answer;             // what is to be printed instead of running, for --help and its like; empty: nothing
 };
 
 // The words after the program's name.

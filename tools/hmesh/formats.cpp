@@ -38,12 +38,6 @@ constexpr Format formats[] = {
                  hmesh::Sink sink) { return hmesh::write_html(mesh, sink, options.html); }},
 };
 
-const Format* find_format(const std::string& name) {
-    const auto* found = std::find_if(std::begin(formats), std::end(formats),
-                                     [&](const Format& format) { return has_ending(name, format.ending); });
-    return found != std::end(formats) ? found : nullptr;
-}
-
 }  // namespace
 
 bool has_ending(const std::string& name, const std::string& ending) {
@@ -55,7 +49,11 @@ bool has_ending(const std::string& name, const std::string& ending) {
     return true;
 }
 
-bool is_format(const std::string& name) { return find_format(name) != nullptr; }
+std::string format_ending(const std::string& name) {
+    for (const Format& format : formats)
+        if (has_ending(name, format.ending)) return format.ending;
+    return {};
+}
 
 std::string format_endings() {
     std::string endings;
@@ -63,8 +61,16 @@ std::string format_endings() {
     return endings;
 }
 
-hmesh::Status write_mesh(const hmesh::MeshView& mesh, const std::string& name, const FormatOptions& options, hmesh::Sink sink) {
-    return find_format(name)->write(mesh, options, sink);
+std::vector<std::string> format_names() {
+    std::vector<std::string> names;
+    for (const Format& format : formats) names.emplace_back(format.ending + 1);
+    return names;
+}
+
+hmesh::Status write_mesh(const hmesh::MeshView& mesh, const std::string& ending, const FormatOptions& options, hmesh::Sink sink) {
+    const auto* found =
+        std::find_if(std::begin(formats), std::end(formats), [&](const Format& format) { return ending == format.ending; });
+    return found->write(mesh, options, sink);
 }
 
 }  // namespace tool

@@ -8,6 +8,7 @@
 #include <memory>
 
 #include "readers/readers.hpp"
+#include "standard_streams.hpp"
 
 #define STB_IMAGE_WRITE_IMPLEMENTATION
 #define STB_IMAGE_WRITE_STATIC
@@ -33,18 +34,17 @@ std::vector<unsigned char> read_directory(std::FILE* file, Bytes beginning) {
     return std::fseek(file, here, SEEK_SET) == 0 ? directory : std::vector<unsigned char>();
 }
 
-// Whether the picture that begins so is too large, which is known long before the file is read.
+// Whether the picture that begins so is too large, which is known long before the file is read. Of the standard input nobody
+// knows where it began, so that no place in it can be looked up.
 std::string check_early(std::FILE* file, Bytes beginning) {
     if (kind_of(beginning) != FileKind::tiff || beginning.size < first_read) return check_beginning(beginning);
+    if (file == stdin) return {};
     const std::vector<unsigned char> directory = read_directory(file, beginning);
     return check_tiff_directory({directory.data(), directory.size()}, beginning.u8(0) == 'I');
 }
 
-std::string read_bytes(const std::string& path, std::vector<unsigned char>& bytes) {
+std::string read_bytes(std::FILE* file, std::vector<unsigned char>& bytes) {
     errno = 0;
-    std::FILE* file = std::fopen(path.c_str(), "rb");
-    if (file == nullptr) return std::strerror(errno);
-    const std::unique_ptr<std::FILE, int (*)(std::FILE*)> owner(file, std::fclose);
     std::size_t size = 0, got = 0;
     do {
         bytes.resize(size + first_read + size / 2);
@@ -52,11 +52,24 @@ std::string read_bytes(const std::string& path, std::vector<unsigned char>& byte
         if (size == 0)
             if (std::string why = check_early(file, {bytes.data(), got}); !why.empty()) return why;
         size += got;
-    } while (got != 0 && size <= INT_MAX);
+    } while (got != 0 && std::ferror(file) == 0 && size <= INT_MAX);
     bytes.resize(size);
     if (std::ferror(file) != 0) return std::strerror(errno);
-    if (size == 0) return "the file is empty";
+    if (size == 0) return file == stdin ? "it is empty" : "the file is empty";
     return size > INT_MAX ? "the file is larger than 2 GiB" : "";
+}
+
+std::string read_bytes(const std::string& path, std::vector<unsigned char>& bytes) {
+    if (is_standard(path)) {
+        if (is_terminal(stdin)) return "it is a terminal, and no image";
+        set_binary(stdin);
+        return read_bytes(stdin, bytes);
+    }
+    errno = 0;
+    std::FILE* file = std::fopen(path.c_str(), "rb");
+    if (file == nullptr) return std::strerror(errno);
+    const std::unique_ptr<std::FILE, int (*)(std::FILE*)> owner(file, std::fclose);
+    return read_bytes(file, bytes);
 }
 
 // What stb's writers call, once for a PNG file and often for a JPEG file.

@@ -31,8 +31,8 @@ struct Picture {
     std::vector<std::uint8_t> samples;
 };
 
-// Reads the file, and leaves its bytes as they are in `bytes`. Returns "" or what is wrong, as the end of a sentence that
-// begins with the file's name.
+// Reads the file, "-" being the standard input, and leaves its bytes as they are in `bytes`. Returns "" or what is wrong, as the
+// end of a sentence that begins with the file's name.
 [[nodiscard]] std::string read_image(const std::string& path, ImageFile& image, std::vector<unsigned char>& bytes);
 [[nodiscard]] std::string read_image(const std::string& path, ImageFile& image);
 

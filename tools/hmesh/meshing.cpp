@@ -2,10 +2,13 @@
 // file for each number of channels would be done sooner on four cores, and compile what all of them share three times more.
 #include "meshing.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <type_traits>
 
+#include "hmesh/image/premultiply.hpp"
 #include "hmesh/mesh_image.hpp"
 #include "hmesh/methods/baselines/adams.hpp"
 #include "hmesh/methods/baselines/adaptive_thinning.hpp"
@@ -17,6 +20,21 @@
 namespace tool {
 namespace {
 
+double meshing_work(int width, int height, const MeshingOptions& options) noexcept {
+    const double pixels = static_cast<double>(width) * height;
+    const bool is_search = options.target.kind == hmesh::Target::Kind::psnr;
+    double n = options.target.value;
+    if (options.target.kind != hmesh::Target::Kind::vertices) n = std::max(4.0, pixels * (is_search ? 2 : n) / 100);
+    if (options.target.max_vertices) n = std::min(n, static_cast<double>(*options.target.max_vertices));
+    const double one = options.method == Method::adaptive_thinning ? 12 * pixels
+                       : options.method != Method::annealed
+                           ? 0.2 * pixels + 150 * n
+                           : hmesh::kit::annealed_work(hmesh::kit::annealed_steps(options.effort), pixels, n, false).sum();
+    return is_search ? 2.5 * one : one;
+}
+
+double light_work(int width, int height, int channels) noexcept { return 0.18 * channels * width * height; }
+
 template <class T, int C>
 [[nodiscard]] hmesh::Result mesh_samples(const hmesh::ImageView<T, C>& view, const MeshingOptions& wanted,
                                          const hmesh::ParallelFor& parallel_for) {
@@ -26,6 +44,7 @@ template <class T, int C>
     options.premultiplied = wanted.premultiplied;
     options.weights = wanted.weights;
     options.progress = wanted.progress;
+    options.psnr_of = wanted.psnr_of;
     switch (wanted.start != nullptr ? Method::annealed : wanted.method) {
         case Method::annealed: break;
         case Method::hierarchical: return hmesh::mesh_image(view, options, hmesh::Hierarchical(), parallel_for);
@@ -44,16 +63,23 @@ template <class T, int C>
     return hmesh::mesh_image(view, options, recipe, parallel_for);
 }
 
-// A stage after all others: colours for linear light.
-template <class T, int C>
-void fit_light(const hmesh::ImageView<T, C>& view, const MeshingOptions& wanted, hmesh::Result& result,
-               const hmesh::ParallelFor& parallel_for) {
+// Colours of floats are not rounded: the steps of whole numbers mean nothing to them.
+hmesh::LinearLightOptions light_options(const MeshingOptions& wanted, bool is_float) {
     hmesh::LinearLightOptions options;
     options.weights = wanted.weights;
-    options.grid = 1;
-    hmesh::ProgressInfo info{"linear light", 0, result.report.vertices, result.report.energy};
+    options.grid = is_float ? 0 : 1;
+    return options;
+}
+
+// A stage after all others: colours for linear light, from the share `total` of the whole on.
+template <class T, int C>
+void fit_light(const hmesh::ImageView<T, C>& view, const MeshingOptions& wanted, double total, hmesh::Result& result,
+               const hmesh::ParallelFor& parallel_for) {
+    const hmesh::LinearLightOptions options = light_options(wanted, std::is_same_v<T, float>);
+    hmesh::ProgressInfo info{"linear light", 0, result.report.vertices, result.report.energy, total};
     const auto go_on = [&](double share) {
         info.fraction = share;
+        info.total = total + (1 - total) * share;
         return !wanted.progress || wanted.progress(info);
     };
     bool is_stopped = !go_on(0);
@@ -72,8 +98,17 @@ void fit_light(const hmesh::ImageView<T, C>& view, const MeshingOptions& wanted,
 template <class T, int C>
 [[nodiscard]] hmesh::Result mesh_view(const hmesh::ImageView<T, C>& view, const MeshingOptions& options,
                                       const hmesh::ParallelFor& parallel_for) {
-    hmesh::Result result = mesh_samples(view, options, parallel_for);
-    if (options.fit_space == FitSpace::linear && result.has_mesh()) fit_light(view, options, result, parallel_for);
+    if (options.fit_space != FitSpace::linear) return mesh_samples(view, options, parallel_for);
+    const double work = meshing_work(view.width, view.height, options), light = light_work(view.width, view.height, C);
+    const double before = work / (work + light);
+    MeshingOptions first = options;
+    const auto progress = [&](hmesh::ProgressInfo info) {
+        info.total *= before;
+        return options.progress(info);
+    };
+    if (options.progress) first.progress = progress;
+    hmesh::Result result = mesh_samples(view, first, parallel_for);
+    if (result.has_mesh()) fit_light(view, options, before, result, parallel_for);
     return result;
 }
 
@@ -84,14 +119,19 @@ auto with_view(const ImageFile& image, Body&& body) {
     if (image.bits == 32) return body(hmesh::ImageView<float, C>{image.samples32.data(), image.width, image.height, 0});
     return body(hmesh::ImageView<std::uint8_t, C>{image.samples8.data(), image.width, image.height, 0});
 }
+// Calls body(c) with the number of channels, 1 to 4, as a constant.
+template <class Body>
+auto with_channels(int channels, Body&& body) {
+    switch (channels) {
+        case 1: return body(std::integral_constant<int, 1>());
+        case 2: return body(std::integral_constant<int, 2>());
+        case 3: return body(std::integral_constant<int, 3>());
+        default: return body(std::integral_constant<int, 4>());
+    }
+}
 template <class Body>
 auto with_view(const ImageFile& image, Body&& body) {
-    switch (image.channels) {
-        case 1: return with_view<1>(image, body);
-        case 2: return with_view<2>(image, body);
-        case 3: return with_view<3>(image, body);
-        default: return with_view<4>(image, body);
-    }
+    return with_channels(image.channels, [&](auto channels) { return with_view<channels.value>(image, body); });
 }
 
 // PNG files have straight colours.
@@ -105,12 +145,17 @@ void divide_by_alpha(hmesh::Image<float, C>& picture, double peak) {
 }
 
 template <int C>
-hmesh::Status draw_channels(const hmesh::MeshView& mesh, const DrawOptions& options, Picture& picture) {
+[[nodiscard]] hmesh::RenderResult<C> render_channels(const hmesh::MeshView& mesh, const DrawOptions& options) {
     hmesh::RenderOptions render_options;
     render_options.width = options.scale * mesh.width;
     render_options.height = options.scale * mesh.height;
     if (options.linear_light) render_options.interpolation = hmesh::Interpolation::linear;
-    hmesh::RenderResult<C> drawn = hmesh::render<C>(mesh, render_options);
+    return hmesh::render<C>(mesh, render_options);
+}
+
+template <int C>
+hmesh::Status draw_channels(const hmesh::MeshView& mesh, const DrawOptions& options, Picture& picture) {
+    hmesh::RenderResult<C> drawn = render_channels<C>(mesh, options);
     if (!drawn.status) return drawn.status;
     if (mesh.premultiplied) divide_by_alpha(drawn.image, mesh.peak);
     picture = {drawn.image.width(), drawn.image.height(), C, {}};
@@ -122,7 +167,41 @@ hmesh::Status draw_channels(const hmesh::MeshView& mesh, const DrawOptions& opti
     return {};
 }
 
+template <int C>
+hmesh::Status draw_floats(const hmesh::MeshView& mesh, bool linear_light, std::vector<float>& samples) {
+    const hmesh::RenderResult<C> drawn = render_channels<C>(mesh, {1, linear_light});
+    if (drawn.status) samples.assign(drawn.image.data(), drawn.image.data() + drawn.image.size());
+    return drawn.status;
+}
+
+template <class T, int C>
+std::vector<float> to_floats(const hmesh::ImageView<T, C>& view, bool premultiplied, const hmesh::ParallelFor& parallel_for) {
+    if constexpr (hmesh::kit::has_alpha(C))
+        if (premultiplied) return to_floats(hmesh::kit::premultiply(view, parallel_for).view(), false, parallel_for);
+    std::vector<float> samples;
+    samples.reserve(static_cast<std::size_t>(view.width) * static_cast<std::size_t>(view.height) * C);
+    for (int y = 0; y < view.height; ++y) {
+        const T* const row = view.pixel(0, y);
+        for (int k = 0; k < C * view.width; ++k) samples.push_back(static_cast<float>(hmesh::PixelTraits<T>::to_real(row[k])));
+    }
+    return samples;
+}
+
 }  // namespace
+
+double meshing_work(const ImageFile& image, const MeshingOptions& options) noexcept {
+    return meshing_work(image.width, image.height, options);
+}
+
+double light_work(const ImageFile& image) noexcept { return light_work(image.width, image.height, image.channels); }
+
+std::vector<float> wanted_samples(const ImageFile& image, bool premultiplied, const hmesh::ParallelFor& parallel_for) {
+    return with_view(image, [&](const auto& view) { return to_floats(view, premultiplied, parallel_for); });
+}
+
+hmesh::Status draw_samples(const hmesh::MeshView& mesh, bool linear_light, std::vector<float>& samples) {
+    return with_channels(mesh.channels, [&](auto channels) { return draw_floats<channels.value>(mesh, linear_light, samples); });
+}
 
 hmesh::Colors final_colors(const MeshingOptions& options) noexcept {
     const bool is_sampled = options.method != Method::annealed && options.method != Method::hierarchical;
@@ -143,9 +222,7 @@ LightMesh light_mesh(const ImageFile& image, const MeshingOptions& options, cons
                      const hmesh::ParallelFor& parallel_for) {
     LightMesh out;
     out.mesh = mesh;
-    hmesh::LinearLightOptions light;
-    light.weights = options.weights;
-    light.grid = image.bits == 32 ? 0 : 1;
+    const hmesh::LinearLightOptions light = light_options(options, image.bits == 32);
     const hmesh::LinearLightReport report =
         with_view(image, [&](const auto& view) { return hmesh::fit_linear_light(out.mesh, view, light, parallel_for); });
     out.psnr = report.psnr;
@@ -155,12 +232,7 @@ LightMesh light_mesh(const ImageFile& image, const MeshingOptions& options, cons
 }
 
 hmesh::Status draw(const hmesh::MeshView& mesh, const DrawOptions& options, Picture& picture) {
-    switch (mesh.channels) {
-        case 1: return draw_channels<1>(mesh, options, picture);
-        case 2: return draw_channels<2>(mesh, options, picture);
-        case 3: return draw_channels<3>(mesh, options, picture);
-        default: return draw_channels<4>(mesh, options, picture);
-    }
+    return with_channels(mesh.channels, [&](auto channels) { return draw_channels<channels.value>(mesh, options, picture); });
 }
 
 }  // namespace tool

@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "hmesh/core/parallel.hpp"
 #include "hmesh/core/progress.hpp"
@@ -38,7 +39,14 @@ struct MeshingOptions {
     const hmesh::Mesh* start = nullptr;  // a mesh to bring to the target without more ado; null: none
     hmesh::ImageView<float, 1> weights;  // none: all pixels count the same
     hmesh::Progress progress;
+    // What a search for a PSNR goes by, as hmesh::Options::psnr_of; the mesh has its final colours but those for linear light.
+    hmesh::FunctionRef<double(const hmesh::Mesh& mesh, double psnr)> psnr_of;
 };
+
+// About how long the mesh takes, in microseconds of one core.
+[[nodiscard]] double meshing_work(const ImageFile& image, const MeshingOptions& options) noexcept;
+// The same of colours for linear light.
+[[nodiscard]] double light_work(const ImageFile& image) noexcept;
 
 // The colours that a mesh made with these options has.
 [[nodiscard]] hmesh::Colors final_colors(const MeshingOptions& options) noexcept;
@@ -64,6 +72,13 @@ struct DrawOptions {
     int scale = 1;              // picture over mesh
     bool linear_light = false;  // see hmesh::RenderOptions
 };
+
+// The image's samples in stored values, colours times alpha where `premultiplied`.
+[[nodiscard]] std::vector<float> wanted_samples(const ImageFile& image, bool premultiplied,
+                                                const hmesh::ParallelFor& parallel_for);
+
+// The mesh drawn at its own size, in stored values with as many channels as it has, not rounded.
+[[nodiscard]] hmesh::Status draw_samples(const hmesh::MeshView& mesh, bool linear_light, std::vector<float>& samples);
 
 // The mesh drawn at 8 bits, with as many channels as it has, straight colours.
 [[nodiscard]] hmesh::Status draw(const hmesh::MeshView& mesh, const DrawOptions& options, Picture& picture);

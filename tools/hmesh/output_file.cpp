@@ -6,6 +6,8 @@
 #include <system_error>
 #include <utility>
 
+#include "standard_streams.hpp"
+
 #ifndef _WIN32
 #include <fcntl.h>
 #include <sys/file.h>
@@ -54,7 +56,8 @@ std::FILE* open_part(const std::string& name) {
 
 }  // namespace
 
-OutputFile::OutputFile(std::string path) : target_(std::move(path)) {
+OutputFile::OutputFile(std::string path) : target_(std::move(path)), is_standard_(is_standard(target_)) {
+    if (is_standard_) return;
     std::error_code none;
     const auto leads_nowhere = [&] { return !fs::exists(target_, none) && fs::is_symlink(fs::symlink_status(target_, none)); };
     for (int links = 0; links < 40 && leads_nowhere(); ++links)  // to a file that is to be made
@@ -70,7 +73,7 @@ OutputFile::OutputFile(std::string path) : target_(std::move(path)) {
 }
 
 bool OutputFile::is_writable() {
-    if (in_place_ && refusal_ == 0) return true;
+    if (is_standard_ || (in_place_ && refusal_ == 0)) return true;
     const bool opened = open();
     discard();
     return opened;
@@ -79,6 +82,11 @@ bool OutputFile::is_writable() {
 bool OutputFile::open() {
     if (refusal_ != 0) return fail(refusal_);
     errno = 0;
+    if (is_standard_) {
+        set_binary(stdout);
+        file_ = stdout;
+        return true;
+    }
     if (in_place_) {
         file_ = std::fopen(target_.c_str(), "wb");
         return file_ != nullptr || fail(errno);
@@ -104,6 +112,7 @@ bool OutputFile::commit() {
     errno = 0;
     std::FILE* file = file_;
     file_ = nullptr;
+    if (is_standard_) return std::fflush(file) == 0 || fail(errno);
     if (std::fclose(file) != 0) {
         const int why = errno;
         discard();
@@ -133,7 +142,7 @@ bool OutputFile::may_replace() const {
 }
 
 void OutputFile::discard() {
-    if (file_ != nullptr) std::fclose(file_);
+    if (file_ != nullptr && !is_standard_) std::fclose(file_);
     if (!temporary_.empty()) static_cast<void>(std::remove(temporary_.c_str()));
     file_ = nullptr;
     temporary_.clear();

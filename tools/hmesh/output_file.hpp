@@ -2,7 +2,7 @@
 //
 // The bytes go to a file beside the target, which takes the target's name and permissions when all of them are written. A program
 // that is killed leaves it behind, and the next one uses it again. A target that exists and is no regular file (a device, a
-// pipe) is written directly; a symbolic link is followed.
+// pipe) is written directly, and so is the standard output, whose name is "-"; a symbolic link is followed.
 #ifndef HMESH_TOOLS_OUTPUT_FILE_HPP
 #define HMESH_TOOLS_OUTPUT_FILE_HPP
 
@@ -42,6 +42,7 @@ class OutputFile {
     std::string temporary_;  // the file beside the target while it exists, else empty
     int refusal_ = 0;        // why the target can be no file, as errno has it
     bool in_place_ = false;
+    bool is_standard_ = false;  // the standard output, which stays open
 };
 
 }  // namespace tool

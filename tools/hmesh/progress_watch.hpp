@@ -1,34 +1,21 @@
-// tools - ProgressWatch: the progress callback of the command. Times the stages, draws a bar on a terminal, and
+// tools - ProgressWatch: the progress of the command, from reading to writing. Times the stages, draws one bar on a terminal, and
 // passes on Ctrl-C. The library has no clock; the seconds in the report come from here.
 #ifndef HMESH_TOOLS_PROGRESS_WATCH_HPP
 #define HMESH_TOOLS_PROGRESS_WATCH_HPP
 
+#include <algorithm>
 #include <atomic>
 #include <chrono>
 #include <csignal>
 #include <cstddef>
 #include <cstdio>
 #include <cstring>
-#include <string>
 #include <vector>
 
-#ifdef _WIN32
-#include <io.h>
-#else
-#include <unistd.h>
-#endif
-
 #include "hmesh/core/progress.hpp"
+#include "progress_bar.hpp"
 
 namespace tool {
-
-[[nodiscard]] inline bool is_terminal(std::FILE* file) {
-#ifdef _WIN32
-    return _isatty(_fileno(file)) != 0;
-#else
-    return isatty(fileno(file)) != 0;
-#endif
-}
 
 // Set by a signal handler and read on any thread: hence atomic, and without a lock.
 inline std::atomic<bool> interrupted{false};
@@ -59,22 +46,45 @@ class ProgressWatch {
         double seconds;
     };
 
-    explicit ProgressWatch(bool draws) : draws_(draws) {}
+    explicit ProgressWatch(bool draws) : draws_(draws) { show("reading", 0); }
+    ~ProgressWatch() {
+        if (draws_) wipe_bar();
+    }
     ProgressWatch(const ProgressWatch&) = delete;
     ProgressWatch& operator=(const ProgressWatch&) = delete;
+
+    // The image is read; the seconds of the mesh begin. What takes how long is estimated, in any unit.
+    void begin_mesh(double reading, double meshing, double writing) {
+        const double sum = reading + meshing + writing;
+        mesh_from_ = reading / sum;
+        mesh_to_ = (reading + meshing) / sum;
+        unit_ = 1 / sum;
+        mesh_begin_ = Clock::now();
+    }
+
+    // After the mesh: what is done next, and its part of the writing.
+    void step(const char* name, double work) {
+        fraction_ = std::max(fraction_, mesh_to_) + next_;
+        next_ = work * unit_;
+        show(name, 0);
+    }
 
     // The callback.
     bool operator()(const hmesh::ProgressInfo& info) { return update(info); }
 
-    // Ends the last stage and wipes the bar.
+    // The mesh is there, or there will be none: ends the last stage.
+    void end_mesh() { end_stage(Clock::now()); }
+
+    // Shows 100 %, then wipes the bar.
     void finish() {
-        end_stage(Clock::now());
-        if (drawn_ > 0) std::fprintf(stderr, "\r%*s\r", drawn_, "");
-        drawn_ = 0;
+        fraction_ = 1;
+        show("done", 0);
+        if (draws_) wipe_bar();
+        draws_ = false;
     }
 
-    // Wall-clock seconds since the watch was made.
-    [[nodiscard]] double seconds() const { return seconds_between(begin_, Clock::now()); }
+    // Wall-clock seconds since the image was read.
+    [[nodiscard]] double seconds() const { return seconds_between(mesh_begin_, Clock::now()); }
 
     // The seconds of the stage that left this behind, or -1 when the callback never saw it. A search runs every stage
     // many times.
@@ -95,6 +105,9 @@ class ProgressWatch {
 
     bool update(const hmesh::ProgressInfo& info) {
         const Clock::time_point now = Clock::now();
+        // The last word of a search comes after the end of a stage that has been told already.
+        const bool is_over = !stages_.empty() && stages_.back().last.fraction >= 1 && info.fraction >= 1 &&
+                             std::strcmp(stages_.back().last.stage, info.stage) == 0;
         const bool is_new = stages_.empty() || std::strcmp(stages_.back().last.stage, info.stage) != 0 ||
                             (stages_.back().last.fraction >= 1 && info.fraction < 1);
         if (is_new) {
@@ -102,9 +115,10 @@ class ProgressWatch {
             stages_.push_back({info, 0});
             stage_begin_ = now;
         }
-        stages_.back().last = info;
-        // Calls come every few milliseconds, and a terminal is slow.
-        if (draws_ && (drawn_ == 0 || seconds_between(last_draw_, now) > 0.1)) draw(info, now);
+        if (!is_over) stages_.back().last = info;
+        fraction_ = std::max(fraction_, mesh_from_ + (mesh_to_ - mesh_from_) * info.total);
+        vertices_ = info.vertices;
+        show(info.stage, 0.1);
         return !interrupted;
     }
 
@@ -112,23 +126,28 @@ class ProgressWatch {
         if (!stages_.empty()) stages_.back().seconds = seconds_between(stage_begin_, now);
     }
 
-    void draw(const hmesh::ProgressInfo& info, Clock::time_point now) {
-        constexpr int length = 30;
-        const int done = info.fraction > 0 ? static_cast<int>(length * (info.fraction < 1 ? info.fraction : 1)) : 0;
-        const std::string bar =
-            std::string(static_cast<std::size_t>(done), '#') + std::string(static_cast<std::size_t>(length - done), '.');
-        const int written = std::fprintf(stderr, "\r[%s] %3d %% %.24s, %zu vertices", bar.c_str(), done * 100 / length,
-                                         info.stage, info.vertices) -
-                            1;
-        if (written < drawn_) std::fprintf(stderr, "%*s", drawn_ - written, "");
-        if (written > drawn_) drawn_ = written;
-        std::fflush(stderr);
+    // Draws the bar unless that was done less than `pause` seconds ago: calls come every few milliseconds, a terminal is slow.
+    void show(const char* stage, double pause) {
+        const Clock::time_point now = Clock::now();
+        if (!draws_ || seconds_between(last_draw_, now) < pause) return;
         last_draw_ = now;
+        draw_bar({fraction_, seconds_left(seconds_between(begin_, now)), stage, vertices_});
     }
 
-    Clock::time_point begin_ = Clock::now(), stage_begin_ = begin_, last_draw_ = begin_;
+    // From the mean of what the latest draws said of the whole time; -1 while they say little.
+    [[nodiscard]] double seconds_left(double seconds) {
+        if (fraction_ < 0.02 || seconds < 0.5 || fraction_ >= 1) return -1;
+        const double whole = seconds / fraction_;
+        whole_ = whole_ > 0 ? whole_ + 0.15 * (whole - whole_) : whole;
+        return seconds >= 1 ? std::max(0.0, whole_ - seconds) : -1;
+    }
+
+    Clock::time_point begin_ = Clock::now(), mesh_begin_ = begin_, stage_begin_ = begin_, last_draw_ = begin_;
     std::vector<Stage> stages_;
-    int drawn_ = 0;  // the widest line drawn, in characters
+    double mesh_from_ = 0, mesh_to_ = 1, unit_ = 0;  // of the whole run
+    double fraction_ = 0, next_ = 0;                 // reached; what the step that goes on adds
+    double whole_ = 0;                               // seconds that the run takes, as estimated; 0: not yet
+    std::size_t vertices_ = 0;
     bool draws_;
 };
 

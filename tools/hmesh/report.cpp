@@ -19,7 +19,8 @@ std::string psnr_convention(const Arguments& arguments) {
     return std::string("10 log10(peak^2 / MSE) in dB, MSE the mean over pixels") +
            (arguments.weights.empty() ? "" : ", each as often as its weight over the largest says,") +
            " and channels of the image's stored values" + (meshing.premultiplied ? ", colours times alpha" : "") +
-           (meshing.fit_space == FitSpace::linear ? ", the mesh drawn in linear light" : "");
+           (meshing.fit_space == FitSpace::linear ? ", the mesh drawn in linear light" : "") +
+           "; psnr of the mesh, values drawn not rounded, psnr_written of what the files hold";
 }
 
 Json psnr_value(double psnr) { return std::isinf(psnr) && psnr > 0 ? Json("inf") : Json(psnr); }
@@ -40,21 +41,28 @@ Json stage_value(const hmesh::StageReport& stage, double seconds) {
     return value;
 }
 
+std::string in_layout(const Json& value, Layout layout) {
+    return value.dump(layout == Layout::indented ? 2 : -1, ' ', false, Json::error_handler_t::replace) + "\n";
+}
+
 }  // namespace
 
 std::string psnr_formula(const Arguments& arguments) {
     const MeshingOptions& meshing = arguments.meshing;
     return std::string("10 log10(peak^2 / MSE), MSE over ") + (arguments.weights.empty() ? "" : "weighted ") +
            "pixels and channels" + (meshing.premultiplied ? ", colours times alpha" : "") +
-           (meshing.fit_space == FitSpace::linear ? ", drawn in linear light" : "");
+           (meshing.fit_space == FitSpace::linear ? ", drawn in linear light" : "") + ", values drawn not rounded";
 }
 
 std::string report_json(const Arguments& arguments, const ImageFile& image, const hmesh::Result& outcome,
-                        const std::optional<LightMesh>& light, double seconds, const ProgressWatch& watch) {
+                        const std::optional<LightMesh>& light, const std::vector<WrittenPsnr>& written, double seconds,
+                        const ProgressWatch& watch, Layout layout) {
     const MeshingOptions& meshing = arguments.meshing;
     const bool is_each = meshing.fit_space == FitSpace::each;
     Json stages = Json::array();
     for (const hmesh::StageReport& stage : outcome.report.stages) stages.push_back(stage_value(stage, watch.seconds_of(stage)));
+    Json files = Json::object();
+    for (const WrittenPsnr& file : written) files[file.file] = psnr_value(file.psnr);
     const Json report = {{"version", HMESH_VERSION_STRING},
                          {"input", arguments.input},
                          {"width", image.width},
@@ -75,12 +83,17 @@ std::string report_json(const Arguments& arguments, const ImageFile& image, cons
                          {"faces", outcome.report.faces},
                          {"psnr", psnr_value(outcome.report.psnr)},
                          {"psnr_convention", psnr_convention(arguments)},
+                         {"psnr_written", files},
                          {"psnr_glb", light ? psnr_value(is_each ? light->psnr : light->stored_psnr) : Json()},
                          {"psnr_glb_fitted", light ? psnr_value(light->psnr) : Json()},
                          {"energy", outcome.report.energy},
                          {"seconds", seconds_value(seconds)},
                          {"stages", stages}};
-    return report.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+    return in_layout(report, layout);
+}
+
+std::string failure_json(const Arguments& arguments, const std::string& why) {
+    return in_layout({{"version", HMESH_VERSION_STRING}, {"input", arguments.input}, {"status", why}}, Layout::one_line);
 }
 
 }  // namespace tool

@@ -3,22 +3,32 @@
 #ifndef HMESH_TOOLS_REPORT_HPP
 #define HMESH_TOOLS_REPORT_HPP
 
+#include <cstdint>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "arguments.hpp"
 #include "image_file.hpp"
 #include "meshing.hpp"
 #include "progress_watch.hpp"
+#include "written_psnr.hpp"
 
 namespace tool {
 
 // What the PSNR of a mesh made with these arguments is, for people.
 [[nodiscard]] std::string psnr_formula(const Arguments& arguments);
 
-// `light`: of the mesh, where a .glb file is written. `seconds`: of wall-clock time, for the whole mesh.
+enum class Layout : std::uint8_t { indented, one_line };
+
+// `light`: of the mesh, where a .glb file is written; `written`: of the files that hold the mesh; `seconds`: of wall-clock time,
+// for the whole mesh. Ends with a line feed.
 [[nodiscard]] std::string report_json(const Arguments& arguments, const ImageFile& image, const hmesh::Result& outcome,
-                                      const std::optional<LightMesh>& light, double seconds, const ProgressWatch& watch);
+                                      const std::optional<LightMesh>& light, const std::vector<WrittenPsnr>& written,
+                                      double seconds, const ProgressWatch& watch, Layout layout);
+
+// The line in its place where there is no mesh: why not.
+[[nodiscard]] std::string failure_json(const Arguments& arguments, const std::string& why);
 
 }  // namespace tool
 

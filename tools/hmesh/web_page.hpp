@@ -15,6 +15,7 @@
 #include "pictures.hpp"
 #include "plain_file.hpp"
 #include "report.hpp"
+#include "standard_streams.hpp"
 #include "words.hpp"
 
 namespace tool {
@@ -52,7 +53,7 @@ namespace detail {
 [[nodiscard]] inline WebPage make_web_page(const Arguments& arguments, const ImageFile& image,
                                            const std::vector<unsigned char>& bytes, const hmesh::Report& report) {
     WebPage page;
-    page.title = detail::file_name(arguments.input);
+    page.title = is_standard(arguments.input) ? "standard input" : detail::file_name(arguments.input);
     page.figures =
         std::to_string(report.vertices) + " vertices\n" + std::to_string(report.faces) + " faces\nPSNR " + psnr_text(report.psnr);
     page.notes = "PSNR = " + psnr_formula(arguments);

@@ -9,6 +9,7 @@
 
 #include "hmesh/image/image_view.hpp"
 #include "image_file.hpp"
+#include "standard_streams.hpp"
 
 namespace tool {
 
@@ -41,14 +42,14 @@ void take_weights(const std::vector<T>& samples, int channels, hmesh::Image<floa
 // Reads the weights for an image of this size. Returns "" or what is wrong, as a sentence.
 [[nodiscard]] inline std::string read_weights(const std::string& path, int width, int height, hmesh::Image<float, 1>& weights) {
     ImageFile file;
-    if (const std::string why = read_image(path, file); !why.empty()) return "cannot read '" + path + "': " + why;
+    if (const std::string why = read_image(path, file); !why.empty()) return "cannot read " + input_words(path) + ": " + why;
     if (file.width != width || file.height != height)
-        return "the weights '" + path + "' are " + std::to_string(file.width) + " x " + std::to_string(file.height) +
+        return "the weights " + input_words(path) + " are " + std::to_string(file.width) + " x " + std::to_string(file.height) +
                " px, the image is " + std::to_string(width) + " x " + std::to_string(height) + " px";
     weights = to_weights(file);
     const float* const first = weights.data();
     if (std::all_of(first, first + weights.size(), [](float weight) { return weight == 0; }))
-        return "the weights '" + path + "' are all zero: no pixel would count";
+        return "the weights " + input_words(path) + " are all zero: no pixel would count";
     return {};
 }
 

@@ -7,8 +7,10 @@
 #include <atomic>
 #include <cstddef>
 #include <cstdint>
+#include <initializer_list>
 #include <vector>
 
+#include "hmesh/core/compiler.hpp"
 #include "hmesh/core/function_ref.hpp"
 #include "hmesh/core/psnr.hpp"
 
@@ -22,6 +24,9 @@ struct ProgressInfo {
     double fraction = 0;       ///< how much of the stage is done, in [0, 1]
     std::size_t vertices = 0;  ///< number of vertices of the mesh reached so far
     double energy = 0;         ///< sum of squared differences over pixels and channels; 0 before there is a mesh
+    /// How much of the whole call is done, in [0, 1]: an estimate of the share of its time, for one bar over all stages and, in a
+    /// search for a PSNR, over all runs. Never falls; 1 in the last call, unless the work was cancelled or failed.
+    double total = 0;
 };
 
 /// The progress callback: returns true to go on, false to cancel; the last valid mesh is then returned with Errc::cancelled.
@@ -46,22 +51,45 @@ struct StageReport {
 
 namespace kit {
 
-/// Takes a Progress through the stages of a method and notes the mesh after each stage. begin(), update(), set_range() and
-/// end() are called from one thread while no task runs; poll(), add() and stopped() from any thread. Once cancelled it stays
-/// cancelled.
+/// The part of the whole call that one run of a method is, as ProgressInfo::total counts; 0 <= from <= to <= 1.
+struct ProgressSpan {
+    double from = 0;  ///< where the run begins
+    double to = 1;    ///< where it ends
+};
+
+/// Takes a Progress through the stages of a method and notes the mesh after each stage. begin(), update(), set_range(),
+/// plan() and end() are called from one thread while no task runs; poll(), add() and stopped() from any thread. Once cancelled
+/// it stays cancelled.
 class ProgressReporter {
   public:
     /// `samples`: number of pixels (or sum of their weights) times channels; `peak`: value of full intensity. Both are for the
-    /// PSNR of reports.
-    ProgressReporter(const Progress& progress, double samples, double peak)
-        : progress_(progress), samples_(samples), peak_(peak) {}
+    /// PSNR of reports. `span`: what the stages are of the whole call.
+    ProgressReporter(const Progress& progress, double samples, double peak, const ProgressSpan& span = {})
+        : progress_(progress), samples_(samples), peak_(peak), span_(span) {
+        info_.total = span.from;
+    }
 
+    /// Says how long the stages to come take: each that begins takes the next of these shares, of any unit, >= 0 and not all 0.
+    /// The last one is that of the final colours, which mesh_image() adds. Only the first call counts, so that a method may be
+    /// the start of another. Stages beyond the plan, or without one, take half of what is left until the final colours.
+    HMESH_COLD void plan(std::initializer_list<double> shares) {
+        if (!plan_.empty()) return;
+        plan_ = shares;
+        double sum = 0;
+        for (const double share : plan_) sum += share;
+        for (double& share : plan_) share /= sum;
+    }
     /// Begins a stage, whose name is in static memory, with a mesh of this size and energy. False once cancelled.
-    bool begin(const char* stage, std::size_t vertices, double energy) {
-        info_.stage = stage;
-        iterations_ = 0;
-        residual_ = 0;
-        return update(0, vertices, energy);
+    HMESH_COLD bool begin(const char* stage, std::size_t vertices, double energy) {
+        const double rest = 1 - (plan_.empty() ? 0 : plan_.back()) - stage_to_;
+        const bool is_planned = planned_ + 1 < plan_.size();
+        return begin_stage(stage, vertices, energy, stage_to_,
+                           stage_to_ + std::max(0.0, is_planned ? plan_[planned_++] : 0.5 * rest));
+    }
+    /// Begins the last stage, that of the final colours.
+    HMESH_COLD bool begin_colors(std::size_t vertices, double energy) {
+        const double from = plan_.empty() ? stage_to_ : std::max(stage_to_, 1 - plan_.back());
+        return begin_stage("colors", vertices, energy, from, 1);
     }
     /// Reports that this fraction of the stage is done, in [0, 1], with a mesh of this size and energy. False once cancelled.
     bool update(double fraction, std::size_t vertices, double energy) {
@@ -93,12 +121,7 @@ class ProgressReporter {
     bool poll() {
         if (stopped_.load(std::memory_order_relaxed)) return false;
         if (!progress_ || asking_.test_and_set(std::memory_order_acquire)) return true;
-        ProgressInfo info = info_;
-        info.fraction = from_ + (to_ - from_) * std::min(1.0, static_cast<double>(done_.load()) / whole);
-        const bool go_on = stopped_.load() || progress_(info);
-        if (!go_on) stopped_.store(true);
-        asking_.clear(std::memory_order_release);
-        return !stopped_.load();
+        return ask();
     }
     /// Reports that this share of the range of set_range() is done. From any thread.
     void add(double share) noexcept { done_ += static_cast<std::int64_t>(share * whole); }
@@ -107,8 +130,34 @@ class ProgressReporter {
   private:
     /// The value of done_ for a whole range. An integer: a sum of integers is the same in any order.
     static constexpr double whole = 1e15;
+
+    bool begin_stage(const char* stage, std::size_t vertices, double energy, double from, double to) {
+        info_.stage = stage;
+        iterations_ = 0;
+        residual_ = 0;
+        stage_from_ = std::min(1.0, from);
+        stage_to_ = std::min(1.0, to);
+        return update(0, vertices, energy);
+    }
+    /// Calls the callback, as the one thread that set asking_.
+    HMESH_NEVER_INLINE HMESH_COLD bool ask() {
+        ProgressInfo info = info_;
+        info.fraction = from_ + (to_ - from_) * std::min(1.0, static_cast<double>(done_.load()) / whole);
+        const double of_run = info.fraction < 1 ? stage_from_ + (stage_to_ - stage_from_) * info.fraction : stage_to_;
+        info.total = of_run < 1 ? span_.from + (span_.to - span_.from) * of_run : span_.to;
+        info.total = info_.total = std::max(info_.total, info.total);  // rounding may lead a little back
+        const bool go_on = stopped_.load() || progress_(info);
+        if (!go_on) stopped_.store(true);
+        asking_.clear(std::memory_order_release);
+        return !stopped_.load();
+    }
+
     Progress progress_;
     double samples_, peak_;
+    ProgressSpan span_;
+    std::vector<double> plan_;              ///< shares of the run, whose sum is 1; or none
+    std::size_t planned_ = 0;               ///< stages of the plan that have begun
+    double stage_from_ = 0, stage_to_ = 0;  ///< of the run: the stage that began last
     ProgressInfo info_;
     double from_ = 0, to_ = 0;
     int iterations_ = 0;  ///< of the current stage
@@ -132,7 +181,12 @@ class TaskProgress {
 
     /// Whether to go on; called every few microseconds of work. Every 256th call asks the callback, which is every few
     /// milliseconds.
-    bool keep_going() { return (++beats_ & 255U) != 0 ? !reporter_->stopped() : reporter_->poll(); }
+    bool keep_going() { return (++beats_ & 255U) != 0 ? !reporter_->stopped() : beat(); }
+    /// Says what fraction of the task will be done after about this many more calls of keep_going(), which lead there evenly.
+    HMESH_COLD void expect(double fraction, double beats) noexcept {
+        limit_ = fraction;
+        step_ = (fraction - reached_) * 256 / std::max(256.0, beats);
+    }
     /// Reports that this fraction of the task is done, in [0, 1]. It never falls.
     void set_fraction(double fraction) noexcept {
         if (!(fraction > reached_)) return;
@@ -142,8 +196,14 @@ class TaskProgress {
     [[nodiscard]] bool stopped() const noexcept { return reporter_->stopped(); }  ///< whether the work was cancelled
 
   private:
+    HMESH_NEVER_INLINE HMESH_COLD bool beat() {
+        set_fraction(std::min(limit_, reached_ + step_));
+        return reporter_->poll();
+    }
+
     ProgressReporter* reporter_;
     double share_, reached_ = 0;
+    double limit_ = 0, step_ = 0;  ///< see expect()
     unsigned beats_ = 0;
 };
 

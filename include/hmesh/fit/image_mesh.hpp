@@ -118,6 +118,10 @@ class ImageMesh {
     }
     /// Whether to go on. Long work calls it every few microseconds, and ends as it is when it returns false.
     [[nodiscard]] bool keep_going() const { return context_.task == nullptr || context_.task->keep_going(); }
+    /// Tells the task, if there is one, what TaskProgress::expect() is told.
+    void expect(double fraction, double beats) const noexcept {
+        if (context_.task != nullptr) context_.task->expect(fraction, beats);
+    }
     /// The task that is told of progress; may be null.
     [[nodiscard]] TaskProgress* task() const noexcept { return context_.task; }
     /// Sets the task that is told of progress; it must outlive its use here, null: none.

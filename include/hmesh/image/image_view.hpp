@@ -155,8 +155,9 @@ template <class T, int C>
     const std::int64_t pixels = std::int64_t{view.width} * view.height;
     if (pixels > kit::max_pixels) return {Errc::image_too_large, "the image has too many pixels", pixels, kit::max_pixels};
     if (view.data == nullptr) return {Errc::invalid_argument, "the image's data pointer is null", 0, 0};
-    // Where a row begins is a pointer difference, which has 32 bits on some machines.
-    constexpr std::int64_t farthest = std::numeric_limits<std::ptrdiff_t>::max();
+    // Where a row begins is a pointer difference, which has 32 bits on some machines; no processor addresses more than 2^57.
+    constexpr std::int64_t farthest =
+        sizeof(std::ptrdiff_t) < 8 ? std::int64_t{std::numeric_limits<std::ptrdiff_t>::max()} : std::int64_t{1} << 57U;
     const std::int64_t longest = farthest / view.height;
     if (view.row_stride < -longest || view.row_stride > longest)
         return {Errc::invalid_argument, "the row stride is absurdly long, in bytes", view.row_stride, longest};

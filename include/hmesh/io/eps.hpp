@@ -102,7 +102,7 @@ inline Status write_eps(const MeshView& source, Sink sink, const PageOptions& op
     writer.text("{ currentfile /ASCII85Decode filter dup");
     if (options.deflate) writer.text(" /FlateDecode filter");
     writer.text("\n<< /DataSource 3 -1 roll\n");
-    detail::write_shading_entries(writer, layout, components);
+    detail::write_shading_entries(writer, layout, {components, 1, 0});
     writer.text(" >> shfill flushfile } exec\n");
     detail::write_ascii85(writer, bytes);
     writer.text("grestore\nshowpage\n%%Trailer\n%%EOF\n");

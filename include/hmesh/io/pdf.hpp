@@ -5,10 +5,11 @@
 /// (ISO 32000-1, 8.7.4.5.5) in DeviceRGB, or DeviceGray for 1 channel. Positions of the 1/256 px grid arrive exactly; colours
 /// have 8 bits where the mesh's peak is 255, else 16. Where there is alpha, straight colours are drawn under a soft mask
 /// (ISO 32000-1, 11.6.5.3) that is a shading of alpha. No date and no random identifier: the same mesh gives the same bytes.
+/// Meshes that take poppler long are several shadings, one after another (io/detail/shading_parts.hpp).
 ///
-/// Size of an RGB mesh of 256 px or more: 21 bytes a vertex, deflated 12; without strips 59 and 16. Time: some 100 MB/s in
-/// strips, of which finding them takes most. Memory: the streams, and 60 bytes a face to find
-/// the strips.
+/// Size of an RGB mesh of 256 px or more: 21 bytes a vertex, deflated 12; in parts 27 and 1.6 times as much deflated; without
+/// strips 59 and 16. Time: some 100 MB/s in strips, of which finding them takes most, and 30 MB/s in parts. Memory: the streams,
+/// and 60 bytes a face to find the strips; in parts 25 more.
 #ifndef HMESH_IO_PDF_HPP
 #define HMESH_IO_PDF_HPP
 
@@ -16,6 +17,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
+#include <utility>
 #include <vector>
 
 #include "hmesh/core/assert.hpp"
@@ -23,6 +25,7 @@
 #include "hmesh/core/version.hpp"
 #include "hmesh/io/detail/export_mesh.hpp"
 #include "hmesh/io/detail/gouraud_stream.hpp"
+#include "hmesh/io/detail/shading_parts.hpp"
 #include "hmesh/io/detail/strips.hpp"
 #include "hmesh/io/page_options.hpp"
 #include "hmesh/io/sink.hpp"
@@ -44,7 +47,7 @@ class PdfFile {
     PdfFile(const PdfFile&) = delete;
     PdfFile& operator=(const PdfFile&) = delete;
 
-    /// Begins an object and its dictionary, whose entries are for the caller to put. At most 10 objects.
+    /// Begins an object and its dictionary, whose entries are for the caller to put. At most 32 objects.
     Writer& begin_object() {
         HMESH_ASSERT(objects_ < offsets_.size());
         offsets_[objects_++] = writer_.position();
@@ -52,8 +55,11 @@ class PdfFile {
         writer_.text(" 0 obj\n<< ");
         return writer_;
     }
-    /// Ends an object without a stream.
-    void end_object() { writer_.text(" >>\nendobj\n"); }
+    /// Ends an object without a stream, its dictionary by `more`.
+    void end_object(const char* more = "") {
+        writer_.text(more);
+        writer_.text(" >>\nendobj\n");
+    }
     /// Ends the object's dictionary and puts its stream.
     void end_object(const unsigned char* bytes, std::size_t size) {
         writer_.text("\n/Length ");
@@ -89,9 +95,50 @@ class PdfFile {
 
   private:
     Writer writer_;
-    std::array<std::int64_t, 10> offsets_{};
+    std::array<std::int64_t, 32> offsets_{};
     std::size_t objects_ = 0;
 };
+
+/// A shading of a file, as it is stored.
+struct PdfShading {
+    ShadingColors colors;              ///< the function's number is set when objects are numbered
+    std::vector<unsigned char> bytes;  ///< of the stream, compressed if it is to be
+};
+
+/// Makes the shadings that draw the mesh one after another. Component k of vertex v is shares[components * v + k].
+/// Errc::write_failed where the compressor fails.
+[[nodiscard]] inline Status make_shadings(const MeshView& mesh, const ShadingLayout& layout, int components,
+                                          const std::vector<double>& shares, const PageOptions& options,
+                                          std::vector<PdfShading>& shadings) {
+    std::vector<ShadingPart> parts;
+    if (options.strips && options.parts) parts = ShadingDivision(mesh, components, shares).run();
+    else parts.push_back({1, strip_vertices(mesh, options.strips)});
+    for (const ShadingPart& part : parts) {
+        shadings.push_back({{components, part.factor, 0}, shading_bytes(mesh, part.vertices, layout, components, shares)});
+        if (const Status status = compress(options.deflate, shadings.back().bytes); !status) return status;
+    }
+    return {};
+}
+
+/// Puts the function that multiplies stored colours by their factor, in PostScript (ISO 32000-1, 7.10.5).
+inline void put_multiplier(PdfFile& file, const ShadingColors& colors) {
+    const bool is_gray = colors.components == 1;
+    std::array<char, 64> code{};  // 52 at most
+    std::size_t used = 0;
+    const auto add = [&](const char* text) {
+        for (; *text != 0; ++text) code[used++] = *text;
+    };
+    add("{");
+    for (int k = 0; k < colors.components; ++k) {
+        add(k == 0 ? "" : " ");
+        add(colors.factor == 16 ? "16" : colors.factor == 8 ? "8" : colors.factor == 4 ? "4" : "2");
+        add(is_gray ? " mul" : " mul 3 1 roll");
+    }
+    add("}");
+    file.begin_object().text(is_gray ? "/FunctionType 4 /Domain [0 1] /Range [0 1]"
+                                     : "/FunctionType 4 /Domain [0 1 0 1 0 1] /Range [0 1 0 1 0 1]");
+    file.end_object(reinterpret_cast<const unsigned char*>(code.data()), used);
+}
 
 }  // namespace detail
 
@@ -108,22 +155,26 @@ inline Status write_pdf(const MeshView& source, Sink sink, const PageOptions& op
     const int components = mesh.channels == 1 ? 1 : 3;
     const bool is_masked = mesh.channels == 4;
 
-    const std::vector<detail::StripVertex> vertices = detail::strip_vertices(mesh, options.strips);
-    const auto stream = [&](int count, std::size_t first_channel) {  // of so many channels
+    std::vector<detail::PdfShading> colors, alpha;
+    const auto shade = [&](int count, std::size_t first_channel, std::vector<detail::PdfShading>& shadings) {
         std::vector<double> shares;
         shares.reserve(static_cast<std::size_t>(count) * mesh.vertex_count);
         for (std::size_t v = 0; v < mesh.vertex_count; ++v)
             for (std::size_t k = 0; k < static_cast<std::size_t>(count); ++k)
                 shares.push_back(static_cast<double>(mesh.colors[channels * v + first_channel + k]) / mesh.peak);
-        return detail::shading_bytes(mesh, vertices, layout, count, shares);
+        return detail::make_shadings(mesh, layout, count, shares, options, shadings);
     };
-    std::vector<unsigned char> colors = stream(components, 0);
-    if (const Status status = detail::compress(options.deflate, colors); !status) return status;
-    std::vector<unsigned char> alpha;
-    if (is_masked) {
-        alpha = stream(1, 3);
-        if (const Status status = detail::compress(options.deflate, alpha); !status) return status;
-    }
+    if (const Status status = shade(components, 0, colors); !status) return status;
+    if (is_masked)
+        if (const Status status = shade(1, 3, alpha); !status) return status;
+
+    // Numbers of objects. The functions that multiply stored colours come last.
+    constexpr int first_color = 6;
+    const int group_at = first_color + static_cast<int>(colors.size()), first_alpha = group_at + 3;
+    int next_function = is_masked ? first_alpha + static_cast<int>(alpha.size()) : group_at;
+    for (std::vector<detail::PdfShading>* shadings : {&colors, &alpha})
+        for (detail::PdfShading& shading : *shadings)
+            if (shading.colors.factor != 1) shading.colors.function = next_function++;
 
     detail::PdfFile file(sink);
     const auto box = [&](detail::Writer& writer, const char* name) {
@@ -137,22 +188,46 @@ inline Status write_pdf(const MeshView& source, Sink sink, const PageOptions& op
     const auto end_text_stream = [&](const char* text) {
         file.end_object(reinterpret_cast<const unsigned char*>(text), std::strlen(text));
     };
-    const auto shading = [&](int count, const std::vector<unsigned char>& bytes) {
-        detail::Writer& writer = file.begin_object();
-        detail::write_shading_entries(writer, layout, count);
-        if (options.deflate) writer.text("\n/Filter /FlateDecode");
-        file.end_object(bytes.data(), bytes.size());
+    const auto reference = [](detail::Writer& writer, const char* before, int number) {
+        writer.text(before);
+        writer.decimal(number);
+        writer.text(" 0 R");
     };
-    const auto group = [&](const char* space, const char* shading_name) {
+    const auto resources = [&](detail::Writer& writer, int first, std::size_t count) {
+        writer.text("/Shading <<");
+        for (std::size_t i = 0; i < count; ++i) {
+            writer.text(" /S");
+            writer.decimal(static_cast<std::int64_t>(i));
+            reference(writer, " ", first + static_cast<int>(i));
+        }
+        writer.text(" >> >>");
+    };
+    const auto draw = [&](std::size_t count) {  // ends a stream that draws so many shadings
+        static constexpr char all[] = "/S0 sh /S1 sh /S2 sh /S3 sh /S4 sh";
+        HMESH_ASSERT(7 * count - 1 < sizeof all);
+        file.end_object(reinterpret_cast<const unsigned char*>(all), 7 * count - 1);
+    };
+    const auto put = [&](const std::vector<detail::PdfShading>& shadings) {
+        for (const detail::PdfShading& shading : shadings) {
+            detail::Writer& writer = file.begin_object();
+            detail::write_shading_entries(writer, layout, shading.colors);
+            if (options.deflate) writer.text("\n/Filter /FlateDecode");
+            file.end_object(shading.bytes.data(), shading.bytes.size());
+        }
+    };
+    const auto put_functions = [&](const std::vector<detail::PdfShading>& shadings) {
+        for (const detail::PdfShading& shading : shadings)
+            if (shading.colors.factor != 1) detail::put_multiplier(file, shading.colors);
+    };
+    const auto group = [&](const char* space, int first, std::size_t count) {
         detail::Writer& writer = file.begin_object();
         writer.text("/Type /XObject /Subtype /Form ");
         box(writer, "/BBox");
         writer.text("\n/Group << /S /Transparency /CS /Device");
         writer.text(space);
-        writer.text(" /I true >>\n/Resources << /Shading << /S0 ");
-        writer.text(shading_name);
-        writer.text(" 0 R >> >>");
-        end_text_stream("/S0 sh");
+        writer.text(" /I true >>\n/Resources << ");
+        resources(writer, first, count);
+        draw(count);
     };
     file.begin_object().text("/Producer (hmesh " HMESH_VERSION_STRING ")");  // 1
     file.end_object();
@@ -164,21 +239,28 @@ inline Status write_pdf(const MeshView& source, Sink sink, const PageOptions& op
     page.text("/Type /Page /Parent 3 0 R ");
     box(page, "/MediaBox");
     page.text(" /Contents 5 0 R\n/Resources << ");
-    page.text(is_masked ? "/XObject << /X0 7 0 R >> /ExtGState << /G0 8 0 R >> >>\n"
-                          "/Group << /S /Transparency /CS /DeviceRGB >>"
-                        : "/Shading << /S0 6 0 R >> >>");
+    if (is_masked) {
+        reference(page, "/XObject << /X0 ", group_at);
+        reference(page, " >> /ExtGState << /G0 ", group_at + 1);
+        page.text(" >> >>\n/Group << /S /Transparency /CS /DeviceRGB >>");
+    } else {
+        resources(page, first_color, colors.size());
+    }
     file.end_object();
     file.begin_object();  // 5
-    end_text_stream(is_masked ? "/G0 gs /X0 Do" : "/S0 sh");
-    shading(components, colors);  // 6
+    if (is_masked) end_text_stream("/G0 gs /X0 Do");
+    else draw(colors.size());
+    put(colors);
     if (is_masked) {
         // The colours are a group and masked as a whole: poppler draws parts of a face over each other.
-        group("RGB", "6");                                                                  // 7
-        file.begin_object().text("/Type /ExtGState /SMask << /S /Luminosity /G 9 0 R >>");  // 8
-        file.end_object();
-        group("Gray", "10");  // 9
-        shading(1, alpha);    // 10
+        group("RGB", first_color, colors.size());
+        reference(file.begin_object(), "/Type /ExtGState /SMask << /S /Luminosity /G ", group_at + 2);
+        file.end_object(" >>");
+        group("Gray", first_alpha, alpha.size());
+        put(alpha);
     }
+    put_functions(colors);
+    put_functions(alpha);
     return file.finish(2, 1);
 }
 

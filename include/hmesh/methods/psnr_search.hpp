@@ -13,6 +13,7 @@
 #define HMESH_METHODS_PSNR_SEARCH_HPP
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
@@ -21,6 +22,7 @@
 #include "hmesh/core/compiler.hpp"
 #include "hmesh/core/finite.hpp"
 #include "hmesh/core/function_ref.hpp"
+#include "hmesh/core/progress.hpp"
 #include "hmesh/core/status.hpp"
 #include "hmesh/methods/recipe.hpp"
 #include "hmesh/result.hpp"
@@ -28,6 +30,70 @@
 #include "hmesh/core/macros/push.hpp"
 
 namespace hmesh::kit {
+
+/// The progress of a search, of which nobody knows how many runs it takes: each is given its share of what is left, from
+/// estimates of what comes after it.
+class SearchProgress {
+  public:
+    /// The part of a run that takes `work`, where some `later` is expected to follow; in the same unit, > 0 and >= 0.
+    [[nodiscard]] HMESH_COLD ProgressSpan next(double work, double later) noexcept {
+        const double from = reached_;
+        reached_ += (1 - reached_) * (work / (work + later));
+        return {from, reached_};
+    }
+    /// The same for a run of fewest_vertices().
+    [[nodiscard]] HMESH_COLD ProgressSpan next() noexcept { return next(1, std::max(1.0, 6.0 - runs_++)); }
+    /// The same for a run of fewest_vertices_going_on(): work_of(Work) is that of a run of as many vertices.
+    [[nodiscard]] HMESH_COLD ProgressSpan next(Work kind, FunctionRef<double(Work kind)> work_of) {
+        int& count = runs_of_[static_cast<std::size_t>(kind)];
+        ++count;
+        // Two sketches and two refinements are usual, and the first draft has a quarter of the vertices that the others have.
+        const bool goes_on = kind == Work::refine || kind == Work::touch;
+        double later = work_of(Work::refine) * (!goes_on ? 1.4 : count == 1 ? 0.6 : 0.1);
+        if (kind == Work::draft || kind == Work::sketch) later += work_of(Work::whole);
+        if (kind == Work::draft || count == 1)
+            later += (kind == Work::draft ? 2 : kind == Work::sketch ? 1 : 0) * work_of(Work::sketch);
+        return next(work_of(kind), kind == Work::draft && count == 1 ? 4 * later : later);
+    }
+
+  private:
+    double reached_ = 0;
+    int runs_ = 0;
+    std::array<int, 5> runs_of_{};  ///< by Work
+};
+
+namespace detail {
+
+/// The best result of a search: of those that reach the PSNR the one of the fewest vertices, else the one of the best PSNR.
+class BestResult {
+  public:
+    explicit BestResult(double psnr, Result first) : psnr_(psnr), result_(std::move(first)) {}
+
+    [[nodiscard]] bool is_reached() const noexcept { return result_.report.psnr >= psnr_; }  ///< whether one reached the PSNR
+    /// Offers the result of one more run. False: it failed or was cancelled, which ends the search; its mesh counts where none
+    /// reached the PSNR before.
+    bool offer(Result result) {
+        const Status status = result.status;
+        const bool is_smaller = status && result.report.psnr >= psnr_ && result.report.vertices < result_.report.vertices;
+        if (is_reached() ? is_smaller : result.report.psnr > result_.report.psnr) result_ = std::move(result);
+        result_.status = status;
+        return static_cast<bool>(status);
+    }
+    /// The result: Errc::target_out_of_range where all went well and none reached the PSNR.
+    [[nodiscard]] Result take() {
+        if (result_.status && !is_reached())
+            result_.status = {Errc::target_out_of_range, "no mesh of this image reached the PSNR asked for, in dB",
+                              result_.report.psnr, psnr_};
+        return std::move(result_);
+    }
+    [[nodiscard]] bool is_ok() const noexcept { return static_cast<bool>(result_.status); }  ///< whether the last run went well
+
+  private:
+    double psnr_;
+    Result result_;
+};
+
+}  // namespace detail
 
 /// Searches for the fewest vertices that reach `psnr`, in dB. mesh_of(n) makes the mesh of n vertices, 4 <= n <= most, with its
 /// status and report.psnr; the search begins with `first` vertices, in the same range, and makes at most 60 runs. Returns the
@@ -41,16 +107,14 @@ namespace hmesh::kit {
         std::size_t n = 0;
     };
     Run low, high;  // the most vertices that missed the PSNR, the fewest that reached it; n = 0: none yet
-    Result best = mesh_of(first);
-    Run run{std::log2(static_cast<double>(first)), best.report.psnr, first};
-    bool reached = false;
+    Result result = mesh_of(first);
+    Run run{std::log2(static_cast<double>(first)), result.report.psnr, first};
+    detail::BestResult best(psnr, std::move(result));
     int same_side = 0;  // runs in a row that fell on one side
     bool last_side = false;
     double stride = 0.1;  // in log2(n); grows while the target is not enclosed, since curves can be flat
-    for (int runs = 1;; ++runs) {
-        if (!best.status) return best;
-        if (run.psnr >= psnr) high = run, reached = true;
-        else low = run;
+    for (int runs = 1; best.is_ok(); ++runs) {
+        (run.psnr >= psnr ? high : low) = run;
         same_side = runs > 1 && last_side == (run.psnr >= psnr) ? same_side + 1 : 1;
         last_side = run.psnr >= psnr;
         if (high.n == 4 || low.n == most || runs == 60) break;
@@ -72,21 +136,11 @@ namespace hmesh::kit {
         auto n = static_cast<std::size_t>(std::llround(std::exp2(log_n)));
         n = std::max<std::size_t>(low.n != 0 ? low.n + 1 : 4, std::min(n, high.n != 0 ? high.n - 1 : most));
 
-        Result result = mesh_of(n);
+        result = mesh_of(n);
         run = {std::log2(static_cast<double>(n)), result.report.psnr, n};
-        const bool better = run.psnr >= psnr ? true : !reached && run.psnr > best.report.psnr;
-        if (!result.status) {  // failed or cancelled: the best so far, which may be this run's mesh
-            const Status why = result.status;
-            if (!reached && run.psnr > best.report.psnr) best = std::move(result);
-            best.status = why;
-            return best;
-        }
-        if (better) best = std::move(result);
+        best.offer(std::move(result));
     }
-    if (!reached)
-        best.status = {Errc::target_out_of_range, "no mesh of this image reached the PSNR asked for, in dB", best.report.psnr,
-                       psnr};
-    return best;
+    return best.take();
 }
 
 /// The same for a method that can go on from a mesh. mesh_from(n, beginning) makes the mesh of n vertices. The result has at most
@@ -97,6 +151,7 @@ namespace hmesh::kit {
     FunctionRef<Result(std::size_t n, const Beginning& from)> mesh_from) {
     constexpr double near_enough = 0.025;  // dB above the target: 1 % of the vertices
     constexpr double is_nearby = 0.4;      // doublings of the vertices up to which a run goes on from the one before
+    constexpr double is_touched = 0.05;    // up to which little work keeps the mesh as good
     double slope = 1.6;                    // dB for each doubling of the vertices
     const auto doublings = [](std::size_t from, std::size_t to) {
         return std::log2(static_cast<double>(to) / static_cast<double>(from));
@@ -115,17 +170,16 @@ namespace hmesh::kit {
     // differs much between images: rather too few vertices than too many, which take longer.
     std::size_t n = first, before = 0;
     double before_psnr = 0;
-    Result rough;  // the last one but the very last
+    Result rough;                              // the last one but the very last; without a mesh at first
+    const auto better_of = [&](Result last) {  // that and one that failed or was cancelled, with its status
+        if (!rough.has_mesh() || last.report.psnr >= rough.report.psnr) return last;
+        rough.status = last.status;
+        return std::move(rough);
+    };
     for (int drafts = 0, sketches = 0; drafts < 4 && sketches < 4;) {
         const bool is_sketch = sketches != 0 || drafts == 3 || (before != 0 && std::abs(doublings(before, n)) < 1);
         Result result = mesh_from(n, {nullptr, is_sketch ? Work::sketch : Work::draft});
-        if (!result.status) {  // failed or cancelled: the better of this mesh and the one before
-            if (result.report.psnr < rough.report.psnr) {
-                rough.status = result.status;
-                return rough;
-            }
-            return result;
-        }
+        if (!result.status) return better_of(std::move(result));
         if (!is_finite(result.report.psnr)) break;
         if (before != 0 && (sketches != 0) == is_sketch) learn(before, before_psnr, n, result.report.psnr);
         before = n, before_psnr = result.report.psnr;
@@ -135,42 +189,29 @@ namespace hmesh::kit {
         rough = std::move(result);
     }
 
-    Result best = mesh_from(n, {});
-    if (!best.status && best.report.psnr < rough.report.psnr) {
-        rough.status = best.status;
-        return rough;
-    }
-    if (!best.status) return best;
-    double now = best.report.psnr;
-    Mesh last = best.mesh;
-    // Two runs beside the target are enough, and two more where small meshes, which scatter, are still far above it.
-    const auto runs_beside = [&] { return best.report.psnr > psnr + 10 * near_enough ? 4 : 2; };
-    for (int near_runs = 0, runs = 1; near_runs < runs_beside() && runs < 20; ++runs) {
+    Result whole = mesh_from(n, {});
+    if (!whole.status) return better_of(std::move(whole));
+    double now = whole.report.psnr;
+    Mesh last = whole.mesh;
+    detail::BestResult best(psnr, std::move(whole));
+    double spent = 0;  // whole runs, since then only to save vertices
+    for (int runs = 1; spent < 0.75 && runs < 20; ++runs) {
         const bool is_reached = now >= psnr;
         if (is_reached ? n == 4 || now <= psnr + near_enough : n == most) break;
         std::size_t next = next_after(n, is_finite(now) ? psnr + 0.4 * near_enough - now : -slope);
         if (next == n) next = is_reached ? n - 1 : n + 1;
-        const bool goes_on = std::abs(doublings(n, next)) <= is_nearby;
-        Result result = mesh_from(next, {goes_on ? &last : nullptr, goes_on ? Work::refine : Work::whole});
+        const double distance = std::abs(doublings(n, next));
+        const Work work = distance > is_nearby ? Work::whole : distance > is_touched ? Work::refine : Work::touch;
+        Result result = mesh_from(next, {work == Work::whole ? nullptr : &last, work});
         const double then = result.report.psnr;
-        const bool is_better = then >= psnr ? best.report.psnr < psnr || next < best.report.vertices
-                                            : best.report.psnr < psnr && then > best.report.psnr;
-        if (!result.status) {
-            const Status why = result.status;
-            if (best.report.psnr < psnr && then > best.report.psnr) best = std::move(result);
-            best.status = why;
-            return best;
-        }
+        Mesh reached = result.mesh;
+        if (!best.offer(std::move(result))) break;
         learn(n, now, next, then);
-        if (then >= psnr || now >= psnr) near_runs += goes_on ? 1 : 0;  // from here on only to save vertices
+        if (then >= psnr || now >= psnr) spent += work == Work::refine ? 0.375 : work == Work::touch ? 0.2 : 0;
         n = next, now = then;
-        last = result.mesh;
-        if (is_better) best = std::move(result);
+        last = std::move(reached);
     }
-    if (best.report.psnr < psnr)
-        best.status = {Errc::target_out_of_range, "no mesh of this image reached the PSNR asked for, in dB", best.report.psnr,
-                       psnr};
-    return best;
+    return best.take();
 }
 
 }  // namespace hmesh::kit

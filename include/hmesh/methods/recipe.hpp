@@ -15,7 +15,9 @@
 /// wants the pixels themselves declares run() with the image between its arguments, `template <class T, int C>
 /// run(TiledMesh<C>&, const ImageView<T, C>&, std::size_t)`. One that can go on from a mesh of another run makes searches for a
 /// PSNR cheaper, by `Recipe from(const hmesh::kit::Beginning&) const`, the recipe for one run of a search, and `double
-/// gain_over_sketch() const`, by how many dB whole runs are above sketches. A tile_size() of the image's longer side means one
+/// gain_over_sketch() const`, by how many dB whole runs are above sketches; a `double work(int width, int height, std::size_t n)
+/// const`, how long a run takes, in any unit, lets the progress of such a search run evenly. run() may tell mesh.progress() by
+/// plan() how long its stages take. A tile_size() of the image's longer side means one
 /// piece. mesh_image() does the rest: checks, premultiplication, weights, the search for a PSNR, final colours, the report.
 /// Recipes are made of the building blocks in hmesh::kit, which are public, documented, and free to change before version 1.
 #ifndef HMESH_METHODS_RECIPE_HPP
@@ -37,6 +39,7 @@ namespace hmesh::kit {
 enum class Work : unsigned char {
     whole,   ///< as much as the recipe says
     refine,  ///< what makes a mesh of nearly as many vertices as good as a whole run
+    touch,   ///< what keeps a mesh as good whose vertices change by a few per cent, in half the time of that
     sketch,  ///< what tells the PSNR of a whole run to within some 0.3 dB, in a quarter of its time
     draft,   ///< what tells it to within 2 dB, in a tenth
 };

@@ -76,10 +76,27 @@ struct ShadingLayout {
     return {};
 }
 
-/// Writes the entries of the shading's dictionary that describe its stream, in the syntax of PDF and PostScript. `components`
-/// is 1 for grey, 3 for red, green and blue.
-inline void write_shading_entries(Writer& writer, const ShadingLayout& layout, int components) {
-    writer.text(components == 1 ? "/ShadingType 4 /ColorSpace /DeviceGray" : "/ShadingType 4 /ColorSpace /DeviceRGB");
+/// The colours of a shading as its dictionary gives them.
+struct ShadingColors {
+    int components = 3;  ///< 1 is grey, 3 are red, green and blue
+    int factor = 1;      ///< what the colours are divided by where they are stored: a power of two up to 16
+    int function = 0;    ///< unless the factor is 1: the number of the object that multiplies by it, in PDF
+};
+
+/// Writes the entries of the shading's dictionary that describe its stream, in the syntax of PDF and, for factor 1, PostScript.
+inline void write_shading_entries(Writer& writer, const ShadingLayout& layout, const ShadingColors& colors) {
+    const bool is_gray = colors.components == 1;
+    const char* const space = is_gray ? "/DeviceGray" : "/DeviceRGB";
+    writer.text("/ShadingType 4 /ColorSpace ");
+    if (colors.factor == 1) {
+        writer.text(space);
+    } else {
+        writer.text(is_gray ? "[/DeviceN [/Gray] " : "[/DeviceN [/Red /Green /Blue] ");
+        writer.text(space);
+        writer.text(" ");
+        writer.decimal(colors.function);
+        writer.text(" 0 R]");
+    }
     writer.text("\n/BitsPerCoordinate ");
     writer.decimal(std::int64_t{8} * layout.coordinate_bytes);
     writer.text(" /BitsPerComponent ");
@@ -91,7 +108,11 @@ inline void write_shading_entries(Writer& writer, const ShadingLayout& layout, i
         writer.fixed(static_cast<double>(from) + layout.extent(), 8);
         writer.text(" ");
     }
-    writer.text(components == 1 ? "0 1]" : "0 1 0 1 0 1]");
+    for (int k = 0; k < colors.components; ++k) {
+        writer.text(k == 0 ? "0 " : " 0 ");
+        writer.fixed(1.0 / colors.factor, 4);
+    }
+    writer.text("]");
 }
 
 /// The bytes of the stream. Component k of vertex v as a share of full intensity is shares[components * v + k]; it is held to

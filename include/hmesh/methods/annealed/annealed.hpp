@@ -61,6 +61,19 @@ template <int C>
     return check(mesh);
 }
 
+/// Tells progress of the stages of a run.
+HMESH_COLD inline void plan_stages(ProgressReporter& progress, const AnnealedSteps& steps, double pixels, std::size_t n,
+                                   bool has_start) {
+    const AnnealedWork work = annealed_work(steps, pixels, static_cast<double>(n), has_start);
+    const bool collapses = work.collapse > 0, anneals = work.anneal > 0;
+    if (has_start && anneals) progress.plan({work.start, work.anneal, work.polish, work.colors});
+    else if (has_start) progress.plan({work.start, work.polish, work.colors});
+    else if (collapses && anneals) progress.plan({work.start, work.settle, work.collapse, work.anneal, work.polish, work.colors});
+    else if (collapses || anneals)
+        progress.plan({work.start, work.settle, work.collapse + work.anneal, work.polish, work.colors});
+    else progress.plan({work.start, work.settle, work.polish, work.colors});
+}
+
 /// One run of the method for n vertices: the stages, and what they know of the tiles.
 template <int C>
 class AnnealedRun {
@@ -70,12 +83,14 @@ class AnnealedRun {
 
     /// Runs all stages. False: cancelled, or more than n vertices are left and none of them can be removed.
     bool run() {
+        plan_stages(progress(), steps_, tiled_->source().pixels(), n_, false);
         tiled_->indexed() = corner_mesh(tiled_->source());  // the mesh after a cancellation in the first stage
         return stage("points", [&] { return draw_points(); }) && stage("settle", [&] { return settle(); }) &&
                (steps_.points <= 1 || stage("collapse", [&] { return collapse(); })) && finish();
     }
     /// The same from `mesh` on, which check_start() accepts.
     bool run_from(IndexedMesh<C> mesh) {
+        plan_stages(progress(), steps_, tiled_->source().pixels(), n_, true);
         tiled_->indexed() = std::move(mesh);
         return stage("start",
                      [&] {
@@ -87,8 +102,10 @@ class AnnealedRun {
 
   private:
     bool finish() {
-        return (steps_.annealing.sweeps == 0 || stage("anneal", [&] { return anneal(); })) &&
-               stage("polish", [&] { return reach_vertex_count(*tiled_, n_, tile_, steps_.relaxation) && polish(); });
+        return (steps_.annealing.sweeps == 0 || stage("anneal", [&] { return anneal(); })) && stage("polish", [&] {
+                   progress().set_range(0, 0.35);
+                   return reach_vertex_count(*tiled_, n_, tile_, steps_.relaxation) && polish(0.35);
+               });
     }
     [[nodiscard]] ProgressReporter& progress() noexcept { return tiled_->progress(); }
     /// The tiling of phase k: in any 4 phases in a row, every vertex is within a tile in at least one.
@@ -174,12 +191,17 @@ class AnnealedRun {
         const AnnealingOptions& annealing = steps_.annealing;
         AnnealingSchedule schedule(annealing, n_, marginal_cost());
         if (progress().stopped()) return false;
+        // Sweeps take less and less time; the first one, in which the mesh grows, a half more.
+        const auto done = [&](int k) {
+            const double sweeps = annealing.sweeps, t = k / sweeps;
+            return k == 0 ? 0 : (0.4 + sweeps * t * (1.08 - 0.15 * t)) / (0.4 + 0.93 * sweeps);
+        };
         for (int k = 0; k < annealing.sweeps; ++k) {
             const auto total = static_cast<double>(tiled_->vertex_count()), target = static_cast<double>(n_);
             const Tiling phase = tiling(k + 1);
             std::vector<AnnealingCounts> counts(phase.size());
             const double tolerance = annealing.count_tolerance * (1 - static_cast<double>(k) / annealing.sweeps);
-            progress().set_range(static_cast<double>(k) / annealing.sweeps, (k + 1.0) / annealing.sweeps);
+            progress().set_range(done(k), done(k + 1));
             const bool go_on = tiled_->for_each(phase, [&](Patch<C>& patch, std::size_t tile) {
                 const double share = static_cast<double>(patch.mesh().vertex_count()) * target / total;
                 const CountRange range{(1 - tolerance) * share, (1 + tolerance) * share};
@@ -194,17 +216,19 @@ class AnnealedRun {
                 sum.inserted += c.inserted;
             }
             schedule.steer(sum, tiled_->vertex_count(), tiled_->mean_energy());
-            if (!progress().update((k + 1.0) / annealing.sweeps, tiled_->vertex_count(), tiled_->energy())) return false;
+            if (!progress().update(done(k + 1), tiled_->vertex_count(), tiled_->energy())) return false;
         }
         return true;
     }
 
-    HMESH_COLD bool polish() {
+    /// Begins where this fraction of the stage is done.
+    HMESH_COLD bool polish(double from) {
         // Without annealing no phase has shifted the tiling yet: one round at least works across the seams.
         const bool has_seams = aligned_.size() > 1 && steps_.annealing.sweeps == 0;
         const int rounds = std::max(steps_.polish_rounds, has_seams ? 1 : 0);
+        const auto begin = [&](int k) { return from + (1 - from) * k / rounds; };
         for (int k = 0; k < rounds; ++k)
-            if (!for_each_patch(k + 1, static_cast<double>(k) / rounds, (k + 1.0) / rounds, [&](ImageMesh<C>& mesh) {
+            if (!for_each_patch(k + 1, begin(k), begin(k + 1), [&](ImageMesh<C>& mesh) {
                     for_each_block(mesh, 0, [&](std::vector<Vertex>& vertices) {
                         flip_edges(mesh, own_edges(mesh, vertices), steps_.polish.propagate_above);
                         sweep(mesh, vertices, steps_.polish);

@@ -84,6 +84,7 @@ HMESH_COLD bool remove_cheapest(TiledMesh<C>& tiled, const Tiling& tiling, std::
     }
     const std::size_t before = tiled.vertex_count();
     tiled.for_each(tiling, [&](Patch<C>& patch, std::size_t tile) {
+        patch.mesh().expect(1, static_cast<double>(patch.vertex_count() + 2 * quota[tile]));
         for (std::size_t left = quota[tile]; left > 0;) {
             const auto batch = static_cast<std::size_t>(std::ceil(static_cast<double>(patch.vertex_count()) * most));
             const std::size_t removed = remove_batch(patch.mesh(), std::min(left, batch), relaxation);
@@ -106,6 +107,7 @@ HMESH_COLD bool insert_best(TiledMesh<C>& tiled, const Tiling& tiling, std::size
     const std::vector<std::size_t> quota = apportion(count, energies, std::vector<std::size_t>(tiling.size(), count));
     const std::size_t before = tiled.vertex_count();
     tiled.for_each(tiling, [&](Patch<C>& patch, std::size_t tile) {
+        patch.mesh().expect(1, 4.0 * static_cast<double>(patch.vertex_count()));
         for (std::size_t left = quota[tile]; left > 0;) {
             const std::size_t inserted = insert_batch(patch.mesh(), left, {true, true});
             if (inserted == 0) {  // no site lowers the energy

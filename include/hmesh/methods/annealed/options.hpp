@@ -135,6 +135,36 @@ struct AnnealedSteps {
 template <int C>
 class TiledMesh;
 
+/// How long the stages of a run take, in microseconds of one core for 3 channels: only the ratios matter, for progress. From
+/// four photographs at 1 and 3 %; the larger stages of fast, normal and best are within a third, those of draft within a half.
+struct AnnealedWork {
+    double start = 0;     ///< points, or what a mesh to start from takes
+    double settle = 0;    ///< 0: no such stage
+    double collapse = 0;  ///< 0: no such stage
+    double anneal = 0;    ///< 0: no such stage
+    double polish = 0;    ///< at the end
+    double colors = 0;    ///< the final ones
+
+    /// Of all stages.
+    [[nodiscard]] double sum() const noexcept { return start + settle + collapse + anneal + polish + colors; }
+};
+
+/// The work of a run for n vertices with these steps, of an image of so many pixels, from the start or from a mesh.
+[[nodiscard]] HMESH_COLD inline AnnealedWork annealed_work(const AnnealedSteps& steps, double pixels, double n,
+                                                           bool has_start) noexcept {
+    AnnealedWork work;
+    const double points = steps.points * n;
+    work.start = 0.035 * pixels + (has_start ? 6 * n : 2.8 * points);
+    if (!has_start) {
+        work.settle = 0.05 * pixels + 7.0 * points * steps.settle_rounds;
+        if (steps.points > 1) work.collapse = 34 * n * (steps.points - 1);
+    }
+    work.anneal = 30.0 * n * steps.annealing.sweeps;
+    work.polish = n * (3 * steps.polish_rounds + (has_start ? 8 : 0));
+    work.colors = 0.005 * pixels + 1.5 * n;
+    return work;
+}
+
 }  // namespace kit
 
 /// The default recipe of mesh_image(), and the one of best fidelity: too many points are drawn, those whose loss costs least
@@ -181,7 +211,7 @@ struct Annealed {
         return size;
     }
     /// The recipe for one run of a search. Sketches are of effort fast, and meshes refined with 3 / 8 of the sweeps, which makes
-    /// them as good as whole runs where they come from 0.8 to 1.25 times the vertices.
+    /// them as good as whole runs where they come from 0.8 to 1.25 times the vertices, and touched with 1 / 8.
     [[nodiscard]] Annealed from(const kit::Beginning& beginning) const {
         Annealed out = *this;
         if (beginning.work == kit::Work::whole && beginning.mesh == nullptr) return out;
@@ -189,11 +219,18 @@ struct Annealed {
         if (beginning.work == kit::Work::draft || beginning.work == kit::Work::sketch) {
             out.effort = beginning.work == kit::Work::draft ? Effort::draft : std::min(effort, Effort::fast);
             out.steps.reset();
-        } else if (beginning.work == kit::Work::refine) {
+        } else if (beginning.work == kit::Work::refine || beginning.work == kit::Work::touch) {
             out.steps = steps.value_or(kit::annealed_steps(effort));
-            out.steps->annealing.sweeps = (3 * out.steps->annealing.sweeps + 7) / 8;
+            const int eighths = beginning.work == kit::Work::refine ? 3 : 1;
+            out.steps->annealing.sweeps = (eighths * out.steps->annealing.sweeps + 7) / 8;
         }
         return out;
+    }
+    /// How long a run for n vertices takes, in the unit of kit::AnnealedWork: for the progress of searches.
+    [[nodiscard]] double work(int width, int height, std::size_t n) const noexcept {
+        return kit::annealed_work(steps.value_or(kit::annealed_steps(effort)), static_cast<double>(width) * height,
+                                  static_cast<double>(n), start != nullptr)
+            .sum();
     }
     /// By how many dB a whole run ends above a sketch of as many vertices, on the average.
     [[nodiscard]] double gain_over_sketch() const noexcept {

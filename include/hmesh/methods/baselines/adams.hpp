@@ -81,6 +81,7 @@ struct Adams {
     [[nodiscard]] Status run(kit::TiledMesh<C>& mesh, std::size_t n) const {
         const kit::ImageSource<C>& source = mesh.source();
         mesh.indexed() = kit::corner_mesh(source);  // the mesh after a cancellation in the first stage
+        mesh.progress().plan({0.3, 0.67, 0.03});
         const bool go_on = kit::run_stage<C>(mesh, "points", [&] {
             const double wanted = std::ceil(density * static_cast<double>(n));
             const auto count = static_cast<std::size_t>(std::min(source.pixels(), wanted));

@@ -49,6 +49,7 @@ struct AdaptiveThinning {
     [[nodiscard]] Status run(kit::TiledMesh<C>& mesh, std::size_t n) const {
         const kit::ImageSource<C>& source = mesh.source();
         mesh.indexed() = kit::corner_mesh(source);  // the mesh after a cancellation in the first stage
+        mesh.progress().plan({0.16, 0.83, 0.01});
         const bool go_on = kit::run_stage<C>(mesh, "points", [&] {
             std::vector<std::uint32_t> pixels(static_cast<std::size_t>(source.pixels()));
             std::iota(pixels.begin(), pixels.end(), 0U);

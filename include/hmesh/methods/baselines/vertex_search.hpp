@@ -10,6 +10,7 @@
 #ifndef HMESH_METHODS_BASELINES_VERTEX_SEARCH_HPP
 #define HMESH_METHODS_BASELINES_VERTEX_SEARCH_HPP
 
+#include <algorithm>
 #include <cstddef>
 #include <vector>
 
@@ -60,7 +61,8 @@ bool search_vertex(ImageMesh<C>& mesh, Vertex v, int first_step, Ring<C>& ring, 
     double squares = ring.open ? spokes.spoke[ring.size - 1].q[3] - spokes.spoke[0].q[3] : 0;  // |I|^2 of the ring
     for (int i = ring.first_face(); i < ring.size; ++i) squares += ring.link[i].q[3];
     // A gain that rounding may feign: energies are differences of sums as large as the squares, some of them over whole rows.
-    const double min_gain = 1e-9 * lowest + 1e-12 * squares;
+    // Rounding may leave either below 0, and with gains below 0 the search would go round in circles.
+    const double min_gain = 1e-9 * std::max(0.0, lowest) + 1e-12 * std::max(0.0, squares);
     VertexState<C> best = state;
     // A vertex stays on its side of the image or at least half a pixel off, where the centres of pixels are.
     const auto on_centers = [](double x, int size) { return x >= 0.5 && x <= size - 0.5; };
@@ -105,6 +107,7 @@ std::size_t search_vertices(ImageMesh<C>& mesh, const VertexSearch& options) {
     Spokes<C> spokes;
     std::size_t moves = 0, moved = 1;
     for (const Vertex v : topology.vertices()) mesh.set_dirty(v, true);
+    mesh.expect(1, 0.6 * options.visits * static_cast<double>(mesh.vertex_count()));
     for (int round = 0; round < options.visits && moved > 0; ++round) {
         moved = 0;
         for (const Vertex v : spatial_vertices(mesh)) {

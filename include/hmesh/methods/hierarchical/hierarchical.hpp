@@ -101,6 +101,8 @@ struct Hierarchical {
     /// Errc::cancelled: it is valid, with any number of vertices.
     template <class T, int C>
     [[nodiscard]] Status run(kit::TiledMesh<C>& mesh, const ImageView<T, C>& image, std::size_t n) const {
+        // Levels, points, removal, and four times geometry and flips: of other options too, whose stages are more or fewer.
+        mesh.progress().plan({5, 15, 37, 12, 2, 10, 2, 9, 1, 6, 1, 1});
         if (!mesh.progress().begin("levels", mesh.vertex_count(), mesh.energy())) return kit::cancelled_by_callback();
         const kit::Pyramid<T, C> pyramid = kit::make_pyramid(image, levels, bilateral, filter, mesh.parallel_for());
         std::vector<kit::ImageSource<C>> coarse;
