@@ -5152,8 +5152,10 @@ class MomentTable {
     }
     /// The offset of entry (x, y), 0 <= x <= width, 0 <= y < height, in numbers from entries().
     [[nodiscard]] HMESH_ALWAYS_INLINE std::size_t offset(int x, int y) const noexcept {
-        return static_cast<std::size_t>(x / strip_width) * strip_size_ +
-               static_cast<std::size_t>(y * strip_width + x % strip_width) * entry_size;
+        // Unsigned: a division of what may be negative would take three instructions more.
+        constexpr unsigned strip = strip_width;
+        const auto column = static_cast<unsigned>(x), row = static_cast<unsigned>(y);
+        return column / strip * strip_size_ + std::size_t{row * strip + column % strip} * entry_size;
     }
     /// The sums of w i and w i^2 that belong to the entry at this offset; only if is_weighted().
     [[nodiscard]] HMESH_ALWAYS_INLINE const double* x_moments(std::size_t offset) const noexcept {
@@ -5795,7 +5797,6 @@ class UndoArray {
 
 #include <cstddef>
 #include <cstdint>
-#include <utility>
 
 namespace hmesh::kit {
 
@@ -5904,21 +5905,25 @@ HMESH_NEVER_INLINE void weighted_walk(const MomentTable<C>& table, Point a, Poin
     m.q.set(3, sign * squares);
 }
 
+/// edge_moments() with points as numbers: two halves of a point that registers brought, stored and loaded as one, would stall.
+template <int C>
+HMESH_NEVER_INLINE void edge_moments(const MomentTable<C>& table, double ax, double ay, double bx, double by, Moments<C>& m) {
+    const bool is_up = by < ay;
+    const double sign = is_up ? -1 : 1;
+    const Point a{is_up ? bx : ax, is_up ? by : ay}, b{is_up ? ax : bx, is_up ? ay : by};
+    if (table.is_int32()) walk<C, std::int32_t>(table, a, b, sign, m);
+    else if (!table.is_weighted()) walk<C, double>(table, a, b, sign, m);
+    else weighted_walk(table, a, b, sign, m);
+}
+
 }  // namespace detail
 
 /// The moments of the pixels left of the edge from a to b, positive where it runs down (to larger y), negative where it runs
 /// up. So edge_moments(a, b) = -edge_moments(b, a), and the sum over the edges of a polygon of positive orientation is the
 /// moments of its pixels. Points lie in [0, width] x [0, height] of the table. Cost: some 4 ns a row crossed.
 template <int C>
-HMESH_NEVER_INLINE void edge_moments(const MomentTable<C>& table, Point a, Point b, Moments<C>& m) {
-    double sign = 1;
-    if (b.y < a.y) {
-        std::swap(a, b);
-        sign = -1;
-    }
-    if (table.is_int32()) detail::walk<C, std::int32_t>(table, a, b, sign, m);
-    else if (!table.is_weighted()) detail::walk<C, double>(table, a, b, sign, m);
-    else detail::weighted_walk(table, a, b, sign, m);
+HMESH_ALWAYS_INLINE void edge_moments(const MomentTable<C>& table, Point a, Point b, Moments<C>& m) {
+    detail::edge_moments(table, a.x, a.y, b.x, b.y, m);
 }
 
 }  // namespace hmesh::kit

@@ -22,7 +22,6 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <utility>
 
 #include "hmesh/core/compiler.hpp"
 #include "hmesh/core/lanes.hpp"
@@ -139,21 +138,25 @@ HMESH_NEVER_INLINE void weighted_walk(const MomentTable<C>& table, Point a, Poin
     m.q.set(3, sign * squares);
 }
 
+/// edge_moments() with points as numbers: two halves of a point that registers brought, stored and loaded as one, would stall.
+template <int C>
+HMESH_NEVER_INLINE void edge_moments(const MomentTable<C>& table, double ax, double ay, double bx, double by, Moments<C>& m) {
+    const bool is_up = by < ay;
+    const double sign = is_up ? -1 : 1;
+    const Point a{is_up ? bx : ax, is_up ? by : ay}, b{is_up ? ax : bx, is_up ? ay : by};
+    if (table.is_int32()) walk<C, std::int32_t>(table, a, b, sign, m);
+    else if (!table.is_weighted()) walk<C, double>(table, a, b, sign, m);
+    else weighted_walk(table, a, b, sign, m);
+}
+
 }  // namespace detail
 
 /// The moments of the pixels left of the edge from a to b, positive where it runs down (to larger y), negative where it runs
 /// up. So edge_moments(a, b) = -edge_moments(b, a), and the sum over the edges of a polygon of positive orientation is the
 /// moments of its pixels. Points lie in [0, width] x [0, height] of the table. Cost: some 4 ns a row crossed.
 template <int C>
-HMESH_NEVER_INLINE void edge_moments(const MomentTable<C>& table, Point a, Point b, Moments<C>& m) {
-    double sign = 1;
-    if (b.y < a.y) {
-        std::swap(a, b);
-        sign = -1;
-    }
-    if (table.is_int32()) detail::walk<C, std::int32_t>(table, a, b, sign, m);
-    else if (!table.is_weighted()) detail::walk<C, double>(table, a, b, sign, m);
-    else detail::weighted_walk(table, a, b, sign, m);
+HMESH_ALWAYS_INLINE void edge_moments(const MomentTable<C>& table, Point a, Point b, Moments<C>& m) {
+    detail::edge_moments(table, a.x, a.y, b.x, b.y, m);
 }
 
 }  // namespace hmesh::kit
