@@ -5815,6 +5815,8 @@ struct Moments {
     [[nodiscard]] static HMESH_ALWAYS_INLINE Moments zero() {
         return {Channels::zero(), Channels::zero(), Channels::zero(), Lanes<4>::zero()};
     }
+    /// These sums times a number, as a rule the sign 1 or -1.
+    [[nodiscard]] HMESH_ALWAYS_INLINE Moments operator*(double sign) const { return {s * sign, sx * sign, sy * sign, q * sign}; }
     /// Adds the moments of other pixels.
     HMESH_ALWAYS_INLINE Moments& operator+=(const Moments& o) {
         s += o.s, sx += o.sx, sy += o.sy, q += o.q;
@@ -6245,20 +6247,21 @@ template <int C>
 template <int C>
 [[nodiscard]] HMESH_NEVER_INLINE bool fit_ring(const Ring<C>& ring, const Spokes<C>& spokes, Point v, double min_double_area,
                                                FaceFit<C>* faces, RingFit<C>& out) {
-    Color<C> rest = Color<C>::zero();
-    out = RingFit<C>();
+    // Sums of its own: those in `out` would go through memory for each face.
+    Color<C> rest = Color<C>::zero(), b = rest;
+    double a = 0, squares = 0;
     for (int i = ring.first_face(); i < ring.size; ++i) {
         const int j = ring.before(i);
         Moments<C> m = spokes.spoke[i];
         m += ring.link[i];
         m -= spokes.spoke[j];
         if (!fit_face(m, v, *ring.neighbor[i], *ring.neighbor[j], min_double_area, faces[i])) return false;
-        out.a += faces[i].a;
-        out.b += faces[i].b;
+        a += faces[i].a;
+        b += faces[i].b;
         rest += faces[i].rest;
-        out.squares += faces[i].squares;
+        squares += faces[i].squares;
     }
-    out.d = out.squares + rest.sum();
+    out = {a, squares + rest.sum(), squares, b};
     return true;
 }
 
@@ -7268,14 +7271,11 @@ class ImageMesh {
 
     /// Writes the moments of a half-edge (those of its edge, with a sign) to `out`.
     HMESH_ALWAYS_INLINE void moments(Halfedge h, Moments<C>& out) const {
-        out = moments_[h.index() >> 1U];
-        out *= sign(h);
+        out = moments_[h.index() >> 1U] * sign(h);
     }
     /// Adds the moments of a half-edge to `out`.
     HMESH_ALWAYS_INLINE void add_moments(Halfedge h, Moments<C>& out) const {
-        Moments<C> m = moments_[h.index() >> 1U];
-        m *= sign(h);
-        out += m;
+        out += moments_[h.index() >> 1U] * sign(h);
     }
     /// Writes the moments of the pixels of a face to `out`.
     void face_moments(Face f, Moments<C>& out) const {
@@ -7689,9 +7689,7 @@ void ImageMesh<C>::apply_fit(Vertex v, const Ring<C>& ring, Point position, cons
     if (moved == nullptr) return;
     for (int i = 0; i < ring.size; ++i) {
         const Halfedge h = ring.halfedge[i];
-        Moments<C>& m = moments_.edit(h.index() >> 1U);
-        m = moved->spoke[i];
-        m *= sign(h);
+        moments_.edit(h.index() >> 1U) = moved->spoke[i] * sign(h);
     }
 }
 
@@ -8975,7 +8973,7 @@ template <int C>
     Moments<C> spoke = Moments<C>::zero();
     bool known = false;  // whether `spoke` holds the moments from u to neighbour i - 1
     for (int step = 1; step < ring.size; ++step) {
-        const int i = (j + step) % ring.size, before = ring.before(i);
+        const int i = j + step < ring.size ? j + step : j + step - ring.size, before = ring.before(i);
         if (ring.open && i == 0) continue;
         if (before == j) {  // face (v, i, j) vanishes; its far side from i to j is an edge of u
             spoke = ring.link[i];
@@ -9013,12 +9011,13 @@ template <int C>
     double lowest = std::numeric_limits<double>::max();
     for (int j = 0; j < ring.size; ++j) {
         if (ring.open && j != 0 && j != ring.size - 1) continue;  // a border vertex collapses along the border
+        const double energy = detail::filled_energy(mesh, ring, j, lowest);
+        if (!(energy < lowest)) continue;
         // The merged vertex has the neighbours of both, less the two themselves and the far corners that both had.
         const int shared = ring.open ? 3 : 4;
-        if (topology.valence(topology.to_vertex(ring.halfedge[j])) + ring.size - shared > ring.neighbor[j]->valence_limit)
+        if (topology.valence(topology.to_vertex(ring.halfedge[j])) + ring.size - shared > ring.neighbor[j]->valence_limit ||
+            !topology.is_collapse_ok(ring.halfedge[j]))
             continue;
-        const double energy = detail::filled_energy(mesh, ring, j, lowest);
-        if (!(energy < lowest) || !topology.is_collapse_ok(ring.halfedge[j])) continue;
         lowest = energy;
         best = {ring.halfedge[j], energy - before};
     }

@@ -50,7 +50,7 @@ template <int C>
     Moments<C> spoke = Moments<C>::zero();
     bool known = false;  // whether `spoke` holds the moments from u to neighbour i - 1
     for (int step = 1; step < ring.size; ++step) {
-        const int i = (j + step) % ring.size, before = ring.before(i);
+        const int i = j + step < ring.size ? j + step : j + step - ring.size, before = ring.before(i);
         if (ring.open && i == 0) continue;
         if (before == j) {  // face (v, i, j) vanishes; its far side from i to j is an edge of u
             spoke = ring.link[i];
@@ -88,12 +88,13 @@ template <int C>
     double lowest = std::numeric_limits<double>::max();
     for (int j = 0; j < ring.size; ++j) {
         if (ring.open && j != 0 && j != ring.size - 1) continue;  // a border vertex collapses along the border
+        const double energy = detail::filled_energy(mesh, ring, j, lowest);
+        if (!(energy < lowest)) continue;
         // The merged vertex has the neighbours of both, less the two themselves and the far corners that both had.
         const int shared = ring.open ? 3 : 4;
-        if (topology.valence(topology.to_vertex(ring.halfedge[j])) + ring.size - shared > ring.neighbor[j]->valence_limit)
+        if (topology.valence(topology.to_vertex(ring.halfedge[j])) + ring.size - shared > ring.neighbor[j]->valence_limit ||
+            !topology.is_collapse_ok(ring.halfedge[j]))
             continue;
-        const double energy = detail::filled_energy(mesh, ring, j, lowest);
-        if (!(energy < lowest) || !topology.is_collapse_ok(ring.halfedge[j])) continue;
         lowest = energy;
         best = {ring.halfedge[j], energy - before};
     }

@@ -48,6 +48,8 @@ struct Moments {
     [[nodiscard]] static HMESH_ALWAYS_INLINE Moments zero() {
         return {Channels::zero(), Channels::zero(), Channels::zero(), Lanes<4>::zero()};
     }
+    /// These sums times a number, as a rule the sign 1 or -1.
+    [[nodiscard]] HMESH_ALWAYS_INLINE Moments operator*(double sign) const { return {s * sign, sx * sign, sy * sign, q * sign}; }
     /// Adds the moments of other pixels.
     HMESH_ALWAYS_INLINE Moments& operator+=(const Moments& o) {
         s += o.s, sx += o.sx, sy += o.sy, q += o.q;

@@ -212,9 +212,7 @@ void ImageMesh<C>::apply_fit(Vertex v, const Ring<C>& ring, Point position, cons
     if (moved == nullptr) return;
     for (int i = 0; i < ring.size; ++i) {
         const Halfedge h = ring.halfedge[i];
-        Moments<C>& m = moments_.edit(h.index() >> 1U);
-        m = moved->spoke[i];
-        m *= sign(h);
+        moments_.edit(h.index() >> 1U) = moved->spoke[i] * sign(h);
     }
 }
 

@@ -78,20 +78,21 @@ template <int C>
 template <int C>
 [[nodiscard]] HMESH_NEVER_INLINE bool fit_ring(const Ring<C>& ring, const Spokes<C>& spokes, Point v, double min_double_area,
                                                FaceFit<C>* faces, RingFit<C>& out) {
-    Color<C> rest = Color<C>::zero();
-    out = RingFit<C>();
+    // Sums of its own: those in `out` would go through memory for each face.
+    Color<C> rest = Color<C>::zero(), b = rest;
+    double a = 0, squares = 0;
     for (int i = ring.first_face(); i < ring.size; ++i) {
         const int j = ring.before(i);
         Moments<C> m = spokes.spoke[i];
         m += ring.link[i];
         m -= spokes.spoke[j];
         if (!fit_face(m, v, *ring.neighbor[i], *ring.neighbor[j], min_double_area, faces[i])) return false;
-        out.a += faces[i].a;
-        out.b += faces[i].b;
+        a += faces[i].a;
+        b += faces[i].b;
         rest += faces[i].rest;
-        out.squares += faces[i].squares;
+        squares += faces[i].squares;
     }
-    out.d = out.squares + rest.sum();
+    out = {a, squares + rest.sum(), squares, b};
     return true;
 }
 
