@@ -5,8 +5,8 @@
 ///
 /// More points than wanted are drawn, with the density that the image asks for (methods/annealed/first_points.hpp), and
 /// triangulated; vertices move and edges flip until little is gained; then the vertices whose loss raises the energy least are
-/// removed. Annealing (methods/annealed/annealing.hpp) moves vertices between places at one common price, which starts at a share
-/// of what the cheapest vertices are worth. Whenever a vertex is visited, its colour becomes the least-squares one. o and s are
+/// removed. Annealing (methods/annealed/annealing.hpp) moves vertices between places at one common price, which starts where the
+/// mesh will grow a little (methods/annealed/first_price.hpp). Whenever a vertex is visited, its colour becomes the least-squares one. o and s are
 /// AnnealedSteps::points and annealing.sweeps; collapse is left out where o = 1, annealing where s = 0.
 ///
 /// A mesh to go on from (Annealed::start) takes the place of the points and the collapse: the cheapest vertices are removed, or
@@ -35,6 +35,7 @@
 #include "hmesh/methods/annealed/annealing.hpp"
 #include "hmesh/methods/annealed/budget.hpp"
 #include "hmesh/methods/annealed/first_points.hpp"
+#include "hmesh/methods/annealed/first_price.hpp"
 #include "hmesh/methods/annealed/options.hpp"
 #include "hmesh/methods/stage.hpp"
 #include "hmesh/tiles/delaunay_mesh.hpp"
@@ -173,23 +174,23 @@ class AnnealedRun {
         return true;
     }
 
-    /// The price at which a vertex is as good as another: the mean cost of the cheapest quarter of all collapses, an energy.
-    [[nodiscard]] HMESH_COLD double marginal_cost() {
-        std::vector<std::vector<double>> of_tile(aligned_.size());
+    /// first_price() of the whole mesh, from some thousand vertices.
+    [[nodiscard]] HMESH_COLD double measured_price() {
+        const std::size_t step = std::max<std::size_t>(1, std::min<std::size_t>(16, tiled_->vertex_count() / 1024));
+        std::vector<VertexWorths> of_tile(aligned_.size());
         progress().set_range(0, 0);
-        tiled_->for_each(aligned_, [&](Patch<C>& patch, std::size_t tile) { of_tile[tile] = collapse_costs(patch.mesh()); });
-        std::vector<double> costs;
-        for (const std::vector<double>& some : of_tile) costs.insert(costs.end(), some.begin(), some.end());
-        std::sort(costs.begin(), costs.end());
-        const std::size_t quarter = (costs.size() + 3) / 4;
-        double sum = 0;
-        for (std::size_t k = 0; k < quarter; ++k) sum += std::max(0.0, costs[k]);
-        return quarter > 0 ? sum / static_cast<double>(quarter) : tiled_->mean_energy();
+        tiled_->for_each(aligned_, [&](Patch<C>& patch, std::size_t tile) { sample_worths(patch.mesh(), step, of_tile[tile]); });
+        VertexWorths worths;
+        for (const VertexWorths& some : of_tile) {
+            worths.gains.insert(worths.gains.end(), some.gains.begin(), some.gains.end());
+            worths.costs.insert(worths.costs.end(), some.costs.begin(), some.costs.end());
+        }
+        return first_price(worths);
     }
 
     HMESH_COLD bool anneal() {
         const AnnealingOptions& annealing = steps_.annealing;
-        AnnealingSchedule schedule(annealing, n_, marginal_cost());
+        AnnealingSchedule schedule(annealing, n_, measured_price());
         if (progress().stopped()) return false;
         // Sweeps take less and less time; the first one, in which the mesh grows, a half more.
         const auto done = [&](int k) {

@@ -42,9 +42,9 @@ struct AnnealingCounts {
 /// The price mu of a vertex and the temperature T, which all patches of a mesh share; set between sweeps.
 class AnnealingSchedule {
   public:
-    /// Starts an annealing toward `target` vertices, of a mesh whose cheapest vertices are worth `marginal_cost`, an energy.
-    AnnealingSchedule(const AnnealingOptions& options, std::size_t target, double marginal_cost) noexcept
-        : options_(options), target_(static_cast<double>(target)), price_(options.start_price * marginal_cost) {}
+    /// Starts an annealing toward `target` vertices, of a mesh whose first_price() is `price`, an energy.
+    AnnealingSchedule(const AnnealingOptions& options, std::size_t target, double price) noexcept
+        : options_(options), target_(static_cast<double>(target)), price_(options.start_price * price) {}
 
     /// mu for the next sweep, an energy.
     [[nodiscard]] double price() const noexcept { return price_; }

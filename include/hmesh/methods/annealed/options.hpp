@@ -48,9 +48,9 @@ struct AnnealingOptions {
     double insertion_screen = 0.35;
     /// Flips that raise the energy by flip_screen * mu or more are not tried; in [0, 1e6].
     double flip_screen = 3;
-    /// mu in the first sweep, in mean costs of the cheapest quarter of all collapses, in [1e-6, 1e6]. Where the count comes to
-    /// rest it is about 1; a start below lets vertices come first, and chooses among more of them.
-    double start_price = 0.8;
+    /// mu in the first sweep, in units of first_price(), in [1e-6, 1e6]. At 1 the mesh grows to 1.3 times the target, which lets
+    /// the sweeps after it choose among more vertices; at 2 it stays about as it is.
+    double start_price = 1;
     /// How far the number of vertices may leave the target in the first sweep, as a share of the target, in [0, 1]; falls
     /// linearly to 0.
     double count_tolerance = 0.5;
@@ -87,7 +87,7 @@ struct AnnealedSteps {
             steps.collapse_batch = 0.5;
             steps.polish_rounds = 1;
             steps.annealing.sweeps = 2;
-            steps.annealing.start_price = 1.4;
+            steps.annealing.start_price = 1.75;
             break;
         case Effort::normal: break;
         case Effort::best:
