@@ -5409,8 +5409,10 @@ class EdgeWalker {
     HMESH_ALWAYS_INLINE EdgeWalker(Point a, Point b) noexcept
         : slope_((b.x - a.x) / (b.y - a.y)), start_y_(a.y - 0.5), start_x_(a.x + (0.5 - 1.0 / 8589934592.0)) {}
     /// The first pixel of row j whose centre is not left of the edge, first_row(a.y) <= j < first_row(b.y).
-    [[nodiscard]] HMESH_ALWAYS_INLINE int column(int j) const noexcept {
-        return static_cast<int>(start_x_ + (static_cast<double>(j) - start_y_) * slope_);
+    [[nodiscard]] HMESH_ALWAYS_INLINE int column(int j) const noexcept { return column(static_cast<double>(j)); }
+    /// The same with j as a double.
+    [[nodiscard]] HMESH_ALWAYS_INLINE int column(double j) const noexcept {
+        return static_cast<int>(start_x_ + (j - start_y_) * slope_);
     }
 
   private:
@@ -5845,32 +5847,33 @@ HMESH_ALWAYS_INLINE void walk(const MomentTable<C>& table, Point a, Point b, dou
     using Channels = typename Moments<C>::Channels;
     const int first = first_row(a.y), last = first_row(b.y);
     Channels s = Channels::zero(), sx = s, sy = s;
-    double x1 = 0, x2 = 0, xy = 0, yy = 0;
+    // Integers, which leave the floating-point units to the channels; below 2^62 for tables of up to 2^28 pixels.
+    std::int64_t x1 = 0, x2 = 0, xy = 0, yy = 0;
     if (first < last) {
         const EdgeWalker crossing(a, b);
         const N* entries = table.template entries<N>();
-        for (int j = first; j < last; ++j) {
-            const int i = crossing.column(j);
+        double y = first;
+        for (int j = first; j < last; ++j, y += 1) {
+            const int i = crossing.column(y);
             const N* entry = entries + table.offset(i, j);
-            const double x = i, y = j;
             const Channels low = Channels::load(entry);
             s += low;
             sx += Channels::load(entry + MomentTable<C>::lanes);
             sy += low * y;
-            const double pairs = x * (x - 1);
+            const std::int64_t x = i, row = j, pairs = x * (x - 1);
             x1 += pairs;
             x2 += pairs * (2 * x - 1);
-            xy += pairs * y;
-            yy += y * y * x;
+            xy += pairs * row;
+            yy += row * row * x;
         }
     }
     // sum i = x (x-1) / 2 and sum i^2 = (x-1) x (2x-1) / 6 over i < x: the divisions leave integers, hence are exact.
     const double squares = sx[C];
-    sx.set(C, x1 * 0.5);
+    sx.set(C, static_cast<double>(x1) * 0.5);
     m.s = s * sign, m.sx = sx * sign, m.sy = sy * sign;
-    m.q.set(0, sign * (x2 / 6));
-    m.q.set(1, sign * (xy * 0.5));
-    m.q.set(2, sign * yy);
+    m.q.set(0, sign * (static_cast<double>(x2) / 6));
+    m.q.set(1, sign * (static_cast<double>(xy) * 0.5));
+    m.q.set(2, sign * static_cast<double>(yy));
     m.q.set(3, sign * squares);
 }
 

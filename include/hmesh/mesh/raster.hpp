@@ -41,8 +41,10 @@ class EdgeWalker {
     HMESH_ALWAYS_INLINE EdgeWalker(Point a, Point b) noexcept
         : slope_((b.x - a.x) / (b.y - a.y)), start_y_(a.y - 0.5), start_x_(a.x + (0.5 - 1.0 / 8589934592.0)) {}
     /// The first pixel of row j whose centre is not left of the edge, first_row(a.y) <= j < first_row(b.y).
-    [[nodiscard]] HMESH_ALWAYS_INLINE int column(int j) const noexcept {
-        return static_cast<int>(start_x_ + (static_cast<double>(j) - start_y_) * slope_);
+    [[nodiscard]] HMESH_ALWAYS_INLINE int column(int j) const noexcept { return column(static_cast<double>(j)); }
+    /// The same with j as a double.
+    [[nodiscard]] HMESH_ALWAYS_INLINE int column(double j) const noexcept {
+        return static_cast<int>(start_x_ + (j - start_y_) * slope_);
     }
 
   private:
