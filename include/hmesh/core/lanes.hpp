@@ -21,7 +21,7 @@
 namespace hmesh::kit {
 namespace detail {
 
-// The type of one register, and the number of doubles in it.
+// The type of one register, the number of doubles in it, and the type of as many 32-bit integers.
 template <int Width>
 struct LaneBlock {
     using Type = double;
@@ -31,13 +31,21 @@ struct LaneBlock {
 template <>
 struct LaneBlock<2> {
     using Type = double __attribute__((vector_size(16)));
+    using Ints = std::int32_t __attribute__((vector_size(8)));
     static constexpr int width = 2;
 };
+#if defined(__AVX__)
 template <>
 struct LaneBlock<4> {
     using Type = double __attribute__((vector_size(32)));
+    using Ints = std::int32_t __attribute__((vector_size(16)));
     static constexpr int width = 4;
 };
+#else
+// Two registers, told so: a type of four doubles would live in memory and stall whenever a lane of it is set.
+template <>
+struct LaneBlock<4> : LaneBlock<2> {};
+#endif
 #endif
 
 }  // namespace detail
@@ -53,7 +61,7 @@ struct Lanes {
     static constexpr int width = detail::LaneBlock<(N < 4 ? N : 4)>::width;  ///< doubles in a register
     static constexpr int blocks = N / width;                                 ///< number of registers
 
-    Block block[std::size_t{blocks}];  ///< lane i is in block i / width
+    alignas(N < 4 ? 8 * N : 32) Block block[std::size_t{blocks}];  ///< lane i is in block i / width
 
     [[nodiscard]] static HMESH_ALWAYS_INLINE Lanes zero() { return Lanes{}; }  ///< 0 in all lanes
     /// The value in all lanes.
@@ -72,16 +80,16 @@ struct Lanes {
     [[nodiscard]] static HMESH_ALWAYS_INLINE Lanes load(const std::int32_t* from) {
         Lanes r;
 #if defined(__GNUC__)
-        if constexpr (width == 4) {
-            using Ints = std::int32_t __attribute__((vector_size(16)));
+        if constexpr (width > 1) {
+            using Ints = typename detail::LaneBlock<(N < 4 ? N : 4)>::Ints;
             for (int k = 0; k < blocks; ++k) {
                 Ints ints;
-                std::memcpy(&ints, from + std::ptrdiff_t{4} * k, sizeof ints);
+                std::memcpy(&ints, from + std::ptrdiff_t{width} * k, sizeof ints);
 #if defined(__AVX__) && !defined(__clang__)
-                r.block[k] = __builtin_ia32_cvtdq2pd256(ints);  // GCC 12 makes four instructions of the line below
-#else
-                r.block[k] = __builtin_convertvector(ints, Block);
+                if constexpr (width == 4) r.block[k] = __builtin_ia32_cvtdq2pd256(ints);  // GCC 12 makes four instructions of:
+                else
 #endif
+                    r.block[k] = __builtin_convertvector(ints, Block);
             }
             return r;
         }
@@ -164,11 +172,21 @@ struct Lanes {
 
     /// The sum of all lanes.
     [[nodiscard]] HMESH_ALWAYS_INLINE double sum() const {
-        Block s = block[0];
-        for (int k = 1; k < blocks; ++k) s += block[k];
-        if constexpr (width == 4) return (s[0] + s[2]) + (s[1] + s[3]);
-        else if constexpr (width == 2) return s[0] + s[1];
-        else return s;
+        // Four columns of lanes, of which the even and the odd ones are added: the same bits for registers of 2 and of 4.
+        if constexpr (width == 4) {
+            Block s = block[0];
+            for (int k = 1; k < blocks; ++k) s += block[k];
+            return (s[0] + s[2]) + (s[1] + s[3]);
+        } else if constexpr (width == 2) {
+            Block s[2] = {block[0], Block{}};
+            for (int k = 1; k < blocks; ++k) s[k % 2] += block[k];
+            if constexpr (blocks > 1) s[0] += s[1];
+            return s[0][0] + s[0][1];
+        } else {
+            double s = block[0];
+            for (int k = 1; k < blocks; ++k) s += block[k];
+            return s;
+        }
     }
 };
 
