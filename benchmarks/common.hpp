@@ -51,6 +51,7 @@ inline bool effort_of(const std::string& name, hmesh::Effort& effort) {
     const std::pair<const char*, hmesh::Effort> names[] = {{"draft", hmesh::Effort::draft},
                                                            {"fast", hmesh::Effort::fast},
                                                            {"normal", hmesh::Effort::normal},
+                                                           {"fine", hmesh::Effort::fine},
                                                            {"best", hmesh::Effort::best}};
     for (const auto& [known, value] : names)
         if (name == known) {

@@ -159,7 +159,7 @@ void add_mesh_options(CLI::App& app, Arguments& out) {
 void add_meshing_options(CLI::App& app, Arguments& out) {
     MeshingOptions& meshing = out.meshing;
     app.option_defaults()->group("How the mesh is made");
-    add_name(app, "--effort", "draft, fast, normal or best: how long to look for a better mesh (default: normal)", efforts,
+    add_name(app, "--effort", "draft, fast, normal, fine or best: how long to look for a better mesh (default: normal)", efforts,
              [&](hmesh::Effort effort) { meshing.effort = effort; });
     add_name(app, "--method",
              "annealed (default), or what it is compared with: hierarchical, xie, adams or\n"

@@ -28,6 +28,7 @@ inline constexpr Named<FitSpace> fit_spaces[] = {
 inline constexpr Named<hmesh::Effort> efforts[] = {{"draft", hmesh::Effort::draft},
                                                    {"fast", hmesh::Effort::fast},
                                                    {"normal", hmesh::Effort::normal},
+                                                   {"fine", hmesh::Effort::fine},
                                                    {"best", hmesh::Effort::best}};
 inline constexpr Named<hmesh::SvgKind> svg_kinds[] = {
     {"gradient", hmesh::SvgKind::gradient}, {"exact", hmesh::SvgKind::exact}, {"flat", hmesh::SvgKind::flat}};
