@@ -4603,8 +4603,8 @@ namespace hmesh {
 enum class Effort : std::uint8_t {
     draft,   ///< 1.65 times as many points as wanted, whose cheapest are removed
     fast,    ///< 1.4 times as many, removal, then 2 sweeps of annealing: about 2 dB above draft
-    normal,  ///< 2.9 times as many, removal, then 5 sweeps of annealing: about 0.6 dB above fast
-    fine,    ///< three times as many, removal, then 40 sweeps: 0.1 to 0.4 dB above normal in four times its time
+    normal,  ///< three times as many, removal, then 5 sweeps of annealing: about 0.6 dB above fast
+    fine,    ///< the same with 40 sweeps: 0.1 to 0.4 dB above normal in four times its time
     best,    ///< the same with 1000 sweeps
 };
 
@@ -4635,14 +4635,14 @@ struct AnnealingOptions {
 
 /// The steps of the recipe Annealed in their order; the defaults are those of Effort::normal.
 struct AnnealedSteps {
-    double points = 2.9;           ///< o: vertices of the first mesh, in units of the target, in [1, 100]; 1: no collapse
+    double points = 3;             ///< o: vertices of the first mesh, in units of the target, in [1, 100]; 1: no collapse
     int settle_rounds = 2;         ///< of visits and flips over the first mesh, in [0, 1000]
     double collapse_batch = 0.25;  ///< vertices removed at a time, as a share of those present, in [0.001, 1]
     int polish_rounds = 1;         ///< flips and a sweep at the end, in [0, 1000]
     /// Flips in the first mesh that gain up to this are not made; in mean energies of a vertex, in [0, 1e6]. Small gains can
     /// wait, since the collapse changes the surroundings anyway.
     double settle_flip_gain = 3e-2;
-    Tolerance settle{5e-2, 5e-3};  ///< of the visits in the first mesh
+    Tolerance settle{1e-1, 2e-2};  ///< of the visits in the first mesh
     /// Thresholds of the sweeps at the end; flips at the end gain more than polish.propagate_above.
     Tolerance polish{1e-3, 5e-3};
     Relaxation relaxation{1, 1e-2};  ///< around each removal; rounds in [0, 100]
@@ -4655,7 +4655,6 @@ struct AnnealedSteps {
     switch (effort) {
         case Effort::draft:
             steps.points = 1.65;
-            steps.settle = {1e-1, 2e-2};
             steps.collapse_batch = 0.5;
             steps.relaxation.min_gain = 3e-2;
             steps.polish_rounds = 2;
@@ -4663,20 +4662,17 @@ struct AnnealedSteps {
             break;
         case Effort::fast:
             steps.points = 1.4;
-            steps.settle = {1e-1, 2e-2};
             steps.collapse_batch = 0.5;
             steps.annealing.sweeps = 2;
             steps.annealing.start_price = 1.5;
             break;
         case Effort::normal: break;
         case Effort::fine:
-            steps.points = 3;
             steps.polish_rounds = 2;
             steps.annealing.sweeps = 40;
             steps.annealing.jump = 0.1;
             break;
         case Effort::best:
-            steps.points = 3;
             steps.polish_rounds = 2;
             steps.annealing.sweeps = 1000;
             steps.annealing.cooling = 2;
@@ -7303,13 +7299,9 @@ class ImageMesh {
     void set_task(TaskProgress* task) noexcept { context_.task = task; }
 
     /// Writes the moments of a half-edge (those of its edge, with a sign) to `out`.
-    HMESH_ALWAYS_INLINE void moments(Halfedge h, Moments<C>& out) const {
-        out = moments_[h.index() >> 1U] * sign(h);
-    }
+    HMESH_ALWAYS_INLINE void moments(Halfedge h, Moments<C>& out) const { out = moments_[h.index() >> 1U] * sign(h); }
     /// Adds the moments of a half-edge to `out`.
-    HMESH_ALWAYS_INLINE void add_moments(Halfedge h, Moments<C>& out) const {
-        out += moments_[h.index() >> 1U] * sign(h);
-    }
+    HMESH_ALWAYS_INLINE void add_moments(Halfedge h, Moments<C>& out) const { out += moments_[h.index() >> 1U] * sign(h); }
     /// Writes the moments of the pixels of a face to `out`.
     void face_moments(Face f, Moments<C>& out) const {
         const Halfedge h = topology_.halfedge(f);

@@ -128,13 +128,9 @@ class ImageMesh {
     void set_task(TaskProgress* task) noexcept { context_.task = task; }
 
     /// Writes the moments of a half-edge (those of its edge, with a sign) to `out`.
-    HMESH_ALWAYS_INLINE void moments(Halfedge h, Moments<C>& out) const {
-        out = moments_[h.index() >> 1U] * sign(h);
-    }
+    HMESH_ALWAYS_INLINE void moments(Halfedge h, Moments<C>& out) const { out = moments_[h.index() >> 1U] * sign(h); }
     /// Adds the moments of a half-edge to `out`.
-    HMESH_ALWAYS_INLINE void add_moments(Halfedge h, Moments<C>& out) const {
-        out += moments_[h.index() >> 1U] * sign(h);
-    }
+    HMESH_ALWAYS_INLINE void add_moments(Halfedge h, Moments<C>& out) const { out += moments_[h.index() >> 1U] * sign(h); }
     /// Writes the moments of the pixels of a face to `out`.
     void face_moments(Face f, Moments<C>& out) const {
         const Halfedge h = topology_.halfedge(f);
