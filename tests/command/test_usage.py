@@ -106,7 +106,7 @@ WRONG = rows("""
     '1e3' is not a whole number               | grey.pgm --tile 1e3
     '0' must be from 1 to 16                  | grey.pgm --render a.png --render-scale 0
     '17' must be from 1 to 16                 | grey.pgm --render a.png --render-scale 17
-    'slow' is not one of: draft, fast, normal, best | grey.pgm --effort slow
+    'slow' is not one of: draft, fast, normal, fine, best | grey.pgm --effort slow
     'magic' is not one of: annealed, hierarchical, xie, adams, adaptive_thinning | grey.pgm --method magic
     'magic' is not one of: optimal, sampled   | grey.pgm --colors magic
     'light' is not one of: stored, linear, each | grey.pgm --fit-space light

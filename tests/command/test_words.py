@@ -71,7 +71,7 @@ def test_the_script_knows_every_option(hmesh, shell):
         assert re.search(rf"(?<![\w-]){re.escape(word)}(?![\w-])", script), name
 
 
-VALUES = {"--effort": "draft fast normal best", "--method": "annealed hierarchical xie adams adaptive_thinning",
+VALUES = {"--effort": "draft fast normal fine best", "--method": "annealed hierarchical xie adams adaptive_thinning",
           "--colors": "optimal sampled", "--fit-space": "stored linear each", "--svg": "gradient exact flat",
           "--format": "ply obj glb pdf eps svg html", "--completion": "bash zsh fish"}
 

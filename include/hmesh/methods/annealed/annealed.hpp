@@ -6,8 +6,9 @@
 /// More points than wanted are drawn, with the density that the image asks for (methods/annealed/first_points.hpp), and
 /// triangulated; vertices move and edges flip until little is gained; then the vertices whose loss raises the energy least are
 /// removed. Annealing (methods/annealed/annealing.hpp) moves vertices between places at one common price, which starts where the
-/// mesh will grow a little (methods/annealed/first_price.hpp). Whenever a vertex is visited, its colour becomes the least-squares one. o and s are
-/// AnnealedSteps::points and annealing.sweeps; collapse is left out where o = 1, annealing where s = 0.
+/// mesh will grow a little (methods/annealed/first_price.hpp). Whenever a vertex is visited, its colour becomes the
+/// least-squares one. o and s are AnnealedSteps::points and annealing.sweeps; collapse is left out where o = 1, annealing where
+/// s = 0.
 ///
 /// A mesh to go on from (Annealed::start) takes the place of the points and the collapse: the cheapest vertices are removed, or
 /// the best ones inserted, until there are n.
@@ -132,7 +133,7 @@ class AnnealedRun {
         tiled_->indexed() = delaunay_mesh(source, delaunay);
         // 32 leaves room for flips up to max_valence. The mesh of two faces, which grows to n, is for shapes nobody has seen.
         if (!bound_valence(tiled_->indexed(), 32)) tiled_->indexed() = corner_mesh(source);
-        return for_each_patch(0, 1, 1, [](ImageMesh<C>&) {});  // tells the energy
+        return for_each_patch(0, 0.9, 0.9, [](ImageMesh<C>&) {});  // tells the energy
     }
 
     /// Calls body(mesh) for the patch of each tile of phase k, which is this part of the stage.

@@ -143,7 +143,7 @@ template <int C>
 class TiledMesh;
 
 /// How long the stages of a run take, in microseconds of one core for 3 channels: only the ratios matter, for progress. From
-/// four photographs at 1 and 3 %; the larger stages of fast, normal and best are within a third, those of draft within a half.
+/// two photographs at 1 to 4 %; the larger stages are within a third.
 struct AnnealedWork {
     double start = 0;     ///< points, or what a mesh to start from takes
     double settle = 0;    ///< 0: no such stage
@@ -161,14 +161,15 @@ struct AnnealedWork {
                                                            bool has_start) noexcept {
     AnnealedWork work;
     const double points = steps.points * n;
-    work.start = 0.035 * pixels + (has_start ? 6 * n : 2.8 * points);
+    work.start = 0.045 * pixels + (has_start ? 4 * n : 1.3 * points);
     if (!has_start) {
-        work.settle = 0.05 * pixels + 7.0 * points * steps.settle_rounds;
-        if (steps.points > 1) work.collapse = 34 * n * (steps.points - 1);
+        work.settle = 0.9 * points * steps.settle_rounds;
+        if (steps.points > 1) work.collapse = 16 * n * (steps.points - 1);
     }
-    work.anneal = 30.0 * n * steps.annealing.sweeps;
-    work.polish = n * (3 * steps.polish_rounds + (has_start ? 8 : 0));
-    work.colors = 0.005 * pixels + 1.5 * n;
+    if (steps.annealing.sweeps > 0)
+        work.anneal = n * (7 + (steps.annealing.try_probability < 1 ? 8 : 13) * steps.annealing.sweeps);
+    work.polish = n * (1.5 * steps.polish_rounds + (has_start ? 4 : 1));
+    work.colors = 0.001 * pixels + 1.2 * n;
     return work;
 }
 
