@@ -4664,7 +4664,8 @@ struct AnnealedSteps {
             steps.points = 1.4;
             steps.collapse_batch = 0.5;
             steps.annealing.sweeps = 2;
-            steps.annealing.start_price = 1.5;
+            steps.annealing.start_price = 1.2;
+            steps.annealing.temperature = 0.1;  // two sweeps have no time to cool down
             break;
         case Effort::normal: break;
         case Effort::fine:
@@ -4796,7 +4797,7 @@ struct Annealed {
         return size;
     }
     /// The recipe for one run of a search. Sketches are of effort fast, and meshes refined with 3 / 8 of the sweeps, which makes
-    /// them as good as whole runs where they come from 0.8 to 1.25 times the vertices, and touched with 1 / 8.
+    /// them as good as whole runs where they come from 0.9 to 1.25 times the vertices, and touched with 1 / 8.
     [[nodiscard]] Annealed from(const kit::Beginning& beginning) const {
         Annealed out = *this;
         if (beginning.work == kit::Work::whole && beginning.mesh == nullptr) return out;
@@ -4808,6 +4809,8 @@ struct Annealed {
             out.steps = steps.value_or(kit::annealed_steps(effort));
             const int eighths = beginning.work == kit::Work::refine ? 3 : 1;
             out.steps->annealing.sweeps = (eighths * out.steps->annealing.sweeps + 7) / 8;
+            out.steps->annealing.start_price = 0.85;
+            out.steps->annealing.temperature = 0.1;  // few sweeps have no time to cool down
         }
         return out;
     }
@@ -4819,7 +4822,7 @@ struct Annealed {
     }
     /// By how many dB a whole run ends above a sketch of as many vertices, on the average.
     [[nodiscard]] double gain_over_sketch() const noexcept {
-        return effort <= Effort::fast ? 0 : effort == Effort::normal ? 0.7 : 1.4;
+        return effort <= Effort::fast ? 0 : effort == Effort::normal ? 0.75 : 1.1;
     }
     /// Replaces `mesh` by a mesh of n vertices of its image, 4 <= n <= max(4, pixels). Errc::cancelled: it is valid, with any
     /// number of vertices. Defined in methods/annealed/annealed.hpp.
@@ -11727,7 +11730,7 @@ class BestResult {
         if (before != 0 && (sketches != 0) == is_sketch) learn(before, before_psnr, n, result.report.psnr);
         before = n, before_psnr = result.report.psnr;
         ++(is_sketch ? sketches : drafts);
-        n = next_after(n, psnr - gain_over_sketch - (is_sketch ? 0 : 3) - result.report.psnr);
+        n = next_after(n, psnr - gain_over_sketch - (is_sketch ? 0 : 2) - result.report.psnr);
         if (is_sketch && std::abs(doublings(before, n)) < is_nearby) break;
         rough = std::move(result);
     }

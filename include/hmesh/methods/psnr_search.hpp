@@ -184,7 +184,7 @@ class BestResult {
         if (before != 0 && (sketches != 0) == is_sketch) learn(before, before_psnr, n, result.report.psnr);
         before = n, before_psnr = result.report.psnr;
         ++(is_sketch ? sketches : drafts);
-        n = next_after(n, psnr - gain_over_sketch - (is_sketch ? 0 : 3) - result.report.psnr);
+        n = next_after(n, psnr - gain_over_sketch - (is_sketch ? 0 : 2) - result.report.psnr);
         if (is_sketch && std::abs(doublings(before, n)) < is_nearby) break;
         rough = std::move(result);
     }
