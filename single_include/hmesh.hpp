@@ -4604,7 +4604,7 @@ enum class Effort : std::uint8_t {
     draft,   ///< 1.65 times as many points as wanted, whose cheapest are removed
     fast,    ///< 1.4 times as many, removal, then 2 sweeps of annealing: about 2 dB above draft
     normal,  ///< three times as many, removal, then 5 sweeps of annealing: about 0.6 dB above fast
-    fine,    ///< the same with 40 sweeps: 0.1 to 0.4 dB above normal in four times its time
+    fine,    ///< the same with 50 sweeps: 0.1 to 0.4 dB above normal in four to five times its time
     best,    ///< the same with 1000 sweeps
 };
 
@@ -4670,7 +4670,7 @@ struct AnnealedSteps {
         case Effort::normal: break;
         case Effort::fine:
             steps.polish_rounds = 2;
-            steps.annealing.sweeps = 40;
+            steps.annealing.sweeps = 50;
             steps.annealing.jump = 0.1;
             break;
         case Effort::best:
@@ -10721,7 +10721,7 @@ class ValenceBound {
     }
 
   private:
-    static constexpr double least_area_ = 0.25;  ///< twice a face's, in px^2: the most that MeshLimits may ask for
+    static constexpr double least_area = 0.25;  ///< twice a face's, in px^2: the most that MeshLimits may ask for
 
     [[nodiscard]] Point at(Vertex v) const noexcept { return mesh_->positions[v.index()]; }
     /// The corners beside an edge with two faces.
@@ -10732,7 +10732,7 @@ class ValenceBound {
         if (!topology_->is_flip_ok(HalfedgeMesh::edge(a))) return false;
         const Vertex left = far_corner(a), right = far_corner(HalfedgeMesh::opposite(a));
         const Point from = at(topology_->from_vertex(a)), to = at(topology_->to_vertex(a));
-        return orient2d(from, at(right), at(left)) >= least_area_ && orient2d(at(right), to, at(left)) >= least_area_ &&
+        return orient2d(from, at(right), at(left)) >= least_area && orient2d(at(right), to, at(left)) >= least_area &&
                has_room(left) && has_room(right);
     }
     /// Turns spokes of v as long as there are too many, round after round.
@@ -10760,7 +10760,7 @@ class ValenceBound {
             const Vertex left = far_corner(h), right = far_corner(back);
             const double area = std::min(orient2d(at(v), at(topology_->to_vertex(h)), at(left)),
                                          orient2d(at(v), at(right), at(topology_->to_vertex(h))));
-            if (area <= largest || area < 2 * least_area_ || !has_room(left) || !has_room(right)) continue;
+            if (area <= largest || area < 2 * least_area || !has_room(left) || !has_room(right)) continue;
             best = h;
             largest = area;
         }
@@ -10770,8 +10770,8 @@ class ValenceBound {
         const Vertex left = far_corner(best), right = far_corner(HalfedgeMesh::opposite(best));
         for (const Vertex side : {v, end}) {  // of the line from right to left: snapping may move the middle off the spoke
             const double turn = side == v ? 1 : -1;
-            if (turn * orient2d(at(side), middle, at(left)) < least_area_) return false;
-            if (turn * orient2d(at(side), at(right), middle) < least_area_) return false;
+            if (turn * orient2d(at(side), middle, at(left)) < least_area) return false;
+            if (turn * orient2d(at(side), at(right), middle) < least_area) return false;
         }
         Color<C> color = Color<C>::zero();
         for (int c = 0; c < C; ++c) color.set(c, 0.5 * (mesh_->colors[v.index()][c] + mesh_->colors[end.index()][c]));

@@ -89,7 +89,7 @@ class ValenceBound {
     }
 
   private:
-    static constexpr double least_area_ = 0.25;  ///< twice a face's, in px^2: the most that MeshLimits may ask for
+    static constexpr double least_area = 0.25;  ///< twice a face's, in px^2: the most that MeshLimits may ask for
 
     [[nodiscard]] Point at(Vertex v) const noexcept { return mesh_->positions[v.index()]; }
     /// The corners beside an edge with two faces.
@@ -100,7 +100,7 @@ class ValenceBound {
         if (!topology_->is_flip_ok(HalfedgeMesh::edge(a))) return false;
         const Vertex left = far_corner(a), right = far_corner(HalfedgeMesh::opposite(a));
         const Point from = at(topology_->from_vertex(a)), to = at(topology_->to_vertex(a));
-        return orient2d(from, at(right), at(left)) >= least_area_ && orient2d(at(right), to, at(left)) >= least_area_ &&
+        return orient2d(from, at(right), at(left)) >= least_area && orient2d(at(right), to, at(left)) >= least_area &&
                has_room(left) && has_room(right);
     }
     /// Turns spokes of v as long as there are too many, round after round.
@@ -128,7 +128,7 @@ class ValenceBound {
             const Vertex left = far_corner(h), right = far_corner(back);
             const double area = std::min(orient2d(at(v), at(topology_->to_vertex(h)), at(left)),
                                          orient2d(at(v), at(right), at(topology_->to_vertex(h))));
-            if (area <= largest || area < 2 * least_area_ || !has_room(left) || !has_room(right)) continue;
+            if (area <= largest || area < 2 * least_area || !has_room(left) || !has_room(right)) continue;
             best = h;
             largest = area;
         }
@@ -138,8 +138,8 @@ class ValenceBound {
         const Vertex left = far_corner(best), right = far_corner(HalfedgeMesh::opposite(best));
         for (const Vertex side : {v, end}) {  // of the line from right to left: snapping may move the middle off the spoke
             const double turn = side == v ? 1 : -1;
-            if (turn * orient2d(at(side), middle, at(left)) < least_area_) return false;
-            if (turn * orient2d(at(side), at(right), middle) < least_area_) return false;
+            if (turn * orient2d(at(side), middle, at(left)) < least_area) return false;
+            if (turn * orient2d(at(side), at(right), middle) < least_area) return false;
         }
         Color<C> color = Color<C>::zero();
         for (int c = 0; c < C; ++c) color.set(c, 0.5 * (mesh_->colors[v.index()][c] + mesh_->colors[end.index()][c]));
