@@ -15,7 +15,6 @@ namespace kit = hmesh::kit;
 using hmesh::kit::Edge;
 using hmesh::kit::Face;
 using hmesh::kit::first_price;
-using hmesh::kit::HalfedgeMesh;
 using hmesh::kit::sample_worths;
 using hmesh::kit::Vertex;
 using hmesh::kit::VertexWorths;
