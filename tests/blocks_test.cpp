@@ -33,8 +33,7 @@ Blocks blocks_of(kit::ImageMesh<C>& mesh, std::size_t first = 0) {
 }
 
 Subject<std::uint8_t, 1> subject_of(int width, int height, int columns, int rows) {
-    return Subject<std::uint8_t, 1>(hmesh_test::noise<std::uint8_t, 1>(width, height, 1),
-                                    hmesh_test::jittered_grid(width, height, columns, rows, 1));
+    return {hmesh_test::noise<std::uint8_t, 1>(width, height, 1), hmesh_test::jittered_grid(width, height, columns, rows, 1)};
 }
 
 }  // namespace

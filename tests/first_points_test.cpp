@@ -173,8 +173,8 @@ TEST_CASE("the mask is evenly distributed: all squares of an even density hold a
     double closest = 1e9;
     for (std::size_t i = 0; i < points.size(); ++i)
         for (std::size_t j = 0; j < i; ++j)
-            closest = std::min(closest, std::hypot(static_cast<double>(points[i] % 256) - points[j] % 256,
-                                                   static_cast<double>(points[i] / 256) - points[j] / 256));
+            closest = std::min(closest, std::hypot(static_cast<double>(points[i] % 256) - static_cast<double>(points[j] % 256),
+                                                   static_cast<double>(points[i] >> 8U) - static_cast<double>(points[j] >> 8U)));
     CHECK(closest > 3);  // 8.6 px in a perfect lattice
 }
 
