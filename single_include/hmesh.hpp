@@ -11741,7 +11741,7 @@ class BestResult {
     Mesh last = whole.mesh;
     detail::BestResult best(psnr, std::move(whole));
     double spent = 0;  // whole runs, since then only to save vertices
-    for (int runs = 1; spent < 0.75 && runs < 20; ++runs) {
+    for (int runs = 1; spent < 0.4 && runs < 20; ++runs) {
         const bool is_reached = now >= psnr;
         if (is_reached ? n == 4 || now <= psnr + near_enough : n == most) break;
         std::size_t next = next_after(n, is_finite(now) ? psnr + 0.4 * near_enough - now : -slope);
