@@ -53,8 +53,7 @@ template <int C>
         const int i = j + step < ring.size ? j + step : j + step - ring.size, before = ring.before(i);
         if (ring.open && i == 0) continue;
         if (before == j) {  // face (v, i, j) vanishes; its far side from i to j is an edge of u
-            spoke = ring.link[i];
-            spoke *= -1.0;
+            spoke = ring.link[i] * -1.0;
             known = true;
             continue;
         }

@@ -61,10 +61,7 @@ struct Moments {
         return *this;
     }
     /// Multiplies all sums, as a rule by the sign 1 or -1.
-    HMESH_ALWAYS_INLINE Moments& operator*=(double sign) {
-        s *= sign, sx *= sign, sy *= sign, q *= sign;
-        return *this;
-    }
+    HMESH_ALWAYS_INLINE Moments& operator*=(double sign) { return *this = *this * sign; }
 };
 
 /// Pixels that together count for less than this count for nothing, in pixels: it may be the rounding of weighted sums.

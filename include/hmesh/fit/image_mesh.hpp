@@ -272,8 +272,7 @@ class ImageMesh {
     void walk(Halfedge h) {
         Moments<C> m;
         edge_moments(*table_, position(topology_.from_vertex(h)), position(topology_.to_vertex(h)), m);
-        m *= sign(h);
-        moments_.edit(h.index() >> 1U) = m;
+        moments_.edit(h.index() >> 1U) = m * sign(h);
     }
     [[nodiscard]] double fresh_energy(Face f) const {
         Moments<C> m;

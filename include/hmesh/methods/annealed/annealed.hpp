@@ -133,7 +133,7 @@ class AnnealedRun {
         tiled_->indexed() = delaunay_mesh(source, delaunay);
         // 32 leaves room for flips up to max_valence. The mesh of two faces, which grows to n, is for shapes nobody has seen.
         if (!bound_valence(tiled_->indexed(), 32)) tiled_->indexed() = corner_mesh(source);
-        return for_each_patch(0, 0.9, 0.9, [](ImageMesh<C>&) {});  // tells the energy
+        return for_each_patch(0, 0.9, 0.9, [](ImageMesh<C>&) {});  // the energy; the end of a stage tells 1
     }
 
     /// Calls body(mesh) for the patch of each tile of phase k, which is this part of the stage.

@@ -1,7 +1,7 @@
 /// \file
 /// The first price of annealing, measured: what one more vertex gains where it gains much, and what the cheapest ones cost.
 ///
-/// At the price of the first sweep the mesh is to grow by a quarter or so: fewer vertices leave little to choose from, more are
+/// At the price of the first sweep the mesh is to grow by a third or so: fewer vertices leave little to choose from, more are
 /// pressed out again in a hurry. Which price that is follows from the insertions on offer. Over seven photographs at 0.3, 1 and
 /// 3 % of the pixels, the mesh grew to 1.3 times the target at 2.35 times the median, over the vertices, of the best gain among
 /// a vertex's insertion sites, with a standard deviation of 4 % between pictures; in units of the mean energy of a vertex, or of
