@@ -4,7 +4,6 @@ import io
 import json
 import math
 import os
-import pty
 import re
 import shutil
 import subprocess
@@ -14,6 +13,7 @@ import pytest
 from PIL import Image
 
 from conftest import FORMATS, is_png, is_whole, ply_header, program, read
+from terminal import shown
 
 ALL_FORMATS = " ".join(f"-o x.{kind}" for kind in FORMATS)
 
@@ -305,23 +305,10 @@ def test_a_depfile_says_what_was_read_for_what_was_written(hmesh):
     assert subprocess.run(["make", "-s", "b $.ply"], capture_output=True).stdout == b"again\n"
 
 
-def on_terminal(words):
-    """What a program prints on a terminal."""
-    ours, its = pty.openpty()
-    with subprocess.Popen(words, stdin=subprocess.DEVNULL, stdout=its, stderr=its), open(ours, "rb", buffering=0) as terminal:
-        os.close(its)
-        printed = b""
-        try:
-            while more := terminal.read(4096):
-                printed += more
-        except OSError:  # nobody writes any more
-            return printed
-    return printed
-
-
 def test_a_terminal_shows_a_progress_bar_unless_quiet(hmesh):
-    assert re.search(rb"\[#*\.*\].* vertices", on_terminal(hmesh.words("picture.png --vertices 100")))
-    assert on_terminal(hmesh.words("picture.png --vertices 100 --quiet")) == b""
+    status, bar = shown(hmesh.words("picture.png --vertices 100"), shows_output=True)
+    assert status == 0 and re.search(rb"\[#*\.*\].* vertices", bar)
+    assert shown(hmesh.words("picture.png --vertices 100 --quiet"), shows_output=True) == (0, b"")
 
 
 def test_the_terrain_of_heightmap_looks_up(tmp_path, pytestconfig):

@@ -1,32 +1,15 @@
 """The bar on a terminal: one over the whole run, on one line at any width."""
-import fcntl
-import os
-import pty
 import re
-import struct
-import subprocess
-import termios
 
 import pytest
 
+from terminal import shown
+
 
 def drawn_at(columns, words, environment=None, shows_output=False):
-    """What a program draws on the standard error, a terminal of this width: its status, and the texts between returns. Its
-    standard output is the same terminal or goes nowhere."""
-    ours, its = pty.openpty()
-    fcntl.ioctl(its, termios.TIOCSWINSZ, struct.pack("HHHH", 24, columns, 0, 0))
-    environment = {**os.environ, **(environment or {})}
-    with subprocess.Popen(words, stdin=subprocess.DEVNULL, stdout=its if shows_output else subprocess.DEVNULL, stderr=its,
-                          env=environment) as run, \
-         open(ours, "rb", buffering=0) as terminal:
-        os.close(its)
-        printed = b""
-        try:
-            while more := terminal.read(4096):
-                printed += more
-        except OSError:  # nobody writes any more
-            pass
-    return run.returncode, printed.decode().split("\r")
+    """What a program draws on a terminal of this width: its status, and the texts between returns."""
+    status, printed = shown(words, columns, environment, shows_output)
+    return status, printed.decode().split("\r")
 
 
 def check_bar(columns, lines):
