@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cerrno>
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <cstdio>
@@ -28,12 +29,12 @@
 namespace tool {
 namespace {
 
-// The most vertices that a mesh may have.
+// The most vertices that a mesh may have: as mesh_image() counts them.
 std::size_t budget(const hmesh::Target& target, const ImageFile& image) {
     const double pixels = static_cast<double>(image.width) * image.height;
     switch (target.kind) {
         case hmesh::Target::Kind::vertices: return static_cast<std::size_t>(target.value);
-        case hmesh::Target::Kind::percent: return static_cast<std::size_t>(std::max(4.0, pixels * target.value / 100));
+        case hmesh::Target::Kind::percent: return static_cast<std::size_t>(std::max(4LL, std::llround(pixels * target.value / 100)));
         case hmesh::Target::Kind::psnr: break;
     }
     const auto all = static_cast<std::int64_t>(std::max(4.0, pixels));
