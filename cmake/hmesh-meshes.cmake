@@ -3,8 +3,9 @@
 #   hmesh_add_meshes(<target>
 #       SOURCES <image>...                           seen from the current source directory
 #       [RATE <percent> | VERTICES <n> | PSNR <dB>]  how many vertices each mesh has; default RATE 1
+#       [MAX_VERTICES <n>]                           with PSNR, no more than these: the build fails where they do not reach it
 #       [FORMAT <ending>...]                         ply (default), obj, glb, pdf, eps, svg, html; several at once
-#       [EFFORT <name>]                              draft, fast, normal (default) or best
+#       [EFFORT <name>]                              draft, fast, normal (default), fine or best
 #       [OUTPUT_DIRECTORY <directory>]               default: <target> in the current binary directory
 #       [OPTIONS <option>...])                       more of `hmesh --help`; names of files should be absolute
 #
@@ -30,7 +31,7 @@ if(NOT DEFINED HMESH_COMMAND OR DEFINED CACHE{HMESH_COMMAND})
 endif()
 
 function(hmesh_add_meshes target)
-    cmake_parse_arguments(PARSE_ARGV 1 arg "" "RATE;VERTICES;PSNR;EFFORT;OUTPUT_DIRECTORY" "SOURCES;FORMAT;OPTIONS")
+    cmake_parse_arguments(PARSE_ARGV 1 arg "" "RATE;VERTICES;PSNR;MAX_VERTICES;EFFORT;OUTPUT_DIRECTORY" "SOURCES;FORMAT;OPTIONS")
     if(NOT arg_SOURCES)
         message(FATAL_ERROR "hmesh_add_meshes(${target}): SOURCES names no image")
     elseif(DEFINED arg_UNPARSED_ARGUMENTS)
@@ -41,18 +42,21 @@ function(hmesh_add_meshes target)
 
     set(options --quiet)
     set(goals "")
-    foreach(goal IN ITEMS RATE VERTICES PSNR EFFORT)
+    foreach(goal IN ITEMS RATE VERTICES PSNR MAX_VERTICES EFFORT)
         if(DEFINED arg_${goal})
             string(TOLOWER ${goal} option)
+            string(REPLACE _ - option ${option})
             list(APPEND options --${option} "${arg_${goal}}")
             list(APPEND goals ${goal})
         endif()
     endforeach()
-    list(REMOVE_ITEM goals EFFORT)
+    list(REMOVE_ITEM goals MAX_VERTICES EFFORT)
     list(LENGTH goals count)
     if(count GREATER 1)
         list(JOIN goals " and " goals)
         message(FATAL_ERROR "hmesh_add_meshes(${target}): ${goals} cannot both be given")
+    elseif(DEFINED arg_MAX_VERTICES AND NOT DEFINED arg_PSNR)
+        message(FATAL_ERROR "hmesh_add_meshes(${target}): MAX_VERTICES requires PSNR")
     endif()
     if(NOT arg_OPTIONS MATCHES "(^|;)--threads(;|=|$)")
         list(APPEND options --threads 1)
@@ -77,10 +81,13 @@ function(hmesh_add_meshes target)
         list(JOIN efforts ", " efforts)
         message(FATAL_ERROR "hmesh_add_meshes(${target}): EFFORT '${arg_EFFORT}' is not one of: ${efforts}")
     endif()
-    if(DEFINED arg_VERTICES AND NOT arg_VERTICES MATCHES "${expression}" AND
-       NOT (arg_VERTICES MATCHES "^[0-9]+$" AND arg_VERTICES GREATER_EQUAL 4))
-        message(FATAL_ERROR "hmesh_add_meshes(${target}): VERTICES '${arg_VERTICES}' must be a whole number of at least 4")
-    endif()
+    foreach(goal IN ITEMS VERTICES MAX_VERTICES)
+        set(value "${arg_${goal}}")
+        if(DEFINED arg_${goal} AND NOT value MATCHES "${expression}" AND
+           NOT (value MATCHES "^[0-9]+$" AND value GREATER_EQUAL 4))
+            message(FATAL_ERROR "hmesh_add_meshes(${target}): ${goal} '${value}' must be a whole number of at least 4")
+        endif()
+    endforeach()
     set(number "^[+]?([0-9]+[.]?[0-9]*|[.][0-9]+)([eE][+-]?[0-9]+)?$")
     set(most_RATE 100)
     set(most_PSNR 1000)

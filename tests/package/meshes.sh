@@ -62,6 +62,14 @@ meshes one one two two
 [ "$(sed -n 's/^element vertex //p' "$work/build/meshes/one.ply")" = 35 ] || fail "8 % of 432 pixels are not 35 vertices"
 meshes
 
+# Of a search with a bound, the mesh within it, or none and a build that says so.
+project "$source/tests/package/meshes" "$@" -DRATE=8 "-DMORE=PSNR;10;MAX_VERTICES;50" || fail "MAX_VERTICES cannot be configured"
+meshes one two
+project "$source/tests/package/meshes" "$@" -DRATE=8 "-DMORE=PSNR;60;MAX_VERTICES;50" || fail "PSNR 60 cannot be configured"
+! "$cmake" --build "$work/build" >"$work/log" 2>&1 || fail "PSNR 60 was reached with 50 vertices, or built without them"
+grep -q "with --psnr 60 --max-vertices 50 .* no mesh of at most max_vertices" "$work/log" || fail "the build does not say what was missed"
+project "$source/tests/package/meshes" "$@" -DRATE=8 -DMORE= || fail "it cannot be configured once more"
+
 echo "no image" >"$work/two.pgm"
 ! "$cmake" --build "$work/build" >"$work/log" 2>&1 || fail "an image that cannot be read does not stop the build"
 grep -q "cannot read '$work/two.pgm'" "$work/log" || fail "the build does not say which image cannot be read"
@@ -92,8 +100,11 @@ check_refusals() {
     done
     for vertices in 12x 3 -5 1e3; do
         refuses "VERTICES '$vertices' must be a whole number of at least 4" "$@" "-DMORE=VERTICES;$vertices"
+        refuses "MAX_VERTICES '$vertices' must be a whole number of at least 4" "$@" "-DMORE=PSNR;30;MAX_VERTICES;$vertices"
     done
-    for more in "RATE;1e2" "RATE;+.5" "PSNR;32.5" "VERTICES;4" 'RATE;$<IF:$<CONFIG:Debug>,5,8>' "FORMAT;PLY;glb" 'EFFORT;$<IF:$<CONFIG:Debug>,draft,best>'; do
+    refuses "MAX_VERTICES requires PSNR" "$@" "-DMORE=MAX_VERTICES;50"
+    refuses "MAX_VERTICES requires PSNR" "$@" "-DMORE=RATE;5;MAX_VERTICES;50"
+    for more in "RATE;1e2" "RATE;+.5" "PSNR;32.5" "VERTICES;4" "MAX_VERTICES;4;PSNR;32.5" 'RATE;$<IF:$<CONFIG:Debug>,5,8>' "FORMAT;PLY;glb" 'EFFORT;$<IF:$<CONFIG:Debug>,draft,best>'; do
         project "$source/tests/package/meshes" "$@" "-DMORE=$more" || fail "refused: $more"
     done
 }
