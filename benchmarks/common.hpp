@@ -14,7 +14,7 @@
 
 #include <hmesh/hmesh.hpp>
 
-#include "image_file.hpp"
+#include "readers/image_file.hpp"
 
 namespace bench {
 

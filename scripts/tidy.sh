@@ -8,7 +8,7 @@
 # shellcheck source=scripts/common.sh
 . "$(dirname "${BASH_SOURCE[0]}")/common.sh"
 
-files=(tools/hmesh/*.cpp tools/hmesh/readers/*.cpp tests/hierarchical_test.cpp)
+files=(tools/hmesh/*.cpp tools/hmesh/*/*.cpp tests/hierarchical_test.cpp)
 needed=(clang-tidy eigen command doctest)
 case ${1-} in
     '') ;;

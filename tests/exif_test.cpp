@@ -1,4 +1,4 @@
-#include "exif.hpp"
+#include "readers/exif.hpp"
 
 #include <doctest/doctest.h>
 

@@ -16,10 +16,10 @@
 
 #include <hmesh/hmesh.hpp>
 
-#include "image_file.hpp"
-#include "output_file.hpp"
-#include "pictures.hpp"
+#include "readers/image_file.hpp"
 #include "scene.hpp"
+#include "writers/output_file.hpp"
+#include "writers/pictures.hpp"
 
 namespace {
 

@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
-#include "image_file.hpp"
-#include "output_file.hpp"
+#include "readers/image_file.hpp"
+#include "writers/output_file.hpp"
 
 namespace {
 

@@ -13,18 +13,18 @@
 #include <utility>
 #include <vector>
 
-#include "image_file.hpp"
 #include "meshing.hpp"
-#include "new_folders.hpp"
-#include "progress_watch.hpp"
-#include "report.hpp"
-#include "say.hpp"
-#include "standard_streams.hpp"
-#include "summary.hpp"
-#include "weights.hpp"
-#include "words.hpp"
-#include "writing.hpp"
-#include "written_psnr.hpp"
+#include "readers/image_file.hpp"
+#include "readers/weights.hpp"
+#include "results/report.hpp"
+#include "results/summary.hpp"
+#include "results/writing.hpp"
+#include "results/written_psnr.hpp"
+#include "terminal/progress_watch.hpp"
+#include "terminal/say.hpp"
+#include "terminal/standard_streams.hpp"
+#include "terminal/words.hpp"
+#include "writers/new_folders.hpp"
 
 namespace tool {
 namespace {
@@ -34,7 +34,8 @@ std::size_t budget(const hmesh::Target& target, const ImageFile& image) {
     const double pixels = static_cast<double>(image.width) * image.height;
     switch (target.kind) {
         case hmesh::Target::Kind::vertices: return static_cast<std::size_t>(target.value);
-        case hmesh::Target::Kind::percent: return static_cast<std::size_t>(std::max(4LL, std::llround(pixels * target.value / 100)));
+        case hmesh::Target::Kind::percent:
+            return static_cast<std::size_t>(std::max(4LL, std::llround(pixels * target.value / 100)));
         case hmesh::Target::Kind::psnr: break;
     }
     const auto all = static_cast<std::int64_t>(std::max(4.0, pixels));

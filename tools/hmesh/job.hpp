@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <optional>
 
-#include "arguments.hpp"
+#include "arguments/arguments.hpp"
 #include "thread_pool.hpp"
 
 namespace tool {

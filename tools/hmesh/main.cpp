@@ -8,13 +8,13 @@
 #include <string>
 #include <vector>
 
-#include "arguments.hpp"
-#include "clashes.hpp"
+#include "arguments/arguments.hpp"
+#include "arguments/clashes.hpp"
 #include "job.hpp"
-#include "progress_bar.hpp"
-#include "progress_watch.hpp"
-#include "say.hpp"
-#include "standard_streams.hpp"
+#include "terminal/progress_bar.hpp"
+#include "terminal/progress_watch.hpp"
+#include "terminal/say.hpp"
+#include "terminal/standard_streams.hpp"
 #include "thread_pool.hpp"
 
 namespace tool {

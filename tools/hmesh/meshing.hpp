@@ -16,7 +16,7 @@
 #include "hmesh/methods/annealed/options.hpp"
 #include "hmesh/options.hpp"
 #include "hmesh/result.hpp"
-#include "image_file.hpp"
+#include "readers/image_file.hpp"
 
 namespace tool {
 

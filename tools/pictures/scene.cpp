@@ -4,9 +4,9 @@
 #include <string>
 #include <utility>
 
-#include "image_file.hpp"
-#include "output_file.hpp"
+#include "readers/image_file.hpp"
 #include "scene.hpp"
+#include "writers/output_file.hpp"
 
 namespace {
 

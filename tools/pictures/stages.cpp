@@ -12,11 +12,11 @@
 
 #include <hmesh/paper.hpp>
 
-#include "image_file.hpp"
-#include "output_file.hpp"
-#include "pictures.hpp"
+#include "readers/image_file.hpp"
 #include "scene.hpp"
-#include "wireframe.hpp"
+#include "writers/output_file.hpp"
+#include "writers/pictures.hpp"
+#include "writers/wireframe.hpp"
 
 namespace {
 

@@ -3,7 +3,7 @@
 #include <cstdio>
 #include <cstring>
 
-#include "readers.hpp"
+#include "readers/readers.hpp"
 
 namespace tool {
 namespace {

@@ -6,8 +6,8 @@
 #include <cstdio>
 #include <cstring>
 
-#include "exif.hpp"
-#include "readers.hpp"
+#include "readers/exif.hpp"
+#include "readers/readers.hpp"
 
 #ifdef HMESH_HAS_JPEG
 #include <jpeglib.h>

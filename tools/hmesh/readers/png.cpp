@@ -3,9 +3,9 @@
 #include <cstring>
 #include <utility>
 
-#include "exif.hpp"
-#include "png_chunks.hpp"
-#include "readers.hpp"
+#include "readers/exif.hpp"
+#include "readers/png_chunks.hpp"
+#include "readers/readers.hpp"
 
 #ifdef HMESH_HAS_PNG
 #include <png.h>

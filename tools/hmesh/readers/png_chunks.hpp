@@ -6,7 +6,7 @@
 #include <cstddef>
 #include <cstdint>
 
-#include "bytes.hpp"
+#include "readers/bytes.hpp"
 
 namespace tool {
 

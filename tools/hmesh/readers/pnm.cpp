@@ -5,7 +5,7 @@
 #include <cstdlib>
 #include <cstring>
 
-#include "readers.hpp"
+#include "readers/readers.hpp"
 
 namespace tool {
 namespace {

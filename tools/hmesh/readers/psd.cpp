@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cstring>
 
-#include "readers.hpp"
+#include "readers/readers.hpp"
 
 namespace tool {
 namespace {

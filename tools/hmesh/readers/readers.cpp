@@ -1,10 +1,10 @@
-#include "readers.hpp"
+#include "readers/readers.hpp"
 
 #include <climits>
 
-#include "exif.hpp"
 #include "hmesh/image/image_view.hpp"
-#include "words.hpp"
+#include "readers/exif.hpp"
+#include "terminal/words.hpp"
 
 namespace tool {
 namespace {

@@ -11,8 +11,8 @@
 #include <string>
 #include <vector>
 
-#include "bytes.hpp"
-#include "image_file.hpp"
+#include "readers/bytes.hpp"
+#include "readers/image_file.hpp"
 
 namespace tool {
 

@@ -8,7 +8,7 @@
 #include <cstring>
 #include <memory>
 
-#include "readers.hpp"
+#include "readers/readers.hpp"
 
 namespace {
 

@@ -1,6 +1,6 @@
 // TIFF files (revision 6.0), by libtiff: grey, RGB and CMYK of 8 and 16 bits and floats as they are stored, all else, such as
 // palettes, bilevel pictures and YCbCr, by libtiff's way to 8-bit RGB. The first page.
-#include "readers.hpp"
+#include "readers/readers.hpp"
 
 #ifdef HMESH_HAS_TIFF
 #include <tiffio.h>

@@ -1,6 +1,6 @@
 // WebP files (RFC 9649), by libwebp; of animated ones the first frame, by libwebpdemux.
-#include "exif.hpp"
-#include "readers.hpp"
+#include "readers/exif.hpp"
+#include "readers/readers.hpp"
 
 #ifdef HMESH_HAS_WEBP
 #include <webp/decode.h>

@@ -1,0 +1,424 @@
+// The only file that compiles CLI11. Numbers are parsed here, so that every sentence about them names the value and the bound.
+#include "arguments/arguments.hpp"
+
+#include <CLI/CLI.hpp>
+
+#include <algorithm>
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <utility>
+
+#include "arguments/command_words.hpp"
+#include "arguments/completion.hpp"
+#include "arguments/man_page.hpp"
+#include "arguments/patterns.hpp"
+#include "arguments/values.hpp"
+#include "hmesh/core/version.hpp"
+#include "readers/image_file.hpp"
+#include "terminal/standard_streams.hpp"
+#include "writers/formats.hpp"
+
+namespace tool {
+namespace {
+
+constexpr char summary[] = "Turns images into triangle meshes with one colour per vertex";
+constexpr Named<Shell> shells[] = {{"bash", Shell::bash}, {"zsh", Shell::zsh}, {"fish", Shell::fish}};
+
+// What is asked for instead of a run. Thrown by the option at once, whatever is wrong with the rest of the command line.
+struct Question {
+    enum class Kind : std::uint8_t { help, version, man, completion } kind;
+    Shell shell = Shell::bash;
+};
+
+// --- options ---
+
+using Set = std::function<std::string(const std::string& text)>;
+
+// Adds an option with a value, which `set` takes; `choices` are all values that there are, if they are few. Where `set` finds
+// something wrong, the parser throws it as a sentence.
+CLI::Option* add(CLI::App& app, const std::string& names, const char* value, const char* description, Set set,
+                 const std::string& choices = {}) {
+    const std::string name = names.substr(names.find(',') + 1);
+    const auto set_all = [name, set = std::move(set), is_list = name == "--output"](const CLI::results_t& texts) {
+        if (texts.size() > 1 && !is_list) throw CLI::ValidationError(name + " is given twice");
+        for (const std::string& text : texts) {
+            if (text.empty()) throw CLI::ValidationError(name + " needs a value that is not empty");
+            if (const std::string why = set(text); !why.empty()) throw CLI::ValidationError(name + " '" + text + "' " + why);
+        }
+        return true;
+    };
+    // The text is what help shows in place of the type: so the type's name is where the choices are kept.
+    return app.add_option(names, set_all, description)->option_text(value)->type_name(choices)->take_all();
+}
+
+std::string joined(const std::vector<std::string>& names, const char* between) {
+    std::string out;
+    for (const std::string& name : names) out += (out.empty() ? "" : between) + name;
+    return out;
+}
+
+// The same of an option that takes a name of the table.
+template <class Value, std::size_t n, class Name>
+CLI::Option* add_name(CLI::App& app, const char* option, const char* description, const Named<Value> (&table)[n], Name set) {
+    std::vector<std::string> names;
+    for (const Named<Value>& entry : table) names.emplace_back(entry.name);
+    return add(
+        app, option, "NAME", description,
+        [&table, set](const std::string& text) {
+            Value value = table[0].value;
+            std::string why = find_name(table, text, value);
+            if (why.empty()) set(value);
+            return why;
+        },
+        joined(names, " "));
+}
+
+std::string set_png(const std::string& text, std::string& file) {
+    file = text;
+    return is_standard(text) || has_ending(text, ".png") ? "" : "must end in .png";
+}
+
+std::string set_file(const std::string& text, std::string& file) {
+    file = text;
+    return {};
+}
+
+void add_mesh_options(CLI::App& app, Arguments& out) {
+    app.option_defaults()->group("Mesh files");
+    add(app, "-o,--output", "FILE",
+        "write the mesh; may be given more than once, and the ending chooses the format:\n"
+        ".ply .obj .glb (models), .pdf .eps .svg (drawings), .html (a page that shows it).\n"
+        "{name} in it is the name of the image, without folder and ending; folders of such\n"
+        "names are made. - is the standard output, and the summary goes to stderr then",
+        [&](const std::string& text) {
+            out.meshes.push_back({text, format_ending(text)});
+            return "";
+        });
+    const std::vector<std::string> formats = format_names();
+    add(
+        app, "--format", "NAME", "ply, obj, glb, pdf, eps, svg or html: of -o - and of names that end in none of these",
+        [&, formats](const std::string& text) {
+            if (std::find(formats.begin(), formats.end(), text) == formats.end())
+                return "is not one of: " + joined(formats, ", ");
+            for (MeshFile& mesh : out.meshes)
+                if (mesh.ending.empty()) mesh.ending = "." + text;
+            return std::string();
+        },
+        joined(formats, " "));
+    add_name(app, "--svg",
+             "how .svg shows a face: gradient (default), one gradient; exact, one a channel, larger\n"
+             "and slower; flat, its mean colour",
+             svg_kinds, [&](hmesh::SvgKind kind) { out.svg = kind; });
+    app.add_flag_callback(
+        "--no-original", [&] { out.original = false; },
+        "leave the image out of .html, of which it is the larger part: nothing to compare with");
+
+    app.option_defaults()->group("How many vertices, one of");
+    CLI::Option* vertices = add(app, "--vertices", "N", "the mesh has N vertices", [&](const std::string& text) {
+        std::int64_t count = 0;
+        std::string why = parse_integer(text, count);
+        out.meshing.target = hmesh::Target::vertices(count);
+        out.target = "--vertices " + text;
+        return why;
+    });
+    CLI::Option* rate =
+        add(app, "--rate", "PERCENT", "PERCENT vertices for 100 pixels (default: 1)", [&](const std::string& text) {
+            double percent = 0;
+            std::string why = parse_positive(text, 100, percent);
+            out.meshing.target = hmesh::Target::percent(percent);
+            out.target = "--rate " + text;
+            return why;
+        });
+    CLI::Option* psnr = add(app, "--psnr", "DB",
+                            "as few vertices as reach this PSNR, as every file holds it that is written, and the .png\n"
+                            "of --render",
+                            [&](const std::string& text) {
+                                double decibel = 0;
+                                std::string why = parse_positive(text, 1000, decibel);
+                                out.meshing.target = hmesh::Target::psnr(decibel);
+                                out.target = "--psnr " + text;
+                                return why;
+                            });
+    // Called after that of --psnr, whatever their order is on the command line: options are, as they were added.
+    add(app, "--max-vertices", "N",
+        "with --psnr, no more than N vertices: where they do not reach it, the best mesh of so many\n"
+        "is written, and the exit status is 1",
+        [&](const std::string& text) {
+            std::int64_t count = 0;
+            if (std::string why = parse_integer(text, count); !why.empty()) return why;
+            out.meshing.target.max_vertices = count;
+            out.target += " --max-vertices " + text;
+            return std::string(count >= 4 ? "" : "must be at least 4, the corners of an image");
+        })
+        ->needs(psnr);
+    rate->excludes(vertices);
+    psnr->excludes(vertices)->excludes(rate);
+}
+
+void add_meshing_options(CLI::App& app, Arguments& out) {
+    MeshingOptions& meshing = out.meshing;
+    app.option_defaults()->group("How the mesh is made");
+    add_name(app, "--effort", "draft, fast, normal, fine or best: how long to look for a better mesh (default: normal)", efforts,
+             [&](hmesh::Effort effort) { meshing.effort = effort; });
+    add_name(app, "--method",
+             "annealed (default), or what it is compared with: hierarchical, xie, adams or\n"
+             "adaptive_thinning, which know no effort, seed or tile",
+             methods, [&](Method method) { meshing.method = method; });
+    add_name(app, "--colors",
+             "optimal, by least squares, or sampled from the image under the vertices (default:\n"
+             "sampled for xie, adams and adaptive_thinning, else optimal)",
+             colors, [&](hmesh::Colors chosen) { meshing.colors = chosen; });
+    add_name(app, "--fit-space",
+             "stored values (default), linear light or each: linear fits colours for programs that\n"
+             "interpolate light, as glTF's do; each does so for .glb alone",
+             fit_spaces, [&](FitSpace space) { meshing.fit_space = space; });
+    app.add_flag_callback(
+        "--premultiplied", [&] { meshing.premultiplied = true; },
+        "fit colours times alpha: what transparent pixels hide leaves no fringes");
+    add(app, "--weights", "FILE",
+        "an image of the same size: how much each pixel counts, black nothing, white fully\n"
+        "(of colours the mean, without alpha)",
+        [&](const std::string& text) { return set_file(text, out.weights); });
+    add(app, "--seed", "N", "of the random numbers; the same seed gives the same mesh (default: 1)",
+        [&](const std::string& text) { return parse_seed(text, meshing.seed); });
+    add(app, "--tile", "N", "mesh in tiles of about N px, 64 to 65536 (default: one up to a megapixel, then 256)",
+        [&](const std::string& text) { return parse_in_range(text, 64, hmesh::kit::max_side, meshing.tile); });
+    add(app, "--threads", "N", "work on N threads, 1 to 1024; the mesh is the same for all N (default: 0, all cores)",
+        [&](const std::string& text) { return parse_in_range(text, 0, 1024, out.threads); });
+}
+
+void add_other_options(CLI::App& app, Arguments& out) {
+    app.option_defaults()->group("Pictures of the mesh");
+    CLI::Option* render =
+        add(app, "--render", "FILE.png", "draw the mesh", [&](const std::string& text) { return set_png(text, out.render); });
+    add(app, "--render-scale", "N", "at N times the size, 1 to 16 (default: 1)", [&](const std::string& text) {
+        return parse_in_range(text, 1, 16, out.render_scale);
+    })->needs(render);
+    add(app, "--wireframe", "FILE.png", "draw the mesh with its edges, at twice the size up to 2048 px",
+        [&](const std::string& text) { return set_png(text, out.wireframe); });
+    add(app, "--residual", "FILE.png", "draw the error: mesh less image, times 4, around grey",
+        [&](const std::string& text) { return set_png(text, out.residual); });
+    add(app, "--strip", "FILE.png", "draw image, mesh, mesh with edges and error side by side",
+        [&](const std::string& text) { return set_png(text, out.strip); });
+
+    app.option_defaults()->group("What is said");
+    add(app, "--report", "FILE.json", "write figures of the mesh and of each stage",
+        [&](const std::string& text) { return set_file(text, out.report); });
+    add(app, "--depfile", "FILE",
+        "write, as a rule for make or Ninja, which files were read for those written; nothing\n"
+        "is written then where the PSNR asked for is out of reach",
+        [&](const std::string& text) { return set_file(text, out.depfile); });
+    app.add_flag_callback(
+        "--keep-partial", [&] { out.keep_partial = true; },
+        "after Ctrl-C, write the mesh reached so far, with no more vertices than asked for");
+    app.add_flag_callback(
+        "-q,--quiet", [&] { out.quiet = true; }, "print errors only");
+    app.add_flag_callback(
+        "--json", [&] { out.json = true; },
+        "print the report, one line of JSON for each image, in place of the summary; what failed\n"
+        "has its sentence as status, and no figures");
+    app.set_help_flag();
+    app.add_flag_callback(
+           "-h,--help", [] { throw Question{Question::Kind::help}; }, "print this text")
+        ->trigger_on_parse();
+    app.add_flag_callback(
+           "--version", [] { throw Question{Question::Kind::version}; },
+           "print the version, and which image files are read by what")
+        ->trigger_on_parse();
+    app.add_flag_callback(
+           "--man", [] { throw Question{Question::Kind::man}; }, "print the manual page, for man -l")
+        ->trigger_on_parse();
+    add_name(app, "--completion", "print what makes bash, zsh or fish complete command lines of hmesh", shells,
+             [](Shell shell) {
+                 throw Question{Question::Kind::completion, shell};
+             })
+        ->option_text("SHELL")
+        ->trigger_on_parse();
+}
+
+constexpr Note notes[] = {
+    {"PSNR",
+     "10 log10(peak^2 / MSE), MSE the mean over pixels and channels of the image's stored values; with weights\n"
+     "over weighted pixels, with --premultiplied of colours times alpha, with --fit-space linear of the mesh drawn so.\n"
+     "The values drawn are not rounded for it. A .png is rounded to 8 bits, and so are the colours of some formats where the\n"
+     "image has more: --psnr is kept by what the files hold, with --fit-space each by .glb as its viewers show it."},
+    {"Several images",
+     "each needs files of its own, whose names hold {name}. A line is printed for each; of one that fails\n"
+     "a sentence on stderr, the others are meshed all the same, and the exit status is 1."},
+    {"Interrupts", "Ctrl-C stops early and leaves files as they are; with --keep-partial the mesh reached so far is written."},
+    {"Examples",
+     "  hmesh photo.png -o mesh.glb -o mesh.html --rate 2\n"
+     "  hmesh *.png -o out/{name}.glb --psnr 32 --max-vertices 20000 --json > reports.jsonl\n"
+     "  convert photo.gif png:- | hmesh - -o - --format pdf > mesh.pdf"},
+    {"Exit status", "0 done, 1 failed, 2 wrong usage."}};
+
+// As CLI11 has them.
+CommandWords words_of(const CLI::App& app) {
+    CommandWords words;
+    words.summary = summary;
+    for (const CLI::Option* option : app.get_options()) {
+        OptionWords entry;
+        entry.group = option->get_group();
+        for (const std::string& name : option->get_snames()) entry.names.push_back("-" + name);
+        for (const std::string& name : option->get_lnames()) entry.names.push_back("--" + name);
+        entry.value = entry.names.empty() ? option->get_name() : option->get_option_text();
+        for (const std::string& choice : CLI::detail::split(option->get_type_name(), ' '))
+            if (!choice.empty() && !entry.names.empty()) entry.choices.push_back(choice);
+        entry.description = option->get_description();
+        entry.may_repeat = option->check_lname("output");
+        words.options.push_back(std::move(entry));
+    }
+    return words;
+}
+
+std::string answer(const CLI::App& app, const Question& question) {
+    switch (question.kind) {
+        case Question::Kind::help: return CLI::detail::find_and_replace(app.help(), "\n\n\n", "\n\n");  // between groups
+        case Question::Kind::version: return "hmesh " HMESH_VERSION_STRING "\nreads\n" + decoders();
+        case Question::Kind::man: return man_page(words_of(app), {std::begin(notes), std::end(notes)}, HMESH_VERSION_STRING);
+        case Question::Kind::completion: break;
+    }
+    return completion(words_of(app), question.shell);
+}
+
+// The names of the files that are written; of arguments that are const or not.
+template <class AnyArguments, class Take>
+void for_each_output(AnyArguments& arguments, Take&& take) {
+    for (auto& mesh : arguments.meshes) take(mesh.name);
+    for (auto* file :
+         {&arguments.render, &arguments.wireframe, &arguments.residual, &arguments.strip, &arguments.report, &arguments.depfile})
+        if (!file->empty()) take(*file);
+}
+
+bool has_pattern(const Arguments& arguments) {
+    const std::vector<std::string> files = output_files(arguments);
+    return is_pattern(arguments.weights) || std::any_of(files.begin(), files.end(), is_pattern);
+}
+
+Arguments for_image(Arguments all, const std::string& input) {
+    all.input = input;
+    const std::string name = image_name(input);
+    all.weights = expand(all.weights, name);
+    for_each_output(all, [&](std::string& file) {
+        if (!is_pattern(file)) return;
+        file = expand(file, name);
+        all.folders.push_back(std::filesystem::path(file).parent_path().string());
+    });
+    return all;
+}
+
+std::string help_footer() {
+    std::string footer;
+    for (const Note& note : notes)
+        footer += (footer.empty() ? "" : "\n") + std::string(note.heading) + (note.text[0] == ' ' ? ":\n" : ": ") + note.text;
+    return footer;
+}
+
+// The last word first, as CLI11 takes them. It would take an image [a] for a list of one, a: ./[a] it does not.
+std::vector<std::string> reversed(const std::vector<std::string>& words) {
+    std::vector<std::string> out(words.rbegin(), words.rend());
+    for (std::string& word : out)
+        if (word.size() > 1 && word.front() == '[' && word.back() == ']') word.insert(0, "./");
+    return out;
+}
+
+// What is wrong with a command line of which each option is right by itself.
+std::string find_conflict(const CLI::App& app, const std::vector<std::string>& inputs, const Arguments& arguments) {
+    if (std::find(inputs.begin(), inputs.end(), "") != inputs.end()) return "no input image is given";
+    for (const MeshFile& mesh : arguments.meshes) {
+        if (is_standard(mesh.name) && mesh.ending.empty())
+            return "--output - needs --format, one of: " + joined(format_names(), ", ");
+        if (mesh.ending.empty())
+            return "--output '" + mesh.name + "' must end in one of: " + format_endings() + "; or --format names one";
+    }
+    if (app.count("--format") != 0 && std::all_of(arguments.meshes.begin(), arguments.meshes.end(),
+                                                  [](const MeshFile& mesh) { return !format_ending(mesh.name).empty(); }))
+        return "--format is given without an output that leaves its format open, as -o - does";
+    if (arguments.json && writes_standard_output(arguments))
+        return "--json is given with an output that is -, and both would be the standard output";
+    const bool reads_standard_input =
+        is_standard(arguments.weights) || std::find(inputs.begin(), inputs.end(), "-") != inputs.end();
+    for (const std::string& input : inputs)
+        if (image_name(input).empty() && has_pattern(arguments))
+            return "'" + input + "' is no file: it has no name to stand for {name}";
+    if (!arguments.depfile.empty() && (reads_standard_input || writes_standard_output(arguments)))
+        return "--depfile is given with -, which is no file";
+    if (app.count("--svg") != 0 && !has_output(arguments, ".svg")) return "--svg is given without an output that ends in .svg";
+    if (!arguments.original && !has_output(arguments, ".html"))
+        return "--no-original is given without an output that ends in .html";
+    if (!arguments.depfile.empty() && output_files(arguments).size() == 1) return "--depfile is given without another output";
+    if (arguments.keep_partial && !arguments.depfile.empty())
+        return "--keep-partial is given with --depfile, for which nothing but whole results is written";
+    for (const char* option : {"--effort", "--seed", "--tile"})
+        if (arguments.meshing.method != Method::annealed && app.count(option) != 0)
+            return std::string(option) + " means nothing to --method " + name_of(methods, arguments.meshing.method);
+    return find_conflict(arguments.meshing);
+}
+
+}  // namespace
+
+std::vector<std::string> output_files(const Arguments& arguments) {
+    std::vector<std::string> files;
+    for_each_output(arguments, [&](const std::string& file) { files.push_back(file); });
+    return files;
+}
+
+bool writes_standard_output(const Arguments& arguments) {
+    const std::vector<std::string> files = output_files(arguments);
+    return std::any_of(files.begin(), files.end(), is_standard);
+}
+
+bool has_output(const Arguments& arguments, const std::string& ending) {
+    return std::any_of(arguments.meshes.begin(), arguments.meshes.end(),
+                       [&](const MeshFile& mesh) { return mesh.ending == ending; });
+}
+
+CommandLine parse(const std::vector<std::string>& words) {
+    CommandLine line;
+    Arguments arguments;
+    std::vector<std::string> inputs;
+    CLI::App app(std::string(summary) + ".\n", "hmesh");
+    app.footer(help_footer());
+    app.get_formatter()->column_width(24);
+    app.get_formatter()->label("Positionals", "The images");
+    app.get_formatter()->label("OPTIONS", "OPTION...");
+    app.get_formatter()->label("REQUIRED", "");
+    app.allow_extras();  // they are told below
+    app.option_defaults()->disable_flag_override();
+    const auto set_inputs = [&](const CLI::results_t& texts) {
+        inputs = texts;
+        return true;
+    };
+    app.add_option("IMAGE", set_inputs,
+                   "image files: " + formats_read() +
+                       ";\n8 or 16 bits or floats, 1 to 4 channels; --version says what reads them. - is the standard\ninput")
+        ->expected(1, CLI::detail::expected_max_vector_size)
+        ->allow_extra_args()
+        ->required();
+    add_mesh_options(app, arguments);
+    add_meshing_options(app, arguments);
+    add_other_options(app, arguments);
+    try {
+        app.parse(reversed(words));
+        line.wrong = find_conflict(app, inputs, arguments);
+        for (const std::string& input : inputs) line.images.push_back(for_image(arguments, input));
+    } catch (const Question& question) {
+        line.answer = answer(app, question);
+        return line;
+    } catch (const CLI::RequiredError&) {
+        line.wrong = "no input image is given";
+    } catch (const CLI::ArgumentMismatch& error) {  // says "--rate: 1 required  missing" or "quiet was given a disallowed ..."
+        const std::string what = error.what();
+        const std::size_t colon = what.find(':');
+        line.wrong = colon == std::string::npos ? "--" + what.substr(0, what.find(' ')) + " takes no value"
+                                                : what.substr(0, colon) + " needs a value";
+    } catch (const CLI::ParseError& error) {
+        line.wrong = error.what();
+    }
+    for (const std::string& word : app.remaining())
+        if (word != "--") line.wrong = "unknown option '" + word + "'";
+    return line;
+}
+
+}  // namespace tool

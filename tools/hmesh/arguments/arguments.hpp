@@ -1,0 +1,100 @@
+// tools - the command line of hmesh: parsed strictly, every refusal a sentence that names the value.
+#ifndef HMESH_TOOLS_ARGUMENTS_ARGUMENTS_HPP
+#define HMESH_TOOLS_ARGUMENTS_ARGUMENTS_HPP
+
+#include <cstddef>
+#include <string>
+#include <vector>
+
+#include "hmesh/io/svg.hpp"
+#include "meshing.hpp"
+
+namespace tool {
+
+template <class Value>
+struct Named {
+    const char* name;
+    Value value;
+};
+
+inline constexpr Named<Method> methods[] = {{"annealed", Method::annealed},
+                                            {"hierarchical", Method::hierarchical},
+                                            {"xie", Method::xie},
+                                            {"adams", Method::adams},
+                                            {"adaptive_thinning", Method::adaptive_thinning}};
+inline constexpr Named<hmesh::Colors> colors[] = {{"optimal", hmesh::Colors::optimal}, {"sampled", hmesh::Colors::sampled}};
+inline constexpr Named<FitSpace> fit_spaces[] = {
+    {"stored", FitSpace::stored}, {"linear", FitSpace::linear}, {"each", FitSpace::each}};
+inline constexpr Named<hmesh::Effort> efforts[] = {{"draft", hmesh::Effort::draft},
+                                                   {"fast", hmesh::Effort::fast},
+                                                   {"normal", hmesh::Effort::normal},
+                                                   {"fine", hmesh::Effort::fine},
+                                                   {"best", hmesh::Effort::best}};
+inline constexpr Named<hmesh::SvgKind> svg_kinds[] = {
+    {"gradient", hmesh::SvgKind::gradient}, {"exact", hmesh::SvgKind::exact}, {"flat", hmesh::SvgKind::flat}};
+
+template <class Value, std::size_t n>
+[[nodiscard]] const char* name_of(const Named<Value> (&table)[n], Value value) {
+    for (const Named<Value>& entry : table)
+        if (entry.value == value) return entry.name;
+    return "?";
+}
+
+// Returns "" or what is wrong with the text, as the end of a sentence.
+template <class Value, std::size_t n>
+[[nodiscard]] std::string find_name(const Named<Value> (&table)[n], const std::string& text, Value& value) {
+    std::string names;
+    for (const Named<Value>& entry : table) {
+        if (text == entry.name) {
+            value = entry.value;
+            return {};
+        }
+        names += (names.empty() ? "" : ", ") + std::string(entry.name);
+    }
+    return "is not one of: " + names;
+}
+
+struct MeshFile {
+    std::string name;
+    std::string ending;  // that of the format, in lower case: ".ply"
+};
+
+// What is to be done with one image. A name that is "-" is a standard stream.
+struct Arguments {
+    std::string input;
+    std::vector<MeshFile> meshes;
+    std::string weights;  // a file; empty: none
+    std::string render, wireframe, residual, strip, report, depfile;
+    int render_scale = 1;
+    hmesh::SvgKind svg = hmesh::SvgKind::gradient;
+    bool original = true;             // is in .html files
+    MeshingOptions meshing;           // but for the weights and the progress
+    std::string target = "--rate 1";  // as typed
+    unsigned threads = 0;             // 0: all cores
+    bool quiet = false;
+    bool json = false;                 // the report on the standard output, for the summary
+    bool keep_partial = false;         // after an interrupt
+    std::vector<std::string> folders;  // to be made where they are not there: those of names that held {name}
+};
+
+// Every file that the command writes for this image.
+[[nodiscard]] std::vector<std::string> output_files(const Arguments& arguments);
+
+// Whether the standard output is one of them.
+[[nodiscard]] bool writes_standard_output(const Arguments& arguments);
+
+// Whether a mesh is to be written with this ending.
+[[nodiscard]] bool has_output(const Arguments& arguments, const std::string& ending);
+
+struct CommandLine {
+    std::vector<Arguments> images;  // one for each, {name} in names of files replaced by its own
+    std::string wrong;              // what is wrong with the command line, a sentence; empty: nothing
+    std::string answer;             // what is to be printed instead of running, for --help and its like; empty: nothing
+};
+
+// The words after the program's name.
+[[nodiscard]] CommandLine parse(const std::vector<std::string>& words);
+
+}  // namespace tool
+
+#endif  // HMESH_TOOLS_ARGUMENTS_ARGUMENTS_HPP

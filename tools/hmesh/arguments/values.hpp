@@ -1,0 +1,51 @@
+// tools - numbers of the command line, strictly, in any locale alike. What returns a string returns "" or what is wrong with the
+// text, as the end of a sentence.
+#ifndef HMESH_TOOLS_ARGUMENTS_VALUES_HPP
+#define HMESH_TOOLS_ARGUMENTS_VALUES_HPP
+
+#include <cerrno>
+#include <cstdint>
+#include <cstdlib>
+#include <string>
+
+namespace tool {
+
+[[nodiscard]] inline bool is_integer(const std::string& text) {
+    const std::size_t sign = !text.empty() && text[0] == '-' ? 1 : 0;
+    return text.size() > sign && text.find_first_not_of("0123456789", sign) == std::string::npos;
+}
+
+[[nodiscard]] inline std::string parse_integer(const std::string& text, std::int64_t& value) {
+    errno = 0;
+    value = is_integer(text) ? std::strtoll(text.c_str(), nullptr, 10) : 0;
+    if (!is_integer(text)) return "is not a whole number";
+    return errno == 0 ? "" : "is a larger number than any image has pixels";
+}
+
+template <class Integer>
+[[nodiscard]] std::string parse_in_range(const std::string& text, std::int64_t least, std::int64_t most, Integer& value) {
+    std::int64_t number = 0;
+    if (std::string why = parse_integer(text, number); !why.empty()) return why;
+    value = static_cast<Integer>(number);
+    if (number >= least && number <= most) return {};
+    return "must be from " + std::to_string(least) + " to " + std::to_string(most);
+}
+
+[[nodiscard]] inline std::string parse_seed(const std::string& text, std::uint64_t& value) {
+    errno = 0;
+    value = is_integer(text) ? std::strtoull(text.c_str(), nullptr, 10) : 0;
+    return is_integer(text) && text[0] != '-' && errno == 0 ? "" : "is not a whole number from 0 to 2^64 - 1";
+}
+
+// A decimal number in (0, most].
+[[nodiscard]] inline std::string parse_positive(const std::string& text, int most, double& value) {
+    char* end = nullptr;
+    const bool is_plain = !text.empty() && text.find_first_not_of("0123456789.eE+-") == std::string::npos;
+    value = is_plain ? std::strtod(text.c_str(), &end) : 0;
+    if (!is_plain || *end != '\0') return "is not a number";
+    return value > 0 && value <= most ? "" : "must be above 0 and at most " + std::to_string(most);
+}
+
+}  // namespace tool
+
+#endif  // HMESH_TOOLS_ARGUMENTS_VALUES_HPP

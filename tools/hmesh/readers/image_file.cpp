@@ -1,0 +1,137 @@
+#include "readers/image_file.hpp"
+
+#include <cerrno>
+#include <climits>
+#include <cstdio>
+#include <cstdlib>
+#include <cstring>
+#include <memory>
+
+#include "readers/readers.hpp"
+#include "terminal/standard_streams.hpp"
+
+#define STB_IMAGE_WRITE_IMPLEMENTATION
+#define STB_IMAGE_WRITE_STATIC
+#define STBI_WRITE_NO_STDIO
+#include <stb_image_write.h>
+
+namespace tool {
+namespace {
+
+// What stb may be given to deflate, in bytes: it counts in int, and doubles its buffer when what it made outgrows it.
+constexpr std::size_t max_deflated = std::size_t{1} << 30U;
+
+constexpr std::size_t first_read = std::size_t{1} << 20U;
+
+// What lies at a TIFF file's directory, which is usually its end; the place of reading stays. Empty where it cannot be reached.
+std::vector<unsigned char> read_directory(std::FILE* file, Bytes beginning) {
+    if (beginning.u8(2) == '+' || beginning.u8(3) == '+') return {};  // BigTIFF
+    const std::uint32_t at = beginning.u8(0) == 'I' ? beginning.le32(4) : beginning.be32(4);
+    std::vector<unsigned char> directory(std::size_t{1} << 16U);
+    const auto here = std::ftell(file);
+    if (here < 0 || at > INT_MAX || std::fseek(file, static_cast<int>(at), SEEK_SET) != 0) return {};
+    directory.resize(std::fread(directory.data(), 1, directory.size(), file));
+    return std::fseek(file, here, SEEK_SET) == 0 ? directory : std::vector<unsigned char>();
+}
+
+// Whether the picture that begins so is too large, which is known long before the file is read. Of the standard input nobody
+// knows where it began, so that no place in it can be looked up.
+std::string check_early(std::FILE* file, Bytes beginning) {
+    if (kind_of(beginning) != FileKind::tiff || beginning.size < first_read) return check_beginning(beginning);
+    if (file == stdin) return {};
+    const std::vector<unsigned char> directory = read_directory(file, beginning);
+    return check_tiff_directory({directory.data(), directory.size()}, beginning.u8(0) == 'I');
+}
+
+std::string read_bytes(std::FILE* file, std::vector<unsigned char>& bytes) {
+    errno = 0;
+    std::size_t size = 0, got = 0;
+    do {
+        bytes.resize(size + first_read + size / 2);
+        got = std::fread(bytes.data() + size, 1, bytes.size() - size, file);
+        if (size == 0)
+            if (std::string why = check_early(file, {bytes.data(), got}); !why.empty()) return why;
+        size += got;
+    } while (got != 0 && std::ferror(file) == 0 && size <= INT_MAX);
+    bytes.resize(size);
+    if (std::ferror(file) != 0) return std::strerror(errno);
+    if (size == 0) return file == stdin ? "it is empty" : "the file is empty";
+    return size > INT_MAX ? "the file is larger than 2 GiB" : "";
+}
+
+std::string read_bytes(const std::string& path, std::vector<unsigned char>& bytes) {
+    if (is_standard(path)) {
+        if (is_terminal(stdin)) return "it is a terminal, and no image";
+        set_binary(stdin);
+        return read_bytes(stdin, bytes);
+    }
+    errno = 0;
+    std::FILE* file = std::fopen(path.c_str(), "rb");
+    if (file == nullptr) return std::strerror(errno);
+    const std::unique_ptr<std::FILE, int (*)(std::FILE*)> owner(file, std::fclose);
+    return read_bytes(file, bytes);
+}
+
+// What stb's writers call, once for a PNG file and often for a JPEG file.
+struct Taker {
+    hmesh::Sink sink;
+    bool called = false, refused = false;
+
+    static void call(void* context, void* bytes, int size) {
+        auto* taker = static_cast<Taker*>(context);
+        taker->called = true;
+        taker->refused = taker->refused || !taker->sink(bytes, static_cast<std::size_t>(size));
+    }
+};
+
+}  // namespace
+
+std::string read_image(const std::string& path, ImageFile& image, std::vector<unsigned char>& bytes) {
+    if (std::string why = read_bytes(path, bytes); !why.empty()) return why;
+    return read_bytes_as_image({bytes.data(), bytes.size()}, image);
+}
+
+std::string read_image(const std::string& path, ImageFile& image) {
+    std::vector<unsigned char> bytes;
+    return read_image(path, image, bytes);
+}
+
+bool write_png(const Picture& picture, hmesh::Sink sink) {
+    if (picture.samples.size() + static_cast<std::size_t>(picture.height) > max_deflated) return false;
+    Taker taker{sink};
+    return stbi_write_png_to_func(Taker::call, &taker, picture.width, picture.height, picture.channels, picture.samples.data(),
+                                  0) != 0 &&
+           taker.called && !taker.refused;
+}
+
+bool write_jpeg(const Picture& picture, int quality, hmesh::Sink sink) {
+    Taker taker{sink};
+    return stbi_write_jpg_to_func(Taker::call, &taker, picture.width, picture.height, picture.channels, picture.samples.data(),
+                                  quality) != 0 &&
+           taker.called && !taker.refused;
+}
+
+bool deflate(const unsigned char* bytes, std::size_t size, std::vector<unsigned char>& out) {
+    if (size > max_deflated) return false;
+    std::vector<unsigned char> copy(bytes, bytes + size);  // stb takes no const
+    int length = 0;
+    const std::unique_ptr<unsigned char, void (*)(void*)> made(
+        stbi_zlib_compress(copy.data(), static_cast<int>(size), &length, stbi_write_png_compression_level), std::free);
+    if (made) out.assign(made.get(), made.get() + length);
+    return made != nullptr;
+}
+
+std::string formats_read() {
+    return std::string("PNG, JPEG, ") + (webp_decoder().empty() ? "" : "WebP, ") + (tiff_decoder().empty() ? "" : "TIFF, ") +
+           "BMP, TGA, GIF, PSD, PGM, PPM, PFM or HDR";
+}
+
+std::string decoders() {
+    const auto line = [](const char* formats, const std::string& decoder) {
+        return decoder.empty() ? std::string() : std::string("  ") + formats + ": " + decoder + "\n";
+    };
+    return line("PNG", png_decoder()) + line("JPEG", jpeg_decoder()) + line("WebP", webp_decoder()) +
+           line("TIFF", tiff_decoder()) + line("BMP, TGA, GIF", stb_decoder()) + line("PSD, PGM, PPM, PFM, HDR", "hmesh");
+}
+
+}  // namespace tool

@@ -1,0 +1,99 @@
+// The only file that compiles nlohmann/json.
+#include "results/report.hpp"
+
+#include <nlohmann/json.hpp>
+
+#include <cmath>
+
+#include "hmesh/core/version.hpp"
+#include "terminal/words.hpp"
+
+namespace tool {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+// The PSNR for programs, without anything left to guess.
+std::string psnr_convention(const Arguments& arguments) {
+    const MeshingOptions& meshing = arguments.meshing;
+    return std::string("10 log10(peak^2 / MSE) in dB, MSE the mean over pixels") +
+           (arguments.weights.empty() ? "" : ", each as often as its weight over the largest says,") +
+           " and channels of the image's stored values" + (meshing.premultiplied ? ", colours times alpha" : "") +
+           (meshing.fit_space == FitSpace::linear ? ", the mesh drawn in linear light" : "") +
+           "; psnr of the mesh, values drawn not rounded, psnr_written of what the files hold";
+}
+
+Json psnr_value(double psnr) { return std::isinf(psnr) && psnr > 0 ? Json("inf") : Json(psnr); }
+
+// In microseconds; below 0: not measured.
+Json seconds_value(double seconds) { return seconds < 0 ? Json() : Json(std::round(seconds * 1e6) / 1e6); }
+
+Json stage_value(const hmesh::StageReport& stage, double seconds) {
+    Json value = {{"name", stage.name},
+                  {"vertices", stage.vertices},
+                  {"energy", stage.energy},
+                  {"psnr", psnr_value(stage.psnr)},
+                  {"seconds", seconds_value(seconds)}};
+    if (stage.iterations > 0) {
+        value["iterations"] = stage.iterations;
+        value["residual"] = stage.residual;
+    }
+    return value;
+}
+
+std::string in_layout(const Json& value, Layout layout) {
+    return value.dump(layout == Layout::indented ? 2 : -1, ' ', false, Json::error_handler_t::replace) + "\n";
+}
+
+}  // namespace
+
+std::string psnr_formula(const Arguments& arguments) {
+    const MeshingOptions& meshing = arguments.meshing;
+    return std::string("10 log10(peak^2 / MSE), MSE over ") + (arguments.weights.empty() ? "" : "weighted ") +
+           "pixels and channels" + (meshing.premultiplied ? ", colours times alpha" : "") +
+           (meshing.fit_space == FitSpace::linear ? ", drawn in linear light" : "") + ", values drawn not rounded";
+}
+
+std::string report_json(const Arguments& arguments, const ImageFile& image, const hmesh::Result& outcome,
+                        const std::optional<LightMesh>& light, const std::vector<WrittenPsnr>& written, double seconds,
+                        const ProgressWatch& watch, Layout layout) {
+    const MeshingOptions& meshing = arguments.meshing;
+    const bool is_each = meshing.fit_space == FitSpace::each;
+    Json stages = Json::array();
+    for (const hmesh::StageReport& stage : outcome.report.stages) stages.push_back(stage_value(stage, watch.seconds_of(stage)));
+    Json files = Json::object();
+    for (const WrittenPsnr& file : written) files[file.file] = psnr_value(file.psnr);
+    const Json report = {{"version", HMESH_VERSION_STRING},
+                         {"input", arguments.input},
+                         {"width", image.width},
+                         {"height", image.height},
+                         {"channels", image.channels},
+                         {"bits", image.bits},
+                         {"method", name_of(methods, meshing.method)},
+                         {"effort", name_of(efforts, meshing.effort)},
+                         {"colors", name_of(colors, final_colors(meshing))},
+                         {"fit_space", name_of(fit_spaces, meshing.fit_space)},
+                         {"premultiplied", meshing.premultiplied},
+                         {"seed", meshing.seed},
+                         {"weights", arguments.weights.empty() ? Json() : Json(arguments.weights)},
+                         {"tile", meshing.tile},
+                         {"target", arguments.target},
+                         {"status", outcome.status ? "ok" : what_of(outcome.status)},
+                         {"vertices", outcome.report.vertices},
+                         {"faces", outcome.report.faces},
+                         {"psnr", psnr_value(outcome.report.psnr)},
+                         {"psnr_convention", psnr_convention(arguments)},
+                         {"psnr_written", files},
+                         {"psnr_glb", light ? psnr_value(is_each ? light->psnr : light->stored_psnr) : Json()},
+                         {"psnr_glb_fitted", light ? psnr_value(light->psnr) : Json()},
+                         {"energy", outcome.report.energy},
+                         {"seconds", seconds_value(seconds)},
+                         {"stages", stages}};
+    return in_layout(report, layout);
+}
+
+std::string failure_json(const Arguments& arguments, const std::string& why) {
+    return in_layout({{"version", HMESH_VERSION_STRING}, {"input", arguments.input}, {"status", why}}, Layout::one_line);
+}
+
+}  // namespace tool

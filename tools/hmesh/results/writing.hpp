@@ -1,0 +1,33 @@
+// tools - writes all files of one image: meshes, pictures, report and depfile.
+#ifndef HMESH_TOOLS_RESULTS_WRITING_HPP
+#define HMESH_TOOLS_RESULTS_WRITING_HPP
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "arguments/arguments.hpp"
+#include "hmesh/result.hpp"
+#include "meshing.hpp"
+#include "readers/image_file.hpp"
+#include "terminal/progress_watch.hpp"
+#include "writers/new_folders.hpp"
+
+namespace tool {
+
+// Makes the folders that are to be made and tries whether each output can be written. Returns "" or why not, as a sentence.
+[[nodiscard]] std::string find_unwritable(const Arguments& arguments, NewFolders& folders);
+
+// About how long write_files() and the colours of a .glb for linear light take, in microseconds of one core.
+[[nodiscard]] double writing_work(const Arguments& arguments, const ImageFile& image);
+
+// Writes the files, each whole or not at all, up to the first that cannot be written. `bytes` are those of the image's file, for
+// .html; `light`: of the mesh, for .glb where --fit-space is each; `report`: the report's text; `watch` is told of each file.
+// Returns "" or what went wrong.
+[[nodiscard]] std::string write_files(const Arguments& arguments, const ImageFile& image, const std::vector<unsigned char>& bytes,
+                                      const hmesh::Result& outcome, const std::optional<LightMesh>& light,
+                                      const std::string& report, ProgressWatch& watch);
+
+}  // namespace tool
+
+#endif  // HMESH_TOOLS_RESULTS_WRITING_HPP

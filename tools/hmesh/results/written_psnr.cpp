@@ -1,0 +1,134 @@
+#include "results/written_psnr.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+
+#include "hmesh/core/psnr.hpp"
+#include "hmesh/core/srgb.hpp"
+#include "hmesh/image/premultiply.hpp"
+#include "hmesh/io/detail/export_mesh.hpp"
+
+namespace tool {
+namespace {
+
+// Readers sum in other orders, and with floats.
+constexpr double margin = 1e-4;  // dB
+
+// How a format keeps shares of full intensity.
+enum class Keeps : std::uint8_t { bytes, shorts, six_decimals, linear_shorts };
+
+Keeps kept_by(const std::string& ending, double peak) {
+    if (ending == ".obj") return Keeps::six_decimals;
+    if (ending == ".glb") return Keeps::linear_shorts;
+    const bool is_page = ending == ".pdf" || ending == ".eps";
+    return is_page && peak != 255 ? Keeps::shorts : Keeps::bytes;
+}
+
+double kept(Keeps keeps, double share, bool is_alpha) {
+    switch (keeps) {
+        case Keeps::bytes: return hmesh::detail::to_u8(share) / 255.0;
+        case Keeps::shorts: return hmesh::detail::to_u16(share) / 65535.0;
+        case Keeps::six_decimals: return std::floor(share * 1e6 + 0.5) / 1e6;
+        case Keeps::linear_shorts: break;
+    }
+    if (is_alpha) return hmesh::detail::to_u16(share) / 65535.0;
+    return hmesh::kit::linear_to_srgb(hmesh::detail::to_u16(hmesh::kit::srgb_to_linear(share)) / 65535.0);
+}
+
+bool holds_the_mesh(const std::string& ending, const Arguments& arguments, int channels) {
+    if (ending == ".svg") return arguments.svg == hmesh::SvgKind::exact;
+    return !hmesh::kit::has_alpha(channels) || (ending != ".obj" && ending != ".eps");
+}
+
+// The mesh that a reader of a file of this format has, with as many channels.
+hmesh::Mesh as_kept(const hmesh::Mesh& mesh, const std::string& ending) {
+    using hmesh::detail::Premultiplied;
+    const bool is_html = ending == ".html";
+    const hmesh::detail::ExportMesh exported(mesh.view(), is_html ? Premultiplied::kept : Premultiplied::divided);
+    const hmesh::MeshView& view = exported.view();
+    const Keeps keeps = kept_by(ending, mesh.peak);
+    hmesh::Mesh out = mesh;
+    out.premultiplied = view.premultiplied;
+    const auto channels = static_cast<std::size_t>(mesh.channels), given = static_cast<std::size_t>(view.channels);
+    for (std::size_t i = 0; i < out.colors.size(); ++i) {
+        const std::size_t v = i / channels, c = i % channels;
+        const bool is_alpha = hmesh::kit::has_alpha(mesh.channels) && c + 1 == channels;
+        const float color = view.colors[given * v + (is_alpha ? given - 1 : c)];
+        const double share = kept(keeps, hmesh::detail::share_of_peak(color, mesh.peak), is_alpha);
+        // The stored value itself where it is kept, as bytes are.
+        const double steps = keeps == Keeps::bytes ? std::floor(share * 255 + 0.5) * (mesh.peak / 255) : share * mesh.peak;
+        out.colors[i] = static_cast<float>(steps);
+    }
+    return out;
+}
+
+// Of `drawn`, stored values of the image's size and channels. `multiplies`: its colours are still to be multiplied by alpha.
+double psnr_between(const std::vector<float>& wanted, const std::vector<float>& drawn, std::size_t channels, double peak,
+                    const hmesh::ImageView<float, 1>& weights, bool multiplies) {
+    double energy = 0, samples = 0;
+    for (std::size_t i = 0, pixel = 0; i < wanted.size(); i += channels, ++pixel) {
+        const double alpha = multiplies ? static_cast<double>(drawn[i + channels - 1]) / peak : 1;
+        double square = 0;
+        for (std::size_t c = 0; c < channels; ++c) {
+            const double factor = c + 1 < channels ? alpha : 1;
+            const double difference = factor * static_cast<double>(drawn[i + c]) - static_cast<double>(wanted[i + c]);
+            square += difference * difference;
+        }
+        double weight = 1;
+        if (weights.data != nullptr) {
+            const auto width = static_cast<std::size_t>(weights.width);
+            weight = static_cast<double>(*weights.pixel(static_cast<int>(pixel % width), static_cast<int>(pixel / width)));
+        }
+        energy += weight * square;
+        samples += weight * static_cast<double>(channels);
+    }
+    return hmesh::kit::psnr_of_energy(energy, samples, peak);
+}
+
+}  // namespace
+
+std::vector<WrittenPsnr> WrittenFiles::measure(const hmesh::Mesh& mesh, double psnr,
+                                               const std::optional<LightMesh>& light) const {
+    std::vector<WrittenPsnr> out;
+    hmesh::Mesh own = mesh;
+    own.premultiplied = options_.premultiplied;
+    const auto channels = static_cast<std::size_t>(image_.channels);
+    const auto measured = [&](const std::vector<float>& drawn, bool is_premultiplied) {
+        if (wanted_.empty()) wanted_ = wanted_samples(image_, options_.premultiplied, parallel_for_);
+        return psnr_between(wanted_, drawn, channels, own.peak, options_.weights, options_.premultiplied && !is_premultiplied);
+    };
+    std::vector<float> drawn;
+    for (const auto& [name, ending] : arguments_.meshes) {
+        if (!holds_the_mesh(ending, arguments_, image_.channels)) continue;
+        const bool is_light = light && options_.fit_space == FitSpace::each && ending == ".glb";
+        const hmesh::Mesh& from = is_light ? light->mesh : own;
+        const hmesh::Mesh read = as_kept(from, ending);
+        if (read.colors == from.colors && read.premultiplied == from.premultiplied) {
+            out.push_back({name, ending, is_light ? light->psnr : psnr});
+        } else if (draw_samples(read.view(), is_light || options_.fit_space == FitSpace::linear, drawn)) {
+            out.push_back({name, ending, measured(drawn, read.premultiplied)});
+        }
+    }
+    if (arguments_.render.empty() || arguments_.render_scale != 1) return out;
+    Picture picture;
+    if (!draw(own.view(), {1, options_.fit_space == FitSpace::linear}, picture)) return out;
+    drawn.clear();
+    for (const std::uint8_t sample : picture.samples) drawn.push_back(static_cast<float>(sample * (own.peak / 255)));
+    out.push_back({arguments_.render, ".png", measured(drawn, false)});
+    return out;
+}
+
+double WrittenFiles::operator()(const hmesh::Mesh& mesh, double psnr) const {
+    std::optional<LightMesh> light;
+    const bool is_linear = options_.fit_space == FitSpace::linear;
+    if (is_linear || (options_.fit_space == FitSpace::each && has_output(arguments_, ".glb")))
+        light = light_mesh(image_, options_, mesh, parallel_for_);
+    double least = is_linear ? light->psnr : psnr;
+    for (const WrittenPsnr& file : measure(is_linear ? light->mesh : mesh, least, light)) least = std::min(least, file.psnr);
+    return least - margin;
+}
+
+}  // namespace tool

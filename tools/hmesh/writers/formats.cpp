@@ -1,0 +1,76 @@
+#include "writers/formats.hpp"
+
+#include <algorithm>
+#include <cstddef>
+#include <vector>
+
+#include "hmesh/io/eps.hpp"
+#include "hmesh/io/gltf.hpp"
+#include "hmesh/io/obj.hpp"
+#include "hmesh/io/pdf.hpp"
+#include "hmesh/io/ply.hpp"
+
+namespace tool {
+namespace {
+
+struct Format {
+    const char* ending;  // in lower case
+    hmesh::Status (*write)(const hmesh::MeshView& mesh, const FormatOptions& options, hmesh::Sink sink);
+};
+
+hmesh::PageOptions page_options() {
+    hmesh::PageOptions options;
+    options.deflate = deflate;
+    return options;
+}
+
+constexpr Format formats[] = {
+    {".ply", [](const hmesh::MeshView& mesh, const FormatOptions&, hmesh::Sink sink) { return hmesh::write_ply(mesh, sink); }},
+    {".obj", [](const hmesh::MeshView& mesh, const FormatOptions&, hmesh::Sink sink) { return hmesh::write_obj(mesh, sink); }},
+    {".glb", [](const hmesh::MeshView& mesh, const FormatOptions&, hmesh::Sink sink) { return hmesh::write_glb(mesh, sink); }},
+    {".pdf", [](const hmesh::MeshView& mesh, const FormatOptions&,
+                hmesh::Sink sink) { return hmesh::write_pdf(mesh, sink, page_options()); }},
+    {".eps", [](const hmesh::MeshView& mesh, const FormatOptions&,
+                hmesh::Sink sink) { return hmesh::write_eps(mesh, sink, page_options()); }},
+    {".svg", [](const hmesh::MeshView& mesh, const FormatOptions& options,
+                hmesh::Sink sink) { return hmesh::write_svg(mesh, sink, options.svg); }},
+    {".html", [](const hmesh::MeshView& mesh, const FormatOptions& options,
+                 hmesh::Sink sink) { return hmesh::write_html(mesh, sink, options.html); }},
+};
+
+}  // namespace
+
+bool has_ending(const std::string& name, const std::string& ending) {
+    if (name.size() <= ending.size()) return false;
+    for (std::size_t i = 0; i < ending.size(); ++i) {
+        const char c = name[name.size() - ending.size() + i];
+        if ((c >= 'A' && c <= 'Z' ? c - 'A' + 'a' : c) != ending[i]) return false;
+    }
+    return true;
+}
+
+std::string format_ending(const std::string& name) {
+    for (const Format& format : formats)
+        if (has_ending(name, format.ending)) return format.ending;
+    return {};
+}
+
+std::string format_endings() {
+    std::string endings;
+    for (const Format& format : formats) endings += (endings.empty() ? "" : ", ") + std::string(format.ending);
+    return endings;
+}
+
+std::vector<std::string> format_names() {
+    std::vector<std::string> names;
+    for (const Format& format : formats) names.emplace_back(format.ending + 1);
+    return names;
+}
+
+hmesh::Status write_mesh(const hmesh::MeshView& mesh, const std::string& ending, const FormatOptions& options, hmesh::Sink sink) {
+    const auto* found =
+        std::find_if(std::begin(formats), std::end(formats), [&](const Format& format) { return ending == format.ending; });
+    return found->write(mesh, options, sink);
+}
+
+}  // namespace tool

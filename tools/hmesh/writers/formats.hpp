@@ -1,0 +1,41 @@
+// tools - the mesh formats that the command writes, known by the endings of files' names. A new format is a line in
+// the table of formats.cpp.
+#ifndef HMESH_TOOLS_WRITERS_FORMATS_HPP
+#define HMESH_TOOLS_WRITERS_FORMATS_HPP
+
+#include <string>
+#include <vector>
+
+#include "hmesh/core/status.hpp"
+#include "hmesh/io/html.hpp"
+#include "hmesh/io/svg.hpp"
+#include "hmesh/mesh/mesh.hpp"
+#include "readers/image_file.hpp"
+
+namespace tool {
+
+// What some formats are told beside the mesh.
+struct FormatOptions {
+    hmesh::SvgOptions svg;
+    hmesh::HtmlOptions html;
+};
+
+// Whether the name ends so, in lower or upper case, and has more before it.
+[[nodiscard]] bool has_ending(const std::string& name, const std::string& ending);
+
+// The format of a file of this name, as its ending in lower case: ".ply"; empty: none.
+[[nodiscard]] std::string format_ending(const std::string& name);
+
+// ".ply, .obj" and so on.
+[[nodiscard]] std::string format_endings();
+
+// Their names: "ply", "obj" and so on.
+[[nodiscard]] std::vector<std::string> format_names();
+
+// Writes the mesh in the format of files that end so, for which there is one.
+[[nodiscard]] hmesh::Status write_mesh(const hmesh::MeshView& mesh, const std::string& ending, const FormatOptions& options,
+                                       hmesh::Sink sink);
+
+}  // namespace tool
+
+#endif  // HMESH_TOOLS_WRITERS_FORMATS_HPP

@@ -1,0 +1,156 @@
+#include "writers/output_file.hpp"
+
+#include <cerrno>
+#include <cstring>
+#include <filesystem>
+#include <system_error>
+#include <utility>
+
+#include "terminal/standard_streams.hpp"
+
+#ifndef _WIN32
+#include <fcntl.h>
+#include <sys/file.h>
+#include <sys/stat.h>
+#include <unistd.h>
+#endif
+
+namespace tool {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+#ifdef _WIN32
+// A new file of this name; else null, errno EEXIST where there is one.
+std::FILE* open_part(const std::string& name) { return std::fopen(name.c_str(), "wbx"); }
+#else
+// Whether `file` is a plain file of this user's, of that name and no other.
+bool is_ours(int file, const std::string& name) {
+    struct stat opened, named;
+    return ::fstat(file, &opened) == 0 && ::lstat(name.c_str(), &named) == 0 && opened.st_dev == named.st_dev &&
+           opened.st_ino == named.st_ino && S_ISREG(opened.st_mode) && opened.st_nlink == 1 && opened.st_uid == ::geteuid();
+}
+
+// A new file of this name, or one that a program left behind which was killed; else null, errno EEXIST where another program
+// writes it now. Who writes holds the file's lock, which ends with the program, however it ends.
+std::FILE* open_part(const std::string& name) {
+    int file = ::open(name.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC | O_NOFOLLOW, 0666);
+    const bool is_new = file >= 0;
+    if (!is_new && errno == EEXIST) file = ::open(name.c_str(), O_WRONLY | O_CLOEXEC | O_NOFOLLOW);
+    if (file < 0) {
+        if (errno == ENOENT || errno == ELOOP || errno == EACCES) errno = is_new ? errno : EEXIST;
+        return nullptr;
+    }
+    const bool is_locked = ::flock(file, LOCK_EX | LOCK_NB) == 0;
+    // Where there are no locks, as on some network drives, a new file is safe enough. One that another program has just renamed
+    // or removed is not of this name any more.
+    const bool is_free = is_locked || (is_new && errno != EWOULDBLOCK);
+    if (is_free && is_ours(file, name) && ::ftruncate(file, 0) == 0)
+        if (std::FILE* const stream = ::fdopen(file, "wb"); stream != nullptr) return stream;
+    ::close(file);
+    errno = EEXIST;
+    return nullptr;
+}
+#endif
+
+}  // namespace
+
+OutputFile::OutputFile(std::string path) : target_(std::move(path)), is_standard_(is_standard(target_)) {
+    if (is_standard_) return;
+    std::error_code none;
+    const auto leads_nowhere = [&] { return !fs::exists(target_, none) && fs::is_symlink(fs::symlink_status(target_, none)); };
+    for (int links = 0; links < 40 && leads_nowhere(); ++links)  // to a file that is to be made
+        target_ = (fs::path(target_).parent_path() / fs::read_symlink(target_, none)).string();
+    const fs::file_status status = fs::status(target_, none);
+    if (leads_nowhere()) refusal_ = ELOOP;
+    if (fs::is_directory(status)) refusal_ = EISDIR;
+    in_place_ = fs::exists(status) && !fs::is_regular_file(status);
+    if (fs::is_regular_file(status)) {
+        const fs::path real = fs::canonical(target_, none);
+        if (!none) target_ = real.string();
+    }
+}
+
+bool OutputFile::is_writable() {
+    if (is_standard_ || (in_place_ && refusal_ == 0)) return true;
+    const bool opened = open();
+    discard();
+    return opened;
+}
+
+bool OutputFile::open() {
+    if (refusal_ != 0) return fail(refusal_);
+    errno = 0;
+    if (is_standard_) {
+        set_binary(stdout);
+        file_ = stdout;
+        return true;
+    }
+    if (in_place_) {
+        file_ = std::fopen(target_.c_str(), "wb");
+        return file_ != nullptr || fail(errno);
+    }
+    if (!may_replace()) return fail(errno);
+    for (int number = 0; number < 100 && file_ == nullptr; ++number) {
+        const std::string name = target_ + ".part" + std::to_string(number);
+        errno = 0;
+        file_ = open_part(name);
+        if (file_ != nullptr) temporary_ = name;
+        if (file_ == nullptr && errno != EEXIST) break;
+    }
+    return file_ != nullptr || fail(errno);
+}
+
+bool OutputFile::operator()(const void* bytes, std::size_t size) {
+    if (size == 0) return true;
+    errno = 0;
+    return std::fwrite(bytes, 1, size, file_) == size || fail(errno);
+}
+
+bool OutputFile::commit() {
+    errno = 0;
+    std::FILE* file = file_;
+    file_ = nullptr;
+    if (is_standard_) return std::fflush(file) == 0 || fail(errno);
+    if (std::fclose(file) != 0) {
+        const int why = errno;
+        discard();
+        return fail(why);
+    }
+    if (in_place_) return true;
+    std::error_code code;
+    const fs::file_status replaced = fs::status(target_, code);
+    if (fs::exists(replaced)) fs::permissions(temporary_, replaced.permissions(), code);
+    fs::rename(temporary_, target_, code);
+    if (!code) {
+        temporary_.clear();
+        return true;
+    }
+    discard();
+    return fail(code.value());
+}
+
+// A target that exists is replaced only if it could be written.
+bool OutputFile::may_replace() const {
+    std::error_code none;
+    if (!fs::exists(target_, none)) return true;
+    std::FILE* existing = std::fopen(target_.c_str(), "r+b");
+    if (existing == nullptr) return false;
+    std::fclose(existing);
+    return true;
+}
+
+void OutputFile::discard() {
+    if (file_ != nullptr && !is_standard_) std::fclose(file_);
+    if (!temporary_.empty()) static_cast<void>(std::remove(temporary_.c_str()));
+    file_ = nullptr;
+    temporary_.clear();
+}
+
+bool OutputFile::fail(int why) {
+    error_ = why != 0 ? std::strerror(why) : "unknown error";
+    return false;
+}
+
+}  // namespace tool

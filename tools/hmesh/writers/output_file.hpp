@@ -1,0 +1,50 @@
+// tools - OutputFile: writes a file whole or not at all.
+//
+// The bytes go to a file beside the target, which takes the target's name and permissions when all of them are written. A program
+// that is killed leaves it behind, and the next one uses it again. A target that exists and is no regular file (a device, a
+// pipe) is written directly, and so is the standard output, whose name is "-"; a symbolic link is followed.
+#ifndef HMESH_TOOLS_WRITERS_OUTPUT_FILE_HPP
+#define HMESH_TOOLS_WRITERS_OUTPUT_FILE_HPP
+
+#include <cstddef>
+#include <cstdio>
+#include <string>
+
+namespace tool {
+
+class OutputFile {
+  public:
+    // Follows links and decides where the bytes go; opens nothing.
+    explicit OutputFile(std::string path);
+    OutputFile(const OutputFile&) = delete;
+    OutputFile& operator=(const OutputFile&) = delete;
+    ~OutputFile() { discard(); }
+
+    // Whether the file could be opened now: creates the file beside the target and removes it again.
+    [[nodiscard]] bool is_writable();
+
+    [[nodiscard]] bool open();
+    // A sink, as the exporters of hmesh want it.
+    [[nodiscard]] bool operator()(const void* bytes, std::size_t size);
+    // Closes the file and gives it its name.
+    [[nodiscard]] bool commit();
+
+    // Why the last call returned false.
+    [[nodiscard]] const std::string& error() const noexcept { return error_; }
+
+  private:
+    [[nodiscard]] bool may_replace() const;
+    void discard();
+    bool fail(int why);
+
+    std::FILE* file_ = nullptr;
+    std::string target_, error_;
+    std::string temporary_;  // the file beside the target while it exists, else empty
+    int refusal_ = 0;        // why the target can be no file, as errno has it
+    bool in_place_ = false;
+    bool is_standard_ = false;  // the standard output, which stays open
+};
+
+}  // namespace tool
+
+#endif  // HMESH_TOOLS_WRITERS_OUTPUT_FILE_HPP
