@@ -15,6 +15,7 @@
 #include <hmesh/hmesh.hpp>
 
 #include "readers/image_file.hpp"
+#include "writers/picture_file.hpp"
 
 namespace bench {
 

@@ -16,9 +16,9 @@
 
 #include <hmesh/hmesh.hpp>
 
-#include "readers/image_file.hpp"
 #include "scene.hpp"
 #include "writers/output_file.hpp"
+#include "writers/picture_file.hpp"
 #include "writers/pictures.hpp"
 
 namespace {

@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
-#include "readers/image_file.hpp"
 #include "writers/output_file.hpp"
+#include "writers/picture_file.hpp"
 
 namespace {
 

@@ -17,6 +17,7 @@
 #include "hmesh/options.hpp"
 #include "hmesh/result.hpp"
 #include "readers/image_file.hpp"
+#include "writers/picture_file.hpp"
 
 namespace tool {
 

@@ -4,9 +4,9 @@
 #include <string>
 #include <utility>
 
-#include "readers/image_file.hpp"
 #include "scene.hpp"
 #include "writers/output_file.hpp"
+#include "writers/picture_file.hpp"
 
 namespace {
 

@@ -15,6 +15,7 @@
 #include "readers/image_file.hpp"
 #include "scene.hpp"
 #include "writers/output_file.hpp"
+#include "writers/picture_file.hpp"
 #include "writers/pictures.hpp"
 #include "writers/wireframe.hpp"
 

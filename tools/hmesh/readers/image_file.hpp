@@ -1,17 +1,13 @@
-// tools - image files of 8 and 16 bits or floats and 1 to 4 channels are read, by readers/, and PNG and JPEG files of 8 bits are
-// encoded, with stb.
+// tools - image files of 8 and 16 bits or floats and 1 to 4 channels: from a name to the pixels, with the reader of its format.
 //
 // The bit depth and the number of channels are those of the file; a caller picks its ImageView<T, C> at run time. Photographs
 // are turned as their tags say.
 #ifndef HMESH_TOOLS_READERS_IMAGE_FILE_HPP
 #define HMESH_TOOLS_READERS_IMAGE_FILE_HPP
 
-#include <cstddef>
 #include <cstdint>
 #include <string>
 #include <vector>
-
-#include "hmesh/io/sink.hpp"
 
 namespace tool {
 
@@ -25,24 +21,10 @@ struct ImageFile {
     int orientation = 1;  // of the picture in a PNG or JPEG file as Exif numbers them, 1 to 8; here it is upright
 };
 
-// Pixels of 8 bits, packed, 1 to 4 channels: what a PNG file is made of.
-struct Picture {
-    int width = 0, height = 0, channels = 0;
-    std::vector<std::uint8_t> samples;
-};
-
 // Reads the file, "-" being the standard input, and leaves its bytes as they are in `bytes`. Returns "" or what is wrong, as the
 // end of a sentence that begins with the file's name.
 [[nodiscard]] std::string read_image(const std::string& path, ImageFile& image, std::vector<unsigned char>& bytes);
 [[nodiscard]] std::string read_image(const std::string& path, ImageFile& image);
-
-// Encodes a picture. False when there is no memory, the picture has more than 2^30 samples, or the sink refused.
-[[nodiscard]] bool write_png(const Picture& picture, hmesh::Sink sink);
-// The same of 1 or 3 channels, lossy: `quality` from 1 to 100.
-[[nodiscard]] bool write_jpeg(const Picture& picture, int quality, hmesh::Sink sink);
-
-// hmesh::Deflate by stb_image_write: no zlib is needed. About 10 MB/s.
-[[nodiscard]] bool deflate(const unsigned char* bytes, std::size_t size, std::vector<unsigned char>& out);
 
 // The formats that this build reads: "PNG, JPEG, ...".
 [[nodiscard]] std::string formats_read();

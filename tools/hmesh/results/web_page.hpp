@@ -15,6 +15,7 @@
 #include "results/report.hpp"
 #include "terminal/standard_streams.hpp"
 #include "terminal/words.hpp"
+#include "writers/picture_file.hpp"
 #include "writers/pictures.hpp"
 #include "writers/plain_file.hpp"
 

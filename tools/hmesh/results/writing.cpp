@@ -8,6 +8,7 @@
 #include "writers/depfile.hpp"
 #include "writers/formats.hpp"
 #include "writers/output_file.hpp"
+#include "writers/picture_file.hpp"
 #include "writers/pictures.hpp"
 #include "writers/wireframe.hpp"
 

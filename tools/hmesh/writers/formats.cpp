@@ -9,6 +9,7 @@
 #include "hmesh/io/obj.hpp"
 #include "hmesh/io/pdf.hpp"
 #include "hmesh/io/ply.hpp"
+#include "writers/picture_file.hpp"
 
 namespace tool {
 namespace {

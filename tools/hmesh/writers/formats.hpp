@@ -8,9 +8,9 @@
 
 #include "hmesh/core/status.hpp"
 #include "hmesh/io/html.hpp"
+#include "hmesh/io/sink.hpp"
 #include "hmesh/io/svg.hpp"
 #include "hmesh/mesh/mesh.hpp"
-#include "readers/image_file.hpp"
 
 namespace tool {
 

@@ -7,6 +7,7 @@
 
 #include "hmesh/image/image_view.hpp"
 #include "readers/image_file.hpp"
+#include "writers/picture_file.hpp"
 
 namespace tool {
 
