@@ -5622,7 +5622,9 @@ class ImageSource {
     [[nodiscard]] double peak() const noexcept { return peak_; }  ///< value of full intensity
 
     /// The moment table of a rectangle of the image.
-    [[nodiscard]] MomentTable<C> table(const Rect& rect) const { return make_(*this, rect); }
+    [[nodiscard]] MomentTable<C> table(const Rect& rect, const ParallelFor& parallel_for = {}) const {
+        return make_(*this, rect, parallel_for);
+    }
 
     /// The squared error of a finished mesh as drawn, with the weights: rendered_error() of fit/rendered_error.hpp. Only where
     /// not is_integer(): else the energy of the fit is exact, and nothing is compiled for this.
@@ -5649,8 +5651,8 @@ class ImageSource {
         return {static_cast<const T*>(data_), width_, height_, row_stride_};
     }
     template <class T>
-    [[nodiscard]] static MomentTable<C> make(const ImageSource& source, const Rect& rect) {
-        return MomentTable<C>(source.view<T>(), source.weights_, source.unit_, rect);
+    [[nodiscard]] static MomentTable<C> make(const ImageSource& source, const Rect& rect, const ParallelFor& parallel_for) {
+        return MomentTable<C>(source.view<T>(), source.weights_, source.unit_, rect, parallel_for);
     }
     template <class T>
     [[nodiscard]] static double error(const ImageSource& source, const Mesh& mesh, const ParallelFor& parallel_for) {
@@ -5670,7 +5672,7 @@ class ImageSource {
     double unit_;  ///< of the weights, see weight_unit()
     double low_, high_, peak_;
     bool is_integer_;
-    MomentTable<C> (*make_)(const ImageSource&, const Rect&);
+    MomentTable<C> (*make_)(const ImageSource&, const Rect&, const ParallelFor&);
     void (*sample_)(const ImageSource&, int, int, Lanes<lanes_for(C + 1)>&) noexcept;
     double (*error_)(const ImageSource&, const Mesh&, const ParallelFor&) = nullptr;  ///< null: is_integer()
 };
@@ -9919,10 +9921,10 @@ template <int C>
 class Patch {
   public:
     /// Makes the patch of tile number `tile` of a cut of the mesh. `task` is told of work on the patch and asked whether to go
-    /// on; nullptr: nobody. `table`: a table of the whole image, which is used if the patch's rectangle is the image's, else
-    /// dropped.
+    /// on; nullptr: nobody. `whole`: a table of the whole image, which must outlive the patch; null: the patch makes one of its
+    /// own bounding box.
     HMESH_COLD Patch(const IndexedMesh<C>& indexed, const ImageSource<C>& source, const detail::Cut& cut, std::size_t tile,
-                     const MeshLimits& limits, TaskProgress* task, MomentTable<C> table = {})
+                     const MeshLimits& limits, TaskProgress* task, const MomentTable<C>* whole = nullptr)
         : numbered_(detail::renumber(indexed.faces, cut, tile)), free_(cut.free_count[tile]) {
         std::vector<std::uint32_t> vertices(free_ + numbered_.locked.size());  // by their index in the mesh that was cut
         for (std::size_t k = 0; k < numbered_.locked.size(); ++k) vertices[free_ + k] = numbered_.locked[k].vertex;
@@ -9936,13 +9938,10 @@ class Patch {
             low = {std::min(low.x, p.x), std::min(low.y, p.y)};
             high = {std::max(high.x, p.x), std::max(high.y, p.y)};
         }
-        const int x = static_cast<int>(low.x), y = static_cast<int>(low.y);
+        const int x = whole != nullptr ? 0 : static_cast<int>(low.x), y = whole != nullptr ? 0 : static_cast<int>(low.y);
         origin_ = {static_cast<double>(x), static_cast<double>(y)};
-        const Rect rect{x, y, static_cast<int>(std::ceil(high.x)) - x, static_cast<int>(std::ceil(high.y)) - y};
-        table_ = table.width() == source.width() && table.height() == source.height() && rect.width == table.width() &&
-                         rect.height == table.height()
-                     ? std::move(table)
-                     : source.table(rect);
+        if (whole == nullptr)
+            table_ = source.table({x, y, static_cast<int>(std::ceil(high.x)) - x, static_cast<int>(std::ceil(high.y)) - y});
         std::vector<Point> positions;
         std::vector<Color<C>> colors;
         positions.reserve(vertices.size());
@@ -9951,7 +9950,7 @@ class Patch {
             positions.push_back({indexed.positions[v].x - x, indexed.positions[v].y - y});
             colors.push_back(indexed.colors[v]);
         }
-        mesh_ = ImageMesh<C>(table_, source.low(), source.high(), limits,
+        mesh_ = ImageMesh<C>(whole != nullptr ? *whole : table_, source.low(), source.high(), limits,
                              {{-x, -y, source.width(), source.height()}, !numbered_.locked.empty(), 1, task});
         const Status status = mesh_.assign(positions, numbered_.faces, colors, {});
         HMESH_ASSERT(status);
@@ -9970,8 +9969,6 @@ class Patch {
 
     /// The mesh to work on; coordinates are those of the patch's table, px from its upper left corner.
     [[nodiscard]] ImageMesh<C>& mesh() noexcept { return mesh_; }
-    /// Moves the moment table out; the patch must not be used any more.
-    [[nodiscard]] MomentTable<C> take_table() noexcept { return std::move(table_); }
     /// All vertices of the patch, a locked one once for each of its fans.
     [[nodiscard]] std::size_t vertex_count() const noexcept { return mesh_.vertex_count(); }
     /// Vertices that may be changed and removed: all but the locked ones.
@@ -10012,7 +10009,7 @@ class Patch {
     detail::PatchFaces numbered_;
     std::size_t free_;  ///< slots [0, free_) began as free vertices, then come the locked ones, later slots are new vertices
     Point origin_;
-    MomentTable<C> table_;
+    MomentTable<C> table_;  ///< of its own, or empty
     ImageMesh<C> mesh_;
 };
 
@@ -10145,7 +10142,7 @@ class TiledMesh {
         if (!single_) {
             const Tiling whole(indexed_.width, indexed_.height, std::max(indexed_.width, indexed_.height));
             const detail::Cut cut = detail::cut(indexed_.positions, indexed_.faces, whole);
-            single_ = std::make_unique<Patch<C>>(indexed_, *source_, cut, 0, limits_, nullptr, std::move(table_));
+            single_ = std::make_unique<Patch<C>>(indexed_, *source_, cut, 0, limits_, nullptr, whole_table(true));
         }
         const TaskGuard guard(single_->mesh(), task);
         body(*single_, 0);
@@ -10159,8 +10156,15 @@ class TiledMesh {
         indexed_.dirty = std::move(result.dirty);
         indexed_.faces = std::move(result.faces);
         indexed_.energy = result.energy;
-        table_ = single_->take_table();
         single_.reset();
+    }
+
+    /// The table of the whole image, made when first asked for, if it is `wanted` or has at most 2^22 pixels; else null. Patches
+    /// that share it need none of their own, which would take them a third of their time.
+    [[nodiscard]] HMESH_COLD const MomentTable<C>* whole_table(bool wanted) {
+        if (!wanted && source_->pixels() > 4194304) return nullptr;
+        if (table_.width() == 0) table_ = source_->table({0, 0, source_->width(), source_->height()}, parallel_for_);
+        return &table_;
     }
 
     /// Calls body(patch, tile) for the patches that have faces, those with most faces first; once cancelled, and unless `all`,
@@ -10168,15 +10172,14 @@ class TiledMesh {
     HMESH_COLD void run(const detail::Cut& cut, FunctionRef<void(Patch<C>&, std::size_t)> body,
                         FunctionRef<void(std::size_t)> skip, bool all = false) {
         const std::vector<std::size_t> tiles = detail::largest_first(cut);
+        const MomentTable<C>* const whole = whole_table(tiles.size() == 1);
         parallel_for_(tiles.size(), [&](std::size_t i) {
             const std::size_t k = tiles[i];
             if (!progress_->poll() && !all) return skip(k);
             TaskProgress task(*progress_,
                               static_cast<double>(cut.first[k + 1] - cut.first[k]) / static_cast<double>(indexed_.faces.size()));
-            const bool is_single = tiles.size() == 1;
-            Patch<C> patch(indexed_, *source_, cut, k, limits_, &task, is_single ? std::move(table_) : MomentTable<C>());
+            Patch<C> patch(indexed_, *source_, cut, k, limits_, &task, whole);
             body(patch, k);
-            if (is_single) table_ = patch.take_table();
         });
     }
 
@@ -10225,7 +10228,7 @@ class TiledMesh {
     ParallelFor parallel_for_;
     IndexedMesh<C> indexed_;
     std::unique_ptr<Patch<C>> single_;  ///< the whole mesh as one patch, in place of indexed_; or null
-    MomentTable<C> table_;              ///< of the whole image, kept for that patch between phases
+    MomentTable<C> table_;              ///< of the whole image, or empty
 };
 
 }  // namespace hmesh::kit

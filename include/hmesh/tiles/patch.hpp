@@ -201,10 +201,10 @@ template <int C>
 class Patch {
   public:
     /// Makes the patch of tile number `tile` of a cut of the mesh. `task` is told of work on the patch and asked whether to go
-    /// on; nullptr: nobody. `table`: a table of the whole image, which is used if the patch's rectangle is the image's, else
-    /// dropped.
+    /// on; nullptr: nobody. `whole`: a table of the whole image, which must outlive the patch; null: the patch makes one of its
+    /// own bounding box.
     HMESH_COLD Patch(const IndexedMesh<C>& indexed, const ImageSource<C>& source, const detail::Cut& cut, std::size_t tile,
-                     const MeshLimits& limits, TaskProgress* task, MomentTable<C> table = {})
+                     const MeshLimits& limits, TaskProgress* task, const MomentTable<C>* whole = nullptr)
         : numbered_(detail::renumber(indexed.faces, cut, tile)), free_(cut.free_count[tile]) {
         std::vector<std::uint32_t> vertices(free_ + numbered_.locked.size());  // by their index in the mesh that was cut
         for (std::size_t k = 0; k < numbered_.locked.size(); ++k) vertices[free_ + k] = numbered_.locked[k].vertex;
@@ -218,13 +218,10 @@ class Patch {
             low = {std::min(low.x, p.x), std::min(low.y, p.y)};
             high = {std::max(high.x, p.x), std::max(high.y, p.y)};
         }
-        const int x = static_cast<int>(low.x), y = static_cast<int>(low.y);
+        const int x = whole != nullptr ? 0 : static_cast<int>(low.x), y = whole != nullptr ? 0 : static_cast<int>(low.y);
         origin_ = {static_cast<double>(x), static_cast<double>(y)};
-        const Rect rect{x, y, static_cast<int>(std::ceil(high.x)) - x, static_cast<int>(std::ceil(high.y)) - y};
-        table_ = table.width() == source.width() && table.height() == source.height() && rect.width == table.width() &&
-                         rect.height == table.height()
-                     ? std::move(table)
-                     : source.table(rect);
+        if (whole == nullptr)
+            table_ = source.table({x, y, static_cast<int>(std::ceil(high.x)) - x, static_cast<int>(std::ceil(high.y)) - y});
         std::vector<Point> positions;
         std::vector<Color<C>> colors;
         positions.reserve(vertices.size());
@@ -233,7 +230,7 @@ class Patch {
             positions.push_back({indexed.positions[v].x - x, indexed.positions[v].y - y});
             colors.push_back(indexed.colors[v]);
         }
-        mesh_ = ImageMesh<C>(table_, source.low(), source.high(), limits,
+        mesh_ = ImageMesh<C>(whole != nullptr ? *whole : table_, source.low(), source.high(), limits,
                              {{-x, -y, source.width(), source.height()}, !numbered_.locked.empty(), 1, task});
         const Status status = mesh_.assign(positions, numbered_.faces, colors, {});
         HMESH_ASSERT(status);
@@ -252,8 +249,6 @@ class Patch {
 
     /// The mesh to work on; coordinates are those of the patch's table, px from its upper left corner.
     [[nodiscard]] ImageMesh<C>& mesh() noexcept { return mesh_; }
-    /// Moves the moment table out; the patch must not be used any more.
-    [[nodiscard]] MomentTable<C> take_table() noexcept { return std::move(table_); }
     /// All vertices of the patch, a locked one once for each of its fans.
     [[nodiscard]] std::size_t vertex_count() const noexcept { return mesh_.vertex_count(); }
     /// Vertices that may be changed and removed: all but the locked ones.
@@ -294,7 +289,7 @@ class Patch {
     detail::PatchFaces numbered_;
     std::size_t free_;  ///< slots [0, free_) began as free vertices, then come the locked ones, later slots are new vertices
     Point origin_;
-    MomentTable<C> table_;
+    MomentTable<C> table_;  ///< of its own, or empty
     ImageMesh<C> mesh_;
 };
 

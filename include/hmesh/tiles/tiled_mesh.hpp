@@ -132,7 +132,7 @@ class TiledMesh {
         if (!single_) {
             const Tiling whole(indexed_.width, indexed_.height, std::max(indexed_.width, indexed_.height));
             const detail::Cut cut = detail::cut(indexed_.positions, indexed_.faces, whole);
-            single_ = std::make_unique<Patch<C>>(indexed_, *source_, cut, 0, limits_, nullptr, std::move(table_));
+            single_ = std::make_unique<Patch<C>>(indexed_, *source_, cut, 0, limits_, nullptr, whole_table(true));
         }
         const TaskGuard guard(single_->mesh(), task);
         body(*single_, 0);
@@ -146,8 +146,15 @@ class TiledMesh {
         indexed_.dirty = std::move(result.dirty);
         indexed_.faces = std::move(result.faces);
         indexed_.energy = result.energy;
-        table_ = single_->take_table();
         single_.reset();
+    }
+
+    /// The table of the whole image, made when first asked for, if it is `wanted` or has at most 2^22 pixels; else null. Patches
+    /// that share it need none of their own, which would take them a third of their time.
+    [[nodiscard]] HMESH_COLD const MomentTable<C>* whole_table(bool wanted) {
+        if (!wanted && source_->pixels() > 4194304) return nullptr;
+        if (table_.width() == 0) table_ = source_->table({0, 0, source_->width(), source_->height()}, parallel_for_);
+        return &table_;
     }
 
     /// Calls body(patch, tile) for the patches that have faces, those with most faces first; once cancelled, and unless `all`,
@@ -155,15 +162,14 @@ class TiledMesh {
     HMESH_COLD void run(const detail::Cut& cut, FunctionRef<void(Patch<C>&, std::size_t)> body,
                         FunctionRef<void(std::size_t)> skip, bool all = false) {
         const std::vector<std::size_t> tiles = detail::largest_first(cut);
+        const MomentTable<C>* const whole = whole_table(tiles.size() == 1);
         parallel_for_(tiles.size(), [&](std::size_t i) {
             const std::size_t k = tiles[i];
             if (!progress_->poll() && !all) return skip(k);
             TaskProgress task(*progress_,
                               static_cast<double>(cut.first[k + 1] - cut.first[k]) / static_cast<double>(indexed_.faces.size()));
-            const bool is_single = tiles.size() == 1;
-            Patch<C> patch(indexed_, *source_, cut, k, limits_, &task, is_single ? std::move(table_) : MomentTable<C>());
+            Patch<C> patch(indexed_, *source_, cut, k, limits_, &task, whole);
             body(patch, k);
-            if (is_single) table_ = patch.take_table();
         });
     }
 
@@ -212,7 +218,7 @@ class TiledMesh {
     ParallelFor parallel_for_;
     IndexedMesh<C> indexed_;
     std::unique_ptr<Patch<C>> single_;  ///< the whole mesh as one patch, in place of indexed_; or null
-    MomentTable<C> table_;              ///< of the whole image, kept for that patch between phases
+    MomentTable<C> table_;              ///< of the whole image, or empty
 };
 
 }  // namespace hmesh::kit
