@@ -6400,8 +6400,10 @@ class HalfedgeMesh {
 
     /// Replaces the mesh by that of `triangles` over the vertices [0, vertex_count), all of one orientation. Refuses
     /// (invalid_argument with the index where, or image_too_large, and leaves the mesh empty): an index out of range, an edge
-    /// used twice in one direction, an isolated vertex, a vertex where two fans meet. O(n) for bounded valences.
-    [[nodiscard]] HMESH_COLD Status assign(std::size_t vertex_count, const std::vector<Triangle>& triangles);
+    /// used twice in one direction, an isolated vertex, a vertex where two fans meet. O(n) for bounded valences. `is_valid`: the
+    /// triangles are known to be a mesh, and what takes a turn around each vertex to find out is not looked for.
+    [[nodiscard]] HMESH_COLD Status assign(std::size_t vertex_count, const std::vector<Triangle>& triangles,
+                                           bool is_valid = false);
 
     // --- counts and elements: live ones, and slots including deleted ones (the size for arrays indexed by handles) ---
     [[nodiscard]] std::size_t vertex_count() const noexcept { return counts_.vertices; }     ///< number of live vertices
@@ -6718,7 +6720,7 @@ namespace hmesh::kit {
 
 // --- building and checking -----------------------------------------------------------------------------------------
 
-inline Status HalfedgeMesh::assign(std::size_t vertex_count, const std::vector<Triangle>& triangles) {
+inline Status HalfedgeMesh::assign(std::size_t vertex_count, const std::vector<Triangle>& triangles, bool is_valid) {
     clear();
     const auto fail = [this](const char* what, std::size_t where) -> Status {
         clear();
@@ -6753,6 +6755,8 @@ inline Status HalfedgeMesh::assign(std::size_t vertex_count, const std::vector<T
                   [](const Side& a, const Side& b) { return a.high != b.high ? a.high < b.high : a.reversed < b.reversed; });
 
     std::vector<Halfedge> side_halfedge(3 * triangles.size());
+    halfedges_.reserve(4 * triangles.size());
+    faces_.reserve(triangles.size());
     vertices_.resize(vertex_count);
     counts_.vertices = vertex_count;
     for (std::size_t i = 0; i < sides.size();) {
@@ -6783,6 +6787,8 @@ inline Status HalfedgeMesh::assign(std::size_t vertex_count, const std::vector<T
     // The boundary half-edge after h leaves h's end; each end has only one.
     for (std::size_t i = 0; i < halfedges_.size(); ++i)
         if (is_boundary(Halfedge(i))) set_next(Halfedge(i), halfedge(to_vertex(Halfedge(i))));
+    HMESH_ASSERT(!is_valid || check());
+    if (is_valid) return {};
     const Status status = check();
     if (!status) clear();
     return status;
@@ -7239,9 +7245,11 @@ class ImageMesh {
     /// none (an empty vector): then the colour of a vertex is that of the pixel at its position. Refuses, and leaves the mesh
     /// empty: positions outside the rectangle or off the 1/256 px grid, another number of colours than of vertices, numbers that
     /// are not finite, and what HalfedgeMesh::assign() refuses. Whether faces are positively oriented and tile the rectangle is
-    /// for check() to say. The executor fills in edges and faces.
+    /// for check() to say. The executor fills in edges and faces. `is_valid`: nothing of all this can be the case, and nothing is
+    /// looked for.
     [[nodiscard]] HMESH_COLD Status assign(const std::vector<Point>& positions, const std::vector<Triangle>& triangles,
-                                           const std::vector<Color<C>>& colors, const ParallelFor& parallel_for = {});
+                                           const std::vector<Color<C>>& colors, const ParallelFor& parallel_for = {},
+                                           bool is_valid = false);
     /// Replaces the mesh by a triangulation as above, with the colours of the pixels.
     [[nodiscard]] Status assign(const std::vector<Point>& positions, const std::vector<Triangle>& triangles,
                                 const ParallelFor& parallel_for = {}) {
@@ -7550,10 +7558,11 @@ Status ImageMesh<C>::refuse(const Status& status) {
 
 template <int C>
 Status ImageMesh<C>::assign(const std::vector<Point>& positions, const std::vector<Triangle>& triangles,
-                            const std::vector<Color<C>>& colors, const ParallelFor& parallel_for) {
-    HMESH_ASSERT(table_ != nullptr && depth_ == 0);
-    if (const Status status = check_vertices(positions, colors); !status) return refuse(status);
-    if (const Status status = topology_.assign(positions.size(), triangles); !status) return refuse(status);
+                            const std::vector<Color<C>>& colors, const ParallelFor& parallel_for, bool is_valid) {
+    HMESH_ASSERT(table_ != nullptr && depth_ == 0 && (!is_valid || check_vertices(positions, colors)));
+    if (!is_valid)
+        if (const Status status = check_vertices(positions, colors); !status) return refuse(status);
+    if (const Status status = topology_.assign(positions.size(), triangles, is_valid); !status) return refuse(status);
     vertices_.resize(positions.size());
     moments_.resize(topology_.edge_slots());
     energies_.resize(topology_.face_slots());
@@ -9050,60 +9059,65 @@ template <int C>
     return best;
 }
 
-/// The costs of the cheapest collapses of all vertices that have one, in spatial order. Some 1 us a vertex.
+/// What it costs to remove a vertex: the cost of its cheapest collapse.
+struct RemovalCost {
+    double cost;    ///< an energy; may be negative
+    Vertex vertex;  ///< which
+};
+
+/// The costs of all vertices that can be removed, in spatial order. Some 1 us a vertex.
 template <int C>
-[[nodiscard]] HMESH_COLD std::vector<double> collapse_costs(const ImageMesh<C>& mesh) {
-    std::vector<double> costs;
+[[nodiscard]] HMESH_COLD std::vector<RemovalCost> removal_costs(const ImageMesh<C>& mesh) {
+    std::vector<RemovalCost> costs;
+    costs.reserve(mesh.vertex_count());
     RingScratch<C> scratch;
     for (const Vertex v : spatial_vertices(mesh)) {
         if (!mesh.keep_going()) break;
         const CollapseCandidate candidate = cheapest_collapse(mesh, scratch, v);
-        if (candidate.halfedge.is_valid()) costs.push_back(candidate.cost);
+        if (candidate.halfedge.is_valid()) costs.push_back({candidate.cost, v});
     }
     return costs;
 }
 
 namespace detail {
 
-/// Up to `count` vertices that are cheapest to remove, none in the ring of another, in spatial order.
-template <int C>
-[[nodiscard]] std::vector<Vertex> cheapest_vertices(const ImageMesh<C>& mesh, std::size_t count, RingScratch<C>& scratch) {
-    const HalfedgeMesh& topology = mesh.topology();
-    const std::vector<Vertex> vertices = spatial_vertices(mesh);
-    std::vector<std::pair<double, std::uint32_t>> costs;  // and the place in the list
-    for (std::size_t k = 0; k < vertices.size() && mesh.keep_going(); ++k) {
-        const CollapseCandidate candidate = cheapest_collapse(mesh, scratch, vertices[k]);
-        if (candidate.halfedge.is_valid()) costs.emplace_back(candidate.cost, static_cast<std::uint32_t>(k));
-    }
-    std::sort(costs.begin(), costs.end());
+/// Up to `count` of the vertices in `costs` that are cheapest to remove, none in the ring of another, in the order of `costs`.
+[[nodiscard]] HMESH_COLD inline std::vector<Vertex> cheapest_vertices(const HalfedgeMesh& topology,
+                                                                      const std::vector<RemovalCost>& costs, std::size_t count) {
+    std::vector<std::pair<double, std::uint32_t>> by_cost;  // and the place in the list
+    by_cost.reserve(costs.size());
+    for (std::size_t k = 0; k < costs.size(); ++k) by_cost.emplace_back(costs[k].cost, static_cast<std::uint32_t>(k));
+    std::sort(by_cost.begin(), by_cost.end());
     std::vector<unsigned char> touched(topology.vertex_slots(), 0);
     std::vector<std::uint32_t> places;
-    for (const auto& [cost, k] : costs) {
+    for (const auto& [cost, k] : by_cost) {
         if (places.size() >= count) break;
-        if (touched[vertices[k].index()] != 0) continue;
-        for (const Halfedge h : topology.outgoing(vertices[k])) touched[topology.to_vertex(h).index()] = 1;
+        const Vertex v = costs[k].vertex;
+        if (touched[v.index()] != 0) continue;
+        for (const Halfedge h : topology.outgoing(v)) touched[topology.to_vertex(h).index()] = 1;
         places.push_back(k);
     }
     std::sort(places.begin(), places.end());
     std::vector<Vertex> cheapest;
     cheapest.reserve(places.size());
-    for (const std::uint32_t k : places) cheapest.push_back(vertices[k]);
+    for (const std::uint32_t k : places) cheapest.push_back(costs[k].vertex);
     return cheapest;
 }
 
 }  // namespace detail
 
-/// Removes up to `count` vertices, those that are cheapest to remove, and re-optimises the ring of each with relax(). They are
-/// chosen by cost and removed in spatial order, which takes less time; a vertex in the ring of one chosen before stays for the
-/// next batch. Vertices of these rings become dirty. Returns the number of vertices removed, which is less than `count` also
-/// where mesh.keep_going() says stop.
+/// Removes up to `count` of the vertices in `costs`, which removal_costs() found in this very mesh: those that are cheapest to
+/// remove, and re-optimises the ring of each with relax(). They are chosen by cost and removed in spatial order, which takes less
+/// time; a vertex in the ring of one chosen before stays for the next batch. Vertices of these rings become dirty. Returns the
+/// number of vertices removed, which is less than `count` also where mesh.keep_going() says stop.
 template <int C>
-std::size_t remove_batch(ImageMesh<C>& mesh, std::size_t count, const Relaxation& relaxation) {
+std::size_t remove_batch(ImageMesh<C>& mesh, const std::vector<RemovalCost>& costs, std::size_t count,
+                         const Relaxation& relaxation) {
     const HalfedgeMesh& topology = mesh.topology();
     RingScratch<C> scratch;
     std::vector<Vertex> ring;
     std::size_t removed = 0;
-    for (const Vertex v : detail::cheapest_vertices(mesh, count, scratch)) {
+    for (const Vertex v : detail::cheapest_vertices(topology, costs, count)) {
         if (!mesh.keep_going()) break;
         // Flips around earlier removals may have changed the ring: find the cheapest collapse again.
         const CollapseCandidate now = cheapest_collapse(mesh, scratch, v);
@@ -9116,6 +9130,11 @@ std::size_t remove_batch(ImageMesh<C>& mesh, std::size_t count, const Relaxation
         ++removed;
     }
     return removed;
+}
+/// The same with the costs as they are now.
+template <int C>
+std::size_t remove_batch(ImageMesh<C>& mesh, std::size_t count, const Relaxation& relaxation) {
+    return remove_batch(mesh, removal_costs(mesh), count, relaxation);
 }
 
 }  // namespace hmesh::kit
@@ -9704,6 +9723,10 @@ class Tiling {
     /// size()).
     [[nodiscard]] std::size_t tile_at(Point p) const noexcept { return find(y_, p.y) * columns() + find(x_, p.x); }
 
+    /// Whether the lines are the same.
+    [[nodiscard]] friend bool operator==(const Tiling& a, const Tiling& b) noexcept { return a.x_ == b.x_ && a.y_ == b.y_; }
+    [[nodiscard]] friend bool operator!=(const Tiling& a, const Tiling& b) noexcept { return !(a == b); }  ///< whether not
+
   private:
     /// The lines across a side of `size` px, from 0 to `size`.
     [[nodiscard]] static std::vector<int> lines(int size, double tile, bool shift) {
@@ -9920,11 +9943,10 @@ template <int C>
 template <int C>
 class Patch {
   public:
-    /// Makes the patch of tile number `tile` of a cut of the mesh. `task` is told of work on the patch and asked whether to go
-    /// on; nullptr: nobody. `whole`: a table of the whole image, which must outlive the patch; null: the patch makes one of its
-    /// own bounding box.
+    /// Makes the patch of tile number `tile` of a cut of the mesh. `whole`: a table of the whole image, which must outlive the
+    /// patch; null: the patch makes one of its own bounding box.
     HMESH_COLD Patch(const IndexedMesh<C>& indexed, const ImageSource<C>& source, const detail::Cut& cut, std::size_t tile,
-                     const MeshLimits& limits, TaskProgress* task, const MomentTable<C>* whole = nullptr)
+                     const MeshLimits& limits, const MomentTable<C>* whole = nullptr)
         : numbered_(detail::renumber(indexed.faces, cut, tile)), free_(cut.free_count[tile]) {
         std::vector<std::uint32_t> vertices(free_ + numbered_.locked.size());  // by their index in the mesh that was cut
         for (std::size_t k = 0; k < numbered_.locked.size(); ++k) vertices[free_ + k] = numbered_.locked[k].vertex;
@@ -9951,8 +9973,8 @@ class Patch {
             colors.push_back(indexed.colors[v]);
         }
         mesh_ = ImageMesh<C>(whole != nullptr ? *whole : table_, source.low(), source.high(), limits,
-                             {{-x, -y, source.width(), source.height()}, !numbered_.locked.empty(), 1, task});
-        const Status status = mesh_.assign(positions, numbered_.faces, colors, {});
+                             {{-x, -y, source.width(), source.height()}, !numbered_.locked.empty(), 1, nullptr});
+        const Status status = mesh_.assign(positions, numbered_.faces, colors, {}, true);
         HMESH_ASSERT(status);
         (void)status;
         for (std::size_t k = 0; k < vertices.size(); ++k) mesh_.set_dirty(Vertex(k), indexed.dirty[vertices[k]] != 0);
@@ -9961,14 +9983,19 @@ class Patch {
             const detail::PatchFaces::Locked& f = numbered_.locked[k];
             mesh_.lock(Vertex(free_ + k), f.face_count * (max_valence - 1) / cut.face_count[f.vertex] + 1);
         }
-        // Tolerances use the mean energy of the whole mesh. A patch without error would ask for an infinite scale.
-        if (indexed.energy > 0 && mesh_.energy() > 0) mesh_.set_scale(std::min(1e3, indexed.mean_energy() / mesh_.mean_energy()));
     }
     Patch(const Patch&) = delete;
     Patch& operator=(const Patch&) = delete;
 
     /// The mesh to work on; coordinates are those of the patch's table, px from its upper left corner.
     [[nodiscard]] ImageMesh<C>& mesh() noexcept { return mesh_; }
+    [[nodiscard]] const ImageMesh<C>& mesh() const noexcept { return mesh_; }  ///< the same to look at
+    /// Tells the patch the mean energy of a vertex of the whole mesh, which tolerances use; 0: it is not known.
+    void set_mean_energy(double mean) noexcept {
+        mesh_.set_scale(1);
+        // A patch without error would ask for an infinite scale.
+        if (mean > 0 && mesh_.energy() > 0) mesh_.set_scale(std::min(1e3, mean / mesh_.mean_energy()));
+    }
     /// All vertices of the patch, a locked one once for each of its fans.
     [[nodiscard]] std::size_t vertex_count() const noexcept { return mesh_.vertex_count(); }
     /// Vertices that may be changed and removed: all but the locked ones.
@@ -10060,40 +10087,62 @@ class TiledMesh {
     [[nodiscard]] const ParallelFor& parallel_for() const noexcept { return parallel_for_; }
     /// The mesh between phases, to read or to replace; not within for_each() or visit(). After for_each() vertices and faces are
     /// in spatial order within each tile.
-    [[nodiscard]] IndexedMesh<C>& indexed() {
-        put_back();
+    [[nodiscard]] HMESH_COLD IndexedMesh<C>& indexed() {
+        put_together();
         return indexed_;
     }
     /// The number of vertices; unlike indexed(), never converts the mesh.
-    [[nodiscard]] std::size_t vertex_count() const noexcept {
-        return single_ ? single_->vertex_count() : indexed_.vertex_count();
+    [[nodiscard]] HMESH_COLD std::size_t vertex_count() const noexcept {
+        if (!is_cut()) return indexed_.vertex_count();
+        std::size_t count = cut_.locked_count;
+        for (std::size_t k = 0; k < patches_.size(); ++k)
+            count += patches_[k] != nullptr ? patches_[k]->free_count() : cut_.free_count[k];
+        return count;
     }
     /// The squared error over pixels and channels, as of the last for_each() or measure(); rounding may leave it slightly
-    /// negative.
-    [[nodiscard]] double energy() const noexcept { return single_ ? single_->mesh().energy() : indexed_.energy; }
+    /// negative. Not known after a cancellation.
+    [[nodiscard]] HMESH_COLD double energy() const noexcept {
+        if (!is_cut()) return indexed_.energy;
+        double energy = 0;
+        for (const auto& patch : patches_)
+            if (patch != nullptr) energy += patch->mesh().energy();
+        return energy;
+    }
     /// The energy per vertex, >= 0.
     [[nodiscard]] double mean_energy() const noexcept { return std::max(0.0, energy()) / static_cast<double>(vertex_count()); }
 
-    /// Calls body(patch, tile) for the patch of each tile that has faces, as pieces of work, then merges the patches. All pieces
-    /// together are the range that progress().set_range() announced. With one tile the body runs on the calling thread. Returns
-    /// whether to go on: false after a cancellation, when the mesh is valid, some patches worked on in part and some not at all,
-    /// and indexed().energy is no longer known.
+    /// Calls body(patch, tile) for the patch of each tile that has faces, as pieces of work. All pieces together are the range that
+    /// progress().set_range() announced. With one tile the body runs on the calling thread, so that it may use the executor
+    /// itself. Patches of small images are kept for the next call with the same tiling, which then costs nothing; others are
+    /// merged at once. Returns whether to go on: false after a cancellation, when the mesh is valid, some patches worked on in
+    /// part and some not at all.
     HMESH_COLD bool for_each(const Tiling& tiling, FunctionRef<void(Patch<C>& patch, std::size_t tile)> body) {
-        if (tiling.size() == 1) {
-            run_single(body);
-            return !progress_->stopped();
+        if (!is_cut() || tiling_ != tiling) {
+            put_together();
+            tiling_ = tiling;
+            cut_ = detail::cut(indexed_.positions, indexed_.faces, tiling);
+            patches_.resize(tiling.size());
         }
-        put_back();
-        const detail::Cut cut = detail::cut(indexed_.positions, indexed_.faces, tiling);
-        std::vector<detail::PatchResult<C>> results(tiling.size());
+        const MomentTable<C>* const whole = whole_table(tiling.size() == 1);
+        const double mean = mean_energy();
+        std::vector<detail::PatchResult<C>> results(whole == nullptr ? tiling.size() : 0);
         run(
-            cut,
-            [&](Patch<C>& patch, std::size_t tile) {
+            cut_,
+            [&](std::size_t tile, TaskProgress& task) {
+                if (patches_[tile] == nullptr)
+                    patches_[tile] = std::make_unique<Patch<C>>(indexed_, *source_, cut_, tile, limits_, whole);
+                Patch<C>& patch = *patches_[tile];
+                const TaskGuard guard(patch.mesh(), task);
+                patch.set_mean_energy(mean);
                 body(patch, tile);
+                if (whole != nullptr) return;
                 results[tile] = patch.result();
+                patches_[tile].reset();
             },
-            [&](std::size_t tile) { results[tile] = detail::unchanged(indexed_, cut, tile); });
-        merge(cut, results);
+            [&](std::size_t tile) {
+                if (whole == nullptr) results[tile] = detail::unchanged(indexed_, cut_, tile);
+            });
+        if (whole == nullptr) merge(results);
         return !progress_->stopped();
     }
 
@@ -10103,10 +10152,17 @@ class TiledMesh {
     HMESH_COLD bool visit(const Tiling& tiling,
                           FunctionRef<void(Patch<C>& patch, std::size_t tile, const std::uint32_t* faces)> look,
                           bool all = false) {
-        put_back();
+        put_together();
         const detail::Cut cut = detail::cut(indexed_.positions, indexed_.faces, tiling);
+        const MomentTable<C>* const whole = whole_table(tiling.size() == 1);
         run(
-            cut, [&](Patch<C>& patch, std::size_t tile) { look(patch, tile, cut.faces.data() + cut.first[tile]); },
+            cut,
+            [&](std::size_t tile, TaskProgress& task) {
+                Patch<C> patch(indexed_, *source_, cut, tile, limits_, whole);
+                const TaskGuard guard(patch.mesh(), task);
+                patch.set_mean_energy(indexed_.mean_energy());
+                look(patch, tile, cut.faces.data() + cut.first[tile]);
+            },
             [](std::size_t) {}, all);
         return !progress_->stopped();
     }
@@ -10134,57 +10190,45 @@ class TiledMesh {
         ImageMesh<C>& mesh_;
     };
 
-    /// for_each() with a single tile: the one patch is kept alive between phases and converted back only when indexed() is
-    /// called. Runs on the calling thread, so that the body may use the executor itself.
-    HMESH_COLD void run_single(FunctionRef<void(Patch<C>&, std::size_t)> body) {
-        if (!progress_->poll()) return;
-        TaskProgress task(*progress_, 1);
-        if (!single_) {
-            const Tiling whole(indexed_.width, indexed_.height, std::max(indexed_.width, indexed_.height));
-            const detail::Cut cut = detail::cut(indexed_.positions, indexed_.faces, whole);
-            single_ = std::make_unique<Patch<C>>(indexed_, *source_, cut, 0, limits_, nullptr, whole_table(true));
-        }
-        const TaskGuard guard(single_->mesh(), task);
-        body(*single_, 0);
-    }
-    /// Converts the single patch, if there is one, back to indexed_.
-    HMESH_COLD void put_back() {
-        if (!single_) return;
-        detail::PatchResult<C> result = single_->result();
-        indexed_.positions = std::move(result.positions);
-        indexed_.colors = std::move(result.colors);
-        indexed_.dirty = std::move(result.dirty);
-        indexed_.faces = std::move(result.faces);
-        indexed_.energy = result.energy;
-        single_.reset();
-    }
-
-    /// The table of the whole image, made when first asked for, if it is `wanted` or has at most 2^22 pixels; else null. Patches
-    /// that share it need none of their own, which would take them a third of their time.
+    /// The table of the whole image, made when first asked for, if it is `wanted` or the image is small; else null. Patches that
+    /// share it need none of their own, which would take them a third of their time.
     [[nodiscard]] HMESH_COLD const MomentTable<C>* whole_table(bool wanted) {
         if (!wanted && source_->pixels() > 4194304) return nullptr;
         if (table_.width() == 0) table_ = source_->table({0, 0, source_->width(), source_->height()}, parallel_for_);
         return &table_;
     }
 
-    /// Calls body(patch, tile) for the patches that have faces, those with most faces first; once cancelled, and unless `all`,
-    /// calls skip(tile) instead.
-    HMESH_COLD void run(const detail::Cut& cut, FunctionRef<void(Patch<C>&, std::size_t)> body,
+    /// Calls body(tile, task) for the tiles that have faces, those with most faces first; once cancelled, and unless `all`, calls
+    /// skip(tile) instead.
+    HMESH_COLD void run(const detail::Cut& cut, FunctionRef<void(std::size_t, TaskProgress&)> body,
                         FunctionRef<void(std::size_t)> skip, bool all = false) {
         const std::vector<std::size_t> tiles = detail::largest_first(cut);
-        const MomentTable<C>* const whole = whole_table(tiles.size() == 1);
-        parallel_for_(tiles.size(), [&](std::size_t i) {
+        const auto piece = [&](std::size_t i) {
             const std::size_t k = tiles[i];
             if (!progress_->poll() && !all) return skip(k);
             TaskProgress task(*progress_,
-                              static_cast<double>(cut.first[k + 1] - cut.first[k]) / static_cast<double>(indexed_.faces.size()));
-            Patch<C> patch(indexed_, *source_, cut, k, limits_, &task, whole);
-            body(patch, k);
-        });
+                              static_cast<double>(cut.first[k + 1] - cut.first[k]) / static_cast<double>(cut.faces.size()));
+            body(k, task);
+        };
+        if (tiles.size() == 1) piece(0);
+        else parallel_for_(tiles.size(), piece);
     }
 
-    /// Makes indexed_ of the locked vertices of a cut and the results of all its tiles, in the order of the tiles.
-    HMESH_COLD void merge(const detail::Cut& cut, const std::vector<detail::PatchResult<C>>& results) {
+    /// Whether the mesh is held as patches of tiling_.
+    [[nodiscard]] bool is_cut() const noexcept { return !patches_.empty(); }
+    /// Ends is_cut().
+    HMESH_COLD void put_together() {
+        if (!is_cut()) return;
+        std::vector<detail::PatchResult<C>> results(patches_.size());
+        parallel_for_(patches_.size(), [&](std::size_t k) {
+            results[k] = patches_[k] != nullptr ? patches_[k]->result() : detail::unchanged(indexed_, cut_, k);
+            patches_[k].reset();
+        });
+        merge(results);
+    }
+    /// Makes indexed_ of the locked vertices of cut_ and the results of all its tiles, in the order of the tiles.
+    HMESH_COLD void merge(const std::vector<detail::PatchResult<C>>& results) {
+        const detail::Cut& cut = cut_;
         IndexedMesh<C> merged;
         merged.width = indexed_.width;
         merged.height = indexed_.height;
@@ -10220,6 +10264,8 @@ class TiledMesh {
         for (const detail::PatchResult<C>& result : results)
             for (const std::uint32_t v : result.locked_dirty) merged.dirty[cut.number[v]] = 1;
         indexed_ = std::move(merged);
+        cut_ = {};
+        patches_.clear();
     }
 
     const ImageSource<C>* source_;
@@ -10227,8 +10273,10 @@ class TiledMesh {
     ProgressReporter* progress_;
     ParallelFor parallel_for_;
     IndexedMesh<C> indexed_;
-    std::unique_ptr<Patch<C>> single_;  ///< the whole mesh as one patch, in place of indexed_; or null
-    MomentTable<C> table_;              ///< of the whole image, or empty
+    Tiling tiling_{1, 1, 1};
+    detail::Cut cut_;                                 ///< of indexed_ along tiling_, where the mesh is held as patches
+    std::vector<std::unique_ptr<Patch<C>>> patches_;  ///< of the tiles, in place of indexed_'s faces and free vertices; or none
+    MomentTable<C> table_;                            ///< of the whole image, or empty
 };
 
 }  // namespace hmesh::kit
@@ -10298,26 +10346,27 @@ namespace detail {
 template <int C>
 HMESH_COLD bool remove_cheapest(TiledMesh<C>& tiled, const Tiling& tiling, std::size_t count, const Relaxation& relaxation,
                                 double most = 1.0 / 32) {
-    std::vector<std::size_t> quota(tiling.size(), count);
-    if (tiling.size() > 1) {
-        std::vector<std::vector<double>> costs(tiling.size());
-        if (!tiled.visit(tiling, [&](Patch<C>& patch, std::size_t tile, const std::uint32_t*) {
-                costs[tile] = collapse_costs(patch.mesh());
-            }))
-            return false;
-        std::vector<std::pair<double, std::uint32_t>> all;  // a cost, and the patch of the vertex
-        for (std::size_t k = 0; k < costs.size(); ++k)
-            for (const double cost : costs[k]) all.emplace_back(cost, static_cast<std::uint32_t>(k));
-        std::sort(all.begin(), all.end());
-        std::fill(quota.begin(), quota.end(), 0);
-        for (std::size_t i = 0; i < std::min(count, all.size()); ++i) ++quota[all[i].second];
-    }
+    std::vector<std::vector<RemovalCost>> costs(tiling.size());
+    if (!tiled.for_each(tiling, [&](Patch<C>& patch, std::size_t tile) {
+            patch.mesh().expect(1, static_cast<double>(patch.vertex_count()));
+            costs[tile] = removal_costs(patch.mesh());
+        }))
+        return false;
+    std::vector<std::pair<double, std::uint32_t>> all;  // a cost, and the patch of the vertex
+    for (std::size_t k = 0; k < costs.size(); ++k)
+        for (const RemovalCost& c : costs[k]) all.emplace_back(c.cost, static_cast<std::uint32_t>(k));
+    count = std::min(count, all.size());
+    const auto end = all.begin() + static_cast<std::ptrdiff_t>(count);
+    std::nth_element(all.begin(), end, all.end());
+    std::vector<std::size_t> quota(tiling.size(), 0);
+    for (auto at = all.begin(); at != end; ++at) ++quota[at->second];
     const std::size_t before = tiled.vertex_count();
     tiled.for_each(tiling, [&](Patch<C>& patch, std::size_t tile) {
-        patch.mesh().expect(1, static_cast<double>(patch.vertex_count() + 2 * quota[tile]));
+        patch.mesh().expect(1, static_cast<double>(2 * quota[tile]));
         for (std::size_t left = quota[tile]; left > 0;) {
             const auto batch = static_cast<std::size_t>(std::ceil(static_cast<double>(patch.vertex_count()) * most));
-            const std::size_t removed = remove_batch(patch.mesh(), std::min(left, batch), relaxation);
+            if (left < quota[tile]) costs[tile] = removal_costs(patch.mesh());
+            const std::size_t removed = remove_batch(patch.mesh(), costs[tile], std::min(left, batch), relaxation);
             if (removed == 0) break;
             left -= removed;
         }
@@ -10330,9 +10379,8 @@ HMESH_COLD bool remove_cheapest(TiledMesh<C>& tiled, const Tiling& tiling, std::
 template <int C>
 HMESH_COLD bool insert_best(TiledMesh<C>& tiled, const Tiling& tiling, std::size_t count) {
     std::vector<double> energies(tiling.size(), 0.0);
-    if (tiling.size() > 1 && !tiled.visit(tiling, [&](Patch<C>& patch, std::size_t tile, const std::uint32_t*) {
-            energies[tile] = std::max(0.0, patch.mesh().energy());
-        }))
+    if (!tiled.for_each(
+            tiling, [&](Patch<C>& patch, std::size_t tile) { energies[tile] = std::max(0.0, patch.mesh().energy()); }))
         return false;
     const std::vector<std::size_t> quota = apportion(count, energies, std::vector<std::size_t>(tiling.size(), count));
     const std::size_t before = tiled.vertex_count();
@@ -10939,12 +10987,12 @@ class AnnealedRun {
     }
 
     HMESH_COLD bool settle() {
-        // What is locked in one tiling is free in the next.
+        // What is locked in one tiling is free in the next: the rounds are divided between two.
         const int phases = aligned_.size() > 1 ? 2 : 1;
         for (int k = 0; k < phases; ++k)
             if (!for_each_patch(k, static_cast<double>(k) / phases, (k + 1.0) / phases, [&](ImageMesh<C>& mesh) {
                     for_each_block(mesh, 0, [&](std::vector<Vertex>& vertices) {
-                        for (int round = 0; round < steps_.settle_rounds; ++round) {
+                        for (int round = k; round < steps_.settle_rounds; round += phases) {
                             sweep(mesh, vertices, steps_.settle);
                             flip_edges(mesh, own_edges(mesh, vertices), steps_.settle_flip_gain);
                         }

@@ -100,60 +100,65 @@ template <int C>
     return best;
 }
 
-/// The costs of the cheapest collapses of all vertices that have one, in spatial order. Some 1 us a vertex.
+/// What it costs to remove a vertex: the cost of its cheapest collapse.
+struct RemovalCost {
+    double cost;    ///< an energy; may be negative
+    Vertex vertex;  ///< which
+};
+
+/// The costs of all vertices that can be removed, in spatial order. Some 1 us a vertex.
 template <int C>
-[[nodiscard]] HMESH_COLD std::vector<double> collapse_costs(const ImageMesh<C>& mesh) {
-    std::vector<double> costs;
+[[nodiscard]] HMESH_COLD std::vector<RemovalCost> removal_costs(const ImageMesh<C>& mesh) {
+    std::vector<RemovalCost> costs;
+    costs.reserve(mesh.vertex_count());
     RingScratch<C> scratch;
     for (const Vertex v : spatial_vertices(mesh)) {
         if (!mesh.keep_going()) break;
         const CollapseCandidate candidate = cheapest_collapse(mesh, scratch, v);
-        if (candidate.halfedge.is_valid()) costs.push_back(candidate.cost);
+        if (candidate.halfedge.is_valid()) costs.push_back({candidate.cost, v});
     }
     return costs;
 }
 
 namespace detail {
 
-/// Up to `count` vertices that are cheapest to remove, none in the ring of another, in spatial order.
-template <int C>
-[[nodiscard]] std::vector<Vertex> cheapest_vertices(const ImageMesh<C>& mesh, std::size_t count, RingScratch<C>& scratch) {
-    const HalfedgeMesh& topology = mesh.topology();
-    const std::vector<Vertex> vertices = spatial_vertices(mesh);
-    std::vector<std::pair<double, std::uint32_t>> costs;  // and the place in the list
-    for (std::size_t k = 0; k < vertices.size() && mesh.keep_going(); ++k) {
-        const CollapseCandidate candidate = cheapest_collapse(mesh, scratch, vertices[k]);
-        if (candidate.halfedge.is_valid()) costs.emplace_back(candidate.cost, static_cast<std::uint32_t>(k));
-    }
-    std::sort(costs.begin(), costs.end());
+/// Up to `count` of the vertices in `costs` that are cheapest to remove, none in the ring of another, in the order of `costs`.
+[[nodiscard]] HMESH_COLD inline std::vector<Vertex> cheapest_vertices(const HalfedgeMesh& topology,
+                                                                      const std::vector<RemovalCost>& costs, std::size_t count) {
+    std::vector<std::pair<double, std::uint32_t>> by_cost;  // and the place in the list
+    by_cost.reserve(costs.size());
+    for (std::size_t k = 0; k < costs.size(); ++k) by_cost.emplace_back(costs[k].cost, static_cast<std::uint32_t>(k));
+    std::sort(by_cost.begin(), by_cost.end());
     std::vector<unsigned char> touched(topology.vertex_slots(), 0);
     std::vector<std::uint32_t> places;
-    for (const auto& [cost, k] : costs) {
+    for (const auto& [cost, k] : by_cost) {
         if (places.size() >= count) break;
-        if (touched[vertices[k].index()] != 0) continue;
-        for (const Halfedge h : topology.outgoing(vertices[k])) touched[topology.to_vertex(h).index()] = 1;
+        const Vertex v = costs[k].vertex;
+        if (touched[v.index()] != 0) continue;
+        for (const Halfedge h : topology.outgoing(v)) touched[topology.to_vertex(h).index()] = 1;
         places.push_back(k);
     }
     std::sort(places.begin(), places.end());
     std::vector<Vertex> cheapest;
     cheapest.reserve(places.size());
-    for (const std::uint32_t k : places) cheapest.push_back(vertices[k]);
+    for (const std::uint32_t k : places) cheapest.push_back(costs[k].vertex);
     return cheapest;
 }
 
 }  // namespace detail
 
-/// Removes up to `count` vertices, those that are cheapest to remove, and re-optimises the ring of each with relax(). They are
-/// chosen by cost and removed in spatial order, which takes less time; a vertex in the ring of one chosen before stays for the
-/// next batch. Vertices of these rings become dirty. Returns the number of vertices removed, which is less than `count` also
-/// where mesh.keep_going() says stop.
+/// Removes up to `count` of the vertices in `costs`, which removal_costs() found in this very mesh: those that are cheapest to
+/// remove, and re-optimises the ring of each with relax(). They are chosen by cost and removed in spatial order, which takes less
+/// time; a vertex in the ring of one chosen before stays for the next batch. Vertices of these rings become dirty. Returns the
+/// number of vertices removed, which is less than `count` also where mesh.keep_going() says stop.
 template <int C>
-std::size_t remove_batch(ImageMesh<C>& mesh, std::size_t count, const Relaxation& relaxation) {
+std::size_t remove_batch(ImageMesh<C>& mesh, const std::vector<RemovalCost>& costs, std::size_t count,
+                         const Relaxation& relaxation) {
     const HalfedgeMesh& topology = mesh.topology();
     RingScratch<C> scratch;
     std::vector<Vertex> ring;
     std::size_t removed = 0;
-    for (const Vertex v : detail::cheapest_vertices(mesh, count, scratch)) {
+    for (const Vertex v : detail::cheapest_vertices(topology, costs, count)) {
         if (!mesh.keep_going()) break;
         // Flips around earlier removals may have changed the ring: find the cheapest collapse again.
         const CollapseCandidate now = cheapest_collapse(mesh, scratch, v);
@@ -166,6 +171,11 @@ std::size_t remove_batch(ImageMesh<C>& mesh, std::size_t count, const Relaxation
         ++removed;
     }
     return removed;
+}
+/// The same with the costs as they are now.
+template <int C>
+std::size_t remove_batch(ImageMesh<C>& mesh, std::size_t count, const Relaxation& relaxation) {
+    return remove_batch(mesh, removal_costs(mesh), count, relaxation);
 }
 
 }  // namespace hmesh::kit

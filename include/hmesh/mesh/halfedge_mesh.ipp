@@ -15,7 +15,7 @@ namespace hmesh::kit {
 
 // --- building and checking -----------------------------------------------------------------------------------------
 
-inline Status HalfedgeMesh::assign(std::size_t vertex_count, const std::vector<Triangle>& triangles) {
+inline Status HalfedgeMesh::assign(std::size_t vertex_count, const std::vector<Triangle>& triangles, bool is_valid) {
     clear();
     const auto fail = [this](const char* what, std::size_t where) -> Status {
         clear();
@@ -50,6 +50,8 @@ inline Status HalfedgeMesh::assign(std::size_t vertex_count, const std::vector<T
                   [](const Side& a, const Side& b) { return a.high != b.high ? a.high < b.high : a.reversed < b.reversed; });
 
     std::vector<Halfedge> side_halfedge(3 * triangles.size());
+    halfedges_.reserve(4 * triangles.size());
+    faces_.reserve(triangles.size());
     vertices_.resize(vertex_count);
     counts_.vertices = vertex_count;
     for (std::size_t i = 0; i < sides.size();) {
@@ -80,6 +82,8 @@ inline Status HalfedgeMesh::assign(std::size_t vertex_count, const std::vector<T
     // The boundary half-edge after h leaves h's end; each end has only one.
     for (std::size_t i = 0; i < halfedges_.size(); ++i)
         if (is_boundary(Halfedge(i))) set_next(Halfedge(i), halfedge(to_vertex(Halfedge(i))));
+    HMESH_ASSERT(!is_valid || check());
+    if (is_valid) return {};
     const Status status = check();
     if (!status) clear();
     return status;

@@ -200,11 +200,10 @@ template <int C>
 template <int C>
 class Patch {
   public:
-    /// Makes the patch of tile number `tile` of a cut of the mesh. `task` is told of work on the patch and asked whether to go
-    /// on; nullptr: nobody. `whole`: a table of the whole image, which must outlive the patch; null: the patch makes one of its
-    /// own bounding box.
+    /// Makes the patch of tile number `tile` of a cut of the mesh. `whole`: a table of the whole image, which must outlive the
+    /// patch; null: the patch makes one of its own bounding box.
     HMESH_COLD Patch(const IndexedMesh<C>& indexed, const ImageSource<C>& source, const detail::Cut& cut, std::size_t tile,
-                     const MeshLimits& limits, TaskProgress* task, const MomentTable<C>* whole = nullptr)
+                     const MeshLimits& limits, const MomentTable<C>* whole = nullptr)
         : numbered_(detail::renumber(indexed.faces, cut, tile)), free_(cut.free_count[tile]) {
         std::vector<std::uint32_t> vertices(free_ + numbered_.locked.size());  // by their index in the mesh that was cut
         for (std::size_t k = 0; k < numbered_.locked.size(); ++k) vertices[free_ + k] = numbered_.locked[k].vertex;
@@ -231,8 +230,8 @@ class Patch {
             colors.push_back(indexed.colors[v]);
         }
         mesh_ = ImageMesh<C>(whole != nullptr ? *whole : table_, source.low(), source.high(), limits,
-                             {{-x, -y, source.width(), source.height()}, !numbered_.locked.empty(), 1, task});
-        const Status status = mesh_.assign(positions, numbered_.faces, colors, {});
+                             {{-x, -y, source.width(), source.height()}, !numbered_.locked.empty(), 1, nullptr});
+        const Status status = mesh_.assign(positions, numbered_.faces, colors, {}, true);
         HMESH_ASSERT(status);
         (void)status;
         for (std::size_t k = 0; k < vertices.size(); ++k) mesh_.set_dirty(Vertex(k), indexed.dirty[vertices[k]] != 0);
@@ -241,14 +240,19 @@ class Patch {
             const detail::PatchFaces::Locked& f = numbered_.locked[k];
             mesh_.lock(Vertex(free_ + k), f.face_count * (max_valence - 1) / cut.face_count[f.vertex] + 1);
         }
-        // Tolerances use the mean energy of the whole mesh. A patch without error would ask for an infinite scale.
-        if (indexed.energy > 0 && mesh_.energy() > 0) mesh_.set_scale(std::min(1e3, indexed.mean_energy() / mesh_.mean_energy()));
     }
     Patch(const Patch&) = delete;
     Patch& operator=(const Patch&) = delete;
 
     /// The mesh to work on; coordinates are those of the patch's table, px from its upper left corner.
     [[nodiscard]] ImageMesh<C>& mesh() noexcept { return mesh_; }
+    [[nodiscard]] const ImageMesh<C>& mesh() const noexcept { return mesh_; }  ///< the same to look at
+    /// Tells the patch the mean energy of a vertex of the whole mesh, which tolerances use; 0: it is not known.
+    void set_mean_energy(double mean) noexcept {
+        mesh_.set_scale(1);
+        // A patch without error would ask for an infinite scale.
+        if (mean > 0 && mesh_.energy() > 0) mesh_.set_scale(std::min(1e3, mean / mesh_.mean_energy()));
+    }
     /// All vertices of the patch, a locked one once for each of its fans.
     [[nodiscard]] std::size_t vertex_count() const noexcept { return mesh_.vertex_count(); }
     /// Vertices that may be changed and removed: all but the locked ones.

@@ -50,40 +50,62 @@ class TiledMesh {
     [[nodiscard]] const ParallelFor& parallel_for() const noexcept { return parallel_for_; }
     /// The mesh between phases, to read or to replace; not within for_each() or visit(). After for_each() vertices and faces are
     /// in spatial order within each tile.
-    [[nodiscard]] IndexedMesh<C>& indexed() {
-        put_back();
+    [[nodiscard]] HMESH_COLD IndexedMesh<C>& indexed() {
+        put_together();
         return indexed_;
     }
     /// The number of vertices; unlike indexed(), never converts the mesh.
-    [[nodiscard]] std::size_t vertex_count() const noexcept {
-        return single_ ? single_->vertex_count() : indexed_.vertex_count();
+    [[nodiscard]] HMESH_COLD std::size_t vertex_count() const noexcept {
+        if (!is_cut()) return indexed_.vertex_count();
+        std::size_t count = cut_.locked_count;
+        for (std::size_t k = 0; k < patches_.size(); ++k)
+            count += patches_[k] != nullptr ? patches_[k]->free_count() : cut_.free_count[k];
+        return count;
     }
     /// The squared error over pixels and channels, as of the last for_each() or measure(); rounding may leave it slightly
-    /// negative.
-    [[nodiscard]] double energy() const noexcept { return single_ ? single_->mesh().energy() : indexed_.energy; }
+    /// negative. Not known after a cancellation.
+    [[nodiscard]] HMESH_COLD double energy() const noexcept {
+        if (!is_cut()) return indexed_.energy;
+        double energy = 0;
+        for (const auto& patch : patches_)
+            if (patch != nullptr) energy += patch->mesh().energy();
+        return energy;
+    }
     /// The energy per vertex, >= 0.
     [[nodiscard]] double mean_energy() const noexcept { return std::max(0.0, energy()) / static_cast<double>(vertex_count()); }
 
-    /// Calls body(patch, tile) for the patch of each tile that has faces, as pieces of work, then merges the patches. All pieces
-    /// together are the range that progress().set_range() announced. With one tile the body runs on the calling thread. Returns
-    /// whether to go on: false after a cancellation, when the mesh is valid, some patches worked on in part and some not at all,
-    /// and indexed().energy is no longer known.
+    /// Calls body(patch, tile) for the patch of each tile that has faces, as pieces of work. All pieces together are the range that
+    /// progress().set_range() announced. With one tile the body runs on the calling thread, so that it may use the executor
+    /// itself. Patches of small images are kept for the next call with the same tiling, which then costs nothing; others are
+    /// merged at once. Returns whether to go on: false after a cancellation, when the mesh is valid, some patches worked on in
+    /// part and some not at all.
     HMESH_COLD bool for_each(const Tiling& tiling, FunctionRef<void(Patch<C>& patch, std::size_t tile)> body) {
-        if (tiling.size() == 1) {
-            run_single(body);
-            return !progress_->stopped();
+        if (!is_cut() || tiling_ != tiling) {
+            put_together();
+            tiling_ = tiling;
+            cut_ = detail::cut(indexed_.positions, indexed_.faces, tiling);
+            patches_.resize(tiling.size());
         }
-        put_back();
-        const detail::Cut cut = detail::cut(indexed_.positions, indexed_.faces, tiling);
-        std::vector<detail::PatchResult<C>> results(tiling.size());
+        const MomentTable<C>* const whole = whole_table(tiling.size() == 1);
+        const double mean = mean_energy();
+        std::vector<detail::PatchResult<C>> results(whole == nullptr ? tiling.size() : 0);
         run(
-            cut,
-            [&](Patch<C>& patch, std::size_t tile) {
+            cut_,
+            [&](std::size_t tile, TaskProgress& task) {
+                if (patches_[tile] == nullptr)
+                    patches_[tile] = std::make_unique<Patch<C>>(indexed_, *source_, cut_, tile, limits_, whole);
+                Patch<C>& patch = *patches_[tile];
+                const TaskGuard guard(patch.mesh(), task);
+                patch.set_mean_energy(mean);
                 body(patch, tile);
+                if (whole != nullptr) return;
                 results[tile] = patch.result();
+                patches_[tile].reset();
             },
-            [&](std::size_t tile) { results[tile] = detail::unchanged(indexed_, cut, tile); });
-        merge(cut, results);
+            [&](std::size_t tile) {
+                if (whole == nullptr) results[tile] = detail::unchanged(indexed_, cut_, tile);
+            });
+        if (whole == nullptr) merge(results);
         return !progress_->stopped();
     }
 
@@ -93,10 +115,17 @@ class TiledMesh {
     HMESH_COLD bool visit(const Tiling& tiling,
                           FunctionRef<void(Patch<C>& patch, std::size_t tile, const std::uint32_t* faces)> look,
                           bool all = false) {
-        put_back();
+        put_together();
         const detail::Cut cut = detail::cut(indexed_.positions, indexed_.faces, tiling);
+        const MomentTable<C>* const whole = whole_table(tiling.size() == 1);
         run(
-            cut, [&](Patch<C>& patch, std::size_t tile) { look(patch, tile, cut.faces.data() + cut.first[tile]); },
+            cut,
+            [&](std::size_t tile, TaskProgress& task) {
+                Patch<C> patch(indexed_, *source_, cut, tile, limits_, whole);
+                const TaskGuard guard(patch.mesh(), task);
+                patch.set_mean_energy(indexed_.mean_energy());
+                look(patch, tile, cut.faces.data() + cut.first[tile]);
+            },
             [](std::size_t) {}, all);
         return !progress_->stopped();
     }
@@ -124,57 +153,45 @@ class TiledMesh {
         ImageMesh<C>& mesh_;
     };
 
-    /// for_each() with a single tile: the one patch is kept alive between phases and converted back only when indexed() is
-    /// called. Runs on the calling thread, so that the body may use the executor itself.
-    HMESH_COLD void run_single(FunctionRef<void(Patch<C>&, std::size_t)> body) {
-        if (!progress_->poll()) return;
-        TaskProgress task(*progress_, 1);
-        if (!single_) {
-            const Tiling whole(indexed_.width, indexed_.height, std::max(indexed_.width, indexed_.height));
-            const detail::Cut cut = detail::cut(indexed_.positions, indexed_.faces, whole);
-            single_ = std::make_unique<Patch<C>>(indexed_, *source_, cut, 0, limits_, nullptr, whole_table(true));
-        }
-        const TaskGuard guard(single_->mesh(), task);
-        body(*single_, 0);
-    }
-    /// Converts the single patch, if there is one, back to indexed_.
-    HMESH_COLD void put_back() {
-        if (!single_) return;
-        detail::PatchResult<C> result = single_->result();
-        indexed_.positions = std::move(result.positions);
-        indexed_.colors = std::move(result.colors);
-        indexed_.dirty = std::move(result.dirty);
-        indexed_.faces = std::move(result.faces);
-        indexed_.energy = result.energy;
-        single_.reset();
-    }
-
-    /// The table of the whole image, made when first asked for, if it is `wanted` or has at most 2^22 pixels; else null. Patches
-    /// that share it need none of their own, which would take them a third of their time.
+    /// The table of the whole image, made when first asked for, if it is `wanted` or the image is small; else null. Patches that
+    /// share it need none of their own, which would take them a third of their time.
     [[nodiscard]] HMESH_COLD const MomentTable<C>* whole_table(bool wanted) {
         if (!wanted && source_->pixels() > 4194304) return nullptr;
         if (table_.width() == 0) table_ = source_->table({0, 0, source_->width(), source_->height()}, parallel_for_);
         return &table_;
     }
 
-    /// Calls body(patch, tile) for the patches that have faces, those with most faces first; once cancelled, and unless `all`,
-    /// calls skip(tile) instead.
-    HMESH_COLD void run(const detail::Cut& cut, FunctionRef<void(Patch<C>&, std::size_t)> body,
+    /// Calls body(tile, task) for the tiles that have faces, those with most faces first; once cancelled, and unless `all`, calls
+    /// skip(tile) instead.
+    HMESH_COLD void run(const detail::Cut& cut, FunctionRef<void(std::size_t, TaskProgress&)> body,
                         FunctionRef<void(std::size_t)> skip, bool all = false) {
         const std::vector<std::size_t> tiles = detail::largest_first(cut);
-        const MomentTable<C>* const whole = whole_table(tiles.size() == 1);
-        parallel_for_(tiles.size(), [&](std::size_t i) {
+        const auto piece = [&](std::size_t i) {
             const std::size_t k = tiles[i];
             if (!progress_->poll() && !all) return skip(k);
             TaskProgress task(*progress_,
-                              static_cast<double>(cut.first[k + 1] - cut.first[k]) / static_cast<double>(indexed_.faces.size()));
-            Patch<C> patch(indexed_, *source_, cut, k, limits_, &task, whole);
-            body(patch, k);
-        });
+                              static_cast<double>(cut.first[k + 1] - cut.first[k]) / static_cast<double>(cut.faces.size()));
+            body(k, task);
+        };
+        if (tiles.size() == 1) piece(0);
+        else parallel_for_(tiles.size(), piece);
     }
 
-    /// Makes indexed_ of the locked vertices of a cut and the results of all its tiles, in the order of the tiles.
-    HMESH_COLD void merge(const detail::Cut& cut, const std::vector<detail::PatchResult<C>>& results) {
+    /// Whether the mesh is held as patches of tiling_.
+    [[nodiscard]] bool is_cut() const noexcept { return !patches_.empty(); }
+    /// Ends is_cut().
+    HMESH_COLD void put_together() {
+        if (!is_cut()) return;
+        std::vector<detail::PatchResult<C>> results(patches_.size());
+        parallel_for_(patches_.size(), [&](std::size_t k) {
+            results[k] = patches_[k] != nullptr ? patches_[k]->result() : detail::unchanged(indexed_, cut_, k);
+            patches_[k].reset();
+        });
+        merge(results);
+    }
+    /// Makes indexed_ of the locked vertices of cut_ and the results of all its tiles, in the order of the tiles.
+    HMESH_COLD void merge(const std::vector<detail::PatchResult<C>>& results) {
+        const detail::Cut& cut = cut_;
         IndexedMesh<C> merged;
         merged.width = indexed_.width;
         merged.height = indexed_.height;
@@ -210,6 +227,8 @@ class TiledMesh {
         for (const detail::PatchResult<C>& result : results)
             for (const std::uint32_t v : result.locked_dirty) merged.dirty[cut.number[v]] = 1;
         indexed_ = std::move(merged);
+        cut_ = {};
+        patches_.clear();
     }
 
     const ImageSource<C>* source_;
@@ -217,8 +236,10 @@ class TiledMesh {
     ProgressReporter* progress_;
     ParallelFor parallel_for_;
     IndexedMesh<C> indexed_;
-    std::unique_ptr<Patch<C>> single_;  ///< the whole mesh as one patch, in place of indexed_; or null
-    MomentTable<C> table_;              ///< of the whole image, or empty
+    Tiling tiling_{1, 1, 1};
+    detail::Cut cut_;                                 ///< of indexed_ along tiling_, where the mesh is held as patches
+    std::vector<std::unique_ptr<Patch<C>>> patches_;  ///< of the tiles, in place of indexed_'s faces and free vertices; or none
+    MomentTable<C> table_;                            ///< of the whole image, or empty
 };
 
 }  // namespace hmesh::kit

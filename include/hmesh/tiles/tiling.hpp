@@ -38,6 +38,10 @@ class Tiling {
     /// size()).
     [[nodiscard]] std::size_t tile_at(Point p) const noexcept { return find(y_, p.y) * columns() + find(x_, p.x); }
 
+    /// Whether the lines are the same.
+    [[nodiscard]] friend bool operator==(const Tiling& a, const Tiling& b) noexcept { return a.x_ == b.x_ && a.y_ == b.y_; }
+    [[nodiscard]] friend bool operator!=(const Tiling& a, const Tiling& b) noexcept { return !(a == b); }  ///< whether not
+
   private:
     /// The lines across a side of `size` px, from 0 to `size`.
     [[nodiscard]] static std::vector<int> lines(int size, double tile, bool shift) {

@@ -143,12 +143,12 @@ class AnnealedRun {
     }
 
     HMESH_COLD bool settle() {
-        // What is locked in one tiling is free in the next.
+        // What is locked in one tiling is free in the next: the rounds are divided between two.
         const int phases = aligned_.size() > 1 ? 2 : 1;
         for (int k = 0; k < phases; ++k)
             if (!for_each_patch(k, static_cast<double>(k) / phases, (k + 1.0) / phases, [&](ImageMesh<C>& mesh) {
                     for_each_block(mesh, 0, [&](std::vector<Vertex>& vertices) {
-                        for (int round = 0; round < steps_.settle_rounds; ++round) {
+                        for (int round = k; round < steps_.settle_rounds; round += phases) {
                             sweep(mesh, vertices, steps_.settle);
                             flip_edges(mesh, own_edges(mesh, vertices), steps_.settle_flip_gain);
                         }

@@ -68,26 +68,27 @@ namespace detail {
 template <int C>
 HMESH_COLD bool remove_cheapest(TiledMesh<C>& tiled, const Tiling& tiling, std::size_t count, const Relaxation& relaxation,
                                 double most = 1.0 / 32) {
-    std::vector<std::size_t> quota(tiling.size(), count);
-    if (tiling.size() > 1) {
-        std::vector<std::vector<double>> costs(tiling.size());
-        if (!tiled.visit(tiling, [&](Patch<C>& patch, std::size_t tile, const std::uint32_t*) {
-                costs[tile] = collapse_costs(patch.mesh());
-            }))
-            return false;
-        std::vector<std::pair<double, std::uint32_t>> all;  // a cost, and the patch of the vertex
-        for (std::size_t k = 0; k < costs.size(); ++k)
-            for (const double cost : costs[k]) all.emplace_back(cost, static_cast<std::uint32_t>(k));
-        std::sort(all.begin(), all.end());
-        std::fill(quota.begin(), quota.end(), 0);
-        for (std::size_t i = 0; i < std::min(count, all.size()); ++i) ++quota[all[i].second];
-    }
+    std::vector<std::vector<RemovalCost>> costs(tiling.size());
+    if (!tiled.for_each(tiling, [&](Patch<C>& patch, std::size_t tile) {
+            patch.mesh().expect(1, static_cast<double>(patch.vertex_count()));
+            costs[tile] = removal_costs(patch.mesh());
+        }))
+        return false;
+    std::vector<std::pair<double, std::uint32_t>> all;  // a cost, and the patch of the vertex
+    for (std::size_t k = 0; k < costs.size(); ++k)
+        for (const RemovalCost& c : costs[k]) all.emplace_back(c.cost, static_cast<std::uint32_t>(k));
+    count = std::min(count, all.size());
+    const auto end = all.begin() + static_cast<std::ptrdiff_t>(count);
+    std::nth_element(all.begin(), end, all.end());
+    std::vector<std::size_t> quota(tiling.size(), 0);
+    for (auto at = all.begin(); at != end; ++at) ++quota[at->second];
     const std::size_t before = tiled.vertex_count();
     tiled.for_each(tiling, [&](Patch<C>& patch, std::size_t tile) {
-        patch.mesh().expect(1, static_cast<double>(patch.vertex_count() + 2 * quota[tile]));
+        patch.mesh().expect(1, static_cast<double>(2 * quota[tile]));
         for (std::size_t left = quota[tile]; left > 0;) {
             const auto batch = static_cast<std::size_t>(std::ceil(static_cast<double>(patch.vertex_count()) * most));
-            const std::size_t removed = remove_batch(patch.mesh(), std::min(left, batch), relaxation);
+            if (left < quota[tile]) costs[tile] = removal_costs(patch.mesh());
+            const std::size_t removed = remove_batch(patch.mesh(), costs[tile], std::min(left, batch), relaxation);
             if (removed == 0) break;
             left -= removed;
         }
@@ -100,9 +101,8 @@ HMESH_COLD bool remove_cheapest(TiledMesh<C>& tiled, const Tiling& tiling, std::
 template <int C>
 HMESH_COLD bool insert_best(TiledMesh<C>& tiled, const Tiling& tiling, std::size_t count) {
     std::vector<double> energies(tiling.size(), 0.0);
-    if (tiling.size() > 1 && !tiled.visit(tiling, [&](Patch<C>& patch, std::size_t tile, const std::uint32_t*) {
-            energies[tile] = std::max(0.0, patch.mesh().energy());
-        }))
+    if (!tiled.for_each(
+            tiling, [&](Patch<C>& patch, std::size_t tile) { energies[tile] = std::max(0.0, patch.mesh().energy()); }))
         return false;
     const std::vector<std::size_t> quota = apportion(count, energies, std::vector<std::size_t>(tiling.size(), count));
     const std::size_t before = tiled.vertex_count();
