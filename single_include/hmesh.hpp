@@ -8424,12 +8424,12 @@ HMESH_ALWAYS_INLINE void for_each_own_face(const HalfedgeMesh& topology, Vertex 
         if (!topology.is_boundary(h) && topology.halfedge(topology.face(h)) == h) body(topology.face(h));
 }
 
-/// Calls body(vertices) for the vertices of each block, in spatial order, from block `first` modulo their number on. Vertices
-/// that the body inserts are in no block, those that it removes must have been in this one. Tells the mesh's task of the share of
-/// the blocks that is done. Ends early where mesh.keep_going() says stop.
+/// Calls body(vertices) for those of `all`, vertices in spatial order, in each block, from block `first` modulo their number on.
+/// Vertices that the body inserts are in no block, those that it removes must have been in this one. Tells the mesh's task of the
+/// share of the blocks that is done. Ends early where mesh.keep_going() says stop.
 template <int C>
-HMESH_COLD void for_each_block(ImageMesh<C>& mesh, std::size_t first, FunctionRef<void(std::vector<Vertex>& vertices)> body) {
-    const std::vector<Vertex> all = spatial_vertices(mesh);
+HMESH_COLD void for_each_block(ImageMesh<C>& mesh, const std::vector<Vertex>& all, std::size_t first,
+                               FunctionRef<void(std::vector<Vertex>& vertices)> body) {
     std::vector<std::size_t> begins;
     std::uint32_t last = 0;
     for (std::size_t k = 0; k < all.size(); ++k) {
@@ -8437,8 +8437,8 @@ HMESH_COLD void for_each_block(ImageMesh<C>& mesh, std::size_t first, FunctionRe
         if (k == 0 || block != last) begins.push_back(k);
         last = block;
     }
+    const std::size_t count = begins.size();
     begins.push_back(all.size());
-    const std::size_t count = begins.size() - 1;
     std::vector<Vertex> vertices;
     for (std::size_t i = 0; i < count && mesh.keep_going(); ++i) {
         const std::size_t k = (first + i) % count;
@@ -9219,12 +9219,12 @@ class AnnealingSweep {
         : mesh_(&mesh), options_(options), price_(price), temperature_(temperature), min_gain_(5e-3 * price), range_(range),
           random_(random) {}
 
-    /// Block by block: tries removals, insertions, flips and jumps, then visits dirty vertices twice with flips in between.
+    /// Works on `all`, which are in spatial order, and what belongs to them. Block by block: tries removals, insertions, flips and jumps, then visits dirty vertices twice with flips in between.
     /// Begins at a random block: a CountRange that ends it early would else favour the top of the image. Ends early where
     /// mesh.keep_going() says stop.
-    AnnealingCounts run() {
+    AnnealingCounts run(const std::vector<Vertex>& all) {
         AnnealingCounts counts;
-        for_each_block(*mesh_, random_.below(std::size_t{1} << 30U), [&](std::vector<Vertex>& vertices) {
+        for_each_block(*mesh_, all, random_.below(std::size_t{1} << 30U), [&](std::vector<Vertex>& vertices) {
             counts.removed += remove_moves(vertices);
             counts.inserted += insert_moves(vertices);
             flip_moves(vertices);
@@ -9588,6 +9588,7 @@ struct IndexedMesh {
     std::vector<unsigned char> dirty;  ///< not 0: surroundings changed since the vertex was last optimised
     std::vector<Triangle> faces;       ///< indices of vertices, each face turning like (0, 0), (1, 0), (0, 1)
     double energy = 0;                 ///< squared error over pixels and channels, as of the last phase of work
+    std::size_t locked_count = 0;  ///< the first so many vertices were locked in the last phase of work
 
     /// The number of vertices.
     [[nodiscard]] std::size_t vertex_count() const noexcept { return positions.size(); }
@@ -9824,18 +9825,14 @@ struct Cut {
     return cut;
 }
 
-/// The tiles of a cut that have faces, those with most faces first.
-[[nodiscard]] HMESH_COLD inline std::vector<std::size_t> largest_first(const Cut& cut) {
-    std::vector<std::pair<double, std::uint32_t>> tiles;  // less the number of faces, and the tile
-    for (std::size_t k = 0; k + 1 < cut.first.size(); ++k)
-        if (cut.first[k] < cut.first[k + 1])
-            tiles.emplace_back(static_cast<double>(cut.first[k]) - static_cast<double>(cut.first[k + 1]),
-                               static_cast<std::uint32_t>(k));
-    std::sort(tiles.begin(), tiles.end());
-    std::vector<std::size_t> numbers;
-    numbers.reserve(tiles.size());
-    for (const auto& [count, tile] : tiles) numbers.push_back(tile);
-    return numbers;
+/// The tiles of size > 0, the largest first.
+[[nodiscard]] HMESH_COLD inline std::vector<std::size_t> largest_first(const std::vector<double>& sizes) {
+    std::vector<std::size_t> tiles;
+    for (std::size_t k = 0; k < sizes.size(); ++k)
+        if (sizes[k] > 0) tiles.push_back(k);
+    std::sort(tiles.begin(), tiles.end(),
+              [&](std::size_t a, std::size_t b) { return sizes[a] != sizes[b] ? sizes[a] > sizes[b] : a < b; });
+    return tiles;
 }
 
 /// The faces of a tile with vertices numbered for its patch: first the free ones, by Cut::number, then the locked ones, once for
@@ -9907,10 +9904,11 @@ struct PatchResult {
     std::vector<Triangle> faces;              ///< indices of free vertices, then of `locked`
     std::vector<std::uint32_t> locked;        ///< locked vertices by their index in the cut mesh; may repeat
     std::vector<std::uint32_t> locked_dirty;  ///< those that are dirty, by their index in the cut mesh
+    double first_energy = 0;                  ///< of the patch's faces before the work
     double energy = 0;                        ///< of the patch's faces
 };
 
-/// The result of a tile that was not worked on. Its energy is not known.
+/// The result of a tile that was not worked on; its energies are not known.
 template <int C>
 [[nodiscard]] HMESH_COLD PatchResult<C> unchanged(const IndexedMesh<C>& indexed, const Cut& cut, std::size_t tile) {
     PatchResult<C> out;
@@ -9936,6 +9934,21 @@ template <int C>
     }
     return out;
 }
+
+/// The energy of a mesh from those of its patches.
+class EnergySum {
+  public:
+    /// Adds a patch, whose energy was `first` and is `now`.
+    void add(double first, double now) noexcept { now_ += now, change_ += now - first; }
+    /// Says that a part of the mesh is in no patch.
+    void leave_out() noexcept { is_whole_ = false; }
+    /// The energy of the mesh, which was `before` if a part of it was left out.
+    [[nodiscard]] double energy(double before) const noexcept { return is_whole_ ? now_ : before + change_; }
+
+  private:
+    double now_ = 0, change_ = 0;
+    bool is_whole_ = true;
+};
 
 }  // namespace detail
 
@@ -9977,7 +9990,10 @@ class Patch {
         const Status status = mesh_.assign(positions, numbered_.faces, colors, {}, true);
         HMESH_ASSERT(status);
         (void)status;
+        first_energy_ = mesh_.energy();
         for (std::size_t k = 0; k < vertices.size(); ++k) mesh_.set_dirty(Vertex(k), indexed.dirty[vertices[k]] != 0);
+        for (std::size_t k = 0; k < free_; ++k)
+            if (vertices[k] < indexed.locked_count) was_locked_.emplace_back(k);
         for (std::size_t k = 0; k < numbered_.locked.size(); ++k) {
             // Each fan of a locked vertex may grow in proportion to its faces: together they stay within max_valence.
             const detail::PatchFaces::Locked& f = numbered_.locked[k];
@@ -9995,6 +10011,15 @@ class Patch {
         mesh_.set_scale(1);
         // A patch without error would ask for an infinite scale.
         if (mean > 0 && mesh_.energy() > 0) mesh_.set_scale(std::min(1e3, mean / mesh_.mean_energy()));
+    }
+    /// The energy with which the patch began.
+    [[nodiscard]] double first_energy() const noexcept { return first_energy_; }
+    /// The vertices that were free when the patch was made and locked in the phase before, in spatial order; those that are left.
+    [[nodiscard]] HMESH_COLD std::vector<Vertex> was_locked() const {
+        std::vector<Vertex> left;
+        for (const Vertex v : was_locked_)
+            if (!mesh_.topology().is_deleted(v)) left.push_back(v);
+        return in_spatial_order<Vertex>(left, left.size(), [&](Vertex v) { return mesh_.position(v); });
     }
     /// All vertices of the patch, a locked one once for each of its fans.
     [[nodiscard]] std::size_t vertex_count() const noexcept { return mesh_.vertex_count(); }
@@ -10028,6 +10053,7 @@ class Patch {
             const auto v = mesh_.topology().vertices(f);
             out.faces.push_back({number[v[0].index()], number[v[1].index()], number[v[2].index()]});
         }
+        out.first_energy = first_energy_;
         out.energy = mesh_.energy();
         return out;
     }
@@ -10036,6 +10062,8 @@ class Patch {
     detail::PatchFaces numbered_;
     std::size_t free_;  ///< slots [0, free_) began as free vertices, then come the locked ones, later slots are new vertices
     Point origin_;
+    double first_energy_ = 0;
+    std::vector<Vertex> was_locked_;
     MomentTable<C> table_;  ///< of its own, or empty
     ImageMesh<C> mesh_;
 };
@@ -10100,13 +10128,14 @@ class TiledMesh {
         return count;
     }
     /// The squared error over pixels and channels, as of the last for_each() or measure(); rounding may leave it slightly
-    /// negative. Not known after a cancellation.
+    /// negative.
     [[nodiscard]] HMESH_COLD double energy() const noexcept {
         if (!is_cut()) return indexed_.energy;
-        double energy = 0;
-        for (const auto& patch : patches_)
-            if (patch != nullptr) energy += patch->mesh().energy();
-        return energy;
+        detail::EnergySum sum;
+        for (std::size_t k = 0; k < patches_.size(); ++k)
+            if (patches_[k] != nullptr) sum.add(patches_[k]->first_energy(), patches_[k]->mesh().energy());
+            else if (cut_.first[k] < cut_.first[k + 1]) sum.leave_out();
+        return sum.energy(indexed_.energy);
     }
     /// The energy per vertex, >= 0.
     [[nodiscard]] double mean_energy() const noexcept { return std::max(0.0, energy()) / static_cast<double>(vertex_count()); }
@@ -10117,33 +10146,20 @@ class TiledMesh {
     /// merged at once. Returns whether to go on: false after a cancellation, when the mesh is valid, some patches worked on in
     /// part and some not at all.
     HMESH_COLD bool for_each(const Tiling& tiling, FunctionRef<void(Patch<C>& patch, std::size_t tile)> body) {
-        if (!is_cut() || tiling_ != tiling) {
-            put_together();
-            tiling_ = tiling;
-            cut_ = detail::cut(indexed_.positions, indexed_.faces, tiling);
-            patches_.resize(tiling.size());
-        }
-        const MomentTable<C>* const whole = whole_table(tiling.size() == 1);
-        const double mean = mean_energy();
-        std::vector<detail::PatchResult<C>> results(whole == nullptr ? tiling.size() : 0);
-        run(
-            cut_,
-            [&](std::size_t tile, TaskProgress& task) {
-                if (patches_[tile] == nullptr)
-                    patches_[tile] = std::make_unique<Patch<C>>(indexed_, *source_, cut_, tile, limits_, whole);
-                Patch<C>& patch = *patches_[tile];
-                const TaskGuard guard(patch.mesh(), task);
-                patch.set_mean_energy(mean);
-                body(patch, tile);
-                if (whole != nullptr) return;
-                results[tile] = patch.result();
-                patches_[tile].reset();
-            },
-            [&](std::size_t tile) {
-                if (whole == nullptr) results[tile] = detail::unchanged(indexed_, cut_, tile);
-            });
-        if (whole == nullptr) merge(results);
-        return !progress_->stopped();
+        cut_along(tiling);
+        std::vector<double> faces(tiling.size());
+        for (std::size_t k = 0; k < tiling.size(); ++k) faces[k] = static_cast<double>(cut_.first[k + 1] - cut_.first[k]);
+        return work(faces, body);
+    }
+
+    /// The same for the patches alone in which vertices are free that were locked in the last for_each(), which had another
+    /// tiling: they are in patch.was_locked().
+    HMESH_COLD bool for_each_seam(const Tiling& tiling, FunctionRef<void(Patch<C>& patch, std::size_t tile)> body) {
+        cut_along(tiling);
+        std::vector<double> vertices(tiling.size(), 0.0);
+        for (std::size_t v = 0; v < indexed_.locked_count; ++v)
+            if (cut_.owner[v] != detail::Cut::locked) ++vertices[cut_.owner[v]];
+        return work(vertices, body);
     }
 
     /// Calls look(patch, tile, faces) for the patch of each tile that has faces, as pieces of work, and drops the patches: the
@@ -10155,15 +10171,17 @@ class TiledMesh {
         put_together();
         const detail::Cut cut = detail::cut(indexed_.positions, indexed_.faces, tiling);
         const MomentTable<C>* const whole = whole_table(tiling.size() == 1);
+        std::vector<double> sizes(tiling.size());
+        for (std::size_t k = 0; k < tiling.size(); ++k) sizes[k] = static_cast<double>(cut.first[k + 1] - cut.first[k]);
         run(
-            cut,
+            sizes,
             [&](std::size_t tile, TaskProgress& task) {
                 Patch<C> patch(indexed_, *source_, cut, tile, limits_, whole);
                 const TaskGuard guard(patch.mesh(), task);
                 patch.set_mean_energy(indexed_.mean_energy());
                 look(patch, tile, cut.faces.data() + cut.first[tile]);
             },
-            [](std::size_t) {}, all);
+            all);
         return !progress_->stopped();
     }
 
@@ -10198,45 +10216,75 @@ class TiledMesh {
         return &table_;
     }
 
-    /// Calls body(tile, task) for the tiles that have faces, those with most faces first; once cancelled, and unless `all`, calls
-    /// skip(tile) instead.
-    HMESH_COLD void run(const detail::Cut& cut, FunctionRef<void(std::size_t, TaskProgress&)> body,
-                        FunctionRef<void(std::size_t)> skip, bool all = false) {
-        const std::vector<std::size_t> tiles = detail::largest_first(cut);
+    /// Calls body(tile, task) for the tiles of size > 0, the largest first; after a cancellation no more, unless `all`.
+    HMESH_COLD void run(const std::vector<double>& sizes, FunctionRef<void(std::size_t, TaskProgress&)> body, bool all = false) {
+        const std::vector<std::size_t> tiles = detail::largest_first(sizes);
+        double sum = 0;
+        for (const double size : sizes) sum += size;
         const auto piece = [&](std::size_t i) {
-            const std::size_t k = tiles[i];
-            if (!progress_->poll() && !all) return skip(k);
-            TaskProgress task(*progress_,
-                              static_cast<double>(cut.first[k + 1] - cut.first[k]) / static_cast<double>(cut.faces.size()));
-            body(k, task);
+            if (!progress_->poll() && !all) return;
+            TaskProgress task(*progress_, sizes[tiles[i]] / sum);
+            body(tiles[i], task);
         };
         if (tiles.size() == 1) piece(0);
         else parallel_for_(tiles.size(), piece);
     }
+    /// Calls body(patch, tile) for the tiles of size > 0 of cut_. Returns whether to go on.
+    HMESH_COLD bool work(const std::vector<double>& sizes, FunctionRef<void(Patch<C>& patch, std::size_t tile)> body) {
+        const MomentTable<C>* const whole = whole_table(sizes.size() == 1);
+        const double mean = mean_energy();
+        std::vector<detail::PatchResult<C>> results(whole == nullptr ? sizes.size() : 0);
+        run(sizes, [&](std::size_t tile, TaskProgress& task) {
+            std::unique_ptr<Patch<C>>& patch = patches_[tile];
+            if (patch == nullptr) patch = std::make_unique<Patch<C>>(indexed_, *source_, cut_, tile, limits_, whole);
+            const TaskGuard guard(patch->mesh(), task);
+            patch->set_mean_energy(mean);
+            body(*patch, tile);
+            if (whole != nullptr) return;
+            results[tile] = patch->result();
+            patch.reset();
+        });
+        if (whole == nullptr) put_together(std::move(results));
+        return !progress_->stopped();
+    }
 
     /// Whether the mesh is held as patches of tiling_.
     [[nodiscard]] bool is_cut() const noexcept { return !patches_.empty(); }
-    /// Ends is_cut().
-    HMESH_COLD void put_together() {
-        if (!is_cut()) return;
-        std::vector<detail::PatchResult<C>> results(patches_.size());
-        parallel_for_(patches_.size(), [&](std::size_t k) {
-            results[k] = patches_[k] != nullptr ? patches_[k]->result() : detail::unchanged(indexed_, cut_, k);
-            patches_[k].reset();
-        });
-        merge(results);
+    /// Makes the mesh is_cut() along a tiling.
+    HMESH_COLD void cut_along(const Tiling& tiling) {
+        if (is_cut() && tiling_ == tiling) return;
+        put_together();
+        tiling_ = tiling;
+        cut_ = detail::cut(indexed_.positions, indexed_.faces, tiling);
+        patches_.resize(tiling.size());
     }
-    /// Makes indexed_ of the locked vertices of cut_ and the results of all its tiles, in the order of the tiles.
-    HMESH_COLD void merge(const std::vector<detail::PatchResult<C>>& results) {
+    /// Ends is_cut(): makes indexed_ of the locked vertices of cut_, of patches_, and of the results of those patches that are gone.
+    HMESH_COLD void put_together(std::vector<detail::PatchResult<C>> results = {}) {
+        if (!is_cut()) return;
+        results.resize(patches_.size());
+        detail::EnergySum sum;
+        parallel_for_(patches_.size(), [&](std::size_t k) {
+            if (patches_[k] != nullptr) results[k] = patches_[k]->result();
+        });
         const detail::Cut& cut = cut_;
+        for (std::size_t k = 0; k < results.size(); ++k) {
+            if (cut.first[k] == cut.first[k + 1]) continue;
+            if (!results[k].faces.empty()) {
+                sum.add(results[k].first_energy, results[k].energy);
+                continue;
+            }
+            results[k] = detail::unchanged(indexed_, cut_, k);
+            sum.leave_out();
+        }
         IndexedMesh<C> merged;
         merged.width = indexed_.width;
         merged.height = indexed_.height;
+        merged.energy = sum.energy(indexed_.energy);
+        merged.locked_count = cut.locked_count;
         std::vector<std::size_t> first_vertex(results.size() + 1, cut.locked_count), first_face(results.size() + 1, 0);
         for (std::size_t k = 0; k < results.size(); ++k) {
             first_vertex[k + 1] = first_vertex[k] + results[k].positions.size();
             first_face[k + 1] = first_face[k] + results[k].faces.size();
-            merged.energy += results[k].energy;
         }
         merged.positions.resize(first_vertex.back());
         merged.colors.resize(first_vertex.back());
@@ -10977,29 +11025,48 @@ class AnnealedRun {
         tiled_->indexed() = delaunay_mesh(source, delaunay);
         // 32 leaves room for flips up to max_valence. The mesh of two faces, which grows to n, is for shapes nobody has seen.
         if (!bound_valence(tiled_->indexed(), 32)) tiled_->indexed() = corner_mesh(source);
-        return for_each_patch(0, 0.9, 0.9, [](ImageMesh<C>&) {});  // the energy; the end of a stage tells 1
+        progress().set_range(0.9, 0.9);
+        return tiled_->for_each(aligned_, [](Patch<C>&, std::size_t) {});  // the energy; the end of a stage tells 1
     }
 
-    /// Calls body(mesh) for the patch of each tile of phase k, which is this part of the stage.
-    bool for_each_patch(int phase, double from, double to, FunctionRef<void(ImageMesh<C>& mesh)> body) {
-        progress().set_range(from, to);
-        return tiled_->for_each(tiling(phase), [&](Patch<C>& patch, std::size_t) { body(patch.mesh()); });
+    /// A piece of a phase.
+    struct Piece {
+        std::size_t number;   ///< another one for each piece of the phase
+        double vertex_count;  ///< of the whole mesh, when the work on pieces like this one began
+    };
+    /// What is done in a patch to some of its vertices, in spatial order.
+    using PieceWork = FunctionRef<void(ImageMesh<C>& mesh, const std::vector<Vertex>& vertices, const Piece& piece)>;
+
+    /// Phase k, which is this part of the stage: calls body() for the patch of each tile with all vertices, then for those that
+    /// were locked in it, in the patches of other tiles.
+    bool for_each_piece(int phase, double from, double to, PieceWork body) {
+        const Tiling tiles = tiling(phase);
+        const bool has_seams = tiles.size() > 1;
+        auto count = static_cast<double>(tiled_->vertex_count());
+        progress().set_range(from, has_seams ? from + 0.9 * (to - from) : to);
+        if (!tiled_->for_each(tiles, [&](Patch<C>& patch, std::size_t tile) {
+                body(patch.mesh(), spatial_vertices(patch.mesh()), {tile, count});
+            }))
+            return false;
+        if (!has_seams) return true;
+        count = static_cast<double>(tiled_->vertex_count());
+        progress().set_range(from + 0.9 * (to - from), to);
+        return tiled_->for_each_seam(tiling(phase ^ 1), [&](Patch<C>& patch, std::size_t tile) {
+            body(patch.mesh(), patch.was_locked(), {tiles.size() + tile, count});
+        });
     }
+    /// The number of pieces of phase k.
+    [[nodiscard]] std::size_t piece_count(int phase) const { return tiling(phase).size() + tiling(phase ^ 1).size(); }
 
     HMESH_COLD bool settle() {
-        // What is locked in one tiling is free in the next: the rounds are divided between two.
-        const int phases = aligned_.size() > 1 ? 2 : 1;
-        for (int k = 0; k < phases; ++k)
-            if (!for_each_patch(k, static_cast<double>(k) / phases, (k + 1.0) / phases, [&](ImageMesh<C>& mesh) {
-                    for_each_block(mesh, 0, [&](std::vector<Vertex>& vertices) {
-                        for (int round = k; round < steps_.settle_rounds; round += phases) {
-                            sweep(mesh, vertices, steps_.settle);
-                            flip_edges(mesh, own_edges(mesh, vertices), steps_.settle_flip_gain);
-                        }
-                    });
-                }))
-                return false;
-        return true;
+        return for_each_piece(0, 0, 1, [&](ImageMesh<C>& mesh, const std::vector<Vertex>& all, const Piece&) {
+            for_each_block(mesh, all, 0, [&](std::vector<Vertex>& vertices) {
+                for (int round = 0; round < steps_.settle_rounds; ++round) {
+                    sweep(mesh, vertices, steps_.settle);
+                    flip_edges(mesh, own_edges(mesh, vertices), steps_.settle_flip_gain);
+                }
+            });
+        });
     }
 
     HMESH_COLD bool collapse() {
@@ -11043,18 +11110,16 @@ class AnnealedRun {
             return k == 0 ? 0 : (0.4 + sweeps * t * (1.08 - 0.15 * t)) / (0.4 + 0.93 * sweeps);
         };
         for (int k = 0; k < annealing.sweeps; ++k) {
-            const auto total = static_cast<double>(tiled_->vertex_count()), target = static_cast<double>(n_);
-            const Tiling phase = tiling(k + 1);
-            std::vector<AnnealingCounts> counts(phase.size());
+            std::vector<AnnealingCounts> counts(piece_count(k + 1));
             const double tolerance = annealing.count_tolerance * (1 - static_cast<double>(k) / annealing.sweeps);
-            progress().set_range(done(k), done(k + 1));
-            const bool go_on = tiled_->for_each(phase, [&](Patch<C>& patch, std::size_t tile) {
-                const double share = static_cast<double>(patch.mesh().vertex_count()) * target / total;
-                const CountRange range{(1 - tolerance) * share, (1 + tolerance) * share};
-                const Random random(seed_, (static_cast<std::uint64_t>(k) << 32U) + tile);
-                counts[tile] =
-                    AnnealingSweep<C>(patch.mesh(), annealing, schedule.price(), schedule.temperature(k), range, random).run();
-            });
+            const bool go_on = for_each_piece(
+                k + 1, done(k), done(k + 1), [&](ImageMesh<C>& mesh, const std::vector<Vertex>& vertices, const Piece& piece) {
+                    const double share = static_cast<double>(mesh.vertex_count()) * static_cast<double>(n_) / piece.vertex_count;
+                    const CountRange range{(1 - tolerance) * share, (1 + tolerance) * share};
+                    const Random random(seed_, (static_cast<std::uint64_t>(k) << 32U) + piece.number);
+                    counts[piece.number] =
+                        AnnealingSweep<C>(mesh, annealing, schedule.price(), schedule.temperature(k), range, random).run(vertices);
+                });
             if (!go_on) return false;
             AnnealingCounts sum;
             for (const AnnealingCounts& c : counts) {
@@ -11074,8 +11139,8 @@ class AnnealedRun {
         const int rounds = std::max(steps_.polish_rounds, has_seams ? 1 : 0);
         const auto begin = [&](int k) { return from + (1 - from) * k / rounds; };
         for (int k = 0; k < rounds; ++k)
-            if (!for_each_patch(k + 1, begin(k), begin(k + 1), [&](ImageMesh<C>& mesh) {
-                    for_each_block(mesh, 0, [&](std::vector<Vertex>& vertices) {
+            if (!for_each_piece(k, begin(k), begin(k + 1), [&](ImageMesh<C>& mesh, const std::vector<Vertex>& all, const Piece&) {
+                    for_each_block(mesh, all, 0, [&](std::vector<Vertex>& vertices) {
                         flip_edges(mesh, own_edges(mesh, vertices), steps_.polish.propagate_above);
                         sweep(mesh, vertices, steps_.polish);
                     });

@@ -37,12 +37,12 @@ HMESH_ALWAYS_INLINE void for_each_own_face(const HalfedgeMesh& topology, Vertex 
         if (!topology.is_boundary(h) && topology.halfedge(topology.face(h)) == h) body(topology.face(h));
 }
 
-/// Calls body(vertices) for the vertices of each block, in spatial order, from block `first` modulo their number on. Vertices
-/// that the body inserts are in no block, those that it removes must have been in this one. Tells the mesh's task of the share of
-/// the blocks that is done. Ends early where mesh.keep_going() says stop.
+/// Calls body(vertices) for those of `all`, vertices in spatial order, in each block, from block `first` modulo their number on.
+/// Vertices that the body inserts are in no block, those that it removes must have been in this one. Tells the mesh's task of the
+/// share of the blocks that is done. Ends early where mesh.keep_going() says stop.
 template <int C>
-HMESH_COLD void for_each_block(ImageMesh<C>& mesh, std::size_t first, FunctionRef<void(std::vector<Vertex>& vertices)> body) {
-    const std::vector<Vertex> all = spatial_vertices(mesh);
+HMESH_COLD void for_each_block(ImageMesh<C>& mesh, const std::vector<Vertex>& all, std::size_t first,
+                               FunctionRef<void(std::vector<Vertex>& vertices)> body) {
     std::vector<std::size_t> begins;
     std::uint32_t last = 0;
     for (std::size_t k = 0; k < all.size(); ++k) {
@@ -50,8 +50,8 @@ HMESH_COLD void for_each_block(ImageMesh<C>& mesh, std::size_t first, FunctionRe
         if (k == 0 || block != last) begins.push_back(k);
         last = block;
     }
+    const std::size_t count = begins.size();
     begins.push_back(all.size());
-    const std::size_t count = begins.size() - 1;
     std::vector<Vertex> vertices;
     for (std::size_t i = 0; i < count && mesh.keep_going(); ++i) {
         const std::size_t k = (first + i) % count;

@@ -81,18 +81,14 @@ struct Cut {
     return cut;
 }
 
-/// The tiles of a cut that have faces, those with most faces first.
-[[nodiscard]] HMESH_COLD inline std::vector<std::size_t> largest_first(const Cut& cut) {
-    std::vector<std::pair<double, std::uint32_t>> tiles;  // less the number of faces, and the tile
-    for (std::size_t k = 0; k + 1 < cut.first.size(); ++k)
-        if (cut.first[k] < cut.first[k + 1])
-            tiles.emplace_back(static_cast<double>(cut.first[k]) - static_cast<double>(cut.first[k + 1]),
-                               static_cast<std::uint32_t>(k));
-    std::sort(tiles.begin(), tiles.end());
-    std::vector<std::size_t> numbers;
-    numbers.reserve(tiles.size());
-    for (const auto& [count, tile] : tiles) numbers.push_back(tile);
-    return numbers;
+/// The tiles of size > 0, the largest first.
+[[nodiscard]] HMESH_COLD inline std::vector<std::size_t> largest_first(const std::vector<double>& sizes) {
+    std::vector<std::size_t> tiles;
+    for (std::size_t k = 0; k < sizes.size(); ++k)
+        if (sizes[k] > 0) tiles.push_back(k);
+    std::sort(tiles.begin(), tiles.end(),
+              [&](std::size_t a, std::size_t b) { return sizes[a] != sizes[b] ? sizes[a] > sizes[b] : a < b; });
+    return tiles;
 }
 
 /// The faces of a tile with vertices numbered for its patch: first the free ones, by Cut::number, then the locked ones, once for
@@ -164,10 +160,11 @@ struct PatchResult {
     std::vector<Triangle> faces;              ///< indices of free vertices, then of `locked`
     std::vector<std::uint32_t> locked;        ///< locked vertices by their index in the cut mesh; may repeat
     std::vector<std::uint32_t> locked_dirty;  ///< those that are dirty, by their index in the cut mesh
+    double first_energy = 0;                  ///< of the patch's faces before the work
     double energy = 0;                        ///< of the patch's faces
 };
 
-/// The result of a tile that was not worked on. Its energy is not known.
+/// The result of a tile that was not worked on; its energies are not known.
 template <int C>
 [[nodiscard]] HMESH_COLD PatchResult<C> unchanged(const IndexedMesh<C>& indexed, const Cut& cut, std::size_t tile) {
     PatchResult<C> out;
@@ -193,6 +190,21 @@ template <int C>
     }
     return out;
 }
+
+/// The energy of a mesh from those of its patches.
+class EnergySum {
+  public:
+    /// Adds a patch, whose energy was `first` and is `now`.
+    void add(double first, double now) noexcept { now_ += now, change_ += now - first; }
+    /// Says that a part of the mesh is in no patch.
+    void leave_out() noexcept { is_whole_ = false; }
+    /// The energy of the mesh, which was `before` if a part of it was left out.
+    [[nodiscard]] double energy(double before) const noexcept { return is_whole_ ? now_ : before + change_; }
+
+  private:
+    double now_ = 0, change_ = 0;
+    bool is_whole_ = true;
+};
 
 }  // namespace detail
 
@@ -234,7 +246,10 @@ class Patch {
         const Status status = mesh_.assign(positions, numbered_.faces, colors, {}, true);
         HMESH_ASSERT(status);
         (void)status;
+        first_energy_ = mesh_.energy();
         for (std::size_t k = 0; k < vertices.size(); ++k) mesh_.set_dirty(Vertex(k), indexed.dirty[vertices[k]] != 0);
+        for (std::size_t k = 0; k < free_; ++k)
+            if (vertices[k] < indexed.locked_count) was_locked_.emplace_back(k);
         for (std::size_t k = 0; k < numbered_.locked.size(); ++k) {
             // Each fan of a locked vertex may grow in proportion to its faces: together they stay within max_valence.
             const detail::PatchFaces::Locked& f = numbered_.locked[k];
@@ -252,6 +267,15 @@ class Patch {
         mesh_.set_scale(1);
         // A patch without error would ask for an infinite scale.
         if (mean > 0 && mesh_.energy() > 0) mesh_.set_scale(std::min(1e3, mean / mesh_.mean_energy()));
+    }
+    /// The energy with which the patch began.
+    [[nodiscard]] double first_energy() const noexcept { return first_energy_; }
+    /// The vertices that were free when the patch was made and locked in the phase before, in spatial order; those that are left.
+    [[nodiscard]] HMESH_COLD std::vector<Vertex> was_locked() const {
+        std::vector<Vertex> left;
+        for (const Vertex v : was_locked_)
+            if (!mesh_.topology().is_deleted(v)) left.push_back(v);
+        return in_spatial_order<Vertex>(left, left.size(), [&](Vertex v) { return mesh_.position(v); });
     }
     /// All vertices of the patch, a locked one once for each of its fans.
     [[nodiscard]] std::size_t vertex_count() const noexcept { return mesh_.vertex_count(); }
@@ -285,6 +309,7 @@ class Patch {
             const auto v = mesh_.topology().vertices(f);
             out.faces.push_back({number[v[0].index()], number[v[1].index()], number[v[2].index()]});
         }
+        out.first_energy = first_energy_;
         out.energy = mesh_.energy();
         return out;
     }
@@ -293,6 +318,8 @@ class Patch {
     detail::PatchFaces numbered_;
     std::size_t free_;  ///< slots [0, free_) began as free vertices, then come the locked ones, later slots are new vertices
     Point origin_;
+    double first_energy_ = 0;
+    std::vector<Vertex> was_locked_;
     MomentTable<C> table_;  ///< of its own, or empty
     ImageMesh<C> mesh_;
 };

@@ -63,13 +63,14 @@ class TiledMesh {
         return count;
     }
     /// The squared error over pixels and channels, as of the last for_each() or measure(); rounding may leave it slightly
-    /// negative. Not known after a cancellation.
+    /// negative.
     [[nodiscard]] HMESH_COLD double energy() const noexcept {
         if (!is_cut()) return indexed_.energy;
-        double energy = 0;
-        for (const auto& patch : patches_)
-            if (patch != nullptr) energy += patch->mesh().energy();
-        return energy;
+        detail::EnergySum sum;
+        for (std::size_t k = 0; k < patches_.size(); ++k)
+            if (patches_[k] != nullptr) sum.add(patches_[k]->first_energy(), patches_[k]->mesh().energy());
+            else if (cut_.first[k] < cut_.first[k + 1]) sum.leave_out();
+        return sum.energy(indexed_.energy);
     }
     /// The energy per vertex, >= 0.
     [[nodiscard]] double mean_energy() const noexcept { return std::max(0.0, energy()) / static_cast<double>(vertex_count()); }
@@ -80,33 +81,20 @@ class TiledMesh {
     /// merged at once. Returns whether to go on: false after a cancellation, when the mesh is valid, some patches worked on in
     /// part and some not at all.
     HMESH_COLD bool for_each(const Tiling& tiling, FunctionRef<void(Patch<C>& patch, std::size_t tile)> body) {
-        if (!is_cut() || tiling_ != tiling) {
-            put_together();
-            tiling_ = tiling;
-            cut_ = detail::cut(indexed_.positions, indexed_.faces, tiling);
-            patches_.resize(tiling.size());
-        }
-        const MomentTable<C>* const whole = whole_table(tiling.size() == 1);
-        const double mean = mean_energy();
-        std::vector<detail::PatchResult<C>> results(whole == nullptr ? tiling.size() : 0);
-        run(
-            cut_,
-            [&](std::size_t tile, TaskProgress& task) {
-                if (patches_[tile] == nullptr)
-                    patches_[tile] = std::make_unique<Patch<C>>(indexed_, *source_, cut_, tile, limits_, whole);
-                Patch<C>& patch = *patches_[tile];
-                const TaskGuard guard(patch.mesh(), task);
-                patch.set_mean_energy(mean);
-                body(patch, tile);
-                if (whole != nullptr) return;
-                results[tile] = patch.result();
-                patches_[tile].reset();
-            },
-            [&](std::size_t tile) {
-                if (whole == nullptr) results[tile] = detail::unchanged(indexed_, cut_, tile);
-            });
-        if (whole == nullptr) merge(results);
-        return !progress_->stopped();
+        cut_along(tiling);
+        std::vector<double> faces(tiling.size());
+        for (std::size_t k = 0; k < tiling.size(); ++k) faces[k] = static_cast<double>(cut_.first[k + 1] - cut_.first[k]);
+        return work(faces, body);
+    }
+
+    /// The same for the patches alone in which vertices are free that were locked in the last for_each(), which had another
+    /// tiling: they are in patch.was_locked().
+    HMESH_COLD bool for_each_seam(const Tiling& tiling, FunctionRef<void(Patch<C>& patch, std::size_t tile)> body) {
+        cut_along(tiling);
+        std::vector<double> vertices(tiling.size(), 0.0);
+        for (std::size_t v = 0; v < indexed_.locked_count; ++v)
+            if (cut_.owner[v] != detail::Cut::locked) ++vertices[cut_.owner[v]];
+        return work(vertices, body);
     }
 
     /// Calls look(patch, tile, faces) for the patch of each tile that has faces, as pieces of work, and drops the patches: the
@@ -118,15 +106,17 @@ class TiledMesh {
         put_together();
         const detail::Cut cut = detail::cut(indexed_.positions, indexed_.faces, tiling);
         const MomentTable<C>* const whole = whole_table(tiling.size() == 1);
+        std::vector<double> sizes(tiling.size());
+        for (std::size_t k = 0; k < tiling.size(); ++k) sizes[k] = static_cast<double>(cut.first[k + 1] - cut.first[k]);
         run(
-            cut,
+            sizes,
             [&](std::size_t tile, TaskProgress& task) {
                 Patch<C> patch(indexed_, *source_, cut, tile, limits_, whole);
                 const TaskGuard guard(patch.mesh(), task);
                 patch.set_mean_energy(indexed_.mean_energy());
                 look(patch, tile, cut.faces.data() + cut.first[tile]);
             },
-            [](std::size_t) {}, all);
+            all);
         return !progress_->stopped();
     }
 
@@ -161,45 +151,75 @@ class TiledMesh {
         return &table_;
     }
 
-    /// Calls body(tile, task) for the tiles that have faces, those with most faces first; once cancelled, and unless `all`, calls
-    /// skip(tile) instead.
-    HMESH_COLD void run(const detail::Cut& cut, FunctionRef<void(std::size_t, TaskProgress&)> body,
-                        FunctionRef<void(std::size_t)> skip, bool all = false) {
-        const std::vector<std::size_t> tiles = detail::largest_first(cut);
+    /// Calls body(tile, task) for the tiles of size > 0, the largest first; after a cancellation no more, unless `all`.
+    HMESH_COLD void run(const std::vector<double>& sizes, FunctionRef<void(std::size_t, TaskProgress&)> body, bool all = false) {
+        const std::vector<std::size_t> tiles = detail::largest_first(sizes);
+        double sum = 0;
+        for (const double size : sizes) sum += size;
         const auto piece = [&](std::size_t i) {
-            const std::size_t k = tiles[i];
-            if (!progress_->poll() && !all) return skip(k);
-            TaskProgress task(*progress_,
-                              static_cast<double>(cut.first[k + 1] - cut.first[k]) / static_cast<double>(cut.faces.size()));
-            body(k, task);
+            if (!progress_->poll() && !all) return;
+            TaskProgress task(*progress_, sizes[tiles[i]] / sum);
+            body(tiles[i], task);
         };
         if (tiles.size() == 1) piece(0);
         else parallel_for_(tiles.size(), piece);
     }
+    /// Calls body(patch, tile) for the tiles of size > 0 of cut_. Returns whether to go on.
+    HMESH_COLD bool work(const std::vector<double>& sizes, FunctionRef<void(Patch<C>& patch, std::size_t tile)> body) {
+        const MomentTable<C>* const whole = whole_table(sizes.size() == 1);
+        const double mean = mean_energy();
+        std::vector<detail::PatchResult<C>> results(whole == nullptr ? sizes.size() : 0);
+        run(sizes, [&](std::size_t tile, TaskProgress& task) {
+            std::unique_ptr<Patch<C>>& patch = patches_[tile];
+            if (patch == nullptr) patch = std::make_unique<Patch<C>>(indexed_, *source_, cut_, tile, limits_, whole);
+            const TaskGuard guard(patch->mesh(), task);
+            patch->set_mean_energy(mean);
+            body(*patch, tile);
+            if (whole != nullptr) return;
+            results[tile] = patch->result();
+            patch.reset();
+        });
+        if (whole == nullptr) put_together(std::move(results));
+        return !progress_->stopped();
+    }
 
     /// Whether the mesh is held as patches of tiling_.
     [[nodiscard]] bool is_cut() const noexcept { return !patches_.empty(); }
-    /// Ends is_cut().
-    HMESH_COLD void put_together() {
-        if (!is_cut()) return;
-        std::vector<detail::PatchResult<C>> results(patches_.size());
-        parallel_for_(patches_.size(), [&](std::size_t k) {
-            results[k] = patches_[k] != nullptr ? patches_[k]->result() : detail::unchanged(indexed_, cut_, k);
-            patches_[k].reset();
-        });
-        merge(results);
+    /// Makes the mesh is_cut() along a tiling.
+    HMESH_COLD void cut_along(const Tiling& tiling) {
+        if (is_cut() && tiling_ == tiling) return;
+        put_together();
+        tiling_ = tiling;
+        cut_ = detail::cut(indexed_.positions, indexed_.faces, tiling);
+        patches_.resize(tiling.size());
     }
-    /// Makes indexed_ of the locked vertices of cut_ and the results of all its tiles, in the order of the tiles.
-    HMESH_COLD void merge(const std::vector<detail::PatchResult<C>>& results) {
+    /// Ends is_cut(): makes indexed_ of the locked vertices of cut_, of patches_, and of the results of those patches that are gone.
+    HMESH_COLD void put_together(std::vector<detail::PatchResult<C>> results = {}) {
+        if (!is_cut()) return;
+        results.resize(patches_.size());
+        detail::EnergySum sum;
+        parallel_for_(patches_.size(), [&](std::size_t k) {
+            if (patches_[k] != nullptr) results[k] = patches_[k]->result();
+        });
         const detail::Cut& cut = cut_;
+        for (std::size_t k = 0; k < results.size(); ++k) {
+            if (cut.first[k] == cut.first[k + 1]) continue;
+            if (!results[k].faces.empty()) {
+                sum.add(results[k].first_energy, results[k].energy);
+                continue;
+            }
+            results[k] = detail::unchanged(indexed_, cut_, k);
+            sum.leave_out();
+        }
         IndexedMesh<C> merged;
         merged.width = indexed_.width;
         merged.height = indexed_.height;
+        merged.energy = sum.energy(indexed_.energy);
+        merged.locked_count = cut.locked_count;
         std::vector<std::size_t> first_vertex(results.size() + 1, cut.locked_count), first_face(results.size() + 1, 0);
         for (std::size_t k = 0; k < results.size(); ++k) {
             first_vertex[k + 1] = first_vertex[k] + results[k].positions.size();
             first_face[k + 1] = first_face[k] + results[k].faces.size();
-            merged.energy += results[k].energy;
         }
         merged.positions.resize(first_vertex.back());
         merged.colors.resize(first_vertex.back());

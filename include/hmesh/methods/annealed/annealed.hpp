@@ -133,29 +133,48 @@ class AnnealedRun {
         tiled_->indexed() = delaunay_mesh(source, delaunay);
         // 32 leaves room for flips up to max_valence. The mesh of two faces, which grows to n, is for shapes nobody has seen.
         if (!bound_valence(tiled_->indexed(), 32)) tiled_->indexed() = corner_mesh(source);
-        return for_each_patch(0, 0.9, 0.9, [](ImageMesh<C>&) {});  // the energy; the end of a stage tells 1
+        progress().set_range(0.9, 0.9);
+        return tiled_->for_each(aligned_, [](Patch<C>&, std::size_t) {});  // the energy; the end of a stage tells 1
     }
 
-    /// Calls body(mesh) for the patch of each tile of phase k, which is this part of the stage.
-    bool for_each_patch(int phase, double from, double to, FunctionRef<void(ImageMesh<C>& mesh)> body) {
-        progress().set_range(from, to);
-        return tiled_->for_each(tiling(phase), [&](Patch<C>& patch, std::size_t) { body(patch.mesh()); });
+    /// A piece of a phase.
+    struct Piece {
+        std::size_t number;   ///< another one for each piece of the phase
+        double vertex_count;  ///< of the whole mesh, when the work on pieces like this one began
+    };
+    /// What is done in a patch to some of its vertices, in spatial order.
+    using PieceWork = FunctionRef<void(ImageMesh<C>& mesh, const std::vector<Vertex>& vertices, const Piece& piece)>;
+
+    /// Phase k, which is this part of the stage: calls body() for the patch of each tile with all vertices, then for those that
+    /// were locked in it, in the patches of other tiles.
+    bool for_each_piece(int phase, double from, double to, PieceWork body) {
+        const Tiling tiles = tiling(phase);
+        const bool has_seams = tiles.size() > 1;
+        auto count = static_cast<double>(tiled_->vertex_count());
+        progress().set_range(from, has_seams ? from + 0.9 * (to - from) : to);
+        if (!tiled_->for_each(tiles, [&](Patch<C>& patch, std::size_t tile) {
+                body(patch.mesh(), spatial_vertices(patch.mesh()), {tile, count});
+            }))
+            return false;
+        if (!has_seams) return true;
+        count = static_cast<double>(tiled_->vertex_count());
+        progress().set_range(from + 0.9 * (to - from), to);
+        return tiled_->for_each_seam(tiling(phase ^ 1), [&](Patch<C>& patch, std::size_t tile) {
+            body(patch.mesh(), patch.was_locked(), {tiles.size() + tile, count});
+        });
     }
+    /// The number of pieces of phase k.
+    [[nodiscard]] std::size_t piece_count(int phase) const { return tiling(phase).size() + tiling(phase ^ 1).size(); }
 
     HMESH_COLD bool settle() {
-        // What is locked in one tiling is free in the next: the rounds are divided between two.
-        const int phases = aligned_.size() > 1 ? 2 : 1;
-        for (int k = 0; k < phases; ++k)
-            if (!for_each_patch(k, static_cast<double>(k) / phases, (k + 1.0) / phases, [&](ImageMesh<C>& mesh) {
-                    for_each_block(mesh, 0, [&](std::vector<Vertex>& vertices) {
-                        for (int round = k; round < steps_.settle_rounds; round += phases) {
-                            sweep(mesh, vertices, steps_.settle);
-                            flip_edges(mesh, own_edges(mesh, vertices), steps_.settle_flip_gain);
-                        }
-                    });
-                }))
-                return false;
-        return true;
+        return for_each_piece(0, 0, 1, [&](ImageMesh<C>& mesh, const std::vector<Vertex>& all, const Piece&) {
+            for_each_block(mesh, all, 0, [&](std::vector<Vertex>& vertices) {
+                for (int round = 0; round < steps_.settle_rounds; ++round) {
+                    sweep(mesh, vertices, steps_.settle);
+                    flip_edges(mesh, own_edges(mesh, vertices), steps_.settle_flip_gain);
+                }
+            });
+        });
     }
 
     HMESH_COLD bool collapse() {
@@ -199,18 +218,16 @@ class AnnealedRun {
             return k == 0 ? 0 : (0.4 + sweeps * t * (1.08 - 0.15 * t)) / (0.4 + 0.93 * sweeps);
         };
         for (int k = 0; k < annealing.sweeps; ++k) {
-            const auto total = static_cast<double>(tiled_->vertex_count()), target = static_cast<double>(n_);
-            const Tiling phase = tiling(k + 1);
-            std::vector<AnnealingCounts> counts(phase.size());
+            std::vector<AnnealingCounts> counts(piece_count(k + 1));
             const double tolerance = annealing.count_tolerance * (1 - static_cast<double>(k) / annealing.sweeps);
-            progress().set_range(done(k), done(k + 1));
-            const bool go_on = tiled_->for_each(phase, [&](Patch<C>& patch, std::size_t tile) {
-                const double share = static_cast<double>(patch.mesh().vertex_count()) * target / total;
-                const CountRange range{(1 - tolerance) * share, (1 + tolerance) * share};
-                const Random random(seed_, (static_cast<std::uint64_t>(k) << 32U) + tile);
-                counts[tile] =
-                    AnnealingSweep<C>(patch.mesh(), annealing, schedule.price(), schedule.temperature(k), range, random).run();
-            });
+            const bool go_on = for_each_piece(
+                k + 1, done(k), done(k + 1), [&](ImageMesh<C>& mesh, const std::vector<Vertex>& vertices, const Piece& piece) {
+                    const double share = static_cast<double>(mesh.vertex_count()) * static_cast<double>(n_) / piece.vertex_count;
+                    const CountRange range{(1 - tolerance) * share, (1 + tolerance) * share};
+                    const Random random(seed_, (static_cast<std::uint64_t>(k) << 32U) + piece.number);
+                    counts[piece.number] =
+                        AnnealingSweep<C>(mesh, annealing, schedule.price(), schedule.temperature(k), range, random).run(vertices);
+                });
             if (!go_on) return false;
             AnnealingCounts sum;
             for (const AnnealingCounts& c : counts) {
@@ -230,8 +247,8 @@ class AnnealedRun {
         const int rounds = std::max(steps_.polish_rounds, has_seams ? 1 : 0);
         const auto begin = [&](int k) { return from + (1 - from) * k / rounds; };
         for (int k = 0; k < rounds; ++k)
-            if (!for_each_patch(k + 1, begin(k), begin(k + 1), [&](ImageMesh<C>& mesh) {
-                    for_each_block(mesh, 0, [&](std::vector<Vertex>& vertices) {
+            if (!for_each_piece(k, begin(k), begin(k + 1), [&](ImageMesh<C>& mesh, const std::vector<Vertex>& all, const Piece&) {
+                    for_each_block(mesh, all, 0, [&](std::vector<Vertex>& vertices) {
                         flip_edges(mesh, own_edges(mesh, vertices), steps_.polish.propagate_above);
                         sweep(mesh, vertices, steps_.polish);
                     });
