@@ -270,12 +270,22 @@ class Patch {
     }
     /// The energy with which the patch began.
     [[nodiscard]] double first_energy() const noexcept { return first_energy_; }
-    /// The vertices that were free when the patch was made and locked in the phase before, in spatial order; those that are left.
-    [[nodiscard]] HMESH_COLD std::vector<Vertex> was_locked() const {
-        std::vector<Vertex> left;
-        for (const Vertex v : was_locked_)
-            if (!mesh_.topology().is_deleted(v)) left.push_back(v);
-        return in_spatial_order<Vertex>(left, left.size(), [&](Vertex v) { return mesh_.position(v); });
+    /// The vertices that are not locked, in spatial order.
+    [[nodiscard]] HMESH_COLD std::vector<Vertex> free_vertices() const {
+        std::vector<Vertex> vertices = spatial_vertices(mesh_);
+        vertices.erase(std::remove_if(vertices.begin(), vertices.end(),
+                                      [&](Vertex v) { return mesh_.vertex(v).mobility == Mobility::locked; }),
+                       vertices.end());
+        return vertices;
+    }
+    /// The vertices that are free here and were locked in the phase before, in spatial order, as far as they are left; handed out
+    /// once, then none.
+    [[nodiscard]] HMESH_COLD std::vector<Vertex> take_was_locked() {
+        was_locked_.erase(std::remove_if(was_locked_.begin(), was_locked_.end(),
+                                         [&](Vertex v) { return mesh_.topology().is_deleted(v); }),
+                          was_locked_.end());
+        const std::vector<Vertex> vertices = std::exchange(was_locked_, {});
+        return in_spatial_order<Vertex>(vertices, vertices.size(), [&](Vertex v) { return mesh_.position(v); });
     }
     /// All vertices of the patch, a locked one once for each of its fans.
     [[nodiscard]] std::size_t vertex_count() const noexcept { return mesh_.vertex_count(); }

@@ -137,44 +137,47 @@ class AnnealedRun {
         return tiled_->for_each(aligned_, [](Patch<C>&, std::size_t) {});  // the energy; the end of a stage tells 1
     }
 
-    /// A piece of a phase.
+    /// A piece of work on a patch.
     struct Piece {
-        std::size_t number;   ///< another one for each piece of the phase
-        double vertex_count;  ///< of the whole mesh, when the work on pieces like this one began
+        std::size_t number;   ///< another one for each piece of a phase
+        double vertex_count;  ///< of the whole mesh, when the phase began
     };
     /// What is done in a patch to some of its vertices, in spatial order.
     using PieceWork = FunctionRef<void(ImageMesh<C>& mesh, const std::vector<Vertex>& vertices, const Piece& piece)>;
 
-    /// Phase k, which is this part of the stage: calls body() for the patch of each tile with all vertices, then for those that
-    /// were locked in it, in the patches of other tiles.
-    bool for_each_piece(int phase, double from, double to, PieceWork body) {
-        const Tiling tiles = tiling(phase);
-        const bool has_seams = tiles.size() > 1;
-        auto count = static_cast<double>(tiled_->vertex_count());
-        progress().set_range(from, has_seams ? from + 0.9 * (to - from) : to);
-        if (!tiled_->for_each(tiles, [&](Patch<C>& patch, std::size_t tile) {
-                body(patch.mesh(), spatial_vertices(patch.mesh()), {tile, count});
-            }))
-            return false;
-        if (!has_seams) return true;
-        count = static_cast<double>(tiled_->vertex_count());
-        progress().set_range(from + 0.9 * (to - from), to);
-        return tiled_->for_each_seam(tiling(phase ^ 1), [&](Patch<C>& patch, std::size_t tile) {
-            body(patch.mesh(), patch.was_locked(), {tiles.size() + tile, count});
+    /// Calls body() for the free vertices of each patch of phase k, which is this part of the stage; before that, where
+    /// `has_missed`, for those of them that were locked in the phase before, which did the same.
+    bool for_each_piece(int phase, bool has_missed, double from, double to, PieceWork body) {
+        const auto count = static_cast<double>(tiled_->vertex_count());
+        progress().set_range(from, to);
+        return tiled_->for_each(tiling(phase), [&](Patch<C>& patch, std::size_t tile) {
+            if (const std::vector<Vertex> missed = patch.take_was_locked(); has_missed && !missed.empty())
+                body(patch.mesh(), missed, {2 * tile, count});
+            body(patch.mesh(), patch.free_vertices(), {2 * tile + 1, count});
         });
     }
-    /// The number of pieces of phase k.
-    [[nodiscard]] std::size_t piece_count(int phase) const { return tiling(phase).size() + tiling(phase ^ 1).size(); }
-
-    HMESH_COLD bool settle() {
-        return for_each_piece(0, 0, 1, [&](ImageMesh<C>& mesh, const std::vector<Vertex>& all, const Piece&) {
-            for_each_block(mesh, all, 0, [&](std::vector<Vertex>& vertices) {
-                for (int round = 0; round < steps_.settle_rounds; ++round) {
-                    sweep(mesh, vertices, steps_.settle);
-                    flip_edges(mesh, own_edges(mesh, vertices), steps_.settle_flip_gain);
-                }
-            });
+    /// Calls body() for the vertices that were locked in phase k, the last one, in the patches of other tiles.
+    bool for_each_seam(int phase, double from, double to, PieceWork body) {
+        if (aligned_.size() == 1) return true;
+        const auto count = static_cast<double>(tiled_->vertex_count());
+        progress().set_range(from, to);
+        return tiled_->for_each_seam(tiling(phase ^ 1), [&](Patch<C>& patch, std::size_t tile) {
+            body(patch.mesh(), patch.take_was_locked(), {tile, count});
         });
+    }
+
+    /// The visits of the first mesh.
+    void settle(ImageMesh<C>& mesh, const std::vector<Vertex>& all) const {
+        for_each_block(mesh, all, 0, [&](std::vector<Vertex>& vertices) {
+            for (int round = 0; round < steps_.settle_rounds; ++round) {
+                sweep(mesh, vertices, steps_.settle);
+                flip_edges(mesh, own_edges(mesh, vertices), steps_.settle_flip_gain);
+            }
+        });
+    }
+    HMESH_COLD bool settle() {
+        const auto body = [&](ImageMesh<C>& mesh, const std::vector<Vertex>& vertices, const Piece&) { settle(mesh, vertices); };
+        return for_each_piece(0, false, 0, 0.9, body) && for_each_seam(0, 0.9, 1, body);
     }
 
     HMESH_COLD bool collapse() {
@@ -218,17 +221,22 @@ class AnnealedRun {
             return k == 0 ? 0 : (0.4 + sweeps * t * (1.08 - 0.15 * t)) / (0.4 + 0.93 * sweeps);
         };
         for (int k = 0; k < annealing.sweeps; ++k) {
-            std::vector<AnnealingCounts> counts(piece_count(k + 1));
             const double tolerance = annealing.count_tolerance * (1 - static_cast<double>(k) / annealing.sweeps);
-            const bool go_on = for_each_piece(
-                k + 1, done(k), done(k + 1), [&](ImageMesh<C>& mesh, const std::vector<Vertex>& vertices, const Piece& piece) {
-                    const double share = static_cast<double>(mesh.vertex_count()) * static_cast<double>(n_) / piece.vertex_count;
-                    const CountRange range{(1 - tolerance) * share, (1 + tolerance) * share};
-                    const Random random(seed_, (static_cast<std::uint64_t>(k) << 32U) + piece.number);
-                    counts[piece.number] =
-                        AnnealingSweep<C>(mesh, annealing, schedule.price(), schedule.temperature(k), range, random).run(vertices);
-                });
-            if (!go_on) return false;
+            std::vector<AnnealingCounts> counts;
+            const auto body = [&](ImageMesh<C>& mesh, const std::vector<Vertex>& vertices, const Piece& piece) {
+                const double share = static_cast<double>(mesh.vertex_count()) * static_cast<double>(n_) / piece.vertex_count;
+                const CountRange range{(1 - tolerance) * share, (1 + tolerance) * share};
+                const Random random(seed_, (static_cast<std::uint64_t>(k) << 32U) + piece.number);
+                const AnnealingCounts more =
+                    AnnealingSweep<C>(mesh, annealing, schedule.price(), schedule.temperature(k), range, random).run(vertices);
+                counts[piece.number].removed += more.removed;
+                counts[piece.number].inserted += more.inserted;
+            };
+            const bool is_last = k + 1 == annealing.sweeps;
+            const double end = is_last ? done(k) + 0.9 * (done(k + 1) - done(k)) : done(k + 1);
+            counts.resize(2 * std::max(tiling(k + 2).size(), tiling(k + 3).size()));
+            if (!for_each_piece(k + 2, k > 0, done(k), end, body)) return false;
+            if (is_last && !for_each_seam(k + 2, end, done(k + 1), body)) return false;
             AnnealingCounts sum;
             for (const AnnealingCounts& c : counts) {
                 sum.removed += c.removed;
@@ -242,19 +250,17 @@ class AnnealedRun {
 
     /// Begins where this fraction of the stage is done.
     HMESH_COLD bool polish(double from) {
-        // Without annealing no phase has shifted the tiling yet: one round at least works across the seams.
-        const bool has_seams = aligned_.size() > 1 && steps_.annealing.sweeps == 0;
-        const int rounds = std::max(steps_.polish_rounds, has_seams ? 1 : 0);
-        const auto begin = [&](int k) { return from + (1 - from) * k / rounds; };
+        const int rounds = steps_.polish_rounds;
+        const auto body = [&](ImageMesh<C>& mesh, const std::vector<Vertex>& all, const Piece&) {
+            for_each_block(mesh, all, 0, [&](std::vector<Vertex>& vertices) {
+                flip_edges(mesh, own_edges(mesh, vertices), steps_.polish.propagate_above);
+                sweep(mesh, vertices, steps_.polish);
+            });
+        };
+        const auto begin = [&](int k) { return from + (0.95 - from) * k / rounds; };
         for (int k = 0; k < rounds; ++k)
-            if (!for_each_piece(k, begin(k), begin(k + 1), [&](ImageMesh<C>& mesh, const std::vector<Vertex>& all, const Piece&) {
-                    for_each_block(mesh, all, 0, [&](std::vector<Vertex>& vertices) {
-                        flip_edges(mesh, own_edges(mesh, vertices), steps_.polish.propagate_above);
-                        sweep(mesh, vertices, steps_.polish);
-                    });
-                }))
-                return false;
-        return true;
+            if (!for_each_piece(k, k > 0, begin(k), begin(k + 1), body)) return false;
+        return rounds == 0 || for_each_seam(rounds - 1, 0.95, 1, body);
     }
 
     TiledMesh<C>* tiled_;
