@@ -6729,12 +6729,9 @@ inline Status HalfedgeMesh::assign(std::size_t vertex_count, const std::vector<T
     if (vertex_count >= free_end / 6)
         return {Errc::image_too_large, "a mesh has too many vertices", static_cast<std::int64_t>(vertex_count), free_end / 6};
 
-    // Each side of a triangle as (smaller corner, larger corner, direction): the two half-edges of an edge sort together.
-    // First by counting, then the few that share their smaller corner.
-    struct Side {
-        std::uint32_t low, high, corner;  // corner = 3 * triangle + k; the side runs from corner k to corner k + 1
-        bool reversed;
-    };
+    // The sides of all triangles, those of an edge together: first by their smaller end, by counting, then by the larger one and
+    // the direction. As one number: the larger end, 1 if the side runs from it to the smaller one, and 3 t + k for the side of
+    // triangle t that begins at its corner k.
     std::vector<std::size_t> first(vertex_count + 1, 0);
     for (std::size_t t = 0; t < triangles.size(); ++t)
         for (std::size_t k = 0; k < 3; ++k) {
@@ -6744,31 +6741,32 @@ inline Status HalfedgeMesh::assign(std::size_t vertex_count, const std::vector<T
             ++first[std::min(a, b) + 1];
         }
     for (std::size_t v = 0; v < vertex_count; ++v) first[v + 1] += first[v];
-    std::vector<Side> sides(3 * triangles.size());
+    std::vector<std::uint64_t> sides(3 * triangles.size());
     for (std::size_t t = 0; t < triangles.size(); ++t)
         for (std::size_t k = 0; k < 3; ++k) {
-            const std::uint32_t a = triangles[t][k], b = triangles[t][(k + 1) % 3];
-            sides[first[std::min(a, b)]++] = {std::min(a, b), std::max(a, b), static_cast<std::uint32_t>(3 * t + k), a > b};
+            const std::uint64_t a = triangles[t][k], b = triangles[t][(k + 1) % 3];
+            sides[first[std::min(a, b)]++] = std::max(a, b) << 33U | (a > b ? std::uint64_t{1} << 32U : 0) | (3 * t + k);
         }
-    for (std::size_t v = 0, begin = 0; v < vertex_count; begin = first[v++])
-        std::sort(sides.begin() + static_cast<std::ptrdiff_t>(begin), sides.begin() + static_cast<std::ptrdiff_t>(first[v]),
-                  [](const Side& a, const Side& b) { return a.high != b.high ? a.high < b.high : a.reversed < b.reversed; });
-
     std::vector<Halfedge> side_halfedge(3 * triangles.size());
     halfedges_.reserve(4 * triangles.size());
     faces_.reserve(triangles.size());
     vertices_.resize(vertex_count);
     counts_.vertices = vertex_count;
-    for (std::size_t i = 0; i < sides.size();) {
-        const Side& side = sides[i];
-        std::size_t same = i + 1;
-        while (same < sides.size() && sides[same].low == side.low && sides[same].high == side.high) ++same;
-        if (same - i > 2 || (same - i == 2 && sides[i + 1].reversed == side.reversed))
-            return fail("an edge is used twice in one direction, first by triangle", side.corner / 3);
-        const Halfedge h = new_edge();
-        set_to(h, Vertex(side.high));
-        set_to(opposite(h), Vertex(side.low));
-        for (; i < same; ++i) side_halfedge[sides[i].corner] = sides[i].reversed ? opposite(h) : h;
+    for (std::size_t low = 0, i = 0; low < vertex_count; ++low) {
+        const std::size_t end = first[low];
+        std::sort(sides.begin() + static_cast<std::ptrdiff_t>(i), sides.begin() + static_cast<std::ptrdiff_t>(end));
+        while (i < end) {
+            const std::uint64_t side = sides[i];
+            std::size_t same = i + 1;
+            while (same < end && sides[same] >> 33U == side >> 33U) ++same;
+            if (same - i > 2 || (same - i == 2 && sides[i + 1] >> 32U == side >> 32U))
+                return fail("an edge is used twice in one direction, first by triangle", static_cast<std::uint32_t>(side) / 3);
+            const Halfedge h = new_edge();
+            set_to(h, Vertex(side >> 33U));
+            set_to(opposite(h), Vertex(low));
+            for (; i < same; ++i)
+                side_halfedge[static_cast<std::uint32_t>(sides[i])] = (sides[i] >> 32U & 1U) != 0 ? opposite(h) : h;
+        }
     }
     for (std::size_t t = 0; t < triangles.size(); ++t) {
         set_triangle(new_face(), side_halfedge[3 * t], side_halfedge[3 * t + 1], side_halfedge[3 * t + 2]);
