@@ -9063,13 +9063,13 @@ struct RemovalCost {
     Vertex vertex;  ///< which
 };
 
-/// The costs of all vertices that can be removed, in spatial order. Some 1 us a vertex.
+/// The costs of those of these vertices that can be removed. Some 1 us a vertex.
 template <int C>
-[[nodiscard]] HMESH_COLD std::vector<RemovalCost> removal_costs(const ImageMesh<C>& mesh) {
+[[nodiscard]] HMESH_COLD std::vector<RemovalCost> removal_costs(const ImageMesh<C>& mesh, const std::vector<Vertex>& vertices) {
     std::vector<RemovalCost> costs;
-    costs.reserve(mesh.vertex_count());
+    costs.reserve(vertices.size());
     RingScratch<C> scratch;
-    for (const Vertex v : spatial_vertices(mesh)) {
+    for (const Vertex v : vertices) {
         if (!mesh.keep_going()) break;
         const CollapseCandidate candidate = cheapest_collapse(mesh, scratch, v);
         if (candidate.halfedge.is_valid()) costs.push_back({candidate.cost, v});
@@ -9104,7 +9104,7 @@ namespace detail {
 
 }  // namespace detail
 
-/// Removes up to `count` of the vertices in `costs`, which removal_costs() found in this very mesh: those that are cheapest to
+/// Removes up to `count` of the vertices in `costs`, which are in spatial order and what removal_costs() says of this very mesh: those that are cheapest to
 /// remove, and re-optimises the ring of each with relax(). They are chosen by cost and removed in spatial order, which takes less
 /// time; a vertex in the ring of one chosen before stays for the next batch. Vertices of these rings become dirty. Returns the
 /// number of vertices removed, which is less than `count` also where mesh.keep_going() says stop.
@@ -9129,10 +9129,10 @@ std::size_t remove_batch(ImageMesh<C>& mesh, const std::vector<RemovalCost>& cos
     }
     return removed;
 }
-/// The same with the costs as they are now.
+/// The same for all vertices of the mesh.
 template <int C>
 std::size_t remove_batch(ImageMesh<C>& mesh, std::size_t count, const Relaxation& relaxation) {
-    return remove_batch(mesh, removal_costs(mesh), count, relaxation);
+    return remove_batch(mesh, removal_costs(mesh, spatial_vertices(mesh)), count, relaxation);
 }
 
 }  // namespace hmesh::kit
@@ -10135,6 +10135,8 @@ class TiledMesh {
             count += patches_[k] != nullptr ? patches_[k]->free_count() : cut_.free_count[k];
         return count;
     }
+    /// The number of vertices that were free in no patch of the last for_each().
+    [[nodiscard]] std::size_t locked_count() const noexcept { return is_cut() ? cut_.locked_count : indexed_.locked_count; }
     /// The squared error over pixels and channels, as of the last for_each() or measure(); rounding may leave it slightly
     /// negative.
     [[nodiscard]] HMESH_COLD double energy() const noexcept {
@@ -10396,37 +10398,57 @@ namespace hmesh::kit {
 
 namespace detail {
 
-/// Removes about `count` vertices, with a quota for each patch from the sorted list of all patches' collapse costs, in batches of
-/// at most `most` of a patch's vertices: large batches reach vertices that are not cheap, since the neighbours of removed
-/// vertices stay in a batch. Returns whether any vertex was removed; false also after a cancellation.
+/// Removes up to `count` vertices, the cheapest ones among those that costs[tile] tells of each patch of the tiling that the mesh
+/// is cut along, in batches of at most `most` of a patch's vertices: large batches reach vertices that are not cheap, since the
+/// neighbours of removed vertices stay in a batch. The costs are lost.
 template <int C>
-HMESH_COLD bool remove_cheapest(TiledMesh<C>& tiled, const Tiling& tiling, std::size_t count, const Relaxation& relaxation,
-                                double most = 1.0 / 32) {
-    std::vector<std::vector<RemovalCost>> costs(tiling.size());
-    if (!tiled.for_each(tiling, [&](Patch<C>& patch, std::size_t tile) {
-            patch.mesh().expect(1, static_cast<double>(patch.vertex_count()));
-            costs[tile] = removal_costs(patch.mesh());
-        }))
-        return false;
+HMESH_COLD void remove_by_cost(TiledMesh<C>& tiled, const Tiling& tiling, std::vector<std::vector<RemovalCost>>& costs,
+                               std::size_t count, const Relaxation& relaxation, double most) {
     std::vector<std::pair<double, std::uint32_t>> all;  // a cost, and the patch of the vertex
     for (std::size_t k = 0; k < costs.size(); ++k)
         for (const RemovalCost& c : costs[k]) all.emplace_back(c.cost, static_cast<std::uint32_t>(k));
-    count = std::min(count, all.size());
-    const auto end = all.begin() + static_cast<std::ptrdiff_t>(count);
+    const auto end = all.begin() + static_cast<std::ptrdiff_t>(std::min(count, all.size()));
     std::nth_element(all.begin(), end, all.end());
     std::vector<std::size_t> quota(tiling.size(), 0);
     for (auto at = all.begin(); at != end; ++at) ++quota[at->second];
-    const std::size_t before = tiled.vertex_count();
     tiled.for_each(tiling, [&](Patch<C>& patch, std::size_t tile) {
         patch.mesh().expect(1, static_cast<double>(2 * quota[tile]));
         for (std::size_t left = quota[tile]; left > 0;) {
             const auto batch = static_cast<std::size_t>(std::ceil(static_cast<double>(patch.vertex_count()) * most));
-            if (left < quota[tile]) costs[tile] = removal_costs(patch.mesh());
             const std::size_t removed = remove_batch(patch.mesh(), costs[tile], std::min(left, batch), relaxation);
             if (removed == 0) break;
             left -= removed;
+            if (left > 0) costs[tile] = removal_costs(patch.mesh(), patch.free_vertices());
         }
     });
+}
+
+/// Removes about `count` vertices, the cheapest ones wherever they are, from the patches of a tiling, `most` as above. Returns
+/// whether any vertex was removed; false also after a cancellation.
+template <int C>
+HMESH_COLD bool remove_cheapest(TiledMesh<C>& tiled, const Tiling& tiling, std::size_t count, const Relaxation& relaxation,
+                                double most = 1.0 / 32) {
+    std::vector<std::vector<RemovalCost>> costs(tiling.size());
+    const std::size_t before = tiled.vertex_count();
+    if (!tiled.for_each(tiling, [&](Patch<C>& patch, std::size_t tile) {
+            patch.mesh().expect(1, static_cast<double>(patch.vertex_count()));
+            costs[tile] = removal_costs(patch.mesh(), patch.free_vertices());
+        }))
+        return false;
+    remove_by_cost(tiled, tiling, costs, count, relaxation, most);
+    return tiled.vertex_count() < before;
+}
+/// The same for the vertices that were locked in the last phase, in the patches of another tiling.
+template <int C>
+HMESH_COLD bool remove_cheapest_on_seams(TiledMesh<C>& tiled, const Tiling& tiling, std::size_t count,
+                                         const Relaxation& relaxation) {
+    std::vector<std::vector<RemovalCost>> costs(tiling.size());
+    const std::size_t before = tiled.vertex_count();
+    if (!tiled.for_each_seam(tiling, [&](Patch<C>& patch, std::size_t tile) {
+            costs[tile] = removal_costs(patch.mesh(), patch.take_was_locked());
+        }))
+        return false;
+    remove_by_cost(tiled, tiling, costs, count, relaxation, 1);
     return tiled.vertex_count() < before;
 }
 
@@ -10456,24 +10478,31 @@ HMESH_COLD bool insert_best(TiledMesh<C>& tiled, const Tiling& tiling, std::size
 
 }  // namespace detail
 
-/// Brings the mesh to exactly n vertices by removal or insertion, in patches of about `tile` px. False: cancelled, or more than n
-/// vertices are left and none of them can be removed.
+/// Brings the mesh to exactly n vertices by removal or insertion, in the patches of the tilings tiling_of(0), tiling_of(1), ..,
+/// as many as it takes; in any four in a row every vertex must be free once. False: cancelled, or more than n vertices are left
+/// and none of them can be removed.
 template <int C>
-HMESH_COLD bool reach_vertex_count(TiledMesh<C>& tiled, std::size_t n, double tile, const Relaxation& relaxation = {}) {
+HMESH_COLD bool reach_vertex_count(TiledMesh<C>& tiled, std::size_t n, const Relaxation& relaxation,
+                                   FunctionRef<Tiling(int k)> tiling_of) {
     const int width = tiled.source().width(), height = tiled.source().height();
     const auto count = [&] { return tiled.vertex_count(); };
-    // Vertices that are locked in one tiling are free in another: only four tilings without a change mean that nothing can
-    // change.
+    // Only four tilings without a change mean that nothing can change.
     for (int k = 0, stuck = 0; count() != n && stuck < 4 && !tiled.progress().stopped(); ++k) {
-        const Tiling tiling(width, height, tile, (k & 2) == 0, (k & 1) == 0);
-        const bool moved = count() > n ? detail::remove_cheapest(tiled, tiling, count() - n, relaxation)
-                                       : detail::insert_best(tiled, tiling, n - count());
+        const bool moved = count() > n ? detail::remove_cheapest(tiled, tiling_of(k), count() - n, relaxation)
+                                       : detail::insert_best(tiled, tiling_of(k), n - count());
         stuck = moved ? 0 : stuck + 1;
     }
     if (count() < n && !tiled.progress().stopped())
         tiled.for_each(Tiling(width, height, std::max(width, height)),
                        [&](Patch<C>& patch, std::size_t) { subdivide(patch.mesh(), n - patch.mesh().vertex_count()); });
     return count() == n;
+}
+/// The same in patches of about `tile` px.
+template <int C>
+HMESH_COLD bool reach_vertex_count(TiledMesh<C>& tiled, std::size_t n, double tile, const Relaxation& relaxation = {}) {
+    return reach_vertex_count(tiled, n, relaxation, [&](int k) {
+        return Tiling(tiled.source().width(), tiled.source().height(), tile, (k & 2) == 0, (k & 1) == 0);
+    });
 }
 
 }  // namespace hmesh::kit
@@ -10997,7 +11026,7 @@ class AnnealedRun {
         return stage("start",
                      [&] {
                          tiled_->measure(aligned_);
-                         return reach_vertex_count(*tiled_, n_, tile_, steps_.relaxation);
+                         return reach();
                      }) &&
                finish();
     }
@@ -11006,8 +11035,12 @@ class AnnealedRun {
     bool finish() {
         return (steps_.annealing.sweeps == 0 || stage("anneal", [&] { return anneal(); })) && stage("polish", [&] {
                    progress().set_range(0, 0.35);
-                   return reach_vertex_count(*tiled_, n_, tile_, steps_.relaxation) && polish(0.35);
+                   return reach() && polish(0.35);
                });
+    }
+    bool reach() {
+        const int first = phase_;
+        return reach_vertex_count(*tiled_, n_, steps_.relaxation, [&](int k) { return tiling(phase_ = first + k); });
     }
     [[nodiscard]] ProgressReporter& progress() noexcept { return tiled_->progress(); }
     /// The tiling of phase k: in any 4 phases in a row, every vertex is within a tile in at least one.
@@ -11045,23 +11078,24 @@ class AnnealedRun {
     /// What is done in a patch to some of its vertices, in spatial order.
     using PieceWork = FunctionRef<void(ImageMesh<C>& mesh, const std::vector<Vertex>& vertices, const Piece& piece)>;
 
-    /// Calls body() for the free vertices of each patch of phase k, which is this part of the stage; before that, where
+    /// Calls body() for the free vertices of each patch of this phase, which is this part of the stage; before that, where
     /// `has_missed`, for those of them that were locked in the phase before, which did the same.
-    bool for_each_piece(int phase, bool has_missed, double from, double to, PieceWork body) {
+    bool for_each_piece(bool has_missed, double from, double to, PieceWork body) {
         const auto count = static_cast<double>(tiled_->vertex_count());
         progress().set_range(from, to);
-        return tiled_->for_each(tiling(phase), [&](Patch<C>& patch, std::size_t tile) {
+        return tiled_->for_each(tiling(phase_), [&](Patch<C>& patch, std::size_t tile) {
             if (const std::vector<Vertex> missed = patch.take_was_locked(); has_missed && !missed.empty())
                 body(patch.mesh(), missed, {2 * tile, count});
             body(patch.mesh(), patch.free_vertices(), {2 * tile + 1, count});
         });
     }
-    /// Calls body() for the vertices that were locked in phase k, the last one, in the patches of other tiles.
-    bool for_each_seam(int phase, double from, double to, PieceWork body) {
+    /// Calls body() for the vertices that were locked in this phase, in the patches of the next.
+    bool for_each_seam(double from, double to, PieceWork body) {
         if (aligned_.size() == 1) return true;
         const auto count = static_cast<double>(tiled_->vertex_count());
         progress().set_range(from, to);
-        return tiled_->for_each_seam(tiling(phase ^ 1), [&](Patch<C>& patch, std::size_t tile) {
+        phase_ ^= 1;
+        return tiled_->for_each_seam(tiling(phase_), [&](Patch<C>& patch, std::size_t tile) {
             body(patch.mesh(), patch.take_was_locked(), {tile, count});
         });
     }
@@ -11076,33 +11110,49 @@ class AnnealedRun {
         });
     }
     HMESH_COLD bool settle() {
-        const auto body = [&](ImageMesh<C>& mesh, const std::vector<Vertex>& vertices, const Piece&) { settle(mesh, vertices); };
-        return for_each_piece(0, false, 0, 0.9, body) && for_each_seam(0, 0.9, 1, body);
+        return for_each_piece(false, 0, 1, [&](ImageMesh<C>& mesh, const std::vector<Vertex>& vertices, const Piece&) {
+            settle(mesh, vertices);
+        });
     }
 
     HMESH_COLD bool collapse() {
         const std::size_t first = tiled_->vertex_count();
-        for (int k = 0, stuck = 0; tiled_->vertex_count() > n_ && stuck < 4; ++k) {
-            const std::size_t count = tiled_->vertex_count();
-            const auto batch = static_cast<std::size_t>(std::ceil(static_cast<double>(count) * steps_.collapse_batch));
-            progress().set_range(
-                static_cast<double>(first - count) / static_cast<double>(first - n_),
-                static_cast<double>(first - std::max(n_, count - std::min(count, batch))) / static_cast<double>(first - n_));
-            const bool removed =
-                remove_cheapest(*tiled_, tiling(k), std::min(count - n_, batch), steps_.relaxation, steps_.collapse_batch);
+        const bool has_seams = aligned_.size() > 1;
+        const auto settle_seam = [&](ImageMesh<C>& mesh, const std::vector<Vertex>& vertices, const Piece&) {
+            settle(mesh, vertices);
+        };
+        if (!for_each_seam(0, 0, settle_seam)) return false;
+        for (int stuck = 0; tiled_->vertex_count() > n_ && stuck < 4;) {
+            const std::size_t before = tiled_->vertex_count();
+            const auto share = static_cast<std::size_t>(std::ceil(static_cast<double>(before) * steps_.collapse_batch));
+            const std::size_t batch = std::min(before - n_, share);
+            const auto done = [&](std::size_t count) {
+                return static_cast<double>(first - count) / static_cast<double>(first - n_);
+            };
+            progress().set_range(done(before), done(before - batch));
+            // The vertices that are locked have a share in the batch.
+            const double free = 1 - static_cast<double>(tiled_->locked_count()) / static_cast<double>(before);
+            remove_cheapest(*tiled_, tiling(phase_), static_cast<std::size_t>(std::ceil(free * static_cast<double>(batch))),
+                            steps_.relaxation, steps_.collapse_batch);
             if (progress().stopped()) return false;
-            stuck = removed ? 0 : stuck + 1;
+            if (const std::size_t left = batch - std::min(batch, before - tiled_->vertex_count()); has_seams && left > 0) {
+                phase_ ^= 1;
+                remove_cheapest_on_seams(*tiled_, tiling(phase_), left, steps_.relaxation);
+                if (progress().stopped()) return false;
+            }
+            stuck = tiled_->vertex_count() < before ? 0 : stuck + 1;
         }
-        (void)tiled_->indexed();  // renumbers a single patch without its many deleted slots
+        if (!has_seams) (void)tiled_->indexed();  // renumbers the vertices without their many deleted slots
         return true;
     }
 
     /// first_price() of the whole mesh, from some thousand vertices.
     [[nodiscard]] HMESH_COLD double measured_price() {
         const std::size_t step = std::max<std::size_t>(1, std::min<std::size_t>(16, tiled_->vertex_count() / 1024));
-        std::vector<VertexWorths> of_tile(aligned_.size());
+        const Tiling tiles = tiling(phase_);
+        std::vector<VertexWorths> of_tile(tiles.size());
         progress().set_range(0, 0);
-        tiled_->for_each(aligned_, [&](Patch<C>& patch, std::size_t tile) { sample_worths(patch.mesh(), step, of_tile[tile]); });
+        tiled_->for_each(tiles, [&](Patch<C>& patch, std::size_t tile) { sample_worths(patch.mesh(), step, of_tile[tile]); });
         VertexWorths worths;
         for (const VertexWorths& some : of_tile) {
             worths.gains.insert(worths.gains.end(), some.gains.begin(), some.gains.end());
@@ -11134,9 +11184,10 @@ class AnnealedRun {
             };
             const bool is_last = k + 1 == annealing.sweeps;
             const double end = is_last ? done(k) + 0.9 * (done(k + 1) - done(k)) : done(k + 1);
-            counts.resize(2 * std::max(tiling(k + 2).size(), tiling(k + 3).size()));
-            if (!for_each_piece(k + 2, k > 0, done(k), end, body)) return false;
-            if (is_last && !for_each_seam(k + 2, end, done(k + 1), body)) return false;
+            if (k > 0) ++phase_;
+            counts.resize(2 * std::max(tiling(phase_).size(), tiling(phase_ ^ 1).size()));
+            if (!for_each_piece(k > 0, done(k), end, body)) return false;
+            if (is_last && !for_each_seam(end, done(k + 1), body)) return false;
             AnnealingCounts sum;
             for (const AnnealingCounts& c : counts) {
                 sum.removed += c.removed;
@@ -11158,9 +11209,11 @@ class AnnealedRun {
             });
         };
         const auto begin = [&](int k) { return from + (0.95 - from) * k / rounds; };
-        for (int k = 0; k < rounds; ++k)
-            if (!for_each_piece(k, k > 0, begin(k), begin(k + 1), body)) return false;
-        return rounds == 0 || for_each_seam(rounds - 1, 0.95, 1, body);
+        for (int k = 0; k < rounds; ++k) {
+            if (k > 0) ++phase_;
+            if (!for_each_piece(k > 0, begin(k), begin(k + 1), body)) return false;
+        }
+        return rounds == 0 || for_each_seam(0.95, 1, body);
     }
 
     TiledMesh<C>* tiled_;
@@ -11169,6 +11222,7 @@ class AnnealedRun {
     std::uint64_t seed_;
     double tile_;
     Tiling aligned_;
+    int phase_ = 0;  ///< the tiling of the last patches, and of the next
 };
 
 }  // namespace kit::detail

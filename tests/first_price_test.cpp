@@ -41,7 +41,7 @@ TEST_CASE("each edge and face counts for one vertex, with the gain that its cand
     CHECK(sum > 0);
     // Corners have no collapse.
     CHECK(worths.costs.size() == mesh.vertex_count() - 4);
-    std::vector<double> costs = kit::removal_costs(mesh);
+    std::vector<double> costs = kit::removal_costs(mesh, kit::spatial_vertices(mesh));
     std::sort(costs.begin(), costs.end());
     std::sort(worths.costs.begin(), worths.costs.end());
     CHECK(costs == worths.costs);

@@ -106,13 +106,13 @@ struct RemovalCost {
     Vertex vertex;  ///< which
 };
 
-/// The costs of all vertices that can be removed, in spatial order. Some 1 us a vertex.
+/// The costs of those of these vertices that can be removed. Some 1 us a vertex.
 template <int C>
-[[nodiscard]] HMESH_COLD std::vector<RemovalCost> removal_costs(const ImageMesh<C>& mesh) {
+[[nodiscard]] HMESH_COLD std::vector<RemovalCost> removal_costs(const ImageMesh<C>& mesh, const std::vector<Vertex>& vertices) {
     std::vector<RemovalCost> costs;
-    costs.reserve(mesh.vertex_count());
+    costs.reserve(vertices.size());
     RingScratch<C> scratch;
-    for (const Vertex v : spatial_vertices(mesh)) {
+    for (const Vertex v : vertices) {
         if (!mesh.keep_going()) break;
         const CollapseCandidate candidate = cheapest_collapse(mesh, scratch, v);
         if (candidate.halfedge.is_valid()) costs.push_back({candidate.cost, v});
@@ -147,7 +147,7 @@ namespace detail {
 
 }  // namespace detail
 
-/// Removes up to `count` of the vertices in `costs`, which removal_costs() found in this very mesh: those that are cheapest to
+/// Removes up to `count` of the vertices in `costs`, which are in spatial order and what removal_costs() says of this very mesh: those that are cheapest to
 /// remove, and re-optimises the ring of each with relax(). They are chosen by cost and removed in spatial order, which takes less
 /// time; a vertex in the ring of one chosen before stays for the next batch. Vertices of these rings become dirty. Returns the
 /// number of vertices removed, which is less than `count` also where mesh.keep_going() says stop.
@@ -172,10 +172,10 @@ std::size_t remove_batch(ImageMesh<C>& mesh, const std::vector<RemovalCost>& cos
     }
     return removed;
 }
-/// The same with the costs as they are now.
+/// The same for all vertices of the mesh.
 template <int C>
 std::size_t remove_batch(ImageMesh<C>& mesh, std::size_t count, const Relaxation& relaxation) {
-    return remove_batch(mesh, removal_costs(mesh), count, relaxation);
+    return remove_batch(mesh, removal_costs(mesh, spatial_vertices(mesh)), count, relaxation);
 }
 
 }  // namespace hmesh::kit

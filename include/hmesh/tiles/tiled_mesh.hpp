@@ -62,6 +62,8 @@ class TiledMesh {
             count += patches_[k] != nullptr ? patches_[k]->free_count() : cut_.free_count[k];
         return count;
     }
+    /// The number of vertices that were free in no patch of the last for_each().
+    [[nodiscard]] std::size_t locked_count() const noexcept { return is_cut() ? cut_.locked_count : indexed_.locked_count; }
     /// The squared error over pixels and channels, as of the last for_each() or measure(); rounding may leave it slightly
     /// negative.
     [[nodiscard]] HMESH_COLD double energy() const noexcept {

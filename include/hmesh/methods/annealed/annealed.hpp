@@ -97,7 +97,7 @@ class AnnealedRun {
         return stage("start",
                      [&] {
                          tiled_->measure(aligned_);
-                         return reach_vertex_count(*tiled_, n_, tile_, steps_.relaxation);
+                         return reach();
                      }) &&
                finish();
     }
@@ -106,8 +106,12 @@ class AnnealedRun {
     bool finish() {
         return (steps_.annealing.sweeps == 0 || stage("anneal", [&] { return anneal(); })) && stage("polish", [&] {
                    progress().set_range(0, 0.35);
-                   return reach_vertex_count(*tiled_, n_, tile_, steps_.relaxation) && polish(0.35);
+                   return reach() && polish(0.35);
                });
+    }
+    bool reach() {
+        const int first = phase_;
+        return reach_vertex_count(*tiled_, n_, steps_.relaxation, [&](int k) { return tiling(phase_ = first + k); });
     }
     [[nodiscard]] ProgressReporter& progress() noexcept { return tiled_->progress(); }
     /// The tiling of phase k: in any 4 phases in a row, every vertex is within a tile in at least one.
@@ -145,23 +149,24 @@ class AnnealedRun {
     /// What is done in a patch to some of its vertices, in spatial order.
     using PieceWork = FunctionRef<void(ImageMesh<C>& mesh, const std::vector<Vertex>& vertices, const Piece& piece)>;
 
-    /// Calls body() for the free vertices of each patch of phase k, which is this part of the stage; before that, where
+    /// Calls body() for the free vertices of each patch of this phase, which is this part of the stage; before that, where
     /// `has_missed`, for those of them that were locked in the phase before, which did the same.
-    bool for_each_piece(int phase, bool has_missed, double from, double to, PieceWork body) {
+    bool for_each_piece(bool has_missed, double from, double to, PieceWork body) {
         const auto count = static_cast<double>(tiled_->vertex_count());
         progress().set_range(from, to);
-        return tiled_->for_each(tiling(phase), [&](Patch<C>& patch, std::size_t tile) {
+        return tiled_->for_each(tiling(phase_), [&](Patch<C>& patch, std::size_t tile) {
             if (const std::vector<Vertex> missed = patch.take_was_locked(); has_missed && !missed.empty())
                 body(patch.mesh(), missed, {2 * tile, count});
             body(patch.mesh(), patch.free_vertices(), {2 * tile + 1, count});
         });
     }
-    /// Calls body() for the vertices that were locked in phase k, the last one, in the patches of other tiles.
-    bool for_each_seam(int phase, double from, double to, PieceWork body) {
+    /// Calls body() for the vertices that were locked in this phase, in the patches of the next.
+    bool for_each_seam(double from, double to, PieceWork body) {
         if (aligned_.size() == 1) return true;
         const auto count = static_cast<double>(tiled_->vertex_count());
         progress().set_range(from, to);
-        return tiled_->for_each_seam(tiling(phase ^ 1), [&](Patch<C>& patch, std::size_t tile) {
+        phase_ ^= 1;
+        return tiled_->for_each_seam(tiling(phase_), [&](Patch<C>& patch, std::size_t tile) {
             body(patch.mesh(), patch.take_was_locked(), {tile, count});
         });
     }
@@ -176,33 +181,49 @@ class AnnealedRun {
         });
     }
     HMESH_COLD bool settle() {
-        const auto body = [&](ImageMesh<C>& mesh, const std::vector<Vertex>& vertices, const Piece&) { settle(mesh, vertices); };
-        return for_each_piece(0, false, 0, 0.9, body) && for_each_seam(0, 0.9, 1, body);
+        return for_each_piece(false, 0, 1, [&](ImageMesh<C>& mesh, const std::vector<Vertex>& vertices, const Piece&) {
+            settle(mesh, vertices);
+        });
     }
 
     HMESH_COLD bool collapse() {
         const std::size_t first = tiled_->vertex_count();
-        for (int k = 0, stuck = 0; tiled_->vertex_count() > n_ && stuck < 4; ++k) {
-            const std::size_t count = tiled_->vertex_count();
-            const auto batch = static_cast<std::size_t>(std::ceil(static_cast<double>(count) * steps_.collapse_batch));
-            progress().set_range(
-                static_cast<double>(first - count) / static_cast<double>(first - n_),
-                static_cast<double>(first - std::max(n_, count - std::min(count, batch))) / static_cast<double>(first - n_));
-            const bool removed =
-                remove_cheapest(*tiled_, tiling(k), std::min(count - n_, batch), steps_.relaxation, steps_.collapse_batch);
+        const bool has_seams = aligned_.size() > 1;
+        const auto settle_seam = [&](ImageMesh<C>& mesh, const std::vector<Vertex>& vertices, const Piece&) {
+            settle(mesh, vertices);
+        };
+        if (!for_each_seam(0, 0, settle_seam)) return false;
+        for (int stuck = 0; tiled_->vertex_count() > n_ && stuck < 4;) {
+            const std::size_t before = tiled_->vertex_count();
+            const auto share = static_cast<std::size_t>(std::ceil(static_cast<double>(before) * steps_.collapse_batch));
+            const std::size_t batch = std::min(before - n_, share);
+            const auto done = [&](std::size_t count) {
+                return static_cast<double>(first - count) / static_cast<double>(first - n_);
+            };
+            progress().set_range(done(before), done(before - batch));
+            // The vertices that are locked have a share in the batch.
+            const double free = 1 - static_cast<double>(tiled_->locked_count()) / static_cast<double>(before);
+            remove_cheapest(*tiled_, tiling(phase_), static_cast<std::size_t>(std::ceil(free * static_cast<double>(batch))),
+                            steps_.relaxation, steps_.collapse_batch);
             if (progress().stopped()) return false;
-            stuck = removed ? 0 : stuck + 1;
+            if (const std::size_t left = batch - std::min(batch, before - tiled_->vertex_count()); has_seams && left > 0) {
+                phase_ ^= 1;
+                remove_cheapest_on_seams(*tiled_, tiling(phase_), left, steps_.relaxation);
+                if (progress().stopped()) return false;
+            }
+            stuck = tiled_->vertex_count() < before ? 0 : stuck + 1;
         }
-        (void)tiled_->indexed();  // renumbers a single patch without its many deleted slots
+        if (!has_seams) (void)tiled_->indexed();  // renumbers the vertices without their many deleted slots
         return true;
     }
 
     /// first_price() of the whole mesh, from some thousand vertices.
     [[nodiscard]] HMESH_COLD double measured_price() {
         const std::size_t step = std::max<std::size_t>(1, std::min<std::size_t>(16, tiled_->vertex_count() / 1024));
-        std::vector<VertexWorths> of_tile(aligned_.size());
+        const Tiling tiles = tiling(phase_);
+        std::vector<VertexWorths> of_tile(tiles.size());
         progress().set_range(0, 0);
-        tiled_->for_each(aligned_, [&](Patch<C>& patch, std::size_t tile) { sample_worths(patch.mesh(), step, of_tile[tile]); });
+        tiled_->for_each(tiles, [&](Patch<C>& patch, std::size_t tile) { sample_worths(patch.mesh(), step, of_tile[tile]); });
         VertexWorths worths;
         for (const VertexWorths& some : of_tile) {
             worths.gains.insert(worths.gains.end(), some.gains.begin(), some.gains.end());
@@ -234,9 +255,10 @@ class AnnealedRun {
             };
             const bool is_last = k + 1 == annealing.sweeps;
             const double end = is_last ? done(k) + 0.9 * (done(k + 1) - done(k)) : done(k + 1);
-            counts.resize(2 * std::max(tiling(k + 2).size(), tiling(k + 3).size()));
-            if (!for_each_piece(k + 2, k > 0, done(k), end, body)) return false;
-            if (is_last && !for_each_seam(k + 2, end, done(k + 1), body)) return false;
+            if (k > 0) ++phase_;
+            counts.resize(2 * std::max(tiling(phase_).size(), tiling(phase_ ^ 1).size()));
+            if (!for_each_piece(k > 0, done(k), end, body)) return false;
+            if (is_last && !for_each_seam(end, done(k + 1), body)) return false;
             AnnealingCounts sum;
             for (const AnnealingCounts& c : counts) {
                 sum.removed += c.removed;
@@ -258,9 +280,11 @@ class AnnealedRun {
             });
         };
         const auto begin = [&](int k) { return from + (0.95 - from) * k / rounds; };
-        for (int k = 0; k < rounds; ++k)
-            if (!for_each_piece(k, k > 0, begin(k), begin(k + 1), body)) return false;
-        return rounds == 0 || for_each_seam(rounds - 1, 0.95, 1, body);
+        for (int k = 0; k < rounds; ++k) {
+            if (k > 0) ++phase_;
+            if (!for_each_piece(k > 0, begin(k), begin(k + 1), body)) return false;
+        }
+        return rounds == 0 || for_each_seam(0.95, 1, body);
     }
 
     TiledMesh<C>* tiled_;
@@ -269,6 +293,7 @@ class AnnealedRun {
     std::uint64_t seed_;
     double tile_;
     Tiling aligned_;
+    int phase_ = 0;  ///< the tiling of the last patches, and of the next
 };
 
 }  // namespace kit::detail

@@ -62,37 +62,57 @@ namespace hmesh::kit {
 
 namespace detail {
 
-/// Removes about `count` vertices, with a quota for each patch from the sorted list of all patches' collapse costs, in batches of
-/// at most `most` of a patch's vertices: large batches reach vertices that are not cheap, since the neighbours of removed
-/// vertices stay in a batch. Returns whether any vertex was removed; false also after a cancellation.
+/// Removes up to `count` vertices, the cheapest ones among those that costs[tile] tells of each patch of the tiling that the mesh
+/// is cut along, in batches of at most `most` of a patch's vertices: large batches reach vertices that are not cheap, since the
+/// neighbours of removed vertices stay in a batch. The costs are lost.
 template <int C>
-HMESH_COLD bool remove_cheapest(TiledMesh<C>& tiled, const Tiling& tiling, std::size_t count, const Relaxation& relaxation,
-                                double most = 1.0 / 32) {
-    std::vector<std::vector<RemovalCost>> costs(tiling.size());
-    if (!tiled.for_each(tiling, [&](Patch<C>& patch, std::size_t tile) {
-            patch.mesh().expect(1, static_cast<double>(patch.vertex_count()));
-            costs[tile] = removal_costs(patch.mesh());
-        }))
-        return false;
+HMESH_COLD void remove_by_cost(TiledMesh<C>& tiled, const Tiling& tiling, std::vector<std::vector<RemovalCost>>& costs,
+                               std::size_t count, const Relaxation& relaxation, double most) {
     std::vector<std::pair<double, std::uint32_t>> all;  // a cost, and the patch of the vertex
     for (std::size_t k = 0; k < costs.size(); ++k)
         for (const RemovalCost& c : costs[k]) all.emplace_back(c.cost, static_cast<std::uint32_t>(k));
-    count = std::min(count, all.size());
-    const auto end = all.begin() + static_cast<std::ptrdiff_t>(count);
+    const auto end = all.begin() + static_cast<std::ptrdiff_t>(std::min(count, all.size()));
     std::nth_element(all.begin(), end, all.end());
     std::vector<std::size_t> quota(tiling.size(), 0);
     for (auto at = all.begin(); at != end; ++at) ++quota[at->second];
-    const std::size_t before = tiled.vertex_count();
     tiled.for_each(tiling, [&](Patch<C>& patch, std::size_t tile) {
         patch.mesh().expect(1, static_cast<double>(2 * quota[tile]));
         for (std::size_t left = quota[tile]; left > 0;) {
             const auto batch = static_cast<std::size_t>(std::ceil(static_cast<double>(patch.vertex_count()) * most));
-            if (left < quota[tile]) costs[tile] = removal_costs(patch.mesh());
             const std::size_t removed = remove_batch(patch.mesh(), costs[tile], std::min(left, batch), relaxation);
             if (removed == 0) break;
             left -= removed;
+            if (left > 0) costs[tile] = removal_costs(patch.mesh(), patch.free_vertices());
         }
     });
+}
+
+/// Removes about `count` vertices, the cheapest ones wherever they are, from the patches of a tiling, `most` as above. Returns
+/// whether any vertex was removed; false also after a cancellation.
+template <int C>
+HMESH_COLD bool remove_cheapest(TiledMesh<C>& tiled, const Tiling& tiling, std::size_t count, const Relaxation& relaxation,
+                                double most = 1.0 / 32) {
+    std::vector<std::vector<RemovalCost>> costs(tiling.size());
+    const std::size_t before = tiled.vertex_count();
+    if (!tiled.for_each(tiling, [&](Patch<C>& patch, std::size_t tile) {
+            patch.mesh().expect(1, static_cast<double>(patch.vertex_count()));
+            costs[tile] = removal_costs(patch.mesh(), patch.free_vertices());
+        }))
+        return false;
+    remove_by_cost(tiled, tiling, costs, count, relaxation, most);
+    return tiled.vertex_count() < before;
+}
+/// The same for the vertices that were locked in the last phase, in the patches of another tiling.
+template <int C>
+HMESH_COLD bool remove_cheapest_on_seams(TiledMesh<C>& tiled, const Tiling& tiling, std::size_t count,
+                                         const Relaxation& relaxation) {
+    std::vector<std::vector<RemovalCost>> costs(tiling.size());
+    const std::size_t before = tiled.vertex_count();
+    if (!tiled.for_each_seam(tiling, [&](Patch<C>& patch, std::size_t tile) {
+            costs[tile] = removal_costs(patch.mesh(), patch.take_was_locked());
+        }))
+        return false;
+    remove_by_cost(tiled, tiling, costs, count, relaxation, 1);
     return tiled.vertex_count() < before;
 }
 
@@ -122,24 +142,31 @@ HMESH_COLD bool insert_best(TiledMesh<C>& tiled, const Tiling& tiling, std::size
 
 }  // namespace detail
 
-/// Brings the mesh to exactly n vertices by removal or insertion, in patches of about `tile` px. False: cancelled, or more than n
-/// vertices are left and none of them can be removed.
+/// Brings the mesh to exactly n vertices by removal or insertion, in the patches of the tilings tiling_of(0), tiling_of(1), ..,
+/// as many as it takes; in any four in a row every vertex must be free once. False: cancelled, or more than n vertices are left
+/// and none of them can be removed.
 template <int C>
-HMESH_COLD bool reach_vertex_count(TiledMesh<C>& tiled, std::size_t n, double tile, const Relaxation& relaxation = {}) {
+HMESH_COLD bool reach_vertex_count(TiledMesh<C>& tiled, std::size_t n, const Relaxation& relaxation,
+                                   FunctionRef<Tiling(int k)> tiling_of) {
     const int width = tiled.source().width(), height = tiled.source().height();
     const auto count = [&] { return tiled.vertex_count(); };
-    // Vertices that are locked in one tiling are free in another: only four tilings without a change mean that nothing can
-    // change.
+    // Only four tilings without a change mean that nothing can change.
     for (int k = 0, stuck = 0; count() != n && stuck < 4 && !tiled.progress().stopped(); ++k) {
-        const Tiling tiling(width, height, tile, (k & 2) == 0, (k & 1) == 0);
-        const bool moved = count() > n ? detail::remove_cheapest(tiled, tiling, count() - n, relaxation)
-                                       : detail::insert_best(tiled, tiling, n - count());
+        const bool moved = count() > n ? detail::remove_cheapest(tiled, tiling_of(k), count() - n, relaxation)
+                                       : detail::insert_best(tiled, tiling_of(k), n - count());
         stuck = moved ? 0 : stuck + 1;
     }
     if (count() < n && !tiled.progress().stopped())
         tiled.for_each(Tiling(width, height, std::max(width, height)),
                        [&](Patch<C>& patch, std::size_t) { subdivide(patch.mesh(), n - patch.mesh().vertex_count()); });
     return count() == n;
+}
+/// The same in patches of about `tile` px.
+template <int C>
+HMESH_COLD bool reach_vertex_count(TiledMesh<C>& tiled, std::size_t n, double tile, const Relaxation& relaxation = {}) {
+    return reach_vertex_count(tiled, n, relaxation, [&](int k) {
+        return Tiling(tiled.source().width(), tiled.source().height(), tile, (k & 2) == 0, (k & 1) == 0);
+    });
 }
 
 }  // namespace hmesh::kit
