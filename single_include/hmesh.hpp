@@ -9057,71 +9057,57 @@ template <int C>
     return best;
 }
 
-/// What it costs to remove a vertex: the cost of its cheapest collapse.
-struct RemovalCost {
-    double cost;    ///< an energy; may be negative
-    Vertex vertex;  ///< which
+/// A vertex that may be removed, and the cost of its cheapest collapse.
+struct Removal {
+    double cost;          ///< an energy; may be negative
+    std::uint32_t place;  ///< of the vertex in the list that it was chosen from
+    Vertex vertex;        ///< which
 };
 
-/// The costs of those of these vertices that can be removed. Some 1 us a vertex.
+/// Those of `vertices` that are cheapest to remove, at most `count` and none of them in the ring of another, the cheapest first.
+/// Some 1 us for each vertex.
 template <int C>
-[[nodiscard]] HMESH_COLD std::vector<RemovalCost> removal_costs(const ImageMesh<C>& mesh, const std::vector<Vertex>& vertices) {
-    std::vector<RemovalCost> costs;
-    costs.reserve(vertices.size());
+[[nodiscard]] HMESH_COLD std::vector<Removal> cheapest_removals(const ImageMesh<C>& mesh, const std::vector<Vertex>& vertices,
+                                                                std::size_t count) {
+    const HalfedgeMesh& topology = mesh.topology();
+    std::vector<Removal> all, chosen;
+    all.reserve(vertices.size());
     RingScratch<C> scratch;
-    for (const Vertex v : vertices) {
-        if (!mesh.keep_going()) break;
-        const CollapseCandidate candidate = cheapest_collapse(mesh, scratch, v);
-        if (candidate.halfedge.is_valid()) costs.push_back({candidate.cost, v});
+    for (std::size_t k = 0; k < vertices.size() && mesh.keep_going(); ++k) {
+        const CollapseCandidate candidate = cheapest_collapse(mesh, scratch, vertices[k]);
+        if (candidate.halfedge.is_valid()) all.push_back({candidate.cost, static_cast<std::uint32_t>(k), vertices[k]});
     }
-    return costs;
-}
-
-namespace detail {
-
-/// Up to `count` of the vertices in `costs` that are cheapest to remove, none in the ring of another, in the order of `costs`.
-[[nodiscard]] HMESH_COLD inline std::vector<Vertex> cheapest_vertices(const HalfedgeMesh& topology,
-                                                                      const std::vector<RemovalCost>& costs, std::size_t count) {
-    std::vector<std::pair<double, std::uint32_t>> by_cost;  // and the place in the list
-    by_cost.reserve(costs.size());
-    for (std::size_t k = 0; k < costs.size(); ++k) by_cost.emplace_back(costs[k].cost, static_cast<std::uint32_t>(k));
-    std::sort(by_cost.begin(), by_cost.end());
+    std::sort(all.begin(), all.end(),
+              [](const Removal& a, const Removal& b) { return a.cost != b.cost ? a.cost < b.cost : a.place < b.place; });
     std::vector<unsigned char> touched(topology.vertex_slots(), 0);
-    std::vector<std::uint32_t> places;
-    for (const auto& [cost, k] : by_cost) {
-        if (places.size() >= count) break;
-        const Vertex v = costs[k].vertex;
-        if (touched[v.index()] != 0) continue;
-        for (const Halfedge h : topology.outgoing(v)) touched[topology.to_vertex(h).index()] = 1;
-        places.push_back(k);
+    for (const Removal& removal : all) {
+        if (chosen.size() >= count) break;
+        if (touched[removal.vertex.index()] != 0) continue;
+        for (const Halfedge h : topology.outgoing(removal.vertex)) touched[topology.to_vertex(h).index()] = 1;
+        chosen.push_back(removal);
     }
-    std::sort(places.begin(), places.end());
-    std::vector<Vertex> cheapest;
-    cheapest.reserve(places.size());
-    for (const std::uint32_t k : places) cheapest.push_back(costs[k].vertex);
-    return cheapest;
+    return chosen;
 }
 
-}  // namespace detail
-
-/// Removes up to `count` of the vertices in `costs`, which are in spatial order and what removal_costs() says of this very mesh: those that are cheapest to
-/// remove, and re-optimises the ring of each with relax(). They are chosen by cost and removed in spatial order, which takes less
-/// time; a vertex in the ring of one chosen before stays for the next batch. Vertices of these rings become dirty. Returns the
-/// number of vertices removed, which is less than `count` also where mesh.keep_going() says stop.
+/// Removes the first `count` of the vertices that cheapest_removals() has chosen, with the mesh as it was then, in the order of
+/// their places, which takes less time where that is a spatial order, and re-optimises the ring of each with relax(). Vertices of
+/// these rings become dirty. Returns the number of vertices removed, which is less where the last of them stand too close to
+/// others to be removed, or where mesh.keep_going() says stop.
 template <int C>
-std::size_t remove_batch(ImageMesh<C>& mesh, const std::vector<RemovalCost>& costs, std::size_t count,
-                         const Relaxation& relaxation) {
+std::size_t remove_batch(ImageMesh<C>& mesh, std::vector<Removal> removals, std::size_t count, const Relaxation& relaxation) {
     const HalfedgeMesh& topology = mesh.topology();
     RingScratch<C> scratch;
     std::vector<Vertex> ring;
     std::size_t removed = 0;
-    for (const Vertex v : detail::cheapest_vertices(topology, costs, count)) {
+    removals.erase(removals.begin() + static_cast<std::ptrdiff_t>(std::min(count, removals.size())), removals.end());
+    std::sort(removals.begin(), removals.end(), [](const Removal& a, const Removal& b) { return a.place < b.place; });
+    for (const Removal& removal : removals) {
         if (!mesh.keep_going()) break;
         // Flips around earlier removals may have changed the ring: find the cheapest collapse again.
-        const CollapseCandidate now = cheapest_collapse(mesh, scratch, v);
+        const CollapseCandidate now = cheapest_collapse(mesh, scratch, removal.vertex);
         if (!now.halfedge.is_valid()) continue;
         ring.clear();
-        for (const Halfedge h : topology.outgoing(v)) ring.push_back(topology.to_vertex(h));
+        for (const Halfedge h : topology.outgoing(removal.vertex)) ring.push_back(topology.to_vertex(h));
         mesh.collapse(now.halfedge);
         relax(mesh, ring, relaxation);
         for (const Vertex u : ring) mesh.set_dirty(u, true);
@@ -9129,10 +9115,12 @@ std::size_t remove_batch(ImageMesh<C>& mesh, const std::vector<RemovalCost>& cos
     }
     return removed;
 }
-/// The same for all vertices of the mesh.
+
+/// Removes up to `count` vertices, those that are cheapest to remove, no two of them neighbours: one in the ring of another stays
+/// for the next batch. As above.
 template <int C>
 std::size_t remove_batch(ImageMesh<C>& mesh, std::size_t count, const Relaxation& relaxation) {
-    return remove_batch(mesh, removal_costs(mesh, spatial_vertices(mesh)), count, relaxation);
+    return remove_batch(mesh, cheapest_removals(mesh, spatial_vertices(mesh), count), count, relaxation);
 }
 
 }  // namespace hmesh::kit
@@ -10398,58 +10386,47 @@ namespace hmesh::kit {
 
 namespace detail {
 
-/// Removes up to `count` vertices, the cheapest ones among those that costs[tile] tells of each patch of the tiling that the mesh
-/// is cut along, in batches of at most `most` of a patch's vertices: large batches reach vertices that are not cheap, since the
-/// neighbours of removed vertices stay in a batch. The costs are lost.
+/// Removes the `count` cheapest of the vertices that cheapest_removals() has chosen in the patches of a tiling, removals[k] in that
+/// of tile k. Returns how many went.
 template <int C>
-HMESH_COLD void remove_by_cost(TiledMesh<C>& tiled, const Tiling& tiling, std::vector<std::vector<RemovalCost>>& costs,
-                               std::size_t count, const Relaxation& relaxation, double most) {
+HMESH_COLD std::size_t remove_chosen(TiledMesh<C>& tiled, const Tiling& tiling, const std::vector<std::vector<Removal>>& removals,
+                                     std::size_t count, const Relaxation& relaxation) {
     std::vector<std::pair<double, std::uint32_t>> all;  // a cost, and the patch of the vertex
-    for (std::size_t k = 0; k < costs.size(); ++k)
-        for (const RemovalCost& c : costs[k]) all.emplace_back(c.cost, static_cast<std::uint32_t>(k));
+    for (std::size_t k = 0; k < removals.size(); ++k)
+        for (const Removal& removal : removals[k]) all.emplace_back(removal.cost, static_cast<std::uint32_t>(k));
     const auto end = all.begin() + static_cast<std::ptrdiff_t>(std::min(count, all.size()));
     std::nth_element(all.begin(), end, all.end());
     std::vector<std::size_t> quota(tiling.size(), 0);
     for (auto at = all.begin(); at != end; ++at) ++quota[at->second];
+    const std::size_t before = tiled.vertex_count();
     tiled.for_each(tiling, [&](Patch<C>& patch, std::size_t tile) {
-        patch.mesh().expect(1, static_cast<double>(2 * quota[tile]));
-        for (std::size_t left = quota[tile]; left > 0;) {
-            const auto batch = static_cast<std::size_t>(std::ceil(static_cast<double>(patch.vertex_count()) * most));
-            const std::size_t removed = remove_batch(patch.mesh(), costs[tile], std::min(left, batch), relaxation);
-            if (removed == 0) break;
-            left -= removed;
-            if (left > 0) costs[tile] = removal_costs(patch.mesh(), patch.free_vertices());
-        }
+        patch.mesh().expect(1, static_cast<double>(quota[tile]));
+        remove_batch(patch.mesh(), removals[tile], quota[tile], relaxation);
     });
+    return before - tiled.vertex_count();
 }
 
-/// Removes about `count` vertices, the cheapest ones wherever they are, from the patches of a tiling, `most` as above. Returns
-/// whether any vertex was removed; false also after a cancellation.
+/// Removes up to `count` vertices, the cheapest ones wherever they are, no two of them neighbours, from the patches of a tiling.
+/// Returns how many went, after a cancellation any number.
 template <int C>
-HMESH_COLD bool remove_cheapest(TiledMesh<C>& tiled, const Tiling& tiling, std::size_t count, const Relaxation& relaxation,
-                                double most = 1.0 / 32) {
-    std::vector<std::vector<RemovalCost>> costs(tiling.size());
-    const std::size_t before = tiled.vertex_count();
-    if (!tiled.for_each(tiling, [&](Patch<C>& patch, std::size_t tile) {
-            patch.mesh().expect(1, static_cast<double>(patch.vertex_count()));
-            costs[tile] = removal_costs(patch.mesh(), patch.free_vertices());
-        }))
-        return false;
-    remove_by_cost(tiled, tiling, costs, count, relaxation, most);
-    return tiled.vertex_count() < before;
+HMESH_COLD std::size_t remove_cheapest(TiledMesh<C>& tiled, const Tiling& tiling, std::size_t count,
+                                       const Relaxation& relaxation) {
+    std::vector<std::vector<Removal>> removals(tiling.size());
+    const bool go_on = tiled.for_each(tiling, [&](Patch<C>& patch, std::size_t tile) {
+        patch.mesh().expect(1, static_cast<double>(patch.vertex_count()));
+        removals[tile] = cheapest_removals(patch.mesh(), patch.free_vertices(), count);
+    });
+    return go_on ? remove_chosen(tiled, tiling, removals, count, relaxation) : 0;
 }
-/// The same for the vertices that were locked in the last phase, in the patches of another tiling.
+/// The same for vertices that were locked in the last phase, in the patches of another tiling.
 template <int C>
-HMESH_COLD bool remove_cheapest_on_seams(TiledMesh<C>& tiled, const Tiling& tiling, std::size_t count,
-                                         const Relaxation& relaxation) {
-    std::vector<std::vector<RemovalCost>> costs(tiling.size());
-    const std::size_t before = tiled.vertex_count();
-    if (!tiled.for_each_seam(tiling, [&](Patch<C>& patch, std::size_t tile) {
-            costs[tile] = removal_costs(patch.mesh(), patch.take_was_locked());
-        }))
-        return false;
-    remove_by_cost(tiled, tiling, costs, count, relaxation, 1);
-    return tiled.vertex_count() < before;
+HMESH_COLD std::size_t remove_cheapest_on_seams(TiledMesh<C>& tiled, const Tiling& tiling, std::size_t count,
+                                                const Relaxation& relaxation) {
+    std::vector<std::vector<Removal>> removals(tiling.size());
+    const bool go_on = tiled.for_each_seam(tiling, [&](Patch<C>& patch, std::size_t tile) {
+        removals[tile] = cheapest_removals(patch.mesh(), patch.take_was_locked(), count);
+    });
+    return go_on ? remove_chosen(tiled, tiling, removals, count, relaxation) : 0;
 }
 
 /// Inserts `count` vertices, shared among patches in proportion to their error, at the best sites of each. Returns whether any
@@ -10486,10 +10463,11 @@ HMESH_COLD bool reach_vertex_count(TiledMesh<C>& tiled, std::size_t n, const Rel
                                    FunctionRef<Tiling(int k)> tiling_of) {
     const int width = tiled.source().width(), height = tiled.source().height();
     const auto count = [&] { return tiled.vertex_count(); };
-    // Only four tilings without a change mean that nothing can change.
+    // Only four tilings without a change mean that nothing can change. A batch of removals is 1/32 of the vertices, since large
+    // ones reach vertices that are not cheap.
     for (int k = 0, stuck = 0; count() != n && stuck < 4 && !tiled.progress().stopped(); ++k) {
-        const bool moved = count() > n ? detail::remove_cheapest(tiled, tiling_of(k), count() - n, relaxation)
-                                       : detail::insert_best(tiled, tiling_of(k), n - count());
+        const bool moved = count() > n ? detail::remove_cheapest(tiled, tiling_of(k / 4 + stuck), std::min(count() - n, (count() + 31) / 32), relaxation) > 0
+                                       : detail::insert_best(tiled, tiling_of(k / 4 + stuck), n - count());
         stuck = moved ? 0 : stuck + 1;
     }
     if (count() < n && !tiled.progress().stopped())
@@ -11133,7 +11111,7 @@ class AnnealedRun {
             // The vertices that are locked have a share in the batch.
             const double free = 1 - static_cast<double>(tiled_->locked_count()) / static_cast<double>(before);
             remove_cheapest(*tiled_, tiling(phase_), static_cast<std::size_t>(std::ceil(free * static_cast<double>(batch))),
-                            steps_.relaxation, steps_.collapse_batch);
+                            steps_.relaxation);
             if (progress().stopped()) return false;
             if (const std::size_t left = batch - std::min(batch, before - tiled_->vertex_count()); has_seams && left > 0) {
                 phase_ ^= 1;

@@ -100,71 +100,57 @@ template <int C>
     return best;
 }
 
-/// What it costs to remove a vertex: the cost of its cheapest collapse.
-struct RemovalCost {
-    double cost;    ///< an energy; may be negative
-    Vertex vertex;  ///< which
+/// A vertex that may be removed, and the cost of its cheapest collapse.
+struct Removal {
+    double cost;          ///< an energy; may be negative
+    std::uint32_t place;  ///< of the vertex in the list that it was chosen from
+    Vertex vertex;        ///< which
 };
 
-/// The costs of those of these vertices that can be removed. Some 1 us a vertex.
+/// Those of `vertices` that are cheapest to remove, at most `count` and none of them in the ring of another, the cheapest first.
+/// Some 1 us for each vertex.
 template <int C>
-[[nodiscard]] HMESH_COLD std::vector<RemovalCost> removal_costs(const ImageMesh<C>& mesh, const std::vector<Vertex>& vertices) {
-    std::vector<RemovalCost> costs;
-    costs.reserve(vertices.size());
+[[nodiscard]] HMESH_COLD std::vector<Removal> cheapest_removals(const ImageMesh<C>& mesh, const std::vector<Vertex>& vertices,
+                                                                std::size_t count) {
+    const HalfedgeMesh& topology = mesh.topology();
+    std::vector<Removal> all, chosen;
+    all.reserve(vertices.size());
     RingScratch<C> scratch;
-    for (const Vertex v : vertices) {
-        if (!mesh.keep_going()) break;
-        const CollapseCandidate candidate = cheapest_collapse(mesh, scratch, v);
-        if (candidate.halfedge.is_valid()) costs.push_back({candidate.cost, v});
+    for (std::size_t k = 0; k < vertices.size() && mesh.keep_going(); ++k) {
+        const CollapseCandidate candidate = cheapest_collapse(mesh, scratch, vertices[k]);
+        if (candidate.halfedge.is_valid()) all.push_back({candidate.cost, static_cast<std::uint32_t>(k), vertices[k]});
     }
-    return costs;
-}
-
-namespace detail {
-
-/// Up to `count` of the vertices in `costs` that are cheapest to remove, none in the ring of another, in the order of `costs`.
-[[nodiscard]] HMESH_COLD inline std::vector<Vertex> cheapest_vertices(const HalfedgeMesh& topology,
-                                                                      const std::vector<RemovalCost>& costs, std::size_t count) {
-    std::vector<std::pair<double, std::uint32_t>> by_cost;  // and the place in the list
-    by_cost.reserve(costs.size());
-    for (std::size_t k = 0; k < costs.size(); ++k) by_cost.emplace_back(costs[k].cost, static_cast<std::uint32_t>(k));
-    std::sort(by_cost.begin(), by_cost.end());
+    std::sort(all.begin(), all.end(),
+              [](const Removal& a, const Removal& b) { return a.cost != b.cost ? a.cost < b.cost : a.place < b.place; });
     std::vector<unsigned char> touched(topology.vertex_slots(), 0);
-    std::vector<std::uint32_t> places;
-    for (const auto& [cost, k] : by_cost) {
-        if (places.size() >= count) break;
-        const Vertex v = costs[k].vertex;
-        if (touched[v.index()] != 0) continue;
-        for (const Halfedge h : topology.outgoing(v)) touched[topology.to_vertex(h).index()] = 1;
-        places.push_back(k);
+    for (const Removal& removal : all) {
+        if (chosen.size() >= count) break;
+        if (touched[removal.vertex.index()] != 0) continue;
+        for (const Halfedge h : topology.outgoing(removal.vertex)) touched[topology.to_vertex(h).index()] = 1;
+        chosen.push_back(removal);
     }
-    std::sort(places.begin(), places.end());
-    std::vector<Vertex> cheapest;
-    cheapest.reserve(places.size());
-    for (const std::uint32_t k : places) cheapest.push_back(costs[k].vertex);
-    return cheapest;
+    return chosen;
 }
 
-}  // namespace detail
-
-/// Removes up to `count` of the vertices in `costs`, which are in spatial order and what removal_costs() says of this very mesh: those that are cheapest to
-/// remove, and re-optimises the ring of each with relax(). They are chosen by cost and removed in spatial order, which takes less
-/// time; a vertex in the ring of one chosen before stays for the next batch. Vertices of these rings become dirty. Returns the
-/// number of vertices removed, which is less than `count` also where mesh.keep_going() says stop.
+/// Removes the first `count` of the vertices that cheapest_removals() has chosen, with the mesh as it was then, in the order of
+/// their places, which takes less time where that is a spatial order, and re-optimises the ring of each with relax(). Vertices of
+/// these rings become dirty. Returns the number of vertices removed, which is less where the last of them stand too close to
+/// others to be removed, or where mesh.keep_going() says stop.
 template <int C>
-std::size_t remove_batch(ImageMesh<C>& mesh, const std::vector<RemovalCost>& costs, std::size_t count,
-                         const Relaxation& relaxation) {
+std::size_t remove_batch(ImageMesh<C>& mesh, std::vector<Removal> removals, std::size_t count, const Relaxation& relaxation) {
     const HalfedgeMesh& topology = mesh.topology();
     RingScratch<C> scratch;
     std::vector<Vertex> ring;
     std::size_t removed = 0;
-    for (const Vertex v : detail::cheapest_vertices(topology, costs, count)) {
+    removals.erase(removals.begin() + static_cast<std::ptrdiff_t>(std::min(count, removals.size())), removals.end());
+    std::sort(removals.begin(), removals.end(), [](const Removal& a, const Removal& b) { return a.place < b.place; });
+    for (const Removal& removal : removals) {
         if (!mesh.keep_going()) break;
         // Flips around earlier removals may have changed the ring: find the cheapest collapse again.
-        const CollapseCandidate now = cheapest_collapse(mesh, scratch, v);
+        const CollapseCandidate now = cheapest_collapse(mesh, scratch, removal.vertex);
         if (!now.halfedge.is_valid()) continue;
         ring.clear();
-        for (const Halfedge h : topology.outgoing(v)) ring.push_back(topology.to_vertex(h));
+        for (const Halfedge h : topology.outgoing(removal.vertex)) ring.push_back(topology.to_vertex(h));
         mesh.collapse(now.halfedge);
         relax(mesh, ring, relaxation);
         for (const Vertex u : ring) mesh.set_dirty(u, true);
@@ -172,10 +158,12 @@ std::size_t remove_batch(ImageMesh<C>& mesh, const std::vector<RemovalCost>& cos
     }
     return removed;
 }
-/// The same for all vertices of the mesh.
+
+/// Removes up to `count` vertices, those that are cheapest to remove, no two of them neighbours: one in the ring of another stays
+/// for the next batch. As above.
 template <int C>
 std::size_t remove_batch(ImageMesh<C>& mesh, std::size_t count, const Relaxation& relaxation) {
-    return remove_batch(mesh, removal_costs(mesh, spatial_vertices(mesh)), count, relaxation);
+    return remove_batch(mesh, cheapest_removals(mesh, spatial_vertices(mesh), count), count, relaxation);
 }
 
 }  // namespace hmesh::kit

@@ -204,7 +204,7 @@ class AnnealedRun {
             // The vertices that are locked have a share in the batch.
             const double free = 1 - static_cast<double>(tiled_->locked_count()) / static_cast<double>(before);
             remove_cheapest(*tiled_, tiling(phase_), static_cast<std::size_t>(std::ceil(free * static_cast<double>(batch))),
-                            steps_.relaxation, steps_.collapse_batch);
+                            steps_.relaxation);
             if (progress().stopped()) return false;
             if (const std::size_t left = batch - std::min(batch, before - tiled_->vertex_count()); has_seams && left > 0) {
                 phase_ ^= 1;

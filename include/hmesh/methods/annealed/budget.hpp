@@ -62,58 +62,47 @@ namespace hmesh::kit {
 
 namespace detail {
 
-/// Removes up to `count` vertices, the cheapest ones among those that costs[tile] tells of each patch of the tiling that the mesh
-/// is cut along, in batches of at most `most` of a patch's vertices: large batches reach vertices that are not cheap, since the
-/// neighbours of removed vertices stay in a batch. The costs are lost.
+/// Removes the `count` cheapest of the vertices that cheapest_removals() has chosen in the patches of a tiling, removals[k] in that
+/// of tile k. Returns how many went.
 template <int C>
-HMESH_COLD void remove_by_cost(TiledMesh<C>& tiled, const Tiling& tiling, std::vector<std::vector<RemovalCost>>& costs,
-                               std::size_t count, const Relaxation& relaxation, double most) {
+HMESH_COLD std::size_t remove_chosen(TiledMesh<C>& tiled, const Tiling& tiling, const std::vector<std::vector<Removal>>& removals,
+                                     std::size_t count, const Relaxation& relaxation) {
     std::vector<std::pair<double, std::uint32_t>> all;  // a cost, and the patch of the vertex
-    for (std::size_t k = 0; k < costs.size(); ++k)
-        for (const RemovalCost& c : costs[k]) all.emplace_back(c.cost, static_cast<std::uint32_t>(k));
+    for (std::size_t k = 0; k < removals.size(); ++k)
+        for (const Removal& removal : removals[k]) all.emplace_back(removal.cost, static_cast<std::uint32_t>(k));
     const auto end = all.begin() + static_cast<std::ptrdiff_t>(std::min(count, all.size()));
     std::nth_element(all.begin(), end, all.end());
     std::vector<std::size_t> quota(tiling.size(), 0);
     for (auto at = all.begin(); at != end; ++at) ++quota[at->second];
+    const std::size_t before = tiled.vertex_count();
     tiled.for_each(tiling, [&](Patch<C>& patch, std::size_t tile) {
-        patch.mesh().expect(1, static_cast<double>(2 * quota[tile]));
-        for (std::size_t left = quota[tile]; left > 0;) {
-            const auto batch = static_cast<std::size_t>(std::ceil(static_cast<double>(patch.vertex_count()) * most));
-            const std::size_t removed = remove_batch(patch.mesh(), costs[tile], std::min(left, batch), relaxation);
-            if (removed == 0) break;
-            left -= removed;
-            if (left > 0) costs[tile] = removal_costs(patch.mesh(), patch.free_vertices());
-        }
+        patch.mesh().expect(1, static_cast<double>(quota[tile]));
+        remove_batch(patch.mesh(), removals[tile], quota[tile], relaxation);
     });
+    return before - tiled.vertex_count();
 }
 
-/// Removes about `count` vertices, the cheapest ones wherever they are, from the patches of a tiling, `most` as above. Returns
-/// whether any vertex was removed; false also after a cancellation.
+/// Removes up to `count` vertices, the cheapest ones wherever they are, no two of them neighbours, from the patches of a tiling.
+/// Returns how many went, after a cancellation any number.
 template <int C>
-HMESH_COLD bool remove_cheapest(TiledMesh<C>& tiled, const Tiling& tiling, std::size_t count, const Relaxation& relaxation,
-                                double most = 1.0 / 32) {
-    std::vector<std::vector<RemovalCost>> costs(tiling.size());
-    const std::size_t before = tiled.vertex_count();
-    if (!tiled.for_each(tiling, [&](Patch<C>& patch, std::size_t tile) {
-            patch.mesh().expect(1, static_cast<double>(patch.vertex_count()));
-            costs[tile] = removal_costs(patch.mesh(), patch.free_vertices());
-        }))
-        return false;
-    remove_by_cost(tiled, tiling, costs, count, relaxation, most);
-    return tiled.vertex_count() < before;
+HMESH_COLD std::size_t remove_cheapest(TiledMesh<C>& tiled, const Tiling& tiling, std::size_t count,
+                                       const Relaxation& relaxation) {
+    std::vector<std::vector<Removal>> removals(tiling.size());
+    const bool go_on = tiled.for_each(tiling, [&](Patch<C>& patch, std::size_t tile) {
+        patch.mesh().expect(1, static_cast<double>(patch.vertex_count()));
+        removals[tile] = cheapest_removals(patch.mesh(), patch.free_vertices(), count);
+    });
+    return go_on ? remove_chosen(tiled, tiling, removals, count, relaxation) : 0;
 }
-/// The same for the vertices that were locked in the last phase, in the patches of another tiling.
+/// The same for vertices that were locked in the last phase, in the patches of another tiling.
 template <int C>
-HMESH_COLD bool remove_cheapest_on_seams(TiledMesh<C>& tiled, const Tiling& tiling, std::size_t count,
-                                         const Relaxation& relaxation) {
-    std::vector<std::vector<RemovalCost>> costs(tiling.size());
-    const std::size_t before = tiled.vertex_count();
-    if (!tiled.for_each_seam(tiling, [&](Patch<C>& patch, std::size_t tile) {
-            costs[tile] = removal_costs(patch.mesh(), patch.take_was_locked());
-        }))
-        return false;
-    remove_by_cost(tiled, tiling, costs, count, relaxation, 1);
-    return tiled.vertex_count() < before;
+HMESH_COLD std::size_t remove_cheapest_on_seams(TiledMesh<C>& tiled, const Tiling& tiling, std::size_t count,
+                                                const Relaxation& relaxation) {
+    std::vector<std::vector<Removal>> removals(tiling.size());
+    const bool go_on = tiled.for_each_seam(tiling, [&](Patch<C>& patch, std::size_t tile) {
+        removals[tile] = cheapest_removals(patch.mesh(), patch.take_was_locked(), count);
+    });
+    return go_on ? remove_chosen(tiled, tiling, removals, count, relaxation) : 0;
 }
 
 /// Inserts `count` vertices, shared among patches in proportion to their error, at the best sites of each. Returns whether any
@@ -150,10 +139,11 @@ HMESH_COLD bool reach_vertex_count(TiledMesh<C>& tiled, std::size_t n, const Rel
                                    FunctionRef<Tiling(int k)> tiling_of) {
     const int width = tiled.source().width(), height = tiled.source().height();
     const auto count = [&] { return tiled.vertex_count(); };
-    // Only four tilings without a change mean that nothing can change.
+    // Only four tilings without a change mean that nothing can change. A batch of removals is 1/32 of the vertices, since large
+    // ones reach vertices that are not cheap.
     for (int k = 0, stuck = 0; count() != n && stuck < 4 && !tiled.progress().stopped(); ++k) {
-        const bool moved = count() > n ? detail::remove_cheapest(tiled, tiling_of(k), count() - n, relaxation)
-                                       : detail::insert_best(tiled, tiling_of(k), n - count());
+        const bool moved = count() > n ? detail::remove_cheapest(tiled, tiling_of(k / 4 + stuck), std::min(count() - n, (count() + 31) / 32), relaxation) > 0
+                                       : detail::insert_best(tiled, tiling_of(k / 4 + stuck), n - count());
         stuck = moved ? 0 : stuck + 1;
     }
     if (count() < n && !tiled.progress().stopped())
