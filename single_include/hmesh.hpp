@@ -9574,7 +9574,7 @@ struct IndexedMesh {
     std::vector<unsigned char> dirty;  ///< not 0: surroundings changed since the vertex was last optimised
     std::vector<Triangle> faces;       ///< indices of vertices, each face turning like (0, 0), (1, 0), (0, 1)
     double energy = 0;                 ///< squared error over pixels and channels, as of the last phase of work
-    std::size_t locked_count = 0;  ///< the first so many vertices were locked in the last phase of work
+    std::size_t locked_count = 0;      ///< the first so many vertices were locked in the last phase of work
 
     /// The number of vertices.
     [[nodiscard]] std::size_t vertex_count() const noexcept { return positions.size(); }
@@ -9943,9 +9943,9 @@ template <int C>
 class Patch {
   public:
     /// Makes the patch of tile number `tile` of a cut of the mesh. `whole`: a table of the whole image, which must outlive the
-    /// patch; null: the patch makes one of its own bounding box.
+    /// patch; null: the patch makes one of its own bounding box. The executor fills in edges and faces.
     HMESH_COLD Patch(const IndexedMesh<C>& indexed, const ImageSource<C>& source, const detail::Cut& cut, std::size_t tile,
-                     const MeshLimits& limits, const MomentTable<C>* whole = nullptr)
+                     const MeshLimits& limits, const MomentTable<C>* whole = nullptr, const ParallelFor& parallel_for = {})
         : numbered_(detail::renumber(indexed.faces, cut, tile)), free_(cut.free_count[tile]) {
         std::vector<std::uint32_t> vertices(free_ + numbered_.locked.size());  // by their index in the mesh that was cut
         for (std::size_t k = 0; k < numbered_.locked.size(); ++k) vertices[free_ + k] = numbered_.locked[k].vertex;
@@ -9973,7 +9973,7 @@ class Patch {
         }
         mesh_ = ImageMesh<C>(whole != nullptr ? *whole : table_, source.low(), source.high(), limits,
                              {{-x, -y, source.width(), source.height()}, !numbered_.locked.empty(), 1, nullptr});
-        const Status status = mesh_.assign(positions, numbered_.faces, colors, {}, true);
+        const Status status = mesh_.assign(positions, numbered_.faces, colors, parallel_for, true);
         HMESH_ASSERT(status);
         (void)status;
         first_energy_ = mesh_.energy();
@@ -10011,9 +10011,9 @@ class Patch {
     /// The vertices that are free here and were locked in the phase before, in spatial order, as far as they are left; handed out
     /// once, then none.
     [[nodiscard]] HMESH_COLD std::vector<Vertex> take_was_locked() {
-        was_locked_.erase(std::remove_if(was_locked_.begin(), was_locked_.end(),
-                                         [&](Vertex v) { return mesh_.topology().is_deleted(v); }),
-                          was_locked_.end());
+        was_locked_.erase(
+            std::remove_if(was_locked_.begin(), was_locked_.end(), [&](Vertex v) { return mesh_.topology().is_deleted(v); }),
+            was_locked_.end());
         const std::vector<Vertex> vertices = std::exchange(was_locked_, {});
         return in_spatial_order<Vertex>(vertices, vertices.size(), [&](Vertex v) { return mesh_.position(v); });
     }
@@ -10123,6 +10123,9 @@ class TiledMesh {
             count += patches_[k] != nullptr ? patches_[k]->free_count() : cut_.free_count[k];
         return count;
     }
+    /// Whether there is a moment table of the whole image, since the image is small: patches have none of their own then, and stay
+    /// for the next call with the same tiling.
+    [[nodiscard]] bool has_whole_table() const noexcept { return source_->pixels() <= 4194304; }
     /// The number of vertices that were free in no patch of the last for_each().
     [[nodiscard]] std::size_t locked_count() const noexcept { return is_cut() ? cut_.locked_count : indexed_.locked_count; }
     /// The squared error over pixels and channels, as of the last for_each() or measure(); rounding may leave it slightly
@@ -10206,10 +10209,10 @@ class TiledMesh {
         ImageMesh<C>& mesh_;
     };
 
-    /// The table of the whole image, made when first asked for, if it is `wanted` or the image is small; else null. Patches that
+    /// The table of the whole image, made when first asked for, if it is `wanted` or has_whole_table(); else null. Patches that
     /// share it need none of their own, which would take them a third of their time.
     [[nodiscard]] HMESH_COLD const MomentTable<C>* whole_table(bool wanted) {
-        if (!wanted && source_->pixels() > 4194304) return nullptr;
+        if (!wanted && !has_whole_table()) return nullptr;
         if (table_.width() == 0) table_ = source_->table({0, 0, source_->width(), source_->height()}, parallel_for_);
         return &table_;
     }
@@ -10234,7 +10237,9 @@ class TiledMesh {
         std::vector<detail::PatchResult<C>> results(whole == nullptr ? sizes.size() : 0);
         run(sizes, [&](std::size_t tile, TaskProgress& task) {
             std::unique_ptr<Patch<C>>& patch = patches_[tile];
-            if (patch == nullptr) patch = std::make_unique<Patch<C>>(indexed_, *source_, cut_, tile, limits_, whole);
+            if (patch == nullptr)
+                patch = std::make_unique<Patch<C>>(indexed_, *source_, cut_, tile, limits_, whole,
+                                                   sizes.size() == 1 ? parallel_for_ : ParallelFor());
             const TaskGuard guard(patch->mesh(), task);
             patch->set_mean_energy(mean);
             body(*patch, tile);
@@ -10434,8 +10439,8 @@ HMESH_COLD std::size_t remove_cheapest_on_seams(TiledMesh<C>& tiled, const Tilin
 template <int C>
 HMESH_COLD bool insert_best(TiledMesh<C>& tiled, const Tiling& tiling, std::size_t count) {
     std::vector<double> energies(tiling.size(), 0.0);
-    if (!tiled.for_each(
-            tiling, [&](Patch<C>& patch, std::size_t tile) { energies[tile] = std::max(0.0, patch.mesh().energy()); }))
+    if (!tiled.for_each(tiling,
+                        [&](Patch<C>& patch, std::size_t tile) { energies[tile] = std::max(0.0, patch.mesh().energy()); }))
         return false;
     const std::vector<std::size_t> quota = apportion(count, energies, std::vector<std::size_t>(tiling.size(), count));
     const std::size_t before = tiled.vertex_count();
@@ -10466,7 +10471,8 @@ HMESH_COLD bool reach_vertex_count(TiledMesh<C>& tiled, std::size_t n, const Rel
     // Only four tilings without a change mean that nothing can change. A batch of removals is 1/32 of the vertices, since large
     // ones reach vertices that are not cheap.
     for (int k = 0, stuck = 0; count() != n && stuck < 4 && !tiled.progress().stopped(); ++k) {
-        const bool moved = count() > n ? detail::remove_cheapest(tiled, tiling_of(k / 4 + stuck), std::min(count() - n, (count() + 31) / 32), relaxation) > 0
+        const bool moved = count() > n ? detail::remove_cheapest(tiled, tiling_of(k / 4 + stuck),
+                                                                 std::min(count() - n, (count() + 31) / 32), relaxation) > 0
                                        : detail::insert_best(tiled, tiling_of(k / 4 + stuck), n - count());
         stuck = moved ? 0 : stuck + 1;
     }
@@ -11088,9 +11094,8 @@ class AnnealedRun {
         });
     }
     HMESH_COLD bool settle() {
-        return for_each_piece(false, 0, 1, [&](ImageMesh<C>& mesh, const std::vector<Vertex>& vertices, const Piece&) {
-            settle(mesh, vertices);
-        });
+        return for_each_piece(
+            false, 0, 1, [&](ImageMesh<C>& mesh, const std::vector<Vertex>& vertices, const Piece&) { settle(mesh, vertices); });
     }
 
     HMESH_COLD bool collapse() {
@@ -11676,14 +11681,16 @@ HMESH_COLD void sample_colors(TiledMesh<C>& tiled, const Tiling& tiling, double 
 }
 
 /// Gives all vertices the colours of least squared error in [low, high] that are multiples of `grid` where grid > 0
-/// (solve/bounded_colors.hpp), and measures the mesh's energy with them. `tiling`: the patches over which sums are taken; the
-/// system is solved for the whole mesh. After a cancellation colours are only clamped and rounded, and the energy is still true
-/// of them.
+/// (solve/bounded_colors.hpp), and measures the mesh's energy with them. `tiling`: the patches over which sums are taken where
+/// the image has no table of its own; the system is solved for the whole mesh. After a cancellation colours are only clamped and
+/// rounded, and the energy is still true of them.
 template <int C>
 HMESH_COLD BoundedReport bounded_colors(TiledMesh<C>& tiled, const Tiling& tiling, double low, double high, double grid) {
     BoundedReport report;
-    if (tiling.size() == 1 &&
-        tiled.for_each(tiling, [&](Patch<C>& patch, std::size_t) { report = bounded_colors(patch.mesh(), low, high, grid); }))
+    if ((tiling.size() == 1 || tiled.has_whole_table()) &&
+        tiled.for_each(one_tile(tiled.source()), [&](Patch<C>& patch, std::size_t) {
+            report = bounded_colors(patch.mesh(), low, high, grid, tiled.parallel_for());
+        }))
         return report;
     IndexedMesh<C>& mesh = tiled.indexed();
     for (Color<C>& c : mesh.colors) detail::clamp_channels<C>(c, low, high);

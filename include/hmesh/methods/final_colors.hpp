@@ -13,6 +13,7 @@
 
 #include "hmesh/core/assert.hpp"
 #include "hmesh/core/compiler.hpp"
+#include "hmesh/methods/stage.hpp"
 #include "hmesh/solve/bounded_colors.hpp"
 #include "hmesh/solve/sampled_colors.hpp"
 #include "hmesh/tiles/tiled_mesh.hpp"
@@ -38,14 +39,16 @@ HMESH_COLD void sample_colors(TiledMesh<C>& tiled, const Tiling& tiling, double 
 }
 
 /// Gives all vertices the colours of least squared error in [low, high] that are multiples of `grid` where grid > 0
-/// (solve/bounded_colors.hpp), and measures the mesh's energy with them. `tiling`: the patches over which sums are taken; the
-/// system is solved for the whole mesh. After a cancellation colours are only clamped and rounded, and the energy is still true
-/// of them.
+/// (solve/bounded_colors.hpp), and measures the mesh's energy with them. `tiling`: the patches over which sums are taken where
+/// the image has no table of its own; the system is solved for the whole mesh. After a cancellation colours are only clamped and
+/// rounded, and the energy is still true of them.
 template <int C>
 HMESH_COLD BoundedReport bounded_colors(TiledMesh<C>& tiled, const Tiling& tiling, double low, double high, double grid) {
     BoundedReport report;
-    if (tiling.size() == 1 &&
-        tiled.for_each(tiling, [&](Patch<C>& patch, std::size_t) { report = bounded_colors(patch.mesh(), low, high, grid); }))
+    if ((tiling.size() == 1 || tiled.has_whole_table()) &&
+        tiled.for_each(one_tile(tiled.source()), [&](Patch<C>& patch, std::size_t) {
+            report = bounded_colors(patch.mesh(), low, high, grid, tiled.parallel_for());
+        }))
         return report;
     IndexedMesh<C>& mesh = tiled.indexed();
     for (Color<C>& c : mesh.colors) detail::clamp_channels<C>(c, low, high);

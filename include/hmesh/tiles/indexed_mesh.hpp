@@ -31,7 +31,7 @@ struct IndexedMesh {
     std::vector<unsigned char> dirty;  ///< not 0: surroundings changed since the vertex was last optimised
     std::vector<Triangle> faces;       ///< indices of vertices, each face turning like (0, 0), (1, 0), (0, 1)
     double energy = 0;                 ///< squared error over pixels and channels, as of the last phase of work
-    std::size_t locked_count = 0;  ///< the first so many vertices were locked in the last phase of work
+    std::size_t locked_count = 0;      ///< the first so many vertices were locked in the last phase of work
 
     /// The number of vertices.
     [[nodiscard]] std::size_t vertex_count() const noexcept { return positions.size(); }

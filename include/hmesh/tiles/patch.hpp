@@ -213,9 +213,9 @@ template <int C>
 class Patch {
   public:
     /// Makes the patch of tile number `tile` of a cut of the mesh. `whole`: a table of the whole image, which must outlive the
-    /// patch; null: the patch makes one of its own bounding box.
+    /// patch; null: the patch makes one of its own bounding box. The executor fills in edges and faces.
     HMESH_COLD Patch(const IndexedMesh<C>& indexed, const ImageSource<C>& source, const detail::Cut& cut, std::size_t tile,
-                     const MeshLimits& limits, const MomentTable<C>* whole = nullptr)
+                     const MeshLimits& limits, const MomentTable<C>* whole = nullptr, const ParallelFor& parallel_for = {})
         : numbered_(detail::renumber(indexed.faces, cut, tile)), free_(cut.free_count[tile]) {
         std::vector<std::uint32_t> vertices(free_ + numbered_.locked.size());  // by their index in the mesh that was cut
         for (std::size_t k = 0; k < numbered_.locked.size(); ++k) vertices[free_ + k] = numbered_.locked[k].vertex;
@@ -243,7 +243,7 @@ class Patch {
         }
         mesh_ = ImageMesh<C>(whole != nullptr ? *whole : table_, source.low(), source.high(), limits,
                              {{-x, -y, source.width(), source.height()}, !numbered_.locked.empty(), 1, nullptr});
-        const Status status = mesh_.assign(positions, numbered_.faces, colors, {}, true);
+        const Status status = mesh_.assign(positions, numbered_.faces, colors, parallel_for, true);
         HMESH_ASSERT(status);
         (void)status;
         first_energy_ = mesh_.energy();
@@ -281,9 +281,9 @@ class Patch {
     /// The vertices that are free here and were locked in the phase before, in spatial order, as far as they are left; handed out
     /// once, then none.
     [[nodiscard]] HMESH_COLD std::vector<Vertex> take_was_locked() {
-        was_locked_.erase(std::remove_if(was_locked_.begin(), was_locked_.end(),
-                                         [&](Vertex v) { return mesh_.topology().is_deleted(v); }),
-                          was_locked_.end());
+        was_locked_.erase(
+            std::remove_if(was_locked_.begin(), was_locked_.end(), [&](Vertex v) { return mesh_.topology().is_deleted(v); }),
+            was_locked_.end());
         const std::vector<Vertex> vertices = std::exchange(was_locked_, {});
         return in_spatial_order<Vertex>(vertices, vertices.size(), [&](Vertex v) { return mesh_.position(v); });
     }

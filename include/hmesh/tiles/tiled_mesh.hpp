@@ -62,6 +62,9 @@ class TiledMesh {
             count += patches_[k] != nullptr ? patches_[k]->free_count() : cut_.free_count[k];
         return count;
     }
+    /// Whether there is a moment table of the whole image, since the image is small: patches have none of their own then, and stay
+    /// for the next call with the same tiling.
+    [[nodiscard]] bool has_whole_table() const noexcept { return source_->pixels() <= 4194304; }
     /// The number of vertices that were free in no patch of the last for_each().
     [[nodiscard]] std::size_t locked_count() const noexcept { return is_cut() ? cut_.locked_count : indexed_.locked_count; }
     /// The squared error over pixels and channels, as of the last for_each() or measure(); rounding may leave it slightly
@@ -145,10 +148,10 @@ class TiledMesh {
         ImageMesh<C>& mesh_;
     };
 
-    /// The table of the whole image, made when first asked for, if it is `wanted` or the image is small; else null. Patches that
+    /// The table of the whole image, made when first asked for, if it is `wanted` or has_whole_table(); else null. Patches that
     /// share it need none of their own, which would take them a third of their time.
     [[nodiscard]] HMESH_COLD const MomentTable<C>* whole_table(bool wanted) {
-        if (!wanted && source_->pixels() > 4194304) return nullptr;
+        if (!wanted && !has_whole_table()) return nullptr;
         if (table_.width() == 0) table_ = source_->table({0, 0, source_->width(), source_->height()}, parallel_for_);
         return &table_;
     }
@@ -173,7 +176,9 @@ class TiledMesh {
         std::vector<detail::PatchResult<C>> results(whole == nullptr ? sizes.size() : 0);
         run(sizes, [&](std::size_t tile, TaskProgress& task) {
             std::unique_ptr<Patch<C>>& patch = patches_[tile];
-            if (patch == nullptr) patch = std::make_unique<Patch<C>>(indexed_, *source_, cut_, tile, limits_, whole);
+            if (patch == nullptr)
+                patch = std::make_unique<Patch<C>>(indexed_, *source_, cut_, tile, limits_, whole,
+                                                   sizes.size() == 1 ? parallel_for_ : ParallelFor());
             const TaskGuard guard(patch->mesh(), task);
             patch->set_mean_energy(mean);
             body(*patch, tile);

@@ -181,9 +181,8 @@ class AnnealedRun {
         });
     }
     HMESH_COLD bool settle() {
-        return for_each_piece(false, 0, 1, [&](ImageMesh<C>& mesh, const std::vector<Vertex>& vertices, const Piece&) {
-            settle(mesh, vertices);
-        });
+        return for_each_piece(
+            false, 0, 1, [&](ImageMesh<C>& mesh, const std::vector<Vertex>& vertices, const Piece&) { settle(mesh, vertices); });
     }
 
     HMESH_COLD bool collapse() {

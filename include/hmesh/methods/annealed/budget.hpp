@@ -110,8 +110,8 @@ HMESH_COLD std::size_t remove_cheapest_on_seams(TiledMesh<C>& tiled, const Tilin
 template <int C>
 HMESH_COLD bool insert_best(TiledMesh<C>& tiled, const Tiling& tiling, std::size_t count) {
     std::vector<double> energies(tiling.size(), 0.0);
-    if (!tiled.for_each(
-            tiling, [&](Patch<C>& patch, std::size_t tile) { energies[tile] = std::max(0.0, patch.mesh().energy()); }))
+    if (!tiled.for_each(tiling,
+                        [&](Patch<C>& patch, std::size_t tile) { energies[tile] = std::max(0.0, patch.mesh().energy()); }))
         return false;
     const std::vector<std::size_t> quota = apportion(count, energies, std::vector<std::size_t>(tiling.size(), count));
     const std::size_t before = tiled.vertex_count();
@@ -142,7 +142,8 @@ HMESH_COLD bool reach_vertex_count(TiledMesh<C>& tiled, std::size_t n, const Rel
     // Only four tilings without a change mean that nothing can change. A batch of removals is 1/32 of the vertices, since large
     // ones reach vertices that are not cheap.
     for (int k = 0, stuck = 0; count() != n && stuck < 4 && !tiled.progress().stopped(); ++k) {
-        const bool moved = count() > n ? detail::remove_cheapest(tiled, tiling_of(k / 4 + stuck), std::min(count() - n, (count() + 31) / 32), relaxation) > 0
+        const bool moved = count() > n ? detail::remove_cheapest(tiled, tiling_of(k / 4 + stuck),
+                                                                 std::min(count() - n, (count() + 31) / 32), relaxation) > 0
                                        : detail::insert_best(tiled, tiling_of(k / 4 + stuck), n - count());
         stuck = moved ? 0 : stuck + 1;
     }
