@@ -25,7 +25,7 @@ TEST_CASE("each edge and face counts for one vertex, with the gain that its cand
                                            hmesh_test::jittered_grid(60, 50, 7, 6, 1));
     const kit::ImageMesh<1>& mesh = subject.mesh;
     VertexWorths worths;
-    sample_worths(mesh, 1, worths);
+    sample_worths(mesh, kit::spatial_vertices(mesh), 1, worths);
     REQUIRE(worths.gains.size() == mesh.vertex_count());
     // The largest gain of all sites, found without any ownership, is the largest of all vertices.
     kit::RingScratch<1> scratch;
@@ -51,9 +51,9 @@ TEST_CASE("every step-th vertex is looked at, and several patches add up") {
     const Subject<std::uint8_t, 1> subject(hmesh_test::noise<std::uint8_t, 1>(60, 50, 1),
                                            hmesh_test::jittered_grid(60, 50, 7, 6, 1));
     VertexWorths worths;
-    sample_worths(subject.mesh, 5, worths);
+    sample_worths(subject.mesh, kit::spatial_vertices(subject.mesh), 5, worths);
     CHECK(worths.gains.size() == (subject.mesh.vertex_count() + 4) / 5);
-    sample_worths(subject.mesh, 1000, worths);
+    sample_worths(subject.mesh, kit::spatial_vertices(subject.mesh), 1000, worths);
     CHECK(worths.gains.size() == (subject.mesh.vertex_count() + 4) / 5 + 1);
 }
 

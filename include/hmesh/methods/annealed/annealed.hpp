@@ -143,11 +143,13 @@ class AnnealedRun {
 
     /// A piece of work on a patch.
     struct Piece {
-        std::size_t number;   ///< another one for each piece of a phase
-        double vertex_count;  ///< of the whole mesh, when the phase began
+        std::size_t number;  ///< < piece_count() of the phase, another one for each piece
+        double share;        ///< of the patch in the vertices of the whole mesh, when the phase began
     };
     /// What is done in a patch to some of its vertices, in spatial order.
     using PieceWork = FunctionRef<void(ImageMesh<C>& mesh, const std::vector<Vertex>& vertices, const Piece& piece)>;
+    /// The pieces of a phase are numbered from 0 to this.
+    [[nodiscard]] std::size_t piece_count(int phase) const { return 2 * tiling(phase).size(); }
 
     /// Calls body() for the free vertices of each patch of this phase, which is this part of the stage; before that, where
     /// `has_missed`, for those of them that were locked in the phase before, which did the same.
@@ -155,9 +157,10 @@ class AnnealedRun {
         const auto count = static_cast<double>(tiled_->vertex_count());
         progress().set_range(from, to);
         return tiled_->for_each(tiling(phase_), [&](Patch<C>& patch, std::size_t tile) {
+            const double share = static_cast<double>(patch.vertex_count()) / count;
             if (const std::vector<Vertex> missed = patch.take_was_locked(); has_missed && !missed.empty())
-                body(patch.mesh(), missed, {2 * tile, count});
-            body(patch.mesh(), patch.free_vertices(), {2 * tile + 1, count});
+                body(patch.mesh(), missed, {2 * tile, share});
+            body(patch.mesh(), patch.free_vertices(), {2 * tile + 1, share});
         });
     }
     /// Calls body() for the vertices that were locked in this phase, in the patches of the next.
@@ -167,7 +170,8 @@ class AnnealedRun {
         progress().set_range(from, to);
         phase_ ^= 1;
         return tiled_->for_each_seam(tiling(phase_), [&](Patch<C>& patch, std::size_t tile) {
-            body(patch.mesh(), patch.take_was_locked(), {tile, count});
+            const double share = static_cast<double>(patch.vertex_count()) / count;
+            body(patch.mesh(), patch.take_was_locked(), {tile, share});
         });
     }
 
@@ -222,7 +226,7 @@ class AnnealedRun {
         const Tiling tiles = tiling(phase_);
         std::vector<VertexWorths> of_tile(tiles.size());
         progress().set_range(0, 0);
-        tiled_->for_each(tiles, [&](Patch<C>& patch, std::size_t tile) { sample_worths(patch.mesh(), step, of_tile[tile]); });
+        tiled_->for_each(tiles, [&](Patch<C>& patch, std::size_t tile) { sample_worths(patch.mesh(), patch.free_vertices(), step, of_tile[tile]); });
         VertexWorths worths;
         for (const VertexWorths& some : of_tile) {
             worths.gains.insert(worths.gains.end(), some.gains.begin(), some.gains.end());
@@ -240,30 +244,35 @@ class AnnealedRun {
             const double sweeps = annealing.sweeps, t = k / sweeps;
             return k == 0 ? 0 : (0.4 + sweeps * t * (1.08 - 0.15 * t)) / (0.4 + 0.93 * sweeps);
         };
-        for (int k = 0; k < annealing.sweeps; ++k) {
-            const double tolerance = annealing.count_tolerance * (1 - static_cast<double>(k) / annealing.sweeps);
-            std::vector<AnnealingCounts> counts;
-            const auto body = [&](ImageMesh<C>& mesh, const std::vector<Vertex>& vertices, const Piece& piece) {
-                const double share = static_cast<double>(mesh.vertex_count()) * static_cast<double>(n_) / piece.vertex_count;
-                const CountRange range{(1 - tolerance) * share, (1 + tolerance) * share};
-                const Random random(seed_, (static_cast<std::uint64_t>(k) << 32U) + piece.number);
-                const AnnealingCounts more =
-                    AnnealingSweep<C>(mesh, annealing, schedule.price(), schedule.temperature(k), range, random).run(vertices);
-                counts[piece.number].removed += more.removed;
-                counts[piece.number].inserted += more.inserted;
-            };
-            const bool is_last = k + 1 == annealing.sweeps;
-            const double end = is_last ? done(k) + 0.9 * (done(k + 1) - done(k)) : done(k + 1);
-            if (k > 0) ++phase_;
-            counts.resize(2 * std::max(tiling(phase_).size(), tiling(phase_ ^ 1).size()));
-            if (!for_each_piece(k > 0, done(k), end, body)) return false;
-            if (is_last && !for_each_seam(end, done(k + 1), body)) return false;
+        std::vector<AnnealingCounts> counts;
+        const auto steer = [&] {
             AnnealingCounts sum;
             for (const AnnealingCounts& c : counts) {
                 sum.removed += c.removed;
                 sum.inserted += c.inserted;
             }
+            counts.clear();
             schedule.steer(sum, tiled_->vertex_count(), tiled_->mean_energy());
+        };
+        for (int k = 0; k < annealing.sweeps; ++k) {
+            const double tolerance = annealing.count_tolerance * (1 - static_cast<double>(k) / annealing.sweeps);
+            const auto body = [&](ImageMesh<C>& mesh, const std::vector<Vertex>& vertices, const Piece& piece) {
+                const double share = piece.share * static_cast<double>(n_);
+                const CountRange range{(1 - tolerance) * share, (1 + tolerance) * share};
+                const Random random(seed_, (static_cast<std::uint64_t>(k) << 32U) + piece.number);
+                counts[piece.number] =
+                    AnnealingSweep<C>(mesh, annealing, schedule.price(), schedule.temperature(k), range, random).run(vertices);
+            };
+            if (k > 0) ++phase_;
+            const bool ends_at_seams = k + 1 == annealing.sweeps && aligned_.size() > 1;
+            const double end = ends_at_seams ? done(k) + 0.9 * (done(k + 1) - done(k)) : done(k + 1);
+            counts.resize(piece_count(phase_));
+            if (!for_each_piece(k > 0, done(k), end, body)) return false;
+            steer();
+            if (ends_at_seams) {
+                counts.resize(piece_count(phase_ ^ 1));
+                if (!for_each_seam(end, done(k + 1), body)) return false;
+            }
             if (!progress().update(done(k + 1), tiled_->vertex_count(), tiled_->energy())) return false;
         }
         return true;

@@ -216,7 +216,7 @@ struct Annealed {
         // Up to this size one tile is as fast as several, and there are no seams whose traces must be removed.
         const bool is_small = static_cast<double>(width) * height <= 1048576 && n <= 16384;
         double size = tile != 0 ? tile : is_small ? std::max(width, height) : 256;
-        const double needed = 256.0 * width * height / static_cast<double>(n), longest = std::max(width, height);
+        const double needed = 64.0 * width * height / static_cast<double>(n), longest = std::max(width, height);
         while (size < longest && std::min<double>(size, width) * std::min<double>(size, height) < needed) size *= 1.25;
         return size;
     }
