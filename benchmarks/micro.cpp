@@ -223,7 +223,7 @@ void annealing_sweep(benchmark::State& state) {  // a vertex
     on_copies(state, [](ImageMesh<channels>& mesh) {
         const double price = 0.3 * mesh.mean_energy(), n = static_cast<double>(mesh.vertex_count());
         hmesh::kit::AnnealingSweep<channels> sweep(mesh, {}, price, 0.3 * price, {0.9 * n, 1.1 * n}, hmesh::kit::Random(1));
-        benchmark::DoNotOptimize(sweep.run());
+        benchmark::DoNotOptimize(sweep.run(hmesh::kit::spatial_vertices(mesh)));
     });
     per_item(state, static_cast<std::size_t>(state.iterations()) * fixture().vertices.size());
 }

@@ -4593,6 +4593,7 @@ inline constexpr bool is_recipe<Recipe, std::enable_if_t<std::is_same_v<std::rem
 #define HMESH_METHODS_ANNEALED_OPTIONS_HPP
 
 #include <algorithm>
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <optional>
@@ -4761,9 +4762,9 @@ struct Annealed {
     Effort effort = Effort::normal;  ///< how much work goes into the mesh
     std::uint64_t seed = 1;          ///< of the annealing's random numbers; any value. draft uses none
     /// The side of a tile in px, 64 to 65536, or 0 for the default. Images larger than a tile are meshed in tiles of about this
-    /// size, each of them a piece of work for a thread. The default is one piece up to 1048576 pixels and 16384 vertices, and
-    /// tiles of 256 px beyond. Where a tile would hold less than 256 vertices on average, tiles are made larger, up to the
-    /// image, and so is the memory that each takes.
+    /// size, each of them a piece of work for a thread. The default is 128 to 256 px, as many as hold 400 vertices on average,
+    /// or 640 where nothing is annealed, and 256 px beyond 4194304 pixels. Where a tile would hold less than 256 vertices on
+    /// average, tiles are made larger, up to the image.
     int tile = 0;
     /// The steps in detail, in place of those that `effort` stands for: start from kit::annealed_steps(effort) and change some.
     std::optional<kit::AnnealedSteps> steps{};
@@ -4789,11 +4790,14 @@ struct Annealed {
     }
     /// The side of the tiles in px for a mesh of n vertices; the image's longer side or more: one piece.
     [[nodiscard]] double tile_size(int width, int height, std::size_t n) const noexcept {
-        // Up to this size one tile is as fast as several, and there are no seams whose traces must be removed.
-        const bool is_small = static_cast<double>(width) * height <= 1048576 && n <= 16384;
-        double size = tile != 0 ? tile : is_small ? std::max(width, height) : 256;
-        const double needed = 64.0 * width * height / static_cast<double>(n), longest = std::max(width, height);
-        while (size < longest && std::min<double>(size, width) * std::min<double>(size, height) < needed) size *= 1.25;
+        const double pixels = static_cast<double>(width) * height, per_vertex = pixels / static_cast<double>(n);
+        const double longest = std::max(width, height);
+        // The fewer vertices a tile has, the more of them are hindered by its border, which more sweeps make up for.
+        const double wanted = steps.value_or(kit::annealed_steps(effort)).annealing.sweeps > 0 ? 400 : 640;
+        double size = tile != 0          ? tile
+                      : pixels > 4194304 ? 256
+                                         : std::max(128.0, std::min(256.0, std::sqrt(wanted * per_vertex)));
+        while (size < longest && std::min<double>(size, width) * std::min<double>(size, height) < 256 * per_vertex) size *= 1.25;
         return size;
     }
     /// The recipe for one run of a search. Sketches are of effort fast, and meshes refined with 3 / 8 of the sweeps, which makes
@@ -9205,9 +9209,9 @@ class AnnealingSweep {
         : mesh_(&mesh), options_(options), price_(price), temperature_(temperature), min_gain_(5e-3 * price), range_(range),
           random_(random) {}
 
-    /// Works on `all`, which are in spatial order, and what belongs to them. Block by block: tries removals, insertions, flips and jumps, then visits dirty vertices twice with flips in between.
-    /// Begins at a random block: a CountRange that ends it early would else favour the top of the image. Ends early where
-    /// mesh.keep_going() says stop.
+    /// Works on these vertices, in spatial order, and on what belongs to them. Block by block: tries removals, insertions, flips
+    /// and jumps, then visits dirty vertices twice with flips in between. Begins at a random block: a CountRange that ends it
+    /// early would else favour the top of the image. Ends early where mesh.keep_going() says stop.
     AnnealingCounts run(const std::vector<Vertex>& all) {
         AnnealingCounts counts;
         for_each_block(*mesh_, all, random_.below(std::size_t{1} << 30U), [&](std::vector<Vertex>& vertices) {
@@ -10017,6 +10021,20 @@ class Patch {
         const std::vector<Vertex> vertices = std::exchange(was_locked_, {});
         return in_spatial_order<Vertex>(vertices, vertices.size(), [&](Vertex v) { return mesh_.position(v); });
     }
+    /// The same and their free neighbours, which could not do all that they can either.
+    [[nodiscard]] HMESH_COLD std::vector<Vertex> take_hindered() {
+        std::vector<Vertex> vertices = take_was_locked();
+        std::vector<unsigned char> known(mesh_.topology().vertex_slots(), 0);
+        for (const Vertex v : vertices) known[v.index()] = 1;
+        const std::size_t count = vertices.size();
+        for (std::size_t k = 0; k < count; ++k)
+            for (const Halfedge h : mesh_.topology().outgoing(vertices[k])) {
+                const Vertex u = mesh_.topology().to_vertex(h);
+                if (mesh_.vertex(u).mobility == Mobility::locked || std::exchange(known[u.index()], 1) != 0) continue;
+                vertices.push_back(u);
+            }
+        return in_spatial_order<Vertex>(vertices, vertices.size(), [&](Vertex v) { return mesh_.position(v); });
+    }
     /// All vertices of the patch, a locked one once for each of its fans.
     [[nodiscard]] std::size_t vertex_count() const noexcept { return mesh_.vertex_count(); }
     /// Vertices that may be changed and removed: all but the locked ones.
@@ -10123,9 +10141,12 @@ class TiledMesh {
             count += patches_[k] != nullptr ? patches_[k]->free_count() : cut_.free_count[k];
         return count;
     }
-    /// Whether there is a moment table of the whole image, since the image is small: patches have none of their own then, and stay
-    /// for the next call with the same tiling.
-    [[nodiscard]] bool has_whole_table() const noexcept { return source_->pixels() <= 4194304; }
+    /// Whether the image is so small, 2^22 pixels and 512 MiB at most, that there is a moment table of all of it. Patches have
+    /// none of their own then, and stay for the next call with the same tiling.
+    [[nodiscard]] bool has_whole_table() const noexcept {
+        return source_->pixels() <= 4194304 &&
+               MomentTable<C>::fits_memory(source_->width(), source_->height(), std::int64_t{1} << 29U);
+    }
     /// The number of vertices that were free in no patch of the last for_each().
     [[nodiscard]] std::size_t locked_count() const noexcept { return is_cut() ? cut_.locked_count : indexed_.locked_count; }
     /// The squared error over pixels and channels, as of the last for_each() or measure(); rounding may leave it slightly
@@ -10141,8 +10162,8 @@ class TiledMesh {
     /// The energy per vertex, >= 0.
     [[nodiscard]] double mean_energy() const noexcept { return std::max(0.0, energy()) / static_cast<double>(vertex_count()); }
 
-    /// Calls body(patch, tile) for the patch of each tile that has faces, as pieces of work. All pieces together are the range that
-    /// progress().set_range() announced. With one tile the body runs on the calling thread, so that it may use the executor
+    /// Calls body(patch, tile) for the patch of each tile that has faces, as pieces of work. All pieces together are the range
+    /// that progress().set_range() announced. With one tile the body runs on the calling thread, so that it may use the executor
     /// itself. Patches of small images are kept for the next call with the same tiling, which then costs nothing; others are
     /// merged at once. Returns whether to go on: false after a cancellation, when the mesh is valid, some patches worked on in
     /// part and some not at all.
@@ -10261,7 +10282,7 @@ class TiledMesh {
         cut_ = detail::cut(indexed_.positions, indexed_.faces, tiling);
         patches_.resize(tiling.size());
     }
-    /// Ends is_cut(): makes indexed_ of the locked vertices of cut_, of patches_, and of the results of those patches that are gone.
+    /// Ends is_cut(): makes indexed_ of the locked vertices of cut_, of patches_, and of the results of patches that are gone.
     HMESH_COLD void put_together(std::vector<detail::PatchResult<C>> results = {}) {
         if (!is_cut()) return;
         results.resize(patches_.size());
@@ -10391,8 +10412,8 @@ namespace hmesh::kit {
 
 namespace detail {
 
-/// Removes the `count` cheapest of the vertices that cheapest_removals() has chosen in the patches of a tiling, removals[k] in that
-/// of tile k. Returns how many went.
+/// Removes the `count` cheapest of the vertices that cheapest_removals() has chosen in the patches of a tiling, removals[k] in
+/// that of tile k. Returns how many went.
 template <int C>
 HMESH_COLD std::size_t remove_chosen(TiledMesh<C>& tiled, const Tiling& tiling, const std::vector<std::vector<Removal>>& removals,
                                      std::size_t count, const Relaxation& relaxation) {
@@ -11071,7 +11092,7 @@ class AnnealedRun {
         progress().set_range(from, to);
         return tiled_->for_each(tiling(phase_), [&](Patch<C>& patch, std::size_t tile) {
             const double share = static_cast<double>(patch.vertex_count()) / count;
-            if (const std::vector<Vertex> missed = patch.take_was_locked(); has_missed && !missed.empty())
+            if (const std::vector<Vertex> missed = patch.take_hindered(); has_missed && !missed.empty())
                 body(patch.mesh(), missed, {2 * tile, share});
             body(patch.mesh(), patch.free_vertices(), {2 * tile + 1, share});
         });
@@ -11084,7 +11105,7 @@ class AnnealedRun {
         phase_ ^= 1;
         return tiled_->for_each_seam(tiling(phase_), [&](Patch<C>& patch, std::size_t tile) {
             const double share = static_cast<double>(patch.vertex_count()) / count;
-            body(patch.mesh(), patch.take_was_locked(), {tile, share});
+            body(patch.mesh(), patch.take_hindered(), {tile, share});
         });
     }
 
@@ -11139,7 +11160,9 @@ class AnnealedRun {
         const Tiling tiles = tiling(phase_);
         std::vector<VertexWorths> of_tile(tiles.size());
         progress().set_range(0, 0);
-        tiled_->for_each(tiles, [&](Patch<C>& patch, std::size_t tile) { sample_worths(patch.mesh(), patch.free_vertices(), step, of_tile[tile]); });
+        tiled_->for_each(tiles, [&](Patch<C>& patch, std::size_t tile) {
+            sample_worths(patch.mesh(), patch.free_vertices(), step, of_tile[tile]);
+        });
         VertexWorths worths;
         for (const VertexWorths& some : of_tile) {
             worths.gains.insert(worths.gains.end(), some.gains.begin(), some.gains.end());

@@ -64,7 +64,7 @@ class Annealing {
         const CountRange range{(1 - options_.count_tolerance) * target_, (1 + options_.count_tolerance) * target_};
         AnnealingSweep<C> sweep(*mesh_, options_, price(), schedule_.temperature(k), range,
                                 Random(seed_, static_cast<std::uint64_t>(k)));
-        const AnnealingCounts counts = sweep.run();
+        const AnnealingCounts counts = sweep.run(kit::spatial_vertices(*mesh_));
         steer(counts);
         return counts;
     }
@@ -199,7 +199,7 @@ TEST_CASE("a sweep leaves no more and no fewer vertices than its range says, but
         Subject<std::uint8_t, 3> subject(hmesh_test::scene<std::uint8_t, 3>(60, 52, 5),
                                          hmesh_test::jittered_grid(60, 52, 10, 10, 5));
         const double unit = subject.mesh.mean_energy();
-        AnnealingSweep<3>(subject.mesh, {}, price * unit, 0, range, Random(5)).run();
+        AnnealingSweep<3>(subject.mesh, {}, price * unit, 0, range, Random(5)).run(kit::spatial_vertices(subject.mesh));
         hmesh_test::prove(subject);
         return subject.mesh.vertex_count();
     };

@@ -194,7 +194,7 @@ void prove_patches(const ImageSource<C>& source, const IndexedMesh<C>& whole, co
         const std::vector<Triangle> triangles = triangles_of(whole, cut, tile);
         if (triangles.empty()) continue;
         const Form form = form_of(triangles);
-        Patch<C> patch(whole, source, cut, tile, {}, nullptr);
+        Patch<C> patch(whole, source, cut, tile, {});
         const ImageMesh<C>& mesh = patch.mesh();
         const hmesh::Status status = mesh.check();
         REQUIRE_MESSAGE(status, std::string(status.what) << " at " << status.value);
@@ -375,24 +375,29 @@ TEST_CASE("patches of an image with weights sum up to the whole") {
     for (const double tile : {4.0, 12.0, 30.0, 100.0}) prove_patches(source, whole, Tiling(48, 40, tile, true, false), met);
 }
 
-TEST_CASE("a patch that is the whole takes the table it is offered and gives it back; others make their own") {
+TEST_CASE("patches over the table of the whole image are those with tables of their own") {
     const auto image = hmesh_test::scene<std::uint8_t, 3>(40, 30, 9);
     const IndexedMesh<3> whole = make_indexed(image, Shape::worn, 60, 9);
     const ImageSource<3> source(image.view());
-    const Tiling one(40, 30, 100), four(40, 30, 20);
-    const Cut cut_one = kit::detail::cut(whole.positions, whole.faces, one),
-              cut_four = kit::detail::cut(whole.positions, whole.faces, four);
-    auto table = source.table({0, 0, 40, 30});
-    const auto* entries = table.entries<std::int32_t>();
-    Patch<3> patch(whole, source, cut_one, 0, {}, nullptr, std::move(table));
-    CHECK(patch.mesh().check());
-    CHECK(patch.mesh().energy() == doctest::Approx(whole.energy).epsilon(1e-12));
-    table = patch.take_table();
-    CHECK(table.entries<std::int32_t>() == entries);
-    for (std::size_t tile = 0; tile < four.size(); ++tile) {
-        Patch<3> part(whole, source, cut_four, tile, {}, nullptr, source.table({0, 0, 40, 30}));
-        CHECK(part.mesh().check());
-        CHECK(part.mesh().width() < 40);
+    const auto table = source.table({0, 0, 40, 30});
+    for (const double size : {100.0, 20.0}) {
+        const Tiling tiling(40, 30, size);
+        const Cut cut = kit::detail::cut(whole.positions, whole.faces, tiling);
+        double energy = 0;
+        for (std::size_t tile = 0; tile < tiling.size(); ++tile) {
+            Patch<3> shared(whole, source, cut, tile, {}, &table);
+            CHECK(shared.mesh().check());
+            CHECK(shared.mesh().width() == 40);
+            Patch<3> own(whole, source, cut, tile, {});
+            CHECK(shared.mesh().energy() == doctest::Approx(own.mesh().energy()).epsilon(1e-12));
+            CHECK(shared.first_energy() == shared.mesh().energy());
+            energy += shared.mesh().energy();
+            const auto a = shared.result(), b = own.result();
+            CHECK(a.positions == b.positions);
+            CHECK(a.faces == b.faces);
+            CHECK(a.locked == b.locked);
+        }
+        CHECK(energy == doctest::Approx(whole.energy).epsilon(1e-12));
     }
 }
 
@@ -439,7 +444,7 @@ void torture(const Image<T, C>& image, const IndexedMesh<C>& whole, double tile_
     for (std::size_t tile = 0; tile < tiling.size(); ++tile) {
         const std::vector<Triangle> triangles = triangles_of(whole, cut, tile);
         if (triangles.empty()) continue;
-        Patch<C> patch(whole, source, cut, tile, {}, nullptr);
+        Patch<C> patch(whole, source, cut, tile, {});
         ImageMesh<C>& mesh = patch.mesh();
         Point low{1e9, 1e9};
         for (const Triangle& t : triangles)

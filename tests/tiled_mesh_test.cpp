@@ -81,7 +81,7 @@ struct Phase {
             case Kind::remove: kit::remove_batch(mesh, 1 + random.below(count / 3 + 1), {}); return;
             case Kind::anneal: {
                 const double least = 0.7 * static_cast<double>(count), most = 1.3 * static_cast<double>(count);
-                kit::AnnealingSweep<C>(mesh, {}, price, 0.4 * price, {least, most}, random).run();
+                kit::AnnealingSweep<C>(mesh, {}, price, 0.4 * price, {least, most}, random).run(kit::spatial_vertices(mesh));
                 return;
             }
             default:

@@ -287,6 +287,20 @@ class Patch {
         const std::vector<Vertex> vertices = std::exchange(was_locked_, {});
         return in_spatial_order<Vertex>(vertices, vertices.size(), [&](Vertex v) { return mesh_.position(v); });
     }
+    /// The same and their free neighbours, which could not do all that they can either.
+    [[nodiscard]] HMESH_COLD std::vector<Vertex> take_hindered() {
+        std::vector<Vertex> vertices = take_was_locked();
+        std::vector<unsigned char> known(mesh_.topology().vertex_slots(), 0);
+        for (const Vertex v : vertices) known[v.index()] = 1;
+        const std::size_t count = vertices.size();
+        for (std::size_t k = 0; k < count; ++k)
+            for (const Halfedge h : mesh_.topology().outgoing(vertices[k])) {
+                const Vertex u = mesh_.topology().to_vertex(h);
+                if (mesh_.vertex(u).mobility == Mobility::locked || std::exchange(known[u.index()], 1) != 0) continue;
+                vertices.push_back(u);
+            }
+        return in_spatial_order<Vertex>(vertices, vertices.size(), [&](Vertex v) { return mesh_.position(v); });
+    }
     /// All vertices of the patch, a locked one once for each of its fans.
     [[nodiscard]] std::size_t vertex_count() const noexcept { return mesh_.vertex_count(); }
     /// Vertices that may be changed and removed: all but the locked ones.

@@ -62,9 +62,12 @@ class TiledMesh {
             count += patches_[k] != nullptr ? patches_[k]->free_count() : cut_.free_count[k];
         return count;
     }
-    /// Whether there is a moment table of the whole image, since the image is small: patches have none of their own then, and stay
-    /// for the next call with the same tiling.
-    [[nodiscard]] bool has_whole_table() const noexcept { return source_->pixels() <= 4194304; }
+    /// Whether the image is so small, 2^22 pixels and 512 MiB at most, that there is a moment table of all of it. Patches have
+    /// none of their own then, and stay for the next call with the same tiling.
+    [[nodiscard]] bool has_whole_table() const noexcept {
+        return source_->pixels() <= 4194304 &&
+               MomentTable<C>::fits_memory(source_->width(), source_->height(), std::int64_t{1} << 29U);
+    }
     /// The number of vertices that were free in no patch of the last for_each().
     [[nodiscard]] std::size_t locked_count() const noexcept { return is_cut() ? cut_.locked_count : indexed_.locked_count; }
     /// The squared error over pixels and channels, as of the last for_each() or measure(); rounding may leave it slightly
@@ -80,8 +83,8 @@ class TiledMesh {
     /// The energy per vertex, >= 0.
     [[nodiscard]] double mean_energy() const noexcept { return std::max(0.0, energy()) / static_cast<double>(vertex_count()); }
 
-    /// Calls body(patch, tile) for the patch of each tile that has faces, as pieces of work. All pieces together are the range that
-    /// progress().set_range() announced. With one tile the body runs on the calling thread, so that it may use the executor
+    /// Calls body(patch, tile) for the patch of each tile that has faces, as pieces of work. All pieces together are the range
+    /// that progress().set_range() announced. With one tile the body runs on the calling thread, so that it may use the executor
     /// itself. Patches of small images are kept for the next call with the same tiling, which then costs nothing; others are
     /// merged at once. Returns whether to go on: false after a cancellation, when the mesh is valid, some patches worked on in
     /// part and some not at all.
@@ -200,7 +203,7 @@ class TiledMesh {
         cut_ = detail::cut(indexed_.positions, indexed_.faces, tiling);
         patches_.resize(tiling.size());
     }
-    /// Ends is_cut(): makes indexed_ of the locked vertices of cut_, of patches_, and of the results of those patches that are gone.
+    /// Ends is_cut(): makes indexed_ of the locked vertices of cut_, of patches_, and of the results of patches that are gone.
     HMESH_COLD void put_together(std::vector<detail::PatchResult<C>> results = {}) {
         if (!is_cut()) return;
         results.resize(patches_.size());

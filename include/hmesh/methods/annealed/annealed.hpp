@@ -158,7 +158,7 @@ class AnnealedRun {
         progress().set_range(from, to);
         return tiled_->for_each(tiling(phase_), [&](Patch<C>& patch, std::size_t tile) {
             const double share = static_cast<double>(patch.vertex_count()) / count;
-            if (const std::vector<Vertex> missed = patch.take_was_locked(); has_missed && !missed.empty())
+            if (const std::vector<Vertex> missed = patch.take_hindered(); has_missed && !missed.empty())
                 body(patch.mesh(), missed, {2 * tile, share});
             body(patch.mesh(), patch.free_vertices(), {2 * tile + 1, share});
         });
@@ -171,7 +171,7 @@ class AnnealedRun {
         phase_ ^= 1;
         return tiled_->for_each_seam(tiling(phase_), [&](Patch<C>& patch, std::size_t tile) {
             const double share = static_cast<double>(patch.vertex_count()) / count;
-            body(patch.mesh(), patch.take_was_locked(), {tile, share});
+            body(patch.mesh(), patch.take_hindered(), {tile, share});
         });
     }
 
@@ -226,7 +226,9 @@ class AnnealedRun {
         const Tiling tiles = tiling(phase_);
         std::vector<VertexWorths> of_tile(tiles.size());
         progress().set_range(0, 0);
-        tiled_->for_each(tiles, [&](Patch<C>& patch, std::size_t tile) { sample_worths(patch.mesh(), patch.free_vertices(), step, of_tile[tile]); });
+        tiled_->for_each(tiles, [&](Patch<C>& patch, std::size_t tile) {
+            sample_worths(patch.mesh(), patch.free_vertices(), step, of_tile[tile]);
+        });
         VertexWorths worths;
         for (const VertexWorths& some : of_tile) {
             worths.gains.insert(worths.gains.end(), some.gains.begin(), some.gains.end());

@@ -87,9 +87,9 @@ class AnnealingSweep {
         : mesh_(&mesh), options_(options), price_(price), temperature_(temperature), min_gain_(5e-3 * price), range_(range),
           random_(random) {}
 
-    /// Works on `all`, which are in spatial order, and what belongs to them. Block by block: tries removals, insertions, flips and jumps, then visits dirty vertices twice with flips in between.
-    /// Begins at a random block: a CountRange that ends it early would else favour the top of the image. Ends early where
-    /// mesh.keep_going() says stop.
+    /// Works on these vertices, in spatial order, and on what belongs to them. Block by block: tries removals, insertions, flips
+    /// and jumps, then visits dirty vertices twice with flips in between. Begins at a random block: a CountRange that ends it
+    /// early would else favour the top of the image. Ends early where mesh.keep_going() says stop.
     AnnealingCounts run(const std::vector<Vertex>& all) {
         AnnealingCounts counts;
         for_each_block(*mesh_, all, random_.below(std::size_t{1} << 30U), [&](std::vector<Vertex>& vertices) {

@@ -62,8 +62,8 @@ namespace hmesh::kit {
 
 namespace detail {
 
-/// Removes the `count` cheapest of the vertices that cheapest_removals() has chosen in the patches of a tiling, removals[k] in that
-/// of tile k. Returns how many went.
+/// Removes the `count` cheapest of the vertices that cheapest_removals() has chosen in the patches of a tiling, removals[k] in
+/// that of tile k. Returns how many went.
 template <int C>
 HMESH_COLD std::size_t remove_chosen(TiledMesh<C>& tiled, const Tiling& tiling, const std::vector<std::vector<Removal>>& removals,
                                      std::size_t count, const Relaxation& relaxation) {

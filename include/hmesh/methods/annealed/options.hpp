@@ -7,6 +7,7 @@
 #define HMESH_METHODS_ANNEALED_OPTIONS_HPP
 
 #include <algorithm>
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <optional>
@@ -185,9 +186,9 @@ struct Annealed {
     Effort effort = Effort::normal;  ///< how much work goes into the mesh
     std::uint64_t seed = 1;          ///< of the annealing's random numbers; any value. draft uses none
     /// The side of a tile in px, 64 to 65536, or 0 for the default. Images larger than a tile are meshed in tiles of about this
-    /// size, each of them a piece of work for a thread. The default is one piece up to 1048576 pixels and 16384 vertices, and
-    /// tiles of 256 px beyond. Where a tile would hold less than 256 vertices on average, tiles are made larger, up to the
-    /// image, and so is the memory that each takes.
+    /// size, each of them a piece of work for a thread. The default is 128 to 256 px, as many as hold 400 vertices on average,
+    /// or 640 where nothing is annealed, and 256 px beyond 4194304 pixels. Where a tile would hold less than 256 vertices on
+    /// average, tiles are made larger, up to the image.
     int tile = 0;
     /// The steps in detail, in place of those that `effort` stands for: start from kit::annealed_steps(effort) and change some.
     std::optional<kit::AnnealedSteps> steps{};
@@ -213,11 +214,14 @@ struct Annealed {
     }
     /// The side of the tiles in px for a mesh of n vertices; the image's longer side or more: one piece.
     [[nodiscard]] double tile_size(int width, int height, std::size_t n) const noexcept {
-        // Up to this size one tile is as fast as several, and there are no seams whose traces must be removed.
-        const bool is_small = static_cast<double>(width) * height <= 1048576 && n <= 16384;
-        double size = tile != 0 ? tile : is_small ? std::max(width, height) : 256;
-        const double needed = 64.0 * width * height / static_cast<double>(n), longest = std::max(width, height);
-        while (size < longest && std::min<double>(size, width) * std::min<double>(size, height) < needed) size *= 1.25;
+        const double pixels = static_cast<double>(width) * height, per_vertex = pixels / static_cast<double>(n);
+        const double longest = std::max(width, height);
+        // The fewer vertices a tile has, the more of them are hindered by its border, which more sweeps make up for.
+        const double wanted = steps.value_or(kit::annealed_steps(effort)).annealing.sweeps > 0 ? 400 : 640;
+        double size = tile != 0          ? tile
+                      : pixels > 4194304 ? 256
+                                         : std::max(128.0, std::min(256.0, std::sqrt(wanted * per_vertex)));
+        while (size < longest && std::min<double>(size, width) * std::min<double>(size, height) < 256 * per_vertex) size *= 1.25;
         return size;
     }
     /// The recipe for one run of a search. Sketches are of effort fast, and meshes refined with 3 / 8 of the sweeps, which makes
