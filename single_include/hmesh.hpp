@@ -4171,6 +4171,7 @@ namespace hmesh::kit {
 #include <cstddef>
 #include <cstdint>
 #include <initializer_list>
+#include <utility>
 #include <vector>
 
 namespace hmesh {
@@ -4261,6 +4262,8 @@ class ProgressReporter {
         to_ = std::max(0.0, std::min(1.0, to));
         done_ = 0;
     }
+    /// The range as set_range() left it.
+    [[nodiscard]] std::pair<double, double> range() const noexcept { return {from_, to_}; }
     /// Ends the stage and notes its StageReport with a mesh of this size and energy. False once cancelled.
     bool end(std::size_t vertices, double energy) {
         energy = std::max(0.0, energy);
@@ -10113,6 +10116,8 @@ class TiledMesh {
   public:
     /// What is done to the mesh of one patch.
     using MeshWork = FunctionRef<void(ImageMesh<C>& mesh)>;
+    /// What is done to the patch of a tile.
+    using PatchWork = FunctionRef<void(Patch<C>& patch, std::size_t tile)>;
 
     /// An empty mesh. The image source, the progress reporter and the executor must outlive the TiledMesh.
     TiledMesh(const ImageSource<C>& source, const MeshLimits& limits, ProgressReporter& progress,
@@ -10167,22 +10172,14 @@ class TiledMesh {
     /// itself. Patches of small images are kept for the next call with the same tiling, which then costs nothing; others are
     /// merged at once. Returns whether to go on: false after a cancellation, when the mesh is valid, some patches worked on in
     /// part and some not at all.
-    HMESH_COLD bool for_each(const Tiling& tiling, FunctionRef<void(Patch<C>& patch, std::size_t tile)> body) {
-        cut_along(tiling);
-        std::vector<double> faces(tiling.size());
-        for (std::size_t k = 0; k < tiling.size(); ++k) faces[k] = static_cast<double>(cut_.first[k + 1] - cut_.first[k]);
-        return work(faces, body);
-    }
-
+    HMESH_COLD bool for_each(const Tiling& tiling, PatchWork body) { return cut_and_run(tiling, false, true, body); }
     /// The same for the patches alone in which vertices are free that were locked in the last for_each(), which had another
-    /// tiling: they are in patch.was_locked().
-    HMESH_COLD bool for_each_seam(const Tiling& tiling, FunctionRef<void(Patch<C>& patch, std::size_t tile)> body) {
-        cut_along(tiling);
-        std::vector<double> vertices(tiling.size(), 0.0);
-        for (std::size_t v = 0; v < indexed_.locked_count; ++v)
-            if (cut_.owner[v] != detail::Cut::locked) ++vertices[cut_.owner[v]];
-        return work(vertices, body);
-    }
+    /// tiling: they are in patch.take_was_locked().
+    HMESH_COLD bool for_each_seam(const Tiling& tiling, PatchWork body) { return cut_and_run(tiling, true, true, body); }
+    /// for_each() with a body that changes no mesh: the next call with this tiling finds the same patches, vertex for vertex.
+    HMESH_COLD bool look_at_each(const Tiling& tiling, PatchWork body) { return cut_and_run(tiling, false, false, body); }
+    /// for_each_seam() with a body that changes no mesh.
+    HMESH_COLD bool look_at_each_seam(const Tiling& tiling, PatchWork body) { return cut_and_run(tiling, true, false, body); }
 
     /// Calls look(patch, tile, faces) for the patch of each tile that has faces, as pieces of work, and drops the patches: the
     /// mesh stays as it is. faces[f] is the face of indexed() that is face f of the patch. Returns whether to go on; after a
@@ -10251,11 +10248,19 @@ class TiledMesh {
         if (tiles.size() == 1) piece(0);
         else parallel_for_(tiles.size(), piece);
     }
-    /// Calls body(patch, tile) for the tiles of size > 0 of cut_. Returns whether to go on.
-    HMESH_COLD bool work(const std::vector<double>& sizes, FunctionRef<void(Patch<C>& patch, std::size_t tile)> body) {
+    /// The four calls above.
+    HMESH_COLD bool cut_and_run(const Tiling& tiling, bool at_seams, bool changes, PatchWork body) {
+        cut_along(tiling);
+        std::vector<double> sizes(tiling.size(), 0.0);
+        if (at_seams) {
+            for (std::size_t v = 0; v < indexed_.locked_count; ++v)
+                if (cut_.owner[v] != detail::Cut::locked) ++sizes[cut_.owner[v]];
+        } else {
+            for (std::size_t k = 0; k < sizes.size(); ++k) sizes[k] = static_cast<double>(cut_.first[k + 1] - cut_.first[k]);
+        }
         const MomentTable<C>* const whole = whole_table(sizes.size() == 1);
         const double mean = mean_energy();
-        std::vector<detail::PatchResult<C>> results(whole == nullptr ? sizes.size() : 0);
+        std::vector<detail::PatchResult<C>> results(whole == nullptr && changes ? sizes.size() : 0);
         run(sizes, [&](std::size_t tile, TaskProgress& task) {
             std::unique_ptr<Patch<C>>& patch = patches_[tile];
             if (patch == nullptr)
@@ -10265,10 +10270,10 @@ class TiledMesh {
             patch->set_mean_energy(mean);
             body(*patch, tile);
             if (whole != nullptr) return;
-            results[tile] = patch->result();
+            if (changes) results[tile] = patch->result();
             patch.reset();
         });
-        if (whole == nullptr) put_together(std::move(results));
+        if (!results.empty()) put_together(std::move(results));
         return !progress_->stopped();
     }
 
@@ -10438,10 +10443,13 @@ template <int C>
 HMESH_COLD std::size_t remove_cheapest(TiledMesh<C>& tiled, const Tiling& tiling, std::size_t count,
                                        const Relaxation& relaxation) {
     std::vector<std::vector<Removal>> removals(tiling.size());
-    const bool go_on = tiled.for_each(tiling, [&](Patch<C>& patch, std::size_t tile) {
+    const auto [from, to] = tiled.progress().range();
+    tiled.progress().set_range(from, 0.5 * (from + to));
+    const bool go_on = tiled.look_at_each(tiling, [&](Patch<C>& patch, std::size_t tile) {
         patch.mesh().expect(1, static_cast<double>(patch.vertex_count()));
         removals[tile] = cheapest_removals(patch.mesh(), patch.free_vertices(), count);
     });
+    tiled.progress().set_range(0.5 * (from + to), to);
     return go_on ? remove_chosen(tiled, tiling, removals, count, relaxation) : 0;
 }
 /// The same for vertices that were locked in the last phase, in the patches of another tiling.
@@ -10449,9 +10457,12 @@ template <int C>
 HMESH_COLD std::size_t remove_cheapest_on_seams(TiledMesh<C>& tiled, const Tiling& tiling, std::size_t count,
                                                 const Relaxation& relaxation) {
     std::vector<std::vector<Removal>> removals(tiling.size());
-    const bool go_on = tiled.for_each_seam(tiling, [&](Patch<C>& patch, std::size_t tile) {
+    const auto [from, to] = tiled.progress().range();
+    tiled.progress().set_range(from, 0.5 * (from + to));
+    const bool go_on = tiled.look_at_each_seam(tiling, [&](Patch<C>& patch, std::size_t tile) {
         removals[tile] = cheapest_removals(patch.mesh(), patch.take_was_locked(), count);
     });
+    tiled.progress().set_range(0.5 * (from + to), to);
     return go_on ? remove_chosen(tiled, tiling, removals, count, relaxation) : 0;
 }
 
@@ -10460,9 +10471,12 @@ HMESH_COLD std::size_t remove_cheapest_on_seams(TiledMesh<C>& tiled, const Tilin
 template <int C>
 HMESH_COLD bool insert_best(TiledMesh<C>& tiled, const Tiling& tiling, std::size_t count) {
     std::vector<double> energies(tiling.size(), 0.0);
-    if (!tiled.for_each(tiling,
-                        [&](Patch<C>& patch, std::size_t tile) { energies[tile] = std::max(0.0, patch.mesh().energy()); }))
+    const auto [from, to] = tiled.progress().range();
+    tiled.progress().set_range(from, from);
+    if (!tiled.look_at_each(tiling,
+                            [&](Patch<C>& patch, std::size_t tile) { energies[tile] = std::max(0.0, patch.mesh().energy()); }))
         return false;
+    tiled.progress().set_range(from, to);
     const std::vector<std::size_t> quota = apportion(count, energies, std::vector<std::size_t>(tiling.size(), count));
     const std::size_t before = tiled.vertex_count();
     tiled.for_each(tiling, [&](Patch<C>& patch, std::size_t tile) {
@@ -10489,12 +10503,16 @@ HMESH_COLD bool reach_vertex_count(TiledMesh<C>& tiled, std::size_t n, const Rel
                                    FunctionRef<Tiling(int k)> tiling_of) {
     const int width = tiled.source().width(), height = tiled.source().height();
     const auto count = [&] { return tiled.vertex_count(); };
+    auto [from, to] = tiled.progress().range();
     // Only four tilings without a change mean that nothing can change. A batch of removals is 1/32 of the vertices, since large
-    // ones reach vertices that are not cheap.
+    // ones reach vertices that are not cheap; four of them go from one tiling.
     for (int k = 0, stuck = 0; count() != n && stuck < 4 && !tiled.progress().stopped(); ++k) {
-        const bool moved = count() > n ? detail::remove_cheapest(tiled, tiling_of(k / 4 + stuck),
-                                                                 std::min(count() - n, (count() + 31) / 32), relaxation) > 0
-                                       : detail::insert_best(tiled, tiling_of(k / 4 + stuck), n - count());
+        tiled.progress().set_range(from, 0.5 * (from + to));
+        from = 0.5 * (from + to);
+        const Tiling tiling = tiling_of(k / 4 + stuck);
+        const std::size_t batch = (count() + 31) / 32;
+        const bool moved = count() > n ? detail::remove_cheapest(tiled, tiling, std::min(count() - n, batch), relaxation) > 0
+                                       : detail::insert_best(tiled, tiling, n - count());
         stuck = moved ? 0 : stuck + 1;
     }
     if (count() < n && !tiled.progress().stopped())
@@ -11126,25 +11144,32 @@ class AnnealedRun {
     HMESH_COLD bool collapse() {
         const std::size_t first = tiled_->vertex_count();
         const bool has_seams = aligned_.size() > 1;
+        const double begin = has_seams ? 0.05 : 0;
         const auto settle_seam = [&](ImageMesh<C>& mesh, const std::vector<Vertex>& vertices, const Piece&) {
             settle(mesh, vertices);
         };
-        if (!for_each_seam(0, 0, settle_seam)) return false;
+        if (!for_each_seam(0, begin, settle_seam)) return false;
+        double reached = begin;
         for (int stuck = 0; tiled_->vertex_count() > n_ && stuck < 4;) {
             const std::size_t before = tiled_->vertex_count();
-            const auto share = static_cast<std::size_t>(std::ceil(static_cast<double>(before) * steps_.collapse_batch));
-            const std::size_t batch = std::min(before - n_, share);
+            const auto most = static_cast<std::size_t>(std::ceil(static_cast<double>(before) * steps_.collapse_batch));
+            const std::size_t batch = std::min(before - n_, most);
             const auto done = [&](std::size_t count) {
-                return static_cast<double>(first - count) / static_cast<double>(first - n_);
+                return begin + (1 - begin) * static_cast<double>(first - count) / static_cast<double>(first - n_);
             };
-            progress().set_range(done(before), done(before - batch));
-            // The vertices that are locked have a share in the batch.
-            const double free = 1 - static_cast<double>(tiled_->locked_count()) / static_cast<double>(before);
-            remove_cheapest(*tiled_, tiling(phase_), static_cast<std::size_t>(std::ceil(free * static_cast<double>(batch))),
-                            steps_.relaxation);
+            // A batch may have fallen short of what was expected.
+            const double from = reached, to = std::max(from, done(before - batch));
+            const double seam = has_seams ? from + 0.9 * (to - from) : to;
+            reached = to;
+            // The locked vertices have a share in the batch, which is taken from the patches of the next phase.
+            const double locked = static_cast<double>(tiled_->locked_count()) / static_cast<double>(before);
+            const auto share = static_cast<std::size_t>(std::ceil((1 - locked) * static_cast<double>(batch)));
+            progress().set_range(from, seam);
+            remove_cheapest(*tiled_, tiling(phase_), share, steps_.relaxation);
             if (progress().stopped()) return false;
-            if (const std::size_t left = batch - std::min(batch, before - tiled_->vertex_count()); has_seams && left > 0) {
+            if (const std::size_t left = batch - (before - tiled_->vertex_count()); has_seams && left > 0) {
                 phase_ ^= 1;
+                progress().set_range(seam, to);
                 remove_cheapest_on_seams(*tiled_, tiling(phase_), left, steps_.relaxation);
                 if (progress().stopped()) return false;
             }
@@ -11160,7 +11185,7 @@ class AnnealedRun {
         const Tiling tiles = tiling(phase_);
         std::vector<VertexWorths> of_tile(tiles.size());
         progress().set_range(0, 0);
-        tiled_->for_each(tiles, [&](Patch<C>& patch, std::size_t tile) {
+        tiled_->look_at_each(tiles, [&](Patch<C>& patch, std::size_t tile) {
             sample_worths(patch.mesh(), patch.free_vertices(), step, of_tile[tile]);
         });
         VertexWorths worths;

@@ -186,6 +186,35 @@ TEST_CASE("one vertex removed is the cheapest of all, and its neighbors become d
     }
 }
 
+TEST_CASE("removals are chosen cheapest first, from those on offer alone, none beside another") {
+    Subject<std::uint8_t, 1> subject(hmesh_test::scene<std::uint8_t, 1>(90, 80, 1), hmesh_test::jittered_grid(90, 80, 20, 20, 1));
+    const ImageMesh<1>& mesh = subject.mesh;
+    std::vector<Vertex> offered;
+    for (const Vertex v : hmesh::kit::spatial_vertices(mesh))
+        if (v.index() % 3 != 0) offered.push_back(v);
+    const auto all = hmesh::kit::cheapest_removals(mesh, offered, mesh.vertex_count());
+    // By brute force: the cheapest that is left, then no neighbour of it.
+    hmesh::kit::RingScratch<1> work;
+    std::vector<double> costs(mesh.topology().vertex_slots(), never);
+    for (const Vertex v : offered) costs[v.index()] = hmesh::kit::cheapest_collapse(mesh, work, v).cost;
+    for (const auto& removal : all) {
+        const auto least = std::min_element(costs.begin(), costs.end());
+        REQUIRE(removal.cost == *least);
+        REQUIRE(costs[removal.vertex.index()] == *least);
+        REQUIRE(offered[removal.place] == removal.vertex);
+        costs[removal.vertex.index()] = never;
+        for (const Halfedge h : mesh.topology().outgoing(removal.vertex)) costs[mesh.topology().to_vertex(h).index()] = never;
+    }
+    CHECK(*std::min_element(costs.begin(), costs.end()) == never);
+    const auto some = hmesh::kit::cheapest_removals(mesh, offered, 10);
+    REQUIRE(some.size() == 10);
+    for (std::size_t k = 0; k < some.size(); ++k) CHECK(some[k].vertex == all[k].vertex);
+    // Of those chosen the first are removed.
+    CHECK(hmesh::kit::remove_batch(subject.mesh, all, 7, {}) == 7);
+    for (std::size_t k = 0; k < all.size(); ++k) CHECK(mesh.topology().is_deleted(all[k].vertex) == (k < 7));
+    hmesh_test::prove(subject);
+}
+
 TEST_CASE("a batch removes as many as asked for as long as enough vertices share no neighbor") {
     Subject<std::uint8_t, 1> subject(hmesh_test::scene<std::uint8_t, 1>(90, 80, 1), hmesh_test::jittered_grid(90, 80, 20, 20, 1));
     const std::size_t vertices = subject.mesh.vertex_count();

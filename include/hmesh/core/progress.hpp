@@ -8,6 +8,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <initializer_list>
+#include <utility>
 #include <vector>
 
 #include "hmesh/core/compiler.hpp"
@@ -104,6 +105,8 @@ class ProgressReporter {
         to_ = std::max(0.0, std::min(1.0, to));
         done_ = 0;
     }
+    /// The range as set_range() left it.
+    [[nodiscard]] std::pair<double, double> range() const noexcept { return {from_, to_}; }
     /// Ends the stage and notes its StageReport with a mesh of this size and energy. False once cancelled.
     bool end(std::size_t vertices, double energy) {
         energy = std::max(0.0, energy);

@@ -34,6 +34,8 @@ class TiledMesh {
   public:
     /// What is done to the mesh of one patch.
     using MeshWork = FunctionRef<void(ImageMesh<C>& mesh)>;
+    /// What is done to the patch of a tile.
+    using PatchWork = FunctionRef<void(Patch<C>& patch, std::size_t tile)>;
 
     /// An empty mesh. The image source, the progress reporter and the executor must outlive the TiledMesh.
     TiledMesh(const ImageSource<C>& source, const MeshLimits& limits, ProgressReporter& progress,
@@ -88,22 +90,14 @@ class TiledMesh {
     /// itself. Patches of small images are kept for the next call with the same tiling, which then costs nothing; others are
     /// merged at once. Returns whether to go on: false after a cancellation, when the mesh is valid, some patches worked on in
     /// part and some not at all.
-    HMESH_COLD bool for_each(const Tiling& tiling, FunctionRef<void(Patch<C>& patch, std::size_t tile)> body) {
-        cut_along(tiling);
-        std::vector<double> faces(tiling.size());
-        for (std::size_t k = 0; k < tiling.size(); ++k) faces[k] = static_cast<double>(cut_.first[k + 1] - cut_.first[k]);
-        return work(faces, body);
-    }
-
+    HMESH_COLD bool for_each(const Tiling& tiling, PatchWork body) { return cut_and_run(tiling, false, true, body); }
     /// The same for the patches alone in which vertices are free that were locked in the last for_each(), which had another
-    /// tiling: they are in patch.was_locked().
-    HMESH_COLD bool for_each_seam(const Tiling& tiling, FunctionRef<void(Patch<C>& patch, std::size_t tile)> body) {
-        cut_along(tiling);
-        std::vector<double> vertices(tiling.size(), 0.0);
-        for (std::size_t v = 0; v < indexed_.locked_count; ++v)
-            if (cut_.owner[v] != detail::Cut::locked) ++vertices[cut_.owner[v]];
-        return work(vertices, body);
-    }
+    /// tiling: they are in patch.take_was_locked().
+    HMESH_COLD bool for_each_seam(const Tiling& tiling, PatchWork body) { return cut_and_run(tiling, true, true, body); }
+    /// for_each() with a body that changes no mesh: the next call with this tiling finds the same patches, vertex for vertex.
+    HMESH_COLD bool look_at_each(const Tiling& tiling, PatchWork body) { return cut_and_run(tiling, false, false, body); }
+    /// for_each_seam() with a body that changes no mesh.
+    HMESH_COLD bool look_at_each_seam(const Tiling& tiling, PatchWork body) { return cut_and_run(tiling, true, false, body); }
 
     /// Calls look(patch, tile, faces) for the patch of each tile that has faces, as pieces of work, and drops the patches: the
     /// mesh stays as it is. faces[f] is the face of indexed() that is face f of the patch. Returns whether to go on; after a
@@ -172,11 +166,19 @@ class TiledMesh {
         if (tiles.size() == 1) piece(0);
         else parallel_for_(tiles.size(), piece);
     }
-    /// Calls body(patch, tile) for the tiles of size > 0 of cut_. Returns whether to go on.
-    HMESH_COLD bool work(const std::vector<double>& sizes, FunctionRef<void(Patch<C>& patch, std::size_t tile)> body) {
+    /// The four calls above.
+    HMESH_COLD bool cut_and_run(const Tiling& tiling, bool at_seams, bool changes, PatchWork body) {
+        cut_along(tiling);
+        std::vector<double> sizes(tiling.size(), 0.0);
+        if (at_seams) {
+            for (std::size_t v = 0; v < indexed_.locked_count; ++v)
+                if (cut_.owner[v] != detail::Cut::locked) ++sizes[cut_.owner[v]];
+        } else {
+            for (std::size_t k = 0; k < sizes.size(); ++k) sizes[k] = static_cast<double>(cut_.first[k + 1] - cut_.first[k]);
+        }
         const MomentTable<C>* const whole = whole_table(sizes.size() == 1);
         const double mean = mean_energy();
-        std::vector<detail::PatchResult<C>> results(whole == nullptr ? sizes.size() : 0);
+        std::vector<detail::PatchResult<C>> results(whole == nullptr && changes ? sizes.size() : 0);
         run(sizes, [&](std::size_t tile, TaskProgress& task) {
             std::unique_ptr<Patch<C>>& patch = patches_[tile];
             if (patch == nullptr)
@@ -186,10 +188,10 @@ class TiledMesh {
             patch->set_mean_energy(mean);
             body(*patch, tile);
             if (whole != nullptr) return;
-            results[tile] = patch->result();
+            if (changes) results[tile] = patch->result();
             patch.reset();
         });
-        if (whole == nullptr) put_together(std::move(results));
+        if (!results.empty()) put_together(std::move(results));
         return !progress_->stopped();
     }
 

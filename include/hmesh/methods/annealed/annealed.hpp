@@ -192,25 +192,32 @@ class AnnealedRun {
     HMESH_COLD bool collapse() {
         const std::size_t first = tiled_->vertex_count();
         const bool has_seams = aligned_.size() > 1;
+        const double begin = has_seams ? 0.05 : 0;
         const auto settle_seam = [&](ImageMesh<C>& mesh, const std::vector<Vertex>& vertices, const Piece&) {
             settle(mesh, vertices);
         };
-        if (!for_each_seam(0, 0, settle_seam)) return false;
+        if (!for_each_seam(0, begin, settle_seam)) return false;
+        double reached = begin;
         for (int stuck = 0; tiled_->vertex_count() > n_ && stuck < 4;) {
             const std::size_t before = tiled_->vertex_count();
-            const auto share = static_cast<std::size_t>(std::ceil(static_cast<double>(before) * steps_.collapse_batch));
-            const std::size_t batch = std::min(before - n_, share);
+            const auto most = static_cast<std::size_t>(std::ceil(static_cast<double>(before) * steps_.collapse_batch));
+            const std::size_t batch = std::min(before - n_, most);
             const auto done = [&](std::size_t count) {
-                return static_cast<double>(first - count) / static_cast<double>(first - n_);
+                return begin + (1 - begin) * static_cast<double>(first - count) / static_cast<double>(first - n_);
             };
-            progress().set_range(done(before), done(before - batch));
-            // The vertices that are locked have a share in the batch.
-            const double free = 1 - static_cast<double>(tiled_->locked_count()) / static_cast<double>(before);
-            remove_cheapest(*tiled_, tiling(phase_), static_cast<std::size_t>(std::ceil(free * static_cast<double>(batch))),
-                            steps_.relaxation);
+            // A batch may have fallen short of what was expected.
+            const double from = reached, to = std::max(from, done(before - batch));
+            const double seam = has_seams ? from + 0.9 * (to - from) : to;
+            reached = to;
+            // The locked vertices have a share in the batch, which is taken from the patches of the next phase.
+            const double locked = static_cast<double>(tiled_->locked_count()) / static_cast<double>(before);
+            const auto share = static_cast<std::size_t>(std::ceil((1 - locked) * static_cast<double>(batch)));
+            progress().set_range(from, seam);
+            remove_cheapest(*tiled_, tiling(phase_), share, steps_.relaxation);
             if (progress().stopped()) return false;
-            if (const std::size_t left = batch - std::min(batch, before - tiled_->vertex_count()); has_seams && left > 0) {
+            if (const std::size_t left = batch - (before - tiled_->vertex_count()); has_seams && left > 0) {
                 phase_ ^= 1;
+                progress().set_range(seam, to);
                 remove_cheapest_on_seams(*tiled_, tiling(phase_), left, steps_.relaxation);
                 if (progress().stopped()) return false;
             }
@@ -226,7 +233,7 @@ class AnnealedRun {
         const Tiling tiles = tiling(phase_);
         std::vector<VertexWorths> of_tile(tiles.size());
         progress().set_range(0, 0);
-        tiled_->for_each(tiles, [&](Patch<C>& patch, std::size_t tile) {
+        tiled_->look_at_each(tiles, [&](Patch<C>& patch, std::size_t tile) {
             sample_worths(patch.mesh(), patch.free_vertices(), step, of_tile[tile]);
         });
         VertexWorths worths;

@@ -88,10 +88,13 @@ template <int C>
 HMESH_COLD std::size_t remove_cheapest(TiledMesh<C>& tiled, const Tiling& tiling, std::size_t count,
                                        const Relaxation& relaxation) {
     std::vector<std::vector<Removal>> removals(tiling.size());
-    const bool go_on = tiled.for_each(tiling, [&](Patch<C>& patch, std::size_t tile) {
+    const auto [from, to] = tiled.progress().range();
+    tiled.progress().set_range(from, 0.5 * (from + to));
+    const bool go_on = tiled.look_at_each(tiling, [&](Patch<C>& patch, std::size_t tile) {
         patch.mesh().expect(1, static_cast<double>(patch.vertex_count()));
         removals[tile] = cheapest_removals(patch.mesh(), patch.free_vertices(), count);
     });
+    tiled.progress().set_range(0.5 * (from + to), to);
     return go_on ? remove_chosen(tiled, tiling, removals, count, relaxation) : 0;
 }
 /// The same for vertices that were locked in the last phase, in the patches of another tiling.
@@ -99,9 +102,12 @@ template <int C>
 HMESH_COLD std::size_t remove_cheapest_on_seams(TiledMesh<C>& tiled, const Tiling& tiling, std::size_t count,
                                                 const Relaxation& relaxation) {
     std::vector<std::vector<Removal>> removals(tiling.size());
-    const bool go_on = tiled.for_each_seam(tiling, [&](Patch<C>& patch, std::size_t tile) {
+    const auto [from, to] = tiled.progress().range();
+    tiled.progress().set_range(from, 0.5 * (from + to));
+    const bool go_on = tiled.look_at_each_seam(tiling, [&](Patch<C>& patch, std::size_t tile) {
         removals[tile] = cheapest_removals(patch.mesh(), patch.take_was_locked(), count);
     });
+    tiled.progress().set_range(0.5 * (from + to), to);
     return go_on ? remove_chosen(tiled, tiling, removals, count, relaxation) : 0;
 }
 
@@ -110,9 +116,12 @@ HMESH_COLD std::size_t remove_cheapest_on_seams(TiledMesh<C>& tiled, const Tilin
 template <int C>
 HMESH_COLD bool insert_best(TiledMesh<C>& tiled, const Tiling& tiling, std::size_t count) {
     std::vector<double> energies(tiling.size(), 0.0);
-    if (!tiled.for_each(tiling,
-                        [&](Patch<C>& patch, std::size_t tile) { energies[tile] = std::max(0.0, patch.mesh().energy()); }))
+    const auto [from, to] = tiled.progress().range();
+    tiled.progress().set_range(from, from);
+    if (!tiled.look_at_each(tiling,
+                            [&](Patch<C>& patch, std::size_t tile) { energies[tile] = std::max(0.0, patch.mesh().energy()); }))
         return false;
+    tiled.progress().set_range(from, to);
     const std::vector<std::size_t> quota = apportion(count, energies, std::vector<std::size_t>(tiling.size(), count));
     const std::size_t before = tiled.vertex_count();
     tiled.for_each(tiling, [&](Patch<C>& patch, std::size_t tile) {
@@ -139,12 +148,16 @@ HMESH_COLD bool reach_vertex_count(TiledMesh<C>& tiled, std::size_t n, const Rel
                                    FunctionRef<Tiling(int k)> tiling_of) {
     const int width = tiled.source().width(), height = tiled.source().height();
     const auto count = [&] { return tiled.vertex_count(); };
+    auto [from, to] = tiled.progress().range();
     // Only four tilings without a change mean that nothing can change. A batch of removals is 1/32 of the vertices, since large
-    // ones reach vertices that are not cheap.
+    // ones reach vertices that are not cheap; four of them go from one tiling.
     for (int k = 0, stuck = 0; count() != n && stuck < 4 && !tiled.progress().stopped(); ++k) {
-        const bool moved = count() > n ? detail::remove_cheapest(tiled, tiling_of(k / 4 + stuck),
-                                                                 std::min(count() - n, (count() + 31) / 32), relaxation) > 0
-                                       : detail::insert_best(tiled, tiling_of(k / 4 + stuck), n - count());
+        tiled.progress().set_range(from, 0.5 * (from + to));
+        from = 0.5 * (from + to);
+        const Tiling tiling = tiling_of(k / 4 + stuck);
+        const std::size_t batch = (count() + 31) / 32;
+        const bool moved = count() > n ? detail::remove_cheapest(tiled, tiling, std::min(count() - n, batch), relaxation) > 0
+                                       : detail::insert_best(tiled, tiling, n - count());
         stuck = moved ? 0 : stuck + 1;
     }
     if (count() < n && !tiled.progress().stopped())
