@@ -9750,11 +9750,11 @@ class Tiling {
 /// \file
 /// Patches: parts of a mesh, one for each tile, that are worked on independently and then put together again.
 ///
-/// A patch is the part of the mesh whose faces have their centroid in one tile, as an ImageMesh with local coordinates and a
-/// moment table of its own bounding box. The table takes about 3 MB for a tile of 256 px, so it stays in cache; its sums stay
-/// small, so no image is too wide. A vertex is free in a patch if all its faces belong to the patch; the others are locked.
-/// Patches share nothing that changes, so they may be worked on in any order and on any number of threads, with the same result
-/// to the last bit. Phases shift the tiling by half a tile, so that every vertex is free in turn.
+/// A patch is the part of the mesh whose faces have their centroid in one tile, as an ImageMesh over the moment table of the
+/// whole image or, with local coordinates, of its own bounding box: then sums stay small, so no image is too wide. A vertex is
+/// free in a patch if all its faces belong to the patch; the others are locked. Patches share nothing that changes, so they may
+/// be worked on in any order and on any number of threads, with the same result to the last bit. Phases shift the tiling by half
+/// a tile, so that every vertex is free in turn.
 ///
 /// A patch may have holes and several components. A locked vertex in which two or more fans of the patch's faces meet is held
 /// once for each fan.
@@ -10095,7 +10095,8 @@ class Patch {
 /// TiledMesh: a mesh of any size that is worked on patch by patch.
 ///
 /// A TiledMesh is what recipes are given (methods/recipe.hpp): the mesh, the image, the progress, and the executor. for_each()
-/// cuts the mesh along a tiling, has each patch worked on through the executor, and merges the results.
+/// cuts the mesh along a tiling, has each patch worked on through the executor, and merges the results, of small images only when
+/// another tiling or the mesh itself is asked for.
 ///
 /// Cost of a cut and a merge: about 1 us a vertex in the patches, which is parallel, and 0.2 us a vertex, which is not.
 #ifndef HMESH_TILES_TILED_MESH_HPP

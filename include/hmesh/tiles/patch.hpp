@@ -1,11 +1,11 @@
 /// \file
 /// Patches: parts of a mesh, one for each tile, that are worked on independently and then put together again.
 ///
-/// A patch is the part of the mesh whose faces have their centroid in one tile, as an ImageMesh with local coordinates and a
-/// moment table of its own bounding box. The table takes about 3 MB for a tile of 256 px, so it stays in cache; its sums stay
-/// small, so no image is too wide. A vertex is free in a patch if all its faces belong to the patch; the others are locked.
-/// Patches share nothing that changes, so they may be worked on in any order and on any number of threads, with the same result
-/// to the last bit. Phases shift the tiling by half a tile, so that every vertex is free in turn.
+/// A patch is the part of the mesh whose faces have their centroid in one tile, as an ImageMesh over the moment table of the
+/// whole image or, with local coordinates, of its own bounding box: then sums stay small, so no image is too wide. A vertex is
+/// free in a patch if all its faces belong to the patch; the others are locked. Patches share nothing that changes, so they may
+/// be worked on in any order and on any number of threads, with the same result to the last bit. Phases shift the tiling by half
+/// a tile, so that every vertex is free in turn.
 ///
 /// A patch may have holes and several components. A locked vertex in which two or more fans of the patch's faces meet is held
 /// once for each fan.

@@ -182,7 +182,7 @@ void add_meshing_options(CLI::App& app, Arguments& out) {
         [&](const std::string& text) { return set_file(text, out.weights); });
     add(app, "--seed", "N", "of the random numbers; the same seed gives the same mesh (default: 1)",
         [&](const std::string& text) { return parse_seed(text, meshing.seed); });
-    add(app, "--tile", "N", "mesh in tiles of about N px, 64 to 65536 (default: one up to a megapixel, then 256)",
+    add(app, "--tile", "N", "mesh in tiles of about N px, 64 to 65536 (default: 128 to 256, by the number of vertices)",
         [&](const std::string& text) { return parse_in_range(text, 64, hmesh::kit::max_side, meshing.tile); });
     add(app, "--threads", "N", "work on N threads, 1 to 1024; the mesh is the same for all N (default: 0, all cores)",
         [&](const std::string& text) { return parse_in_range(text, 0, 1024, out.threads); });
