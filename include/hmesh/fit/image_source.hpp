@@ -52,8 +52,10 @@ class ImageSource {
     [[nodiscard]] bool is_integer() const noexcept { return is_integer_; }
     [[nodiscard]] double peak() const noexcept { return peak_; }  ///< value of full intensity
 
-    /// The moment table of a rectangle of the image.
-    [[nodiscard]] MomentTable<C> table(const Rect& rect) const { return make_(*this, rect); }
+    /// The moment table of a rectangle of the image. Bands of its rows are pieces of work.
+    [[nodiscard]] MomentTable<C> table(const Rect& rect, const ParallelFor& parallel_for = {}) const {
+        return make_(*this, rect, parallel_for);
+    }
 
     /// The squared error of a finished mesh as drawn, with the weights: rendered_error() of fit/rendered_error.hpp. Only where
     /// not is_integer(): else the energy of the fit is exact, and nothing is compiled for this.
@@ -80,8 +82,8 @@ class ImageSource {
         return {static_cast<const T*>(data_), width_, height_, row_stride_};
     }
     template <class T>
-    [[nodiscard]] static MomentTable<C> make(const ImageSource& source, const Rect& rect) {
-        return MomentTable<C>(source.view<T>(), source.weights_, source.unit_, rect);
+    [[nodiscard]] static MomentTable<C> make(const ImageSource& source, const Rect& rect, const ParallelFor& parallel_for) {
+        return MomentTable<C>(source.view<T>(), source.weights_, source.unit_, rect, parallel_for);
     }
     template <class T>
     [[nodiscard]] static double error(const ImageSource& source, const Mesh& mesh, const ParallelFor& parallel_for) {
@@ -101,7 +103,7 @@ class ImageSource {
     double unit_;  ///< of the weights, see weight_unit()
     double low_, high_, peak_;
     bool is_integer_;
-    MomentTable<C> (*make_)(const ImageSource&, const Rect&);
+    MomentTable<C> (*make_)(const ImageSource&, const Rect&, const ParallelFor&);
     void (*sample_)(const ImageSource&, int, int, Lanes<lanes_for(C + 1)>&) noexcept;
     double (*error_)(const ImageSource&, const Mesh&, const ParallelFor&) = nullptr;  ///< null: is_integer()
 };
