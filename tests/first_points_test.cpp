@@ -28,7 +28,7 @@ template <int C>
 Points points_of(const ImageSource<C>& source, std::size_t count, const hmesh::ParallelFor& parallel_for = {}) {
     Image<float, 1> density = point_density(source, parallel_for);
     for (std::size_t k = 0; k < density.size(); ++k) REQUIRE((density.data()[k] > 0 && std::isfinite(density.data()[k])));
-    return masked_points(density, count);
+    return masked_points(density, count, parallel_for);
 }
 template <class T, int C>
 Points points_of(const Image<T, C>& image, std::size_t count) {
@@ -140,6 +140,20 @@ TEST_CASE("points are the same for any executor, for any stride and in any other
     part.width = 70;
     part.row_stride = 3 * 101;
     CHECK(points_of(ImageSource<3>(part), 900) == points);
+}
+
+TEST_CASE("the mask is laid over bands of rows by any executor") {
+    for (const auto& [width, height] : {std::pair{400, 500}, {70000, 3}, {2, 70000}}) {
+        Image<float, 1> density(width, height);
+        for (std::size_t k = 0; k < density.size(); ++k) density.data()[k] = 1 + static_cast<float>(k % 7);
+        for (const std::size_t count : {std::size_t{0}, std::size_t{1}, std::size_t{40000}, density.size()}) {
+            Image<float, 1> one = density, other = density;
+            const Points points = masked_points(one, count);
+            check_points(points, count, density.size());
+            CHECK(masked_points(other, count, hmesh_test::ThreadFor{3}) == points);
+            CHECK(std::equal(one.data(), one.data() + one.size(), other.data()));
+        }
+    }
 }
 
 TEST_CASE("more points are the same ones and others") {

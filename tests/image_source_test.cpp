@@ -5,9 +5,11 @@
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
+#include <vector>
 
 #include "hmesh/fit/moment_table.hpp"
 #include "hmesh/image/weights.hpp"
+#include "test_executors.hpp"
 #include "test_images.hpp"
 
 using hmesh::Image;
@@ -53,6 +55,14 @@ void check_pixels(const ImageSource<C>& source, const ImageView<T, C>& view) {
             for (int k = 0; k < hmesh::kit::lanes_for(C + 1); ++k)
                 REQUIRE(got[k] == (k < C ? PixelTraits<T>::to_real(nearest[k]) : 0.0));
         }
+    std::vector<double> row(static_cast<std::size_t>(view.width) * C + 1, 7.0);
+    for (int y = -3; y < view.height + 3; ++y) {
+        source.row(y, 0.25, row.data());
+        for (int k = 0; k < view.width * C; ++k)
+            REQUIRE(row[static_cast<std::size_t>(k)] ==
+                    0.25 * PixelTraits<T>::to_real(view.row(std::clamp(y, 0, view.height - 1))[k]));
+        REQUIRE(row.back() == 7);
+    }
 }
 
 // A packed image and copies of it with other strides, with weights and without.
@@ -66,9 +76,12 @@ void check_source(const Image<T, C>& image) {
         const ImageSource<C> source(view), weighted(view, weights.view(), unit);
         check_pixels(source, image.view());
         check_pixels(weighted, image.view());
+        CHECK(!source.is_weighted());
+        CHECK(weighted.is_weighted());
         for (const Rect& rect : {Rect{0, 0, width, height}, Rect{width / 2, height / 3, width - width / 2, height - height / 3},
                                  Rect{0, 0, 1, 1}, Rect{width - 1, 0, 1, height}, Rect{0, height - 1, width, 1}}) {
             CHECK(same_bits(source.table(rect), MomentTable<C>(image.view(), rect)));
+            CHECK(same_bits(source.table(rect, hmesh_test::ReverseFor{}), MomentTable<C>(image.view(), rect)));
             CHECK(same_bits(weighted.table(rect), MomentTable<C>(image.view(), weights.view(), unit, rect)));
         }
     }
@@ -99,6 +112,7 @@ TEST_CASE("tables and pixels are those of the view, for any sample type, stride,
     check_source(hmesh_test::noise<std::uint8_t, 3>(1, 1, 7));
     check_source(hmesh_test::noise<float, 1>(1, 20, 8));
     check_source(hmesh_test::noise<std::uint16_t, 1>(20, 1, 9));
+    check_source(hmesh_test::noise<std::uint8_t, 3>(6, 131, 10));  // several bands of rows
 }
 
 TEST_CASE("a source can be copied, and sees what becomes of the pixels") {

@@ -2,6 +2,7 @@
 
 #include <doctest/doctest.h>
 
+#include <cmath>
 #include <cstdint>
 
 #include "hmesh/core/random.hpp"
@@ -121,4 +122,18 @@ TEST_CASE_TEMPLATE("Lanes: clamp brings each lane into the range and leaves thos
         a.clamp(-300, 500);
         CHECK(equal(a, [&](int i) { return x.value[i] < -300 ? -300 : (x.value[i] > 500 ? 500 : x.value[i]); }));
     }
+}
+
+TEST_CASE_TEMPLATE("Lanes: abs and sqrt are those of single numbers, to the last bit", S, Size<1>, Size<2>, Size<4>, Size<8>,
+                   Size<12>, Size<16>, Size<20>) {
+    constexpr int n = S::lanes;
+    hmesh::kit::Random random(n);
+    for (int round = 0; round < 100; ++round) {
+        const Values<n> x = random_values<n>(random);
+        const Lanes<n> a = abs(Lanes<n>::load(x.value)), root = sqrt(a);
+        CHECK(equal(a, [&](int i) { return std::abs(x.value[i]); }));
+        CHECK(equal(root, [&](int i) { return std::sqrt(std::abs(x.value[i])); }));
+    }
+    for (const double value : {0.0, 5e-324, 1e-310, 1e308})
+        CHECK(equal(sqrt(Lanes<n>::all(value)), [&](int) { return std::sqrt(value); }));
 }

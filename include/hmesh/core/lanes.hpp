@@ -10,6 +10,7 @@
 #ifndef HMESH_CORE_LANES_HPP
 #define HMESH_CORE_LANES_HPP
 
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
@@ -17,6 +18,12 @@
 #include "hmesh/core/compiler.hpp"
 
 #include "hmesh/core/macros/push.hpp"
+
+#if defined(__has_builtin)
+#if __has_builtin(__builtin_elementwise_sqrt)
+#define HMESH_HAS_ELEMENTWISE_SQRT 1
+#endif
+#endif
 
 namespace hmesh::kit {
 namespace detail {
@@ -155,6 +162,42 @@ struct Lanes {
         return r;
     }
 
+    /// The magnitude of each lane.
+    [[nodiscard]] friend HMESH_ALWAYS_INLINE Lanes abs(const Lanes& a) {
+        Lanes r;
+#if defined(__GNUC__)
+        if constexpr (width > 1) {
+            for (int k = 0; k < blocks; ++k) r.block[k] = a.block[k] < 0 ? -a.block[k] : a.block[k];
+            return r;
+        }
+#endif
+        for (int i = 0; i < N; ++i) r.set(i, std::abs(a[i]));
+        return r;
+    }
+    /// The square root of each lane, correctly rounded. Compilers make single ones of a loop over std::sqrt(), because of errno.
+    [[nodiscard]] friend HMESH_ALWAYS_INLINE Lanes sqrt(const Lanes& a) {
+        Lanes r;
+#if defined(HMESH_HAS_ELEMENTWISE_SQRT)
+        if constexpr (width > 1) {
+            for (int k = 0; k < blocks; ++k) r.block[k] = __builtin_elementwise_sqrt(a.block[k]);
+            return r;
+        }
+#elif defined(__GNUC__) && !defined(__clang__) && defined(__SSE2__)
+#if defined(__AVX__)
+        if constexpr (width == 4) {
+            for (int k = 0; k < blocks; ++k) r.block[k] = __builtin_ia32_sqrtpd256(a.block[k]);
+            return r;
+        }
+#endif
+        if constexpr (width == 2) {
+            for (int k = 0; k < blocks; ++k) r.block[k] = __builtin_ia32_sqrtpd(a.block[k]);
+            return r;
+        }
+#endif
+        for (int i = 0; i < N; ++i) r.set(i, std::sqrt(a[i]));
+        return r;
+    }
+
     /// Clamps each lane to [low, high], low <= high.
     HMESH_ALWAYS_INLINE void clamp(double low, double high) {
 #if defined(__GNUC__)
@@ -198,6 +241,7 @@ template <int N>
 
 }  // namespace hmesh::kit
 
+#undef HMESH_HAS_ELEMENTWISE_SQRT
 #include "hmesh/core/macros/pop.hpp"
 
 #endif  // HMESH_CORE_LANES_HPP

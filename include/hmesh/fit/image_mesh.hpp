@@ -65,11 +65,9 @@ class ImageMesh {
     /// none (an empty vector): then the colour of a vertex is that of the pixel at its position. Refuses, and leaves the mesh
     /// empty: positions outside the rectangle or off the 1/256 px grid, another number of colours than of vertices, numbers that
     /// are not finite, and what HalfedgeMesh::assign() refuses. Whether faces are positively oriented and tile the rectangle is
-    /// for check() to say. The executor fills in edges and faces. `is_valid`: nothing of all this can be the case, and nothing is
-    /// looked for.
+    /// for check() to say. The executor fills in edges and faces.
     [[nodiscard]] HMESH_COLD Status assign(const std::vector<Point>& positions, const std::vector<Triangle>& triangles,
-                                           const std::vector<Color<C>>& colors, const ParallelFor& parallel_for = {},
-                                           bool is_valid = false);
+                                           const std::vector<Color<C>>& colors, const ParallelFor& parallel_for = {});
     /// Replaces the mesh by a triangulation as above, with the colours of the pixels.
     [[nodiscard]] Status assign(const std::vector<Point>& positions, const std::vector<Triangle>& triangles,
                                 const ParallelFor& parallel_for = {}) {

@@ -46,11 +46,10 @@ Status ImageMesh<C>::refuse(const Status& status) {
 
 template <int C>
 Status ImageMesh<C>::assign(const std::vector<Point>& positions, const std::vector<Triangle>& triangles,
-                            const std::vector<Color<C>>& colors, const ParallelFor& parallel_for, bool is_valid) {
-    HMESH_ASSERT(table_ != nullptr && depth_ == 0 && (!is_valid || check_vertices(positions, colors)));
-    if (!is_valid)
-        if (const Status status = check_vertices(positions, colors); !status) return refuse(status);
-    if (const Status status = topology_.assign(positions.size(), triangles, is_valid); !status) return refuse(status);
+                            const std::vector<Color<C>>& colors, const ParallelFor& parallel_for) {
+    HMESH_ASSERT(table_ != nullptr && depth_ == 0);
+    if (const Status status = check_vertices(positions, colors); !status) return refuse(status);
+    if (const Status status = topology_.assign(positions.size(), triangles); !status) return refuse(status);
     vertices_.resize(positions.size());
     moments_.resize(topology_.edge_slots());
     energies_.resize(topology_.face_slots());

@@ -33,7 +33,7 @@ class ImageSource {
     explicit ImageSource(const ImageView<T, C>& view, const ImageView<float, 1>& weights = {}, double unit = 1) noexcept
         : data_(view.data), width_(view.width), height_(view.height), row_stride_(view.row_stride), weights_(weights),
           unit_(unit), low_(PixelTraits<T>::lowest), high_(PixelTraits<T>::highest), peak_(PixelTraits<T>::peak),
-          is_integer_(PixelTraits<T>::is_integer), make_(&make<T>), sample_(&sample<T>) {
+          is_integer_(PixelTraits<T>::is_integer), make_(&make<T>), sample_(&sample<T>), row_(&read_row<T>) {
         if constexpr (!PixelTraits<T>::is_integer) error_ = &error<T>;
     }
 
@@ -52,7 +52,7 @@ class ImageSource {
     [[nodiscard]] bool is_integer() const noexcept { return is_integer_; }
     [[nodiscard]] double peak() const noexcept { return peak_; }  ///< value of full intensity
 
-    /// The moment table of a rectangle of the image.
+    /// The moment table of a rectangle of the image. Bands of its rows are pieces of work.
     [[nodiscard]] MomentTable<C> table(const Rect& rect, const ParallelFor& parallel_for = {}) const {
         return make_(*this, rect, parallel_for);
     }
@@ -71,6 +71,11 @@ class ImageSource {
         return out;
     }
 
+    /// Writes the samples of the row nearest to y times a factor, pixel after pixel: width() * C numbers.
+    void row(int y, double factor, double* to) const noexcept { row_(*this, std::max(0, std::min(height_ - 1, y)), factor, to); }
+
+    /// Whether pixels have weights.
+    [[nodiscard]] bool is_weighted() const noexcept { return weights_.data != nullptr; }
     /// The weight of pixel (x, y), in the unit of the weights; 1 where there are none.
     [[nodiscard]] double weight(int x, int y) const noexcept {
         return weights_.data == nullptr ? 1 : static_cast<double>(*weights_.pixel(x, y)) / unit_;
@@ -96,6 +101,13 @@ class ImageSource {
         for (int c = 0; c < C; ++c) out.set(c, PixelTraits<T>::to_real(pixel[c]));
     }
 
+    template <class T>
+    static void read_row(const ImageSource& source, int y, double factor, double* to) noexcept {
+        const T* const samples = source.view<T>().row(y);
+        const std::ptrdiff_t size = std::ptrdiff_t{source.width_} * C;
+        for (std::ptrdiff_t i = 0; i < size; ++i) to[i] = PixelTraits<T>::to_real(samples[i]) * factor;
+    }
+
     const void* data_;
     int width_, height_;
     std::ptrdiff_t row_stride_;
@@ -105,6 +117,7 @@ class ImageSource {
     bool is_integer_;
     MomentTable<C> (*make_)(const ImageSource&, const Rect&, const ParallelFor&);
     void (*sample_)(const ImageSource&, int, int, Lanes<lanes_for(C + 1)>&) noexcept;
+    void (*row_)(const ImageSource&, int, double, double*) noexcept;
     double (*error_)(const ImageSource&, const Mesh&, const ParallelFor&) = nullptr;  ///< null: is_integer()
 };
 

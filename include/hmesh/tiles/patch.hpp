@@ -243,7 +243,7 @@ class Patch {
         }
         mesh_ = ImageMesh<C>(whole != nullptr ? *whole : table_, source.low(), source.high(), limits,
                              {{-x, -y, source.width(), source.height()}, !numbered_.locked.empty(), 1, nullptr});
-        const Status status = mesh_.assign(positions, numbered_.faces, colors, parallel_for, true);
+        const Status status = mesh_.assign(positions, numbered_.faces, colors, parallel_for);
         HMESH_ASSERT(status);
         (void)status;
         first_energy_ = mesh_.energy();
