@@ -64,7 +64,7 @@ template <int C>
 class SmoothRows {
   public:
     explicit SmoothRows(const ImageSource<C>& source)
-        : source_(&source), size_(std::ptrdiff_t{C} * source.width()), stride_(size_ + 2 * C + 4),
+        : source_(&source), size_(std::ptrdiff_t{C} * source.width()), stride_(size_ + std::ptrdiff_t{2 * C + 4}),
           numbers_(static_cast<std::size_t>(8 * stride_), 0.0) {}
 
     /// Reads row y of the image as row k, one more than the last time.
