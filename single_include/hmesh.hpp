@@ -11223,11 +11223,14 @@ class AnnealedRun {
         {
             Image<float, 1> density = point_density(source, tiled_->parallel_for(), go_on);
             if (progress().stopped()) return false;
-            pixels = masked_points(density, static_cast<std::size_t>(std::min(source.pixels(), wanted)));
+            const auto count = static_cast<std::size_t>(std::min(source.pixels(), wanted));
+            pixels = masked_points(density, count, tiled_->parallel_for());
         }
-        Delaunay delaunay(source.width(), source.height());
-        if (!insert_pixels(delaunay, pixels, go_on)) return false;
-        tiled_->indexed() = delaunay_mesh(source, delaunay);
+        {
+            Delaunay delaunay(source.width(), source.height());
+            if (!insert_pixels(delaunay, pixels, go_on)) return false;
+            tiled_->indexed() = delaunay_mesh(source, delaunay);
+        }
         // 32 leaves room for flips up to max_valence. The mesh of two faces, which grows to n, is for shapes nobody has seen.
         if (!bound_valence(tiled_->indexed(), 32)) tiled_->indexed() = corner_mesh(source);
         progress().set_range(0.9, 0.9);
