@@ -262,11 +262,12 @@ class DrawFront {
 /// Each strip begins where vertex_cache_order() would go on. Of the two ways it takes the one that fetches no vertex, needs no
 /// swap, leads to a face with few neighbours left and finishes a vertex; and it ends after 11 vertices that were not in the
 /// cache, so that the next strip finds them there. The weights were tried on meshes of photographs. Strips come to 6.3 bytes of
-/// 16-bit indices a vertex, ACMR 0.73 and ATVR 1.46, where lists have 12, 0.635 and 1.27. Cost: O(n), some 0.3 us and 60 bytes a
-/// face.
+/// 16-bit indices a vertex, ACMR 0.73 and ATVR 1.46, where lists have 12, 0.635 and 1.27. Cost: O(n), some 0.22 us and 85 bytes
+/// a face.
 #ifndef HMESH_IO_GPU_CACHED_STRIPS_HPP
 #define HMESH_IO_GPU_CACHED_STRIPS_HPP
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <limits>
@@ -277,21 +278,36 @@ namespace hmesh::kit {
 namespace detail {
 
 /// The face across each side of each face that runs along it the other way, or no_index; side k runs from corner k to the next.
-/// Each side leads to one face at most, and back. `front` has all faces left. Beside hubs some are not found.
-[[nodiscard]] inline std::vector<Triangle> faces_across(const std::vector<Triangle>& faces, DrawFront& front) {
+/// Each side leads to one face at most, and back. Of faces as vertex_cache_strips() takes them.
+///
+/// A side waits in a list of its end of fewer faces until its opposite comes. Where more than 64 wait, some are not found.
+[[nodiscard]] inline std::vector<Triangle> faces_across(const std::vector<Triangle>& faces, std::size_t vertices) {
+    std::vector<std::uint32_t> valence(vertices, 0), waiting(vertices, no_index), after(4 * faces.size());
+    for (const Triangle& face : faces)
+        for (const std::uint32_t v : face) ++valence[v];
     std::vector<Triangle> across(faces.size(), {no_index, no_index, no_index});
+    constexpr std::array<std::size_t, 3> next{1, 2, 0};
     for (std::size_t f = 0; f < faces.size(); ++f)
         for (std::size_t k = 0; k < 3; ++k) {
-            if (across[f][k] != no_index) continue;
-            const std::uint32_t from = faces[f][k], to = faces[f][(k + 1) % 3];
-            front.for_each_left(front.left(from) < front.left(to) ? from : to, [&](std::uint32_t g) {
-                for (std::size_t j = 0; j < 3; ++j) {
-                    if (faces[g][j] != to || faces[g][(j + 1) % 3] != from || across[g][j] != no_index) continue;
-                    if (across[f][k] != no_index) continue;
-                    across[f][k] = g;
-                    across[g][j] = static_cast<std::uint32_t>(f);
-                }
-            });
+            const std::uint32_t from = faces[f][k], to = faces[f][next[k]];
+            const bool is_at_from = valence[from] != valence[to] ? valence[from] < valence[to] : from < to;
+            std::uint32_t* link = &waiting[is_at_from ? from : to];
+            std::size_t face = 0, side = 0;
+            int steps = 64;
+            for (; *link != no_index && steps > 0; link = &after[*link], --steps) {
+                face = *link / 4, side = *link % 4;
+                if (faces[face][side] == to && faces[face][next[side]] == from) break;
+            }
+            if (*link != no_index && steps > 0) {
+                *link = after[*link];
+                across[f][k] = static_cast<std::uint32_t>(face);
+                across[face][side] = static_cast<std::uint32_t>(f);
+            } else {
+                std::uint32_t& first = waiting[is_at_from ? from : to];
+                const auto here = static_cast<std::uint32_t>(4 * f + k);
+                after[here] = first;
+                first = here;
+            }
         }
     return across;
 }
@@ -299,9 +315,9 @@ namespace detail {
 /// A walk over faces that writes strips.
 class CachedStrips {
   public:
-    /// As DrawFront has it.
+    /// As DrawFront has it; faces are below 2^30.
     CachedStrips(const std::vector<Triangle>& faces, std::size_t vertices)
-        : faces_(&faces), front_(faces, vertices), across_(faces_across(faces, front_)) {}
+        : faces_(&faces), front_(faces, vertices), across_(faces_across(faces, vertices)) {}
 
     /// All strips, with no_index between them. To be called once.
     [[nodiscard]] std::vector<std::uint32_t> run() {
@@ -418,7 +434,7 @@ class CachedStrips {
 /// A chunk is a slab across the mesh's longer side, and what it draws lies in a window of consecutive vertices: those that it
 /// shares with the chunk before, its own, and those that it shares with the next. So windows overlap, no vertex is stored twice,
 /// and there is no crack between chunks whatever the vertices are rounded to. Only a face so long that it reaches over a whole
-/// slab brings a copy of a vertex, equal to the bit. Cost: O(n), some 20 ns a face.
+/// slab brings a copy of a vertex, equal to the bit. Cost: O(n), some 40 ns a face.
 /// Within its own, the vertices are in the order in which they are drawn first, so that each is read from memory once.
 #ifndef HMESH_IO_GPU_CHUNKS_HPP
 #define HMESH_IO_GPU_CHUNKS_HPP
@@ -441,31 +457,32 @@ struct Slab {
 namespace detail {
 
 /// Faces by where their centroids lie along the longer side of the mesh, in 65536 steps; in their order within a step. A sort by
-/// counting. `faces` are not empty.
+/// counting.
 [[nodiscard]] inline std::vector<Triangle> sorted_along(const MeshView& mesh, const std::vector<Triangle>& faces) {
-    const auto at = [&](std::uint32_t v, std::size_t axis) {
-        return static_cast<double>(mesh.positions[2 * std::size_t{v} + axis]);
-    };
-    std::array<double, 2> low{at(faces[0][0], 0), at(faces[0][0], 1)}, high = low;
-    for (const Triangle& face : faces)
-        for (const std::uint32_t v : face)
-            for (std::size_t axis = 0; axis < 2; ++axis) {
-                low[axis] = std::min(low[axis], at(v, axis));
-                high[axis] = std::max(high[axis], at(v, axis));
-            }
-    const std::size_t axis = high[0] - low[0] >= high[1] - low[1] ? 0 : 1;
-    const double extent = high[axis] - low[axis];
+    std::array<double, 2> low{}, extent{};
+    for (std::size_t axis = 0; axis < 2; ++axis) {
+        float least = mesh.positions[axis], most = least;
+        for (std::size_t v = 1; v < mesh.vertex_count; ++v) {
+            least = std::min(least, mesh.positions[2 * v + axis]);
+            most = std::max(most, mesh.positions[2 * v + axis]);
+        }
+        low[axis] = static_cast<double>(least);
+        extent[axis] = static_cast<double>(most) - low[axis];
+    }
+    const std::size_t axis = extent[0] >= extent[1] ? 0 : 1;
     constexpr std::size_t steps = 65536;
-    const auto step_of = [&](const Triangle& face) -> std::size_t {
-        double sum = 0;
-        for (const std::uint32_t v : face) sum += at(v, axis) - low[axis];
-        return extent > 0 ? std::min(steps - 1, static_cast<std::size_t>(sum / (3 * extent) * steps)) : 0;
-    };
+    const double per_px = extent[axis] > 0 ? (steps - 1) / (3 * extent[axis]) : 0;
+    std::vector<std::uint16_t> step(faces.size());
     std::vector<std::size_t> start(steps + 1, 0);
-    for (const Triangle& face : faces) ++start[step_of(face) + 1];
+    for (std::size_t f = 0; f < faces.size(); ++f) {
+        double sum = 0;
+        for (const std::uint32_t v : faces[f]) sum += static_cast<double>(mesh.positions[2 * std::size_t{v} + axis]) - low[axis];
+        step[f] = static_cast<std::uint16_t>(std::min(steps - 1.0, sum * per_px));
+        ++start[step[f] + std::size_t{1}];
+    }
     for (std::size_t i = 0; i < steps; ++i) start[i + 1] += start[i];
     std::vector<Triangle> sorted(faces.size());
-    for (const Triangle& face : faces) sorted[start[step_of(face)]++] = face;
+    for (std::size_t f = 0; f < faces.size(); ++f) sorted[start[step[f]]++] = faces[f];
     return sorted;
 }
 
@@ -570,7 +587,7 @@ class ChunkWindows {
 /// share one vertex buffer and one rounding, so that no crack is between them. Nothing is decoded: colours are the stored values,
 /// so that a GPU that takes them for plain numbers draws what render() draws.
 ///
-/// docs/textures.md shows how each API is told of the layout. Cost: O(n), 0.3 us and 130 bytes a face, 0.4 us as strips.
+/// docs/textures.md shows how each API is told of the layout. Cost: O(n), 0.2 to 0.3 us and 100 to 115 bytes a face.
 #ifndef HMESH_IO_GPU_HPP
 #define HMESH_IO_GPU_HPP
 
@@ -752,39 +769,35 @@ namespace detail {
     return layout;
 }
 
-/// Puts little-endian numbers at the end of a buffer.
+/// Puts little-endian numbers into a buffer.
 class GpuWriter {
   public:
-    /// Into `bytes`, which outlive this object.
-    explicit GpuWriter(std::vector<std::uint8_t>& bytes) noexcept : bytes_(&bytes) {}
+    /// From this byte on.
+    explicit GpuWriter(std::uint8_t* at) noexcept : at_(at) {}
     /// Puts the lower `size` bytes of a number.
-    void integer(std::uint32_t value, std::uint32_t size) {
-        for (std::uint32_t i = 0; i < size; ++i) bytes_->push_back(static_cast<std::uint8_t>((value >> (8 * i)) & 0xffU));
+    void integer(std::uint32_t value, std::uint32_t size) noexcept {
+        for (std::uint32_t i = 0; i < size; ++i) *at_++ = static_cast<std::uint8_t>((value >> (8 * i)) & 0xffU);
     }
     /// Puts a number as IEEE 754 binary32.
-    void f32(float value) {
+    void f32(float value) noexcept {
         std::uint32_t bits = 0;
         std::memcpy(&bits, &value, 4);
         integer(bits, 4);
     }
-    /// Puts zeros up to a multiple of this number.
-    void fill(std::size_t multiple) {
-        while (bytes_->size() % multiple != 0) bytes_->push_back(0);
-    }
 
   private:
-    std::vector<std::uint8_t>* bytes_;
+    std::uint8_t* at_;
 };
 
 /// The vertex buffer: of the vertices `sources` of a mesh that ExportMesh has made ready.
 [[nodiscard]] inline std::vector<std::uint8_t> gpu_vertices(const MeshView& mesh, const std::vector<std::uint32_t>& sources,
                                                             const GpuLayout& layout) {
-    std::vector<std::uint8_t> bytes;
-    bytes.reserve(sources.size() * layout.stride);
-    GpuWriter writer(bytes);
+    std::vector<std::uint8_t> bytes(sources.size() * layout.stride, 0);
     const bool multiplies = layout.premultiplied && !mesh.premultiplied;
     const bool is_wide = layout.color.format == GpuFormat::unorm16x2 || layout.color.format == GpuFormat::unorm16x4;
-    for (const std::uint32_t v : sources) {
+    for (std::size_t i = 0; i < sources.size(); ++i) {
+        const std::uint32_t v = sources[i];
+        GpuWriter writer(bytes.data() + i * layout.stride);
         for (std::size_t axis = 0; axis < 2; ++axis) {
             const float at = mesh.positions[2 * std::size_t{v} + axis];
             if (layout.position.format == GpuFormat::float32x2) writer.f32(at);
@@ -798,7 +811,6 @@ class GpuWriter {
         if (components_of(layout.color.format) == 2) rgba[1] = rgba[3];
         for (std::size_t k = 0; k < components_of(layout.color.format); ++k)
             writer.integer(is_wide ? to_u16(rgba[k]) : to_u8(rgba[k]), is_wide ? 2 : 1);
-        writer.fill(4);
     }
     return bytes;
 }
@@ -850,7 +862,6 @@ class GpuWriter {
                                                                        : mesh.vertex_count;
     const std::vector<kit::Slab> slabs = kit::cut_into_slabs(mesh, faces, std::max<std::size_t>(3, most));
     kit::ChunkWindows windows(mesh.vertex_count);
-    detail::GpuWriter writer(buffers.indices);
     const std::uint32_t index_size = size_of(options.index);
     // 3 a face of a list, 1.6 of strips.
     buffers.indices.reserve(index_size * faces.size() * (options.topology == GpuTopology::triangle_list ? 3 : 2) + 4);
@@ -863,9 +874,12 @@ class GpuWriter {
         chunk.first_vertex = static_cast<std::uint32_t>(windows.first());
         chunk.vertex_count = static_cast<std::uint32_t>(windows.sources().size() - windows.first());
         buffers.chunks.push_back(chunk);
+        const std::size_t used = buffers.indices.size();
+        buffers.indices.resize(used + index_size * indices.size());
+        detail::GpuWriter writer(buffers.indices.data() + used);
         for (const std::uint32_t index : indices) writer.integer(index == kit::no_index ? layout.restart : index, index_size);
     }
-    writer.fill(4);
+    buffers.indices.resize((buffers.indices.size() + 3) / 4 * 4);
     buffers.vertices = detail::gpu_vertices(mesh, windows.sources(), layout);
     return buffers;
 }
