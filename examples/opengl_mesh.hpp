@@ -40,8 +40,8 @@ void main() { pixel = shade; }
 // A mesh in buffers of the GPU.
 class OpenglMesh {
   public:
-    explicit OpenglMesh(const hmesh::GpuBuffers& buffers) : chunks_(buffers.chunks), layout_(buffers.layout) {
-        program_ = glCreateProgram();
+    explicit OpenglMesh(const hmesh::GpuBuffers& buffers)
+        : chunks_(buffers.chunks), layout_(buffers.layout), program_(glCreateProgram()) {
         add_shader(GL_VERTEX_SHADER, vertex_shader);
         add_shader(GL_FRAGMENT_SHADER, fragment_shader);
         glLinkProgram(program_);
@@ -110,7 +110,7 @@ class OpenglMesh {
 
     std::vector<hmesh::GpuChunk> chunks_;
     hmesh::GpuLayout layout_;
-    GLuint program_ = 0, array_ = 0, buffers_[2] = {0, 0};
+    GLuint program_, array_ = 0, buffers_[2] = {0, 0};
 };
 
 }  // namespace example

@@ -127,7 +127,7 @@ double compare(const hmesh::Mesh& mesh, const hmesh::GpuOptions& options) {
         return 0;
     }
     const double psnr = hmesh::psnr(drawn(buffers).view(), reference_of(mesh).view());
-    const double bytes = static_cast<double>(buffers.vertices.size() + buffers.indices.size());
+    const auto bytes = static_cast<double>(buffers.vertices.size() + buffers.indices.size());
     std::printf("| %d | %s | %s | %s of uint%u | %zu | %.2f | %.2f |\n", mesh.channels, name(options.position),
                 name(options.color), options.topology == hmesh::GpuTopology::triangle_strip ? "strips" : "list",
                 8 * hmesh::size_of(options.index), buffers.chunks.size(), bytes / static_cast<double>(mesh.vertex_count()), psnr);

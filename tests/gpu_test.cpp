@@ -301,7 +301,7 @@ TEST_CASE("meshes of 4 to 100,000 vertices are drawn whole, in chunks of any siz
         const GpuBuffers buffers = hmesh::pack_for_gpu(large.view(), options);
         CHECK(buffers.chunks.size() == 2);
         CHECK(buffers.vertex_count() == large.vertex_count());  // none is stored twice
-        const double bytes = static_cast<double>(buffers.vertices.size() + buffers.indices.size());
+        const auto bytes = static_cast<double>(buffers.vertices.size() + buffers.indices.size());
         const double per_vertex = bytes / static_cast<double>(large.vertex_count());
         CHECK(per_vertex < (topology == GpuTopology::triangle_list ? 20 : 14.5));
     }

@@ -85,7 +85,7 @@ TEST_CASE("misses are those of a queue of so many vertices") {
     CHECK(hmesh::kit::vertex_cache_use(nullptr, 0, 0, 0).misses == 0);
 }
 
-TEST_CASE("what the front counts is what is there: faces left, vertices cached and needed, in any mesh") {
+TEST_CASE("what the front counts is what is there: faces left and vertices cached, in any mesh") {
     hmesh::kit::Random random(5);
     for (int i = 0; i < 24; ++i) {
         const std::size_t vertices = 4 + random.below(30);

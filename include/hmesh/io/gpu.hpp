@@ -306,7 +306,8 @@ class GpuWriter {
         const std::size_t used = buffers.indices.size();
         buffers.indices.resize(used + index_size * indices.size());
         detail::GpuWriter writer(buffers.indices.data() + used);
-        for (const std::uint32_t index : indices) writer.integer(index == kit::no_index ? layout.restart : index, index_size);
+        // Of no_index, all bits set, either size keeps the restart.
+        for (const std::uint32_t index : indices) writer.integer(index, index_size);
     }
     buffers.indices.resize((buffers.indices.size() + 3) / 4 * 4);
     buffers.vertices = detail::gpu_vertices(mesh, windows.sources(), layout);
