@@ -263,7 +263,7 @@ class GpuWriter {
 
 /// Packs a mesh of 1 to 4 channels into a vertex and an index buffer. Every face of three different corners is drawn once, with
 /// its orientation, in an order of its own; other faces and vertices that no face uses are left out. The same mesh gives the same
-/// bytes on any machine.
+/// bytes, whatever the byte order of the machine.
 ///
 /// A mesh that is empty, has no size, more than 4 channels, numbers that are not finite, faces without their vertices or none of
 /// three different corners, over 2^31 vertices or 2^30 faces, and options out of range give a Status that says so and no buffers.
