@@ -443,7 +443,6 @@ class CachedStrips {
 #include <array>
 #include <cstddef>
 #include <cstdint>
-#include <limits>
 #include <vector>
 
 namespace hmesh::kit {
@@ -548,7 +547,7 @@ class ChunkWindows {
         shared_ = sources_.size();
         for (const std::uint32_t v : last) place(v);
         for (std::uint32_t& v : indices)
-            if (v != no_index) v = static_cast<std::uint32_t>(slots_[v] - first_);
+            if (v != no_index) v = slots_[v] - static_cast<std::uint32_t>(first_);
     }
 
     /// The first vertex of the last chunk's window, which ends with the buffer.
@@ -557,15 +556,15 @@ class ChunkWindows {
     [[nodiscard]] const std::vector<std::uint32_t>& sources() const noexcept { return sources_; }
 
   private:
-    static constexpr std::size_t none = std::numeric_limits<std::size_t>::max(), waiting = none - 1;
+    static constexpr std::uint32_t none = no_index, waiting = none - 1;
 
     [[nodiscard]] bool is_in_window(std::uint32_t v) const noexcept { return slots_[v] != none && slots_[v] >= first_; }
     void place(std::uint32_t v) {
-        slots_[v] = sources_.size();
+        slots_[v] = static_cast<std::uint32_t>(sources_.size());
         sources_.push_back(v);
     }
 
-    std::vector<std::size_t> slots_;        // where the last copy of a vertex is
+    std::vector<std::uint32_t> slots_;      // where the last copy of a vertex is
     std::vector<std::uint32_t> next_user_;  // the last chunk, counted from 1, whose successor uses a vertex
     std::vector<std::uint32_t> sources_;
     std::size_t first_ = 0, shared_ = 0;
