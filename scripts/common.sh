@@ -82,6 +82,11 @@ need() {
             pytest) has_pytest || packages+=(python3 python3-pil python3-pytest) ;;
             doctest) has_header doctest/doctest.h || packages+=(doctest-dev) ;;
             benchmark) has_header benchmark/benchmark.h || packages+=(libbenchmark-dev) ;;
+            opengl)  # what examples draw with
+                has_header EGL/egl.h || packages+=(libegl-dev)
+                has_header GL/glext.h || packages+=(libopengl-dev libgl-dev)
+                has_header SDL2/SDL.h || packages+=(libsdl2-dev)
+                ;;
             ninja) has ninja || packages+=(ninja-build) ;;
             clang) has clang++ || packages+=(clang) ;;
             clang-format | clang-tidy) has "$what-14" || has "$what" || packages+=("$what") ;;

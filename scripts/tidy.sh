@@ -14,7 +14,7 @@ case ${1-} in
     '') ;;
     --all)
         mapfile -t files < <(find tools examples tests benchmarks -name '*.cpp' | LC_ALL=C sort)
-        needed+=(benchmark)
+        needed+=(benchmark opengl)
         ;;
     -*) fail "usage: scripts/tidy.sh [--all | FILE...]" ;;
     *)

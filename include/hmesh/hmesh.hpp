@@ -2,7 +2,8 @@
 /// hmesh - turns a raster image into a triangle mesh with one colour a vertex. What most programs need in one include:
 /// mesh_image() with the default recipe (Annealed), render(), psnr(), colours for linear light, and the exporters.
 ///
-/// This header defines nothing itself. The methods of the paper and the baselines are in hmesh/paper.hpp.
+/// This header defines nothing itself. The methods of the paper and the baselines are in hmesh/paper.hpp, buffers for GPUs in
+/// hmesh/gpu.hpp.
 #ifndef HMESH_HMESH_HPP
 #define HMESH_HMESH_HPP
 

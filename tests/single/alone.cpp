@@ -7,6 +7,7 @@
 #include <string>
 
 bool paper_is_there();                                 // paper.cpp
+bool gpu_is_there();                                   // gpu.cpp
 std::size_t size_as_svg(const hmesh::MeshView& mesh);  // both.cpp
 
 int main() {
@@ -26,5 +27,6 @@ int main() {
     if (!hmesh::write_ply(mesh.view(), sink)) return 2;
     if (std::strncmp(ply.c_str(), "ply\n", 4) != 0 || ply.find("element vertex 4\n") == std::string::npos) return 3;
     if (size_as_svg(mesh.view()) == 0) return 4;
+    if (!gpu_is_there()) return 6;
     return paper_is_there() ? 0 : 5;
 }

