@@ -185,9 +185,11 @@ class TiledMesh {
             if (patch == nullptr)
                 patch = std::make_unique<Patch<C>>(indexed_, *source_, cut_, tile, limits_, whole,
                                                    sizes.size() == 1 ? parallel_for_ : ParallelFor());
-            const TaskGuard guard(patch->mesh(), task);
-            patch->set_mean_energy(mean);
-            body(*patch, tile);
+            {
+                const TaskGuard guard(patch->mesh(), task);
+                patch->set_mean_energy(mean);
+                body(*patch, tile);
+            }
             if (whole != nullptr) return;
             if (changes) results[tile] = patch->result();
             patch.reset();
