@@ -114,7 +114,7 @@ def test_the_target_is_kept_by_the_files_and_the_picture(hmesh, image, target):
     for name, psnr in found.items():
         assert psnr >= target
         assert abs(report["psnr_written"][name] - psnr) < 1e-3
-    assert min(found.values()) < target + (0.4 if width > 20 else 4)  # nothing is wasted; one vertex is up to 2 dB in the small one
+    assert min(found.values()) < target + (0.3 if width > 20 else 4)  # nothing is wasted; one vertex is up to 2 dB in the small one
 
 
 @pytest.mark.parametrize("target", [30, 36, 42])

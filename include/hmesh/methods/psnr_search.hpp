@@ -70,6 +70,7 @@ class BestResult {
     explicit BestResult(double psnr, Result first) : psnr_(psnr), result_(std::move(first)) {}
 
     [[nodiscard]] bool is_reached() const noexcept { return result_.report.psnr >= psnr_; }  ///< whether one reached the PSNR
+    [[nodiscard]] double excess() const noexcept { return result_.report.psnr - psnr_; }     ///< dB above it; below: < 0
     /// Offers the result of one more run. False: it failed or was cancelled, which ends the search; its mesh counts where none
     /// reached the PSNR before.
     bool offer(Result result) {
@@ -150,6 +151,7 @@ class BestResult {
     double psnr, double gain_over_sketch, std::size_t first, std::size_t most,
     FunctionRef<Result(std::size_t n, const Beginning& from)> mesh_from) {
     constexpr double near_enough = 0.025;  // dB above the target: 1 % of the vertices
+    constexpr double wasteful = 0.2;       // dB above it that are worth any number of runs, as small meshes may be
     constexpr double is_nearby = 0.4;      // doublings of the vertices up to which a run goes on from the one before
     constexpr double is_touched = 0.05;    // up to which little work keeps the mesh as good
     double slope = 1.6;                    // dB for each doubling of the vertices
@@ -195,7 +197,7 @@ class BestResult {
     Mesh last = whole.mesh;
     detail::BestResult best(psnr, std::move(whole));
     double spent = 0;  // whole runs, since then only to save vertices
-    for (int runs = 1; spent < 0.4 && runs < 20; ++runs) {
+    for (int runs = 1; (spent < 0.4 || best.excess() > wasteful) && runs < 20; ++runs) {
         const bool is_reached = now >= psnr;
         if (is_reached ? n == 4 || now <= psnr + near_enough : n == most) break;
         std::size_t next = next_after(n, is_finite(now) ? psnr + 0.4 * near_enough - now : -slope);
