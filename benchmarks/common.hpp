@@ -3,6 +3,7 @@
 #define HMESH_BENCHMARKS_COMMON_HPP
 
 #include <algorithm>
+#include <chrono>
 #include <cstddef>
 #include <cstdint>
 #include <cstdio>
@@ -21,6 +22,10 @@ namespace bench {
 
 // Of all threads together, as POSIX says.
 inline double processor_seconds() { return static_cast<double>(std::clock()) / CLOCKS_PER_SEC; }
+// What one waits.
+inline double wall_seconds() {
+    return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
+}
 
 // --- FNV-1a, 64 bits: http://www.isthe.com/chongo/tech/comp/fnv/ ---
 inline constexpr std::uint64_t empty_hash = 0xcbf29ce484222325U;

@@ -9,7 +9,6 @@
 // for one, and handing out costs nothing: real threads come to a little less. The least of the repeats is shown.
 #include <algorithm>
 #include <array>
-#include <chrono>
 #include <cstddef>
 #include <cstdio>
 #include <cstdlib>
@@ -24,8 +23,6 @@
 namespace {
 
 constexpr std::array<std::size_t, 4> thread_counts{2, 4, 8, 16};
-
-double seconds() { return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count(); }
 
 // What a run takes, seconds.
 struct Times {
@@ -47,16 +44,16 @@ Times measure(const bench::Picture& picture, const hmesh::Options& options, cons
     const auto executor = [&](std::size_t n, hmesh::Piece piece) {
         std::vector<double> taken(n);
         for (std::size_t i = 0; i < n; ++i) {
-            const double start = seconds();
+            const double start = bench::wall_seconds();
             piece(i);
-            taken[i] = seconds() - start;
+            taken[i] = bench::wall_seconds() - start;
             times.in_pieces += taken[i];
         }
         for (std::size_t k = 0; k < thread_counts.size() && n > 0; ++k) times.on_threads[k] += makespan(taken, thread_counts[k]);
     };
-    const double start = seconds();
+    const double start = bench::wall_seconds();
     const hmesh::Result result = hmesh::mesh_image(picture.view(), options, recipe, executor);
-    times.whole = seconds() - start;
+    times.whole = bench::wall_seconds() - start;
     if (!result.status) {
         std::fprintf(stderr, "critical_path: %s\n", result.status.what);
         std::exit(1);

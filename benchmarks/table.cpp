@@ -14,7 +14,6 @@
 // out.
 #include <algorithm>
 #include <atomic>
-#include <chrono>
 #include <cstddef>
 #include <cstdint>
 #include <cstdio>
@@ -51,8 +50,6 @@ void count_out(void* p) {
     allocated -= malloc_usable_size(p);
     std::free(p);
 }
-
-double wall_seconds() { return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count(); }
 
 // --- what to measure ---
 struct Plan {
@@ -155,9 +152,9 @@ Row measure(const Picture& image, const hmesh::Options& options, hmesh::Annealed
         for (int k = 0; k < plan.repeats; ++k) {
             const std::size_t before = allocated;
             most_allocated = before;
-            const double cpu_start = bench::processor_seconds(), wall_start = wall_seconds();
+            const double cpu_start = bench::processor_seconds(), wall_start = bench::wall_seconds();
             const hmesh::Result result = hmesh::mesh_image(image.view(), options, recipe, pool);
-            row.wall_seconds = std::min(row.wall_seconds, wall_seconds() - wall_start);
+            row.wall_seconds = std::min(row.wall_seconds, bench::wall_seconds() - wall_start);
             row.cpu_seconds = std::min(row.cpu_seconds, bench::processor_seconds() - cpu_start);
             row.bytes = std::max(row.bytes, most_allocated - before);
             const std::uint64_t hash = bench::hash_of(result.mesh);

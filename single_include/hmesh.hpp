@@ -5286,10 +5286,11 @@ class MomentTable {
             N* entry = entries + offset(x0, begin);
             for (int y = begin; y < end; ++y) {
                 N* const sum = sums[y - begin];
-                const T* pixel = view.pixel(rect.x + x0, rect.y + y);
-                for (int x = x0; x < x0 + strip_width; ++x, pixel += C, entry += entry_size) {
+                const T* const pixels = view.pixel(rect.x, rect.y + y);
+                for (int x = x0; x < x0 + strip_width; ++x, entry += entry_size) {
                     for (int k = 0; k < entry_size; ++k) entry[k] = sum[k];
                     if (x >= width_) continue;
+                    const T* const pixel = pixels + static_cast<std::ptrdiff_t>(x) * C;
                     N square = 0;
                     for (int c = 0; c < C; ++c) {
                         const N value = static_cast<N>(PixelTraits<T>::to_real(pixel[c]));
@@ -9891,6 +9892,13 @@ struct Cut {
     return cut;
 }
 
+/// The number of faces of each tile.
+[[nodiscard]] HMESH_COLD inline std::vector<double> face_counts(const Cut& cut) {
+    std::vector<double> counts(cut.first.size() - 1);
+    for (std::size_t k = 0; k < counts.size(); ++k) counts[k] = static_cast<double>(cut.first[k + 1] - cut.first[k]);
+    return counts;
+}
+
 /// The tiles of size > 0, the largest first.
 [[nodiscard]] HMESH_COLD inline std::vector<std::size_t> largest_first(const std::vector<double>& sizes) {
     std::vector<std::size_t> tiles;
@@ -10264,10 +10272,8 @@ class TiledMesh {
         put_together();
         const detail::Cut cut = detail::cut(indexed_.positions, indexed_.faces, tiling);
         const MomentTable<C>* const whole = whole_table(tiling.size() == 1);
-        std::vector<double> sizes(tiling.size());
-        for (std::size_t k = 0; k < tiling.size(); ++k) sizes[k] = static_cast<double>(cut.first[k + 1] - cut.first[k]);
         run(
-            sizes,
+            detail::face_counts(cut),
             [&](std::size_t tile, TaskProgress& task) {
                 Patch<C> patch(indexed_, *source_, cut, tile, limits_, whole);
                 const TaskGuard guard(patch.mesh(), task);
@@ -10325,13 +10331,9 @@ class TiledMesh {
     /// The four calls above.
     HMESH_COLD bool cut_and_run(const Tiling& tiling, bool at_seams, bool changes, PatchWork body) {
         cut_along(tiling);
-        std::vector<double> sizes(tiling.size(), 0.0);
-        if (at_seams) {
-            for (std::size_t v = 0; v < indexed_.locked_count; ++v)
-                if (cut_.owner[v] != detail::Cut::locked) ++sizes[cut_.owner[v]];
-        } else {
-            for (std::size_t k = 0; k < sizes.size(); ++k) sizes[k] = static_cast<double>(cut_.first[k + 1] - cut_.first[k]);
-        }
+        std::vector<double> sizes = at_seams ? std::vector<double>(tiling.size(), 0.0) : detail::face_counts(cut_);
+        for (std::size_t v = 0; at_seams && v < indexed_.locked_count; ++v)
+            if (cut_.owner[v] != detail::Cut::locked) ++sizes[cut_.owner[v]];
         const MomentTable<C>* const whole = whole_table(sizes.size() == 1);
         const double mean = mean_energy();
         std::vector<detail::PatchResult<C>> results(whole == nullptr && changes ? sizes.size() : 0);
@@ -10513,31 +10515,21 @@ HMESH_COLD std::size_t remove_chosen(TiledMesh<C>& tiled, const Tiling& tiling, 
     return before - tiled.vertex_count();
 }
 
-/// Removes up to `count` vertices, the cheapest ones wherever they are, no two of them neighbours, from the patches of a tiling.
-/// Returns how many went, after a cancellation any number.
+/// Removes up to `count` vertices, the cheapest ones wherever they are, no two of them neighbours, from the patches of a tiling;
+/// `at_seams`: only such that were locked in the last phase, which had another tiling. Returns how many went, after a
+/// cancellation any number.
 template <int C>
-HMESH_COLD std::size_t remove_cheapest(TiledMesh<C>& tiled, const Tiling& tiling, std::size_t count,
-                                       const Relaxation& relaxation) {
+HMESH_COLD std::size_t remove_cheapest(TiledMesh<C>& tiled, const Tiling& tiling, std::size_t count, const Relaxation& relaxation,
+                                       bool at_seams = false) {
     std::vector<std::vector<Removal>> removals(tiling.size());
     const auto [from, to] = tiled.progress().range();
     tiled.progress().set_range(from, 0.5 * (from + to));
-    const bool go_on = tiled.look_at_each(tiling, [&](Patch<C>& patch, std::size_t tile) {
-        patch.mesh().expect(1, static_cast<double>(patch.vertex_count()));
-        removals[tile] = cheapest_removals(patch.mesh(), patch.free_vertices(), count);
-    });
-    tiled.progress().set_range(0.5 * (from + to), to);
-    return go_on ? remove_chosen(tiled, tiling, removals, count, relaxation) : 0;
-}
-/// The same for vertices that were locked in the last phase, in the patches of another tiling.
-template <int C>
-HMESH_COLD std::size_t remove_cheapest_on_seams(TiledMesh<C>& tiled, const Tiling& tiling, std::size_t count,
-                                                const Relaxation& relaxation) {
-    std::vector<std::vector<Removal>> removals(tiling.size());
-    const auto [from, to] = tiled.progress().range();
-    tiled.progress().set_range(from, 0.5 * (from + to));
-    const bool go_on = tiled.look_at_each_seam(tiling, [&](Patch<C>& patch, std::size_t tile) {
-        removals[tile] = cheapest_removals(patch.mesh(), patch.take_was_locked(), count);
-    });
+    const auto choose = [&](Patch<C>& patch, std::size_t tile) {
+        const std::vector<Vertex> vertices = at_seams ? patch.take_was_locked() : patch.free_vertices();
+        patch.mesh().expect(1, static_cast<double>(vertices.size()));
+        removals[tile] = cheapest_removals(patch.mesh(), vertices, count);
+    };
+    const bool go_on = at_seams ? tiled.look_at_each_seam(tiling, choose) : tiled.look_at_each(tiling, choose);
     tiled.progress().set_range(0.5 * (from + to), to);
     return go_on ? remove_chosen(tiled, tiling, removals, count, relaxation) : 0;
 }
@@ -11273,28 +11265,24 @@ class AnnealedRun {
         });
     }
 
-    /// The visits of the first mesh.
-    void settle(ImageMesh<C>& mesh, const std::vector<Vertex>& all) const {
-        for_each_block(mesh, all, 0, [&](std::vector<Vertex>& vertices) {
-            for (int round = 0; round < steps_.settle_rounds; ++round) {
-                sweep(mesh, vertices, steps_.settle);
-                flip_edges(mesh, own_edges(mesh, vertices), steps_.settle_flip_gain);
-            }
-        });
+    /// The visits of the first mesh, as work on its pieces.
+    [[nodiscard]] auto visits() const {
+        return [this](ImageMesh<C>& mesh, const std::vector<Vertex>& all, const Piece&) {
+            for_each_block(mesh, all, 0, [&](std::vector<Vertex>& vertices) {
+                for (int round = 0; round < steps_.settle_rounds; ++round) {
+                    sweep(mesh, vertices, steps_.settle);
+                    flip_edges(mesh, own_edges(mesh, vertices), steps_.settle_flip_gain);
+                }
+            });
+        };
     }
-    HMESH_COLD bool settle() {
-        return for_each_piece(
-            false, 0, 1, [&](ImageMesh<C>& mesh, const std::vector<Vertex>& vertices, const Piece&) { settle(mesh, vertices); });
-    }
+    HMESH_COLD bool settle() { return for_each_piece(false, 0, 1, visits()); }
 
     HMESH_COLD bool collapse() {
         const std::size_t first = tiled_->vertex_count();
         const bool has_seams = aligned_.size() > 1;
         const double begin = has_seams ? 0.05 : 0;
-        const auto settle_seam = [&](ImageMesh<C>& mesh, const std::vector<Vertex>& vertices, const Piece&) {
-            settle(mesh, vertices);
-        };
-        if (!for_each_seam(0, begin, settle_seam)) return false;
+        if (!for_each_seam(0, begin, visits())) return false;  // what settle() left
         double reached = begin;
         for (int stuck = 0; tiled_->vertex_count() > n_ && stuck < 4;) {
             const std::size_t before = tiled_->vertex_count();
@@ -11316,7 +11304,7 @@ class AnnealedRun {
             if (const std::size_t left = batch - (before - tiled_->vertex_count()); has_seams && left > 0) {
                 phase_ ^= 1;
                 progress().set_range(seam, to);
-                remove_cheapest_on_seams(*tiled_, tiling(phase_), left, steps_.relaxation);
+                remove_cheapest(*tiled_, tiling(phase_), left, steps_.relaxation, true);
                 if (progress().stopped()) return false;
             }
             stuck = tiled_->vertex_count() < before ? 0 : stuck + 1;

@@ -191,10 +191,11 @@ class MomentTable {
             N* entry = entries + offset(x0, begin);
             for (int y = begin; y < end; ++y) {
                 N* const sum = sums[y - begin];
-                const T* pixel = view.pixel(rect.x + x0, rect.y + y);
-                for (int x = x0; x < x0 + strip_width; ++x, pixel += C, entry += entry_size) {
+                const T* const pixels = view.pixel(rect.x, rect.y + y);
+                for (int x = x0; x < x0 + strip_width; ++x, entry += entry_size) {
                     for (int k = 0; k < entry_size; ++k) entry[k] = sum[k];
                     if (x >= width_) continue;
+                    const T* const pixel = pixels + static_cast<std::ptrdiff_t>(x) * C;
                     N square = 0;
                     for (int c = 0; c < C; ++c) {
                         const N value = static_cast<N>(PixelTraits<T>::to_real(pixel[c]));

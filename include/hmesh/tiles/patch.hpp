@@ -81,6 +81,13 @@ struct Cut {
     return cut;
 }
 
+/// The number of faces of each tile.
+[[nodiscard]] HMESH_COLD inline std::vector<double> face_counts(const Cut& cut) {
+    std::vector<double> counts(cut.first.size() - 1);
+    for (std::size_t k = 0; k < counts.size(); ++k) counts[k] = static_cast<double>(cut.first[k + 1] - cut.first[k]);
+    return counts;
+}
+
 /// The tiles of size > 0, the largest first.
 [[nodiscard]] HMESH_COLD inline std::vector<std::size_t> largest_first(const std::vector<double>& sizes) {
     std::vector<std::size_t> tiles;

@@ -109,10 +109,8 @@ class TiledMesh {
         put_together();
         const detail::Cut cut = detail::cut(indexed_.positions, indexed_.faces, tiling);
         const MomentTable<C>* const whole = whole_table(tiling.size() == 1);
-        std::vector<double> sizes(tiling.size());
-        for (std::size_t k = 0; k < tiling.size(); ++k) sizes[k] = static_cast<double>(cut.first[k + 1] - cut.first[k]);
         run(
-            sizes,
+            detail::face_counts(cut),
             [&](std::size_t tile, TaskProgress& task) {
                 Patch<C> patch(indexed_, *source_, cut, tile, limits_, whole);
                 const TaskGuard guard(patch.mesh(), task);
@@ -170,13 +168,9 @@ class TiledMesh {
     /// The four calls above.
     HMESH_COLD bool cut_and_run(const Tiling& tiling, bool at_seams, bool changes, PatchWork body) {
         cut_along(tiling);
-        std::vector<double> sizes(tiling.size(), 0.0);
-        if (at_seams) {
-            for (std::size_t v = 0; v < indexed_.locked_count; ++v)
-                if (cut_.owner[v] != detail::Cut::locked) ++sizes[cut_.owner[v]];
-        } else {
-            for (std::size_t k = 0; k < sizes.size(); ++k) sizes[k] = static_cast<double>(cut_.first[k + 1] - cut_.first[k]);
-        }
+        std::vector<double> sizes = at_seams ? std::vector<double>(tiling.size(), 0.0) : detail::face_counts(cut_);
+        for (std::size_t v = 0; at_seams && v < indexed_.locked_count; ++v)
+            if (cut_.owner[v] != detail::Cut::locked) ++sizes[cut_.owner[v]];
         const MomentTable<C>* const whole = whole_table(sizes.size() == 1);
         const double mean = mean_energy();
         std::vector<detail::PatchResult<C>> results(whole == nullptr && changes ? sizes.size() : 0);

@@ -178,28 +178,24 @@ class AnnealedRun {
         });
     }
 
-    /// The visits of the first mesh.
-    void settle(ImageMesh<C>& mesh, const std::vector<Vertex>& all) const {
-        for_each_block(mesh, all, 0, [&](std::vector<Vertex>& vertices) {
-            for (int round = 0; round < steps_.settle_rounds; ++round) {
-                sweep(mesh, vertices, steps_.settle);
-                flip_edges(mesh, own_edges(mesh, vertices), steps_.settle_flip_gain);
-            }
-        });
+    /// The visits of the first mesh, as work on its pieces.
+    [[nodiscard]] auto visits() const {
+        return [this](ImageMesh<C>& mesh, const std::vector<Vertex>& all, const Piece&) {
+            for_each_block(mesh, all, 0, [&](std::vector<Vertex>& vertices) {
+                for (int round = 0; round < steps_.settle_rounds; ++round) {
+                    sweep(mesh, vertices, steps_.settle);
+                    flip_edges(mesh, own_edges(mesh, vertices), steps_.settle_flip_gain);
+                }
+            });
+        };
     }
-    HMESH_COLD bool settle() {
-        return for_each_piece(
-            false, 0, 1, [&](ImageMesh<C>& mesh, const std::vector<Vertex>& vertices, const Piece&) { settle(mesh, vertices); });
-    }
+    HMESH_COLD bool settle() { return for_each_piece(false, 0, 1, visits()); }
 
     HMESH_COLD bool collapse() {
         const std::size_t first = tiled_->vertex_count();
         const bool has_seams = aligned_.size() > 1;
         const double begin = has_seams ? 0.05 : 0;
-        const auto settle_seam = [&](ImageMesh<C>& mesh, const std::vector<Vertex>& vertices, const Piece&) {
-            settle(mesh, vertices);
-        };
-        if (!for_each_seam(0, begin, settle_seam)) return false;
+        if (!for_each_seam(0, begin, visits())) return false;  // what settle() left
         double reached = begin;
         for (int stuck = 0; tiled_->vertex_count() > n_ && stuck < 4;) {
             const std::size_t before = tiled_->vertex_count();
@@ -221,7 +217,7 @@ class AnnealedRun {
             if (const std::size_t left = batch - (before - tiled_->vertex_count()); has_seams && left > 0) {
                 phase_ ^= 1;
                 progress().set_range(seam, to);
-                remove_cheapest_on_seams(*tiled_, tiling(phase_), left, steps_.relaxation);
+                remove_cheapest(*tiled_, tiling(phase_), left, steps_.relaxation, true);
                 if (progress().stopped()) return false;
             }
             stuck = tiled_->vertex_count() < before ? 0 : stuck + 1;

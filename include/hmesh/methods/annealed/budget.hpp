@@ -82,31 +82,21 @@ HMESH_COLD std::size_t remove_chosen(TiledMesh<C>& tiled, const Tiling& tiling, 
     return before - tiled.vertex_count();
 }
 
-/// Removes up to `count` vertices, the cheapest ones wherever they are, no two of them neighbours, from the patches of a tiling.
-/// Returns how many went, after a cancellation any number.
+/// Removes up to `count` vertices, the cheapest ones wherever they are, no two of them neighbours, from the patches of a tiling;
+/// `at_seams`: only such that were locked in the last phase, which had another tiling. Returns how many went, after a
+/// cancellation any number.
 template <int C>
-HMESH_COLD std::size_t remove_cheapest(TiledMesh<C>& tiled, const Tiling& tiling, std::size_t count,
-                                       const Relaxation& relaxation) {
+HMESH_COLD std::size_t remove_cheapest(TiledMesh<C>& tiled, const Tiling& tiling, std::size_t count, const Relaxation& relaxation,
+                                       bool at_seams = false) {
     std::vector<std::vector<Removal>> removals(tiling.size());
     const auto [from, to] = tiled.progress().range();
     tiled.progress().set_range(from, 0.5 * (from + to));
-    const bool go_on = tiled.look_at_each(tiling, [&](Patch<C>& patch, std::size_t tile) {
-        patch.mesh().expect(1, static_cast<double>(patch.vertex_count()));
-        removals[tile] = cheapest_removals(patch.mesh(), patch.free_vertices(), count);
-    });
-    tiled.progress().set_range(0.5 * (from + to), to);
-    return go_on ? remove_chosen(tiled, tiling, removals, count, relaxation) : 0;
-}
-/// The same for vertices that were locked in the last phase, in the patches of another tiling.
-template <int C>
-HMESH_COLD std::size_t remove_cheapest_on_seams(TiledMesh<C>& tiled, const Tiling& tiling, std::size_t count,
-                                                const Relaxation& relaxation) {
-    std::vector<std::vector<Removal>> removals(tiling.size());
-    const auto [from, to] = tiled.progress().range();
-    tiled.progress().set_range(from, 0.5 * (from + to));
-    const bool go_on = tiled.look_at_each_seam(tiling, [&](Patch<C>& patch, std::size_t tile) {
-        removals[tile] = cheapest_removals(patch.mesh(), patch.take_was_locked(), count);
-    });
+    const auto choose = [&](Patch<C>& patch, std::size_t tile) {
+        const std::vector<Vertex> vertices = at_seams ? patch.take_was_locked() : patch.free_vertices();
+        patch.mesh().expect(1, static_cast<double>(vertices.size()));
+        removals[tile] = cheapest_removals(patch.mesh(), vertices, count);
+    };
+    const bool go_on = at_seams ? tiled.look_at_each_seam(tiling, choose) : tiled.look_at_each(tiling, choose);
     tiled.progress().set_range(0.5 * (from + to), to);
     return go_on ? remove_chosen(tiled, tiling, removals, count, relaxation) : 0;
 }
