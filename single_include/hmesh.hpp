@@ -4288,6 +4288,8 @@ class ProgressReporter {
         return begin_stage(stage, vertices, energy, stage_to_,
                            stage_to_ + std::max(0.0, is_planned ? plan_[planned_++] : 0.5 * rest));
     }
+    /// The energies to come are in this unit, by which they are multiplied in all that is told; > 0, 1 at first.
+    void set_energy_unit(double unit) noexcept { energy_unit_ = unit; }
     /// Begins the last stage, that of the final colours.
     HMESH_COLD bool begin_colors(std::size_t vertices, double energy) {
         const double from = plan_.empty() ? stage_to_ : std::max(stage_to_, 1 - plan_.back());
@@ -4297,7 +4299,7 @@ class ProgressReporter {
     bool update(double fraction, std::size_t vertices, double energy) {
         set_range(fraction, fraction);
         info_.vertices = vertices;
-        info_.energy = std::max(0.0, energy);  // rounding may leave less than nothing
+        info_.energy = told(energy);
         return poll();
     }
     /// The tasks that follow take the stage from fraction `from` to fraction `to`, both in [0, 1].
@@ -4310,8 +4312,8 @@ class ProgressReporter {
     [[nodiscard]] std::pair<double, double> range() const noexcept { return {from_, to_}; }
     /// Ends the stage and notes its StageReport with a mesh of this size and energy. False once cancelled.
     bool end(std::size_t vertices, double energy) {
-        energy = std::max(0.0, energy);
-        stages_.push_back({info_.stage, vertices, energy, psnr_of_energy(energy, samples_, peak_), iterations_, residual_});
+        stages_.push_back(
+            {info_.stage, vertices, told(energy), psnr_of_energy(told(energy), samples_, peak_), iterations_, residual_});
         return update(1, vertices, energy);
     }
     /// Notes for the report of the stage that a linear system was solved. From one task at a time.
@@ -4335,6 +4337,8 @@ class ProgressReporter {
     /// The value of done_ for a whole range. An integer: a sum of integers is the same in any order.
     static constexpr double whole = 1e15;
 
+    /// Energies as they are told: rounding may leave less than nothing.
+    [[nodiscard]] double told(double energy) const noexcept { return std::max(0.0, energy * energy_unit_); }
     bool begin_stage(const char* stage, std::size_t vertices, double energy, double from, double to) {
         info_.stage = stage;
         iterations_ = 0;
@@ -4358,6 +4362,7 @@ class ProgressReporter {
 
     Progress progress_;
     double samples_, peak_;
+    double energy_unit_ = 1;
     ProgressSpan span_;
     std::vector<double> plan_;              ///< shares of the run, whose sum is 1; or none
     std::size_t planned_ = 0;               ///< stages of the plan that have begun
@@ -4416,6 +4421,116 @@ class TaskProgress {
 
 #endif  // HMESH_CORE_PROGRESS_HPP
 
+// ---- hmesh/image/channel_weights.hpp
+
+/// \file
+/// Channel weights: how much each channel of an image counts.
+///
+/// A sum of squared differences in which channel c counts w_c times is the plain sum of squared differences of an image whose
+/// channels are multiplied by sqrt(w_c). Geometry is chosen on such a copy, with the largest weight scaled to 1 and samples
+/// rounded to 16 bits, whose sums are exact; the final colours, of which each channel is a problem of its own whatever its
+/// weight, and the error are those of the image itself.
+#ifndef HMESH_IMAGE_CHANNEL_WEIGHTS_HPP
+#define HMESH_IMAGE_CHANNEL_WEIGHTS_HPP
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+namespace hmesh::kit {
+
+/// Whether `weights` can be those of an image's channels: none at all, or one finite number >= 0 for each, not all 0. Otherwise
+/// invalid_argument.
+[[nodiscard]] HMESH_COLD inline Status check_channel_weights(const std::vector<double>& weights, int channels) noexcept {
+    if (weights.empty()) return {};
+    if (weights.size() != static_cast<std::size_t>(channels))
+        return {Errc::invalid_argument, "channel_weights must have one weight for each channel of the image",
+                static_cast<std::int64_t>(weights.size()), channels};
+    for (const double weight : weights)
+        if (!is_within(weight, 0, 1e30)) return {Errc::invalid_argument, "a weight of a channel must be in [0, 1e30]", weight, 0};
+    if (*std::max_element(weights.begin(), weights.end()) == 0)
+        return {Errc::invalid_argument, "the weights of the channels are all 0", 0, 0};
+    return {};
+}
+
+/// Whether weights that check_channel_weights() accepts make a difference.
+[[nodiscard]] HMESH_COLD inline bool differ(const std::vector<double>& channel_weights) noexcept {
+    return std::any_of(channel_weights.begin(), channel_weights.end(), [&](double w) { return w != channel_weights.front(); });
+}
+
+/// From the stored values of an image to those of one whose channels are scaled by their weights: (stored - offset) * factor.
+template <int C>
+struct ChannelScale {
+    double offset = 0;                     ///< a stored value
+    double unit = 1;                       ///< the factor of channels of the largest weight, > 0
+    std::array<double, C> share = ones();  ///< of each channel, sqrt(weight / the largest weight): the factor is unit * share
+
+    /// Scales the stored values of a colour (Lanes).
+    template <class Color>
+    void to_scaled(Color& color) const noexcept {
+        for (int c = 0; c < C; ++c) color.set(c, (color[c] - offset) * (unit * share[c]));
+    }
+    /// The way back; channels of weight 0 become `offset`.
+    template <class Color>
+    void to_stored(Color& color) const noexcept {
+        for (int c = 0; c < C; ++c) color.set(c, offset + (share[c] > 0 ? color[c] / (unit * share[c]) : 0));
+    }
+
+  private:
+    [[nodiscard]] static std::array<double, C> ones() noexcept {
+        std::array<double, C> out{};
+        out.fill(1);
+        return out;
+    }
+};
+
+/// The scale for an image, whose samples then lie in [0, 65535], and weights that check_channel_weights() accepts, one a channel.
+template <class T, int C>
+[[nodiscard]] HMESH_COLD ChannelScale<C> channel_scale(const ImageView<T, C>& view, const std::vector<double>& weights) {
+    ChannelScale<C> scale;
+    double low = PixelTraits<T>::lowest, high = PixelTraits<T>::highest;
+    if constexpr (!PixelTraits<T>::is_integer) {
+        low = high = PixelTraits<T>::to_real(*view.data);
+        for (int y = 0; y < view.height; ++y) {
+            const T* const row = view.row(y);
+            for (std::ptrdiff_t i = 0; i < std::ptrdiff_t{view.width} * C; ++i) {
+                low = std::min(low, PixelTraits<T>::to_real(row[i]));
+                high = std::max(high, PixelTraits<T>::to_real(row[i]));
+            }
+        }
+    }
+    scale.offset = low;
+    if (high > low) scale.unit = 65535 / (high - low);
+    const double largest = *std::max_element(weights.begin(), weights.end());
+    for (std::size_t c = 0; c < C; ++c) scale.share[c] = std::sqrt(weights[c] / largest);
+    return scale;
+}
+
+/// The image with its channels scaled and rounded to 16 bits.
+template <class T, int C>
+[[nodiscard]] HMESH_COLD Image<std::uint16_t, C> scale_channels(const ImageView<T, C>& view, const ChannelScale<C>& scale,
+                                                                const ParallelFor& parallel_for = {}) {
+    Image<std::uint16_t, C> out(view.width, view.height);
+    for_each_chunk(parallel_for, static_cast<std::size_t>(view.height), 32, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t y = begin; y < end; ++y) {
+            const T* from = view.row(static_cast<int>(y));
+            std::uint16_t* to = out.pixel(0, static_cast<int>(y));
+            for (int x = 0; x < view.width; ++x, from += C, to += C)
+                for (std::size_t c = 0; c < C; ++c)
+                    to[c] = static_cast<std::uint16_t>(
+                        (PixelTraits<T>::to_real(from[c]) - scale.offset) * (scale.unit * scale.share[c]) + 0.5);
+        }
+    });
+    return out;
+}
+
+}  // namespace hmesh::kit
+
+#endif  // HMESH_IMAGE_CHANNEL_WEIGHTS_HPP
+
 // ---- hmesh/mesh/limits.hpp
 
 /// \file
@@ -4464,6 +4579,7 @@ struct MeshLimits {
 #include <algorithm>
 #include <cstdint>
 #include <optional>
+#include <vector>
 
 namespace hmesh {
 
@@ -4511,6 +4627,11 @@ struct Options {
     /// Weights are rounded to steps of 2^-24 to 2^-8 of the largest one, finer for smaller images (kit::WeightScale); less than
     /// half a step counts as 0.
     ImageView<float, 1> weights{};
+    /// How much each channel counts: one weight >= 0 for each, as for luma against chroma or for a set of maps in one image.
+    /// Empty (the default): all count the same. Only ratios matter. Where they differ, vertices are placed by a scaled copy of
+    /// the image with 16 bits a sample; a channel of weight 0 has no part in that, and gets the colours that fit it best
+    /// nevertheless. Hierarchical knows no such weights.
+    std::vector<double> channel_weights{};
     /// How the final colours are chosen. Empty (the default): as the method defines it, `optimal` for Annealed and
     /// Hierarchical, `sampled` for the baselines.
     std::optional<Colors> colors{};
@@ -4557,6 +4678,7 @@ struct Options {
     if (target.max_vertices && *target.max_vertices < 4)
         return {Errc::target_out_of_range, "a mesh has at least 4 vertices, and so has the most that it may have",
                 *target.max_vertices, 4};
+    if (const Status status = kit::check_channel_weights(options.channel_weights, channels); !status) return status;
     if (const Status status = check(options.limits); !status) return status;
     if (options.colors && *options.colors != Colors::optimal && *options.colors != Colors::sampled)
         return {Errc::invalid_argument, "the colors are none of those known", static_cast<int>(*options.colors), 1};
@@ -4899,7 +5021,7 @@ namespace hmesh {
 
 /// Size and error of a mesh. The error is that of the mesh drawn at its own size, colours neither rounded nor clamped after
 /// interpolation, against the image's stored values (against the premultiplied image where Options::premultiplied is set). With
-/// weights, a pixel counts with its weight / the largest weight, in `energy` as in the mean.
+/// weights, a pixel counts with its weight / the largest weight, and so does a channel, in `energy` as in the mean.
 struct Report {
     std::size_t vertices = 0;  ///< number of vertices
     std::size_t faces = 0;     ///< number of faces
@@ -5592,10 +5714,11 @@ namespace detail {
 }  // namespace detail
 
 /// The sum over pixels and channels of squared differences in stored values between a mesh, of C channels, and an image, times
-/// the weights (`unit` as by weight_unit()). The mesh must tile the image with faces of positive area.
+/// the weights of pixels (`unit` as by weight_unit()) and of channels (the largest being 1). The mesh must tile the image with
+/// faces of positive area.
 template <class T, int C>
 [[nodiscard]] double rendered_error(const Mesh& mesh, const ImageView<T, C>& view, const ImageView<float, 1>& weights = {},
-                                    double unit = 1, const ParallelFor& parallel_for = {}) {
+                                    double unit = 1, const ParallelFor& parallel_for = {}, const ChannelScale<C>& channels = {}) {
     const WeightScale scale(unit, view.width, view.height);
     const auto face = [&](const Triangle& t) {
         const Point a = detail::position(mesh, t[0]), b = detail::position(mesh, t[1]), c = detail::position(mesh, t[2]);
@@ -5613,7 +5736,8 @@ template <class T, int C>
                 const Barycentric w = weights_at(i, j);
                 double square = 0;
                 for (std::size_t k = 0; k < C; ++k) {
-                    const double difference = at_a[k] + w.b * to_b[k] + w.c * to_c[k] - PixelTraits<T>::to_real(sample[k]);
+                    const double color = at_a[k] + w.b * to_b[k] + w.c * to_c[k];
+                    const double difference = channels.share[k] * (color - PixelTraits<T>::to_real(sample[k]));
                     square += difference * difference;
                 }
                 energy += weight != nullptr ? scale(weight[i - begin]) * square : square;
@@ -5645,6 +5769,7 @@ template <class T, int C>
 
 #include <algorithm>
 #include <cstddef>
+#include <cstdint>
 
 namespace hmesh::kit {
 
@@ -5658,15 +5783,22 @@ class ImageSource {
     explicit ImageSource(const ImageView<T, C>& view, const ImageView<float, 1>& weights = {}, double unit = 1) noexcept
         : data_(view.data), width_(view.width), height_(view.height), row_stride_(view.row_stride), weights_(weights),
           unit_(unit), low_(PixelTraits<T>::lowest), high_(PixelTraits<T>::highest), peak_(PixelTraits<T>::peak),
-          is_integer_(PixelTraits<T>::is_integer), make_(&make<T>), sample_(&sample<T>), row_(&read_row<T>) {
-        if constexpr (!PixelTraits<T>::is_integer) error_ = &error<T>;
-    }
+          is_integer_(PixelTraits<T>::is_integer), make_(&make<T>), sample_(&sample<T>), row_(&read_row<T>), error_(&error<T>) {}
 
     /// The same weights with other pixels, an image of the same size.
     template <class T>
     [[nodiscard]] ImageSource with_pixels(const ImageView<T, C>& view) const noexcept {
         return ImageSource(view, weights_, unit_);
     }
+    /// The same weights with the pixels of scale_channels(). The scale must outlive the source.
+    [[nodiscard]] ImageSource with_scaled_pixels(const ImageView<std::uint16_t, C>& view,
+                                                 const ChannelScale<C>& scale) const noexcept {
+        ImageSource out(view, weights_, unit_);
+        out.scale_ = &scale;
+        return out;
+    }
+    /// How stored values became the samples; null: they are the samples.
+    [[nodiscard]] const ChannelScale<C>* scale() const noexcept { return scale_; }
 
     [[nodiscard]] int width() const noexcept { return width_; }                                     ///< px
     [[nodiscard]] int height() const noexcept { return height_; }                                   ///< px
@@ -5682,11 +5814,12 @@ class ImageSource {
         return make_(*this, rect, parallel_for);
     }
 
-    /// The squared error of a finished mesh as drawn, with the weights: rendered_error() of fit/rendered_error.hpp. Only where
-    /// not is_integer(): else the energy of the fit is exact, and nothing is compiled for this.
-    [[nodiscard]] double rendered_error(const Mesh& mesh, const ParallelFor& parallel_for) const {
-        HMESH_ASSERT(error_ != nullptr);
-        return error_(*this, mesh, parallel_for);
+    /// The squared error of a finished mesh as drawn, with the weights of pixels and these of channels: rendered_error() of
+    /// fit/rendered_error.hpp. Where is_integer() and all channels count the same, the energy of the fit is exact and need not be
+    /// measured.
+    [[nodiscard]] double rendered_error(const Mesh& mesh, const ParallelFor& parallel_for,
+                                        const ChannelScale<C>& channels = {}) const {
+        return error_(*this, mesh, parallel_for, channels);
     }
 
     /// The samples of the pixel nearest to (x, y), which may lie outside the image; 0 in the lanes above them.
@@ -5716,8 +5849,9 @@ class ImageSource {
         return MomentTable<C>(source.view<T>(), source.weights_, source.unit_, rect, parallel_for);
     }
     template <class T>
-    [[nodiscard]] static double error(const ImageSource& source, const Mesh& mesh, const ParallelFor& parallel_for) {
-        return kit::rendered_error(mesh, source.view<T>(), source.weights_, source.unit_, parallel_for);
+    [[nodiscard]] static double error(const ImageSource& source, const Mesh& mesh, const ParallelFor& parallel_for,
+                                      const ChannelScale<C>& channels) {
+        return kit::rendered_error(mesh, source.view<T>(), source.weights_, source.unit_, parallel_for, channels);
     }
     template <class T>
     static void sample(const ImageSource& source, int x, int y, Lanes<lanes_for(C + 1)>& out) noexcept {
@@ -5743,7 +5877,8 @@ class ImageSource {
     MomentTable<C> (*make_)(const ImageSource&, const Rect&, const ParallelFor&);
     void (*sample_)(const ImageSource&, int, int, Lanes<lanes_for(C + 1)>&) noexcept;
     void (*row_)(const ImageSource&, int, double, double*) noexcept;
-    double (*error_)(const ImageSource&, const Mesh&, const ParallelFor&) = nullptr;  ///< null: is_integer()
+    double (*error_)(const ImageSource&, const Mesh&, const ParallelFor&, const ChannelScale<C>&);
+    const ChannelScale<C>* scale_ = nullptr;
 };
 
 }  // namespace hmesh::kit
@@ -11410,6 +11545,8 @@ Status Annealed::run(kit::TiledMesh<C>& mesh, std::size_t n) const {
     bool is_done = false;
     if (start != nullptr) {
         kit::IndexedMesh<C> from = kit::to_indexed_mesh<C>(*start);
+        if (const kit::ChannelScale<C>* const scale = source.scale())
+            for (kit::Color<C>& color : from.colors) scale->to_scaled(color);
         if (const Status status = kit::detail::check_start(from, source); !status) return status;
         is_done = first.run_from(std::move(from));
     } else {
@@ -12132,6 +12269,7 @@ class BestResult {
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <type_traits>
 #include <utility>
 
@@ -12148,11 +12286,29 @@ struct RecipeRef {
     double gain_over_sketch;  // where it does
 };
 
-/// One finished mesh of n vertices. `samples`: number of pixels, or the sum of their weights, times channels.
+/// What is meshed.
 template <int C>
-[[nodiscard]] HMESH_COLD Result mesh_once(const kit::ImageSource<C>& source, double samples, std::size_t n,
+struct Subject {
+    const kit::ImageSource<C>* image;   ///< whose colours the mesh gets, and whose error is told
+    const kit::ImageSource<C>* fitted;  ///< whose error the geometry is chosen by: the image, with its channels scaled or as it is
+    double samples;  ///< number of pixels, or the sum of their weights, times the number of channels, or the sum of theirs
+};
+
+/// The tiled mesh of the image itself with the geometry of one that was fitted to scaled channels.
+template <int C>
+void take_geometry(kit::TiledMesh<C>& of_image, kit::TiledMesh<C>& fitted) {
+    kit::IndexedMesh<C>& mesh = of_image.indexed();
+    mesh = std::move(fitted.indexed());
+    for (kit::Color<C>& color : mesh.colors) fitted.source().scale()->to_stored(color);
+}
+
+/// One finished mesh of n vertices.
+template <int C>
+[[nodiscard]] HMESH_COLD Result mesh_once(const Subject<C>& subject, std::size_t n,
                                           const kit::Beginning& from, const kit::ProgressSpan& span,
                                           const RecipeRef<C>& recipe, const Options& options, const ParallelFor& parallel_for) {
+    const kit::ImageSource<C>& source = *subject.image;
+    const kit::ChannelScale<C>* const scale = subject.fitted->scale();
     Result result;
     const double tile = recipe.tile_size(n);
     // Patches stand out of their tiles by parts of a triangle: hence twice as large.
@@ -12163,22 +12319,31 @@ template <int C>
                          widest};
         return result;
     }
-    kit::ProgressReporter progress(options.progress, samples, source.peak(), span);
-    kit::TiledMesh<C> tiled(source, options.limits, progress, parallel_for);
-    tiled.indexed() = kit::corner_mesh(source);  // what a cancellation finds
-    result.status = recipe.run(tiled, n, from);
-    progress.begin_colors(tiled.vertex_count(), tiled.energy());
+    kit::ProgressReporter progress(options.progress, subject.samples, source.peak(), span);
+    if (scale != nullptr) progress.set_energy_unit(1 / (scale->unit * scale->unit));
+    kit::TiledMesh<C> fitted(*subject.fitted, options.limits, progress, parallel_for);
+    fitted.indexed() = kit::corner_mesh(*subject.fitted);  // what a cancellation finds
+    result.status = recipe.run(fitted, n, from);
+    progress.begin_colors(fitted.vertex_count(), fitted.energy());
+    std::optional<kit::TiledMesh<C>> of_image;
+    if (scale != nullptr) {
+        progress.set_energy_unit(1);
+        take_geometry(of_image.emplace(source, options.limits, progress, parallel_for), fitted);
+    }
+    kit::TiledMesh<C>& tiled = of_image ? *of_image : fitted;
     const double grid = source.is_integer() && options.round_colors ? 1 : 0;
     const kit::Tiling tiling(source.width(), source.height(), tile);
     if (recipe.colors == Colors::sampled) sample_colors(tiled, tiling, grid);
     else bounded_colors(tiled, tiling, source.low(), source.high(), grid);
     const kit::IndexedMesh<C>& mesh = tiled.indexed();
     result.mesh = to_mesh(mesh, source.peak());
-    const double energy = source.is_integer() ? std::max(0.0, mesh.energy)  // rounding may leave less than nothing
-                                              : source.rendered_error(result.mesh, parallel_for);
+    const bool is_exact = source.is_integer() && scale == nullptr;
+    const double energy = is_exact           ? std::max(0.0, mesh.energy)  // rounding may leave less than nothing
+                          : scale == nullptr ? source.rendered_error(result.mesh, parallel_for)
+                                             : source.rendered_error(result.mesh, parallel_for, *scale);
     progress.end(mesh.vertex_count(), energy);
     if (result.status && progress.stopped()) result.status = kit::cancelled_by_callback();
-    result.report = {mesh.vertex_count(), mesh.faces.size(), energy, kit::psnr_of_energy(energy, samples, source.peak()),
+    result.report = {mesh.vertex_count(), mesh.faces.size(), energy, kit::psnr_of_energy(energy, subject.samples, source.peak()),
                      progress.stages()};
     return result;
 }
@@ -12194,11 +12359,11 @@ template <int C>
     return result;
 }
 
-/// The mesh that options.target asks for; `samples` as for mesh_once().
+/// The mesh that options.target asks for.
 template <int C>
-[[nodiscard]] HMESH_COLD Result mesh_target(const kit::ImageSource<C>& source, double samples, const RecipeRef<C>& recipe,
-                                            const Options& options, const ParallelFor& parallel_for) {
-    const double pixels = source.pixels();
+[[nodiscard]] HMESH_COLD Result mesh_target(const Subject<C>& subject, const RecipeRef<C>& recipe, const Options& options,
+                                            const ParallelFor& parallel_for) {
+    const double pixels = subject.image->pixels();
     const auto all = static_cast<std::int64_t>(std::max(4.0, pixels));
     const auto most = static_cast<std::size_t>(std::min(all, options.target.max_vertices.value_or(all)));
     const bool is_bounded = most < static_cast<std::size_t>(all);
@@ -12207,20 +12372,23 @@ template <int C>
     };
     if (options.target.kind != Target::Kind::psnr) {
         const bool is_percent = options.target.kind == Target::Kind::percent;
-        return mesh_once(source, samples,
+        return mesh_once(subject,
                          is_percent ? share(options.target.value) : static_cast<std::size_t>(options.target.value), {}, {},
                          recipe, options, parallel_for);
     }
     kit::SearchProgress progress;
     const Mesh any;  // stands for the mesh of another run
     const auto run = [&](std::size_t n, const kit::Beginning& from, const kit::ProgressSpan& span) {
-        Result result = mesh_once(source, samples, n, from, span, recipe, options, parallel_for);
+        Result result = mesh_once(subject, n, from, span, recipe, options, parallel_for);
         if (options.psnr_of && result.has_mesh()) result.report.psnr = options.psnr_of(result.mesh, result.report.psnr);
         return result;
     };
     const auto mesh_of = [&](std::size_t n) { return run(n, {}, progress.next()); };
     const auto mesh_from = [&](std::size_t n, const kit::Beginning& from) {
-        const auto work_of = [&](kit::Work work) { return recipe.work(n, {work == kit::Work::refine || work == kit::Work::touch ? &any : nullptr, work}); };
+        const auto work_of = [&](kit::Work work) {
+            const bool goes_on = work == kit::Work::refine || work == kit::Work::touch;
+            return recipe.work(n, {goes_on ? &any : nullptr, work});
+        };
         return run(n, from, progress.next(from.work, work_of));
     };
     Result result =
@@ -12228,7 +12396,7 @@ template <int C>
                         : kit::fewest_vertices(options.target.value, share(1), most, mesh_of);
     if (result.status.code == Errc::target_out_of_range && is_bounded)
         result.status.what = "no mesh of at most max_vertices vertices reached the PSNR asked for, in dB";
-    return searched(std::move(result), options, samples, source.peak());
+    return searched(std::move(result), options, subject.samples, subject.image->peak());
 }
 
 /// A recipe for images of one kind behind function references.
@@ -12241,6 +12409,7 @@ struct ImageRecipeRef {
     Colors colors;
     bool can_go_on;
     double gain_over_sketch;
+    bool takes_view;  // whether run() looks at the image
 };
 
 /// mesh_image() with any recipe.
@@ -12254,6 +12423,8 @@ template <class T, int C>
     if (result.status) result.status = recipe.check(view.width, view.height);
     if (result.status) result.status = kit::check_finite(view, parallel_for);
     if (result.status) result.status = kit::check_weights(options.weights, view.width, view.height, parallel_for);
+    if (result.status && recipe.takes_view && kit::differ(options.channel_weights))
+        result.status = {Errc::invalid_argument, "this method reads the pixels by itself and knows no channel_weights"};
     if (!result.status) return result;
 
     ImageView<T, C> image = view;
@@ -12265,13 +12436,25 @@ template <class T, int C>
         }
     }
     const double unit = kit::weight_unit(options.weights, parallel_for);
-    const double samples = C * kit::weight_sum(options.weights, unit, view.width, view.height, parallel_for);
+    const double pixels = kit::weight_sum(options.weights, unit, view.width, view.height, parallel_for);
     const kit::ImageSource<C> source(image, options.weights, unit);
+    kit::ChannelScale<C> scale;
+    Image<std::uint16_t, C> scaled;
+    std::optional<kit::ImageSource<C>> fitted;
+    double channels = C;
+    if (kit::differ(options.channel_weights)) {
+        scale = kit::channel_scale(image, options.channel_weights);
+        scaled = kit::scale_channels(image, scale, parallel_for);
+        fitted.emplace(source.with_scaled_pixels(scaled.view(), scale));
+        channels = 0;
+        for (const double share : scale.share) channels += share * share;
+    }
+    const Subject<C> subject{&source, fitted ? &*fitted : &source, pixels * channels};
     const auto run = [&](kit::TiledMesh<C>& mesh, std::size_t n, const kit::Beginning& from) {
         return recipe.run(mesh, image, n, from);
     };
     const RecipeRef<C> reference{recipe.tile_size, run, recipe.work, recipe.colors, recipe.can_go_on, recipe.gain_over_sketch};
-    result = mesh_target(source, samples, reference, options, parallel_for);
+    result = mesh_target(subject, reference, options, parallel_for);
     result.mesh.premultiplied = options.premultiplied;
     return result;
 }
@@ -12321,7 +12504,8 @@ Result mesh_image(const ImageView<T, C>& view, const Options& options, const Rec
     if constexpr (detail::can_go_on<Recipe>) gain = recipe.gain_over_sketch();
     const Colors colors = options.colors.value_or(Recipe::colors);
     return detail::mesh_view(view, options,
-                             detail::ImageRecipeRef<T, C>{check, tile_size, run, work, colors, detail::can_go_on<Recipe>, gain},
+                             detail::ImageRecipeRef<T, C>{check, tile_size, run, work, colors, detail::can_go_on<Recipe>, gain,
+                                                          detail::wants_view<Recipe, T, C>},
                              parallel_for);
 }
 

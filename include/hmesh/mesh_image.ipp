@@ -7,6 +7,7 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <type_traits>
 #include <utility>
 
@@ -15,6 +16,7 @@
 #include "hmesh/core/psnr.hpp"
 #include "hmesh/fit/image_source.hpp"
 #include "hmesh/fit/moment_table.hpp"
+#include "hmesh/image/channel_weights.hpp"
 #include "hmesh/image/premultiply.hpp"
 #include "hmesh/image/weights.hpp"
 #include "hmesh/methods/annealed/annealed.hpp"
@@ -40,11 +42,29 @@ struct RecipeRef {
     double gain_over_sketch;  // where it does
 };
 
-/// One finished mesh of n vertices. `samples`: number of pixels, or the sum of their weights, times channels.
+/// What is meshed.
 template <int C>
-[[nodiscard]] HMESH_COLD Result mesh_once(const kit::ImageSource<C>& source, double samples, std::size_t n,
+struct Subject {
+    const kit::ImageSource<C>* image;   ///< whose colours the mesh gets, and whose error is told
+    const kit::ImageSource<C>* fitted;  ///< whose error the geometry is chosen by: the image, with its channels scaled or as it is
+    double samples;  ///< number of pixels, or the sum of their weights, times the number of channels, or the sum of theirs
+};
+
+/// The tiled mesh of the image itself with the geometry of one that was fitted to scaled channels.
+template <int C>
+void take_geometry(kit::TiledMesh<C>& of_image, kit::TiledMesh<C>& fitted) {
+    kit::IndexedMesh<C>& mesh = of_image.indexed();
+    mesh = std::move(fitted.indexed());
+    for (kit::Color<C>& color : mesh.colors) fitted.source().scale()->to_stored(color);
+}
+
+/// One finished mesh of n vertices.
+template <int C>
+[[nodiscard]] HMESH_COLD Result mesh_once(const Subject<C>& subject, std::size_t n,
                                           const kit::Beginning& from, const kit::ProgressSpan& span,
                                           const RecipeRef<C>& recipe, const Options& options, const ParallelFor& parallel_for) {
+    const kit::ImageSource<C>& source = *subject.image;
+    const kit::ChannelScale<C>* const scale = subject.fitted->scale();
     Result result;
     const double tile = recipe.tile_size(n);
     // Patches stand out of their tiles by parts of a triangle: hence twice as large.
@@ -55,22 +75,31 @@ template <int C>
                          widest};
         return result;
     }
-    kit::ProgressReporter progress(options.progress, samples, source.peak(), span);
-    kit::TiledMesh<C> tiled(source, options.limits, progress, parallel_for);
-    tiled.indexed() = kit::corner_mesh(source);  // what a cancellation finds
-    result.status = recipe.run(tiled, n, from);
-    progress.begin_colors(tiled.vertex_count(), tiled.energy());
+    kit::ProgressReporter progress(options.progress, subject.samples, source.peak(), span);
+    if (scale != nullptr) progress.set_energy_unit(1 / (scale->unit * scale->unit));
+    kit::TiledMesh<C> fitted(*subject.fitted, options.limits, progress, parallel_for);
+    fitted.indexed() = kit::corner_mesh(*subject.fitted);  // what a cancellation finds
+    result.status = recipe.run(fitted, n, from);
+    progress.begin_colors(fitted.vertex_count(), fitted.energy());
+    std::optional<kit::TiledMesh<C>> of_image;
+    if (scale != nullptr) {
+        progress.set_energy_unit(1);
+        take_geometry(of_image.emplace(source, options.limits, progress, parallel_for), fitted);
+    }
+    kit::TiledMesh<C>& tiled = of_image ? *of_image : fitted;
     const double grid = source.is_integer() && options.round_colors ? 1 : 0;
     const kit::Tiling tiling(source.width(), source.height(), tile);
     if (recipe.colors == Colors::sampled) sample_colors(tiled, tiling, grid);
     else bounded_colors(tiled, tiling, source.low(), source.high(), grid);
     const kit::IndexedMesh<C>& mesh = tiled.indexed();
     result.mesh = to_mesh(mesh, source.peak());
-    const double energy = source.is_integer() ? std::max(0.0, mesh.energy)  // rounding may leave less than nothing
-                                              : source.rendered_error(result.mesh, parallel_for);
+    const bool is_exact = source.is_integer() && scale == nullptr;
+    const double energy = is_exact           ? std::max(0.0, mesh.energy)  // rounding may leave less than nothing
+                          : scale == nullptr ? source.rendered_error(result.mesh, parallel_for)
+                                             : source.rendered_error(result.mesh, parallel_for, *scale);
     progress.end(mesh.vertex_count(), energy);
     if (result.status && progress.stopped()) result.status = kit::cancelled_by_callback();
-    result.report = {mesh.vertex_count(), mesh.faces.size(), energy, kit::psnr_of_energy(energy, samples, source.peak()),
+    result.report = {mesh.vertex_count(), mesh.faces.size(), energy, kit::psnr_of_energy(energy, subject.samples, source.peak()),
                      progress.stages()};
     return result;
 }
@@ -86,11 +115,11 @@ template <int C>
     return result;
 }
 
-/// The mesh that options.target asks for; `samples` as for mesh_once().
+/// The mesh that options.target asks for.
 template <int C>
-[[nodiscard]] HMESH_COLD Result mesh_target(const kit::ImageSource<C>& source, double samples, const RecipeRef<C>& recipe,
-                                            const Options& options, const ParallelFor& parallel_for) {
-    const double pixels = source.pixels();
+[[nodiscard]] HMESH_COLD Result mesh_target(const Subject<C>& subject, const RecipeRef<C>& recipe, const Options& options,
+                                            const ParallelFor& parallel_for) {
+    const double pixels = subject.image->pixels();
     const auto all = static_cast<std::int64_t>(std::max(4.0, pixels));
     const auto most = static_cast<std::size_t>(std::min(all, options.target.max_vertices.value_or(all)));
     const bool is_bounded = most < static_cast<std::size_t>(all);
@@ -99,20 +128,23 @@ template <int C>
     };
     if (options.target.kind != Target::Kind::psnr) {
         const bool is_percent = options.target.kind == Target::Kind::percent;
-        return mesh_once(source, samples,
+        return mesh_once(subject,
                          is_percent ? share(options.target.value) : static_cast<std::size_t>(options.target.value), {}, {},
                          recipe, options, parallel_for);
     }
     kit::SearchProgress progress;
     const Mesh any;  // stands for the mesh of another run
     const auto run = [&](std::size_t n, const kit::Beginning& from, const kit::ProgressSpan& span) {
-        Result result = mesh_once(source, samples, n, from, span, recipe, options, parallel_for);
+        Result result = mesh_once(subject, n, from, span, recipe, options, parallel_for);
         if (options.psnr_of && result.has_mesh()) result.report.psnr = options.psnr_of(result.mesh, result.report.psnr);
         return result;
     };
     const auto mesh_of = [&](std::size_t n) { return run(n, {}, progress.next()); };
     const auto mesh_from = [&](std::size_t n, const kit::Beginning& from) {
-        const auto work_of = [&](kit::Work work) { return recipe.work(n, {work == kit::Work::refine || work == kit::Work::touch ? &any : nullptr, work}); };
+        const auto work_of = [&](kit::Work work) {
+            const bool goes_on = work == kit::Work::refine || work == kit::Work::touch;
+            return recipe.work(n, {goes_on ? &any : nullptr, work});
+        };
         return run(n, from, progress.next(from.work, work_of));
     };
     Result result =
@@ -120,7 +152,7 @@ template <int C>
                         : kit::fewest_vertices(options.target.value, share(1), most, mesh_of);
     if (result.status.code == Errc::target_out_of_range && is_bounded)
         result.status.what = "no mesh of at most max_vertices vertices reached the PSNR asked for, in dB";
-    return searched(std::move(result), options, samples, source.peak());
+    return searched(std::move(result), options, subject.samples, subject.image->peak());
 }
 
 /// A recipe for images of one kind behind function references.
@@ -133,6 +165,7 @@ struct ImageRecipeRef {
     Colors colors;
     bool can_go_on;
     double gain_over_sketch;
+    bool takes_view;  // whether run() looks at the image
 };
 
 /// mesh_image() with any recipe.
@@ -146,6 +179,8 @@ template <class T, int C>
     if (result.status) result.status = recipe.check(view.width, view.height);
     if (result.status) result.status = kit::check_finite(view, parallel_for);
     if (result.status) result.status = kit::check_weights(options.weights, view.width, view.height, parallel_for);
+    if (result.status && recipe.takes_view && kit::differ(options.channel_weights))
+        result.status = {Errc::invalid_argument, "this method reads the pixels by itself and knows no channel_weights"};
     if (!result.status) return result;
 
     ImageView<T, C> image = view;
@@ -157,13 +192,25 @@ template <class T, int C>
         }
     }
     const double unit = kit::weight_unit(options.weights, parallel_for);
-    const double samples = C * kit::weight_sum(options.weights, unit, view.width, view.height, parallel_for);
+    const double pixels = kit::weight_sum(options.weights, unit, view.width, view.height, parallel_for);
     const kit::ImageSource<C> source(image, options.weights, unit);
+    kit::ChannelScale<C> scale;
+    Image<std::uint16_t, C> scaled;
+    std::optional<kit::ImageSource<C>> fitted;
+    double channels = C;
+    if (kit::differ(options.channel_weights)) {
+        scale = kit::channel_scale(image, options.channel_weights);
+        scaled = kit::scale_channels(image, scale, parallel_for);
+        fitted.emplace(source.with_scaled_pixels(scaled.view(), scale));
+        channels = 0;
+        for (const double share : scale.share) channels += share * share;
+    }
+    const Subject<C> subject{&source, fitted ? &*fitted : &source, pixels * channels};
     const auto run = [&](kit::TiledMesh<C>& mesh, std::size_t n, const kit::Beginning& from) {
         return recipe.run(mesh, image, n, from);
     };
     const RecipeRef<C> reference{recipe.tile_size, run, recipe.work, recipe.colors, recipe.can_go_on, recipe.gain_over_sketch};
-    result = mesh_target(source, samples, reference, options, parallel_for);
+    result = mesh_target(subject, reference, options, parallel_for);
     result.mesh.premultiplied = options.premultiplied;
     return result;
 }
@@ -213,7 +260,8 @@ Result mesh_image(const ImageView<T, C>& view, const Options& options, const Rec
     if constexpr (detail::can_go_on<Recipe>) gain = recipe.gain_over_sketch();
     const Colors colors = options.colors.value_or(Recipe::colors);
     return detail::mesh_view(view, options,
-                             detail::ImageRecipeRef<T, C>{check, tile_size, run, work, colors, detail::can_go_on<Recipe>, gain},
+                             detail::ImageRecipeRef<T, C>{check, tile_size, run, work, colors, detail::can_go_on<Recipe>, gain,
+                                                          detail::wants_view<Recipe, T, C>},
                              parallel_for);
 }
 

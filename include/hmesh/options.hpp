@@ -7,12 +7,14 @@
 #include <algorithm>
 #include <cstdint>
 #include <optional>
+#include <vector>
 
 #include "hmesh/core/compiler.hpp"
 #include "hmesh/core/finite.hpp"
 #include "hmesh/core/function_ref.hpp"
 #include "hmesh/core/progress.hpp"
 #include "hmesh/core/status.hpp"
+#include "hmesh/image/channel_weights.hpp"
 #include "hmesh/image/image_view.hpp"
 #include "hmesh/mesh/limits.hpp"
 
@@ -64,6 +66,11 @@ struct Options {
     /// Weights are rounded to steps of 2^-24 to 2^-8 of the largest one, finer for smaller images (kit::WeightScale); less than
     /// half a step counts as 0.
     ImageView<float, 1> weights{};
+    /// How much each channel counts: one weight >= 0 for each, as for luma against chroma or for a set of maps in one image.
+    /// Empty (the default): all count the same. Only ratios matter. Where they differ, vertices are placed by a scaled copy of
+    /// the image with 16 bits a sample; a channel of weight 0 has no part in that, and gets the colours that fit it best
+    /// nevertheless. Hierarchical knows no such weights.
+    std::vector<double> channel_weights{};
     /// How the final colours are chosen. Empty (the default): as the method defines it, `optimal` for Annealed and
     /// Hierarchical, `sampled` for the baselines.
     std::optional<Colors> colors{};
@@ -110,6 +117,7 @@ struct Options {
     if (target.max_vertices && *target.max_vertices < 4)
         return {Errc::target_out_of_range, "a mesh has at least 4 vertices, and so has the most that it may have",
                 *target.max_vertices, 4};
+    if (const Status status = kit::check_channel_weights(options.channel_weights, channels); !status) return status;
     if (const Status status = check(options.limits); !status) return status;
     if (options.colors && *options.colors != Colors::optimal && *options.colors != Colors::sampled)
         return {Errc::invalid_argument, "the colors are none of those known", static_cast<int>(*options.colors), 1};

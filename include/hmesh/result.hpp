@@ -16,7 +16,7 @@ namespace hmesh {
 
 /// Size and error of a mesh. The error is that of the mesh drawn at its own size, colours neither rounded nor clamped after
 /// interpolation, against the image's stored values (against the premultiplied image where Options::premultiplied is set). With
-/// weights, a pixel counts with its weight / the largest weight, in `energy` as in the mean.
+/// weights, a pixel counts with its weight / the largest weight, and so does a channel, in `energy` as in the mean.
 struct Report {
     std::size_t vertices = 0;  ///< number of vertices
     std::size_t faces = 0;     ///< number of faces

@@ -87,6 +87,8 @@ class ProgressReporter {
         return begin_stage(stage, vertices, energy, stage_to_,
                            stage_to_ + std::max(0.0, is_planned ? plan_[planned_++] : 0.5 * rest));
     }
+    /// The energies to come are in this unit, by which they are multiplied in all that is told; > 0, 1 at first.
+    void set_energy_unit(double unit) noexcept { energy_unit_ = unit; }
     /// Begins the last stage, that of the final colours.
     HMESH_COLD bool begin_colors(std::size_t vertices, double energy) {
         const double from = plan_.empty() ? stage_to_ : std::max(stage_to_, 1 - plan_.back());
@@ -96,7 +98,7 @@ class ProgressReporter {
     bool update(double fraction, std::size_t vertices, double energy) {
         set_range(fraction, fraction);
         info_.vertices = vertices;
-        info_.energy = std::max(0.0, energy);  // rounding may leave less than nothing
+        info_.energy = told(energy);
         return poll();
     }
     /// The tasks that follow take the stage from fraction `from` to fraction `to`, both in [0, 1].
@@ -109,8 +111,8 @@ class ProgressReporter {
     [[nodiscard]] std::pair<double, double> range() const noexcept { return {from_, to_}; }
     /// Ends the stage and notes its StageReport with a mesh of this size and energy. False once cancelled.
     bool end(std::size_t vertices, double energy) {
-        energy = std::max(0.0, energy);
-        stages_.push_back({info_.stage, vertices, energy, psnr_of_energy(energy, samples_, peak_), iterations_, residual_});
+        stages_.push_back(
+            {info_.stage, vertices, told(energy), psnr_of_energy(told(energy), samples_, peak_), iterations_, residual_});
         return update(1, vertices, energy);
     }
     /// Notes for the report of the stage that a linear system was solved. From one task at a time.
@@ -134,6 +136,8 @@ class ProgressReporter {
     /// The value of done_ for a whole range. An integer: a sum of integers is the same in any order.
     static constexpr double whole = 1e15;
 
+    /// Energies as they are told: rounding may leave less than nothing.
+    [[nodiscard]] double told(double energy) const noexcept { return std::max(0.0, energy * energy_unit_); }
     bool begin_stage(const char* stage, std::size_t vertices, double energy, double from, double to) {
         info_.stage = stage;
         iterations_ = 0;
@@ -157,6 +161,7 @@ class ProgressReporter {
 
     Progress progress_;
     double samples_, peak_;
+    double energy_unit_ = 1;
     ProgressSpan span_;
     std::vector<double> plan_;              ///< shares of the run, whose sum is 1; or none
     std::size_t planned_ = 0;               ///< stages of the plan that have begun

@@ -9,6 +9,7 @@
 
 #include <algorithm>
 #include <cstddef>
+#include <cstdint>
 
 #include "hmesh/core/assert.hpp"
 #include "hmesh/core/compiler.hpp"
@@ -16,6 +17,7 @@
 #include "hmesh/core/parallel.hpp"
 #include "hmesh/fit/moment_table.hpp"
 #include "hmesh/fit/rendered_error.hpp"
+#include "hmesh/image/channel_weights.hpp"
 #include "hmesh/image/image_view.hpp"
 #include "hmesh/mesh/mesh.hpp"
 
@@ -33,15 +35,22 @@ class ImageSource {
     explicit ImageSource(const ImageView<T, C>& view, const ImageView<float, 1>& weights = {}, double unit = 1) noexcept
         : data_(view.data), width_(view.width), height_(view.height), row_stride_(view.row_stride), weights_(weights),
           unit_(unit), low_(PixelTraits<T>::lowest), high_(PixelTraits<T>::highest), peak_(PixelTraits<T>::peak),
-          is_integer_(PixelTraits<T>::is_integer), make_(&make<T>), sample_(&sample<T>), row_(&read_row<T>) {
-        if constexpr (!PixelTraits<T>::is_integer) error_ = &error<T>;
-    }
+          is_integer_(PixelTraits<T>::is_integer), make_(&make<T>), sample_(&sample<T>), row_(&read_row<T>), error_(&error<T>) {}
 
     /// The same weights with other pixels, an image of the same size.
     template <class T>
     [[nodiscard]] ImageSource with_pixels(const ImageView<T, C>& view) const noexcept {
         return ImageSource(view, weights_, unit_);
     }
+    /// The same weights with the pixels of scale_channels(). The scale must outlive the source.
+    [[nodiscard]] ImageSource with_scaled_pixels(const ImageView<std::uint16_t, C>& view,
+                                                 const ChannelScale<C>& scale) const noexcept {
+        ImageSource out(view, weights_, unit_);
+        out.scale_ = &scale;
+        return out;
+    }
+    /// How stored values became the samples; null: they are the samples.
+    [[nodiscard]] const ChannelScale<C>* scale() const noexcept { return scale_; }
 
     [[nodiscard]] int width() const noexcept { return width_; }                                     ///< px
     [[nodiscard]] int height() const noexcept { return height_; }                                   ///< px
@@ -57,11 +66,12 @@ class ImageSource {
         return make_(*this, rect, parallel_for);
     }
 
-    /// The squared error of a finished mesh as drawn, with the weights: rendered_error() of fit/rendered_error.hpp. Only where
-    /// not is_integer(): else the energy of the fit is exact, and nothing is compiled for this.
-    [[nodiscard]] double rendered_error(const Mesh& mesh, const ParallelFor& parallel_for) const {
-        HMESH_ASSERT(error_ != nullptr);
-        return error_(*this, mesh, parallel_for);
+    /// The squared error of a finished mesh as drawn, with the weights of pixels and these of channels: rendered_error() of
+    /// fit/rendered_error.hpp. Where is_integer() and all channels count the same, the energy of the fit is exact and need not be
+    /// measured.
+    [[nodiscard]] double rendered_error(const Mesh& mesh, const ParallelFor& parallel_for,
+                                        const ChannelScale<C>& channels = {}) const {
+        return error_(*this, mesh, parallel_for, channels);
     }
 
     /// The samples of the pixel nearest to (x, y), which may lie outside the image; 0 in the lanes above them.
@@ -91,8 +101,9 @@ class ImageSource {
         return MomentTable<C>(source.view<T>(), source.weights_, source.unit_, rect, parallel_for);
     }
     template <class T>
-    [[nodiscard]] static double error(const ImageSource& source, const Mesh& mesh, const ParallelFor& parallel_for) {
-        return kit::rendered_error(mesh, source.view<T>(), source.weights_, source.unit_, parallel_for);
+    [[nodiscard]] static double error(const ImageSource& source, const Mesh& mesh, const ParallelFor& parallel_for,
+                                      const ChannelScale<C>& channels) {
+        return kit::rendered_error(mesh, source.view<T>(), source.weights_, source.unit_, parallel_for, channels);
     }
     template <class T>
     static void sample(const ImageSource& source, int x, int y, Lanes<lanes_for(C + 1)>& out) noexcept {
@@ -118,7 +129,8 @@ class ImageSource {
     MomentTable<C> (*make_)(const ImageSource&, const Rect&, const ParallelFor&);
     void (*sample_)(const ImageSource&, int, int, Lanes<lanes_for(C + 1)>&) noexcept;
     void (*row_)(const ImageSource&, int, double, double*) noexcept;
-    double (*error_)(const ImageSource&, const Mesh&, const ParallelFor&) = nullptr;  ///< null: is_integer()
+    double (*error_)(const ImageSource&, const Mesh&, const ParallelFor&, const ChannelScale<C>&);
+    const ChannelScale<C>* scale_ = nullptr;
 };
 
 }  // namespace hmesh::kit

@@ -12,6 +12,7 @@
 #include <cstdint>
 
 #include "hmesh/core/parallel.hpp"
+#include "hmesh/image/channel_weights.hpp"
 #include "hmesh/image/image_view.hpp"
 #include "hmesh/image/weights.hpp"
 #include "hmesh/mesh/geometry.hpp"
@@ -31,10 +32,11 @@ namespace detail {
 }  // namespace detail
 
 /// The sum over pixels and channels of squared differences in stored values between a mesh, of C channels, and an image, times
-/// the weights (`unit` as by weight_unit()). The mesh must tile the image with faces of positive area.
+/// the weights of pixels (`unit` as by weight_unit()) and of channels (the largest being 1). The mesh must tile the image with
+/// faces of positive area.
 template <class T, int C>
 [[nodiscard]] double rendered_error(const Mesh& mesh, const ImageView<T, C>& view, const ImageView<float, 1>& weights = {},
-                                    double unit = 1, const ParallelFor& parallel_for = {}) {
+                                    double unit = 1, const ParallelFor& parallel_for = {}, const ChannelScale<C>& channels = {}) {
     const WeightScale scale(unit, view.width, view.height);
     const auto face = [&](const Triangle& t) {
         const Point a = detail::position(mesh, t[0]), b = detail::position(mesh, t[1]), c = detail::position(mesh, t[2]);
@@ -52,7 +54,8 @@ template <class T, int C>
                 const Barycentric w = weights_at(i, j);
                 double square = 0;
                 for (std::size_t k = 0; k < C; ++k) {
-                    const double difference = at_a[k] + w.b * to_b[k] + w.c * to_c[k] - PixelTraits<T>::to_real(sample[k]);
+                    const double color = at_a[k] + w.b * to_b[k] + w.c * to_c[k];
+                    const double difference = channels.share[k] * (color - PixelTraits<T>::to_real(sample[k]));
                     square += difference * difference;
                 }
                 energy += weight != nullptr ? scale(weight[i - begin]) * square : square;

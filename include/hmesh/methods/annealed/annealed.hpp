@@ -323,6 +323,8 @@ Status Annealed::run(kit::TiledMesh<C>& mesh, std::size_t n) const {
     bool is_done = false;
     if (start != nullptr) {
         kit::IndexedMesh<C> from = kit::to_indexed_mesh<C>(*start);
+        if (const kit::ChannelScale<C>* const scale = source.scale())
+            for (kit::Color<C>& color : from.colors) scale->to_scaled(color);
         if (const Status status = kit::detail::check_start(from, source); !status) return status;
         is_done = first.run_from(std::move(from));
     } else {

@@ -1,0 +1,117 @@
+/// \file
+/// Channel weights: how much each channel of an image counts.
+///
+/// A sum of squared differences in which channel c counts w_c times is the plain sum of squared differences of an image whose
+/// channels are multiplied by sqrt(w_c). Geometry is chosen on such a copy, with the largest weight scaled to 1 and samples
+/// rounded to 16 bits, whose sums are exact; the final colours, of which each channel is a problem of its own whatever its
+/// weight, and the error are those of the image itself.
+#ifndef HMESH_IMAGE_CHANNEL_WEIGHTS_HPP
+#define HMESH_IMAGE_CHANNEL_WEIGHTS_HPP
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include "hmesh/core/compiler.hpp"
+#include "hmesh/core/finite.hpp"
+#include "hmesh/core/parallel.hpp"
+#include "hmesh/core/status.hpp"
+#include "hmesh/image/image_view.hpp"
+
+#include "hmesh/core/macros/push.hpp"
+
+namespace hmesh::kit {
+
+/// Whether `weights` can be those of an image's channels: none at all, or one finite number >= 0 for each, not all 0. Otherwise
+/// invalid_argument.
+[[nodiscard]] HMESH_COLD inline Status check_channel_weights(const std::vector<double>& weights, int channels) noexcept {
+    if (weights.empty()) return {};
+    if (weights.size() != static_cast<std::size_t>(channels))
+        return {Errc::invalid_argument, "channel_weights must have one weight for each channel of the image",
+                static_cast<std::int64_t>(weights.size()), channels};
+    for (const double weight : weights)
+        if (!is_within(weight, 0, 1e30)) return {Errc::invalid_argument, "a weight of a channel must be in [0, 1e30]", weight, 0};
+    if (*std::max_element(weights.begin(), weights.end()) == 0)
+        return {Errc::invalid_argument, "the weights of the channels are all 0", 0, 0};
+    return {};
+}
+
+/// Whether weights that check_channel_weights() accepts make a difference.
+[[nodiscard]] HMESH_COLD inline bool differ(const std::vector<double>& channel_weights) noexcept {
+    return std::any_of(channel_weights.begin(), channel_weights.end(), [&](double w) { return w != channel_weights.front(); });
+}
+
+/// From the stored values of an image to those of one whose channels are scaled by their weights: (stored - offset) * factor.
+template <int C>
+struct ChannelScale {
+    double offset = 0;                     ///< a stored value
+    double unit = 1;                       ///< the factor of channels of the largest weight, > 0
+    std::array<double, C> share = ones();  ///< of each channel, sqrt(weight / the largest weight): the factor is unit * share
+
+    /// Scales the stored values of a colour (Lanes).
+    template <class Color>
+    void to_scaled(Color& color) const noexcept {
+        for (int c = 0; c < C; ++c) color.set(c, (color[c] - offset) * (unit * share[c]));
+    }
+    /// The way back; channels of weight 0 become `offset`.
+    template <class Color>
+    void to_stored(Color& color) const noexcept {
+        for (int c = 0; c < C; ++c) color.set(c, offset + (share[c] > 0 ? color[c] / (unit * share[c]) : 0));
+    }
+
+  private:
+    [[nodiscard]] static std::array<double, C> ones() noexcept {
+        std::array<double, C> out{};
+        out.fill(1);
+        return out;
+    }
+};
+
+/// The scale for an image, whose samples then lie in [0, 65535], and weights that check_channel_weights() accepts, one a channel.
+template <class T, int C>
+[[nodiscard]] HMESH_COLD ChannelScale<C> channel_scale(const ImageView<T, C>& view, const std::vector<double>& weights) {
+    ChannelScale<C> scale;
+    double low = PixelTraits<T>::lowest, high = PixelTraits<T>::highest;
+    if constexpr (!PixelTraits<T>::is_integer) {
+        low = high = PixelTraits<T>::to_real(*view.data);
+        for (int y = 0; y < view.height; ++y) {
+            const T* const row = view.row(y);
+            for (std::ptrdiff_t i = 0; i < std::ptrdiff_t{view.width} * C; ++i) {
+                low = std::min(low, PixelTraits<T>::to_real(row[i]));
+                high = std::max(high, PixelTraits<T>::to_real(row[i]));
+            }
+        }
+    }
+    scale.offset = low;
+    if (high > low) scale.unit = 65535 / (high - low);
+    const double largest = *std::max_element(weights.begin(), weights.end());
+    for (std::size_t c = 0; c < C; ++c) scale.share[c] = std::sqrt(weights[c] / largest);
+    return scale;
+}
+
+/// The image with its channels scaled and rounded to 16 bits.
+template <class T, int C>
+[[nodiscard]] HMESH_COLD Image<std::uint16_t, C> scale_channels(const ImageView<T, C>& view, const ChannelScale<C>& scale,
+                                                                const ParallelFor& parallel_for = {}) {
+    Image<std::uint16_t, C> out(view.width, view.height);
+    for_each_chunk(parallel_for, static_cast<std::size_t>(view.height), 32, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t y = begin; y < end; ++y) {
+            const T* from = view.row(static_cast<int>(y));
+            std::uint16_t* to = out.pixel(0, static_cast<int>(y));
+            for (int x = 0; x < view.width; ++x, from += C, to += C)
+                for (std::size_t c = 0; c < C; ++c)
+                    to[c] = static_cast<std::uint16_t>(
+                        (PixelTraits<T>::to_real(from[c]) - scale.offset) * (scale.unit * scale.share[c]) + 0.5);
+        }
+    });
+    return out;
+}
+
+}  // namespace hmesh::kit
+
+#include "hmesh/core/macros/pop.hpp"
+
+#endif  // HMESH_IMAGE_CHANNEL_WEIGHTS_HPP
