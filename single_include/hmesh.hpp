@@ -12188,16 +12188,17 @@ class BestResult {
 [[nodiscard]] HMESH_COLD inline Result fewest_vertices_going_on(
     double psnr, double gain_over_sketch, std::size_t first, std::size_t most,
     FunctionRef<Result(std::size_t n, const Beginning& from)> mesh_from) {
-    constexpr double near_enough = 0.025;  // dB above the target: 1 % of the vertices
-    constexpr double wasteful = 0.2;       // dB above it that are worth any number of runs, as small meshes may be
+    constexpr double near_enough = 0.035;  // dB above the target: 1.5 % of the vertices
+    constexpr double wasteful = 0.1;       // dB above it that are worth any number of runs, as small meshes may be
     constexpr double is_nearby = 0.4;      // doublings of the vertices up to which a run goes on from the one before
+    constexpr double is_known = 0.6;       // up to which a sketch tells enough for the whole run
     constexpr double is_touched = 0.05;    // up to which little work keeps the mesh as good
     double slope = 1.6;                    // dB for each doubling of the vertices
     const auto doublings = [](std::size_t from, std::size_t to) {
         return std::log2(static_cast<double>(to) / static_cast<double>(from));
     };
     const auto next_after = [&](std::size_t n, double missing) {  // where a run of n vertices missed so many dB
-        const double count = static_cast<double>(n) * std::exp2(std::max(-4.0, std::min(4.0, missing / slope)));
+        const double count = static_cast<double>(n) * std::exp2(std::max(-4.0, std::min(2.3, missing / slope)));
         return std::max<std::size_t>(4, std::min(most, static_cast<std::size_t>(std::llround(count))));
     };
     const auto learn = [&](std::size_t from, double from_psnr, std::size_t to, double to_psnr) {
@@ -12224,8 +12225,11 @@ class BestResult {
         if (before != 0 && (sketches != 0) == is_sketch) learn(before, before_psnr, n, result.report.psnr);
         before = n, before_psnr = result.report.psnr;
         ++(is_sketch ? sketches : drafts);
-        n = next_after(n, psnr - gain_over_sketch - (is_sketch ? 0 : 2) - result.report.psnr);
-        if (is_sketch && std::abs(doublings(before, n)) < is_nearby) break;
+        const double missing = psnr - gain_over_sketch - (is_sketch ? 0 : 2) - result.report.psnr;
+        // The further away, the steeper: curves rise fast while there are few vertices for what is in the picture.
+        if (drafts == 1 && sketches == 0) slope = 1.6 + 0.06 * std::min(10.0, std::abs(missing));
+        n = next_after(n, missing);
+        if (is_sketch && std::abs(doublings(before, n)) < is_known) break;
         rough = std::move(result);
     }
 
@@ -12238,7 +12242,7 @@ class BestResult {
     for (int runs = 1; (spent < 0.4 || best.excess() > wasteful) && runs < 20; ++runs) {
         const bool is_reached = now >= psnr;
         if (is_reached ? n == 4 || now <= psnr + near_enough : n == most) break;
-        std::size_t next = next_after(n, is_finite(now) ? psnr + 0.4 * near_enough - now : -slope);
+        std::size_t next = next_after(n, is_finite(now) ? psnr + 0.3 * near_enough - now : -slope);
         if (next == n) next = is_reached ? n - 1 : n + 1;
         const double distance = std::abs(doublings(n, next));
         const Work work = distance > is_nearby ? Work::whole : distance > is_touched ? Work::refine : Work::touch;
@@ -12391,8 +12395,10 @@ template <int C>
         };
         return run(n, from, progress.next(from.work, work_of));
     };
+    // Half way, on a logarithmic scale, from what photographs need for 32 dB to what they need for the target.
+    const double first = 0.25 * std::exp2(std::max(-2.0, std::min(2.0, (options.target.value - 32) / 4)));
     Result result =
-        recipe.can_go_on ? kit::fewest_vertices_going_on(options.target.value, recipe.gain_over_sketch, share(0.25), most, mesh_from)
+        recipe.can_go_on ? kit::fewest_vertices_going_on(options.target.value, recipe.gain_over_sketch, share(first), most, mesh_from)
                         : kit::fewest_vertices(options.target.value, share(1), most, mesh_of);
     if (result.status.code == Errc::target_out_of_range && is_bounded)
         result.status.what = "no mesh of at most max_vertices vertices reached the PSNR asked for, in dB";

@@ -147,8 +147,10 @@ template <int C>
         };
         return run(n, from, progress.next(from.work, work_of));
     };
+    // Half way, on a logarithmic scale, from what photographs need for 32 dB to what they need for the target.
+    const double first = 0.25 * std::exp2(std::max(-2.0, std::min(2.0, (options.target.value - 32) / 4)));
     Result result =
-        recipe.can_go_on ? kit::fewest_vertices_going_on(options.target.value, recipe.gain_over_sketch, share(0.25), most, mesh_from)
+        recipe.can_go_on ? kit::fewest_vertices_going_on(options.target.value, recipe.gain_over_sketch, share(first), most, mesh_from)
                         : kit::fewest_vertices(options.target.value, share(1), most, mesh_of);
     if (result.status.code == Errc::target_out_of_range && is_bounded)
         result.status.what = "no mesh of at most max_vertices vertices reached the PSNR asked for, in dB";
