@@ -402,13 +402,16 @@ namespace hmesh::detail {
 /// A share in [0, 1] as an integer of 16 bits, rounded; 65535 is full intensity.
 [[nodiscard]] inline std::uint16_t to_u16(double share) noexcept { return static_cast<std::uint16_t>(share * 65535 + 0.5); }
 
-/// Red, green, blue and alpha of a vertex as shares in [0, 1]; of a mesh of 1, 3 or 4 channels. One channel is all three
-/// colours, and what has no alpha is opaque.
+/// Red, green, blue and alpha of a colour of 1 to 4 channels as shares in [0, 1]. One channel is all three colours, of 2 or 4 the
+/// last is alpha, and what has none is opaque.
+[[nodiscard]] inline std::array<double, 4> rgba_shares(const float* color, int channels, double peak) noexcept {
+    const auto share = [&](int k) { return share_of_peak(color[k], peak); };
+    if (channels < 3) return {share(0), share(0), share(0), channels == 2 ? share(1) : 1.0};
+    return {share(0), share(1), share(2), channels == 4 ? share(3) : 1.0};
+}
+/// The same of a vertex.
 [[nodiscard]] inline std::array<double, 4> rgba_shares(const MeshView& mesh, std::size_t vertex) noexcept {
-    const float* color = mesh.colors + static_cast<std::size_t>(mesh.channels) * vertex;
-    const auto share = [&](int k) { return share_of_peak(color[k], mesh.peak); };
-    if (mesh.channels < 3) return {share(0), share(0), share(0), 1.0};
-    return {share(0), share(1), share(2), mesh.channels == 4 ? share(3) : 1.0};
+    return rgba_shares(mesh.colors + static_cast<std::size_t>(mesh.channels) * vertex, mesh.channels, mesh.peak);
 }
 
 /// How a format wants the colours of meshes that are premultiplied, that is stored multiplied by alpha / peak.
@@ -1222,6 +1225,351 @@ namespace hmesh::kit {
 
 #endif  // HMESH_CORE_SRGB_HPP
 
+// ---- hmesh/io/detail/glb_file.hpp
+
+/// \file
+/// A binary glTF file (.glb) as what it is made of: nodes, meshes, materials, and arrays of numbers in one buffer.
+///
+/// The head and the JSON follow from the list of arrays, whose sizes are known before a number is written: so the JSON is written
+/// twice, the first time to be counted, and the numbers go to the sink as they are made. Where arrays are compressed
+/// (EXT_meshopt_compression) they are made and compressed first, one after another, and kept. Buffer 1 then stands for what they
+/// are when they have been decompressed, and holds nothing.
+///
+/// Source: Khronos, glTF 2.0 specification, sections 3.6 and 4.4; EXT_meshopt_compression.
+#ifndef HMESH_IO_DETAIL_GLB_FILE_HPP
+#define HMESH_IO_DETAIL_GLB_FILE_HPP
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+#include <utility>
+#include <vector>
+
+namespace hmesh::detail {
+
+/// What an element of an array is made of, with glTF's numbers for it.
+enum class GlbNumber : std::uint16_t {
+    i8 = 5120,   ///< 1 byte, with a sign
+    u8 = 5121,   ///< 1 byte
+    i16 = 5122,  ///< 2 bytes, with a sign
+    u16 = 5123,  ///< 2 bytes
+    u32 = 5125,  ///< 4 bytes
+    f32 = 5126,  ///< 4 bytes, IEEE 754 binary32
+};
+
+/// The bytes of a number.
+[[nodiscard]] constexpr std::uint32_t size_of(GlbNumber number) noexcept {
+    switch (number) {
+        case GlbNumber::i8:
+        case GlbNumber::u8: return 1;
+        case GlbNumber::i16:
+        case GlbNumber::u16: return 2;
+        case GlbNumber::u32:
+        case GlbNumber::f32: break;
+    }
+    return 4;
+}
+
+/// An array of the buffer: an accessor and its buffer view. Of vertices, or of the indices of a primitive.
+struct GlbArray {
+    GlbNumber number = GlbNumber::f32;    ///< what an element is made of
+    std::uint32_t components = 1;         ///< numbers of an element, 1 to 4
+    bool is_normalized = false;           ///< integers stand for shares of the largest
+    bool is_indices = false;              ///< of faces, three corners each
+    bool has_bounds = false;              ///< a VEC3 whose z is 0
+    std::array<double, 2> low{}, high{};  ///< its bounds
+    std::uint64_t count = 0;              ///< elements
+
+    /// Bytes from one element to the next: of vertices a multiple of 4.
+    [[nodiscard]] std::uint64_t stride() const noexcept {
+        const std::uint64_t size = std::uint64_t{size_of(number)} * components;
+        return is_indices ? size : (size + 3) / 4 * 4;
+    }
+    /// All of its bytes.
+    [[nodiscard]] std::uint64_t bytes() const noexcept { return stride() * count; }
+};
+
+/// A vertex attribute of a primitive.
+struct GlbAttribute {
+    const char* name = "";    ///< "POSITION"; lives as long as the file
+    std::uint32_t array = 0;  ///< which of the file's arrays
+    int set = -1;             ///< the number after it, as of COLOR_0; below 0: none
+    bool is_custom = false;   ///< of no meaning to glTF: written in capitals behind an underscore
+};
+
+/// Faces that are drawn with one material.
+struct GlbPrimitive {
+    std::vector<GlbAttribute> attributes;  ///< all of one length
+    std::uint32_t indices = 0,             ///< which of the file's arrays
+        material = 0;                      ///< which of the file's materials
+};
+
+/// A node of the scene, which places a mesh in the plane.
+struct GlbNode {
+    std::array<double, 2> translation{};  ///< units
+    double scale = 1;                     ///< units for one of the mesh
+    std::uint32_t mesh = 0;               ///< which of the file's meshes
+};
+
+/// How faces are shaded.
+struct GlbMaterial {
+    bool is_lit = false;  ///< by lamps, as a rough surface; else the colours are what is seen
+    bool blends = false;  ///< there is alpha
+};
+
+/// Compresses an array in the way that EXT_meshopt_compression calls ATTRIBUTES or, of indices, TRIANGLES.
+using GlbCompress = FunctionRef<bool(const unsigned char* bytes, std::size_t count, std::size_t stride, bool is_indices,
+                                     std::vector<unsigned char>& out)>;
+
+/// All of a file but the numbers of its arrays.
+struct GlbFile {
+    std::vector<GlbNode> nodes;                     ///< of the scene
+    std::vector<std::vector<GlbPrimitive>> meshes;  ///< the primitives of each
+    std::vector<GlbMaterial> materials;             ///< at least one
+    std::vector<GlbArray> arrays;                   ///< in the order of the buffer
+    /// Of each array, where they are compressed; else empty.
+    std::vector<std::vector<unsigned char>> compressed{};
+    bool is_quantized = false;     ///< arrays have numbers that KHR_mesh_quantization allows
+    std::uint64_t json_bytes = 0;  ///< without padding
+
+    /// A size with the padding that makes it a multiple of 4.
+    [[nodiscard]] static std::uint64_t padded(std::uint64_t size) noexcept { return (size + 3) / 4 * 4; }
+    /// The arrays as they are read, each from a multiple of 4 on, without padding behind the last.
+    [[nodiscard]] std::uint64_t array_bytes() const noexcept {
+        std::uint64_t sum = 0;
+        for (const GlbArray& array : arrays) sum = padded(sum) + array.bytes();
+        return sum;
+    }
+    /// The buffer that the file holds, without padding behind it.
+    [[nodiscard]] std::uint64_t binary_bytes() const noexcept {
+        if (compressed.empty()) return array_bytes();
+        std::uint64_t sum = 0;
+        for (const std::vector<unsigned char>& bytes : compressed) sum += padded(bytes.size());
+        return sum;
+    }
+    /// All of the file.
+    [[nodiscard]] std::uint64_t file_bytes() const noexcept { return 28 + padded(json_bytes) + padded(binary_bytes()); }
+    /// Whether a material is not lit.
+    [[nodiscard]] bool has_unlit() const noexcept {
+        for (const GlbMaterial& material : materials)
+            if (!material.is_lit) return true;
+        return false;
+    }
+};
+
+/// Words and numbers of JSON.
+class GlbJson {
+  public:
+    /// Puts them into a writer, which outlives this object.
+    explicit GlbJson(Writer& writer) noexcept : writer_(&writer) {}
+
+    /// Puts words, one after the other.
+    void put(const char* words) { writer_->text(words); }
+    /// Puts an integer.
+    void put(std::uint64_t value) { writer_->decimal(static_cast<std::int64_t>(value)); }
+    /// Puts a real number.
+    void put(double value) { writer_->real(value); }
+    template <class First, class Second, class... Rest>
+    void put(First first, Second second, Rest... rest) {
+        put(first);
+        put(second, rest...);
+    }
+    /// Puts two words, letters of the second as capitals.
+    void capitals(const char* first, const char* word) {
+        put(first);
+        for (; *word != '\0'; ++word)
+            writer_->u8(static_cast<std::uint8_t>(*word >= 'a' && *word <= 'z' ? *word - 'a' + 'A' : *word));
+    }
+    /// Puts "NAME":[ and what put_one puts for each entry, with commas between them, and ].
+    template <class Entries, class PutOne>
+    void list(const char* name, const Entries& entries, PutOne&& put_one) {
+        put("\"", name, "\":[");
+        for (std::size_t i = 0; i < entries.size(); ++i) {
+            if (i > 0) put(",");
+            put_one(entries[i], i);
+        }
+        put("]");
+    }
+
+  private:
+    Writer* writer_;
+};
+
+/// Writes the names of the extensions.
+inline void write_glb_extensions(GlbJson& json, const GlbFile& file) {
+    std::vector<const char*> used, required;
+    if (file.has_unlit()) used.push_back("KHR_materials_unlit");
+    if (file.is_quantized) required.push_back("KHR_mesh_quantization");
+    if (!file.compressed.empty()) required.push_back("EXT_meshopt_compression");
+    used.insert(used.end(), required.begin(), required.end());
+    for (const auto& [name, extensions] :
+         {std::make_pair("extensionsUsed", used), std::make_pair("extensionsRequired", required)}) {
+        if (extensions.empty()) continue;
+        json.list(name, extensions, [&](const char* extension, std::size_t) { json.put("\"", extension, "\""); });
+        json.put(",");
+    }
+}
+
+/// Writes scene, nodes, meshes and materials.
+inline void write_glb_scene(GlbJson& json, const GlbFile& file) {
+    json.put("\"scene\":0,\"scenes\":[{");
+    json.list("nodes", file.nodes, [&](const GlbNode&, std::size_t i) { json.put(std::uint64_t{i}); });
+    json.put("}],");
+    json.list("nodes", file.nodes, [&](const GlbNode& node, std::size_t) {
+        json.put("{\"mesh\":", std::uint64_t{node.mesh}, ",\"translation\":[", node.translation[0], ",", node.translation[1]);
+        json.put(",0],\"scale\":[", node.scale, ",", node.scale, ",", node.scale, "]}");
+    });
+    json.put(",");
+    json.list("meshes", file.meshes, [&](const std::vector<GlbPrimitive>& primitives, std::size_t) {
+        json.put("{");
+        json.list("primitives", primitives, [&](const GlbPrimitive& primitive, std::size_t) {
+            json.put("{\"attributes\":{");
+            for (const GlbAttribute& attribute : primitive.attributes) {
+                json.put(&attribute != primitive.attributes.data() ? ",\"" : "\"");
+                if (attribute.is_custom) json.capitals("_", attribute.name);
+                else json.put(attribute.name);
+                if (attribute.set >= 0) json.put("_", static_cast<std::uint64_t>(attribute.set));
+                json.put("\":", std::uint64_t{attribute.array});
+            }
+            json.put("},\"indices\":", std::uint64_t{primitive.indices}, ",\"material\":", std::uint64_t{primitive.material},
+                     "}");
+        });
+        json.put("}");
+    });
+    json.put(",");
+    json.list("materials", file.materials, [&](const GlbMaterial& material, std::size_t) {
+        json.put("{\"pbrMetallicRoughness\":{\"metallicFactor\":0,\"roughnessFactor\":1}");
+        if (material.blends) json.put(",\"alphaMode\":\"BLEND\"");
+        if (!material.is_lit) json.put(",\"extensions\":{\"KHR_materials_unlit\":{}}");
+        json.put("}");
+    });
+}
+
+/// Writes accessors, buffer views and buffers.
+inline void write_glb_arrays(GlbJson& json, const GlbFile& file) {
+    constexpr std::array<const char*, 4> types{"SCALAR", "VEC2", "VEC3", "VEC4"};
+    json.list("accessors", file.arrays, [&](const GlbArray& array, std::size_t i) {
+        json.put("{\"bufferView\":", std::uint64_t{i}, ",\"componentType\":", static_cast<std::uint64_t>(array.number));
+        if (array.is_normalized) json.put(",\"normalized\":true");
+        json.put(",\"count\":", array.count, ",\"type\":\"", types[array.components - 1], "\"");
+        if (array.has_bounds)
+            json.put(",\"min\":[", array.low[0], ",", array.low[1], ",0],\"max\":[", array.high[0], ",", array.high[1], ",0]");
+        json.put("}");
+    });
+    json.put(",");
+    const bool is_compressed = !file.compressed.empty();
+    std::uint64_t offset = 0, place = 0;
+    json.list("bufferViews", file.arrays, [&](const GlbArray& array, std::size_t i) {
+        json.put(is_compressed ? "{\"buffer\":1" : "{\"buffer\":0");
+        if (offset > 0) json.put(",\"byteOffset\":", offset);
+        json.put(",\"byteLength\":", array.bytes());
+        if (!array.is_indices) json.put(",\"byteStride\":", array.stride());
+        json.put(",\"target\":", std::uint64_t{array.is_indices ? 34963U : 34962U});  // ELEMENT_ARRAY_BUFFER and ARRAY_BUFFER
+        offset += GlbFile::padded(array.bytes());
+        if (is_compressed) {
+            const std::uint64_t size = file.compressed[i].size();
+            json.put(",\"extensions\":{\"EXT_meshopt_compression\":{\"buffer\":0,\"byteOffset\":", place,
+                     ",\"byteLength\":", size);
+            json.put(",\"byteStride\":", array.stride(), ",\"count\":", array.count, ",\"mode\":\"");
+            json.put(array.is_indices ? "TRIANGLES\"}}" : "ATTRIBUTES\"}}");
+            place += GlbFile::padded(size);
+        }
+        json.put("}");
+    });
+    json.put(",\"buffers\":[{\"byteLength\":", file.binary_bytes(), "}");
+    if (is_compressed)
+        json.put(",{\"byteLength\":", file.array_bytes(), ",\"extensions\":{\"EXT_meshopt_compression\":{\"fallback\":true}}}");
+    json.put("]");
+}
+
+/// Writes the JSON chunk without padding.
+inline void write_glb_json(Writer& writer, const GlbFile& file) {
+    GlbJson json(writer);
+    json.put("{\"asset\":{\"version\":\"2.0\",\"generator\":\"hmesh " HMESH_VERSION_STRING "\"},");
+    write_glb_extensions(json, file);
+    write_glb_scene(json, file);
+    json.put(",");
+    write_glb_arrays(json, file);
+    json.put("}");
+}
+
+/// Refuses a file of 4 GiB or more.
+[[nodiscard]] inline Status check_glb_size(const GlbFile& file) noexcept {
+    constexpr std::uint64_t most = std::numeric_limits<std::uint32_t>::max();
+    if (file.file_bytes() <= most) return {};
+    return {Errc::invalid_argument, "the mesh needs more bytes than the head of a .glb file counts",
+            static_cast<std::int64_t>(file.file_bytes()), static_cast<std::int64_t>(most)};
+}
+
+/// Fills a chunk of this size up to a multiple of 4.
+inline void pad(Writer& writer, std::uint64_t size, char with) {
+    for (; size % 4 != 0; ++size) writer.u8(static_cast<std::uint8_t>(with));
+}
+
+/// Puts the elements of an array, each filled up to its stride.
+using FillGlbArray = FunctionRef<void(Writer& writer, std::size_t array)>;
+
+/// Makes all arrays and compresses them. Errc::write_failed where that fails.
+[[nodiscard]] inline Status compress_arrays(GlbFile& file, FillGlbArray fill, GlbCompress compress) {
+    std::vector<unsigned char> bytes;
+    const auto keep = [&](const void* from, std::size_t size) {
+        const auto* first = static_cast<const unsigned char*>(from);
+        bytes.insert(bytes.end(), first, first + size);
+        return true;
+    };
+    for (std::size_t i = 0; i < file.arrays.size(); ++i) {
+        const GlbArray& array = file.arrays[i];
+        bytes.clear();
+        bytes.reserve(static_cast<std::size_t>(array.bytes()));
+        Writer writer(keep);
+        fill(writer, i);
+        if (const Status status = writer.finish(); !status) return status;
+        std::vector<unsigned char>& out = file.compressed.emplace_back();
+        if (!compress(bytes.data(), static_cast<std::size_t>(array.count), static_cast<std::size_t>(array.stride()),
+                      array.is_indices, out) ||
+            out.empty())
+            return {Errc::write_failed, "the compressor failed, before the first byte was written", 0, 0};
+    }
+    return {};
+}
+
+/// Counts the JSON and refuses a file of 4 GiB or more.
+[[nodiscard]] inline Status count_glb_json(GlbFile& file) {
+    const auto nowhere = [](const void*, std::size_t) { return true; };
+    Writer counter(nowhere);
+    write_glb_json(counter, file);
+    file.json_bytes = static_cast<std::uint64_t>(counter.position());
+    return check_glb_size(file);
+}
+
+/// Writes the whole file, whose JSON has been counted.
+inline Status write_glb_file(const GlbFile& file, Sink sink, FillGlbArray fill) {
+    Writer writer(sink);
+    writer.text("glTF");
+    writer.u32(2);
+    writer.u32(static_cast<std::uint32_t>(file.file_bytes()));
+    writer.u32(static_cast<std::uint32_t>(GlbFile::padded(file.json_bytes)));
+    writer.text("JSON");
+    write_glb_json(writer, file);
+    pad(writer, file.json_bytes, ' ');
+    writer.u32(static_cast<std::uint32_t>(GlbFile::padded(file.binary_bytes())));
+    writer.bytes("BIN", 4);  // with its zero
+    for (const std::vector<unsigned char>& bytes : file.compressed) {
+        writer.bytes(bytes.data(), bytes.size());
+        pad(writer, bytes.size(), '\0');
+    }
+    for (std::size_t i = 0; i < file.arrays.size() && file.compressed.empty(); ++i) {
+        fill(writer, i);
+        pad(writer, file.arrays[i].bytes(), '\0');
+    }
+    return writer.finish();
+}
+
+}  // namespace hmesh::detail
+
+#endif  // HMESH_IO_DETAIL_GLB_FILE_HPP
+
 // ---- hmesh/io/gltf.hpp
 
 /// \file
@@ -1235,9 +1583,9 @@ namespace hmesh::kit {
 /// of 256 values would stay apart. Viewers interpolate linear light: pictures look a little different inside faces, unless the
 /// mesh was fitted for that.
 ///
-/// 20 bytes a vertex (16 quantised) and 6 a face, or 12 from 65,536 vertices on. O(n), and nothing is allocated unless there is
-/// alpha: the sizes in the head of the file follow from the counts, and the JSON is written twice, the first time to be counted.
-/// Sources: Khronos, glTF 2.0 specification, sections 3.6, 3.7 and 4.4, KHR_mesh_quantization, KHR_materials_unlit.
+/// 20 bytes a vertex (16 quantised) and 6 a face, or 12 from 65,536 vertices on. O(n); of what grows with the mesh, nothing is
+/// allocated unless there is alpha.
+/// Sources: Khronos, glTF 2.0 specification, sections 3.6 and 3.7, KHR_mesh_quantization, KHR_materials_unlit.
 #ifndef HMESH_IO_GLTF_HPP
 #define HMESH_IO_GLTF_HPP
 
@@ -1247,6 +1595,7 @@ namespace hmesh::kit {
 #include <cstddef>
 #include <cstdint>
 #include <limits>
+#include <vector>
 
 namespace hmesh {
 
@@ -1267,160 +1616,100 @@ struct GltfOptions {
 
 namespace detail {
 
-/// How the positions are stored, and where everything lies in the file. Sizes are in bytes.
-struct GlbLayout {
-    bool quantized = false;                                              ///< positions are unsigned shorts
-    bool wide_indices = false;                                           ///< indices have 32 bits
-    bool blends = false;                                                 ///< there is alpha
-    double origin_x = 0, origin_y = 0, step = 1;                         ///< px, y up: position = origin + step * stored number
-    double min_x = 0, min_y = 0, max_x = 0, max_y = 0;                   ///< the bounds of the stored numbers
-    double unit = 1;                                                     ///< units a px
-    std::uint64_t vertices = 0, corners = 0;                             ///< counts; three corners a face
-    std::uint64_t position_bytes = 0, color_bytes = 0, index_bytes = 0;  ///< the three arrays of the buffer, in this order
-    std::uint64_t json_bytes = 0;                                        ///< without padding
+/// The plane of the stored positions: a number stands for `origin` + `step` times it, in px with y up.
+struct GlbGrid {
+    bool is_quantized = false;           ///< numbers are unsigned shorts, else floats
+    std::array<double, 2> origin{0, 0};  ///< px
+    double step = 1;                     ///< px
 
-    /// From one position to the next.
-    [[nodiscard]] std::uint64_t position_stride() const noexcept { return quantized ? 8 : 12; }
-    /// The buffer without padding.
-    [[nodiscard]] std::uint64_t binary_bytes() const noexcept { return position_bytes + color_bytes + index_bytes; }
-    /// All of the file.
-    [[nodiscard]] std::uint64_t file_bytes() const noexcept { return 28 + padded(json_bytes) + padded(binary_bytes()); }
-    /// A size with the padding that makes it a multiple of 4.
-    [[nodiscard]] static std::uint64_t padded(std::uint64_t size) noexcept { return (size + 3) / 4 * 4; }
-
-    /// The number stored for an x in px; an integer if quantised.
-    [[nodiscard]] double stored_x(double x) const noexcept { return stored(x, origin_x); }
-    /// The number stored for a y in px, y up; an integer if quantised.
-    [[nodiscard]] double stored_y(double y) const noexcept { return stored(y, origin_y); }
-
-  private:
-    [[nodiscard]] double stored(double value, double origin) const noexcept {
-        if (!quantized) return static_cast<double>(static_cast<float>(value));
-        return std::min(65535.0, std::floor((value - origin) / step + 0.5));
+    /// The number stored for a coordinate in px, y up; an integer if quantised. `axis`: 0 for x, 1 for y.
+    [[nodiscard]] double stored(double value, std::size_t axis) const noexcept {
+        if (!is_quantized) return static_cast<double>(static_cast<float>(value));
+        return std::min(65535.0, std::floor((value - origin[axis]) / step + 0.5));
     }
 };
 
-/// Finds origin, step and bounds of the positions. O(n).
-inline void lay_out_positions(const MeshView& mesh, GlbLayout& layout) noexcept {
-    double left = static_cast<double>(mesh.positions[0]), right = left, bottom = y_up(mesh, 0), top = bottom;
+/// x and y of a vertex in px, y up.
+[[nodiscard]] inline std::array<double, 2> upright(const MeshView& mesh, std::size_t vertex) noexcept {
+    return {static_cast<double>(mesh.positions[2 * vertex]), y_up(mesh, vertex)};
+}
+
+/// Finds the grid of the positions, and the bounds of the numbers stored. O(n).
+inline void lay_out_positions(const MeshView& mesh, bool is_quantized, GlbGrid& grid, GlbArray& array) noexcept {
+    std::array<double, 2> low = upright(mesh, 0), high = low;
     for (std::size_t v = 1; v < mesh.vertex_count; ++v) {
-        const double x = static_cast<double>(mesh.positions[2 * v]), y = y_up(mesh, v);
-        left = std::min(left, x), right = std::max(right, x);
-        bottom = std::min(bottom, y), top = std::max(top, y);
+        const std::array<double, 2> at = upright(mesh, v);
+        for (std::size_t k = 0; k < 2; ++k) low[k] = std::min(low[k], at[k]), high[k] = std::max(high[k], at[k]);
     }
-    if (layout.quantized) {
-        layout.origin_x = left;
-        layout.origin_y = bottom;
+    grid.is_quantized = is_quantized;
+    if (is_quantized) {
+        grid.origin = low;
         // 1/256 px is the grid that positions lie on, and divides exactly.
-        layout.step = std::max(1.0 / 256, std::max(right - left, top - bottom) / 65535);
+        grid.step = std::max(1.0 / 256, std::max(high[0] - low[0], high[1] - low[1]) / 65535);
     }
     // Rounding keeps the order of numbers, hence their extremes.
-    layout.min_x = layout.stored_x(left), layout.max_x = layout.stored_x(right);
-    layout.min_y = layout.stored_y(bottom), layout.max_y = layout.stored_y(top);
+    array.has_bounds = true;
+    for (std::size_t k = 0; k < 2; ++k) array.low[k] = grid.stored(low[k], k), array.high[k] = grid.stored(high[k], k);
 }
 
-/// Writes a bracket and two numbers.
-inline void write_pair(Writer& writer, double x, double y, const char* rest) {
-    writer.text("[");
-    writer.real(x);
-    writer.text(",");
-    writer.real(y);
-    writer.text(rest);
-}
+/// What an array of the file is filled with.
+enum class GlbContent : std::uint8_t { positions, colors, indices };
 
-/// Writes words and an integer.
-inline void write_count(Writer& writer, const char* name, std::uint64_t value) {
-    writer.text(name);
-    writer.decimal(static_cast<std::int64_t>(value));
-}
+/// All that write_glb() writes of a mesh.
+struct GlbMesh {
+    GlbFile file;
+    std::vector<GlbContent> contents;  ///< of each array
+    GlbGrid grid;
+};
 
-/// Writes the JSON chunk without padding.
-inline void write_gltf_json(Writer& writer, const GlbLayout& layout) {
-    writer.text("{\"asset\":{\"version\":\"2.0\",\"generator\":\"hmesh " HMESH_VERSION_STRING "\"},");
-    writer.text("\"extensionsUsed\":[\"KHR_materials_unlit\"");
-    if (layout.quantized) writer.text(",\"KHR_mesh_quantization\"],\"extensionsRequired\":[\"KHR_mesh_quantization\"");
-    writer.text("],\"scene\":0,\"scenes\":[{\"nodes\":[0]}],\"nodes\":[{\"mesh\":0,\"translation\":");
-    write_pair(writer, layout.origin_x * layout.unit, layout.origin_y * layout.unit, ",0],\"scale\":");
-    write_pair(writer, layout.step * layout.unit, layout.step * layout.unit, ",");
-    writer.real(layout.step * layout.unit);
-    writer.text("]}],\"meshes\":[{\"primitives\":[{\"attributes\":{\"POSITION\":0,\"COLOR_0\":1},");
-    writer.text("\"indices\":2,\"material\":0}]}],");
-    writer.text("\"materials\":[{\"pbrMetallicRoughness\":{\"metallicFactor\":0,\"roughnessFactor\":1},");
-    if (layout.blends) writer.text("\"alphaMode\":\"BLEND\",");
-    writer.text("\"extensions\":{\"KHR_materials_unlit\":{}}}],");
-
-    // 5123 and 5125 are unsigned short and int, 5126 is float.
-    write_count(writer, "\"accessors\":[{\"bufferView\":0,\"componentType\":", layout.quantized ? 5123 : 5126);
-    write_count(writer, ",\"count\":", layout.vertices);
-    writer.text(",\"type\":\"VEC3\",\"min\":");
-    write_pair(writer, layout.min_x, layout.min_y, ",0],\"max\":");
-    write_pair(writer, layout.max_x, layout.max_y, ",0]},");
-    write_count(writer, "{\"bufferView\":1,\"componentType\":5123,\"normalized\":true,\"count\":", layout.vertices);
-    write_count(writer, ",\"type\":\"VEC4\"},{\"bufferView\":2,\"componentType\":", layout.wide_indices ? 5125 : 5123);
-    write_count(writer, ",\"count\":", layout.corners);
-
-    // 34962 holds vertices and 34963 indices.
-    write_count(writer, ",\"type\":\"SCALAR\"}],\"bufferViews\":[{\"buffer\":0,\"byteLength\":", layout.position_bytes);
-    write_count(writer, ",\"byteStride\":", layout.position_stride());
-    write_count(writer, ",\"target\":34962},{\"buffer\":0,\"byteOffset\":", layout.position_bytes);
-    write_count(writer, ",\"byteLength\":", layout.color_bytes);
-    writer.text(",\"byteStride\":8,\"target\":34962},");
-    write_count(writer, "{\"buffer\":0,\"byteOffset\":", layout.position_bytes + layout.color_bytes);
-    write_count(writer, ",\"byteLength\":", layout.index_bytes);
-    write_count(writer, ",\"target\":34963}],\"buffers\":[{\"byteLength\":", layout.binary_bytes());
-    writer.text("}]}");
-}
-
-/// Refuses a file of 4 GiB or more.
-[[nodiscard]] inline Status check_size(const GlbLayout& layout) noexcept {
-    constexpr std::uint64_t most = std::numeric_limits<std::uint32_t>::max();
-    if (layout.file_bytes() <= most) return {};
-    return {Errc::invalid_argument, "the mesh needs more bytes than the head of a .glb file counts",
-            static_cast<std::int64_t>(layout.file_bytes()), static_cast<std::int64_t>(most)};
-}
-
-/// Refuses what a .glb file cannot hold, and fills the layout of what it can. O(n).
-[[nodiscard]] inline Status lay_out_glb(const MeshView& mesh, const GltfOptions& options, GlbLayout& layout) noexcept {
+/// Refuses what a .glb file cannot hold, and lays out what it can. O(n).
+[[nodiscard]] inline Status lay_out_glb(const MeshView& mesh, const GltfOptions& options, GlbMesh& out) {
     constexpr std::uint64_t most = std::numeric_limits<std::int32_t>::max();  // products with strides stay below 2^63
     if (const Status status = check_counts(mesh, most, most, "the mesh has more vertices or faces than a .glb file holds");
         !status)
         return status;
-    layout.blends = mesh.channels == 2 || mesh.channels == 4;
-    layout.quantized = options.quantized_positions;
-    layout.vertices = mesh.vertex_count;
-    layout.corners = 3 * static_cast<std::uint64_t>(mesh.face_count);
+    GlbFile& file = out.file;
+    GlbPrimitive primitive;
+    const auto add = [&](GlbContent content, GlbNumber number, std::uint32_t components, std::uint64_t count) {
+        GlbArray array;
+        array.number = number;
+        array.components = components;
+        array.is_normalized = content == GlbContent::colors;
+        array.is_indices = content == GlbContent::indices;
+        array.count = count;
+        file.arrays.push_back(array);
+        out.contents.push_back(content);
+        return static_cast<std::uint32_t>(file.arrays.size() - 1);
+    };
+    const auto positions = options.quantized_positions ? GlbNumber::u16 : GlbNumber::f32;
+    primitive.attributes.push_back({"POSITION", add(GlbContent::positions, positions, 3, mesh.vertex_count)});
+    primitive.attributes.push_back({"COLOR", add(GlbContent::colors, GlbNumber::u16, 4, mesh.vertex_count), 0});
     // 65535 and 2^32 - 1 must not be used as indices: they mean a restart to GPUs.
-    layout.wide_indices = layout.vertices > 65535;
-    layout.position_bytes = layout.position_stride() * layout.vertices;
-    layout.color_bytes = 8 * layout.vertices;
-    layout.index_bytes = (layout.wide_indices ? 4 : 2) * layout.corners;
-    if (const Status status = check_size(layout); !status) return status;  // before so many are read
+    primitive.indices = add(GlbContent::indices, mesh.vertex_count > 65535 ? GlbNumber::u32 : GlbNumber::u16, 1,
+                            3 * static_cast<std::uint64_t>(mesh.face_count));
+    if (const Status status = check_glb_size(file); !status) return status;  // before so many are read
     if (const Status status = check_for_export(mesh); !status) return status;
     if (!kit::is_within(options.longer_side, 0, static_cast<double>(std::numeric_limits<float>::max())))
         return {Errc::invalid_argument, "the longer side must be a length that a float holds, or 0", 0, 0};
 
-    if (options.longer_side > 0) layout.unit = options.longer_side / std::max(mesh.width, mesh.height);
-    lay_out_positions(mesh, layout);
-    const auto nowhere = [](const void*, std::size_t) { return true; };
-    Writer counter(nowhere);
-    write_gltf_json(counter, layout);
-    layout.json_bytes = static_cast<std::uint64_t>(counter.position());
-    return check_size(layout);
+    file.is_quantized = options.quantized_positions;
+    file.materials.push_back({false, mesh.channels == 2 || mesh.channels == 4});
+    lay_out_positions(mesh, options.quantized_positions, out.grid, file.arrays[primitive.attributes[0].array]);
+    const double unit = options.longer_side > 0 ? options.longer_side / std::max(mesh.width, mesh.height) : 1;
+    file.nodes.push_back({{out.grid.origin[0] * unit, out.grid.origin[1] * unit}, out.grid.step * unit, 0});
+    file.meshes.push_back({primitive});
+    return count_glb_json(file);
 }
 
 /// Writes the positions, z = 0.
-inline void write_glb_positions(Writer& writer, const MeshView& mesh, const GlbLayout& layout) {
+inline void write_glb_positions(Writer& writer, const MeshView& mesh, const GlbGrid& grid) {
     for (std::size_t v = 0; v < mesh.vertex_count; ++v) {
-        const double x = layout.stored_x(static_cast<double>(mesh.positions[2 * v])), y = layout.stored_y(y_up(mesh, v));
-        if (layout.quantized) {
-            writer.u16(static_cast<std::uint16_t>(x));
-            writer.u16(static_cast<std::uint16_t>(y));
-            writer.u32(0);  // z and padding: vertex attributes begin at multiples of 4
-        } else {
-            writer.f32(static_cast<float>(x));
-            writer.f32(static_cast<float>(y));
-            writer.f32(0);
+        const std::array<double, 2> at = upright(mesh, v);
+        for (std::size_t k = 0; k < 2; ++k) {
+            if (grid.is_quantized) writer.u16(static_cast<std::uint16_t>(grid.stored(at[k], k)));
+            else writer.f32(static_cast<float>(at[k]));
         }
+        writer.u32(0);  // z, and of shorts padding: vertex attributes begin at multiples of 4
     }
 }
 
@@ -1434,18 +1723,13 @@ inline void write_glb_colors(Writer& writer, const MeshView& mesh, bool are_line
 }
 
 /// Writes the faces' corners.
-inline void write_glb_indices(Writer& writer, const MeshView& mesh, bool wide) {
+inline void write_glb_indices(Writer& writer, const MeshView& mesh, GlbNumber number) {
     for (std::size_t f = 0; f < mesh.face_count; ++f) {
         for (const std::uint32_t v : turned(mesh.faces[f])) {
-            if (wide) writer.u32(v);
+            if (number == GlbNumber::u32) writer.u32(v);
             else writer.u16(static_cast<std::uint16_t>(v));
         }
     }
-}
-
-/// Fills a chunk of this size up to a multiple of 4.
-inline void pad(Writer& writer, std::uint64_t size, char with) {
-    for (; size % 4 != 0; ++size) writer.u8(static_cast<std::uint8_t>(with));
 }
 
 }  // namespace detail
@@ -1454,25 +1738,17 @@ inline void pad(Writer& writer, std::uint64_t size, char with) {
 /// without their vertices, or needs 4 GiB, and a longer side that is negative or no float, give a Status that says so, and no
 /// byte is written; a sink that refuses bytes gives Errc::write_failed.
 inline Status write_glb(const MeshView& source, Sink sink, const GltfOptions& options = {}) {
-    detail::GlbLayout layout;
-    if (const Status status = detail::lay_out_glb(source, options, layout); !status) return status;
+    detail::GlbMesh out;
+    if (const Status status = detail::lay_out_glb(source, options, out); !status) return status;
     const detail::ExportMesh exported(source, detail::Premultiplied::divided);
     const MeshView& mesh = exported.view();
-    detail::Writer writer(sink);
-    writer.text("glTF");
-    writer.u32(2);
-    writer.u32(static_cast<std::uint32_t>(layout.file_bytes()));
-    writer.u32(static_cast<std::uint32_t>(detail::GlbLayout::padded(layout.json_bytes)));
-    writer.text("JSON");
-    detail::write_gltf_json(writer, layout);
-    detail::pad(writer, layout.json_bytes, ' ');
-    writer.u32(static_cast<std::uint32_t>(detail::GlbLayout::padded(layout.binary_bytes())));
-    writer.bytes("BIN", 4);  // with its zero
-    detail::write_glb_positions(writer, mesh, layout);
-    detail::write_glb_colors(writer, mesh, options.colors_are_linear);
-    detail::write_glb_indices(writer, mesh, layout.wide_indices);
-    detail::pad(writer, layout.binary_bytes(), '\0');
-    return writer.finish();
+    return detail::write_glb_file(out.file, sink, [&](detail::Writer& writer, std::size_t array) {
+        switch (out.contents[array]) {
+            case detail::GlbContent::positions: return write_glb_positions(writer, mesh, out.grid);
+            case detail::GlbContent::colors: return write_glb_colors(writer, mesh, options.colors_are_linear);
+            case detail::GlbContent::indices: return write_glb_indices(writer, mesh, out.file.arrays[array].number);
+        }
+    });
 }
 
 }  // namespace hmesh

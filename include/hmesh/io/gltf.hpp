@@ -9,9 +9,9 @@
 /// of 256 values would stay apart. Viewers interpolate linear light: pictures look a little different inside faces, unless the
 /// mesh was fitted for that.
 ///
-/// 20 bytes a vertex (16 quantised) and 6 a face, or 12 from 65,536 vertices on. O(n), and nothing is allocated unless there is
-/// alpha: the sizes in the head of the file follow from the counts, and the JSON is written twice, the first time to be counted.
-/// Sources: Khronos, glTF 2.0 specification, sections 3.6, 3.7 and 4.4, KHR_mesh_quantization, KHR_materials_unlit.
+/// 20 bytes a vertex (16 quantised) and 6 a face, or 12 from 65,536 vertices on. O(n); of what grows with the mesh, nothing is
+/// allocated unless there is alpha.
+/// Sources: Khronos, glTF 2.0 specification, sections 3.6 and 3.7, KHR_mesh_quantization, KHR_materials_unlit.
 #ifndef HMESH_IO_GLTF_HPP
 #define HMESH_IO_GLTF_HPP
 
@@ -21,12 +21,13 @@
 #include <cstddef>
 #include <cstdint>
 #include <limits>
+#include <vector>
 
 #include "hmesh/core/finite.hpp"
 #include "hmesh/core/srgb.hpp"
 #include "hmesh/core/status.hpp"
-#include "hmesh/core/version.hpp"
 #include "hmesh/io/detail/export_mesh.hpp"
+#include "hmesh/io/detail/glb_file.hpp"
 #include "hmesh/io/sink.hpp"
 #include "hmesh/mesh/mesh.hpp"
 
@@ -51,160 +52,100 @@ struct GltfOptions {
 
 namespace detail {
 
-/// How the positions are stored, and where everything lies in the file. Sizes are in bytes.
-struct GlbLayout {
-    bool quantized = false;                                              ///< positions are unsigned shorts
-    bool wide_indices = false;                                           ///< indices have 32 bits
-    bool blends = false;                                                 ///< there is alpha
-    double origin_x = 0, origin_y = 0, step = 1;                         ///< px, y up: position = origin + step * stored number
-    double min_x = 0, min_y = 0, max_x = 0, max_y = 0;                   ///< the bounds of the stored numbers
-    double unit = 1;                                                     ///< units a px
-    std::uint64_t vertices = 0, corners = 0;                             ///< counts; three corners a face
-    std::uint64_t position_bytes = 0, color_bytes = 0, index_bytes = 0;  ///< the three arrays of the buffer, in this order
-    std::uint64_t json_bytes = 0;                                        ///< without padding
+/// The plane of the stored positions: a number stands for `origin` + `step` times it, in px with y up.
+struct GlbGrid {
+    bool is_quantized = false;           ///< numbers are unsigned shorts, else floats
+    std::array<double, 2> origin{0, 0};  ///< px
+    double step = 1;                     ///< px
 
-    /// From one position to the next.
-    [[nodiscard]] std::uint64_t position_stride() const noexcept { return quantized ? 8 : 12; }
-    /// The buffer without padding.
-    [[nodiscard]] std::uint64_t binary_bytes() const noexcept { return position_bytes + color_bytes + index_bytes; }
-    /// All of the file.
-    [[nodiscard]] std::uint64_t file_bytes() const noexcept { return 28 + padded(json_bytes) + padded(binary_bytes()); }
-    /// A size with the padding that makes it a multiple of 4.
-    [[nodiscard]] static std::uint64_t padded(std::uint64_t size) noexcept { return (size + 3) / 4 * 4; }
-
-    /// The number stored for an x in px; an integer if quantised.
-    [[nodiscard]] double stored_x(double x) const noexcept { return stored(x, origin_x); }
-    /// The number stored for a y in px, y up; an integer if quantised.
-    [[nodiscard]] double stored_y(double y) const noexcept { return stored(y, origin_y); }
-
-  private:
-    [[nodiscard]] double stored(double value, double origin) const noexcept {
-        if (!quantized) return static_cast<double>(static_cast<float>(value));
-        return std::min(65535.0, std::floor((value - origin) / step + 0.5));
+    /// The number stored for a coordinate in px, y up; an integer if quantised. `axis`: 0 for x, 1 for y.
+    [[nodiscard]] double stored(double value, std::size_t axis) const noexcept {
+        if (!is_quantized) return static_cast<double>(static_cast<float>(value));
+        return std::min(65535.0, std::floor((value - origin[axis]) / step + 0.5));
     }
 };
 
-/// Finds origin, step and bounds of the positions. O(n).
-inline void lay_out_positions(const MeshView& mesh, GlbLayout& layout) noexcept {
-    double left = static_cast<double>(mesh.positions[0]), right = left, bottom = y_up(mesh, 0), top = bottom;
+/// x and y of a vertex in px, y up.
+[[nodiscard]] inline std::array<double, 2> upright(const MeshView& mesh, std::size_t vertex) noexcept {
+    return {static_cast<double>(mesh.positions[2 * vertex]), y_up(mesh, vertex)};
+}
+
+/// Finds the grid of the positions, and the bounds of the numbers stored. O(n).
+inline void lay_out_positions(const MeshView& mesh, bool is_quantized, GlbGrid& grid, GlbArray& array) noexcept {
+    std::array<double, 2> low = upright(mesh, 0), high = low;
     for (std::size_t v = 1; v < mesh.vertex_count; ++v) {
-        const double x = static_cast<double>(mesh.positions[2 * v]), y = y_up(mesh, v);
-        left = std::min(left, x), right = std::max(right, x);
-        bottom = std::min(bottom, y), top = std::max(top, y);
+        const std::array<double, 2> at = upright(mesh, v);
+        for (std::size_t k = 0; k < 2; ++k) low[k] = std::min(low[k], at[k]), high[k] = std::max(high[k], at[k]);
     }
-    if (layout.quantized) {
-        layout.origin_x = left;
-        layout.origin_y = bottom;
+    grid.is_quantized = is_quantized;
+    if (is_quantized) {
+        grid.origin = low;
         // 1/256 px is the grid that positions lie on, and divides exactly.
-        layout.step = std::max(1.0 / 256, std::max(right - left, top - bottom) / 65535);
+        grid.step = std::max(1.0 / 256, std::max(high[0] - low[0], high[1] - low[1]) / 65535);
     }
     // Rounding keeps the order of numbers, hence their extremes.
-    layout.min_x = layout.stored_x(left), layout.max_x = layout.stored_x(right);
-    layout.min_y = layout.stored_y(bottom), layout.max_y = layout.stored_y(top);
+    array.has_bounds = true;
+    for (std::size_t k = 0; k < 2; ++k) array.low[k] = grid.stored(low[k], k), array.high[k] = grid.stored(high[k], k);
 }
 
-/// Writes a bracket and two numbers.
-inline void write_pair(Writer& writer, double x, double y, const char* rest) {
-    writer.text("[");
-    writer.real(x);
-    writer.text(",");
-    writer.real(y);
-    writer.text(rest);
-}
+/// What an array of the file is filled with.
+enum class GlbContent : std::uint8_t { positions, colors, indices };
 
-/// Writes words and an integer.
-inline void write_count(Writer& writer, const char* name, std::uint64_t value) {
-    writer.text(name);
-    writer.decimal(static_cast<std::int64_t>(value));
-}
+/// All that write_glb() writes of a mesh.
+struct GlbMesh {
+    GlbFile file;
+    std::vector<GlbContent> contents;  ///< of each array
+    GlbGrid grid;
+};
 
-/// Writes the JSON chunk without padding.
-inline void write_gltf_json(Writer& writer, const GlbLayout& layout) {
-    writer.text("{\"asset\":{\"version\":\"2.0\",\"generator\":\"hmesh " HMESH_VERSION_STRING "\"},");
-    writer.text("\"extensionsUsed\":[\"KHR_materials_unlit\"");
-    if (layout.quantized) writer.text(",\"KHR_mesh_quantization\"],\"extensionsRequired\":[\"KHR_mesh_quantization\"");
-    writer.text("],\"scene\":0,\"scenes\":[{\"nodes\":[0]}],\"nodes\":[{\"mesh\":0,\"translation\":");
-    write_pair(writer, layout.origin_x * layout.unit, layout.origin_y * layout.unit, ",0],\"scale\":");
-    write_pair(writer, layout.step * layout.unit, layout.step * layout.unit, ",");
-    writer.real(layout.step * layout.unit);
-    writer.text("]}],\"meshes\":[{\"primitives\":[{\"attributes\":{\"POSITION\":0,\"COLOR_0\":1},");
-    writer.text("\"indices\":2,\"material\":0}]}],");
-    writer.text("\"materials\":[{\"pbrMetallicRoughness\":{\"metallicFactor\":0,\"roughnessFactor\":1},");
-    if (layout.blends) writer.text("\"alphaMode\":\"BLEND\",");
-    writer.text("\"extensions\":{\"KHR_materials_unlit\":{}}}],");
-
-    // 5123 and 5125 are unsigned short and int, 5126 is float.
-    write_count(writer, "\"accessors\":[{\"bufferView\":0,\"componentType\":", layout.quantized ? 5123 : 5126);
-    write_count(writer, ",\"count\":", layout.vertices);
-    writer.text(",\"type\":\"VEC3\",\"min\":");
-    write_pair(writer, layout.min_x, layout.min_y, ",0],\"max\":");
-    write_pair(writer, layout.max_x, layout.max_y, ",0]},");
-    write_count(writer, "{\"bufferView\":1,\"componentType\":5123,\"normalized\":true,\"count\":", layout.vertices);
-    write_count(writer, ",\"type\":\"VEC4\"},{\"bufferView\":2,\"componentType\":", layout.wide_indices ? 5125 : 5123);
-    write_count(writer, ",\"count\":", layout.corners);
-
-    // 34962 holds vertices and 34963 indices.
-    write_count(writer, ",\"type\":\"SCALAR\"}],\"bufferViews\":[{\"buffer\":0,\"byteLength\":", layout.position_bytes);
-    write_count(writer, ",\"byteStride\":", layout.position_stride());
-    write_count(writer, ",\"target\":34962},{\"buffer\":0,\"byteOffset\":", layout.position_bytes);
-    write_count(writer, ",\"byteLength\":", layout.color_bytes);
-    writer.text(",\"byteStride\":8,\"target\":34962},");
-    write_count(writer, "{\"buffer\":0,\"byteOffset\":", layout.position_bytes + layout.color_bytes);
-    write_count(writer, ",\"byteLength\":", layout.index_bytes);
-    write_count(writer, ",\"target\":34963}],\"buffers\":[{\"byteLength\":", layout.binary_bytes());
-    writer.text("}]}");
-}
-
-/// Refuses a file of 4 GiB or more.
-[[nodiscard]] inline Status check_size(const GlbLayout& layout) noexcept {
-    constexpr std::uint64_t most = std::numeric_limits<std::uint32_t>::max();
-    if (layout.file_bytes() <= most) return {};
-    return {Errc::invalid_argument, "the mesh needs more bytes than the head of a .glb file counts",
-            static_cast<std::int64_t>(layout.file_bytes()), static_cast<std::int64_t>(most)};
-}
-
-/// Refuses what a .glb file cannot hold, and fills the layout of what it can. O(n).
-[[nodiscard]] inline Status lay_out_glb(const MeshView& mesh, const GltfOptions& options, GlbLayout& layout) noexcept {
+/// Refuses what a .glb file cannot hold, and lays out what it can. O(n).
+[[nodiscard]] inline Status lay_out_glb(const MeshView& mesh, const GltfOptions& options, GlbMesh& out) {
     constexpr std::uint64_t most = std::numeric_limits<std::int32_t>::max();  // products with strides stay below 2^63
     if (const Status status = check_counts(mesh, most, most, "the mesh has more vertices or faces than a .glb file holds");
         !status)
         return status;
-    layout.blends = mesh.channels == 2 || mesh.channels == 4;
-    layout.quantized = options.quantized_positions;
-    layout.vertices = mesh.vertex_count;
-    layout.corners = 3 * static_cast<std::uint64_t>(mesh.face_count);
+    GlbFile& file = out.file;
+    GlbPrimitive primitive;
+    const auto add = [&](GlbContent content, GlbNumber number, std::uint32_t components, std::uint64_t count) {
+        GlbArray array;
+        array.number = number;
+        array.components = components;
+        array.is_normalized = content == GlbContent::colors;
+        array.is_indices = content == GlbContent::indices;
+        array.count = count;
+        file.arrays.push_back(array);
+        out.contents.push_back(content);
+        return static_cast<std::uint32_t>(file.arrays.size() - 1);
+    };
+    const auto positions = options.quantized_positions ? GlbNumber::u16 : GlbNumber::f32;
+    primitive.attributes.push_back({"POSITION", add(GlbContent::positions, positions, 3, mesh.vertex_count)});
+    primitive.attributes.push_back({"COLOR", add(GlbContent::colors, GlbNumber::u16, 4, mesh.vertex_count), 0});
     // 65535 and 2^32 - 1 must not be used as indices: they mean a restart to GPUs.
-    layout.wide_indices = layout.vertices > 65535;
-    layout.position_bytes = layout.position_stride() * layout.vertices;
-    layout.color_bytes = 8 * layout.vertices;
-    layout.index_bytes = (layout.wide_indices ? 4 : 2) * layout.corners;
-    if (const Status status = check_size(layout); !status) return status;  // before so many are read
+    primitive.indices = add(GlbContent::indices, mesh.vertex_count > 65535 ? GlbNumber::u32 : GlbNumber::u16, 1,
+                            3 * static_cast<std::uint64_t>(mesh.face_count));
+    if (const Status status = check_glb_size(file); !status) return status;  // before so many are read
     if (const Status status = check_for_export(mesh); !status) return status;
     if (!kit::is_within(options.longer_side, 0, static_cast<double>(std::numeric_limits<float>::max())))
         return {Errc::invalid_argument, "the longer side must be a length that a float holds, or 0", 0, 0};
 
-    if (options.longer_side > 0) layout.unit = options.longer_side / std::max(mesh.width, mesh.height);
-    lay_out_positions(mesh, layout);
-    const auto nowhere = [](const void*, std::size_t) { return true; };
-    Writer counter(nowhere);
-    write_gltf_json(counter, layout);
-    layout.json_bytes = static_cast<std::uint64_t>(counter.position());
-    return check_size(layout);
+    file.is_quantized = options.quantized_positions;
+    file.materials.push_back({false, mesh.channels == 2 || mesh.channels == 4});
+    lay_out_positions(mesh, options.quantized_positions, out.grid, file.arrays[primitive.attributes[0].array]);
+    const double unit = options.longer_side > 0 ? options.longer_side / std::max(mesh.width, mesh.height) : 1;
+    file.nodes.push_back({{out.grid.origin[0] * unit, out.grid.origin[1] * unit}, out.grid.step * unit, 0});
+    file.meshes.push_back({primitive});
+    return count_glb_json(file);
 }
 
 /// Writes the positions, z = 0.
-inline void write_glb_positions(Writer& writer, const MeshView& mesh, const GlbLayout& layout) {
+inline void write_glb_positions(Writer& writer, const MeshView& mesh, const GlbGrid& grid) {
     for (std::size_t v = 0; v < mesh.vertex_count; ++v) {
-        const double x = layout.stored_x(static_cast<double>(mesh.positions[2 * v])), y = layout.stored_y(y_up(mesh, v));
-        if (layout.quantized) {
-            writer.u16(static_cast<std::uint16_t>(x));
-            writer.u16(static_cast<std::uint16_t>(y));
-            writer.u32(0);  // z and padding: vertex attributes begin at multiples of 4
-        } else {
-            writer.f32(static_cast<float>(x));
-            writer.f32(static_cast<float>(y));
-            writer.f32(0);
+        const std::array<double, 2> at = upright(mesh, v);
+        for (std::size_t k = 0; k < 2; ++k) {
+            if (grid.is_quantized) writer.u16(static_cast<std::uint16_t>(grid.stored(at[k], k)));
+            else writer.f32(static_cast<float>(at[k]));
         }
+        writer.u32(0);  // z, and of shorts padding: vertex attributes begin at multiples of 4
     }
 }
 
@@ -218,18 +159,13 @@ inline void write_glb_colors(Writer& writer, const MeshView& mesh, bool are_line
 }
 
 /// Writes the faces' corners.
-inline void write_glb_indices(Writer& writer, const MeshView& mesh, bool wide) {
+inline void write_glb_indices(Writer& writer, const MeshView& mesh, GlbNumber number) {
     for (std::size_t f = 0; f < mesh.face_count; ++f) {
         for (const std::uint32_t v : turned(mesh.faces[f])) {
-            if (wide) writer.u32(v);
+            if (number == GlbNumber::u32) writer.u32(v);
             else writer.u16(static_cast<std::uint16_t>(v));
         }
     }
-}
-
-/// Fills a chunk of this size up to a multiple of 4.
-inline void pad(Writer& writer, std::uint64_t size, char with) {
-    for (; size % 4 != 0; ++size) writer.u8(static_cast<std::uint8_t>(with));
 }
 
 }  // namespace detail
@@ -238,25 +174,17 @@ inline void pad(Writer& writer, std::uint64_t size, char with) {
 /// without their vertices, or needs 4 GiB, and a longer side that is negative or no float, give a Status that says so, and no
 /// byte is written; a sink that refuses bytes gives Errc::write_failed.
 inline Status write_glb(const MeshView& source, Sink sink, const GltfOptions& options = {}) {
-    detail::GlbLayout layout;
-    if (const Status status = detail::lay_out_glb(source, options, layout); !status) return status;
+    detail::GlbMesh out;
+    if (const Status status = detail::lay_out_glb(source, options, out); !status) return status;
     const detail::ExportMesh exported(source, detail::Premultiplied::divided);
     const MeshView& mesh = exported.view();
-    detail::Writer writer(sink);
-    writer.text("glTF");
-    writer.u32(2);
-    writer.u32(static_cast<std::uint32_t>(layout.file_bytes()));
-    writer.u32(static_cast<std::uint32_t>(detail::GlbLayout::padded(layout.json_bytes)));
-    writer.text("JSON");
-    detail::write_gltf_json(writer, layout);
-    detail::pad(writer, layout.json_bytes, ' ');
-    writer.u32(static_cast<std::uint32_t>(detail::GlbLayout::padded(layout.binary_bytes())));
-    writer.bytes("BIN", 4);  // with its zero
-    detail::write_glb_positions(writer, mesh, layout);
-    detail::write_glb_colors(writer, mesh, options.colors_are_linear);
-    detail::write_glb_indices(writer, mesh, layout.wide_indices);
-    detail::pad(writer, layout.binary_bytes(), '\0');
-    return writer.finish();
+    return detail::write_glb_file(out.file, sink, [&](detail::Writer& writer, std::size_t array) {
+        switch (out.contents[array]) {
+            case detail::GlbContent::positions: return write_glb_positions(writer, mesh, out.grid);
+            case detail::GlbContent::colors: return write_glb_colors(writer, mesh, options.colors_are_linear);
+            case detail::GlbContent::indices: return write_glb_indices(writer, mesh, out.file.arrays[array].number);
+        }
+    });
 }
 
 }  // namespace hmesh

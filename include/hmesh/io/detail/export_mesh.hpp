@@ -66,13 +66,16 @@ namespace hmesh::detail {
 /// A share in [0, 1] as an integer of 16 bits, rounded; 65535 is full intensity.
 [[nodiscard]] inline std::uint16_t to_u16(double share) noexcept { return static_cast<std::uint16_t>(share * 65535 + 0.5); }
 
-/// Red, green, blue and alpha of a vertex as shares in [0, 1]; of a mesh of 1, 3 or 4 channels. One channel is all three
-/// colours, and what has no alpha is opaque.
+/// Red, green, blue and alpha of a colour of 1 to 4 channels as shares in [0, 1]. One channel is all three colours, of 2 or 4 the
+/// last is alpha, and what has none is opaque.
+[[nodiscard]] inline std::array<double, 4> rgba_shares(const float* color, int channels, double peak) noexcept {
+    const auto share = [&](int k) { return share_of_peak(color[k], peak); };
+    if (channels < 3) return {share(0), share(0), share(0), channels == 2 ? share(1) : 1.0};
+    return {share(0), share(1), share(2), channels == 4 ? share(3) : 1.0};
+}
+/// The same of a vertex.
 [[nodiscard]] inline std::array<double, 4> rgba_shares(const MeshView& mesh, std::size_t vertex) noexcept {
-    const float* color = mesh.colors + static_cast<std::size_t>(mesh.channels) * vertex;
-    const auto share = [&](int k) { return share_of_peak(color[k], mesh.peak); };
-    if (mesh.channels < 3) return {share(0), share(0), share(0), 1.0};
-    return {share(0), share(1), share(2), mesh.channels == 4 ? share(3) : 1.0};
+    return rgba_shares(mesh.colors + static_cast<std::size_t>(mesh.channels) * vertex, mesh.channels, mesh.peak);
 }
 
 /// How a format wants the colours of meshes that are premultiplied, that is stored multiplied by alpha / peak.

@@ -1,0 +1,351 @@
+/// \file
+/// A binary glTF file (.glb) as what it is made of: nodes, meshes, materials, and arrays of numbers in one buffer.
+///
+/// The head and the JSON follow from the list of arrays, whose sizes are known before a number is written: so the JSON is written
+/// twice, the first time to be counted, and the numbers go to the sink as they are made. Where arrays are compressed
+/// (EXT_meshopt_compression) they are made and compressed first, one after another, and kept. Buffer 1 then stands for what they
+/// are when they have been decompressed, and holds nothing.
+///
+/// Source: Khronos, glTF 2.0 specification, sections 3.6 and 4.4; EXT_meshopt_compression.
+#ifndef HMESH_IO_DETAIL_GLB_FILE_HPP
+#define HMESH_IO_DETAIL_GLB_FILE_HPP
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+#include <utility>
+#include <vector>
+
+#include "hmesh/core/function_ref.hpp"
+#include "hmesh/core/status.hpp"
+#include "hmesh/core/version.hpp"
+#include "hmesh/io/sink.hpp"
+
+#include "hmesh/core/macros/push.hpp"
+
+namespace hmesh::detail {
+
+/// What an element of an array is made of, with glTF's numbers for it.
+enum class GlbNumber : std::uint16_t {
+    i8 = 5120,   ///< 1 byte, with a sign
+    u8 = 5121,   ///< 1 byte
+    i16 = 5122,  ///< 2 bytes, with a sign
+    u16 = 5123,  ///< 2 bytes
+    u32 = 5125,  ///< 4 bytes
+    f32 = 5126,  ///< 4 bytes, IEEE 754 binary32
+};
+
+/// The bytes of a number.
+[[nodiscard]] constexpr std::uint32_t size_of(GlbNumber number) noexcept {
+    switch (number) {
+        case GlbNumber::i8:
+        case GlbNumber::u8: return 1;
+        case GlbNumber::i16:
+        case GlbNumber::u16: return 2;
+        case GlbNumber::u32:
+        case GlbNumber::f32: break;
+    }
+    return 4;
+}
+
+/// An array of the buffer: an accessor and its buffer view. Of vertices, or of the indices of a primitive.
+struct GlbArray {
+    GlbNumber number = GlbNumber::f32;    ///< what an element is made of
+    std::uint32_t components = 1;         ///< numbers of an element, 1 to 4
+    bool is_normalized = false;           ///< integers stand for shares of the largest
+    bool is_indices = false;              ///< of faces, three corners each
+    bool has_bounds = false;              ///< a VEC3 whose z is 0
+    std::array<double, 2> low{}, high{};  ///< its bounds
+    std::uint64_t count = 0;              ///< elements
+
+    /// Bytes from one element to the next: of vertices a multiple of 4.
+    [[nodiscard]] std::uint64_t stride() const noexcept {
+        const std::uint64_t size = std::uint64_t{size_of(number)} * components;
+        return is_indices ? size : (size + 3) / 4 * 4;
+    }
+    /// All of its bytes.
+    [[nodiscard]] std::uint64_t bytes() const noexcept { return stride() * count; }
+};
+
+/// A vertex attribute of a primitive.
+struct GlbAttribute {
+    const char* name = "";    ///< "POSITION"; lives as long as the file
+    std::uint32_t array = 0;  ///< which of the file's arrays
+    int set = -1;             ///< the number after it, as of COLOR_0; below 0: none
+    bool is_custom = false;   ///< of no meaning to glTF: written in capitals behind an underscore
+};
+
+/// Faces that are drawn with one material.
+struct GlbPrimitive {
+    std::vector<GlbAttribute> attributes;  ///< all of one length
+    std::uint32_t indices = 0,             ///< which of the file's arrays
+        material = 0;                      ///< which of the file's materials
+};
+
+/// A node of the scene, which places a mesh in the plane.
+struct GlbNode {
+    std::array<double, 2> translation{};  ///< units
+    double scale = 1;                     ///< units for one of the mesh
+    std::uint32_t mesh = 0;               ///< which of the file's meshes
+};
+
+/// How faces are shaded.
+struct GlbMaterial {
+    bool is_lit = false;  ///< by lamps, as a rough surface; else the colours are what is seen
+    bool blends = false;  ///< there is alpha
+};
+
+/// Compresses an array in the way that EXT_meshopt_compression calls ATTRIBUTES or, of indices, TRIANGLES.
+using GlbCompress = FunctionRef<bool(const unsigned char* bytes, std::size_t count, std::size_t stride, bool is_indices,
+                                     std::vector<unsigned char>& out)>;
+
+/// All of a file but the numbers of its arrays.
+struct GlbFile {
+    std::vector<GlbNode> nodes;                     ///< of the scene
+    std::vector<std::vector<GlbPrimitive>> meshes;  ///< the primitives of each
+    std::vector<GlbMaterial> materials;             ///< at least one
+    std::vector<GlbArray> arrays;                   ///< in the order of the buffer
+    /// Of each array, where they are compressed; else empty.
+    std::vector<std::vector<unsigned char>> compressed{};
+    bool is_quantized = false;     ///< arrays have numbers that KHR_mesh_quantization allows
+    std::uint64_t json_bytes = 0;  ///< without padding
+
+    /// A size with the padding that makes it a multiple of 4.
+    [[nodiscard]] static std::uint64_t padded(std::uint64_t size) noexcept { return (size + 3) / 4 * 4; }
+    /// The arrays as they are read, each from a multiple of 4 on, without padding behind the last.
+    [[nodiscard]] std::uint64_t array_bytes() const noexcept {
+        std::uint64_t sum = 0;
+        for (const GlbArray& array : arrays) sum = padded(sum) + array.bytes();
+        return sum;
+    }
+    /// The buffer that the file holds, without padding behind it.
+    [[nodiscard]] std::uint64_t binary_bytes() const noexcept {
+        if (compressed.empty()) return array_bytes();
+        std::uint64_t sum = 0;
+        for (const std::vector<unsigned char>& bytes : compressed) sum += padded(bytes.size());
+        return sum;
+    }
+    /// All of the file.
+    [[nodiscard]] std::uint64_t file_bytes() const noexcept { return 28 + padded(json_bytes) + padded(binary_bytes()); }
+    /// Whether a material is not lit.
+    [[nodiscard]] bool has_unlit() const noexcept {
+        for (const GlbMaterial& material : materials)
+            if (!material.is_lit) return true;
+        return false;
+    }
+};
+
+/// Words and numbers of JSON.
+class GlbJson {
+  public:
+    /// Puts them into a writer, which outlives this object.
+    explicit GlbJson(Writer& writer) noexcept : writer_(&writer) {}
+
+    /// Puts words, one after the other.
+    void put(const char* words) { writer_->text(words); }
+    /// Puts an integer.
+    void put(std::uint64_t value) { writer_->decimal(static_cast<std::int64_t>(value)); }
+    /// Puts a real number.
+    void put(double value) { writer_->real(value); }
+    template <class First, class Second, class... Rest>
+    void put(First first, Second second, Rest... rest) {
+        put(first);
+        put(second, rest...);
+    }
+    /// Puts two words, letters of the second as capitals.
+    void capitals(const char* first, const char* word) {
+        put(first);
+        for (; *word != '\0'; ++word)
+            writer_->u8(static_cast<std::uint8_t>(*word >= 'a' && *word <= 'z' ? *word - 'a' + 'A' : *word));
+    }
+    /// Puts "NAME":[ and what put_one puts for each entry, with commas between them, and ].
+    template <class Entries, class PutOne>
+    void list(const char* name, const Entries& entries, PutOne&& put_one) {
+        put("\"", name, "\":[");
+        for (std::size_t i = 0; i < entries.size(); ++i) {
+            if (i > 0) put(",");
+            put_one(entries[i], i);
+        }
+        put("]");
+    }
+
+  private:
+    Writer* writer_;
+};
+
+/// Writes the names of the extensions.
+inline void write_glb_extensions(GlbJson& json, const GlbFile& file) {
+    std::vector<const char*> used, required;
+    if (file.has_unlit()) used.push_back("KHR_materials_unlit");
+    if (file.is_quantized) required.push_back("KHR_mesh_quantization");
+    if (!file.compressed.empty()) required.push_back("EXT_meshopt_compression");
+    used.insert(used.end(), required.begin(), required.end());
+    for (const auto& [name, extensions] :
+         {std::make_pair("extensionsUsed", used), std::make_pair("extensionsRequired", required)}) {
+        if (extensions.empty()) continue;
+        json.list(name, extensions, [&](const char* extension, std::size_t) { json.put("\"", extension, "\""); });
+        json.put(",");
+    }
+}
+
+/// Writes scene, nodes, meshes and materials.
+inline void write_glb_scene(GlbJson& json, const GlbFile& file) {
+    json.put("\"scene\":0,\"scenes\":[{");
+    json.list("nodes", file.nodes, [&](const GlbNode&, std::size_t i) { json.put(std::uint64_t{i}); });
+    json.put("}],");
+    json.list("nodes", file.nodes, [&](const GlbNode& node, std::size_t) {
+        json.put("{\"mesh\":", std::uint64_t{node.mesh}, ",\"translation\":[", node.translation[0], ",", node.translation[1]);
+        json.put(",0],\"scale\":[", node.scale, ",", node.scale, ",", node.scale, "]}");
+    });
+    json.put(",");
+    json.list("meshes", file.meshes, [&](const std::vector<GlbPrimitive>& primitives, std::size_t) {
+        json.put("{");
+        json.list("primitives", primitives, [&](const GlbPrimitive& primitive, std::size_t) {
+            json.put("{\"attributes\":{");
+            for (const GlbAttribute& attribute : primitive.attributes) {
+                json.put(&attribute != primitive.attributes.data() ? ",\"" : "\"");
+                if (attribute.is_custom) json.capitals("_", attribute.name);
+                else json.put(attribute.name);
+                if (attribute.set >= 0) json.put("_", static_cast<std::uint64_t>(attribute.set));
+                json.put("\":", std::uint64_t{attribute.array});
+            }
+            json.put("},\"indices\":", std::uint64_t{primitive.indices}, ",\"material\":", std::uint64_t{primitive.material},
+                     "}");
+        });
+        json.put("}");
+    });
+    json.put(",");
+    json.list("materials", file.materials, [&](const GlbMaterial& material, std::size_t) {
+        json.put("{\"pbrMetallicRoughness\":{\"metallicFactor\":0,\"roughnessFactor\":1}");
+        if (material.blends) json.put(",\"alphaMode\":\"BLEND\"");
+        if (!material.is_lit) json.put(",\"extensions\":{\"KHR_materials_unlit\":{}}");
+        json.put("}");
+    });
+}
+
+/// Writes accessors, buffer views and buffers.
+inline void write_glb_arrays(GlbJson& json, const GlbFile& file) {
+    constexpr std::array<const char*, 4> types{"SCALAR", "VEC2", "VEC3", "VEC4"};
+    json.list("accessors", file.arrays, [&](const GlbArray& array, std::size_t i) {
+        json.put("{\"bufferView\":", std::uint64_t{i}, ",\"componentType\":", static_cast<std::uint64_t>(array.number));
+        if (array.is_normalized) json.put(",\"normalized\":true");
+        json.put(",\"count\":", array.count, ",\"type\":\"", types[array.components - 1], "\"");
+        if (array.has_bounds)
+            json.put(",\"min\":[", array.low[0], ",", array.low[1], ",0],\"max\":[", array.high[0], ",", array.high[1], ",0]");
+        json.put("}");
+    });
+    json.put(",");
+    const bool is_compressed = !file.compressed.empty();
+    std::uint64_t offset = 0, place = 0;
+    json.list("bufferViews", file.arrays, [&](const GlbArray& array, std::size_t i) {
+        json.put(is_compressed ? "{\"buffer\":1" : "{\"buffer\":0");
+        if (offset > 0) json.put(",\"byteOffset\":", offset);
+        json.put(",\"byteLength\":", array.bytes());
+        if (!array.is_indices) json.put(",\"byteStride\":", array.stride());
+        json.put(",\"target\":", std::uint64_t{array.is_indices ? 34963U : 34962U});  // ELEMENT_ARRAY_BUFFER and ARRAY_BUFFER
+        offset += GlbFile::padded(array.bytes());
+        if (is_compressed) {
+            const std::uint64_t size = file.compressed[i].size();
+            json.put(",\"extensions\":{\"EXT_meshopt_compression\":{\"buffer\":0,\"byteOffset\":", place,
+                     ",\"byteLength\":", size);
+            json.put(",\"byteStride\":", array.stride(), ",\"count\":", array.count, ",\"mode\":\"");
+            json.put(array.is_indices ? "TRIANGLES\"}}" : "ATTRIBUTES\"}}");
+            place += GlbFile::padded(size);
+        }
+        json.put("}");
+    });
+    json.put(",\"buffers\":[{\"byteLength\":", file.binary_bytes(), "}");
+    if (is_compressed)
+        json.put(",{\"byteLength\":", file.array_bytes(), ",\"extensions\":{\"EXT_meshopt_compression\":{\"fallback\":true}}}");
+    json.put("]");
+}
+
+/// Writes the JSON chunk without padding.
+inline void write_glb_json(Writer& writer, const GlbFile& file) {
+    GlbJson json(writer);
+    json.put("{\"asset\":{\"version\":\"2.0\",\"generator\":\"hmesh " HMESH_VERSION_STRING "\"},");
+    write_glb_extensions(json, file);
+    write_glb_scene(json, file);
+    json.put(",");
+    write_glb_arrays(json, file);
+    json.put("}");
+}
+
+/// Refuses a file of 4 GiB or more.
+[[nodiscard]] inline Status check_glb_size(const GlbFile& file) noexcept {
+    constexpr std::uint64_t most = std::numeric_limits<std::uint32_t>::max();
+    if (file.file_bytes() <= most) return {};
+    return {Errc::invalid_argument, "the mesh needs more bytes than the head of a .glb file counts",
+            static_cast<std::int64_t>(file.file_bytes()), static_cast<std::int64_t>(most)};
+}
+
+/// Fills a chunk of this size up to a multiple of 4.
+inline void pad(Writer& writer, std::uint64_t size, char with) {
+    for (; size % 4 != 0; ++size) writer.u8(static_cast<std::uint8_t>(with));
+}
+
+/// Puts the elements of an array, each filled up to its stride.
+using FillGlbArray = FunctionRef<void(Writer& writer, std::size_t array)>;
+
+/// Makes all arrays and compresses them. Errc::write_failed where that fails.
+[[nodiscard]] inline Status compress_arrays(GlbFile& file, FillGlbArray fill, GlbCompress compress) {
+    std::vector<unsigned char> bytes;
+    const auto keep = [&](const void* from, std::size_t size) {
+        const auto* first = static_cast<const unsigned char*>(from);
+        bytes.insert(bytes.end(), first, first + size);
+        return true;
+    };
+    for (std::size_t i = 0; i < file.arrays.size(); ++i) {
+        const GlbArray& array = file.arrays[i];
+        bytes.clear();
+        bytes.reserve(static_cast<std::size_t>(array.bytes()));
+        Writer writer(keep);
+        fill(writer, i);
+        if (const Status status = writer.finish(); !status) return status;
+        std::vector<unsigned char>& out = file.compressed.emplace_back();
+        if (!compress(bytes.data(), static_cast<std::size_t>(array.count), static_cast<std::size_t>(array.stride()),
+                      array.is_indices, out) ||
+            out.empty())
+            return {Errc::write_failed, "the compressor failed, before the first byte was written", 0, 0};
+    }
+    return {};
+}
+
+/// Counts the JSON and refuses a file of 4 GiB or more.
+[[nodiscard]] inline Status count_glb_json(GlbFile& file) {
+    const auto nowhere = [](const void*, std::size_t) { return true; };
+    Writer counter(nowhere);
+    write_glb_json(counter, file);
+    file.json_bytes = static_cast<std::uint64_t>(counter.position());
+    return check_glb_size(file);
+}
+
+/// Writes the whole file, whose JSON has been counted.
+inline Status write_glb_file(const GlbFile& file, Sink sink, FillGlbArray fill) {
+    Writer writer(sink);
+    writer.text("glTF");
+    writer.u32(2);
+    writer.u32(static_cast<std::uint32_t>(file.file_bytes()));
+    writer.u32(static_cast<std::uint32_t>(GlbFile::padded(file.json_bytes)));
+    writer.text("JSON");
+    write_glb_json(writer, file);
+    pad(writer, file.json_bytes, ' ');
+    writer.u32(static_cast<std::uint32_t>(GlbFile::padded(file.binary_bytes())));
+    writer.bytes("BIN", 4);  // with its zero
+    for (const std::vector<unsigned char>& bytes : file.compressed) {
+        writer.bytes(bytes.data(), bytes.size());
+        pad(writer, bytes.size(), '\0');
+    }
+    for (std::size_t i = 0; i < file.arrays.size() && file.compressed.empty(); ++i) {
+        fill(writer, i);
+        pad(writer, file.arrays[i].bytes(), '\0');
+    }
+    return writer.finish();
+}
+
+}  // namespace hmesh::detail
+
+#include "hmesh/core/macros/pop.hpp"
+
+#endif  // HMESH_IO_DETAIL_GLB_FILE_HPP
