@@ -814,6 +814,16 @@ class GpuWriter {
     return bytes;
 }
 
+/// The faces whose corners are three.
+[[nodiscard]] inline std::vector<Triangle> faces_of_three_corners(const MeshView& mesh) {
+    std::vector<Triangle> faces;
+    faces.reserve(mesh.face_count);
+    for (std::size_t f = 0; f < mesh.face_count; ++f)
+        if (const Triangle& face = mesh.faces[f]; face[0] != face[1] && face[1] != face[2] && face[2] != face[0])
+            faces.push_back(face);
+    return faces;
+}
+
 /// The vertices of the mesh that a slab draws, in this order, with kit::no_index for restarts.
 [[nodiscard]] inline std::vector<std::uint32_t> gpu_indices(const kit::Slab& slab, GpuTopology topology) {
     std::vector<std::uint32_t> indices;
@@ -841,11 +851,7 @@ class GpuWriter {
     GpuBuffers buffers;
     buffers.status = detail::check_for_gpu(source, options);
     if (!buffers.status) return buffers;
-    std::vector<Triangle> faces;
-    faces.reserve(source.face_count);
-    for (std::size_t f = 0; f < source.face_count; ++f)
-        if (const Triangle& face = source.faces[f]; face[0] != face[1] && face[1] != face[2] && face[2] != face[0])
-            faces.push_back(face);
+    const std::vector<Triangle> faces = detail::faces_of_three_corners(source);
     if (faces.empty()) {
         buffers.status = {Errc::invalid_argument, "the mesh has no face of three different corners", 0, 1};
         return buffers;
@@ -882,6 +888,49 @@ class GpuWriter {
     buffers.indices.resize((buffers.indices.size() + 3) / 4 * 4);
     buffers.vertices = detail::gpu_vertices(mesh, windows.sources(), layout);
     return buffers;
+}
+
+/// Puts the faces of a mesh of 1 to 16 channels into an order that is good for the vertex cache, and its vertices into that in which
+/// files name them, for formats that keep both orders, as write_glb() does; they compress better so. Faces keep the order of their
+/// corners. Those with a corner twice, and vertices of no face, are removed. A mesh that check() refuses, or
+/// that has no face of three different corners, or more than 2^30, gives a Status and stays as it is. O(n), some 0.25 us a face.
+[[nodiscard]] inline Status order_for_gpu(Mesh& mesh) {
+    constexpr std::uint64_t most_vertices = std::uint64_t{1} << 31U, most_faces = std::uint64_t{1} << 30U;
+    const MeshView view = mesh.view();
+    if (const Status status =
+            detail::check_counts(view, most_vertices, most_faces, "the mesh has more vertices or faces than can be ordered");
+        !status)
+        return status;
+    if (const Status status = check(view, 16); !status) return status;
+    const std::vector<Triangle> faces = detail::faces_of_three_corners(view);
+    if (faces.empty()) return {Errc::invalid_argument, "the mesh has no face of three different corners", 0, 1};
+    const auto channels = static_cast<std::size_t>(mesh.channels);
+    std::vector<std::uint32_t> slots(mesh.vertex_count(), kit::no_index);
+    std::vector<Triangle> ordered;
+    std::vector<float> positions, colors;
+    ordered.reserve(faces.size());
+    positions.reserve(mesh.positions.size());
+    colors.reserve(mesh.colors.size());
+    for (const std::uint32_t f : kit::vertex_cache_order(faces, mesh.vertex_count())) {
+        Triangle face = faces[f];
+        for (const std::size_t corner : {0U, 2U, 1U}) {  // as exporters turn it, for y up
+            std::uint32_t& v = face[corner];
+            std::uint32_t& slot = slots[v];
+            if (slot == kit::no_index) {
+                slot = static_cast<std::uint32_t>(positions.size() / 2);
+                const std::size_t at = v;
+                positions.insert(positions.end(), {mesh.positions[2 * at], mesh.positions[2 * at + 1]});
+                const float* const color = mesh.colors.data() + channels * at;
+                colors.insert(colors.end(), color, color + channels);
+            }
+            v = slot;
+        }
+        ordered.push_back(face);
+    }
+    mesh.positions.swap(positions);
+    mesh.colors.swap(colors);
+    mesh.faces.swap(ordered);
+    return {};
 }
 
 }  // namespace hmesh

@@ -257,7 +257,110 @@ TEST_CASE("quantised positions are rounded to a step of 1/256 px or a 65535th of
     const GlbFile file = read_back(mesh, options);
     CHECK(file.positions[2] == std::array<double, 3>{-194, 200, 0});
     CHECK(numbers(file.json, "min") == std::vector<double>{0, 0, 0});
-    CHECK(numbers(file.json, "max") == std::vector<double>{768, 512, 0});
+    CHECK(numbers(file.json, "max") == std::vector<double>{3, 2, 0});  // all lie on whole px
+}
+
+TEST_CASE("quantised positions on a grid of a power of two are exact as long as 65535 steps reach across the mesh") {
+    for (const int steps : {1, 4, 64, 128, 256}) {
+        CAPTURE(steps);
+        const int side = 65535 / steps;
+        hmesh::Mesh mesh = two_faces(3);
+        mesh.width = side, mesh.height = side;
+        const float full = static_cast<float>(side), step = 1.0F / static_cast<float>(steps);
+        mesh.positions = {0, 0, full, 0, full, full, 3 * step, full - step};
+        hmesh::GltfOptions options = quantized();
+        options.longer_side = 0;
+        GlbFile file = read_back(mesh, options);
+        CHECK(file.stored[1] == std::array<double, 3>{static_cast<double>(side * steps), static_cast<double>(side * steps), 0});
+        for (std::size_t v = 0; v < 4; ++v) {
+            CHECK(file.positions[v][0] == static_cast<double>(mesh.positions[2 * v]));
+            CHECK(file.positions[v][1] == side - static_cast<double>(mesh.positions[2 * v + 1]));
+        }
+        mesh.width = mesh.height = side + 1;  // one px more is a step too many
+        for (float& at : mesh.positions) at = at == full ? full + 1 : at;
+        file = read_back(mesh, options);
+        CHECK(file.stored[1][0] == 65535);
+        CHECK(file.positions[1][0] == doctest::Approx(side + 1).epsilon(1e-8));
+    }
+}
+
+TEST_CASE("colours of 8 bits are rounded linear light") {
+    hmesh::GltfOptions options;
+    options.color_bits = 8;
+    const Bytes bytes = hmesh_test::exported(two_faces(4).view(), with(options));
+    const std::string json(bytes.begin() + 20, bytes.end());
+    CHECK(json.find("{\"bufferView\":1,\"componentType\":5121,\"normalized\":true,\"count\":4,\"type\":\"VEC4\"}") !=
+          std::string::npos);
+    const std::size_t colors_at = 28 + number_at<std::uint32_t>(bytes, 12) + 48;
+    for (std::size_t v = 0; v < 4; ++v)
+        for (std::size_t k = 0; k < 4; ++k) {
+            const double share = static_cast<double>(10 * v + k) / 255;
+            const long wanted = k == 3 ? std::lround(share * 255) : std::lround(to_linear_light(share) / 257.0);
+            CHECK(number_at<std::uint8_t>(bytes, colors_at + 4 * v + k) == wanted);
+        }
+    for (const int bits : {0, 7, 9, 32, -8}) {
+        options.color_bits = bits;
+        hmesh_test::check_refused(two_faces(3).view(), hmesh::Errc::invalid_argument, with(options));
+    }
+}
+
+TEST_CASE("a compressor is given each array, and its bytes are what the file holds") {
+    struct Call {
+        Bytes bytes;
+        std::size_t count, stride;
+        bool is_indices;
+    };
+    std::vector<Call> calls;
+    const auto compress = [&](const hmesh::GltfArray& array, Bytes& out) {
+        calls.push_back({{array.bytes, array.bytes + array.count * array.stride}, array.count, array.stride, array.is_indices});
+        out.assign(5 + calls.size(), static_cast<unsigned char>(calls.size()));
+        return true;
+    };
+    hmesh::Mesh mesh = two_faces(3);
+    mesh.faces.pop_back();
+    hmesh::GltfOptions options = quantized();
+    const Bytes plain = hmesh_test::exported(mesh.view(), with(options));
+    options.compress = compress;
+    const Bytes bytes = hmesh_test::exported(mesh.view(), with(options));
+    REQUIRE(calls.size() == 3);
+    const std::size_t plain_at = 28 + number_at<std::uint32_t>(plain, 12);
+    std::size_t at = plain_at;
+    for (const Call& call : calls) {
+        CHECK(call.stride == (call.is_indices ? 2 : 8));
+        CHECK(call.count == (call.is_indices ? 3 : 4));
+        CHECK(std::equal(call.bytes.begin(), call.bytes.end(), plain.begin() + static_cast<std::ptrdiff_t>(at)));
+        at += call.bytes.size();
+    }
+    CHECK(calls[2].is_indices);
+    const std::size_t json_size = number_at<std::uint32_t>(bytes, 12);
+    const std::string json(bytes.begin() + 20, bytes.begin() + 20 + static_cast<std::ptrdiff_t>(json_size));
+    const char* const views =
+        "\"bufferViews\":[{\"buffer\":1,\"byteLength\":32,\"byteStride\":8,\"target\":34962,\"extensions\":{"
+        "\"EXT_meshopt_compression\":{\"buffer\":0,\"byteOffset\":0,\"byteLength\":6,\"byteStride\":8,\"count\":4,"
+        "\"mode\":\"ATTRIBUTES\"}}},{\"buffer\":1,\"byteOffset\":32,\"byteLength\":32,\"byteStride\":8,\"target\":34962,"
+        "\"extensions\":{\"EXT_meshopt_compression\":{\"buffer\":0,\"byteOffset\":8,\"byteLength\":7,\"byteStride\":8,"
+        "\"count\":4,\"mode\":\"ATTRIBUTES\"}}},{\"buffer\":1,\"byteOffset\":64,\"byteLength\":6,\"target\":34963,"
+        "\"extensions\":{\"EXT_meshopt_compression\":{\"buffer\":0,\"byteOffset\":16,\"byteLength\":8,\"byteStride\":2,"
+        "\"count\":3,\"mode\":\"TRIANGLES\"}}}],\"buffers\":[{\"byteLength\":24},{\"byteLength\":70,\"extensions\":{"
+        "\"EXT_meshopt_compression\":{\"fallback\":true}}}]}";
+    CHECK(json.find(views) != std::string::npos);
+    CHECK(json.find("\"extensionsRequired\":[\"KHR_mesh_quantization\",\"EXT_meshopt_compression\"]") != std::string::npos);
+    const Bytes body = {24, 0, 0, 0, 'B', 'I', 'N', 0, 1, 1, 1, 1, 1, 1, 0, 0, 2, 2, 2, 2, 2, 2, 2, 0, 3, 3, 3, 3, 3, 3, 3, 3};
+    CHECK(Bytes(bytes.begin() + 20 + static_cast<std::ptrdiff_t>(json_size), bytes.end()) == body);
+    CHECK(number_at<std::uint32_t>(bytes, 8) == bytes.size());
+
+    const auto fail = [](const hmesh::GltfArray& array, Bytes& out) {
+        if (!array.is_indices) out.push_back(1);
+        return true;  // of no bytes
+    };
+    options.compress = fail;
+    hmesh_test::check_refused(mesh.view(), hmesh::Errc::write_failed, with(options));
+    const auto give_up = [](const hmesh::GltfArray&, Bytes& out) {
+        out.push_back(1);
+        return false;
+    };
+    options.compress = give_up;
+    hmesh_test::check_refused(mesh.view(), hmesh::Errc::write_failed, with(options));
 }
 
 TEST_CASE("the longer side has the length asked for, and positions in the buffer stay pixels") {

@@ -450,3 +450,68 @@ TEST_CASE("options out of their range give a Status that names value and bound")
     options.index = static_cast<GpuIndexFormat>(2);
     refuse(options, "indices' format", 2, 1);
 }
+
+TEST_CASE("a mesh put into order has the same faces, used vertices alone, and numbers them as files name them") {
+    for (const int channels : {1, 4, 16}) {
+        CAPTURE(channels);
+        hmesh::Mesh mesh = hmesh_test::square_grid(40, 30);
+        hmesh::kit::Random random(3);
+        for (std::size_t i = mesh.faces.size(); i > 1; --i) std::swap(mesh.faces[i - 1], mesh.faces[random.below(i)]);
+        mesh.positions.insert(mesh.positions.begin(), {5, 5});  // of no face
+        for (hmesh::Triangle& face : mesh.faces)
+            for (std::uint32_t& v : face) ++v;
+        mesh.faces.push_back({1, 2, 2});
+        mesh.channels = channels;
+        mesh.colors.clear();
+        for (std::size_t i = 0; i < mesh.vertex_count() * static_cast<std::size_t>(channels); ++i)
+            mesh.colors.push_back(static_cast<float>(random.uniform()));
+        // A face as its corners' numbers, in their order.
+        const auto faces_of = [&](const hmesh::Mesh& from) {
+            std::vector<std::vector<float>> out;
+            for (const hmesh::Triangle& face : from.faces) {
+                if (face[1] == face[2]) continue;
+                std::vector<float> numbers;
+                for (const std::uint32_t v : face) {
+                    numbers.insert(numbers.end(), {from.positions[2 * std::size_t{v}], from.positions[2 * std::size_t{v} + 1]});
+                    for (std::size_t k = 0, c = static_cast<std::size_t>(channels); k < c; ++k)
+                        numbers.push_back(from.colors[c * v + k]);
+                }
+                out.push_back(numbers);
+            }
+            std::sort(out.begin(), out.end());
+            return out;
+        };
+        hmesh::Mesh ordered = mesh;
+        REQUIRE(order_for_gpu(ordered));
+        CHECK(faces_of(ordered) == faces_of(mesh));
+        CHECK(ordered.vertex_count() == mesh.vertex_count() - 1);
+        std::uint32_t next = 0;
+        std::vector<std::uint32_t> indices;
+        for (const hmesh::Triangle& face : ordered.faces)
+            for (const std::uint32_t v : {face[0], face[2], face[1]}) {
+                CHECK(v <= next);
+                next += v == next ? 1 : 0;
+                indices.push_back(v);
+            }
+        CHECK(hmesh::kit::vertex_cache_use(indices.data(), indices.size(), indices.size() / 3, next).acmr < 0.68);
+        hmesh::Mesh again = ordered;
+        REQUIRE(order_for_gpu(again));
+        CHECK(faces_of(again) == faces_of(mesh));
+    }
+}
+
+TEST_CASE("a mesh that cannot be ordered stays as it is") {
+    hmesh::Mesh mesh = hmesh_test::two_faces(3);
+    mesh.faces = {{0, 1, 1}, {2, 2, 2}};
+    const hmesh::Mesh before = mesh;
+    CHECK(order_for_gpu(mesh).code == hmesh::Errc::invalid_argument);
+    CHECK(mesh.faces == before.faces);
+    mesh.faces = {{0, 1, 4}};
+    CHECK(order_for_gpu(mesh).code == hmesh::Errc::invalid_argument);
+    CHECK(mesh.faces[0][2] == 4);
+    mesh = hmesh_test::two_faces(3);
+    mesh.colors[4] = std::numeric_limits<float>::infinity();
+    CHECK(order_for_gpu(mesh).code == hmesh::Errc::not_finite);
+    mesh = {};
+    CHECK(order_for_gpu(mesh).code == hmesh::Errc::invalid_argument);
+}

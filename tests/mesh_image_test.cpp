@@ -255,7 +255,8 @@ TEST_CASE("limits that mean nothing are refused, each by itself") {
     const std::pair<Limit, std::vector<double>> cases[] = {{&hmesh::MeshLimits::min_double_area, {0, 0.3, 1e9}},
                                                            {&hmesh::MeshLimits::border_gap, {0, 1.0 / 512, 0.3, 1e9}},
                                                            {&hmesh::MeshLimits::color_overshoot, {-1e-9, 101, 1e300}},
-                                                           {&hmesh::MeshLimits::ridge, {0, 1.5, 1e300}}};
+                                                           {&hmesh::MeshLimits::ridge, {0, 1.5, 1e300}},
+                                                           {&hmesh::MeshLimits::position_step, {1.0 / 512, 0.5, 1e300}}};
     for (const auto& [limit, bads] : cases) {
         for (const double bad : bads) {
             Options options = options_of(Target::vertices(8));
@@ -287,10 +288,34 @@ TEST_CASE("limits at the ends of their ranges still give every number of vertice
                         for (const std::size_t n : {4U, 7U, 19U, 20U}) {
                             CAPTURE(n);
                             Options options = options_of(Target::vertices(static_cast<std::int64_t>(n)));
-                            options.limits = {min_double_area, border_gap, color_overshoot, ridge};
+                            options.limits = {min_double_area, border_gap, color_overshoot, ridge, ridge < 1 ? 0.25 : 1.0 / 256};
                             hmesh_test::prove_result(image, mesh_image(image.view(), options, recipe_of(effort)), n);
                         }
                 }
+}
+
+TEST_CASE("vertices lie on the grid whose step is asked for, and the mesh is fitted to it") {
+    const auto image = hmesh_test::scene<std::uint8_t, 3>(90, 70, 1);
+    for (const Effort effort : {Effort::draft, Effort::normal}) {
+        double finest = 0;
+        for (double step = 1.0 / 256; step <= 0.25; step *= 2) {
+            CAPTURE(step);
+            Options options = options_of(Target::vertices(150));
+            options.limits.position_step = step;
+            const Result result = mesh_image(image.view(), options, recipe_of(effort));
+            hmesh_test::prove_result(image, result, 150);
+            std::size_t off = 0, odd = 0;
+            for (const float at : result.mesh.positions) {
+                const double steps = static_cast<double>(at) / step;
+                off += steps != std::floor(steps);
+                odd += std::fmod(steps, 2) == 1;
+            }
+            CHECK(off == 0);
+            CHECK(odd > 0);
+            if (finest == 0) finest = result.report.psnr;
+            CHECK(result.report.psnr > finest - 0.5);
+        }
+    }
 }
 
 TEST_CASE("the smallest ridges are refused or leave all colours finite") {

@@ -69,7 +69,8 @@ void check_file(const std::string& file, const hmesh::MeshView& mesh, const hmes
 
     const std::size_t vertices = mesh.vertex_count, corners = 3 * mesh.face_count;
     const bool is_quantized = options.quantized_positions, is_wide = vertices > 65535;
-    const std::size_t used = vertices * (is_quantized ? 16 : 20) + corners * (is_wide ? 4 : 2);
+    const auto color_bytes = static_cast<std::size_t>(options.color_bits) / 2;  // of four
+    const std::size_t used = vertices * ((is_quantized ? 8 : 12) + color_bytes) + corners * (is_wide ? 4 : 2);
     demand(buffer_bytes >= used && buffer_bytes < used + 4, "the buffer holds vertices and indices");
     FuzzText announced(json);
     static_cast<void>(announced.until("\"buffers\":[{\"byteLength\":"));
@@ -91,7 +92,7 @@ void check_file(const std::string& file, const hmesh::MeshView& mesh, const hmes
         demand(static_cast<float>(least[k]) == static_cast<float>(low[k]), "the smallest coordinate is the accessor's");
         demand(static_cast<float>(most[k]) == static_cast<float>(high[k]), "the largest coordinate is the accessor's");
     }
-    text.skip(8 * vertices);  // any number is a colour
+    text.skip(color_bytes * vertices);  // any number is a colour
     for (std::size_t i = 0; i < corners; ++i) demand(text.word(is_wide ? 4 : 2) < vertices, "an index names a vertex");
 }
 
@@ -102,6 +103,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* bytes, std::size_t siz
     hmesh::GltfOptions options;
     options.quantized_positions = input.flag();
     options.colors_are_linear = input.flag();
+    if (input.one_in(4)) options.color_bits = 8;
     const bool is_wild = input.one_in(4);
     if (is_wild) options.longer_side = input.wild_real();
     hmesh_test::FuzzMesh mesh = hmesh_test::FuzzMeshDraw(input).mesh();

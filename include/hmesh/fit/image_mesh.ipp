@@ -189,9 +189,10 @@ Status ImageMesh<C>::check() const {
 
 template <int C>
 Point ImageMesh<C>::clamp(Point p, Mobility mobility) const noexcept {
-    const auto held = [gap = limits_.border_gap](double x, int size, int image_low, int image_size) {
+    const double step = limits_.position_step, gap = std::max(limits_.border_gap, step);
+    const auto held = [step, gap](double x, int size, int image_low, int image_size) {
         const double low = image_low == 0 ? gap : 0, high = image_low + image_size == size ? size - gap : size;
-        return snap(std::max(low, std::min(high, x)));
+        return snap(std::max(low, std::min(high, x)), step);
     };
     const Rect& image = context_.image;
     Point q = p;

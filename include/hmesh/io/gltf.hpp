@@ -6,12 +6,19 @@
 /// and the indices, all little-endian. Positions are pixels, sized by the node: float VEC3, exact; or unsigned shorts. Colours
 /// are unsigned shorts, RGBA, alpha straight: grey is r = g = b, and what has alpha is drawn with alphaMode BLEND. glTF
 /// colours are linear light, so stored values are decoded from sRGB: 16 bits keep them to 0.02 of a 255th, in 8 bits only 183
-/// of 256 values would stay apart. Viewers interpolate linear light: pictures look a little different inside faces, unless the
+/// of 256 values stay apart. Viewers interpolate linear light: pictures look a little different inside faces, unless the
 /// mesh was fitted for that.
 ///
+/// Groups of channels (io/channel_groups.hpp) become COLOR_0, COLOR_1 and so on, NORMAL with TANGENT (1, 0, 0, 1), and _NAME of
+/// data. With a normal the material is lit.
+///
+/// Smallest is a mesh in the order of pack_for_gpu(), ordered_for_gpu(), with positions of 16 bits, colours of 8, and compressed:
+/// some 8.5 bytes a vertex with all.
+///
 /// 20 bytes a vertex (16 quantised) and 6 a face, or 12 from 65,536 vertices on. O(n); of what grows with the mesh, nothing is
-/// allocated unless there is alpha.
-/// Sources: Khronos, glTF 2.0 specification, sections 3.6 and 3.7, KHR_mesh_quantization, KHR_materials_unlit.
+/// allocated unless there is alpha or a compressor.
+/// Sources: Khronos, glTF 2.0 specification, sections 3.6 and 3.7, KHR_mesh_quantization, KHR_materials_unlit,
+/// EXT_meshopt_compression.
 #ifndef HMESH_IO_GLTF_HPP
 #define HMESH_IO_GLTF_HPP
 
@@ -24,8 +31,10 @@
 #include <vector>
 
 #include "hmesh/core/finite.hpp"
+#include "hmesh/core/function_ref.hpp"
 #include "hmesh/core/srgb.hpp"
 #include "hmesh/core/status.hpp"
+#include "hmesh/io/channel_groups.hpp"
 #include "hmesh/io/detail/export_mesh.hpp"
 #include "hmesh/io/detail/glb_file.hpp"
 #include "hmesh/io/sink.hpp"
@@ -42,12 +51,22 @@ struct GltfOptions {
     /// the scale of the node alone: the positions in the buffer stay pixels.
     double longer_side = 1;
     /// Positions are unsigned shorts, 4 bytes a vertex less. Readers must know KHR_mesh_quantization: three.js, Babylon.js and
-    /// Blender do, assimp 5.2 does not. Positions are rounded to a step of 1/256 px or, if the mesh spans more than 65535 / 256
-    /// px, to a 65535th of its larger extent: exact up to a side of 255 px, off by 0.004 px at 512 and 0.03 px at 4096. Faces
-    /// much thinner than a step may turn over.
+    /// Blender do, assimp 5.2 does not. Positions count steps of a power of two, from 1/256 px to 1 px, the largest on which
+    /// all of them lie: exact if the mesh spans at most 65,535 of them, as it does up to 255 px, or up to 1,023 px if it was
+    /// made with MeshLimits::position_step = 1.0 / 64. Else they are rounded to a 65535th of the larger extent, off by 0.004 px
+    /// at 512 and 0.03 px at 4096, and faces much thinner than that may turn over. Normals and tangents are shorts too, or
+    /// bytes.
     bool quantized_positions = false;
     /// The stored values are linear light already, as in many float images, and are written as they are.
     bool colors_are_linear = false;
+    /// Bits of a colour and of data, 16 or 8; with quantised positions, of a normal too. 8 take 4 bytes a vertex less, 3.5 when
+    /// compressed, and leave 183 of 256 sRGB values apart: 0.05 dB of a photograph at 35 dB, but 7 of a drawing at 57 dB.
+    int color_bits = 16;
+    /// What the channels mean. None: they are one colour.
+    ChannelGroups groups{};
+    /// Compresses the arrays: readers must know EXT_meshopt_compression, as three.js, Babylon.js and Godot 4.4 do with their
+    /// decoders. What it refers to must live until write_glb() returns. None: they are written as they are.
+    GltfCompress compress{};
 };
 
 namespace detail {
@@ -70,6 +89,21 @@ struct GlbGrid {
     return {static_cast<double>(mesh.positions[2 * vertex]), y_up(mesh, vertex)};
 }
 
+/// The step of quantised positions in px, whose smallest coordinates are `low` and which span `extent` px. O(n).
+[[nodiscard]] inline double position_step(const MeshView& mesh, const std::array<double, 2>& low, double extent) noexcept {
+    std::uint64_t places = 256;  // each bit that one of the positions has, counted in 1/256 px, and that of 1 px
+    for (std::size_t v = 0; v < mesh.vertex_count && places % 2 == 0; ++v) {
+        const std::array<double, 2> at = upright(mesh, v);
+        for (std::size_t k = 0; k < 2; ++k) {
+            const double place = std::min((at[k] - low[k]) * 256, 1e18);
+            places |= place == std::floor(place) ? static_cast<std::uint64_t>(place) : 1;
+        }
+    }
+    double step = 1.0 / 256;
+    for (; places % 2 == 0; places /= 2) step *= 2;
+    return std::max(step, extent / 65535);
+}
+
 /// Finds the grid of the positions, and the bounds of the numbers stored. O(n).
 inline void lay_out_positions(const MeshView& mesh, bool is_quantized, GlbGrid& grid, GlbArray& array) noexcept {
     std::array<double, 2> low = upright(mesh, 0), high = low;
@@ -80,23 +114,63 @@ inline void lay_out_positions(const MeshView& mesh, bool is_quantized, GlbGrid& 
     grid.is_quantized = is_quantized;
     if (is_quantized) {
         grid.origin = low;
-        // 1/256 px is the grid that positions lie on, and divides exactly.
-        grid.step = std::max(1.0 / 256, std::max(high[0] - low[0], high[1] - low[1]) / 65535);
+        grid.step = position_step(mesh, low, std::max(high[0] - low[0], high[1] - low[1]));
     }
     // Rounding keeps the order of numbers, hence their extremes.
     array.has_bounds = true;
     for (std::size_t k = 0; k < 2; ++k) array.low[k] = grid.stored(low[k], k), array.high[k] = grid.stored(high[k], k);
 }
 
-/// What an array of the file is filled with.
-enum class GlbContent : std::uint8_t { positions, colors, indices };
+/// What an array of the file is filled with: positions, colours and so on of all vertices, or the indices of all faces.
+struct GlbContent {
+    enum class Kind : std::uint8_t { positions, colors, normals, tangents, data, indices } kind = Kind::positions;
+    std::size_t first = 0;  ///< channel of the mesh
+    int channels = 0;       ///< from that one on
+};
 
 /// All that write_glb() writes of a mesh.
 struct GlbMesh {
     GlbFile file;
     std::vector<GlbContent> contents;  ///< of each array
     GlbGrid grid;
+
+    /// Appends an array and returns its number.
+    std::uint32_t add(GlbContent content, GlbNumber number, std::uint32_t components, std::uint64_t count) {
+        GlbArray array;
+        array.number = number;
+        array.components = components;
+        array.is_normalized =
+            content.kind != GlbContent::Kind::positions && content.kind != GlbContent::Kind::indices && number != GlbNumber::f32;
+        array.is_indices = content.kind == GlbContent::Kind::indices;
+        array.count = count;
+        file.arrays.push_back(array);
+        contents.push_back(content);
+        return static_cast<std::uint32_t>(file.arrays.size() - 1);
+    }
 };
+
+/// Appends the arrays of a group of channels, from the channel `first` on, and names them.
+inline void add_group(GlbMesh& out, GlbPrimitive& primitive, GlbMaterial& material, const ChannelGroup& group, std::size_t first,
+                      std::uint64_t vertices, const GltfOptions& options) {
+    using Kind = GlbContent::Kind;
+    const bool is_narrow = options.color_bits == 8;
+    const auto number = is_narrow ? GlbNumber::u8 : GlbNumber::u16;
+    if (group.meaning == ChannelMeaning::color) {
+        int set = 0;
+        for (const GlbAttribute& before : primitive.attributes) set += before.set >= 0 ? 1 : 0;
+        material.blends = material.blends || (set == 0 && group.channels % 2 == 0);
+        primitive.attributes.push_back({"COLOR", out.add({Kind::colors, first, group.channels}, number, 4, vertices), set});
+    } else if (group.meaning == ChannelMeaning::normal) {
+        const auto vectors = !options.quantized_positions ? GlbNumber::f32 : is_narrow ? GlbNumber::i8 : GlbNumber::i16;
+        material.is_lit = true;
+        primitive.attributes.push_back({"NORMAL", out.add({Kind::normals, first, 3}, vectors, 3, vertices)});
+        primitive.attributes.push_back({"TANGENT", out.add({Kind::tangents, first, 3}, vectors, 4, vertices)});
+    } else {
+        const auto components = static_cast<std::uint32_t>(group.channels);
+        const std::uint32_t array = out.add({Kind::data, first, group.channels}, number, components, vertices);
+        primitive.attributes.push_back({group.name, array, -1, true});
+    }
+}
 
 /// Refuses what a .glb file cannot hold, and lays out what it can. O(n).
 [[nodiscard]] inline Status lay_out_glb(const MeshView& mesh, const GltfOptions& options, GlbMesh& out) {
@@ -104,37 +178,49 @@ struct GlbMesh {
     if (const Status status = check_counts(mesh, most, most, "the mesh has more vertices or faces than a .glb file holds");
         !status)
         return status;
+    if (options.color_bits != 8 && options.color_bits != 16)
+        return {Errc::invalid_argument, "the bits of a colour must be 8 or 16", options.color_bits, 16};
+    if (const Status status = check(options.groups, mesh); !status) return status;
     GlbFile& file = out.file;
     GlbPrimitive primitive;
-    const auto add = [&](GlbContent content, GlbNumber number, std::uint32_t components, std::uint64_t count) {
-        GlbArray array;
-        array.number = number;
-        array.components = components;
-        array.is_normalized = content == GlbContent::colors;
-        array.is_indices = content == GlbContent::indices;
-        array.count = count;
-        file.arrays.push_back(array);
-        out.contents.push_back(content);
-        return static_cast<std::uint32_t>(file.arrays.size() - 1);
-    };
+    GlbMaterial material;
     const auto positions = options.quantized_positions ? GlbNumber::u16 : GlbNumber::f32;
-    primitive.attributes.push_back({"POSITION", add(GlbContent::positions, positions, 3, mesh.vertex_count)});
-    primitive.attributes.push_back({"COLOR", add(GlbContent::colors, GlbNumber::u16, 4, mesh.vertex_count), 0});
+    primitive.attributes.push_back({"POSITION", out.add({}, positions, 3, mesh.vertex_count)});
+    std::size_t channel = 0;
+    for (const ChannelGroup& group : options.groups) {
+        add_group(out, primitive, material, group, channel, mesh.vertex_count, options);
+        channel += static_cast<std::size_t>(group.channels);
+    }
+    if (options.groups.is_empty())
+        add_group(out, primitive, material, {"color", ChannelMeaning::color, mesh.channels}, 0, mesh.vertex_count, options);
     // 65535 and 2^32 - 1 must not be used as indices: they mean a restart to GPUs.
-    primitive.indices = add(GlbContent::indices, mesh.vertex_count > 65535 ? GlbNumber::u32 : GlbNumber::u16, 1,
-                            3 * static_cast<std::uint64_t>(mesh.face_count));
+    primitive.indices = out.add({GlbContent::Kind::indices}, mesh.vertex_count > 65535 ? GlbNumber::u32 : GlbNumber::u16, 1,
+                                3 * static_cast<std::uint64_t>(mesh.face_count));
     if (const Status status = check_glb_size(file); !status) return status;  // before so many are read
-    if (const Status status = check_for_export(mesh); !status) return status;
+    if (const Status status = check_for_export(mesh, options.groups.is_empty() ? 4 : 16); !status) return status;
     if (!kit::is_within(options.longer_side, 0, static_cast<double>(std::numeric_limits<float>::max())))
         return {Errc::invalid_argument, "the longer side must be a length that a float holds, or 0", 0, 0};
 
     file.is_quantized = options.quantized_positions;
-    file.materials.push_back({false, mesh.channels == 2 || mesh.channels == 4});
     lay_out_positions(mesh, options.quantized_positions, out.grid, file.arrays[primitive.attributes[0].array]);
     const double unit = options.longer_side > 0 ? options.longer_side / std::max(mesh.width, mesh.height) : 1;
     file.nodes.push_back({{out.grid.origin[0] * unit, out.grid.origin[1] * unit}, out.grid.step * unit, 0});
     file.meshes.push_back({primitive});
-    return count_glb_json(file);
+    file.materials.push_back(material);
+    return {};
+}
+
+/// Puts a share in [0, 1], or a component of a unit vector in [-1, 1], as a number of this kind.
+inline void put_share(Writer& writer, GlbNumber number, double share) {
+    switch (number) {
+        case GlbNumber::u8: return writer.u8(to_u8(share));
+        case GlbNumber::u16: return writer.u16(to_u16(share));
+        case GlbNumber::i8: return writer.u8(static_cast<std::uint8_t>(static_cast<int>(std::floor(share * 127 + 0.5))));
+        case GlbNumber::i16: return writer.u16(static_cast<std::uint16_t>(static_cast<int>(std::floor(share * 32767 + 0.5))));
+        case GlbNumber::u32:
+        case GlbNumber::f32: break;
+    }
+    writer.f32(static_cast<float>(share));
 }
 
 /// Writes the positions, z = 0.
@@ -149,12 +235,36 @@ inline void write_glb_positions(Writer& writer, const MeshView& mesh, const GlbG
     }
 }
 
-/// Writes RGBA of 16 bits each.
-inline void write_glb_colors(Writer& writer, const MeshView& mesh, bool are_linear) {
+/// What is stored of a vertex in an array of this content, as shares: colours of linear light.
+[[nodiscard]] inline std::array<double, 4> glb_shares(const MeshView& mesh, std::size_t vertex, const GlbContent& content,
+                                                      bool colors_are_linear) noexcept {
+    const float* const color = mesh.colors + static_cast<std::size_t>(mesh.channels) * vertex + content.first;
+    std::array<double, 4> shares{};
+    switch (content.kind) {
+        case GlbContent::Kind::colors:
+            shares = rgba_shares(color, content.channels, mesh.peak);
+            for (std::size_t k = 0; k < 3 && !colors_are_linear; ++k) shares[k] = kit::srgb_to_linear(shares[k]);
+            break;
+        case GlbContent::Kind::normals: {
+            const std::array<double, 3> normal = unit_normal(color, mesh.peak);
+            std::copy(normal.begin(), normal.end(), shares.begin());
+            break;
+        }
+        case GlbContent::Kind::tangents: return {1, 0, 0, 1};
+        default:
+            for (std::size_t k = 0; k < static_cast<std::size_t>(content.channels); ++k)
+                shares[k] = share_of_peak(color[k], mesh.peak);
+    }
+    return shares;
+}
+
+/// Writes colours, normals, tangents or data.
+inline void write_glb_shares(Writer& writer, const MeshView& mesh, const GlbContent& content, const GlbArray& array,
+                             bool colors_are_linear) {
     for (std::size_t v = 0; v < mesh.vertex_count; ++v) {
-        const std::array<double, 4> rgba = rgba_shares(mesh, v);
-        for (std::size_t k = 0; k < 3; ++k) writer.u16(to_u16(are_linear ? rgba[k] : kit::srgb_to_linear(rgba[k])));
-        writer.u16(to_u16(rgba[3]));
+        const std::array<double, 4> shares = glb_shares(mesh, v, content, colors_are_linear);
+        for (std::size_t k = 0; k < array.components; ++k) put_share(writer, array.number, shares[k]);
+        pad(writer, std::uint64_t{size_of(array.number)} * array.components, '\0');
     }
 }
 
@@ -170,21 +280,27 @@ inline void write_glb_indices(Writer& writer, const MeshView& mesh, GlbNumber nu
 
 }  // namespace detail
 
-/// Writes a mesh of 1 to 4 channels as a .glb file. A mesh that is empty, has no size, numbers that are not finite, faces
-/// without their vertices, or needs 4 GiB, and a longer side that is negative or no float, give a Status that says so, and no
-/// byte is written; a sink that refuses bytes gives Errc::write_failed.
+/// Writes a mesh of 1 to 4 channels, or with groups of up to 16, as a .glb file. A mesh that is empty, has no size, numbers
+/// that are not finite, faces without their vertices, or needs 4 GiB, groups that check() refuses, a longer side that is
+/// negative or no float, and bits other than 8 and 16 give a Status that says so, and no byte is written; a sink that refuses
+/// bytes and a compressor that fails give Errc::write_failed.
 inline Status write_glb(const MeshView& source, Sink sink, const GltfOptions& options = {}) {
     detail::GlbMesh out;
     if (const Status status = detail::lay_out_glb(source, options, out); !status) return status;
     const detail::ExportMesh exported(source, detail::Premultiplied::divided);
     const MeshView& mesh = exported.view();
-    return detail::write_glb_file(out.file, sink, [&](detail::Writer& writer, std::size_t array) {
-        switch (out.contents[array]) {
-            case detail::GlbContent::positions: return write_glb_positions(writer, mesh, out.grid);
-            case detail::GlbContent::colors: return write_glb_colors(writer, mesh, options.colors_are_linear);
-            case detail::GlbContent::indices: return write_glb_indices(writer, mesh, out.file.arrays[array].number);
-        }
-    });
+    if (options.groups.is_empty()) out.contents[1].channels = mesh.channels;  // grey with alpha is red, green and blue there
+    const auto fill = [&](detail::Writer& writer, std::size_t i) {
+        const detail::GlbContent& content = out.contents[i];
+        const detail::GlbArray& array = out.file.arrays[i];
+        if (content.kind == detail::GlbContent::Kind::positions) return write_glb_positions(writer, mesh, out.grid);
+        if (content.kind == detail::GlbContent::Kind::indices) return write_glb_indices(writer, mesh, array.number);
+        write_glb_shares(writer, mesh, content, array, options.colors_are_linear);
+    };
+    if (options.compress)
+        if (const Status status = compress_arrays(out.file, fill, options.compress); !status) return status;
+    if (const Status status = count_glb_json(out.file); !status) return status;
+    return write_glb_file(out.file, sink, fill);
 }
 
 }  // namespace hmesh

@@ -6,6 +6,9 @@
 /// `alpha` for 4 and for grey with alpha, one `uchar intensity` for 1; 255 is the mesh's peak, and alpha is straight. The file is
 /// binary and little-endian unless it is asked to be text.
 ///
+/// Groups of channels (io/channel_groups.hpp) are properties in their order: the first colour as above, a normal `float nx ny nz`
+/// of length 1, and of all else `uchar NAME`, or NAME_0, NAME_1 and so on where a group has several channels.
+///
 /// 15 bytes a vertex of 3 channels and 13 a face. O(n); nothing is allocated unless there is alpha.
 /// Source: Greg Turk, The PLY Polygon File Format, 1994.
 #ifndef HMESH_IO_PLY_HPP
@@ -19,6 +22,7 @@
 
 #include "hmesh/core/status.hpp"
 #include "hmesh/core/version.hpp"
+#include "hmesh/io/channel_groups.hpp"
 #include "hmesh/io/detail/export_mesh.hpp"
 #include "hmesh/io/sink.hpp"
 #include "hmesh/mesh/mesh.hpp"
@@ -34,6 +38,8 @@ struct PlyOptions {
     /// Colours are `property float`, 1 being the peak: they are rounded to floats only and may lie outside [0, 1], so that a
     /// program can have the mesh back. Most viewers know `uchar` colours only: MeshLab and CloudCompare show these as none.
     bool float_colors = false;
+    /// What the channels mean. None: they are one colour.
+    ChannelGroups groups{};
 };
 
 namespace detail {
@@ -44,7 +50,8 @@ namespace detail {
     if (const Status status = check_counts(mesh, most, most, "the mesh has more vertices or faces than a PLY file numbers");
         !status)
         return status;
-    if (const Status status = check_for_export(mesh); !status) return status;
+    if (const Status status = check(options.groups, mesh); !status) return status;
+    if (const Status status = check_for_export(mesh, options.groups.is_empty() ? 4 : 16); !status) return status;
     const auto channels = static_cast<std::size_t>(mesh.channels);
     constexpr auto largest = static_cast<double>(std::numeric_limits<float>::max());
     if (options.float_colors)
@@ -55,18 +62,37 @@ namespace detail {
     return {};
 }
 
+/// The lines of a group's properties. `has_color`: one before it is a colour.
+inline void write_ply_properties(Writer& writer, const ChannelGroup& group, bool has_color, bool are_floats) {
+    constexpr std::array<const char*, 4> rgba{"red", "green", "blue", "alpha"}, unit{"nx", "ny", "nz", ""},
+        suffixes{"_0", "_1", "_2", "_3"};
+    const bool is_normal = group.meaning == ChannelMeaning::normal;
+    const bool is_color = group.meaning == ChannelMeaning::color && !has_color;
+    for (std::size_t k = 0; k < static_cast<std::size_t>(group.channels); ++k) {
+        writer.text(are_floats || is_normal ? "property float " : "property uchar ");
+        if (is_normal) writer.text(unit[k]);
+        else if (is_color && group.channels == 1) writer.text("intensity");
+        else if (is_color && group.channels == 2) writer.text(k == 0 ? "intensity" : "alpha");
+        else if (is_color) writer.text(rgba[k]);
+        else writer.text(group.name);
+        if (!is_normal && !is_color && group.channels > 1) writer.text(suffixes[k]);
+        writer.text("\n");
+    }
+}
+
 /// The lines before the numbers.
 inline void write_ply_header(Writer& writer, const MeshView& mesh, const PlyOptions& options) {
     writer.text(options.ascii ? "ply\nformat ascii 1.0\n" : "ply\nformat binary_little_endian 1.0\n");
     writer.text("comment made by hmesh " HMESH_VERSION_STRING "\nelement vertex ");
     writer.decimal(static_cast<std::int64_t>(mesh.vertex_count));
     writer.text("\nproperty float x\nproperty float y\nproperty float z\n");
-    constexpr std::array<const char*, 4> rgba{"red", "green", "blue", "alpha"};
-    for (std::size_t k = 0; k < static_cast<std::size_t>(mesh.channels); ++k) {
-        writer.text(options.float_colors ? "property float " : "property uchar ");
-        writer.text(mesh.channels == 1 ? "intensity" : rgba[k]);
-        writer.text("\n");
+    bool has_color = false;
+    for (const ChannelGroup& group : options.groups) {
+        write_ply_properties(writer, group, has_color, options.float_colors);
+        has_color = has_color || group.meaning == ChannelMeaning::color;
     }
+    if (options.groups.is_empty())
+        write_ply_properties(writer, {"", ChannelMeaning::color, mesh.channels}, false, options.float_colors);
     writer.text("element face ");
     writer.decimal(static_cast<std::int64_t>(mesh.face_count));
     writer.text("\nproperty list uchar int vertex_indices\nend_header\n");
@@ -115,9 +141,10 @@ class PlyNumbers {
 
 }  // namespace detail
 
-/// Writes a mesh of 1 to 4 channels as a PLY file. A mesh that is empty, has no size, numbers that are not finite, faces without
-/// their vertices, 2^31 vertices or faces, or colours that are no floats as shares gives a Status that says so, and no byte is
-/// written; a sink that refuses bytes gives Errc::write_failed.
+/// Writes a mesh of 1 to 4 channels, or with groups of up to 16, as a PLY file. A mesh that is empty, has no size, numbers that
+/// are not finite, faces without their vertices, 2^31 vertices or faces, or colours that are no floats as shares, and groups
+/// that check() refuses, give a Status that says so, and no byte is written; a sink that refuses bytes gives
+/// Errc::write_failed.
 inline Status write_ply(const MeshView& source, Sink sink, const PlyOptions& options = {}) {
     if (const Status status = detail::check_for_ply(source, options); !status) return status;
     const auto wanted = options.float_colors ? detail::Premultiplied::divided_only : detail::Premultiplied::divided;
@@ -127,15 +154,24 @@ inline Status write_ply(const MeshView& source, Sink sink, const PlyOptions& opt
     detail::write_ply_header(writer, mesh, options);
     detail::PlyNumbers numbers(writer, options.ascii);
     const auto channels = static_cast<std::size_t>(mesh.channels);
+    const auto put_shares = [&](const float* color, std::size_t count) {
+        for (std::size_t k = 0; k < count; ++k) {
+            if (options.float_colors) numbers.f32(static_cast<float>(static_cast<double>(color[k]) / mesh.peak));
+            else numbers.u8(detail::to_u8(detail::share_of_peak(color[k], mesh.peak)));
+        }
+    };
     for (std::size_t v = 0; v < mesh.vertex_count; ++v) {
         numbers.f32(mesh.positions[2 * v]);
         numbers.f32(static_cast<float>(detail::y_up(mesh, v)));
         numbers.f32(0);
-        for (std::size_t k = 0; k < channels; ++k) {
-            const float value = mesh.colors[channels * v + k];
-            if (options.float_colors) numbers.f32(static_cast<float>(static_cast<double>(value) / mesh.peak));
-            else numbers.u8(detail::to_u8(detail::share_of_peak(value, mesh.peak)));
+        const float* color = mesh.colors + channels * v;
+        for (const ChannelGroup& group : options.groups) {
+            if (group.meaning == ChannelMeaning::normal)
+                for (const double x : detail::unit_normal(color, mesh.peak)) numbers.f32(static_cast<float>(x));
+            else put_shares(color, static_cast<std::size_t>(group.channels));
+            color += group.channels;
         }
+        if (options.groups.is_empty()) put_shares(color, channels);
         numbers.end_line();
     }
     for (std::size_t f = 0; f < mesh.face_count; ++f) {

@@ -34,6 +34,10 @@ inline constexpr double grid_steps = 256;
 [[nodiscard]] HMESH_ALWAYS_INLINE double snap(double x) noexcept {
     return static_cast<double>(static_cast<int>(x * grid_steps + 0.5)) * (1 / grid_steps);
 }
+/// A coordinate rounded to the nearest multiple of a step that is a power of two, halves up. x in [0, 2^31 step).
+[[nodiscard]] HMESH_ALWAYS_INLINE double snap(double x, double step) noexcept {
+    return static_cast<double>(static_cast<int>(x / step + 0.5)) * step;
+}
 /// A point rounded to the 1/256 px grid.
 [[nodiscard]] HMESH_ALWAYS_INLINE Point snap(Point p) noexcept { return {snap(p.x), snap(p.y)}; }
 

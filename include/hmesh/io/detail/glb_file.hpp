@@ -24,7 +24,22 @@
 
 #include "hmesh/core/macros/push.hpp"
 
-namespace hmesh::detail {
+namespace hmesh {
+
+/// An array of numbers in a .glb file, to be compressed.
+struct GltfArray {
+    const unsigned char* bytes = nullptr;  ///< `count` elements of `stride` bytes
+    std::size_t count = 0,                 ///< elements: vertices, or three indices a face
+        stride = 0;                        ///< bytes of an element: 2 or 4 of an index, else a multiple of 4 up to 256
+    bool is_indices = false;               ///< of faces, mode TRIANGLES of EXT_meshopt_compression; else mode ATTRIBUTES
+};
+
+/// A compressor that the program brings, since the library has none: it puts what EXT_meshopt_compression asks for into `out`,
+/// which is empty, by meshoptimizer's meshopt_encodeVertexBuffer() of version 0 and meshopt_encodeIndexBuffer() of version 1. It
+/// says whether it could; false or an empty `out` is a failure.
+using GltfCompress = FunctionRef<bool(const GltfArray& array, std::vector<unsigned char>& out)>;
+
+namespace detail {
 
 /// What an element of an array is made of, with glTF's numbers for it.
 enum class GlbNumber : std::uint16_t {
@@ -95,10 +110,6 @@ struct GlbMaterial {
     bool is_lit = false;  ///< by lamps, as a rough surface; else the colours are what is seen
     bool blends = false;  ///< there is alpha
 };
-
-/// Compresses an array in the way that EXT_meshopt_compression calls ATTRIBUTES or, of indices, TRIANGLES.
-using GlbCompress = FunctionRef<bool(const unsigned char* bytes, std::size_t count, std::size_t stride, bool is_indices,
-                                     std::vector<unsigned char>& out)>;
 
 /// All of a file but the numbers of its arrays.
 struct GlbFile {
@@ -289,7 +300,7 @@ inline void pad(Writer& writer, std::uint64_t size, char with) {
 using FillGlbArray = FunctionRef<void(Writer& writer, std::size_t array)>;
 
 /// Makes all arrays and compresses them. Errc::write_failed where that fails.
-[[nodiscard]] inline Status compress_arrays(GlbFile& file, FillGlbArray fill, GlbCompress compress) {
+[[nodiscard]] inline Status compress_arrays(GlbFile& file, FillGlbArray fill, GltfCompress compress) {
     std::vector<unsigned char> bytes;
     const auto keep = [&](const void* from, std::size_t size) {
         const auto* first = static_cast<const unsigned char*>(from);
@@ -304,9 +315,9 @@ using FillGlbArray = FunctionRef<void(Writer& writer, std::size_t array)>;
         fill(writer, i);
         if (const Status status = writer.finish(); !status) return status;
         std::vector<unsigned char>& out = file.compressed.emplace_back();
-        if (!compress(bytes.data(), static_cast<std::size_t>(array.count), static_cast<std::size_t>(array.stride()),
-                      array.is_indices, out) ||
-            out.empty())
+        const GltfArray whole{bytes.data(), static_cast<std::size_t>(array.count), static_cast<std::size_t>(array.stride()),
+                              array.is_indices};
+        if (!compress(whole, out) || out.empty())
             return {Errc::write_failed, "the compressor failed, before the first byte was written", 0, 0};
     }
     return {};
@@ -344,7 +355,8 @@ inline Status write_glb_file(const GlbFile& file, Sink sink, FillGlbArray fill) 
     return writer.finish();
 }
 
-}  // namespace hmesh::detail
+}  // namespace detail
+}  // namespace hmesh
 
 #include "hmesh/core/macros/pop.hpp"
 
