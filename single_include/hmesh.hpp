@@ -1772,10 +1772,11 @@ struct GltfOptions {
     /// the scale of the node alone: the positions in the buffer stay pixels.
     double longer_side = 1;
     /// Positions are unsigned shorts, 4 bytes a vertex less. Readers must know KHR_mesh_quantization: three.js, Babylon.js and
-    /// Blender do, assimp 5.2 does not. Positions count steps of a power of two, from 1/256 px to 1 px, the largest on which all of
-    /// them lie: exact if the mesh spans at most 65,535 of them, as it does up to 255 px, or up to 1,023 px if it was made with
-    /// MeshLimits::position_step = 1.0 / 64. Else they are rounded to a 65535th of the larger extent, off by 0.004 px at 512 and
-    /// 0.03 px at 4096, and faces much thinner than that may turn over. Normals and tangents are shorts too, or bytes.
+    /// Blender do, assimp 5.2 does not. Positions count steps of a power of two, from 1/256 px to 1 px, the largest on which
+    /// all of them lie: exact if the mesh spans at most 65,535 of them, as it does up to 255 px, or up to 1,023 px if it was
+    /// made with MeshLimits::position_step = 1.0 / 64. Else they are rounded to a 65535th of the larger extent, off by 0.004 px
+    /// at 512 and 0.03 px at 4096, and faces much thinner than that may turn over. Normals and tangents are shorts too, or
+    /// bytes.
     bool quantized_positions = false;
     /// The stored values are linear light already, as in many float images, and are written as they are.
     bool colors_are_linear = false;
@@ -1784,8 +1785,8 @@ struct GltfOptions {
     int color_bits = 16;
     /// What the channels mean. None: they are one colour.
     ChannelGroups groups{};
-    /// Compresses the arrays: readers must know EXT_meshopt_compression, as three.js, Babylon.js and Godot 4.4 do with their decoders.
-    /// What it refers to must live until write_glb() returns. None: they are written as they are.
+    /// Compresses the arrays: readers must know EXT_meshopt_compression, as three.js, Babylon.js and Godot 4.4 do with their
+    /// decoders. What it refers to must live until write_glb() returns. None: they are written as they are.
     GltfCompress compress{};
 };
 
@@ -2000,10 +2001,10 @@ inline void write_glb_indices(Writer& writer, const MeshView& mesh, GlbNumber nu
 
 }  // namespace detail
 
-/// Writes a mesh of 1 to 4 channels, or with groups of up to 16, as a .glb file. A mesh that is empty, has no size, numbers that
-/// are not finite, faces without their vertices, or needs 4 GiB, groups that check() refuses, a longer side that is negative or no
-/// float, and bits other than 8 and 16 give a Status that says so, and no byte is written; a sink that refuses bytes and a
-/// compressor that fails give Errc::write_failed.
+/// Writes a mesh of 1 to 4 channels, or with groups of up to 16, as a .glb file. A mesh that is empty, has no size, numbers
+/// that are not finite, faces without their vertices, or needs 4 GiB, groups that check() refuses, a longer side that is
+/// negative or no float, and bits other than 8 and 16 give a Status that says so, and no byte is written; a sink that refuses
+/// bytes and a compressor that fails give Errc::write_failed.
 inline Status write_glb(const MeshView& source, Sink sink, const GltfOptions& options = {}) {
     detail::GlbMesh out;
     if (const Status status = detail::lay_out_glb(source, options, out); !status) return status;
@@ -3617,9 +3618,10 @@ class PlyNumbers {
 
 }  // namespace detail
 
-/// Writes a mesh of 1 to 4 channels, or with groups of up to 16, as a PLY file. A mesh that is empty, has no size, numbers that are
-/// not finite, faces without their vertices, 2^31 vertices or faces, or colours that are no floats as shares, and groups that check()
-/// refuses, give a Status that says so, and no byte is written; a sink that refuses bytes gives Errc::write_failed.
+/// Writes a mesh of 1 to 4 channels, or with groups of up to 16, as a PLY file. A mesh that is empty, has no size, numbers that
+/// are not finite, faces without their vertices, 2^31 vertices or faces, or colours that are no floats as shares, and groups
+/// that check() refuses, give a Status that says so, and no byte is written; a sink that refuses bytes gives
+/// Errc::write_failed.
 inline Status write_ply(const MeshView& source, Sink sink, const PlyOptions& options = {}) {
     if (const Status status = detail::check_for_ply(source, options); !status) return status;
     const auto wanted = options.float_colors ? detail::Premultiplied::divided_only : detail::Premultiplied::divided;

@@ -15,7 +15,9 @@
 
 #include "meshing.hpp"
 #include "readers/image_file.hpp"
+#include "readers/image_set.hpp"
 #include "readers/weights.hpp"
+#include "results/maps.hpp"
 #include "results/report.hpp"
 #include "results/summary.hpp"
 #include "results/writing.hpp"
@@ -73,15 +75,49 @@ struct Failure {
 };
 
 struct Inputs {
-    ImageFile image;
+    ImageFile image;        // all of them as one, where there are several maps
+    ImageFile first;        // the first of several, to draw beside the mesh
+    std::vector<Map> maps;  // where there are several
+    std::vector<double> channel_weights;
     std::vector<unsigned char> bytes;  // of its file, where they are needed
     hmesh::Image<float, 1> weights;
 };
+
+// Reads the other maps and joins them with the image.
+std::string join_maps(const Arguments& arguments, Inputs& inputs) {
+    if (arguments.others.empty()) return {};
+    std::vector<ImageFile> images{std::move(inputs.image)};
+    std::vector<std::string> names{arguments.input};
+    for (const OtherMap& other : arguments.others) {
+        names.push_back(other.file);
+        if (const std::string why = read_image(other.file, images.emplace_back()); !why.empty())
+            return "cannot read " + input_words(other.file) + ": " + (interrupted ? "interrupted" : why);
+    }
+    if (std::string why = join_images(images, names, inputs.image); !why.empty()) return why;
+    if (std::string why = find_maps(arguments, images, inputs.maps); !why.empty()) return why;
+    for (const ImageFile& image : images)
+        if (inputs.image.note.empty()) inputs.image.note = image.note;
+    inputs.first = std::move(images[0]);
+    return {};
+}
+
+// The step of positions in px: as asked for, or the finest that all files keep.
+double position_step(const Arguments& arguments, const ImageFile& image) {
+    if (arguments.grid > 0) return 1.0 / arguments.grid;
+    double step = 1.0 / 256;
+    if (arguments.glb == GlbForm::exact || !has_output(arguments, ".glb")) return step;
+    while (step < 0.25 && std::max(image.width, image.height) / step > 65535) step *= 2;
+    return step;
+}
 
 std::string read_inputs(const Arguments& arguments, Inputs& inputs) {
     if (const std::string why = read_image(arguments.input, inputs.image, inputs.bytes); !why.empty())
         return "cannot read " + input_words(arguments.input) + ": " + (interrupted ? "interrupted" : why);
     if (!has_output(arguments, ".html") || !arguments.original) std::vector<unsigned char>().swap(inputs.bytes);
+    if (std::string why = join_maps(arguments, inputs); !why.empty()) return why;
+    if (std::string why = spread_weights(arguments.channel_weights, inputs.maps, inputs.image, inputs.channel_weights);
+        !why.empty())
+        return why;
     if (arguments.weights.empty()) return {};
     return read_weights(arguments.weights, inputs.image.width, inputs.image.height, inputs.weights);
 }
@@ -96,12 +132,12 @@ std::string what_is_made(const Arguments& arguments) {
 
 // Prints what is said of a mesh. Returns "" or why it cannot be, as a sentence.
 std::string tell(const Arguments& arguments, bool is_one_of_several, const ImageFile& image, const hmesh::Result& outcome,
-                 const std::optional<LightMesh>& light, const std::vector<WrittenPsnr>& written, double seconds,
-                 const std::string& json_line) {
+                 const std::vector<Map>& maps, const std::optional<LightMesh>& light, const std::vector<WrittenPsnr>& written,
+                 double seconds, const std::string& json_line) {
     std::FILE* const to = writes_standard_output(arguments) ? stderr : stdout;
     if (arguments.json) std::fputs(json_line.c_str(), to);
     else if (!arguments.quiet && is_one_of_several) print_line(to, arguments, image, outcome, seconds);
-    else if (!arguments.quiet) print_summary(to, arguments, image, outcome, light, written, seconds);
+    else if (!arguments.quiet) print_summary(to, arguments, image, outcome, maps, light, written, seconds);
     errno = 0;
     const bool is_printed = std::fflush(to) == 0 && std::ferror(to) == 0;
     return is_printed ? "" : "cannot write to the standard output: " + std::string(std::strerror(errno != 0 ? errno : EIO));
@@ -128,10 +164,13 @@ Failure make_mesh(const Arguments& arguments, bool is_one_of_several, std::optio
 
     MeshingOptions options = arguments.meshing;
     options.progress = watch;
+    options.position_step = position_step(arguments, image);
+    options.channel_weights = inputs.channel_weights;
     if (!arguments.weights.empty()) options.weights = inputs.weights.view();
     const hmesh::ParallelFor parallel_for = *pool;
     const WrittenFiles files(arguments, image, options, parallel_for);
-    if (options.target.kind == hmesh::Target::Kind::psnr) options.psnr_of = files;
+    const bool is_set = !inputs.maps.empty();
+    if (options.target.kind == hmesh::Target::Kind::psnr && !is_set) options.psnr_of = files;
     watch.begin_mesh(0.03 * image.width * image.height, meshing_work(image, options), writing_work(arguments, image));
     hmesh::Result outcome = mesh_file(image, options, *pool);
     const bool is_interrupted = outcome.status.code == hmesh::Errc::cancelled;
@@ -150,24 +189,30 @@ Failure make_mesh(const Arguments& arguments, bool is_one_of_several, std::optio
     if (!outcome.status && !arguments.depfile.empty())
         return {sentence + "; nothing is written, as --depfile asks for whole results", false, is_interrupted};
     std::optional<LightMesh> light;
-    if (has_output(arguments, ".glb") && options.fit_space != FitSpace::linear && !options.premultiplied) {
+    if (has_output(arguments, ".glb") && options.fit_space != FitSpace::linear && !options.premultiplied && !is_set) {
         watch.step("linear light", light_work(image));
         light = light_mesh(image, options, outcome.mesh, *pool);
     }
     const bool has_missed = options.psnr_of && outcome.status.code == hmesh::Errc::target_out_of_range;
     const bool is_summed_up = !arguments.quiet && !is_one_of_several;
     std::vector<WrittenPsnr> written;
-    if (is_summed_up || arguments.json || !arguments.report.empty() || has_missed)
-        written = files.measure(outcome.mesh, outcome.report.psnr, light);
+    if (is_summed_up || arguments.json || !arguments.report.empty() || has_missed) {
+        if (is_set) measure_maps(outcome.mesh, image, options.weights, inputs.maps);
+        else written = files.measure(outcome.mesh, outcome.report.psnr, light);
+    }
     const auto report = [&](bool is_wanted, Layout layout) {
-        return is_wanted ? report_json(arguments, image, outcome, light, written, seconds, watch, layout) : std::string();
+        return is_wanted ? report_json(arguments, image, outcome, inputs.maps, light, written, seconds, watch, layout)
+                         : std::string();
     };
     const std::string file_report = report(!arguments.report.empty(), Layout::indented);
-    if (std::string why = write_files(arguments, image, inputs.bytes, outcome, light, file_report, watch); !why.empty())
+    if (std::string why =
+            write_files(arguments, is_set ? inputs.first : image, inputs.bytes, outcome, inputs.maps, light, file_report, watch);
+        !why.empty())
         return {why, false, is_interrupted};
     watch.finish();
     const std::string json_line = report(arguments.json, Layout::one_line);
-    if (std::string why = tell(arguments, is_one_of_several, image, outcome, light, written, seconds, json_line); !why.empty())
+    if (std::string why = tell(arguments, is_one_of_several, image, outcome, inputs.maps, light, written, seconds, json_line);
+        !why.empty())
         return {why, true, true};
     if (outcome.status) return {};
     return {sentence + "; the mesh reached so far, " + std::to_string(outcome.report.vertices) + " vertices and " +

@@ -35,23 +35,7 @@ double meshing_work(int width, int height, const MeshingOptions& options) noexce
 
 double light_work(int width, int height, int channels) noexcept { return 0.18 * channels * width * height; }
 
-template <class T, int C>
-[[nodiscard]] hmesh::Result mesh_samples(const hmesh::ImageView<T, C>& view, const MeshingOptions& wanted,
-                                         const hmesh::ParallelFor& parallel_for) {
-    hmesh::Options options;
-    options.target = wanted.target;
-    options.colors = wanted.colors;
-    options.premultiplied = wanted.premultiplied;
-    options.weights = wanted.weights;
-    options.progress = wanted.progress;
-    options.psnr_of = wanted.psnr_of;
-    switch (wanted.start != nullptr ? Method::annealed : wanted.method) {
-        case Method::annealed: break;
-        case Method::hierarchical: return hmesh::mesh_image(view, options, hmesh::Hierarchical(), parallel_for);
-        case Method::xie: return hmesh::mesh_image(view, options, hmesh::Xie(), parallel_for);
-        case Method::adams: return hmesh::mesh_image(view, options, hmesh::Adams(), parallel_for);
-        case Method::adaptive_thinning: return hmesh::mesh_image(view, options, hmesh::AdaptiveThinning(), parallel_for);
-    }
+hmesh::Annealed annealed_recipe(const MeshingOptions& wanted) {
     hmesh::Annealed recipe;
     recipe.effort = wanted.effort;
     recipe.seed = wanted.seed;
@@ -60,9 +44,39 @@ template <class T, int C>
         recipe.start = wanted.start;
         recipe.steps = hmesh::kit::annealed_steps(hmesh::Effort::draft);
     }
-    return hmesh::mesh_image(view, options, recipe, parallel_for);
+    return recipe;
 }
 
+template <class T, int C>
+[[nodiscard]] hmesh::Result mesh_by_method(const hmesh::ImageView<T, C>& view, const MeshingOptions& wanted,
+                                           const hmesh::Options& options, const hmesh::Annealed& annealed,
+                                           const hmesh::ParallelFor& parallel_for) {
+    switch (wanted.start != nullptr ? Method::annealed : wanted.method) {
+        case Method::annealed: break;
+        case Method::hierarchical: return hmesh::mesh_image(view, options, hmesh::Hierarchical(), parallel_for);
+        case Method::xie: return hmesh::mesh_image(view, options, hmesh::Xie(), parallel_for);
+        case Method::adams: return hmesh::mesh_image(view, options, hmesh::Adams(), parallel_for);
+        case Method::adaptive_thinning: return hmesh::mesh_image(view, options, hmesh::AdaptiveThinning(), parallel_for);
+    }
+    return hmesh::mesh_image(view, options, annealed, parallel_for);
+}
+
+template <class T, int C>
+[[nodiscard]] hmesh::Result mesh_samples(const hmesh::ImageView<T, C>& view, const MeshingOptions& wanted,
+                                         const hmesh::ParallelFor& parallel_for) {
+    hmesh::Options options;
+    options.target = wanted.target;
+    options.colors = wanted.colors;
+    options.premultiplied = wanted.premultiplied;
+    options.weights = wanted.weights;
+    options.channel_weights = wanted.channel_weights;
+    options.limits.position_step = wanted.position_step;
+    options.progress = wanted.progress;
+    options.psnr_of = wanted.psnr_of;
+    const hmesh::Annealed annealed = annealed_recipe(wanted);
+    if constexpr (C > 4) return hmesh::mesh_image(view, options, annealed, parallel_for);  // other methods are for images
+    else return mesh_by_method(view, wanted, options, annealed, parallel_for);
+}
 // Colours of floats are not rounded: the steps of whole numbers mean nothing to them.
 hmesh::LinearLightOptions light_options(const MeshingOptions& wanted, bool is_float) {
     hmesh::LinearLightOptions options;
@@ -214,7 +228,20 @@ std::string find_conflict(const MeshingOptions& options) {
     return options.premultiplied ? "--fit-space linear fits straight colours, not premultiplied ones: leave one of them out" : "";
 }
 
+// Of several maps together. join_images() makes no other kinds of them, for each kind takes two seconds to compile.
+[[nodiscard]] hmesh::Result mesh_maps(const ImageFile& image, const MeshingOptions& options,
+                                      const hmesh::ParallelFor& parallel_for) {
+    const int width = image.width, height = image.height;
+    const std::uint16_t* const shorts = image.samples16.data();
+    if (image.bits == 32)
+        return mesh_samples(hmesh::ImageView<float, 16>{image.samples32.data(), width, height, 0}, options, parallel_for);
+    if (image.channels == 16)
+        return mesh_samples(hmesh::ImageView<std::uint16_t, 16>{shorts, width, height, 0}, options, parallel_for);
+    return mesh_samples(hmesh::ImageView<std::uint16_t, 8>{shorts, width, height, 0}, options, parallel_for);
+}
+
 hmesh::Result mesh_file(const ImageFile& image, const MeshingOptions& options, const hmesh::ParallelFor& parallel_for) {
+    if (image.channels > 4) return mesh_maps(image, options, parallel_for);
     return with_view(image, [&](const auto& view) { return mesh_view(view, options, parallel_for); });
 }
 

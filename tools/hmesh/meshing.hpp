@@ -37,8 +37,10 @@ struct MeshingOptions {
     std::optional<hmesh::Colors> colors;  // none: those of the method
     FitSpace fit_space = FitSpace::stored;
     bool premultiplied = false;
-    const hmesh::Mesh* start = nullptr;  // a mesh to bring to the target without more ado; null: none
-    hmesh::ImageView<float, 1> weights;  // none: all pixels count the same
+    double position_step = 1.0 / 256;     // px: see hmesh::MeshLimits
+    std::vector<double> channel_weights;  // one for each channel; empty: all alike
+    const hmesh::Mesh* start = nullptr;   // a mesh to bring to the target without more ado; null: none
+    hmesh::ImageView<float, 1> weights;   // none: all pixels count the same
     hmesh::Progress progress;
     // What a search for a PSNR goes by, as hmesh::Options::psnr_of; the mesh has its final colours but those for linear light.
     hmesh::FunctionRef<double(const hmesh::Mesh& mesh, double psnr)> psnr_of;

@@ -12,12 +12,14 @@
 #include "arguments/command_words.hpp"
 #include "arguments/completion.hpp"
 #include "arguments/man_page.hpp"
+#include "arguments/map_names.hpp"
 #include "arguments/patterns.hpp"
 #include "arguments/values.hpp"
 #include "hmesh/core/version.hpp"
 #include "readers/image_file.hpp"
 #include "terminal/standard_streams.hpp"
 #include "writers/formats.hpp"
+#include "writers/meshopt.hpp"
 
 namespace tool {
 namespace {
@@ -40,7 +42,8 @@ using Set = std::function<std::string(const std::string& text)>;
 CLI::Option* add(CLI::App& app, const std::string& names, const char* value, const char* description, Set set,
                  const std::string& choices = {}) {
     const std::string name = names.substr(names.find(',') + 1);
-    const auto set_all = [name, set = std::move(set), is_list = name == "--output"](const CLI::results_t& texts) {
+    const auto set_all = [name, set = std::move(set),
+                          is_list = name == "--output" || name == "--with"](const CLI::results_t& texts) {
         if (texts.size() > 1 && !is_list) throw CLI::ValidationError(name + " is given twice");
         for (const std::string& text : texts) {
             if (text.empty()) throw CLI::ValidationError(name + " needs a value that is not empty");
@@ -110,6 +113,19 @@ void add_mesh_options(CLI::App& app, Arguments& out) {
              "how .svg shows a face: gradient (default), one gradient; exact, one a channel, larger\n"
              "and slower; flat, its mean colour",
              svg_kinds, [&](hmesh::SvgKind kind) { out.svg = kind; });
+    add_name(app, "--glb",
+             "how .glb holds the mesh: exact (default), for every reader; packed, 16-bit positions in\n"
+             "an order for GPUs (KHR_mesh_quantization); meshopt, that compressed\n"
+             "(EXT_meshopt_compression)",
+             glb_forms, [&](GlbForm form) { out.glb = form; });
+    add(
+        app, "--glb-bits", "N", "bits of a colour in .glb: 16 (default), or 8, smaller and coarser",
+        [&](const std::string& text) {
+            if (text != "8" && text != "16") return "must be 8 or 16";
+            out.glb_color_bits = text == "8" ? 8 : 16;
+            return "";
+        },
+        "8 16");
     app.add_flag_callback(
         "--no-original", [&] { out.original = false; },
         "leave the image out of .html, of which it is the larger part: nothing to compare with");
@@ -180,6 +196,31 @@ void add_meshing_options(CLI::App& app, Arguments& out) {
         "an image of the same size: how much each pixel counts, black nothing, white fully\n"
         "(of colours the mean, without alpha)",
         [&](const std::string& text) { return set_file(text, out.weights); });
+    add(app, "--with", "FILE",
+        "another image of the same size for the same mesh, such as a material's normals; may be\n"
+        "given more than once, up to 16 channels in all. .glb and .ply hold it under a name: that\n"
+        "of NAME=FILE, or what the file's adds to the image's; one that ends in normal as normals",
+        [&](const std::string& text) {
+            const std::size_t equals = text.find('=');
+            const std::string name = equals == std::string::npos ? "" : text.substr(0, equals);
+            const bool has_name = hmesh::detail::is_name(name.c_str());
+            out.others.push_back({has_name ? text.substr(equals + 1) : text, has_name ? name : ""});
+            if (out.others.back().file.empty()) return std::string("names no file");
+            return std::string(has_name && hmesh::detail::is_reserved_name(name.c_str())
+                                   ? "has a name that positions or colours have in files"
+                                   : "");
+        });
+    add(app, "--channel-weights", "N,N...",
+        "how much each image of the mesh counts, or each channel of all, the first before those\n"
+        "of --with (default: all the same)",
+        [&](const std::string& text) { return parse_weights(text, out.channel_weights); });
+    add(app, "--grid", "N",
+        "positions are multiples of 1/N px, N 4, 8, 16, 32, 64, 128 or 256 (default: 256, or as\n"
+        "many as a packed .glb keeps): 16 makes smaller files",
+        [&](const std::string& text) {
+            if (std::string why = parse_in_range(text, 4, 256, out.grid); !why.empty()) return why;
+            return std::string((out.grid & (out.grid - 1)) == 0 ? "" : "must be a power of two");
+        });
     add(app, "--seed", "N", "of the random numbers; the same seed gives the same mesh (default: 1)",
         [&](const std::string& text) { return parse_seed(text, meshing.seed); });
     add(app, "--tile", "N", "mesh in tiles of about N px, 64 to 65536 (default: 128 to 256, by the number of vertices)",
@@ -247,7 +288,11 @@ constexpr Note notes[] = {
      "each needs files of its own, whose names hold {name}. A line is printed for each; of one that fails\n"
      "a sentence on stderr, the others are meshed all the same, and the exit status is 1."},
     {"Interrupts", "Ctrl-C stops early and leaves files as they are; with --keep-partial the mesh reached so far is written."},
+    {"Several maps",
+     "images of --with become one mesh with the channels of all, each drawn by --render in a file of its own,\n"
+     "whose name ends in the map's. Samples of 8 bits become 16, and floats where one of the images has floats."},
     {"Examples",
+     "  hmesh rock.png --with rock_normal.png --with rough=rock_r.png -o rock.glb --glb packed\n"
      "  hmesh photo.png -o mesh.glb -o mesh.html --rate 2\n"
      "  hmesh *.png -o out/{name}.glb --psnr 32 --max-vertices 20000 --json > reports.jsonl\n"
      "  convert photo.gif png:- | hmesh - -o - --format pdf > mesh.pdf"},
@@ -266,7 +311,7 @@ CommandWords words_of(const CLI::App& app) {
         for (const std::string& choice : CLI::detail::split(option->get_type_name(), ' '))
             if (!choice.empty() && !entry.names.empty()) entry.choices.push_back(choice);
         entry.description = option->get_description();
-        entry.may_repeat = option->check_lname("output");
+        entry.may_repeat = option->check_lname("output") || option->check_lname("with");
         words.options.push_back(std::move(entry));
     }
     return words;
@@ -275,7 +320,9 @@ CommandWords words_of(const CLI::App& app) {
 std::string answer(const CLI::App& app, const Question& question) {
     switch (question.kind) {
         case Question::Kind::help: return CLI::detail::find_and_replace(app.help(), "\n\n\n", "\n\n");  // between groups
-        case Question::Kind::version: return "hmesh " HMESH_VERSION_STRING "\nreads\n" + decoders();
+        case Question::Kind::version:
+            return "hmesh " HMESH_VERSION_STRING "\nreads\n" + decoders() +
+                   (gltf_compressor().empty() ? "" : "writes\n  --glb meshopt: " + gltf_compressor() + "\n");
         case Question::Kind::man: return man_page(words_of(app), {std::begin(notes), std::end(notes)}, HMESH_VERSION_STRING);
         case Question::Kind::completion: break;
     }
@@ -291,15 +338,37 @@ void for_each_output(AnyArguments& arguments, Take&& take) {
         if (!file->empty()) take(*file);
 }
 
+// Gives the maps names. Returns "" or what is wrong with them, as a sentence.
+std::string name_maps(Arguments& arguments) {
+    if (arguments.others.empty()) return {};
+    std::vector<std::string> files{arguments.input};
+    for (const OtherMap& other : arguments.others) files.push_back(other.file);
+    std::vector<std::string> names = map_names(files);
+    for (std::size_t i = 0; i < arguments.others.size(); ++i) {
+        OtherMap& other = arguments.others[i];
+        if (other.name.empty()) other.name = names[i + 1];
+        names[i + 1] = other.name;
+    }
+    arguments.name = names[0];
+    for (std::size_t i = 0; i < names.size(); ++i)
+        for (std::size_t k = 0; k < i; ++k)
+            if (hmesh::detail::is_same_name(names[i].c_str(), names[k].c_str()))
+                return "'" + files[k] + "' and '" + files[i] + "' are both called '" + names[i] + "': --with NAME=FILE names one";
+    return {};
+}
+
 bool has_pattern(const Arguments& arguments) {
     const std::vector<std::string> files = output_files(arguments);
-    return is_pattern(arguments.weights) || std::any_of(files.begin(), files.end(), is_pattern);
+    const auto is_pattern_of = [](const OtherMap& other) { return is_pattern(other.file); };
+    return is_pattern(arguments.weights) || std::any_of(files.begin(), files.end(), is_pattern) ||
+           std::any_of(arguments.others.begin(), arguments.others.end(), is_pattern_of);
 }
 
 Arguments for_image(Arguments all, const std::string& input) {
     all.input = input;
     const std::string name = image_name(input);
     all.weights = expand(all.weights, name);
+    for (OtherMap& other : all.others) other.file = expand(other.file, name);
     for_each_output(all, [&](std::string& file) {
         if (!is_pattern(file)) return;
         file = expand(file, name);
@@ -323,6 +392,24 @@ std::vector<std::string> reversed(const std::vector<std::string>& words) {
     return out;
 }
 
+// What is wrong with several maps for one mesh.
+std::string find_map_conflict(const CLI::App& app, const std::vector<std::string>& inputs, const Arguments& arguments) {
+    const std::vector<OtherMap>& others = arguments.others;
+    if (others.empty()) return {};
+    const auto is_shared = [](const OtherMap& other) { return !is_pattern(other.file); };
+    if (inputs.size() > 1 && std::any_of(others.begin(), others.end(), is_shared))
+        return "--with is given for " + std::to_string(inputs.size()) + " images: it needs {name} in it, which is that of each";
+    for (const MeshFile& mesh : arguments.meshes)
+        if (mesh.ending != ".glb" && mesh.ending != ".ply")
+            return "--with makes a mesh that .glb and .ply hold, and " + mesh.ending + " does not";
+    if (is_standard(arguments.render)) return "--with draws several pictures, and --render - names one";
+    if (arguments.meshing.method != Method::annealed)
+        return std::string("--with means nothing to --method ") + name_of(methods, arguments.meshing.method);
+    for (const char* option : {"--premultiplied", "--fit-space"})
+        if (app.count(option) != 0) return std::string(option) + " is given with --with, whose images are no colours alone";
+    return {};
+}
+
 // What is wrong with a command line of which each option is right by itself.
 std::string find_conflict(const CLI::App& app, const std::vector<std::string>& inputs, const Arguments& arguments) {
     if (std::find(inputs.begin(), inputs.end(), "") != inputs.end()) return "no input image is given";
@@ -338,13 +425,20 @@ std::string find_conflict(const CLI::App& app, const std::vector<std::string>& i
     if (arguments.json && writes_standard_output(arguments))
         return "--json is given with an output that is -, and both would be the standard output";
     const bool reads_standard_input =
-        is_standard(arguments.weights) || std::find(inputs.begin(), inputs.end(), "-") != inputs.end();
+        is_standard(arguments.weights) || std::find(inputs.begin(), inputs.end(), "-") != inputs.end() ||
+        std::any_of(arguments.others.begin(), arguments.others.end(), [](const OtherMap& map) { return is_standard(map.file); });
     for (const std::string& input : inputs)
         if (image_name(input).empty() && has_pattern(arguments))
             return "'" + input + "' is no file: it has no name to stand for {name}";
     if (!arguments.depfile.empty() && (reads_standard_input || writes_standard_output(arguments)))
         return "--depfile is given with -, which is no file";
     if (app.count("--svg") != 0 && !has_output(arguments, ".svg")) return "--svg is given without an output that ends in .svg";
+    for (const char* option : {"--glb", "--glb-bits"})
+        if (app.count(option) != 0 && !has_output(arguments, ".glb"))
+            return std::string(option) + " is given without an output that ends in .glb";
+    if (arguments.glb == GlbForm::meshopt && gltf_compressor().empty())
+        return "--glb meshopt needs meshoptimizer, and this hmesh was built without it";
+    if (std::string why = find_map_conflict(app, inputs, arguments); !why.empty()) return why;
     if (!arguments.original && !has_output(arguments, ".html"))
         return "--no-original is given without an output that ends in .html";
     if (!arguments.depfile.empty() && output_files(arguments).size() == 1) return "--depfile is given without another output";
@@ -358,9 +452,23 @@ std::string find_conflict(const CLI::App& app, const std::vector<std::string>& i
 
 }  // namespace
 
+std::vector<std::string> render_files(const Arguments& arguments) {
+    const std::string& render = arguments.render;
+    if (render.empty()) return {};
+    if (arguments.others.empty() || is_standard(render)) return {render};
+    const std::size_t dot = render.size() - 4;  // of .png
+    std::vector<std::string> files{render.substr(0, dot) + "_" + arguments.name + render.substr(dot)};
+    for (const OtherMap& other : arguments.others) files.push_back(render.substr(0, dot) + "_" + other.name + render.substr(dot));
+    return files;
+}
+
 std::vector<std::string> output_files(const Arguments& arguments) {
     std::vector<std::string> files;
-    for_each_output(arguments, [&](const std::string& file) { files.push_back(file); });
+    for_each_output(arguments, [&](const std::string& file) {
+        if (&file != &arguments.render) return files.push_back(file);
+        const std::vector<std::string> pictures = render_files(arguments);
+        files.insert(files.end(), pictures.begin(), pictures.end());
+    });
     return files;
 }
 
@@ -402,7 +510,10 @@ CommandLine parse(const std::vector<std::string>& words) {
     try {
         app.parse(reversed(words));
         line.wrong = find_conflict(app, inputs, arguments);
-        for (const std::string& input : inputs) line.images.push_back(for_image(arguments, input));
+        for (const std::string& input : inputs) {
+            line.images.push_back(for_image(arguments, input));
+            if (line.wrong.empty()) line.wrong = name_maps(line.images.back());
+        }
     } catch (const Question& question) {
         line.answer = answer(app, question);
         return line;

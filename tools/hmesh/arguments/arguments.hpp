@@ -8,6 +8,7 @@
 
 #include "hmesh/io/svg.hpp"
 #include "meshing.hpp"
+#include "writers/formats.hpp"
 
 namespace tool {
 
@@ -54,19 +55,34 @@ template <class Value, std::size_t n>
     return "is not one of: " + names;
 }
 
+inline constexpr Named<GlbForm> glb_forms[] = {
+    {"exact", GlbForm::exact}, {"packed", GlbForm::packed}, {"meshopt", GlbForm::meshopt}};
+
 struct MeshFile {
     std::string name;
     std::string ending;  // that of the format, in lower case: ".ply"
+};
+
+// Another image of the same mesh.
+struct OtherMap {
+    std::string file;
+    std::string name;  // as in files and reports; empty: not given
 };
 
 // What is to be done with one image. A name that is "-" is a standard stream.
 struct Arguments {
     std::string input;
     std::vector<MeshFile> meshes;
-    std::string weights;  // a file; empty: none
+    std::string weights;                  // a file; empty: none
+    std::vector<OtherMap> others;         // more maps of one material
+    std::string name = "color";           // of the first, where there are others
+    std::vector<double> channel_weights;  // one for each map or channel; empty: all alike
     std::string render, wireframe, residual, strip, report, depfile;
     int render_scale = 1;
     hmesh::SvgKind svg = hmesh::SvgKind::gradient;
+    GlbForm glb = GlbForm::exact;
+    int glb_color_bits = 16;
+    int grid = 0;                     // positions are multiples of 1 px over this; 0: as the outputs ask for
     bool original = true;             // is in .html files
     MeshingOptions meshing;           // but for the weights and the progress
     std::string target = "--rate 1";  // as typed
@@ -76,6 +92,9 @@ struct Arguments {
     bool keep_partial = false;         // after an interrupt
     std::vector<std::string> folders;  // to be made where they are not there: those of names that held {name}
 };
+
+// The pictures of --render: one, or where there are several maps one for each, with its name before the ending.
+[[nodiscard]] std::vector<std::string> render_files(const Arguments& arguments);
 
 // Every file that the command writes for this image.
 [[nodiscard]] std::vector<std::string> output_files(const Arguments& arguments);

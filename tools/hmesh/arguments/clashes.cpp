@@ -62,6 +62,7 @@ std::string find_stream_clash(const std::vector<Arguments>& images) {
         most = of_image > most ? of_image : most;
         writes += of_image;
         reads += (is_standard(image.input) ? 1U : 0U) + (is_standard(image.weights) ? 1U : 0U);
+        for (const OtherMap& other : image.others) reads += is_standard(other.file) ? 1 : 0;
     }
     if (reads > 1) return "the standard input is named twice";
     if (most > 1) return "the standard output is named for two outputs";
@@ -94,6 +95,7 @@ std::string find_clash(const std::vector<Arguments>& images) {
     FileSet inputs, weights, outputs;
     for (const Arguments& image : images) {
         inputs.add(image.input, 0);
+        for (const OtherMap& other : image.others) inputs.add(other.file, 0);
         if (!image.weights.empty()) weights.add(image.weights, 0);
     }
     for (std::size_t i = 0; i < images.size(); ++i)

@@ -3,10 +3,12 @@
 #ifndef HMESH_TOOLS_ARGUMENTS_VALUES_HPP
 #define HMESH_TOOLS_ARGUMENTS_VALUES_HPP
 
+#include <algorithm>
 #include <cerrno>
 #include <cstdint>
 #include <cstdlib>
 #include <string>
+#include <vector>
 
 namespace tool {
 
@@ -44,6 +46,23 @@ template <class Integer>
     value = is_plain ? std::strtod(text.c_str(), &end) : 0;
     if (!is_plain || *end != '\0') return "is not a number";
     return value > 0 && value <= most ? "" : "must be above 0 and at most " + std::to_string(most);
+}
+
+// Numbers >= 0 between commas.
+[[nodiscard]] inline std::string parse_weights(const std::string& text, std::vector<double>& values) {
+    values.clear();
+    for (std::size_t from = 0; from <= text.size();) {
+        const std::size_t comma = text.find(',', from), end = comma == std::string::npos ? text.size() : comma;
+        const std::string number = text.substr(from, end - from);
+        double value = 0;
+        const bool is_zero = number == "0" || number == "0.0";
+        if (const std::string why = is_zero ? "" : parse_positive(number, 1000000, value); !why.empty())
+            return number == text ? why : "has '" + number + "', which " + why;
+        values.push_back(value);
+        from = end + 1;
+    }
+    const auto is_zero = [](double value) { return value == 0; };
+    return std::all_of(values.begin(), values.end(), is_zero) ? "has no weight above 0" : "";
 }
 
 }  // namespace tool

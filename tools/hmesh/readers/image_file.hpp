@@ -14,6 +14,7 @@ namespace tool {
 // The pixels of a file, packed: in `samples8` where bits is 8, in `samples16` where it is 16, in `samples32` where it is 32.
 struct ImageFile {
     int width = 0, height = 0, channels = 0, bits = 0;
+    int padding = 0;  // of the channels, those behind the others that are 0 everywhere: of several images, see image_set.hpp
     std::vector<std::uint8_t> samples8;
     std::vector<std::uint16_t> samples16;
     std::vector<float> samples32;

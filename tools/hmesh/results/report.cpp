@@ -4,6 +4,7 @@
 #include <nlohmann/json.hpp>
 
 #include <cmath>
+#include <cstddef>
 
 #include "hmesh/core/version.hpp"
 #include "terminal/words.hpp"
@@ -17,8 +18,9 @@ using Json = nlohmann::ordered_json;
 std::string psnr_convention(const Arguments& arguments) {
     const MeshingOptions& meshing = arguments.meshing;
     return std::string("10 log10(peak^2 / MSE) in dB, MSE the mean over pixels") +
-           (arguments.weights.empty() ? "" : ", each as often as its weight over the largest says,") +
-           " and channels of the image's stored values" + (meshing.premultiplied ? ", colours times alpha" : "") +
+           (arguments.weights.empty() ? "" : ", each as often as its weight over the largest says,") + " and channels" +
+           (arguments.channel_weights.empty() ? "" : ", by their weights,") + " of the image's stored values" +
+           (meshing.premultiplied ? ", colours times alpha" : "") +
            (meshing.fit_space == FitSpace::linear ? ", the mesh drawn in linear light" : "") +
            "; psnr of the mesh, values drawn not rounded, psnr_written of what the files hold";
 }
@@ -41,6 +43,19 @@ Json stage_value(const hmesh::StageReport& stage, double seconds) {
     return value;
 }
 
+// null where there is one image.
+Json map_values(const std::vector<Map>& maps) {
+    constexpr const char* meanings[] = {"color", "normal", "data"};
+    Json values = maps.empty() ? Json() : Json::array();
+    for (const Map& map : maps)
+        values.push_back({{"file", map.file},
+                          {"name", map.name},
+                          {"meaning", meanings[static_cast<std::size_t>(map.meaning)]},
+                          {"channels", map.channels},
+                          {"psnr", psnr_value(map.psnr)}});
+    return values;
+}
+
 std::string in_layout(const Json& value, Layout layout) {
     return value.dump(layout == Layout::indented ? 2 : -1, ' ', false, Json::error_handler_t::replace) + "\n";
 }
@@ -50,13 +65,14 @@ std::string in_layout(const Json& value, Layout layout) {
 std::string psnr_formula(const Arguments& arguments) {
     const MeshingOptions& meshing = arguments.meshing;
     return std::string("10 log10(peak^2 / MSE), MSE over ") + (arguments.weights.empty() ? "" : "weighted ") +
-           "pixels and channels" + (meshing.premultiplied ? ", colours times alpha" : "") +
+           "pixels and channels" + (arguments.channel_weights.empty() ? "" : " by their weights") +
+           (meshing.premultiplied ? ", colours times alpha" : "") +
            (meshing.fit_space == FitSpace::linear ? ", drawn in linear light" : "") + ", values drawn not rounded";
 }
 
 std::string report_json(const Arguments& arguments, const ImageFile& image, const hmesh::Result& outcome,
-                        const std::optional<LightMesh>& light, const std::vector<WrittenPsnr>& written, double seconds,
-                        const ProgressWatch& watch, Layout layout) {
+                        const std::vector<Map>& maps, const std::optional<LightMesh>& light,
+                        const std::vector<WrittenPsnr>& written, double seconds, const ProgressWatch& watch, Layout layout) {
     const MeshingOptions& meshing = arguments.meshing;
     const bool is_each = meshing.fit_space == FitSpace::each;
     Json stages = Json::array();
@@ -67,7 +83,7 @@ std::string report_json(const Arguments& arguments, const ImageFile& image, cons
                          {"input", arguments.input},
                          {"width", image.width},
                          {"height", image.height},
-                         {"channels", image.channels},
+                         {"channels", image.channels - image.padding},
                          {"bits", image.bits},
                          {"method", name_of(methods, meshing.method)},
                          {"effort", name_of(efforts, meshing.effort)},
@@ -84,6 +100,7 @@ std::string report_json(const Arguments& arguments, const ImageFile& image, cons
                          {"psnr", psnr_value(outcome.report.psnr)},
                          {"psnr_convention", psnr_convention(arguments)},
                          {"psnr_written", files},
+                         {"maps", map_values(maps)},
                          {"psnr_glb", light ? psnr_value(is_each ? light->psnr : light->stored_psnr) : Json()},
                          {"psnr_glb_fitted", light ? psnr_value(light->psnr) : Json()},
                          {"energy", outcome.report.energy},

@@ -10,20 +10,24 @@
 namespace tool {
 
 void print_summary(std::FILE* to, const Arguments& arguments, const ImageFile& image, const hmesh::Result& outcome,
-                   const std::optional<LightMesh>& light, const std::vector<WrittenPsnr>& written, double seconds) {
+                   const std::vector<Map>& maps, const std::optional<LightMesh>& light, const std::vector<WrittenPsnr>& written,
+                   double seconds) {
     std::fprintf(to, "image     %s, %d x %d, %d channel%s of %d bits\n", arguments.input.c_str(), image.width, image.height,
-                 image.channels, image.channels == 1 ? "" : "s", image.bits);
+                 image.channels - image.padding, image.channels == 1 ? "" : "s", image.bits);
     if (!image.note.empty()) std::fprintf(to, "note      %s\n", image.note.c_str());
     std::fprintf(to, "vertices  %zu\n", outcome.report.vertices);
     std::fprintf(to, "faces     %zu\n", outcome.report.faces);
     std::fprintf(to, "PSNR      %s (%s)\n", psnr_text(outcome.report.psnr).c_str(), psnr_formula(arguments).c_str());
+    for (const Map& map : maps)
+        std::fprintf(to, "PSNR      %s of %s, %d channel%s as %s\n", psnr_text(map.psnr).c_str(), input_words(map.file).c_str(),
+                     map.channels, map.channels == 1 ? "" : "s", map.name.c_str());
     if (light && arguments.meshing.fit_space == FitSpace::each)
         std::fprintf(to, "PSNR .glb %s as its viewers show it, in linear light\n", psnr_text(light->psnr).c_str());
     else if (light)
         std::fprintf(to, "PSNR .glb %s as its viewers show it, in linear light; %s with --fit-space each or linear\n",
                      psnr_text(light->stored_psnr).c_str(), psnr_text(light->psnr).c_str());
     for (const WrittenPsnr& file : written)
-        if (file.ending != ".glb" && psnr_text(file.psnr) != psnr_text(outcome.report.psnr))
+        if ((file.ending != ".glb" || arguments.glb_color_bits == 8) && psnr_text(file.psnr) != psnr_text(outcome.report.psnr))
             std::fprintf(to, "PSNR      %s as %s %s\n", psnr_text(file.psnr).c_str(), output_name(file.file).c_str(),
                          file.ending == ".png" ? "shows it, rounded to 8 bits" : "holds it, colours of 8 bits");
     std::fprintf(to, "time      %.2f s\n", seconds);

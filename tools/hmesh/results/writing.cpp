@@ -1,5 +1,7 @@
 #include "results/writing.hpp"
 
+#include <cstddef>
+
 #include "results/web_page.hpp"
 #include "terminal/progress_bar.hpp"
 #include "terminal/progress_watch.hpp"
@@ -61,16 +63,21 @@ hmesh::Status draw_strip(const hmesh::MeshView& mesh, bool linear_light, const R
 double mesh_file_work(std::size_t vertices) { return 2.0 * static_cast<double>(vertices); }
 double picture_work(const ImageFile& image, int copies) { return 0.15 * image.width * image.height * copies; }
 
-std::string write_pictures(const Arguments& arguments, const ImageFile& image, const hmesh::MeshView& mesh,
-                           ProgressWatch& watch) {
+std::string write_pictures(const Arguments& arguments, const ImageFile& image, const hmesh::Mesh& all,
+                           const std::vector<Map>& maps, ProgressWatch& watch) {
     std::string why;
     const bool linear_light = arguments.meshing.fit_space == FitSpace::linear;  // as what it is meant for shows it
-    if (!arguments.render.empty()) {
+    const std::vector<std::string> renders = render_files(arguments);
+    for (std::size_t i = 0; i < renders.size(); ++i) {
         watch.step("drawing", picture_work(image, arguments.render_scale * arguments.render_scale));
         Picture picture;
-        const hmesh::Status status = draw(mesh, {arguments.render_scale, linear_light}, picture);
-        if (why = write_picture(arguments.render, status, picture); !why.empty()) return why;
+        const hmesh::Mesh part = maps.empty() ? hmesh::Mesh() : mesh_of(maps[i], all);
+        const hmesh::Status status = draw((maps.empty() ? all : part).view(), {arguments.render_scale, linear_light}, picture);
+        if (why = write_picture(renders[i], status, picture); !why.empty()) return why;
     }
+    if (arguments.wireframe.empty() && arguments.residual.empty() && arguments.strip.empty()) return {};
+    const hmesh::Mesh first = maps.empty() ? hmesh::Mesh() : mesh_of(maps[0], all);  // these show one picture
+    const hmesh::MeshView mesh = (maps.empty() ? all : first).view();
     Rgb rgb;
     if (!arguments.wireframe.empty()) {
         watch.step("drawing", picture_work(image, 4));
@@ -93,9 +100,13 @@ std::string write_pictures(const Arguments& arguments, const ImageFile& image, c
 }
 
 // `light`: of the mesh, for .glb where --fit-space is each.
-std::string write_meshes(const Arguments& arguments, const hmesh::MeshView& mesh, const std::optional<LightMesh>& light,
-                         const WebPage& page, ProgressWatch& watch) {
+std::string write_meshes(const Arguments& arguments, const hmesh::MeshView& mesh, const std::vector<Map>& maps,
+                         const std::optional<LightMesh>& light, const WebPage& page, ProgressWatch& watch) {
+    const std::vector<hmesh::ChannelGroup> groups = groups_of(maps);
     FormatOptions options;
+    options.glb = arguments.glb;
+    options.glb_color_bits = arguments.glb_color_bits;
+    options.groups = {groups.data(), groups.size()};
     options.svg.kind = arguments.svg;
     options.html = page.options();
     for (const MeshFile& wanted : arguments.meshes) {
@@ -117,6 +128,7 @@ std::string write_text(const std::string& name, const std::string& text) {
 std::string write_depfile(const Arguments& arguments) {
     std::vector<std::string> written = output_files(arguments), read = {arguments.input};
     written.pop_back();  // itself
+    for (const OtherMap& other : arguments.others) read.push_back(other.file);
     if (!arguments.weights.empty()) read.push_back(arguments.weights);
     return write_text(arguments.depfile, depfile(written, read));
 }
@@ -135,22 +147,24 @@ std::string find_unwritable(const Arguments& arguments, NewFolders& folders) {
 
 double writing_work(const Arguments& arguments, const ImageFile& image) {
     double work = 1;
-    if (has_output(arguments, ".glb") && arguments.meshing.fit_space != FitSpace::linear) work += light_work(image);
+    if (has_output(arguments, ".glb") && arguments.meshing.fit_space != FitSpace::linear && arguments.others.empty())
+        work += light_work(image);
     work +=
         static_cast<double>(arguments.meshes.size()) * mesh_file_work(static_cast<std::size_t>(image.width) * image.height / 50);
-    if (!arguments.render.empty()) work += picture_work(image, arguments.render_scale * arguments.render_scale);
+    work += static_cast<double>(render_files(arguments).size()) *
+            picture_work(image, arguments.render_scale * arguments.render_scale);
     for (const std::string* name : {&arguments.wireframe, &arguments.residual, &arguments.strip})
         if (!name->empty()) work += picture_work(image, name == &arguments.residual ? 1 : 4);
     return work;
 }
 
 std::string write_files(const Arguments& arguments, const ImageFile& image, const std::vector<unsigned char>& bytes,
-                        const hmesh::Result& outcome, const std::optional<LightMesh>& light, const std::string& report,
-                        ProgressWatch& watch) {
+                        const hmesh::Result& outcome, const std::vector<Map>& maps, const std::optional<LightMesh>& light,
+                        const std::string& report, ProgressWatch& watch) {
     WebPage page;
     if (has_output(arguments, ".html")) page = make_web_page(arguments, image, bytes, outcome.report);
-    std::string why = write_meshes(arguments, outcome.mesh.view(), light, page, watch);
-    if (why.empty()) why = write_pictures(arguments, image, outcome.mesh.view(), watch);
+    std::string why = write_meshes(arguments, outcome.mesh.view(), maps, light, page, watch);
+    if (why.empty()) why = write_pictures(arguments, image, outcome.mesh, maps, watch);
     if (why.empty() && !arguments.report.empty()) why = write_text(arguments.report, report);
     if (why.empty() && !arguments.depfile.empty()) why = write_depfile(arguments);
     return why;

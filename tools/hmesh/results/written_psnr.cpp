@@ -18,11 +18,11 @@ namespace {
 constexpr double margin = 1e-4;  // dB
 
 // How a format keeps shares of full intensity.
-enum class Keeps : std::uint8_t { bytes, shorts, six_decimals, linear_shorts };
+enum class Keeps : std::uint8_t { bytes, shorts, six_decimals, linear_shorts, linear_bytes };
 
-Keeps kept_by(const std::string& ending, double peak) {
+Keeps kept_by(const std::string& ending, double peak, int glb_color_bits) {
     if (ending == ".obj") return Keeps::six_decimals;
-    if (ending == ".glb") return Keeps::linear_shorts;
+    if (ending == ".glb") return glb_color_bits == 8 ? Keeps::linear_bytes : Keeps::linear_shorts;
     const bool is_page = ending == ".pdf" || ending == ".eps";
     return is_page && peak != 255 ? Keeps::shorts : Keeps::bytes;
 }
@@ -32,6 +32,9 @@ double kept(Keeps keeps, double share, bool is_alpha) {
         case Keeps::bytes: return hmesh::detail::to_u8(share) / 255.0;
         case Keeps::shorts: return hmesh::detail::to_u16(share) / 65535.0;
         case Keeps::six_decimals: return std::floor(share * 1e6 + 0.5) / 1e6;
+        case Keeps::linear_bytes:
+            if (is_alpha) return hmesh::detail::to_u8(share) / 255.0;
+            return hmesh::kit::linear_to_srgb(hmesh::detail::to_u8(hmesh::kit::srgb_to_linear(share)) / 255.0);
         case Keeps::linear_shorts: break;
     }
     if (is_alpha) return hmesh::detail::to_u16(share) / 65535.0;
@@ -44,12 +47,12 @@ bool holds_the_mesh(const std::string& ending, const Arguments& arguments, int c
 }
 
 // The mesh that a reader of a file of this format has, with as many channels.
-hmesh::Mesh as_kept(const hmesh::Mesh& mesh, const std::string& ending) {
+hmesh::Mesh as_kept(const hmesh::Mesh& mesh, const std::string& ending, int glb_color_bits) {
     using hmesh::detail::Premultiplied;
     const bool is_html = ending == ".html";
     const hmesh::detail::ExportMesh exported(mesh.view(), is_html ? Premultiplied::kept : Premultiplied::divided);
     const hmesh::MeshView& view = exported.view();
-    const Keeps keeps = kept_by(ending, mesh.peak);
+    const Keeps keeps = kept_by(ending, mesh.peak, glb_color_bits);
     hmesh::Mesh out = mesh;
     out.premultiplied = view.premultiplied;
     const auto channels = static_cast<std::size_t>(mesh.channels), given = static_cast<std::size_t>(view.channels);
@@ -105,7 +108,7 @@ std::vector<WrittenPsnr> WrittenFiles::measure(const hmesh::Mesh& mesh, double p
         if (!holds_the_mesh(ending, arguments_, image_.channels)) continue;
         const bool is_light = light && options_.fit_space == FitSpace::each && ending == ".glb";
         const hmesh::Mesh& from = is_light ? light->mesh : own;
-        const hmesh::Mesh read = as_kept(from, ending);
+        const hmesh::Mesh read = as_kept(from, ending, arguments_.glb_color_bits);
         if (read.colors == from.colors && read.premultiplied == from.premultiplied) {
             out.push_back({name, ending, is_light ? light->psnr : psnr});
         } else if (draw_samples(read.view(), is_light || options_.fit_space == FitSpace::linear, drawn)) {

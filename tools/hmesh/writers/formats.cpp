@@ -4,11 +4,13 @@
 #include <cstddef>
 #include <vector>
 
+#include "hmesh/gpu.hpp"
 #include "hmesh/io/eps.hpp"
 #include "hmesh/io/gltf.hpp"
 #include "hmesh/io/obj.hpp"
 #include "hmesh/io/pdf.hpp"
 #include "hmesh/io/ply.hpp"
+#include "writers/meshopt.hpp"
 #include "writers/picture_file.hpp"
 
 namespace tool {
@@ -25,10 +27,41 @@ hmesh::PageOptions page_options() {
     return options;
 }
 
+hmesh::Status write_ply(const hmesh::MeshView& mesh, const FormatOptions& options, hmesh::Sink sink) {
+    hmesh::PlyOptions ply;
+    ply.groups = options.groups;
+    return hmesh::write_ply(mesh, sink, ply);
+}
+
+hmesh::Mesh copy_of(const hmesh::MeshView& view) {
+    hmesh::Mesh mesh;
+    mesh.positions.assign(view.positions, view.positions + 2 * view.vertex_count);
+    mesh.colors.assign(view.colors, view.colors + static_cast<std::size_t>(view.channels) * view.vertex_count);
+    mesh.faces.assign(view.faces, view.faces + view.face_count);
+    mesh.channels = view.channels;
+    mesh.width = view.width, mesh.height = view.height;
+    mesh.peak = view.peak;
+    mesh.premultiplied = view.premultiplied;
+    return mesh;
+}
+
+hmesh::Status write_glb(const hmesh::MeshView& mesh, const FormatOptions& options, hmesh::Sink sink) {
+    hmesh::GltfOptions glb;
+    glb.groups = options.groups;
+    glb.color_bits = options.glb_color_bits;
+    if (options.glb == GlbForm::exact) return hmesh::write_glb(mesh, sink, glb);
+    glb.quantized_positions = true;
+    const bool is_compressed = options.glb == GlbForm::meshopt;
+    if (is_compressed) glb.compress = compress_gltf;
+    hmesh::Mesh ordered = copy_of(mesh);
+    if (const hmesh::Status status = is_compressed ? order_to_compress(ordered) : order_for_gpu(ordered); !status) return status;
+    return hmesh::write_glb(ordered.view(), sink, glb);
+}
+
 constexpr Format formats[] = {
-    {".ply", [](const hmesh::MeshView& mesh, const FormatOptions&, hmesh::Sink sink) { return hmesh::write_ply(mesh, sink); }},
+    {".ply", write_ply},
     {".obj", [](const hmesh::MeshView& mesh, const FormatOptions&, hmesh::Sink sink) { return hmesh::write_obj(mesh, sink); }},
-    {".glb", [](const hmesh::MeshView& mesh, const FormatOptions&, hmesh::Sink sink) { return hmesh::write_glb(mesh, sink); }},
+    {".glb", write_glb},
     {".pdf", [](const hmesh::MeshView& mesh, const FormatOptions&,
                 hmesh::Sink sink) { return hmesh::write_pdf(mesh, sink, page_options()); }},
     {".eps", [](const hmesh::MeshView& mesh, const FormatOptions&,

@@ -3,10 +3,12 @@
 #ifndef HMESH_TOOLS_WRITERS_FORMATS_HPP
 #define HMESH_TOOLS_WRITERS_FORMATS_HPP
 
+#include <cstdint>
 #include <string>
 #include <vector>
 
 #include "hmesh/core/status.hpp"
+#include "hmesh/io/channel_groups.hpp"
 #include "hmesh/io/html.hpp"
 #include "hmesh/io/sink.hpp"
 #include "hmesh/io/svg.hpp"
@@ -14,10 +16,20 @@
 
 namespace tool {
 
+// How .glb files hold the mesh.
+enum class GlbForm : std::uint8_t {
+    exact,    // positions are floats, faces in the mesh's order
+    packed,   // positions of 16 bits, faces and vertices in an order that is good for GPUs
+    meshopt,  // the same, compressed
+};
+
 // What some formats are told beside the mesh.
 struct FormatOptions {
     hmesh::SvgOptions svg;
     hmesh::HtmlOptions html;
+    GlbForm glb = GlbForm::exact;
+    int glb_color_bits = 16;
+    hmesh::ChannelGroups groups;  // of .glb and .ply
 };
 
 // Whether the name ends so, in lower or upper case, and has more before it.

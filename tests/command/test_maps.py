@@ -1,0 +1,196 @@
+"""Several images of one size as one mesh: --with, --channel-weights."""
+import json
+import math
+import re
+import struct
+from pathlib import Path
+
+import pytest
+from PIL import Image, ImageChops, ImageFilter
+
+from conftest import is_png, ply_header, read
+from glb import Glb
+
+
+@pytest.fixture
+def maps(hmesh):
+    """rock_albedo.png, rock_normal.png and rock_rough.png, 96 x 64 px."""
+    albedo = Image.open("picture.png").convert("RGB")
+    albedo.save("rock_albedo.png")
+    height = albedo.convert("L").filter(ImageFilter.GaussianBlur(2))
+    slope_x = ImageChops.subtract(height, ImageChops.offset(height, 1, 0), 1, 128)
+    slope_y = ImageChops.subtract(height, ImageChops.offset(height, 0, 1), 1, 128)
+    Image.merge("RGB", [slope_x, slope_y, Image.new("L", albedo.size, 230)]).save("rock_normal.png")
+    height.save("rock_rough.png")
+    return hmesh
+
+
+def srgb_to_linear(share):
+    return share / 12.92 if share <= 0.04045 else ((share + 0.055) / 1.055) ** 2.4
+
+
+def ply_vertices(name):
+    """Names of the properties, and the vertices' values."""
+    header = ply_header(name)
+    properties = [line.split()[1:] for line in header if line.startswith("property ") and "list" not in line]
+    form = "<" + "".join({"float": "f", "uchar": "B"}[kind] for kind, _ in properties)
+    count = int(next(line for line in header if line.startswith("element vertex")).split()[2])
+    body = read(name).partition(b"end_header\n")[2]
+    names = [name for _, name in properties]
+    return names, [dict(zip(names, struct.unpack_from(form, body, i * struct.calcsize(form)))) for i in range(count)]
+
+
+def psnr(a, b):
+    a, b = Image.open(a).tobytes(), Image.open(b).tobytes()
+    assert len(a) == len(b)
+    return 10 * math.log10(255**2 * len(a) / sum((x - y) ** 2 for x, y in zip(a, b)))
+
+
+def test_maps_become_attributes_and_properties_with_the_same_values(maps):
+    maps.done("rock_albedo.png --with rock_normal.png --with rock_rough.png --vertices 200 -o rock.glb -o rock.ply -q")
+    glb, (names, vertices) = Glb("rock.glb"), ply_vertices("rock.ply")
+    assert names == "x y z red green blue nx ny nz rough".split()
+    assert list(glb.attributes) == ["POSITION", "COLOR_0", "NORMAL", "TANGENT", "_ROUGH"]
+    assert "extensionsUsed" not in glb.json  # it is lit
+    assert len(vertices) == len(glb.places) == 200
+    for i, vertex in enumerate(vertices):
+        assert glb.places[i] == pytest.approx((vertex["x"] / 96, vertex["y"] / 96, 0), abs=1e-7)
+        color = glb.attributes["COLOR_0"][i]
+        for share, name in zip(color, ["red", "green", "blue"]):
+            assert share == pytest.approx(srgb_to_linear(vertex[name] / 255), abs=0.006)
+        normal = glb.attributes["NORMAL"][i]
+        assert normal == pytest.approx((vertex["nx"], vertex["ny"], vertex["nz"]), abs=1e-6)
+        assert math.hypot(*normal) == pytest.approx(1, abs=1e-6)
+        assert glb.attributes["TANGENT"][i] == (1, 0, 0, 1)
+        assert glb.attributes["_ROUGH"][i][0] == pytest.approx(vertex["rough"] / 255, abs=0.5 / 255 + 1e-4)
+
+
+def test_the_values_are_those_of_the_images_under_the_vertices(maps):
+    # A map that is a slope is kept exactly by any mesh.
+    slope = Image.linear_gradient("L").rotate(90).resize((96, 64))
+    slope.save("rock_slope.png")
+    Image.new("RGB", (96, 64), (128, 218, 218)).save("rock_normal.png")
+    maps.done("rock_albedo.png --with rock_slope.png --with rock_normal.png --vertices 100 --channel-weights 1,1,0.1 -o x.ply -q")
+    for vertex in ply_vertices("x.ply")[1]:
+        x, y = min(95, int(vertex["x"])), min(63, int(64 - vertex["y"]))
+        assert vertex["slope"] == pytest.approx(slope.getpixel((x, y)), abs=4)
+        assert (vertex["nx"], vertex["ny"], vertex["nz"]) == pytest.approx((0.005, 0.706, 0.706), abs=0.01)
+
+
+def test_the_psnr_of_each_image_is_told_and_that_of_its_picture(maps):
+    arguments = "rock_albedo.png --with rock_normal.png --with rough=rock_rough.png --vertices 250 --render x.png"
+    report = maps.report(arguments)
+    assert report["channels"] == 7 and report["bits"] == 16
+    assert [(m["file"], m["name"], m["meaning"], m["channels"]) for m in report["maps"]] == [
+        ("rock_albedo.png", "albedo", "color", 3), ("rock_normal.png", "normal", "normal", 3),
+        ("rock_rough.png", "rough", "data", 1)]
+    for m in report["maps"]:
+        picture = f"x_{m['name']}.png"
+        assert is_png(picture, (96, 64))
+        assert psnr(m["file"], picture) == pytest.approx(m["psnr"], abs=0.1)
+    mean = sum(m["channels"] * 10 ** (-m["psnr"] / 10) for m in report["maps"]) / 7
+    assert report["psnr"] == pytest.approx(-10 * math.log10(mean), abs=0.01)
+    out = maps.done(arguments)
+    assert re.search(r"^PSNR +[0-9.]+ dB of 'rock_normal.png', 3 channels as normal$", out, re.M)
+    assert re.findall(r"^written +(.*)$", out, re.M) == ["x_albedo.png", "x_normal.png", "x_rough.png"]
+
+
+def test_weights_of_images_and_of_channels_move_the_psnr(maps):
+    images = "rock_albedo.png --with rock_normal.png --with rock_rough.png --vertices 150 "
+    even, albedo, by_channel, rough = [maps.report(images + more)["maps"] for more in [
+        "", "--channel-weights 1,0.01,0.01", "--channel-weights 1,1,1,0.01,0.01,0.01,0.01", "--channel-weights 0,0,1"]]
+    assert albedo == by_channel
+    assert albedo[0]["psnr"] > even[0]["psnr"] + 0.1
+    assert rough[2]["psnr"] > even[2]["psnr"] + 0.1
+    assert rough[0]["psnr"] < even[0]["psnr"]
+
+
+def test_one_image_has_weights_of_its_channels(hmesh):
+    plain, same, red = [hmesh.report("picture.png --vertices 100 " + more) for more in [
+        "", "--channel-weights 2,2,2", "--channel-weights 1,0.01,0.01"]]
+    assert plain["energy"] == same["energy"]
+    assert red["psnr"] != plain["psnr"]
+    assert "by their weights" in red["psnr_convention"]
+
+
+@pytest.mark.parametrize("images, channels, bits", [
+    ("color.ppm --with grey.pgm", 4, 8), ("grey.pgm --with color16.ppm", 4, 16), ("color.ppm --with color16.ppm", 6, 16),
+    ("rgba.tga --with a=rgba.tga --with b=rgba.tga --with c=rgba.tga", 16, 16), ("grey.pgm --with float.pfm", 2, 32),
+    ("color.ppm --with float.pfm --with flow=color16.ppm", 7, 32)])
+def test_samples_become_those_of_the_widest_image(hmesh, images, channels, bits):
+    Path("float.pfm").write_bytes(b"Pf\n20 16\n-1\n" + struct.pack("<320f", *[i / 320 for i in range(320)]))
+    report = hmesh.report(images + " --vertices 60 -o x.ply -o x.glb")
+    assert (report["channels"], report["bits"]) == (channels, bits)
+    assert report["vertices"] == 60
+    assert all(m["psnr"] > 12 for m in report["maps"])
+    assert sum(map(len, (a[0] for name, a in Glb("x.glb").attributes.items() if name != "POSITION"))) >= channels
+
+
+def test_several_images_have_maps_of_their_own(maps):
+    for name in ["albedo", "normal"]:
+        Path(f"clay_{name}.png").write_bytes(read(f"rock_{name}.png"))
+    maps.done("rock_albedo.png clay_albedo.png --vertices 50 --with normal={name}.png -o {name}.glb -q")
+    assert list(Glb("rock_albedo.glb").attributes) == ["POSITION", "COLOR_0", "NORMAL", "TANGENT"]
+    assert Path("clay_albedo.glb").exists()
+
+
+def test_a_depfile_names_all_maps(maps):
+    maps.done("rock_albedo.png --with rock_rough.png --vertices 50 -o x.ply --depfile x.d -q")
+    assert read("x.d").decode().replace("\\\n", " ").split() == ["x.ply:", "rock_albedo.png", "rock_rough.png"]
+
+
+def test_a_search_for_a_psnr_goes_by_all_maps(maps):
+    report = maps.report("rock_albedo.png --with rock_rough.png --psnr 30 -o x.ply")
+    assert 30 <= report["psnr"] < 32
+
+
+def test_maps_are_packed_and_compressed(maps):
+    images = "rock_albedo.png --with rock_normal.png --with rock_rough.png --vertices 150 -q "
+    maps.done(images + "-o packed.glb --glb packed --glb-bits 8")
+    packed = Glb("packed.glb")
+    assert len(packed.places) == 150
+    for normal in packed.attributes["NORMAL"]:
+        assert math.hypot(*normal) == pytest.approx(1, abs=0.01)
+    if "--glb meshopt" in maps.done("--version"):
+        maps.done(images + "-o small.glb --glb meshopt --glb-bits 8")
+        small = Glb("small.glb")
+        for name, values in packed.attributes.items():
+            assert sorted(values) == sorted(small.attributes[name])
+
+
+@pytest.mark.parametrize("arguments, sentence", [
+    ("--with wide.png -o x.ply",
+     "'rock_albedo.png' has 96 x 64 px and 'wide.png' has 160 x 140 px: images of one mesh must have one size"),
+    ("--with none.png -o x.ply", "cannot read 'none.png'"),
+    ("--with normal=rock_rough.png -o x.ply", "called 'normal' and has 1 channel"),
+    ("--with normal=rock_normal.png --with his_normal=rock_normal.png -o x.ply", "is a second map of normals"),
+    ("--with rock_rough.png --channel-weights 1,2,3 -o x.ply",
+     "--channel-weights has 3 numbers, for 2 images of 4 channels together")])
+def test_maps_that_do_not_go_together_are_refused(maps, arguments, sentence):
+    maps.fails(sentence, "rock_albedo.png " + arguments)
+    assert not Path("x.ply").exists()
+
+
+def test_more_than_16_channels_are_refused(hmesh):
+    hmesh.fails("the images have 20 channels together, and a mesh has at most 16",
+                "rgba.tga --with a=rgba.tga --with b=rgba.tga --with c=rgba.tga --with d=rgba.tga -o x.ply")
+
+
+@pytest.mark.parametrize("arguments, sentence", [
+    ("--with rock_rough.png -o x.pdf", "--with makes a mesh that .glb and .ply hold, and .pdf does not"),
+    ("--with rock_rough.png -o x.ply --premultiplied", "--premultiplied is given with --with"),
+    ("--with rock_rough.png -o x.glb --fit-space each", "--fit-space is given with --with"),
+    ("--with rock_rough.png -o x.ply --method xie", "--with means nothing to --method xie"),
+    ("--with alpha=rock_rough.png -o x.ply", "has a name that positions or colours have in files"),
+    ("--with a= -o x.ply", "--with 'a=' names no file"),
+    ("--with m=rock_rough.png --with M=rock_normal.png -o x.ply", "are both called 'M'"),
+    ("rock_rough.png --with rock_normal.png -o {name}.ply", "--with is given for 2 images"),
+    ("--with rock_rough.png -o rock_rough.png --format ply", "'rock_rough.png' would overwrite the input"),
+    ("--with rock_rough.png -o x.ply --channel-weights 1,b", "has 'b', which is not a number"),
+    ("--with rock_rough.png -o x.ply --channel-weights 0,0", "has no weight above 0"),
+    ("--with rock_rough.png -o x.ply --channel-weights 1,,1", "has '', which is not a number"),
+    ("--with rock_rough.png --render - -o x.ply", "--render - names one")])
+def test_wrong_usage_of_maps_is_refused(maps, arguments, sentence):
+    run = maps.run("rock_albedo.png " + arguments)
+    assert run.returncode == 2 and sentence in run.stderr, run.stderr
+    assert not Path("x.ply").exists()
