@@ -14,6 +14,7 @@
 #include <cstdint>
 #include <cstring>
 
+#include "hmesh/core/compiler.hpp"
 #include "hmesh/core/status.hpp"
 #include "hmesh/io/detail/export_mesh.hpp"
 #include "hmesh/mesh/mesh.hpp"
@@ -98,7 +99,7 @@ namespace detail {
 /// mesh has, whose colours are straight; with names that differ from one another in more than capitals, and from those that files
 /// give to positions and colours (x, nx, red, alpha, intensity and their like). Otherwise invalid_argument with the number of the
 /// group, from 0 on.
-[[nodiscard]] inline Status check(const ChannelGroups& groups, const MeshView& mesh) noexcept {
+[[nodiscard]] HMESH_COLD inline Status check(const ChannelGroups& groups, const MeshView& mesh) noexcept {
     if (groups.is_empty()) return {};
     const auto bad = [](const char* what, std::size_t value, std::size_t limit) {
         return Status(Errc::invalid_argument, what, static_cast<std::int64_t>(value), static_cast<std::int64_t>(limit));

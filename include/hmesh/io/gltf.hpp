@@ -30,6 +30,7 @@
 #include <limits>
 #include <vector>
 
+#include "hmesh/core/compiler.hpp"
 #include "hmesh/core/finite.hpp"
 #include "hmesh/core/function_ref.hpp"
 #include "hmesh/core/srgb.hpp"
@@ -150,8 +151,8 @@ struct GlbMesh {
 };
 
 /// Appends the arrays of a group of channels, from the channel `first` on, and names them.
-inline void add_group(GlbMesh& out, GlbPrimitive& primitive, GlbMaterial& material, const ChannelGroup& group, std::size_t first,
-                      std::uint64_t vertices, const GltfOptions& options) {
+HMESH_COLD inline void add_group(GlbMesh& out, GlbPrimitive& primitive, GlbMaterial& material, const ChannelGroup& group,
+                                 std::size_t first, std::uint64_t vertices, const GltfOptions& options) {
     using Kind = GlbContent::Kind;
     const bool is_narrow = options.color_bits == 8;
     const auto number = is_narrow ? GlbNumber::u8 : GlbNumber::u16;
@@ -173,7 +174,7 @@ inline void add_group(GlbMesh& out, GlbPrimitive& primitive, GlbMaterial& materi
 }
 
 /// Refuses what a .glb file cannot hold, and lays out what it can. O(n).
-[[nodiscard]] inline Status lay_out_glb(const MeshView& mesh, const GltfOptions& options, GlbMesh& out) {
+[[nodiscard]] HMESH_COLD inline Status lay_out_glb(const MeshView& mesh, const GltfOptions& options, GlbMesh& out) {
     constexpr std::uint64_t most = std::numeric_limits<std::int32_t>::max();  // products with strides stay below 2^63
     if (const Status status = check_counts(mesh, most, most, "the mesh has more vertices or faces than a .glb file holds");
         !status)

@@ -20,6 +20,7 @@
 #include <cstdint>
 #include <limits>
 
+#include "hmesh/core/compiler.hpp"
 #include "hmesh/core/status.hpp"
 #include "hmesh/core/version.hpp"
 #include "hmesh/io/channel_groups.hpp"
@@ -63,7 +64,7 @@ namespace detail {
 }
 
 /// The lines of a group's properties. `has_color`: one before it is a colour.
-inline void write_ply_properties(Writer& writer, const ChannelGroup& group, bool has_color, bool are_floats) {
+HMESH_COLD inline void write_ply_properties(Writer& writer, const ChannelGroup& group, bool has_color, bool are_floats) {
     constexpr std::array<const char*, 4> rgba{"red", "green", "blue", "alpha"}, unit{"nx", "ny", "nz", ""},
         suffixes{"_0", "_1", "_2", "_3"};
     const bool is_normal = group.meaning == ChannelMeaning::normal;

@@ -13,10 +13,11 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <initializer_list>
 #include <limits>
-#include <utility>
 #include <vector>
 
+#include "hmesh/core/compiler.hpp"
 #include "hmesh/core/function_ref.hpp"
 #include "hmesh/core/status.hpp"
 #include "hmesh/core/version.hpp"
@@ -147,36 +148,51 @@ struct GlbFile {
     }
 };
 
-/// Words and numbers of JSON.
+/// A word or a number of JSON.
+class GlbWord {
+  public:
+    GlbWord(const char* words) noexcept : words_(words) {}          // NOLINT(google-explicit-constructor): part of a list
+    GlbWord(std::uint64_t count) noexcept : count_(count) {}        // NOLINT(google-explicit-constructor)
+    GlbWord(double real) noexcept : real_(real), is_real_(true) {}  // NOLINT(google-explicit-constructor)
+
+    /// Puts it into a writer.
+    void put(Writer& writer) const {
+        if (words_ != nullptr) writer.text(words_);
+        else if (is_real_) writer.real(real_);
+        else writer.decimal(static_cast<std::int64_t>(count_));
+    }
+
+  private:
+    const char* words_ = nullptr;
+    std::uint64_t count_ = 0;
+    double real_ = 0;
+    bool is_real_ = false;
+};
+
+/// Words and numbers of JSON, one after the other.
 class GlbJson {
   public:
     /// Puts them into a writer, which outlives this object.
     explicit GlbJson(Writer& writer) noexcept : writer_(&writer) {}
 
-    /// Puts words, one after the other.
-    void put(const char* words) { writer_->text(words); }
-    /// Puts an integer.
-    void put(std::uint64_t value) { writer_->decimal(static_cast<std::int64_t>(value)); }
-    /// Puts a real number.
-    void put(double value) { writer_->real(value); }
-    template <class First, class Second, class... Rest>
-    void put(First first, Second second, Rest... rest) {
-        put(first);
-        put(second, rest...);
+    /// Puts words and numbers.
+    HMESH_COLD void put(std::initializer_list<GlbWord> words) {
+        for (const GlbWord& word : words) word.put(*writer_);
     }
+    /// Puts words.
+    void put(const char* words) { writer_->text(words); }
     /// Puts two words, letters of the second as capitals.
-    void capitals(const char* first, const char* word) {
+    HMESH_COLD void capitals(const char* first, const char* word) {
         put(first);
         for (; *word != '\0'; ++word)
             writer_->u8(static_cast<std::uint8_t>(*word >= 'a' && *word <= 'z' ? *word - 'a' + 'A' : *word));
     }
-    /// Puts "NAME":[ and what put_one puts for each entry, with commas between them, and ].
-    template <class Entries, class PutOne>
-    void list(const char* name, const Entries& entries, PutOne&& put_one) {
-        put("\"", name, "\":[");
-        for (std::size_t i = 0; i < entries.size(); ++i) {
+    /// Puts "NAME":[ and what put_one puts for each of `count` entries, with commas between them, and ].
+    HMESH_COLD void list(const char* name, std::size_t count, FunctionRef<void(std::size_t i)> put_one) {
+        put({"\"", name, "\":["});
+        for (std::size_t i = 0; i < count; ++i) {
             if (i > 0) put(",");
-            put_one(entries[i], i);
+            put_one(i);
         }
         put("]");
     }
@@ -186,94 +202,102 @@ class GlbJson {
 };
 
 /// Writes the names of the extensions.
-inline void write_glb_extensions(GlbJson& json, const GlbFile& file) {
-    std::vector<const char*> used, required;
-    if (file.has_unlit()) used.push_back("KHR_materials_unlit");
-    if (file.is_quantized) required.push_back("KHR_mesh_quantization");
-    if (!file.compressed.empty()) required.push_back("EXT_meshopt_compression");
-    used.insert(used.end(), required.begin(), required.end());
-    for (const auto& [name, extensions] :
-         {std::make_pair("extensionsUsed", used), std::make_pair("extensionsRequired", required)}) {
-        if (extensions.empty()) continue;
-        json.list(name, extensions, [&](const char* extension, std::size_t) { json.put("\"", extension, "\""); });
+HMESH_COLD inline void write_glb_extensions(GlbJson& json, const GlbFile& file) {
+    std::array<const char*, 3> names{};
+    std::size_t used = 0;
+    if (file.has_unlit()) names[used++] = "KHR_materials_unlit";
+    const std::size_t optional = used;
+    if (file.is_quantized) names[used++] = "KHR_mesh_quantization";
+    if (!file.compressed.empty()) names[used++] = "EXT_meshopt_compression";
+    const auto write = [&](const char* list, std::size_t first) {
+        if (first == used) return;
+        json.list(list, used - first, [&](std::size_t i) { json.put({"\"", names[first + i], "\""}); });
         json.put(",");
+    };
+    write("extensionsUsed", 0);
+    write("extensionsRequired", optional);
+}
+
+/// Writes a primitive.
+HMESH_COLD inline void write_glb_primitive(GlbJson& json, const GlbPrimitive& primitive) {
+    json.put("{\"attributes\":{");
+    for (std::size_t i = 0; i < primitive.attributes.size(); ++i) {
+        const GlbAttribute& attribute = primitive.attributes[i];
+        json.put(i > 0 ? ",\"" : "\"");
+        if (attribute.is_custom) json.capitals("_", attribute.name);
+        else json.put(attribute.name);
+        if (attribute.set >= 0) json.put({"_", static_cast<std::uint64_t>(attribute.set)});
+        json.put({"\":", std::uint64_t{attribute.array}});
     }
+    json.put({"},\"indices\":", std::uint64_t{primitive.indices}, ",\"material\":", std::uint64_t{primitive.material}, "}"});
 }
 
 /// Writes scene, nodes, meshes and materials.
-inline void write_glb_scene(GlbJson& json, const GlbFile& file) {
+HMESH_COLD inline void write_glb_scene(GlbJson& json, const GlbFile& file) {
     json.put("\"scene\":0,\"scenes\":[{");
-    json.list("nodes", file.nodes, [&](const GlbNode&, std::size_t i) { json.put(std::uint64_t{i}); });
+    json.list("nodes", file.nodes.size(), [&](std::size_t i) { json.put({std::uint64_t{i}}); });
     json.put("}],");
-    json.list("nodes", file.nodes, [&](const GlbNode& node, std::size_t) {
-        json.put("{\"mesh\":", std::uint64_t{node.mesh}, ",\"translation\":[", node.translation[0], ",", node.translation[1]);
-        json.put(",0],\"scale\":[", node.scale, ",", node.scale, ",", node.scale, "]}");
+    json.list("nodes", file.nodes.size(), [&](std::size_t i) {
+        const GlbNode& node = file.nodes[i];
+        json.put({"{\"mesh\":", std::uint64_t{node.mesh}, ",\"translation\":[", node.translation[0], ",", node.translation[1],
+                  ",0],\"scale\":[", node.scale, ",", node.scale, ",", node.scale, "]}"});
     });
     json.put(",");
-    json.list("meshes", file.meshes, [&](const std::vector<GlbPrimitive>& primitives, std::size_t) {
+    json.list("meshes", file.meshes.size(), [&](std::size_t i) {
+        const std::vector<GlbPrimitive>& primitives = file.meshes[i];
         json.put("{");
-        json.list("primitives", primitives, [&](const GlbPrimitive& primitive, std::size_t) {
-            json.put("{\"attributes\":{");
-            for (const GlbAttribute& attribute : primitive.attributes) {
-                json.put(&attribute != primitive.attributes.data() ? ",\"" : "\"");
-                if (attribute.is_custom) json.capitals("_", attribute.name);
-                else json.put(attribute.name);
-                if (attribute.set >= 0) json.put("_", static_cast<std::uint64_t>(attribute.set));
-                json.put("\":", std::uint64_t{attribute.array});
-            }
-            json.put("},\"indices\":", std::uint64_t{primitive.indices}, ",\"material\":", std::uint64_t{primitive.material},
-                     "}");
-        });
+        json.list("primitives", primitives.size(), [&](std::size_t k) { write_glb_primitive(json, primitives[k]); });
         json.put("}");
     });
     json.put(",");
-    json.list("materials", file.materials, [&](const GlbMaterial& material, std::size_t) {
-        json.put("{\"pbrMetallicRoughness\":{\"metallicFactor\":0,\"roughnessFactor\":1}");
-        if (material.blends) json.put(",\"alphaMode\":\"BLEND\"");
-        if (!material.is_lit) json.put(",\"extensions\":{\"KHR_materials_unlit\":{}}");
-        json.put("}");
+    json.list("materials", file.materials.size(), [&](std::size_t i) {
+        const GlbMaterial& material = file.materials[i];
+        json.put({"{\"pbrMetallicRoughness\":{\"metallicFactor\":0,\"roughnessFactor\":1}",
+                  material.blends ? ",\"alphaMode\":\"BLEND\"" : "",
+                  material.is_lit ? "}" : ",\"extensions\":{\"KHR_materials_unlit\":{}}}"});
     });
 }
 
 /// Writes accessors, buffer views and buffers.
-inline void write_glb_arrays(GlbJson& json, const GlbFile& file) {
+HMESH_COLD inline void write_glb_arrays(GlbJson& json, const GlbFile& file) {
     constexpr std::array<const char*, 4> types{"SCALAR", "VEC2", "VEC3", "VEC4"};
-    json.list("accessors", file.arrays, [&](const GlbArray& array, std::size_t i) {
-        json.put("{\"bufferView\":", std::uint64_t{i}, ",\"componentType\":", static_cast<std::uint64_t>(array.number));
-        if (array.is_normalized) json.put(",\"normalized\":true");
-        json.put(",\"count\":", array.count, ",\"type\":\"", types[array.components - 1], "\"");
+    json.list("accessors", file.arrays.size(), [&](std::size_t i) {
+        const GlbArray& array = file.arrays[i];
+        json.put({"{\"bufferView\":", std::uint64_t{i}, ",\"componentType\":", static_cast<std::uint64_t>(array.number),
+                  array.is_normalized ? ",\"normalized\":true" : "", ",\"count\":", array.count, ",\"type\":\"",
+                  types[array.components - 1], "\""});
         if (array.has_bounds)
-            json.put(",\"min\":[", array.low[0], ",", array.low[1], ",0],\"max\":[", array.high[0], ",", array.high[1], ",0]");
+            json.put({",\"min\":[", array.low[0], ",", array.low[1], ",0],\"max\":[", array.high[0], ",", array.high[1], ",0]"});
         json.put("}");
     });
     json.put(",");
     const bool is_compressed = !file.compressed.empty();
     std::uint64_t offset = 0, place = 0;
-    json.list("bufferViews", file.arrays, [&](const GlbArray& array, std::size_t i) {
+    json.list("bufferViews", file.arrays.size(), [&](std::size_t i) {
+        const GlbArray& array = file.arrays[i];
         json.put(is_compressed ? "{\"buffer\":1" : "{\"buffer\":0");
-        if (offset > 0) json.put(",\"byteOffset\":", offset);
-        json.put(",\"byteLength\":", array.bytes());
-        if (!array.is_indices) json.put(",\"byteStride\":", array.stride());
-        json.put(",\"target\":", std::uint64_t{array.is_indices ? 34963U : 34962U});  // ELEMENT_ARRAY_BUFFER and ARRAY_BUFFER
+        if (offset > 0) json.put({",\"byteOffset\":", offset});
+        json.put({",\"byteLength\":", array.bytes()});
+        if (!array.is_indices) json.put({",\"byteStride\":", array.stride()});
+        json.put(array.is_indices ? ",\"target\":34963" : ",\"target\":34962");  // ELEMENT_ARRAY_BUFFER and ARRAY_BUFFER
         offset += GlbFile::padded(array.bytes());
         if (is_compressed) {
             const std::uint64_t size = file.compressed[i].size();
-            json.put(",\"extensions\":{\"EXT_meshopt_compression\":{\"buffer\":0,\"byteOffset\":", place,
-                     ",\"byteLength\":", size);
-            json.put(",\"byteStride\":", array.stride(), ",\"count\":", array.count, ",\"mode\":\"");
-            json.put(array.is_indices ? "TRIANGLES\"}}" : "ATTRIBUTES\"}}");
+            json.put({",\"extensions\":{\"EXT_meshopt_compression\":{\"buffer\":0,\"byteOffset\":", place,
+                      ",\"byteLength\":", size, ",\"byteStride\":", array.stride(), ",\"count\":", array.count,
+                      array.is_indices ? ",\"mode\":\"TRIANGLES\"}}" : ",\"mode\":\"ATTRIBUTES\"}}"});
             place += GlbFile::padded(size);
         }
         json.put("}");
     });
-    json.put(",\"buffers\":[{\"byteLength\":", file.binary_bytes(), "}");
+    json.put({",\"buffers\":[{\"byteLength\":", file.binary_bytes(), "}"});
     if (is_compressed)
-        json.put(",{\"byteLength\":", file.array_bytes(), ",\"extensions\":{\"EXT_meshopt_compression\":{\"fallback\":true}}}");
+        json.put({",{\"byteLength\":", file.array_bytes(), ",\"extensions\":{\"EXT_meshopt_compression\":{\"fallback\":true}}}"});
     json.put("]");
 }
 
 /// Writes the JSON chunk without padding.
-inline void write_glb_json(Writer& writer, const GlbFile& file) {
+HMESH_COLD inline void write_glb_json(Writer& writer, const GlbFile& file) {
     GlbJson json(writer);
     json.put("{\"asset\":{\"version\":\"2.0\",\"generator\":\"hmesh " HMESH_VERSION_STRING "\"},");
     write_glb_extensions(json, file);
@@ -300,7 +324,7 @@ inline void pad(Writer& writer, std::uint64_t size, char with) {
 using FillGlbArray = FunctionRef<void(Writer& writer, std::size_t array)>;
 
 /// Makes all arrays and compresses them. Errc::write_failed where that fails.
-[[nodiscard]] inline Status compress_arrays(GlbFile& file, FillGlbArray fill, GltfCompress compress) {
+[[nodiscard]] HMESH_COLD inline Status compress_arrays(GlbFile& file, FillGlbArray fill, GltfCompress compress) {
     std::vector<unsigned char> bytes;
     const auto keep = [&](const void* from, std::size_t size) {
         const auto* first = static_cast<const unsigned char*>(from);
@@ -324,7 +348,7 @@ using FillGlbArray = FunctionRef<void(Writer& writer, std::size_t array)>;
 }
 
 /// Counts the JSON and refuses a file of 4 GiB or more.
-[[nodiscard]] inline Status count_glb_json(GlbFile& file) {
+[[nodiscard]] HMESH_COLD inline Status count_glb_json(GlbFile& file) {
     const auto nowhere = [](const void*, std::size_t) { return true; };
     Writer counter(nowhere);
     write_glb_json(counter, file);
@@ -333,7 +357,7 @@ using FillGlbArray = FunctionRef<void(Writer& writer, std::size_t array)>;
 }
 
 /// Writes the whole file, whose JSON has been counted.
-inline Status write_glb_file(const GlbFile& file, Sink sink, FillGlbArray fill) {
+HMESH_COLD inline Status write_glb_file(const GlbFile& file, Sink sink, FillGlbArray fill) {
     Writer writer(sink);
     writer.text("glTF");
     writer.u32(2);
