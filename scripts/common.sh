@@ -77,6 +77,7 @@ need() {
                 has_header jpeglib.h || optional+=(libjpeg-dev)
                 has_header webp/demux.h || optional+=(libwebp-dev)
                 has_header tiffio.h || optional+=(libtiff-dev)
+                has_header meshoptimizer.h || optional+=(libmeshoptimizer-dev)  # compresses .glb
                 ;;
             stb) has_header stb_image.h || packages+=(libstb-dev) ;;
             pytest) has_pytest || packages+=(python3 python3-pil python3-pytest) ;;
