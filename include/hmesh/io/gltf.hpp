@@ -52,21 +52,22 @@ struct GltfOptions {
     /// the scale of the node alone: the positions in the buffer stay pixels.
     double longer_side = 1;
     /// Positions are unsigned shorts, 4 bytes a vertex less. Readers must know KHR_mesh_quantization: three.js, Babylon.js and
-    /// Blender do, assimp 5.2 does not. Positions count steps of a power of two, from 1/256 px to 1 px, the largest on which
-    /// all of them lie: exact if the mesh spans at most 65,535 of them, as it does up to 255 px, or up to 1,023 px if it was
-    /// made with MeshLimits::position_step = 1.0 / 64. Else they are rounded to a 65535th of the larger extent, off by 0.004 px
-    /// at 512 and 0.03 px at 4096, and faces much thinner than that may turn over. Normals and tangents are shorts too, or
-    /// bytes.
+    /// Blender do, assimp 5.2 and Godot 4 do not. Positions count steps of a power of two, from 1/256 px to 1 px, the largest
+    /// on which all of them lie: exact if the mesh spans at most 65,535 of them, as it does up to 255 px, or up to 1,023 px if
+    /// it was made with MeshLimits::position_step = 1.0 / 64. Else they are rounded to a 65535th of the larger extent, off by
+    /// 0.004 px at 512 and 0.03 px at 4096, and faces much thinner than that may turn over. Normals and tangents are shorts
+    /// too, or bytes.
     bool quantized_positions = false;
     /// The stored values are linear light already, as in many float images, and are written as they are.
     bool colors_are_linear = false;
-    /// Bits of a colour and of data, 16 or 8; with quantised positions, of a normal too. 8 take 4 bytes a vertex less, 3.5 when
+    /// Bits of a colour and of data, 16 or 8; with quantised positions, of a normal too. 8 take 4 bytes a vertex less, 3 when
     /// compressed, and leave 183 of 256 sRGB values apart: 0.05 dB of a photograph at 35 dB, but 7 of a drawing at 57 dB.
     int color_bits = 16;
     /// What the channels mean. None: they are one colour.
     ChannelGroups groups{};
-    /// Compresses the arrays: readers must know EXT_meshopt_compression, as three.js, Babylon.js and Godot 4.4 do with their
-    /// decoders. What it refers to must live until write_glb() returns. None: they are written as they are.
+    /// Compresses the arrays: readers must know EXT_meshopt_compression, as three.js and Babylon.js do with a decoder beside
+    /// them; there is no uncompressed copy. What it refers to must live until write_glb() returns. None: they are written as
+    /// they are.
     GltfCompress compress{};
 };
 

@@ -116,7 +116,7 @@ void add_mesh_options(CLI::App& app, Arguments& out) {
     add_name(app, "--glb",
              "how .glb holds the mesh: exact (default), for every reader; packed, 16-bit positions in\n"
              "an order for GPUs (KHR_mesh_quantization); meshopt, that compressed\n"
-             "(EXT_meshopt_compression)",
+             "(EXT_meshopt_compression); which viewers read them: docs/formats.md",
              glb_forms, [&](GlbForm form) { out.glb = form; });
     add(
         app, "--glb-bits", "N", "bits of a colour in .glb: 16 (default), or 8, smaller and coarser",
