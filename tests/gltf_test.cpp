@@ -284,6 +284,17 @@ TEST_CASE("quantised positions on a grid of a power of two are exact as long as 
     }
 }
 
+TEST_CASE("positions off all grids are rounded to a step of 1/256 px") {
+    hmesh::Mesh mesh = two_faces(3);
+    mesh.positions = {0, 0, 3, 0, 3, 2, 0.00001F, 0.7F};
+    hmesh::GltfOptions options = quantized();
+    options.longer_side = 0;
+    const GlbFile file = read_back(mesh, options);
+    CHECK(file.stored[1] == std::array<double, 3>{768, 512, 0});
+    CHECK(file.positions[3][0] == 0);
+    CHECK(std::abs(file.positions[3][1] - 1.3) <= 1.0 / 512);
+}
+
 TEST_CASE("colours of 8 bits are rounded linear light") {
     hmesh::GltfOptions options;
     options.color_bits = 8;
