@@ -210,9 +210,9 @@ void add_meshing_options(CLI::App& app, Arguments& out) {
                                    ? "has a name that positions or colours have in files"
                                    : "");
         });
-    add(app, "--channel-weights", "N,N...",
-        "how much each image of the mesh counts, or each channel of all, the first before those\n"
-        "of --with (default: all the same)",
+    add(app, "--channel-weights", "N",
+        "numbers with commas between them: how much each image of the mesh counts, the first\n"
+        "before those of --with, or each channel of all (default: all the same)",
         [&](const std::string& text) { return parse_weights(text, out.channel_weights); });
     add(app, "--grid", "N",
         "positions are multiples of 1/N px, N 4, 8, 16, 32, 64, 128 or 256 (default: 256, or as\n"
