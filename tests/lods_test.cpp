@@ -115,7 +115,8 @@ TEST_CASE("levels are as good as meshes of their own, on average over pictures a
             REQUIRE(lods.levels.size() == 4);
             for (std::size_t k = 1; k < 4; ++k) {
                 const auto n = static_cast<std::int64_t>(lods.levels[k].report.vertices);
-                gain += lods.levels[k].report.psnr - hmesh::mesh_image(image.view(), vertices(n), Annealed{effort, seed}).report.psnr;
+                gain +=
+                    lods.levels[k].report.psnr - hmesh::mesh_image(image.view(), vertices(n), Annealed{effort, seed}).report.psnr;
             }
         }
         CHECK(gain / 12 > -0.12);  // a seed more or less is worth as much

@@ -1,6 +1,7 @@
 /// \file
 /// What programs that draw meshes themselves add to hmesh/hmesh.hpp: pack_for_gpu(), buffers for OpenGL, Vulkan, Direct3D 12,
-/// Metal and WebGPU; mesh_lods(), levels of detail.
+/// Metal and WebGPU; mesh_lods() and
+/// progressive_mesh(), levels of detail.
 ///
 /// This header defines nothing itself. It stands beside hmesh/hmesh.hpp, which it would make take 5 % longer to compile.
 #ifndef HMESH_GPU_HPP
@@ -8,5 +9,6 @@
 
 #include "hmesh/io/gpu.hpp"
 #include "hmesh/lods.hpp"
+#include "hmesh/progressive.hpp"
 
 #endif  // HMESH_GPU_HPP

@@ -104,8 +104,8 @@ class AnnealedRun {
 
     /// The same from the mesh of more than n vertices that `tiled` holds, whose energy is known.
     bool run_on() {
-        const AnnealedWork work = coarser_work(steps_, tiled_->source().pixels(), static_cast<double>(tiled_->vertex_count()),
-                                               static_cast<double>(n_));
+        const AnnealedWork work =
+            coarser_work(steps_, tiled_->source().pixels(), static_cast<double>(tiled_->vertex_count()), static_cast<double>(n_));
         if (work.anneal > 0) progress().plan({work.collapse, work.anneal, work.polish, work.colors});
         else progress().plan({work.collapse, work.polish, work.colors});
         return stage("collapse", [&] { return collapse(false); }) && finish();

@@ -192,7 +192,10 @@ struct AnnealedWork {
     annealing.start_price = 0.85;
     const bool are_few = annealing.sweeps < 8;
     annealing.temperature = are_few ? 0.1 : 0.3;  // few sweeps have no time to cool down
-    if (are_few) annealing.flip_screen = std::min(annealing.flip_screen, 2.0);
+    if (are_few) {
+        annealing.flip_screen = std::min(annealing.flip_screen, 2.0);
+        annealing.insertion_screen = std::max(annealing.insertion_screen, 0.4);
+    }
     return steps;
 }
 
