@@ -32,7 +32,7 @@ namespace hmesh::detail {
 [[nodiscard]] HMESH_COLD inline std::vector<double> coarser_works(const Annealed& recipe, double pixels, std::size_t n, int more) {
     std::vector<double> works;
     for (const std::size_t count : halves(n, more)) {
-        const Annealed level = recipe.coarser(static_cast<int>(works.size()) + 1);
+        const Annealed level = recipe.coarser(count);
         works.push_back(kit::coarser_work(*level.steps, pixels, static_cast<double>(n), static_cast<double>(count)).sum());
         n = count;
     }
@@ -63,7 +63,7 @@ HMESH_COLD void add_coarser(const Subject<C>& subject, double from, const Option
     const std::vector<double> works = coarser_works(recipe, source.pixels(), n, more);
     const double all = sum(works);
     const auto tile_of = [&](std::size_t count) {
-        return recipe.coarser(1).tile_size(source.width(), source.height(), count);
+        return recipe.coarser(count).tile_size(source.width(), source.height(), count);
     };
     if (const Status status = check_tables(source, tile_of(counts.back())); !status) {
         lods.status = status;
@@ -81,8 +81,7 @@ HMESH_COLD void add_coarser(const Subject<C>& subject, double from, const Option
         tell_in_image_units(progress, subject);
         from = to;
         tiled.report_to(progress);
-        const Annealed level = recipe.coarser(static_cast<int>(k) + 1);
-        const Status status = level.coarsen(tiled, counts[k]);
+        const Status status = recipe.coarser(counts[k]).coarsen(tiled, counts[k]);
         Result result = finish(subject, tiled, status, tile_of(counts[k]), options.colors.value_or(Annealed::colors), options);
         tiled.report_to(none);
         if (!result.status) {

@@ -355,7 +355,7 @@ HMESH_COLD void nest(const kit::ImageSource<C>& source, double samples, const Me
 /// \param finest        the finest level: a mesh of mesh_image(), or any mesh that Annealed::start takes. It keeps its vertices and
 ///     faces, in another order; its colours change
 /// \param options       progress, limits, weights, round_colors and premultiplied are those of mesh_image(), with the values
-///     that the mesh was made with; the others say nothing
+///     that the mesh was made with; channel_weights are refused, the others say nothing
 /// \param nested_options  how many levels, of n, n / 2, n / 4 .. vertices, and what they count; there are fewer levels where no
 ///     more vertices can be removed
 /// \param parallel_for  executor of sums; the order is found on the calling thread
@@ -371,11 +371,14 @@ template <class T, int C>
     ProgressiveMesh out;
     out.status = check(nested_options);
     if (!out.status) return out;
-    const auto accept = [](int, int) { return Status(); };
-    const auto body = [&](const kit::ImageSource<C>& source, const ImageView<T, C>&, double samples) {
-        detail::nest(source, samples, finest, options, nested_options, parallel_for, out);
+    const auto accept = [&](int, int) -> Status {
+        if (!kit::differ(options.channel_weights)) return {};
+        return {Errc::invalid_argument, "levels over one vertex buffer know no channel_weights"};
     };
-    if (const Status status = detail::with_source<T, C>(view, options, accept, parallel_for, body); !status) out.status = status;
+    const auto body = [&](const detail::Subject<C>& subject, const ImageView<T, C>&) {
+        detail::nest(*subject.image, subject.samples, finest, options, nested_options, parallel_for, out);
+    };
+    if (const Status status = detail::with_subject<T, C>(view, options, accept, parallel_for, body); !status) out.status = status;
     return out;
 }
 

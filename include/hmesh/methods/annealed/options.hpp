@@ -175,10 +175,10 @@ struct AnnealedWork {
     return work;
 }
 
-/// The steps of a level of detail that is made of the one before, of twice as many vertices: level 1 is the first of them. Of the
-/// sweeps about half are left, of few ones less, since most of what they find the level before has found. Where these are few
-/// they cannot make up for what level after level loses, so that those from the third on get more.
-[[nodiscard]] HMESH_COLD inline AnnealedSteps coarser_steps(AnnealedSteps steps, int level) noexcept {
+/// The steps of a level of detail of n vertices that is made of the one before, of twice as many. Of the sweeps about half are
+/// left, of few ones less, since most of what they find the level before has found. Up to 1024 vertices, where few sweeps try too
+/// little, there are more: they cost next to nothing.
+[[nodiscard]] HMESH_COLD inline AnnealedSteps coarser_steps(AnnealedSteps steps, std::size_t n) noexcept {
     AnnealingOptions& annealing = steps.annealing;
     if (annealing.sweeps == 0) {  // as draft has it
         steps.relaxation.rounds = 0;
@@ -188,7 +188,7 @@ struct AnnealedWork {
     }
     steps.collapse_batch = std::min(steps.collapse_batch, 0.18);
     annealing.sweeps = static_cast<int>(12LL * annealing.sweeps / 25);
-    if (annealing.sweeps > 0) annealing.sweeps += std::max(0, std::min(2, level - 2));
+    if (annealing.sweeps > 0) annealing.sweeps += n > 1024 ? 0 : n > 512 ? 1 : n > 256 ? 2 : 3;
     annealing.start_price = 0.85;
     const bool are_few = annealing.sweeps < 8;
     annealing.temperature = are_few ? 0.1 : 0.3;  // few sweeps have no time to cool down
@@ -275,13 +275,13 @@ struct Annealed {
         }
         return out;
     }
-    /// The recipe of level `level` >= 1 of a chain of levels of detail (hmesh/lods.hpp), which coarsen() makes of the one before.
+    /// The recipe of a level of n vertices in a chain of levels of detail (hmesh/lods.hpp), which coarsen() makes of the one before.
     /// Tiles have 384 px, since fewer seams matter more here than more pieces of work.
-    [[nodiscard]] Annealed coarser(int level) const {
+    [[nodiscard]] Annealed coarser(std::size_t n) const {
         Annealed out = *this;
         out.start = nullptr;
-        out.steps = kit::coarser_steps(steps.value_or(kit::annealed_steps(effort)), level);
-        out.seed = seed + static_cast<std::uint64_t>(level);
+        out.steps = kit::coarser_steps(steps.value_or(kit::annealed_steps(effort)), n);
+        out.seed = seed + n;  // another one in each level
         if (tile == 0) out.tile = 384;
         return out;
     }
