@@ -13,8 +13,9 @@
 /// squares over all of them, each weighted by its share over its error, which makes a weighted sum of their PSNRs largest.
 /// After H. Hoppe, Progressive meshes, SIGGRAPH 1996, with flips and without geomorphs.
 ///
-/// The price, of Lena from 8,192 and kodim03 from 16,384 vertices: the finest level loses 0.2 and 0.4 dB, the coarser ones are 0.9 to
-/// 1.9 and at last 2.4 dB below those of mesh_lods(). What it buys: half of the vertex memory, and a level is a range of indices.
+/// The price, of Lena from 8,192 and kodim03 from 16,384 vertices: the finest level loses 0.2 and 0.4 dB, the coarser ones are
+/// 0.9 to 2.4 dB below those of mesh_lods(), the coarsest most. What it buys: half of the vertex memory, and a level is a range
+/// of indices.
 ///
 /// Cost: some 60 us a vertex of the finest mesh, half of mesh_image() at effort normal; one moment table of the whole image (32
 /// bytes a pixel for 8-bit RGB) and 1.7 KB a vertex. One piece of work, but for sums.
@@ -352,8 +353,8 @@ HMESH_COLD void nest(const kit::ImageSource<C>& source, double samples, const Me
 /// Orders the vertices of a mesh so that prefixes of them are its levels of detail.
 ///
 /// \param view          the image that the mesh was made of
-/// \param finest        the finest level: a mesh of mesh_image(), or any mesh that Annealed::start takes. It keeps its vertices and
-///     faces, in another order; its colours change
+/// \param finest        the finest level: a mesh of mesh_image(), or any mesh that Annealed::start takes. It keeps its vertices
+///     and faces, in another order; its colours change
 /// \param options       progress, limits, weights, round_colors and premultiplied are those of mesh_image(), with the values
 ///     that the mesh was made with; channel_weights are refused, the others say nothing
 /// \param nested_options  how many levels, of n, n / 2, n / 4 .. vertices, and what they count; there are fewer levels where no

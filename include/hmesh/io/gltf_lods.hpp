@@ -2,9 +2,9 @@
 /// write_glb_lods(): levels of detail as one binary glTF file, with the extension MSFT_lod.
 ///
 /// The scene has one node, the finest level, which names the nodes of the others: readers that do not know MSFT_lod show the
-/// finest level. A level is drawn down to where the image covers the share of the screen that the vertices of the next one are of
-/// the finest's: half of the screen, a quarter, and so on (MSFT_screencoverage); the last one down to nothing. All levels are laid
-/// out as write_glb() does (io/gltf.hpp), with one material. Levels over one vertex buffer, as those of a ProgressiveMesh
+/// finest level. A level is drawn until the image covers a smaller share of the screen than the vertices of the next one are of
+/// the finest's: half of the screen, a quarter, and so on (MSFT_screencoverage); the last one down to nothing. All levels are
+/// laid out as write_glb() does (io/gltf.hpp), with one material. Levels over one vertex buffer, as those of a ProgressiveMesh
 /// (hmesh/progressive.hpp), share its arrays.
 ///
 /// Sources: Microsoft, MSFT_lod (Khronos, glTF extensions, vendor); what io/gltf.hpp names. Babylon.js reads it.

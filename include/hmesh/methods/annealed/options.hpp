@@ -192,10 +192,7 @@ struct AnnealedWork {
     annealing.start_price = 0.85;
     const bool are_few = annealing.sweeps < 8;
     annealing.temperature = are_few ? 0.1 : 0.3;  // few sweeps have no time to cool down
-    if (are_few) {
-        annealing.flip_screen = std::min(annealing.flip_screen, 2.0);
-        annealing.insertion_screen = std::max(annealing.insertion_screen, 0.4);
-    }
+    if (are_few) annealing.flip_screen = std::min(annealing.flip_screen, 2.0);
     return steps;
 }
 
@@ -275,8 +272,8 @@ struct Annealed {
         }
         return out;
     }
-    /// The recipe of a level of n vertices in a chain of levels of detail (hmesh/lods.hpp), which coarsen() makes of the one before.
-    /// Tiles have 384 px, since fewer seams matter more here than more pieces of work.
+    /// The recipe of a level of n vertices in a chain of levels of detail (hmesh/lods.hpp), which coarsen() makes of the one
+    /// before. Tiles have 384 px, since fewer seams matter more here than more pieces of work.
     [[nodiscard]] Annealed coarser(std::size_t n) const {
         Annealed out = *this;
         out.start = nullptr;
@@ -299,8 +296,8 @@ struct Annealed {
     /// number of vertices. Defined in methods/annealed/annealed.hpp.
     template <int C>
     [[nodiscard]] Status run(kit::TiledMesh<C>& mesh, std::size_t n) const;
-    /// The same from the mesh that `mesh` holds, which has more than n vertices and whose energy is known: those that are cheapest
-    /// to remove go, then it is annealed and polished.
+    /// The same from the mesh that `mesh` holds, which has more than n vertices and whose energy is known: those that are
+    /// cheapest to remove go, then it is annealed and polished.
     template <int C>
     [[nodiscard]] Status coarsen(kit::TiledMesh<C>& mesh, std::size_t n) const;
 
