@@ -15,8 +15,8 @@
 #include <string>
 #include <vector>
 
-#include <hmesh/gpu.hpp>
 #include <hmesh/hmesh.hpp>
+#include <hmesh/lods.hpp>
 
 #include "common.hpp"
 

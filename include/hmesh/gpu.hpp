@@ -1,15 +1,11 @@
 /// \file
 /// What programs that draw meshes themselves add to hmesh/hmesh.hpp: pack_for_gpu(), buffers for OpenGL, Vulkan, Direct3D 12,
-/// Metal and WebGPU; mesh_lods() and
-/// progressive_mesh(), levels of detail, and write_glb_lods(), which writes them.
+/// Metal and WebGPU.
 ///
 /// This header defines nothing itself. It stands beside hmesh/hmesh.hpp, which it would make take 5 % longer to compile.
 #ifndef HMESH_GPU_HPP
 #define HMESH_GPU_HPP
 
-#include "hmesh/io/gltf_lods.hpp"
 #include "hmesh/io/gpu.hpp"
-#include "hmesh/lods.hpp"
-#include "hmesh/progressive.hpp"
 
 #endif  // HMESH_GPU_HPP

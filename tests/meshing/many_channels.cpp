@@ -1,6 +1,6 @@
 #include <cstdint>
 
-#include "hmesh/lods.hpp"
+#include "hmesh/lods/mesh_lods.hpp"
 #include "hmesh/mesh_image.hpp"
 
 HMESH_INSTANTIATE(std::uint8_t, 5)

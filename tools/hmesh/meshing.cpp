@@ -10,7 +10,7 @@
 #include <utility>
 
 #include "hmesh/image/premultiply.hpp"
-#include "hmesh/lods.hpp"
+#include "hmesh/lods/mesh_lods.hpp"
 #include "hmesh/mesh_image.hpp"
 #include "hmesh/methods/baselines/adams.hpp"
 #include "hmesh/methods/baselines/adaptive_thinning.hpp"

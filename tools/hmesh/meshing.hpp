@@ -12,7 +12,7 @@
 #include "hmesh/core/progress.hpp"
 #include "hmesh/core/status.hpp"
 #include "hmesh/image/image_view.hpp"
-#include "hmesh/lods.hpp"
+#include "hmesh/lods/mesh_lods.hpp"
 #include "hmesh/mesh/mesh.hpp"
 #include "hmesh/methods/annealed/options.hpp"
 #include "hmesh/options.hpp"

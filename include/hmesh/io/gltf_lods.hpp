@@ -5,9 +5,10 @@
 /// finest level. A level is drawn until the image covers a smaller share of the screen than the vertices of the next one are of
 /// the finest's: half of the screen, a quarter, and so on (MSFT_screencoverage); the last one down to nothing. All levels are
 /// laid out as write_glb() does (io/gltf.hpp), with one material. Levels over one vertex buffer, as those of a ProgressiveMesh
-/// (hmesh/progressive.hpp), share its arrays.
+/// (lods/progressive_mesh.hpp), share its arrays.
 ///
-/// Sources: Microsoft, MSFT_lod (Khronos, glTF extensions, vendor); what io/gltf.hpp names. Babylon.js reads it.
+/// Sources: Microsoft, MSFT_lod (Khronos, glTF extensions, vendor); what io/gltf.hpp names. Babylon.js loads the levels one after
+/// another, the coarsest first.
 #ifndef HMESH_IO_GLTF_LODS_HPP
 #define HMESH_IO_GLTF_LODS_HPP
 

@@ -60,8 +60,8 @@ inline constexpr Named<GlbForm> glb_forms[] = {
 
 struct MeshFile {
     std::string name;
-    std::string ending;                // that of the format, in lower case: ".ply"
-    std::vector<std::string> coarser;  // the files of further levels of detail; none: there are none, or the first holds all
+    std::string ending;                  // that of the format, in lower case: ".ply"
+    std::vector<std::string> coarser{};  // the files of further levels of detail; none: there are none, or the first holds all
 };
 
 // Another image of the same mesh.

@@ -272,7 +272,7 @@ struct Annealed {
         }
         return out;
     }
-    /// The recipe of a level of n vertices in a chain of levels of detail (hmesh/lods.hpp), which coarsen() makes of the one
+    /// The recipe of a level of n vertices in a chain of levels of detail (lods/mesh_lods.hpp), which coarsen() makes of the one
     /// before. Tiles have 384 px, since fewer seams matter more here than more pieces of work.
     [[nodiscard]] Annealed coarser(std::size_t n) const {
         Annealed out = *this;

@@ -1,4 +1,4 @@
-#include "hmesh/progressive.hpp"
+#include "hmesh/lods/progressive_mesh.hpp"
 
 #include <doctest/doctest.h>
 
@@ -12,9 +12,9 @@
 #include <utility>
 #include <vector>
 
-#include "hmesh/mesh_image.hpp"
 #include "test_executors.hpp"
 #include "test_images.hpp"
+#include "test_meshing.hpp"
 #include "test_results.hpp"
 
 using hmesh::Annealed;

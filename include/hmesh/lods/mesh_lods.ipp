@@ -1,6 +1,6 @@
-// hmesh - the definition of mesh_lods(). Included by lods.hpp only; empty where a program compiles it in another file.
-#ifndef HMESH_LODS_IPP
-#define HMESH_LODS_IPP
+// hmesh - the definition of mesh_lods(). Included by mesh_lods.hpp only; empty where a program compiles it in another file.
+#ifndef HMESH_LODS_MESH_LODS_IPP
+#define HMESH_LODS_MESH_LODS_IPP
 #if !defined(HMESH_COMPILED) || defined(HMESH_IMPLEMENTATION)
 
 #include <algorithm>
@@ -140,4 +140,4 @@ Lods mesh_lods(const ImageView<T, C>& view, const Options& options, const LodOpt
 #include "hmesh/core/macros/pop.hpp"
 
 #endif  // HMESH_COMPILED
-#endif  // HMESH_LODS_IPP
+#endif  // HMESH_LODS_MESH_LODS_IPP

@@ -1,4 +1,4 @@
-#include "hmesh/lods.hpp"
+#include "hmesh/lods/mesh_lods.hpp"
 
 #include <doctest/doctest.h>
 
