@@ -199,12 +199,12 @@ Failure make_mesh(const Arguments& arguments, bool is_one_of_several, std::optio
     const std::string sentence = what_is_made(arguments) + ": " + in_words(outcome.status);
     if (!outcome.has_mesh()) return {sentence, false, is_interrupted};
     if (is_interrupted && !arguments.keep_partial)
-        return {sentence + "; nothing is written, as --keep-partial is not given", false, true};
+        return {sentence + "; nothing is written" + (options.levels > 1 ? "" : ", as --keep-partial is not given"), false, true};
     // make and Ninja would take files that are there as up to date, whatever the exit status was.
     if (!outcome.status && !arguments.depfile.empty())
         return {sentence + "; nothing is written, as --depfile asks for whole results", false, is_interrupted};
     if (std::string why = find_too_many_levels(options, outcome.report.vertices); !why.empty())
-        return {sentence + "; " + why + "; nothing is written"};
+        return {input_words(arguments.input) + ": " + why + "; nothing is written"};
     std::optional<LightMesh> light;
     if (has_output(arguments, ".glb") && options.fit_space != FitSpace::linear && !options.premultiplied && !is_set) {
         watch.step("linear light", light_work(image));
