@@ -115,7 +115,7 @@ def test_the_depfile_names_the_files_of_all_levels(hmesh):
 
 
 @pytest.mark.parametrize("options, sentence", [
-    ("--lods 0 -o x.ply", "--lods '0' must be 1 to 32"), ("--lods 33 -o x.ply", "--lods '33' must be 1 to 32"),
+    ("--lods 0 -o x.ply", "--lods '0' must be from 1 to 32"), ("--lods 33 -o x.ply", "--lods '33' must be from 1 to 32"),
     ("--lods x -o x.ply", "--lods 'x'"), ("--lods 2 -o - --format ply", "--output - is one"),
     ("-o x{lod}.ply", "without --lods"), ("--lods 2 --method xie -o x.ply", "means nothing to --method xie"),
     ("--lods 2 --keep-partial -o x.ply", "--keep-partial is given with --lods"),
@@ -129,7 +129,7 @@ def test_nonsense_is_refused(hmesh, options, sentence):
 
 def test_more_levels_than_vertices_allow_are_refused_and_nothing_is_written(hmesh):
     for target in ("--vertices 31", "--rate 0.5"):  # of 6144 pixels: 31
-        hmesh.fails("picture.png: --lods 4 is too many for 31 vertices: a mesh has at least 4, and level 3 would have 3; at most "
+        hmesh.fails("'picture.png': --lods 4 is too many for 31 vertices: a mesh has at least 4, and level 3 would have 3; at most "
                     "--lods 3", f"picture.png {target} --lods 4 -o x.ply")
     hmesh.fails("is too many for", "picture.png --psnr 15 --lods 12 -o x.ply")
     assert not Path("x.ply").exists()
