@@ -140,13 +140,17 @@ function(hmesh_add_meshes target)
         if(first IN_LIST files)
             message(FATAL_ERROR "hmesh_add_meshes(${target}): two images are named ${name}, and both would become ${first}")
         endif()
+        # Another one where other files are made: Ninja refuses a depfile of before that names one which is made no more.
+        string(MD5 depfile "${outputs};${levels}")
+        string(SUBSTRING ${depfile} 0 8 depfile)
+        set(depfile "${depfiles}/${name}.${depfile}.d")
         list(TRANSFORM outputs PREPEND "--output;" OUTPUT_VARIABLE outputs_options)
         add_custom_command(
             OUTPUT ${outputs} ${levels}
             COMMAND "${CMAKE_COMMAND}" -E make_directory "${directory}" "${depfiles}"
-            COMMAND ${command} "${image}" ${outputs_options} ${options} ${arg_OPTIONS} --depfile "${depfiles}/${name}.d"
+            COMMAND ${command} "${image}" ${outputs_options} ${options} ${arg_OPTIONS} --depfile "${depfile}"
             DEPENDS "${image}" ${command}
-            DEPFILE "${depfiles}/${name}.d"
+            DEPFILE "${depfile}"
             COMMENT "Meshing ${name}"
             COMMAND_EXPAND_LISTS VERBATIM)
         list(APPEND files ${outputs} ${levels})

@@ -89,6 +89,8 @@ def test_lod_in_a_name_is_the_number_of_the_level(hmesh):
             assert len(glb_levels(f"out/{name}/lod{lod}/mesh.glb")[1]) == 1
     assert len(glb_levels("out/grey/lod1/mesh.glb")[1][0][0]) == 16  # of 32
     assert is_whole("row/0.obj")
+    hmesh.done("grey.pgm --rate 10 --lods 2 -o levels/{lod}.ply -q")
+    assert is_whole("levels/0.ply") and is_whole("levels/1.ply")
 
 
 def test_all_kinds_of_images_and_fits_have_levels(hmesh):

@@ -380,7 +380,7 @@ void name_levels(Arguments& arguments) {
         const int levels = mesh.ending == ".glb" && !has_level_mark(all) ? 1 : arguments.meshing.levels;
         mesh.name = level_file(all, 0);
         for (int level = 1; level < levels; ++level) mesh.coarser.push_back(level_file(all, level));
-        if (!has_level_mark(std::filesystem::path(all).parent_path().string())) continue;
+        if (!has_level_mark(all)) continue;
         arguments.folders.push_back(std::filesystem::path(mesh.name).parent_path().string());
         for (const std::string& level : mesh.coarser)
             arguments.folders.push_back(std::filesystem::path(level).parent_path().string());
