@@ -6,6 +6,7 @@
 #       [MAX_VERTICES <n>]                           with PSNR, no more than these: the build fails where they do not reach it
 #       [FORMAT <ending>...]                         ply (default), obj, glb, pdf, eps, svg, html; several at once
 #       [EFFORT <name>]                              draft, fast, normal (default), fine or best
+#       [LODS <n>]                                   levels of detail: .glb holds all, of others <name>_lod1.<ending> is the second
 #       [OUTPUT_DIRECTORY <directory>]               default: <target> in the current binary directory
 #       [OPTIONS <option>...])                       more of `hmesh --help`; names of files should be absolute
 #
@@ -31,7 +32,7 @@ if(NOT DEFINED HMESH_COMMAND OR DEFINED CACHE{HMESH_COMMAND})
 endif()
 
 function(hmesh_add_meshes target)
-    cmake_parse_arguments(PARSE_ARGV 1 arg "" "RATE;VERTICES;PSNR;MAX_VERTICES;EFFORT;OUTPUT_DIRECTORY" "SOURCES;FORMAT;OPTIONS")
+    cmake_parse_arguments(PARSE_ARGV 1 arg "" "RATE;VERTICES;PSNR;MAX_VERTICES;EFFORT;LODS;OUTPUT_DIRECTORY" "SOURCES;FORMAT;OPTIONS")
     if(NOT arg_SOURCES)
         message(FATAL_ERROR "hmesh_add_meshes(${target}): SOURCES names no image")
     elseif(DEFINED arg_UNPARSED_ARGUMENTS)
@@ -42,7 +43,7 @@ function(hmesh_add_meshes target)
 
     set(options --quiet)
     set(goals "")
-    foreach(goal IN ITEMS RATE VERTICES PSNR MAX_VERTICES EFFORT)
+    foreach(goal IN ITEMS RATE VERTICES PSNR MAX_VERTICES EFFORT LODS)
         if(DEFINED arg_${goal})
             string(TOLOWER ${goal} option)
             string(REPLACE _ - option ${option})
@@ -50,7 +51,7 @@ function(hmesh_add_meshes target)
             list(APPEND goals ${goal})
         endif()
     endforeach()
-    list(REMOVE_ITEM goals MAX_VERTICES EFFORT)
+    list(REMOVE_ITEM goals MAX_VERTICES EFFORT LODS)
     list(LENGTH goals count)
     if(count GREATER 1)
         list(JOIN goals " and " goals)
@@ -88,6 +89,18 @@ function(hmesh_add_meshes target)
             message(FATAL_ERROR "hmesh_add_meshes(${target}): ${goal} '${value}' must be a whole number of at least 4")
         endif()
     endforeach()
+    set(coarser "")  # numbers of the levels that have files of their own
+    if(DEFINED arg_LODS)
+        if(NOT (arg_LODS MATCHES "^[0-9]+$" AND arg_LODS GREATER_EQUAL 1 AND arg_LODS LESS_EQUAL 32))
+            message(FATAL_ERROR "hmesh_add_meshes(${target}): LODS '${arg_LODS}' must be a whole number of 1 to 32")
+        endif()
+        if(arg_LODS GREATER 1)
+            math(EXPR last "${arg_LODS} - 1")
+            foreach(level RANGE 1 ${last})
+                list(APPEND coarser ${level})
+            endforeach()
+        endif()
+    endif()
     set(number "^[+]?([0-9]+[.]?[0-9]*|[.][0-9]+)([eE][+-]?[0-9]+)?$")
     set(most_RATE 100)
     set(most_PSNR 1000)
@@ -113,23 +126,34 @@ function(hmesh_add_meshes target)
         get_filename_component(image "${source}" ABSOLUTE)
         get_filename_component(name "${image}" NAME_WLE)
         set(outputs "")
+        set(levels "")
         foreach(format IN LISTS arg_FORMAT)
             list(APPEND outputs "${directory}/${name}.${format}")
+            string(TOLOWER "${format}" ending)
+            foreach(level IN LISTS coarser)
+                if(NOT ending STREQUAL glb)
+                    list(APPEND levels "${directory}/${name}_lod${level}.${format}")
+                endif()
+            endforeach()
         endforeach()
         list(GET outputs 0 first)
         if(first IN_LIST files)
             message(FATAL_ERROR "hmesh_add_meshes(${target}): two images are named ${name}, and both would become ${first}")
         endif()
+        # Another one where other files are made: Ninja refuses a depfile of before that names one which is made no more.
+        string(MD5 depfile "${outputs};${levels}")
+        string(SUBSTRING ${depfile} 0 8 depfile)
+        set(depfile "${depfiles}/${name}.${depfile}.d")
         list(TRANSFORM outputs PREPEND "--output;" OUTPUT_VARIABLE outputs_options)
         add_custom_command(
-            OUTPUT ${outputs}
+            OUTPUT ${outputs} ${levels}
             COMMAND "${CMAKE_COMMAND}" -E make_directory "${directory}" "${depfiles}"
-            COMMAND ${command} "${image}" ${outputs_options} ${options} ${arg_OPTIONS} --depfile "${depfiles}/${name}.d"
+            COMMAND ${command} "${image}" ${outputs_options} ${options} ${arg_OPTIONS} --depfile "${depfile}"
             DEPENDS "${image}" ${command}
-            DEPFILE "${depfiles}/${name}.d"
+            DEPFILE "${depfile}"
             COMMENT "Meshing ${name}"
             COMMAND_EXPAND_LISTS VERBATIM)
-        list(APPEND files ${outputs})
+        list(APPEND files ${outputs} ${levels})
     endforeach()
     add_custom_target(${target} ALL DEPENDS ${files})
     set_target_properties(${target} PROPERTIES HMESH_FILES "${files}")

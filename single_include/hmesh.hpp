@@ -1524,6 +1524,9 @@ struct GlbFile {
     std::vector<std::vector<GlbPrimitive>> meshes;  ///< the primitives of each
     std::vector<GlbMaterial> materials;             ///< at least one
     std::vector<GlbArray> arrays;                   ///< in the order of the buffer
+    /// Of each node, where they are levels of detail of one thing, the finest first (MSFT_lod): down to which share of the
+    /// screen, in [0, 1], it is drawn. Else empty: all nodes are drawn.
+    std::vector<double> coverages{};
     /// Of each array, where they are compressed; else empty.
     std::vector<std::vector<unsigned char>> compressed{};
     bool is_quantized = false;     ///< arrays have numbers that KHR_mesh_quantization allows
@@ -1546,6 +1549,8 @@ struct GlbFile {
     }
     /// All of the file.
     [[nodiscard]] std::uint64_t file_bytes() const noexcept { return 28 + padded(json_bytes) + padded(binary_bytes()); }
+    /// Whether the first node stands for all, as levels of detail.
+    [[nodiscard]] bool has_levels() const noexcept { return coverages.size() > 1; }
     /// Whether a material is not lit.
     [[nodiscard]] bool has_unlit() const noexcept {
         for (const GlbMaterial& material : materials)
@@ -1609,9 +1614,10 @@ class GlbJson {
 
 /// Writes the names of the extensions.
 HMESH_COLD inline void write_glb_extensions(GlbJson& json, const GlbFile& file) {
-    std::array<const char*, 3> names{};
+    std::array<const char*, 4> names{};
     std::size_t used = 0;
     if (file.has_unlit()) names[used++] = "KHR_materials_unlit";
+    if (file.has_levels()) names[used++] = "MSFT_lod";
     const std::size_t optional = used;
     if (file.is_quantized) names[used++] = "KHR_mesh_quantization";
     if (!file.compressed.empty()) names[used++] = "EXT_meshopt_compression";
@@ -1638,15 +1644,26 @@ HMESH_COLD inline void write_glb_primitive(GlbJson& json, const GlbPrimitive& pr
     json.put({"},\"indices\":", std::uint64_t{primitive.indices}, ",\"material\":", std::uint64_t{primitive.material}, "}"});
 }
 
+/// Writes what a first node of levels of detail says of the others.
+HMESH_COLD inline void write_glb_levels(GlbJson& json, const GlbFile& file) {
+    json.put(",\"extensions\":{\"MSFT_lod\":{");
+    json.list("ids", file.coverages.size() - 1, [&](std::size_t i) { json.put({std::uint64_t{i + 1}}); });
+    json.put("}},\"extras\":{");
+    json.list("MSFT_screencoverage", file.coverages.size(), [&](std::size_t i) { json.put({file.coverages[i]}); });
+    json.put("}");
+}
+
 /// Writes scene, nodes, meshes and materials.
 HMESH_COLD inline void write_glb_scene(GlbJson& json, const GlbFile& file) {
     json.put("\"scene\":0,\"scenes\":[{");
-    json.list("nodes", file.nodes.size(), [&](std::size_t i) { json.put({std::uint64_t{i}}); });
+    json.list("nodes", file.has_levels() ? 1 : file.nodes.size(), [&](std::size_t i) { json.put({std::uint64_t{i}}); });
     json.put("}],");
     json.list("nodes", file.nodes.size(), [&](std::size_t i) {
         const GlbNode& node = file.nodes[i];
         json.put({"{\"mesh\":", std::uint64_t{node.mesh}, ",\"translation\":[", node.translation[0], ",", node.translation[1],
-                  ",0],\"scale\":[", node.scale, ",", node.scale, ",", node.scale, "]}"});
+                  ",0],\"scale\":[", node.scale, ",", node.scale, ",", node.scale, "]"});
+        if (i == 0 && file.has_levels()) write_glb_levels(json, file);
+        json.put("}");
     });
     json.put(",");
     json.list("meshes", file.meshes.size(), [&](std::size_t i) {
@@ -2061,6 +2078,15 @@ inline void write_glb_indices(Writer& writer, const MeshView& mesh, GlbNumber nu
     }
 }
 
+/// Writes an array of this content.
+inline void write_glb_array(Writer& writer, const MeshView& mesh, GlbContent content, const GlbArray& array, const GlbGrid& grid,
+                            const GltfOptions& options) {
+    if (content.kind == GlbContent::Kind::positions) return write_glb_positions(writer, mesh, grid);
+    if (content.kind == GlbContent::Kind::indices) return write_glb_indices(writer, mesh, array.number);
+    if (options.groups.is_empty()) content.channels = mesh.channels;  // grey with alpha is red, green and blue there
+    write_glb_shares(writer, mesh, content, array, options.colors_are_linear);
+}
+
 }  // namespace detail
 
 /// Writes a mesh of 1 to 4 channels, or with groups of up to 16, as a .glb file. A mesh that is empty, has no size, numbers
@@ -2072,13 +2098,8 @@ inline Status write_glb(const MeshView& source, Sink sink, const GltfOptions& op
     if (const Status status = detail::lay_out_glb(source, options, out); !status) return status;
     const detail::ExportMesh exported(source, detail::Premultiplied::divided);
     const MeshView& mesh = exported.view();
-    if (options.groups.is_empty()) out.contents[1].channels = mesh.channels;  // grey with alpha is red, green and blue there
     const auto fill = [&](detail::Writer& writer, std::size_t i) {
-        const detail::GlbContent& content = out.contents[i];
-        const detail::GlbArray& array = out.file.arrays[i];
-        if (content.kind == detail::GlbContent::Kind::positions) return write_glb_positions(writer, mesh, out.grid);
-        if (content.kind == detail::GlbContent::Kind::indices) return write_glb_indices(writer, mesh, array.number);
-        write_glb_shares(writer, mesh, content, array, options.colors_are_linear);
+        detail::write_glb_array(writer, mesh, out.contents[i], out.file.arrays[i], out.grid, options);
     };
     if (options.compress)
         if (const Status status = compress_arrays(out.file, fill, options.compress); !status) return status;
@@ -5540,6 +5561,36 @@ struct AnnealedWork {
     return work;
 }
 
+/// The steps of a level of detail of n vertices that is made of the one before, of twice as many. Of the sweeps about half are
+/// left, of few ones less, since most of what they find the level before has found. Up to 1024 vertices, where few sweeps try too
+/// little, there are more: they cost next to nothing.
+[[nodiscard]] HMESH_COLD inline AnnealedSteps coarser_steps(AnnealedSteps steps, std::size_t n) noexcept {
+    AnnealingOptions& annealing = steps.annealing;
+    if (annealing.sweeps == 0) {  // as draft has it
+        steps.relaxation.rounds = 0;
+        steps.collapse_batch = 0.25;
+        steps.polish_rounds = 1;
+        return steps;
+    }
+    steps.collapse_batch = std::min(steps.collapse_batch, 0.18);
+    annealing.sweeps = static_cast<int>(12LL * annealing.sweeps / 25);
+    if (annealing.sweeps > 0) annealing.sweeps += n > 1024 ? 0 : n > 512 ? 1 : n > 256 ? 2 : 3;
+    annealing.start_price = 0.85;
+    const bool are_few = annealing.sweeps < 8;
+    annealing.temperature = are_few ? 0.1 : 0.3;  // few sweeps have no time to cool down
+    if (are_few) annealing.flip_screen = std::min(annealing.flip_screen, 2.0);
+    return steps;
+}
+
+/// The work of such a level of n vertices, made of one of `from`.
+[[nodiscard]] HMESH_COLD inline AnnealedWork coarser_work(const AnnealedSteps& steps, double pixels, double from,
+                                                          double n) noexcept {
+    AnnealedWork work = annealed_work(steps, pixels, n, true);
+    work.start = 0;
+    work.collapse = 16 * (from - n);
+    return work;
+}
+
 }  // namespace kit
 
 /// The default recipe of mesh_image(), and the one of best fidelity: too many points are drawn, those whose loss costs least
@@ -5607,6 +5658,16 @@ struct Annealed {
         }
         return out;
     }
+    /// The recipe of a level of n vertices in a chain of levels of detail (lods/mesh_lods.hpp), which coarsen() makes of the one
+    /// before. Tiles have 384 px, since fewer seams matter more here than more pieces of work.
+    [[nodiscard]] Annealed coarser(std::size_t n) const {
+        Annealed out = *this;
+        out.start = nullptr;
+        out.steps = kit::coarser_steps(steps.value_or(kit::annealed_steps(effort)), n);
+        out.seed = seed + n;  // another one in each level
+        if (tile == 0) out.tile = 384;
+        return out;
+    }
     /// How long a run for n vertices takes, in the unit of kit::AnnealedWork: for the progress of searches.
     [[nodiscard]] double work(int width, int height, std::size_t n) const noexcept {
         return kit::annealed_work(steps.value_or(kit::annealed_steps(effort)), static_cast<double>(width) * height,
@@ -5621,6 +5682,14 @@ struct Annealed {
     /// number of vertices. Defined in methods/annealed/annealed.hpp.
     template <int C>
     [[nodiscard]] Status run(kit::TiledMesh<C>& mesh, std::size_t n) const;
+    /// The same from the mesh that `mesh` holds, which has more than n vertices and whose energy is known: those that are
+    /// cheapest to remove go, then it is annealed and polished.
+    template <int C>
+    [[nodiscard]] Status coarsen(kit::TiledMesh<C>& mesh, std::size_t n) const;
+
+  private:
+    template <int C, class Run>
+    [[nodiscard]] Status run_or_grow(kit::TiledMesh<C>& mesh, std::size_t n, Run&& run) const;
 };
 
 }  // namespace hmesh
@@ -10972,6 +11041,8 @@ class TiledMesh {
     [[nodiscard]] const MeshLimits& limits() const noexcept { return limits_; }
     /// Told of stages and of the work in patches; says whether the work was cancelled.
     [[nodiscard]] ProgressReporter& progress() const noexcept { return *progress_; }
+    /// From now on another reporter is told, which must outlive the TiledMesh; between phases only.
+    void report_to(ProgressReporter& progress) noexcept { progress_ = &progress; }
     /// The executor of pieces of work.
     [[nodiscard]] const ParallelFor& parallel_for() const noexcept { return parallel_for_; }
     /// The mesh between phases, to read or to replace; not within for_each() or visit(). After for_each() vertices and faces are
@@ -11935,7 +12006,7 @@ class AnnealedRun {
         plan_stages(progress(), steps_, tiled_->source().pixels(), n_, false);
         tiled_->indexed() = corner_mesh(tiled_->source());  // the mesh after a cancellation in the first stage
         return stage("points", [&] { return draw_points(); }) && stage("settle", [&] { return settle(); }) &&
-               (steps_.points <= 1 || stage("collapse", [&] { return collapse(); })) && finish();
+               (steps_.points <= 1 || stage("collapse", [&] { return collapse(true); })) && finish();
     }
     /// The same from `mesh` on, which check_start() accepts.
     bool run_from(IndexedMesh<C> mesh) {
@@ -11947,6 +12018,15 @@ class AnnealedRun {
                          return reach();
                      }) &&
                finish();
+    }
+
+    /// The same from the mesh of more than n vertices that `tiled` holds, whose energy is known.
+    bool run_on() {
+        const AnnealedWork work =
+            coarser_work(steps_, tiled_->source().pixels(), static_cast<double>(tiled_->vertex_count()), static_cast<double>(n_));
+        if (work.anneal > 0) progress().plan({work.collapse, work.anneal, work.polish, work.colors});
+        else progress().plan({work.collapse, work.polish, work.colors});
+        return stage("collapse", [&] { return collapse(false); }) && finish();
     }
 
   private:
@@ -12038,11 +12118,12 @@ class AnnealedRun {
     }
     HMESH_COLD bool settle() { return for_each_piece(false, 0, 1, visits()); }
 
-    HMESH_COLD bool collapse() {
+    /// Removes the cheapest vertices until there are n; `has_settled`: after settle(), which left vertices at seams.
+    HMESH_COLD bool collapse(bool has_settled) {
         const std::size_t first = tiled_->vertex_count();
         const bool has_seams = aligned_.size() > 1;
-        const double begin = has_seams ? 0.05 : 0;
-        if (!for_each_seam(0, begin, visits())) return false;  // what settle() left
+        const double begin = has_seams && has_settled ? 0.05 : 0;
+        if (has_settled && !for_each_seam(0, begin, visits())) return false;
         double reached = begin;
         for (int stuck = 0; tiled_->vertex_count() > n_ && stuck < 4;) {
             const std::size_t before = tiled_->vertex_count();
@@ -12161,30 +12242,38 @@ class AnnealedRun {
 
 }  // namespace kit::detail
 
-template <int C>
-Status Annealed::run(kit::TiledMesh<C>& mesh, std::size_t n) const {
-    const kit::ImageSource<C>& source = mesh.source();
-    const double size = tile_size(source.width(), source.height(), n);
+/// run(first) runs the stages of a run as planned.
+template <int C, class Run>
+Status Annealed::run_or_grow(kit::TiledMesh<C>& mesh, std::size_t n, Run&& run) const {
+    const int width = mesh.source().width(), height = mesh.source().height();
     kit::AnnealedSteps plan = steps.value_or(kit::annealed_steps(effort));
-    kit::detail::AnnealedRun<C> first(mesh, n, plan, seed, size);
-    bool is_done = false;
-    if (start != nullptr) {
-        kit::IndexedMesh<C> from = kit::to_indexed_mesh<C>(*start);
-        if (const kit::ChannelScale<C>* const scale = source.scale())
-            for (kit::Color<C>& color : from.colors) scale->to_scaled(color);
-        if (const Status status = kit::detail::check_start(from, source); !status) return status;
-        is_done = first.run_from(std::move(from));
-    } else {
-        is_done = first.run();
-    }
-    if (is_done) return {};
+    kit::detail::AnnealedRun<C> first(mesh, n, plan, seed, tile_size(width, height, n));
+    if (run(first)) return {};
     if (mesh.progress().stopped()) return kit::cancelled_by_callback();
     // More than n vertices are left, each of whose collapses would make a face below min_double_area. Growing to n in one piece,
     // without a collapse, always ends at n.
     plan.points = 1;
     plan.annealing.sweeps = 0;
-    is_done = kit::detail::AnnealedRun<C>(mesh, n, plan, seed, std::max(source.width(), source.height())).run();
-    return kit::finished_or_cancelled(is_done);
+    return kit::finished_or_cancelled(kit::detail::AnnealedRun<C>(mesh, n, plan, seed, std::max(width, height)).run());
+}
+
+template <int C>
+Status Annealed::run(kit::TiledMesh<C>& mesh, std::size_t n) const {
+    kit::IndexedMesh<C> from;
+    if (start != nullptr) {
+        from = kit::to_indexed_mesh<C>(*start);
+        if (const kit::ChannelScale<C>* const scale = mesh.source().scale())
+            for (kit::Color<C>& color : from.colors) scale->to_scaled(color);
+        if (const Status status = kit::detail::check_start(from, mesh.source()); !status) return status;
+    }
+    return run_or_grow(mesh, n, [&](kit::detail::AnnealedRun<C>& first) {
+        return start != nullptr ? first.run_from(std::move(from)) : first.run();
+    });
+}
+
+template <int C>
+Status Annealed::coarsen(kit::TiledMesh<C>& mesh, std::size_t n) const {
+    return run_or_grow(mesh, n, [](kit::detail::AnnealedRun<C>& first) { return first.run_on(); });
 }
 
 }  // namespace hmesh
@@ -12923,36 +13012,41 @@ struct Subject {
     double samples;  ///< number of pixels, or the sum of their weights, times the number of channels, or the sum of theirs
 };
 
-/// The tiled mesh of the image itself with the geometry of one that was fitted to scaled channels.
+/// Gives the tiled mesh of the image itself the geometry of one that was fitted to scaled channels.
 template <int C>
 void take_geometry(kit::TiledMesh<C>& of_image, kit::TiledMesh<C>& fitted) {
     kit::IndexedMesh<C>& mesh = of_image.indexed();
-    mesh = std::move(fitted.indexed());
+    mesh = fitted.indexed();
     for (kit::Color<C>& color : mesh.colors) fitted.source().scale()->to_stored(color);
 }
 
-/// One finished mesh of n vertices.
+/// Whether the moment tables of tiles of this size, in px, fit memory.
 template <int C>
-[[nodiscard]] HMESH_COLD Result mesh_once(const Subject<C>& subject, std::size_t n,
-                                          const kit::Beginning& from, const kit::ProgressSpan& span,
-                                          const RecipeRef<C>& recipe, const Options& options, const ParallelFor& parallel_for) {
-    const kit::ImageSource<C>& source = *subject.image;
-    const kit::ChannelScale<C>* const scale = subject.fitted->scale();
-    Result result;
-    const double tile = recipe.tile_size(n);
+[[nodiscard]] HMESH_COLD Status check_tables(const kit::ImageSource<C>& source, double tile) {
     // Patches stand out of their tiles by parts of a triangle: hence twice as large.
     const int widest = static_cast<int>(std::min<double>(source.width(), 2 * tile));
     const int highest = static_cast<int>(std::min<double>(source.height(), 2 * tile));
-    if (!kit::MomentTable<C>::fits_memory(widest, highest)) {
-        result.status = {Errc::image_too_large, "the image or its tiles need more memory than can be addressed, for rows of",
-                         widest};
-        return result;
-    }
-    kit::ProgressReporter progress(options.progress, subject.samples, source.peak(), span);
-    if (scale != nullptr) progress.set_energy_unit(1 / (scale->unit * scale->unit));
-    kit::TiledMesh<C> fitted(*subject.fitted, options.limits, progress, parallel_for);
-    fitted.indexed() = kit::corner_mesh(*subject.fitted);  // what a cancellation finds
-    result.status = recipe.run(fitted, n, from);
+    if (kit::MomentTable<C>::fits_memory(widest, highest)) return {};
+    return {Errc::image_too_large, "the image or its tiles need more memory than can be addressed, for rows of", widest};
+}
+
+/// The progress of one run of a method, whose energies are those of the source that it fits.
+template <int C>
+void tell_in_image_units(kit::ProgressReporter& progress, const Subject<C>& subject) {
+    if (const kit::ChannelScale<C>* const scale = subject.fitted->scale()) progress.set_energy_unit(1 / (scale->unit * scale->unit));
+}
+
+/// What a method made of subject.fitted, with its status, as a result: the mesh with final colours, found in tiles of this size in
+/// px, and its report. Where channels are not scaled, `fitted` has these colours then.
+template <int C>
+[[nodiscard]] HMESH_COLD Result finish(const Subject<C>& subject, kit::TiledMesh<C>& fitted, Status status, double tile,
+                                       Colors colors, const Options& options) {
+    Result result;
+    result.status = status;
+    const kit::ImageSource<C>& source = *subject.image;
+    const kit::ChannelScale<C>* const scale = subject.fitted->scale();
+    kit::ProgressReporter& progress = fitted.progress();
+    const ParallelFor& parallel_for = fitted.parallel_for();
     progress.begin_colors(fitted.vertex_count(), fitted.energy());
     std::optional<kit::TiledMesh<C>> of_image;
     if (scale != nullptr) {
@@ -12962,7 +13056,7 @@ template <int C>
     kit::TiledMesh<C>& tiled = of_image ? *of_image : fitted;
     const double grid = source.is_integer() && options.round_colors ? 1 : 0;
     const kit::Tiling tiling(source.width(), source.height(), tile);
-    if (recipe.colors == Colors::sampled) sample_colors(tiled, tiling, grid);
+    if (colors == Colors::sampled) sample_colors(tiled, tiling, grid);
     else bounded_colors(tiled, tiling, source.low(), source.high(), grid);
     const kit::IndexedMesh<C>& mesh = tiled.indexed();
     result.mesh = to_mesh(mesh, source.peak());
@@ -12975,6 +13069,23 @@ template <int C>
     result.report = {mesh.vertex_count(), mesh.faces.size(), energy, kit::psnr_of_energy(energy, subject.samples, source.peak()),
                      progress.stages()};
     return result;
+}
+
+/// One finished mesh of n vertices.
+template <int C>
+[[nodiscard]] HMESH_COLD Result mesh_once(const Subject<C>& subject, std::size_t n, const kit::Beginning& from,
+                                          const kit::ProgressSpan& span, const RecipeRef<C>& recipe, const Options& options,
+                                          const ParallelFor& parallel_for) {
+    Result result;
+    const double tile = recipe.tile_size(n);
+    result.status = check_tables(*subject.image, tile);
+    if (!result.status) return result;
+    kit::ProgressReporter progress(options.progress, subject.samples, subject.image->peak(), span);
+    tell_in_image_units(progress, subject);
+    kit::TiledMesh<C> fitted(*subject.fitted, options.limits, progress, parallel_for);
+    fitted.indexed() = kit::corner_mesh(*subject.fitted);  // what a cancellation finds
+    const Status status = recipe.run(fitted, n, from);
+    return finish(subject, fitted, status, tile, recipe.colors, options);
 }
 
 /// After a search: the mesh's own PSNR, and the last word to the callback.
@@ -13043,20 +13154,19 @@ struct ImageRecipeRef {
     bool takes_view;  // whether run() looks at the image
 };
 
-/// mesh_image() with any recipe.
+/// Calls body() with what is to be meshed and the image as methods see it, once view and options have passed all checks: those of
+/// the recipe are `check_recipe`.
 template <class T, int C>
-[[nodiscard]] HMESH_NEVER_INLINE HMESH_COLD Result mesh_view(const ImageView<T, C>& view, const Options& options,
-                                                             const ImageRecipeRef<T, C>& recipe,
-                                                             const ParallelFor& parallel_for) {
-    Result result;
-    result.status = check(view);
-    if (result.status) result.status = check(options, std::int64_t{view.width} * view.height, C);
-    if (result.status) result.status = recipe.check(view.width, view.height);
-    if (result.status) result.status = kit::check_finite(view, parallel_for);
-    if (result.status) result.status = kit::check_weights(options.weights, view.width, view.height, parallel_for);
-    if (result.status && recipe.takes_view && kit::differ(options.channel_weights))
-        result.status = {Errc::invalid_argument, "this method reads the pixels by itself and knows no channel_weights"};
-    if (!result.status) return result;
+[[nodiscard]] HMESH_COLD Status with_subject(const ImageView<T, C>& view, const Options& options,
+                                             FunctionRef<Status(int width, int height)> check_recipe,
+                                             const ParallelFor& parallel_for,
+                                             FunctionRef<void(const Subject<C>& subject, const ImageView<T, C>& image)> body) {
+    Status status = check(view);
+    if (status) status = check(options, std::int64_t{view.width} * view.height, C);
+    if (status) status = check_recipe(view.width, view.height);
+    if (status) status = kit::check_finite(view, parallel_for);
+    if (status) status = kit::check_weights(options.weights, view.width, view.height, parallel_for);
+    if (!status) return status;
 
     ImageView<T, C> image = view;
     [[maybe_unused]] Image<T, C> premultiplied;
@@ -13080,13 +13190,30 @@ template <class T, int C>
         channels = 0;
         for (const double share : scale.share) channels += share * share;
     }
-    const Subject<C> subject{&source, fitted ? &*fitted : &source, pixels * channels};
-    const auto run = [&](kit::TiledMesh<C>& mesh, std::size_t n, const kit::Beginning& from) {
-        return recipe.run(mesh, image, n, from);
+    body({&source, fitted ? &*fitted : &source, pixels * channels}, image);
+    return {};
+}
+
+/// mesh_image() with any recipe.
+template <class T, int C>
+[[nodiscard]] HMESH_NEVER_INLINE HMESH_COLD Result mesh_view(const ImageView<T, C>& view, const Options& options,
+                                                             const ImageRecipeRef<T, C>& recipe,
+                                                             const ParallelFor& parallel_for) {
+    Result result;
+    const auto check_recipe = [&](int width, int height) -> Status {
+        if (const Status status = recipe.check(width, height); !status) return status;
+        if (!recipe.takes_view || !kit::differ(options.channel_weights)) return {};
+        return {Errc::invalid_argument, "this method reads the pixels by itself and knows no channel_weights"};
     };
-    const RecipeRef<C> reference{recipe.tile_size, run, recipe.work, recipe.colors, recipe.can_go_on, recipe.gain_over_sketch};
-    result = mesh_target(subject, reference, options, parallel_for);
-    result.mesh.premultiplied = options.premultiplied;
+    const auto body = [&](const Subject<C>& subject, const ImageView<T, C>& image) {
+        const auto run = [&](kit::TiledMesh<C>& mesh, std::size_t n, const kit::Beginning& from) {
+            return recipe.run(mesh, image, n, from);
+        };
+        const RecipeRef<C> reference{recipe.tile_size, run, recipe.work, recipe.colors, recipe.can_go_on, recipe.gain_over_sketch};
+        result = mesh_target(subject, reference, options, parallel_for);
+        result.mesh.premultiplied = options.premultiplied;
+    };
+    if (const Status status = with_subject<T, C>(view, options, check_recipe, parallel_for, body); !status) result.status = status;
     return result;
 }
 

@@ -50,36 +50,41 @@ struct Subject {
     double samples;  ///< number of pixels, or the sum of their weights, times the number of channels, or the sum of theirs
 };
 
-/// The tiled mesh of the image itself with the geometry of one that was fitted to scaled channels.
+/// Gives the tiled mesh of the image itself the geometry of one that was fitted to scaled channels.
 template <int C>
 void take_geometry(kit::TiledMesh<C>& of_image, kit::TiledMesh<C>& fitted) {
     kit::IndexedMesh<C>& mesh = of_image.indexed();
-    mesh = std::move(fitted.indexed());
+    mesh = fitted.indexed();
     for (kit::Color<C>& color : mesh.colors) fitted.source().scale()->to_stored(color);
 }
 
-/// One finished mesh of n vertices.
+/// Whether the moment tables of tiles of this size, in px, fit memory.
 template <int C>
-[[nodiscard]] HMESH_COLD Result mesh_once(const Subject<C>& subject, std::size_t n,
-                                          const kit::Beginning& from, const kit::ProgressSpan& span,
-                                          const RecipeRef<C>& recipe, const Options& options, const ParallelFor& parallel_for) {
-    const kit::ImageSource<C>& source = *subject.image;
-    const kit::ChannelScale<C>* const scale = subject.fitted->scale();
-    Result result;
-    const double tile = recipe.tile_size(n);
+[[nodiscard]] HMESH_COLD Status check_tables(const kit::ImageSource<C>& source, double tile) {
     // Patches stand out of their tiles by parts of a triangle: hence twice as large.
     const int widest = static_cast<int>(std::min<double>(source.width(), 2 * tile));
     const int highest = static_cast<int>(std::min<double>(source.height(), 2 * tile));
-    if (!kit::MomentTable<C>::fits_memory(widest, highest)) {
-        result.status = {Errc::image_too_large, "the image or its tiles need more memory than can be addressed, for rows of",
-                         widest};
-        return result;
-    }
-    kit::ProgressReporter progress(options.progress, subject.samples, source.peak(), span);
-    if (scale != nullptr) progress.set_energy_unit(1 / (scale->unit * scale->unit));
-    kit::TiledMesh<C> fitted(*subject.fitted, options.limits, progress, parallel_for);
-    fitted.indexed() = kit::corner_mesh(*subject.fitted);  // what a cancellation finds
-    result.status = recipe.run(fitted, n, from);
+    if (kit::MomentTable<C>::fits_memory(widest, highest)) return {};
+    return {Errc::image_too_large, "the image or its tiles need more memory than can be addressed, for rows of", widest};
+}
+
+/// The progress of one run of a method, whose energies are those of the source that it fits.
+template <int C>
+void tell_in_image_units(kit::ProgressReporter& progress, const Subject<C>& subject) {
+    if (const kit::ChannelScale<C>* const scale = subject.fitted->scale()) progress.set_energy_unit(1 / (scale->unit * scale->unit));
+}
+
+/// What a method made of subject.fitted, with its status, as a result: the mesh with final colours, found in tiles of this size in
+/// px, and its report. Where channels are not scaled, `fitted` has these colours then.
+template <int C>
+[[nodiscard]] HMESH_COLD Result finish(const Subject<C>& subject, kit::TiledMesh<C>& fitted, Status status, double tile,
+                                       Colors colors, const Options& options) {
+    Result result;
+    result.status = status;
+    const kit::ImageSource<C>& source = *subject.image;
+    const kit::ChannelScale<C>* const scale = subject.fitted->scale();
+    kit::ProgressReporter& progress = fitted.progress();
+    const ParallelFor& parallel_for = fitted.parallel_for();
     progress.begin_colors(fitted.vertex_count(), fitted.energy());
     std::optional<kit::TiledMesh<C>> of_image;
     if (scale != nullptr) {
@@ -89,7 +94,7 @@ template <int C>
     kit::TiledMesh<C>& tiled = of_image ? *of_image : fitted;
     const double grid = source.is_integer() && options.round_colors ? 1 : 0;
     const kit::Tiling tiling(source.width(), source.height(), tile);
-    if (recipe.colors == Colors::sampled) sample_colors(tiled, tiling, grid);
+    if (colors == Colors::sampled) sample_colors(tiled, tiling, grid);
     else bounded_colors(tiled, tiling, source.low(), source.high(), grid);
     const kit::IndexedMesh<C>& mesh = tiled.indexed();
     result.mesh = to_mesh(mesh, source.peak());
@@ -102,6 +107,23 @@ template <int C>
     result.report = {mesh.vertex_count(), mesh.faces.size(), energy, kit::psnr_of_energy(energy, subject.samples, source.peak()),
                      progress.stages()};
     return result;
+}
+
+/// One finished mesh of n vertices.
+template <int C>
+[[nodiscard]] HMESH_COLD Result mesh_once(const Subject<C>& subject, std::size_t n, const kit::Beginning& from,
+                                          const kit::ProgressSpan& span, const RecipeRef<C>& recipe, const Options& options,
+                                          const ParallelFor& parallel_for) {
+    Result result;
+    const double tile = recipe.tile_size(n);
+    result.status = check_tables(*subject.image, tile);
+    if (!result.status) return result;
+    kit::ProgressReporter progress(options.progress, subject.samples, subject.image->peak(), span);
+    tell_in_image_units(progress, subject);
+    kit::TiledMesh<C> fitted(*subject.fitted, options.limits, progress, parallel_for);
+    fitted.indexed() = kit::corner_mesh(*subject.fitted);  // what a cancellation finds
+    const Status status = recipe.run(fitted, n, from);
+    return finish(subject, fitted, status, tile, recipe.colors, options);
 }
 
 /// After a search: the mesh's own PSNR, and the last word to the callback.
@@ -170,20 +192,19 @@ struct ImageRecipeRef {
     bool takes_view;  // whether run() looks at the image
 };
 
-/// mesh_image() with any recipe.
+/// Calls body() with what is to be meshed and the image as methods see it, once view and options have passed all checks: those of
+/// the recipe are `check_recipe`.
 template <class T, int C>
-[[nodiscard]] HMESH_NEVER_INLINE HMESH_COLD Result mesh_view(const ImageView<T, C>& view, const Options& options,
-                                                             const ImageRecipeRef<T, C>& recipe,
-                                                             const ParallelFor& parallel_for) {
-    Result result;
-    result.status = check(view);
-    if (result.status) result.status = check(options, std::int64_t{view.width} * view.height, C);
-    if (result.status) result.status = recipe.check(view.width, view.height);
-    if (result.status) result.status = kit::check_finite(view, parallel_for);
-    if (result.status) result.status = kit::check_weights(options.weights, view.width, view.height, parallel_for);
-    if (result.status && recipe.takes_view && kit::differ(options.channel_weights))
-        result.status = {Errc::invalid_argument, "this method reads the pixels by itself and knows no channel_weights"};
-    if (!result.status) return result;
+[[nodiscard]] HMESH_COLD Status with_subject(const ImageView<T, C>& view, const Options& options,
+                                             FunctionRef<Status(int width, int height)> check_recipe,
+                                             const ParallelFor& parallel_for,
+                                             FunctionRef<void(const Subject<C>& subject, const ImageView<T, C>& image)> body) {
+    Status status = check(view);
+    if (status) status = check(options, std::int64_t{view.width} * view.height, C);
+    if (status) status = check_recipe(view.width, view.height);
+    if (status) status = kit::check_finite(view, parallel_for);
+    if (status) status = kit::check_weights(options.weights, view.width, view.height, parallel_for);
+    if (!status) return status;
 
     ImageView<T, C> image = view;
     [[maybe_unused]] Image<T, C> premultiplied;
@@ -207,13 +228,30 @@ template <class T, int C>
         channels = 0;
         for (const double share : scale.share) channels += share * share;
     }
-    const Subject<C> subject{&source, fitted ? &*fitted : &source, pixels * channels};
-    const auto run = [&](kit::TiledMesh<C>& mesh, std::size_t n, const kit::Beginning& from) {
-        return recipe.run(mesh, image, n, from);
+    body({&source, fitted ? &*fitted : &source, pixels * channels}, image);
+    return {};
+}
+
+/// mesh_image() with any recipe.
+template <class T, int C>
+[[nodiscard]] HMESH_NEVER_INLINE HMESH_COLD Result mesh_view(const ImageView<T, C>& view, const Options& options,
+                                                             const ImageRecipeRef<T, C>& recipe,
+                                                             const ParallelFor& parallel_for) {
+    Result result;
+    const auto check_recipe = [&](int width, int height) -> Status {
+        if (const Status status = recipe.check(width, height); !status) return status;
+        if (!recipe.takes_view || !kit::differ(options.channel_weights)) return {};
+        return {Errc::invalid_argument, "this method reads the pixels by itself and knows no channel_weights"};
     };
-    const RecipeRef<C> reference{recipe.tile_size, run, recipe.work, recipe.colors, recipe.can_go_on, recipe.gain_over_sketch};
-    result = mesh_target(subject, reference, options, parallel_for);
-    result.mesh.premultiplied = options.premultiplied;
+    const auto body = [&](const Subject<C>& subject, const ImageView<T, C>& image) {
+        const auto run = [&](kit::TiledMesh<C>& mesh, std::size_t n, const kit::Beginning& from) {
+            return recipe.run(mesh, image, n, from);
+        };
+        const RecipeRef<C> reference{recipe.tile_size, run, recipe.work, recipe.colors, recipe.can_go_on, recipe.gain_over_sketch};
+        result = mesh_target(subject, reference, options, parallel_for);
+        result.mesh.premultiplied = options.premultiplied;
+    };
+    if (const Status status = with_subject<T, C>(view, options, check_recipe, parallel_for, body); !status) result.status = status;
     return result;
 }
 

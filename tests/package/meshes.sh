@@ -62,6 +62,15 @@ meshes one one two two
 [ "$(sed -n 's/^element vertex //p' "$work/build/meshes/one.ply")" = 35 ] || fail "8 % of 432 pixels are not 35 vertices"
 meshes
 
+# Of levels of detail each has its file, but in .glb.
+project "$source/tests/package/meshes" "$@" -DRATE=8 "-DMORE=RATE;8;LODS;3;FORMAT;ply;glb" || fail "LODS cannot be configured"
+meshes one two
+for file in one.ply one_lod1.ply one_lod2.ply one.glb; do [ -s "$work/build/more/$file" ] || fail "$file was not made"; done
+meshes
+rm "$work/build/more/two_lod2.ply"
+meshes two
+[ "$(sed -n 's/^element vertex //p' "$work/build/more/two_lod2.ply")" = 8 ] || fail "a quarter of 35 vertices are not 8"
+
 # Of a search with a bound, the mesh within it, or none and a build that says so.
 project "$source/tests/package/meshes" "$@" -DRATE=8 "-DMORE=PSNR;10;MAX_VERTICES;50" || fail "MAX_VERTICES cannot be configured"
 meshes one two
@@ -102,9 +111,12 @@ check_refusals() {
         refuses "VERTICES '$vertices' must be a whole number of at least 4" "$@" "-DMORE=VERTICES;$vertices"
         refuses "MAX_VERTICES '$vertices' must be a whole number of at least 4" "$@" "-DMORE=PSNR;30;MAX_VERTICES;$vertices"
     done
+    for levels in 0 33 2x; do
+        refuses "LODS '$levels' must be a whole number of 1 to 32" "$@" "-DMORE=LODS;$levels"
+    done
     refuses "MAX_VERTICES requires PSNR" "$@" "-DMORE=MAX_VERTICES;50"
     refuses "MAX_VERTICES requires PSNR" "$@" "-DMORE=RATE;5;MAX_VERTICES;50"
-    for more in "RATE;1e2" "RATE;+.5" "PSNR;32.5" "VERTICES;4" "MAX_VERTICES;4;PSNR;32.5" 'RATE;$<IF:$<CONFIG:Debug>,5,8>' "FORMAT;PLY;glb" 'EFFORT;$<IF:$<CONFIG:Debug>,draft,best>'; do
+    for more in "RATE;1e2" "RATE;+.5" "PSNR;32.5" "VERTICES;4" "LODS;1" "MAX_VERTICES;4;PSNR;32.5" 'RATE;$<IF:$<CONFIG:Debug>,5,8>' "FORMAT;PLY;glb" 'EFFORT;$<IF:$<CONFIG:Debug>,draft,best>'; do
         project "$source/tests/package/meshes" "$@" "-DMORE=$more" || fail "refused: $more"
     done
 }

@@ -8,6 +8,7 @@
 
 bool paper_is_there();                                 // paper.cpp
 bool gpu_is_there();                                   // gpu.cpp
+bool lods_are_there();                                 // lods.cpp
 std::size_t size_as_svg(const hmesh::MeshView& mesh);  // both.cpp
 
 int main() {
@@ -28,5 +29,6 @@ int main() {
     if (std::strncmp(ply.c_str(), "ply\n", 4) != 0 || ply.find("element vertex 4\n") == std::string::npos) return 3;
     if (size_as_svg(mesh.view()) == 0) return 4;
     if (!gpu_is_there()) return 6;
+    if (!lods_are_there()) return 7;
     return paper_is_there() ? 0 : 5;
 }

@@ -17,6 +17,7 @@
 #include "readers/image_file.hpp"
 #include "readers/image_set.hpp"
 #include "readers/weights.hpp"
+#include "results/level.hpp"
 #include "results/maps.hpp"
 #include "results/report.hpp"
 #include "results/summary.hpp"
@@ -130,14 +131,24 @@ std::string what_is_made(const Arguments& arguments) {
                                                : std::string(" --method ") + name_of(methods, options.method));
 }
 
+// What is wrong with as many levels of detail after a mesh of n vertices; empty: nothing.
+std::string find_too_many_levels(const MeshingOptions& options, std::size_t n) {
+    int most = 0;
+    for (std::size_t left = n; left >= 4; left /= 2) ++most;
+    if (n < 4 || options.levels <= most) return {};
+    return "--lods " + std::to_string(options.levels) + " is too many for " + std::to_string(n) +
+           " vertices: a mesh has at least 4, and level " + std::to_string(most) + " would have " + std::to_string(n >> most) +
+           "; at most --lods " + std::to_string(most);
+}
+
 // Prints what is said of a mesh. Returns "" or why it cannot be, as a sentence.
 std::string tell(const Arguments& arguments, bool is_one_of_several, const ImageFile& image, const hmesh::Result& outcome,
-                 const std::vector<Map>& maps, const std::optional<LightMesh>& light, const std::vector<WrittenPsnr>& written,
-                 double seconds, const std::string& json_line) {
+                 const std::vector<Level>& coarser, const std::vector<Map>& maps, const std::optional<LightMesh>& light,
+                 const std::vector<WrittenPsnr>& written, double seconds, const std::string& json_line) {
     std::FILE* const to = writes_standard_output(arguments) ? stderr : stdout;
     if (arguments.json) std::fputs(json_line.c_str(), to);
-    else if (!arguments.quiet && is_one_of_several) print_line(to, arguments, image, outcome, seconds);
-    else if (!arguments.quiet) print_summary(to, arguments, image, outcome, maps, light, written, seconds);
+    else if (!arguments.quiet && is_one_of_several) print_line(to, arguments, image, outcome, coarser, seconds);
+    else if (!arguments.quiet) print_summary(to, arguments, image, outcome, coarser, maps, light, written, seconds);
     errno = 0;
     const bool is_printed = std::fflush(to) == 0 && std::ferror(to) == 0;
     return is_printed ? "" : "cannot write to the standard output: " + std::string(std::strerror(errno != 0 ? errno : EIO));
@@ -158,6 +169,9 @@ Failure make_mesh(const Arguments& arguments, bool is_one_of_several, std::optio
     NewFolders folders;
     if (std::string why = read_inputs(arguments, inputs); !why.empty()) return {why};
     const ImageFile& image = inputs.image;
+    if (arguments.meshing.target.kind != hmesh::Target::Kind::psnr)
+        if (std::string why = find_too_many_levels(arguments.meshing, budget(arguments.meshing.target, image)); !why.empty())
+            return {input_words(arguments.input) + ": " + why};
     if (std::string why = find_unwritable(arguments, folders); !why.empty()) return {why};
     if (!pool)
         if (std::string why = start(pool, arguments.threads); !why.empty()) return {why, false, true};
@@ -172,7 +186,8 @@ Failure make_mesh(const Arguments& arguments, bool is_one_of_several, std::optio
     const bool is_set = !inputs.maps.empty();
     if (options.target.kind == hmesh::Target::Kind::psnr && !is_set) options.psnr_of = files;
     watch.begin_mesh(0.03 * image.width * image.height, meshing_work(image, options), writing_work(arguments, image));
-    hmesh::Result outcome = mesh_file(image, options, *pool);
+    hmesh::Lods lods = mesh_levels(image, options, *pool);
+    hmesh::Result outcome = first_level(std::move(lods));
     const bool is_interrupted = outcome.status.code == hmesh::Errc::cancelled;
     if (is_interrupted && arguments.keep_partial) {
         interrupted = false;
@@ -184,14 +199,22 @@ Failure make_mesh(const Arguments& arguments, bool is_one_of_several, std::optio
     const std::string sentence = what_is_made(arguments) + ": " + in_words(outcome.status);
     if (!outcome.has_mesh()) return {sentence, false, is_interrupted};
     if (is_interrupted && !arguments.keep_partial)
-        return {sentence + "; nothing is written, as --keep-partial is not given", false, true};
+        return {sentence + "; nothing is written" + (options.levels > 1 ? "" : ", as --keep-partial is not given"), false, true};
     // make and Ninja would take files that are there as up to date, whatever the exit status was.
     if (!outcome.status && !arguments.depfile.empty())
         return {sentence + "; nothing is written, as --depfile asks for whole results", false, is_interrupted};
+    if (std::string why = find_too_many_levels(options, outcome.report.vertices); !why.empty())
+        return {input_words(arguments.input) + ": " + why + "; nothing is written"};
     std::optional<LightMesh> light;
     if (has_output(arguments, ".glb") && options.fit_space != FitSpace::linear && !options.premultiplied && !is_set) {
         watch.step("linear light", light_work(image));
         light = light_mesh(image, options, outcome.mesh, *pool);
+    }
+    std::vector<Level> coarser;
+    for (hmesh::Result& level : lods.levels) {
+        Level& out = coarser.emplace_back();
+        out.outcome = std::move(level);
+        if (light && options.fit_space == FitSpace::each) out.light = light_mesh(image, options, out.outcome.mesh, *pool);
     }
     const bool has_missed = options.psnr_of && outcome.status.code == hmesh::Errc::target_out_of_range;
     const bool is_summed_up = !arguments.quiet && !is_one_of_several;
@@ -201,17 +224,18 @@ Failure make_mesh(const Arguments& arguments, bool is_one_of_several, std::optio
         else written = files.measure(outcome.mesh, outcome.report.psnr, light);
     }
     const auto report = [&](bool is_wanted, Layout layout) {
-        return is_wanted ? report_json(arguments, image, outcome, inputs.maps, light, written, seconds, watch, layout)
+        return is_wanted ? report_json(arguments, image, outcome, coarser, inputs.maps, light, written, seconds, watch, layout)
                          : std::string();
     };
     const std::string file_report = report(!arguments.report.empty(), Layout::indented);
-    if (std::string why =
-            write_files(arguments, is_set ? inputs.first : image, inputs.bytes, outcome, inputs.maps, light, file_report, watch);
+    if (std::string why = write_files(arguments, is_set ? inputs.first : image, inputs.bytes, outcome, coarser, inputs.maps,
+                                      light, file_report, watch);
         !why.empty())
         return {why, false, is_interrupted};
     watch.finish();
     const std::string json_line = report(arguments.json, Layout::one_line);
-    if (std::string why = tell(arguments, is_one_of_several, image, outcome, inputs.maps, light, written, seconds, json_line);
+    if (std::string why =
+            tell(arguments, is_one_of_several, image, outcome, coarser, inputs.maps, light, written, seconds, json_line);
         !why.empty())
         return {why, true, true};
     if (outcome.status) return {};

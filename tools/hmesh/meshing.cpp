@@ -7,8 +7,10 @@
 #include <cstddef>
 #include <cstdint>
 #include <type_traits>
+#include <utility>
 
 #include "hmesh/image/premultiply.hpp"
+#include "hmesh/lods/mesh_lods.hpp"
 #include "hmesh/mesh_image.hpp"
 #include "hmesh/methods/baselines/adams.hpp"
 #include "hmesh/methods/baselines/adaptive_thinning.hpp"
@@ -30,7 +32,9 @@ double meshing_work(int width, int height, const MeshingOptions& options) noexce
                        : options.method != Method::annealed
                            ? 0.2 * pixels + 150 * n
                            : hmesh::kit::annealed_work(hmesh::kit::annealed_steps(options.effort), pixels, n, false).sum();
-    return is_search ? 2.5 * one : one;
+    // The coarser levels of all that there can be take two fifths of the first.
+    const double coarser = 0.4 * one * (1 - std::exp2(1 - options.levels));
+    return coarser + (is_search ? 2.5 * one : one);
 }
 
 double light_work(int width, int height, int channels) noexcept { return 0.18 * channels * width * height; }
@@ -61,9 +65,16 @@ template <class T, int C>
     return hmesh::mesh_image(view, options, annealed, parallel_for);
 }
 
+hmesh::Lods one_level(hmesh::Result result) {
+    hmesh::Lods lods;
+    lods.status = result.status;
+    if (result.has_mesh()) lods.levels.push_back(std::move(result));
+    return lods;
+}
+
 template <class T, int C>
-[[nodiscard]] hmesh::Result mesh_samples(const hmesh::ImageView<T, C>& view, const MeshingOptions& wanted,
-                                         const hmesh::ParallelFor& parallel_for) {
+[[nodiscard]] hmesh::Lods mesh_samples(const hmesh::ImageView<T, C>& view, const MeshingOptions& wanted,
+                                       const hmesh::ParallelFor& parallel_for) {
     hmesh::Options options;
     options.target = wanted.target;
     options.colors = wanted.colors;
@@ -74,9 +85,15 @@ template <class T, int C>
     options.progress = wanted.progress;
     options.psnr_of = wanted.psnr_of;
     const hmesh::Annealed annealed = annealed_recipe(wanted);
-    if constexpr (C > 4) return hmesh::mesh_image(view, options, annealed, parallel_for);  // other methods are for images
-    else return mesh_by_method(view, wanted, options, annealed, parallel_for);
+    if (wanted.levels > 1) {
+        hmesh::LodOptions lods;
+        lods.levels = wanted.levels;
+        return hmesh::mesh_lods(view, options, lods, annealed, parallel_for);
+    }
+    if constexpr (C > 4) return one_level(hmesh::mesh_image(view, options, annealed, parallel_for));  // others are for images
+    else return one_level(mesh_by_method(view, wanted, options, annealed, parallel_for));
 }
+
 // Colours of floats are not rounded: the steps of whole numbers mean nothing to them.
 hmesh::LinearLightOptions light_options(const MeshingOptions& wanted, bool is_float) {
     hmesh::LinearLightOptions options;
@@ -85,15 +102,15 @@ hmesh::LinearLightOptions light_options(const MeshingOptions& wanted, bool is_fl
     return options;
 }
 
-// A stage after all others: colours for linear light, from the share `total` of the whole on.
+// A stage after all others: colours for linear light, from the share `from` of the whole to the share `to`.
 template <class T, int C>
-void fit_light(const hmesh::ImageView<T, C>& view, const MeshingOptions& wanted, double total, hmesh::Result& result,
+void fit_light(const hmesh::ImageView<T, C>& view, const MeshingOptions& wanted, double from, double to, hmesh::Result& result,
                const hmesh::ParallelFor& parallel_for) {
     const hmesh::LinearLightOptions options = light_options(wanted, std::is_same_v<T, float>);
-    hmesh::ProgressInfo info{"linear light", 0, result.report.vertices, result.report.energy, total};
+    hmesh::ProgressInfo info{"linear light", 0, result.report.vertices, result.report.energy, from};
     const auto go_on = [&](double share) {
         info.fraction = share;
-        info.total = total + (1 - total) * share;
+        info.total = share < 1 ? from + (to - from) * share : to;
         return !wanted.progress || wanted.progress(info);
     };
     bool is_stopped = !go_on(0);
@@ -110,20 +127,27 @@ void fit_light(const hmesh::ImageView<T, C>& view, const MeshingOptions& wanted,
 }
 
 template <class T, int C>
-[[nodiscard]] hmesh::Result mesh_view(const hmesh::ImageView<T, C>& view, const MeshingOptions& options,
-                                      const hmesh::ParallelFor& parallel_for) {
+[[nodiscard]] hmesh::Lods mesh_view(const hmesh::ImageView<T, C>& view, const MeshingOptions& options,
+                                    const hmesh::ParallelFor& parallel_for) {
     if (options.fit_space != FitSpace::linear) return mesh_samples(view, options, parallel_for);
     const double work = meshing_work(view.width, view.height, options), light = light_work(view.width, view.height, C);
-    const double before = work / (work + light);
+    const double before = work / (work + options.levels * light);
     MeshingOptions first = options;
     const auto progress = [&](hmesh::ProgressInfo info) {
         info.total *= before;
         return options.progress(info);
     };
     if (options.progress) first.progress = progress;
-    hmesh::Result result = mesh_samples(view, first, parallel_for);
-    if (result.has_mesh()) fit_light(view, options, before, result, parallel_for);
-    return result;
+    hmesh::Lods lods = mesh_samples(view, first, parallel_for);
+    const auto count = static_cast<double>(lods.levels.size());
+    for (std::size_t k = 0; k < lods.levels.size(); ++k) {
+        const double from = before + (1 - before) * static_cast<double>(k) / count;
+        const double to = k + 1 < lods.levels.size() ? before + (1 - before) * static_cast<double>(k + 1) / count : 1;
+        hmesh::Result& level = lods.levels[k];
+        fit_light(view, options, from, to, level, parallel_for);
+        if (lods.status && !level.status) lods.status = level.status;
+    }
+    return lods;
 }
 
 // Calls body(view) with the view of the image.
@@ -229,8 +253,8 @@ std::string find_conflict(const MeshingOptions& options) {
 }
 
 // Of several maps together. join_images() makes no other kinds of them, for each kind takes two seconds to compile.
-[[nodiscard]] hmesh::Result mesh_maps(const ImageFile& image, const MeshingOptions& options,
-                                      const hmesh::ParallelFor& parallel_for) {
+[[nodiscard]] hmesh::Lods mesh_maps(const ImageFile& image, const MeshingOptions& options,
+                                    const hmesh::ParallelFor& parallel_for) {
     const int width = image.width, height = image.height;
     const std::uint16_t* const shorts = image.samples16.data();
     if (image.bits == 32)
@@ -240,9 +264,23 @@ std::string find_conflict(const MeshingOptions& options) {
     return mesh_samples(hmesh::ImageView<std::uint16_t, 8>{shorts, width, height, 0}, options, parallel_for);
 }
 
-hmesh::Result mesh_file(const ImageFile& image, const MeshingOptions& options, const hmesh::ParallelFor& parallel_for) {
+hmesh::Lods mesh_levels(const ImageFile& image, const MeshingOptions& options, const hmesh::ParallelFor& parallel_for) {
     if (image.channels > 4) return mesh_maps(image, options, parallel_for);
     return with_view(image, [&](const auto& view) { return mesh_view(view, options, parallel_for); });
+}
+
+hmesh::Result first_level(hmesh::Lods&& lods) {
+    hmesh::Result first;
+    if (!lods.levels.empty()) {
+        first = std::move(lods.levels.front());
+        lods.levels.erase(lods.levels.begin());
+    }
+    first.status = lods.status;
+    return first;
+}
+
+hmesh::Result mesh_file(const ImageFile& image, const MeshingOptions& options, const hmesh::ParallelFor& parallel_for) {
+    return first_level(mesh_levels(image, options, parallel_for));
 }
 
 LightMesh light_mesh(const ImageFile& image, const MeshingOptions& options, const hmesh::Mesh& mesh,

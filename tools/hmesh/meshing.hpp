@@ -12,6 +12,7 @@
 #include "hmesh/core/progress.hpp"
 #include "hmesh/core/status.hpp"
 #include "hmesh/image/image_view.hpp"
+#include "hmesh/lods/mesh_lods.hpp"
 #include "hmesh/mesh/mesh.hpp"
 #include "hmesh/methods/annealed/options.hpp"
 #include "hmesh/options.hpp"
@@ -34,6 +35,7 @@ struct MeshingOptions {
     hmesh::Effort effort = hmesh::Effort::normal;
     std::uint64_t seed = 1;
     int tile = 0;                         // px; 0: as the library chooses
+    int levels = 1;                       // of detail, the mesh included
     std::optional<hmesh::Colors> colors;  // none: those of the method
     FitSpace fit_space = FitSpace::stored;
     bool premultiplied = false;
@@ -57,6 +59,12 @@ struct MeshingOptions {
 // What is wrong with options that are right each by itself, a sentence; empty: nothing.
 [[nodiscard]] std::string find_conflict(const MeshingOptions& options);
 
+// All levels of detail. Without any, the status says why.
+[[nodiscard]] hmesh::Lods mesh_levels(const ImageFile& image, const MeshingOptions& options,
+                                      const hmesh::ParallelFor& parallel_for);
+// The first of them, which leaves them, with the status of all.
+[[nodiscard]] hmesh::Result first_level(hmesh::Lods&& lods);
+// The same without the others.
 [[nodiscard]] hmesh::Result mesh_file(const ImageFile& image, const MeshingOptions& options,
                                       const hmesh::ParallelFor& parallel_for);
 

@@ -280,6 +280,15 @@ inline void write_glb_indices(Writer& writer, const MeshView& mesh, GlbNumber nu
     }
 }
 
+/// Writes an array of this content.
+inline void write_glb_array(Writer& writer, const MeshView& mesh, GlbContent content, const GlbArray& array, const GlbGrid& grid,
+                            const GltfOptions& options) {
+    if (content.kind == GlbContent::Kind::positions) return write_glb_positions(writer, mesh, grid);
+    if (content.kind == GlbContent::Kind::indices) return write_glb_indices(writer, mesh, array.number);
+    if (options.groups.is_empty()) content.channels = mesh.channels;  // grey with alpha is red, green and blue there
+    write_glb_shares(writer, mesh, content, array, options.colors_are_linear);
+}
+
 }  // namespace detail
 
 /// Writes a mesh of 1 to 4 channels, or with groups of up to 16, as a .glb file. A mesh that is empty, has no size, numbers
@@ -291,13 +300,8 @@ inline Status write_glb(const MeshView& source, Sink sink, const GltfOptions& op
     if (const Status status = detail::lay_out_glb(source, options, out); !status) return status;
     const detail::ExportMesh exported(source, detail::Premultiplied::divided);
     const MeshView& mesh = exported.view();
-    if (options.groups.is_empty()) out.contents[1].channels = mesh.channels;  // grey with alpha is red, green and blue there
     const auto fill = [&](detail::Writer& writer, std::size_t i) {
-        const detail::GlbContent& content = out.contents[i];
-        const detail::GlbArray& array = out.file.arrays[i];
-        if (content.kind == detail::GlbContent::Kind::positions) return write_glb_positions(writer, mesh, out.grid);
-        if (content.kind == detail::GlbContent::Kind::indices) return write_glb_indices(writer, mesh, array.number);
-        write_glb_shares(writer, mesh, content, array, options.colors_are_linear);
+        detail::write_glb_array(writer, mesh, out.contents[i], out.file.arrays[i], out.grid, options);
     };
     if (options.compress)
         if (const Status status = compress_arrays(out.file, fill, options.compress); !status) return status;

@@ -49,6 +49,8 @@ class TiledMesh {
     [[nodiscard]] const MeshLimits& limits() const noexcept { return limits_; }
     /// Told of stages and of the work in patches; says whether the work was cancelled.
     [[nodiscard]] ProgressReporter& progress() const noexcept { return *progress_; }
+    /// From now on another reporter is told, which must outlive the TiledMesh; between phases only.
+    void report_to(ProgressReporter& progress) noexcept { progress_ = &progress; }
     /// The executor of pieces of work.
     [[nodiscard]] const ParallelFor& parallel_for() const noexcept { return parallel_for_; }
     /// The mesh between phases, to read or to replace; not within for_each() or visit(). After for_each() vertices and faces are

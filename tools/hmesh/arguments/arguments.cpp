@@ -126,6 +126,11 @@ void add_mesh_options(CLI::App& app, Arguments& out) {
             return "";
         },
         "8 16");
+    add(app, "--lods", "N",
+        "N levels of detail, 1 to 32, with n, n/2, n/4 .. vertices. A .glb holds all (MSFT_lod);\n"
+        "in other formats, and where the name holds {lod}, each has its file: {lod} is 0, 1 .., or\n"
+        "_lod1, _lod2 .. comes before the ending of all but the finest. Pictures show the finest",
+        [&](const std::string& text) { return parse_in_range(text, 1, 32, out.meshing.levels); });
     app.add_flag_callback(
         "--no-original", [&] { out.original = false; },
         "leave the image out of .html, of which it is the larger part: nothing to compare with");
@@ -294,6 +299,7 @@ constexpr Note notes[] = {
     {"Examples",
      "  hmesh rock.png --with rock_normal.png --with rough=rock_r.png -o rock.glb --glb packed\n"
      "  hmesh photo.png -o mesh.glb -o mesh.html --rate 2\n"
+     "  hmesh photo.png -o mesh.glb -o levels/{lod}.ply --lods 5\n"
      "  hmesh *.png -o out/{name}.glb --psnr 32 --max-vertices 20000 --json > reports.jsonl\n"
      "  convert photo.gif png:- | hmesh - -o - --format pdf > mesh.pdf"},
     {"Exit status", "0 done, 1 failed, 2 wrong usage."}};
@@ -332,7 +338,10 @@ std::string answer(const CLI::App& app, const Question& question) {
 // The names of the files that are written; of arguments that are const or not.
 template <class AnyArguments, class Take>
 void for_each_output(AnyArguments& arguments, Take&& take) {
-    for (auto& mesh : arguments.meshes) take(mesh.name);
+    for (auto& mesh : arguments.meshes) {
+        take(mesh.name);
+        for (auto& level : mesh.coarser) take(level);
+    }
     for (auto* file :
          {&arguments.render, &arguments.wireframe, &arguments.residual, &arguments.strip, &arguments.report, &arguments.depfile})
         if (!file->empty()) take(*file);
@@ -364,8 +373,23 @@ bool has_pattern(const Arguments& arguments) {
            std::any_of(arguments.others.begin(), arguments.others.end(), is_pattern_of);
 }
 
+// Names the files of the levels of detail.
+void name_levels(Arguments& arguments) {
+    for (MeshFile& mesh : arguments.meshes) {
+        const std::string all = mesh.name;
+        const int levels = mesh.ending == ".glb" && !has_level_mark(all) ? 1 : arguments.meshing.levels;
+        mesh.name = level_file(all, 0);
+        for (int level = 1; level < levels; ++level) mesh.coarser.push_back(level_file(all, level));
+        if (!has_level_mark(all)) continue;
+        arguments.folders.push_back(std::filesystem::path(mesh.name).parent_path().string());
+        for (const std::string& level : mesh.coarser)
+            arguments.folders.push_back(std::filesystem::path(level).parent_path().string());
+    }
+}
+
 Arguments for_image(Arguments all, const std::string& input) {
     all.input = input;
+    name_levels(all);
     const std::string name = image_name(input);
     all.weights = expand(all.weights, name);
     for (OtherMap& other : all.others) other.file = expand(other.file, name);
@@ -410,6 +434,22 @@ std::string find_map_conflict(const CLI::App& app, const std::vector<std::string
     return {};
 }
 
+// What is wrong with levels of detail.
+std::string find_level_conflict(const CLI::App& app, const Arguments& arguments) {
+    const bool is_asked_for = app.count("--lods") != 0;
+    for (const MeshFile& mesh : arguments.meshes) {
+        if (has_level_mark(mesh.name) && !is_asked_for)
+            return "--output '" + mesh.name + "' has {lod} in it, and there are no levels of detail without --lods";
+        if (is_standard(mesh.name) && mesh.ending != ".glb" && arguments.meshing.levels > 1)
+            return "--lods makes a file of each level, and --output - is one: of the formats .glb alone holds all";
+    }
+    if (!is_asked_for) return {};
+    if (arguments.meshing.method != Method::annealed)
+        return std::string("--lods means nothing to --method ") + name_of(methods, arguments.meshing.method);
+    if (arguments.keep_partial) return "--keep-partial is given with --lods, of which all levels are written or none";
+    return {};
+}
+
 // What is wrong with a command line of which each option is right by itself.
 std::string find_conflict(const CLI::App& app, const std::vector<std::string>& inputs, const Arguments& arguments) {
     if (std::find(inputs.begin(), inputs.end(), "") != inputs.end()) return "no input image is given";
@@ -439,6 +479,7 @@ std::string find_conflict(const CLI::App& app, const std::vector<std::string>& i
     if (arguments.glb == GlbForm::meshopt && gltf_compressor().empty())
         return "--glb meshopt needs meshoptimizer, and this hmesh was built without it";
     if (std::string why = find_map_conflict(app, inputs, arguments); !why.empty()) return why;
+    if (std::string why = find_level_conflict(app, arguments); !why.empty()) return why;
     if (!arguments.original && !has_output(arguments, ".html"))
         return "--no-original is given without an output that ends in .html";
     if (!arguments.depfile.empty() && output_files(arguments).size() == 1) return "--depfile is given without another output";

@@ -60,7 +60,8 @@ inline constexpr Named<GlbForm> glb_forms[] = {
 
 struct MeshFile {
     std::string name;
-    std::string ending;  // that of the format, in lower case: ".ply"
+    std::string ending;                  // that of the format, in lower case: ".ply"
+    std::vector<std::string> coarser{};  // the files of further levels of detail; none: there are none, or the first holds all
 };
 
 // Another image of the same mesh.
@@ -90,7 +91,7 @@ struct Arguments {
     bool quiet = false;
     bool json = false;                 // the report on the standard output, for the summary
     bool keep_partial = false;         // after an interrupt
-    std::vector<std::string> folders;  // to be made where they are not there: those of names that held {name}
+    std::vector<std::string> folders;  // to be made where they are not there: those of names that held {name} or {lod}
 };
 
 // The pictures of --render: one, or where there are several maps one for each, with its name before the ending.

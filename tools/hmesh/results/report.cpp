@@ -56,6 +56,18 @@ Json map_values(const std::vector<Map>& maps) {
     return values;
 }
 
+// The level's own files; a .glb that holds all levels is the first one's.
+Json level_value(const Arguments& arguments, const hmesh::Report& report, std::size_t level) {
+    Json files = Json::array();
+    for (const MeshFile& mesh : arguments.meshes)
+        if (level == 0 || level <= mesh.coarser.size()) files.push_back(level == 0 ? mesh.name : mesh.coarser[level - 1]);
+    return {{"vertices", report.vertices},
+            {"faces", report.faces},
+            {"psnr", psnr_value(report.psnr)},
+            {"energy", report.energy},
+            {"files", files}};
+}
+
 std::string in_layout(const Json& value, Layout layout) {
     return value.dump(layout == Layout::indented ? 2 : -1, ' ', false, Json::error_handler_t::replace) + "\n";
 }
@@ -71,7 +83,7 @@ std::string psnr_formula(const Arguments& arguments) {
 }
 
 std::string report_json(const Arguments& arguments, const ImageFile& image, const hmesh::Result& outcome,
-                        const std::vector<Map>& maps, const std::optional<LightMesh>& light,
+                        const std::vector<Level>& coarser, const std::vector<Map>& maps, const std::optional<LightMesh>& light,
                         const std::vector<WrittenPsnr>& written, double seconds, const ProgressWatch& watch, Layout layout) {
     const MeshingOptions& meshing = arguments.meshing;
     const bool is_each = meshing.fit_space == FitSpace::each;
@@ -79,6 +91,8 @@ std::string report_json(const Arguments& arguments, const ImageFile& image, cons
     for (const hmesh::StageReport& stage : outcome.report.stages) stages.push_back(stage_value(stage, watch.seconds_of(stage)));
     Json files = Json::object();
     for (const WrittenPsnr& file : written) files[file.file] = psnr_value(file.psnr);
+    Json levels = Json::array({level_value(arguments, outcome.report, 0)});
+    for (const Level& level : coarser) levels.push_back(level_value(arguments, level.outcome.report, levels.size()));
     const Json report = {{"version", HMESH_VERSION_STRING},
                          {"input", arguments.input},
                          {"width", image.width},
@@ -100,6 +114,7 @@ std::string report_json(const Arguments& arguments, const ImageFile& image, cons
                          {"psnr", psnr_value(outcome.report.psnr)},
                          {"psnr_convention", psnr_convention(arguments)},
                          {"psnr_written", files},
+                         {"levels", levels},
                          {"maps", map_values(maps)},
                          {"psnr_glb", light ? psnr_value(is_each ? light->psnr : light->stored_psnr) : Json()},
                          {"psnr_glb_fitted", light ? psnr_value(light->psnr) : Json()},

@@ -1,5 +1,6 @@
 #include "results/summary.hpp"
 
+#include <cstddef>
 #include <string>
 
 #include "results/advice.hpp"
@@ -10,8 +11,8 @@
 namespace tool {
 
 void print_summary(std::FILE* to, const Arguments& arguments, const ImageFile& image, const hmesh::Result& outcome,
-                   const std::vector<Map>& maps, const std::optional<LightMesh>& light, const std::vector<WrittenPsnr>& written,
-                   double seconds) {
+                   const std::vector<Level>& coarser, const std::vector<Map>& maps, const std::optional<LightMesh>& light,
+                   const std::vector<WrittenPsnr>& written, double seconds) {
     std::fprintf(to, "image     %s, %d x %d, %d channel%s of %d bits\n", arguments.input.c_str(), image.width, image.height,
                  image.channels - image.padding, image.channels == 1 ? "" : "s", image.bits);
     if (!image.note.empty()) std::fprintf(to, "note      %s\n", image.note.c_str());
@@ -30,17 +31,27 @@ void print_summary(std::FILE* to, const Arguments& arguments, const ImageFile& i
         if ((file.ending != ".glb" || arguments.glb_color_bits == 8) && psnr_text(file.psnr) != psnr_text(outcome.report.psnr))
             std::fprintf(to, "PSNR      %s as %s %s\n", psnr_text(file.psnr).c_str(), output_name(file.file).c_str(),
                          file.ending == ".png" ? "shows it, rounded to 8 bits" : "holds it, colours of 8 bits");
+    for (std::size_t k = 0; k < coarser.size(); ++k) {
+        const hmesh::Report& report = coarser[k].outcome.report;
+        std::fprintf(to, "level %-2zu  %zu vertices, %zu faces, %s\n", k + 1, report.vertices, report.faces,
+                     psnr_text(report.psnr).c_str());
+    }
     std::fprintf(to, "time      %.2f s\n", seconds);
     for (const std::string& name : output_files(arguments)) std::fprintf(to, "written   %s\n", name.c_str());
     print_advice(to, arguments, outcome.report.vertices);
 }
 
-void print_line(std::FILE* to, const Arguments& arguments, const ImageFile& image, const hmesh::Result& outcome, double seconds) {
-    std::string files, note;
+void print_line(std::FILE* to, const Arguments& arguments, const ImageFile& image, const hmesh::Result& outcome,
+                const std::vector<Level>& coarser, double seconds) {
+    std::string files, note, levels;
+    for (const Level& level : coarser)
+        levels += (levels.empty() ? " (levels: " : ", ") + std::to_string(level.outcome.report.vertices) + " vertices, " +
+                  psnr_text(level.outcome.report.psnr);
+    if (!levels.empty()) levels += ")";
     for (const std::string& name : output_files(arguments)) files += (files.empty() ? ", written " : ", ") + name;
     if (!image.note.empty()) note = " (" + image.note + ")";
-    std::fprintf(to, "%s: %zu vertices, %s, %.2f s%s%s\n", arguments.input.c_str(), outcome.report.vertices,
-                 psnr_text(outcome.report.psnr).c_str(), seconds, files.c_str(), note.c_str());
+    std::fprintf(to, "%s: %zu vertices, %s%s, %.2f s%s%s\n", arguments.input.c_str(), outcome.report.vertices,
+                 psnr_text(outcome.report.psnr).c_str(), levels.c_str(), seconds, files.c_str(), note.c_str());
 }
 
 }  // namespace tool

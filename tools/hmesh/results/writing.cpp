@@ -99,24 +99,40 @@ std::string write_pictures(const Arguments& arguments, const ImageFile& image, c
     return {};
 }
 
+// What a file of this format holds of a level: its twin for linear light where there is one.
+hmesh::MeshView view_of(const Arguments& arguments, const hmesh::Result& outcome, const std::optional<LightMesh>& light,
+                        const std::string& ending) {
+    const bool is_light = light && arguments.meshing.fit_space == FitSpace::each && ending == ".glb";
+    return is_light ? light->mesh.view() : outcome.mesh.view();
+}
+
 // `light`: of the mesh, for .glb where --fit-space is each.
-std::string write_meshes(const Arguments& arguments, const hmesh::MeshView& mesh, const std::vector<Map>& maps,
-                         const std::optional<LightMesh>& light, const WebPage& page, ProgressWatch& watch) {
+std::string write_meshes(const Arguments& arguments, const ImageFile& image, const std::vector<unsigned char>& bytes,
+                         const hmesh::Result& outcome, const std::vector<Level>& coarser, const std::vector<Map>& maps,
+                         const std::optional<LightMesh>& light, ProgressWatch& watch) {
     const std::vector<hmesh::ChannelGroup> groups = groups_of(maps);
     FormatOptions options;
     options.glb = arguments.glb;
     options.glb_color_bits = arguments.glb_color_bits;
     options.groups = {groups.data(), groups.size()};
     options.svg.kind = arguments.svg;
-    options.html = page.options();
     for (const MeshFile& wanted : arguments.meshes) {
-        watch.step("writing", mesh_file_work(mesh.vertex_count));
-        const std::string why = write_file(wanted.name, [&](OutputFile& file) {
-            const bool is_light = light && arguments.meshing.fit_space == FitSpace::each && wanted.ending == ".glb";
-            const hmesh::Status status = write_mesh(is_light ? light->mesh.view() : mesh, wanted.ending, options, file);
-            return status ? std::string() : in_words(status);
-        });
-        if (!why.empty()) return why;
+        std::vector<hmesh::MeshView> levels{view_of(arguments, outcome, light, wanted.ending)};
+        for (const Level& level : coarser) levels.push_back(view_of(arguments, level.outcome, level.light, wanted.ending));
+        const bool holds_all = wanted.coarser.empty() && wanted.ending == ".glb";
+        for (std::size_t k = 0; k < (holds_all ? 1 : levels.size()); ++k) {
+            watch.step("writing", mesh_file_work(levels[k].vertex_count));
+            WebPage page;
+            if (wanted.ending == ".html")
+                page = make_web_page(arguments, image, bytes, k == 0 ? outcome.report : coarser[k - 1].outcome.report);
+            options.html = page.options();
+            const std::string why = write_file(k == 0 ? wanted.name : wanted.coarser[k - 1], [&](OutputFile& file) {
+                const hmesh::Status status =
+                    holds_all ? write_glb_levels(levels, options, file) : write_mesh(levels[k], wanted.ending, options, file);
+                return status ? std::string() : in_words(status);
+            });
+            if (!why.empty()) return why;
+        }
     }
     return {};
 }
@@ -159,11 +175,9 @@ double writing_work(const Arguments& arguments, const ImageFile& image) {
 }
 
 std::string write_files(const Arguments& arguments, const ImageFile& image, const std::vector<unsigned char>& bytes,
-                        const hmesh::Result& outcome, const std::vector<Map>& maps, const std::optional<LightMesh>& light,
-                        const std::string& report, ProgressWatch& watch) {
-    WebPage page;
-    if (has_output(arguments, ".html")) page = make_web_page(arguments, image, bytes, outcome.report);
-    std::string why = write_meshes(arguments, outcome.mesh.view(), maps, light, page, watch);
+                        const hmesh::Result& outcome, const std::vector<Level>& coarser, const std::vector<Map>& maps,
+                        const std::optional<LightMesh>& light, const std::string& report, ProgressWatch& watch) {
+    std::string why = write_meshes(arguments, image, bytes, outcome, coarser, maps, light, watch);
     if (why.empty()) why = write_pictures(arguments, image, outcome.mesh, maps, watch);
     if (why.empty() && !arguments.report.empty()) why = write_text(arguments.report, report);
     if (why.empty() && !arguments.depfile.empty()) why = write_depfile(arguments);

@@ -10,6 +10,7 @@
 #include "hmesh/result.hpp"
 #include "meshing.hpp"
 #include "readers/image_file.hpp"
+#include "results/level.hpp"
 #include "results/maps.hpp"
 #include "terminal/progress_watch.hpp"
 #include "writers/new_folders.hpp"
@@ -23,11 +24,13 @@ namespace tool {
 [[nodiscard]] double writing_work(const Arguments& arguments, const ImageFile& image);
 
 // Writes the files, each whole or not at all, up to the first that cannot be written. `bytes` are those of the image's file, for
-// .html; `light`: of the mesh, for .glb where --fit-space is each; `report`: the report's text; `watch` is told of each file.
+// .html; `coarser`: its levels of detail; `light`: of the mesh, for .glb where --fit-space is
+// each; `report`: the report's text; `watch` is told of each file.
 // Returns "" or what went wrong.
 [[nodiscard]] std::string write_files(const Arguments& arguments, const ImageFile& image, const std::vector<unsigned char>& bytes,
-                                      const hmesh::Result& outcome, const std::vector<Map>& maps,
-                                      const std::optional<LightMesh>& light, const std::string& report, ProgressWatch& watch);
+                                      const hmesh::Result& outcome, const std::vector<Level>& coarser,
+                                      const std::vector<Map>& maps, const std::optional<LightMesh>& light,
+                                      const std::string& report, ProgressWatch& watch);
 
 }  // namespace tool
 

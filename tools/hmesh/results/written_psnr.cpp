@@ -104,7 +104,8 @@ std::vector<WrittenPsnr> WrittenFiles::measure(const hmesh::Mesh& mesh, double p
         return psnr_between(wanted_, drawn, channels, own.peak, options_.weights, options_.premultiplied && !is_premultiplied);
     };
     std::vector<float> drawn;
-    for (const auto& [name, ending] : arguments_.meshes) {
+    for (const MeshFile& wanted : arguments_.meshes) {
+        const std::string &name = wanted.name, &ending = wanted.ending;
         if (!holds_the_mesh(ending, arguments_, image_.channels)) continue;
         const bool is_light = light && options_.fit_space == FitSpace::each && ending == ".glb";
         const hmesh::Mesh& from = is_light ? light->mesh : own;

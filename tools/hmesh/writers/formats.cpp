@@ -7,6 +7,7 @@
 #include "hmesh/gpu.hpp"
 #include "hmesh/io/eps.hpp"
 #include "hmesh/io/gltf.hpp"
+#include "hmesh/io/gltf_lods.hpp"
 #include "hmesh/io/obj.hpp"
 #include "hmesh/io/pdf.hpp"
 #include "hmesh/io/ply.hpp"
@@ -46,16 +47,7 @@ hmesh::Mesh copy_of(const hmesh::MeshView& view) {
 }
 
 hmesh::Status write_glb(const hmesh::MeshView& mesh, const FormatOptions& options, hmesh::Sink sink) {
-    hmesh::GltfOptions glb;
-    glb.groups = options.groups;
-    glb.color_bits = options.glb_color_bits;
-    if (options.glb == GlbForm::exact) return hmesh::write_glb(mesh, sink, glb);
-    glb.quantized_positions = true;
-    const bool is_compressed = options.glb == GlbForm::meshopt;
-    if (is_compressed) glb.compress = compress_gltf;
-    hmesh::Mesh ordered = copy_of(mesh);
-    if (const hmesh::Status status = is_compressed ? order_to_compress(ordered) : order_for_gpu(ordered); !status) return status;
-    return hmesh::write_glb(ordered.view(), sink, glb);
+    return write_glb_levels({mesh}, options, sink);
 }
 
 constexpr Format formats[] = {
@@ -105,6 +97,24 @@ hmesh::Status write_mesh(const hmesh::MeshView& mesh, const std::string& ending,
     const auto* found =
         std::find_if(std::begin(formats), std::end(formats), [&](const Format& format) { return ending == format.ending; });
     return found->write(mesh, options, sink);
+}
+
+hmesh::Status write_glb_levels(const std::vector<hmesh::MeshView>& levels, const FormatOptions& options, hmesh::Sink sink) {
+    hmesh::GltfOptions glb;
+    glb.groups = options.groups;
+    glb.color_bits = options.glb_color_bits;
+    if (options.glb == GlbForm::exact) return hmesh::write_glb_lods(levels, sink, glb);
+    glb.quantized_positions = true;
+    const bool is_compressed = options.glb == GlbForm::meshopt;
+    if (is_compressed) glb.compress = compress_gltf;
+    std::vector<hmesh::Mesh> ordered;
+    std::vector<hmesh::MeshView> views;
+    for (const hmesh::MeshView& level : levels) {
+        hmesh::Mesh& mesh = ordered.emplace_back(copy_of(level));
+        if (const hmesh::Status status = is_compressed ? order_to_compress(mesh) : order_for_gpu(mesh); !status) return status;
+    }
+    for (const hmesh::Mesh& mesh : ordered) views.push_back(mesh.view());
+    return hmesh::write_glb_lods(views, sink, glb);
 }
 
 }  // namespace tool

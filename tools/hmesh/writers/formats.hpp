@@ -48,6 +48,10 @@ struct FormatOptions {
 [[nodiscard]] hmesh::Status write_mesh(const hmesh::MeshView& mesh, const std::string& ending, const FormatOptions& options,
                                        hmesh::Sink sink);
 
+// Writes levels of detail, the finest first, as one .glb file.
+[[nodiscard]] hmesh::Status write_glb_levels(const std::vector<hmesh::MeshView>& levels, const FormatOptions& options,
+                                             hmesh::Sink sink);
+
 }  // namespace tool
 
 #endif  // HMESH_TOOLS_WRITERS_FORMATS_HPP

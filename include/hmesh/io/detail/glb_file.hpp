@@ -118,6 +118,9 @@ struct GlbFile {
     std::vector<std::vector<GlbPrimitive>> meshes;  ///< the primitives of each
     std::vector<GlbMaterial> materials;             ///< at least one
     std::vector<GlbArray> arrays;                   ///< in the order of the buffer
+    /// Of each node, where they are levels of detail of one thing, the finest first (MSFT_lod): down to which share of the
+    /// screen, in [0, 1], it is drawn. Else empty: all nodes are drawn.
+    std::vector<double> coverages{};
     /// Of each array, where they are compressed; else empty.
     std::vector<std::vector<unsigned char>> compressed{};
     bool is_quantized = false;     ///< arrays have numbers that KHR_mesh_quantization allows
@@ -140,6 +143,8 @@ struct GlbFile {
     }
     /// All of the file.
     [[nodiscard]] std::uint64_t file_bytes() const noexcept { return 28 + padded(json_bytes) + padded(binary_bytes()); }
+    /// Whether the first node stands for all, as levels of detail.
+    [[nodiscard]] bool has_levels() const noexcept { return coverages.size() > 1; }
     /// Whether a material is not lit.
     [[nodiscard]] bool has_unlit() const noexcept {
         for (const GlbMaterial& material : materials)
@@ -203,9 +208,10 @@ class GlbJson {
 
 /// Writes the names of the extensions.
 HMESH_COLD inline void write_glb_extensions(GlbJson& json, const GlbFile& file) {
-    std::array<const char*, 3> names{};
+    std::array<const char*, 4> names{};
     std::size_t used = 0;
     if (file.has_unlit()) names[used++] = "KHR_materials_unlit";
+    if (file.has_levels()) names[used++] = "MSFT_lod";
     const std::size_t optional = used;
     if (file.is_quantized) names[used++] = "KHR_mesh_quantization";
     if (!file.compressed.empty()) names[used++] = "EXT_meshopt_compression";
@@ -232,15 +238,26 @@ HMESH_COLD inline void write_glb_primitive(GlbJson& json, const GlbPrimitive& pr
     json.put({"},\"indices\":", std::uint64_t{primitive.indices}, ",\"material\":", std::uint64_t{primitive.material}, "}"});
 }
 
+/// Writes what a first node of levels of detail says of the others.
+HMESH_COLD inline void write_glb_levels(GlbJson& json, const GlbFile& file) {
+    json.put(",\"extensions\":{\"MSFT_lod\":{");
+    json.list("ids", file.coverages.size() - 1, [&](std::size_t i) { json.put({std::uint64_t{i + 1}}); });
+    json.put("}},\"extras\":{");
+    json.list("MSFT_screencoverage", file.coverages.size(), [&](std::size_t i) { json.put({file.coverages[i]}); });
+    json.put("}");
+}
+
 /// Writes scene, nodes, meshes and materials.
 HMESH_COLD inline void write_glb_scene(GlbJson& json, const GlbFile& file) {
     json.put("\"scene\":0,\"scenes\":[{");
-    json.list("nodes", file.nodes.size(), [&](std::size_t i) { json.put({std::uint64_t{i}}); });
+    json.list("nodes", file.has_levels() ? 1 : file.nodes.size(), [&](std::size_t i) { json.put({std::uint64_t{i}}); });
     json.put("}],");
     json.list("nodes", file.nodes.size(), [&](std::size_t i) {
         const GlbNode& node = file.nodes[i];
         json.put({"{\"mesh\":", std::uint64_t{node.mesh}, ",\"translation\":[", node.translation[0], ",", node.translation[1],
-                  ",0],\"scale\":[", node.scale, ",", node.scale, ",", node.scale, "]}"});
+                  ",0],\"scale\":[", node.scale, ",", node.scale, ",", node.scale, "]"});
+        if (i == 0 && file.has_levels()) write_glb_levels(json, file);
+        json.put("}");
     });
     json.put(",");
     json.list("meshes", file.meshes.size(), [&](std::size_t i) {

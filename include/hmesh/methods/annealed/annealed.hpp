@@ -88,7 +88,7 @@ class AnnealedRun {
         plan_stages(progress(), steps_, tiled_->source().pixels(), n_, false);
         tiled_->indexed() = corner_mesh(tiled_->source());  // the mesh after a cancellation in the first stage
         return stage("points", [&] { return draw_points(); }) && stage("settle", [&] { return settle(); }) &&
-               (steps_.points <= 1 || stage("collapse", [&] { return collapse(); })) && finish();
+               (steps_.points <= 1 || stage("collapse", [&] { return collapse(true); })) && finish();
     }
     /// The same from `mesh` on, which check_start() accepts.
     bool run_from(IndexedMesh<C> mesh) {
@@ -100,6 +100,15 @@ class AnnealedRun {
                          return reach();
                      }) &&
                finish();
+    }
+
+    /// The same from the mesh of more than n vertices that `tiled` holds, whose energy is known.
+    bool run_on() {
+        const AnnealedWork work =
+            coarser_work(steps_, tiled_->source().pixels(), static_cast<double>(tiled_->vertex_count()), static_cast<double>(n_));
+        if (work.anneal > 0) progress().plan({work.collapse, work.anneal, work.polish, work.colors});
+        else progress().plan({work.collapse, work.polish, work.colors});
+        return stage("collapse", [&] { return collapse(false); }) && finish();
     }
 
   private:
@@ -191,11 +200,12 @@ class AnnealedRun {
     }
     HMESH_COLD bool settle() { return for_each_piece(false, 0, 1, visits()); }
 
-    HMESH_COLD bool collapse() {
+    /// Removes the cheapest vertices until there are n; `has_settled`: after settle(), which left vertices at seams.
+    HMESH_COLD bool collapse(bool has_settled) {
         const std::size_t first = tiled_->vertex_count();
         const bool has_seams = aligned_.size() > 1;
-        const double begin = has_seams ? 0.05 : 0;
-        if (!for_each_seam(0, begin, visits())) return false;  // what settle() left
+        const double begin = has_seams && has_settled ? 0.05 : 0;
+        if (has_settled && !for_each_seam(0, begin, visits())) return false;
         double reached = begin;
         for (int stuck = 0; tiled_->vertex_count() > n_ && stuck < 4;) {
             const std::size_t before = tiled_->vertex_count();
@@ -314,30 +324,38 @@ class AnnealedRun {
 
 }  // namespace kit::detail
 
-template <int C>
-Status Annealed::run(kit::TiledMesh<C>& mesh, std::size_t n) const {
-    const kit::ImageSource<C>& source = mesh.source();
-    const double size = tile_size(source.width(), source.height(), n);
+/// run(first) runs the stages of a run as planned.
+template <int C, class Run>
+Status Annealed::run_or_grow(kit::TiledMesh<C>& mesh, std::size_t n, Run&& run) const {
+    const int width = mesh.source().width(), height = mesh.source().height();
     kit::AnnealedSteps plan = steps.value_or(kit::annealed_steps(effort));
-    kit::detail::AnnealedRun<C> first(mesh, n, plan, seed, size);
-    bool is_done = false;
-    if (start != nullptr) {
-        kit::IndexedMesh<C> from = kit::to_indexed_mesh<C>(*start);
-        if (const kit::ChannelScale<C>* const scale = source.scale())
-            for (kit::Color<C>& color : from.colors) scale->to_scaled(color);
-        if (const Status status = kit::detail::check_start(from, source); !status) return status;
-        is_done = first.run_from(std::move(from));
-    } else {
-        is_done = first.run();
-    }
-    if (is_done) return {};
+    kit::detail::AnnealedRun<C> first(mesh, n, plan, seed, tile_size(width, height, n));
+    if (run(first)) return {};
     if (mesh.progress().stopped()) return kit::cancelled_by_callback();
     // More than n vertices are left, each of whose collapses would make a face below min_double_area. Growing to n in one piece,
     // without a collapse, always ends at n.
     plan.points = 1;
     plan.annealing.sweeps = 0;
-    is_done = kit::detail::AnnealedRun<C>(mesh, n, plan, seed, std::max(source.width(), source.height())).run();
-    return kit::finished_or_cancelled(is_done);
+    return kit::finished_or_cancelled(kit::detail::AnnealedRun<C>(mesh, n, plan, seed, std::max(width, height)).run());
+}
+
+template <int C>
+Status Annealed::run(kit::TiledMesh<C>& mesh, std::size_t n) const {
+    kit::IndexedMesh<C> from;
+    if (start != nullptr) {
+        from = kit::to_indexed_mesh<C>(*start);
+        if (const kit::ChannelScale<C>* const scale = mesh.source().scale())
+            for (kit::Color<C>& color : from.colors) scale->to_scaled(color);
+        if (const Status status = kit::detail::check_start(from, mesh.source()); !status) return status;
+    }
+    return run_or_grow(mesh, n, [&](kit::detail::AnnealedRun<C>& first) {
+        return start != nullptr ? first.run_from(std::move(from)) : first.run();
+    });
+}
+
+template <int C>
+Status Annealed::coarsen(kit::TiledMesh<C>& mesh, std::size_t n) const {
+    return run_or_grow(mesh, n, [](kit::detail::AnnealedRun<C>& first) { return first.run_on(); });
 }
 
 }  // namespace hmesh

@@ -175,6 +175,36 @@ struct AnnealedWork {
     return work;
 }
 
+/// The steps of a level of detail of n vertices that is made of the one before, of twice as many. Of the sweeps about half are
+/// left, of few ones less, since most of what they find the level before has found. Up to 1024 vertices, where few sweeps try too
+/// little, there are more: they cost next to nothing.
+[[nodiscard]] HMESH_COLD inline AnnealedSteps coarser_steps(AnnealedSteps steps, std::size_t n) noexcept {
+    AnnealingOptions& annealing = steps.annealing;
+    if (annealing.sweeps == 0) {  // as draft has it
+        steps.relaxation.rounds = 0;
+        steps.collapse_batch = 0.25;
+        steps.polish_rounds = 1;
+        return steps;
+    }
+    steps.collapse_batch = std::min(steps.collapse_batch, 0.18);
+    annealing.sweeps = static_cast<int>(12LL * annealing.sweeps / 25);
+    if (annealing.sweeps > 0) annealing.sweeps += n > 1024 ? 0 : n > 512 ? 1 : n > 256 ? 2 : 3;
+    annealing.start_price = 0.85;
+    const bool are_few = annealing.sweeps < 8;
+    annealing.temperature = are_few ? 0.1 : 0.3;  // few sweeps have no time to cool down
+    if (are_few) annealing.flip_screen = std::min(annealing.flip_screen, 2.0);
+    return steps;
+}
+
+/// The work of such a level of n vertices, made of one of `from`.
+[[nodiscard]] HMESH_COLD inline AnnealedWork coarser_work(const AnnealedSteps& steps, double pixels, double from,
+                                                          double n) noexcept {
+    AnnealedWork work = annealed_work(steps, pixels, n, true);
+    work.start = 0;
+    work.collapse = 16 * (from - n);
+    return work;
+}
+
 }  // namespace kit
 
 /// The default recipe of mesh_image(), and the one of best fidelity: too many points are drawn, those whose loss costs least
@@ -242,6 +272,16 @@ struct Annealed {
         }
         return out;
     }
+    /// The recipe of a level of n vertices in a chain of levels of detail (lods/mesh_lods.hpp), which coarsen() makes of the one
+    /// before. Tiles have 384 px, since fewer seams matter more here than more pieces of work.
+    [[nodiscard]] Annealed coarser(std::size_t n) const {
+        Annealed out = *this;
+        out.start = nullptr;
+        out.steps = kit::coarser_steps(steps.value_or(kit::annealed_steps(effort)), n);
+        out.seed = seed + n;  // another one in each level
+        if (tile == 0) out.tile = 384;
+        return out;
+    }
     /// How long a run for n vertices takes, in the unit of kit::AnnealedWork: for the progress of searches.
     [[nodiscard]] double work(int width, int height, std::size_t n) const noexcept {
         return kit::annealed_work(steps.value_or(kit::annealed_steps(effort)), static_cast<double>(width) * height,
@@ -256,6 +296,14 @@ struct Annealed {
     /// number of vertices. Defined in methods/annealed/annealed.hpp.
     template <int C>
     [[nodiscard]] Status run(kit::TiledMesh<C>& mesh, std::size_t n) const;
+    /// The same from the mesh that `mesh` holds, which has more than n vertices and whose energy is known: those that are
+    /// cheapest to remove go, then it is annealed and polished.
+    template <int C>
+    [[nodiscard]] Status coarsen(kit::TiledMesh<C>& mesh, std::size_t n) const;
+
+  private:
+    template <int C, class Run>
+    [[nodiscard]] Status run_or_grow(kit::TiledMesh<C>& mesh, std::size_t n, Run&& run) const;
 };
 
 }  // namespace hmesh
