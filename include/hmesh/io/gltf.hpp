@@ -232,12 +232,30 @@ inline void pad(Writer& writer, std::uint64_t size, char with) {
     for (; size % 4 != 0; ++size) writer.u8(static_cast<std::uint8_t>(with));
 }
 
+/// Writes the file of a mesh without vertices: an accessor has at least one element, so there is no mesh but an empty scene.
+inline Status write_empty_glb(const MeshView& mesh, Sink sink) {
+    if (const Status status = check_for_export(mesh); !status) return status;
+    static constexpr char json[] =
+        "{\"asset\":{\"version\":\"2.0\",\"generator\":\"hmesh " HMESH_VERSION_STRING "\"},\"scene\":0,\"scenes\":[{}]}";
+    constexpr std::uint64_t size = sizeof json - 1;
+    Writer writer(sink);
+    writer.text("glTF");
+    writer.u32(2);
+    writer.u32(static_cast<std::uint32_t>(20 + GlbLayout::padded(size)));
+    writer.u32(static_cast<std::uint32_t>(GlbLayout::padded(size)));
+    writer.text("JSON");
+    writer.text(json);
+    pad(writer, size, ' ');
+    return writer.finish();
+}
+
 }  // namespace detail
 
-/// Writes a mesh of 1 to 4 channels as a .glb file. A mesh that is empty, has no size, numbers that are not finite, faces
+/// Writes a mesh of 1 to 4 channels as a .glb file; one without vertices as a scene of nothing. A mesh that has no size, numbers that are not finite, faces
 /// without their vertices, or needs 4 GiB, and a longer side that is negative or no float, give a Status that says so, and no
 /// byte is written; a sink that refuses bytes gives Errc::write_failed.
 inline Status write_glb(const MeshView& source, Sink sink, const GltfOptions& options = {}) {
+    if (source.vertex_count == 0 && source.face_count == 0) return detail::write_empty_glb(source, sink);
     detail::GlbLayout layout;
     if (const Status status = detail::lay_out_glb(source, options, layout); !status) return status;
     const detail::ExportMesh exported(source, detail::Premultiplied::divided);
