@@ -62,9 +62,9 @@ enum class FaceAlpha : std::uint8_t { opaque, blended, dropped };
     for (const Triangle& face : mesh.faces) {
         const auto alpha = [&](std::size_t k) { return static_cast<double>(mesh.colors[channels * face[k] + channels - 1]); };
         const auto [least, most] = std::minmax({alpha(0), alpha(1), alpha(2)});
-        kinds.push_back(255 * most <= threshold * mesh.peak ? FaceAlpha::dropped
-                        : 255 * least >= 254.5 * mesh.peak  ? FaceAlpha::opaque
-                                                            : FaceAlpha::blended);
+        kinds.push_back(255 * most <= (1 + 1e-6) * threshold * mesh.peak ? FaceAlpha::dropped
+                        : 255 * least >= 254.5 * mesh.peak               ? FaceAlpha::opaque
+                                                                         : FaceAlpha::blended);
     }
     return kinds;
 }
@@ -120,10 +120,10 @@ inline std::size_t remove_unused_vertices(Mesh& mesh) {
 /// what it was to look at over any background: colours of straight ones are whatever transparent pixels hide.
 ///
 /// \param mesh       as mesh_image() makes it, or any that check() accepts
-/// \param threshold  alpha in 255ths of the peak, 0 to 254: what is at most 1 nobody sees
+/// \param threshold  alpha in 255ths of the peak, 0 to 254: what is at most 2 nobody sees
 /// \return           what was done; invalid_argument or not_finite, with the mesh as it was, for a mesh without alpha or one that
 ///                   check() refuses, and a threshold out of range
-inline SpriteReport drop_transparent(Mesh& mesh, double threshold = 1) {
+inline SpriteReport drop_transparent(Mesh& mesh, double threshold = 2) {
     SpriteReport report;
     report.status = detail::check_sprite(mesh, threshold);
     if (!report.status) return report;
@@ -152,7 +152,7 @@ inline SpriteReport drop_transparent(Mesh& mesh, double threshold = 1) {
 /// \param parallel_for  executor of the faces dropped
 /// \return              as above, also invalid_argument where result has no mesh of this image
 template <class T, int C>
-SpriteReport drop_transparent(Result& result, const ImageView<T, C>& view, double threshold = 1,
+SpriteReport drop_transparent(Result& result, const ImageView<T, C>& view, double threshold = 2,
                               const ImageView<float, 1>& weights = {}, const ParallelFor& parallel_for = {}) {
     static_assert(kit::has_alpha(C), "images of 2 or 4 channels have alpha");
     SpriteReport report;

@@ -108,6 +108,12 @@ class Buckets {
     return sign(orient(a, b, c)) * sign(orient(a, b, d)) <= 0 && sign(orient(c, d, a)) * sign(orient(c, d, b)) <= 0;
 }
 
+/// Whether the segments from a to b and from c to d cross each other at a point that is no end of either. Exact.
+[[nodiscard]] inline bool do_segments_cross(GridPoint a, GridPoint b, GridPoint c, GridPoint d) noexcept {
+    const auto differ = [](std::int64_t x, std::int64_t y) { return (x > 0 && y < 0) || (x < 0 && y > 0); };
+    return differ(orient(a, b, c), orient(a, b, d)) && differ(orient(c, d, a), orient(c, d, b));
+}
+
 /// Whether p is in the triangle (a, b, c), of either orientation, or on its border. Exact; a triangle of no area holds nothing
 /// but its longest side.
 [[nodiscard]] inline bool is_in_triangle(GridPoint a, GridPoint b, GridPoint c, GridPoint p) noexcept {

@@ -44,6 +44,18 @@ using Loop = std::vector<GridPoint>;
     return sum;
 }
 
+/// Whether p is inside of a polygon, whatever its orientation; on its border it may be either. Exact.
+[[nodiscard]] inline bool is_inside(const Loop& loop, GridPoint p) noexcept {
+    bool is_in = false;
+    for (std::size_t i = 0, j = loop.size() - 1; i < loop.size(); j = i++) {
+        const bool up = loop[i].y > p.y, before = loop[j].y > p.y;
+        if (up == before) continue;
+        const std::int64_t side = orient(loop[j], loop[i], p);
+        if (up ? side > 0 : side < 0) is_in = !is_in;
+    }
+    return is_in;
+}
+
 /// Which pixels count, row after row: not 0.
 struct Mask {
     int width = 0,                     ///< px

@@ -55,7 +55,7 @@ class Covering {
     /// Of contours_of() an image of this size in px, or polygons like them.
     Covering(const std::vector<Loop>& contours, int width, int height)
         : right_(width * units_per_px), bottom_(height * units_per_px), sides_(box_of(contours), count(contours) / 2),
-          touched_(box_of(contours), count(contours) / 4) {
+          touched_(box_of(contours), count(contours) / 2) {
         for (const Loop& contour : contours) {
             const auto first = static_cast<std::uint32_t>(at_.size()), size = static_cast<std::uint32_t>(contour.size());
             for (std::uint32_t i = 0; i < size; ++i) {
@@ -73,40 +73,31 @@ class Covering {
         stamp_.assign(at_.size(), 0);
         for (std::uint32_t v = 0; v < at_.size(); ++v) {
             sides_.add(v, at_[v], at_[next_[v]]);
-            touched_.add(v, at_[v], at_[v]);
+            touched_.add(v, at_[v], at_[next_[v]]);
         }
-        offer_all();
     }
 
     [[nodiscard]] std::size_t corners() const noexcept { return corners_; }  ///< of all polygons that are left
     /// The area of the polygons, px^2.
     [[nodiscard]] double area() const noexcept { return static_cast<double>(double_area_) * px2; }
 
-    /// Removes corners until there are at most `most` and no other can go without the area passing `largest`, px^2: while there are
-    /// more than `most`, whatever it costs. There may be more where none can go.
-    void simplify(std::size_t most, double largest) {
-        constexpr int rounds = 8;
-        for (int round = 0; round < rounds; ++round) {
-            const std::size_t before = corners_;
-            remove_cheapest(most, largest);
-            const bool is_turned = turn_sides();
-            if (corners_ == before && !is_turned) break;
-            offer_all();
-        }
+    /// Removes corners until at most `count` are left, the cheapest first, then turns sides. Whether any could be removed: there
+    /// may be more left where none can go.
+    bool remove_to(std::size_t count) {
+        const std::size_t before = corners_;
+        offers_ = {};
+        for (std::uint32_t v = 0; v < at_.size(); ++v)
+            if (next_[v] != none) offer(v);
+        remove_cheapest(count);
+        turn_sides();
+        return corners_ != before;
     }
 
     /// The polygons that are left: outer borders and holes.
     [[nodiscard]] std::vector<Loop> loops() const {
         std::vector<Loop> out;
-        for (const Part& part : loops_) {
-            if (part.size == 0) continue;
-            out.emplace_back();
-            std::uint32_t v = part.some;
-            do {
-                out.back().push_back(at_[v]);
-                v = next_[v];
-            } while (v != part.some);
-        }
+        for (const Part& part : loops_)
+            if (part.size != 0) out.push_back(corners_of(part));
         return out;
     }
 
@@ -130,13 +121,18 @@ class Covering {
     struct Removal {
         bool is_possible = false;
         bool is_side = false;                    // the side from the corner on; else the corner
-        bool is_hole = false;                    // all of a hole of three corners
+        bool is_hole = false;                    // all of the corner's loop, a hole
         GridPoint meeting;                       // where its neighbours meet
         std::int64_t added = 0;                  // double area
         std::uint32_t corners = 1;               // that go
         std::vector<std::uint32_t> swallowed{};  // loops
     };
 
+    [[nodiscard]] Loop corners_of(const Part& part) const {
+        Loop corners;
+        for (std::uint32_t v = part.some; corners.size() < part.size; v = next_[v]) corners.push_back(at_[v]);
+        return corners;
+    }
     static std::size_t count(const std::vector<Loop>& contours) {
         std::size_t sum = 0;
         for (const Loop& contour : contours) sum += contour.size();
@@ -150,11 +146,6 @@ class Covering {
     }
 
     // --- removals ---
-    void offer_all() {
-        offers_ = {};
-        for (std::uint32_t v = 0; v < at_.size(); ++v)
-            if (next_[v] != none) offer(v);
-    }
     void offer(std::uint32_t v) {
         ++stamp_[v];
         if (const Removal removal = removal_at(v); removal.is_possible) offers_.push({price(removal), v, stamp_[v]});
@@ -166,25 +157,27 @@ class Covering {
         return static_cast<double>(removal.added) / static_cast<double>(removal.corners);
     }
 
-    // What it would be to remove at v, whatever is in the way.
+    // What it would be to remove at v, whatever is in the way: all of a hole where that is the cheaper.
     [[nodiscard]] Removal removal_at(std::uint32_t v) const {
-        Removal out;
-        const std::uint32_t before = previous_[v], after = next_[v];
         const Part& part = loops_[loop_of_[v]];
-        const std::int64_t turn = orient(at_[before], at_[v], at_[after]);
-        if (part.size == 3) {
-            if (part.double_area > 0) return out;
-            out.is_possible = out.is_hole = true;
-            out.added = -part.double_area;
-            out.corners = 3;
-            return out;
-        }
-        if (turn <= 0) {
+        Removal out;
+        if (part.size > 3) out = removal_of(v);
+        if (part.double_area > 0) return out;
+        Removal hole;
+        hole.is_possible = hole.is_hole = true;
+        hole.added = -part.double_area;
+        hole.corners = part.size;
+        return out.is_possible && price(out) <= price(hole) ? out : hole;
+    }
+    // That of a corner or side of a loop of more than three.
+    [[nodiscard]] Removal removal_of(std::uint32_t v) const {
+        Removal out;
+        const std::uint32_t before = previous_[v], after = next_[v], last = next_[after];
+        if (const std::int64_t turn = orient(at_[before], at_[v], at_[after]); turn <= 0) {
             out.is_possible = true;
             out.added = -turn;
             return out;
         }
-        const std::uint32_t last = next_[after];
         if (orient(at_[v], at_[after], at_[last]) <= 0) return out;
         out.is_side = true;
         out.is_possible = find_meeting(at_[before], at_[v], at_[after], at_[last], out.meeting);
@@ -224,7 +217,7 @@ class Covering {
     // Whether nothing is in the way; finds what is swallowed.
     [[nodiscard]] bool is_free(std::uint32_t v, Removal& removal) {
         const std::uint32_t before = previous_[v], after = next_[v], last = next_[after];
-        if (removal.is_hole) return swallow({at_[before], at_[v], at_[after]}, {before, v, after}, removal);
+        if (removal.is_hole) return swallow_inside(loop_of_[v], removal);
         if (!removal.is_side) {
             return is_side_free(before, at_[before], after, at_[after], {before, v, none}) &&
                    swallow({at_[before], at_[v], at_[after]}, {before, v, after}, removal);
@@ -252,6 +245,25 @@ class Covering {
             return orient(shared, own, other) != 0 || along(shared, shared, own, other) < 0;
         });
     }
+    // Finds the loops in a hole.
+    [[nodiscard]] bool swallow_inside(std::uint32_t hole, Removal& removal) {
+        const Loop border = corners_of(loops_[hole]);
+        GridBox box(border.front());
+        for (const GridPoint p : border) box.add(p);
+        std::vector<std::uint32_t> seen = {hole};
+        return sides_.visit(box, [&](std::uint32_t s) {
+            const std::uint32_t loop = loop_of_[s];
+            if (std::find(seen.begin(), seen.end(), loop) != seen.end()) return true;
+            seen.push_back(loop);
+            if (is_inside(border, at_[s])) take_along(loop, removal);
+            return true;
+        });
+    }
+    void take_along(std::uint32_t loop, Removal& removal) const {
+        removal.swallowed.push_back(loop);
+        removal.corners += loops_[loop].size;
+        removal.added -= loops_[loop].double_area;
+    }
     // Finds the loops of which a corner is in the triangle; false where that is the loop of `own` itself.
     [[nodiscard]] bool swallow(const std::array<GridPoint, 3>& triangle, const std::vector<std::uint32_t>& own,
                                Removal& removal) {
@@ -262,41 +274,34 @@ class Covering {
             if (loop_of_[s] == home) return false;
             if (std::find(removal.swallowed.begin(), removal.swallowed.end(), loop_of_[s]) != removal.swallowed.end())
                 return true;
-            const Part& part = loops_[loop_of_[s]];
-            removal.swallowed.push_back(loop_of_[s]);
-            removal.corners += part.size;
-            removal.added -= part.double_area;
+            take_along(loop_of_[s], removal);
             return true;
         });
     }
 
-    void remove_cheapest(std::size_t most, double largest) {
+    void remove_cheapest(std::size_t count) {
         std::vector<std::uint32_t> blocked;
-        bool is_new = true;  // something has gone since they were blocked
-        while (is_new) {
+        for (bool is_new = true; is_new;) {  // whether something has gone since they were blocked
             is_new = false;
-            while (!offers_.empty()) {
-                const Offer offer = offers_.top();
-                if (corners_ <= most && area() + offer.price * px2 > largest) return;
+            while (!offers_.empty() && corners_ > count) {
+                const Offer best = offers_.top();
                 offers_.pop();
-                const std::uint32_t v = offer.corner;
-                if (next_[v] == none || offer.stamp != stamp_[v]) continue;
+                const std::uint32_t v = best.corner;
+                if (next_[v] == none || best.stamp != stamp_[v]) continue;
                 Removal removal = removal_at(v);
-                if (!removal.is_possible) continue;
                 if (!is_free(v, removal)) {
                     blocked.push_back(v);
                     continue;
                 }
                 // What is swallowed changes the price: its turn may come later.
-                if (const double now = price(removal); now > offer.price && !offers_.empty() && now > offers_.top().price) {
+                if (const double now = price(removal); now > best.price && !offers_.empty() && now > offers_.top().price) {
                     offers_.push({now, v, ++stamp_[v]});
                     continue;
                 }
-                if (corners_ <= most && area() + static_cast<double>(removal.added) * px2 > largest) continue;
                 remove(v, removal);
                 is_new = true;
             }
-            if (corners_ <= most && largest <= area()) return;
+            if (corners_ <= count) return;
             for (const std::uint32_t v : blocked)
                 if (next_[v] != none) offer(v);
             blocked.clear();
@@ -357,10 +362,14 @@ class Covering {
     void link(std::uint32_t a, std::uint32_t b) { next_[a] = b, previous_[b] = a; }
 
     // --- the contour along a side ---
+    [[nodiscard]] std::uint32_t contour_next(std::uint32_t i) const {
+        const Part& part = loops_[loop_of_[i]];
+        return i + 1 == part.first + part.contour_size ? part.first : i + 1;
+    }
     // Calls body(i) for the corners of the contour from one to another.
     template <class Body>
-    void along_contour(const Part& part, std::uint32_t from, std::uint32_t to, Body&& body) const {
-        for (std::uint32_t i = from;; i = i + 1 == part.first + part.contour_size ? part.first : i + 1) {
+    void along_contour(std::uint32_t from, std::uint32_t to, Body&& body) const {
+        for (std::uint32_t i = from;; i = contour_next(i)) {
             body(i);
             if (i == to) return;
         }
@@ -368,7 +377,7 @@ class Covering {
     // The corner of the contour along the side from v on that is farthest outside of the line from a to b.
     [[nodiscard]] std::uint32_t farthest(std::uint32_t v, GridPoint a, GridPoint b) const {
         std::uint32_t best = from_[v];
-        along_contour(loops_[loop_of_[v]], from_[v], to_[v], [&](std::uint32_t i) {
+        along_contour(from_[v], to_[v], [&](std::uint32_t i) {
             if (orient(a, b, contour_[i]) < orient(a, b, contour_[best])) best = i;
         });
         return best;
@@ -387,26 +396,23 @@ class Covering {
         out = {a.x + share * ux, a.y + share * uy};
         return share > 0;
     }
-    // Turns sides as long as that makes the area smaller, some passes over all. Whether any was turned.
-    bool turn_sides() {
+    // Turns sides as long as that makes the area smaller, some passes over all.
+    void turn_sides() {
         constexpr int passes = 12;
-        bool is_turned = false;
         for (int pass = 0; pass < passes; ++pass) {
             bool is_last = true;
             for (std::uint32_t v = 0; v < at_.size(); ++v)
-                if (next_[v] != none && turn(v)) is_last = false, is_turned = true;
-            if (is_last) break;
+                if (next_[v] != none && turn(v)) is_last = false;
+            if (is_last) return;
         }
-        return is_turned;
     }
     // Turns the side from v on to the best place that there is between the lines of its neighbours.
     bool turn(std::uint32_t v) {
         const std::uint32_t before = previous_[v], after = next_[v], last = next_[after];
         const GridPoint a = at_[before], b = at_[v], c = at_[after], d = at_[last];
-        const Part& part = loops_[loop_of_[v]];
         Loop near;
         const auto gather = [&](std::uint32_t side) {
-            along_contour(part, from_[side], to_[side], [&](std::uint32_t i) { near.push_back(contour_[i]); });
+            along_contour(from_[side], to_[side], [&](std::uint32_t i) { near.push_back(contour_[i]); });
         };
         gather(v);
         if (orient(a, b, c) > 0) gather(before);
@@ -473,7 +479,10 @@ class Covering {
         // Lines turned past the next corner fold over.
         if (along(a, a, b, new_b) <= 0 || along(d, d, c, new_c) <= 0) return false;
         const bool is_triangle = before == last;
-        if (is_triangle ? orient(a, new_b, new_c) <= 0 : do_segments_meet(a, new_b, new_c, d)) return false;
+        const std::int64_t turn_of_all = orient(a, new_b, new_c);  // of a triangle, which stays border or hole
+        if (is_triangle ? turn_of_all == 0 || (turn_of_all > 0) != (loops_[loop_of_[v]].double_area > 0)
+                        : do_segments_meet(a, new_b, new_c, d))
+            return false;
         const auto folds = [](GridPoint u, GridPoint at, GridPoint w) {
             return orient(u, at, w) == 0 && along(at, at, u, w) > 0;
         };
@@ -491,6 +500,15 @@ class Covering {
             return orient(new_b, new_c, s) >= 0 && (!cuts_first || orient(a, new_b, s) >= 0) &&
                    (!cuts_last || orient(new_c, d, s) >= 0);
         };
+        // What moves on so is a tip, into which a side of the contour may run without a corner of its own there.
+        if (cuts_first || cuts_last) {
+            const auto is_crossed = [&](GridPoint p0, GridPoint p1) {
+                return !touched_.visit(GridBox(p0).add(p1), [&](std::uint32_t i) {
+                    return !do_segments_cross(p0, p1, contour_[i], contour_[contour_next(i)]);
+                });
+            };
+            if (is_crossed(b, new_b) || is_crossed(new_b, new_c) || is_crossed(new_c, c)) return false;
+        }
         const std::array<std::array<GridPoint, 3>, 4> swept = {{{a, b, new_b}, {b, c, new_c}, {b, new_c, new_b}, {c, d, new_c}}};
         const std::array<std::uint32_t, 4> own = {before, v, after, last};
         for (std::size_t k = 0; k < swept.size(); ++k) {
@@ -525,7 +543,7 @@ class Covering {
     std::vector<std::uint32_t> stamp_;                      // of a corner's last offer
     std::vector<Part> loops_;
     Buckets sides_;    // by the corners at which they begin
-    Buckets touched_;  // corners of the contours
+    Buckets touched_;  // sides of the contours, so too
     std::priority_queue<Offer> offers_;
     std::size_t corners_ = 0;
     std::int64_t double_area_ = 0;

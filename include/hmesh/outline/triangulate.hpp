@@ -24,18 +24,6 @@
 
 namespace hmesh::kit {
 
-/// Whether p is inside of a polygon, whatever its orientation; on its border it may be either. Exact.
-[[nodiscard]] inline bool is_inside(const Loop& loop, GridPoint p) noexcept {
-    bool is_in = false;
-    for (std::size_t i = 0, j = loop.size() - 1; i < loop.size(); j = i++) {
-        const bool up = loop[i].y > p.y, before = loop[j].y > p.y;
-        if (up == before) continue;
-        const std::int64_t side = orient(loop[j], loop[i], p);
-        if (up ? side > 0 : side < 0) is_in = !is_in;
-    }
-    return is_in;
-}
-
 namespace detail {
 
 /// One polygon with its holes as a single ring of nodes, from which ears are cut.
