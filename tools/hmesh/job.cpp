@@ -16,6 +16,7 @@
 #include "meshing.hpp"
 #include "readers/image_file.hpp"
 #include "readers/weights.hpp"
+#include "results/outline_files.hpp"
 #include "results/report.hpp"
 #include "results/summary.hpp"
 #include "results/writing.hpp"
@@ -33,7 +34,7 @@ namespace {
 std::size_t budget(const hmesh::Target& target, const ImageFile& image) {
     const double pixels = static_cast<double>(image.width) * image.height;
     switch (target.kind) {
-        case hmesh::Target::Kind::vertices: return static_cast<std::size_t>(target.value);
+        case hmesh::Target::Kind::vertices: return static_cast<std::size_t>(std::min(target.value, std::max(4.0, pixels)));
         case hmesh::Target::Kind::percent:
             return static_cast<std::size_t>(std::max(4LL, std::llround(pixels * target.value / 100)));
         case hmesh::Target::Kind::psnr: break;
@@ -65,6 +66,9 @@ std::string start(std::optional<example::ThreadPool>& pool, unsigned threads) {
     return {};
 }
 
+// Alpha of faces that --sprite drops, in 255ths, where --alpha does not say.
+constexpr double default_transparent = 2;
+
 // What went wrong, if anything did.
 struct Failure {
     std::string why;           // a sentence; empty: nothing
@@ -94,14 +98,12 @@ std::string what_is_made(const Arguments& arguments) {
                                                : std::string(" --method ") + name_of(methods, options.method));
 }
 
-// Prints what is said of a mesh. Returns "" or why it cannot be, as a sentence.
-std::string tell(const Arguments& arguments, bool is_one_of_several, const ImageFile& image, const hmesh::Result& outcome,
-                 const std::optional<LightMesh>& light, const std::vector<WrittenPsnr>& written, double seconds,
-                 const std::string& json_line) {
+// Prints what is said of a mesh, by print(stream) or as a line of JSON. Returns "" or why it cannot be, as a sentence.
+template <class Print>
+std::string tell(const Arguments& arguments, const std::string& json_line, Print&& print) {
     std::FILE* const to = writes_standard_output(arguments) ? stderr : stdout;
     if (arguments.json) std::fputs(json_line.c_str(), to);
-    else if (!arguments.quiet && is_one_of_several) print_line(to, arguments, image, outcome, seconds);
-    else if (!arguments.quiet) print_summary(to, arguments, image, outcome, light, written, seconds);
+    else if (!arguments.quiet) print(to);
     errno = 0;
     const bool is_printed = std::fflush(to) == 0 && std::ferror(to) == 0;
     return is_printed ? "" : "cannot write to the standard output: " + std::string(std::strerror(errno != 0 ? errno : EIO));
@@ -116,13 +118,38 @@ std::string least_text(const std::vector<WrittenPsnr>& written, double psnr) {
     return ", of which " + output_words(least->file) + " keeps " + psnr_text(least->psnr);
 }
 
-Failure make_mesh(const Arguments& arguments, bool is_one_of_several, std::optional<example::ThreadPool>& pool) {
+// The files of an outline of the image, in place of a mesh.
+Failure make_outline(const Arguments& arguments, bool is_one_of_several, const ImageFile& image, ProgressWatch& watch) {
+    const hmesh::Outline outline = outline_file(image, arguments.outline_options);
+    const double seconds = watch.seconds();
+    if (!outline.status) return {"the outline of " + input_words(arguments.input) + ": " + in_words(outline.status)};
+    const auto report = [&](bool is_wanted, Layout layout) {
+        return is_wanted ? outline_json(arguments, image, outline, seconds, layout) : std::string();
+    };
+    const std::string file_report = report(!arguments.report.empty(), Layout::indented);
+    if (std::string why = write_outline_files(arguments, image, outline, file_report); !why.empty()) return {why};
+    watch.finish();
+    std::string why = tell(arguments, report(arguments.json, Layout::one_line),
+                           [&](std::FILE* to) { print_outline(to, arguments, image, outline, is_one_of_several, seconds); });
+    return why.empty() ? Failure() : Failure{why, true, true};
+}
+
+Failure make_mesh(Arguments arguments, bool is_one_of_several, std::optional<example::ThreadPool>& pool) {
     ProgressWatch watch(!arguments.quiet && is_terminal(stderr));
     Inputs inputs;
     NewFolders folders;
     if (std::string why = read_inputs(arguments, inputs); !why.empty()) return {why};
     const ImageFile& image = inputs.image;
     if (std::string why = find_unwritable(arguments, folders); !why.empty()) return {why};
+    if (arguments.outline) {
+        if (arguments.alpha >= 0) arguments.outline_options.threshold = arguments.alpha;
+        watch.begin_mesh(0.03 * image.width * image.height, 0.03 * image.width * image.height, 1);
+        return make_outline(arguments, is_one_of_several, image, watch);
+    }
+    if (arguments.sprite) {
+        arguments.meshing.premultiplied = arguments.meshing.premultiplied || hmesh::kit::has_alpha(image.channels);
+        arguments.meshing.transparent = arguments.alpha >= 0 ? arguments.alpha : default_transparent;
+    }
     if (!pool)
         if (std::string why = start(pool, arguments.threads); !why.empty()) return {why, false, true};
 
@@ -149,6 +176,11 @@ Failure make_mesh(const Arguments& arguments, bool is_one_of_several, std::optio
     // make and Ninja would take files that are there as up to date, whatever the exit status was.
     if (!outcome.status && !arguments.depfile.empty())
         return {sentence + "; nothing is written, as --depfile asks for whole results", false, is_interrupted};
+    std::optional<hmesh::SpriteReport> sprite;
+    if (arguments.sprite) {
+        sprite = drop_faces(image, options, outcome, *pool);
+        if (!sprite->status) return {what_is_made(arguments) + ": " + in_words(sprite->status)};
+    }
     std::optional<LightMesh> light;
     if (has_output(arguments, ".glb") && options.fit_space != FitSpace::linear && !options.premultiplied) {
         watch.step("linear light", light_work(image));
@@ -160,15 +192,18 @@ Failure make_mesh(const Arguments& arguments, bool is_one_of_several, std::optio
     if (is_summed_up || arguments.json || !arguments.report.empty() || has_missed)
         written = files.measure(outcome.mesh, outcome.report.psnr, light);
     const auto report = [&](bool is_wanted, Layout layout) {
-        return is_wanted ? report_json(arguments, image, outcome, light, written, seconds, watch, layout) : std::string();
+        return is_wanted ? report_json(arguments, image, outcome, light, sprite, written, seconds, watch, layout) : std::string();
     };
     const std::string file_report = report(!arguments.report.empty(), Layout::indented);
     if (std::string why = write_files(arguments, image, inputs.bytes, outcome, light, file_report, watch); !why.empty())
         return {why, false, is_interrupted};
     watch.finish();
     const std::string json_line = report(arguments.json, Layout::one_line);
-    if (std::string why = tell(arguments, is_one_of_several, image, outcome, light, written, seconds, json_line); !why.empty())
-        return {why, true, true};
+    std::string untold = tell(arguments, json_line, [&](std::FILE* to) {
+        if (is_one_of_several) print_line(to, arguments, image, outcome, seconds);
+        else print_summary(to, arguments, image, outcome, light, sprite, written, seconds);
+    });
+    if (!untold.empty()) return {untold, true, true};
     if (outcome.status) return {};
     return {sentence + "; the mesh reached so far, " + std::to_string(outcome.report.vertices) + " vertices and " +
                 psnr_text(outcome.report.psnr) + (has_missed ? least_text(written, outcome.report.psnr) : "") + ", " +

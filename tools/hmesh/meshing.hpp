@@ -15,7 +15,9 @@
 #include "hmesh/mesh/mesh.hpp"
 #include "hmesh/methods/annealed/options.hpp"
 #include "hmesh/options.hpp"
+#include "hmesh/outline.hpp"
 #include "hmesh/result.hpp"
+#include "hmesh/sprite.hpp"
 #include "readers/image_file.hpp"
 #include "writers/picture_file.hpp"
 
@@ -37,6 +39,7 @@ struct MeshingOptions {
     std::optional<hmesh::Colors> colors;  // none: those of the method
     FitSpace fit_space = FitSpace::stored;
     bool premultiplied = false;
+    double transparent = -1;             // 255ths of alpha of faces that drop_faces() drops, which searches count; below 0: none
     const hmesh::Mesh* start = nullptr;  // a mesh to bring to the target without more ado; null: none
     hmesh::ImageView<float, 1> weights;  // none: all pixels count the same
     hmesh::Progress progress;
@@ -57,6 +60,13 @@ struct MeshingOptions {
 
 [[nodiscard]] hmesh::Result mesh_file(const ImageFile& image, const MeshingOptions& options,
                                       const hmesh::ParallelFor& parallel_for);
+
+// Drops the faces of a mesh made with these options that show nothing, those of at most options.transparent.
+hmesh::SpriteReport drop_faces(const ImageFile& image, const MeshingOptions& options, hmesh::Result& outcome,
+                               const hmesh::ParallelFor& parallel_for);
+
+// Few vertices around the image's pixels.
+[[nodiscard]] hmesh::Outline outline_file(const ImageFile& image, const hmesh::OutlineOptions& options);
 
 // A mesh for programs that interpolate linear light.
 struct LightMesh {

@@ -55,8 +55,8 @@ std::string psnr_formula(const Arguments& arguments) {
 }
 
 std::string report_json(const Arguments& arguments, const ImageFile& image, const hmesh::Result& outcome,
-                        const std::optional<LightMesh>& light, const std::vector<WrittenPsnr>& written, double seconds,
-                        const ProgressWatch& watch, Layout layout) {
+                        const std::optional<LightMesh>& light, const std::optional<hmesh::SpriteReport>& sprite,
+                        const std::vector<WrittenPsnr>& written, double seconds, const ProgressWatch& watch, Layout layout) {
     const MeshingOptions& meshing = arguments.meshing;
     const bool is_each = meshing.fit_space == FitSpace::each;
     Json stages = Json::array();
@@ -81,6 +81,8 @@ std::string report_json(const Arguments& arguments, const ImageFile& image, cons
                          {"status", outcome.status ? "ok" : what_of(outcome.status)},
                          {"vertices", outcome.report.vertices},
                          {"faces", outcome.report.faces},
+                         {"opaque_faces", sprite ? Json(sprite->opaque_faces) : Json()},
+                         {"area", sprite ? Json(sprite->area / (static_cast<double>(image.width) * image.height)) : Json()},
                          {"psnr", psnr_value(outcome.report.psnr)},
                          {"psnr_convention", psnr_convention(arguments)},
                          {"psnr_written", files},
@@ -90,6 +92,31 @@ std::string report_json(const Arguments& arguments, const ImageFile& image, cons
                          {"seconds", seconds_value(seconds)},
                          {"stages", stages}};
     return in_layout(report, layout);
+}
+
+std::string outline_json(const Arguments& arguments, const ImageFile& image, const hmesh::Outline& outline, double seconds,
+                         Layout layout) {
+    const hmesh::OutlineOptions& options = arguments.outline_options;
+    const double all = static_cast<double>(image.width) * image.height;
+    return in_layout({{"version", HMESH_VERSION_STRING},
+                      {"input", arguments.input},
+                      {"width", image.width},
+                      {"height", image.height},
+                      {"channels", image.channels},
+                      {"bits", image.bits},
+                      {"method", "outline"},
+                      {"alpha", options.threshold},
+                      {"margin", options.margin},
+                      {"tolerance", options.tolerance},
+                      {"max_vertices", options.max_vertices != 0 ? Json(options.max_vertices) : Json()},
+                      {"status", "ok"},
+                      {"vertices", outline.mesh.vertex_count()},
+                      {"faces", outline.mesh.face_count()},
+                      {"borders", outline.loops.size()},
+                      {"area", outline.area / all},
+                      {"area_needed", outline.covered / all},
+                      {"seconds", seconds_value(seconds)}},
+                     layout);
 }
 
 std::string failure_json(const Arguments& arguments, const std::string& why) {

@@ -9,6 +9,8 @@
 #include <vector>
 
 #include "arguments/arguments.hpp"
+#include "hmesh/outline.hpp"
+#include "hmesh/sprite.hpp"
 #include "meshing.hpp"
 #include "readers/image_file.hpp"
 #include "results/written_psnr.hpp"
@@ -21,11 +23,16 @@ namespace tool {
 
 enum class Layout : std::uint8_t { indented, one_line };
 
-// `light`: of the mesh, where a .glb file is written; `written`: of the files that hold the mesh; `seconds`: of wall-clock time,
-// for the whole mesh. Ends with a line feed.
+// `light`: of the mesh, where a .glb file is written; `sprite`: of what was dropped of it, where --sprite is given; `written`: of
+// the files that hold the mesh; `seconds`: of wall-clock time, for the whole mesh. Ends with a line feed.
 [[nodiscard]] std::string report_json(const Arguments& arguments, const ImageFile& image, const hmesh::Result& outcome,
-                                      const std::optional<LightMesh>& light, const std::vector<WrittenPsnr>& written,
-                                      double seconds, const ProgressWatch& watch, Layout layout);
+                                      const std::optional<LightMesh>& light, const std::optional<hmesh::SpriteReport>& sprite,
+                                      const std::vector<WrittenPsnr>& written, double seconds, const ProgressWatch& watch,
+                                      Layout layout);
+
+// The same of an outline.
+[[nodiscard]] std::string outline_json(const Arguments& arguments, const ImageFile& image, const hmesh::Outline& outline,
+                                       double seconds, Layout layout);
 
 // The line in its place where there is no mesh: why not.
 [[nodiscard]] std::string failure_json(const Arguments& arguments, const std::string& why);

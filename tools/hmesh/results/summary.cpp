@@ -10,12 +10,17 @@
 namespace tool {
 
 void print_summary(std::FILE* to, const Arguments& arguments, const ImageFile& image, const hmesh::Result& outcome,
-                   const std::optional<LightMesh>& light, const std::vector<WrittenPsnr>& written, double seconds) {
+                   const std::optional<LightMesh>& light, const std::optional<hmesh::SpriteReport>& sprite,
+                   const std::vector<WrittenPsnr>& written, double seconds) {
     std::fprintf(to, "image     %s, %d x %d, %d channel%s of %d bits\n", arguments.input.c_str(), image.width, image.height,
                  image.channels, image.channels == 1 ? "" : "s", image.bits);
     if (!image.note.empty()) std::fprintf(to, "note      %s\n", image.note.c_str());
     std::fprintf(to, "vertices  %zu\n", outcome.report.vertices);
-    std::fprintf(to, "faces     %zu\n", outcome.report.faces);
+    std::fprintf(to, "faces     %zu", outcome.report.faces);
+    if (sprite)
+        std::fprintf(to, ", the first %zu opaque; %.1f %% of the rectangle", sprite->opaque_faces,
+                     100 * sprite->area / (static_cast<double>(image.width) * image.height));
+    std::fprintf(to, "\n");
     std::fprintf(to, "PSNR      %s (%s)\n", psnr_text(outcome.report.psnr).c_str(), psnr_formula(arguments).c_str());
     if (light && arguments.meshing.fit_space == FitSpace::each)
         std::fprintf(to, "PSNR .glb %s as its viewers show it, in linear light\n", psnr_text(light->psnr).c_str());

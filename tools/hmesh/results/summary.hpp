@@ -8,6 +8,7 @@
 
 #include "arguments/arguments.hpp"
 #include "hmesh/result.hpp"
+#include "hmesh/sprite.hpp"
 #include "meshing.hpp"
 #include "readers/image_file.hpp"
 #include "results/written_psnr.hpp"
@@ -15,7 +16,8 @@
 namespace tool {
 
 void print_summary(std::FILE* to, const Arguments& arguments, const ImageFile& image, const hmesh::Result& outcome,
-                   const std::optional<LightMesh>& light, const std::vector<WrittenPsnr>& written, double seconds);
+                   const std::optional<LightMesh>& light, const std::optional<hmesh::SpriteReport>& sprite,
+                   const std::vector<WrittenPsnr>& written, double seconds);
 
 void print_line(std::FILE* to, const Arguments& arguments, const ImageFile& image, const hmesh::Result& outcome, double seconds);
 

@@ -1,11 +1,9 @@
 #include "results/writing.hpp"
 
 #include "results/web_page.hpp"
-#include "terminal/progress_bar.hpp"
+#include "results/write_file.hpp"
 #include "terminal/progress_watch.hpp"
-#include "terminal/standard_streams.hpp"
 #include "terminal/words.hpp"
-#include "writers/depfile.hpp"
 #include "writers/formats.hpp"
 #include "writers/output_file.hpp"
 #include "writers/picture_file.hpp"
@@ -14,18 +12,6 @@
 
 namespace tool {
 namespace {
-
-// Writes one file whole: write(OutputFile&) gives its bytes and returns "" or what went wrong.
-template <class Write>
-std::string write_file(const std::string& name, Write&& write) {
-    if (is_standard(name)) wipe_bar();  // both may be one terminal
-    OutputFile file(name);
-    std::string why = file.open() ? write(file) : file.error();
-    if (!file.error().empty()) why = file.error();
-    if (why.empty() && interrupted) why = "interrupted";
-    if (why.empty() && !file.commit()) why = file.error();
-    return why.empty() ? "" : "cannot write " + (is_standard(name) ? "to the standard output" : "'" + name + "'") + ": " + why;
-}
 
 std::string write_picture(const std::string& name, const hmesh::Status& status, const Picture& picture) {
     if (!status) return "cannot draw '" + name + "': " + in_words(status);
@@ -108,17 +94,6 @@ std::string write_meshes(const Arguments& arguments, const hmesh::MeshView& mesh
         if (!why.empty()) return why;
     }
     return {};
-}
-
-std::string write_text(const std::string& name, const std::string& text) {
-    return write_file(name, [&](OutputFile& file) { return file(text.data(), text.size()) ? "" : "the disk refused it"; });
-}
-
-std::string write_depfile(const Arguments& arguments) {
-    std::vector<std::string> written = output_files(arguments), read = {arguments.input};
-    written.pop_back();  // itself
-    if (!arguments.weights.empty()) read.push_back(arguments.weights);
-    return write_text(arguments.depfile, depfile(written, read));
 }
 
 }  // namespace
