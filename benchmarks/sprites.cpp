@@ -1,10 +1,10 @@
 // sprites: what drop_transparent() and outline() make of icons, as Markdown tables.
 //
-//     sprites [--vertices 500] [--threshold 1] [--margin 0.5] IMAGE...
+//     sprites [--vertices 500] [--threshold 2] [--margin 0.5] IMAGE...
 //
 // Images have 4 channels of 8 bits. Meshes are those of the effort normal, fitted to colours times alpha. PSNR is of the three
 // colours, laid over black, grey and white, peak 255, the mean over pixels and channels; "area" is a share of the rectangle, and
-// "least" that of the pixels whose alpha is above the threshold.
+// "least" that of the pixels whose alpha is above 0.
 //
 // Outlines are compared with two other ways, which are made to keep the same pixels with the same margin:
 // - marching squares and Douglas-Peucker: the border of the pixels above alpha 0, half way between centres, thinned out with a
@@ -76,12 +76,12 @@ void print_mesh(const std::string& name, const Sprite& view, std::int64_t vertic
     const double all = static_cast<double>(view.width) * view.height;
     const auto before = psnr_over_grounds(result.mesh, wanted);
     std::printf("| %s | as meshed | %zu | %zu | | 1.0000 | %.4f | %.2f | %.2f | %.2f | %.3f |\n", name.c_str(),
-                result.report.vertices, result.report.faces, share_above(view, threshold), before[0], before[1], before[2],
+                result.report.vertices, result.report.faces, share_above(view, 0), before[0], before[1], before[2],
                 result.report.psnr);
     const hmesh::SpriteReport report = hmesh::drop_transparent(result, view, threshold);
     const auto after = psnr_over_grounds(result.mesh, wanted);
     std::printf("| | dropped | %zu | %zu | %zu | %.4f | %.4f | %+.3f | %+.3f | %+.3f | %.3f |\n", result.report.vertices,
-                result.report.faces, report.opaque_faces, report.area / all, share_above(view, threshold), after[0] - before[0],
+                result.report.faces, report.opaque_faces, report.area / all, share_above(view, 0), after[0] - before[0],
                 after[1] - before[1], after[2] - before[2], result.report.psnr);
 }
 
@@ -200,7 +200,7 @@ hmesh::Outline outline_with(const Sprite& view, double margin, int most, double 
 
 void print_outlines(const std::string& name, const Sprite& view, double margin) {
     const double begin = bench::wall_seconds();
-    const hmesh::Outline own = outline_with(view, margin, 0, 0.03);
+    const hmesh::Outline own = outline_with(view, margin, 0, hmesh::OutlineOptions().tolerance);
     const double seconds = bench::wall_seconds() - begin;
     std::printf("| %s | outline(), default | %zu | %+.2f %% | | | %.1f |\n", name.c_str(), own.mesh.vertex_count(),
                 100 * (own.area / own.covered - 1), 1e3 * seconds);
@@ -214,7 +214,7 @@ void print_outlines(const std::string& name, const Sprite& view, double margin) 
         const auto count = vertices_of(paths);
         const double more = area_of(paths) / own.covered - 1;
         const hmesh::Outline same = outline_with(view, margin, static_cast<int>(count), 0);
-        const hmesh::Outline as_large = outline_with(view, margin, 0, std::max(0.0, more));
+        const hmesh::Outline as_large = outline_with(view, margin, 0, std::max(0.0, more) * own.covered / own.length);
         std::printf("| | %s, %g px | %zu | %+.2f %% | %+.2f %% with %zu | %zu | |\n", method, tolerance, count, 100 * more,
                     100 * (same.area / same.covered - 1), same.mesh.vertex_count(), as_large.mesh.vertex_count());
     };
@@ -235,7 +235,7 @@ void print_outlines(const std::string& name, const Sprite& view, double margin) 
 
 int main(int argc, char** argv) {
     std::vector<std::string> images;
-    double vertices = 500, threshold = 1, margin = 0.5;
+    double vertices = 500, threshold = 2, margin = 0.5;
     bool is_good = true;
     for (int i = 1; i < argc; ++i) {
         const std::string argument = argv[i];
@@ -247,7 +247,7 @@ int main(int argc, char** argv) {
         else is_good = false;
     }
     if (!is_good || images.empty()) {
-        std::fprintf(stderr, "usage: sprites [--vertices 500] [--threshold 1] [--margin 0.5] IMAGE...\n");
+        std::fprintf(stderr, "usage: sprites [--vertices 500] [--threshold 2] [--margin 0.5] IMAGE...\n");
         return 2;
     }
     std::vector<tool::ImageFile> files;

@@ -2,6 +2,7 @@
 
 #include <doctest/doctest.h>
 
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <string>
@@ -39,6 +40,7 @@ TEST_CASE("a border runs clockwise on the screen from its upper left corner, and
     REQUIRE(one.loops.size() == 1);
     CHECK(one.loops[0] == Loop{{256, 256}, {768, 256}, {768, 512}, {512, 512}, {512, 768}, {256, 768}});
     CHECK(one.area == 3);
+    CHECK(one.length == doctest::Approx(8 * std::acos(-1.0) / 4));
     CHECK(hmesh::kit::double_area(one.loops[0]) == 6 * 65536);
     const Contours ring = contours_of(mask_of({"###", "#.#", "###"}), 0, true);
     REQUIRE(ring.loops.size() == 2);

@@ -40,8 +40,9 @@ namespace hmesh {
 struct OutlineOptions {
     double threshold = 0;  ///< alpha in 255ths of the peak, 0 to 254: pixels above it are inside
     double margin = 0.5;   ///< px around each of these pixels, 0 to 64, rounded to 1/256
-    /// How much larger than what has to be inside the outline may become, as a share of its area, 0 to 100, for fewer vertices.
-    double tolerance = 0.03;
+    /// For fewer vertices: how far the outline may stand out from what has to be inside, px on average along its border, 0 to 1000.
+    /// Steps of pixels are some 0.3 px of that.
+    double tolerance = 1;
     /// The most vertices, at least 4: kept whatever area that takes. 0: any number.
     int max_vertices = 0;
     bool holes = true;  ///< whether there may be holes; else they are filled
@@ -55,6 +56,7 @@ struct [[nodiscard]] Outline {
     /// clockwise on the screen, holes the other way.
     std::vector<std::vector<std::uint32_t>> loops;
     double covered = 0;  ///< px^2 that have to be inside: pixels above the threshold with their margins
+    double length = 0;   ///< px along the border of these, steps of pixels taken as slopes
     double area = 0;     ///< px^2 of the faces
     Status status;       ///< ok, or why there is nothing
 };
@@ -68,7 +70,7 @@ namespace detail {
     return kit::check_ranges(
         {{"the outline's threshold must be from 0 to 254, in 255ths of full alpha", options.threshold, 0, 254},
          {"the outline's margin must be from 0 to 64 px", options.margin, 0, 64},
-         {"the outline's tolerance must be from 0 to 100, as a share of the area", options.tolerance, 0, 100}});
+         {"the outline's tolerance must be from 0 to 1000 px", options.tolerance, 0, 1000}});
 }
 
 /// The pixels above the threshold; all of an image without alpha.
@@ -132,7 +134,7 @@ template <class T, int C>
     constexpr std::size_t most_loops = 4096;
     const std::size_t most =
         options.max_vertices != 0 ? static_cast<std::size_t>(options.max_vertices) : std::numeric_limits<std::size_t>::max();
-    const double largest = contours.area * (1 + options.tolerance);
+    const double largest = contours.area + options.tolerance * contours.length;
     if (contours.loops.size() <= most_loops) {
         const kit::Covering covering = simplified({contours.loops, width, height}, most, largest);
         if (covering.corners() <= most) return covering.loops();
@@ -151,6 +153,7 @@ template <class T, int C>
     const int margin = static_cast<int>(std::lround(options.margin * kit::units_per_px));
     const kit::Contours contours = kit::contours_of(mask, margin, options.holes);
     out.covered = contours.area;
+    out.length = contours.length;
     if (contours.loops.empty()) return out;
     const std::vector<kit::Loop> loops = cover(contours, mask.width, mask.height, options);
     for (const kit::Loop& loop : loops) {

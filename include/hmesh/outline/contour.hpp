@@ -12,6 +12,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <cstdlib>
 #include <vector>
 
 #include "hmesh/core/macros/push.hpp"
@@ -235,6 +236,7 @@ class Cells {
 struct Contours {
     std::vector<Loop> loops;  ///< outer borders and those of holes, in no order that means anything
     double area = 0;          ///< px^2 inside of them
+    double length = 0;        ///< px along them, less what steps take more than slopes of all directions do on average
 };
 
 /// The contours of a mask whose pixels are grown by `margin` units to all sides, as far as the image goes. Without `holes` these
@@ -243,7 +245,14 @@ struct Contours {
     detail::Cells cells(mask, margin);
     cells.fill_corners();
     if (!holes) cells.fill_holes();
-    return {cells.borders(), cells.double_area() / (2.0 * units_per_px * units_per_px)};
+    Contours contours{cells.borders(), cells.double_area() / (2.0 * units_per_px * units_per_px), 0};
+    constexpr double slopes = 0.785398163397448;  // pi / 4: steps are longer by the mean of |cos| + |sin|
+    for (const Loop& loop : contours.loops)
+        for (std::size_t i = 0; i < loop.size(); ++i) {
+            const GridPoint a = loop[i], b = loop[(i + 1) % loop.size()];
+            contours.length += slopes / units_per_px * (std::abs(b.x - a.x) + std::abs(b.y - a.y));
+        }
+    return contours;
 }
 
 }  // namespace hmesh::kit

@@ -218,13 +218,8 @@ void add_sprite_options(CLI::App& app, Arguments& out) {
     add(app, "--margin", "PX", "around these pixels (default: 0.5, what bilinear filters show of them; 0 at their own size)",
         [&](const std::string& text) { return parse_at_least_0(text, 64, out.outline_options.margin); })
         ->needs(outline);
-    add(app, "--tolerance", "PERCENT", "how much more area an outline may have for fewer vertices (default: 3)",
-        [&](const std::string& text) {
-            double percent = 0;
-            std::string why = parse_at_least_0(text, 10000, percent);
-            out.outline_options.tolerance = percent / 100;
-            return why;
-        })
+    add(app, "--tolerance", "PX", "how far an outline may stand out on average, for fewer vertices (default: 1)",
+        [&](const std::string& text) { return parse_at_least_0(text, 1000, out.outline_options.tolerance); })
         ->needs(outline);
     app.add_flag_callback(
            "--no-holes", [&] { out.outline_options.holes = false; }, "fill the holes of an outline")
