@@ -10,9 +10,10 @@
 ///     const hmesh::Outline outline = hmesh::outline(view);
 ///     write_textured_glb(outline.mesh.view(), "icon.png", sink);  // of hmesh/io/textured.hpp
 ///
-/// The texture coordinates of a vertex are its position over the image's size. Islands have outlines of their own, and holes stay
-/// where their corners are worth their area. How it is done: outline/contour.hpp, covering.hpp and triangulate.hpp, in this order.
-/// Cost: some 5 ns a pixel and 2 us for each corner of the pixels' border; 5 bytes a pixel.
+/// The texture coordinates of a vertex are its position over the image's size. Islands have outlines of their own, and holes
+/// stay where their corners are worth their area. How it is done: outline/contour.hpp, covering.hpp and triangulate.hpp, in this
+/// order. Cost: some 5 ns and 5 bytes a pixel, and 10 to 20 us for each corner of the pixels' border: 10 to 20 ms for an icon of
+/// 256 px.
 #ifndef HMESH_OUTLINE_HPP
 #define HMESH_OUTLINE_HPP
 
@@ -40,8 +41,8 @@ namespace hmesh {
 struct OutlineOptions {
     double threshold = 0;  ///< alpha in 255ths of the peak, 0 to 254: pixels above it are inside
     double margin = 0.5;   ///< px around each of these pixels, 0 to 64, rounded to 1/256
-    /// For fewer vertices: how far the outline may stand out from what has to be inside, px on average along its border, 0 to 1000.
-    /// Steps of pixels are some 0.3 px of that.
+    /// For fewer vertices: how far the outline may stand out from what has to be inside, px on average along its border, 0 to
+    /// 1000. Steps of pixels are some 0.3 px of that.
     double tolerance = 1;
     /// The most vertices, at least 4: kept whatever area that takes. 0: any number.
     int max_vertices = 0;

@@ -85,8 +85,7 @@ inline Status write_eps(const MeshView& source, Sink sink, const PageOptions& op
         for (std::size_t k = 0; k < static_cast<std::size_t>(components); ++k) shares.push_back(on_paper(v, k));
     std::vector<unsigned char> bytes;
     const bool is_empty = mesh.face_count == 0;  // nothing is drawn then: a shading has at least one face
-    if (!is_empty)
-        bytes = detail::shading_bytes(mesh, detail::strip_vertices(mesh, options.strips), layout, components, shares);
+    if (!is_empty) bytes = detail::shading_bytes(mesh, detail::strip_vertices(mesh, options.strips), layout, components, shares);
     if (const Status status = is_empty ? Status() : detail::compress(options.deflate, bytes); !status) return status;
 
     detail::Writer writer(sink);

@@ -251,9 +251,9 @@ inline Status write_empty_glb(const MeshView& mesh, Sink sink) {
 
 }  // namespace detail
 
-/// Writes a mesh of 1 to 4 channels as a .glb file; one without vertices as a scene of nothing. A mesh that has no size, numbers that are not finite, faces
-/// without their vertices, or needs 4 GiB, and a longer side that is negative or no float, give a Status that says so, and no
-/// byte is written; a sink that refuses bytes gives Errc::write_failed.
+/// Writes a mesh of 1 to 4 channels as a .glb file; one without vertices as a scene of nothing. A mesh that has no size, numbers
+/// that are not finite, faces without their vertices, or needs 4 GiB, and a longer side that is negative or no float, give a
+/// Status that says so, and no byte is written; a sink that refuses bytes gives Errc::write_failed.
 inline Status write_glb(const MeshView& source, Sink sink, const GltfOptions& options = {}) {
     if (source.vertex_count == 0 && source.face_count == 0) return detail::write_empty_glb(source, sink);
     detail::GlbLayout layout;

@@ -121,9 +121,9 @@ inline void write_textured_json(Writer& writer, const MeshView& mesh, const char
 
 }  // namespace detail
 
-/// Writes a mesh as an OBJ file: lines `v x y 0`, `vt u v` and `f a/a b/b c/c`. `material_file`, if it is not nullptr, names the file
-/// of write_material(), whose material the faces have. A mesh that write_obj() refuses and a name with control characters give a
-/// Status that says so, and no byte is written; a sink that refuses bytes gives Errc::write_failed.
+/// Writes a mesh as an OBJ file: lines `v x y 0`, `vt u v` and `f a/a b/b c/c`. `material_file`, if it is not nullptr, names the
+/// file of write_material(), whose material the faces have. A mesh that write_obj() refuses and a name with control characters
+/// give a Status that says so, and no byte is written; a sink that refuses bytes gives Errc::write_failed.
 inline Status write_textured_obj(const MeshView& mesh, const char* material_file, Sink sink) {
     if (const Status status = detail::check_for_texture(mesh, material_file != nullptr ? material_file : "none"); !status)
         return status;
@@ -205,10 +205,10 @@ inline Status write_textured_ply(const MeshView& mesh, const char* texture, Sink
     return writer.finish();
 }
 
-/// Writes a mesh as a .glb file of one unlit, blended material that shows the texture of this name, a path relative to the file.
-/// `longer_side` is as in GltfOptions. A mesh without vertices is a scene of nothing. A mesh that write_glb() refuses, a name that
-/// is none or has control characters and a length that is none give a Status that says so, and no byte is written; a sink that
-/// refuses bytes gives Errc::write_failed.
+/// Writes a mesh as a .glb file of one unlit, blended material that shows the texture of this name, a path as seen from the file.
+/// `longer_side` is as in GltfOptions. A mesh without vertices is a scene of nothing. A mesh that write_glb() refuses, a name
+/// that is none or has control characters and a length that is none give a Status that says so, and no byte is written; a sink
+/// that refuses bytes gives Errc::write_failed.
 inline Status write_textured_glb(const MeshView& mesh, const char* texture, Sink sink, double longer_side = 1) {
     if (const Status status = detail::check_for_texture(mesh, texture); !status) return status;
     if (!kit::is_within(longer_side, 0, static_cast<double>(std::numeric_limits<float>::max())))

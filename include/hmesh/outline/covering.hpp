@@ -4,13 +4,14 @@
 /// Corners are removed one by one, the cheapest first by the area that it adds, and each removal only ever adds area:
 ///
 /// - a corner that is not convex: the side between its neighbours takes its place;
-/// - a side between two convex corners: its neighbours are made longer until they meet (the two-dimensional case of the progressive
-///   hulls of Sander et al., "Silhouette clipping", 2000).
+/// - a side between two convex corners: its neighbours are made longer until they meet (the two-dimensional case of the
+///   progressive hulls of Sander et al., "Silhouette clipping", 2000);
+/// - a hole with all that is in it.
 ///
-/// Whatever lies wholly in the area added, such as an island in a bay, goes with it, and a hole goes when its last three corners
-/// cost less than others. Between removals sides are turned around what they touch until no other side of that place leaves less
-/// area: a side touches in its middle or in two points at least. All tests are made in whole numbers: contours stay inside, sides
-/// never meet, whatever was rounded. Cost: some 2 us for each corner of the contours.
+/// Whatever lies wholly in the area added, such as an island in a bay, goes with it. Then sides are turned around what they touch
+/// as long as that leaves less area: of least area, a side touches in its middle or in two points. All tests are made in whole
+/// numbers, so that contours stay inside and sides never meet, however positions were rounded. Cost: removals some 2 us for each
+/// corner of the contours, and turning as much again for each time that all sides are looked at.
 #ifndef HMESH_OUTLINE_COVERING_HPP
 #define HMESH_OUTLINE_COVERING_HPP
 
@@ -229,8 +230,8 @@ class Covering {
                swallow({at_[v], p, at_[after]}, {before, v, after, last}, removal) &&
                swallow({at_[after], p, at_[last]}, {before, v, after, last}, removal);
     }
-    // Whether a side from p, corner a, to q, corner b, would meet no other than at its ends. Sides `gone` (by the corners at which
-    // they begin) do not count.
+    // Whether a side from p, corner a, to q, corner b, would meet no other than at its ends. Sides `gone`, by the corners at
+    // which they begin, do not count.
     [[nodiscard]] bool is_side_free(std::uint32_t a, GridPoint p, std::uint32_t b, GridPoint q,
                                     const std::array<std::uint32_t, 3>& gone) const {
         if (p == q) return false;

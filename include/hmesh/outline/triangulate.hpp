@@ -1,10 +1,10 @@
 /// \file
 /// triangulate(): polygons with holes as triangles between their corners.
 ///
-/// Holes are joined to what is around them by a side there and back, the next corner that is seen from their leftmost one
-/// (Eberly, "Triangulation by ear clipping", 2002), and ears are cut off, those with a short third side first. Exact, whatever the
-/// corners are. A polygon of n corners has n - 2 triangles, and 2 more for each hole. Cost: about 1 us a corner, and more where
-/// there are many holes, O(holes * corners) at worst.
+/// Holes are joined to what is around them by a side there and back, to the nearest corner that is seen from their leftmost one
+/// (Eberly, "Triangulation by ear clipping", 2002), and ears are cut off, those with a short third side first. Exact, whatever
+/// the corners are. A polygon of n corners has n - 2 triangles, and 2 more for each hole. Cost: about 1 us a corner, and more
+/// where there are many holes, O(holes * corners) at worst.
 #ifndef HMESH_OUTLINE_TRIANGULATE_HPP
 #define HMESH_OUTLINE_TRIANGULATE_HPP
 
@@ -32,9 +32,9 @@ class EarRing {
     /// Of corners of all polygons, by their places.
     explicit EarRing(const std::vector<GridPoint>& at) : at_(at) {}
 
-    /// Adds the corners [first, end) as the outer border, or as a hole after that: holes by their leftmost corners, from the left.
-    void add_border(std::uint32_t first, std::uint32_t end) { start_ = add_nodes(first, end); }
-    /// Adds a hole; `others` are those still to come, as ranges of corners.
+    /// Adds the corners [first, end) of the outer border.
+    void add_border(std::uint32_t first, std::uint32_t end) { add_nodes(first, end); }
+    /// Adds those of a hole, holes in the order of their leftmost corners; `others` are those still to come, as such ranges.
     void add_hole(std::uint32_t first, std::uint32_t end, const std::vector<std::array<std::uint32_t, 2>>& others) {
         const std::uint32_t old = static_cast<std::uint32_t>(nodes_.size());
         std::uint32_t from = add_nodes(first, end);
@@ -162,7 +162,6 @@ class EarRing {
 
     const std::vector<GridPoint>& at_;
     std::vector<Node> nodes_;
-    std::uint32_t start_ = 0;
 };
 
 }  // namespace detail
