@@ -39,15 +39,16 @@ def read_ply(name):
 
 
 def covered(vertices, faces, width, height):
-    """How many faces hold the centre of each pixel, in rows."""
-    out = [[0] * width for _ in range(height)]
+    """For each pixel, in rows: whether its centre is in a face or on its border, and in how many faces it is within."""
+    out = [[(False, 0)] * width for _ in range(height)]
     for face in faces:
         p = [(vertices[v][0], height - vertices[v][1]) for v in face]
         for j in range(height):
             for i in range(width):
                 side = [(p[k - 1][0] - p[k][0]) * (j + 0.5 - p[k][1]) - (p[k - 1][1] - p[k][1]) * (i + 0.5 - p[k][0])
                         for k in range(3)]
-                out[j][i] += min(side) > 0 or max(side) < 0
+                is_in, count = out[j][i]
+                out[j][i] = (is_in or min(side) >= 0 or max(side) <= 0, count + (min(side) > 0 or max(side) < 0))
     return out
 
 
@@ -130,7 +131,8 @@ def test_an_outline_covers_every_pixel_once_and_has_texture_coordinates(icons):
     counts = covered(vertices, faces, 80, 60)
     for y in range(60):
         for x in range(80):
-            assert counts[y][x] <= 1 and (counts[y][x] == 1 or alpha.getpixel((x, y)) == 0)
+            is_in, count = counts[y][x]
+            assert count <= 1 and (is_in or alpha.getpixel((x, y)) == 0)
     assert "comment TextureFile disc.png" in ply_header("disc.ply")
     assert "mtllib disc.mtl\n" in Path("disc.obj").read_text() and "map_Kd -clamp on disc.png\n" in Path("disc.mtl").read_text()
     gltf = json_of("new/disc.glb")
