@@ -78,7 +78,7 @@ void print_mesh(const std::string& name, const Sprite& view, std::int64_t vertic
     std::printf("| %s | as meshed | %zu | %zu | | 1.0000 | %.4f | %.2f | %.2f | %.2f | %.3f |\n", name.c_str(),
                 result.report.vertices, result.report.faces, share_above(view, 0), before[0], before[1], before[2],
                 result.report.psnr);
-    const hmesh::SpriteReport report = hmesh::drop_transparent(result, view, threshold);
+    const hmesh::SpriteReport report = hmesh::drop_transparent(result, view, options, threshold);
     const auto after = psnr_over_grounds(result.mesh, wanted);
     std::printf("| | dropped | %zu | %zu | %zu | %.4f | %.4f | %+.3f | %+.3f | %+.3f | %.3f |\n", result.report.vertices,
                 result.report.faces, report.opaque_faces, report.area / all, share_above(view, 0), after[0] - before[0],

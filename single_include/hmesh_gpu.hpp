@@ -2509,7 +2509,7 @@ template <class T, int C>
 ///     options.premultiplied = true;  // colours under transparent pixels do not count
 ///     options.target = hmesh::Target::at_most(500);
 ///     hmesh::Result result = hmesh::mesh_image(view, options);
-///     const hmesh::SpriteReport sprite = hmesh::drop_transparent(result, view);
+///     const hmesh::SpriteReport sprite = hmesh::drop_transparent(result, view, options);
 ///
 /// O(vertices + faces), and with a report some 10 ns for each pixel of the faces dropped.
 #ifndef HMESH_SPRITE_HPP
@@ -2631,20 +2631,22 @@ inline SpriteReport drop_transparent(Mesh& mesh, double threshold = 2) {
 /// The same of what mesh_image() returned, whose report becomes that of the mesh that is left: pixels of no face are 0, as
 /// render() draws them, colours and alpha alike.
 ///
-/// \param result        of mesh_image(view, options); its stages stay those of the mesh before
+/// \param result        of mesh_image(view, options); the stages of its report stay those of the mesh before
 /// \param view          the image that was meshed, straight as it was
+/// \param options       those that the mesh was made with, of which the weights of pixels and channels are read
 /// \param threshold     alpha in 255ths of the peak, 0 to 254
-/// \param weights       those of the options that the mesh was made with
 /// \param parallel_for  executor of the faces dropped
 /// \return              as above, also invalid_argument where result has no mesh of this image
 template <class T, int C>
-SpriteReport drop_transparent(Result& result, const ImageView<T, C>& view, double threshold = 2,
-                              const ImageView<float, 1>& weights = {}, const ParallelFor& parallel_for = {}) {
+SpriteReport drop_transparent(Result& result, const ImageView<T, C>& view, const Options& options = {}, double threshold = 2,
+                              const ParallelFor& parallel_for = {}) {
     static_assert(kit::has_alpha(C), "images of 2 or 4 channels have alpha");
+    const ImageView<float, 1>& weights = options.weights;
     SpriteReport report;
     Mesh& mesh = result.mesh;
     report.status = check(view);
     if (report.status) report.status = kit::check_weights(weights, view.width, view.height, parallel_for);
+    if (report.status) report.status = kit::check_channel_weights(options.channel_weights, C);
     if (report.status && !result.has_mesh()) report.status = {Errc::invalid_argument, "the result has no mesh", 0, 1};
     if (report.status && (mesh.width != view.width || mesh.height != view.height || mesh.channels != C))
         report.status = {Errc::invalid_argument, "the result is that of another image, by its size or channels"};
@@ -2665,10 +2667,14 @@ SpriteReport drop_transparent(Result& result, const ImageView<T, C>& view, doubl
         if (mesh.premultiplied) premultiplied = kit::premultiply(view, parallel_for);
         const ImageView<T, C> image = mesh.premultiplied ? premultiplied.view() : view;
         const double unit = kit::weight_unit(weights, parallel_for);
-        const double before = kit::rendered_error(gone, image, weights, unit, parallel_for);
+        kit::ChannelScale<C> scale;
+        if (kit::differ(options.channel_weights)) scale = kit::channel_scale(image, options.channel_weights);
+        double channels = 0;
+        for (const double share : scale.share) channels += share * share;
+        const double before = kit::rendered_error(gone, image, weights, unit, parallel_for, scale);
         std::fill(gone.colors.begin(), gone.colors.end(), 0.0F);
-        const double after = kit::rendered_error(gone, image, weights, unit, parallel_for);
-        const double samples = C * kit::weight_sum(weights, unit, view.width, view.height, parallel_for);
+        const double after = kit::rendered_error(gone, image, weights, unit, parallel_for, scale);
+        const double samples = channels * kit::weight_sum(weights, unit, view.width, view.height, parallel_for);
         result.report.energy = std::max(0.0, result.report.energy + (after - before));
         result.report.psnr = kit::psnr_of_energy(result.report.energy, samples, PixelTraits<T>::peak);
     }

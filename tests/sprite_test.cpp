@@ -154,7 +154,7 @@ TEST_CASE_TEMPLATE("what is left is drawn as before over any background, and the
         for (const double threshold : {0.0, 1.0, 3.0}) {
             CAPTURE(threshold);
             Result result = whole;
-            const SpriteReport report = hmesh::drop_transparent(result, image.view(), threshold);
+            const SpriteReport report = hmesh::drop_transparent(result, image.view(), {}, threshold);
             CHECK(report.status);
             CHECK(report.dropped_faces > (threshold > 0 ? 10 : 2));
             CHECK(result.report.faces + report.dropped_faces == whole.report.faces);
@@ -192,7 +192,7 @@ TEST_CASE("with weights the report counts pixels with theirs") {
     options.target = Target::vertices(90);
     options.weights = weights.view();
     Result result = hmesh::mesh_image(image.view(), options, hmesh::Annealed{hmesh::Effort::draft});
-    CHECK(hmesh::drop_transparent(result, image.view(), 40, weights.view()).dropped_faces > 3);
+    CHECK(hmesh::drop_transparent(result, image.view(), options, 40).dropped_faces > 3);
     const auto drawn = hmesh_test::drawn<4>(result.mesh);
     const auto wanted = hmesh::kit::premultiply(image.view());
     const float most = *std::max_element(weights.data(), weights.data() + weights.size());
@@ -202,6 +202,28 @@ TEST_CASE("with weights the report counts pixels with theirs") {
         energy += static_cast<double>(weights.data()[k / 4] / most) * difference * difference;
     }
     CHECK(result.report.energy == doctest::Approx(energy).epsilon(1e-4));
+}
+
+TEST_CASE("with weights of channels the report counts channels with theirs") {
+    const auto image = disc<std::uint8_t, 4>(48, 40);
+    Options options;
+    options.premultiplied = true;
+    options.target = Target::vertices(90);
+    options.channel_weights = {1, 0.25, 0.25, 4};
+    Result result = hmesh::mesh_image(image.view(), options, hmesh::Annealed{hmesh::Effort::draft});
+    CHECK(hmesh::drop_transparent(result, image.view(), options, 40).dropped_faces > 3);
+    const auto drawn = hmesh_test::drawn<4>(result.mesh);
+    const auto wanted = hmesh::kit::premultiply(image.view());
+    double energy = 0;
+    for (std::size_t k = 0; k < wanted.size(); ++k) {
+        const double difference = static_cast<double>(drawn.data()[k]) - wanted.data()[k];
+        energy += options.channel_weights[k % 4] / 4 * difference * difference;
+    }
+    CHECK(result.report.energy == doctest::Approx(energy).epsilon(2e-3));
+    CHECK(result.report.psnr ==
+          doctest::Approx(10 * std::log10(255 * 255 * 48 * 40 * (5.5 / 4) / result.report.energy)).epsilon(1e-3));
+    options.channel_weights = {1, 2};
+    CHECK(hmesh::drop_transparent(result, image.view(), options).status.code == Errc::invalid_argument);
 }
 
 TEST_CASE("meshes without alpha, thresholds out of range and results of another image are refused and stay as they are") {

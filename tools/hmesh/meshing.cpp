@@ -48,7 +48,9 @@ template <class T, int C>
 hmesh::SpriteReport drop_faces(const hmesh::ImageView<T, C>& view, const MeshingOptions& options, hmesh::Result& result,
                                const hmesh::ParallelFor& parallel_for) {
     if constexpr (hmesh::kit::has_alpha(C)) {
-        return hmesh::drop_transparent(result, view, options.transparent, options.weights, parallel_for);
+        hmesh::Options weights;
+        weights.weights = options.weights;
+        return hmesh::drop_transparent(result, view, weights, options.transparent, parallel_for);
     } else {
         hmesh::SpriteReport report;  // all of it is opaque
         report.opaque_faces = result.mesh.faces.size();
