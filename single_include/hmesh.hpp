@@ -282,7 +282,7 @@ struct MeshView {
     bool premultiplied = false;
 };
 
-/// A triangle mesh that owns its arrays.
+/// A triangle mesh that owns its arrays. Those that mesh_image() makes tile the rectangle of their image.
 struct Mesh {
     std::vector<float> positions;  ///< x and y of each vertex, in px
     std::vector<float> colors;     ///< colour of each vertex, `channels` numbers in stored values
@@ -304,12 +304,14 @@ struct Mesh {
     }
 };
 
-/// Whether a mesh can be drawn and written: it has vertices and faces, 1 to `most_channels` channels, finite numbers, a
-/// positive peak, and every index in range. Otherwise invalid_argument or not_finite. O(vertices + faces).
+/// Whether a mesh can be drawn and written: it has 1 to `most_channels` channels, finite numbers, a positive peak, and every
+/// index in range. It need not cover its image, and may have no vertices and no faces at all, as a sprite of nothing has, but
+/// not one of the two. Otherwise invalid_argument or not_finite. O(vertices + faces).
 [[nodiscard]] inline Status check(const MeshView& mesh, int most_channels) noexcept {
-    if (mesh.vertex_count == 0) return {Errc::invalid_argument, "the mesh has no vertices", 0, 1};
-    if (mesh.face_count == 0) return {Errc::invalid_argument, "the mesh has no faces", 0, 1};
-    if (mesh.positions == nullptr || mesh.colors == nullptr || mesh.faces == nullptr)
+    const bool is_empty = mesh.vertex_count == 0 && mesh.face_count == 0;
+    if (mesh.vertex_count == 0 && !is_empty) return {Errc::invalid_argument, "the mesh has no vertices", 0, 1};
+    if (mesh.face_count == 0 && !is_empty) return {Errc::invalid_argument, "the mesh has no faces", 0, 1};
+    if (!is_empty && (mesh.positions == nullptr || mesh.colors == nullptr || mesh.faces == nullptr))
         return {Errc::invalid_argument, "the mesh has a null pointer for its positions, colours or faces", 0, 0};
     if (mesh.channels < 1 || mesh.channels > most_channels)
         return {Errc::invalid_argument, "the mesh has a number of channels that this use cannot hold", mesh.channels,
@@ -1145,9 +1147,10 @@ inline Status write_eps(const MeshView& source, Sink sink, const PageOptions& op
     shares.reserve(static_cast<std::size_t>(components) * mesh.vertex_count);
     for (std::size_t v = 0; v < mesh.vertex_count; ++v)
         for (std::size_t k = 0; k < static_cast<std::size_t>(components); ++k) shares.push_back(on_paper(v, k));
-    std::vector<unsigned char> bytes =
-        detail::shading_bytes(mesh, detail::strip_vertices(mesh, options.strips), layout, components, shares);
-    if (const Status status = detail::compress(options.deflate, bytes); !status) return status;
+    std::vector<unsigned char> bytes;
+    const bool is_empty = mesh.face_count == 0;  // nothing is drawn then: a shading has at least one face
+    if (!is_empty) bytes = detail::shading_bytes(mesh, detail::strip_vertices(mesh, options.strips), layout, components, shares);
+    if (const Status status = is_empty ? Status() : detail::compress(options.deflate, bytes); !status) return status;
 
     detail::Writer writer(sink);
     const auto size = [&](const char* before, const char* after) {
@@ -1160,13 +1163,15 @@ inline Status write_eps(const MeshView& source, Sink sink, const PageOptions& op
     size("%!PS-Adobe-3.0 EPSF-3.0\n%%Creator: hmesh " HMESH_VERSION_STRING "\n%%BoundingBox: 0 0 ", "\n");
     size("%%HiResBoundingBox: 0 0 ", "\n%%LanguageLevel: 3\n%%DocumentData: Clean7Bit\n%%Pages: 1\n%%EndComments\n");
     size("%%Page: 1 1\ngsave\n0 0 ", " rectclip\n");
-    // Read as one procedure, so that what follows the drawing - skipping to the end of the data - is known before them.
-    writer.text("{ currentfile /ASCII85Decode filter dup");
-    if (options.deflate) writer.text(" /FlateDecode filter");
-    writer.text("\n<< /DataSource 3 -1 roll\n");
-    detail::write_shading_entries(writer, layout, {components, 1, 0});
-    writer.text(" >> shfill flushfile } exec\n");
-    detail::write_ascii85(writer, bytes);
+    if (!is_empty) {
+        // Read as one procedure, so that what follows the drawing - skipping to the end of the data - is known before them.
+        writer.text("{ currentfile /ASCII85Decode filter dup");
+        if (options.deflate) writer.text(" /FlateDecode filter");
+        writer.text("\n<< /DataSource 3 -1 roll\n");
+        detail::write_shading_entries(writer, layout, {components, 1, 0});
+        writer.text(" >> shfill flushfile } exec\n");
+        detail::write_ascii85(writer, bytes);
+    }
     writer.text("grestore\nshowpage\n%%Trailer\n%%EOF\n");
     return writer.finish();
 }
@@ -1802,6 +1807,22 @@ HMESH_COLD inline Status write_glb_file(const GlbFile& file, Sink sink, FillGlbA
     return writer.finish();
 }
 
+/// Writes the file of a mesh without vertices: an array has at least one element, so there is no mesh but an empty scene.
+HMESH_COLD inline Status write_empty_glb(Sink sink) {
+    static constexpr char json[] =
+        "{\"asset\":{\"version\":\"2.0\",\"generator\":\"hmesh " HMESH_VERSION_STRING "\"},\"scene\":0,\"scenes\":[{}]}";
+    constexpr std::uint32_t size = sizeof json - 1, padded = (size + 3) / 4 * 4;
+    Writer writer(sink);
+    writer.text("glTF");
+    writer.u32(2);
+    writer.u32(20 + padded);
+    writer.u32(padded);
+    writer.text("JSON");
+    writer.text(json);
+    pad(writer, size, ' ');
+    return writer.finish();
+}
+
 }  // namespace detail
 }  // namespace hmesh
 
@@ -2089,11 +2110,15 @@ inline void write_glb_array(Writer& writer, const MeshView& mesh, GlbContent con
 
 }  // namespace detail
 
-/// Writes a mesh of 1 to 4 channels, or with groups of up to 16, as a .glb file. A mesh that is empty, has no size, numbers
-/// that are not finite, faces without their vertices, or needs 4 GiB, groups that check() refuses, a longer side that is
-/// negative or no float, and bits other than 8 and 16 give a Status that says so, and no byte is written; a sink that refuses
-/// bytes and a compressor that fails give Errc::write_failed.
+/// Writes a mesh of 1 to 4 channels, or with groups of up to 16, as a .glb file; one without vertices as a scene of nothing. A
+/// mesh that has no size, numbers that are not finite, faces without their vertices, or needs 4 GiB, groups that check()
+/// refuses, a longer side that is negative or no float, and bits other than 8 and 16 give a Status that says so, and no byte is
+/// written; a sink that refuses bytes and a compressor that fails give Errc::write_failed.
 inline Status write_glb(const MeshView& source, Sink sink, const GltfOptions& options = {}) {
+    if (source.vertex_count == 0 && source.face_count == 0) {
+        if (const Status status = detail::check_for_export(source); !status) return status;
+        return detail::write_empty_glb(sink);
+    }
     detail::GlbMesh out;
     if (const Status status = detail::lay_out_glb(source, options, out); !status) return status;
     const detail::ExportMesh exported(source, detail::Premultiplied::divided);
@@ -3052,9 +3077,9 @@ inline void write_html_original(Writer& writer, const HtmlOptions& options) {
 
 }  // namespace detail
 
-/// Writes a mesh of 1 to 4 channels as a web page; colours are held to [0, peak]. A mesh that is empty, has no size, numbers that
-/// are not finite, faces without their vertices or 2^32 vertices or faces, and options without texts or a media type give a
-/// Status that says so, and no byte is written; a sink that refuses bytes gives Errc::write_failed.
+/// Writes a mesh of 1 to 4 channels as a web page; colours are held to [0, peak]. A mesh that has no size, numbers that are not
+/// finite, faces without their vertices or 2^32 vertices or faces, and options without texts or a media type give a Status that
+/// says so, and no byte is written; a sink that refuses bytes gives Errc::write_failed.
 inline Status write_html(const MeshView& source, Sink sink, const HtmlOptions& options = {}) {
     if (const Status status = detail::check_for_html(source, options); !status) return status;
     const detail::ExportMesh exported(source, detail::Premultiplied::kept);
@@ -3098,8 +3123,8 @@ inline Status write_html(const MeshView& source, Sink sink, const HtmlOptions& o
 
 namespace hmesh {
 
-/// Writes a mesh of 1 to 4 channels as an OBJ file. A mesh that is empty, has no size, numbers that are not finite or faces
-/// without their vertices gives a Status that says so, and no byte is written; a sink that refuses bytes gives
+/// Writes a mesh of 1 to 4 channels as an OBJ file. A mesh that has no size, numbers that are not finite or faces without their
+/// vertices gives a Status that says so, and no byte is written; a sink that refuses bytes gives
 /// Errc::write_failed.
 inline Status write_obj(const MeshView& source, Sink sink) {
     if (const Status status = detail::check_for_export(source); !status) return status;
@@ -3439,10 +3464,10 @@ inline void put_multiplier(PdfFile& file, const ShadingColors& colors) {
 
 }  // namespace detail
 
-/// Writes a mesh of 1 to 4 channels as a PDF file; colours are held to [0, peak]. A mesh that is empty, has no size or one above
-/// 4,194,304 px, numbers that are not finite, positions further than that from the corner, faces without their vertices or more
-/// than 47,721,858 of them gives a Status that says so, and a compressor that fails gives Errc::write_failed: no byte is written.
-/// A sink that refuses bytes gives Errc::write_failed.
+/// Writes a mesh of 1 to 4 channels as a PDF file; colours are held to [0, peak]. A mesh without vertices is a page on which
+/// nothing is drawn. A mesh that has no size or one above 4,194,304 px, numbers that are not finite, positions further than that
+/// from the corner, faces without their vertices or more than 47,721,858 of them gives a Status that says so, and a compressor
+/// that fails gives Errc::write_failed: no byte is written. A sink that refuses bytes gives Errc::write_failed.
 inline Status write_pdf(const MeshView& source, Sink sink, const PageOptions& options = {}) {
     detail::ShadingLayout layout;
     if (const Status status = detail::plan_shading(source, layout); !status) return status;
@@ -3450,7 +3475,7 @@ inline Status write_pdf(const MeshView& source, Sink sink, const PageOptions& op
     const MeshView& mesh = exported.view();
     const auto channels = static_cast<std::size_t>(mesh.channels);
     const int components = mesh.channels == 1 ? 1 : 3;
-    const bool is_masked = mesh.channels == 4;
+    const bool is_masked = mesh.channels == 4 && mesh.face_count != 0;
 
     std::vector<detail::PdfShading> colors, alpha;
     const auto shade = [&](int count, std::size_t first_channel, std::vector<detail::PdfShading>& shadings) {
@@ -3459,6 +3484,7 @@ inline Status write_pdf(const MeshView& source, Sink sink, const PageOptions& op
         for (std::size_t v = 0; v < mesh.vertex_count; ++v)
             for (std::size_t k = 0; k < static_cast<std::size_t>(count); ++k)
                 shares.push_back(static_cast<double>(mesh.colors[channels * v + first_channel + k]) / mesh.peak);
+        if (mesh.face_count == 0) return Status();  // a shading has at least one
         return detail::make_shadings(mesh, layout, count, shares, options, shadings);
     };
     if (const Status status = shade(components, 0, colors); !status) return status;
@@ -3501,8 +3527,9 @@ inline Status write_pdf(const MeshView& source, Sink sink, const PageOptions& op
     };
     const auto draw = [&](std::size_t count) {  // ends a stream that draws so many shadings
         static constexpr char all[] = "/S0 sh /S1 sh /S2 sh /S3 sh /S4 sh";
-        HMESH_ASSERT(7 * count - 1 < sizeof all);
-        file.end_object(reinterpret_cast<const unsigned char*>(all), 7 * count - 1);
+        const std::size_t size = count == 0 ? 0 : 7 * count - 1;
+        HMESH_ASSERT(size < sizeof all);
+        file.end_object(reinterpret_cast<const unsigned char*>(all), size);
     };
     const auto put = [&](const std::vector<detail::PdfShading>& shadings) {
         for (const detail::PdfShading& shading : shadings) {
@@ -3701,10 +3728,9 @@ class PlyNumbers {
 
 }  // namespace detail
 
-/// Writes a mesh of 1 to 4 channels, or with groups of up to 16, as a PLY file. A mesh that is empty, has no size, numbers that
-/// are not finite, faces without their vertices, 2^31 vertices or faces, or colours that are no floats as shares, and groups
-/// that check() refuses, give a Status that says so, and no byte is written; a sink that refuses bytes gives
-/// Errc::write_failed.
+/// Writes a mesh of 1 to 4 channels, or with groups of up to 16, as a PLY file. A mesh that has no size, numbers that are not
+/// finite, faces without their vertices, 2^31 vertices or faces, or colours that are no floats as shares, and groups that
+/// check() refuses, give a Status that says so, and no byte is written; a sink that refuses bytes gives Errc::write_failed.
 inline Status write_ply(const MeshView& source, Sink sink, const PlyOptions& options = {}) {
     if (const Status status = detail::check_for_ply(source, options); !status) return status;
     const auto wanted = options.float_colors ? detail::Premultiplied::divided_only : detail::Premultiplied::divided;
@@ -4054,7 +4080,9 @@ class SvgPage {
     /// Writes the file. To be called once.
     Status write() {
         begin();
-        const bool is_masked = mesh_.channels == 4 && !is_opaque();
+        // What layers are screened on is black, and must not show where there are no faces.
+        const bool has_ground = options_.kind == SvgKind::exact && mesh_.channels == 4 && !is_covered();
+        const bool is_masked = mesh_.channels == 4 && (has_ground || !is_opaque());
         if (is_masked) {
             writer_.text("<mask id=\"_m\" maskUnits=\"userSpaceOnUse\" x=\"0\" y=\"0\" ");
             writer_.size(mesh_.width, mesh_.height);
@@ -4242,6 +4270,17 @@ class SvgPage {
         return true;
     }
 
+    // Whether the faces' areas add up to the image's, but for what rounding leaves.
+    [[nodiscard]] bool is_covered() const {
+        double twice = 0;
+        for (std::size_t f = 0; f < mesh_.face_count; ++f) {
+            const FacePoints p = face_points(f);
+            twice += (p[1].x - p[0].x) * (p[2].y - p[0].y) - (p[2].x - p[0].x) * (p[1].y - p[0].y);
+        }
+        const double all = 2.0 * mesh_.width * mesh_.height;
+        return std::abs(twice - all) < 1e-6 * all;
+    }
+
     const MeshView& mesh_;
     const SvgOptions& options_;
     SvgWriter writer_;
@@ -4250,8 +4289,8 @@ class SvgPage {
 
 }  // namespace detail
 
-/// Writes a mesh of 1 to 4 channels as an SVG file. A mesh that is empty, has no size, numbers that are not finite or faces
-/// without their vertices, and a kind that is none of SvgKind give a Status that says so, and no byte is written; a sink that
+/// Writes a mesh of 1 to 4 channels as an SVG file. A mesh that has no size, numbers that are not finite or faces without their
+/// vertices, and a kind that is none of SvgKind give a Status that says so, and no byte is written; a sink that
 /// refuses bytes gives Errc::write_failed.
 inline Status write_svg(const MeshView& mesh, Sink sink, const SvgOptions& options = {}) {
     if (const Status status = detail::check_for_svg(mesh, options); !status) return status;
@@ -5232,7 +5271,8 @@ enum class Colors : std::uint8_t {
     sampled,  ///< the colour of the image at the position of each vertex
 };
 
-/// How many vertices the mesh gets, the four corners of the image included. Made by Target::vertices(), percent() or psnr().
+/// How many vertices the mesh gets, the four corners of the image included. Made by Target::vertices(), percent(), psnr() or
+/// at_most().
 struct Target {
     /// What `value` counts.
     enum class Kind : std::uint8_t {
@@ -5244,18 +5284,32 @@ struct Target {
     double value = 1;           ///< number of vertices, percent of the pixels, or dB
     /// Of a PSNR alone: the most vertices that the mesh may have, >= 4. Empty (the default): as many as the image has pixels.
     std::optional<std::int64_t> max_vertices{};
+    /// Of a number of vertices or a percentage alone: the PSNR, in dB, > 0, above which a mesh needs no more vertices. Where it
+    /// is passed, the mesh is that of the fewest vertices found that reach it, and a number above that of the pixels is no
+    /// error. Empty (the default): exactly so many vertices.
+    std::optional<double> good_enough{};
+
+    /// What `good_enough` is where no other is named: an error of 0.45 steps of 8 bits (root mean square). The rounding of a
+    /// smooth gradient to 8 bits is at 58.9 dB, with that of the vertices' colours at 57.3: a higher bound would spend vertices
+    /// on it.
+    static constexpr double invisible = 55;
 
     /// Exactly n vertices, 4 <= n <= max(4, number of pixels).
-    [[nodiscard]] static Target vertices(std::int64_t n) noexcept { return {Kind::vertices, static_cast<double>(n), {}}; }
+    [[nodiscard]] static Target vertices(std::int64_t n) noexcept { return {Kind::vertices, static_cast<double>(n), {}, {}}; }
     /// This percentage of the number of pixels, rounded to a whole number of vertices; in (0, 100], at least 4 vertices.
-    [[nodiscard]] static Target percent(double of_pixels) noexcept { return {Kind::percent, of_pixels, {}}; }
+    [[nodiscard]] static Target percent(double of_pixels) noexcept { return {Kind::percent, of_pixels, {}, {}}; }
     /// The fewest vertices found whose mesh reaches this PSNR, in dB, > 0. Takes about six runs at counts that close in on the
     /// target.
-    [[nodiscard]] static Target psnr(double decibel) noexcept { return {Kind::psnr, decibel, {}}; }
+    [[nodiscard]] static Target psnr(double decibel) noexcept { return {Kind::psnr, decibel, {}, {}}; }
     /// The same with at most `max_vertices`, >= 4; more than pixels bound nothing. Where these do not reach the PSNR, the mesh is
     /// the best one found of at most so many, and the status target_out_of_range.
     [[nodiscard]] static Target psnr(double decibel, std::int64_t max_vertices) noexcept {
-        return {Kind::psnr, decibel, max_vertices};
+        return {Kind::psnr, decibel, max_vertices, {}};
+    }
+    /// At most n >= 4 vertices, and fewer where these reach a PSNR of `decibel`: 4 of an image of one colour. The status is ok in
+    /// either case. The one run of vertices(n) where the image needs them; else some two more, of fewer vertices.
+    [[nodiscard]] static Target at_most(std::int64_t n, double decibel = invisible) noexcept {
+        return {Kind::vertices, static_cast<double>(n), {}, decibel};
     }
 };
 
@@ -5283,10 +5337,11 @@ struct Options {
     /// then those of the premultiplied image, and Mesh::premultiplied is set. Colours under transparent pixels do not count,
     /// and the edges of sprites carry no fringes. Takes a copy of the image.
     bool premultiplied = false;
-    /// What a search for a PSNR goes by: psnr_of(mesh, psnr) returns the PSNR, in dB, that a mesh counts as, `psnr` being its own
-    /// (Report::psnr). For meshes that are to reach the target as they are stored or drawn, with fewer bits or between other
-    /// values. Empty (the default): their own. Called for each run of a search, on the thread that called mesh_image(); it
-    /// must return a number and rise with the number of vertices, on the whole, and its callable must outlive the call.
+    /// What a search for a PSNR goes by, and Target::good_enough: psnr_of(mesh, psnr) returns the PSNR, in dB, that a mesh counts
+    /// as, `psnr` being its own (Report::psnr). For meshes that are to reach the target as they are stored or drawn, with fewer
+    /// bits or between other values. Empty (the default): their own. Called for each run of a search, on the thread that called
+    /// mesh_image(); it must return a number and rise with the number of vertices, on the whole, and its callable must outlive
+    /// the call.
     FunctionRef<double(const Mesh& mesh, double psnr)> psnr_of{};
 };
 
@@ -5297,9 +5352,9 @@ struct Options {
     const std::int64_t most = std::max<std::int64_t>(4, pixels);
     switch (target.kind) {
         case Target::Kind::vertices:
-            if (kit::is_finite(target.value) && target.value > static_cast<double>(most))
+            if (kit::is_finite(target.value) && target.value > static_cast<double>(most) && !target.good_enough)
                 return {Errc::target_out_of_range, "a mesh has at most one vertex a pixel", target.value, most};
-            if (!kit::is_within(target.value, 4, static_cast<double>(most)))
+            if (!kit::is_within(target.value, 4, std::max(target.value, 4.0)))
                 return {Errc::target_out_of_range, "a mesh has at least 4 vertices", target.value, 4};
             break;
         case Target::Kind::percent:
@@ -5313,6 +5368,11 @@ struct Options {
             break;
         default: return {Errc::invalid_argument, "the target is of no known kind", static_cast<int>(target.kind), 2};
     }
+    if (target.good_enough && target.kind == Target::Kind::psnr)
+        return {Errc::invalid_argument, "good_enough bounds a number of vertices, and the target is a PSNR, in dB", target.value};
+    if (target.good_enough && (!kit::is_finite(*target.good_enough) || *target.good_enough <= 0))
+        return {Errc::target_out_of_range, "the PSNR that is good enough must be positive and finite, in dB",
+                *target.good_enough};
     if (target.max_vertices && target.kind != Target::Kind::psnr)
         return {Errc::invalid_argument, "max_vertices bounds the search for a PSNR, and the target is none",
                 *target.max_vertices};
@@ -13110,12 +13170,12 @@ template <int C>
     const auto share = [&](double percent) {
         return std::min(most, std::max<std::size_t>(4, static_cast<std::size_t>(std::llround(pixels * percent / 100))));
     };
-    if (options.target.kind != Target::Kind::psnr) {
-        const bool is_percent = options.target.kind == Target::Kind::percent;
-        return mesh_once(subject,
-                         is_percent ? share(options.target.value) : static_cast<std::size_t>(options.target.value), {}, {},
-                         recipe, options, parallel_for);
-    }
+    const Target& target = options.target;
+    const std::size_t wanted = target.kind == Target::Kind::percent
+                                   ? share(target.value)
+                                   : static_cast<std::size_t>(std::min(target.value, static_cast<double>(all)));
+    if (target.kind != Target::Kind::psnr && (!target.good_enough || wanted == 4))
+        return mesh_once(subject, wanted, {}, {}, recipe, options, parallel_for);
     kit::SearchProgress progress;
     const Mesh any;  // stands for the mesh of another run
     const auto run = [&](std::size_t n, const kit::Beginning& from, const kit::ProgressSpan& span) {
@@ -13131,14 +13191,29 @@ template <int C>
         };
         return run(n, from, progress.next(from.work, work_of));
     };
+    const double peak = subject.image->peak();
+    const auto search = [&](double psnr, double first, std::size_t limit) {
+        return recipe.can_go_on ? kit::fewest_vertices_going_on(psnr, recipe.gain_over_sketch, share(first), limit, mesh_from)
+                                : kit::fewest_vertices(psnr, std::min(limit, share(1)), limit, mesh_of);
+    };
+    if (target.kind != Target::Kind::psnr) {
+        // Most images need what they are given: their one run comes first, and is that of a target without good_enough.
+        const double bound = *target.good_enough;
+        Result whole = run(wanted, {}, progress.next(4, 1));
+        if (!whole.status || whole.report.psnr <= bound) return searched(std::move(whole), options, subject.samples, peak);
+        Result fewer = search(bound, 100.0 / 8 * static_cast<double>(wanted) / pixels, wanted - 1);
+        if (!fewer.status && fewer.report.psnr < bound) {
+            if (fewer.status.code != Errc::target_out_of_range) whole.status = fewer.status;
+            fewer = std::move(whole);
+        }
+        return searched(std::move(fewer), options, subject.samples, peak);
+    }
     // Half way, on a logarithmic scale, from what photographs need for 32 dB to what they need for the target.
-    const double first = 0.25 * std::exp2(std::max(-2.0, std::min(2.0, (options.target.value - 32) / 4)));
-    Result result =
-        recipe.can_go_on ? kit::fewest_vertices_going_on(options.target.value, recipe.gain_over_sketch, share(first), most, mesh_from)
-                        : kit::fewest_vertices(options.target.value, share(1), most, mesh_of);
+    const double first = 0.25 * std::exp2(std::max(-2.0, std::min(2.0, (target.value - 32) / 4)));
+    Result result = search(target.value, first, most);
     if (result.status.code == Errc::target_out_of_range && is_bounded)
         result.status.what = "no mesh of at most max_vertices vertices reached the PSNR asked for, in dB";
-    return searched(std::move(result), options, subject.samples, subject.image->peak());
+    return searched(std::move(result), options, subject.samples, peak);
 }
 
 /// A recipe for images of one kind behind function references.
@@ -13926,6 +14001,7 @@ class LinearLight {
     if (mesh.positions.size() % 2 != 0 || mesh.colors.size() != static_cast<std::size_t>(channels) * mesh.vertex_count())
         return {Errc::invalid_argument, "the mesh's arrays are not of one number of vertices", 0, 0};
     if (const Status status = check(mesh.view(), channels); !status) return status;
+    if (mesh.faces.empty()) return {Errc::invalid_argument, "the mesh has no faces", 0, 1};
     if (mesh.premultiplied)
         return {Errc::invalid_argument, "linear light is fitted to straight colours, and the mesh's are premultiplied", 0, 0};
     if (mesh.width != width) return {Errc::invalid_argument, "the mesh is not as wide as the image", mesh.width, width};

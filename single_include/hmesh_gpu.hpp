@@ -845,12 +845,17 @@ class GpuWriter {
 /// its orientation, in an order of its own; other faces and vertices that no face uses are left out. The same mesh gives the same
 /// bytes, whatever the byte order of the machine.
 ///
-/// A mesh that is empty, has no size, more than 4 channels, numbers that are not finite, faces without their vertices or none of
-/// three different corners, over 2^31 vertices or 2^30 faces, and options out of range give a Status that says so and no buffers.
+/// A mesh without vertices gives buffers of no bytes and no chunks. One that has no size, more than 4 channels, numbers that are
+/// not finite, faces without their vertices or none of three different corners, over 2^31 vertices or 2^30 faces, and options out
+/// of range give a Status that says so and no buffers.
 [[nodiscard]] inline GpuBuffers pack_for_gpu(const MeshView& source, const GpuOptions& options = {}) {
     GpuBuffers buffers;
     buffers.status = detail::check_for_gpu(source, options);
     if (!buffers.status) return buffers;
+    if (source.face_count == 0) {
+        buffers.layout = detail::lay_out_for_gpu(source, options);
+        return buffers;
+    }
     const std::vector<Triangle> faces = detail::faces_of_three_corners(source);
     if (faces.empty()) {
         buffers.status = {Errc::invalid_argument, "the mesh has no face of three different corners", 0, 1};
@@ -936,6 +941,1801 @@ class GpuWriter {
 }  // namespace hmesh
 
 #endif  // HMESH_IO_GPU_HPP
+
+// ---- hmesh/io/textured.hpp
+
+/// \file
+/// write_textured_obj(), _ply(), _glb(): a mesh to draw its image on, as models with texture coordinates and the texture's name.
+///
+/// What is written are positions and faces as write_obj(), write_ply() and write_glb() write them, y up, and in place of colours
+/// the coordinates of the image: u = x / width to the right and v = 1 - y / height up, or down in glTF, as each format has it.
+/// The texture stays a file of its own, whose name the files hold: OBJ in a material file beside it, which write_material()
+/// writes, PLY as the comment that MeshLab reads, glTF as a URI. For outlines (hmesh/outline.hpp) and any other mesh.
+///
+/// O(n), and nothing is allocated. Sources: Wavefront, Object and Material files; Khronos, glTF 2.0, sections 3.6 to 3.9.
+#ifndef HMESH_IO_TEXTURED_HPP
+#define HMESH_IO_TEXTURED_HPP
+
+#include <algorithm>
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+
+namespace hmesh {
+
+namespace detail {
+
+/// Refuses a name that is none, or that would end a line.
+[[nodiscard]] inline Status check_file_name(const char* name) noexcept {
+    if (name == nullptr || *name == 0) return {Errc::invalid_argument, "the texture needs a name"};
+    for (const char* c = name; *c != 0; ++c)
+        if (static_cast<unsigned char>(*c) < 32)
+            return {Errc::invalid_argument, "the texture's name must not have control characters",
+                    static_cast<int>(static_cast<unsigned char>(*c)), 32};
+    return {};
+}
+
+/// Refuses what files of textured models cannot hold. O(n).
+[[nodiscard]] inline Status check_for_texture(const MeshView& mesh, const char* name) noexcept {
+    constexpr std::uint64_t most = std::numeric_limits<std::int32_t>::max() / 32;  // so that all of a .glb is below 4 GiB
+    if (const Status status = check_counts(mesh, most, most, "the mesh has more vertices or faces than a textured model holds");
+        !status)
+        return status;
+    if (const Status status = check_file_name(name); !status) return status;
+    return check_for_export(mesh);
+}
+
+/// The coordinates of the image at a vertex, v down.
+[[nodiscard]] inline std::array<double, 2> texture_place(const MeshView& mesh, std::size_t vertex) noexcept {
+    return {static_cast<double>(mesh.positions[2 * vertex]) / mesh.width,
+            static_cast<double>(mesh.positions[2 * vertex + 1]) / mesh.height};
+}
+
+/// Writes a name as a URI, which is also what JSON takes: other bytes than letters, digits and -._~/ as % and two digits.
+inline void write_uri(Writer& writer, const char* name) {
+    for (; *name != 0; ++name) {
+        const char c = *name;
+        const bool is_plain = (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '-' ||
+                              c == '.' || c == '_' || c == '~' || c == '/';
+        const auto byte = static_cast<unsigned char>(c);
+        const std::array<char, 3> digits = {'%', "0123456789ABCDEF"[byte >> 4U], "0123456789ABCDEF"[byte & 15U]};
+        writer.bytes(is_plain ? &c : digits.data(), is_plain ? 1 : 3);
+    }
+}
+
+/// Writes the JSON chunk of a textured .glb without padding: positions, coordinates and indices, in this order.
+inline void write_textured_json(Writer& writer, const MeshView& mesh, const char* texture, double unit) {
+    const auto count = [&](const char* words, std::uint64_t value) {
+        writer.text(words);
+        writer.decimal(static_cast<std::int64_t>(value));
+    };
+    const auto number = [&](const char* words, double value) {
+        writer.text(words);
+        writer.real(value);
+    };
+    double left = static_cast<double>(mesh.positions[0]), right = left, low = y_up(mesh, 0), high = low;
+    for (std::size_t v = 1; v < mesh.vertex_count; ++v) {
+        left = std::min(left, static_cast<double>(mesh.positions[2 * v]));
+        right = std::max(right, static_cast<double>(mesh.positions[2 * v]));
+        low = std::min(low, y_up(mesh, v));
+        high = std::max(high, y_up(mesh, v));
+    }
+    const bool is_wide = mesh.vertex_count > 65535;
+    const std::uint64_t vertices = mesh.vertex_count, corners = 3 * static_cast<std::uint64_t>(mesh.face_count);
+    const std::uint64_t index_bytes = (is_wide ? 4 : 2) * corners;
+    writer.text("{\"asset\":{\"version\":\"2.0\",\"generator\":\"hmesh " HMESH_VERSION_STRING "\"},");
+    writer.text("\"extensionsUsed\":[\"KHR_materials_unlit\"],\"scene\":0,\"scenes\":[{\"nodes\":[0]}],");
+    number("\"nodes\":[{\"mesh\":0,\"scale\":[", unit);
+    number(",", unit);
+    number(",", unit);
+    writer.text("]}],\"meshes\":[{\"primitives\":[{\"attributes\":{\"POSITION\":0,\"TEXCOORD_0\":1},");
+    writer.text("\"indices\":2,\"material\":0}]}],");
+    writer.text("\"materials\":[{\"pbrMetallicRoughness\":{\"baseColorTexture\":{\"index\":0},");
+    writer.text("\"metallicFactor\":0,\"roughnessFactor\":1},\"alphaMode\":\"BLEND\",");
+    writer.text("\"extensions\":{\"KHR_materials_unlit\":{}}}],");
+    // 9729 is linear, without mipmaps; 33071 clamps to the edge.
+    writer.text("\"samplers\":[{\"magFilter\":9729,\"minFilter\":9729,\"wrapS\":33071,\"wrapT\":33071}],");
+    writer.text("\"textures\":[{\"sampler\":0,\"source\":0}],\"images\":[{\"uri\":\"");
+    write_uri(writer, texture);
+    // 5123, 5125 and 5126 are unsigned short, unsigned int and float.
+    count("\"}],\"accessors\":[{\"bufferView\":0,\"componentType\":5126,\"count\":", vertices);
+    number(",\"type\":\"VEC3\",\"min\":[", static_cast<double>(static_cast<float>(left)));
+    number(",", static_cast<double>(static_cast<float>(low)));
+    number(",0],\"max\":[", static_cast<double>(static_cast<float>(right)));
+    number(",", static_cast<double>(static_cast<float>(high)));
+    count(",0]},{\"bufferView\":1,\"componentType\":5126,\"count\":", vertices);
+    count(",\"type\":\"VEC2\"},{\"bufferView\":2,\"componentType\":", is_wide ? 5125 : 5123);
+    count(",\"count\":", corners);
+    count(",\"type\":\"SCALAR\"}],\"bufferViews\":[{\"buffer\":0,\"byteLength\":", 12 * vertices);
+    count(",\"byteStride\":12,\"target\":34962},{\"buffer\":0,\"byteOffset\":", 12 * vertices);
+    count(",\"byteLength\":", 8 * vertices);
+    count(",\"byteStride\":8,\"target\":34962},{\"buffer\":0,\"byteOffset\":", 20 * vertices);
+    count(",\"byteLength\":", index_bytes);
+    count(",\"target\":34963}],\"buffers\":[{\"byteLength\":", 20 * vertices + index_bytes);
+    writer.text("}]}");
+}
+
+}  // namespace detail
+
+/// Writes a mesh as an OBJ file: lines `v x y 0`, `vt u v` and `f a/a b/b c/c`. `material_file`, if it is not nullptr, names the
+/// file of write_material(), whose material the faces have. A mesh that write_obj() refuses and a name with control characters
+/// give a Status that says so, and no byte is written; a sink that refuses bytes gives Errc::write_failed.
+inline Status write_textured_obj(const MeshView& mesh, const char* material_file, Sink sink) {
+    if (const Status status = detail::check_for_texture(mesh, material_file != nullptr ? material_file : "none"); !status)
+        return status;
+    detail::Writer writer(sink);
+    writer.text("# made by hmesh " HMESH_VERSION_STRING "\n");
+    if (material_file != nullptr) {
+        writer.text("mtllib ");
+        writer.text(material_file);
+        writer.text("\nusemtl image\n");
+    }
+    for (std::size_t v = 0; v < mesh.vertex_count; ++v) {
+        writer.text("v ");
+        writer.real(static_cast<double>(mesh.positions[2 * v]));
+        writer.text(" ");
+        writer.real(detail::y_up(mesh, v));
+        writer.text(" 0\n");
+    }
+    for (std::size_t v = 0; v < mesh.vertex_count; ++v) {
+        const std::array<double, 2> at = detail::texture_place(mesh, v);
+        writer.text("vt ");
+        writer.real(at[0]);
+        writer.text(" ");
+        writer.real(1 - at[1]);
+        writer.text("\n");
+    }
+    for (std::size_t f = 0; f < mesh.face_count; ++f) {
+        writer.text("f");
+        for (const std::uint32_t v : detail::turned(mesh.faces[f]))
+            for (const char* before : {" ", "/"}) {
+                writer.text(before);
+                writer.decimal(static_cast<std::int64_t>(v) + 1);  // vertices count from 1
+            }
+        writer.text("\n");
+    }
+    return writer.finish();
+}
+
+/// Writes the material file (.mtl) of write_textured_obj(): one material, `image`, that shows the texture of this name as it is.
+inline Status write_material(const char* texture, Sink sink) {
+    if (const Status status = detail::check_file_name(texture); !status) return status;
+    detail::Writer writer(sink);
+    writer.text("# made by hmesh " HMESH_VERSION_STRING "\nnewmtl image\nKd 1 1 1\nillum 0\nmap_Kd -clamp on ");
+    writer.text(texture);
+    writer.text("\nmap_d -clamp on -imfchan m ");
+    writer.text(texture);
+    writer.text("\n");
+    return writer.finish();
+}
+
+/// Writes a mesh as a binary PLY file: vertices `float x y z s t`, and the texture's name as `comment TextureFile`. A mesh that
+/// write_ply() refuses and a name that is none or has control characters give a Status that says so, and no byte is written; a
+/// sink that refuses bytes gives Errc::write_failed.
+inline Status write_textured_ply(const MeshView& mesh, const char* texture, Sink sink) {
+    if (const Status status = detail::check_for_texture(mesh, texture); !status) return status;
+    detail::Writer writer(sink);
+    writer.text("ply\nformat binary_little_endian 1.0\ncomment made by hmesh " HMESH_VERSION_STRING "\ncomment TextureFile ");
+    writer.text(texture);
+    writer.text("\nelement vertex ");
+    writer.decimal(static_cast<std::int64_t>(mesh.vertex_count));
+    for (const char* name : {"x", "y", "z", "s", "t"}) {
+        writer.text("\nproperty float ");
+        writer.text(name);
+    }
+    writer.text("\nelement face ");
+    writer.decimal(static_cast<std::int64_t>(mesh.face_count));
+    writer.text("\nproperty list uchar int vertex_indices\nend_header\n");
+    for (std::size_t v = 0; v < mesh.vertex_count; ++v) {
+        const std::array<double, 2> at = detail::texture_place(mesh, v);
+        writer.f32(mesh.positions[2 * v]);
+        writer.f32(static_cast<float>(detail::y_up(mesh, v)));
+        writer.f32(0);
+        writer.f32(static_cast<float>(at[0]));
+        writer.f32(static_cast<float>(1 - at[1]));
+    }
+    for (std::size_t f = 0; f < mesh.face_count; ++f) {
+        writer.u8(3);
+        for (const std::uint32_t v : detail::turned(mesh.faces[f])) writer.u32(v);
+    }
+    return writer.finish();
+}
+
+/// Writes a mesh as a .glb file of one unlit, blended material that shows the texture of this name, a path as seen from the file.
+/// `longer_side` is as in GltfOptions. A mesh without vertices is a scene of nothing. A mesh that write_glb() refuses, a name
+/// that is none or has control characters and a length that is none give a Status that says so, and no byte is written; a sink
+/// that refuses bytes gives Errc::write_failed.
+inline Status write_textured_glb(const MeshView& mesh, const char* texture, Sink sink, double longer_side = 1) {
+    if (const Status status = detail::check_for_texture(mesh, texture); !status) return status;
+    if (!kit::is_within(longer_side, 0, static_cast<double>(std::numeric_limits<float>::max())))
+        return {Errc::invalid_argument, "the longer side must be a length that a float holds, or 0", 0, 0};
+    const double unit = longer_side > 0 ? longer_side / std::max(mesh.width, mesh.height) : 1;
+    const bool is_empty = mesh.vertex_count == 0;
+    const auto write_json = [&](detail::Writer& writer) {
+        if (!is_empty) return detail::write_textured_json(writer, mesh, texture, unit);
+        writer.text("{\"asset\":{\"version\":\"2.0\",\"generator\":\"hmesh " HMESH_VERSION_STRING
+                    "\"},\"scene\":0,\"scenes\":[{}]}");
+    };
+    const auto nowhere = [](const void*, std::size_t) { return true; };
+    detail::Writer counter(nowhere);
+    write_json(counter);
+    const auto padded = [](std::uint64_t size) { return static_cast<std::uint32_t>((size + 3) / 4 * 4); };
+    const auto json_bytes = static_cast<std::uint64_t>(counter.position());
+    const bool is_wide = mesh.vertex_count > 65535;
+    const std::uint64_t binary_bytes = 20 * mesh.vertex_count + (is_wide ? 12 : 6) * static_cast<std::uint64_t>(mesh.face_count);
+
+    detail::Writer writer(sink);
+    writer.text("glTF");
+    writer.u32(2);
+    writer.u32(20 + padded(json_bytes) + (is_empty ? 0 : 8 + padded(binary_bytes)));
+    writer.u32(padded(json_bytes));
+    writer.text("JSON");
+    write_json(writer);
+    for (std::uint64_t i = json_bytes; i % 4 != 0; ++i) writer.text(" ");
+    if (is_empty) return writer.finish();
+    writer.u32(padded(binary_bytes));
+    writer.bytes("BIN", 4);  // with its zero
+    for (std::size_t v = 0; v < mesh.vertex_count; ++v) {
+        writer.f32(mesh.positions[2 * v]);
+        writer.f32(static_cast<float>(detail::y_up(mesh, v)));
+        writer.f32(0);
+    }
+    for (std::size_t v = 0; v < mesh.vertex_count; ++v)
+        for (const double at : detail::texture_place(mesh, v)) writer.f32(static_cast<float>(at));
+    for (std::size_t f = 0; f < mesh.face_count; ++f)
+        for (const std::uint32_t v : detail::turned(mesh.faces[f])) {
+            if (is_wide) writer.u32(v);
+            else writer.u16(static_cast<std::uint16_t>(v));
+        }
+    for (std::uint64_t i = binary_bytes; i % 4 != 0; ++i) writer.u8(0);
+    return writer.finish();
+}
+
+}  // namespace hmesh
+
+#endif  // HMESH_IO_TEXTURED_HPP
+
+// ---- hmesh/outline/contour.hpp
+
+/// \file
+/// Contours: the border of the pixels of a mask, each grown by a margin, as polygons with right angles.
+///
+/// Coordinates are whole numbers of 1/256 px, so that all that is asked of them is exact: products of differences stay below
+/// 2^52. A contour has its inside where orient() is positive: outer borders run clockwise on the screen, those of holes the other
+/// way. No two contours meet, nor does one meet itself: where pixels touch at a corner alone, the corner is filled.
+/// Cost: O(pixels), 2 to 5 bytes each.
+#ifndef HMESH_OUTLINE_CONTOUR_HPP
+#define HMESH_OUTLINE_CONTOUR_HPP
+
+#include <algorithm>
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <cstdlib>
+#include <vector>
+
+namespace hmesh::kit {
+
+/// A point in units of 1/256 px, y down; both in [0, 2^24].
+struct GridPoint {
+    std::int32_t x = 0,                                                                                       ///< from the left
+        y = 0;                                                                                                ///< from the top
+    friend constexpr bool operator==(GridPoint a, GridPoint b) noexcept { return a.x == b.x && a.y == b.y; }  ///< same place
+    friend constexpr bool operator!=(GridPoint a, GridPoint b) noexcept { return !(a == b); }                 ///< other place
+};
+
+/// Units a px.
+inline constexpr int units_per_px = 256;
+
+/// A closed polygon: its corners in order, the first not repeated.
+using Loop = std::vector<GridPoint>;
+
+/// Twice the signed area of the triangle (a, b, c) in square units, exact: > 0 where it is clockwise on the screen.
+[[nodiscard]] constexpr std::int64_t orient(GridPoint a, GridPoint b, GridPoint c) noexcept {
+    return (std::int64_t{b.x} - a.x) * (std::int64_t{c.y} - a.y) - (std::int64_t{c.x} - a.x) * (std::int64_t{b.y} - a.y);
+}
+
+/// Twice the signed area of a polygon in square units: > 0 of outer borders, < 0 of holes.
+[[nodiscard]] inline std::int64_t double_area(const Loop& loop) noexcept {
+    std::int64_t sum = 0;
+    for (std::size_t i = 2; i < loop.size(); ++i) sum += orient(loop[0], loop[i - 1], loop[i]);
+    return sum;
+}
+
+/// Whether p is inside of a polygon, whatever its orientation; on its border it may be either. Exact.
+[[nodiscard]] inline bool is_inside(const Loop& loop, GridPoint p) noexcept {
+    bool is_in = false;
+    for (std::size_t i = 0, j = loop.size() - 1; i < loop.size(); j = i++) {
+        const bool up = loop[i].y > p.y, before = loop[j].y > p.y;
+        if (up == before) continue;
+        const std::int64_t side = orient(loop[j], loop[i], p);
+        if (up ? side > 0 : side < 0) is_in = !is_in;
+    }
+    return is_in;
+}
+
+/// Which pixels count, row after row: not 0.
+struct Mask {
+    int width = 0,                     ///< px
+        height = 0;                    ///< px
+    std::vector<std::uint8_t> pixels;  ///< width * height of them
+};
+
+namespace detail {
+
+/// The intervals into which the sides of all grown pixels divide an axis of the image.
+struct Intervals {
+    std::vector<std::int32_t> ends;  ///< where they meet, in units: interval i is [ends[i], ends[i + 1]]
+    std::vector<std::size_t> first,  ///< of each pixel, the first interval that it covers
+        last;                        ///< and that behind its last one
+
+    Intervals(int size, int margin) : first(static_cast<std::size_t>(size)), last(first.size()) {
+        const std::int32_t all = size * units_per_px;
+        const auto low = [&](int i) { return std::max(0, i * units_per_px - margin); };
+        const auto high = [&](int i) { return std::min(all, (i + 1) * units_per_px + margin); };
+        ends = {0, all};
+        for (int i = 0; i < size; ++i) ends.insert(ends.end(), {low(i), high(i)});
+        std::sort(ends.begin(), ends.end());
+        ends.erase(std::unique(ends.begin(), ends.end()), ends.end());
+        const auto place = [&](std::int32_t x) {
+            return static_cast<std::size_t>(std::lower_bound(ends.begin(), ends.end(), x) - ends.begin());
+        };
+        for (int i = 0; i < size; ++i)
+            first[static_cast<std::size_t>(i)] = place(low(i)), last[static_cast<std::size_t>(i)] = place(high(i));
+    }
+    /// The number of intervals.
+    [[nodiscard]] std::size_t count() const noexcept { return ends.size() - 1; }
+};
+
+/// The cells of two axes' intervals that grown pixels cover.
+class Cells {
+  public:
+    /// Of a mask, its pixels grown by `margin` units.
+    Cells(const Mask& mask, int margin)
+        : across_(mask.width, margin), down_(mask.height, margin), columns_(across_.count()), rows_(down_.count()),
+          cells_(columns_ * rows_, 0) {
+        std::vector<std::vector<std::uint8_t>> drawn(static_cast<std::size_t>(mask.height));  // cells of each row of pixels
+        std::vector<std::uint32_t> depth(columns_, 0);  // rows of pixels that cover a cell of the row at hand
+        std::size_t enters = 0, leaves = 0;
+        for (std::size_t row = 0; row < rows_; ++row) {
+            for (; leaves < enters && down_.last[leaves] <= row; ++leaves) {
+                for (std::size_t i = 0; i < columns_; ++i) depth[i] -= drawn[leaves][i];
+                std::vector<std::uint8_t>().swap(drawn[leaves]);
+            }
+            for (; enters < drawn.size() && down_.first[enters] <= row; ++enters) {
+                drawn[enters] = row_of(mask, enters);
+                for (std::size_t i = 0; i < columns_; ++i) depth[i] += drawn[enters][i];
+            }
+            for (std::size_t i = 0; i < columns_; ++i) cells_[row * columns_ + i] = depth[i] != 0 ? 1 : 0;
+        }
+    }
+
+    /// Fills what touches at a corner alone, until nothing does.
+    void fill_corners() {
+        std::vector<std::size_t> waiting;  // upper left cells of squares of four
+        const auto look = [&](std::size_t at) {
+            const std::size_t other = at + 1, below = at + columns_, across = below + 1;
+            if (cells_[at] != cells_[across] || cells_[other] != cells_[below] || cells_[at] == cells_[other]) return;
+            const std::size_t filled = cells_[at] != 0 ? other : at;
+            cells_[filled] = 1;
+            const std::size_t x = filled % columns_, y = filled / columns_;
+            for (std::size_t j = y - (y > 0 ? 1 : 0); j <= y && j + 1 < rows_; ++j)
+                for (std::size_t i = x - (x > 0 ? 1 : 0); i <= x && i + 1 < columns_; ++i) waiting.push_back(j * columns_ + i);
+        };
+        for (std::size_t y = 0; y + 1 < rows_; ++y)
+            for (std::size_t x = 0; x + 1 < columns_; ++x) {
+                look(y * columns_ + x);
+                while (!waiting.empty()) {
+                    const std::size_t at = waiting.back();
+                    waiting.pop_back();
+                    look(at);
+                }
+            }
+    }
+
+    /// Fills what has no way to the border of the image.
+    void fill_holes() {
+        std::vector<std::size_t> open;
+        std::vector<std::uint8_t> is_outside(cells_.size(), 0);
+        const auto reach = [&](std::size_t at) {
+            if (cells_[at] != 0 || is_outside[at] != 0) return;
+            is_outside[at] = 1;
+            open.push_back(at);
+        };
+        for (std::size_t x = 0; x < columns_; ++x) reach(x), reach((rows_ - 1) * columns_ + x);
+        for (std::size_t y = 0; y < rows_; ++y) reach(y * columns_), reach(y * columns_ + columns_ - 1);
+        while (!open.empty()) {
+            const std::size_t at = open.back(), x = at % columns_;
+            open.pop_back();
+            if (x > 0) reach(at - 1);
+            if (x + 1 < columns_) reach(at + 1);
+            if (at >= columns_) reach(at - columns_);
+            if (at + columns_ < cells_.size()) reach(at + columns_);
+        }
+        for (std::size_t i = 0; i < cells_.size(); ++i) cells_[i] = is_outside[i] != 0 ? 0 : 1;
+    }
+
+    /// The borders, by their upper left corners. fill_corners() must have run.
+    [[nodiscard]] std::vector<Loop> borders() const {
+        std::vector<Loop> loops;
+        std::vector<std::uint8_t> is_walked(cells_.size(), 0);  // along the upper side
+        for (std::size_t y = 0; y < rows_; ++y)
+            for (std::size_t x = 0; x < columns_; ++x)
+                if (is_in(x, y) && !is_in(x, y - 1) && is_walked[y * columns_ + x] == 0) loops.push_back(walk(x, y, is_walked));
+        return loops;
+    }
+
+    /// Twice the area covered, in square units.
+    [[nodiscard]] double double_area() const noexcept {
+        double sum = 0;
+        for (std::size_t y = 0; y < rows_; ++y) {
+            std::int64_t width = 0;
+            for (std::size_t x = 0; x < columns_; ++x)
+                if (cells_[y * columns_ + x] != 0) width += across_.ends[x + 1] - across_.ends[x];
+            sum += 2.0 * static_cast<double>(width) * (down_.ends[y + 1] - down_.ends[y]);
+        }
+        return sum;
+    }
+
+  private:
+    [[nodiscard]] std::vector<std::uint8_t> row_of(const Mask& mask, std::size_t y) const {
+        std::vector<std::uint8_t> out(columns_, 0);
+        const std::uint8_t* pixel = mask.pixels.data() + y * static_cast<std::size_t>(mask.width);
+        std::size_t done = 0;
+        for (std::size_t x = 0; x < static_cast<std::size_t>(mask.width); ++x) {
+            if (pixel[x] == 0) continue;
+            done = std::max(done, across_.first[x]);
+            for (; done < across_.last[x]; ++done) out[done] = 1;
+        }
+        return out;
+    }
+    // Numbers wrap around below 0.
+    [[nodiscard]] bool is_in(std::size_t x, std::size_t y) const noexcept {
+        return x < columns_ && y < rows_ && cells_[y * columns_ + x] != 0;
+    }
+    // From the corner (x, y) along the upper side of its cell, with what is covered to the right, around.
+    [[nodiscard]] Loop walk(std::size_t x, std::size_t y, std::vector<std::uint8_t>& is_walked) const {
+        Loop loop;
+        const std::size_t from_x = x, from_y = y;
+        int direction = 0, before = 3;  // right, down, left, up; the first corner turns
+        do {
+            if (direction == 0) is_walked[y * columns_ + x] = 1;
+            if (direction != before) loop.push_back({across_.ends[x], down_.ends[y]});
+            before = direction;
+            if (direction == 0) ++x;
+            else if (direction == 1) ++y;
+            else if (direction == 2) --x;
+            else --y;
+            // The cells ahead: to the right of the way and to its left.
+            const std::size_t left = x - 1, up = y - 1;
+            const bool right_ahead = direction == 0   ? is_in(x, y)
+                                     : direction == 1 ? is_in(left, y)
+                                     : direction == 2 ? is_in(left, up)
+                                                      : is_in(x, up);
+            const bool left_ahead = direction == 0   ? is_in(x, up)
+                                    : direction == 1 ? is_in(x, y)
+                                    : direction == 2 ? is_in(left, y)
+                                                     : is_in(left, up);
+            if (left_ahead) direction = (direction + 3) % 4;
+            else if (!right_ahead) direction = (direction + 1) % 4;
+        } while (x != from_x || y != from_y || direction != 0);
+        return loop;
+    }
+
+    Intervals across_, down_;
+    std::size_t columns_, rows_;
+    std::vector<std::uint8_t> cells_;
+};
+
+}  // namespace detail
+
+/// The borders of what a mask covers.
+struct Contours {
+    std::vector<Loop> loops;  ///< outer borders and those of holes, in no order that means anything
+    double area = 0;          ///< px^2 inside of them
+    double length = 0;        ///< px along them, less what steps take more than slopes of all directions do on average
+};
+
+/// The contours of a mask whose pixels are grown by `margin` units to all sides, as far as the image goes. Without `holes` these
+/// are filled, with all that is in them. Widths and heights of 1 to 65536.
+[[nodiscard]] inline Contours contours_of(const Mask& mask, int margin, bool holes) {
+    detail::Cells cells(mask, margin);
+    cells.fill_corners();
+    if (!holes) cells.fill_holes();
+    Contours contours{cells.borders(), cells.double_area() / (2.0 * units_per_px * units_per_px), 0};
+    constexpr double slopes = 0.785398163397448;  // pi / 4: steps are longer by the mean of |cos| + |sin|
+    for (const Loop& loop : contours.loops)
+        for (std::size_t i = 0; i < loop.size(); ++i) {
+            const GridPoint a = loop[i], b = loop[(i + 1) % loop.size()];
+            contours.length += slopes / units_per_px * (std::abs(b.x - a.x) + std::abs(b.y - a.y));
+        }
+    return contours;
+}
+
+}  // namespace hmesh::kit
+
+#endif  // HMESH_OUTLINE_CONTOUR_HPP
+
+// ---- hmesh/outline/buckets.hpp
+
+/// \file
+/// Buckets: a grid of squares that finds sides of polygons, and points, by where they are.
+#ifndef HMESH_OUTLINE_BUCKETS_HPP
+#define HMESH_OUTLINE_BUCKETS_HPP
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+namespace hmesh::kit {
+
+/// A rectangle of the plane in units, its border included.
+struct GridBox {
+    std::int32_t left = 0,  ///< least x
+        top = 0,            ///< least y
+        right = 0,          ///< largest x
+        bottom = 0;         ///< largest y
+
+    /// The least box around a point.
+    explicit GridBox(GridPoint p) noexcept : left(p.x), top(p.y), right(p.x), bottom(p.y) {}
+    /// Grows it to hold another one.
+    GridBox& add(GridPoint p) noexcept {
+        left = std::min(left, p.x), right = std::max(right, p.x);
+        top = std::min(top, p.y), bottom = std::max(bottom, p.y);
+        return *this;
+    }
+};
+
+/// Numbers of sides or points in the squares that they touch. Adding and removing takes as long as a side is in squares.
+class Buckets {
+  public:
+    /// For about `count` sides within `box`.
+    Buckets(const GridBox& box, std::size_t count) : left_(box.left), top_(box.top) {
+        const double width = std::max(1.0, static_cast<double>(box.right) - box.left);
+        const double height = std::max(1.0, static_cast<double>(box.bottom) - box.top);
+        size_ = std::max(1.0, std::sqrt(width * height / static_cast<double>(std::max<std::size_t>(1, count))));
+        size_ = std::max(size_, std::max(width, height) / 2048);
+        columns_ = static_cast<std::size_t>(width / size_) + 1;
+        rows_ = static_cast<std::size_t>(height / size_) + 1;
+        squares_.resize(columns_ * rows_);
+    }
+
+    /// Adds the side from a to b, or a point twice.
+    void add(std::uint32_t number, GridPoint a, GridPoint b) {
+        for_each_square(a, b, [&](std::vector<std::uint32_t>& square) { square.push_back(number); });
+    }
+    /// Removes what was added so.
+    void remove(std::uint32_t number, GridPoint a, GridPoint b) {
+        for_each_square(a, b, [&](std::vector<std::uint32_t>& square) {
+            const auto found = std::find(square.begin(), square.end(), number);
+            if (found != square.end()) *found = square.back(), square.pop_back();
+        });
+    }
+    /// Calls body(number) for all that may touch the box, some of them more than once, until it returns false. Whether it never
+    /// did.
+    template <class Body>
+    bool visit(const GridBox& box, Body&& body) const {
+        const std::size_t last_column = column(box.right), last_row = row(box.bottom);
+        for (std::size_t j = row(box.top); j <= last_row; ++j)
+            for (std::size_t i = column(box.left); i <= last_column; ++i)
+                for (const std::uint32_t number : squares_[j * columns_ + i])
+                    if (!body(number)) return false;
+        return true;
+    }
+
+  private:
+    [[nodiscard]] static std::size_t place(double at, std::size_t count) noexcept {
+        return static_cast<std::size_t>(std::max(0.0, std::min(static_cast<double>(count - 1), std::floor(at))));
+    }
+    [[nodiscard]] std::size_t column(double x) const noexcept { return place((x - left_) / size_, columns_); }
+    [[nodiscard]] std::size_t row(double y) const noexcept { return place((y - top_) / size_, rows_); }
+
+    // Row after row of squares, those between the places where the side enters and leaves the row, and a unit around them.
+    template <class Body>
+    void for_each_square(GridPoint a, GridPoint b, Body&& body) {
+        if (b.y < a.y) std::swap(a, b);
+        const std::size_t last = row(b.y);
+        for (std::size_t j = row(a.y); j <= last; ++j) {
+            double from = a.x, to = b.x;
+            if (b.y > a.y) {
+                const double slope = (static_cast<double>(b.x) - a.x) / (static_cast<double>(b.y) - a.y);
+                const auto at = [&](double y) { return a.x + slope * (std::max<double>(a.y, std::min<double>(b.y, y)) - a.y); };
+                from = at(top_ + static_cast<double>(j) * size_ - 1);
+                to = at(top_ + static_cast<double>(j + 1) * size_ + 1);
+            }
+            const std::size_t end = column(std::max(from, to) + 1);
+            for (std::size_t i = column(std::min(from, to) - 1); i <= end; ++i) body(squares_[j * columns_ + i]);
+        }
+    }
+
+    double left_, top_, size_ = 1;
+    std::size_t columns_ = 1, rows_ = 1;
+    std::vector<std::vector<std::uint32_t>> squares_;
+};
+
+/// Whether the segments from a to b and from c to d have a point in common, their ends included. Exact.
+[[nodiscard]] inline bool do_segments_meet(GridPoint a, GridPoint b, GridPoint c, GridPoint d) noexcept {
+    if (std::max(a.x, b.x) < std::min(c.x, d.x) || std::max(c.x, d.x) < std::min(a.x, b.x) ||
+        std::max(a.y, b.y) < std::min(c.y, d.y) || std::max(c.y, d.y) < std::min(a.y, b.y))
+        return false;
+    const auto sign = [](std::int64_t x) { return x > 0 ? 1 : x < 0 ? -1 : 0; };
+    return sign(orient(a, b, c)) * sign(orient(a, b, d)) <= 0 && sign(orient(c, d, a)) * sign(orient(c, d, b)) <= 0;
+}
+
+/// Whether the segments from a to b and from c to d cross each other at a point that is no end of either. Exact.
+[[nodiscard]] inline bool do_segments_cross(GridPoint a, GridPoint b, GridPoint c, GridPoint d) noexcept {
+    const auto differ = [](std::int64_t x, std::int64_t y) { return (x > 0 && y < 0) || (x < 0 && y > 0); };
+    return differ(orient(a, b, c), orient(a, b, d)) && differ(orient(c, d, a), orient(c, d, b));
+}
+
+/// Whether p is in the triangle (a, b, c), of either orientation, or on its border. Exact; a triangle of no area holds nothing
+/// but its longest side.
+[[nodiscard]] inline bool is_in_triangle(GridPoint a, GridPoint b, GridPoint c, GridPoint p) noexcept {
+    const std::int64_t ab = orient(a, b, p), bc = orient(b, c, p), ca = orient(c, a, p);
+    if (ab == 0 && bc == 0 && ca == 0) {
+        GridBox box(a);
+        box.add(b).add(c);
+        return p.x >= box.left && p.x <= box.right && p.y >= box.top && p.y <= box.bottom;
+    }
+    return (ab >= 0 && bc >= 0 && ca >= 0) || (ab <= 0 && bc <= 0 && ca <= 0);
+}
+
+}  // namespace hmesh::kit
+
+#endif  // HMESH_OUTLINE_BUCKETS_HPP
+
+// ---- hmesh/outline/covering.hpp
+
+/// \file
+/// Covering: polygons with few corners around contours, of nearly the least area.
+///
+/// Corners are removed one by one, the cheapest first by the area that it adds, and each removal only ever adds area:
+///
+/// - a corner that is not convex: the side between its neighbours takes its place;
+/// - a side between two convex corners: its neighbours are made longer until they meet (the two-dimensional case of the
+///   progressive hulls of Sander et al., "Silhouette clipping", 2000);
+/// - a hole with all that is in it.
+///
+/// Whatever lies wholly in the area added, such as an island in a bay, goes with it. Then sides are turned around what they touch
+/// as long as that leaves less area: of least area, a side touches in its middle or in two points. All tests are made in whole
+/// numbers, so that contours stay inside and sides never meet, however positions were rounded. Cost: removals some 2 us for each
+/// corner of the contours, and turning as much again for each time that all sides are looked at.
+#ifndef HMESH_OUTLINE_COVERING_HPP
+#define HMESH_OUTLINE_COVERING_HPP
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+#include <queue>
+#include <utility>
+#include <vector>
+
+namespace hmesh::kit {
+
+/// The convex hull of points, clockwise on the screen, without corners of 180 degrees (Andrew's monotone chain). O(n log n).
+[[nodiscard]] inline Loop convex_hull(Loop points) {
+    std::sort(points.begin(), points.end(), [](GridPoint a, GridPoint b) { return a.x != b.x ? a.x < b.x : a.y < b.y; });
+    points.erase(std::unique(points.begin(), points.end()), points.end());
+    if (points.size() < 3) return points;
+    Loop hull;
+    for (int pass = 0; pass < 2; ++pass) {
+        const std::size_t start = hull.size();
+        for (const GridPoint p : points) {
+            while (hull.size() >= start + 2 && orient(hull[hull.size() - 2], hull.back(), p) <= 0) hull.pop_back();
+            hull.push_back(p);
+        }
+        hull.pop_back();
+        std::reverse(points.begin(), points.end());
+    }
+    return hull;
+}
+
+/// Polygons that begin as contours and lose corners.
+class Covering {
+  public:
+    /// Of contours_of() an image of this size in px, or polygons like them.
+    Covering(const std::vector<Loop>& contours, int width, int height)
+        : right_(width * units_per_px), bottom_(height * units_per_px), sides_(box_of(contours), count(contours) / 2),
+          touched_(box_of(contours), count(contours) / 2) {
+        for (const Loop& contour : contours) {
+            const auto first = static_cast<std::uint32_t>(at_.size()), size = static_cast<std::uint32_t>(contour.size());
+            for (std::uint32_t i = 0; i < size; ++i) {
+                at_.push_back(contour[i]);
+                next_.push_back(first + (i + 1) % size);
+                previous_.push_back(first + (i + size - 1) % size);
+                loop_of_.push_back(static_cast<std::uint32_t>(loops_.size()));
+                from_.push_back(first + i), to_.push_back(first + (i + 1) % size);
+            }
+            loops_.push_back({first, size, first, size, kit::double_area(contour)});
+            double_area_ += loops_.back().double_area;
+        }
+        contour_ = at_;
+        corners_ = at_.size();
+        stamp_.assign(at_.size(), 0);
+        for (std::uint32_t v = 0; v < at_.size(); ++v) {
+            sides_.add(v, at_[v], at_[next_[v]]);
+            touched_.add(v, at_[v], at_[next_[v]]);
+        }
+    }
+
+    [[nodiscard]] std::size_t corners() const noexcept { return corners_; }  ///< of all polygons that are left
+    /// The area of the polygons, px^2.
+    [[nodiscard]] double area() const noexcept { return static_cast<double>(double_area_) * px2; }
+
+    /// Removes corners until at most `count` are left, the cheapest first, then turns sides. Whether any could be removed: there
+    /// may be more left where none can go.
+    bool remove_to(std::size_t count) {
+        const std::size_t before = corners_;
+        offers_ = {};
+        for (std::uint32_t v = 0; v < at_.size(); ++v)
+            if (next_[v] != none) offer(v);
+        remove_cheapest(count);
+        turn_sides();
+        return corners_ != before;
+    }
+
+    /// The polygons that are left: outer borders and holes.
+    [[nodiscard]] std::vector<Loop> loops() const {
+        std::vector<Loop> out;
+        for (const Part& part : loops_)
+            if (part.size != 0) out.push_back(corners_of(part));
+        return out;
+    }
+
+  private:
+    static constexpr double px2 = 0.5 / (units_per_px * units_per_px);  // of twice the area in square units
+    static constexpr std::uint32_t none = std::numeric_limits<std::uint32_t>::max();
+
+    struct Part {
+        std::uint32_t first, contour_size;  // its contour: corners of contour_
+        std::uint32_t some, size;           // a corner of its polygon, and how many there are; size 0: it is gone
+        std::int64_t double_area;
+    };
+    // What can be done at a corner: it goes, or the side after it. The price is the double area added for each corner less.
+    struct Offer {
+        double price;
+        std::uint32_t corner, stamp;
+        bool operator<(const Offer& other) const noexcept {  // the best one is the last
+            return price != other.price ? price > other.price : corner > other.corner;
+        }
+    };
+    struct Removal {
+        bool is_possible = false;
+        bool is_side = false;                    // the side from the corner on; else the corner
+        bool is_hole = false;                    // all of the corner's loop, a hole
+        GridPoint meeting;                       // where its neighbours meet
+        std::int64_t added = 0;                  // double area
+        std::uint32_t corners = 1;               // that go
+        std::vector<std::uint32_t> swallowed{};  // loops
+    };
+
+    [[nodiscard]] Loop corners_of(const Part& part) const {
+        Loop corners;
+        for (std::uint32_t v = part.some; corners.size() < part.size; v = next_[v]) corners.push_back(at_[v]);
+        return corners;
+    }
+    static std::size_t count(const std::vector<Loop>& contours) {
+        std::size_t sum = 0;
+        for (const Loop& contour : contours) sum += contour.size();
+        return sum;
+    }
+    static GridBox box_of(const std::vector<Loop>& contours) {
+        GridBox box(contours.front().front());
+        for (const Loop& contour : contours)
+            for (const GridPoint p : contour) box.add(p);
+        return box;
+    }
+
+    // --- removals ---
+    void offer(std::uint32_t v) {
+        ++stamp_[v];
+        if (const Removal removal = removal_at(v); removal.is_possible) offers_.push({price(removal), v, stamp_[v]});
+    }
+    void offer_around(std::uint32_t v) {
+        for (std::uint32_t u : {v, previous_[v], previous_[previous_[v]], next_[v]}) offer(u);
+    }
+    static double price(const Removal& removal) {
+        return static_cast<double>(removal.added) / static_cast<double>(removal.corners);
+    }
+
+    // What it would be to remove at v, whatever is in the way: all of a hole where that is the cheaper.
+    [[nodiscard]] Removal removal_at(std::uint32_t v) const {
+        const Part& part = loops_[loop_of_[v]];
+        Removal out;
+        if (part.size > 3) out = removal_of(v);
+        if (part.double_area > 0) return out;
+        Removal hole;
+        hole.is_possible = hole.is_hole = true;
+        hole.added = -part.double_area;
+        hole.corners = part.size;
+        return out.is_possible && price(out) <= price(hole) ? out : hole;
+    }
+    // That of a corner or side of a loop of more than three.
+    [[nodiscard]] Removal removal_of(std::uint32_t v) const {
+        Removal out;
+        const std::uint32_t before = previous_[v], after = next_[v], last = next_[after];
+        if (const std::int64_t turn = orient(at_[before], at_[v], at_[after]); turn <= 0) {
+            out.is_possible = true;
+            out.added = -turn;
+            return out;
+        }
+        if (orient(at_[v], at_[after], at_[last]) <= 0) return out;
+        out.is_side = true;
+        out.is_possible = find_meeting(at_[before], at_[v], at_[after], at_[last], out.meeting);
+        if (out.is_possible)
+            out.added = orient(at_[before], out.meeting, at_[last]) - orient(at_[before], at_[v], at_[after]) -
+                        orient(at_[before], at_[after], at_[last]);
+        return out;
+    }
+
+    // The point of the grid nearest to where the lines from a over b and from d over c meet that has both beside it or on it.
+    [[nodiscard]] bool find_meeting(GridPoint a, GridPoint b, GridPoint c, GridPoint d, GridPoint& meeting) const {
+        const double ux = static_cast<double>(b.x) - a.x, uy = static_cast<double>(b.y) - a.y;
+        const double vx = static_cast<double>(d.x) - c.x, vy = static_cast<double>(d.y) - c.y;
+        const double across = ux * vy - uy * vx;
+        if (!(across > 0)) return false;
+        const double share = ((static_cast<double>(c.x) - b.x) * vy - (static_cast<double>(c.y) - b.y) * vx) / across;
+        const double x = b.x + share * ux, y = b.y + share * uy;
+        if (!(x > -2 && x < right_ + 2.0 && y > -2 && y < bottom_ + 2.0)) return false;
+        return nearest_point(
+            x, y, [&](GridPoint p) { return orient(a, p, b) >= 0 && orient(p, d, c) >= 0; },
+            [&](GridPoint p) { return static_cast<double>(orient(a, p, d)); }, meeting);
+    }
+    // The point of the grid near (x, y), within the image, that is good and of the least cost.
+    template <class IsGood, class Cost>
+    [[nodiscard]] bool nearest_point(double x, double y, IsGood&& is_good, Cost&& cost, GridPoint& out) const {
+        const auto x0 = static_cast<std::int32_t>(std::floor(x)), y0 = static_cast<std::int32_t>(std::floor(y));
+        double least = std::numeric_limits<double>::infinity();
+        for (std::int32_t j = y0 - 1; j <= y0 + 2; ++j)
+            for (std::int32_t i = x0 - 1; i <= x0 + 2; ++i) {
+                const GridPoint p{i, j};
+                if (i < 0 || j < 0 || i > right_ || j > bottom_ || !is_good(p)) continue;
+                if (const double of_p = cost(p); of_p < least) least = of_p, out = p;
+            }
+        return least < std::numeric_limits<double>::infinity();
+    }
+
+    // Whether nothing is in the way; finds what is swallowed.
+    [[nodiscard]] bool is_free(std::uint32_t v, Removal& removal) {
+        const std::uint32_t before = previous_[v], after = next_[v], last = next_[after];
+        if (removal.is_hole) return swallow_inside(loop_of_[v], removal);
+        if (!removal.is_side) {
+            return is_side_free(before, at_[before], after, at_[after], {before, v, none}) &&
+                   swallow({at_[before], at_[v], at_[after]}, {before, v, after}, removal);
+        }
+        const GridPoint p = removal.meeting;
+        return is_side_free(before, at_[before], v, p, {before, v, after}) &&
+               is_side_free(v, p, last, at_[last], {before, v, after}) &&
+               swallow({at_[before], p, at_[v]}, {before, v, after, last}, removal) &&
+               swallow({at_[v], p, at_[after]}, {before, v, after, last}, removal) &&
+               swallow({at_[after], p, at_[last]}, {before, v, after, last}, removal);
+    }
+    // Whether a side from p, corner a, to q, corner b, would meet no other than at its ends. Sides `gone`, by the corners at
+    // which they begin, do not count.
+    [[nodiscard]] bool is_side_free(std::uint32_t a, GridPoint p, std::uint32_t b, GridPoint q,
+                                    const std::array<std::uint32_t, 3>& gone) const {
+        if (p == q) return false;
+        return sides_.visit(GridBox(p).add(q), [&](std::uint32_t s) {
+            if (std::find(gone.begin(), gone.end(), s) != gone.end()) return true;
+            const std::uint32_t t = next_[s];
+            const bool begins = s == a || s == b, ends = t == a || t == b;
+            if (begins && ends) return false;
+            if (!begins && !ends) return !do_segments_meet(p, q, at_[s], at_[t]);
+            // They share an end, and must not run along each other.
+            const GridPoint shared = (begins ? s : t) == a ? p : q, own = shared == p ? q : p, other = at_[begins ? t : s];
+            return orient(shared, own, other) != 0 || along(shared, shared, own, other) < 0;
+        });
+    }
+    // Finds the loops in a hole.
+    [[nodiscard]] bool swallow_inside(std::uint32_t hole, Removal& removal) {
+        const Loop border = corners_of(loops_[hole]);
+        GridBox box(border.front());
+        for (const GridPoint p : border) box.add(p);
+        std::vector<std::uint32_t> seen = {hole};
+        return sides_.visit(box, [&](std::uint32_t s) {
+            const std::uint32_t loop = loop_of_[s];
+            if (std::find(seen.begin(), seen.end(), loop) != seen.end()) return true;
+            seen.push_back(loop);
+            if (is_inside(border, at_[s])) take_along(loop, removal);
+            return true;
+        });
+    }
+    void take_along(std::uint32_t loop, Removal& removal) const {
+        removal.swallowed.push_back(loop);
+        removal.corners += loops_[loop].size;
+        removal.added -= loops_[loop].double_area;
+    }
+    // Finds the loops of which a corner is in the triangle; false where that is the loop of `own` itself.
+    [[nodiscard]] bool swallow(const std::array<GridPoint, 3>& triangle, const std::vector<std::uint32_t>& own,
+                               Removal& removal) {
+        const std::uint32_t home = loop_of_[own[0]];
+        return sides_.visit(GridBox(triangle[0]).add(triangle[1]).add(triangle[2]), [&](std::uint32_t s) {
+            if (loop_of_[s] == home && std::find(own.begin(), own.end(), s) != own.end()) return true;
+            if (!is_in_triangle(triangle[0], triangle[1], triangle[2], at_[s])) return true;
+            if (loop_of_[s] == home) return false;
+            if (std::find(removal.swallowed.begin(), removal.swallowed.end(), loop_of_[s]) != removal.swallowed.end())
+                return true;
+            take_along(loop_of_[s], removal);
+            return true;
+        });
+    }
+
+    void remove_cheapest(std::size_t count) {
+        std::vector<std::uint32_t> blocked;
+        for (bool is_new = true; is_new;) {  // whether something has gone since they were blocked
+            is_new = false;
+            while (!offers_.empty() && corners_ > count) {
+                const Offer best = offers_.top();
+                offers_.pop();
+                const std::uint32_t v = best.corner;
+                if (next_[v] == none || best.stamp != stamp_[v]) continue;
+                Removal removal = removal_at(v);
+                if (!is_free(v, removal)) {
+                    blocked.push_back(v);
+                    continue;
+                }
+                // What is swallowed changes the price: its turn may come later.
+                if (const double now = price(removal); now > best.price && !offers_.empty() && now > offers_.top().price) {
+                    offers_.push({now, v, ++stamp_[v]});
+                    continue;
+                }
+                remove(v, removal);
+                is_new = true;
+            }
+            if (corners_ <= count) return;
+            for (const std::uint32_t v : blocked)
+                if (next_[v] != none) offer(v);
+            blocked.clear();
+        }
+    }
+    void take_out(std::uint32_t v) {
+        sides_.remove(v, at_[v], at_[next_[v]]);
+        --corners_;
+    }
+    void remove_loop(std::uint32_t loop) {
+        Part& part = loops_[loop];
+        std::uint32_t v = part.some;
+        for (std::uint32_t i = 0; i < part.size; ++i) {
+            take_out(v);
+            v = std::exchange(next_[v], none);
+        }
+        double_area_ -= part.double_area;
+        part.size = 0;
+    }
+    void remove(std::uint32_t v, const Removal& removal) {
+        for (const std::uint32_t loop : removal.swallowed) remove_loop(loop);
+        if (removal.is_hole) return remove_loop(loop_of_[v]);
+        const std::uint32_t before = previous_[v], after = next_[v], last = next_[after];
+        Part& part = loops_[loop_of_[v]];
+        const std::int64_t area_before = part.double_area;
+        sides_.remove(before, at_[before], at_[v]);
+        take_out(v);
+        --part.size;
+        if (!removal.is_side) {
+            part.double_area -= orient(at_[before], at_[v], at_[after]);
+            link(before, after);
+            to_[before] = to_[v];
+            next_[v] = none;
+            part.some = before;
+            sides_.add(before, at_[before], at_[after]);
+            double_area_ += part.double_area - area_before;
+            offer_around(before);
+            offer_around(after);
+            return;
+        }
+        part.double_area += orient(at_[before], removal.meeting, at_[last]) - orient(at_[before], at_[v], at_[after]) -
+                            orient(at_[before], at_[after], at_[last]);
+        double_area_ += part.double_area - area_before;
+        sides_.remove(after, at_[after], at_[last]);
+        // The contour between the side's ends is shared out where it is farthest out.
+        const std::uint32_t split = farthest(v, at_[before], at_[last]);
+        to_[before] = split, from_[v] = split, to_[v] = to_[after];
+        at_[v] = removal.meeting;
+        link(v, last);
+        next_[after] = none;
+        part.some = v;
+        sides_.add(before, at_[before], at_[v]);
+        sides_.add(v, at_[v], at_[last]);
+        offer_around(before);
+        offer_around(v);
+        offer_around(last);
+    }
+    void link(std::uint32_t a, std::uint32_t b) { next_[a] = b, previous_[b] = a; }
+
+    // --- the contour along a side ---
+    [[nodiscard]] std::uint32_t contour_next(std::uint32_t i) const {
+        const Part& part = loops_[loop_of_[i]];
+        return i + 1 == part.first + part.contour_size ? part.first : i + 1;
+    }
+    // Calls body(i) for the corners of the contour from one to another.
+    template <class Body>
+    void along_contour(std::uint32_t from, std::uint32_t to, Body&& body) const {
+        for (std::uint32_t i = from;; i = contour_next(i)) {
+            body(i);
+            if (i == to) return;
+        }
+    }
+    // The corner of the contour along the side from v on that is farthest outside of the line from a to b.
+    [[nodiscard]] std::uint32_t farthest(std::uint32_t v, GridPoint a, GridPoint b) const {
+        std::uint32_t best = from_[v];
+        along_contour(from_[v], to_[v], [&](std::uint32_t i) {
+            if (orient(a, b, contour_[i]) < orient(a, b, contour_[best])) best = i;
+        });
+        return best;
+    }
+
+    // --- turning sides ---
+    struct RealPoint {
+        double x = 0, y = 0;
+    };
+    // Where the line from p in the direction (dx, dy) meets that from a over b; false: nowhere, or on the other side of a.
+    static bool meet(RealPoint p, double dx, double dy, GridPoint a, GridPoint b, RealPoint& out) {
+        const double ux = static_cast<double>(b.x) - a.x, uy = static_cast<double>(b.y) - a.y;
+        const double across = ux * dy - uy * dx;
+        if (across == 0) return false;
+        const double share = ((p.x - a.x) * dy - (p.y - a.y) * dx) / across;
+        out = {a.x + share * ux, a.y + share * uy};
+        return share > 0;
+    }
+    // Turns sides as long as that makes the area smaller, some passes over all.
+    void turn_sides() {
+        constexpr int passes = 12;
+        for (int pass = 0; pass < passes; ++pass) {
+            bool is_last = true;
+            for (std::uint32_t v = 0; v < at_.size(); ++v)
+                if (next_[v] != none && turn(v)) is_last = false;
+            if (is_last) return;
+        }
+    }
+    // Turns the side from v on to the best place that there is between the lines of its neighbours.
+    bool turn(std::uint32_t v) {
+        const std::uint32_t before = previous_[v], after = next_[v], last = next_[after];
+        const GridPoint a = at_[before], b = at_[v], c = at_[after], d = at_[last];
+        Loop near;
+        const auto gather = [&](std::uint32_t side) {
+            along_contour(from_[side], to_[side], [&](std::uint32_t i) { near.push_back(contour_[i]); });
+        };
+        gather(v);
+        if (orient(a, b, c) > 0) gather(before);
+        if (orient(b, c, d) > 0) gather(after);
+        const Loop hull = convex_hull(std::move(near));
+        if (hull.size() < 3) return false;
+
+        // Twice the area of (a, b, c, d), which is to become smaller by 1/100 px^2 at least.
+        constexpr double enough = 0.01 / px2;
+        const auto area_of = [&](RealPoint p, RealPoint q) {
+            return (p.x - a.x) * (q.y - a.y) - (q.x - a.x) * (p.y - a.y) + (q.x - a.x) * (static_cast<double>(d.y) - a.y) -
+                   (static_cast<double>(d.x) - a.x) * (q.y - a.y);
+        };
+        double least =
+            area_of({static_cast<double>(b.x), static_cast<double>(b.y)}, {static_cast<double>(c.x), static_cast<double>(c.y)}) -
+            enough;
+        RealPoint best_b, best_c;
+        bool is_found = false;
+        const auto try_line = [&](RealPoint p, double dx, double dy) {
+            RealPoint p_b, p_c;
+            if (!meet(p, dx, dy, a, b, p_b) || !meet(p, dx, dy, d, c, p_c)) return;
+            if ((p_c.x - p_b.x) * dx + (p_c.y - p_b.y) * dy <= 0) return;
+            // Of lines far beyond the next corners the price is another one.
+            if (const double area = area_of(p_b, p_c); area < least) least = area, best_b = p_b, best_c = p_c, is_found = true;
+        };
+        for (std::size_t i = 0; i < hull.size(); ++i) {
+            const GridPoint p = hull[i], q = hull[(i + 1) % hull.size()], o = hull[(i + hull.size() - 1) % hull.size()];
+            const RealPoint at{static_cast<double>(p.x), static_cast<double>(p.y)};
+            const double dx = static_cast<double>(q.x) - p.x, dy = static_cast<double>(q.y) - p.y;
+            try_line(at, dx, dy);
+            // The line on which p is in the middle: through where the mirror image of the line d c meets that of a b.
+            RealPoint in_b;
+            if (!meet({2 * at.x - c.x, 2 * at.y - c.y}, static_cast<double>(d.x) - c.x, static_cast<double>(d.y) - c.y, a, b,
+                      in_b))
+                continue;
+            const double mx = at.x - in_b.x, my = at.y - in_b.y;
+            const double from_x = at.x - o.x, from_y = at.y - o.y;
+            if (from_x * my - from_y * mx >= 0 && mx * dy - my * dx >= 0) try_line(at, mx, my);
+        }
+        return is_found && put_side(v, best_b, best_c);
+    }
+    // Puts the ends of the side from v on to points near p and q, if all stays as it must be.
+    bool put_side(std::uint32_t v, RealPoint p, RealPoint q) {
+        const std::uint32_t before = previous_[v], after = next_[v], last = next_[after];
+        const GridPoint a = at_[before], b = at_[v], c = at_[after], d = at_[last];
+        const auto outside = [&](GridPoint g) {
+            return (q.x - p.x) * (g.y - p.y) - (g.x - p.x) * (q.y - p.y);  // < 0 outside of the line
+        };
+        if (!(p.x > -2 && p.x < right_ + 2.0 && p.y > -2 && p.y < bottom_ + 2.0) ||
+            !(q.x > -2 && q.x < right_ + 2.0 && q.y > -2 && q.y < bottom_ + 2.0))
+            return false;
+        const double slack = 1e-6 * (std::abs(q.x - p.x) + std::abs(q.y - p.y));
+        GridPoint new_b, new_c;
+        const auto squared = [](GridPoint g, RealPoint r) { return (g.x - r.x) * (g.x - r.x) + (g.y - r.y) * (g.y - r.y); };
+        if (!nearest_point(
+                p.x, p.y, [&](GridPoint g) { return orient(a, b, g) <= 0 && outside(g) <= slack; },
+                [&](GridPoint g) { return squared(g, p); }, new_b) ||
+            !nearest_point(
+                q.x, q.y, [&](GridPoint g) { return orient(c, d, g) <= 0 && outside(g) <= slack; },
+                [&](GridPoint g) { return squared(g, q); }, new_c))
+            return false;
+        const std::int64_t change = orient(a, new_b, new_c) + orient(a, new_c, d) - orient(a, b, c) - orient(a, c, d);
+        if (change >= 0 || new_b == new_c || new_b == a || new_c == d) return false;
+        // Lines turned past the next corner fold over.
+        if (along(a, a, b, new_b) <= 0 || along(d, d, c, new_c) <= 0) return false;
+        const bool is_triangle = before == last;
+        const std::int64_t turn_of_all = orient(a, new_b, new_c);  // of a triangle, which stays border or hole
+        if (is_triangle ? turn_of_all == 0 || (turn_of_all > 0) != (loops_[loop_of_[v]].double_area > 0)
+                        : do_segments_meet(a, new_b, new_c, d))
+            return false;
+        const auto folds = [](GridPoint u, GridPoint at, GridPoint w) {
+            return orient(u, at, w) == 0 && along(at, at, u, w) > 0;
+        };
+        if (folds(a, new_b, new_c) || folds(new_b, new_c, d)) return false;
+
+        const std::array<std::uint32_t, 3> gone = {before, v, after};
+        if (!is_side_free(before, a, v, new_b, gone) || !is_side_free(v, new_b, after, new_c, gone) ||
+            !is_side_free(after, new_c, last, d, gone))
+            return false;
+        // Nothing that was inside may come to lie outside: of the new side and, where a corner that is not convex moves on along
+        // its other side, of that; but for what is beside that which is left of the others.
+        const bool cuts_first = orient(a, b, c) < 0 && along(b, a, b, new_b) > 0;
+        const bool cuts_last = orient(b, c, d) < 0 && along(c, d, c, new_c) > 0;
+        const auto stays = [&](GridPoint s) {
+            return orient(new_b, new_c, s) >= 0 && (!cuts_first || orient(a, new_b, s) >= 0) &&
+                   (!cuts_last || orient(new_c, d, s) >= 0);
+        };
+        // What moves on so is a tip, into which a side of the contour may run without a corner of its own there.
+        if (cuts_first || cuts_last) {
+            const auto is_crossed = [&](GridPoint p0, GridPoint p1) {
+                return !touched_.visit(GridBox(p0).add(p1), [&](std::uint32_t i) {
+                    return !do_segments_cross(p0, p1, contour_[i], contour_[contour_next(i)]);
+                });
+            };
+            if (is_crossed(b, new_b) || is_crossed(new_b, new_c) || is_crossed(new_c, c)) return false;
+        }
+        const std::array<std::array<GridPoint, 3>, 4> swept = {{{a, b, new_b}, {b, c, new_c}, {b, new_c, new_b}, {c, d, new_c}}};
+        const std::array<std::uint32_t, 4> own = {before, v, after, last};
+        for (std::size_t k = 0; k < swept.size(); ++k) {
+            const auto& [t, u, w] = swept[k];
+            const GridBox box = GridBox(t).add(u).add(w);
+            const bool is_clear = sides_.visit(box, [&, t = t, u = u, w = w](std::uint32_t s) {
+                return std::find(own.begin(), own.end(), s) != own.end() || !is_in_triangle(t, u, w, at_[s]);
+            });
+            if (!is_clear || !touched_.visit(box, [&, t = t, u = u, w = w](std::uint32_t i) {
+                    const GridPoint s = contour_[i];
+                    return !is_in_triangle(t, u, w, s) || stays(s) || (k == 0 && along(new_b, a, b, s) <= 0) ||
+                           (k == 3 && along(new_c, d, c, s) <= 0);
+                }))
+                return false;
+        }
+        sides_.remove(before, a, b), sides_.remove(v, b, c), sides_.remove(after, c, d);
+        at_[v] = new_b, at_[after] = new_c;
+        sides_.add(before, a, new_b), sides_.add(v, new_b, new_c), sides_.add(after, new_c, d);
+        loops_[loop_of_[v]].double_area += change;
+        double_area_ += change;
+        return true;
+    }
+    // How far p is from o on in the direction from a to b, times the length of that. Exact.
+    static std::int64_t along(GridPoint o, GridPoint a, GridPoint b, GridPoint p) noexcept {
+        return (std::int64_t{b.x} - a.x) * (std::int64_t{p.x} - o.x) + (std::int64_t{b.y} - a.y) * (std::int64_t{p.y} - o.y);
+    }
+
+    std::int32_t right_, bottom_;
+    std::vector<GridPoint> at_, contour_;
+    std::vector<std::uint32_t> next_, previous_, loop_of_;  // next_ is none where a corner is gone
+    std::vector<std::uint32_t> from_, to_;                  // the contour along the side after a corner
+    std::vector<std::uint32_t> stamp_;                      // of a corner's last offer
+    std::vector<Part> loops_;
+    Buckets sides_;    // by the corners at which they begin
+    Buckets touched_;  // sides of the contours, so too
+    std::priority_queue<Offer> offers_;
+    std::size_t corners_ = 0;
+    std::int64_t double_area_ = 0;
+};
+
+}  // namespace hmesh::kit
+
+#endif  // HMESH_OUTLINE_COVERING_HPP
+
+// ---- hmesh/outline/triangulate.hpp
+
+/// \file
+/// triangulate(): polygons with holes as triangles between their corners.
+///
+/// Holes are joined to what is around them by a side there and back, to the nearest corner that is seen from their leftmost one
+/// (Eberly, "Triangulation by ear clipping", 2002), and ears are cut off, those with a short third side first. Exact, whatever
+/// the corners are. A polygon of n corners has n - 2 triangles, and 2 more for each hole. Cost: about 1 us a corner, and more
+/// where there are many holes, O(holes * corners) at worst.
+#ifndef HMESH_OUTLINE_TRIANGULATE_HPP
+#define HMESH_OUTLINE_TRIANGULATE_HPP
+
+#include <algorithm>
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+#include <queue>
+#include <vector>
+
+namespace hmesh::kit {
+
+namespace detail {
+
+/// One polygon with its holes as a single ring of nodes, from which ears are cut.
+class EarRing {
+  public:
+    /// Of corners of all polygons, by their places.
+    explicit EarRing(const std::vector<GridPoint>& at) : at_(at) {}
+
+    /// Adds the corners [first, end) of the outer border.
+    void add_border(std::uint32_t first, std::uint32_t end) { add_nodes(first, end); }
+    /// Adds those of a hole, holes in the order of their leftmost corners; `others` are those still to come, as such ranges.
+    void add_hole(std::uint32_t first, std::uint32_t end, const std::vector<std::array<std::uint32_t, 2>>& others) {
+        const std::uint32_t old = static_cast<std::uint32_t>(nodes_.size());
+        std::uint32_t from = add_nodes(first, end);
+        for (std::uint32_t n = from, i = first; i < end; ++i, n = nodes_[n].next)
+            if (is_left_of(place(n), place(from))) from = n;
+        std::vector<std::uint32_t> seen(old);
+        for (std::uint32_t n = 0; n < old; ++n) seen[n] = n;
+        const auto distance = [&](std::uint32_t n) {
+            const std::int64_t x = std::int64_t{place(n).x} - place(from).x, y = std::int64_t{place(n).y} - place(from).y;
+            return x * x + y * y;
+        };
+        std::sort(seen.begin(), seen.end(), [&](std::uint32_t a, std::uint32_t b) {
+            return distance(a) != distance(b) ? distance(a) < distance(b) : a < b;
+        });
+        for (const std::uint32_t n : seen)
+            if (is_open(n, place(from)) && is_open(from, place(n)) && is_seen(n, from, others)) return join(n, from);
+    }
+
+    /// Cuts all ears.
+    void cut(std::vector<Triangle>& faces) {
+        Loop places;
+        for (const Node& node : nodes_) places.push_back(at_[node.corner]);
+        GridBox box(places.front());
+        for (const GridPoint p : places) box.add(p);
+        Buckets buckets(box, nodes_.size());
+        std::vector<std::uint32_t> stamp(nodes_.size(), 0);
+        std::vector<std::uint8_t> is_cut(nodes_.size(), 0);
+        struct Offer {
+            std::int64_t price;
+            std::uint32_t node, stamp;
+            bool operator<(const Offer& other) const noexcept {
+                return price != other.price ? price > other.price : node > other.node;
+            }
+        };
+        std::priority_queue<Offer> offers;
+        const auto offer = [&](std::uint32_t n) {
+            const GridPoint a = place(nodes_[n].previous), b = place(n), c = place(nodes_[n].next);
+            ++stamp[n];
+            const std::int64_t x = std::int64_t{c.x} - a.x, y = std::int64_t{c.y} - a.y;
+            if (orient(a, b, c) > 0) offers.push({x * x + y * y, n, stamp[n]});
+        };
+        for (std::uint32_t n = 0; n < nodes_.size(); ++n) {
+            buckets.add(n, places[n], places[n]);
+            offer(n);
+        }
+        std::size_t left = nodes_.size();
+        std::vector<std::uint32_t> blocked;
+        for (bool is_new = true; is_new && left > 2;) {
+            is_new = false;
+            while (!offers.empty() && left > 2) {
+                const Offer best = offers.top();
+                offers.pop();
+                const std::uint32_t n = best.node;
+                if (is_cut[n] != 0 || best.stamp != stamp[n]) continue;
+                const std::uint32_t before = nodes_[n].previous, after = nodes_[n].next;
+                const GridPoint a = place(before), b = place(n), c = place(after);
+                const bool is_ear = buckets.visit(GridBox(a).add(b).add(c), [&](std::uint32_t m) {
+                    const GridPoint p = place(m);
+                    return p == a || p == b || p == c || !is_in_triangle(a, b, c, p);
+                });
+                if (!is_ear) {
+                    blocked.push_back(n);
+                    continue;
+                }
+                faces.push_back({nodes_[before].corner, nodes_[n].corner, nodes_[after].corner});
+                is_cut[n] = 1;
+                buckets.remove(n, b, b);
+                link(before, after);
+                --left;
+                offer(before);
+                offer(after);
+                is_new = true;
+            }
+            for (const std::uint32_t n : blocked)
+                if (is_cut[n] == 0) offer(n);
+            blocked.clear();
+        }
+    }
+
+  private:
+    struct Node {
+        std::uint32_t corner, previous, next;
+    };
+
+    [[nodiscard]] GridPoint place(std::uint32_t n) const noexcept { return at_[nodes_[n].corner]; }
+    static bool is_left_of(GridPoint a, GridPoint b) noexcept { return a.x != b.x ? a.x < b.x : a.y < b.y; }
+    void link(std::uint32_t a, std::uint32_t b) { nodes_[a].next = b, nodes_[b].previous = a; }
+    std::uint32_t add_nodes(std::uint32_t first, std::uint32_t end) {
+        const auto from = static_cast<std::uint32_t>(nodes_.size()), size = end - first;
+        for (std::uint32_t i = 0; i < size; ++i)
+            nodes_.push_back({first + i, from + (i + size - 1) % size, from + (i + 1) % size});
+        return from;
+    }
+    // Whether the way from a node to p begins inside.
+    [[nodiscard]] bool is_open(std::uint32_t n, GridPoint p) const noexcept {
+        const GridPoint a = place(nodes_[n].previous), b = place(n), c = place(nodes_[n].next);
+        const bool after_first = orient(a, b, p) > 0, before_second = orient(b, c, p) > 0;
+        return orient(a, b, c) > 0 ? after_first && before_second : after_first || before_second;
+    }
+    // Whether no side is between two nodes.
+    [[nodiscard]] bool is_seen(std::uint32_t n, std::uint32_t from,
+                               const std::vector<std::array<std::uint32_t, 2>>& others) const {
+        const GridPoint p = place(n), q = place(from);
+        const auto blocks = [&](GridPoint a, GridPoint b) {
+            return a != p && a != q && b != p && b != q && do_segments_meet(p, q, a, b);
+        };
+        for (std::uint32_t m = 0; m < nodes_.size(); ++m)
+            if (blocks(place(m), place(nodes_[m].next))) return false;
+        for (const auto& [first, end] : others)
+            for (std::uint32_t i = first; i < end; ++i)
+                if (blocks(at_[i], at_[i + 1 < end ? i + 1 : first])) return false;
+        return true;
+    }
+    // Joins two rings by a side there and one back.
+    void join(std::uint32_t n, std::uint32_t m) {
+        const auto n2 = static_cast<std::uint32_t>(nodes_.size()), m2 = n2 + 1;
+        nodes_.push_back({nodes_[n].corner, 0, 0});
+        nodes_.push_back({nodes_[m].corner, 0, 0});
+        const std::uint32_t after = nodes_[n].next, before = nodes_[m].previous;
+        link(n, m);
+        link(before, m2);
+        link(m2, n2);
+        link(n2, after);
+    }
+
+    const std::vector<GridPoint>& at_;
+    std::vector<Node> nodes_;
+};
+
+}  // namespace detail
+
+/// The triangles of polygons, which do not meet: outer borders with holes in them, and others in these. Corners are numbered in
+/// the order of the loops; triangles are clockwise on the screen, and cover each point inside once.
+[[nodiscard]] inline std::vector<Triangle> triangulate(const std::vector<Loop>& loops) {
+    std::vector<GridPoint> at;
+    std::vector<std::array<std::uint32_t, 2>> range;
+    std::vector<double> area;
+    for (const Loop& loop : loops) {
+        const auto first = static_cast<std::uint32_t>(at.size());
+        at.insert(at.end(), loop.begin(), loop.end());
+        range.push_back({first, static_cast<std::uint32_t>(at.size())});
+        area.push_back(static_cast<double>(double_area(loop)));
+    }
+    // A hole belongs to the least border around it.
+    std::vector<std::vector<std::size_t>> holes(loops.size());
+    for (std::size_t h = 0; h < loops.size(); ++h) {
+        if (area[h] > 0) continue;
+        std::size_t best = loops.size();
+        for (std::size_t i = 0; i < loops.size(); ++i)
+            if (area[i] > -area[h] && (best == loops.size() || area[i] < area[best]) && is_inside(loops[i], loops[h].front()))
+                best = i;
+        if (best < loops.size()) holes[best].push_back(h);
+    }
+    std::vector<Triangle> faces;
+    for (std::size_t i = 0; i < loops.size(); ++i) {
+        if (!(area[i] > 0)) continue;
+        const auto leftmost = [&](std::size_t h) {
+            std::int32_t x = std::numeric_limits<std::int32_t>::max();
+            for (const GridPoint p : loops[h]) x = std::min(x, p.x);
+            return x;
+        };
+        std::sort(holes[i].begin(), holes[i].end(), [&](std::size_t a, std::size_t b) {
+            const std::int32_t x = leftmost(a), y = leftmost(b);
+            return x != y ? x < y : a < b;
+        });
+        detail::EarRing ring(at);
+        ring.add_border(range[i][0], range[i][1]);
+        std::vector<std::array<std::uint32_t, 2>> others;
+        for (std::size_t k = holes[i].size(); k-- > 0;) others.push_back(range[holes[i][k]]);
+        while (!others.empty()) {
+            const auto hole = others.back();
+            others.pop_back();
+            ring.add_hole(hole[0], hole[1], others);
+        }
+        ring.cut(faces);
+    }
+    return faces;
+}
+
+}  // namespace hmesh::kit
+
+#endif  // HMESH_OUTLINE_TRIANGULATE_HPP
+
+// ---- hmesh/outline.hpp
+
+/// \file
+/// outline(): a mesh of few vertices around the pixels of an image that are not transparent, to draw its texture on.
+///
+/// Drawn as a rectangle, a texture is blended where it is air, too. An outline leaves most of the air out: every pixel whose
+/// alpha is above a threshold is inside of it, its whole unit square and a margin around it. The margin of 0.5 px is what a
+/// bilinear filter shows of a pixel beyond its square, at any size; with none, a picture at its own size or of nearest neighbours
+/// is whole; 0.5 * 2^k keeps the k-th level of a chain of mipmaps. The outline stays within the image, and no two of its faces
+/// overlap, so that what is half transparent is blended once.
+///
+///     const hmesh::Outline outline = hmesh::outline(view);
+///     write_textured_glb(outline.mesh.view(), "icon.png", sink);  // of hmesh/io/textured.hpp
+///
+/// The texture coordinates of a vertex are its position over the image's size. Islands have outlines of their own, and holes
+/// stay where their corners are worth their area. How it is done: outline/contour.hpp, covering.hpp and triangulate.hpp, in this
+/// order. Cost: some 5 ns and 5 bytes a pixel, and 10 to 20 us for each corner of the pixels' border: 10 to 20 ms for an icon of
+/// 256 px.
+#ifndef HMESH_OUTLINE_HPP
+#define HMESH_OUTLINE_HPP
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+#include <utility>
+#include <vector>
+
+namespace hmesh {
+
+/// Options of outline().
+struct OutlineOptions {
+    double threshold = 0;  ///< alpha in 255ths of the peak, 0 to 254: pixels above it are inside
+    double margin = 0.5;   ///< px around each of these pixels, 0 to 64, rounded to 1/256
+    /// For fewer vertices: how far the outline may stand out from what has to be inside, px on average along its border, 0 to
+    /// 1000. Steps of pixels are some 0.3 px of that.
+    double tolerance = 1;
+    /// The most vertices, at least 4: kept whatever area that takes. 0: any number.
+    int max_vertices = 0;
+    bool holes = true;  ///< whether there may be holes; else they are filled
+};
+
+/// What outline() returns, or why there is none. Where no pixel is above the threshold, the mesh is empty and the status ok.
+struct [[nodiscard]] Outline {
+    /// The faces, in the image's plane; one channel, with all colours the peak 1: what a texture is multiplied by.
+    Mesh mesh;
+    /// The borders: corners of loops[i] are vertices of the mesh, in order, what is inside to their right: outer borders run
+    /// clockwise on the screen, holes the other way.
+    std::vector<std::vector<std::uint32_t>> loops;
+    double covered = 0;  ///< px^2 that have to be inside: pixels above the threshold with their margins
+    double length = 0;   ///< px along the border of these, steps of pixels taken as slopes
+    double area = 0;     ///< px^2 of the faces
+    Status status;       ///< ok, or why there is nothing
+};
+
+namespace detail {
+
+/// Whether the options are in range: invalid_argument with value and bound.
+[[nodiscard]] inline Status check(const OutlineOptions& options) noexcept {
+    if (options.max_vertices != 0 && options.max_vertices < 4)
+        return {Errc::invalid_argument, "an outline has at least 4 vertices, or 0 for any number", options.max_vertices, 4};
+    return kit::check_ranges(
+        {{"the outline's threshold must be from 0 to 254, in 255ths of full alpha", options.threshold, 0, 254},
+         {"the outline's margin must be from 0 to 64 px", options.margin, 0, 64},
+         {"the outline's tolerance must be from 0 to 1000 px", options.tolerance, 0, 1000}});
+}
+
+/// The pixels above the threshold; all of an image without alpha.
+template <class T, int C>
+[[nodiscard]] kit::Mask mask_above(const ImageView<T, C>& view, double threshold) {
+    using Traits = PixelTraits<T>;
+    kit::Mask mask{view.width, view.height, {}};
+    mask.pixels.assign(static_cast<std::size_t>(view.width) * static_cast<std::size_t>(view.height), 1);
+    if constexpr (kit::has_alpha(C)) {
+        std::uint8_t* to = mask.pixels.data();
+        for (int y = 0; y < view.height; ++y) {
+            const T* pixel = view.row(y);
+            for (int x = 0; x < view.width; ++x, pixel += C)
+                *to++ = 255 * Traits::to_real(pixel[C - 1]) > (1 + 1e-6) * threshold * Traits::peak ? 1 : 0;  // floats round
+        }
+    }
+    return mask;
+}
+
+/// The convex hull of polygons as one of them.
+[[nodiscard]] inline kit::Loop hull_of(const std::vector<kit::Loop>& loops) {
+    kit::Loop points;
+    for (const kit::Loop& loop : loops) points.insert(points.end(), loop.begin(), loop.end());
+    return kit::convex_hull(std::move(points));
+}
+
+/// The rectangle around polygons.
+[[nodiscard]] inline kit::Loop box_of(const std::vector<kit::Loop>& loops) {
+    kit::GridBox box(loops.front().front());
+    for (const kit::Loop& loop : loops)
+        for (const kit::GridPoint p : loop) box.add(p);
+    return {{box.left, box.top}, {box.right, box.top}, {box.right, box.bottom}, {box.left, box.bottom}};
+}
+
+/// The fewest corners found around contours whose area is at most `largest`, px^2, and that are at most `most`, whatever their
+/// area is: there may be more where no more can go.
+[[nodiscard]] inline kit::Covering simplified(kit::Covering covering, std::size_t most, double largest) {
+    // Sides that are turned between removals win back area: so some steps may pass the bound, if not by far, and further ones
+    // come back. Large steps come first, as if there were no others.
+    const double far = largest + 3 * (largest - covering.area());
+    kit::Covering best = covering;
+    for (const double share : {0.8, 0.93, 1.0}) {
+        covering = best;
+        for (int misses = 0; misses < 8;) {
+            const auto next =
+                std::min(covering.corners() - 1, static_cast<std::size_t>(share * static_cast<double>(covering.corners())));
+            const bool is_over = covering.corners() > most;
+            if (!covering.remove_to(is_over ? std::max(most, next) : next)) break;
+            if (is_over || covering.area() <= largest) best = covering, misses = 0;
+            else if (covering.area() > far || share == 1) break;
+            else ++misses;
+        }
+    }
+    return best;
+}
+
+/// Few corners around contours, of which there is at least one.
+[[nodiscard]] inline std::vector<kit::Loop> cover(const kit::Contours& contours, int width, int height,
+                                                  const OutlineOptions& options) {
+    // So many islands and holes are noise: one polygon around them is drawn sooner than all of theirs.
+    constexpr std::size_t most_loops = 4096;
+    const std::size_t most =
+        options.max_vertices != 0 ? static_cast<std::size_t>(options.max_vertices) : std::numeric_limits<std::size_t>::max();
+    const double largest = contours.area + options.tolerance * contours.length;
+    if (contours.loops.size() <= most_loops) {
+        const kit::Covering covering = simplified({contours.loops, width, height}, most, largest);
+        if (covering.corners() <= most) return covering.loops();
+    }
+    const kit::Covering hull = simplified({{hull_of(contours.loops)}, width, height}, most, largest);
+    if (hull.corners() <= most) return hull.loops();
+    return {box_of(contours.loops)};
+}
+
+/// outline() of a mask, with options in range.
+[[nodiscard]] inline Outline outline_of(const kit::Mask& mask, const OutlineOptions& options) {
+    Outline out;
+    out.mesh.channels = 1;
+    out.mesh.width = mask.width, out.mesh.height = mask.height;
+    out.mesh.peak = 1;
+    const int margin = static_cast<int>(std::lround(options.margin * kit::units_per_px));
+    const kit::Contours contours = kit::contours_of(mask, margin, options.holes);
+    out.covered = contours.area;
+    out.length = contours.length;
+    if (contours.loops.empty()) return out;
+    const std::vector<kit::Loop> loops = cover(contours, mask.width, mask.height, options);
+    for (const kit::Loop& loop : loops) {
+        out.loops.emplace_back();
+        out.area += static_cast<double>(kit::double_area(loop)) / (2.0 * kit::units_per_px * kit::units_per_px);
+        for (const kit::GridPoint p : loop) {
+            out.loops.back().push_back(static_cast<std::uint32_t>(out.mesh.vertex_count()));
+            out.mesh.positions.push_back(static_cast<float>(p.x) / kit::units_per_px);
+            out.mesh.positions.push_back(static_cast<float>(p.y) / kit::units_per_px);
+        }
+    }
+    out.mesh.colors.assign(out.mesh.vertex_count(), 1.0F);
+    out.mesh.faces = kit::triangulate(loops);
+    return out;
+}
+
+}  // namespace detail
+
+/// The outline of the pixels of an image whose alpha is above a threshold; of an image without alpha, its rectangle.
+///
+/// \param view     the image, which check() must accept
+/// \param options  how near to the pixels and of how many vertices it is
+/// \return         mesh, borders and areas; or the status invalid_argument, image_too_large or not_finite
+///
+/// More than 4,096 islands and holes, and more than max_vertices leaves to them, become one outline, convex or a rectangle. The
+/// same image and options give the same outline.
+template <class T, int C>
+[[nodiscard]] Outline outline(const ImageView<T, C>& view, const OutlineOptions& options = {}) {
+    Outline out;
+    out.status = check(view);
+    if (out.status) out.status = detail::check(options);
+    if (out.status) out.status = kit::check_finite(view);
+    return out.status ? detail::outline_of(detail::mask_above(view, options.threshold), options) : out;
+}
+
+}  // namespace hmesh
+
+#endif  // HMESH_OUTLINE_HPP
+
+// ---- hmesh/sprite.hpp
+
+/// \file
+/// drop_transparent(): the mesh of a sprite without the faces that show nothing, those that hide everything first.
+///
+/// A GPU blends every pixel of every face, also where alpha is 0, and most of a sprite is air. Faces whose alpha is nowhere
+/// above a threshold are dropped, with the vertices that only they used; what is left covers a part of the image's rectangle and
+/// is transparent elsewhere (render()). Faces that are opaque come first and are counted: they can be drawn without blending,
+/// front to back, and hide what is behind them from the depth buffer on.
+///
+///     hmesh::Options options;
+///     options.premultiplied = true;  // colours under transparent pixels do not count
+///     options.target = hmesh::Target::at_most(500);
+///     hmesh::Result result = hmesh::mesh_image(view, options);
+///     const hmesh::SpriteReport sprite = hmesh::drop_transparent(result, view, options);
+///
+/// O(vertices + faces), and with a report some 10 ns for each pixel of the faces dropped.
+#ifndef HMESH_SPRITE_HPP
+#define HMESH_SPRITE_HPP
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <utility>
+#include <vector>
+
+namespace hmesh {
+
+/// What drop_transparent() did, or why it did nothing.
+struct [[nodiscard]] SpriteReport {
+    /// Faces [0, opaque_faces) of the mesh are opaque: the alpha of their vertices is full in 8 bits, 254.5 / 255 of the peak or
+    /// more.
+    std::size_t opaque_faces = 0;
+    std::size_t dropped_faces = 0;     ///< faces that are gone
+    std::size_t dropped_vertices = 0;  ///< vertices that are gone: those that no face uses any more
+    double area = 0;                   ///< px^2 of the faces that are left
+    Status status;                     ///< ok, or why the mesh is as it was
+};
+
+namespace detail {
+
+/// What becomes of a face.
+enum class FaceAlpha : std::uint8_t { opaque, blended, dropped };
+
+/// The kind of each face of a mesh that has alpha. O(faces).
+[[nodiscard]] inline std::vector<FaceAlpha> face_alphas(const Mesh& mesh, double threshold) {
+    const auto channels = static_cast<std::size_t>(mesh.channels);
+    std::vector<FaceAlpha> kinds;
+    kinds.reserve(mesh.faces.size());
+    for (const Triangle& face : mesh.faces) {
+        const auto alpha = [&](std::size_t k) { return static_cast<double>(mesh.colors[channels * face[k] + channels - 1]); };
+        const auto [least, most] = std::minmax({alpha(0), alpha(1), alpha(2)});
+        kinds.push_back(255 * most <= (1 + 1e-6) * threshold * mesh.peak ? FaceAlpha::dropped
+                        : 255 * least >= 254.5 * mesh.peak               ? FaceAlpha::opaque
+                                                                         : FaceAlpha::blended);
+    }
+    return kinds;
+}
+
+/// The area of a face, in px^2.
+[[nodiscard]] inline double area_of(const Mesh& mesh, const Triangle& face) noexcept {
+    return 0.5 * std::abs(kit::orient2d(kit::detail::position(mesh, face[0]), kit::detail::position(mesh, face[1]),
+                                        kit::detail::position(mesh, face[2])));
+}
+
+/// Removes the vertices that no face uses; the others keep their order. Returns how many are gone.
+inline std::size_t remove_unused_vertices(Mesh& mesh) {
+    const std::size_t count = mesh.vertex_count();
+    const auto channels = static_cast<std::size_t>(mesh.channels);
+    std::vector<unsigned char> is_used(count, 0);
+    for (const Triangle& face : mesh.faces)
+        for (const std::uint32_t v : face) is_used[v] = 1;
+    std::vector<std::uint32_t> place(count);
+    std::size_t next = 0;
+    for (std::size_t v = 0; v < count; ++v) {
+        if (is_used[v] == 0) continue;
+        place[v] = static_cast<std::uint32_t>(next);
+        std::copy_n(mesh.positions.begin() + static_cast<std::ptrdiff_t>(2 * v), 2,
+                    mesh.positions.begin() + static_cast<std::ptrdiff_t>(2 * next));
+        std::copy_n(mesh.colors.begin() + static_cast<std::ptrdiff_t>(channels * v), channels,
+                    mesh.colors.begin() + static_cast<std::ptrdiff_t>(channels * next));
+        ++next;
+    }
+    mesh.positions.resize(2 * next);
+    mesh.colors.resize(channels * next);
+    for (Triangle& face : mesh.faces)
+        for (std::uint32_t& v : face) v = place[v];
+    return count - next;
+}
+
+/// Whether a mesh and a threshold are ones that drop_transparent() can take. O(vertices + faces).
+[[nodiscard]] inline Status check_sprite(const Mesh& mesh, double threshold) noexcept {
+    if (const Status status = check(mesh.view(), kit::max_channels); !status) return status;
+    if (mesh.colors.size() != static_cast<std::size_t>(mesh.channels) * mesh.vertex_count())
+        return {Errc::invalid_argument, "the mesh's arrays are not of one number of vertices", 0, 0};
+    if (!kit::has_alpha(mesh.channels))
+        return {Errc::invalid_argument, "a sprite has alpha, which meshes of 2 or 4 channels have", mesh.channels, 4};
+    if (!kit::is_within(threshold, 0, 254))
+        return {Errc::invalid_argument, "the threshold must be from 0 to 254, in 255ths of full alpha", threshold, 254};
+    return {};
+}
+
+}  // namespace detail
+
+/// Drops the faces of a mesh of 2 or 4 channels whose alpha is at most a threshold at all three vertices, hence everywhere, and
+/// the vertices that no face uses; puts opaque faces first. Faces and vertices that are left keep their order otherwise, and
+/// their values. A mesh of which nothing is left is empty, and that is no error. Only the mesh of a premultiplied image stays
+/// what it was to look at over any background: colours of straight ones are whatever transparent pixels hide.
+///
+/// \param mesh       as mesh_image() makes it, or any that check() accepts
+/// \param threshold  alpha in 255ths of the peak, 0 to 254: what is at most 2 nobody sees
+/// \return           what was done; invalid_argument or not_finite, with the mesh as it was, for a mesh without alpha or one that
+///                   check() refuses, and a threshold out of range
+inline SpriteReport drop_transparent(Mesh& mesh, double threshold = 2) {
+    SpriteReport report;
+    report.status = detail::check_sprite(mesh, threshold);
+    if (!report.status) return report;
+    const std::vector<detail::FaceAlpha> kinds = detail::face_alphas(mesh, threshold);
+    std::vector<Triangle> left;
+    left.reserve(mesh.faces.size());
+    for (const detail::FaceAlpha kind : {detail::FaceAlpha::opaque, detail::FaceAlpha::blended}) {
+        for (std::size_t f = 0; f < kinds.size(); ++f)
+            if (kinds[f] == kind) left.push_back(mesh.faces[f]);
+        if (kind == detail::FaceAlpha::opaque) report.opaque_faces = left.size();
+    }
+    report.dropped_faces = mesh.faces.size() - left.size();
+    mesh.faces = std::move(left);
+    for (const Triangle& face : mesh.faces) report.area += detail::area_of(mesh, face);
+    report.dropped_vertices = detail::remove_unused_vertices(mesh);
+    return report;
+}
+
+/// The same of what mesh_image() returned, whose report becomes that of the mesh that is left: pixels of no face are 0, as
+/// render() draws them, colours and alpha alike.
+///
+/// \param result        of mesh_image(view, options); the stages of its report stay those of the mesh before
+/// \param view          the image that was meshed, straight as it was
+/// \param options       those that the mesh was made with, of which the weights of pixels and channels are read
+/// \param threshold     alpha in 255ths of the peak, 0 to 254
+/// \param parallel_for  executor of the faces dropped
+/// \return              as above, also invalid_argument where result has no mesh of this image
+template <class T, int C>
+SpriteReport drop_transparent(Result& result, const ImageView<T, C>& view, const Options& options = {}, double threshold = 2,
+                              const ParallelFor& parallel_for = {}) {
+    static_assert(kit::has_alpha(C), "images of 2 or 4 channels have alpha");
+    const ImageView<float, 1>& weights = options.weights;
+    SpriteReport report;
+    Mesh& mesh = result.mesh;
+    report.status = check(view);
+    if (report.status) report.status = kit::check_weights(weights, view.width, view.height, parallel_for);
+    if (report.status) report.status = kit::check_channel_weights(options.channel_weights, C);
+    if (report.status && !result.has_mesh()) report.status = {Errc::invalid_argument, "the result has no mesh", 0, 1};
+    if (report.status && (mesh.width != view.width || mesh.height != view.height || mesh.channels != C))
+        report.status = {Errc::invalid_argument, "the result is that of another image, by its size or channels"};
+    if (report.status) report.status = detail::check_sprite(mesh, threshold);
+    for (std::size_t v = 0; v < mesh.vertex_count() && report.status; ++v)
+        if (!kit::is_within(static_cast<double>(mesh.positions[2 * v]), 0, mesh.width) ||
+            !kit::is_within(static_cast<double>(mesh.positions[2 * v + 1]), 0, mesh.height))
+            report.status = {Errc::invalid_argument, "the mesh has a position outside of the image, at vertex", v};
+    if (!report.status) return report;
+
+    Mesh gone = mesh;
+    gone.faces.clear();
+    const std::vector<detail::FaceAlpha> kinds = detail::face_alphas(mesh, threshold);
+    for (std::size_t f = 0; f < kinds.size(); ++f)
+        if (kinds[f] == detail::FaceAlpha::dropped) gone.faces.push_back(mesh.faces[f]);
+    if (!gone.faces.empty()) {
+        Image<T, C> premultiplied;
+        if (mesh.premultiplied) premultiplied = kit::premultiply(view, parallel_for);
+        const ImageView<T, C> image = mesh.premultiplied ? premultiplied.view() : view;
+        const double unit = kit::weight_unit(weights, parallel_for);
+        kit::ChannelScale<C> scale;
+        if (kit::differ(options.channel_weights)) scale = kit::channel_scale(image, options.channel_weights);
+        double channels = 0;
+        for (const double share : scale.share) channels += share * share;
+        const double before = kit::rendered_error(gone, image, weights, unit, parallel_for, scale);
+        std::fill(gone.colors.begin(), gone.colors.end(), 0.0F);
+        const double after = kit::rendered_error(gone, image, weights, unit, parallel_for, scale);
+        const double samples = channels * kit::weight_sum(weights, unit, view.width, view.height, parallel_for);
+        result.report.energy = std::max(0.0, result.report.energy + (after - before));
+        result.report.psnr = kit::psnr_of_energy(result.report.energy, samples, PixelTraits<T>::peak);
+    }
+    report = drop_transparent(mesh, threshold);
+    result.report.vertices = mesh.vertex_count();
+    result.report.faces = mesh.face_count();
+    return report;
+}
+
+}  // namespace hmesh
+
+#endif  // HMESH_SPRITE_HPP
 
 #if defined(_MSC_VER) || defined(__GNUC__)
 #pragma pop_macro("min")

@@ -197,3 +197,13 @@ TEST_CASE("the bytes do not depend on the locale") {
     const hmesh::Mesh mesh = random_grid(3, 300, 200, 12, 8, 255, 12);
     hmesh_test::check_locale_makes_no_difference(mesh.view(), to_sink);
 }
+
+TEST_CASE("a mesh of nothing is a page on which nothing is drawn") {
+    check_empty_meshes(to_sink, [](const Bytes& bytes) {
+        const std::string text = as_text(bytes);
+        CHECK(text.find("%%BoundingBox: 0 0 3 2\n") != std::string::npos);
+        CHECK(text.find("shfill") == std::string::npos);
+        CHECK(text.find("~>") == std::string::npos);
+        CHECK(text.find("showpage\n%%Trailer\n%%EOF\n") != std::string::npos);
+    });
+}

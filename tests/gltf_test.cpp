@@ -477,3 +477,14 @@ TEST_CASE("a mesh of 4 GiB or more is refused before it is read") {
     CHECK(status.limit == 4294967295);
     CHECK(status.value > status.limit);
 }
+
+TEST_CASE("a mesh of nothing is a scene of nothing: accessors have one element at least") {
+    hmesh_test::check_empty_meshes(with({}), [](const Bytes& bytes) {
+        CHECK(number_at<std::uint32_t>(bytes, 8) == bytes.size());
+        CHECK(number_at<std::uint32_t>(bytes, 12) == bytes.size() - 20);
+        CHECK(bytes.size() % 4 == 0);
+        const std::string json(bytes.begin() + 20, bytes.end());
+        CHECK(json.find("\"scene\":0,\"scenes\":[{}]}") != std::string::npos);
+        for (const char* word : {"accessors", "meshes", "buffers", "nodes"}) CHECK(json.find(word) == std::string::npos);
+    });
+}

@@ -515,3 +515,17 @@ TEST_CASE("a mesh that cannot be ordered stays as it is") {
     mesh = {};
     CHECK(order_for_gpu(mesh).code == hmesh::Errc::invalid_argument);
 }
+
+TEST_CASE("a mesh of nothing gives buffers of no bytes, and a layout") {
+    hmesh::Mesh mesh = hmesh_test::two_faces(4);
+    mesh.positions.clear(), mesh.colors.clear(), mesh.faces.clear();
+    const GpuBuffers buffers = hmesh::pack_for_gpu(mesh.view());
+    CHECK(buffers.status);
+    CHECK(buffers.vertices.empty());
+    CHECK(buffers.indices.empty());
+    CHECK(buffers.chunks.empty());
+    CHECK(buffers.layout.stride == 8);
+    CHECK(buffers.layout.width == 3);
+    mesh.width = 0;
+    CHECK_FALSE(hmesh::pack_for_gpu(mesh.view()).status);
+}

@@ -257,3 +257,12 @@ TEST_CASE("a mesh or options that cannot be written give a Status and no byte") 
         check_refused(good.view(), hmesh::Errc::invalid_argument, options);
     }
 }
+
+TEST_CASE("a mesh of nothing is a page with a mesh of no bytes") {
+    hmesh_test::check_empty_meshes([](const hmesh::MeshView& mesh, hmesh::Sink sink) { return hmesh::write_html(mesh, sink); },
+                                   [](const hmesh_test::Bytes& bytes) {
+                                       const std::string text = hmesh_test::as_text(bytes);
+                                       CHECK(text.find("\"vertices\":0,\"faces\":0") != std::string::npos);
+                                       CHECK(text.find("\"data\":\"\"}") != std::string::npos);
+                                   });
+}

@@ -241,6 +241,54 @@ TEST_CASE("the most vertices that a PSNR may take are at least 4, and bound noth
     check_refused(mesh_of(image, target, Effort::draft), Errc::invalid_argument);
 }
 
+TEST_CASE("at most n vertices are those n where the image needs them, and 4 where it has one colour") {
+    const auto image = hmesh_test::scene<std::uint8_t, 3>(56, 56, 5);
+    for (const std::int64_t n : {std::int64_t{4}, std::int64_t{5}, std::int64_t{120}})
+        CHECK(hmesh_test::same_bytes(mesh_of(image, Target::at_most(n), Effort::fast),
+                                     mesh_of(image, Target::vertices(n), Effort::fast)));
+    for (const std::int64_t n : {std::int64_t{5}, std::int64_t{300}, std::int64_t{3136}, std::int64_t{1} << 40}) {
+        CAPTURE(n);
+        const auto flat = hmesh_test::constant_image<std::uint8_t, 3>(56, 56, 0.4);
+        hmesh_test::prove_result(flat, mesh_of(flat, Target::at_most(n), Effort::draft), 4);
+        const auto gradient = hmesh_test::affine_image<std::uint8_t, 3>(56, 56);
+        hmesh_test::prove_result(gradient, mesh_of(gradient, Target::at_most(n), Effort::fast), 4);
+    }
+    const auto pixel = hmesh_test::noise<std::uint8_t, 3>(1, 1, 1);
+    hmesh_test::prove_result(pixel, mesh_of(pixel, Target::at_most(1000), Effort::draft), 4);
+}
+
+TEST_CASE("a mesh of at most n vertices has about the fewest that are good enough, and the status is ok") {
+    const auto image = hmesh_test::scene<std::uint8_t, 3>(56, 56, 5);
+    const auto least = mesh_of(image, Target::psnr(30), Effort::fast);
+    for (const std::int64_t n : {static_cast<std::int64_t>(least.report.vertices) + 20, std::int64_t{1000}}) {
+        CAPTURE(n);
+        const auto result = mesh_of(image, Target::at_most(n, 30), Effort::fast);
+        hmesh_test::prove_result(image, result, result.report.vertices);
+        CHECK(result.report.psnr >= 30);
+        CHECK(result.report.psnr < 30.6);
+        CHECK(result.report.vertices < static_cast<std::size_t>(n));
+        CHECK(static_cast<double>(result.report.vertices) < 1.1 * static_cast<double>(least.report.vertices));
+    }
+    Target share = Target::percent(30);
+    share.good_enough = 30;
+    CHECK(mesh_of(image, share, Effort::fast).report.psnr < 30.6);
+    CHECK(hmesh_test::same_bytes(mesh_of(image, share, Effort::fast), mesh_of(image, share, Effort::fast)));
+}
+
+TEST_CASE("what is good enough is a positive PSNR, and bounds no other") {
+    const auto image = small_scene();
+    for (const double bad : {0.0, -1.0, infinity, not_a_number})
+        check_refused(mesh_of(image, Target::at_most(40, bad), Effort::draft), Errc::target_out_of_range);
+    for (const std::int64_t bad : {std::int64_t{3}, std::numeric_limits<std::int64_t>::min()})
+        check_refused(mesh_of(image, Target::at_most(bad), Effort::draft), Errc::target_out_of_range);
+    Target target = Target::psnr(30);
+    target.good_enough = 50;
+    check_refused(mesh_of(image, target, Effort::draft), Errc::invalid_argument);
+    target = Target::at_most(40);
+    target.max_vertices = 30;
+    check_refused(mesh_of(image, target, Effort::draft), Errc::invalid_argument);
+}
+
 TEST_CASE("the largest PSNR there is does not overflow the report of what was asked for") {
     const auto image = hmesh_test::noise<std::uint8_t, 1>(5, 4, 1);
     const auto result = mesh_of(image, Target::psnr(std::numeric_limits<double>::max()), Effort::draft);

@@ -67,6 +67,15 @@ TEST_CASE("check refuses a mesh without vertices, faces or data") {
     }
 }
 
+TEST_CASE("check takes a mesh of nothing, if it says of how many channels it has none") {
+    Mesh mesh = square();
+    mesh.positions.clear(), mesh.colors.clear(), mesh.faces.clear();
+    CHECK(check(mesh.view(), 3));
+    CHECK(check(mesh.view(), 2).code == Errc::invalid_argument);
+    mesh.peak = 0;
+    CHECK(check(mesh.view(), 3).code == Errc::invalid_argument);
+}
+
 TEST_CASE("check refuses a number of channels that the use cannot hold") {
     const Mesh mesh = square();
     CHECK(check(mesh.view(), 2).code == Errc::invalid_argument);

@@ -98,3 +98,9 @@ TEST_CASE("a sink that refuses anywhere gets no more and is reported") {
 }
 
 TEST_CASE("a mesh that cannot be written gives a Status and no byte") { hmesh_test::check_bad_meshes_are_refused(to_sink); }
+
+TEST_CASE("a mesh of nothing is the line that says who made it") {
+    hmesh_test::check_empty_meshes(to_sink, [](const hmesh_test::Bytes& bytes) {
+        CHECK(hmesh_test::as_text(bytes) == "# made by hmesh " HMESH_VERSION_STRING "\n");
+    });
+}

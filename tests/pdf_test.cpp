@@ -337,3 +337,13 @@ TEST_CASE("the bytes do not depend on the locale") {
     const hmesh::Mesh mesh = random_grid(3, 300, 200, 12, 8, 255, 12);
     hmesh_test::check_locale_makes_no_difference(mesh.view(), to_sink);
 }
+
+TEST_CASE("a mesh of nothing is a page on which nothing is drawn") {
+    check_empty_meshes(to_sink, [](const Bytes& bytes) {
+        const std::vector<Object> objects = read_pdf(as_text(bytes));
+        const Object& page = page_of(objects);
+        CHECK(numbers_after(page.entries, "/MediaBox") == std::vector<double>{0, 0, 3, 2});
+        CHECK(follow(objects, page.entries, "/Contents").data.empty());
+        for (const Object& object : objects) CHECK(object.entries.find("/ShadingType") == std::string::npos);
+    });
+}

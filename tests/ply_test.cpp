@@ -256,3 +256,12 @@ TEST_CASE("a mesh that cannot be written gives a Status and no byte") {
         return hmesh::write_ply(view, sink, {false, true});
     });
 }
+
+TEST_CASE("a mesh of nothing is a header that counts nothing") {
+    hmesh_test::check_empty_meshes(to_sink, [](const Bytes& bytes) {
+        const std::string text = hmesh_test::as_text(bytes);
+        CHECK(text.find("element vertex 0\n") != std::string::npos);
+        CHECK(text.find("element face 0\n") != std::string::npos);
+        CHECK(text.substr(text.size() - 11) == "end_header\n");
+    });
+}

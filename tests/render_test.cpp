@@ -328,6 +328,15 @@ TEST_CASE("pixels in no face are 0 and a later face covers an earlier") {
     CHECK(samples_of(drawn<1>(mesh.view())) == std::vector<float>{5, 1, 0, 0, 5, 1, 0, 0});
 }
 
+TEST_CASE("a mesh of nothing is drawn as nothing, at any size") {
+    Mesh mesh;
+    mesh.channels = 4, mesh.width = 3, mesh.height = 40, mesh.peak = 255;
+    CHECK(samples_of(drawn<4>(mesh.view())) == std::vector<float>(4 * 3 * 40, 0.0F));
+    CHECK(samples_of(drawn<4>(mesh.view(), {70, 1})) == std::vector<float>(4 * 70, 0.0F));
+    mesh.channels = 3;
+    CHECK(render_status(mesh.view()).code == Errc::invalid_argument);  // render_status() draws one channel
+}
+
 TEST_CASE("an executor that runs backwards gives identical bytes") {
     Random random(8);
     Mesh mesh = random_mesh<3>(150, 210, 70, 60, 500, random);  // more than one chunk of vertices and of faces

@@ -503,3 +503,24 @@ TEST_CASE("a kind that is none of those known is refused") {
         CHECK(text.empty());
     }
 }
+
+TEST_CASE("a mesh of nothing shows nothing, and the black that layers are screened on is masked where there are no faces") {
+    for (const SvgKind kind : {SvgKind::gradient, SvgKind::exact, SvgKind::flat}) {
+        hmesh::SvgOptions options;
+        options.kind = kind;
+        options.wireframe = true;
+        const auto write = [&](const hmesh::MeshView& mesh, hmesh::Sink sink) { return hmesh::write_svg(mesh, sink, options); };
+        hmesh_test::check_empty_meshes(write, [](const hmesh_test::Bytes& bytes) {
+            const std::string text = hmesh_test::as_text(bytes);
+            CHECK(text.find("</svg>\n") == text.size() - 7);
+        });
+        hmesh::Mesh opaque = hmesh_test::two_faces(4);
+        for (std::size_t v = 0; v < 4; ++v) opaque.colors[4 * v + 3] = 255;
+        const auto has_mask = [&] {
+            return hmesh_test::as_text(hmesh_test::exported(opaque.view(), write)).find("<mask") != std::string::npos;
+        };
+        CHECK_FALSE(has_mask());
+        opaque.faces.pop_back();
+        CHECK(has_mask() == (kind == SvgKind::exact));
+    }
+}

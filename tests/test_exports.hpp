@@ -122,6 +122,24 @@ inline void check_bad_meshes_are_refused(Write write) {
     check_refused(two_faces(5).view(), hmesh::Errc::invalid_argument, write);
 }
 
+// The file of a mesh of nothing, as a sprite of transparent pixels is, of 1 to 4 channels.
+template <class Prove>
+void check_empty_meshes(Write write, Prove&& prove) {
+    for (int channels = 1; channels <= 4; ++channels) {
+        CAPTURE(channels);
+        hmesh::Mesh mesh = two_faces(channels);
+        mesh.positions.clear(), mesh.colors.clear(), mesh.faces.clear();
+        prove(exported(mesh.view(), write));
+        mesh.width = 0;
+        check_refused(mesh.view(), hmesh::Errc::invalid_argument, write);
+        mesh.width = 3, mesh.peak = 0;
+        check_refused(mesh.view(), hmesh::Errc::invalid_argument, write);
+    }
+    hmesh::MeshView faces_alone = two_faces(3).view();
+    faces_alone.vertex_count = 0;
+    check_refused(faces_alone, hmesh::Errc::invalid_argument, write);
+}
+
 // A sink that refuses after k bytes gets no more and is reported. The mesh must take some writes of 4096 bytes. All k around
 // the ends of writes, where the sink's answers change, and every `stride`-th of the others.
 inline void check_refusing_sinks(const hmesh::MeshView& mesh, Write write, std::size_t stride = 97) {

@@ -148,12 +148,12 @@ template <int C>
     const auto share = [&](double percent) {
         return std::min(most, std::max<std::size_t>(4, static_cast<std::size_t>(std::llround(pixels * percent / 100))));
     };
-    if (options.target.kind != Target::Kind::psnr) {
-        const bool is_percent = options.target.kind == Target::Kind::percent;
-        return mesh_once(subject,
-                         is_percent ? share(options.target.value) : static_cast<std::size_t>(options.target.value), {}, {},
-                         recipe, options, parallel_for);
-    }
+    const Target& target = options.target;
+    const std::size_t wanted = target.kind == Target::Kind::percent
+                                   ? share(target.value)
+                                   : static_cast<std::size_t>(std::min(target.value, static_cast<double>(all)));
+    if (target.kind != Target::Kind::psnr && (!target.good_enough || wanted == 4))
+        return mesh_once(subject, wanted, {}, {}, recipe, options, parallel_for);
     kit::SearchProgress progress;
     const Mesh any;  // stands for the mesh of another run
     const auto run = [&](std::size_t n, const kit::Beginning& from, const kit::ProgressSpan& span) {
@@ -169,14 +169,29 @@ template <int C>
         };
         return run(n, from, progress.next(from.work, work_of));
     };
+    const double peak = subject.image->peak();
+    const auto search = [&](double psnr, double first, std::size_t limit) {
+        return recipe.can_go_on ? kit::fewest_vertices_going_on(psnr, recipe.gain_over_sketch, share(first), limit, mesh_from)
+                                : kit::fewest_vertices(psnr, std::min(limit, share(1)), limit, mesh_of);
+    };
+    if (target.kind != Target::Kind::psnr) {
+        // Most images need what they are given: their one run comes first, and is that of a target without good_enough.
+        const double bound = *target.good_enough;
+        Result whole = run(wanted, {}, progress.next(4, 1));
+        if (!whole.status || whole.report.psnr <= bound) return searched(std::move(whole), options, subject.samples, peak);
+        Result fewer = search(bound, 100.0 / 8 * static_cast<double>(wanted) / pixels, wanted - 1);
+        if (!fewer.status && fewer.report.psnr < bound) {
+            if (fewer.status.code != Errc::target_out_of_range) whole.status = fewer.status;
+            fewer = std::move(whole);
+        }
+        return searched(std::move(fewer), options, subject.samples, peak);
+    }
     // Half way, on a logarithmic scale, from what photographs need for 32 dB to what they need for the target.
-    const double first = 0.25 * std::exp2(std::max(-2.0, std::min(2.0, (options.target.value - 32) / 4)));
-    Result result =
-        recipe.can_go_on ? kit::fewest_vertices_going_on(options.target.value, recipe.gain_over_sketch, share(first), most, mesh_from)
-                        : kit::fewest_vertices(options.target.value, share(1), most, mesh_of);
+    const double first = 0.25 * std::exp2(std::max(-2.0, std::min(2.0, (target.value - 32) / 4)));
+    Result result = search(target.value, first, most);
     if (result.status.code == Errc::target_out_of_range && is_bounded)
         result.status.what = "no mesh of at most max_vertices vertices reached the PSNR asked for, in dB";
-    return searched(std::move(result), options, subject.samples, subject.image->peak());
+    return searched(std::move(result), options, subject.samples, peak);
 }
 
 /// A recipe for images of one kind behind function references.

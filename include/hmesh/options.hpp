@@ -30,7 +30,8 @@ enum class Colors : std::uint8_t {
     sampled,  ///< the colour of the image at the position of each vertex
 };
 
-/// How many vertices the mesh gets, the four corners of the image included. Made by Target::vertices(), percent() or psnr().
+/// How many vertices the mesh gets, the four corners of the image included. Made by Target::vertices(), percent(), psnr() or
+/// at_most().
 struct Target {
     /// What `value` counts.
     enum class Kind : std::uint8_t {
@@ -42,18 +43,32 @@ struct Target {
     double value = 1;           ///< number of vertices, percent of the pixels, or dB
     /// Of a PSNR alone: the most vertices that the mesh may have, >= 4. Empty (the default): as many as the image has pixels.
     std::optional<std::int64_t> max_vertices{};
+    /// Of a number of vertices or a percentage alone: the PSNR, in dB, > 0, above which a mesh needs no more vertices. Where it
+    /// is passed, the mesh is that of the fewest vertices found that reach it, and a number above that of the pixels is no
+    /// error. Empty (the default): exactly so many vertices.
+    std::optional<double> good_enough{};
+
+    /// What `good_enough` is where no other is named: an error of 0.45 steps of 8 bits (root mean square). The rounding of a
+    /// smooth gradient to 8 bits is at 58.9 dB, with that of the vertices' colours at 57.3: a higher bound would spend vertices
+    /// on it.
+    static constexpr double invisible = 55;
 
     /// Exactly n vertices, 4 <= n <= max(4, number of pixels).
-    [[nodiscard]] static Target vertices(std::int64_t n) noexcept { return {Kind::vertices, static_cast<double>(n), {}}; }
+    [[nodiscard]] static Target vertices(std::int64_t n) noexcept { return {Kind::vertices, static_cast<double>(n), {}, {}}; }
     /// This percentage of the number of pixels, rounded to a whole number of vertices; in (0, 100], at least 4 vertices.
-    [[nodiscard]] static Target percent(double of_pixels) noexcept { return {Kind::percent, of_pixels, {}}; }
+    [[nodiscard]] static Target percent(double of_pixels) noexcept { return {Kind::percent, of_pixels, {}, {}}; }
     /// The fewest vertices found whose mesh reaches this PSNR, in dB, > 0. Takes about six runs at counts that close in on the
     /// target.
-    [[nodiscard]] static Target psnr(double decibel) noexcept { return {Kind::psnr, decibel, {}}; }
+    [[nodiscard]] static Target psnr(double decibel) noexcept { return {Kind::psnr, decibel, {}, {}}; }
     /// The same with at most `max_vertices`, >= 4; more than pixels bound nothing. Where these do not reach the PSNR, the mesh is
     /// the best one found of at most so many, and the status target_out_of_range.
     [[nodiscard]] static Target psnr(double decibel, std::int64_t max_vertices) noexcept {
-        return {Kind::psnr, decibel, max_vertices};
+        return {Kind::psnr, decibel, max_vertices, {}};
+    }
+    /// At most n >= 4 vertices, and fewer where these reach a PSNR of `decibel`: 4 of an image of one colour. The status is ok in
+    /// either case. The one run of vertices(n) where the image needs them; else some two more, of fewer vertices.
+    [[nodiscard]] static Target at_most(std::int64_t n, double decibel = invisible) noexcept {
+        return {Kind::vertices, static_cast<double>(n), {}, decibel};
     }
 };
 
@@ -81,10 +96,11 @@ struct Options {
     /// then those of the premultiplied image, and Mesh::premultiplied is set. Colours under transparent pixels do not count,
     /// and the edges of sprites carry no fringes. Takes a copy of the image.
     bool premultiplied = false;
-    /// What a search for a PSNR goes by: psnr_of(mesh, psnr) returns the PSNR, in dB, that a mesh counts as, `psnr` being its own
-    /// (Report::psnr). For meshes that are to reach the target as they are stored or drawn, with fewer bits or between other
-    /// values. Empty (the default): their own. Called for each run of a search, on the thread that called mesh_image(); it
-    /// must return a number and rise with the number of vertices, on the whole, and its callable must outlive the call.
+    /// What a search for a PSNR goes by, and Target::good_enough: psnr_of(mesh, psnr) returns the PSNR, in dB, that a mesh counts
+    /// as, `psnr` being its own (Report::psnr). For meshes that are to reach the target as they are stored or drawn, with fewer
+    /// bits or between other values. Empty (the default): their own. Called for each run of a search, on the thread that called
+    /// mesh_image(); it must return a number and rise with the number of vertices, on the whole, and its callable must outlive
+    /// the call.
     FunctionRef<double(const Mesh& mesh, double psnr)> psnr_of{};
 };
 
@@ -95,9 +111,9 @@ struct Options {
     const std::int64_t most = std::max<std::int64_t>(4, pixels);
     switch (target.kind) {
         case Target::Kind::vertices:
-            if (kit::is_finite(target.value) && target.value > static_cast<double>(most))
+            if (kit::is_finite(target.value) && target.value > static_cast<double>(most) && !target.good_enough)
                 return {Errc::target_out_of_range, "a mesh has at most one vertex a pixel", target.value, most};
-            if (!kit::is_within(target.value, 4, static_cast<double>(most)))
+            if (!kit::is_within(target.value, 4, std::max(target.value, 4.0)))
                 return {Errc::target_out_of_range, "a mesh has at least 4 vertices", target.value, 4};
             break;
         case Target::Kind::percent:
@@ -111,6 +127,11 @@ struct Options {
             break;
         default: return {Errc::invalid_argument, "the target is of no known kind", static_cast<int>(target.kind), 2};
     }
+    if (target.good_enough && target.kind == Target::Kind::psnr)
+        return {Errc::invalid_argument, "good_enough bounds a number of vertices, and the target is a PSNR, in dB", target.value};
+    if (target.good_enough && (!kit::is_finite(*target.good_enough) || *target.good_enough <= 0))
+        return {Errc::target_out_of_range, "the PSNR that is good enough must be positive and finite, in dB",
+                *target.good_enough};
     if (target.max_vertices && target.kind != Target::Kind::psnr)
         return {Errc::invalid_argument, "max_vertices bounds the search for a PSNR, and the target is none",
                 *target.max_vertices};

@@ -29,8 +29,8 @@ def test_a_mesh_pictures_and_a_report_are_written_and_told(hmesh):
     report = json.loads(read("report.json"))
     assert {"element vertex 100", f"element face {report['faces']}"} <= set(ply_header("mesh.ply"))
     assert list(report) == """version input width height channels bits method effort colors fit_space premultiplied seed weights
-                              tile target status vertices faces psnr psnr_convention psnr_written levels maps psnr_glb psnr_glb_fitted
-                              energy seconds stages""".split()
+                              tile target status vertices faces opaque_faces area psnr psnr_convention psnr_written levels maps
+                              psnr_glb psnr_glb_fitted energy seconds stages""".split()
     assert report.items() >= {"input": "picture.png", "width": 96, "height": 64, "channels": 3, "bits": 8, "method": "annealed",
                               "effort": "normal", "colors": "optimal", "fit_space": "stored", "premultiplied": False, "seed": 1,
                               "weights": None, "tile": 0, "target": "--vertices 100", "status": "ok", "vertices": 100}.items()

@@ -8,7 +8,8 @@ from conftest import contents, rows
 
 def test_help_names_every_option(hmesh):
     text = hmesh.done("--help")
-    for name in """output format vertices rate psnr max-vertices effort method colors fit-space premultiplied seed weights tile threads svg
+    for name in """output format vertices rate psnr max-vertices good-enough sprite outline alpha margin
+                   tolerance no-holes texture effort method colors fit-space premultiplied seed weights tile threads svg
                    no-original render render-scale wireframe residual strip report depfile keep-partial quiet json help
                    version man completion""".split():
         assert re.search(rf"^ +(-\w, *)?--{name}\b", text, re.M), name
@@ -59,8 +60,8 @@ WRONG = rows("""
     --depfile is given with -                 | grey.pgm --weights - -o a.ply --depfile a.d
     --depfile is given with -                 | grey.pgm -o - --format ply --depfile a.d
     --json takes no value                     | grey.pgm --json=1
-    --max-vertices requires --psnr            | grey.pgm --max-vertices 50
-    --max-vertices requires --psnr            | grey.pgm --rate 2 --max-vertices 50
+    excludes --max-vertices                   | grey.pgm --rate 2 --max-vertices 50
+    excludes --max-vertices                   | grey.pgm --vertices 20 --max-vertices 50
     '3' must be at least 4                    | grey.pgm --psnr 30 --max-vertices 3
     '-9' must be at least 4                   | grey.pgm --psnr 30 --max-vertices -9
     '5e3' is not a whole number               | grey.pgm --psnr 30 --max-vertices 5e3

@@ -93,7 +93,7 @@ def bash(hmesh, *words):
 
 def test_bash_offers_options_their_values_and_files(hmesh):
     assert bash(hmesh, "--eff") == ["--effort"]
-    assert bash(hmesh, "picture.png", "--no") == ["--no-original"]
+    assert bash(hmesh, "picture.png", "--no-o") == ["--no-original"]
     assert set(bash(hmesh, "-")) == set(options(hmesh))
     for name, values in VALUES.items():
         assert bash(hmesh, name, "") == values.split()

@@ -63,7 +63,10 @@ void check_file(const std::string& file, const hmesh::MeshView& mesh) {
     }
     table.expect("trailer\n<< /Size ");
     demand(table.whole() == count, "the trailer counts the objects");
-    demand(shadings == (mesh.channels % 2 == 0 ? 2 : 1), "the page has a shading, and one of its alpha");
+    demand(shadings == (mesh.face_count == 0     ? 0
+                        : mesh.channels % 2 == 0 ? 2
+                                                 : 1),
+           "the page has a shading, and one of its alpha");
 }
 
 }  // namespace

@@ -17,8 +17,9 @@
 #include "readers/image_file.hpp"
 #include "readers/image_set.hpp"
 #include "readers/weights.hpp"
-#include "results/level.hpp"
+#include "results/made.hpp"
 #include "results/maps.hpp"
+#include "results/outline_files.hpp"
 #include "results/report.hpp"
 #include "results/summary.hpp"
 #include "results/writing.hpp"
@@ -36,7 +37,7 @@ namespace {
 std::size_t budget(const hmesh::Target& target, const ImageFile& image) {
     const double pixels = static_cast<double>(image.width) * image.height;
     switch (target.kind) {
-        case hmesh::Target::Kind::vertices: return static_cast<std::size_t>(target.value);
+        case hmesh::Target::Kind::vertices: return static_cast<std::size_t>(std::min(target.value, std::max(4.0, pixels)));
         case hmesh::Target::Kind::percent:
             return static_cast<std::size_t>(std::max(4LL, std::llround(pixels * target.value / 100)));
         case hmesh::Target::Kind::psnr: break;
@@ -67,6 +68,9 @@ std::string start(std::optional<example::ThreadPool>& pool, unsigned threads) {
     }
     return {};
 }
+
+// Alpha of faces that --sprite drops, in 255ths, where --alpha does not say.
+constexpr double default_transparent = 2;
 
 // What went wrong, if anything did.
 struct Failure {
@@ -141,14 +145,12 @@ std::string find_too_many_levels(const MeshingOptions& options, std::size_t n) {
            "; at most --lods " + std::to_string(most);
 }
 
-// Prints what is said of a mesh. Returns "" or why it cannot be, as a sentence.
-std::string tell(const Arguments& arguments, bool is_one_of_several, const ImageFile& image, const hmesh::Result& outcome,
-                 const std::vector<Level>& coarser, const std::vector<Map>& maps, const std::optional<LightMesh>& light,
-                 const std::vector<WrittenPsnr>& written, double seconds, const std::string& json_line) {
+// Prints what is said of a mesh, by print(stream) or as a line of JSON. Returns "" or why it cannot be, as a sentence.
+template <class Print>
+std::string tell(const Arguments& arguments, const std::string& json_line, Print&& print) {
     std::FILE* const to = writes_standard_output(arguments) ? stderr : stdout;
     if (arguments.json) std::fputs(json_line.c_str(), to);
-    else if (!arguments.quiet && is_one_of_several) print_line(to, arguments, image, outcome, coarser, seconds);
-    else if (!arguments.quiet) print_summary(to, arguments, image, outcome, coarser, maps, light, written, seconds);
+    else if (!arguments.quiet) print(to);
     errno = 0;
     const bool is_printed = std::fflush(to) == 0 && std::ferror(to) == 0;
     return is_printed ? "" : "cannot write to the standard output: " + std::string(std::strerror(errno != 0 ? errno : EIO));
@@ -163,7 +165,40 @@ std::string least_text(const std::vector<WrittenPsnr>& written, double psnr) {
     return ", of which " + output_words(least->file) + " keeps " + psnr_text(least->psnr);
 }
 
-Failure make_mesh(const Arguments& arguments, bool is_one_of_several, std::optional<example::ThreadPool>& pool) {
+// The files of an outline of the image, in place of a mesh.
+Failure make_outline(const Arguments& arguments, bool is_one_of_several, const ImageFile& image, ProgressWatch& watch) {
+    const hmesh::Outline outline = outline_file(image, arguments.outline_options);
+    const double seconds = watch.seconds();
+    if (!outline.status) return {"the outline of " + input_words(arguments.input) + ": " + in_words(outline.status)};
+    const auto report = [&](bool is_wanted, Layout layout) {
+        return is_wanted ? outline_json(arguments, image, outline, seconds, layout) : std::string();
+    };
+    const std::string file_report = report(!arguments.report.empty(), Layout::indented);
+    if (std::string why = write_outline_files(arguments, image, outline, file_report); !why.empty()) return {why};
+    watch.finish();
+    std::string why = tell(arguments, report(arguments.json, Layout::one_line),
+                           [&](std::FILE* to) { print_outline(to, arguments, image, outline, is_one_of_several, seconds); });
+    return why.empty() ? Failure() : Failure{why, true, true};
+}
+
+// What is done to all levels once they are meshed: faces of sprites are dropped, and colours found for linear light. Returns ""
+// or what went wrong.
+std::string finish_levels(const Arguments& arguments, const ImageFile& image, const MeshingOptions& options, bool is_set,
+                          const hmesh::ParallelFor& parallel_for, ProgressWatch& watch, Made& made) {
+    for (Level& level : made.levels) {
+        if (!arguments.sprite) break;
+        level.sprite = drop_faces(image, options, level.outcome, parallel_for);
+        if (!level.sprite->status) return in_words(level.sprite->status);
+    }
+    if (!has_output(arguments, ".glb") || options.fit_space == FitSpace::linear || options.premultiplied || is_set) return {};
+    watch.step("linear light", light_work(image));
+    for (Level& level : made.levels)
+        if (&level == &made.levels.front() || options.fit_space == FitSpace::each)
+            level.light = light_mesh(image, options, level.outcome.mesh, parallel_for);
+    return {};
+}
+
+Failure make_mesh(Arguments arguments, bool is_one_of_several, std::optional<example::ThreadPool>& pool) {
     ProgressWatch watch(!arguments.quiet && is_terminal(stderr));
     Inputs inputs;
     NewFolders folders;
@@ -173,6 +208,15 @@ Failure make_mesh(const Arguments& arguments, bool is_one_of_several, std::optio
         if (std::string why = find_too_many_levels(arguments.meshing, budget(arguments.meshing.target, image)); !why.empty())
             return {input_words(arguments.input) + ": " + why};
     if (std::string why = find_unwritable(arguments, folders); !why.empty()) return {why};
+    if (arguments.outline) {
+        if (arguments.alpha >= 0) arguments.outline_options.threshold = arguments.alpha;
+        watch.begin_mesh(0.03 * image.width * image.height, 0.03 * image.width * image.height, 1);
+        return make_outline(arguments, is_one_of_several, image, watch);
+    }
+    if (arguments.sprite) {
+        arguments.meshing.premultiplied = arguments.meshing.premultiplied || hmesh::kit::has_alpha(image.channels);
+        arguments.meshing.transparent = arguments.alpha >= 0 ? arguments.alpha : default_transparent;
+    }
     if (!pool)
         if (std::string why = start(pool, arguments.threads); !why.empty()) return {why, false, true};
 
@@ -193,7 +237,8 @@ Failure make_mesh(const Arguments& arguments, bool is_one_of_several, std::optio
         interrupted = false;
         keep_budget(image, options, *pool, outcome);
     }
-    const double seconds = watch.seconds();
+    Made made;
+    made.seconds = watch.seconds();
     watch.end_mesh();
 
     const std::string sentence = what_is_made(arguments) + ": " + in_words(outcome.status);
@@ -205,42 +250,36 @@ Failure make_mesh(const Arguments& arguments, bool is_one_of_several, std::optio
         return {sentence + "; nothing is written, as --depfile asks for whole results", false, is_interrupted};
     if (std::string why = find_too_many_levels(options, outcome.report.vertices); !why.empty())
         return {input_words(arguments.input) + ": " + why + "; nothing is written"};
-    std::optional<LightMesh> light;
-    if (has_output(arguments, ".glb") && options.fit_space != FitSpace::linear && !options.premultiplied && !is_set) {
-        watch.step("linear light", light_work(image));
-        light = light_mesh(image, options, outcome.mesh, *pool);
-    }
-    std::vector<Level> coarser;
-    for (hmesh::Result& level : lods.levels) {
-        Level& out = coarser.emplace_back();
-        out.outcome = std::move(level);
-        if (light && options.fit_space == FitSpace::each) out.light = light_mesh(image, options, out.outcome.mesh, *pool);
-    }
-    const bool has_missed = options.psnr_of && outcome.status.code == hmesh::Errc::target_out_of_range;
+    made.levels.emplace_back().outcome = std::move(outcome);
+    for (hmesh::Result& level : lods.levels) made.levels.emplace_back().outcome = std::move(level);
+    if (std::string why = finish_levels(arguments, image, options, is_set, *pool, watch, made); !why.empty())
+        return {what_is_made(arguments) + ": " + why};
+    const auto& [finest, light, sprite] = made.finest();
+    const hmesh::Status& status = finest.status;
+    const bool has_missed = options.psnr_of && status.code == hmesh::Errc::target_out_of_range;
     const bool is_summed_up = !arguments.quiet && !is_one_of_several;
-    std::vector<WrittenPsnr> written;
     if (is_summed_up || arguments.json || !arguments.report.empty() || has_missed) {
-        if (is_set) measure_maps(outcome.mesh, image, options.weights, inputs.maps);
-        else written = files.measure(outcome.mesh, outcome.report.psnr, light);
+        if (is_set) measure_maps(finest.mesh, image, options.weights, inputs.maps);
+        else made.written = files.measure(finest.mesh, finest.report.psnr, light);
     }
+    made.maps = std::move(inputs.maps);
     const auto report = [&](bool is_wanted, Layout layout) {
-        return is_wanted ? report_json(arguments, image, outcome, coarser, inputs.maps, light, written, seconds, watch, layout)
-                         : std::string();
+        return is_wanted ? report_json(arguments, image, made, watch, layout) : std::string();
     };
     const std::string file_report = report(!arguments.report.empty(), Layout::indented);
-    if (std::string why = write_files(arguments, is_set ? inputs.first : image, inputs.bytes, outcome, coarser, inputs.maps,
-                                      light, file_report, watch);
+    if (std::string why = write_files(arguments, is_set ? inputs.first : image, inputs.bytes, made, file_report, watch);
         !why.empty())
         return {why, false, is_interrupted};
     watch.finish();
     const std::string json_line = report(arguments.json, Layout::one_line);
-    if (std::string why =
-            tell(arguments, is_one_of_several, image, outcome, coarser, inputs.maps, light, written, seconds, json_line);
-        !why.empty())
-        return {why, true, true};
-    if (outcome.status) return {};
-    return {sentence + "; the mesh reached so far, " + std::to_string(outcome.report.vertices) + " vertices and " +
-                psnr_text(outcome.report.psnr) + (has_missed ? least_text(written, outcome.report.psnr) : "") + ", " +
+    std::string untold = tell(arguments, json_line, [&](std::FILE* to) {
+        if (is_one_of_several) print_line(to, arguments, image, made);
+        else print_summary(to, arguments, image, made);
+    });
+    if (!untold.empty()) return {untold, true, true};
+    if (status) return {};
+    return {sentence + "; the mesh reached so far, " + std::to_string(finest.report.vertices) + " vertices and " +
+                psnr_text(finest.report.psnr) + (has_missed ? least_text(made.written, finest.report.psnr) : "") + ", " +
                 (output_files(arguments).empty() ? "is as above" : "is written"),
             true, is_interrupted};
 }

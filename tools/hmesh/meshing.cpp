@@ -28,6 +28,7 @@ double meshing_work(int width, int height, const MeshingOptions& options) noexce
     double n = options.target.value;
     if (options.target.kind != hmesh::Target::Kind::vertices) n = std::max(4.0, pixels * (is_search ? 2 : n) / 100);
     if (options.target.max_vertices) n = std::min(n, static_cast<double>(*options.target.max_vertices));
+    if (options.target.good_enough) n = std::min(n, std::max(4.0, pixels));
     const double one = options.method == Method::adaptive_thinning ? 12 * pixels
                        : options.method != Method::annealed
                            ? 0.2 * pixels + 150 * n
@@ -38,6 +39,29 @@ double meshing_work(int width, int height, const MeshingOptions& options) noexce
 }
 
 double light_work(int width, int height, int channels) noexcept { return 0.18 * channels * width * height; }
+
+// The sum of squares that is such a PSNR.
+template <class T, int C>
+double energy_of_psnr(double psnr, const hmesh::ImageView<T, C>& view, const hmesh::ImageView<float, 1>& weights) {
+    const double unit = hmesh::kit::weight_unit(weights), peak = hmesh::PixelTraits<T>::peak;
+    const double samples = C * hmesh::kit::weight_sum(weights, unit, view.width, view.height);
+    return std::isfinite(psnr) ? peak * peak * samples * std::pow(10.0, -psnr / 10) : 0;
+}
+
+template <class T, int C>
+hmesh::SpriteReport drop_faces(const hmesh::ImageView<T, C>& view, const MeshingOptions& options, hmesh::Result& result,
+                               const hmesh::ParallelFor& parallel_for) {
+    if constexpr (hmesh::kit::has_alpha(C)) {
+        hmesh::Options weights;
+        weights.weights = options.weights;
+        return hmesh::drop_transparent(result, view, weights, options.transparent, parallel_for);
+    } else {
+        hmesh::SpriteReport report;  // all of it is opaque
+        report.opaque_faces = result.mesh.faces.size();
+        report.area = static_cast<double>(view.width) * view.height;
+        return report;
+    }
+}
 
 hmesh::Annealed annealed_recipe(const MeshingOptions& wanted) {
     hmesh::Annealed recipe;
@@ -84,6 +108,17 @@ template <class T, int C>
     options.limits.position_step = wanted.position_step;
     options.progress = wanted.progress;
     options.psnr_of = wanted.psnr_of;
+    // What a sprite counts as is what is left of it.
+    const auto psnr_of_sprite = [&](const hmesh::Mesh& mesh, double psnr) {
+        hmesh::Result trial;
+        trial.mesh = mesh;
+        trial.mesh.premultiplied = wanted.premultiplied;
+        trial.report.energy = energy_of_psnr(psnr, view, wanted.weights);
+        trial.report.psnr = psnr;
+        if (!drop_faces(view, wanted, trial, parallel_for).status) return psnr;
+        return wanted.psnr_of ? wanted.psnr_of(trial.mesh, trial.report.psnr) : trial.report.psnr;
+    };
+    if (wanted.transparent >= 0) options.psnr_of = psnr_of_sprite;
     const hmesh::Annealed annealed = annealed_recipe(wanted);
     if (wanted.levels > 1) {
         hmesh::LodOptions lods;
@@ -281,6 +316,15 @@ hmesh::Result first_level(hmesh::Lods&& lods) {
 
 hmesh::Result mesh_file(const ImageFile& image, const MeshingOptions& options, const hmesh::ParallelFor& parallel_for) {
     return first_level(mesh_levels(image, options, parallel_for));
+}
+
+hmesh::SpriteReport drop_faces(const ImageFile& image, const MeshingOptions& options, hmesh::Result& outcome,
+                               const hmesh::ParallelFor& parallel_for) {
+    return with_view(image, [&](const auto& view) { return drop_faces(view, options, outcome, parallel_for); });
+}
+
+hmesh::Outline outline_file(const ImageFile& image, const hmesh::OutlineOptions& options) {
+    return with_view(image, [&](const auto& view) { return hmesh::outline(view, options); });
 }
 
 LightMesh light_mesh(const ImageFile& image, const MeshingOptions& options, const hmesh::Mesh& mesh,

@@ -16,7 +16,9 @@
 #include "hmesh/mesh/mesh.hpp"
 #include "hmesh/methods/annealed/options.hpp"
 #include "hmesh/options.hpp"
+#include "hmesh/outline.hpp"
 #include "hmesh/result.hpp"
+#include "hmesh/sprite.hpp"
 #include "readers/image_file.hpp"
 #include "writers/picture_file.hpp"
 
@@ -41,6 +43,7 @@ struct MeshingOptions {
     bool premultiplied = false;
     double position_step = 1.0 / 256;     // px: see hmesh::MeshLimits
     std::vector<double> channel_weights;  // one for each channel; empty: all alike
+    double transparent = -1;              // 255ths of alpha of faces that drop_faces() drops, which searches count; below 0: none
     const hmesh::Mesh* start = nullptr;   // a mesh to bring to the target without more ado; null: none
     hmesh::ImageView<float, 1> weights;   // none: all pixels count the same
     hmesh::Progress progress;
@@ -67,6 +70,13 @@ struct MeshingOptions {
 // The same without the others.
 [[nodiscard]] hmesh::Result mesh_file(const ImageFile& image, const MeshingOptions& options,
                                       const hmesh::ParallelFor& parallel_for);
+
+// Drops the faces of a mesh made with these options that show nothing, those of at most options.transparent.
+hmesh::SpriteReport drop_faces(const ImageFile& image, const MeshingOptions& options, hmesh::Result& outcome,
+                               const hmesh::ParallelFor& parallel_for);
+
+// Few vertices around the image's pixels.
+[[nodiscard]] hmesh::Outline outline_file(const ImageFile& image, const hmesh::OutlineOptions& options);
 
 // A mesh for programs that interpolate linear light.
 struct LightMesh {

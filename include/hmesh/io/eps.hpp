@@ -83,9 +83,10 @@ inline Status write_eps(const MeshView& source, Sink sink, const PageOptions& op
     shares.reserve(static_cast<std::size_t>(components) * mesh.vertex_count);
     for (std::size_t v = 0; v < mesh.vertex_count; ++v)
         for (std::size_t k = 0; k < static_cast<std::size_t>(components); ++k) shares.push_back(on_paper(v, k));
-    std::vector<unsigned char> bytes =
-        detail::shading_bytes(mesh, detail::strip_vertices(mesh, options.strips), layout, components, shares);
-    if (const Status status = detail::compress(options.deflate, bytes); !status) return status;
+    std::vector<unsigned char> bytes;
+    const bool is_empty = mesh.face_count == 0;  // nothing is drawn then: a shading has at least one face
+    if (!is_empty) bytes = detail::shading_bytes(mesh, detail::strip_vertices(mesh, options.strips), layout, components, shares);
+    if (const Status status = is_empty ? Status() : detail::compress(options.deflate, bytes); !status) return status;
 
     detail::Writer writer(sink);
     const auto size = [&](const char* before, const char* after) {
@@ -98,13 +99,15 @@ inline Status write_eps(const MeshView& source, Sink sink, const PageOptions& op
     size("%!PS-Adobe-3.0 EPSF-3.0\n%%Creator: hmesh " HMESH_VERSION_STRING "\n%%BoundingBox: 0 0 ", "\n");
     size("%%HiResBoundingBox: 0 0 ", "\n%%LanguageLevel: 3\n%%DocumentData: Clean7Bit\n%%Pages: 1\n%%EndComments\n");
     size("%%Page: 1 1\ngsave\n0 0 ", " rectclip\n");
-    // Read as one procedure, so that what follows the drawing - skipping to the end of the data - is known before them.
-    writer.text("{ currentfile /ASCII85Decode filter dup");
-    if (options.deflate) writer.text(" /FlateDecode filter");
-    writer.text("\n<< /DataSource 3 -1 roll\n");
-    detail::write_shading_entries(writer, layout, {components, 1, 0});
-    writer.text(" >> shfill flushfile } exec\n");
-    detail::write_ascii85(writer, bytes);
+    if (!is_empty) {
+        // Read as one procedure, so that what follows the drawing - skipping to the end of the data - is known before them.
+        writer.text("{ currentfile /ASCII85Decode filter dup");
+        if (options.deflate) writer.text(" /FlateDecode filter");
+        writer.text("\n<< /DataSource 3 -1 roll\n");
+        detail::write_shading_entries(writer, layout, {components, 1, 0});
+        writer.text(" >> shfill flushfile } exec\n");
+        detail::write_ascii85(writer, bytes);
+    }
     writer.text("grestore\nshowpage\n%%Trailer\n%%EOF\n");
     return writer.finish();
 }

@@ -291,11 +291,15 @@ inline void write_glb_array(Writer& writer, const MeshView& mesh, GlbContent con
 
 }  // namespace detail
 
-/// Writes a mesh of 1 to 4 channels, or with groups of up to 16, as a .glb file. A mesh that is empty, has no size, numbers
-/// that are not finite, faces without their vertices, or needs 4 GiB, groups that check() refuses, a longer side that is
-/// negative or no float, and bits other than 8 and 16 give a Status that says so, and no byte is written; a sink that refuses
-/// bytes and a compressor that fails give Errc::write_failed.
+/// Writes a mesh of 1 to 4 channels, or with groups of up to 16, as a .glb file; one without vertices as a scene of nothing. A
+/// mesh that has no size, numbers that are not finite, faces without their vertices, or needs 4 GiB, groups that check()
+/// refuses, a longer side that is negative or no float, and bits other than 8 and 16 give a Status that says so, and no byte is
+/// written; a sink that refuses bytes and a compressor that fails give Errc::write_failed.
 inline Status write_glb(const MeshView& source, Sink sink, const GltfOptions& options = {}) {
+    if (source.vertex_count == 0 && source.face_count == 0) {
+        if (const Status status = detail::check_for_export(source); !status) return status;
+        return detail::write_empty_glb(sink);
+    }
     detail::GlbMesh out;
     if (const Status status = detail::lay_out_glb(source, options, out); !status) return status;
     const detail::ExportMesh exported(source, detail::Premultiplied::divided);

@@ -275,12 +275,17 @@ class GpuWriter {
 /// its orientation, in an order of its own; other faces and vertices that no face uses are left out. The same mesh gives the same
 /// bytes, whatever the byte order of the machine.
 ///
-/// A mesh that is empty, has no size, more than 4 channels, numbers that are not finite, faces without their vertices or none of
-/// three different corners, over 2^31 vertices or 2^30 faces, and options out of range give a Status that says so and no buffers.
+/// A mesh without vertices gives buffers of no bytes and no chunks. One that has no size, more than 4 channels, numbers that are
+/// not finite, faces without their vertices or none of three different corners, over 2^31 vertices or 2^30 faces, and options out
+/// of range give a Status that says so and no buffers.
 [[nodiscard]] inline GpuBuffers pack_for_gpu(const MeshView& source, const GpuOptions& options = {}) {
     GpuBuffers buffers;
     buffers.status = detail::check_for_gpu(source, options);
     if (!buffers.status) return buffers;
+    if (source.face_count == 0) {
+        buffers.layout = detail::lay_out_for_gpu(source, options);
+        return buffers;
+    }
     const std::vector<Triangle> faces = detail::faces_of_three_corners(source);
     if (faces.empty()) {
         buffers.status = {Errc::invalid_argument, "the mesh has no face of three different corners", 0, 1};

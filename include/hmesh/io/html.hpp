@@ -138,9 +138,9 @@ inline void write_html_original(Writer& writer, const HtmlOptions& options) {
 
 }  // namespace detail
 
-/// Writes a mesh of 1 to 4 channels as a web page; colours are held to [0, peak]. A mesh that is empty, has no size, numbers that
-/// are not finite, faces without their vertices or 2^32 vertices or faces, and options without texts or a media type give a
-/// Status that says so, and no byte is written; a sink that refuses bytes gives Errc::write_failed.
+/// Writes a mesh of 1 to 4 channels as a web page; colours are held to [0, peak]. A mesh that has no size, numbers that are not
+/// finite, faces without their vertices or 2^32 vertices or faces, and options without texts or a media type give a Status that
+/// says so, and no byte is written; a sink that refuses bytes gives Errc::write_failed.
 inline Status write_html(const MeshView& source, Sink sink, const HtmlOptions& options = {}) {
     if (const Status status = detail::check_for_html(source, options); !status) return status;
     const detail::ExportMesh exported(source, detail::Premultiplied::kept);

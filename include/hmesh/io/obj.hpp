@@ -25,8 +25,8 @@
 
 namespace hmesh {
 
-/// Writes a mesh of 1 to 4 channels as an OBJ file. A mesh that is empty, has no size, numbers that are not finite or faces
-/// without their vertices gives a Status that says so, and no byte is written; a sink that refuses bytes gives
+/// Writes a mesh of 1 to 4 channels as an OBJ file. A mesh that has no size, numbers that are not finite or faces without their
+/// vertices gives a Status that says so, and no byte is written; a sink that refuses bytes gives
 /// Errc::write_failed.
 inline Status write_obj(const MeshView& source, Sink sink) {
     if (const Status status = detail::check_for_export(source); !status) return status;

@@ -142,10 +142,10 @@ inline void put_multiplier(PdfFile& file, const ShadingColors& colors) {
 
 }  // namespace detail
 
-/// Writes a mesh of 1 to 4 channels as a PDF file; colours are held to [0, peak]. A mesh that is empty, has no size or one above
-/// 4,194,304 px, numbers that are not finite, positions further than that from the corner, faces without their vertices or more
-/// than 47,721,858 of them gives a Status that says so, and a compressor that fails gives Errc::write_failed: no byte is written.
-/// A sink that refuses bytes gives Errc::write_failed.
+/// Writes a mesh of 1 to 4 channels as a PDF file; colours are held to [0, peak]. A mesh without vertices is a page on which
+/// nothing is drawn. A mesh that has no size or one above 4,194,304 px, numbers that are not finite, positions further than that
+/// from the corner, faces without their vertices or more than 47,721,858 of them gives a Status that says so, and a compressor
+/// that fails gives Errc::write_failed: no byte is written. A sink that refuses bytes gives Errc::write_failed.
 inline Status write_pdf(const MeshView& source, Sink sink, const PageOptions& options = {}) {
     detail::ShadingLayout layout;
     if (const Status status = detail::plan_shading(source, layout); !status) return status;
@@ -153,7 +153,7 @@ inline Status write_pdf(const MeshView& source, Sink sink, const PageOptions& op
     const MeshView& mesh = exported.view();
     const auto channels = static_cast<std::size_t>(mesh.channels);
     const int components = mesh.channels == 1 ? 1 : 3;
-    const bool is_masked = mesh.channels == 4;
+    const bool is_masked = mesh.channels == 4 && mesh.face_count != 0;
 
     std::vector<detail::PdfShading> colors, alpha;
     const auto shade = [&](int count, std::size_t first_channel, std::vector<detail::PdfShading>& shadings) {
@@ -162,6 +162,7 @@ inline Status write_pdf(const MeshView& source, Sink sink, const PageOptions& op
         for (std::size_t v = 0; v < mesh.vertex_count; ++v)
             for (std::size_t k = 0; k < static_cast<std::size_t>(count); ++k)
                 shares.push_back(static_cast<double>(mesh.colors[channels * v + first_channel + k]) / mesh.peak);
+        if (mesh.face_count == 0) return Status();  // a shading has at least one
         return detail::make_shadings(mesh, layout, count, shares, options, shadings);
     };
     if (const Status status = shade(components, 0, colors); !status) return status;
@@ -204,8 +205,9 @@ inline Status write_pdf(const MeshView& source, Sink sink, const PageOptions& op
     };
     const auto draw = [&](std::size_t count) {  // ends a stream that draws so many shadings
         static constexpr char all[] = "/S0 sh /S1 sh /S2 sh /S3 sh /S4 sh";
-        HMESH_ASSERT(7 * count - 1 < sizeof all);
-        file.end_object(reinterpret_cast<const unsigned char*>(all), 7 * count - 1);
+        const std::size_t size = count == 0 ? 0 : 7 * count - 1;
+        HMESH_ASSERT(size < sizeof all);
+        file.end_object(reinterpret_cast<const unsigned char*>(all), size);
     };
     const auto put = [&](const std::vector<detail::PdfShading>& shadings) {
         for (const detail::PdfShading& shading : shadings) {

@@ -142,10 +142,9 @@ class PlyNumbers {
 
 }  // namespace detail
 
-/// Writes a mesh of 1 to 4 channels, or with groups of up to 16, as a PLY file. A mesh that is empty, has no size, numbers that
-/// are not finite, faces without their vertices, 2^31 vertices or faces, or colours that are no floats as shares, and groups
-/// that check() refuses, give a Status that says so, and no byte is written; a sink that refuses bytes gives
-/// Errc::write_failed.
+/// Writes a mesh of 1 to 4 channels, or with groups of up to 16, as a PLY file. A mesh that has no size, numbers that are not
+/// finite, faces without their vertices, 2^31 vertices or faces, or colours that are no floats as shares, and groups that
+/// check() refuses, give a Status that says so, and no byte is written; a sink that refuses bytes gives Errc::write_failed.
 inline Status write_ply(const MeshView& source, Sink sink, const PlyOptions& options = {}) {
     if (const Status status = detail::check_for_ply(source, options); !status) return status;
     const auto wanted = options.float_colors ? detail::Premultiplied::divided_only : detail::Premultiplied::divided;

@@ -130,7 +130,9 @@ class SvgPage {
     /// Writes the file. To be called once.
     Status write() {
         begin();
-        const bool is_masked = mesh_.channels == 4 && !is_opaque();
+        // What layers are screened on is black, and must not show where there are no faces.
+        const bool has_ground = options_.kind == SvgKind::exact && mesh_.channels == 4 && !is_covered();
+        const bool is_masked = mesh_.channels == 4 && (has_ground || !is_opaque());
         if (is_masked) {
             writer_.text("<mask id=\"_m\" maskUnits=\"userSpaceOnUse\" x=\"0\" y=\"0\" ");
             writer_.size(mesh_.width, mesh_.height);
@@ -318,6 +320,17 @@ class SvgPage {
         return true;
     }
 
+    // Whether the faces' areas add up to the image's, but for what rounding leaves.
+    [[nodiscard]] bool is_covered() const {
+        double twice = 0;
+        for (std::size_t f = 0; f < mesh_.face_count; ++f) {
+            const FacePoints p = face_points(f);
+            twice += (p[1].x - p[0].x) * (p[2].y - p[0].y) - (p[2].x - p[0].x) * (p[1].y - p[0].y);
+        }
+        const double all = 2.0 * mesh_.width * mesh_.height;
+        return std::abs(twice - all) < 1e-6 * all;
+    }
+
     const MeshView& mesh_;
     const SvgOptions& options_;
     SvgWriter writer_;
@@ -326,8 +339,8 @@ class SvgPage {
 
 }  // namespace detail
 
-/// Writes a mesh of 1 to 4 channels as an SVG file. A mesh that is empty, has no size, numbers that are not finite or faces
-/// without their vertices, and a kind that is none of SvgKind give a Status that says so, and no byte is written; a sink that
+/// Writes a mesh of 1 to 4 channels as an SVG file. A mesh that has no size, numbers that are not finite or faces without their
+/// vertices, and a kind that is none of SvgKind give a Status that says so, and no byte is written; a sink that
 /// refuses bytes gives Errc::write_failed.
 inline Status write_svg(const MeshView& mesh, Sink sink, const SvgOptions& options = {}) {
     if (const Status status = detail::check_for_svg(mesh, options); !status) return status;

@@ -38,7 +38,7 @@ struct MeshView {
     bool premultiplied = false;
 };
 
-/// A triangle mesh that owns its arrays.
+/// A triangle mesh that owns its arrays. Those that mesh_image() makes tile the rectangle of their image.
 struct Mesh {
     std::vector<float> positions;  ///< x and y of each vertex, in px
     std::vector<float> colors;     ///< colour of each vertex, `channels` numbers in stored values
@@ -60,12 +60,14 @@ struct Mesh {
     }
 };
 
-/// Whether a mesh can be drawn and written: it has vertices and faces, 1 to `most_channels` channels, finite numbers, a
-/// positive peak, and every index in range. Otherwise invalid_argument or not_finite. O(vertices + faces).
+/// Whether a mesh can be drawn and written: it has 1 to `most_channels` channels, finite numbers, a positive peak, and every
+/// index in range. It need not cover its image, and may have no vertices and no faces at all, as a sprite of nothing has, but
+/// not one of the two. Otherwise invalid_argument or not_finite. O(vertices + faces).
 [[nodiscard]] inline Status check(const MeshView& mesh, int most_channels) noexcept {
-    if (mesh.vertex_count == 0) return {Errc::invalid_argument, "the mesh has no vertices", 0, 1};
-    if (mesh.face_count == 0) return {Errc::invalid_argument, "the mesh has no faces", 0, 1};
-    if (mesh.positions == nullptr || mesh.colors == nullptr || mesh.faces == nullptr)
+    const bool is_empty = mesh.vertex_count == 0 && mesh.face_count == 0;
+    if (mesh.vertex_count == 0 && !is_empty) return {Errc::invalid_argument, "the mesh has no vertices", 0, 1};
+    if (mesh.face_count == 0 && !is_empty) return {Errc::invalid_argument, "the mesh has no faces", 0, 1};
+    if (!is_empty && (mesh.positions == nullptr || mesh.colors == nullptr || mesh.faces == nullptr))
         return {Errc::invalid_argument, "the mesh has a null pointer for its positions, colours or faces", 0, 0};
     if (mesh.channels < 1 || mesh.channels > most_channels)
         return {Errc::invalid_argument, "the mesh has a number of channels that this use cannot hold", mesh.channels,

@@ -226,6 +226,7 @@ class LinearLight {
     if (mesh.positions.size() % 2 != 0 || mesh.colors.size() != static_cast<std::size_t>(channels) * mesh.vertex_count())
         return {Errc::invalid_argument, "the mesh's arrays are not of one number of vertices", 0, 0};
     if (const Status status = check(mesh.view(), channels); !status) return status;
+    if (mesh.faces.empty()) return {Errc::invalid_argument, "the mesh has no faces", 0, 1};
     if (mesh.premultiplied)
         return {Errc::invalid_argument, "linear light is fitted to straight colours, and the mesh's are premultiplied", 0, 0};
     if (mesh.width != width) return {Errc::invalid_argument, "the mesh is not as wide as the image", mesh.width, width};

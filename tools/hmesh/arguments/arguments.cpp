@@ -161,18 +161,33 @@ void add_mesh_options(CLI::App& app, Arguments& out) {
                                 out.target = "--psnr " + text;
                                 return why;
                             });
-    // Called after that of --psnr, whatever their order is on the command line: options are, as they were added.
+    // Called after those above, whatever their order is on the command line: options are, as they were added.
     add(app, "--max-vertices", "N",
-        "with --psnr, no more than N vertices: where they do not reach it, the best mesh of so many\n"
-        "is written, and the exit status is 1",
+        "at most N vertices, and fewer where these are good enough; with --psnr, where N do not reach\n"
+        "it, the best mesh of so many is written, and the exit status is 1",
         [&](const std::string& text) {
             std::int64_t count = 0;
             if (std::string why = parse_integer(text, count); !why.empty()) return why;
-            out.meshing.target.max_vertices = count;
-            out.target += " --max-vertices " + text;
+            const bool is_search = out.meshing.target.kind == hmesh::Target::Kind::psnr;
+            if (is_search) out.meshing.target.max_vertices = count;
+            else out.meshing.target = hmesh::Target::at_most(count);
+            out.outline_options.max_vertices = static_cast<int>(std::min<std::int64_t>(count, 1 << 30));
+            out.target = (is_search ? out.target + " " : "") + "--max-vertices " + text;
             return std::string(count >= 4 ? "" : "must be at least 4, the corners of an image");
         })
-        ->needs(psnr);
+        ->excludes(vertices)
+        ->excludes(rate);
+    add(app, "--good-enough", "DB",
+        "fewer vertices than --vertices, --rate or --max-vertices say where these reach this PSNR\n"
+        "(--max-vertices: 55, below half a step of 8 bits)",
+        [&](const std::string& text) {
+            double decibel = 0;
+            std::string why = parse_positive(text, 1000, decibel);
+            out.meshing.target.good_enough = decibel;
+            out.target += " --good-enough " + text;
+            return why;
+        })
+        ->excludes(psnr);
     rate->excludes(vertices);
     psnr->excludes(vertices)->excludes(rate);
 }
@@ -232,6 +247,32 @@ void add_meshing_options(CLI::App& app, Arguments& out) {
         [&](const std::string& text) { return parse_in_range(text, 64, hmesh::kit::max_side, meshing.tile); });
     add(app, "--threads", "N", "work on N threads, 1 to 1024; the mesh is the same for all N (default: 0, all cores)",
         [&](const std::string& text) { return parse_in_range(text, 0, 1024, out.threads); });
+}
+
+void add_sprite_options(CLI::App& app, Arguments& out) {
+    app.option_defaults()->group("Sprites");
+    app.add_flag_callback(
+        "--sprite", [&] { out.sprite = true; },
+        "fit colours times alpha, drop the faces that show nothing, and put opaque ones first; a picture\n"
+        "of nothing becomes an empty mesh");
+    CLI::Option* outline = app.add_flag_callback(
+        "--outline", [&] { out.outline = true; },
+        "few vertices around the pixels that show something, in place of a mesh, to draw the image on:\n"
+        ".ply, .obj (with .mtl) and .glb hold texture coordinates and the texture's name");
+    add(app, "--alpha", "N", "alpha, 0 to 254, above which pixels show something (default: 2 with --sprite, 0 with --outline)",
+        [&](const std::string& text) { return parse_in_range(text, 0, 254, out.alpha); });
+    add(app, "--margin", "PX", "around these pixels (default: 0.5, what bilinear filters show of them; 0 at their own size)",
+        [&](const std::string& text) { return parse_at_least_0(text, 64, out.outline_options.margin); })
+        ->needs(outline);
+    add(app, "--tolerance", "PX", "how far an outline may stand out on average, for fewer vertices (default: 1)",
+        [&](const std::string& text) { return parse_at_least_0(text, 1000, out.outline_options.tolerance); })
+        ->needs(outline);
+    app.add_flag_callback(
+           "--no-holes", [&] { out.outline_options.holes = false; }, "fill the holes of an outline")
+        ->needs(outline);
+    add(app, "--texture", "NAME", "the texture's name in the files of an outline (default: the image, as seen from each)",
+        [&](const std::string& text) { return set_file(text, out.texture); })
+        ->needs(outline);
 }
 
 void add_other_options(CLI::App& app, Arguments& out) {
@@ -301,6 +342,8 @@ constexpr Note notes[] = {
      "  hmesh photo.png -o mesh.glb -o mesh.html --rate 2\n"
      "  hmesh photo.png -o mesh.glb -o levels/{lod}.ply --lods 5\n"
      "  hmesh *.png -o out/{name}.glb --psnr 32 --max-vertices 20000 --json > reports.jsonl\n"
+     "  hmesh icon.png -o icon.glb --sprite --max-vertices 500\n"
+     "  hmesh icon.png -o icon.obj --outline --max-vertices 24\n"
      "  convert photo.gif png:- | hmesh - -o - --format pdf > mesh.pdf"},
     {"Exit status", "0 done, 1 failed, 2 wrong usage."}};
 
@@ -342,6 +385,7 @@ void for_each_output(AnyArguments& arguments, Take&& take) {
         take(mesh.name);
         for (auto& level : mesh.coarser) take(level);
     }
+    for (auto& material : arguments.materials) take(material);
     for (auto* file :
          {&arguments.render, &arguments.wireframe, &arguments.residual, &arguments.strip, &arguments.report, &arguments.depfile})
         if (!file->empty()) take(*file);
@@ -398,6 +442,10 @@ Arguments for_image(Arguments all, const std::string& input) {
         file = expand(file, name);
         all.folders.push_back(std::filesystem::path(file).parent_path().string());
     });
+    all.texture = expand(all.texture, name);
+    for (const MeshFile& mesh : all.meshes)
+        if (all.outline && mesh.ending == ".obj" && !is_standard(mesh.name))
+            all.materials.push_back(std::filesystem::path(mesh.name).replace_extension(".mtl").string());
     return all;
 }
 
@@ -429,7 +477,7 @@ std::string find_map_conflict(const CLI::App& app, const std::vector<std::string
     if (is_standard(arguments.render)) return "--with draws several pictures, and --render - names one";
     if (arguments.meshing.method != Method::annealed)
         return std::string("--with means nothing to --method ") + name_of(methods, arguments.meshing.method);
-    for (const char* option : {"--premultiplied", "--fit-space"})
+    for (const char* option : {"--premultiplied", "--fit-space", "--sprite"})
         if (app.count(option) != 0) return std::string(option) + " is given with --with, whose images are no colours alone";
     return {};
 }
@@ -447,6 +495,21 @@ std::string find_level_conflict(const CLI::App& app, const Arguments& arguments)
     if (arguments.meshing.method != Method::annealed)
         return std::string("--lods means nothing to --method ") + name_of(methods, arguments.meshing.method);
     if (arguments.keep_partial) return "--keep-partial is given with --lods, of which all levels are written or none";
+    return {};
+}
+
+// What is wrong with an outline in place of a mesh.
+std::string find_outline_conflict(const CLI::App& app, const std::vector<std::string>& inputs, const Arguments& arguments) {
+    for (const char* option :
+         {"--sprite",    "--vertices",        "--rate",    "--psnr", "--good-enough", "--effort",  "--method",   "--colors",
+          "--fit-space", "--premultiplied",   "--weights", "--seed", "--tile",        "--render",  "--residual", "--strip",
+          "--with",      "--channel-weights", "--lods",    "--grid", "--glb",         "--glb-bits"})
+        if (app.count(option) != 0) return std::string(option) + " means nothing to --outline, which makes no mesh of colours";
+    for (const MeshFile& mesh : arguments.meshes)
+        if (mesh.ending != ".ply" && mesh.ending != ".obj" && mesh.ending != ".glb")
+            return "--outline is written as .ply, .obj or .glb, which hold texture coordinates: '" + mesh.name + "' holds none";
+    if (arguments.texture.empty() && std::find(inputs.begin(), inputs.end(), "-") != inputs.end())
+        return "--outline of the standard input needs --texture, the name of the image in the files";
     return {};
 }
 
@@ -488,6 +551,11 @@ std::string find_conflict(const CLI::App& app, const std::vector<std::string>& i
     for (const char* option : {"--effort", "--seed", "--tile"})
         if (arguments.meshing.method != Method::annealed && app.count(option) != 0)
             return std::string(option) + " means nothing to --method " + name_of(methods, arguments.meshing.method);
+    if (app.count("--alpha") != 0 && !arguments.sprite && !arguments.outline)
+        return "--alpha is given without --sprite or --outline";
+    if (arguments.sprite && arguments.meshing.fit_space != FitSpace::stored)
+        return "--fit-space linear fits straight colours, and --sprite those times alpha: leave one of them out";
+    if (arguments.outline) return find_outline_conflict(app, inputs, arguments);
     return find_conflict(arguments.meshing);
 }
 
@@ -547,6 +615,7 @@ CommandLine parse(const std::vector<std::string>& words) {
         ->required();
     add_mesh_options(app, arguments);
     add_meshing_options(app, arguments);
+    add_sprite_options(app, arguments);
     add_other_options(app, arguments);
     try {
         app.parse(reversed(words));

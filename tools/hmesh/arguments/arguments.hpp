@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "hmesh/io/svg.hpp"
+#include "hmesh/outline.hpp"
 #include "meshing.hpp"
 #include "writers/formats.hpp"
 
@@ -83,11 +84,17 @@ struct Arguments {
     hmesh::SvgKind svg = hmesh::SvgKind::gradient;
     GlbForm glb = GlbForm::exact;
     int glb_color_bits = 16;
-    int grid = 0;                     // positions are multiples of 1 px over this; 0: as the outputs ask for
-    bool original = true;             // is in .html files
-    MeshingOptions meshing;           // but for the weights and the progress
-    std::string target = "--rate 1";  // as typed
-    unsigned threads = 0;             // 0: all cores
+    int grid = 0;          // positions are multiples of 1 px over this; 0: as the outputs ask for
+    bool original = true;  // is in .html files
+    bool sprite = false;   // faces that show nothing are dropped
+    double alpha = -1;     // 255ths of full alpha above which pixels count; below 0: as sprites and outlines have it
+    bool outline = false;  // few vertices around the image's pixels, for the image as their texture, in place of a mesh
+    hmesh::OutlineOptions outline_options;
+    std::string texture;                 // its name in the files; empty: the image, as seen from them
+    std::vector<std::string> materials;  // the files of materials that go with .obj
+    MeshingOptions meshing;              // but for the weights and the progress
+    std::string target = "--rate 1";     // as typed
+    unsigned threads = 0;                // 0: all cores
     bool quiet = false;
     bool json = false;                 // the report on the standard output, for the summary
     bool keep_partial = false;         // after an interrupt

@@ -39,12 +39,17 @@ template <class Integer>
     return is_integer(text) && text[0] != '-' && errno == 0 ? "" : "is not a whole number from 0 to 2^64 - 1";
 }
 
-// A decimal number in (0, most].
-[[nodiscard]] inline std::string parse_positive(const std::string& text, int most, double& value) {
+// A decimal number.
+[[nodiscard]] inline std::string parse_number(const std::string& text, double& value) {
     char* end = nullptr;
     const bool is_plain = !text.empty() && text.find_first_not_of("0123456789.eE+-") == std::string::npos;
     value = is_plain ? std::strtod(text.c_str(), &end) : 0;
-    if (!is_plain || *end != '\0') return "is not a number";
+    return is_plain && *end == '\0' ? "" : "is not a number";
+}
+
+// A decimal number in (0, most].
+[[nodiscard]] inline std::string parse_positive(const std::string& text, int most, double& value) {
+    if (std::string why = parse_number(text, value); !why.empty()) return why;
     return value > 0 && value <= most ? "" : "must be above 0 and at most " + std::to_string(most);
 }
 
@@ -63,6 +68,12 @@ template <class Integer>
     }
     const auto is_zero = [](double value) { return value == 0; };
     return std::all_of(values.begin(), values.end(), is_zero) ? "has no weight above 0" : "";
+}
+
+// A decimal number in [0, most].
+[[nodiscard]] inline std::string parse_at_least_0(const std::string& text, int most, double& value) {
+    if (std::string why = parse_number(text, value); !why.empty()) return why;
+    return value >= 0 && value <= most ? "" : "must be from 0 to " + std::to_string(most);
 }
 
 }  // namespace tool

@@ -82,17 +82,19 @@ std::string psnr_formula(const Arguments& arguments) {
            (meshing.fit_space == FitSpace::linear ? ", drawn in linear light" : "") + ", values drawn not rounded";
 }
 
-std::string report_json(const Arguments& arguments, const ImageFile& image, const hmesh::Result& outcome,
-                        const std::vector<Level>& coarser, const std::vector<Map>& maps, const std::optional<LightMesh>& light,
-                        const std::vector<WrittenPsnr>& written, double seconds, const ProgressWatch& watch, Layout layout) {
+std::string report_json(const Arguments& arguments, const ImageFile& image, const Made& made, const ProgressWatch& watch,
+                        Layout layout) {
+    const hmesh::Result& outcome = made.finest().outcome;
+    const std::optional<LightMesh>& light = made.finest().light;
+    const std::optional<hmesh::SpriteReport>& sprite = made.finest().sprite;
     const MeshingOptions& meshing = arguments.meshing;
     const bool is_each = meshing.fit_space == FitSpace::each;
     Json stages = Json::array();
     for (const hmesh::StageReport& stage : outcome.report.stages) stages.push_back(stage_value(stage, watch.seconds_of(stage)));
     Json files = Json::object();
-    for (const WrittenPsnr& file : written) files[file.file] = psnr_value(file.psnr);
-    Json levels = Json::array({level_value(arguments, outcome.report, 0)});
-    for (const Level& level : coarser) levels.push_back(level_value(arguments, level.outcome.report, levels.size()));
+    for (const WrittenPsnr& file : made.written) files[file.file] = psnr_value(file.psnr);
+    Json levels = Json::array();
+    for (const Level& level : made.levels) levels.push_back(level_value(arguments, level.outcome.report, levels.size()));
     const Json report = {{"version", HMESH_VERSION_STRING},
                          {"input", arguments.input},
                          {"width", image.width},
@@ -111,17 +113,44 @@ std::string report_json(const Arguments& arguments, const ImageFile& image, cons
                          {"status", outcome.status ? "ok" : what_of(outcome.status)},
                          {"vertices", outcome.report.vertices},
                          {"faces", outcome.report.faces},
+                         {"opaque_faces", sprite ? Json(sprite->opaque_faces) : Json()},
+                         {"area", sprite ? Json(sprite->area / (static_cast<double>(image.width) * image.height)) : Json()},
                          {"psnr", psnr_value(outcome.report.psnr)},
                          {"psnr_convention", psnr_convention(arguments)},
                          {"psnr_written", files},
                          {"levels", levels},
-                         {"maps", map_values(maps)},
+                         {"maps", map_values(made.maps)},
                          {"psnr_glb", light ? psnr_value(is_each ? light->psnr : light->stored_psnr) : Json()},
                          {"psnr_glb_fitted", light ? psnr_value(light->psnr) : Json()},
                          {"energy", outcome.report.energy},
-                         {"seconds", seconds_value(seconds)},
+                         {"seconds", seconds_value(made.seconds)},
                          {"stages", stages}};
     return in_layout(report, layout);
+}
+
+std::string outline_json(const Arguments& arguments, const ImageFile& image, const hmesh::Outline& outline, double seconds,
+                         Layout layout) {
+    const hmesh::OutlineOptions& options = arguments.outline_options;
+    const double all = static_cast<double>(image.width) * image.height;
+    return in_layout({{"version", HMESH_VERSION_STRING},
+                      {"input", arguments.input},
+                      {"width", image.width},
+                      {"height", image.height},
+                      {"channels", image.channels},
+                      {"bits", image.bits},
+                      {"method", "outline"},
+                      {"alpha", options.threshold},
+                      {"margin", options.margin},
+                      {"tolerance", options.tolerance},
+                      {"max_vertices", options.max_vertices != 0 ? Json(options.max_vertices) : Json()},
+                      {"status", "ok"},
+                      {"vertices", outline.mesh.vertex_count()},
+                      {"faces", outline.mesh.face_count()},
+                      {"borders", outline.loops.size()},
+                      {"area", outline.area / all},
+                      {"area_needed", outline.covered / all},
+                      {"seconds", seconds_value(seconds)}},
+                     layout);
 }
 
 std::string failure_json(const Arguments& arguments, const std::string& why) {

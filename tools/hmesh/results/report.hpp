@@ -9,11 +9,10 @@
 #include <vector>
 
 #include "arguments/arguments.hpp"
+#include "hmesh/outline.hpp"
 #include "meshing.hpp"
 #include "readers/image_file.hpp"
-#include "results/level.hpp"
-#include "results/maps.hpp"
-#include "results/written_psnr.hpp"
+#include "results/made.hpp"
 #include "terminal/progress_watch.hpp"
 
 namespace tool {
@@ -23,12 +22,13 @@ namespace tool {
 
 enum class Layout : std::uint8_t { indented, one_line };
 
-// `maps`: those measured, where there are several; `light`: of the mesh, where a .glb file is written; `written`: of the files
-// that hold the mesh; `seconds`: of wall-clock time, for the whole mesh. Ends with a line feed.
-[[nodiscard]] std::string report_json(const Arguments& arguments, const ImageFile& image, const hmesh::Result& outcome,
-                                      const std::vector<Level>& coarser, const std::vector<Map>& maps,
-                                      const std::optional<LightMesh>& light, const std::vector<WrittenPsnr>& written,
-                                      double seconds, const ProgressWatch& watch, Layout layout);
+// Ends with a line feed.
+[[nodiscard]] std::string report_json(const Arguments& arguments, const ImageFile& image, const Made& made,
+                                      const ProgressWatch& watch, Layout layout);
+
+// The same of an outline.
+[[nodiscard]] std::string outline_json(const Arguments& arguments, const ImageFile& image, const hmesh::Outline& outline,
+                                       double seconds, Layout layout);
 
 // The line in its place where there is no mesh: why not.
 [[nodiscard]] std::string failure_json(const Arguments& arguments, const std::string& why);

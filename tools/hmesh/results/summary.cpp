@@ -10,16 +10,19 @@
 
 namespace tool {
 
-void print_summary(std::FILE* to, const Arguments& arguments, const ImageFile& image, const hmesh::Result& outcome,
-                   const std::vector<Level>& coarser, const std::vector<Map>& maps, const std::optional<LightMesh>& light,
-                   const std::vector<WrittenPsnr>& written, double seconds) {
+void print_summary(std::FILE* to, const Arguments& arguments, const ImageFile& image, const Made& made) {
+    const auto& [outcome, light, sprite] = made.finest();
     std::fprintf(to, "image     %s, %d x %d, %d channel%s of %d bits\n", arguments.input.c_str(), image.width, image.height,
                  image.channels - image.padding, image.channels == 1 ? "" : "s", image.bits);
     if (!image.note.empty()) std::fprintf(to, "note      %s\n", image.note.c_str());
     std::fprintf(to, "vertices  %zu\n", outcome.report.vertices);
-    std::fprintf(to, "faces     %zu\n", outcome.report.faces);
+    std::fprintf(to, "faces     %zu", outcome.report.faces);
+    if (sprite)
+        std::fprintf(to, ", the first %zu opaque; %.1f %% of the rectangle", sprite->opaque_faces,
+                     100 * sprite->area / (static_cast<double>(image.width) * image.height));
+    std::fprintf(to, "\n");
     std::fprintf(to, "PSNR      %s (%s)\n", psnr_text(outcome.report.psnr).c_str(), psnr_formula(arguments).c_str());
-    for (const Map& map : maps)
+    for (const Map& map : made.maps)
         std::fprintf(to, "PSNR      %s of %s, %d channel%s as %s\n", psnr_text(map.psnr).c_str(), input_words(map.file).c_str(),
                      map.channels, map.channels == 1 ? "" : "s", map.name.c_str());
     if (light && arguments.meshing.fit_space == FitSpace::each)
@@ -27,31 +30,33 @@ void print_summary(std::FILE* to, const Arguments& arguments, const ImageFile& i
     else if (light)
         std::fprintf(to, "PSNR .glb %s as its viewers show it, in linear light; %s with --fit-space each or linear\n",
                      psnr_text(light->stored_psnr).c_str(), psnr_text(light->psnr).c_str());
-    for (const WrittenPsnr& file : written)
+    for (const WrittenPsnr& file : made.written)
         if ((file.ending != ".glb" || arguments.glb_color_bits == 8) && psnr_text(file.psnr) != psnr_text(outcome.report.psnr))
             std::fprintf(to, "PSNR      %s as %s %s\n", psnr_text(file.psnr).c_str(), output_name(file.file).c_str(),
                          file.ending == ".png" ? "shows it, rounded to 8 bits" : "holds it, colours of 8 bits");
-    for (std::size_t k = 0; k < coarser.size(); ++k) {
-        const hmesh::Report& report = coarser[k].outcome.report;
-        std::fprintf(to, "level %-2zu  %zu vertices, %zu faces, %s\n", k + 1, report.vertices, report.faces,
+    for (std::size_t k = 1; k < made.levels.size(); ++k) {
+        const hmesh::Report& report = made.levels[k].outcome.report;
+        std::fprintf(to, "level %-2zu  %zu vertices, %zu faces, %s\n", k, report.vertices, report.faces,
                      psnr_text(report.psnr).c_str());
     }
-    std::fprintf(to, "time      %.2f s\n", seconds);
+    std::fprintf(to, "time      %.2f s\n", made.seconds);
     for (const std::string& name : output_files(arguments)) std::fprintf(to, "written   %s\n", name.c_str());
     print_advice(to, arguments, outcome.report.vertices);
 }
 
-void print_line(std::FILE* to, const Arguments& arguments, const ImageFile& image, const hmesh::Result& outcome,
-                const std::vector<Level>& coarser, double seconds) {
+void print_line(std::FILE* to, const Arguments& arguments, const ImageFile& image, const Made& made) {
     std::string files, note, levels;
-    for (const Level& level : coarser)
-        levels += (levels.empty() ? " (levels: " : ", ") + std::to_string(level.outcome.report.vertices) + " vertices, " +
-                  psnr_text(level.outcome.report.psnr);
+    const hmesh::Report& finest = made.finest().outcome.report;
+    for (std::size_t k = 1; k < made.levels.size(); ++k) {
+        const hmesh::Report& report = made.levels[k].outcome.report;
+        levels +=
+            (levels.empty() ? " (levels: " : ", ") + std::to_string(report.vertices) + " vertices, " + psnr_text(report.psnr);
+    }
     if (!levels.empty()) levels += ")";
     for (const std::string& name : output_files(arguments)) files += (files.empty() ? ", written " : ", ") + name;
     if (!image.note.empty()) note = " (" + image.note + ")";
-    std::fprintf(to, "%s: %zu vertices, %s%s, %.2f s%s%s\n", arguments.input.c_str(), outcome.report.vertices,
-                 psnr_text(outcome.report.psnr).c_str(), levels.c_str(), seconds, files.c_str(), note.c_str());
+    std::fprintf(to, "%s: %zu vertices, %s%s, %.2f s%s%s\n", arguments.input.c_str(), finest.vertices,
+                 psnr_text(finest.psnr).c_str(), levels.c_str(), made.seconds, files.c_str(), note.c_str());
 }
 
 }  // namespace tool

@@ -7,21 +7,14 @@
 #include <vector>
 
 #include "arguments/arguments.hpp"
-#include "hmesh/result.hpp"
-#include "meshing.hpp"
 #include "readers/image_file.hpp"
-#include "results/level.hpp"
-#include "results/maps.hpp"
-#include "results/written_psnr.hpp"
+#include "results/made.hpp"
 
 namespace tool {
 
-void print_summary(std::FILE* to, const Arguments& arguments, const ImageFile& image, const hmesh::Result& outcome,
-                   const std::vector<Level>& coarser, const std::vector<Map>& maps, const std::optional<LightMesh>& light,
-                   const std::vector<WrittenPsnr>& written, double seconds);
+void print_summary(std::FILE* to, const Arguments& arguments, const ImageFile& image, const Made& made);
 
-void print_line(std::FILE* to, const Arguments& arguments, const ImageFile& image, const hmesh::Result& outcome,
-                const std::vector<Level>& coarser, double seconds);
+void print_line(std::FILE* to, const Arguments& arguments, const ImageFile& image, const Made& made);
 
 }  // namespace tool
 

@@ -3,11 +3,9 @@
 #include <cstddef>
 
 #include "results/web_page.hpp"
-#include "terminal/progress_bar.hpp"
+#include "results/write_file.hpp"
 #include "terminal/progress_watch.hpp"
-#include "terminal/standard_streams.hpp"
 #include "terminal/words.hpp"
-#include "writers/depfile.hpp"
 #include "writers/formats.hpp"
 #include "writers/output_file.hpp"
 #include "writers/picture_file.hpp"
@@ -16,18 +14,6 @@
 
 namespace tool {
 namespace {
-
-// Writes one file whole: write(OutputFile&) gives its bytes and returns "" or what went wrong.
-template <class Write>
-std::string write_file(const std::string& name, Write&& write) {
-    if (is_standard(name)) wipe_bar();  // both may be one terminal
-    OutputFile file(name);
-    std::string why = file.open() ? write(file) : file.error();
-    if (!file.error().empty()) why = file.error();
-    if (why.empty() && interrupted) why = "interrupted";
-    if (why.empty() && !file.commit()) why = file.error();
-    return why.empty() ? "" : "cannot write " + (is_standard(name) ? "to the standard output" : "'" + name + "'") + ": " + why;
-}
 
 std::string write_picture(const std::string& name, const hmesh::Status& status, const Picture& picture) {
     if (!status) return "cannot draw '" + name + "': " + in_words(status);
@@ -100,31 +86,27 @@ std::string write_pictures(const Arguments& arguments, const ImageFile& image, c
 }
 
 // What a file of this format holds of a level: its twin for linear light where there is one.
-hmesh::MeshView view_of(const Arguments& arguments, const hmesh::Result& outcome, const std::optional<LightMesh>& light,
-                        const std::string& ending) {
-    const bool is_light = light && arguments.meshing.fit_space == FitSpace::each && ending == ".glb";
-    return is_light ? light->mesh.view() : outcome.mesh.view();
+hmesh::MeshView view_of(const Arguments& arguments, const Level& level, const std::string& ending) {
+    const bool is_light = level.light && arguments.meshing.fit_space == FitSpace::each && ending == ".glb";
+    return is_light ? level.light->mesh.view() : level.outcome.mesh.view();
 }
 
-// `light`: of the mesh, for .glb where --fit-space is each.
 std::string write_meshes(const Arguments& arguments, const ImageFile& image, const std::vector<unsigned char>& bytes,
-                         const hmesh::Result& outcome, const std::vector<Level>& coarser, const std::vector<Map>& maps,
-                         const std::optional<LightMesh>& light, ProgressWatch& watch) {
-    const std::vector<hmesh::ChannelGroup> groups = groups_of(maps);
+                         const Made& made, ProgressWatch& watch) {
+    const std::vector<hmesh::ChannelGroup> groups = groups_of(made.maps);
     FormatOptions options;
     options.glb = arguments.glb;
     options.glb_color_bits = arguments.glb_color_bits;
     options.groups = {groups.data(), groups.size()};
     options.svg.kind = arguments.svg;
     for (const MeshFile& wanted : arguments.meshes) {
-        std::vector<hmesh::MeshView> levels{view_of(arguments, outcome, light, wanted.ending)};
-        for (const Level& level : coarser) levels.push_back(view_of(arguments, level.outcome, level.light, wanted.ending));
+        std::vector<hmesh::MeshView> levels;
+        for (const Level& level : made.levels) levels.push_back(view_of(arguments, level, wanted.ending));
         const bool holds_all = wanted.coarser.empty() && wanted.ending == ".glb";
         for (std::size_t k = 0; k < (holds_all ? 1 : levels.size()); ++k) {
             watch.step("writing", mesh_file_work(levels[k].vertex_count));
             WebPage page;
-            if (wanted.ending == ".html")
-                page = make_web_page(arguments, image, bytes, k == 0 ? outcome.report : coarser[k - 1].outcome.report);
+            if (wanted.ending == ".html") page = make_web_page(arguments, image, bytes, made.levels[k].outcome.report);
             options.html = page.options();
             const std::string why = write_file(k == 0 ? wanted.name : wanted.coarser[k - 1], [&](OutputFile& file) {
                 const hmesh::Status status =
@@ -135,18 +117,6 @@ std::string write_meshes(const Arguments& arguments, const ImageFile& image, con
         }
     }
     return {};
-}
-
-std::string write_text(const std::string& name, const std::string& text) {
-    return write_file(name, [&](OutputFile& file) { return file(text.data(), text.size()) ? "" : "the disk refused it"; });
-}
-
-std::string write_depfile(const Arguments& arguments) {
-    std::vector<std::string> written = output_files(arguments), read = {arguments.input};
-    written.pop_back();  // itself
-    for (const OtherMap& other : arguments.others) read.push_back(other.file);
-    if (!arguments.weights.empty()) read.push_back(arguments.weights);
-    return write_text(arguments.depfile, depfile(written, read));
 }
 
 }  // namespace
@@ -175,10 +145,9 @@ double writing_work(const Arguments& arguments, const ImageFile& image) {
 }
 
 std::string write_files(const Arguments& arguments, const ImageFile& image, const std::vector<unsigned char>& bytes,
-                        const hmesh::Result& outcome, const std::vector<Level>& coarser, const std::vector<Map>& maps,
-                        const std::optional<LightMesh>& light, const std::string& report, ProgressWatch& watch) {
-    std::string why = write_meshes(arguments, image, bytes, outcome, coarser, maps, light, watch);
-    if (why.empty()) why = write_pictures(arguments, image, outcome.mesh, maps, watch);
+                        const Made& made, const std::string& report, ProgressWatch& watch) {
+    std::string why = write_meshes(arguments, image, bytes, made, watch);
+    if (why.empty()) why = write_pictures(arguments, image, made.finest().outcome.mesh, made.maps, watch);
     if (why.empty() && !arguments.report.empty()) why = write_text(arguments.report, report);
     if (why.empty() && !arguments.depfile.empty()) why = write_depfile(arguments);
     return why;

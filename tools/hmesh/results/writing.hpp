@@ -2,16 +2,12 @@
 #ifndef HMESH_TOOLS_RESULTS_WRITING_HPP
 #define HMESH_TOOLS_RESULTS_WRITING_HPP
 
-#include <optional>
 #include <string>
 #include <vector>
 
 #include "arguments/arguments.hpp"
-#include "hmesh/result.hpp"
-#include "meshing.hpp"
 #include "readers/image_file.hpp"
-#include "results/level.hpp"
-#include "results/maps.hpp"
+#include "results/made.hpp"
 #include "terminal/progress_watch.hpp"
 #include "writers/new_folders.hpp"
 
@@ -24,13 +20,9 @@ namespace tool {
 [[nodiscard]] double writing_work(const Arguments& arguments, const ImageFile& image);
 
 // Writes the files, each whole or not at all, up to the first that cannot be written. `bytes` are those of the image's file, for
-// .html; `coarser`: its levels of detail; `light`: of the mesh, for .glb where --fit-space is
-// each; `report`: the report's text; `watch` is told of each file.
-// Returns "" or what went wrong.
+// .html; `report`: the report's text; `watch` is told of each file. Returns "" or what went wrong.
 [[nodiscard]] std::string write_files(const Arguments& arguments, const ImageFile& image, const std::vector<unsigned char>& bytes,
-                                      const hmesh::Result& outcome, const std::vector<Level>& coarser,
-                                      const std::vector<Map>& maps, const std::optional<LightMesh>& light,
-                                      const std::string& report, ProgressWatch& watch);
+                                      const Made& made, const std::string& report, ProgressWatch& watch);
 
 }  // namespace tool
 

@@ -396,6 +396,22 @@ HMESH_COLD inline Status write_glb_file(const GlbFile& file, Sink sink, FillGlbA
     return writer.finish();
 }
 
+/// Writes the file of a mesh without vertices: an array has at least one element, so there is no mesh but an empty scene.
+HMESH_COLD inline Status write_empty_glb(Sink sink) {
+    static constexpr char json[] =
+        "{\"asset\":{\"version\":\"2.0\",\"generator\":\"hmesh " HMESH_VERSION_STRING "\"},\"scene\":0,\"scenes\":[{}]}";
+    constexpr std::uint32_t size = sizeof json - 1, padded = (size + 3) / 4 * 4;
+    Writer writer(sink);
+    writer.text("glTF");
+    writer.u32(2);
+    writer.u32(20 + padded);
+    writer.u32(padded);
+    writer.text("JSON");
+    writer.text(json);
+    pad(writer, size, ' ');
+    return writer.finish();
+}
+
 }  // namespace detail
 }  // namespace hmesh
 
