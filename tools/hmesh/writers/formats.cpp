@@ -99,10 +99,15 @@ hmesh::Status write_mesh(const hmesh::MeshView& mesh, const std::string& ending,
     return found->write(mesh, options, sink);
 }
 
-hmesh::Status write_glb_levels(const std::vector<hmesh::MeshView>& levels, const FormatOptions& options, hmesh::Sink sink) {
+hmesh::Status write_glb_levels(const std::vector<hmesh::MeshView>& all, const FormatOptions& options, hmesh::Sink sink) {
+    // A level of a sprite may have lost as many vertices as the one before has, or all.
+    std::vector<hmesh::MeshView> levels{all.front()};
+    for (const hmesh::MeshView& level : all)
+        if (level.vertex_count > 0 && level.vertex_count < levels.back().vertex_count) levels.push_back(level);
     hmesh::GltfOptions glb;
     glb.groups = options.groups;
     glb.color_bits = options.glb_color_bits;
+    if (levels.front().vertex_count == 0) return hmesh::write_glb(levels.front(), sink, glb);
     if (options.glb == GlbForm::exact) return hmesh::write_glb_lods(levels, sink, glb);
     glb.quantized_positions = true;
     const bool is_compressed = options.glb == GlbForm::meshopt;
