@@ -592,6 +592,7 @@ class ChunkWindows {
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
@@ -662,8 +663,9 @@ struct GpuLayout {
     GpuIndexFormat index = GpuIndexFormat::uint16;      ///< of all indices
     GpuTopology topology = GpuTopology::triangle_list;  ///< of all chunks
     std::uint32_t restart = 0xffff;                     ///< ends a strip: 0xffff or 0xffffffff; in no list
-    std::array<float, 2> scale{1, 1};   ///< px: sides of the box of unorm16x2, which is the image's unless vertices
-                                        ///< lie beyond it; 1 for float32x2
+    /// px: sides of the box of unorm16x2, which is the image's unless vertices lie beyond it; 1 for float32x2. Along the axes of
+    /// a periodic mesh the image's side is a whole number of steps of 1 / 65535 of it, so that copies of the buffers join.
+    std::array<float, 2> scale{1, 1};
     std::array<float, 2> offset{0, 0};  ///< px: the corner of the box; 0 for float32x2
     int width = 0,                      ///< px of the image
         height = 0;                     ///< px of the image
@@ -739,6 +741,12 @@ namespace detail {
     return {};
 }
 
+/// Whether a periodic mesh stands out of its image along an axis in which it repeats, `low` and `high` being its ends there.
+[[nodiscard]] inline bool is_jagged(const MeshView& mesh, std::size_t axis, double low, double high) noexcept {
+    return (axis == 0 ? kit::wraps_x(mesh.periodic) : kit::wraps_y(mesh.periodic)) &&
+           (low < 0 || high > (axis == 0 ? mesh.width : mesh.height));
+}
+
 /// Where all lies in a vertex, and the box of the positions. O(n).
 [[nodiscard]] inline GpuLayout lay_out_for_gpu(const MeshView& mesh, const GpuOptions& options) noexcept {
     GpuLayout layout;
@@ -759,6 +767,12 @@ namespace detail {
         for (std::size_t v = 0; v < mesh.vertex_count; ++v) {
             const auto at = static_cast<double>(mesh.positions[2 * v + axis]);
             low = std::min(low, at), high = std::max(high, at);
+        }
+        if (is_jagged(mesh, axis, low, high)) {
+            // The period is a whole number of steps, so that copies of a vertex are rounded alike.
+            const double step = size[axis] / std::floor(65534 * size[axis] / (high - low));
+            low = -std::ceil(-low / step) * step;
+            high = low + 65535 * step;
         }
         // As the floats that the shader has, so that it finds the same places.
         constexpr auto largest = static_cast<double>(std::numeric_limits<float>::max());
@@ -801,7 +815,16 @@ class GpuWriter {
             const float at = mesh.positions[2 * std::size_t{v} + axis];
             if (layout.position.format == GpuFormat::float32x2) writer.f32(at);
             else {
-                const double from = static_cast<double>(at) - static_cast<double>(layout.offset[axis]);
+                double from = static_cast<double>(at) - static_cast<double>(layout.offset[axis]);
+                const double size = axis == 0 ? layout.width : layout.height, low = static_cast<double>(layout.offset[axis]);
+                if (is_jagged(mesh, axis, low, low + static_cast<double>(layout.scale[axis]))) {
+                    // Rounded within the first period, then turned in whole steps.
+                    const double step = size / std::floor(65535 * size / static_cast<double>(layout.scale[axis]) + 0.5);
+                    const double turns = std::floor(static_cast<double>(at) / size);
+                    const auto rounded = [&](double x) { return std::floor(x / step + 0.5); };
+                    from = (rounded(-low) + turns * rounded(size) + rounded(static_cast<double>(at) - turns * size)) / 65535 *
+                           static_cast<double>(layout.scale[axis]);
+                }
                 writer.integer(to_u16(std::max(0.0, std::min(1.0, from / static_cast<double>(layout.scale[axis])))), 2);
             }
         }

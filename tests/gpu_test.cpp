@@ -352,6 +352,47 @@ TEST_CASE("the box of the positions is the image, and larger where vertices lie 
     }
 }
 
+TEST_CASE("copies of a vertex on the jagged border of a periodic mesh are a whole period apart after rounding") {
+    hmesh::kit::Random random(5);
+    for (const int width : {7, 100, 257, 1021}) {
+        // Pairs of vertices a period apart, the first of each from 0.4 of it left of the image on.
+        hmesh::Mesh mesh;
+        mesh.channels = 1;
+        mesh.width = width, mesh.height = 16;
+        mesh.peak = 255;
+        mesh.periodic = hmesh::Periodic::x;
+        for (int k = 0; k < 400; ++k) {
+            const double x = std::floor((random.uniform() * 1.3 - 0.4) * 256 * width) / 256, y = k % 16;
+            for (const double turn : {0.0, 1.0}) {
+                mesh.positions.insert(mesh.positions.end(), {static_cast<float>(x + turn * width), static_cast<float>(y)});
+                mesh.colors.push_back(1);
+            }
+        }
+        for (std::uint32_t v = 0; v + 2 < 800; ++v) mesh.faces.push_back({v, v + 1, v + 2});
+        GpuOptions options;
+        options.index = GpuIndexFormat::uint32;
+        const GpuBuffers buffers = hmesh::pack_for_gpu(mesh.view(), options);
+        REQUIRE(buffers.status);
+        REQUIRE(buffers.vertex_count() == 800);
+        std::vector<std::pair<double, std::uint32_t>> found;
+        for (std::size_t v = 0; v < 800; ++v)
+            found.emplace_back(fetch_vertex(buffers, v).at[0], little_endian(buffers.vertices, v * buffers.layout.stride, 2));
+        const double step = static_cast<double>(buffers.layout.scale[0]) / 65535, period = width / step;
+        CHECK(period == doctest::Approx(std::floor(period + 0.5)).epsilon(1e-6));
+        for (std::uint32_t k = 0; k < 400; ++k) {
+            const auto place = [&](std::uint32_t v) { return static_cast<double>(mesh.positions[2 * std::size_t{v}]); };
+            const auto stored = [&](double x) {
+                const auto best = std::min_element(found.begin(), found.end(), [&](const auto& a, const auto& b) {
+                    return std::abs(a.first - x) < std::abs(b.first - x);
+                });
+                CHECK(std::abs(best->first - x) < 0.51 * step);
+                return best->second;
+            };
+            CHECK(stored(place(2 * k + 1)) - stored(place(2 * k)) == static_cast<std::uint32_t>(period + 0.5));
+        }
+    }
+}
+
 TEST_CASE("vertices without alpha take the colours around them when colours become straight") {
     hmesh::Mesh mesh = hmesh_test::two_faces(4);
     mesh.premultiplied = true;

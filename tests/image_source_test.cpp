@@ -122,3 +122,43 @@ TEST_CASE("a source can be copied, and sees what becomes of the pixels") {
     CHECK(source.pixel(2, 1)[0] == 77);
     CHECK(copy.pixel(2, 1)[0] == 77);
 }
+
+TEST_CASE("tables of an image that repeats reach beyond it, with its weights, and pixels and rows do too") {
+    using hmesh::Periodic;
+    constexpr int width = 7, height = 5;
+    const Image<std::uint8_t, 3> image = hmesh_test::noise<std::uint8_t, 3>(width, height, 4);
+    const Image<float, 1> weights = hmesh_test::random_weights(width, height, 5);
+    // The image three times in each direction.
+    Image<std::uint8_t, 3> all(3 * width, 3 * height);
+    Image<float, 1> all_weights(3 * width, 3 * height);
+    for (int y = 0; y < 3 * height; ++y)
+        for (int x = 0; x < 3 * width; ++x) {
+            std::copy_n(image.pixel(x % width, y % height), 3, all.pixel(x, y));
+            *all_weights.pixel(x, y) = *weights.pixel(x % width, y % height);
+        }
+    const double unit = hmesh::kit::weight_unit(weights.view());
+    const hmesh::kit::WeightScale scale(unit, width, height);
+    for (const bool is_weighted : {false, true}) {
+        const auto own = is_weighted ? weights.view() : hmesh::ImageView<float, 1>();
+        const auto source = ImageSource<3>(image.view(), own, unit).with_periodic(Periodic::xy, true);
+        CHECK(source.has_straight_seams());
+        CHECK_FALSE(source.with_periodic(Periodic::none, true).has_straight_seams());
+        for (const Rect rect : {Rect{-3, -4, 9, 12}, Rect{5, 3, 4, 4}, Rect{2, 1, 3, 2}, Rect{-7, 0, 14, 5}, Rect{6, 4, 1, 1}}) {
+            const MomentTable<3> table = source.table(rect);
+            const Rect far{rect.x + width, rect.y + height, rect.width, rect.height};
+            const auto wide = is_weighted ? all_weights.view() : hmesh::ImageView<float, 1>();
+            const MomentTable<3> expected(all.view(), wide, scale, far);
+            REQUIRE((table.width() == rect.width && table.height() == rect.height && table.is_weighted() == is_weighted));
+            for (int y = 0; y < rect.height; ++y)
+                for (int x = 0; x <= rect.width; ++x)
+                    for (int k = 0; k < MomentTable<3>::entry_size; ++k)
+                        REQUIRE(number(table, x, y, k) == number(expected, x, y, k));
+        }
+    }
+    const auto along_x = ImageSource<3>(image.view()).with_periodic(Periodic::x, false);
+    CHECK(along_x.pixel(-1, -1)[1] == *(image.pixel(width - 1, 0) + 1));
+    CHECK(along_x.pixel(width, height)[0] == *image.pixel(0, height - 1));
+    std::vector<double> row(3 * width);
+    ImageSource<3>(image.view()).with_periodic(Periodic::y, false).row(-2, 1, row.data());
+    CHECK(row[4] == *(image.pixel(1, height - 2) + 1));
+}

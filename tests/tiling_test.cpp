@@ -103,3 +103,32 @@ TEST_CASE("a point is in the tile whose rectangle holds it, also on lines and on
                         }
             }
 }
+
+TEST_CASE("tiles of an image that repeats have one size, go around it, and no line of one phase is near one of the other") {
+    using hmesh::Periodic;
+    for (int size = 1; size <= 60; ++size)
+        for (const double tile : {1.0, 5.0, 7.3, 20.0, 1000.0}) {
+            std::vector<int> lines[2];
+            for (const bool shift : {false, true}) {
+                const Tiling tiling(size, 9, tile, shift, shift, Periodic::x);
+                const std::vector<int> x = lines_x(tiling), y = lines_y(tiling);
+                REQUIRE(x.back() - x.front() == size);
+                REQUIRE((tiling.left() == x.front() && x.front() >= 0 && x.front() <= size));
+                REQUIRE((y.front() == 0 && y.back() == 9 && tiling.top() == 0));  // as without Periodic
+                REQUIRE(y == lines_y(Tiling(size, 9, tile, shift, shift)));
+                const double wanted = size / std::max(1.0, std::floor(size / tile + 0.5));
+                for (std::size_t i = 0; i + 1 < x.size(); ++i) {
+                    REQUIRE(x[i] < x[i + 1]);
+                    REQUIRE(x[i + 1] - x[i] <= wanted + 1);
+                    REQUIRE(tiling.tile_at({x[i] + 0.5, 4}) % tiling.columns() == i);
+                }
+                lines[shift] = x;
+            }
+            const double apart = size / std::max(1.0, std::floor(size / tile + 0.5)) / 2;
+            for (const int a : lines[0])
+                for (const int b : lines[1]) {
+                    const int distance = std::abs(a - b) % size;
+                    REQUIRE(std::min(distance, size - distance) >= std::floor(apart) - 1);
+                }
+        }
+}

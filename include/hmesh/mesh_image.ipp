@@ -4,6 +4,7 @@
 #if !defined(HMESH_COMPILED) || defined(HMESH_IMPLEMENTATION)
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
@@ -19,11 +20,14 @@
 #include "hmesh/image/channel_weights.hpp"
 #include "hmesh/image/premultiply.hpp"
 #include "hmesh/image/weights.hpp"
+#include "hmesh/mesh/periodic.hpp"
+#include "hmesh/mesh/unrolled.hpp"
 #include "hmesh/methods/annealed/annealed.hpp"
 #include "hmesh/methods/final_colors.hpp"
 #include "hmesh/methods/psnr_search.hpp"
 #include "hmesh/methods/stage.hpp"
 #include "hmesh/tiles/indexed_mesh.hpp"
+#include "hmesh/tiles/recut.hpp"
 #include "hmesh/tiles/tiled_mesh.hpp"
 #include "hmesh/tiles/tiling.hpp"
 
@@ -96,15 +100,19 @@ template <int C>
     const kit::Tiling tiling(source.width(), source.height(), tile);
     if (colors == Colors::sampled) sample_colors(tiled, tiling, grid);
     else bounded_colors(tiled, tiling, source.low(), source.high(), grid);
-    const kit::IndexedMesh<C>& mesh = tiled.indexed();
+    kit::IndexedMesh<C>& mesh = tiled.indexed();
+    kit::finish_cut(mesh, source.has_straight_seams());
     result.mesh = to_mesh(mesh, source.peak());
     const bool is_exact = source.is_integer() && scale == nullptr;
-    const double energy = is_exact           ? std::max(0.0, mesh.energy)  // rounding may leave less than nothing
-                          : scale == nullptr ? source.rendered_error(result.mesh, parallel_for)
-                                             : source.rendered_error(result.mesh, parallel_for, *scale);
-    progress.end(mesh.vertex_count(), energy);
+    const auto rendered_error = [&](const Mesh& drawn) {
+        return scale == nullptr ? source.rendered_error(drawn, parallel_for) : source.rendered_error(drawn, parallel_for, *scale);
+    };
+    const double energy = is_exact ? std::max(0.0, mesh.energy)  // rounding may leave less than nothing
+                          : source.periodic() == Periodic::none ? rendered_error(result.mesh)
+                                                                : rendered_error(unrolled(result.mesh.view()));
+    progress.end(mesh.distinct_count(), energy);
     if (result.status && progress.stopped()) result.status = kit::cancelled_by_callback();
-    result.report = {mesh.vertex_count(), mesh.faces.size(), energy, kit::psnr_of_energy(energy, subject.samples, source.peak()),
+    result.report = {mesh.distinct_count(), mesh.faces.size(), energy, kit::psnr_of_energy(energy, subject.samples, source.peak()),
                      progress.stages()};
     return result;
 }
@@ -121,7 +129,7 @@ template <int C>
     kit::ProgressReporter progress(options.progress, subject.samples, subject.image->peak(), span);
     tell_in_image_units(progress, subject);
     kit::TiledMesh<C> fitted(*subject.fitted, options.limits, progress, parallel_for);
-    fitted.indexed() = kit::corner_mesh(*subject.fitted);  // what a cancellation finds
+    fitted.indexed() = kit::tied_corner_mesh(*subject.fitted);  // what a cancellation finds
     const Status status = recipe.run(fitted, n, from);
     return finish(subject, fitted, status, tile, recipe.colors, options);
 }
@@ -205,7 +213,19 @@ struct ImageRecipeRef {
     bool can_go_on;
     double gain_over_sketch;
     bool takes_view;  // whether run() looks at the image
+    const char* no_periodic;  // why the recipe refuses periodic images; null: it does not
 };
+
+/// Whether the image may be periodic, by its size and the recipe.
+[[nodiscard]] HMESH_COLD inline Status check_periodic_image(Periodic periodic, int width, int height, const char* no_periodic) {
+    if (periodic == Periodic::none) return {};
+    if (no_periodic != nullptr) return {Errc::invalid_argument, no_periodic};
+    if (kit::wraps_x(periodic) && width > kit::max_period)
+        return {Errc::image_too_large, "the image is too wide to repeat from left to right", width, kit::max_period};
+    if (kit::wraps_y(periodic) && height > kit::max_period)
+        return {Errc::image_too_large, "the image is too high to repeat from top to bottom", height, kit::max_period};
+    return {};
+}
 
 /// Calls body() with what is to be meshed and the image as methods see it, once view and options have passed all checks: those of
 /// the recipe are `check_recipe`.
@@ -231,7 +251,8 @@ template <class T, int C>
     }
     const double unit = kit::weight_unit(options.weights, parallel_for);
     const double pixels = kit::weight_sum(options.weights, unit, view.width, view.height, parallel_for);
-    const kit::ImageSource<C> source(image, options.weights, unit);
+    const auto source =
+        kit::ImageSource<C>(image, options.weights, unit).with_periodic(options.periodic, options.straight_border);
     kit::ChannelScale<C> scale;
     Image<std::uint16_t, C> scaled;
     std::optional<kit::ImageSource<C>> fitted;
@@ -254,6 +275,7 @@ template <class T, int C>
                                                              const ParallelFor& parallel_for) {
     Result result;
     const auto check_recipe = [&](int width, int height) -> Status {
+        if (const Status status = check_periodic_image(options.periodic, width, height, recipe.no_periodic); !status) return status;
         if (const Status status = recipe.check(width, height); !status) return status;
         if (!recipe.takes_view || !kit::differ(options.channel_weights)) return {};
         return {Errc::invalid_argument, "this method reads the pixels by itself and knows no channel_weights"};
@@ -293,6 +315,31 @@ template <class Recipe>
 inline constexpr bool knows_work<
     Recipe, std::void_t<decltype(std::declval<const Recipe&>().from(std::declval<const kit::Beginning&>()).work(0, 0, 0))>> = true;
 
+/// Whether a recipe makes periodic meshes, by a member can_be_periodic.
+template <class Recipe, class = void>
+inline constexpr bool can_be_periodic = false;
+template <class Recipe>
+inline constexpr bool can_be_periodic<Recipe, std::void_t<decltype(Recipe::can_be_periodic)>> = Recipe::can_be_periodic;
+
+/// The number of characters before the zero.
+[[nodiscard]] constexpr std::size_t length_of(const char* text) noexcept {
+    std::size_t length = 0;
+    while (text[length] != 0) ++length;
+    return length;
+}
+/// The sentence of a recipe that makes no periodic meshes.
+template <class Recipe>
+[[nodiscard]] constexpr auto no_periodic_sentence() noexcept {
+    constexpr const char* parts[] = {"the recipe ", Recipe::name, " makes no periodic meshes"};
+    std::array<char, length_of(parts[0]) + length_of(parts[1]) + length_of(parts[2]) + 1> text{};
+    std::size_t size = 0;
+    for (const char* part : parts)
+        for (; *part != 0; ++part) text[size++] = *part;
+    return text;
+}
+template <class Recipe>
+inline constexpr auto no_periodic = no_periodic_sentence<Recipe>();
+
 }  // namespace hmesh::detail
 
 namespace hmesh {
@@ -314,9 +361,11 @@ Result mesh_image(const ImageView<T, C>& view, const Options& options, const Rec
     double gain = 0;
     if constexpr (detail::can_go_on<Recipe>) gain = recipe.gain_over_sketch();
     const Colors colors = options.colors.value_or(Recipe::colors);
+    const char* no_periodic = nullptr;
+    if constexpr (!detail::can_be_periodic<Recipe>) no_periodic = detail::no_periodic<Recipe>.data();
     return detail::mesh_view(view, options,
                              detail::ImageRecipeRef<T, C>{check, tile_size, run, work, colors, detail::can_go_on<Recipe>, gain,
-                                                          detail::wants_view<Recipe, T, C>},
+                                                          detail::wants_view<Recipe, T, C>, no_periodic},
                              parallel_for);
 }
 

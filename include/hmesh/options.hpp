@@ -17,6 +17,7 @@
 #include "hmesh/image/channel_weights.hpp"
 #include "hmesh/image/image_view.hpp"
 #include "hmesh/mesh/limits.hpp"
+#include "hmesh/mesh/periodic.hpp"
 
 #include "hmesh/core/macros/push.hpp"
 
@@ -30,8 +31,8 @@ enum class Colors : std::uint8_t {
     sampled,  ///< the colour of the image at the position of each vertex
 };
 
-/// How many vertices the mesh gets, the four corners of the image included. Made by Target::vertices(), percent(), psnr() or
-/// at_most().
+/// How many vertices the mesh gets, the four corners of the image included; of a periodic mesh each counts once, however many
+/// copies it has on the border. Made by Target::vertices(), percent(), psnr() or at_most().
 struct Target {
     /// What `value` counts.
     enum class Kind : std::uint8_t {
@@ -96,6 +97,15 @@ struct Options {
     /// then those of the premultiplied image, and Mesh::premultiplied is set. Colours under transparent pixels do not count,
     /// and the edges of sprites carry no fringes. Takes a copy of the image.
     bool premultiplied = false;
+    /// Along which axes the image repeats, as a texture that tiles does, at most 32768 px long there. The mesh is that of a
+    /// torus or cylinder, cut open: copies of it shifted by the image's size join it without a gap, an overlap or a jump of
+    /// colour (Mesh::periodic, mesh/torus.hpp). A vertex of the cut counts once in the target, though the mesh holds a copy of
+    /// it for each side. Error and PSNR are those of the picture that copies cover. Of the recipes of the library Annealed alone
+    /// can do it.
+    Periodic periodic = Periodic::none;
+    /// Of a periodic image: whether the cut runs along the sides of the image. Else it is jagged, as the faces are: they stand
+    /// out of the image's rectangle and leave as much of it free on the other side, for a copy of them. Costs up to 0.2 dB.
+    bool straight_border = false;
     /// What a search for a PSNR goes by, and Target::good_enough: psnr_of(mesh, psnr) returns the PSNR, in dB, that a mesh counts
     /// as, `psnr` being its own (Report::psnr). For meshes that are to reach the target as they are stored or drawn, with fewer
     /// bits or between other values. Empty (the default): their own. Called for each run of a search, on the thread that called
@@ -144,6 +154,10 @@ struct Options {
         return {Errc::invalid_argument, "the colors are none of those known", static_cast<int>(*options.colors), 1};
     if (options.premultiplied && !kit::has_alpha(channels))
         return {Errc::invalid_argument, "an image is premultiplied by alpha, which those of 2 or 4 channels have", channels, 4};
+    if (options.periodic > Periodic::xy)
+        return {Errc::invalid_argument, "the axes of periodic are none of those known", static_cast<int>(options.periodic), 3};
+    if (options.straight_border && options.periodic == Periodic::none)
+        return {Errc::invalid_argument, "straight_border is for periodic meshes, and periodic is none"};
     return {};
 }
 

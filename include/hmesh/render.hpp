@@ -27,6 +27,7 @@
 #include "hmesh/mesh/geometry.hpp"
 #include "hmesh/mesh/mesh.hpp"
 #include "hmesh/mesh/raster.hpp"
+#include "hmesh/mesh/unrolled.hpp"
 
 #include "hmesh/core/macros/push.hpp"
 
@@ -194,8 +195,9 @@ void encode_rows(const MeshView& mesh, RowRange rows, Image<float, C>& out) {
 }  // namespace detail
 
 /// Draws a mesh, scaled to the size of the picture. Pixels hold interpolated stored values, neither rounded nor clamped;
-/// to_pixels() rounds them. Faces outside the picture are clipped; where faces overlap the later one wins; pixels in no face
-/// are 0. A premultiplied mesh gives a premultiplied picture, and cannot be drawn in linear light.
+/// to_pixels() rounds them. Of a periodic mesh copies are drawn as well, so that the picture is covered. Faces outside the
+/// picture are clipped; where faces overlap the later one wins; pixels in no face are 0. A premultiplied mesh gives a
+/// premultiplied picture, and cannot be drawn in linear light.
 ///
 /// \param mesh          of C channels; its arrays must live until the call returns
 /// \param options       size of the picture and kind of interpolation
@@ -208,6 +210,10 @@ template <int C>
     const int width = options.width.value_or(mesh.width), height = options.height.value_or(mesh.height);
     result.status = detail::check_drawing<C>(mesh, width, height, options.interpolation);
     if (!result.status) return result;
+    if (mesh.periodic != Periodic::none) {
+        const Mesh whole = unrolled(mesh);
+        return render<C>(whole.view(), options, parallel_for);
+    }
     const bool is_linear = options.interpolation == Interpolation::linear;
 
     // A position on the mesh's border comes out on the picture's: the product is exact and the quotient rounded once.

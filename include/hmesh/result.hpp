@@ -18,7 +18,7 @@ namespace hmesh {
 /// interpolation, against the image's stored values (against the premultiplied image where Options::premultiplied is set). With
 /// weights, a pixel counts with its weight / the largest weight, and so does a channel, in `energy` as in the mean.
 struct Report {
-    std::size_t vertices = 0;  ///< number of vertices
+    std::size_t vertices = 0;  ///< number of vertices; of a periodic mesh a vertex and its copies on the border count once
     std::size_t faces = 0;     ///< number of faces
     double energy = 0;         ///< sum of squared differences over pixels and channels, in squares of stored values
     /// PSNR in dB, 10 log10(peak^2 / MSE), with the MSE the mean over pixels AND channels; infinity for MSE 0.

@@ -73,8 +73,8 @@ template <int C>
 }  // namespace detail
 
 /// The cheapest collapse of v. None (an invalid half-edge) for corners and locked vertices, and where every collapse would break
-/// the topology, a valence limit or limits().min_double_area. Border vertices collapse along their side only. `scratch` is
-/// overwritten. O(valence^2), about 1 us.
+/// the topology, a valence limit or limits().min_double_area. Vertices on the border or on a seam collapse along it only.
+/// `scratch` is overwritten. O(valence^2), about 1 us.
 template <int C>
 [[nodiscard]] CollapseCandidate cheapest_collapse(const ImageMesh<C>& mesh, RingScratch<C>& scratch, Vertex v) {
     const HalfedgeMesh& topology = mesh.topology();
@@ -87,6 +87,7 @@ template <int C>
     double lowest = std::numeric_limits<double>::max();
     for (int j = 0; j < ring.size; ++j) {
         if (ring.open && j != 0 && j != ring.size - 1) continue;  // a border vertex collapses along the border
+        if (!ring.open && mobility != Mobility::free && !mesh.is_on_seam(HalfedgeMesh::edge(ring.halfedge[j]))) continue;
         const double energy = detail::filled_energy(mesh, ring, j, lowest);
         if (!(energy < lowest)) continue;
         // The merged vertex has the neighbours of both, less the two themselves and the far corners that both had.

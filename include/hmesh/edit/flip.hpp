@@ -30,7 +30,7 @@ struct FlipTrial {
 
 /// Whether the geometry lets e flip: e is an interior edge, and both new faces have at least limits().min_double_area, which
 /// implies that the quadrilateral around e is convex. In a triangulation of the plane the two far corners of a convex
-/// quadrilateral have no other edge in common. can_flip() looks at valences too.
+/// quadrilateral have no other edge in common. Edges on the seam of a periodic image stay. can_flip() looks at valences too.
 template <int C>
 [[nodiscard]] HMESH_ALWAYS_INLINE bool is_flippable(const ImageMesh<C>& mesh, Edge e) {
     const HalfedgeMesh& topology = mesh.topology();
@@ -40,7 +40,7 @@ template <int C>
     const Point p0 = mesh.position(topology.to_vertex(b)), p1 = mesh.position(topology.to_vertex(a));
     const Point p2 = mesh.position(v2), p3 = mesh.position(v3);
     const double min_area = mesh.limits().min_double_area;
-    return orient2d(p0, p3, p2) >= min_area && orient2d(p3, p1, p2) >= min_area;
+    return orient2d(p0, p3, p2) >= min_area && orient2d(p3, p1, p2) >= min_area && !mesh.is_on_seam(e);
 }
 
 /// Whether e can flip: is_flippable(), and both far corners may have one more edge.

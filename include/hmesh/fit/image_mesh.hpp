@@ -15,6 +15,7 @@
 #define HMESH_FIT_IMAGE_MESH_HPP
 
 #include <algorithm>
+#include <cmath>
 #include <cstddef>
 #include <vector>
 
@@ -29,6 +30,7 @@
 #include "hmesh/mesh/halfedge_mesh.hpp"
 #include "hmesh/mesh/limits.hpp"
 #include "hmesh/mesh/mesh.hpp"
+#include "hmesh/mesh/periodic.hpp"
 #include "hmesh/mesh/spatial_order.hpp"
 
 #include "hmesh/core/macros/push.hpp"
@@ -41,6 +43,11 @@ struct PatchContext {
     bool is_part = false;          ///< whether there are other patches
     double scale = 1;              ///< ratio of mean energies a vertex, whole mesh / this patch; multiplies all tolerances
     TaskProgress* task = nullptr;  ///< told that work goes on, asked whether to stop; may be null
+    /// Along which axes the image repeats: there it has no border, and may begin at any x or y.
+    Periodic periodic = Periodic::none;
+    /// Whether the lines where it repeats, image.x + k * image.width and image.y + k * image.height, are seams: edges of the mesh
+    /// that are neither flipped nor left by their vertices.
+    bool has_seams = false;
 };
 
 /// A triangle mesh of C channels over a moment table that knows the squared error of each face.
@@ -158,11 +165,21 @@ class ImageMesh {
     /// The mobility of a vertex at p: Mobility::free unless p is on the image's border.
     [[nodiscard]] Mobility mobility_at(Point p) const noexcept {
         const Rect& image = context_.image;
-        const bool on_x = p.x == image.x || p.x == image.x + image.width, on_y = p.y == image.y || p.y == image.y + image.height;
+        bool on_x = p.x == image.x || p.x == image.x + image.width, on_y = p.y == image.y || p.y == image.y + image.height;
+        if (wraps_x(context_.periodic)) on_x = context_.has_seams && is_seam(p.x, image.x, image.width);
+        if (wraps_y(context_.periodic)) on_y = context_.has_seams && is_seam(p.y, image.y, image.height);
         return on_x && on_y ? Mobility::corner : on_x ? Mobility::along_y : on_y ? Mobility::along_x : Mobility::free;
+    }
+    /// Whether e, inside the mesh, runs along a seam of a periodic image and must stay there.
+    [[nodiscard]] HMESH_ALWAYS_INLINE bool is_on_seam(Edge e) const noexcept {
+        return context_.has_seams && seam_mobility(e) != Mobility::free;
     }
     /// The mobility of a vertex that would split e; Mobility::locked for a rim edge of the patch, which must not be split.
     [[nodiscard]] Mobility edge_mobility(Edge e) const noexcept {
+        if (context_.has_seams) {  // the rim of the patch may run along one
+            const Mobility mobility = seam_mobility(e);
+            if (mobility != Mobility::free) return topology_.is_boundary(e) ? Mobility::locked : mobility;
+        }
         if (!topology_.is_boundary(e)) return Mobility::free;
         const Halfedge h = HalfedgeMesh::halfedge(e);
         const Mobility mobility = mobility_at(midpoint(position(topology_.from_vertex(h)), position(topology_.to_vertex(h))));
@@ -268,6 +285,20 @@ class ImageMesh {
     /// mispredicted half of the time.
     [[nodiscard]] static HMESH_ALWAYS_INLINE double sign(Halfedge h) noexcept {
         return 1.0 - 2.0 * static_cast<double>(static_cast<int>(h.index() & 1U));
+    }
+    /// Whether x is on one of the lines that begin at `from`, `period` apart.
+    [[nodiscard]] static bool is_seam(double x, int from, int period) noexcept {
+        const double turns = (x - from) / period;
+        return std::floor(turns) == turns;
+    }
+    /// How a vertex on e may move if e runs along a seam of a periodic image; else free.
+    [[nodiscard]] HMESH_NEVER_INLINE HMESH_COLD Mobility seam_mobility(Edge e) const noexcept {
+        const Halfedge h = HalfedgeMesh::halfedge(e);
+        const Point a = position(topology_.from_vertex(h)), b = position(topology_.to_vertex(h));
+        const Rect& image = context_.image;
+        if (wraps_x(context_.periodic) && a.x == b.x && is_seam(a.x, image.x, image.width)) return Mobility::along_y;
+        if (wraps_y(context_.periodic) && a.y == b.y && is_seam(a.y, image.y, image.height)) return Mobility::along_x;
+        return Mobility::free;
     }
     void walk(Halfedge h) {
         Moments<C> m;

@@ -142,8 +142,10 @@ Status ImageMesh<C>::check() const {
         const VertexState<C>& state = vertex(v);
         if (snap(state.position) != state.position) return fail("a vertex is off the grid", v.index());
         if (state.color[C] != 0) return fail("a colour's padding is not zero", v.index());
+        // A vertex on a seam is inside the mesh.
         if (state.mobility != Mobility::locked &&
-            (state.mobility != mobility_at(state.position) || topology_.is_boundary(v) == (state.mobility == Mobility::free)))
+            (state.mobility != mobility_at(state.position) ||
+             (!context_.has_seams && topology_.is_boundary(v) == (state.mobility == Mobility::free))))
             return fail("a vertex's mobility is wrong", v.index());
     }
     // Sum of |I|^2 over the whole rectangle: a patch in it may own no pixel, and yet its moments are differences of such sums.
@@ -190,14 +192,18 @@ Status ImageMesh<C>::check() const {
 template <int C>
 Point ImageMesh<C>::clamp(Point p, Mobility mobility) const noexcept {
     const double step = limits_.position_step, gap = std::max(limits_.border_gap, step);
-    const auto held = [step, gap](double x, int size, int image_low, int image_size) {
-        const double low = image_low == 0 ? gap : 0, high = image_low + image_size == size ? size - gap : size;
+    const auto held = [step, gap](double x, int size, int image_low, int image_size, bool wraps) {
+        const double low = image_low == 0 && !wraps ? gap : 0;
+        const double high = image_low + image_size == size && !wraps ? size - gap : size;
         return snap(std::max(low, std::min(high, x)), step);
     };
     const Rect& image = context_.image;
+    const Periodic periodic = context_.periodic;
     Point q = p;
-    if (mobility == Mobility::free || mobility == Mobility::along_x) q.x = held(p.x, width(), image.x, image.width);
-    if (mobility == Mobility::free || mobility == Mobility::along_y) q.y = held(p.y, height(), image.y, image.height);
+    if (mobility == Mobility::free || mobility == Mobility::along_x)
+        q.x = held(p.x, width(), image.x, image.width, wraps_x(periodic));
+    if (mobility == Mobility::free || mobility == Mobility::along_y)
+        q.y = held(p.y, height(), image.y, image.height, wraps_y(periodic));
     return q;
 }
 

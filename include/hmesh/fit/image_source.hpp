@@ -19,7 +19,9 @@
 #include "hmesh/fit/rendered_error.hpp"
 #include "hmesh/image/channel_weights.hpp"
 #include "hmesh/image/image_view.hpp"
+#include "hmesh/image/weights.hpp"
 #include "hmesh/mesh/mesh.hpp"
+#include "hmesh/mesh/periodic.hpp"
 
 #include "hmesh/core/macros/push.hpp"
 
@@ -40,12 +42,19 @@ class ImageSource {
     /// The same weights with other pixels, an image of the same size.
     template <class T>
     [[nodiscard]] ImageSource with_pixels(const ImageView<T, C>& view) const noexcept {
-        return ImageSource(view, weights_, unit_);
+        return ImageSource(view, weights_, unit_).with_periodic(periodic_, has_straight_seams_);
+    }
+    /// The same image, which repeats along these axes. `straight`: edges of meshes run along the lines where it does.
+    [[nodiscard]] ImageSource with_periodic(Periodic periodic, bool straight) const noexcept {
+        ImageSource out = *this;
+        out.periodic_ = periodic;
+        out.has_straight_seams_ = straight && periodic != Periodic::none;
+        return out;
     }
     /// The same weights with the pixels of scale_channels(). The scale must outlive the source.
     [[nodiscard]] ImageSource with_scaled_pixels(const ImageView<std::uint16_t, C>& view,
                                                  const ChannelScale<C>& scale) const noexcept {
-        ImageSource out(view, weights_, unit_);
+        ImageSource out = ImageSource(view, weights_, unit_).with_periodic(periodic_, has_straight_seams_);
         out.scale_ = &scale;
         return out;
     }
@@ -55,13 +64,17 @@ class ImageSource {
     [[nodiscard]] int width() const noexcept { return width_; }                                     ///< px
     [[nodiscard]] int height() const noexcept { return height_; }                                   ///< px
     [[nodiscard]] double pixels() const noexcept { return static_cast<double>(width_) * height_; }  ///< number of pixels
-    [[nodiscard]] double low() const noexcept { return low_; }    ///< smallest colour of the pixel type
-    [[nodiscard]] double high() const noexcept { return high_; }  ///< largest colour of the pixel type
+    [[nodiscard]] double low() const noexcept { return low_; }              ///< smallest colour of the pixel type
+    [[nodiscard]] double high() const noexcept { return high_; }            ///< largest colour of the pixel type
+    [[nodiscard]] Periodic periodic() const noexcept { return periodic_; }  ///< along which axes the image repeats
+    /// Whether the lines where the image repeats are edges of its meshes.
+    [[nodiscard]] bool has_straight_seams() const noexcept { return has_straight_seams_; }
     /// Whether samples are whole numbers, so that sums of them are exact.
     [[nodiscard]] bool is_integer() const noexcept { return is_integer_; }
     [[nodiscard]] double peak() const noexcept { return peak_; }  ///< value of full intensity
 
-    /// The moment table of a rectangle of the image. Bands of its rows are pieces of work.
+    /// The moment table of a rectangle of the image, which may reach beyond it along the axes of periodic(). Bands of its rows
+    /// are pieces of work.
     [[nodiscard]] MomentTable<C> table(const Rect& rect, const ParallelFor& parallel_for = {}) const {
         return make_(*this, rect, parallel_for);
     }
@@ -74,15 +87,17 @@ class ImageSource {
         return error_(*this, mesh, parallel_for, channels);
     }
 
-    /// The samples of the pixel nearest to (x, y), which may lie outside the image; 0 in the lanes above them.
+    /// The samples of pixel (x, y), of the nearest one or, along the axes of periodic(), of the repeated image outside of it; 0
+    /// in the lanes above them.
     [[nodiscard]] HMESH_ALWAYS_INLINE Lanes<lanes_for(C + 1)> pixel(int x, int y) const noexcept {
         Lanes<lanes_for(C + 1)> out;
-        sample_(*this, std::max(0, std::min(width_ - 1, x)), std::max(0, std::min(height_ - 1, y)), out);
+        sample_(*this, place(x, width_, wraps_x(periodic_)), place(y, height_, wraps_y(periodic_)), out);
         return out;
     }
 
-    /// Writes the samples of the row nearest to y times a factor, pixel after pixel: width() * C numbers.
-    void row(int y, double factor, double* to) const noexcept { row_(*this, std::max(0, std::min(height_ - 1, y)), factor, to); }
+    /// Writes the samples of row y, or of the one that stands for it as in pixel(), times a factor, pixel after pixel: width() *
+    /// C numbers.
+    void row(int y, double factor, double* to) const noexcept { row_(*this, place(y, height_, wraps_y(periodic_)), factor, to); }
 
     /// Whether pixels have weights.
     [[nodiscard]] bool is_weighted() const noexcept { return weights_.data != nullptr; }
@@ -96,9 +111,41 @@ class ImageSource {
     [[nodiscard]] ImageView<T, C> view() const noexcept {
         return {static_cast<const T*>(data_), width_, height_, row_stride_};
     }
+    /// The pixel of a side of `size` px that stands for pixel x of the plane.
+    [[nodiscard]] static int place(int x, int size, bool wraps) noexcept {
+        return wraps ? modulo(x, size) : std::max(0, std::min(size - 1, x));
+    }
+    /// A rectangle of the plane that a view repeats in, as an image of its own.
+    template <class T, int N>
+    [[nodiscard]] HMESH_COLD static Image<T, N> unrolled(const ImageView<T, N>& view, const Rect& rect) {
+        Image<T, N> out(rect.width, rect.height);
+        for (int y = 0; y < rect.height; ++y)
+            for (int x = 0, count = 0; x < rect.width; x += count) {
+                const int from = modulo(rect.x + x, view.width);
+                count = std::min(rect.width - x, view.width - from);
+                std::copy_n(view.pixel(from, modulo(rect.y + y, view.height)), static_cast<std::ptrdiff_t>(count) * N,
+                            out.pixel(x, y));
+            }
+        return out;
+    }
     template <class T>
     [[nodiscard]] static MomentTable<C> make(const ImageSource& source, const Rect& rect, const ParallelFor& parallel_for) {
-        return MomentTable<C>(source.view<T>(), source.weights_, source.unit_, rect, parallel_for);
+        ImageView<T, C> pixels = source.view<T>();
+        ImageView<float, 1> weights = source.weights_;
+        Rect from = rect;
+        Image<T, C> own_pixels;
+        Image<float, 1> own_weights;
+        if (rect.x < 0 || rect.y < 0 || rect.width > source.width_ - rect.x || rect.height > source.height_ - rect.y) {
+            HMESH_ASSERT(source.periodic_ != Periodic::none);
+            own_pixels = unrolled(pixels, rect);
+            pixels = own_pixels.view();
+            if (weights.data != nullptr) {
+                own_weights = unrolled(weights, rect);
+                weights = own_weights.view();
+            }
+            from = pixels.bounds();
+        }
+        return MomentTable<C>(pixels, weights, WeightScale(source.unit_, source.width_, source.height_), from, parallel_for);
     }
     template <class T>
     [[nodiscard]] static double error(const ImageSource& source, const Mesh& mesh, const ParallelFor& parallel_for,
@@ -126,6 +173,8 @@ class ImageSource {
     double unit_;  ///< of the weights, see weight_unit()
     double low_, high_, peak_;
     bool is_integer_;
+    bool has_straight_seams_ = false;
+    Periodic periodic_ = Periodic::none;
     MomentTable<C> (*make_)(const ImageSource&, const Rect&, const ParallelFor&);
     void (*sample_)(const ImageSource&, int, int, Lanes<lanes_for(C + 1)>&) noexcept;
     void (*row_)(const ImageSource&, int, double, double*) noexcept;

@@ -62,6 +62,12 @@ class MomentTable {
     template <class T>
     MomentTable(const ImageView<T, C>& view, const ImageView<float, 1>& weights, double unit, const Rect& rect,
                 const ParallelFor& parallel_for = {})
+        : MomentTable(view, weights, WeightScale(unit, view.width, view.height), rect, parallel_for) {}
+
+    /// The same with weights that are those of a part of a larger image, whose scale this is.
+    template <class T>
+    MomentTable(const ImageView<T, C>& view, const ImageView<float, 1>& weights, const WeightScale& scale, const Rect& rect,
+                const ParallelFor& parallel_for = {})
         : width_(rect.width), height_(rect.height), weighted_(weights.data != nullptr),
           int32_(!weighted_ && fits_32_bits<T>(rect.width)) {
         HMESH_ASSERT(rect.x >= 0 && rect.y >= 0 && rect.width >= 1 && rect.height >= 1);
@@ -85,7 +91,6 @@ class MomentTable {
         }
         x_moment_entries_.reset(new double[size / lanes]);
         samples_.reset(new float[sample_count()]);
-        const WeightScale scale(unit, view.width, view.height);
         for_each_row(parallel_for, [&](int y) { fill_weighted_row(view, weights, scale, rect, y); });
     }
 

@@ -32,8 +32,8 @@ namespace detail {
 }  // namespace detail
 
 /// The sum over pixels and channels of squared differences in stored values between a mesh, of C channels, and an image, times
-/// the weights of pixels (`unit` as by weight_unit()) and of channels (the largest being 1). The mesh must tile the image with
-/// faces of positive area.
+/// the weights of pixels (`unit` as by weight_unit()) and of channels (the largest being 1). The mesh must cover the image once
+/// with faces of positive area, which may stand out of it.
 template <class T, int C>
 [[nodiscard]] double rendered_error(const Mesh& mesh, const ImageView<T, C>& view, const ImageView<float, 1>& weights = {},
                                     double unit = 1, const ParallelFor& parallel_for = {}, const ChannelScale<C>& channels = {}) {
@@ -47,7 +47,7 @@ template <class T, int C>
             at_a[k] = color(t[0]), to_b[k] = color(t[1]) - at_a[k], to_c[k] = color(t[2]) - at_a[k];
         }
         double energy = 0;
-        for_each_span(a, b, c, {}, [&](int j, int begin, int end) {
+        for_each_span(a, b, c, {view.width, 0, view.height}, [&](int j, int begin, int end) {
             const T* sample = view.pixel(begin, j);
             const float* weight = weights.data != nullptr ? weights.pixel(begin, j) : nullptr;
             for (int i = begin; i < end; ++i, sample += C) {

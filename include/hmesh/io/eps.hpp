@@ -24,6 +24,7 @@
 #include "hmesh/io/page_options.hpp"
 #include "hmesh/io/sink.hpp"
 #include "hmesh/mesh/mesh.hpp"
+#include "hmesh/mesh/unrolled.hpp"
 
 #include "hmesh/core/macros/push.hpp"
 
@@ -66,6 +67,10 @@ inline void write_ascii85(Writer& writer, const std::vector<unsigned char>& byte
 inline Status write_eps(const MeshView& source, Sink sink, const PageOptions& options = {}) {
     detail::ShadingLayout layout;
     if (const Status status = detail::plan_shading(source, layout); !status) return status;
+    if (source.periodic != Periodic::none) {
+        const Mesh whole = unrolled(source);
+        return write_eps(whole.view(), sink, options);
+    }
     const detail::ExportMesh exported(source, detail::Premultiplied::kept);
     const MeshView& mesh = exported.view();
     const auto channels = static_cast<std::size_t>(mesh.channels);

@@ -27,6 +27,7 @@
 #include "hmesh/io/detail/html_page.hpp"
 #include "hmesh/io/sink.hpp"
 #include "hmesh/mesh/mesh.hpp"
+#include "hmesh/mesh/unrolled.hpp"
 
 #include "hmesh/core/macros/push.hpp"
 
@@ -143,6 +144,10 @@ inline void write_html_original(Writer& writer, const HtmlOptions& options) {
 /// says so, and no byte is written; a sink that refuses bytes gives Errc::write_failed.
 inline Status write_html(const MeshView& source, Sink sink, const HtmlOptions& options = {}) {
     if (const Status status = detail::check_for_html(source, options); !status) return status;
+    if (source.periodic != Periodic::none) {
+        const Mesh whole = unrolled(source);
+        return write_html(whole.view(), sink, options);
+    }
     const detail::ExportMesh exported(source, detail::Premultiplied::kept);
     detail::Writer writer(sink);
     for (const detail::HtmlPiece& piece : detail::html_page) {

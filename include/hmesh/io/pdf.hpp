@@ -30,6 +30,7 @@
 #include "hmesh/io/page_options.hpp"
 #include "hmesh/io/sink.hpp"
 #include "hmesh/mesh/mesh.hpp"
+#include "hmesh/mesh/unrolled.hpp"
 
 #include "hmesh/core/macros/push.hpp"
 
@@ -149,6 +150,10 @@ inline void put_multiplier(PdfFile& file, const ShadingColors& colors) {
 inline Status write_pdf(const MeshView& source, Sink sink, const PageOptions& options = {}) {
     detail::ShadingLayout layout;
     if (const Status status = detail::plan_shading(source, layout); !status) return status;
+    if (source.periodic != Periodic::none) {
+        const Mesh whole = unrolled(source);
+        return write_pdf(whole.view(), sink, options);
+    }
     const detail::ExportMesh exported(source, detail::Premultiplied::divided);
     const MeshView& mesh = exported.view();
     const auto channels = static_cast<std::size_t>(mesh.channels);

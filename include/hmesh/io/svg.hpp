@@ -28,6 +28,7 @@
 #include "hmesh/io/detail/svg_gradient.hpp"
 #include "hmesh/io/sink.hpp"
 #include "hmesh/mesh/mesh.hpp"
+#include "hmesh/mesh/unrolled.hpp"
 
 #include "hmesh/core/macros/push.hpp"
 
@@ -344,6 +345,10 @@ class SvgPage {
 /// refuses bytes gives Errc::write_failed.
 inline Status write_svg(const MeshView& mesh, Sink sink, const SvgOptions& options = {}) {
     if (const Status status = detail::check_for_svg(mesh, options); !status) return status;
+    if (mesh.periodic != Periodic::none) {
+        const Mesh whole = unrolled(mesh);
+        return write_svg(whole.view(), sink, options);
+    }
     const detail::ExportMesh exported(mesh, detail::Premultiplied::kept);
     return detail::SvgPage(exported.view(), options, sink).write();
 }

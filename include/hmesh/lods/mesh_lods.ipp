@@ -130,7 +130,10 @@ Lods mesh_lods(const ImageView<T, C>& view, const Options& options, const LodOpt
     const auto body = [&](const detail::Subject<C>& subject, const ImageView<T, C>&) {
         detail::add_coarser(subject, from, options, lods.levels - 1, recipe, parallel_for, out);
     };
-    const auto accept = [](int, int) { return Status(); };
+    const auto accept = [&](int, int) -> Status {
+        if (options.periodic == Periodic::none) return {};
+        return {Errc::invalid_argument, "levels of detail are not made of periodic images"};
+    };
     if (const Status status = detail::with_subject<T, C>(view, options, accept, parallel_for, body); !status) out.status = status;
     return out;
 }

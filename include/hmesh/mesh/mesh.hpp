@@ -14,6 +14,7 @@
 
 #include "hmesh/core/finite.hpp"
 #include "hmesh/core/status.hpp"
+#include "hmesh/mesh/periodic.hpp"
 
 #include "hmesh/core/macros/push.hpp"
 
@@ -36,6 +37,7 @@ struct MeshView {
     /// Whether the colours, of 2 or 4 channels, are stored multiplied by alpha / peak. Exporters to formats that want straight
     /// colours divide by it.
     bool premultiplied = false;
+    Periodic periodic = Periodic::none;  ///< along which axes copies of the mesh, shifted by its size, go on from it
 };
 
 /// A triangle mesh that owns its arrays. Those that mesh_image() makes tile the rectangle of their image.
@@ -48,6 +50,10 @@ struct Mesh {
         height = 0;                ///< px of the image
     double peak = 0;               ///< colour value of full intensity, > 0
     bool premultiplied = false;    ///< whether colours are stored multiplied by alpha / peak
+    /// Along which axes the mesh is that of a torus or cylinder, cut open: copies of it, shifted by `width` or `height`, join it
+    /// without a gap or an overlap, and each vertex of the cut has a copy of the same colour on the other side. The cut may be
+    /// jagged: then faces stand out of the image's rectangle. See mesh/torus.hpp.
+    Periodic periodic = Periodic::none;
 
     /// The number of vertices.
     [[nodiscard]] std::size_t vertex_count() const noexcept { return positions.size() / 2; }
@@ -55,8 +61,8 @@ struct Mesh {
     [[nodiscard]] std::size_t face_count() const noexcept { return faces.size(); }
     /// A view of the mesh, valid until its arrays change.
     [[nodiscard]] MeshView view() const noexcept {
-        return {positions.data(), colors.data(), faces.data(), vertex_count(), face_count(),
-                channels,         width,         height,       peak,           premultiplied};
+        return {positions.data(), colors.data(), faces.data(),  vertex_count(), face_count(), channels, width,
+                height,           peak,          premultiplied, periodic};
     }
 };
 

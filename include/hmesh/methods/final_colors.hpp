@@ -16,11 +16,69 @@
 #include "hmesh/methods/stage.hpp"
 #include "hmesh/solve/bounded_colors.hpp"
 #include "hmesh/solve/sampled_colors.hpp"
+#include "hmesh/solve/tied_colors.hpp"
 #include "hmesh/tiles/tiled_mesh.hpp"
 
 #include "hmesh/core/macros/push.hpp"
 
 namespace hmesh::kit {
+
+namespace detail {
+
+/// The colour of the image at p, bilinear; beyond the sides of a periodic image it goes on.
+template <int C>
+[[nodiscard]] HMESH_COLD Color<C> color_at(const ImageSource<C>& source, Point p) {
+    const Torus torus{source.width(), source.height(), source.periodic()};
+    const Turns inside = turns_into(p, 0, 0, torus);
+    // In the middle of three images, which go on on both sides.
+    const bool x = wraps_x(source.periodic()), y = wraps_y(source.periodic());
+    const int left = x ? source.width() : 0, top = y ? source.height() : 0;
+    p = turned(p, inside + Turns{x ? 1 : 0, y ? 1 : 0}, torus);
+    return sampled_color<C>((x ? 3 : 1) * source.width(), (y ? 3 : 1) * source.height(), p,
+                            [&](int i, int j) { return source.pixel(i - left, j - top); });
+}
+
+/// bounded_colors() of a periodic mesh, in which a vertex and its copies are one. Vertices on a straight border are tied to the
+/// image's colour there, as if that were a quarter of a pixel: the few pixels beside the seam would else leave some of them free
+/// to be anything, which shows as a spike where the picture is enlarged.
+template <int C>
+HMESH_COLD BoundedReport tied_colors(TiledMesh<C>& tiled, const Tiling& tiling, double low, double high, double grid) {
+    constexpr double tie_weight = 0.25;
+    const ImageSource<C>& source = tiled.source();
+    std::vector<CornerSums<C>> corners(3 * tiled.indexed().faces.size());
+    tiled.visit(tiling, [&](Patch<C>& patch, std::size_t, const std::uint32_t* faces) {
+        for (const Face f : patch.mesh().topology().faces()) {
+            const std::size_t k = 3 * std::size_t{faces[f.index()]};
+            sum_face(patch.mesh(), f, corners[k], corners[k + 1], corners[k + 2]);
+        }
+    });
+    if (tiled.progress().stopped()) std::fill(corners.begin(), corners.end(), CornerSums<C>());  // only the ridge is left
+    IndexedMesh<C>& mesh = tiled.indexed();
+    std::vector<std::uint32_t> row(mesh.vertex_count()), rows;
+    std::vector<Color<C>> colors;
+    std::vector<ColorTie<C>> ties;
+    for (std::uint32_t v = 0; v < row.size(); ++v) {
+        if (mesh.roots[v] != v) continue;
+        row[v] = static_cast<std::uint32_t>(colors.size());
+        colors.push_back(mesh.colors[v]);
+        clamp_channels<C>(colors.back(), low, high);
+        if (!source.has_straight_seams() || tiled.progress().stopped()) continue;
+        const Point p = mesh.positions[v];
+        if ((wraps_x(mesh.periodic) && std::fmod(p.x, mesh.width) == 0) ||
+            (wraps_y(mesh.periodic) && std::fmod(p.y, mesh.height) == 0))
+            ties.push_back({row[v], tie_weight, color_at(source, p)});
+    }
+    rows.reserve(corners.size());
+    for (const Triangle& face : mesh.faces)
+        for (const std::uint32_t v : face) rows.push_back(row[mesh.roots[v]]);
+    const auto system = tied_color_system(rows, corners, ties, colors, tiled.limits().ridge);
+    const BoundedReport report = descend(system, low, high, grid, colors, [&] { return tiled.progress().poll(); });
+    for (std::size_t v = 0; v < row.size(); ++v) mesh.colors[v] = colors[row[mesh.roots[v]]];
+    tiled.measure(tiling);
+    return report;
+}
+
+}  // namespace detail
 
 /// Gives all vertices the colours of the image at their positions (solve/sampled_colors.hpp), rounded to multiples of `grid`
 /// where grid > 0, and measures the mesh's energy with them. `tiling`: the pieces of the measurement.
@@ -30,8 +88,7 @@ HMESH_COLD void sample_colors(TiledMesh<C>& tiled, const Tiling& tiling, double 
     const ImageSource<C>& source = tiled.source();
     for (std::size_t v = 0; v < mesh.vertex_count(); ++v) {
         Color<C>& color = mesh.colors[v];
-        color = sampled_color<C>(source.width(), source.height(), mesh.positions[v],
-                                 [&](int x, int y) { return source.pixel(x, y); });
+        color = detail::color_at(source, mesh.positions[v]);
         if (grid > 0)
             for (int c = 0; c < C; ++c) color.set(c, std::floor(color[c] / grid + 0.5) * grid);
     }
@@ -44,6 +101,7 @@ HMESH_COLD void sample_colors(TiledMesh<C>& tiled, const Tiling& tiling, double 
 /// rounded, and the energy is still true of them.
 template <int C>
 HMESH_COLD BoundedReport bounded_colors(TiledMesh<C>& tiled, const Tiling& tiling, double low, double high, double grid) {
+    if (tiled.source().periodic() != Periodic::none) return detail::tied_colors(tiled, tiling, low, high, grid);
     BoundedReport report;
     if ((tiling.size() == 1 || tiled.has_whole_table()) &&
         tiled.for_each(one_tile(tiled.source()), [&](Patch<C>& patch, std::size_t) {

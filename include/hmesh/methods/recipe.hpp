@@ -16,7 +16,9 @@
 /// run(TiledMesh<C>&, const ImageView<T, C>&, std::size_t)`. One that can go on from a mesh of another run makes searches for a
 /// PSNR cheaper, by `Recipe from(const hmesh::kit::Beginning&) const`, the recipe for one run of a search, and `double
 /// gain_over_sketch() const`, by how many dB whole runs are above sketches; a `double work(int width, int height, std::size_t n)
-/// const`, how long a run takes, in any unit, lets the progress of such a search run evenly. run() may tell mesh.progress() by
+/// const`, how long a run takes, in any unit, lets the progress of such a search run evenly. `static constexpr bool
+/// can_be_periodic = true` says that run() makes periodic meshes, cut open as tiles/recut.hpp says, of sources that are
+/// periodic(); without it such images are refused. run() may tell mesh.progress() by
 /// plan() how long its stages take. A tile_size() of the image's longer side means one
 /// piece. mesh_image() does the rest: checks, premultiplication, weights, the search for a PSNR, final colours, the report.
 /// Recipes are made of the building blocks in hmesh::kit, which are public, documented, and free to change before version 1.

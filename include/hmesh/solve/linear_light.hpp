@@ -38,10 +38,13 @@
 #include "hmesh/mesh/halfedge_mesh.hpp"
 #include "hmesh/mesh/limits.hpp"
 #include "hmesh/mesh/mesh.hpp"
+#include "hmesh/mesh/periodic.hpp"
 #include "hmesh/mesh/raster.hpp"
+#include "hmesh/mesh/torus.hpp"
 #include "hmesh/solve/bounded_colors.hpp"
 #include "hmesh/solve/normal_equations.hpp"
 #include "hmesh/solve/pcg.hpp"
+#include "hmesh/solve/tied_colors.hpp"
 
 #include "hmesh/core/macros/push.hpp"
 
@@ -86,7 +89,9 @@ class LinearLight {
     LinearLight(const Mesh& mesh, const HalfedgeMesh& topology, ReadSamples read, const LinearLightOptions& options,
                 const ParallelFor& parallel_for)
         : mesh_(mesh), topology_(topology), read_(read), options_(options), parallel_for_(parallel_for),
-          scale_(weight_unit(options.weights, parallel_for), mesh.width, mesh.height), corners_(2 * topology.edge_slots()) {}
+          scale_(weight_unit(options.weights, parallel_for), mesh.width, mesh.height), corners_(2 * topology.edge_slots()) {
+        if (mesh.periodic != Periodic::none) tie_copies();
+    }
 
     /// Channel k of the mesh's colours, held to [0, peak] and to the grid.
     [[nodiscard]] ChannelLight start(std::size_t k) const {
@@ -121,11 +126,12 @@ class LinearLight {
     }
     /// Solves for the Gauss-Newton step `out`, n_v by 1, from `at`, for which measure() must have been called last.
     [[nodiscard]] PcgReport direction(const ChannelLight& at, std::size_t k, DenseMatrix& out) const {
-        SymmetricMatrix matrix = normal_matrix(topology_, corners_, parallel_for_);
-        const DenseMatrix rhs = image_sums(topology_, corners_, parallel_for_);
+        const bool is_tied = !rows_.empty();
+        SymmetricMatrix matrix = is_tied ? tied_matrix() : normal_matrix(topology_, corners_, parallel_for_);
+        const DenseMatrix rhs = is_tied ? tied_sums() : image_sums(topology_, corners_, parallel_for_);
         std::vector<HeldEntry> held;
         for (std::size_t v = 0; v < rhs.rows; ++v) {
-            const double light = at.light[v];
+            const double light = at.light[is_tied ? vertices_[v] : v];
             const double slope = is_encoded(k) ? linear_to_srgb_slope(light, linear_to_srgb(light)) : 1;
             matrix.add_to_diagonal(v, options_.ridge * slope * slope);
             if ((light <= 0 && rhs(v, 0) < 0) || (light >= 1 && rhs(v, 0) > 0)) held.push_back({v, 0});
@@ -133,7 +139,12 @@ class LinearLight {
         out = DenseMatrix(rhs.rows, 1);
         PcgOptions exactness;
         exactness.tolerance = 1e-6;  // the encoding's curvature makes steps less exact than this
-        return solve_pcg(matrix, rhs, out, exactness, held);
+        const PcgReport report = solve_pcg(matrix, rhs, out, exactness, held);
+        if (!is_tied) return report;
+        DenseMatrix all(rows_.size(), 1);
+        for (std::size_t v = 0; v < rows_.size(); ++v) all(v, 0) = out(rows_[v], 0);
+        out = std::move(all);
+        return report;
     }
 
   private:
@@ -141,6 +152,44 @@ class LinearLight {
     [[nodiscard]] bool is_encoded(std::size_t k) const noexcept { return !has_alpha(mesh_.channels) || k + 1 != channels(); }
     [[nodiscard]] double encode(std::size_t k, double light) const noexcept {
         return is_encoded(k) ? linear_to_srgb(light) : light;
+    }
+
+    /// Makes one unknown of a vertex and its copies.
+    HMESH_COLD void tie_copies() {
+        std::vector<Point> positions;
+        for (std::size_t v = 0; v < mesh_.vertex_count(); ++v) positions.push_back(position(mesh_, v));
+        const std::vector<std::uint32_t> roots = tied_vertices(positions, {mesh_.width, mesh_.height, mesh_.periodic});
+        rows_.resize(roots.size());
+        for (std::uint32_t v = 0; v < roots.size(); ++v) {  // a root is the first of its vertices
+            rows_[v] = roots[v] == v ? static_cast<std::uint32_t>(vertices_.size()) : rows_[roots[v]];
+            if (roots[v] == v) vertices_.push_back(v);
+        }
+    }
+    /// normal_matrix() with the rows of copies added up.
+    [[nodiscard]] HMESH_COLD SymmetricMatrix tied_matrix() const {
+        std::vector<std::pair<std::uint64_t, double>> entries;
+        const std::uint64_t size = vertices_.size();
+        for (std::uint64_t row = 0; row < size; ++row) entries.emplace_back(row * size + row, 0);
+        for_each_corner([&](Halfedge h, std::uint64_t a, std::uint64_t b) {
+            entries.emplace_back(a * size + a, corners_[h.index()].square);
+            entries.emplace_back(a * size + b, corners_[h.index()].coupling);
+            entries.emplace_back(b * size + a, corners_[h.index()].coupling);
+        });
+        return summed_matrix(vertices_.size(), entries);
+    }
+    /// image_sums() likewise.
+    [[nodiscard]] HMESH_COLD DenseMatrix tied_sums() const {
+        DenseMatrix sums(vertices_.size(), 1);
+        for_each_corner([&](Halfedge h, std::uint64_t a, std::uint64_t) { sums(a, 0) += corners_[h.index()].image[0]; });
+        return sums;
+    }
+    /// Calls body(h, row of its vertex, row of the next) for all half-edges with a face.
+    void for_each_corner(FunctionRef<void(Halfedge h, std::uint64_t from, std::uint64_t to)> body) const {
+        for (const Face f : topology_.faces()) {
+            Halfedge h = topology_.halfedge(f);
+            for (int k = 0; k < 3; ++k, h = topology_.next(h))
+                body(h, rows_[topology_.from_vertex(h).index()], rows_[topology_.to_vertex(h).index()]);
+        }
     }
 
     /// Appends a vertex with this stored value, held to [0, peak] and, where grid > 0, to the grid.
@@ -155,7 +204,13 @@ class LinearLight {
     /// The error of face f, in squared shares of the peak; its sums go to corners_.
     [[nodiscard]] double face(const ChannelLight& at, std::size_t f, std::size_t k) {
         const std::array<Vertex, 3> v = topology_.vertices(Face(f));
-        const Point a = position(mesh_, v[0].index()), b = position(mesh_, v[1].index()), c = position(mesh_, v[2].index());
+        Point a = position(mesh_, v[0].index()), b = position(mesh_, v[1].index()), c = position(mesh_, v[2].index());
+        const bool wraps = mesh_.periodic != Periodic::none;
+        if (wraps) {  // to where no pixel has a negative place
+            const Torus torus{mesh_.width, mesh_.height, mesh_.periodic};
+            const Turns turns = turns_into({std::min({a.x, b.x, c.x}), std::min({a.y, b.y, c.y})}, 0, 0, torus);
+            a = turned(a, turns, torus), b = turned(b, turns, torus), c = turned(c, turns, torus);
+        }
         const PixelBarycentric weights_at(a, b, c);
         const double per_peak = 1 / mesh_.peak;
         const double la = at.light[v[0].index()], lb = at.light[v[1].index()] - la, lc = at.light[v[2].index()] - la;
@@ -167,8 +222,9 @@ class LinearLight {
         const bool encoded = is_encoded(k);
         const auto add_pixels = [&](int j, int begin, int end) {
             std::array<double, block> samples;
-            read_(k, j, begin, end, samples.data());
-            const float* weights = options_.weights.data != nullptr ? options_.weights.pixel(begin, j) : nullptr;
+            const int left = wraps ? begin % mesh_.width : begin, row = wraps ? j % mesh_.height : j;
+            read_(k, row, left, left + end - begin, samples.data());
+            const float* weights = options_.weights.data != nullptr ? options_.weights.pixel(left, row) : nullptr;
             for (int i = begin; i < end; ++i) {
                 const Barycentric w = weights_at(i, j);
                 const double light = la + w.b * lb + w.c * lc;
@@ -192,7 +248,11 @@ class LinearLight {
             }
         };
         for_each_span(a, b, c, {}, [&](int j, int begin, int end) {
-            for (; begin < end; begin += block) add_pixels(j, begin, std::min(end, begin + block));
+            for (int next = 0; begin < end; begin = next) {
+                next = std::min(end, begin + block);
+                if (wraps) next = std::min(next, (begin / mesh_.width + 1) * mesh_.width);
+                add_pixels(j, begin, next);
+            }
         });
         const auto sums = [](double square, double coupling, double rhs) {
             CornerSums<1> out;
@@ -215,6 +275,8 @@ class LinearLight {
     const LinearLightOptions& options_;
     ParallelFor parallel_for_;
     WeightScale scale_;
+    std::vector<std::uint32_t> rows_,     ///< of a periodic mesh: the unknown of each vertex, else empty
+        vertices_;                        ///< of each unknown, the first vertex
     std::vector<CornerSums<1>> corners_;  ///< of the last measure(); `image` holds sums of - e' r lambda
 };
 
@@ -232,7 +294,9 @@ class LinearLight {
     if (mesh.width != width) return {Errc::invalid_argument, "the mesh is not as wide as the image", mesh.width, width};
     if (mesh.height != height) return {Errc::invalid_argument, "the mesh is not as high as the image", mesh.height, height};
     const auto at = [&](std::uint32_t v) { return position(mesh, v); };
-    for (std::uint32_t v = 0; v < mesh.vertex_count(); ++v)
+    if (mesh.periodic != Periodic::none)
+        if (const Status status = check_periodic(mesh.view()); !status) return status;
+    for (std::uint32_t v = 0; v < mesh.vertex_count() && mesh.periodic == Periodic::none; ++v)
         if (!(at(v).x >= 0 && at(v).x <= mesh.width && at(v).y >= 0 && at(v).y <= mesh.height))
             return {Errc::invalid_argument, "the mesh has a position outside its image, at vertex", v, 0};
     for (std::size_t f = 0; f < mesh.faces.size(); ++f)
@@ -297,8 +361,8 @@ class LinearLight {
 
 /// Fits the colours of a finished mesh for renderers that interpolate linear light: those of least squared error to the image in
 /// stored values. Call it after mesh_image() and before write_glb(), say: renderers of glTF interpolate linear light.
-/// Positions and faces stay. Colours remain stored values, in [0, peak]; the current ones, held to that range, are the start,
-/// and the error never rises.
+/// Positions and faces stay, and the copies of a vertex on the border of a periodic mesh keep one colour. Colours remain stored
+/// values, in [0, peak]; the current ones, held to that range, are the start, and the error never rises.
 ///
 /// `view`: the image that was meshed, of the mesh's size and channels; `view` and `options.weights` must be such as check(),
 /// check_finite() and check_weights() accept. `go_on(share)`, where given, is called before each step with the share of the work

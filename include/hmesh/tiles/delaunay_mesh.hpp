@@ -15,6 +15,7 @@
 #include "hmesh/mesh/delaunay.hpp"
 #include "hmesh/mesh/geometry.hpp"
 #include "hmesh/mesh/halfedge_mesh.hpp"
+#include "hmesh/mesh/periodic.hpp"
 #include "hmesh/mesh/spatial_order.hpp"
 #include "hmesh/tiles/indexed_mesh.hpp"
 
@@ -44,6 +45,30 @@ namespace hmesh::kit {
         (void)delaunay.insert(place(pixel));
     }
     return true;
+}
+
+/// Drops the pixels, given as y * width + x, on the sides along which the image repeats, whose vertices would be on the sides.
+HMESH_COLD inline void leave_out_sides(std::vector<std::uint32_t>& pixels, int width, int height, Periodic periodic) {
+    const auto columns = static_cast<std::uint32_t>(width), rows = static_cast<std::uint32_t>(height);
+    const auto is_outermost = [](std::uint32_t i, std::uint32_t size) { return size > 1 && (i == 0 || i + 1 == size); };
+    std::size_t kept = 0;
+    for (const std::uint32_t pixel : pixels)
+        if (!(wraps_x(periodic) && is_outermost(pixel % columns, columns)) &&
+            !(wraps_y(periodic) && is_outermost(pixel / columns, rows)))
+            pixels[kept++] = pixel;
+    pixels.resize(kept);
+}
+
+/// Inserts for each vertex on a side along which the image repeats the one opposite to it, so that the sides pair.
+HMESH_COLD inline void pair_sides(Delaunay& delaunay, Periodic periodic) {
+    const double width = delaunay.width(), height = delaunay.height();
+    std::vector<Point> opposite;
+    for (const Vertex v : delaunay.topology().vertices()) {
+        const Point p = delaunay.position(v);
+        if (wraps_x(periodic) && (p.x == 0 || p.x == width)) opposite.push_back({width - p.x, p.y});
+        if (wraps_y(periodic) && (p.y == 0 || p.y == height)) opposite.push_back({p.x, height - p.y});
+    }
+    for (const Point p : opposite) (void)delaunay.insert(p);
 }
 
 /// The mesh of a Delaunay triangulation of the image's rectangle, with the colours of the pixels under the vertices; vertices

@@ -6,6 +6,8 @@
 #ifndef HMESH_TILES_INDEXED_MESH_HPP
 #define HMESH_TILES_INDEXED_MESH_HPP
 
+#include <algorithm>
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <vector>
@@ -16,27 +18,42 @@
 #include "hmesh/fit/squared_error.hpp"
 #include "hmesh/mesh/halfedge_mesh.hpp"
 #include "hmesh/mesh/mesh.hpp"
+#include "hmesh/mesh/periodic.hpp"
+#include "hmesh/mesh/torus.hpp"
 
 #include "hmesh/core/macros/push.hpp"
 
 namespace hmesh::kit {
 
-/// A mesh of an image of C channels; positions, colors and dirty have one entry for each vertex.
+/// A mesh of an image of C channels; positions, colors and dirty have one entry for each vertex. That of a periodic image is cut
+/// open (mesh/torus.hpp), and vertices on the cut have copies.
 template <int C>
 struct IndexedMesh {
-    int width = 0;                     ///< px of the image; the faces tile [0, width] x [0, height]
-    int height = 0;                    ///< px of the image
-    std::vector<Point> positions;      ///< px, y down, on the 1/256 px grid
-    std::vector<Color<C>> colors;      ///< stored values
-    std::vector<unsigned char> dirty;  ///< not 0: surroundings changed since the vertex was last optimised
-    std::vector<Triangle> faces;       ///< indices of vertices, each face turning like (0, 0), (1, 0), (0, 1)
-    double energy = 0;                 ///< squared error over pixels and channels, as of the last phase of work
-    std::size_t locked_count = 0;      ///< the first so many vertices were locked in the last phase of work
+    int width = 0;                       ///< px of the image; the faces tile [0, width] x [0, height], or the torus
+    int height = 0;                      ///< px of the image
+    std::vector<Point> positions;        ///< px, y down, on the 1/256 px grid
+    std::vector<Color<C>> colors;        ///< stored values
+    std::vector<unsigned char> dirty;    ///< not 0: surroundings changed since the vertex was last optimised
+    std::vector<Triangle> faces;         ///< indices of vertices, each face turning like (0, 0), (1, 0), (0, 1)
+    double energy = 0;                   ///< squared error over pixels and channels, as of the last phase of work
+    std::size_t locked_count = 0;        ///< the first so many vertices were locked in the last phase of work
+    Periodic periodic = Periodic::none;  ///< along which axes the mesh repeats
+    std::vector<std::uint32_t> roots{};  ///< of each vertex of a periodic mesh: itself, or the one that it is a copy of
+    std::size_t copy_count = 0;          ///< vertices that are copies of others
 
-    /// The number of vertices.
+    /// The number of vertices, copies included.
     [[nodiscard]] std::size_t vertex_count() const noexcept { return positions.size(); }
+    /// The number of vertices but for copies.
+    [[nodiscard]] std::size_t distinct_count() const noexcept { return positions.size() - copy_count; }
     /// The energy per vertex, the unit of all tolerances.
-    [[nodiscard]] double mean_energy() const noexcept { return energy / static_cast<double>(vertex_count()); }
+    [[nodiscard]] double mean_energy() const noexcept { return energy / static_cast<double>(distinct_count()); }
+    /// The periods of the plane.
+    [[nodiscard]] Torus torus() const noexcept { return {width, height, periodic}; }
+    /// Sets copy_count from the roots.
+    void count_copies() noexcept {
+        copy_count = 0;
+        for (std::size_t v = 0; v < roots.size(); ++v) copy_count += roots[v] != v ? 1U : 0U;
+    }
     /// Appends a vertex and marks it dirty.
     void add(Point position, const Color<C>& color) {
         positions.push_back(position);
@@ -45,8 +62,35 @@ struct IndexedMesh {
     }
 };
 
+namespace detail {
+
+/// What check() says of a periodic mesh besides its arrays' lengths.
+[[nodiscard]] HMESH_COLD inline Status check_sheet(const std::vector<Point>& positions, const std::vector<Triangle>& faces,
+                                                   const std::vector<std::uint32_t>& roots, const Torus& torus) {
+    for (std::size_t v = 0; v < positions.size(); ++v) {
+        const Point p = positions[v];
+        const auto is_far = [](double x, int size) { return !(std::abs(x) <= 64.0 * size); };
+        if (is_far(p.x, torus.width) || is_far(p.y, torus.height))
+            return {Errc::invalid_argument, "a vertex is far outside the image", v};
+        if (std::floor(p.x * grid_steps) != p.x * grid_steps || std::floor(p.y * grid_steps) != p.y * grid_steps)
+            return {Errc::invalid_argument, "a vertex is off the grid", v};
+    }
+    if (roots != tied_vertices(positions, torus)) {
+        // Roots need not be the first of their vertices.
+        const std::vector<std::uint32_t> fresh = tied_vertices(positions, torus);
+        for (std::size_t v = 0; v < roots.size(); ++v)
+            if (roots[v] >= roots.size() || fresh[v] != fresh[roots[v]] || roots[roots[v]] != roots[v] ||
+                (fresh[v] != v && roots[v] != roots[fresh[v]]))
+                return {Errc::invalid_argument, "a vertex is tied to one in another place, or not to one in its own", v};
+    }
+    return check_torus(positions, faces, roots, torus);
+}
+
+}  // namespace detail
+
 /// Checks that the mesh is valid: arrays of one length, vertices on the 1/256 px grid, faces that have positive area, meet edge
-/// to edge without T-junctions, and tile the image. Errc::invalid_argument with the index of what is wrong. O(n log n).
+/// to edge without T-junctions, and tile the image or, of a periodic mesh, the torus, copies of vertices having one colour.
+/// Errc::invalid_argument with the index of what is wrong. O(n log n).
 template <int C>
 [[nodiscard]] Status check(const IndexedMesh<C>& mesh) {
     const auto fail = [](const char* what, std::size_t where) -> Status {
@@ -54,6 +98,16 @@ template <int C>
     };
     const std::size_t n = mesh.positions.size();
     if (mesh.colors.size() != n || mesh.dirty.size() != n) return fail("the arrays of vertices differ in length", n);
+    if (mesh.periodic != Periodic::none) {
+        if (mesh.roots.size() != n) return fail("the arrays of vertices differ in length", n);
+        if (const Status status = detail::check_sheet(mesh.positions, mesh.faces, mesh.roots, mesh.torus()); !status)
+            return status;
+        for (std::size_t i = 0; i < n; ++i)
+            for (int c = 0; c < C; ++c)
+                if (mesh.colors[i][c] != mesh.colors[mesh.roots[i]][c])
+                    return fail("the copies of a vertex on the cut differ in colour", i);
+        return {};
+    }
     HalfedgeMesh topology;
     if (const Status status = topology.assign(n, mesh.faces); !status) return status;
     for (std::size_t i = 0; i < n; ++i)
@@ -106,6 +160,7 @@ template <int C>
         for (int c = 0; c < C; ++c) to.colors.push_back(static_cast<float>(from.colors[v][c]));
     }
     to.faces = from.faces;
+    to.periodic = from.periodic;
     return to;
 }
 /// The mesh as an IndexedMesh, for further work on it; all vertices are dirty, the energy is not computed. Returns an empty mesh
@@ -123,6 +178,9 @@ template <int C>
         to.add({static_cast<double>(from.positions[2 * v]), static_cast<double>(from.positions[2 * v + 1])}, color);
     }
     to.faces = from.faces;
+    to.periodic = from.periodic;
+    if (to.periodic != Periodic::none) to.roots = tied_vertices(to.positions, to.torus());
+    to.count_copies();
     return to;
 }
 

@@ -28,6 +28,7 @@
 #include "hmesh/fit/image_mesh.hpp"
 #include "hmesh/fit/image_source.hpp"
 #include "hmesh/fit/moment_table.hpp"
+#include "hmesh/tiles/fans.hpp"
 #include "hmesh/tiles/indexed_mesh.hpp"
 #include "hmesh/tiles/tiling.hpp"
 
@@ -44,14 +45,15 @@ struct Cut {
     std::vector<std::size_t> first;         ///< one more entry than tiles
     std::vector<std::uint32_t> owner;       ///< of each vertex: the tile where it is free, or `locked`
     std::vector<std::uint32_t> number;      ///< of each vertex: its place among the free ones of its tile or the locked
-    std::vector<std::uint16_t> face_count;  ///< of each vertex: its faces in the mesh
+    std::vector<std::uint16_t> face_count;  ///< of each vertex: its faces in the mesh, those of its copies included
     std::vector<std::size_t> free_count;    ///< of each tile: the vertices that are free in it
     std::size_t locked_count = 0;           ///< vertices that are free in no tile
 };
 
-/// Cuts a mesh along a tiling. O(faces).
+/// Cuts a mesh along a tiling. `roots`: of a periodic mesh, as IndexedMesh has them, whose copies and the vertices that have some
+/// are free in no tile; else empty. O(faces).
 [[nodiscard]] HMESH_COLD inline Cut cut(const std::vector<Point>& positions, const std::vector<Triangle>& faces,
-                                        const Tiling& tiling) {
+                                        const Tiling& tiling, const std::vector<std::uint32_t>& roots = {}) {
     constexpr std::uint32_t none = 0xfffffffeU;
     const std::size_t n = positions.size();
     Cut cut;
@@ -59,6 +61,8 @@ struct Cut {
     cut.first.resize(tiling.size() + 1);
     cut.owner = std::vector<std::uint32_t>(n, none);
     cut.face_count.resize(n);
+    for (std::size_t v = 0; v < roots.size(); ++v)
+        if (roots[v] != v) cut.owner[v] = cut.owner[roots[v]] = Cut::locked;
     for (std::size_t t = 0; t < faces.size(); ++t) {
         double x = 0, y = 0;
         for (const std::uint32_t v : faces[t]) x += positions[v].x, y += positions[v].y;
@@ -69,6 +73,9 @@ struct Cut {
             cut.owner[v] = cut.owner[v] == none || cut.owner[v] == tile[t] ? tile[t] : Cut::locked;
         }
     }
+    for (std::size_t v = 0; v < roots.size(); ++v)
+        if (roots[v] != v) cut.face_count[roots[v]] = static_cast<std::uint16_t>(cut.face_count[roots[v]] + cut.face_count[v]);
+    for (std::size_t v = 0; v < roots.size(); ++v) cut.face_count[v] = cut.face_count[roots[v]];
     for (std::size_t k = 0; k < tiling.size(); ++k) cut.first[k + 1] += cut.first[k];
     cut.faces.resize(faces.size());
     std::vector<std::size_t> at(cut.first.begin(), cut.first.end() - 1);
@@ -114,12 +121,7 @@ struct PatchFaces {
 /// around each locked vertex.
 [[nodiscard]] HMESH_COLD inline PatchFaces renumber(const std::vector<Triangle>& faces, const Cut& cut, std::size_t tile) {
     PatchFaces patch;
-    struct Corner {  // of a face, at a locked vertex
-        std::uint32_t vertex, face, corner;
-        std::uint32_t next, previous;  // the face's other vertices
-        std::uint32_t fan;             // the first corner of the vertex that is known to be of the same fan
-    };
-    std::vector<Corner> corners;
+    std::vector<FanCorner> corners;  // at locked vertices
     patch.faces.reserve(cut.first[tile + 1] - cut.first[tile]);
     for (std::size_t k = cut.first[tile]; k < cut.first[tile + 1]; ++k) {
         const Triangle& t = faces[cut.faces[k]];
@@ -130,23 +132,9 @@ struct PatchFaces {
         }
         patch.faces.push_back(local);
     }
-    std::sort(corners.begin(), corners.end(),
-              [](const Corner& a, const Corner& b) { return a.vertex != b.vertex ? a.vertex < b.vertex : a.face < b.face; });
     const auto first_locked = static_cast<std::uint32_t>(cut.free_count[tile]);
-    for (std::size_t begin = 0, end = 0; begin < corners.size(); begin = end) {
-        while (end < corners.size() && corners[end].vertex == corners[begin].vertex) ++end;
-        // Faces that share an edge at this vertex are of one fan: the first corner of a fan spreads over it.
-        for (std::size_t i = begin; i < end; ++i) corners[i].fan = static_cast<std::uint32_t>(i);
-        for (bool changed = true; changed;) {
-            changed = false;
-            for (std::size_t i = begin; i < end; ++i)
-                for (std::size_t k = begin; k < end; ++k)
-                    if (corners[i].previous == corners[k].next && corners[i].fan != corners[k].fan) {
-                        corners[i].fan = corners[k].fan = std::min(corners[i].fan, corners[k].fan);
-                        changed = true;
-                    }
-        }
-        std::size_t known = patch.locked.size();
+    find_fans(corners, [&](std::size_t begin, std::size_t end) {
+        const std::size_t known = patch.locked.size();
         for (std::size_t i = begin; i < end; ++i) {
             if (corners[i].fan == i) patch.locked.push_back({corners[i].vertex, 0});
             std::size_t id = known;  // fans are numbered by their first corner
@@ -154,7 +142,7 @@ struct PatchFaces {
             ++patch.locked[id].face_count;
             patch.faces[corners[i].face][corners[i].corner] = first_locked + static_cast<std::uint32_t>(id);
         }
-    }
+    });
     return patch;
 }
 
@@ -230,13 +218,15 @@ class Patch {
             for (const std::uint32_t v : indexed.faces[cut.faces[k]])
                 if (cut.owner[v] != detail::Cut::locked) vertices[cut.number[v]] = v;
 
-        Point low{1e9, 1e9}, high{0, 0};
+        Point low{1e9, 1e9}, high{-1e9, -1e9};
         for (const std::uint32_t v : vertices) {
             const Point p = indexed.positions[v];
             low = {std::min(low.x, p.x), std::min(low.y, p.y)};
             high = {std::max(high.x, p.x), std::max(high.y, p.y)};
         }
-        const int x = whole != nullptr ? 0 : static_cast<int>(low.x), y = whole != nullptr ? 0 : static_cast<int>(low.y);
+        // A periodic mesh stands out of the image, also to the left and above.
+        const int x = whole != nullptr ? 0 : static_cast<int>(std::floor(low.x));
+        const int y = whole != nullptr ? 0 : static_cast<int>(std::floor(low.y));
         origin_ = {static_cast<double>(x), static_cast<double>(y)};
         if (whole == nullptr)
             table_ = source.table({x, y, static_cast<int>(std::ceil(high.x)) - x, static_cast<int>(std::ceil(high.y)) - y});
@@ -249,7 +239,12 @@ class Patch {
             colors.push_back(indexed.colors[v]);
         }
         mesh_ = ImageMesh<C>(whole != nullptr ? *whole : table_, source.low(), source.high(), limits,
-                             {{-x, -y, source.width(), source.height()}, !numbered_.locked.empty(), 1, nullptr});
+                             {{-x, -y, source.width(), source.height()},
+                              !numbered_.locked.empty(),
+                              1,
+                              nullptr,
+                              source.periodic(),
+                              source.has_straight_seams()});
         const Status status = mesh_.assign(positions, numbered_.faces, colors, parallel_for);
         HMESH_ASSERT(status);
         (void)status;

@@ -24,6 +24,7 @@
 #include "hmesh/fit/image_source.hpp"
 #include "hmesh/tiles/indexed_mesh.hpp"
 #include "hmesh/tiles/patch.hpp"
+#include "hmesh/tiles/recut.hpp"
 
 #include "hmesh/core/macros/push.hpp"
 
@@ -59,19 +60,25 @@ class TiledMesh {
         put_together();
         return indexed_;
     }
-    /// The number of vertices; unlike indexed(), never converts the mesh.
+    /// The number of vertices, a copy not counted; unlike indexed(), never converts the mesh.
     [[nodiscard]] HMESH_COLD std::size_t vertex_count() const noexcept {
-        if (!is_cut()) return indexed_.vertex_count();
-        std::size_t count = cut_.locked_count;
+        if (!is_cut()) return indexed_.distinct_count();
+        std::size_t count = cut_.locked_count - indexed_.copy_count;
         for (std::size_t k = 0; k < patches_.size(); ++k)
             count += patches_[k] != nullptr ? patches_[k]->free_count() : cut_.free_count[k];
         return count;
     }
-    /// Whether the image is so small, 2^22 pixels and 512 MiB at most, that there is a moment table of all of it. Patches have
-    /// none of their own then, and stay for the next call with the same tiling.
-    [[nodiscard]] bool has_whole_table() const noexcept {
+    /// Whether there is a moment table of the whole image, which is_small() and not periodic. Patches have none of their own
+    /// then.
+    [[nodiscard]] bool has_whole_table() const noexcept { return is_small() && source_->periodic() == Periodic::none; }
+    /// Whether the image is so small, 2^22 pixels and 512 MiB at most, that patches stay for the next call with the same tiling.
+    [[nodiscard]] bool is_small() const noexcept {
         return source_->pixels() <= 4194304 &&
                MomentTable<C>::fits_memory(source_->width(), source_->height(), std::int64_t{1} << 29U);
+    }
+    /// Whether the mesh is cut by patches' borders: there are several, or it is periodic and cut open.
+    [[nodiscard]] bool has_seams(const Tiling& tiling) const noexcept {
+        return tiling.size() > 1 || source_->periodic() != Periodic::none;
     }
     /// The number of vertices that were free in no patch of the last for_each().
     [[nodiscard]] std::size_t locked_count() const noexcept { return is_cut() ? cut_.locked_count : indexed_.locked_count; }
@@ -109,7 +116,8 @@ class TiledMesh {
                           FunctionRef<void(Patch<C>& patch, std::size_t tile, const std::uint32_t* faces)> look,
                           bool all = false) {
         put_together();
-        const detail::Cut cut = detail::cut(indexed_.positions, indexed_.faces, tiling);
+        recut(indexed_, tiling.left(), tiling.top());
+        const detail::Cut cut = detail::cut(indexed_.positions, indexed_.faces, tiling, indexed_.roots);
         const MomentTable<C>* const whole = whole_table(tiling.size() == 1);
         run(
             detail::face_counts(cut),
@@ -149,7 +157,7 @@ class TiledMesh {
     /// The table of the whole image, made when first asked for, if it is `wanted` or has_whole_table(); else null. Patches that
     /// share it need none of their own, which would take them a third of their time.
     [[nodiscard]] HMESH_COLD const MomentTable<C>* whole_table(bool wanted) {
-        if (!wanted && !has_whole_table()) return nullptr;
+        if (source_->periodic() != Periodic::none || (!wanted && !has_whole_table())) return nullptr;
         if (table_.width() == 0) table_ = source_->table({0, 0, source_->width(), source_->height()}, parallel_for_);
         return &table_;
     }
@@ -175,7 +183,8 @@ class TiledMesh {
             if (cut_.owner[v] != detail::Cut::locked) ++sizes[cut_.owner[v]];
         const MomentTable<C>* const whole = whole_table(sizes.size() == 1);
         const double mean = mean_energy();
-        std::vector<detail::PatchResult<C>> results(whole == nullptr && changes ? sizes.size() : 0);
+        const bool stays = whole != nullptr || is_small();
+        std::vector<detail::PatchResult<C>> results(!stays && changes ? sizes.size() : 0);
         run(sizes, [&](std::size_t tile, TaskProgress& task) {
             std::unique_ptr<Patch<C>>& patch = patches_[tile];
             if (patch == nullptr)
@@ -186,7 +195,7 @@ class TiledMesh {
                 patch->set_mean_energy(mean);
                 body(*patch, tile);
             }
-            if (whole != nullptr) return;
+            if (stays) return;
             if (changes) results[tile] = patch->result();
             patch.reset();
         });
@@ -200,8 +209,9 @@ class TiledMesh {
     HMESH_COLD void cut_along(const Tiling& tiling) {
         if (is_cut() && tiling_ == tiling) return;
         put_together();
+        recut(indexed_, tiling.left(), tiling.top());
         tiling_ = tiling;
-        cut_ = detail::cut(indexed_.positions, indexed_.faces, tiling);
+        cut_ = detail::cut(indexed_.positions, indexed_.faces, tiling, indexed_.roots);
         patches_.resize(tiling.size());
     }
     /// Ends is_cut(): makes indexed_ of the locked vertices of cut_, of patches_, and of the results of patches that are gone.
@@ -227,6 +237,8 @@ class TiledMesh {
         merged.height = indexed_.height;
         merged.energy = sum.energy(indexed_.energy);
         merged.locked_count = cut.locked_count;
+        merged.periodic = indexed_.periodic;
+        merged.copy_count = indexed_.copy_count;
         std::vector<std::size_t> first_vertex(results.size() + 1, cut.locked_count), first_face(results.size() + 1, 0);
         for (std::size_t k = 0; k < results.size(); ++k) {
             first_vertex[k + 1] = first_vertex[k] + results[k].positions.size();
@@ -240,6 +252,12 @@ class TiledMesh {
             if (cut.owner[v] != detail::Cut::locked) continue;
             merged.positions[cut.number[v]] = indexed_.positions[v];
             merged.colors[cut.number[v]] = indexed_.colors[v];
+        }
+        if (merged.periodic != Periodic::none) {
+            merged.roots.resize(first_vertex.back());
+            for (std::size_t v = 0; v < merged.roots.size(); ++v) merged.roots[v] = static_cast<std::uint32_t>(v);
+            for (std::size_t v = 0; v < indexed_.vertex_count(); ++v)  // copies and what they are copies of are locked
+                if (indexed_.roots[v] != v) merged.roots[cut.number[v]] = cut.number[indexed_.roots[v]];
         }
         parallel_for_(results.size(), [&](std::size_t k) {
             const detail::PatchResult<C>& result = results[k];

@@ -5,6 +5,9 @@
 /// their corners change places. Files hold shares of full intensity: optimal colours may lie outside [0, peak], and are held
 /// to it where a format has integers or asks for [0, 1]. No format knows grey with alpha: such a mesh is written as red, green,
 /// blue and alpha, the first three equal.
+///
+/// Pictures (SVG, PDF, EPS, the web page) of periodic meshes have copies of faces wherever these touch the image's rectangle
+/// (mesh/unrolled.hpp), so that it is covered; models and GPU buffers hold the mesh as it is, to be repeated by who loads it.
 #ifndef HMESH_IO_DETAIL_EXPORT_MESH_HPP
 #define HMESH_IO_DETAIL_EXPORT_MESH_HPP
 
@@ -17,6 +20,7 @@
 
 #include "hmesh/core/status.hpp"
 #include "hmesh/mesh/mesh.hpp"
+#include "hmesh/mesh/torus.hpp"
 
 #include "hmesh/core/macros/push.hpp"
 
@@ -128,6 +132,7 @@ class ExportMesh {
                 for (const std::uint32_t other : view_.faces[f])
                     for (std::size_t k = 0; k < 4 && value(other, 3) > 0; ++k) sums[4 * std::size_t{v} + k] += value(other, k);
             }
+        if (!sums.empty() && view_.periodic != Periodic::none) add_up_copies(sums);
         // Half of the largest float: a share is a float too where the peak is below 1, and rounding leads to no infinity.
         const double most =
             is_held ? view_.peak : 0.5 * static_cast<double>(std::numeric_limits<float>::max()) * std::min(1.0, view_.peak);
@@ -142,6 +147,18 @@ class ExportMesh {
         }
         view_.colors = colors_.data();
         view_.premultiplied = false;
+    }
+
+    // Gives the copies of a vertex on the border the sum of what they have: they are one vertex, and keep one colour.
+    void add_up_copies(std::vector<double>& sums) const {
+        std::vector<kit::Point> positions(view_.vertex_count);
+        for (std::size_t v = 0; v < view_.vertex_count; ++v)
+            positions[v] = {static_cast<double>(view_.positions[2 * v]), static_cast<double>(view_.positions[2 * v + 1])};
+        const std::vector<std::uint32_t> roots = kit::tied_vertices(positions, {view_.width, view_.height, view_.periodic});
+        for (std::size_t v = 0; v < roots.size(); ++v)
+            for (std::size_t k = 0; k < 4 && roots[v] != v; ++k) sums[4 * std::size_t{roots[v]} + k] += sums[4 * v + k];
+        for (std::size_t v = 0; v < roots.size(); ++v)
+            for (std::size_t k = 0; k < 4; ++k) sums[4 * v + k] = sums[4 * std::size_t{roots[v]} + k];
     }
 
     MeshView view_;

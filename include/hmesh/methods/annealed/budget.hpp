@@ -152,7 +152,7 @@ HMESH_COLD bool reach_vertex_count(TiledMesh<C>& tiled, std::size_t n, const Rel
     }
     if (count() < n && !tiled.progress().stopped())
         tiled.for_each(Tiling(width, height, std::max(width, height)),
-                       [&](Patch<C>& patch, std::size_t) { subdivide(patch.mesh(), n - patch.mesh().vertex_count()); });
+                       [&](Patch<C>& patch, std::size_t) { subdivide(patch.mesh(), n - count()); });
     return count() == n;
 }
 /// The same in patches of about `tile` px.

@@ -29,6 +29,8 @@
 #include "hmesh/core/parallel.hpp"
 #include "hmesh/fit/image_source.hpp"
 #include "hmesh/image/image_view.hpp"
+#include "hmesh/mesh/geometry.hpp"
+#include "hmesh/mesh/periodic.hpp"
 
 #include "hmesh/core/macros/push.hpp"
 
@@ -88,10 +90,12 @@ class SmoothRows {
 
   private:
     [[nodiscard]] double* row(int place) noexcept { return numbers_.data() + place * stride_ + C; }
-    /// Beyond the image its outermost pixels go on.
+    /// Beyond the image its outermost pixels go on, or those of the other side come.
     void repeat_ends(double* row) const noexcept {
-        std::copy_n(row, C, row - C);
-        std::copy_n(row + size_ - C, C, row + size_);
+        const bool wraps = wraps_x(source_->periodic());
+        const double *const first = row, *const last = row + size_ - C;
+        std::copy_n(wraps ? last : first, C, row - C);
+        std::copy_n(wraps ? first : last, C, row + size_);
     }
 
     const ImageSource<C>* source_;
@@ -165,6 +169,44 @@ template <int C>
         for (std::size_t k = begin; k < end; ++k) density.data()[k] += least;
     });
     return density;
+}
+
+/// Points on the lines x = 0 and y = 0 where a periodic image begins again, as far apart as points of this density are elsewhere
+/// when there are `count` in the image; half of `count` at most. O(pixels).
+[[nodiscard]] HMESH_COLD inline std::vector<Point> seam_points(const Image<float, 1>& density, double count, Periodic periodic) {
+    const int width = density.width(), height = density.height();
+    double sum = 0;
+    for (std::size_t k = 0; k < density.size(); ++k) sum += static_cast<double>(density.data()[k]);
+    std::vector<Point> points;
+    // Of r points a px^2 there are the root of r on a px of a line.
+    const auto walk = [&](int length, FunctionRef<double(int)> density_at, FunctionRef<Point(double)> place) {
+        double due = 0.5;
+        for (int i = 0; i < length; ++i) {
+            due += std::min(1.0, std::sqrt(count * density_at(i) / sum));
+            if (due < 1) continue;
+            points.push_back(place(i + 0.5));
+            due -= 1;
+        }
+    };
+    const auto at = [&](int x, int y) { return static_cast<double>(*density.pixel(x, y)); };
+    if (wraps_x(periodic))
+        walk(
+            height, [&](int y) { return 0.5 * (at(0, y) + at(width - 1, y)); },
+            [](double y) {
+                return Point{0, y};
+            });
+    if (wraps_y(periodic))
+        walk(
+            width, [&](int x) { return 0.5 * (at(x, 0) + at(x, height - 1)); },
+            [](double x) {
+                return Point{x, 0};
+            });
+    while (2 * static_cast<double>(points.size()) > count) {  // images of few rows or columns: every other one goes
+        std::size_t kept = 0;
+        for (std::size_t k = 1; k < points.size(); k += 2) points[kept++] = points[k];
+        points.resize(kept);
+    }
+    return points;
 }
 
 /// The `count` pixels, as y * width + x, whose ratio of mask and density is least; of equal ratios those that come first, row by

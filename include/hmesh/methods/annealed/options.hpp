@@ -225,11 +225,13 @@ struct Annealed {
     /// A mesh of the image to go on from in place of the points, with any number of vertices: it is brought to the number
     /// asked for, then annealed and polished. It must outlive the call; null: none. Errc::invalid_argument, and the image's two
     /// triangles for a mesh, where it is no mesh of the image: size, channels, positions off the 1/256 px grid, colours that are
-    /// not finite, faces that do not tile the image.
+    /// not finite, faces that do not tile the image, Mesh::periodic other than Options::periodic, a border that is to be straight
+    /// and is not.
     const Mesh* start = nullptr;
 
     static constexpr const char* name = "annealed";    ///< for reports
     static constexpr Colors colors = Colors::optimal;  ///< final colours where Options::colors says nothing
+    static constexpr bool can_be_periodic = true;      ///< whether it makes meshes of periodic images
 
     /// Whether all options are in range, for images of any size; else Errc::invalid_argument with the offending value and its
     /// bound.

@@ -1,0 +1,254 @@
+/// \file
+/// Periodic meshes: what a mesh of a torus or of a cylinder is once it is cut open into a sheet, and how it is checked.
+///
+/// A sheet has the same faces as the torus, each once. Vertices on the cut have a copy for each side of it (at most a few), whole
+/// periods apart and of the same colour, so that copies of the sheet interlock. Which vertices are copies of one another follows
+/// from their positions alone, since positions lie on a grid and no two vertices of a torus stand in one place. A turn is a whole
+/// number of periods along each axis.
+#ifndef HMESH_MESH_TORUS_HPP
+#define HMESH_MESH_TORUS_HPP
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include "hmesh/core/compiler.hpp"
+#include "hmesh/core/function_ref.hpp"
+#include "hmesh/core/status.hpp"
+#include "hmesh/mesh/geometry.hpp"
+#include "hmesh/mesh/mesh.hpp"
+#include "hmesh/mesh/periodic.hpp"
+
+#include "hmesh/core/macros/push.hpp"
+
+namespace hmesh {
+namespace kit {
+
+/// The periods of the plane in which an image repeats.
+struct Torus {
+    int width = 0,                       ///< px of the image
+        height = 0;                      ///< px of the image
+    Periodic periodic = Periodic::none;  ///< along which axes it repeats
+};
+
+/// Whole periods along each axis.
+struct Turns {
+    int x = 0,                                                                                        ///< times the width
+        y = 0;                                                                                        ///< times the height
+    friend constexpr bool operator==(Turns a, Turns b) noexcept { return a.x == b.x && a.y == b.y; }  ///< the same turns
+    friend constexpr bool operator!=(Turns a, Turns b) noexcept { return !(a == b); }                 ///< other turns
+    friend constexpr Turns operator+(Turns a, Turns b) noexcept { return {a.x + b.x, a.y + b.y}; }    ///< one after the other
+    friend constexpr Turns operator-(Turns a, Turns b) noexcept { return {a.x - b.x, a.y - b.y}; }    ///< from b to a
+};
+
+/// The turns from `from` to `to`, two places of one vertex.
+[[nodiscard]] inline Turns turns_between(Point from, Point to, const Torus& torus) noexcept {
+    const auto along = [](double distance, int period, bool wraps) {
+        return wraps ? static_cast<int>(std::floor(distance / period + 0.5)) : 0;
+    };
+    return {along(to.x - from.x, torus.width, wraps_x(torus.periodic)),
+            along(to.y - from.y, torus.height, wraps_y(torus.periodic))};
+}
+/// The point `turns` away from p.
+[[nodiscard]] inline Point turned(Point p, Turns turns, const Torus& torus) noexcept {
+    return {p.x + static_cast<double>(turns.x) * torus.width, p.y + static_cast<double>(turns.y) * torus.height};
+}
+/// The turns that bring p into [x, x + width) x [y, y + height), along the axes that repeat.
+[[nodiscard]] inline Turns turns_into(Point p, double x, double y, const Torus& torus) noexcept {
+    return {wraps_x(torus.periodic) ? -static_cast<int>(std::floor((p.x - x) / torus.width)) : 0,
+            wraps_y(torus.periodic) ? -static_cast<int>(std::floor((p.y - y) / torus.height)) : 0};
+}
+
+/// The numbers 0 to count - 1, sorted. Compiled once: less(a, b) must order any two.
+[[nodiscard]] HMESH_NEVER_INLINE HMESH_COLD inline std::vector<std::uint32_t> sorted_numbers(
+    std::size_t count, FunctionRef<bool(std::uint32_t a, std::uint32_t b)> less) {
+    std::vector<std::uint32_t> numbers(count);
+    for (std::size_t k = 0; k < count; ++k) numbers[k] = static_cast<std::uint32_t>(k);
+    std::sort(numbers.begin(), numbers.end(), [&](std::uint32_t a, std::uint32_t b) { return less(a, b); });
+    return numbers;
+}
+
+/// For each vertex of a sheet, the first one that is in the same place of the torus, itself where there is none before.
+/// O(n log n).
+[[nodiscard]] HMESH_COLD inline std::vector<std::uint32_t> tied_vertices(const std::vector<Point>& positions,
+                                                                         const Torus& torus) {
+    std::vector<Point> places;
+    places.reserve(positions.size());
+    for (const Point p : positions) places.push_back(turned(p, turns_into(p, 0, 0, torus), torus));
+    const std::vector<std::uint32_t> order = sorted_numbers(places.size(), [&](std::uint32_t a, std::uint32_t b) {
+        const Point p = places[a], q = places[b];
+        return p.x != q.x ? p.x < q.x : p.y != q.y ? p.y < q.y : a < b;
+    });
+    std::vector<std::uint32_t> roots(positions.size());
+    std::uint32_t root = 0;
+    for (std::size_t k = 0; k < order.size(); ++k) {
+        if (k == 0 || places[order[k]] != places[order[k - 1]]) root = order[k];
+        roots[order[k]] = root;
+    }
+    return roots;
+}
+
+/// A copy of a vertex, some turns away from it.
+struct VertexCopy {
+    std::uint32_t vertex = 0;  ///< of which
+    Turns turns;               ///< how far away
+};
+
+/// Copies that may repeat, as numbers of different ones.
+struct NumberedCopies {
+    std::vector<VertexCopy> different;  ///< sorted by vertex, then turns
+    std::vector<std::uint32_t> number;  ///< of each copy: its place among these
+};
+
+/// Numbers copies. O(n log n).
+[[nodiscard]] HMESH_COLD inline NumberedCopies numbered(const std::vector<VertexCopy>& copies) {
+    const std::vector<std::uint32_t> order = sorted_numbers(copies.size(), [&](std::uint32_t a, std::uint32_t b) {
+        const VertexCopy &p = copies[a], &q = copies[b];
+        return p.vertex != q.vertex     ? p.vertex < q.vertex
+               : p.turns.x != q.turns.x ? p.turns.x < q.turns.x
+               : p.turns.y != q.turns.y ? p.turns.y < q.turns.y
+                                        : a < b;
+    });
+    NumberedCopies out;
+    out.number.resize(copies.size());
+    for (const std::uint32_t k : order) {
+        const VertexCopy& copy = copies[k];
+        if (out.different.empty() || out.different.back().vertex != copy.vertex || out.different.back().turns != copy.turns)
+            out.different.push_back(copy);
+        out.number[k] = static_cast<std::uint32_t>(out.different.size() - 1);
+    }
+    return out;
+}
+
+/// A side of a face of a sheet as an edge of the torus, from the one of its ends that comes first there.
+struct TorusSide {
+    std::uint32_t from = 0,    ///< root of that end
+        to = 0;                ///< root of the other end
+    Turns along;               ///< from one to the other
+    Turns at;                  ///< of the end from its root
+    std::uint32_t corner = 0;  ///< 3 * face + number of the side
+    bool is_reversed = false;  ///< whether the face runs from the other end
+    /// Whether both are sides of one edge.
+    [[nodiscard]] bool is_beside(const TorusSide& o) const noexcept { return from == o.from && to == o.to && along == o.along; }
+};
+
+/// The sides of all faces of a sheet, those of an edge next to each other. O(n log n).
+[[nodiscard]] HMESH_COLD inline std::vector<TorusSide> torus_sides(const std::vector<Point>& positions,
+                                                                   const std::vector<Triangle>& faces,
+                                                                   const std::vector<std::uint32_t>& roots, const Torus& torus) {
+    std::vector<TorusSide> sides, sorted;
+    sides.reserve(3 * faces.size());
+    sorted.reserve(3 * faces.size());
+    for (std::uint32_t corner = 0; corner < 3 * faces.size(); ++corner) {
+        const Triangle& face = faces[corner / 3];
+        const std::uint32_t a = face[corner % 3], b = face[corner % 3 == 2 ? 0 : corner % 3 + 1];
+        const Turns at_a = turns_between(positions[roots[a]], positions[a], torus);
+        const Turns at_b = turns_between(positions[roots[b]], positions[b], torus);
+        const Turns along = at_b - at_a;
+        const bool is_loop = roots[a] == roots[b];
+        const bool is_reversed = is_loop ? along.x != 0 ? along.x < 0 : along.y < 0 : roots[a] > roots[b];
+        if (is_reversed) sides.push_back({roots[b], roots[a], at_a - at_b, at_b, corner, true});
+        else sides.push_back({roots[a], roots[b], along, at_a, corner, false});
+    }
+    for (const std::uint32_t k : sorted_numbers(sides.size(), [&](std::uint32_t i, std::uint32_t j) {
+             const TorusSide &a = sides[i], &b = sides[j];
+             return a.from != b.from         ? a.from < b.from
+                    : a.to != b.to           ? a.to < b.to
+                    : a.along.x != b.along.x ? a.along.x < b.along.x
+                    : a.along.y != b.along.y ? a.along.y < b.along.y
+                                             : i < j;
+         }))
+        sorted.push_back(sides[k]);
+    return sorted;
+}
+
+namespace detail {
+
+/// Whether both points are on one side of the image along which it does not repeat.
+[[nodiscard]] inline bool on_one_side(Point a, Point b, const Torus& torus) noexcept {
+    return (!wraps_x(torus.periodic) && a.x == b.x && (a.x == 0 || a.x == torus.width)) ||
+           (!wraps_y(torus.periodic) && a.y == b.y && (a.y == 0 || a.y == torus.height));
+}
+
+}  // namespace detail
+
+/// Checks that a sheet is a mesh of the torus or cylinder, `roots` being its tied_vertices(): faces of positive area whose sum is
+/// the image's, each edge with a face on both sides of it, but for those on sides of a cylinder, and Euler's characteristic 0.
+/// Such faces cover each place once. Errc::invalid_argument with the index of what is wrong. O(n log n).
+[[nodiscard]] HMESH_COLD inline Status check_torus(const std::vector<Point>& positions, const std::vector<Triangle>& faces,
+                                                   const std::vector<std::uint32_t>& roots, const Torus& torus) {
+    const auto fail = [](const char* what, std::size_t where) -> Status { return {Errc::invalid_argument, what, where}; };
+    double area = 0;
+    for (std::size_t f = 0; f < faces.size(); ++f) {
+        for (const std::uint32_t v : faces[f])
+            if (v >= positions.size()) return fail("the mesh has a face that names no vertex, at face", f);
+        const double twice = orient2d(positions[faces[f][0]], positions[faces[f][1]], positions[faces[f][2]]);
+        if (!(twice > 0)) return fail("a face is flipped or has no area", f);
+        area += twice;
+    }
+    if (!(std::abs(area - 2.0 * torus.width * torus.height) <= 1e-9 * area))
+        return fail("the faces do not tile the image", faces.size());
+    const std::vector<TorusSide> sides = torus_sides(positions, faces, roots, torus);
+    std::size_t edges = 0;
+    for (std::size_t k = 0; k < sides.size(); ++k, ++edges) {
+        const std::size_t f = sides[k].corner / 3, c = sides[k].corner % 3;
+        if (k + 1 == sides.size() || !sides[k].is_beside(sides[k + 1])) {
+            if (!detail::on_one_side(positions[faces[f][c]], positions[faces[f][c == 2 ? 0 : c + 1]], torus))
+                return fail("an edge on the cut has no partner on its other side, of face", f);
+            continue;
+        }
+        if (sides[k].is_reversed == sides[k + 1].is_reversed || (k + 2 < sides.size() && sides[k].is_beside(sides[k + 2])))
+            return fail("an edge has two faces on one side, first face", f);
+        ++k;
+    }
+    std::vector<unsigned char> is_used(positions.size(), 0);
+    for (const Triangle& face : faces)
+        for (const std::uint32_t v : face) is_used[roots[v]] = 1;
+    const auto vertices = static_cast<std::size_t>(std::count(is_used.begin(), is_used.end(), 1));
+    if (vertices + faces.size() != edges)
+        return {Errc::invalid_argument, "the mesh is no torus or cylinder: its Euler characteristic is not 0",
+                static_cast<double>(vertices + faces.size()) - static_cast<double>(edges)};
+    return {};
+}
+
+}  // namespace kit
+
+namespace detail {
+
+/// The positions of a mesh.
+[[nodiscard]] HMESH_COLD inline std::vector<kit::Point> positions_of(const MeshView& mesh) {
+    std::vector<kit::Point> positions(mesh.vertex_count);
+    for (std::size_t v = 0; v < mesh.vertex_count; ++v)
+        positions[v] = {static_cast<double>(mesh.positions[2 * v]), static_cast<double>(mesh.positions[2 * v + 1])};
+    return positions;
+}
+
+}  // namespace detail
+
+/// Checks that a mesh is what its `periodic` says: that copies of it, shifted by its size, cover each place of the plane (of a
+/// band, where it repeats along one axis) once, and that the vertices of its border have copies of the same colour, to the bit,
+/// on the other side. A mesh that repeats along no axis is refused. Errc::invalid_argument or not_finite. O(n log n).
+[[nodiscard]] HMESH_COLD inline Status check_periodic(const MeshView& mesh) {
+    if (mesh.periodic == Periodic::none) return {Errc::invalid_argument, "the mesh is not periodic"};
+    if (const Status status = check(mesh, 16); !status) return status;
+    if (mesh.width < 1 || mesh.height < 1) return {Errc::invalid_argument, "the mesh's width and height must be at least 1"};
+    const std::vector<kit::Point> positions = detail::positions_of(mesh);
+    for (std::size_t v = 0; v < positions.size(); ++v)
+        if (std::abs(positions[v].x) > 64.0 * mesh.width || std::abs(positions[v].y) > 64.0 * mesh.height)
+            return {Errc::invalid_argument, "the mesh has a position far outside its image, at vertex", v};
+    const kit::Torus torus{mesh.width, mesh.height, mesh.periodic};
+    const std::vector<std::uint32_t> roots = kit::tied_vertices(positions, torus);
+    const auto channels = static_cast<std::size_t>(mesh.channels);
+    for (std::size_t v = 0; v < positions.size(); ++v)
+        if (!std::equal(mesh.colors + channels * v, mesh.colors + channels * (v + 1), mesh.colors + channels * roots[v]))
+            return {Errc::invalid_argument, "the copies of a vertex on the cut differ in colour, at vertex", v};
+    return kit::check_torus(positions, {mesh.faces, mesh.faces + mesh.face_count}, roots, torus);
+}
+
+}  // namespace hmesh
+
+#include "hmesh/core/macros/pop.hpp"
+
+#endif  // HMESH_MESH_TORUS_HPP

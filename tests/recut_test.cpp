@@ -1,0 +1,166 @@
+#include "hmesh/tiles/recut.hpp"
+
+#include <doctest/doctest.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <set>
+#include <utility>
+#include <vector>
+
+#include "hmesh/mesh/delaunay.hpp"
+#include "hmesh/mesh/halfedge_mesh.hpp"
+#include "hmesh/tiles/delaunay_mesh.hpp"
+#include "periodic_sheets.hpp"
+#include "test_images.hpp"
+
+using hmesh::Periodic;
+using hmesh::kit::IndexedMesh;
+using hmesh::kit::Point;
+
+namespace {
+
+// A periodic mesh of random points, whose cut is along the sides.
+IndexedMesh<1> random_mesh(int width, int height, int points, Periodic periodic, std::uint64_t seed) {
+    hmesh::kit::Random random(seed);
+    hmesh::kit::Delaunay delaunay(width, height);
+    for (int k = 0; k < points; ++k) {
+        Point p = hmesh::kit::snap(Point{random.uniform() * width, random.uniform() * height});
+        if (k % 3 == 0) p.x = 0;
+        if (k % 5 == 0) p.y = 0;
+        (void)delaunay.insert(p);
+    }
+    hmesh::kit::pair_sides(delaunay, periodic);
+    const auto image = hmesh_test::noise<std::uint8_t, 1>(width, height, seed);
+    const auto view = image.view();
+    IndexedMesh<1> mesh = hmesh::kit::delaunay_mesh(hmesh::kit::ImageSource<1>(view), delaunay);
+    hmesh::kit::tie(mesh, periodic);
+    return mesh;
+}
+
+// What a mesh is on the torus: its faces by the places of their corners, each face from its least corner on.
+std::multiset<std::array<double, 9>> faces_of(const IndexedMesh<1>& mesh) {
+    std::multiset<std::array<double, 9>> out;
+    for (const hmesh::Triangle& face : mesh.faces) {
+        std::array<std::array<double, 3>, 3> corners{};
+        for (std::size_t k = 0; k < 3; ++k) {
+            const Point p = mesh.positions[face[k]];
+            const Point q = hmesh::kit::turned(p, hmesh::kit::turns_into(p, 0, 0, mesh.torus()), mesh.torus());
+            corners[k] = {q.x, q.y, mesh.colors[face[k]][0]};
+        }
+        std::rotate(corners.begin(), std::min_element(corners.begin(), corners.end()), corners.end());
+        std::array<double, 9> all{};
+        for (std::size_t k = 0; k < 9; ++k) all[k] = corners[k / 3][k % 3];
+        out.insert(all);
+    }
+    return out;
+}
+
+constexpr Periodic axes[] = {Periodic::x, Periodic::y, Periodic::xy};
+
+}  // namespace
+
+TEST_CASE("a mesh that is cut elsewhere is the same on the torus, and its faces are where the cut says") {
+    for (const Periodic periodic : axes)
+        for (std::uint64_t seed = 0; seed < 6; ++seed) {
+            const int width = 12 + static_cast<int>(seed), height = 9;
+            IndexedMesh<1> mesh = random_mesh(width, height, 40, periodic, seed);
+            REQUIRE(hmesh::kit::check(mesh));
+            const auto before = faces_of(mesh);
+            const std::size_t distinct = mesh.distinct_count();
+            for (const auto& [x, y] : {std::pair(5, 4), std::pair(1, 8), std::pair(11, 1), std::pair(0, 0)}) {
+                const int left = hmesh::kit::wraps_x(periodic) ? x : 0, top = hmesh::kit::wraps_y(periodic) ? y : 0;
+                hmesh::kit::recut(mesh, left, top);
+                CHECK(hmesh::kit::check(mesh));
+                CHECK(faces_of(mesh) == before);
+                CHECK(mesh.distinct_count() == distinct);
+                for (const hmesh::Triangle& face : mesh.faces) {
+                    Point sum;
+                    for (const std::uint32_t v : face) sum = {sum.x + mesh.positions[v].x / 3, sum.y + mesh.positions[v].y / 3};
+                    REQUIRE((sum.x > left - 1e-9 && sum.x < left + width + 1e-9));
+                    REQUIRE((sum.y > top - 1e-9 && sum.y < top + height + 1e-9));
+                }
+            }
+        }
+}
+
+TEST_CASE("vertices that were locked stay in front, and marks of copies come together") {
+    IndexedMesh<1> mesh = random_mesh(16, 16, 50, Periodic::xy, 3);
+    std::fill(mesh.dirty.begin(), mesh.dirty.end(), static_cast<unsigned char>(0));
+    const std::size_t copy =
+        static_cast<std::size_t>(std::find_if(mesh.roots.begin(), mesh.roots.end(),
+                                              [&](std::uint32_t& root) { return root != &root - mesh.roots.data(); }) -
+                                 mesh.roots.begin());
+    REQUIRE(copy < mesh.vertex_count());
+    mesh.dirty[copy] = 1;
+    mesh.locked_count = 9;
+    const double last = mesh.positions[8].x, color = mesh.colors[8][0];
+    const std::set<std::uint32_t> locked(mesh.roots.begin(), mesh.roots.begin() + 9);
+    hmesh::kit::recut(mesh, 7, 5);
+    CHECK(std::count(mesh.dirty.begin(), mesh.dirty.end(), 1) >= 1);
+    for (std::size_t v = 0; v < mesh.vertex_count(); ++v) CHECK(mesh.dirty[v] == mesh.dirty[mesh.roots[v]]);
+    std::set<std::uint32_t> now;
+    for (std::size_t v = 0; v < mesh.locked_count; ++v) now.insert(mesh.roots[v]);
+    CHECK(now.size() == locked.size());
+    const bool is_there = std::any_of(now.begin(), now.end(), [&](std::uint32_t v) {
+        return std::fmod(mesh.positions[v].x + 16, 16) == std::fmod(last, 16) && mesh.colors[v][0] == color;
+    });
+    CHECK(is_there);
+}
+
+TEST_CASE("the last cut is shorter than that by centroids, and a surface with a border") {
+    std::size_t before = 0, after = 0;
+    for (const Periodic periodic : axes)
+        for (std::uint64_t seed = 0; seed < 8; ++seed) {
+            IndexedMesh<1> mesh = random_mesh(14, 11, 60, periodic, seed + 20);
+            // Points that are not on the sides, so that there is something to shorten.
+            for (Point& p : mesh.positions) {
+                if (hmesh::kit::wraps_x(periodic)) p.x += 0.5;
+                if (hmesh::kit::wraps_y(periodic)) p.y += 0.25;
+            }
+            hmesh::kit::recut(mesh, 0, 0);
+            const auto faces = faces_of(mesh);
+            const std::size_t distinct = mesh.distinct_count();
+            before += mesh.copy_count;
+            hmesh::kit::finish_cut(mesh, false);
+            after += mesh.copy_count;
+            CHECK(hmesh::kit::check(mesh));
+            CHECK(faces_of(mesh) == faces);
+            CHECK(mesh.distinct_count() == distinct);
+            hmesh::kit::HalfedgeMesh topology;
+            CHECK(topology.assign(mesh.vertex_count(), mesh.faces));
+            CHECK(hmesh_test::sheet_flaw(to_mesh(mesh, 255)) == "");
+            // Along the sides again.
+            mesh = random_mesh(14, 11, 60, periodic, seed + 20);
+            hmesh::kit::recut(mesh, 3, 3);
+            hmesh::kit::finish_cut(mesh, true);
+            for (const Point p : mesh.positions) CHECK((p.x >= 0 && p.x <= 14 && p.y >= 0 && p.y <= 11));
+        }
+    CHECK(after <= before);
+}
+
+TEST_CASE("the two triangles of an image are a torus of one vertex") {
+    const auto image = hmesh_test::noise<std::uint8_t, 1>(5, 4, 1);
+    const auto source = hmesh::kit::ImageSource<1>(image.view()).with_periodic(Periodic::xy, false);
+    IndexedMesh<1> mesh = hmesh::kit::tied_corner_mesh(source);
+    CHECK(mesh.distinct_count() == 1);
+    CHECK(hmesh::kit::check(mesh));
+    hmesh::kit::recut(mesh, 2, 2);
+    CHECK(hmesh::kit::check(mesh));
+    mesh.colors[mesh.roots[0] == 0 ? 1 : 0].set(0, 77.5);
+    CHECK_FALSE(hmesh::kit::check(mesh));
+}
+
+TEST_CASE("a mesh that is not periodic is left as it is") {
+    IndexedMesh<1> mesh = random_mesh(9, 9, 12, Periodic::none, 4);
+    const auto faces = mesh.faces;
+    const auto positions = mesh.positions;
+    hmesh::kit::recut(mesh, 4, 4);
+    hmesh::kit::finish_cut(mesh, false);
+    CHECK(mesh.faces == faces);
+    CHECK(mesh.positions == positions);
+    CHECK(hmesh::kit::check(mesh));
+}

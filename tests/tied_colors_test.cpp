@@ -1,0 +1,71 @@
+#include "hmesh/solve/tied_colors.hpp"
+
+#include <doctest/doctest.h>
+
+#include <cstddef>
+#include <cstdint>
+#include <utility>
+#include <vector>
+
+#include "hmesh/core/random.hpp"
+
+using hmesh::kit::Color;
+using hmesh::kit::ColorTie;
+using hmesh::kit::CornerSums;
+using hmesh::kit::SymmetricMatrix;
+
+namespace {
+
+double entry(const SymmetricMatrix& matrix, std::size_t row, int column) {
+    double sum = 0;
+    int count = 0;
+    for (int k = matrix.starts[row]; k < matrix.starts[row + 1]; ++k)
+        if (matrix.columns[static_cast<std::size_t>(k)] == column) sum += matrix.values[static_cast<std::size_t>(k)], ++count;
+    CHECK(count <= 1);
+    return sum;
+}
+
+}  // namespace
+
+TEST_CASE("entries of one place add up, and columns of a row rise") {
+    const SymmetricMatrix matrix = hmesh::kit::summed_matrix(
+        4, {{2 * 4 + 1, 1.0}, {0, 3.0}, {1 * 4 + 2, 1.0}, {2 * 4 + 1, 0.5}, {1 * 4 + 2, 0.5}, {1 * 4 + 0, 7}});
+    CHECK((matrix.starts == std::vector<int>{0, 1, 3, 4, 4}));
+    CHECK((matrix.columns == std::vector<int>{0, 0, 2, 1}));
+    CHECK((matrix.values == std::vector<double>{3, 7, 1.5, 1.5}));
+}
+
+TEST_CASE("the system of tied colours is the sum over faces of what their corners are, copies being one unknown") {
+    // A torus of three unknowns and faces that name some of them twice, with random sums.
+    hmesh::kit::Random random(3);
+    const std::vector<std::uint32_t> rows{0, 1, 2, 1, 0, 0, 2, 2, 2};
+    std::vector<CornerSums<2>> corners(rows.size());
+    for (CornerSums<2>& corner : corners) {
+        corner.square = random.uniform();
+        corner.coupling = random.uniform();
+        corner.image.set(0, random.uniform());
+        corner.image.set(1, random.uniform());
+        corner.image.set(2, 99);  // lane of the constant 1
+    }
+    Color<2> sample = Color<2>::zero();
+    sample.set(0, 10);
+    const std::vector<ColorTie<2>> ties{{1, 0.25, sample}};
+    const std::vector<Color<2>> colors(3, Color<2>::zero());
+    const auto system = hmesh::kit::tied_color_system(rows, corners, ties, colors, 0.5);
+    // As the quadratic form c' M c - 2 c' r with c of random numbers: face by face, and from the system.
+    for (int round = 0; round < 10; ++round) {
+        const double c[3] = {random.uniform(), random.uniform(), random.uniform()};
+        double expected = 0.25 * (c[1] - 10) * (c[1] - 10) - 0.25 * 100, found = 0;
+        for (std::size_t k = 0; k < rows.size(); ++k) {
+            const double a = c[rows[k]], b = c[rows[k % 3 == 2 ? k - 2 : k + 1]];
+            expected += corners[k].square * a * a + 2 * corners[k].coupling * a * b - 2 * corners[k].image[0] * a;
+        }
+        for (std::size_t row = 0; row < 3; ++row) {
+            for (int column = 0; column < 3; ++column) found += entry(system.gram, row, column) * c[row] * c[column];
+            found -= 2 * system.rhs[row][0] * c[row];
+            CHECK(system.rhs[row][2] == 0);
+            CHECK(system.inverse[row] == doctest::Approx(1 / (system.gram.diagonal(row) + 0.5)));
+        }
+        CHECK(found == doctest::Approx(expected));
+    }
+}
