@@ -49,7 +49,7 @@ std::size_t budget(const hmesh::Target& target, const ImageFile& image) {
 // Brings the mesh of an interrupted run to its budget, if it has more vertices: the method inserts too many before it removes.
 void keep_budget(const ImageFile& image, MeshingOptions options, const hmesh::ParallelFor& parallel_for, hmesh::Result& outcome) {
     const std::size_t most = budget(options.target, image);
-    if (outcome.mesh.vertex_count() <= most) return;
+    if (outcome.report.vertices <= most) return;
     const hmesh::Status why = outcome.status;
     const hmesh::Mesh reached = std::move(outcome.mesh);
     options.start = &reached;

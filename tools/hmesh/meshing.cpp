@@ -103,6 +103,8 @@ template <class T, int C>
     options.target = wanted.target;
     options.colors = wanted.colors;
     options.premultiplied = wanted.premultiplied;
+    options.periodic = wanted.periodic;
+    options.straight_border = wanted.straight_border;
     options.weights = wanted.weights;
     options.channel_weights = wanted.channel_weights;
     options.limits.position_step = wanted.position_step;

@@ -212,6 +212,13 @@ void add_meshing_options(CLI::App& app, Arguments& out) {
     app.add_flag_callback(
         "--premultiplied", [&] { meshing.premultiplied = true; },
         "fit colours times alpha: what transparent pixels hide leaves no fringes");
+    add_name(app, "--periodic",
+             "x, y or xy: the image repeats from left to right, from top to bottom or both, and so does\n"
+             "the mesh: copies of it join without a gap or a jump of colour (default: none)",
+             periodics, [&](hmesh::Periodic periodic) { meshing.periodic = periodic; });
+    app.add_flag_callback(
+        "--straight-border", [&] { meshing.straight_border = true; },
+        "with --periodic, end the mesh at the sides of the image; else its border is jagged, as faces are");
     add(app, "--weights", "FILE",
         "an image of the same size: how much each pixel counts, black nothing, white fully\n"
         "(of colours the mean, without alpha)",
@@ -548,7 +555,13 @@ std::string find_conflict(const CLI::App& app, const std::vector<std::string>& i
     if (!arguments.depfile.empty() && output_files(arguments).size() == 1) return "--depfile is given without another output";
     if (arguments.keep_partial && !arguments.depfile.empty())
         return "--keep-partial is given with --depfile, for which nothing but whole results is written";
-    for (const char* option : {"--effort", "--seed", "--tile"})
+    if (arguments.meshing.straight_border && arguments.meshing.periodic == hmesh::Periodic::none)
+        return "--straight-border is given without --periodic";
+    if (arguments.meshing.periodic != hmesh::Periodic::none && (arguments.sprite || arguments.outline))
+        return "--periodic is given with a sprite, which does not repeat";
+    if (arguments.meshing.periodic != hmesh::Periodic::none && app.count("--lods") != 0)
+        return "--lods is given with --periodic, and levels of detail are not made of periodic images";
+    for (const char* option : {"--effort", "--seed", "--tile", "--periodic"})
         if (arguments.meshing.method != Method::annealed && app.count(option) != 0)
             return std::string(option) + " means nothing to --method " + name_of(methods, arguments.meshing.method);
     if (app.count("--alpha") != 0 && !arguments.sprite && !arguments.outline)

@@ -15,7 +15,10 @@ void print_summary(std::FILE* to, const Arguments& arguments, const ImageFile& i
     std::fprintf(to, "image     %s, %d x %d, %d channel%s of %d bits\n", arguments.input.c_str(), image.width, image.height,
                  image.channels - image.padding, image.channels == 1 ? "" : "s", image.bits);
     if (!image.note.empty()) std::fprintf(to, "note      %s\n", image.note.c_str());
-    std::fprintf(to, "vertices  %zu\n", outcome.report.vertices);
+    std::fprintf(to, "vertices  %zu", outcome.report.vertices);
+    if (const std::size_t copies = border_copies(outcome); copies > 0)
+        std::fprintf(to, ", and %zu copies of those on the border", copies);
+    std::fprintf(to, "\n");
     std::fprintf(to, "faces     %zu", outcome.report.faces);
     if (sprite)
         std::fprintf(to, ", the first %zu opaque; %.1f %% of the rectangle", sprite->opaque_faces,

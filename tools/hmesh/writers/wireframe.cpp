@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "hmesh/mesh/geometry.hpp"
+#include "hmesh/mesh/unrolled.hpp"
 
 namespace tool {
 namespace {
@@ -53,6 +54,10 @@ hmesh::Status draw_wireframe(const hmesh::MeshView& mesh, hmesh::Image<std::uint
     if (const hmesh::Status status = hmesh::check(mesh, hmesh::kit::max_channels); !status) return status;
     if (mesh.width < 1 || mesh.height < 1)
         return {hmesh::Errc::invalid_argument, "the mesh's size must be at least 1", std::min(mesh.width, mesh.height), 1};
+    if (mesh.periodic != hmesh::Periodic::none) {
+        const hmesh::Mesh whole = hmesh::unrolled(mesh);
+        return draw_wireframe(whole.view(), picture, options);
+    }
     Coverage coverage{picture.width(), picture.height(), std::vector<std::uint8_t>(picture.size() / 3)};
     const double scale_x = static_cast<double>(picture.width()) / mesh.width;
     const double scale_y = static_cast<double>(picture.height()) / mesh.height;
