@@ -168,7 +168,7 @@ struct Recut {
 
 /// Gives a mesh the vertices and faces of a sheet made of it.
 template <int C>
-HMESH_COLD void take(IndexedMesh<C>& mesh, Recut sheet) {
+HMESH_COLD void take(IndexedMesh<C>& mesh, Recut&& sheet) {
     for (std::size_t v = 0; v < mesh.vertex_count(); ++v)
         if (mesh.dirty[v] != 0) mesh.dirty[mesh.roots[v]] = 1;
     std::vector<Color<C>> colors;
