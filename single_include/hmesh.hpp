@@ -5643,15 +5643,16 @@ struct ChannelScale {
     /// Scales the stored values of a colour (Lanes).
     template <class Color>
     void to_scaled(Color& color) const noexcept {
-        for (int c = 0; c < C; ++c) color.set(c, (color[c] - offset) * (unit * share[c]));
+        for (int c = 0; c < C; ++c) color.set(c, (color[c] - offset) * factor(c));
     }
     /// The way back; channels of weight 0 become `offset`.
     template <class Color>
     void to_stored(Color& color) const noexcept {
-        for (int c = 0; c < C; ++c) color.set(c, offset + (share[c] > 0 ? color[c] / (unit * share[c]) : 0));
+        for (int c = 0; c < C; ++c) color.set(c, offset + (factor(c) > 0 ? color[c] / factor(c) : 0));
     }
 
   private:
+    [[nodiscard]] double factor(int c) const noexcept { return unit * share[static_cast<std::size_t>(c)]; }
     [[nodiscard]] static std::array<double, C> ones() noexcept {
         std::array<double, C> out{};
         out.fill(1);

@@ -246,7 +246,7 @@ template <int C>
 HMESH_COLD void add_coarser(const Subject<C>& subject, double from, const Options& options, int more,
                             const Annealed& recipe, const ParallelFor& parallel_for, Lods& lods) {
     const kit::ImageSource<C>& source = *subject.fitted;
-    const std::size_t n = lods.levels.front().mesh.vertex_count();
+    const std::size_t n = lods.levels.front().report.vertices;
     const std::vector<std::size_t> counts = halves(n, more);
     if (counts.empty()) {
         // A search ended at less than 8 vertices, with which nobody reckoned.
@@ -325,10 +325,7 @@ Lods mesh_lods(const ImageView<T, C>& view, const Options& options, const LodOpt
     const auto body = [&](const detail::Subject<C>& subject, const ImageView<T, C>&) {
         detail::add_coarser(subject, from, options, lods.levels - 1, recipe, parallel_for, out);
     };
-    const auto accept = [&](int, int) -> Status {
-        if (options.periodic == Periodic::none) return {};
-        return {Errc::invalid_argument, "levels of detail are not made of periodic images"};
-    };
+    const auto accept = [](int, int) { return Status(); };
     if (const Status status = detail::with_subject<T, C>(view, options, accept, parallel_for, body); !status) out.status = status;
     return out;
 }
@@ -417,7 +414,7 @@ struct [[nodiscard]] ProgressiveMesh {
 /// \param finest        the finest level: a mesh of mesh_image(), or any mesh that Annealed::start takes. It keeps its vertices
 ///     and faces, in another order; its colours change
 /// \param options       progress, limits, weights, round_colors and premultiplied are those of mesh_image(), with the values
-///     that the mesh was made with; channel_weights are refused, the others say nothing
+///     that the mesh was made with; channel_weights and periodic are refused, the others say nothing
 /// \param nested_options  how many levels, of n, n / 2, n / 4 .. vertices, and what they count; there are fewer levels where no
 ///     more vertices can be removed
 /// \param parallel_for  executor of sums; the order is found on the calling thread
@@ -719,10 +716,11 @@ ProgressiveMesh progressive_mesh(const ImageView<T, C>& view, const Mesh& finest
     out.status = check(nested_options);
     if (!out.status) return out;
     const auto accept = [&](int, int) -> Status {
-        if (options.periodic != Periodic::none)
-            return {Errc::invalid_argument, "levels of detail are not made of periodic images"};
-        if (!kit::differ(options.channel_weights)) return {};
-        return {Errc::invalid_argument, "levels over one vertex buffer know no channel_weights"};
+        if (kit::differ(options.channel_weights))
+            return {Errc::invalid_argument, "levels over one vertex buffer know no channel_weights"};
+        if (options.periodic != Periodic::none || finest.periodic != Periodic::none)
+            return {Errc::invalid_argument, "levels over one vertex buffer are of images that do not repeat"};
+        return {};
     };
     const auto body = [&](const detail::Subject<C>& subject, const ImageView<T, C>&) {
         detail::nest(*subject.image, subject.samples, finest, options, nested_options, parallel_for, out);

@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "periodic_sheets.hpp"
 #include "test_executors.hpp"
 #include "test_images.hpp"
 #include "test_meshing.hpp"
@@ -121,6 +122,27 @@ TEST_CASE("levels are as good as meshes of their own, on average over pictures a
         }
         CHECK(gain / 12 > -0.12);  // a seed more or less is worth as much
     }
+}
+
+TEST_CASE("levels of an image that repeats repeat too") {
+    const auto image = hmesh_test::draw<std::uint8_t, 3>(96, 80, hmesh_test::Scene(96, 80, 5));
+    for (const hmesh::Periodic periodic : {hmesh::Periodic::x, hmesh::Periodic::xy})
+        for (const bool straight : {false, true}) {
+            CAPTURE(straight);
+            Options options = vertices(240);
+            options.periodic = periodic;
+            options.straight_border = straight;
+            const Lods lods = mesh_lods(image.view(), options, count(3), Annealed{Effort::fast});
+            CHECK_MESSAGE(lods.status, hmesh::message(lods.status).c_str());
+            REQUIRE(lods.levels.size() == 3);
+            std::size_t n = 240;
+            for (const Result& level : lods.levels) {
+                CHECK(level.report.vertices == n);
+                CHECK(level.mesh.periodic == periodic);
+                CHECK(hmesh_test::sheet_flaw(level.mesh) == "");
+                n /= 2;
+            }
+        }
 }
 
 TEST_CASE("the chain ends where 4 vertices are left") {

@@ -157,6 +157,9 @@ TEST_CASE("what is no mesh of the image, and options out of range, are refused w
     broken.premultiplied = true;
     check_refused(progressive_mesh(image.view(), broken), Errc::invalid_argument, "premultiplied");
     check_refused(progressive_mesh(hmesh::ImageView<std::uint8_t, 3>{}, mesh), Errc::invalid_argument, "");
+    hmesh::Options repeating;
+    repeating.periodic = hmesh::Periodic::x;
+    check_refused(progressive_mesh(image.view(), mesh, repeating), Errc::invalid_argument, "do not repeat");
 }
 
 TEST_CASE("progress rises to 1, a cancellation leaves no levels, and any executor gives the same bytes") {

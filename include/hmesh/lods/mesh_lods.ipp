@@ -51,7 +51,7 @@ template <int C>
 HMESH_COLD void add_coarser(const Subject<C>& subject, double from, const Options& options, int more,
                             const Annealed& recipe, const ParallelFor& parallel_for, Lods& lods) {
     const kit::ImageSource<C>& source = *subject.fitted;
-    const std::size_t n = lods.levels.front().mesh.vertex_count();
+    const std::size_t n = lods.levels.front().report.vertices;
     const std::vector<std::size_t> counts = halves(n, more);
     if (counts.empty()) {
         // A search ended at less than 8 vertices, with which nobody reckoned.
@@ -130,10 +130,7 @@ Lods mesh_lods(const ImageView<T, C>& view, const Options& options, const LodOpt
     const auto body = [&](const detail::Subject<C>& subject, const ImageView<T, C>&) {
         detail::add_coarser(subject, from, options, lods.levels - 1, recipe, parallel_for, out);
     };
-    const auto accept = [&](int, int) -> Status {
-        if (options.periodic == Periodic::none) return {};
-        return {Errc::invalid_argument, "levels of detail are not made of periodic images"};
-    };
+    const auto accept = [](int, int) { return Status(); };
     if (const Status status = detail::with_subject<T, C>(view, options, accept, parallel_for, body); !status) out.status = status;
     return out;
 }

@@ -289,10 +289,11 @@ ProgressiveMesh progressive_mesh(const ImageView<T, C>& view, const Mesh& finest
     out.status = check(nested_options);
     if (!out.status) return out;
     const auto accept = [&](int, int) -> Status {
-        if (options.periodic != Periodic::none)
-            return {Errc::invalid_argument, "levels of detail are not made of periodic images"};
-        if (!kit::differ(options.channel_weights)) return {};
-        return {Errc::invalid_argument, "levels over one vertex buffer know no channel_weights"};
+        if (kit::differ(options.channel_weights))
+            return {Errc::invalid_argument, "levels over one vertex buffer know no channel_weights"};
+        if (options.periodic != Periodic::none || finest.periodic != Periodic::none)
+            return {Errc::invalid_argument, "levels over one vertex buffer are of images that do not repeat"};
+        return {};
     };
     const auto body = [&](const detail::Subject<C>& subject, const ImageView<T, C>&) {
         detail::nest(*subject.image, subject.samples, finest, options, nested_options, parallel_for, out);

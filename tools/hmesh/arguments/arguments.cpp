@@ -559,8 +559,6 @@ std::string find_conflict(const CLI::App& app, const std::vector<std::string>& i
         return "--straight-border is given without --periodic";
     if (arguments.meshing.periodic != hmesh::Periodic::none && (arguments.sprite || arguments.outline))
         return "--periodic is given with a sprite, which does not repeat";
-    if (arguments.meshing.periodic != hmesh::Periodic::none && app.count("--lods") != 0)
-        return "--lods is given with --periodic, and levels of detail are not made of periodic images";
     for (const char* option : {"--effort", "--seed", "--tile", "--periodic"})
         if (arguments.meshing.method != Method::annealed && app.count(option) != 0)
             return std::string(option) + " means nothing to --method " + name_of(methods, arguments.meshing.method);
