@@ -56,7 +56,8 @@ hmesh::Mesh as_packed(const hmesh::Mesh& mesh, const hmesh::GpuBuffers& list) {
         const std::uint8_t* const at = &list.vertices[v * list.layout.stride];
         for (std::size_t axis = 0; axis < 2; ++axis) {
             const double share = (at[2 * axis] + 256.0 * at[2 * axis + 1]) / 65535;
-            packed.positions.push_back(static_cast<float>(list.layout.offset[axis] + list.layout.scale[axis] * share));
+            packed.positions.push_back(static_cast<float>(static_cast<double>(list.layout.offset[axis]) +
+                                                          static_cast<double>(list.layout.scale[axis]) * share));
         }
         for (int k = 0; k < mesh.channels; ++k)
             packed.colors.push_back(at[list.layout.color.offset + static_cast<std::size_t>(k)]);
@@ -137,7 +138,7 @@ std::optional<Pixels<C>> through_astc(const Pixels<C>& picture, const std::strin
     return decoded;
 }
 
-// All textures of the picture, those of fewest bytes first.
+// All textures of the picture, those of fewest bytes first; none where astcenc fails.
 template <int C>
 std::vector<Texture> textures_of(const Pixels<C>& picture, const Settings& settings) {
     constexpr std::array<std::pair<int, int>, 14> blocks{{{4, 4},
@@ -168,9 +169,13 @@ std::vector<Texture> textures_of(const Pixels<C>& picture, const Settings& setti
             const std::string name = std::to_string(width) + "x" + std::to_string(height);
             const auto across = static_cast<std::size_t>((small.width() + width - 1) / width);
             const auto down = static_cast<std::size_t>((small.height() + height - 1) / height);
-            if (const auto decoded = through_astc(small, name, settings)) add("ASTC " + name, 16 * across * down, *decoded);
-            else
-                std::fprintf(stderr, "mesh_or_texture: astcenc made nothing of blocks of %s; is it on the path?\n", name.c_str());
+            const auto decoded = through_astc(small, name, settings);
+            if (!decoded) {
+                std::fprintf(stderr, "mesh_or_texture: astcenc made no texture with blocks of %s; is it on the path?\n",
+                             name.c_str());
+                return {};
+            }
+            add("ASTC " + name, 16 * across * down, *decoded);
         }
     }
     std::stable_sort(textures.begin(), textures.end(), [](const Texture& a, const Texture& b) { return a.bytes < b.bytes; });
@@ -183,6 +188,7 @@ bool print_picture(const std::string& name, const Pixels<C>& picture, const Sett
     Pixels<C> wanted = picture;
     if constexpr (C == 4) wanted = hmesh::kit::premultiply(picture.view());
     const std::vector<Texture> textures = textures_of(wanted, settings);
+    if (textures.empty()) return false;
     for (const std::string& count : settings.vertices) {
         hmesh::Options options;
         options.target = hmesh::Target::vertices(std::atoll(count.c_str()));
