@@ -123,6 +123,18 @@ inline void lay_out_positions(const MeshView& mesh, bool is_quantized, GlbGrid& 
     for (std::size_t k = 0; k < 2; ++k) array.low[k] = grid.stored(low[k], k), array.high[k] = grid.stored(high[k], k);
 }
 
+/// Refuses a longer side that is no length.
+[[nodiscard]] inline Status check_longer_side(double length) noexcept {
+    if (kit::is_within(length, 0, static_cast<double>(std::numeric_limits<float>::max()))) return {};
+    return {Errc::invalid_argument, "the longer side must be a length that a float holds, or 0", 0, 0};
+}
+
+/// Where the first mesh of the file is, and how large.
+[[nodiscard]] inline GlbNode node_of(const MeshView& mesh, const GlbGrid& grid, double longer_side) noexcept {
+    const double unit = longer_side > 0 ? longer_side / std::max(mesh.width, mesh.height) : 1;
+    return {{grid.origin[0] * unit, grid.origin[1] * unit}, grid.step * unit, 0};
+}
+
 /// What an array of the file is filled with: positions, colours and so on of all vertices, or the indices of all faces.
 struct GlbContent {
     enum class Kind : std::uint8_t { positions, colors, normals, tangents, data, indices } kind = Kind::positions;
@@ -150,6 +162,13 @@ struct GlbMesh {
         return static_cast<std::uint32_t>(file.arrays.size() - 1);
     }
 };
+
+/// Appends the array of a mesh's indices and returns its number.
+HMESH_COLD inline std::uint32_t add_indices(GlbMesh& out, const MeshView& mesh) {
+    // 65535 and 2^32 - 1 must not be used as indices: they mean a restart to GPUs.
+    return out.add({GlbContent::Kind::indices}, mesh.vertex_count > 65535 ? GlbNumber::u32 : GlbNumber::u16, 1,
+                   3 * static_cast<std::uint64_t>(mesh.face_count));
+}
 
 /// Appends the arrays of a group of channels, from the channel `first` on, and names them.
 HMESH_COLD inline void add_group(GlbMesh& out, GlbPrimitive& primitive, GlbMaterial& material, const ChannelGroup& group,
@@ -195,18 +214,14 @@ HMESH_COLD inline void add_group(GlbMesh& out, GlbPrimitive& primitive, GlbMater
     }
     if (options.groups.is_empty())
         add_group(out, primitive, material, {"color", ChannelMeaning::color, mesh.channels}, 0, mesh.vertex_count, options);
-    // 65535 and 2^32 - 1 must not be used as indices: they mean a restart to GPUs.
-    primitive.indices = out.add({GlbContent::Kind::indices}, mesh.vertex_count > 65535 ? GlbNumber::u32 : GlbNumber::u16, 1,
-                                3 * static_cast<std::uint64_t>(mesh.face_count));
+    primitive.indices = add_indices(out, mesh);
     if (const Status status = check_glb_size(file); !status) return status;  // before so many are read
     if (const Status status = check_for_export(mesh, options.groups.is_empty() ? 4 : 16); !status) return status;
-    if (!kit::is_within(options.longer_side, 0, static_cast<double>(std::numeric_limits<float>::max())))
-        return {Errc::invalid_argument, "the longer side must be a length that a float holds, or 0", 0, 0};
+    if (const Status status = check_longer_side(options.longer_side); !status) return status;
 
     file.is_quantized = options.quantized_positions;
     lay_out_positions(mesh, options.quantized_positions, out.grid, file.arrays[primitive.attributes[0].array]);
-    const double unit = options.longer_side > 0 ? options.longer_side / std::max(mesh.width, mesh.height) : 1;
-    file.nodes.push_back({{out.grid.origin[0] * unit, out.grid.origin[1] * unit}, out.grid.step * unit, 0});
+    file.nodes.push_back(node_of(mesh, out.grid, options.longer_side));
     file.meshes.push_back({primitive});
     file.materials.push_back(material);
     return {};
