@@ -157,7 +157,7 @@ inline Status write_textured_glb(const MeshView& mesh, const char* texture, Sink
     const std::uint32_t coordinates = out.add({}, detail::GlbNumber::f32, 2, mesh.vertex_count);
     primitive.attributes = {{"POSITION", positions}, {"TEXCOORD", coordinates, 0}};
     primitive.indices = detail::add_indices(out, mesh);
-    detail::lay_out_positions(mesh, false, out.grid, file.arrays[positions]);
+    detail::bound_positions(mesh, out.grid, file.arrays[positions]);
     file.nodes.push_back(detail::node_of(mesh, out.grid, longer_side));
     file.meshes.push_back({primitive});
     detail::GlbMaterial material;
