@@ -3,7 +3,10 @@
 #   hmesh_add_meshes(<target>
 #       SOURCES <image>...                           seen from the current source directory
 #       [RATE <percent> | VERTICES <n> | PSNR <dB>]  how many vertices each mesh has; default RATE 1
-#       [MAX_VERTICES <n>]                           with PSNR, no more than these: the build fails where they do not reach it
+#       [MAX_VERTICES <n>]                           at most these, fewer where they are good enough; with PSNR, the build fails
+#                                                    where they do not reach it
+#       [SPRITE | OUTLINE]                           meshes without the faces that show nothing, or in place of meshes outlines
+#                                                    of few vertices, to draw the images on: ply, obj (with a .mtl) or glb
 #       [FORMAT <ending>...]                         ply (default), obj, glb, pdf, eps, svg, html; several at once
 #       [EFFORT <name>]                              draft, fast, normal (default), fine or best
 #       [LODS <n>]                                   levels of detail: .glb holds all, of others <name>_lod1.<ending> is the second
@@ -13,6 +16,13 @@
 # adds the target <target>, built by default, which makes <directory>/<name of the image>.<ending> of each image. Its property
 # HMESH_FILES lists the files. add_dependencies(app <target>) makes them before app. Where images are made by commands of the
 # same directory, these run first. OPTIONS may hold generator expressions; where one becomes nothing it is no option.
+#
+# One image has options of its own by its property HMESH_OPTIONS, in all targets of the directory and set before them:
+#
+#   set_source_files_properties(icon.png PROPERTIES HMESH_OPTIONS "--sprite;--vertices;500")
+#
+# They come behind those of the target. Its number of vertices and its EFFORT make way where the image has its own: --rate,
+# --vertices, --psnr, --max-vertices and --effort. Which files there are is said by FORMAT, LODS and OUTLINE alone.
 #
 # What OPTIONS names, such as --weights "${CMAKE_CURRENT_SOURCE_DIR}/mask.png", is watched too: the command writes depfiles,
 # which the generators of Ninja and of makefiles read. Each image is meshed on one thread, so that the build may run many at
@@ -32,7 +42,8 @@ if(NOT DEFINED HMESH_COMMAND OR DEFINED CACHE{HMESH_COMMAND})
 endif()
 
 function(hmesh_add_meshes target)
-    cmake_parse_arguments(PARSE_ARGV 1 arg "" "RATE;VERTICES;PSNR;MAX_VERTICES;EFFORT;LODS;OUTPUT_DIRECTORY" "SOURCES;FORMAT;OPTIONS")
+    cmake_parse_arguments(PARSE_ARGV 1 arg "SPRITE;OUTLINE"
+                          "RATE;VERTICES;PSNR;MAX_VERTICES;EFFORT;LODS;OUTPUT_DIRECTORY" "SOURCES;FORMAT;OPTIONS")
     if(NOT arg_SOURCES)
         message(FATAL_ERROR "hmesh_add_meshes(${target}): SOURCES names no image")
     elseif(DEFINED arg_UNPARSED_ARGUMENTS)
@@ -41,27 +52,30 @@ function(hmesh_add_meshes target)
         message(FATAL_ERROR "hmesh_add_meshes(${target}): a value is missing after ${arg_KEYWORDS_MISSING_VALUES}")
     endif()
 
-    set(options --quiet)
-    set(goals "")
-    foreach(goal IN ITEMS RATE VERTICES PSNR MAX_VERTICES EFFORT LODS)
+    set(goals RATE VERTICES PSNR MAX_VERTICES)
+    set(given "")
+    foreach(goal IN LISTS goals)
         if(DEFINED arg_${goal})
-            string(TOLOWER ${goal} option)
-            string(REPLACE _ - option ${option})
-            list(APPEND options --${option} "${arg_${goal}}")
-            list(APPEND goals ${goal})
+            list(APPEND given ${goal})
         endif()
     endforeach()
-    list(REMOVE_ITEM goals MAX_VERTICES EFFORT LODS)
-    list(LENGTH goals count)
-    if(count GREATER 1)
-        list(JOIN goals " and " goals)
-        message(FATAL_ERROR "hmesh_add_meshes(${target}): ${goals} cannot both be given")
-    elseif(DEFINED arg_MAX_VERTICES AND NOT DEFINED arg_PSNR)
-        message(FATAL_ERROR "hmesh_add_meshes(${target}): MAX_VERTICES requires PSNR")
+    list(LENGTH given count)
+    if(count GREATER 1 AND NOT "${given}" STREQUAL "PSNR;MAX_VERTICES")
+        list(JOIN given " and " given)
+        message(FATAL_ERROR "hmesh_add_meshes(${target}): ${given} cannot both be given")
     endif()
-    if(NOT arg_OPTIONS MATCHES "(^|;)--threads(;|=|$)")
-        list(APPEND options --threads 1)
+    if(arg_OUTLINE)
+        foreach(keyword IN ITEMS RATE VERTICES PSNR EFFORT LODS)
+            if(DEFINED arg_${keyword})
+                message(FATAL_ERROR "hmesh_add_meshes(${target}): ${keyword} means nothing to OUTLINE, which makes no mesh "
+                                    "of colours")
+            endif()
+        endforeach()
+        if(arg_SPRITE)
+            message(FATAL_ERROR "hmesh_add_meshes(${target}): SPRITE and OUTLINE cannot both be given")
+        endif()
     endif()
+    hmesh_check_options("hmesh_add_meshes(${target}): OPTIONS" ${arg_OPTIONS})
     if(NOT arg_FORMAT)
         set(arg_FORMAT ply)
     endif()
@@ -69,12 +83,17 @@ function(hmesh_add_meshes target)
 
     # What the command would refuse is refused now; what generator expressions become is left to it.
     set(expression "\\$<")
-    set(formats ply obj glb pdf eps svg html)
+    set(formats ply obj glb)
+    set(of_outlines " of an outline")
+    if(NOT arg_OUTLINE)
+        list(APPEND formats pdf eps svg html)
+        set(of_outlines "")
+    endif()
     foreach(format IN LISTS arg_FORMAT)
         string(TOLOWER "${format}" ending)
         if(NOT ending IN_LIST formats AND NOT format MATCHES "${expression}")
             list(JOIN formats ", " formats)
-            message(FATAL_ERROR "hmesh_add_meshes(${target}): FORMAT '${format}' is not one of: ${formats}")
+            message(FATAL_ERROR "hmesh_add_meshes(${target}): FORMAT '${format}'${of_outlines} is not one of: ${formats}")
         endif()
     endforeach()
     set(efforts draft fast normal fine best)
@@ -126,37 +145,90 @@ function(hmesh_add_meshes target)
         get_filename_component(image "${source}" ABSOLUTE)
         get_filename_component(name "${image}" NAME_WLE)
         set(outputs "")
-        set(levels "")
+        set(others "")
         foreach(format IN LISTS arg_FORMAT)
             list(APPEND outputs "${directory}/${name}.${format}")
             string(TOLOWER "${format}" ending)
             foreach(level IN LISTS coarser)
                 if(NOT ending STREQUAL glb)
-                    list(APPEND levels "${directory}/${name}_lod${level}.${format}")
+                    list(APPEND others "${directory}/${name}_lod${level}.${format}")
                 endif()
             endforeach()
+            if(arg_OUTLINE AND ending STREQUAL obj)
+                list(APPEND others "${directory}/${name}.mtl")
+            endif()
         endforeach()
         list(GET outputs 0 first)
         if(first IN_LIST files)
             message(FATAL_ERROR "hmesh_add_meshes(${target}): two images are named ${name}, and both would become ${first}")
         endif()
         # Another one where other files are made: Ninja refuses a depfile of before that names one which is made no more.
-        string(MD5 depfile "${outputs};${levels}")
+        string(MD5 depfile "${outputs};${others}")
         string(SUBSTRING ${depfile} 0 8 depfile)
         set(depfile "${depfiles}/${name}.${depfile}.d")
         list(TRANSFORM outputs PREPEND "--output;" OUTPUT_VARIABLE outputs_options)
+
+        get_source_file_property(own "${source}" HMESH_OPTIONS)
+        if(own STREQUAL "NOTFOUND")
+            set(own "")
+        endif()
+        hmesh_check_options("hmesh_add_meshes(${target}): HMESH_OPTIONS of ${source}" ${own})
+        # What of the target stands beside the image's own.
+        set(keywords ${goals} EFFORT LODS)
+        if(own MATCHES "(^|;)--(rate|vertices|psnr)(;|=|$)")
+            list(REMOVE_ITEM keywords ${goals})
+        elseif(own MATCHES "(^|;)--max-vertices(;|=|$)")
+            list(REMOVE_ITEM keywords RATE VERTICES MAX_VERTICES)
+        endif()
+        if(own MATCHES "(^|;)--effort(;|=|$)")
+            list(REMOVE_ITEM keywords EFFORT)
+        endif()
+        set(options --quiet)
+        foreach(keyword IN LISTS keywords)
+            if(DEFINED arg_${keyword})
+                string(TOLOWER ${keyword} option)
+                string(REPLACE _ - option ${option})
+                list(APPEND options --${option} "${arg_${keyword}}")
+            endif()
+        endforeach()
+        if(arg_OUTLINE)
+            list(APPEND options --outline)
+        elseif(arg_SPRITE AND NOT own MATCHES "(^|;)--sprite(;|$)")
+            list(APPEND options --sprite)
+        endif()
+        if(NOT "${arg_OPTIONS};${own}" MATCHES "(^|;)--threads(;|=|$)")
+            list(APPEND options --threads 1)
+        endif()
+
         add_custom_command(
-            OUTPUT ${outputs} ${levels}
+            OUTPUT ${outputs} ${others}
             COMMAND "${CMAKE_COMMAND}" -E make_directory "${directory}" "${depfiles}"
-            COMMAND ${command} "${image}" ${outputs_options} ${options} ${arg_OPTIONS} --depfile "${depfile}"
+            COMMAND ${command} "${image}" ${outputs_options} ${options} ${arg_OPTIONS} ${own} --depfile "${depfile}"
             DEPENDS "${image}" ${command}
             DEPFILE "${depfile}"
             COMMENT "Meshing ${name}"
             COMMAND_EXPAND_LISTS VERBATIM)
-        list(APPEND files ${outputs} ${levels})
+        list(APPEND files ${outputs} ${others})
     endforeach()
     add_custom_target(${target} ALL DEPENDS ${files})
     set_target_properties(${target} PROPERTIES HMESH_FILES "${files}")
+endfunction()
+
+# Refuses options that make files of which the build would not know, and several options in one word.
+function(hmesh_check_options whose)
+    set(keyword_--format FORMAT)
+    set(keyword_--lods LODS)
+    set(keyword_--outline OUTLINE)
+    foreach(option IN LISTS ARGN)
+        if(option MATCHES "^(--format|--lods|--outline)(=|$)")
+            message(FATAL_ERROR "${whose}: ${CMAKE_MATCH_1} says which files are made: it is ${keyword_${CMAKE_MATCH_1}} of "
+                                "hmesh_add_meshes()")
+        elseif(option MATCHES "^(-o|--output|--depfile)")  # -oFILE is one word
+            message(FATAL_ERROR "${whose}: ${CMAKE_MATCH_1} is given by hmesh_add_meshes()")
+        elseif(option MATCHES "^--[a-z-]+ ")
+            message(FATAL_ERROR "${whose}: '${option}' is one word to CMake: options and values are apart, as in --rate;2")
+        endif()
+    endforeach()
 endfunction()
 
 # The command, as COMMAND and DEPENDS of add_custom_command want it, in the variable <result>. What is found is not kept in the

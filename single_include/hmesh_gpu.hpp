@@ -918,6 +918,37 @@ class GpuWriter {
     return buffers;
 }
 
+/// Cuts a mesh of 1 to 16 channels into parts of at most `most_vertices`, at least 3, each a mesh of the same image: slabs across
+/// its longer side, which repeat the vertices that they share. A mesh that has no more is the one part, as it is; of a larger one
+/// faces with a corner twice, and vertices of no face, are left out. A mesh that check() refuses, and one that has to be cut and
+/// has no face of three different corners, gives a Status and no parts. O(n).
+[[nodiscard]] inline Status cut_for_gpu(const MeshView& mesh, std::vector<Mesh>& parts, std::size_t most_vertices = 65535) {
+    parts.clear();
+    if (const Status status = check(mesh, 16); !status) return status;
+    std::vector<kit::Slab> slabs(1);
+    if (mesh.vertex_count > most_vertices) {
+        const std::vector<Triangle> faces = detail::faces_of_three_corners(mesh);
+        if (faces.empty()) return {Errc::invalid_argument, "the mesh has no face of three different corners", 0, 1};
+        slabs = kit::cut_into_slabs(mesh, faces, std::max<std::size_t>(3, most_vertices));
+    } else {
+        for (std::uint32_t v = 0; v < mesh.vertex_count; ++v) slabs.front().vertices.push_back(v);
+        slabs.front().faces.assign(mesh.faces, mesh.faces + mesh.face_count);
+    }
+    const auto channels = static_cast<std::size_t>(mesh.channels);
+    for (kit::Slab& slab : slabs) {
+        Mesh& part = parts.emplace_back();
+        part.channels = mesh.channels, part.width = mesh.width, part.height = mesh.height;
+        part.peak = mesh.peak, part.premultiplied = mesh.premultiplied, part.periodic = mesh.periodic;
+        for (const std::uint32_t v : slab.vertices) {
+            const float *const at = mesh.positions + 2 * std::size_t{v}, *const color = mesh.colors + channels * v;
+            part.positions.insert(part.positions.end(), at, at + 2);
+            part.colors.insert(part.colors.end(), color, color + channels);
+        }
+        part.faces.swap(slab.faces);
+    }
+    return {};
+}
+
 /// Puts the faces of a mesh of 1 to 16 channels into an order that is good for the vertex cache, and its vertices into that in
 /// which files name them, for formats that keep both orders, as write_glb() does; they compress better so. Faces keep the order
 /// of their corners. Those with a corner twice, and vertices of no face, are removed. A mesh that check() refuses, or that has
@@ -975,11 +1006,11 @@ class GpuWriter {
 /// The texture stays a file of its own, whose name the files hold: OBJ in a material file beside it, which write_material()
 /// writes, PLY as the comment that MeshLab reads, glTF as a URI. For outlines (hmesh/outline.hpp) and any other mesh.
 ///
-/// O(n), and nothing is allocated. Sources: Wavefront, Object and Material files; Khronos, glTF 2.0, sections 3.6 to 3.9.
+/// O(n), and nothing that grows with the mesh is allocated.
+/// Sources: Wavefront, Object and Material files; Khronos, glTF 2.0, sections 3.6 to 3.9.
 #ifndef HMESH_IO_TEXTURED_HPP
 #define HMESH_IO_TEXTURED_HPP
 
-#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <cstdint>
@@ -1013,70 +1044,6 @@ namespace detail {
 [[nodiscard]] inline std::array<double, 2> texture_place(const MeshView& mesh, std::size_t vertex) noexcept {
     return {static_cast<double>(mesh.positions[2 * vertex]) / mesh.width,
             static_cast<double>(mesh.positions[2 * vertex + 1]) / mesh.height};
-}
-
-/// Writes a name as a URI, which is also what JSON takes: other bytes than letters, digits and -._~/ as % and two digits.
-inline void write_uri(Writer& writer, const char* name) {
-    for (; *name != 0; ++name) {
-        const char c = *name;
-        const bool is_plain = (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '-' ||
-                              c == '.' || c == '_' || c == '~' || c == '/';
-        const auto byte = static_cast<unsigned char>(c);
-        const std::array<char, 3> digits = {'%', "0123456789ABCDEF"[byte >> 4U], "0123456789ABCDEF"[byte & 15U]};
-        writer.bytes(is_plain ? &c : digits.data(), is_plain ? 1 : 3);
-    }
-}
-
-/// Writes the JSON chunk of a textured .glb without padding: positions, coordinates and indices, in this order.
-inline void write_textured_json(Writer& writer, const MeshView& mesh, const char* texture, double unit) {
-    const auto count = [&](const char* words, std::uint64_t value) {
-        writer.text(words);
-        writer.decimal(static_cast<std::int64_t>(value));
-    };
-    const auto number = [&](const char* words, double value) {
-        writer.text(words);
-        writer.real(value);
-    };
-    double left = static_cast<double>(mesh.positions[0]), right = left, low = y_up(mesh, 0), high = low;
-    for (std::size_t v = 1; v < mesh.vertex_count; ++v) {
-        left = std::min(left, static_cast<double>(mesh.positions[2 * v]));
-        right = std::max(right, static_cast<double>(mesh.positions[2 * v]));
-        low = std::min(low, y_up(mesh, v));
-        high = std::max(high, y_up(mesh, v));
-    }
-    const bool is_wide = mesh.vertex_count > 65535;
-    const std::uint64_t vertices = mesh.vertex_count, corners = 3 * static_cast<std::uint64_t>(mesh.face_count);
-    const std::uint64_t index_bytes = (is_wide ? 4 : 2) * corners;
-    writer.text("{\"asset\":{\"version\":\"2.0\",\"generator\":\"hmesh " HMESH_VERSION_STRING "\"},");
-    writer.text("\"extensionsUsed\":[\"KHR_materials_unlit\"],\"scene\":0,\"scenes\":[{\"nodes\":[0]}],");
-    number("\"nodes\":[{\"mesh\":0,\"scale\":[", unit);
-    number(",", unit);
-    number(",", unit);
-    writer.text("]}],\"meshes\":[{\"primitives\":[{\"attributes\":{\"POSITION\":0,\"TEXCOORD_0\":1},");
-    writer.text("\"indices\":2,\"material\":0}]}],");
-    writer.text("\"materials\":[{\"pbrMetallicRoughness\":{\"baseColorTexture\":{\"index\":0},");
-    writer.text("\"metallicFactor\":0,\"roughnessFactor\":1},\"alphaMode\":\"BLEND\",");
-    writer.text("\"extensions\":{\"KHR_materials_unlit\":{}}}],");
-    // 9729 is linear, without mipmaps; 33071 clamps to the edge.
-    writer.text("\"samplers\":[{\"magFilter\":9729,\"minFilter\":9729,\"wrapS\":33071,\"wrapT\":33071}],");
-    writer.text("\"textures\":[{\"sampler\":0,\"source\":0}],\"images\":[{\"uri\":\"");
-    write_uri(writer, texture);
-    // 5123, 5125 and 5126 are unsigned short, unsigned int and float.
-    count("\"}],\"accessors\":[{\"bufferView\":0,\"componentType\":5126,\"count\":", vertices);
-    number(",\"type\":\"VEC3\",\"min\":[", static_cast<double>(static_cast<float>(left)));
-    number(",", static_cast<double>(static_cast<float>(low)));
-    number(",0],\"max\":[", static_cast<double>(static_cast<float>(right)));
-    number(",", static_cast<double>(static_cast<float>(high)));
-    count(",0]},{\"bufferView\":1,\"componentType\":5126,\"count\":", vertices);
-    count(",\"type\":\"VEC2\"},{\"bufferView\":2,\"componentType\":", is_wide ? 5125 : 5123);
-    count(",\"count\":", corners);
-    count(",\"type\":\"SCALAR\"}],\"bufferViews\":[{\"buffer\":0,\"byteLength\":", 12 * vertices);
-    count(",\"byteStride\":12,\"target\":34962},{\"buffer\":0,\"byteOffset\":", 12 * vertices);
-    count(",\"byteLength\":", 8 * vertices);
-    count(",\"byteStride\":8,\"target\":34962},{\"buffer\":0,\"byteOffset\":", 20 * vertices);
-    count(",\"byteLength\":", index_bytes);
-    count(",\"target\":34963}],\"buffers\":[{\"byteLength\":", 20 * vertices + index_bytes);
-    writer.text("}]}");
 }
 
 }  // namespace detail
@@ -1171,48 +1138,29 @@ inline Status write_textured_ply(const MeshView& mesh, const char* texture, Sink
 /// that refuses bytes gives Errc::write_failed.
 inline Status write_textured_glb(const MeshView& mesh, const char* texture, Sink sink, double longer_side = 1) {
     if (const Status status = detail::check_for_texture(mesh, texture); !status) return status;
-    if (!kit::is_within(longer_side, 0, static_cast<double>(std::numeric_limits<float>::max())))
-        return {Errc::invalid_argument, "the longer side must be a length that a float holds, or 0", 0, 0};
-    const double unit = longer_side > 0 ? longer_side / std::max(mesh.width, mesh.height) : 1;
-    const bool is_empty = mesh.vertex_count == 0;
-    const auto write_json = [&](detail::Writer& writer) {
-        if (!is_empty) return detail::write_textured_json(writer, mesh, texture, unit);
-        writer.text("{\"asset\":{\"version\":\"2.0\",\"generator\":\"hmesh " HMESH_VERSION_STRING
-                    "\"},\"scene\":0,\"scenes\":[{}]}");
-    };
-    const auto nowhere = [](const void*, std::size_t) { return true; };
-    detail::Writer counter(nowhere);
-    write_json(counter);
-    const auto padded = [](std::uint64_t size) { return static_cast<std::uint32_t>((size + 3) / 4 * 4); };
-    const auto json_bytes = static_cast<std::uint64_t>(counter.position());
-    const bool is_wide = mesh.vertex_count > 65535;
-    const std::uint64_t binary_bytes = 20 * mesh.vertex_count + (is_wide ? 12 : 6) * static_cast<std::uint64_t>(mesh.face_count);
-
-    detail::Writer writer(sink);
-    writer.text("glTF");
-    writer.u32(2);
-    writer.u32(20 + padded(json_bytes) + (is_empty ? 0 : 8 + padded(binary_bytes)));
-    writer.u32(padded(json_bytes));
-    writer.text("JSON");
-    write_json(writer);
-    for (std::uint64_t i = json_bytes; i % 4 != 0; ++i) writer.text(" ");
-    if (is_empty) return writer.finish();
-    writer.u32(padded(binary_bytes));
-    writer.bytes("BIN", 4);  // with its zero
-    for (std::size_t v = 0; v < mesh.vertex_count; ++v) {
-        writer.f32(mesh.positions[2 * v]);
-        writer.f32(static_cast<float>(detail::y_up(mesh, v)));
-        writer.f32(0);
-    }
-    for (std::size_t v = 0; v < mesh.vertex_count; ++v)
-        for (const double at : detail::texture_place(mesh, v)) writer.f32(static_cast<float>(at));
-    for (std::size_t f = 0; f < mesh.face_count; ++f)
-        for (const std::uint32_t v : detail::turned(mesh.faces[f])) {
-            if (is_wide) writer.u32(v);
-            else writer.u16(static_cast<std::uint16_t>(v));
-        }
-    for (std::uint64_t i = binary_bytes; i % 4 != 0; ++i) writer.u8(0);
-    return writer.finish();
+    if (const Status status = detail::check_longer_side(longer_side); !status) return status;
+    if (mesh.vertex_count == 0) return detail::write_empty_glb(sink);
+    detail::GlbMesh out;
+    detail::GlbFile& file = out.file;
+    detail::GlbPrimitive primitive;
+    const std::uint32_t positions = out.add({}, detail::GlbNumber::f32, 3, mesh.vertex_count);
+    const std::uint32_t coordinates = out.add({}, detail::GlbNumber::f32, 2, mesh.vertex_count);
+    primitive.attributes = {{"POSITION", positions}, {"TEXCOORD", coordinates, 0}};
+    primitive.indices = detail::add_indices(out, mesh);
+    detail::bound_positions(mesh, out.grid, file.arrays[positions]);
+    file.nodes.push_back(detail::node_of(mesh, out.grid, longer_side));
+    file.meshes.push_back({primitive});
+    detail::GlbMaterial material;
+    material.blends = true;
+    material.texture = texture;
+    file.materials.push_back(material);
+    if (const Status status = detail::count_glb_json(file); !status) return status;
+    return detail::write_glb_file(file, sink, [&](detail::Writer& writer, std::size_t i) {
+        if (i == positions) return detail::write_glb_positions(writer, mesh, out.grid);
+        if (i != coordinates) return detail::write_glb_indices(writer, mesh, file.arrays[i].number);
+        for (std::size_t v = 0; v < mesh.vertex_count; ++v)
+            for (const double at : detail::texture_place(mesh, v)) writer.f32(static_cast<float>(at));
+    });
 }
 
 }  // namespace hmesh

@@ -27,7 +27,7 @@
 /// finest level. A level is drawn until the image covers a smaller share of the screen than the vertices of the next one are of
 /// the finest's: half of the screen, a quarter, and so on (MSFT_screencoverage); the last one down to nothing. All levels are
 /// laid out as write_glb() does (io/gltf.hpp), with one material. Levels over one vertex buffer, as those of a ProgressiveMesh
-/// (lods/progressive_mesh.hpp), share its arrays.
+/// (lods/progressive_mesh.hpp), share its arrays. write_glb_parts() takes each level in parts, which are primitives of one mesh.
 ///
 /// Sources: Microsoft, MSFT_lod (Khronos, glTF extensions, vendor); what io/gltf.hpp names. Babylon.js loads the levels one after
 /// another, the coarsest first.
@@ -46,80 +46,120 @@ namespace detail {
 
 /// Where an array of the file comes from.
 struct GlbSource {
-    std::size_t level;   ///< which level
+    std::size_t mesh;    ///< which of all meshes
     GlbContent content;  ///< what of it
 };
 
-/// Moves the arrays of a level's own file behind those of `file`, with node and mesh. Where its vertices are those of the first
-/// level, only its indices. The material is that of the first level.
-inline void append_level(GlbMesh&& level, std::size_t number, bool shares_vertices, GlbFile& file,
-                         std::vector<GlbSource>& sources) {
-    std::vector<GlbPrimitive>& primitives = level.file.meshes.front();
-    GlbPrimitive& primitive = primitives.front();
-    const auto move_array = [&](std::uint32_t& array) {
-        sources.push_back({number, level.contents[array]});
-        file.arrays.push_back(level.file.arrays[array]);
-        array = static_cast<std::uint32_t>(file.arrays.size() - 1);
-    };
-    GlbNode node = level.file.nodes.front();
-    if (shares_vertices) {
-        primitive.attributes = file.meshes.front().front().attributes;
-        node = file.nodes.front();
-    } else {
-        for (GlbAttribute& attribute : primitive.attributes) move_array(attribute.array);
+/// All that is written of levels.
+struct GlbLevels {
+    GlbFile file;
+    std::vector<GlbSource> sources;  ///< of each array
+    std::vector<GlbGrid> grids;      ///< of each mesh
+    std::vector<MeshView> meshes;    ///< of all levels
+
+    /// Moves the arrays of a mesh's own file behind the others; `vertices`, if it is not nullptr, has its attributes already. The
+    /// material is that of the first mesh.
+    [[nodiscard]] GlbPrimitive take(const GlbMesh& mesh, const GlbPrimitive* vertices) {
+        GlbPrimitive primitive = mesh.file.meshes.front().front();
+        const auto move_array = [&](std::uint32_t& array) {
+            sources.push_back({meshes.size() - 1, mesh.contents[array]});
+            file.arrays.push_back(mesh.file.arrays[array]);
+            array = static_cast<std::uint32_t>(file.arrays.size() - 1);
+        };
+        if (vertices != nullptr) primitive.attributes = vertices->attributes;
+        else
+            for (GlbAttribute& attribute : primitive.attributes) move_array(attribute.array);
+        move_array(primitive.indices);
+        if (file.materials.empty()) file.materials = mesh.file.materials;
+        file.is_quantized = mesh.file.is_quantized;
+        return primitive;
     }
-    move_array(primitive.indices);
-    node.mesh = static_cast<std::uint32_t>(file.meshes.size());
-    file.nodes.push_back(node);
-    file.meshes.push_back(std::move(primitives));
-    if (file.materials.empty()) file.materials = level.file.materials;
-    file.is_quantized = level.file.is_quantized;
+
+    /// Appends a level that has these parts, at least one; where it has the vertices of the first level, only its indices.
+    [[nodiscard]] Status append(const std::vector<MeshView>& parts, const GltfOptions& options) {
+        std::vector<GlbMesh> laid_out(parts.size());
+        for (std::size_t i = 0; i < parts.size(); ++i)
+            if (const Status status = lay_out_glb(parts[i], options, laid_out[i]); !status) return status;
+        GlbGrid grid = laid_out.front().grid;
+        if (parts.size() > 1 && options.quantized_positions) grid = quantized_grid(parts.data(), parts.size());
+        const bool is_shared = !meshes.empty() && parts.size() == 1 && file.meshes.front().size() == 1 &&
+                               parts.front().positions == meshes.front().positions &&
+                               parts.front().colors == meshes.front().colors;
+        std::vector<GlbPrimitive> primitives;
+        for (std::size_t i = 0; i < parts.size(); ++i) {
+            GlbMesh& mesh = laid_out[i];
+            if (parts.size() > 1) bound_positions(parts[i], grid, mesh.file.arrays.front());
+            meshes.push_back(parts[i]);
+            grids.push_back(grid);
+            primitives.push_back(take(mesh, is_shared ? &file.meshes.front().front() : nullptr));
+        }
+        GlbNode node = is_shared ? file.nodes.front() : node_of(parts.front(), grid, options.longer_side);
+        node.mesh = static_cast<std::uint32_t>(file.meshes.size());
+        file.nodes.push_back(node);
+        file.meshes.push_back(std::move(primitives));
+        return {};
+    }
+};
+
+/// The vertices of a level's parts.
+[[nodiscard]] inline std::size_t vertices_of(const std::vector<MeshView>& parts) noexcept {
+    std::size_t sum = 0;
+    for (const MeshView& part : parts) sum += part.vertex_count;
+    return sum;
+}
+
+/// Refuses levels that are none of one image, the finest first.
+[[nodiscard]] inline Status check_levels(const std::vector<std::vector<MeshView>>& levels) noexcept {
+    if (levels.empty()) return {Errc::invalid_argument, "there are no levels of detail to be written", 0, 1};
+    for (std::size_t k = 0; k < levels.size(); ++k) {
+        const auto number = static_cast<std::int64_t>(k);
+        if (levels[k].empty()) return {Errc::invalid_argument, "a level of detail has no mesh, number", number, number};
+        const MeshView& first = levels.front().front();
+        for (const MeshView& part : levels[k])
+            if (part.width != first.width || part.height != first.height || part.channels != first.channels ||
+                part.premultiplied != first.premultiplied)
+                return {Errc::invalid_argument,
+                        "a level of detail has another size or other channels than the one before, number", number, number};
+        if (k > 0 && vertices_of(levels[k]) >= vertices_of(levels[k - 1]))
+            return {Errc::invalid_argument, "a level of detail has not fewer vertices than the one before",
+                    static_cast<std::int64_t>(vertices_of(levels[k])), static_cast<std::int64_t>(vertices_of(levels[k - 1]))};
+    }
+    return {};
 }
 
 }  // namespace detail
 
-/// Writes levels of detail as a .glb file, the finest first: meshes of one image, each with fewer vertices than the one before.
-/// Refuses, before the first byte is written, what write_glb() refuses of any of them, and levels of different size or channels,
-/// in another order, or none.
-inline Status write_glb_lods(const std::vector<MeshView>& levels, Sink sink, const GltfOptions& options = {}) {
-    if (levels.empty()) return {Errc::invalid_argument, "there are no levels of detail to be written", 0, 1};
-    for (std::size_t k = 1; k < levels.size(); ++k) {
-        const MeshView &level = levels[k], &before = levels[k - 1];
-        const auto number = static_cast<std::int64_t>(k);
-        if (level.width != before.width || level.height != before.height || level.channels != before.channels ||
-            level.premultiplied != before.premultiplied)
-            return {Errc::invalid_argument, "a level of detail has another size or other channels than the one before, number",
-                    number, number};
-        if (level.vertex_count >= before.vertex_count)
-            return {Errc::invalid_argument, "a level of detail has not fewer vertices than the one before",
-                    static_cast<std::int64_t>(level.vertex_count), static_cast<std::int64_t>(before.vertex_count)};
-    }
-
-    detail::GlbFile file;
-    std::vector<detail::GlbSource> sources;
-    std::vector<detail::GlbGrid> grids;
-    const MeshView& finest = levels.front();
+/// write_glb_lods() of levels in parts, such as those of cut_for_gpu(): each part becomes a primitive with indices of its own, of
+/// 16 bits up to 65,535 vertices. The parts of a level have one grid of quantised positions, so that equal positions stay equal.
+inline Status write_glb_parts(const std::vector<std::vector<MeshView>>& levels, Sink sink, const GltfOptions& options = {}) {
+    if (const Status status = detail::check_levels(levels); !status) return status;
+    detail::GlbLevels out;
+    detail::GlbFile& file = out.file;
     for (std::size_t k = 0; k < levels.size(); ++k) {
-        detail::GlbMesh level;
-        if (const Status status = detail::lay_out_glb(levels[k], options, level); !status) return status;
-        const bool is_shared = k > 0 && levels[k].positions == finest.positions && levels[k].colors == finest.colors;
-        grids.push_back(level.grid);
-        detail::append_level(std::move(level), k, is_shared, file, sources);
-        const double next = k + 1 < levels.size() ? static_cast<double>(levels[k + 1].vertex_count) : 0;
-        file.coverages.push_back(next / static_cast<double>(finest.vertex_count));
+        if (const Status status = out.append(levels[k], options); !status) return status;
+        const double next = k + 1 < levels.size() ? static_cast<double>(detail::vertices_of(levels[k + 1])) : 0;
+        file.coverages.push_back(next / static_cast<double>(detail::vertices_of(levels.front())));
     }
     std::deque<detail::ExportMesh> exported;  // where they stay
-    for (const MeshView& level : levels) exported.emplace_back(level, detail::Premultiplied::divided);
+    for (const MeshView& mesh : out.meshes) exported.emplace_back(mesh, detail::Premultiplied::divided);
 
     const auto fill = [&](detail::Writer& writer, std::size_t i) {
-        const auto& [k, content] = sources[i];
-        const MeshView& mesh = exported[k].view();
-        detail::write_glb_array(writer, mesh, content, file.arrays[i], grids[k], options);
+        const auto& [k, content] = out.sources[i];
+        detail::write_glb_array(writer, exported[k].view(), content, file.arrays[i], out.grids[k], options);
     };
     if (options.compress)
         if (const Status status = compress_arrays(file, fill, options.compress); !status) return status;
     if (const Status status = count_glb_json(file); !status) return status;
     return write_glb_file(file, sink, fill);
+}
+
+/// Writes levels of detail as a .glb file, the finest first: meshes of one image, each with fewer vertices than the one before.
+/// Refuses, before the first byte is written, what write_glb() refuses of any of them, and levels of different size or channels,
+/// in another order, or none.
+inline Status write_glb_lods(const std::vector<MeshView>& levels, Sink sink, const GltfOptions& options = {}) {
+    std::vector<std::vector<MeshView>> whole;
+    for (const MeshView& level : levels) whole.push_back({level});
+    return write_glb_parts(whole, sink, options);
 }
 
 }  // namespace hmesh

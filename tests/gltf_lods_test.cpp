@@ -127,6 +127,42 @@ TEST_CASE("one level is the file that write_glb() writes") {
     CHECK(file.binary == alone.binary);
 }
 
+TEST_CASE("a level in parts is one mesh of several primitives, whose positions lie on one grid") {
+    const Mesh whole = grid(8), coarse = grid(2);
+    Mesh left = whole, right = whole;  // without unused vertices
+    left.faces.clear(), right.faces.clear(), right.positions.clear(), right.colors.clear();
+    for (const hmesh::Triangle& face : whole.faces) {
+        const bool is_low = face[0] < 45 && face[1] < 45 && face[2] < 45;  // the upper four rows
+        if (is_low) left.faces.push_back(face);
+        else right.faces.push_back({face[0] - 36, face[1] - 36, face[2] - 36});
+    }
+    left.positions.resize(2 * 45), left.colors.resize(3 * 45);
+    right.positions.assign(whole.positions.begin() + 2 * 36, whole.positions.end());
+    right.colors.assign(whole.colors.begin() + 3 * 36, whole.colors.end());
+    GltfOptions options;
+    options.quantized_positions = true;
+    Bytes bytes;
+    const hmesh_test::VectorSink sink{&bytes};
+    REQUIRE(hmesh::write_glb_parts({{left.view(), right.view()}, {coarse.view()}}, sink, options));
+    const Chunks file = chunks_of(bytes);
+    CHECK(count(file.json,
+                "\"meshes\":[{\"primitives\":[{\"attributes\":{\"POSITION\":0,\"COLOR_0\":1},\"indices\":2,\"material\":0},"
+                "{\"attributes\":{\"POSITION\":3,\"COLOR_0\":4},\"indices\":5,\"material\":0}]},{") == 1);
+    CHECK(count(file.json, "\"mesh\":") == 2);
+    CHECK(count(file.json, "\"count\":45,\"type\":\"VEC3\",\"min\":[0,32,0],\"max\":[64,64,0]") == 1);
+    CHECK(count(file.json, "\"count\":45,\"type\":\"VEC3\",\"min\":[0,0,0],\"max\":[64,32,0]") == 1);
+    const std::size_t part = 45 * 16 + 6 * left.faces.size();
+    for (std::size_t v = 0; v < 45; ++v) {
+        CHECK((word_at(file.binary, 8 * v) >> 16U) == static_cast<std::uint32_t>(64 - left.positions[2 * v + 1]));
+        CHECK((word_at(file.binary, part + 8 * v) >> 16U) == static_cast<std::uint32_t>(64 - right.positions[2 * v + 1]));
+    }
+
+    bytes.clear();
+    CHECK(!hmesh::write_glb_parts({{left.view(), right.view()}, {}}, sink));
+    CHECK(!hmesh::write_glb_parts({{left.view(), square_grid(3, 3).view()}}, sink));
+    CHECK(bytes.empty());
+}
+
 TEST_CASE("levels with alpha are divided by it each, and drawn over what is behind") {
     Mesh fine = two_faces(4), coarse = two_faces(4);
     fine.premultiplied = coarse.premultiplied = true;

@@ -541,6 +541,46 @@ TEST_CASE("a mesh put into order has the same faces, used vertices alone, and nu
     }
 }
 
+TEST_CASE("the parts of a mesh have its faces, each once, and no more vertices than they may") {
+    // Corners as positions and colours, in their order.
+    const auto faces_of = [](const hmesh::Mesh& from, std::vector<std::array<float, 9>>& out) {
+        for (const hmesh::Triangle& face : from.faces) {
+            std::array<float, 9> numbers{};
+            for (std::size_t k = 0; k < 3; ++k) {
+                const std::size_t v = face[k];
+                numbers[3 * k] = from.positions[2 * v], numbers[3 * k + 1] = from.positions[2 * v + 1];
+                numbers[3 * k + 2] = from.colors[3 * v];
+            }
+            out.push_back(numbers);
+        }
+    };
+    const hmesh::Mesh mesh = hmesh_test::square_grid(300, 230);  // 69,531 vertices
+    std::vector<std::array<float, 9>> wanted;
+    faces_of(mesh, wanted);
+    std::sort(wanted.begin(), wanted.end());
+    for (const std::size_t most : {3U, 1000U, 65535U, 69531U}) {
+        CAPTURE(most);
+        std::vector<hmesh::Mesh> parts;
+        REQUIRE(hmesh::cut_for_gpu(mesh.view(), parts, most));
+        std::vector<std::array<float, 9>> found;
+        std::size_t vertices = 0;
+        for (const hmesh::Mesh& part : parts) {
+            CHECK(part.vertex_count() <= most);
+            CHECK(hmesh::check(part.view(), 3));
+            CHECK((part.width == 300 && part.height == 230 && part.peak == mesh.peak && part.channels == 3));
+            vertices += part.vertex_count();
+            faces_of(part, found);
+        }
+        std::sort(found.begin(), found.end());
+        CHECK(found == wanted);
+        if (most == 65535) CHECK((parts.size() == 2 && vertices <= mesh.vertex_count() + 2 * 231));
+        if (most == 69531) CHECK((parts.size() == 1 && parts[0].positions == mesh.positions && parts[0].faces == mesh.faces));
+    }
+    std::vector<hmesh::Mesh> parts(1);
+    CHECK(hmesh::cut_for_gpu(hmesh::Mesh{}.view(), parts).code == hmesh::Errc::invalid_argument);
+    CHECK(parts.empty());
+}
+
 TEST_CASE("a mesh that cannot be ordered stays as it is") {
     hmesh::Mesh mesh = hmesh_test::two_faces(3);
     mesh.faces = {{0, 1, 1}, {2, 2, 2}};

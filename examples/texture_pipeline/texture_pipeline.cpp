@@ -3,7 +3,7 @@
 // usage: texture_pipeline FILE.ply...
 //
 // The binary PLY files of hmesh hold what a GPU wants: the vertices, 15 bytes each (x, y, z as floats, then red, green and
-// blue), are a vertex buffer as they are; of each face's 13 bytes the last 12 are its indices.
+// blue) or with alpha 16, are a vertex buffer as they are; of each face's 13 bytes the last 12 are its indices.
 #include <cstddef>
 #include <cstdint>
 #include <cstdio>
@@ -17,7 +17,8 @@
 namespace {
 
 struct MeshBuffers {
-    std::vector<unsigned char> vertices;  // 15 bytes each
+    std::size_t stride = 0;               // bytes of a vertex: 15, or 16 with alpha
+    std::vector<unsigned char> vertices;  // as the file has them
     std::vector<std::uint32_t> indices;   // 3 a face
 };
 
@@ -35,12 +36,13 @@ bool load(const std::string& path, MeshBuffers& mesh) {
     if (header_size < sizeof end) return false;
     const std::string header = file.substr(0, header_size);
     const std::size_t vertices = count_of(header, "element vertex "), faces = count_of(header, "element face ");
-    if (file.size() != header_size + 15 * vertices + 13 * faces) return false;
+    mesh.stride = header.find("property uchar alpha\n") == std::string::npos ? 15 : 16;
+    if (file.size() != header_size + mesh.stride * vertices + 13 * faces) return false;
 
     const char* at = file.data() + header_size;
-    mesh.vertices.assign(at, at + 15 * vertices);
+    mesh.vertices.assign(at, at + mesh.stride * vertices);
     mesh.indices.resize(3 * faces);
-    at += 15 * vertices;
+    at += mesh.stride * vertices;
     for (std::size_t f = 0; f < faces; ++f) std::memcpy(&mesh.indices[3 * f], at + 13 * f + 1, 12);
     return true;
 }
@@ -52,10 +54,10 @@ int main(int argc, char** argv) {
     for (int i = 1; i < argc; ++i) {
         MeshBuffers mesh;
         if (!load(argv[i], mesh)) {
-            std::fprintf(stderr, "texture_pipeline: '%s' is not a mesh of three channels\n", argv[i]);
+            std::fprintf(stderr, "texture_pipeline: '%s' is not a mesh of three or four channels\n", argv[i]);
             return 1;
         }
-        std::printf("%10zu %10zu %14zu  %s\n", mesh.vertices.size() / 15, mesh.indices.size() / 3,
+        std::printf("%10zu %10zu %14zu  %s\n", mesh.vertices.size() / mesh.stride, mesh.indices.size() / 3,
                     mesh.vertices.size() + 4 * mesh.indices.size(), argv[i]);
     }
     return 0;

@@ -102,7 +102,7 @@ def decode_triangles(data, count):
 
 
 class Glb:
-    """The JSON, and the first mesh: `attributes` by name as tuples, integers as shares where they are normalised; `faces`;
+    """The JSON, and the first mesh, all of its primitives as one: `attributes` by name as tuples, integers as shares where they are normalised; `faces`;
     `places` in the units of the scene."""
 
     def __init__(self, name):
@@ -111,10 +111,13 @@ class Glb:
         size = struct.unpack_from("<I", file, 12)[0]
         self.json = json.loads(file[20 : 20 + size])
         self.buffer = file[28 + size :]
-        (primitive,) = self.json["meshes"][0]["primitives"]
-        self.attributes = {name: self.array(i) for name, i in primitive["attributes"].items()}
-        corners = [i for i, in self.array(primitive["indices"])]
-        self.faces = list(zip(corners[::3], corners[1::3], corners[2::3]))
+        self.attributes, self.faces = {}, []
+        for primitive in self.json["meshes"][0]["primitives"]:
+            first = len(self.attributes.get("POSITION", []))
+            corners = [first + i for i, in self.array(primitive["indices"])]
+            self.faces += zip(corners[::3], corners[1::3], corners[2::3])
+            for name, i in primitive["attributes"].items():
+                self.attributes.setdefault(name, []).extend(self.array(i))
         node = self.json["nodes"][0]
         self.places = [tuple(x * s + t for x, s, t in zip(place, node["scale"], node["translation"]))
                        for place in self.attributes["POSITION"]]

@@ -1,6 +1,7 @@
 """How .glb files hold the mesh: exactly, packed, or compressed."""
 import json
 import math
+import random
 import re
 import struct
 from pathlib import Path
@@ -36,6 +37,21 @@ def test_a_packed_file_holds_the_same_mesh_in_fewer_bytes(hmesh):
     for a, b in zip(corners(exact), corners(packed)):
         for (place, color), (other, same) in zip(a, b):
             assert color == same and place == pytest.approx(other, abs=1e-8)
+
+
+def test_a_packed_file_of_many_vertices_numbers_them_with_16_bits(hmesh):
+    Image.frombytes("L", (280, 250), random.Random(1).randbytes(280 * 250)).save("noise.png")
+    hmesh.done("noise.png --vertices 66000 --effort draft --grid 128 -o exact.glb -q")
+    hmesh.done("noise.png --vertices 66000 --effort draft --grid 128 -o packed.glb --glb packed -q")
+    exact, packed = Glb("exact.glb"), Glb("packed.glb")
+    kinds = [[file.json["accessors"][primitive["indices"]]["componentType"] for primitive in file.json["meshes"][0]["primitives"]]
+             for file in [exact, packed]]
+    assert kinds == [[5125], [5123, 5123]]
+    # 280 px are 35,840 steps of 1/128 px: nothing is rounded, so that there are no cracks between the parts.
+    for file in [exact, packed]:
+        file.places = [(round(x * 35840), round(y * 35840)) for x, y, _ in file.places]
+    assert len(exact.faces) > 120000 and corners(exact) == corners(packed)
+    assert len(packed.places) < 66000 + 1000
 
 
 def test_vertices_of_a_packed_file_come_in_the_order_in_which_faces_name_them(hmesh):

@@ -38,6 +38,7 @@ later() {
     sleep 1.1
     touch "$@"
 }
+vertices() { sed -n 's/^element vertex //p' "$work/build/$1"; }
 image() { awk -v seed="$1" 'BEGIN { printf "P5 24 18 255\n"; for (i = 0; i < 432; ++i) printf "%c", 33 + (i * i + seed * i) % 90 }'; }
 
 image 1 >"$work/one.pgm"
@@ -59,7 +60,7 @@ rm "$work/build/meshes/one.obj"
 meshes one
 project "$source/tests/package/meshes" "$@" -DRATE=8 || fail "it cannot be configured again"
 meshes one one two two
-[ "$(sed -n 's/^element vertex //p' "$work/build/meshes/one.ply")" = 35 ] || fail "8 % of 432 pixels are not 35 vertices"
+[ "$(vertices meshes/one.ply)" = 35 ] || fail "8 % of 432 pixels are not 35 vertices"
 meshes
 
 # Of levels of detail each has its file, but in .glb.
@@ -69,7 +70,36 @@ for file in one.ply one_lod1.ply one_lod2.ply one.glb; do [ -s "$work/build/more
 meshes
 rm "$work/build/more/two_lod2.ply"
 meshes two
-[ "$(sed -n 's/^element vertex //p' "$work/build/more/two_lod2.ply")" = 8 ] || fail "a quarter of 35 vertices are not 8"
+[ "$(vertices more/two_lod2.ply)" = 8 ] || fail "a quarter of 35 vertices are not 8"
+
+# An image's own options take the place of what they cannot stand beside.
+project "$source/tests/package/meshes" "$@" -DRATE=8 "-DMORE=RATE;8;EFFORT;draft;LODS;2" "-DOWN_OPTIONS=--vertices;20;--effort=fast" ||
+    fail "HMESH_OPTIONS cannot be configured"
+meshes one one one two
+for wanted in "meshes/one 20" "more/one 20" "more/one_lod1 10" "meshes/two 35" "more/two_lod1 17"; do
+    [ "$(vertices "${wanted% *}.ply")" = "${wanted#* }" ] || fail "$wanted vertices were wanted"
+done
+meshes
+project "$source/tests/package/meshes" "$@" -DRATE=8 "-DMORE=RATE;8" "-DOWN_OPTIONS=--max-vertices;12;--grid;16" ||
+    fail "--max-vertices of an image cannot be configured"
+meshes one one one two
+[ "$(vertices more/one.ply)" = 12 ] || fail "12 vertices were wanted"
+
+# Sprites, outlines and at most so many vertices. The images have no alpha: all of them is inside.
+project "$source/tests/package/meshes" "$@" -DRATE=8 -DOWN_OPTIONS= "-DMORE=OUTLINE;MAX_VERTICES;8;FORMAT;obj;glb" ||
+    fail "OUTLINE cannot be configured"
+meshes one one one two
+for file in one.obj one.mtl two.glb; do [ -s "$work/build/more/$file" ] || fail "$file was not made"; done
+[ "$(grep -c '^vt ' "$work/build/more/two.obj")" = 4 ] || fail "the outline of an opaque image should have 4 vertices"
+rm "$work/build/more/one.mtl"
+meshes one
+meshes
+project "$source/tests/package/meshes" "$@" -DRATE=8 "-DOWN_OPTIONS=--sprite" "-DMORE=SPRITE;MAX_VERTICES;30" ||
+    fail "SPRITE cannot be configured"
+meshes one one one two
+[ "$(vertices more/one.ply) $(vertices more/two.ply)" = "30 30" ] || fail "sprites of 30 vertices were wanted"
+project "$source/tests/package/meshes" "$@" -DRATE=8 -DOWN_OPTIONS= -DMORE= || fail "it cannot be configured without"
+meshes one one
 
 # Of a search with a bound, the mesh within it, or none and a build that says so.
 project "$source/tests/package/meshes" "$@" -DRATE=8 "-DMORE=PSNR;10;MAX_VERTICES;50" || fail "MAX_VERTICES cannot be configured"
@@ -114,9 +144,16 @@ check_refusals() {
     for levels in 0 33 2x; do
         refuses "LODS '$levels' must be a whole number of 1 to 32" "$@" "-DMORE=LODS;$levels"
     done
-    refuses "MAX_VERTICES requires PSNR" "$@" "-DMORE=MAX_VERTICES;50"
-    refuses "MAX_VERTICES requires PSNR" "$@" "-DMORE=RATE;5;MAX_VERTICES;50"
-    for more in "RATE;1e2" "RATE;+.5" "PSNR;32.5" "VERTICES;4" "LODS;1" "MAX_VERTICES;4;PSNR;32.5" 'RATE;$<IF:$<CONFIG:Debug>,5,8>' "FORMAT;PLY;glb" 'EFFORT;$<IF:$<CONFIG:Debug>,draft,best>'; do
+    refuses "RATE and MAX_VERTICES cannot both be given" "$@" "-DMORE=RATE;5;MAX_VERTICES;50"
+    refuses "SPRITE and OUTLINE cannot both be given" "$@" "-DMORE=SPRITE;OUTLINE"
+    refuses "EFFORT means nothing to OUTLINE" "$@" "-DMORE=EFFORT;fast;OUTLINE"
+    refuses "FORMAT 'svg' of an outline is not one of: ply, obj, glb" "$@" "-DMORE=FORMAT;svg;OUTLINE"
+    refuses "OPTIONS: --lods says which files are made: it is LODS" "$@" "-DMORE=OPTIONS;--lods;3"
+    refuses "OPTIONS: --depfile is given by hmesh_add_meshes()" "$@" "-DMORE=OPTIONS;--depfile=x.d"
+    refuses "HMESH_OPTIONS of $work/one.pgm: --outline says which files are made: it is OUTLINE" "$@" "-DOWN_OPTIONS=--outline"
+    refuses "HMESH_OPTIONS of $work/one.pgm: '--sprite --seed 2' is one word to CMake" "$@" "-DOWN_OPTIONS=--sprite --seed 2"
+    set -- "$@" -DOWN_OPTIONS=
+    for more in "RATE;1e2" "RATE;+.5" "PSNR;32.5" "VERTICES;4" "LODS;1" "MAX_VERTICES;4;PSNR;32.5" "MAX_VERTICES;4;SPRITE" "OUTLINE;FORMAT;OBJ" 'RATE;$<IF:$<CONFIG:Debug>,5,8>' "FORMAT;PLY;glb" 'EFFORT;$<IF:$<CONFIG:Debug>,draft,best>'; do
         project "$source/tests/package/meshes" "$@" "-DMORE=$more" || fail "refused: $more"
     done
 }

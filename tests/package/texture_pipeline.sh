@@ -1,5 +1,5 @@
 #!/bin/sh
-# The project examples/texture_pipeline under Ninja: it is built and run, and a texture that changes is meshed again alone.
+# The project examples/texture_pipeline under Ninja: it is built and run, and an image that changes is meshed again alone.
 #
 # usage: tests/package/texture_pipeline.sh SOURCE COMMAND
 #        SOURCE: hmesh's sources; COMMAND: the program hmesh
@@ -20,12 +20,20 @@ build() { "$cmake" --build "$work/build" "$@" >"$work/log" 2>&1 || fail "it cann
 "$cmake" -S "$source/examples/texture_pipeline" -B "$work/build" -G Ninja -DCMAKE_BUILD_TYPE=Debug \
     "-DCMAKE_CXX_COMPILER=$cxx" "-DHMESH_COMMAND=$command" -DRATE=0.2 >"$work/log" 2>&1 || fail "it cannot be configured"
 build
-[ "$(grep -c 'Meshing' "$work/log")" = 3 ] || fail "three textures should be meshed"
+[ "$(grep -c 'Meshing' "$work/log")" = 5 ] || fail "three textures, a sprite and an outline should be made"
 build --target show
-[ "$(grep -Ec '^ +131 .*/(bricks|planks|marble)\.ply$' "$work/log")" = 3 ] || fail "three meshes of 131 vertices should be shown"
+[ "$(grep -Ec '^ +131 .*/(bricks|planks)\.ply$' "$work/log")" = 2 ] || fail "two meshes of 131 vertices should be shown"
+grep -Eq '^ +2000 .*/marble\.ply$' "$work/log" || fail "one of 2000 vertices, its own number, should be shown"
+grep -Eq '^ +[34][0-9]{2} .*/sprites/leaf\.ply$' "$work/log" || fail "a sprite of less than 500 vertices should be shown"
+for file in obj mtl; do grep -q 'leaf\.' "$work/build/outlines/leaf.$file" || fail "the outline's .$file should name its texture"; done
 sleep 1.1
 touch "$work/build/planks.ppm"
 build
 [ "$(grep -o 'Meshing .*' "$work/log")" = "Meshing planks" ] || fail "planks alone should be meshed again"
+build
+sleep 1.1
+touch "$work/build/leaf.tga"
+build
+[ "$(grep -c 'Meshing leaf' "$work/log") $(grep -c 'Meshing' "$work/log")" = "2 2" ] || fail "the leaf alone should be made again"
 build
 grep -q 'no work to do' "$work/log" || fail "nothing should be left to do"

@@ -91,8 +91,22 @@ struct GlbGrid {
     return {static_cast<double>(mesh.positions[2 * vertex]), y_up(mesh, vertex)};
 }
 
-/// The step of quantised positions in px, whose smallest coordinates are `low` and which span `extent` px. O(n).
-[[nodiscard]] inline double position_step(const MeshView& mesh, const std::array<double, 2>& low, double extent) noexcept {
+/// The smallest and the largest coordinates of a mesh, in px, y up.
+struct GlbBounds {
+    std::array<double, 2> low{std::numeric_limits<double>::max(), std::numeric_limits<double>::max()};  ///< of x and y
+    std::array<double, 2> high{-low[0], -low[1]};                                                       ///< of x and y
+
+    /// Stretches them around the vertices of a mesh. O(n).
+    void add(const MeshView& mesh) noexcept {
+        for (std::size_t v = 0; v < mesh.vertex_count; ++v) {
+            const std::array<double, 2> at = upright(mesh, v);
+            for (std::size_t k = 0; k < 2; ++k) low[k] = std::min(low[k], at[k]), high[k] = std::max(high[k], at[k]);
+        }
+    }
+};
+
+/// The largest step from 1/256 px to 1 px of which all coordinates, from `low` on, are multiples; 1/256 px if there is none.
+[[nodiscard]] inline double position_step(const MeshView& mesh, const std::array<double, 2>& low) noexcept {
     std::uint64_t places = 256;  // each bit that one of the positions has, counted in 1/256 px, and that of 1 px
     for (std::size_t v = 0; v < mesh.vertex_count && places % 2 == 0; ++v) {
         const std::array<double, 2> at = upright(mesh, v);
@@ -103,24 +117,40 @@ struct GlbGrid {
     }
     double step = 1.0 / 256;
     for (; places % 2 == 0; places /= 2) step *= 2;
-    return std::max(step, extent / 65535);
+    return step;
 }
 
-/// Finds the grid of the positions, and the bounds of the numbers stored. O(n).
-inline void lay_out_positions(const MeshView& mesh, bool is_quantized, GlbGrid& grid, GlbArray& array) noexcept {
-    std::array<double, 2> low = upright(mesh, 0), high = low;
-    for (std::size_t v = 1; v < mesh.vertex_count; ++v) {
-        const std::array<double, 2> at = upright(mesh, v);
-        for (std::size_t k = 0; k < 2; ++k) low[k] = std::min(low[k], at[k]), high[k] = std::max(high[k], at[k]);
-    }
-    grid.is_quantized = is_quantized;
-    if (is_quantized) {
-        grid.origin = low;
-        grid.step = position_step(mesh, low, std::max(high[0] - low[0], high[1] - low[1]));
-    }
+/// The grid of quantised positions of some meshes, one for all. O(n).
+[[nodiscard]] inline GlbGrid quantized_grid(const MeshView* meshes, std::size_t count) noexcept {
+    GlbBounds bounds;
+    for (std::size_t i = 0; i < count; ++i) bounds.add(meshes[i]);
+    GlbGrid grid{true, bounds.low, 1};
+    for (std::size_t i = 0; i < count; ++i) grid.step = std::min(grid.step, position_step(meshes[i], bounds.low));
+    const double extent = std::max(bounds.high[0] - bounds.low[0], bounds.high[1] - bounds.low[1]);
+    grid.step = std::max(grid.step, extent / 65535);
+    return grid;
+}
+
+/// Finds the bounds of the positions stored. O(n).
+inline void bound_positions(const MeshView& mesh, const GlbGrid& grid, GlbArray& array) noexcept {
+    GlbBounds bounds;
+    bounds.add(mesh);
     // Rounding keeps the order of numbers, hence their extremes.
     array.has_bounds = true;
-    for (std::size_t k = 0; k < 2; ++k) array.low[k] = grid.stored(low[k], k), array.high[k] = grid.stored(high[k], k);
+    for (std::size_t k = 0; k < 2; ++k)
+        array.low[k] = grid.stored(bounds.low[k], k), array.high[k] = grid.stored(bounds.high[k], k);
+}
+
+/// Refuses a longer side that is no length.
+[[nodiscard]] inline Status check_longer_side(double length) noexcept {
+    if (kit::is_within(length, 0, static_cast<double>(std::numeric_limits<float>::max()))) return {};
+    return {Errc::invalid_argument, "the longer side must be a length that a float holds, or 0", 0, 0};
+}
+
+/// Where the first mesh of the file is, and how large.
+[[nodiscard]] inline GlbNode node_of(const MeshView& mesh, const GlbGrid& grid, double longer_side) noexcept {
+    const double unit = longer_side > 0 ? longer_side / std::max(mesh.width, mesh.height) : 1;
+    return {{grid.origin[0] * unit, grid.origin[1] * unit}, grid.step * unit, 0};
 }
 
 /// What an array of the file is filled with: positions, colours and so on of all vertices, or the indices of all faces.
@@ -150,6 +180,13 @@ struct GlbMesh {
         return static_cast<std::uint32_t>(file.arrays.size() - 1);
     }
 };
+
+/// Appends the array of a mesh's indices and returns its number.
+HMESH_COLD inline std::uint32_t add_indices(GlbMesh& out, const MeshView& mesh) {
+    // 65535 and 2^32 - 1 must not be used as indices: they mean a restart to GPUs.
+    return out.add({GlbContent::Kind::indices}, mesh.vertex_count > 65535 ? GlbNumber::u32 : GlbNumber::u16, 1,
+                   3 * static_cast<std::uint64_t>(mesh.face_count));
+}
 
 /// Appends the arrays of a group of channels, from the channel `first` on, and names them.
 HMESH_COLD inline void add_group(GlbMesh& out, GlbPrimitive& primitive, GlbMaterial& material, const ChannelGroup& group,
@@ -195,18 +232,15 @@ HMESH_COLD inline void add_group(GlbMesh& out, GlbPrimitive& primitive, GlbMater
     }
     if (options.groups.is_empty())
         add_group(out, primitive, material, {"color", ChannelMeaning::color, mesh.channels}, 0, mesh.vertex_count, options);
-    // 65535 and 2^32 - 1 must not be used as indices: they mean a restart to GPUs.
-    primitive.indices = out.add({GlbContent::Kind::indices}, mesh.vertex_count > 65535 ? GlbNumber::u32 : GlbNumber::u16, 1,
-                                3 * static_cast<std::uint64_t>(mesh.face_count));
+    primitive.indices = add_indices(out, mesh);
     if (const Status status = check_glb_size(file); !status) return status;  // before so many are read
     if (const Status status = check_for_export(mesh, options.groups.is_empty() ? 4 : 16); !status) return status;
-    if (!kit::is_within(options.longer_side, 0, static_cast<double>(std::numeric_limits<float>::max())))
-        return {Errc::invalid_argument, "the longer side must be a length that a float holds, or 0", 0, 0};
+    if (const Status status = check_longer_side(options.longer_side); !status) return status;
 
     file.is_quantized = options.quantized_positions;
-    lay_out_positions(mesh, options.quantized_positions, out.grid, file.arrays[primitive.attributes[0].array]);
-    const double unit = options.longer_side > 0 ? options.longer_side / std::max(mesh.width, mesh.height) : 1;
-    file.nodes.push_back({{out.grid.origin[0] * unit, out.grid.origin[1] * unit}, out.grid.step * unit, 0});
+    if (options.quantized_positions) out.grid = quantized_grid(&mesh, 1);
+    bound_positions(mesh, out.grid, file.arrays[primitive.attributes[0].array]);
+    file.nodes.push_back(node_of(mesh, out.grid, options.longer_side));
     file.meshes.push_back({primitive});
     file.materials.push_back(material);
     return {};

@@ -349,6 +349,37 @@ class GpuWriter {
     return buffers;
 }
 
+/// Cuts a mesh of 1 to 16 channels into parts of at most `most_vertices`, at least 3, each a mesh of the same image: slabs across
+/// its longer side, which repeat the vertices that they share. A mesh that has no more is the one part, as it is; of a larger one
+/// faces with a corner twice, and vertices of no face, are left out. A mesh that check() refuses, and one that has to be cut and
+/// has no face of three different corners, gives a Status and no parts. O(n).
+[[nodiscard]] inline Status cut_for_gpu(const MeshView& mesh, std::vector<Mesh>& parts, std::size_t most_vertices = 65535) {
+    parts.clear();
+    if (const Status status = check(mesh, 16); !status) return status;
+    std::vector<kit::Slab> slabs(1);
+    if (mesh.vertex_count > most_vertices) {
+        const std::vector<Triangle> faces = detail::faces_of_three_corners(mesh);
+        if (faces.empty()) return {Errc::invalid_argument, "the mesh has no face of three different corners", 0, 1};
+        slabs = kit::cut_into_slabs(mesh, faces, std::max<std::size_t>(3, most_vertices));
+    } else {
+        for (std::uint32_t v = 0; v < mesh.vertex_count; ++v) slabs.front().vertices.push_back(v);
+        slabs.front().faces.assign(mesh.faces, mesh.faces + mesh.face_count);
+    }
+    const auto channels = static_cast<std::size_t>(mesh.channels);
+    for (kit::Slab& slab : slabs) {
+        Mesh& part = parts.emplace_back();
+        part.channels = mesh.channels, part.width = mesh.width, part.height = mesh.height;
+        part.peak = mesh.peak, part.premultiplied = mesh.premultiplied, part.periodic = mesh.periodic;
+        for (const std::uint32_t v : slab.vertices) {
+            const float *const at = mesh.positions + 2 * std::size_t{v}, *const color = mesh.colors + channels * v;
+            part.positions.insert(part.positions.end(), at, at + 2);
+            part.colors.insert(part.colors.end(), color, color + channels);
+        }
+        part.faces.swap(slab.faces);
+    }
+    return {};
+}
+
 /// Puts the faces of a mesh of 1 to 16 channels into an order that is good for the vertex cache, and its vertices into that in
 /// which files name them, for formats that keep both orders, as write_glb() does; they compress better so. Faces keep the order
 /// of their corners. Those with a corner twice, and vertices of no face, are removed. A mesh that check() refuses, or that has

@@ -34,18 +34,6 @@ hmesh::Status write_ply(const hmesh::MeshView& mesh, const FormatOptions& option
     return hmesh::write_ply(mesh, sink, ply);
 }
 
-hmesh::Mesh copy_of(const hmesh::MeshView& view) {
-    hmesh::Mesh mesh;
-    mesh.positions.assign(view.positions, view.positions + 2 * view.vertex_count);
-    mesh.colors.assign(view.colors, view.colors + static_cast<std::size_t>(view.channels) * view.vertex_count);
-    mesh.faces.assign(view.faces, view.faces + view.face_count);
-    mesh.channels = view.channels;
-    mesh.width = view.width, mesh.height = view.height;
-    mesh.peak = view.peak;
-    mesh.premultiplied = view.premultiplied;
-    return mesh;
-}
-
 hmesh::Status write_glb(const hmesh::MeshView& mesh, const FormatOptions& options, hmesh::Sink sink) {
     return write_glb_levels({mesh}, options, sink);
 }
@@ -112,14 +100,18 @@ hmesh::Status write_glb_levels(const std::vector<hmesh::MeshView>& all, const Fo
     glb.quantized_positions = true;
     const bool is_compressed = options.glb == GlbForm::meshopt;
     if (is_compressed) glb.compress = compress_gltf;
-    std::vector<hmesh::Mesh> ordered;
-    std::vector<hmesh::MeshView> views;
-    for (const hmesh::MeshView& level : levels) {
-        hmesh::Mesh& mesh = ordered.emplace_back(copy_of(level));
-        if (const hmesh::Status status = is_compressed ? order_to_compress(mesh) : order_for_gpu(mesh); !status) return status;
+    std::vector<std::vector<hmesh::Mesh>> ordered(levels.size());
+    std::vector<std::vector<hmesh::MeshView>> views(levels.size());
+    for (std::size_t k = 0; k < levels.size(); ++k) {
+        // So that 16 bits number the vertices of each part.
+        if (const hmesh::Status status = hmesh::cut_for_gpu(levels[k], ordered[k]); !status) return status;
+        for (hmesh::Mesh& part : ordered[k]) {
+            if (const hmesh::Status status = is_compressed ? order_to_compress(part) : order_for_gpu(part); !status)
+                return status;
+            views[k].push_back(part.view());
+        }
     }
-    for (const hmesh::Mesh& mesh : ordered) views.push_back(mesh.view());
-    return hmesh::write_glb_lods(views, sink, glb);
+    return hmesh::write_glb_parts(views, sink, glb);
 }
 
 }  // namespace tool

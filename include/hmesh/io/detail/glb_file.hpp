@@ -108,8 +108,9 @@ struct GlbNode {
 
 /// How faces are shaded.
 struct GlbMaterial {
-    bool is_lit = false;  ///< by lamps, as a rough surface; else the colours are what is seen
-    bool blends = false;  ///< there is alpha
+    bool is_lit = false;            ///< by lamps, as a rough surface; else the colours are what is seen
+    bool blends = false;            ///< there is alpha
+    const char* texture = nullptr;  ///< the path of an image to be shown by TEXCOORD_0; lives as long as the file
 };
 
 /// All of a file but the numbers of its arrays.
@@ -186,6 +187,17 @@ class GlbJson {
     }
     /// Puts words.
     void put(const char* words) { writer_->text(words); }
+    /// Puts a path as a URI: other bytes than letters, digits and -._~/ as % and two digits, and so no quotation mark.
+    HMESH_COLD void uri(const char* path) {
+        for (; *path != '\0'; ++path) {
+            const char c = *path;
+            const bool is_plain = (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '-' ||
+                                  c == '.' || c == '_' || c == '~' || c == '/';
+            const auto byte = static_cast<unsigned char>(c);
+            const std::array<char, 3> digits = {'%', "0123456789ABCDEF"[byte >> 4U], "0123456789ABCDEF"[byte & 15U]};
+            writer_->bytes(is_plain ? &c : digits.data(), is_plain ? 1 : 3);
+        }
+    }
     /// Puts two words, letters of the second as capitals.
     HMESH_COLD void capitals(const char* first, const char* word) {
         put(first);
@@ -247,7 +259,33 @@ HMESH_COLD inline void write_glb_levels(GlbJson& json, const GlbFile& file) {
     json.put("}");
 }
 
-/// Writes scene, nodes, meshes and materials.
+/// Writes materials, and the textures that they show: with linear filters, without mipmaps, clamped to the edge.
+HMESH_COLD inline void write_glb_materials(GlbJson& json, const GlbFile& file) {
+    std::vector<const char*> textures;
+    json.list("materials", file.materials.size(), [&](std::size_t i) {
+        const GlbMaterial& material = file.materials[i];
+        json.put("{\"pbrMetallicRoughness\":{");
+        if (material.texture != nullptr) {
+            json.put({"\"baseColorTexture\":{\"index\":", std::uint64_t{textures.size()}, "},"});
+            textures.push_back(material.texture);
+        }
+        json.put({"\"metallicFactor\":0,\"roughnessFactor\":1}", material.blends ? ",\"alphaMode\":\"BLEND\"" : "",
+                  material.is_lit ? "}" : ",\"extensions\":{\"KHR_materials_unlit\":{}}}"});
+    });
+    if (textures.empty()) return;
+    json.put(",\"samplers\":[{\"magFilter\":9729,\"minFilter\":9729,\"wrapS\":33071,\"wrapT\":33071}],");
+    json.list("textures", textures.size(), [&](std::size_t i) {
+        json.put({"{\"sampler\":0,\"source\":", std::uint64_t{i}, "}"});
+    });
+    json.put(",");
+    json.list("images", textures.size(), [&](std::size_t i) {
+        json.put("{\"uri\":\"");
+        json.uri(textures[i]);
+        json.put("\"}");
+    });
+}
+
+/// Writes scene, nodes and meshes.
 HMESH_COLD inline void write_glb_scene(GlbJson& json, const GlbFile& file) {
     json.put("\"scene\":0,\"scenes\":[{");
     json.list("nodes", file.has_levels() ? 1 : file.nodes.size(), [&](std::size_t i) { json.put({std::uint64_t{i}}); });
@@ -265,13 +303,6 @@ HMESH_COLD inline void write_glb_scene(GlbJson& json, const GlbFile& file) {
         json.put("{");
         json.list("primitives", primitives.size(), [&](std::size_t k) { write_glb_primitive(json, primitives[k]); });
         json.put("}");
-    });
-    json.put(",");
-    json.list("materials", file.materials.size(), [&](std::size_t i) {
-        const GlbMaterial& material = file.materials[i];
-        json.put({"{\"pbrMetallicRoughness\":{\"metallicFactor\":0,\"roughnessFactor\":1}",
-                  material.blends ? ",\"alphaMode\":\"BLEND\"" : "",
-                  material.is_lit ? "}" : ",\"extensions\":{\"KHR_materials_unlit\":{}}}"});
     });
 }
 
@@ -319,6 +350,8 @@ HMESH_COLD inline void write_glb_json(Writer& writer, const GlbFile& file) {
     json.put("{\"asset\":{\"version\":\"2.0\",\"generator\":\"hmesh " HMESH_VERSION_STRING "\"},");
     write_glb_extensions(json, file);
     write_glb_scene(json, file);
+    json.put(",");
+    write_glb_materials(json, file);
     json.put(",");
     write_glb_arrays(json, file);
     json.put("}");
