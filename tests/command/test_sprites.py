@@ -176,6 +176,7 @@ WRONG = rows("""
     --alpha is given without                     | disc.png --alpha 3
     --alpha '255' must be from 0 to 254          | disc.png --sprite --alpha 255
     --margin requires --outline                  | disc.png --margin 1
+    --no-holes is given without --outline        | disc.png --no-holes
     --margin '64.5' must be from 0 to 64         | disc.png --outline --margin 64.5
     --margin 'x' is not a number                 | disc.png --outline --margin x
     --tolerance '-1' must be from 0              | disc.png --outline --tolerance -1

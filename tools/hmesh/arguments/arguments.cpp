@@ -274,9 +274,9 @@ void add_sprite_options(CLI::App& app, Arguments& out) {
     add(app, "--tolerance", "PX", "how far an outline may stand out on average, for fewer vertices (default: 1)",
         [&](const std::string& text) { return parse_at_least_0(text, 1000, out.outline_options.tolerance); })
         ->needs(outline);
+    // A flag's needs() would be seen in the help.
     app.add_flag_callback(
-           "--no-holes", [&] { out.outline_options.holes = false; }, "fill the holes of an outline")
-        ->needs(outline);
+        "--no-holes", [&] { out.outline_options.holes = false; }, "fill the holes of an outline");
     add(app, "--texture", "NAME", "the texture's name in the files of an outline (default: the image, as seen from each)",
         [&](const std::string& text) { return set_file(text, out.texture); })
         ->needs(outline);
@@ -566,6 +566,7 @@ std::string find_conflict(const CLI::App& app, const std::vector<std::string>& i
         return "--alpha is given without --sprite or --outline";
     if (arguments.sprite && arguments.meshing.fit_space != FitSpace::stored)
         return "--fit-space linear fits straight colours, and --sprite those times alpha: leave one of them out";
+    if (!arguments.outline && !arguments.outline_options.holes) return "--no-holes is given without --outline";
     if (arguments.outline) return find_outline_conflict(app, inputs, arguments);
     return find_conflict(arguments.meshing);
 }
