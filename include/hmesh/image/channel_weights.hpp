@@ -47,9 +47,10 @@ namespace hmesh::kit {
 /// From the stored values of an image to those of one whose channels are scaled by their weights: (stored - offset) * factor.
 template <int C>
 struct ChannelScale {
-    double offset = 0;                     ///< a stored value
-    double unit = 1;                       ///< the factor of channels of the largest weight, > 0
-    std::array<double, C> share = ones();  ///< of each channel, sqrt(weight / the largest weight): the factor is unit * share
+    double offset = 0;  ///< a stored value
+    double unit = 1;    ///< the factor of channels of the largest weight, > 0
+    std::array<double, std::size_t{C}> share =
+        ones();  ///< of each channel, sqrt(weight / the largest weight): the factor is unit * share
 
     /// Scales the stored values of a colour (Lanes).
     template <class Color>
@@ -64,8 +65,8 @@ struct ChannelScale {
 
   private:
     [[nodiscard]] double factor(int c) const noexcept { return unit * share[static_cast<std::size_t>(c)]; }
-    [[nodiscard]] static std::array<double, C> ones() noexcept {
-        std::array<double, C> out{};
+    [[nodiscard]] static std::array<double, std::size_t{C}> ones() noexcept {
+        std::array<double, std::size_t{C}> out{};
         out.fill(1);
         return out;
     }

@@ -67,7 +67,7 @@ namespace detail {
     for (const Triangle& face : faces) {
         auto slab = static_cast<std::uint32_t>(slabs.size() - 1);
         std::size_t fresh = 0;
-        for (const std::uint32_t v : face) fresh += slab_of[v] != slab ? 1 : 0;
+        for (const std::uint32_t v : face) fresh += slab_of[v] != slab ? 1U : 0U;
         if (slabs.back().vertices.size() + fresh > most) {
             slabs.emplace_back();
             ++slab;
