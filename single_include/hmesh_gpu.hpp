@@ -1617,7 +1617,7 @@ class Covering {
         for (const Loop& contour : contours) {
             const auto first = static_cast<std::uint32_t>(at_.size()), size = static_cast<std::uint32_t>(contour.size());
             for (std::uint32_t i = 0; i < size; ++i) {
-                at_.push_back(contour[i]);
+                at_.push_back(contour[i]), contour_.push_back(contour[i]);
                 next_.push_back(first + (i + 1) % size);
                 previous_.push_back(first + (i + size - 1) % size);
                 loop_of_.push_back(static_cast<std::uint32_t>(loops_.size()));
@@ -1625,9 +1625,8 @@ class Covering {
             }
             loops_.push_back({first, size, first, size, kit::double_area(contour)});
             double_area_ += loops_.back().double_area;
+            corners_ += size;
         }
-        contour_ = at_;
-        corners_ = at_.size();
         stamp_.assign(at_.size(), 0);
         for (std::uint32_t v = 0; v < at_.size(); ++v) {
             sides_.add(v, at_[v], at_[next_[v]]);
@@ -2145,7 +2144,7 @@ class EarRing {
     void add_border(std::uint32_t first, std::uint32_t end) { add_nodes(first, end); }
     /// Adds those of a hole, holes in the order of their leftmost corners; `others` are those still to come, as such ranges.
     void add_hole(std::uint32_t first, std::uint32_t end, const std::vector<std::array<std::uint32_t, 2>>& others) {
-        const std::uint32_t old = static_cast<std::uint32_t>(nodes_.size());
+        const auto old = static_cast<std::uint32_t>(nodes_.size());
         std::uint32_t from = add_nodes(first, end);
         for (std::uint32_t n = from, i = first; i < end; ++i, n = nodes_[n].next)
             if (is_left_of(place(n), place(from))) from = n;

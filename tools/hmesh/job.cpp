@@ -231,7 +231,7 @@ Failure make_mesh(Arguments arguments, bool is_one_of_several, std::optional<exa
     if (options.target.kind == hmesh::Target::Kind::psnr && !is_set) options.psnr_of = files;
     watch.begin_mesh(0.03 * image.width * image.height, meshing_work(image, options), writing_work(arguments, image));
     hmesh::Lods lods = mesh_levels(image, options, *pool);
-    hmesh::Result outcome = first_level(std::move(lods));
+    hmesh::Result outcome = first_level(lods);
     const bool is_interrupted = outcome.status.code == hmesh::Errc::cancelled;
     if (is_interrupted && arguments.keep_partial) {
         interrupted = false;

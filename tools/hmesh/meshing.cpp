@@ -306,7 +306,7 @@ hmesh::Lods mesh_levels(const ImageFile& image, const MeshingOptions& options, c
     return with_view(image, [&](const auto& view) { return mesh_view(view, options, parallel_for); });
 }
 
-hmesh::Result first_level(hmesh::Lods&& lods) {
+hmesh::Result first_level(hmesh::Lods& lods) {
     hmesh::Result first;
     if (!lods.levels.empty()) {
         first = std::move(lods.levels.front());
@@ -317,7 +317,8 @@ hmesh::Result first_level(hmesh::Lods&& lods) {
 }
 
 hmesh::Result mesh_file(const ImageFile& image, const MeshingOptions& options, const hmesh::ParallelFor& parallel_for) {
-    return first_level(mesh_levels(image, options, parallel_for));
+    hmesh::Lods lods = mesh_levels(image, options, parallel_for);
+    return first_level(lods);
 }
 
 hmesh::SpriteReport drop_faces(const ImageFile& image, const MeshingOptions& options, hmesh::Result& outcome,

@@ -68,7 +68,7 @@ struct MeshingOptions {
 [[nodiscard]] hmesh::Lods mesh_levels(const ImageFile& image, const MeshingOptions& options,
                                       const hmesh::ParallelFor& parallel_for);
 // The first of them, which leaves them, with the status of all.
-[[nodiscard]] hmesh::Result first_level(hmesh::Lods&& lods);
+[[nodiscard]] hmesh::Result first_level(hmesh::Lods& lods);
 // The same without the others.
 [[nodiscard]] hmesh::Result mesh_file(const ImageFile& image, const MeshingOptions& options,
                                       const hmesh::ParallelFor& parallel_for);

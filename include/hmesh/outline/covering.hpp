@@ -60,7 +60,7 @@ class Covering {
         for (const Loop& contour : contours) {
             const auto first = static_cast<std::uint32_t>(at_.size()), size = static_cast<std::uint32_t>(contour.size());
             for (std::uint32_t i = 0; i < size; ++i) {
-                at_.push_back(contour[i]);
+                at_.push_back(contour[i]), contour_.push_back(contour[i]);
                 next_.push_back(first + (i + 1) % size);
                 previous_.push_back(first + (i + size - 1) % size);
                 loop_of_.push_back(static_cast<std::uint32_t>(loops_.size()));
@@ -68,9 +68,8 @@ class Covering {
             }
             loops_.push_back({first, size, first, size, kit::double_area(contour)});
             double_area_ += loops_.back().double_area;
+            corners_ += size;
         }
-        contour_ = at_;
-        corners_ = at_.size();
         stamp_.assign(at_.size(), 0);
         for (std::uint32_t v = 0; v < at_.size(); ++v) {
             sides_.add(v, at_[v], at_[next_[v]]);

@@ -36,7 +36,7 @@ class EarRing {
     void add_border(std::uint32_t first, std::uint32_t end) { add_nodes(first, end); }
     /// Adds those of a hole, holes in the order of their leftmost corners; `others` are those still to come, as such ranges.
     void add_hole(std::uint32_t first, std::uint32_t end, const std::vector<std::array<std::uint32_t, 2>>& others) {
-        const std::uint32_t old = static_cast<std::uint32_t>(nodes_.size());
+        const auto old = static_cast<std::uint32_t>(nodes_.size());
         std::uint32_t from = add_nodes(first, end);
         for (std::uint32_t n = from, i = first; i < end; ++i, n = nodes_[n].next)
             if (is_left_of(place(n), place(from))) from = n;
