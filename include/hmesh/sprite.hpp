@@ -104,9 +104,10 @@ inline std::size_t remove_unused_vertices(Mesh& mesh) {
 
 /// Whether a mesh and a threshold are ones that drop_transparent() can take. O(vertices + faces).
 [[nodiscard]] inline Status check_sprite(const Mesh& mesh, double threshold) noexcept {
-    if (const Status status = check(mesh.view(), kit::max_channels); !status) return status;
+    // Before check(), which reads what a view says that there is.
     if (mesh.colors.size() != static_cast<std::size_t>(mesh.channels) * mesh.vertex_count())
         return {Errc::invalid_argument, "the mesh's arrays are not of one number of vertices", 0, 0};
+    if (const Status status = check(mesh.view(), kit::max_channels); !status) return status;
     if (!kit::has_alpha(mesh.channels))
         return {Errc::invalid_argument, "a sprite has alpha, which meshes of 2 or 4 channels have", mesh.channels, 4};
     if (!kit::is_within(threshold, 0, 254))
