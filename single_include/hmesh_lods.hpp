@@ -158,6 +158,7 @@ inline Status write_glb_parts(const std::vector<std::vector<MeshView>>& levels, 
 /// in another order, or none.
 inline Status write_glb_lods(const std::vector<MeshView>& levels, Sink sink, const GltfOptions& options = {}) {
     std::vector<std::vector<MeshView>> whole;
+    whole.reserve(levels.size());
     for (const MeshView& level : levels) whole.push_back({level});
     return write_glb_parts(whole, sink, options);
 }

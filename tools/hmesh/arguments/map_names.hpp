@@ -45,6 +45,7 @@ namespace detail {
 // the first and "map" of others that have no more. A name that files give to positions and colours has "_map" behind it.
 [[nodiscard]] inline std::vector<std::string> map_names(const std::vector<std::string>& files) {
     std::vector<std::string> names;
+    names.reserve(files.size());
     for (const std::string& file : files) names.push_back(image_name(file));
     const std::size_t shared = detail::shared_words(names);
     for (std::size_t i = 0; i < names.size(); ++i) {

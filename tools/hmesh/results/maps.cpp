@@ -55,6 +55,7 @@ std::string spread_weights(const std::vector<double>& weights, const std::vector
 
 std::vector<hmesh::ChannelGroup> groups_of(const std::vector<Map>& maps) {
     std::vector<hmesh::ChannelGroup> groups;
+    groups.reserve(maps.size());
     for (const Map& map : maps) groups.push_back({map.name.c_str(), map.meaning, map.channels});
     return groups;
 }

@@ -48,8 +48,8 @@ struct FormatOptions {
 [[nodiscard]] hmesh::Status write_mesh(const hmesh::MeshView& mesh, const std::string& ending, const FormatOptions& options,
                                        hmesh::Sink sink);
 
-// Writes levels of detail, the finest first, as one .glb file.
-[[nodiscard]] hmesh::Status write_glb_levels(const std::vector<hmesh::MeshView>& levels, const FormatOptions& options,
+// Writes levels of detail, the finest first, as one .glb file. Of `all` those that have fewer vertices than the one before.
+[[nodiscard]] hmesh::Status write_glb_levels(const std::vector<hmesh::MeshView>& all, const FormatOptions& options,
                                              hmesh::Sink sink);
 
 }  // namespace tool
