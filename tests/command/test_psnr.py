@@ -92,12 +92,12 @@ def pixels(name):
     return {(k % image.width, k // image.width): value for k, value in enumerate(values)}, *image.size
 
 
-def psnr_of(wanted, shown, weights=None):
+def psnr_of(wanted, shown, weights=None, channels=(1, 1, 1, 1)):
     energy = samples = 0
     for place, values in wanted.items():
         weight = weights[place][0] / 255 if weights else 1
-        energy += weight * sum((a - b) ** 2 for a, b in zip(values, shown[place]))
-        samples += weight * len(values)
+        energy += weight * sum(c * (a - b) ** 2 for c, a, b in zip(channels, values, shown[place]))
+        samples += weight * sum(channels[:len(values)])
     return 10 * math.log10(255 ** 2 * samples / energy)
 
 
@@ -126,6 +126,20 @@ def test_the_target_is_kept_with_weights_and_by_methods_of_other_kinds(hmesh, ta
         wanted, width, height = pixels("picture.png")
         assert psnr_of(wanted, drawn(read_ply("a.ply"), width, height), weights) >= target
         assert psnr_of(wanted, pixels("a.png")[0], weights) >= target
+
+
+@pytest.mark.parametrize("target", [33, 39])
+def test_the_target_is_kept_with_weights_of_channels(hmesh, target):
+    weights = [1, 0.02, 0.3]
+    report = hmesh.report(f"picture.png --effort fast --channel-weights 1,0.02,0.3 --psnr {target} -o a.ply --render a.png")
+    wanted, width, height = pixels("picture.png")
+    found = {"a.ply": psnr_of(wanted, drawn(read_ply("a.ply"), width, height), channels=weights),
+             "a.png": psnr_of(wanted, pixels("a.png")[0], channels=weights)}
+    for name, psnr in found.items():
+        assert psnr >= target
+        assert abs(report["psnr_written"][name] - psnr) < 1e-3
+    assert min(found.values()) < target + 0.3
+    assert psnr_of(wanted, pixels("a.png")[0]) < min(found.values()) - 1
 
 
 def test_without_a_picture_no_vertices_are_spent_on_its_rounding(hmesh):

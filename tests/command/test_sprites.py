@@ -193,3 +193,11 @@ def test_what_cannot_be_is_refused_with_a_sentence(icons, sentence, arguments):
     Path("disc.mtl").write_bytes(b"x")
     run = icons.run(arguments)
     assert run.returncode == 2 and sentence in run.stderr and run.stdout == ""
+
+
+@pytest.mark.parametrize("weights", ["1,1,1,1", "1,0.02,0.02,0.3"])
+def test_what_is_left_of_a_sprite_is_measured_by_the_weights_of_channels(icons, weights):
+    report = icons.report(f"disc.png --sprite --channel-weights {weights} --vertices 120 -o x.ply --render x.png")
+    assert report["psnr_written"]["x.png"] == pytest.approx(report["psnr"], abs=0.15)  # its rounding
+    found = icons.report(f"disc.png --sprite --channel-weights {weights} --psnr 30 -o x.ply")
+    assert 30 <= min(found["psnr"], found["psnr_written"]["x.ply"]) < 31

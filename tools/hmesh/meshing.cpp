@@ -40,21 +40,37 @@ double meshing_work(int width, int height, const MeshingOptions& options) noexce
 
 double light_work(int width, int height, int channels) noexcept { return 0.18 * channels * width * height; }
 
+// What the library is to be told.
+hmesh::Options library_options(const MeshingOptions& wanted) {
+    hmesh::Options options;
+    options.target = wanted.target;
+    options.colors = wanted.colors;
+    options.premultiplied = wanted.premultiplied;
+    options.periodic = wanted.periodic;
+    options.straight_border = wanted.straight_border;
+    options.weights = wanted.weights;
+    options.channel_weights = wanted.channel_weights;
+    options.limits.position_step = wanted.position_step;
+    options.progress = wanted.progress;
+    options.psnr_of = wanted.psnr_of;
+    return options;
+}
+
 // The sum of squares that is such a PSNR.
 template <class T, int C>
-double energy_of_psnr(double psnr, const hmesh::ImageView<T, C>& view, const hmesh::ImageView<float, 1>& weights) {
-    const double unit = hmesh::kit::weight_unit(weights), peak = hmesh::PixelTraits<T>::peak;
-    const double samples = C * hmesh::kit::weight_sum(weights, unit, view.width, view.height);
+double energy_of_psnr(double psnr, const hmesh::ImageView<T, C>& view, const MeshingOptions& wanted) {
+    const double unit = hmesh::kit::weight_unit(wanted.weights), peak = hmesh::PixelTraits<T>::peak;
+    hmesh::kit::ChannelScale<C> scale;
+    scale.share = hmesh::kit::channel_shares<C>(wanted.channel_weights);
+    const double samples = scale.sum() * hmesh::kit::weight_sum(wanted.weights, unit, view.width, view.height);
     return std::isfinite(psnr) ? peak * peak * samples * std::pow(10.0, -psnr / 10) : 0;
 }
 
 template <class T, int C>
-hmesh::SpriteReport drop_faces(const hmesh::ImageView<T, C>& view, const MeshingOptions& options, hmesh::Result& result,
+hmesh::SpriteReport drop_faces(const hmesh::ImageView<T, C>& view, const MeshingOptions& wanted, hmesh::Result& result,
                                const hmesh::ParallelFor& parallel_for) {
     if constexpr (hmesh::kit::has_alpha(C)) {
-        hmesh::Options weights;
-        weights.weights = options.weights;
-        return hmesh::drop_transparent(result, view, weights, options.transparent, parallel_for);
+        return hmesh::drop_transparent(result, view, library_options(wanted), wanted.transparent, parallel_for);
     } else {
         hmesh::SpriteReport report;  // all of it is opaque
         report.opaque_faces = result.mesh.faces.size();
@@ -99,23 +115,13 @@ hmesh::Lods one_level(hmesh::Result result) {
 template <class T, int C>
 [[nodiscard]] hmesh::Lods mesh_samples(const hmesh::ImageView<T, C>& view, const MeshingOptions& wanted,
                                        const hmesh::ParallelFor& parallel_for) {
-    hmesh::Options options;
-    options.target = wanted.target;
-    options.colors = wanted.colors;
-    options.premultiplied = wanted.premultiplied;
-    options.periodic = wanted.periodic;
-    options.straight_border = wanted.straight_border;
-    options.weights = wanted.weights;
-    options.channel_weights = wanted.channel_weights;
-    options.limits.position_step = wanted.position_step;
-    options.progress = wanted.progress;
-    options.psnr_of = wanted.psnr_of;
+    hmesh::Options options = library_options(wanted);
     // What a sprite counts as is what is left of it.
     const auto psnr_of_sprite = [&](const hmesh::Mesh& mesh, double psnr) {
         hmesh::Result trial;
         trial.mesh = mesh;
         trial.mesh.premultiplied = wanted.premultiplied;
-        trial.report.energy = energy_of_psnr(psnr, view, wanted.weights);
+        trial.report.energy = energy_of_psnr(psnr, view, wanted);
         trial.report.psnr = psnr;
         if (!drop_faces(view, wanted, trial, parallel_for).status) return psnr;
         return wanted.psnr_of ? wanted.psnr_of(trial.mesh, trial.report.psnr) : trial.report.psnr;

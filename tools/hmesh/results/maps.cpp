@@ -3,9 +3,9 @@
 #include <algorithm>
 
 #include "arguments/map_names.hpp"
-#include "hmesh/core/psnr.hpp"
 #include "meshing.hpp"
 #include "readers/image_set.hpp"
+#include "results/psnr_between.hpp"
 #include "terminal/standard_streams.hpp"
 
 namespace tool {
@@ -77,24 +77,15 @@ hmesh::Mesh mesh_of(const Map& map, const hmesh::Mesh& mesh) {
 
 void measure_maps(const hmesh::Mesh& mesh, const ImageFile& joined, const hmesh::ImageView<float, 1>& weights,
                   std::vector<Map>& maps) {
-    const auto all = static_cast<std::size_t>(joined.channels), width = static_cast<std::size_t>(joined.width);
+    const auto all = static_cast<std::size_t>(joined.channels);
     for (Map& map : maps) {
         std::vector<float> drawn;
         if (!draw_samples(mesh_of(map, mesh).view(), false, drawn)) continue;
         const auto channels = static_cast<std::size_t>(map.channels), first = static_cast<std::size_t>(map.first);
-        double energy = 0, samples = 0;
-        for (std::size_t pixel = 0; pixel * channels < drawn.size(); ++pixel) {
-            const double weight =
-                weights.data == nullptr
-                    ? 1
-                    : static_cast<double>(*weights.pixel(static_cast<int>(pixel % width), static_cast<int>(pixel / width)));
-            for (std::size_t c = 0; c < channels; ++c) {
-                const double lost = static_cast<double>(drawn[pixel * channels + c]) - sample_of(joined, pixel * all + first + c);
-                energy += weight * lost * lost;
-                samples += weight;
-            }
-        }
-        map.psnr = hmesh::kit::psnr_of_energy(energy, samples, mesh.peak);
+        std::vector<float> wanted(drawn.size());
+        for (std::size_t i = 0; i < wanted.size(); ++i)
+            wanted[i] = static_cast<float>(sample_of(joined, i / channels * all + first + i % channels));
+        map.psnr = psnr_between(wanted, drawn, channels, mesh.peak, {weights, {}});
     }
 }
 

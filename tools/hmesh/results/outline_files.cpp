@@ -6,10 +6,10 @@
 #include <system_error>
 
 #include "hmesh/io/textured.hpp"
+#include "results/lines.hpp"
 #include "results/write_file.hpp"
 #include "terminal/standard_streams.hpp"
 #include "terminal/words.hpp"
-#include "writers/picture_file.hpp"
 #include "writers/pictures.hpp"
 #include "writers/wireframe.hpp"
 
@@ -51,16 +51,13 @@ Rgb over_grey(const Picture& picture) {
 // The image twice as large with the outline's edges.
 std::string write_edges(const std::string& name, const ImageFile& image, const hmesh::MeshView& mesh) {
     const Rgb rgb = over_grey(to_picture(image));
-    const int scale = image.width <= 2048 && image.height <= 2048 ? 2 : 1;
+    const int scale = wireframe_scale(image.width, image.height);
     Rgb large(scale * rgb.width(), scale * rgb.height());
     for (int y = 0; y < large.height(); ++y)
         for (int x = 0; x < large.width(); ++x)
             for (int c = 0; c < 3; ++c) large.pixel(x, y)[c] = rgb.pixel(x / scale, y / scale)[c];
-    if (const hmesh::Status status = draw_wireframe(mesh, large); !status)
-        return "cannot draw '" + name + "': " + in_words(status);
-    return write_file(name, [&](OutputFile& file) {
-        return write_png(to_picture(large), file) ? "" : "it has more than 2^30 samples, or there is no memory";
-    });
+    const hmesh::Status status = draw_wireframe(mesh, large);
+    return write_picture(name, status, to_picture(large));
 }
 
 }  // namespace
@@ -90,20 +87,15 @@ void print_outline(std::FILE* to, const Arguments& arguments, const ImageFile& i
     const double all = static_cast<double>(image.width) * image.height;
     const double share = 100 * outline.area / all, least = 100 * outline.covered / all;
     if (is_one_of_several) {
-        std::string files;
-        for (const std::string& name : output_files(arguments)) files += (files.empty() ? ", written " : ", ") + name;
-        std::fprintf(to, "%s: outline of %zu vertices, %.1f %% of the rectangle, %.2f s%s\n", arguments.input.c_str(), vertices,
-                     share, seconds, files.c_str());
+        std::fprintf(to, "%s: outline of %zu vertices, %.1f %% of the rectangle, %s\n", arguments.input.c_str(), vertices, share,
+                     written_words(arguments, seconds).c_str());
         return;
     }
-    std::fprintf(to, "image     %s, %d x %d, %d channel%s of %d bits\n", arguments.input.c_str(), image.width, image.height,
-                 image.channels, image.channels == 1 ? "" : "s", image.bits);
-    if (!image.note.empty()) std::fprintf(to, "note      %s\n", image.note.c_str());
+    print_image(to, arguments, image);
     std::fprintf(to, "vertices  %zu of %zu border%s\n", vertices, outline.loops.size(), outline.loops.size() == 1 ? "" : "s");
     std::fprintf(to, "faces     %zu\n", faces);
     std::fprintf(to, "area      %.2f %% of the rectangle, of which %.2f %% have to be inside\n", share, least);
-    std::fprintf(to, "time      %.2f s\n", seconds);
-    for (const std::string& name : output_files(arguments)) std::fprintf(to, "written   %s\n", name.c_str());
+    print_written(to, arguments, seconds);
 }
 
 }  // namespace tool

@@ -4,6 +4,7 @@
 #include <string>
 
 #include "results/advice.hpp"
+#include "results/lines.hpp"
 #include "results/report.hpp"
 #include "terminal/standard_streams.hpp"
 #include "terminal/words.hpp"
@@ -12,9 +13,7 @@ namespace tool {
 
 void print_summary(std::FILE* to, const Arguments& arguments, const ImageFile& image, const Made& made) {
     const auto& [outcome, light, sprite] = made.finest();
-    std::fprintf(to, "image     %s, %d x %d, %d channel%s of %d bits\n", arguments.input.c_str(), image.width, image.height,
-                 image.channels - image.padding, image.channels == 1 ? "" : "s", image.bits);
-    if (!image.note.empty()) std::fprintf(to, "note      %s\n", image.note.c_str());
+    print_image(to, arguments, image);
     std::fprintf(to, "vertices  %zu", outcome.report.vertices);
     if (const std::size_t copies = border_copies(outcome); copies > 0)
         std::fprintf(to, ", and %zu copies of those on the border", copies);
@@ -42,13 +41,12 @@ void print_summary(std::FILE* to, const Arguments& arguments, const ImageFile& i
         std::fprintf(to, "level %-2zu  %zu vertices, %zu faces, %s\n", k, report.vertices, report.faces,
                      psnr_text(report.psnr).c_str());
     }
-    std::fprintf(to, "time      %.2f s\n", made.seconds);
-    for (const std::string& name : output_files(arguments)) std::fprintf(to, "written   %s\n", name.c_str());
+    print_written(to, arguments, made.seconds);
     print_advice(to, arguments, outcome.report.vertices);
 }
 
 void print_line(std::FILE* to, const Arguments& arguments, const ImageFile& image, const Made& made) {
-    std::string files, note, levels;
+    std::string note, levels;
     const hmesh::Report& finest = made.finest().outcome.report;
     for (std::size_t k = 1; k < made.levels.size(); ++k) {
         const hmesh::Report& report = made.levels[k].outcome.report;
@@ -56,10 +54,9 @@ void print_line(std::FILE* to, const Arguments& arguments, const ImageFile& imag
             (levels.empty() ? " (levels: " : ", ") + std::to_string(report.vertices) + " vertices, " + psnr_text(report.psnr);
     }
     if (!levels.empty()) levels += ")";
-    for (const std::string& name : output_files(arguments)) files += (files.empty() ? ", written " : ", ") + name;
     if (!image.note.empty()) note = " (" + image.note + ")";
-    std::fprintf(to, "%s: %zu vertices, %s%s, %.2f s%s%s\n", arguments.input.c_str(), finest.vertices,
-                 psnr_text(finest.psnr).c_str(), levels.c_str(), made.seconds, files.c_str(), note.c_str());
+    std::fprintf(to, "%s: %zu vertices, %s%s, %s%s\n", arguments.input.c_str(), finest.vertices, psnr_text(finest.psnr).c_str(),
+                 levels.c_str(), written_words(arguments, made.seconds).c_str(), note.c_str());
 }
 
 }  // namespace tool

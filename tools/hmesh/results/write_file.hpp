@@ -1,4 +1,4 @@
-// tools - writes one file whole or not at all, and says why not as a sentence: texts, and the rule for make.
+// tools - writes one file whole or not at all, and says why not as a sentence: texts, pictures, and the rule for make.
 #ifndef HMESH_TOOLS_RESULTS_WRITE_FILE_HPP
 #define HMESH_TOOLS_RESULTS_WRITE_FILE_HPP
 
@@ -9,8 +9,11 @@
 #include "terminal/progress_bar.hpp"
 #include "terminal/progress_watch.hpp"
 #include "terminal/standard_streams.hpp"
+#include "terminal/words.hpp"
 #include "writers/depfile.hpp"
 #include "writers/output_file.hpp"
+#include "writers/picture_file.hpp"
+#include "writers/pictures.hpp"
 
 namespace tool {
 
@@ -28,6 +31,14 @@ template <class Write>
 
 [[nodiscard]] inline std::string write_text(const std::string& name, const std::string& text) {
     return write_file(name, [&](OutputFile& file) { return file(text.data(), text.size()) ? "" : "the disk refused it"; });
+}
+
+// Writes a picture as PNG, unless drawing it ended with a status that is not ok.
+[[nodiscard]] inline std::string write_picture(const std::string& name, const hmesh::Status& drawn, const Picture& picture) {
+    if (!drawn) return "cannot draw '" + name + "': " + in_words(drawn);
+    return write_file(name, [&](OutputFile& file) {
+        return write_png(picture, file) ? "" : "it has more than 2^30 samples, or there is no memory";
+    });
 }
 
 [[nodiscard]] inline std::string write_depfile(const Arguments& arguments) {

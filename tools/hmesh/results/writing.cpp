@@ -15,13 +15,6 @@
 namespace tool {
 namespace {
 
-std::string write_picture(const std::string& name, const hmesh::Status& status, const Picture& picture) {
-    if (!status) return "cannot draw '" + name + "': " + in_words(status);
-    return write_file(name, [&](OutputFile& file) {
-        return write_png(picture, file) ? "" : "it has more than 2^30 samples, or there is no memory";
-    });
-}
-
 // The mesh drawn in red, green and blue, whatever is transparent over white.
 hmesh::Status draw_rgb(const hmesh::MeshView& mesh, const DrawOptions& options, Rgb& rgb) {
     Picture drawn;
@@ -67,8 +60,7 @@ std::string write_pictures(const Arguments& arguments, const ImageFile& image, c
     Rgb rgb;
     if (!arguments.wireframe.empty()) {
         watch.step("drawing", picture_work(image, 4));
-        const int scale = mesh.width <= 2048 && mesh.height <= 2048 ? 2 : 1;
-        const hmesh::Status status = draw_with_edges(mesh, {scale, linear_light}, rgb);
+        const hmesh::Status status = draw_with_edges(mesh, {wireframe_scale(mesh.width, mesh.height), linear_light}, rgb);
         if (why = write_picture(arguments.wireframe, status, to_picture(rgb)); !why.empty()) return why;
     }
     if (!arguments.residual.empty()) {

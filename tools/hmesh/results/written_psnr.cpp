@@ -6,10 +6,10 @@
 #include <cstdint>
 #include <limits>
 
-#include "hmesh/core/psnr.hpp"
 #include "hmesh/core/srgb.hpp"
 #include "hmesh/image/premultiply.hpp"
 #include "hmesh/io/detail/export_mesh.hpp"
+#include "results/psnr_between.hpp"
 
 namespace tool {
 namespace {
@@ -68,29 +68,6 @@ hmesh::Mesh as_kept(const hmesh::Mesh& mesh, const std::string& ending, int glb_
     return out;
 }
 
-// Of `drawn`, stored values of the image's size and channels. `multiplies`: its colours are still to be multiplied by alpha.
-double psnr_between(const std::vector<float>& wanted, const std::vector<float>& drawn, std::size_t channels, double peak,
-                    const hmesh::ImageView<float, 1>& weights, bool multiplies) {
-    double energy = 0, samples = 0;
-    for (std::size_t i = 0, pixel = 0; i < wanted.size(); i += channels, ++pixel) {
-        const double alpha = multiplies ? static_cast<double>(drawn[i + channels - 1]) / peak : 1;
-        double square = 0;
-        for (std::size_t c = 0; c < channels; ++c) {
-            const double factor = c + 1 < channels ? alpha : 1;
-            const double difference = factor * static_cast<double>(drawn[i + c]) - static_cast<double>(wanted[i + c]);
-            square += difference * difference;
-        }
-        double weight = 1;
-        if (weights.data != nullptr) {
-            const auto width = static_cast<std::size_t>(weights.width);
-            weight = static_cast<double>(*weights.pixel(static_cast<int>(pixel % width), static_cast<int>(pixel / width)));
-        }
-        energy += weight * square;
-        samples += weight * static_cast<double>(channels);
-    }
-    return hmesh::kit::psnr_of_energy(energy, samples, peak);
-}
-
 }  // namespace
 
 std::vector<WrittenPsnr> WrittenFiles::measure(const hmesh::Mesh& mesh, double psnr,
@@ -101,7 +78,8 @@ std::vector<WrittenPsnr> WrittenFiles::measure(const hmesh::Mesh& mesh, double p
     const auto channels = static_cast<std::size_t>(image_.channels);
     const auto measured = [&](const std::vector<float>& drawn, bool is_premultiplied) {
         if (wanted_.empty()) wanted_ = wanted_samples(image_, options_.premultiplied, parallel_for_);
-        return psnr_between(wanted_, drawn, channels, own.peak, options_.weights, options_.premultiplied && !is_premultiplied);
+        return psnr_between(wanted_, drawn, channels, own.peak, {options_.weights, options_.channel_weights},
+                            options_.premultiplied && !is_premultiplied);
     };
     std::vector<float> drawn;
     for (const MeshFile& wanted : arguments_.meshes) {

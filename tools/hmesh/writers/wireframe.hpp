@@ -20,6 +20,9 @@ struct WireframeOptions {
     double width = 1;      // px of the picture
 };
 
+// How many times as large as an image of this size, in px, a picture is in which its mesh's edges are seen.
+[[nodiscard]] constexpr int wireframe_scale(int width, int height) noexcept { return width <= 2048 && height <= 2048 ? 2 : 1; }
+
 // Draws the edges over `picture`. A mesh that cannot be drawn gives a Status and leaves the picture as it was.
 [[nodiscard]] hmesh::Status draw_wireframe(const hmesh::MeshView& mesh, hmesh::Image<std::uint8_t, 3>& picture,
                                            const WireframeOptions& options = {});
