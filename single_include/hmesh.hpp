@@ -380,6 +380,15 @@ struct Mesh {
     return {};
 }
 
+/// The same of a mesh that owns its arrays, which must be of one number of vertices besides.
+[[nodiscard]] inline Status check(const Mesh& mesh, int most_channels) noexcept {
+    // First, since a view says that there is so much to read.
+    if (mesh.positions.size() % 2 != 0 || mesh.channels < 0 ||
+        mesh.colors.size() != static_cast<std::size_t>(mesh.channels) * mesh.vertex_count())
+        return {Errc::invalid_argument, "the mesh's arrays are not of one number of vertices"};
+    return check(mesh.view(), most_channels);
+}
+
 }  // namespace hmesh
 
 #endif  // HMESH_MESH_MESH_HPP
@@ -1058,19 +1067,15 @@ namespace detail {
     return {};
 }
 
-}  // namespace kit
-
-namespace detail {
-
 /// The positions of a mesh.
-[[nodiscard]] HMESH_COLD inline std::vector<kit::Point> positions_of(const MeshView& mesh) {
-    std::vector<kit::Point> positions(mesh.vertex_count);
+[[nodiscard]] HMESH_COLD inline std::vector<Point> positions_of(const MeshView& mesh) {
+    std::vector<Point> positions(mesh.vertex_count);
     for (std::size_t v = 0; v < mesh.vertex_count; ++v)
         positions[v] = {static_cast<double>(mesh.positions[2 * v]), static_cast<double>(mesh.positions[2 * v + 1])};
     return positions;
 }
 
-}  // namespace detail
+}  // namespace kit
 
 /// Checks that a mesh is what its `periodic` says: that copies of it, shifted by its size, cover each place of the plane (of a
 /// band, where it repeats along one axis) once, and that the vertices of its border have copies of the same colour, to the bit,
@@ -1079,7 +1084,7 @@ namespace detail {
     if (mesh.periodic == Periodic::none) return {Errc::invalid_argument, "the mesh is not periodic"};
     if (const Status status = check(mesh, 16); !status) return status;
     if (mesh.width < 1 || mesh.height < 1) return {Errc::invalid_argument, "the mesh's width and height must be at least 1"};
-    const std::vector<kit::Point> positions = detail::positions_of(mesh);
+    const std::vector<kit::Point> positions = kit::positions_of(mesh);
     for (std::size_t v = 0; v < positions.size(); ++v)
         if (std::abs(positions[v].x) > 64.0 * mesh.width || std::abs(positions[v].y) > 64.0 * mesh.height)
             return {Errc::invalid_argument, "the mesh has a position far outside its image, at vertex", v};
@@ -1245,10 +1250,8 @@ class ExportMesh {
 
     // Gives the copies of a vertex on the border the sum of what they have: they are one vertex, and keep one colour.
     void add_up_copies(std::vector<double>& sums) const {
-        std::vector<kit::Point> positions(view_.vertex_count);
-        for (std::size_t v = 0; v < view_.vertex_count; ++v)
-            positions[v] = {static_cast<double>(view_.positions[2 * v]), static_cast<double>(view_.positions[2 * v + 1])};
-        const std::vector<std::uint32_t> roots = kit::tied_vertices(positions, {view_.width, view_.height, view_.periodic});
+        const std::vector<std::uint32_t> roots =
+            kit::tied_vertices(kit::positions_of(view_), {view_.width, view_.height, view_.periodic});
         for (std::size_t v = 0; v < roots.size(); ++v)
             for (std::size_t k = 0; k < 4 && roots[v] != v; ++k) sums[4 * std::size_t{roots[v]} + k] += sums[4 * v + k];
         for (std::size_t v = 0; v < roots.size(); ++v)
@@ -2580,7 +2583,8 @@ HMESH_COLD inline Status write_glb_file(const GlbFile& file, Sink sink, FillGlbA
 HMESH_COLD inline Status write_empty_glb(Sink sink) {
     static constexpr char json[] =
         "{\"asset\":{\"version\":\"2.0\",\"generator\":\"hmesh " HMESH_VERSION_STRING "\"},\"scene\":0,\"scenes\":[{}]}";
-    constexpr std::uint32_t size = sizeof json - 1, padded = (size + 3) / 4 * 4;
+    constexpr std::uint32_t size = sizeof json - 1;
+    const auto padded = static_cast<std::uint32_t>(GlbFile::padded(size));
     Writer writer(sink);
     writer.text("glTF");
     writer.u32(2);
@@ -5700,14 +5704,30 @@ namespace hmesh::kit {
     return std::any_of(channel_weights.begin(), channel_weights.end(), [&](double w) { return w != channel_weights.front(); });
 }
 
+/// Of each channel sqrt(weight / the largest weight), for weights that check_channel_weights() accepts; 1 where there are none.
+template <int C>
+[[nodiscard]] HMESH_COLD std::array<double, std::size_t{C}> channel_shares(const std::vector<double>& weights) {
+    std::array<double, std::size_t{C}> shares{};
+    shares.fill(1);
+    if (weights.empty()) return shares;
+    const double largest = *std::max_element(weights.begin(), weights.end());
+    for (std::size_t c = 0; c < C; ++c) shares[c] = std::sqrt(weights[c] / largest);
+    return shares;
+}
+
 /// From the stored values of an image to those of one whose channels are scaled by their weights: (stored - offset) * factor.
 template <int C>
 struct ChannelScale {
-    double offset = 0;  ///< a stored value
-    double unit = 1;    ///< the factor of channels of the largest weight, > 0
-    std::array<double, std::size_t{C}> share =
-        ones();  ///< of each channel, sqrt(weight / the largest weight): the factor is unit * share
+    double offset = 0;                                                 ///< a stored value
+    double unit = 1;                                                   ///< the factor of channels of the largest weight, > 0
+    std::array<double, std::size_t{C}> share = channel_shares<C>({});  ///< channel_shares(): the factor is unit * share
 
+    /// For how many channels of the largest weight all count together.
+    [[nodiscard]] double sum() const noexcept {
+        double weights = 0;
+        for (const double root : share) weights += root * root;
+        return weights;
+    }
     /// Scales the stored values of a colour (Lanes).
     template <class Color>
     void to_scaled(Color& color) const noexcept {
@@ -5721,11 +5741,6 @@ struct ChannelScale {
 
   private:
     [[nodiscard]] double factor(int c) const noexcept { return unit * share[static_cast<std::size_t>(c)]; }
-    [[nodiscard]] static std::array<double, std::size_t{C}> ones() noexcept {
-        std::array<double, std::size_t{C}> out{};
-        out.fill(1);
-        return out;
-    }
 };
 
 /// The scale for an image, whose samples then lie in [0, 65535], and weights that check_channel_weights() accepts, one a channel.
@@ -5745,8 +5760,7 @@ template <class T, int C>
     }
     scale.offset = low;
     if (high > low) scale.unit = 65535 / (high - low);
-    const double largest = *std::max_element(weights.begin(), weights.end());
-    for (std::size_t c = 0; c < C; ++c) scale.share[c] = std::sqrt(weights[c] / largest);
+    scale.share = channel_shares<C>(weights);
     return scale;
 }
 
@@ -6021,6 +6035,9 @@ enum class Work : unsigned char {
     sketch,  ///< what tells the PSNR of a whole run to within some 0.3 dB, in a quarter of its time
     draft,   ///< what tells it to within 2 dB, in a tenth
 };
+
+/// Whether such a run goes on from the mesh of another.
+[[nodiscard]] constexpr bool goes_on(Work work) noexcept { return work == Work::refine || work == Work::touch; }
 
 /// What one run of a search begins with.
 struct Beginning {
@@ -6299,7 +6316,7 @@ struct Annealed {
         if (beginning.work == kit::Work::draft || beginning.work == kit::Work::sketch) {
             out.effort = beginning.work == kit::Work::draft ? Effort::draft : std::min(effort, Effort::fast);
             out.steps.reset();
-        } else if (beginning.work == kit::Work::refine || beginning.work == kit::Work::touch) {
+        } else if (kit::goes_on(beginning.work)) {
             out.steps = steps.value_or(kit::annealed_steps(effort));
             const int eighths = beginning.work == kit::Work::refine ? 3 : 1;
             out.steps->annealing.sweeps = (eighths * out.steps->annealing.sweeps + 7) / 8;
@@ -11154,14 +11171,12 @@ namespace detail {
         if (std::floor(p.x * grid_steps) != p.x * grid_steps || std::floor(p.y * grid_steps) != p.y * grid_steps)
             return {Errc::invalid_argument, "a vertex is off the grid", v};
     }
-    if (roots != tied_vertices(positions, torus)) {
-        // Roots need not be the first of their vertices.
-        const std::vector<std::uint32_t> fresh = tied_vertices(positions, torus);
-        for (std::size_t v = 0; v < roots.size(); ++v)
-            if (roots[v] >= roots.size() || fresh[v] != fresh[roots[v]] || roots[roots[v]] != roots[v] ||
-                (fresh[v] != v && roots[v] != roots[fresh[v]]))
-                return {Errc::invalid_argument, "a vertex is tied to one in another place, or not to one in its own", v};
-    }
+    // Roots need not be the first of their vertices.
+    const std::vector<std::uint32_t> fresh = tied_vertices(positions, torus);
+    for (std::size_t v = 0; v < roots.size(); ++v)
+        if (roots[v] >= roots.size() || fresh[v] != fresh[roots[v]] || roots[roots[v]] != roots[v] ||
+            (fresh[v] != v && roots[v] != roots[fresh[v]]))
+            return {Errc::invalid_argument, "a vertex is tied to one in another place, or not to one in its own", v};
     return check_torus(positions, faces, roots, torus);
 }
 
@@ -13786,28 +13801,66 @@ void sample_colors(ImageMesh<C>& mesh, const ParallelFor& parallel_for = {}) {
 
 namespace hmesh::kit {
 
-/// The matrix of `size` rows with these entries, (row and column, value) each with row = first / size and column = first % size;
-/// those of one place add up, in their order.
-[[nodiscard]] HMESH_COLD inline SymmetricMatrix summed_matrix(std::size_t size,
-                                                              const std::vector<std::pair<std::uint64_t, double>>& entries) {
-    const std::vector<std::uint32_t> order = sorted_numbers(entries.size(), [&](std::uint32_t a, std::uint32_t b) {
-        return entries[a].first != entries[b].first ? entries[a].first < entries[b].first : a < b;
-    });
-    SymmetricMatrix matrix;
-    std::uint64_t row = 0;
-    for (std::size_t k = 0; k < order.size(); ++k) {
-        const auto& [place, value] = entries[order[k]];
-        if (k > 0 && place == entries[order[k - 1]].first) {
-            matrix.values.back() += value;
-            continue;
-        }
-        for (; row < place / size; ++row) matrix.starts.push_back(static_cast<int>(matrix.values.size()));
-        matrix.columns.push_back(static_cast<int>(place % size));
-        matrix.values.push_back(value);
+/// The unknowns of vertices some of which are copies of one another.
+struct TiedRows {
+    std::vector<std::uint32_t> rows;      ///< of each vertex: its unknown
+    std::vector<std::uint32_t> vertices;  ///< of each unknown: the root of its vertices
+};
+
+/// One unknown for each vertex that is its own root, in the order of the vertices; copies have that of their root.
+[[nodiscard]] HMESH_COLD inline TiedRows tied_rows(const std::vector<std::uint32_t>& roots) {
+    TiedRows tied;
+    tied.rows.resize(roots.size());
+    for (std::uint32_t v = 0; v < roots.size(); ++v) {
+        if (roots[v] != v) continue;
+        tied.rows[v] = static_cast<std::uint32_t>(tied.vertices.size());
+        tied.vertices.push_back(v);
     }
-    for (; row < size; ++row) matrix.starts.push_back(static_cast<int>(matrix.values.size()));
-    return matrix;
+    for (std::size_t v = 0; v < roots.size(); ++v) tied.rows[v] = tied.rows[roots[v]];
+    return tied;
 }
+
+/// Sums the entries of a symmetric matrix up, corner by corner of the faces; those of one place add up in their order.
+class TiedMatrix {
+  public:
+    /// A matrix of `size` rows, each of which has a diagonal, for about so many corners.
+    TiedMatrix(std::size_t size, std::size_t corners) : size_(size) {
+        entries_.reserve(3 * corners + size);
+        for (std::size_t row = 0; row < size; ++row) add_to_diagonal(row, 0);
+    }
+    /// Adds to the diagonal of a row.
+    void add_to_diagonal(std::uint64_t row, double value) { entries_.emplace_back(row * size_ + row, value); }
+    /// Adds what the corner of a face at row a, whose next corner is at row b, brings.
+    void add_corner(std::uint64_t a, std::uint64_t b, double square, double coupling) {
+        add_to_diagonal(a, square);
+        entries_.emplace_back(a * size_ + b, coupling);
+        entries_.emplace_back(b * size_ + a, coupling);
+    }
+    /// The matrix.
+    [[nodiscard]] HMESH_COLD SymmetricMatrix sum() const {
+        const std::vector<std::uint32_t> order = sorted_numbers(entries_.size(), [&](std::uint32_t a, std::uint32_t b) {
+            return entries_[a].first != entries_[b].first ? entries_[a].first < entries_[b].first : a < b;
+        });
+        SymmetricMatrix matrix;
+        std::uint64_t row = 0;
+        for (std::size_t k = 0; k < order.size(); ++k) {
+            const auto& [place, value] = entries_[order[k]];
+            if (k > 0 && place == entries_[order[k - 1]].first) {
+                matrix.values.back() += value;
+                continue;
+            }
+            for (; row < place / size_; ++row) matrix.starts.push_back(static_cast<int>(matrix.values.size()));
+            matrix.columns.push_back(static_cast<int>(place % size_));
+            matrix.values.push_back(value);
+        }
+        for (; row < size_; ++row) matrix.starts.push_back(static_cast<int>(matrix.values.size()));
+        return matrix;
+    }
+
+  private:
+    std::uint64_t size_;
+    std::vector<std::pair<std::uint64_t, double>> entries_;  // (row * size + column, value)
+};
 
 /// One more sample that a colour is to meet.
 template <int C>
@@ -13830,24 +13883,16 @@ template <int C>
     system.ridge = ridge;
     system.anchor = colors;
     system.rhs.assign(size, Color<C>::zero());
-    std::vector<std::pair<std::uint64_t, double>> entries;
-    entries.reserve(3 * rows.size() + size);
-    const auto add = [&](std::uint64_t row, std::uint64_t column, double value) {
-        entries.emplace_back(row * size + column, value);
-    };
-    for (std::size_t row = 0; row < size; ++row) add(row, row, 0);
+    TiedMatrix gram(size, rows.size());
     for (std::size_t k = 0; k < rows.size(); ++k) {
-        const std::uint32_t a = rows[k], b = rows[k % 3 == 2 ? k - 2 : k + 1];
-        add(a, a, corners[k].square);
-        add(a, b, corners[k].coupling);
-        add(b, a, corners[k].coupling);
-        system.rhs[a] += corners[k].image;
+        gram.add_corner(rows[k], rows[k % 3 == 2 ? k - 2 : k + 1], corners[k].square, corners[k].coupling);
+        system.rhs[rows[k]] += corners[k].image;
     }
     for (const ColorTie<C>& tie : ties) {
-        add(tie.row, tie.row, tie.weight);
+        gram.add_to_diagonal(tie.row, tie.weight);
         system.rhs[tie.row] += tie.weight * tie.color;
     }
-    system.gram = summed_matrix(size, entries);
+    system.gram = gram.sum();
     system.inverse.assign(size, 0.0);
     for (std::size_t row = 0; row < size; ++row) {
         system.rhs[row].set(C, 0);
@@ -13908,26 +13953,25 @@ HMESH_COLD BoundedReport tied_colors(TiledMesh<C>& tiled, const Tiling& tiling, 
     });
     if (tiled.progress().stopped()) std::fill(corners.begin(), corners.end(), CornerSums<C>());  // only the ridge is left
     IndexedMesh<C>& mesh = tiled.indexed();
-    std::vector<std::uint32_t> row(mesh.vertex_count()), rows;
+    const TiedRows tied = tied_rows(mesh.roots);
+    std::vector<std::uint32_t> rows;
     std::vector<Color<C>> colors;
     std::vector<ColorTie<C>> ties;
-    for (std::uint32_t v = 0; v < row.size(); ++v) {
-        if (mesh.roots[v] != v) continue;
-        row[v] = static_cast<std::uint32_t>(colors.size());
+    for (const std::uint32_t v : tied.vertices) {
         colors.push_back(mesh.colors[v]);
         clamp_channels<C>(colors.back(), low, high);
         if (!source.has_straight_seams() || tiled.progress().stopped()) continue;
         const Point p = mesh.positions[v];
         if ((wraps_x(mesh.periodic) && std::fmod(p.x, mesh.width) == 0) ||
             (wraps_y(mesh.periodic) && std::fmod(p.y, mesh.height) == 0))
-            ties.push_back({row[v], tie_weight, color_at(source, p)});
+            ties.push_back({tied.rows[v], tie_weight, color_at(source, p)});
     }
     rows.reserve(corners.size());
     for (const Triangle& face : mesh.faces)
-        for (const std::uint32_t v : face) rows.push_back(row[mesh.roots[v]]);
+        for (const std::uint32_t v : face) rows.push_back(tied.rows[v]);
     const auto system = tied_color_system(rows, corners, ties, colors, tiled.limits().ridge);
     const BoundedReport report = descend(system, low, high, grid, colors, [&] { return tiled.progress().poll(); });
-    for (std::size_t v = 0; v < row.size(); ++v) mesh.colors[v] = colors[row[mesh.roots[v]]];
+    for (std::size_t v = 0; v < mesh.colors.size(); ++v) mesh.colors[v] = colors[tied.rows[v]];
     tiled.measure(tiling);
     return report;
 }
@@ -14028,8 +14072,7 @@ class SearchProgress {
         int& count = runs_of_[static_cast<std::size_t>(kind)];
         ++count;
         // Two sketches and two refinements are usual, and the first draft has a quarter of the vertices that the others have.
-        const bool goes_on = kind == Work::refine || kind == Work::touch;
-        double later = work_of(Work::refine) * (!goes_on ? 1.4 : count == 1 ? 0.6 : 0.1);
+        double later = work_of(Work::refine) * (!goes_on(kind) ? 1.4 : count == 1 ? 0.6 : 0.1);
         if (kind == Work::draft || kind == Work::sketch) later += work_of(Work::whole);
         if (kind == Work::draft || count == 1)
             later += (kind == Work::draft ? 2 : kind == Work::sketch ? 1 : 0) * work_of(Work::sketch);
@@ -14359,8 +14402,7 @@ template <int C>
     const auto mesh_of = [&](std::size_t n) { return run(n, {}, progress.next()); };
     const auto mesh_from = [&](std::size_t n, const kit::Beginning& from) {
         const auto work_of = [&](kit::Work work) {
-            const bool goes_on = work == kit::Work::refine || work == kit::Work::touch;
-            return recipe.work(n, {goes_on ? &any : nullptr, work});
+            return recipe.work(n, {kit::goes_on(work) ? &any : nullptr, work});
         };
         return run(n, from, progress.next(from.work, work_of));
     };
@@ -14448,8 +14490,7 @@ template <class T, int C>
         scale = kit::channel_scale(image, options.channel_weights);
         scaled = kit::scale_channels(image, scale, parallel_for);
         fitted.emplace(source.with_scaled_pixels(scaled.view(), scale));
-        channels = 0;
-        for (const double share : scale.share) channels += share * share;
+        channels = scale.sum();
     }
     body({&source, fitted ? &*fitted : &source, pixels * channels}, image);
     return {};
@@ -15117,12 +15158,12 @@ class LinearLight {
     }
     /// Solves for the Gauss-Newton step `out`, n_v by 1, from `at`, for which measure() must have been called last.
     [[nodiscard]] PcgReport direction(const ChannelLight& at, std::size_t k, DenseMatrix& out) const {
-        const bool is_tied = !rows_.empty();
+        const bool is_tied = !tied_.rows.empty();
         SymmetricMatrix matrix = is_tied ? tied_matrix() : normal_matrix(topology_, corners_, parallel_for_);
         const DenseMatrix rhs = is_tied ? tied_sums() : image_sums(topology_, corners_, parallel_for_);
         std::vector<HeldEntry> held;
         for (std::size_t v = 0; v < rhs.rows; ++v) {
-            const double light = at.light[is_tied ? vertices_[v] : v];
+            const double light = at.light[is_tied ? tied_.vertices[v] : v];
             const double slope = is_encoded(k) ? linear_to_srgb_slope(light, linear_to_srgb(light)) : 1;
             matrix.add_to_diagonal(v, options_.ridge * slope * slope);
             if ((light <= 0 && rhs(v, 0) < 0) || (light >= 1 && rhs(v, 0) > 0)) held.push_back({v, 0});
@@ -15132,8 +15173,8 @@ class LinearLight {
         exactness.tolerance = 1e-6;  // the encoding's curvature makes steps less exact than this
         const PcgReport report = solve_pcg(matrix, rhs, out, exactness, held);
         if (!is_tied) return report;
-        DenseMatrix all(rows_.size(), 1);
-        for (std::size_t v = 0; v < rows_.size(); ++v) all(v, 0) = out(rows_[v], 0);
+        DenseMatrix all(tied_.rows.size(), 1);
+        for (std::size_t v = 0; v < all.rows; ++v) all(v, 0) = out(tied_.rows[v], 0);
         out = std::move(all);
         return report;
     }
@@ -15147,30 +15188,19 @@ class LinearLight {
 
     /// Makes one unknown of a vertex and its copies.
     HMESH_COLD void tie_copies() {
-        std::vector<Point> positions;
-        for (std::size_t v = 0; v < mesh_.vertex_count(); ++v) positions.push_back(position(mesh_, v));
-        const std::vector<std::uint32_t> roots = tied_vertices(positions, {mesh_.width, mesh_.height, mesh_.periodic});
-        rows_.resize(roots.size());
-        for (std::uint32_t v = 0; v < roots.size(); ++v) {  // a root is the first of its vertices
-            rows_[v] = roots[v] == v ? static_cast<std::uint32_t>(vertices_.size()) : rows_[roots[v]];
-            if (roots[v] == v) vertices_.push_back(v);
-        }
+        tied_ = tied_rows(tied_vertices(positions_of(mesh_.view()), {mesh_.width, mesh_.height, mesh_.periodic}));
     }
     /// normal_matrix() with the rows of copies added up.
     [[nodiscard]] HMESH_COLD SymmetricMatrix tied_matrix() const {
-        std::vector<std::pair<std::uint64_t, double>> entries;
-        const std::uint64_t size = vertices_.size();
-        for (std::uint64_t row = 0; row < size; ++row) entries.emplace_back(row * size + row, 0);
+        TiedMatrix matrix(tied_.vertices.size(), 3 * topology_.face_count());
         for_each_corner([&](Halfedge h, std::uint64_t a, std::uint64_t b) {
-            entries.emplace_back(a * size + a, corners_[h.index()].square);
-            entries.emplace_back(a * size + b, corners_[h.index()].coupling);
-            entries.emplace_back(b * size + a, corners_[h.index()].coupling);
+            matrix.add_corner(a, b, corners_[h.index()].square, corners_[h.index()].coupling);
         });
-        return summed_matrix(vertices_.size(), entries);
+        return matrix.sum();
     }
     /// image_sums() likewise.
     [[nodiscard]] HMESH_COLD DenseMatrix tied_sums() const {
-        DenseMatrix sums(vertices_.size(), 1);
+        DenseMatrix sums(tied_.vertices.size(), 1);
         for_each_corner([&](Halfedge h, std::uint64_t a, std::uint64_t) { sums(a, 0) += corners_[h.index()].image[0]; });
         return sums;
     }
@@ -15179,7 +15209,7 @@ class LinearLight {
         for (const Face f : topology_.faces()) {
             Halfedge h = topology_.halfedge(f);
             for (int k = 0; k < 3; ++k, h = topology_.next(h))
-                body(h, rows_[topology_.from_vertex(h).index()], rows_[topology_.to_vertex(h).index()]);
+                body(h, tied_.rows[topology_.from_vertex(h).index()], tied_.rows[topology_.to_vertex(h).index()]);
         }
     }
 
@@ -15266,8 +15296,7 @@ class LinearLight {
     const LinearLightOptions& options_;
     ParallelFor parallel_for_;
     WeightScale scale_;
-    std::vector<std::uint32_t> rows_,     ///< of a periodic mesh: the unknown of each vertex, else empty
-        vertices_;                        ///< of each unknown, the first vertex
+    TiedRows tied_;                       ///< the unknowns of a periodic mesh, else none
     std::vector<CornerSums<1>> corners_;  ///< of the last measure(); `image` holds sums of - e' r lambda
 };
 
@@ -15276,9 +15305,7 @@ class LinearLight {
 [[nodiscard]] HMESH_COLD inline Status check_fit(const Mesh& mesh, int channels, int width, int height, HalfedgeMesh& topology) {
     if (mesh.channels != channels)
         return {Errc::invalid_argument, "the mesh has not the image's number of channels", mesh.channels, channels};
-    if (mesh.positions.size() % 2 != 0 || mesh.colors.size() != static_cast<std::size_t>(channels) * mesh.vertex_count())
-        return {Errc::invalid_argument, "the mesh's arrays are not of one number of vertices", 0, 0};
-    if (const Status status = check(mesh.view(), channels); !status) return status;
+    if (const Status status = check(mesh, channels); !status) return status;
     if (mesh.faces.empty()) return {Errc::invalid_argument, "the mesh has no faces", 0, 1};
     if (mesh.premultiplied)
         return {Errc::invalid_argument, "linear light is fitted to straight colours, and the mesh's are premultiplied", 0, 0};

@@ -960,7 +960,7 @@ class GpuWriter {
             detail::check_counts(view, most_vertices, most_faces, "the mesh has more vertices or faces than can be ordered");
         !status)
         return status;
-    if (const Status status = check(view, 16); !status) return status;
+    if (const Status status = check(mesh, 16); !status) return status;
     const std::vector<Triangle> faces = detail::faces_of_three_corners(view);
     if (faces.empty()) return {Errc::invalid_argument, "the mesh has no face of three different corners", 0, 1};
     const auto channels = static_cast<std::size_t>(mesh.channels);
@@ -2607,10 +2607,7 @@ inline std::size_t remove_unused_vertices(Mesh& mesh) {
 
 /// Whether a mesh and a threshold are ones that drop_transparent() can take. O(vertices + faces).
 [[nodiscard]] inline Status check_sprite(const Mesh& mesh, double threshold) noexcept {
-    // Before check(), which reads what a view says that there is.
-    if (mesh.colors.size() != static_cast<std::size_t>(mesh.channels) * mesh.vertex_count())
-        return {Errc::invalid_argument, "the mesh's arrays are not of one number of vertices", 0, 0};
-    if (const Status status = check(mesh.view(), kit::max_channels); !status) return status;
+    if (const Status status = check(mesh, kit::max_channels); !status) return status;
     if (!kit::has_alpha(mesh.channels))
         return {Errc::invalid_argument, "a sprite has alpha, which meshes of 2 or 4 channels have", mesh.channels, 4};
     if (!kit::is_within(threshold, 0, 254))
@@ -2688,13 +2685,11 @@ SpriteReport drop_transparent(Result& result, const ImageView<T, C>& view, const
         const ImageView<T, C> image = mesh.premultiplied ? premultiplied.view() : view;
         const double unit = kit::weight_unit(weights, parallel_for);
         kit::ChannelScale<C> scale;
-        if (kit::differ(options.channel_weights)) scale = kit::channel_scale(image, options.channel_weights);
-        double channels = 0;
-        for (const double share : scale.share) channels += share * share;
+        scale.share = kit::channel_shares<C>(options.channel_weights);
         const double before = kit::rendered_error(gone, image, weights, unit, parallel_for, scale);
         std::fill(gone.colors.begin(), gone.colors.end(), 0.0F);
         const double after = kit::rendered_error(gone, image, weights, unit, parallel_for, scale);
-        const double samples = channels * kit::weight_sum(weights, unit, view.width, view.height, parallel_for);
+        const double samples = scale.sum() * kit::weight_sum(weights, unit, view.width, view.height, parallel_for);
         result.report.energy = std::max(0.0, result.report.energy + (after - before));
         result.report.psnr = kit::psnr_of_energy(result.report.energy, samples, PixelTraits<T>::peak);
     }

@@ -127,6 +127,22 @@ TEST_CASE("one level is the file that write_glb() writes") {
     CHECK(file.binary == alone.binary);
 }
 
+TEST_CASE("one level of nothing is the empty scene that write_glb() writes") {
+    Mesh none = grid(4);
+    none.positions.clear(), none.colors.clear(), none.faces.clear();
+    std::string file, alone;
+    const auto into = [](std::string& to) {
+        return [&to](const void* bytes, std::size_t count) {
+            to.append(static_cast<const char*>(bytes), count);
+            return true;
+        };
+    };
+    CHECK(hmesh::write_glb_lods({none.view()}, into(file)));
+    CHECK(hmesh::write_glb(none.view(), into(alone)));
+    CHECK(!file.empty());
+    CHECK(file == alone);
+}
+
 TEST_CASE("a level in parts is one mesh of several primitives, whose positions lie on one grid") {
     const Mesh whole = grid(8), coarse = grid(2);
     Mesh left = whole, right = whole;  // without unused vertices
@@ -205,7 +221,10 @@ TEST_CASE("levels that are none are refused with a sentence, before a byte is wr
     other = coarse;
     other.faces[0][1] = 9;
     check_refused({fine.view(), other.view()}, "names no vertex");
-    check_refused({fine.view(), MeshView{}}, "another size");
+    Mesh none = coarse;
+    none.positions.clear(), none.colors.clear(), none.faces.clear();
+    check_refused({fine.view(), none.view()}, "without vertices");
+    check_refused({none.view(), none.view()}, "without vertices");
     hmesh::GltfOptions options;
     options.longer_side = -1;
     check_refused({fine.view(), coarse.view()}, "longer side", options);

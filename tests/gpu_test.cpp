@@ -593,6 +593,9 @@ TEST_CASE("a mesh that cannot be ordered stays as it is") {
     mesh = hmesh_test::two_faces(3);
     mesh.colors[4] = std::numeric_limits<float>::infinity();
     CHECK(order_for_gpu(mesh).code == hmesh::Errc::not_finite);
+    mesh = hmesh_test::two_faces(3);
+    mesh.colors.pop_back();
+    CHECK(order_for_gpu(mesh).code == hmesh::Errc::invalid_argument);
     mesh = {};
     CHECK(order_for_gpu(mesh).code == hmesh::Errc::invalid_argument);
 }

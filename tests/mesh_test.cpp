@@ -124,3 +124,15 @@ TEST_CASE("check names the face with an index out of range") {
             CHECK(check(mesh.view(), 3).limit == 3);
         }
 }
+
+TEST_CASE("check reads no array of a mesh that is shorter than the others say") {
+    CHECK(check(square(), 3));
+    for (const bool of_colors : {true, false}) {
+        Mesh mesh = square();
+        (of_colors ? mesh.colors : mesh.positions).pop_back();
+        CHECK(check(mesh, 3).code == Errc::invalid_argument);
+    }
+    Mesh mesh = square();
+    mesh.channels = -1;
+    CHECK(check(mesh, 3).code == Errc::invalid_argument);
+}

@@ -28,11 +28,20 @@ double entry(const SymmetricMatrix& matrix, std::size_t row, int column) {
 }  // namespace
 
 TEST_CASE("entries of one place add up, and columns of a row rise") {
-    const SymmetricMatrix matrix = hmesh::kit::summed_matrix(
-        4, {{2 * 4 + 1, 1.0}, {0, 3.0}, {1 * 4 + 2, 1.0}, {2 * 4 + 1, 0.5}, {1 * 4 + 2, 0.5}, {1 * 4 + 0, 7}});
-    CHECK((matrix.starts == std::vector<int>{0, 1, 3, 4, 4}));
-    CHECK((matrix.columns == std::vector<int>{0, 0, 2, 1}));
-    CHECK((matrix.values == std::vector<double>{3, 7, 1.5, 1.5}));
+    hmesh::kit::TiedMatrix sums(4, 2);
+    sums.add_corner(2, 1, 3, 1);
+    sums.add_corner(1, 2, 0.25, 0.5);
+    sums.add_to_diagonal(0, 7);
+    const SymmetricMatrix matrix = sums.sum();
+    CHECK((matrix.starts == std::vector<int>{0, 1, 3, 5, 6}));
+    CHECK((matrix.columns == std::vector<int>{0, 1, 2, 1, 2, 3}));
+    CHECK((matrix.values == std::vector<double>{7, 0.25, 1.5, 1.5, 3, 0}));
+}
+
+TEST_CASE("vertices that are their own root have an unknown each, and copies that of their root, wherever it stands") {
+    const hmesh::kit::TiedRows tied = hmesh::kit::tied_rows({4, 1, 1, 3, 4});
+    CHECK((tied.vertices == std::vector<std::uint32_t>{1, 3, 4}));
+    CHECK((tied.rows == std::vector<std::uint32_t>{2, 0, 0, 1, 2}));
 }
 
 TEST_CASE("the system of tied colours is the sum over faces of what their corners are, copies being one unknown") {

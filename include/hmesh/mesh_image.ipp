@@ -172,8 +172,7 @@ template <int C>
     const auto mesh_of = [&](std::size_t n) { return run(n, {}, progress.next()); };
     const auto mesh_from = [&](std::size_t n, const kit::Beginning& from) {
         const auto work_of = [&](kit::Work work) {
-            const bool goes_on = work == kit::Work::refine || work == kit::Work::touch;
-            return recipe.work(n, {goes_on ? &any : nullptr, work});
+            return recipe.work(n, {kit::goes_on(work) ? &any : nullptr, work});
         };
         return run(n, from, progress.next(from.work, work_of));
     };
@@ -261,8 +260,7 @@ template <class T, int C>
         scale = kit::channel_scale(image, options.channel_weights);
         scaled = kit::scale_channels(image, scale, parallel_for);
         fitted.emplace(source.with_scaled_pixels(scaled.view(), scale));
-        channels = 0;
-        for (const double share : scale.share) channels += share * share;
+        channels = scale.sum();
     }
     body({&source, fitted ? &*fitted : &source, pixels * channels}, image);
     return {};

@@ -44,14 +44,30 @@ namespace hmesh::kit {
     return std::any_of(channel_weights.begin(), channel_weights.end(), [&](double w) { return w != channel_weights.front(); });
 }
 
+/// Of each channel sqrt(weight / the largest weight), for weights that check_channel_weights() accepts; 1 where there are none.
+template <int C>
+[[nodiscard]] HMESH_COLD std::array<double, std::size_t{C}> channel_shares(const std::vector<double>& weights) {
+    std::array<double, std::size_t{C}> shares{};
+    shares.fill(1);
+    if (weights.empty()) return shares;
+    const double largest = *std::max_element(weights.begin(), weights.end());
+    for (std::size_t c = 0; c < C; ++c) shares[c] = std::sqrt(weights[c] / largest);
+    return shares;
+}
+
 /// From the stored values of an image to those of one whose channels are scaled by their weights: (stored - offset) * factor.
 template <int C>
 struct ChannelScale {
-    double offset = 0;  ///< a stored value
-    double unit = 1;    ///< the factor of channels of the largest weight, > 0
-    std::array<double, std::size_t{C}> share =
-        ones();  ///< of each channel, sqrt(weight / the largest weight): the factor is unit * share
+    double offset = 0;                                                 ///< a stored value
+    double unit = 1;                                                   ///< the factor of channels of the largest weight, > 0
+    std::array<double, std::size_t{C}> share = channel_shares<C>({});  ///< channel_shares(): the factor is unit * share
 
+    /// For how many channels of the largest weight all count together.
+    [[nodiscard]] double sum() const noexcept {
+        double weights = 0;
+        for (const double root : share) weights += root * root;
+        return weights;
+    }
     /// Scales the stored values of a colour (Lanes).
     template <class Color>
     void to_scaled(Color& color) const noexcept {
@@ -65,11 +81,6 @@ struct ChannelScale {
 
   private:
     [[nodiscard]] double factor(int c) const noexcept { return unit * share[static_cast<std::size_t>(c)]; }
-    [[nodiscard]] static std::array<double, std::size_t{C}> ones() noexcept {
-        std::array<double, std::size_t{C}> out{};
-        out.fill(1);
-        return out;
-    }
 };
 
 /// The scale for an image, whose samples then lie in [0, 65535], and weights that check_channel_weights() accepts, one a channel.
@@ -89,8 +100,7 @@ template <class T, int C>
     }
     scale.offset = low;
     if (high > low) scale.unit = 65535 / (high - low);
-    const double largest = *std::max_element(weights.begin(), weights.end());
-    for (std::size_t c = 0; c < C; ++c) scale.share[c] = std::sqrt(weights[c] / largest);
+    scale.share = channel_shares<C>(weights);
     return scale;
 }
 

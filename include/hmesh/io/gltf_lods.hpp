@@ -102,11 +102,14 @@ struct GlbLevels {
         const auto number = static_cast<std::int64_t>(k);
         if (levels[k].empty()) return {Errc::invalid_argument, "a level of detail has no mesh, number", number, number};
         const MeshView& first = levels.front().front();
-        for (const MeshView& part : levels[k])
+        for (const MeshView& part : levels[k]) {
+            if (part.vertex_count == 0)
+                return {Errc::invalid_argument, "a level of detail has a mesh without vertices, number", number, number};
             if (part.width != first.width || part.height != first.height || part.channels != first.channels ||
                 part.premultiplied != first.premultiplied)
                 return {Errc::invalid_argument,
                         "a level of detail has another size or other channels than the one before, number", number, number};
+        }
         if (k > 0 && vertices_of(levels[k]) >= vertices_of(levels[k - 1]))
             return {Errc::invalid_argument, "a level of detail has not fewer vertices than the one before",
                     static_cast<std::int64_t>(vertices_of(levels[k])), static_cast<std::int64_t>(vertices_of(levels[k - 1]))};
@@ -119,6 +122,8 @@ struct GlbLevels {
 /// write_glb_lods() of levels in parts, such as those of cut_for_gpu(): each part becomes a primitive with indices of its own, of
 /// 16 bits up to 65,535 vertices. The parts of a level have one grid of quantised positions, so that equal positions stay equal.
 inline Status write_glb_parts(const std::vector<std::vector<MeshView>>& levels, Sink sink, const GltfOptions& options = {}) {
+    if (levels.size() == 1 && levels.front().size() == 1 && levels.front().front().vertex_count == 0)
+        return write_glb(levels.front().front(), sink, options);  // a sprite of nothing
     if (const Status status = detail::check_levels(levels); !status) return status;
     detail::GlbLevels out;
     detail::GlbFile& file = out.file;
@@ -142,7 +147,7 @@ inline Status write_glb_parts(const std::vector<std::vector<MeshView>>& levels, 
 
 /// Writes levels of detail as a .glb file, the finest first: meshes of one image, each with fewer vertices than the one before.
 /// Refuses, before the first byte is written, what write_glb() refuses of any of them, and levels of different size or channels,
-/// in another order, or none.
+/// in another order, or none, or without vertices. One level alone without vertices gives the empty scene of write_glb().
 inline Status write_glb_lods(const std::vector<MeshView>& levels, Sink sink, const GltfOptions& options = {}) {
     std::vector<std::vector<MeshView>> whole;
     whole.reserve(levels.size());

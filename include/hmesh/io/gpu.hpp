@@ -391,7 +391,7 @@ class GpuWriter {
             detail::check_counts(view, most_vertices, most_faces, "the mesh has more vertices or faces than can be ordered");
         !status)
         return status;
-    if (const Status status = check(view, 16); !status) return status;
+    if (const Status status = check(mesh, 16); !status) return status;
     const std::vector<Triangle> faces = detail::faces_of_three_corners(view);
     if (faces.empty()) return {Errc::invalid_argument, "the mesh has no face of three different corners", 0, 1};
     const auto channels = static_cast<std::size_t>(mesh.channels);

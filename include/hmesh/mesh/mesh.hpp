@@ -97,6 +97,15 @@ struct Mesh {
     return {};
 }
 
+/// The same of a mesh that owns its arrays, which must be of one number of vertices besides.
+[[nodiscard]] inline Status check(const Mesh& mesh, int most_channels) noexcept {
+    // First, since a view says that there is so much to read.
+    if (mesh.positions.size() % 2 != 0 || mesh.channels < 0 ||
+        mesh.colors.size() != static_cast<std::size_t>(mesh.channels) * mesh.vertex_count())
+        return {Errc::invalid_argument, "the mesh's arrays are not of one number of vertices"};
+    return check(mesh.view(), most_channels);
+}
+
 }  // namespace hmesh
 
 #include "hmesh/core/macros/pop.hpp"

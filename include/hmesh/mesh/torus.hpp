@@ -213,19 +213,15 @@ namespace detail {
     return {};
 }
 
-}  // namespace kit
-
-namespace detail {
-
 /// The positions of a mesh.
-[[nodiscard]] HMESH_COLD inline std::vector<kit::Point> positions_of(const MeshView& mesh) {
-    std::vector<kit::Point> positions(mesh.vertex_count);
+[[nodiscard]] HMESH_COLD inline std::vector<Point> positions_of(const MeshView& mesh) {
+    std::vector<Point> positions(mesh.vertex_count);
     for (std::size_t v = 0; v < mesh.vertex_count; ++v)
         positions[v] = {static_cast<double>(mesh.positions[2 * v]), static_cast<double>(mesh.positions[2 * v + 1])};
     return positions;
 }
 
-}  // namespace detail
+}  // namespace kit
 
 /// Checks that a mesh is what its `periodic` says: that copies of it, shifted by its size, cover each place of the plane (of a
 /// band, where it repeats along one axis) once, and that the vertices of its border have copies of the same colour, to the bit,
@@ -234,7 +230,7 @@ namespace detail {
     if (mesh.periodic == Periodic::none) return {Errc::invalid_argument, "the mesh is not periodic"};
     if (const Status status = check(mesh, 16); !status) return status;
     if (mesh.width < 1 || mesh.height < 1) return {Errc::invalid_argument, "the mesh's width and height must be at least 1"};
-    const std::vector<kit::Point> positions = detail::positions_of(mesh);
+    const std::vector<kit::Point> positions = kit::positions_of(mesh);
     for (std::size_t v = 0; v < positions.size(); ++v)
         if (std::abs(positions[v].x) > 64.0 * mesh.width || std::abs(positions[v].y) > 64.0 * mesh.height)
             return {Errc::invalid_argument, "the mesh has a position far outside its image, at vertex", v};

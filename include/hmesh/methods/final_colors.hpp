@@ -54,26 +54,25 @@ HMESH_COLD BoundedReport tied_colors(TiledMesh<C>& tiled, const Tiling& tiling, 
     });
     if (tiled.progress().stopped()) std::fill(corners.begin(), corners.end(), CornerSums<C>());  // only the ridge is left
     IndexedMesh<C>& mesh = tiled.indexed();
-    std::vector<std::uint32_t> row(mesh.vertex_count()), rows;
+    const TiedRows tied = tied_rows(mesh.roots);
+    std::vector<std::uint32_t> rows;
     std::vector<Color<C>> colors;
     std::vector<ColorTie<C>> ties;
-    for (std::uint32_t v = 0; v < row.size(); ++v) {
-        if (mesh.roots[v] != v) continue;
-        row[v] = static_cast<std::uint32_t>(colors.size());
+    for (const std::uint32_t v : tied.vertices) {
         colors.push_back(mesh.colors[v]);
         clamp_channels<C>(colors.back(), low, high);
         if (!source.has_straight_seams() || tiled.progress().stopped()) continue;
         const Point p = mesh.positions[v];
         if ((wraps_x(mesh.periodic) && std::fmod(p.x, mesh.width) == 0) ||
             (wraps_y(mesh.periodic) && std::fmod(p.y, mesh.height) == 0))
-            ties.push_back({row[v], tie_weight, color_at(source, p)});
+            ties.push_back({tied.rows[v], tie_weight, color_at(source, p)});
     }
     rows.reserve(corners.size());
     for (const Triangle& face : mesh.faces)
-        for (const std::uint32_t v : face) rows.push_back(row[mesh.roots[v]]);
+        for (const std::uint32_t v : face) rows.push_back(tied.rows[v]);
     const auto system = tied_color_system(rows, corners, ties, colors, tiled.limits().ridge);
     const BoundedReport report = descend(system, low, high, grid, colors, [&] { return tiled.progress().poll(); });
-    for (std::size_t v = 0; v < row.size(); ++v) mesh.colors[v] = colors[row[mesh.roots[v]]];
+    for (std::size_t v = 0; v < mesh.colors.size(); ++v) mesh.colors[v] = colors[tied.rows[v]];
     tiled.measure(tiling);
     return report;
 }

@@ -48,8 +48,7 @@ class SearchProgress {
         int& count = runs_of_[static_cast<std::size_t>(kind)];
         ++count;
         // Two sketches and two refinements are usual, and the first draft has a quarter of the vertices that the others have.
-        const bool goes_on = kind == Work::refine || kind == Work::touch;
-        double later = work_of(Work::refine) * (!goes_on ? 1.4 : count == 1 ? 0.6 : 0.1);
+        double later = work_of(Work::refine) * (!goes_on(kind) ? 1.4 : count == 1 ? 0.6 : 0.1);
         if (kind == Work::draft || kind == Work::sketch) later += work_of(Work::whole);
         if (kind == Work::draft || count == 1)
             later += (kind == Work::draft ? 2 : kind == Work::sketch ? 1 : 0) * work_of(Work::sketch);

@@ -46,6 +46,9 @@ enum class Work : unsigned char {
     draft,   ///< what tells it to within 2 dB, in a tenth
 };
 
+/// Whether such a run goes on from the mesh of another.
+[[nodiscard]] constexpr bool goes_on(Work work) noexcept { return work == Work::refine || work == Work::touch; }
+
 /// What one run of a search begins with.
 struct Beginning {
     const Mesh* mesh = nullptr;  ///< the mesh of another run, of about as many vertices; null: none, a run from the start

@@ -126,12 +126,12 @@ class LinearLight {
     }
     /// Solves for the Gauss-Newton step `out`, n_v by 1, from `at`, for which measure() must have been called last.
     [[nodiscard]] PcgReport direction(const ChannelLight& at, std::size_t k, DenseMatrix& out) const {
-        const bool is_tied = !rows_.empty();
+        const bool is_tied = !tied_.rows.empty();
         SymmetricMatrix matrix = is_tied ? tied_matrix() : normal_matrix(topology_, corners_, parallel_for_);
         const DenseMatrix rhs = is_tied ? tied_sums() : image_sums(topology_, corners_, parallel_for_);
         std::vector<HeldEntry> held;
         for (std::size_t v = 0; v < rhs.rows; ++v) {
-            const double light = at.light[is_tied ? vertices_[v] : v];
+            const double light = at.light[is_tied ? tied_.vertices[v] : v];
             const double slope = is_encoded(k) ? linear_to_srgb_slope(light, linear_to_srgb(light)) : 1;
             matrix.add_to_diagonal(v, options_.ridge * slope * slope);
             if ((light <= 0 && rhs(v, 0) < 0) || (light >= 1 && rhs(v, 0) > 0)) held.push_back({v, 0});
@@ -141,8 +141,8 @@ class LinearLight {
         exactness.tolerance = 1e-6;  // the encoding's curvature makes steps less exact than this
         const PcgReport report = solve_pcg(matrix, rhs, out, exactness, held);
         if (!is_tied) return report;
-        DenseMatrix all(rows_.size(), 1);
-        for (std::size_t v = 0; v < rows_.size(); ++v) all(v, 0) = out(rows_[v], 0);
+        DenseMatrix all(tied_.rows.size(), 1);
+        for (std::size_t v = 0; v < all.rows; ++v) all(v, 0) = out(tied_.rows[v], 0);
         out = std::move(all);
         return report;
     }
@@ -156,30 +156,19 @@ class LinearLight {
 
     /// Makes one unknown of a vertex and its copies.
     HMESH_COLD void tie_copies() {
-        std::vector<Point> positions;
-        for (std::size_t v = 0; v < mesh_.vertex_count(); ++v) positions.push_back(position(mesh_, v));
-        const std::vector<std::uint32_t> roots = tied_vertices(positions, {mesh_.width, mesh_.height, mesh_.periodic});
-        rows_.resize(roots.size());
-        for (std::uint32_t v = 0; v < roots.size(); ++v) {  // a root is the first of its vertices
-            rows_[v] = roots[v] == v ? static_cast<std::uint32_t>(vertices_.size()) : rows_[roots[v]];
-            if (roots[v] == v) vertices_.push_back(v);
-        }
+        tied_ = tied_rows(tied_vertices(positions_of(mesh_.view()), {mesh_.width, mesh_.height, mesh_.periodic}));
     }
     /// normal_matrix() with the rows of copies added up.
     [[nodiscard]] HMESH_COLD SymmetricMatrix tied_matrix() const {
-        std::vector<std::pair<std::uint64_t, double>> entries;
-        const std::uint64_t size = vertices_.size();
-        for (std::uint64_t row = 0; row < size; ++row) entries.emplace_back(row * size + row, 0);
+        TiedMatrix matrix(tied_.vertices.size(), 3 * topology_.face_count());
         for_each_corner([&](Halfedge h, std::uint64_t a, std::uint64_t b) {
-            entries.emplace_back(a * size + a, corners_[h.index()].square);
-            entries.emplace_back(a * size + b, corners_[h.index()].coupling);
-            entries.emplace_back(b * size + a, corners_[h.index()].coupling);
+            matrix.add_corner(a, b, corners_[h.index()].square, corners_[h.index()].coupling);
         });
-        return summed_matrix(vertices_.size(), entries);
+        return matrix.sum();
     }
     /// image_sums() likewise.
     [[nodiscard]] HMESH_COLD DenseMatrix tied_sums() const {
-        DenseMatrix sums(vertices_.size(), 1);
+        DenseMatrix sums(tied_.vertices.size(), 1);
         for_each_corner([&](Halfedge h, std::uint64_t a, std::uint64_t) { sums(a, 0) += corners_[h.index()].image[0]; });
         return sums;
     }
@@ -188,7 +177,7 @@ class LinearLight {
         for (const Face f : topology_.faces()) {
             Halfedge h = topology_.halfedge(f);
             for (int k = 0; k < 3; ++k, h = topology_.next(h))
-                body(h, rows_[topology_.from_vertex(h).index()], rows_[topology_.to_vertex(h).index()]);
+                body(h, tied_.rows[topology_.from_vertex(h).index()], tied_.rows[topology_.to_vertex(h).index()]);
         }
     }
 
@@ -275,8 +264,7 @@ class LinearLight {
     const LinearLightOptions& options_;
     ParallelFor parallel_for_;
     WeightScale scale_;
-    std::vector<std::uint32_t> rows_,     ///< of a periodic mesh: the unknown of each vertex, else empty
-        vertices_;                        ///< of each unknown, the first vertex
+    TiedRows tied_;                       ///< the unknowns of a periodic mesh, else none
     std::vector<CornerSums<1>> corners_;  ///< of the last measure(); `image` holds sums of - e' r lambda
 };
 
@@ -285,9 +273,7 @@ class LinearLight {
 [[nodiscard]] HMESH_COLD inline Status check_fit(const Mesh& mesh, int channels, int width, int height, HalfedgeMesh& topology) {
     if (mesh.channels != channels)
         return {Errc::invalid_argument, "the mesh has not the image's number of channels", mesh.channels, channels};
-    if (mesh.positions.size() % 2 != 0 || mesh.colors.size() != static_cast<std::size_t>(channels) * mesh.vertex_count())
-        return {Errc::invalid_argument, "the mesh's arrays are not of one number of vertices", 0, 0};
-    if (const Status status = check(mesh.view(), channels); !status) return status;
+    if (const Status status = check(mesh, channels); !status) return status;
     if (mesh.faces.empty()) return {Errc::invalid_argument, "the mesh has no faces", 0, 1};
     if (mesh.premultiplied)
         return {Errc::invalid_argument, "linear light is fitted to straight colours, and the mesh's are premultiplied", 0, 0};

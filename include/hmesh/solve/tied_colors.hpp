@@ -23,28 +23,66 @@
 
 namespace hmesh::kit {
 
-/// The matrix of `size` rows with these entries, (row and column, value) each with row = first / size and column = first % size;
-/// those of one place add up, in their order.
-[[nodiscard]] HMESH_COLD inline SymmetricMatrix summed_matrix(std::size_t size,
-                                                              const std::vector<std::pair<std::uint64_t, double>>& entries) {
-    const std::vector<std::uint32_t> order = sorted_numbers(entries.size(), [&](std::uint32_t a, std::uint32_t b) {
-        return entries[a].first != entries[b].first ? entries[a].first < entries[b].first : a < b;
-    });
-    SymmetricMatrix matrix;
-    std::uint64_t row = 0;
-    for (std::size_t k = 0; k < order.size(); ++k) {
-        const auto& [place, value] = entries[order[k]];
-        if (k > 0 && place == entries[order[k - 1]].first) {
-            matrix.values.back() += value;
-            continue;
-        }
-        for (; row < place / size; ++row) matrix.starts.push_back(static_cast<int>(matrix.values.size()));
-        matrix.columns.push_back(static_cast<int>(place % size));
-        matrix.values.push_back(value);
+/// The unknowns of vertices some of which are copies of one another.
+struct TiedRows {
+    std::vector<std::uint32_t> rows;      ///< of each vertex: its unknown
+    std::vector<std::uint32_t> vertices;  ///< of each unknown: the root of its vertices
+};
+
+/// One unknown for each vertex that is its own root, in the order of the vertices; copies have that of their root.
+[[nodiscard]] HMESH_COLD inline TiedRows tied_rows(const std::vector<std::uint32_t>& roots) {
+    TiedRows tied;
+    tied.rows.resize(roots.size());
+    for (std::uint32_t v = 0; v < roots.size(); ++v) {
+        if (roots[v] != v) continue;
+        tied.rows[v] = static_cast<std::uint32_t>(tied.vertices.size());
+        tied.vertices.push_back(v);
     }
-    for (; row < size; ++row) matrix.starts.push_back(static_cast<int>(matrix.values.size()));
-    return matrix;
+    for (std::size_t v = 0; v < roots.size(); ++v) tied.rows[v] = tied.rows[roots[v]];
+    return tied;
 }
+
+/// Sums the entries of a symmetric matrix up, corner by corner of the faces; those of one place add up in their order.
+class TiedMatrix {
+  public:
+    /// A matrix of `size` rows, each of which has a diagonal, for about so many corners.
+    TiedMatrix(std::size_t size, std::size_t corners) : size_(size) {
+        entries_.reserve(3 * corners + size);
+        for (std::size_t row = 0; row < size; ++row) add_to_diagonal(row, 0);
+    }
+    /// Adds to the diagonal of a row.
+    void add_to_diagonal(std::uint64_t row, double value) { entries_.emplace_back(row * size_ + row, value); }
+    /// Adds what the corner of a face at row a, whose next corner is at row b, brings.
+    void add_corner(std::uint64_t a, std::uint64_t b, double square, double coupling) {
+        add_to_diagonal(a, square);
+        entries_.emplace_back(a * size_ + b, coupling);
+        entries_.emplace_back(b * size_ + a, coupling);
+    }
+    /// The matrix.
+    [[nodiscard]] HMESH_COLD SymmetricMatrix sum() const {
+        const std::vector<std::uint32_t> order = sorted_numbers(entries_.size(), [&](std::uint32_t a, std::uint32_t b) {
+            return entries_[a].first != entries_[b].first ? entries_[a].first < entries_[b].first : a < b;
+        });
+        SymmetricMatrix matrix;
+        std::uint64_t row = 0;
+        for (std::size_t k = 0; k < order.size(); ++k) {
+            const auto& [place, value] = entries_[order[k]];
+            if (k > 0 && place == entries_[order[k - 1]].first) {
+                matrix.values.back() += value;
+                continue;
+            }
+            for (; row < place / size_; ++row) matrix.starts.push_back(static_cast<int>(matrix.values.size()));
+            matrix.columns.push_back(static_cast<int>(place % size_));
+            matrix.values.push_back(value);
+        }
+        for (; row < size_; ++row) matrix.starts.push_back(static_cast<int>(matrix.values.size()));
+        return matrix;
+    }
+
+  private:
+    std::uint64_t size_;
+    std::vector<std::pair<std::uint64_t, double>> entries_;  // (row * size + column, value)
+};
 
 /// One more sample that a colour is to meet.
 template <int C>
@@ -67,24 +105,16 @@ template <int C>
     system.ridge = ridge;
     system.anchor = colors;
     system.rhs.assign(size, Color<C>::zero());
-    std::vector<std::pair<std::uint64_t, double>> entries;
-    entries.reserve(3 * rows.size() + size);
-    const auto add = [&](std::uint64_t row, std::uint64_t column, double value) {
-        entries.emplace_back(row * size + column, value);
-    };
-    for (std::size_t row = 0; row < size; ++row) add(row, row, 0);
+    TiedMatrix gram(size, rows.size());
     for (std::size_t k = 0; k < rows.size(); ++k) {
-        const std::uint32_t a = rows[k], b = rows[k % 3 == 2 ? k - 2 : k + 1];
-        add(a, a, corners[k].square);
-        add(a, b, corners[k].coupling);
-        add(b, a, corners[k].coupling);
-        system.rhs[a] += corners[k].image;
+        gram.add_corner(rows[k], rows[k % 3 == 2 ? k - 2 : k + 1], corners[k].square, corners[k].coupling);
+        system.rhs[rows[k]] += corners[k].image;
     }
     for (const ColorTie<C>& tie : ties) {
-        add(tie.row, tie.row, tie.weight);
+        gram.add_to_diagonal(tie.row, tie.weight);
         system.rhs[tie.row] += tie.weight * tie.color;
     }
-    system.gram = summed_matrix(size, entries);
+    system.gram = gram.sum();
     system.inverse.assign(size, 0.0);
     for (std::size_t row = 0; row < size; ++row) {
         system.rhs[row].set(C, 0);

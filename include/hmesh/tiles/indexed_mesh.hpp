@@ -75,14 +75,12 @@ namespace detail {
         if (std::floor(p.x * grid_steps) != p.x * grid_steps || std::floor(p.y * grid_steps) != p.y * grid_steps)
             return {Errc::invalid_argument, "a vertex is off the grid", v};
     }
-    if (roots != tied_vertices(positions, torus)) {
-        // Roots need not be the first of their vertices.
-        const std::vector<std::uint32_t> fresh = tied_vertices(positions, torus);
-        for (std::size_t v = 0; v < roots.size(); ++v)
-            if (roots[v] >= roots.size() || fresh[v] != fresh[roots[v]] || roots[roots[v]] != roots[v] ||
-                (fresh[v] != v && roots[v] != roots[fresh[v]]))
-                return {Errc::invalid_argument, "a vertex is tied to one in another place, or not to one in its own", v};
-    }
+    // Roots need not be the first of their vertices.
+    const std::vector<std::uint32_t> fresh = tied_vertices(positions, torus);
+    for (std::size_t v = 0; v < roots.size(); ++v)
+        if (roots[v] >= roots.size() || fresh[v] != fresh[roots[v]] || roots[roots[v]] != roots[v] ||
+            (fresh[v] != v && roots[v] != roots[fresh[v]]))
+            return {Errc::invalid_argument, "a vertex is tied to one in another place, or not to one in its own", v};
     return check_torus(positions, faces, roots, torus);
 }
 

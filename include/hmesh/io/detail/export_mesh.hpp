@@ -151,10 +151,8 @@ class ExportMesh {
 
     // Gives the copies of a vertex on the border the sum of what they have: they are one vertex, and keep one colour.
     void add_up_copies(std::vector<double>& sums) const {
-        std::vector<kit::Point> positions(view_.vertex_count);
-        for (std::size_t v = 0; v < view_.vertex_count; ++v)
-            positions[v] = {static_cast<double>(view_.positions[2 * v]), static_cast<double>(view_.positions[2 * v + 1])};
-        const std::vector<std::uint32_t> roots = kit::tied_vertices(positions, {view_.width, view_.height, view_.periodic});
+        const std::vector<std::uint32_t> roots =
+            kit::tied_vertices(kit::positions_of(view_), {view_.width, view_.height, view_.periodic});
         for (std::size_t v = 0; v < roots.size(); ++v)
             for (std::size_t k = 0; k < 4 && roots[v] != v; ++k) sums[4 * std::size_t{roots[v]} + k] += sums[4 * v + k];
         for (std::size_t v = 0; v < roots.size(); ++v)

@@ -433,7 +433,8 @@ HMESH_COLD inline Status write_glb_file(const GlbFile& file, Sink sink, FillGlbA
 HMESH_COLD inline Status write_empty_glb(Sink sink) {
     static constexpr char json[] =
         "{\"asset\":{\"version\":\"2.0\",\"generator\":\"hmesh " HMESH_VERSION_STRING "\"},\"scene\":0,\"scenes\":[{}]}";
-    constexpr std::uint32_t size = sizeof json - 1, padded = (size + 3) / 4 * 4;
+    constexpr std::uint32_t size = sizeof json - 1;
+    const auto padded = static_cast<std::uint32_t>(GlbFile::padded(size));
     Writer writer(sink);
     writer.text("glTF");
     writer.u32(2);

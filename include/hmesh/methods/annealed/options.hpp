@@ -265,7 +265,7 @@ struct Annealed {
         if (beginning.work == kit::Work::draft || beginning.work == kit::Work::sketch) {
             out.effort = beginning.work == kit::Work::draft ? Effort::draft : std::min(effort, Effort::fast);
             out.steps.reset();
-        } else if (beginning.work == kit::Work::refine || beginning.work == kit::Work::touch) {
+        } else if (kit::goes_on(beginning.work)) {
             out.steps = steps.value_or(kit::annealed_steps(effort));
             const int eighths = beginning.work == kit::Work::refine ? 3 : 1;
             out.steps->annealing.sweeps = (eighths * out.steps->annealing.sweeps + 7) / 8;
