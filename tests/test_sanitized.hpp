@@ -1,5 +1,6 @@
 // hmesh tests - whether sanitizers watch, under which all takes ten to twenty times as long. They look for wrong accesses and not
-// for wrong results, so that tests that try each of thousands of places, or many seeds, then try some.
+// for wrong results, so that tests that try each of thousands of places, or many seeds, then try some, and those that do nothing
+// but weigh the quality of many meshes are skipped.
 #ifndef HMESH_TESTS_TEST_SANITIZED_HPP
 #define HMESH_TESTS_TEST_SANITIZED_HPP
 
