@@ -12014,6 +12014,13 @@ HMESH_COLD void finish_cut(IndexedMesh<C>& mesh, bool straight) {
 
 namespace hmesh::kit {
 
+/// What the runs of a search find out about the image once, each for the next.
+template <int C>
+struct ImageNotes {
+    MomentTable<C> table;         ///< of the whole image, or empty
+    Image<float, 1> point_ranks;  ///< one number a pixel by which a recipe places its first points, or empty
+};
+
 /// A mesh of an image of C channels, as the patches of a tiling or, between phases, as an IndexedMesh.
 template <int C>
 class TiledMesh {
@@ -12055,6 +12062,8 @@ class TiledMesh {
     /// Whether there is a moment table of the whole image, which is_small() and not periodic. Patches have none of their own
     /// then.
     [[nodiscard]] bool has_whole_table() const noexcept { return is_small() && source_->periodic() == Periodic::none; }
+    /// What is known of the image: may be moved from one mesh to the next of the same source, between phases.
+    [[nodiscard]] ImageNotes<C>& notes() noexcept { return notes_; }
     /// Whether the image is so small, 2^22 pixels and 512 MiB at most, that patches stay for the next call with the same tiling.
     [[nodiscard]] bool is_small() const noexcept {
         return source_->pixels() <= 4194304 &&
@@ -12142,8 +12151,8 @@ class TiledMesh {
     /// share it need none of their own, which would take them a third of their time.
     [[nodiscard]] HMESH_COLD const MomentTable<C>* whole_table(bool wanted) {
         if (source_->periodic() != Periodic::none || (!wanted && !has_whole_table())) return nullptr;
-        if (table_.width() == 0) table_ = source_->table({0, 0, source_->width(), source_->height()}, parallel_for_);
-        return &table_;
+        if (notes_.table.width() == 0) notes_.table = source_->table({0, 0, source_->width(), source_->height()}, parallel_for_);
+        return &notes_.table;
     }
 
     /// Calls body(tile, task) for the tiles of size > 0, the largest first; after a cancellation no more, unless `all`.
@@ -12272,7 +12281,7 @@ class TiledMesh {
     Tiling tiling_{1, 1, 1};
     detail::Cut cut_;                                 ///< of indexed_ along tiling_, where the mesh is held as patches
     std::vector<std::unique_ptr<Patch<C>>> patches_;  ///< of the tiles, in place of indexed_'s faces and free vertices; or none
-    MomentTable<C> table_;                            ///< of the whole image, or empty
+    ImageNotes<C> notes_;
 };
 
 }  // namespace hmesh::kit
@@ -12642,24 +12651,34 @@ template <int C>
     return points;
 }
 
-/// The `count` pixels, as y * width + x, whose ratio of mask and density is least; of equal ratios those that come first, row by
-/// row. 0 <= count <= pixels. `density` is left with these ratios. Bands of some 65,536 pixels are pieces of work.
-[[nodiscard]] HMESH_COLD inline std::vector<std::uint32_t> masked_points(Image<float, 1>& density, std::size_t count,
-                                                                         const ParallelFor& parallel_for = {}) {
-    HMESH_ASSERT(count <= density.size());
-    // The upper bits of a ratio are its bin: few pixels are in that of the last point, as a rule.
-    constexpr std::uint32_t shift = 20;
-    using Bins = std::array<std::uint32_t, 1U << (31 - shift)>;
-    const auto width = static_cast<std::size_t>(density.width()), rows = static_cast<std::size_t>(density.height());
-    const std::size_t band = 65536 / (width + 1) + 1;
-    std::vector<Bins> of_band(rows / band + 1, Bins{});
-    for_each_chunk(parallel_for, rows, band, [&](std::size_t begin, std::size_t end) {
-        Bins& bins = of_band[begin / band];
+/// The ranks of pixels as points, the least first: the ratios of mask and density.
+[[nodiscard]] HMESH_COLD inline Image<float, 1> point_ranks(Image<float, 1> density, const ParallelFor& parallel_for = {}) {
+    for_each_chunk(parallel_for, static_cast<std::size_t>(density.height()), 32, [&](std::size_t begin, std::size_t end) {
         for (std::size_t row = begin; row < end; ++row) {
             const int y = static_cast<int>(row);
             float* const at = density.pixel(0, y);
             for (int x = 0; x < density.width(); ++x)
                 at[x] = static_cast<float>((detail::mask_at(x, y) + 1e-6) / static_cast<double>(at[x]));
+        }
+    });
+    return density;
+}
+
+/// The `count` pixels, as y * width + x, of the least point_ranks(); of equal ranks those that come first, row by row.
+/// 0 <= count <= pixels. Bands of some 65,536 pixels are pieces of work.
+[[nodiscard]] HMESH_COLD inline std::vector<std::uint32_t> first_points(const Image<float, 1>& ranks, std::size_t count,
+                                                                        const ParallelFor& parallel_for = {}) {
+    HMESH_ASSERT(count <= ranks.size());
+    // The upper bits of a rank are its bin: few pixels are in that of the last point, as a rule.
+    constexpr std::uint32_t shift = 20;
+    using Bins = std::array<std::uint32_t, 1U << (31 - shift)>;
+    const auto width = static_cast<std::size_t>(ranks.width()), rows = static_cast<std::size_t>(ranks.height());
+    const std::size_t band = 65536 / (width + 1) + 1;
+    std::vector<Bins> of_band(rows / band + 1, Bins{});
+    for_each_chunk(parallel_for, rows, band, [&](std::size_t begin, std::size_t end) {
+        Bins& bins = of_band[begin / band];
+        for (std::size_t row = begin; row < end; ++row) {
+            const float* const at = ranks.pixel(0, static_cast<int>(row));
             for (std::size_t x = 0; x < width; ++x) ++bins[detail::bits_of(at[x]) >> shift];
         }
     });
@@ -12679,19 +12698,19 @@ template <int C>
     for_each_chunk(parallel_for, rows, band, [&](std::size_t begin, std::size_t end) {
         std::size_t to = first[begin / band];
         for (std::size_t k = begin * width; k < end * width; ++k)
-            if (detail::bits_of(density.data()[k]) >> shift <= last_bin) points[to++] = static_cast<std::uint32_t>(k);
+            if (detail::bits_of(ranks.data()[k]) >> shift <= last_bin) points[to++] = static_cast<std::uint32_t>(k);
     });
     // Of those in the last bin as many as are missing.
-    const auto bits_at = [&](std::uint32_t point) { return detail::bits_of(density.data()[point]); };
-    std::vector<std::uint32_t> ratios;  // the last bin's, as bits
+    const auto bits_at = [&](std::uint32_t point) { return detail::bits_of(ranks.data()[point]); };
+    std::vector<std::uint32_t> in_last;  // the last bin's, as bits
     for (const std::uint32_t point : points)
-        if (bits_at(point) >> shift == last_bin) ratios.push_back(bits_at(point));
+        if (bits_at(point) >> shift == last_bin) in_last.push_back(bits_at(point));
     const std::size_t missing = count - below;
-    if (missing == ratios.size()) return points;
-    const auto left_out = ratios.begin() + static_cast<std::ptrdiff_t>(missing);  // the first of them
-    std::nth_element(ratios.begin(), left_out, ratios.end());
+    if (missing == in_last.size()) return points;
+    const auto left_out = in_last.begin() + static_cast<std::ptrdiff_t>(missing);  // the first of them
+    std::nth_element(in_last.begin(), left_out, in_last.end());
     const std::uint32_t threshold = *left_out;
-    std::ptrdiff_t ties = std::count(ratios.begin(), left_out, threshold);  // points at the threshold
+    std::ptrdiff_t ties = std::count(in_last.begin(), left_out, threshold);  // points at the threshold
     std::size_t kept = 0;
     for (const std::uint32_t point : points)
         if (const std::uint32_t bits = bits_at(point); bits < threshold || (bits == threshold && ties-- > 0))
@@ -13138,14 +13157,17 @@ class AnnealedRun {
         std::vector<std::uint32_t> pixels;
         std::vector<Point> on_seams;
         {
-            Image<float, 1> density = point_density(source, tiled_->parallel_for(), go_on);
+            Image<float, 1> ranks = std::move(tiled_->notes().point_ranks), density;
+            if (ranks.size() == 0) density = point_density(source, tiled_->parallel_for(), go_on);
             if (progress().stopped()) return false;
             const double count = std::min(source.pixels(), wanted);
             // Twice the density where points cannot leave the seam: 0.3 dB beside it (benchmarks/periodic, wood).
             if (source.periodic() != Periodic::none)
                 on_seams = seam_points(density, (source.has_straight_seams() ? 2 : 1) * count, source.periodic());
             const double left = std::max(0.0, count - static_cast<double>(on_seams.size()));
-            pixels = masked_points(density, static_cast<std::size_t>(left), tiled_->parallel_for());
+            if (ranks.size() == 0) ranks = point_ranks(std::move(density), tiled_->parallel_for());
+            pixels = first_points(ranks, static_cast<std::size_t>(left), tiled_->parallel_for());
+            if (tiled_->has_whole_table()) tiled_->notes().point_ranks = std::move(ranks);
         }
         {
             Delaunay delaunay(source.width(), source.height());
@@ -14347,11 +14369,11 @@ template <int C>
     return result;
 }
 
-/// One finished mesh of n vertices.
+/// One finished mesh of n vertices. `notes`: what runs hand on, at first empty.
 template <int C>
 [[nodiscard]] HMESH_COLD Result mesh_once(const Subject<C>& subject, std::size_t n, const kit::Beginning& from,
-                                          const kit::ProgressSpan& span, const RecipeRef<C>& recipe, const Options& options,
-                                          const ParallelFor& parallel_for) {
+                                          const kit::ProgressSpan& span, kit::ImageNotes<C>& notes, const RecipeRef<C>& recipe,
+                                          const Options& options, const ParallelFor& parallel_for) {
     Result result;
     const double tile = recipe.tile_size(n);
     result.status = check_tables(*subject.image, tile);
@@ -14359,9 +14381,12 @@ template <int C>
     kit::ProgressReporter progress(options.progress, subject.samples, subject.image->peak(), span);
     tell_in_image_units(progress, subject);
     kit::TiledMesh<C> fitted(*subject.fitted, options.limits, progress, parallel_for);
+    fitted.notes() = std::move(notes);
     fitted.indexed() = kit::tied_corner_mesh(*subject.fitted);  // what a cancellation finds
     const Status status = recipe.run(fitted, n, from);
-    return finish(subject, fitted, status, tile, recipe.colors, options);
+    result = finish(subject, fitted, status, tile, recipe.colors, options);
+    notes = std::move(fitted.notes());
+    return result;
 }
 
 /// After a search: the mesh's own PSNR, and the last word to the callback.
@@ -14390,12 +14415,13 @@ template <int C>
     const std::size_t wanted = target.kind == Target::Kind::percent
                                    ? share(target.value)
                                    : static_cast<std::size_t>(std::min(target.value, static_cast<double>(all)));
+    kit::ImageNotes<C> notes;
     if (target.kind != Target::Kind::psnr && (!target.good_enough || wanted == 4))
-        return mesh_once(subject, wanted, {}, {}, recipe, options, parallel_for);
+        return mesh_once(subject, wanted, {}, {}, notes, recipe, options, parallel_for);
     kit::SearchProgress progress;
     const Mesh any;  // stands for the mesh of another run
     const auto run = [&](std::size_t n, const kit::Beginning& from, const kit::ProgressSpan& span) {
-        Result result = mesh_once(subject, n, from, span, recipe, options, parallel_for);
+        Result result = mesh_once(subject, n, from, span, notes, recipe, options, parallel_for);
         if (options.psnr_of && result.has_mesh()) result.report.psnr = options.psnr_of(result.mesh, result.report.psnr);
         return result;
     };

@@ -20,7 +20,8 @@ template <int C>
     hmesh::Image<float, 1> density(source.width(), source.height());
     std::fill(density.data(), density.data() + density.size(), 1.0F);
     hmesh::kit::Delaunay delaunay(source.width(), source.height());
-    (void)hmesh::kit::insert_pixels(delaunay, hmesh::kit::masked_points(density, count), [] { return true; });
+    (void)hmesh::kit::insert_pixels(delaunay, hmesh::kit::first_points(hmesh::kit::point_ranks(density), count),
+                                    [] { return true; });
     return hmesh::kit::delaunay_mesh(source, delaunay);
 }
 

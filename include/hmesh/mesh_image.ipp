@@ -117,11 +117,11 @@ template <int C>
     return result;
 }
 
-/// One finished mesh of n vertices.
+/// One finished mesh of n vertices. `notes`: what runs hand on, at first empty.
 template <int C>
 [[nodiscard]] HMESH_COLD Result mesh_once(const Subject<C>& subject, std::size_t n, const kit::Beginning& from,
-                                          const kit::ProgressSpan& span, const RecipeRef<C>& recipe, const Options& options,
-                                          const ParallelFor& parallel_for) {
+                                          const kit::ProgressSpan& span, kit::ImageNotes<C>& notes, const RecipeRef<C>& recipe,
+                                          const Options& options, const ParallelFor& parallel_for) {
     Result result;
     const double tile = recipe.tile_size(n);
     result.status = check_tables(*subject.image, tile);
@@ -129,9 +129,12 @@ template <int C>
     kit::ProgressReporter progress(options.progress, subject.samples, subject.image->peak(), span);
     tell_in_image_units(progress, subject);
     kit::TiledMesh<C> fitted(*subject.fitted, options.limits, progress, parallel_for);
+    fitted.notes() = std::move(notes);
     fitted.indexed() = kit::tied_corner_mesh(*subject.fitted);  // what a cancellation finds
     const Status status = recipe.run(fitted, n, from);
-    return finish(subject, fitted, status, tile, recipe.colors, options);
+    result = finish(subject, fitted, status, tile, recipe.colors, options);
+    notes = std::move(fitted.notes());
+    return result;
 }
 
 /// After a search: the mesh's own PSNR, and the last word to the callback.
@@ -160,12 +163,13 @@ template <int C>
     const std::size_t wanted = target.kind == Target::Kind::percent
                                    ? share(target.value)
                                    : static_cast<std::size_t>(std::min(target.value, static_cast<double>(all)));
+    kit::ImageNotes<C> notes;
     if (target.kind != Target::Kind::psnr && (!target.good_enough || wanted == 4))
-        return mesh_once(subject, wanted, {}, {}, recipe, options, parallel_for);
+        return mesh_once(subject, wanted, {}, {}, notes, recipe, options, parallel_for);
     kit::SearchProgress progress;
     const Mesh any;  // stands for the mesh of another run
     const auto run = [&](std::size_t n, const kit::Beginning& from, const kit::ProgressSpan& span) {
-        Result result = mesh_once(subject, n, from, span, recipe, options, parallel_for);
+        Result result = mesh_once(subject, n, from, span, notes, recipe, options, parallel_for);
         if (options.psnr_of && result.has_mesh()) result.report.psnr = options.psnr_of(result.mesh, result.report.psnr);
         return result;
     };

@@ -30,6 +30,13 @@
 
 namespace hmesh::kit {
 
+/// What the runs of a search find out about the image once, each for the next.
+template <int C>
+struct ImageNotes {
+    MomentTable<C> table;         ///< of the whole image, or empty
+    Image<float, 1> point_ranks;  ///< one number a pixel by which a recipe places its first points, or empty
+};
+
 /// A mesh of an image of C channels, as the patches of a tiling or, between phases, as an IndexedMesh.
 template <int C>
 class TiledMesh {
@@ -71,6 +78,8 @@ class TiledMesh {
     /// Whether there is a moment table of the whole image, which is_small() and not periodic. Patches have none of their own
     /// then.
     [[nodiscard]] bool has_whole_table() const noexcept { return is_small() && source_->periodic() == Periodic::none; }
+    /// What is known of the image: may be moved from one mesh to the next of the same source, between phases.
+    [[nodiscard]] ImageNotes<C>& notes() noexcept { return notes_; }
     /// Whether the image is so small, 2^22 pixels and 512 MiB at most, that patches stay for the next call with the same tiling.
     [[nodiscard]] bool is_small() const noexcept {
         return source_->pixels() <= 4194304 &&
@@ -158,8 +167,8 @@ class TiledMesh {
     /// share it need none of their own, which would take them a third of their time.
     [[nodiscard]] HMESH_COLD const MomentTable<C>* whole_table(bool wanted) {
         if (source_->periodic() != Periodic::none || (!wanted && !has_whole_table())) return nullptr;
-        if (table_.width() == 0) table_ = source_->table({0, 0, source_->width(), source_->height()}, parallel_for_);
-        return &table_;
+        if (notes_.table.width() == 0) notes_.table = source_->table({0, 0, source_->width(), source_->height()}, parallel_for_);
+        return &notes_.table;
     }
 
     /// Calls body(tile, task) for the tiles of size > 0, the largest first; after a cancellation no more, unless `all`.
@@ -288,7 +297,7 @@ class TiledMesh {
     Tiling tiling_{1, 1, 1};
     detail::Cut cut_;                                 ///< of indexed_ along tiling_, where the mesh is held as patches
     std::vector<std::unique_ptr<Patch<C>>> patches_;  ///< of the tiles, in place of indexed_'s faces and free vertices; or none
-    MomentTable<C> table_;                            ///< of the whole image, or empty
+    ImageNotes<C> notes_;
 };
 
 }  // namespace hmesh::kit

@@ -147,14 +147,17 @@ class AnnealedRun {
         std::vector<std::uint32_t> pixels;
         std::vector<Point> on_seams;
         {
-            Image<float, 1> density = point_density(source, tiled_->parallel_for(), go_on);
+            Image<float, 1> ranks = std::move(tiled_->notes().point_ranks), density;
+            if (ranks.size() == 0) density = point_density(source, tiled_->parallel_for(), go_on);
             if (progress().stopped()) return false;
             const double count = std::min(source.pixels(), wanted);
             // Twice the density where points cannot leave the seam: 0.3 dB beside it (benchmarks/periodic, wood).
             if (source.periodic() != Periodic::none)
                 on_seams = seam_points(density, (source.has_straight_seams() ? 2 : 1) * count, source.periodic());
             const double left = std::max(0.0, count - static_cast<double>(on_seams.size()));
-            pixels = masked_points(density, static_cast<std::size_t>(left), tiled_->parallel_for());
+            if (ranks.size() == 0) ranks = point_ranks(std::move(density), tiled_->parallel_for());
+            pixels = first_points(ranks, static_cast<std::size_t>(left), tiled_->parallel_for());
+            if (tiled_->has_whole_table()) tiled_->notes().point_ranks = std::move(ranks);
         }
         {
             Delaunay delaunay(source.width(), source.height());

@@ -209,24 +209,34 @@ template <int C>
     return points;
 }
 
-/// The `count` pixels, as y * width + x, whose ratio of mask and density is least; of equal ratios those that come first, row by
-/// row. 0 <= count <= pixels. `density` is left with these ratios. Bands of some 65,536 pixels are pieces of work.
-[[nodiscard]] HMESH_COLD inline std::vector<std::uint32_t> masked_points(Image<float, 1>& density, std::size_t count,
-                                                                         const ParallelFor& parallel_for = {}) {
-    HMESH_ASSERT(count <= density.size());
-    // The upper bits of a ratio are its bin: few pixels are in that of the last point, as a rule.
-    constexpr std::uint32_t shift = 20;
-    using Bins = std::array<std::uint32_t, 1U << (31 - shift)>;
-    const auto width = static_cast<std::size_t>(density.width()), rows = static_cast<std::size_t>(density.height());
-    const std::size_t band = 65536 / (width + 1) + 1;
-    std::vector<Bins> of_band(rows / band + 1, Bins{});
-    for_each_chunk(parallel_for, rows, band, [&](std::size_t begin, std::size_t end) {
-        Bins& bins = of_band[begin / band];
+/// The ranks of pixels as points, the least first: the ratios of mask and density.
+[[nodiscard]] HMESH_COLD inline Image<float, 1> point_ranks(Image<float, 1> density, const ParallelFor& parallel_for = {}) {
+    for_each_chunk(parallel_for, static_cast<std::size_t>(density.height()), 32, [&](std::size_t begin, std::size_t end) {
         for (std::size_t row = begin; row < end; ++row) {
             const int y = static_cast<int>(row);
             float* const at = density.pixel(0, y);
             for (int x = 0; x < density.width(); ++x)
                 at[x] = static_cast<float>((detail::mask_at(x, y) + 1e-6) / static_cast<double>(at[x]));
+        }
+    });
+    return density;
+}
+
+/// The `count` pixels, as y * width + x, of the least point_ranks(); of equal ranks those that come first, row by row.
+/// 0 <= count <= pixels. Bands of some 65,536 pixels are pieces of work.
+[[nodiscard]] HMESH_COLD inline std::vector<std::uint32_t> first_points(const Image<float, 1>& ranks, std::size_t count,
+                                                                        const ParallelFor& parallel_for = {}) {
+    HMESH_ASSERT(count <= ranks.size());
+    // The upper bits of a rank are its bin: few pixels are in that of the last point, as a rule.
+    constexpr std::uint32_t shift = 20;
+    using Bins = std::array<std::uint32_t, 1U << (31 - shift)>;
+    const auto width = static_cast<std::size_t>(ranks.width()), rows = static_cast<std::size_t>(ranks.height());
+    const std::size_t band = 65536 / (width + 1) + 1;
+    std::vector<Bins> of_band(rows / band + 1, Bins{});
+    for_each_chunk(parallel_for, rows, band, [&](std::size_t begin, std::size_t end) {
+        Bins& bins = of_band[begin / band];
+        for (std::size_t row = begin; row < end; ++row) {
+            const float* const at = ranks.pixel(0, static_cast<int>(row));
             for (std::size_t x = 0; x < width; ++x) ++bins[detail::bits_of(at[x]) >> shift];
         }
     });
@@ -246,19 +256,19 @@ template <int C>
     for_each_chunk(parallel_for, rows, band, [&](std::size_t begin, std::size_t end) {
         std::size_t to = first[begin / band];
         for (std::size_t k = begin * width; k < end * width; ++k)
-            if (detail::bits_of(density.data()[k]) >> shift <= last_bin) points[to++] = static_cast<std::uint32_t>(k);
+            if (detail::bits_of(ranks.data()[k]) >> shift <= last_bin) points[to++] = static_cast<std::uint32_t>(k);
     });
     // Of those in the last bin as many as are missing.
-    const auto bits_at = [&](std::uint32_t point) { return detail::bits_of(density.data()[point]); };
-    std::vector<std::uint32_t> ratios;  // the last bin's, as bits
+    const auto bits_at = [&](std::uint32_t point) { return detail::bits_of(ranks.data()[point]); };
+    std::vector<std::uint32_t> in_last;  // the last bin's, as bits
     for (const std::uint32_t point : points)
-        if (bits_at(point) >> shift == last_bin) ratios.push_back(bits_at(point));
+        if (bits_at(point) >> shift == last_bin) in_last.push_back(bits_at(point));
     const std::size_t missing = count - below;
-    if (missing == ratios.size()) return points;
-    const auto left_out = ratios.begin() + static_cast<std::ptrdiff_t>(missing);  // the first of them
-    std::nth_element(ratios.begin(), left_out, ratios.end());
+    if (missing == in_last.size()) return points;
+    const auto left_out = in_last.begin() + static_cast<std::ptrdiff_t>(missing);  // the first of them
+    std::nth_element(in_last.begin(), left_out, in_last.end());
     const std::uint32_t threshold = *left_out;
-    std::ptrdiff_t ties = std::count(ratios.begin(), left_out, threshold);  // points at the threshold
+    std::ptrdiff_t ties = std::count(in_last.begin(), left_out, threshold);  // points at the threshold
     std::size_t kept = 0;
     for (const std::uint32_t point : points)
         if (const std::uint32_t bits = bits_at(point); bits < threshold || (bits == threshold && ties-- > 0))
