@@ -285,6 +285,30 @@ inline constexpr int max_period = 32768;
 
 #endif  // HMESH_MESH_PERIODIC_HPP
 
+// ---- hmesh/mesh/samples.hpp
+
+/// \file
+/// Samples: where in the plane the samples of an image stand.
+#ifndef HMESH_MESH_SAMPLES_HPP
+#define HMESH_MESH_SAMPLES_HPP
+
+#include <cstdint>
+
+namespace hmesh {
+
+/// What a sample of an image of W x H samples is, and with that where the mesh lies.
+enum class Samples : std::uint8_t {
+    /// A square, as in pictures: that of sample (i, j) has its centre at (i + 1/2, j + 1/2), and the mesh is [0, W] x [0, H].
+    squares,
+    /// A point, as in heightmaps: sample (i, j) stands at (i, j), and the mesh is [0, W - 1] x [0, H - 1], so that tiles that
+    /// share a row of samples share their border. W and H are at least 2.
+    points,
+};
+
+}  // namespace hmesh
+
+#endif  // HMESH_MESH_SAMPLES_HPP
+
 // ---- hmesh/mesh/mesh.hpp
 
 /// \file
@@ -321,6 +345,7 @@ struct MeshView {
     /// colours divide by it.
     bool premultiplied = false;
     Periodic periodic = Periodic::none;  ///< along which axes copies of the mesh, shifted by its size, go on from it
+    Samples samples = Samples::squares;  ///< where the image's samples stand in the plane
 };
 
 /// A triangle mesh that owns its arrays. Those that mesh_image() makes tile the rectangle of their image.
@@ -337,6 +362,7 @@ struct Mesh {
     /// without a gap or an overlap, and each vertex of the cut has a copy of the same colour on the other side. The cut may be
     /// jagged: then faces stand out of the image's rectangle. See mesh/torus.hpp.
     Periodic periodic = Periodic::none;
+    Samples samples = Samples::squares;  ///< where the image's samples stand in the plane
 
     /// The number of vertices.
     [[nodiscard]] std::size_t vertex_count() const noexcept { return positions.size() / 2; }
@@ -345,7 +371,7 @@ struct Mesh {
     /// A view of the mesh, valid until its arrays change.
     [[nodiscard]] MeshView view() const noexcept {
         return {positions.data(), colors.data(), faces.data(),  vertex_count(), face_count(), channels, width,
-                height,           peak,          premultiplied, periodic};
+                height,           peak,          premultiplied, periodic,       samples};
     }
 };
 
@@ -5919,6 +5945,8 @@ struct Options {
     /// Of a periodic image: whether the cut runs along the sides of the image. Else it is jagged, as the faces are: they stand
     /// out of the image's rectangle and leave as much of it free on the other side, for a copy of them. Costs up to 0.2 dB.
     bool straight_border = false;
+    /// Where the samples stand in the plane: squares, as pictures have them, or points, as heightmaps do.
+    Samples samples = Samples::squares;
     /// What a search for a PSNR goes by, and Target::good_enough: psnr_of(mesh, psnr) returns the PSNR, in dB, that a mesh counts
     /// as, `psnr` being its own (Report::psnr). For meshes that are to reach the target as they are stored or drawn, with fewer
     /// bits or between other values. Empty (the default): their own. Called for each run of a search, on the thread that called
@@ -5971,6 +5999,8 @@ struct Options {
         return {Errc::invalid_argument, "the axes of periodic are none of those known", static_cast<int>(options.periodic), 3};
     if (options.straight_border && options.periodic == Periodic::none)
         return {Errc::invalid_argument, "straight_border is for periodic meshes, and periodic is none"};
+    if (options.samples > Samples::points)
+        return {Errc::invalid_argument, "the samples are none of those known", static_cast<int>(options.samples), 1};
     return {};
 }
 

@@ -15,6 +15,7 @@
 #include "hmesh/core/finite.hpp"
 #include "hmesh/core/status.hpp"
 #include "hmesh/mesh/periodic.hpp"
+#include "hmesh/mesh/samples.hpp"
 
 #include "hmesh/core/macros/push.hpp"
 
@@ -38,6 +39,7 @@ struct MeshView {
     /// colours divide by it.
     bool premultiplied = false;
     Periodic periodic = Periodic::none;  ///< along which axes copies of the mesh, shifted by its size, go on from it
+    Samples samples = Samples::squares;  ///< where the image's samples stand in the plane
 };
 
 /// A triangle mesh that owns its arrays. Those that mesh_image() makes tile the rectangle of their image.
@@ -54,6 +56,7 @@ struct Mesh {
     /// without a gap or an overlap, and each vertex of the cut has a copy of the same colour on the other side. The cut may be
     /// jagged: then faces stand out of the image's rectangle. See mesh/torus.hpp.
     Periodic periodic = Periodic::none;
+    Samples samples = Samples::squares;  ///< where the image's samples stand in the plane
 
     /// The number of vertices.
     [[nodiscard]] std::size_t vertex_count() const noexcept { return positions.size() / 2; }
@@ -62,7 +65,7 @@ struct Mesh {
     /// A view of the mesh, valid until its arrays change.
     [[nodiscard]] MeshView view() const noexcept {
         return {positions.data(), colors.data(), faces.data(),  vertex_count(), face_count(), channels, width,
-                height,           peak,          premultiplied, periodic};
+                height,           peak,          premultiplied, periodic,       samples};
     }
 };
 

@@ -1,0 +1,25 @@
+/// \file
+/// Samples: where in the plane the samples of an image stand.
+#ifndef HMESH_MESH_SAMPLES_HPP
+#define HMESH_MESH_SAMPLES_HPP
+
+#include <cstdint>
+
+#include "hmesh/core/macros/push.hpp"
+
+namespace hmesh {
+
+/// What a sample of an image of W x H samples is, and with that where the mesh lies.
+enum class Samples : std::uint8_t {
+    /// A square, as in pictures: that of sample (i, j) has its centre at (i + 1/2, j + 1/2), and the mesh is [0, W] x [0, H].
+    squares,
+    /// A point, as in heightmaps: sample (i, j) stands at (i, j), and the mesh is [0, W - 1] x [0, H - 1], so that tiles that
+    /// share a row of samples share their border. W and H are at least 2.
+    points,
+};
+
+}  // namespace hmesh
+
+#include "hmesh/core/macros/pop.hpp"
+
+#endif  // HMESH_MESH_SAMPLES_HPP
