@@ -105,8 +105,8 @@ class ImageMesh {
     [[nodiscard]] double color_high() const noexcept { return color_high_; }  ///< largest value of a colour while fitting
     /// What the image's samples are.
     [[nodiscard]] Samples samples() const noexcept { return context_.samples; }
-    [[nodiscard]] int width() const noexcept { return table_->width(); }      ///< px, of the table
-    [[nodiscard]] int height() const noexcept { return table_->height(); }    ///< px, of the table
+    [[nodiscard]] int width() const noexcept { return table_->width(); }    ///< px, of the table
+    [[nodiscard]] int height() const noexcept { return table_->height(); }  ///< px, of the table
     /// The number of vertices.
     [[nodiscard]] std::size_t vertex_count() const noexcept { return topology_.vertex_count(); }
     /// The state of vertex v.

@@ -103,8 +103,8 @@ class MomentTable {
         return entries <= most / std::int64_t{(entry_size + 2) * sizeof(double) + C * sizeof(float)};
     }
 
-    [[nodiscard]] int width() const noexcept { return width_; }            ///< px
-    [[nodiscard]] int height() const noexcept { return height_; }          ///< px
+    [[nodiscard]] int width() const noexcept { return width_; }    ///< px
+    [[nodiscard]] int height() const noexcept { return height_; }  ///< px
     /// The sides of the mesh with centres of pixels on them, in the coordinates of the table; infinite where there are none.
     [[nodiscard]] const FarSides& far_sides() const noexcept { return far_sides_; }
     /// Whether pixels are points (Samples::points), and these sides are not infinite.
@@ -264,7 +264,7 @@ class MomentTable {
     std::unique_ptr<double[]> float64_entries_;
     std::unique_ptr<double[]> x_moment_entries_;  ///< of weighted tables: w i, w i^2
     FarSides far_sides_;
-    std::unique_ptr<float[]> samples_;            ///< of weighted tables: I_0 .. I_{C-1}, row after row
+    std::unique_ptr<float[]> samples_;  ///< of weighted tables: I_0 .. I_{C-1}, row after row
 };
 
 }  // namespace hmesh::kit

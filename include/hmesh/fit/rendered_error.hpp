@@ -92,9 +92,9 @@ template <class T, int C>
 /// The error of a mesh, of C channels, by the weights of pixels (`unit` as by weight_unit()) and of channels (the largest being
 /// 1). The mesh must cover the image once with faces of positive area, which may stand out of it.
 template <class T, int C>
-[[nodiscard]] RenderedError rendered_errors(const Mesh& mesh, const ImageView<T, C>& view, const ImageView<float, 1>& weights = {},
-                                            double unit = 1, const ParallelFor& parallel_for = {},
-                                            const ChannelScale<C>& channels = {}) {
+[[nodiscard]] RenderedError rendered_errors(const Mesh& mesh, const ImageView<T, C>& view,
+                                            const ImageView<float, 1>& weights = {}, double unit = 1,
+                                            const ParallelFor& parallel_for = {}, const ChannelScale<C>& channels = {}) {
     constexpr std::size_t grain = 256;
     const WeightScale scale(unit, view.width, view.height);
     std::vector<RenderedError> parts(mesh.faces.size() / grain + 1);

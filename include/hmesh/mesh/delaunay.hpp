@@ -210,7 +210,8 @@ inline Status Delaunay::check_border() const {
         if (!level && !upright) return fail("a boundary edge does not run along a side of the rectangle, from vertex", v);
         length += std::abs(dx) + std::abs(dy);
     }
-    if (length != 2 * (last.x - first.x + (last.y - first.y))) return fail("the boundary does not run around the rectangle once", Vertex(0));
+    if (length != 2 * (last.x - first.x + (last.y - first.y)))
+        return fail("the boundary does not run around the rectangle once", Vertex(0));
     return {};
 }
 

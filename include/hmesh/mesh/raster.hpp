@@ -57,13 +57,11 @@ class EdgeWalker {
 /// belong to the face that ends there: the row on the lower side to edges that end on it, and the column on the right side is
 /// left of edges along it. Infinite, as by default: no centre lies on a side, and the rule has no exception.
 struct FarSides {
-    double right = std::numeric_limits<double>::infinity(),   ///< x of the right side, px: that of the last column's centres
-        bottom = std::numeric_limits<double>::infinity();     ///< y of the lower side, px: that of the last row's centres
+    double right = std::numeric_limits<double>::infinity(),  ///< x of the right side, px: that of the last column's centres
+        bottom = std::numeric_limits<double>::infinity();    ///< y of the lower side, px: that of the last row's centres
 
     /// The first row whose centre is not above y, or the one after the last for the lower side.
-    [[nodiscard]] HMESH_ALWAYS_INLINE int first_row(double y) const noexcept {
-        return kit::first_row(y) + (y == bottom ? 1 : 0);
-    }
+    [[nodiscard]] HMESH_ALWAYS_INLINE int first_row(double y) const noexcept { return kit::first_row(y) + (y == bottom ? 1 : 0); }
     /// How far to the right the edge from a to b is taken to be, so that the centres on it are left of it: 1/2 px along the right
     /// side, else 0.
     [[nodiscard]] HMESH_ALWAYS_INLINE double beyond(Point a, Point b) const noexcept {

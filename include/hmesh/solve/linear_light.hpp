@@ -299,8 +299,7 @@ class LinearLight {
     if (mesh.periodic != Periodic::none)
         if (const Status status = check_periodic(mesh.view()); !status) return status;
     for (std::uint32_t v = 0; v < mesh.vertex_count() && mesh.periodic == Periodic::none; ++v)
-        if (!is_inside(mesh, v))
-            return {Errc::invalid_argument, "the mesh has a position outside its image, at vertex", v, 0};
+        if (!is_inside(mesh, v)) return {Errc::invalid_argument, "the mesh has a position outside its image, at vertex", v, 0};
     for (std::size_t f = 0; f < mesh.faces.size(); ++f)
         if (!(orient2d(at(mesh.faces[f][0]), at(mesh.faces[f][1]), at(mesh.faces[f][2])) > 0))
             return {Errc::invalid_argument, "the mesh has a face that is flipped or has no area, at face",

@@ -30,10 +30,10 @@ namespace hmesh::kit {
 /// open (mesh/torus.hpp), and vertices on the cut have copies.
 template <int C>
 struct IndexedMesh {
-    int width = 0;                       ///< px of the image; the faces tile [0, width] x [0, height], but for `samples`, or the torus
-    int height = 0;                      ///< px of the image
-    std::vector<Point> positions;        ///< px, y down, on the 1/256 px grid
-    std::vector<Color<C>> colors;        ///< stored values
+    int width = 0;                 ///< px of the image; the faces tile [0, width] x [0, height], but for `samples`, or the torus
+    int height = 0;                ///< px of the image
+    std::vector<Point> positions;  ///< px, y down, on the 1/256 px grid
+    std::vector<Color<C>> colors;  ///< stored values
     std::vector<unsigned char> dirty;    ///< not 0: surroundings changed since the vertex was last optimised
     std::vector<Triangle> faces;         ///< indices of vertices, each face turning like (0, 0), (1, 0), (0, 1)
     double energy = 0;                   ///< squared error over pixels and channels, as of the last phase of work
@@ -144,8 +144,7 @@ template <int C>
     mesh.samples = source.samples();
     const double low = inset(mesh.samples);
     for (const int y : {0, source.height()})
-        for (const int x : {0, source.width()})
-            mesh.add({x == 0 ? low : x - low, y == 0 ? low : y - low}, source.pixel(x, y));
+        for (const int x : {0, source.width()}) mesh.add({x == 0 ? low : x - low, y == 0 ? low : y - low}, source.pixel(x, y));
     mesh.faces = {{0, 1, 2}, {1, 3, 2}};
     return mesh;
 }
@@ -185,7 +184,8 @@ template <int C>
     for (std::size_t v = 0; v < from.vertex_count(); ++v) {
         Color<C> color = Color<C>::zero();
         for (std::size_t c = 0; c < C; ++c) color.set(static_cast<int>(c), static_cast<double>(from.colors[C * v + c]));
-        to.add({static_cast<double>(from.positions[2 * v]) + shift, static_cast<double>(from.positions[2 * v + 1]) + shift}, color);
+        to.add({static_cast<double>(from.positions[2 * v]) + shift, static_cast<double>(from.positions[2 * v + 1]) + shift},
+               color);
     }
     to.faces = from.faces;
     to.periodic = from.periodic;
