@@ -326,8 +326,9 @@ namespace kit {
 /// Mesh, a triangle mesh as plain arrays, and MeshView, the pointers and counts that exporters and render() read.
 ///
 /// Vertex i is at (positions[2i], positions[2i + 1]) in the plane of the image, [0, width] x [0, height] in px (of samples that
-/// are points [0, width - 1] x [0, height - 1]), y down. Its colour is colors[C i] .. colors[C i + C - 1], in the image's stored values; `peak` is full intensity. Face f joins the
-/// vertices faces[f][0], faces[f][1] and faces[f][2], positively oriented: clockwise on the screen.
+/// are points [0, width - 1] x [0, height - 1]), y down. Its colour is colors[C i] .. colors[C i + C - 1], in the image's stored
+/// values; `peak` is full intensity. Face f joins the vertices faces[f][0], faces[f][1] and faces[f][2], positively oriented:
+/// clockwise on the screen.
 #ifndef HMESH_MESH_MESH_HPP
 #define HMESH_MESH_MESH_HPP
 
@@ -1189,7 +1190,8 @@ namespace hmesh::detail {
     return {};
 }
 
-/// Refuses a mesh without a size in px, which for one of points is that between them, and what check() refuses, more than `most_channels` among it. O(n).
+/// Refuses a mesh without a size in px, which for one of points is that between them, and what check() refuses, more than
+/// `most_channels` among it. O(n).
 [[nodiscard]] inline Status check_for_export(const MeshView& mesh, int most_channels = 4) noexcept {
     if (mesh.width < 1) return {Errc::invalid_argument, "the mesh's width must be at least 1", mesh.width, 1};
     if (mesh.height < 1) return {Errc::invalid_argument, "the mesh's height must be at least 1", mesh.height, 1};
@@ -11324,10 +11326,10 @@ namespace hmesh::kit {
 /// open (mesh/torus.hpp), and vertices on the cut have copies.
 template <int C>
 struct IndexedMesh {
-    int width = 0;                 ///< px of the image; the faces tile [0, width] x [0, height], but for `samples`, or the torus
-    int height = 0;                ///< px of the image
-    std::vector<Point> positions;  ///< px, y down, on the 1/256 px grid
-    std::vector<Color<C>> colors;  ///< stored values
+    int width = 0;                       ///< px of the image; the faces tile [0, width] x [0, height], or the torus
+    int height = 0;                      ///< px of the image
+    std::vector<Point> positions;        ///< px, y down, on the 1/256 px grid
+    std::vector<Color<C>> colors;        ///< stored values
     std::vector<unsigned char> dirty;    ///< not 0: surroundings changed since the vertex was last optimised
     std::vector<Triangle> faces;         ///< indices of vertices, each face turning like (0, 0), (1, 0), (0, 1)
     double energy = 0;                   ///< squared error over pixels and channels, as of the last phase of work
