@@ -232,10 +232,10 @@ struct Annealed {
     const Mesh* start = nullptr;
     /// Of images whose samples are points: where set, >= 0, each side of the mesh is the polyline of the fewest of its samples
     /// that passes all others within so much, in stored values. It then follows from that row of samples and this tolerance
-    /// alone: the meshes of images that share a row, as tiles do, share its vertices to the bit, whatever else is in them. Neither
-    /// weights of pixels nor Options::round_colors count there; channel_weights are refused, and a mesh to start from is one with
-    /// these very sides. Errc::target_out_of_range where fewer vertices are asked for than the sides have, or a level of detail
-    /// would have fewer; so ends a search for a PSNR that comes to try fewer.
+    /// alone: the meshes of images that share a row, as tiles do, share its vertices to the bit, whatever else is in them.
+    /// Neither weights of pixels nor Options::round_colors count there; channel_weights are refused, and a mesh to start from is
+    /// one with these very sides. Errc::target_out_of_range where fewer vertices are asked for than the sides have, or a level
+    /// of detail would have fewer; so ends a search for a PSNR that comes to try fewer.
     std::optional<double> border_tolerance{};
 
     static constexpr const char* name = "annealed";    ///< for reports
