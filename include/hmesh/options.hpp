@@ -18,6 +18,7 @@
 #include "hmesh/image/image_view.hpp"
 #include "hmesh/mesh/limits.hpp"
 #include "hmesh/mesh/periodic.hpp"
+#include "hmesh/mesh/samples.hpp"
 
 #include "hmesh/core/macros/push.hpp"
 
@@ -106,6 +107,9 @@ struct Options {
     /// Of a periodic image: whether the cut runs along the sides of the image. Else it is jagged, as the faces are: they stand
     /// out of the image's rectangle and leave as much of it free on the other side, for a copy of them. Costs up to 0.2 dB.
     bool straight_border = false;
+    /// Where the samples stand in the plane: squares, as pictures have them, or points, as heightmaps do: then the image has two
+    /// at least along each axis, and does not repeat.
+    Samples samples = Samples::squares;
     /// What a search for a PSNR goes by, and Target::good_enough: psnr_of(mesh, psnr) returns the PSNR, in dB, that a mesh counts
     /// as, `psnr` being its own (Report::psnr). For meshes that are to reach the target as they are stored or drawn, with fewer
     /// bits or between other values. Empty (the default): their own. Called for each run of a search, on the thread that called
@@ -158,6 +162,11 @@ struct Options {
         return {Errc::invalid_argument, "the axes of periodic are none of those known", static_cast<int>(options.periodic), 3};
     if (options.straight_border && options.periodic == Periodic::none)
         return {Errc::invalid_argument, "straight_border is for periodic meshes, and periodic is none"};
+    if (options.samples > Samples::points)
+        return {Errc::invalid_argument, "the samples are none of those known", static_cast<int>(options.samples), 1};
+    if (options.samples == Samples::points && options.periodic != Periodic::none)
+        return {Errc::invalid_argument, "a periodic image is of samples that are squares, and the samples are points",
+                static_cast<int>(options.periodic), 0};
     return {};
 }
 

@@ -105,8 +105,8 @@ struct GlbLevels {
         for (const MeshView& part : levels[k]) {
             if (part.vertex_count == 0)
                 return {Errc::invalid_argument, "a level of detail has a mesh without vertices, number", number, number};
-            if (part.width != first.width || part.height != first.height || part.channels != first.channels ||
-                part.premultiplied != first.premultiplied)
+            if (part.width != first.width || part.height != first.height || part.samples != first.samples ||
+                part.channels != first.channels || part.premultiplied != first.premultiplied)
                 return {Errc::invalid_argument,
                         "a level of detail has another size or other channels than the one before, number", number, number};
         }

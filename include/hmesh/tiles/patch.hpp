@@ -244,7 +244,9 @@ class Patch {
                               1,
                               nullptr,
                               source.periodic(),
-                              source.has_straight_seams()});
+                              source.has_straight_seams(),
+                              source.samples(),
+                              indexed.has_fixed_border});
         const Status status = mesh_.assign(positions, numbered_.faces, colors, parallel_for);
         HMESH_ASSERT(status);
         (void)status;
