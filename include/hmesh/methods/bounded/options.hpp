@@ -1,7 +1,7 @@
 /// \file
 /// Bounded: the recipe for a mesh that differs from no sample by more than a bound, with as few triangles as its effort finds.
 ///
-/// What it does is told in docs/terrain.md; mesh_image() with it is declared by methods/bounded/mesh_image.hpp.
+/// What it does is told in docs/terrain.md; mesh_image() with it is declared by methods/bounded/bounded.hpp.
 #ifndef HMESH_METHODS_BOUNDED_OPTIONS_HPP
 #define HMESH_METHODS_BOUNDED_OPTIONS_HPP
 
