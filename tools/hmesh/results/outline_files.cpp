@@ -6,12 +6,13 @@
 #include <system_error>
 
 #include "hmesh/io/textured.hpp"
-#include "results/write_file.hpp"
+#include "results/write_depfile.hpp"
 #include "terminal/standard_streams.hpp"
 #include "terminal/words.hpp"
 #include "writers/picture_file.hpp"
 #include "writers/pictures.hpp"
 #include "writers/wireframe.hpp"
+#include "writers/write_file.hpp"
 
 namespace tool {
 namespace {

@@ -3,7 +3,7 @@
 #include <cstddef>
 
 #include "results/web_page.hpp"
-#include "results/write_file.hpp"
+#include "results/write_depfile.hpp"
 #include "terminal/progress_watch.hpp"
 #include "terminal/words.hpp"
 #include "writers/formats.hpp"
@@ -11,6 +11,7 @@
 #include "writers/picture_file.hpp"
 #include "writers/pictures.hpp"
 #include "writers/wireframe.hpp"
+#include "writers/write_file.hpp"
 
 namespace tool {
 namespace {

@@ -1,15 +1,12 @@
-// tools - writes one file whole or not at all, and says why not as a sentence: texts, and the rule for make.
-#ifndef HMESH_TOOLS_RESULTS_WRITE_FILE_HPP
-#define HMESH_TOOLS_RESULTS_WRITE_FILE_HPP
+// tools - writes one file whole or not at all, and says why not as a sentence.
+#ifndef HMESH_TOOLS_WRITERS_WRITE_FILE_HPP
+#define HMESH_TOOLS_WRITERS_WRITE_FILE_HPP
 
 #include <string>
-#include <vector>
 
-#include "arguments/arguments.hpp"
 #include "terminal/progress_bar.hpp"
 #include "terminal/progress_watch.hpp"
 #include "terminal/standard_streams.hpp"
-#include "writers/depfile.hpp"
 #include "writers/output_file.hpp"
 
 namespace tool {
@@ -30,14 +27,6 @@ template <class Write>
     return write_file(name, [&](OutputFile& file) { return file(text.data(), text.size()) ? "" : "the disk refused it"; });
 }
 
-[[nodiscard]] inline std::string write_depfile(const Arguments& arguments) {
-    std::vector<std::string> written = output_files(arguments), read = {arguments.input};
-    written.pop_back();  // itself
-    for (const OtherMap& other : arguments.others) read.push_back(other.file);
-    if (!arguments.weights.empty()) read.push_back(arguments.weights);
-    return write_text(arguments.depfile, depfile(written, read));
-}
-
 }  // namespace tool
 
-#endif  // HMESH_TOOLS_RESULTS_WRITE_FILE_HPP
+#endif  // HMESH_TOOLS_WRITERS_WRITE_FILE_HPP
