@@ -1,14 +1,15 @@
 /// \file
 /// write_height_ply(), _obj(), _glb(): a mesh of heights as a model in space, with smooth normals and texture coordinates.
 ///
-/// Faces are counter-clockwise seen from above and face up, and the map is not mirrored: north is y in files with z up, and -z in
-/// glTF, where y is up. Normals are those of the samples (see HeightSamples), or, without samples, of the faces around a vertex. Texture
-/// coordinates, as Drape has them, begin at the lower left corner of the image in PLY and OBJ, at its upper left one in glTF.
+/// Faces are counter-clockwise seen from above and face up, and the map is not mirrored: north is y in files with z up, and -z
+/// in glTF, where y is up. Normals are those of the samples (see HeightSamples), or, without samples, of the faces around a
+/// vertex. Texture coordinates, as Drape has them, begin at the lower left corner of the image in PLY and OBJ, at its upper
+/// left one in glTF.
 ///
 /// Coordinates are floats in PLY and glTF, with 24 bits: to a centimetre up to 130 km from the origin. OBJ has nine digits.
 /// Of what grows with the mesh nothing is allocated with samples, and 24 bytes a vertex without. O(n).
-/// Sources: Greg Turk, The PLY Polygon File Format, 1994; Wavefront, Object and Material files; Khronos, glTF 2.0, sections 3.6 to
-/// 3.9.
+/// Sources: Greg Turk, The PLY Polygon File Format, 1994; Wavefront, Object and Material files; Khronos, glTF 2.0, sections 3.6
+/// to 3.9.
 #ifndef HMESH_IO_HEIGHTS_HEIGHT_MODELS_HPP
 #define HMESH_IO_HEIGHTS_HEIGHT_MODELS_HPP
 
@@ -39,6 +40,8 @@ namespace detail {
     if (const Status status = check_counts(mesh, most, most, "the mesh has more vertices or faces than a model of heights holds");
         !status)
         return status;
+    if (options.texture != nullptr && options.drape == Drape::none)
+        return {Errc::invalid_argument, "a texture is named, but Drape::none leaves no coordinates to show it by"};
     return check_relief(mesh, samples, options);
 }
 
@@ -59,10 +62,11 @@ inline void bound_heights(const MeshView& mesh, const Relief& relief, GlbArray& 
 
 }  // namespace detail
 
-/// Writes a mesh as a binary PLY file: vertices `float x y z`, `nx ny nz` with normals and `s t` with texture coordinates, z up. A
-/// texture is named in a comment, as MeshLab reads it. A mesh that has no size, numbers that are not finite, faces without their
-/// vertices or not the channel of heights, samples that are fewer than the mesh's, options outside their range and coordinates
-/// beyond all floats give a Status that says so, and no byte is written; a sink that refuses bytes gives Errc::write_failed.
+/// Writes a mesh as a binary PLY file: vertices `float x y z`, `nx ny nz` with normals and `s t` with texture coordinates, z
+/// up. A texture is named in a comment, as MeshLab reads it. A mesh that has no size, numbers that are not finite, faces
+/// without their vertices or not the channel of heights, samples that are fewer than the mesh's, options outside their range
+/// and coordinates beyond all floats give a Status that says so, and no byte is written; a sink that refuses bytes gives
+/// Errc::write_failed.
 inline Status write_height_ply(const MeshView& mesh, const HeightSamples& samples, Sink sink, const HeightOptions& options = {}) {
     if (const Status status = detail::check_height_model(mesh, samples, options); !status) return status;
     detail::Relief relief(mesh, samples, options, detail::is_y_up(options, false));
@@ -115,9 +119,9 @@ inline Status write_height_obj(const MeshView& mesh, const HeightSamples& sample
     return writer.finish();
 }
 
-/// Writes a mesh as a .glb file with POSITION, NORMAL and TEXCOORD_0, y up, of one rough material, white or of the texture, lit by
-/// lamps; where there are no normals it is not lit. A mesh without vertices is a scene of nothing. Refuses what write_height_ply()
-/// does.
+/// Writes a mesh as a .glb file with POSITION, NORMAL and TEXCOORD_0, y up, of one rough material, white or of the texture, lit
+/// by lamps; where there are no normals it is not lit. A mesh without vertices is a scene of nothing. Refuses what
+/// write_height_ply() does.
 inline Status write_height_glb(const MeshView& mesh, const HeightSamples& samples, Sink sink, const HeightOptions& options = {}) {
     if (const Status status = detail::check_height_model(mesh, samples, options); !status) return status;
     if (mesh.vertex_count == 0) return detail::write_empty_glb(sink);

@@ -1,5 +1,6 @@
 /// \file
-/// HeightSamples: the samples of a heightmap as exporters read them, of any type and any number of channels, to take normals from.
+/// HeightSamples: the samples of a heightmap as exporters read them, of any type and any number of channels, to take normals
+/// from.
 #ifndef HMESH_IO_HEIGHTS_HEIGHT_SAMPLES_HPP
 #define HMESH_IO_HEIGHTS_HEIGHT_SAMPLES_HPP
 
@@ -27,7 +28,8 @@ class HeightSamples {
     /// The samples of an image, of which the mesh's first is (first_column, first_row). Where the mask, which has the size of the
     /// image or is empty, is 0 there is no data; nor is there where a sample is NaN or infinite. Both must outlive this object.
     template <class T, int C>
-    HeightSamples(const ImageView<T, C>& image, const ImageView<std::uint8_t, 1>& mask = {},  // NOLINT(google-explicit-constructor)
+    HeightSamples(const ImageView<T, C>& image,
+                  const ImageView<std::uint8_t, 1>& mask = {},  // NOLINT(google-explicit-constructor)
                   int first_column = 0, int first_row = 0) noexcept
         : status_(check_both(image, mask)), mask_(mask), width_(image.width), height_(image.height), channels_(C),
           first_column_(first_column), first_row_(first_row) {

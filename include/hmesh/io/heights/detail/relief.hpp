@@ -1,10 +1,10 @@
 /// \file
 /// Relief: a mesh as a surface in space, vertex after vertex: position, normal and place in the draped image.
 ///
-/// Normals are those of the samples. The slope at a sample is the central difference of its neighbours, one-sided where one of them
-/// has no data or is outside of the image; that at a vertex is interpolated bilinearly between the four samples around it that
-/// have data. It follows from at most 12 samples, the outermost one step from those four: so tiles that are given as much around them agree. Where
-/// there are no samples the normal is that of the faces around the vertex, weighted by their area.
+/// Normals are those of the samples. The slope at a sample is the central difference of its neighbours, one-sided where one of
+/// them has no data or is outside of the image; that at a vertex is interpolated bilinearly between the four samples around it
+/// that have data. It follows from at most 12 samples, the outermost one step from those four: so tiles that are given as much
+/// around them agree. Where there are no samples the normal is that of the faces around the vertex, weighted by their area.
 ///
 /// 12 samples are read for a normal. Nothing is allocated unless normals come from faces: then 24 bytes a vertex.
 #ifndef HMESH_IO_HEIGHTS_DETAIL_RELIEF_HPP
@@ -131,7 +131,8 @@ using Vector3 = std::array<double, 3>;
 }
 
 /// Refuses meshes of heights that no model holds: what check_for_export() refuses, and a plane without an area. O(n).
-[[nodiscard]] inline Status check_height_mesh(const MeshView& mesh, const HeightSamples& samples, const HeightChannel& z) noexcept {
+[[nodiscard]] inline Status check_height_mesh(const MeshView& mesh, const HeightSamples& samples,
+                                              const HeightChannel& z) noexcept {
     if (const Status status = check_for_export(mesh, 16); !status) return status;
     if (mesh.samples == Samples::points && mesh.width < 2)
         return {Errc::invalid_argument, "a mesh of samples that are points must be at least 2 of them wide", mesh.width, 2};
@@ -141,6 +142,12 @@ using Vector3 = std::array<double, 3>;
     return samples.check_for(mesh, z.channel);
 }
 
+/// How high a vertex is, in units.
+[[nodiscard]] inline double height_of(const MeshView& mesh, const HeightChannel& z, std::size_t vertex) noexcept {
+    const float value = mesh.colors[static_cast<std::size_t>(mesh.channels) * vertex + static_cast<std::size_t>(z.channel)];
+    return z.offset + z.scale * static_cast<double>(value);
+}
+
 /// A mesh as a surface in space. All functions of a vertex cost O(1).
 class Relief {
   public:
@@ -148,8 +155,16 @@ class Relief {
     Relief(const MeshView& mesh, const HeightSamples& samples, const HeightOptions& options, bool is_y_up) noexcept
         : mesh_(mesh), samples_(samples), options_(options), is_y_up_(is_y_up) {}
 
-    /// Where a vertex is, in the axes of the file.
-    [[nodiscard]] Vector3 position(std::size_t vertex) const noexcept { return in_file(on_map(vertex)); }
+    /// Where a vertex is, in the axes of the file; moved in the mesh's plane by `shift` px, and at another height if there is
+    /// one.
+    [[nodiscard]] Vector3 position(std::size_t vertex, const std::array<double, 2>& shift = {},
+                                   const double* height = nullptr) const noexcept {
+        Vector3 at = on_map(vertex, shift);
+        if (height != nullptr) at[2] = *height;
+        return in_file(at);
+    }
+    /// How high a vertex is, in units.
+    [[nodiscard]] double height(std::size_t vertex) const noexcept { return height_of(mesh_, options_.z, vertex); }
 
     /// Prepares normal(): sums up the normals of faces where there are no samples.
     void find_normals() {
@@ -180,13 +195,11 @@ class Relief {
     [[nodiscard]] std::array<double, 2> plane(std::size_t vertex) const noexcept {
         return {static_cast<double>(mesh_.positions[2 * vertex]), static_cast<double>(mesh_.positions[2 * vertex + 1])};
     }
-    [[nodiscard]] Vector3 on_map(std::size_t vertex) const noexcept {
+    [[nodiscard]] Vector3 on_map(std::size_t vertex, const std::array<double, 2>& shift = {}) const noexcept {
         const std::array<double, 2> at = plane(vertex);
-        const float value = mesh_.colors[static_cast<std::size_t>(mesh_.channels) * vertex + static_cast<std::size_t>(options_.z.channel)];
         // Sums of whole columns and of floats are exact, so that tiles round alike.
-        return {options_.x_origin + options_.x_step * (options_.first_column + at[0]),
-                options_.y_origin - options_.y_step * (options_.first_row + at[1]),
-                options_.z.offset + options_.z.scale * static_cast<double>(value)};
+        return {options_.x_origin + options_.x_step * (options_.first_column + at[0] + shift[0]),
+                options_.y_origin - options_.y_step * (options_.first_row + at[1] + shift[1]), height(vertex)};
     }
     [[nodiscard]] Vector3 in_file(const Vector3& a) const noexcept {
         if (!is_y_up_) return a;
@@ -202,15 +215,16 @@ class Relief {
 
 /// Refuses what no file of a model holds: meshes that check_height_mesh() refuses, options outside their range, and coordinates
 /// beyond all floats. O(n).
-[[nodiscard]] inline Status check_relief(const MeshView& mesh, const HeightSamples& samples, const HeightOptions& options) noexcept {
+[[nodiscard]] inline Status check_relief(const MeshView& mesh, const HeightSamples& samples,
+                                         const HeightOptions& options) noexcept {
     if (const Status status = check_height_mesh(mesh, samples, options.z); !status) return status;
     constexpr auto most = static_cast<double>(std::numeric_limits<float>::max()),
                    least = static_cast<double>(std::numeric_limits<float>::min());
-    if (const Status status =
-            kit::check_ranges({{"the step to the east must be positive and a length that a float holds", options.x_step, least, most},
-                               {"the step to the south must be positive and a length that a float holds", options.y_step, least, most},
-                               {"the x of the origin must be a number that a float holds", options.x_origin, -most, most},
-                               {"the y of the origin must be a number that a float holds", options.y_origin, -most, most}});
+    if (const Status status = kit::check_ranges(
+            {{"the step to the east must be positive and a length that a float holds", options.x_step, least, most},
+             {"the step to the south must be positive and a length that a float holds", options.y_step, least, most},
+             {"the x of the origin must be a number that a float holds", options.x_origin, -most, most},
+             {"the y of the origin must be a number that a float holds", options.y_origin, -most, most}});
         !status)
         return status;
     if (options.texture != nullptr)
@@ -219,7 +233,8 @@ class Relief {
     for (std::size_t v = 0; v < mesh.vertex_count; ++v)
         for (const double coordinate : relief.position(v))
             if (!kit::is_within(coordinate, -most, most))
-                return {Errc::not_finite, "the model has a coordinate that no float holds, at vertex", static_cast<std::int64_t>(v), 0};
+                return {Errc::not_finite, "the model has a coordinate that no float holds, at vertex",
+                        static_cast<std::int64_t>(v), 0};
     return {};
 }
 
