@@ -20,9 +20,9 @@ using tool::add_name;
 enum class Question : std::uint8_t { help, version };
 
 constexpr char footer[] =
-    "Local metres: +x is the east, +y the north and +z up (.glb: -z the north and +y up), 0 the middle of the whole file and, of\n"
-    "heights, their own; --report says where on the map that is. Degrees become metres by the length of a degree in the middle of\n"
-    "the file, for all of it: reproject what is larger than some hundred kilometres.\n"
+    "Local metres: +x is the east, +y the north and +z up (.glb: -z the north and +y up), from the south-western sample of the\n"
+    "whole file; heights are its own. --report says where on the map that is. Degrees become metres by the length of a degree in\n"
+    "the middle of the file, for all of it: reproject what is larger than some hundred kilometres.\n"
     "Tiles: with a bound, neighbours have the same vertices and normals along their common row bit for bit, each made without\n"
     "the other: in one run, in several at once on many machines (--only), or after a crash (--resume).\n"
     "Examples:\n"

@@ -25,10 +25,11 @@ std::string find_frame(const Arguments& arguments, const Dem& dem, Frame& frame)
     const auto& t = place.transform;
     const double columns = dem.width - 1, rows = dem.height - 1;
     frame = {};
-    frame.middle = {t[0] + t[1] * columns / 2, t[3] + t[5] * rows / 2};
+    frame.origin = {t[0], t[3] + t[5] * rows};
+    const double middle = t[3] + t[5] * rows / 2;
     if (place.is_geographic) {
-        if (std::fabs(frame.middle[1]) > 89.99) return "'" + arguments.input + "' lies around a pole: reproject it with gdalwarp";
-        frame.metres = metres_of_degrees(place, frame.middle[1]);
+        if (std::fabs(middle) > 89.99) return "'" + arguments.input + "' lies around a pole: reproject it with gdalwarp";
+        frame.metres = metres_of_degrees(place, middle);
         frame.extent = Extent{t[0], t[3] + t[5] * rows, t[0] + t[1] * columns, t[3]};
     } else {
         frame.metres = {place.unit, place.unit};
@@ -39,8 +40,7 @@ std::string find_frame(const Arguments& arguments, const Dem& dem, Frame& frame)
     frame.y_step = arguments.scale * -t[5] * frame.metres[1];
     if (!(frame.x_step > 0) || !(frame.y_step > 0) || !std::isfinite(frame.x_step * columns) || !std::isfinite(frame.y_step * rows))
         return "'" + arguments.input + "' has samples that are no metres apart, or too many";
-    frame.x_origin = -frame.x_step * columns / 2;
-    frame.y_origin = frame.y_step * rows / 2;
+    frame.y_origin = frame.y_step * rows;
     frame.z_scale = arguments.z_scale * (arguments.format == Format::quantized_mesh ? 1 : arguments.scale);
     frame.z_offset = arguments.offset * frame.z_scale;
     if (arguments.format == Format::quantized_mesh && !frame.extent)

@@ -1,4 +1,5 @@
-// hmesh-terrain - Frame: where the samples of a model stand in the coordinates of a file: metres around its middle, or degrees.
+// hmesh-terrain - Frame: where the samples of a model stand in the coordinates of a file: metres from its south-western
+// sample, or degrees.
 #ifndef HMESH_TERRAIN_FRAME_HPP
 #define HMESH_TERRAIN_FRAME_HPP
 
@@ -18,7 +19,7 @@ struct Frame {
     double x_origin = 0, y_origin = 0, x_step = 1, y_step = 1;
     double z_offset = 0, z_scale = 1;
     std::array<double, 2> metres{1, 1};     // in a unit of the map, to the east and to the north
-    std::array<double, 2> middle{0, 0};     // of the model, in units of the map: where x and y are 0
+    std::array<double, 2> origin{0, 0};     // in units of the map: where x and y are 0
     std::optional<Extent> extent;           // of the outermost samples, in degrees, where they are known
 };
 

@@ -2,7 +2,9 @@
 
 #include <cstddef>
 
-#include "hmesh/io/heights.hpp"
+#include "hmesh/io/heights/height_models.hpp"
+#include "hmesh/io/heights/height_stl.hpp"
+#include "hmesh/io/heights/quantized_mesh.hpp"
 
 namespace terrain {
 

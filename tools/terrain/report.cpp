@@ -60,12 +60,12 @@ Json tile_value(const Tile& tile, const TileEnd& end) {
 // Where on the map the numbers of the files are.
 Json frame_value(const Arguments& arguments, const Dem& dem, const Frame& frame) {
     if (arguments.format == Format::quantized_mesh) return {{"is", "degrees and metres"}, {"extent", *frame.extent}};
-    const char* const how = dem.place.is_geographic ? "degrees times the metres of one at the origin"
+    const char* const how = dem.place.is_geographic ? "degrees, times the metres of one in the middle of the input"
                             : dem.place.is_known    ? "units of the map, times the metres of one"
                                                     : "samples, times their spacing";
     return {{"is", "local metres, times scale: +x east, +y north, +z up (.glb: +x east, +y up, -z north)"},
             {"metres", how},
-            {"origin", frame.middle},
+            {"origin", frame.origin},
             {"metres_of_unit", frame.metres},
             {"scale", arguments.scale},
             {"z_scale", frame.z_scale},
