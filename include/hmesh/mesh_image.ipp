@@ -236,6 +236,9 @@ template <class T, int C>
                                              FunctionRef<void(const Subject<C>& subject, const ImageView<T, C>& image)> body) {
     Status status = check(view);
     if (status) status = check(options, std::int64_t{view.width} * view.height, C);
+    if (status && (options.mask.data != nullptr || options.nan_is_no_data))
+        status = {Errc::invalid_argument, "this method meshes all samples: of those of the library Bounded alone knows mask and "
+                                          "nan_is_no_data"};
     if (status) status = check_recipe(view.width, view.height);
     if (status) status = kit::check_finite(view, parallel_for);
     if (status) status = kit::check_weights(options.weights, view.width, view.height, parallel_for);

@@ -109,6 +109,14 @@ struct Options {
     bool straight_border = false;
     /// Where the samples stand in the plane: squares, as pictures have them, or points, as heightmaps do.
     Samples samples = Samples::squares;
+    /// Which samples have data: a view of the image's size, 0 for those that have none, such as voids of an elevation model. The
+    /// mesh leaves them out: it covers every sample with data in a cell of data, and none without data. A cell is the square of
+    /// four neighbouring samples of an image of points, all with data, and the square of one sample of an image of squares. An
+    /// empty view (the default): all have data. Of the recipes of the library Bounded alone can do it.
+    ImageView<std::uint8_t, 1> mask{};
+    /// Of a float image: whether a sample that is NaN or infinite in a channel has no data. By default such images are refused.
+    /// Bounded alone, too.
+    bool nan_is_no_data = false;
     /// What a search for a PSNR goes by, and Target::good_enough: psnr_of(mesh, psnr) returns the PSNR, in dB, that a mesh counts
     /// as, `psnr` being its own (Report::psnr). For meshes that are to reach the target as they are stored or drawn, with fewer
     /// bits or between other values. Empty (the default): their own. Called for each run of a search, on the thread that called

@@ -24,6 +24,9 @@ struct Report {
     /// PSNR in dB, 10 log10(peak^2 / MSE), with the MSE the mean over pixels AND channels; infinity for MSE 0.
     double psnr = 0;
     std::vector<StageReport> stages;  ///< size and error after each stage of the method, in order
+    /// Largest |mesh - sample| over pixels and channels, in stored values; those of weight 0 do not count, and other weights do
+    /// not change it.
+    double max_error = 0;
 };
 
 /// What mesh_image() returns. A status that is not ok may come with a good mesh (has_mesh()): the nearest one to a PSNR that

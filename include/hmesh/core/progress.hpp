@@ -90,9 +90,11 @@ class ProgressReporter {
     /// The energies to come are in this unit, by which they are multiplied in all that is told; > 0, 1 at first.
     void set_energy_unit(double unit) noexcept { energy_unit_ = unit; }
     /// Begins the last stage, that of the final colours.
-    HMESH_COLD bool begin_colors(std::size_t vertices, double energy) {
+    HMESH_COLD bool begin_colors(std::size_t vertices, double energy) { return begin_last("colors", vertices, energy); }
+    /// Begins the last stage of a method whose last one has another name, in static memory.
+    HMESH_COLD bool begin_last(const char* stage, std::size_t vertices, double energy) {
         const double from = plan_.empty() ? stage_to_ : std::max(stage_to_, 1 - plan_.back());
-        return begin_stage("colors", vertices, energy, from, 1);
+        return begin_stage(stage, vertices, energy, from, 1);
     }
     /// Reports that this fraction of the stage is done, in [0, 1], with a mesh of this size and energy. False once cancelled.
     bool update(double fraction, std::size_t vertices, double energy) {

@@ -1,0 +1,129 @@
+/// \file
+/// HeightField: the samples that a bounded mesh keeps to, as planes of floats, with what has no data.
+///
+/// A copy of the image, so that all that follows is compiled once for all types of samples: 4 bytes a sample and channel, and
+/// one for the mask where there is one. What rounding to float takes is known (slack) and comes off the bound.
+#ifndef HMESH_METHODS_BOUNDED_HEIGHT_FIELD_HPP
+#define HMESH_METHODS_BOUNDED_HEIGHT_FIELD_HPP
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include "hmesh/core/finite.hpp"
+#include "hmesh/core/parallel.hpp"
+#include "hmesh/image/image_view.hpp"
+#include "hmesh/mesh/samples.hpp"
+
+#include "hmesh/core/macros/push.hpp"
+
+namespace hmesh::kit {
+
+/// The most channels that are kept within a bound.
+inline constexpr int max_bounded_channels = 4;
+
+/// The samples of an image as planes of floats. Sample (i, j) stands at (i + offset(), j + offset()).
+struct HeightField {
+    int width = 0,                       ///< samples in a row
+        height = 0,                      ///< rows
+        channels = 1;                    ///< 1 to 4
+    Samples samples = Samples::squares;  ///< where samples stand
+    double slack = 0;                    ///< largest |float - sample|
+    double largest = 0;                  ///< largest |sample| with data
+    int bad_row = -1;                    ///< a row with a sample that has data and is no finite float; or -1
+    std::vector<float> values;           ///< plane after plane, rows packed, some floats more at the end; 0 without data
+    std::vector<std::uint8_t> data;      ///< 1 for samples with data; empty: all
+
+    /// 1/2 for squares, 0 for points.
+    [[nodiscard]] double offset() const noexcept { return samples == Samples::squares ? 0.5 : 0.0; }
+    /// The mesh is [0, right()] x [0, bottom()].
+    [[nodiscard]] int right() const noexcept { return samples == Samples::squares ? width : width - 1; }
+    [[nodiscard]] int bottom() const noexcept { return samples == Samples::squares ? height : height - 1; }  ///< see right()
+    /// Row j of a channel; at least 8 floats can be read behind its end.
+    [[nodiscard]] const float* row(int channel, int j) const noexcept {
+        return values.data() +
+               (static_cast<std::size_t>(channel) * static_cast<std::size_t>(height) + static_cast<std::size_t>(j)) *
+                   static_cast<std::size_t>(width);
+    }
+    /// Whether sample (i, j) has data.
+    [[nodiscard]] bool has_data(int i, int j) const noexcept {
+        return data.empty() ||
+               data[static_cast<std::size_t>(j) * static_cast<std::size_t>(width) + static_cast<std::size_t>(i)] != 0;
+    }
+    /// Whether unit square [i, i + 1] x [j, j + 1] of the plane is a cell of data: for points its four samples have data, for
+    /// squares the one in its middle. False outside.
+    [[nodiscard]] bool is_cell(int i, int j) const noexcept {
+        if (i < 0 || j < 0 || i >= right() || j >= bottom()) return false;
+        if (samples == Samples::squares) return has_data(i, j);
+        return has_data(i, j) && has_data(i + 1, j) && has_data(i, j + 1) && has_data(i + 1, j + 1);
+    }
+    /// Whether the mesh must cover sample (i, j): it has data, and one of the cells at it is a cell of data.
+    [[nodiscard]] bool is_wanted(int i, int j) const noexcept {
+        if (data.empty()) return true;
+        if (samples == Samples::squares) return has_data(i, j);
+        return has_data(i, j) && (is_cell(i, j) || is_cell(i - 1, j) || is_cell(i, j - 1) || is_cell(i - 1, j - 1));
+    }
+};
+
+/// The samples of a view, which check() must accept. `mask`: of the view's size, 0 for no data; or empty. `nan_is_no_data`:
+/// whether a NaN in any channel means that a sample has no data.
+template <class T, int C>
+[[nodiscard]] HeightField height_field(const ImageView<T, C>& view, Samples samples, const ImageView<std::uint8_t, 1>& mask,
+                                       bool nan_is_no_data, const ParallelFor& parallel_for) {
+    static_assert(C <= max_bounded_channels, "a bounded mesh has 1 to 4 channels");
+    HeightField field;
+    field.width = view.width;
+    field.height = view.height;
+    field.channels = C;
+    field.samples = samples;
+    const auto width = static_cast<std::size_t>(view.width), rows = static_cast<std::size_t>(view.height);
+    field.values.resize(width * rows * C + 16);
+    const bool has_mask = mask.data != nullptr || (nan_is_no_data && !PixelTraits<T>::is_integer);
+    if (has_mask) field.data.resize(width * rows);
+    std::vector<double> slack(rows, 0.0), largest(rows, 0.0);
+    std::vector<unsigned char> holes(rows, 0), bad(rows, 0);
+    for_each_chunk(parallel_for, rows, 32, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t j = begin; j < end; ++j) {
+            const T* from = view.row(static_cast<int>(j));
+            const std::uint8_t* masked = mask.data != nullptr ? mask.row(static_cast<int>(j)) : nullptr;
+            for (std::size_t i = 0; i < width; ++i, from += C) {
+                bool has_data = masked == nullptr || masked[i] != 0;
+                double value[C];
+                for (int c = 0; c < C; ++c) {
+                    value[c] = PixelTraits<T>::to_real(from[c]);
+                    if (has_mask && nan_is_no_data && !is_finite(value[c])) has_data = false;
+                }
+                if (has_mask) field.data[j * width + i] = has_data ? 1 : 0;
+                if (!has_data) holes[j] = 1;
+                for (std::size_t c = 0; c < C; ++c) {
+                    const auto rounded = has_data ? static_cast<float>(value[c]) : 0.0F;
+                    field.values[(c * rows + j) * width + i] = rounded;
+                    if (!has_data) continue;
+                    if (!is_finite(value[c]) || !is_finite(rounded)) {
+                        bad[j] = 1;
+                        continue;
+                    }
+                    slack[j] = std::max(slack[j], std::abs(static_cast<double>(rounded) - value[c]));
+                    largest[j] = std::max(largest[j], std::abs(value[c]));
+                }
+            }
+        }
+    });
+    bool has_holes = false;
+    for (std::size_t j = 0; j < rows; ++j) {
+        field.slack = std::max(field.slack, slack[j]);
+        field.largest = std::max(field.largest, largest[j]);
+        has_holes = has_holes || holes[j] != 0;
+        if (bad[j] != 0 && field.bad_row < 0) field.bad_row = static_cast<int>(j);
+    }
+    if (!has_holes) field.data = {};
+    return field;
+}
+
+}  // namespace hmesh::kit
+
+#include "hmesh/core/macros/pop.hpp"
+
+#endif  // HMESH_METHODS_BOUNDED_HEIGHT_FIELD_HPP
