@@ -89,7 +89,7 @@ def test_every_bound_is_kept_from_none_to_all(terrain, bound):
     write("dem.asc", dems.asc(heights))
     for kind in ["ply", "glb"]:
         terrain.done(f"dem.asc -o model.{kind} --max-error {bound}")
-        assert judge(heights, read_model(f"model.{kind}"), from_south(19)) <= float(bound)
+        assert judge(heights, read_model(f"model.{kind}"), from_south(19)) <= float(bound) + 1e-12  # of the judge
     assert bound != "100000" or len(read_model("model.ply").faces) <= 4
 
 
@@ -305,7 +305,10 @@ def border(model, is_border):
 @pytest.mark.parametrize("holes", [False, True])
 @pytest.mark.parametrize("effort", EFFORTS)
 def test_neighbours_have_the_same_vertices_and_normals_along_their_common_row(terrain, effort, holes):
-    heights = with_holes(ground(WIDTH, HEIGHT)) if holes else ground(WIDTH, HEIGHT)
+    heights = ground(WIDTH, HEIGHT)
+    if holes:  # that end within a tile: a border alone knows nothing of what is without data beside it
+        heights = [[None if math.hypot(x - 24, y - 8) < 5 or (x < 5 and 20 < y < 27) or x == y == 40 else z for x, z in enumerate(row)]
+                   for y, row in enumerate(heights)]
     write("dem.asc", dems.asc(heights, cell=3.7))
     report = report_of(terrain, f"dem.asc -o tile.ply --max-error 9 --tiles 16 --effort {effort}")
     tiles = {(t["x"], t["y"]): read_model(t["file"]) for t in report["tiles"]}
@@ -504,10 +507,8 @@ def test_a_file_that_is_cut_off_anywhere_is_refused(terrain, name):
     heights = ground(20, 20)
     whole = {"dem.pgm": dems.pgm, "dem.png": dems.png, "dem.asc": dems.asc, "N10E010.hgt": dems.hgt, "dem.tif": dems.geotiff}[name](heights)
     for reader in readers(terrain) if name != "dem.tif" else [""]:
-        for size in [0, 1, 7, 20, len(whole) // 3, len(whole) // 2, len(whole) - 9]:
+        for size in [0, 1, 7, 20, len(whole) // 3, len(whole) // 2, len(whole) - 30]:
             write(name, whole[:size])
-            if size == len(whole) - 9 and name == "dem.asc":
-                continue  # the last number may lose a digit
             terrain.fails(f"cannot read '{name}': ", f"{name} -o x.ply --max-error 1 {reader}")
     assert not Path("x.ply").exists()
 

@@ -1,4 +1,4 @@
-// hmesh-terrain - from heights to a mesh: all that the command asks of hmesh::mesh_image().
+// hmesh-terrain - from heights to a mesh: all that the command asks of hmesh::mesh_image(), a file for each method.
 #ifndef HMESH_TERRAIN_MESHING_HPP
 #define HMESH_TERRAIN_MESHING_HPP
 
@@ -10,9 +10,13 @@
 
 namespace terrain {
 
-// Within the bound, in heights of the file; or as many vertices as the arguments say where they ask for that.
-[[nodiscard]] hmesh::Result mesh_window(const Arguments& arguments, const Window& window, double bound, hmesh::Progress progress,
+// As few triangles as the effort finds within the bound, in heights of the file. Of tiles the borders follow from their rows alone.
+[[nodiscard]] hmesh::Result mesh_within(const Arguments& arguments, const Window& window, double bound, hmesh::Progress progress,
                                         const hmesh::ParallelFor& parallel_for);
+
+// The least squared error with as many vertices as the arguments say, of a window whose samples all have data.
+[[nodiscard]] hmesh::Result mesh_with_vertices(const Arguments& arguments, const Window& window, hmesh::Progress progress,
+                                               const hmesh::ParallelFor& parallel_for);
 
 }  // namespace terrain
 

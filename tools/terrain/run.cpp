@@ -174,7 +174,9 @@ std::string Run::make_file(const Tile& tile, const Window& window, const hmesh::
         end.asked = share * (wanted - step);
         end.is_tighter = share < shares.front();
         const auto progress = [&](const hmesh::ProgressInfo& info) { return tell(info); };
-        const hmesh::Result result = mesh_window(arguments_, window, end.asked, progress, parallel_for);
+        const hmesh::Result result = arguments_.max_error
+                                         ? mesh_within(arguments_, window, end.asked, progress, parallel_for)
+                                         : mesh_with_vertices(arguments_, window, progress, parallel_for);
         if (!result.status || !result.has_mesh())
             return "'" + arguments_.input + "' as '" + tile.file + "': " + tool::in_words(result.status) +
                    (tool::interrupted ? "; it is not written" : "");
