@@ -3998,8 +3998,8 @@ inline void write_obj_faces(Writer& writer, const MeshView& mesh, std::initializ
     }
 }
 
-/// Writes the first lines of a PLY file, before the properties of its vertices. `texture`, if it is not nullptr, is named as MeshLab
-/// reads it.
+/// Writes the first lines of a PLY file, before the properties of its vertices. `texture`, if it is not nullptr, is named as
+/// MeshLab reads it.
 HMESH_COLD inline void begin_ply(Writer& writer, const MeshView& mesh, const char* texture = nullptr, bool is_ascii = false) {
     writer.text(is_ascii ? "ply\nformat ascii 1.0\n" : "ply\nformat binary_little_endian 1.0\n");
     writer.text("comment made by hmesh " HMESH_VERSION_STRING "\n");

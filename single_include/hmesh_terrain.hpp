@@ -23,7 +23,8 @@
 /// \file
 /// HeightOptions: how the plane and the heights of a mesh become a model in space.
 ///
-/// The map: x points east, y north and z up, in units of the caller's, metres as a rule. A vertex (x, y) of the mesh, y down, is at
+/// The map: x points east, y north and z up, in units of the caller's, metres as a rule. A vertex (x, y) of the mesh, y down,
+/// is at
 ///
 ///     ( x_origin + x_step (first_column + x),  y_origin - y_step (first_row + y),  z.offset + z.scale value )
 ///
@@ -53,11 +54,12 @@ enum class UpAxis : std::uint8_t {
 /// Where the image lies that is draped over the terrain: the texture coordinates.
 enum class Drape : std::uint8_t {
     none,  ///< there are no texture coordinates
-    /// The image has the extent of the raster, whose samples are squares of one step: of as many pixels as there are samples, pixel
-    /// (i, j) lies on sample (i, j), and its sides half a step outside of a mesh of Samples::points: u = (x + 1/2) / W. As maps of
-    /// the same bounds and another resolution do, and all that is computed from the heightmap itself.
+    /// The image has the extent of the raster, whose samples are squares of one step: of as many pixels as there are samples,
+    /// pixel (i, j) lies on sample (i, j), and its sides half a step outside of a mesh of Samples::points: u = (x + 1/2) / W.
+    /// As maps of the same bounds and another resolution do, and all that is computed from the heightmap itself.
     raster,
-    /// The image ends where the mesh does: u = x / (W - 1) with Samples::points. With Samples::squares this is the same as raster.
+    /// The image ends where the mesh does: u = x / (W - 1) with Samples::points. With Samples::squares this is the same as
+    /// raster.
     mesh,
 };
 
@@ -73,8 +75,8 @@ struct HeightOptions {
     UpAxis up = UpAxis::usual;      ///< which way is up
     bool has_normals = true;        ///< a smooth normal for each vertex
     Drape drape = Drape::raster;    ///< the texture coordinates
-    /// The name of the image that is draped over the terrain, a path as seen from the file: in glTF, where it is a URI, and PLY. In
-    /// OBJ that of the material file, which write_material() writes. nullptr: none is named.
+    /// The name of the image that is draped over the terrain, a path as seen from the file: in glTF, where it is a URI, and
+    /// PLY. In OBJ that of the material file, which write_material() writes. nullptr: none is named.
     const char* texture = nullptr;
 };
 
@@ -85,7 +87,8 @@ struct HeightOptions {
 // ---- hmesh/io/heights/height_samples.hpp
 
 /// \file
-/// HeightSamples: the samples of a heightmap as exporters read them, of any type and any number of channels, to take normals from.
+/// HeightSamples: the samples of a heightmap as exporters read them, of any type and any number of channels, to take normals
+/// from.
 #ifndef HMESH_IO_HEIGHTS_HEIGHT_SAMPLES_HPP
 #define HMESH_IO_HEIGHTS_HEIGHT_SAMPLES_HPP
 
@@ -185,10 +188,10 @@ class HeightSamples {
 /// \file
 /// Relief: a mesh as a surface in space, vertex after vertex: position, normal and place in the draped image.
 ///
-/// Normals are those of the samples. The slope at a sample is the central difference of its neighbours, one-sided where one of them
-/// has no data or is outside of the image; that at a vertex is interpolated bilinearly between the four samples around it that
-/// have data. It follows from at most 12 samples, the outermost one step from those four: so tiles that are given as much around them agree. Where
-/// there are no samples the normal is that of the faces around the vertex, weighted by their area.
+/// Normals are those of the samples. The slope at a sample is the central difference of its neighbours, one-sided where one of
+/// them has no data or is outside of the image; that at a vertex is interpolated bilinearly between the four samples around it
+/// that have data. It follows from at most 12 samples, the outermost one step from those four: so tiles that are given as much
+/// around them agree. Where there are no samples the normal is that of the faces around the vertex, weighted by their area.
 ///
 /// 12 samples are read for a normal. Nothing is allocated unless normals come from faces: then 24 bytes a vertex.
 #ifndef HMESH_IO_HEIGHTS_DETAIL_RELIEF_HPP
@@ -328,7 +331,8 @@ class Relief {
     Relief(const MeshView& mesh, const HeightSamples& samples, const HeightOptions& options, bool is_y_up) noexcept
         : mesh_(mesh), samples_(samples), options_(options), is_y_up_(is_y_up) {}
 
-    /// Where a vertex is, in the axes of the file; moved in the mesh's plane by `shift` px, and at another height if there is one.
+    /// Where a vertex is, in the axes of the file; moved in the mesh's plane by `shift` px, and at another height if there is
+    /// one.
     [[nodiscard]] Vector3 position(std::size_t vertex, const std::array<double, 2>& shift = {},
                                    const double* height = nullptr) const noexcept {
         Vector3 at = on_map(vertex, shift);
@@ -424,14 +428,15 @@ class Relief {
 /// \file
 /// write_height_ply(), _obj(), _glb(): a mesh of heights as a model in space, with smooth normals and texture coordinates.
 ///
-/// Faces are counter-clockwise seen from above and face up, and the map is not mirrored: north is y in files with z up, and -z in
-/// glTF, where y is up. Normals are those of the samples (see HeightSamples), or, without samples, of the faces around a vertex. Texture
-/// coordinates, as Drape has them, begin at the lower left corner of the image in PLY and OBJ, at its upper left one in glTF.
+/// Faces are counter-clockwise seen from above and face up, and the map is not mirrored: north is y in files with z up, and -z
+/// in glTF, where y is up. Normals are those of the samples (see HeightSamples), or, without samples, of the faces around a
+/// vertex. Texture coordinates, as Drape has them, begin at the lower left corner of the image in PLY and OBJ, at its upper
+/// left one in glTF.
 ///
 /// Coordinates are floats in PLY and glTF, with 24 bits: to a centimetre up to 130 km from the origin. OBJ has nine digits.
 /// Of what grows with the mesh nothing is allocated with samples, and 24 bytes a vertex without. O(n).
-/// Sources: Greg Turk, The PLY Polygon File Format, 1994; Wavefront, Object and Material files; Khronos, glTF 2.0, sections 3.6 to
-/// 3.9.
+/// Sources: Greg Turk, The PLY Polygon File Format, 1994; Wavefront, Object and Material files; Khronos, glTF 2.0, sections 3.6
+/// to 3.9.
 #ifndef HMESH_IO_HEIGHTS_HEIGHT_MODELS_HPP
 #define HMESH_IO_HEIGHTS_HEIGHT_MODELS_HPP
 
@@ -472,10 +477,11 @@ inline void bound_heights(const MeshView& mesh, const Relief& relief, GlbArray& 
 
 }  // namespace detail
 
-/// Writes a mesh as a binary PLY file: vertices `float x y z`, `nx ny nz` with normals and `s t` with texture coordinates, z up. A
-/// texture is named in a comment, as MeshLab reads it. A mesh that has no size, numbers that are not finite, faces without their
-/// vertices or not the channel of heights, samples that are fewer than the mesh's, options outside their range and coordinates
-/// beyond all floats give a Status that says so, and no byte is written; a sink that refuses bytes gives Errc::write_failed.
+/// Writes a mesh as a binary PLY file: vertices `float x y z`, `nx ny nz` with normals and `s t` with texture coordinates, z
+/// up. A texture is named in a comment, as MeshLab reads it. A mesh that has no size, numbers that are not finite, faces
+/// without their vertices or not the channel of heights, samples that are fewer than the mesh's, options outside their range
+/// and coordinates beyond all floats give a Status that says so, and no byte is written; a sink that refuses bytes gives
+/// Errc::write_failed.
 inline Status write_height_ply(const MeshView& mesh, const HeightSamples& samples, Sink sink, const HeightOptions& options = {}) {
     if (const Status status = detail::check_height_model(mesh, samples, options); !status) return status;
     detail::Relief relief(mesh, samples, options, detail::is_y_up(options, false));
@@ -528,9 +534,9 @@ inline Status write_height_obj(const MeshView& mesh, const HeightSamples& sample
     return writer.finish();
 }
 
-/// Writes a mesh as a .glb file with POSITION, NORMAL and TEXCOORD_0, y up, of one rough material, white or of the texture, lit by
-/// lamps; where there are no normals it is not lit. A mesh without vertices is a scene of nothing. Refuses what write_height_ply()
-/// does.
+/// Writes a mesh as a .glb file with POSITION, NORMAL and TEXCOORD_0, y up, of one rough material, white or of the texture, lit
+/// by lamps; where there are no normals it is not lit. A mesh without vertices is a scene of nothing. Refuses what
+/// write_height_ply() does.
 inline Status write_height_glb(const MeshView& mesh, const HeightSamples& samples, Sink sink, const HeightOptions& options = {}) {
     if (const Status status = detail::check_height_model(mesh, samples, options); !status) return status;
     if (mesh.vertex_count == 0) return detail::write_empty_glb(sink);
@@ -582,9 +588,9 @@ inline Status write_height_glb(const MeshView& mesh, const HeightSamples& sample
 /// \file
 /// WallPlan: where the walls of a solid stand, so that each of its edges has two faces.
 ///
-/// A wall stands on each edge that one face has alone: along the outer border and around holes. Where borders touch in a vertex the
-/// faces around it are several fans, and one vertical edge would have four walls. There each fan gets a corner of its own, moved
-/// into the fan by a 64th of a sample at most, and by less than would turn one of its faces over.
+/// A wall stands on each edge that one face has alone: along the outer border and around holes. Where borders touch in a vertex
+/// the faces around it are several fans, and one vertical edge would have four walls. There each fan gets a corner of its own,
+/// moved into the fan by a 64th of a sample at most, and by less than would turn one of its faces over.
 ///
 /// O(n log n); 24 bytes a face while it is made, 8 for each edge of the border afterwards.
 #ifndef HMESH_IO_HEIGHTS_DETAIL_WALLS_HPP
@@ -747,9 +753,9 @@ class WallPlan {
 /// STL knows neither vertices nor units: 50 bytes a face, its normal and its three corners as floats. z is up unless
 /// HeightOptions::up says otherwise; normals of vertices, texture coordinates and textures are left out.
 ///
-/// The solid has the surface above, the same faces flat below, and walls of two faces on each edge of the border: twice the faces and
-/// more. Who looks for vertices by their coordinates, as slicers do, finds that each edge has two faces; so the mesh must have one
-/// vertex where there is one place, and floats must keep its vertices apart.
+/// The solid has the surface above, the same faces flat below, and walls of two faces on each edge of the border: twice the
+/// faces and more. Who looks for vertices by their coordinates, as slicers do, finds that each edge has two faces; so the mesh
+/// must have one vertex where there is one place, and floats must keep its vertices apart.
 ///
 /// The surface O(n), nothing allocated. The solid O(n log n), 24 bytes a face.
 /// Source: Marshall Burns, Automated Fabrication, section 6.5: the STL format.
@@ -811,9 +817,9 @@ inline Status write_height_stl(const MeshView& mesh, Sink sink, const HeightOpti
     return writer.finish();
 }
 
-/// Writes a mesh as the binary STL file of a solid that stands on a flat base at the height `base`, in the units of HeightOptions::z:
-/// watertight, each edge of two faces, with walls around holes too. Where borders touch in a vertex, as holes do at their corners, it
-/// becomes a vertex for each side, a 64th of a sample apart at most.
+/// Writes a mesh as the binary STL file of a solid that stands on a flat base at the height `base`, in the units of
+/// HeightOptions::z: watertight, each edge of two faces, with walls around holes too. Where borders touch in a vertex, as holes
+/// do at their corners, it becomes a vertex for each side, a 64th of a sample apart at most.
 ///
 /// Refuses what write_height_stl() does, a base that is not below all heights, faces that have a vertex twice, and edges that
 /// more faces share than one on each side.
@@ -860,7 +866,8 @@ inline Status write_solid_stl(const MeshView& mesh, double base, Sink sink, cons
 /// \file
 /// The ellipsoid WGS 84: places on it in Earth-centred, Earth-fixed coordinates (ECEF), their axes, and what hides behind it.
 ///
-/// ECEF: metres from the centre of the Earth, x towards longitude 0 on the equator, y towards 90 degrees east, z to the north pole.
+/// ECEF: metres from the centre of the Earth, x towards longitude 0 on the equator, y towards 90 degrees east, z to the north
+/// pole.
 /// Sources: NIMA TR8350.2, World Geodetic System 1984; K. Ring, Computing the horizon occlusion point, cesium.com/blog, 2013.
 #ifndef HMESH_IO_HEIGHTS_DETAIL_WGS84_HPP
 #define HMESH_IO_HEIGHTS_DETAIL_WGS84_HPP
@@ -914,8 +921,8 @@ struct GeodeticPlace {
     return {point[0] / equatorial_radius, point[1] / equatorial_radius, point[2] / polar_radius};
 }
 
-/// The horizon occlusion point of some points: the nearest one along a direction that is hidden behind the ellipsoid only where all
-/// of them are. In the frame of the unit sphere.
+/// The horizon occlusion point of some points: the nearest one along a direction that is hidden behind the ellipsoid only where
+/// all of them are. In the frame of the unit sphere.
 class OcclusionPoint {
   public:
     /// In the direction from the centre of the Earth to a point, that of what is to be hidden, in ECEF.
@@ -930,16 +937,20 @@ class OcclusionPoint {
         const double cos_alpha = dot(from_center, direction_), sin_alpha = length(cross(from_center, direction_)),
                      cos_beta = 1 / distance, sin_beta = std::sqrt(std::max(0.0, distance * distance - 1)) * cos_beta;
         const double cosine = cos_alpha * cos_beta - sin_alpha * sin_beta;
-        // A tangent away from the direction does not meet it: points of half the globe. Farther than any eye, in radii of the Earth.
-        constexpr double farthest = 1e6;
-        farthest_ = std::max(farthest_, cosine * farthest > 1 ? 1 / cosine : farthest);
+        // A tangent that leads away from the direction does not meet it: the point is more than a quarter of the globe away.
+        farthest_ = std::max(farthest_, cosine * most > 1 ? 1 / cosine : most);
     }
-    /// The occlusion point of all points taken in, at least one.
+    /// Whether there is one: all points are less than a quarter of the globe from the direction, mountains by so much less as
+    /// they are seen from afar.
+    [[nodiscard]] bool is_there() const noexcept { return farthest_ < most; }
+    /// The occlusion point of all points taken in, at least one. Where there is none, a point farther than any eye.
     [[nodiscard]] Vector3 point() const noexcept {
         return {direction_[0] * farthest_, direction_[1] * farthest_, direction_[2] * farthest_};
     }
 
   private:
+    static constexpr double most = 1e6;  // radii of the Earth
+
     Vector3 direction_;
     double farthest_ = 1;
 };
@@ -953,18 +964,18 @@ class OcclusionPoint {
 /// \file
 /// write_quantized_mesh(): a mesh of heights as a tile of the globe, quantized-mesh 1.0, for Cesium and others.
 ///
-/// The mesh's sides are the tile's: longitude and latitude are linear in its plane, and heights are metres above the ellipsoid WGS 84.
-/// Positions and heights have 15 bits each. Between 256 steps a position is off by 1/256 of a step at most, a height by a 65534th of
-/// the tile's range: rounded_to_tile() gives the mesh as a reader has it, to prove a bound on, and says how much to ask for less.
-/// Vertices come in the order in which faces name them first, and those that none names are left out. The vertices of a side,
-/// and no others, have the coordinate 0 or 32767, and are listed from west to east and from south to north. The bounding sphere
-/// is that around the box of the vertices, seen from the middle of the tile. Servers send tiles compressed by gzip, which is left to the
-/// program.
+/// The mesh's sides are the tile's: longitude and latitude are linear in its plane, and heights are metres above the ellipsoid
+/// WGS 84. Positions and heights have 15 bits each. Between 256 steps a position is off by 1/256 of a step at most, a height by
+/// a 65534th of the tile's range: rounded_to_tile() gives the mesh as a reader has it, to prove a bound on, and says how much
+/// to ask for less. Vertices come in the order in which faces name them first, and those that none names are left out. The
+/// vertices of a side, and no others, have the coordinate 0 or 32767, and are listed from west to east and from south to north.
+/// The bounding sphere is that around the box of the vertices, seen from the middle of the tile. Servers send tiles compressed
+/// by gzip, which is left to the program.
 ///
 /// Bytes: 92 and 6 a vertex, 8 with normals, and 6 a face; 12 from 65,536 vertices on. O(n), 8 bytes a vertex, and 24 more for
 /// normals without samples.
-/// Source: quantized-mesh-1.0, github.com/CesiumGS/quantized-mesh; Z. H. Cigolle et al., A Survey of Efficient Representations for
-/// Independent Unit Vectors, JCGT 3(2), 2014.
+/// Source: quantized-mesh-1.0, github.com/CesiumGS/quantized-mesh; Z. H. Cigolle et al., A Survey of Efficient Representations
+/// for Independent Unit Vectors, JCGT 3(2), 2014.
 #ifndef HMESH_IO_HEIGHTS_QUANTIZED_MESH_HPP
 #define HMESH_IO_HEIGHTS_QUANTIZED_MESH_HPP
 
@@ -986,8 +997,8 @@ struct QuantizedMeshOptions {
         east = 0,       ///< degrees of longitude of its right side, more than `west`, by 180 at most
         north = 0;      ///< degrees of latitude of its upper side, more than `south`, 90 at most
     HeightChannel z{};  ///< the heights, in metres
-    /// Metres: the heights that 0 and 32767 stand for, rounded to floats downward and upward. Neighbouring tiles that are given the
-    /// same ones have the same heights on their common side. low == high: those of the lowest and the highest vertex.
+    /// Metres: the heights that 0 and 32767 stand for, rounded to floats downward and upward. Neighbouring tiles that are given
+    /// the same ones have the same heights on their common side. low == high: those of the lowest and the highest vertex.
     double low = 0,
            high = 0;          ///< metres: see `low`
     bool has_normals = true;  ///< extension 1 (octvertexnormals): 2 bytes a vertex
@@ -1175,12 +1186,18 @@ inline void write_tile_head(Writer& writer, const TileGrid& grid, const TileOrde
     }
     Vector3 center = middle.to_ecef({(low[0] + high[0]) / 2, (low[1] + high[1]) / 2, (low[2] + high[2]) / 2});
     for (std::size_t k = 0; k < 3; ++k) center[k] += origin[k];
-    OcclusionPoint occlusion(center);
     double radius = 0;
+    OcclusionPoint occlusion(center);
     for (const std::uint32_t v : order.vertices) {
         const Vector3 at = grid.ecef(v);
         radius = std::max(radius, length(difference(at, center)));
         occlusion.add(at);
+    }
+    // Of tiles as large as continents: seen from nearer to the equator, no place is a quarter of the globe away.
+    for (int quarters = 3; quarters >= 0 && !occlusion.is_there(); --quarters) {
+        const double latitude = (tile.south + tile.north) / 8 * quarters;
+        occlusion = OcclusionPoint(GeodeticPlace((tile.west + tile.east) / 2, latitude).up);
+        for (const std::uint32_t v : order.vertices) occlusion.add(grid.ecef(v));
     }
     const auto put = [&](const Vector3& point) {
         for (const double coordinate : point) put_f64(writer, coordinate);
@@ -1286,7 +1303,8 @@ inline void write_tile_normals(Writer& writer, const MeshView& mesh, const Heigh
 
 }  // namespace detail
 
-/// The mesh that readers of the tile have, which write_quantized_mesh() would write of this one: what a bound is to be proved on. O(n).
+/// The mesh that readers of the tile have, which write_quantized_mesh() would write of this one: what a bound is to be proved
+/// on. O(n).
 [[nodiscard]] inline TileRounding rounded_to_tile(const MeshView& mesh, const QuantizedMeshOptions& tile) {
     TileRounding out;
     out.status = detail::check_for_tile(mesh, {}, tile);

@@ -234,12 +234,18 @@ inline void write_tile_head(Writer& writer, const TileGrid& grid, const TileOrde
     }
     Vector3 center = middle.to_ecef({(low[0] + high[0]) / 2, (low[1] + high[1]) / 2, (low[2] + high[2]) / 2});
     for (std::size_t k = 0; k < 3; ++k) center[k] += origin[k];
-    OcclusionPoint occlusion(center);
     double radius = 0;
+    OcclusionPoint occlusion(center);
     for (const std::uint32_t v : order.vertices) {
         const Vector3 at = grid.ecef(v);
         radius = std::max(radius, length(difference(at, center)));
         occlusion.add(at);
+    }
+    // Of tiles as large as continents: seen from nearer to the equator, no place is a quarter of the globe away.
+    for (int quarters = 3; quarters >= 0 && !occlusion.is_there(); --quarters) {
+        const double latitude = (tile.south + tile.north) / 8 * quarters;
+        occlusion = OcclusionPoint(GeodeticPlace((tile.west + tile.east) / 2, latitude).up);
+        for (const std::uint32_t v : order.vertices) occlusion.add(grid.ecef(v));
     }
     const auto put = [&](const Vector3& point) {
         for (const double coordinate : point) put_f64(writer, coordinate);

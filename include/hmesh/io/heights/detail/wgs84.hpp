@@ -76,17 +76,20 @@ class OcclusionPoint {
         const double cos_alpha = dot(from_center, direction_), sin_alpha = length(cross(from_center, direction_)),
                      cos_beta = 1 / distance, sin_beta = std::sqrt(std::max(0.0, distance * distance - 1)) * cos_beta;
         const double cosine = cos_alpha * cos_beta - sin_alpha * sin_beta;
-        // A tangent away from the direction does not meet it: points of half the globe. Farther than any eye, in radii of the
-        // Earth.
-        constexpr double farthest = 1e6;
-        farthest_ = std::max(farthest_, cosine * farthest > 1 ? 1 / cosine : farthest);
+        // A tangent that leads away from the direction does not meet it: the point is more than a quarter of the globe away.
+        farthest_ = std::max(farthest_, cosine * most > 1 ? 1 / cosine : most);
     }
-    /// The occlusion point of all points taken in, at least one.
+    /// Whether there is one: all points are less than a quarter of the globe from the direction, mountains by so much less as
+    /// they are seen from afar.
+    [[nodiscard]] bool is_there() const noexcept { return farthest_ < most; }
+    /// The occlusion point of all points taken in, at least one. Where there is none, a point farther than any eye.
     [[nodiscard]] Vector3 point() const noexcept {
         return {direction_[0] * farthest_, direction_[1] * farthest_, direction_[2] * farthest_};
     }
 
   private:
+    static constexpr double most = 1e6;  // radii of the Earth
+
     Vector3 direction_;
     double farthest_ = 1;
 };
