@@ -84,6 +84,14 @@ HMESH_COLD inline std::vector<std::uint32_t> separate_fans(Sheet& sheet) {
     return border;
 }
 
+/// Whether what has data begins or ends at p, a place on a side of the image, which is upright or level.
+[[nodiscard]] inline bool is_end_of_side(const HeightField& field, Point p, bool upright) noexcept {
+    if (field.data.empty()) return false;
+    const int x = std::min(static_cast<int>(p.x), field.right() - 1), y = std::min(static_cast<int>(p.y), field.bottom() - 1);
+    if (upright) return static_cast<double>(y) == p.y && field.is_cell(x, y - 1) != field.is_cell(x, y);
+    return static_cast<double>(x) == p.x && field.is_cell(x - 1, y) != field.is_cell(x, y);
+}
+
 /// Sets what each vertex of a sheet that is the whole mesh is free to do.
 HMESH_COLD inline void set_freedom(Sheet& sheet, const HeightField& field, bool free_borders) {
     const std::vector<std::uint8_t> border = border_vertices(sheet);
@@ -96,7 +104,8 @@ HMESH_COLD inline void set_freedom(Sheet& sheet, const HeightField& field, bool 
         if (!is_inside) {
             freedom = on_side;
             if (free_borders) freedom |= can_lift;
-            if (free_borders && upright != level) freedom |= can_leave | (upright ? can_slide_y : can_slide_x);
+            if (free_borders && upright != level && !is_end_of_side(field, p, upright))
+                freedom |= can_leave | (upright ? can_slide_y : can_slide_x);
         }
         sheet.freedom[v] = freedom;
     }

@@ -1,0 +1,248 @@
+// hmesh tests - meshes within a bound, judged by brute force: each sample against each face, in code of the tests alone.
+#include "hmesh/methods/bounded/bounded.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+#include <map>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <doctest/doctest.h>
+
+#include "hmesh/core/random.hpp"
+#include "test_executors.hpp"
+
+namespace {
+
+using hmesh::Bounded;
+using hmesh::Samples;
+using Effort = hmesh::Bounded::Effort;
+
+constexpr Effort efforts[] = {Effort::draft, Effort::fast, Effort::normal, Effort::best};
+
+/// Samples of C channels with what has data.
+template <class T, int C = 1>
+struct Terrain {
+    int width = 0, height = 0;
+    std::vector<T> samples;           // interleaved
+    std::vector<std::uint8_t> data;   // or empty: all
+    [[nodiscard]] hmesh::ImageView<T, C> view() const { return {samples.data(), width, height, 0}; }
+    [[nodiscard]] double at(int i, int j, int c) const {
+        return static_cast<double>(samples[(static_cast<std::size_t>(j) * static_cast<std::size_t>(width) + static_cast<std::size_t>(i)) * C + static_cast<std::size_t>(c)]);
+    }
+    [[nodiscard]] bool has(int i, int j) const {
+        return i >= 0 && j >= 0 && i < width && j < height &&
+               (data.empty() || data[static_cast<std::size_t>(j) * static_cast<std::size_t>(width) + static_cast<std::size_t>(i)] != 0);
+    }
+    /// Whether the mesh must cover a sample.
+    [[nodiscard]] bool wants(int i, int j, Samples convention) const {
+        if (convention == Samples::squares) return has(i, j);
+        for (int y = j - 1; y <= j; ++y)
+            for (int x = i - 1; x <= i; ++x)
+                if (has(x, y) && has(x + 1, y) && has(x, y + 1) && has(x + 1, y + 1)) return true;
+        return false;
+    }
+};
+
+double cross(double ax, double ay, double bx, double by, double cx, double cy) {
+    return (bx - ax) * (cy - ay) - (cx - ax) * (by - ay);
+}
+
+/// What is wrong with a mesh; empty: nothing.
+template <class T, int C>
+std::string fault(const hmesh::Mesh& mesh, const Terrain<T, C>& terrain, Samples convention, double bound) {
+    const double offset = convention == Samples::squares ? 0.5 : 0;
+    const double right = terrain.width - (convention == Samples::squares ? 0 : 1);
+    const double bottom = terrain.height - (convention == Samples::squares ? 0 : 1);
+    if (mesh.channels != C || mesh.samples != convention || mesh.width != terrain.width || mesh.height != terrain.height)
+        return "the mesh is not of the image";
+    if (!hmesh::check(mesh.view(), C)) return "check() refuses the mesh";
+    std::map<std::pair<std::uint32_t, std::uint32_t>, int> edges;
+    std::vector<int> covered(static_cast<std::size_t>(terrain.width) * static_cast<std::size_t>(terrain.height), 0);
+    std::vector<char> used(mesh.vertex_count(), 0);
+    double area = 0;
+    const auto x = [&](std::uint32_t v) { return static_cast<double>(mesh.positions[2 * std::size_t{v}]); };
+    const auto y = [&](std::uint32_t v) { return static_cast<double>(mesh.positions[2 * std::size_t{v} + 1]); };
+    const double rounding = terrain.samples.empty() ? 0 : 1e-15 * std::abs(static_cast<double>(*std::max_element(terrain.samples.begin(), terrain.samples.end())));
+    for (const hmesh::Triangle& t : mesh.faces) {
+        const double x0 = x(t[0]), y0 = y(t[0]), x1 = x(t[1]), y1 = y(t[1]), x2 = x(t[2]), y2 = y(t[2]);
+        const double twice = cross(x0, y0, x1, y1, x2, y2);
+        if (!(twice > 0)) return "a face is not positively oriented";
+        area += twice / 2;
+        for (std::size_t k = 0; k < 3; ++k) {
+            ++edges[{t[k], t[(k + 1) % 3]}];
+            used[t[k]] = 1;
+            if (x(t[k]) < 0 || x(t[k]) > right || y(t[k]) < 0 || y(t[k]) > bottom) return "a vertex is outside";
+        }
+        for (int j = 0; j < terrain.height; ++j)
+            for (int i = 0; i < terrain.width; ++i) {
+                const double px = i + offset, py = j + offset;
+                const double a = cross(x1, y1, x2, y2, px, py), b = cross(x2, y2, x0, y0, px, py), c = cross(x0, y0, x1, y1, px, py);
+                if (a < 0 || b < 0 || c < 0) continue;  // exact: positions are multiples of 1/256
+                if (!terrain.has(i, j)) return "a face covers a sample without data";
+                ++covered[static_cast<std::size_t>(j) * static_cast<std::size_t>(terrain.width) + static_cast<std::size_t>(i)];
+                for (int channel = 0; channel < C; ++channel) {
+                    const auto z = [&](std::uint32_t v) { return static_cast<double>(mesh.colors[std::size_t{v} * C + static_cast<std::size_t>(channel)]); };
+                    const double height = z(t[0]) + b / twice * (z(t[1]) - z(t[0])) + c / twice * (z(t[2]) - z(t[0]));
+                    const double off = std::abs(height - terrain.at(i, j, channel));
+                    if (off > bound + (bound == 0 ? rounding + 1e-13 * std::abs(terrain.at(i, j, channel)) : 0))
+                        return "a sample is off by " + std::to_string(off) + " of " + std::to_string(bound);
+                }
+            }
+    }
+    for (const char u : used)
+        if (u == 0) return "a vertex has no face";
+    const bool whole = terrain.data.empty();
+    for (const auto& [edge, count] : edges) {
+        if (count != 1) return "an edge is used twice in one direction";
+        if (edges.count({edge.second, edge.first}) != 0 || !whole) continue;
+        const bool on_side = (x(edge.first) == x(edge.second) && (x(edge.first) == 0 || x(edge.first) == right)) ||
+                             (y(edge.first) == y(edge.second) && (y(edge.first) == 0 || y(edge.first) == bottom));
+        if (!on_side) return "an edge within the image has one face";
+    }
+    if (whole && area != right * bottom) return "the faces do not have the area of the rectangle";
+    for (int j = 0; j < terrain.height; ++j)
+        for (int i = 0; i < terrain.width; ++i)
+            if (terrain.wants(i, j, convention) && covered[static_cast<std::size_t>(j) * static_cast<std::size_t>(terrain.width) + static_cast<std::size_t>(i)] == 0)
+                return "a sample is not covered";
+    if (whole) return {};
+    // Faces of a mesh with holes do not overlap: no place, off all edges, is in two.
+    for (double py = 0.137; py < bottom; py += 0.31)
+        for (double px = 0.0713; px < right; px += 0.29) {
+            int in = 0;
+            for (const hmesh::Triangle& t : mesh.faces)
+                if (cross(x(t[0]), y(t[0]), x(t[1]), y(t[1]), px, py) > 0 && cross(x(t[1]), y(t[1]), x(t[2]), y(t[2]), px, py) > 0 &&
+                    cross(x(t[2]), y(t[2]), x(t[0]), y(t[0]), px, py) > 0)
+                    ++in;
+            if (in > 1) return "two faces overlap";
+        }
+    return {};
+}
+
+using Random = hmesh::kit::Random;
+
+double between(Random& random, double low, double high) { return low + (high - low) * random.uniform(); }
+
+/// A terrain of one of several kinds.
+template <class T, int C = 1>
+Terrain<T, C> random_terrain(Random& random, int kind, double scale) {
+    Terrain<T, C> t;
+    t.width = 2 + static_cast<int>(random.uniform() * 18);
+    t.height = 2 + static_cast<int>(random.uniform() * 18);
+    if (kind % 7 == 0) t.height = 2;
+    const double a = between(random, -3, 3), b = between(random, -3, 3), level = 40;
+    const double at = between(random, 0, t.width), frequency = between(random, 0.1, 1);
+    for (int j = 0; j < t.height; ++j)
+        for (int i = 0; i < t.width; ++i)
+            for (int c = 0; c < C; ++c) {
+                double z = level;
+                switch (kind % 7) {
+                    case 0: z += 20 * std::sin(frequency * i + c) * std::cos(frequency * j); break;
+                    case 1: break;                                                          // flat
+                    case 2: z += i < at ? 0 : 60; break;                                    // a step
+                    case 3: z += random.uniform() < 0.05 ? between(random, -40, 60) : 0; break;  // spikes
+                    case 4: z += between(random, -40, 60); break;                           // noise
+                    case 5: z += a * i + b * j; break;                                      // a plane
+                    default: z += 20 * std::sin(frequency * (i + j)) + between(random, -2, 2); break;
+                }
+                t.samples.push_back(static_cast<T>(std::max(0.0, z) * scale));
+            }
+    return t;
+}
+
+/// Gives a terrain holes: blocks, specks, stripes, or everything but a cell.
+template <class T, int C>
+void add_holes(Terrain<T, C>& t, Random& random, int kind) {
+    t.data.assign(static_cast<std::size_t>(t.width) * static_cast<std::size_t>(t.height), kind % 5 == 4 ? 0 : 1);
+    const auto set = [&](int i, int j, std::uint8_t value) {
+        if (i >= 0 && j >= 0 && i < t.width && j < t.height)
+            t.data[static_cast<std::size_t>(j) * static_cast<std::size_t>(t.width) + static_cast<std::size_t>(i)] = value;
+    };
+    const int x = static_cast<int>(random.uniform() * (t.width - 1)), y = static_cast<int>(random.uniform() * (t.height - 1));
+    const double slope = between(random, -2, 2), radius = between(random, 1, 6);
+    for (int j = 0; j < t.height; ++j)
+        for (int i = 0; i < t.width; ++i) switch (kind % 5) {
+                case 0: if (std::hypot(i - x, j - y) < radius) set(i, j, 0); break;
+                case 1: if (random.uniform() < 0.15) set(i, j, 0); break;
+                case 2: if (j - y > slope * (i - x)) set(i, j, 0); break;
+                case 3: if (random.uniform() < 0.6) set(i, j, 0); break;
+                default: break;
+            }
+    if (kind % 5 == 4)
+        for (int k = 0; k < 4; ++k) set(x + k % 2, y + k / 2, 1);
+}
+
+template <class T, int C>
+hmesh::Options options_of(const Terrain<T, C>& terrain, Samples convention) {
+    hmesh::Options options;
+    options.samples = convention;
+    if (!terrain.data.empty()) options.mask = {terrain.data.data(), terrain.width, terrain.height, 0};
+    return options;
+}
+
+template <class T, int C>
+bool has_cell(const Terrain<T, C>& terrain, Samples convention) {
+    for (int j = 0; j < terrain.height; ++j)
+        for (int i = 0; i < terrain.width; ++i)
+            if (terrain.wants(i, j, convention)) return true;
+    return false;
+}
+
+/// Meshes a terrain and judges the mesh.
+template <class T, int C>
+void try_terrain(const Terrain<T, C>& terrain, Samples convention, const Bounded& recipe) {
+    const hmesh::Result result = hmesh::mesh_image(terrain.view(), options_of(terrain, convention), recipe);
+    CAPTURE(terrain.width);
+    CAPTURE(terrain.height);
+    CAPTURE(recipe.max_error);
+    CAPTURE(static_cast<int>(recipe.effort));
+    CAPTURE(static_cast<int>(convention));
+    if (!has_cell(terrain, convention)) {
+        CHECK(!result.status);
+        CHECK(!result.has_mesh());
+        return;
+    }
+    CHECK(std::string(hmesh::message(result.status).c_str()) == "ok");
+    if (!result.status) return;
+    CHECK(fault(result.mesh, terrain, convention, recipe.max_error) == "");
+    CHECK(result.report.max_error <= recipe.max_error);
+    CHECK(result.report.faces == result.mesh.face_count());
+    CHECK(result.report.vertices == result.mesh.vertex_count());
+}
+
+template <class T, int C = 1>
+void try_terrains(std::uint64_t seed, int count, double scale, bool whole_numbers) {
+    Random random(seed);
+    for (int k = 0; k < count; ++k) {
+        CAPTURE(k);
+        CAPTURE(seed);
+        Terrain<T, C> terrain = random_terrain<T, C>(random, k, scale);
+        if (random.uniform() < 0.5) add_holes(terrain, random, static_cast<int>(random.uniform() * 100));
+        const double sizes[] = {0, 0.5, 2, 10, 200};
+        double bound = sizes[static_cast<int>(random.uniform() * 5)] * scale * (whole_numbers ? 1 : between(random, 0.5, 2));
+        const Samples convention = random.uniform() < 0.6 ? Samples::points : Samples::squares;
+        try_terrain(terrain, convention, {bound, efforts[static_cast<int>(random.uniform() * 4)], random.uniform() < 0.5});
+    }
+}
+
+}  // namespace
+
+TEST_CASE("meshes of random terrains of whole numbers are within the bound") {
+    try_terrains<std::uint8_t>(1, 200, 1, true);
+    try_terrains<std::uint16_t>(2, 300, 100, true);
+}
+
+TEST_CASE("meshes of random terrains of floats are within the bound") {
+    try_terrains<float>(3, 200, 1, false);
+    try_terrains<float>(4, 100, 1e-3, false);
+    try_terrains<float>(5, 100, 1e6, false);
+}
+
+TEST_CASE("meshes of several channels are within the bound in each") {
+    try_terrains<std::uint8_t, 3>(6, 60, 1, true);
+    try_terrains<float, 4>(7, 40, 1, false);
+}
