@@ -305,6 +305,17 @@ enum class Samples : std::uint8_t {
     points,
 };
 
+/// How far the mesh of an image reaches along an axis with `size` samples, in px: it begins at 0.
+[[nodiscard]] constexpr int extent(int size, Samples samples) noexcept { return samples == Samples::points ? size - 1 : size; }
+
+namespace kit {
+
+/// How far inside of [0, W] x [0, H] the mesh of an image lies while it is fitted, in px. There the centre of sample (i, j) is
+/// at (i + 1/2, j + 1/2) whatever it is, and a mesh of points is [1/2, W - 1/2] x [1/2, H - 1/2]: 1/2 px off where users have it,
+/// which is exact on the grid of positions. Mesh has the users' positions; ImageMesh, IndexedMesh and Delaunay have these.
+[[nodiscard]] constexpr double inset(Samples samples) noexcept { return samples == Samples::points ? 0.5 : 0; }
+
+}  // namespace kit
 }  // namespace hmesh
 
 #endif  // HMESH_MESH_SAMPLES_HPP
@@ -314,8 +325,8 @@ enum class Samples : std::uint8_t {
 /// \file
 /// Mesh, a triangle mesh as plain arrays, and MeshView, the pointers and counts that exporters and render() read.
 ///
-/// Vertex i is at (positions[2i], positions[2i + 1]) in the plane of the image, [0, width] x [0, height] in px, y down. Its
-/// colour is colors[C i] .. colors[C i + C - 1], in the image's stored values; `peak` is full intensity. Face f joins the
+/// Vertex i is at (positions[2i], positions[2i + 1]) in the plane of the image, [0, width] x [0, height] in px (of samples that
+/// are points [0, width - 1] x [0, height - 1]), y down. Its colour is colors[C i] .. colors[C i + C - 1], in the image's stored values; `peak` is full intensity. Face f joins the
 /// vertices faces[f][0], faces[f][1] and faces[f][2], positively oriented: clockwise on the screen.
 #ifndef HMESH_MESH_MESH_HPP
 #define HMESH_MESH_MESH_HPP
@@ -346,6 +357,11 @@ struct MeshView {
     bool premultiplied = false;
     Periodic periodic = Periodic::none;  ///< along which axes copies of the mesh, shifted by its size, go on from it
     Samples samples = Samples::squares;  ///< where the image's samples stand in the plane
+
+    /// The x of the right side of the rectangle that a mesh of the image covers, in px; its left side is 0.
+    [[nodiscard]] constexpr int right() const noexcept { return extent(width, samples); }
+    /// The y of the lower side, in px; the upper one is 0.
+    [[nodiscard]] constexpr int bottom() const noexcept { return extent(height, samples); }
 };
 
 /// A triangle mesh that owns its arrays. Those that mesh_image() makes tile the rectangle of their image.
@@ -1161,18 +1177,21 @@ namespace hmesh::detail {
     return {};
 }
 
-/// Refuses a mesh without a size in px, and what check() refuses, more than `most_channels` among it. O(n).
+/// Refuses a mesh without a size in px, which for one of points is that between them, and what check() refuses, more than `most_channels` among it. O(n).
 [[nodiscard]] inline Status check_for_export(const MeshView& mesh, int most_channels = 4) noexcept {
     if (mesh.width < 1) return {Errc::invalid_argument, "the mesh's width must be at least 1", mesh.width, 1};
     if (mesh.height < 1) return {Errc::invalid_argument, "the mesh's height must be at least 1", mesh.height, 1};
+    if (mesh.right() < 1 || mesh.bottom() < 1)
+        return {Errc::invalid_argument, "a mesh whose samples are points must have at least 2 along each axis",
+                std::min(mesh.width, mesh.height), 2};
     return check(mesh, most_channels);
 }
 
 // --- positions and faces ---
 
-/// The y of a vertex in px with y up: 0 at the lower edge of the image, `height` at the upper one.
+/// The y of a vertex in px with y up: 0 at the lower side of the image, mesh.bottom() at the upper one.
 [[nodiscard]] inline double y_up(const MeshView& mesh, std::size_t vertex) noexcept {
-    return mesh.height - static_cast<double>(mesh.positions[2 * vertex + 1]);
+    return mesh.bottom() - static_cast<double>(mesh.positions[2 * vertex + 1]);
 }
 
 /// The corners of a face in the order that makes it counter-clockwise, seen from the front, with y up.
@@ -1701,7 +1720,7 @@ struct ShadingLayout {
             return {Errc::invalid_argument, "the mesh's width or height is more than a shading holds", side, farthest};
     if (const Status status = check_for_export(mesh); !status) return status;
 
-    double left = 0, low = 0, right = mesh.width, high = mesh.height;
+    double left = 0, low = 0, right = mesh.right(), high = mesh.bottom();
     for (std::size_t v = 0; v < mesh.vertex_count; ++v) {
         const double x = static_cast<double>(mesh.positions[2 * v]), y = y_up(mesh, v);
         if (!kit::is_within(x, -farthest, farthest) || !kit::is_within(y, -farthest, farthest))
@@ -1827,6 +1846,7 @@ namespace hmesh {
     out.width = mesh.width, out.height = mesh.height;
     out.peak = mesh.peak;
     out.premultiplied = mesh.premultiplied;
+    out.samples = mesh.samples;
     const auto channels = static_cast<std::size_t>(mesh.channels);
     out.positions.assign(mesh.positions, mesh.positions + 2 * mesh.vertex_count);
     out.colors.assign(mesh.colors, mesh.colors + channels * mesh.vertex_count);
@@ -1955,9 +1975,9 @@ inline Status write_eps(const MeshView& source, Sink sink, const PageOptions& op
     detail::Writer writer(sink);
     const auto size = [&](const char* before, const char* after) {
         writer.text(before);
-        writer.decimal(mesh.width);
+        writer.decimal(mesh.right());
         writer.text(" ");
-        writer.decimal(mesh.height);
+        writer.decimal(mesh.bottom());
         writer.text(after);
     };
     size("%!PS-Adobe-3.0 EPSF-3.0\n%%Creator: hmesh " HMESH_VERSION_STRING "\n%%BoundingBox: 0 0 ", "\n");
@@ -2764,7 +2784,7 @@ inline void bound_positions(const MeshView& mesh, const GlbGrid& grid, GlbArray&
 
 /// Where the first mesh of the file is, and how large.
 [[nodiscard]] inline GlbNode node_of(const MeshView& mesh, const GlbGrid& grid, double longer_side) noexcept {
-    const double unit = longer_side > 0 ? longer_side / std::max(mesh.width, mesh.height) : 1;
+    const double unit = longer_side > 0 ? longer_side / std::max(mesh.right(), mesh.bottom()) : 1;
     return {{grid.origin[0] * unit, grid.origin[1] * unit}, grid.step * unit, 0};
 }
 
@@ -3872,7 +3892,7 @@ inline void write_mesh_bytes(Writer& out, const MeshView& mesh) {
 
 /// Writes the mesh as the JSON that viewer/drawing.js reads.
 inline void write_html_mesh(Writer& writer, const MeshView& mesh) {
-    const std::array<std::int64_t, 5> numbers = {mesh.width, mesh.height, mesh.channels,
+    const std::array<std::int64_t, 5> numbers = {mesh.right(), mesh.bottom(), mesh.channels,
                                                  static_cast<std::int64_t>(mesh.vertex_count),
                                                  static_cast<std::int64_t>(mesh.face_count)};
     static constexpr std::array<const char*, 5> names = {
@@ -4439,9 +4459,9 @@ inline Status write_pdf(const MeshView& source, Sink sink, const PageOptions& op
     const auto box = [&](detail::Writer& writer, const char* name) {
         writer.text(name);
         writer.text(" [0 0 ");
-        writer.decimal(mesh.width);
+        writer.decimal(mesh.right());
         writer.text(" ");
-        writer.decimal(mesh.height);
+        writer.decimal(mesh.bottom());
         writer.text("]");
     };
     const auto end_text_stream = [&](const char* text) {
@@ -5017,7 +5037,7 @@ class SvgPage {
         const bool is_masked = mesh_.channels == 4 && (has_ground || !is_opaque());
         if (is_masked) {
             writer_.text("<mask id=\"_m\" maskUnits=\"userSpaceOnUse\" x=\"0\" y=\"0\" ");
-            writer_.size(mesh_.width, mesh_.height);
+            writer_.size(mesh_.right(), mesh_.bottom());
             writer_.text(">\n");
             layer(SvgLayer::alpha);
             writer_.text("</mask>\n<g mask=\"url(#_m)\">\n");
@@ -5036,11 +5056,11 @@ class SvgPage {
     // --- parts of the page ---
     void begin() {
         writer_.text("<svg xmlns=\"http://www.w3.org/2000/svg\" xmlns:xlink=\"http://www.w3.org/1999/xlink\" ");
-        writer_.size(mesh_.width, mesh_.height);
+        writer_.size(mesh_.right(), mesh_.bottom());
         writer_.text(" viewBox=\"0 0 ");
-        writer_.decimal(mesh_.width);
+        writer_.decimal(mesh_.right());
         writer_.text(" ");
-        writer_.decimal(mesh_.height);
+        writer_.decimal(mesh_.bottom());
         writer_.text("\" shape-rendering=\"crispEdges\">\n<!-- made by hmesh " HMESH_VERSION_STRING " -->\n");
     }
     void flat_faces() {
@@ -5069,9 +5089,9 @@ class SvgPage {
     void screened_layers() {
         // Each channel's layer is black in the others, so that screen, a + b - a b, adds.
         writer_.text("<g style=\"isolation:isolate\">\n<path d=\"M0 0H");
-        writer_.decimal(mesh_.width);
+        writer_.decimal(mesh_.right());
         writer_.text("V");
-        writer_.decimal(mesh_.height);
+        writer_.decimal(mesh_.bottom());
         writer_.text("H0z\"/>\n");
         for (const SvgLayer channel : {SvgLayer::red, SvgLayer::green, SvgLayer::blue}) {
             writer_.text("<g style=\"mix-blend-mode:screen\">\n");
@@ -5209,7 +5229,7 @@ class SvgPage {
             const FacePoints p = face_points(f);
             twice += (p[1].x - p[0].x) * (p[2].y - p[0].y) - (p[2].x - p[0].x) * (p[1].y - p[0].y);
         }
-        const double all = 2.0 * mesh_.width * mesh_.height;
+        const double all = 2.0 * mesh_.right() * mesh_.bottom();
         return std::abs(twice - all) < 1e-6 * all;
     }
 
@@ -6040,7 +6060,8 @@ struct Options {
     /// Of a periodic image: whether the cut runs along the sides of the image. Else it is jagged, as the faces are: they stand
     /// out of the image's rectangle and leave as much of it free on the other side, for a copy of them. Costs up to 0.2 dB.
     bool straight_border = false;
-    /// Where the samples stand in the plane: squares, as pictures have them, or points, as heightmaps do.
+    /// Where the samples stand in the plane: squares, as pictures have them, or points, as heightmaps do: then the image has two
+    /// at least along each axis, and does not repeat.
     Samples samples = Samples::squares;
     /// What a search for a PSNR goes by, and Target::good_enough: psnr_of(mesh, psnr) returns the PSNR, in dB, that a mesh counts
     /// as, `psnr` being its own (Report::psnr). For meshes that are to reach the target as they are stored or drawn, with fewer
@@ -6096,6 +6117,9 @@ struct Options {
         return {Errc::invalid_argument, "straight_border is for periodic meshes, and periodic is none"};
     if (options.samples > Samples::points)
         return {Errc::invalid_argument, "the samples are none of those known", static_cast<int>(options.samples), 1};
+    if (options.samples == Samples::points && options.periodic != Periodic::none)
+        return {Errc::invalid_argument, "a periodic image is of samples that are squares, and the samples are points",
+                static_cast<int>(options.periodic), 0};
     return {};
 }
 
@@ -6493,6 +6517,9 @@ struct Report {
     /// PSNR in dB, 10 log10(peak^2 / MSE), with the MSE the mean over pixels AND channels; infinity for MSE 0.
     double psnr = 0;
     std::vector<StageReport> stages;  ///< size and error after each stage of the method, in order
+    /// Largest |mesh - sample| over pixels and channels, in stored values; those of weight 0 do not count, and other weights do
+    /// not change it.
+    double max_error = 0;
 };
 
 /// What mesh_image() returns. A status that is not ok may come with a good mesh (has_mesh()): the nearest one to a PSNR that
@@ -6686,6 +6713,145 @@ class WeightScale {
 
 #endif  // HMESH_IMAGE_WEIGHTS_HPP
 
+// ---- hmesh/mesh/raster.hpp
+
+/// \file
+/// Rasterization: which pixels a face owns, row by row.
+///
+/// A pixel belongs to the face that holds its centre; a centre on an edge belongs to the face to the right of the edge or, if
+/// the edge is level, below it: the top-left rule of Direct3D, Vulkan and most OpenGL drivers. Only first_row() and EdgeWalker
+/// decide this, for the moments that fit a mesh as for the pictures drawn of it, so that the spans of a mesh's faces cover each
+/// pixel once. Samples that are points lie on the mesh's border too, where the rule has an exception: FarSides.
+#ifndef HMESH_MESH_RASTER_HPP
+#define HMESH_MESH_RASTER_HPP
+
+#include <algorithm>
+#include <limits>
+#include <utility>
+
+namespace hmesh::kit {
+
+/// The first row whose centre is not above y, y >= 0. An edge from a down to b crosses the rows [first_row(a.y),
+/// first_row(b.y)).
+[[nodiscard]] HMESH_ALWAYS_INLINE int first_row(double y) noexcept {
+    // ceil(y - 1/2) without a library call: y + 1/2 truncated, less 1 where y is exactly on a centre.
+    const double shifted = y + 0.5;
+    const int row = static_cast<int>(shifted);
+    return row - (static_cast<double>(row) == shifted ? 1 : 0);
+}
+
+/// An edge from a down to b, a.y < b.y, as one column a row: column(j) is the first pixel of row j whose centre is not left of
+/// the edge.
+///
+/// A slack of 2^-33 px keeps centres that lie on the edge to its right in spite of rounding (errors stay below 2^-35 px for
+/// coordinates below 2^16) and moves no other centre: on the 1/256 px grid the distance along a row from a centre to an edge of
+/// d rows is a multiple of 2^-8 / (2^8 d) px, at least 2^-32 px for the longest edge.
+class EdgeWalker {
+  public:
+    /// The edge from a down to b, a.y < b.y.
+    HMESH_ALWAYS_INLINE EdgeWalker(Point a, Point b) noexcept
+        : slope_((b.x - a.x) / (b.y - a.y)), start_y_(a.y - 0.5), start_x_(a.x + (0.5 - 1.0 / 8589934592.0)) {}
+    /// The first pixel of row j whose centre is not left of the edge, first_row(a.y) <= j < first_row(b.y).
+    [[nodiscard]] HMESH_ALWAYS_INLINE int column(int j) const noexcept { return column(static_cast<double>(j)); }
+    /// The same with j as a double.
+    [[nodiscard]] HMESH_ALWAYS_INLINE int column(double j) const noexcept {
+        return static_cast<int>(start_x_ + (j - start_y_) * slope_);
+    }
+
+  private:
+    double slope_, start_y_, start_x_;
+};
+
+/// The right and the lower side of a mesh whose outermost samples have their centres on its sides, as those of Samples::points
+/// do. The top-left rule gives these centres to faces beyond the mesh, where there are none. On these two lines alone they
+/// belong to the face that ends there: the row on the lower side to edges that end on it, and the column on the right side is
+/// left of edges along it. Infinite, as by default: no centre lies on a side, and the rule has no exception.
+struct FarSides {
+    double right = std::numeric_limits<double>::infinity(),  ///< x of the right side, px: that of the last column's centres
+        bottom = std::numeric_limits<double>::infinity();    ///< y of the lower side, px: that of the last row's centres
+
+    /// The first row whose centre is not above y, or the one after the last for the lower side.
+    [[nodiscard]] HMESH_ALWAYS_INLINE int first_row(double y) const noexcept { return kit::first_row(y) + (y == bottom ? 1 : 0); }
+    /// How far to the right the edge from a to b is taken to be, so that the centres on it are left of it: 1/2 px along the right
+    /// side, else 0.
+    [[nodiscard]] HMESH_ALWAYS_INLINE double beyond(Point a, Point b) const noexcept {
+        return a.x == right && b.x == right ? 0.5 : 0;
+    }
+    /// The edge from a down to b, a.y < b.y.
+    [[nodiscard]] HMESH_ALWAYS_INLINE EdgeWalker walker(Point a, Point b) const noexcept {
+        const double x = beyond(a, b);
+        return {{a.x + x, a.y}, {b.x + x, b.y}};
+    }
+};
+
+/// The far sides of meshes of width * height px while they are fitted (mesh/samples.hpp).
+[[nodiscard]] inline FarSides far_sides(int width, int height, Samples samples) noexcept {
+    if (samples == Samples::squares) return {};
+    return {width - 0.5, height - 0.5};
+}
+
+/// barycentric() at the centres of the pixels that a face owns. The weights of b and c are clamped to [0, 1]: rounding of an
+/// edge can leave a centre outside, which is much for a face of no width. They are divided by the area last: on the 1/256 px
+/// grid everything before that is exact, however thin the face.
+class PixelBarycentric {
+  public:
+    /// The face (a, b, c), of either orientation. Where it has no area, a has all the weight.
+    HMESH_ALWAYS_INLINE PixelBarycentric(Point a, Point b, Point c) noexcept
+        : a_(a), ab_{b.x - a.x, b.y - a.y}, ac_{c.x - a.x, c.y - a.y} {
+        const double area = orient2d(a, b, c);
+        per_area_ = area != 0 ? 1 / area : 0;
+    }
+    /// The barycentric coordinates of the centre of pixel (i, j).
+    [[nodiscard]] HMESH_ALWAYS_INLINE Barycentric operator()(int i, int j) const noexcept {
+        const double x = i + 0.5 - a_.x, y = j + 0.5 - a_.y;
+        const double b = std::max(0.0, std::min(1.0, (x * ac_.y - ac_.x * y) * per_area_));
+        const double c = std::max(0.0, std::min(1.0 - b, (ab_.x * y - x * ab_.y) * per_area_));
+        return {1 - b - c, b, c};
+    }
+
+  private:
+    Point a_, ab_, ac_;
+    double per_area_;
+};
+
+/// The part of a picture that is drawn: rows [first, last), columns [0, width). By default everything.
+struct ClipRect {
+    int width = std::numeric_limits<int>::max();  ///< number of columns
+    int first = 0,                                ///< first row
+        last = std::numeric_limits<int>::max();   ///< end of the rows
+    FarSides sides{};                             ///< of the mesh, in the picture
+
+    /// The first row whose centre is not above y, clamped to [first, last].
+    [[nodiscard]] int row(double y) const noexcept {
+        return sides.first_row(std::max(static_cast<double>(first), std::min(static_cast<double>(last), y)));
+    }
+};
+
+/// Calls body(j, begin, end) for each row j, top to bottom, in which the face (a, b, c), of either orientation, owns pixels:
+/// [begin, end), begin < end, clipped. Columns of corners must fit an int.
+template <class Body>
+void for_each_span(Point a, Point b, Point c, const ClipRect& clip, Body&& body) {
+    if (b.y < a.y) std::swap(a, b);
+    if (c.y < b.y) std::swap(b, c);
+    if (b.y < a.y) std::swap(a, b);
+    const auto between = [&](Point upper, Point lower) {
+        const int first = clip.row(upper.y), last = clip.row(lower.y);
+        if (first >= last) return;
+        const EdgeWalker side = clip.sides.walker(upper, lower), opposite = clip.sides.walker(a, c);
+        for (int j = first; j < last; ++j) {
+            const int one = side.column(j), other = opposite.column(j);
+            const int begin = std::max(0, std::min(one, other)), end = std::min(clip.width, std::max(one, other));
+            if (begin < end) body(j, begin, end);
+        }
+    };
+    between(a, b);
+    between(b, c);
+}
+
+}  // namespace hmesh::kit
+
+#endif  // HMESH_MESH_RASTER_HPP
+
 // ---- hmesh/fit/moment_table.hpp
 
 /// \file
@@ -6783,8 +6949,17 @@ class MomentTable {
         return entries <= most / std::int64_t{(entry_size + 2) * sizeof(double) + C * sizeof(float)};
     }
 
-    [[nodiscard]] int width() const noexcept { return width_; }            ///< px
-    [[nodiscard]] int height() const noexcept { return height_; }          ///< px
+    [[nodiscard]] int width() const noexcept { return width_; }    ///< px
+    [[nodiscard]] int height() const noexcept { return height_; }  ///< px
+    /// The sides of the mesh with centres of pixels on them, in the coordinates of the table; infinite where there are none.
+    [[nodiscard]] const FarSides& far_sides() const noexcept { return far_sides_; }
+    /// Whether pixels are points (Samples::points), and these sides are not infinite.
+    [[nodiscard]] HMESH_ALWAYS_INLINE bool has_far_sides() const noexcept { return has_far_sides_; }
+    /// Says that pixels are points, of a mesh with these sides.
+    void set_far_sides(const FarSides& sides) noexcept {
+        far_sides_ = sides;
+        has_far_sides_ = true;
+    }
     [[nodiscard]] bool is_int32() const noexcept { return int32_; }        ///< whether sums are 32-bit integers, not doubles
     [[nodiscard]] bool is_weighted() const noexcept { return weighted_; }  ///< whether pixels have weights
     /// The memory of the table in bytes.
@@ -6928,132 +7103,24 @@ class MomentTable {
     int width_ = 0, height_ = 0;
     bool weighted_ = false;
     bool int32_ = true;
+    bool has_far_sides_ = false;
     std::size_t strip_size_ = 0;
     std::size_t size_ = 0;
     std::unique_ptr<std::int32_t[]> int32_entries_;
     std::unique_ptr<double[]> float64_entries_;
     std::unique_ptr<double[]> x_moment_entries_;  ///< of weighted tables: w i, w i^2
-    std::unique_ptr<float[]> samples_;            ///< of weighted tables: I_0 .. I_{C-1}, row after row
+    FarSides far_sides_;
+    std::unique_ptr<float[]> samples_;  ///< of weighted tables: I_0 .. I_{C-1}, row after row
 };
 
 }  // namespace hmesh::kit
 
 #endif  // HMESH_FIT_MOMENT_TABLE_HPP
 
-// ---- hmesh/mesh/raster.hpp
-
-/// \file
-/// Rasterization: which pixels a face owns, row by row.
-///
-/// A pixel belongs to the face that holds its centre; a centre on an edge belongs to the face to the right of the edge or, if
-/// the edge is level, below it: the top-left rule of Direct3D, Vulkan and most OpenGL drivers. Only first_row() and EdgeWalker
-/// decide this, for the moments that fit a mesh as for the pictures drawn of it, so that the spans of a mesh's faces cover each
-/// pixel once.
-#ifndef HMESH_MESH_RASTER_HPP
-#define HMESH_MESH_RASTER_HPP
-
-#include <algorithm>
-#include <limits>
-#include <utility>
-
-namespace hmesh::kit {
-
-/// The first row whose centre is not above y, y >= 0. An edge from a down to b crosses the rows [first_row(a.y),
-/// first_row(b.y)).
-[[nodiscard]] HMESH_ALWAYS_INLINE int first_row(double y) noexcept {
-    // ceil(y - 1/2) without a library call: y + 1/2 truncated, less 1 where y is exactly on a centre.
-    const double shifted = y + 0.5;
-    const int row = static_cast<int>(shifted);
-    return row - (static_cast<double>(row) == shifted ? 1 : 0);
-}
-
-/// An edge from a down to b, a.y < b.y, as one column a row: column(j) is the first pixel of row j whose centre is not left of
-/// the edge.
-///
-/// A slack of 2^-33 px keeps centres that lie on the edge to its right in spite of rounding (errors stay below 2^-35 px for
-/// coordinates below 2^16) and moves no other centre: on the 1/256 px grid the distance along a row from a centre to an edge of
-/// d rows is a multiple of 2^-8 / (2^8 d) px, at least 2^-32 px for the longest edge.
-class EdgeWalker {
-  public:
-    /// The edge from a down to b, a.y < b.y.
-    HMESH_ALWAYS_INLINE EdgeWalker(Point a, Point b) noexcept
-        : slope_((b.x - a.x) / (b.y - a.y)), start_y_(a.y - 0.5), start_x_(a.x + (0.5 - 1.0 / 8589934592.0)) {}
-    /// The first pixel of row j whose centre is not left of the edge, first_row(a.y) <= j < first_row(b.y).
-    [[nodiscard]] HMESH_ALWAYS_INLINE int column(int j) const noexcept { return column(static_cast<double>(j)); }
-    /// The same with j as a double.
-    [[nodiscard]] HMESH_ALWAYS_INLINE int column(double j) const noexcept {
-        return static_cast<int>(start_x_ + (j - start_y_) * slope_);
-    }
-
-  private:
-    double slope_, start_y_, start_x_;
-};
-
-/// barycentric() at the centres of the pixels that a face owns. The weights of b and c are clamped to [0, 1]: rounding of an
-/// edge can leave a centre outside, which is much for a face of no width. They are divided by the area last: on the 1/256 px
-/// grid everything before that is exact, however thin the face.
-class PixelBarycentric {
-  public:
-    /// The face (a, b, c), of either orientation. Where it has no area, a has all the weight.
-    HMESH_ALWAYS_INLINE PixelBarycentric(Point a, Point b, Point c) noexcept
-        : a_(a), ab_{b.x - a.x, b.y - a.y}, ac_{c.x - a.x, c.y - a.y} {
-        const double area = orient2d(a, b, c);
-        per_area_ = area != 0 ? 1 / area : 0;
-    }
-    /// The barycentric coordinates of the centre of pixel (i, j).
-    [[nodiscard]] HMESH_ALWAYS_INLINE Barycentric operator()(int i, int j) const noexcept {
-        const double x = i + 0.5 - a_.x, y = j + 0.5 - a_.y;
-        const double b = std::max(0.0, std::min(1.0, (x * ac_.y - ac_.x * y) * per_area_));
-        const double c = std::max(0.0, std::min(1.0 - b, (ab_.x * y - x * ab_.y) * per_area_));
-        return {1 - b - c, b, c};
-    }
-
-  private:
-    Point a_, ab_, ac_;
-    double per_area_;
-};
-
-/// The part of a picture that is drawn: rows [first, last), columns [0, width). By default everything.
-struct ClipRect {
-    int width = std::numeric_limits<int>::max();  ///< number of columns
-    int first = 0,                                ///< first row
-        last = std::numeric_limits<int>::max();   ///< end of the rows
-
-    /// first_row(y), clamped to [first, last].
-    [[nodiscard]] int row(double y) const noexcept {
-        return first_row(std::max(static_cast<double>(first), std::min(static_cast<double>(last), y)));
-    }
-};
-
-/// Calls body(j, begin, end) for each row j, top to bottom, in which the face (a, b, c), of either orientation, owns pixels:
-/// [begin, end), begin < end, clipped. Columns of corners must fit an int.
-template <class Body>
-void for_each_span(Point a, Point b, Point c, const ClipRect& clip, Body&& body) {
-    if (b.y < a.y) std::swap(a, b);
-    if (c.y < b.y) std::swap(b, c);
-    if (b.y < a.y) std::swap(a, b);
-    const auto between = [&](Point upper, Point lower) {
-        const int first = clip.row(upper.y), last = clip.row(lower.y);
-        if (first >= last) return;
-        const EdgeWalker side(upper, lower), opposite(a, c);
-        for (int j = first; j < last; ++j) {
-            const int one = side.column(j), other = opposite.column(j);
-            const int begin = std::max(0, std::min(one, other)), end = std::min(clip.width, std::max(one, other));
-            if (begin < end) body(j, begin, end);
-        }
-    };
-    between(a, b);
-    between(b, c);
-}
-
-}  // namespace hmesh::kit
-
-#endif  // HMESH_MESH_RASTER_HPP
-
 // ---- hmesh/fit/rendered_error.hpp
 
 /// \file
-/// rendered_error(): the squared error of a finished mesh, pixel by pixel, as render() draws it.
+/// rendered_errors(): the squared and the largest error of a finished mesh, pixel by pixel, as render() draws it.
 ///
 /// While a mesh is fitted its energy comes from sums along the image's rows (fit/moment_table.hpp). They are exact for integer
 /// samples; those of floats lose 2^-53 of the largest sum, and where a sun of 1e6 stands beside shades of 0.1 that is more than
@@ -7061,28 +7128,46 @@ void for_each_span(Point a, Point b, Point c, const ClipRect& clip, Body&& body)
 #ifndef HMESH_FIT_RENDERED_ERROR_HPP
 #define HMESH_FIT_RENDERED_ERROR_HPP
 
+#include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <vector>
 
 namespace hmesh::kit {
 namespace detail {
 
-/// The position of vertex v.
+/// The position of vertex v in the plane where the centre of pixel (i, j) is at (i + 1/2, j + 1/2) (mesh/samples.hpp).
 [[nodiscard]] inline Point position(const Mesh& mesh, std::size_t v) noexcept {
-    return {static_cast<double>(mesh.positions[2 * v]), static_cast<double>(mesh.positions[2 * v + 1])};
+    const double shift = inset(mesh.samples);
+    return {static_cast<double>(mesh.positions[2 * v]) + shift, static_cast<double>(mesh.positions[2 * v + 1]) + shift};
+}
+
+/// Whether vertex v is inside of the rectangle that a mesh of its image covers, or on its border. Not for NaN.
+[[nodiscard]] inline bool is_inside(const Mesh& mesh, std::size_t v) noexcept {
+    const auto x = static_cast<double>(mesh.positions[2 * v]), y = static_cast<double>(mesh.positions[2 * v + 1]);
+    return x >= 0 && x <= extent(mesh.width, mesh.samples) && y >= 0 && y <= extent(mesh.height, mesh.samples);
 }
 
 }  // namespace detail
 
-/// The sum over pixels and channels of squared differences in stored values between a mesh, of C channels, and an image, times
-/// the weights of pixels (`unit` as by weight_unit()) and of channels (the largest being 1). The mesh must cover the image once
-/// with faces of positive area, which may stand out of it.
+/// How far a mesh is from an image.
+struct RenderedError {
+    double energy = 0;   ///< sum over pixels and channels of squared differences in stored values, by weight
+    double largest = 0;  ///< largest difference of a pixel and channel, in stored values; those of weight 0 do not count
+};
+
+/// The error of a mesh, of C channels, in the faces [first, last); else as rendered_errors().
 template <class T, int C>
-[[nodiscard]] double rendered_error(const Mesh& mesh, const ImageView<T, C>& view, const ImageView<float, 1>& weights = {},
-                                    double unit = 1, const ParallelFor& parallel_for = {}, const ChannelScale<C>& channels = {}) {
-    const WeightScale scale(unit, view.width, view.height);
-    const auto face = [&](const Triangle& t) {
+[[nodiscard]] RenderedError rendered_errors(const Mesh& mesh, std::size_t first, std::size_t last, const ImageView<T, C>& view,
+                                            const ImageView<float, 1>& weights, const WeightScale& scale,
+                                            const ChannelScale<C>& channels) {
+    const ClipRect clip{view.width, 0, view.height, far_sides(view.width, view.height, mesh.samples)};
+    RenderedError out;
+    std::array<double, std::size_t{C}> largest{};  // of each channel
+    for (std::size_t f = first; f < last; ++f) {
+        const Triangle& t = mesh.faces[f];
         const Point a = detail::position(mesh, t[0]), b = detail::position(mesh, t[1]), c = detail::position(mesh, t[2]);
         const PixelBarycentric weights_at(a, b, c);
         std::array<double, std::size_t{C}> at_a{}, to_b{}, to_c{};
@@ -7091,27 +7176,54 @@ template <class T, int C>
             at_a[k] = color(t[0]), to_b[k] = color(t[1]) - at_a[k], to_c[k] = color(t[2]) - at_a[k];
         }
         double energy = 0;
-        for_each_span(a, b, c, {view.width, 0, view.height}, [&](int j, int begin, int end) {
+        for_each_span(a, b, c, clip, [&](int j, int begin, int end) {
             const T* sample = view.pixel(begin, j);
             const float* weight = weights.data != nullptr ? weights.pixel(begin, j) : nullptr;
             for (int i = begin; i < end; ++i, sample += C) {
                 const Barycentric w = weights_at(i, j);
+                const bool counts = weight == nullptr || weight[i - begin] > 0;
                 double square = 0;
                 for (std::size_t k = 0; k < C; ++k) {
                     const double color = at_a[k] + w.b * to_b[k] + w.c * to_c[k];
-                    const double difference = channels.share[k] * (color - PixelTraits<T>::to_real(sample[k]));
+                    const double off = color - PixelTraits<T>::to_real(sample[k]), difference = channels.share[k] * off;
                     square += difference * difference;
+                    largest[k] = std::max(largest[k], counts ? std::abs(off) : 0);
                 }
                 energy += weight != nullptr ? scale(weight[i - begin]) * square : square;
             }
         });
-        return energy;
-    };
-    return ordered_sum(parallel_for, mesh.faces.size(), 256, [&](std::size_t begin, std::size_t end) {
-        double sum = 0;
-        for (std::size_t f = begin; f < end; ++f) sum += face(mesh.faces[f]);
-        return sum;
+        out.energy += energy;
+    }
+    for (std::size_t k = 0; k < C; ++k)
+        if (channels.share[k] > 0) out.largest = std::max(out.largest, largest[k]);
+    return out;
+}
+
+/// The error of a mesh, of C channels, by the weights of pixels (`unit` as by weight_unit()) and of channels (the largest being
+/// 1). The mesh must cover the image once with faces of positive area, which may stand out of it.
+template <class T, int C>
+[[nodiscard]] RenderedError rendered_errors(const Mesh& mesh, const ImageView<T, C>& view,
+                                            const ImageView<float, 1>& weights = {}, double unit = 1,
+                                            const ParallelFor& parallel_for = {}, const ChannelScale<C>& channels = {}) {
+    constexpr std::size_t grain = 256;
+    const WeightScale scale(unit, view.width, view.height);
+    std::vector<RenderedError> parts(mesh.faces.size() / grain + 1);
+    for_each_chunk(parallel_for, mesh.faces.size(), grain, [&](std::size_t begin, std::size_t end) {
+        parts[begin / grain] = rendered_errors(mesh, begin, end, view, weights, scale, channels);
     });
+    RenderedError sum;
+    for (const RenderedError& part : parts) {
+        sum.energy += part.energy;
+        sum.largest = std::max(sum.largest, part.largest);
+    }
+    return sum;
+}
+
+/// The squared error alone.
+template <class T, int C>
+[[nodiscard]] double rendered_error(const Mesh& mesh, const ImageView<T, C>& view, const ImageView<float, 1>& weights = {},
+                                    double unit = 1, const ParallelFor& parallel_for = {}, const ChannelScale<C>& channels = {}) {
+    return rendered_errors(mesh, view, weights, unit, parallel_for, channels).energy;
 }
 
 }  // namespace hmesh::kit
@@ -7150,7 +7262,13 @@ class ImageSource {
     /// The same weights with other pixels, an image of the same size.
     template <class T>
     [[nodiscard]] ImageSource with_pixels(const ImageView<T, C>& view) const noexcept {
-        return ImageSource(view, weights_, unit_).with_periodic(periodic_, has_straight_seams_);
+        return ImageSource(view, weights_, unit_).with_periodic(periodic_, has_straight_seams_).with_samples(samples_);
+    }
+    /// The same image, whose samples are these: of points there are two at least along each axis, and they do not repeat.
+    [[nodiscard]] ImageSource with_samples(Samples samples) const noexcept {
+        ImageSource out = *this;
+        out.samples_ = samples;
+        return out;
     }
     /// The same image, which repeats along these axes. `straight`: edges of meshes run along the lines where it does.
     [[nodiscard]] ImageSource with_periodic(Periodic periodic, bool straight) const noexcept {
@@ -7162,7 +7280,7 @@ class ImageSource {
     /// The same weights with the pixels of scale_channels(). The scale must outlive the source.
     [[nodiscard]] ImageSource with_scaled_pixels(const ImageView<std::uint16_t, C>& view,
                                                  const ChannelScale<C>& scale) const noexcept {
-        ImageSource out = ImageSource(view, weights_, unit_).with_periodic(periodic_, has_straight_seams_);
+        ImageSource out = ImageSource(view, weights_, unit_).with_periodic(periodic_, has_straight_seams_).with_samples(samples_);
         out.scale_ = &scale;
         return out;
     }
@@ -7175,6 +7293,7 @@ class ImageSource {
     [[nodiscard]] double low() const noexcept { return low_; }              ///< smallest colour of the pixel type
     [[nodiscard]] double high() const noexcept { return high_; }            ///< largest colour of the pixel type
     [[nodiscard]] Periodic periodic() const noexcept { return periodic_; }  ///< along which axes the image repeats
+    [[nodiscard]] Samples samples() const noexcept { return samples_; }     ///< where the samples stand
     /// Whether the lines where the image repeats are edges of its meshes.
     [[nodiscard]] bool has_straight_seams() const noexcept { return has_straight_seams_; }
     /// Whether samples are whole numbers, so that sums of them are exact.
@@ -7184,14 +7303,19 @@ class ImageSource {
     /// The moment table of a rectangle of the image, which may reach beyond it along the axes of periodic(). Bands of its rows
     /// are pieces of work.
     [[nodiscard]] MomentTable<C> table(const Rect& rect, const ParallelFor& parallel_for = {}) const {
-        return make_(*this, rect, parallel_for);
+        MomentTable<C> table = make_(*this, rect, parallel_for);
+        if (samples_ == Samples::points) {
+            const FarSides sides = far_sides(width_, height_, samples_);
+            table.set_far_sides({sides.right - rect.x, sides.bottom - rect.y});
+        }
+        return table;
     }
 
-    /// The squared error of a finished mesh as drawn, with the weights of pixels and these of channels: rendered_error() of
+    /// The error of a finished mesh as drawn, with the weights of pixels and these of channels: rendered_errors() of
     /// fit/rendered_error.hpp. Where is_integer() and all channels count the same, the energy of the fit is exact and need not be
     /// measured.
-    [[nodiscard]] double rendered_error(const Mesh& mesh, const ParallelFor& parallel_for,
-                                        const ChannelScale<C>& channels = {}) const {
+    [[nodiscard]] RenderedError rendered_errors(const Mesh& mesh, const ParallelFor& parallel_for,
+                                                const ChannelScale<C>& channels = {}) const {
         return error_(*this, mesh, parallel_for, channels);
     }
 
@@ -7256,9 +7380,9 @@ class ImageSource {
         return MomentTable<C>(pixels, weights, WeightScale(source.unit_, source.width_, source.height_), from, parallel_for);
     }
     template <class T>
-    [[nodiscard]] static double error(const ImageSource& source, const Mesh& mesh, const ParallelFor& parallel_for,
-                                      const ChannelScale<C>& channels) {
-        return kit::rendered_error(mesh, source.view<T>(), source.weights_, source.unit_, parallel_for, channels);
+    [[nodiscard]] static RenderedError error(const ImageSource& source, const Mesh& mesh, const ParallelFor& parallel_for,
+                                             const ChannelScale<C>& channels) {
+        return kit::rendered_errors(mesh, source.view<T>(), source.weights_, source.unit_, parallel_for, channels);
     }
     template <class T>
     static void sample(const ImageSource& source, int x, int y, Lanes<lanes_for(C + 1)>& out) noexcept {
@@ -7283,10 +7407,11 @@ class ImageSource {
     bool is_integer_;
     bool has_straight_seams_ = false;
     Periodic periodic_ = Periodic::none;
+    Samples samples_ = Samples::squares;
     MomentTable<C> (*make_)(const ImageSource&, const Rect&, const ParallelFor&);
     void (*sample_)(const ImageSource&, int, int, Lanes<lanes_for(C + 1)>&) noexcept;
     void (*row_)(const ImageSource&, int, double, double*) noexcept;
-    double (*error_)(const ImageSource&, const Mesh&, const ParallelFor&, const ChannelScale<C>&);
+    RenderedError (*error_)(const ImageSource&, const Mesh&, const ParallelFor&, const ChannelScale<C>&);
     const ChannelScale<C>* scale_ = nullptr;
 };
 
@@ -7483,11 +7608,11 @@ inline constexpr double least_weight = 1e-9;
 
 namespace detail {
 
-/// `sign` times the moments of the pixels left of the edge from a down to b, over a table of N without weights.
+/// `sign` times the moments of the pixels left of the edge from a down to b in the rows [first, last) that it crosses, over a
+/// table of N without weights.
 template <int C, class N>
-HMESH_ALWAYS_INLINE void walk(const MomentTable<C>& table, Point a, Point b, double sign, Moments<C>& m) {
+HMESH_ALWAYS_INLINE void walk(const MomentTable<C>& table, Point a, Point b, int first, int last, double sign, Moments<C>& m) {
     using Channels = typename Moments<C>::Channels;
-    const int first = first_row(a.y), last = first_row(b.y);
     Channels s = Channels::zero(), sx = s, sy = s;
     // Integers, which leave the floating-point units to the channels; below 2^62 for tables of up to 2^28 pixels.
     std::int64_t x1 = 0, x2 = 0, xy = 0, yy = 0;
@@ -7521,9 +7646,9 @@ HMESH_ALWAYS_INLINE void walk(const MomentTable<C>& table, Point a, Point b, dou
 
 /// walk() over a weighted table. Never inlined: the two walks without weights are to stay as small and as fast as they are.
 template <int C>
-HMESH_NEVER_INLINE void weighted_walk(const MomentTable<C>& table, Point a, Point b, double sign, Moments<C>& m) {
+HMESH_NEVER_INLINE void weighted_walk(const MomentTable<C>& table, Point a, Point b, int first, int last, double sign,
+                                      Moments<C>& m) {
     using Channels = typename Moments<C>::Channels;
-    const int first = first_row(a.y), last = first_row(b.y);
     Channels s = Channels::zero(), sx = s, sy = s;
     double x1 = 0, x2 = 0, xy = 0, yy = 0;
     if (first < last) {
@@ -7557,17 +7682,25 @@ template <int C>
 HMESH_NEVER_INLINE void edge_moments(const MomentTable<C>& table, double ax, double ay, double bx, double by, Moments<C>& m) {
     const bool is_up = by < ay;
     const double sign = is_up ? -1 : 1;
-    const Point a{is_up ? bx : ax, is_up ? by : ay}, b{is_up ? ax : bx, is_up ? ay : by};
-    if (table.is_int32()) walk<C, std::int32_t>(table, a, b, sign, m);
-    else if (!table.is_weighted()) walk<C, double>(table, a, b, sign, m);
-    else weighted_walk(table, a, b, sign, m);
+    Point a{is_up ? bx : ax, is_up ? by : ay}, b{is_up ? ax : bx, is_up ? ay : by};
+    int first = first_row(a.y), last = first_row(b.y);
+    if (table.has_far_sides()) {
+        const FarSides& sides = table.far_sides();
+        const double beyond = sides.beyond(a, b);
+        a.x += beyond, b.x += beyond;
+        first = sides.first_row(a.y), last = sides.first_row(b.y);
+    }
+    if (table.is_int32()) walk<C, std::int32_t>(table, a, b, first, last, sign, m);
+    else if (!table.is_weighted()) walk<C, double>(table, a, b, first, last, sign, m);
+    else weighted_walk(table, a, b, first, last, sign, m);
 }
 
 }  // namespace detail
 
 /// The moments of the pixels left of the edge from a to b, positive where it runs down (to larger y), negative where it runs
 /// up. So edge_moments(a, b) = -edge_moments(b, a), and the sum over the edges of a polygon of positive orientation is the
-/// moments of its pixels. Points lie in [0, width] x [0, height] of the table. Cost: some 4 ns a row crossed.
+/// moments of its pixels, where these are points up to the far sides of the mesh. Points lie in [0, width] x [0, height] of the
+/// table. Cost: some 4 ns a row crossed.
 template <int C>
 HMESH_ALWAYS_INLINE void edge_moments(const MomentTable<C>& table, Point a, Point b, Moments<C>& m) {
     detail::edge_moments(table, a.x, a.y, b.x, b.y, m);
@@ -8853,6 +8986,7 @@ struct PatchContext {
     /// Whether the lines where it repeats, image.x + k * image.width and image.y + k * image.height, are seams: edges of the mesh
     /// that are neither flipped nor left by their vertices.
     bool has_seams = false;
+    Samples samples = Samples::squares;  ///< what the image has, and with that where the mesh's border lies (mesh/samples.hpp)
 };
 
 /// A triangle mesh of C channels over a moment table that knows the squared error of each face.
@@ -8864,13 +8998,22 @@ class ImageMesh {
     /// An empty mesh over the table of a whole image, which must outlive it. Colours are kept within [low, high], widened by
     /// limits.color_overshoot.
     ImageMesh(const MomentTable<C>& table, double low, double high, const MeshLimits& limits = {})
-        : ImageMesh(table, low, high, limits, {{0, 0, table.width(), table.height()}, false, 1, nullptr}) {}
+        : ImageMesh(table, low, high, limits,
+                    {{0, 0, table.width(), table.height()},
+                     false,
+                     1,
+                     nullptr,
+                     Periodic::none,
+                     false,
+                     table.has_far_sides() ? Samples::points : Samples::squares}) {}
     /// An empty mesh over the table of a patch, which must outlive it.
     ImageMesh(const MomentTable<C>& table, double low, double high, const MeshLimits& limits, const PatchContext& context)
         : table_(&table), limits_(limits), context_(context) {
         const double slack = limits.color_overshoot * (high - low);
         color_low_ = std::max(low - slack, -1e300);  // slack may overflow: float images know no range
         color_high_ = std::min(high + slack, 1e300);
+        const double gap = std::max(limits.border_gap, limits.position_step);
+        low_ = first_place(gap), high_ = last_place(gap);
     }
 
     /// Replaces the mesh by a triangulation of the rectangle, or of a part of it if this is a patch, with one colour a vertex or
@@ -8897,8 +9040,10 @@ class ImageMesh {
     [[nodiscard]] const MeshLimits& limits() const noexcept { return limits_; }
     [[nodiscard]] double color_low() const noexcept { return color_low_; }    ///< smallest value of a colour while fitting
     [[nodiscard]] double color_high() const noexcept { return color_high_; }  ///< largest value of a colour while fitting
-    [[nodiscard]] int width() const noexcept { return table_->width(); }      ///< px, of the table
-    [[nodiscard]] int height() const noexcept { return table_->height(); }    ///< px, of the table
+    /// What the image's samples are.
+    [[nodiscard]] Samples samples() const noexcept { return context_.samples; }
+    [[nodiscard]] int width() const noexcept { return table_->width(); }    ///< px, of the table
+    [[nodiscard]] int height() const noexcept { return table_->height(); }  ///< px, of the table
     /// The number of vertices.
     [[nodiscard]] std::size_t vertex_count() const noexcept { return topology_.vertex_count(); }
     /// The state of vertex v.
@@ -8970,7 +9115,9 @@ class ImageMesh {
     /// The mobility of a vertex at p: Mobility::free unless p is on the image's border.
     [[nodiscard]] Mobility mobility_at(Point p) const noexcept {
         const Rect& image = context_.image;
-        bool on_x = p.x == image.x || p.x == image.x + image.width, on_y = p.y == image.y || p.y == image.y + image.height;
+        const double in = inset(context_.samples);
+        bool on_x = p.x == image.x + in || p.x == image.x + image.width - in;
+        bool on_y = p.y == image.y + in || p.y == image.y + image.height - in;
         if (wraps_x(context_.periodic)) on_x = context_.has_seams && is_seam(p.x, image.x, image.width);
         if (wraps_y(context_.periodic)) on_y = context_.has_seams && is_seam(p.y, image.y, image.height);
         return on_x && on_y ? Mobility::corner : on_x ? Mobility::along_y : on_y ? Mobility::along_x : Mobility::free;
@@ -9075,6 +9222,19 @@ class ImageMesh {
     [[nodiscard]] HMESH_COLD Status check() const;
 
   private:
+    /// The least coordinates within the table that are `gap` inside of the mesh's border, 0 <= gap < 1/2.
+    [[nodiscard]] Point first_place(double gap) const noexcept {
+        const double in = inset(context_.samples) + gap;
+        return {wraps_x(context_.periodic) ? 0 : std::max(0.0, context_.image.x + in),
+                wraps_y(context_.periodic) ? 0 : std::max(0.0, context_.image.y + in)};
+    }
+    /// The largest ones.
+    [[nodiscard]] Point last_place(double gap) const noexcept {
+        const double in = inset(context_.samples) + gap, right = width(), low = height();
+        const Rect& image = context_.image;
+        return {wraps_x(context_.periodic) ? right : std::min(right, image.x + image.width - in),
+                wraps_y(context_.periodic) ? low : std::min(low, image.y + image.height - in)};
+    }
     /// Why these cannot be the vertices of the mesh, or ok.
     [[nodiscard]] Status check_vertices(const std::vector<Point>& positions, const std::vector<Color<C>>& colors) const noexcept;
     /// Empties the mesh and returns the status.
@@ -9129,6 +9289,7 @@ class ImageMesh {
     MeshLimits limits_;
     PatchContext context_;
     double color_low_ = 0, color_high_ = 0;
+    Point low_, high_;  ///< bounds of free coordinates
     HalfedgeMesh topology_;
     UndoArray<VertexState<C>> vertices_;
     UndoArray<Moments<C>> moments_;  ///< of halfedge(e), by edge
@@ -9139,8 +9300,8 @@ class ImageMesh {
     int depth_ = 0;
 };
 
-/// A mesh as plain arrays: live vertices and faces in the order of topology(), positions in the coordinates of the table, colours
-/// rounded to float. `peak`: colour value of full intensity.
+/// A mesh as plain arrays: live vertices and faces in the order of topology(), positions in the coordinates of the table (of an
+/// image of points those of the samples), colours rounded to float. `peak`: colour value of full intensity.
 template <int C>
 [[nodiscard]] HMESH_COLD Mesh to_mesh(const ImageMesh<C>& from, double peak);
 
@@ -9184,11 +9345,12 @@ template <int C>
 Status ImageMesh<C>::check_vertices(const std::vector<Point>& positions, const std::vector<Color<C>>& colors) const noexcept {
     if (!colors.empty() && colors.size() != positions.size())
         return {Errc::invalid_argument, "the colours are not as many as the vertices", colors.size(), positions.size()};
+    const Point low = first_place(0), high = last_place(0);
     for (std::size_t i = 0; i < positions.size(); ++i) {
         const Point p = positions[i];
         if (!is_finite(p.x) || !is_finite(p.y))
             return {Errc::not_finite, "the mesh has a position that is NaN or infinite, at vertex", i};
-        if (!(p.x >= 0 && p.x <= width() && p.y >= 0 && p.y <= height()))
+        if (!(p.x >= low.x && p.x <= high.x && p.y >= low.y && p.y <= high.y))
             return {Errc::invalid_argument, "the mesh has a position outside its image, at vertex", i};
         if (snap(p) != p) return {Errc::invalid_argument, "the mesh has a position off the grid of 1/256 px, at vertex", i};
     }
@@ -9260,10 +9422,14 @@ Status ImageMesh<C>::assign(const Mesh& mesh, const ParallelFor& parallel_for) {
         return refuse({Errc::invalid_argument, "the mesh is not as wide as the image", mesh.width, width()});
     if (mesh.height != height())
         return refuse({Errc::invalid_argument, "the mesh is not as high as the image", mesh.height, height()});
+    if (mesh.samples != context_.samples)
+        return refuse({Errc::invalid_argument, "the mesh's samples are not what the image's are", static_cast<int>(mesh.samples),
+                       static_cast<int>(context_.samples)});
+    const double shift = inset(mesh.samples);
     std::vector<Point> positions(n);
     std::vector<Color<C>> colors(n, Color<C>::zero());
     for (std::size_t v = 0; v < n; ++v) {
-        positions[v] = {static_cast<double>(mesh.positions[2 * v]), static_cast<double>(mesh.positions[2 * v + 1])};
+        positions[v] = {static_cast<double>(mesh.positions[2 * v]) + shift, static_cast<double>(mesh.positions[2 * v + 1]) + shift};
         for (std::size_t k = 0; k < C; ++k) colors[v].set(static_cast<int>(k), static_cast<double>(mesh.colors[C * v + k]));
     }
     return assign(positions, mesh.faces, colors, parallel_for);
@@ -9275,11 +9441,13 @@ Mesh to_mesh(const ImageMesh<C>& from, double peak) {
     Mesh to;
     to.channels = C;
     to.width = from.width(), to.height = from.height(), to.peak = peak;
+    to.samples = from.samples();
+    const double shift = inset(to.samples);
     to.positions.reserve(2 * topology.vertex_count());
     to.colors.reserve(C * topology.vertex_count());
     for (const Vertex v : topology.vertices()) {
-        to.positions.push_back(static_cast<float>(from.position(v).x));
-        to.positions.push_back(static_cast<float>(from.position(v).y));
+        to.positions.push_back(static_cast<float>(from.position(v).x - shift));
+        to.positions.push_back(static_cast<float>(from.position(v).y - shift));
         for (int k = 0; k < C; ++k) to.colors.push_back(static_cast<float>(from.color(v)[k]));
     }
     to.faces = topology.triangles();
@@ -9336,7 +9504,8 @@ Status ImageMesh<C>::check() const {
             return fail("a face's energy is stale", f.index());
         energy += fresh;
     }
-    if (area != (context_.is_part ? twice_area_ : 2.0 * width() * height()))
+    const Point low = first_place(0), high = last_place(0);
+    if (area != (context_.is_part ? twice_area_ : 2.0 * (high.x - low.x) * (high.y - low.y)))
         return fail("the faces do not tile what they should", 0);
     if (!(std::abs(energy - energy_) <= 1e-9 * std::abs(energy) + 1e-12 * squares)) return fail("the total energy is stale", 0);
     for (const Edge e : topology_.edges()) {
@@ -9357,19 +9526,12 @@ Status ImageMesh<C>::check() const {
 
 template <int C>
 Point ImageMesh<C>::clamp(Point p, Mobility mobility) const noexcept {
-    const double step = limits_.position_step, gap = std::max(limits_.border_gap, step);
-    const auto held = [step, gap](double x, int size, int image_low, int image_size, bool wraps) {
-        const double low = image_low == 0 && !wraps ? gap : 0;
-        const double high = image_low + image_size == size && !wraps ? size - gap : size;
-        return snap(std::max(low, std::min(high, x)), step);
-    };
-    const Rect& image = context_.image;
-    const Periodic periodic = context_.periodic;
+    const double step = limits_.position_step;
     Point q = p;
     if (mobility == Mobility::free || mobility == Mobility::along_x)
-        q.x = held(p.x, width(), image.x, image.width, wraps_x(periodic));
+        q.x = snap(std::max(low_.x, std::min(high_.x, p.x)), step);
     if (mobility == Mobility::free || mobility == Mobility::along_y)
-        q.y = held(p.y, height(), image.y, image.height, wraps_y(periodic));
+        q.y = snap(std::max(low_.y, std::min(high_.y, p.y)), step);
     return q;
 }
 
@@ -10314,6 +10476,7 @@ class HoleFiller {
 #ifndef HMESH_MESH_DELAUNAY_HPP
 #define HMESH_MESH_DELAUNAY_HPP
 
+#include <array>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
@@ -10324,12 +10487,14 @@ namespace hmesh::kit {
 /// A Delaunay triangulation of a rectangle, with insertion and removal of points of the 1/256 px grid.
 class Delaunay {
   public:
-    /// The triangulation of the rectangle [0, width] x [0, height] with sides from 1 to 2^16. Vertices 0 to 3 are its corners
-    /// (0, 0), (width, 0), (width, height), (0, height) and cannot be removed.
-    Delaunay(int width, int height);
+    /// The triangulation of the rectangle [0, width] x [0, height] with sides from 1 to 2^16; of an image of points, that of
+    /// [1/2, width - 1/2] x [1/2, height - 1/2] with sides from 2 on (mesh/samples.hpp). Vertices 0 to 3 are its corners,
+    /// clockwise on the screen from the upper left one, and cannot be removed.
+    Delaunay(int width, int height, Samples samples = Samples::squares);
 
-    [[nodiscard]] int width() const noexcept { return width_; }                              ///< px
-    [[nodiscard]] int height() const noexcept { return height_; }                            ///< px
+    [[nodiscard]] int width() const noexcept { return width_; }                              ///< px of the image
+    [[nodiscard]] int height() const noexcept { return height_; }                            ///< px of the image
+    [[nodiscard]] Samples samples() const noexcept { return samples_; }                      ///< of the image
     [[nodiscard]] const HalfedgeMesh& topology() const noexcept { return topology_; }        ///< the connectivity
     [[nodiscard]] Point position(Vertex v) const noexcept { return positions_[v.index()]; }  ///< position of a vertex
     /// Positions by vertex slot. The entries of deleted slots are meaningless.
@@ -10367,7 +10532,14 @@ class Delaunay {
     void legalize(Vertex v);
     [[nodiscard]] Status check_border() const;
 
+    /// The corners in the order of their vertices.
+    [[nodiscard]] std::array<Point, 4> corners() const noexcept {
+        const double low = inset(samples_), right = width_ - low, bottom = height_ - low;
+        return {Point{low, low}, {right, low}, {right, bottom}, {low, bottom}};
+    }
+
     int width_, height_;
+    Samples samples_;
     HalfedgeMesh topology_;
     std::vector<Point> positions_;
     Vertex last_{0};  ///< where walks begin
@@ -10389,10 +10561,10 @@ class Delaunay {
     return mesh;
 }
 
-inline Delaunay::Delaunay(int width, int height) : width_(width), height_(height) {
-    HMESH_ASSERT(width >= 1 && width <= 65536 && height >= 1 && height <= 65536);
-    const double w = width, h = height;
-    positions_ = {{0, 0}, {w, 0}, {w, h}, {0, h}};
+inline Delaunay::Delaunay(int width, int height, Samples samples) : width_(width), height_(height), samples_(samples) {
+    HMESH_ASSERT(extent(width, samples) >= 1 && width <= 65536 && extent(height, samples) >= 1 && height <= 65536);
+    const std::array<Point, 4> at = corners();
+    positions_.assign(at.begin(), at.end());
     const Status status = topology_.assign(4, {{0, 1, 2}, {0, 2, 3}});
     HMESH_ASSERT(status);
     static_cast<void>(status);
@@ -10422,7 +10594,8 @@ inline Halfedge Delaunay::locate(Point p) const noexcept {
 }
 
 inline Vertex Delaunay::insert(Point p) {
-    HMESH_ASSERT(p.x >= 0 && p.x <= width_ && p.y >= 0 && p.y <= height_ && snap(p) == p);
+    HMESH_ASSERT(p.x >= inset(samples_) && p.x <= width_ - inset(samples_));
+    HMESH_ASSERT(p.y >= inset(samples_) && p.y <= height_ - inset(samples_) && snap(p) == p);
     const Halfedge h = locate(p);
     last_ = topology_.from_vertex(h);
     if (position(last_) == p) return last_;
@@ -10471,23 +10644,24 @@ inline Status Delaunay::check_border() const {
     const auto fail = [](const char* what, Vertex v) -> Status {
         return {Errc::invalid_argument, what, static_cast<std::int64_t>(v.index()), 0};
     };
-    const double w = width_, h = height_;
-    const Point corners[4] = {{0, 0}, {w, 0}, {w, h}, {0, h}};
+    const std::array<Point, 4> at = corners();
+    const Point first = at[0], last = at[2];
     for (std::size_t k = 0; k < 4; ++k)
-        if (topology_.is_deleted(Vertex(k)) || position(Vertex(k)) != corners[k])
+        if (topology_.is_deleted(Vertex(k)) || position(Vertex(k)) != at[k])
             return fail("a corner of the rectangle is not where it was", Vertex(k));
     double length = 0;
     for (const Vertex v : topology_.vertices()) {
         if (!topology_.is_boundary(v)) continue;
-        // Against the faces: left along y = 0, down along x = 0, right along y = h and up along x = w.
+        // Against the faces: to the left along the upper side, down the left one, and so on.
         const Point a = position(v), b = position(topology_.to_vertex(topology_.halfedge(v)));
         const double dx = b.x - a.x, dy = b.y - a.y;
-        const bool level = dy == 0 && ((a.y == 0 && dx < 0) || (a.y == h && dx > 0));
-        const bool upright = dx == 0 && ((a.x == 0 && dy > 0) || (a.x == w && dy < 0));
+        const bool level = dy == 0 && ((a.y == first.y && dx < 0) || (a.y == last.y && dx > 0));
+        const bool upright = dx == 0 && ((a.x == first.x && dy > 0) || (a.x == last.x && dy < 0));
         if (!level && !upright) return fail("a boundary edge does not run along a side of the rectangle, from vertex", v);
         length += std::abs(dx) + std::abs(dy);
     }
-    if (length != 2 * (w + h)) return fail("the boundary does not run around the rectangle once", Vertex(0));
+    if (length != 2 * (last.x - first.x + (last.y - first.y)))
+        return fail("the boundary does not run around the rectangle once", Vertex(0));
     return {};
 }
 
@@ -11233,10 +11407,10 @@ namespace hmesh::kit {
 /// open (mesh/torus.hpp), and vertices on the cut have copies.
 template <int C>
 struct IndexedMesh {
-    int width = 0;                       ///< px of the image; the faces tile [0, width] x [0, height], or the torus
-    int height = 0;                      ///< px of the image
-    std::vector<Point> positions;        ///< px, y down, on the 1/256 px grid
-    std::vector<Color<C>> colors;        ///< stored values
+    int width = 0;                 ///< px of the image; the faces tile [0, width] x [0, height], but for `samples`, or the torus
+    int height = 0;                ///< px of the image
+    std::vector<Point> positions;  ///< px, y down, on the 1/256 px grid
+    std::vector<Color<C>> colors;  ///< stored values
     std::vector<unsigned char> dirty;    ///< not 0: surroundings changed since the vertex was last optimised
     std::vector<Triangle> faces;         ///< indices of vertices, each face turning like (0, 0), (1, 0), (0, 1)
     double energy = 0;                   ///< squared error over pixels and channels, as of the last phase of work
@@ -11244,6 +11418,7 @@ struct IndexedMesh {
     Periodic periodic = Periodic::none;  ///< along which axes the mesh repeats
     std::vector<std::uint32_t> roots{};  ///< of each vertex of a periodic mesh: itself, or the one that it is a copy of
     std::size_t copy_count = 0;          ///< vertices that are copies of others
+    Samples samples = Samples::squares;  ///< of the image; for points the faces tile what is 1/2 px inside (mesh/samples.hpp)
 
     /// The number of vertices, copies included.
     [[nodiscard]] std::size_t vertex_count() const noexcept { return positions.size(); }
@@ -11323,13 +11498,14 @@ template <int C>
         if (!(twice > 0)) return fail("a face is flipped or has no area", t);
         area += twice;
     }
-    if (area != 2.0 * mesh.width * mesh.height) return fail("the faces do not tile the image", 0);
+    const double low = inset(mesh.samples), right = mesh.width - low, bottom = mesh.height - low;
+    if (area != 2.0 * (right - low) * (bottom - low)) return fail("the faces do not tile the image", 0);
     // One boundary, along the sides: with the area above, no hole and no overlap.
     for (const Edge e : topology.edges()) {
         if (!topology.is_boundary(e)) continue;
         const Point a = mesh.positions[topology.from_vertex(HalfedgeMesh::halfedge(e)).index()];
         const Point b = mesh.positions[topology.to_vertex(HalfedgeMesh::halfedge(e)).index()];
-        const bool on_side = (a.x == b.x && (a.x == 0 || a.x == mesh.width)) || (a.y == b.y && (a.y == 0 || a.y == mesh.height));
+        const bool on_side = (a.x == b.x && (a.x == low || a.x == right)) || (a.y == b.y && (a.y == low || a.y == bottom));
         if (!on_side) return fail("an edge inside the image has one face only", e.index());
     }
     return {};
@@ -11342,8 +11518,10 @@ template <int C>
     IndexedMesh<C> mesh;
     mesh.width = source.width();
     mesh.height = source.height();
+    mesh.samples = source.samples();
+    const double low = inset(mesh.samples);
     for (const int y : {0, source.height()})
-        for (const int x : {0, source.width()}) mesh.add({static_cast<double>(x), static_cast<double>(y)}, source.pixel(x, y));
+        for (const int x : {0, source.width()}) mesh.add({x == 0 ? low : x - low, y == 0 ? low : y - low}, source.pixel(x, y));
     mesh.faces = {{0, 1, 2}, {1, 3, 2}};
     return mesh;
 }
@@ -11356,11 +11534,13 @@ template <int C>
     to.width = from.width;
     to.height = from.height;
     to.peak = peak;
+    to.samples = from.samples;
     to.positions.reserve(2 * from.vertex_count());
     to.colors.reserve(C * from.vertex_count());
+    const double shift = inset(from.samples);
     for (std::size_t v = 0; v < from.vertex_count(); ++v) {
-        to.positions.push_back(static_cast<float>(from.positions[v].x));
-        to.positions.push_back(static_cast<float>(from.positions[v].y));
+        to.positions.push_back(static_cast<float>(from.positions[v].x - shift));
+        to.positions.push_back(static_cast<float>(from.positions[v].y - shift));
         for (int c = 0; c < C; ++c) to.colors.push_back(static_cast<float>(from.colors[v][c]));
     }
     to.faces = from.faces;
@@ -11376,10 +11556,13 @@ template <int C>
     if (from.channels != C || from.colors.size() != C * from.vertex_count()) return to;
     to.width = from.width;
     to.height = from.height;
+    to.samples = from.samples;
+    const double shift = inset(from.samples);
     for (std::size_t v = 0; v < from.vertex_count(); ++v) {
         Color<C> color = Color<C>::zero();
         for (std::size_t c = 0; c < C; ++c) color.set(static_cast<int>(c), static_cast<double>(from.colors[C * v + c]));
-        to.add({static_cast<double>(from.positions[2 * v]), static_cast<double>(from.positions[2 * v + 1])}, color);
+        to.add({static_cast<double>(from.positions[2 * v]) + shift, static_cast<double>(from.positions[2 * v + 1]) + shift},
+               color);
     }
     to.faces = from.faces;
     to.periodic = from.periodic;
@@ -11758,7 +11941,8 @@ class Patch {
                               1,
                               nullptr,
                               source.periodic(),
-                              source.has_straight_seams()});
+                              source.has_straight_seams(),
+                              source.samples()});
         const Status status = mesh_.assign(positions, numbered_.faces, colors, parallel_for);
         HMESH_ASSERT(status);
         (void)status;
@@ -12332,6 +12516,7 @@ class TiledMesh {
         merged.energy = sum.energy(indexed_.energy);
         merged.locked_count = cut.locked_count;
         merged.periodic = indexed_.periodic;
+        merged.samples = indexed_.samples;
         merged.copy_count = indexed_.copy_count;
         std::vector<std::size_t> first_vertex(results.size() + 1, cut.locked_count), first_face(results.size() + 1, 0);
         for (std::size_t k = 0; k < results.size(); ++k) {
@@ -12932,10 +13117,11 @@ bool run_one_tile_stage(TiledMesh<C>& tiled, const char* name, typename TiledMes
 namespace hmesh::kit {
 
 /// The position, in px, of the vertex that stands for pixel number y * width + x: the pixel's centre, but on the border for the
-/// outermost pixels, so that a mesh of such vertices covers the image.
-[[nodiscard]] inline Point pixel_vertex(std::uint32_t pixel, int width, int height) noexcept {
-    const auto place = [](std::uint32_t i, int size) {
-        return size == 1 ? 0.5 : i == 0 ? 0.0 : i + 1 == static_cast<std::uint32_t>(size) ? static_cast<double>(size) : i + 0.5;
+/// outermost pixels, so that a mesh of such vertices covers the image. The centres of outermost points are on the border.
+[[nodiscard]] inline Point pixel_vertex(std::uint32_t pixel, int width, int height, Samples samples = Samples::squares) noexcept {
+    const double low = inset(samples);
+    const auto place = [low](std::uint32_t i, int size) {
+        return size == 1 ? 0.5 : i == 0 ? low : i + 1 == static_cast<std::uint32_t>(size) ? size - low : i + 0.5;
     };
     const auto columns = static_cast<std::uint32_t>(width);
     return {place(pixel % columns, width), place(pixel / columns, height)};
@@ -12945,7 +13131,9 @@ namespace hmesh::kit {
 /// some thousands, said so.
 [[nodiscard]] HMESH_COLD inline bool insert_pixels(Delaunay& delaunay, const std::vector<std::uint32_t>& pixels,
                                                    FunctionRef<bool()> go_on) {
-    const auto place = [&](std::uint32_t pixel) { return pixel_vertex(pixel, delaunay.width(), delaunay.height()); };
+    const auto place = [&](std::uint32_t pixel) {
+        return pixel_vertex(pixel, delaunay.width(), delaunay.height(), delaunay.samples());
+    };
     delaunay.reserve(pixels.size() + 4);
     std::size_t done = 0;
     for (const std::uint32_t pixel : in_spatial_order<std::uint32_t>(pixels, pixels.size(), place)) {
@@ -12985,9 +13173,11 @@ HMESH_COLD inline void pair_sides(Delaunay& delaunay, Periodic periodic) {
 template <int C>
 [[nodiscard]] HMESH_COLD IndexedMesh<C> delaunay_mesh(const ImageSource<C>& source, const Delaunay& delaunay) {
     HMESH_ASSERT(delaunay.width() == source.width() && delaunay.height() == source.height());
+    HMESH_ASSERT(delaunay.samples() == source.samples());
     IndexedMesh<C> mesh;
     mesh.width = source.width();
     mesh.height = source.height();
+    mesh.samples = source.samples();
     mesh.positions.reserve(delaunay.topology().vertex_count());
     mesh.colors.reserve(delaunay.topology().vertex_count());
     mesh.dirty.reserve(delaunay.topology().vertex_count());
@@ -13160,6 +13350,9 @@ template <int C>
     if (mesh.periodic != source.periodic())
         return {Errc::invalid_argument, "the mesh to start from is not periodic along the axes asked for",
                 static_cast<int>(mesh.periodic), static_cast<int>(source.periodic())};
+    if (mesh.samples != source.samples())
+        return {Errc::invalid_argument, "the mesh to start from is of other samples, squares or points, than the image",
+                static_cast<int>(mesh.samples), static_cast<int>(source.samples())};
     for (std::size_t v = 0; source.has_straight_seams() && v < mesh.vertex_count(); ++v)
         if (const Point p = mesh.positions[v]; !(p.x >= 0 && p.x <= mesh.width && p.y >= 0 && p.y <= mesh.height))
             return {Errc::invalid_argument, "the mesh to start from has no straight border, at vertex", v};
@@ -13258,7 +13451,7 @@ class AnnealedRun {
             pixels = masked_points(density, static_cast<std::size_t>(left), tiled_->parallel_for());
         }
         {
-            Delaunay delaunay(source.width(), source.height());
+            Delaunay delaunay(source.width(), source.height(), source.samples());
             if (source.periodic() != Periodic::none) leave_out_sides(pixels, source.width(), source.height(), source.periodic());
             if (!insert_pixels(delaunay, pixels, go_on)) return false;
             for (const Point p : on_seams) (void)delaunay.insert(p);
@@ -14416,16 +14609,16 @@ template <int C>
     kit::finish_cut(mesh, source.has_straight_seams());
     result.mesh = to_mesh(mesh, source.peak());
     const bool is_exact = source.is_integer() && scale == nullptr;
-    const auto rendered_error = [&](const Mesh& drawn) {
-        return scale == nullptr ? source.rendered_error(drawn, parallel_for) : source.rendered_error(drawn, parallel_for, *scale);
+    const auto errors_of = [&](const Mesh& drawn) {
+        return scale == nullptr ? source.rendered_errors(drawn, parallel_for) : source.rendered_errors(drawn, parallel_for, *scale);
     };
-    const double energy = is_exact ? std::max(0.0, mesh.energy)  // rounding may leave less than nothing
-                          : source.periodic() == Periodic::none ? rendered_error(result.mesh)
-                                                                : rendered_error(unrolled(result.mesh.view()));
+    const kit::RenderedError errors =
+        source.periodic() == Periodic::none ? errors_of(result.mesh) : errors_of(unrolled(result.mesh.view()));
+    const double energy = is_exact ? std::max(0.0, mesh.energy) : errors.energy;  // rounding may leave less than nothing
     progress.end(mesh.distinct_count(), energy);
     if (result.status && progress.stopped()) result.status = kit::cancelled_by_callback();
     result.report = {mesh.distinct_count(), mesh.faces.size(), energy, kit::psnr_of_energy(energy, subject.samples, source.peak()),
-                     progress.stages()};
+                     progress.stages(), errors.largest};
     return result;
 }
 
@@ -14539,6 +14732,14 @@ struct ImageRecipeRef {
     return {};
 }
 
+/// Whether an image of this size may be one of points.
+[[nodiscard]] HMESH_COLD inline Status check_points(int width, int height) noexcept {
+    if (width < 2) return {Errc::invalid_argument, "an image whose samples are points must be at least 2 samples wide", width, 2};
+    if (height < 2)
+        return {Errc::invalid_argument, "an image whose samples are points must be at least 2 samples high", height, 2};
+    return {};
+}
+
 /// Calls body() with what is to be meshed and the image as methods see it, once view and options have passed all checks: those of
 /// the recipe are `check_recipe`.
 template <class T, int C>
@@ -14551,6 +14752,7 @@ template <class T, int C>
     if (status) status = check_recipe(view.width, view.height);
     if (status) status = kit::check_finite(view, parallel_for);
     if (status) status = kit::check_weights(options.weights, view.width, view.height, parallel_for);
+    if (status && options.samples == Samples::points) status = check_points(view.width, view.height);
     if (!status) return status;
 
     ImageView<T, C> image = view;
@@ -14564,7 +14766,9 @@ template <class T, int C>
     const double unit = kit::weight_unit(options.weights, parallel_for);
     const double pixels = kit::weight_sum(options.weights, unit, view.width, view.height, parallel_for);
     const auto source =
-        kit::ImageSource<C>(image, options.weights, unit).with_periodic(options.periodic, options.straight_border);
+        kit::ImageSource<C>(image, options.weights, unit)
+            .with_periodic(options.periodic, options.straight_border)
+            .with_samples(options.samples);
     kit::ChannelScale<C> scale;
     Image<std::uint16_t, C> scaled;
     std::optional<kit::ImageSource<C>> fitted;
@@ -14694,7 +14898,8 @@ Result mesh_image(const ImageView<T, C>& view, const Options& options, const Rec
 /// A pixel takes the colour of the face that holds its centre, by the top-left rule of mesh/raster.hpp, interpolated linearly
 /// (Gouraud) at that centre. At the mesh's own size these are the very pixels that were counted when the mesh was fitted. Each
 /// edge is evaluated from its upper to its lower end, so that the two faces beside it agree to the bit and leave no gap at any
-/// size. Cost: about 5 ns a pixel and 60 ns a face; memory beside the image: 16 bytes a vertex and about 14 a face.
+/// size. Samples that are points (mesh/samples.hpp) are drawn into points: the corners of the mesh are the picture's corner
+/// samples. Cost: about 5 ns a pixel and 60 ns a face; memory beside the image: 16 bytes a vertex and about 14 a face.
 #ifndef HMESH_RENDER_HPP
 #define HMESH_RENDER_HPP
 
@@ -14774,11 +14979,12 @@ class Shading {
     std::array<double, std::size_t{C}> base_, to_b_, to_c_;
 };
 
-/// Draws the rows of a face that lie in `rows`.
+/// Draws the rows of a face that lie in `rows`. `sides`: of the mesh, in the picture.
 template <int C>
-void draw_face(const Corner<C>& a, const Corner<C>& b, const Corner<C>& c, RowRange rows, Image<float, C>& out) {
+void draw_face(const Corner<C>& a, const Corner<C>& b, const Corner<C>& c, RowRange rows, const kit::FarSides& sides,
+               Image<float, C>& out) {
     const Shading<C> shading(a, b, c);
-    kit::for_each_span(a.at, b.at, c.at, {out.width(), rows.first, rows.last},
+    kit::for_each_span(a.at, b.at, c.at, {out.width(), rows.first, rows.last, sides},
                        [&](int j, int begin, int end) { shading.fill(j, begin, end, out.pixel(begin, j)); });
 }
 
@@ -14793,6 +14999,7 @@ struct Bands {
                                            const ParallelFor& parallel_for) {
     kit::ClipRect picture;
     picture.last = height;
+    picture.sides.bottom = kit::far_sides(1, height, mesh.samples).bottom;
     std::vector<RowRange> touched(mesh.face_count);  // in bands
     kit::for_each_chunk(parallel_for, mesh.face_count, 4096, [&](std::size_t begin, std::size_t end) {
         for (std::size_t f = begin; f < end; ++f) {
@@ -14823,6 +15030,11 @@ template <int C>
     if (mesh.height < 1) return {Errc::invalid_argument, "the mesh's height must be at least 1", mesh.height, 1};
     if (width < 1) return {Errc::invalid_argument, "the picture to draw must be at least 1 pixel wide", width, 1};
     if (height < 1) return {Errc::invalid_argument, "the picture to draw must be at least 1 pixel high", height, 1};
+    if (mesh.samples == Samples::points) {
+        constexpr const char* of_points = "a mesh whose samples are points, and a picture of it, have at least 2 along each axis";
+        for (const int side : {mesh.width, mesh.height, width, height})
+            if (side < 2) return {Errc::invalid_argument, of_points, side, 2};
+    }
     if (width > kit::max_side) return {Errc::image_too_large, "the picture to draw is too wide", width, kit::max_side};
     if (height > kit::max_side) return {Errc::image_too_large, "the picture to draw is too high", height, kit::max_side};
     const std::int64_t pixels = std::int64_t{width} * height;
@@ -14871,7 +15083,8 @@ void encode_rows(const MeshView& mesh, RowRange rows, Image<float, C>& out) {
 
 }  // namespace detail
 
-/// Draws a mesh, scaled to the size of the picture. Pixels hold interpolated stored values, neither rounded nor clamped;
+/// Draws a mesh, scaled to the size of the picture: its rectangle to that of the picture's pixels or, where samples are points, to
+/// that of which the picture's corner samples are the corners (2 along each axis at least). Pixels hold interpolated stored values, neither rounded nor clamped;
 /// to_pixels() rounds them. Of a periodic mesh copies are drawn as well, so that the picture is covered. Faces outside the
 /// picture are clipped; where faces overlap the later one wins; pixels in no face are 0. A premultiplied mesh gives a
 /// premultiplied picture, and cannot be drawn in linear light.
@@ -14894,11 +15107,15 @@ template <int C>
     const bool is_linear = options.interpolation == Interpolation::linear;
 
     // A position on the mesh's border comes out on the picture's: the product is exact and the quotient rounded once.
+    const double from_right = extent(mesh.width, mesh.samples), from_bottom = extent(mesh.height, mesh.samples);
+    const double to_right = extent(width, mesh.samples), to_bottom = extent(height, mesh.samples);
+    const double shift = kit::inset(mesh.samples);
+    const kit::FarSides sides = kit::far_sides(width, height, mesh.samples);
     std::vector<kit::Point> at(mesh.vertex_count);
     kit::for_each_chunk(parallel_for, mesh.vertex_count, 4096, [&](std::size_t begin, std::size_t end) {
         for (std::size_t v = begin; v < end; ++v)
-            at[v] = {static_cast<double>(mesh.positions[2 * v]) * width / mesh.width,
-                     static_cast<double>(mesh.positions[2 * v + 1]) * height / mesh.height};
+            at[v] = {static_cast<double>(mesh.positions[2 * v]) * to_right / from_right + shift,
+                     static_cast<double>(mesh.positions[2 * v + 1]) * to_bottom / from_bottom + shift};
     });
     constexpr double farthest = 16.0 * kit::max_side;  // px, so that columns fit an int
     for (std::size_t v = 0; v < at.size(); ++v)
@@ -14919,7 +15136,7 @@ template <int C>
         const auto corner = [&](std::uint32_t v) { return detail::Corner<C>{at[v], colors + std::size_t{v} * C}; };
         for (std::size_t i = bands.starts[band]; i < bands.starts[band + 1]; ++i) {
             const std::array<std::uint32_t, 3>& face = mesh.faces[bands.faces[i]];
-            detail::draw_face(corner(face[0]), corner(face[1]), corner(face[2]), rows, out);
+            detail::draw_face(corner(face[0]), corner(face[1]), corner(face[2]), rows, sides, out);
         }
         if (is_linear) detail::encode_rows(mesh, rows, out);
     });
@@ -15363,7 +15580,9 @@ class LinearLight {
                 rhs2 += rhs * w.c;
             }
         };
-        for_each_span(a, b, c, {}, [&](int j, int begin, int end) {
+        ClipRect clip;
+        clip.sides = far_sides(mesh_.width, mesh_.height, mesh_.samples);
+        for_each_span(a, b, c, clip, [&](int j, int begin, int end) {
             for (int next = 0; begin < end; begin = next) {
                 next = std::min(end, begin + block);
                 if (wraps) next = std::min(next, (begin / mesh_.width + 1) * mesh_.width);
@@ -15413,8 +15632,7 @@ class LinearLight {
     if (mesh.periodic != Periodic::none)
         if (const Status status = check_periodic(mesh.view()); !status) return status;
     for (std::uint32_t v = 0; v < mesh.vertex_count() && mesh.periodic == Periodic::none; ++v)
-        if (!(at(v).x >= 0 && at(v).x <= mesh.width && at(v).y >= 0 && at(v).y <= mesh.height))
-            return {Errc::invalid_argument, "the mesh has a position outside its image, at vertex", v, 0};
+        if (!is_inside(mesh, v)) return {Errc::invalid_argument, "the mesh has a position outside its image, at vertex", v, 0};
     for (std::size_t f = 0; f < mesh.faces.size(); ++f)
         if (!(orient2d(at(mesh.faces[f][0]), at(mesh.faces[f][1]), at(mesh.faces[f][2])) > 0))
             return {Errc::invalid_argument, "the mesh has a face that is flipped or has no area, at face",

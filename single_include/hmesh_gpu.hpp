@@ -667,8 +667,8 @@ struct GpuLayout {
     /// a periodic mesh the image's side is a whole number of steps of 1 / 65535 of it, so that copies of the buffers join.
     std::array<float, 2> scale{1, 1};
     std::array<float, 2> offset{0, 0};  ///< px: the corner of the box; 0 for float32x2
-    int width = 0,                      ///< px of the image
-        height = 0;                     ///< px of the image
+    int width = 0,                      ///< px of the image's rectangle: MeshView::right()
+        height = 0;                     ///< px of the image's rectangle: MeshView::bottom()
     bool has_alpha = false;             ///< whether some of the colours may be transparent
     bool premultiplied = false;         ///< whether colours are multiplied by alpha
 };
@@ -756,12 +756,12 @@ namespace detail {
     layout.index = options.index;
     layout.topology = options.topology;
     layout.restart = options.index == GpuIndexFormat::uint16 ? 0xffffU : 0xffffffffU;
-    layout.width = mesh.width, layout.height = mesh.height;
+    layout.width = mesh.right(), layout.height = mesh.bottom();
     layout.has_alpha = mesh.channels % 2 == 0;
     layout.premultiplied = layout.has_alpha &&
                            (options.alpha == GpuAlpha::as_stored ? mesh.premultiplied : options.alpha == GpuAlpha::premultiplied);
     if (options.position == GpuFormat::float32x2) return layout;
-    const std::array<double, 2> size{static_cast<double>(mesh.width), static_cast<double>(mesh.height)};
+    const std::array<double, 2> size{static_cast<double>(mesh.right()), static_cast<double>(mesh.bottom())};
     for (std::size_t axis = 0; axis < 2; ++axis) {
         double low = 0, high = size[axis];
         for (std::size_t v = 0; v < mesh.vertex_count; ++v) {
@@ -939,6 +939,7 @@ class GpuWriter {
         Mesh& part = parts.emplace_back();
         part.channels = mesh.channels, part.width = mesh.width, part.height = mesh.height;
         part.peak = mesh.peak, part.premultiplied = mesh.premultiplied, part.periodic = mesh.periodic;
+        part.samples = mesh.samples;
         for (const std::uint32_t v : slab.vertices) {
             const float *const at = mesh.positions + 2 * std::size_t{v}, *const color = mesh.colors + channels * v;
             part.positions.insert(part.positions.end(), at, at + 2);
@@ -1030,10 +1031,11 @@ namespace detail {
     return check_for_export(mesh);
 }
 
-/// The coordinates of the image at a vertex, v down.
+/// The coordinates of the image at a vertex, v down: samples are in the middle of their texels, also those that are points.
 [[nodiscard]] inline std::array<double, 2> texture_place(const MeshView& mesh, std::size_t vertex) noexcept {
-    return {static_cast<double>(mesh.positions[2 * vertex]) / mesh.width,
-            static_cast<double>(mesh.positions[2 * vertex + 1]) / mesh.height};
+    const double shift = kit::inset(mesh.samples);
+    return {(static_cast<double>(mesh.positions[2 * vertex]) + shift) / mesh.width,
+            (static_cast<double>(mesh.positions[2 * vertex + 1]) + shift) / mesh.height};
 }
 
 }  // namespace detail
@@ -2631,8 +2633,7 @@ SpriteReport drop_transparent(Result& result, const ImageView<T, C>& view, const
         report.status = {Errc::invalid_argument, "the result is that of another image, by its size or channels"};
     if (report.status) report.status = detail::check_sprite(mesh, threshold);
     for (std::size_t v = 0; v < mesh.vertex_count() && report.status; ++v)
-        if (!kit::is_within(static_cast<double>(mesh.positions[2 * v]), 0, mesh.width) ||
-            !kit::is_within(static_cast<double>(mesh.positions[2 * v + 1]), 0, mesh.height))
+        if (!kit::detail::is_inside(mesh, v))
             report.status = {Errc::invalid_argument, "the mesh has a position outside of the image, at vertex", v};
     if (!report.status) return report;
 
@@ -2652,9 +2653,15 @@ SpriteReport drop_transparent(Result& result, const ImageView<T, C>& view, const
         for (const double share : scale.share) channels += share * share;
         const double before = kit::rendered_error(gone, image, weights, unit, parallel_for, scale);
         std::fill(gone.colors.begin(), gone.colors.end(), 0.0F);
-        const double after = kit::rendered_error(gone, image, weights, unit, parallel_for, scale);
+        const kit::RenderedError after = kit::rendered_errors(gone, image, weights, unit, parallel_for, scale);
         const double samples = channels * kit::weight_sum(weights, unit, view.width, view.height, parallel_for);
-        result.report.energy = std::max(0.0, result.report.energy + (after - before));
+        result.report.energy = std::max(0.0, result.report.energy + (after.energy - before));
+        Mesh kept = mesh;
+        kept.faces.clear();
+        for (std::size_t f = 0; f < kinds.size(); ++f)
+            if (kinds[f] != detail::FaceAlpha::dropped) kept.faces.push_back(mesh.faces[f]);
+        result.report.max_error =
+            std::max(after.largest, kit::rendered_errors(kept, image, weights, unit, parallel_for, scale).largest);
         result.report.psnr = kit::psnr_of_energy(result.report.energy, samples, PixelTraits<T>::peak);
     }
     report = drop_transparent(mesh, threshold);

@@ -116,8 +116,8 @@ struct GlbLevels {
         if (levels[k].empty()) return {Errc::invalid_argument, "a level of detail has no mesh, number", number, number};
         const MeshView& first = levels.front().front();
         for (const MeshView& part : levels[k])
-            if (part.width != first.width || part.height != first.height || part.channels != first.channels ||
-                part.premultiplied != first.premultiplied)
+            if (part.width != first.width || part.height != first.height || part.samples != first.samples ||
+                part.channels != first.channels || part.premultiplied != first.premultiplied)
                 return {Errc::invalid_argument,
                         "a level of detail has another size or other channels than the one before, number", number, number};
         if (k > 0 && vertices_of(levels[k]) >= vertices_of(levels[k - 1]))
@@ -738,7 +738,7 @@ HMESH_COLD void nest(const kit::ImageSource<C>& source, double samples, const Me
         if (!source.is_integer()) {
             Mesh drawn = out.mesh;
             drawn.faces = level.faces;
-            level.energy = source.rendered_error(drawn, parallel_for);
+            level.energy = source.rendered_errors(drawn, parallel_for).energy;
         }
         level.psnr = kit::psnr_of_energy(level.energy, samples, source.peak());
     }

@@ -27,16 +27,25 @@ inline std::int64_t side_of(GridPoint a, GridPoint b, GridPoint p) {
     return (b.x - a.x) * (p.y - a.y) - (p.x - a.x) * (b.y - a.y);
 }
 
-// Whether a face owns a centre that lies on its side from a to b: a left side, which runs up, or a level top side.
-inline bool owns_border(GridPoint a, GridPoint b) { return b.y < a.y || (b.y == a.y && b.x > a.x); }
+// Whether the side from a to b has its face where a point on it gets to that is moved a little by `first`, and much less by
+// `second`.
+inline bool owns_border(GridPoint a, GridPoint b, GridPoint first, GridPoint second) {
+    const auto gain = [&](GridPoint by) { return (b.x - a.x) * by.y - (b.y - a.y) * by.x; };
+    return gain(first) > 0 || (gain(first) == 0 && gain(second) > 0);
+}
 
 }  // namespace detail
 
-// Empty for a mesh that tiles [0, width] x [0, height]; else what is wrong with it.
+// Empty for a mesh that tiles the rectangle of an image of this size, [0, width] x [0, height] or for samples that are points
+// [0, width - 1] x [0, height - 1]; else what is wrong with it. A centre on an edge belongs to the face to its right or else below,
+// but to the one to its left in the last column of points, and to the one above in the last row.
 inline std::string flaw_of(const hmesh::MeshView& mesh, int width, int height) {
     using detail::GridPoint;
     if (mesh.width != width || mesh.height != height) return "the mesh has another size than the image";
-    const std::int64_t right = 256 * std::int64_t{width}, bottom = 256 * std::int64_t{height};
+    const bool of_points = mesh.samples == hmesh::Samples::points;
+    const std::int64_t right = 256 * std::int64_t{of_points ? width - 1 : width};
+    const std::int64_t bottom = 256 * std::int64_t{of_points ? height - 1 : height};
+    const std::int64_t half = of_points ? 0 : 128;
     std::vector<GridPoint> at(mesh.vertex_count);
     std::size_t corners = 0;
     for (std::size_t v = 0; v < at.size(); ++v) {
@@ -69,10 +78,13 @@ inline std::string flaw_of(const hmesh::MeshView& mesh, int width, int height) {
         const auto [top, low] = std::minmax({p[0].y, p[1].y, p[2].y});
         for (std::int64_t j = top / 256; j < std::min<std::int64_t>(height, low / 256 + 1); ++j)
             for (std::int64_t i = left / 256; i < std::min<std::int64_t>(width, far_right / 256 + 1); ++i) {
+                const bool is_last_column = of_points && i + 1 == width, is_last_row = of_points && j + 1 == height;
+                const GridPoint across{is_last_column ? -1 : 1, 0}, down{0, is_last_row ? -1 : 1};
+                const GridPoint first = is_last_column ? down : across, second = is_last_column ? across : down;
                 bool is_owner = true;
                 for (int k = 0; k < 3; ++k) {
-                    const std::int64_t side = detail::side_of(p[k], p[k + 1], {256 * i + 128, 256 * j + 128});
-                    is_owner = is_owner && (side > 0 || (side == 0 && detail::owns_border(p[k], p[k + 1])));
+                    const std::int64_t side = detail::side_of(p[k], p[k + 1], {256 * i + half, 256 * j + half});
+                    is_owner = is_owner && (side > 0 || (side == 0 && detail::owns_border(p[k], p[k + 1], first, second)));
                 }
                 if (is_owner) ++owners[static_cast<std::size_t>(j * width + i)];
             }

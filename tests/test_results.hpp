@@ -80,6 +80,11 @@ void prove_report(const hmesh::Image<T, C>& image, const hmesh::Result& result, 
     CHECK(in_range);
     if (Traits::is_integer && round_colors) CHECK(whole);
 
+    const hmesh::Image<float, C> picture = drawn<C>(result.mesh);
+    double largest = 0;
+    for (std::size_t k = 0; k < picture.size(); ++k)
+        largest = std::max(largest, std::abs(static_cast<double>(picture.data()[k]) - static_cast<double>(image.data()[k])));
+    CHECK(std::abs(report.max_error - largest) <= 1e-6 * magnitude_of(image));
     const double energy = rendered_error(image, result.mesh);
     CHECK(report.energy >= 0);
     CHECK(std::abs(report.energy - energy) <= 2.3e-4 * energy + energy_rounding(image));  // 1e-3 dB
@@ -106,8 +111,8 @@ bool same_bytes(const std::vector<T>& a, const std::vector<T>& b) {
 
 inline bool same_bytes(const hmesh::Mesh& a, const hmesh::Mesh& b) {
     return a.channels == b.channels && a.width == b.width && a.height == b.height && a.peak == b.peak &&
-           a.premultiplied == b.premultiplied && same_bytes(a.positions, b.positions) && same_bytes(a.colors, b.colors) &&
-           a.faces == b.faces;
+           a.premultiplied == b.premultiplied && a.samples == b.samples && same_bytes(a.positions, b.positions) &&
+           same_bytes(a.colors, b.colors) && a.faces == b.faces;
 }
 
 inline bool same_bytes(const hmesh::Report& a, const hmesh::Report& b) {
@@ -117,7 +122,8 @@ inline bool same_bytes(const hmesh::Report& a, const hmesh::Report& b) {
         return bits;
     };
     bool same = a.vertices == b.vertices && a.faces == b.faces && number(a.energy) == number(b.energy) &&
-                number(a.psnr) == number(b.psnr) && a.stages.size() == b.stages.size();
+                number(a.psnr) == number(b.psnr) && number(a.max_error) == number(b.max_error) &&
+                a.stages.size() == b.stages.size();
     for (std::size_t k = 0; same && k < a.stages.size(); ++k)
         same = std::strcmp(a.stages[k].name, b.stages[k].name) == 0 && a.stages[k].vertices == b.stages[k].vertices &&
                number(a.stages[k].energy) == number(b.stages[k].energy) && number(a.stages[k].psnr) == number(b.stages[k].psnr) &&

@@ -104,16 +104,16 @@ template <int C>
     kit::finish_cut(mesh, source.has_straight_seams());
     result.mesh = to_mesh(mesh, source.peak());
     const bool is_exact = source.is_integer() && scale == nullptr;
-    const auto rendered_error = [&](const Mesh& drawn) {
-        return scale == nullptr ? source.rendered_error(drawn, parallel_for) : source.rendered_error(drawn, parallel_for, *scale);
+    const auto errors_of = [&](const Mesh& drawn) {
+        return scale == nullptr ? source.rendered_errors(drawn, parallel_for) : source.rendered_errors(drawn, parallel_for, *scale);
     };
-    const double energy = is_exact ? std::max(0.0, mesh.energy)  // rounding may leave less than nothing
-                          : source.periodic() == Periodic::none ? rendered_error(result.mesh)
-                                                                : rendered_error(unrolled(result.mesh.view()));
+    const kit::RenderedError errors =
+        source.periodic() == Periodic::none ? errors_of(result.mesh) : errors_of(unrolled(result.mesh.view()));
+    const double energy = is_exact ? std::max(0.0, mesh.energy) : errors.energy;  // rounding may leave less than nothing
     progress.end(mesh.distinct_count(), energy);
     if (result.status && progress.stopped()) result.status = kit::cancelled_by_callback();
     result.report = {mesh.distinct_count(), mesh.faces.size(), energy, kit::psnr_of_energy(energy, subject.samples, source.peak()),
-                     progress.stages()};
+                     progress.stages(), errors.largest};
     return result;
 }
 
@@ -227,6 +227,14 @@ struct ImageRecipeRef {
     return {};
 }
 
+/// Whether an image of this size may be one of points.
+[[nodiscard]] HMESH_COLD inline Status check_points(int width, int height) noexcept {
+    if (width < 2) return {Errc::invalid_argument, "an image whose samples are points must be at least 2 samples wide", width, 2};
+    if (height < 2)
+        return {Errc::invalid_argument, "an image whose samples are points must be at least 2 samples high", height, 2};
+    return {};
+}
+
 /// Calls body() with what is to be meshed and the image as methods see it, once view and options have passed all checks: those of
 /// the recipe are `check_recipe`.
 template <class T, int C>
@@ -242,6 +250,7 @@ template <class T, int C>
     if (status) status = check_recipe(view.width, view.height);
     if (status) status = kit::check_finite(view, parallel_for);
     if (status) status = kit::check_weights(options.weights, view.width, view.height, parallel_for);
+    if (status && options.samples == Samples::points) status = check_points(view.width, view.height);
     if (!status) return status;
 
     ImageView<T, C> image = view;
@@ -255,7 +264,9 @@ template <class T, int C>
     const double unit = kit::weight_unit(options.weights, parallel_for);
     const double pixels = kit::weight_sum(options.weights, unit, view.width, view.height, parallel_for);
     const auto source =
-        kit::ImageSource<C>(image, options.weights, unit).with_periodic(options.periodic, options.straight_border);
+        kit::ImageSource<C>(image, options.weights, unit)
+            .with_periodic(options.periodic, options.straight_border)
+            .with_samples(options.samples);
     kit::ChannelScale<C> scale;
     Image<std::uint16_t, C> scaled;
     std::optional<kit::ImageSource<C>> fitted;

@@ -107,7 +107,8 @@ struct Options {
     /// Of a periodic image: whether the cut runs along the sides of the image. Else it is jagged, as the faces are: they stand
     /// out of the image's rectangle and leave as much of it free on the other side, for a copy of them. Costs up to 0.2 dB.
     bool straight_border = false;
-    /// Where the samples stand in the plane: squares, as pictures have them, or points, as heightmaps do.
+    /// Where the samples stand in the plane: squares, as pictures have them, or points, as heightmaps do: then the image has two
+    /// at least along each axis, and does not repeat.
     Samples samples = Samples::squares;
     /// Which samples have data: a view of the image's size, 0 for those that have none, such as voids of an elevation model. The
     /// mesh leaves them out: it covers every sample with data in a cell of data, and none without data. A cell is the square of
@@ -171,6 +172,9 @@ struct Options {
         return {Errc::invalid_argument, "straight_border is for periodic meshes, and periodic is none"};
     if (options.samples > Samples::points)
         return {Errc::invalid_argument, "the samples are none of those known", static_cast<int>(options.samples), 1};
+    if (options.samples == Samples::points && options.periodic != Periodic::none)
+        return {Errc::invalid_argument, "a periodic image is of samples that are squares, and the samples are points",
+                static_cast<int>(options.periodic), 0};
     return {};
 }
 

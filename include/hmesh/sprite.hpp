@@ -169,8 +169,7 @@ SpriteReport drop_transparent(Result& result, const ImageView<T, C>& view, const
         report.status = {Errc::invalid_argument, "the result is that of another image, by its size or channels"};
     if (report.status) report.status = detail::check_sprite(mesh, threshold);
     for (std::size_t v = 0; v < mesh.vertex_count() && report.status; ++v)
-        if (!kit::is_within(static_cast<double>(mesh.positions[2 * v]), 0, mesh.width) ||
-            !kit::is_within(static_cast<double>(mesh.positions[2 * v + 1]), 0, mesh.height))
+        if (!kit::detail::is_inside(mesh, v))
             report.status = {Errc::invalid_argument, "the mesh has a position outside of the image, at vertex", v};
     if (!report.status) return report;
 
@@ -190,9 +189,15 @@ SpriteReport drop_transparent(Result& result, const ImageView<T, C>& view, const
         for (const double share : scale.share) channels += share * share;
         const double before = kit::rendered_error(gone, image, weights, unit, parallel_for, scale);
         std::fill(gone.colors.begin(), gone.colors.end(), 0.0F);
-        const double after = kit::rendered_error(gone, image, weights, unit, parallel_for, scale);
+        const kit::RenderedError after = kit::rendered_errors(gone, image, weights, unit, parallel_for, scale);
         const double samples = channels * kit::weight_sum(weights, unit, view.width, view.height, parallel_for);
-        result.report.energy = std::max(0.0, result.report.energy + (after - before));
+        result.report.energy = std::max(0.0, result.report.energy + (after.energy - before));
+        Mesh kept = mesh;
+        kept.faces.clear();
+        for (std::size_t f = 0; f < kinds.size(); ++f)
+            if (kinds[f] != detail::FaceAlpha::dropped) kept.faces.push_back(mesh.faces[f]);
+        result.report.max_error =
+            std::max(after.largest, kit::rendered_errors(kept, image, weights, unit, parallel_for, scale).largest);
         result.report.psnr = kit::psnr_of_energy(result.report.energy, samples, PixelTraits<T>::peak);
     }
     report = drop_transparent(mesh, threshold);

@@ -69,11 +69,11 @@ inline constexpr double least_weight = 1e-9;
 
 namespace detail {
 
-/// `sign` times the moments of the pixels left of the edge from a down to b, over a table of N without weights.
+/// `sign` times the moments of the pixels left of the edge from a down to b in the rows [first, last) that it crosses, over a
+/// table of N without weights.
 template <int C, class N>
-HMESH_ALWAYS_INLINE void walk(const MomentTable<C>& table, Point a, Point b, double sign, Moments<C>& m) {
+HMESH_ALWAYS_INLINE void walk(const MomentTable<C>& table, Point a, Point b, int first, int last, double sign, Moments<C>& m) {
     using Channels = typename Moments<C>::Channels;
-    const int first = first_row(a.y), last = first_row(b.y);
     Channels s = Channels::zero(), sx = s, sy = s;
     // Integers, which leave the floating-point units to the channels; below 2^62 for tables of up to 2^28 pixels.
     std::int64_t x1 = 0, x2 = 0, xy = 0, yy = 0;
@@ -107,9 +107,9 @@ HMESH_ALWAYS_INLINE void walk(const MomentTable<C>& table, Point a, Point b, dou
 
 /// walk() over a weighted table. Never inlined: the two walks without weights are to stay as small and as fast as they are.
 template <int C>
-HMESH_NEVER_INLINE void weighted_walk(const MomentTable<C>& table, Point a, Point b, double sign, Moments<C>& m) {
+HMESH_NEVER_INLINE void weighted_walk(const MomentTable<C>& table, Point a, Point b, int first, int last, double sign,
+                                      Moments<C>& m) {
     using Channels = typename Moments<C>::Channels;
-    const int first = first_row(a.y), last = first_row(b.y);
     Channels s = Channels::zero(), sx = s, sy = s;
     double x1 = 0, x2 = 0, xy = 0, yy = 0;
     if (first < last) {
@@ -143,17 +143,25 @@ template <int C>
 HMESH_NEVER_INLINE void edge_moments(const MomentTable<C>& table, double ax, double ay, double bx, double by, Moments<C>& m) {
     const bool is_up = by < ay;
     const double sign = is_up ? -1 : 1;
-    const Point a{is_up ? bx : ax, is_up ? by : ay}, b{is_up ? ax : bx, is_up ? ay : by};
-    if (table.is_int32()) walk<C, std::int32_t>(table, a, b, sign, m);
-    else if (!table.is_weighted()) walk<C, double>(table, a, b, sign, m);
-    else weighted_walk(table, a, b, sign, m);
+    Point a{is_up ? bx : ax, is_up ? by : ay}, b{is_up ? ax : bx, is_up ? ay : by};
+    int first = first_row(a.y), last = first_row(b.y);
+    if (table.has_far_sides()) {
+        const FarSides& sides = table.far_sides();
+        const double beyond = sides.beyond(a, b);
+        a.x += beyond, b.x += beyond;
+        first = sides.first_row(a.y), last = sides.first_row(b.y);
+    }
+    if (table.is_int32()) walk<C, std::int32_t>(table, a, b, first, last, sign, m);
+    else if (!table.is_weighted()) walk<C, double>(table, a, b, first, last, sign, m);
+    else weighted_walk(table, a, b, first, last, sign, m);
 }
 
 }  // namespace detail
 
 /// The moments of the pixels left of the edge from a to b, positive where it runs down (to larger y), negative where it runs
 /// up. So edge_moments(a, b) = -edge_moments(b, a), and the sum over the edges of a polygon of positive orientation is the
-/// moments of its pixels. Points lie in [0, width] x [0, height] of the table. Cost: some 4 ns a row crossed.
+/// moments of its pixels, where these are points up to the far sides of the mesh. Points lie in [0, width] x [0, height] of the
+/// table. Cost: some 4 ns a row crossed.
 template <int C>
 HMESH_ALWAYS_INLINE void edge_moments(const MomentTable<C>& table, Point a, Point b, Moments<C>& m) {
     detail::edge_moments(table, a.x, a.y, b.x, b.y, m);

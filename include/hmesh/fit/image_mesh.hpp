@@ -31,6 +31,7 @@
 #include "hmesh/mesh/limits.hpp"
 #include "hmesh/mesh/mesh.hpp"
 #include "hmesh/mesh/periodic.hpp"
+#include "hmesh/mesh/samples.hpp"
 #include "hmesh/mesh/spatial_order.hpp"
 
 #include "hmesh/core/macros/push.hpp"
@@ -48,6 +49,7 @@ struct PatchContext {
     /// Whether the lines where it repeats, image.x + k * image.width and image.y + k * image.height, are seams: edges of the mesh
     /// that are neither flipped nor left by their vertices.
     bool has_seams = false;
+    Samples samples = Samples::squares;  ///< what the image has, and with that where the mesh's border lies (mesh/samples.hpp)
 };
 
 /// A triangle mesh of C channels over a moment table that knows the squared error of each face.
@@ -59,13 +61,22 @@ class ImageMesh {
     /// An empty mesh over the table of a whole image, which must outlive it. Colours are kept within [low, high], widened by
     /// limits.color_overshoot.
     ImageMesh(const MomentTable<C>& table, double low, double high, const MeshLimits& limits = {})
-        : ImageMesh(table, low, high, limits, {{0, 0, table.width(), table.height()}, false, 1, nullptr}) {}
+        : ImageMesh(table, low, high, limits,
+                    {{0, 0, table.width(), table.height()},
+                     false,
+                     1,
+                     nullptr,
+                     Periodic::none,
+                     false,
+                     table.has_far_sides() ? Samples::points : Samples::squares}) {}
     /// An empty mesh over the table of a patch, which must outlive it.
     ImageMesh(const MomentTable<C>& table, double low, double high, const MeshLimits& limits, const PatchContext& context)
         : table_(&table), limits_(limits), context_(context) {
         const double slack = limits.color_overshoot * (high - low);
         color_low_ = std::max(low - slack, -1e300);  // slack may overflow: float images know no range
         color_high_ = std::min(high + slack, 1e300);
+        const double gap = std::max(limits.border_gap, limits.position_step);
+        low_ = first_place(gap), high_ = last_place(gap);
     }
 
     /// Replaces the mesh by a triangulation of the rectangle, or of a part of it if this is a patch, with one colour a vertex or
@@ -92,8 +103,10 @@ class ImageMesh {
     [[nodiscard]] const MeshLimits& limits() const noexcept { return limits_; }
     [[nodiscard]] double color_low() const noexcept { return color_low_; }    ///< smallest value of a colour while fitting
     [[nodiscard]] double color_high() const noexcept { return color_high_; }  ///< largest value of a colour while fitting
-    [[nodiscard]] int width() const noexcept { return table_->width(); }      ///< px, of the table
-    [[nodiscard]] int height() const noexcept { return table_->height(); }    ///< px, of the table
+    /// What the image's samples are.
+    [[nodiscard]] Samples samples() const noexcept { return context_.samples; }
+    [[nodiscard]] int width() const noexcept { return table_->width(); }    ///< px, of the table
+    [[nodiscard]] int height() const noexcept { return table_->height(); }  ///< px, of the table
     /// The number of vertices.
     [[nodiscard]] std::size_t vertex_count() const noexcept { return topology_.vertex_count(); }
     /// The state of vertex v.
@@ -165,7 +178,9 @@ class ImageMesh {
     /// The mobility of a vertex at p: Mobility::free unless p is on the image's border.
     [[nodiscard]] Mobility mobility_at(Point p) const noexcept {
         const Rect& image = context_.image;
-        bool on_x = p.x == image.x || p.x == image.x + image.width, on_y = p.y == image.y || p.y == image.y + image.height;
+        const double in = inset(context_.samples);
+        bool on_x = p.x == image.x + in || p.x == image.x + image.width - in;
+        bool on_y = p.y == image.y + in || p.y == image.y + image.height - in;
         if (wraps_x(context_.periodic)) on_x = context_.has_seams && is_seam(p.x, image.x, image.width);
         if (wraps_y(context_.periodic)) on_y = context_.has_seams && is_seam(p.y, image.y, image.height);
         return on_x && on_y ? Mobility::corner : on_x ? Mobility::along_y : on_y ? Mobility::along_x : Mobility::free;
@@ -270,6 +285,19 @@ class ImageMesh {
     [[nodiscard]] HMESH_COLD Status check() const;
 
   private:
+    /// The least coordinates within the table that are `gap` inside of the mesh's border, 0 <= gap < 1/2.
+    [[nodiscard]] Point first_place(double gap) const noexcept {
+        const double in = inset(context_.samples) + gap;
+        return {wraps_x(context_.periodic) ? 0 : std::max(0.0, context_.image.x + in),
+                wraps_y(context_.periodic) ? 0 : std::max(0.0, context_.image.y + in)};
+    }
+    /// The largest ones.
+    [[nodiscard]] Point last_place(double gap) const noexcept {
+        const double in = inset(context_.samples) + gap, right = width(), low = height();
+        const Rect& image = context_.image;
+        return {wraps_x(context_.periodic) ? right : std::min(right, image.x + image.width - in),
+                wraps_y(context_.periodic) ? low : std::min(low, image.y + image.height - in)};
+    }
     /// Why these cannot be the vertices of the mesh, or ok.
     [[nodiscard]] Status check_vertices(const std::vector<Point>& positions, const std::vector<Color<C>>& colors) const noexcept;
     /// Empties the mesh and returns the status.
@@ -324,6 +352,7 @@ class ImageMesh {
     MeshLimits limits_;
     PatchContext context_;
     double color_low_ = 0, color_high_ = 0;
+    Point low_, high_;  ///< bounds of free coordinates
     HalfedgeMesh topology_;
     UndoArray<VertexState<C>> vertices_;
     UndoArray<Moments<C>> moments_;  ///< of halfedge(e), by edge
@@ -334,8 +363,8 @@ class ImageMesh {
     int depth_ = 0;
 };
 
-/// A mesh as plain arrays: live vertices and faces in the order of topology(), positions in the coordinates of the table, colours
-/// rounded to float. `peak`: colour value of full intensity.
+/// A mesh as plain arrays: live vertices and faces in the order of topology(), positions in the coordinates of the table (of an
+/// image of points those of the samples), colours rounded to float. `peak`: colour value of full intensity.
 template <int C>
 [[nodiscard]] HMESH_COLD Mesh to_mesh(const ImageMesh<C>& from, double peak);
 

@@ -18,11 +18,12 @@ template <int C>
 Status ImageMesh<C>::check_vertices(const std::vector<Point>& positions, const std::vector<Color<C>>& colors) const noexcept {
     if (!colors.empty() && colors.size() != positions.size())
         return {Errc::invalid_argument, "the colours are not as many as the vertices", colors.size(), positions.size()};
+    const Point low = first_place(0), high = last_place(0);
     for (std::size_t i = 0; i < positions.size(); ++i) {
         const Point p = positions[i];
         if (!is_finite(p.x) || !is_finite(p.y))
             return {Errc::not_finite, "the mesh has a position that is NaN or infinite, at vertex", i};
-        if (!(p.x >= 0 && p.x <= width() && p.y >= 0 && p.y <= height()))
+        if (!(p.x >= low.x && p.x <= high.x && p.y >= low.y && p.y <= high.y))
             return {Errc::invalid_argument, "the mesh has a position outside its image, at vertex", i};
         if (snap(p) != p) return {Errc::invalid_argument, "the mesh has a position off the grid of 1/256 px, at vertex", i};
     }
@@ -94,10 +95,14 @@ Status ImageMesh<C>::assign(const Mesh& mesh, const ParallelFor& parallel_for) {
         return refuse({Errc::invalid_argument, "the mesh is not as wide as the image", mesh.width, width()});
     if (mesh.height != height())
         return refuse({Errc::invalid_argument, "the mesh is not as high as the image", mesh.height, height()});
+    if (mesh.samples != context_.samples)
+        return refuse({Errc::invalid_argument, "the mesh's samples are not what the image's are", static_cast<int>(mesh.samples),
+                       static_cast<int>(context_.samples)});
+    const double shift = inset(mesh.samples);
     std::vector<Point> positions(n);
     std::vector<Color<C>> colors(n, Color<C>::zero());
     for (std::size_t v = 0; v < n; ++v) {
-        positions[v] = {static_cast<double>(mesh.positions[2 * v]), static_cast<double>(mesh.positions[2 * v + 1])};
+        positions[v] = {static_cast<double>(mesh.positions[2 * v]) + shift, static_cast<double>(mesh.positions[2 * v + 1]) + shift};
         for (std::size_t k = 0; k < C; ++k) colors[v].set(static_cast<int>(k), static_cast<double>(mesh.colors[C * v + k]));
     }
     return assign(positions, mesh.faces, colors, parallel_for);
@@ -109,11 +114,13 @@ Mesh to_mesh(const ImageMesh<C>& from, double peak) {
     Mesh to;
     to.channels = C;
     to.width = from.width(), to.height = from.height(), to.peak = peak;
+    to.samples = from.samples();
+    const double shift = inset(to.samples);
     to.positions.reserve(2 * topology.vertex_count());
     to.colors.reserve(C * topology.vertex_count());
     for (const Vertex v : topology.vertices()) {
-        to.positions.push_back(static_cast<float>(from.position(v).x));
-        to.positions.push_back(static_cast<float>(from.position(v).y));
+        to.positions.push_back(static_cast<float>(from.position(v).x - shift));
+        to.positions.push_back(static_cast<float>(from.position(v).y - shift));
         for (int k = 0; k < C; ++k) to.colors.push_back(static_cast<float>(from.color(v)[k]));
     }
     to.faces = topology.triangles();
@@ -170,7 +177,8 @@ Status ImageMesh<C>::check() const {
             return fail("a face's energy is stale", f.index());
         energy += fresh;
     }
-    if (area != (context_.is_part ? twice_area_ : 2.0 * width() * height()))
+    const Point low = first_place(0), high = last_place(0);
+    if (area != (context_.is_part ? twice_area_ : 2.0 * (high.x - low.x) * (high.y - low.y)))
         return fail("the faces do not tile what they should", 0);
     if (!(std::abs(energy - energy_) <= 1e-9 * std::abs(energy) + 1e-12 * squares)) return fail("the total energy is stale", 0);
     for (const Edge e : topology_.edges()) {
@@ -191,19 +199,12 @@ Status ImageMesh<C>::check() const {
 
 template <int C>
 Point ImageMesh<C>::clamp(Point p, Mobility mobility) const noexcept {
-    const double step = limits_.position_step, gap = std::max(limits_.border_gap, step);
-    const auto held = [step, gap](double x, int size, int image_low, int image_size, bool wraps) {
-        const double low = image_low == 0 && !wraps ? gap : 0;
-        const double high = image_low + image_size == size && !wraps ? size - gap : size;
-        return snap(std::max(low, std::min(high, x)), step);
-    };
-    const Rect& image = context_.image;
-    const Periodic periodic = context_.periodic;
+    const double step = limits_.position_step;
     Point q = p;
     if (mobility == Mobility::free || mobility == Mobility::along_x)
-        q.x = held(p.x, width(), image.x, image.width, wraps_x(periodic));
+        q.x = snap(std::max(low_.x, std::min(high_.x, p.x)), step);
     if (mobility == Mobility::free || mobility == Mobility::along_y)
-        q.y = held(p.y, height(), image.y, image.height, wraps_y(periodic));
+        q.y = snap(std::max(low_.y, std::min(high_.y, p.y)), step);
     return q;
 }
 

@@ -22,6 +22,8 @@
 #include "hmesh/image/weights.hpp"
 #include "hmesh/mesh/mesh.hpp"
 #include "hmesh/mesh/periodic.hpp"
+#include "hmesh/mesh/raster.hpp"
+#include "hmesh/mesh/samples.hpp"
 
 #include "hmesh/core/macros/push.hpp"
 
@@ -42,7 +44,13 @@ class ImageSource {
     /// The same weights with other pixels, an image of the same size.
     template <class T>
     [[nodiscard]] ImageSource with_pixels(const ImageView<T, C>& view) const noexcept {
-        return ImageSource(view, weights_, unit_).with_periodic(periodic_, has_straight_seams_);
+        return ImageSource(view, weights_, unit_).with_periodic(periodic_, has_straight_seams_).with_samples(samples_);
+    }
+    /// The same image, whose samples are these: of points there are two at least along each axis, and they do not repeat.
+    [[nodiscard]] ImageSource with_samples(Samples samples) const noexcept {
+        ImageSource out = *this;
+        out.samples_ = samples;
+        return out;
     }
     /// The same image, which repeats along these axes. `straight`: edges of meshes run along the lines where it does.
     [[nodiscard]] ImageSource with_periodic(Periodic periodic, bool straight) const noexcept {
@@ -54,7 +62,7 @@ class ImageSource {
     /// The same weights with the pixels of scale_channels(). The scale must outlive the source.
     [[nodiscard]] ImageSource with_scaled_pixels(const ImageView<std::uint16_t, C>& view,
                                                  const ChannelScale<C>& scale) const noexcept {
-        ImageSource out = ImageSource(view, weights_, unit_).with_periodic(periodic_, has_straight_seams_);
+        ImageSource out = ImageSource(view, weights_, unit_).with_periodic(periodic_, has_straight_seams_).with_samples(samples_);
         out.scale_ = &scale;
         return out;
     }
@@ -67,6 +75,7 @@ class ImageSource {
     [[nodiscard]] double low() const noexcept { return low_; }              ///< smallest colour of the pixel type
     [[nodiscard]] double high() const noexcept { return high_; }            ///< largest colour of the pixel type
     [[nodiscard]] Periodic periodic() const noexcept { return periodic_; }  ///< along which axes the image repeats
+    [[nodiscard]] Samples samples() const noexcept { return samples_; }     ///< where the samples stand
     /// Whether the lines where the image repeats are edges of its meshes.
     [[nodiscard]] bool has_straight_seams() const noexcept { return has_straight_seams_; }
     /// Whether samples are whole numbers, so that sums of them are exact.
@@ -76,14 +85,19 @@ class ImageSource {
     /// The moment table of a rectangle of the image, which may reach beyond it along the axes of periodic(). Bands of its rows
     /// are pieces of work.
     [[nodiscard]] MomentTable<C> table(const Rect& rect, const ParallelFor& parallel_for = {}) const {
-        return make_(*this, rect, parallel_for);
+        MomentTable<C> table = make_(*this, rect, parallel_for);
+        if (samples_ == Samples::points) {
+            const FarSides sides = far_sides(width_, height_, samples_);
+            table.set_far_sides({sides.right - rect.x, sides.bottom - rect.y});
+        }
+        return table;
     }
 
-    /// The squared error of a finished mesh as drawn, with the weights of pixels and these of channels: rendered_error() of
+    /// The error of a finished mesh as drawn, with the weights of pixels and these of channels: rendered_errors() of
     /// fit/rendered_error.hpp. Where is_integer() and all channels count the same, the energy of the fit is exact and need not be
     /// measured.
-    [[nodiscard]] double rendered_error(const Mesh& mesh, const ParallelFor& parallel_for,
-                                        const ChannelScale<C>& channels = {}) const {
+    [[nodiscard]] RenderedError rendered_errors(const Mesh& mesh, const ParallelFor& parallel_for,
+                                                const ChannelScale<C>& channels = {}) const {
         return error_(*this, mesh, parallel_for, channels);
     }
 
@@ -148,9 +162,9 @@ class ImageSource {
         return MomentTable<C>(pixels, weights, WeightScale(source.unit_, source.width_, source.height_), from, parallel_for);
     }
     template <class T>
-    [[nodiscard]] static double error(const ImageSource& source, const Mesh& mesh, const ParallelFor& parallel_for,
-                                      const ChannelScale<C>& channels) {
-        return kit::rendered_error(mesh, source.view<T>(), source.weights_, source.unit_, parallel_for, channels);
+    [[nodiscard]] static RenderedError error(const ImageSource& source, const Mesh& mesh, const ParallelFor& parallel_for,
+                                             const ChannelScale<C>& channels) {
+        return kit::rendered_errors(mesh, source.view<T>(), source.weights_, source.unit_, parallel_for, channels);
     }
     template <class T>
     static void sample(const ImageSource& source, int x, int y, Lanes<lanes_for(C + 1)>& out) noexcept {
@@ -175,10 +189,11 @@ class ImageSource {
     bool is_integer_;
     bool has_straight_seams_ = false;
     Periodic periodic_ = Periodic::none;
+    Samples samples_ = Samples::squares;
     MomentTable<C> (*make_)(const ImageSource&, const Rect&, const ParallelFor&);
     void (*sample_)(const ImageSource&, int, int, Lanes<lanes_for(C + 1)>&) noexcept;
     void (*row_)(const ImageSource&, int, double, double*) noexcept;
-    double (*error_)(const ImageSource&, const Mesh&, const ParallelFor&, const ChannelScale<C>&);
+    RenderedError (*error_)(const ImageSource&, const Mesh&, const ParallelFor&, const ChannelScale<C>&);
     const ChannelScale<C>* scale_ = nullptr;
 };
 

@@ -35,6 +35,7 @@
 #include "hmesh/core/parallel.hpp"
 #include "hmesh/image/image_view.hpp"
 #include "hmesh/image/weights.hpp"
+#include "hmesh/mesh/raster.hpp"
 
 #include "hmesh/core/macros/push.hpp"
 
@@ -102,8 +103,17 @@ class MomentTable {
         return entries <= most / std::int64_t{(entry_size + 2) * sizeof(double) + C * sizeof(float)};
     }
 
-    [[nodiscard]] int width() const noexcept { return width_; }            ///< px
-    [[nodiscard]] int height() const noexcept { return height_; }          ///< px
+    [[nodiscard]] int width() const noexcept { return width_; }    ///< px
+    [[nodiscard]] int height() const noexcept { return height_; }  ///< px
+    /// The sides of the mesh with centres of pixels on them, in the coordinates of the table; infinite where there are none.
+    [[nodiscard]] const FarSides& far_sides() const noexcept { return far_sides_; }
+    /// Whether pixels are points (Samples::points), and these sides are not infinite.
+    [[nodiscard]] HMESH_ALWAYS_INLINE bool has_far_sides() const noexcept { return has_far_sides_; }
+    /// Says that pixels are points, of a mesh with these sides.
+    void set_far_sides(const FarSides& sides) noexcept {
+        far_sides_ = sides;
+        has_far_sides_ = true;
+    }
     [[nodiscard]] bool is_int32() const noexcept { return int32_; }        ///< whether sums are 32-bit integers, not doubles
     [[nodiscard]] bool is_weighted() const noexcept { return weighted_; }  ///< whether pixels have weights
     /// The memory of the table in bytes.
@@ -247,12 +257,14 @@ class MomentTable {
     int width_ = 0, height_ = 0;
     bool weighted_ = false;
     bool int32_ = true;
+    bool has_far_sides_ = false;
     std::size_t strip_size_ = 0;
     std::size_t size_ = 0;
     std::unique_ptr<std::int32_t[]> int32_entries_;
     std::unique_ptr<double[]> float64_entries_;
     std::unique_ptr<double[]> x_moment_entries_;  ///< of weighted tables: w i, w i^2
-    std::unique_ptr<float[]> samples_;            ///< of weighted tables: I_0 .. I_{C-1}, row after row
+    FarSides far_sides_;
+    std::unique_ptr<float[]> samples_;  ///< of weighted tables: I_0 .. I_{C-1}, row after row
 };
 
 }  // namespace hmesh::kit

@@ -1,5 +1,5 @@
 /// \file
-/// rendered_error(): the squared error of a finished mesh, pixel by pixel, as render() draws it.
+/// rendered_errors(): the squared and the largest error of a finished mesh, pixel by pixel, as render() draws it.
 ///
 /// While a mesh is fitted its energy comes from sums along the image's rows (fit/moment_table.hpp). They are exact for integer
 /// samples; those of floats lose 2^-53 of the largest sum, and where a sun of 1e6 stands beside shades of 0.1 that is more than
@@ -7,9 +7,12 @@
 #ifndef HMESH_FIT_RENDERED_ERROR_HPP
 #define HMESH_FIT_RENDERED_ERROR_HPP
 
+#include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <vector>
 
 #include "hmesh/core/parallel.hpp"
 #include "hmesh/image/channel_weights.hpp"
@@ -18,27 +21,43 @@
 #include "hmesh/mesh/geometry.hpp"
 #include "hmesh/mesh/mesh.hpp"
 #include "hmesh/mesh/raster.hpp"
+#include "hmesh/mesh/samples.hpp"
 
 #include "hmesh/core/macros/push.hpp"
 
 namespace hmesh::kit {
 namespace detail {
 
-/// The position of vertex v.
+/// The position of vertex v in the plane where the centre of pixel (i, j) is at (i + 1/2, j + 1/2) (mesh/samples.hpp).
 [[nodiscard]] inline Point position(const Mesh& mesh, std::size_t v) noexcept {
-    return {static_cast<double>(mesh.positions[2 * v]), static_cast<double>(mesh.positions[2 * v + 1])};
+    const double shift = inset(mesh.samples);
+    return {static_cast<double>(mesh.positions[2 * v]) + shift, static_cast<double>(mesh.positions[2 * v + 1]) + shift};
+}
+
+/// Whether vertex v is inside of the rectangle that a mesh of its image covers, or on its border. Not for NaN.
+[[nodiscard]] inline bool is_inside(const Mesh& mesh, std::size_t v) noexcept {
+    const auto x = static_cast<double>(mesh.positions[2 * v]), y = static_cast<double>(mesh.positions[2 * v + 1]);
+    return x >= 0 && x <= extent(mesh.width, mesh.samples) && y >= 0 && y <= extent(mesh.height, mesh.samples);
 }
 
 }  // namespace detail
 
-/// The sum over pixels and channels of squared differences in stored values between a mesh, of C channels, and an image, times
-/// the weights of pixels (`unit` as by weight_unit()) and of channels (the largest being 1). The mesh must cover the image once
-/// with faces of positive area, which may stand out of it.
+/// How far a mesh is from an image.
+struct RenderedError {
+    double energy = 0;   ///< sum over pixels and channels of squared differences in stored values, by weight
+    double largest = 0;  ///< largest difference of a pixel and channel, in stored values; those of weight 0 do not count
+};
+
+/// The error of a mesh, of C channels, in the faces [first, last); else as rendered_errors().
 template <class T, int C>
-[[nodiscard]] double rendered_error(const Mesh& mesh, const ImageView<T, C>& view, const ImageView<float, 1>& weights = {},
-                                    double unit = 1, const ParallelFor& parallel_for = {}, const ChannelScale<C>& channels = {}) {
-    const WeightScale scale(unit, view.width, view.height);
-    const auto face = [&](const Triangle& t) {
+[[nodiscard]] RenderedError rendered_errors(const Mesh& mesh, std::size_t first, std::size_t last, const ImageView<T, C>& view,
+                                            const ImageView<float, 1>& weights, const WeightScale& scale,
+                                            const ChannelScale<C>& channels) {
+    const ClipRect clip{view.width, 0, view.height, far_sides(view.width, view.height, mesh.samples)};
+    RenderedError out;
+    std::array<double, std::size_t{C}> largest{};  // of each channel
+    for (std::size_t f = first; f < last; ++f) {
+        const Triangle& t = mesh.faces[f];
         const Point a = detail::position(mesh, t[0]), b = detail::position(mesh, t[1]), c = detail::position(mesh, t[2]);
         const PixelBarycentric weights_at(a, b, c);
         std::array<double, std::size_t{C}> at_a{}, to_b{}, to_c{};
@@ -47,27 +66,54 @@ template <class T, int C>
             at_a[k] = color(t[0]), to_b[k] = color(t[1]) - at_a[k], to_c[k] = color(t[2]) - at_a[k];
         }
         double energy = 0;
-        for_each_span(a, b, c, {view.width, 0, view.height}, [&](int j, int begin, int end) {
+        for_each_span(a, b, c, clip, [&](int j, int begin, int end) {
             const T* sample = view.pixel(begin, j);
             const float* weight = weights.data != nullptr ? weights.pixel(begin, j) : nullptr;
             for (int i = begin; i < end; ++i, sample += C) {
                 const Barycentric w = weights_at(i, j);
+                const bool counts = weight == nullptr || weight[i - begin] > 0;
                 double square = 0;
                 for (std::size_t k = 0; k < C; ++k) {
                     const double color = at_a[k] + w.b * to_b[k] + w.c * to_c[k];
-                    const double difference = channels.share[k] * (color - PixelTraits<T>::to_real(sample[k]));
+                    const double off = color - PixelTraits<T>::to_real(sample[k]), difference = channels.share[k] * off;
                     square += difference * difference;
+                    largest[k] = std::max(largest[k], counts ? std::abs(off) : 0);
                 }
                 energy += weight != nullptr ? scale(weight[i - begin]) * square : square;
             }
         });
-        return energy;
-    };
-    return ordered_sum(parallel_for, mesh.faces.size(), 256, [&](std::size_t begin, std::size_t end) {
-        double sum = 0;
-        for (std::size_t f = begin; f < end; ++f) sum += face(mesh.faces[f]);
-        return sum;
+        out.energy += energy;
+    }
+    for (std::size_t k = 0; k < C; ++k)
+        if (channels.share[k] > 0) out.largest = std::max(out.largest, largest[k]);
+    return out;
+}
+
+/// The error of a mesh, of C channels, by the weights of pixels (`unit` as by weight_unit()) and of channels (the largest being
+/// 1). The mesh must cover the image once with faces of positive area, which may stand out of it.
+template <class T, int C>
+[[nodiscard]] RenderedError rendered_errors(const Mesh& mesh, const ImageView<T, C>& view,
+                                            const ImageView<float, 1>& weights = {}, double unit = 1,
+                                            const ParallelFor& parallel_for = {}, const ChannelScale<C>& channels = {}) {
+    constexpr std::size_t grain = 256;
+    const WeightScale scale(unit, view.width, view.height);
+    std::vector<RenderedError> parts(mesh.faces.size() / grain + 1);
+    for_each_chunk(parallel_for, mesh.faces.size(), grain, [&](std::size_t begin, std::size_t end) {
+        parts[begin / grain] = rendered_errors(mesh, begin, end, view, weights, scale, channels);
     });
+    RenderedError sum;
+    for (const RenderedError& part : parts) {
+        sum.energy += part.energy;
+        sum.largest = std::max(sum.largest, part.largest);
+    }
+    return sum;
+}
+
+/// The squared error alone.
+template <class T, int C>
+[[nodiscard]] double rendered_error(const Mesh& mesh, const ImageView<T, C>& view, const ImageView<float, 1>& weights = {},
+                                    double unit = 1, const ParallelFor& parallel_for = {}, const ChannelScale<C>& channels = {}) {
+    return rendered_errors(mesh, view, weights, unit, parallel_for, channels).energy;
 }
 
 }  // namespace hmesh::kit

@@ -96,9 +96,9 @@ inline Status write_eps(const MeshView& source, Sink sink, const PageOptions& op
     detail::Writer writer(sink);
     const auto size = [&](const char* before, const char* after) {
         writer.text(before);
-        writer.decimal(mesh.width);
+        writer.decimal(mesh.right());
         writer.text(" ");
-        writer.decimal(mesh.height);
+        writer.decimal(mesh.bottom());
         writer.text(after);
     };
     size("%!PS-Adobe-3.0 EPSF-3.0\n%%Creator: hmesh " HMESH_VERSION_STRING "\n%%BoundingBox: 0 0 ", "\n");

@@ -149,7 +149,7 @@ inline void bound_positions(const MeshView& mesh, const GlbGrid& grid, GlbArray&
 
 /// Where the first mesh of the file is, and how large.
 [[nodiscard]] inline GlbNode node_of(const MeshView& mesh, const GlbGrid& grid, double longer_side) noexcept {
-    const double unit = longer_side > 0 ? longer_side / std::max(mesh.width, mesh.height) : 1;
+    const double unit = longer_side > 0 ? longer_side / std::max(mesh.right(), mesh.bottom()) : 1;
     return {{grid.origin[0] * unit, grid.origin[1] * unit}, grid.step * unit, 0};
 }
 

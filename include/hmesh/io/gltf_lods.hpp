@@ -103,8 +103,8 @@ struct GlbLevels {
         if (levels[k].empty()) return {Errc::invalid_argument, "a level of detail has no mesh, number", number, number};
         const MeshView& first = levels.front().front();
         for (const MeshView& part : levels[k])
-            if (part.width != first.width || part.height != first.height || part.channels != first.channels ||
-                part.premultiplied != first.premultiplied)
+            if (part.width != first.width || part.height != first.height || part.samples != first.samples ||
+                part.channels != first.channels || part.premultiplied != first.premultiplied)
                 return {Errc::invalid_argument,
                         "a level of detail has another size or other channels than the one before, number", number, number};
         if (k > 0 && vertices_of(levels[k]) >= vertices_of(levels[k - 1]))

@@ -98,8 +98,8 @@ struct GpuLayout {
     /// a periodic mesh the image's side is a whole number of steps of 1 / 65535 of it, so that copies of the buffers join.
     std::array<float, 2> scale{1, 1};
     std::array<float, 2> offset{0, 0};  ///< px: the corner of the box; 0 for float32x2
-    int width = 0,                      ///< px of the image
-        height = 0;                     ///< px of the image
+    int width = 0,                      ///< px of the image's rectangle: MeshView::right()
+        height = 0;                     ///< px of the image's rectangle: MeshView::bottom()
     bool has_alpha = false;             ///< whether some of the colours may be transparent
     bool premultiplied = false;         ///< whether colours are multiplied by alpha
 };
@@ -187,12 +187,12 @@ namespace detail {
     layout.index = options.index;
     layout.topology = options.topology;
     layout.restart = options.index == GpuIndexFormat::uint16 ? 0xffffU : 0xffffffffU;
-    layout.width = mesh.width, layout.height = mesh.height;
+    layout.width = mesh.right(), layout.height = mesh.bottom();
     layout.has_alpha = mesh.channels % 2 == 0;
     layout.premultiplied = layout.has_alpha &&
                            (options.alpha == GpuAlpha::as_stored ? mesh.premultiplied : options.alpha == GpuAlpha::premultiplied);
     if (options.position == GpuFormat::float32x2) return layout;
-    const std::array<double, 2> size{static_cast<double>(mesh.width), static_cast<double>(mesh.height)};
+    const std::array<double, 2> size{static_cast<double>(mesh.right()), static_cast<double>(mesh.bottom())};
     for (std::size_t axis = 0; axis < 2; ++axis) {
         double low = 0, high = size[axis];
         for (std::size_t v = 0; v < mesh.vertex_count; ++v) {
@@ -370,6 +370,7 @@ class GpuWriter {
         Mesh& part = parts.emplace_back();
         part.channels = mesh.channels, part.width = mesh.width, part.height = mesh.height;
         part.peak = mesh.peak, part.premultiplied = mesh.premultiplied, part.periodic = mesh.periodic;
+        part.samples = mesh.samples;
         for (const std::uint32_t v : slab.vertices) {
             const float *const at = mesh.positions + 2 * std::size_t{v}, *const color = mesh.colors + channels * v;
             part.positions.insert(part.positions.end(), at, at + 2);

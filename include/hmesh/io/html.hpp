@@ -104,7 +104,7 @@ inline void write_mesh_bytes(Writer& out, const MeshView& mesh) {
 
 /// Writes the mesh as the JSON that viewer/drawing.js reads.
 inline void write_html_mesh(Writer& writer, const MeshView& mesh) {
-    const std::array<std::int64_t, 5> numbers = {mesh.width, mesh.height, mesh.channels,
+    const std::array<std::int64_t, 5> numbers = {mesh.right(), mesh.bottom(), mesh.channels,
                                                  static_cast<std::int64_t>(mesh.vertex_count),
                                                  static_cast<std::int64_t>(mesh.face_count)};
     static constexpr std::array<const char*, 5> names = {

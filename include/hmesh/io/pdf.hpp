@@ -186,9 +186,9 @@ inline Status write_pdf(const MeshView& source, Sink sink, const PageOptions& op
     const auto box = [&](detail::Writer& writer, const char* name) {
         writer.text(name);
         writer.text(" [0 0 ");
-        writer.decimal(mesh.width);
+        writer.decimal(mesh.right());
         writer.text(" ");
-        writer.decimal(mesh.height);
+        writer.decimal(mesh.bottom());
         writer.text("]");
     };
     const auto end_text_stream = [&](const char* text) {

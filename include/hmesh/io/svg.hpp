@@ -136,7 +136,7 @@ class SvgPage {
         const bool is_masked = mesh_.channels == 4 && (has_ground || !is_opaque());
         if (is_masked) {
             writer_.text("<mask id=\"_m\" maskUnits=\"userSpaceOnUse\" x=\"0\" y=\"0\" ");
-            writer_.size(mesh_.width, mesh_.height);
+            writer_.size(mesh_.right(), mesh_.bottom());
             writer_.text(">\n");
             layer(SvgLayer::alpha);
             writer_.text("</mask>\n<g mask=\"url(#_m)\">\n");
@@ -155,11 +155,11 @@ class SvgPage {
     // --- parts of the page ---
     void begin() {
         writer_.text("<svg xmlns=\"http://www.w3.org/2000/svg\" xmlns:xlink=\"http://www.w3.org/1999/xlink\" ");
-        writer_.size(mesh_.width, mesh_.height);
+        writer_.size(mesh_.right(), mesh_.bottom());
         writer_.text(" viewBox=\"0 0 ");
-        writer_.decimal(mesh_.width);
+        writer_.decimal(mesh_.right());
         writer_.text(" ");
-        writer_.decimal(mesh_.height);
+        writer_.decimal(mesh_.bottom());
         writer_.text("\" shape-rendering=\"crispEdges\">\n<!-- made by hmesh " HMESH_VERSION_STRING " -->\n");
     }
     void flat_faces() {
@@ -188,9 +188,9 @@ class SvgPage {
     void screened_layers() {
         // Each channel's layer is black in the others, so that screen, a + b - a b, adds.
         writer_.text("<g style=\"isolation:isolate\">\n<path d=\"M0 0H");
-        writer_.decimal(mesh_.width);
+        writer_.decimal(mesh_.right());
         writer_.text("V");
-        writer_.decimal(mesh_.height);
+        writer_.decimal(mesh_.bottom());
         writer_.text("H0z\"/>\n");
         for (const SvgLayer channel : {SvgLayer::red, SvgLayer::green, SvgLayer::blue}) {
             writer_.text("<g style=\"mix-blend-mode:screen\">\n");
@@ -328,7 +328,7 @@ class SvgPage {
             const FacePoints p = face_points(f);
             twice += (p[1].x - p[0].x) * (p[2].y - p[0].y) - (p[2].x - p[0].x) * (p[1].y - p[0].y);
         }
-        const double all = 2.0 * mesh_.width * mesh_.height;
+        const double all = 2.0 * mesh_.right() * mesh_.bottom();
         return std::abs(twice - all) < 1e-6 * all;
     }
 

@@ -41,10 +41,11 @@ namespace detail {
     return check_for_export(mesh);
 }
 
-/// The coordinates of the image at a vertex, v down.
+/// The coordinates of the image at a vertex, v down: samples are in the middle of their texels, also those that are points.
 [[nodiscard]] inline std::array<double, 2> texture_place(const MeshView& mesh, std::size_t vertex) noexcept {
-    return {static_cast<double>(mesh.positions[2 * vertex]) / mesh.width,
-            static_cast<double>(mesh.positions[2 * vertex + 1]) / mesh.height};
+    const double shift = kit::inset(mesh.samples);
+    return {(static_cast<double>(mesh.positions[2 * vertex]) + shift) / mesh.width,
+            (static_cast<double>(mesh.positions[2 * vertex + 1]) + shift) / mesh.height};
 }
 
 }  // namespace detail

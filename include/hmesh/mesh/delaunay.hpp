@@ -15,6 +15,7 @@
 #ifndef HMESH_MESH_DELAUNAY_HPP
 #define HMESH_MESH_DELAUNAY_HPP
 
+#include <array>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
@@ -26,6 +27,7 @@
 #include "hmesh/mesh/halfedge_mesh.hpp"
 #include "hmesh/mesh/handles.hpp"
 #include "hmesh/mesh/hole_filler.hpp"
+#include "hmesh/mesh/samples.hpp"
 #include "hmesh/mesh/spatial_order.hpp"
 
 #include "hmesh/core/macros/push.hpp"
@@ -35,12 +37,14 @@ namespace hmesh::kit {
 /// A Delaunay triangulation of a rectangle, with insertion and removal of points of the 1/256 px grid.
 class Delaunay {
   public:
-    /// The triangulation of the rectangle [0, width] x [0, height] with sides from 1 to 2^16. Vertices 0 to 3 are its corners
-    /// (0, 0), (width, 0), (width, height), (0, height) and cannot be removed.
-    Delaunay(int width, int height);
+    /// The triangulation of the rectangle [0, width] x [0, height] with sides from 1 to 2^16; of an image of points, that of
+    /// [1/2, width - 1/2] x [1/2, height - 1/2] with sides from 2 on (mesh/samples.hpp). Vertices 0 to 3 are its corners,
+    /// clockwise on the screen from the upper left one, and cannot be removed.
+    Delaunay(int width, int height, Samples samples = Samples::squares);
 
-    [[nodiscard]] int width() const noexcept { return width_; }                              ///< px
-    [[nodiscard]] int height() const noexcept { return height_; }                            ///< px
+    [[nodiscard]] int width() const noexcept { return width_; }                              ///< px of the image
+    [[nodiscard]] int height() const noexcept { return height_; }                            ///< px of the image
+    [[nodiscard]] Samples samples() const noexcept { return samples_; }                      ///< of the image
     [[nodiscard]] const HalfedgeMesh& topology() const noexcept { return topology_; }        ///< the connectivity
     [[nodiscard]] Point position(Vertex v) const noexcept { return positions_[v.index()]; }  ///< position of a vertex
     /// Positions by vertex slot. The entries of deleted slots are meaningless.
@@ -78,7 +82,14 @@ class Delaunay {
     void legalize(Vertex v);
     [[nodiscard]] Status check_border() const;
 
+    /// The corners in the order of their vertices.
+    [[nodiscard]] std::array<Point, 4> corners() const noexcept {
+        const double low = inset(samples_), right = width_ - low, bottom = height_ - low;
+        return {Point{low, low}, {right, low}, {right, bottom}, {low, bottom}};
+    }
+
     int width_, height_;
+    Samples samples_;
     HalfedgeMesh topology_;
     std::vector<Point> positions_;
     Vertex last_{0};  ///< where walks begin
@@ -100,10 +111,10 @@ class Delaunay {
     return mesh;
 }
 
-inline Delaunay::Delaunay(int width, int height) : width_(width), height_(height) {
-    HMESH_ASSERT(width >= 1 && width <= 65536 && height >= 1 && height <= 65536);
-    const double w = width, h = height;
-    positions_ = {{0, 0}, {w, 0}, {w, h}, {0, h}};
+inline Delaunay::Delaunay(int width, int height, Samples samples) : width_(width), height_(height), samples_(samples) {
+    HMESH_ASSERT(extent(width, samples) >= 1 && width <= 65536 && extent(height, samples) >= 1 && height <= 65536);
+    const std::array<Point, 4> at = corners();
+    positions_.assign(at.begin(), at.end());
     const Status status = topology_.assign(4, {{0, 1, 2}, {0, 2, 3}});
     HMESH_ASSERT(status);
     static_cast<void>(status);
@@ -133,7 +144,8 @@ inline Halfedge Delaunay::locate(Point p) const noexcept {
 }
 
 inline Vertex Delaunay::insert(Point p) {
-    HMESH_ASSERT(p.x >= 0 && p.x <= width_ && p.y >= 0 && p.y <= height_ && snap(p) == p);
+    HMESH_ASSERT(p.x >= inset(samples_) && p.x <= width_ - inset(samples_));
+    HMESH_ASSERT(p.y >= inset(samples_) && p.y <= height_ - inset(samples_) && snap(p) == p);
     const Halfedge h = locate(p);
     last_ = topology_.from_vertex(h);
     if (position(last_) == p) return last_;
@@ -182,23 +194,24 @@ inline Status Delaunay::check_border() const {
     const auto fail = [](const char* what, Vertex v) -> Status {
         return {Errc::invalid_argument, what, static_cast<std::int64_t>(v.index()), 0};
     };
-    const double w = width_, h = height_;
-    const Point corners[4] = {{0, 0}, {w, 0}, {w, h}, {0, h}};
+    const std::array<Point, 4> at = corners();
+    const Point first = at[0], last = at[2];
     for (std::size_t k = 0; k < 4; ++k)
-        if (topology_.is_deleted(Vertex(k)) || position(Vertex(k)) != corners[k])
+        if (topology_.is_deleted(Vertex(k)) || position(Vertex(k)) != at[k])
             return fail("a corner of the rectangle is not where it was", Vertex(k));
     double length = 0;
     for (const Vertex v : topology_.vertices()) {
         if (!topology_.is_boundary(v)) continue;
-        // Against the faces: left along y = 0, down along x = 0, right along y = h and up along x = w.
+        // Against the faces: to the left along the upper side, down the left one, and so on.
         const Point a = position(v), b = position(topology_.to_vertex(topology_.halfedge(v)));
         const double dx = b.x - a.x, dy = b.y - a.y;
-        const bool level = dy == 0 && ((a.y == 0 && dx < 0) || (a.y == h && dx > 0));
-        const bool upright = dx == 0 && ((a.x == 0 && dy > 0) || (a.x == w && dy < 0));
+        const bool level = dy == 0 && ((a.y == first.y && dx < 0) || (a.y == last.y && dx > 0));
+        const bool upright = dx == 0 && ((a.x == first.x && dy > 0) || (a.x == last.x && dy < 0));
         if (!level && !upright) return fail("a boundary edge does not run along a side of the rectangle, from vertex", v);
         length += std::abs(dx) + std::abs(dy);
     }
-    if (length != 2 * (w + h)) return fail("the boundary does not run around the rectangle once", Vertex(0));
+    if (length != 2 * (last.x - first.x + (last.y - first.y)))
+        return fail("the boundary does not run around the rectangle once", Vertex(0));
     return {};
 }
 

@@ -1,8 +1,8 @@
 /// \file
 /// Mesh, a triangle mesh as plain arrays, and MeshView, the pointers and counts that exporters and render() read.
 ///
-/// Vertex i is at (positions[2i], positions[2i + 1]) in the plane of the image, [0, width] x [0, height] in px, y down. Its
-/// colour is colors[C i] .. colors[C i + C - 1], in the image's stored values; `peak` is full intensity. Face f joins the
+/// Vertex i is at (positions[2i], positions[2i + 1]) in the plane of the image, [0, width] x [0, height] in px (of samples that
+/// are points [0, width - 1] x [0, height - 1]), y down. Its colour is colors[C i] .. colors[C i + C - 1], in the image's stored values; `peak` is full intensity. Face f joins the
 /// vertices faces[f][0], faces[f][1] and faces[f][2], positively oriented: clockwise on the screen.
 #ifndef HMESH_MESH_MESH_HPP
 #define HMESH_MESH_MESH_HPP
@@ -40,6 +40,11 @@ struct MeshView {
     bool premultiplied = false;
     Periodic periodic = Periodic::none;  ///< along which axes copies of the mesh, shifted by its size, go on from it
     Samples samples = Samples::squares;  ///< where the image's samples stand in the plane
+
+    /// The x of the right side of the rectangle that a mesh of the image covers, in px; its left side is 0.
+    [[nodiscard]] constexpr int right() const noexcept { return extent(width, samples); }
+    /// The y of the lower side, in px; the upper one is 0.
+    [[nodiscard]] constexpr int bottom() const noexcept { return extent(height, samples); }
 };
 
 /// A triangle mesh that owns its arrays. Those that mesh_image() makes tile the rectangle of their image.

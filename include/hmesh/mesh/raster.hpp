@@ -4,7 +4,7 @@
 /// A pixel belongs to the face that holds its centre; a centre on an edge belongs to the face to the right of the edge or, if
 /// the edge is level, below it: the top-left rule of Direct3D, Vulkan and most OpenGL drivers. Only first_row() and EdgeWalker
 /// decide this, for the moments that fit a mesh as for the pictures drawn of it, so that the spans of a mesh's faces cover each
-/// pixel once.
+/// pixel once. Samples that are points lie on the mesh's border too, where the rule has an exception: FarSides.
 #ifndef HMESH_MESH_RASTER_HPP
 #define HMESH_MESH_RASTER_HPP
 
@@ -15,6 +15,7 @@
 #include "hmesh/core/compiler.hpp"
 #include "hmesh/core/lanes.hpp"
 #include "hmesh/mesh/geometry.hpp"
+#include "hmesh/mesh/samples.hpp"
 
 #include "hmesh/core/macros/push.hpp"
 
@@ -51,6 +52,34 @@ class EdgeWalker {
     double slope_, start_y_, start_x_;
 };
 
+/// The right and the lower side of a mesh whose outermost samples have their centres on its sides, as those of Samples::points
+/// do. The top-left rule gives these centres to faces beyond the mesh, where there are none. On these two lines alone they
+/// belong to the face that ends there: the row on the lower side to edges that end on it, and the column on the right side is
+/// left of edges along it. Infinite, as by default: no centre lies on a side, and the rule has no exception.
+struct FarSides {
+    double right = std::numeric_limits<double>::infinity(),  ///< x of the right side, px: that of the last column's centres
+        bottom = std::numeric_limits<double>::infinity();    ///< y of the lower side, px: that of the last row's centres
+
+    /// The first row whose centre is not above y, or the one after the last for the lower side.
+    [[nodiscard]] HMESH_ALWAYS_INLINE int first_row(double y) const noexcept { return kit::first_row(y) + (y == bottom ? 1 : 0); }
+    /// How far to the right the edge from a to b is taken to be, so that the centres on it are left of it: 1/2 px along the right
+    /// side, else 0.
+    [[nodiscard]] HMESH_ALWAYS_INLINE double beyond(Point a, Point b) const noexcept {
+        return a.x == right && b.x == right ? 0.5 : 0;
+    }
+    /// The edge from a down to b, a.y < b.y.
+    [[nodiscard]] HMESH_ALWAYS_INLINE EdgeWalker walker(Point a, Point b) const noexcept {
+        const double x = beyond(a, b);
+        return {{a.x + x, a.y}, {b.x + x, b.y}};
+    }
+};
+
+/// The far sides of meshes of width * height px while they are fitted (mesh/samples.hpp).
+[[nodiscard]] inline FarSides far_sides(int width, int height, Samples samples) noexcept {
+    if (samples == Samples::squares) return {};
+    return {width - 0.5, height - 0.5};
+}
+
 /// barycentric() at the centres of the pixels that a face owns. The weights of b and c are clamped to [0, 1]: rounding of an
 /// edge can leave a centre outside, which is much for a face of no width. They are divided by the area last: on the 1/256 px
 /// grid everything before that is exact, however thin the face.
@@ -80,10 +109,11 @@ struct ClipRect {
     int width = std::numeric_limits<int>::max();  ///< number of columns
     int first = 0,                                ///< first row
         last = std::numeric_limits<int>::max();   ///< end of the rows
+    FarSides sides{};                             ///< of the mesh, in the picture
 
-    /// first_row(y), clamped to [first, last].
+    /// The first row whose centre is not above y, clamped to [first, last].
     [[nodiscard]] int row(double y) const noexcept {
-        return first_row(std::max(static_cast<double>(first), std::min(static_cast<double>(last), y)));
+        return sides.first_row(std::max(static_cast<double>(first), std::min(static_cast<double>(last), y)));
     }
 };
 
@@ -97,7 +127,7 @@ void for_each_span(Point a, Point b, Point c, const ClipRect& clip, Body&& body)
     const auto between = [&](Point upper, Point lower) {
         const int first = clip.row(upper.y), last = clip.row(lower.y);
         if (first >= last) return;
-        const EdgeWalker side(upper, lower), opposite(a, c);
+        const EdgeWalker side = clip.sides.walker(upper, lower), opposite = clip.sides.walker(a, c);
         for (int j = first; j < last; ++j) {
             const int one = side.column(j), other = opposite.column(j);
             const int begin = std::max(0, std::min(one, other)), end = std::min(clip.width, std::max(one, other));

@@ -33,6 +33,7 @@ namespace hmesh {
     out.width = mesh.width, out.height = mesh.height;
     out.peak = mesh.peak;
     out.premultiplied = mesh.premultiplied;
+    out.samples = mesh.samples;
     const auto channels = static_cast<std::size_t>(mesh.channels);
     out.positions.assign(mesh.positions, mesh.positions + 2 * mesh.vertex_count);
     out.colors.assign(mesh.colors, mesh.colors + channels * mesh.vertex_count);

@@ -109,6 +109,8 @@ template <int C>
     const auto width = static_cast<std::size_t>(mesh.width()), pixels = width * static_cast<std::size_t>(mesh.height());
     Eigen::SparseMatrix<double> matrix(static_cast<Eigen::Index>(mesh.vertex_count()), static_cast<Eigen::Index>(pixels));
     matrix.resizeNonZeros(static_cast<Eigen::Index>(3 * pixels));
+    ClipRect clip;
+    clip.sides = mesh.table().far_sides();
     for (std::size_t p = 0; p <= pixels; ++p) matrix.outerIndexPtr()[p] = static_cast<int>(3 * p);
     for_each_chunk(parallel_for, topology.face_slots(), 256, [&](std::size_t first, std::size_t last) {
         for (std::size_t f = first; f < last; ++f) {
@@ -118,7 +120,7 @@ template <int C>
             if (v[2] < v[1]) std::swap(v[1], v[2]);
             if (v[1] < v[0]) std::swap(v[0], v[1]);
             const Point a = mesh.position(v[0]), b = mesh.position(v[1]), c = mesh.position(v[2]);
-            for_each_span(a, b, c, {}, [&](int j, int begin, int end) {
+            for_each_span(a, b, c, clip, [&](int j, int begin, int end) {
                 std::size_t entry = 3 * (static_cast<std::size_t>(j) * width + static_cast<std::size_t>(begin));
                 for (int i = begin; i < end; ++i, entry += 3) {
                     const Barycentric weights = barycentric(a, b, c, {i + 0.5, j + 0.5});

@@ -247,7 +247,9 @@ class LinearLight {
                 rhs2 += rhs * w.c;
             }
         };
-        for_each_span(a, b, c, {}, [&](int j, int begin, int end) {
+        ClipRect clip;
+        clip.sides = far_sides(mesh_.width, mesh_.height, mesh_.samples);
+        for_each_span(a, b, c, clip, [&](int j, int begin, int end) {
             for (int next = 0; begin < end; begin = next) {
                 next = std::min(end, begin + block);
                 if (wraps) next = std::min(next, (begin / mesh_.width + 1) * mesh_.width);
@@ -297,8 +299,7 @@ class LinearLight {
     if (mesh.periodic != Periodic::none)
         if (const Status status = check_periodic(mesh.view()); !status) return status;
     for (std::uint32_t v = 0; v < mesh.vertex_count() && mesh.periodic == Periodic::none; ++v)
-        if (!(at(v).x >= 0 && at(v).x <= mesh.width && at(v).y >= 0 && at(v).y <= mesh.height))
-            return {Errc::invalid_argument, "the mesh has a position outside its image, at vertex", v, 0};
+        if (!is_inside(mesh, v)) return {Errc::invalid_argument, "the mesh has a position outside its image, at vertex", v, 0};
     for (std::size_t f = 0; f < mesh.faces.size(); ++f)
         if (!(orient2d(at(mesh.faces[f][0]), at(mesh.faces[f][1]), at(mesh.faces[f][2])) > 0))
             return {Errc::invalid_argument, "the mesh has a face that is flipped or has no area, at face",

@@ -16,6 +16,7 @@
 #include "hmesh/mesh/geometry.hpp"
 #include "hmesh/mesh/halfedge_mesh.hpp"
 #include "hmesh/mesh/periodic.hpp"
+#include "hmesh/mesh/samples.hpp"
 #include "hmesh/mesh/spatial_order.hpp"
 #include "hmesh/tiles/indexed_mesh.hpp"
 
@@ -24,10 +25,11 @@
 namespace hmesh::kit {
 
 /// The position, in px, of the vertex that stands for pixel number y * width + x: the pixel's centre, but on the border for the
-/// outermost pixels, so that a mesh of such vertices covers the image.
-[[nodiscard]] inline Point pixel_vertex(std::uint32_t pixel, int width, int height) noexcept {
-    const auto place = [](std::uint32_t i, int size) {
-        return size == 1 ? 0.5 : i == 0 ? 0.0 : i + 1 == static_cast<std::uint32_t>(size) ? static_cast<double>(size) : i + 0.5;
+/// outermost pixels, so that a mesh of such vertices covers the image. The centres of outermost points are on the border.
+[[nodiscard]] inline Point pixel_vertex(std::uint32_t pixel, int width, int height, Samples samples = Samples::squares) noexcept {
+    const double low = inset(samples);
+    const auto place = [low](std::uint32_t i, int size) {
+        return size == 1 ? 0.5 : i == 0 ? low : i + 1 == static_cast<std::uint32_t>(size) ? size - low : i + 0.5;
     };
     const auto columns = static_cast<std::uint32_t>(width);
     return {place(pixel % columns, width), place(pixel / columns, height)};
@@ -37,7 +39,9 @@ namespace hmesh::kit {
 /// some thousands, said so.
 [[nodiscard]] HMESH_COLD inline bool insert_pixels(Delaunay& delaunay, const std::vector<std::uint32_t>& pixels,
                                                    FunctionRef<bool()> go_on) {
-    const auto place = [&](std::uint32_t pixel) { return pixel_vertex(pixel, delaunay.width(), delaunay.height()); };
+    const auto place = [&](std::uint32_t pixel) {
+        return pixel_vertex(pixel, delaunay.width(), delaunay.height(), delaunay.samples());
+    };
     delaunay.reserve(pixels.size() + 4);
     std::size_t done = 0;
     for (const std::uint32_t pixel : in_spatial_order<std::uint32_t>(pixels, pixels.size(), place)) {
@@ -77,9 +81,11 @@ HMESH_COLD inline void pair_sides(Delaunay& delaunay, Periodic periodic) {
 template <int C>
 [[nodiscard]] HMESH_COLD IndexedMesh<C> delaunay_mesh(const ImageSource<C>& source, const Delaunay& delaunay) {
     HMESH_ASSERT(delaunay.width() == source.width() && delaunay.height() == source.height());
+    HMESH_ASSERT(delaunay.samples() == source.samples());
     IndexedMesh<C> mesh;
     mesh.width = source.width();
     mesh.height = source.height();
+    mesh.samples = source.samples();
     mesh.positions.reserve(delaunay.topology().vertex_count());
     mesh.colors.reserve(delaunay.topology().vertex_count());
     mesh.dirty.reserve(delaunay.topology().vertex_count());

@@ -19,6 +19,7 @@
 #include "hmesh/mesh/halfedge_mesh.hpp"
 #include "hmesh/mesh/mesh.hpp"
 #include "hmesh/mesh/periodic.hpp"
+#include "hmesh/mesh/samples.hpp"
 #include "hmesh/mesh/torus.hpp"
 
 #include "hmesh/core/macros/push.hpp"
@@ -29,10 +30,10 @@ namespace hmesh::kit {
 /// open (mesh/torus.hpp), and vertices on the cut have copies.
 template <int C>
 struct IndexedMesh {
-    int width = 0;                       ///< px of the image; the faces tile [0, width] x [0, height], or the torus
-    int height = 0;                      ///< px of the image
-    std::vector<Point> positions;        ///< px, y down, on the 1/256 px grid
-    std::vector<Color<C>> colors;        ///< stored values
+    int width = 0;                 ///< px of the image; the faces tile [0, width] x [0, height], but for `samples`, or the torus
+    int height = 0;                ///< px of the image
+    std::vector<Point> positions;  ///< px, y down, on the 1/256 px grid
+    std::vector<Color<C>> colors;  ///< stored values
     std::vector<unsigned char> dirty;    ///< not 0: surroundings changed since the vertex was last optimised
     std::vector<Triangle> faces;         ///< indices of vertices, each face turning like (0, 0), (1, 0), (0, 1)
     double energy = 0;                   ///< squared error over pixels and channels, as of the last phase of work
@@ -40,6 +41,7 @@ struct IndexedMesh {
     Periodic periodic = Periodic::none;  ///< along which axes the mesh repeats
     std::vector<std::uint32_t> roots{};  ///< of each vertex of a periodic mesh: itself, or the one that it is a copy of
     std::size_t copy_count = 0;          ///< vertices that are copies of others
+    Samples samples = Samples::squares;  ///< of the image; for points the faces tile what is 1/2 px inside (mesh/samples.hpp)
 
     /// The number of vertices, copies included.
     [[nodiscard]] std::size_t vertex_count() const noexcept { return positions.size(); }
@@ -119,13 +121,14 @@ template <int C>
         if (!(twice > 0)) return fail("a face is flipped or has no area", t);
         area += twice;
     }
-    if (area != 2.0 * mesh.width * mesh.height) return fail("the faces do not tile the image", 0);
+    const double low = inset(mesh.samples), right = mesh.width - low, bottom = mesh.height - low;
+    if (area != 2.0 * (right - low) * (bottom - low)) return fail("the faces do not tile the image", 0);
     // One boundary, along the sides: with the area above, no hole and no overlap.
     for (const Edge e : topology.edges()) {
         if (!topology.is_boundary(e)) continue;
         const Point a = mesh.positions[topology.from_vertex(HalfedgeMesh::halfedge(e)).index()];
         const Point b = mesh.positions[topology.to_vertex(HalfedgeMesh::halfedge(e)).index()];
-        const bool on_side = (a.x == b.x && (a.x == 0 || a.x == mesh.width)) || (a.y == b.y && (a.y == 0 || a.y == mesh.height));
+        const bool on_side = (a.x == b.x && (a.x == low || a.x == right)) || (a.y == b.y && (a.y == low || a.y == bottom));
         if (!on_side) return fail("an edge inside the image has one face only", e.index());
     }
     return {};
@@ -138,8 +141,10 @@ template <int C>
     IndexedMesh<C> mesh;
     mesh.width = source.width();
     mesh.height = source.height();
+    mesh.samples = source.samples();
+    const double low = inset(mesh.samples);
     for (const int y : {0, source.height()})
-        for (const int x : {0, source.width()}) mesh.add({static_cast<double>(x), static_cast<double>(y)}, source.pixel(x, y));
+        for (const int x : {0, source.width()}) mesh.add({x == 0 ? low : x - low, y == 0 ? low : y - low}, source.pixel(x, y));
     mesh.faces = {{0, 1, 2}, {1, 3, 2}};
     return mesh;
 }
@@ -152,11 +157,13 @@ template <int C>
     to.width = from.width;
     to.height = from.height;
     to.peak = peak;
+    to.samples = from.samples;
     to.positions.reserve(2 * from.vertex_count());
     to.colors.reserve(C * from.vertex_count());
+    const double shift = inset(from.samples);
     for (std::size_t v = 0; v < from.vertex_count(); ++v) {
-        to.positions.push_back(static_cast<float>(from.positions[v].x));
-        to.positions.push_back(static_cast<float>(from.positions[v].y));
+        to.positions.push_back(static_cast<float>(from.positions[v].x - shift));
+        to.positions.push_back(static_cast<float>(from.positions[v].y - shift));
         for (int c = 0; c < C; ++c) to.colors.push_back(static_cast<float>(from.colors[v][c]));
     }
     to.faces = from.faces;
@@ -172,10 +179,13 @@ template <int C>
     if (from.channels != C || from.colors.size() != C * from.vertex_count()) return to;
     to.width = from.width;
     to.height = from.height;
+    to.samples = from.samples;
+    const double shift = inset(from.samples);
     for (std::size_t v = 0; v < from.vertex_count(); ++v) {
         Color<C> color = Color<C>::zero();
         for (std::size_t c = 0; c < C; ++c) color.set(static_cast<int>(c), static_cast<double>(from.colors[C * v + c]));
-        to.add({static_cast<double>(from.positions[2 * v]), static_cast<double>(from.positions[2 * v + 1])}, color);
+        to.add({static_cast<double>(from.positions[2 * v]) + shift, static_cast<double>(from.positions[2 * v + 1]) + shift},
+               color);
     }
     to.faces = from.faces;
     to.periodic = from.periodic;

@@ -244,7 +244,8 @@ class Patch {
                               1,
                               nullptr,
                               source.periodic(),
-                              source.has_straight_seams()});
+                              source.has_straight_seams(),
+                              source.samples()});
         const Status status = mesh_.assign(positions, numbered_.faces, colors, parallel_for);
         HMESH_ASSERT(status);
         (void)status;

@@ -41,18 +41,21 @@ namespace hmesh::detail {
     return {};
 }
 
-/// Refuses a mesh without a size in px, and what check() refuses, more than `most_channels` among it. O(n).
+/// Refuses a mesh without a size in px, which for one of points is that between them, and what check() refuses, more than `most_channels` among it. O(n).
 [[nodiscard]] inline Status check_for_export(const MeshView& mesh, int most_channels = 4) noexcept {
     if (mesh.width < 1) return {Errc::invalid_argument, "the mesh's width must be at least 1", mesh.width, 1};
     if (mesh.height < 1) return {Errc::invalid_argument, "the mesh's height must be at least 1", mesh.height, 1};
+    if (mesh.right() < 1 || mesh.bottom() < 1)
+        return {Errc::invalid_argument, "a mesh whose samples are points must have at least 2 along each axis",
+                std::min(mesh.width, mesh.height), 2};
     return check(mesh, most_channels);
 }
 
 // --- positions and faces ---
 
-/// The y of a vertex in px with y up: 0 at the lower edge of the image, `height` at the upper one.
+/// The y of a vertex in px with y up: 0 at the lower side of the image, mesh.bottom() at the upper one.
 [[nodiscard]] inline double y_up(const MeshView& mesh, std::size_t vertex) noexcept {
-    return mesh.height - static_cast<double>(mesh.positions[2 * vertex + 1]);
+    return mesh.bottom() - static_cast<double>(mesh.positions[2 * vertex + 1]);
 }
 
 /// The corners of a face in the order that makes it counter-clockwise, seen from the front, with y up.

@@ -58,7 +58,7 @@ struct ShadingLayout {
             return {Errc::invalid_argument, "the mesh's width or height is more than a shading holds", side, farthest};
     if (const Status status = check_for_export(mesh); !status) return status;
 
-    double left = 0, low = 0, right = mesh.width, high = mesh.height;
+    double left = 0, low = 0, right = mesh.right(), high = mesh.bottom();
     for (std::size_t v = 0; v < mesh.vertex_count; ++v) {
         const double x = static_cast<double>(mesh.positions[2 * v]), y = y_up(mesh, v);
         if (!kit::is_within(x, -farthest, farthest) || !kit::is_within(y, -farthest, farthest))

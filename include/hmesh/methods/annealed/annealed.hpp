@@ -59,6 +59,9 @@ template <int C>
     if (mesh.periodic != source.periodic())
         return {Errc::invalid_argument, "the mesh to start from is not periodic along the axes asked for",
                 static_cast<int>(mesh.periodic), static_cast<int>(source.periodic())};
+    if (mesh.samples != source.samples())
+        return {Errc::invalid_argument, "the mesh to start from is of other samples, squares or points, than the image",
+                static_cast<int>(mesh.samples), static_cast<int>(source.samples())};
     for (std::size_t v = 0; source.has_straight_seams() && v < mesh.vertex_count(); ++v)
         if (const Point p = mesh.positions[v]; !(p.x >= 0 && p.x <= mesh.width && p.y >= 0 && p.y <= mesh.height))
             return {Errc::invalid_argument, "the mesh to start from has no straight border, at vertex", v};
@@ -157,7 +160,7 @@ class AnnealedRun {
             pixels = masked_points(density, static_cast<std::size_t>(left), tiled_->parallel_for());
         }
         {
-            Delaunay delaunay(source.width(), source.height());
+            Delaunay delaunay(source.width(), source.height(), source.samples());
             if (source.periodic() != Periodic::none) leave_out_sides(pixels, source.width(), source.height(), source.periodic());
             if (!insert_pixels(delaunay, pixels, go_on)) return false;
             for (const Point p : on_seams) (void)delaunay.insert(p);

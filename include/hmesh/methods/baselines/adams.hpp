@@ -38,7 +38,7 @@ namespace kit::detail {
 template <int C>
 bool triangulate_pixels(TiledMesh<C>& tiled, const std::vector<std::uint32_t>& pixels) {
     const ImageSource<C>& source = tiled.source();
-    Delaunay mesh(source.width(), source.height());
+    Delaunay mesh(source.width(), source.height(), source.samples());
     if (!insert_pixels(mesh, pixels, [&] { return tiled.progress().poll(); })) return false;
     tiled.indexed() = delaunay_mesh(source, mesh);
     tiled.progress().set_range(1, 1);

@@ -177,9 +177,11 @@ template <int C>
         const Halfedge a = topology.halfedge(f), b = topology.next(a), c = topology.next(b);
         return {&corners[a.index()], &corners[b.index()], &corners[c.index()]};
     };
+    ClipRect clip;
+    clip.sides = table.far_sides();
     const auto for_each_pixel = [&](Face f, auto&& body) {
         const auto v = topology.vertices(f);
-        for_each_span(mesh.position(v[0]), mesh.position(v[1]), mesh.position(v[2]), {}, [&](int j, int begin, int end) {
+        for_each_span(mesh.position(v[0]), mesh.position(v[1]), mesh.position(v[2]), clip, [&](int j, int begin, int end) {
             for (int i = begin; i < end; ++i) {
                 Color<C> image;
                 table.pixel(i, j, image);
