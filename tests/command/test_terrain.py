@@ -354,6 +354,29 @@ def test_a_tile_is_the_same_made_alone_or_with_others_by_any_number_of_jobs(terr
     assert whole[0] == whole[1]
 
 
+def test_models_that_were_cut_apart_before_have_the_same_borders_unless_they_are_free(terrain):
+    for name, column in [("west", 0), ("east", 30)]:
+        write(f"{name}.asc", dems.asc(ground(31, 40, column)))
+    for options in ["", "--free-borders"]:
+        for name in ["west", "east"]:
+            terrain.done(f"{name}.asc -o {name}.ply --max-error 9 {options}")
+        west, east = ([v[1:] for v in read_model(f"{name}.ply").vertices if v[0] == x] for name, x in [("west", 30), ("east", 0)])
+        assert (sorted(west) == sorted(east)) == (options == "")
+
+
+def test_a_budget_is_met_with_less_error_than_within_a_bound(terrain):
+    heights = ground(WIDTH, HEIGHT)
+    write("dem.pgm", dems.pgm(heights))
+    bound = report_of(terrain, "dem.pgm -o bound.ply --max-error 30 --effort draft")
+    budget = report_of(terrain, f"dem.pgm -o budget.ply --vertices {bound['vertices']}")
+    assert budget["vertices"] == bound["vertices"] and budget["bound"] is None
+    assert budget["rms_error"] < 0.8 * bound["rms_error"]
+    assert judge(heights, read_model("budget.ply"), from_south(HEIGHT)) == pytest.approx(budget["max_error"], abs=1e-3)
+    assert report_of(terrain, "dem.pgm -o budget.glb --percent 10 --effort fast")["vertices"] == round(WIDTH * HEIGHT / 10)
+    write("dem.asc", dems.asc(with_holes(heights)))
+    terrain.fails("numbers of vertices do not", "dem.asc -o x.ply --vertices 90")
+
+
 def test_resume_leaves_tiles_that_are_newer_than_the_input(terrain):
     write("dem.pgm", dems.pgm(ground(40, 30)))
     os.utime("dem.pgm", (1e9, 1e9))
@@ -433,7 +456,10 @@ WRONG = rows("""
     --extent '1,2,3' is not 4 numbers             | dem.pgm -o x.terrain --max-error 1 --extent 1,2,3
     --extent '3,2,1,4' must be degrees            | dem.pgm -o x.terrain --max-error 1 --extent 3,2,1,4
     --scale means nothing to .terrain             | dem.pgm -o x.terrain --max-error 1 --extent 1,2,3,4 --scale 2
-    --heights is given without tiles              | dem.pgm -o x.terrain --max-error 1 --extent 1,2,3,4 --heights 1,2
+    --heights is given without an output          | dem.pgm -o x.ply --max-error 1 --heights 1,2
+    --heights '2,1' must be the lowest            | dem.pgm -o x.terrain --max-error 1 --heights 2,1
+    --free-borders is given without --max-error   | dem.pgm -o x.ply --vertices 9 --free-borders
+    --free-borders is given with --tiles          | dem.pgm -o x.ply --max-error 1 --free-borders --tiles 9
     --jobs '1025' must be from 0 to 1024          | dem.pgm -o x.ply --max-error 1 --jobs 1025
     two inputs                                    | dem.pgm dem.pgm -o x.ply --max-error 1
     'dem.pgm' would be overwritten                | dem.pgm -o x.ply --max-error 1 --report dem.pgm
@@ -457,7 +483,7 @@ def test_help_names_every_option_and_version_what_reads(terrain):
     text = terrain.done("--help")
     for option in ["--output", "--max-error", "--effort", "--tiles", "--resume", "--vertices", "--percent", "--no-data", "--scale", "--z-scale",
                    "--offset", "--no-normals", "--base", "--extent", "--jobs", "--report", "--quiet", "--help", "--version", "--size",
-                   "--type", "--only", "--list", "--spacing", "--heights", "--no-gdal"]:
+                   "--type", "--only", "--list", "--spacing", "--heights", "--no-gdal", "--free-borders"]:
         assert re.search(rf"^  (-\w,)?{option}\b", text, re.M), option
     assert max(map(len, text.splitlines())) <= 132
     assert re.match(r"hmesh-terrain \d+\.\d+\.\d+\nreads\n", terrain.done("--version"))

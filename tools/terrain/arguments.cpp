@@ -17,7 +17,9 @@ using tool::add;
 using tool::add_name;
 
 // What is asked for instead of a run. Thrown by the option at once, whatever is wrong with the rest of the command line.
-enum class Question : std::uint8_t { help, version };
+struct Question {
+    bool is_help;  // else for the version
+};
 
 constexpr char footer[] =
     "Local metres: +x is the east, +y the north and +z up (.glb: -z the north and +y up), from the south-western sample of the\n"
@@ -142,12 +144,21 @@ void add_mesh_options(CLI::App& app, Arguments& out) {
     add_name(app, "--effort", "draft, fast, normal or best: how long to look for fewer triangles (default: normal)", efforts,
              [&](Effort effort) { out.effort = effort; });
 
+    app.add_flag_callback(
+        "--free-borders", [&] { out.has_free_borders = true; },
+        "with --max-error, 1 to 10 % fewer triangles where nothing is to meet the borders, which else\n"
+        "follow from their rows of samples alone");
+
     app.option_defaults()->group("Tiles");
     CLI::Option* tiles = add(app, "--tiles", "N",
                              "cut the model into tiles of N cells a side, N + 1 samples, of which neighbours share a row:\n"
                              "files NAME_x_y.glb, x from the west, y from the north. No more of the file is in memory than\n"
                              "the tiles in work",
-                             [&](const std::string& text) { return tool::parse_in_range(text, 1, 65535, out.tile); });
+                             [&](const std::string& text) {
+                                 std::string why = tool::parse_in_range(text, 1, 65535, out.tile);
+                                 out.reading.rows = out.tile;
+                                 return why;
+                             });
     tool::add_list(app, "--only", "X_Y", "this tile alone; may be given more than once", [&](const std::string& text) {
         out.only.emplace_back();
         return parse_two(text, '_', 0, out.only.back().x, out.only.back().y);
@@ -179,8 +190,8 @@ void add_model_options(CLI::App& app, Arguments& out) {
     add(app, "--extent", "W,S,E,N", ".terrain: degrees of the outermost samples, where the file does not say them",
         [&](const std::string& text) { return parse_extent(text, out.extent); });
     add(app, "--heights", "LOW,HIGH",
-        ".terrain with --tiles: between which all heights are, in the file's, so that 15 bits say\n"
-        "them alike in all tiles (default: the file is read once to find out)",
+        ".terrain: between which the heights of all tiles are, in the file's, so that 15 bits say\n"
+        "them alike (default with --tiles: the file is read once to find out; else its own)",
         [&](const std::string& text) {
             out.heights.emplace();
             std::string why = parse_numbers(text, *out.heights);
@@ -194,10 +205,10 @@ void add_other_options(CLI::App& app, Arguments& out) {
         "-q,--quiet", [&] { out.quiet = true; }, "print errors only");
     app.set_help_flag();
     app.add_flag_callback(
-           "-h,--help", [] { throw Question::help; }, "print this text")
+           "-h,--help", [] { throw Question{true}; }, "print this text")
         ->trigger_on_parse();
     app.add_flag_callback(
-           "--version", [] { throw Question::version; }, "print the version, and what reads files")
+           "--version", [] { throw Question{false}; }, "print the version, and what reads files")
         ->trigger_on_parse();
 }
 
@@ -213,10 +224,13 @@ std::string find_conflict(const CLI::App& app, const Arguments& arguments) {
     if (arguments.output.empty()) return "no output is given: -o names it";
     if (!arguments.max_error && !arguments.vertices && !arguments.percent)
         return "how fine is not said: --max-error, or --vertices or --percent";
+    if (arguments.has_free_borders && !arguments.max_error) return "--free-borders is given without --max-error";
+    if (arguments.has_free_borders && arguments.tile != 0)
+        return "--free-borders is given with --tiles, whose borders are to meet";
     if (arguments.base && arguments.format != Format::stl) return "--base is given without an output that ends in .stl";
     const bool is_globe = arguments.format == Format::quantized_mesh;
     if (arguments.extent && !is_globe) return "--extent is given without an output that ends in .terrain";
-    if (arguments.heights && (!is_globe || arguments.tile == 0)) return "--heights is given without tiles that end in .terrain";
+    if (arguments.heights && !is_globe) return "--heights is given without an output that ends in .terrain";
     for (const char* option : {"--scale", "--spacing"})
         if (is_globe && app.count(option) != 0)
             return std::string(option) + " means nothing to .terrain, which stands on the Earth by its degrees";
@@ -259,9 +273,9 @@ CommandLine parse(const std::vector<std::string>& words) {
         line.wrong = tool::parse_words(app, words, "no input file is given");
     } catch (const Question& question) {
         const std::string gdal = gdal_version();
-        line.answer = question == Question::help ? tool::help_of(app)
-                                                 : "hmesh-terrain " HMESH_VERSION_STRING "\nreads\n  " +
-                                                       (gdal.empty() ? "" : gdal + "\n  ") + ".asc, .hgt, PGM, PNG, raw: hmesh\n";
+        line.answer = question.is_help ? tool::help_of(app)
+                                       : "hmesh-terrain " HMESH_VERSION_STRING "\nreads\n  " +
+                                             (gdal.empty() ? "" : gdal + "\n  ") + ".asc, .hgt, PGM, PNG, raw: hmesh\n";
         return line;
     }
     if (!line.wrong.empty()) return line;

@@ -48,9 +48,10 @@ struct Arguments {
     std::optional<std::int64_t> vertices;  // of each tile
     std::optional<double> percent;         // of the samples
     Effort effort = Effort::normal;
-    int tile = 0;                // cells of a side; 0: all in one piece
-    std::vector<TileName> only;  // of the tiles; empty: all
-    bool lists_tiles = false;    // and does nothing else
+    bool has_free_borders = false;  // nothing is to meet them
+    int tile = 0;                   // cells of a side; 0: all in one piece
+    std::vector<TileName> only;     // of the tiles; empty: all
+    bool lists_tiles = false;       // and does nothing else
     bool resumes = false;
     double scale = 1, z_scale = 1, offset = 0;
     std::optional<double> spacing;  // metres from sample to sample
@@ -58,7 +59,7 @@ struct Arguments {
     std::optional<double> base;  // of a closed model
     std::optional<Extent> extent;
     std::optional<std::array<double, 2>> heights;  // lowest and highest of all tiles
-    unsigned jobs = 0;  // 0: as many as cores
+    unsigned jobs = 0;                             // 0: as many as cores
     bool quiet = false;
 };
 

@@ -22,7 +22,8 @@ hmesh::Result mesh_with_vertices(const Arguments& arguments, const Window& windo
     hmesh::Options options;
     options.samples = hmesh::Samples::points;
     options.progress = progress;
-    options.target = arguments.vertices ? hmesh::Target::vertices(*arguments.vertices) : hmesh::Target::percent(*arguments.percent);
+    options.target =
+        arguments.vertices ? hmesh::Target::vertices(*arguments.vertices) : hmesh::Target::percent(*arguments.percent);
     return hmesh::mesh_image(window.tile(), options, hmesh::Annealed{annealed_effort(arguments.effort)}, parallel_for);
 }
 

@@ -7,8 +7,8 @@ namespace {
 
 constexpr double pi = 3.14159265358979323846;
 
-// Metres in a degree of longitude and of latitude at this latitude: by the radii of curvature of the ellipsoid along the parallel and
-// the meridian.
+// Metres in a degree of longitude and of latitude at this latitude: by the radii of curvature of the ellipsoid along the
+// parallel and the meridian.
 std::array<double, 2> metres_of_degrees(const Georeference& place, double latitude) {
     const double flattening = place.inverse_flattening > 0 ? 1 / place.inverse_flattening : 0;
     const double square = flattening * (2 - flattening);  // of the eccentricity
@@ -38,7 +38,8 @@ std::string find_frame(const Arguments& arguments, const Dem& dem, Frame& frame)
     if (arguments.spacing) frame.metres = {*arguments.spacing / t[1], *arguments.spacing / -t[5]};
     frame.x_step = arguments.scale * t[1] * frame.metres[0];
     frame.y_step = arguments.scale * -t[5] * frame.metres[1];
-    if (!(frame.x_step > 0) || !(frame.y_step > 0) || !std::isfinite(frame.x_step * columns) || !std::isfinite(frame.y_step * rows))
+    if (!(frame.x_step > 0) || !(frame.y_step > 0) || !std::isfinite(frame.x_step * columns) ||
+        !std::isfinite(frame.y_step * rows))
         return "'" + arguments.input + "' has samples that are no metres apart, or too many";
     frame.y_origin = frame.y_step * rows;
     frame.z_scale = arguments.z_scale * (arguments.format == Format::quantized_mesh ? 1 : arguments.scale);

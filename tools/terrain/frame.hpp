@@ -18,9 +18,9 @@ namespace terrain {
 struct Frame {
     double x_origin = 0, y_origin = 0, x_step = 1, y_step = 1;
     double z_offset = 0, z_scale = 1;
-    std::array<double, 2> metres{1, 1};     // in a unit of the map, to the east and to the north
-    std::array<double, 2> origin{0, 0};     // in units of the map: where x and y are 0
-    std::optional<Extent> extent;           // of the outermost samples, in degrees, where they are known
+    std::array<double, 2> metres{1, 1};  // in a unit of the map, to the east and to the north
+    std::array<double, 2> origin{0, 0};  // in units of the map: where x and y are 0
+    std::optional<Extent> extent;        // of the outermost samples, in degrees, where they are known
 };
 
 // Returns "" or what is wrong, a sentence.

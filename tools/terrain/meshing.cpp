@@ -26,7 +26,7 @@ hmesh::Result mesh_within(const Arguments& arguments, const Window& window, doub
     hmesh::Bounded recipe;
     recipe.max_error = bound;
     recipe.effort = bounded_effort(arguments.effort);
-    recipe.free_borders = arguments.tile == 0;
+    recipe.free_borders = arguments.has_free_borders;
     return hmesh::mesh_image(window.tile(), options, recipe, parallel_for);
 }
 

@@ -10,7 +10,7 @@
 
 namespace terrain {
 
-// As few triangles as the effort finds within the bound, in heights of the file. Of tiles the borders follow from their rows alone.
+// As few triangles as the effort finds within the bound, in heights of the file.
 [[nodiscard]] hmesh::Result mesh_within(const Arguments& arguments, const Window& window, double bound, hmesh::Progress progress,
                                         const hmesh::ParallelFor& parallel_for);
 

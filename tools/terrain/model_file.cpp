@@ -9,7 +9,8 @@
 namespace terrain {
 
 hmesh::Status write_model(const Arguments& arguments, const Dem& dem, const Frame& frame, const HeightRange& range,
-                          const Tile& tile, const Window& window, const hmesh::MeshView& mesh, std::vector<unsigned char>& bytes) {
+                          const Tile& tile, const Window& window, const hmesh::MeshView& mesh,
+                          std::vector<unsigned char>& bytes) {
     bytes.clear();
     const auto sink = [&](const void* from, std::size_t size) {
         const auto* const first = static_cast<const unsigned char*>(from);
@@ -32,7 +33,8 @@ hmesh::Status write_model(const Arguments& arguments, const Dem& dem, const Fram
         case Format::ply: return hmesh::write_height_ply(mesh, samples, sink, options);
         case Format::obj: return hmesh::write_height_obj(mesh, samples, sink, options);
         case Format::stl:
-            if (arguments.base) return hmesh::write_solid_stl(mesh, frame.z_offset + frame.z_scale * *arguments.base, sink, options);
+            if (arguments.base)
+                return hmesh::write_solid_stl(mesh, frame.z_offset + frame.z_scale * *arguments.base, sink, options);
             return hmesh::write_height_stl(mesh, sink, options);
         case Format::quantized_mesh: {
             const Extent extent = extent_of(frame, dem, tile);

@@ -37,15 +37,17 @@ Sum sum_of(const std::vector<TileEnd>& ends) {
     return sum;
 }
 
-double root_mean_square(double squares, std::size_t count) { return count > 0 ? std::sqrt(squares / static_cast<double>(count)) : 0; }
+double root_mean_square(double squares, std::size_t count) {
+    return count > 0 ? std::sqrt(squares / static_cast<double>(count)) : 0;
+}
 
 double in_microseconds(double seconds) { return std::round(seconds * 1e6) / 1e6; }
 
 Json tile_value(const Tile& tile, const TileEnd& end) {
     constexpr const char* kinds[] = {"made", "empty", "kept", "failed"};
-    Json value = {{"x", tile.name.x},           {"y", tile.name.y},           {"file", tile.file},
-                  {"column", tile.column},      {"row", tile.row},            {"width", tile.width},
-                  {"height", tile.height},      {"is", kinds[static_cast<std::size_t>(end.kind)]}};
+    Json value = {
+        {"x", tile.name.x}, {"y", tile.name.y},    {"file", tile.file},     {"column", tile.column},
+        {"row", tile.row},  {"width", tile.width}, {"height", tile.height}, {"is", kinds[static_cast<std::size_t>(end.kind)]}};
     if (end.kind != Kind::made) return value;
     value["vertices"] = end.vertices;
     value["triangles"] = end.triangles;
@@ -83,7 +85,10 @@ std::string thousands(std::size_t number) {
 std::string report_json(const Arguments& arguments, const Dem& dem, const Frame& frame, const std::vector<Tile>& tiles,
                         const std::vector<TileEnd>& ends, double seconds) {
     const Sum sum = sum_of(ends);
-    Json report = {{"hmesh", HMESH_VERSION_STRING}, {"input", arguments.input}, {"reader", dem.reader}, {"width", dem.width},
+    Json report = {{"hmesh", HMESH_VERSION_STRING},
+                   {"input", arguments.input},
+                   {"reader", dem.reader},
+                   {"width", dem.width},
                    {"height", dem.height}};
     report["samples"] = sum.samples;
     report["no_data"] = {{"value", dem.no_data && std::isfinite(*dem.no_data) ? Json(*dem.no_data) : Json()},
@@ -127,8 +132,10 @@ void print_summary(std::FILE* to, const Arguments& arguments, const Dem& dem, co
     if (tiles.size() == 1) std::fprintf(to, "written    %s\n", tiles.front().file.c_str());
     std::fprintf(to, "seconds    %.2f\n", seconds);
     if (sum.tighter > 0 && arguments.tile != 0)
-        std::fprintf(to, "note       %zu tiles needed a tighter bound for what they are rounded to: their borders may not be those of others\n",
-                     sum.tighter);
+        std::fprintf(
+            to,
+            "note       %zu tiles needed a tighter bound for what they are rounded to: their borders may not be those of others\n",
+            sum.tighter);
 }
 
 }  // namespace terrain

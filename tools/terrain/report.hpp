@@ -31,8 +31,8 @@ struct TileEnd {
     double seconds = 0;
 };
 
-[[nodiscard]] std::string report_json(const Arguments& arguments, const Dem& dem, const Frame& frame, const std::vector<Tile>& tiles,
-                                      const std::vector<TileEnd>& ends, double seconds);
+[[nodiscard]] std::string report_json(const Arguments& arguments, const Dem& dem, const Frame& frame,
+                                      const std::vector<Tile>& tiles, const std::vector<TileEnd>& ends, double seconds);
 
 void print_summary(std::FILE* to, const Arguments& arguments, const Dem& dem, const std::vector<Tile>& tiles,
                    const std::vector<TileEnd>& ends, double seconds);

@@ -38,8 +38,8 @@ double seconds_since(Clock::time_point begin) { return std::chrono::duration<dou
 // have in common, whose borders follow from it, then less where that was not enough.
 constexpr std::array<double, 4> shares = {0.999, 0.98, 0.9, 0.6};
 
-// How far from a sample a border may be that runs through it, in samples: what floats of local metres keep of 65536, or half a step
-// of 15 bits, either way with as much again.
+// How far from a sample a border may be that runs through it, in samples: what floats of local metres keep of 65536, or half a
+// step of 15 bits, either way with as much again.
 double slack_of(const Arguments& arguments, const Tile& tile) {
     if (arguments.format != Format::quantized_mesh) return 1.0 / 64;
     return 1e-6 + std::max(tile.width, tile.height) / 32767.0;
@@ -63,8 +63,8 @@ class Run {
     [[nodiscard]] std::string find_range();
     [[nodiscard]] std::string find_unwritable() const;
     [[nodiscard]] std::string mesh_tile(std::size_t k, const hmesh::ParallelFor& parallel_for);
-    [[nodiscard]] std::string make_file(const Tile& tile, const Window& window, const hmesh::ParallelFor& parallel_for, TileEnd& end,
-                                        std::vector<unsigned char>& bytes);
+    [[nodiscard]] std::string make_file(const Tile& tile, const Window& window, const hmesh::ParallelFor& parallel_for,
+                                        TileEnd& end, std::vector<unsigned char>& bytes);
     [[nodiscard]] std::string read(const Tile& tile, Window& window);
     [[nodiscard]] bool is_newer(const std::string& file) const;
     [[nodiscard]] bool tell(hmesh::ProgressInfo info);
@@ -108,7 +108,7 @@ bool Run::is_newer(const std::string& file) const {
 
 // The heights of the whole file, for tiles that are to say them alike.
 std::string Run::find_range() {
-    if (arguments_.format != Format::quantized_mesh || arguments_.tile == 0) return {};
+    if (arguments_.format != Format::quantized_mesh || (arguments_.tile == 0 && !arguments_.heights)) return {};
     if (arguments_.heights) {
         range = {(*arguments_.heights)[0], (*arguments_.heights)[1]};
     } else {
@@ -166,23 +166,23 @@ std::string Run::make_file(const Tile& tile, const Window& window, const hmesh::
     const double high = is_globe && !(range.low < range.high) ? window.high + wanted : range.high;
     const double step = is_globe && arguments_.max_error ? (high - low) / 65534 : 0;
     if (step > 0 && wanted <= step)
-        return "'" + tile.file + "' cannot keep --max-error " + std::to_string(wanted) + ": the 15 bits of its heights are off by up to " +
-               std::to_string(step);
+        return "'" + tile.file + "' cannot keep --max-error " + std::to_string(wanted) +
+               ": the 15 bits of its heights are off by up to " + std::to_string(step);
     Measured found;
     for (const double share : shares) {
         if (tool::interrupted) return "interrupted; '" + tile.file + "' is not written";
         end.asked = share * (wanted - step);
         end.is_tighter = share < shares.front();
         const auto progress = [&](const hmesh::ProgressInfo& info) { return tell(info); };
-        const hmesh::Result result = arguments_.max_error
-                                         ? mesh_within(arguments_, window, end.asked, progress, parallel_for)
-                                         : mesh_with_vertices(arguments_, window, progress, parallel_for);
+        const hmesh::Result result = arguments_.max_error ? mesh_within(arguments_, window, end.asked, progress, parallel_for)
+                                                          : mesh_with_vertices(arguments_, window, progress, parallel_for);
         if (!result.status || !result.has_mesh())
             return "'" + arguments_.input + "' as '" + tile.file + "': " + tool::in_words(result.status) +
                    (tool::interrupted ? "; it is not written" : "");
         end.vertices = result.mesh.vertex_count();
         end.triangles = result.mesh.face_count();
-        if (const hmesh::Status status = write_model(arguments_, dem_, frame, range, tile, window, result.mesh.view(), bytes); !status)
+        if (const hmesh::Status status = write_model(arguments_, dem_, frame, range, tile, window, result.mesh.view(), bytes);
+            !status)
             return "cannot make '" + tile.file + "': " + tool::in_words(status);
         Surface surface;
         if (std::string why = read_back(arguments_.format, {bytes.data(), bytes.size()}, frame, tile, surface); !why.empty())
@@ -196,8 +196,8 @@ std::string Run::make_file(const Tile& tile, const Window& window, const hmesh::
         if (!(wanted > 0)) break;
     }
     if (found.left_out > 0 || found.outside > 0)
-        return "'" + tile.file + "' leaves " + std::to_string(found.left_out) + " samples out and covers " + std::to_string(found.outside) +
-               " without data; it is not written";
+        return "'" + tile.file + "' leaves " + std::to_string(found.left_out) + " samples out and covers " +
+               std::to_string(found.outside) + " without data; it is not written";
     char text[96];
     std::snprintf(text, sizeof text, "--max-error %.9g: its numbers, as it rounds them, are off by %.9g", wanted, end.max_error);
     return "'" + tile.file + "' cannot keep " + text;

@@ -65,7 +65,8 @@ std::string read_window(Dem& dem, const Tile& tile, Window& window) {
     window.width = tile.width;
     window.height = tile.height;
     window.heights.resize(static_cast<std::size_t>(window.columns) * static_cast<std::size_t>(window.rows));
-    if (std::string why = dem.read(west, north, window.columns, window.rows, window.heights.data(), window.rounding); !why.empty())
+    if (std::string why = dem.read(west, north, window.columns, window.rows, window.heights.data(), window.rounding);
+        !why.empty())
         return why;
     const hmesh::ImageView<float, 1> view = window.tile();
     bool has_height = false;

@@ -15,7 +15,7 @@ namespace terrain {
 
 struct Tile {
     TileName name;
-    int column = 0, row = 0;  // of its north-western sample
+    int column = 0, row = 0;    // of its north-western sample
     int width = 0, height = 0;  // samples
     std::string file;
 };
@@ -26,14 +26,14 @@ struct Tile {
 
 // The samples of a tile and one more on each side, where there is one: normals are those of the whole model.
 struct Window {
-    int columns = 0, rows = 0;    // of `heights`
-    int left = 0, top = 0;        // the place in it of the tile's first sample, 0 or 1
-    int width = 0, height = 0;    // of the tile
-    std::vector<float> heights;   // NaN where there is no data
-    double rounding = 0;          // the most by which one differs from the file
-    std::size_t no_data = 0;      // samples of the tile without data
-    bool has_cell = false;        // whether four neighbours have data: else there is nothing to mesh
-    double low = 0, high = 0;     // of the tile's heights
+    int columns = 0, rows = 0;   // of `heights`
+    int left = 0, top = 0;       // the place in it of the tile's first sample, 0 or 1
+    int width = 0, height = 0;   // of the tile
+    std::vector<float> heights;  // NaN where there is no data
+    double rounding = 0;         // the most by which one differs from the file
+    std::size_t no_data = 0;     // samples of the tile without data
+    bool has_cell = false;       // whether four neighbours have data: else there is nothing to mesh
+    double low = 0, high = 0;    // of the tile's heights
 
     // All of it, and the tile alone.
     [[nodiscard]] hmesh::ImageView<float, 1> around() const noexcept { return {heights.data(), columns, rows, 0}; }

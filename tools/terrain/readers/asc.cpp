@@ -1,5 +1,5 @@
-// Esri ASCII grids: six words with a number each, then the heights as text, the first row in the north. xllcorner is the corner of
-// an area of which the height is the mean, xllcenter its centre.
+// Esri ASCII grids: six words with a number each, then the heights as text, the first row in the north. xllcorner is the corner
+// of an area of which the height is the mean, xllcenter its centre.
 #include <algorithm>
 #include <cerrno>
 #include <climits>

@@ -1,7 +1,7 @@
 // Whatever GDAL reads. The only file that compiles it.
 //
-// GDAL's geotransform is that of the corner of the first sample's area, by its convention and whatever the file's: of a GeoTIFF of
-// points (AREA_OR_POINT) it is moved by half a sample. So samples stand at the centres of these areas in any case.
+// GDAL's geotransform is that of the corner of the first sample's area, by its convention and whatever the file's: of a GeoTIFF
+// of points (AREA_OR_POINT) it is moved by half a sample. So samples stand at the centres of these areas in any case.
 #include "terrain/readers/readers.hpp"
 
 #ifdef HMESH_HAS_GDAL
@@ -157,6 +157,10 @@ std::string open_gdal(const std::string& path, const ReadOptions& options, DemPo
     CPLSetErrorHandler(CPLQuietErrorHandler);
     auto file = std::make_unique<GdalDem>();
     if (std::string why = file->open(path, options); !why.empty()) return why;
+    // A row of tiles reads the same rows of samples again and again, which may have to be decoded whole.
+    constexpr std::int64_t most = std::int64_t{1} << 30U;
+    if (const std::int64_t needs = std::int64_t{8} * file->width * (options.rows + 3); options.rows > 0)
+        GDALSetCacheMax64(std::max<std::int64_t>(GDALGetCacheMax64(), std::min(needs, most)));
     dem = std::move(file);
     return {};
 }

@@ -1,5 +1,5 @@
-// hmesh-terrain - GridFile: a file that holds samples of one type row after row, from some byte on; windows are read from it. What
-// raw files, .hgt and .pgm are.
+// hmesh-terrain - GridFile: a file that holds samples of one type row after row, from some byte on; windows are read from it.
+// What raw files, .hgt and .pgm are.
 #ifndef HMESH_TERRAIN_READERS_GRID_FILE_HPP
 #define HMESH_TERRAIN_READERS_GRID_FILE_HPP
 

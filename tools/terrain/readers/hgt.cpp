@@ -1,5 +1,5 @@
-// .hgt files of the Shuttle Radar Topography Mission: a square of big-endian 16-bit metres, -32768 where there are none, points of a
-// degree from edge to edge, named after the south-western one: N45E006.hgt.
+// .hgt files of the Shuttle Radar Topography Mission: a square of big-endian 16-bit metres, -32768 where there are none, points
+// of a degree from edge to edge, named after the south-western one: N45E006.hgt.
 #include <cmath>
 #include <cstdlib>
 #include <filesystem>

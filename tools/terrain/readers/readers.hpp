@@ -21,6 +21,7 @@ struct ReadOptions {
     int raw_width = 0, raw_height = 0;  // of a file without a header; 0: it has one
     RawType raw_type = RawType::by_size;
     bool gdal = true;  // where it is there
+    int rows = 0;      // of a tile: so many are read again for each tile beside it; 0: each once
 };
 
 using DemPointer = std::unique_ptr<Dem>;

@@ -13,8 +13,8 @@ struct Point {
     double x = 0, y = 0, height = 0;
 };
 
-// Twice the area of (a, b, p), positive to the right of an edge that runs up a map... of which the sign alone matters: exactly the
-// negative where a and b change places, so that no sample falls between two faces.
+// Twice the area of a, b and (x, y), positive where they are clockwise as seen on a map: exactly the negative where a and b
+// change places, so that no sample falls between two faces.
 double side(const Point& a, const Point& b, double x, double y) {
     const bool is_turned = b.x < a.x || (!(a.x < b.x) && b.y < a.y);
     const Point &from = is_turned ? b : a, &to = is_turned ? a : b;

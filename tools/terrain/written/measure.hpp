@@ -17,8 +17,8 @@ struct Measured {
     std::size_t outside = 0;    // samples without data that a face covers
 };
 
-// A sample on an edge belongs to both faces. One that no face covers, though one does within `slack` samples of it, is held against
-// the nearest point of that: rounding moves the border of a surface.
+// A sample on an edge belongs to both faces. One that no face covers, though one does within `slack` samples of it, is held
+// against the nearest point of that: rounding moves the border of a surface.
 [[nodiscard]] Measured measure(const Surface& surface, const hmesh::ImageView<float, 1>& heights, double slack);
 
 }  // namespace terrain

@@ -1,4 +1,5 @@
-// hmesh-terrain - Surface: a written file read back, so that a bound is proved on the very numbers that a program will read from it.
+// hmesh-terrain - Surface: a written file read back, so that a bound is proved on the very numbers that a program will read from
+// it.
 //
 // The readers here know no more of the files than their specifications, and share nothing with what writes them.
 #ifndef HMESH_TERRAIN_WRITTEN_SURFACE_HPP
@@ -19,7 +20,7 @@ namespace terrain {
 
 // In samples of the tile, x to the east and y to the south, and heights as the model's file has them.
 struct Surface {
-    std::vector<double> x, y, height;                // of each vertex
+    std::vector<double> x, y, height;                 // of each vertex
     std::vector<std::array<std::uint32_t, 3>> faces;  // clockwise as seen on a map, of positive area; others are walls and floors
 };
 
