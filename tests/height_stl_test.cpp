@@ -188,6 +188,40 @@ TEST_CASE("solids of random holes are watertight") {
     }
 }
 
+TEST_CASE("solids of random faces are watertight, and no corner leaves the faces around its vertex") {
+    hmesh::kit::Random random(11);
+    for (int i = 0; i < 20; ++i) {
+        hmesh::Mesh mesh = terrain(8, 8, hmesh::Samples::points, hills).mesh;
+        std::vector<hmesh::Triangle> left;
+        for (const hmesh::Triangle& face : mesh.faces)
+            if (random.uniform() > 0.05 + 0.02 * i) left.push_back(face);
+        mesh.faces = left;
+        CAPTURE(i);
+        const std::vector<Facet> facets = solid(mesh, 1);
+        check_watertight(facets);
+        for (const Facet& facet : facets)
+            for (const Point3& corner : facet.corners) {
+                if (corner[2] == 1) continue;
+                const double column = std::round(corner[0]), row = std::round(-corner[1]);
+                const std::array<double, 2> moved = {corner[0] - column, -corner[1] - row};
+                if (std::hypot(moved[0], moved[1]) < 1e-9) continue;
+                bool is_inside = false;
+                for (const hmesh::Triangle& face : mesh.faces)
+                    for (std::size_t k = 0; k < 3; ++k) {
+                        const auto at = [&](std::size_t n, std::size_t axis) {
+                            return static_cast<double>(mesh.positions[2 * std::size_t{face[(k + n) % 3]} + axis]);
+                        };
+                        if (at(0, 0) != column || at(0, 1) != row) continue;
+                        const auto side = [&](std::size_t n, double sign) {
+                            return sign * ((at(n, 0) - column) * moved[1] - (at(n, 1) - row) * moved[0]);
+                        };
+                        is_inside = is_inside || (side(1, 1) >= -1e-9 && side(2, -1) >= -1e-9);
+                    }
+                if (!is_inside) FAIL("outside: ", corner[0], " ", corner[1]);
+            }
+    }
+}
+
 TEST_CASE("what no solid can be made of gives a Status and no byte, and a sink that refuses is reported") {
     const Terrain land = terrain(9, 6, hmesh::Samples::points, hills);
     const auto to_surface = [](const hmesh::MeshView& mesh, hmesh::Sink sink) { return hmesh::write_height_stl(mesh, sink); };
