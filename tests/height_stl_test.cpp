@@ -67,7 +67,8 @@ double volume(const std::vector<Facet>& facets) {
     return sum;
 }
 
-// As one who knows nothing but coordinates: each edge has one facet on either side, and the facets around each vertex are one fan.
+// As one who knows nothing but coordinates: each edge has one facet on either side, and the facets around each vertex are one
+// fan.
 void check_watertight(const std::vector<Facet>& facets) {
     std::map<std::pair<Point3, Point3>, int> edges;
     std::map<Point3, std::map<Point3, Point3>> fans;  // of each vertex: from one neighbour to the next
@@ -246,7 +247,8 @@ TEST_CASE("what no solid can be made of gives a Status and no byte, and a sink t
     mesh.faces[3][0] = mesh.faces[3][1];
     hmesh_test::check_refused(mesh.view(), hmesh::Errc::invalid_argument, to_solid);
     const double lowest = static_cast<double>(*std::min_element(land.mesh.colors.begin(), land.mesh.colors.end()));
-    for (const double base : {lowest, 100.0, std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity()}) {
+    for (const double base :
+         {lowest, 100.0, -1e300, std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity()}) {
         const auto on_base = [&](const hmesh::MeshView& view, hmesh::Sink sink) {
             return hmesh::write_solid_stl(view, base, sink);
         };

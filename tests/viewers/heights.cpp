@@ -1,7 +1,8 @@
 // heights - a terrain with holes as a model in all formats: heights DIRECTORY
 //
-// Hills of 61 x 41 samples, 30 m apart, with a lake cut out and cells that touch in a vertex, jittered vertices and normals from the
-// samples. Writes height.ply, .obj, .glb, .stl, solid.stl, map.png, which is draped over them, and height.terrain, a tile in the Alps.
+// Hills of 61 x 41 samples, 30 m apart, with a lake cut out and cells that touch in a vertex, jittered vertices and normals from
+// the samples. Writes height.ply, .obj, .glb, .stl, solid.stl, map.png, which is draped over them, and height.terrain, a tile
+// in the Alps.
 #include <cmath>
 #include <cstdint>
 #include <cstdio>

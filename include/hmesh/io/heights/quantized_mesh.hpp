@@ -371,8 +371,9 @@ inline void write_tile_normals(Writer& writer, const MeshView& mesh, const Heigh
         const detail::Vector3 at = grid.in_plane(v);
         for (std::size_t k = 0; k < 2; ++k) to.positions[2 * v + k] = static_cast<float>(at[k]);
         if (tile.z.scale == 0) continue;
-        to.colors[channels * v + static_cast<std::size_t>(tile.z.channel)] =
-            static_cast<float>((at[2] - tile.z.offset) / tile.z.scale);
+        constexpr auto most = static_cast<double>(std::numeric_limits<float>::max());
+        const double value = std::max(-most, std::min(most, (at[2] - tile.z.offset) / tile.z.scale));
+        to.colors[channels * v + static_cast<std::size_t>(tile.z.channel)] = static_cast<float>(value);
     }
     if (tile.z.scale == 0) return out;
     const auto corner = [&](std::uint32_t v) -> detail::Vector3 {
