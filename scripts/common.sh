@@ -111,6 +111,7 @@ need() {
                 has gs || packages+=(ghostscript)
                 has rsvg-convert || packages+=(librsvg2-bin)
                 has assimp || packages+=(assimp-utils)
+                has admesh || packages+=(admesh)
                 has "${CHROMIUM:-chromium}" || packages+=(chromium)
                 has node || packages+=(nodejs)
                 has npm || packages+=(npm)

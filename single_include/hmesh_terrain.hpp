@@ -1138,6 +1138,7 @@ class TileGrid {
 struct TileOrder {
     std::vector<std::uint32_t> vertices;  ///< of the mesh
     std::vector<std::uint32_t> ranks;     ///< of each vertex of the mesh that a face names: its place among `vertices`
+    std::size_t named = 0;                ///< how many of `vertices` faces name
 
     /// O(n).
     explicit TileOrder(const MeshView& mesh) {
@@ -1149,9 +1150,10 @@ struct TileOrder {
                 ranks[v] = static_cast<std::uint32_t>(vertices.size());
                 vertices.push_back(v);
             }
+        named = vertices.size();
         // Indices of 16 bits are for up to 65,536 vertices, of which the first could no longer be named once all have been: its
         // distance from the next new one is 65,536. A vertex that no face has makes it 32 bits.
-        if (vertices.size() == 65536) vertices.push_back(vertices.back());
+        if (named == 65536) vertices.push_back(vertices.back());
     }
     /// Whether indices have 32 bits.
     [[nodiscard]] bool is_wide() const noexcept { return vertices.size() > 65536; }
@@ -1206,7 +1208,7 @@ inline void write_tile_head(Writer& writer, const TileGrid& grid, const TileOrde
     writer.f32(static_cast<float>(grid.low()));
     writer.f32(static_cast<float>(grid.high()));
     put(center);
-    put_f64(writer, radius);
+    put_f64(writer, radius + 0.001);  // m: readers may round otherwise
     put(occlusion.point());
 }
 
@@ -1240,7 +1242,7 @@ inline void write_tile_indices(Writer& writer, const MeshView& mesh, const TileG
     };
     for (const Side side : {Side{0, 0}, Side{1, 0}, Side{0, tile_most}, Side{1, tile_most}}) {  // west, south, east, north
         std::vector<std::array<std::uint32_t, 2>> found;
-        for (std::size_t i = 0; i < order.vertices.size(); ++i) {
+        for (std::size_t i = 0; i < order.named; ++i) {
             const std::array<int, 3> at = grid.rounded(order.vertices[i]);
             if (at[side.fixed] == side.at)
                 found.push_back({static_cast<std::uint32_t>(at[1 - side.fixed]), static_cast<std::uint32_t>(i)});

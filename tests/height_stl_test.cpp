@@ -67,7 +67,8 @@ double volume(const std::vector<Facet>& facets) {
     return sum;
 }
 
-// As one who knows nothing but coordinates: each edge has one facet on either side, and the facets around each vertex are one fan.
+// As one who knows nothing but coordinates: each edge has one facet on either side, and the facets around each vertex are one
+// fan.
 void check_watertight(const std::vector<Facet>& facets) {
     std::map<std::pair<Point3, Point3>, int> edges;
     std::map<Point3, std::map<Point3, Point3>> fans;  // of each vertex: from one neighbour to the next
@@ -188,6 +189,40 @@ TEST_CASE("solids of random holes are watertight") {
     }
 }
 
+TEST_CASE("solids of random faces are watertight, and no corner leaves the faces around its vertex") {
+    hmesh::kit::Random random(11);
+    for (int i = 0; i < 20; ++i) {
+        hmesh::Mesh mesh = terrain(8, 8, hmesh::Samples::points, hills).mesh;
+        std::vector<hmesh::Triangle> left;
+        for (const hmesh::Triangle& face : mesh.faces)
+            if (random.uniform() > 0.05 + 0.02 * i) left.push_back(face);
+        mesh.faces = left;
+        CAPTURE(i);
+        const std::vector<Facet> facets = solid(mesh, 1);
+        check_watertight(facets);
+        for (const Facet& facet : facets)
+            for (const Point3& corner : facet.corners) {
+                if (corner[2] == 1) continue;
+                const double column = std::round(corner[0]), row = std::round(-corner[1]);
+                const std::array<double, 2> moved = {corner[0] - column, -corner[1] - row};
+                if (std::hypot(moved[0], moved[1]) < 1e-9) continue;
+                bool is_inside = false;
+                for (const hmesh::Triangle& face : mesh.faces)
+                    for (std::size_t k = 0; k < 3; ++k) {
+                        const auto at = [&](std::size_t n, std::size_t axis) {
+                            return static_cast<double>(mesh.positions[2 * std::size_t{face[(k + n) % 3]} + axis]);
+                        };
+                        if (at(0, 0) != column || at(0, 1) != row) continue;
+                        const auto side = [&](std::size_t n, double sign) {
+                            return sign * ((at(n, 0) - column) * moved[1] - (at(n, 1) - row) * moved[0]);
+                        };
+                        is_inside = is_inside || (side(1, 1) >= -1e-9 && side(2, -1) >= -1e-9);
+                    }
+                if (!is_inside) FAIL("outside: ", corner[0], " ", corner[1]);
+            }
+    }
+}
+
 TEST_CASE("what no solid can be made of gives a Status and no byte, and a sink that refuses is reported") {
     const Terrain land = terrain(9, 6, hmesh::Samples::points, hills);
     const auto to_surface = [](const hmesh::MeshView& mesh, hmesh::Sink sink) { return hmesh::write_height_stl(mesh, sink); };
@@ -212,7 +247,8 @@ TEST_CASE("what no solid can be made of gives a Status and no byte, and a sink t
     mesh.faces[3][0] = mesh.faces[3][1];
     hmesh_test::check_refused(mesh.view(), hmesh::Errc::invalid_argument, to_solid);
     const double lowest = static_cast<double>(*std::min_element(land.mesh.colors.begin(), land.mesh.colors.end()));
-    for (const double base : {lowest, 100.0, std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity()}) {
+    for (const double base :
+         {lowest, 100.0, -1e300, std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity()}) {
         const auto on_base = [&](const hmesh::MeshView& view, hmesh::Sink sink) {
             return hmesh::write_solid_stl(view, base, sink);
         };

@@ -209,7 +209,8 @@ TEST_CASE("the sphere holds all vertices, is hardly larger than it must be, and 
                 widest = std::max(
                     widest, hmesh_test::size_of_vector(hmesh_test::minus(decoded(tile, sides, a), decoded(tile, sides, b))));
         }
-        CHECK(tile.radius == doctest::Approx(farthest).epsilon(1e-9));
+        CHECK(tile.radius >= farthest);
+        CHECK(tile.radius <= farthest + 0.002);
         CHECK(tile.radius < (size > 100 ? 0.8 : 0.55) * widest);  // no sphere is below 0.5
         const auto [low, high] = std::minmax_element(land.mesh.colors.begin(), land.mesh.colors.end());
         CHECK(tile.low == static_cast<double>(*low));
@@ -298,6 +299,8 @@ TEST_CASE("indices have 32 bits above 65,536 vertices, at a multiple of 4, and 1
         CHECK(tile.vertices.size() == land.mesh.vertex_count() + (rows == 255 ? 1 : 0));
         CHECK(tile.is_wide == (rows >= 255));
         CHECK(tile.faces.size() == land.mesh.face_count());
+        for (std::size_t side = 0; side < 4; ++side)
+            CHECK(tile.sides[side].size() == static_cast<std::size_t>(side % 2 == 0 ? rows + 1 : 256));
         bool is_same = true;
         for (std::size_t f = 0; f < tile.faces.size(); ++f) {
             const auto [a, b, c] = land.mesh.faces[f];

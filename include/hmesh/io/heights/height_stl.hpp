@@ -90,11 +90,12 @@ inline Status write_solid_stl(const MeshView& mesh, double base, Sink sink, cons
     constexpr std::uint64_t most = std::numeric_limits<std::uint32_t>::max() / 8;  // two and six for its walls, at most
     if (const Status status = detail::check_for_stl(mesh, options, most); !status) return status;
     const detail::Relief relief(mesh, {}, options, detail::is_y_up(options, false));
-    for (std::size_t v = 0; v < mesh.vertex_count; ++v) {
-        const double height = relief.height(v);
-        if (!kit::is_finite(base) || !(static_cast<float>(base) < static_cast<float>(height)))
-            return {Errc::invalid_argument, "the base of a solid must be below all of its heights", base, height};
-    }
+    constexpr auto farthest = static_cast<double>(std::numeric_limits<float>::max());
+    if (!kit::is_within(base, -farthest, farthest))
+        return {Errc::invalid_argument, "the base of a solid must be a height that a float holds", base, farthest};
+    for (std::size_t v = 0; v < mesh.vertex_count; ++v)
+        if (!(static_cast<float>(base) < static_cast<float>(relief.height(v))))
+            return {Errc::invalid_argument, "the base of a solid must be below all of its heights", base, relief.height(v)};
     detail::WallPlan walls(mesh);
     if (const Status status = walls.plan(); !status) return status;
 
