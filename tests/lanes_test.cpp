@@ -124,7 +124,7 @@ TEST_CASE_TEMPLATE("Lanes: clamp brings each lane into the range and leaves thos
     }
 }
 
-TEST_CASE_TEMPLATE("Lanes: abs and sqrt are those of single numbers, to the last bit", S, Size<1>, Size<2>, Size<4>, Size<8>,
+TEST_CASE_TEMPLATE("Lanes: abs, max and sqrt are those of single numbers, to the last bit", S, Size<1>, Size<2>, Size<4>, Size<8>,
                    Size<12>, Size<16>, Size<20>) {
     constexpr int n = S::lanes;
     hmesh::kit::Random random(n);
@@ -132,6 +132,8 @@ TEST_CASE_TEMPLATE("Lanes: abs and sqrt are those of single numbers, to the last
         const Values<n> x = random_values<n>(random);
         const Lanes<n> a = abs(Lanes<n>::load(x.value)), root = sqrt(a);
         CHECK(equal(a, [&](int i) { return std::abs(x.value[i]); }));
+        const Lanes<n> larger = max(Lanes<n>::load(x.value), root);
+        CHECK(equal(larger, [&](int i) { return std::max(x.value[i], root[i]); }));
         CHECK(equal(root, [&](int i) { return std::sqrt(std::abs(x.value[i])); }));
     }
     for (const double value : {0.0, 5e-324, 1e-310, 1e308})

@@ -37,8 +37,8 @@ inline bool owns_border(GridPoint a, GridPoint b, GridPoint first, GridPoint sec
 }  // namespace detail
 
 // Empty for a mesh that tiles the rectangle of an image of this size, [0, width] x [0, height] or for samples that are points
-// [0, width - 1] x [0, height - 1]; else what is wrong with it. A centre on an edge belongs to the face to its right or else below,
-// but to the one to its left in the last column of points, and to the one above in the last row.
+// [0, width - 1] x [0, height - 1]; else what is wrong with it. A centre on an edge belongs to the face to its right or else
+// below, but to the one to its left in the last column of points, and to the one above in the last row.
 inline std::string flaw_of(const hmesh::MeshView& mesh, int width, int height) {
     using detail::GridPoint;
     if (mesh.width != width || mesh.height != height) return "the mesh has another size than the image";

@@ -98,8 +98,9 @@ template <int C>
     kit::TiledMesh<C>& tiled = of_image ? *of_image : fitted;
     const double grid = source.is_integer() && options.round_colors ? 1 : 0;
     const kit::Tiling tiling(source.width(), source.height(), tile);
-    if (colors == Colors::sampled) sample_colors(tiled, tiling, grid);
-    else bounded_colors(tiled, tiling, source.low(), source.high(), grid);
+    const kit::FinalColors done = colors == Colors::sampled
+                                      ? sample_colors(tiled, tiling, grid)
+                                      : bounded_colors(tiled, tiling, source.low(), source.high(), grid);
     kit::IndexedMesh<C>& mesh = tiled.indexed();
     kit::finish_cut(mesh, source.has_straight_seams());
     result.mesh = to_mesh(mesh, source.peak());
@@ -108,8 +109,10 @@ template <int C>
         return scale == nullptr ? source.rendered_errors(drawn, parallel_for) : source.rendered_errors(drawn, parallel_for, *scale);
     };
     const kit::RenderedError errors =
-        source.periodic() == Periodic::none ? errors_of(result.mesh) : errors_of(unrolled(result.mesh.view()));
-    const double energy = is_exact ? std::max(0.0, mesh.energy) : errors.energy;  // rounding may leave less than nothing
+        is_exact ? kit::RenderedError{std::max(0.0, mesh.energy), done.max_error}  // rounding may leave less energy than nothing
+        : source.periodic() == Periodic::none ? errors_of(result.mesh)
+                                              : errors_of(unrolled(result.mesh.view()));
+    const double energy = errors.energy;
     progress.end(mesh.distinct_count(), energy);
     if (result.status && progress.stopped()) result.status = kit::cancelled_by_callback();
     result.report = {mesh.distinct_count(), mesh.faces.size(), energy, kit::psnr_of_energy(energy, subject.samples, source.peak()),

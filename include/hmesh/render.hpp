@@ -202,8 +202,8 @@ void encode_rows(const MeshView& mesh, RowRange rows, Image<float, C>& out) {
 
 }  // namespace detail
 
-/// Draws a mesh, scaled to the size of the picture: its rectangle to that of the picture's pixels or, where samples are points, to
-/// that of which the picture's corner samples are the corners (2 along each axis at least). Pixels hold interpolated stored values, neither rounded nor clamped;
+/// Draws a mesh, scaled to the size of the picture. Where samples are points, its corners come onto the picture's corner samples,
+/// of which there are two at least along each axis. Pixels hold interpolated stored values, neither rounded nor clamped;
 /// to_pixels() rounds them. Of a periodic mesh copies are drawn as well, so that the picture is covered. Faces outside the
 /// picture are clipped; where faces overlap the later one wins; pixels in no face are 0. A premultiplied mesh gives a
 /// premultiplied picture, and cannot be drawn in linear light.

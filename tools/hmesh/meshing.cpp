@@ -105,6 +105,7 @@ template <class T, int C>
     options.premultiplied = wanted.premultiplied;
     options.periodic = wanted.periodic;
     options.straight_border = wanted.straight_border;
+    options.samples = wanted.samples;
     options.weights = wanted.weights;
     options.channel_weights = wanted.channel_weights;
     options.limits.position_step = wanted.position_step;
@@ -139,6 +140,25 @@ hmesh::LinearLightOptions light_options(const MeshingOptions& wanted, bool is_fl
     return options;
 }
 
+// The largest difference, in stored values, between an image and a mesh drawn in linear light, where pixels count.
+template <class T, int C>
+double largest_light_error(const hmesh::ImageView<T, C>& view, const hmesh::ImageView<float, 1>& weights, const hmesh::Mesh& mesh,
+                           const hmesh::ParallelFor& parallel_for) {
+    hmesh::RenderOptions options;
+    options.interpolation = hmesh::Interpolation::linear;
+    const hmesh::RenderResult<C> drawn = hmesh::render<C>(mesh.view(), options, parallel_for);
+    double largest = 0;
+    for (int y = 0; y < view.height && drawn.status; ++y)
+        for (int x = 0; x < view.width; ++x) {
+            if (weights.data != nullptr && !(*weights.pixel(x, y) > 0)) continue;
+            for (int c = 0; c < C; ++c) {
+                const double wanted = hmesh::PixelTraits<T>::to_real(view.pixel(x, y)[c]);
+                largest = std::max(largest, std::abs(static_cast<double>(drawn.image.pixel(x, y)[c]) - wanted));
+            }
+        }
+    return largest;
+}
+
 // A stage after all others: colours for linear light, from the share `from` of the whole to the share `to`.
 template <class T, int C>
 void fit_light(const hmesh::ImageView<T, C>& view, const MeshingOptions& wanted, double from, double to, hmesh::Result& result,
@@ -157,6 +177,7 @@ void fit_light(const hmesh::ImageView<T, C>& view, const MeshingOptions& wanted,
     });
     result.report.energy = info.energy = report.energy;
     result.report.psnr = report.psnr;
+    result.report.max_error = largest_light_error(view, wanted.weights, result.mesh, parallel_for);
     result.report.stages.push_back(
         {info.stage, result.report.vertices, report.energy, report.psnr, report.solver_iterations, report.residual});
     is_stopped = !go_on(1) || is_stopped;

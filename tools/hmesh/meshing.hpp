@@ -42,7 +42,8 @@ struct MeshingOptions {
     FitSpace fit_space = FitSpace::stored;
     bool premultiplied = false;
     hmesh::Periodic periodic = hmesh::Periodic::none;
-    bool straight_border = false;         // of a periodic mesh
+    bool straight_border = false;  // of a periodic mesh
+    hmesh::Samples samples = hmesh::Samples::squares;
     double position_step = 1.0 / 256;     // px: see hmesh::MeshLimits
     std::vector<double> channel_weights;  // one for each channel; empty: all alike
     double transparent = -1;              // 255ths of alpha of faces that drop_faces() drops, which searches count; below 0: none

@@ -174,6 +174,18 @@ struct Lanes {
         for (int i = 0; i < N; ++i) r.set(i, std::abs(a[i]));
         return r;
     }
+    /// The larger of each pair of lanes; of equal ones, and where one is NaN, that of `a`.
+    [[nodiscard]] friend HMESH_ALWAYS_INLINE Lanes max(const Lanes& a, const Lanes& b) {
+        Lanes r;
+#if defined(__GNUC__)
+        if constexpr (width > 1) {
+            for (int k = 0; k < blocks; ++k) r.block[k] = a.block[k] < b.block[k] ? b.block[k] : a.block[k];
+            return r;
+        }
+#endif
+        for (int i = 0; i < N; ++i) r.set(i, a[i] < b[i] ? b[i] : a[i]);
+        return r;
+    }
     /// The square root of each lane, correctly rounded. Compilers make single ones of a loop over std::sqrt(), because of errno.
     [[nodiscard]] friend HMESH_ALWAYS_INLINE Lanes sqrt(const Lanes& a) {
         Lanes r;

@@ -71,15 +71,15 @@ template <class T, int C>
             const float* weight = weights.data != nullptr ? weights.pixel(begin, j) : nullptr;
             for (int i = begin; i < end; ++i, sample += C) {
                 const Barycentric w = weights_at(i, j);
-                const bool counts = weight == nullptr || weight[i - begin] > 0;
+                const double times = weight != nullptr ? scale(weight[i - begin]) : 1;
                 double square = 0;
                 for (std::size_t k = 0; k < C; ++k) {
                     const double color = at_a[k] + w.b * to_b[k] + w.c * to_c[k];
                     const double off = color - PixelTraits<T>::to_real(sample[k]), difference = channels.share[k] * off;
                     square += difference * difference;
-                    largest[k] = std::max(largest[k], counts ? std::abs(off) : 0);
+                    largest[k] = std::max(largest[k], times > 0 ? std::abs(off) : 0);
                 }
-                energy += weight != nullptr ? scale(weight[i - begin]) * square : square;
+                energy += times * square;
             }
         });
         out.energy += energy;

@@ -2,8 +2,9 @@
 /// Mesh, a triangle mesh as plain arrays, and MeshView, the pointers and counts that exporters and render() read.
 ///
 /// Vertex i is at (positions[2i], positions[2i + 1]) in the plane of the image, [0, width] x [0, height] in px (of samples that
-/// are points [0, width - 1] x [0, height - 1]), y down. Its colour is colors[C i] .. colors[C i + C - 1], in the image's stored values; `peak` is full intensity. Face f joins the
-/// vertices faces[f][0], faces[f][1] and faces[f][2], positively oriented: clockwise on the screen.
+/// are points [0, width - 1] x [0, height - 1]), y down. Its colour is colors[C i] .. colors[C i + C - 1], in the image's stored
+/// values; `peak` is full intensity. Face f joins the vertices faces[f][0], faces[f][1] and faces[f][2], positively oriented:
+/// clockwise on the screen.
 #ifndef HMESH_MESH_MESH_HPP
 #define HMESH_MESH_MESH_HPP
 

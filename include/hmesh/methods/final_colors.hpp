@@ -1,7 +1,7 @@
 /// \file
 /// Final colors: sampled or bounded colours for all vertices of a tiled mesh, the last step of every recipe.
 ///
-/// Cost: about 1 us a vertex, and one moment table for each tile.
+/// Cost: about 1 us a vertex, and one moment table for each tile; for whole numbers 1 ns a pixel for the largest error.
 #ifndef HMESH_METHODS_FINAL_COLORS_HPP
 #define HMESH_METHODS_FINAL_COLORS_HPP
 
@@ -13,6 +13,8 @@
 
 #include "hmesh/core/assert.hpp"
 #include "hmesh/core/compiler.hpp"
+#include "hmesh/fit/image_mesh.hpp"
+#include "hmesh/fit/largest_error.hpp"
 #include "hmesh/methods/stage.hpp"
 #include "hmesh/solve/bounded_colors.hpp"
 #include "hmesh/solve/sampled_colors.hpp"
@@ -23,7 +25,23 @@
 
 namespace hmesh::kit {
 
+/// What is known of a mesh when it has its final colours.
+struct FinalColors {
+    BoundedReport bounded;  ///< of the fit, if there was one
+    double max_error = 0;   ///< largest difference to a sample of whole numbers, see largest_error(); 0 for those of others
+};
+
 namespace detail {
+
+/// Measures the mesh's energy, and returns its largest error.
+template <int C>
+[[nodiscard]] HMESH_COLD double measure_finally(TiledMesh<C>& tiled, const Tiling& tiling) {
+    std::vector<double> largest(tiling.size(), 0.0);
+    const auto look = [&](const ImageMesh<C>& mesh, std::size_t tile) { largest[tile] = largest_error(mesh); };
+    if (tiled.source().is_integer()) tiled.measure(tiling, look);
+    else tiled.measure(tiling);
+    return *std::max_element(largest.begin(), largest.end());
+}
 
 /// The colour of the image at p, bilinear; beyond the sides of a periodic image it goes on.
 template <int C>
@@ -42,7 +60,7 @@ template <int C>
 /// image's colour there, as if that were a quarter of a pixel: the few pixels beside the seam would else leave some of them free
 /// to be anything, which shows as a spike where the picture is enlarged.
 template <int C>
-HMESH_COLD BoundedReport tied_colors(TiledMesh<C>& tiled, const Tiling& tiling, double low, double high, double grid) {
+HMESH_COLD FinalColors tied_colors(TiledMesh<C>& tiled, const Tiling& tiling, double low, double high, double grid) {
     constexpr double tie_weight = 0.25;
     const ImageSource<C>& source = tiled.source();
     std::vector<CornerSums<C>> corners(3 * tiled.indexed().faces.size());
@@ -74,8 +92,7 @@ HMESH_COLD BoundedReport tied_colors(TiledMesh<C>& tiled, const Tiling& tiling, 
     const auto system = tied_color_system(rows, corners, ties, colors, tiled.limits().ridge);
     const BoundedReport report = descend(system, low, high, grid, colors, [&] { return tiled.progress().poll(); });
     for (std::size_t v = 0; v < row.size(); ++v) mesh.colors[v] = colors[row[mesh.roots[v]]];
-    tiled.measure(tiling);
-    return report;
+    return {report, measure_finally(tiled, tiling)};
 }
 
 }  // namespace detail
@@ -83,7 +100,7 @@ HMESH_COLD BoundedReport tied_colors(TiledMesh<C>& tiled, const Tiling& tiling, 
 /// Gives all vertices the colours of the image at their positions (solve/sampled_colors.hpp), rounded to multiples of `grid`
 /// where grid > 0, and measures the mesh's energy with them. `tiling`: the pieces of the measurement.
 template <int C>
-HMESH_COLD void sample_colors(TiledMesh<C>& tiled, const Tiling& tiling, double grid) {
+HMESH_COLD FinalColors sample_colors(TiledMesh<C>& tiled, const Tiling& tiling, double grid) {
     IndexedMesh<C>& mesh = tiled.indexed();
     const ImageSource<C>& source = tiled.source();
     for (std::size_t v = 0; v < mesh.vertex_count(); ++v) {
@@ -92,7 +109,7 @@ HMESH_COLD void sample_colors(TiledMesh<C>& tiled, const Tiling& tiling, double 
         if (grid > 0)
             for (int c = 0; c < C; ++c) color.set(c, std::floor(color[c] / grid + 0.5) * grid);
     }
-    tiled.measure(tiling);
+    return {{}, detail::measure_finally(tiled, tiling)};
 }
 
 /// Gives all vertices the colours of least squared error in [low, high] that are multiples of `grid` where grid > 0
@@ -100,14 +117,15 @@ HMESH_COLD void sample_colors(TiledMesh<C>& tiled, const Tiling& tiling, double 
 /// the image has no table of its own; the system is solved for the whole mesh. After a cancellation colours are only clamped and
 /// rounded, and the energy is still true of them.
 template <int C>
-HMESH_COLD BoundedReport bounded_colors(TiledMesh<C>& tiled, const Tiling& tiling, double low, double high, double grid) {
+HMESH_COLD FinalColors bounded_colors(TiledMesh<C>& tiled, const Tiling& tiling, double low, double high, double grid) {
     if (tiled.source().periodic() != Periodic::none) return detail::tied_colors(tiled, tiling, low, high, grid);
-    BoundedReport report;
+    FinalColors out;
     if ((tiling.size() == 1 || tiled.has_whole_table()) &&
         tiled.for_each(one_tile(tiled.source()), [&](Patch<C>& patch, std::size_t) {
-            report = bounded_colors(patch.mesh(), low, high, grid, tiled.parallel_for());
+            out.bounded = bounded_colors(patch.mesh(), low, high, grid, tiled.parallel_for());
+            if (tiled.source().is_integer()) out.max_error = largest_error(patch.mesh());
         }))
-        return report;
+        return out;
     IndexedMesh<C>& mesh = tiled.indexed();
     for (Color<C>& c : mesh.colors) detail::clamp_channels<C>(c, low, high);
     HalfedgeMesh topology;
@@ -123,9 +141,9 @@ HMESH_COLD BoundedReport bounded_colors(TiledMesh<C>& tiled, const Tiling& tilin
     });
     if (tiled.progress().stopped()) std::fill(corners.begin(), corners.end(), CornerSums<C>());  // only the ridge is left
     const auto system = detail::color_system(topology, corners, mesh.colors, tiled.limits().ridge, tiled.parallel_for());
-    report = detail::descend(system, low, high, grid, mesh.colors, [&] { return tiled.progress().poll(); });
-    tiled.measure(tiling);
-    return report;
+    out.bounded = detail::descend(system, low, high, grid, mesh.colors, [&] { return tiled.progress().poll(); });
+    out.max_error = detail::measure_finally(tiled, tiling);
+    return out;
 }
 
 }  // namespace hmesh::kit

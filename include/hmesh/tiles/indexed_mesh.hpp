@@ -30,10 +30,10 @@ namespace hmesh::kit {
 /// open (mesh/torus.hpp), and vertices on the cut have copies.
 template <int C>
 struct IndexedMesh {
-    int width = 0;                 ///< px of the image; the faces tile [0, width] x [0, height], but for `samples`, or the torus
-    int height = 0;                ///< px of the image
-    std::vector<Point> positions;  ///< px, y down, on the 1/256 px grid
-    std::vector<Color<C>> colors;  ///< stored values
+    int width = 0;                       ///< px of the image; the faces tile [0, width] x [0, height], or the torus
+    int height = 0;                      ///< px of the image
+    std::vector<Point> positions;        ///< px, y down, on the 1/256 px grid
+    std::vector<Color<C>> colors;        ///< stored values
     std::vector<unsigned char> dirty;    ///< not 0: surroundings changed since the vertex was last optimised
     std::vector<Triangle> faces;         ///< indices of vertices, each face turning like (0, 0), (1, 0), (0, 1)
     double energy = 0;                   ///< squared error over pixels and channels, as of the last phase of work

@@ -132,11 +132,14 @@ class TiledMesh {
     }
 
     /// Computes indexed().energy for the positions and colours that the mesh has now, also after a cancellation. One table of
-    /// each tile.
-    HMESH_COLD void measure(const Tiling& tiling) {
+    /// each tile. look(), where set, sees the patch of each tile that has faces, as pieces of work.
+    HMESH_COLD void measure(const Tiling& tiling, FunctionRef<void(const ImageMesh<C>& mesh, std::size_t tile)> look = {}) {
         std::vector<double> energies(tiling.size(), 0.0);
-        visit(
-            tiling, [&](Patch<C>& patch, std::size_t k, const std::uint32_t*) { energies[k] = patch.mesh().energy(); }, true);
+        const auto body = [&](Patch<C>& patch, std::size_t k, const std::uint32_t*) {
+            energies[k] = patch.mesh().energy();
+            if (look) look(patch.mesh(), k);
+        };
+        visit(tiling, body, true);
         indexed_.energy = 0;
         for (const double energy : energies) indexed_.energy += energy;
     }

@@ -24,6 +24,8 @@ inline constexpr Named<FitSpace> fit_spaces[] = {
     {"stored", FitSpace::stored}, {"linear", FitSpace::linear}, {"each", FitSpace::each}};
 inline constexpr Named<hmesh::Periodic> periodics[] = {
     {"none", hmesh::Periodic::none}, {"x", hmesh::Periodic::x}, {"y", hmesh::Periodic::y}, {"xy", hmesh::Periodic::xy}};
+inline constexpr Named<hmesh::Samples> sample_kinds[] = {{"squares", hmesh::Samples::squares},
+                                                         {"points", hmesh::Samples::points}};
 inline constexpr Named<hmesh::Effort> efforts[] = {{"draft", hmesh::Effort::draft},
                                                    {"fast", hmesh::Effort::fast},
                                                    {"normal", hmesh::Effort::normal},

@@ -61,11 +61,8 @@ Json level_value(const Arguments& arguments, const hmesh::Report& report, std::s
     Json files = Json::array();
     for (const MeshFile& mesh : arguments.meshes)
         if (level == 0 || level <= mesh.coarser.size()) files.push_back(level == 0 ? mesh.name : mesh.coarser[level - 1]);
-    return {{"vertices", report.vertices},
-            {"faces", report.faces},
-            {"psnr", psnr_value(report.psnr)},
-            {"energy", report.energy},
-            {"files", files}};
+    return {{"vertices", report.vertices}, {"faces", report.faces},         {"psnr", psnr_value(report.psnr)},
+            {"energy", report.energy},     {"max_error", report.max_error}, {"files", files}};
 }
 
 std::string in_layout(const Json& value, Layout layout) {
@@ -108,6 +105,7 @@ std::string report_json(const Arguments& arguments, const ImageFile& image, cons
                          {"premultiplied", meshing.premultiplied},
                          {"periodic", name_of(periodics, meshing.periodic)},
                          {"straight_border", meshing.straight_border},
+                         {"samples", name_of(sample_kinds, meshing.samples)},
                          {"seed", meshing.seed},
                          {"weights", arguments.weights.empty() ? Json() : Json(arguments.weights)},
                          {"tile", meshing.tile},
@@ -126,6 +124,7 @@ std::string report_json(const Arguments& arguments, const ImageFile& image, cons
                          {"psnr_glb", light ? psnr_value(is_each ? light->psnr : light->stored_psnr) : Json()},
                          {"psnr_glb_fitted", light ? psnr_value(light->psnr) : Json()},
                          {"energy", outcome.report.energy},
+                         {"max_error", outcome.report.max_error},
                          {"seconds", seconds_value(made.seconds)},
                          {"stages", stages}};
     return in_layout(report, layout);

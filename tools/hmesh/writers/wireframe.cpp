@@ -52,18 +52,20 @@ void draw_line(hmesh::kit::Point a, hmesh::kit::Point b, double line_width, Cove
 hmesh::Status draw_wireframe(const hmesh::MeshView& mesh, hmesh::Image<std::uint8_t, 3>& picture,
                              const WireframeOptions& options) {
     if (const hmesh::Status status = hmesh::check(mesh, hmesh::kit::max_channels); !status) return status;
-    if (mesh.width < 1 || mesh.height < 1)
+    if (mesh.right() < 1 || mesh.bottom() < 1)
         return {hmesh::Errc::invalid_argument, "the mesh's size must be at least 1", std::min(mesh.width, mesh.height), 1};
     if (mesh.periodic != hmesh::Periodic::none) {
         const hmesh::Mesh whole = hmesh::unrolled(mesh);
         return draw_wireframe(whole.view(), picture, options);
     }
     Coverage coverage{picture.width(), picture.height(), std::vector<std::uint8_t>(picture.size() / 3)};
-    const double scale_x = static_cast<double>(picture.width()) / mesh.width;
-    const double scale_y = static_cast<double>(picture.height()) / mesh.height;
+    // As render() places them.
+    const double scale_x = static_cast<double>(hmesh::extent(picture.width(), mesh.samples)) / mesh.right();
+    const double scale_y = static_cast<double>(hmesh::extent(picture.height(), mesh.samples)) / mesh.bottom();
+    const double shift = hmesh::kit::inset(mesh.samples);
     const auto place = [&](std::uint32_t v) {
         const float* at = mesh.positions + 2 * std::size_t{v};
-        return hmesh::kit::Point{static_cast<double>(at[0]) * scale_x, static_cast<double>(at[1]) * scale_y};
+        return hmesh::kit::Point{static_cast<double>(at[0]) * scale_x + shift, static_cast<double>(at[1]) * scale_y + shift};
     };
     for (std::size_t f = 0; f < mesh.face_count; ++f)
         for (std::size_t k = 0; k < 3; ++k)

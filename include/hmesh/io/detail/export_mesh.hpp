@@ -41,7 +41,8 @@ namespace hmesh::detail {
     return {};
 }
 
-/// Refuses a mesh without a size in px, which for one of points is that between them, and what check() refuses, more than `most_channels` among it. O(n).
+/// Refuses a mesh without a size in px, which for one of points is that between them, and what check() refuses, more than
+/// `most_channels` among it. O(n).
 [[nodiscard]] inline Status check_for_export(const MeshView& mesh, int most_channels = 4) noexcept {
     if (mesh.width < 1) return {Errc::invalid_argument, "the mesh's width must be at least 1", mesh.width, 1};
     if (mesh.height < 1) return {Errc::invalid_argument, "the mesh's height must be at least 1", mesh.height, 1};

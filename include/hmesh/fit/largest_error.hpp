@@ -1,0 +1,89 @@
+/// \file
+/// largest_error(): how far a fitted mesh is from a sample at most.
+///
+/// A difference squared is at most the energy of its face, which is known: only faces with more than the square of the largest
+/// difference so far are looked at, the one with the most energy first. Cost: 6 ns a pixel of these faces. Of photographs of 3
+/// channels that is 1 to 2 ns for each pixel of the image at 1 % of vertices, 4 at 0.1 % and 0.5 at 4 % (kodim03, Lena). Over a
+/// weighted table, where a pixel of small weight adds little to the energy, all faces are looked at.
+#ifndef HMESH_FIT_LARGEST_ERROR_HPP
+#define HMESH_FIT_LARGEST_ERROR_HPP
+
+#include <algorithm>
+#include <cstdint>
+
+#include "hmesh/core/compiler.hpp"
+#include "hmesh/fit/edge_moments.hpp"
+#include "hmesh/fit/image_mesh.hpp"
+#include "hmesh/fit/squared_error.hpp"
+#include "hmesh/mesh/geometry.hpp"
+#include "hmesh/mesh/handles.hpp"
+#include "hmesh/mesh/raster.hpp"
+
+#include "hmesh/core/macros/push.hpp"
+
+namespace hmesh::kit {
+
+namespace detail {
+
+/// The largest difference of a sample in face f, and `least` at least.
+template <int C>
+[[nodiscard]] double largest_error(const ImageMesh<C>& mesh, Face f, double least) {
+    const MomentTable<C>& table = mesh.table();
+    const auto v = mesh.topology().vertices(f);
+    const Point a = mesh.position(v[0]), b = mesh.position(v[1]), c = mesh.position(v[2]);
+    const PixelBarycentric weights_at(a, b, c);
+    const Color<C> at_a = mesh.color(v[0]), to_b = mesh.color(v[1]) - at_a, to_c = mesh.color(v[2]) - at_a;
+    Color<C> largest = Color<C>::zero();
+    const ClipRect clip{table.width(), 0, table.height(), table.far_sides()};
+    const auto look_at = [&](int i, int j, const Color<C>& sample) {
+        const Barycentric w = weights_at(i, j);
+        largest = max(largest, abs(at_a + w.b * to_b + w.c * to_c - sample));  // the lanes above the channels mean nothing
+    };
+    const auto look_at_differences = [&](const auto* sums) {  // of the entries of the table, which are sums of samples
+        for_each_span(a, b, c, clip, [&](int j, int begin, int end) {
+            Color<C> here = Color<C>::load(sums + table.offset(begin, j));
+            for (int i = begin; i < end; ++i) {
+                const Color<C> next = Color<C>::load(sums + table.offset(i + 1, j));
+                look_at(i, j, next - here);
+                here = next;
+            }
+        });
+    };
+    if (table.is_int32()) look_at_differences(table.template entries<std::int32_t>());
+    else if (!table.is_weighted()) look_at_differences(table.template entries<double>());
+    else
+        for_each_span(a, b, c, clip, [&](int j, int begin, int end) {
+            Color<C> sample;
+            for (int i = begin; i < end; ++i) {
+                if (!(table.weight(i, j) > least_weight)) continue;
+                table.pixel(i, j, sample);
+                look_at(i, j, sample);
+            }
+        });
+    for (int k = 0; k < C; ++k) least = std::max(least, largest[k]);
+    return least;
+}
+
+}  // namespace detail
+
+/// The largest difference between the mesh and a sample of its pixels and channels, in stored values; pixels of weight 0 do not
+/// count. Samples are those of the table, exact for integers.
+template <int C>
+[[nodiscard]] HMESH_COLD double largest_error(const ImageMesh<C>& mesh) {
+    double largest = 0;
+    Face first;
+    for (const Face f : mesh.topology().faces())
+        if (!first.is_valid() || mesh.energy(f) > mesh.energy(first)) first = f;
+    if (first.is_valid()) largest = detail::largest_error(mesh, first, largest);
+    // Energies are rounded, by far less than this.
+    for (const Face f : mesh.topology().faces())
+        if (mesh.table().is_weighted() || mesh.energy(f) * (1 + 1e-6) > largest * largest)
+            largest = detail::largest_error(mesh, f, largest);
+    return largest;
+}
+
+}  // namespace hmesh::kit
+
+#include "hmesh/core/macros/pop.hpp"
+
+#endif  // HMESH_FIT_LARGEST_ERROR_HPP

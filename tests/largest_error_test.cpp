@@ -1,0 +1,87 @@
+#include "hmesh/fit/largest_error.hpp"
+
+#include <doctest/doctest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include "hmesh/core/random.hpp"
+#include "hmesh/fit/image_mesh.hpp"
+#include "hmesh/fit/image_source.hpp"
+#include "hmesh/fit/rendered_error.hpp"
+#include "hmesh/mesh/delaunay.hpp"
+#include "hmesh/mesh/mesh.hpp"
+#include "test_images.hpp"
+
+using hmesh::Image;
+using hmesh::Samples;
+using hmesh::kit::Color;
+using hmesh::kit::Delaunay;
+using hmesh::kit::ImageMesh;
+using hmesh::kit::ImageSource;
+
+namespace {
+
+// A random mesh of whole colours on an image, whose largest error is compared with that of the mesh's arrays, pixel by pixel.
+template <class T, int C>
+void prove(const Image<T, C>& image, Samples samples, const Image<float, 1>& weights, std::uint64_t seed) {
+    CAPTURE(seed);
+    const int width = image.width(), height = image.height();
+    const hmesh::ImageView<float, 1> counted = weights.size() > 0 ? weights.view() : hmesh::ImageView<float, 1>();
+    const auto source = ImageSource<C>(image.view(), counted, 1).with_samples(samples);
+    const auto table = source.table({0, 0, width, height});
+    hmesh::kit::Random random(seed);
+    Delaunay delaunay(width, height, samples);
+    const double low = hmesh::kit::inset(samples);
+    const auto place = [&](int size) {
+        return std::min(size - low, low + static_cast<double>(random.below(256 * static_cast<std::size_t>(size))) / 256);
+    };
+    for (std::size_t k = 0; k < 5 * seed; ++k) delaunay.insert({place(width), place(height)});
+    std::vector<Color<C>> colors;
+    for (const hmesh::kit::Vertex v : delaunay.topology().vertices()) {
+        const auto p = delaunay.position(v);
+        colors.push_back(source.pixel(static_cast<int>(p.x), static_cast<int>(p.y)));
+    }
+    ImageMesh<C> mesh(table, source.low(), source.high());
+    REQUIRE(mesh.assign(delaunay.positions(), delaunay.topology().triangles(), colors));
+    const hmesh::Mesh arrays = to_mesh(mesh, 255);
+    CHECK(arrays.samples == samples);
+    CHECK(arrays.positions.front() == 0);
+    const hmesh::kit::RenderedError errors = hmesh::kit::rendered_errors(arrays, image.view(), counted, 1);
+    CHECK(largest_error(mesh) == doctest::Approx(errors.largest).epsilon(1e-9));
+    CHECK(errors.largest > 0);
+    CHECK(std::abs(mesh.energy() - errors.energy) <= 1e-6 * errors.energy);
+}
+
+}  // namespace
+
+TEST_CASE("the largest error is that of a look at all pixels, with weights and for points too") {
+    const Image<float, 1> none;
+    for (std::uint64_t seed = 1; seed <= 20; ++seed)
+        for (const Samples samples : {Samples::squares, Samples::points}) {
+            prove(hmesh_test::noise<std::uint8_t, 3>(40, 31, seed), samples, none, seed);
+            prove(hmesh_test::scene<std::uint16_t, 1>(33, 40, seed), samples, none, seed);
+            prove(hmesh_test::scene<std::uint8_t, 4>(20, 21, seed), samples, none, seed);
+            prove(hmesh_test::noise<std::uint8_t, 1>(30, 31, seed), samples, hmesh_test::random_weights(30, 31, seed), seed);
+        }
+}
+
+TEST_CASE("a pixel of weight 0 does not count, one of a small weight does") {
+    Image<std::uint8_t, 1> image(8, 8);
+    *image.pixel(3, 4) = 200, *image.pixel(6, 2) = 90;
+    Image<float, 1> weights(8, 8);
+    std::fill_n(weights.data(), 64, 1.0F);
+    const auto error = [&](float weight) {
+        *weights.pixel(3, 4) = weight;
+        const ImageSource<1> source(image.view(), weights.view(), 1);
+        const auto table = source.table({0, 0, 8, 8});
+        ImageMesh<1> mesh(table, 0, 255);
+        REQUIRE(mesh.assign({{0, 0}, {8, 0}, {8, 8}, {0, 8}}, {{0, 1, 2}, {0, 2, 3}}));
+        return largest_error(mesh);
+    };
+    CHECK(error(0) == doctest::Approx(90));
+    CHECK(error(0.01F) == doctest::Approx(200));
+}
