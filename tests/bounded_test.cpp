@@ -246,3 +246,223 @@ TEST_CASE("meshes of several channels are within the bound in each") {
     try_terrains<std::uint8_t, 3>(6, 60, 1, true);
     try_terrains<float, 4>(7, 40, 1, false);
 }
+
+TEST_CASE("a bound of 0 gives a mesh of error 0, with fewer faces where samples lie in planes") {
+    Random random(8);
+    for (int k = 0; k < 14; ++k) {
+        const auto terrain = random_terrain<std::uint16_t>(random, k, 100);
+        for (const Effort effort : efforts) {
+            const hmesh::Result result = hmesh::mesh_image(terrain.view(), options_of(terrain, Samples::points), Bounded{0, effort});
+            REQUIRE(result.status);
+            CHECK(result.report.max_error == 0);
+            CHECK(result.report.energy == 0);
+        }
+    }
+    Terrain<std::uint8_t> flat;
+    flat.width = 30, flat.height = 20;
+    flat.samples.assign(600, 7);
+    for (const Samples samples : {Samples::points, Samples::squares})
+        CHECK(hmesh::mesh_image(flat.view(), options_of(flat, samples), Bounded{0}).report.faces == 2);
+}
+
+TEST_CASE("an image of one sample is a rectangle") {
+    const Terrain<float> one{1, 1, {3.5F}, {}};
+    const hmesh::Result result = hmesh::mesh_image(one.view(), hmesh::Options(), Bounded{0});
+    REQUIRE(result.status);
+    CHECK(fault(result.mesh, one, Samples::squares, 0) == "");
+    CHECK(result.report.faces == 2);
+    CHECK(!hmesh::mesh_image(one.view(), options_of(one, Samples::points), Bounded{0}).status);
+}
+
+TEST_CASE("heights at the end of what floats hold stay finite and within the bound") {
+    Random random(9);
+    for (int k = 0; k < 20; ++k) {
+        auto terrain = random_terrain<float>(random, k, 1);
+        for (float& z : terrain.samples) z = (z - 50) / 50 * std::numeric_limits<float>::max();
+        for (const double bound : {0.0, 1e37, 3e38})
+            try_terrain(terrain, Samples::points, {bound, efforts[k % 4], true});
+    }
+}
+
+TEST_CASE("more effort takes fewer faces") {
+    Terrain<std::uint16_t> terrain = {60, 50, {}, {}};
+    for (int j = 0; j < 50; ++j)
+        for (int i = 0; i < 60; ++i)
+            terrain.samples.push_back(static_cast<std::uint16_t>(2000 + 700 * std::sin(0.21 * i) * std::cos(0.17 * j) + 200 * std::sin(0.1 * i * j)));
+    std::size_t last = terrain.samples.size() * 2;
+    for (const Effort effort : efforts) {
+        const hmesh::Result result = hmesh::mesh_image(terrain.view(), options_of(terrain, Samples::points), Bounded{60, effort, true});
+        REQUIRE(result.status);
+        CHECK(fault(result.mesh, terrain, Samples::points, 60) == "");
+        CHECK(result.report.faces < last);
+        last = result.report.faces;
+        CHECK(!result.report.stages.empty());
+        CHECK(result.report.stages.back().energy == result.report.energy);
+    }
+}
+
+namespace {
+
+/// The vertices of a mesh on a line, sorted: position along it and height.
+std::vector<std::pair<float, float>> line_of(const hmesh::Mesh& mesh, std::size_t axis, float at) {
+    std::vector<std::pair<float, float>> line;
+    for (std::size_t v = 0; v < mesh.vertex_count(); ++v)
+        if (mesh.positions[2 * v + axis] == at) line.emplace_back(mesh.positions[2 * v + 1 - axis], mesh.colors[v]);
+    std::sort(line.begin(), line.end());
+    return line;
+}
+
+}  // namespace
+
+TEST_CASE("tiles that share a row of samples share its border vertices and heights") {
+    constexpr int width = 61, height = 41;
+    std::vector<float> samples;
+    Random random(10);
+    for (int j = 0; j < height; ++j)
+        for (int i = 0; i < width; ++i)
+            samples.push_back(static_cast<float>(100 * std::sin(0.2 * i) * std::cos(0.13 * j) + between(random, -9, 9)));
+    const auto tile = [&](int x, int y, int w, int h) {
+        return hmesh::ImageView<float, 1>{samples.data() + y * width + x, w, h, width * static_cast<std::ptrdiff_t>(sizeof(float))};
+    };
+    hmesh::Options options;
+    options.samples = Samples::points;
+    for (const Effort effort : efforts)
+        for (const double bound : {0.0, 3.0, 15.0, 60.0}) {
+            const Bounded recipe{bound, effort};
+            const hmesh::Mesh left = hmesh::mesh_image(tile(0, 0, 31, 41), options, recipe).mesh;
+            const hmesh::Mesh right = hmesh::mesh_image(tile(30, 0, 31, 41), options, recipe).mesh;
+            const hmesh::Mesh top = hmesh::mesh_image(tile(7, 0, 40, 21), options, recipe).mesh;
+            const hmesh::Mesh bottom = hmesh::mesh_image(tile(7, 20, 40, 21), options, recipe).mesh;
+            CHECK(line_of(left, 0, 30).size() >= 2);
+            CHECK(line_of(left, 0, 30) == line_of(right, 0, 0));
+            CHECK(line_of(top, 1, 20) == line_of(bottom, 1, 0));
+        }
+}
+
+TEST_CASE("any executor gives the same bytes, in one piece and in several") {
+    constexpr int width = 1100, height = 400;
+    std::vector<std::uint16_t> samples;
+    std::vector<std::uint8_t> data;
+    for (int j = 0; j < height; ++j)
+        for (int i = 0; i < width; ++i) {
+            samples.push_back(static_cast<std::uint16_t>(2000 + 500 * std::sin(0.05 * i) * std::cos(0.04 * j) + 500 * std::sin(0.0004 * i * j)));
+            data.push_back(std::hypot(i - 520, j - 200) < 90 || (i + 2 * j) % 977 < 3 ? 0 : 1);
+        }
+    for (const bool holes : {false, true}) {
+        hmesh::Options options;
+        options.samples = holes ? Samples::squares : Samples::points;
+        if (holes) options.mask = {data.data(), width, height, 0};
+        const hmesh::ImageView<std::uint16_t, 1> view{samples.data(), width, height, 0};
+        const Bounded recipe{150, holes ? Effort::fast : Effort::best};
+        const hmesh::Result a = hmesh::mesh_image(view, options, recipe);
+        const hmesh_test::ShuffledFor shuffled{3};
+        const hmesh_test::ThreadFor threads{3};
+        const hmesh::Result b = hmesh::mesh_image(view, options, recipe, shuffled);
+        const hmesh::Result c = hmesh::mesh_image(view, options, recipe, threads);
+        REQUIRE(a.status);
+        CHECK(a.mesh.positions == b.mesh.positions);
+        CHECK(a.mesh.colors == b.mesh.colors);
+        CHECK(a.mesh.faces == b.mesh.faces);
+        CHECK(a.mesh.positions == c.mesh.positions);
+        CHECK(a.mesh.faces == c.mesh.faces);
+        CHECK(a.report.max_error <= 150);
+    }
+}
+
+TEST_CASE("a cancelled run returns a mesh within the bound, or none while samples were being inserted") {
+    Terrain<std::uint16_t> terrain = {90, 80, {}, {}};
+    Random random(11);
+    for (int k = 0; k < 7200; ++k) terrain.samples.push_back(static_cast<std::uint16_t>(between(random, 0, 100)));
+    int meshes = 0, none = 0;
+    for (int last = 1; last < 400; last = last * 3 / 2 + 1) {
+        int calls = 0;
+        double total = 0;
+        bool rises = true;
+        const auto progress = [&](const hmesh::ProgressInfo& info) {
+            rises = rises && info.total >= total && info.total <= 1;
+            total = info.total;
+            return ++calls < last;
+        };
+        hmesh::Options options = options_of(terrain, Samples::points);
+        options.progress = progress;
+        const hmesh::Result result = hmesh::mesh_image(terrain.view(), options, Bounded{20, Effort::best});
+        CHECK(rises);
+        if (result.status) {
+            CHECK(total == 1);
+            continue;
+        }
+        CHECK(result.status.code == hmesh::Errc::cancelled);
+        if (result.has_mesh()) CHECK(fault(result.mesh, terrain, Samples::points, 20) == "");
+        result.has_mesh() ? ++meshes : ++none;
+    }
+    CHECK(meshes > 0);
+    CHECK(none > 0);
+}
+
+TEST_CASE("what a mesh within a bound cannot honour is refused with a sentence") {
+    const Terrain<float> terrain{4, 3, std::vector<float>(12, 1.0F), {}};
+    const auto refused = [&](const hmesh::Options& options, const Bounded& recipe) {
+        const hmesh::Result result = hmesh::mesh_image(terrain.view(), options, recipe);
+        return result.status.code == hmesh::Errc::invalid_argument && !result.has_mesh() && result.status.what[0] != 0;
+    };
+    CHECK(!refused({}, {1}));
+    for (const double bound : {-1.0, -1e-300, std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity()})
+        CHECK(refused({}, {bound}));
+    CHECK(refused({}, {1, static_cast<Effort>(7)}));
+    hmesh::Options options;
+    options.target = hmesh::Target::percent(2);
+    CHECK(refused(options, {1}));
+    options.target = hmesh::Target::at_most(4);
+    CHECK(refused(options, {1}));
+    options = {};
+    options.channel_weights = {2};
+    CHECK(refused(options, {1}));
+    options = {};
+    options.colors = hmesh::Colors::sampled;
+    CHECK(refused(options, {1}));
+    options = {};
+    options.periodic = hmesh::Periodic::x;
+    CHECK(refused(options, {1}));
+    options = {};
+    options.limits.ridge = 1;
+    CHECK(refused(options, {1}));
+    const std::vector<float> weights(12, 1.0F);
+    options = {};
+    options.weights = {weights.data(), 4, 3, 0};
+    CHECK(refused(options, {1}));
+    const std::vector<std::uint8_t> mask(12, 1), empty(12, 0);
+    options = {};
+    options.mask = {mask.data(), 3, 4, 0};
+    CHECK(refused(options, {1}));
+    options.mask = {mask.data(), 4, 3, 0};
+    CHECK(!refused(options, {1}));
+    options.mask = {empty.data(), 4, 3, 0};
+    CHECK(refused(options, {1}));
+}
+
+TEST_CASE("samples that are NaN are refused, or have no data where that is asked for") {
+    Terrain<float> terrain{6, 5, std::vector<float>(30, 2.0F), {}};
+    terrain.samples[8] = std::numeric_limits<float>::quiet_NaN();
+    hmesh::Options options;
+    CHECK(hmesh::mesh_image(terrain.view(), options, Bounded{1}).status.code == hmesh::Errc::not_finite);
+    options.nan_is_no_data = true;
+    for (const Samples samples : {Samples::points, Samples::squares}) {
+        options.samples = samples;
+        Terrain<float> judged = terrain;
+        judged.data.assign(30, 1);
+        judged.data[8] = 0;
+        for (const Effort effort : efforts) {
+            const hmesh::Result result = hmesh::mesh_image(terrain.view(), options, Bounded{1, effort});
+            REQUIRE(result.status);
+            CHECK(fault(result.mesh, judged, samples, 1) == "");
+        }
+    }
+    // A sentinel under the mask is never a height, whatever it is.
+    std::vector<std::uint8_t> mask(30, 1);
+    mask[8] = 0;
+    options = {};
+    options.mask = {mask.data(), 6, 5, 0};
+    const hmesh::Result masked = hmesh::mesh_image(terrain.view(), options, Bounded{0});
+    REQUIRE(masked.status);
+    for (const float height : masked.mesh.colors) CHECK(height == 2.0F);
+}

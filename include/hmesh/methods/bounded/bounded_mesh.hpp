@@ -50,7 +50,7 @@ struct BoundedMesh {
         static_cast<void>(status);
         vertices.reserve(sheet.vertices.size());
         for (std::size_t v = 0; v < sheet.vertices.size(); ++v) vertices.push_back({sheet.vertices[v], sheet.freedom[v]});
-        changed.assign(vertices.size(), clock);
+        for (const std::uint8_t freedom : sheet.freedom) changed.push_back((freedom & is_settled) != 0 ? 0 : clock);
     }
 
     /// The corner of a vertex.

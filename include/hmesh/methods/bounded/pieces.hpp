@@ -126,7 +126,7 @@ class BoundedPieces {
             progress_->set_range(0, 1);
             pieces = detail::cut(whole, tiling(shifts[phase][0], shifts[phase][1]));
             const double share = 1.0 / static_cast<double>(pieces.size());
-            parallel_for_(pieces.size(), [&](std::size_t k) { shrink_piece(pieces[k], share); });
+            parallel_for_(pieces.size(), [&](std::size_t k) { shrink_piece(pieces[k], share, phase == 0 ? 30 : 6); });
             whole = joined(pieces, whole);
             if (!progress_->end(whole.vertices.size(), energy(whole))) break;
         }
@@ -149,11 +149,11 @@ class BoundedPieces {
         GreedyInsertion(mesh).run();
         return mesh.sheet();
     }
-    void shrink_piece(detail::SheetPiece& piece, double share) const {
+    void shrink_piece(detail::SheetPiece& piece, double share, int passes) const {
         if (piece.sheet.faces.empty()) return;
         TaskProgress task(*progress_, share);
         BoundedMesh mesh(*field_, limit_, piece.sheet, task);
-        shrink(mesh, recipe_.effort);
+        shrink(mesh, recipe_.effort, passes);
         std::vector<std::uint32_t> origin;
         for (const Vertex v : mesh.topology.vertices()) origin.push_back(piece.origin[v.index()]);
         piece.sheet = mesh.sheet();

@@ -62,7 +62,7 @@ class Relaxation {
             if (!stays && !gather(then_, v, place)) continue;
             const Star& star = stays ? now_ : then_;
             const Fit after = star.fit(trial);
-            if (!(after.energy < before.energy * (1 - 1e-4)) || after.most > ceiling) continue;
+            if (!(after.energy < before.energy * (1 - (is_trial ? 1e-4 : least_gain))) || after.most > ceiling) continue;
             const Corner corner = state.corner, moved = star.apex(trial);
             mesh_->vertices.edit(v.index()).corner = moved;
             if (is_trial || mesh_->holds_around(v)) {
@@ -131,6 +131,9 @@ class Relaxation {
         if (state.can(can_slide_y)) to.y = snap(std::max(gap, std::min(bottom - gap, from.y + dy * scale)));
         return to;
     }
+
+    /// The share of its energy that a move must gain, but in trials: each makes all around it be tried anew.
+    static constexpr double least_gain = 0.02;
 
     BoundedMesh* mesh_;
     Moves moves_;

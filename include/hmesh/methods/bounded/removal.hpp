@@ -25,6 +25,7 @@
 
 namespace hmesh::kit {
 
+
 /// Removes vertices of a mesh.
 class Removal {
   public:
@@ -60,10 +61,28 @@ class Removal {
         return count;
     }
 
+    /// Marks the vertices that need not be tried again, in this piece or in another: those that were since something around them
+    /// changed. Not those beside locked ones, which may have been in the way.
+    HMESH_COLD void settle() {
+        const HalfedgeMesh& topology = mesh_->topology;
+        tried_.resize(topology.vertex_slots(), 0);
+        for (const Vertex v : topology.vertices()) {
+            bool is_done = tried_[v.index()] >= mesh_->changed[v.index()];
+            for (const Halfedge h : topology.outgoing(v))
+                is_done = is_done && (mesh_->vertices[topology.to_vertex(h).index()].freedom & is_locked) == 0;
+            std::uint8_t& freedom = mesh_->vertices.edit(v.index()).freedom;
+            is_done = is_done && (freedom & is_locked) == 0;
+            freedom = static_cast<std::uint8_t>(is_done ? freedom | is_settled : freedom & ~is_settled);
+        }
+    }
+
   private:
     /// How far from the bound, in bounds, a removal is tried nevertheless.
-    static constexpr double try_up_to = 3;
-    static constexpr int try_rounds = 4;
+    /// Of those above 1.7 one in a hundred succeeds.
+    static constexpr double try_up_to = 1.7;
+    static constexpr int try_rounds = 12;
+    /// What a round must leave of the excess at most for another to be worth it.
+    static constexpr double slowest = 0.85;
 
     struct Candidate {
         Halfedge halfedge;  // of the vertex that leaves, to the one that it is merged into; invalid: none
@@ -192,7 +211,7 @@ class Removal {
         moved_.clear();
         moved_.push_back(into);
         bool holds = false;
-        double last = 1e30;
+        double last = candidate.most;
         for (int round = 0; round < try_rounds && !holds; ++round) {
             relaxation_->move(into, true);
             ring_.clear();
@@ -213,7 +232,7 @@ class Removal {
                 }
             const double most = worst_around();
             holds = most <= 1;
-            if (!holds && (most > last * 0.995 || (round >= 1 && most > 1 + (try_up_to - 1) * 0.7))) break;
+            if (!holds && most - 1 > slowest * (last - 1)) break;
             last = most;
         }
         if (holds)

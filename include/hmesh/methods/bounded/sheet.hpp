@@ -28,6 +28,7 @@ enum Freedom : std::uint8_t {
     on_rim = 16,     ///< it is on the border of what has data, within the image, and is removed along it only
     on_side = 32,    ///< it is on a side of the image, likewise
     is_locked = 64,  ///< it is part of the border of a tile: nothing of the above, for now
+    is_settled = 128,  ///< nothing around it has changed since its removal was tried
 };
 
 /// A bounded mesh as arrays.

@@ -17,6 +17,7 @@
 #include <vector>
 
 #include "hmesh/core/compiler.hpp"
+#include "hmesh/image/image_view.hpp"
 #include "hmesh/mesh/geometry.hpp"
 #include "hmesh/methods/bounded/face_error.hpp"
 #include "hmesh/methods/bounded/height_field.hpp"
@@ -239,12 +240,12 @@ class Star {
         return true;
     }
 
-    /// The corner with the apex at these heights, rounded to float.
+    /// The corner with the apex at these heights, rounded to finite floats.
     [[nodiscard]] Corner apex(const double* heights) const noexcept {
         Corner corner;
         corner.position = place_;
         for (int c = 0; c < field_->channels; ++c)
-            corner.heights[c] = static_cast<float>(static_cast<double>(base_.heights[c]) + heights[c] / per_unit_);
+            corner.heights[c] = PixelTraits<float>::from_real(static_cast<double>(base_.heights[c]) + heights[c] / per_unit_);
         return corner;
     }
 
