@@ -52,7 +52,7 @@ struct QuantizedMeshOptions {
     bool has_normals = true;  ///< extension 1 (octvertexnormals): 2 bytes a vertex
 };
 
-/// A mesh with its positions and heights rounded to the 15 bits of a tile.
+/// A mesh with its positions and heights rounded to the 15 bits of a tile. Faces thinner than that may have turned over.
 struct TileRounding {
     Mesh mesh;         ///< the mesh as a reader of the tile has it, in its plane and its stored values: same vertices, same faces
     double error = 0;  ///< stored values: how far its vertices are from the surface that was, at most. Ask for so much less
