@@ -9,7 +9,7 @@
 bool paper_is_there();                                 // paper.cpp
 bool gpu_is_there();                                   // gpu.cpp
 bool lods_are_there();                                 // lods.cpp
-bool terrain_is_there();                              // terrain.cpp
+bool terrain_is_there();                               // terrain.cpp
 std::size_t size_as_svg(const hmesh::MeshView& mesh);  // both.cpp
 
 int main() {
