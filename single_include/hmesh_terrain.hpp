@@ -109,9 +109,9 @@ class HeightSamples {
     /// The samples of an image, of which the mesh's first is (first_column, first_row). Where the mask, which has the size of the
     /// image or is empty, is 0 there is no data; nor is there where a sample is NaN or infinite. Both must outlive this object.
     template <class T, int C>
-    HeightSamples(const ImageView<T, C>& image,
-                  const ImageView<std::uint8_t, 1>& mask = {},  // NOLINT(google-explicit-constructor)
-                  int first_column = 0, int first_row = 0) noexcept
+    // NOLINTNEXTLINE(google-explicit-constructor): an ImageView may stand for its samples
+    HeightSamples(const ImageView<T, C>& image, const ImageView<std::uint8_t, 1>& mask = {}, int first_column = 0,
+                  int first_row = 0) noexcept
         : status_(check_both(image, mask)), mask_(mask), width_(image.width), height_(image.height), channels_(C),
           first_column_(first_column), first_row_(first_row) {
         if (!status_) return;
@@ -1089,8 +1089,7 @@ class TileGrid {
 
     /// u, v and height of a vertex, 0 to 32767; v to the north.
     [[nodiscard]] std::array<int, 3> rounded(std::size_t vertex) const noexcept {
-        const double x = static_cast<double>(mesh_.positions[2 * vertex]),
-                     y = static_cast<double>(mesh_.positions[2 * vertex + 1]);
+        const auto x = static_cast<double>(mesh_.positions[2 * vertex]), y = static_cast<double>(mesh_.positions[2 * vertex + 1]);
         const double range = high_ - low_;
         const double share = range > 0 ? (height_of(mesh_, tile_.z, vertex) - low_) / range : 0;
         return {inside(x, size_[0]), tile_most - inside(y, size_[1]), static_cast<int>(share * tile_most + 0.5)};

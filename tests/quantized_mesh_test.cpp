@@ -377,8 +377,8 @@ TEST_CASE("the rounded mesh is what a reader of the tile has, and its error is t
         }
         // Brute force: the surface that was, at each vertex that is.
         for (std::size_t v = 0; v < rounding.mesh.vertex_count(); ++v) {
-            const double x = static_cast<double>(rounding.mesh.positions[2 * v]),
-                         y = static_cast<double>(rounding.mesh.positions[2 * v + 1]);
+            const auto x = static_cast<double>(rounding.mesh.positions[2 * v]),
+                       y = static_cast<double>(rounding.mesh.positions[2 * v + 1]);
             double nearest = 1e30;
             for (const hmesh::Triangle& face : land.mesh.faces) {
                 std::array<Point3, 3> p{};

@@ -136,8 +136,7 @@ class TileGrid {
 
     /// u, v and height of a vertex, 0 to 32767; v to the north.
     [[nodiscard]] std::array<int, 3> rounded(std::size_t vertex) const noexcept {
-        const double x = static_cast<double>(mesh_.positions[2 * vertex]),
-                     y = static_cast<double>(mesh_.positions[2 * vertex + 1]);
+        const auto x = static_cast<double>(mesh_.positions[2 * vertex]), y = static_cast<double>(mesh_.positions[2 * vertex + 1]);
         const double range = high_ - low_;
         const double share = range > 0 ? (height_of(mesh_, tile_.z, vertex) - low_) / range : 0;
         return {inside(x, size_[0]), tile_most - inside(y, size_[1]), static_cast<int>(share * tile_most + 0.5)};
