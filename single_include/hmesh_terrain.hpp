@@ -109,9 +109,9 @@ class HeightSamples {
     /// The samples of an image, of which the mesh's first is (first_column, first_row). Where the mask, which has the size of the
     /// image or is empty, is 0 there is no data; nor is there where a sample is NaN or infinite. Both must outlive this object.
     template <class T, int C>
-    HeightSamples(const ImageView<T, C>& image,
-                  const ImageView<std::uint8_t, 1>& mask = {},  // NOLINT(google-explicit-constructor)
-                  int first_column = 0, int first_row = 0) noexcept
+    // NOLINTNEXTLINE(google-explicit-constructor): an ImageView may stand for its samples
+    HeightSamples(const ImageView<T, C>& image, const ImageView<std::uint8_t, 1>& mask = {}, int first_column = 0,
+                  int first_row = 0) noexcept
         : status_(check_both(image, mask)), mask_(mask), width_(image.width), height_(image.height), channels_(C),
           first_column_(first_column), first_row_(first_row) {
         if (!status_) return;
@@ -827,11 +827,12 @@ inline Status write_solid_stl(const MeshView& mesh, double base, Sink sink, cons
     constexpr std::uint64_t most = std::numeric_limits<std::uint32_t>::max() / 8;  // two and six for its walls, at most
     if (const Status status = detail::check_for_stl(mesh, options, most); !status) return status;
     const detail::Relief relief(mesh, {}, options, detail::is_y_up(options, false));
-    for (std::size_t v = 0; v < mesh.vertex_count; ++v) {
-        const double height = relief.height(v);
-        if (!kit::is_finite(base) || !(static_cast<float>(base) < static_cast<float>(height)))
-            return {Errc::invalid_argument, "the base of a solid must be below all of its heights", base, height};
-    }
+    constexpr auto farthest = static_cast<double>(std::numeric_limits<float>::max());
+    if (!kit::is_within(base, -farthest, farthest))
+        return {Errc::invalid_argument, "the base of a solid must be a height that a float holds", base, farthest};
+    for (std::size_t v = 0; v < mesh.vertex_count; ++v)
+        if (!(static_cast<float>(base) < static_cast<float>(relief.height(v))))
+            return {Errc::invalid_argument, "the base of a solid must be below all of its heights", base, relief.height(v)};
     detail::WallPlan walls(mesh);
     if (const Status status = walls.plan(); !status) return status;
 
@@ -1004,7 +1005,7 @@ struct QuantizedMeshOptions {
     bool has_normals = true;  ///< extension 1 (octvertexnormals): 2 bytes a vertex
 };
 
-/// A mesh with its positions and heights rounded to the 15 bits of a tile.
+/// A mesh with its positions and heights rounded to the 15 bits of a tile. Faces thinner than that may have turned over.
 struct TileRounding {
     Mesh mesh;         ///< the mesh as a reader of the tile has it, in its plane and its stored values: same vertices, same faces
     double error = 0;  ///< stored values: how far its vertices are from the surface that was, at most. Ask for so much less
@@ -1088,8 +1089,7 @@ class TileGrid {
 
     /// u, v and height of a vertex, 0 to 32767; v to the north.
     [[nodiscard]] std::array<int, 3> rounded(std::size_t vertex) const noexcept {
-        const double x = static_cast<double>(mesh_.positions[2 * vertex]),
-                     y = static_cast<double>(mesh_.positions[2 * vertex + 1]);
+        const auto x = static_cast<double>(mesh_.positions[2 * vertex]), y = static_cast<double>(mesh_.positions[2 * vertex + 1]);
         const double range = high_ - low_;
         const double share = range > 0 ? (height_of(mesh_, tile_.z, vertex) - low_) / range : 0;
         return {inside(x, size_[0]), tile_most - inside(y, size_[1]), static_cast<int>(share * tile_most + 0.5)};
@@ -1323,8 +1323,9 @@ inline void write_tile_normals(Writer& writer, const MeshView& mesh, const Heigh
         const detail::Vector3 at = grid.in_plane(v);
         for (std::size_t k = 0; k < 2; ++k) to.positions[2 * v + k] = static_cast<float>(at[k]);
         if (tile.z.scale == 0) continue;
-        to.colors[channels * v + static_cast<std::size_t>(tile.z.channel)] =
-            static_cast<float>((at[2] - tile.z.offset) / tile.z.scale);
+        constexpr auto most = static_cast<double>(std::numeric_limits<float>::max());
+        const double value = std::max(-most, std::min(most, (at[2] - tile.z.offset) / tile.z.scale));
+        to.colors[channels * v + static_cast<std::size_t>(tile.z.channel)] = static_cast<float>(value);
     }
     if (tile.z.scale == 0) return out;
     const auto corner = [&](std::uint32_t v) -> detail::Vector3 {

@@ -73,9 +73,9 @@ TEST_CASE("all models have the same positions, normals, places and faces, each i
         CHECK(b.faces == a.faces);
         CHECK(c.faces == a.faces);
         for (std::size_t v = 0; v < a.positions.size(); ++v) {
-            const double x = static_cast<double>(land.mesh.positions[2 * v]),
-                         y = static_cast<double>(land.mesh.positions[2 * v + 1]);
-            const double value = static_cast<double>(land.mesh.colors[v]);
+            const auto x = static_cast<double>(land.mesh.positions[2 * v]),
+                       y = static_cast<double>(land.mesh.positions[2 * v + 1]);
+            const auto value = static_cast<double>(land.mesh.colors[v]);
             const Point3 expected = {1000 + 30 * x, -500 - 20 * y, 100 + 0.5 * value};
             for (std::size_t k = 0; k < 3; ++k) {
                 CHECK(a.positions[v][k] == doctest::Approx(expected[k]).epsilon(1e-7));

@@ -59,8 +59,7 @@ Tile read_tile(const Bytes& bytes) {
         for (auto& vertex : out.vertices) {
             const int code = hmesh_test::number_in<std::uint16_t>(bytes, at);
             value += (code >> 1) ^ -(code & 1);
-            REQUIRE(value >= 0);
-            REQUIRE(value <= 32767);
+            if (value < 0 || value > 32767) FAIL("a coordinate of more than 15 bits");
             vertex[k] = value;
         }
     }
@@ -74,10 +73,10 @@ Tile read_tile(const Bytes& bytes) {
     for (hmesh::Triangle& face : out.faces)
         for (std::uint32_t& v : face) {
             const std::uint32_t code = index();
-            REQUIRE(code <= highest);
+            if (code > highest) FAIL("an index of a vertex that is not the next");
             v = highest - code;
             if (code == 0) ++highest;
-            REQUIRE(v < out.vertices.size());
+            if (v >= out.vertices.size()) FAIL("an index of no vertex");
         }
     for (std::vector<std::uint32_t>& side : out.sides) {
         side.resize(hmesh_test::number_in<std::uint32_t>(bytes, at));
@@ -378,8 +377,8 @@ TEST_CASE("the rounded mesh is what a reader of the tile has, and its error is t
         }
         // Brute force: the surface that was, at each vertex that is.
         for (std::size_t v = 0; v < rounding.mesh.vertex_count(); ++v) {
-            const double x = static_cast<double>(rounding.mesh.positions[2 * v]),
-                         y = static_cast<double>(rounding.mesh.positions[2 * v + 1]);
+            const auto x = static_cast<double>(rounding.mesh.positions[2 * v]),
+                       y = static_cast<double>(rounding.mesh.positions[2 * v + 1]);
             double nearest = 1e30;
             for (const hmesh::Triangle& face : land.mesh.faces) {
                 std::array<Point3, 3> p{};

@@ -41,7 +41,7 @@ double largest_angle(const hmesh::Mesh& mesh, const std::vector<Point3>& found, 
                      const hmesh_test::Height& down, const hmesh::HeightOptions& options, double margin) {
     double worst = 0;
     for (std::size_t v = 0; v < found.size(); ++v) {
-        const double x = static_cast<double>(mesh.positions[2 * v]), y = static_cast<double>(mesh.positions[2 * v + 1]);
+        const auto x = static_cast<double>(mesh.positions[2 * v]), y = static_cast<double>(mesh.positions[2 * v + 1]);
         if (std::min({x, y, mesh.width - 1 - x, mesh.height - 1 - y}) < margin) continue;
         CHECK(hmesh_test::size_of_vector(found[v]) == doctest::Approx(1).epsilon(1e-12));
         worst = std::max(worst, hmesh_test::angle_between(found[v], of_slope(to_right(x, y), down(x, y), options)));

@@ -28,9 +28,9 @@ class HeightSamples {
     /// The samples of an image, of which the mesh's first is (first_column, first_row). Where the mask, which has the size of the
     /// image or is empty, is 0 there is no data; nor is there where a sample is NaN or infinite. Both must outlive this object.
     template <class T, int C>
-    HeightSamples(const ImageView<T, C>& image,
-                  const ImageView<std::uint8_t, 1>& mask = {},  // NOLINT(google-explicit-constructor)
-                  int first_column = 0, int first_row = 0) noexcept
+    // NOLINTNEXTLINE(google-explicit-constructor): an ImageView may stand for its samples
+    HeightSamples(const ImageView<T, C>& image, const ImageView<std::uint8_t, 1>& mask = {}, int first_column = 0,
+                  int first_row = 0) noexcept
         : status_(check_both(image, mask)), mask_(mask), width_(image.width), height_(image.height), channels_(C),
           first_column_(first_column), first_row_(first_row) {
         if (!status_) return;

@@ -52,7 +52,7 @@ struct QuantizedMeshOptions {
     bool has_normals = true;  ///< extension 1 (octvertexnormals): 2 bytes a vertex
 };
 
-/// A mesh with its positions and heights rounded to the 15 bits of a tile.
+/// A mesh with its positions and heights rounded to the 15 bits of a tile. Faces thinner than that may have turned over.
 struct TileRounding {
     Mesh mesh;         ///< the mesh as a reader of the tile has it, in its plane and its stored values: same vertices, same faces
     double error = 0;  ///< stored values: how far its vertices are from the surface that was, at most. Ask for so much less
@@ -136,8 +136,7 @@ class TileGrid {
 
     /// u, v and height of a vertex, 0 to 32767; v to the north.
     [[nodiscard]] std::array<int, 3> rounded(std::size_t vertex) const noexcept {
-        const double x = static_cast<double>(mesh_.positions[2 * vertex]),
-                     y = static_cast<double>(mesh_.positions[2 * vertex + 1]);
+        const auto x = static_cast<double>(mesh_.positions[2 * vertex]), y = static_cast<double>(mesh_.positions[2 * vertex + 1]);
         const double range = high_ - low_;
         const double share = range > 0 ? (height_of(mesh_, tile_.z, vertex) - low_) / range : 0;
         return {inside(x, size_[0]), tile_most - inside(y, size_[1]), static_cast<int>(share * tile_most + 0.5)};
