@@ -6217,6 +6217,7 @@ inline constexpr bool is_recipe<Recipe, std::enable_if_t<std::is_same_v<std::rem
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <optional>
 
 namespace hmesh {
@@ -6422,9 +6423,16 @@ struct Annealed {
     /// A mesh of the image to go on from in place of the points, with any number of vertices: it is brought to the number
     /// asked for, then annealed and polished. It must outlive the call; null: none. Errc::invalid_argument, and the image's two
     /// triangles for a mesh, where it is no mesh of the image: size, channels, positions off the 1/256 px grid, colours that are
-    /// not finite, faces that do not tile the image, Mesh::periodic other than Options::periodic, a border that is to be straight
-    /// and is not.
+    /// not finite, faces that do not tile the image, Mesh::periodic or Mesh::samples other than those of the options, a border
+    /// that is to be straight and is not.
     const Mesh* start = nullptr;
+    /// Of images whose samples are points: where set, >= 0, each side of the mesh is the polyline of the fewest of its samples
+    /// that passes all others within so much, in stored values. It then follows from that row of samples and this tolerance
+    /// alone: the meshes of images that share a row, as tiles do, share its vertices to the bit, whatever else is in them.
+    /// Neither weights of pixels nor Options::round_colors count there; channel_weights are refused, and a mesh to start from is
+    /// one with these very sides. Errc::target_out_of_range where fewer vertices are asked for than the sides have, or a level
+    /// of detail would have fewer; so ends a search for a PSNR that comes to try fewer.
+    std::optional<double> border_tolerance{};
 
     static constexpr const char* name = "annealed";    ///< for reports
     static constexpr Colors colors = Colors::optimal;  ///< final colours where Options::colors says nothing
@@ -6436,6 +6444,9 @@ struct Annealed {
         if (tile != 0 && (tile < 64 || tile > kit::max_side))
             return {Errc::invalid_argument, "the tile must be 0, for the default, or 64 to 65536 px", tile,
                     tile < 64 ? 64 : kit::max_side};
+        if (border_tolerance && !kit::is_within(*border_tolerance, 0, std::numeric_limits<float>::max()))
+            return {Errc::invalid_argument, "border_tolerance must be at least 0 and finite, in stored values", *border_tolerance,
+                    0};
         if (steps) return kit::check(*steps);
         if (effort <= Effort::best) return {};
         return {Errc::invalid_argument, "the effort is none of those known", static_cast<int>(effort),
@@ -9001,6 +9012,7 @@ struct PatchContext {
     /// that are neither flipped nor left by their vertices.
     bool has_seams = false;
     Samples samples = Samples::squares;  ///< what the image has, and with that where the mesh's border lies (mesh/samples.hpp)
+    bool has_fixed_border = false;       ///< whether vertices and edges on that border stay as they are
 };
 
 /// A triangle mesh of C channels over a moment table that knows the squared error of each face.
@@ -9019,7 +9031,8 @@ class ImageMesh {
                      nullptr,
                      Periodic::none,
                      false,
-                     table.has_far_sides() ? Samples::points : Samples::squares}) {}
+                     table.has_far_sides() ? Samples::points : Samples::squares,
+                     false}) {}
     /// An empty mesh over the table of a patch, which must outlive it.
     ImageMesh(const MomentTable<C>& table, double low, double high, const MeshLimits& limits, const PatchContext& context)
         : table_(&table), limits_(limits), context_(context) {
@@ -9126,6 +9139,8 @@ class ImageMesh {
     /// The position nearest to p where a vertex of this mobility may be: on the grid, within the table, and limits().border_gap
     /// off the image's border unless the vertex lies on it. A coordinate that is not free to move is returned as given.
     [[nodiscard]] Point clamp(Point p, Mobility mobility) const noexcept;
+    /// Whether vertices and edges on the image's border stay as they are.
+    [[nodiscard]] bool has_fixed_border() const noexcept { return context_.has_fixed_border; }
     /// The mobility of a vertex at p: Mobility::free unless p is on the image's border.
     [[nodiscard]] Mobility mobility_at(Point p) const noexcept {
         const Rect& image = context_.image;
@@ -9134,6 +9149,7 @@ class ImageMesh {
         bool on_y = p.y == image.y + in || p.y == image.y + image.height - in;
         if (wraps_x(context_.periodic)) on_x = context_.has_seams && is_seam(p.x, image.x, image.width);
         if (wraps_y(context_.periodic)) on_y = context_.has_seams && is_seam(p.y, image.y, image.height);
+        if (context_.has_fixed_border && (on_x || on_y)) return Mobility::locked;
         return on_x && on_y ? Mobility::corner : on_x ? Mobility::along_y : on_y ? Mobility::along_x : Mobility::free;
     }
     /// Whether e, inside the mesh, runs along a seam of a periodic image and must stay there.
@@ -11213,6 +11229,97 @@ class AnnealingSweep {
 
 #endif  // HMESH_METHODS_ANNEALED_ANNEALING_HPP
 
+// ---- hmesh/methods/annealed/border.hpp
+
+/// \file
+/// Borders alone: the vertices on the sides of an image, those of each side from its row of samples and nothing else.
+///
+/// Images that share a row of samples, as tiles of a heightmap do (Samples::points), are then meshed each by itself, and their
+/// meshes share the vertices of that row to the bit. Vertices stand on samples and have their values, so that the side is a
+/// polyline; it has the fewest of them with which no sample of the row is off by more than a tolerance.
+///
+/// Which vertices may follow each other: those whose chord passes all samples between them within the tolerance. From each
+/// sample on, the slopes that do are a range that shrinks sample by sample (J. O'Rourke, "An on-line algorithm for fitting
+/// straight lines between data ranges", 1981); the fewest chords are the shortest way. Cost: some ns for each sample and
+/// channel that a chord may pass, 1,024 for each sample at most.
+#ifndef HMESH_METHODS_ANNEALED_BORDER_HPP
+#define HMESH_METHODS_ANNEALED_BORDER_HPP
+
+#include <algorithm>
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+#include <vector>
+
+namespace hmesh::kit {
+
+/// The longest chord between vertices of a side, in samples.
+inline constexpr std::size_t longest_chord = 1024;
+
+/// The fewest of `count` >= 2 samples, the first and the last among them, whose polyline passes all others within a tolerance
+/// >= 0 in each channel; chords are of longest_chord samples at most. In rising order.
+template <int C>
+[[nodiscard]] HMESH_COLD std::vector<std::uint32_t> polyline_nodes(const std::vector<std::array<double, std::size_t{C}>>& samples,
+                                                                   double tolerance) {
+    constexpr std::uint32_t unknown = std::numeric_limits<std::uint32_t>::max();
+    const std::size_t count = samples.size();
+    std::vector<std::uint32_t> chords(count, unknown), before(count, 0);  // on the shortest way to each sample
+    chords.front() = 0;
+    for (std::size_t i = 0; i < count; ++i) {
+        std::array<double, std::size_t{C}> low{}, high{};  // slopes of chords from here on
+        low.fill(-std::numeric_limits<double>::infinity());
+        high.fill(std::numeric_limits<double>::infinity());
+        for (std::size_t k = i + 1; k < std::min(count, i + longest_chord + 1); ++k) {
+            const auto length = static_cast<double>(k - i);
+            bool passes = true, goes_on = true;
+            for (std::size_t c = 0; c < C; ++c) {
+                const double rise = samples[k][c] - samples[i][c];
+                passes = passes && rise >= low[c] * length && rise <= high[c] * length;
+                low[c] = std::max(low[c], (rise - tolerance) / length);
+                high[c] = std::min(high[c], (rise + tolerance) / length);
+                goes_on = goes_on && low[c] <= high[c];
+            }
+            if (passes && chords[i] + 1 < chords[k]) {
+                chords[k] = chords[i] + 1;
+                before[k] = static_cast<std::uint32_t>(i);
+            }
+            if (!goes_on) break;
+        }
+    }
+    std::vector<std::uint32_t> nodes{static_cast<std::uint32_t>(count - 1)};
+    while (nodes.back() != 0) nodes.push_back(before[nodes.back()]);
+    std::reverse(nodes.begin(), nodes.end());
+    return nodes;
+}
+
+/// The vertices on the sides of an image of points, in the plane where it is fitted (mesh/samples.hpp), each once.
+template <int C>
+[[nodiscard]] HMESH_COLD std::vector<Point> border_vertices(const ImageSource<C>& source, double tolerance) {
+    std::vector<Point> vertices;
+    const auto add_side = [&](int count, bool has_ends, FunctionRef<Point(int i)> place) {
+        std::vector<std::array<double, std::size_t{C}>> samples(static_cast<std::size_t>(count));
+        for (int i = 0; i < count; ++i) {
+            const Point p = place(i);
+            const auto color = source.pixel(static_cast<int>(p.x), static_cast<int>(p.y));
+            for (std::size_t c = 0; c < C; ++c) samples[static_cast<std::size_t>(i)][c] = color[static_cast<int>(c)];
+        }
+        const std::vector<std::uint32_t> nodes = polyline_nodes<C>(samples, tolerance);
+        for (std::size_t k = has_ends ? 0 : 1; k + (has_ends ? 0 : 1) < nodes.size(); ++k)
+            vertices.push_back(place(static_cast<int>(nodes[k])));
+    };
+    const int width = source.width(), height = source.height();
+    add_side(width, true, [](int i) { return Point{i + 0.5, 0.5}; });
+    add_side(width, true, [&](int i) { return Point{i + 0.5, height - 0.5}; });
+    add_side(height, false, [](int i) { return Point{0.5, i + 0.5}; });
+    add_side(height, false, [&](int i) { return Point{width - 0.5, i + 0.5}; });
+    return vertices;
+}
+
+}  // namespace hmesh::kit
+
+#endif  // HMESH_METHODS_ANNEALED_BORDER_HPP
+
 // ---- hmesh/core/indexed_heap.hpp
 
 /// \file
@@ -11432,6 +11539,7 @@ struct IndexedMesh {
     Periodic periodic = Periodic::none;  ///< along which axes the mesh repeats
     std::vector<std::uint32_t> roots{};  ///< of each vertex of a periodic mesh: itself, or the one that it is a copy of
     std::size_t copy_count = 0;          ///< vertices that are copies of others
+    bool has_fixed_border = false;       ///< whether vertices and edges on the border stay as they are
     Samples samples = Samples::squares;  ///< of the image; for points the faces tile what is 1/2 px inside (mesh/samples.hpp)
 
     /// The number of vertices, copies included.
@@ -11446,6 +11554,12 @@ struct IndexedMesh {
     void count_copies() noexcept {
         copy_count = 0;
         for (std::size_t v = 0; v < roots.size(); ++v) copy_count += roots[v] != v ? 1U : 0U;
+    }
+    /// Whether vertex v is on the border of the rectangle, of a mesh that is not periodic.
+    [[nodiscard]] bool is_on_border(std::size_t v) const noexcept {
+        const Point p = positions[v];
+        const double low = inset(samples);
+        return p.x == low || p.y == low || p.x == width - low || p.y == height - low;
     }
     /// Appends a vertex and marks it dirty.
     void add(Point position, const Color<C>& color) {
@@ -11956,7 +12070,8 @@ class Patch {
                               nullptr,
                               source.periodic(),
                               source.has_straight_seams(),
-                              source.samples()});
+                              source.samples(),
+                              indexed.has_fixed_border});
         const Status status = mesh_.assign(positions, numbered_.faces, colors, parallel_for);
         HMESH_ASSERT(status);
         (void)status;
@@ -12534,6 +12649,7 @@ class TiledMesh {
         merged.locked_count = cut.locked_count;
         merged.periodic = indexed_.periodic;
         merged.samples = indexed_.samples;
+        merged.has_fixed_border = indexed_.has_fixed_border;
         merged.copy_count = indexed_.copy_count;
         std::vector<std::size_t> first_vertex(results.size() + 1, cut.locked_count), first_face(results.size() + 1, 0);
         for (std::size_t k = 0; k < results.size(); ++k) {
@@ -13350,6 +13466,7 @@ template <int C>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <utility>
 #include <vector>
 
@@ -13381,6 +13498,32 @@ template <int C>
     return check(mesh);
 }
 
+/// Whether these are the vertices on the border of a mesh.
+template <int C>
+[[nodiscard]] HMESH_COLD bool has_border(const IndexedMesh<C>& mesh, std::vector<Point> border) {
+    std::vector<Point> its;
+    for (std::size_t v = 0; v < mesh.vertex_count(); ++v)
+        if (mesh.is_on_border(v)) its.push_back(mesh.positions[v]);
+    const auto is_before = [](Point a, Point b) { return a.y != b.y ? a.y < b.y : a.x < b.x; };
+    std::sort(its.begin(), its.end(), is_before);
+    std::sort(border.begin(), border.end(), is_before);
+    return its == border;
+}
+
+/// Finds the vertices of the border that follows from Annealed::border_tolerance, or none where that is not set.
+template <int C>
+[[nodiscard]] HMESH_COLD Status find_border(const ImageSource<C>& source, std::optional<double> tolerance, std::size_t n,
+                                            std::vector<Point>& border) {
+    if (!tolerance) return {};
+    if (source.samples() != Samples::points)
+        return {Errc::invalid_argument, "border_tolerance is for samples that are points, and they are squares"};
+    if (source.scale() != nullptr) return {Errc::invalid_argument, "border_tolerance knows no channel_weights"};
+    border = border_vertices(source, *tolerance);
+    if (n >= border.size()) return {};
+    return {Errc::target_out_of_range, "the sides of the mesh have, by border_tolerance, more vertices than it may have",
+            static_cast<std::int64_t>(border.size()), static_cast<std::int64_t>(n)};
+}
+
 /// Tells progress of the stages of a run.
 HMESH_COLD inline void plan_stages(ProgressReporter& progress, const AnnealedSteps& steps, double pixels, std::size_t n,
                                    bool has_start) {
@@ -13398,8 +13541,10 @@ HMESH_COLD inline void plan_stages(ProgressReporter& progress, const AnnealedSte
 template <int C>
 class AnnealedRun {
   public:
-    AnnealedRun(TiledMesh<C>& tiled, std::size_t n, const AnnealedSteps& steps, std::uint64_t seed, double tile)
-        : tiled_(&tiled), n_(n), steps_(steps), seed_(seed), tile_(tile), aligned_(tiling(0)),
+    /// `border`: the vertices of a border that stays as it is, and that a mesh to start from has; empty: none.
+    AnnealedRun(TiledMesh<C>& tiled, std::size_t n, const AnnealedSteps& steps, std::uint64_t seed, double tile,
+                const std::vector<Point>& border)
+        : tiled_(&tiled), n_(n), steps_(steps), seed_(seed), tile_(tile), border_(&border), aligned_(tiling(0)),
           has_seams_(tiled.has_seams(aligned_)) {}
 
     /// Runs all stages. False: cancelled, or more than n vertices are left and none of them can be removed.
@@ -13413,6 +13558,7 @@ class AnnealedRun {
     bool run_from(IndexedMesh<C> mesh) {
         plan_stages(progress(), steps_, tiled_->source().pixels(), n_, true);
         tiled_->indexed() = std::move(mesh);
+        tiled_->indexed().has_fixed_border = !border_->empty();
         return stage("start",
                      [&] {
                          tiled_->measure(aligned_);
@@ -13427,6 +13573,7 @@ class AnnealedRun {
             coarser_work(steps_, tiled_->source().pixels(), static_cast<double>(tiled_->vertex_count()), static_cast<double>(n_));
         if (work.anneal > 0) progress().plan({work.collapse, work.anneal, work.polish, work.colors});
         else progress().plan({work.collapse, work.polish, work.colors});
+        tiled_->indexed().has_fixed_border = !border_->empty();
         return stage("collapse", [&] { return collapse(false); }) && finish();
     }
 
@@ -13454,7 +13601,8 @@ class AnnealedRun {
         const ImageSource<C>& source = tiled_->source();
         const auto go_on = [&] { return progress().poll(); };
         // The corners come by themselves.
-        const double wanted = std::max(0.0, std::ceil(static_cast<double>(n_) * steps_.points) - 4);
+        const auto given = static_cast<double>(std::max<std::size_t>(4, border_->size()));
+        const double wanted = std::max(0.0, std::ceil(static_cast<double>(n_) * steps_.points) - given);
         std::vector<std::uint32_t> pixels;
         std::vector<Point> on_seams;
         {
@@ -13470,15 +13618,20 @@ class AnnealedRun {
         {
             Delaunay delaunay(source.width(), source.height(), source.samples());
             if (source.periodic() != Periodic::none) leave_out_sides(pixels, source.width(), source.height(), source.periodic());
+            if (!border_->empty()) leave_out_sides(pixels, source.width(), source.height(), Periodic::xy);
             if (!insert_pixels(delaunay, pixels, go_on)) return false;
             for (const Point p : on_seams) (void)delaunay.insert(p);
+            for (const Point p : *border_) (void)delaunay.insert(p);
             pair_sides(delaunay, source.periodic());
             tiled_->indexed() = delaunay_mesh(source, delaunay);
         }
         // 32 leaves room for flips up to max_valence, as 16 does where up to four copies make one vertex. The mesh of two faces,
         // which grows to n, is for shapes nobody has seen.
-        if (!bound_valence(tiled_->indexed(), source.periodic() == Periodic::none ? 32 : 16))
+        if (!bound_valence(tiled_->indexed(), source.periodic() == Periodic::none ? 32 : 16)) {
+            if (!border_->empty()) return false;
             tiled_->indexed() = corner_mesh(source);
+        }
+        tiled_->indexed().has_fixed_border = !border_->empty();
         tie(tiled_->indexed(), source.periodic());
         progress().set_range(0.9, 0.9);
         return tiled_->for_each(aligned_, [](Patch<C>&, std::size_t) {});  // the energy; the end of a stage tells 1
@@ -13649,6 +13802,7 @@ class AnnealedRun {
     AnnealedSteps steps_;
     std::uint64_t seed_;
     double tile_;
+    const std::vector<Point>* border_;
     Tiling aligned_;
     bool has_seams_;  ///< whether vertices are locked in some phases
     int phase_ = 0;   ///< the tiling of the last patches, and of the next
@@ -13659,16 +13813,22 @@ class AnnealedRun {
 /// run(first) runs the stages of a run as planned.
 template <int C, class Run>
 Status Annealed::run_or_grow(kit::TiledMesh<C>& mesh, std::size_t n, Run&& run) const {
+    std::vector<kit::Point> border;
+    if (const Status status = kit::detail::find_border(mesh.source(), border_tolerance, n, border); !status) return status;
     const int width = mesh.source().width(), height = mesh.source().height();
     kit::AnnealedSteps plan = steps.value_or(kit::annealed_steps(effort));
-    kit::detail::AnnealedRun<C> first(mesh, n, plan, seed, tile_size(width, height, n));
+    kit::detail::AnnealedRun<C> first(mesh, n, plan, seed, tile_size(width, height, n), border);
     if (run(first)) return {};
     if (mesh.progress().stopped()) return kit::cancelled_by_callback();
     // More than n vertices are left, each of whose collapses would make a face below min_double_area. Growing to n in one piece,
     // without a collapse, always ends at n.
     plan.points = 1;
     plan.annealing.sweeps = 0;
-    return kit::finished_or_cancelled(kit::detail::AnnealedRun<C>(mesh, n, plan, seed, std::max(width, height)).run());
+    const bool is_done = kit::detail::AnnealedRun<C>(mesh, n, plan, seed, std::max(width, height), border).run();
+    if (!is_done && !border.empty() && !mesh.progress().stopped())
+        return {Errc::target_out_of_range, "the sides of the mesh, by border_tolerance, need more vertices between them",
+                static_cast<std::int64_t>(n), static_cast<std::int64_t>(border.size())};
+    return kit::finished_or_cancelled(is_done);
 }
 
 template <int C>
@@ -13679,6 +13839,10 @@ Status Annealed::run(kit::TiledMesh<C>& mesh, std::size_t n) const {
         if (const kit::ChannelScale<C>* const scale = mesh.source().scale())
             for (kit::Color<C>& color : from.colors) scale->to_scaled(color);
         if (const Status status = kit::detail::check_start(from, mesh.source()); !status) return status;
+        std::vector<kit::Point> border;
+        if (const Status status = kit::detail::find_border(mesh.source(), border_tolerance, n, border); !status) return status;
+        if (border_tolerance && !kit::detail::has_border(from, border))
+            return {Errc::invalid_argument, "the mesh to start from has not the sides that border_tolerance asks for"};
     }
     return run_or_grow(mesh, n, [&](kit::detail::AnnealedRun<C>& first) {
         return start != nullptr ? first.run_from(std::move(from)) : first.run();
@@ -13998,6 +14162,8 @@ struct ColorSystem {
     std::vector<double> inverse;   ///< 1 / (diagonal + ridge); 0 where that is not positive
     double ridge = 0;              ///< in pixels, see MeshLimits
 
+    /// Leaves a vertex its colour.
+    void hold(std::size_t row) noexcept { inverse[row] = 0; }
     /// Calls update(c, step) for each vertex in turn: c is the vertex's colour, c + step the best one for it while the others
     /// stay.
     template <class Update>
@@ -14110,7 +14276,7 @@ BoundedReport descend(const ColorSystem<C>& system, double low, double high, dou
 /// Gives all vertices colours in [low, high], stored values whose bounds may be infinite; where grid > 0, colours become
 /// multiples of it, of which one must lie in the range. Coordinate descent (projected Gauss-Seidel) from the current colours:
 /// first without the grid; then onto the grid, vertex by vertex; then over the grid as long as that lowers the error. 0.6 us a
-/// vertex at 3 channels.
+/// vertex at 3 channels. Vertices on a border that has_fixed_border() keep colours that are in the range and on the grid.
 template <int C>
 HMESH_COLD BoundedReport bounded_colors(ImageMesh<C>& mesh, double low, double high, double grid,
                                         const ParallelFor& parallel_for = {}) {
@@ -14120,8 +14286,13 @@ HMESH_COLD BoundedReport bounded_colors(ImageMesh<C>& mesh, double low, double h
         colors.push_back(mesh.color(v));
         detail::clamp_channels<C>(colors.back(), low, high);
     }
-    const auto system =
+    auto system =
         detail::color_system(mesh.topology(), corner_sums(mesh, parallel_for), colors, mesh.limits().ridge, parallel_for);
+    std::size_t row = 0;
+    for (const Vertex v : mesh.topology().vertices()) {
+        if (mesh.has_fixed_border() && mesh.mobility_at(mesh.position(v)) == Mobility::locked) system.hold(row);
+        ++row;
+    }
     const BoundedReport report = detail::descend(system, low, high, grid, colors, [] { return true; });
     detail::write_colors(mesh, colors, parallel_for);
     return report;
@@ -14407,7 +14578,9 @@ HMESH_COLD FinalColors bounded_colors(TiledMesh<C>& tiled, const Tiling& tiling,
         }
     });
     if (tiled.progress().stopped()) std::fill(corners.begin(), corners.end(), CornerSums<C>());  // only the ridge is left
-    const auto system = detail::color_system(topology, corners, mesh.colors, tiled.limits().ridge, tiled.parallel_for());
+    auto system = detail::color_system(topology, corners, mesh.colors, tiled.limits().ridge, tiled.parallel_for());
+    for (std::size_t v = 0; v < mesh.vertex_count() && mesh.has_fixed_border; ++v)
+        if (mesh.is_on_border(v)) system.hold(v);
     out.bounded = detail::descend(system, low, high, grid, mesh.colors, [&] { return tiled.progress().poll(); });
     out.max_error = detail::measure_finally(tiled, tiling);
     return out;

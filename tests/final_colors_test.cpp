@@ -77,7 +77,7 @@ void check_bounded(const Image<T, C>& image, hmesh_test::Shape shape, double low
         hmesh_test::Work<T, C> work(image), threads(image, {}, {}, two);
         work.tiled.indexed() = threads.tiled.indexed() = start;
         const Tiling tiling(image.width(), image.height(), tile, true, false);
-        const BoundedReport report = bounded_colors(work.tiled, tiling, low, high, grid);
+        const BoundedReport report = bounded_colors(work.tiled, tiling, low, high, grid).bounded;
         CHECK(report.sweeps > 1);
         CHECK((report.rounding_sweeps > 0) == (grid > 0));
         hmesh_test::prove(work);  // its energy among others

@@ -92,10 +92,10 @@ inline void check_refused(const hmesh::MeshView& mesh, hmesh::Errc code, Write w
 
 // Meshes that no exporter can write give a Status and no byte.
 inline void check_bad_meshes_are_refused(Write write) {
-    const float nan = std::numeric_limits<float>::quiet_NaN(), infinity = std::numeric_limits<float>::infinity();
+    const float nan = std::numeric_limits<float>::quiet_NaN(), inf = std::numeric_limits<float>::infinity();
     const hmesh::Mesh good = two_faces(3);
     check_refused(hmesh::MeshView{}, hmesh::Errc::invalid_argument, write);
-    for (const float bad : {nan, infinity, -infinity}) {
+    for (const float bad : {nan, inf, -inf}) {
         hmesh::Mesh mesh = good;
         mesh.positions[7] = bad;
         check_refused(mesh.view(), hmesh::Errc::not_finite, write);

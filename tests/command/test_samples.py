@@ -54,9 +54,25 @@ def test_levels_and_linear_light_tell_the_largest_error_too(hmesh, fit):
     assert len(errors) == 3 and errors[0] == report["max_error"] and all(error > 0 for error in errors)
 
 
+def test_images_that_share_a_column_share_its_vertices(hmesh):
+    rgb = [bytes((x * x + 3 * y * y) // 40 % 256 for c in range(3)) for y in range(40) for x in range(90)]
+    for name, left, right in [("west", 0, 50), ("east", 49, 90)]:
+        with open(f"{name}.ppm", "wb") as file:
+            file.write(b"P6\n%d 40\n255\n" % (right - left))
+            file.write(b"".join(rgb[90 * y + x] for y in range(40) for x in range(left, right)))
+        report = hmesh.report(f"{name}.ppm --vertices {300 + left} --samples points --border-tolerance 4 -o {name}.ply")
+        assert report["border_tolerance"] == 4
+    west = sorted(v[1:] for v in vertices("west.ply") if v[0] == 49)
+    east = sorted(v[1:] for v in vertices("east.ply") if v[0] == 0)
+    assert len(west) > 4 and west == east
+
+
 @pytest.mark.parametrize("options, sentence", [
     ("--samples dots", "--samples"),
     ("--samples points --periodic x", "--samples points is given with --periodic, whose samples are squares"),
+    ("--border-tolerance 3", "--border-tolerance is given without --samples points"),
+    ("--samples points --border-tolerance -1", "--border-tolerance"),
+    ("--samples points --border-tolerance 3 --method xie", "--border-tolerance means nothing to --method xie"),
     ("--samples points --outline", "--samples means nothing to --outline")])
 def test_points_that_make_no_sense_are_refused(hmesh, options, sentence):
     hmesh.fails(sentence, f"picture.png {options} -o mesh.ply")

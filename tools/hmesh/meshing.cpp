@@ -68,6 +68,7 @@ hmesh::Annealed annealed_recipe(const MeshingOptions& wanted) {
     recipe.effort = wanted.effort;
     recipe.seed = wanted.seed;
     recipe.tile = wanted.tile;
+    recipe.border_tolerance = wanted.border_tolerance;
     if (wanted.start != nullptr) {
         recipe.start = wanted.start;
         recipe.steps = hmesh::kit::annealed_steps(hmesh::Effort::draft);

@@ -44,11 +44,12 @@ struct MeshingOptions {
     hmesh::Periodic periodic = hmesh::Periodic::none;
     bool straight_border = false;  // of a periodic mesh
     hmesh::Samples samples = hmesh::Samples::squares;
-    double position_step = 1.0 / 256;     // px: see hmesh::MeshLimits
-    std::vector<double> channel_weights;  // one for each channel; empty: all alike
-    double transparent = -1;              // 255ths of alpha of faces that drop_faces() drops, which searches count; below 0: none
-    const hmesh::Mesh* start = nullptr;   // a mesh to bring to the target without more ado; null: none
-    hmesh::ImageView<float, 1> weights;   // none: all pixels count the same
+    std::optional<double> border_tolerance;  // see hmesh::Annealed
+    double position_step = 1.0 / 256;        // px: see hmesh::MeshLimits
+    std::vector<double> channel_weights;     // one for each channel; empty: all alike
+    double transparent = -1;             // 255ths of alpha of faces that drop_faces() drops, which searches count; below 0: none
+    const hmesh::Mesh* start = nullptr;  // a mesh to bring to the target without more ado; null: none
+    hmesh::ImageView<float, 1> weights;  // none: all pixels count the same
     hmesh::Progress progress;
     // What a search for a PSNR goes by, as hmesh::Options::psnr_of; the mesh has its final colours but those for linear light.
     hmesh::FunctionRef<double(const hmesh::Mesh& mesh, double psnr)> psnr_of;

@@ -50,6 +50,7 @@ struct PatchContext {
     /// that are neither flipped nor left by their vertices.
     bool has_seams = false;
     Samples samples = Samples::squares;  ///< what the image has, and with that where the mesh's border lies (mesh/samples.hpp)
+    bool has_fixed_border = false;       ///< whether vertices and edges on that border stay as they are
 };
 
 /// A triangle mesh of C channels over a moment table that knows the squared error of each face.
@@ -68,7 +69,8 @@ class ImageMesh {
                      nullptr,
                      Periodic::none,
                      false,
-                     table.has_far_sides() ? Samples::points : Samples::squares}) {}
+                     table.has_far_sides() ? Samples::points : Samples::squares,
+                     false}) {}
     /// An empty mesh over the table of a patch, which must outlive it.
     ImageMesh(const MomentTable<C>& table, double low, double high, const MeshLimits& limits, const PatchContext& context)
         : table_(&table), limits_(limits), context_(context) {
@@ -175,6 +177,8 @@ class ImageMesh {
     /// The position nearest to p where a vertex of this mobility may be: on the grid, within the table, and limits().border_gap
     /// off the image's border unless the vertex lies on it. A coordinate that is not free to move is returned as given.
     [[nodiscard]] Point clamp(Point p, Mobility mobility) const noexcept;
+    /// Whether vertices and edges on the image's border stay as they are.
+    [[nodiscard]] bool has_fixed_border() const noexcept { return context_.has_fixed_border; }
     /// The mobility of a vertex at p: Mobility::free unless p is on the image's border.
     [[nodiscard]] Mobility mobility_at(Point p) const noexcept {
         const Rect& image = context_.image;
@@ -183,6 +187,7 @@ class ImageMesh {
         bool on_y = p.y == image.y + in || p.y == image.y + image.height - in;
         if (wraps_x(context_.periodic)) on_x = context_.has_seams && is_seam(p.x, image.x, image.width);
         if (wraps_y(context_.periodic)) on_y = context_.has_seams && is_seam(p.y, image.y, image.height);
+        if (context_.has_fixed_border && (on_x || on_y)) return Mobility::locked;
         return on_x && on_y ? Mobility::corner : on_x ? Mobility::along_y : on_y ? Mobility::along_x : Mobility::free;
     }
     /// Whether e, inside the mesh, runs along a seam of a periodic image and must stay there.

@@ -140,7 +140,9 @@ HMESH_COLD FinalColors bounded_colors(TiledMesh<C>& tiled, const Tiling& tiling,
         }
     });
     if (tiled.progress().stopped()) std::fill(corners.begin(), corners.end(), CornerSums<C>());  // only the ridge is left
-    const auto system = detail::color_system(topology, corners, mesh.colors, tiled.limits().ridge, tiled.parallel_for());
+    auto system = detail::color_system(topology, corners, mesh.colors, tiled.limits().ridge, tiled.parallel_for());
+    for (std::size_t v = 0; v < mesh.vertex_count() && mesh.has_fixed_border; ++v)
+        if (mesh.is_on_border(v)) system.hold(v);
     out.bounded = detail::descend(system, low, high, grid, mesh.colors, [&] { return tiled.progress().poll(); });
     out.max_error = detail::measure_finally(tiled, tiling);
     return out;

@@ -45,6 +45,8 @@ struct ColorSystem {
     std::vector<double> inverse;   ///< 1 / (diagonal + ridge); 0 where that is not positive
     double ridge = 0;              ///< in pixels, see MeshLimits
 
+    /// Leaves a vertex its colour.
+    void hold(std::size_t row) noexcept { inverse[row] = 0; }
     /// Calls update(c, step) for each vertex in turn: c is the vertex's colour, c + step the best one for it while the others
     /// stay.
     template <class Update>
@@ -157,7 +159,7 @@ BoundedReport descend(const ColorSystem<C>& system, double low, double high, dou
 /// Gives all vertices colours in [low, high], stored values whose bounds may be infinite; where grid > 0, colours become
 /// multiples of it, of which one must lie in the range. Coordinate descent (projected Gauss-Seidel) from the current colours:
 /// first without the grid; then onto the grid, vertex by vertex; then over the grid as long as that lowers the error. 0.6 us a
-/// vertex at 3 channels.
+/// vertex at 3 channels. Vertices on a border that has_fixed_border() keep colours that are in the range and on the grid.
 template <int C>
 HMESH_COLD BoundedReport bounded_colors(ImageMesh<C>& mesh, double low, double high, double grid,
                                         const ParallelFor& parallel_for = {}) {
@@ -167,8 +169,13 @@ HMESH_COLD BoundedReport bounded_colors(ImageMesh<C>& mesh, double low, double h
         colors.push_back(mesh.color(v));
         detail::clamp_channels<C>(colors.back(), low, high);
     }
-    const auto system =
+    auto system =
         detail::color_system(mesh.topology(), corner_sums(mesh, parallel_for), colors, mesh.limits().ridge, parallel_for);
+    std::size_t row = 0;
+    for (const Vertex v : mesh.topology().vertices()) {
+        if (mesh.has_fixed_border() && mesh.mobility_at(mesh.position(v)) == Mobility::locked) system.hold(row);
+        ++row;
+    }
     const BoundedReport report = detail::descend(system, low, high, grid, colors, [] { return true; });
     detail::write_colors(mesh, colors, parallel_for);
     return report;

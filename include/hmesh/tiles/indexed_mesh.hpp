@@ -41,6 +41,7 @@ struct IndexedMesh {
     Periodic periodic = Periodic::none;  ///< along which axes the mesh repeats
     std::vector<std::uint32_t> roots{};  ///< of each vertex of a periodic mesh: itself, or the one that it is a copy of
     std::size_t copy_count = 0;          ///< vertices that are copies of others
+    bool has_fixed_border = false;       ///< whether vertices and edges on the border stay as they are
     Samples samples = Samples::squares;  ///< of the image; for points the faces tile what is 1/2 px inside (mesh/samples.hpp)
 
     /// The number of vertices, copies included.
@@ -55,6 +56,12 @@ struct IndexedMesh {
     void count_copies() noexcept {
         copy_count = 0;
         for (std::size_t v = 0; v < roots.size(); ++v) copy_count += roots[v] != v ? 1U : 0U;
+    }
+    /// Whether vertex v is on the border of the rectangle, of a mesh that is not periodic.
+    [[nodiscard]] bool is_on_border(std::size_t v) const noexcept {
+        const Point p = positions[v];
+        const double low = inset(samples);
+        return p.x == low || p.y == low || p.x == width - low || p.y == height - low;
     }
     /// Appends a vertex and marks it dirty.
     void add(Point position, const Color<C>& color) {

@@ -245,7 +245,8 @@ class Patch {
                               nullptr,
                               source.periodic(),
                               source.has_straight_seams(),
-                              source.samples()});
+                              source.samples(),
+                              indexed.has_fixed_border});
         const Status status = mesh_.assign(positions, numbered_.faces, colors, parallel_for);
         HMESH_ASSERT(status);
         (void)status;

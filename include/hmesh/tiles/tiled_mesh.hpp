@@ -242,6 +242,7 @@ class TiledMesh {
         merged.locked_count = cut.locked_count;
         merged.periodic = indexed_.periodic;
         merged.samples = indexed_.samples;
+        merged.has_fixed_border = indexed_.has_fixed_border;
         merged.copy_count = indexed_.copy_count;
         std::vector<std::size_t> first_vertex(results.size() + 1, cut.locked_count), first_face(results.size() + 1, 0);
         for (std::size_t k = 0; k < results.size(); ++k) {

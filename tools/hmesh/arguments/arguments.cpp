@@ -180,6 +180,10 @@ void add_meshing_options(CLI::App& app, Arguments& out) {
              "squares (default), as pictures have them, or points, as heightmaps do: the mesh of W x H\n"
              "points is W - 1 wide and H - 1 high, and tiles that share a row of them share a border",
              sample_kinds, [&](hmesh::Samples samples) { meshing.samples = samples; });
+    add(app, "--border-tolerance", "X",
+        "with --samples points, make each side of the mesh of its row of samples alone, which it\n"
+        "passes within X, in stored values: tiles that share a row then share its vertices",
+        [&](const std::string& text) { return parse_at_least_0(text, 1000000, meshing.border_tolerance.emplace()); });
     add(app, "--weights", "FILE",
         "an image of the same size: how much each pixel counts, black nothing, white fully\n"
         "(of colours the mean, without alpha)",
@@ -460,29 +464,10 @@ std::string find_level_conflict(const CLI::App& app, const Arguments& arguments)
 
 // What is wrong with an outline in place of a mesh.
 std::string find_outline_conflict(const CLI::App& app, const std::vector<std::string>& inputs, const Arguments& arguments) {
-    for (const char* option : {"--sprite",
-                               "--vertices",
-                               "--rate",
-                               "--psnr",
-                               "--good-enough",
-                               "--effort",
-                               "--method",
-                               "--colors",
-                               "--fit-space",
-                               "--premultiplied",
-                               "--weights",
-                               "--seed",
-                               "--tile",
-                               "--render",
-                               "--residual",
-                               "--strip",
-                               "--samples",
-                               "--with",
-                               "--channel-weights",
-                               "--lods",
-                               "--grid",
-                               "--glb",
-                               "--glb-bits"})
+    for (const char* option :
+         {"--sprite",    "--vertices",        "--rate",    "--psnr", "--good-enough", "--effort",  "--method",   "--colors",
+          "--fit-space", "--premultiplied",   "--weights", "--seed", "--tile",        "--render",  "--residual", "--strip",
+          "--with",      "--channel-weights", "--lods",    "--grid", "--glb",         "--samples", "--glb-bits"})
         if (app.count(option) != 0) return std::string(option) + " means nothing to --outline, which makes no mesh of colours";
     for (const MeshFile& mesh : arguments.meshes)
         if (mesh.ending != ".ply" && mesh.ending != ".obj" && mesh.ending != ".glb")
@@ -533,7 +518,11 @@ std::string find_conflict(const CLI::App& app, const std::vector<std::string>& i
         return "--periodic is given with a sprite, which does not repeat";
     if (arguments.meshing.samples == hmesh::Samples::points && arguments.meshing.periodic != hmesh::Periodic::none)
         return "--samples points is given with --periodic, whose samples are squares";
-    for (const char* option : {"--effort", "--seed", "--tile", "--periodic"})
+    if (arguments.meshing.border_tolerance && arguments.meshing.samples != hmesh::Samples::points)
+        return "--border-tolerance is given without --samples points";
+    if (arguments.meshing.border_tolerance && !arguments.meshing.channel_weights.empty())
+        return "--border-tolerance is given with --channel-weights, which sides of the mesh do not know";
+    for (const char* option : {"--effort", "--seed", "--tile", "--periodic", "--border-tolerance"})
         if (arguments.meshing.method != Method::annealed && app.count(option) != 0)
             return std::string(option) + " means nothing to --method " + name_of(methods, arguments.meshing.method);
     if (app.count("--alpha") != 0 && !arguments.sprite && !arguments.outline)

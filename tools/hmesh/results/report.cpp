@@ -106,6 +106,7 @@ std::string report_json(const Arguments& arguments, const ImageFile& image, cons
                          {"periodic", name_of(periodics, meshing.periodic)},
                          {"straight_border", meshing.straight_border},
                          {"samples", name_of(sample_kinds, meshing.samples)},
+                         {"border_tolerance", meshing.border_tolerance ? Json(*meshing.border_tolerance) : Json()},
                          {"seed", meshing.seed},
                          {"weights", arguments.weights.empty() ? Json() : Json(arguments.weights)},
                          {"tile", meshing.tile},

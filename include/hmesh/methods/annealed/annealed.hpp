@@ -22,6 +22,7 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <utility>
 #include <vector>
 
@@ -34,6 +35,7 @@
 #include "hmesh/edit/move.hpp"
 #include "hmesh/mesh/delaunay.hpp"
 #include "hmesh/methods/annealed/annealing.hpp"
+#include "hmesh/methods/annealed/border.hpp"
 #include "hmesh/methods/annealed/budget.hpp"
 #include "hmesh/methods/annealed/first_points.hpp"
 #include "hmesh/methods/annealed/first_price.hpp"
@@ -73,6 +75,32 @@ template <int C>
     return check(mesh);
 }
 
+/// Whether these are the vertices on the border of a mesh.
+template <int C>
+[[nodiscard]] HMESH_COLD bool has_border(const IndexedMesh<C>& mesh, std::vector<Point> border) {
+    std::vector<Point> its;
+    for (std::size_t v = 0; v < mesh.vertex_count(); ++v)
+        if (mesh.is_on_border(v)) its.push_back(mesh.positions[v]);
+    const auto is_before = [](Point a, Point b) { return a.y != b.y ? a.y < b.y : a.x < b.x; };
+    std::sort(its.begin(), its.end(), is_before);
+    std::sort(border.begin(), border.end(), is_before);
+    return its == border;
+}
+
+/// Finds the vertices of the border that follows from Annealed::border_tolerance, or none where that is not set.
+template <int C>
+[[nodiscard]] HMESH_COLD Status find_border(const ImageSource<C>& source, std::optional<double> tolerance, std::size_t n,
+                                            std::vector<Point>& border) {
+    if (!tolerance) return {};
+    if (source.samples() != Samples::points)
+        return {Errc::invalid_argument, "border_tolerance is for samples that are points, and they are squares"};
+    if (source.scale() != nullptr) return {Errc::invalid_argument, "border_tolerance knows no channel_weights"};
+    border = border_vertices(source, *tolerance);
+    if (n >= border.size()) return {};
+    return {Errc::target_out_of_range, "the sides of the mesh have, by border_tolerance, more vertices than it may have",
+            static_cast<std::int64_t>(border.size()), static_cast<std::int64_t>(n)};
+}
+
 /// Tells progress of the stages of a run.
 HMESH_COLD inline void plan_stages(ProgressReporter& progress, const AnnealedSteps& steps, double pixels, std::size_t n,
                                    bool has_start) {
@@ -90,8 +118,10 @@ HMESH_COLD inline void plan_stages(ProgressReporter& progress, const AnnealedSte
 template <int C>
 class AnnealedRun {
   public:
-    AnnealedRun(TiledMesh<C>& tiled, std::size_t n, const AnnealedSteps& steps, std::uint64_t seed, double tile)
-        : tiled_(&tiled), n_(n), steps_(steps), seed_(seed), tile_(tile), aligned_(tiling(0)),
+    /// `border`: the vertices of a border that stays as it is, and that a mesh to start from has; empty: none.
+    AnnealedRun(TiledMesh<C>& tiled, std::size_t n, const AnnealedSteps& steps, std::uint64_t seed, double tile,
+                const std::vector<Point>& border)
+        : tiled_(&tiled), n_(n), steps_(steps), seed_(seed), tile_(tile), border_(&border), aligned_(tiling(0)),
           has_seams_(tiled.has_seams(aligned_)) {}
 
     /// Runs all stages. False: cancelled, or more than n vertices are left and none of them can be removed.
@@ -105,6 +135,7 @@ class AnnealedRun {
     bool run_from(IndexedMesh<C> mesh) {
         plan_stages(progress(), steps_, tiled_->source().pixels(), n_, true);
         tiled_->indexed() = std::move(mesh);
+        tiled_->indexed().has_fixed_border = !border_->empty();
         return stage("start",
                      [&] {
                          tiled_->measure(aligned_);
@@ -119,6 +150,7 @@ class AnnealedRun {
             coarser_work(steps_, tiled_->source().pixels(), static_cast<double>(tiled_->vertex_count()), static_cast<double>(n_));
         if (work.anneal > 0) progress().plan({work.collapse, work.anneal, work.polish, work.colors});
         else progress().plan({work.collapse, work.polish, work.colors});
+        tiled_->indexed().has_fixed_border = !border_->empty();
         return stage("collapse", [&] { return collapse(false); }) && finish();
     }
 
@@ -146,7 +178,8 @@ class AnnealedRun {
         const ImageSource<C>& source = tiled_->source();
         const auto go_on = [&] { return progress().poll(); };
         // The corners come by themselves.
-        const double wanted = std::max(0.0, std::ceil(static_cast<double>(n_) * steps_.points) - 4);
+        const auto given = static_cast<double>(std::max<std::size_t>(4, border_->size()));
+        const double wanted = std::max(0.0, std::ceil(static_cast<double>(n_) * steps_.points) - given);
         std::vector<std::uint32_t> pixels;
         std::vector<Point> on_seams;
         {
@@ -162,15 +195,20 @@ class AnnealedRun {
         {
             Delaunay delaunay(source.width(), source.height(), source.samples());
             if (source.periodic() != Periodic::none) leave_out_sides(pixels, source.width(), source.height(), source.periodic());
+            if (!border_->empty()) leave_out_sides(pixels, source.width(), source.height(), Periodic::xy);
             if (!insert_pixels(delaunay, pixels, go_on)) return false;
             for (const Point p : on_seams) (void)delaunay.insert(p);
+            for (const Point p : *border_) (void)delaunay.insert(p);
             pair_sides(delaunay, source.periodic());
             tiled_->indexed() = delaunay_mesh(source, delaunay);
         }
         // 32 leaves room for flips up to max_valence, as 16 does where up to four copies make one vertex. The mesh of two faces,
         // which grows to n, is for shapes nobody has seen.
-        if (!bound_valence(tiled_->indexed(), source.periodic() == Periodic::none ? 32 : 16))
+        if (!bound_valence(tiled_->indexed(), source.periodic() == Periodic::none ? 32 : 16)) {
+            if (!border_->empty()) return false;
             tiled_->indexed() = corner_mesh(source);
+        }
+        tiled_->indexed().has_fixed_border = !border_->empty();
         tie(tiled_->indexed(), source.periodic());
         progress().set_range(0.9, 0.9);
         return tiled_->for_each(aligned_, [](Patch<C>&, std::size_t) {});  // the energy; the end of a stage tells 1
@@ -341,6 +379,7 @@ class AnnealedRun {
     AnnealedSteps steps_;
     std::uint64_t seed_;
     double tile_;
+    const std::vector<Point>* border_;
     Tiling aligned_;
     bool has_seams_;  ///< whether vertices are locked in some phases
     int phase_ = 0;   ///< the tiling of the last patches, and of the next
@@ -351,16 +390,22 @@ class AnnealedRun {
 /// run(first) runs the stages of a run as planned.
 template <int C, class Run>
 Status Annealed::run_or_grow(kit::TiledMesh<C>& mesh, std::size_t n, Run&& run) const {
+    std::vector<kit::Point> border;
+    if (const Status status = kit::detail::find_border(mesh.source(), border_tolerance, n, border); !status) return status;
     const int width = mesh.source().width(), height = mesh.source().height();
     kit::AnnealedSteps plan = steps.value_or(kit::annealed_steps(effort));
-    kit::detail::AnnealedRun<C> first(mesh, n, plan, seed, tile_size(width, height, n));
+    kit::detail::AnnealedRun<C> first(mesh, n, plan, seed, tile_size(width, height, n), border);
     if (run(first)) return {};
     if (mesh.progress().stopped()) return kit::cancelled_by_callback();
     // More than n vertices are left, each of whose collapses would make a face below min_double_area. Growing to n in one piece,
     // without a collapse, always ends at n.
     plan.points = 1;
     plan.annealing.sweeps = 0;
-    return kit::finished_or_cancelled(kit::detail::AnnealedRun<C>(mesh, n, plan, seed, std::max(width, height)).run());
+    const bool is_done = kit::detail::AnnealedRun<C>(mesh, n, plan, seed, std::max(width, height), border).run();
+    if (!is_done && !border.empty() && !mesh.progress().stopped())
+        return {Errc::target_out_of_range, "the sides of the mesh, by border_tolerance, need more vertices between them",
+                static_cast<std::int64_t>(n), static_cast<std::int64_t>(border.size())};
+    return kit::finished_or_cancelled(is_done);
 }
 
 template <int C>
@@ -371,6 +416,10 @@ Status Annealed::run(kit::TiledMesh<C>& mesh, std::size_t n) const {
         if (const kit::ChannelScale<C>* const scale = mesh.source().scale())
             for (kit::Color<C>& color : from.colors) scale->to_scaled(color);
         if (const Status status = kit::detail::check_start(from, mesh.source()); !status) return status;
+        std::vector<kit::Point> border;
+        if (const Status status = kit::detail::find_border(mesh.source(), border_tolerance, n, border); !status) return status;
+        if (border_tolerance && !kit::detail::has_border(from, border))
+            return {Errc::invalid_argument, "the mesh to start from has not the sides that border_tolerance asks for"};
     }
     return run_or_grow(mesh, n, [&](kit::detail::AnnealedRun<C>& first) {
         return start != nullptr ? first.run_from(std::move(from)) : first.run();

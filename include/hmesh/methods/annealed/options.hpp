@@ -10,9 +10,11 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <optional>
 
 #include "hmesh/core/compiler.hpp"
+#include "hmesh/core/finite.hpp"
 #include "hmesh/core/status.hpp"
 #include "hmesh/edit/tolerance.hpp"
 #include "hmesh/image/image_view.hpp"
@@ -225,9 +227,16 @@ struct Annealed {
     /// A mesh of the image to go on from in place of the points, with any number of vertices: it is brought to the number
     /// asked for, then annealed and polished. It must outlive the call; null: none. Errc::invalid_argument, and the image's two
     /// triangles for a mesh, where it is no mesh of the image: size, channels, positions off the 1/256 px grid, colours that are
-    /// not finite, faces that do not tile the image, Mesh::periodic other than Options::periodic, a border that is to be straight
-    /// and is not.
+    /// not finite, faces that do not tile the image, Mesh::periodic or Mesh::samples other than those of the options, a border
+    /// that is to be straight and is not.
     const Mesh* start = nullptr;
+    /// Of images whose samples are points: where set, >= 0, each side of the mesh is the polyline of the fewest of its samples
+    /// that passes all others within so much, in stored values. It then follows from that row of samples and this tolerance
+    /// alone: the meshes of images that share a row, as tiles do, share its vertices to the bit, whatever else is in them.
+    /// Neither weights of pixels nor Options::round_colors count there; channel_weights are refused, and a mesh to start from is
+    /// one with these very sides. Errc::target_out_of_range where fewer vertices are asked for than the sides have, or a level
+    /// of detail would have fewer; so ends a search for a PSNR that comes to try fewer.
+    std::optional<double> border_tolerance{};
 
     static constexpr const char* name = "annealed";    ///< for reports
     static constexpr Colors colors = Colors::optimal;  ///< final colours where Options::colors says nothing
@@ -239,6 +248,9 @@ struct Annealed {
         if (tile != 0 && (tile < 64 || tile > kit::max_side))
             return {Errc::invalid_argument, "the tile must be 0, for the default, or 64 to 65536 px", tile,
                     tile < 64 ? 64 : kit::max_side};
+        if (border_tolerance && !kit::is_within(*border_tolerance, 0, std::numeric_limits<float>::max()))
+            return {Errc::invalid_argument, "border_tolerance must be at least 0 and finite, in stored values", *border_tolerance,
+                    0};
         if (steps) return kit::check(*steps);
         if (effort <= Effort::best) return {};
         return {Errc::invalid_argument, "the effort is none of those known", static_cast<int>(effort),
