@@ -5685,9 +5685,11 @@ class ProgressReporter {
     /// The energies to come are in this unit, by which they are multiplied in all that is told; > 0, 1 at first.
     void set_energy_unit(double unit) noexcept { energy_unit_ = unit; }
     /// Begins the last stage, that of the final colours.
-    HMESH_COLD bool begin_colors(std::size_t vertices, double energy) {
+    HMESH_COLD bool begin_colors(std::size_t vertices, double energy) { return begin_last("colors", vertices, energy); }
+    /// Begins the last stage of a method whose last one has another name, in static memory.
+    HMESH_COLD bool begin_last(const char* stage, std::size_t vertices, double energy) {
         const double from = plan_.empty() ? stage_to_ : std::max(stage_to_, 1 - plan_.back());
-        return begin_stage("colors", vertices, energy, from, 1);
+        return begin_stage(stage, vertices, energy, from, 1);
     }
     /// Reports that this fraction of the stage is done, in [0, 1], with a mesh of this size and energy. False once cancelled.
     bool update(double fraction, std::size_t vertices, double energy) {
@@ -6077,6 +6079,14 @@ struct Options {
     /// Where the samples stand in the plane: squares, as pictures have them, or points, as heightmaps do: then the image has two
     /// at least along each axis, and does not repeat.
     Samples samples = Samples::squares;
+    /// Which samples have data: a view of the image's size, 0 for those that have none, such as voids of an elevation model. The
+    /// mesh leaves them out: it covers every sample with data in a cell of data, and none without data. A cell is the square of
+    /// four neighbouring samples of an image of points, all with data, and the square of one sample of an image of squares. An
+    /// empty view (the default): all have data. Of the recipes of the library Bounded alone can do it.
+    ImageView<std::uint8_t, 1> mask{};
+    /// Of a float image: whether a sample that is NaN or infinite in a channel has no data. By default such images are refused.
+    /// Bounded alone, too.
+    bool nan_is_no_data = false;
     /// What a search for a PSNR goes by, and Target::good_enough: psnr_of(mesh, psnr) returns the PSNR, in dB, that a mesh counts
     /// as, `psnr` being its own (Report::psnr). For meshes that are to reach the target as they are stored or drawn, with fewer
     /// bits or between other values. Empty (the default): their own. Called for each run of a search, on the thread that called
@@ -15038,6 +15048,9 @@ template <class T, int C>
                                              FunctionRef<void(const Subject<C>& subject, const ImageView<T, C>& image)> body) {
     Status status = check(view);
     if (status) status = check(options, std::int64_t{view.width} * view.height, C);
+    if (status && (options.mask.data != nullptr || options.nan_is_no_data))
+        status = {Errc::invalid_argument, "this method meshes all samples: of those of the library Bounded alone knows mask and "
+                                          "nan_is_no_data"};
     if (status) status = check_recipe(view.width, view.height);
     if (status) status = kit::check_finite(view, parallel_for);
     if (status) status = kit::check_weights(options.weights, view.width, view.height, parallel_for);

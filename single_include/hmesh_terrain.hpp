@@ -1362,6 +1362,2401 @@ inline Status write_quantized_mesh(const MeshView& mesh, const HeightSamples& sa
 
 #endif  // HMESH_IO_HEIGHTS_QUANTIZED_MESH_HPP
 
+// ---- hmesh/methods/bounded/height_field.hpp
+
+/// \file
+/// HeightField: the samples that a bounded mesh keeps to, as planes of floats, with what has no data.
+///
+/// A copy of the image, so that all that follows is compiled once for all types of samples: 4 bytes a sample and channel, and
+/// one for the mask where there is one. What rounding to float takes is known (slack) and comes off the bound.
+#ifndef HMESH_METHODS_BOUNDED_HEIGHT_FIELD_HPP
+#define HMESH_METHODS_BOUNDED_HEIGHT_FIELD_HPP
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+namespace hmesh::kit {
+
+/// The most channels that are kept within a bound.
+inline constexpr int max_bounded_channels = 4;
+
+/// The samples of an image as planes of floats. Sample (i, j) stands at (i + offset(), j + offset()).
+struct HeightField {
+    int width = 0,                       ///< samples in a row
+        height = 0,                      ///< rows
+        channels = 1;                    ///< 1 to 4
+    Samples samples = Samples::squares;  ///< where samples stand
+    double slack = 0;                    ///< largest |float - sample|
+    double largest = 0;                  ///< largest |sample| with data
+    int bad_row = -1;                    ///< a row with a sample that has data and is no finite float; or -1
+    std::vector<float> values;           ///< plane after plane, rows packed, some floats more at the end; 0 without data
+    std::vector<std::uint8_t> data;      ///< 1 for samples with data; empty: all
+
+    /// 1/2 for squares, 0 for points.
+    [[nodiscard]] double offset() const noexcept { return samples == Samples::squares ? 0.5 : 0.0; }
+    /// The mesh is [0, right()] x [0, bottom()].
+    [[nodiscard]] int right() const noexcept { return samples == Samples::squares ? width : width - 1; }
+    [[nodiscard]] int bottom() const noexcept { return samples == Samples::squares ? height : height - 1; }  ///< see right()
+    /// Row j of a channel; at least 8 floats can be read behind its end.
+    [[nodiscard]] const float* row(int channel, int j) const noexcept {
+        return values.data() +
+               (static_cast<std::size_t>(channel) * static_cast<std::size_t>(height) + static_cast<std::size_t>(j)) *
+                   static_cast<std::size_t>(width);
+    }
+    /// Whether sample (i, j) has data.
+    [[nodiscard]] bool has_data(int i, int j) const noexcept {
+        return data.empty() ||
+               data[static_cast<std::size_t>(j) * static_cast<std::size_t>(width) + static_cast<std::size_t>(i)] != 0;
+    }
+    /// Whether unit square [i, i + 1] x [j, j + 1] of the plane is a cell of data: for points its four samples have data, for
+    /// squares the one in its middle. False outside.
+    [[nodiscard]] bool is_cell(int i, int j) const noexcept {
+        if (i < 0 || j < 0 || i >= right() || j >= bottom()) return false;
+        if (samples == Samples::squares) return has_data(i, j);
+        return has_data(i, j) && has_data(i + 1, j) && has_data(i, j + 1) && has_data(i + 1, j + 1);
+    }
+    /// Whether the mesh must cover sample (i, j): it has data, and one of the cells at it is a cell of data.
+    [[nodiscard]] bool is_wanted(int i, int j) const noexcept {
+        if (data.empty()) return true;
+        if (samples == Samples::squares) return has_data(i, j);
+        return has_data(i, j) && (is_cell(i, j) || is_cell(i - 1, j) || is_cell(i, j - 1) || is_cell(i - 1, j - 1));
+    }
+};
+
+/// The samples of a view, which check() must accept. `mask`: of the view's size, 0 for no data; or empty. `nan_is_no_data`:
+/// whether a NaN in any channel means that a sample has no data.
+template <class T, int C>
+[[nodiscard]] HeightField height_field(const ImageView<T, C>& view, Samples samples, const ImageView<std::uint8_t, 1>& mask,
+                                       bool nan_is_no_data, const ParallelFor& parallel_for) {
+    static_assert(C <= max_bounded_channels, "a bounded mesh has 1 to 4 channels");
+    HeightField field;
+    field.width = view.width;
+    field.height = view.height;
+    field.channels = C;
+    field.samples = samples;
+    const auto width = static_cast<std::size_t>(view.width), rows = static_cast<std::size_t>(view.height);
+    field.values.resize(width * rows * C + 16);
+    const bool has_mask = mask.data != nullptr || (nan_is_no_data && !PixelTraits<T>::is_integer);
+    if (has_mask) field.data.resize(width * rows);
+    std::vector<double> slack(rows, 0.0), largest(rows, 0.0);
+    std::vector<unsigned char> holes(rows, 0), bad(rows, 0);
+    for_each_chunk(parallel_for, rows, 32, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t j = begin; j < end; ++j) {
+            const T* from = view.row(static_cast<int>(j));
+            const std::uint8_t* masked = mask.data != nullptr ? mask.row(static_cast<int>(j)) : nullptr;
+            for (std::size_t i = 0; i < width; ++i, from += C) {
+                bool has_data = masked == nullptr || masked[i] != 0;
+                double value[C];
+                for (int c = 0; c < C; ++c) {
+                    value[c] = PixelTraits<T>::to_real(from[c]);
+                    if (has_mask && nan_is_no_data && !is_finite(value[c])) has_data = false;
+                }
+                if (has_mask) field.data[j * width + i] = has_data ? 1 : 0;
+                if (!has_data) holes[j] = 1;
+                for (std::size_t c = 0; c < C; ++c) {
+                    const auto rounded = has_data ? static_cast<float>(value[c]) : 0.0F;
+                    field.values[(c * rows + j) * width + i] = rounded;
+                    if (!has_data) continue;
+                    if (!is_finite(value[c]) || !is_finite(rounded)) {
+                        bad[j] = 1;
+                        continue;
+                    }
+                    slack[j] = std::max(slack[j], std::abs(static_cast<double>(rounded) - value[c]));
+                    largest[j] = std::max(largest[j], std::abs(value[c]));
+                }
+            }
+        }
+    });
+    bool has_holes = false;
+    for (std::size_t j = 0; j < rows; ++j) {
+        field.slack = std::max(field.slack, slack[j]);
+        field.largest = std::max(field.largest, largest[j]);
+        has_holes = has_holes || holes[j] != 0;
+        if (bad[j] != 0 && field.bad_row < 0) field.bad_row = static_cast<int>(j);
+    }
+    if (!has_holes) field.data = {};
+    return field;
+}
+
+}  // namespace hmesh::kit
+
+#endif  // HMESH_METHODS_BOUNDED_HEIGHT_FIELD_HPP
+
+// ---- hmesh/methods/bounded/options.hpp
+
+/// \file
+/// Bounded: the recipe for a mesh that differs from no sample by more than a bound, with as few triangles as its effort finds.
+///
+/// What it does is told in docs/terrain.md; mesh_image() with it is declared by methods/bounded/bounded.hpp.
+#ifndef HMESH_METHODS_BOUNDED_OPTIONS_HPP
+#define HMESH_METHODS_BOUNDED_OPTIONS_HPP
+
+#include <cstdint>
+
+namespace hmesh {
+
+/// A mesh within a bound: |mesh - sample| <= max_error at every sample, in each channel.
+struct Bounded {
+    /// How much work is spent on having few triangles. Shares of triangles are of draft's, for elevation data; times are of one
+    /// core, a sample.
+    enum class Effort : std::uint8_t {
+        draft,   ///< greedy insertion: vertices are samples, the worst sample first; some 0.3 us
+        fast,    ///< then vertices are removed while the bound holds; 0.6 of the triangles, some 1 us
+        normal,  ///< then heights are free: 0.4 of the triangles, some 5 us
+        best,    ///< then positions are free too: 0.3 of the triangles, some 20 us
+    };
+    /// The largest difference allowed between mesh and samples, in stored values, finite and >= 0. 0: none at all.
+    double max_error = 0;
+    Effort effort = Effort::normal;  ///< how much work is spent
+    /// Whether the vertices on the sides of the image are chosen by what is inside, too. By default they follow from the row of
+    /// samples along the side, the bound and the effort alone: meshes of two tiles that share this row have the same border
+    /// vertices and heights, to the last bit. Free borders take 1 % fewer triangles at 10,000, 10 % at 500.
+    bool free_borders = false;
+};
+
+/// Whether the options are in their ranges; otherwise invalid_argument with a sentence about the first that is not.
+[[nodiscard]] inline Status check(const Bounded& recipe) noexcept {
+    if (!kit::is_finite(recipe.max_error) || recipe.max_error < 0)
+        return {Errc::invalid_argument, "max_error must be finite and at least 0, in stored values", recipe.max_error};
+    if (recipe.effort > Bounded::Effort::best)
+        return {Errc::invalid_argument, "the effort is none of those known", static_cast<int>(recipe.effort), 3};
+    return {};
+}
+
+}  // namespace hmesh
+
+#endif  // HMESH_METHODS_BOUNDED_OPTIONS_HPP
+
+// ---- hmesh/methods/bounded/detail/wide.hpp
+
+/// \file
+/// Wide: as many floats or doubles as fit 32 bytes, for loops over samples.
+///
+/// With GCC and Clang these are vector-extension types, which become AVX, SSE or NEON registers; with another compiler plain
+/// numbers. Like Lanes (core/lanes.hpp) they are passed by reference across calls that are not inlined.
+#ifndef HMESH_METHODS_BOUNDED_DETAIL_WIDE_HPP
+#define HMESH_METHODS_BOUNDED_DETAIL_WIDE_HPP
+
+#include <cstddef>
+#include <cstring>
+
+namespace hmesh::kit {
+namespace detail {
+
+// One register of numbers of type T, and as many floats.
+template <class T>
+struct WideBlock {
+    using Type = T;
+    using Floats = float;
+};
+#if defined(__GNUC__)
+#if defined(__AVX__)
+template <>
+struct WideBlock<float> {
+    using Type = float __attribute__((vector_size(32)));
+    using Floats = Type;
+};
+template <>
+struct WideBlock<double> {
+    using Type = double __attribute__((vector_size(32)));
+    using Floats = float __attribute__((vector_size(16)));
+};
+#else
+template <>
+struct WideBlock<float> {
+    using Type = float __attribute__((vector_size(16)));
+    using Floats = Type;
+};
+template <>
+struct WideBlock<double> {
+    using Type = double __attribute__((vector_size(16)));
+    using Floats = float __attribute__((vector_size(8)));
+};
+#endif
+#endif
+
+}  // namespace detail
+
+/// 8 floats or 4 doubles; arithmetic is lane by lane.
+template <class T>
+struct Wide {
+    using Block = typename detail::WideBlock<T>::Type;                         ///< the type of one register
+    static constexpr int lanes = 32 / static_cast<int>(sizeof(T));             ///< numbers in all
+    static constexpr int width = static_cast<int>(sizeof(Block) / sizeof(T));  ///< numbers in a register
+    static constexpr int blocks = lanes / width;                               ///< number of registers
+
+    Block block[blocks];  ///< lane i is in block i / width
+
+    /// The value in all lanes.
+    [[nodiscard]] static HMESH_ALWAYS_INLINE Wide all(T value) {
+        Wide r;
+        for (int k = 0; k < blocks; ++k) r.block[k] = Block{} + value;
+        return r;
+    }
+    /// 0, 1, 2 and so on.
+    [[nodiscard]] static HMESH_ALWAYS_INLINE Wide counting() {
+        static constexpr T numbers[8] = {0, 1, 2, 3, 4, 5, 6, 7};
+        return load(numbers);
+    }
+    /// Numbers from memory, which need not be aligned.
+    [[nodiscard]] static HMESH_ALWAYS_INLINE Wide load(const T* from) {
+        Wide r;
+        std::memcpy(r.block, from, sizeof r.block);
+        return r;
+    }
+    /// Floats from memory, which need not be aligned, as numbers of type T.
+    [[nodiscard]] static HMESH_ALWAYS_INLINE Wide load_floats(const float* from) {
+        Wide r;
+        for (int k = 0; k < blocks; ++k) {
+            typename detail::WideBlock<T>::Floats floats;
+            std::memcpy(&floats, from + k * width, sizeof floats);
+#if defined(__GNUC__)
+            r.block[k] = __builtin_convertvector(floats, Block);
+#else
+            r.block[k] = static_cast<T>(floats);
+#endif
+        }
+        return r;
+    }
+    /// Writes all lanes to memory, which need not be aligned.
+    HMESH_ALWAYS_INLINE void store(T* to) const { std::memcpy(to, block, sizeof block); }
+
+    /// The sum, lane by lane.
+    friend HMESH_ALWAYS_INLINE Wide operator+(const Wide& a, const Wide& b) {
+        Wide r;
+        for (int k = 0; k < blocks; ++k) r.block[k] = a.block[k] + b.block[k];
+        return r;
+    }
+    /// The difference, lane by lane.
+    friend HMESH_ALWAYS_INLINE Wide operator-(const Wide& a, const Wide& b) {
+        Wide r;
+        for (int k = 0; k < blocks; ++k) r.block[k] = a.block[k] - b.block[k];
+        return r;
+    }
+    /// The product, lane by lane.
+    friend HMESH_ALWAYS_INLINE Wide operator*(const Wide& a, const Wide& b) {
+        Wide r;
+        for (int k = 0; k < blocks; ++k) r.block[k] = a.block[k] * b.block[k];
+        return r;
+    }
+    /// The product with a number.
+    friend HMESH_ALWAYS_INLINE Wide operator*(const Wide& a, T b) {
+        Wide r;
+        for (int k = 0; k < blocks; ++k) r.block[k] = a.block[k] * b;
+        return r;
+    }
+    /// The larger one, lane by lane.
+    [[nodiscard]] friend HMESH_ALWAYS_INLINE Wide larger(const Wide& a, const Wide& b) {
+        Wide r;
+        for (int k = 0; k < blocks; ++k) r.block[k] = a.block[k] > b.block[k] ? a.block[k] : b.block[k];
+        return r;
+    }
+    /// The smaller one, lane by lane.
+    [[nodiscard]] friend HMESH_ALWAYS_INLINE Wide smaller(const Wide& a, const Wide& b) {
+        Wide r;
+        for (int k = 0; k < blocks; ++k) r.block[k] = a.block[k] < b.block[k] ? a.block[k] : b.block[k];
+        return r;
+    }
+    /// The magnitude, lane by lane.
+    [[nodiscard]] friend HMESH_ALWAYS_INLINE Wide magnitude(const Wide& a) {
+        Wide r;
+        for (int k = 0; k < blocks; ++k) r.block[k] = a.block[k] < 0 ? -a.block[k] : a.block[k];
+        return r;
+    }
+    /// In each lane `value` where `key` >= `bound`, else 0.
+    [[nodiscard]] friend HMESH_ALWAYS_INLINE Wide where_at_least(const Wide& key, const Wide& bound, const Wide& value) {
+        Wide r;
+        for (int k = 0; k < blocks; ++k) r.block[k] = key.block[k] >= bound.block[k] ? value.block[k] : Block{};
+        return r;
+    }
+    /// In each lane `value` where `key` < `bound`, else 0.
+    [[nodiscard]] friend HMESH_ALWAYS_INLINE Wide where_below(const Wide& key, const Wide& bound, const Wide& value) {
+        Wide r;
+        for (int k = 0; k < blocks; ++k) r.block[k] = key.block[k] < bound.block[k] ? value.block[k] : Block{};
+        return r;
+    }
+
+    /// The sum of all lanes.
+    [[nodiscard]] HMESH_ALWAYS_INLINE T sum() const {
+        T lane[lanes];
+        store(lane);
+        T s[4] = {lane[0], lane[1], lane[2], lane[3]};
+        for (int k = 4; k < lanes; ++k) s[k % 4] += lane[k];
+        return (s[0] + s[2]) + (s[1] + s[3]);
+    }
+    /// The largest lane.
+    [[nodiscard]] HMESH_ALWAYS_INLINE T largest() const {
+        T lane[lanes];
+        store(lane);
+        T m = lane[0];
+        for (int k = 1; k < lanes; ++k) m = lane[k] > m ? lane[k] : m;
+        return m;
+    }
+};
+
+}  // namespace hmesh::kit
+
+#endif  // HMESH_METHODS_BOUNDED_DETAIL_WIDE_HPP
+
+// ---- hmesh/methods/bounded/face_error.hpp
+
+/// \file
+/// The largest difference between a face and the samples that it holds, in double: what the bound is about.
+///
+/// A face holds the samples of the closed triangle: one on an edge is held against both faces. On the 1/256 px grid that is
+/// decided exactly (mesh/raster.hpp has the argument), and for whole numbers at whole positions so is the difference, which is
+/// calculated times the face's area. Costs some 40 ns and 0.3 ns a sample.
+#ifndef HMESH_METHODS_BOUNDED_FACE_ERROR_HPP
+#define HMESH_METHODS_BOUNDED_FACE_ERROR_HPP
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+namespace hmesh::kit {
+
+/// A corner of a face: where it stands and how high, in each channel.
+struct Corner {
+    Point position;                            ///< px
+    float heights[max_bounded_channels] = {};  ///< stored values
+};
+
+namespace detail {
+
+/// The whole numbers of [low, high], as [begin, end), for low > -1.
+struct Wholes {
+    HMESH_ALWAYS_INLINE Wholes(double low, double high) noexcept {
+        begin = static_cast<int>(low);
+        begin += static_cast<double>(begin) < low ? 1 : 0;
+        end = static_cast<int>(high + 1);
+    }
+    int begin, end;
+};
+
+}  // namespace detail
+
+/// Calls body(j, begin, end) for each row of samples, top to bottom, of which the closed triangle (a, b, c) holds some: those of
+/// columns [begin, end).
+template <class Body>
+HMESH_ALWAYS_INLINE void for_each_closed_span(const HeightField& field, Point a, Point b, Point c, Body&& body) {
+    if (b.y < a.y) std::swap(a, b);
+    if (c.y < b.y) std::swap(b, c);
+    if (b.y < a.y) std::swap(a, b);
+    constexpr double slack = 1.0 / 8589934592.0;  // 2^-33 px: larger than rounding, less than what any other sample is off
+    const double offset = field.offset();
+    const double slope = c.y > a.y ? (c.x - a.x) / (c.y - a.y) : 0;
+    const double upper = b.y > a.y ? (b.x - a.x) / (b.y - a.y) : 0, lower = c.y > b.y ? (c.x - b.x) / (c.y - b.y) : 0;
+    const detail::Wholes rows(a.y - offset, c.y - offset);
+    const int last = std::min(rows.end, field.height);
+    for (int j = std::max(0, rows.begin); j < last; ++j) {
+        const double y = j + offset;
+        // On the level of b both sides count: of a level edge all is held.
+        const double one = a.x + (y - a.y) * slope, above = a.x + (y - a.y) * upper, below = b.x + (y - b.y) * lower;
+        double left, right;
+        if (y < b.y) left = std::min(one, above), right = std::max(one, above);
+        else if (y > b.y) left = std::min(one, below), right = std::max(one, below);
+        else
+            left = std::min(c.y > a.y ? one : std::min(a.x, c.x), b.x),
+            right = std::max(c.y > a.y ? one : std::max(a.x, c.x), b.x);
+        const detail::Wholes columns(left - offset - slack, right - offset + slack);
+        const int begin = std::max(0, columns.begin), end = std::min(field.width, columns.end);
+        if (begin < end) body(j, begin, end);
+    }
+}
+
+/// The worst sample of a face.
+struct WorstSample {
+    double error = 0;  ///< |face - sample|, the largest of all channels; what rounding itself may leave counts as 0
+    int i = -1,        ///< column; -1: no sample differs
+        j = -1;        ///< row
+};
+
+/// The heights of a face along its rows, times twice its area: differences to a channel's samples are linear in it, and whole
+/// for whole numbers at whole positions.
+struct ScaledPlane {
+    double area;    ///< twice the area of the face, px^2, > 0
+    double base;    ///< height of corner a
+    double dx, dy;  ///< rise a column and a row, times `area`
+    double x, y;    ///< corner a
+    double slack;   ///< what rounding may leave of a difference of 0
+    /// Of the positively oriented face (a, b, c).
+    HMESH_ALWAYS_INLINE ScaledPlane(const Corner& a, const Corner& b, const Corner& c, double twice_area, int channel) noexcept
+        : area(twice_area), base(static_cast<double>(a.heights[channel])), x(a.position.x), y(a.position.y) {
+        const double rise_b = static_cast<double>(b.heights[channel]) - base,
+                     rise_c = static_cast<double>(c.heights[channel]) - base;
+        dx = (c.position.y - y) * rise_b - (b.position.y - y) * rise_c;
+        dy = (b.position.x - x) * rise_c - (c.position.x - x) * rise_b;
+        // Each of the two products passes four roundings of 2^-53, of at most area * rise; 2^-50 is less than half a step of a
+        // whole-numbered difference of 16 bits, which is 1 / area > 2^-33.
+        slack = std::max(std::abs(rise_b), std::abs(rise_c)) * (1.0 / 1125899906842624.0);
+    }
+    /// (height at column i, row j - base) * area, for a sample at (i, j) + offset.
+    [[nodiscard]] HMESH_ALWAYS_INLINE double at(double i, double j, double offset) const noexcept {
+        return (i + offset - x) * dx + (j + offset - y) * dy;
+    }
+};
+
+/// The largest |plane - sample| * area of samples [begin, end) of a row. `from` is its value at column `begin`.
+[[nodiscard]] HMESH_ALWAYS_INLINE double largest_difference(const ScaledPlane& plane, const float* row, double from, int begin,
+                                                            int end) noexcept {
+    using Numbers = Wide<double>;
+    const Numbers counting = Numbers::counting();
+    const Numbers area = Numbers::all(plane.area), base = Numbers::all(plane.base);
+    Numbers most = Numbers::all(0), column = counting;
+    const Numbers start = Numbers::all(from), step = Numbers::all(Numbers::lanes);
+    const int whole = begin + (end - begin) / Numbers::lanes * Numbers::lanes;
+    const auto difference = [&](int i) {
+        return magnitude(start + column * plane.dx - area * (Numbers::load_floats(row + i) - base));
+    };
+    int i = begin;
+    for (; i < whole; i += Numbers::lanes) {
+        most = larger(most, difference(i));
+        column = column + step;
+    }
+    if (i < end) most = larger(most, where_at_least(Numbers::all(end - i - 0.5), counting, difference(i)));
+    return most.largest();
+}
+
+/// The largest |face - sample| of the positively oriented face (a, b, c), in any channel; any number above `enough` where it is
+/// larger than that.
+[[nodiscard]] HMESH_NEVER_INLINE inline double face_error(const HeightField& field, const Corner& a, const Corner& b,
+                                                          const Corner& c, double enough) noexcept {
+    const double area = orient2d(a.position, b.position, c.position), offset = field.offset();
+    double worst = 0;
+    for (int channel = 0; channel < field.channels && worst <= enough; ++channel) {
+        const ScaledPlane plane(a, b, c, area, channel);
+        const double too_much = (enough + plane.slack) * area;
+        double most = 0;
+        for_each_closed_span(field, a.position, b.position, c.position, [&](int j, int begin, int end) {
+            if (most > too_much) return;
+            most = std::max(most, largest_difference(plane, field.row(channel, j), plane.at(begin, j, offset), begin, end));
+        });
+        worst = std::max(worst, most / area - plane.slack);
+    }
+    return worst;
+}
+
+/// The worst sample of the positively oriented face (a, b, c); of several the first, row after row.
+[[nodiscard]] HMESH_NEVER_INLINE inline WorstSample worst_sample(const HeightField& field, const Corner& a, const Corner& b,
+                                                                 const Corner& c) noexcept {
+    const double area = orient2d(a.position, b.position, c.position), offset = field.offset();
+    WorstSample worst;
+    for (int channel = 0; channel < field.channels; ++channel) {
+        const ScaledPlane plane(a, b, c, area, channel);
+        double most = (worst.error + plane.slack) * area;
+        int first = 0, last = 0, row = -1;
+        for_each_closed_span(field, a.position, b.position, c.position, [&](int j, int begin, int end) {
+            const double here = largest_difference(plane, field.row(channel, j), plane.at(begin, j, offset), begin, end);
+            if (!(here > most)) return;
+            most = here;
+            first = begin, last = end, row = j;
+        });
+        if (row < 0) continue;
+        worst = {most / area - plane.slack, first, row};
+        // Which column: products may have been contracted otherwise above, hence the largest and not the equal one.
+        double largest = -1;
+        for (int i = first; i < last; ++i) {
+            const double difference =
+                std::abs(plane.at(i, row, offset) - area * (static_cast<double>(field.row(channel, row)[i]) - plane.base));
+            if (difference > largest) largest = difference, worst.i = i;
+        }
+    }
+    return worst;
+}
+
+}  // namespace hmesh::kit
+
+#endif  // HMESH_METHODS_BOUNDED_FACE_ERROR_HPP
+
+// ---- hmesh/methods/bounded/sheet.hpp
+
+/// \file
+/// Sheet: a bounded mesh as arrays, whole or a part of it, and what each vertex is free to do.
+#ifndef HMESH_METHODS_BOUNDED_SHEET_HPP
+#define HMESH_METHODS_BOUNDED_SHEET_HPP
+
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+#include <utility>
+#include <vector>
+
+namespace hmesh::kit {
+
+/// What a vertex is free to do, as a set of bits.
+enum Freedom : std::uint8_t {
+    can_lift = 1,      ///< its heights may change
+    can_slide_x = 2,   ///< it may move along a row
+    can_slide_y = 4,   ///< and along a column
+    can_leave = 8,     ///< it may be removed
+    on_rim = 16,       ///< it is on the border of what has data, within the image, and is removed along it only
+    on_side = 32,      ///< it is on a side of the image, likewise
+    is_locked = 64,    ///< it is part of the border of a tile: nothing of the above, for now
+    is_settled = 128,  ///< nothing around it has changed since its removal was tried
+};
+
+/// A bounded mesh as arrays.
+struct Sheet {
+    std::vector<Corner> vertices;       ///< where they stand and how high
+    std::vector<std::uint8_t> freedom;  ///< bits of Freedom, for each vertex
+    std::vector<Triangle> faces;        ///< positively oriented
+};
+
+/// Gives each fan of faces a vertex of its own, and drops vertices without faces; the others keep their order. Calls
+/// is_kin(copy, original) for each vertex of the new sheet. O(n log n).
+HMESH_COLD inline std::vector<std::uint32_t> separate_fans(Sheet& sheet) {
+    std::vector<FanCorner> corners;
+    corners.reserve(3 * sheet.faces.size());
+    for (std::size_t f = 0; f < sheet.faces.size(); ++f)
+        for (std::size_t k = 0; k < 3; ++k)
+            corners.push_back({sheet.faces[f][k], static_cast<std::uint32_t>(f), static_cast<std::uint32_t>(k),
+                               sheet.faces[f][(k + 1) % 3], sheet.faces[f][(k + 2) % 3], 0});
+    Sheet out;
+    out.faces = sheet.faces;
+    std::vector<std::uint32_t> origin;
+    std::vector<std::uint32_t> number;  // of the fan that begins at a corner, by the corner's place
+    find_fans(corners, [&](std::size_t begin, std::size_t end) {
+        number.assign(end - begin, 0);
+        for (std::size_t i = begin; i < end; ++i) {
+            if (corners[i].fan == i) {
+                number[i - begin] = static_cast<std::uint32_t>(out.vertices.size());
+                out.vertices.push_back(sheet.vertices[corners[i].vertex]);
+                out.freedom.push_back(sheet.freedom[corners[i].vertex]);
+                origin.push_back(corners[i].vertex);
+            }
+            out.faces[corners[i].face][corners[i].corner] = number[corners[i].fan - begin];
+        }
+    });
+    sheet = std::move(out);
+    return origin;
+}
+
+/// The vertices that are on the border of the sheet: 1 for these.
+[[nodiscard]] HMESH_COLD inline std::vector<std::uint8_t> border_vertices(const Sheet& sheet) {
+    std::vector<std::uint64_t> sides;
+    sides.reserve(3 * sheet.faces.size());
+    for (const Triangle& t : sheet.faces)
+        for (std::size_t k = 0; k < 3; ++k) {
+            const std::uint32_t a = t[k], b = t[(k + 1) % 3];
+            sides.push_back(std::uint64_t{std::min(a, b)} << 32U | std::max(a, b));
+        }
+    std::sort(sides.begin(), sides.end());
+    std::vector<std::uint8_t> border(sheet.vertices.size(), 0);
+    for (std::size_t k = 0, end = 0; k < sides.size(); k = end) {
+        while (end < sides.size() && sides[end] == sides[k]) ++end;
+        if (end - k == 1) border[sides[k] >> 32U] = border[sides[k] & 0xffffffffU] = 1;
+    }
+    return border;
+}
+
+/// Whether what has data begins or ends at p, a place on a side of the image, which is upright or level.
+[[nodiscard]] inline bool is_end_of_side(const HeightField& field, Point p, bool upright) noexcept {
+    if (field.data.empty()) return false;
+    const int x = std::min(static_cast<int>(p.x), field.right() - 1), y = std::min(static_cast<int>(p.y), field.bottom() - 1);
+    if (upright) return static_cast<double>(y) == p.y && field.is_cell(x, y - 1) != field.is_cell(x, y);
+    return static_cast<double>(x) == p.x && field.is_cell(x - 1, y) != field.is_cell(x, y);
+}
+
+/// Sets what each vertex of a sheet that is the whole mesh is free to do.
+HMESH_COLD inline void set_freedom(Sheet& sheet, const HeightField& field, bool free_borders) {
+    const std::vector<std::uint8_t> border = border_vertices(sheet);
+    for (std::size_t v = 0; v < sheet.vertices.size(); ++v) {
+        const Point p = sheet.vertices[v].position;
+        const bool upright = p.x == 0 || p.x == field.right(), level = p.y == 0 || p.y == field.bottom();
+        const bool is_inside = p.x > 0 && p.x < field.right() && p.y > 0 && p.y < field.bottom();
+        std::uint8_t freedom = can_lift | can_leave | can_slide_x | can_slide_y;
+        if (is_inside && border[v] != 0) freedom = can_lift | can_leave | on_rim;
+        if (!is_inside) {
+            freedom = on_side;
+            if (free_borders) freedom |= can_lift;
+            if (free_borders && upright != level && !is_end_of_side(field, p, upright))
+                freedom |= can_leave | (upright ? can_slide_y : can_slide_x);
+        }
+        sheet.freedom[v] = freedom;
+    }
+}
+
+}  // namespace hmesh::kit
+
+#endif  // HMESH_METHODS_BOUNDED_SHEET_HPP
+
+// ---- hmesh/methods/bounded/bounded_mesh.hpp
+
+/// \file
+/// BoundedMesh: a mesh that can be changed and undone, over a height field.
+///
+/// The half-edge mesh, a corner for each vertex, and when what is around a vertex last changed. Nothing here looks at the bound;
+/// what changes the mesh does (methods/bounded/insertion.hpp, removal.hpp and the others).
+#ifndef HMESH_METHODS_BOUNDED_BOUNDED_MESH_HPP
+#define HMESH_METHODS_BOUNDED_BOUNDED_MESH_HPP
+
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+namespace hmesh::kit {
+
+/// A vertex of a BoundedMesh.
+struct BoundedVertex {
+    Corner corner;             ///< where it stands and how high
+    std::uint8_t freedom = 0;  ///< bits of Freedom
+    /// Whether it may do this.
+    [[nodiscard]] bool can(Freedom what) const noexcept { return (freedom & (what | is_locked)) == what; }
+};
+
+/// A mesh over a height field, of which all faces are positively oriented.
+struct BoundedMesh {
+    const HeightField* field;  ///< the samples
+    double limit;              ///< what face_error() may be, >= 0
+    TaskProgress* progress;    ///< is asked whether to go on
+
+    HalfedgeMesh topology;              ///< the connectivity
+    UndoArray<BoundedVertex> vertices;  ///< by vertex slot
+    /// When the star of a vertex last changed, by vertex slot: the value of `clock` then. Not undone.
+    std::vector<std::uint32_t> changed;
+    std::uint32_t clock = 1;  ///< rises with each change
+
+    /// The mesh of a sheet.
+    BoundedMesh(const HeightField& height_field, double bound, const Sheet& sheet, TaskProgress& task)
+        : field(&height_field), limit(bound), progress(&task) {
+        const Status status = topology.assign(sheet.vertices.size(), sheet.faces);
+        HMESH_ASSERT(status);
+        static_cast<void>(status);
+        vertices.reserve(sheet.vertices.size());
+        for (std::size_t v = 0; v < sheet.vertices.size(); ++v) vertices.push_back({sheet.vertices[v], sheet.freedom[v]});
+        for (const std::uint8_t freedom : sheet.freedom) changed.push_back((freedom & is_settled) != 0 ? 0 : clock);
+    }
+
+    /// The corner of a vertex.
+    [[nodiscard]] const Corner& corner(Vertex v) const noexcept { return vertices[v.index()].corner; }
+    /// The position of a vertex.
+    [[nodiscard]] Point position(Vertex v) const noexcept { return vertices[v.index()].corner.position; }
+    /// face_error() of a face.
+    [[nodiscard]] double error(Face f, double enough) const noexcept {
+        const auto v = topology.vertices(f);
+        return face_error(*field, corner(v[0]), corner(v[1]), corner(v[2]), enough);
+    }
+    /// Whether all faces at v are within the limit.
+    [[nodiscard]] bool holds_around(Vertex v) const noexcept {
+        for (const Halfedge h : topology.outgoing(v))
+            if (!topology.is_boundary(h) && error(topology.face(h), limit) > limit) return false;
+        return true;
+    }
+    /// Notes that v and what is around it has changed.
+    void touch(Vertex v) noexcept {
+        ++clock;
+        changed[v.index()] = clock;
+        for (const Halfedge h : topology.outgoing(v)) changed[topology.to_vertex(h).index()] = clock;
+    }
+    /// Whether to go on.
+    [[nodiscard]] bool keep_going() const { return progress->keep_going(); }
+
+    /// The mesh as arrays, vertices and faces in the order of their slots.
+    [[nodiscard]] HMESH_COLD Sheet sheet() const {
+        Sheet out;
+        out.vertices.reserve(topology.vertex_count());
+        out.freedom.reserve(topology.vertex_count());
+        for (const Vertex v : topology.vertices()) {
+            out.vertices.push_back(corner(v));
+            out.freedom.push_back(vertices[v.index()].freedom);
+        }
+        out.faces = topology.triangles();
+        return out;
+    }
+};
+
+}  // namespace hmesh::kit
+
+#endif  // HMESH_METHODS_BOUNDED_BOUNDED_MESH_HPP
+
+// ---- hmesh/methods/bounded/side.hpp
+
+/// \file
+/// Sides: the polyline that the border of a tile is, chosen from the samples along it alone.
+///
+/// A side is split at its own worst sample until all are within the bound (D. Douglas and T. Peucker, "Algorithms for the
+/// reduction of the number of points required to represent a digitized line or its caricature", 1973), whatever is beside it:
+/// so two tiles that share a row of samples get the same border, meshed apart. O(n log n) for most rows.
+#ifndef HMESH_METHODS_BOUNDED_SIDE_HPP
+#define HMESH_METHODS_BOUNDED_SIDE_HPP
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <utility>
+#include <vector>
+
+namespace hmesh::kit {
+
+/// A straight line across the image at a whole coordinate: column `at` where `is_upright`, else row, from `begin` to `end`, all
+/// in px of the plane.
+struct SideLine {
+    bool is_upright;  ///< along a column
+    int at;           ///< column or row
+    int begin,        ///< from here
+        end;          ///< to here, > begin
+};
+
+namespace detail {
+
+/// A height field along a line: what stands where.
+struct Profile {
+    std::vector<double> place;           ///< px along the line, rising
+    std::vector<float> heights;          ///< `channels` for each place
+    std::vector<std::uint8_t> has_data;  ///< for each place
+    std::size_t channels;                ///< 1 to 4
+
+    /// The largest difference between places i and k of the chord from there to there, and where.
+    struct Worst {
+        double error;
+        std::size_t place;
+    };
+    [[nodiscard]] Worst worst(std::size_t i, std::size_t k) const noexcept {
+        Worst most{0, i};
+        const double length = place[k] - place[i];
+        for (std::size_t m = i + 1; m < k; ++m)
+            for (std::size_t c = 0; c < channels; ++c) {
+                const double from = static_cast<double>(heights[i * channels + c]);
+                const double rise = static_cast<double>(heights[k * channels + c]) - from;
+                const double here = static_cast<double>(heights[m * channels + c]) - from;
+                const double error = std::abs((place[m] - place[i]) * rise - length * here) / length;
+                if (error > most.error) most = {error, m};
+            }
+        return most;
+    }
+};
+
+/// The mean of the samples with data at columns [i0, i1] and rows [j0, j1] that the image has; false where there is none.
+[[nodiscard]] inline bool mean_height(const HeightField& field, int i0, int i1, int j0, int j1, float* heights) {
+    double sum[max_bounded_channels] = {}, count = 0;
+    for (int j = std::max(0, j0); j <= std::min(field.height - 1, j1); ++j)
+        for (int i = std::max(0, i0); i <= std::min(field.width - 1, i1); ++i) {
+            if (!field.has_data(i, j)) continue;
+            ++count;
+            for (int c = 0; c < field.channels; ++c) sum[c] += static_cast<double>(field.row(c, j)[i]);
+        }
+    for (int c = 0; c < field.channels; ++c) heights[c] = count > 0 ? static_cast<float>(sum[c] / count) : 0.0F;
+    return count > 0;
+}
+
+/// Whether cells of data begin or end at place k of a line, on one side of it.
+[[nodiscard]] inline bool cells_change(const HeightField& field, const SideLine& line, int k) noexcept {
+    const auto cell = [&](int at, int along) { return line.is_upright ? field.is_cell(at, along) : field.is_cell(along, at); };
+    return cell(line.at - 1, k - 1) != cell(line.at - 1, k) || cell(line.at, k - 1) != cell(line.at, k);
+}
+
+/// What stands along a line: for points the samples on it; for squares at the middle of each px the mean of the samples on both
+/// sides, and at the ends, and where cells of data begin or end, that of the four around.
+[[nodiscard]] HMESH_COLD inline Profile profile(const HeightField& field, const SideLine& line) {
+    Profile out;
+    out.channels = static_cast<std::size_t>(field.channels);
+    const bool squares = field.samples == Samples::squares;
+    const auto add = [&](double place, int first, int last) {
+        float heights[max_bounded_channels];
+        const int before = squares ? line.at - 1 : line.at;
+        const bool has_data = line.is_upright ? mean_height(field, before, line.at, first, last, heights)
+                                              : mean_height(field, first, last, before, line.at, heights);
+        out.place.push_back(place);
+        out.heights.insert(out.heights.end(), heights, heights + field.channels);
+        out.has_data.push_back(has_data ? 1 : 0);
+    };
+    for (int k = line.begin; k <= line.end; ++k) {
+        const bool is_end = k == line.begin || k == line.end;
+        if (squares && (is_end || (!field.data.empty() && cells_change(field, line, k)))) add(k, k - 1, k);
+        if (!squares || k < line.end) add(k + field.offset(), k, k);
+    }
+    return out;
+}
+
+}  // namespace detail
+
+/// The vertices of the border along a line, its ends included, in order: of each stretch with data the polyline within `limit`
+/// of what stands there, with a vertex more wherever cells of data begin or end on one side of the line. Cells outside of the
+/// image count as none. The same from both sides.
+[[nodiscard]] HMESH_COLD inline std::vector<Corner> side_vertices(const HeightField& field, const SideLine& line, double limit) {
+    const detail::Profile profile = detail::profile(field, line);
+    const std::size_t n = profile.place.size();
+    std::vector<std::uint8_t> keep(n, 0);
+    keep[0] = keep[n - 1] = 1;
+    std::vector<std::pair<std::size_t, std::size_t>> open;
+    const auto split = [&](std::size_t from, std::size_t to) {
+        open.assign(1, {from, to});
+        while (!open.empty()) {
+            const auto [i, k] = open.back();
+            open.pop_back();
+            const detail::Profile::Worst worst = profile.worst(i, k);
+            if (!(worst.error > limit)) continue;
+            keep[worst.place] = 1;
+            open.push_back({i, worst.place});
+            open.push_back({worst.place, k});
+        }
+    };
+    for (std::size_t first = 0; first < n; ++first) {
+        if (profile.has_data[first] == 0) continue;
+        std::size_t last = first;
+        while (last + 1 < n && profile.has_data[last + 1] != 0) ++last;
+        keep[first] = keep[last] = 1;
+        split(first, last);
+        first = last;
+    }
+    std::vector<Corner> out;
+    const auto corner = [&](std::size_t k) {
+        Corner c;
+        c.position = line.is_upright ? Point{static_cast<double>(line.at), profile.place[k]}
+                                     : Point{profile.place[k], static_cast<double>(line.at)};
+        for (std::size_t channel = 0; channel < profile.channels; ++channel)
+            c.heights[channel] = profile.heights[k * profile.channels + channel];
+        return c;
+    };
+    if (!field.data.empty()) {
+        // Vertices where cells begin or end are ends of a border.
+        for (int k = line.begin + 1; k < line.end; ++k) {
+            if (!detail::cells_change(field, line, k)) continue;
+            const auto here = static_cast<std::size_t>(
+                std::lower_bound(profile.place.begin(), profile.place.end(), static_cast<double>(k)) - profile.place.begin());
+            if (keep[here] != 0) continue;
+            keep[here] = 1;
+            std::size_t before = here - 1, after = here + 1;
+            while (keep[before] == 0) --before;
+            while (keep[after] == 0) ++after;
+            split(before, here);
+            split(here, after);
+        }
+    }
+    for (std::size_t k = 0; k < n; ++k)
+        if (keep[k] != 0) out.push_back(corner(k));
+    return out;
+}
+
+}  // namespace hmesh::kit
+
+#endif  // HMESH_METHODS_BOUNDED_SIDE_HPP
+
+// ---- hmesh/methods/bounded/domain.hpp
+
+/// \file
+/// The first mesh of a rectangle: its border and that of what has data, triangulated, without what has none.
+///
+/// The border of the cells of data runs along unit edges of the lattice of whole positions. With all their ends as vertices, each
+/// of these edges is in every Delaunay triangulation, since no other point of the lattice, nor of the rectangle's sides, is in
+/// or on the circle over it: so what is without data can be cut away along them.
+#ifndef HMESH_METHODS_BOUNDED_DOMAIN_HPP
+#define HMESH_METHODS_BOUNDED_DOMAIN_HPP
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+namespace hmesh::kit {
+namespace detail {
+
+/// Adds the ends of the edges between cells of data and others within a rectangle.
+HMESH_COLD inline void add_rim(const HeightField& field, const Rect& rect, std::vector<Corner>& corners) {
+    const bool squares = field.samples == Samples::squares;
+    for (int j = rect.y; j <= rect.y + rect.height; ++j)
+        for (int i = rect.x; i <= rect.x + rect.width; ++i) {
+            // The four cells around a position, those outside of the rectangle left out: an edge to one of these is a side's.
+            bool is_rim = false, seen = false, first = false;
+            for (int y = j - 1; y <= j; ++y)
+                for (int x = i - 1; x <= i; ++x) {
+                    if (x < rect.x || y < rect.y || x >= rect.x + rect.width || y >= rect.y + rect.height) continue;
+                    const bool cell = field.is_cell(x, y);
+                    if (!seen) first = cell, seen = true;
+                    else is_rim = is_rim || cell != first;
+                }
+            if (!is_rim) continue;
+            Corner c;
+            c.position = {static_cast<double>(i), static_cast<double>(j)};
+            static_cast<void>(squares ? mean_height(field, i - 1, i, j - 1, j, c.heights)
+                                      : mean_height(field, i, i, j, j, c.heights));
+            corners.push_back(c);
+        }
+}
+
+}  // namespace detail
+
+/// The first mesh of a rectangle of the plane: sides as side_vertices() has them, all faces in cells of data. Freedoms are 0.
+/// Empty where no cell has data.
+[[nodiscard]] HMESH_COLD inline Sheet first_sheet(const HeightField& field, const Rect& rect, double limit) {
+    std::vector<Corner> corners;
+    const int right = rect.x + rect.width, bottom = rect.y + rect.height;
+    for (const SideLine& line : {SideLine{false, rect.y, rect.x, right}, SideLine{false, bottom, rect.x, right},
+                                 SideLine{true, rect.x, rect.y, bottom}, SideLine{true, right, rect.y, bottom}}) {
+        const std::vector<Corner> side = side_vertices(field, line, limit);
+        corners.insert(corners.end(), side.begin(), side.end());
+    }
+    // Corners of the rectangle come twice, and ends of the rim on its sides: the first counts.
+    if (!field.data.empty()) detail::add_rim(field, rect, corners);
+    std::vector<Point> points;
+    points.reserve(corners.size());
+    const auto local = [&](Point p) { return Point{p.x - rect.x, p.y - rect.y}; };
+    for (const Corner& corner : corners) points.push_back(local(corner.position));
+    const Delaunay delaunay = triangulate(rect.width, rect.height, points);
+
+    Sheet sheet;
+    sheet.vertices.resize(delaunay.topology().vertex_slots());
+    sheet.freedom.assign(sheet.vertices.size(), 0);
+    // Corners sorted by position find their vertices.
+    const auto before = [](Point a, Point b) { return a.y != b.y ? a.y < b.y : a.x < b.x; };
+    std::vector<std::uint32_t> order(corners.size());
+    for (std::size_t k = 0; k < order.size(); ++k) order[k] = static_cast<std::uint32_t>(k);
+    std::stable_sort(order.begin(), order.end(),
+                     [&](std::uint32_t a, std::uint32_t b) { return before(corners[a].position, corners[b].position); });
+    for (const Vertex v : delaunay.topology().vertices()) {
+        const Point p{delaunay.position(v).x + rect.x, delaunay.position(v).y + rect.y};
+        const auto at = std::lower_bound(order.begin(), order.end(), p,
+                                         [&](std::uint32_t k, Point q) { return before(corners[k].position, q); });
+        sheet.vertices[v.index()] = corners[*at];
+    }
+    for (const Face f : delaunay.topology().faces()) {
+        const auto v = delaunay.topology().vertices(f);
+        if (!field.data.empty()) {
+            const Point a = sheet.vertices[v[0].index()].position, b = sheet.vertices[v[1].index()].position,
+                        c = sheet.vertices[v[2].index()].position;
+            if (!field.is_cell(static_cast<int>((a.x + b.x + c.x) / 3), static_cast<int>((a.y + b.y + c.y) / 3))) continue;
+        }
+        sheet.faces.push_back({static_cast<std::uint32_t>(v[0].index()), static_cast<std::uint32_t>(v[1].index()),
+                               static_cast<std::uint32_t>(v[2].index())});
+    }
+    if (!field.data.empty()) separate_fans(sheet);
+    return sheet;
+}
+
+}  // namespace hmesh::kit
+
+#endif  // HMESH_METHODS_BOUNDED_DOMAIN_HPP
+
+// ---- hmesh/methods/bounded/insertion.hpp
+
+/// \file
+/// Greedy insertion: the sample that the mesh is farthest off becomes a vertex, until none is off by more than the limit.
+///
+/// M. Garland and P. Heckbert, "Fast polygonal approximation of terrains and height fields", 1995: the mesh stays Delaunay within
+/// its border, heights are samples, and each face keeps its worst sample. Edges of the border are never split: they are within
+/// the limit from the start (methods/bounded/side.hpp). Ends for every limit >= 0, since a sample that is a vertex is not off.
+/// Cost: some 1.5 us an insertion, and 0.3 ns for each sample of a changed face: O(n log n) in all.
+#ifndef HMESH_METHODS_BOUNDED_INSERTION_HPP
+#define HMESH_METHODS_BOUNDED_INSERTION_HPP
+
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+namespace hmesh::kit {
+
+/// Inserts samples into a mesh until all its faces are within mesh.limit. Returns whether it came so far: false where
+/// mesh.keep_going() said stop.
+class GreedyInsertion {
+  public:
+    /// Works on this mesh, which must outlive the insertion.
+    explicit GreedyInsertion(BoundedMesh& mesh) : mesh_(&mesh) {}
+
+    /// Inserts until all faces are within the limit. False: stopped before.
+    HMESH_COLD bool run() {
+        for (const Face f : mesh_->topology.faces()) scan(f);
+        while (!heap_.empty()) {
+            std::pop_heap(heap_.begin(), heap_.end());
+            const Entry entry = heap_.back();
+            heap_.pop_back();
+            if (entry.error != worst_[entry.face].error) continue;  // scanned anew since
+            if (!mesh_->keep_going()) return false;
+            insert(Face(entry.face));
+        }
+        return true;
+    }
+
+  private:
+    struct Entry {
+        double error;
+        std::uint32_t face;
+        friend bool operator<(const Entry& a, const Entry& b) noexcept {
+            return a.error != b.error ? a.error < b.error : a.face > b.face;
+        }
+    };
+
+    void scan(Face f) {
+        const auto v = mesh_->topology.vertices(f);
+        if (f.index() >= worst_.size()) worst_.resize(std::max(f.index() + 1, 2 * worst_.size()));
+        WorstSample& worst = worst_[f.index()];
+        worst = worst_sample(*mesh_->field, mesh_->corner(v[0]), mesh_->corner(v[1]), mesh_->corner(v[2]));
+        if (!(worst.error > mesh_->limit)) return;
+        heap_.push_back({worst.error, static_cast<std::uint32_t>(f.index())});
+        std::push_heap(heap_.begin(), heap_.end());
+    }
+
+    void insert(Face f) {
+        HalfedgeMesh& topology = mesh_->topology;
+        const HeightField& field = *mesh_->field;
+        const WorstSample worst = worst_[f.index()];
+        worst_[f.index()].error = 0;
+        BoundedVertex added;
+        added.freedom = can_lift | can_leave | can_slide_x | can_slide_y;
+        added.corner.position = {worst.i + field.offset(), worst.j + field.offset()};
+        for (int c = 0; c < field.channels; ++c) added.corner.heights[c] = field.row(c, worst.j)[worst.i];
+        const Point p = added.corner.position;
+        Halfedge on = topology.halfedge(f);
+        Halfedge edge;
+        for (int k = 0; k < 3; ++k, on = topology.next(on)) {
+            const Vertex from = topology.from_vertex(on);
+            if (mesh_->position(from) == p) {  // a vertex that is no sample's height, as on a side of squares: let it be one
+                mesh_->vertices.edit(from.index()).corner = added.corner;
+                rescan(from);
+                return;
+            }
+            if (orient2d(mesh_->position(from), mesh_->position(topology.to_vertex(on)), p) == 0) edge = on;
+        }
+        const bool on_border = edge.is_valid() && topology.is_boundary(HalfedgeMesh::opposite(edge));
+        if (on_border) added.freedom = static_cast<std::uint8_t>(mesh_->vertices[topology.from_vertex(edge).index()].freedom);
+        const Vertex v = edge.is_valid() ? topology.split(HalfedgeMesh::edge(edge)) : topology.split(f);
+        mesh_->vertices.push_back(added);
+        mesh_->changed.push_back(mesh_->clock);
+        legalize(v);
+        rescan(v);
+    }
+
+    void rescan(Vertex v) {
+        for (const Halfedge h : mesh_->topology.outgoing(v))
+            if (!mesh_->topology.is_boundary(h)) scan(mesh_->topology.face(h));
+    }
+
+    /// Flips edges around a new vertex until the circumcircles of its faces are empty.
+    void legalize(Vertex v) {
+        HalfedgeMesh& topology = mesh_->topology;
+        const Point p = mesh_->position(v);
+        stack_.clear();
+        for (const Halfedge h : topology.outgoing(v))
+            if (!topology.is_boundary(h)) stack_.push_back(topology.next(h));
+        while (!stack_.empty()) {
+            const Halfedge h = stack_.back(), o = HalfedgeMesh::opposite(h);
+            stack_.pop_back();
+            if (topology.is_boundary(o)) continue;
+            const Halfedge left = topology.next(o), right = topology.next(left);
+            const Point a = mesh_->position(topology.to_vertex(o)), b = mesh_->position(topology.to_vertex(h));
+            if (in_circle(a, b, p, mesh_->position(topology.to_vertex(left))) <= 0) continue;
+            topology.flip(HalfedgeMesh::edge(h));
+            stack_.push_back(left);
+            stack_.push_back(right);
+        }
+    }
+
+    BoundedMesh* mesh_;
+    std::vector<WorstSample> worst_;  ///< by face slot
+    std::vector<Entry> heap_;
+    std::vector<Halfedge> stack_;
+};
+
+}  // namespace hmesh::kit
+
+#endif  // HMESH_METHODS_BOUNDED_INSERTION_HPP
+
+// ---- hmesh/methods/bounded/star.hpp
+
+/// \file
+/// Star: the samples around a vertex as a linear function of its heights, in floats, for choosing heights and places quickly.
+///
+/// At a sample of a face with corners v, a, b the mesh is off by l_v z + r, with l_v the barycentric coordinate of v, z its
+/// height and r = l_a z_a + l_b z_b - sample. A star holds l_v and r for all samples of some faces around v, in units of the bound, so
+/// that heights are tried at 0.2 ns a sample. Samples are taken eight at a time, those outside of the face as 0, which counts
+/// for nothing. Floats decide what is worth a change; whether it holds is asked of face_error().
+///
+/// The energy of a star is the sum of the 16th powers of what samples are off, close to the largest of them and smooth: squares
+/// cost a fifth more triangles, 8th powers 3 %, 32nd powers 1 %.
+#ifndef HMESH_METHODS_BOUNDED_STAR_HPP
+#define HMESH_METHODS_BOUNDED_STAR_HPP
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <vector>
+
+namespace hmesh::kit {
+
+/// What samples are off, in units of the bound.
+struct Fit {
+    double energy = 0;  ///< sum of 16th powers over samples and channels
+    double most = 0;    ///< the largest
+};
+
+/// Whether a new face is fit to be: positively oriented, and nowhere narrower than 0.02 px. Slivers hold samples by steep planes,
+/// which floats and other programs evaluate badly, and gain nothing.
+[[nodiscard]] HMESH_ALWAYS_INLINE bool is_well_shaped(Point a, Point b, Point c) noexcept {
+    const double area = orient2d(a, b, c);
+    if (!(area > 1e-3)) return false;
+    const auto square = [](Point p, Point q) { return (q.x - p.x) * (q.x - p.x) + (q.y - p.y) * (q.y - p.y); };
+    return area * area >= 4e-4 * std::max({square(a, b), square(b, c), square(c, a)});
+}
+
+namespace detail {
+
+/// Barycentric coordinates of the corners b and c of a face (a, b, c) as functions of column and row, in samples.
+struct FaceCoordinates {
+    HMESH_ALWAYS_INLINE FaceCoordinates(const HeightField& field, Point a, Point b, Point c) noexcept {
+        const double per_area = 1 / orient2d(a, b, c), offset = field.offset();
+        x = a.x - offset, y = a.y - offset;
+        bx = (c.y - a.y) * per_area, by = (a.x - c.x) * per_area;
+        cx = (a.y - b.y) * per_area, cy = (b.x - a.x) * per_area;
+    }
+    double x, y;    ///< corner a
+    double bx, by;  ///< rise of b's coordinate a column and a row
+    double cx, cy;  ///< of c's
+};
+
+/// Calls body(j, i, b, c) for blocks of 8 samples from (i, j) on that hold all samples of the face (a, b, c): b and c are their
+/// barycentric coordinates. A sample is of the face where `inside`, the least of the three, is >= bound; see there.
+template <class Body>
+HMESH_ALWAYS_INLINE void for_each_block(const HeightField& field, const FaceCoordinates& at, Point a, Point b, Point c,
+                                        Body&& body) {
+    using Floats = Wide<float>;
+    const double offset = field.offset();
+    const Wholes columns(std::max(0.0, std::min({a.x, b.x, c.x}) - offset), std::max({a.x, b.x, c.x}) - offset);
+    const Wholes rows(std::max(0.0, std::min({a.y, b.y, c.y}) - offset), std::max({a.y, b.y, c.y}) - offset);
+    const int left = columns.begin, right = std::min(field.width, columns.end), bottom = std::min(field.height, rows.end);
+    if (left >= right) return;
+    // What rounding to float may take from a coordinate: samples beside an edge may count too, those on it always do.
+    const double reach = 1 + (right - left + 8) * (std::abs(at.bx) + std::abs(at.cx)) +
+                         (bottom - rows.begin) * (std::abs(at.by) + std::abs(at.cy));
+    const Floats bound = Floats::all(static_cast<float>(-3e-7 * reach));
+    const bool is_narrow = right - left <= Floats::lanes;
+    const double ax = -at.bx - at.cx;
+    const double per_a = 1 / ax, per_b = 1 / at.bx, per_c = 1 / at.cx;
+    const Floats counting = Floats::counting();
+    for (int j = rows.begin; j < bottom; ++j) {
+        double begin_b = at.bx * (left - at.x) + at.by * (j - at.y), begin_c = at.cx * (left - at.x) + at.cy * (j - at.y);
+        int first = left, last = right;
+        if (!is_narrow) {
+            // Where the row enters and leaves the face, with a margin of a quarter of a column.
+            double low = 0, high = right - left - 1;
+            const auto cut = [&](double value, double step, double per_step) {
+                const double zero = -value * per_step;
+                if (step > 0) low = std::max(low, zero - 0.25);
+                else if (step < 0) high = std::min(high, zero + 0.25);
+            };
+            cut(begin_b, at.bx, per_b);
+            cut(begin_c, at.cx, per_c);
+            cut(1 - begin_b - begin_c, ax, per_a);
+            if (!(low <= high)) continue;
+            const int skip = static_cast<int>(low);
+            last = left + static_cast<int>(high) + 1;
+            first = left + skip;
+            begin_b += skip * at.bx, begin_c += skip * at.cx;
+        }
+        for (int i = first; i < last; i += Floats::lanes) {
+            const Floats cb = Floats::all(static_cast<float>(begin_b)) + counting * static_cast<float>(at.bx);
+            const Floats cc = Floats::all(static_cast<float>(begin_c)) + counting * static_cast<float>(at.cx);
+            body(j, i, cb, cc, bound);
+            begin_b += Floats::lanes * at.bx, begin_c += Floats::lanes * at.cx;
+        }
+    }
+}
+
+/// The 16th power of each lane, of at most 100.
+[[nodiscard]] HMESH_ALWAYS_INLINE Wide<float> power16(const Wide<float>& off) noexcept {
+    const Wide<float> small = smaller(off, Wide<float>::all(100.0F));
+    const Wide<float> square = small * small, fourth = square * square, eighth = fourth * fourth;
+    return eighth * eighth;
+}
+
+}  // namespace detail
+
+/// What the samples of a positively oriented face are off, in units of 1 / per_unit.
+[[nodiscard]] HMESH_NEVER_INLINE inline Fit face_fit(const HeightField& field, const Corner& a, const Corner& b, const Corner& c,
+                                                     float per_unit) noexcept {
+    using Floats = Wide<float>;
+    const detail::FaceCoordinates at(field, a.position, b.position, c.position);
+    Floats energy = Floats::all(0), most = Floats::all(0);
+    for (int channel = 0; channel < field.channels; ++channel) {
+        const float base = a.heights[channel];
+        const float rise_b = b.heights[channel] - base, rise_c = c.heights[channel] - base;
+        detail::for_each_block(field, at, a.position, b.position, c.position,
+                               [&](int j, int i, const Floats& cb, const Floats& cc, const Floats& bound) {
+                                   const Floats inside = smaller(smaller(cb, cc), Floats::all(1) - cb - cc);
+                                   const Floats sample = Floats::load(field.row(channel, j) + i) - Floats::all(base);
+                                   const Floats off =
+                                       where_at_least(inside, bound, magnitude(cb * rise_b + cc * rise_c - sample) * per_unit);
+                                   most = larger(most, off);
+                                   energy = energy + detail::power16(off);
+                               });
+    }
+    return {static_cast<double>(energy.sum()), static_cast<double>(most.largest())};
+}
+
+/// The samples of faces around a vertex, the apex, as a linear function of its heights.
+class Star {
+  public:
+    /// Units of 1 / `per_unit`, in which all that follows is told.
+    Star(const HeightField& field, double per_unit) : field_(&field), per_unit_(per_unit) {}
+
+    /// Begins anew, with the apex at `place`; heights are told relative to `apex`'s.
+    void begin(const Corner& apex, Point place) noexcept {
+        base_ = apex;
+        place_ = place;
+        faces_.clear();
+        used_ = 0;
+    }
+    /// Adds the face (apex, a, b). False where it is not well shaped.
+    [[nodiscard]] bool add(const Corner& a, const Corner& b) {
+        if (!is_well_shaped(place_, a.position, b.position)) return false;
+        add_blocks(a, b);
+        return true;
+    }
+    /// What samples are off with the apex at heights[0], heights[1] .., one for each channel.
+    [[nodiscard]] Fit fit(const double* heights) const noexcept {
+        using Floats = Wide<float>;
+        Floats energy = Floats::all(0), most = Floats::all(0);
+        const std::size_t stride = block_size();
+        for (int c = 0; c < field_->channels; ++c) {
+            const auto z = static_cast<float>(heights[c]);
+            const float* const rest = blocks_.data() + static_cast<std::size_t>(Floats::lanes) * static_cast<std::size_t>(c + 1);
+            for (std::size_t k = 0; k < used_; k += stride) {
+                const Floats off = magnitude(Floats::load(blocks_.data() + k) * z + Floats::load(rest + k));
+                most = larger(most, off);
+                energy = energy + detail::power16(off);
+            }
+        }
+        return {static_cast<double>(energy.sum()), static_cast<double>(most.largest())};
+    }
+    /// Changes heights[c], from where they are, so that the largest differences above and below the samples become equal, which
+    /// makes the largest of all as small as it gets: at most `steps` steps of the secants. O(samples) each.
+    Fit lift(double* heights, int steps) const noexcept {
+        for (int c = 0; c < field_->channels; ++c) balance(c, heights[c], steps);
+        return fit(heights);
+    }
+    /// A step of place and heights at once that lowers the energy: where it would be least if each sample's weight stayed what it
+    /// is now (the Gauss-Newton method on reweighted squares). `fit` is that of `heights`. step[0] and step[1] are for x and y,
+    /// in px, 0 where they may not slide; step[2 + c] is for heights[c]. False where there is none.
+    [[nodiscard]] HMESH_NEVER_INLINE bool direction(const double* heights, const Fit& fit, bool slide_x, bool slide_y,
+                                                    double (&step)[2 + max_bounded_channels]) const noexcept {
+        using Floats = Wide<float>;
+        constexpr int most = 2 + max_bounded_channels;
+        double matrix[most][most] = {}, side[most] = {};
+        const std::size_t stride = block_size();
+        const float per_most = static_cast<float>(1 / std::max(1e-6, fit.most));
+        double weight = 0;
+        for (int c = 0; c < field_->channels; ++c) {
+            const auto z = static_cast<float>(heights[c]);
+            std::size_t k = 0;
+            for (const StarFace& face : faces_) {
+                Floats squares = Floats::all(0), pulls = Floats::all(0);
+                for (; k < face.end; k += stride) {
+                    const Floats own = Floats::load(blocks_.data() + k);
+                    const Floats off = (own * z + Floats::load(blocks_.data() + k + Floats::lanes * (c + 1))) * per_most;
+                    const Floats s = off * off, s2 = s * s, s4 = s2 * s2;
+                    const Floats pull = s4 * s2 * s * own;  // 14th power
+                    squares = squares + pull * own;
+                    pulls = pulls + pull * off;
+                }
+                const double square = static_cast<double>(squares.sum());
+                if (!(square > 0)) continue;
+                const double pull = static_cast<double>(pulls.sum()) * fit.most;
+                const double d[3] = {slide_x ? -static_cast<double>(face.own_x * z + face.rest_x[c]) : 0,
+                                     slide_y ? -static_cast<double>(face.own_y * z + face.rest_y[c]) : 0, 1};
+                const int at[3] = {0, 1, 2 + c};
+                for (int m = 0; m < 3; ++m) {
+                    side[at[m]] -= pull * d[m];
+                    for (int n = 0; n < 3; ++n) matrix[at[m]][at[n]] += square * d[m] * d[n];
+                }
+                weight += square;
+            }
+        }
+        if (!(weight > 0)) return false;
+        // A px costs what a hundredth of the bound does, where nothing else says how far to go.
+        const int size = 2 + field_->channels;
+        for (int m = 0; m < size; ++m) matrix[m][m] = matrix[m][m] * 1.001 + (m < 2 ? 1e-4 : 1e-9) * weight;
+        // Cholesky's decomposition.
+        for (int m = 0; m < size; ++m) {
+            for (int n = 0; n <= m; ++n) {
+                double sum = matrix[m][n];
+                for (int k = 0; k < n; ++k) sum -= matrix[m][k] * matrix[n][k];
+                if (m != n) matrix[m][n] = sum / matrix[n][n];
+                else if (sum > 0) matrix[m][m] = std::sqrt(sum);
+                else return false;
+            }
+        }
+        for (int m = 0; m < size; ++m) {
+            double sum = side[m];
+            for (int k = 0; k < m; ++k) sum -= matrix[m][k] * step[k];
+            step[m] = sum / matrix[m][m];
+        }
+        for (int m = size - 1; m >= 0; --m) {
+            double sum = step[m];
+            for (int k = m + 1; k < size; ++k) sum -= matrix[k][m] * step[k];
+            step[m] = sum / matrix[m][m];
+        }
+        return true;
+    }
+
+    /// The corner with the apex at these heights, rounded to finite floats.
+    [[nodiscard]] Corner apex(const double* heights) const noexcept {
+        Corner corner;
+        corner.position = place_;
+        for (int c = 0; c < field_->channels; ++c)
+            corner.heights[c] = PixelTraits<float>::from_real(static_cast<double>(base_.heights[c]) + heights[c] / per_unit_);
+        return corner;
+    }
+
+  private:
+    struct StarFace {
+        std::size_t end;                     // of its blocks, in floats
+        float own_x, own_y;                  // rise of the apex's coordinate
+        float rest_x[max_bounded_channels],  // rise of the heights of the other two, a column
+            rest_y[max_bounded_channels];    // and a row
+    };
+
+    [[nodiscard]] std::size_t block_size() const noexcept {
+        return static_cast<std::size_t>(Wide<float>::lanes) * static_cast<std::size_t>(1 + field_->channels);
+    }
+    HMESH_NEVER_INLINE void add_blocks(const Corner& a, const Corner& b) {
+        using Floats = Wide<float>;
+        const detail::FaceCoordinates at(*field_, place_, a.position, b.position);
+        const int channels = field_->channels;
+        const std::size_t stride = block_size();
+        const auto per_unit = static_cast<float>(per_unit_);
+        StarFace face;
+        face.own_x = static_cast<float>(-at.bx - at.cx);
+        face.own_y = static_cast<float>(-at.by - at.cy);
+        float rise_a[max_bounded_channels], rise_b[max_bounded_channels];
+        for (int c = 0; c < channels; ++c) {
+            rise_a[c] = a.heights[c] - base_.heights[c];
+            rise_b[c] = b.heights[c] - base_.heights[c];
+            face.rest_x[c] = (rise_a[c] * static_cast<float>(at.bx) + rise_b[c] * static_cast<float>(at.cx)) * per_unit;
+            face.rest_y[c] = (rise_a[c] * static_cast<float>(at.by) + rise_b[c] * static_cast<float>(at.cy)) * per_unit;
+        }
+        detail::for_each_block(*field_, at, place_, a.position, b.position,
+                               [&](int j, int i, const Floats& ca, const Floats& cb, const Floats& bound) {
+                                   if (used_ + stride > blocks_.size())
+                                       blocks_.resize(std::max<std::size_t>(4096, 2 * blocks_.size()));
+                                   float* const block = blocks_.data() + used_;
+                                   used_ += stride;
+                                   const Floats own = Floats::all(1) - ca - cb, inside = smaller(smaller(ca, cb), own);
+                                   where_at_least(inside, bound, own).store(block);
+                                   for (int c = 0; c < channels; ++c) {
+                                       const Floats sample = Floats::load(field_->row(c, j) + i) - Floats::all(base_.heights[c]);
+                                       where_at_least(inside, bound, (ca * rise_a[c] + cb * rise_b[c] - sample) * per_unit)
+                                           .store(block + Floats::lanes * (c + 1));
+                                   }
+                               });
+        face.end = used_;
+        faces_.push_back(face);
+    }
+    /// lift() of one channel.
+    void balance(int channel, double& height, int steps) const noexcept {
+        using Floats = Wide<float>;
+        const std::size_t stride = block_size();
+        const float* const own = blocks_.data();
+        const float* const rest = own + static_cast<std::size_t>(Floats::lanes) * static_cast<std::size_t>(channel + 1);
+        for (int step = 0; step < steps; ++step) {
+            // The largest above and below, and the coordinates there.
+            const auto z = static_cast<float>(height);
+            Floats above = Floats::all(0), below = Floats::all(0), by_above = Floats::all(0), by_below = Floats::all(0);
+            for (std::size_t k = 0; k < used_; k += stride) {
+                const Floats share = Floats::load(own + k), off = share * z + Floats::load(rest + k);
+                by_above = where_at_least(off, above, share) + where_below(off, above, by_above);
+                above = larger(above, off);
+                const Floats depth = off * -1.0F;
+                by_below = where_at_least(depth, below, share) + where_below(depth, below, by_below);
+                below = larger(below, depth);
+            }
+            float up[8], down[8], by_up[8], by_down[8];
+            above.store(up), below.store(down), by_above.store(by_up), by_below.store(by_down);
+            int u = 0, d = 0;
+            for (int k = 1; k < 8; ++k) {
+                if (up[k] > up[u]) u = k;
+                if (down[k] > down[d]) d = k;
+            }
+            const double slopes = static_cast<double>(by_up[u]) + static_cast<double>(by_down[d]);
+            if (!(slopes > 1e-4)) return;
+            const double change = (static_cast<double>(down[d]) - static_cast<double>(up[u])) / slopes;
+            height += change;
+            if (std::abs(change) < 1e-3) return;
+        }
+    }
+
+    const HeightField* field_;
+    double per_unit_;
+    Corner base_;
+    Point place_;
+    std::vector<StarFace> faces_;
+    std::vector<float> blocks_;  ///< for each block 8 coordinates of the apex, then 8 rests for each channel
+    std::size_t used_ = 0;       ///< floats of blocks_
+};
+
+}  // namespace hmesh::kit
+
+#endif  // HMESH_METHODS_BOUNDED_STAR_HPP
+
+// ---- hmesh/methods/bounded/relax.hpp
+
+/// \file
+/// Relaxation: vertices move and edges flip so that the mesh is nearer to its worst samples, which makes room for removals.
+///
+/// Both lower the energy of the faces they change (methods/bounded/star.hpp), and neither takes a face beyond the bound that is
+/// within it. A move costs some 1.5 us, a flip that is refused 0.2.
+#ifndef HMESH_METHODS_BOUNDED_RELAX_HPP
+#define HMESH_METHODS_BOUNDED_RELAX_HPP
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <vector>
+
+namespace hmesh::kit {
+
+/// What relaxation and removal may do.
+struct Moves {
+    bool heights;    ///< change heights
+    bool positions;  ///< and positions
+};
+
+/// Moves vertices and flips edges of a mesh.
+class Relaxation {
+  public:
+    /// Works on this mesh, which must outlive it.
+    Relaxation(BoundedMesh& mesh, const Moves& moves)
+        : mesh_(&mesh), moves_(moves), per_unit_(1 / unit(mesh)), now_(*mesh.field, per_unit_), then_(*mesh.field, per_unit_) {}
+
+    /// What is 1 to fits: a little less than the limit, by what floats may be wrong; for limits that floats cannot tell from 0
+    /// what they can.
+    [[nodiscard]] static double unit(const BoundedMesh& mesh) noexcept {
+        return std::max(mesh.limit * (1 - 1e-4), std::max(1e-30, 1e-6 * mesh.field->largest));
+    }
+    [[nodiscard]] double per_unit() const noexcept { return per_unit_; }  ///< 1 / unit()
+
+    /// Moves v if that lowers the energy of its star. `is_trial`: faces may be beyond the bound, and whether they still are is
+    /// not asked; else all were within it and are. Returns whether it moved.
+    bool move(Vertex v, bool is_trial) {
+        const HalfedgeMesh& topology = mesh_->topology;
+        const BoundedVertex& state = mesh_->vertices[v.index()];
+        if (!moves_.heights || !state.can(can_lift)) return false;
+        const bool slide_x = moves_.positions && state.can(can_slide_x), slide_y = moves_.positions && state.can(can_slide_y);
+        const Point old = state.corner.position;
+        if (!gather(now_, v, old)) return false;
+        double heights[max_bounded_channels] = {}, step[2 + max_bounded_channels] = {};
+        const Fit before = now_.fit(heights);
+        if (!(before.most > 1e-3) || !now_.direction(heights, before, slide_x, slide_y, step)) return false;
+        const double ceiling = std::max(1.0, before.most);
+        for (const double share : {0.5, 0.15, 0.04}) {
+            double trial[max_bounded_channels];
+            for (int c = 0; c < mesh_->field->channels; ++c) trial[c] = share * step[2 + c];
+            const Point place = target(state, old, share * step[0], share * step[1]);
+            const bool stays = place == old;
+            if (!stays && !gather(then_, v, place)) continue;
+            const Star& star = stays ? now_ : then_;
+            const Fit after = star.fit(trial);
+            if (!(after.energy < before.energy * (1 - (is_trial ? 1e-4 : least_gain))) || after.most > ceiling) continue;
+            const Corner corner = state.corner, moved = star.apex(trial);
+            mesh_->vertices.edit(v.index()).corner = moved;
+            if (is_trial || mesh_->holds_around(v)) {
+                if (!is_trial) mesh_->touch(v);
+                return true;
+            }
+            mesh_->vertices.edit(v.index()).corner = corner;
+            return false;
+        }
+        static_cast<void>(topology);
+        return false;
+    }
+
+    /// Flips e if that lowers the energy of its faces; see move().
+    bool flip(Edge e, bool is_trial) {
+        HalfedgeMesh& topology = mesh_->topology;
+        const Halfedge a = HalfedgeMesh::halfedge(e), b = HalfedgeMesh::opposite(a);
+        if (topology.is_boundary(a) || topology.is_boundary(b)) return false;
+        const Vertex v0 = topology.to_vertex(b), v1 = topology.to_vertex(a);
+        const Vertex v2 = topology.to_vertex(topology.next(a)), v3 = topology.to_vertex(topology.next(b));
+        const Corner &c0 = mesh_->corner(v0), &c1 = mesh_->corner(v1), &c2 = mesh_->corner(v2), &c3 = mesh_->corner(v3);
+        if (!is_well_shaped(c0.position, c3.position, c2.position) || !is_well_shaped(c3.position, c1.position, c2.position))
+            return false;
+        const HeightField& field = *mesh_->field;
+        const auto fit = [&](const Corner& p, const Corner& q, const Corner& r) {
+            return face_fit(field, p, q, r, static_cast<float>(per_unit_));
+        };
+        const Fit old_a = fit(c0, c1, c2), old_b = fit(c1, c0, c3);
+        const double old_energy = old_a.energy + old_b.energy, ceiling = std::max({1.0, old_a.most, old_b.most});
+        if (!(old_energy > 1e-20)) return false;
+        const Fit new_a = fit(c0, c3, c2);
+        if (!(new_a.energy < old_energy * (1 - 1e-4)) || new_a.most > ceiling) return false;
+        const Fit new_b = fit(c3, c1, c2);
+        if (!(new_a.energy + new_b.energy < old_energy * (1 - 1e-4)) || new_b.most > ceiling) return false;
+        // Two locked vertices may be joined by an edge beyond the patch.
+        if (!topology.is_flip_ok(e)) return false;
+        if (!is_trial && (face_error(field, c0, c3, c2, mesh_->limit) > mesh_->limit ||
+                          face_error(field, c3, c1, c2, mesh_->limit) > mesh_->limit))
+            return false;
+        topology.flip(e);
+        if (!is_trial) {
+            ++mesh_->clock;
+            for (const Vertex v : {v0, v1, v2, v3}) mesh_->changed[v.index()] = mesh_->clock;
+        }
+        return true;
+    }
+
+  private:
+    /// The star of v with v at `place`. False where that is not well shaped.
+    [[nodiscard]] bool gather(Star& star, Vertex v, Point place) const {
+        star.begin(mesh_->corner(v), place);
+        const HalfedgeMesh& topology = mesh_->topology;
+        for (const Halfedge h : topology.outgoing(v)) {
+            if (topology.is_boundary(h)) continue;
+            if (!star.add(mesh_->corner(topology.to_vertex(h)), mesh_->corner(topology.to_vertex(topology.next(h)))))
+                return false;
+        }
+        return true;
+    }
+    /// Where a step leads: on the 1/256 px grid, not farther than half way out of the rectangle's inside.
+    [[nodiscard]] Point target(const BoundedVertex& state, Point from, double dx, double dy) const noexcept {
+        constexpr double gap = 1.0 / 16;
+        const double right = mesh_->field->right(), bottom = mesh_->field->bottom();
+        Point to = from;
+        const double reach = std::max(std::abs(dx), std::abs(dy)), scale = reach > 8 ? 8 / reach : 1;
+        if (state.can(can_slide_x)) to.x = snap(std::max(gap, std::min(right - gap, from.x + dx * scale)));
+        if (state.can(can_slide_y)) to.y = snap(std::max(gap, std::min(bottom - gap, from.y + dy * scale)));
+        return to;
+    }
+
+    /// The share of its energy that a move must gain, but in trials: each makes all around it be tried anew.
+    static constexpr double least_gain = 0.02;
+
+    BoundedMesh* mesh_;
+    Moves moves_;
+    double per_unit_;
+    Star now_, then_;
+};
+
+}  // namespace hmesh::kit
+
+#endif  // HMESH_METHODS_BOUNDED_RELAX_HPP
+
+// ---- hmesh/methods/bounded/removal.hpp
+
+/// \file
+/// Removal: vertices leave the mesh, one after another, while it stays within the bound.
+///
+/// A vertex is merged into a neighbour (a half-edge collapse), which may change its heights to make up for it. Where that misses
+/// the bound by little, the vertex leaves nevertheless, for a try: the neighbours are moved and edges flipped to bring all
+/// samples back, and if that fails everything is undone. Vertices leave in passes, those first whose loss makes the smallest
+/// worst sample; one waits for the next pass where something around it has changed. A candidate costs some 4 us, a try some 40.
+#ifndef HMESH_METHODS_BOUNDED_REMOVAL_HPP
+#define HMESH_METHODS_BOUNDED_REMOVAL_HPP
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+namespace hmesh::kit {
+
+/// Removes vertices of a mesh.
+class Removal {
+  public:
+    /// Works on this mesh, which must outlive it, with what the relaxation may do.
+    Removal(BoundedMesh& mesh, Relaxation& relaxation, const Moves& moves)
+        : mesh_(&mesh), relaxation_(&relaxation), moves_(moves), star_(*mesh.field, relaxation.per_unit()) {}
+
+    /// One pass over the vertices whose surroundings have changed since they were tried. Returns how many left.
+    HMESH_COLD std::size_t pass(const std::vector<Vertex>& vertices) {
+        tried_.resize(mesh_->topology.vertex_slots(), 0);
+        queue_.clear();
+        const std::uint32_t now = mesh_->clock;
+        for (std::size_t k = 0; k < vertices.size() && mesh_->keep_going(); ++k) {
+            const Vertex v = vertices[k];
+            if (mesh_->topology.is_deleted(v) || tried_[v.index()] >= mesh_->changed[v.index()]) continue;
+            const Candidate candidate = best(v);
+            if (candidate.halfedge.is_valid() && candidate.most <= (moves_.positions ? try_up_to : 1))
+                queue_.push_back(candidate);
+            else tried_[v.index()] = now;
+        }
+        std::sort(queue_.begin(), queue_.end(), [](const Candidate& a, const Candidate& b) {
+            return a.most != b.most ? a.most < b.most : a.halfedge < b.halfedge;
+        });
+        std::size_t count = 0;
+        for (const Candidate& candidate : queue_) {
+            if (!mesh_->keep_going()) break;
+            const HalfedgeMesh& topology = mesh_->topology;
+            if (topology.is_deleted(candidate.vertex) || mesh_->changed[candidate.vertex.index()] > now) continue;
+            const Vertex into = topology.to_vertex(candidate.halfedge);
+            if (mesh_->changed[into.index()] > now) continue;
+            if (leave(candidate)) ++count;
+            else tried_[candidate.vertex.index()] = mesh_->clock;
+        }
+        return count;
+    }
+
+    /// Marks the vertices that need not be tried again, in this piece or in another: those that were since something around them
+    /// changed. Not those beside locked ones, which may have been in the way.
+    HMESH_COLD void settle() {
+        const HalfedgeMesh& topology = mesh_->topology;
+        tried_.resize(topology.vertex_slots(), 0);
+        for (const Vertex v : topology.vertices()) {
+            bool is_done = tried_[v.index()] >= mesh_->changed[v.index()];
+            for (const Halfedge h : topology.outgoing(v))
+                is_done = is_done && (mesh_->vertices[topology.to_vertex(h).index()].freedom & is_locked) == 0;
+            std::uint8_t& freedom = mesh_->vertices.edit(v.index()).freedom;
+            is_done = is_done && (freedom & is_locked) == 0;
+            freedom = static_cast<std::uint8_t>(is_done ? freedom | is_settled : freedom & ~is_settled);
+        }
+    }
+
+  private:
+    /// How far from the bound, in bounds, a removal is tried nevertheless.
+    /// Of those above 1.7 one in a hundred succeeds.
+    static constexpr double try_up_to = 1.7;
+    static constexpr int try_rounds = 12;
+    /// What a round must leave of the excess at most for another to be worth it.
+    static constexpr double slowest = 0.85;
+
+    struct Candidate {
+        Halfedge halfedge;  // of the vertex that leaves, to the one that it is merged into; invalid: none
+        Vertex vertex;      // the one that leaves
+        double most = 0;    // largest fit after, in bounds
+        double energy = 0;
+        float heights[max_bounded_channels] = {};  // of the other
+    };
+
+    /// The best of the collapses of v.
+    [[nodiscard]] Candidate best(Vertex v) {
+        Candidate found;
+        found.vertex = v;
+        if (!mesh_->vertices[v.index()].can(can_leave)) return found;
+        for (const Halfedge h : mesh_->topology.outgoing(v)) {
+            Candidate next;
+            next.vertex = v;
+            next.halfedge = h;
+            if (!(moves_.heights ? evaluate_lifted(next) : evaluate(next, found))) continue;
+            if (!found.halfedge.is_valid() || is_better(next, found)) found = next;
+        }
+        return found;
+    }
+    [[nodiscard]] static bool is_better(const Candidate& a, const Candidate& b) noexcept {
+        if ((a.most <= 1) != (b.most <= 1)) return a.most <= 1;
+        return a.most <= 1 ? a.energy < b.energy : a.most < b.most;
+    }
+
+    /// Calls body(a, b) for the far corners of the faces of v that stay when v is merged into `into`, until it returns false.
+    template <class Body>
+    bool for_each_kept(Vertex v, Vertex into, Body&& body) const {
+        const HalfedgeMesh& topology = mesh_->topology;
+        for (const Halfedge h : topology.outgoing(v)) {
+            if (topology.is_boundary(h)) continue;
+            const Vertex a = topology.to_vertex(h), b = topology.to_vertex(topology.next(h));
+            if (a == into || b == into) continue;
+            if (!body(mesh_->corner(a), mesh_->corner(b))) return false;
+        }
+        return true;
+    }
+    /// Whether v can be merged into the end of h and leave well shaped faces that cover what they must.
+    [[nodiscard]] bool is_possible(Vertex v, Halfedge h) const {
+        const HalfedgeMesh& topology = mesh_->topology;
+        const Vertex into = topology.to_vertex(h);
+        const Point place = mesh_->position(into);
+        if (!for_each_kept(v, into,
+                           [&](const Corner& a, const Corner& b) { return is_well_shaped(place, a.position, b.position); }))
+            return false;
+        if (!topology.is_collapse_ok(h)) return false;
+        return !topology.is_boundary(v) || keeps_cover(v, h);
+    }
+    [[nodiscard]] bool keeps_cover(Vertex v, Halfedge h) const;
+
+    /// Heights as they are: the largest error of the faces that change, exactly.
+    [[nodiscard]] bool evaluate(Candidate& candidate, const Candidate& rival) const {
+        const Vertex into = mesh_->topology.to_vertex(candidate.halfedge);
+        if (!is_possible(candidate.vertex, candidate.halfedge)) return false;
+        const Corner& apex = mesh_->corner(into);
+        const double enough = rival.halfedge.is_valid() ? std::min(mesh_->limit, rival.energy) : mesh_->limit;
+        double worst = 0;
+        const bool holds = for_each_kept(candidate.vertex, into, [&](const Corner& a, const Corner& b) {
+            worst = std::max(worst, face_error(*mesh_->field, apex, a, b, enough));
+            return worst <= enough;
+        });
+        for (int c = 0; c < mesh_->field->channels; ++c) candidate.heights[c] = apex.heights[c];
+        candidate.energy = worst;
+        candidate.most = mesh_->limit > 0 ? worst / mesh_->limit : 0;
+        return holds;
+    }
+    /// With the heights that suit the samples best.
+    [[nodiscard]] bool evaluate_lifted(Candidate& candidate) {
+        const HalfedgeMesh& topology = mesh_->topology;
+        const Vertex v = candidate.vertex, into = topology.to_vertex(candidate.halfedge);
+        if (!is_possible(v, candidate.halfedge)) return false;
+        const Corner& apex = mesh_->corner(into);
+        star_.begin(apex, apex.position);
+        if (!for_each_kept(v, into, [&](const Corner& a, const Corner& b) { return star_.add(a, b); })) return false;
+        double heights[max_bounded_channels] = {};
+        const bool can_change = mesh_->vertices[into.index()].can(can_lift);
+        if (star_.fit(heights).most > (can_change ? hopeless : try_up_to)) return false;
+        if (!for_each_kept(into, v, [&](const Corner& a, const Corner& b) { return star_.add(a, b); })) return false;
+        const Fit fit = can_change ? star_.lift(heights, 3) : star_.fit(heights);
+        const Corner lifted = star_.apex(heights);
+        for (int c = 0; c < mesh_->field->channels; ++c) candidate.heights[c] = lifted.heights[c];
+        candidate.most = fit.most;
+        candidate.energy = fit.energy;
+        return true;
+    }
+    /// What no change of a height makes up for, in bounds.
+    static constexpr double hopeless = 12;
+
+    /// Removes the vertex if the mesh can be kept within the bound.
+    bool leave(const Candidate& candidate) {
+        HalfedgeMesh& topology = mesh_->topology;
+        const Vertex into = topology.to_vertex(candidate.halfedge);
+        if (moves_.positions && candidate.most > 1) return try_to_leave(candidate);
+        const HalfedgeMesh::Mark mark = topology.begin();
+        const auto vertices = mesh_->vertices.mark();
+        merge(candidate);
+        // Without lifting the faces were held against the limit already.
+        if (!moves_.heights || mesh_->holds_around(into)) {
+            topology.commit(mark);
+            mesh_->vertices.stop_recording();
+            mesh_->touch(into);
+            return true;
+        }
+        topology.rollback(mark);
+        mesh_->vertices.rollback(vertices);
+        mesh_->vertices.stop_recording();
+        return false;
+    }
+    void merge(const Candidate& candidate) {
+        const Vertex into = mesh_->topology.to_vertex(candidate.halfedge);
+        mesh_->topology.collapse(candidate.halfedge);
+        Corner& corner = mesh_->vertices.edit(into.index()).corner;
+        for (int c = 0; c < mesh_->field->channels; ++c) corner.heights[c] = candidate.heights[c];
+    }
+
+    bool try_to_leave(const Candidate& candidate) {
+        HalfedgeMesh& topology = mesh_->topology;
+        const Vertex into = topology.to_vertex(candidate.halfedge);
+        const HalfedgeMesh::Mark mark = topology.begin();
+        const auto vertices = mesh_->vertices.mark();
+        merge(candidate);
+        moved_.clear();
+        moved_.push_back(into);
+        bool holds = false;
+        double last = candidate.most;
+        for (int round = 0; round < try_rounds && !holds; ++round) {
+            relaxation_->move(into, true);
+            ring_.clear();
+            for (const Halfedge h : topology.outgoing(into)) ring_.push_back(topology.to_vertex(h));
+            for (const Vertex v : ring_)
+                if (relaxation_->move(v, true)) note(v);
+            edges_.clear();
+            for (const Halfedge h : topology.outgoing(into)) {
+                edges_.push_back(HalfedgeMesh::edge(h));
+                if (!topology.is_boundary(h)) edges_.push_back(HalfedgeMesh::edge(topology.next(h)));
+            }
+            for (const Edge e : edges_)
+                if (relaxation_->flip(e, true)) {
+                    const Halfedge h = HalfedgeMesh::halfedge(e), o = HalfedgeMesh::opposite(h);
+                    for (const Vertex v : {topology.to_vertex(h), topology.to_vertex(o), topology.to_vertex(topology.next(h)),
+                                           topology.to_vertex(topology.next(o))})
+                        note(v);
+                }
+            const double most = worst_around();
+            holds = most <= 1;
+            if (!holds && most - 1 > slowest * (last - 1)) break;
+            last = most;
+        }
+        if (holds)
+            for (const Vertex v : moved_) holds = holds && mesh_->holds_around(v);
+        if (holds) {
+            topology.commit(mark);
+            mesh_->vertices.stop_recording();
+            for (const Vertex v : moved_) mesh_->touch(v);
+            return true;
+        }
+        topology.rollback(mark);
+        mesh_->vertices.rollback(vertices);
+        mesh_->vertices.stop_recording();
+        return false;
+    }
+    void note(Vertex v) {
+        if (std::find(moved_.begin(), moved_.end(), v) == moved_.end()) moved_.push_back(v);
+    }
+    /// The largest fit of the faces at moved vertices.
+    [[nodiscard]] double worst_around() {
+        const HalfedgeMesh& topology = mesh_->topology;
+        faces_.clear();
+        for (const Vertex v : moved_)
+            for (const Halfedge h : topology.outgoing(v))
+                if (!topology.is_boundary(h)) faces_.push_back(topology.face(h));
+        std::sort(faces_.begin(), faces_.end());
+        faces_.erase(std::unique(faces_.begin(), faces_.end()), faces_.end());
+        double most = 0;
+        for (const Face f : faces_) {
+            const auto v = topology.vertices(f);
+            most = std::max(most, face_fit(*mesh_->field, mesh_->corner(v[0]), mesh_->corner(v[1]), mesh_->corner(v[2]),
+                                           static_cast<float>(relaxation_->per_unit()))
+                                      .most);
+        }
+        return most;
+    }
+
+    BoundedMesh* mesh_;
+    Relaxation* relaxation_;
+    Moves moves_;
+    Star star_;
+    std::vector<std::uint32_t> tried_;  ///< by vertex slot: mesh_->clock when its removal failed
+    std::vector<Candidate> queue_;
+    std::vector<Vertex> moved_, ring_;
+    std::vector<Edge> edges_;
+    std::vector<Face> faces_;
+};
+
+/// Whether the border may run from the vertex before v straight to the end of h, as seen along the border: along a side of the
+/// image where v is on one, and on the rim of what has data so that no sample is lost and none comes in.
+inline bool Removal::keeps_cover(Vertex v, Halfedge h) const {
+    const HalfedgeMesh& topology = mesh_->topology;
+    const Halfedge out = topology.halfedge(v), in = topology.previous(out);
+    const Vertex after = topology.to_vertex(out), before = topology.from_vertex(in);
+    const Vertex into = topology.to_vertex(h);
+    if (into != after && into != before) return false;
+    const Point a = mesh_->position(before), b = mesh_->position(v), c = mesh_->position(after);
+    // The border runs against the faces: positive where they lie in the triangle's angle at v.
+    const double area = -orient2d(a, b, c);
+    if (area == 0) return true;
+    if (!mesh_->vertices[v.index()].can(on_rim)) return false;
+    const HeightField& field = *mesh_->field;
+    const bool squares = field.samples == Samples::squares;
+    if (area > 0 && !squares) return false;  // v itself is a sample
+    const auto is_between = [](Point p, Point q, Point r) {
+        return orient2d(p, q, r) == 0 && std::min(p.x, q.x) <= r.x && r.x <= std::max(p.x, q.x) && std::min(p.y, q.y) <= r.y &&
+               r.y <= std::max(p.y, q.y);
+    };
+    const double sign = area > 0 ? -1 : 1;
+    const auto is_free = [&](double step_offset) {
+        for (double y = std::floor(std::min({a.y, b.y, c.y})) + step_offset; y <= std::max({a.y, b.y, c.y}); ++y)
+            for (double x = std::floor(std::min({a.x, b.x, c.x})) + step_offset; x <= std::max({a.x, b.x, c.x}); ++x) {
+                const Point p{x, y};
+                if (sign * orient2d(a, b, p) < 0 || sign * orient2d(b, c, p) < 0 || sign * orient2d(c, a, p) < 0) continue;
+                if (area > 0 ? !is_between(c, a, p) : !is_between(a, b, p) && !is_between(b, c, p)) return false;
+            }
+        return true;
+    };
+    // What is cut away holds no sample, but for those on the new border; what is added none at all but for those on the old
+    // one, and no place where another part of the rim may be.
+    return is_free(field.offset()) && (area > 0 || !squares || is_free(0));
+}
+
+/// Takes vertices from a mesh within its limit, in at most `passes` passes, until one takes none
+/// or mesh.keep_going() says stop; it holds all the time.
+HMESH_COLD inline void shrink(BoundedMesh& mesh, Bounded::Effort effort, int passes) {
+    if (effort == Bounded::Effort::draft) return;
+    const bool can_lift_any = mesh.limit > 0;
+    const Moves moves{effort >= Bounded::Effort::normal && can_lift_any, effort == Bounded::Effort::best && can_lift_any};
+    Relaxation relaxation(mesh, moves);
+    Removal removal(mesh, relaxation, moves);
+    const auto position = [&](Vertex v) { return mesh.position(v); };
+    std::vector<std::uint32_t> relaxed(mesh.topology.vertex_slots(), 0);
+    std::uint32_t flipped = 0;
+    for (int pass = 0; pass < passes && mesh.keep_going(); ++pass) {
+        const std::vector<Vertex> vertices = spatial_vertices(mesh.topology, position);
+        if (moves.heights) {
+            const std::uint32_t begin = mesh.clock;
+            for (const Edge e : spatial_edges(mesh.topology, position)) {
+                if (!mesh.keep_going()) break;
+                const Halfedge h = HalfedgeMesh::halfedge(e);
+                if (mesh.changed[mesh.topology.to_vertex(h).index()] > flipped ||
+                    mesh.changed[mesh.topology.from_vertex(h).index()] > flipped)
+                    relaxation.flip(e, false);
+            }
+            flipped = begin;
+            for (const Vertex v : vertices) {
+                if (!mesh.keep_going()) break;
+                if (mesh.changed[v.index()] <= relaxed[v.index()]) continue;
+                relaxed[v.index()] = mesh.clock;
+                if (relaxation.move(v, false)) relaxed[v.index()] = 0;
+            }
+        }
+        const std::size_t gone = removal.pass(vertices);
+        if (gone == 0) break;
+    }
+    removal.settle();
+}
+
+}  // namespace hmesh::kit
+
+#endif  // HMESH_METHODS_BOUNDED_REMOVAL_HPP
+
+// ---- hmesh/methods/bounded/pieces.hpp
+
+/// \file
+/// Pieces: an image of any size meshed in tiles, on any number of threads, with the same bytes.
+///
+/// Each tile is meshed by itself: its sides follow from the samples along them alone (methods/bounded/side.hpp), so that tiles
+/// meet. Then the mesh is cut again, along lines half a tile off, three times: what was a side is inside now, and its vertices
+/// leave like others. A vertex with faces in several pieces is locked while these are at work. What has been tried in one phase
+/// is not tried again in the next unless something around it was locked. Memory follows the mesh, not the image.
+#ifndef HMESH_METHODS_BOUNDED_PIECES_HPP
+#define HMESH_METHODS_BOUNDED_PIECES_HPP
+
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+#include <utility>
+#include <vector>
+
+namespace hmesh::kit {
+
+/// The side of a tile, in px: its mesh and samples fit the cache of a core, and seams are few.
+inline constexpr double bounded_tile = 512;
+
+namespace detail {
+
+/// A piece of a sheet, with the places of its vertices there.
+struct SheetPiece {
+    Sheet sheet;
+    std::vector<std::uint32_t> origin;  // of each vertex: its number in the whole
+};
+
+/// The pieces of a sheet by tiles of a tiling; vertices with faces in several are locked in each.
+[[nodiscard]] HMESH_COLD inline std::vector<SheetPiece> cut(const Sheet& whole, const Tiling& tiling) {
+    constexpr std::uint32_t none = 0xffffffffU, several = 0xfffffffeU;
+    std::vector<SheetPiece> pieces(tiling.size());
+    std::vector<std::uint32_t> tile_of(whole.faces.size()), owner(whole.vertices.size(), none),
+        number(whole.vertices.size(), none);
+    for (std::size_t f = 0; f < whole.faces.size(); ++f) {
+        const Triangle& t = whole.faces[f];
+        const Point a = whole.vertices[t[0]].position, b = whole.vertices[t[1]].position, c = whole.vertices[t[2]].position;
+        tile_of[f] = static_cast<std::uint32_t>(tiling.tile_at({(a.x + b.x + c.x) / 3, (a.y + b.y + c.y) / 3}));
+        for (const std::uint32_t v : t) owner[v] = owner[v] == none || owner[v] == tile_of[f] ? tile_of[f] : several;
+    }
+    for (std::size_t f = 0; f < whole.faces.size(); ++f) pieces[tile_of[f]].sheet.faces.push_back(whole.faces[f]);
+    for (SheetPiece& piece : pieces) {
+        for (Triangle& t : piece.sheet.faces)
+            for (std::uint32_t& v : t) {
+                if (number[v] == none) {
+                    number[v] = static_cast<std::uint32_t>(piece.origin.size());
+                    piece.origin.push_back(v);
+                    piece.sheet.vertices.push_back(whole.vertices[v]);
+                    const std::uint8_t locked = owner[v] == several ? is_locked : 0;
+                    piece.sheet.freedom.push_back(static_cast<std::uint8_t>(whole.freedom[v] | locked));
+                }
+                v = number[v];
+            }
+        for (const std::uint32_t v : piece.origin) number[v] = none;
+        // Two fans of one piece may meet in a locked vertex.
+        std::vector<std::uint32_t> places = separate_fans(piece.sheet);
+        for (std::uint32_t& v : places) v = piece.origin[v];
+        piece.origin = std::move(places);
+    }
+    return pieces;
+}
+
+/// Vertices by position, to find those that two pieces share: the number of the first with this position and these heights.
+[[nodiscard]] HMESH_COLD inline std::vector<std::uint32_t> shared_numbers(const Sheet& sheet) {
+    std::vector<std::uint32_t> order;
+    for (std::size_t v = 0; v < sheet.vertices.size(); ++v)
+        if ((sheet.freedom[v] & is_locked) != 0) order.push_back(static_cast<std::uint32_t>(v));
+    const auto before = [&](std::uint32_t a, std::uint32_t b) {
+        const Point p = sheet.vertices[a].position, q = sheet.vertices[b].position;
+        return p.y != q.y ? p.y < q.y : p.x != q.x ? p.x < q.x : a < b;
+    };
+    std::sort(order.begin(), order.end(), before);
+    std::vector<std::uint32_t> number(sheet.vertices.size());
+    for (std::size_t v = 0; v < number.size(); ++v) number[v] = static_cast<std::uint32_t>(v);
+    for (std::size_t k = 1; k < order.size(); ++k)
+        if (sheet.vertices[order[k]].position == sheet.vertices[order[k - 1]].position) number[order[k]] = number[order[k - 1]];
+    return number;
+}
+
+}  // namespace detail
+
+/// Meshes a field in tiles.
+class BoundedPieces {
+  public:
+    /// Of this field, within `limit`.
+    BoundedPieces(const HeightField& field, double limit, const Bounded& recipe, ProgressReporter& progress,
+                  const ParallelFor& parallel_for)
+        : field_(&field), limit_(limit), recipe_(recipe), progress_(&progress), parallel_for_(parallel_for) {}
+
+    /// The mesh, or what there was of it that holds when progress said stop: an empty one while samples were being inserted.
+    /// `energy` gives that of a sheet, for progress.
+    [[nodiscard]] HMESH_COLD Sheet run(FunctionRef<double(const Sheet&)> energy) {
+        const int width = field_->right(), height = field_->bottom();
+        const auto tiling = [&](bool shift_x, bool shift_y) { return Tiling(width, height, bounded_tile, shift_x, shift_y); };
+        const Tiling first = tiling(false, false);
+        const bool is_whole = first.size() == 1;
+        const bool is_draft = recipe_.effort == Bounded::Effort::draft;
+        if (!progress_->begin("insertion", 0, 0)) return {};
+        progress_->set_range(0, 1);
+        std::vector<detail::SheetPiece> pieces(first.size());
+        parallel_for_(first.size(),
+                      [&](std::size_t k) { pieces[k].sheet = inserted(first.rect(k), 1.0 / static_cast<double>(first.size())); });
+        if (progress_->stopped()) return {};
+        Sheet whole = joined(pieces);
+        if (!is_whole || !field_->data.empty()) weld(whole);
+        set_freedom(whole, *field_, recipe_.free_borders);
+        if (!progress_->end(whole.vertices.size(), energy(whole)) || is_draft || whole.faces.empty()) return whole;
+
+        const char* const names[] = {"removal", "seams", "seams", "seams"};
+        const bool shifts[][2] = {{false, false}, {true, true}, {true, false}, {false, true}};
+        for (int phase = 0; phase < (is_whole ? 1 : 4); ++phase) {
+            if (!progress_->begin(names[phase], whole.vertices.size(), 0)) break;
+            progress_->set_range(0, 1);
+            pieces = detail::cut(whole, tiling(shifts[phase][0], shifts[phase][1]));
+            const double share = 1.0 / static_cast<double>(pieces.size());
+            parallel_for_(pieces.size(), [&](std::size_t k) { shrink_piece(pieces[k], share, phase == 0 ? 30 : 6); });
+            whole = joined(pieces, whole);
+            if (!progress_->end(whole.vertices.size(), energy(whole))) break;
+        }
+        return whole;
+    }
+
+  private:
+    /// The mesh of a rectangle by greedy insertion.
+    [[nodiscard]] Sheet inserted(const Rect& rect, double share) const {
+        TaskProgress task(*progress_, share);
+        Sheet sheet = first_sheet(*field_, rect, limit_);
+        // Vertices of the rectangle's sides are those that other tiles have, too.
+        for (std::size_t v = 0; v < sheet.vertices.size(); ++v) {
+            const Point p = sheet.vertices[v].position;
+            if (p.x == rect.x || p.y == rect.y || p.x == rect.x + rect.width || p.y == rect.y + rect.height)
+                sheet.freedom[v] = is_locked;
+        }
+        if (sheet.faces.empty()) return sheet;
+        BoundedMesh mesh(*field_, limit_, sheet, task);
+        GreedyInsertion(mesh).run();
+        return mesh.sheet();
+    }
+    void shrink_piece(detail::SheetPiece& piece, double share, int passes) const {
+        if (piece.sheet.faces.empty()) return;
+        TaskProgress task(*progress_, share);
+        BoundedMesh mesh(*field_, limit_, piece.sheet, task);
+        shrink(mesh, recipe_.effort, passes);
+        std::vector<std::uint32_t> origin;
+        for (const Vertex v : mesh.topology.vertices()) origin.push_back(piece.origin[v.index()]);
+        piece.sheet = mesh.sheet();
+        piece.origin = std::move(origin);
+    }
+    /// Pieces one after another, each with its own vertices.
+    [[nodiscard]] static Sheet joined(const std::vector<detail::SheetPiece>& pieces) {
+        Sheet whole;
+        for (const detail::SheetPiece& piece : pieces) {
+            const auto first = static_cast<std::uint32_t>(whole.vertices.size());
+            whole.vertices.insert(whole.vertices.end(), piece.sheet.vertices.begin(), piece.sheet.vertices.end());
+            whole.freedom.insert(whole.freedom.end(), piece.sheet.freedom.begin(), piece.sheet.freedom.end());
+            for (const Triangle& t : piece.sheet.faces) whole.faces.push_back({t[0] + first, t[1] + first, t[2] + first});
+        }
+        return whole;
+    }
+    /// Makes one vertex of those on the sides of tiles that stand in one place, and of each fan one of its own again.
+    static void weld(Sheet& whole) {
+        const std::vector<std::uint32_t> number = detail::shared_numbers(whole);
+        for (Triangle& t : whole.faces)
+            for (std::uint32_t& v : t) v = number[v];
+        separate_fans(whole);
+    }
+    /// Pieces of `before` put together: locked vertices, which are as they were, are those of `before`.
+    [[nodiscard]] static Sheet joined(const std::vector<detail::SheetPiece>& pieces, const Sheet& before) {
+        constexpr std::uint32_t none = 0xffffffffU;
+        Sheet whole;
+        std::vector<std::uint32_t> number(before.vertices.size(), none), local;
+        for (const detail::SheetPiece& piece : pieces) {
+            local.clear();
+            for (std::size_t v = 0; v < piece.origin.size(); ++v) {
+                std::uint32_t at = none;
+                const bool locked = (piece.sheet.freedom[v] & is_locked) != 0;
+                if (locked) at = number[piece.origin[v]];
+                if (at == none) {
+                    at = static_cast<std::uint32_t>(whole.vertices.size());
+                    whole.vertices.push_back(piece.sheet.vertices[v]);
+                    whole.freedom.push_back(static_cast<std::uint8_t>(piece.sheet.freedom[v] & ~is_locked));
+                    if (locked) number[piece.origin[v]] = at;
+                }
+                local.push_back(at);
+            }
+            for (const Triangle& t : piece.sheet.faces) whole.faces.push_back({local[t[0]], local[t[1]], local[t[2]]});
+        }
+        return whole;
+    }
+
+    const HeightField* field_;
+    double limit_;
+    Bounded recipe_;
+    ProgressReporter* progress_;
+    ParallelFor parallel_for_;
+};
+
+}  // namespace hmesh::kit
+
+#endif  // HMESH_METHODS_BOUNDED_PIECES_HPP
+
+// ---- hmesh/methods/bounded/proof.hpp
+
+/// \file
+/// The proof: whether a finished mesh keeps its bound and covers what it must, from the very floats that are returned.
+///
+/// Nothing that was known while the mesh was made is used. Each face is held against all samples of its closed triangle in
+/// double (methods/bounded/face_error.hpp), as whoever reads the mesh may do. Some 3 ns a sample.
+#ifndef HMESH_METHODS_BOUNDED_PROOF_HPP
+#define HMESH_METHODS_BOUNDED_PROOF_HPP
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+namespace hmesh::kit {
+
+/// What a mesh is, measured.
+struct Proof {
+    double max_error = 0;     ///< largest |mesh - sample|, in stored values
+    double energy = 0;        ///< sum of squared differences; of a sample on an edge that of the first face counts
+    std::size_t samples = 0;  ///< how many samples the mesh covers
+    bool is_cover = true;     ///< whether it covers all that it must and nothing without data, with faces that do not overlap
+};
+
+/// Reads samples [begin, end) of row j of a channel into `values`.
+using ReadSamples = FunctionRef<void(int channel, int j, int begin, int end, double* values)>;
+
+/// Measures a mesh against samples; where they stand and which have data the field says.
+[[nodiscard]] HMESH_COLD inline Proof prove(const MeshView& mesh, const HeightField& field, ReadSamples read) {
+    Proof proof;
+    const auto width = static_cast<std::size_t>(field.width);
+    std::vector<std::uint8_t> covered(width * static_cast<std::size_t>(field.height), 0);
+    std::vector<double> values(width);
+    const double offset = field.offset();
+    double area_sum = 0;
+    for (std::size_t f = 0; f < mesh.face_count; ++f) {
+        Corner corner[3];
+        for (std::size_t k = 0; k < 3; ++k) {
+            const std::size_t v = mesh.faces[f][k];
+            corner[k].position = {static_cast<double>(mesh.positions[2 * v]), static_cast<double>(mesh.positions[2 * v + 1])};
+            for (std::size_t c = 0; c < static_cast<std::size_t>(field.channels); ++c)
+                corner[k].heights[c] = mesh.colors[v * static_cast<std::size_t>(field.channels) + c];
+        }
+        const Point a = corner[0].position, b = corner[1].position, c = corner[2].position;
+        const double area = orient2d(a, b, c);
+        if (!(area > 0)) {
+            proof.is_cover = false;
+            continue;
+        }
+        area_sum += area;
+        for (int channel = 0; channel < field.channels; ++channel) {
+            const ScaledPlane plane(corner[0], corner[1], corner[2], area, channel);
+            const bool is_last = channel + 1 == field.channels;
+            for_each_closed_span(field, a, b, c, [&](int j, int begin, int end) {
+                read(channel, j, begin, end, values.data());
+                std::uint8_t* const seen = covered.data() + static_cast<std::size_t>(j) * width;
+                const double from = plane.at(begin, j, offset);
+                for (int i = begin; i < end; ++i) {
+                    const double value = values[static_cast<std::size_t>(i - begin)];
+                    const double off = std::abs(from + (i - begin) * plane.dx - area * (value - plane.base)) / area;
+                    if (!field.has_data(i, j)) {
+                        proof.is_cover = false;
+                        continue;
+                    }
+                    if (off > proof.max_error + plane.slack) proof.max_error = off - plane.slack;
+                    if (seen[i] != 0) continue;
+                    proof.energy += off > plane.slack ? off * off : 0;
+                    if (is_last) seen[i] = 1, ++proof.samples;
+                }
+            });
+        }
+    }
+    if (field.data.empty()) {
+        // Sums of multiples of 2^-16 below 2^37 are exact. Faces that all turn one way within the rectangle and have its area
+        // cover it once, since they hang together along edges.
+        proof.is_cover = proof.is_cover && proof.samples == covered.size() && area_sum == 2.0 * field.right() * field.bottom();
+        return proof;
+    }
+    for (int j = 0; j < field.height && proof.is_cover; ++j)
+        for (int i = 0; i < field.width; ++i)
+            if (covered[static_cast<std::size_t>(j) * width + static_cast<std::size_t>(i)] == 0 && field.is_wanted(i, j))
+                proof.is_cover = false;
+    return proof;
+}
+
+}  // namespace hmesh::kit
+
+#endif  // HMESH_METHODS_BOUNDED_PROOF_HPP
+
+// ---- hmesh/methods/bounded/bounded.hpp
+
+/// \file
+/// mesh_image() with the recipe Bounded: a mesh that differs from no sample by more than a bound.
+///
+///     hmesh::Options options;
+///     options.samples = hmesh::Samples::points;                                   // heights at points, not pixels
+///     const hmesh::Result result = hmesh::mesh_image(view, options, hmesh::Bounded{2.0});    // nowhere off by more than 2
+///
+/// Reached by hmesh/terrain.hpp. docs/terrain.md has the method and figures.
+#ifndef HMESH_METHODS_BOUNDED_BOUNDED_HPP
+#define HMESH_METHODS_BOUNDED_BOUNDED_HPP
+
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+#include <utility>
+#include <vector>
+
+namespace hmesh {
+namespace detail {
+
+/// Refuses what a mesh within a bound cannot honour.
+[[nodiscard]] HMESH_COLD inline Status check_bounded(const Options& options, int width, int height) noexcept {
+    const auto refuse = [](const char* what) -> Status { return {Errc::invalid_argument, what}; };
+    const Target usual;
+    const Target& target = options.target;
+    if (target.kind != usual.kind || target.value != usual.value || target.max_vertices || target.good_enough)
+        return refuse("a mesh within a bound has as many vertices as it needs: options.target must be left as it is");
+    if (options.weights.data != nullptr) return refuse("a mesh within a bound keeps to all samples alike and knows no weights");
+    if (!options.channel_weights.empty())
+        return refuse("a mesh within a bound keeps to all channels alike and knows no channel_weights");
+    if (options.colors) return refuse("the heights of a mesh within a bound follow from it: options.colors must be left empty");
+    if (options.premultiplied) return refuse("a mesh within a bound keeps to samples as they are stored, not premultiplied");
+    if (options.periodic != Periodic::none) return refuse("a mesh within a bound is not periodic");
+    if (options.psnr_of) return refuse("a mesh within a bound is not searched for by a PSNR: options.psnr_of must be left empty");
+    const MeshLimits limits;
+    if (options.limits.min_double_area != limits.min_double_area || options.limits.border_gap != limits.border_gap ||
+        options.limits.color_overshoot != limits.color_overshoot || options.limits.ridge != limits.ridge ||
+        options.limits.position_step != limits.position_step)
+        return refuse("a mesh within a bound has limits of its own: options.limits must be left as they are");
+    if (options.samples == Samples::points && (width < 2 || height < 2))
+        return {Errc::invalid_argument, "an image whose samples are points must have 2 along each side at least",
+                std::min(width, height), 2};
+    const ImageView<std::uint8_t, 1>& mask = options.mask;
+    if (mask.data == nullptr) return {};
+    if (const Status status = check(mask); !status) return status;
+    if (mask.width != width) return {Errc::invalid_argument, "the mask is not as wide as the image", mask.width, width};
+    if (mask.height != height) return {Errc::invalid_argument, "the mask is not as high as the image", mask.height, height};
+    return {};
+}
+
+/// What face_error() may be, so that others who calculate it come to max_error at most; -1 where rounding of samples to floats
+/// takes all of it.
+[[nodiscard]] inline double bounded_limit(const kit::HeightField& field, double max_error) noexcept {
+    if (max_error < field.slack) return -1;
+    const double room = max_error - field.slack;
+    // Others may round heights, coordinates and their sums in double otherwise: some 2^-52 of the largest height for each.
+    const double margin = field.largest * (16.0 / 4503599627370496.0);
+    return room > 2 * margin ? room - margin : 0;
+}
+
+/// A sheet as a mesh with samples of this peak.
+[[nodiscard]] HMESH_COLD inline Mesh bounded_mesh(const kit::Sheet& sheet, const kit::HeightField& field, double peak) {
+    Mesh mesh;
+    mesh.channels = field.channels;
+    mesh.width = field.width;
+    mesh.height = field.height;
+    mesh.peak = peak;
+    mesh.samples = field.samples;
+    mesh.faces = sheet.faces;
+    mesh.positions.reserve(2 * sheet.vertices.size());
+    mesh.colors.reserve(static_cast<std::size_t>(field.channels) * sheet.vertices.size());
+    for (const kit::Corner& corner : sheet.vertices) {
+        mesh.positions.push_back(static_cast<float>(corner.position.x));
+        mesh.positions.push_back(static_cast<float>(corner.position.y));
+        mesh.colors.insert(mesh.colors.end(), corner.heights, corner.heights + field.channels);
+    }
+    return mesh;
+}
+
+/// mesh_image() with Bounded, for all types of samples: those that the mesh is proved against are read by `read`.
+[[nodiscard]] HMESH_COLD HMESH_NEVER_INLINE inline Result mesh_bounded(const kit::HeightField& field, const Options& options,
+                                                                       const Bounded& recipe, double peak,
+                                                                       const kit::ReadSamples& read,
+                                                                       const ParallelFor& parallel_for) {
+    Result result;
+    const double limit = bounded_limit(field, recipe.max_error);
+    if (limit < 0) {
+        result.status = {Errc::invalid_argument, "max_error is less than what rounding the samples to floats takes",
+                         recipe.max_error, field.slack};
+        return result;
+    }
+    std::size_t samples = static_cast<std::size_t>(field.width) * static_cast<std::size_t>(field.height);
+    if (!field.data.empty()) samples = static_cast<std::size_t>(std::count(field.data.begin(), field.data.end(), 1));
+    const auto channels = static_cast<std::size_t>(field.channels);
+    kit::ProgressReporter progress(options.progress, static_cast<double>(std::max<std::size_t>(1, samples) * channels), peak);
+    switch (recipe.effort) {
+        case Bounded::Effort::draft: progress.plan({9, 1}); break;
+        case Bounded::Effort::fast: progress.plan({2, 6, 1}); break;
+        case Bounded::Effort::normal: progress.plan({2, 50, 1}); break;
+        default: progress.plan({2, 120, 1}); break;
+    }
+    const auto energy = [&](const kit::Sheet& sheet) {
+        return prove(bounded_mesh(sheet, field, peak).view(), field, read).energy;
+    };
+    const kit::Sheet sheet = kit::BoundedPieces(field, limit, recipe, progress, parallel_for).run(energy);
+    if (sheet.faces.empty()) {
+        result.status = progress.stopped()
+                            ? Status(Errc::cancelled, "cancelled by the progress callback")
+                            : Status(Errc::invalid_argument, "the image has no cell of samples that all have data");
+        return result;
+    }
+    result.mesh = bounded_mesh(sheet, field, peak);
+    progress.begin_last("proof", sheet.vertices.size(), 0);
+    const kit::Proof proof = prove(result.mesh.view(), field, read);
+    if (!proof.is_cover || proof.max_error > recipe.max_error) {
+        // Not to be expected; but no mesh is returned as one that holds which does not.
+        result = {};
+        result.status = {Errc::target_out_of_range, "no mesh within max_error was found", proof.max_error, recipe.max_error};
+        return result;
+    }
+    progress.end(sheet.vertices.size(), proof.energy);
+    result.report = {
+        sheet.vertices.size(), sheet.faces.size(),
+        proof.energy,          kit::psnr_of_energy(proof.energy, static_cast<double>(proof.samples * channels), peak),
+        progress.stages(),     proof.max_error};
+    if (progress.stopped()) result.status = {Errc::cancelled, "cancelled by the progress callback"};
+    return result;
+}
+
+}  // namespace detail
+
+/// Turns an image, such as a heightmap, into a mesh that differs from no sample by more than recipe.max_error, in each channel,
+/// with as few triangles as the effort finds.
+///
+/// \param view          the image, which check() must accept; 1 to 4 channels
+/// \param options       where samples stand (samples), which have data (mask, nan_is_no_data), and progress. All others are to be
+///     left as they are; round_colors counts for nothing: vertices that are no samples have heights of type float
+/// \param recipe        the bound and the effort
+/// \param parallel_for  executor of the tiles
+/// \return              the mesh, its error, and a status:
+///     - invalid_argument, image_too_large or not_finite where the image, an option or the bound is refused (no mesh);
+///     - cancelled by options.progress, with the mesh reached so far, which is within the bound; with none while samples were
+///       being inserted.
+///
+/// The bound is proved on the floats that are returned: at every sample, in double, against each face whose closed triangle holds
+/// it. The mesh covers the plane's rectangle, or of images with holes every sample with data in a cell of data and none without,
+/// by positively oriented faces; vertices stand on the 1/256 px grid. Same bytes for any executor.
+///
+/// Time: see Bounded::Effort; linear in the number of samples. Memory: 4 bytes a sample and channel, one for holes, one for the
+/// proof, and about 0.4 KB a vertex of the draft for the tiles at work.
+template <class T, int C>
+[[nodiscard]] HMESH_NEVER_INLINE Result mesh_image(const ImageView<T, C>& view, const Options& options, const Bounded& recipe,
+                                                   const ParallelFor& parallel_for = {}) {
+    static_assert(C <= kit::max_bounded_channels, "a mesh within a bound has 1 to 4 channels");
+    Result result;
+    result.status = check(view);
+    if (result.status) result.status = check(options, std::int64_t{view.width} * view.height, C);
+    if (result.status) result.status = detail::check_bounded(options, view.width, view.height);
+    if (result.status) result.status = check(recipe);
+    if (!result.status) return result;
+    const kit::HeightField field = kit::height_field(view, options.samples, options.mask, options.nan_is_no_data, parallel_for);
+    if (field.bad_row >= 0) {
+        result.status = {Errc::not_finite, "the image has a sample that is NaN, infinite or beyond all floats, in row",
+                         field.bad_row};
+        return result;
+    }
+    const auto read = [&](int channel, int j, int begin, int end, double* values) {
+        const T* from = view.pixel(begin, j) + channel;
+        for (int i = begin; i < end; ++i, from += C) *values++ = PixelTraits<T>::to_real(*from);
+    };
+    return detail::mesh_bounded(field, options, recipe, PixelTraits<T>::peak, read, parallel_for);
+}
+
+}  // namespace hmesh
+
+#endif  // HMESH_METHODS_BOUNDED_BOUNDED_HPP
+
 #if defined(_MSC_VER) || defined(__GNUC__)
 #pragma pop_macro("min")
 #pragma pop_macro("max")

@@ -28,15 +28,18 @@ constexpr Effort efforts[] = {Effort::draft, Effort::fast, Effort::normal, Effor
 template <class T, int C = 1>
 struct Terrain {
     int width = 0, height = 0;
-    std::vector<T> samples;           // interleaved
-    std::vector<std::uint8_t> data;   // or empty: all
+    std::vector<T> samples;          // interleaved
+    std::vector<std::uint8_t> data;  // or empty: all
     [[nodiscard]] hmesh::ImageView<T, C> view() const { return {samples.data(), width, height, 0}; }
     [[nodiscard]] double at(int i, int j, int c) const {
-        return static_cast<double>(samples[(static_cast<std::size_t>(j) * static_cast<std::size_t>(width) + static_cast<std::size_t>(i)) * C + static_cast<std::size_t>(c)]);
+        return static_cast<double>(
+            samples[(static_cast<std::size_t>(j) * static_cast<std::size_t>(width) + static_cast<std::size_t>(i)) * C +
+                    static_cast<std::size_t>(c)]);
     }
     [[nodiscard]] bool has(int i, int j) const {
         return i >= 0 && j >= 0 && i < width && j < height &&
-               (data.empty() || data[static_cast<std::size_t>(j) * static_cast<std::size_t>(width) + static_cast<std::size_t>(i)] != 0);
+               (data.empty() ||
+                data[static_cast<std::size_t>(j) * static_cast<std::size_t>(width) + static_cast<std::size_t>(i)] != 0);
     }
     /// Whether the mesh must cover a sample.
     [[nodiscard]] bool wants(int i, int j, Samples convention) const {
@@ -67,7 +70,10 @@ std::string fault(const hmesh::Mesh& mesh, const Terrain<T, C>& terrain, Samples
     double area = 0;
     const auto x = [&](std::uint32_t v) { return static_cast<double>(mesh.positions[2 * std::size_t{v}]); };
     const auto y = [&](std::uint32_t v) { return static_cast<double>(mesh.positions[2 * std::size_t{v} + 1]); };
-    const double rounding = terrain.samples.empty() ? 0 : 1e-15 * std::abs(static_cast<double>(*std::max_element(terrain.samples.begin(), terrain.samples.end())));
+    const double rounding =
+        terrain.samples.empty()
+            ? 0
+            : 1e-15 * std::abs(static_cast<double>(*std::max_element(terrain.samples.begin(), terrain.samples.end())));
     for (const hmesh::Triangle& t : mesh.faces) {
         const double x0 = x(t[0]), y0 = y(t[0]), x1 = x(t[1]), y1 = y(t[1]), x2 = x(t[2]), y2 = y(t[2]);
         const double twice = cross(x0, y0, x1, y1, x2, y2);
@@ -81,12 +87,15 @@ std::string fault(const hmesh::Mesh& mesh, const Terrain<T, C>& terrain, Samples
         for (int j = 0; j < terrain.height; ++j)
             for (int i = 0; i < terrain.width; ++i) {
                 const double px = i + offset, py = j + offset;
-                const double a = cross(x1, y1, x2, y2, px, py), b = cross(x2, y2, x0, y0, px, py), c = cross(x0, y0, x1, y1, px, py);
+                const double a = cross(x1, y1, x2, y2, px, py), b = cross(x2, y2, x0, y0, px, py),
+                             c = cross(x0, y0, x1, y1, px, py);
                 if (a < 0 || b < 0 || c < 0) continue;  // exact: positions are multiples of 1/256
                 if (!terrain.has(i, j)) return "a face covers a sample without data";
                 ++covered[static_cast<std::size_t>(j) * static_cast<std::size_t>(terrain.width) + static_cast<std::size_t>(i)];
                 for (int channel = 0; channel < C; ++channel) {
-                    const auto z = [&](std::uint32_t v) { return static_cast<double>(mesh.colors[std::size_t{v} * C + static_cast<std::size_t>(channel)]); };
+                    const auto z = [&](std::uint32_t v) {
+                        return static_cast<double>(mesh.colors[std::size_t{v} * C + static_cast<std::size_t>(channel)]);
+                    };
                     const double height = z(t[0]) + b / twice * (z(t[1]) - z(t[0])) + c / twice * (z(t[2]) - z(t[0]));
                     const double off = std::abs(height - terrain.at(i, j, channel));
                     if (off > bound + (bound == 0 ? rounding + 1e-13 * std::abs(terrain.at(i, j, channel)) : 0))
@@ -107,7 +116,8 @@ std::string fault(const hmesh::Mesh& mesh, const Terrain<T, C>& terrain, Samples
     if (whole && area != right * bottom) return "the faces do not have the area of the rectangle";
     for (int j = 0; j < terrain.height; ++j)
         for (int i = 0; i < terrain.width; ++i)
-            if (terrain.wants(i, j, convention) && covered[static_cast<std::size_t>(j) * static_cast<std::size_t>(terrain.width) + static_cast<std::size_t>(i)] == 0)
+            if (terrain.wants(i, j, convention) &&
+                covered[static_cast<std::size_t>(j) * static_cast<std::size_t>(terrain.width) + static_cast<std::size_t>(i)] == 0)
                 return "a sample is not covered";
     if (whole) return {};
     // Faces of a mesh with holes do not overlap: no place, off all edges, is in two.
@@ -115,7 +125,8 @@ std::string fault(const hmesh::Mesh& mesh, const Terrain<T, C>& terrain, Samples
         for (double px = 0.0713; px < right; px += 0.29) {
             int in = 0;
             for (const hmesh::Triangle& t : mesh.faces)
-                if (cross(x(t[0]), y(t[0]), x(t[1]), y(t[1]), px, py) > 0 && cross(x(t[1]), y(t[1]), x(t[2]), y(t[2]), px, py) > 0 &&
+                if (cross(x(t[0]), y(t[0]), x(t[1]), y(t[1]), px, py) > 0 &&
+                    cross(x(t[1]), y(t[1]), x(t[2]), y(t[2]), px, py) > 0 &&
                     cross(x(t[2]), y(t[2]), x(t[0]), y(t[0]), px, py) > 0)
                     ++in;
             if (in > 1) return "two faces overlap";
@@ -142,11 +153,11 @@ Terrain<T, C> random_terrain(Random& random, int kind, double scale) {
                 double z = level;
                 switch (kind % 7) {
                     case 0: z += 20 * std::sin(frequency * i + c) * std::cos(frequency * j); break;
-                    case 1: break;                                                          // flat
-                    case 2: z += i < at ? 0 : 60; break;                                    // a step
+                    case 1: break;                                                               // flat
+                    case 2: z += i < at ? 0 : 60; break;                                         // a step
                     case 3: z += random.uniform() < 0.05 ? between(random, -40, 60) : 0; break;  // spikes
-                    case 4: z += between(random, -40, 60); break;                           // noise
-                    case 5: z += a * i + b * j; break;                                      // a plane
+                    case 4: z += between(random, -40, 60); break;                                // noise
+                    case 5: z += a * i + b * j; break;                                           // a plane
                     default: z += 20 * std::sin(frequency * (i + j)) + between(random, -2, 2); break;
                 }
                 t.samples.push_back(static_cast<T>(std::max(0.0, z) * scale));
@@ -166,10 +177,18 @@ void add_holes(Terrain<T, C>& t, Random& random, int kind) {
     const double slope = between(random, -2, 2), radius = between(random, 1, 6);
     for (int j = 0; j < t.height; ++j)
         for (int i = 0; i < t.width; ++i) switch (kind % 5) {
-                case 0: if (std::hypot(i - x, j - y) < radius) set(i, j, 0); break;
-                case 1: if (random.uniform() < 0.15) set(i, j, 0); break;
-                case 2: if (j - y > slope * (i - x)) set(i, j, 0); break;
-                case 3: if (random.uniform() < 0.6) set(i, j, 0); break;
+                case 0:
+                    if (std::hypot(i - x, j - y) < radius) set(i, j, 0);
+                    break;
+                case 1:
+                    if (random.uniform() < 0.15) set(i, j, 0);
+                    break;
+                case 2:
+                    if (j - y > slope * (i - x)) set(i, j, 0);
+                    break;
+                case 3:
+                    if (random.uniform() < 0.6) set(i, j, 0);
+                    break;
                 default: break;
             }
     if (kind % 5 == 4)
@@ -252,7 +271,8 @@ TEST_CASE("a bound of 0 gives a mesh of error 0, with fewer faces where samples 
     for (int k = 0; k < 14; ++k) {
         const auto terrain = random_terrain<std::uint16_t>(random, k, 100);
         for (const Effort effort : efforts) {
-            const hmesh::Result result = hmesh::mesh_image(terrain.view(), options_of(terrain, Samples::points), Bounded{0, effort});
+            const hmesh::Result result =
+                hmesh::mesh_image(terrain.view(), options_of(terrain, Samples::points), Bounded{0, effort});
             REQUIRE(result.status);
             CHECK(result.report.max_error == 0);
             CHECK(result.report.energy == 0);
@@ -279,8 +299,7 @@ TEST_CASE("heights at the end of what floats hold stay finite and within the bou
     for (int k = 0; k < 20; ++k) {
         auto terrain = random_terrain<float>(random, k, 1);
         for (float& z : terrain.samples) z = (z - 50) / 50 * std::numeric_limits<float>::max();
-        for (const double bound : {0.0, 1e37, 3e38})
-            try_terrain(terrain, Samples::points, {bound, efforts[k % 4], true});
+        for (const double bound : {0.0, 1e37, 3e38}) try_terrain(terrain, Samples::points, {bound, efforts[k % 4], true});
     }
 }
 
@@ -288,10 +307,12 @@ TEST_CASE("more effort takes fewer faces") {
     Terrain<std::uint16_t> terrain = {60, 50, {}, {}};
     for (int j = 0; j < 50; ++j)
         for (int i = 0; i < 60; ++i)
-            terrain.samples.push_back(static_cast<std::uint16_t>(2000 + 700 * std::sin(0.21 * i) * std::cos(0.17 * j) + 200 * std::sin(0.1 * i * j)));
+            terrain.samples.push_back(
+                static_cast<std::uint16_t>(2000 + 700 * std::sin(0.21 * i) * std::cos(0.17 * j) + 200 * std::sin(0.1 * i * j)));
     std::size_t last = terrain.samples.size() * 2;
     for (const Effort effort : efforts) {
-        const hmesh::Result result = hmesh::mesh_image(terrain.view(), options_of(terrain, Samples::points), Bounded{60, effort, true});
+        const hmesh::Result result =
+            hmesh::mesh_image(terrain.view(), options_of(terrain, Samples::points), Bounded{60, effort, true});
         REQUIRE(result.status);
         CHECK(fault(result.mesh, terrain, Samples::points, 60) == "");
         CHECK(result.report.faces < last);
@@ -322,7 +343,8 @@ TEST_CASE("tiles that share a row of samples share its border vertices and heigh
         for (int i = 0; i < width; ++i)
             samples.push_back(static_cast<float>(100 * std::sin(0.2 * i) * std::cos(0.13 * j) + between(random, -9, 9)));
     const auto tile = [&](int x, int y, int w, int h) {
-        return hmesh::ImageView<float, 1>{samples.data() + y * width + x, w, h, width * static_cast<std::ptrdiff_t>(sizeof(float))};
+        return hmesh::ImageView<float, 1>{samples.data() + y * width + x, w, h,
+                                          width * static_cast<std::ptrdiff_t>(sizeof(float))};
     };
     hmesh::Options options;
     options.samples = Samples::points;
@@ -345,7 +367,8 @@ TEST_CASE("any executor gives the same bytes, in one piece and in several") {
     std::vector<std::uint8_t> data;
     for (int j = 0; j < height; ++j)
         for (int i = 0; i < width; ++i) {
-            samples.push_back(static_cast<std::uint16_t>(2000 + 500 * std::sin(0.05 * i) * std::cos(0.04 * j) + 500 * std::sin(0.0004 * i * j)));
+            samples.push_back(static_cast<std::uint16_t>(2000 + 500 * std::sin(0.05 * i) * std::cos(0.04 * j) +
+                                                         500 * std::sin(0.0004 * i * j)));
             data.push_back(std::hypot(i - 520, j - 200) < 90 || (i + 2 * j) % 977 < 3 ? 0 : 1);
         }
     for (const bool holes : {false, true}) {

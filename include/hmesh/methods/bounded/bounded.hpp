@@ -64,8 +64,8 @@ namespace detail {
     return {};
 }
 
-/// What face_error() may be, so that others who calculate it come to max_error at most; -1 where rounding of samples to floats takes
-/// all of it.
+/// What face_error() may be, so that others who calculate it come to max_error at most; -1 where rounding of samples to floats
+/// takes all of it.
 [[nodiscard]] inline double bounded_limit(const kit::HeightField& field, double max_error) noexcept {
     if (max_error < field.slack) return -1;
     const double room = max_error - field.slack;
@@ -115,7 +115,9 @@ namespace detail {
         case Bounded::Effort::normal: progress.plan({2, 50, 1}); break;
         default: progress.plan({2, 120, 1}); break;
     }
-    const auto energy = [&](const kit::Sheet& sheet) { return prove(bounded_mesh(sheet, field, peak).view(), field, read).energy; };
+    const auto energy = [&](const kit::Sheet& sheet) {
+        return prove(bounded_mesh(sheet, field, peak).view(), field, read).energy;
+    };
     const kit::Sheet sheet = kit::BoundedPieces(field, limit, recipe, progress, parallel_for).run(energy);
     if (sheet.faces.empty()) {
         result.status = progress.stopped()
@@ -133,9 +135,10 @@ namespace detail {
         return result;
     }
     progress.end(sheet.vertices.size(), proof.energy);
-    result.report = {sheet.vertices.size(), sheet.faces.size(), proof.energy,
-                     kit::psnr_of_energy(proof.energy, static_cast<double>(proof.samples * channels), peak), progress.stages(),
-                     proof.max_error};
+    result.report = {
+        sheet.vertices.size(), sheet.faces.size(),
+        proof.energy,          kit::psnr_of_energy(proof.energy, static_cast<double>(proof.samples * channels), peak),
+        progress.stages(),     proof.max_error};
     if (progress.stopped()) result.status = {Errc::cancelled, "cancelled by the progress callback"};
     return result;
 }
@@ -171,10 +174,10 @@ template <class T, int C>
     if (result.status) result.status = detail::check_bounded(options, view.width, view.height);
     if (result.status) result.status = check(recipe);
     if (!result.status) return result;
-    const kit::HeightField field =
-        kit::height_field(view, options.samples, options.mask, options.nan_is_no_data, parallel_for);
+    const kit::HeightField field = kit::height_field(view, options.samples, options.mask, options.nan_is_no_data, parallel_for);
     if (field.bad_row >= 0) {
-        result.status = {Errc::not_finite, "the image has a sample that is NaN, infinite or beyond all floats, in row", field.bad_row};
+        result.status = {Errc::not_finite, "the image has a sample that is NaN, infinite or beyond all floats, in row",
+                         field.bad_row};
         return result;
     }
     const auto read = [&](int channel, int j, int begin, int end, double* values) {

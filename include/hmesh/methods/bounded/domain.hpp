@@ -42,7 +42,8 @@ HMESH_COLD inline void add_rim(const HeightField& field, const Rect& rect, std::
             if (!is_rim) continue;
             Corner c;
             c.position = {static_cast<double>(i), static_cast<double>(j)};
-            static_cast<void>(squares ? mean_height(field, i - 1, i, j - 1, j, c.heights) : mean_height(field, i, i, j, j, c.heights));
+            static_cast<void>(squares ? mean_height(field, i - 1, i, j - 1, j, c.heights)
+                                      : mean_height(field, i, i, j, j, c.heights));
             corners.push_back(c);
         }
 }

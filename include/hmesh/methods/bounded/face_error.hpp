@@ -13,8 +13,8 @@
 
 #include "hmesh/core/compiler.hpp"
 #include "hmesh/mesh/geometry.hpp"
+#include "hmesh/methods/bounded/detail/wide.hpp"
 #include "hmesh/methods/bounded/height_field.hpp"
-#include "hmesh/methods/bounded/wide.hpp"
 
 #include "hmesh/core/macros/push.hpp"
 
@@ -60,7 +60,9 @@ HMESH_ALWAYS_INLINE void for_each_closed_span(const HeightField& field, Point a,
         double left, right;
         if (y < b.y) left = std::min(one, above), right = std::max(one, above);
         else if (y > b.y) left = std::min(one, below), right = std::max(one, below);
-        else left = std::min(c.y > a.y ? one : std::min(a.x, c.x), b.x), right = std::max(c.y > a.y ? one : std::max(a.x, c.x), b.x);
+        else
+            left = std::min(c.y > a.y ? one : std::min(a.x, c.x), b.x),
+            right = std::max(c.y > a.y ? one : std::max(a.x, c.x), b.x);
         const detail::Wholes columns(left - offset - slack, right - offset + slack);
         const int begin = std::max(0, columns.begin), end = std::min(field.width, columns.end);
         if (begin < end) body(j, begin, end);
@@ -77,15 +79,16 @@ struct WorstSample {
 /// The heights of a face along its rows, times twice its area: differences to a channel's samples are linear in it, and whole
 /// for whole numbers at whole positions.
 struct ScaledPlane {
-    double area;                 ///< twice the area of the face, px^2, > 0
-    double base;                 ///< height of corner a
-    double dx, dy;               ///< rise a column and a row, times `area`
-    double x, y;                 ///< corner a
-    double slack;                ///< what rounding may leave of a difference of 0
+    double area;    ///< twice the area of the face, px^2, > 0
+    double base;    ///< height of corner a
+    double dx, dy;  ///< rise a column and a row, times `area`
+    double x, y;    ///< corner a
+    double slack;   ///< what rounding may leave of a difference of 0
     /// Of the positively oriented face (a, b, c).
     HMESH_ALWAYS_INLINE ScaledPlane(const Corner& a, const Corner& b, const Corner& c, double twice_area, int channel) noexcept
         : area(twice_area), base(static_cast<double>(a.heights[channel])), x(a.position.x), y(a.position.y) {
-        const double rise_b = static_cast<double>(b.heights[channel]) - base, rise_c = static_cast<double>(c.heights[channel]) - base;
+        const double rise_b = static_cast<double>(b.heights[channel]) - base,
+                     rise_c = static_cast<double>(c.heights[channel]) - base;
         dx = (c.position.y - y) * rise_b - (b.position.y - y) * rise_c;
         dy = (b.position.x - x) * rise_c - (c.position.x - x) * rise_b;
         // Each of the two products passes four roundings of 2^-53, of at most area * rise; 2^-50 is less than half a step of a

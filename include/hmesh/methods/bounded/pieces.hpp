@@ -3,8 +3,8 @@
 ///
 /// Each tile is meshed by itself: its sides follow from the samples along them alone (methods/bounded/side.hpp), so that tiles
 /// meet. Then the mesh is cut again, along lines half a tile off, three times: what was a side is inside now, and its vertices
-/// leave like others. A vertex with faces in several pieces is locked while these are at work. What has been tried in one phase is
-/// not tried again in the next unless something around it was locked. Memory follows the mesh, not the image.
+/// leave like others. A vertex with faces in several pieces is locked while these are at work. What has been tried in one phase
+/// is not tried again in the next unless something around it was locked. Memory follows the mesh, not the image.
 #ifndef HMESH_METHODS_BOUNDED_PIECES_HPP
 #define HMESH_METHODS_BOUNDED_PIECES_HPP
 
@@ -22,8 +22,8 @@
 #include "hmesh/methods/bounded/height_field.hpp"
 #include "hmesh/methods/bounded/insertion.hpp"
 #include "hmesh/methods/bounded/options.hpp"
+#include "hmesh/methods/bounded/removal.hpp"
 #include "hmesh/methods/bounded/sheet.hpp"
-#include "hmesh/methods/bounded/shrink.hpp"
 #include "hmesh/tiles/tiling.hpp"
 
 #include "hmesh/core/macros/push.hpp"
@@ -45,7 +45,8 @@ struct SheetPiece {
 [[nodiscard]] HMESH_COLD inline std::vector<SheetPiece> cut(const Sheet& whole, const Tiling& tiling) {
     constexpr std::uint32_t none = 0xffffffffU, several = 0xfffffffeU;
     std::vector<SheetPiece> pieces(tiling.size());
-    std::vector<std::uint32_t> tile_of(whole.faces.size()), owner(whole.vertices.size(), none), number(whole.vertices.size(), none);
+    std::vector<std::uint32_t> tile_of(whole.faces.size()), owner(whole.vertices.size(), none),
+        number(whole.vertices.size(), none);
     for (std::size_t f = 0; f < whole.faces.size(); ++f) {
         const Triangle& t = whole.faces[f];
         const Point a = whole.vertices[t[0]].position, b = whole.vertices[t[1]].position, c = whole.vertices[t[2]].position;
@@ -112,7 +113,8 @@ class BoundedPieces {
         if (!progress_->begin("insertion", 0, 0)) return {};
         progress_->set_range(0, 1);
         std::vector<detail::SheetPiece> pieces(first.size());
-        parallel_for_(first.size(), [&](std::size_t k) { pieces[k].sheet = inserted(first.rect(k), 1.0 / static_cast<double>(first.size())); });
+        parallel_for_(first.size(),
+                      [&](std::size_t k) { pieces[k].sheet = inserted(first.rect(k), 1.0 / static_cast<double>(first.size())); });
         if (progress_->stopped()) return {};
         Sheet whole = joined(pieces);
         if (!is_whole || !field_->data.empty()) weld(whole);

@@ -25,10 +25,10 @@ namespace hmesh::kit {
 
 /// What a mesh is, measured.
 struct Proof {
-    double max_error = 0;        ///< largest |mesh - sample|, in stored values
-    double energy = 0;           ///< sum of squared differences; of a sample on an edge that of the first face counts
-    std::size_t samples = 0;     ///< how many samples the mesh covers
-    bool is_cover = true;        ///< whether it covers all that it must and nothing without data, with faces that do not overlap
+    double max_error = 0;     ///< largest |mesh - sample|, in stored values
+    double energy = 0;        ///< sum of squared differences; of a sample on an edge that of the first face counts
+    std::size_t samples = 0;  ///< how many samples the mesh covers
+    bool is_cover = true;     ///< whether it covers all that it must and nothing without data, with faces that do not overlap
 };
 
 /// Reads samples [begin, end) of row j of a channel into `values`.
@@ -80,10 +80,9 @@ using ReadSamples = FunctionRef<void(int channel, int j, int begin, int end, dou
         }
     }
     if (field.data.empty()) {
-        // Sums of multiples of 2^-16 below 2^37 are exact. Faces that all turn one way within the rectangle and have its area cover
-        // it once, since they hang together along edges.
-        proof.is_cover = proof.is_cover && proof.samples == covered.size() &&
-                         area_sum == 2.0 * field.right() * field.bottom();
+        // Sums of multiples of 2^-16 below 2^37 are exact. Faces that all turn one way within the rectangle and have its area
+        // cover it once, since they hang together along edges.
+        proof.is_cover = proof.is_cover && proof.samples == covered.size() && area_sum == 2.0 * field.right() * field.bottom();
         return proof;
     }
     for (int j = 0; j < field.height && proof.is_cover; ++j)

@@ -117,7 +117,8 @@ class Relaxation {
         const HalfedgeMesh& topology = mesh_->topology;
         for (const Halfedge h : topology.outgoing(v)) {
             if (topology.is_boundary(h)) continue;
-            if (!star.add(mesh_->corner(topology.to_vertex(h)), mesh_->corner(topology.to_vertex(topology.next(h))))) return false;
+            if (!star.add(mesh_->corner(topology.to_vertex(h)), mesh_->corner(topology.to_vertex(topology.next(h)))))
+                return false;
         }
         return true;
     }

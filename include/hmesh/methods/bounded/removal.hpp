@@ -17,14 +17,15 @@
 #include "hmesh/core/compiler.hpp"
 #include "hmesh/mesh/geometry.hpp"
 #include "hmesh/mesh/halfedge_mesh.hpp"
+#include "hmesh/mesh/spatial_order.hpp"
 #include "hmesh/methods/bounded/bounded_mesh.hpp"
+#include "hmesh/methods/bounded/options.hpp"
 #include "hmesh/methods/bounded/relax.hpp"
 #include "hmesh/methods/bounded/star.hpp"
 
 #include "hmesh/core/macros/push.hpp"
 
 namespace hmesh::kit {
-
 
 /// Removes vertices of a mesh.
 class Removal {
@@ -42,7 +43,8 @@ class Removal {
             const Vertex v = vertices[k];
             if (mesh_->topology.is_deleted(v) || tried_[v.index()] >= mesh_->changed[v.index()]) continue;
             const Candidate candidate = best(v);
-            if (candidate.halfedge.is_valid() && candidate.most <= (moves_.positions ? try_up_to : 1)) queue_.push_back(candidate);
+            if (candidate.halfedge.is_valid() && candidate.most <= (moves_.positions ? try_up_to : 1))
+                queue_.push_back(candidate);
             else tried_[v.index()] = now;
         }
         std::sort(queue_.begin(), queue_.end(), [](const Candidate& a, const Candidate& b) {
@@ -111,7 +113,7 @@ class Removal {
         return a.most <= 1 ? a.energy < b.energy : a.most < b.most;
     }
 
-    /// Calls body(a, b) for the far corners of the faces of v that stay when v is merged into `into`; ends where it returns false.
+    /// Calls body(a, b) for the far corners of the faces of v that stay when v is merged into `into`, until it returns false.
     template <class Body>
     bool for_each_kept(Vertex v, Vertex into, Body&& body) const {
         const HalfedgeMesh& topology = mesh_->topology;
@@ -128,9 +130,8 @@ class Removal {
         const HalfedgeMesh& topology = mesh_->topology;
         const Vertex into = topology.to_vertex(h);
         const Point place = mesh_->position(into);
-        if (!for_each_kept(v, into, [&](const Corner& a, const Corner& b) {
-                return is_well_shaped(place, a.position, b.position);
-            }))
+        if (!for_each_kept(v, into,
+                           [&](const Corner& a, const Corner& b) { return is_well_shaped(place, a.position, b.position); }))
             return false;
         if (!topology.is_collapse_ok(h)) return false;
         return !topology.is_boundary(v) || keeps_cover(v, h);
@@ -314,6 +315,42 @@ inline bool Removal::keeps_cover(Vertex v, Halfedge h) const {
     // What is cut away holds no sample, but for those on the new border; what is added none at all but for those on the old
     // one, and no place where another part of the rim may be.
     return is_free(field.offset()) && (area > 0 || !squares || is_free(0));
+}
+
+/// Takes vertices from a mesh within its limit, in at most `passes` passes, until one takes none
+/// or mesh.keep_going() says stop; it holds all the time.
+HMESH_COLD inline void shrink(BoundedMesh& mesh, Bounded::Effort effort, int passes) {
+    if (effort == Bounded::Effort::draft) return;
+    const bool can_lift_any = mesh.limit > 0;
+    const Moves moves{effort >= Bounded::Effort::normal && can_lift_any, effort == Bounded::Effort::best && can_lift_any};
+    Relaxation relaxation(mesh, moves);
+    Removal removal(mesh, relaxation, moves);
+    const auto position = [&](Vertex v) { return mesh.position(v); };
+    std::vector<std::uint32_t> relaxed(mesh.topology.vertex_slots(), 0);
+    std::uint32_t flipped = 0;
+    for (int pass = 0; pass < passes && mesh.keep_going(); ++pass) {
+        const std::vector<Vertex> vertices = spatial_vertices(mesh.topology, position);
+        if (moves.heights) {
+            const std::uint32_t begin = mesh.clock;
+            for (const Edge e : spatial_edges(mesh.topology, position)) {
+                if (!mesh.keep_going()) break;
+                const Halfedge h = HalfedgeMesh::halfedge(e);
+                if (mesh.changed[mesh.topology.to_vertex(h).index()] > flipped ||
+                    mesh.changed[mesh.topology.from_vertex(h).index()] > flipped)
+                    relaxation.flip(e, false);
+            }
+            flipped = begin;
+            for (const Vertex v : vertices) {
+                if (!mesh.keep_going()) break;
+                if (mesh.changed[v.index()] <= relaxed[v.index()]) continue;
+                relaxed[v.index()] = mesh.clock;
+                if (relaxation.move(v, false)) relaxed[v.index()] = 0;
+            }
+        }
+        const std::size_t gone = removal.pass(vertices);
+        if (gone == 0) break;
+    }
+    removal.settle();
 }
 
 }  // namespace hmesh::kit

@@ -21,13 +21,13 @@ namespace hmesh::kit {
 
 /// What a vertex is free to do, as a set of bits.
 enum Freedom : std::uint8_t {
-    can_lift = 1,    ///< its heights may change
-    can_slide_x = 2, ///< it may move along a row
-    can_slide_y = 4, ///< and along a column
-    can_leave = 8,   ///< it may be removed
-    on_rim = 16,     ///< it is on the border of what has data, within the image, and is removed along it only
-    on_side = 32,    ///< it is on a side of the image, likewise
-    is_locked = 64,  ///< it is part of the border of a tile: nothing of the above, for now
+    can_lift = 1,      ///< its heights may change
+    can_slide_x = 2,   ///< it may move along a row
+    can_slide_y = 4,   ///< and along a column
+    can_leave = 8,     ///< it may be removed
+    on_rim = 16,       ///< it is on the border of what has data, within the image, and is removed along it only
+    on_side = 32,      ///< it is on a side of the image, likewise
+    is_locked = 64,    ///< it is part of the border of a tile: nothing of the above, for now
     is_settled = 128,  ///< nothing around it has changed since its removal was tried
 };
 

@@ -23,8 +23,8 @@
 
 namespace hmesh::kit {
 
-/// A straight line across the image at a whole coordinate: column `at` where `is_upright`, else row, from `begin` to `end`, all in
-/// px of the plane.
+/// A straight line across the image at a whole coordinate: column `at` where `is_upright`, else row, from `begin` to `end`, all
+/// in px of the plane.
 struct SideLine {
     bool is_upright;  ///< along a column
     int at;           ///< column or row

@@ -1,8 +1,8 @@
 /// \file
 /// Star: the samples around a vertex as a linear function of its heights, in floats, for choosing heights and places quickly.
 ///
-/// At a sample of a face with corners v, a, b the mesh is off by l_v z + r, with l_v the barycentric coordinate of v, z its height
-/// and r = l_a z_a + l_b z_b - sample. A star holds l_v and r for all samples of some faces around v, in units of the bound, so
+/// At a sample of a face with corners v, a, b the mesh is off by l_v z + r, with l_v the barycentric coordinate of v, z its
+/// height and r = l_a z_a + l_b z_b - sample. A star holds l_v and r for all samples of some faces around v, in units of the bound, so
 /// that heights are tried at 0.2 ns a sample. Samples are taken eight at a time, those outside of the face as 0, which counts
 /// for nothing. Floats decide what is worth a change; whether it holds is asked of face_error().
 ///
@@ -19,9 +19,9 @@
 #include "hmesh/core/compiler.hpp"
 #include "hmesh/image/image_view.hpp"
 #include "hmesh/mesh/geometry.hpp"
+#include "hmesh/methods/bounded/detail/wide.hpp"
 #include "hmesh/methods/bounded/face_error.hpp"
 #include "hmesh/methods/bounded/height_field.hpp"
-#include "hmesh/methods/bounded/wide.hpp"
 
 #include "hmesh/core/macros/push.hpp"
 
@@ -60,7 +60,8 @@ struct FaceCoordinates {
 /// Calls body(j, i, b, c) for blocks of 8 samples from (i, j) on that hold all samples of the face (a, b, c): b and c are their
 /// barycentric coordinates. A sample is of the face where `inside`, the least of the three, is >= bound; see there.
 template <class Body>
-HMESH_ALWAYS_INLINE void for_each_block(const HeightField& field, const FaceCoordinates& at, Point a, Point b, Point c, Body&& body) {
+HMESH_ALWAYS_INLINE void for_each_block(const HeightField& field, const FaceCoordinates& at, Point a, Point b, Point c,
+                                        Body&& body) {
     using Floats = Wide<float>;
     const double offset = field.offset();
     const Wholes columns(std::max(0.0, std::min({a.x, b.x, c.x}) - offset), std::max({a.x, b.x, c.x}) - offset);
@@ -126,8 +127,8 @@ HMESH_ALWAYS_INLINE void for_each_block(const HeightField& field, const FaceCoor
                                [&](int j, int i, const Floats& cb, const Floats& cc, const Floats& bound) {
                                    const Floats inside = smaller(smaller(cb, cc), Floats::all(1) - cb - cc);
                                    const Floats sample = Floats::load(field.row(channel, j) + i) - Floats::all(base);
-                                   const Floats off = where_at_least(
-                                       inside, bound, magnitude(cb * rise_b + cc * rise_c - sample) * per_unit);
+                                   const Floats off =
+                                       where_at_least(inside, bound, magnitude(cb * rise_b + cc * rise_c - sample) * per_unit);
                                    most = larger(most, off);
                                    energy = energy + detail::power16(off);
                                });
@@ -251,10 +252,10 @@ class Star {
 
   private:
     struct StarFace {
-        std::size_t end;                      // of its blocks, in floats
-        float own_x, own_y;                   // rise of the apex's coordinate
-        float rest_x[max_bounded_channels],   // rise of the heights of the other two, a column
-            rest_y[max_bounded_channels];     // and a row
+        std::size_t end;                     // of its blocks, in floats
+        float own_x, own_y;                  // rise of the apex's coordinate
+        float rest_x[max_bounded_channels],  // rise of the heights of the other two, a column
+            rest_y[max_bounded_channels];    // and a row
     };
 
     [[nodiscard]] std::size_t block_size() const noexcept {
@@ -276,20 +277,20 @@ class Star {
             face.rest_x[c] = (rise_a[c] * static_cast<float>(at.bx) + rise_b[c] * static_cast<float>(at.cx)) * per_unit;
             face.rest_y[c] = (rise_a[c] * static_cast<float>(at.by) + rise_b[c] * static_cast<float>(at.cy)) * per_unit;
         }
-        detail::for_each_block(
-            *field_, at, place_, a.position, b.position,
-            [&](int j, int i, const Floats& ca, const Floats& cb, const Floats& bound) {
-                if (used_ + stride > blocks_.size()) blocks_.resize(std::max<std::size_t>(4096, 2 * blocks_.size()));
-                float* const block = blocks_.data() + used_;
-                used_ += stride;
-                const Floats own = Floats::all(1) - ca - cb, inside = smaller(smaller(ca, cb), own);
-                where_at_least(inside, bound, own).store(block);
-                for (int c = 0; c < channels; ++c) {
-                    const Floats sample = Floats::load(field_->row(c, j) + i) - Floats::all(base_.heights[c]);
-                    where_at_least(inside, bound, (ca * rise_a[c] + cb * rise_b[c] - sample) * per_unit)
-                        .store(block + Floats::lanes * (c + 1));
-                }
-            });
+        detail::for_each_block(*field_, at, place_, a.position, b.position,
+                               [&](int j, int i, const Floats& ca, const Floats& cb, const Floats& bound) {
+                                   if (used_ + stride > blocks_.size())
+                                       blocks_.resize(std::max<std::size_t>(4096, 2 * blocks_.size()));
+                                   float* const block = blocks_.data() + used_;
+                                   used_ += stride;
+                                   const Floats own = Floats::all(1) - ca - cb, inside = smaller(smaller(ca, cb), own);
+                                   where_at_least(inside, bound, own).store(block);
+                                   for (int c = 0; c < channels; ++c) {
+                                       const Floats sample = Floats::load(field_->row(c, j) + i) - Floats::all(base_.heights[c]);
+                                       where_at_least(inside, bound, (ca * rise_a[c] + cb * rise_b[c] - sample) * per_unit)
+                                           .store(block + Floats::lanes * (c + 1));
+                                   }
+                               });
         face.end = used_;
         faces_.push_back(face);
     }

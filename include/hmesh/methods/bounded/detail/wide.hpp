@@ -3,8 +3,8 @@
 ///
 /// With GCC and Clang these are vector-extension types, which become AVX, SSE or NEON registers; with another compiler plain
 /// numbers. Like Lanes (core/lanes.hpp) they are passed by reference across calls that are not inlined.
-#ifndef HMESH_METHODS_BOUNDED_WIDE_HPP
-#define HMESH_METHODS_BOUNDED_WIDE_HPP
+#ifndef HMESH_METHODS_BOUNDED_DETAIL_WIDE_HPP
+#define HMESH_METHODS_BOUNDED_DETAIL_WIDE_HPP
 
 #include <cstddef>
 #include <cstring>
@@ -53,10 +53,10 @@ struct WideBlock<double> {
 /// 8 floats or 4 doubles; arithmetic is lane by lane.
 template <class T>
 struct Wide {
-    using Block = typename detail::WideBlock<T>::Type;                 ///< the type of one register
-    static constexpr int lanes = 32 / static_cast<int>(sizeof(T));     ///< numbers in all
+    using Block = typename detail::WideBlock<T>::Type;                         ///< the type of one register
+    static constexpr int lanes = 32 / static_cast<int>(sizeof(T));             ///< numbers in all
     static constexpr int width = static_cast<int>(sizeof(Block) / sizeof(T));  ///< numbers in a register
-    static constexpr int blocks = lanes / width;                       ///< number of registers
+    static constexpr int blocks = lanes / width;                               ///< number of registers
 
     Block block[blocks];  ///< lane i is in block i / width
 
@@ -171,4 +171,4 @@ struct Wide {
 
 #include "hmesh/core/macros/pop.hpp"
 
-#endif  // HMESH_METHODS_BOUNDED_WIDE_HPP
+#endif  // HMESH_METHODS_BOUNDED_DETAIL_WIDE_HPP
