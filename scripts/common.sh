@@ -27,10 +27,10 @@ step() {
 
 has() { command -v "$1" >/dev/null 2>&1; }
 
-# The folders in which headers of others may lie: Eigen's, and stb's where it is not flat in the folder above.
+# The folders in which headers of others may lie: Eigen's, and stb's and GDAL's where they are not flat in the folder above.
 include_folders=()
 for folder in /usr/include /usr/local/include /opt/homebrew/include; do
-    include_folders+=(-isystem "$folder/eigen3" -isystem "$folder/stb")
+    include_folders+=(-isystem "$folder/eigen3" -isystem "$folder/stb" -isystem "$folder/gdal")
 done
 include_folders+=(-isystem /opt/homebrew/include)
 
@@ -68,7 +68,7 @@ need() {
                 has make || packages+=(make)
                 ;;
             eigen) has_header signature_of_eigen3_matrix_library || packages+=(libeigen3-dev) ;;
-            command)  # what tools/hmesh is made of, beside Eigen
+            command)  # what tools/hmesh and tools/terrain are made of, beside Eigen
                 has_header stb_image.h || packages+=(libstb-dev)
                 has_header CLI/CLI.hpp || packages+=(libcli11-dev)
                 has_header nlohmann/json.hpp || packages+=(nlohmann-json3-dev)
@@ -78,6 +78,8 @@ need() {
                 has_header webp/demux.h || optional+=(libwebp-dev)
                 has_header tiffio.h || optional+=(libtiff-dev)
                 has_header meshoptimizer.h || optional+=(libmeshoptimizer-dev)  # compresses .glb
+                # reads models of heights: some 90 packages and 20 seconds
+                has_header gdal.h || optional+=(libgdal-dev)
                 ;;
             stb) has_header stb_image.h || packages+=(libstb-dev) ;;
             pytest) has_pytest || packages+=(python3 python3-pil python3-pytest) ;;
@@ -111,6 +113,7 @@ need() {
                 has gs || packages+=(ghostscript)
                 has rsvg-convert || packages+=(librsvg2-bin)
                 has assimp || packages+=(assimp-utils)
+                has admesh || packages+=(admesh)
                 has "${CHROMIUM:-chromium}" || packages+=(chromium)
                 has node || packages+=(nodejs)
                 has npm || packages+=(npm)

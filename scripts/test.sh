@@ -3,8 +3,8 @@
 #
 # usage: scripts/test.sh [--preset NAME] [--viewers] [ARGUMENT...]
 #        NAME: one of CMakePresets.json, default release; ARGUMENT: for ctest, such as -R render
-# With --viewers it runs only those that show meshes to other programs (poppler, Ghostscript, librsvg, assimp, Chromium,
-# Khronos' validator), which it installs; without, all the others. The words of the variable HMESH_CONFIGURE are handed to
+# With --viewers it runs only those that show meshes to other programs (poppler, Ghostscript, librsvg, assimp, ADMesh,
+# Chromium, Khronos' validator), which it installs; without, all the others. The words of the variable HMESH_CONFIGURE are handed to
 # cmake when it configures. The command and the examples are optimised lightly, for they take longer to compile than to run;
 # HMESH_CONFIGURE=-DHMESH_LIGHT=OFF tests them as users get them.
 # shellcheck source=scripts/common.sh

@@ -3,12 +3,12 @@
 #
 # usage: scripts/tidy.sh [--all | FILE...]
 #
-# FILE: .cpp files. Without any: those of the command and one test, which between them see every header of the library, and most
+# FILE: .cpp files. Without any: those of the commands and one test, which between them see every header of the library, and most
 # of the tests'. That takes three minutes of one core; --all, which is every source, half an hour.
 # shellcheck source=scripts/common.sh
 . "$(dirname "${BASH_SOURCE[0]}")/common.sh"
 
-files=(tools/hmesh/*.cpp tools/hmesh/*/*.cpp tests/hierarchical_test.cpp)
+files=(tools/hmesh/*.cpp tools/hmesh/*/*.cpp tools/terrain/*.cpp tools/terrain/*/*.cpp tests/hierarchical_test.cpp)
 needed=(clang-tidy eigen command doctest)
 case ${1-} in
     '') ;;
@@ -30,7 +30,7 @@ need "${needed[@]}"
 # The compile line is said here, so that nothing need be configured first.
 CLANG_TIDY=${CLANG_TIDY:-$(command -v clang-tidy-14 || echo clang-tidy)}
 include_words=${include_folders[*]}  # a list cannot be exported
-for library in PNG=png.h JPEG=jpeglib.h WEBP=webp/demux.h TIFF=tiffio.h; do
+for library in PNG=png.h JPEG=jpeglib.h WEBP=webp/demux.h TIFF=tiffio.h GDAL=gdal.h; do
     ! has_header "${library#*=}" || include_words+=" -DHMESH_HAS_${library%=*}"
 done
 export CLANG_TIDY include_words
@@ -38,7 +38,7 @@ tidy() {
     local said
     # What it says to standard error is how many warnings it kept to itself, unless it fails.
     # shellcheck disable=SC2086  # words
-    said=$("$CLANG_TIDY" --quiet "$1" -- -std=c++17 -Iinclude -Iexamples -Itools/hmesh -Itools/pictures -Itests -Itests/fuzz $include_words 2>&1) && return
+    said=$("$CLANG_TIDY" --quiet "$1" -- -std=c++17 -Iinclude -Iexamples -Itools -Itools/hmesh -Itools/pictures -Itests -Itests/fuzz $include_words 2>&1) && return
     printf '%s\n' "$said" | grep -v '^[0-9]* warnings\? generated\|^Suppressed ' >&2
     return 1
 }

@@ -18,6 +18,1350 @@
 #undef max
 #undef Status
 
+// ---- hmesh/io/heights/height_options.hpp
+
+/// \file
+/// HeightOptions: how the plane and the heights of a mesh become a model in space.
+///
+/// The map: x points east, y north and z up, in units of the caller's, metres as a rule. A vertex (x, y) of the mesh, y down,
+/// is at
+///
+///     ( x_origin + x_step (first_column + x),  y_origin - y_step (first_row + y),  z.offset + z.scale value )
+///
+/// so that (0, 0) of a map's plane, its north-western corner, is at the origin, and the map lies south and east of it. Tiles of a
+/// map that differ by first_column and first_row alone get common vertices bit for bit.
+#ifndef HMESH_IO_HEIGHTS_HEIGHT_OPTIONS_HPP
+#define HMESH_IO_HEIGHTS_HEIGHT_OPTIONS_HPP
+
+#include <cstdint>
+
+namespace hmesh {
+
+/// Which channel of a mesh is height, and in which units: offset + scale * value.
+struct HeightChannel {
+    int channel = 0;    ///< 0 to the mesh's channels - 1; the other channels are not written
+    double scale = 1;   ///< units for one of the stored values; finite
+    double offset = 0;  ///< units where the stored value is 0; finite
+};
+
+/// Which way is up in the file.
+enum class UpAxis : std::uint8_t {
+    usual,  ///< z in PLY, OBJ and STL, y in glTF
+    z,      ///< (east, north, up)
+    y,      ///< (east, up, south), which is no mirror image either
+};
+
+/// Where the image lies that is draped over the terrain: the texture coordinates.
+enum class Drape : std::uint8_t {
+    none,  ///< there are no texture coordinates
+    /// The image has the extent of the raster, whose samples are squares of one step: of as many pixels as there are samples,
+    /// pixel (i, j) lies on sample (i, j), and its sides half a step outside of a mesh of Samples::points: u = (x + 1/2) / W.
+    /// As maps of the same bounds and another resolution do, and all that is computed from the heightmap itself.
+    raster,
+    /// The image ends where the mesh does: u = x / (W - 1) with Samples::points. With Samples::squares this is the same as
+    /// raster.
+    mesh,
+};
+
+/// Options of all exporters of heights.
+struct HeightOptions {
+    HeightChannel z{};              ///< the heights
+    double x_step = 1,              ///< units from one sample to the next one east, > 0
+        y_step = 1;                 ///< units from one sample to the next one south, > 0
+    double x_origin = 0,            ///< units: x of (0, 0) of the map's plane
+        y_origin = 0;               ///< units: y of (0, 0) of the map's plane
+    std::int32_t first_column = 0,  ///< samples from the map's plane to that of the mesh, a tile of it, to the east
+        first_row = 0;              ///< samples, to the south
+    UpAxis up = UpAxis::usual;      ///< which way is up
+    bool has_normals = true;        ///< a smooth normal for each vertex
+    Drape drape = Drape::raster;    ///< the texture coordinates
+    /// The name of the image that is draped over the terrain, a path as seen from the file: in glTF, where it is a URI, and
+    /// PLY. In OBJ that of the material file, which write_material() writes. nullptr: none is named.
+    const char* texture = nullptr;
+};
+
+}  // namespace hmesh
+
+#endif  // HMESH_IO_HEIGHTS_HEIGHT_OPTIONS_HPP
+
+// ---- hmesh/io/heights/height_samples.hpp
+
+/// \file
+/// HeightSamples: the samples of a heightmap as exporters read them, of any type and any number of channels, to take normals
+/// from.
+#ifndef HMESH_IO_HEIGHTS_HEIGHT_SAMPLES_HPP
+#define HMESH_IO_HEIGHTS_HEIGHT_SAMPLES_HPP
+
+#include <cstddef>
+#include <cstdint>
+
+namespace hmesh {
+
+/// A non-owning view of samples of any type, read one by one. An ImageView becomes one by itself; {} stands for no samples.
+///
+/// The image may be larger than the mesh's, which then begins at the sample (column, row) of it: neighbouring tiles get the same
+/// normals on their common border if each is given one sample more on each side where there is one (Samples::points; two with
+/// Samples::squares), or all are given the whole map.
+class HeightSamples {
+  public:
+    /// No samples.
+    HeightSamples() = default;
+    /// The samples of an image, of which the mesh's first is (first_column, first_row). Where the mask, which has the size of the
+    /// image or is empty, is 0 there is no data; nor is there where a sample is NaN or infinite. Both must outlive this object.
+    template <class T, int C>
+    // NOLINTNEXTLINE(google-explicit-constructor): an ImageView may stand for its samples
+    HeightSamples(const ImageView<T, C>& image, const ImageView<std::uint8_t, 1>& mask = {}, int first_column = 0,
+                  int first_row = 0) noexcept
+        : status_(check_both(image, mask)), mask_(mask), width_(image.width), height_(image.height), channels_(C),
+          first_column_(first_column), first_row_(first_row) {
+        if (!status_) return;
+        first_ = reinterpret_cast<const unsigned char*>(image.data);
+        stride_ = image.row_stride != 0 ? image.row_stride
+                                        : static_cast<std::ptrdiff_t>(image.width) * C * static_cast<std::ptrdiff_t>(sizeof(T));
+        read_ = [](const unsigned char* row, std::ptrdiff_t index) noexcept {
+            return PixelTraits<T>::to_real(reinterpret_cast<const T*>(row)[index]);
+        };
+    }
+
+    /// Whether there are none.
+    [[nodiscard]] bool is_empty() const noexcept { return channels_ == 0; }
+    /// Columns of the image.
+    [[nodiscard]] int width() const noexcept { return width_; }
+    /// Rows of the image.
+    [[nodiscard]] int height() const noexcept { return height_; }
+    /// The image's column of the mesh's first sample.
+    [[nodiscard]] int first_column() const noexcept { return first_column_; }
+    /// The image's row of the mesh's first sample.
+    [[nodiscard]] int first_row() const noexcept { return first_row_; }
+
+    /// The sample in a column and a row of the image, both inside, as stored: NaN or infinite where there is no data.
+    [[nodiscard]] double value(int column, int row, int channel) const noexcept {
+        if (mask_.data != nullptr && *mask_.pixel(column, row) == 0) return kit::detail::nan();
+        return read_(first_ + stride_ * row, static_cast<std::ptrdiff_t>(column) * channels_ + channel);
+    }
+
+    /// Whether they have this channel and all of the mesh's samples; true of no samples. Otherwise invalid_argument or what
+    /// check() says of an image.
+    [[nodiscard]] Status check_for(const MeshView& mesh, int channel) const noexcept {
+        if (is_empty()) return {};
+        if (!status_) return status_;
+        if (channel >= channels_)
+            return {Errc::invalid_argument, "the channel of heights must be one of the samples'", channel, channels_ - 1};
+        if (first_column_ < 0 || first_row_ < 0)
+            return {Errc::invalid_argument, "the mesh's first sample must be one of the samples given",
+                    first_column_ < 0 ? first_column_ : first_row_, 0};
+        if (mesh.width > width_ - first_column_)
+            return {Errc::invalid_argument, "the mesh has more columns of samples than are given", mesh.width,
+                    width_ - first_column_};
+        if (mesh.height > height_ - first_row_)
+            return {Errc::invalid_argument, "the mesh has more rows of samples than are given", mesh.height,
+                    height_ - first_row_};
+        return {};
+    }
+
+  private:
+    template <class T, int C>
+    [[nodiscard]] static Status check_both(const ImageView<T, C>& image, const ImageView<std::uint8_t, 1>& mask) noexcept {
+        if (const Status status = check(image); !status) return status;
+        if (mask.data == nullptr) return {};
+        if (mask.width != image.width)
+            return {Errc::invalid_argument, "the mask must be as wide as the samples", mask.width, image.width};
+        if (mask.height != image.height)
+            return {Errc::invalid_argument, "the mask must be as high as the samples", mask.height, image.height};
+        return check(mask);
+    }
+
+    Status status_;
+    const unsigned char* first_ = nullptr;
+    std::ptrdiff_t stride_ = 0;
+    double (*read_)(const unsigned char* row, std::ptrdiff_t index) noexcept = nullptr;
+    ImageView<std::uint8_t, 1> mask_;
+    int width_ = 0, height_ = 0, channels_ = 0, first_column_ = 0, first_row_ = 0;
+};
+
+}  // namespace hmesh
+
+#endif  // HMESH_IO_HEIGHTS_HEIGHT_SAMPLES_HPP
+
+// ---- hmesh/io/heights/detail/relief.hpp
+
+/// \file
+/// Relief: a mesh as a surface in space, vertex after vertex: position, normal and place in the draped image.
+///
+/// Normals are those of the samples. The slope at a sample is the central difference of its neighbours, one-sided where one of
+/// them has no data or is outside of the image; that at a vertex is interpolated bilinearly between the four samples around it
+/// that have data. It follows from at most 12 samples, the outermost one step from those four: so tiles that are given as much
+/// around them agree. Where there are no samples the normal is that of the faces around the vertex, weighted by their area.
+///
+/// 12 samples are read for a normal. Nothing is allocated unless normals come from faces: then 24 bytes a vertex.
+#ifndef HMESH_IO_HEIGHTS_DETAIL_RELIEF_HPP
+#define HMESH_IO_HEIGHTS_DETAIL_RELIEF_HPP
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+#include <vector>
+
+namespace hmesh::detail {
+
+/// A point or a vector in space.
+using Vector3 = std::array<double, 3>;
+
+/// a - b.
+[[nodiscard]] inline Vector3 difference(const Vector3& a, const Vector3& b) noexcept {
+    return {a[0] - b[0], a[1] - b[1], a[2] - b[2]};
+}
+/// The inner product.
+[[nodiscard]] inline double dot(const Vector3& a, const Vector3& b) noexcept { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
+/// The cross product.
+[[nodiscard]] inline Vector3 cross(const Vector3& a, const Vector3& b) noexcept {
+    return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
+}
+/// The length.
+[[nodiscard]] inline double length(const Vector3& a) noexcept { return std::sqrt(dot(a, a)); }
+/// The vector with the length 1; `otherwise` where it has none.
+[[nodiscard]] inline Vector3 unit(const Vector3& a, const Vector3& otherwise) noexcept {
+    // Scaled first, since squares of numbers above 1e154 or below 1e-154 are no doubles.
+    const double largest = std::max({std::abs(a[0]), std::abs(a[1]), std::abs(a[2])});
+    if (!(largest > 0) || !kit::is_finite(largest)) return otherwise;
+    const Vector3 scaled = {a[0] / largest, a[1] / largest, a[2] / largest};
+    const double size = length(scaled);
+    return {scaled[0] / size, scaled[1] / size, scaled[2] / size};
+}
+/// Twice the area of a triangle, along its normal: towards where it is counter-clockwise.
+[[nodiscard]] inline Vector3 area_normal(const Vector3& a, const Vector3& b, const Vector3& c) noexcept {
+    return cross(difference(b, a), difference(c, a));
+}
+
+/// The steps between samples of a mesh's width and height: W x H of squares, W - 1 x H - 1 of points.
+[[nodiscard]] inline std::array<double, 2> plane_size(const MeshView& mesh) noexcept {
+    const int less = mesh.samples == Samples::points ? 1 : 0;
+    return {static_cast<double>(mesh.width - less), static_cast<double>(mesh.height - less)};
+}
+
+/// The sums of the normals of the faces around each vertex, as long as twice their area. O(vertices + faces).
+[[nodiscard]] inline std::vector<Vector3> face_normals(const MeshView& mesh, FunctionRef<Vector3(std::size_t vertex)> position) {
+    std::vector<Vector3> sums(mesh.vertex_count);
+    for (std::size_t f = 0; f < mesh.face_count; ++f) {
+        const Triangle face = turned(mesh.faces[f]);
+        const Vector3 normal = area_normal(position(face[0]), position(face[1]), position(face[2]));
+        for (const std::uint32_t v : face)
+            for (std::size_t k = 0; k < 3; ++k) sums[v][k] += normal[k];
+    }
+    return sums;
+}
+
+/// The slope of the samples at (x, y) of the mesh's plane, in stored values a step to the right and down; false where none of the
+/// four samples around has data.
+[[nodiscard]] inline bool slope_at(const HeightSamples& samples, Samples kind, int channel, const std::array<double, 2>& at,
+                                   std::array<double, 2>& slope) noexcept {
+    const std::array<int, 2> size = {samples.width(), samples.height()}, first = {samples.first_column(), samples.first_row()};
+    std::array<int, 2> base{};
+    std::array<double, 2> share{};  // of the samples behind base
+    for (std::size_t k = 0; k < 2; ++k) {
+        const double place = at[k] + first[k] - (kind == Samples::squares ? 0.5 : 0.0);
+        const double held = std::max(0.0, std::min(place, size[k] - 1.0));
+        base[k] = static_cast<int>(held);
+        share[k] = held - base[k];
+    }
+    std::array<double, 2> sum{};
+    double weights = 0;
+    for (int corner = 0; corner < 4; ++corner) {
+        const std::array<int, 2> behind = {corner % 2, corner / 2};
+        const double weight = (behind[0] != 0 ? share[0] : 1 - share[0]) * (behind[1] != 0 ? share[1] : 1 - share[1]);
+        if (!(weight > 0)) continue;  // and perhaps outside
+        const std::array<int, 2> place = {base[0] + behind[0], base[1] + behind[1]};
+        const double middle = samples.value(place[0], place[1], channel);
+        if (!kit::is_finite(middle)) continue;
+        weights += weight;
+        for (std::size_t k = 0; k < 2; ++k) {
+            double low = middle, high = middle, steps = 0;
+            const auto reach = [&](int by, double& value) {
+                std::array<int, 2> next = place;
+                next[k] += by;
+                if (next[k] < 0 || next[k] >= size[k]) return;
+                const double there = samples.value(next[0], next[1], channel);
+                if (kit::is_finite(there)) value = there, ++steps;
+            };
+            reach(-1, low);
+            reach(1, high);
+            if (steps > 0) sum[k] += weight * ((high - low) / steps);
+        }
+    }
+    if (!(weights > 0)) return false;
+    for (std::size_t k = 0; k < 2; ++k) slope[k] = sum[k] / weights;
+    return true;
+}
+
+/// Refuses a channel that the mesh does not have, and units that are none.
+[[nodiscard]] inline Status check_height_channel(const MeshView& mesh, const HeightChannel& z) noexcept {
+    constexpr auto most = static_cast<double>(std::numeric_limits<float>::max());
+    if (z.channel < 0) return {Errc::invalid_argument, "the channel of heights must be at least 0", z.channel, 0};
+    if (z.channel >= mesh.channels)
+        return {Errc::invalid_argument, "the channel of heights must be one of the mesh's", z.channel, mesh.channels - 1};
+    return kit::check_ranges({{"the scale of heights must be a number that a float holds", z.scale, -most, most},
+                              {"the offset of heights must be a number that a float holds", z.offset, -most, most}});
+}
+
+/// Refuses meshes of heights that no model holds: what check_for_export() refuses, and a plane without an area. O(n).
+[[nodiscard]] inline Status check_height_mesh(const MeshView& mesh, const HeightSamples& samples,
+                                              const HeightChannel& z) noexcept {
+    if (const Status status = check_for_export(mesh, 16); !status) return status;
+    if (mesh.samples == Samples::points && mesh.width < 2)
+        return {Errc::invalid_argument, "a mesh of samples that are points must be at least 2 of them wide", mesh.width, 2};
+    if (mesh.samples == Samples::points && mesh.height < 2)
+        return {Errc::invalid_argument, "a mesh of samples that are points must be at least 2 of them high", mesh.height, 2};
+    if (const Status status = check_height_channel(mesh, z); !status) return status;
+    return samples.check_for(mesh, z.channel);
+}
+
+/// How high a vertex is, in units.
+[[nodiscard]] inline double height_of(const MeshView& mesh, const HeightChannel& z, std::size_t vertex) noexcept {
+    const float value = mesh.colors[static_cast<std::size_t>(mesh.channels) * vertex + static_cast<std::size_t>(z.channel)];
+    return z.offset + z.scale * static_cast<double>(value);
+}
+
+/// A mesh as a surface in space. All functions of a vertex cost O(1).
+class Relief {
+  public:
+    /// Of what check_relief() accepts, and of views that outlive this object. Call find_normals() before normal().
+    Relief(const MeshView& mesh, const HeightSamples& samples, const HeightOptions& options, bool is_y_up) noexcept
+        : mesh_(mesh), samples_(samples), options_(options), is_y_up_(is_y_up) {}
+
+    /// Where a vertex is, in the axes of the file; moved in the mesh's plane by `shift` px, and at another height if there is
+    /// one.
+    [[nodiscard]] Vector3 position(std::size_t vertex, const std::array<double, 2>& shift = {},
+                                   const double* height = nullptr) const noexcept {
+        Vector3 at = on_map(vertex, shift);
+        if (height != nullptr) at[2] = *height;
+        return in_file(at);
+    }
+    /// How high a vertex is, in units.
+    [[nodiscard]] double height(std::size_t vertex) const noexcept { return height_of(mesh_, options_.z, vertex); }
+
+    /// Prepares normal(): sums up the normals of faces where there are no samples.
+    void find_normals() {
+        if (samples_.is_empty()) sums_ = face_normals(mesh_, [this](std::size_t vertex) { return on_map(vertex); });
+    }
+    /// The unit normal at a vertex, upward, in the axes of the file.
+    [[nodiscard]] Vector3 normal(std::size_t vertex) const noexcept {
+        constexpr Vector3 upward = {0, 0, 1};
+        if (samples_.is_empty()) return in_file(unit(sums_[vertex], upward));
+        std::array<double, 2> slope{};
+        if (!slope_at(samples_, mesh_.samples, options_.z.channel, plane(vertex), slope)) return in_file(upward);
+        const double scale = options_.z.scale;
+        return in_file(unit({0 - scale * slope[0] / options_.x_step, scale * slope[1] / options_.y_step, 1}, upward));
+    }
+
+    /// u, to the right, and v, down, of a vertex in the image that is draped over the terrain: 0 to 1.
+    [[nodiscard]] std::array<double, 2> texture_place(std::size_t vertex) const noexcept {
+        std::array<double, 2> at = plane(vertex);
+        if (options_.drape == Drape::raster) {
+            const double half = mesh_.samples == Samples::points ? 0.5 : 0;
+            return {(at[0] + half) / mesh_.width, (at[1] + half) / mesh_.height};
+        }
+        const std::array<double, 2> size = plane_size(mesh_);
+        return {at[0] / size[0], at[1] / size[1]};
+    }
+
+  private:
+    [[nodiscard]] std::array<double, 2> plane(std::size_t vertex) const noexcept {
+        return {static_cast<double>(mesh_.positions[2 * vertex]), static_cast<double>(mesh_.positions[2 * vertex + 1])};
+    }
+    [[nodiscard]] Vector3 on_map(std::size_t vertex, const std::array<double, 2>& shift = {}) const noexcept {
+        const std::array<double, 2> at = plane(vertex);
+        // Sums of whole columns and of floats are exact, so that tiles round alike.
+        return {options_.x_origin + options_.x_step * (options_.first_column + at[0] + shift[0]),
+                options_.y_origin - options_.y_step * (options_.first_row + at[1] + shift[1]), height(vertex)};
+    }
+    [[nodiscard]] Vector3 in_file(const Vector3& a) const noexcept {
+        if (!is_y_up_) return a;
+        return {a[0], a[2], 0 - a[1]};  // not -0 for 0
+    }
+
+    MeshView mesh_;
+    HeightSamples samples_;
+    HeightOptions options_;
+    bool is_y_up_;
+    std::vector<Vector3> sums_;
+};
+
+/// Refuses what no file of a model holds: meshes that check_height_mesh() refuses, options outside their range, and coordinates
+/// beyond all floats. O(n).
+[[nodiscard]] inline Status check_relief(const MeshView& mesh, const HeightSamples& samples,
+                                         const HeightOptions& options) noexcept {
+    if (const Status status = check_height_mesh(mesh, samples, options.z); !status) return status;
+    constexpr auto most = static_cast<double>(std::numeric_limits<float>::max()),
+                   least = static_cast<double>(std::numeric_limits<float>::min());
+    if (const Status status = kit::check_ranges(
+            {{"the step to the east must be positive and a length that a float holds", options.x_step, least, most},
+             {"the step to the south must be positive and a length that a float holds", options.y_step, least, most},
+             {"the x of the origin must be a number that a float holds", options.x_origin, -most, most},
+             {"the y of the origin must be a number that a float holds", options.y_origin, -most, most}});
+        !status)
+        return status;
+    if (options.texture != nullptr)
+        if (const Status status = check_file_name(options.texture); !status) return status;
+    const Relief relief(mesh, {}, options, false);
+    for (std::size_t v = 0; v < mesh.vertex_count; ++v)
+        for (const double coordinate : relief.position(v))
+            if (!kit::is_within(coordinate, -most, most))
+                return {Errc::not_finite, "the model has a coordinate that no float holds, at vertex",
+                        static_cast<std::int64_t>(v), 0};
+    return {};
+}
+
+/// Whether y is up in a file whose format has it so by itself, or not.
+[[nodiscard]] inline bool is_y_up(const HeightOptions& options, bool is_usual) noexcept {
+    return options.up == UpAxis::y || (options.up == UpAxis::usual && is_usual);
+}
+
+}  // namespace hmesh::detail
+
+#endif  // HMESH_IO_HEIGHTS_DETAIL_RELIEF_HPP
+
+// ---- hmesh/io/heights/height_models.hpp
+
+/// \file
+/// write_height_ply(), _obj(), _glb(): a mesh of heights as a model in space, with smooth normals and texture coordinates.
+///
+/// Faces are counter-clockwise seen from above and face up, and the map is not mirrored: north is y in files with z up, and -z
+/// in glTF, where y is up. Normals are those of the samples (see HeightSamples), or, without samples, of the faces around a
+/// vertex. Texture coordinates, as Drape has them, begin at the lower left corner of the image in PLY and OBJ, at its upper
+/// left one in glTF.
+///
+/// Coordinates are floats in PLY and glTF, with 24 bits: to a centimetre up to 130 km from the origin. OBJ has nine digits.
+/// Of what grows with the mesh nothing is allocated with samples, and 24 bytes a vertex without. O(n).
+/// Sources: Greg Turk, The PLY Polygon File Format, 1994; Wavefront, Object and Material files; Khronos, glTF 2.0, sections 3.6
+/// to 3.9.
+#ifndef HMESH_IO_HEIGHTS_HEIGHT_MODELS_HPP
+#define HMESH_IO_HEIGHTS_HEIGHT_MODELS_HPP
+
+#include <algorithm>
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+
+namespace hmesh {
+namespace detail {
+
+/// Refuses what no file of a model of heights holds. O(n).
+[[nodiscard]] inline Status check_height_model(const MeshView& mesh, const HeightSamples& samples, const HeightOptions& options) {
+    constexpr std::uint64_t most = std::numeric_limits<std::int32_t>::max() / 48;  // so that all of a .glb is below 4 GiB
+    if (const Status status = check_counts(mesh, most, most, "the mesh has more vertices or faces than a model of heights holds");
+        !status)
+        return status;
+    if (options.texture != nullptr && options.drape == Drape::none)
+        return {Errc::invalid_argument, "a texture is named, but Drape::none leaves no coordinates to show it by"};
+    return check_relief(mesh, samples, options);
+}
+
+/// Finds the bounds of the positions as floats. O(n).
+inline void bound_heights(const MeshView& mesh, const Relief& relief, GlbArray& array) noexcept {
+    array.has_bounds = true;
+    array.low.fill(std::numeric_limits<double>::max());
+    array.high.fill(std::numeric_limits<double>::lowest());
+    for (std::size_t v = 0; v < mesh.vertex_count; ++v) {
+        const Vector3 at = relief.position(v);
+        for (std::size_t k = 0; k < 3; ++k) {
+            const auto stored = static_cast<double>(static_cast<float>(at[k]));
+            array.low[k] = std::min(array.low[k], stored);
+            array.high[k] = std::max(array.high[k], stored);
+        }
+    }
+}
+
+}  // namespace detail
+
+/// Writes a mesh as a binary PLY file: vertices `float x y z`, `nx ny nz` with normals and `s t` with texture coordinates, z
+/// up. A texture is named in a comment, as MeshLab reads it. A mesh that has no size, numbers that are not finite, faces
+/// without their vertices or not the channel of heights, samples that are fewer than the mesh's, options outside their range
+/// and coordinates beyond all floats give a Status that says so, and no byte is written; a sink that refuses bytes gives
+/// Errc::write_failed.
+inline Status write_height_ply(const MeshView& mesh, const HeightSamples& samples, Sink sink, const HeightOptions& options = {}) {
+    if (const Status status = detail::check_height_model(mesh, samples, options); !status) return status;
+    detail::Relief relief(mesh, samples, options, detail::is_y_up(options, false));
+    if (options.has_normals) relief.find_normals();
+    detail::Writer writer(sink);
+    const auto put = [&](const auto& numbers) {
+        for (const double number : numbers) writer.f32(static_cast<float>(number));
+    };
+    detail::begin_ply(writer, mesh, options.texture);
+    detail::write_ply_floats(writer, {"x", "y", "z"});
+    if (options.has_normals) detail::write_ply_floats(writer, {"nx", "ny", "nz"});
+    if (options.drape != Drape::none) detail::write_ply_floats(writer, {"s", "t"});
+    detail::end_ply_head(writer, mesh);
+    for (std::size_t v = 0; v < mesh.vertex_count; ++v) {
+        put(relief.position(v));
+        if (options.has_normals) put(relief.normal(v));
+        if (options.drape == Drape::none) continue;
+        const std::array<double, 2> at = relief.texture_place(v);
+        put(std::array<double, 2>{at[0], 1 - at[1]});
+    }
+    detail::write_ply_faces(writer, mesh);
+    return writer.finish();
+}
+
+/// Writes a mesh as an OBJ file: lines `v x y z`, `vt u v` and `vn x y z`, and faces `f a/a/a b/b/b c/c/c`, z up. `texture`
+/// names the material file that write_material() writes. Refuses what write_height_ply() does.
+inline Status write_height_obj(const MeshView& mesh, const HeightSamples& samples, Sink sink, const HeightOptions& options = {}) {
+    if (const Status status = detail::check_height_model(mesh, samples, options); !status) return status;
+    detail::Relief relief(mesh, samples, options, detail::is_y_up(options, false));
+    if (options.has_normals) relief.find_normals();
+    const bool has_places = options.drape != Drape::none;
+    detail::Writer writer(sink);
+    detail::write_obj_head(writer, options.texture);
+    for (std::size_t v = 0; v < mesh.vertex_count; ++v) {
+        const detail::Vector3 at = relief.position(v);
+        detail::write_obj_line(writer, "v", {at[0], at[1], at[2]});
+    }
+    for (std::size_t v = 0; v < mesh.vertex_count && has_places; ++v) {
+        const std::array<double, 2> at = relief.texture_place(v);
+        detail::write_obj_line(writer, "vt", {at[0], 1 - at[1]});
+    }
+    for (std::size_t v = 0; v < mesh.vertex_count && options.has_normals; ++v) {
+        const detail::Vector3 normal = relief.normal(v);
+        detail::write_obj_line(writer, "vn", {normal[0], normal[1], normal[2]});
+    }
+    if (has_places && options.has_normals) detail::write_obj_faces(writer, mesh, {"/", "/"});
+    else if (has_places) detail::write_obj_faces(writer, mesh, {"/"});
+    else if (options.has_normals) detail::write_obj_faces(writer, mesh, {"//"});
+    else detail::write_obj_faces(writer, mesh);
+    return writer.finish();
+}
+
+/// Writes a mesh as a .glb file with POSITION, NORMAL and TEXCOORD_0, y up, of one rough material, white or of the texture, lit
+/// by lamps; where there are no normals it is not lit. A mesh without vertices is a scene of nothing. Refuses what
+/// write_height_ply() does.
+inline Status write_height_glb(const MeshView& mesh, const HeightSamples& samples, Sink sink, const HeightOptions& options = {}) {
+    if (const Status status = detail::check_height_model(mesh, samples, options); !status) return status;
+    if (mesh.vertex_count == 0) return detail::write_empty_glb(sink);
+    detail::Relief relief(mesh, samples, options, detail::is_y_up(options, true));
+    if (options.has_normals) relief.find_normals();
+    detail::GlbMesh out;
+    detail::GlbFile& file = out.file;
+    constexpr std::uint32_t none = std::numeric_limits<std::uint32_t>::max();
+    std::uint32_t normals = none, places = none;
+    detail::GlbPrimitive primitive;
+    const std::uint32_t positions = out.add({}, detail::GlbNumber::f32, 3, mesh.vertex_count);
+    primitive.attributes = {{"POSITION", positions}};
+    if (options.has_normals) {
+        normals = out.add({}, detail::GlbNumber::f32, 3, mesh.vertex_count);
+        primitive.attributes.push_back({"NORMAL", normals});
+    }
+    if (options.drape != Drape::none) {
+        places = out.add({}, detail::GlbNumber::f32, 2, mesh.vertex_count);
+        primitive.attributes.push_back({"TEXCOORD", places, 0});
+    }
+    primitive.indices = detail::add_indices(out, mesh);
+    detail::bound_heights(mesh, relief, file.arrays[positions]);
+    file.nodes.emplace_back();
+    file.meshes.push_back({primitive});
+    detail::GlbMaterial material;
+    material.is_lit = options.has_normals;
+    material.texture = options.drape != Drape::none ? options.texture : nullptr;
+    file.materials.push_back(material);
+    if (const Status status = detail::count_glb_json(file); !status) return status;
+    return detail::write_glb_file(file, sink, [&](detail::Writer& writer, std::size_t i) {
+        if (i == primitive.indices) return detail::write_glb_indices(writer, mesh, file.arrays[i].number);
+        const auto put = [&](const auto& numbers) {
+            for (const double number : numbers) writer.f32(static_cast<float>(number));
+        };
+        for (std::size_t v = 0; v < mesh.vertex_count; ++v) {
+            if (i == positions) put(relief.position(v));
+            else if (i == normals) put(relief.normal(v));
+            else put(relief.texture_place(v));
+        }
+    });
+}
+
+}  // namespace hmesh
+
+#endif  // HMESH_IO_HEIGHTS_HEIGHT_MODELS_HPP
+
+// ---- hmesh/io/heights/detail/walls.hpp
+
+/// \file
+/// WallPlan: where the walls of a solid stand, so that each of its edges has two faces.
+///
+/// A wall stands on each edge that one face has alone: along the outer border and around holes. Where borders touch in a vertex
+/// the faces around it are several fans, and one vertical edge would have four walls. There each fan gets a corner of its own,
+/// moved into the fan by a 64th of a sample at most, and by less than would turn one of its faces over.
+///
+/// O(n log n); 24 bytes a face while it is made, 8 for each edge of the border afterwards.
+#ifndef HMESH_IO_HEIGHTS_DETAIL_WALLS_HPP
+#define HMESH_IO_HEIGHTS_DETAIL_WALLS_HPP
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+namespace hmesh::detail {
+
+/// The walls of a mesh, whose faces are taken as turned() has them, with y up. The mesh must outlive it.
+class WallPlan {
+  public:
+    /// Of a mesh of fewer than 2^31 vertices that check() accepts. Call plan() before all else.
+    explicit WallPlan(const MeshView& mesh) noexcept : mesh_(mesh) {}
+
+    /// Finds the walls. Refuses a mesh in which an edge has more than two faces, or two that do not go along it in opposite ways.
+    [[nodiscard]] Status plan() {
+        if (const Status status = find_borders(); !status) return status;
+        part_fans();
+        return {};
+    }
+
+    /// The number of walls.
+    [[nodiscard]] std::size_t size() const noexcept { return borders_.size(); }
+    /// Whether a wall stands on the edge along which a face goes from one vertex to another.
+    [[nodiscard]] bool has_wall(std::uint32_t from, std::uint32_t to) const noexcept {
+        return std::binary_search(borders_.begin(), borders_.end(), key(from, to));
+    }
+    /// By how much the corner of a face is moved, in px of the mesh's plane.
+    [[nodiscard]] std::array<double, 2> shift(std::size_t face, std::uint32_t vertex) const noexcept {
+        if (corners_.empty()) return {};
+        const Corner sought{vertex, static_cast<std::uint32_t>(face), 0, 0, {}};
+        const auto found = std::lower_bound(corners_.begin(), corners_.end(), sought, by_face);
+        return found != corners_.end() && found->vertex == vertex && found->face == sought.face ? found->shift
+                                                                                                : std::array<double, 2>{};
+    }
+
+  private:
+    // The corner of a face at a vertex where borders touch, and the corners that follow it, counter-clockwise.
+    struct Corner {
+        std::uint32_t vertex, face, right, left;
+        std::array<double, 2> shift;  // px
+    };
+    static bool by_face(const Corner& a, const Corner& b) noexcept {
+        return a.vertex != b.vertex ? a.vertex < b.vertex : a.face < b.face;
+    }
+
+    static bool by_right(const Corner& a, const Corner& b) noexcept {
+        return a.vertex != b.vertex ? a.vertex < b.vertex : a.right < b.right;
+    }
+    [[nodiscard]] static std::uint64_t key(std::uint32_t from, std::uint32_t to) noexcept {
+        return std::uint64_t{from} << 32U | to;
+    }
+
+    [[nodiscard]] Status find_borders() {
+        // Both ends, the lower first, and at last whether the face goes from the higher one: 63 bits.
+        std::vector<std::uint64_t> edges;
+        edges.reserve(3 * mesh_.face_count);
+        for (std::size_t f = 0; f < mesh_.face_count; ++f) {
+            const Triangle face = turned(mesh_.faces[f]);
+            for (std::size_t k = 0; k < 3; ++k) {
+                const std::uint32_t from = face[k], to = face[(k + 1) % 3];
+                if (from == to)
+                    return {Errc::invalid_argument, "a solid needs faces of three vertices, and one has a vertex twice, number",
+                            static_cast<std::int64_t>(f), static_cast<std::int64_t>(f)};
+                const std::uint64_t low = std::min(from, to), high = std::max(from, to);
+                edges.push_back(low << 32U | high << 1U | (from > to ? 1U : 0U));
+            }
+        }
+        std::sort(edges.begin(), edges.end());
+        for (std::size_t i = 0; i < edges.size();) {
+            const std::uint64_t edge = edges[i] / 2;
+            std::size_t next = i + 1;
+            while (next < edges.size() && edges[next] / 2 == edge) ++next;
+            const bool is_inner = next - i == 2 && edges[i] != edges[i + 1];
+            if (next - i > 1 && !is_inner)
+                return {
+                    Errc::invalid_argument,
+                    "a solid needs edges of two faces, one to its left and one to its right; one has more on a side, at vertex",
+                    static_cast<std::int64_t>(edge >> 31U), 0};
+            const auto low = static_cast<std::uint32_t>(edge >> 31U), high = static_cast<std::uint32_t>(edge & 0x7FFFFFFFU);
+            if (!is_inner) borders_.push_back(edges[i] % 2 == 0 ? key(low, high) : key(high, low));
+            i = next;
+        }
+        std::sort(borders_.begin(), borders_.end());
+        return {};
+    }
+
+    void part_fans() {
+        std::vector<std::uint32_t> touched;  // vertices from which more than one edge of the border goes out
+        for (std::size_t i = 1; i < borders_.size(); ++i) {
+            const auto vertex = static_cast<std::uint32_t>(borders_[i] >> 32U);
+            const bool is_again = vertex == borders_[i - 1] >> 32U && (touched.empty() || touched.back() != vertex);
+            if (is_again) touched.push_back(vertex);
+        }
+        if (touched.empty()) return;
+        for (std::size_t f = 0; f < mesh_.face_count; ++f) {
+            const Triangle face = turned(mesh_.faces[f]);
+            for (std::size_t k = 0; k < 3; ++k)
+                if (std::binary_search(touched.begin(), touched.end(), face[k]))
+                    corners_.push_back({face[k], static_cast<std::uint32_t>(f), face[(k + 1) % 3], face[(k + 2) % 3], {}});
+        }
+        std::sort(corners_.begin(), corners_.end(), by_right);
+        for (std::size_t i = 0; i < corners_.size(); ++i)
+            if (has_wall(corners_[i].vertex, corners_[i].right)) move_fan(i);
+        std::sort(corners_.begin(), corners_.end(), by_face);
+    }
+
+    // Moves the corners of the fan that begins with this one. They are sorted by_right.
+    void move_fan(std::size_t first) {
+        std::vector<std::size_t> fan = {first};
+        for (;;) {  // ends: no two faces have an edge on the same side, and the first one has a wall there
+            const Corner sought{corners_[first].vertex, 0, corners_[fan.back()].left, 0, {}};
+            const auto next = std::lower_bound(corners_.begin(), corners_.end(), sought, by_right);
+            if (next == corners_.end() || next->vertex != sought.vertex || next->right != sought.right) break;
+            fan.push_back(static_cast<std::size_t>(next - corners_.begin()));
+        }
+        double angle = 0, farthest = 1.0 / 64;  // px
+        for (const std::size_t i : fan) {
+            const std::array<double, 2> right = towards(corners_[i].vertex, corners_[i].right),
+                                        left = towards(corners_[i].vertex, corners_[i].left);
+            const double twice_area = right[0] * left[1] - right[1] * left[0];
+            angle += std::atan2(twice_area, right[0] * left[0] + right[1] * left[1]);
+            const double opposite = std::hypot(left[0] - right[0], left[1] - right[1]);
+            // A quarter of the way to the opposite edge.
+            if (twice_area > 0 && opposite > 0) farthest = std::min(farthest, 0.25 * twice_area / opposite);
+        }
+        const std::array<double, 2> begins = towards(corners_[first].vertex, corners_[first].right);
+        const double size = std::hypot(begins[0], begins[1]);
+        if (!(size > 0)) return;
+        const double c = std::cos(angle / 2) * farthest / size, s = std::sin(angle / 2) * farthest / size;
+        for (const std::size_t i : fan)  // y goes down in the mesh's plane
+            corners_[i].shift = {c * begins[0] - s * begins[1], -(s * begins[0] + c * begins[1])};
+    }
+    // From one vertex to another, px, y up.
+    [[nodiscard]] std::array<double, 2> towards(std::size_t from, std::size_t to) const noexcept {
+        const auto at = [&](std::size_t i) { return static_cast<double>(mesh_.positions[i]); };
+        return {at(2 * to) - at(2 * from), at(2 * from + 1) - at(2 * to + 1)};
+    }
+
+    MeshView mesh_;
+    std::vector<std::uint64_t> borders_;  // keys of edges, sorted
+    std::vector<Corner> corners_;         // sorted by_face
+};
+
+}  // namespace hmesh::detail
+
+#endif  // HMESH_IO_HEIGHTS_DETAIL_WALLS_HPP
+
+// ---- hmesh/io/heights/height_stl.hpp
+
+/// \file
+/// write_height_stl(), write_solid_stl(): a mesh of heights as a binary STL file: a surface, or a solid to be printed.
+///
+/// STL knows neither vertices nor units: 50 bytes a face, its normal and its three corners as floats. z is up unless
+/// HeightOptions::up says otherwise; normals of vertices, texture coordinates and textures are left out.
+///
+/// The solid has the surface above, the same faces flat below, and walls of two faces on each edge of the border: twice the
+/// faces and more. Who looks for vertices by their coordinates, as slicers do, finds that each edge has two faces; so the mesh
+/// must have one vertex where there is one place, and floats must keep its vertices apart.
+///
+/// The surface O(n), nothing allocated. The solid O(n log n), 24 bytes a face.
+/// Source: Marshall Burns, Automated Fabrication, section 6.5: the STL format.
+#ifndef HMESH_IO_HEIGHTS_HEIGHT_STL_HPP
+#define HMESH_IO_HEIGHTS_HEIGHT_STL_HPP
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+
+namespace hmesh {
+namespace detail {
+
+/// The corners of a face in space.
+using Corners3 = std::array<Vector3, 3>;
+
+/// Writes the 80 bytes that readers skip, which must not begin with "solid", and the number of faces.
+inline void write_stl_head(Writer& writer, std::uint64_t faces) {
+    static constexpr std::array<char, 80> comment{"made by hmesh " HMESH_VERSION_STRING};
+    writer.bytes(comment.data(), comment.size());
+    writer.u32(static_cast<std::uint32_t>(faces));
+}
+
+/// Writes a face, counter-clockwise seen from outside. A face without an area, as its corners are stored, has the normal 0.
+inline void write_stl_face(Writer& writer, const Corners3& corners) {
+    Corners3 stored{};
+    for (std::size_t k = 0; k < 3; ++k)
+        for (std::size_t axis = 0; axis < 3; ++axis) stored[k][axis] = static_cast<double>(static_cast<float>(corners[k][axis]));
+    for (const double part : unit(area_normal(stored[0], stored[1], stored[2]), {})) writer.f32(static_cast<float>(part));
+    for (const Vector3& corner : stored)
+        for (const double coordinate : corner) writer.f32(static_cast<float>(coordinate));
+    writer.u16(0);
+}
+
+/// Refuses what no STL file of `faces` faces holds. O(n).
+[[nodiscard]] inline Status check_for_stl(const MeshView& mesh, const HeightOptions& options, std::uint64_t most_faces) {
+    constexpr std::uint64_t most = std::numeric_limits<std::int32_t>::max();
+    if (const Status status = check_counts(mesh, most, most_faces, "the mesh has more vertices or faces than an STL file holds");
+        !status)
+        return status;
+    return check_relief(mesh, {}, options);
+}
+
+}  // namespace detail
+
+/// Writes a mesh as a binary STL file, an open surface that faces up. A mesh that write_height_ply() refuses gives a Status that
+/// says so, and no byte is written; a sink that refuses bytes gives Errc::write_failed.
+inline Status write_height_stl(const MeshView& mesh, Sink sink, const HeightOptions& options = {}) {
+    constexpr std::uint64_t most = std::numeric_limits<std::uint32_t>::max();
+    if (const Status status = detail::check_for_stl(mesh, options, most); !status) return status;
+    const detail::Relief relief(mesh, {}, options, detail::is_y_up(options, false));
+    detail::Writer writer(sink);
+    detail::write_stl_head(writer, mesh.face_count);
+    for (std::size_t f = 0; f < mesh.face_count; ++f) {
+        const Triangle face = detail::turned(mesh.faces[f]);
+        detail::write_stl_face(writer, {relief.position(face[0]), relief.position(face[1]), relief.position(face[2])});
+    }
+    return writer.finish();
+}
+
+/// Writes a mesh as the binary STL file of a solid that stands on a flat base at the height `base`, in the units of
+/// HeightOptions::z: watertight, each edge of two faces, with walls around holes too. Where borders touch in a vertex, as holes
+/// do at their corners, it becomes a vertex for each side, a 64th of a sample apart at most.
+///
+/// Refuses what write_height_stl() does, a base that is not below all heights, faces that have a vertex twice, and edges that
+/// more faces share than one on each side.
+inline Status write_solid_stl(const MeshView& mesh, double base, Sink sink, const HeightOptions& options = {}) {
+    constexpr std::uint64_t most = std::numeric_limits<std::uint32_t>::max() / 8;  // two and six for its walls, at most
+    if (const Status status = detail::check_for_stl(mesh, options, most); !status) return status;
+    const detail::Relief relief(mesh, {}, options, detail::is_y_up(options, false));
+    constexpr auto farthest = static_cast<double>(std::numeric_limits<float>::max());
+    if (!kit::is_within(base, -farthest, farthest))
+        return {Errc::invalid_argument, "the base of a solid must be a height that a float holds", base, farthest};
+    for (std::size_t v = 0; v < mesh.vertex_count; ++v)
+        if (!(static_cast<float>(base) < static_cast<float>(relief.height(v))))
+            return {Errc::invalid_argument, "the base of a solid must be below all of its heights", base, relief.height(v)};
+    detail::WallPlan walls(mesh);
+    if (const Status status = walls.plan(); !status) return status;
+
+    detail::Writer writer(sink);
+    detail::write_stl_head(writer, 2 * std::uint64_t{mesh.face_count} + 2 * std::uint64_t{walls.size()});
+    for (std::size_t f = 0; f < mesh.face_count; ++f) {
+        const Triangle face = detail::turned(mesh.faces[f]);
+        detail::Corners3 above{}, below{};
+        for (std::size_t k = 0; k < 3; ++k) {
+            const std::array<double, 2> shift = walls.shift(f, face[k]);
+            above[k] = relief.position(face[k], shift);
+            below[k] = relief.position(face[k], shift, &base);
+        }
+        detail::write_stl_face(writer, above);
+        detail::write_stl_face(writer, {below[0], below[2], below[1]});
+        for (std::size_t k = 0; k < 3; ++k) {
+            const std::size_t next = (k + 1) % 3;
+            if (!walls.has_wall(face[k], face[next])) continue;
+            detail::write_stl_face(writer, {above[next], above[k], below[k]});
+            detail::write_stl_face(writer, {above[next], below[k], below[next]});
+        }
+    }
+    return writer.finish();
+}
+
+}  // namespace hmesh
+
+#endif  // HMESH_IO_HEIGHTS_HEIGHT_STL_HPP
+
+// ---- hmesh/io/heights/detail/wgs84.hpp
+
+/// \file
+/// The ellipsoid WGS 84: places on it in Earth-centred, Earth-fixed coordinates (ECEF), their axes, and what hides behind it.
+///
+/// ECEF: metres from the centre of the Earth, x towards longitude 0 on the equator, y towards 90 degrees east, z to the north
+/// pole.
+/// Sources: NIMA TR8350.2, World Geodetic System 1984; K. Ring, Computing the horizon occlusion point, cesium.com/blog, 2013.
+#ifndef HMESH_IO_HEIGHTS_DETAIL_WGS84_HPP
+#define HMESH_IO_HEIGHTS_DETAIL_WGS84_HPP
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+
+namespace hmesh::detail {
+
+inline constexpr double equatorial_radius = 6378137;                                       ///< m
+inline constexpr double flattening = 1 / 298.257223563;                                    ///< of the ellipsoid
+inline constexpr double polar_radius = equatorial_radius * (1 - flattening);               ///< m
+inline constexpr double eccentricity_squared = flattening * (2 - flattening);              ///< of a meridian
+inline constexpr double radians_per_degree = 3.14159265358979323846264338327950288 / 180;  ///< rad
+
+/// A longitude and a latitude with all that follows from them.
+struct GeodeticPlace {
+    Vector3 east{}, north{}, up{};  ///< unit vectors in ECEF
+    double across = 0,              ///< m: radius of the ellipsoid's curvature from east to west
+        along = 0;                  ///< m: from north to south
+    double cos_latitude = 0;        ///< 0 at the poles
+
+    /// Of degrees.
+    GeodeticPlace(double longitude, double latitude) noexcept {
+        const double c = std::cos(latitude * radians_per_degree), s = std::sin(latitude * radians_per_degree),
+                     cl = std::cos(longitude * radians_per_degree), sl = std::sin(longitude * radians_per_degree);
+        east = {-sl, cl, 0};
+        north = {-s * cl, -s * sl, c};
+        up = {c * cl, c * sl, s};
+        const double squash = 1 - eccentricity_squared * s * s;
+        across = equatorial_radius / std::sqrt(squash);
+        along = across * (1 - eccentricity_squared) / squash;
+        cos_latitude = c;
+    }
+
+    /// Where a point `height` m above the ellipsoid is, in ECEF.
+    [[nodiscard]] Vector3 at(double height) const noexcept {
+        return {(across + height) * up[0], (across + height) * up[1], (across * (1 - eccentricity_squared) + height) * up[2]};
+    }
+    /// A vector of this place's east, north and up in ECEF.
+    [[nodiscard]] Vector3 to_ecef(const Vector3& local) const noexcept {
+        Vector3 sum{};
+        for (std::size_t k = 0; k < 3; ++k) sum[k] = local[0] * east[k] + local[1] * north[k] + local[2] * up[k];
+        return sum;
+    }
+};
+
+/// A point of ECEF in the frame in which the ellipsoid is the unit sphere.
+[[nodiscard]] inline Vector3 scaled_to_sphere(const Vector3& point) noexcept {
+    return {point[0] / equatorial_radius, point[1] / equatorial_radius, point[2] / polar_radius};
+}
+
+/// The horizon occlusion point of some points: the nearest one along a direction that is hidden behind the ellipsoid only where
+/// all of them are. In the frame of the unit sphere.
+class OcclusionPoint {
+  public:
+    /// In the direction from the centre of the Earth to a point, that of what is to be hidden, in ECEF.
+    explicit OcclusionPoint(const Vector3& towards) noexcept : direction_(unit(scaled_to_sphere(towards), {0, 0, 1})) {}
+
+    /// Takes a point in ECEF in. Below the ellipsoid it counts as a point on it.
+    void add(const Vector3& point) noexcept {
+        const Vector3 scaled = scaled_to_sphere(point), from_center = unit(scaled, direction_);
+        const double distance = std::max(1.0, length(scaled));
+        // From the direction to the point it is alpha; beta more and the tangent from the point touches the sphere. Where that
+        // tangent meets the direction is what hides with the point.
+        const double cos_alpha = dot(from_center, direction_), sin_alpha = length(cross(from_center, direction_)),
+                     cos_beta = 1 / distance, sin_beta = std::sqrt(std::max(0.0, distance * distance - 1)) * cos_beta;
+        const double cosine = cos_alpha * cos_beta - sin_alpha * sin_beta;
+        // A tangent that leads away from the direction does not meet it: the point is more than a quarter of the globe away.
+        farthest_ = std::max(farthest_, cosine * most > 1 ? 1 / cosine : most);
+    }
+    /// Whether there is one: all points are less than a quarter of the globe from the direction, mountains by so much less as
+    /// they are seen from afar.
+    [[nodiscard]] bool is_there() const noexcept { return farthest_ < most; }
+    /// The occlusion point of all points taken in, at least one. Where there is none, a point farther than any eye.
+    [[nodiscard]] Vector3 point() const noexcept {
+        return {direction_[0] * farthest_, direction_[1] * farthest_, direction_[2] * farthest_};
+    }
+
+  private:
+    static constexpr double most = 1e6;  // radii of the Earth
+
+    Vector3 direction_;
+    double farthest_ = 1;
+};
+
+}  // namespace hmesh::detail
+
+#endif  // HMESH_IO_HEIGHTS_DETAIL_WGS84_HPP
+
+// ---- hmesh/io/heights/quantized_mesh.hpp
+
+/// \file
+/// write_quantized_mesh(): a mesh of heights as a tile of the globe, quantized-mesh 1.0, for Cesium and others.
+///
+/// The mesh's sides are the tile's: longitude and latitude are linear in its plane, and heights are metres above the ellipsoid
+/// WGS 84. Positions and heights have 15 bits each. Between 256 steps a position is off by 1/256 of a step at most, a height by
+/// a 65534th of the tile's range: rounded_to_tile() gives the mesh as a reader has it, to prove a bound on, and says how much
+/// to ask for less. Vertices come in the order in which faces name them first, and those that none names are left out. The
+/// vertices of a side, and no others, have the coordinate 0 or 32767, and are listed from west to east and from south to north.
+/// The bounding sphere is that around the box of the vertices, seen from the middle of the tile. Servers send tiles compressed
+/// by gzip, which is left to the program.
+///
+/// Bytes: 92 and 6 a vertex, 8 with normals, and 6 a face; 12 from 65,536 vertices on. O(n), 8 bytes a vertex, and 24 more for
+/// normals without samples.
+/// Source: quantized-mesh-1.0, github.com/CesiumGS/quantized-mesh; Z. H. Cigolle et al., A Survey of Efficient Representations
+/// for Independent Unit Vectors, JCGT 3(2), 2014.
+#ifndef HMESH_IO_HEIGHTS_QUANTIZED_MESH_HPP
+#define HMESH_IO_HEIGHTS_QUANTIZED_MESH_HPP
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <cstring>
+#include <limits>
+#include <vector>
+
+namespace hmesh {
+
+/// Options of write_quantized_mesh().
+struct QuantizedMeshOptions {
+    double west = 0,    ///< degrees of longitude of the mesh's left side, -180 to 180
+        south = 0,      ///< degrees of latitude of its lower side, -90 to 90
+        east = 0,       ///< degrees of longitude of its right side, more than `west`, by 180 at most
+        north = 0;      ///< degrees of latitude of its upper side, more than `south`, 90 at most
+    HeightChannel z{};  ///< the heights, in metres
+    /// Metres: the heights that 0 and 32767 stand for, rounded to floats downward and upward. Neighbouring tiles that are given
+    /// the same ones have the same heights on their common side. low == high: those of the lowest and the highest vertex.
+    double low = 0,
+           high = 0;          ///< metres: see `low`
+    bool has_normals = true;  ///< extension 1 (octvertexnormals): 2 bytes a vertex
+};
+
+/// A mesh with its positions and heights rounded to the 15 bits of a tile. Faces thinner than that may have turned over.
+struct TileRounding {
+    Mesh mesh;         ///< the mesh as a reader of the tile has it, in its plane and its stored values: same vertices, same faces
+    double error = 0;  ///< stored values: how far its vertices are from the surface that was, at most. Ask for so much less
+    Status status;     ///< what write_quantized_mesh() would say; if it is bad there is no mesh
+};
+
+namespace detail {
+
+/// The largest coordinate in a tile.
+inline constexpr int tile_most = 32767;
+
+/// The float next below or above a number, or it itself if it is one; of numbers that floats hold.
+[[nodiscard]] inline double float_around(double number, bool is_above) noexcept {
+    const auto nearest = static_cast<float>(number);
+    const auto rounded = static_cast<double>(nearest);
+    if (is_above ? rounded >= number : rounded <= number) return rounded;
+    constexpr float most = std::numeric_limits<float>::max();
+    return static_cast<double>(std::nextafter(nearest, is_above ? most : -most));
+}
+
+/// Refuses what no tile holds. O(n).
+[[nodiscard]] inline Status check_for_tile(const MeshView& mesh, const HeightSamples& samples,
+                                           const QuantizedMeshOptions& tile) noexcept {
+    constexpr std::uint64_t most = std::numeric_limits<std::int32_t>::max();
+    constexpr double radius = 6e6;  // m, less than any of the Earth's: nothing is on the other side of its centre
+    if (const Status status = check_counts(mesh, most, most, "the mesh has more vertices or faces than a tile numbers"); !status)
+        return status;
+    if (const Status status = check_height_mesh(mesh, samples, tile.z); !status) return status;
+    if (mesh.face_count == 0) return {Errc::invalid_argument, "a tile needs a mesh of at least one face", 0, 1};
+    if (const Status status = kit::check_ranges(
+            {{"a tile's west must be -180 to 180 degrees", tile.west, -180, 180},
+             {"a tile's south must be -90 to 90 degrees", tile.south, -90, 90},
+             {"a tile's north must be -90 to 90 degrees", tile.north, -90, 90},
+             {"a tile's east must be at most 180 degrees east of its west", tile.east, tile.west, tile.west + 180},
+             {"a tile's lowest height must be metres near the globe", tile.low, -radius, 1e9},
+             {"a tile's highest height must be metres near the globe", tile.high, tile.low, 1e9}});
+        !status)
+        return status;
+    if (!(tile.west < tile.east))
+        return {Errc::invalid_argument, "a tile's east must be more than its west, in degrees", tile.east, tile.west};
+    if (!(tile.south < tile.north))
+        return {Errc::invalid_argument, "a tile's north must be more than its south, in degrees", tile.north, tile.south};
+    const std::array<double, 2> size = plane_size(mesh);
+    const bool is_free = !(tile.low < tile.high);
+    for (std::size_t v = 0; v < mesh.vertex_count; ++v) {
+        for (std::size_t k = 0; k < 2; ++k) {
+            const auto at = static_cast<double>(mesh.positions[2 * v + k]);
+            if (at < 0 || at > size[k])
+                return {Errc::invalid_argument,
+                        "a tile's mesh must not reach beyond its image, as it does at the place, in samples", at,
+                        at < 0 ? 0 : size[k]};
+        }
+        const double height = height_of(mesh, tile.z, v);
+        const double low = is_free ? -radius : tile.low, high = is_free ? 1e9 : tile.high;
+        if (!kit::is_within(height, low, high))
+            return {Errc::invalid_argument, "a tile has a height beyond those that it may have, in metres", height,
+                    height < low ? low : high};
+    }
+    return {};
+}
+
+/// A mesh in the coordinates of a tile.
+class TileGrid {
+  public:
+    /// Of what check_for_tile() accepts, and of a mesh that outlives it. O(n).
+    TileGrid(const MeshView& mesh, const QuantizedMeshOptions& tile) noexcept
+        : mesh_(mesh), tile_(tile), size_(plane_size(mesh)), low_(tile.low), high_(tile.high) {
+        if (!(low_ < high_)) {
+            low_ = high_ = height_of(mesh, tile.z, 0);
+            for (std::size_t v = 1; v < mesh.vertex_count; ++v) {
+                const double height = height_of(mesh, tile.z, v);
+                low_ = std::min(low_, height), high_ = std::max(high_, height);
+            }
+        }
+        low_ = float_around(low_, false);
+        high_ = float_around(high_, true);
+    }
+
+    [[nodiscard]] double low() const noexcept { return low_; }    ///< metres, a float: the height 0
+    [[nodiscard]] double high() const noexcept { return high_; }  ///< metres, a float: the height 32767
+
+    /// u, v and height of a vertex, 0 to 32767; v to the north.
+    [[nodiscard]] std::array<int, 3> rounded(std::size_t vertex) const noexcept {
+        const auto x = static_cast<double>(mesh_.positions[2 * vertex]), y = static_cast<double>(mesh_.positions[2 * vertex + 1]);
+        const double range = high_ - low_;
+        const double share = range > 0 ? (height_of(mesh_, tile_.z, vertex) - low_) / range : 0;
+        return {inside(x, size_[0]), tile_most - inside(y, size_[1]), static_cast<int>(share * tile_most + 0.5)};
+    }
+    /// Where a vertex is for a reader.
+    [[nodiscard]] GeodeticPlace place(const std::array<int, 3>& at) const noexcept {
+        return {between(tile_.west, tile_.east, at[0]), between(tile_.south, tile_.north, at[1])};
+    }
+    /// The height of a vertex for a reader, in metres.
+    [[nodiscard]] double height(const std::array<int, 3>& at) const noexcept { return between(low_, high_, at[2]); }
+    /// The same in ECEF.
+    [[nodiscard]] Vector3 ecef(std::size_t vertex) const noexcept {
+        const std::array<int, 3> at = rounded(vertex);
+        return place(at).at(height(at));
+    }
+    /// The same in the mesh's plane, in samples, y down, and its height in metres.
+    [[nodiscard]] Vector3 in_plane(std::size_t vertex) const noexcept {
+        const std::array<int, 3> at = rounded(vertex);
+        return {between(0, size_[0], at[0]), between(0, size_[1], tile_most - at[1]), height(at)};
+    }
+    /// Degrees from one sample to the next, to the east and to the north.
+    [[nodiscard]] std::array<double, 2> degrees_per_sample() const noexcept {
+        return {(tile_.east - tile_.west) / size_[0], (tile_.north - tile_.south) / size_[1]};
+    }
+
+  private:
+    // Vertices of the sides alone are at the ends.
+    [[nodiscard]] static int inside(double place, double size) noexcept {
+        if (place <= 0) return 0;
+        if (place >= size) return tile_most;
+        return std::max(1, std::min(tile_most - 1, static_cast<int>(place / size * tile_most + 0.5)));
+    }
+    // As readers do it: exact at both ends.
+    [[nodiscard]] static double between(double low, double high, int at) noexcept {
+        const double share = static_cast<double>(at) / tile_most;
+        return (1 - share) * low + share * high;
+    }
+
+    MeshView mesh_;
+    QuantizedMeshOptions tile_;
+    std::array<double, 2> size_;
+    double low_, high_;
+};
+
+/// The vertices of a tile in the order in which faces name them.
+struct TileOrder {
+    std::vector<std::uint32_t> vertices;  ///< of the mesh
+    std::vector<std::uint32_t> ranks;     ///< of each vertex of the mesh that a face names: its place among `vertices`
+    std::size_t named = 0;                ///< how many of `vertices` faces name
+
+    /// O(n).
+    explicit TileOrder(const MeshView& mesh) {
+        constexpr std::uint32_t none = std::numeric_limits<std::uint32_t>::max();
+        ranks.resize(mesh.vertex_count, none);
+        for (std::size_t f = 0; f < mesh.face_count; ++f)
+            for (const std::uint32_t v : turned(mesh.faces[f])) {
+                if (ranks[v] != none) continue;
+                ranks[v] = static_cast<std::uint32_t>(vertices.size());
+                vertices.push_back(v);
+            }
+        named = vertices.size();
+        // Indices of 16 bits are for up to 65,536 vertices, of which the first could no longer be named once all have been: its
+        // distance from the next new one is 65,536. A vertex that no face has makes it 32 bits.
+        if (named == 65536) vertices.push_back(vertices.back());
+    }
+    /// Whether indices have 32 bits.
+    [[nodiscard]] bool is_wide() const noexcept { return vertices.size() > 65536; }
+    /// Puts an index.
+    void put(Writer& writer, std::uint32_t index) const {
+        if (is_wide()) writer.u32(index);
+        else writer.u16(static_cast<std::uint16_t>(index));
+    }
+};
+
+/// Puts a float of 64 bits.
+inline void put_f64(Writer& writer, double value) {
+    static_assert(std::numeric_limits<double>::is_iec559 && sizeof(double) == 8, "double is IEEE 754 binary64");
+    std::uint64_t bits = 0;
+    std::memcpy(&bits, &value, 8);
+    writer.u32(static_cast<std::uint32_t>(bits & 0xFFFFFFFFU));
+    writer.u32(static_cast<std::uint32_t>(bits >> 32U));
+}
+
+/// Writes the header: centre, heights, bounding sphere and horizon occlusion point. O(n).
+inline void write_tile_head(Writer& writer, const TileGrid& grid, const TileOrder& order, const QuantizedMeshOptions& tile) {
+    const GeodeticPlace middle((tile.west + tile.east) / 2, (tile.south + tile.north) / 2);
+    const Vector3 origin = middle.at((grid.low() + grid.high()) / 2);
+    Vector3 low{}, high{};
+    for (const std::uint32_t v : order.vertices) {
+        const Vector3 from = difference(grid.ecef(v), origin);
+        const Vector3 local = {dot(from, middle.east), dot(from, middle.north), dot(from, middle.up)};
+        for (std::size_t k = 0; k < 3; ++k) {
+            low[k] = v == order.vertices.front() ? local[k] : std::min(low[k], local[k]);
+            high[k] = v == order.vertices.front() ? local[k] : std::max(high[k], local[k]);
+        }
+    }
+    Vector3 center = middle.to_ecef({(low[0] + high[0]) / 2, (low[1] + high[1]) / 2, (low[2] + high[2]) / 2});
+    for (std::size_t k = 0; k < 3; ++k) center[k] += origin[k];
+    double radius = 0;
+    OcclusionPoint occlusion(center);
+    for (const std::uint32_t v : order.vertices) {
+        const Vector3 at = grid.ecef(v);
+        radius = std::max(radius, length(difference(at, center)));
+        occlusion.add(at);
+    }
+    // Of tiles as large as continents: seen from nearer to the equator, no place is a quarter of the globe away.
+    for (int quarters = 3; quarters >= 0 && !occlusion.is_there(); --quarters) {
+        const double latitude = (tile.south + tile.north) / 8 * quarters;
+        occlusion = OcclusionPoint(GeodeticPlace((tile.west + tile.east) / 2, latitude).up);
+        for (const std::uint32_t v : order.vertices) occlusion.add(grid.ecef(v));
+    }
+    const auto put = [&](const Vector3& point) {
+        for (const double coordinate : point) put_f64(writer, coordinate);
+    };
+    put(center);
+    writer.f32(static_cast<float>(grid.low()));
+    writer.f32(static_cast<float>(grid.high()));
+    put(center);
+    put_f64(writer, radius + 0.001);  // m: readers may round otherwise
+    put(occlusion.point());
+}
+
+/// Writes the vertices: u, v and height, each as its distance from the one before, with the sign in the lowest bit.
+inline void write_tile_vertices(Writer& writer, const TileGrid& grid, const TileOrder& order) {
+    writer.u32(static_cast<std::uint32_t>(order.vertices.size()));
+    for (std::size_t k = 0; k < 3; ++k) {
+        int before = 0;
+        for (const std::uint32_t v : order.vertices) {
+            const int value = grid.rounded(v)[k], step = value - before;
+            writer.u16(static_cast<std::uint16_t>(step < 0 ? -2 * step - 1 : 2 * step));
+            before = value;
+        }
+    }
+}
+
+/// Writes the faces, each corner as its distance from the highest index so far, or the next one if it is new; and the sides.
+inline void write_tile_indices(Writer& writer, const MeshView& mesh, const TileGrid& grid, const TileOrder& order) {
+    if (order.is_wide() && writer.position() % 4 != 0) writer.u16(0);
+    writer.u32(static_cast<std::uint32_t>(mesh.face_count));
+    std::uint32_t next = 0;
+    for (std::size_t f = 0; f < mesh.face_count; ++f)
+        for (const std::uint32_t v : turned(mesh.faces[f])) {
+            const std::uint32_t rank = order.ranks[v];
+            order.put(writer, next - rank);
+            if (rank == next) ++next;
+        }
+    struct Side {
+        std::size_t fixed;  // u or v
+        int at;
+    };
+    for (const Side side : {Side{0, 0}, Side{1, 0}, Side{0, tile_most}, Side{1, tile_most}}) {  // west, south, east, north
+        std::vector<std::array<std::uint32_t, 2>> found;
+        for (std::size_t i = 0; i < order.named; ++i) {
+            const std::array<int, 3> at = grid.rounded(order.vertices[i]);
+            if (at[side.fixed] == side.at)
+                found.push_back({static_cast<std::uint32_t>(at[1 - side.fixed]), static_cast<std::uint32_t>(i)});
+        }
+        std::sort(found.begin(), found.end());
+        writer.u32(static_cast<std::uint32_t>(found.size()));
+        for (const auto& [along, index] : found) order.put(writer, index);
+    }
+}
+
+/// A unit vector as two bytes: where it meets the octahedron, whose lower half is folded over the upper one.
+[[nodiscard]] inline std::array<std::uint8_t, 2> oct_encoded(const Vector3& normal) noexcept {
+    const double sum = std::abs(normal[0]) + std::abs(normal[1]) + std::abs(normal[2]);
+    std::array<double, 2> at = {normal[0] / sum, normal[1] / sum};
+    if (normal[2] < 0) at = {(1 - std::abs(at[1])) * (at[0] < 0 ? -1 : 1), (1 - std::abs(at[0])) * (at[1] < 0 ? -1 : 1)};
+    return {to_u8(std::max(0.0, std::min(1.0, at[0] / 2 + 0.5))), to_u8(std::max(0.0, std::min(1.0, at[1] / 2 + 0.5)))};
+}
+
+/// Writes the extension of normals.
+inline void write_tile_normals(Writer& writer, const MeshView& mesh, const HeightSamples& samples, const TileGrid& grid,
+                               const TileOrder& order, const HeightChannel& z) {
+    std::vector<Vector3> sums;
+    if (samples.is_empty()) sums = face_normals(mesh, [&](std::size_t vertex) { return grid.ecef(vertex); });
+    const std::array<double, 2> degrees = grid.degrees_per_sample();
+    writer.u8(1);
+    writer.u32(static_cast<std::uint32_t>(2 * order.vertices.size()));
+    for (const std::uint32_t v : order.vertices) {
+        const std::array<int, 3> at = grid.rounded(v);
+        const GeodeticPlace place = grid.place(at);
+        Vector3 normal = place.up;
+        std::array<double, 2> slope{};
+        if (samples.is_empty()) normal = unit(sums[v], place.up);
+        else if (slope_at(samples, mesh.samples, z.channel,
+                          {static_cast<double>(mesh.positions[2 * std::size_t{v}]),
+                           static_cast<double>(mesh.positions[2 * std::size_t{v} + 1])},
+                          slope)) {
+            const double height = grid.height(at);
+            const double east = (place.across + height) * place.cos_latitude * degrees[0] * radians_per_degree,
+                         north = (place.along + height) * degrees[1] * radians_per_degree;
+            const double to_east = east > 0.001 ? z.scale * slope[0] / east : 0;  // m: all samples of a row are one at a pole
+            normal = place.to_ecef(unit({0 - to_east, z.scale * slope[1] / north, 1}, {0, 0, 1}));
+        }
+        for (const std::uint8_t byte : oct_encoded(normal)) writer.u8(byte);
+    }
+}
+
+/// How far the corner of a face is, when it has been moved, from the plane in which the face was: metres. Less than 0 if it was
+/// moved out of the face.
+[[nodiscard]] inline double moved_from_face(const std::array<Vector3, 3>& corners, const Vector3& moved) noexcept {
+    const Vector3 b = difference(corners[1], corners[0]), c = difference(corners[2], corners[0]),
+                  by = difference(moved, corners[0]);
+    if (by[0] == 0 && by[1] == 0) return std::abs(by[2]);
+    const double twice_area = b[0] * c[1] - b[1] * c[0];
+    if (!(std::abs(twice_area) > 0)) return -1;
+    const double along_b = (by[0] * c[1] - by[1] * c[0]) / twice_area, along_c = (b[0] * by[1] - b[1] * by[0]) / twice_area;
+    // Along a side of the face it may be on either side of it, by a rounding.
+    if (along_b < -1e-9 || along_c < -1e-9) return -1;
+    return std::abs(by[2] - along_b * b[2] - along_c * c[2]);
+}
+
+}  // namespace detail
+
+/// The mesh that readers of the tile have, which write_quantized_mesh() would write of this one: what a bound is to be proved
+/// on. O(n).
+[[nodiscard]] inline TileRounding rounded_to_tile(const MeshView& mesh, const QuantizedMeshOptions& tile) {
+    TileRounding out;
+    out.status = detail::check_for_tile(mesh, {}, tile);
+    if (!out.status) return out;
+    const detail::TileGrid grid(mesh, tile);
+    const auto channels = static_cast<std::size_t>(mesh.channels);
+    Mesh& to = out.mesh;
+    to.positions.resize(2 * mesh.vertex_count);
+    to.colors.assign(mesh.colors, mesh.colors + channels * mesh.vertex_count);
+    to.faces.assign(mesh.faces, mesh.faces + mesh.face_count);
+    to.channels = mesh.channels, to.width = mesh.width, to.height = mesh.height, to.peak = mesh.peak;
+    to.premultiplied = mesh.premultiplied, to.periodic = mesh.periodic, to.samples = mesh.samples;
+    for (std::size_t v = 0; v < mesh.vertex_count; ++v) {
+        const detail::Vector3 at = grid.in_plane(v);
+        for (std::size_t k = 0; k < 2; ++k) to.positions[2 * v + k] = static_cast<float>(at[k]);
+        if (tile.z.scale == 0) continue;
+        constexpr auto most = static_cast<double>(std::numeric_limits<float>::max());
+        const double value = std::max(-most, std::min(most, (at[2] - tile.z.offset) / tile.z.scale));
+        to.colors[channels * v + static_cast<std::size_t>(tile.z.channel)] = static_cast<float>(value);
+    }
+    if (tile.z.scale == 0) return out;
+    const auto corner = [&](std::uint32_t v) -> detail::Vector3 {
+        return {static_cast<double>(mesh.positions[2 * std::size_t{v}]),
+                static_cast<double>(mesh.positions[2 * std::size_t{v} + 1]), detail::height_of(mesh, tile.z, v)};
+    };
+    for (std::size_t f = 0; f < mesh.face_count; ++f)
+        for (std::size_t k = 0; k < 3; ++k) {
+            const Triangle& face = mesh.faces[f];
+            const double error = detail::moved_from_face({corner(face[k]), corner(face[(k + 1) % 3]), corner(face[(k + 2) % 3])},
+                                                         grid.in_plane(face[k]));
+            out.error = std::max(out.error, error / std::abs(tile.z.scale));
+        }
+    return out;
+}
+
+/// Writes a mesh as a tile of quantized-mesh 1.0. A mesh that write_height_ply() refuses, that reaches beyond its image or has no
+/// faces, sides that are no degrees or no more than half the globe apart, and heights beyond `low` and `high` give a Status that
+/// says so, and no byte is written; a sink that refuses bytes gives Errc::write_failed.
+inline Status write_quantized_mesh(const MeshView& mesh, const HeightSamples& samples, Sink sink,
+                                   const QuantizedMeshOptions& tile) {
+    if (const Status status = detail::check_for_tile(mesh, samples, tile); !status) return status;
+    const detail::TileGrid grid(mesh, tile);
+    const detail::TileOrder order(mesh);
+    detail::Writer writer(sink);
+    detail::write_tile_head(writer, grid, order, tile);
+    detail::write_tile_vertices(writer, grid, order);
+    detail::write_tile_indices(writer, mesh, grid, order);
+    if (tile.has_normals) detail::write_tile_normals(writer, mesh, samples, grid, order, tile.z);
+    return writer.finish();
+}
+
+}  // namespace hmesh
+
+#endif  // HMESH_IO_HEIGHTS_QUANTIZED_MESH_HPP
+
 // ---- hmesh/methods/bounded/height_field.hpp
 
 /// \file
@@ -733,9 +2077,11 @@ struct BoundedMesh {
 /// \file
 /// Sides: the polyline that the border of a tile is, chosen from the samples along it alone.
 ///
-/// A side is split at its own worst sample until all are within the bound (D. Douglas and T. Peucker, "Algorithms for the
-/// reduction of the number of points required to represent a digitized line or its caricature", 1973), whatever is beside it:
-/// so two tiles that share a row of samples get the same border, meshed apart. O(n log n) for most rows.
+/// With heights that are samples a side is split at its own worst sample until all are within the bound (D. Douglas and
+/// T. Peucker, "Algorithms for the reduction of the number of points required to represent a digitized line or its caricature",
+/// 1973), in O(n log n) for most rows. With free heights it has few vertices, at samples with heights of 9 levels
+/// around them, by dynamic programming: some 0.7 of these, in O(9^2 n m) for edges of at most m samples. Either way
+/// whatever is beside the side counts for nothing: so two tiles that share a row of samples get the same border, meshed apart.
 #ifndef HMESH_METHODS_BOUNDED_SIDE_HPP
 #define HMESH_METHODS_BOUNDED_SIDE_HPP
 
@@ -763,6 +2109,7 @@ namespace detail {
 struct Profile {
     std::vector<double> place;           ///< px along the line, rising
     std::vector<float> heights;          ///< `channels` for each place
+    std::vector<float> chosen;           ///< those that a vertex there would have: the same, or near
     std::vector<std::uint8_t> has_data;  ///< for each place
     std::size_t channels;                ///< 1 to 4
 
@@ -776,8 +2123,8 @@ struct Profile {
         const double length = place[k] - place[i];
         for (std::size_t m = i + 1; m < k; ++m)
             for (std::size_t c = 0; c < channels; ++c) {
-                const double from = static_cast<double>(heights[i * channels + c]);
-                const double rise = static_cast<double>(heights[k * channels + c]) - from;
+                const double from = static_cast<double>(chosen[i * channels + c]);
+                const double rise = static_cast<double>(chosen[k * channels + c]) - from;
                 const double here = static_cast<double>(heights[m * channels + c]) - from;
                 const double error = std::abs((place[m] - place[i]) * rise - length * here) / length;
                 if (error > most.error) most = {error, m};
@@ -825,16 +2172,67 @@ struct Profile {
         if (squares && (is_end || (!field.data.empty() && cells_change(field, line, k)))) add(k, k - 1, k);
         if (!squares || k < line.end) add(k + field.offset(), k, k);
     }
+    out.chosen = out.heights;
     return out;
+}
+
+/// Chooses few vertices from place `first` to `last` of a profile of one channel, and their heights, so that all is within `limit`
+/// > 0: marks them in `keep`. Both ends keep their heights. A vertex that is off by the whole limit counts as three: what is
+/// beside the side would pay for it.
+HMESH_COLD inline void choose_fewest(Profile& profile, std::size_t first, std::size_t last, double limit,
+                                     std::vector<std::uint8_t>& keep) {
+    constexpr int middle = 4, levels = 2 * middle + 1;
+    constexpr std::uint32_t none = 0xffffffffU;
+    struct State {
+        float links = 1e30F;  // edges up to here, and twice the squares of what heights are off, in bounds
+        std::uint32_t from = none;
+    };
+    const std::size_t n = last - first + 1;
+    std::vector<State> states(n * levels);
+    const double step = limit * 0.999 / middle;
+    const auto sample = [&](std::size_t k) { return static_cast<double>(profile.heights[first + k]); };
+    const auto height = [&](std::size_t k, int level) { return static_cast<float>(sample(k) + step * (level - middle)); };
+    const auto at = [&](std::size_t k, int level) { return k * levels + static_cast<std::size_t>(level); };
+    states[at(0, middle)].links = 0;
+    for (std::size_t i = 0; i + 1 < n; ++i)
+        for (int level = 0; level < levels; ++level) {
+            const State state = states[at(i, level)];
+            if (state.links >= 1e30F) continue;
+            const auto z = static_cast<double>(height(i, level));
+            double low = -1e300, high = 1e300;  // slopes that keep all samples since within the limit
+            for (std::size_t k = i + 1; k < n; ++k) {
+                const double run = profile.place[first + k] - profile.place[first + i], above = sample(k) - z;
+                const double lowest = (low * run - above) / step + middle, highest = (high * run - above) / step + middle;
+                const int begin = lowest > 0 ? static_cast<int>(std::min(lowest, 100.0)) + 1 : 0;
+                const int end = highest < levels ? static_cast<int>(std::max(highest, -1.0) + 1) : levels;
+                for (int to = begin; to < end; ++to) {
+                    if (k + 1 == n && to != middle) continue;
+                    const float off = static_cast<float>(to - middle) / middle;
+                    const float links = state.links + 1 + 2 * off * off;
+                    State& next = states[at(k, to)];
+                    if (links < next.links) next = {links, static_cast<std::uint32_t>(at(i, level))};
+                }
+                low = std::max(low, (above - limit) / run);
+                high = std::min(high, (above + limit) / run);
+                if (!(low <= high)) break;
+            }
+        }
+    for (auto k = static_cast<std::uint32_t>(at(n - 1, middle)); k != none; k = states[k].from) {
+        keep[first + k / levels] = 1;
+        profile.chosen[first + k / levels] = height(k / levels, static_cast<int>(k % levels));
+    }
 }
 
 }  // namespace detail
 
 /// The vertices of the border along a line, its ends included, in order: of each stretch with data the polyline within `limit`
 /// of what stands there, with a vertex more wherever cells of data begin or end on one side of the line. Cells outside of the
-/// image count as none. The same from both sides.
-[[nodiscard]] HMESH_COLD inline std::vector<Corner> side_vertices(const HeightField& field, const SideLine& line, double limit) {
-    const detail::Profile profile = detail::profile(field, line);
+/// image count as none. The same from both sides. `lift`: whether heights may differ from samples; those of several channels
+/// do not.
+[[nodiscard]] HMESH_COLD inline std::vector<Corner> side_vertices(const HeightField& field, const SideLine& line, double limit,
+                                                                  bool lift) {
+    detail::Profile profile = detail::profile(field, line);
+    limit *= 1 - 1e-6;  // what is within it stays so when others round otherwise
     const std::size_t n = profile.place.size();
     std::vector<std::uint8_t> keep(n, 0);
     keep[0] = keep[n - 1] = 1;
@@ -856,7 +2254,8 @@ struct Profile {
         std::size_t last = first;
         while (last + 1 < n && profile.has_data[last + 1] != 0) ++last;
         keep[first] = keep[last] = 1;
-        split(first, last);
+        if (lift && limit > 0 && profile.channels == 1) detail::choose_fewest(profile, first, last, limit, keep);
+        else split(first, last);
         first = last;
     }
     std::vector<Corner> out;
@@ -865,7 +2264,7 @@ struct Profile {
         c.position = line.is_upright ? Point{static_cast<double>(line.at), profile.place[k]}
                                      : Point{profile.place[k], static_cast<double>(line.at)};
         for (std::size_t channel = 0; channel < profile.channels; ++channel)
-            c.heights[channel] = profile.heights[k * profile.channels + channel];
+            c.heights[channel] = profile.chosen[k * profile.channels + channel];
         return c;
     };
     if (!field.data.empty()) {
@@ -939,12 +2338,12 @@ HMESH_COLD inline void add_rim(const HeightField& field, const Rect& rect, std::
 
 /// The first mesh of a rectangle of the plane: sides as side_vertices() has them, all faces in cells of data. Freedoms are 0.
 /// Empty where no cell has data.
-[[nodiscard]] HMESH_COLD inline Sheet first_sheet(const HeightField& field, const Rect& rect, double limit) {
+[[nodiscard]] HMESH_COLD inline Sheet first_sheet(const HeightField& field, const Rect& rect, double limit, bool lift) {
     std::vector<Corner> corners;
     const int right = rect.x + rect.width, bottom = rect.y + rect.height;
     for (const SideLine& line : {SideLine{false, rect.y, rect.x, right}, SideLine{false, bottom, rect.x, right},
                                  SideLine{true, rect.x, rect.y, bottom}, SideLine{true, right, rect.y, bottom}}) {
-        const std::vector<Corner> side = side_vertices(field, line, limit);
+        const std::vector<Corner> side = side_vertices(field, line, limit, lift);
         corners.insert(corners.end(), side.begin(), side.end());
     }
     // Corners of the rectangle come twice, and ends of the rim on its sides: the first counts.
@@ -1118,9 +2517,9 @@ class GreedyInsertion {
 /// Star: the samples around a vertex as a linear function of its heights, in floats, for choosing heights and places quickly.
 ///
 /// At a sample of a face with corners v, a, b the mesh is off by l_v z + r, with l_v the barycentric coordinate of v, z its
-/// height and r = l_a z_a + l_b z_b - sample. A star holds l_v and r for all samples of some faces around v, in units of the bound, so
-/// that heights are tried at 0.2 ns a sample. Samples are taken eight at a time, those outside of the face as 0, which counts
-/// for nothing. Floats decide what is worth a change; whether it holds is asked of face_error().
+/// height and r = l_a z_a + l_b z_b - sample. A star holds l_v and r for all samples of some faces around v, in units of the
+/// bound, so that heights are tried at 0.2 ns a sample. Samples are taken eight at a time, those outside of the face as 0, which
+/// counts for nothing. Floats decide what is worth a change; whether it holds is asked of face_error().
 ///
 /// The energy of a star is the sum of the 16th powers of what samples are off, close to the largest of them and smooth: squares
 /// cost a fifth more triangles, 8th powers 3 %, 32nd powers 1 %.
@@ -1471,10 +2870,10 @@ struct Moves {
 };
 
 /// Moves vertices and flips edges of a mesh.
-class Relaxation {
+class BoundedRelaxation {
   public:
     /// Works on this mesh, which must outlive it.
-    Relaxation(BoundedMesh& mesh, const Moves& moves)
+    BoundedRelaxation(BoundedMesh& mesh, const Moves& moves)
         : mesh_(&mesh), moves_(moves), per_unit_(1 / unit(mesh)), now_(*mesh.field, per_unit_), then_(*mesh.field, per_unit_) {}
 
     /// What is 1 to fits: a little less than the limit, by what floats may be wrong; for limits that floats cannot tell from 0
@@ -1482,6 +2881,9 @@ class Relaxation {
     [[nodiscard]] static double unit(const BoundedMesh& mesh) noexcept {
         return std::max(mesh.limit * (1 - 1e-4), std::max(1e-30, 1e-6 * mesh.field->largest));
     }
+    /// The share of its energy that a move must gain, but in trials: each makes all around it be tried anew.
+    double least_gain = 0.02;
+
     [[nodiscard]] double per_unit() const noexcept { return per_unit_; }  ///< 1 / unit()
 
     /// Moves v if that lowers the energy of its star. `is_trial`: faces may be beyond the bound, and whether they still are is
@@ -1576,9 +2978,6 @@ class Relaxation {
         return to;
     }
 
-    /// The share of its energy that a move must gain, but in trials: each makes all around it be tried anew.
-    static constexpr double least_gain = 0.02;
-
     BoundedMesh* mesh_;
     Moves moves_;
     double per_unit_;
@@ -1610,14 +3009,22 @@ class Relaxation {
 namespace hmesh::kit {
 
 /// Removes vertices of a mesh.
-class Removal {
+class BoundedRemoval {
   public:
     /// Works on this mesh, which must outlive it, with what the relaxation may do.
-    Removal(BoundedMesh& mesh, Relaxation& relaxation, const Moves& moves)
+    BoundedRemoval(BoundedMesh& mesh, BoundedRelaxation& relaxation, const Moves& moves)
         : mesh_(&mesh), relaxation_(&relaxation), moves_(moves), star_(*mesh.field, relaxation.per_unit()) {}
 
     /// One pass over the vertices whose surroundings have changed since they were tried. Returns how many left.
     HMESH_COLD std::size_t pass(const std::vector<Vertex>& vertices) {
+        double area = 0;
+        for (const Face f : mesh_->topology.faces()) {
+            const auto v = mesh_->topology.vertices(f);
+            area += 0.5 * orient2d(mesh_->position(v[0]), mesh_->position(v[1]), mesh_->position(v[2]));
+        }
+        const bool is_coarse = area > 100 * static_cast<double>(mesh_->topology.face_count());
+        try_up_to_ = is_coarse ? 2.5 : 1.7;
+        slowest_ = is_coarse ? 0.95 : 0.85;
         tried_.resize(mesh_->topology.vertex_slots(), 0);
         queue_.clear();
         const std::uint32_t now = mesh_->clock;
@@ -1625,7 +3032,7 @@ class Removal {
             const Vertex v = vertices[k];
             if (mesh_->topology.is_deleted(v) || tried_[v.index()] >= mesh_->changed[v.index()]) continue;
             const Candidate candidate = best(v);
-            if (candidate.halfedge.is_valid() && candidate.most <= (moves_.positions ? try_up_to : 1))
+            if (candidate.halfedge.is_valid() && candidate.most <= (moves_.positions ? try_up_to_ : 1))
                 queue_.push_back(candidate);
             else tried_[v.index()] = now;
         }
@@ -1662,11 +3069,11 @@ class Removal {
 
   private:
     /// How far from the bound, in bounds, a removal is tried nevertheless.
-    /// Of those above 1.7 one in a hundred succeeds.
-    static constexpr double try_up_to = 1.7;
-    static constexpr int try_rounds = 12;
+    /// Of those above 1.7 one in a hundred succeeds: worth it where faces are so large that tries are few for the samples.
+    double try_up_to_ = 1.7;
     /// What a round must leave of the excess at most for another to be worth it.
-    static constexpr double slowest = 0.85;
+    double slowest_ = 0.85;
+    static constexpr int try_rounds = 12;
 
     struct Candidate {
         Halfedge halfedge;  // of the vertex that leaves, to the one that it is merged into; invalid: none
@@ -1746,7 +3153,7 @@ class Removal {
         if (!for_each_kept(v, into, [&](const Corner& a, const Corner& b) { return star_.add(a, b); })) return false;
         double heights[max_bounded_channels] = {};
         const bool can_change = mesh_->vertices[into.index()].can(can_lift);
-        if (star_.fit(heights).most > (can_change ? hopeless : try_up_to)) return false;
+        if (star_.fit(heights).most > (can_change ? hopeless : try_up_to_)) return false;
         if (!for_each_kept(into, v, [&](const Corner& a, const Corner& b) { return star_.add(a, b); })) return false;
         const Fit fit = can_change ? star_.lift(heights, 3) : star_.fit(heights);
         const Corner lifted = star_.apex(heights);
@@ -1815,7 +3222,7 @@ class Removal {
                 }
             const double most = worst_around();
             holds = most <= 1;
-            if (!holds && most - 1 > slowest * (last - 1)) break;
+            if (!holds && most - 1 > slowest_ * (last - 1)) break;
             last = most;
         }
         if (holds)
@@ -1854,7 +3261,7 @@ class Removal {
     }
 
     BoundedMesh* mesh_;
-    Relaxation* relaxation_;
+    BoundedRelaxation* relaxation_;
     Moves moves_;
     Star star_;
     std::vector<std::uint32_t> tried_;  ///< by vertex slot: mesh_->clock when its removal failed
@@ -1866,7 +3273,7 @@ class Removal {
 
 /// Whether the border may run from the vertex before v straight to the end of h, as seen along the border: along a side of the
 /// image where v is on one, and on the rim of what has data so that no sample is lost and none comes in.
-inline bool Removal::keeps_cover(Vertex v, Halfedge h) const {
+inline bool BoundedRemoval::keeps_cover(Vertex v, Halfedge h) const {
     const HalfedgeMesh& topology = mesh_->topology;
     const Halfedge out = topology.halfedge(v), in = topology.previous(out);
     const Vertex after = topology.to_vertex(out), before = topology.from_vertex(in);
@@ -1905,8 +3312,8 @@ HMESH_COLD inline void shrink(BoundedMesh& mesh, Bounded::Effort effort, int pas
     if (effort == Bounded::Effort::draft) return;
     const bool can_lift_any = mesh.limit > 0;
     const Moves moves{effort >= Bounded::Effort::normal && can_lift_any, effort == Bounded::Effort::best && can_lift_any};
-    Relaxation relaxation(mesh, moves);
-    Removal removal(mesh, relaxation, moves);
+    BoundedRelaxation relaxation(mesh, moves);
+    BoundedRemoval removal(mesh, relaxation, moves);
     const auto position = [&](Vertex v) { return mesh.position(v); };
     std::vector<std::uint32_t> relaxed(mesh.topology.vertex_slots(), 0);
     std::uint32_t flipped = 0;
@@ -1929,8 +3336,10 @@ HMESH_COLD inline void shrink(BoundedMesh& mesh, Bounded::Effort effort, int pas
                 if (relaxation.move(v, false)) relaxed[v.index()] = 0;
             }
         }
-        const std::size_t gone = removal.pass(vertices);
-        if (gone == 0) break;
+        // Where nothing leaves any more, smaller moves may make room.
+        if (removal.pass(vertices) > 0) continue;
+        if (!moves.positions || relaxation.least_gain < 1e-3) break;
+        relaxation.least_gain *= 0.25;
     }
     removal.settle();
 }
@@ -2057,7 +3466,9 @@ class BoundedPieces {
             progress_->set_range(0, 1);
             pieces = detail::cut(whole, tiling(shifts[phase][0], shifts[phase][1]));
             const double share = 1.0 / static_cast<double>(pieces.size());
-            parallel_for_(pieces.size(), [&](std::size_t k) { shrink_piece(pieces[k], share, phase == 0 ? 30 : 6); });
+            parallel_for_(pieces.size(), [&](std::size_t k) {
+                shrink_piece(pieces[k], share, phase > 0 ? 6 : recipe_.effort == Bounded::Effort::best ? 30 : 14);
+            });
             whole = joined(pieces, whole);
             if (!progress_->end(whole.vertices.size(), energy(whole))) break;
         }
@@ -2068,7 +3479,7 @@ class BoundedPieces {
     /// The mesh of a rectangle by greedy insertion.
     [[nodiscard]] Sheet inserted(const Rect& rect, double share) const {
         TaskProgress task(*progress_, share);
-        Sheet sheet = first_sheet(*field_, rect, limit_);
+        Sheet sheet = first_sheet(*field_, rect, limit_, recipe_.effort >= Bounded::Effort::normal);
         // Vertices of the rectangle's sides are those that other tiles have, too.
         for (std::size_t v = 0; v < sheet.vertices.size(); ++v) {
             const Point p = sheet.vertices[v].position;

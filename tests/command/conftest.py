@@ -16,6 +16,7 @@ FORMATS = ["ply", "obj", "glb", "pdf", "eps", "svg", "html"]
 def pytest_addoption(parser):
     for name in ["hmesh", "scene", "heightmap"]:
         parser.addoption("--" + name, metavar="PROGRAM", required=True, help="the program to test")
+    parser.addoption("--terrain", metavar="PROGRAM", help="hmesh-terrain, whose tests are skipped without")
 
 
 def program(config, name):
@@ -102,7 +103,7 @@ class Command:
 
 def is_failure(run, sentence):
     assert run.returncode == 1
-    assert re.fullmatch(r"hmesh: .*\n", run.stderr) and sentence in run.stderr
+    assert re.fullmatch(r"hmesh(-terrain)?: .*\n", run.stderr) and sentence in run.stderr
     assert not list(Path().rglob("*.part*"))
 
 
@@ -111,6 +112,15 @@ def hmesh(pictures, tmp_path, monkeypatch, pytestconfig):
     shutil.copytree(pictures, tmp_path, dirs_exist_ok=True)
     monkeypatch.chdir(tmp_path)
     return Command(program(pytestconfig, "hmesh"))
+
+
+@pytest.fixture
+def terrain(tmp_path, monkeypatch, pytestconfig):
+    """hmesh-terrain in a folder without a file."""
+    if not pytestconfig.getoption("terrain"):
+        pytest.skip("--terrain is not given")
+    monkeypatch.chdir(tmp_path)
+    return Command(program(pytestconfig, "terrain"))
 
 
 # ---- files ----

@@ -12,6 +12,7 @@ from pathlib import Path
 import pytest
 from PIL import Image
 
+import dems
 from conftest import FORMATS, is_png, is_whole, ply_header, program, read
 from terminal import shown
 
@@ -315,10 +316,10 @@ def test_a_terminal_shows_a_progress_bar_unless_quiet(hmesh):
 def test_the_terrain_of_heightmap_looks_up(tmp_path, pytestconfig):
     terrain = tmp_path / "island.obj"
     subprocess.run([program(pytestconfig, "heightmap"), terrain], check=True, capture_output=True)
-    lines = [line.split() for line in terrain.read_text().splitlines()]
-    ground = [(float(x), float(z)) for kind, x, _, z in lines if kind == "v"]
-    faces = [[ground[int(v) - 1] for v in corners] for kind, *corners in lines if kind == "f"]
-    assert len(faces) > 1000
+    model = dems.read_obj(terrain)
+    ground = [(x, z) for x, _, z in model.vertices]
+    faces = [[ground[v] for v in face] for face in model.faces]
+    assert len(faces) > 1000 and all(y > 0 for _, y, _ in model.normals)
     assert all((b[1] - a[1]) * (c[0] - a[0]) > (b[0] - a[0]) * (c[1] - a[1]) for a, b, c in faces)
 
 

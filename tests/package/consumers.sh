@@ -153,6 +153,7 @@ case $way in
             "-DHMESH_NLOHMANN_JSON_HPP_DIR=$work"
         # As if they had been built.
         program "$work/hmesh/bin/hmesh"
+        program "$work/hmesh/bin/hmesh-terrain"
         mkdir "$work/hmesh/tools/hmesh/words"
         for words in hmesh.1 hmesh.bash _hmesh hmesh.fish; do echo >"$work/hmesh/tools/hmesh/words/$words"; done
         "$cmake" --install "$work/hmesh" --prefix "$work/installed"

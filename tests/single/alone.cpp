@@ -9,6 +9,7 @@
 bool paper_is_there();                                 // paper.cpp
 bool gpu_is_there();                                   // gpu.cpp
 bool lods_are_there();                                 // lods.cpp
+bool terrain_is_there();                               // terrain.cpp
 std::size_t size_as_svg(const hmesh::MeshView& mesh);  // both.cpp
 
 int main() {
@@ -30,5 +31,6 @@ int main() {
     if (size_as_svg(mesh.view()) == 0) return 4;
     if (!gpu_is_there()) return 6;
     if (!lods_are_there()) return 7;
+    if (!terrain_is_there()) return 8;
     return paper_is_there() ? 0 : 5;
 }

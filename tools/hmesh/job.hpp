@@ -20,8 +20,6 @@ enum class JobEnd : std::uint8_t {
 // error. Starts the pool where it is not there yet.
 [[nodiscard]] JobEnd run_job(const Arguments& arguments, bool is_one_of_several, std::optional<example::ThreadPool>& pool);
 
-inline constexpr char no_memory[] = "there is not enough memory for this image and these options";
-
 }  // namespace tool
 
 #endif  // HMESH_TOOLS_JOB_HPP

@@ -1,7 +1,5 @@
 // hmesh - the command: image files become meshes. See `hmesh --help`.
 #include <cstddef>
-#include <cstdio>
-#include <cstdlib>
 #include <exception>
 #include <new>
 #include <optional>
@@ -11,7 +9,6 @@
 #include "arguments/arguments.hpp"
 #include "arguments/clashes.hpp"
 #include "job.hpp"
-#include "terminal/progress_bar.hpp"
 #include "terminal/progress_watch.hpp"
 #include "terminal/say.hpp"
 #include "terminal/standard_streams.hpp"
@@ -39,24 +36,6 @@ int run(const std::vector<Arguments>& images) {
     const std::string left = begun < images.size() ? of_all(images.size() - begun) + "were not begun" : "";
     if (failures == 0) return fail(failed, "interrupted: " + left);
     return fail(failed, of_all(failures) + "failed" + (left.empty() ? "" : ", and " + left));
-}
-
-// Where a worker of the pool, which throws nothing, has no memory.
-[[noreturn]] void give_up() {
-    try {
-        if (std::exception_ptr why = std::current_exception()) std::rethrow_exception(why);
-    } catch (const std::bad_alloc&) {
-        wipe_bar();
-        std::fprintf(stderr, "hmesh: %s\n", no_memory);
-        std::_Exit(failed);
-    } catch (...) {
-    }
-    std::abort();
-}
-
-int print(const std::string& text) {
-    const bool printed = std::fputs(text.c_str(), stdout) >= 0 && std::fflush(stdout) == 0;
-    return printed ? done : fail(failed, "cannot write to the standard output");
 }
 
 }  // namespace

@@ -16,8 +16,8 @@
 #include <cstdint>
 
 #include "hmesh/core/status.hpp"
-#include "hmesh/core/version.hpp"
 #include "hmesh/io/detail/export_mesh.hpp"
+#include "hmesh/io/detail/model_parts.hpp"
 #include "hmesh/io/sink.hpp"
 #include "hmesh/mesh/mesh.hpp"
 
@@ -33,7 +33,7 @@ inline Status write_obj(const MeshView& source, Sink sink) {
     const detail::ExportMesh exported(source, detail::Premultiplied::divided);
     const MeshView& mesh = exported.view();
     detail::Writer writer(sink);
-    writer.text("# made by hmesh " HMESH_VERSION_STRING "\n");
+    detail::write_obj_head(writer, nullptr);
     for (std::size_t v = 0; v < mesh.vertex_count; ++v) {
         writer.text("v ");
         writer.real(static_cast<double>(mesh.positions[2 * v]));
@@ -47,14 +47,7 @@ inline Status write_obj(const MeshView& source, Sink sink) {
         }
         writer.text("\n");
     }
-    for (std::size_t f = 0; f < mesh.face_count; ++f) {
-        writer.text("f");
-        for (const std::uint32_t v : detail::turned(mesh.faces[f])) {
-            writer.text(" ");
-            writer.decimal(static_cast<std::int64_t>(v) + 1);  // vertices count from 1
-        }
-        writer.text("\n");
-    }
+    detail::write_obj_faces(writer, mesh);
     return writer.finish();
 }
 

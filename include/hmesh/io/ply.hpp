@@ -22,9 +22,9 @@
 
 #include "hmesh/core/compiler.hpp"
 #include "hmesh/core/status.hpp"
-#include "hmesh/core/version.hpp"
 #include "hmesh/io/channel_groups.hpp"
 #include "hmesh/io/detail/export_mesh.hpp"
+#include "hmesh/io/detail/model_parts.hpp"
 #include "hmesh/io/sink.hpp"
 #include "hmesh/mesh/mesh.hpp"
 
@@ -83,10 +83,8 @@ HMESH_COLD inline void write_ply_properties(Writer& writer, const ChannelGroup& 
 
 /// The lines before the numbers.
 inline void write_ply_header(Writer& writer, const MeshView& mesh, const PlyOptions& options) {
-    writer.text(options.ascii ? "ply\nformat ascii 1.0\n" : "ply\nformat binary_little_endian 1.0\n");
-    writer.text("comment made by hmesh " HMESH_VERSION_STRING "\nelement vertex ");
-    writer.decimal(static_cast<std::int64_t>(mesh.vertex_count));
-    writer.text("\nproperty float x\nproperty float y\nproperty float z\n");
+    begin_ply(writer, mesh, nullptr, options.ascii);
+    write_ply_floats(writer, {"x", "y", "z"});
     bool has_color = false;
     for (const ChannelGroup& group : options.groups) {
         write_ply_properties(writer, group, has_color, options.float_colors);
@@ -94,9 +92,7 @@ inline void write_ply_header(Writer& writer, const MeshView& mesh, const PlyOpti
     }
     if (options.groups.is_empty())
         write_ply_properties(writer, {"", ChannelMeaning::color, mesh.channels}, false, options.float_colors);
-    writer.text("element face ");
-    writer.decimal(static_cast<std::int64_t>(mesh.face_count));
-    writer.text("\nproperty list uchar int vertex_indices\nend_header\n");
+    end_ply_head(writer, mesh);
 }
 
 /// The numbers of a PLY file, in order: bytes, or words with spaces between them.

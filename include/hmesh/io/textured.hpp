@@ -20,6 +20,7 @@
 #include "hmesh/core/version.hpp"
 #include "hmesh/io/detail/export_mesh.hpp"
 #include "hmesh/io/detail/glb_file.hpp"
+#include "hmesh/io/detail/model_parts.hpp"
 #include "hmesh/io/gltf.hpp"
 #include "hmesh/io/sink.hpp"
 #include "hmesh/mesh/mesh.hpp"
@@ -29,16 +30,6 @@
 namespace hmesh {
 
 namespace detail {
-
-/// Refuses a name that is none, or that would end a line.
-[[nodiscard]] inline Status check_file_name(const char* name) noexcept {
-    if (name == nullptr || *name == 0) return {Errc::invalid_argument, "the texture needs a name"};
-    for (const char* c = name; *c != 0; ++c)
-        if (static_cast<unsigned char>(*c) < 32)
-            return {Errc::invalid_argument, "the texture's name must not have control characters",
-                    static_cast<int>(static_cast<unsigned char>(*c)), 32};
-    return {};
-}
 
 /// Refuses what files of textured models cannot hold. O(n).
 [[nodiscard]] inline Status check_for_texture(const MeshView& mesh, const char* name) noexcept {
@@ -66,36 +57,16 @@ inline Status write_textured_obj(const MeshView& mesh, const char* material_file
     if (const Status status = detail::check_for_texture(mesh, material_file != nullptr ? material_file : "none"); !status)
         return status;
     detail::Writer writer(sink);
-    writer.text("# made by hmesh " HMESH_VERSION_STRING "\n");
-    if (material_file != nullptr) {
-        writer.text("mtllib ");
-        writer.text(material_file);
-        writer.text("\nusemtl image\n");
-    }
+    detail::write_obj_head(writer, material_file);
     for (std::size_t v = 0; v < mesh.vertex_count; ++v) {
-        writer.text("v ");
-        writer.real(static_cast<double>(mesh.positions[2 * v]));
-        writer.text(" ");
-        writer.real(detail::y_up(mesh, v));
-        writer.text(" 0\n");
+        const std::array<double, 2> at = detail::upright(mesh, v);
+        detail::write_obj_line(writer, "v", {at[0], at[1], 0});
     }
     for (std::size_t v = 0; v < mesh.vertex_count; ++v) {
         const std::array<double, 2> at = detail::texture_place(mesh, v);
-        writer.text("vt ");
-        writer.real(at[0]);
-        writer.text(" ");
-        writer.real(1 - at[1]);
-        writer.text("\n");
+        detail::write_obj_line(writer, "vt", {at[0], 1 - at[1]});
     }
-    for (std::size_t f = 0; f < mesh.face_count; ++f) {
-        writer.text("f");
-        for (const std::uint32_t v : detail::turned(mesh.faces[f]))
-            for (const char* before : {" ", "/"}) {
-                writer.text(before);
-                writer.decimal(static_cast<std::int64_t>(v) + 1);  // vertices count from 1
-            }
-        writer.text("\n");
-    }
+    detail::write_obj_faces(writer, mesh, {"/"});
     return writer.finish();
 }
 
@@ -117,17 +88,9 @@ inline Status write_material(const char* texture, Sink sink) {
 inline Status write_textured_ply(const MeshView& mesh, const char* texture, Sink sink) {
     if (const Status status = detail::check_for_texture(mesh, texture); !status) return status;
     detail::Writer writer(sink);
-    writer.text("ply\nformat binary_little_endian 1.0\ncomment made by hmesh " HMESH_VERSION_STRING "\ncomment TextureFile ");
-    writer.text(texture);
-    writer.text("\nelement vertex ");
-    writer.decimal(static_cast<std::int64_t>(mesh.vertex_count));
-    for (const char* name : {"x", "y", "z", "s", "t"}) {
-        writer.text("\nproperty float ");
-        writer.text(name);
-    }
-    writer.text("\nelement face ");
-    writer.decimal(static_cast<std::int64_t>(mesh.face_count));
-    writer.text("\nproperty list uchar int vertex_indices\nend_header\n");
+    detail::begin_ply(writer, mesh, texture);
+    detail::write_ply_floats(writer, {"x", "y", "z", "s", "t"});
+    detail::end_ply_head(writer, mesh);
     for (std::size_t v = 0; v < mesh.vertex_count; ++v) {
         const std::array<double, 2> at = detail::texture_place(mesh, v);
         writer.f32(mesh.positions[2 * v]);
@@ -136,10 +99,7 @@ inline Status write_textured_ply(const MeshView& mesh, const char* texture, Sink
         writer.f32(static_cast<float>(at[0]));
         writer.f32(static_cast<float>(1 - at[1]));
     }
-    for (std::size_t f = 0; f < mesh.face_count; ++f) {
-        writer.u8(3);
-        for (const std::uint32_t v : detail::turned(mesh.faces[f])) writer.u32(v);
-    }
+    detail::write_ply_faces(writer, mesh);
     return writer.finish();
 }
 

@@ -1,23 +1,22 @@
-// The only file that compiles CLI11. Numbers are parsed here, so that every sentence about them names the value and the bound.
+// The only file of this command that compiles CLI11. Numbers are parsed here, so that every sentence about them names the value and the bound.
 #include "arguments/arguments.hpp"
-
-#include <CLI/CLI.hpp>
 
 #include <algorithm>
 #include <cstdint>
 #include <filesystem>
-#include <functional>
 #include <utility>
 
 #include "arguments/command_words.hpp"
 #include "arguments/completion.hpp"
 #include "arguments/man_page.hpp"
 #include "arguments/map_names.hpp"
+#include "arguments/parser.hpp"
 #include "arguments/patterns.hpp"
 #include "arguments/values.hpp"
 #include "hmesh/core/version.hpp"
 #include "readers/image_file.hpp"
 #include "terminal/standard_streams.hpp"
+#include "writers/ending.hpp"
 #include "writers/formats.hpp"
 #include "writers/meshopt.hpp"
 
@@ -35,48 +34,6 @@ struct Question {
 
 // --- options ---
 
-using Set = std::function<std::string(const std::string& text)>;
-
-// Adds an option with a value, which `set` takes; `choices` are all values that there are, if they are few. Where `set` finds
-// something wrong, the parser throws it as a sentence.
-CLI::Option* add(CLI::App& app, const std::string& names, const char* value, const char* description, Set set,
-                 const std::string& choices = {}) {
-    const std::string name = names.substr(names.find(',') + 1);
-    const auto set_all = [name, set = std::move(set),
-                          is_list = name == "--output" || name == "--with"](const CLI::results_t& texts) {
-        if (texts.size() > 1 && !is_list) throw CLI::ValidationError(name + " is given twice");
-        for (const std::string& text : texts) {
-            if (text.empty()) throw CLI::ValidationError(name + " needs a value that is not empty");
-            if (const std::string why = set(text); !why.empty()) throw CLI::ValidationError(name + " '" + text + "' " + why);
-        }
-        return true;
-    };
-    // The text is what help shows in place of the type: so the type's name is where the choices are kept.
-    return app.add_option(names, set_all, description)->option_text(value)->type_name(choices)->take_all();
-}
-
-std::string joined(const std::vector<std::string>& names, const char* between) {
-    std::string out;
-    for (const std::string& name : names) out += (out.empty() ? "" : between) + name;
-    return out;
-}
-
-// The same of an option that takes a name of the table.
-template <class Value, std::size_t n, class Name>
-CLI::Option* add_name(CLI::App& app, const char* option, const char* description, const Named<Value> (&table)[n], Name set) {
-    std::vector<std::string> names;
-    for (const Named<Value>& entry : table) names.emplace_back(entry.name);
-    return add(
-        app, option, "NAME", description,
-        [&table, set](const std::string& text) {
-            Value value = table[0].value;
-            std::string why = find_name(table, text, value);
-            if (why.empty()) set(value);
-            return why;
-        },
-        joined(names, " "));
-}
-
 std::string set_png(const std::string& text, std::string& file) {
     file = text;
     return is_standard(text) || has_ending(text, ".png") ? "" : "must end in .png";
@@ -89,15 +46,15 @@ std::string set_file(const std::string& text, std::string& file) {
 
 void add_mesh_options(CLI::App& app, Arguments& out) {
     app.option_defaults()->group("Mesh files");
-    add(app, "-o,--output", "FILE",
-        "write the mesh; may be given more than once, and the ending chooses the format:\n"
-        ".ply .obj .glb (models), .pdf .eps .svg (drawings), .html (a page that shows it).\n"
-        "{name} in it is the name of the image, without folder and ending; folders of such\n"
-        "names are made. - is the standard output, and the summary goes to stderr then",
-        [&](const std::string& text) {
-            out.meshes.push_back({text, format_ending(text)});
-            return "";
-        });
+    add_list(app, "-o,--output", "FILE",
+             "write the mesh; may be given more than once, and the ending chooses the format:\n"
+             ".ply .obj .glb (models), .pdf .eps .svg (drawings), .html (a page that shows it).\n"
+             "{name} in it is the name of the image, without folder and ending; folders of such\n"
+             "names are made. - is the standard output, and the summary goes to stderr then",
+             [&](const std::string& text) {
+                 out.meshes.push_back({text, format_ending(text)});
+                 return "";
+             });
     const std::vector<std::string> formats = format_names();
     add(
         app, "--format", "NAME", "ply, obj, glb, pdf, eps, svg or html: of -o - and of names that end in none of these",
@@ -231,20 +188,20 @@ void add_meshing_options(CLI::App& app, Arguments& out) {
         "an image of the same size: how much each pixel counts, black nothing, white fully\n"
         "(of colours the mean, without alpha)",
         [&](const std::string& text) { return set_file(text, out.weights); });
-    add(app, "--with", "FILE",
-        "another image of the same size for the same mesh, such as a material's normals; may be\n"
-        "given more than once, up to 16 channels in all. .glb and .ply hold it under a name: that\n"
-        "of NAME=FILE, or what the file's adds to the image's; one that ends in normal as normals",
-        [&](const std::string& text) {
-            const std::size_t equals = text.find('=');
-            const std::string name = equals == std::string::npos ? "" : text.substr(0, equals);
-            const bool has_name = hmesh::detail::is_name(name.c_str());
-            out.others.push_back({has_name ? text.substr(equals + 1) : text, has_name ? name : ""});
-            if (out.others.back().file.empty()) return std::string("names no file");
-            return std::string(has_name && hmesh::detail::is_reserved_name(name.c_str())
-                                   ? "has a name that positions or colours have in files"
-                                   : "");
-        });
+    add_list(app, "--with", "FILE",
+             "another image of the same size for the same mesh, such as a material's normals; may be\n"
+             "given more than once, up to 16 channels in all. .glb and .ply hold it under a name: that\n"
+             "of NAME=FILE, or what the file's adds to the image's; one that ends in normal as normals",
+             [&](const std::string& text) {
+                 const std::size_t equals = text.find('=');
+                 const std::string name = equals == std::string::npos ? "" : text.substr(0, equals);
+                 const bool has_name = hmesh::detail::is_name(name.c_str());
+                 out.others.push_back({has_name ? text.substr(equals + 1) : text, has_name ? name : ""});
+                 if (out.others.back().file.empty()) return std::string("names no file");
+                 return std::string(has_name && hmesh::detail::is_reserved_name(name.c_str())
+                                        ? "has a name that positions or colours have in files"
+                                        : "");
+             });
     add(app, "--channel-weights", "N",
         "numbers with commas between them: how much each image of the mesh counts, the first\n"
         "before those of --with, or each channel of all (default: all the same)",
@@ -383,7 +340,7 @@ CommandWords words_of(const CLI::App& app) {
 
 std::string answer(const CLI::App& app, const Question& question) {
     switch (question.kind) {
-        case Question::Kind::help: return CLI::detail::find_and_replace(app.help(), "\n\n\n", "\n\n");  // between groups
+        case Question::Kind::help: return help_of(app);
         case Question::Kind::version:
             return "hmesh " HMESH_VERSION_STRING "\nreads\n" + decoders() +
                    (gltf_compressor().empty() ? "" : "writes\n  --glb meshopt: " + gltf_compressor() + "\n");
@@ -469,14 +426,6 @@ std::string help_footer() {
     for (const Note& note : notes)
         footer += (footer.empty() ? "" : "\n") + std::string(note.heading) + (note.text[0] == ' ' ? ":\n" : ": ") + note.text;
     return footer;
-}
-
-// The last word first, as CLI11 takes them. It would take an image [a] for a list of one, a: ./[a] it does not.
-std::vector<std::string> reversed(const std::vector<std::string>& words) {
-    std::vector<std::string> out(words.rbegin(), words.rend());
-    for (std::string& word : out)
-        if (word.size() > 1 && word.front() == '[' && word.back() == ']') word.insert(0, "./");
-    return out;
 }
 
 // What is wrong with several maps for one mesh.
@@ -623,12 +572,7 @@ CommandLine parse(const std::vector<std::string>& words) {
     std::vector<std::string> inputs;
     CLI::App app(std::string(summary) + ".\n", "hmesh");
     app.footer(help_footer());
-    app.get_formatter()->column_width(24);
-    app.get_formatter()->label("Positionals", "The images");
-    app.get_formatter()->label("OPTIONS", "OPTION...");
-    app.get_formatter()->label("REQUIRED", "");
-    app.allow_extras();  // they are told below
-    app.option_defaults()->disable_flag_override();
+    lay_out(app, "The images");
     const auto set_inputs = [&](const CLI::results_t& texts) {
         inputs = texts;
         return true;
@@ -644,7 +588,8 @@ CommandLine parse(const std::vector<std::string>& words) {
     add_sprite_options(app, arguments);
     add_other_options(app, arguments);
     try {
-        app.parse(reversed(words));
+        line.wrong = parse_words(app, words, "no input image is given");
+        if (!line.wrong.empty()) return line;
         line.wrong = find_conflict(app, inputs, arguments);
         for (const std::string& input : inputs) {
             line.images.push_back(for_image(arguments, input));
@@ -652,19 +597,7 @@ CommandLine parse(const std::vector<std::string>& words) {
         }
     } catch (const Question& question) {
         line.answer = answer(app, question);
-        return line;
-    } catch (const CLI::RequiredError&) {
-        line.wrong = "no input image is given";
-    } catch (const CLI::ArgumentMismatch& error) {  // says "--rate: 1 required  missing" or "quiet was given a disallowed ..."
-        const std::string what = error.what();
-        const std::size_t colon = what.find(':');
-        line.wrong = colon == std::string::npos ? "--" + what.substr(0, what.find(' ')) + " takes no value"
-                                                : what.substr(0, colon) + " needs a value";
-    } catch (const CLI::ParseError& error) {
-        line.wrong = error.what();
     }
-    for (const std::string& word : app.remaining())
-        if (word != "--") line.wrong = "unknown option '" + word + "'";
     return line;
 }
 

@@ -6,18 +6,13 @@
 #include <string>
 #include <vector>
 
+#include "arguments/named.hpp"
 #include "hmesh/io/svg.hpp"
 #include "hmesh/outline.hpp"
 #include "meshing.hpp"
 #include "writers/formats.hpp"
 
 namespace tool {
-
-template <class Value>
-struct Named {
-    const char* name;
-    Value value;
-};
 
 inline constexpr Named<Method> methods[] = {{"annealed", Method::annealed},
                                             {"hierarchical", Method::hierarchical},
@@ -38,27 +33,6 @@ inline constexpr Named<hmesh::Effort> efforts[] = {{"draft", hmesh::Effort::draf
                                                    {"best", hmesh::Effort::best}};
 inline constexpr Named<hmesh::SvgKind> svg_kinds[] = {
     {"gradient", hmesh::SvgKind::gradient}, {"exact", hmesh::SvgKind::exact}, {"flat", hmesh::SvgKind::flat}};
-
-template <class Value, std::size_t n>
-[[nodiscard]] const char* name_of(const Named<Value> (&table)[n], Value value) {
-    for (const Named<Value>& entry : table)
-        if (entry.value == value) return entry.name;
-    return "?";
-}
-
-// Returns "" or what is wrong with the text, as the end of a sentence.
-template <class Value, std::size_t n>
-[[nodiscard]] std::string find_name(const Named<Value> (&table)[n], const std::string& text, Value& value) {
-    std::string names;
-    for (const Named<Value>& entry : table) {
-        if (text == entry.name) {
-            value = entry.value;
-            return {};
-        }
-        names += (names.empty() ? "" : ", ") + std::string(entry.name);
-    }
-    return "is not one of: " + names;
-}
 
 inline constexpr Named<GlbForm> glb_forms[] = {
     {"exact", GlbForm::exact}, {"packed", GlbForm::packed}, {"meshopt", GlbForm::meshopt}};

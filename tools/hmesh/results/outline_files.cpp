@@ -7,11 +7,13 @@
 
 #include "hmesh/io/textured.hpp"
 #include "results/lines.hpp"
-#include "results/write_file.hpp"
+#include "results/write_depfile.hpp"
 #include "terminal/standard_streams.hpp"
 #include "terminal/words.hpp"
 #include "writers/pictures.hpp"
 #include "writers/wireframe.hpp"
+#include "writers/write_file.hpp"
+#include "writers/write_picture.hpp"
 
 namespace tool {
 namespace {

@@ -3,14 +3,15 @@
 #include <cstddef>
 
 #include "results/web_page.hpp"
-#include "results/write_file.hpp"
+#include "results/write_depfile.hpp"
 #include "terminal/progress_watch.hpp"
 #include "terminal/words.hpp"
 #include "writers/formats.hpp"
 #include "writers/output_file.hpp"
-#include "writers/picture_file.hpp"
 #include "writers/pictures.hpp"
 #include "writers/wireframe.hpp"
+#include "writers/write_file.hpp"
+#include "writers/write_picture.hpp"
 
 namespace tool {
 namespace {

@@ -11,6 +11,7 @@
 #include "hmesh/io/obj.hpp"
 #include "hmesh/io/pdf.hpp"
 #include "hmesh/io/ply.hpp"
+#include "writers/ending.hpp"
 #include "writers/meshopt.hpp"
 #include "writers/picture_file.hpp"
 
@@ -53,15 +54,6 @@ constexpr Format formats[] = {
 };
 
 }  // namespace
-
-bool has_ending(const std::string& name, const std::string& ending) {
-    if (name.size() <= ending.size()) return false;
-    for (std::size_t i = 0; i < ending.size(); ++i) {
-        const char c = name[name.size() - ending.size() + i];
-        if ((c >= 'A' && c <= 'Z' ? c - 'A' + 'a' : c) != ending[i]) return false;
-    }
-    return true;
-}
 
 std::string format_ending(const std::string& name) {
     for (const Format& format : formats)

@@ -32,9 +32,6 @@ struct FormatOptions {
     hmesh::ChannelGroups groups;  // of .glb and .ply
 };
 
-// Whether the name ends so, in lower or upper case, and has more before it.
-[[nodiscard]] bool has_ending(const std::string& name, const std::string& ending);
-
 // The format of a file of this name, as its ending in lower case: ".ply"; empty: none.
 [[nodiscard]] std::string format_ending(const std::string& name);
 

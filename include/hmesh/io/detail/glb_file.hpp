@@ -71,8 +71,8 @@ struct GlbArray {
     std::uint32_t components = 1;         ///< numbers of an element, 1 to 4
     bool is_normalized = false;           ///< integers stand for shares of the largest
     bool is_indices = false;              ///< of faces, three corners each
-    bool has_bounds = false;              ///< a VEC3 whose z is 0
-    std::array<double, 2> low{}, high{};  ///< its bounds
+    bool has_bounds = false;              ///< of a VEC3
+    std::array<double, 3> low{}, high{};  ///< its bounds
     std::uint64_t count = 0;              ///< elements
 
     /// Bytes from one element to the next: of vertices a multiple of 4.
@@ -315,7 +315,8 @@ HMESH_COLD inline void write_glb_arrays(GlbJson& json, const GlbFile& file) {
                   array.is_normalized ? ",\"normalized\":true" : "", ",\"count\":", array.count, ",\"type\":\"",
                   types[array.components - 1], "\""});
         if (array.has_bounds)
-            json.put({",\"min\":[", array.low[0], ",", array.low[1], ",0],\"max\":[", array.high[0], ",", array.high[1], ",0]"});
+            json.put({",\"min\":[", array.low[0], ",", array.low[1], ",", array.low[2], "],\"max\":[", array.high[0], ",",
+                      array.high[1], ",", array.high[2], "]"});
         json.put("}");
     });
     json.put(",");

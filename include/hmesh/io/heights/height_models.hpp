@@ -1,0 +1,171 @@
+/// \file
+/// write_height_ply(), _obj(), _glb(): a mesh of heights as a model in space, with smooth normals and texture coordinates.
+///
+/// Faces are counter-clockwise seen from above and face up, and the map is not mirrored: north is y in files with z up, and -z
+/// in glTF, where y is up. Normals are those of the samples (see HeightSamples), or, without samples, of the faces around a
+/// vertex. Texture coordinates, as Drape has them, begin at the lower left corner of the image in PLY and OBJ, at its upper
+/// left one in glTF.
+///
+/// Coordinates are floats in PLY and glTF, with 24 bits: to a centimetre up to 130 km from the origin. OBJ has nine digits.
+/// Of what grows with the mesh nothing is allocated with samples, and 24 bytes a vertex without. O(n).
+/// Sources: Greg Turk, The PLY Polygon File Format, 1994; Wavefront, Object and Material files; Khronos, glTF 2.0, sections 3.6
+/// to 3.9.
+#ifndef HMESH_IO_HEIGHTS_HEIGHT_MODELS_HPP
+#define HMESH_IO_HEIGHTS_HEIGHT_MODELS_HPP
+
+#include <algorithm>
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+
+#include "hmesh/core/status.hpp"
+#include "hmesh/io/detail/glb_file.hpp"
+#include "hmesh/io/detail/model_parts.hpp"
+#include "hmesh/io/gltf.hpp"
+#include "hmesh/io/heights/detail/relief.hpp"
+#include "hmesh/io/heights/height_options.hpp"
+#include "hmesh/io/heights/height_samples.hpp"
+#include "hmesh/io/sink.hpp"
+#include "hmesh/mesh/mesh.hpp"
+
+#include "hmesh/core/macros/push.hpp"
+
+namespace hmesh {
+namespace detail {
+
+/// Refuses what no file of a model of heights holds. O(n).
+[[nodiscard]] inline Status check_height_model(const MeshView& mesh, const HeightSamples& samples, const HeightOptions& options) {
+    constexpr std::uint64_t most = std::numeric_limits<std::int32_t>::max() / 48;  // so that all of a .glb is below 4 GiB
+    if (const Status status = check_counts(mesh, most, most, "the mesh has more vertices or faces than a model of heights holds");
+        !status)
+        return status;
+    if (options.texture != nullptr && options.drape == Drape::none)
+        return {Errc::invalid_argument, "a texture is named, but Drape::none leaves no coordinates to show it by"};
+    return check_relief(mesh, samples, options);
+}
+
+/// Finds the bounds of the positions as floats. O(n).
+inline void bound_heights(const MeshView& mesh, const Relief& relief, GlbArray& array) noexcept {
+    array.has_bounds = true;
+    array.low.fill(std::numeric_limits<double>::max());
+    array.high.fill(std::numeric_limits<double>::lowest());
+    for (std::size_t v = 0; v < mesh.vertex_count; ++v) {
+        const Vector3 at = relief.position(v);
+        for (std::size_t k = 0; k < 3; ++k) {
+            const auto stored = static_cast<double>(static_cast<float>(at[k]));
+            array.low[k] = std::min(array.low[k], stored);
+            array.high[k] = std::max(array.high[k], stored);
+        }
+    }
+}
+
+}  // namespace detail
+
+/// Writes a mesh as a binary PLY file: vertices `float x y z`, `nx ny nz` with normals and `s t` with texture coordinates, z
+/// up. A texture is named in a comment, as MeshLab reads it. A mesh that has no size, numbers that are not finite, faces
+/// without their vertices or not the channel of heights, samples that are fewer than the mesh's, options outside their range
+/// and coordinates beyond all floats give a Status that says so, and no byte is written; a sink that refuses bytes gives
+/// Errc::write_failed.
+inline Status write_height_ply(const MeshView& mesh, const HeightSamples& samples, Sink sink, const HeightOptions& options = {}) {
+    if (const Status status = detail::check_height_model(mesh, samples, options); !status) return status;
+    detail::Relief relief(mesh, samples, options, detail::is_y_up(options, false));
+    if (options.has_normals) relief.find_normals();
+    detail::Writer writer(sink);
+    const auto put = [&](const auto& numbers) {
+        for (const double number : numbers) writer.f32(static_cast<float>(number));
+    };
+    detail::begin_ply(writer, mesh, options.texture);
+    detail::write_ply_floats(writer, {"x", "y", "z"});
+    if (options.has_normals) detail::write_ply_floats(writer, {"nx", "ny", "nz"});
+    if (options.drape != Drape::none) detail::write_ply_floats(writer, {"s", "t"});
+    detail::end_ply_head(writer, mesh);
+    for (std::size_t v = 0; v < mesh.vertex_count; ++v) {
+        put(relief.position(v));
+        if (options.has_normals) put(relief.normal(v));
+        if (options.drape == Drape::none) continue;
+        const std::array<double, 2> at = relief.texture_place(v);
+        put(std::array<double, 2>{at[0], 1 - at[1]});
+    }
+    detail::write_ply_faces(writer, mesh);
+    return writer.finish();
+}
+
+/// Writes a mesh as an OBJ file: lines `v x y z`, `vt u v` and `vn x y z`, and faces `f a/a/a b/b/b c/c/c`, z up. `texture`
+/// names the material file that write_material() writes. Refuses what write_height_ply() does.
+inline Status write_height_obj(const MeshView& mesh, const HeightSamples& samples, Sink sink, const HeightOptions& options = {}) {
+    if (const Status status = detail::check_height_model(mesh, samples, options); !status) return status;
+    detail::Relief relief(mesh, samples, options, detail::is_y_up(options, false));
+    if (options.has_normals) relief.find_normals();
+    const bool has_places = options.drape != Drape::none;
+    detail::Writer writer(sink);
+    detail::write_obj_head(writer, options.texture);
+    for (std::size_t v = 0; v < mesh.vertex_count; ++v) {
+        const detail::Vector3 at = relief.position(v);
+        detail::write_obj_line(writer, "v", {at[0], at[1], at[2]});
+    }
+    for (std::size_t v = 0; v < mesh.vertex_count && has_places; ++v) {
+        const std::array<double, 2> at = relief.texture_place(v);
+        detail::write_obj_line(writer, "vt", {at[0], 1 - at[1]});
+    }
+    for (std::size_t v = 0; v < mesh.vertex_count && options.has_normals; ++v) {
+        const detail::Vector3 normal = relief.normal(v);
+        detail::write_obj_line(writer, "vn", {normal[0], normal[1], normal[2]});
+    }
+    if (has_places && options.has_normals) detail::write_obj_faces(writer, mesh, {"/", "/"});
+    else if (has_places) detail::write_obj_faces(writer, mesh, {"/"});
+    else if (options.has_normals) detail::write_obj_faces(writer, mesh, {"//"});
+    else detail::write_obj_faces(writer, mesh);
+    return writer.finish();
+}
+
+/// Writes a mesh as a .glb file with POSITION, NORMAL and TEXCOORD_0, y up, of one rough material, white or of the texture, lit
+/// by lamps; where there are no normals it is not lit. A mesh without vertices is a scene of nothing. Refuses what
+/// write_height_ply() does.
+inline Status write_height_glb(const MeshView& mesh, const HeightSamples& samples, Sink sink, const HeightOptions& options = {}) {
+    if (const Status status = detail::check_height_model(mesh, samples, options); !status) return status;
+    if (mesh.vertex_count == 0) return detail::write_empty_glb(sink);
+    detail::Relief relief(mesh, samples, options, detail::is_y_up(options, true));
+    if (options.has_normals) relief.find_normals();
+    detail::GlbMesh out;
+    detail::GlbFile& file = out.file;
+    constexpr std::uint32_t none = std::numeric_limits<std::uint32_t>::max();
+    std::uint32_t normals = none, places = none;
+    detail::GlbPrimitive primitive;
+    const std::uint32_t positions = out.add({}, detail::GlbNumber::f32, 3, mesh.vertex_count);
+    primitive.attributes = {{"POSITION", positions}};
+    if (options.has_normals) {
+        normals = out.add({}, detail::GlbNumber::f32, 3, mesh.vertex_count);
+        primitive.attributes.push_back({"NORMAL", normals});
+    }
+    if (options.drape != Drape::none) {
+        places = out.add({}, detail::GlbNumber::f32, 2, mesh.vertex_count);
+        primitive.attributes.push_back({"TEXCOORD", places, 0});
+    }
+    primitive.indices = detail::add_indices(out, mesh);
+    detail::bound_heights(mesh, relief, file.arrays[positions]);
+    file.nodes.emplace_back();
+    file.meshes.push_back({primitive});
+    detail::GlbMaterial material;
+    material.is_lit = options.has_normals;
+    material.texture = options.drape != Drape::none ? options.texture : nullptr;
+    file.materials.push_back(material);
+    if (const Status status = detail::count_glb_json(file); !status) return status;
+    return detail::write_glb_file(file, sink, [&](detail::Writer& writer, std::size_t i) {
+        if (i == primitive.indices) return detail::write_glb_indices(writer, mesh, file.arrays[i].number);
+        const auto put = [&](const auto& numbers) {
+            for (const double number : numbers) writer.f32(static_cast<float>(number));
+        };
+        for (std::size_t v = 0; v < mesh.vertex_count; ++v) {
+            if (i == positions) put(relief.position(v));
+            else if (i == normals) put(relief.normal(v));
+            else put(relief.texture_place(v));
+        }
+    });
+}
+
+}  // namespace hmesh
+
+#include "hmesh/core/macros/pop.hpp"
+
+#endif  // HMESH_IO_HEIGHTS_HEIGHT_MODELS_HPP

@@ -1,0 +1,476 @@
+#include "hmesh/io/heights/quantized_mesh.hpp"
+
+#include <doctest/doctest.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <cstring>
+#include <limits>
+#include <map>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "hmesh/core/random.hpp"
+#include "test_exports.hpp"
+#include "test_heights.hpp"
+
+namespace {
+
+using hmesh::Samples;
+using hmesh_test::Bytes;
+using hmesh_test::Point3;
+using hmesh_test::Terrain;
+using hmesh_test::terrain;
+
+// A tile as the specification has it decoded.
+struct Tile {
+    Point3 center{}, sphere{}, occlusion{};
+    double low = 0, high = 0, radius = 0;
+    std::vector<std::array<int, 3>> vertices;  // u, v and height
+    std::vector<hmesh::Triangle> faces;
+    std::array<std::vector<std::uint32_t>, 4> sides;  // west, south, east, north
+    std::vector<Point3> normals;
+    bool is_wide = false;
+};
+
+Point3 doubles_in(const Bytes& bytes, std::size_t& at) {
+    Point3 out{};
+    for (double& value : out) value = hmesh_test::number_in<double>(bytes, at);
+    return out;
+}
+
+Tile read_tile(const Bytes& bytes) {
+    Tile out;
+    std::size_t at = 0;
+    out.center = doubles_in(bytes, at);
+    out.low = static_cast<double>(hmesh_test::number_in<float>(bytes, at));
+    out.high = static_cast<double>(hmesh_test::number_in<float>(bytes, at));
+    out.sphere = doubles_in(bytes, at);
+    out.radius = hmesh_test::number_in<double>(bytes, at);
+    out.occlusion = doubles_in(bytes, at);
+    CHECK(at == 88);
+    out.vertices.resize(hmesh_test::number_in<std::uint32_t>(bytes, at));
+    for (std::size_t k = 0; k < 3; ++k) {
+        int value = 0;
+        for (auto& vertex : out.vertices) {
+            const int code = hmesh_test::number_in<std::uint16_t>(bytes, at);
+            value += (code >> 1) ^ -(code & 1);
+            if (value < 0 || value > 32767) FAIL("a coordinate of more than 15 bits");
+            vertex[k] = value;
+        }
+    }
+    out.is_wide = out.vertices.size() > 65536;
+    if (out.is_wide) at = (at + 3) / 4 * 4;
+    const auto index = [&]() -> std::uint32_t {
+        return out.is_wide ? hmesh_test::number_in<std::uint32_t>(bytes, at) : hmesh_test::number_in<std::uint16_t>(bytes, at);
+    };
+    out.faces.resize(hmesh_test::number_in<std::uint32_t>(bytes, at));
+    std::uint32_t highest = 0;
+    for (hmesh::Triangle& face : out.faces)
+        for (std::uint32_t& v : face) {
+            const std::uint32_t code = index();
+            if (code > highest) FAIL("an index of a vertex that is not the next");
+            v = highest - code;
+            if (code == 0) ++highest;
+            if (v >= out.vertices.size()) FAIL("an index of no vertex");
+        }
+    for (std::vector<std::uint32_t>& side : out.sides) {
+        side.resize(hmesh_test::number_in<std::uint32_t>(bytes, at));
+        for (std::uint32_t& v : side) v = index();
+    }
+    while (at < bytes.size()) {
+        CHECK(hmesh_test::number_in<std::uint8_t>(bytes, at) == 1);
+        REQUIRE(hmesh_test::number_in<std::uint32_t>(bytes, at) == 2 * out.vertices.size());
+        for (std::size_t v = 0; v < out.vertices.size(); ++v) {
+            const double x = hmesh_test::number_in<std::uint8_t>(bytes, at) / 127.5 - 1,
+                         y = hmesh_test::number_in<std::uint8_t>(bytes, at) / 127.5 - 1;
+            Point3 normal = {x, y, 1 - std::abs(x) - std::abs(y)};
+            if (normal[2] < 0) normal = {(1 - std::abs(y)) * (x < 0 ? -1 : 1), (1 - std::abs(x)) * (y < 0 ? -1 : 1), normal[2]};
+            out.normals.push_back(normal);
+        }
+    }
+    REQUIRE(at == bytes.size());
+    return out;
+}
+
+hmesh::QuantizedMeshOptions alps() {
+    hmesh::QuantizedMeshOptions tile;
+    tile.west = 7, tile.south = 46, tile.east = 7.25, tile.north = 46.2;
+    return tile;
+}
+
+Bytes bytes_of(const hmesh::Mesh& mesh, const hmesh::HeightSamples& samples, const hmesh::QuantizedMeshOptions& tile) {
+    return hmesh_test::exported(mesh.view(), [&](const hmesh::MeshView& view, hmesh::Sink sink) {
+        return hmesh::write_quantized_mesh(view, samples, sink, tile);
+    });
+}
+
+// Of radians, by the book: not the way of the library.
+Point3 ecef(double longitude, double latitude, double height) {
+    const double a = 6378137, b = 6356752.314245179, c = std::cos(latitude), s = std::sin(latitude);
+    const double root = std::sqrt(a * a * c * c + b * b * s * s);
+    return {(a * a / root + height) * c * std::cos(longitude), (a * a / root + height) * c * std::sin(longitude),
+            (b * b / root + height) * s};
+}
+
+constexpr double degree = 3.14159265358979323846 / 180;
+
+Point3 decoded(const Tile& tile, const hmesh::QuantizedMeshOptions& sides, const std::array<int, 3>& at) {
+    const double u = at[0] / 32767.0, v = at[1] / 32767.0, h = at[2] / 32767.0;
+    return ecef((sides.west + u * (sides.east - sides.west)) * degree, (sides.south + v * (sides.north - sides.south)) * degree,
+                tile.low + h * (tile.high - tile.low));
+}
+
+double hills(double x, double y) { return 1400 + 700 * std::sin(x / 7) * std::cos(y / 5) + 3 * x; }
+
+// Whether the straight line from an eye to a point enters the ellipsoid.
+bool is_hidden(const Point3& eye, const Point3& point) {
+    const auto scaled = [](const Point3& p) -> Point3 { return {p[0] / 6378137, p[1] / 6378137, p[2] / 6356752.314245179}; };
+    const Point3 from = scaled(eye), to = scaled(point), along = hmesh_test::minus(to, from);
+    const double nearest = -hmesh_test::inner(from, along) / hmesh_test::inner(along, along);
+    if (nearest <= 0 || nearest >= 1) return false;
+    const Point3 at = {from[0] + nearest * along[0], from[1] + nearest * along[1], from[2] + nearest * along[2]};
+    return hmesh_test::inner(at, at) < 1;
+}
+
+}  // namespace
+
+TEST_CASE("a tile has the mesh's vertices and faces, to 15 bits, in the order in which faces name them") {
+    for (const Samples kind : {Samples::points, Samples::squares}) {
+        const Terrain land = terrain(20, 14, kind, hills);
+        const Tile tile = read_tile(bytes_of(land.mesh, land.samples.view(), alps()));
+        REQUIRE(tile.vertices.size() == land.mesh.vertex_count());
+        REQUIRE(tile.faces.size() == land.mesh.face_count());
+        CHECK(!tile.is_wide);
+        std::uint32_t next = 0;
+        for (std::size_t f = 0; f < tile.faces.size(); ++f) {
+            const auto [a, b, c] = land.mesh.faces[f];
+            const hmesh::Triangle expected = {a, c, b};
+            for (std::size_t k = 0; k < 3; ++k) {
+                CHECK(tile.faces[f][k] <= next);
+                if (tile.faces[f][k] == next) ++next;
+                const std::array<int, 3>& at = tile.vertices[tile.faces[f][k]];
+                const std::size_t v = expected[k];
+                const double step = (tile.high - tile.low) / 32767;
+                CHECK(std::abs(at[0] / 32767.0 * 20 - static_cast<double>(land.mesh.positions[2 * v])) <= 10.0001 / 32767);
+                CHECK(std::abs((1 - at[1] / 32767.0) * 14 - static_cast<double>(land.mesh.positions[2 * v + 1])) <=
+                      7.0001 / 32767);
+                CHECK(std::abs(tile.low + at[2] * step - static_cast<double>(land.mesh.colors[v])) <= 0.5001 * step);
+            }
+            const std::array<int, 3>&p = tile.vertices[tile.faces[f][0]], &q = tile.vertices[tile.faces[f][1]],
+                                  &r = tile.vertices[tile.faces[f][2]];
+            CHECK((q[0] - p[0]) * (r[1] - p[1]) - (q[1] - p[1]) * (r[0] - p[0]) > 0);  // counter-clockwise from above
+        }
+    }
+}
+
+TEST_CASE("a tile lists the vertices of its sides, from west to east and from south to north, and no others") {
+    hmesh::Mesh mesh =
+        terrain(20, 14, Samples::points, hills, [](int x, int y) { return x > 4 && x < 9 && y > 3 && y < 7; }).mesh;
+    for (std::size_t v = 0; v < mesh.vertex_count(); ++v)  // so near a side that they would round to it
+        for (std::size_t k = 0; k < 2; ++k) {
+            float& at = mesh.positions[2 * v + k];
+            const float most = k == 0 ? 20 : 14;
+            if (at == 1) at = 1.0F / 16384;
+            if (at == most - 1) at = most - 1.0F / 16384;
+        }
+    const Tile tile = read_tile(bytes_of(mesh, {}, alps()));
+    const std::array<std::size_t, 4> counts = {15, 21, 15, 21};
+    for (std::size_t side = 0; side < 4; ++side) {
+        const std::size_t fixed = side % 2, along = 1 - fixed;
+        const int at = side < 2 ? 0 : 32767;
+        REQUIRE(tile.sides[side].size() == counts[side]);
+        std::set<std::uint32_t> listed(tile.sides[side].begin(), tile.sides[side].end());
+        int before = -1;
+        for (const std::uint32_t v : tile.sides[side]) {
+            CHECK(tile.vertices[v][along] > before);
+            before = tile.vertices[v][along];
+        }
+        for (std::uint32_t v = 0; v < tile.vertices.size(); ++v) CHECK((tile.vertices[v][fixed] == at) == (listed.count(v) == 1));
+    }
+}
+
+TEST_CASE("the sphere holds all vertices, is hardly larger than it must be, and the heights are within the header's") {
+    for (const double size : {0.01, 1.0, 20.0, 180.0}) {
+        hmesh::QuantizedMeshOptions sides = alps();
+        sides.east = sides.west + size, sides.south = std::max(-90.0, sides.north - size);
+        const Terrain land = terrain(20, 14, Samples::points, hills);
+        const Tile tile = read_tile(bytes_of(land.mesh, {}, sides));
+        CHECK(tile.center == tile.sphere);
+        double farthest = 0, widest = 0;
+        for (const auto& a : tile.vertices) {
+            farthest = std::max(farthest, hmesh_test::size_of_vector(hmesh_test::minus(decoded(tile, sides, a), tile.sphere)));
+            for (const auto& b : tile.vertices)
+                widest = std::max(
+                    widest, hmesh_test::size_of_vector(hmesh_test::minus(decoded(tile, sides, a), decoded(tile, sides, b))));
+        }
+        CHECK(tile.radius >= farthest);
+        CHECK(tile.radius <= farthest + 0.002);
+        CHECK(tile.radius < (size > 100 ? 0.8 : 0.55) * widest);  // no sphere is below 0.5
+        const auto [low, high] = std::minmax_element(land.mesh.colors.begin(), land.mesh.colors.end());
+        CHECK(tile.low == static_cast<double>(*low));
+        CHECK(tile.high == static_cast<double>(*high));
+    }
+}
+
+TEST_CASE("what is hidden with the occlusion point is all hidden: eyes anywhere, brute force") {
+    hmesh::kit::Random random(3);
+    for (const double size : {0.1, 5.0, 60.0, 150.0}) {
+        hmesh::QuantizedMeshOptions sides;
+        sides.west = -20, sides.east = -20 + size, sides.south = -35, sides.north = std::min(90.0, -35 + size);
+        sides.z.scale = 3;
+        const Terrain land = terrain(12, 12, Samples::points, hills);
+        const Tile tile = read_tile(bytes_of(land.mesh, {}, sides));
+        std::vector<Point3> points;
+        for (const auto& at : tile.vertices) points.push_back(decoded(tile, sides, at));
+        const Point3 occlusion = {tile.occlusion[0] * 6378137, tile.occlusion[1] * 6378137,
+                                  tile.occlusion[2] * 6356752.314245179};
+        int hidden = 0, wrong = 0, tight = 0, all_hidden = 0;
+        for (int i = 0; i < 4000; ++i) {
+            const Point3 eye =
+                ecef(random.uniform() * 6.3, std::asin(2 * random.uniform() - 1), std::exp(3 + 15 * random.uniform()));
+            const bool says = is_hidden(eye, occlusion);
+            int visible = 0;
+            for (const Point3& point : points) visible += is_hidden(eye, point) ? 0 : 1;
+            hidden += says ? 1 : 0;
+            wrong += says && visible > 0 ? 1 : 0;
+            all_hidden += visible == 0 ? 1 : 0;
+            tight += says && visible == 0 ? 1 : 0;
+        }
+        CAPTURE(size);
+        CHECK(wrong == 0);
+        CHECK(hidden > 100);
+        if (size < 10) CHECK(tight > 0.9 * all_hidden);
+    }
+}
+
+TEST_CASE("a tile of half the globe has an occlusion point too") {
+    hmesh::QuantizedMeshOptions sides;
+    sides.west = -180, sides.east = 0, sides.south = -90, sides.north = 90;
+    const Terrain land = terrain(12, 12, Samples::points, hills);
+    const Tile tile = read_tile(bytes_of(land.mesh, land.samples.view(), sides));
+    for (const double coordinate : tile.occlusion) CHECK(std::isfinite(coordinate));
+    CHECK(hmesh_test::size_of_vector(tile.occlusion) > 1000);
+    for (const Point3& normal : tile.normals) CHECK(std::isfinite(hmesh_test::size_of_vector(normal)));
+}
+
+TEST_CASE("normals are those of the surface on the globe, to the bytes that hold them") {
+    // A slope of 0.2 to the east and -0.1 to the north, in metres: the samples' steps are those of the latitude.
+    hmesh::QuantizedMeshOptions sides;
+    sides.west = 100, sides.south = -40.2, sides.east = 100.2, sides.north = -40;
+    const double c = std::cos(-40.1 * degree), s = std::sin(-40.1 * degree), e2 = 0.00669437999014;
+    const double across = 6378137 / std::sqrt(1 - e2 * s * s), along = across * (1 - e2) / (1 - e2 * s * s);
+    const double east = across * c * 0.2 / 40 * degree, north = along * 0.2 / 30 * degree;
+    const auto plane = [&](double x, double y) { return 0.2 * x * east + 0.1 * y * north; };
+    for (const Samples kind : {Samples::points, Samples::squares}) {
+        const Terrain land = terrain(40, 30, kind, plane);
+        const Tile by_samples = read_tile(bytes_of(land.mesh, land.samples.view(), sides)),
+                   by_faces = read_tile(bytes_of(land.mesh, {}, sides));
+        REQUIRE(by_samples.normals.size() == by_samples.vertices.size());
+        REQUIRE(by_faces.normals.size() == by_samples.vertices.size());
+        for (std::size_t v = 0; v < by_samples.vertices.size(); ++v) {
+            const double lon = (100 + 0.2 * by_samples.vertices[v][0] / 32767) * degree,
+                         lat = (-40.2 + 0.2 * by_samples.vertices[v][1] / 32767) * degree;
+            const Point3 e = {-std::sin(lon), std::cos(lon), 0},
+                         n = {-std::sin(lat) * std::cos(lon), -std::sin(lat) * std::sin(lon), std::cos(lat)},
+                         up = {std::cos(lat) * std::cos(lon), std::cos(lat) * std::sin(lon), std::sin(lat)};
+            Point3 expected{};
+            for (std::size_t k = 0; k < 3; ++k) expected[k] = -0.2 * e[k] + 0.1 * n[k] + up[k];
+            CHECK(hmesh_test::angle_between(by_samples.normals[v], expected) < 0.8);  // 0.7 is what two bytes cost
+            CHECK(hmesh_test::angle_between(by_faces.normals[v], expected) < 0.9);
+        }
+    }
+    hmesh::QuantizedMeshOptions none = sides;
+    none.has_normals = false;
+    CHECK(read_tile(bytes_of(terrain(4, 3, Samples::points, plane).mesh, {}, none)).normals.empty());
+}
+
+TEST_CASE("indices have 32 bits above 65,536 vertices, at a multiple of 4, and 16 bits below 65,536") {
+    for (const int rows : {254, 255, 256}) {
+        const Terrain land = terrain(255, rows, Samples::points, hills);
+        const Tile tile = read_tile(bytes_of(land.mesh, {}, alps()));
+        CAPTURE(rows);
+        // Of 65,536 vertices the first could not be named at last: one more makes it 32 bits.
+        CHECK(tile.vertices.size() == land.mesh.vertex_count() + (rows == 255 ? 1 : 0));
+        CHECK(tile.is_wide == (rows >= 255));
+        CHECK(tile.faces.size() == land.mesh.face_count());
+        for (std::size_t side = 0; side < 4; ++side)
+            CHECK(tile.sides[side].size() == static_cast<std::size_t>(side % 2 == 0 ? rows + 1 : 256));
+        bool is_same = true;
+        for (std::size_t f = 0; f < tile.faces.size(); ++f) {
+            const auto [a, b, c] = land.mesh.faces[f];
+            const hmesh::Triangle expected = {a, c, b};
+            for (std::size_t k = 0; k < 3; ++k) {
+                const double u = tile.vertices[tile.faces[f][k]][0] / 32767.0 * 255;
+                is_same = is_same && std::abs(u - static_cast<double>(land.mesh.positions[2 * std::size_t{expected[k]}])) < 0.01;
+            }
+        }
+        CHECK(is_same);
+    }
+}
+
+TEST_CASE("vertices that no face names are left out") {
+    hmesh::Mesh mesh = terrain(4, 3, Samples::points, hills).mesh;
+    mesh.faces.resize(2);
+    const Tile tile = read_tile(bytes_of(mesh, {}, alps()));
+    CHECK(tile.vertices.size() == 4);
+    CHECK(tile.normals.size() == 4);
+    CHECK(tile.sides[0].size() == 2);
+    CHECK(tile.sides[2].empty());
+}
+
+TEST_CASE("neighbouring tiles with one range of heights share the vertices and the normals of their side") {
+    const Terrain whole = terrain(32, 16, Samples::points, hills);
+    const Terrain left = terrain(16, 16, Samples::points, hills),
+                  right = terrain(16, 16, Samples::points, [](double x, double y) { return hills(x + 16, y); });
+    hmesh::QuantizedMeshOptions west = alps(), east = alps();
+    west.low = east.low = 500, west.high = east.high = 2500.1;
+    west.east = east.west = 7.1, east.east = 7.2;
+    const Tile a = read_tile(bytes_of(left.mesh, whole.samples.view(), west)),
+               b = read_tile(bytes_of(right.mesh, {whole.samples.view(), {}, 16, 0}, east));
+    REQUIRE(a.sides[2].size() == 17);
+    REQUIRE(b.sides[0].size() == 17);
+    CHECK(a.low == b.low);
+    CHECK(a.high >= 2500.1);
+    CHECK(a.high == b.high);
+    for (std::size_t i = 0; i < 17; ++i) {
+        const std::uint32_t v = a.sides[2][i], w = b.sides[0][i];
+        CHECK(a.vertices[v][1] == b.vertices[w][1]);
+        CHECK(a.vertices[v][2] == b.vertices[w][2]);
+        CHECK(a.normals[v] == b.normals[w]);
+    }
+}
+
+TEST_CASE("the rounded mesh is what a reader of the tile has, and its error is that of the heights at its vertices") {
+    for (const Samples kind : {Samples::points, Samples::squares}) {
+        Terrain land = terrain(20, 14, kind, hills);
+        for (std::size_t i = 0; i < land.mesh.positions.size(); ++i) {
+            float& at = land.mesh.positions[i];
+            const float most = i % 2 == 0 ? 20 : 14;
+            if (at > 0 && at < most) at += 0.3F * static_cast<float>(std::sin(static_cast<double>(i)));
+        }
+        hmesh::QuantizedMeshOptions sides = alps();
+        sides.z = {0, 0.25, 100};
+        const hmesh::TileRounding rounding = hmesh::rounded_to_tile(land.mesh.view(), sides);
+        REQUIRE(rounding.status);
+        const Tile tile = read_tile(bytes_of(land.mesh, {}, sides));
+        REQUIRE(rounding.mesh.vertex_count() == land.mesh.vertex_count());
+        CHECK(rounding.mesh.faces == land.mesh.faces);
+        CHECK(rounding.mesh.samples == kind);
+        double worst = 0;
+        for (std::size_t f = 0; f < tile.faces.size(); ++f) {
+            const auto [a, b, c] = land.mesh.faces[f];
+            const hmesh::Triangle expected = {a, c, b};
+            for (std::size_t k = 0; k < 3; ++k) {
+                const std::array<int, 3>& at = tile.vertices[tile.faces[f][k]];
+                const std::size_t v = expected[k];
+                CHECK(static_cast<double>(rounding.mesh.positions[2 * v]) == doctest::Approx(at[0] / 32767.0 * 20).epsilon(1e-6));
+                CHECK(static_cast<double>(rounding.mesh.positions[2 * v + 1]) ==
+                      doctest::Approx((1 - at[1] / 32767.0) * 14).epsilon(1e-6));
+                const double metres = tile.low + (tile.high - tile.low) * at[2] / 32767;
+                CHECK(static_cast<double>(rounding.mesh.colors[v]) == doctest::Approx((metres - 100) / 0.25).epsilon(1e-6));
+            }
+        }
+        // Brute force: the surface that was, at each vertex that is.
+        for (std::size_t v = 0; v < rounding.mesh.vertex_count(); ++v) {
+            const auto x = static_cast<double>(rounding.mesh.positions[2 * v]),
+                       y = static_cast<double>(rounding.mesh.positions[2 * v + 1]);
+            double nearest = 1e30;
+            for (const hmesh::Triangle& face : land.mesh.faces) {
+                std::array<Point3, 3> p{};
+                for (std::size_t k = 0; k < 3; ++k)
+                    p[k] = {static_cast<double>(land.mesh.positions[2 * std::size_t{face[k]}]),
+                            static_cast<double>(land.mesh.positions[2 * std::size_t{face[k]} + 1]),
+                            static_cast<double>(land.mesh.colors[face[k]])};
+                const auto side = [&](std::size_t i, std::size_t j) {
+                    return (p[j][0] - p[i][0]) * (y - p[i][1]) - (p[j][1] - p[i][1]) * (x - p[i][0]);
+                };
+                const double area = side(0, 1) + side(1, 2) + side(2, 0);
+                const double wa = side(1, 2) / area, wb = side(2, 0) / area, wc = side(0, 1) / area;
+                if (std::min({wa, wb, wc}) < -1e-7) continue;
+                nearest = std::min(
+                    nearest, std::abs(wa * p[0][2] + wb * p[1][2] + wc * p[2][2] - static_cast<double>(rounding.mesh.colors[v])));
+            }
+            worst = std::max(worst, nearest);
+        }
+        CHECK(rounding.error == doctest::Approx(worst).epsilon(0.02));
+        CHECK(rounding.error > 0);
+        CHECK(rounding.error < 0.2);  // of a range of 1,440
+    }
+}
+
+TEST_CASE("level land, one cell and a scale of 0 are tiles too") {
+    for (const auto& [columns, value] : std::map<int, double>{{1, 5.0}, {3, -20.5}}) {
+        const double height = value;
+        const Terrain land = terrain(columns, columns, Samples::points, [=](double, double) { return height; });
+        const Tile tile = read_tile(bytes_of(land.mesh, land.samples.view(), alps()));
+        CHECK(tile.low == height);
+        CHECK(tile.high == height);
+        for (const auto& at : tile.vertices) CHECK(at[2] == 0);
+        hmesh::QuantizedMeshOptions sides = alps();
+        sides.z = {0, 0, 7};
+        CHECK(read_tile(bytes_of(land.mesh, land.samples.view(), sides)).low == 7);
+        CHECK(hmesh::rounded_to_tile(land.mesh.view(), sides).error == 0);
+    }
+}
+
+TEST_CASE("what no tile holds gives a Status and no byte, and a sink that refuses is reported") {
+    const Terrain land = terrain(30, 30, Samples::points, hills);
+    const auto write_alps = [](const hmesh::MeshView& mesh, hmesh::Sink sink) {
+        return hmesh::write_quantized_mesh(mesh, {}, sink, alps());
+    };
+    hmesh_test::check_refusing_sinks(land.mesh.view(), write_alps);
+    hmesh::Mesh mesh = land.mesh;
+    mesh.faces[1][2] = 1000;
+    hmesh_test::check_refused(mesh.view(), hmesh::Errc::invalid_argument, write_alps);
+    mesh = land.mesh, mesh.colors[5] = std::numeric_limits<float>::quiet_NaN();
+    hmesh_test::check_refused(mesh.view(), hmesh::Errc::not_finite, write_alps);
+    mesh = land.mesh, mesh.colors[5] = -7e6F;
+    hmesh_test::check_refused(mesh.view(), hmesh::Errc::invalid_argument, write_alps);
+    for (const float place : {-0.25F, 30.25F}) {
+        mesh = land.mesh, mesh.positions[7] = place;
+        hmesh_test::check_refused(mesh.view(), hmesh::Errc::invalid_argument, write_alps);
+    }
+    mesh = land.mesh, mesh.positions.clear(), mesh.colors.clear(), mesh.faces.clear();
+    hmesh_test::check_refused(mesh.view(), hmesh::Errc::invalid_argument, write_alps);
+    const auto refuses = [&](const hmesh::QuantizedMeshOptions& tile) {
+        const auto write = [&](const hmesh::MeshView& view, hmesh::Sink sink) {
+            return hmesh::write_quantized_mesh(view, {}, sink, tile);
+        };
+        hmesh_test::check_refused(land.mesh.view(), hmesh::Errc::invalid_argument, write);
+        CHECK(!hmesh::rounded_to_tile(land.mesh.view(), tile).status);
+    };
+    const double nan = std::numeric_limits<double>::quiet_NaN();
+    for (const double bad : {nan, 200.0, 7.25}) {
+        hmesh::QuantizedMeshOptions tile = alps();
+        tile.west = bad;
+        refuses(tile);
+    }
+    for (const double bad : {nan, 200.0, 7.0, 6.0}) {
+        hmesh::QuantizedMeshOptions tile = alps();
+        tile.east = bad;
+        refuses(tile);
+    }
+    for (const double bad : {nan, 91.0, 46.0}) {
+        hmesh::QuantizedMeshOptions tile = alps();
+        tile.north = bad;
+        refuses(tile);
+    }
+    for (const double bad : {nan, -91.0, 46.2}) {
+        hmesh::QuantizedMeshOptions tile = alps();
+        tile.south = bad;
+        refuses(tile);
+    }
+    hmesh::QuantizedMeshOptions tile = alps();
+    tile.low = 1000, tile.high = 3000;  // the hills go lower
+    refuses(tile);
+    tile.low = 0, tile.high = -1;
+    refuses(tile);
+    tile = alps(), tile.z.channel = 1;
+    refuses(tile);
+    refuses({});
+}

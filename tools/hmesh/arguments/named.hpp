@@ -1,0 +1,39 @@
+// tools - values of options that have names, as tables.
+#ifndef HMESH_TOOLS_ARGUMENTS_NAMED_HPP
+#define HMESH_TOOLS_ARGUMENTS_NAMED_HPP
+
+#include <cstddef>
+#include <string>
+
+namespace tool {
+
+template <class Value>
+struct Named {
+    const char* name;
+    Value value;
+};
+
+template <class Value, std::size_t n>
+[[nodiscard]] const char* name_of(const Named<Value> (&table)[n], Value value) {
+    for (const Named<Value>& entry : table)
+        if (entry.value == value) return entry.name;
+    return "?";
+}
+
+// Returns "" or what is wrong with the text, as the end of a sentence.
+template <class Value, std::size_t n>
+[[nodiscard]] std::string find_name(const Named<Value> (&table)[n], const std::string& text, Value& value) {
+    std::string names;
+    for (const Named<Value>& entry : table) {
+        if (text == entry.name) {
+            value = entry.value;
+            return {};
+        }
+        names += (names.empty() ? "" : ", ") + std::string(entry.name);
+    }
+    return "is not one of: " + names;
+}
+
+}  // namespace tool
+
+#endif  // HMESH_TOOLS_ARGUMENTS_NAMED_HPP

@@ -1,0 +1,289 @@
+// The only file of this command that compiles CLI11.
+#include "terrain/arguments.hpp"
+
+#include <cmath>
+#include <filesystem>
+
+#include "arguments/parser.hpp"
+#include "arguments/values.hpp"
+#include "hmesh/core/version.hpp"
+#include "terminal/standard_streams.hpp"
+#include "writers/ending.hpp"
+
+namespace terrain {
+namespace {
+
+using tool::add;
+using tool::add_name;
+
+// What is asked for instead of a run. Thrown by the option at once, whatever is wrong with the rest of the command line.
+struct Question {
+    bool is_help;  // else for the version
+};
+
+constexpr char footer[] =
+    "Local metres: +x is the east, +y the north and +z up (.glb: -z the north and +y up), from the south-western sample of the\n"
+    "whole file; heights are its own. --report says where on the map that is. Degrees become metres by the length of a degree in\n"
+    "the middle of the file, for all of it: reproject what is larger than some hundred kilometres.\n"
+    "Tiles: with a bound, neighbours have the same vertices and normals along their common row bit for bit, each made without\n"
+    "the other: in one run, in several at once on many machines (--only), or after a crash (--resume).\n"
+    "Examples:\n"
+    "  hmesh-terrain dem.tif -o terrain.glb --max-error 2\n"
+    "  hmesh-terrain dem.tif -o tiles/t.terrain --max-error 2 --tiles 512 --resume --report tiles.json\n"
+    "  hmesh-terrain dem.tif --tiles 512 --list | parallel hmesh-terrain dem.tif -o t.ply --max-error 2 --tiles 512 --only {}\n"
+    "  hmesh-terrain N45E006.hgt -o model.stl --max-error 5 --scale 0.001 --z-scale 2 --base 0\n"
+    "  hmesh-terrain heights.r16 --size 1025x1025 --type uint16 --spacing 2 -o terrain.obj --vertices 20000\n"
+    "Exit status: 0 done, 1 failed, 2 wrong usage.";
+
+std::string formats_read() {
+    const std::string gdal = gdal_version();
+    return gdal.empty() ? ".asc, .hgt, 16-bit PNG and PGM" : "whatever GDAL reads";
+}
+
+// Numbers between commas, as many as there are.
+template <std::size_t n>
+std::string parse_numbers(const std::string& text, std::array<double, n>& values) {
+    std::size_t from = 0;
+    for (std::size_t k = 0; k < n; ++k) {
+        const std::size_t comma = text.find(',', from);
+        if ((comma == std::string::npos) != (k + 1 == n))
+            return "is not " + std::to_string(n) + " numbers with commas between them";
+        const std::string number = text.substr(from, comma == std::string::npos ? comma : comma - from);
+        if (const std::string why = tool::parse_number(number, values[k]); !why.empty())
+            return "has '" + number + "', which " + why;
+        from = comma + 1;
+    }
+    return {};
+}
+
+// Two whole numbers with a mark between them.
+std::string parse_two(const std::string& text, char mark, int least, int& a, int& b) {
+    const std::size_t at = text.find(mark);
+    if (at == std::string::npos) return std::string("is not two numbers with '") + mark + "' between them";
+    if (std::string why = tool::parse_in_range(text.substr(0, at), least, 1000000000, a); !why.empty()) return why;
+    return tool::parse_in_range(text.substr(at + 1), least, 1000000000, b);
+}
+
+std::string parse_finite(const std::string& text, double& value) {
+    if (std::string why = tool::parse_number(text, value); !why.empty()) return why;
+    return std::isfinite(value) ? "" : "is not finite";
+}
+
+std::string parse_factor(const std::string& text, double& value) {
+    if (std::string why = parse_finite(text, value); !why.empty()) return why;
+    return value > 0 ? "" : "must be above 0";
+}
+
+// The same into what may be left out.
+template <class Parse>
+std::string parse_into(Parse&& parse, const std::string& text, std::optional<double>& to) {
+    double value = 0;
+    std::string why = parse(text, value);
+    to = value;
+    return why;
+}
+
+std::string parse_extent(const std::string& text, std::optional<Extent>& extent) {
+    Extent e{};
+    if (std::string why = parse_numbers(text, e); !why.empty()) return why;
+    extent = e;
+    const bool is_within = std::fabs(e[0]) <= 360 && std::fabs(e[2]) <= 360 && e[1] >= -90 && e[3] <= 90;
+    return is_within && e[0] < e[2] && e[1] < e[3] ? "" : "must be degrees: west below east, south below north, from -90 to 90";
+}
+
+void add_file_options(CLI::App& app, Arguments& out) {
+    app.option_defaults()->group("Files");
+    add(app, "-o,--output", "FILE",
+        "write the mesh; the ending chooses the format: .glb .ply .obj .stl, or .terrain, which is\n"
+        "quantized-mesh 1.0 for Cesium",
+        [&](const std::string& text) {
+            out.output = text;
+            out.format = format_of(text);
+            return out.format == Format::none ? "must end in one of: .glb, .ply, .obj, .stl, .terrain" : "";
+        });
+    add(app, "--report", "FILE.json",
+        "write what was made: samples, triangles, the largest error as measured on the very numbers\n"
+        "of the file, the origin of its metres, the georeference, the share without data, seconds",
+        [&](const std::string& text) {
+            out.report = text;
+            return "";
+        });
+    add(app, "--no-data", "VALUE", "the height that stands for none, in place of the file's; NaN and infinities always do",
+        [&](const std::string& text) { return parse_into(parse_finite, text, out.reading.no_data); });
+    add(app, "--size", "WxH", "of a raw file: columns and rows, little-endian, the first row in the north",
+        [&](const std::string& text) { return parse_two(text, 'x', 1, out.reading.raw_width, out.reading.raw_height); });
+    add_name(app, "--type", "of a raw file: float32, int16 or uint16 (default: float32 or int16, by its size)", raw_types,
+             [&](RawType type) { out.reading.raw_type = type; });
+    app.add_flag_callback(
+        "--no-gdal", [&] { out.reading.gdal = false; }, "read .asc, .hgt, PNG and PGM without GDAL, as builds without it do");
+}
+
+void add_mesh_options(CLI::App& app, Arguments& out) {
+    app.option_defaults()->group("How fine, one of");
+    CLI::Option* bound =
+        add(app, "--max-error", "E", "the fewest triangles of which none is off by more than E, in the file's heights",
+            [&](const std::string& text) {
+                std::string why = parse_into(parse_finite, text, out.max_error);
+                return why.empty() && *out.max_error < 0 ? "must be 0 or more" : why;
+            });
+    CLI::Option* vertices =
+        add(app, "--vertices", "N", "the least squared error with N vertices, in each tile", [&](const std::string& text) {
+            std::int64_t count = 0;
+            std::string why = tool::parse_integer(text, count);
+            out.vertices = count;
+            return why.empty() && count < 4 ? "must be at least 4, the corners" : why;
+        });
+    CLI::Option* percent = add(app, "--percent", "P", "the same with P vertices for 100 samples", [&](const std::string& text) {
+        double value = 0;
+        std::string why = tool::parse_positive(text, 100, value);
+        out.percent = value;
+        return why;
+    });
+    vertices->excludes(bound);
+    percent->excludes(bound)->excludes(vertices);
+    add_name(app, "--effort", "draft, fast, normal or best: how long to look for fewer triangles (default: normal)", efforts,
+             [&](Effort effort) { out.effort = effort; });
+
+    app.add_flag_callback(
+        "--free-borders", [&] { out.has_free_borders = true; },
+        "with --max-error, 1 to 10 % fewer triangles where nothing is to meet the borders, which else\n"
+        "follow from their rows of samples alone");
+
+    app.option_defaults()->group("Tiles");
+    CLI::Option* tiles = add(app, "--tiles", "N",
+                             "cut the model into tiles of N cells a side, N + 1 samples, of which neighbours share a row:\n"
+                             "files NAME_x_y.glb, x from the west, y from the north. No more of the file is in memory than\n"
+                             "the tiles in work",
+                             [&](const std::string& text) {
+                                 std::string why = tool::parse_in_range(text, 1, 65535, out.tile);
+                                 out.reading.rows = out.tile;
+                                 return why;
+                             });
+    tool::add_list(app, "--only", "X_Y", "this tile alone; may be given more than once", [&](const std::string& text) {
+        out.only.emplace_back();
+        return parse_two(text, '_', 0, out.only.back().x, out.only.back().y);
+    })->needs(tiles);
+    app.add_flag_callback(
+        "--list", [&] { out.lists_tiles = true; }, "print the names of the tiles, x_y, one a line, and write nothing");
+    app.add_flag_callback(
+        "--resume", [&] { out.resumes = true; },
+        "leave tiles as they are whose files are newer than the input. They are whole, but of which\n"
+        "options they were made is not looked at");
+    add(app, "--jobs", "N", "work on N tiles at once, or on one with N threads, 1 to 1024 (default: 0, all cores)",
+        [&](const std::string& text) { return tool::parse_in_range(text, 0, 1024, out.jobs); });
+}
+
+void add_model_options(CLI::App& app, Arguments& out) {
+    app.option_defaults()->group("The model");
+    add(app, "--scale", "S", "multiply metres and heights by S (default: 1)",
+        [&](const std::string& text) { return parse_factor(text, out.scale); });
+    add(app, "--z-scale", "S", "multiply heights by S (default: 1)",
+        [&](const std::string& text) { return parse_factor(text, out.z_scale); });
+    add(app, "--offset", "Z", "add Z to heights, in the file's, before they are multiplied (default: 0)",
+        [&](const std::string& text) { return parse_finite(text, out.offset); });
+    add(app, "--spacing", "M", "metres from sample to sample, in place of the file's (default: 1 where it says none)",
+        [&](const std::string& text) { return parse_into(parse_factor, text, out.spacing); });
+    app.add_flag_callback(
+        "--no-normals", [&] { out.has_normals = false; }, "leave out the normals, which are those of the samples");
+    add(app, "--base", "Z", ".stl: close the model with walls and a floor at this height, in the file's, to print it",
+        [&](const std::string& text) { return parse_into(parse_finite, text, out.base); });
+    add(app, "--extent", "W,S,E,N", ".terrain: degrees of the outermost samples, where the file does not say them",
+        [&](const std::string& text) { return parse_extent(text, out.extent); });
+    add(app, "--heights", "LOW,HIGH",
+        ".terrain: between which the heights of all tiles are, in the file's, so that 15 bits say\n"
+        "them alike (default with --tiles: the file is read once to find out; else its own)",
+        [&](const std::string& text) {
+            out.heights.emplace();
+            std::string why = parse_numbers(text, *out.heights);
+            return why.empty() && !((*out.heights)[0] <= (*out.heights)[1]) ? "must be the lowest, then the highest" : why;
+        });
+}
+
+void add_other_options(CLI::App& app, Arguments& out) {
+    app.option_defaults()->group("What is said");
+    app.add_flag_callback(
+        "-q,--quiet", [&] { out.quiet = true; }, "print errors only");
+    app.set_help_flag();
+    app.add_flag_callback(
+           "-h,--help", [] { throw Question{true}; }, "print this text")
+        ->trigger_on_parse();
+    app.add_flag_callback(
+           "--version", [] { throw Question{false}; }, "print the version, and what reads files")
+        ->trigger_on_parse();
+}
+
+// What is wrong with a command line of which each option is right by itself.
+std::string find_conflict(const CLI::App& app, const Arguments& arguments) {
+    if (tool::is_standard(arguments.input)) return "the standard input is no file, of which parts can be read";
+    if (arguments.input.empty()) return "no input file is given";
+    for (const char* option : {"--list", "--resume"})  // a flag's needs() would be seen in the help
+        if (app.count(option) != 0 && arguments.tile == 0) return std::string(option) + " requires --tiles";
+    if (arguments.reading.raw_type != RawType::by_size && arguments.reading.raw_width == 0)
+        return "--type is given without --size";
+    if (arguments.lists_tiles) return {};
+    if (arguments.output.empty()) return "no output is given: -o names it";
+    if (!arguments.max_error && !arguments.vertices && !arguments.percent)
+        return "how fine is not said: --max-error, or --vertices or --percent";
+    if (arguments.has_free_borders && !arguments.max_error) return "--free-borders is given without --max-error";
+    if (arguments.has_free_borders && arguments.tile != 0)
+        return "--free-borders is given with --tiles, whose borders are to meet";
+    if (arguments.base && arguments.format != Format::stl) return "--base is given without an output that ends in .stl";
+    const bool is_globe = arguments.format == Format::quantized_mesh;
+    if (arguments.extent && !is_globe) return "--extent is given without an output that ends in .terrain";
+    if (arguments.heights && !is_globe) return "--heights is given without an output that ends in .terrain";
+    for (const char* option : {"--scale", "--spacing"})
+        if (is_globe && app.count(option) != 0)
+            return std::string(option) + " means nothing to .terrain, which stands on the Earth by its degrees";
+    std::error_code none;
+    if (std::filesystem::equivalent(arguments.input, arguments.output, none) ||
+        std::filesystem::equivalent(arguments.input, arguments.report, none))
+        return "'" + arguments.input + "' would be overwritten";
+    if (arguments.output == arguments.report) return "'" + arguments.output + "' is named for two outputs";
+    return {};
+}
+
+}  // namespace
+
+Format format_of(const std::string& name) {
+    for (const auto& format : formats)
+        if (tool::has_ending(name, format.name)) return format.value;
+    return Format::none;
+}
+
+CommandLine parse(const std::vector<std::string>& words) {
+    CommandLine line;
+    Arguments& arguments = line.arguments;
+    CLI::App app("Turns a model of heights into the fewest triangles that keep a bound.\n", "hmesh-terrain");
+    tool::lay_out(app, "The heights");
+    app.footer(footer);
+    std::vector<std::string> inputs;
+    const auto set_inputs = [&](const CLI::results_t& texts) {
+        inputs = texts;
+        return true;
+    };
+    app.add_option("DEM", set_inputs, "one file of one channel: " + formats_read() + ";\nor raw numbers, see --size")
+        ->expected(1, CLI::detail::expected_max_vector_size)
+        ->allow_extra_args()
+        ->required();
+    add_file_options(app, arguments);
+    add_mesh_options(app, arguments);
+    add_model_options(app, arguments);
+    add_other_options(app, arguments);
+    try {
+        line.wrong = tool::parse_words(app, words, "no input file is given");
+    } catch (const Question& question) {
+        const std::string gdal = gdal_version();
+        line.answer = question.is_help ? tool::help_of(app)
+                                       : "hmesh-terrain " HMESH_VERSION_STRING "\nreads\n  " +
+                                             (gdal.empty() ? "" : gdal + "\n  ") + ".asc, .hgt, PGM, PNG, raw: hmesh\n";
+        return line;
+    }
+    if (!line.wrong.empty()) return line;
+    if (inputs.size() > 1)
+        line.wrong = "'" + inputs[0] + "' and '" + inputs[1] + "' are two inputs: gdalbuildvrt makes one of them";
+    arguments.input = inputs.front();
+    if (line.wrong.empty()) line.wrong = find_conflict(app, arguments);
+    return line;
+}
+
+}  // namespace terrain

@@ -1,0 +1,23 @@
+// hmesh-terrain - from heights to a mesh: all that the command asks of hmesh::mesh_image(), a file for each method.
+#ifndef HMESH_TERRAIN_MESHING_HPP
+#define HMESH_TERRAIN_MESHING_HPP
+
+#include "hmesh/core/parallel.hpp"
+#include "hmesh/core/progress.hpp"
+#include "hmesh/result.hpp"
+#include "terrain/arguments.hpp"
+#include "terrain/tiles.hpp"
+
+namespace terrain {
+
+// As few triangles as the effort finds within the bound, in heights of the file.
+[[nodiscard]] hmesh::Result mesh_within(const Arguments& arguments, const Window& window, double bound, hmesh::Progress progress,
+                                        const hmesh::ParallelFor& parallel_for);
+
+// The least squared error with as many vertices as the arguments say, of a window whose samples all have data.
+[[nodiscard]] hmesh::Result mesh_with_vertices(const Arguments& arguments, const Window& window, hmesh::Progress progress,
+                                               const hmesh::ParallelFor& parallel_for);
+
+}  // namespace terrain
+
+#endif  // HMESH_TERRAIN_MESHING_HPP

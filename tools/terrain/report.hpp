@@ -1,0 +1,42 @@
+// hmesh-terrain - what is said of a run: its summary, and its report as JSON.
+#ifndef HMESH_TERRAIN_REPORT_HPP
+#define HMESH_TERRAIN_REPORT_HPP
+
+#include <cstddef>
+#include <cstdint>
+#include <cstdio>
+#include <string>
+#include <vector>
+
+#include "terrain/arguments.hpp"
+#include "terrain/dem.hpp"
+#include "terrain/frame.hpp"
+#include "terrain/tiles.hpp"
+
+namespace terrain {
+
+// What became of a tile.
+struct TileEnd {
+    enum class Kind : std::uint8_t {
+        made,
+        empty,   // it has no data: there is no file
+        kept,    // of a run before this one
+        failed,  // and those that were not begun
+    } kind = Kind::failed;
+    std::size_t vertices = 0, triangles = 0, samples = 0, no_data = 0;
+    double max_error = 0, sum_of_squares = 0;  // of the file, as it was measured
+    std::size_t measured = 0;                  // samples that were
+    double asked = 0;                          // the bound that the mesh was made with, so much less than the one asked for
+    bool is_tighter = false;                   // than that of its neighbours
+    double seconds = 0;
+};
+
+[[nodiscard]] std::string report_json(const Arguments& arguments, const Dem& dem, const Frame& frame,
+                                      const std::vector<Tile>& tiles, const std::vector<TileEnd>& ends, double seconds);
+
+void print_summary(std::FILE* to, const Arguments& arguments, const Dem& dem, const std::vector<Tile>& tiles,
+                   const std::vector<TileEnd>& ends, double seconds);
+
+}  // namespace terrain
+
+#endif  // HMESH_TERRAIN_REPORT_HPP

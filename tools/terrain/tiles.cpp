@@ -1,0 +1,94 @@
+#include "terrain/tiles.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <filesystem>
+
+namespace terrain {
+namespace {
+
+// NAME_x_y.glb beside NAME.glb.
+std::string tile_file(const std::string& output, const TileName& name) {
+    const std::filesystem::path path(output);
+    const std::string file =
+        path.stem().string() + "_" + std::to_string(name.x) + "_" + std::to_string(name.y) + path.extension().string();
+    return (path.parent_path() / file).string();
+}
+
+// Of so many samples, tiles of so many cells: the last one is what is left.
+int tiles_along(int samples, int cells) { return (samples - 1 + cells - 1) / cells; }
+
+Tile tile_at(const Arguments& arguments, const Dem& dem, TileName name) {
+    Tile tile;
+    tile.name = name;
+    tile.column = name.x * arguments.tile;
+    tile.row = name.y * arguments.tile;
+    tile.width = std::min(arguments.tile + 1, dem.width - tile.column);
+    tile.height = std::min(arguments.tile + 1, dem.height - tile.row);
+    tile.file = tile_file(arguments.output, name);
+    return tile;
+}
+
+}  // namespace
+
+std::string find_tiles(const Arguments& arguments, const Dem& dem, std::vector<Tile>& tiles) {
+    if (dem.width < 2 || dem.height < 2)
+        return "'" + arguments.input + "' has " + std::to_string(dem.width) + " x " + std::to_string(dem.height) +
+               " samples, and a surface has at least 2 x 2";
+    tiles.clear();
+    if (arguments.tile == 0) {
+        tiles.push_back({{}, 0, 0, dem.width, dem.height, arguments.output});
+        return {};
+    }
+    const int across = tiles_along(dem.width, arguments.tile), down = tiles_along(dem.height, arguments.tile);
+    for (const TileName& name : arguments.only) {
+        if (name.x >= across || name.y >= down)
+            return "--only '" + std::to_string(name.x) + "_" + std::to_string(name.y) + "' is not one of the " +
+                   std::to_string(across) + " x " + std::to_string(down) + " tiles of '" + arguments.input + "'";
+        tiles.push_back(tile_at(arguments, dem, name));
+    }
+    if (!tiles.empty()) return {};
+    for (int y = 0; y < down; ++y)
+        for (int x = 0; x < across; ++x) tiles.push_back(tile_at(arguments, dem, {x, y}));
+    return {};
+}
+
+std::string read_window(Dem& dem, const Tile& tile, Window& window) {
+    const int west = std::max(0, tile.column - 1), north = std::max(0, tile.row - 1);
+    const int east = std::min(dem.width, tile.column + tile.width + 1), south = std::min(dem.height, tile.row + tile.height + 1);
+    window = {};
+    window.columns = east - west;
+    window.rows = south - north;
+    window.left = tile.column - west;
+    window.top = tile.row - north;
+    window.width = tile.width;
+    window.height = tile.height;
+    window.heights.resize(static_cast<std::size_t>(window.columns) * static_cast<std::size_t>(window.rows));
+    if (std::string why = dem.read(west, north, window.columns, window.rows, window.heights.data(), window.rounding);
+        !why.empty())
+        return why;
+    const hmesh::ImageView<float, 1> view = window.tile();
+    bool has_height = false;
+    for (int j = 0; j < tile.height; ++j)
+        for (int i = 0; i < tile.width; ++i) {
+            const float height = *view.pixel(i, j);
+            if (std::isnan(height)) {
+                ++window.no_data;
+                continue;
+            }
+            const auto value = static_cast<double>(height);
+            window.low = has_height ? std::min(window.low, value) : value;
+            window.high = has_height ? std::max(window.high, value) : value;
+            has_height = true;
+            window.has_cell = window.has_cell || (i + 1 < tile.width && j + 1 < tile.height && has_data(view, i, j));
+        }
+    return {};
+}
+
+bool has_data(const hmesh::ImageView<float, 1>& heights, int i, int j) noexcept {
+    const float *const upper = heights.pixel(i, j), *const lower = heights.pixel(i, j + 1);
+    return !std::isnan(upper[0]) && !std::isnan(upper[1]) && !std::isnan(lower[0]) && !std::isnan(lower[1]);
+}
+
+}  // namespace terrain

@@ -1,0 +1,54 @@
+// hmesh-terrain - Tile: a part of a model, meshed by itself, which shares its outermost rows and columns of samples with its
+// neighbours; Window: its heights.
+#ifndef HMESH_TERRAIN_TILES_HPP
+#define HMESH_TERRAIN_TILES_HPP
+
+#include <cstddef>
+#include <string>
+#include <vector>
+
+#include "hmesh/image/image_view.hpp"
+#include "terrain/arguments.hpp"
+#include "terrain/dem.hpp"
+
+namespace terrain {
+
+struct Tile {
+    TileName name;
+    int column = 0, row = 0;    // of its north-western sample
+    int width = 0, height = 0;  // samples
+    std::string file;
+};
+
+// The tiles that the arguments ask for, row after row from the north; one of all samples without --tiles. Returns "" or what is
+// wrong, a sentence.
+[[nodiscard]] std::string find_tiles(const Arguments& arguments, const Dem& dem, std::vector<Tile>& tiles);
+
+// The samples of a tile and one more on each side, where there is one: normals are those of the whole model.
+struct Window {
+    int columns = 0, rows = 0;   // of `heights`
+    int left = 0, top = 0;       // the place in it of the tile's first sample, 0 or 1
+    int width = 0, height = 0;   // of the tile
+    std::vector<float> heights;  // NaN where there is no data
+    double rounding = 0;         // the most by which one differs from the file
+    std::size_t no_data = 0;     // samples of the tile without data
+    bool has_cell = false;       // whether four neighbours have data: else there is nothing to mesh
+    double low = 0, high = 0;    // of the tile's heights
+
+    // All of it, and the tile alone.
+    [[nodiscard]] hmesh::ImageView<float, 1> around() const noexcept { return {heights.data(), columns, rows, 0}; }
+    [[nodiscard]] hmesh::ImageView<float, 1> tile() const noexcept {
+        return {heights.data() + static_cast<std::size_t>(top) * static_cast<std::size_t>(columns) + left, width, height,
+                static_cast<std::ptrdiff_t>(columns) * static_cast<std::ptrdiff_t>(sizeof(float))};
+    }
+};
+
+// Returns "" or what is wrong, as Dem::read() does.
+[[nodiscard]] std::string read_window(Dem& dem, const Tile& tile, Window& window);
+
+// Whether the four samples of a cell, of which (i, j) is the north-western one, have data.
+[[nodiscard]] bool has_data(const hmesh::ImageView<float, 1>& heights, int i, int j) noexcept;
+
+}  // namespace terrain
+
+#endif  // HMESH_TERRAIN_TILES_HPP
