@@ -967,11 +967,12 @@ class OcclusionPoint {
 ///
 /// The mesh's sides are the tile's: longitude and latitude are linear in its plane, and heights are metres above the ellipsoid
 /// WGS 84. Positions and heights have 15 bits each. Between 256 steps a position is off by 1/256 of a step at most, a height by
-/// a 65534th of the tile's range: rounded_to_tile() gives the mesh as a reader has it, to prove a bound on, and says how much
-/// to ask for less. Vertices come in the order in which faces name them first, and those that none names are left out. The
-/// vertices of a side, and no others, have the coordinate 0 or 32767, and are listed from west to east and from south to north.
-/// The bounding sphere is that around the box of the vertices, seen from the middle of the tile. Servers send tiles compressed
-/// by gzip, which is left to the program.
+/// a 65534th of the tile's range: rounded_to_tile() gives the mesh as a reader has it, to prove a bound on. Vertices come in
+/// the order in which faces name them first, and those that none names are left out. The vertices of a side, and no others,
+/// have the coordinate 0 or 32767, and are listed from west to east and from south to north. The bounding sphere is that around
+/// the box of the vertices, seen from the middle of the tile. The horizon occlusion point of a tile that is half the globe, as
+/// the two at the root are, leaves out the mountains on its rim. Servers send tiles compressed by gzip, which is left to the
+/// program.
 ///
 /// Bytes: 92 and 6 a vertex, 8 with normals, and 6 a face; 12 from 65,536 vertices on. O(n), 8 bytes a vertex, and 24 more for
 /// normals without samples.
@@ -1007,9 +1008,8 @@ struct QuantizedMeshOptions {
 
 /// A mesh with its positions and heights rounded to the 15 bits of a tile. Faces thinner than that may have turned over.
 struct TileRounding {
-    Mesh mesh;         ///< the mesh as a reader of the tile has it, in its plane and its stored values: same vertices, same faces
-    double error = 0;  ///< stored values: how far its vertices are from the surface that was, at most. Ask for so much less
-    Status status;     ///< what write_quantized_mesh() would say; if it is bad there is no mesh
+    Mesh mesh;      ///< the mesh as a reader of the tile has it, in its plane and its stored values: same vertices, same faces
+    Status status;  ///< what write_quantized_mesh() would say; if it is bad there is no mesh
 };
 
 namespace detail {
@@ -1289,20 +1289,6 @@ inline void write_tile_normals(Writer& writer, const MeshView& mesh, const Heigh
     }
 }
 
-/// How far the corner of a face is, when it has been moved, from the plane in which the face was: metres. Less than 0 if it was
-/// moved out of the face.
-[[nodiscard]] inline double moved_from_face(const std::array<Vector3, 3>& corners, const Vector3& moved) noexcept {
-    const Vector3 b = difference(corners[1], corners[0]), c = difference(corners[2], corners[0]),
-                  by = difference(moved, corners[0]);
-    if (by[0] == 0 && by[1] == 0) return std::abs(by[2]);
-    const double twice_area = b[0] * c[1] - b[1] * c[0];
-    if (!(std::abs(twice_area) > 0)) return -1;
-    const double along_b = (by[0] * c[1] - by[1] * c[0]) / twice_area, along_c = (b[0] * by[1] - b[1] * by[0]) / twice_area;
-    // Along a side of the face it may be on either side of it, by a rounding.
-    if (along_b < -1e-9 || along_c < -1e-9) return -1;
-    return std::abs(by[2] - along_b * b[2] - along_c * c[2]);
-}
-
 }  // namespace detail
 
 /// The mesh that readers of the tile have, which write_quantized_mesh() would write of this one: what a bound is to be proved
@@ -1327,18 +1313,6 @@ inline void write_tile_normals(Writer& writer, const MeshView& mesh, const Heigh
         const double value = std::max(-most, std::min(most, (at[2] - tile.z.offset) / tile.z.scale));
         to.colors[channels * v + static_cast<std::size_t>(tile.z.channel)] = static_cast<float>(value);
     }
-    if (tile.z.scale == 0) return out;
-    const auto corner = [&](std::uint32_t v) -> detail::Vector3 {
-        return {static_cast<double>(mesh.positions[2 * std::size_t{v}]),
-                static_cast<double>(mesh.positions[2 * std::size_t{v} + 1]), detail::height_of(mesh, tile.z, v)};
-    };
-    for (std::size_t f = 0; f < mesh.face_count; ++f)
-        for (std::size_t k = 0; k < 3; ++k) {
-            const Triangle& face = mesh.faces[f];
-            const double error = detail::moved_from_face({corner(face[k]), corner(face[(k + 1) % 3]), corner(face[(k + 2) % 3])},
-                                                         grid.in_plane(face[k]));
-            out.error = std::max(out.error, error / std::abs(tile.z.scale));
-        }
     return out;
 }
 
