@@ -34,14 +34,15 @@ using Clock = std::chrono::steady_clock;
 
 double seconds_since(Clock::time_point begin) { return std::chrono::duration<double>(Clock::now() - begin).count(); }
 
-// Of the bound what is asked of the mesh, so that the file keeps the rest when its numbers are rounded: first the share that all tiles
-// have in common, whose borders follow from it, then less where that was not enough.
+// Of the bound what is asked of the mesh, so that the file keeps the rest when its numbers are rounded: first the share that all
+// tiles have in common, whose borders follow from it, then less where that was not enough.
 constexpr std::array<double, 4> shares = {0.999, 0.98, 0.9, 0.6};
 
 // How far from a sample a border may be that runs through it, in samples: what floats of local metres keep of 65536, or half a
 // step of 15 bits, either way with as much again.
 double slack_of(const Arguments& arguments, const Tile& tile) {
-    if (arguments.format != Format::quantized_mesh) return 1.0 / 32;  // the solid of an STL file has vertices of its own a 64th apart where two holes meet
+    if (arguments.format != Format::quantized_mesh)
+        return 1.0 / 32;  // the solid of an STL file has vertices of its own a 64th apart where two holes meet
     return 1e-6 + std::max(tile.width, tile.height) / 32767.0;
 }
 
