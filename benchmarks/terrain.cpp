@@ -1,6 +1,7 @@
 // terrain: meshes within a bound by each effort of Bounded, as a Markdown table for each heightmap.
 //
-//     terrain [--percent 10,5,2,1,0.5] [--effort draft,fast,normal,best] [--samples points] [--free-borders] [--repeat 1] FILE.pgm...
+//     terrain [--percent 10,5,2,1,0.5] [--effort draft,fast,normal,best] [--samples points|squares] [--free-borders]
+//             [--repeat 1] FILE.pgm...
 //
 // Files are binary PGM of 8 or 16 bits. A row is a bound, in percent of the range of the heightmap, and in stored values; columns
 // are for each effort the triangles, their ratio to those of greedy insertion (draft), and processor seconds and microseconds a

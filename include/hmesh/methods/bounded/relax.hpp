@@ -28,10 +28,10 @@ struct Moves {
 };
 
 /// Moves vertices and flips edges of a mesh.
-class Relaxation {
+class BoundedRelaxation {
   public:
     /// Works on this mesh, which must outlive it.
-    Relaxation(BoundedMesh& mesh, const Moves& moves)
+    BoundedRelaxation(BoundedMesh& mesh, const Moves& moves)
         : mesh_(&mesh), moves_(moves), per_unit_(1 / unit(mesh)), now_(*mesh.field, per_unit_), then_(*mesh.field, per_unit_) {}
 
     /// What is 1 to fits: a little less than the limit, by what floats may be wrong; for limits that floats cannot tell from 0

@@ -28,10 +28,10 @@
 namespace hmesh::kit {
 
 /// Removes vertices of a mesh.
-class Removal {
+class BoundedRemoval {
   public:
     /// Works on this mesh, which must outlive it, with what the relaxation may do.
-    Removal(BoundedMesh& mesh, Relaxation& relaxation, const Moves& moves)
+    BoundedRemoval(BoundedMesh& mesh, BoundedRelaxation& relaxation, const Moves& moves)
         : mesh_(&mesh), relaxation_(&relaxation), moves_(moves), star_(*mesh.field, relaxation.per_unit()) {}
 
     /// One pass over the vertices whose surroundings have changed since they were tried. Returns how many left.
@@ -272,7 +272,7 @@ class Removal {
     }
 
     BoundedMesh* mesh_;
-    Relaxation* relaxation_;
+    BoundedRelaxation* relaxation_;
     Moves moves_;
     Star star_;
     std::vector<std::uint32_t> tried_;  ///< by vertex slot: mesh_->clock when its removal failed
@@ -284,7 +284,7 @@ class Removal {
 
 /// Whether the border may run from the vertex before v straight to the end of h, as seen along the border: along a side of the
 /// image where v is on one, and on the rim of what has data so that no sample is lost and none comes in.
-inline bool Removal::keeps_cover(Vertex v, Halfedge h) const {
+inline bool BoundedRemoval::keeps_cover(Vertex v, Halfedge h) const {
     const HalfedgeMesh& topology = mesh_->topology;
     const Halfedge out = topology.halfedge(v), in = topology.previous(out);
     const Vertex after = topology.to_vertex(out), before = topology.from_vertex(in);
@@ -323,8 +323,8 @@ HMESH_COLD inline void shrink(BoundedMesh& mesh, Bounded::Effort effort, int pas
     if (effort == Bounded::Effort::draft) return;
     const bool can_lift_any = mesh.limit > 0;
     const Moves moves{effort >= Bounded::Effort::normal && can_lift_any, effort == Bounded::Effort::best && can_lift_any};
-    Relaxation relaxation(mesh, moves);
-    Removal removal(mesh, relaxation, moves);
+    BoundedRelaxation relaxation(mesh, moves);
+    BoundedRemoval removal(mesh, relaxation, moves);
     const auto position = [&](Vertex v) { return mesh.position(v); };
     std::vector<std::uint32_t> relaxed(mesh.topology.vertex_slots(), 0);
     std::uint32_t flipped = 0;

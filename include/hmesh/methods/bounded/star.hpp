@@ -2,9 +2,9 @@
 /// Star: the samples around a vertex as a linear function of its heights, in floats, for choosing heights and places quickly.
 ///
 /// At a sample of a face with corners v, a, b the mesh is off by l_v z + r, with l_v the barycentric coordinate of v, z its
-/// height and r = l_a z_a + l_b z_b - sample. A star holds l_v and r for all samples of some faces around v, in units of the bound, so
-/// that heights are tried at 0.2 ns a sample. Samples are taken eight at a time, those outside of the face as 0, which counts
-/// for nothing. Floats decide what is worth a change; whether it holds is asked of face_error().
+/// height and r = l_a z_a + l_b z_b - sample. A star holds l_v and r for all samples of some faces around v, in units of the
+/// bound, so that heights are tried at 0.2 ns a sample. Samples are taken eight at a time, those outside of the face as 0, which
+/// counts for nothing. Floats decide what is worth a change; whether it holds is asked of face_error().
 ///
 /// The energy of a star is the sum of the 16th powers of what samples are off, close to the largest of them and smooth: squares
 /// cost a fifth more triangles, 8th powers 3 %, 32nd powers 1 %.
