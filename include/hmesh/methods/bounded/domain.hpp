@@ -52,12 +52,12 @@ HMESH_COLD inline void add_rim(const HeightField& field, const Rect& rect, std::
 
 /// The first mesh of a rectangle of the plane: sides as side_vertices() has them, all faces in cells of data. Freedoms are 0.
 /// Empty where no cell has data.
-[[nodiscard]] HMESH_COLD inline Sheet first_sheet(const HeightField& field, const Rect& rect, double limit) {
+[[nodiscard]] HMESH_COLD inline Sheet first_sheet(const HeightField& field, const Rect& rect, double limit, bool lift) {
     std::vector<Corner> corners;
     const int right = rect.x + rect.width, bottom = rect.y + rect.height;
     for (const SideLine& line : {SideLine{false, rect.y, rect.x, right}, SideLine{false, bottom, rect.x, right},
                                  SideLine{true, rect.x, rect.y, bottom}, SideLine{true, right, rect.y, bottom}}) {
-        const std::vector<Corner> side = side_vertices(field, line, limit);
+        const std::vector<Corner> side = side_vertices(field, line, limit, lift);
         corners.insert(corners.end(), side.begin(), side.end());
     }
     // Corners of the rectangle come twice, and ends of the rim on its sides: the first counts.

@@ -128,7 +128,9 @@ class BoundedPieces {
             progress_->set_range(0, 1);
             pieces = detail::cut(whole, tiling(shifts[phase][0], shifts[phase][1]));
             const double share = 1.0 / static_cast<double>(pieces.size());
-            parallel_for_(pieces.size(), [&](std::size_t k) { shrink_piece(pieces[k], share, phase == 0 ? 30 : 6); });
+            parallel_for_(pieces.size(), [&](std::size_t k) {
+                shrink_piece(pieces[k], share, phase > 0 ? 6 : recipe_.effort == Bounded::Effort::best ? 30 : 14);
+            });
             whole = joined(pieces, whole);
             if (!progress_->end(whole.vertices.size(), energy(whole))) break;
         }
@@ -139,7 +141,7 @@ class BoundedPieces {
     /// The mesh of a rectangle by greedy insertion.
     [[nodiscard]] Sheet inserted(const Rect& rect, double share) const {
         TaskProgress task(*progress_, share);
-        Sheet sheet = first_sheet(*field_, rect, limit_);
+        Sheet sheet = first_sheet(*field_, rect, limit_, recipe_.effort >= Bounded::Effort::normal);
         // Vertices of the rectangle's sides are those that other tiles have, too.
         for (std::size_t v = 0; v < sheet.vertices.size(); ++v) {
             const Point p = sheet.vertices[v].position;

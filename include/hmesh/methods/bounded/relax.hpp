@@ -39,6 +39,9 @@ class BoundedRelaxation {
     [[nodiscard]] static double unit(const BoundedMesh& mesh) noexcept {
         return std::max(mesh.limit * (1 - 1e-4), std::max(1e-30, 1e-6 * mesh.field->largest));
     }
+    /// The share of its energy that a move must gain, but in trials: each makes all around it be tried anew.
+    double least_gain = 0.02;
+
     [[nodiscard]] double per_unit() const noexcept { return per_unit_; }  ///< 1 / unit()
 
     /// Moves v if that lowers the energy of its star. `is_trial`: faces may be beyond the bound, and whether they still are is
@@ -132,9 +135,6 @@ class BoundedRelaxation {
         if (state.can(can_slide_y)) to.y = snap(std::max(gap, std::min(bottom - gap, from.y + dy * scale)));
         return to;
     }
-
-    /// The share of its energy that a move must gain, but in trials: each makes all around it be tried anew.
-    static constexpr double least_gain = 0.02;
 
     BoundedMesh* mesh_;
     Moves moves_;

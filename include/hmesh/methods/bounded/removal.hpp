@@ -36,6 +36,14 @@ class BoundedRemoval {
 
     /// One pass over the vertices whose surroundings have changed since they were tried. Returns how many left.
     HMESH_COLD std::size_t pass(const std::vector<Vertex>& vertices) {
+        double area = 0;
+        for (const Face f : mesh_->topology.faces()) {
+            const auto v = mesh_->topology.vertices(f);
+            area += 0.5 * orient2d(mesh_->position(v[0]), mesh_->position(v[1]), mesh_->position(v[2]));
+        }
+        const bool is_coarse = area > 100 * static_cast<double>(mesh_->topology.face_count());
+        try_up_to_ = is_coarse ? 2.5 : 1.7;
+        slowest_ = is_coarse ? 0.95 : 0.85;
         tried_.resize(mesh_->topology.vertex_slots(), 0);
         queue_.clear();
         const std::uint32_t now = mesh_->clock;
@@ -43,7 +51,7 @@ class BoundedRemoval {
             const Vertex v = vertices[k];
             if (mesh_->topology.is_deleted(v) || tried_[v.index()] >= mesh_->changed[v.index()]) continue;
             const Candidate candidate = best(v);
-            if (candidate.halfedge.is_valid() && candidate.most <= (moves_.positions ? try_up_to : 1))
+            if (candidate.halfedge.is_valid() && candidate.most <= (moves_.positions ? try_up_to_ : 1))
                 queue_.push_back(candidate);
             else tried_[v.index()] = now;
         }
@@ -80,11 +88,11 @@ class BoundedRemoval {
 
   private:
     /// How far from the bound, in bounds, a removal is tried nevertheless.
-    /// Of those above 1.7 one in a hundred succeeds.
-    static constexpr double try_up_to = 1.7;
-    static constexpr int try_rounds = 12;
+    /// Of those above 1.7 one in a hundred succeeds: worth it where faces are so large that tries are few for the samples.
+    double try_up_to_ = 1.7;
     /// What a round must leave of the excess at most for another to be worth it.
-    static constexpr double slowest = 0.85;
+    double slowest_ = 0.85;
+    static constexpr int try_rounds = 12;
 
     struct Candidate {
         Halfedge halfedge;  // of the vertex that leaves, to the one that it is merged into; invalid: none
@@ -164,7 +172,7 @@ class BoundedRemoval {
         if (!for_each_kept(v, into, [&](const Corner& a, const Corner& b) { return star_.add(a, b); })) return false;
         double heights[max_bounded_channels] = {};
         const bool can_change = mesh_->vertices[into.index()].can(can_lift);
-        if (star_.fit(heights).most > (can_change ? hopeless : try_up_to)) return false;
+        if (star_.fit(heights).most > (can_change ? hopeless : try_up_to_)) return false;
         if (!for_each_kept(into, v, [&](const Corner& a, const Corner& b) { return star_.add(a, b); })) return false;
         const Fit fit = can_change ? star_.lift(heights, 3) : star_.fit(heights);
         const Corner lifted = star_.apex(heights);
@@ -233,7 +241,7 @@ class BoundedRemoval {
                 }
             const double most = worst_around();
             holds = most <= 1;
-            if (!holds && most - 1 > slowest * (last - 1)) break;
+            if (!holds && most - 1 > slowest_ * (last - 1)) break;
             last = most;
         }
         if (holds)
@@ -347,8 +355,10 @@ HMESH_COLD inline void shrink(BoundedMesh& mesh, Bounded::Effort effort, int pas
                 if (relaxation.move(v, false)) relaxed[v.index()] = 0;
             }
         }
-        const std::size_t gone = removal.pass(vertices);
-        if (gone == 0) break;
+        // Where nothing leaves any more, smaller moves may make room.
+        if (removal.pass(vertices) > 0) continue;
+        if (!moves.positions || relaxation.least_gain < 1e-3) break;
+        relaxation.least_gain *= 0.25;
     }
     removal.settle();
 }
