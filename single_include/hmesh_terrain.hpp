@@ -156,13 +156,13 @@ namespace hmesh {
 
 /// A mesh within a bound: |mesh - sample| <= max_error at every sample, in each channel.
 struct Bounded {
-    /// How much work is spent on having few triangles. Shares of triangles are of draft's, for elevation data; times are of one
-    /// core, a sample.
+    /// How much work is spent on having few triangles. Shares of triangles are of draft's, times those of one core, a sample,
+    /// for elevation data and bounds of 10 to 1 % of their range.
     enum class Effort : std::uint8_t {
-        draft,   ///< greedy insertion: vertices are samples, the worst sample first; some 0.3 us
-        fast,    ///< then vertices are removed while the bound holds; 0.6 of the triangles, some 1 us
-        normal,  ///< then heights are free: 0.4 of the triangles, some 5 us
-        best,    ///< then positions are free too: 0.3 of the triangles, some 20 us
+        draft,   ///< greedy insertion: vertices are samples, the worst sample first; 0.1 to 0.9 us
+        fast,    ///< then vertices are removed while the bound holds; 0.5 to 0.6 of the triangles, 0.3 to 3 us
+        normal,  ///< then heights are free: 0.33 to 0.44 of the triangles, 2 to 13 us
+        best,    ///< then positions are free too: 0.21 to 0.27 of the triangles, 5 to 32 us
     };
     /// The largest difference allowed between mesh and samples, in stored values, finite and >= 0. 0: none at all.
     double max_error = 0;
@@ -733,9 +733,11 @@ struct BoundedMesh {
 /// \file
 /// Sides: the polyline that the border of a tile is, chosen from the samples along it alone.
 ///
-/// A side is split at its own worst sample until all are within the bound (D. Douglas and T. Peucker, "Algorithms for the
-/// reduction of the number of points required to represent a digitized line or its caricature", 1973), whatever is beside it:
-/// so two tiles that share a row of samples get the same border, meshed apart. O(n log n) for most rows.
+/// With heights that are samples a side is split at its own worst sample until all are within the bound (D. Douglas and
+/// T. Peucker, "Algorithms for the reduction of the number of points required to represent a digitized line or its caricature",
+/// 1973), in O(n log n) for most rows. With free heights it has few vertices, at samples with heights of 9 levels
+/// around them, by dynamic programming: some 0.7 of these, in O(9^2 n m) for edges of at most m samples. Either way
+/// whatever is beside the side counts for nothing: so two tiles that share a row of samples get the same border, meshed apart.
 #ifndef HMESH_METHODS_BOUNDED_SIDE_HPP
 #define HMESH_METHODS_BOUNDED_SIDE_HPP
 
@@ -763,6 +765,7 @@ namespace detail {
 struct Profile {
     std::vector<double> place;           ///< px along the line, rising
     std::vector<float> heights;          ///< `channels` for each place
+    std::vector<float> chosen;           ///< those that a vertex there would have: the same, or near
     std::vector<std::uint8_t> has_data;  ///< for each place
     std::size_t channels;                ///< 1 to 4
 
@@ -776,8 +779,8 @@ struct Profile {
         const double length = place[k] - place[i];
         for (std::size_t m = i + 1; m < k; ++m)
             for (std::size_t c = 0; c < channels; ++c) {
-                const double from = static_cast<double>(heights[i * channels + c]);
-                const double rise = static_cast<double>(heights[k * channels + c]) - from;
+                const double from = static_cast<double>(chosen[i * channels + c]);
+                const double rise = static_cast<double>(chosen[k * channels + c]) - from;
                 const double here = static_cast<double>(heights[m * channels + c]) - from;
                 const double error = std::abs((place[m] - place[i]) * rise - length * here) / length;
                 if (error > most.error) most = {error, m};
@@ -825,16 +828,67 @@ struct Profile {
         if (squares && (is_end || (!field.data.empty() && cells_change(field, line, k)))) add(k, k - 1, k);
         if (!squares || k < line.end) add(k + field.offset(), k, k);
     }
+    out.chosen = out.heights;
     return out;
+}
+
+/// Chooses few vertices from place `first` to `last` of a profile of one channel, and their heights, so that all is within
+/// `limit` > 0: marks them in `keep`. Both ends keep their heights. A vertex that is off by the whole limit counts as three: what is
+/// beside the side would pay for it.
+HMESH_COLD inline void choose_fewest(Profile& profile, std::size_t first, std::size_t last, double limit,
+                                     std::vector<std::uint8_t>& keep) {
+    constexpr int middle = 4, levels = 2 * middle + 1;
+    constexpr std::uint32_t none = 0xffffffffU;
+    struct State {
+        float links = 1e30F;  // edges up to here, and twice the squares of what heights are off, in bounds
+        std::uint32_t from = none;
+    };
+    const std::size_t n = last - first + 1;
+    std::vector<State> states(n * levels);
+    const double step = limit * 0.999 / middle;
+    const auto sample = [&](std::size_t k) { return static_cast<double>(profile.heights[first + k]); };
+    const auto height = [&](std::size_t k, int level) { return static_cast<float>(sample(k) + step * (level - middle)); };
+    const auto at = [&](std::size_t k, int level) { return k * levels + static_cast<std::size_t>(level); };
+    states[at(0, middle)].links = 0;
+    for (std::size_t i = 0; i + 1 < n; ++i)
+        for (int level = 0; level < levels; ++level) {
+            const State state = states[at(i, level)];
+            if (state.links >= 1e30F) continue;
+            const auto z = static_cast<double>(height(i, level));
+            double low = -1e300, high = 1e300;  // slopes that keep all samples since within the limit
+            for (std::size_t k = i + 1; k < n; ++k) {
+                const double run = profile.place[first + k] - profile.place[first + i], above = sample(k) - z;
+                const double lowest = (low * run - above) / step + middle, highest = (high * run - above) / step + middle;
+                const int begin = lowest > 0 ? static_cast<int>(std::min(lowest, 100.0)) + 1 : 0;
+                const int end = highest < levels ? static_cast<int>(std::max(highest, -1.0) + 1) : levels;
+                for (int to = begin; to < end; ++to) {
+                    if (k + 1 == n && to != middle) continue;
+                    const float off = static_cast<float>(to - middle) / middle;
+                    const float links = state.links + 1 + 2 * off * off;
+                    State& next = states[at(k, to)];
+                    if (links < next.links) next = {links, static_cast<std::uint32_t>(at(i, level))};
+                }
+                low = std::max(low, (above - limit) / run);
+                high = std::min(high, (above + limit) / run);
+                if (!(low <= high)) break;
+            }
+        }
+    for (auto k = static_cast<std::uint32_t>(at(n - 1, middle)); k != none; k = states[k].from) {
+        keep[first + k / levels] = 1;
+        profile.chosen[first + k / levels] = height(k / levels, static_cast<int>(k % levels));
+    }
 }
 
 }  // namespace detail
 
 /// The vertices of the border along a line, its ends included, in order: of each stretch with data the polyline within `limit`
 /// of what stands there, with a vertex more wherever cells of data begin or end on one side of the line. Cells outside of the
-/// image count as none. The same from both sides.
-[[nodiscard]] HMESH_COLD inline std::vector<Corner> side_vertices(const HeightField& field, const SideLine& line, double limit) {
-    const detail::Profile profile = detail::profile(field, line);
+/// image count as none. The same from both sides. `lift`: whether heights may differ from samples; those of several channels
+/// do not.
+[[nodiscard]] HMESH_COLD inline std::vector<Corner> side_vertices(const HeightField& field, const SideLine& line, double limit,
+                                                                  bool lift) {
+    detail::Profile profile = detail::profile(field, line);
+    limit *= 1 - 1e-6;  // what is within it stays so when others round otherwise
     const std::size_t n = profile.place.size();
     std::vector<std::uint8_t> keep(n, 0);
     keep[0] = keep[n - 1] = 1;
@@ -856,7 +910,8 @@ struct Profile {
         std::size_t last = first;
         while (last + 1 < n && profile.has_data[last + 1] != 0) ++last;
         keep[first] = keep[last] = 1;
-        split(first, last);
+        if (lift && limit > 0 && profile.channels == 1) detail::choose_fewest(profile, first, last, limit, keep);
+        else split(first, last);
         first = last;
     }
     std::vector<Corner> out;
@@ -865,7 +920,7 @@ struct Profile {
         c.position = line.is_upright ? Point{static_cast<double>(line.at), profile.place[k]}
                                      : Point{profile.place[k], static_cast<double>(line.at)};
         for (std::size_t channel = 0; channel < profile.channels; ++channel)
-            c.heights[channel] = profile.heights[k * profile.channels + channel];
+            c.heights[channel] = profile.chosen[k * profile.channels + channel];
         return c;
     };
     if (!field.data.empty()) {
@@ -939,12 +994,12 @@ HMESH_COLD inline void add_rim(const HeightField& field, const Rect& rect, std::
 
 /// The first mesh of a rectangle of the plane: sides as side_vertices() has them, all faces in cells of data. Freedoms are 0.
 /// Empty where no cell has data.
-[[nodiscard]] HMESH_COLD inline Sheet first_sheet(const HeightField& field, const Rect& rect, double limit) {
+[[nodiscard]] HMESH_COLD inline Sheet first_sheet(const HeightField& field, const Rect& rect, double limit, bool lift) {
     std::vector<Corner> corners;
     const int right = rect.x + rect.width, bottom = rect.y + rect.height;
     for (const SideLine& line : {SideLine{false, rect.y, rect.x, right}, SideLine{false, bottom, rect.x, right},
                                  SideLine{true, rect.x, rect.y, bottom}, SideLine{true, right, rect.y, bottom}}) {
-        const std::vector<Corner> side = side_vertices(field, line, limit);
+        const std::vector<Corner> side = side_vertices(field, line, limit, lift);
         corners.insert(corners.end(), side.begin(), side.end());
     }
     // Corners of the rectangle come twice, and ends of the rim on its sides: the first counts.
@@ -1118,9 +1173,9 @@ class GreedyInsertion {
 /// Star: the samples around a vertex as a linear function of its heights, in floats, for choosing heights and places quickly.
 ///
 /// At a sample of a face with corners v, a, b the mesh is off by l_v z + r, with l_v the barycentric coordinate of v, z its
-/// height and r = l_a z_a + l_b z_b - sample. A star holds l_v and r for all samples of some faces around v, in units of the bound, so
-/// that heights are tried at 0.2 ns a sample. Samples are taken eight at a time, those outside of the face as 0, which counts
-/// for nothing. Floats decide what is worth a change; whether it holds is asked of face_error().
+/// height and r = l_a z_a + l_b z_b - sample. A star holds l_v and r for all samples of some faces around v, in units of the
+/// bound, so that heights are tried at 0.2 ns a sample. Samples are taken eight at a time, those outside of the face as 0, which
+/// counts for nothing. Floats decide what is worth a change; whether it holds is asked of face_error().
 ///
 /// The energy of a star is the sum of the 16th powers of what samples are off, close to the largest of them and smooth: squares
 /// cost a fifth more triangles, 8th powers 3 %, 32nd powers 1 %.
@@ -1471,10 +1526,10 @@ struct Moves {
 };
 
 /// Moves vertices and flips edges of a mesh.
-class Relaxation {
+class BoundedRelaxation {
   public:
     /// Works on this mesh, which must outlive it.
-    Relaxation(BoundedMesh& mesh, const Moves& moves)
+    BoundedRelaxation(BoundedMesh& mesh, const Moves& moves)
         : mesh_(&mesh), moves_(moves), per_unit_(1 / unit(mesh)), now_(*mesh.field, per_unit_), then_(*mesh.field, per_unit_) {}
 
     /// What is 1 to fits: a little less than the limit, by what floats may be wrong; for limits that floats cannot tell from 0
@@ -1482,6 +1537,9 @@ class Relaxation {
     [[nodiscard]] static double unit(const BoundedMesh& mesh) noexcept {
         return std::max(mesh.limit * (1 - 1e-4), std::max(1e-30, 1e-6 * mesh.field->largest));
     }
+    /// The share of its energy that a move must gain, but in trials: each makes all around it be tried anew.
+    double least_gain = 0.02;
+
     [[nodiscard]] double per_unit() const noexcept { return per_unit_; }  ///< 1 / unit()
 
     /// Moves v if that lowers the energy of its star. `is_trial`: faces may be beyond the bound, and whether they still are is
@@ -1576,9 +1634,6 @@ class Relaxation {
         return to;
     }
 
-    /// The share of its energy that a move must gain, but in trials: each makes all around it be tried anew.
-    static constexpr double least_gain = 0.02;
-
     BoundedMesh* mesh_;
     Moves moves_;
     double per_unit_;
@@ -1610,14 +1665,22 @@ class Relaxation {
 namespace hmesh::kit {
 
 /// Removes vertices of a mesh.
-class Removal {
+class BoundedRemoval {
   public:
     /// Works on this mesh, which must outlive it, with what the relaxation may do.
-    Removal(BoundedMesh& mesh, Relaxation& relaxation, const Moves& moves)
+    BoundedRemoval(BoundedMesh& mesh, BoundedRelaxation& relaxation, const Moves& moves)
         : mesh_(&mesh), relaxation_(&relaxation), moves_(moves), star_(*mesh.field, relaxation.per_unit()) {}
 
     /// One pass over the vertices whose surroundings have changed since they were tried. Returns how many left.
     HMESH_COLD std::size_t pass(const std::vector<Vertex>& vertices) {
+        double area = 0;
+        for (const Face f : mesh_->topology.faces()) {
+            const auto v = mesh_->topology.vertices(f);
+            area += 0.5 * orient2d(mesh_->position(v[0]), mesh_->position(v[1]), mesh_->position(v[2]));
+        }
+        const bool is_coarse = area > 100 * static_cast<double>(mesh_->topology.face_count());
+        try_up_to_ = is_coarse ? 2.5 : 1.7;
+        slowest_ = is_coarse ? 0.95 : 0.85;
         tried_.resize(mesh_->topology.vertex_slots(), 0);
         queue_.clear();
         const std::uint32_t now = mesh_->clock;
@@ -1625,7 +1688,7 @@ class Removal {
             const Vertex v = vertices[k];
             if (mesh_->topology.is_deleted(v) || tried_[v.index()] >= mesh_->changed[v.index()]) continue;
             const Candidate candidate = best(v);
-            if (candidate.halfedge.is_valid() && candidate.most <= (moves_.positions ? try_up_to : 1))
+            if (candidate.halfedge.is_valid() && candidate.most <= (moves_.positions ? try_up_to_ : 1))
                 queue_.push_back(candidate);
             else tried_[v.index()] = now;
         }
@@ -1662,11 +1725,11 @@ class Removal {
 
   private:
     /// How far from the bound, in bounds, a removal is tried nevertheless.
-    /// Of those above 1.7 one in a hundred succeeds.
-    static constexpr double try_up_to = 1.7;
-    static constexpr int try_rounds = 12;
+    /// Of those above 1.7 one in a hundred succeeds: worth it where faces are so large that tries are few for the samples.
+    double try_up_to_ = 1.7;
     /// What a round must leave of the excess at most for another to be worth it.
-    static constexpr double slowest = 0.85;
+    double slowest_ = 0.85;
+    static constexpr int try_rounds = 12;
 
     struct Candidate {
         Halfedge halfedge;  // of the vertex that leaves, to the one that it is merged into; invalid: none
@@ -1746,7 +1809,7 @@ class Removal {
         if (!for_each_kept(v, into, [&](const Corner& a, const Corner& b) { return star_.add(a, b); })) return false;
         double heights[max_bounded_channels] = {};
         const bool can_change = mesh_->vertices[into.index()].can(can_lift);
-        if (star_.fit(heights).most > (can_change ? hopeless : try_up_to)) return false;
+        if (star_.fit(heights).most > (can_change ? hopeless : try_up_to_)) return false;
         if (!for_each_kept(into, v, [&](const Corner& a, const Corner& b) { return star_.add(a, b); })) return false;
         const Fit fit = can_change ? star_.lift(heights, 3) : star_.fit(heights);
         const Corner lifted = star_.apex(heights);
@@ -1815,7 +1878,7 @@ class Removal {
                 }
             const double most = worst_around();
             holds = most <= 1;
-            if (!holds && most - 1 > slowest * (last - 1)) break;
+            if (!holds && most - 1 > slowest_ * (last - 1)) break;
             last = most;
         }
         if (holds)
@@ -1854,7 +1917,7 @@ class Removal {
     }
 
     BoundedMesh* mesh_;
-    Relaxation* relaxation_;
+    BoundedRelaxation* relaxation_;
     Moves moves_;
     Star star_;
     std::vector<std::uint32_t> tried_;  ///< by vertex slot: mesh_->clock when its removal failed
@@ -1866,7 +1929,7 @@ class Removal {
 
 /// Whether the border may run from the vertex before v straight to the end of h, as seen along the border: along a side of the
 /// image where v is on one, and on the rim of what has data so that no sample is lost and none comes in.
-inline bool Removal::keeps_cover(Vertex v, Halfedge h) const {
+inline bool BoundedRemoval::keeps_cover(Vertex v, Halfedge h) const {
     const HalfedgeMesh& topology = mesh_->topology;
     const Halfedge out = topology.halfedge(v), in = topology.previous(out);
     const Vertex after = topology.to_vertex(out), before = topology.from_vertex(in);
@@ -1905,8 +1968,8 @@ HMESH_COLD inline void shrink(BoundedMesh& mesh, Bounded::Effort effort, int pas
     if (effort == Bounded::Effort::draft) return;
     const bool can_lift_any = mesh.limit > 0;
     const Moves moves{effort >= Bounded::Effort::normal && can_lift_any, effort == Bounded::Effort::best && can_lift_any};
-    Relaxation relaxation(mesh, moves);
-    Removal removal(mesh, relaxation, moves);
+    BoundedRelaxation relaxation(mesh, moves);
+    BoundedRemoval removal(mesh, relaxation, moves);
     const auto position = [&](Vertex v) { return mesh.position(v); };
     std::vector<std::uint32_t> relaxed(mesh.topology.vertex_slots(), 0);
     std::uint32_t flipped = 0;
@@ -1929,8 +1992,10 @@ HMESH_COLD inline void shrink(BoundedMesh& mesh, Bounded::Effort effort, int pas
                 if (relaxation.move(v, false)) relaxed[v.index()] = 0;
             }
         }
-        const std::size_t gone = removal.pass(vertices);
-        if (gone == 0) break;
+        // Where nothing leaves any more, smaller moves may make room.
+        if (removal.pass(vertices) > 0) continue;
+        if (!moves.positions || relaxation.least_gain < 1e-3) break;
+        relaxation.least_gain *= 0.25;
     }
     removal.settle();
 }
@@ -2057,7 +2122,9 @@ class BoundedPieces {
             progress_->set_range(0, 1);
             pieces = detail::cut(whole, tiling(shifts[phase][0], shifts[phase][1]));
             const double share = 1.0 / static_cast<double>(pieces.size());
-            parallel_for_(pieces.size(), [&](std::size_t k) { shrink_piece(pieces[k], share, phase == 0 ? 30 : 6); });
+            parallel_for_(pieces.size(), [&](std::size_t k) {
+                shrink_piece(pieces[k], share, phase > 0 ? 6 : recipe_.effort == Bounded::Effort::best ? 30 : 14);
+            });
             whole = joined(pieces, whole);
             if (!progress_->end(whole.vertices.size(), energy(whole))) break;
         }
@@ -2068,7 +2135,7 @@ class BoundedPieces {
     /// The mesh of a rectangle by greedy insertion.
     [[nodiscard]] Sheet inserted(const Rect& rect, double share) const {
         TaskProgress task(*progress_, share);
-        Sheet sheet = first_sheet(*field_, rect, limit_);
+        Sheet sheet = first_sheet(*field_, rect, limit_, recipe_.effort >= Bounded::Effort::normal);
         // Vertices of the rectangle's sides are those that other tiles have, too.
         for (std::size_t v = 0; v < sheet.vertices.size(); ++v) {
             const Point p = sheet.vertices[v].position;
