@@ -1,5 +1,5 @@
-// heightmap - terrain as triangles: one 16-bit channel of heights becomes an OBJ model, with as few triangles as are nowhere off by
-// more than a hundredth of the heights' range.
+// heightmap - terrain as triangles: one 16-bit channel of heights becomes an OBJ model, with as few triangles as are nowhere off
+// by more than a hundredth of the heights' range.
 //
 // usage: heightmap FILE.obj [HEIGHTS.png]        8 or 16 bits; without HEIGHTS: an island of its own
 //

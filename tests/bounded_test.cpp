@@ -14,7 +14,20 @@
 #include <vector>
 
 #include "hmesh/core/random.hpp"
+#include "hmesh/io/ply.hpp"
+#include "hmesh/render.hpp"
 #include "test_executors.hpp"
+
+// Samples that floats do not hold.
+template <>
+struct hmesh::PixelTraits<std::int32_t> {
+    static constexpr double peak = 2147483647;
+    static constexpr double highest = peak;
+    static constexpr double lowest = -peak;
+    static constexpr bool is_integer = false;
+    static double to_real(std::int32_t value) noexcept { return value; }
+    static std::int32_t from_real(double value) noexcept { return static_cast<std::int32_t>(value); }
+};
 
 namespace {
 
@@ -488,4 +501,34 @@ TEST_CASE("samples that are NaN are refused, or have no data where that is asked
     const hmesh::Result masked = hmesh::mesh_image(terrain.view(), options, Bounded{0});
     REQUIRE(masked.status);
     for (const float height : masked.mesh.colors) CHECK(height == 2.0F);
+}
+
+TEST_CASE("samples that floats do not hold are within bounds above what rounding takes, and smaller ones are refused with that") {
+    Terrain<std::int32_t> terrain{9, 8, {}, {}};
+    for (int j = 0; j < 8; ++j)
+        for (int i = 0; i < 9; ++i) terrain.samples.push_back(1000000001 + 7 * i * i + 1000 * j);
+    const hmesh::Result refused = hmesh::mesh_image(terrain.view(), options_of(terrain, Samples::points), Bounded{1});
+    CHECK(refused.status.code == hmesh::Errc::invalid_argument);
+    CHECK(!refused.has_mesh());
+    const double smallest = refused.status.limit;
+    CHECK(smallest > 1);
+    CHECK(smallest <= 32);  // half a step of floats at 1e9
+    for (const double bound : {smallest, 2 * smallest, 200.0, 3000.0})
+        for (const Effort effort : efforts) try_terrain(terrain, Samples::points, {bound, effort});
+}
+
+TEST_CASE("meshes with holes can be drawn and written") {
+    Random random(12);
+    auto terrain = random_terrain<std::uint8_t>(random, 6, 1);
+    add_holes(terrain, random, 1);
+    const hmesh::Result result = hmesh::mesh_image(terrain.view(), options_of(terrain, Samples::squares), Bounded{3});
+    REQUIRE(result.status);
+    std::size_t bytes = 0;
+    const auto sink = [&bytes](const void*, std::size_t size) {
+        bytes += size;
+        return true;
+    };
+    CHECK(hmesh::write_ply(result.mesh.view(), sink));
+    CHECK(bytes > 0);
+    CHECK(hmesh::render<1>(result.mesh.view()).status);
 }

@@ -90,6 +90,9 @@ def test_every_bound_is_kept_from_none_to_all(terrain, bound):
     for kind in ["ply", "glb"]:
         terrain.done(f"dem.asc -o model.{kind} --max-error {bound}")
         assert judge(heights, read_model(f"model.{kind}"), from_south(19)) <= float(bound) + 1e-12  # of the judge
+    if bound == "0":
+        write("dem.raw", dems.raw([[math.sin(z) * 1e-3 for z in row] for row in heights]))
+        assert report_of(terrain, "dem.raw --size 23x19 -o model.ply --max-error 0")["max_error"] == 0
     assert bound != "100000" or len(read_model("model.ply").faces) <= 4
 
 
@@ -377,6 +380,14 @@ def test_a_budget_is_met_with_less_error_than_within_a_bound(terrain):
     terrain.fails("numbers of vertices do not", "dem.asc -o x.ply --vertices 90")
 
 
+def test_tiles_of_a_budget_meet_where_their_borders_have_a_tolerance(terrain):
+    write("dem.pgm", dems.pgm(ground(41, 21)))
+    for options in ["", "--border-tolerance 12"]:
+        terrain.done(f"dem.pgm -o t.ply --vertices 90 --tiles 20 {options}")
+        west, east = (border(read_model(f"t_{x}_0.ply"), lambda v: v[0] == 20) for x in (0, 1))
+        assert len(west) > 2 and (west == east) == (options != "")
+
+
 def test_resume_leaves_tiles_that_are_newer_than_the_input(terrain):
     write("dem.pgm", dems.pgm(ground(40, 30)))
     os.utime("dem.pgm", (1e9, 1e9))
@@ -457,6 +468,8 @@ WRONG = rows("""
     --extent '3,2,1,4' must be degrees            | dem.pgm -o x.terrain --max-error 1 --extent 3,2,1,4
     --scale means nothing to .terrain             | dem.pgm -o x.terrain --max-error 1 --extent 1,2,3,4 --scale 2
     --heights is given without an output          | dem.pgm -o x.ply --max-error 1 --heights 1,2
+    --border-tolerance is given with --max-error  | dem.pgm -o x.ply --max-error 1 --border-tolerance 1
+    --border-tolerance '-1' must be 0 or more     | dem.pgm -o x.ply --vertices 9 --border-tolerance -1
     --heights '2,1' must be the lowest            | dem.pgm -o x.terrain --max-error 1 --heights 2,1
     --free-borders is given without --max-error   | dem.pgm -o x.ply --vertices 9 --free-borders
     --free-borders is given with --tiles          | dem.pgm -o x.ply --max-error 1 --free-borders --tiles 9
@@ -483,7 +496,8 @@ def test_help_names_every_option_and_version_what_reads(terrain):
     text = terrain.done("--help")
     for option in ["--output", "--max-error", "--effort", "--tiles", "--resume", "--vertices", "--percent", "--no-data", "--scale", "--z-scale",
                    "--offset", "--no-normals", "--base", "--extent", "--jobs", "--report", "--quiet", "--help", "--version", "--size",
-                   "--type", "--only", "--list", "--spacing", "--heights", "--no-gdal", "--free-borders"]:
+                   "--type", "--only", "--list", "--spacing", "--heights", "--no-gdal", "--free-borders",
+                   "--border-tolerance"]:
         assert re.search(rf"^  (-\w,)?{option}\b", text, re.M), option
     assert max(map(len, text.splitlines())) <= 132
     assert re.match(r"hmesh-terrain \d+\.\d+\.\d+\nreads\n", terrain.done("--version"))

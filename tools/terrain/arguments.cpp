@@ -25,8 +25,8 @@ constexpr char footer[] =
     "Local metres: +x is the east, +y the north and +z up (.glb: -z the north and +y up), from the south-western sample of the\n"
     "whole file; heights are its own. --report says where on the map that is. Degrees become metres by the length of a degree in\n"
     "the middle of the file, for all of it: reproject what is larger than some hundred kilometres.\n"
-    "Tiles: with a bound, neighbours have the same vertices and normals along their common row bit for bit, each made without\n"
-    "the other: in one run, in several at once on many machines (--only), or after a crash (--resume).\n"
+    "Tiles: with a bound, or --border-tolerance, neighbours have the same vertices and normals along their common row bit for\n"
+    "bit, each made without the other: in one run, in several at once on many machines (--only), or after a crash (--resume).\n"
     "Examples:\n"
     "  hmesh-terrain dem.tif -o terrain.glb --max-error 2\n"
     "  hmesh-terrain dem.tif -o tiles/t.terrain --max-error 2 --tiles 512 --resume --report tiles.json\n"
@@ -149,6 +149,14 @@ void add_mesh_options(CLI::App& app, Arguments& out) {
         "with --max-error, 1 to 10 % fewer triangles where nothing is to meet the borders, which else\n"
         "follow from their rows of samples alone");
 
+    add(app, "--border-tolerance", "E",
+        "with --vertices or --percent, borders within E of their rows of samples, from which alone they\n"
+        "follow: tiles meet then",
+        [&](const std::string& text) {
+            std::string why = parse_into(parse_finite, text, out.border_tolerance);
+            return why.empty() && *out.border_tolerance < 0 ? "must be 0 or more" : why;
+        });
+
     app.option_defaults()->group("Tiles");
     CLI::Option* tiles = add(app, "--tiles", "N",
                              "cut the model into tiles of N cells a side, N + 1 samples, of which neighbours share a row:\n"
@@ -227,6 +235,8 @@ std::string find_conflict(const CLI::App& app, const Arguments& arguments) {
     if (arguments.has_free_borders && !arguments.max_error) return "--free-borders is given without --max-error";
     if (arguments.has_free_borders && arguments.tile != 0)
         return "--free-borders is given with --tiles, whose borders are to meet";
+    if (arguments.border_tolerance && arguments.max_error)
+        return "--border-tolerance is given with --max-error, whose borders follow from their rows in any case";
     if (arguments.base && arguments.format != Format::stl) return "--base is given without an output that ends in .stl";
     const bool is_globe = arguments.format == Format::quantized_mesh;
     if (arguments.extent && !is_globe) return "--extent is given without an output that ends in .terrain";

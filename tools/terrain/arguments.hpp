@@ -48,10 +48,11 @@ struct Arguments {
     std::optional<std::int64_t> vertices;  // of each tile
     std::optional<double> percent;         // of the samples
     Effort effort = Effort::normal;
-    bool has_free_borders = false;  // nothing is to meet them
-    int tile = 0;                   // cells of a side; 0: all in one piece
-    std::vector<TileName> only;     // of the tiles; empty: all
-    bool lists_tiles = false;       // and does nothing else
+    bool has_free_borders = false;           // nothing is to meet them
+    std::optional<double> border_tolerance;  // of a number of vertices: borders from their rows alone
+    int tile = 0;                            // cells of a side; 0: all in one piece
+    std::vector<TileName> only;              // of the tiles; empty: all
+    bool lists_tiles = false;                // and does nothing else
     bool resumes = false;
     double scale = 1, z_scale = 1, offset = 0;
     std::optional<double> spacing;  // metres from sample to sample

@@ -24,7 +24,10 @@ hmesh::Result mesh_with_vertices(const Arguments& arguments, const Window& windo
     options.progress = progress;
     options.target =
         arguments.vertices ? hmesh::Target::vertices(*arguments.vertices) : hmesh::Target::percent(*arguments.percent);
-    return hmesh::mesh_image(window.tile(), options, hmesh::Annealed{annealed_effort(arguments.effort)}, parallel_for);
+    hmesh::Annealed recipe;
+    recipe.effort = annealed_effort(arguments.effort);
+    recipe.border_tolerance = arguments.border_tolerance;
+    return hmesh::mesh_image(window.tile(), options, recipe, parallel_for);
 }
 
 }  // namespace terrain

@@ -1,7 +1,7 @@
 // hmesh-terrain - Dem: a digital elevation model, heights as points of a grid, and where on the Earth they stand.
 //
-// Sample (i, j) stands at column i from the west and row j from the north. Whether the file has it as a point or as an area of which
-// the height is the mean, its place is the one that `transform` gives: of an area the centre.
+// Sample (i, j) stands at column i from the west and row j from the north. Whether the file has it as a point or as an area of
+// which the height is the mean, its place is the one that `transform` gives: of an area the centre.
 #ifndef HMESH_TERRAIN_DEM_HPP
 #define HMESH_TERRAIN_DEM_HPP
 

@@ -85,8 +85,9 @@ Measured measure(const Surface& surface, const hmesh::ImageView<float, 1>& heigh
                 found.outside += a > inside && b > inside && c > inside ? 1 : 0;
                 return;
             }
-            const double share = 1 / (a + b + c);
-            const double error = std::fabs(share * (a * p[0].height + b * p[1].height + c * p[2].height) - sample);
+            // Exactly 0 in a vertex that is the sample.
+            const double error =
+                std::fabs(a * (p[0].height - sample) + b * (p[1].height - sample) + c * (p[2].height - sample)) / (a + b + c);
             at(i, j) = std::max(at(i, j), error);
         });
     }

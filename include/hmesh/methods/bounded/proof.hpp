@@ -59,24 +59,28 @@ using ReadSamples = FunctionRef<void(int channel, int j, int begin, int end, dou
         area_sum += area;
         for (int channel = 0; channel < field.channels; ++channel) {
             const ScaledPlane plane(corner[0], corner[1], corner[2], area, channel);
-            const bool is_last = channel + 1 == field.channels;
+            const bool is_last = channel + 1 == field.channels, has_holes = !field.data.empty();
+            double most = 0, squares = 0;  // times `area` and its square
+            const double nothing = plane.slack * area;
             for_each_closed_span(field, a, b, c, [&](int j, int begin, int end) {
                 read(channel, j, begin, end, values.data());
                 std::uint8_t* const seen = covered.data() + static_cast<std::size_t>(j) * width;
                 const double from = plane.at(begin, j, offset);
                 for (int i = begin; i < end; ++i) {
-                    const double value = values[static_cast<std::size_t>(i - begin)];
-                    const double off = std::abs(from + (i - begin) * plane.dx - area * (value - plane.base)) / area;
-                    if (!field.has_data(i, j)) {
+                    if (has_holes && !field.has_data(i, j)) {
                         proof.is_cover = false;
                         continue;
                     }
-                    if (off > proof.max_error + plane.slack) proof.max_error = off - plane.slack;
+                    const double value = values[static_cast<std::size_t>(i - begin)];
+                    const double off = std::abs(from + (i - begin) * plane.dx - area * (value - plane.base));
+                    most = std::max(most, off);
                     if (seen[i] != 0) continue;
-                    proof.energy += off > plane.slack ? off * off : 0;
+                    squares += off > nothing ? off * off : 0;
                     if (is_last) seen[i] = 1, ++proof.samples;
                 }
             });
+            proof.max_error = std::max(proof.max_error, most / area - plane.slack);
+            proof.energy += squares / (area * area);
         }
     }
     if (field.data.empty()) {

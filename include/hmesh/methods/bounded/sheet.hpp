@@ -95,13 +95,14 @@ HMESH_COLD inline std::vector<std::uint32_t> separate_fans(Sheet& sheet) {
 
 /// Sets what each vertex of a sheet that is the whole mesh is free to do.
 HMESH_COLD inline void set_freedom(Sheet& sheet, const HeightField& field, bool free_borders) {
-    const std::vector<std::uint8_t> border = border_vertices(sheet);
+    // A mesh of all samples has no border but the sides.
+    const std::vector<std::uint8_t> border = field.data.empty() ? std::vector<std::uint8_t>() : border_vertices(sheet);
     for (std::size_t v = 0; v < sheet.vertices.size(); ++v) {
         const Point p = sheet.vertices[v].position;
         const bool upright = p.x == 0 || p.x == field.right(), level = p.y == 0 || p.y == field.bottom();
         const bool is_inside = p.x > 0 && p.x < field.right() && p.y > 0 && p.y < field.bottom();
         std::uint8_t freedom = can_lift | can_leave | can_slide_x | can_slide_y;
-        if (is_inside && border[v] != 0) freedom = can_lift | can_leave | on_rim;
+        if (is_inside && !border.empty() && border[v] != 0) freedom = can_lift | can_leave | on_rim;
         if (!is_inside) {
             freedom = on_side;
             if (free_borders) freedom |= can_lift;

@@ -107,9 +107,9 @@ struct Profile {
     return out;
 }
 
-/// Chooses few vertices from place `first` to `last` of a profile of one channel, and their heights, so that all is within `limit`
-/// > 0: marks them in `keep`. Both ends keep their heights. A vertex that is off by the whole limit counts as three: what is
-/// beside the side would pay for it.
+/// Chooses few vertices from place `first` to `last` of a profile of one channel, and their heights, so that all is within
+/// `limit` > 0: marks them in `keep`. Both ends keep their heights. A vertex that is off by the whole limit counts as three: what
+/// is beside the side would pay for it.
 HMESH_COLD inline void choose_fewest(Profile& profile, std::size_t first, std::size_t last, double limit,
                                      std::vector<std::uint8_t>& keep) {
     constexpr int middle = 4, levels = 2 * middle + 1;
