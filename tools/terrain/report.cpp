@@ -133,8 +133,7 @@ void print_summary(std::FILE* to, const Arguments& arguments, const Dem& dem, co
     std::fprintf(to, "seconds    %.2f\n", seconds);
     if (sum.tighter > 0 && arguments.tile != 0)
         std::fprintf(
-            to,
-            "note       %zu tiles needed a tighter bound, so much is rounded: their borders may not be those of others\n",
+            to, "note       %zu tiles needed a tighter bound, so much is rounded: their borders may not be those of others\n",
             sum.tighter);
 }
 
