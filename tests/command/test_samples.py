@@ -77,3 +77,4 @@ def test_images_that_share_a_column_share_its_vertices(hmesh):
 def test_points_that_make_no_sense_are_refused(hmesh, options, sentence):
     run = hmesh.run(f"picture.png {options} -o mesh.ply")
     assert run.returncode == 2 and sentence in run.stderr
+    assert re.fullmatch(r"hmesh: .*\n(.*\n)?", run.stderr)

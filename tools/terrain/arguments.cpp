@@ -23,8 +23,8 @@ struct Question {
 
 constexpr char footer[] =
     "Local metres: +x is the east, +y the north and +z up (.glb: -z the north and +y up), from the south-western sample of the\n"
-    "whole file; heights are its own. --report says where on the map that is. Degrees become metres by the length of a degree in\n"
-    "the middle of the file, for all of it: reproject what is larger than some hundred kilometres.\n"
+    "whole file; heights are its own. --report says where on the map that is. Degrees become metres by the length of a degree\n"
+    "in the middle of the file, for all of it: reproject what is larger than some hundred kilometres.\n"
     "Tiles: with a bound, or --border-tolerance, neighbours have the same vertices and normals along their common row bit for\n"
     "bit, each made without the other: in one run, in several at once on many machines (--only), or after a crash (--resume).\n"
     "Examples:\n"
