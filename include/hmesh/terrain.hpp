@@ -1,6 +1,6 @@
 /// \file
-/// Terrain, beside hmesh/hmesh.hpp: meshes that differ from no sample by more than a bound, with the recipe Bounded, and exporters
-/// that write heights as geometry. write_height_ply(), write_height_obj(), write_height_glb(), write_height_stl(),
+/// Terrain, beside hmesh/hmesh.hpp: meshes that differ from no sample by more than a bound, with the recipe Bounded, and
+/// exporters that write heights as geometry. write_height_ply(), write_height_obj(), write_height_glb(), write_height_stl(),
 /// write_solid_stl(), write_quantized_mesh().
 ///
 /// This header defines nothing itself.

@@ -1,4 +1,5 @@
-// The only file of this command that compiles CLI11. Numbers are parsed here, so that every sentence about them names the value and the bound.
+// The only file of this command that compiles CLI11. Numbers are parsed here, so that every sentence about them names the value
+// and the bound.
 #include "arguments/arguments.hpp"
 
 #include <algorithm>
