@@ -6471,7 +6471,7 @@ struct Annealed {
         if (tile != 0 && (tile < 64 || tile > kit::max_side))
             return {Errc::invalid_argument, "the tile must be 0, for the default, or 64 to 65536 px", tile,
                     tile < 64 ? 64 : kit::max_side};
-        if (border_tolerance && !kit::is_within(*border_tolerance, 0, std::numeric_limits<float>::max()))
+        if (border_tolerance && !kit::is_within(*border_tolerance, 0, static_cast<double>(std::numeric_limits<float>::max())))
             return {Errc::invalid_argument, "border_tolerance must be at least 0 and finite, in stored values", *border_tolerance,
                     0};
         if (steps) return kit::check(*steps);

@@ -90,7 +90,7 @@ template <class T, int C>
             const std::uint8_t* masked = mask.data != nullptr ? mask.row(static_cast<int>(j)) : nullptr;
             for (std::size_t i = 0; i < width; ++i, from += C) {
                 bool has_data = masked == nullptr || masked[i] != 0;
-                double value[C];
+                double value[std::size_t{C}];
                 for (int c = 0; c < C; ++c) {
                     value[c] = PixelTraits<T>::to_real(from[c]);
                     if (has_mask && nan_is_no_data && !is_finite(value[c])) has_data = false;

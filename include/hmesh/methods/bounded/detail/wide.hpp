@@ -58,7 +58,7 @@ struct Wide {
     static constexpr int width = static_cast<int>(sizeof(Block) / sizeof(T));  ///< numbers in a register
     static constexpr int blocks = lanes / width;                               ///< number of registers
 
-    Block block[blocks];  ///< lane i is in block i / width
+    Block block[std::size_t{blocks}];  ///< lane i is in block i / width
 
     /// The value in all lanes.
     [[nodiscard]] static HMESH_ALWAYS_INLINE Wide all(T value) {
@@ -151,7 +151,7 @@ struct Wide {
 
     /// The sum of all lanes.
     [[nodiscard]] HMESH_ALWAYS_INLINE T sum() const {
-        T lane[lanes];
+        T lane[std::size_t{lanes}];
         store(lane);
         T s[4] = {lane[0], lane[1], lane[2], lane[3]};
         for (int k = 4; k < lanes; ++k) s[k % 4] += lane[k];
@@ -159,7 +159,7 @@ struct Wide {
     }
     /// The largest lane.
     [[nodiscard]] HMESH_ALWAYS_INLINE T largest() const {
-        T lane[lanes];
+        T lane[std::size_t{lanes}];
         store(lane);
         T m = lane[0];
         for (int k = 1; k < lanes; ++k) m = lane[k] > m ? lane[k] : m;
