@@ -1586,7 +1586,7 @@ struct Wide {
         Wide r;
         for (int k = 0; k < blocks; ++k) {
             typename detail::WideBlock<T>::Floats floats;
-            std::memcpy(&floats, from + k * width, sizeof floats);
+            std::memcpy(&floats, from + std::ptrdiff_t{k} * width, sizeof floats);
 #if defined(__GNUC__)
             r.block[k] = __builtin_convertvector(floats, Block);
 #else
@@ -1702,11 +1702,9 @@ namespace detail {
 
 /// The whole numbers of [low, high], as [begin, end), for low > -1.
 struct Wholes {
-    HMESH_ALWAYS_INLINE Wholes(double low, double high) noexcept {
-        begin = static_cast<int>(low);
-        begin += static_cast<double>(begin) < low ? 1 : 0;
-        end = static_cast<int>(high + 1);
-    }
+    HMESH_ALWAYS_INLINE Wholes(double low, double high) noexcept
+        : begin(static_cast<int>(low) + (static_cast<double>(static_cast<int>(low)) < low ? 1 : 0)),
+          end(static_cast<int>(high + 1)) {}
     int begin, end;
 };
 
@@ -1729,7 +1727,7 @@ HMESH_ALWAYS_INLINE void for_each_closed_span(const HeightField& field, Point a,
         const double y = j + offset;
         // On the level of b both sides count: of a level edge all is held.
         const double one = a.x + (y - a.y) * slope, above = a.x + (y - a.y) * upper, below = b.x + (y - b.y) * lower;
-        double left, right;
+        double left = 0, right = 0;
         if (y < b.y) left = std::min(one, above), right = std::max(one, above);
         else if (y > b.y) left = std::min(one, below), right = std::max(one, below);
         else
@@ -2098,7 +2096,7 @@ struct Profile {
         const double length = place[k] - place[i];
         for (std::size_t m = i + 1; m < k; ++m)
             for (std::size_t c = 0; c < channels; ++c) {
-                const double from = static_cast<double>(chosen[i * channels + c]);
+                const auto from = static_cast<double>(chosen[i * channels + c]);
                 const double rise = static_cast<double>(chosen[k * channels + c]) - from;
                 const double here = static_cast<double>(heights[m * channels + c]) - from;
                 const double error = std::abs((place[m] - place[i]) * rise - length * here) / length;
@@ -2220,8 +2218,8 @@ HMESH_COLD inline void choose_fewest(Profile& profile, std::size_t first, std::s
             const detail::Profile::Worst worst = profile.worst(i, k);
             if (!(worst.error > limit)) continue;
             keep[worst.place] = 1;
-            open.push_back({i, worst.place});
-            open.push_back({worst.place, k});
+            open.emplace_back(i, worst.place);
+            open.emplace_back(worst.place, k);
         }
     };
     for (std::size_t first = 0; first < n; ++first) {
@@ -2643,7 +2641,7 @@ class Star {
         const std::size_t stride = block_size();
         for (int c = 0; c < field_->channels; ++c) {
             const auto z = static_cast<float>(heights[c]);
-            const float* const rest = blocks_.data() + static_cast<std::size_t>(Floats::lanes) * static_cast<std::size_t>(c + 1);
+            const float* const rest = blocks_.data() + place_of(c);
             for (std::size_t k = 0; k < used_; k += stride) {
                 const Floats off = magnitude(Floats::load(blocks_.data() + k) * z + Floats::load(rest + k));
                 most = larger(most, off);
@@ -2676,13 +2674,13 @@ class Star {
                 Floats squares = Floats::all(0), pulls = Floats::all(0);
                 for (; k < face.end; k += stride) {
                     const Floats own = Floats::load(blocks_.data() + k);
-                    const Floats off = (own * z + Floats::load(blocks_.data() + k + Floats::lanes * (c + 1))) * per_most;
+                    const Floats off = (own * z + Floats::load(blocks_.data() + k + place_of(c))) * per_most;
                     const Floats s = off * off, s2 = s * s, s4 = s2 * s2;
                     const Floats pull = s4 * s2 * s * own;  // 14th power
                     squares = squares + pull * own;
                     pulls = pulls + pull * off;
                 }
-                const double square = static_cast<double>(squares.sum());
+                const auto square = static_cast<double>(squares.sum());
                 if (!(square > 0)) continue;
                 const double pull = static_cast<double>(pulls.sum()) * fit.most;
                 const double d[3] = {slide_x ? -static_cast<double>(face.own_x * z + face.rest_x[c]) : 0,
@@ -2732,6 +2730,11 @@ class Star {
     }
 
   private:
+    /// Where in a block the numbers of a channel are, behind the weights.
+    [[nodiscard]] static constexpr std::size_t place_of(int channel) noexcept {
+        return static_cast<std::size_t>(Wide<float>::lanes) * (static_cast<std::size_t>(channel) + 1);
+    }
+
     struct StarFace {
         std::size_t end;                     // of its blocks, in floats
         float own_x, own_y;                  // rise of the apex's coordinate
@@ -2769,7 +2772,7 @@ class Star {
                                    for (int c = 0; c < channels; ++c) {
                                        const Floats sample = Floats::load(field_->row(c, j) + i) - Floats::all(base_.heights[c]);
                                        where_at_least(inside, bound, (ca * rise_a[c] + cb * rise_b[c] - sample) * per_unit)
-                                           .store(block + Floats::lanes * (c + 1));
+                                           .store(block + place_of(c));
                                    }
                                });
         face.end = used_;
@@ -2780,7 +2783,7 @@ class Star {
         using Floats = Wide<float>;
         const std::size_t stride = block_size();
         const float* const own = blocks_.data();
-        const float* const rest = own + static_cast<std::size_t>(Floats::lanes) * static_cast<std::size_t>(channel + 1);
+        const float* const rest = own + place_of(channel);
         for (int step = 0; step < steps; ++step) {
             // The largest above and below, and the coordinates there.
             const auto z = static_cast<float>(height);

@@ -30,11 +30,9 @@ namespace detail {
 
 /// The whole numbers of [low, high], as [begin, end), for low > -1.
 struct Wholes {
-    HMESH_ALWAYS_INLINE Wholes(double low, double high) noexcept {
-        begin = static_cast<int>(low);
-        begin += static_cast<double>(begin) < low ? 1 : 0;
-        end = static_cast<int>(high + 1);
-    }
+    HMESH_ALWAYS_INLINE Wholes(double low, double high) noexcept
+        : begin(static_cast<int>(low) + (static_cast<double>(static_cast<int>(low)) < low ? 1 : 0)),
+          end(static_cast<int>(high + 1)) {}
     int begin, end;
 };
 
@@ -57,7 +55,7 @@ HMESH_ALWAYS_INLINE void for_each_closed_span(const HeightField& field, Point a,
         const double y = j + offset;
         // On the level of b both sides count: of a level edge all is held.
         const double one = a.x + (y - a.y) * slope, above = a.x + (y - a.y) * upper, below = b.x + (y - b.y) * lower;
-        double left, right;
+        double left = 0, right = 0;
         if (y < b.y) left = std::min(one, above), right = std::max(one, above);
         else if (y > b.y) left = std::min(one, below), right = std::max(one, below);
         else

@@ -54,7 +54,7 @@ struct Profile {
         const double length = place[k] - place[i];
         for (std::size_t m = i + 1; m < k; ++m)
             for (std::size_t c = 0; c < channels; ++c) {
-                const double from = static_cast<double>(chosen[i * channels + c]);
+                const auto from = static_cast<double>(chosen[i * channels + c]);
                 const double rise = static_cast<double>(chosen[k * channels + c]) - from;
                 const double here = static_cast<double>(heights[m * channels + c]) - from;
                 const double error = std::abs((place[m] - place[i]) * rise - length * here) / length;
@@ -176,8 +176,8 @@ HMESH_COLD inline void choose_fewest(Profile& profile, std::size_t first, std::s
             const detail::Profile::Worst worst = profile.worst(i, k);
             if (!(worst.error > limit)) continue;
             keep[worst.place] = 1;
-            open.push_back({i, worst.place});
-            open.push_back({worst.place, k});
+            open.emplace_back(i, worst.place);
+            open.emplace_back(worst.place, k);
         }
     };
     for (std::size_t first = 0; first < n; ++first) {

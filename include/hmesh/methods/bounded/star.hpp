@@ -162,7 +162,7 @@ class Star {
         const std::size_t stride = block_size();
         for (int c = 0; c < field_->channels; ++c) {
             const auto z = static_cast<float>(heights[c]);
-            const float* const rest = blocks_.data() + static_cast<std::size_t>(Floats::lanes) * static_cast<std::size_t>(c + 1);
+            const float* const rest = blocks_.data() + place_of(c);
             for (std::size_t k = 0; k < used_; k += stride) {
                 const Floats off = magnitude(Floats::load(blocks_.data() + k) * z + Floats::load(rest + k));
                 most = larger(most, off);
@@ -195,13 +195,13 @@ class Star {
                 Floats squares = Floats::all(0), pulls = Floats::all(0);
                 for (; k < face.end; k += stride) {
                     const Floats own = Floats::load(blocks_.data() + k);
-                    const Floats off = (own * z + Floats::load(blocks_.data() + k + Floats::lanes * (c + 1))) * per_most;
+                    const Floats off = (own * z + Floats::load(blocks_.data() + k + place_of(c))) * per_most;
                     const Floats s = off * off, s2 = s * s, s4 = s2 * s2;
                     const Floats pull = s4 * s2 * s * own;  // 14th power
                     squares = squares + pull * own;
                     pulls = pulls + pull * off;
                 }
-                const double square = static_cast<double>(squares.sum());
+                const auto square = static_cast<double>(squares.sum());
                 if (!(square > 0)) continue;
                 const double pull = static_cast<double>(pulls.sum()) * fit.most;
                 const double d[3] = {slide_x ? -static_cast<double>(face.own_x * z + face.rest_x[c]) : 0,
@@ -251,6 +251,11 @@ class Star {
     }
 
   private:
+    /// Where in a block the numbers of a channel are, behind the weights.
+    [[nodiscard]] static constexpr std::size_t place_of(int channel) noexcept {
+        return static_cast<std::size_t>(Wide<float>::lanes) * (static_cast<std::size_t>(channel) + 1);
+    }
+
     struct StarFace {
         std::size_t end;                     // of its blocks, in floats
         float own_x, own_y;                  // rise of the apex's coordinate
@@ -288,7 +293,7 @@ class Star {
                                    for (int c = 0; c < channels; ++c) {
                                        const Floats sample = Floats::load(field_->row(c, j) + i) - Floats::all(base_.heights[c]);
                                        where_at_least(inside, bound, (ca * rise_a[c] + cb * rise_b[c] - sample) * per_unit)
-                                           .store(block + Floats::lanes * (c + 1));
+                                           .store(block + place_of(c));
                                    }
                                });
         face.end = used_;
@@ -299,7 +304,7 @@ class Star {
         using Floats = Wide<float>;
         const std::size_t stride = block_size();
         const float* const own = blocks_.data();
-        const float* const rest = own + static_cast<std::size_t>(Floats::lanes) * static_cast<std::size_t>(channel + 1);
+        const float* const rest = own + place_of(channel);
         for (int step = 0; step < steps; ++step) {
             // The largest above and below, and the coordinates there.
             const auto z = static_cast<float>(height);

@@ -82,7 +82,7 @@ struct Wide {
         Wide r;
         for (int k = 0; k < blocks; ++k) {
             typename detail::WideBlock<T>::Floats floats;
-            std::memcpy(&floats, from + k * width, sizeof floats);
+            std::memcpy(&floats, from + std::ptrdiff_t{k} * width, sizeof floats);
 #if defined(__GNUC__)
             r.block[k] = __builtin_convertvector(floats, Block);
 #else
