@@ -1749,11 +1749,13 @@ struct WorstSample {
 /// The heights of a face along its rows, times twice its area: differences to a channel's samples are linear in it, and whole
 /// for whole numbers at whole positions.
 struct ScaledPlane {
-    double area;    ///< twice the area of the face, px^2, > 0
-    double base;    ///< height of corner a
-    double dx, dy;  ///< rise a column and a row, times `area`
-    double x, y;    ///< corner a
-    double slack;   ///< what rounding may leave of a difference of 0
+    double area;   ///< twice the area of the face, px^2, > 0
+    double base;   ///< height of corner a
+    double dx,     ///< rise a column, times `area`
+        dy;        ///< rise a row, times `area`
+    double x,      ///< px of corner a
+        y;         ///< px of corner a
+    double slack;  ///< what rounding may leave of a difference of 0
     /// Of the positively oriented face (a, b, c).
     HMESH_ALWAYS_INLINE ScaledPlane(const Corner& a, const Corner& b, const Corner& c, double twice_area, int channel) noexcept
         : area(twice_area), base(static_cast<double>(a.heights[channel])), x(a.position.x), y(a.position.y) {
