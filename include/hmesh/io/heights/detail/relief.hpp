@@ -62,8 +62,7 @@ using Vector3 = std::array<double, 3>;
 
 /// The steps between samples of a mesh's width and height: W x H of squares, W - 1 x H - 1 of points.
 [[nodiscard]] inline std::array<double, 2> plane_size(const MeshView& mesh) noexcept {
-    const int less = mesh.samples == Samples::points ? 1 : 0;
-    return {static_cast<double>(mesh.width - less), static_cast<double>(mesh.height - less)};
+    return {static_cast<double>(mesh.right()), static_cast<double>(mesh.bottom())};
 }
 
 /// The sums of the normals of the faces around each vertex, as long as twice their area. O(vertices + faces).
@@ -130,14 +129,10 @@ using Vector3 = std::array<double, 3>;
                               {"the offset of heights must be a number that a float holds", z.offset, -most, most}});
 }
 
-/// Refuses meshes of heights that no model holds: what check_for_export() refuses, and a plane without an area. O(n).
+/// Refuses meshes of heights that no model holds. O(n).
 [[nodiscard]] inline Status check_height_mesh(const MeshView& mesh, const HeightSamples& samples,
                                               const HeightChannel& z) noexcept {
     if (const Status status = check_for_export(mesh, 16); !status) return status;
-    if (mesh.samples == Samples::points && mesh.width < 2)
-        return {Errc::invalid_argument, "a mesh of samples that are points must be at least 2 of them wide", mesh.width, 2};
-    if (mesh.samples == Samples::points && mesh.height < 2)
-        return {Errc::invalid_argument, "a mesh of samples that are points must be at least 2 of them high", mesh.height, 2};
     if (const Status status = check_height_channel(mesh, z); !status) return status;
     return samples.check_for(mesh, z.channel);
 }
