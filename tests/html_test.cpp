@@ -197,7 +197,7 @@ TEST_CASE("the bytes do not depend on the locale") {
         mesh.view(), [](const hmesh::MeshView& view, hmesh::Sink sink) { return hmesh::write_html(view, sink); });
 }
 
-TEST_CASE("a sink that refuses after k bytes gets no more and is reported, for all k") {
+TEST_CASE("a sink that refuses after some bytes gets no more and is reported, wherever that is") {
     const hmesh::Mesh mesh = strip(3, 100);
     const std::size_t size = written(mesh.view()).size();
     for (std::size_t k = 0; k <= size; k += k + 211 > size && k < size ? size - k : 211) {

@@ -11,7 +11,6 @@
 #include <string>
 #include <vector>
 
-#include "test_sanitized.hpp"
 #include "test_shadings.hpp"
 
 using namespace hmesh_test;
@@ -327,8 +326,8 @@ TEST_CASE("a compressor is used for the mesh, and where it fails there is a Stat
     }
 }
 
-TEST_CASE("a sink that refuses after k bytes gets no more and is reported, for all k") {
-    check_refusing_sinks(random_grid(4, 64, 48, 18, 14, 255, 11).view(), to_sink, hmesh_test::stride_if_sanitized(9));
+TEST_CASE("a sink that refuses after some bytes gets no more and is reported, wherever that is") {
+    check_refusing_sinks(random_grid(4, 64, 48, 18, 14, 255, 11).view(), to_sink);
 }
 
 TEST_CASE("a mesh that cannot be written gives a Status and no byte") { check_refusals(to_sink); }
