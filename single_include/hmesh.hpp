@@ -842,6 +842,11 @@ inline constexpr double grid_steps = 256;
 }
 /// A point rounded to the 1/256 px grid.
 [[nodiscard]] HMESH_ALWAYS_INLINE Point snap(Point p) noexcept { return {snap(p.x), snap(p.y)}; }
+/// Whether a point is one that snap() leaves where it is; of any numbers, NaN among them.
+[[nodiscard]] inline bool is_on_grid(Point p) noexcept {
+    const auto is_snapped = [](double x) { return x >= 0 && x < 8388608 && snap(x) == x; };
+    return is_snapped(p.x) && is_snapped(p.y);
+}
 
 /// Twice the signed area of the triangle (a, b, c), in px^2. Exact on the 1/256 px grid for coordinates below 2^16.
 [[nodiscard]] HMESH_ALWAYS_INLINE double orient2d(Point a, Point b, Point c) noexcept {
@@ -9409,7 +9414,7 @@ Status ImageMesh<C>::check_vertices(const std::vector<Point>& positions, const s
             return {Errc::not_finite, "the mesh has a position that is NaN or infinite, at vertex", i};
         if (!(p.x >= low.x && p.x <= high.x && p.y >= low.y && p.y <= high.y))
             return {Errc::invalid_argument, "the mesh has a position outside its image, at vertex", i};
-        if (snap(p) != p) return {Errc::invalid_argument, "the mesh has a position off the grid of 1/256 px, at vertex", i};
+        if (!is_on_grid(p)) return {Errc::invalid_argument, "the mesh has a position off the grid of 1/256 px, at vertex", i};
     }
     for (std::size_t i = 0; i < colors.size(); ++i)
         for (int k = 0; k < C; ++k)
@@ -9531,7 +9536,7 @@ Status ImageMesh<C>::check() const {
     };
     for (const Vertex v : topology_.vertices()) {
         const VertexState<C>& state = vertex(v);
-        if (snap(state.position) != state.position) return fail("a vertex is off the grid", v.index());
+        if (!is_on_grid(state.position)) return fail("a vertex is off the grid", v.index());
         if (state.color[C] != 0) return fail("a colour's padding is not zero", v.index());
         // A vertex on a seam is inside the mesh.
         if (state.mobility != Mobility::locked &&
@@ -11643,7 +11648,7 @@ template <int C>
     HalfedgeMesh topology;
     if (const Status status = topology.assign(n, mesh.faces); !status) return status;
     for (std::size_t i = 0; i < n; ++i)
-        if (snap(mesh.positions[i]) != mesh.positions[i]) return fail("a vertex is off the grid", i);
+        if (!is_on_grid(mesh.positions[i])) return fail("a vertex is off the grid", i);
     double area = 0;
     for (std::size_t t = 0; t < mesh.faces.size(); ++t) {
         const Triangle& face = mesh.faces[t];
@@ -13751,7 +13756,7 @@ class AnnealedRun {
             reached = to;
             // The locked vertices have a share in the batch, which is taken from the patches of the next phase.
             const double locked = static_cast<double>(tiled_->locked_count()) / static_cast<double>(before);
-            const auto share = static_cast<std::size_t>(std::ceil((1 - locked) * static_cast<double>(batch)));
+            const auto share = static_cast<std::size_t>(std::max(0.0, std::ceil((1 - locked) * static_cast<double>(batch))));
             progress().set_range(from, seam);
             remove_cheapest(*tiled_, tiling(phase_), share, steps_.relaxation);
             if (progress().stopped()) return false;

@@ -210,7 +210,8 @@ TEST_CASE("borders that cannot be are refused with a sentence") {
 }
 
 TEST_CASE("every number of vertices from few to one a sample is reached or refused, whatever the image") {
-    for (const auto& [width, height] : {std::pair{2, 2}, {2, 30}, {30, 2}, {3, 3}, {17, 12}})
+    for (const auto& [columns, rows] : {std::pair{2, 2}, {2, 30}, {30, 2}, {3, 3}, {17, 12}}) {
+        const int width = columns, height = rows;
         for (std::uint64_t seed = 1; seed <= 3; ++seed)
             for (int n = 4; n <= width * height; n += 1 + n / 3) {
                 const auto image = seed == 1 ? hmesh_test::constant_image<std::uint8_t, 1>(width, height, 0.5)
@@ -226,4 +227,5 @@ TEST_CASE("every number of vertices from few to one a sample is reached or refus
                 if (result.status) CHECK(result.report.vertices == static_cast<std::size_t>(n));
                 else CHECK(result.status.code == Errc::target_out_of_range);
             }
+    }
 }

@@ -109,13 +109,13 @@ class GlbAttributes {
     // The n-th object of a list; objects in it are passed over.
     [[nodiscard]] std::string entry_of(const std::string& list, std::size_t n) const {
         std::size_t at = json.find("\"" + list + "\":[") + list.size() + 4;
-        for (;; ++at) {
+        for (;;) {
             const std::size_t begin = at;
             int depth = 0;
             do depth += json[at] == '{' ? 1 : json[at] == '}' ? -1 : 0;
             while (depth > 0 && ++at < json.size());
             if (n-- == 0) return json.substr(begin, at + 1 - begin);
-            ++at;
+            at += 2;  // a comma
         }
     }
 

@@ -608,12 +608,10 @@ TEST_CASE("a search goes by what psnr_of says of each mesh, and the report tells
     const auto check_lost = [&](const auto& recipe, double lost) {
         Options options = options_of(Target::psnr(30));
         std::size_t calls = 0;
-        double last = 0;
         const auto psnr_of = [&](const hmesh::Mesh& mesh, double psnr) {
             ++calls;
             CHECK(mesh.width == 56);
             CHECK(mesh.vertex_count() >= 4);
-            last = psnr;
             return psnr - lost;
         };
         options.psnr_of = psnr_of;

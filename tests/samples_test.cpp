@@ -256,7 +256,8 @@ TEST_CASE("the largest images of points are rasterized to their last sample") {
 }
 
 TEST_CASE("every method meshes points, from the smallest images on, and its report is true") {
-    for (const auto& [width, height] : sizes) {
+    for (const auto& [columns, rows] : sizes) {
+        const int width = columns, height = rows;
         CAPTURE(width);
         CAPTURE(height);
         const auto bytes = hmesh_test::scene<std::uint8_t, 1>(width, height, 7);

@@ -25,7 +25,7 @@ Status ImageMesh<C>::check_vertices(const std::vector<Point>& positions, const s
             return {Errc::not_finite, "the mesh has a position that is NaN or infinite, at vertex", i};
         if (!(p.x >= low.x && p.x <= high.x && p.y >= low.y && p.y <= high.y))
             return {Errc::invalid_argument, "the mesh has a position outside its image, at vertex", i};
-        if (snap(p) != p) return {Errc::invalid_argument, "the mesh has a position off the grid of 1/256 px, at vertex", i};
+        if (!is_on_grid(p)) return {Errc::invalid_argument, "the mesh has a position off the grid of 1/256 px, at vertex", i};
     }
     for (std::size_t i = 0; i < colors.size(); ++i)
         for (int k = 0; k < C; ++k)
@@ -147,7 +147,7 @@ Status ImageMesh<C>::check() const {
     };
     for (const Vertex v : topology_.vertices()) {
         const VertexState<C>& state = vertex(v);
-        if (snap(state.position) != state.position) return fail("a vertex is off the grid", v.index());
+        if (!is_on_grid(state.position)) return fail("a vertex is off the grid", v.index());
         if (state.color[C] != 0) return fail("a colour's padding is not zero", v.index());
         // A vertex on a seam is inside the mesh.
         if (state.mobility != Mobility::locked &&

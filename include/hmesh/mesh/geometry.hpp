@@ -40,6 +40,11 @@ inline constexpr double grid_steps = 256;
 }
 /// A point rounded to the 1/256 px grid.
 [[nodiscard]] HMESH_ALWAYS_INLINE Point snap(Point p) noexcept { return {snap(p.x), snap(p.y)}; }
+/// Whether a point is one that snap() leaves where it is; of any numbers, NaN among them.
+[[nodiscard]] inline bool is_on_grid(Point p) noexcept {
+    const auto is_snapped = [](double x) { return x >= 0 && x < 8388608 && snap(x) == x; };
+    return is_snapped(p.x) && is_snapped(p.y);
+}
 
 /// Twice the signed area of the triangle (a, b, c), in px^2. Exact on the 1/256 px grid for coordinates below 2^16.
 [[nodiscard]] HMESH_ALWAYS_INLINE double orient2d(Point a, Point b, Point c) noexcept {

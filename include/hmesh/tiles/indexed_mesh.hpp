@@ -118,7 +118,7 @@ template <int C>
     HalfedgeMesh topology;
     if (const Status status = topology.assign(n, mesh.faces); !status) return status;
     for (std::size_t i = 0; i < n; ++i)
-        if (snap(mesh.positions[i]) != mesh.positions[i]) return fail("a vertex is off the grid", i);
+        if (!is_on_grid(mesh.positions[i])) return fail("a vertex is off the grid", i);
     double area = 0;
     for (std::size_t t = 0; t < mesh.faces.size(); ++t) {
         const Triangle& face = mesh.faces[t];

@@ -284,7 +284,7 @@ class AnnealedRun {
             reached = to;
             // The locked vertices have a share in the batch, which is taken from the patches of the next phase.
             const double locked = static_cast<double>(tiled_->locked_count()) / static_cast<double>(before);
-            const auto share = static_cast<std::size_t>(std::ceil((1 - locked) * static_cast<double>(batch)));
+            const auto share = static_cast<std::size_t>(std::max(0.0, std::ceil((1 - locked) * static_cast<double>(batch))));
             progress().set_range(from, seam);
             remove_cheapest(*tiled_, tiling(phase_), share, steps_.relaxation);
             if (progress().stopped()) return false;

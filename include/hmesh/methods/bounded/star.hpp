@@ -160,6 +160,7 @@ class Star {
         using Floats = Wide<float>;
         Floats energy = Floats::all(0), most = Floats::all(0);
         const std::size_t stride = block_size();
+        if (used_ == 0) return {0, 0};  // there may be no blocks
         for (int c = 0; c < field_->channels; ++c) {
             const auto z = static_cast<float>(heights[c]);
             const float* const rest = blocks_.data() + place_of(c);
@@ -302,6 +303,7 @@ class Star {
     /// lift() of one channel.
     void balance(int channel, double& height, int steps) const noexcept {
         using Floats = Wide<float>;
+        if (used_ == 0) return;  // there may be no blocks
         const std::size_t stride = block_size();
         const float* const own = blocks_.data();
         const float* const rest = own + place_of(channel);
