@@ -94,7 +94,7 @@ need() {
             clang) has clang++ || packages+=(clang) ;;
             clang-format | clang-tidy) has "$what-14" || has "$what" || packages+=("$what") ;;
             doxygen) has doxygen || packages+=(doxygen) ;;
-            fuzzer)  # libFuzzer
+            clang-sanitizers)  # libFuzzer among them
                 has clang++ || packages+=(clang)
                 has_fuzzer || packages+=(libclang-rt-dev)
                 ;;

@@ -55,7 +55,7 @@ fuzz() {
 export -f fuzz
 export seconds
 
-need compiler cmake eigen fuzzer command
+need compiler cmake eigen clang-sanitizers command
 step "Configuring build/fuzz ..." cmake --preset fuzz
 step "Building build/fuzz ..." cmake --build --preset fuzz --parallel "$jobs" --target "${names[@]/%/_fuzzer}"
 printf 'Fuzzing for %s s each: %s\n' "$seconds" "${names[*]}"

@@ -30,7 +30,10 @@ while [ $# != 0 ]; do
 done
 
 need compiler cmake eigen command doctest pytest
-case $preset in clang*) need clang ;; esac
+case $preset in
+    asan) need clang-sanitizers ;;
+    clang*) need clang ;;
+esac
 if [ ${#targets[@]} != 0 ]; then
     need viewers
     need_node_modules "$PWD/build/viewers"
