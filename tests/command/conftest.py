@@ -1,8 +1,11 @@
 """Runs the programs, each test in a folder of small pictures that it has for itself."""
+import errno
 import json
+import os
 import re
 import shlex
 import shutil
+import stat
 import struct
 import subprocess
 from pathlib import Path
@@ -124,6 +127,22 @@ def terrain(tmp_path, monkeypatch, pytestconfig):
 
 
 # ---- files ----
+@pytest.fixture
+def full(tmp_path):
+    """A full disk. Nobody but root could replace the system's by a file; root gets one of its own."""
+    file = tmp_path / "full"
+    try:
+        if os.geteuid() == 0:
+            os.mknod(file, stat.S_IFCHR | 0o666, os.makedev(1, 7))
+        else:
+            file.symlink_to("/dev/full")
+        file.write_bytes(b"x")
+    except OSError as error:
+        if error.errno == errno.ENOSPC:
+            return file
+    pytest.skip("no full device can be made here")
+
+
 def read(name):
     return Path(name).read_bytes()
 
