@@ -133,18 +133,17 @@ TEST_CASE("an image of one pixel or one row has periodic meshes") {
 }
 
 TEST_CASE("periodic meshes in many tiles are the same for any executor") {
-    const auto image = hmesh_test::scene<std::uint8_t, 3>(300, 180, 5);
+    const auto image = hmesh_test::scene<std::uint8_t, 3>(210, 130, 5);
     for (const bool straight : {false, true})
         for (const Effort effort : {Effort::draft, Effort::fast}) {
-            const Options options = periodic(Periodic::xy, 900, straight);
+            const Options options = periodic(Periodic::xy, 450, straight);
             Annealed recipe;
             recipe.effort = effort;
             recipe.tile = 64;
             const Result result = mesh_image(image.view(), options, recipe);
             check_mesh(image, result, options);
-            CHECK(result.report.vertices == 900);
-            for (const unsigned threads : {2U, 3U})
-                CHECK(hmesh_test::same_bytes(mesh_image(image.view(), options, recipe, hmesh_test::ThreadFor{threads}), result));
+            CHECK(result.report.vertices == 450);
+            CHECK(hmesh_test::same_bytes(mesh_image(image.view(), options, recipe, hmesh_test::ThreadFor{3}), result));
             CHECK(hmesh_test::same_bytes(mesh_image(image.view(), options, recipe, hmesh_test::ShuffledFor{4}), result));
         }
 }

@@ -95,7 +95,7 @@ void cancel_everywhere(const hmesh::Image<T, C>& image, Target target, const Rec
     const hmesh::Result finished = hmesh::mesh_image(image.view(), options, recipe);
     REQUIRE(finished.status);
     double first = 0;
-    for (std::size_t k = 0; k < all.calls.size(); k += stride * hmesh_test::stride_if_sanitized(3)) {
+    for (std::size_t k = 0; k < all.calls.size(); k += stride * hmesh_test::stride_if_sanitized(11)) {
         CAPTURE(k);
         Recorder recorder;
         recorder.stop_at = k;
@@ -548,6 +548,6 @@ TEST_CASE("cancelled at any call of work in tiles, mesh_image returns a valid me
 }
 
 TEST_CASE("cancelled at any call of a search, mesh_image returns a valid mesh and a report that is true of it") {
-    cancel_everywhere(hmesh_test::scene<std::uint8_t, 3>(32, 28, 3), Target::psnr(28), annealed(Effort::draft));
+    cancel_everywhere(hmesh_test::scene<std::uint8_t, 3>(32, 28, 3), Target::psnr(28), annealed(Effort::draft), 3);
     cancel_everywhere(hmesh_test::scene<std::uint8_t, 3>(32, 28, 3), Target::psnr(28), annealed(Effort::fast), 7);
 }

@@ -303,27 +303,28 @@ TEST_CASE("a plane through points costs nothing, and one vertex a sample holds e
 }
 
 TEST_CASE("weights of pixels and channels, tiles, executors and starts are for points too") {
-    const auto image = hmesh_test::scene<std::uint8_t, 3>(150, 140, 4);
-    const auto weights = hmesh_test::random_weights(150, 140, 4);
-    Options options = of_points(Target::vertices(600));
+    constexpr int width = 132, height = 70;
+    const auto image = hmesh_test::scene<std::uint8_t, 3>(width, height, 4);
+    const auto weights = hmesh_test::random_weights(width, height, 4);
+    Options options = of_points(Target::vertices(240));
     options.weights = weights.view();
     for (const Effort effort : {Effort::draft, Effort::normal})
         prove_points(image, hmesh::mesh_image(image.view(), options, Annealed{effort}), weights.view());
     prove_points(image, hmesh::mesh_image(image.view(), options, hmesh::Hierarchical()), weights.view());
 
-    options = of_points(Target::vertices(600));
+    options = of_points(Target::vertices(240));
     options.channel_weights = {1, 3, 0};
     const Result scaled = hmesh::mesh_image(image.view(), options);
-    CHECK(hmesh_test::flaw_of(scaled.mesh.view(), 150, 140) == "");
+    CHECK(hmesh_test::flaw_of(scaled.mesh.view(), width, height) == "");
     double largest = 0;
-    for (int j = 0; j < 140; ++j)
-        for (int i = 0; i < 150; ++i) {
+    for (int j = 0; j < height; ++j)
+        for (int i = 0; i < width; ++i) {
             const std::vector<double> color = color_at(scaled.mesh, i, j);
             for (std::size_t k = 0; k < 2; ++k) largest = std::max(largest, std::abs(color[k] - image.pixel(i, j)[k]));
         }
     CHECK(scaled.report.max_error == doctest::Approx(largest).epsilon(1e-6));
 
-    options = of_points(Target::vertices(600));
+    options = of_points(Target::vertices(240));
     const Annealed in_tiles{Effort::normal, 1, 64};
     const Result tiles = hmesh::mesh_image(image.view(), options, in_tiles);
     prove_points(image, tiles);
@@ -332,7 +333,7 @@ TEST_CASE("weights of pixels and channels, tiles, executors and starts are for p
 
     Annealed on{Effort::fast};
     on.start = &tiles.mesh;
-    options.target = Target::vertices(820);
+    options.target = Target::vertices(330);
     const Result more = hmesh::mesh_image(image.view(), options, on);
     CHECK_MESSAGE(more.status, text_of(more.status));
     prove_points(image, more);

@@ -558,9 +558,7 @@ TEST_CASE("patches of a large image have tables of their own and are merged at o
         prove_whole(image, work.indexed());
         return work.indexed();
     };
-    const IndexedMesh<1> one = run({});
-    CHECK(same_bytes(one, run(hmesh_test::ReverseFor{})));
-    CHECK(same_bytes(one, run(hmesh_test::ThreadFor{3})));
+    CHECK(same_bytes(run({}), run(hmesh_test::ReverseFor{})));
 }
 
 TEST_CASE("a phase tells how far it is: its patches together are all that was expected") {
