@@ -94,6 +94,18 @@ def test_every_bound_is_kept_from_none_to_all(terrain, bound):
     assert bound != "100000" or len(read_model("model.ply").faces) <= 4
 
 
+def test_where_rounding_takes_more_than_its_share_the_mesh_is_made_anew_within_a_tighter_bound(terrain):
+    heights = [[(x * 7919 + y * 104729 + x * y * 31) % 997 for x in range(60)] for y in range(60)]  # as steep as can be
+    write("dem.raw", dems.raw(heights))
+    arguments = f"dem.raw --size 60x60 -o tile.terrain {EXTENT}"
+    report = report_of(terrain, f"{arguments} --max-error 8")
+    assert report["tiles"][0]["is_tighter"] and report["max_error"] <= 8
+    error = judge(heights, read_model("tile.terrain"), in_tile(60, 60), 2e-3)
+    assert report["max_error"] == pytest.approx(error, abs=1e-4)
+    assert not report_of(terrain, f"{arguments} --max-error 50")["tiles"][0]["is_tighter"]
+    terrain.fails("'tile.terrain' cannot keep --max-error 2: its numbers, as it rounds them, are off by 4.5", f"{arguments} --max-error 2")
+
+
 def test_a_better_effort_takes_fewer_triangles(terrain):
     write("dem.pgm", dems.pgm(ground(90, 80)))
     counts = [report_of(terrain, f"dem.pgm -o model.ply --max-error 20 --effort {effort}")["triangles"] for effort in EFFORTS]
