@@ -1473,8 +1473,8 @@ struct Bounded {
     /// for elevation data and bounds of 10 to 1 % of their range.
     enum class Effort : std::uint8_t {
         draft,   ///< greedy insertion: vertices are samples, the worst sample first; 0.1 to 0.9 us
-        fast,    ///< then vertices are removed while the bound holds; 0.5 to 0.6 of the triangles, 0.3 to 3 us
-        normal,  ///< then heights are free: 0.33 to 0.44 of the triangles, 2 to 13 us
+        fast,    ///< then vertices are removed while the bound holds; 0.45 to 0.57 of the triangles, 0.1 to 6 us
+        normal,  ///< then heights are free: 0.28 to 0.41 of the triangles, 1 to 15 us
         best,    ///< then positions are free too: 0.21 to 0.27 of the triangles, 5 to 32 us
     };
     /// The largest difference allowed between mesh and samples, in stored values, finite and >= 0. 0: none at all.
@@ -2866,7 +2866,6 @@ class BoundedRelaxation {
     /// Moves v if that lowers the energy of its star. `is_trial`: faces may be beyond the bound, and whether they still are is
     /// not asked; else all were within it and are. Returns whether it moved.
     bool move(Vertex v, bool is_trial) {
-        const HalfedgeMesh& topology = mesh_->topology;
         const BoundedVertex& state = mesh_->vertices[v.index()];
         if (!moves_.heights || !state.can(can_lift)) return false;
         const bool slide_x = moves_.positions && state.can(can_slide_x), slide_y = moves_.positions && state.can(can_slide_y);
@@ -2894,7 +2893,6 @@ class BoundedRelaxation {
             mesh_->vertices.edit(v.index()).corner = corner;
             return false;
         }
-        static_cast<void>(topology);
         return false;
     }
 
@@ -2971,8 +2969,8 @@ class BoundedRelaxation {
 /// Removal: vertices leave the mesh, one after another, while it stays within the bound.
 ///
 /// A vertex is merged into a neighbour (a half-edge collapse), which may change its heights to make up for it. Where that misses
-/// the bound by little, the vertex leaves nevertheless, for a try: the neighbours are moved and edges flipped to bring all
-/// samples back, and if that fails everything is undone. Vertices leave in passes, those first whose loss makes the smallest
+/// the bound by little, the vertex leaves nevertheless, for a try: the neighbours are moved, as far as they may, and edges flipped
+/// to bring all samples back, and if that fails everything is undone. Vertices leave in passes, those first whose loss makes the smallest
 /// worst sample; one waits for the next pass where something around it has changed. A candidate costs some 4 us, a try some 40.
 #ifndef HMESH_METHODS_BOUNDED_REMOVAL_HPP
 #define HMESH_METHODS_BOUNDED_REMOVAL_HPP
@@ -2999,9 +2997,12 @@ class BoundedRemoval {
             const auto v = mesh_->topology.vertices(f);
             area += 0.5 * orient2d(mesh_->position(v[0]), mesh_->position(v[1]), mesh_->position(v[2]));
         }
-        const bool is_coarse = area > 100 * static_cast<double>(mesh_->topology.face_count());
-        try_up_to_ = is_coarse ? 2.5 : 1.7;
-        slowest_ = is_coarse ? 0.95 : 0.85;
+        // A try takes as long as the samples around it, and is worth it where they are few for what else a vertex costs.
+        const double face = area / static_cast<double>(mesh_->topology.face_count());
+        if (moves_.positions) {
+            try_up_to_ = face > 100 ? 2.5 : 1.7;
+            slowest_ = face > 100 ? 0.95 : 0.85;
+        } else try_up_to_ = face < 4 ? 2 : 1.1;
         tried_.resize(mesh_->topology.vertex_slots(), 0);
         queue_.clear();
         const std::uint32_t now = mesh_->clock;
@@ -3009,8 +3010,7 @@ class BoundedRemoval {
             const Vertex v = vertices[k];
             if (mesh_->topology.is_deleted(v) || tried_[v.index()] >= mesh_->changed[v.index()]) continue;
             const Candidate candidate = best(v);
-            if (candidate.halfedge.is_valid() && candidate.most <= (moves_.positions ? try_up_to_ : 1))
-                queue_.push_back(candidate);
+            if (candidate.halfedge.is_valid() && candidate.most <= try_up_to_) queue_.push_back(candidate);
             else tried_[v.index()] = now;
         }
         std::sort(queue_.begin(), queue_.end(), [](const Candidate& a, const Candidate& b) {
@@ -3047,9 +3047,9 @@ class BoundedRemoval {
   private:
     /// How far from the bound, in bounds, a removal is tried nevertheless.
     /// Of those above 1.7 one in a hundred succeeds: worth it where faces are so large that tries are few for the samples.
-    double try_up_to_ = 1.7;
+    double try_up_to_ = 1;
     /// What a round must leave of the excess at most for another to be worth it.
-    double slowest_ = 0.85;
+    double slowest_ = 0.9;
     static constexpr int try_rounds = 12;
 
     struct Candidate {
@@ -3109,7 +3109,8 @@ class BoundedRemoval {
         const Vertex into = mesh_->topology.to_vertex(candidate.halfedge);
         if (!is_possible(candidate.vertex, candidate.halfedge)) return false;
         const Corner& apex = mesh_->corner(into);
-        const double enough = rival.halfedge.is_valid() ? std::min(mesh_->limit, rival.energy) : mesh_->limit;
+        const double reach = try_up_to_ * mesh_->limit;
+        const double enough = rival.halfedge.is_valid() ? std::min(reach, rival.energy) : reach;
         double worst = 0;
         const bool holds = for_each_kept(candidate.vertex, into, [&](const Corner& a, const Corner& b) {
             worst = std::max(worst, face_error(*mesh_->field, apex, a, b, enough));
@@ -3146,7 +3147,7 @@ class BoundedRemoval {
     bool leave(const Candidate& candidate) {
         HalfedgeMesh& topology = mesh_->topology;
         const Vertex into = topology.to_vertex(candidate.halfedge);
-        if (moves_.positions && candidate.most > 1) return try_to_leave(candidate);
+        if (candidate.most > 1) return try_to_leave(candidate);
         const HalfedgeMesh::Mark mark = topology.begin();
         const auto vertices = mesh_->vertices.mark();
         merge(candidate);

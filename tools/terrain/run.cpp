@@ -36,7 +36,7 @@ double seconds_since(Clock::time_point begin) { return std::chrono::duration<dou
 
 // Of the bound what is asked of the mesh, so that the file keeps the rest when its numbers are rounded: first the share that all
 // tiles have in common, whose borders follow from it, then less where that was not enough.
-constexpr std::array<double, 4> shares = {0.999, 0.98, 0.9, 0.6};
+constexpr std::array<double, 6> shares = {0.999, 0.98, 0.95, 0.9, 0.8, 0.6};
 
 // How far from a sample a border may be that runs through it, in samples: what floats of local metres keep of 65536, or half a
 // step of 15 bits, either way with as much again.

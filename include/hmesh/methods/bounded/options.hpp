@@ -20,8 +20,8 @@ struct Bounded {
     /// for elevation data and bounds of 10 to 1 % of their range.
     enum class Effort : std::uint8_t {
         draft,   ///< greedy insertion: vertices are samples, the worst sample first; 0.1 to 0.9 us
-        fast,    ///< then vertices are removed while the bound holds; 0.5 to 0.6 of the triangles, 0.3 to 3 us
-        normal,  ///< then heights are free: 0.33 to 0.44 of the triangles, 2 to 13 us
+        fast,    ///< then vertices are removed while the bound holds; 0.45 to 0.57 of the triangles, 0.1 to 6 us
+        normal,  ///< then heights are free: 0.28 to 0.41 of the triangles, 1 to 15 us
         best,    ///< then positions are free too: 0.21 to 0.27 of the triangles, 5 to 32 us
     };
     /// The largest difference allowed between mesh and samples, in stored values, finite and >= 0. 0: none at all.

@@ -47,7 +47,6 @@ class BoundedRelaxation {
     /// Moves v if that lowers the energy of its star. `is_trial`: faces may be beyond the bound, and whether they still are is
     /// not asked; else all were within it and are. Returns whether it moved.
     bool move(Vertex v, bool is_trial) {
-        const HalfedgeMesh& topology = mesh_->topology;
         const BoundedVertex& state = mesh_->vertices[v.index()];
         if (!moves_.heights || !state.can(can_lift)) return false;
         const bool slide_x = moves_.positions && state.can(can_slide_x), slide_y = moves_.positions && state.can(can_slide_y);
@@ -75,7 +74,6 @@ class BoundedRelaxation {
             mesh_->vertices.edit(v.index()).corner = corner;
             return false;
         }
-        static_cast<void>(topology);
         return false;
     }
 
