@@ -1,10 +1,11 @@
 /// \file
 /// Removal: vertices leave the mesh, one after another, while it stays within the bound.
 ///
-/// A vertex is merged into a neighbour (a half-edge collapse), which may change its heights to make up for it. Where that misses
-/// the bound by little, the vertex leaves nevertheless, for a try: the neighbours are moved, as far as they may, and edges flipped
-/// to bring all samples back, and if that fails everything is undone. Vertices leave in passes, those first whose loss makes the smallest
-/// worst sample; one waits for the next pass where something around it has changed. A candidate costs some 4 us, a try some 40.
+/// A vertex is merged into a neighbour (a half-edge collapse), which may change its heights to make up for it. Where that
+/// misses the bound by little, the vertex leaves nevertheless, for a try: the neighbours are moved, as far as they may, and edges
+/// flipped to bring all samples back, and if that fails everything is undone. Vertices leave in passes, those first whose loss
+/// makes the smallest worst sample; one waits for the next pass where something around it has changed. A candidate costs some
+/// 4 us, a try some 40.
 #ifndef HMESH_METHODS_BOUNDED_REMOVAL_HPP
 #define HMESH_METHODS_BOUNDED_REMOVAL_HPP
 
