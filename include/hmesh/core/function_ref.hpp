@@ -7,13 +7,25 @@
 #ifndef HMESH_CORE_FUNCTION_REF_HPP
 #define HMESH_CORE_FUNCTION_REF_HPP
 
-#include <memory>
 #include <type_traits>
 #include <utility>
 
 #include "hmesh/core/macros/push.hpp"
 
 namespace hmesh {
+namespace detail {
+
+/// Whether a class of objects can be called with these arguments and returns this, or anything for void. By the language alone:
+/// the standard library's traits are many templates for each of the hundred lambdas in a call of mesh_image().
+template <class Void, class Callable, class Result, class... Arguments>
+inline constexpr bool is_callback = false;
+template <class Callable, class Result, class... Arguments>
+inline constexpr bool
+    is_callback<std::void_t<decltype(std::declval<Callable&>()(std::declval<Arguments>()...))>, Callable, Result, Arguments...> =
+        std::is_class_v<Callable> &&
+        (std::is_void_v<Result> || std::is_same_v<Result, decltype(std::declval<Callable&>()(std::declval<Arguments>()...))>);
+
+}  // namespace detail
 
 /// A non-owning reference to a callable with this signature, as in FunctionRef<bool(int)>.
 template <class Signature>
@@ -24,11 +36,8 @@ class FunctionRef;
 template <class Result, class... Arguments>
 class FunctionRef<Result(Arguments...)> {
     template <class Callable>
-    [[nodiscard]] static constexpr bool accepts() noexcept {
-        if constexpr (!std::is_class_v<Callable> || std::is_base_of_v<FunctionRef, Callable>) return false;
-        else if constexpr (!std::is_invocable_v<Callable&, Arguments...>) return false;
-        else return std::is_void_v<Result> || std::is_same_v<Result, std::invoke_result_t<Callable&, Arguments...>>;
-    }
+    static constexpr bool accepts =
+        detail::is_callback<void, Callable, Result, Arguments...> && !std::is_base_of_v<FunctionRef, Callable>;
 
   public:
     /// Refers to nothing, and must not be called.
@@ -37,11 +46,11 @@ class FunctionRef<Result(Arguments...)> {
     FunctionRef(Result (*function)(Arguments...)) noexcept  // NOLINT(google-explicit-constructor)
         : any_function(reinterpret_cast<void (*)()>(function)), call_(function != nullptr ? &call_function : nullptr) {}
     /// Refers to an object that can be called with these arguments and outlives the reference.
-    template <class Callable, std::enable_if_t<accepts<std::remove_reference_t<Callable>>(), int> = 0>
+    template <class Callable, std::enable_if_t<accepts<std::remove_reference_t<Callable>>, int> = 0>
     FunctionRef(Callable&& object) noexcept  // NOLINT(google-explicit-constructor,bugprone-forwarding-reference-overload)
-        : any_object(const_cast<void*>(static_cast<const void*>(std::addressof(object)))),
+        : any_object(const_cast<void*>(static_cast<const void*>(&object))),
           call_(&call_object<std::remove_reference_t<Callable>>) {}
-    template <class Callable, std::enable_if_t<accepts<Callable>(), int> = 0>
+    template <class Callable, std::enable_if_t<accepts<Callable>, int> = 0>
     FunctionRef& operator=(const Callable&&) = delete;  ///< refused: a temporary would not outlive the statement
 
     /// Calls what it refers to.
