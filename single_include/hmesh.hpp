@@ -5544,6 +5544,17 @@ template <class T, int C>
 
 namespace kit {
 
+/// Reads pixels of any sample type as real numbers, so that what works on them is compiled once: writes the samples of the
+/// `count` pixels from (x, y) to the right, pixel after pixel, to to[0] .. to[count * C - 1].
+using PixelReader = FunctionRef<void(int x, int y, int count, double* to)>;
+
+/// Reads pixels of a view as a PixelReader does, all of which must lie in it.
+template <class T, int C>
+void read_pixels(const ImageView<T, C>& view, int x, int y, int count, double* to) noexcept {
+    const T* const from = view.pixel(x, y);
+    for (int i = 0; i < count * C; ++i) to[i] = PixelTraits<T>::to_real(from[i]);
+}
+
 /// Whether all samples are finite as floats, which is what meshes hold; otherwise not_finite. Costs nothing for integer
 /// samples.
 template <class T, int C>
@@ -5917,6 +5928,11 @@ struct ChannelScale {
     void to_scaled(Color& color) const noexcept {
         for (int c = 0; c < C; ++c) color.set(c, (color[c] - offset) * factor(c));
     }
+    /// Scales the stored values of pixels that follow each other, and rounds them to the whole numbers in [0, 65535].
+    void to_samples(double* values, int pixels) const noexcept {
+        for (int i = 0; i < pixels; ++i, values += C)
+            for (int c = 0; c < C; ++c) values[c] = static_cast<double>(static_cast<int>((values[c] - offset) * factor(c) + 0.5));
+    }
     /// The way back; channels of weight 0 become `offset`.
     template <class Color>
     void to_stored(Color& color) const noexcept {
@@ -5946,24 +5962,6 @@ template <class T, int C>
     if (high > low) scale.unit = 65535 / (high - low);
     scale.share = channel_shares<C>(weights);
     return scale;
-}
-
-/// The image with its channels scaled and rounded to 16 bits.
-template <class T, int C>
-[[nodiscard]] HMESH_COLD Image<std::uint16_t, C> scale_channels(const ImageView<T, C>& view, const ChannelScale<C>& scale,
-                                                                const ParallelFor& parallel_for = {}) {
-    Image<std::uint16_t, C> out(view.width, view.height);
-    for_each_chunk(parallel_for, static_cast<std::size_t>(view.height), 32, [&](std::size_t begin, std::size_t end) {
-        for (std::size_t y = begin; y < end; ++y) {
-            const T* from = view.row(static_cast<int>(y));
-            std::uint16_t* to = out.pixel(0, static_cast<int>(y));
-            for (int x = 0; x < view.width; ++x, from += C, to += C)
-                for (std::size_t c = 0; c < C; ++c)
-                    to[c] = static_cast<std::uint16_t>(
-                        (PixelTraits<T>::to_real(from[c]) - scale.offset) * (scale.unit * scale.share[c]) + 0.5);
-        }
-    });
-    return out;
 }
 
 }  // namespace hmesh::kit
@@ -6767,6 +6765,11 @@ class WeightScale {
     [[nodiscard]] double operator()(float weight) const noexcept {
         return std::floor(factor_ * static_cast<double>(weight) + 0.5) * step_;
     }
+    /// Reads weights of an image as a PixelReader does, scaled and rounded.
+    void read(const ImageView<float, 1>& weights, int x, int y, int count, double* to) const noexcept {
+        const float* const from = weights.pixel(x, y);
+        for (int i = 0; i < count; ++i) to[i] = (*this)(from[i]);
+    }
 
   private:
     double step_ = 1, factor_ = 1;
@@ -6994,30 +6997,50 @@ class MomentTable {
     template <class T>
     MomentTable(const ImageView<T, C>& view, const ImageView<float, 1>& weights, const WeightScale& scale, const Rect& rect,
                 const ParallelFor& parallel_for = {})
-        : width_(rect.width), height_(rect.height), weighted_(weights.data != nullptr),
-          int32_(!weighted_ && fits_32_bits<T>(rect.width)) {
-        HMESH_ASSERT(rect.x >= 0 && rect.y >= 0 && rect.width >= 1 && rect.height >= 1);
+        : MomentTable(rect, [&](int x, int y, int count, double* to) { read_pixels(view, x, y, count, to); },
+                      [&](int x, int y, int count, double* to) { scale.read(weights, x, y, count, to); },
+                      {largest_sample<T>(), weights.data != nullptr}, parallel_for) {
+        HMESH_ASSERT(rect.x >= 0 && rect.y >= 0);
         HMESH_ASSERT(rect.width <= view.width - rect.x && rect.height <= view.height - rect.y);
         HMESH_ASSERT(!weighted_ || (weights.width == view.width && weights.height == view.height));
+    }
+
+    /// What is known of the pixels of a table.
+    struct Kind {
+        double largest;    ///< the largest magnitude of a sample where all are whole numbers; infinite: they are not
+        bool is_weighted;  ///< whether pixels have weights
+    };
+    /// The table of the pixels of `rect`, from wherever they are read. `weights` are as WeightScale rounds them, and only read
+    /// where there are some. Both are called on any thread.
+    MomentTable(const Rect& rect, PixelReader pixels, PixelReader weights, const Kind& kind, const ParallelFor& parallel_for = {})
+        : width_(rect.width), height_(rect.height), weighted_(kind.is_weighted),
+          int32_(!weighted_ && fits_32_bits(rect.width, kind.largest)) {
+        HMESH_ASSERT(rect.width >= 1 && rect.height >= 1);
         strip_size_ = static_cast<std::size_t>(height_) * strip_width * entry_size;
         // Sizes beyond PTRDIFF_MAX become the largest allocation, so that new[] throws std::bad_alloc.
         const std::size_t size = fits_memory(width_, height_) ? (static_cast<std::size_t>(width_) / strip_width + 1) * strip_size_
                                                               : std::numeric_limits<std::ptrdiff_t>::max() / sizeof(double);
-        // Not initialised: fill writes all that is ever read.
+        // Not initialised: what is ever read is written first.
         size_ = size;
-        if (int32_) {
-            int32_entries_.reset(new std::int32_t[size]);
-            fill(view, rect, parallel_for, int32_entries_.get());
-            return;
+        if (int32_) int32_entries_.reset(new std::int32_t[size]);
+        else float64_entries_.reset(new double[size]);
+        if (weighted_) {
+            x_moment_entries_.reset(new double[size / lanes]);
+            samples_.reset(new float[sample_count()]);
         }
-        float64_entries_.reset(new double[size]);
-        if (!weighted_) {
-            fill(view, rect, parallel_for, float64_entries_.get());
-            return;
-        }
-        x_moment_entries_.reset(new double[size / lanes]);
-        samples_.reset(new float[sample_count()]);
-        for_each_row(parallel_for, [&](int y) { fill_weighted_row(view, weights, scale, rect, y); });
+        for_each_chunk(parallel_for, static_cast<std::size_t>(height_), band, [&](std::size_t first, std::size_t last) {
+            const int begin = static_cast<int>(first), end = static_cast<int>(last);
+            if (int32_) fill(rect, pixels, begin, end, int32_entries_.get());
+            else if (!weighted_) fill(rect, pixels, begin, end, float64_entries_.get());
+            else fill_weighted(rect, pixels, weights, begin, end);
+        });
+    }
+    /// What Kind::largest is of samples of a type.
+    template <class T>
+    [[nodiscard]] static constexpr double largest_sample() noexcept {
+        using Traits = PixelTraits<T>;
+        if constexpr (!Traits::is_integer) return std::numeric_limits<double>::infinity();
+        else return std::max(Traits::highest, -Traits::lowest);
     }
 
     /// Whether a table of the largest kind for width x height >= 1 pixels has at most `most` bytes, by default what can be
@@ -7093,14 +7116,12 @@ class MomentTable {
     static constexpr int strip_width = 2;
     static constexpr std::size_t numbers = entry_size;  ///< entry_size as the size of an array
     static constexpr std::size_t band = 64;             ///< rows that are a piece of work
+    static constexpr int chunk = 8;                     ///< pixels read at once
 
     /// Whether all sums over rows of this width fit 32-bit integers.
-    template <class T>
-    [[nodiscard]] static bool fits_32_bits(int width) noexcept {
-        if constexpr (!PixelTraits<T>::is_integer) return false;
-        const double w = width, highest = std::max(PixelTraits<T>::highest, -PixelTraits<T>::lowest);
+    [[nodiscard]] static bool fits_32_bits(double width, double sample) noexcept {
         const double largest = 2147483647.0;
-        return highest * w * (w - 1) / 2 <= largest && C * highest * highest * w <= largest;
+        return sample * width * (width - 1) / 2 <= largest && C * sample * sample * width <= largest;
     }
 
     [[nodiscard]] std::size_t sample_offset(int x, int y) const noexcept {
@@ -7108,75 +7129,70 @@ class MomentTable {
     }
     [[nodiscard]] std::size_t sample_count() const noexcept { return sample_offset(0, height_); }
 
+    /// Calls body(y, x0, count, samples) for the pixels of the rows [begin, end), `count` <= chunk of them from column x0 on,
+    /// chunk after chunk, because the rows of a strip of columns follow each other in memory, 64 of them in a page for 8-bit RGB:
+    /// takes a third of the time of row by row.
     template <class Body>
-    void for_each_row(const ParallelFor& parallel_for, Body&& body) const {
-        for_each_chunk(parallel_for, static_cast<std::size_t>(height_), band, [&](std::size_t begin, std::size_t end) {
-            for (std::size_t y = begin; y < end; ++y) body(static_cast<int>(y));
-        });
-    }
-
-    template <class T, class N>
-    void fill(const ImageView<T, C>& view, const Rect& rect, const ParallelFor& parallel_for, N* entries) const {
-        for_each_chunk(parallel_for, static_cast<std::size_t>(height_), band, [&](std::size_t begin, std::size_t end) {
-            fill_band(view, rect, static_cast<int>(begin), static_cast<int>(end), entries);
-        });
-    }
-
-    /// Strip by strip, because the rows of a strip follow each other in memory, 64 of them in a page for 8-bit RGB: takes a third
-    /// of the time of row by row.
-    template <class T, class N>
-    void fill_band(const ImageView<T, C>& view, const Rect& rect, int begin, int end, N* entries) const {
-        N sums[band][numbers] = {};
-        for (int x0 = 0; x0 <= width_; x0 += strip_width) {
-            N* entry = entries + offset(x0, begin);
+    HMESH_ALWAYS_INLINE void for_each_run(const Rect& rect, PixelReader pixels, int begin, int end, Body&& body) const {
+        double samples[chunk * std::size_t{C}];
+        for (int x0 = 0; x0 < width_; x0 += chunk)
             for (int y = begin; y < end; ++y) {
-                N* const sum = sums[y - begin];
-                const T* const pixels = view.pixel(rect.x, rect.y + y);
-                for (int x = x0; x < x0 + strip_width; ++x, entry += entry_size) {
-                    for (int k = 0; k < entry_size; ++k) entry[k] = sum[k];
-                    if (x >= width_) continue;
-                    const T* const pixel = pixels + static_cast<std::ptrdiff_t>(x) * C;
-                    N square = 0;
-                    for (int c = 0; c < C; ++c) {
-                        const N value = static_cast<N>(PixelTraits<T>::to_real(pixel[c]));
-                        sum[c] += value;
-                        sum[lanes + c] += static_cast<N>(x) * value;
-                        square += value * value;
-                    }
-                    sum[C] += 1;
-                    sum[lanes + C] += square;
-                }
+                const int count = std::min(width_ - x0, static_cast<int>(chunk));
+                pixels(rect.x + x0, rect.y + y, count, samples);
+                body(y, x0, count, samples);
             }
-        }
     }
 
-    template <class T>
-    void fill_weighted_row(const ImageView<T, C>& view, const ImageView<float, 1>& weights, const WeightScale& scale,
-                           const Rect& rect, int y) const {
-        const T* pixel = view.pixel(rect.x, rect.y + y);
-        const float* weight = weights.pixel(rect.x, rect.y + y);
-        float* samples = samples_.get() + sample_offset(0, y);
-        double sum[numbers] = {}, powers[2] = {};
-        for (int x = 0;; ++x, pixel += C, samples += C, ++weight) {
-            double* entry = float64_entries_.get() + offset(x, y);
-            double* entry_powers = x_moment_entries_.get() + offset(x, y) / lanes;
-            for (int k = 0; k < entry_size; ++k) entry[k] = sum[k];
-            for (int k = 0; k < 2; ++k) entry_powers[k] = powers[k];
-            if (x == width_) break;
-            const double w = scale(*weight);
-            double square = 0;
-            for (int c = 0; c < C; ++c) {
-                const double value = PixelTraits<T>::to_real(pixel[c]), part = w * value;
-                samples[c] = static_cast<float>(value);
-                sum[c] += part;
-                sum[lanes + c] += x * part;
-                square += value * value;
+    template <class N>
+    void fill(const Rect& rect, PixelReader pixels, int begin, int end, N* entries) const {
+        N sums[band][numbers] = {};
+        for_each_run(rect, pixels, begin, end, [&](int y, int x0, int count, const double* pixel) {
+            N* const sum = sums[y - begin];
+            for (int x = x0;; ++x, pixel += C) {
+                N* const entry = entries + offset(x, y);
+                for (int k = 0; k < entry_size; ++k) entry[k] = sum[k];
+                if (x == x0 + count) break;
+                N square = 0;
+                for (int c = 0; c < C; ++c) {
+                    const N value = static_cast<N>(pixel[c]);
+                    sum[c] += value;
+                    sum[lanes + c] += static_cast<N>(x) * value;
+                    square += value * value;
+                }
+                sum[C] += 1;
+                sum[lanes + C] += square;
             }
-            sum[C] += w;
-            sum[lanes + C] += w * square;
-            powers[0] += x * w;
-            powers[1] += static_cast<double>(x) * x * w;
-        }
+        });
+    }
+
+    void fill_weighted(const Rect& rect, PixelReader pixels, PixelReader weights, int begin, int end) const {
+        double sums[band][numbers] = {}, powers[band][2] = {};
+        for_each_run(rect, pixels, begin, end, [&](int y, int x0, int count, const double* pixel) {
+            double *const sum = sums[y - begin], *const power = powers[y - begin];
+            double weight[chunk];
+            weights(rect.x + x0, rect.y + y, count, weight);
+            float* samples = samples_.get() + sample_offset(x0, y);
+            for (int x = x0;; ++x, pixel += C, samples += C) {
+                double* const entry = float64_entries_.get() + offset(x, y);
+                double* const entry_powers = x_moment_entries_.get() + offset(x, y) / lanes;
+                for (int k = 0; k < entry_size; ++k) entry[k] = sum[k];
+                for (int k = 0; k < 2; ++k) entry_powers[k] = power[k];
+                if (x == x0 + count) break;
+                const double w = weight[x - x0];
+                double square = 0;
+                for (int c = 0; c < C; ++c) {
+                    const double value = pixel[c], part = w * value;
+                    samples[c] = static_cast<float>(value);
+                    sum[c] += part;
+                    sum[lanes + c] += x * part;
+                    square += value * value;
+                }
+                sum[C] += w;
+                sum[lanes + C] += w * square;
+                power[0] += x * w;
+                power[1] += static_cast<double>(x) * x * w;
+            }
+        });
     }
 
     int width_ = 0, height_ = 0;
@@ -7195,6 +7211,174 @@ class MomentTable {
 }  // namespace hmesh::kit
 
 #endif  // HMESH_FIT_MOMENT_TABLE_HPP
+
+// ---- hmesh/fit/image_source.hpp
+
+/// \file
+/// ImageSource: an image of any pixel type, from which moment tables are made.
+///
+/// Methods work patch by patch, and each patch has a table of its own rectangle (fit/moment_table.hpp). Only this class knows
+/// the type of the samples and whether pixels have weights, so that everything above it depends on the number of channels
+/// alone.
+#ifndef HMESH_FIT_IMAGE_SOURCE_HPP
+#define HMESH_FIT_IMAGE_SOURCE_HPP
+
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+
+namespace hmesh::kit {
+
+/// An image of C channels of any pixel type, with or without weights, from which moment tables are made.
+template <int C>
+class ImageSource {
+  public:
+    /// The image of a view that check() accepts, with weights that check_weights() accepts (or none) in the unit of
+    /// weight_unit(). Both must outlive the source.
+    template <class T>
+    explicit ImageSource(const ImageView<T, C>& view, const ImageView<float, 1>& weights = {}, double unit = 1) noexcept
+        : data_(view.data), width_(view.width), height_(view.height), row_stride_(view.row_stride), weights_(weights),
+          unit_(unit), low_(PixelTraits<T>::lowest), high_(PixelTraits<T>::highest), peak_(PixelTraits<T>::peak),
+          largest_(MomentTable<C>::template largest_sample<T>()), weight_scale_(unit, view.width, view.height),
+          read_(&read_view<T>) {}
+
+    /// The same weights with other pixels, an image of the same size.
+    template <class T>
+    [[nodiscard]] ImageSource with_pixels(const ImageView<T, C>& view) const noexcept {
+        return ImageSource(view, weights_, unit_).with_periodic(periodic_, has_straight_seams_).with_samples(samples_);
+    }
+    /// The same image, whose samples are these: of points there are two at least along each axis, and they do not repeat.
+    [[nodiscard]] ImageSource with_samples(Samples samples) const noexcept {
+        ImageSource out = *this;
+        out.samples_ = samples;
+        return out;
+    }
+    /// The same image, which repeats along these axes. `straight`: edges of meshes run along the lines where it does.
+    [[nodiscard]] ImageSource with_periodic(Periodic periodic, bool straight) const noexcept {
+        ImageSource out = *this;
+        out.periodic_ = periodic;
+        out.has_straight_seams_ = straight && periodic != Periodic::none;
+        return out;
+    }
+    /// The same image with its channels scaled and rounded to 16 bits. The scale must outlive the source.
+    [[nodiscard]] ImageSource with_scale(const ChannelScale<C>& scale) const noexcept {
+        ImageSource out = *this;
+        out.scale_ = &scale;
+        out.low_ = 0;
+        out.high_ = out.peak_ = out.largest_ = 65535;
+        return out;
+    }
+    /// How stored values became the samples; null: they are the samples.
+    [[nodiscard]] const ChannelScale<C>* scale() const noexcept { return scale_; }
+
+    [[nodiscard]] int width() const noexcept { return width_; }                                     ///< px
+    [[nodiscard]] int height() const noexcept { return height_; }                                   ///< px
+    [[nodiscard]] double pixels() const noexcept { return static_cast<double>(width_) * height_; }  ///< number of pixels
+    [[nodiscard]] double low() const noexcept { return low_; }              ///< smallest colour of the pixel type
+    [[nodiscard]] double high() const noexcept { return high_; }            ///< largest colour of the pixel type
+    [[nodiscard]] Periodic periodic() const noexcept { return periodic_; }  ///< along which axes the image repeats
+    [[nodiscard]] Samples samples() const noexcept { return samples_; }     ///< where the samples stand
+    /// Whether the lines where the image repeats are edges of its meshes.
+    [[nodiscard]] bool has_straight_seams() const noexcept { return has_straight_seams_; }
+    /// Whether samples are whole numbers, so that sums of them are exact.
+    [[nodiscard]] bool is_integer() const noexcept { return largest_ <= 65535; }
+    [[nodiscard]] double peak() const noexcept { return peak_; }  ///< value of full intensity
+
+    /// The moment table of a rectangle of the image, which may reach beyond it along the axes of periodic(). Bands of its rows
+    /// are pieces of work.
+    [[nodiscard]] HMESH_COLD MomentTable<C> table(const Rect& rect, const ParallelFor& parallel_for = {}) const {
+        MomentTable<C> table(
+            rect, [this](int x, int y, int count, double* to) { read(x, y, count, to); },
+            [this](int x, int y, int count, double* to) { read_weights(x, y, count, to); }, {largest_, is_weighted()}, parallel_for);
+        if (samples_ == Samples::points) {
+            const FarSides sides = far_sides(width_, height_, samples_);
+            table.set_far_sides({sides.right - rect.x, sides.bottom - rect.y});
+        }
+        return table;
+    }
+
+    /// Writes the samples of the `count` pixels from (x, y) to the right, pixel after pixel, as a PixelReader does. They may lie
+    /// beyond the image along the axes of periodic().
+    void read(int x, int y, int count, double* to) const noexcept {
+        for_each_part(x, y, count, [&](int from, int row, int part) {
+            read_(*this, from, row, part, to);
+            if (scale_ != nullptr) scale_->to_samples(to, part);
+            to += std::ptrdiff_t{C} * part;
+        });
+    }
+    /// Writes how often these pixels count, as WeightScale rounds it; only if is_weighted().
+    void read_weights(int x, int y, int count, double* to) const noexcept {
+        for_each_part(x, y, count, [&](int from, int row, int part) {
+            weight_scale_.read(weights_, from, row, part, to);
+            to += part;
+        });
+    }
+    /// The samples of pixel (x, y), of the nearest one or, along the axes of periodic(), of the repeated image outside of it; 0
+    /// in the lanes above them.
+    [[nodiscard]] Lanes<lanes_for(C + 1)> pixel(int x, int y) const noexcept {
+        double samples[std::size_t{C}];
+        read(place(x, width_, wraps_x(periodic_)), place(y, height_, wraps_y(periodic_)), 1, samples);
+        auto out = Lanes<lanes_for(C + 1)>::zero();
+        for (int c = 0; c < C; ++c) out.set(c, samples[c]);
+        return out;
+    }
+    /// Writes the samples of row y, or of the one that stands for it as in pixel(), times a factor, pixel after pixel: width() *
+    /// C numbers.
+    void row(int y, double factor, double* to) const noexcept {
+        read(0, place(y, height_, wraps_y(periodic_)), width_, to);
+        for (std::ptrdiff_t i = 0; i < std::ptrdiff_t{width_} * C; ++i) to[i] *= factor;
+    }
+
+    /// Whether pixels have weights.
+    [[nodiscard]] bool is_weighted() const noexcept { return weights_.data != nullptr; }
+    /// The weight of pixel (x, y), in the unit of the weights; 1 where there are none.
+    [[nodiscard]] double weight(int x, int y) const noexcept {
+        return weights_.data == nullptr ? 1 : static_cast<double>(*weights_.pixel(x, y)) / unit_;
+    }
+
+  private:
+    /// The pixel of a side of `size` px that stands for pixel x of the plane.
+    [[nodiscard]] static int place(int x, int size, bool wraps) noexcept {
+        return wraps ? modulo(x, size) : std::max(0, std::min(size - 1, x));
+    }
+    /// Calls body(from, row, part) for the parts of a run of pixels between the lines where the image repeats, as pixels of it.
+    template <class Body>
+    HMESH_ALWAYS_INLINE void for_each_part(int x, int y, int count, Body&& body) const {
+        if (wraps_y(periodic_)) y = modulo(y, height_);
+        if (!wraps_x(periodic_)) {
+            body(x, y, count);
+            return;
+        }
+        for (int part = 0; count > 0; x += part, count -= part) {
+            const int from = modulo(x, width_);
+            part = std::min(count, width_ - from);
+            body(from, y, part);
+        }
+    }
+    template <class T>
+    static void read_view(const ImageSource& source, int x, int y, int count, double* to) noexcept {
+        const ImageView<T, C> view{static_cast<const T*>(source.data_), source.width_, source.height_, source.row_stride_};
+        read_pixels(view, x, y, count, to);
+    }
+
+    const void* data_;
+    int width_, height_;
+    std::ptrdiff_t row_stride_;
+    ImageView<float, 1> weights_;
+    double unit_;  ///< of the weights, see weight_unit()
+    double low_, high_, peak_;
+    double largest_;  ///< as MomentTable::Kind has it
+    WeightScale weight_scale_;
+    bool has_straight_seams_ = false;
+    Periodic periodic_ = Periodic::none;
+    Samples samples_ = Samples::squares;
+    void (*read_)(const ImageSource&, int, int, int, double*) noexcept;
+    const ChannelScale<C>* scale_ = nullptr;
+};
+
+}  // namespace hmesh::kit
+
+#endif  // HMESH_FIT_IMAGE_SOURCE_HPP
 
 // ---- hmesh/fit/rendered_error.hpp
 
@@ -7237,17 +7421,19 @@ struct RenderedError {
     double largest = 0;  ///< largest difference of a pixel and channel, in stored values; those of weight 0 do not count
 };
 
-/// The error of a mesh, of C channels, in the faces [first, last); else as rendered_errors().
-template <class T, int C>
-[[nodiscard]] RenderedError rendered_errors(const Mesh& mesh, std::size_t first, std::size_t last, const ImageView<T, C>& view,
-                                            const ImageView<float, 1>& weights, const WeightScale& scale,
+namespace detail {
+
+/// The error of a mesh in the faces [first, last); else as rendered_errors().
+template <int C>
+[[nodiscard]] RenderedError rendered_errors(const Mesh& mesh, std::size_t first, std::size_t last, const ImageSource<C>& source,
                                             const ChannelScale<C>& channels) {
-    const ClipRect clip{view.width, 0, view.height, far_sides(view.width, view.height, mesh.samples)};
+    constexpr int chunk = 32;  // pixels read at once
+    const ClipRect clip{source.width(), 0, source.height(), far_sides(source.width(), source.height(), mesh.samples)};
     RenderedError out;
     std::array<double, std::size_t{C}> largest{};  // of each channel
     for (std::size_t f = first; f < last; ++f) {
         const Triangle& t = mesh.faces[f];
-        const Point a = detail::position(mesh, t[0]), b = detail::position(mesh, t[1]), c = detail::position(mesh, t[2]);
+        const Point a = position(mesh, t[0]), b = position(mesh, t[1]), c = position(mesh, t[2]);
         const PixelBarycentric weights_at(a, b, c);
         std::array<double, std::size_t{C}> at_a{}, to_b{}, to_c{};
         for (std::size_t k = 0; k < C; ++k) {
@@ -7256,15 +7442,20 @@ template <class T, int C>
         }
         double energy = 0;
         for_each_span(a, b, c, clip, [&](int j, int begin, int end) {
-            const T* sample = view.pixel(begin, j);
-            const float* weight = weights.data != nullptr ? weights.pixel(begin, j) : nullptr;
-            for (int i = begin; i < end; ++i, sample += C) {
+            double samples[std::size_t{chunk} * C], weights[chunk];
+            for (int i = begin; i < end; ++i) {
+                const int place = (i - begin) % chunk;
+                if (place == 0) {
+                    source.read(i, j, std::min(chunk, end - i), samples);
+                    if (source.is_weighted()) source.read_weights(i, j, std::min(chunk, end - i), weights);
+                }
+                const double* const sample = samples + std::ptrdiff_t{C} * place;
                 const Barycentric w = weights_at(i, j);
-                const double times = weight != nullptr ? scale(weight[i - begin]) : 1;
+                const double times = source.is_weighted() ? weights[place] : 1;
                 double square = 0;
                 for (std::size_t k = 0; k < C; ++k) {
                     const double color = at_a[k] + w.b * to_b[k] + w.c * to_c[k];
-                    const double off = color - PixelTraits<T>::to_real(sample[k]), difference = channels.share[k] * off;
+                    const double off = color - sample[k], difference = channels.share[k] * off;
                     square += difference * difference;
                     largest[k] = std::max(largest[k], times > 0 ? std::abs(off) : 0);
                 }
@@ -7278,17 +7469,18 @@ template <class T, int C>
     return out;
 }
 
-/// The error of a mesh, of C channels, by the weights of pixels (`unit` as by weight_unit()) and of channels (the largest being
-/// 1). The mesh must cover the image once with faces of positive area, which may stand out of it.
-template <class T, int C>
-[[nodiscard]] RenderedError rendered_errors(const Mesh& mesh, const ImageView<T, C>& view,
-                                            const ImageView<float, 1>& weights = {}, double unit = 1,
-                                            const ParallelFor& parallel_for = {}, const ChannelScale<C>& channels = {}) {
+}  // namespace detail
+
+/// The error of a mesh, of C channels, by the weights of pixels and of channels (the largest being 1). The mesh must cover the
+/// image once with faces of positive area, which may stand out of it.
+template <int C>
+[[nodiscard]] HMESH_COLD RenderedError rendered_errors(const Mesh& mesh, const ImageSource<C>& source,
+                                                       const ParallelFor& parallel_for = {},
+                                                       const ChannelScale<C>& channels = {}) {
     constexpr std::size_t grain = 256;
-    const WeightScale scale(unit, view.width, view.height);
     std::vector<RenderedError> parts(mesh.faces.size() / grain + 1);
     for_each_chunk(parallel_for, mesh.faces.size(), grain, [&](std::size_t begin, std::size_t end) {
-        parts[begin / grain] = rendered_errors(mesh, begin, end, view, weights, scale, channels);
+        parts[begin / grain] = detail::rendered_errors(mesh, begin, end, source, channels);
     });
     RenderedError sum;
     for (const RenderedError& part : parts) {
@@ -7296,6 +7488,13 @@ template <class T, int C>
         sum.largest = std::max(sum.largest, part.largest);
     }
     return sum;
+}
+/// The same of an image's view, with `unit` as by weight_unit().
+template <class T, int C>
+[[nodiscard]] RenderedError rendered_errors(const Mesh& mesh, const ImageView<T, C>& view,
+                                            const ImageView<float, 1>& weights = {}, double unit = 1,
+                                            const ParallelFor& parallel_for = {}, const ChannelScale<C>& channels = {}) {
+    return rendered_errors(mesh, ImageSource<C>(view, weights, unit), parallel_for, channels);
 }
 
 /// The squared error alone.
@@ -7308,195 +7507,6 @@ template <class T, int C>
 }  // namespace hmesh::kit
 
 #endif  // HMESH_FIT_RENDERED_ERROR_HPP
-
-// ---- hmesh/fit/image_source.hpp
-
-/// \file
-/// ImageSource: an image of any pixel type, from which moment tables are made.
-///
-/// Methods work patch by patch, and each patch has a table of its own rectangle (fit/moment_table.hpp). Only this class knows
-/// the type of the samples and whether pixels have weights, so that everything above it depends on the number of channels
-/// alone.
-#ifndef HMESH_FIT_IMAGE_SOURCE_HPP
-#define HMESH_FIT_IMAGE_SOURCE_HPP
-
-#include <algorithm>
-#include <cstddef>
-#include <cstdint>
-
-namespace hmesh::kit {
-
-/// An image of C channels of any pixel type, with or without weights, from which moment tables are made.
-template <int C>
-class ImageSource {
-  public:
-    /// The image of a view that check() accepts, with weights that check_weights() accepts (or none) in the unit of
-    /// weight_unit(). Both must outlive the source.
-    template <class T>
-    explicit ImageSource(const ImageView<T, C>& view, const ImageView<float, 1>& weights = {}, double unit = 1) noexcept
-        : data_(view.data), width_(view.width), height_(view.height), row_stride_(view.row_stride), weights_(weights),
-          unit_(unit), low_(PixelTraits<T>::lowest), high_(PixelTraits<T>::highest), peak_(PixelTraits<T>::peak),
-          is_integer_(PixelTraits<T>::is_integer), make_(&make<T>), sample_(&sample<T>), row_(&read_row<T>), error_(&error<T>) {}
-
-    /// The same weights with other pixels, an image of the same size.
-    template <class T>
-    [[nodiscard]] ImageSource with_pixels(const ImageView<T, C>& view) const noexcept {
-        return ImageSource(view, weights_, unit_).with_periodic(periodic_, has_straight_seams_).with_samples(samples_);
-    }
-    /// The same image, whose samples are these: of points there are two at least along each axis, and they do not repeat.
-    [[nodiscard]] ImageSource with_samples(Samples samples) const noexcept {
-        ImageSource out = *this;
-        out.samples_ = samples;
-        return out;
-    }
-    /// The same image, which repeats along these axes. `straight`: edges of meshes run along the lines where it does.
-    [[nodiscard]] ImageSource with_periodic(Periodic periodic, bool straight) const noexcept {
-        ImageSource out = *this;
-        out.periodic_ = periodic;
-        out.has_straight_seams_ = straight && periodic != Periodic::none;
-        return out;
-    }
-    /// The same weights with the pixels of scale_channels(). The scale must outlive the source.
-    [[nodiscard]] ImageSource with_scaled_pixels(const ImageView<std::uint16_t, C>& view,
-                                                 const ChannelScale<C>& scale) const noexcept {
-        ImageSource out = ImageSource(view, weights_, unit_).with_periodic(periodic_, has_straight_seams_).with_samples(samples_);
-        out.scale_ = &scale;
-        return out;
-    }
-    /// How stored values became the samples; null: they are the samples.
-    [[nodiscard]] const ChannelScale<C>* scale() const noexcept { return scale_; }
-
-    [[nodiscard]] int width() const noexcept { return width_; }                                     ///< px
-    [[nodiscard]] int height() const noexcept { return height_; }                                   ///< px
-    [[nodiscard]] double pixels() const noexcept { return static_cast<double>(width_) * height_; }  ///< number of pixels
-    [[nodiscard]] double low() const noexcept { return low_; }              ///< smallest colour of the pixel type
-    [[nodiscard]] double high() const noexcept { return high_; }            ///< largest colour of the pixel type
-    [[nodiscard]] Periodic periodic() const noexcept { return periodic_; }  ///< along which axes the image repeats
-    [[nodiscard]] Samples samples() const noexcept { return samples_; }     ///< where the samples stand
-    /// Whether the lines where the image repeats are edges of its meshes.
-    [[nodiscard]] bool has_straight_seams() const noexcept { return has_straight_seams_; }
-    /// Whether samples are whole numbers, so that sums of them are exact.
-    [[nodiscard]] bool is_integer() const noexcept { return is_integer_; }
-    [[nodiscard]] double peak() const noexcept { return peak_; }  ///< value of full intensity
-
-    /// The moment table of a rectangle of the image, which may reach beyond it along the axes of periodic(). Bands of its rows
-    /// are pieces of work.
-    [[nodiscard]] MomentTable<C> table(const Rect& rect, const ParallelFor& parallel_for = {}) const {
-        MomentTable<C> table = make_(*this, rect, parallel_for);
-        if (samples_ == Samples::points) {
-            const FarSides sides = far_sides(width_, height_, samples_);
-            table.set_far_sides({sides.right - rect.x, sides.bottom - rect.y});
-        }
-        return table;
-    }
-
-    /// The error of a finished mesh as drawn, with the weights of pixels and these of channels: rendered_errors() of
-    /// fit/rendered_error.hpp. Where is_integer() and all channels count the same, the energy of the fit is exact and need not be
-    /// measured.
-    [[nodiscard]] RenderedError rendered_errors(const Mesh& mesh, const ParallelFor& parallel_for,
-                                                const ChannelScale<C>& channels = {}) const {
-        return error_(*this, mesh, parallel_for, channels);
-    }
-
-    /// The samples of pixel (x, y), of the nearest one or, along the axes of periodic(), of the repeated image outside of it; 0
-    /// in the lanes above them.
-    [[nodiscard]] HMESH_ALWAYS_INLINE Lanes<lanes_for(C + 1)> pixel(int x, int y) const noexcept {
-        Lanes<lanes_for(C + 1)> out;
-        sample_(*this, place(x, width_, wraps_x(periodic_)), place(y, height_, wraps_y(periodic_)), out);
-        return out;
-    }
-
-    /// Writes the samples of row y, or of the one that stands for it as in pixel(), times a factor, pixel after pixel: width() *
-    /// C numbers.
-    void row(int y, double factor, double* to) const noexcept { row_(*this, place(y, height_, wraps_y(periodic_)), factor, to); }
-
-    /// Whether pixels have weights.
-    [[nodiscard]] bool is_weighted() const noexcept { return weights_.data != nullptr; }
-    /// The weight of pixel (x, y), in the unit of the weights; 1 where there are none.
-    [[nodiscard]] double weight(int x, int y) const noexcept {
-        return weights_.data == nullptr ? 1 : static_cast<double>(*weights_.pixel(x, y)) / unit_;
-    }
-
-  private:
-    template <class T>
-    [[nodiscard]] ImageView<T, C> view() const noexcept {
-        return {static_cast<const T*>(data_), width_, height_, row_stride_};
-    }
-    /// The pixel of a side of `size` px that stands for pixel x of the plane.
-    [[nodiscard]] static int place(int x, int size, bool wraps) noexcept {
-        return wraps ? modulo(x, size) : std::max(0, std::min(size - 1, x));
-    }
-    /// A rectangle of the plane that a view repeats in, as an image of its own.
-    template <class T, int N>
-    [[nodiscard]] HMESH_COLD static Image<T, N> unrolled(const ImageView<T, N>& view, const Rect& rect) {
-        Image<T, N> out(rect.width, rect.height);
-        for (int y = 0; y < rect.height; ++y)
-            for (int x = 0, count = 0; x < rect.width; x += count) {
-                const int from = modulo(rect.x + x, view.width);
-                count = std::min(rect.width - x, view.width - from);
-                std::copy_n(view.pixel(from, modulo(rect.y + y, view.height)), static_cast<std::ptrdiff_t>(count) * N,
-                            out.pixel(x, y));
-            }
-        return out;
-    }
-    template <class T>
-    [[nodiscard]] static MomentTable<C> make(const ImageSource& source, const Rect& rect, const ParallelFor& parallel_for) {
-        ImageView<T, C> pixels = source.view<T>();
-        ImageView<float, 1> weights = source.weights_;
-        Rect from = rect;
-        Image<T, C> own_pixels;
-        Image<float, 1> own_weights;
-        if (rect.x < 0 || rect.y < 0 || rect.width > source.width_ - rect.x || rect.height > source.height_ - rect.y) {
-            HMESH_ASSERT(source.periodic_ != Periodic::none);
-            own_pixels = unrolled(pixels, rect);
-            pixels = own_pixels.view();
-            if (weights.data != nullptr) {
-                own_weights = unrolled(weights, rect);
-                weights = own_weights.view();
-            }
-            from = pixels.bounds();
-        }
-        return MomentTable<C>(pixels, weights, WeightScale(source.unit_, source.width_, source.height_), from, parallel_for);
-    }
-    template <class T>
-    [[nodiscard]] static RenderedError error(const ImageSource& source, const Mesh& mesh, const ParallelFor& parallel_for,
-                                             const ChannelScale<C>& channels) {
-        return kit::rendered_errors(mesh, source.view<T>(), source.weights_, source.unit_, parallel_for, channels);
-    }
-    template <class T>
-    static void sample(const ImageSource& source, int x, int y, Lanes<lanes_for(C + 1)>& out) noexcept {
-        out = Lanes<lanes_for(C + 1)>::zero();
-        const T* pixel = source.view<T>().pixel(x, y);
-        for (int c = 0; c < C; ++c) out.set(c, PixelTraits<T>::to_real(pixel[c]));
-    }
-
-    template <class T>
-    static void read_row(const ImageSource& source, int y, double factor, double* to) noexcept {
-        const T* const samples = source.view<T>().row(y);
-        const std::ptrdiff_t size = std::ptrdiff_t{source.width_} * C;
-        for (std::ptrdiff_t i = 0; i < size; ++i) to[i] = PixelTraits<T>::to_real(samples[i]) * factor;
-    }
-
-    const void* data_;
-    int width_, height_;
-    std::ptrdiff_t row_stride_;
-    ImageView<float, 1> weights_;
-    double unit_;  ///< of the weights, see weight_unit()
-    double low_, high_, peak_;
-    bool is_integer_;
-    bool has_straight_seams_ = false;
-    Periodic periodic_ = Periodic::none;
-    Samples samples_ = Samples::squares;
-    MomentTable<C> (*make_)(const ImageSource&, const Rect&, const ParallelFor&);
-    void (*sample_)(const ImageSource&, int, int, Lanes<lanes_for(C + 1)>&) noexcept;
-    void (*row_)(const ImageSource&, int, double, double*) noexcept;
-    RenderedError (*error_)(const ImageSource&, const Mesh&, const ParallelFor&, const ChannelScale<C>&);
-    const ChannelScale<C>* scale_ = nullptr;
-};
-
-}  // namespace hmesh::kit
-
-#endif  // HMESH_FIT_IMAGE_SOURCE_HPP
 
 // ---- hmesh/image/premultiply.hpp
 
@@ -14999,7 +15009,7 @@ template <int C>
     result.mesh = to_mesh(mesh, source.peak());
     const bool is_exact = source.is_integer() && scale == nullptr;
     const auto errors_of = [&](const Mesh& drawn) {
-        return scale == nullptr ? source.rendered_errors(drawn, parallel_for) : source.rendered_errors(drawn, parallel_for, *scale);
+        return kit::rendered_errors(drawn, source, parallel_for, scale == nullptr ? kit::ChannelScale<C>() : *scale);
     };
     const kit::RenderedError errors =
         is_exact ? kit::RenderedError{std::max(0.0, mesh.energy), done.max_error}  // rounding may leave less energy than nothing
@@ -15167,13 +15177,11 @@ template <class T, int C>
             .with_periodic(options.periodic, options.straight_border)
             .with_samples(options.samples);
     kit::ChannelScale<C> scale;
-    Image<std::uint16_t, C> scaled;
     std::optional<kit::ImageSource<C>> fitted;
     double channels = C;
     if (kit::differ(options.channel_weights)) {
         scale = kit::channel_scale(image, options.channel_weights);
-        scaled = kit::scale_channels(image, scale, parallel_for);
-        fitted.emplace(source.with_scaled_pixels(scaled.view(), scale));
+        fitted.emplace(source.with_scale(scale));
         channels = scale.sum();
     }
     body({&source, fitted ? &*fitted : &source, pixels * channels}, image);

@@ -743,7 +743,7 @@ HMESH_COLD void nest(const kit::ImageSource<C>& source, double samples, const Me
         if (!source.is_integer()) {
             Mesh drawn = out.mesh;
             drawn.faces = level.faces;
-            level.energy = source.rendered_errors(drawn, parallel_for).energy;
+            level.energy = kit::rendered_errors(drawn, source, parallel_for).energy;
         }
         level.psnr = kit::psnr_of_energy(level.energy, samples, source.peak());
     }

@@ -3,6 +3,7 @@
 #include <doctest/doctest.h>
 
 #include <algorithm>
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <vector>
@@ -161,4 +162,27 @@ TEST_CASE("tables of an image that repeats reach beyond it, with its weights, an
     std::vector<double> row(3 * width);
     ImageSource<3>(image.view()).with_periodic(Periodic::y, false).row(-2, 1, row.data());
     CHECK(row[4] == *(image.pixel(1, height - 2) + 1));
+}
+
+TEST_CASE("read() goes from pixel to pixel, over the lines where the image repeats, and with_scale() rounds scaled channels") {
+    const int width = 5, height = 4;
+    const auto image = hmesh_test::noise<float, 2>(width, height, 8);
+    const auto source = ImageSource<2>(image.view()).with_periodic(hmesh::Periodic::xy, false);
+    hmesh::kit::ChannelScale<2> scale;
+    scale.offset = -0.25;
+    scale.unit = 40000;
+    scale.share = {1, 0.5};
+    const auto scaled = source.with_scale(scale);
+    CHECK((!source.is_integer() && scaled.is_integer() && scaled.scale() == &scale));
+    CHECK((scaled.low() == 0 && scaled.high() == 65535 && scaled.peak() == 65535));
+    double read[2 * 13], rounded[2 * 13];
+    source.read(-7, -1, 13, read);
+    scaled.read(-7, -1, 13, rounded);
+    for (int i = 0; i < 13; ++i)
+        for (int c = 0; c < 2; ++c) {
+            const auto value = static_cast<double>(image.pixel((i + 3) % width, height - 1)[c]);
+            CHECK(read[2 * i + c] == value);
+            CHECK(rounded[2 * i + c] == std::floor((value + 0.25) * (c == 0 ? 40000 : 20000) + 0.5));
+        }
+    CHECK(scaled.table({0, 0, width, height}).is_int32() == false);  // of 16 bits
 }

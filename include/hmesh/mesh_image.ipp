@@ -17,6 +17,7 @@
 #include "hmesh/core/psnr.hpp"
 #include "hmesh/fit/image_source.hpp"
 #include "hmesh/fit/moment_table.hpp"
+#include "hmesh/fit/rendered_error.hpp"
 #include "hmesh/image/channel_weights.hpp"
 #include "hmesh/image/premultiply.hpp"
 #include "hmesh/image/weights.hpp"
@@ -106,7 +107,7 @@ template <int C>
     result.mesh = to_mesh(mesh, source.peak());
     const bool is_exact = source.is_integer() && scale == nullptr;
     const auto errors_of = [&](const Mesh& drawn) {
-        return scale == nullptr ? source.rendered_errors(drawn, parallel_for) : source.rendered_errors(drawn, parallel_for, *scale);
+        return kit::rendered_errors(drawn, source, parallel_for, scale == nullptr ? kit::ChannelScale<C>() : *scale);
     };
     const kit::RenderedError errors =
         is_exact ? kit::RenderedError{std::max(0.0, mesh.energy), done.max_error}  // rounding may leave less energy than nothing
@@ -274,13 +275,11 @@ template <class T, int C>
             .with_periodic(options.periodic, options.straight_border)
             .with_samples(options.samples);
     kit::ChannelScale<C> scale;
-    Image<std::uint16_t, C> scaled;
     std::optional<kit::ImageSource<C>> fitted;
     double channels = C;
     if (kit::differ(options.channel_weights)) {
         scale = kit::channel_scale(image, options.channel_weights);
-        scaled = kit::scale_channels(image, scale, parallel_for);
-        fitted.emplace(source.with_scaled_pixels(scaled.view(), scale));
+        fitted.emplace(source.with_scale(scale));
         channels = scale.sum();
     }
     body({&source, fitted ? &*fitted : &source, pixels * channels}, image);

@@ -16,11 +16,9 @@
 #include "hmesh/core/lanes.hpp"
 #include "hmesh/core/parallel.hpp"
 #include "hmesh/fit/moment_table.hpp"
-#include "hmesh/fit/rendered_error.hpp"
 #include "hmesh/image/channel_weights.hpp"
 #include "hmesh/image/image_view.hpp"
 #include "hmesh/image/weights.hpp"
-#include "hmesh/mesh/mesh.hpp"
 #include "hmesh/mesh/periodic.hpp"
 #include "hmesh/mesh/raster.hpp"
 #include "hmesh/mesh/samples.hpp"
@@ -39,7 +37,8 @@ class ImageSource {
     explicit ImageSource(const ImageView<T, C>& view, const ImageView<float, 1>& weights = {}, double unit = 1) noexcept
         : data_(view.data), width_(view.width), height_(view.height), row_stride_(view.row_stride), weights_(weights),
           unit_(unit), low_(PixelTraits<T>::lowest), high_(PixelTraits<T>::highest), peak_(PixelTraits<T>::peak),
-          is_integer_(PixelTraits<T>::is_integer), make_(&make<T>), sample_(&sample<T>), row_(&read_row<T>), error_(&error<T>) {}
+          largest_(MomentTable<C>::template largest_sample<T>()), weight_scale_(unit, view.width, view.height),
+          read_(&read_view<T>) {}
 
     /// The same weights with other pixels, an image of the same size.
     template <class T>
@@ -59,11 +58,12 @@ class ImageSource {
         out.has_straight_seams_ = straight && periodic != Periodic::none;
         return out;
     }
-    /// The same weights with the pixels of scale_channels(). The scale must outlive the source.
-    [[nodiscard]] ImageSource with_scaled_pixels(const ImageView<std::uint16_t, C>& view,
-                                                 const ChannelScale<C>& scale) const noexcept {
-        ImageSource out = ImageSource(view, weights_, unit_).with_periodic(periodic_, has_straight_seams_).with_samples(samples_);
+    /// The same image with its channels scaled and rounded to 16 bits. The scale must outlive the source.
+    [[nodiscard]] ImageSource with_scale(const ChannelScale<C>& scale) const noexcept {
+        ImageSource out = *this;
         out.scale_ = &scale;
+        out.low_ = 0;
+        out.high_ = out.peak_ = out.largest_ = 65535;
         return out;
     }
     /// How stored values became the samples; null: they are the samples.
@@ -79,13 +79,15 @@ class ImageSource {
     /// Whether the lines where the image repeats are edges of its meshes.
     [[nodiscard]] bool has_straight_seams() const noexcept { return has_straight_seams_; }
     /// Whether samples are whole numbers, so that sums of them are exact.
-    [[nodiscard]] bool is_integer() const noexcept { return is_integer_; }
+    [[nodiscard]] bool is_integer() const noexcept { return largest_ <= 65535; }
     [[nodiscard]] double peak() const noexcept { return peak_; }  ///< value of full intensity
 
     /// The moment table of a rectangle of the image, which may reach beyond it along the axes of periodic(). Bands of its rows
     /// are pieces of work.
-    [[nodiscard]] MomentTable<C> table(const Rect& rect, const ParallelFor& parallel_for = {}) const {
-        MomentTable<C> table = make_(*this, rect, parallel_for);
+    [[nodiscard]] HMESH_COLD MomentTable<C> table(const Rect& rect, const ParallelFor& parallel_for = {}) const {
+        MomentTable<C> table(
+            rect, [this](int x, int y, int count, double* to) { read(x, y, count, to); },
+            [this](int x, int y, int count, double* to) { read_weights(x, y, count, to); }, {largest_, is_weighted()}, parallel_for);
         if (samples_ == Samples::points) {
             const FarSides sides = far_sides(width_, height_, samples_);
             table.set_far_sides({sides.right - rect.x, sides.bottom - rect.y});
@@ -93,25 +95,37 @@ class ImageSource {
         return table;
     }
 
-    /// The error of a finished mesh as drawn, with the weights of pixels and these of channels: rendered_errors() of
-    /// fit/rendered_error.hpp. Where is_integer() and all channels count the same, the energy of the fit is exact and need not be
-    /// measured.
-    [[nodiscard]] RenderedError rendered_errors(const Mesh& mesh, const ParallelFor& parallel_for,
-                                                const ChannelScale<C>& channels = {}) const {
-        return error_(*this, mesh, parallel_for, channels);
+    /// Writes the samples of the `count` pixels from (x, y) to the right, pixel after pixel, as a PixelReader does. They may lie
+    /// beyond the image along the axes of periodic().
+    void read(int x, int y, int count, double* to) const noexcept {
+        for_each_part(x, y, count, [&](int from, int row, int part) {
+            read_(*this, from, row, part, to);
+            if (scale_ != nullptr) scale_->to_samples(to, part);
+            to += std::ptrdiff_t{C} * part;
+        });
     }
-
+    /// Writes how often these pixels count, as WeightScale rounds it; only if is_weighted().
+    void read_weights(int x, int y, int count, double* to) const noexcept {
+        for_each_part(x, y, count, [&](int from, int row, int part) {
+            weight_scale_.read(weights_, from, row, part, to);
+            to += part;
+        });
+    }
     /// The samples of pixel (x, y), of the nearest one or, along the axes of periodic(), of the repeated image outside of it; 0
     /// in the lanes above them.
-    [[nodiscard]] HMESH_ALWAYS_INLINE Lanes<lanes_for(C + 1)> pixel(int x, int y) const noexcept {
-        Lanes<lanes_for(C + 1)> out;
-        sample_(*this, place(x, width_, wraps_x(periodic_)), place(y, height_, wraps_y(periodic_)), out);
+    [[nodiscard]] Lanes<lanes_for(C + 1)> pixel(int x, int y) const noexcept {
+        double samples[std::size_t{C}];
+        read(place(x, width_, wraps_x(periodic_)), place(y, height_, wraps_y(periodic_)), 1, samples);
+        auto out = Lanes<lanes_for(C + 1)>::zero();
+        for (int c = 0; c < C; ++c) out.set(c, samples[c]);
         return out;
     }
-
     /// Writes the samples of row y, or of the one that stands for it as in pixel(), times a factor, pixel after pixel: width() *
     /// C numbers.
-    void row(int y, double factor, double* to) const noexcept { row_(*this, place(y, height_, wraps_y(periodic_)), factor, to); }
+    void row(int y, double factor, double* to) const noexcept {
+        read(0, place(y, height_, wraps_y(periodic_)), width_, to);
+        for (std::ptrdiff_t i = 0; i < std::ptrdiff_t{width_} * C; ++i) to[i] *= factor;
+    }
 
     /// Whether pixels have weights.
     [[nodiscard]] bool is_weighted() const noexcept { return weights_.data != nullptr; }
@@ -121,63 +135,28 @@ class ImageSource {
     }
 
   private:
-    template <class T>
-    [[nodiscard]] ImageView<T, C> view() const noexcept {
-        return {static_cast<const T*>(data_), width_, height_, row_stride_};
-    }
     /// The pixel of a side of `size` px that stands for pixel x of the plane.
     [[nodiscard]] static int place(int x, int size, bool wraps) noexcept {
         return wraps ? modulo(x, size) : std::max(0, std::min(size - 1, x));
     }
-    /// A rectangle of the plane that a view repeats in, as an image of its own.
-    template <class T, int N>
-    [[nodiscard]] HMESH_COLD static Image<T, N> unrolled(const ImageView<T, N>& view, const Rect& rect) {
-        Image<T, N> out(rect.width, rect.height);
-        for (int y = 0; y < rect.height; ++y)
-            for (int x = 0, count = 0; x < rect.width; x += count) {
-                const int from = modulo(rect.x + x, view.width);
-                count = std::min(rect.width - x, view.width - from);
-                std::copy_n(view.pixel(from, modulo(rect.y + y, view.height)), static_cast<std::ptrdiff_t>(count) * N,
-                            out.pixel(x, y));
-            }
-        return out;
-    }
-    template <class T>
-    [[nodiscard]] static MomentTable<C> make(const ImageSource& source, const Rect& rect, const ParallelFor& parallel_for) {
-        ImageView<T, C> pixels = source.view<T>();
-        ImageView<float, 1> weights = source.weights_;
-        Rect from = rect;
-        Image<T, C> own_pixels;
-        Image<float, 1> own_weights;
-        if (rect.x < 0 || rect.y < 0 || rect.width > source.width_ - rect.x || rect.height > source.height_ - rect.y) {
-            HMESH_ASSERT(source.periodic_ != Periodic::none);
-            own_pixels = unrolled(pixels, rect);
-            pixels = own_pixels.view();
-            if (weights.data != nullptr) {
-                own_weights = unrolled(weights, rect);
-                weights = own_weights.view();
-            }
-            from = pixels.bounds();
+    /// Calls body(from, row, part) for the parts of a run of pixels between the lines where the image repeats, as pixels of it.
+    template <class Body>
+    HMESH_ALWAYS_INLINE void for_each_part(int x, int y, int count, Body&& body) const {
+        if (wraps_y(periodic_)) y = modulo(y, height_);
+        if (!wraps_x(periodic_)) {
+            body(x, y, count);
+            return;
         }
-        return MomentTable<C>(pixels, weights, WeightScale(source.unit_, source.width_, source.height_), from, parallel_for);
+        for (int part = 0; count > 0; x += part, count -= part) {
+            const int from = modulo(x, width_);
+            part = std::min(count, width_ - from);
+            body(from, y, part);
+        }
     }
     template <class T>
-    [[nodiscard]] static RenderedError error(const ImageSource& source, const Mesh& mesh, const ParallelFor& parallel_for,
-                                             const ChannelScale<C>& channels) {
-        return kit::rendered_errors(mesh, source.view<T>(), source.weights_, source.unit_, parallel_for, channels);
-    }
-    template <class T>
-    static void sample(const ImageSource& source, int x, int y, Lanes<lanes_for(C + 1)>& out) noexcept {
-        out = Lanes<lanes_for(C + 1)>::zero();
-        const T* pixel = source.view<T>().pixel(x, y);
-        for (int c = 0; c < C; ++c) out.set(c, PixelTraits<T>::to_real(pixel[c]));
-    }
-
-    template <class T>
-    static void read_row(const ImageSource& source, int y, double factor, double* to) noexcept {
-        const T* const samples = source.view<T>().row(y);
-        const std::ptrdiff_t size = std::ptrdiff_t{source.width_} * C;
-        for (std::ptrdiff_t i = 0; i < size; ++i) to[i] = PixelTraits<T>::to_real(samples[i]) * factor;
+    static void read_view(const ImageSource& source, int x, int y, int count, double* to) noexcept {
+        const ImageView<T, C> view{static_cast<const T*>(source.data_), source.width_, source.height_, source.row_stride_};
+        read_pixels(view, x, y, count, to);
     }
 
     const void* data_;
@@ -186,14 +165,12 @@ class ImageSource {
     ImageView<float, 1> weights_;
     double unit_;  ///< of the weights, see weight_unit()
     double low_, high_, peak_;
-    bool is_integer_;
+    double largest_;  ///< as MomentTable::Kind has it
+    WeightScale weight_scale_;
     bool has_straight_seams_ = false;
     Periodic periodic_ = Periodic::none;
     Samples samples_ = Samples::squares;
-    MomentTable<C> (*make_)(const ImageSource&, const Rect&, const ParallelFor&);
-    void (*sample_)(const ImageSource&, int, int, Lanes<lanes_for(C + 1)>&) noexcept;
-    void (*row_)(const ImageSource&, int, double, double*) noexcept;
-    RenderedError (*error_)(const ImageSource&, const Mesh&, const ParallelFor&, const ChannelScale<C>&);
+    void (*read_)(const ImageSource&, int, int, int, double*) noexcept;
     const ChannelScale<C>* scale_ = nullptr;
 };
 

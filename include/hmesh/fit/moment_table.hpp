@@ -69,30 +69,50 @@ class MomentTable {
     template <class T>
     MomentTable(const ImageView<T, C>& view, const ImageView<float, 1>& weights, const WeightScale& scale, const Rect& rect,
                 const ParallelFor& parallel_for = {})
-        : width_(rect.width), height_(rect.height), weighted_(weights.data != nullptr),
-          int32_(!weighted_ && fits_32_bits<T>(rect.width)) {
-        HMESH_ASSERT(rect.x >= 0 && rect.y >= 0 && rect.width >= 1 && rect.height >= 1);
+        : MomentTable(rect, [&](int x, int y, int count, double* to) { read_pixels(view, x, y, count, to); },
+                      [&](int x, int y, int count, double* to) { scale.read(weights, x, y, count, to); },
+                      {largest_sample<T>(), weights.data != nullptr}, parallel_for) {
+        HMESH_ASSERT(rect.x >= 0 && rect.y >= 0);
         HMESH_ASSERT(rect.width <= view.width - rect.x && rect.height <= view.height - rect.y);
         HMESH_ASSERT(!weighted_ || (weights.width == view.width && weights.height == view.height));
+    }
+
+    /// What is known of the pixels of a table.
+    struct Kind {
+        double largest;    ///< the largest magnitude of a sample where all are whole numbers; infinite: they are not
+        bool is_weighted;  ///< whether pixels have weights
+    };
+    /// The table of the pixels of `rect`, from wherever they are read. `weights` are as WeightScale rounds them, and only read
+    /// where there are some. Both are called on any thread.
+    MomentTable(const Rect& rect, PixelReader pixels, PixelReader weights, const Kind& kind, const ParallelFor& parallel_for = {})
+        : width_(rect.width), height_(rect.height), weighted_(kind.is_weighted),
+          int32_(!weighted_ && fits_32_bits(rect.width, kind.largest)) {
+        HMESH_ASSERT(rect.width >= 1 && rect.height >= 1);
         strip_size_ = static_cast<std::size_t>(height_) * strip_width * entry_size;
         // Sizes beyond PTRDIFF_MAX become the largest allocation, so that new[] throws std::bad_alloc.
         const std::size_t size = fits_memory(width_, height_) ? (static_cast<std::size_t>(width_) / strip_width + 1) * strip_size_
                                                               : std::numeric_limits<std::ptrdiff_t>::max() / sizeof(double);
-        // Not initialised: fill writes all that is ever read.
+        // Not initialised: what is ever read is written first.
         size_ = size;
-        if (int32_) {
-            int32_entries_.reset(new std::int32_t[size]);
-            fill(view, rect, parallel_for, int32_entries_.get());
-            return;
+        if (int32_) int32_entries_.reset(new std::int32_t[size]);
+        else float64_entries_.reset(new double[size]);
+        if (weighted_) {
+            x_moment_entries_.reset(new double[size / lanes]);
+            samples_.reset(new float[sample_count()]);
         }
-        float64_entries_.reset(new double[size]);
-        if (!weighted_) {
-            fill(view, rect, parallel_for, float64_entries_.get());
-            return;
-        }
-        x_moment_entries_.reset(new double[size / lanes]);
-        samples_.reset(new float[sample_count()]);
-        for_each_row(parallel_for, [&](int y) { fill_weighted_row(view, weights, scale, rect, y); });
+        for_each_chunk(parallel_for, static_cast<std::size_t>(height_), band, [&](std::size_t first, std::size_t last) {
+            const int begin = static_cast<int>(first), end = static_cast<int>(last);
+            if (int32_) fill(rect, pixels, begin, end, int32_entries_.get());
+            else if (!weighted_) fill(rect, pixels, begin, end, float64_entries_.get());
+            else fill_weighted(rect, pixels, weights, begin, end);
+        });
+    }
+    /// What Kind::largest is of samples of a type.
+    template <class T>
+    [[nodiscard]] static constexpr double largest_sample() noexcept {
+        using Traits = PixelTraits<T>;
+        if constexpr (!Traits::is_integer) return std::numeric_limits<double>::infinity();
+        else return std::max(Traits::highest, -Traits::lowest);
     }
 
     /// Whether a table of the largest kind for width x height >= 1 pixels has at most `most` bytes, by default what can be
@@ -168,14 +188,12 @@ class MomentTable {
     static constexpr int strip_width = 2;
     static constexpr std::size_t numbers = entry_size;  ///< entry_size as the size of an array
     static constexpr std::size_t band = 64;             ///< rows that are a piece of work
+    static constexpr int chunk = 8;                     ///< pixels read at once
 
     /// Whether all sums over rows of this width fit 32-bit integers.
-    template <class T>
-    [[nodiscard]] static bool fits_32_bits(int width) noexcept {
-        if constexpr (!PixelTraits<T>::is_integer) return false;
-        const double w = width, highest = std::max(PixelTraits<T>::highest, -PixelTraits<T>::lowest);
+    [[nodiscard]] static bool fits_32_bits(double width, double sample) noexcept {
         const double largest = 2147483647.0;
-        return highest * w * (w - 1) / 2 <= largest && C * highest * highest * w <= largest;
+        return sample * width * (width - 1) / 2 <= largest && C * sample * sample * width <= largest;
     }
 
     [[nodiscard]] std::size_t sample_offset(int x, int y) const noexcept {
@@ -183,75 +201,70 @@ class MomentTable {
     }
     [[nodiscard]] std::size_t sample_count() const noexcept { return sample_offset(0, height_); }
 
+    /// Calls body(y, x0, count, samples) for the pixels of the rows [begin, end), `count` <= chunk of them from column x0 on,
+    /// chunk after chunk, because the rows of a strip of columns follow each other in memory, 64 of them in a page for 8-bit RGB:
+    /// takes a third of the time of row by row.
     template <class Body>
-    void for_each_row(const ParallelFor& parallel_for, Body&& body) const {
-        for_each_chunk(parallel_for, static_cast<std::size_t>(height_), band, [&](std::size_t begin, std::size_t end) {
-            for (std::size_t y = begin; y < end; ++y) body(static_cast<int>(y));
-        });
-    }
-
-    template <class T, class N>
-    void fill(const ImageView<T, C>& view, const Rect& rect, const ParallelFor& parallel_for, N* entries) const {
-        for_each_chunk(parallel_for, static_cast<std::size_t>(height_), band, [&](std::size_t begin, std::size_t end) {
-            fill_band(view, rect, static_cast<int>(begin), static_cast<int>(end), entries);
-        });
-    }
-
-    /// Strip by strip, because the rows of a strip follow each other in memory, 64 of them in a page for 8-bit RGB: takes a third
-    /// of the time of row by row.
-    template <class T, class N>
-    void fill_band(const ImageView<T, C>& view, const Rect& rect, int begin, int end, N* entries) const {
-        N sums[band][numbers] = {};
-        for (int x0 = 0; x0 <= width_; x0 += strip_width) {
-            N* entry = entries + offset(x0, begin);
+    HMESH_ALWAYS_INLINE void for_each_run(const Rect& rect, PixelReader pixels, int begin, int end, Body&& body) const {
+        double samples[chunk * std::size_t{C}];
+        for (int x0 = 0; x0 < width_; x0 += chunk)
             for (int y = begin; y < end; ++y) {
-                N* const sum = sums[y - begin];
-                const T* const pixels = view.pixel(rect.x, rect.y + y);
-                for (int x = x0; x < x0 + strip_width; ++x, entry += entry_size) {
-                    for (int k = 0; k < entry_size; ++k) entry[k] = sum[k];
-                    if (x >= width_) continue;
-                    const T* const pixel = pixels + static_cast<std::ptrdiff_t>(x) * C;
-                    N square = 0;
-                    for (int c = 0; c < C; ++c) {
-                        const N value = static_cast<N>(PixelTraits<T>::to_real(pixel[c]));
-                        sum[c] += value;
-                        sum[lanes + c] += static_cast<N>(x) * value;
-                        square += value * value;
-                    }
-                    sum[C] += 1;
-                    sum[lanes + C] += square;
-                }
+                const int count = std::min(width_ - x0, static_cast<int>(chunk));
+                pixels(rect.x + x0, rect.y + y, count, samples);
+                body(y, x0, count, samples);
             }
-        }
     }
 
-    template <class T>
-    void fill_weighted_row(const ImageView<T, C>& view, const ImageView<float, 1>& weights, const WeightScale& scale,
-                           const Rect& rect, int y) const {
-        const T* pixel = view.pixel(rect.x, rect.y + y);
-        const float* weight = weights.pixel(rect.x, rect.y + y);
-        float* samples = samples_.get() + sample_offset(0, y);
-        double sum[numbers] = {}, powers[2] = {};
-        for (int x = 0;; ++x, pixel += C, samples += C, ++weight) {
-            double* entry = float64_entries_.get() + offset(x, y);
-            double* entry_powers = x_moment_entries_.get() + offset(x, y) / lanes;
-            for (int k = 0; k < entry_size; ++k) entry[k] = sum[k];
-            for (int k = 0; k < 2; ++k) entry_powers[k] = powers[k];
-            if (x == width_) break;
-            const double w = scale(*weight);
-            double square = 0;
-            for (int c = 0; c < C; ++c) {
-                const double value = PixelTraits<T>::to_real(pixel[c]), part = w * value;
-                samples[c] = static_cast<float>(value);
-                sum[c] += part;
-                sum[lanes + c] += x * part;
-                square += value * value;
+    template <class N>
+    void fill(const Rect& rect, PixelReader pixels, int begin, int end, N* entries) const {
+        N sums[band][numbers] = {};
+        for_each_run(rect, pixels, begin, end, [&](int y, int x0, int count, const double* pixel) {
+            N* const sum = sums[y - begin];
+            for (int x = x0;; ++x, pixel += C) {
+                N* const entry = entries + offset(x, y);
+                for (int k = 0; k < entry_size; ++k) entry[k] = sum[k];
+                if (x == x0 + count) break;
+                N square = 0;
+                for (int c = 0; c < C; ++c) {
+                    const N value = static_cast<N>(pixel[c]);
+                    sum[c] += value;
+                    sum[lanes + c] += static_cast<N>(x) * value;
+                    square += value * value;
+                }
+                sum[C] += 1;
+                sum[lanes + C] += square;
             }
-            sum[C] += w;
-            sum[lanes + C] += w * square;
-            powers[0] += x * w;
-            powers[1] += static_cast<double>(x) * x * w;
-        }
+        });
+    }
+
+    void fill_weighted(const Rect& rect, PixelReader pixels, PixelReader weights, int begin, int end) const {
+        double sums[band][numbers] = {}, powers[band][2] = {};
+        for_each_run(rect, pixels, begin, end, [&](int y, int x0, int count, const double* pixel) {
+            double *const sum = sums[y - begin], *const power = powers[y - begin];
+            double weight[chunk];
+            weights(rect.x + x0, rect.y + y, count, weight);
+            float* samples = samples_.get() + sample_offset(x0, y);
+            for (int x = x0;; ++x, pixel += C, samples += C) {
+                double* const entry = float64_entries_.get() + offset(x, y);
+                double* const entry_powers = x_moment_entries_.get() + offset(x, y) / lanes;
+                for (int k = 0; k < entry_size; ++k) entry[k] = sum[k];
+                for (int k = 0; k < 2; ++k) entry_powers[k] = power[k];
+                if (x == x0 + count) break;
+                const double w = weight[x - x0];
+                double square = 0;
+                for (int c = 0; c < C; ++c) {
+                    const double value = pixel[c], part = w * value;
+                    samples[c] = static_cast<float>(value);
+                    sum[c] += part;
+                    sum[lanes + c] += x * part;
+                    square += value * value;
+                }
+                sum[C] += w;
+                sum[lanes + C] += w * square;
+                power[0] += x * w;
+                power[1] += static_cast<double>(x) * x * w;
+            }
+        });
     }
 
     int width_ = 0, height_ = 0;

@@ -14,7 +14,9 @@
 #include <cstdint>
 #include <vector>
 
+#include "hmesh/core/compiler.hpp"
 #include "hmesh/core/parallel.hpp"
+#include "hmesh/fit/image_source.hpp"
 #include "hmesh/image/channel_weights.hpp"
 #include "hmesh/image/image_view.hpp"
 #include "hmesh/image/weights.hpp"
@@ -48,17 +50,19 @@ struct RenderedError {
     double largest = 0;  ///< largest difference of a pixel and channel, in stored values; those of weight 0 do not count
 };
 
-/// The error of a mesh, of C channels, in the faces [first, last); else as rendered_errors().
-template <class T, int C>
-[[nodiscard]] RenderedError rendered_errors(const Mesh& mesh, std::size_t first, std::size_t last, const ImageView<T, C>& view,
-                                            const ImageView<float, 1>& weights, const WeightScale& scale,
+namespace detail {
+
+/// The error of a mesh in the faces [first, last); else as rendered_errors().
+template <int C>
+[[nodiscard]] RenderedError rendered_errors(const Mesh& mesh, std::size_t first, std::size_t last, const ImageSource<C>& source,
                                             const ChannelScale<C>& channels) {
-    const ClipRect clip{view.width, 0, view.height, far_sides(view.width, view.height, mesh.samples)};
+    constexpr int chunk = 32;  // pixels read at once
+    const ClipRect clip{source.width(), 0, source.height(), far_sides(source.width(), source.height(), mesh.samples)};
     RenderedError out;
     std::array<double, std::size_t{C}> largest{};  // of each channel
     for (std::size_t f = first; f < last; ++f) {
         const Triangle& t = mesh.faces[f];
-        const Point a = detail::position(mesh, t[0]), b = detail::position(mesh, t[1]), c = detail::position(mesh, t[2]);
+        const Point a = position(mesh, t[0]), b = position(mesh, t[1]), c = position(mesh, t[2]);
         const PixelBarycentric weights_at(a, b, c);
         std::array<double, std::size_t{C}> at_a{}, to_b{}, to_c{};
         for (std::size_t k = 0; k < C; ++k) {
@@ -67,15 +71,20 @@ template <class T, int C>
         }
         double energy = 0;
         for_each_span(a, b, c, clip, [&](int j, int begin, int end) {
-            const T* sample = view.pixel(begin, j);
-            const float* weight = weights.data != nullptr ? weights.pixel(begin, j) : nullptr;
-            for (int i = begin; i < end; ++i, sample += C) {
+            double samples[std::size_t{chunk} * C], weights[chunk];
+            for (int i = begin; i < end; ++i) {
+                const int place = (i - begin) % chunk;
+                if (place == 0) {
+                    source.read(i, j, std::min(chunk, end - i), samples);
+                    if (source.is_weighted()) source.read_weights(i, j, std::min(chunk, end - i), weights);
+                }
+                const double* const sample = samples + std::ptrdiff_t{C} * place;
                 const Barycentric w = weights_at(i, j);
-                const double times = weight != nullptr ? scale(weight[i - begin]) : 1;
+                const double times = source.is_weighted() ? weights[place] : 1;
                 double square = 0;
                 for (std::size_t k = 0; k < C; ++k) {
                     const double color = at_a[k] + w.b * to_b[k] + w.c * to_c[k];
-                    const double off = color - PixelTraits<T>::to_real(sample[k]), difference = channels.share[k] * off;
+                    const double off = color - sample[k], difference = channels.share[k] * off;
                     square += difference * difference;
                     largest[k] = std::max(largest[k], times > 0 ? std::abs(off) : 0);
                 }
@@ -89,17 +98,18 @@ template <class T, int C>
     return out;
 }
 
-/// The error of a mesh, of C channels, by the weights of pixels (`unit` as by weight_unit()) and of channels (the largest being
-/// 1). The mesh must cover the image once with faces of positive area, which may stand out of it.
-template <class T, int C>
-[[nodiscard]] RenderedError rendered_errors(const Mesh& mesh, const ImageView<T, C>& view,
-                                            const ImageView<float, 1>& weights = {}, double unit = 1,
-                                            const ParallelFor& parallel_for = {}, const ChannelScale<C>& channels = {}) {
+}  // namespace detail
+
+/// The error of a mesh, of C channels, by the weights of pixels and of channels (the largest being 1). The mesh must cover the
+/// image once with faces of positive area, which may stand out of it.
+template <int C>
+[[nodiscard]] HMESH_COLD RenderedError rendered_errors(const Mesh& mesh, const ImageSource<C>& source,
+                                                       const ParallelFor& parallel_for = {},
+                                                       const ChannelScale<C>& channels = {}) {
     constexpr std::size_t grain = 256;
-    const WeightScale scale(unit, view.width, view.height);
     std::vector<RenderedError> parts(mesh.faces.size() / grain + 1);
     for_each_chunk(parallel_for, mesh.faces.size(), grain, [&](std::size_t begin, std::size_t end) {
-        parts[begin / grain] = rendered_errors(mesh, begin, end, view, weights, scale, channels);
+        parts[begin / grain] = detail::rendered_errors(mesh, begin, end, source, channels);
     });
     RenderedError sum;
     for (const RenderedError& part : parts) {
@@ -107,6 +117,13 @@ template <class T, int C>
         sum.largest = std::max(sum.largest, part.largest);
     }
     return sum;
+}
+/// The same of an image's view, with `unit` as by weight_unit().
+template <class T, int C>
+[[nodiscard]] RenderedError rendered_errors(const Mesh& mesh, const ImageView<T, C>& view,
+                                            const ImageView<float, 1>& weights = {}, double unit = 1,
+                                            const ParallelFor& parallel_for = {}, const ChannelScale<C>& channels = {}) {
+    return rendered_errors(mesh, ImageSource<C>(view, weights, unit), parallel_for, channels);
 }
 
 /// The squared error alone.

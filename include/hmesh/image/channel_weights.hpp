@@ -17,7 +17,6 @@
 
 #include "hmesh/core/compiler.hpp"
 #include "hmesh/core/finite.hpp"
-#include "hmesh/core/parallel.hpp"
 #include "hmesh/core/status.hpp"
 #include "hmesh/image/image_view.hpp"
 
@@ -73,6 +72,11 @@ struct ChannelScale {
     void to_scaled(Color& color) const noexcept {
         for (int c = 0; c < C; ++c) color.set(c, (color[c] - offset) * factor(c));
     }
+    /// Scales the stored values of pixels that follow each other, and rounds them to the whole numbers in [0, 65535].
+    void to_samples(double* values, int pixels) const noexcept {
+        for (int i = 0; i < pixels; ++i, values += C)
+            for (int c = 0; c < C; ++c) values[c] = static_cast<double>(static_cast<int>((values[c] - offset) * factor(c) + 0.5));
+    }
     /// The way back; channels of weight 0 become `offset`.
     template <class Color>
     void to_stored(Color& color) const noexcept {
@@ -102,24 +106,6 @@ template <class T, int C>
     if (high > low) scale.unit = 65535 / (high - low);
     scale.share = channel_shares<C>(weights);
     return scale;
-}
-
-/// The image with its channels scaled and rounded to 16 bits.
-template <class T, int C>
-[[nodiscard]] HMESH_COLD Image<std::uint16_t, C> scale_channels(const ImageView<T, C>& view, const ChannelScale<C>& scale,
-                                                                const ParallelFor& parallel_for = {}) {
-    Image<std::uint16_t, C> out(view.width, view.height);
-    for_each_chunk(parallel_for, static_cast<std::size_t>(view.height), 32, [&](std::size_t begin, std::size_t end) {
-        for (std::size_t y = begin; y < end; ++y) {
-            const T* from = view.row(static_cast<int>(y));
-            std::uint16_t* to = out.pixel(0, static_cast<int>(y));
-            for (int x = 0; x < view.width; ++x, from += C, to += C)
-                for (std::size_t c = 0; c < C; ++c)
-                    to[c] = static_cast<std::uint16_t>(
-                        (PixelTraits<T>::to_real(from[c]) - scale.offset) * (scale.unit * scale.share[c]) + 0.5);
-        }
-    });
-    return out;
 }
 
 }  // namespace hmesh::kit

@@ -177,6 +177,17 @@ template <class T, int C>
 
 namespace kit {
 
+/// Reads pixels of any sample type as real numbers, so that what works on them is compiled once: writes the samples of the
+/// `count` pixels from (x, y) to the right, pixel after pixel, to to[0] .. to[count * C - 1].
+using PixelReader = FunctionRef<void(int x, int y, int count, double* to)>;
+
+/// Reads pixels of a view as a PixelReader does, all of which must lie in it.
+template <class T, int C>
+void read_pixels(const ImageView<T, C>& view, int x, int y, int count, double* to) noexcept {
+    const T* const from = view.pixel(x, y);
+    for (int i = 0; i < count * C; ++i) to[i] = PixelTraits<T>::to_real(from[i]);
+}
+
 /// Whether all samples are finite as floats, which is what meshes hold; otherwise not_finite. Costs nothing for integer
 /// samples.
 template <class T, int C>

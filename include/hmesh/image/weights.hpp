@@ -88,6 +88,11 @@ class WeightScale {
     [[nodiscard]] double operator()(float weight) const noexcept {
         return std::floor(factor_ * static_cast<double>(weight) + 0.5) * step_;
     }
+    /// Reads weights of an image as a PixelReader does, scaled and rounded.
+    void read(const ImageView<float, 1>& weights, int x, int y, int count, double* to) const noexcept {
+        const float* const from = weights.pixel(x, y);
+        for (int i = 0; i < count; ++i) to[i] = (*this)(from[i]);
+    }
 
   private:
     double step_ = 1, factor_ = 1;

@@ -21,6 +21,7 @@
 #include "hmesh/edit/move.hpp"
 #include "hmesh/fit/image_mesh.hpp"
 #include "hmesh/fit/image_source.hpp"
+#include "hmesh/fit/rendered_error.hpp"
 #include "hmesh/methods/annealed/annealed.hpp"
 #include "hmesh/methods/stage.hpp"
 #include "hmesh/solve/bounded_colors.hpp"
@@ -270,7 +271,7 @@ HMESH_COLD void nest(const kit::ImageSource<C>& source, double samples, const Me
         if (!source.is_integer()) {
             Mesh drawn = out.mesh;
             drawn.faces = level.faces;
-            level.energy = source.rendered_errors(drawn, parallel_for).energy;
+            level.energy = kit::rendered_errors(drawn, source, parallel_for).energy;
         }
         level.psnr = kit::psnr_of_energy(level.energy, samples, source.peak());
     }
