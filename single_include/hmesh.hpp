@@ -556,6 +556,91 @@ class FunctionRef<Result(Arguments...)> {
 
 #endif  // HMESH_CORE_FUNCTION_REF_HPP
 
+// ---- hmesh/mesh/coded_order.hpp
+
+/// \file
+/// Coded order: things sorted by 64-bit codes.
+///
+/// Whatever is to be sorted is told as numbers with codes, so that there is one sort to compile. It is a radix sort: O(n) for
+/// each 11 bits in which codes differ, some 3 ns a number, and things of one code stay in their order.
+#ifndef HMESH_MESH_CODED_ORDER_HPP
+#define HMESH_MESH_CODED_ORDER_HPP
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <cstring>
+#include <vector>
+
+namespace hmesh::kit {
+
+/// Something by its number, and the code that it is sorted by.
+struct Coded {
+    std::uint64_t code;    ///< the least comes first
+    std::uint32_t number;  ///< whatever the caller counts
+};
+
+/// A code for numbers of any size: of two that are not NaN, the smaller one has the smaller code, and equal ones have one code.
+[[nodiscard]] inline std::uint64_t code_of(double value) noexcept {
+    constexpr std::uint64_t sign = std::uint64_t{1} << 63U;
+    value += 0.0;  // -0 becomes 0
+    std::uint64_t bits = 0;
+    std::memcpy(&bits, &value, sizeof bits);
+    return (bits & sign) != 0 ? ~bits : bits | sign;
+}
+/// A code for two numbers: the first counts, of equal ones the second.
+[[nodiscard]] constexpr std::uint64_t code_of(std::uint32_t first, std::uint32_t second) noexcept {
+    return std::uint64_t{first} << 32U | second;
+}
+
+/// Sorts by code; items of one code stay in their order.
+HMESH_NEVER_INLINE inline void sort_by_code(std::vector<Coded>& items) {
+    if (items.empty()) return;
+    std::uint64_t differing = 0;
+    for (const Coded& item : items) differing |= item.code ^ items.front().code;
+    std::vector<Coded> sorted(items.size());
+    constexpr unsigned digit_bits = 11, digits = 1U << digit_bits;
+    for (unsigned shift = 0; shift < 64 && (differing >> shift) != 0; shift += digit_bits) {
+        if (((differing >> shift) & (digits - 1)) == 0) continue;
+        std::array<std::uint32_t, digits + 1> start{};
+        for (const Coded& item : items) ++start[((item.code >> shift) & (digits - 1)) + 1];
+        for (std::size_t k = 1; k < start.size(); ++k) start[k] += start[k - 1];
+        for (const Coded& item : items) sorted[start[(item.code >> shift) & (digits - 1)]++] = item;
+        items.swap(sorted);
+    }
+}
+
+/// The numbers 0 to count - 1 sorted by their codes, those of one code in their order.
+[[nodiscard]] HMESH_NEVER_INLINE HMESH_COLD inline std::vector<Coded> sorted_numbers(
+    std::size_t count, FunctionRef<std::uint64_t(std::uint32_t number)> code) {
+    std::vector<Coded> items(count);
+    for (std::uint32_t k = 0; k < count; ++k) items[k] = {code(k), k};
+    sort_by_code(items);
+    return items;
+}
+/// The same by two codes, the second of which counts where the first is the same.
+[[nodiscard]] HMESH_NEVER_INLINE HMESH_COLD inline std::vector<Coded> sorted_numbers(
+    std::size_t count, FunctionRef<std::uint64_t(std::uint32_t number)> first,
+    FunctionRef<std::uint64_t(std::uint32_t number)> second) {
+    std::vector<Coded> items = sorted_numbers(count, second);
+    for (Coded& item : items) item.code = first(item.number);
+    sort_by_code(items);
+    return items;
+}
+
+/// The things of these numbers, in their order.
+template <class Thing>
+[[nodiscard]] std::vector<Thing> in_order(const std::vector<Thing>& things, const std::vector<Coded>& order) {
+    std::vector<Thing> out;
+    out.reserve(order.size());
+    for (const Coded& item : order) out.push_back(things[item.number]);
+    return out;
+}
+
+}  // namespace hmesh::kit
+
+#endif  // HMESH_MESH_CODED_ORDER_HPP
+
 // ---- hmesh/core/lanes.hpp
 
 /// \file
@@ -979,6 +1064,12 @@ struct Turns {
     friend constexpr Turns operator-(Turns a, Turns b) noexcept { return {a.x - b.x, a.y - b.y}; }    ///< from b to a
 };
 
+/// A code for turns: those along x count, of equal ones those along y.
+[[nodiscard]] constexpr std::uint64_t code_of(Turns turns) noexcept {
+    constexpr std::uint32_t sign = 0x80000000U;
+    return code_of(static_cast<std::uint32_t>(turns.x) ^ sign, static_cast<std::uint32_t>(turns.y) ^ sign);
+}
+
 /// The turns from `from` to `to`, two places of one vertex.
 [[nodiscard]] inline Turns turns_between(Point from, Point to, const Torus& torus) noexcept {
     const auto along = [](double distance, int period, bool wraps) {
@@ -997,15 +1088,6 @@ struct Turns {
             wraps_y(torus.periodic) ? -static_cast<int>(std::floor((p.y - y) / torus.height)) : 0};
 }
 
-/// The numbers 0 to count - 1, sorted. Compiled once: less(a, b) must order any two.
-[[nodiscard]] HMESH_NEVER_INLINE HMESH_COLD inline std::vector<std::uint32_t> sorted_numbers(
-    std::size_t count, FunctionRef<bool(std::uint32_t a, std::uint32_t b)> less) {
-    std::vector<std::uint32_t> numbers(count);
-    for (std::size_t k = 0; k < count; ++k) numbers[k] = static_cast<std::uint32_t>(k);
-    std::sort(numbers.begin(), numbers.end(), [&](std::uint32_t a, std::uint32_t b) { return less(a, b); });
-    return numbers;
-}
-
 /// For each vertex of a sheet, the first one that is in the same place of the torus, itself where there is none before.
 /// O(n log n).
 [[nodiscard]] HMESH_COLD inline std::vector<std::uint32_t> tied_vertices(const std::vector<Point>& positions,
@@ -1013,15 +1095,13 @@ struct Turns {
     std::vector<Point> places;
     places.reserve(positions.size());
     for (const Point p : positions) places.push_back(turned(p, turns_into(p, 0, 0, torus), torus));
-    const std::vector<std::uint32_t> order = sorted_numbers(places.size(), [&](std::uint32_t a, std::uint32_t b) {
-        const Point p = places[a], q = places[b];
-        return p.x != q.x ? p.x < q.x : p.y != q.y ? p.y < q.y : a < b;
-    });
     std::vector<std::uint32_t> roots(positions.size());
-    std::uint32_t root = 0;
-    for (std::size_t k = 0; k < order.size(); ++k) {
-        if (k == 0 || places[order[k]] != places[order[k - 1]]) root = order[k];
-        roots[order[k]] = root;
+    std::uint32_t root = 0xffffffffU;
+    for (const Coded& at : sorted_numbers(
+             places.size(), [&](std::uint32_t v) { return code_of(places[v].x); },
+             [&](std::uint32_t v) { return code_of(places[v].y); })) {
+        if (root == 0xffffffffU || places[at.number] != places[root]) root = at.number;
+        roots[at.number] = root;
     }
     return roots;
 }
@@ -1040,20 +1120,15 @@ struct NumberedCopies {
 
 /// Numbers copies. O(n log n).
 [[nodiscard]] HMESH_COLD inline NumberedCopies numbered(const std::vector<VertexCopy>& copies) {
-    const std::vector<std::uint32_t> order = sorted_numbers(copies.size(), [&](std::uint32_t a, std::uint32_t b) {
-        const VertexCopy &p = copies[a], &q = copies[b];
-        return p.vertex != q.vertex     ? p.vertex < q.vertex
-               : p.turns.x != q.turns.x ? p.turns.x < q.turns.x
-               : p.turns.y != q.turns.y ? p.turns.y < q.turns.y
-                                        : a < b;
-    });
     NumberedCopies out;
     out.number.resize(copies.size());
-    for (const std::uint32_t k : order) {
-        const VertexCopy& copy = copies[k];
+    for (const Coded& at : sorted_numbers(
+             copies.size(), [&](std::uint32_t k) { return std::uint64_t{copies[k].vertex}; },
+             [&](std::uint32_t k) { return code_of(copies[k].turns); })) {
+        const VertexCopy& copy = copies[at.number];
         if (out.different.empty() || out.different.back().vertex != copy.vertex || out.different.back().turns != copy.turns)
             out.different.push_back(copy);
-        out.number[k] = static_cast<std::uint32_t>(out.different.size() - 1);
+        out.number[at.number] = static_cast<std::uint32_t>(out.different.size() - 1);
     }
     return out;
 }
@@ -1074,9 +1149,8 @@ struct TorusSide {
 [[nodiscard]] HMESH_COLD inline std::vector<TorusSide> torus_sides(const std::vector<Point>& positions,
                                                                    const std::vector<Triangle>& faces,
                                                                    const std::vector<std::uint32_t>& roots, const Torus& torus) {
-    std::vector<TorusSide> sides, sorted;
+    std::vector<TorusSide> sides;
     sides.reserve(3 * faces.size());
-    sorted.reserve(3 * faces.size());
     for (std::uint32_t corner = 0; corner < 3 * faces.size(); ++corner) {
         const Triangle& face = faces[corner / 3];
         const std::uint32_t a = face[corner % 3], b = face[corner % 3 == 2 ? 0 : corner % 3 + 1];
@@ -1088,16 +1162,9 @@ struct TorusSide {
         if (is_reversed) sides.push_back({roots[b], roots[a], at_a - at_b, at_b, corner, true});
         else sides.push_back({roots[a], roots[b], along, at_a, corner, false});
     }
-    for (const std::uint32_t k : sorted_numbers(sides.size(), [&](std::uint32_t i, std::uint32_t j) {
-             const TorusSide &a = sides[i], &b = sides[j];
-             return a.from != b.from         ? a.from < b.from
-                    : a.to != b.to           ? a.to < b.to
-                    : a.along.x != b.along.x ? a.along.x < b.along.x
-                    : a.along.y != b.along.y ? a.along.y < b.along.y
-                                             : i < j;
-         }))
-        sorted.push_back(sides[k]);
-    return sorted;
+    return in_order(sides, sorted_numbers(
+                               sides.size(), [&](std::uint32_t k) { return code_of(sides[k].from, sides[k].to); },
+                               [&](std::uint32_t k) { return code_of(sides[k].along); }));
 }
 
 namespace detail {
@@ -6997,9 +7064,10 @@ class MomentTable {
     template <class T>
     MomentTable(const ImageView<T, C>& view, const ImageView<float, 1>& weights, const WeightScale& scale, const Rect& rect,
                 const ParallelFor& parallel_for = {})
-        : MomentTable(rect, [&](int x, int y, int count, double* to) { read_pixels(view, x, y, count, to); },
-                      [&](int x, int y, int count, double* to) { scale.read(weights, x, y, count, to); },
-                      {largest_sample<T>(), weights.data != nullptr}, parallel_for) {
+        : MomentTable(
+              rect, [&](int x, int y, int count, double* to) { read_pixels(view, x, y, count, to); },
+              [&](int x, int y, int count, double* to) { scale.read(weights, x, y, count, to); },
+              {largest_sample<T>(), weights.data != nullptr}, parallel_for) {
         HMESH_ASSERT(rect.x >= 0 && rect.y >= 0);
         HMESH_ASSERT(rect.width <= view.width - rect.x && rect.height <= view.height - rect.y);
         HMESH_ASSERT(!weighted_ || (weights.width == view.width && weights.height == view.height));
@@ -7289,7 +7357,8 @@ class ImageSource {
     [[nodiscard]] HMESH_COLD MomentTable<C> table(const Rect& rect, const ParallelFor& parallel_for = {}) const {
         MomentTable<C> table(
             rect, [this](int x, int y, int count, double* to) { read(x, y, count, to); },
-            [this](int x, int y, int count, double* to) { read_weights(x, y, count, to); }, {largest_, is_weighted()}, parallel_for);
+            [this](int x, int y, int count, double* to) { read_weights(x, y, count, to); }, {largest_, is_weighted()},
+            parallel_for);
         if (samples_ == Samples::points) {
             const FarSides sides = far_sides(width_, height_, samples_);
             table.set_far_sides({sides.right - rect.x, sides.bottom - rect.y});
@@ -8938,11 +9007,10 @@ inline void HalfedgeMesh::collapse(Halfedge h) {
 /// Spatial order: elements sorted along a space-filling curve.
 ///
 /// A loop that visits neighbours in the plane one after another finds them in the cache: 1.5 times as fast as in order of index
-/// or of gain. The curve is Morton's (interleaved bits of x and y); ties go by index. A radix sort, O(n).
+/// or of gain. The curve is Morton's (interleaved bits of x and y); ties go by index. O(n).
 #ifndef HMESH_MESH_SPATIAL_ORDER_HPP
 #define HMESH_MESH_SPATIAL_ORDER_HPP
 
-#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <vector>
@@ -8967,41 +9035,27 @@ namespace detail {
     return detail::spread_bits(static_cast<std::uint32_t>(p.x)) | (detail::spread_bits(static_cast<std::uint32_t>(p.y)) << 1U);
 }
 
-/// Something by its number, with its place on the Morton curve.
-struct MortonItem {
-    std::uint32_t code;    ///< morton_code() of its position
-    std::uint32_t number;  ///< whatever the caller counts
-};
+namespace detail {
 
-/// Sorts by code; items of one code stay in their order. Three passes at most, each O(n).
-inline void sort_by_code(std::vector<MortonItem>& items) {
-    std::uint32_t all = 0;
-    for (const MortonItem& item : items) all |= item.code;
-    std::vector<MortonItem> sorted(items.size());
-    constexpr std::uint32_t digit_bits = 11, digits = 1U << digit_bits;
-    for (std::uint32_t shift = 0; shift < 32 && (all >> shift) != 0; shift += digit_bits) {
-        std::array<std::uint32_t, digits + 1> start{};
-        for (const MortonItem& item : items) ++start[((item.code >> shift) & (digits - 1)) + 1];
-        for (std::size_t k = 1; k < start.size(); ++k) start[k] += start[k - 1];
-        for (const MortonItem& item : items) sorted[start[(item.code >> shift) & (digits - 1)]++] = item;
-        items.swap(sorted);
-    }
+[[nodiscard]] constexpr std::size_t number_of(std::size_t number) noexcept { return number; }
+template <class Kind>
+[[nodiscard]] constexpr std::size_t number_of(Handle<Kind> handle) noexcept {
+    return handle.index();
 }
 
-/// The `count` elements of a range, sorted by the Morton code of position(element), the position of an element in px.
-template <class Element, class Range, class Position>
-[[nodiscard]] std::vector<Element> in_spatial_order(const Range& range, std::size_t count, Position&& position) {
-    std::vector<MortonItem> items;
-    std::vector<Element> elements, sorted;
+}  // namespace detail
+
+/// The `count` elements of a range, handles or numbers below 2^32, sorted by the Morton code of position(element), the position of
+/// an element in px.
+template <class Element, class Range>
+[[nodiscard]] std::vector<Element> in_spatial_order(const Range& range, std::size_t count, FunctionRef<Point(Element)> position) {
+    std::vector<Coded> items;
     items.reserve(count);
-    elements.reserve(count);
-    sorted.reserve(count);
-    for (const Element e : range) {
-        items.push_back({morton_code(position(e)), static_cast<std::uint32_t>(elements.size())});
-        elements.push_back(e);
-    }
+    for (const Element e : range) items.push_back({morton_code(position(e)), static_cast<std::uint32_t>(detail::number_of(e))});
     sort_by_code(items);
-    for (const MortonItem& item : items) sorted.push_back(elements[item.number]);
+    std::vector<Element> sorted;
+    sorted.reserve(count);
+    for (const Coded& item : items) sorted.emplace_back(item.number);
     return sorted;
 }
 
@@ -10196,55 +10250,35 @@ namespace detail {
 
 /// The numbers of the largest of n gains > 0, by falling gain, ties by number: at most 4 * count, since about half of a list of
 /// sites touch a better one. A gain below 0 never counts. Those with the largest bounds are evaluated first; their gains then
-/// tell up to which bound the others cannot get into the list, and these are not evaluated. 12 bytes for each of the n.
+/// tell up to which bound the others cannot get into the list, and these are not evaluated. 36 bytes for each of the n.
 [[nodiscard]] HMESH_COLD inline std::vector<std::uint32_t> largest_gains(std::size_t n, std::size_t count,
                                                                          FunctionRef<float(std::size_t)> bound,
                                                                          FunctionRef<float(std::size_t)> gain) {
-    struct Gain {
-        float gain;
-        std::uint32_t number;
-    };
     const std::size_t wanted = 2 * count;
-    std::vector<float> values;
-    const auto nth_largest = [&] {
-        if (wanted >= values.size()) return 0.0F;
-        const auto nth = values.begin() + static_cast<std::ptrdiff_t>(wanted);
-        std::nth_element(values.begin(), nth, values.end(), [](float a, float b) { return a > b; });
-        return std::max(*nth, 0.0F);
+    std::vector<float> gains(n, 0.0F);
+    const auto falling = [n](FunctionRef<float(std::size_t)> value) {
+        return sorted_numbers(n, [&](std::uint32_t k) { return code_of(-static_cast<double>(std::max(value(k), 0.0F))); });
     };
-    std::vector<Gain> gains;
-    gains.reserve(n);
+    const auto gain_of = [&](std::size_t k) { return gains[k]; };
     const auto evaluate = [&](float above, float up_to) {
         for (std::size_t k = 0; k < n; ++k) {
             const float b = bound(k);
-            if (b > above && b <= up_to) gains.push_back({gain(k), static_cast<std::uint32_t>(k)});
+            if (b > above && b <= up_to) gains[k] = gain(k);
         }
     };
-    values.reserve(n);
-    for (std::size_t k = 0; k < n; ++k) values.push_back(bound(k));
-    const float first_cut = nth_largest();
+    const float first_cut = wanted < n ? std::max(bound(falling(bound)[wanted].number), 0.0F) : 0.0F;
     evaluate(first_cut, std::numeric_limits<float>::max());
-    values.clear();
-    for (const Gain& g : gains) values.push_back(g.gain);
-    evaluate(nth_largest(), first_cut);
-
-    gains.erase(std::remove_if(gains.begin(), gains.end(), [](const Gain& g) { return !(g.gain > 0); }), gains.end());
-    const auto better = [](const Gain& a, const Gain& b) { return a.gain > b.gain || (a.gain == b.gain && a.number < b.number); };
-    if (gains.size() > 2 * wanted) {
-        std::nth_element(gains.begin(), gains.begin() + static_cast<std::ptrdiff_t>(2 * wanted), gains.end(), better);
-        gains.resize(2 * wanted);
-    }
-    std::sort(gains.begin(), gains.end(), better);
+    evaluate(wanted < n ? std::max(gains[falling(gain_of)[wanted].number], 0.0F) : 0.0F, first_cut);
     std::vector<std::uint32_t> best;
-    best.reserve(gains.size());
-    for (const Gain& g : gains) best.push_back(g.number);
+    for (const Coded& at : falling(gain_of))
+        if (gains[at.number] > 0 && best.size() < 2 * wanted) best.push_back(at.number);
     return best;
 }
 
 }  // namespace detail
 
 /// The best sites for `count` new vertices, by falling gain, ties in spatial order: up to 4 * count. max_gain() spares most sites
-/// their evaluation. Gains are compared as floats: 16 bytes a site.
+/// their evaluation. 40 bytes a site.
 template <int C>
 [[nodiscard]] std::vector<InsertionSite> best_sites(const ImageMesh<C>& mesh, std::size_t count,
                                                     const InsertionOptions& options) {
@@ -10995,6 +11029,12 @@ struct Removal {
     Vertex vertex;        ///< which
 };
 
+/// The first `count` of these removals, or all, by their places.
+[[nodiscard]] HMESH_COLD inline std::vector<Removal> in_place_order(const std::vector<Removal>& removals, std::size_t count) {
+    return in_order(removals, sorted_numbers(std::min(count, removals.size()),
+                                             [&](std::uint32_t k) { return std::uint64_t{removals[k].place}; }));
+}
+
 /// Those of `vertices` that are cheapest to remove, at most `count` and none of them in the ring of another, the cheapest first.
 /// Some 1 us for each vertex.
 template <int C>
@@ -11008,11 +11048,10 @@ template <int C>
         const CollapseCandidate candidate = cheapest_collapse(mesh, scratch, vertices[k]);
         if (candidate.halfedge.is_valid()) all.push_back({candidate.cost, static_cast<std::uint32_t>(k), vertices[k]});
     }
-    std::sort(all.begin(), all.end(),
-              [](const Removal& a, const Removal& b) { return a.cost != b.cost ? a.cost < b.cost : a.place < b.place; });
     std::vector<unsigned char> touched(topology.vertex_slots(), 0);
-    for (const Removal& removal : all) {
+    for (const Coded& at : sorted_numbers(all.size(), [&](std::uint32_t k) { return code_of(all[k].cost); })) {
         if (chosen.size() >= count) break;
+        const Removal& removal = all[at.number];
         if (touched[removal.vertex.index()] != 0) continue;
         for (const Halfedge h : topology.outgoing(removal.vertex)) touched[topology.to_vertex(h).index()] = 1;
         chosen.push_back(removal);
@@ -11025,14 +11064,13 @@ template <int C>
 /// these rings become dirty. Returns the number of vertices removed, which is less where the last of them stand too close to
 /// others to be removed, or where mesh.keep_going() says stop.
 template <int C>
-std::size_t remove_batch(ImageMesh<C>& mesh, std::vector<Removal> removals, std::size_t count, const Relaxation& relaxation) {
+std::size_t remove_batch(ImageMesh<C>& mesh, const std::vector<Removal>& removals, std::size_t count,
+                         const Relaxation& relaxation) {
     const HalfedgeMesh& topology = mesh.topology();
     RingScratch<C> scratch;
     std::vector<Vertex> ring;
     std::size_t removed = 0;
-    removals.erase(removals.begin() + static_cast<std::ptrdiff_t>(std::min(count, removals.size())), removals.end());
-    std::sort(removals.begin(), removals.end(), [](const Removal& a, const Removal& b) { return a.place < b.place; });
-    for (const Removal& removal : removals) {
+    for (const Removal& removal : in_place_order(removals, count)) {
         if (!mesh.keep_going()) break;
         // Flips around earlier removals may have changed the ring: find the cheapest collapse again.
         const CollapseCandidate now = cheapest_collapse(mesh, scratch, removal.vertex);
@@ -11792,12 +11830,11 @@ struct FanCorner {
     std::uint32_t fan;     ///< the place of the first corner of the vertex that is of the same fan
 };
 
-/// Sorts corners by vertex and face, finds their fans, and calls body(begin, end) for those of each vertex. O(corners log
-/// corners), and the square of the corners of each vertex.
+/// Sorts corners by vertex and face, finds their fans, and calls body(begin, end) for those of each vertex. O(corners),
+/// and the square of the corners of each vertex.
 HMESH_COLD inline void find_fans(std::vector<FanCorner>& corners, FunctionRef<void(std::size_t begin, std::size_t end)> body) {
-    std::sort(corners.begin(), corners.end(), [](const FanCorner& a, const FanCorner& b) {
-        return a.vertex != b.vertex ? a.vertex < b.vertex : a.face < b.face;
-    });
+    corners = in_order(
+        corners, sorted_numbers(corners.size(), [&](std::uint32_t k) { return code_of(corners[k].vertex, corners[k].face); }));
     for (std::size_t begin = 0, end = 0; begin < corners.size(); begin = end) {
         while (end < corners.size() && corners[end].vertex == corners[begin].vertex) ++end;
         // Faces that share an edge at this vertex are of one fan: the first corner of a fan spreads over it.
@@ -11985,10 +12022,8 @@ struct Cut {
 /// The tiles of size > 0, the largest first.
 [[nodiscard]] HMESH_COLD inline std::vector<std::size_t> largest_first(const std::vector<double>& sizes) {
     std::vector<std::size_t> tiles;
-    for (std::size_t k = 0; k < sizes.size(); ++k)
-        if (sizes[k] > 0) tiles.push_back(k);
-    std::sort(tiles.begin(), tiles.end(),
-              [&](std::size_t a, std::size_t b) { return sizes[a] != sizes[b] ? sizes[a] > sizes[b] : a < b; });
+    for (const Coded& at : sorted_numbers(sizes.size(), [&](std::uint32_t k) { return code_of(-sizes[k]); }))
+        if (sizes[at.number] > 0) tiles.push_back(at.number);
     return tiles;
 }
 
@@ -12004,8 +12039,8 @@ struct PatchFaces {
     std::vector<Locked> locked;   ///< vertices after the free ones
 };
 
-/// Numbers the vertices of a tile's faces for its patch. O(faces of the tile log locked corners), and the square of the faces
-/// around each locked vertex.
+/// Numbers the vertices of a tile's faces for its patch. O(faces of the tile), and the square of the faces around each locked
+/// vertex.
 [[nodiscard]] HMESH_COLD inline PatchFaces renumber(const std::vector<Triangle>& faces, const Cut& cut, std::size_t tile) {
     PatchFaces patch;
     std::vector<FanCorner> corners;  // at locked vertices
@@ -12840,13 +12875,12 @@ namespace detail {
 template <int C>
 HMESH_COLD std::size_t remove_chosen(TiledMesh<C>& tiled, const Tiling& tiling, const std::vector<std::vector<Removal>>& removals,
                                      std::size_t count, const Relaxation& relaxation) {
-    std::vector<std::pair<double, std::uint32_t>> all;  // a cost, and the patch of the vertex
+    std::vector<Coded> all;  // by their costs, with the patch of the vertex
     for (std::size_t k = 0; k < removals.size(); ++k)
-        for (const Removal& removal : removals[k]) all.emplace_back(removal.cost, static_cast<std::uint32_t>(k));
-    const auto end = all.begin() + static_cast<std::ptrdiff_t>(std::min(count, all.size()));
-    std::nth_element(all.begin(), end, all.end());
+        for (const Removal& removal : removals[k]) all.push_back({code_of(removal.cost), static_cast<std::uint32_t>(k)});
+    sort_by_code(all);
     std::vector<std::size_t> quota(tiling.size(), 0);
-    for (auto at = all.begin(); at != end; ++at) ++quota[at->second];
+    for (std::size_t k = 0; k < std::min(count, all.size()); ++k) ++quota[all[k].number];
     const std::size_t before = tiled.vertex_count();
     tiled.for_each(tiling, [&](Patch<C>& patch, std::size_t tile) {
         patch.mesh().expect(1, static_cast<double>(quota[tile]));
@@ -13192,18 +13226,16 @@ template <int C>
     });
     // Of those in the last bin as many as are missing.
     const auto bits_at = [&](std::uint32_t point) { return detail::bits_of(ranks.data()[point]); };
-    std::vector<std::uint32_t> in_last;  // the last bin's, as bits
+    std::vector<Coded> in_last;  // the last bin's
     for (const std::uint32_t point : points)
-        if (bits_at(point) >> shift == last_bin) in_last.push_back(bits_at(point));
+        if (bits_at(point) >> shift == last_bin) in_last.push_back({bits_at(point), point});
     const std::size_t missing = count - below;
     if (missing == in_last.size()) return points;
-    const auto left_out = in_last.begin() + static_cast<std::ptrdiff_t>(missing);  // the first of them
-    std::nth_element(in_last.begin(), left_out, in_last.end());
-    const std::uint32_t threshold = *left_out;
-    std::ptrdiff_t ties = std::count(in_last.begin(), left_out, threshold);  // points at the threshold
+    sort_by_code(in_last);
+    const Coded& left_out = in_last[missing];  // the first of them
     std::size_t kept = 0;
     for (const std::uint32_t point : points)
-        if (const std::uint32_t bits = bits_at(point); bits < threshold || (bits == threshold && ties-- > 0))
+        if (const std::uint32_t bits = bits_at(point); bits < left_out.code || (bits == left_out.code && point < left_out.number))
             points[kept++] = point;
     points.resize(kept);
     return points;
@@ -13229,6 +13261,7 @@ template <int C>
 
 #include <algorithm>
 #include <cstddef>
+#include <cstdint>
 #include <vector>
 
 namespace hmesh::kit {
@@ -13256,14 +13289,16 @@ HMESH_COLD void sample_worths(const ImageMesh<C>& mesh, const std::vector<Vertex
 }
 
 /// 2.35 times the median gain, but at least 0.3 of the mean of the lowest quarter of the costs; an energy, 0 where there are no
-/// worths. The order of both vectors changes.
-[[nodiscard]] HMESH_COLD inline double first_price(VertexWorths& worths) {
-    std::sort(worths.gains.begin(), worths.gains.end());
-    std::sort(worths.costs.begin(), worths.costs.end());
-    const double median = worths.gains.empty() ? 0 : worths.gains[worths.gains.size() / 2];
-    const std::size_t quarter = (worths.costs.size() + 3) / 4;
+/// worths.
+[[nodiscard]] HMESH_COLD inline double first_price(const VertexWorths& worths) {
+    const auto rising = [](const std::vector<double>& values) {
+        return in_order(values, sorted_numbers(values.size(), [&](std::uint32_t k) { return code_of(values[k]); }));
+    };
+    const std::vector<double> gains = rising(worths.gains), costs = rising(worths.costs);
+    const double median = gains.empty() ? 0 : gains[gains.size() / 2];
+    const std::size_t quarter = (costs.size() + 3) / 4;
     double sum = 0;
-    for (std::size_t k = 0; k < quarter; ++k) sum += std::max(0.0, worths.costs[k]);
+    for (std::size_t k = 0; k < quarter; ++k) sum += std::max(0.0, costs[k]);
     return std::max(2.35 * median, quarter > 0 ? 0.3 * (sum / static_cast<double>(quarter)) : 0);
 }
 
@@ -13581,14 +13616,16 @@ template <int C>
 
 /// Whether these are the vertices on the border of a mesh.
 template <int C>
-[[nodiscard]] HMESH_COLD bool has_border(const IndexedMesh<C>& mesh, std::vector<Point> border) {
+[[nodiscard]] HMESH_COLD bool has_border(const IndexedMesh<C>& mesh, const std::vector<Point>& border) {
     std::vector<Point> its;
     for (std::size_t v = 0; v < mesh.vertex_count(); ++v)
         if (mesh.is_on_border(v)) its.push_back(mesh.positions[v]);
-    const auto is_before = [](Point a, Point b) { return a.y != b.y ? a.y < b.y : a.x < b.x; };
-    std::sort(its.begin(), its.end(), is_before);
-    std::sort(border.begin(), border.end(), is_before);
-    return its == border;
+    const auto sorted = [](const std::vector<Point>& points) {
+        return in_order(points, sorted_numbers(
+                                    points.size(), [&](std::uint32_t k) { return code_of(points[k].y); },
+                                    [&](std::uint32_t k) { return code_of(points[k].x); }));
+    };
+    return sorted(its) == sorted(border);
 }
 
 /// Finds the vertices of the border that follows from Annealed::border_tolerance, or none where that is not set.
@@ -14493,14 +14530,12 @@ class TiedMatrix {
     }
     /// The matrix.
     [[nodiscard]] HMESH_COLD SymmetricMatrix sum() const {
-        const std::vector<std::uint32_t> order = sorted_numbers(entries_.size(), [&](std::uint32_t a, std::uint32_t b) {
-            return entries_[a].first != entries_[b].first ? entries_[a].first < entries_[b].first : a < b;
-        });
         SymmetricMatrix matrix;
-        std::uint64_t row = 0;
-        for (std::size_t k = 0; k < order.size(); ++k) {
-            const auto& [place, value] = entries_[order[k]];
-            if (k > 0 && place == entries_[order[k - 1]].first) {
+        std::uint64_t row = 0, last = size_ * size_;
+        for (const Coded& at : sorted_numbers(entries_.size(), [&](std::uint32_t k) { return entries_[k].first; })) {
+            const double value = entries_[at.number].second;
+            const std::uint64_t place = at.code;
+            if (std::exchange(last, place) == place) {
                 matrix.values.back() += value;
                 continue;
             }

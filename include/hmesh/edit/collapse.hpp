@@ -17,9 +17,11 @@
 #include <utility>
 #include <vector>
 
+#include "hmesh/core/compiler.hpp"
 #include "hmesh/edit/move.hpp"
 #include "hmesh/edit/relax.hpp"
 #include "hmesh/fit/image_mesh.hpp"
+#include "hmesh/mesh/coded_order.hpp"
 
 #include "hmesh/core/macros/push.hpp"
 
@@ -108,6 +110,12 @@ struct Removal {
     Vertex vertex;        ///< which
 };
 
+/// The first `count` of these removals, or all, by their places.
+[[nodiscard]] HMESH_COLD inline std::vector<Removal> in_place_order(const std::vector<Removal>& removals, std::size_t count) {
+    return in_order(removals, sorted_numbers(std::min(count, removals.size()),
+                                             [&](std::uint32_t k) { return std::uint64_t{removals[k].place}; }));
+}
+
 /// Those of `vertices` that are cheapest to remove, at most `count` and none of them in the ring of another, the cheapest first.
 /// Some 1 us for each vertex.
 template <int C>
@@ -121,11 +129,10 @@ template <int C>
         const CollapseCandidate candidate = cheapest_collapse(mesh, scratch, vertices[k]);
         if (candidate.halfedge.is_valid()) all.push_back({candidate.cost, static_cast<std::uint32_t>(k), vertices[k]});
     }
-    std::sort(all.begin(), all.end(),
-              [](const Removal& a, const Removal& b) { return a.cost != b.cost ? a.cost < b.cost : a.place < b.place; });
     std::vector<unsigned char> touched(topology.vertex_slots(), 0);
-    for (const Removal& removal : all) {
+    for (const Coded& at : sorted_numbers(all.size(), [&](std::uint32_t k) { return code_of(all[k].cost); })) {
         if (chosen.size() >= count) break;
+        const Removal& removal = all[at.number];
         if (touched[removal.vertex.index()] != 0) continue;
         for (const Halfedge h : topology.outgoing(removal.vertex)) touched[topology.to_vertex(h).index()] = 1;
         chosen.push_back(removal);
@@ -138,14 +145,13 @@ template <int C>
 /// these rings become dirty. Returns the number of vertices removed, which is less where the last of them stand too close to
 /// others to be removed, or where mesh.keep_going() says stop.
 template <int C>
-std::size_t remove_batch(ImageMesh<C>& mesh, std::vector<Removal> removals, std::size_t count, const Relaxation& relaxation) {
+std::size_t remove_batch(ImageMesh<C>& mesh, const std::vector<Removal>& removals, std::size_t count,
+                         const Relaxation& relaxation) {
     const HalfedgeMesh& topology = mesh.topology();
     RingScratch<C> scratch;
     std::vector<Vertex> ring;
     std::size_t removed = 0;
-    removals.erase(removals.begin() + static_cast<std::ptrdiff_t>(std::min(count, removals.size())), removals.end());
-    std::sort(removals.begin(), removals.end(), [](const Removal& a, const Removal& b) { return a.place < b.place; });
-    for (const Removal& removal : removals) {
+    for (const Removal& removal : in_place_order(removals, count)) {
         if (!mesh.keep_going()) break;
         // Flips around earlier removals may have changed the ring: find the cheapest collapse again.
         const CollapseCandidate now = cheapest_collapse(mesh, scratch, removal.vertex);

@@ -21,6 +21,7 @@
 #include "hmesh/edit/flip.hpp"
 #include "hmesh/edit/move.hpp"
 #include "hmesh/fit/image_mesh.hpp"
+#include "hmesh/mesh/coded_order.hpp"
 
 #include "hmesh/core/macros/push.hpp"
 
@@ -208,55 +209,35 @@ namespace detail {
 
 /// The numbers of the largest of n gains > 0, by falling gain, ties by number: at most 4 * count, since about half of a list of
 /// sites touch a better one. A gain below 0 never counts. Those with the largest bounds are evaluated first; their gains then
-/// tell up to which bound the others cannot get into the list, and these are not evaluated. 12 bytes for each of the n.
+/// tell up to which bound the others cannot get into the list, and these are not evaluated. 36 bytes for each of the n.
 [[nodiscard]] HMESH_COLD inline std::vector<std::uint32_t> largest_gains(std::size_t n, std::size_t count,
                                                                          FunctionRef<float(std::size_t)> bound,
                                                                          FunctionRef<float(std::size_t)> gain) {
-    struct Gain {
-        float gain;
-        std::uint32_t number;
-    };
     const std::size_t wanted = 2 * count;
-    std::vector<float> values;
-    const auto nth_largest = [&] {
-        if (wanted >= values.size()) return 0.0F;
-        const auto nth = values.begin() + static_cast<std::ptrdiff_t>(wanted);
-        std::nth_element(values.begin(), nth, values.end(), [](float a, float b) { return a > b; });
-        return std::max(*nth, 0.0F);
+    std::vector<float> gains(n, 0.0F);
+    const auto falling = [n](FunctionRef<float(std::size_t)> value) {
+        return sorted_numbers(n, [&](std::uint32_t k) { return code_of(-static_cast<double>(std::max(value(k), 0.0F))); });
     };
-    std::vector<Gain> gains;
-    gains.reserve(n);
+    const auto gain_of = [&](std::size_t k) { return gains[k]; };
     const auto evaluate = [&](float above, float up_to) {
         for (std::size_t k = 0; k < n; ++k) {
             const float b = bound(k);
-            if (b > above && b <= up_to) gains.push_back({gain(k), static_cast<std::uint32_t>(k)});
+            if (b > above && b <= up_to) gains[k] = gain(k);
         }
     };
-    values.reserve(n);
-    for (std::size_t k = 0; k < n; ++k) values.push_back(bound(k));
-    const float first_cut = nth_largest();
+    const float first_cut = wanted < n ? std::max(bound(falling(bound)[wanted].number), 0.0F) : 0.0F;
     evaluate(first_cut, std::numeric_limits<float>::max());
-    values.clear();
-    for (const Gain& g : gains) values.push_back(g.gain);
-    evaluate(nth_largest(), first_cut);
-
-    gains.erase(std::remove_if(gains.begin(), gains.end(), [](const Gain& g) { return !(g.gain > 0); }), gains.end());
-    const auto better = [](const Gain& a, const Gain& b) { return a.gain > b.gain || (a.gain == b.gain && a.number < b.number); };
-    if (gains.size() > 2 * wanted) {
-        std::nth_element(gains.begin(), gains.begin() + static_cast<std::ptrdiff_t>(2 * wanted), gains.end(), better);
-        gains.resize(2 * wanted);
-    }
-    std::sort(gains.begin(), gains.end(), better);
+    evaluate(wanted < n ? std::max(gains[falling(gain_of)[wanted].number], 0.0F) : 0.0F, first_cut);
     std::vector<std::uint32_t> best;
-    best.reserve(gains.size());
-    for (const Gain& g : gains) best.push_back(g.number);
+    for (const Coded& at : falling(gain_of))
+        if (gains[at.number] > 0 && best.size() < 2 * wanted) best.push_back(at.number);
     return best;
 }
 
 }  // namespace detail
 
 /// The best sites for `count` new vertices, by falling gain, ties in spatial order: up to 4 * count. max_gain() spares most sites
-/// their evaluation. Gains are compared as floats: 16 bytes a site.
+/// their evaluation. 40 bytes a site.
 template <int C>
 [[nodiscard]] std::vector<InsertionSite> best_sites(const ImageMesh<C>& mesh, std::size_t count,
                                                     const InsertionOptions& options) {

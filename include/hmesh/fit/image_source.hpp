@@ -87,7 +87,8 @@ class ImageSource {
     [[nodiscard]] HMESH_COLD MomentTable<C> table(const Rect& rect, const ParallelFor& parallel_for = {}) const {
         MomentTable<C> table(
             rect, [this](int x, int y, int count, double* to) { read(x, y, count, to); },
-            [this](int x, int y, int count, double* to) { read_weights(x, y, count, to); }, {largest_, is_weighted()}, parallel_for);
+            [this](int x, int y, int count, double* to) { read_weights(x, y, count, to); }, {largest_, is_weighted()},
+            parallel_for);
         if (samples_ == Samples::points) {
             const FarSides sides = far_sides(width_, height_, samples_);
             table.set_far_sides({sides.right - rect.x, sides.bottom - rect.y});

@@ -69,9 +69,10 @@ class MomentTable {
     template <class T>
     MomentTable(const ImageView<T, C>& view, const ImageView<float, 1>& weights, const WeightScale& scale, const Rect& rect,
                 const ParallelFor& parallel_for = {})
-        : MomentTable(rect, [&](int x, int y, int count, double* to) { read_pixels(view, x, y, count, to); },
-                      [&](int x, int y, int count, double* to) { scale.read(weights, x, y, count, to); },
-                      {largest_sample<T>(), weights.data != nullptr}, parallel_for) {
+        : MomentTable(
+              rect, [&](int x, int y, int count, double* to) { read_pixels(view, x, y, count, to); },
+              [&](int x, int y, int count, double* to) { scale.read(weights, x, y, count, to); },
+              {largest_sample<T>(), weights.data != nullptr}, parallel_for) {
         HMESH_ASSERT(rect.x >= 0 && rect.y >= 0);
         HMESH_ASSERT(rect.width <= view.width - rect.x && rect.height <= view.height - rect.y);
         HMESH_ASSERT(!weighted_ || (weights.width == view.width && weights.height == view.height));

@@ -43,14 +43,13 @@ void recolor(ImageMesh<C>& mesh, const std::vector<Vertex>& vertices) {
 template <int C>
 HMESH_COLD std::size_t thin_batch(ImageMesh<C>& mesh, std::size_t count) {
     const HalfedgeMesh& topology = mesh.topology();
-    std::vector<Removal> removals = cheapest_removals(mesh, spatial_vertices(mesh), count);
-    std::sort(removals.begin(), removals.end(), [](const Removal& a, const Removal& b) { return a.place < b.place; });
+    const std::vector<Removal> removals = cheapest_removals(mesh, spatial_vertices(mesh), count);
     RingScratch<C> scratch;
     std::vector<Vertex> ring;
     std::vector<Edge> edges;
     const double min_gain = 1e-2 * mesh.mean_energy();
     std::size_t removed = 0;
-    for (const Removal& removal : removals) {
+    for (const Removal& removal : in_place_order(removals, count)) {
         const CollapseCandidate now = cheapest_collapse(mesh, scratch, removal.vertex);
         if (!now.halfedge.is_valid()) continue;
         ring.clear();

@@ -2,11 +2,10 @@
 /// Spatial order: elements sorted along a space-filling curve.
 ///
 /// A loop that visits neighbours in the plane one after another finds them in the cache: 1.5 times as fast as in order of index
-/// or of gain. The curve is Morton's (interleaved bits of x and y); ties go by index. A radix sort, O(n).
+/// or of gain. The curve is Morton's (interleaved bits of x and y); ties go by index. O(n).
 #ifndef HMESH_MESH_SPATIAL_ORDER_HPP
 #define HMESH_MESH_SPATIAL_ORDER_HPP
 
-#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <vector>
@@ -14,8 +13,10 @@
 #include "hmesh/core/compiler.hpp"
 #include "hmesh/core/function_ref.hpp"
 #include "hmesh/core/lanes.hpp"
+#include "hmesh/mesh/coded_order.hpp"
 #include "hmesh/mesh/geometry.hpp"
 #include "hmesh/mesh/halfedge_mesh.hpp"
+#include "hmesh/mesh/handles.hpp"
 
 #include "hmesh/core/macros/push.hpp"
 
@@ -39,41 +40,27 @@ namespace detail {
     return detail::spread_bits(static_cast<std::uint32_t>(p.x)) | (detail::spread_bits(static_cast<std::uint32_t>(p.y)) << 1U);
 }
 
-/// Something by its number, with its place on the Morton curve.
-struct MortonItem {
-    std::uint32_t code;    ///< morton_code() of its position
-    std::uint32_t number;  ///< whatever the caller counts
-};
+namespace detail {
 
-/// Sorts by code; items of one code stay in their order. Three passes at most, each O(n).
-inline void sort_by_code(std::vector<MortonItem>& items) {
-    std::uint32_t all = 0;
-    for (const MortonItem& item : items) all |= item.code;
-    std::vector<MortonItem> sorted(items.size());
-    constexpr std::uint32_t digit_bits = 11, digits = 1U << digit_bits;
-    for (std::uint32_t shift = 0; shift < 32 && (all >> shift) != 0; shift += digit_bits) {
-        std::array<std::uint32_t, digits + 1> start{};
-        for (const MortonItem& item : items) ++start[((item.code >> shift) & (digits - 1)) + 1];
-        for (std::size_t k = 1; k < start.size(); ++k) start[k] += start[k - 1];
-        for (const MortonItem& item : items) sorted[start[(item.code >> shift) & (digits - 1)]++] = item;
-        items.swap(sorted);
-    }
+[[nodiscard]] constexpr std::size_t number_of(std::size_t number) noexcept { return number; }
+template <class Kind>
+[[nodiscard]] constexpr std::size_t number_of(Handle<Kind> handle) noexcept {
+    return handle.index();
 }
 
-/// The `count` elements of a range, sorted by the Morton code of position(element), the position of an element in px.
-template <class Element, class Range, class Position>
-[[nodiscard]] std::vector<Element> in_spatial_order(const Range& range, std::size_t count, Position&& position) {
-    std::vector<MortonItem> items;
-    std::vector<Element> elements, sorted;
+}  // namespace detail
+
+/// The `count` elements of a range, handles or numbers below 2^32, sorted by the Morton code of position(element), the position of
+/// an element in px.
+template <class Element, class Range>
+[[nodiscard]] std::vector<Element> in_spatial_order(const Range& range, std::size_t count, FunctionRef<Point(Element)> position) {
+    std::vector<Coded> items;
     items.reserve(count);
-    elements.reserve(count);
-    sorted.reserve(count);
-    for (const Element e : range) {
-        items.push_back({morton_code(position(e)), static_cast<std::uint32_t>(elements.size())});
-        elements.push_back(e);
-    }
+    for (const Element e : range) items.push_back({morton_code(position(e)), static_cast<std::uint32_t>(detail::number_of(e))});
     sort_by_code(items);
-    for (const MortonItem& item : items) sorted.push_back(elements[item.number]);
+    std::vector<Element> sorted;
+    sorted.reserve(count);
+    for (const Coded& item : items) sorted.emplace_back(item.number);
     return sorted;
 }
 

@@ -15,8 +15,8 @@
 #include <vector>
 
 #include "hmesh/core/compiler.hpp"
-#include "hmesh/core/function_ref.hpp"
 #include "hmesh/core/status.hpp"
+#include "hmesh/mesh/coded_order.hpp"
 #include "hmesh/mesh/geometry.hpp"
 #include "hmesh/mesh/mesh.hpp"
 #include "hmesh/mesh/periodic.hpp"
@@ -43,6 +43,12 @@ struct Turns {
     friend constexpr Turns operator-(Turns a, Turns b) noexcept { return {a.x - b.x, a.y - b.y}; }    ///< from b to a
 };
 
+/// A code for turns: those along x count, of equal ones those along y.
+[[nodiscard]] constexpr std::uint64_t code_of(Turns turns) noexcept {
+    constexpr std::uint32_t sign = 0x80000000U;
+    return code_of(static_cast<std::uint32_t>(turns.x) ^ sign, static_cast<std::uint32_t>(turns.y) ^ sign);
+}
+
 /// The turns from `from` to `to`, two places of one vertex.
 [[nodiscard]] inline Turns turns_between(Point from, Point to, const Torus& torus) noexcept {
     const auto along = [](double distance, int period, bool wraps) {
@@ -61,15 +67,6 @@ struct Turns {
             wraps_y(torus.periodic) ? -static_cast<int>(std::floor((p.y - y) / torus.height)) : 0};
 }
 
-/// The numbers 0 to count - 1, sorted. Compiled once: less(a, b) must order any two.
-[[nodiscard]] HMESH_NEVER_INLINE HMESH_COLD inline std::vector<std::uint32_t> sorted_numbers(
-    std::size_t count, FunctionRef<bool(std::uint32_t a, std::uint32_t b)> less) {
-    std::vector<std::uint32_t> numbers(count);
-    for (std::size_t k = 0; k < count; ++k) numbers[k] = static_cast<std::uint32_t>(k);
-    std::sort(numbers.begin(), numbers.end(), [&](std::uint32_t a, std::uint32_t b) { return less(a, b); });
-    return numbers;
-}
-
 /// For each vertex of a sheet, the first one that is in the same place of the torus, itself where there is none before.
 /// O(n log n).
 [[nodiscard]] HMESH_COLD inline std::vector<std::uint32_t> tied_vertices(const std::vector<Point>& positions,
@@ -77,15 +74,13 @@ struct Turns {
     std::vector<Point> places;
     places.reserve(positions.size());
     for (const Point p : positions) places.push_back(turned(p, turns_into(p, 0, 0, torus), torus));
-    const std::vector<std::uint32_t> order = sorted_numbers(places.size(), [&](std::uint32_t a, std::uint32_t b) {
-        const Point p = places[a], q = places[b];
-        return p.x != q.x ? p.x < q.x : p.y != q.y ? p.y < q.y : a < b;
-    });
     std::vector<std::uint32_t> roots(positions.size());
-    std::uint32_t root = 0;
-    for (std::size_t k = 0; k < order.size(); ++k) {
-        if (k == 0 || places[order[k]] != places[order[k - 1]]) root = order[k];
-        roots[order[k]] = root;
+    std::uint32_t root = 0xffffffffU;
+    for (const Coded& at : sorted_numbers(
+             places.size(), [&](std::uint32_t v) { return code_of(places[v].x); },
+             [&](std::uint32_t v) { return code_of(places[v].y); })) {
+        if (root == 0xffffffffU || places[at.number] != places[root]) root = at.number;
+        roots[at.number] = root;
     }
     return roots;
 }
@@ -104,20 +99,15 @@ struct NumberedCopies {
 
 /// Numbers copies. O(n log n).
 [[nodiscard]] HMESH_COLD inline NumberedCopies numbered(const std::vector<VertexCopy>& copies) {
-    const std::vector<std::uint32_t> order = sorted_numbers(copies.size(), [&](std::uint32_t a, std::uint32_t b) {
-        const VertexCopy &p = copies[a], &q = copies[b];
-        return p.vertex != q.vertex     ? p.vertex < q.vertex
-               : p.turns.x != q.turns.x ? p.turns.x < q.turns.x
-               : p.turns.y != q.turns.y ? p.turns.y < q.turns.y
-                                        : a < b;
-    });
     NumberedCopies out;
     out.number.resize(copies.size());
-    for (const std::uint32_t k : order) {
-        const VertexCopy& copy = copies[k];
+    for (const Coded& at : sorted_numbers(
+             copies.size(), [&](std::uint32_t k) { return std::uint64_t{copies[k].vertex}; },
+             [&](std::uint32_t k) { return code_of(copies[k].turns); })) {
+        const VertexCopy& copy = copies[at.number];
         if (out.different.empty() || out.different.back().vertex != copy.vertex || out.different.back().turns != copy.turns)
             out.different.push_back(copy);
-        out.number[k] = static_cast<std::uint32_t>(out.different.size() - 1);
+        out.number[at.number] = static_cast<std::uint32_t>(out.different.size() - 1);
     }
     return out;
 }
@@ -138,9 +128,8 @@ struct TorusSide {
 [[nodiscard]] HMESH_COLD inline std::vector<TorusSide> torus_sides(const std::vector<Point>& positions,
                                                                    const std::vector<Triangle>& faces,
                                                                    const std::vector<std::uint32_t>& roots, const Torus& torus) {
-    std::vector<TorusSide> sides, sorted;
+    std::vector<TorusSide> sides;
     sides.reserve(3 * faces.size());
-    sorted.reserve(3 * faces.size());
     for (std::uint32_t corner = 0; corner < 3 * faces.size(); ++corner) {
         const Triangle& face = faces[corner / 3];
         const std::uint32_t a = face[corner % 3], b = face[corner % 3 == 2 ? 0 : corner % 3 + 1];
@@ -152,16 +141,9 @@ struct TorusSide {
         if (is_reversed) sides.push_back({roots[b], roots[a], at_a - at_b, at_b, corner, true});
         else sides.push_back({roots[a], roots[b], along, at_a, corner, false});
     }
-    for (const std::uint32_t k : sorted_numbers(sides.size(), [&](std::uint32_t i, std::uint32_t j) {
-             const TorusSide &a = sides[i], &b = sides[j];
-             return a.from != b.from         ? a.from < b.from
-                    : a.to != b.to           ? a.to < b.to
-                    : a.along.x != b.along.x ? a.along.x < b.along.x
-                    : a.along.y != b.along.y ? a.along.y < b.along.y
-                                             : i < j;
-         }))
-        sorted.push_back(sides[k]);
-    return sorted;
+    return in_order(sides, sorted_numbers(
+                               sides.size(), [&](std::uint32_t k) { return code_of(sides[k].from, sides[k].to); },
+                               [&](std::uint32_t k) { return code_of(sides[k].along); }));
 }
 
 namespace detail {

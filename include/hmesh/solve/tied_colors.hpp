@@ -14,6 +14,7 @@
 
 #include "hmesh/core/compiler.hpp"
 #include "hmesh/fit/squared_error.hpp"
+#include "hmesh/mesh/coded_order.hpp"
 #include "hmesh/mesh/mesh.hpp"
 #include "hmesh/mesh/torus.hpp"
 #include "hmesh/solve/bounded_colors.hpp"
@@ -60,14 +61,12 @@ class TiedMatrix {
     }
     /// The matrix.
     [[nodiscard]] HMESH_COLD SymmetricMatrix sum() const {
-        const std::vector<std::uint32_t> order = sorted_numbers(entries_.size(), [&](std::uint32_t a, std::uint32_t b) {
-            return entries_[a].first != entries_[b].first ? entries_[a].first < entries_[b].first : a < b;
-        });
         SymmetricMatrix matrix;
-        std::uint64_t row = 0;
-        for (std::size_t k = 0; k < order.size(); ++k) {
-            const auto& [place, value] = entries_[order[k]];
-            if (k > 0 && place == entries_[order[k - 1]].first) {
+        std::uint64_t row = 0, last = size_ * size_;
+        for (const Coded& at : sorted_numbers(entries_.size(), [&](std::uint32_t k) { return entries_[k].first; })) {
+            const double value = entries_[at.number].second;
+            const std::uint64_t place = at.code;
+            if (std::exchange(last, place) == place) {
                 matrix.values.back() += value;
                 continue;
             }

@@ -13,6 +13,7 @@
 
 #include "hmesh/core/compiler.hpp"
 #include "hmesh/core/function_ref.hpp"
+#include "hmesh/mesh/coded_order.hpp"
 
 #include "hmesh/core/macros/push.hpp"
 
@@ -28,12 +29,11 @@ struct FanCorner {
     std::uint32_t fan;     ///< the place of the first corner of the vertex that is of the same fan
 };
 
-/// Sorts corners by vertex and face, finds their fans, and calls body(begin, end) for those of each vertex. O(corners log
-/// corners), and the square of the corners of each vertex.
+/// Sorts corners by vertex and face, finds their fans, and calls body(begin, end) for those of each vertex. O(corners),
+/// and the square of the corners of each vertex.
 HMESH_COLD inline void find_fans(std::vector<FanCorner>& corners, FunctionRef<void(std::size_t begin, std::size_t end)> body) {
-    std::sort(corners.begin(), corners.end(), [](const FanCorner& a, const FanCorner& b) {
-        return a.vertex != b.vertex ? a.vertex < b.vertex : a.face < b.face;
-    });
+    corners = in_order(
+        corners, sorted_numbers(corners.size(), [&](std::uint32_t k) { return code_of(corners[k].vertex, corners[k].face); }));
     for (std::size_t begin = 0, end = 0; begin < corners.size(); begin = end) {
         while (end < corners.size() && corners[end].vertex == corners[begin].vertex) ++end;
         // Faces that share an edge at this vertex are of one fan: the first corner of a fan spreads over it.

@@ -28,6 +28,7 @@
 #include "hmesh/fit/image_mesh.hpp"
 #include "hmesh/fit/image_source.hpp"
 #include "hmesh/fit/moment_table.hpp"
+#include "hmesh/mesh/coded_order.hpp"
 #include "hmesh/tiles/fans.hpp"
 #include "hmesh/tiles/indexed_mesh.hpp"
 #include "hmesh/tiles/tiling.hpp"
@@ -98,10 +99,8 @@ struct Cut {
 /// The tiles of size > 0, the largest first.
 [[nodiscard]] HMESH_COLD inline std::vector<std::size_t> largest_first(const std::vector<double>& sizes) {
     std::vector<std::size_t> tiles;
-    for (std::size_t k = 0; k < sizes.size(); ++k)
-        if (sizes[k] > 0) tiles.push_back(k);
-    std::sort(tiles.begin(), tiles.end(),
-              [&](std::size_t a, std::size_t b) { return sizes[a] != sizes[b] ? sizes[a] > sizes[b] : a < b; });
+    for (const Coded& at : sorted_numbers(sizes.size(), [&](std::uint32_t k) { return code_of(-sizes[k]); }))
+        if (sizes[at.number] > 0) tiles.push_back(at.number);
     return tiles;
 }
 
@@ -117,8 +116,8 @@ struct PatchFaces {
     std::vector<Locked> locked;   ///< vertices after the free ones
 };
 
-/// Numbers the vertices of a tile's faces for its patch. O(faces of the tile log locked corners), and the square of the faces
-/// around each locked vertex.
+/// Numbers the vertices of a tile's faces for its patch. O(faces of the tile), and the square of the faces around each locked
+/// vertex.
 [[nodiscard]] HMESH_COLD inline PatchFaces renumber(const std::vector<Triangle>& faces, const Cut& cut, std::size_t tile) {
     PatchFaces patch;
     std::vector<FanCorner> corners;  // at locked vertices

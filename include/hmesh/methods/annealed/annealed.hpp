@@ -33,6 +33,7 @@
 #include "hmesh/edit/blocks.hpp"
 #include "hmesh/edit/flip.hpp"
 #include "hmesh/edit/move.hpp"
+#include "hmesh/mesh/coded_order.hpp"
 #include "hmesh/mesh/delaunay.hpp"
 #include "hmesh/methods/annealed/annealing.hpp"
 #include "hmesh/methods/annealed/border.hpp"
@@ -77,14 +78,16 @@ template <int C>
 
 /// Whether these are the vertices on the border of a mesh.
 template <int C>
-[[nodiscard]] HMESH_COLD bool has_border(const IndexedMesh<C>& mesh, std::vector<Point> border) {
+[[nodiscard]] HMESH_COLD bool has_border(const IndexedMesh<C>& mesh, const std::vector<Point>& border) {
     std::vector<Point> its;
     for (std::size_t v = 0; v < mesh.vertex_count(); ++v)
         if (mesh.is_on_border(v)) its.push_back(mesh.positions[v]);
-    const auto is_before = [](Point a, Point b) { return a.y != b.y ? a.y < b.y : a.x < b.x; };
-    std::sort(its.begin(), its.end(), is_before);
-    std::sort(border.begin(), border.end(), is_before);
-    return its == border;
+    const auto sorted = [](const std::vector<Point>& points) {
+        return in_order(points, sorted_numbers(
+                                    points.size(), [&](std::uint32_t k) { return code_of(points[k].y); },
+                                    [&](std::uint32_t k) { return code_of(points[k].x); }));
+    };
+    return sorted(its) == sorted(border);
 }
 
 /// Finds the vertices of the border that follows from Annealed::border_tolerance, or none where that is not set.

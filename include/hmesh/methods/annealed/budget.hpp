@@ -17,6 +17,7 @@
 #include "hmesh/edit/insert.hpp"
 #include "hmesh/edit/relax.hpp"
 #include "hmesh/edit/subdivide.hpp"
+#include "hmesh/mesh/coded_order.hpp"
 #include "hmesh/tiles/tiled_mesh.hpp"
 
 #include "hmesh/core/macros/push.hpp"
@@ -67,13 +68,12 @@ namespace detail {
 template <int C>
 HMESH_COLD std::size_t remove_chosen(TiledMesh<C>& tiled, const Tiling& tiling, const std::vector<std::vector<Removal>>& removals,
                                      std::size_t count, const Relaxation& relaxation) {
-    std::vector<std::pair<double, std::uint32_t>> all;  // a cost, and the patch of the vertex
+    std::vector<Coded> all;  // by their costs, with the patch of the vertex
     for (std::size_t k = 0; k < removals.size(); ++k)
-        for (const Removal& removal : removals[k]) all.emplace_back(removal.cost, static_cast<std::uint32_t>(k));
-    const auto end = all.begin() + static_cast<std::ptrdiff_t>(std::min(count, all.size()));
-    std::nth_element(all.begin(), end, all.end());
+        for (const Removal& removal : removals[k]) all.push_back({code_of(removal.cost), static_cast<std::uint32_t>(k)});
+    sort_by_code(all);
     std::vector<std::size_t> quota(tiling.size(), 0);
-    for (auto at = all.begin(); at != end; ++at) ++quota[at->second];
+    for (std::size_t k = 0; k < std::min(count, all.size()); ++k) ++quota[all[k].number];
     const std::size_t before = tiled.vertex_count();
     tiled.for_each(tiling, [&](Patch<C>& patch, std::size_t tile) {
         patch.mesh().expect(1, static_cast<double>(quota[tile]));

@@ -29,6 +29,7 @@
 #include "hmesh/core/parallel.hpp"
 #include "hmesh/fit/image_source.hpp"
 #include "hmesh/image/image_view.hpp"
+#include "hmesh/mesh/coded_order.hpp"
 #include "hmesh/mesh/geometry.hpp"
 #include "hmesh/mesh/periodic.hpp"
 
@@ -260,18 +261,16 @@ template <int C>
     });
     // Of those in the last bin as many as are missing.
     const auto bits_at = [&](std::uint32_t point) { return detail::bits_of(ranks.data()[point]); };
-    std::vector<std::uint32_t> in_last;  // the last bin's, as bits
+    std::vector<Coded> in_last;  // the last bin's
     for (const std::uint32_t point : points)
-        if (bits_at(point) >> shift == last_bin) in_last.push_back(bits_at(point));
+        if (bits_at(point) >> shift == last_bin) in_last.push_back({bits_at(point), point});
     const std::size_t missing = count - below;
     if (missing == in_last.size()) return points;
-    const auto left_out = in_last.begin() + static_cast<std::ptrdiff_t>(missing);  // the first of them
-    std::nth_element(in_last.begin(), left_out, in_last.end());
-    const std::uint32_t threshold = *left_out;
-    std::ptrdiff_t ties = std::count(in_last.begin(), left_out, threshold);  // points at the threshold
+    sort_by_code(in_last);
+    const Coded& left_out = in_last[missing];  // the first of them
     std::size_t kept = 0;
     for (const std::uint32_t point : points)
-        if (const std::uint32_t bits = bits_at(point); bits < threshold || (bits == threshold && ties-- > 0))
+        if (const std::uint32_t bits = bits_at(point); bits < left_out.code || (bits == left_out.code && point < left_out.number))
             points[kept++] = point;
     points.resize(kept);
     return points;

@@ -12,6 +12,7 @@
 
 #include <algorithm>
 #include <cstddef>
+#include <cstdint>
 #include <vector>
 
 #include "hmesh/core/compiler.hpp"
@@ -19,6 +20,7 @@
 #include "hmesh/edit/collapse.hpp"
 #include "hmesh/edit/insert.hpp"
 #include "hmesh/fit/image_mesh.hpp"
+#include "hmesh/mesh/coded_order.hpp"
 
 #include "hmesh/core/macros/push.hpp"
 
@@ -47,14 +49,16 @@ HMESH_COLD void sample_worths(const ImageMesh<C>& mesh, const std::vector<Vertex
 }
 
 /// 2.35 times the median gain, but at least 0.3 of the mean of the lowest quarter of the costs; an energy, 0 where there are no
-/// worths. The order of both vectors changes.
-[[nodiscard]] HMESH_COLD inline double first_price(VertexWorths& worths) {
-    std::sort(worths.gains.begin(), worths.gains.end());
-    std::sort(worths.costs.begin(), worths.costs.end());
-    const double median = worths.gains.empty() ? 0 : worths.gains[worths.gains.size() / 2];
-    const std::size_t quarter = (worths.costs.size() + 3) / 4;
+/// worths.
+[[nodiscard]] HMESH_COLD inline double first_price(const VertexWorths& worths) {
+    const auto rising = [](const std::vector<double>& values) {
+        return in_order(values, sorted_numbers(values.size(), [&](std::uint32_t k) { return code_of(values[k]); }));
+    };
+    const std::vector<double> gains = rising(worths.gains), costs = rising(worths.costs);
+    const double median = gains.empty() ? 0 : gains[gains.size() / 2];
+    const std::size_t quarter = (costs.size() + 3) / 4;
     double sum = 0;
-    for (std::size_t k = 0; k < quarter; ++k) sum += std::max(0.0, worths.costs[k]);
+    for (std::size_t k = 0; k < quarter; ++k) sum += std::max(0.0, costs[k]);
     return std::max(2.35 * median, quarter > 0 ? 0.3 * (sum / static_cast<double>(quarter)) : 0);
 }
 
