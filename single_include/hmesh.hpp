@@ -436,6 +436,24 @@ struct Mesh {
 
 #endif  // HMESH_MESH_MESH_HPP
 
+// ---- hmesh/core/assert.hpp
+
+/// \file
+/// HMESH_ASSERT: the check for wrong use of the library by its caller.
+///
+/// Wrong *input* (sizes, targets, pixels) never asserts: it is reported by a Status. Define HMESH_ASSERT before the first
+/// include of hmesh to send failures elsewhere; that changes no type and no layout.
+#ifndef HMESH_CORE_ASSERT_HPP
+#define HMESH_CORE_ASSERT_HPP
+
+#ifndef HMESH_ASSERT
+#include <cassert>
+/// Fails where the condition is false, which is a mistake of the caller. By default it is assert(), hence nothing with NDEBUG.
+#define HMESH_ASSERT(condition) assert(condition)
+#endif
+
+#endif  // HMESH_CORE_ASSERT_HPP
+
 // ---- hmesh/core/compiler.hpp
 
 /// \file
@@ -473,6 +491,203 @@ struct Mesh {
 #endif
 
 #endif  // HMESH_CORE_COMPILER_HPP
+
+// ---- hmesh/core/array.hpp
+
+/// \file
+/// Array: a row of plain elements that grows, as std::vector is one.
+///
+/// A std::vector is compiled for each type of elements, some 40 functions of it, and a call of mesh_image() takes 50 types.
+/// Elements that are copied as bytes need not be known to what makes room for them: an Array leaves that to one class, which
+/// takes a sixth off the compile time of the call. It has those of std::vector's members that are used here, and converts from
+/// and to a std::vector, by a copy.
+#ifndef HMESH_CORE_ARRAY_HPP
+#define HMESH_CORE_ARRAY_HPP
+
+#include <algorithm>
+#include <cstddef>
+#include <cstring>
+#include <initializer_list>
+#include <new>
+#include <type_traits>
+#include <utility>
+#include <vector>
+
+namespace hmesh::kit {
+namespace detail {
+
+/// The memory of an Array, in bytes, for elements of this alignment.
+template <std::size_t alignment>
+class ArrayMemory {
+  public:
+    ArrayMemory() noexcept = default;
+    HMESH_COLD ArrayMemory(const ArrayMemory& other) { append(other.data_, other.used_); }
+    ArrayMemory(ArrayMemory&& other) noexcept { swap(other); }
+    HMESH_COLD ArrayMemory& operator=(ArrayMemory other) noexcept {
+        swap(other);
+        return *this;
+    }
+    HMESH_COLD ~ArrayMemory() { free(data_); }
+
+  protected:
+    /// Makes room for so many bytes in all, or for twice as many as there were.
+    HMESH_NEVER_INLINE HMESH_COLD void make_room(std::size_t bytes) {
+        if (bytes <= room_) return;
+        const std::size_t room = std::max(bytes, 2 * room_);
+        void* data = nullptr;  // aligned memory costs more, where it is not needed
+        if constexpr (alignment > __STDCPP_DEFAULT_NEW_ALIGNMENT__) data = ::operator new (room, std::align_val_t{alignment});
+        else data = ::operator new(room);
+        if (used_ > 0) std::memcpy(data, data_, used_);
+        free(std::exchange(data_, static_cast<unsigned char*>(data)));
+        room_ = room;
+    }
+    /// Puts a copy of bytes that are not of this memory in at a place, and moves what follows.
+    HMESH_NEVER_INLINE HMESH_COLD void put_in(std::size_t place, const void* from, std::size_t bytes) {
+        if (bytes == 0) return;
+        make_room(used_ + bytes);
+        std::memmove(data_ + place + bytes, data_ + place, used_ - place);
+        std::memcpy(data_ + place, from, bytes);
+        used_ += bytes;
+    }
+    void append(const void* from, std::size_t bytes) { put_in(used_, from, bytes); }
+    void swap(ArrayMemory& other) noexcept {
+        std::swap(data_, other.data_);
+        std::swap(used_, other.used_);
+        std::swap(room_, other.room_);
+    }
+
+    unsigned char* data_ = nullptr;
+    std::size_t used_ = 0, room_ = 0;  ///< bytes
+
+  private:
+    static void free(void* data) noexcept {
+        if constexpr (alignment > __STDCPP_DEFAULT_NEW_ALIGNMENT__) ::operator delete (data, std::align_val_t{alignment});
+        else ::operator delete(data);
+    }
+};
+
+}  // namespace detail
+
+/// A row of trivially copyable elements that grows. Members are those of std::vector, but that iterators are pointers, that
+/// erase() takes the last elements only, and that insert() takes none of the array's own.
+template <class T>
+class Array : private detail::ArrayMemory<(alignof(T) <= __STDCPP_DEFAULT_NEW_ALIGNMENT__ ? 1 : alignof(T))> {
+    static_assert(std::is_trivially_copyable_v<T>, "elements are copied as bytes");
+    using Memory = detail::ArrayMemory<(alignof(T) <= __STDCPP_DEFAULT_NEW_ALIGNMENT__ ? 1 : alignof(T))>;
+    using Memory::append, Memory::data_, Memory::make_room, Memory::put_in, Memory::room_, Memory::used_;
+
+  public:
+    /// The type of the elements.
+    using value_type = T;
+
+    /// No elements.
+    Array() noexcept = default;
+    /// n elements T().
+    explicit Array(std::size_t n) { resize(n); }
+    /// n times a value.
+    Array(std::size_t n, const T& value) { resize(n, value); }
+    /// These values.
+    Array(std::initializer_list<T> values) { append(values.begin(), values.size() * sizeof(T)); }
+    /// Copies of [first, last).
+    Array(const T* first, const T* last) { assign(first, last); }
+    /// The elements of a vector.
+    Array(const std::vector<T>& values)
+        : Array(values.data(), values.data() + values.size()) {}  // NOLINT(google-explicit-constructor)
+    /// A vector of the elements.
+    operator std::vector<T>() const { return std::vector<T>(begin(), end()); }  // NOLINT(google-explicit-constructor)
+
+    [[nodiscard]] std::size_t size() const noexcept { return used_ / sizeof(T); }               ///< number of elements
+    [[nodiscard]] bool empty() const noexcept { return used_ == 0; }                            ///< whether there are none
+    [[nodiscard]] T* data() noexcept { return reinterpret_cast<T*>(data_); }                    ///< the first element
+    [[nodiscard]] const T* data() const noexcept { return reinterpret_cast<const T*>(data_); }  ///< the first element
+    [[nodiscard]] T* begin() noexcept { return data(); }                                        ///< the first element
+    [[nodiscard]] const T* begin() const noexcept { return data(); }                            ///< the first element
+    [[nodiscard]] T* end() noexcept { return reinterpret_cast<T*>(data_ + used_); }             ///< behind the last element
+    /// Behind the last element.
+    [[nodiscard]] const T* end() const noexcept { return reinterpret_cast<const T*>(data_ + used_); }
+    /// Element i < size(), which is checked where std::vector's are.
+    [[nodiscard]] T& operator[](std::size_t i) noexcept {
+#if defined(_GLIBCXX_ASSERTIONS)
+        HMESH_ASSERT(i < size());
+#endif
+        return data()[i];
+    }
+    /// Element i < size(), likewise.
+    [[nodiscard]] const T& operator[](std::size_t i) const noexcept {
+#if defined(_GLIBCXX_ASSERTIONS)
+        HMESH_ASSERT(i < size());
+#endif
+        return data()[i];
+    }
+    [[nodiscard]] T& front() noexcept { return (*this)[0]; }                      ///< the first element
+    [[nodiscard]] const T& front() const noexcept { return (*this)[0]; }          ///< the first element
+    [[nodiscard]] T& back() noexcept { return (*this)[size() - 1]; }              ///< the last element
+    [[nodiscard]] const T& back() const noexcept { return (*this)[size() - 1]; }  ///< the last element
+
+    /// Adds an element.
+    void push_back(const T& value) {
+        if (used_ + sizeof(T) <= room_) {
+            new (data_ + used_) T(value);
+            used_ += sizeof(T);
+            return;
+        }
+        const T copy = value;  // which may be one of the elements
+        append(&copy, sizeof(T));
+    }
+    /// Adds an element made of these parts.
+    template <class... Parts>
+    void emplace_back(const Parts&... parts) {
+        push_back(T(parts...));
+    }
+    void pop_back() noexcept { used_ -= sizeof(T); }           ///< drops the last element
+    void reserve(std::size_t n) { make_room(n * sizeof(T)); }  ///< makes room for n elements
+    /// n elements; new ones are T().
+    void resize(std::size_t n) {
+        reserve(n);
+        for (std::size_t i = size(); i < n; ++i) new (data() + i) T();
+        used_ = n * sizeof(T);
+    }
+    /// n elements; new ones have this value.
+    void resize(std::size_t n, const T& value) {
+        reserve(n);
+        for (std::size_t i = size(); i < n; ++i) new (data() + i) T(value);
+        used_ = n * sizeof(T);
+    }
+    /// n times a value, which is none of the elements.
+    void assign(std::size_t n, const T& value) {
+        used_ = 0;
+        resize(n, value);
+    }
+    /// Copies of [first, last).
+    void assign(const T* first, const T* last) {
+        used_ = 0;
+        append(first, static_cast<std::size_t>(last - first) * sizeof(T));
+    }
+    /// Copies of [first, last) before a place.
+    void insert(const T* place, const T* first, const T* last) {
+        put_in(static_cast<std::size_t>(place - begin()) * sizeof(T), first, static_cast<std::size_t>(last - first) * sizeof(T));
+    }
+    /// A value before a place.
+    void insert(const T* place, const T& value) { insert(place, &value, &value + 1); }
+    /// Drops the elements from `first` to the last one.
+    void erase(const T* first, [[maybe_unused]] const T* last) noexcept {
+        HMESH_ASSERT(last == end());
+        used_ = static_cast<std::size_t>(first - begin()) * sizeof(T);
+    }
+    void clear() noexcept { used_ = 0; }                       ///< drops all elements; memory is kept
+    void swap(Array& other) noexcept { Memory::swap(other); }  ///< exchanges the elements
+
+    /// The same elements.
+    [[nodiscard]] friend bool operator==(const Array& a, const Array& b) {
+        return a.size() == b.size() && std::equal(a.begin(), a.end(), b.begin());
+    }
+    /// Other elements.
+    [[nodiscard]] friend bool operator!=(const Array& a, const Array& b) { return !(a == b); }
+};
+
+}  // namespace hmesh::kit
+
+#endif  // HMESH_CORE_ARRAY_HPP
 
 // ---- hmesh/core/function_ref.hpp
 
@@ -566,11 +781,10 @@ class FunctionRef<Result(Arguments...)> {
 #ifndef HMESH_MESH_CODED_ORDER_HPP
 #define HMESH_MESH_CODED_ORDER_HPP
 
-#include <array>
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
-#include <vector>
 
 namespace hmesh::kit {
 
@@ -594,35 +808,39 @@ struct Coded {
 }
 
 /// Sorts by code; items of one code stay in their order.
-HMESH_NEVER_INLINE inline void sort_by_code(std::vector<Coded>& items) {
+HMESH_NEVER_INLINE inline void sort_by_code(Array<Coded>& items) {
     if (items.empty()) return;
     std::uint64_t differing = 0;
     for (const Coded& item : items) differing |= item.code ^ items.front().code;
-    std::vector<Coded> sorted(items.size());
-    constexpr unsigned digit_bits = 11, digits = 1U << digit_bits;
+    Array<Coded> sorted(items.size());
+    constexpr unsigned most = 11;
+    unsigned digit_bits = most;  // fewer for few items, lest clearing counters takes longest
+    while (digit_bits > 4 && items.size() >> (digit_bits - 1) == 0) --digit_bits;
+    const unsigned mask = (1U << digit_bits) - 1;
     for (unsigned shift = 0; shift < 64 && (differing >> shift) != 0; shift += digit_bits) {
-        if (((differing >> shift) & (digits - 1)) == 0) continue;
-        std::array<std::uint32_t, digits + 1> start{};
-        for (const Coded& item : items) ++start[((item.code >> shift) & (digits - 1)) + 1];
-        for (std::size_t k = 1; k < start.size(); ++k) start[k] += start[k - 1];
-        for (const Coded& item : items) sorted[start[(item.code >> shift) & (digits - 1)]++] = item;
+        if (((differing >> shift) & mask) == 0) continue;
+        std::uint32_t start[(1U << most) + 1];
+        std::fill_n(start, mask + 2, 0);
+        for (const Coded& item : items) ++start[((item.code >> shift) & mask) + 1];
+        for (unsigned k = 1; k <= mask; ++k) start[k] += start[k - 1];
+        for (const Coded& item : items) sorted[start[(item.code >> shift) & mask]++] = item;
         items.swap(sorted);
     }
 }
 
 /// The numbers 0 to count - 1 sorted by their codes, those of one code in their order.
-[[nodiscard]] HMESH_NEVER_INLINE HMESH_COLD inline std::vector<Coded> sorted_numbers(
+[[nodiscard]] HMESH_NEVER_INLINE HMESH_COLD inline Array<Coded> sorted_numbers(
     std::size_t count, FunctionRef<std::uint64_t(std::uint32_t number)> code) {
-    std::vector<Coded> items(count);
+    Array<Coded> items(count);
     for (std::uint32_t k = 0; k < count; ++k) items[k] = {code(k), k};
     sort_by_code(items);
     return items;
 }
 /// The same by two codes, the second of which counts where the first is the same.
-[[nodiscard]] HMESH_NEVER_INLINE HMESH_COLD inline std::vector<Coded> sorted_numbers(
+[[nodiscard]] HMESH_NEVER_INLINE HMESH_COLD inline Array<Coded> sorted_numbers(
     std::size_t count, FunctionRef<std::uint64_t(std::uint32_t number)> first,
     FunctionRef<std::uint64_t(std::uint32_t number)> second) {
-    std::vector<Coded> items = sorted_numbers(count, second);
+    Array<Coded> items = sorted_numbers(count, second);
     for (Coded& item : items) item.code = first(item.number);
     sort_by_code(items);
     return items;
@@ -630,8 +848,8 @@ HMESH_NEVER_INLINE inline void sort_by_code(std::vector<Coded>& items) {
 
 /// The things of these numbers, in their order.
 template <class Thing>
-[[nodiscard]] std::vector<Thing> in_order(const std::vector<Thing>& things, const std::vector<Coded>& order) {
-    std::vector<Thing> out;
+[[nodiscard]] Array<Thing> in_order(const Array<Thing>& things, const Array<Coded>& order) {
+    Array<Thing> out;
     out.reserve(order.size());
     for (const Coded& item : order) out.push_back(things[item.number]);
     return out;
@@ -1090,12 +1308,11 @@ struct Turns {
 
 /// For each vertex of a sheet, the first one that is in the same place of the torus, itself where there is none before.
 /// O(n log n).
-[[nodiscard]] HMESH_COLD inline std::vector<std::uint32_t> tied_vertices(const std::vector<Point>& positions,
-                                                                         const Torus& torus) {
-    std::vector<Point> places;
+[[nodiscard]] HMESH_COLD inline Array<std::uint32_t> tied_vertices(const Array<Point>& positions, const Torus& torus) {
+    Array<Point> places;
     places.reserve(positions.size());
     for (const Point p : positions) places.push_back(turned(p, turns_into(p, 0, 0, torus), torus));
-    std::vector<std::uint32_t> roots(positions.size());
+    Array<std::uint32_t> roots(positions.size());
     std::uint32_t root = 0xffffffffU;
     for (const Coded& at : sorted_numbers(
              places.size(), [&](std::uint32_t v) { return code_of(places[v].x); },
@@ -1114,12 +1331,12 @@ struct VertexCopy {
 
 /// Copies that may repeat, as numbers of different ones.
 struct NumberedCopies {
-    std::vector<VertexCopy> different;  ///< sorted by vertex, then turns
-    std::vector<std::uint32_t> number;  ///< of each copy: its place among these
+    Array<VertexCopy> different;  ///< sorted by vertex, then turns
+    Array<std::uint32_t> number;  ///< of each copy: its place among these
 };
 
 /// Numbers copies. O(n log n).
-[[nodiscard]] HMESH_COLD inline NumberedCopies numbered(const std::vector<VertexCopy>& copies) {
+[[nodiscard]] HMESH_COLD inline NumberedCopies numbered(const Array<VertexCopy>& copies) {
     NumberedCopies out;
     out.number.resize(copies.size());
     for (const Coded& at : sorted_numbers(
@@ -1146,10 +1363,9 @@ struct TorusSide {
 };
 
 /// The sides of all faces of a sheet, those of an edge next to each other. O(n log n).
-[[nodiscard]] HMESH_COLD inline std::vector<TorusSide> torus_sides(const std::vector<Point>& positions,
-                                                                   const std::vector<Triangle>& faces,
-                                                                   const std::vector<std::uint32_t>& roots, const Torus& torus) {
-    std::vector<TorusSide> sides;
+[[nodiscard]] HMESH_COLD inline Array<TorusSide> torus_sides(const Array<Point>& positions, const std::vector<Triangle>& faces,
+                                                             const Array<std::uint32_t>& roots, const Torus& torus) {
+    Array<TorusSide> sides;
     sides.reserve(3 * faces.size());
     for (std::uint32_t corner = 0; corner < 3 * faces.size(); ++corner) {
         const Triangle& face = faces[corner / 3];
@@ -1180,8 +1396,8 @@ namespace detail {
 /// Checks that a sheet is a mesh of the torus or cylinder, `roots` being its tied_vertices(): faces of positive area whose sum is
 /// the image's, each edge with a face on both sides of it, but for those on sides of a cylinder, and Euler's characteristic 0.
 /// Such faces cover each place once. Errc::invalid_argument with the index of what is wrong. O(n log n).
-[[nodiscard]] HMESH_COLD inline Status check_torus(const std::vector<Point>& positions, const std::vector<Triangle>& faces,
-                                                   const std::vector<std::uint32_t>& roots, const Torus& torus) {
+[[nodiscard]] HMESH_COLD inline Status check_torus(const Array<Point>& positions, const std::vector<Triangle>& faces,
+                                                   const Array<std::uint32_t>& roots, const Torus& torus) {
     const auto fail = [](const char* what, std::size_t where) -> Status { return {Errc::invalid_argument, what, where}; };
     double area = 0;
     for (std::size_t f = 0; f < faces.size(); ++f) {
@@ -1193,7 +1409,7 @@ namespace detail {
     }
     if (!(std::abs(area - 2.0 * torus.width * torus.height) <= 1e-9 * area))
         return fail("the faces do not tile the image", faces.size());
-    const std::vector<TorusSide> sides = torus_sides(positions, faces, roots, torus);
+    const Array<TorusSide> sides = torus_sides(positions, faces, roots, torus);
     std::size_t edges = 0;
     for (std::size_t k = 0; k < sides.size(); ++k, ++edges) {
         const std::size_t f = sides[k].corner / 3, c = sides[k].corner % 3;
@@ -1206,7 +1422,7 @@ namespace detail {
             return fail("an edge has two faces on one side, first face", f);
         ++k;
     }
-    std::vector<unsigned char> is_used(positions.size(), 0);
+    Array<unsigned char> is_used(positions.size(), 0);
     for (const Triangle& face : faces)
         for (const std::uint32_t v : face) is_used[roots[v]] = 1;
     const auto vertices = static_cast<std::size_t>(std::count(is_used.begin(), is_used.end(), 1));
@@ -1217,8 +1433,8 @@ namespace detail {
 }
 
 /// The positions of a mesh.
-[[nodiscard]] HMESH_COLD inline std::vector<Point> positions_of(const MeshView& mesh) {
-    std::vector<Point> positions(mesh.vertex_count);
+[[nodiscard]] HMESH_COLD inline Array<Point> positions_of(const MeshView& mesh) {
+    Array<Point> positions(mesh.vertex_count);
     for (std::size_t v = 0; v < mesh.vertex_count; ++v)
         positions[v] = {static_cast<double>(mesh.positions[2 * v]), static_cast<double>(mesh.positions[2 * v + 1])};
     return positions;
@@ -1233,12 +1449,12 @@ namespace detail {
     if (mesh.periodic == Periodic::none) return {Errc::invalid_argument, "the mesh is not periodic"};
     if (const Status status = check(mesh, 16); !status) return status;
     if (mesh.width < 1 || mesh.height < 1) return {Errc::invalid_argument, "the mesh's width and height must be at least 1"};
-    const std::vector<kit::Point> positions = kit::positions_of(mesh);
+    const kit::Array<kit::Point> positions = kit::positions_of(mesh);
     for (std::size_t v = 0; v < positions.size(); ++v)
         if (std::abs(positions[v].x) > 64.0 * mesh.width || std::abs(positions[v].y) > 64.0 * mesh.height)
             return {Errc::invalid_argument, "the mesh has a position far outside its image, at vertex", v};
     const kit::Torus torus{mesh.width, mesh.height, mesh.periodic};
-    const std::vector<std::uint32_t> roots = kit::tied_vertices(positions, torus);
+    const kit::Array<std::uint32_t> roots = kit::tied_vertices(positions, torus);
     const auto channels = static_cast<std::size_t>(mesh.channels);
     for (std::size_t v = 0; v < positions.size(); ++v)
         if (!std::equal(mesh.colors + channels * v, mesh.colors + channels * (v + 1), mesh.colors + channels * roots[v]))
@@ -1403,7 +1619,7 @@ class ExportMesh {
 
     // Gives the copies of a vertex on the border the sum of what they have: they are one vertex, and keep one colour.
     void add_up_copies(std::vector<double>& sums) const {
-        const std::vector<std::uint32_t> roots =
+        const kit::Array<std::uint32_t> roots =
             kit::tied_vertices(kit::positions_of(view_), {view_.width, view_.height, view_.periodic});
         for (std::size_t v = 0; v < roots.size(); ++v)
             for (std::size_t k = 0; k < 4 && roots[v] != v; ++k) sums[4 * std::size_t{roots[v]} + k] += sums[4 * v + k];
@@ -1943,7 +2159,6 @@ inline void write_shading_entries(Writer& writer, const ShadingLayout& layout, c
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
-#include <vector>
 
 namespace hmesh {
 
@@ -1962,7 +2177,7 @@ namespace hmesh {
     out.positions.assign(mesh.positions, mesh.positions + 2 * mesh.vertex_count);
     out.colors.assign(mesh.colors, mesh.colors + channels * mesh.vertex_count);
     out.faces.assign(mesh.faces, mesh.faces + mesh.face_count);
-    std::vector<kit::VertexCopy> corners;  // of the faces' copies
+    kit::Array<kit::VertexCopy> corners;  // of the faces' copies
     for (std::size_t f = 0; f < mesh.face_count; ++f) {
         // The turns after which a part of the face is inside, along one axis.
         const auto range = [&](std::size_t axis, int size, bool wraps) {
@@ -4224,24 +4439,6 @@ inline Status write_obj(const MeshView& source, Sink sink) {
 
 #endif  // HMESH_IO_OBJ_HPP
 
-// ---- hmesh/core/assert.hpp
-
-/// \file
-/// HMESH_ASSERT: the check for wrong use of the library by its caller.
-///
-/// Wrong *input* (sizes, targets, pixels) never asserts: it is reported by a Status. Define HMESH_ASSERT before the first
-/// include of hmesh to send failures elsewhere; that changes no type and no layout.
-#ifndef HMESH_CORE_ASSERT_HPP
-#define HMESH_CORE_ASSERT_HPP
-
-#ifndef HMESH_ASSERT
-#include <cassert>
-/// Fails where the condition is false, which is a mistake of the caller. By default it is assert(), hence nothing with NDEBUG.
-#define HMESH_ASSERT(condition) assert(condition)
-#endif
-
-#endif  // HMESH_CORE_ASSERT_HPP
-
 // ---- hmesh/io/detail/shading_parts.hpp
 
 /// \file
@@ -5390,7 +5587,6 @@ inline Status write_svg(const MeshView& mesh, Sink sink, const SvgOptions& optio
 
 #include <algorithm>
 #include <cstddef>
-#include <vector>
 
 namespace hmesh {
 
@@ -5424,7 +5620,7 @@ inline void for_each_chunk(const ParallelFor& parallel_for, std::size_t n, std::
 /// The sum of body(begin, end) over the ranges of for_each_chunk(), added in index order.
 [[nodiscard]] inline double ordered_sum(const ParallelFor& parallel_for, std::size_t n, std::size_t grain,
                                         FunctionRef<double(std::size_t begin, std::size_t end)> body) {
-    std::vector<double> parts(n / grain + (n % grain != 0), 0.0);
+    Array<double> parts(n / grain + (n % grain != 0), 0.0);
     for_each_chunk(parallel_for, n, grain, [&](std::size_t begin, std::size_t end) { parts[begin / grain] = body(begin, end); });
     double sum = 0;
     for (const double part : parts) sum += part;
@@ -5635,7 +5831,7 @@ template <class T, int C>
             if constexpr (std::is_same_v<T, float>) return is_finite(sample);
             else return is_within(Traits::to_real(sample), -most, most);
         };
-        std::vector<unsigned char> bad(static_cast<std::size_t>(view.height), 0);
+        Array<unsigned char> bad(static_cast<std::size_t>(view.height), 0);
         for_each_chunk(parallel_for, bad.size(), 32, [&](std::size_t begin, std::size_t end) {
             for (std::size_t y = begin; y < end; ++y) {
                 const T* row = view.row(static_cast<int>(y));
@@ -5869,7 +6065,7 @@ class ProgressReporter {
     double samples_, peak_;
     double energy_unit_ = 1;
     ProgressSpan span_;
-    std::vector<double> plan_;              ///< shares of the run, whose sum is 1; or none
+    Array<double> plan_;                    ///< shares of the run, whose sum is 1; or none
     std::size_t planned_ = 0;               ///< stages of the plan that have begun
     double stage_from_ = 0, stage_to_ = 0;  ///< of the run: the stage that began last
     ProgressInfo info_;
@@ -6763,7 +6959,6 @@ template <class T, int C>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
-#include <vector>
 
 namespace hmesh::kit {
 
@@ -6777,7 +6972,7 @@ namespace hmesh::kit {
         return {Errc::invalid_argument, "the weights are not as high as the image", weights.height, height};
     if (const Status status = check(weights); !status) return status;
     enum Fault : unsigned char { none, negative, not_finite };
-    std::vector<Fault> faults(static_cast<std::size_t>(height), none);
+    Array<Fault> faults(static_cast<std::size_t>(height), none);
     for_each_chunk(parallel_for, faults.size(), 32, [&](std::size_t begin, std::size_t end) {
         for (std::size_t y = begin; y < end; ++y) {
             const float* row = weights.row(static_cast<int>(y));
@@ -6798,7 +6993,7 @@ namespace hmesh::kit {
 /// 1 / the largest weight; 1 where there are no weights or all are 0. check_weights() must accept the weights.
 [[nodiscard]] inline double weight_unit(const ImageView<float, 1>& weights, const ParallelFor& parallel_for = {}) {
     if (weights.data == nullptr) return 1;
-    std::vector<float> largest(static_cast<std::size_t>(weights.height), 0.0F);
+    Array<float> largest(static_cast<std::size_t>(weights.height), 0.0F);
     for_each_chunk(parallel_for, largest.size(), 32, [&](std::size_t begin, std::size_t end) {
         for (std::size_t y = begin; y < end; ++y) {
             const float* row = weights.row(static_cast<int>(y));
@@ -7465,7 +7660,6 @@ class ImageSource {
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
-#include <vector>
 
 namespace hmesh::kit {
 namespace detail {
@@ -7547,7 +7741,7 @@ template <int C>
                                                        const ParallelFor& parallel_for = {},
                                                        const ChannelScale<C>& channels = {}) {
     constexpr std::size_t grain = 256;
-    std::vector<RenderedError> parts(mesh.faces.size() / grain + 1);
+    Array<RenderedError> parts(mesh.faces.size() / grain + 1);
     for_each_chunk(parallel_for, mesh.faces.size(), grain, [&](std::size_t begin, std::size_t end) {
         parts[begin / grain] = detail::rendered_errors(mesh, begin, end, source, channels);
     });
@@ -7631,16 +7825,12 @@ template <class T, int C>
 
 #include <cstddef>
 #include <cstdint>
-#include <type_traits>
-#include <vector>
 
 namespace hmesh::kit {
 
 /// An array of trivially copyable elements that can return to an earlier state.
 template <class T>
 class UndoArray {
-    static_assert(std::is_trivially_copyable_v<T>, "old values are restored by plain copies");
-
   public:
     /// A state to return to, made by mark().
     struct Mark {
@@ -7650,11 +7840,12 @@ class UndoArray {
 
     [[nodiscard]] std::size_t size() const noexcept { return values_.size(); }              ///< number of elements
     [[nodiscard]] const T& operator[](std::size_t i) const noexcept { return values_[i]; }  ///< element i, for reading
-    [[nodiscard]] const std::vector<T>& values() const noexcept { return values_; }         ///< all elements, for reading
+
+    [[nodiscard]] const Array<T>& values() const noexcept { return values_; }  ///< all elements, for reading
 
     /// Element i for writing; its old value is noted while recording. The reference is valid until the next push_back().
     [[nodiscard]] T& edit(std::size_t i) {
-        if (recording_) notes_.push_back({values_[i], static_cast<std::uint32_t>(i)});
+        if (recording_) note(i);
         return values_[i];
     }
     /// Element i for writing, never undone: for building a mesh, or for writing distinct elements from many threads.
@@ -7674,7 +7865,7 @@ class UndoArray {
         return {notes_.size(), values_.size()};
     }
     /// Returns all elements and the size to what they were at that mark. O(edits since).
-    void rollback(const Mark& to) {
+    HMESH_NEVER_INLINE void rollback(const Mark& to) {
         while (notes_.size() > to.notes) {
             values_[notes_.back().index] = notes_.back().old;
             notes_.pop_back();
@@ -7692,8 +7883,10 @@ class UndoArray {
         T old;
         std::uint32_t index;
     };
-    std::vector<T> values_;
-    std::vector<Note> notes_;
+    HMESH_NEVER_INLINE void note(std::size_t i) { notes_.push_back({values_[i], static_cast<std::uint32_t>(i)}); }
+
+    Array<T> values_;
+    Array<Note> notes_;
     bool recording_ = false;
 };
 
@@ -8637,7 +8830,7 @@ inline Status HalfedgeMesh::assign(std::size_t vertex_count, const std::vector<T
     // Not (k + 1) % 3, which becomes a division where code is to be small.
     const auto after = [](std::size_t k) { return k == 2 ? std::size_t{0} : k + 1; };
     constexpr std::uint64_t reversed = std::uint64_t{1} << 32;
-    std::vector<std::uint32_t> first(vertex_count + 1, 0);
+    Array<std::uint32_t> first(vertex_count + 1, 0);
     for (std::size_t t = 0; t < triangles.size(); ++t)
         for (std::size_t k = 0; k < 3; ++k) {
             const std::uint32_t a = triangles[t][k], b = triangles[t][after(k)];
@@ -8646,14 +8839,14 @@ inline Status HalfedgeMesh::assign(std::size_t vertex_count, const std::vector<T
             ++first[std::min(a, b) + 1];
         }
     for (std::size_t v = 0; v < vertex_count; ++v) first[v + 1] += first[v];
-    std::vector<std::uint64_t> sides(3 * triangles.size());
+    Array<std::uint64_t> sides(3 * triangles.size());
     for (std::size_t t = 0; t < triangles.size(); ++t)
         for (std::size_t k = 0; k < 3; ++k) {
             const std::uint32_t a = triangles[t][k], b = triangles[t][after(k)];
             sides[first[std::min(a, b)]++] =
                 std::uint64_t{std::max(a, b)} << 33U | (a > b ? reversed : 0) | static_cast<std::uint32_t>(3 * t + k);
         }
-    std::vector<Halfedge> side_halfedge(3 * triangles.size());
+    Array<Halfedge> side_halfedge(3 * triangles.size());
     std::size_t edges = 0;
     for (std::size_t v = 0, i = 0; v < vertex_count; ++v) {
         std::sort(sides.begin() + static_cast<std::ptrdiff_t>(i), sides.begin() + static_cast<std::ptrdiff_t>(first[v]));
@@ -8712,7 +8905,7 @@ inline Status HalfedgeMesh::assign(std::size_t vertex_count, const std::vector<T
 }
 
 inline std::vector<Triangle> HalfedgeMesh::triangles() const {
-    std::vector<std::uint32_t> numbers(vertex_slots(), 0);
+    Array<std::uint32_t> numbers(vertex_slots(), 0);
     std::uint32_t count = 0;
     for (const Vertex v : vertices()) numbers[v.index()] = count++;
     std::vector<Triangle> out;
@@ -8743,8 +8936,8 @@ inline Status HalfedgeMesh::check() const {
         if (const Status status = check_vertex(v); !status) return status;
         ++vertex_total;
     }
-    std::vector<std::uint32_t> leaving(vertex_slots(), 0);
-    std::vector<unsigned char> boundary(vertex_slots(), 0);
+    Array<std::uint32_t> leaving(vertex_slots(), 0);
+    Array<unsigned char> boundary(vertex_slots(), 0);
     for (const Edge e : edges()) {
         ++edge_total;
         for (const Halfedge h : {halfedge(e), opposite(halfedge(e))}) {
@@ -8780,7 +8973,7 @@ inline Status HalfedgeMesh::check() const {
     for (const Edge e : edges()) bounded += (is_boundary(halfedge(e)) ? 0U : 1U) + (is_boundary(opposite(halfedge(e))) ? 0U : 1U);
     if (bounded != 3 * face_total) return fail("the faces do not use each half-edge once", bounded);
     // One fan a vertex: a turn around it meets all half-edges that leave it, and no neighbour twice.
-    std::vector<std::size_t> neighbors, met_by(vertex_slots(), vertex_slots());
+    Array<std::size_t> neighbors, met_by(vertex_slots(), vertex_slots());
     for (const Vertex v : vertices()) {
         neighbors.clear();
         for (const Halfedge h : outgoing(v)) {
@@ -9013,7 +9206,6 @@ inline void HalfedgeMesh::collapse(Halfedge h) {
 
 #include <cstddef>
 #include <cstdint>
-#include <vector>
 
 namespace hmesh::kit {
 namespace detail {
@@ -9045,17 +9237,17 @@ template <class Kind>
 
 }  // namespace detail
 
-/// The `count` elements of a range, handles or numbers below 2^32, sorted by the Morton code of position(element), the position of
-/// an element in px.
+/// The `count` elements of a range, handles or numbers below 2^32, sorted by the Morton code of position(element), the position
+/// of an element in px.
 template <class Element, class Range>
-[[nodiscard]] std::vector<Element> in_spatial_order(const Range& range, std::size_t count, FunctionRef<Point(Element)> position) {
-    std::vector<Coded> items;
+[[nodiscard]] Array<Element> in_spatial_order(const Range& range, std::size_t count, FunctionRef<Point(Element)> position) {
+    Array<Coded> items;
     items.reserve(count);
     for (const Element e : range) items.push_back({morton_code(position(e)), static_cast<std::uint32_t>(detail::number_of(e))});
     sort_by_code(items);
-    std::vector<Element> sorted;
+    Array<Element> sorted;
     sorted.reserve(count);
-    for (const Coded& item : items) sorted.emplace_back(item.number);
+    for (const Coded& item : items) sorted.push_back(Element(item.number));
     return sorted;
 }
 
@@ -9070,11 +9262,11 @@ HMESH_ALWAYS_INLINE void for_each_edge(const HalfedgeMesh& topology, Face f, Bod
 
 /// The vertices of a mesh in spatial order, `position` giving their positions: neighbours in the list are mostly neighbours in
 /// the plane. O(n).
-[[nodiscard]] inline std::vector<Vertex> spatial_vertices(const HalfedgeMesh& topology, FunctionRef<Point(Vertex)> position) {
+[[nodiscard]] inline Array<Vertex> spatial_vertices(const HalfedgeMesh& topology, FunctionRef<Point(Vertex)> position) {
     return in_spatial_order<Vertex>(topology.vertices(), topology.vertex_count(), position);
 }
 /// The faces of a mesh in spatial order of their centroids, `position` giving the positions of vertices. O(n).
-[[nodiscard]] inline std::vector<Face> spatial_faces(const HalfedgeMesh& topology, FunctionRef<Point(Vertex)> position) {
+[[nodiscard]] inline Array<Face> spatial_faces(const HalfedgeMesh& topology, FunctionRef<Point(Vertex)> position) {
     return in_spatial_order<Face>(topology.faces(), topology.face_count(), [&](Face f) {
         const auto v = topology.vertices(f);
         const Point a = position(v[0]), b = position(v[1]), c = position(v[2]);
@@ -9082,8 +9274,8 @@ HMESH_ALWAYS_INLINE void for_each_edge(const HalfedgeMesh& topology, Face f, Bod
     });
 }
 /// The edges of a mesh, each once, in the order of spatial_faces(), `position` giving the positions of vertices. O(n).
-[[nodiscard]] inline std::vector<Edge> spatial_edges(const HalfedgeMesh& topology, FunctionRef<Point(Vertex)> position) {
-    std::vector<Edge> edges;
+[[nodiscard]] inline Array<Edge> spatial_edges(const HalfedgeMesh& topology, FunctionRef<Point(Vertex)> position) {
+    Array<Edge> edges;
     edges.reserve(topology.edge_count());
     for (const Face f : spatial_faces(topology, position)) for_each_edge(topology, f, [&](Edge e) { edges.push_back(e); });
     return edges;
@@ -9166,10 +9358,10 @@ class ImageMesh {
     /// empty: positions outside the rectangle or off the 1/256 px grid, another number of colours than of vertices, numbers that
     /// are not finite, and what HalfedgeMesh::assign() refuses. Whether faces are positively oriented and tile the rectangle is
     /// for check() to say. The executor fills in edges and faces.
-    [[nodiscard]] HMESH_COLD Status assign(const std::vector<Point>& positions, const std::vector<Triangle>& triangles,
-                                           const std::vector<Color<C>>& colors, const ParallelFor& parallel_for = {});
+    [[nodiscard]] HMESH_COLD Status assign(const Array<Point>& positions, const std::vector<Triangle>& triangles,
+                                           const Array<Color<C>>& colors, const ParallelFor& parallel_for = {});
     /// Replaces the mesh by a triangulation as above, with the colours of the pixels.
-    [[nodiscard]] Status assign(const std::vector<Point>& positions, const std::vector<Triangle>& triangles,
+    [[nodiscard]] Status assign(const Array<Point>& positions, const std::vector<Triangle>& triangles,
                                 const ParallelFor& parallel_for = {}) {
         return assign(positions, triangles, {}, parallel_for);
     }
@@ -9314,7 +9506,7 @@ class ImageMesh {
     /// faces must have positive area.
     void collapse(Halfedge h);
     /// Gives all vertices new colours, indexed by vertex slot, and updates all energies. Outside a transaction only.
-    HMESH_COLD void set_colors(const std::vector<Color<C>>& colors, const ParallelFor& parallel_for = {});
+    HMESH_COLD void set_colors(const Array<Color<C>>& colors, const ParallelFor& parallel_for = {});
 
     // --- transactions; they nest ---
     /// The beginning of a transaction.
@@ -9384,7 +9576,7 @@ class ImageMesh {
                 wraps_y(context_.periodic) ? low : std::min(low, image.y + image.height - in)};
     }
     /// Why these cannot be the vertices of the mesh, or ok.
-    [[nodiscard]] Status check_vertices(const std::vector<Point>& positions, const std::vector<Color<C>>& colors) const noexcept;
+    [[nodiscard]] Status check_vertices(const Array<Point>& positions, const Array<Color<C>>& colors) const noexcept;
     /// Empties the mesh and returns the status.
     Status refuse(const Status& status);
     /// Ends a transaction; the outermost one forgets all notes.
@@ -9444,7 +9636,7 @@ class ImageMesh {
     UndoArray<double> energies_;     ///< by face
     double energy_ = 0;
     double twice_area_ = 0;  ///< of all faces, when assigned
-    std::vector<unsigned char> dirty_;
+    Array<unsigned char> dirty_;
     int depth_ = 0;
 };
 
@@ -9455,17 +9647,17 @@ template <int C>
 
 /// The vertices of the mesh in spatial order (mesh/spatial_order.hpp).
 template <int C>
-[[nodiscard]] std::vector<Vertex> spatial_vertices(const ImageMesh<C>& mesh) {
+[[nodiscard]] Array<Vertex> spatial_vertices(const ImageMesh<C>& mesh) {
     return spatial_vertices(mesh.topology(), [&](Vertex v) { return mesh.position(v); });
 }
 /// The faces of the mesh in spatial order (mesh/spatial_order.hpp).
 template <int C>
-[[nodiscard]] std::vector<Face> spatial_faces(const ImageMesh<C>& mesh) {
+[[nodiscard]] Array<Face> spatial_faces(const ImageMesh<C>& mesh) {
     return spatial_faces(mesh.topology(), [&](Vertex v) { return mesh.position(v); });
 }
 /// The edges of the mesh in spatial order (mesh/spatial_order.hpp).
 template <int C>
-[[nodiscard]] std::vector<Edge> spatial_edges(const ImageMesh<C>& mesh) {
+[[nodiscard]] Array<Edge> spatial_edges(const ImageMesh<C>& mesh) {
     return spatial_edges(mesh.topology(), [&](Vertex v) { return mesh.position(v); });
 }
 
@@ -9490,7 +9682,7 @@ namespace hmesh::kit {
 // --- building, recoloring and checking -----------------------------------------------------------------------------
 
 template <int C>
-Status ImageMesh<C>::check_vertices(const std::vector<Point>& positions, const std::vector<Color<C>>& colors) const noexcept {
+Status ImageMesh<C>::check_vertices(const Array<Point>& positions, const Array<Color<C>>& colors) const noexcept {
     if (!colors.empty() && colors.size() != positions.size())
         return {Errc::invalid_argument, "the colours are not as many as the vertices", colors.size(), positions.size()};
     const Point low = first_place(0), high = last_place(0);
@@ -9521,8 +9713,8 @@ Status ImageMesh<C>::refuse(const Status& status) {
 }
 
 template <int C>
-Status ImageMesh<C>::assign(const std::vector<Point>& positions, const std::vector<Triangle>& triangles,
-                            const std::vector<Color<C>>& colors, const ParallelFor& parallel_for) {
+Status ImageMesh<C>::assign(const Array<Point>& positions, const std::vector<Triangle>& triangles,
+                            const Array<Color<C>>& colors, const ParallelFor& parallel_for) {
     HMESH_ASSERT(table_ != nullptr && depth_ == 0);
     if (const Status status = check_vertices(positions, colors); !status) return refuse(status);
     if (const Status status = topology_.assign(positions.size(), triangles); !status) return refuse(status);
@@ -9574,8 +9766,8 @@ Status ImageMesh<C>::assign(const Mesh& mesh, const ParallelFor& parallel_for) {
         return refuse({Errc::invalid_argument, "the mesh's samples are not what the image's are", static_cast<int>(mesh.samples),
                        static_cast<int>(context_.samples)});
     const double shift = inset(mesh.samples);
-    std::vector<Point> positions(n);
-    std::vector<Color<C>> colors(n, Color<C>::zero());
+    Array<Point> positions(n);
+    Array<Color<C>> colors(n, Color<C>::zero());
     for (std::size_t v = 0; v < n; ++v) {
         positions[v] = {static_cast<double>(mesh.positions[2 * v]) + shift, static_cast<double>(mesh.positions[2 * v + 1]) + shift};
         for (std::size_t k = 0; k < C; ++k) colors[v].set(static_cast<int>(k), static_cast<double>(mesh.colors[C * v + k]));
@@ -9603,7 +9795,7 @@ Mesh to_mesh(const ImageMesh<C>& from, double peak) {
 }
 
 template <int C>
-void ImageMesh<C>::set_colors(const std::vector<Color<C>>& colors, const ParallelFor& parallel_for) {
+void ImageMesh<C>::set_colors(const Array<Color<C>>& colors, const ParallelFor& parallel_for) {
     HMESH_ASSERT(depth_ == 0 && colors.size() == vertices_.size());
     for (std::size_t i = 0; i < colors.size(); ++i) vertices_.raw(i).color = colors[i];
     energy_ = ordered_sum(parallel_for, topology_.face_slots(), 1024, [&](std::size_t begin, std::size_t end) {
@@ -9789,7 +9981,6 @@ void ImageMesh<C>::collapse(Halfedge h) {
 #define HMESH_EDIT_MOVE_HPP
 
 #include <cmath>
-#include <vector>
 
 namespace hmesh::kit {
 
@@ -9901,7 +10092,7 @@ double improve_vertex(ImageMesh<C>& mesh, Vertex v, double min_gain) {
 /// tolerance.propagate_above, the vertex and its neighbours become dirty again. Ends early where mesh.keep_going() says stop.
 /// Returns the decrease of the energy.
 template <int C>
-double sweep(ImageMesh<C>& mesh, const std::vector<Vertex>& vertices, const Tolerance& tolerance) {
+double sweep(ImageMesh<C>& mesh, const Array<Vertex>& vertices, const Tolerance& tolerance) {
     const double start = mesh.energy();
     const double propagate_above = tolerance.propagate_above * mesh.mean_energy();
     const double min_gain = tolerance.min_gain * mesh.mean_energy();
@@ -9936,7 +10127,6 @@ double sweep(ImageMesh<C>& mesh, const Tolerance& tolerance = {}) {
 
 #include <algorithm>
 #include <cstddef>
-#include <vector>
 
 namespace hmesh::kit {
 
@@ -10015,7 +10205,7 @@ double improve_edge(ImageMesh<C>& mesh, Edge e, double min_gain) {
 /// first those given, the first on top; after a flip the four sides of its quadrilateral are pushed again. The four vertices
 /// around a flipped edge become dirty. Ends early where mesh.keep_going() says stop. Returns the number of flips.
 template <int C>
-std::size_t flip_edges(ImageMesh<C>& mesh, std::vector<Edge> stack, double min_gain) {
+std::size_t flip_edges(ImageMesh<C>& mesh, Array<Edge> stack, double min_gain) {
     const HalfedgeMesh& topology = mesh.topology();
     min_gain *= mesh.mean_energy();
     std::reverse(stack.begin(), stack.end());
@@ -10064,7 +10254,6 @@ std::size_t flip_edges(ImageMesh<C>& mesh, double min_gain = 1e-4) {
 #include <cstddef>
 #include <cstdint>
 #include <limits>
-#include <vector>
 
 namespace hmesh::kit {
 
@@ -10231,9 +10420,9 @@ template <int C>
 
 /// The sites of a mesh in spatial order: each edge once and, where `faces`, each face.
 template <int C>
-[[nodiscard]] std::vector<InsertionSite> insertion_sites(const ImageMesh<C>& mesh, bool faces) {
+[[nodiscard]] Array<InsertionSite> insertion_sites(const ImageMesh<C>& mesh, bool faces) {
     const HalfedgeMesh& topology = mesh.topology();
-    std::vector<InsertionSite> sites;
+    Array<InsertionSite> sites;
     sites.reserve(topology.edge_count() + (faces ? topology.face_count() : 0));
     for (const Face f : spatial_faces(mesh)) {
         for_each_edge(topology, f, [&](Edge e) {
@@ -10251,11 +10440,11 @@ namespace detail {
 /// The numbers of the largest of n gains > 0, by falling gain, ties by number: at most 4 * count, since about half of a list of
 /// sites touch a better one. A gain below 0 never counts. Those with the largest bounds are evaluated first; their gains then
 /// tell up to which bound the others cannot get into the list, and these are not evaluated. 36 bytes for each of the n.
-[[nodiscard]] HMESH_COLD inline std::vector<std::uint32_t> largest_gains(std::size_t n, std::size_t count,
-                                                                         FunctionRef<float(std::size_t)> bound,
-                                                                         FunctionRef<float(std::size_t)> gain) {
+[[nodiscard]] HMESH_COLD inline Array<std::uint32_t> largest_gains(std::size_t n, std::size_t count,
+                                                                   FunctionRef<float(std::size_t)> bound,
+                                                                   FunctionRef<float(std::size_t)> gain) {
     const std::size_t wanted = 2 * count;
-    std::vector<float> gains(n, 0.0F);
+    Array<float> gains(n, 0.0F);
     const auto falling = [n](FunctionRef<float(std::size_t)> value) {
         return sorted_numbers(n, [&](std::uint32_t k) { return code_of(-static_cast<double>(std::max(value(k), 0.0F))); });
     };
@@ -10269,7 +10458,7 @@ namespace detail {
     const float first_cut = wanted < n ? std::max(bound(falling(bound)[wanted].number), 0.0F) : 0.0F;
     evaluate(first_cut, std::numeric_limits<float>::max());
     evaluate(wanted < n ? std::max(gains[falling(gain_of)[wanted].number], 0.0F) : 0.0F, first_cut);
-    std::vector<std::uint32_t> best;
+    Array<std::uint32_t> best;
     for (const Coded& at : falling(gain_of))
         if (gains[at.number] > 0 && best.size() < 2 * wanted) best.push_back(at.number);
     return best;
@@ -10280,9 +10469,8 @@ namespace detail {
 /// The best sites for `count` new vertices, by falling gain, ties in spatial order: up to 4 * count. max_gain() spares most sites
 /// their evaluation. 40 bytes a site.
 template <int C>
-[[nodiscard]] std::vector<InsertionSite> best_sites(const ImageMesh<C>& mesh, std::size_t count,
-                                                    const InsertionOptions& options) {
-    const std::vector<InsertionSite> sites = insertion_sites(mesh, options.faces);
+[[nodiscard]] Array<InsertionSite> best_sites(const ImageMesh<C>& mesh, std::size_t count, const InsertionOptions& options) {
+    const Array<InsertionSite> sites = insertion_sites(mesh, options.faces);
     const double scale = mesh.energy() > 0 ? 1 / mesh.mean_energy() : 0;  // keeps floats in range, whatever the unit of samples
     RingScratch<C> scratch;
     const auto bound = [&](std::size_t k) { return static_cast<float>(scale * max_gain(mesh, sites[k])); };
@@ -10291,7 +10479,7 @@ template <int C>
         const auto candidate = candidate_at(mesh, scratch, sites[k], options.may_move);
         return candidate.fits ? static_cast<float>(scale * candidate.gain) : -1.0F;
     };
-    std::vector<InsertionSite> best;
+    Array<InsertionSite> best;
     for (const std::uint32_t k : detail::largest_gains(sites.size(), count, bound, gain)) best.push_back(sites[k]);
     return best;
 }
@@ -10303,9 +10491,9 @@ template <int C>
 template <int C>
 std::size_t insert_batch(ImageMesh<C>& mesh, std::size_t count, const InsertionOptions& options) {
     const HalfedgeMesh& topology = mesh.topology();
-    const std::vector<InsertionSite> sites = best_sites(mesh, count, options);
-    std::vector<unsigned char> touched(topology.face_slots() + 2 * count, 0);
-    std::vector<Vertex> inserted;
+    const Array<InsertionSite> sites = best_sites(mesh, count, options);
+    Array<unsigned char> touched(topology.face_slots() + 2 * count, 0);
+    Array<Vertex> inserted;
     inserted.reserve(count);
     RingScratch<C> scratch;
     for (const InsertionSite site : sites) {
@@ -10357,7 +10545,6 @@ std::size_t insert_batch(ImageMesh<C>& mesh, std::size_t count, const InsertionO
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
-#include <vector>
 
 namespace hmesh::kit {
 
@@ -10378,9 +10565,9 @@ HMESH_ALWAYS_INLINE void for_each_own_face(const HalfedgeMesh& topology, Vertex 
 /// Vertices that the body inserts are in no block, those that it removes must have been in this one. Tells the mesh's task of the
 /// share of the blocks that is done. Ends early where mesh.keep_going() says stop.
 template <int C>
-HMESH_COLD void for_each_block(ImageMesh<C>& mesh, const std::vector<Vertex>& all, std::size_t first,
-                               FunctionRef<void(std::vector<Vertex>& vertices)> body) {
-    std::vector<std::size_t> begins;
+HMESH_COLD void for_each_block(ImageMesh<C>& mesh, const Array<Vertex>& all, std::size_t first,
+                               FunctionRef<void(Array<Vertex>& vertices)> body) {
+    Array<std::size_t> begins;
     std::uint32_t last = 0;
     for (std::size_t k = 0; k < all.size(); ++k) {
         const std::uint32_t block = morton_code(mesh.position(all[k])) >> 13U;
@@ -10389,7 +10576,7 @@ HMESH_COLD void for_each_block(ImageMesh<C>& mesh, const std::vector<Vertex>& al
     }
     const std::size_t count = begins.size();
     begins.push_back(all.size());
-    std::vector<Vertex> vertices;
+    Array<Vertex> vertices;
     for (std::size_t i = 0; i < count && mesh.keep_going(); ++i) {
         const std::size_t k = (first + i) % count;
         vertices.assign(all.begin() + static_cast<std::ptrdiff_t>(begins[k]),
@@ -10401,8 +10588,8 @@ HMESH_COLD void for_each_block(ImageMesh<C>& mesh, const std::vector<Vertex>& al
 
 /// The edges that belong to these vertices.
 template <int C>
-[[nodiscard]] std::vector<Edge> own_edges(const ImageMesh<C>& mesh, const std::vector<Vertex>& vertices) {
-    std::vector<Edge> edges;
+[[nodiscard]] Array<Edge> own_edges(const ImageMesh<C>& mesh, const Array<Vertex>& vertices) {
+    Array<Edge> edges;
     edges.reserve(3 * vertices.size());
     for (const Vertex v : vertices) for_each_own_edge(mesh.topology(), v, [&](Edge e) { edges.push_back(e); });
     return edges;
@@ -10410,8 +10597,8 @@ template <int C>
 
 /// The insertion sites that belong to these vertices: edges and faces.
 template <int C>
-[[nodiscard]] std::vector<InsertionSite> own_sites(const ImageMesh<C>& mesh, const std::vector<Vertex>& vertices) {
-    std::vector<InsertionSite> sites;
+[[nodiscard]] Array<InsertionSite> own_sites(const ImageMesh<C>& mesh, const Array<Vertex>& vertices) {
+    Array<InsertionSite> sites;
     sites.reserve(5 * vertices.size());
     for (const Vertex v : vertices) {
         for_each_own_edge(mesh.topology(), v, [&](Edge e) { sites.emplace_back(e); });
@@ -10453,7 +10640,6 @@ template <int C>
 
 #include <cmath>
 #include <cstddef>
-#include <vector>
 
 namespace hmesh::kit {
 
@@ -10510,7 +10696,7 @@ class HoleFiller {
     ///
     /// The result is valid until the next call. Nothing is allocated unless `count` is larger than ever before.
     template <class PositionAt>
-    const std::vector<Ear>& fill(int count, PositionAt&& position_at, bool open) {
+    const Array<Ear>& fill(int count, PositionAt&& position_at, bool open) {
         HMESH_ASSERT(count >= 3);
         const auto size = static_cast<std::size_t>(count);
         if (corners_.size() < size) corners_.resize(size);
@@ -10577,8 +10763,8 @@ class HoleFiller {
         return true;
     }
 
-    std::vector<Ear> ears_;
-    std::vector<Corner> corners_;
+    Array<Ear> ears_;
+    Array<Corner> corners_;
 };
 
 }  // namespace hmesh::kit
@@ -10608,7 +10794,6 @@ class HoleFiller {
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
-#include <vector>
 
 namespace hmesh::kit {
 
@@ -10626,7 +10811,7 @@ class Delaunay {
     [[nodiscard]] const HalfedgeMesh& topology() const noexcept { return topology_; }        ///< the connectivity
     [[nodiscard]] Point position(Vertex v) const noexcept { return positions_[v.index()]; }  ///< position of a vertex
     /// Positions by vertex slot. The entries of deleted slots are meaningless.
-    [[nodiscard]] const std::vector<Point>& positions() const noexcept { return positions_; }
+    [[nodiscard]] const Array<Point>& positions() const noexcept { return positions_; }
     [[nodiscard]] static bool is_corner(Vertex v) noexcept { return v.index() < 4; }  ///< whether v is a corner
 
     /// Reserves memory for this number of vertices.
@@ -10669,17 +10854,17 @@ class Delaunay {
     int width_, height_;
     Samples samples_;
     HalfedgeMesh topology_;
-    std::vector<Point> positions_;
+    Array<Point> positions_;
     Vertex last_{0};  ///< where walks begin
-    std::vector<Halfedge> stack_, spokes_;
+    Array<Halfedge> stack_, spokes_;
     HoleFiller filler_;
 };
 
 /// The Delaunay triangulation of the corners of the rectangle [0, width] x [0, height] and of `points` of the 1/256 px grid in
 /// it. Vertices 0 to 3 are the corners. The points follow in spatial order, so that neighbours are near each other in memory
 /// too; a point that repeats an earlier one or a corner makes no vertex.
-[[nodiscard]] inline Delaunay triangulate(int width, int height, const std::vector<Point>& points) {
-    std::vector<std::uint32_t> indices(points.size());
+[[nodiscard]] inline Delaunay triangulate(int width, int height, const Array<Point>& points) {
+    Array<std::uint32_t> indices(points.size());
     for (std::size_t k = 0; k < indices.size(); ++k) indices[k] = static_cast<std::uint32_t>(k);
     Delaunay mesh(width, height);
     mesh.reserve(points.size() + 4);
@@ -10757,7 +10942,7 @@ inline void Delaunay::remove(Vertex v) {
     spokes_.clear();
     for (const Halfedge h : topology_.outgoing(v)) spokes_.push_back(h);
     const auto spoke = [this](int k) { return spokes_[static_cast<std::size_t>(k)]; };
-    const std::vector<Ear>& ears = filler_.fill(
+    const Array<Ear>& ears = filler_.fill(
         static_cast<int>(spokes_.size()), [&](int k) { return position(topology_.to_vertex(spoke(k))); },
         topology_.is_boundary(v));
     // Between two flips a face of v may have no area, or a negative one: only the end counts.
@@ -10886,7 +11071,6 @@ class Random {
 
 #include <algorithm>
 #include <cstddef>
-#include <vector>
 
 namespace hmesh::kit {
 
@@ -10894,7 +11078,7 @@ namespace hmesh::kit {
 /// vertex is the last. Gauss-Newton steps with a predicted gain up to `min_gain`, an energy, and flips that gain no more are not
 /// made.
 template <int C>
-void relax(ImageMesh<C>& mesh, const std::vector<Vertex>& vertices, int rounds, double min_gain) {
+void relax(ImageMesh<C>& mesh, const Array<Vertex>& vertices, int rounds, double min_gain) {
     const HalfedgeMesh& topology = mesh.topology();
     const double min_round_gain = 1e-3 * mesh.mean_energy();
     for (int round = 0; round < rounds; ++round) {
@@ -10915,7 +11099,7 @@ void relax(ImageMesh<C>& mesh, const std::vector<Vertex>& vertices, int rounds, 
 }
 /// Optimises `vertices` and flips their edges, with rounds and threshold from `relaxation` (edit/tolerance.hpp).
 template <int C>
-void relax(ImageMesh<C>& mesh, const std::vector<Vertex>& vertices, const Relaxation& relaxation) {
+void relax(ImageMesh<C>& mesh, const Array<Vertex>& vertices, const Relaxation& relaxation) {
     relax(mesh, vertices, relaxation.rounds, relaxation.min_gain * mesh.mean_energy());
 }
 
@@ -10942,7 +11126,6 @@ void relax(ImageMesh<C>& mesh, const std::vector<Vertex>& vertices, const Relaxa
 #include <cstdint>
 #include <limits>
 #include <utility>
-#include <vector>
 
 namespace hmesh::kit {
 
@@ -11030,7 +11213,7 @@ struct Removal {
 };
 
 /// The first `count` of these removals, or all, by their places.
-[[nodiscard]] HMESH_COLD inline std::vector<Removal> in_place_order(const std::vector<Removal>& removals, std::size_t count) {
+[[nodiscard]] HMESH_COLD inline Array<Removal> in_place_order(const Array<Removal>& removals, std::size_t count) {
     return in_order(removals, sorted_numbers(std::min(count, removals.size()),
                                              [&](std::uint32_t k) { return std::uint64_t{removals[k].place}; }));
 }
@@ -11038,17 +11221,17 @@ struct Removal {
 /// Those of `vertices` that are cheapest to remove, at most `count` and none of them in the ring of another, the cheapest first.
 /// Some 1 us for each vertex.
 template <int C>
-[[nodiscard]] HMESH_COLD std::vector<Removal> cheapest_removals(const ImageMesh<C>& mesh, const std::vector<Vertex>& vertices,
-                                                                std::size_t count) {
+[[nodiscard]] HMESH_COLD Array<Removal> cheapest_removals(const ImageMesh<C>& mesh, const Array<Vertex>& vertices,
+                                                          std::size_t count) {
     const HalfedgeMesh& topology = mesh.topology();
-    std::vector<Removal> all, chosen;
+    Array<Removal> all, chosen;
     all.reserve(vertices.size());
     RingScratch<C> scratch;
     for (std::size_t k = 0; k < vertices.size() && mesh.keep_going(); ++k) {
         const CollapseCandidate candidate = cheapest_collapse(mesh, scratch, vertices[k]);
         if (candidate.halfedge.is_valid()) all.push_back({candidate.cost, static_cast<std::uint32_t>(k), vertices[k]});
     }
-    std::vector<unsigned char> touched(topology.vertex_slots(), 0);
+    Array<unsigned char> touched(topology.vertex_slots(), 0);
     for (const Coded& at : sorted_numbers(all.size(), [&](std::uint32_t k) { return code_of(all[k].cost); })) {
         if (chosen.size() >= count) break;
         const Removal& removal = all[at.number];
@@ -11064,11 +11247,10 @@ template <int C>
 /// these rings become dirty. Returns the number of vertices removed, which is less where the last of them stand too close to
 /// others to be removed, or where mesh.keep_going() says stop.
 template <int C>
-std::size_t remove_batch(ImageMesh<C>& mesh, const std::vector<Removal>& removals, std::size_t count,
-                         const Relaxation& relaxation) {
+std::size_t remove_batch(ImageMesh<C>& mesh, const Array<Removal>& removals, std::size_t count, const Relaxation& relaxation) {
     const HalfedgeMesh& topology = mesh.topology();
     RingScratch<C> scratch;
-    std::vector<Vertex> ring;
+    Array<Vertex> ring;
     std::size_t removed = 0;
     for (const Removal& removal : in_place_order(removals, count)) {
         if (!mesh.keep_going()) break;
@@ -11116,7 +11298,6 @@ std::size_t remove_batch(ImageMesh<C>& mesh, std::size_t count, const Relaxation
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
-#include <vector>
 
 namespace hmesh::kit {
 
@@ -11177,9 +11358,9 @@ class AnnealingSweep {
     /// Works on these vertices, in spatial order, and on what belongs to them. Block by block: tries removals, insertions, flips
     /// and jumps, then visits dirty vertices twice with flips in between. Begins at a random block: a CountRange that ends it
     /// early would else favour the top of the image. Ends early where mesh.keep_going() says stop.
-    AnnealingCounts run(const std::vector<Vertex>& all) {
+    AnnealingCounts run(const Array<Vertex>& all) {
         AnnealingCounts counts;
-        for_each_block(*mesh_, all, random_.below(std::size_t{1} << 30U), [&](std::vector<Vertex>& vertices) {
+        for_each_block(*mesh_, all, random_.below(std::size_t{1} << 30U), [&](Array<Vertex>& vertices) {
             counts.removed += remove_moves(vertices);
             counts.inserted += insert_moves(vertices);
             flip_moves(vertices);
@@ -11222,7 +11403,7 @@ class AnnealingSweep {
     }
 
     /// Tries to collapse each vertex, and drops those that went. Returns how many went.
-    std::size_t remove_moves(std::vector<Vertex>& vertices) {
+    std::size_t remove_moves(Array<Vertex>& vertices) {
         const std::size_t before_all = vertices.size();
         for (const Vertex v : vertices) {
             if (static_cast<double>(mesh_->vertex_count()) < range_.low || !mesh_->keep_going()) break;
@@ -11242,7 +11423,7 @@ class AnnealingSweep {
     }
 
     /// Tries to insert a vertex on each edge and face, and adds those that came. Returns how many came.
-    std::size_t insert_moves(std::vector<Vertex>& vertices) {
+    std::size_t insert_moves(Array<Vertex>& vertices) {
         std::size_t inserted = 0;
         const double min_gain = options_.insertion_screen * price_;
         for (const InsertionSite site : own_sites(*mesh_, vertices)) {
@@ -11266,7 +11447,7 @@ class AnnealingSweep {
     }
 
     /// Tries to flip each edge.
-    void flip_moves(const std::vector<Vertex>& vertices) {
+    void flip_moves(const Array<Vertex>& vertices) {
         for (const Edge e : own_edges(*mesh_, vertices)) {
             if (!mesh_->keep_going()) break;
             if (!is_flippable(*mesh_, e)) continue;
@@ -11288,7 +11469,7 @@ class AnnealingSweep {
     }
 
     /// Displaces some free vertices at random, and keeps those displacements that are accepted.
-    void jump_moves(const std::vector<Vertex>& vertices) {
+    void jump_moves(const Array<Vertex>& vertices) {
         for (const Vertex v : vertices) {
             if (!mesh_->keep_going()) break;
             const VertexState<C> state = mesh_->vertex(v);
@@ -11324,7 +11505,7 @@ class AnnealingSweep {
     CountRange range_;
     Random random_;
     RingScratch<C> scratch_;
-    std::vector<Vertex> around_;
+    Array<Vertex> around_;
 };
 
 }  // namespace hmesh::kit
@@ -11352,7 +11533,6 @@ class AnnealingSweep {
 #include <cstddef>
 #include <cstdint>
 #include <limits>
-#include <vector>
 
 namespace hmesh::kit {
 
@@ -11362,11 +11542,11 @@ inline constexpr std::size_t longest_chord = 1024;
 /// The fewest of `count` >= 2 samples, the first and the last among them, whose polyline passes all others within a tolerance
 /// >= 0 in each channel; chords are of longest_chord samples at most. In rising order.
 template <int C>
-[[nodiscard]] HMESH_COLD std::vector<std::uint32_t> polyline_nodes(const std::vector<std::array<double, std::size_t{C}>>& samples,
-                                                                   double tolerance) {
+[[nodiscard]] HMESH_COLD Array<std::uint32_t> polyline_nodes(const Array<std::array<double, std::size_t{C}>>& samples,
+                                                             double tolerance) {
     constexpr std::uint32_t unknown = std::numeric_limits<std::uint32_t>::max();
     const std::size_t count = samples.size();
-    std::vector<std::uint32_t> chords(count, unknown), before(count, 0);  // on the shortest way to each sample
+    Array<std::uint32_t> chords(count, unknown), before(count, 0);  // on the shortest way to each sample
     chords.front() = 0;
     for (std::size_t i = 0; i < count; ++i) {
         std::array<double, std::size_t{C}> low{}, high{};  // slopes of chords from here on
@@ -11389,7 +11569,7 @@ template <int C>
             if (!goes_on) break;
         }
     }
-    std::vector<std::uint32_t> nodes{static_cast<std::uint32_t>(count - 1)};
+    Array<std::uint32_t> nodes{static_cast<std::uint32_t>(count - 1)};
     while (nodes.back() != 0) nodes.push_back(before[nodes.back()]);
     std::reverse(nodes.begin(), nodes.end());
     return nodes;
@@ -11397,16 +11577,16 @@ template <int C>
 
 /// The vertices on the sides of an image of points, in the plane where it is fitted (mesh/samples.hpp), each once.
 template <int C>
-[[nodiscard]] HMESH_COLD std::vector<Point> border_vertices(const ImageSource<C>& source, double tolerance) {
-    std::vector<Point> vertices;
+[[nodiscard]] HMESH_COLD Array<Point> border_vertices(const ImageSource<C>& source, double tolerance) {
+    Array<Point> vertices;
     const auto add_side = [&](int count, bool has_ends, FunctionRef<Point(int i)> place) {
-        std::vector<std::array<double, std::size_t{C}>> samples(static_cast<std::size_t>(count));
+        Array<std::array<double, std::size_t{C}>> samples(static_cast<std::size_t>(count));
         for (int i = 0; i < count; ++i) {
             const Point p = place(i);
             const auto color = source.pixel(static_cast<int>(p.x), static_cast<int>(p.y));
             for (std::size_t c = 0; c < C; ++c) samples[static_cast<std::size_t>(i)][c] = color[static_cast<int>(c)];
         }
-        const std::vector<std::uint32_t> nodes = polyline_nodes<C>(samples, tolerance);
+        const Array<std::uint32_t> nodes = polyline_nodes<C>(samples, tolerance);
         for (std::size_t k = has_ends ? 0 : 1; k + (has_ends ? 0 : 1) < nodes.size(); ++k)
             vertices.push_back(place(static_cast<int>(nodes[k])));
     };
@@ -11435,7 +11615,6 @@ template <int C>
 
 #include <cstddef>
 #include <cstdint>
-#include <vector>
 
 namespace hmesh::kit {
 
@@ -11540,8 +11719,8 @@ class IndexedHeap {
         place(slot, entry);
     }
 
-    std::vector<Entry> heap_;
-    std::vector<Slot> slot_of_;
+    Array<Entry> heap_;
+    Array<Slot> slot_of_;
 };
 
 }  // namespace hmesh::kit
@@ -11632,14 +11811,14 @@ template <int C>
 struct IndexedMesh {
     int width = 0;                       ///< px of the image; the faces tile [0, width] x [0, height], or the torus
     int height = 0;                      ///< px of the image
-    std::vector<Point> positions;        ///< px, y down, on the 1/256 px grid
-    std::vector<Color<C>> colors;        ///< stored values
-    std::vector<unsigned char> dirty;    ///< not 0: surroundings changed since the vertex was last optimised
+    Array<Point> positions;              ///< px, y down, on the 1/256 px grid
+    Array<Color<C>> colors;              ///< stored values
+    Array<unsigned char> dirty;          ///< not 0: surroundings changed since the vertex was last optimised
     std::vector<Triangle> faces;         ///< indices of vertices, each face turning like (0, 0), (1, 0), (0, 1)
     double energy = 0;                   ///< squared error over pixels and channels, as of the last phase of work
     std::size_t locked_count = 0;        ///< the first so many vertices were locked in the last phase of work
     Periodic periodic = Periodic::none;  ///< along which axes the mesh repeats
-    std::vector<std::uint32_t> roots{};  ///< of each vertex of a periodic mesh: itself, or the one that it is a copy of
+    Array<std::uint32_t> roots{};        ///< of each vertex of a periodic mesh: itself, or the one that it is a copy of
     std::size_t copy_count = 0;          ///< vertices that are copies of others
     bool has_fixed_border = false;       ///< whether vertices and edges on the border stay as they are
     Samples samples = Samples::squares;  ///< of the image; for points the faces tile what is 1/2 px inside (mesh/samples.hpp)
@@ -11674,8 +11853,8 @@ struct IndexedMesh {
 namespace detail {
 
 /// What check() says of a periodic mesh besides its arrays' lengths.
-[[nodiscard]] HMESH_COLD inline Status check_sheet(const std::vector<Point>& positions, const std::vector<Triangle>& faces,
-                                                   const std::vector<std::uint32_t>& roots, const Torus& torus) {
+[[nodiscard]] HMESH_COLD inline Status check_sheet(const Array<Point>& positions, const std::vector<Triangle>& faces,
+                                                   const Array<std::uint32_t>& roots, const Torus& torus) {
     for (std::size_t v = 0; v < positions.size(); ++v) {
         const Point p = positions[v];
         const auto is_far = [](double x, int size) { return !(std::abs(x) <= 64.0 * size); };
@@ -11685,7 +11864,7 @@ namespace detail {
             return {Errc::invalid_argument, "a vertex is off the grid", v};
     }
     // Roots need not be the first of their vertices.
-    const std::vector<std::uint32_t> fresh = tied_vertices(positions, torus);
+    const Array<std::uint32_t> fresh = tied_vertices(positions, torus);
     for (std::size_t v = 0; v < roots.size(); ++v)
         if (roots[v] >= roots.size() || fresh[v] != fresh[roots[v]] || roots[roots[v]] != roots[v] ||
             (fresh[v] != v && roots[v] != roots[fresh[v]]))
@@ -11816,7 +11995,6 @@ template <int C>
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
-#include <vector>
 
 namespace hmesh::kit {
 
@@ -11832,7 +12010,7 @@ struct FanCorner {
 
 /// Sorts corners by vertex and face, finds their fans, and calls body(begin, end) for those of each vertex. O(corners),
 /// and the square of the corners of each vertex.
-HMESH_COLD inline void find_fans(std::vector<FanCorner>& corners, FunctionRef<void(std::size_t begin, std::size_t end)> body) {
+HMESH_COLD inline void find_fans(Array<FanCorner>& corners, FunctionRef<void(std::size_t begin, std::size_t end)> body) {
     corners = in_order(
         corners, sorted_numbers(corners.size(), [&](std::uint32_t k) { return code_of(corners[k].vertex, corners[k].face); }));
     for (std::size_t begin = 0, end = 0; begin < corners.size(); begin = end) {
@@ -11865,7 +12043,6 @@ HMESH_COLD inline void find_fans(std::vector<FanCorner>& corners, FunctionRef<vo
 
 #include <algorithm>
 #include <cstddef>
-#include <vector>
 
 namespace hmesh::kit {
 
@@ -11904,17 +12081,17 @@ class Tiling {
 
   private:
     /// The lines across a side of `size` px, from 0 to `size`; where it `wraps`, from the first line on as far.
-    [[nodiscard]] static std::vector<int> lines(int size, double tile, bool shift, bool wraps) {
+    [[nodiscard]] static Array<int> lines(int size, double tile, bool shift, bool wraps) {
         const int count = std::max(1, static_cast<int>(std::min(65536.0, size / tile + 0.5)));
         const auto line = [&](double k) { return static_cast<int>(size * k / count + 0.5); };
         if (wraps) {
             const double first = shift ? 0.75 : 0.25;
-            std::vector<int> at{line(first)};
+            Array<int> at{line(first)};
             for (int k = 1; k <= count; ++k)
                 if (const int next = k == count ? at.front() + size : line(k + first); next > at.back()) at.push_back(next);
             return at;
         }
-        std::vector<int> at{0};
+        Array<int> at{0};
         // Where tiles are about a pixel wide, rounding may bring two lines together: one of them is left out.
         for (int k = shift && count > 1 ? 0 : 1; k < count; ++k)
             if (const int next = line(shift ? k + 0.5 : k); next > at.back() && next < size) at.push_back(next);
@@ -11922,11 +12099,11 @@ class Tiling {
         return at;
     }
     /// The index of the interval of `at` that holds x.
-    [[nodiscard]] static std::size_t find(const std::vector<int>& at, double x) noexcept {
+    [[nodiscard]] static std::size_t find(const Array<int>& at, double x) noexcept {
         const auto after = std::upper_bound(at.begin() + 1, at.end() - 1, x, [](double a, int b) { return a < b; });
         return static_cast<std::size_t>(after - at.begin()) - 1;
     }
-    std::vector<int> x_, y_;  ///< the lines, px
+    Array<int> x_, y_;  ///< the lines, px
 };
 
 }  // namespace hmesh::kit
@@ -11965,25 +12142,25 @@ namespace detail {
 /// A cut of a mesh along a tiling: which faces each tile has, and in which tile each vertex is free.
 struct Cut {
     static constexpr std::uint32_t locked = 0xffffffffU;  ///< the owner of vertices that are free in no tile
-    std::vector<std::uint32_t> faces;       ///< faces of the mesh by tile; those of tile k at [first[k], first[k + 1])
-    std::vector<std::size_t> first;         ///< one more entry than tiles
-    std::vector<std::uint32_t> owner;       ///< of each vertex: the tile where it is free, or `locked`
-    std::vector<std::uint32_t> number;      ///< of each vertex: its place among the free ones of its tile or the locked
-    std::vector<std::uint16_t> face_count;  ///< of each vertex: its faces in the mesh, those of its copies included
-    std::vector<std::size_t> free_count;    ///< of each tile: the vertices that are free in it
-    std::size_t locked_count = 0;           ///< vertices that are free in no tile
+    Array<std::uint32_t> faces;       ///< faces of the mesh by tile; those of tile k at [first[k], first[k + 1])
+    Array<std::size_t> first;         ///< one more entry than tiles
+    Array<std::uint32_t> owner;       ///< of each vertex: the tile where it is free, or `locked`
+    Array<std::uint32_t> number;      ///< of each vertex: its place among the free ones of its tile or the locked
+    Array<std::uint16_t> face_count;  ///< of each vertex: its faces in the mesh, those of its copies included
+    Array<std::size_t> free_count;    ///< of each tile: the vertices that are free in it
+    std::size_t locked_count = 0;     ///< vertices that are free in no tile
 };
 
 /// Cuts a mesh along a tiling. `roots`: of a periodic mesh, as IndexedMesh has them, whose copies and the vertices that have some
 /// are free in no tile; else empty. O(faces).
-[[nodiscard]] HMESH_COLD inline Cut cut(const std::vector<Point>& positions, const std::vector<Triangle>& faces,
-                                        const Tiling& tiling, const std::vector<std::uint32_t>& roots = {}) {
+[[nodiscard]] HMESH_COLD inline Cut cut(const Array<Point>& positions, const std::vector<Triangle>& faces, const Tiling& tiling,
+                                        const Array<std::uint32_t>& roots = {}) {
     constexpr std::uint32_t none = 0xfffffffeU;
     const std::size_t n = positions.size();
     Cut cut;
-    std::vector<std::uint32_t> tile(faces.size());
+    Array<std::uint32_t> tile(faces.size());
     cut.first.resize(tiling.size() + 1);
-    cut.owner = std::vector<std::uint32_t>(n, none);
+    cut.owner = Array<std::uint32_t>(n, none);
     cut.face_count.resize(n);
     for (std::size_t v = 0; v < roots.size(); ++v)
         if (roots[v] != v) cut.owner[v] = cut.owner[roots[v]] = Cut::locked;
@@ -12002,7 +12179,7 @@ struct Cut {
     for (std::size_t v = 0; v < roots.size(); ++v) cut.face_count[v] = cut.face_count[roots[v]];
     for (std::size_t k = 0; k < tiling.size(); ++k) cut.first[k + 1] += cut.first[k];
     cut.faces.resize(faces.size());
-    std::vector<std::size_t> at(cut.first.begin(), cut.first.end() - 1);
+    Array<std::size_t> at(cut.first.begin(), cut.first.end() - 1);
     for (std::size_t t = 0; t < tile.size(); ++t) cut.faces[at[tile[t]]++] = static_cast<std::uint32_t>(t);
     cut.number.resize(n);
     cut.free_count.resize(tiling.size());
@@ -12013,15 +12190,15 @@ struct Cut {
 }
 
 /// The number of faces of each tile.
-[[nodiscard]] HMESH_COLD inline std::vector<double> face_counts(const Cut& cut) {
-    std::vector<double> counts(cut.first.size() - 1);
+[[nodiscard]] HMESH_COLD inline Array<double> face_counts(const Cut& cut) {
+    Array<double> counts(cut.first.size() - 1);
     for (std::size_t k = 0; k < counts.size(); ++k) counts[k] = static_cast<double>(cut.first[k + 1] - cut.first[k]);
     return counts;
 }
 
 /// The tiles of size > 0, the largest first.
-[[nodiscard]] HMESH_COLD inline std::vector<std::size_t> largest_first(const std::vector<double>& sizes) {
-    std::vector<std::size_t> tiles;
+[[nodiscard]] HMESH_COLD inline Array<std::size_t> largest_first(const Array<double>& sizes) {
+    Array<std::size_t> tiles;
     for (const Coded& at : sorted_numbers(sizes.size(), [&](std::uint32_t k) { return code_of(-sizes[k]); }))
         if (sizes[at.number] > 0) tiles.push_back(at.number);
     return tiles;
@@ -12036,14 +12213,14 @@ struct PatchFaces {
         int face_count;        ///< faces of this fan
     };
     std::vector<Triangle> faces;  ///< in the order of Cut::faces
-    std::vector<Locked> locked;   ///< vertices after the free ones
+    Array<Locked> locked;         ///< vertices after the free ones
 };
 
 /// Numbers the vertices of a tile's faces for its patch. O(faces of the tile), and the square of the faces around each locked
 /// vertex.
 [[nodiscard]] HMESH_COLD inline PatchFaces renumber(const std::vector<Triangle>& faces, const Cut& cut, std::size_t tile) {
     PatchFaces patch;
-    std::vector<FanCorner> corners;  // at locked vertices
+    Array<FanCorner> corners;  // at locked vertices
     patch.faces.reserve(cut.first[tile + 1] - cut.first[tile]);
     for (std::size_t k = cut.first[tile]; k < cut.first[tile + 1]; ++k) {
         const Triangle& t = faces[cut.faces[k]];
@@ -12071,14 +12248,14 @@ struct PatchFaces {
 /// A patch after work, in the coordinates of the whole image, ready to be merged.
 template <int C>
 struct PatchResult {
-    std::vector<Point> positions;             ///< of the free vertices, px of the image
-    std::vector<Color<C>> colors;             ///< of the free vertices
-    std::vector<unsigned char> dirty;         ///< of the free vertices, as in IndexedMesh
-    std::vector<Triangle> faces;              ///< indices of free vertices, then of `locked`
-    std::vector<std::uint32_t> locked;        ///< locked vertices by their index in the cut mesh; may repeat
-    std::vector<std::uint32_t> locked_dirty;  ///< those that are dirty, by their index in the cut mesh
-    double first_energy = 0;                  ///< of the patch's faces before the work
-    double energy = 0;                        ///< of the patch's faces
+    Array<Point> positions;             ///< of the free vertices, px of the image
+    Array<Color<C>> colors;             ///< of the free vertices
+    Array<unsigned char> dirty;         ///< of the free vertices, as in IndexedMesh
+    std::vector<Triangle> faces;        ///< indices of free vertices, then of `locked`
+    Array<std::uint32_t> locked;        ///< locked vertices by their index in the cut mesh; may repeat
+    Array<std::uint32_t> locked_dirty;  ///< those that are dirty, by their index in the cut mesh
+    double first_energy = 0;            ///< of the patch's faces before the work
+    double energy = 0;                  ///< of the patch's faces
 };
 
 /// The result of a tile that was not worked on; its energies are not known.
@@ -12134,7 +12311,7 @@ class Patch {
     HMESH_COLD Patch(const IndexedMesh<C>& indexed, const ImageSource<C>& source, const detail::Cut& cut, std::size_t tile,
                      const MeshLimits& limits, const MomentTable<C>* whole = nullptr, const ParallelFor& parallel_for = {})
         : numbered_(detail::renumber(indexed.faces, cut, tile)), free_(cut.free_count[tile]) {
-        std::vector<std::uint32_t> vertices(free_ + numbered_.locked.size());  // by their index in the mesh that was cut
+        Array<std::uint32_t> vertices(free_ + numbered_.locked.size());  // by their index in the mesh that was cut
         for (std::size_t k = 0; k < numbered_.locked.size(); ++k) vertices[free_ + k] = numbered_.locked[k].vertex;
         for (std::size_t k = cut.first[tile]; k < cut.first[tile + 1]; ++k)
             for (const std::uint32_t v : indexed.faces[cut.faces[k]])
@@ -12152,8 +12329,8 @@ class Patch {
         origin_ = {static_cast<double>(x), static_cast<double>(y)};
         if (whole == nullptr)
             table_ = source.table({x, y, static_cast<int>(std::ceil(high.x)) - x, static_cast<int>(std::ceil(high.y)) - y});
-        std::vector<Point> positions;
-        std::vector<Color<C>> colors;
+        Array<Point> positions;
+        Array<Color<C>> colors;
         positions.reserve(vertices.size());
         colors.reserve(vertices.size());
         for (const std::uint32_t v : vertices) {
@@ -12197,8 +12374,8 @@ class Patch {
     /// The energy with which the patch began.
     [[nodiscard]] double first_energy() const noexcept { return first_energy_; }
     /// The vertices that are not locked, in spatial order.
-    [[nodiscard]] HMESH_COLD std::vector<Vertex> free_vertices() const {
-        std::vector<Vertex> vertices = spatial_vertices(mesh_);
+    [[nodiscard]] HMESH_COLD Array<Vertex> free_vertices() const {
+        Array<Vertex> vertices = spatial_vertices(mesh_);
         vertices.erase(std::remove_if(vertices.begin(), vertices.end(),
                                       [&](Vertex v) { return mesh_.vertex(v).mobility == Mobility::locked; }),
                        vertices.end());
@@ -12206,17 +12383,17 @@ class Patch {
     }
     /// The vertices that are free here and were locked in the phase before, in spatial order, as far as they are left; handed out
     /// once, then none.
-    [[nodiscard]] HMESH_COLD std::vector<Vertex> take_was_locked() {
+    [[nodiscard]] HMESH_COLD Array<Vertex> take_was_locked() {
         was_locked_.erase(
             std::remove_if(was_locked_.begin(), was_locked_.end(), [&](Vertex v) { return mesh_.topology().is_deleted(v); }),
             was_locked_.end());
-        const std::vector<Vertex> vertices = std::exchange(was_locked_, {});
+        const Array<Vertex> vertices = std::exchange(was_locked_, {});
         return in_spatial_order<Vertex>(vertices, vertices.size(), [&](Vertex v) { return mesh_.position(v); });
     }
     /// The same and their free neighbours, which could not do all that they can either.
-    [[nodiscard]] HMESH_COLD std::vector<Vertex> take_hindered() {
-        std::vector<Vertex> vertices = take_was_locked();
-        std::vector<unsigned char> known(mesh_.topology().vertex_slots(), 0);
+    [[nodiscard]] HMESH_COLD Array<Vertex> take_hindered() {
+        Array<Vertex> vertices = take_was_locked();
+        Array<unsigned char> known(mesh_.topology().vertex_slots(), 0);
         for (const Vertex v : vertices) known[v.index()] = 1;
         const std::size_t count = vertices.size();
         for (std::size_t k = 0; k < count; ++k)
@@ -12235,7 +12412,7 @@ class Patch {
     /// The patch as it is now, in the coordinates of the whole image; free vertices and faces are in spatial order.
     [[nodiscard]] HMESH_COLD detail::PatchResult<C> result() const {
         detail::PatchResult<C> out;
-        std::vector<std::uint32_t> number(mesh_.topology().vertex_slots());
+        Array<std::uint32_t> number(mesh_.topology().vertex_slots());
         const auto is_locked = [&](Vertex v) { return v.index() >= free_ && v.index() < free_ + numbered_.locked.size(); };
         out.positions.reserve(free_count());
         out.colors.reserve(free_count());
@@ -12269,7 +12446,7 @@ class Patch {
     std::size_t free_;  ///< slots [0, free_) began as free vertices, then come the locked ones, later slots are new vertices
     Point origin_;
     double first_energy_ = 0;
-    std::vector<Vertex> was_locked_;
+    Array<Vertex> was_locked_;
     MomentTable<C> table_;  ///< of its own, or empty
     ImageMesh<C> mesh_;
 };
@@ -12300,23 +12477,23 @@ namespace detail {
 
 /// A sheet made of another one.
 struct Recut {
-    std::vector<Point> positions;      ///< of its vertices
-    std::vector<Triangle> faces;       ///< in the order of the other sheet's
-    std::vector<std::uint32_t> roots;  ///< as IndexedMesh::roots
-    std::vector<std::uint32_t> from;   ///< of each vertex, the other sheet's vertex that is the same on the torus
-    std::size_t locked_count = 0;      ///< the first so many vertices were among as many of the other sheet
+    Array<Point> positions;        ///< of its vertices
+    std::vector<Triangle> faces;   ///< in the order of the other sheet's
+    Array<std::uint32_t> roots;    ///< as IndexedMesh::roots
+    Array<std::uint32_t> from;     ///< of each vertex, the other sheet's vertex that is the same on the torus
+    std::size_t locked_count = 0;  ///< the first so many vertices were among as many of the other sheet
 };
 
 /// The sheet whose face f is that of another one, with `roots`, after turns[f].
-[[nodiscard]] HMESH_COLD inline Recut moved_faces(const std::vector<Point>& positions, const std::vector<Triangle>& faces,
-                                                  const std::vector<std::uint32_t>& roots, const std::vector<Turns>& turns,
+[[nodiscard]] HMESH_COLD inline Recut moved_faces(const Array<Point>& positions, const std::vector<Triangle>& faces,
+                                                  const Array<std::uint32_t>& roots, const Array<Turns>& turns,
                                                   std::size_t locked_count, const Torus& torus) {
     const std::size_t n = positions.size();
     // As a rule a vertex has one copy, the first; the others are numbered.
-    std::vector<Turns> first(n);
-    std::vector<unsigned char> is_known(n, 0);
-    std::vector<VertexCopy> others;
-    std::vector<std::uint32_t> corners;  // of these, 3 * face + number
+    Array<Turns> first(n);
+    Array<unsigned char> is_known(n, 0);
+    Array<VertexCopy> others;
+    Array<std::uint32_t> corners;  // of these, 3 * face + number
     for (std::uint32_t corner = 0; corner < 3 * faces.size(); ++corner) {
         const std::uint32_t v = faces[corner / 3][corner % 3], root = roots[v];
         const Turns own = v == root ? Turns() : turns_between(positions[root], positions[v], torus);
@@ -12329,7 +12506,7 @@ struct Recut {
     const NumberedCopies copies = numbered(others);
 
     Recut out;
-    std::vector<std::uint32_t> number(n), of_copy(copies.different.size());
+    Array<std::uint32_t> number(n), of_copy(copies.different.size());
     const auto add = [&](std::uint32_t root, Turns by) {
         out.positions.push_back(turned(positions[root], by, torus));
         out.from.push_back(root);
@@ -12355,10 +12532,9 @@ struct Recut {
 }
 
 /// The turns of the faces of a sheet that bring their centroids into the rectangle of the image's size that begins at (x, y).
-[[nodiscard]] HMESH_COLD inline std::vector<Turns> turns_of_faces(const std::vector<Point>& positions,
-                                                                  const std::vector<Triangle>& faces, int x, int y,
-                                                                  const Torus& torus) {
-    std::vector<Turns> turns(faces.size());
+[[nodiscard]] HMESH_COLD inline Array<Turns> turns_of_faces(const Array<Point>& positions, const std::vector<Triangle>& faces,
+                                                            int x, int y, const Torus& torus) {
+    Array<Turns> turns(faces.size());
     for (std::size_t f = 0; f < faces.size(); ++f) {
         Point sum;
         for (const std::uint32_t v : faces[f]) sum = {sum.x + positions[v].x, sum.y + positions[v].y};
@@ -12369,16 +12545,15 @@ struct Recut {
 
 /// The turns of the faces of a sheet that shorten its border: a face goes to the side where two of its neighbours are as long as
 /// there is one.
-[[nodiscard]] HMESH_COLD inline std::vector<Turns> shortening_turns(const std::vector<Point>& positions,
-                                                                    const std::vector<Triangle>& faces,
-                                                                    const std::vector<std::uint32_t>& roots, const Torus& torus) {
-    const std::vector<TorusSide> sides = torus_sides(positions, faces, roots, torus);
+[[nodiscard]] HMESH_COLD inline Array<Turns> shortening_turns(const Array<Point>& positions, const std::vector<Triangle>& faces,
+                                                              const Array<std::uint32_t>& roots, const Torus& torus) {
+    const Array<TorusSide> sides = torus_sides(positions, faces, roots, torus);
     struct Neighbor {
         std::uint32_t face = 0;
         Turns away;  // how far it is from where the face would meet it
         bool exists = false;
     };
-    std::vector<Neighbor> neighbors(3 * faces.size());
+    Array<Neighbor> neighbors(3 * faces.size());
     for (std::size_t k = 0; k + 1 < sides.size(); ++k) {
         const TorusSide &one = sides[k], &other = sides[k + 1];
         if (!one.is_beside(other)) continue;
@@ -12386,7 +12561,7 @@ struct Recut {
         neighbors[other.corner] = {one.corner / 3, one.at - other.at, true};
         ++k;
     }
-    std::vector<Turns> turns(faces.size());
+    Array<Turns> turns(faces.size());
     // Each move takes an edge off the border, so there is an end.
     for (bool changed = true; changed;) {
         changed = false;
@@ -12416,17 +12591,16 @@ struct Recut {
 
 /// Renames corners of faces where several fans of faces meet in one vertex of a sheet: each fan but the first gets a vertex of
 /// its own, numbered from positions.size() on. Returns the vertices that these are copies of. `roots`: as IndexedMesh::roots.
-[[nodiscard]] HMESH_COLD inline std::vector<std::uint32_t> split_fans(const std::vector<std::uint32_t>& roots,
-                                                                      std::vector<Triangle>& faces) {
-    std::vector<unsigned char> is_tied(roots.size(), 0);
+[[nodiscard]] HMESH_COLD inline Array<std::uint32_t> split_fans(const Array<std::uint32_t>& roots, std::vector<Triangle>& faces) {
+    Array<unsigned char> is_tied(roots.size(), 0);
     for (std::size_t v = 0; v < roots.size(); ++v)
         if (roots[v] != v) is_tied[v] = is_tied[roots[v]] = 1;
-    std::vector<FanCorner> corners;
+    Array<FanCorner> corners;
     for (std::uint32_t f = 0; f < faces.size(); ++f)
         for (std::uint32_t c = 0; c < 3; ++c)
             if (const Triangle& t = faces[f]; is_tied[t[c]] != 0)
                 corners.push_back({t[c], f, c, t[(c + 1) % 3], t[(c + 2) % 3], 0});
-    std::vector<std::uint32_t> added;
+    Array<std::uint32_t> added;
     find_fans(corners, [&](std::size_t begin, std::size_t end) {
         for (std::size_t i = begin + 1; i < end; ++i) {  // the first fan keeps the vertex
             if (corners[i].fan != i) continue;
@@ -12444,8 +12618,8 @@ template <int C>
 HMESH_COLD void take(IndexedMesh<C>& mesh, Recut&& sheet) {
     for (std::size_t v = 0; v < mesh.vertex_count(); ++v)
         if (mesh.dirty[v] != 0) mesh.dirty[mesh.roots[v]] = 1;
-    std::vector<Color<C>> colors;
-    std::vector<unsigned char> dirty;
+    Array<Color<C>> colors;
+    Array<unsigned char> dirty;
     colors.reserve(sheet.from.size());
     dirty.reserve(sheet.from.size());
     for (const std::uint32_t v : sheet.from) {
@@ -12487,7 +12661,7 @@ template <int C>
 template <int C>
 HMESH_COLD void recut(IndexedMesh<C>& mesh, int x, int y) {
     if (mesh.periodic == Periodic::none) return;
-    const std::vector<Turns> turns = detail::turns_of_faces(mesh.positions, mesh.faces, x, y, mesh.torus());
+    const Array<Turns> turns = detail::turns_of_faces(mesh.positions, mesh.faces, x, y, mesh.torus());
     detail::take(mesh, detail::moved_faces(mesh.positions, mesh.faces, mesh.roots, turns, mesh.locked_count, mesh.torus()));
 }
 
@@ -12498,7 +12672,7 @@ HMESH_COLD void finish_cut(IndexedMesh<C>& mesh, bool straight) {
     if (mesh.periodic == Periodic::none) return;
     recut(mesh, 0, 0);
     if (!straight) {
-        const std::vector<Turns> turns = detail::shortening_turns(mesh.positions, mesh.faces, mesh.roots, mesh.torus());
+        const Array<Turns> turns = detail::shortening_turns(mesh.positions, mesh.faces, mesh.roots, mesh.torus());
         detail::take(mesh, detail::moved_faces(mesh.positions, mesh.faces, mesh.roots, turns, 0, mesh.torus()));
     }
     for (const std::uint32_t v : detail::split_fans(mesh.roots, mesh.faces)) {
@@ -12647,7 +12821,7 @@ class TiledMesh {
     /// Computes indexed().energy for the positions and colours that the mesh has now, also after a cancellation. One table of
     /// each tile. look(), where set, sees the patch of each tile that has faces, as pieces of work.
     HMESH_COLD void measure(const Tiling& tiling, FunctionRef<void(const ImageMesh<C>& mesh, std::size_t tile)> look = {}) {
-        std::vector<double> energies(tiling.size(), 0.0);
+        Array<double> energies(tiling.size(), 0.0);
         const auto body = [&](Patch<C>& patch, std::size_t k, const std::uint32_t*) {
             energies[k] = patch.mesh().energy();
             if (look) look(patch.mesh(), k);
@@ -12679,8 +12853,8 @@ class TiledMesh {
     }
 
     /// Calls body(tile, task) for the tiles of size > 0, the largest first; after a cancellation no more, unless `all`.
-    HMESH_COLD void run(const std::vector<double>& sizes, FunctionRef<void(std::size_t, TaskProgress&)> body, bool all = false) {
-        const std::vector<std::size_t> tiles = detail::largest_first(sizes);
+    HMESH_COLD void run(const Array<double>& sizes, FunctionRef<void(std::size_t, TaskProgress&)> body, bool all = false) {
+        const Array<std::size_t> tiles = detail::largest_first(sizes);
         double sum = 0;
         for (const double size : sizes) sum += size;
         const auto piece = [&](std::size_t i) {
@@ -12694,7 +12868,7 @@ class TiledMesh {
     /// The four calls above.
     HMESH_COLD bool cut_and_run(const Tiling& tiling, bool at_seams, bool changes, PatchWork body) {
         cut_along(tiling);
-        std::vector<double> sizes = at_seams ? std::vector<double>(tiling.size(), 0.0) : detail::face_counts(cut_);
+        Array<double> sizes = at_seams ? Array<double>(tiling.size(), 0.0) : detail::face_counts(cut_);
         for (std::size_t v = 0; at_seams && v < indexed_.locked_count; ++v)
             if (cut_.owner[v] != detail::Cut::locked) ++sizes[cut_.owner[v]];
         const MomentTable<C>* const whole = whole_table(sizes.size() == 1);
@@ -12757,7 +12931,7 @@ class TiledMesh {
         merged.samples = indexed_.samples;
         merged.has_fixed_border = indexed_.has_fixed_border;
         merged.copy_count = indexed_.copy_count;
-        std::vector<std::size_t> first_vertex(results.size() + 1, cut.locked_count), first_face(results.size() + 1, 0);
+        Array<std::size_t> first_vertex(results.size() + 1, cut.locked_count), first_face(results.size() + 1, 0);
         for (std::size_t k = 0; k < results.size(); ++k) {
             first_vertex[k + 1] = first_vertex[k] + results[k].positions.size();
             first_face[k + 1] = first_face[k] + results[k].faces.size();
@@ -12834,11 +13008,10 @@ namespace hmesh::kit {
 /// Apportions `count` items in proportion to `weights` >= 0, item k getting at most caps[k]; where only weights of 0 are left,
 /// equally. The result is of whole numbers, whose sum is `count` or, if less, the sum of the caps. O(size) for each round in
 /// which a cap is reached, at most `size` rounds.
-[[nodiscard]] inline std::vector<std::size_t> apportion(std::size_t count, std::vector<double> weights,
-                                                        const std::vector<std::size_t>& caps) {
+[[nodiscard]] inline Array<std::size_t> apportion(std::size_t count, Array<double> weights, const Array<std::size_t>& caps) {
     const std::size_t size = weights.size();
-    std::vector<std::size_t> out(size, 0);
-    std::vector<unsigned char> full(size, 0);
+    Array<std::size_t> out(size, 0);
+    Array<unsigned char> full(size, 0);
     for (bool changed = true; changed;) {
         changed = false;
         std::size_t left = count;
@@ -12873,13 +13046,13 @@ namespace detail {
 /// Removes the `count` cheapest of the vertices that cheapest_removals() has chosen in the patches of a tiling, removals[k] in
 /// that of tile k. Returns how many went.
 template <int C>
-HMESH_COLD std::size_t remove_chosen(TiledMesh<C>& tiled, const Tiling& tiling, const std::vector<std::vector<Removal>>& removals,
+HMESH_COLD std::size_t remove_chosen(TiledMesh<C>& tiled, const Tiling& tiling, const std::vector<Array<Removal>>& removals,
                                      std::size_t count, const Relaxation& relaxation) {
-    std::vector<Coded> all;  // by their costs, with the patch of the vertex
+    Array<Coded> all;  // by their costs, with the patch of the vertex
     for (std::size_t k = 0; k < removals.size(); ++k)
         for (const Removal& removal : removals[k]) all.push_back({code_of(removal.cost), static_cast<std::uint32_t>(k)});
     sort_by_code(all);
-    std::vector<std::size_t> quota(tiling.size(), 0);
+    Array<std::size_t> quota(tiling.size(), 0);
     for (std::size_t k = 0; k < std::min(count, all.size()); ++k) ++quota[all[k].number];
     const std::size_t before = tiled.vertex_count();
     tiled.for_each(tiling, [&](Patch<C>& patch, std::size_t tile) {
@@ -12895,11 +13068,11 @@ HMESH_COLD std::size_t remove_chosen(TiledMesh<C>& tiled, const Tiling& tiling, 
 template <int C>
 HMESH_COLD std::size_t remove_cheapest(TiledMesh<C>& tiled, const Tiling& tiling, std::size_t count, const Relaxation& relaxation,
                                        bool at_seams = false) {
-    std::vector<std::vector<Removal>> removals(tiling.size());
+    std::vector<Array<Removal>> removals(tiling.size());
     const auto [from, to] = tiled.progress().range();
     tiled.progress().set_range(from, 0.5 * (from + to));
     const auto choose = [&](Patch<C>& patch, std::size_t tile) {
-        const std::vector<Vertex> vertices = at_seams ? patch.take_was_locked() : patch.free_vertices();
+        const Array<Vertex> vertices = at_seams ? patch.take_was_locked() : patch.free_vertices();
         patch.mesh().expect(1, static_cast<double>(vertices.size()));
         removals[tile] = cheapest_removals(patch.mesh(), vertices, count);
     };
@@ -12912,14 +13085,14 @@ HMESH_COLD std::size_t remove_cheapest(TiledMesh<C>& tiled, const Tiling& tiling
 /// vertex was inserted; false also after a cancellation.
 template <int C>
 HMESH_COLD bool insert_best(TiledMesh<C>& tiled, const Tiling& tiling, std::size_t count) {
-    std::vector<double> energies(tiling.size(), 0.0);
+    Array<double> energies(tiling.size(), 0.0);
     const auto [from, to] = tiled.progress().range();
     tiled.progress().set_range(from, from);
     if (!tiled.look_at_each(tiling,
                             [&](Patch<C>& patch, std::size_t tile) { energies[tile] = std::max(0.0, patch.mesh().energy()); }))
         return false;
     tiled.progress().set_range(from, to);
-    const std::vector<std::size_t> quota = apportion(count, energies, std::vector<std::size_t>(tiling.size(), count));
+    const Array<std::size_t> quota = apportion(count, energies, Array<std::size_t>(tiling.size(), count));
     const std::size_t before = tiled.vertex_count();
     tiled.for_each(tiling, [&](Patch<C>& patch, std::size_t tile) {
         patch.mesh().expect(1, 4.0 * static_cast<double>(patch.vertex_count()));
@@ -12998,7 +13171,6 @@ HMESH_COLD bool reach_vertex_count(TiledMesh<C>& tiled, std::size_t n, double ti
 #include <cstdint>
 #include <cstring>
 #include <limits>
-#include <vector>
 
 namespace hmesh::kit {
 namespace detail {
@@ -13065,9 +13237,9 @@ class SmoothRows {
     }
 
     const ImageSource<C>* source_;
-    std::ptrdiff_t size_,          ///< samples of a row
-        stride_;                   ///< from row to row: a pixel more on both sides, and the room that loops need
-    std::vector<double> numbers_;  ///< three rows as read, three smoothed ones, one smoothed across, one of bends
+    std::ptrdiff_t size_,    ///< samples of a row
+        stride_;             ///< from row to row: a pixel more on both sides, and the room that loops need
+    Array<double> numbers_;  ///< three rows as read, three smoothed ones, one smoothed across, one of bends
 };
 
 /// The mask at a pixel, in [0, 1).
@@ -13096,12 +13268,12 @@ template <int C>
     const auto rows = static_cast<std::size_t>(height);
     constexpr std::size_t band = 32;
     constexpr auto most = static_cast<double>(std::numeric_limits<float>::max());
-    std::vector<double> sums((rows + band - 1) / band, 0.0);
+    Array<double> sums((rows + band - 1) / band, 0.0);
     for_each_chunk(parallel_for, rows, band, [&](std::size_t begin, std::size_t end) {
         if (go_on && !go_on()) return;
         const int first = static_cast<int>(begin), count = static_cast<int>(end - begin);
         detail::SmoothRows<C> smooth_rows(source);
-        std::vector<double> values(static_cast<std::size_t>(width) + 3, 0.0);  // three of 0, so that four can be taken at once
+        Array<double> values(static_cast<std::size_t>(width) + 3, 0.0);  // three of 0, so that four can be taken at once
         double sum = 0;
         for (int k = 0; k < count + 4; ++k) {
             smooth_rows.read(k, first + k - 2);
@@ -13139,11 +13311,11 @@ template <int C>
 
 /// Points on the lines x = 0 and y = 0 where a periodic image begins again, as far apart as points of this density are elsewhere
 /// when there are `count` in the image; half of `count` at most. O(pixels).
-[[nodiscard]] HMESH_COLD inline std::vector<Point> seam_points(const Image<float, 1>& density, double count, Periodic periodic) {
+[[nodiscard]] HMESH_COLD inline Array<Point> seam_points(const Image<float, 1>& density, double count, Periodic periodic) {
     const int width = density.width(), height = density.height();
     double sum = 0;
     for (std::size_t k = 0; k < density.size(); ++k) sum += static_cast<double>(density.data()[k]);
-    std::vector<Point> points;
+    Array<Point> points;
     // Of r points a px^2 there are the root of r on a px of a line.
     const auto walk = [&](int length, FunctionRef<double(int)> density_at, FunctionRef<Point(double)> place) {
         double due = 0.5;
@@ -13190,15 +13362,15 @@ template <int C>
 
 /// The `count` pixels, as y * width + x, of the least point_ranks(); of equal ranks those that come first, row by row.
 /// 0 <= count <= pixels. Bands of some 65,536 pixels are pieces of work.
-[[nodiscard]] HMESH_COLD inline std::vector<std::uint32_t> first_points(const Image<float, 1>& ranks, std::size_t count,
-                                                                        const ParallelFor& parallel_for = {}) {
+[[nodiscard]] HMESH_COLD inline Array<std::uint32_t> first_points(const Image<float, 1>& ranks, std::size_t count,
+                                                                  const ParallelFor& parallel_for = {}) {
     HMESH_ASSERT(count <= ranks.size());
     // The upper bits of a rank are its bin: few pixels are in that of the last point, as a rule.
     constexpr std::uint32_t shift = 20;
     using Bins = std::array<std::uint32_t, 1U << (31 - shift)>;
     const auto width = static_cast<std::size_t>(ranks.width()), rows = static_cast<std::size_t>(ranks.height());
     const std::size_t band = 65536 / (width + 1) + 1;
-    std::vector<Bins> of_band(rows / band + 1, Bins{});
+    Array<Bins> of_band(rows / band + 1, Bins{});
     for_each_chunk(parallel_for, rows, band, [&](std::size_t begin, std::size_t end) {
         Bins& bins = of_band[begin / band];
         for (std::size_t row = begin; row < end; ++row) {
@@ -13207,7 +13379,7 @@ template <int C>
         }
     });
     // Candidates: the pixels in the bins up to that of the last point.
-    std::vector<std::size_t> first(of_band.size() + 1, 0);  // candidate of each band
+    Array<std::size_t> first(of_band.size() + 1, 0);  // candidate of each band
     std::uint32_t last_bin = 0;
     std::size_t below = 0;  // points in lower bins
     for (std::size_t total = 0;; below = total, ++last_bin) {
@@ -13218,7 +13390,7 @@ template <int C>
         if (total >= count) break;
     }
     for (std::size_t k = 0; k < of_band.size(); ++k) first[k + 1] += first[k];
-    std::vector<std::uint32_t> points(first.back());
+    Array<std::uint32_t> points(first.back());
     for_each_chunk(parallel_for, rows, band, [&](std::size_t begin, std::size_t end) {
         std::size_t to = first[begin / band];
         for (std::size_t k = begin * width; k < end * width; ++k)
@@ -13226,7 +13398,7 @@ template <int C>
     });
     // Of those in the last bin as many as are missing.
     const auto bits_at = [&](std::uint32_t point) { return detail::bits_of(ranks.data()[point]); };
-    std::vector<Coded> in_last;  // the last bin's
+    Array<Coded> in_last;  // the last bin's
     for (const std::uint32_t point : points)
         if (bits_at(point) >> shift == last_bin) in_last.push_back({bits_at(point), point});
     const std::size_t missing = count - below;
@@ -13262,22 +13434,20 @@ template <int C>
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
-#include <vector>
 
 namespace hmesh::kit {
 
 /// What some vertices of a mesh are worth, energies.
 struct VertexWorths {
-    std::vector<double> gains;  ///< of each, the best gain among its insertion sites, >= 0
-    std::vector<double> costs;  ///< of the cheapest collapses of those that have one
+    Array<double> gains;  ///< of each, the best gain among its insertion sites, >= 0
+    Array<double> costs;  ///< of the cheapest collapses of those that have one
 };
 
 /// Adds the worths of every `step`-th of these vertices. Some 4 us each.
 template <int C>
-HMESH_COLD void sample_worths(const ImageMesh<C>& mesh, const std::vector<Vertex>& vertices, std::size_t step,
-                              VertexWorths& worths) {
+HMESH_COLD void sample_worths(const ImageMesh<C>& mesh, const Array<Vertex>& vertices, std::size_t step, VertexWorths& worths) {
     RingScratch<C> scratch;
-    std::vector<Vertex> one(1);
+    Array<Vertex> one(1);
     for (std::size_t k = 0; k < vertices.size() && mesh.keep_going(); k += step) {
         one[0] = vertices[k];
         const CollapseCandidate collapse = cheapest_collapse(mesh, scratch, one[0]);
@@ -13291,10 +13461,10 @@ HMESH_COLD void sample_worths(const ImageMesh<C>& mesh, const std::vector<Vertex
 /// 2.35 times the median gain, but at least 0.3 of the mean of the lowest quarter of the costs; an energy, 0 where there are no
 /// worths.
 [[nodiscard]] HMESH_COLD inline double first_price(const VertexWorths& worths) {
-    const auto rising = [](const std::vector<double>& values) {
+    const auto rising = [](const Array<double>& values) {
         return in_order(values, sorted_numbers(values.size(), [&](std::uint32_t k) { return code_of(values[k]); }));
     };
-    const std::vector<double> gains = rising(worths.gains), costs = rising(worths.costs);
+    const Array<double> gains = rising(worths.gains), costs = rising(worths.costs);
     const double median = gains.empty() ? 0 : gains[gains.size() / 2];
     const std::size_t quarter = (costs.size() + 3) / 4;
     double sum = 0;
@@ -13361,7 +13531,6 @@ bool run_one_tile_stage(TiledMesh<C>& tiled, const char* name, typename TiledMes
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
-#include <vector>
 
 namespace hmesh::kit {
 
@@ -13378,7 +13547,7 @@ namespace hmesh::kit {
 
 /// Inserts the vertices that stand for these pixels, given as y * width + x, in spatial order. False: go_on(), called between
 /// some thousands, said so.
-[[nodiscard]] HMESH_COLD inline bool insert_pixels(Delaunay& delaunay, const std::vector<std::uint32_t>& pixels,
+[[nodiscard]] HMESH_COLD inline bool insert_pixels(Delaunay& delaunay, const Array<std::uint32_t>& pixels,
                                                    FunctionRef<bool()> go_on) {
     const auto place = [&](std::uint32_t pixel) {
         return pixel_vertex(pixel, delaunay.width(), delaunay.height(), delaunay.samples());
@@ -13393,7 +13562,7 @@ namespace hmesh::kit {
 }
 
 /// Drops the pixels, given as y * width + x, on the sides along which the image repeats, whose vertices would be on the sides.
-HMESH_COLD inline void leave_out_sides(std::vector<std::uint32_t>& pixels, int width, int height, Periodic periodic) {
+HMESH_COLD inline void leave_out_sides(Array<std::uint32_t>& pixels, int width, int height, Periodic periodic) {
     const auto columns = static_cast<std::uint32_t>(width), rows = static_cast<std::uint32_t>(height);
     const auto is_outermost = [](std::uint32_t i, std::uint32_t size) { return size > 1 && (i == 0 || i + 1 == size); };
     std::size_t kept = 0;
@@ -13407,7 +13576,7 @@ HMESH_COLD inline void leave_out_sides(std::vector<std::uint32_t>& pixels, int w
 /// Inserts for each vertex on a side along which the image repeats the one opposite to it, so that the sides pair.
 HMESH_COLD inline void pair_sides(Delaunay& delaunay, Periodic periodic) {
     const double width = delaunay.width(), height = delaunay.height();
-    std::vector<Point> opposite;
+    Array<Point> opposite;
     for (const Vertex v : delaunay.topology().vertices()) {
         const Point p = delaunay.position(v);
         if (wraps_x(periodic) && (p.x == 0 || p.x == width)) opposite.push_back({width - p.x, p.y});
@@ -13537,7 +13706,7 @@ class ValenceBound {
 /// more edges. O(n) where there is nothing to do.
 template <int C>
 [[nodiscard]] HMESH_COLD bool bound_valence(IndexedMesh<C>& mesh, int limit) {
-    std::vector<int> faces(mesh.vertex_count(), 0);
+    Array<int> faces(mesh.vertex_count(), 0);
     for (const Triangle& t : mesh.faces)
         for (const std::uint32_t v : t) ++faces[v];
     // A vertex on the border has one edge more than faces.
@@ -13616,11 +13785,11 @@ template <int C>
 
 /// Whether these are the vertices on the border of a mesh.
 template <int C>
-[[nodiscard]] HMESH_COLD bool has_border(const IndexedMesh<C>& mesh, const std::vector<Point>& border) {
-    std::vector<Point> its;
+[[nodiscard]] HMESH_COLD bool has_border(const IndexedMesh<C>& mesh, const Array<Point>& border) {
+    Array<Point> its;
     for (std::size_t v = 0; v < mesh.vertex_count(); ++v)
         if (mesh.is_on_border(v)) its.push_back(mesh.positions[v]);
-    const auto sorted = [](const std::vector<Point>& points) {
+    const auto sorted = [](const Array<Point>& points) {
         return in_order(points, sorted_numbers(
                                     points.size(), [&](std::uint32_t k) { return code_of(points[k].y); },
                                     [&](std::uint32_t k) { return code_of(points[k].x); }));
@@ -13631,7 +13800,7 @@ template <int C>
 /// Finds the vertices of the border that follows from Annealed::border_tolerance, or none where that is not set.
 template <int C>
 [[nodiscard]] HMESH_COLD Status find_border(const ImageSource<C>& source, std::optional<double> tolerance, std::size_t n,
-                                            std::vector<Point>& border) {
+                                            Array<Point>& border) {
     if (!tolerance) return {};
     if (source.samples() != Samples::points)
         return {Errc::invalid_argument, "border_tolerance is for samples that are points, and they are squares"};
@@ -13661,7 +13830,7 @@ class AnnealedRun {
   public:
     /// `border`: the vertices of a border that stays as it is, and that a mesh to start from has; empty: none.
     AnnealedRun(TiledMesh<C>& tiled, std::size_t n, const AnnealedSteps& steps, std::uint64_t seed, double tile,
-                const std::vector<Point>& border)
+                const Array<Point>& border)
         : tiled_(&tiled), n_(n), steps_(steps), seed_(seed), tile_(tile), border_(&border), aligned_(tiling(0)),
           has_seams_(tiled.has_seams(aligned_)) {}
 
@@ -13721,8 +13890,8 @@ class AnnealedRun {
         // The corners come by themselves.
         const auto given = static_cast<double>(std::max<std::size_t>(4, border_->size()));
         const double wanted = std::max(0.0, std::ceil(static_cast<double>(n_) * steps_.points) - given);
-        std::vector<std::uint32_t> pixels;
-        std::vector<Point> on_seams;
+        Array<std::uint32_t> pixels;
+        Array<Point> on_seams;
         {
             Image<float, 1> ranks = std::move(tiled_->notes().point_ranks), density;
             if (ranks.size() == 0) density = point_density(source, tiled_->parallel_for(), go_on);
@@ -13764,7 +13933,7 @@ class AnnealedRun {
         double share;        ///< of the patch in the vertices of the whole mesh, when the phase began
     };
     /// What is done in a patch to some of its vertices, in spatial order.
-    using PieceWork = FunctionRef<void(ImageMesh<C>& mesh, const std::vector<Vertex>& vertices, const Piece& piece)>;
+    using PieceWork = FunctionRef<void(ImageMesh<C>& mesh, const Array<Vertex>& vertices, const Piece& piece)>;
     /// The pieces of a phase are numbered from 0 to this.
     [[nodiscard]] std::size_t piece_count(int phase) const { return 2 * tiling(phase).size(); }
 
@@ -13775,7 +13944,7 @@ class AnnealedRun {
         progress().set_range(from, to);
         return tiled_->for_each(tiling(phase_), [&](Patch<C>& patch, std::size_t tile) {
             const double share = static_cast<double>(patch.vertex_count()) / count;
-            if (const std::vector<Vertex> missed = patch.take_hindered(); has_missed && !missed.empty())
+            if (const Array<Vertex> missed = patch.take_hindered(); has_missed && !missed.empty())
                 body(patch.mesh(), missed, {2 * tile, share});
             body(patch.mesh(), patch.free_vertices(), {2 * tile + 1, share});
         });
@@ -13794,8 +13963,8 @@ class AnnealedRun {
 
     /// The visits of the first mesh, as work on its pieces.
     [[nodiscard]] auto visits() const {
-        return [this](ImageMesh<C>& mesh, const std::vector<Vertex>& all, const Piece&) {
-            for_each_block(mesh, all, 0, [&](std::vector<Vertex>& vertices) {
+        return [this](ImageMesh<C>& mesh, const Array<Vertex>& all, const Piece&) {
+            for_each_block(mesh, all, 0, [&](Array<Vertex>& vertices) {
                 for (int round = 0; round < steps_.settle_rounds; ++round) {
                     sweep(mesh, vertices, steps_.settle);
                     flip_edges(mesh, own_edges(mesh, vertices), steps_.settle_flip_gain);
@@ -13867,7 +14036,7 @@ class AnnealedRun {
             const double sweeps = annealing.sweeps, t = k / sweeps;
             return k == 0 ? 0 : (0.4 + sweeps * t * (1.08 - 0.15 * t)) / (0.4 + 0.93 * sweeps);
         };
-        std::vector<AnnealingCounts> counts;
+        Array<AnnealingCounts> counts;
         const auto steer = [&] {
             AnnealingCounts sum;
             for (const AnnealingCounts& c : counts) {
@@ -13879,7 +14048,7 @@ class AnnealedRun {
         };
         for (int k = 0; k < annealing.sweeps; ++k) {
             const double tolerance = annealing.count_tolerance * (1 - static_cast<double>(k) / annealing.sweeps);
-            const auto body = [&](ImageMesh<C>& mesh, const std::vector<Vertex>& vertices, const Piece& piece) {
+            const auto body = [&](ImageMesh<C>& mesh, const Array<Vertex>& vertices, const Piece& piece) {
                 const double share = piece.share * static_cast<double>(n_);
                 const CountRange range{(1 - tolerance) * share, (1 + tolerance) * share};
                 const Random random(seed_, (static_cast<std::uint64_t>(k) << 32U) + piece.number);
@@ -13904,8 +14073,8 @@ class AnnealedRun {
     /// Begins where this fraction of the stage is done.
     HMESH_COLD bool polish(double from) {
         const int rounds = steps_.polish_rounds;
-        const auto body = [&](ImageMesh<C>& mesh, const std::vector<Vertex>& all, const Piece&) {
-            for_each_block(mesh, all, 0, [&](std::vector<Vertex>& vertices) {
+        const auto body = [&](ImageMesh<C>& mesh, const Array<Vertex>& all, const Piece&) {
+            for_each_block(mesh, all, 0, [&](Array<Vertex>& vertices) {
                 flip_edges(mesh, own_edges(mesh, vertices), steps_.polish.propagate_above);
                 sweep(mesh, vertices, steps_.polish);
             });
@@ -13923,7 +14092,7 @@ class AnnealedRun {
     AnnealedSteps steps_;
     std::uint64_t seed_;
     double tile_;
-    const std::vector<Point>* border_;
+    const Array<Point>* border_;
     Tiling aligned_;
     bool has_seams_;  ///< whether vertices are locked in some phases
     int phase_ = 0;   ///< the tiling of the last patches, and of the next
@@ -13934,7 +14103,7 @@ class AnnealedRun {
 /// run(first) runs the stages of a run as planned.
 template <int C, class Run>
 Status Annealed::run_or_grow(kit::TiledMesh<C>& mesh, std::size_t n, Run&& run) const {
-    std::vector<kit::Point> border;
+    kit::Array<kit::Point> border;
     if (const Status status = kit::detail::find_border(mesh.source(), border_tolerance, n, border); !status) return status;
     const int width = mesh.source().width(), height = mesh.source().height();
     kit::AnnealedSteps plan = steps.value_or(kit::annealed_steps(effort));
@@ -13960,7 +14129,7 @@ Status Annealed::run(kit::TiledMesh<C>& mesh, std::size_t n) const {
         if (const kit::ChannelScale<C>* const scale = mesh.source().scale())
             for (kit::Color<C>& color : from.colors) scale->to_scaled(color);
         if (const Status status = kit::detail::check_start(from, mesh.source()); !status) return status;
-        std::vector<kit::Point> border;
+        kit::Array<kit::Point> border;
         if (const Status status = kit::detail::find_border(mesh.source(), border_tolerance, n, border); !status) return status;
         if (border_tolerance && !kit::detail::has_border(from, border))
             return {Errc::invalid_argument, "the mesh to start from has not the sides that border_tolerance asks for"};
@@ -14074,16 +14243,15 @@ template <int C>
 #define HMESH_SOLVE_NORMAL_EQUATIONS_HPP
 
 #include <cstddef>
-#include <vector>
 
 namespace hmesh::kit {
 
 /// A sparse symmetric matrix of n rows in compressed row storage, both triangles stored: row i has the entries
 /// [starts[i], starts[i + 1]) of `columns`, which rise, and of `values`.
 struct SymmetricMatrix {
-    std::vector<int> starts{0};  ///< n + 1 offsets
-    std::vector<int> columns;    ///< of each entry
-    std::vector<double> values;  ///< of each entry
+    Array<int> starts{0};  ///< n + 1 offsets
+    Array<int> columns;    ///< of each entry
+    Array<double> values;  ///< of each entry
 
     /// The number of rows, which is that of columns.
     [[nodiscard]] std::size_t size() const noexcept { return starts.size() - 1; }
@@ -14105,9 +14273,9 @@ struct SymmetricMatrix {
 
 /// A dense matrix in row-major order.
 struct DenseMatrix {
-    std::size_t rows = 0;        ///< number of rows
-    std::size_t columns = 0;     ///< number of columns
-    std::vector<double> values;  ///< rows * columns numbers, row after row
+    std::size_t rows = 0;     ///< number of rows
+    std::size_t columns = 0;  ///< number of columns
+    Array<double> values;     ///< rows * columns numbers, row after row
 
     /// The empty matrix.
     DenseMatrix() = default;
@@ -14121,8 +14289,8 @@ struct DenseMatrix {
 };
 
 /// The row of each vertex in the matrices, indexed by the vertex's slot; -1 for deleted slots.
-[[nodiscard]] inline std::vector<int> vertex_rows(const HalfedgeMesh& topology) {
-    std::vector<int> rows(topology.vertex_slots(), -1);
+[[nodiscard]] inline Array<int> vertex_rows(const HalfedgeMesh& topology) {
+    Array<int> rows(topology.vertex_slots(), -1);
     int row = 0;
     for (const Vertex v : topology.vertices()) rows[v.index()] = row++;
     return rows;
@@ -14149,8 +14317,8 @@ inline void for_each_vertex(const HalfedgeMesh& topology, const ParallelFor& par
 
 /// Writes colours[r] to vertex r of topology().vertices().
 template <int C>
-void write_colors(ImageMesh<C>& mesh, const std::vector<Color<C>>& colors, const ParallelFor& parallel_for) {
-    std::vector<Color<C>> by_slot(mesh.topology().vertex_slots(), Color<C>::zero());
+void write_colors(ImageMesh<C>& mesh, const Array<Color<C>>& colors, const ParallelFor& parallel_for) {
+    Array<Color<C>> by_slot(mesh.topology().vertex_slots(), Color<C>::zero());
     std::size_t row = 0;
     for (const Vertex v : mesh.topology().vertices()) by_slot[v.index()] = colors[row++];
     mesh.set_colors(by_slot, parallel_for);
@@ -14160,9 +14328,9 @@ void write_colors(ImageMesh<C>& mesh, const std::vector<Color<C>>& colors, const
 
 /// The corner sums of all faces, indexed by the half-edge that leaves the corner; zero for half-edges without a face.
 template <int C>
-[[nodiscard]] std::vector<CornerSums<C>> corner_sums(const ImageMesh<C>& mesh, const ParallelFor& parallel_for = {}) {
+[[nodiscard]] Array<CornerSums<C>> corner_sums(const ImageMesh<C>& mesh, const ParallelFor& parallel_for = {}) {
     const HalfedgeMesh& topology = mesh.topology();
-    std::vector<CornerSums<C>> corners(2 * topology.edge_slots());
+    Array<CornerSums<C>> corners(2 * topology.edge_slots());
     for_each_chunk(parallel_for, topology.face_slots(), 512, [&](std::size_t begin, std::size_t end) {
         for (std::size_t f = begin; f < end; ++f) {
             if (topology.is_deleted(Face(f))) continue;
@@ -14176,9 +14344,9 @@ template <int C>
 /// K K^T, n_v by n_v, of a mesh with this topology and these corner sums. Symmetric to the bit; one entry for each vertex and
 /// two for each edge, also where no pixel makes them differ from 0.
 template <int C>
-[[nodiscard]] HMESH_COLD SymmetricMatrix normal_matrix(const HalfedgeMesh& topology, const std::vector<CornerSums<C>>& corners,
+[[nodiscard]] HMESH_COLD SymmetricMatrix normal_matrix(const HalfedgeMesh& topology, const Array<CornerSums<C>>& corners,
                                                        const ParallelFor& parallel_for = {}) {
-    const std::vector<int> rows = vertex_rows(topology);
+    const Array<int> rows = vertex_rows(topology);
     SymmetricMatrix matrix;
     matrix.starts.reserve(topology.vertex_count() + 1);
     for (const Vertex v : topology.vertices()) matrix.starts.push_back(matrix.starts.back() + topology.valence(v) + 1);
@@ -14211,9 +14379,9 @@ template <int C>
 
 /// K I^T, n_v by C, of a mesh with this topology and these corner sums; I, C by n_p, is the image.
 template <int C>
-[[nodiscard]] DenseMatrix image_sums(const HalfedgeMesh& topology, const std::vector<CornerSums<C>>& corners,
+[[nodiscard]] DenseMatrix image_sums(const HalfedgeMesh& topology, const Array<CornerSums<C>>& corners,
                                      const ParallelFor& parallel_for = {}) {
-    const std::vector<int> rows = vertex_rows(topology);
+    const Array<int> rows = vertex_rows(topology);
     DenseMatrix sums(topology.vertex_count(), C);
     detail::for_each_vertex(topology, parallel_for, [&](Vertex v) {
         Color<C> sum = Color<C>::zero();
@@ -14225,9 +14393,9 @@ template <int C>
 
 /// K P^T, n_v by 2, of a mesh with this topology and these corner sums; P, 2 by n_p, are the centres of the pixels.
 template <int C>
-[[nodiscard]] DenseMatrix position_sums(const HalfedgeMesh& topology, const std::vector<CornerSums<C>>& corners,
+[[nodiscard]] DenseMatrix position_sums(const HalfedgeMesh& topology, const Array<CornerSums<C>>& corners,
                                         const ParallelFor& parallel_for = {}) {
-    const std::vector<int> rows = vertex_rows(topology);
+    const Array<int> rows = vertex_rows(topology);
     DenseMatrix sums(topology.vertex_count(), 2);
     detail::for_each_vertex(topology, parallel_for, [&](Vertex v) {
         const auto row = static_cast<std::size_t>(rows[v.index()]);
@@ -14260,7 +14428,6 @@ template <int C>
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
-#include <vector>
 
 namespace hmesh::kit {
 /// The report of bounded_colors().
@@ -14277,18 +14444,18 @@ namespace detail {
 /// The energy with ridge as a function of the colours; rows are the mesh's vertices in the order of topology().vertices().
 template <int C>
 struct ColorSystem {
-    SymmetricMatrix gram;          ///< K K^T
-    std::vector<Color<C>> rhs;     ///< K I^T
-    std::vector<Color<C>> anchor;  ///< the colours that ridge favours: those at the start
-    std::vector<double> inverse;   ///< 1 / (diagonal + ridge); 0 where that is not positive
-    double ridge = 0;              ///< in pixels, see MeshLimits
+    SymmetricMatrix gram;    ///< K K^T
+    Array<Color<C>> rhs;     ///< K I^T
+    Array<Color<C>> anchor;  ///< the colours that ridge favours: those at the start
+    Array<double> inverse;   ///< 1 / (diagonal + ridge); 0 where that is not positive
+    double ridge = 0;        ///< in pixels, see MeshLimits
 
     /// Leaves a vertex its colour.
     void hold(std::size_t row) noexcept { inverse[row] = 0; }
     /// Calls update(c, step) for each vertex in turn: c is the vertex's colour, c + step the best one for it while the others
     /// stay.
     template <class Update>
-    void sweep(std::vector<Color<C>>& colors, Update&& update) const {
+    void sweep(Array<Color<C>>& colors, Update&& update) const {
         const int* const starts = gram.starts.data();
         const int* const rows = gram.columns.data();
         const double* const values = gram.values.data();
@@ -14319,8 +14486,8 @@ struct GridRange {
 
 /// The system of a mesh with this topology and these corner sums (fit/squared_error.hpp); `colors`, one a row, become the anchor.
 template <int C>
-[[nodiscard]] HMESH_COLD ColorSystem<C> color_system(const HalfedgeMesh& topology, const std::vector<CornerSums<C>>& corners,
-                                                     const std::vector<Color<C>>& colors, double ridge,
+[[nodiscard]] HMESH_COLD ColorSystem<C> color_system(const HalfedgeMesh& topology, const Array<CornerSums<C>>& corners,
+                                                     const Array<Color<C>>& colors, double ridge,
                                                      const ParallelFor& parallel_for) {
     ColorSystem<C> system;
     system.ridge = ridge;
@@ -14343,7 +14510,7 @@ template <int C>
 /// The descent of bounded_colors(): improves `colors`, which lie in [low, high], one a row. Asks go_on() before each sweep but
 /// the one that puts the colours on the grid.
 template <int C>
-BoundedReport descend(const ColorSystem<C>& system, double low, double high, double grid, std::vector<Color<C>>& colors,
+BoundedReport descend(const ColorSystem<C>& system, double low, double high, double grid, Array<Color<C>>& colors,
                       FunctionRef<bool()> go_on) {
     HMESH_ASSERT(low <= high && grid >= 0);
     constexpr int max_sweeps = 20, max_rounding_sweeps = 10;
@@ -14401,7 +14568,7 @@ BoundedReport descend(const ColorSystem<C>& system, double low, double high, dou
 template <int C>
 HMESH_COLD BoundedReport bounded_colors(ImageMesh<C>& mesh, double low, double high, double grid,
                                         const ParallelFor& parallel_for = {}) {
-    std::vector<Color<C>> colors;
+    Array<Color<C>> colors;
     colors.reserve(mesh.vertex_count());
     for (const Vertex v : mesh.topology().vertices()) {
         colors.push_back(mesh.color(v));
@@ -14437,7 +14604,6 @@ HMESH_COLD BoundedReport bounded_colors(ImageMesh<C>& mesh, double low, double h
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
-#include <vector>
 
 namespace hmesh::kit {
 
@@ -14466,7 +14632,7 @@ template <int C>
 /// Gives all vertices the colours of the image at their positions. The energy of the mesh follows.
 template <int C>
 void sample_colors(ImageMesh<C>& mesh, const ParallelFor& parallel_for = {}) {
-    std::vector<Color<C>> colors(mesh.topology().vertex_slots(), Color<C>::zero());
+    Array<Color<C>> colors(mesh.topology().vertex_slots(), Color<C>::zero());
     for (const Vertex v : mesh.topology().vertices()) colors[v.index()] = sampled_color(mesh.table(), mesh.position(v));
     mesh.set_colors(colors, parallel_for);
 }
@@ -14495,12 +14661,12 @@ namespace hmesh::kit {
 
 /// The unknowns of vertices some of which are copies of one another.
 struct TiedRows {
-    std::vector<std::uint32_t> rows;      ///< of each vertex: its unknown
-    std::vector<std::uint32_t> vertices;  ///< of each unknown: the root of its vertices
+    Array<std::uint32_t> rows;      ///< of each vertex: its unknown
+    Array<std::uint32_t> vertices;  ///< of each unknown: the root of its vertices
 };
 
 /// One unknown for each vertex that is its own root, in the order of the vertices; copies have that of their root.
-[[nodiscard]] HMESH_COLD inline TiedRows tied_rows(const std::vector<std::uint32_t>& roots) {
+[[nodiscard]] HMESH_COLD inline TiedRows tied_rows(const Array<std::uint32_t>& roots) {
     TiedRows tied;
     tied.rows.resize(roots.size());
     for (std::uint32_t v = 0; v < roots.size(); ++v) {
@@ -14521,19 +14687,19 @@ class TiedMatrix {
         for (std::size_t row = 0; row < size; ++row) add_to_diagonal(row, 0);
     }
     /// Adds to the diagonal of a row.
-    void add_to_diagonal(std::uint64_t row, double value) { entries_.emplace_back(row * size_ + row, value); }
+    void add_to_diagonal(std::uint64_t row, double value) { entries_.push_back({row * size_ + row, value}); }
     /// Adds what the corner of a face at row a, whose next corner is at row b, brings.
     void add_corner(std::uint64_t a, std::uint64_t b, double square, double coupling) {
         add_to_diagonal(a, square);
-        entries_.emplace_back(a * size_ + b, coupling);
-        entries_.emplace_back(b * size_ + a, coupling);
+        entries_.push_back({a * size_ + b, coupling});
+        entries_.push_back({b * size_ + a, coupling});
     }
     /// The matrix.
     [[nodiscard]] HMESH_COLD SymmetricMatrix sum() const {
         SymmetricMatrix matrix;
         std::uint64_t row = 0, last = size_ * size_;
-        for (const Coded& at : sorted_numbers(entries_.size(), [&](std::uint32_t k) { return entries_[k].first; })) {
-            const double value = entries_[at.number].second;
+        for (const Coded& at : sorted_numbers(entries_.size(), [&](std::uint32_t k) { return entries_[k].place; })) {
+            const double value = entries_[at.number].value;
             const std::uint64_t place = at.code;
             if (std::exchange(last, place) == place) {
                 matrix.values.back() += value;
@@ -14548,8 +14714,12 @@ class TiedMatrix {
     }
 
   private:
+    struct Entry {
+        std::uint64_t place;  // row * size + column
+        double value;
+    };
     std::uint64_t size_;
-    std::vector<std::pair<std::uint64_t, double>> entries_;  // (row * size + column, value)
+    Array<Entry> entries_;
 };
 
 /// One more sample that a colour is to meet.
@@ -14564,10 +14734,10 @@ struct ColorTie {
 /// sums corners[3 f] .. corners[3 f + 2]; `colors`, one for each unknown, become the anchor. `ties` are samples beside the
 /// pixels.
 template <int C>
-[[nodiscard]] HMESH_COLD detail::ColorSystem<C> tied_color_system(const std::vector<std::uint32_t>& rows,
-                                                                  const std::vector<CornerSums<C>>& corners,
-                                                                  const std::vector<ColorTie<C>>& ties,
-                                                                  const std::vector<Color<C>>& colors, double ridge) {
+[[nodiscard]] HMESH_COLD detail::ColorSystem<C> tied_color_system(const Array<std::uint32_t>& rows,
+                                                                  const Array<CornerSums<C>>& corners,
+                                                                  const Array<ColorTie<C>>& ties, const Array<Color<C>>& colors,
+                                                                  double ridge) {
     const std::size_t size = colors.size();
     detail::ColorSystem<C> system;
     system.ridge = ridge;
@@ -14608,7 +14778,6 @@ template <int C>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
-#include <vector>
 
 namespace hmesh::kit {
 
@@ -14623,7 +14792,7 @@ namespace detail {
 /// Measures the mesh's energy, and returns its largest error.
 template <int C>
 [[nodiscard]] HMESH_COLD double measure_finally(TiledMesh<C>& tiled, const Tiling& tiling) {
-    std::vector<double> largest(tiling.size(), 0.0);
+    Array<double> largest(tiling.size(), 0.0);
     const auto look = [&](const ImageMesh<C>& mesh, std::size_t tile) { largest[tile] = largest_error(mesh); };
     if (tiled.source().is_integer()) tiled.measure(tiling, look);
     else tiled.measure(tiling);
@@ -14650,7 +14819,7 @@ template <int C>
 HMESH_COLD FinalColors tied_colors(TiledMesh<C>& tiled, const Tiling& tiling, double low, double high, double grid) {
     constexpr double tie_weight = 0.25;
     const ImageSource<C>& source = tiled.source();
-    std::vector<CornerSums<C>> corners(3 * tiled.indexed().faces.size());
+    Array<CornerSums<C>> corners(3 * tiled.indexed().faces.size());
     tiled.visit(tiling, [&](Patch<C>& patch, std::size_t, const std::uint32_t* faces) {
         for (const Face f : patch.mesh().topology().faces()) {
             const std::size_t k = 3 * std::size_t{faces[f.index()]};
@@ -14660,9 +14829,9 @@ HMESH_COLD FinalColors tied_colors(TiledMesh<C>& tiled, const Tiling& tiling, do
     if (tiled.progress().stopped()) std::fill(corners.begin(), corners.end(), CornerSums<C>());  // only the ridge is left
     IndexedMesh<C>& mesh = tiled.indexed();
     const TiedRows tied = tied_rows(mesh.roots);
-    std::vector<std::uint32_t> rows;
-    std::vector<Color<C>> colors;
-    std::vector<ColorTie<C>> ties;
+    Array<std::uint32_t> rows;
+    Array<Color<C>> colors;
+    Array<ColorTie<C>> ties;
     for (const std::uint32_t v : tied.vertices) {
         colors.push_back(mesh.colors[v]);
         clamp_channels<C>(colors.back(), low, high);
@@ -14718,7 +14887,7 @@ HMESH_COLD FinalColors bounded_colors(TiledMesh<C>& tiled, const Tiling& tiling,
     const Status status = topology.assign(mesh.vertex_count(), mesh.faces);
     HMESH_ASSERT(status);
     (void)status;
-    std::vector<CornerSums<C>> corners(2 * topology.edge_slots());
+    Array<CornerSums<C>> corners(2 * topology.edge_slots());
     tiled.visit(tiling, [&](Patch<C>& patch, std::size_t, const std::uint32_t* faces) {
         for (const Face f : patch.mesh().topology().faces()) {
             const Halfedge h0 = topology.halfedge(Face(faces[f.index()])), h1 = topology.next(h0), h2 = topology.next(h1);
@@ -15681,7 +15850,7 @@ inline void multiply(const SymmetricMatrix& a, const DenseMatrix& x, DenseMatrix
 }
 
 /// out[k] = the dot product of column k of a and column k of b.
-inline void column_dots(const DenseMatrix& a, const DenseMatrix& b, std::vector<double>& out) {
+inline void column_dots(const DenseMatrix& a, const DenseMatrix& b, Array<double>& out) {
     std::fill(out.begin(), out.end(), 0.0);
     for (std::size_t i = 0; i < a.rows; ++i)
         for (std::size_t k = 0; k < out.size(); ++k) out[k] += a(i, k) * b(i, k);
@@ -15703,13 +15872,13 @@ inline PcgReport solve_pcg(const SymmetricMatrix& a, const DenseMatrix& b, Dense
     report.converged = true;
     if (n == 0 || width == 0) return report;
 
-    std::vector<double> inverse(n, 0.0);  // the preconditioner
+    Array<double> inverse(n, 0.0);  // the preconditioner
     for (std::size_t i = 0; i < n; ++i)
         if (const double diagonal = a.diagonal(i); diagonal > 0) inverse[i] = 1 / diagonal;
     DenseMatrix& solution = x;
     DenseMatrix residual(n, width), direction(n, width), product(n, width);
-    std::vector<double> norm(width), rr(width), rz(width), rz_before(width), steps(width), reference(width);
-    std::vector<unsigned char> runs(width, 1);
+    Array<double> norm(width), rr(width), rz(width), rz_before(width), steps(width), reference(width);
+    Array<unsigned char> runs(width, 1);
     const auto release = [&](DenseMatrix& rows) {  // held entries have no residual
         for (const HeldEntry& entry : held) rows(entry.row, entry.column) = 0;
     };
@@ -15848,8 +16017,8 @@ namespace kit::detail {
 
 /// One channel of all vertices.
 struct ChannelLight {
-    std::vector<float> stored;  ///< stored values, in [0, peak]
-    std::vector<double> light;  ///< the linear light that they decode to, in [0, 1]; for alpha the share of the peak
+    Array<float> stored;  ///< stored values, in [0, peak]
+    Array<double> light;  ///< the linear light that they decode to, in [0, 1]; for alpha the share of the peak
 };
 
 /// Writes the stored values of one channel for the pixels [begin, end) of a row.
@@ -16038,8 +16207,8 @@ class LinearLight {
     const LinearLightOptions& options_;
     ParallelFor parallel_for_;
     WeightScale scale_;
-    TiedRows tied_;                       ///< the unknowns of a periodic mesh, else none
-    std::vector<CornerSums<1>> corners_;  ///< of the last measure(); `image` holds sums of - e' r lambda
+    TiedRows tied_;                 ///< the unknowns of a periodic mesh, else none
+    Array<CornerSums<1>> corners_;  ///< of the last measure(); `image` holds sums of - e' r lambda
 };
 
 /// Whether the mesh fits the image: channels, size, arrays of one length, positions inside, faces of positive area; so that

@@ -36,7 +36,6 @@
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
-#include <vector>
 
 namespace hmesh::kit {
 namespace detail {
@@ -51,7 +50,7 @@ void diffuse(const ImageView<float, 1>& map, double factor, double floor, Point&
     const int width = is_flat ? map.height : map.width, height = is_flat ? map.width : map.height;
     const auto value = [&](int x, int y) { return static_cast<double>(is_flat ? map.row(x)[y] : map.row(y)[x]); };
     // Errors for this row and the next, with a margin on both sides for what falls over the border.
-    std::vector<double> here(static_cast<std::size_t>(width) + 2, 0.0), below = here;
+    Array<double> here(static_cast<std::size_t>(width) + 2, 0.0), below = here;
     for (int y = 0; y < height; ++y) {
         const int step = y % 2 == 0 ? 1 : -1;
         double* const errors = here.data() + 1;
@@ -84,8 +83,8 @@ void diffuse(const ImageView<float, 1>& map, double factor, double floor, Point&
 /// row by row, left and right in turn, or column by column in images more than 8 times as wide as high. Values of the map must
 /// be finite and >= 0; a map that is 0 everywhere stands for an even density. go_on(), where set, is called between passes; once
 /// it says false, the result is empty.
-[[nodiscard]] inline std::vector<std::uint32_t> diffused_points(const ImageView<float, 1>& map, std::size_t count,
-                                                                FunctionRef<bool()> go_on = {}) {
+[[nodiscard]] inline Array<std::uint32_t> diffused_points(const ImageView<float, 1>& map, std::size_t count,
+                                                          FunctionRef<bool()> go_on = {}) {
     const std::size_t pixels = static_cast<std::size_t>(map.width) * static_cast<std::size_t>(map.height);
     HMESH_ASSERT(count <= pixels);
     double sum = 0, largest = 0;
@@ -116,7 +115,7 @@ void diffuse(const ImageView<float, 1>& map, double factor, double floor, Point&
         if (now < count) low = middle;
         else high = middle, number = now;
     }
-    std::vector<std::uint32_t> points;
+    Array<std::uint32_t> points;
     points.reserve(number);
     detail::diffuse(map, high, floor, [&](int x, int y) {
         points.push_back(static_cast<std::uint32_t>(y) * static_cast<std::uint32_t>(map.width) + static_cast<std::uint32_t>(x));
@@ -146,15 +145,14 @@ void diffuse(const ImageView<float, 1>& map, double factor, double floor, Point&
 #include <cmath>
 #include <cstddef>
 #include <limits>
-#include <vector>
 
 namespace hmesh::kit {
 namespace detail {
 
 /// One channel of an image; of doubles, so that sums of float samples near the largest float do not overflow.
 struct Plane {
-    int width, height;           ///< px
-    std::vector<double> values;  ///< row after row
+    int width, height;     ///< px
+    Array<double> values;  ///< row after row
     [[nodiscard]] double* row(int y) noexcept {
         return values.data() + static_cast<std::size_t>(y) * static_cast<std::size_t>(width);
     }
@@ -200,7 +198,7 @@ template <int C>
     const int width = source.width(), height = source.height();
     const std::size_t pixels = static_cast<std::size_t>(width) * static_cast<std::size_t>(height);
     Image<float, 1> map(width, height);
-    detail::Plane plane{width, height, std::vector<double>(pixels)}, scratch = plane;
+    detail::Plane plane{width, height, Array<double>(pixels)}, scratch = plane;
     for (int c = 0; c < C; ++c) {
         detail::for_each_row(parallel_for, height, [&](int y) {
             double* to = plane.row(y);
@@ -244,7 +242,6 @@ template <int C>
 
 #include <cstddef>
 #include <cstdint>
-#include <vector>
 
 namespace hmesh::kit {
 
@@ -349,12 +346,12 @@ class PointRemoval {
     ImageMesh<C>* mesh_;
     IndexedHeap costs_;
     HoleFiller filler_;
-    const std::vector<Ear>* ears_ = nullptr;  ///< those of the last fill()
+    const Array<Ear>* ears_ = nullptr;  ///< those of the last fill()
     Ring<C> ring_;
     Spokes<C> spokes_;
     Moments<C> sides_[ring_capacity], diagonals_[ring_capacity];
     double energies_[ring_capacity] = {};
-    std::vector<Vertex> around_;
+    Array<Vertex> around_;
 };
 
 }  // namespace hmesh::kit
@@ -379,7 +376,6 @@ class PointRemoval {
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
-#include <vector>
 
 namespace hmesh {
 namespace kit::detail {
@@ -387,7 +383,7 @@ namespace kit::detail {
 /// Replaces the mesh by the Delaunay triangulation of the image's corners and of these pixels, given as y * width + x, with the
 /// pixels' colours, and measures it. False: cancelled.
 template <int C>
-bool triangulate_pixels(TiledMesh<C>& tiled, const std::vector<std::uint32_t>& pixels) {
+bool triangulate_pixels(TiledMesh<C>& tiled, const Array<std::uint32_t>& pixels) {
     const ImageSource<C>& source = tiled.source();
     Delaunay mesh(source.width(), source.height(), source.samples());
     if (!insert_pixels(mesh, pixels, [&] { return tiled.progress().poll(); })) return false;
@@ -466,7 +462,6 @@ struct Adams {
 #include <cstddef>
 #include <cstdint>
 #include <numeric>
-#include <vector>
 
 namespace hmesh {
 
@@ -496,7 +491,7 @@ struct AdaptiveThinning {
         mesh.indexed() = kit::corner_mesh(source);  // the mesh after a cancellation in the first stage
         mesh.progress().plan({0.16, 0.83, 0.01});
         const bool go_on = kit::run_stage<C>(mesh, "points", [&] {
-            std::vector<std::uint32_t> pixels(static_cast<std::size_t>(source.pixels()));
+            kit::Array<std::uint32_t> pixels(static_cast<std::size_t>(source.pixels()));
             std::iota(pixels.begin(), pixels.end(), 0U);
             return kit::detail::triangulate_pixels(mesh, pixels);
         });
@@ -524,7 +519,6 @@ struct AdaptiveThinning {
 
 #include <cstddef>
 #include <cstdint>
-#include <vector>
 
 namespace hmesh::kit {
 
@@ -535,7 +529,7 @@ template <int C>
 std::size_t run_flip_queue(ImageMesh<C>& mesh, int visits = 8) {
     const HalfedgeMesh& topology = mesh.topology();
     IndexedHeap suspects;
-    std::vector<int> left(topology.edge_slots(), visits);
+    Array<int> left(topology.edge_slots(), visits);
     const auto suspect = [&](Edge e) {
         if (topology.is_boundary(e) || left[e.index()] == 0) return;
         const Halfedge h = HalfedgeMesh::halfedge(e);
@@ -775,7 +769,6 @@ struct Xie {
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
-#include <vector>
 
 #if defined(__GNUC__) && !defined(__clang__)
 /// Before a short loop over channels, which GCC does not unroll at -O2.
@@ -886,7 +879,7 @@ class BilateralWindow {
     /// The radius in px.
     [[nodiscard]] int radius() const noexcept { return radius_; }
     /// All pairs of taps, by rising dy.
-    [[nodiscard]] const std::vector<Pair>& pairs() const noexcept { return pairs_; }
+    [[nodiscard]] const Array<Pair>& pairs() const noexcept { return pairs_; }
     /// The factor that samples are multiplied by.
     [[nodiscard]] double unit() const noexcept { return unit_; }
     /// -log2 of the weight of two colours whose distance is 1 / unit() stored values; in [0, 4].
@@ -894,7 +887,7 @@ class BilateralWindow {
 
   private:
     int radius_;
-    std::vector<Pair> pairs_;
+    Array<Pair> pairs_;
     double unit_ = 1;
     float factor_ = 1;
 };
@@ -1062,11 +1055,11 @@ class BilateralTile {
     const BilateralWindow& window_;
     int radius_, width_;
     std::ptrdiff_t stride_, plane_;  ///< floats from one row to the next, and from one channel to the next
-    std::vector<float> samples_;
-    std::vector<int> columns_;  ///< for each column of the planes the index of its samples in a row of the view
-    std::vector<float> sums_;   ///< of the channels, then of the weights, planes of width_ x max_height
-    std::vector<float> weights_;
-    std::vector<Tap> taps_;
+    Array<float> samples_;
+    Array<int> columns_;  ///< for each column of the planes the index of its samples in a row of the view
+    Array<float> sums_;   ///< of the channels, then of the weights, planes of width_ x max_height
+    Array<float> weights_;
+    Array<Tap> taps_;
 };
 
 }  // namespace hmesh::kit::detail
@@ -1278,7 +1271,7 @@ HMESH_ALWAYS_INLINE void add_pixel(const Barycentric& w, double weight, Point ce
 }
 
 /// Sets `faces` to f and all faces that share a vertex with f, f first, none twice.
-inline void faces_around(const HalfedgeMesh& topology, Face f, std::vector<Face>& faces) {
+inline void faces_around(const HalfedgeMesh& topology, Face f, Array<Face>& faces) {
     faces.assign(1, f);
     for (const Vertex v : topology.vertices(f))
         for (const Halfedge h : topology.outgoing(v)) {
@@ -1297,12 +1290,12 @@ inline void faces_around(const HalfedgeMesh& topology, Face f, std::vector<Face>
 /// leaves out the faces that remain when mesh.keep_going() says stop. Lane C of `image` stays 0 unless `search` is
 /// FootSearch::plane.
 template <int C>
-[[nodiscard]] std::vector<CornerSums<C>> foot_sums(const ImageMesh<C>& mesh, FootSearch search, double color_scale,
-                                                   const ParallelFor& parallel_for = {}) {
+[[nodiscard]] Array<CornerSums<C>> foot_sums(const ImageMesh<C>& mesh, FootSearch search, double color_scale,
+                                             const ParallelFor& parallel_for = {}) {
     if (search == FootSearch::plane) return corner_sums(mesh, parallel_for);
     const HalfedgeMesh& topology = mesh.topology();
     const MomentTable<C>& table = mesh.table();
-    std::vector<CornerSums<C>> corners(2 * topology.edge_slots());
+    Array<CornerSums<C>> corners(2 * topology.edge_slots());
     struct Sums {
         CornerSums<C>*a, *b, *c;
     };
@@ -1339,7 +1332,7 @@ template <int C>
         });
         return corners;
     }
-    std::vector<Face> faces;
+    Array<Face> faces;
     std::vector<LiftedFace<C>> lifted;
     for (const Face f : topology.faces()) {
         if (!mesh.keep_going()) break;
@@ -1454,7 +1447,7 @@ template <int C>
 template <int C>
 void set_colors(ImageMesh<C>& mesh, const Eigen::MatrixXd& colors, const ParallelFor& parallel_for = {}) {
     HMESH_ASSERT(colors.rows() == static_cast<Eigen::Index>(mesh.vertex_count()) && colors.cols() == C);
-    std::vector<Color<C>> by_slot(mesh.topology().vertex_slots(), Color<C>::zero());
+    Array<Color<C>> by_slot(mesh.topology().vertex_slots(), Color<C>::zero());
     Eigen::Index row = 0;
     for (const Vertex v : mesh.topology().vertices()) {
         for (int k = 0; k < C; ++k) by_slot[v.index()].set(k, colors(row, k));
@@ -1469,7 +1462,7 @@ void set_colors(ImageMesh<C>& mesh, const Eigen::MatrixXd& colors, const Paralle
 template <int C>
 [[nodiscard]] Eigen::SparseMatrix<double> barycentric_matrix(const ImageMesh<C>& mesh, const ParallelFor& parallel_for = {}) {
     const HalfedgeMesh& topology = mesh.topology();
-    const std::vector<int> rows = vertex_rows(topology);
+    const Array<int> rows = vertex_rows(topology);
     const auto width = static_cast<std::size_t>(mesh.width()), pixels = width * static_cast<std::size_t>(mesh.height());
     Eigen::SparseMatrix<double> matrix(static_cast<Eigen::Index>(mesh.vertex_count()), static_cast<Eigen::Index>(pixels));
     matrix.resizeNonZeros(static_cast<Eigen::Index>(3 * pixels));
@@ -1501,7 +1494,7 @@ template <int C>
 
 /// K K^T, n_v by n_v, of a mesh with this topology and these corner sums: normal_matrix().
 template <int C>
-[[nodiscard]] Eigen::SparseMatrix<double> gram_matrix(const HalfedgeMesh& topology, const std::vector<CornerSums<C>>& corners,
+[[nodiscard]] Eigen::SparseMatrix<double> gram_matrix(const HalfedgeMesh& topology, const Array<CornerSums<C>>& corners,
                                                       const ParallelFor& parallel_for = {}) {
     return to_eigen(normal_matrix(topology, corners, parallel_for));
 }
@@ -1512,7 +1505,7 @@ template <int C>
 }
 /// K I^T, n_v by C, of a mesh with this topology and these corner sums: image_sums().
 template <int C>
-[[nodiscard]] Eigen::MatrixXd image_rhs(const HalfedgeMesh& topology, const std::vector<CornerSums<C>>& corners,
+[[nodiscard]] Eigen::MatrixXd image_rhs(const HalfedgeMesh& topology, const Array<CornerSums<C>>& corners,
                                         const ParallelFor& parallel_for = {}) {
     return to_eigen(image_sums(topology, corners, parallel_for));
 }
@@ -1523,7 +1516,7 @@ template <int C>
 }
 /// K P^T, n_v by 2, of a mesh with this topology and these corner sums: position_sums().
 template <int C>
-[[nodiscard]] Eigen::MatrixXd position_rhs(const HalfedgeMesh& topology, const std::vector<CornerSums<C>>& corners,
+[[nodiscard]] Eigen::MatrixXd position_rhs(const HalfedgeMesh& topology, const Array<CornerSums<C>>& corners,
                                            const ParallelFor& parallel_for = {}) {
     return to_eigen(position_sums(topology, corners, parallel_for));
 }
@@ -1560,7 +1553,6 @@ inline PcgReport solve_pcg(const Eigen::SparseMatrix<double>& a, const Eigen::Ma
 #define HMESH_SOLVE_OPTIMAL_COLORS_HPP
 
 #include <cstddef>
-#include <vector>
 
 namespace hmesh::kit {
 
@@ -1569,7 +1561,7 @@ namespace hmesh::kit {
 template <int C>
 PcgReport optimal_colors(ImageMesh<C>& mesh, const PcgOptions& options = {}, const ParallelFor& parallel_for = {}) {
     const double ridge = mesh.limits().ridge;
-    const std::vector<CornerSums<C>> corners = corner_sums(mesh, parallel_for);
+    const Array<CornerSums<C>> corners = corner_sums(mesh, parallel_for);
     SymmetricMatrix matrix = normal_matrix(mesh.topology(), corners, parallel_for);
     DenseMatrix solution(mesh.vertex_count(), C), rhs = image_sums(mesh.topology(), corners, parallel_for);
     std::size_t row = 0;
@@ -1581,7 +1573,7 @@ PcgReport optimal_colors(ImageMesh<C>& mesh, const PcgOptions& options = {}, con
     for (std::size_t i = 0; i < rhs.values.size(); ++i) rhs.values[i] += ridge * solution.values[i];
     const PcgReport report = solve_pcg(matrix, rhs, solution, options);
 
-    std::vector<Color<C>> colors(mesh.vertex_count(), Color<C>::zero());
+    Array<Color<C>> colors(mesh.vertex_count(), Color<C>::zero());
     for (std::size_t i = 0; i < colors.size(); ++i) {
         for (int k = 0; k < C; ++k) colors[i].set(k, solution(i, static_cast<std::size_t>(k)));
         detail::clamp_channels<C>(colors[i], mesh.color_low(), mesh.color_high());
@@ -1653,7 +1645,7 @@ template <int C>
                                              const ParallelFor& parallel_for = {}) {
     GeometrySystem system;
     const HalfedgeMesh& topology = mesh.topology();
-    const std::vector<CornerSums<C>> corners = foot_sums(mesh, search, color_scale, parallel_for);
+    const Array<CornerSums<C>> corners = foot_sums(mesh, search, color_scale, parallel_for);
     system.gram = gram_matrix(topology, corners, parallel_for);
     for (Eigen::Index i = 0; i < system.gram.rows(); ++i) system.gram.coeffRef(i, i) += ridge;
     system.solution.resize(system.gram.rows(), 2 + C);
@@ -1709,7 +1701,7 @@ bool step_toward(ImageMesh<C>& mesh, Vertex v, Point target, int halvings, RingS
 template <int C>
 void improve_colors(ImageMesh<C>& mesh, const PcgOptions& options, const ParallelFor& parallel_for) {
     const double before = mesh.energy();
-    std::vector<Color<C>> colors;
+    Array<Color<C>> colors;
     colors.reserve(mesh.vertex_count());
     for (const Vertex v : mesh.topology().vertices()) colors.push_back(mesh.color(v));
     optimal_colors(mesh, options, parallel_for);
@@ -1747,12 +1739,12 @@ PcgReport geometry_step(ImageMesh<C>& mesh, const GeometryStep& options, double 
     if (mesh.task() != nullptr && mesh.task()->stopped()) return {};  // some sums may be missing
     const PcgReport report = solve_pcg(system.gram, system.rhs, system.solution, options.pcg, system.held);
     const HalfedgeMesh& topology = mesh.topology();
-    const std::vector<int> rows = vertex_rows(topology);
+    const Array<int> rows = vertex_rows(topology);
     const auto target = [&](Vertex v) {
         const Eigen::Index row = rows[v.index()];
         return Point{system.solution(row, 0), system.solution(row, 1)};
     };
-    const std::vector<Vertex> vertices = spatial_vertices(mesh);
+    const Array<Vertex> vertices = spatial_vertices(mesh);
     RingScratch<C> scratch;
     if (options.rule == StepRule::safeguarded) {
         for (const Vertex v : vertices) {
@@ -1762,14 +1754,14 @@ PcgReport geometry_step(ImageMesh<C>& mesh, const GeometryStep& options, double 
         detail::improve_colors(mesh, options.pcg, parallel_for);
         return report;
     }
-    std::vector<unsigned char> arrived(topology.vertex_slots(), 0);
+    Array<unsigned char> arrived(topology.vertex_slots(), 0);
     for (int round = 0; round < 3; ++round)  // neighbours that have moved meanwhile make room
         for (const Vertex v : vertices) {
             if (!mesh.keep_going()) break;
             if (arrived[v.index()] == 0 && topology.valence(v) <= ring_capacity)
                 arrived[v.index()] = detail::step_unfolded(mesh, v, target(v), scratch) ? 1 : 0;
         }
-    std::vector<Color<C>> colors;
+    Array<Color<C>> colors;
     for (Eigen::Index row = 0; row < system.solution.rows(); ++row) {
         colors.push_back(Color<C>::zero());
         for (int c = 0; c < C; ++c) colors.back().set(c, system.solution(row, 2 + c));
@@ -1815,14 +1807,14 @@ template <class T, int C>
 [[nodiscard]] Image<T, C> apply_filter(const LevelFilter& filter, const ImageView<T, C>& view) {
     HMESH_ASSERT(check(view) && filter);
     Image<T, C> out(view.width, view.height);
-    std::vector<float> from;
+    Array<float> from;
     from.reserve(out.size());
     for (int y = 0; y < view.height; ++y) {
         const T* row = view.row(y);
         std::transform(row, row + view.width * C, std::back_inserter(from),
                        [](T sample) { return PixelTraits<float>::from_real(PixelTraits<T>::to_real(sample)); });
     }
-    std::vector<float> to = from;
+    Array<float> to = from;
     filter(from.data(), to.data(), view.width, view.height, C);
     const float* filtered = to.data();
     for (int y = 0; y < view.height; ++y) {

@@ -1345,7 +1345,6 @@ inline Status write_quantized_mesh(const MeshView& mesh, const HeightSamples& sa
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
-#include <vector>
 
 namespace hmesh::kit {
 
@@ -1361,8 +1360,8 @@ struct HeightField {
     double slack = 0;                    ///< largest |float - sample|
     double largest = 0;                  ///< largest |sample| with data
     int bad_row = -1;                    ///< a row with a sample that has data and is no finite float; or -1
-    std::vector<float> values;           ///< plane after plane, rows packed, some floats more at the end; 0 without data
-    std::vector<std::uint8_t> data;      ///< 1 for samples with data; empty: all
+    Array<float> values;                 ///< plane after plane, rows packed, some floats more at the end; 0 without data
+    Array<std::uint8_t> data;            ///< 1 for samples with data; empty: all
 
     /// 1/2 for squares, 0 for points.
     [[nodiscard]] double offset() const noexcept { return samples == Samples::squares ? 0.5 : 0.0; }
@@ -1410,8 +1409,8 @@ template <class T, int C>
     field.values.resize(width * rows * C + 16);
     const bool has_mask = mask.data != nullptr || (nan_is_no_data && !PixelTraits<T>::is_integer);
     if (has_mask) field.data.resize(width * rows);
-    std::vector<double> slack(rows, 0.0), largest(rows, 0.0);
-    std::vector<unsigned char> holes(rows, 0), bad(rows, 0);
+    Array<double> slack(rows, 0.0), largest(rows, 0.0);
+    Array<unsigned char> holes(rows, 0), bad(rows, 0);
     for_each_chunk(parallel_for, rows, 32, [&](std::size_t begin, std::size_t end) {
         for (std::size_t j = begin; j < end; ++j) {
             const T* from = view.row(static_cast<int>(j));
@@ -1869,15 +1868,15 @@ enum Freedom : std::uint8_t {
 
 /// A bounded mesh as arrays.
 struct Sheet {
-    std::vector<Corner> vertices;       ///< where they stand and how high
-    std::vector<std::uint8_t> freedom;  ///< bits of Freedom, for each vertex
-    std::vector<Triangle> faces;        ///< positively oriented
+    Array<Corner> vertices;       ///< where they stand and how high
+    Array<std::uint8_t> freedom;  ///< bits of Freedom, for each vertex
+    std::vector<Triangle> faces;  ///< positively oriented
 };
 
 /// Gives each fan of faces a vertex of its own, and drops vertices without faces; the others keep their order. Calls
 /// is_kin(copy, original) for each vertex of the new sheet. O(n log n).
-HMESH_COLD inline std::vector<std::uint32_t> separate_fans(Sheet& sheet) {
-    std::vector<FanCorner> corners;
+HMESH_COLD inline Array<std::uint32_t> separate_fans(Sheet& sheet) {
+    Array<FanCorner> corners;
     corners.reserve(3 * sheet.faces.size());
     for (std::size_t f = 0; f < sheet.faces.size(); ++f)
         for (std::size_t k = 0; k < 3; ++k)
@@ -1885,8 +1884,8 @@ HMESH_COLD inline std::vector<std::uint32_t> separate_fans(Sheet& sheet) {
                                sheet.faces[f][(k + 1) % 3], sheet.faces[f][(k + 2) % 3], 0});
     Sheet out;
     out.faces = sheet.faces;
-    std::vector<std::uint32_t> origin;
-    std::vector<std::uint32_t> number;  // of the fan that begins at a corner, by the corner's place
+    Array<std::uint32_t> origin;
+    Array<std::uint32_t> number;  // of the fan that begins at a corner, by the corner's place
     find_fans(corners, [&](std::size_t begin, std::size_t end) {
         number.assign(end - begin, 0);
         for (std::size_t i = begin; i < end; ++i) {
@@ -1904,8 +1903,8 @@ HMESH_COLD inline std::vector<std::uint32_t> separate_fans(Sheet& sheet) {
 }
 
 /// The vertices that are on the border of the sheet: 1 for these.
-[[nodiscard]] HMESH_COLD inline std::vector<std::uint8_t> border_vertices(const Sheet& sheet) {
-    std::vector<std::uint64_t> sides;
+[[nodiscard]] HMESH_COLD inline Array<std::uint8_t> border_vertices(const Sheet& sheet) {
+    Array<std::uint64_t> sides;
     sides.reserve(3 * sheet.faces.size());
     for (const Triangle& t : sheet.faces)
         for (std::size_t k = 0; k < 3; ++k) {
@@ -1913,7 +1912,7 @@ HMESH_COLD inline std::vector<std::uint32_t> separate_fans(Sheet& sheet) {
             sides.push_back(std::uint64_t{std::min(a, b)} << 32U | std::max(a, b));
         }
     std::sort(sides.begin(), sides.end());
-    std::vector<std::uint8_t> border(sheet.vertices.size(), 0);
+    Array<std::uint8_t> border(sheet.vertices.size(), 0);
     for (std::size_t k = 0, end = 0; k < sides.size(); k = end) {
         while (end < sides.size() && sides[end] == sides[k]) ++end;
         if (end - k == 1) border[sides[k] >> 32U] = border[sides[k] & 0xffffffffU] = 1;
@@ -1932,7 +1931,7 @@ HMESH_COLD inline std::vector<std::uint32_t> separate_fans(Sheet& sheet) {
 /// Sets what each vertex of a sheet that is the whole mesh is free to do.
 HMESH_COLD inline void set_freedom(Sheet& sheet, const HeightField& field, bool free_borders) {
     // A mesh of all samples has no border but the sides.
-    const std::vector<std::uint8_t> border = field.data.empty() ? std::vector<std::uint8_t>() : border_vertices(sheet);
+    const Array<std::uint8_t> border = field.data.empty() ? Array<std::uint8_t>() : border_vertices(sheet);
     for (std::size_t v = 0; v < sheet.vertices.size(); ++v) {
         const Point p = sheet.vertices[v].position;
         const bool upright = p.x == 0 || p.x == field.right(), level = p.y == 0 || p.y == field.bottom();
@@ -1965,7 +1964,6 @@ HMESH_COLD inline void set_freedom(Sheet& sheet, const HeightField& field, bool 
 
 #include <cstddef>
 #include <cstdint>
-#include <vector>
 
 namespace hmesh::kit {
 
@@ -1986,7 +1984,7 @@ struct BoundedMesh {
     HalfedgeMesh topology;              ///< the connectivity
     UndoArray<BoundedVertex> vertices;  ///< by vertex slot
     /// When the star of a vertex last changed, by vertex slot: the value of `clock` then. Not undone.
-    std::vector<std::uint32_t> changed;
+    Array<std::uint32_t> changed;
     std::uint32_t clock = 1;  ///< rises with each change
 
     /// The mesh of a sheet.
@@ -2077,11 +2075,11 @@ namespace detail {
 
 /// A height field along a line: what stands where.
 struct Profile {
-    std::vector<double> place;           ///< px along the line, rising
-    std::vector<float> heights;          ///< `channels` for each place
-    std::vector<float> chosen;           ///< those that a vertex there would have: the same, or near
-    std::vector<std::uint8_t> has_data;  ///< for each place
-    std::size_t channels;                ///< 1 to 4
+    Array<double> place;           ///< px along the line, rising
+    Array<float> heights;          ///< `channels` for each place
+    Array<float> chosen;           ///< those that a vertex there would have: the same, or near
+    Array<std::uint8_t> has_data;  ///< for each place
+    std::size_t channels;          ///< 1 to 4
 
     /// The largest difference between places i and k of the chord from there to there, and where.
     struct Worst {
@@ -2150,7 +2148,7 @@ struct Profile {
 /// `limit` > 0: marks them in `keep`. Both ends keep their heights. A vertex that is off by the whole limit counts as three: what
 /// is beside the side would pay for it.
 HMESH_COLD inline void choose_fewest(Profile& profile, std::size_t first, std::size_t last, double limit,
-                                     std::vector<std::uint8_t>& keep) {
+                                     Array<std::uint8_t>& keep) {
     constexpr int middle = 4, levels = 2 * middle + 1;
     constexpr std::uint32_t none = 0xffffffffU;
     struct State {
@@ -2158,7 +2156,7 @@ HMESH_COLD inline void choose_fewest(Profile& profile, std::size_t first, std::s
         std::uint32_t from = none;
     };
     const std::size_t n = last - first + 1;
-    std::vector<State> states(n * levels);
+    Array<State> states(n * levels);
     const double step = limit * 0.999 / middle;
     const auto sample = [&](std::size_t k) { return static_cast<double>(profile.heights[first + k]); };
     const auto height = [&](std::size_t k, int level) { return static_cast<float>(sample(k) + step * (level - middle)); };
@@ -2199,12 +2197,12 @@ HMESH_COLD inline void choose_fewest(Profile& profile, std::size_t first, std::s
 /// of what stands there, with a vertex more wherever cells of data begin or end on one side of the line. Cells outside of the
 /// image count as none. The same from both sides. `lift`: whether heights may differ from samples; those of several channels
 /// do not.
-[[nodiscard]] HMESH_COLD inline std::vector<Corner> side_vertices(const HeightField& field, const SideLine& line, double limit,
-                                                                  bool lift) {
+[[nodiscard]] HMESH_COLD inline Array<Corner> side_vertices(const HeightField& field, const SideLine& line, double limit,
+                                                            bool lift) {
     detail::Profile profile = detail::profile(field, line);
     limit *= 1 - 1e-6;  // what is within it stays so when others round otherwise
     const std::size_t n = profile.place.size();
-    std::vector<std::uint8_t> keep(n, 0);
+    Array<std::uint8_t> keep(n, 0);
     keep[0] = keep[n - 1] = 1;
     std::vector<std::pair<std::size_t, std::size_t>> open;
     const auto split = [&](std::size_t from, std::size_t to) {
@@ -2228,7 +2226,7 @@ HMESH_COLD inline void choose_fewest(Profile& profile, std::size_t first, std::s
         else split(first, last);
         first = last;
     }
-    std::vector<Corner> out;
+    Array<Corner> out;
     const auto corner = [&](std::size_t k) {
         Corner c;
         c.position = line.is_upright ? Point{static_cast<double>(line.at), profile.place[k]}
@@ -2276,13 +2274,12 @@ HMESH_COLD inline void choose_fewest(Profile& profile, std::size_t first, std::s
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
-#include <vector>
 
 namespace hmesh::kit {
 namespace detail {
 
 /// Adds the ends of the edges between cells of data and others within a rectangle.
-HMESH_COLD inline void add_rim(const HeightField& field, const Rect& rect, std::vector<Corner>& corners) {
+HMESH_COLD inline void add_rim(const HeightField& field, const Rect& rect, Array<Corner>& corners) {
     const bool squares = field.samples == Samples::squares;
     for (int j = rect.y; j <= rect.y + rect.height; ++j)
         for (int i = rect.x; i <= rect.x + rect.width; ++i) {
@@ -2309,16 +2306,16 @@ HMESH_COLD inline void add_rim(const HeightField& field, const Rect& rect, std::
 /// The first mesh of a rectangle of the plane: sides as side_vertices() has them, all faces in cells of data. Freedoms are 0.
 /// Empty where no cell has data.
 [[nodiscard]] HMESH_COLD inline Sheet first_sheet(const HeightField& field, const Rect& rect, double limit, bool lift) {
-    std::vector<Corner> corners;
+    Array<Corner> corners;
     const int right = rect.x + rect.width, bottom = rect.y + rect.height;
     for (const SideLine& line : {SideLine{false, rect.y, rect.x, right}, SideLine{false, bottom, rect.x, right},
                                  SideLine{true, rect.x, rect.y, bottom}, SideLine{true, right, rect.y, bottom}}) {
-        const std::vector<Corner> side = side_vertices(field, line, limit, lift);
+        const Array<Corner> side = side_vertices(field, line, limit, lift);
         corners.insert(corners.end(), side.begin(), side.end());
     }
     // Corners of the rectangle come twice, and ends of the rim on its sides: the first counts.
     if (!field.data.empty()) detail::add_rim(field, rect, corners);
-    std::vector<Point> points;
+    Array<Point> points;
     points.reserve(corners.size());
     const auto local = [&](Point p) { return Point{p.x - rect.x, p.y - rect.y}; };
     for (const Corner& corner : corners) points.push_back(local(corner.position));
@@ -2329,7 +2326,7 @@ HMESH_COLD inline void add_rim(const HeightField& field, const Rect& rect, std::
     sheet.freedom.assign(sheet.vertices.size(), 0);
     // Corners sorted by position find their vertices.
     const auto before = [](Point a, Point b) { return a.y != b.y ? a.y < b.y : a.x < b.x; };
-    std::vector<std::uint32_t> order(corners.size());
+    Array<std::uint32_t> order(corners.size());
     for (std::size_t k = 0; k < order.size(); ++k) order[k] = static_cast<std::uint32_t>(k);
     std::stable_sort(order.begin(), order.end(),
                      [&](std::uint32_t a, std::uint32_t b) { return before(corners[a].position, corners[b].position); });
@@ -2372,7 +2369,6 @@ HMESH_COLD inline void add_rim(const HeightField& field, const Rect& rect, std::
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
-#include <vector>
 
 namespace hmesh::kit {
 
@@ -2472,9 +2468,9 @@ class GreedyInsertion {
     }
 
     BoundedMesh* mesh_;
-    std::vector<WorstSample> worst_;  ///< by face slot
-    std::vector<Entry> heap_;
-    std::vector<Halfedge> stack_;
+    Array<WorstSample> worst_;  ///< by face slot
+    Array<Entry> heap_;
+    Array<Halfedge> stack_;
 };
 
 }  // namespace hmesh::kit
@@ -2499,7 +2495,6 @@ class GreedyInsertion {
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
-#include <vector>
 
 namespace hmesh::kit {
 
@@ -2814,9 +2809,9 @@ class Star {
     double per_unit_;
     Corner base_;
     Point place_;
-    std::vector<StarFace> faces_;
-    std::vector<float> blocks_;  ///< for each block 8 coordinates of the apex, then 8 rests for each channel
-    std::size_t used_ = 0;       ///< floats of blocks_
+    Array<StarFace> faces_;
+    Array<float> blocks_;   ///< for each block 8 coordinates of the apex, then 8 rests for each channel
+    std::size_t used_ = 0;  ///< floats of blocks_
 };
 
 }  // namespace hmesh::kit
@@ -2980,7 +2975,6 @@ class BoundedRelaxation {
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
-#include <vector>
 
 namespace hmesh::kit {
 
@@ -2992,7 +2986,7 @@ class BoundedRemoval {
         : mesh_(&mesh), relaxation_(&relaxation), moves_(moves), star_(*mesh.field, relaxation.per_unit()) {}
 
     /// One pass over the vertices whose surroundings have changed since they were tried. Returns how many left.
-    HMESH_COLD std::size_t pass(const std::vector<Vertex>& vertices) {
+    HMESH_COLD std::size_t pass(const Array<Vertex>& vertices) {
         double area = 0;
         for (const Face f : mesh_->topology.faces()) {
             const auto v = mesh_->topology.vertices(f);
@@ -3243,11 +3237,11 @@ class BoundedRemoval {
     BoundedRelaxation* relaxation_;
     Moves moves_;
     Star star_;
-    std::vector<std::uint32_t> tried_;  ///< by vertex slot: mesh_->clock when its removal failed
-    std::vector<Candidate> queue_;
-    std::vector<Vertex> moved_, ring_;
-    std::vector<Edge> edges_;
-    std::vector<Face> faces_;
+    Array<std::uint32_t> tried_;  ///< by vertex slot: mesh_->clock when its removal failed
+    Array<Candidate> queue_;
+    Array<Vertex> moved_, ring_;
+    Array<Edge> edges_;
+    Array<Face> faces_;
 };
 
 /// Whether the border may run from the vertex before v straight to the end of h, as seen along the border: along a side of the
@@ -3294,10 +3288,10 @@ HMESH_COLD inline void shrink(BoundedMesh& mesh, Bounded::Effort effort, int pas
     BoundedRelaxation relaxation(mesh, moves);
     BoundedRemoval removal(mesh, relaxation, moves);
     const auto position = [&](Vertex v) { return mesh.position(v); };
-    std::vector<std::uint32_t> relaxed(mesh.topology.vertex_slots(), 0);
+    Array<std::uint32_t> relaxed(mesh.topology.vertex_slots(), 0);
     std::uint32_t flipped = 0;
     for (int pass = 0; pass < passes && mesh.keep_going(); ++pass) {
-        const std::vector<Vertex> vertices = spatial_vertices(mesh.topology, position);
+        const Array<Vertex> vertices = spatial_vertices(mesh.topology, position);
         if (moves.heights) {
             const std::uint32_t begin = mesh.clock;
             for (const Edge e : spatial_edges(mesh.topology, position)) {
@@ -3355,15 +3349,14 @@ namespace detail {
 /// A piece of a sheet, with the places of its vertices there.
 struct SheetPiece {
     Sheet sheet;
-    std::vector<std::uint32_t> origin;  // of each vertex: its number in the whole
+    Array<std::uint32_t> origin;  // of each vertex: its number in the whole
 };
 
 /// The pieces of a sheet by tiles of a tiling; vertices with faces in several are locked in each.
 [[nodiscard]] HMESH_COLD inline std::vector<SheetPiece> cut(const Sheet& whole, const Tiling& tiling) {
     constexpr std::uint32_t none = 0xffffffffU, several = 0xfffffffeU;
     std::vector<SheetPiece> pieces(tiling.size());
-    std::vector<std::uint32_t> tile_of(whole.faces.size()), owner(whole.vertices.size(), none),
-        number(whole.vertices.size(), none);
+    Array<std::uint32_t> tile_of(whole.faces.size()), owner(whole.vertices.size(), none), number(whole.vertices.size(), none);
     for (std::size_t f = 0; f < whole.faces.size(); ++f) {
         const Triangle& t = whole.faces[f];
         const Point a = whole.vertices[t[0]].position, b = whole.vertices[t[1]].position, c = whole.vertices[t[2]].position;
@@ -3385,7 +3378,7 @@ struct SheetPiece {
             }
         for (const std::uint32_t v : piece.origin) number[v] = none;
         // Two fans of one piece may meet in a locked vertex.
-        std::vector<std::uint32_t> places = separate_fans(piece.sheet);
+        Array<std::uint32_t> places = separate_fans(piece.sheet);
         for (std::uint32_t& v : places) v = piece.origin[v];
         piece.origin = std::move(places);
     }
@@ -3393,8 +3386,8 @@ struct SheetPiece {
 }
 
 /// Vertices by position, to find those that two pieces share: the number of the first with this position and these heights.
-[[nodiscard]] HMESH_COLD inline std::vector<std::uint32_t> shared_numbers(const Sheet& sheet) {
-    std::vector<std::uint32_t> order;
+[[nodiscard]] HMESH_COLD inline Array<std::uint32_t> shared_numbers(const Sheet& sheet) {
+    Array<std::uint32_t> order;
     for (std::size_t v = 0; v < sheet.vertices.size(); ++v)
         if ((sheet.freedom[v] & is_locked) != 0) order.push_back(static_cast<std::uint32_t>(v));
     const auto before = [&](std::uint32_t a, std::uint32_t b) {
@@ -3402,7 +3395,7 @@ struct SheetPiece {
         return p.y != q.y ? p.y < q.y : p.x != q.x ? p.x < q.x : a < b;
     };
     std::sort(order.begin(), order.end(), before);
-    std::vector<std::uint32_t> number(sheet.vertices.size());
+    Array<std::uint32_t> number(sheet.vertices.size());
     for (std::size_t v = 0; v < number.size(); ++v) number[v] = static_cast<std::uint32_t>(v);
     for (std::size_t k = 1; k < order.size(); ++k)
         if (sheet.vertices[order[k]].position == sheet.vertices[order[k - 1]].position) number[order[k]] = number[order[k - 1]];
@@ -3475,7 +3468,7 @@ class BoundedPieces {
         TaskProgress task(*progress_, share);
         BoundedMesh mesh(*field_, limit_, piece.sheet, task);
         shrink(mesh, recipe_.effort, passes);
-        std::vector<std::uint32_t> origin;
+        Array<std::uint32_t> origin;
         for (const Vertex v : mesh.topology.vertices()) origin.push_back(piece.origin[v.index()]);
         piece.sheet = mesh.sheet();
         piece.origin = std::move(origin);
@@ -3493,7 +3486,7 @@ class BoundedPieces {
     }
     /// Makes one vertex of those on the sides of tiles that stand in one place, and of each fan one of its own again.
     static void weld(Sheet& whole) {
-        const std::vector<std::uint32_t> number = detail::shared_numbers(whole);
+        const Array<std::uint32_t> number = detail::shared_numbers(whole);
         for (Triangle& t : whole.faces)
             for (std::uint32_t& v : t) v = number[v];
         separate_fans(whole);
@@ -3502,7 +3495,7 @@ class BoundedPieces {
     [[nodiscard]] static Sheet joined(const std::vector<detail::SheetPiece>& pieces, const Sheet& before) {
         constexpr std::uint32_t none = 0xffffffffU;
         Sheet whole;
-        std::vector<std::uint32_t> number(before.vertices.size(), none), local;
+        Array<std::uint32_t> number(before.vertices.size(), none), local;
         for (const detail::SheetPiece& piece : pieces) {
             local.clear();
             for (std::size_t v = 0; v < piece.origin.size(); ++v) {
@@ -3547,7 +3540,6 @@ class BoundedPieces {
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
-#include <vector>
 
 namespace hmesh::kit {
 
@@ -3566,8 +3558,8 @@ using ReadSamples = FunctionRef<void(int channel, int j, int begin, int end, dou
 [[nodiscard]] HMESH_COLD inline Proof prove(const MeshView& mesh, const HeightField& field, ReadSamples read) {
     Proof proof;
     const auto width = static_cast<std::size_t>(field.width);
-    std::vector<std::uint8_t> covered(width * static_cast<std::size_t>(field.height), 0);
-    std::vector<double> values(width);
+    Array<std::uint8_t> covered(width * static_cast<std::size_t>(field.height), 0);
+    Array<double> values(width);
     const double offset = field.offset();
     double area_sum = 0;
     for (std::size_t f = 0; f < mesh.face_count; ++f) {

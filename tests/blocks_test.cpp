@@ -28,7 +28,7 @@ using Blocks = std::vector<std::vector<Vertex>>;
 template <int C>
 Blocks blocks_of(kit::ImageMesh<C>& mesh, std::size_t first = 0) {
     Blocks blocks;
-    for_each_block(mesh, kit::spatial_vertices(mesh), first, [&](std::vector<Vertex>& vertices) { blocks.push_back(vertices); });
+    for_each_block(mesh, kit::spatial_vertices(mesh), first, [&](kit::Array<Vertex>& vertices) { blocks.push_back(vertices); });
     return blocks;
 }
 
@@ -112,7 +112,7 @@ TEST_CASE("a body may insert and remove vertices of its block; those that come a
     kit::RingScratch<1> scratch;
     const std::size_t before = subject.mesh.vertex_count();
     std::size_t seen = 0, removed = 0, inserted = 0;
-    for_each_block(subject.mesh, kit::spatial_vertices(subject.mesh), 3, [&](std::vector<Vertex>& vertices) {
+    for_each_block(subject.mesh, kit::spatial_vertices(subject.mesh), 3, [&](kit::Array<Vertex>& vertices) {
         seen += vertices.size();
         const auto candidate = kit::cheapest_collapse(subject.mesh, scratch, vertices[vertices.size() / 2]);
         if (candidate.halfedge.is_valid()) subject.mesh.collapse(candidate.halfedge), ++removed;
@@ -138,7 +138,7 @@ TEST_CASE("told to stop, no further block comes, and the task is told of the blo
     kit::TaskProgress task(reporter, 1);
     subject.mesh.set_task(&task);
     int blocks = 0;
-    for_each_block(subject.mesh, kit::spatial_vertices(subject.mesh), 0, [&](std::vector<Vertex>&) {
+    for_each_block(subject.mesh, kit::spatial_vertices(subject.mesh), 0, [&](kit::Array<Vertex>&) {
         ++blocks;
         (void)reporter.poll();
         CHECK(fractions.back() == doctest::Approx((blocks - 1) / 12.0));

@@ -8,6 +8,7 @@
 #include <limits>
 #include <vector>
 
+#include "hmesh/core/array.hpp"
 #include "hmesh/core/random.hpp"
 
 using hmesh::kit::code_of;
@@ -17,7 +18,7 @@ using hmesh::kit::sorted_numbers;
 
 namespace {
 
-std::vector<std::uint32_t> numbers(const std::vector<Coded>& order) {
+std::vector<std::uint32_t> numbers(const hmesh::kit::Array<Coded>& order) {
     std::vector<std::uint32_t> out;
     for (const Coded& item : order) out.push_back(item.number);
     return out;
@@ -70,7 +71,7 @@ TEST_CASE("codes of numbers are in their order, and those of 0 and -0 the same")
 }
 
 TEST_CASE("things are put in the order of numbers") {
-    const std::vector<double> things{5, -1, 3};
+    const hmesh::kit::Array<double> things{5, -1, 3};
     const auto order = sorted_numbers(things.size(), [&](std::uint32_t k) { return code_of(things[k]); });
-    CHECK((in_order(things, order) == std::vector<double>{-1, 3, 5}));
+    CHECK((in_order(things, order) == hmesh::kit::Array<double>{-1, 3, 5}));
 }

@@ -323,10 +323,10 @@ TEST_CASE("check() refuses vertices that are not where they were, and says what 
     const auto sentence = [](const auto& tamper) {
         Delaunay mesh(8, 8);
         for (const Point p : {Point{4, 4}, Point{6, 0}, Point{4, 0}, Point{2, 0}, Point{1, 0}}) mesh.insert(p);
-        tamper(const_cast<std::vector<Point>&>(mesh.positions()));
+        tamper(const_cast<hmesh::kit::Array<Point>&>(mesh.positions()));
         return std::string(mesh.check().what);
     };
-    using Points = std::vector<Point>;
+    using Points = hmesh::kit::Array<Point>;
     CHECK(sentence([](Points&) {}).empty());
     CHECK(sentence([](Points& points) { points.push_back({1, 1}); }) == "there are not as many positions as vertices");
     CHECK(sentence([](Points& points) { points[2] = {8, 7}; }) == "a corner of the rectangle is not where it was");

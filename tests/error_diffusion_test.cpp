@@ -12,6 +12,8 @@
 
 #include "hmesh/core/random.hpp"
 #include "hmesh/image/image_view.hpp"
+#include "hmesh/mesh/geometry.hpp"
+#include "hmesh/tiles/delaunay_mesh.hpp"
 #include "test_images.hpp"
 
 using hmesh::Image;

@@ -321,7 +321,7 @@ double largest(const MatrixXd& m) { return m.size() == 0 ? 0 : m.cwiseAbs().maxC
 template <int C>
 struct Sums {
     MatrixXd gram, positions, image;
-    Sums(const ImageMesh<C>& mesh, const std::vector<kit::CornerSums<C>>& corners)
+    Sums(const ImageMesh<C>& mesh, const kit::Array<kit::CornerSums<C>>& corners)
         : gram(kit::gram_matrix(mesh.topology(), corners)), positions(kit::position_rhs<C>(mesh.topology(), corners)),
           image(kit::image_rhs<C>(mesh.topology(), corners)) {}
 };
@@ -364,7 +364,7 @@ void check_sums(const ImageMesh<C>& mesh, double scale) {
 }
 
 template <int C>
-bool same_bytes(const std::vector<kit::CornerSums<C>>& a, const std::vector<kit::CornerSums<C>>& b) {
+bool same_bytes(const kit::Array<kit::CornerSums<C>>& a, const kit::Array<kit::CornerSums<C>>& b) {
     bool same = a.size() == b.size();
     for (std::size_t i = 0; same && i < a.size(); ++i) {
         const double x[4] = {a[i].square, a[i].coupling, a[i].x, a[i].y}, y[4] = {b[i].square, b[i].coupling, b[i].x, b[i].y};

@@ -24,7 +24,7 @@ namespace {
 
 using Ring = std::vector<Point>;
 
-const std::vector<Ear>& fill(HoleFiller& filler, const Ring& ring, bool open) {
+const hmesh::kit::Array<Ear>& fill(HoleFiller& filler, const Ring& ring, bool open) {
     return filler.fill(
         static_cast<int>(ring.size()), [&](int k) { return ring[static_cast<std::size_t>(k)]; }, open);
 }
@@ -33,7 +33,7 @@ const std::vector<Ear>& fill(HoleFiller& filler, const Ring& ring, bool open) {
 
 // The triangles are ears of what is left at their turn, none is folded and no corner lies within another's triangle, so
 // that they fill the polygon. Returns how many circles hold a corner.
-int prove(const std::vector<Ear>& ears, const Ring& ring, bool open) {
+int prove(const hmesh::kit::Array<Ear>& ears, const Ring& ring, bool open) {
     const int count = static_cast<int>(ring.size());
     REQUIRE(static_cast<int>(ears.size()) == count - 2);
     const auto at = [&](int k) { return on_grid(ring[static_cast<std::size_t>(k)]); };
@@ -124,7 +124,7 @@ TEST_CASE("three corners are one triangle, four are cut by the diagonal that lea
     CHECK(prove(fill(filler, {{0, 0}, {0, 1}, {1, 0}}, false), {{0, 0}, {0, 1}, {1, 0}}, false) == 0);
     const Ring flat = {{0, 0}, {4, 1}, {8, 0}, {4, -1}};
     CHECK(prove(fill(filler, flat, false), flat, false) == 0);
-    const std::vector<Ear>& ears = fill(filler, flat, false);
+    const hmesh::kit::Array<Ear>& ears = fill(filler, flat, false);
     CHECK((ears[0].tip == 0 && ears[0].before == 3 && ears[0].after == 1));
     CHECK((ears[1].before == 1 && ears[1].tip == 2 && ears[1].after == 3));
 }

@@ -147,7 +147,7 @@ std::vector<Corners<C>> corners_of(const IndexedMesh<C>& whole, const PatchResul
         Corners<C> corners;
         for (std::size_t k = 0; k < 3; ++k)
             corners[k] = t[k] < free ? hmesh_test::corner_of<C>(result.positions[t[k]], result.colors[t[k]])
-                                     : hmesh_test::corner_of(whole, result.locked.at(t[k] - free));
+                                     : hmesh_test::corner_of(whole, result.locked[t[k] - free]);
         out.push_back(hmesh_test::turned<C>(corners));
     }
     std::sort(out.begin(), out.end());

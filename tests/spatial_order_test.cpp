@@ -56,7 +56,7 @@ std::vector<Point> random_points(std::size_t count, double width, double height,
 }
 
 template <class Element>
-void check_sorted(const std::vector<Element>& elements, std::vector<std::pair<std::uint32_t, std::size_t>> expected) {
+void check_sorted(const hmesh::kit::Array<Element>& elements, std::vector<std::pair<std::uint32_t, std::size_t>> expected) {
     std::sort(expected.begin(), expected.end());
     REQUIRE(elements.size() == expected.size());
     for (std::size_t k = 0; k < elements.size(); ++k) REQUIRE(elements[k].index() == expected[k].second);

@@ -48,7 +48,7 @@ TEST_CASE("the system of tied colours is the sum over faces of what their corner
     // A torus of three unknowns and faces that name some of them twice, with random sums.
     hmesh::kit::Random random(3);
     const std::vector<std::uint32_t> rows{0, 1, 2, 1, 0, 0, 2, 2, 2};
-    std::vector<CornerSums<2>> corners(rows.size());
+    hmesh::kit::Array<CornerSums<2>> corners(rows.size());
     for (CornerSums<2>& corner : corners) {
         corner.square = random.uniform();
         corner.coupling = random.uniform();
@@ -58,8 +58,8 @@ TEST_CASE("the system of tied colours is the sum over faces of what their corner
     }
     Color<2> sample = Color<2>::zero();
     sample.set(0, 10);
-    const std::vector<ColorTie<2>> ties{{1, 0.25, sample}};
-    const std::vector<Color<2>> colors(3, Color<2>::zero());
+    const hmesh::kit::Array<ColorTie<2>> ties{{1, 0.25, sample}};
+    const hmesh::kit::Array<Color<2>> colors(3, Color<2>::zero());
     const auto system = hmesh::kit::tied_color_system(rows, corners, ties, colors, 0.5);
     // As the quadratic form c' M c - 2 c' r with c of random numbers: face by face, and from the system.
     for (int round = 0; round < 10; ++round) {

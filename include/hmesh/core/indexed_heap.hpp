@@ -9,8 +9,8 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <vector>
 
+#include "hmesh/core/array.hpp"
 #include "hmesh/core/assert.hpp"
 
 #include "hmesh/core/macros/push.hpp"
@@ -118,8 +118,8 @@ class IndexedHeap {
         place(slot, entry);
     }
 
-    std::vector<Entry> heap_;
-    std::vector<Slot> slot_of_;
+    Array<Entry> heap_;
+    Array<Slot> slot_of_;
 };
 
 }  // namespace hmesh::kit

@@ -16,8 +16,8 @@
 
 #include <algorithm>
 #include <cstddef>
-#include <vector>
 
+#include "hmesh/core/array.hpp"
 #include "hmesh/core/function_ref.hpp"
 
 #include "hmesh/core/macros/push.hpp"
@@ -54,7 +54,7 @@ inline void for_each_chunk(const ParallelFor& parallel_for, std::size_t n, std::
 /// The sum of body(begin, end) over the ranges of for_each_chunk(), added in index order.
 [[nodiscard]] inline double ordered_sum(const ParallelFor& parallel_for, std::size_t n, std::size_t grain,
                                         FunctionRef<double(std::size_t begin, std::size_t end)> body) {
-    std::vector<double> parts(n / grain + (n % grain != 0), 0.0);
+    Array<double> parts(n / grain + (n % grain != 0), 0.0);
     for_each_chunk(parallel_for, n, grain, [&](std::size_t begin, std::size_t end) { parts[begin / grain] = body(begin, end); });
     double sum = 0;
     for (const double part : parts) sum += part;

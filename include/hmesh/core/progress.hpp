@@ -11,6 +11,7 @@
 #include <utility>
 #include <vector>
 
+#include "hmesh/core/array.hpp"
 #include "hmesh/core/compiler.hpp"
 #include "hmesh/core/function_ref.hpp"
 #include "hmesh/core/psnr.hpp"
@@ -165,7 +166,7 @@ class ProgressReporter {
     double samples_, peak_;
     double energy_unit_ = 1;
     ProgressSpan span_;
-    std::vector<double> plan_;              ///< shares of the run, whose sum is 1; or none
+    Array<double> plan_;                    ///< shares of the run, whose sum is 1; or none
     std::size_t planned_ = 0;               ///< stages of the plan that have begun
     double stage_from_ = 0, stage_to_ = 0;  ///< of the run: the stage that began last
     ProgressInfo info_;

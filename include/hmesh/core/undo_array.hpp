@@ -9,10 +9,10 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <type_traits>
-#include <vector>
 
+#include "hmesh/core/array.hpp"
 #include "hmesh/core/assert.hpp"
+#include "hmesh/core/compiler.hpp"
 
 #include "hmesh/core/macros/push.hpp"
 
@@ -21,8 +21,6 @@ namespace hmesh::kit {
 /// An array of trivially copyable elements that can return to an earlier state.
 template <class T>
 class UndoArray {
-    static_assert(std::is_trivially_copyable_v<T>, "old values are restored by plain copies");
-
   public:
     /// A state to return to, made by mark().
     struct Mark {
@@ -32,11 +30,12 @@ class UndoArray {
 
     [[nodiscard]] std::size_t size() const noexcept { return values_.size(); }              ///< number of elements
     [[nodiscard]] const T& operator[](std::size_t i) const noexcept { return values_[i]; }  ///< element i, for reading
-    [[nodiscard]] const std::vector<T>& values() const noexcept { return values_; }         ///< all elements, for reading
+
+    [[nodiscard]] const Array<T>& values() const noexcept { return values_; }  ///< all elements, for reading
 
     /// Element i for writing; its old value is noted while recording. The reference is valid until the next push_back().
     [[nodiscard]] T& edit(std::size_t i) {
-        if (recording_) notes_.push_back({values_[i], static_cast<std::uint32_t>(i)});
+        if (recording_) note(i);
         return values_[i];
     }
     /// Element i for writing, never undone: for building a mesh, or for writing distinct elements from many threads.
@@ -56,7 +55,7 @@ class UndoArray {
         return {notes_.size(), values_.size()};
     }
     /// Returns all elements and the size to what they were at that mark. O(edits since).
-    void rollback(const Mark& to) {
+    HMESH_NEVER_INLINE void rollback(const Mark& to) {
         while (notes_.size() > to.notes) {
             values_[notes_.back().index] = notes_.back().old;
             notes_.pop_back();
@@ -74,8 +73,10 @@ class UndoArray {
         T old;
         std::uint32_t index;
     };
-    std::vector<T> values_;
-    std::vector<Note> notes_;
+    HMESH_NEVER_INLINE void note(std::size_t i) { notes_.push_back({values_[i], static_cast<std::uint32_t>(i)}); }
+
+    Array<T> values_;
+    Array<Note> notes_;
     bool recording_ = false;
 };
 

@@ -10,8 +10,8 @@
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
-#include <vector>
 
+#include "hmesh/core/array.hpp"
 #include "hmesh/core/compiler.hpp"
 #include "hmesh/core/function_ref.hpp"
 #include "hmesh/edit/flip.hpp"
@@ -41,9 +41,9 @@ HMESH_ALWAYS_INLINE void for_each_own_face(const HalfedgeMesh& topology, Vertex 
 /// Vertices that the body inserts are in no block, those that it removes must have been in this one. Tells the mesh's task of the
 /// share of the blocks that is done. Ends early where mesh.keep_going() says stop.
 template <int C>
-HMESH_COLD void for_each_block(ImageMesh<C>& mesh, const std::vector<Vertex>& all, std::size_t first,
-                               FunctionRef<void(std::vector<Vertex>& vertices)> body) {
-    std::vector<std::size_t> begins;
+HMESH_COLD void for_each_block(ImageMesh<C>& mesh, const Array<Vertex>& all, std::size_t first,
+                               FunctionRef<void(Array<Vertex>& vertices)> body) {
+    Array<std::size_t> begins;
     std::uint32_t last = 0;
     for (std::size_t k = 0; k < all.size(); ++k) {
         const std::uint32_t block = morton_code(mesh.position(all[k])) >> 13U;
@@ -52,7 +52,7 @@ HMESH_COLD void for_each_block(ImageMesh<C>& mesh, const std::vector<Vertex>& al
     }
     const std::size_t count = begins.size();
     begins.push_back(all.size());
-    std::vector<Vertex> vertices;
+    Array<Vertex> vertices;
     for (std::size_t i = 0; i < count && mesh.keep_going(); ++i) {
         const std::size_t k = (first + i) % count;
         vertices.assign(all.begin() + static_cast<std::ptrdiff_t>(begins[k]),
@@ -64,8 +64,8 @@ HMESH_COLD void for_each_block(ImageMesh<C>& mesh, const std::vector<Vertex>& al
 
 /// The edges that belong to these vertices.
 template <int C>
-[[nodiscard]] std::vector<Edge> own_edges(const ImageMesh<C>& mesh, const std::vector<Vertex>& vertices) {
-    std::vector<Edge> edges;
+[[nodiscard]] Array<Edge> own_edges(const ImageMesh<C>& mesh, const Array<Vertex>& vertices) {
+    Array<Edge> edges;
     edges.reserve(3 * vertices.size());
     for (const Vertex v : vertices) for_each_own_edge(mesh.topology(), v, [&](Edge e) { edges.push_back(e); });
     return edges;
@@ -73,8 +73,8 @@ template <int C>
 
 /// The insertion sites that belong to these vertices: edges and faces.
 template <int C>
-[[nodiscard]] std::vector<InsertionSite> own_sites(const ImageMesh<C>& mesh, const std::vector<Vertex>& vertices) {
-    std::vector<InsertionSite> sites;
+[[nodiscard]] Array<InsertionSite> own_sites(const ImageMesh<C>& mesh, const Array<Vertex>& vertices) {
+    Array<InsertionSite> sites;
     sites.reserve(5 * vertices.size());
     for (const Vertex v : vertices) {
         for_each_own_edge(mesh.topology(), v, [&](Edge e) { sites.emplace_back(e); });

@@ -15,8 +15,8 @@
 #include <cstdint>
 #include <limits>
 #include <utility>
-#include <vector>
 
+#include "hmesh/core/array.hpp"
 #include "hmesh/core/compiler.hpp"
 #include "hmesh/edit/move.hpp"
 #include "hmesh/edit/relax.hpp"
@@ -111,7 +111,7 @@ struct Removal {
 };
 
 /// The first `count` of these removals, or all, by their places.
-[[nodiscard]] HMESH_COLD inline std::vector<Removal> in_place_order(const std::vector<Removal>& removals, std::size_t count) {
+[[nodiscard]] HMESH_COLD inline Array<Removal> in_place_order(const Array<Removal>& removals, std::size_t count) {
     return in_order(removals, sorted_numbers(std::min(count, removals.size()),
                                              [&](std::uint32_t k) { return std::uint64_t{removals[k].place}; }));
 }
@@ -119,17 +119,17 @@ struct Removal {
 /// Those of `vertices` that are cheapest to remove, at most `count` and none of them in the ring of another, the cheapest first.
 /// Some 1 us for each vertex.
 template <int C>
-[[nodiscard]] HMESH_COLD std::vector<Removal> cheapest_removals(const ImageMesh<C>& mesh, const std::vector<Vertex>& vertices,
-                                                                std::size_t count) {
+[[nodiscard]] HMESH_COLD Array<Removal> cheapest_removals(const ImageMesh<C>& mesh, const Array<Vertex>& vertices,
+                                                          std::size_t count) {
     const HalfedgeMesh& topology = mesh.topology();
-    std::vector<Removal> all, chosen;
+    Array<Removal> all, chosen;
     all.reserve(vertices.size());
     RingScratch<C> scratch;
     for (std::size_t k = 0; k < vertices.size() && mesh.keep_going(); ++k) {
         const CollapseCandidate candidate = cheapest_collapse(mesh, scratch, vertices[k]);
         if (candidate.halfedge.is_valid()) all.push_back({candidate.cost, static_cast<std::uint32_t>(k), vertices[k]});
     }
-    std::vector<unsigned char> touched(topology.vertex_slots(), 0);
+    Array<unsigned char> touched(topology.vertex_slots(), 0);
     for (const Coded& at : sorted_numbers(all.size(), [&](std::uint32_t k) { return code_of(all[k].cost); })) {
         if (chosen.size() >= count) break;
         const Removal& removal = all[at.number];
@@ -145,11 +145,10 @@ template <int C>
 /// these rings become dirty. Returns the number of vertices removed, which is less where the last of them stand too close to
 /// others to be removed, or where mesh.keep_going() says stop.
 template <int C>
-std::size_t remove_batch(ImageMesh<C>& mesh, const std::vector<Removal>& removals, std::size_t count,
-                         const Relaxation& relaxation) {
+std::size_t remove_batch(ImageMesh<C>& mesh, const Array<Removal>& removals, std::size_t count, const Relaxation& relaxation) {
     const HalfedgeMesh& topology = mesh.topology();
     RingScratch<C> scratch;
-    std::vector<Vertex> ring;
+    Array<Vertex> ring;
     std::size_t removed = 0;
     for (const Removal& removal : in_place_order(removals, count)) {
         if (!mesh.keep_going()) break;

@@ -9,8 +9,8 @@
 
 #include <algorithm>
 #include <cstddef>
-#include <vector>
 
+#include "hmesh/core/array.hpp"
 #include "hmesh/core/compiler.hpp"
 #include "hmesh/edit/move.hpp"
 #include "hmesh/fit/image_mesh.hpp"
@@ -94,7 +94,7 @@ double improve_edge(ImageMesh<C>& mesh, Edge e, double min_gain) {
 /// first those given, the first on top; after a flip the four sides of its quadrilateral are pushed again. The four vertices
 /// around a flipped edge become dirty. Ends early where mesh.keep_going() says stop. Returns the number of flips.
 template <int C>
-std::size_t flip_edges(ImageMesh<C>& mesh, std::vector<Edge> stack, double min_gain) {
+std::size_t flip_edges(ImageMesh<C>& mesh, Array<Edge> stack, double min_gain) {
     const HalfedgeMesh& topology = mesh.topology();
     min_gain *= mesh.mean_energy();
     std::reverse(stack.begin(), stack.end());

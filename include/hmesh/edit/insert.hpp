@@ -14,8 +14,8 @@
 #include <cstddef>
 #include <cstdint>
 #include <limits>
-#include <vector>
 
+#include "hmesh/core/array.hpp"
 #include "hmesh/core/compiler.hpp"
 #include "hmesh/core/function_ref.hpp"
 #include "hmesh/edit/flip.hpp"
@@ -190,9 +190,9 @@ template <int C>
 
 /// The sites of a mesh in spatial order: each edge once and, where `faces`, each face.
 template <int C>
-[[nodiscard]] std::vector<InsertionSite> insertion_sites(const ImageMesh<C>& mesh, bool faces) {
+[[nodiscard]] Array<InsertionSite> insertion_sites(const ImageMesh<C>& mesh, bool faces) {
     const HalfedgeMesh& topology = mesh.topology();
-    std::vector<InsertionSite> sites;
+    Array<InsertionSite> sites;
     sites.reserve(topology.edge_count() + (faces ? topology.face_count() : 0));
     for (const Face f : spatial_faces(mesh)) {
         for_each_edge(topology, f, [&](Edge e) {
@@ -210,11 +210,11 @@ namespace detail {
 /// The numbers of the largest of n gains > 0, by falling gain, ties by number: at most 4 * count, since about half of a list of
 /// sites touch a better one. A gain below 0 never counts. Those with the largest bounds are evaluated first; their gains then
 /// tell up to which bound the others cannot get into the list, and these are not evaluated. 36 bytes for each of the n.
-[[nodiscard]] HMESH_COLD inline std::vector<std::uint32_t> largest_gains(std::size_t n, std::size_t count,
-                                                                         FunctionRef<float(std::size_t)> bound,
-                                                                         FunctionRef<float(std::size_t)> gain) {
+[[nodiscard]] HMESH_COLD inline Array<std::uint32_t> largest_gains(std::size_t n, std::size_t count,
+                                                                   FunctionRef<float(std::size_t)> bound,
+                                                                   FunctionRef<float(std::size_t)> gain) {
     const std::size_t wanted = 2 * count;
-    std::vector<float> gains(n, 0.0F);
+    Array<float> gains(n, 0.0F);
     const auto falling = [n](FunctionRef<float(std::size_t)> value) {
         return sorted_numbers(n, [&](std::uint32_t k) { return code_of(-static_cast<double>(std::max(value(k), 0.0F))); });
     };
@@ -228,7 +228,7 @@ namespace detail {
     const float first_cut = wanted < n ? std::max(bound(falling(bound)[wanted].number), 0.0F) : 0.0F;
     evaluate(first_cut, std::numeric_limits<float>::max());
     evaluate(wanted < n ? std::max(gains[falling(gain_of)[wanted].number], 0.0F) : 0.0F, first_cut);
-    std::vector<std::uint32_t> best;
+    Array<std::uint32_t> best;
     for (const Coded& at : falling(gain_of))
         if (gains[at.number] > 0 && best.size() < 2 * wanted) best.push_back(at.number);
     return best;
@@ -239,9 +239,8 @@ namespace detail {
 /// The best sites for `count` new vertices, by falling gain, ties in spatial order: up to 4 * count. max_gain() spares most sites
 /// their evaluation. 40 bytes a site.
 template <int C>
-[[nodiscard]] std::vector<InsertionSite> best_sites(const ImageMesh<C>& mesh, std::size_t count,
-                                                    const InsertionOptions& options) {
-    const std::vector<InsertionSite> sites = insertion_sites(mesh, options.faces);
+[[nodiscard]] Array<InsertionSite> best_sites(const ImageMesh<C>& mesh, std::size_t count, const InsertionOptions& options) {
+    const Array<InsertionSite> sites = insertion_sites(mesh, options.faces);
     const double scale = mesh.energy() > 0 ? 1 / mesh.mean_energy() : 0;  // keeps floats in range, whatever the unit of samples
     RingScratch<C> scratch;
     const auto bound = [&](std::size_t k) { return static_cast<float>(scale * max_gain(mesh, sites[k])); };
@@ -250,7 +249,7 @@ template <int C>
         const auto candidate = candidate_at(mesh, scratch, sites[k], options.may_move);
         return candidate.fits ? static_cast<float>(scale * candidate.gain) : -1.0F;
     };
-    std::vector<InsertionSite> best;
+    Array<InsertionSite> best;
     for (const std::uint32_t k : detail::largest_gains(sites.size(), count, bound, gain)) best.push_back(sites[k]);
     return best;
 }
@@ -262,9 +261,9 @@ template <int C>
 template <int C>
 std::size_t insert_batch(ImageMesh<C>& mesh, std::size_t count, const InsertionOptions& options) {
     const HalfedgeMesh& topology = mesh.topology();
-    const std::vector<InsertionSite> sites = best_sites(mesh, count, options);
-    std::vector<unsigned char> touched(topology.face_slots() + 2 * count, 0);
-    std::vector<Vertex> inserted;
+    const Array<InsertionSite> sites = best_sites(mesh, count, options);
+    Array<unsigned char> touched(topology.face_slots() + 2 * count, 0);
+    Array<Vertex> inserted;
     inserted.reserve(count);
     RingScratch<C> scratch;
     for (const InsertionSite site : sites) {

@@ -10,8 +10,8 @@
 #define HMESH_EDIT_MOVE_HPP
 
 #include <cmath>
-#include <vector>
 
+#include "hmesh/core/array.hpp"
 #include "hmesh/edit/tolerance.hpp"
 #include "hmesh/fit/image_mesh.hpp"
 
@@ -127,7 +127,7 @@ double improve_vertex(ImageMesh<C>& mesh, Vertex v, double min_gain) {
 /// tolerance.propagate_above, the vertex and its neighbours become dirty again. Ends early where mesh.keep_going() says stop.
 /// Returns the decrease of the energy.
 template <int C>
-double sweep(ImageMesh<C>& mesh, const std::vector<Vertex>& vertices, const Tolerance& tolerance) {
+double sweep(ImageMesh<C>& mesh, const Array<Vertex>& vertices, const Tolerance& tolerance) {
     const double start = mesh.energy();
     const double propagate_above = tolerance.propagate_above * mesh.mean_energy();
     const double min_gain = tolerance.min_gain * mesh.mean_energy();

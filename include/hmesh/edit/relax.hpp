@@ -11,8 +11,8 @@
 
 #include <algorithm>
 #include <cstddef>
-#include <vector>
 
+#include "hmesh/core/array.hpp"
 #include "hmesh/edit/flip.hpp"
 #include "hmesh/edit/move.hpp"
 #include "hmesh/edit/tolerance.hpp"
@@ -26,7 +26,7 @@ namespace hmesh::kit {
 /// vertex is the last. Gauss-Newton steps with a predicted gain up to `min_gain`, an energy, and flips that gain no more are not
 /// made.
 template <int C>
-void relax(ImageMesh<C>& mesh, const std::vector<Vertex>& vertices, int rounds, double min_gain) {
+void relax(ImageMesh<C>& mesh, const Array<Vertex>& vertices, int rounds, double min_gain) {
     const HalfedgeMesh& topology = mesh.topology();
     const double min_round_gain = 1e-3 * mesh.mean_energy();
     for (int round = 0; round < rounds; ++round) {
@@ -47,7 +47,7 @@ void relax(ImageMesh<C>& mesh, const std::vector<Vertex>& vertices, int rounds, 
 }
 /// Optimises `vertices` and flips their edges, with rounds and threshold from `relaxation` (edit/tolerance.hpp).
 template <int C>
-void relax(ImageMesh<C>& mesh, const std::vector<Vertex>& vertices, const Relaxation& relaxation) {
+void relax(ImageMesh<C>& mesh, const Array<Vertex>& vertices, const Relaxation& relaxation) {
     relax(mesh, vertices, relaxation.rounds, relaxation.min_gain * mesh.mean_energy());
 }
 

@@ -19,6 +19,7 @@
 #include <cstddef>
 #include <vector>
 
+#include "hmesh/core/array.hpp"
 #include "hmesh/core/assert.hpp"
 #include "hmesh/core/compiler.hpp"
 #include "hmesh/core/parallel.hpp"
@@ -86,10 +87,10 @@ class ImageMesh {
     /// empty: positions outside the rectangle or off the 1/256 px grid, another number of colours than of vertices, numbers that
     /// are not finite, and what HalfedgeMesh::assign() refuses. Whether faces are positively oriented and tile the rectangle is
     /// for check() to say. The executor fills in edges and faces.
-    [[nodiscard]] HMESH_COLD Status assign(const std::vector<Point>& positions, const std::vector<Triangle>& triangles,
-                                           const std::vector<Color<C>>& colors, const ParallelFor& parallel_for = {});
+    [[nodiscard]] HMESH_COLD Status assign(const Array<Point>& positions, const std::vector<Triangle>& triangles,
+                                           const Array<Color<C>>& colors, const ParallelFor& parallel_for = {});
     /// Replaces the mesh by a triangulation as above, with the colours of the pixels.
-    [[nodiscard]] Status assign(const std::vector<Point>& positions, const std::vector<Triangle>& triangles,
+    [[nodiscard]] Status assign(const Array<Point>& positions, const std::vector<Triangle>& triangles,
                                 const ParallelFor& parallel_for = {}) {
         return assign(positions, triangles, {}, parallel_for);
     }
@@ -234,7 +235,7 @@ class ImageMesh {
     /// faces must have positive area.
     void collapse(Halfedge h);
     /// Gives all vertices new colours, indexed by vertex slot, and updates all energies. Outside a transaction only.
-    HMESH_COLD void set_colors(const std::vector<Color<C>>& colors, const ParallelFor& parallel_for = {});
+    HMESH_COLD void set_colors(const Array<Color<C>>& colors, const ParallelFor& parallel_for = {});
 
     // --- transactions; they nest ---
     /// The beginning of a transaction.
@@ -304,7 +305,7 @@ class ImageMesh {
                 wraps_y(context_.periodic) ? low : std::min(low, image.y + image.height - in)};
     }
     /// Why these cannot be the vertices of the mesh, or ok.
-    [[nodiscard]] Status check_vertices(const std::vector<Point>& positions, const std::vector<Color<C>>& colors) const noexcept;
+    [[nodiscard]] Status check_vertices(const Array<Point>& positions, const Array<Color<C>>& colors) const noexcept;
     /// Empties the mesh and returns the status.
     Status refuse(const Status& status);
     /// Ends a transaction; the outermost one forgets all notes.
@@ -364,7 +365,7 @@ class ImageMesh {
     UndoArray<double> energies_;     ///< by face
     double energy_ = 0;
     double twice_area_ = 0;  ///< of all faces, when assigned
-    std::vector<unsigned char> dirty_;
+    Array<unsigned char> dirty_;
     int depth_ = 0;
 };
 
@@ -375,17 +376,17 @@ template <int C>
 
 /// The vertices of the mesh in spatial order (mesh/spatial_order.hpp).
 template <int C>
-[[nodiscard]] std::vector<Vertex> spatial_vertices(const ImageMesh<C>& mesh) {
+[[nodiscard]] Array<Vertex> spatial_vertices(const ImageMesh<C>& mesh) {
     return spatial_vertices(mesh.topology(), [&](Vertex v) { return mesh.position(v); });
 }
 /// The faces of the mesh in spatial order (mesh/spatial_order.hpp).
 template <int C>
-[[nodiscard]] std::vector<Face> spatial_faces(const ImageMesh<C>& mesh) {
+[[nodiscard]] Array<Face> spatial_faces(const ImageMesh<C>& mesh) {
     return spatial_faces(mesh.topology(), [&](Vertex v) { return mesh.position(v); });
 }
 /// The edges of the mesh in spatial order (mesh/spatial_order.hpp).
 template <int C>
-[[nodiscard]] std::vector<Edge> spatial_edges(const ImageMesh<C>& mesh) {
+[[nodiscard]] Array<Edge> spatial_edges(const ImageMesh<C>& mesh) {
     return spatial_edges(mesh.topology(), [&](Vertex v) { return mesh.position(v); });
 }
 

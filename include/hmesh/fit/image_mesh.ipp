@@ -8,6 +8,8 @@
 #include <cstdint>
 #include <vector>
 
+#include "hmesh/core/array.hpp"
+
 #include "hmesh/core/macros/push.hpp"
 
 namespace hmesh::kit {
@@ -15,7 +17,7 @@ namespace hmesh::kit {
 // --- building, recoloring and checking -----------------------------------------------------------------------------
 
 template <int C>
-Status ImageMesh<C>::check_vertices(const std::vector<Point>& positions, const std::vector<Color<C>>& colors) const noexcept {
+Status ImageMesh<C>::check_vertices(const Array<Point>& positions, const Array<Color<C>>& colors) const noexcept {
     if (!colors.empty() && colors.size() != positions.size())
         return {Errc::invalid_argument, "the colours are not as many as the vertices", colors.size(), positions.size()};
     const Point low = first_place(0), high = last_place(0);
@@ -46,8 +48,8 @@ Status ImageMesh<C>::refuse(const Status& status) {
 }
 
 template <int C>
-Status ImageMesh<C>::assign(const std::vector<Point>& positions, const std::vector<Triangle>& triangles,
-                            const std::vector<Color<C>>& colors, const ParallelFor& parallel_for) {
+Status ImageMesh<C>::assign(const Array<Point>& positions, const std::vector<Triangle>& triangles,
+                            const Array<Color<C>>& colors, const ParallelFor& parallel_for) {
     HMESH_ASSERT(table_ != nullptr && depth_ == 0);
     if (const Status status = check_vertices(positions, colors); !status) return refuse(status);
     if (const Status status = topology_.assign(positions.size(), triangles); !status) return refuse(status);
@@ -99,8 +101,8 @@ Status ImageMesh<C>::assign(const Mesh& mesh, const ParallelFor& parallel_for) {
         return refuse({Errc::invalid_argument, "the mesh's samples are not what the image's are", static_cast<int>(mesh.samples),
                        static_cast<int>(context_.samples)});
     const double shift = inset(mesh.samples);
-    std::vector<Point> positions(n);
-    std::vector<Color<C>> colors(n, Color<C>::zero());
+    Array<Point> positions(n);
+    Array<Color<C>> colors(n, Color<C>::zero());
     for (std::size_t v = 0; v < n; ++v) {
         positions[v] = {static_cast<double>(mesh.positions[2 * v]) + shift, static_cast<double>(mesh.positions[2 * v + 1]) + shift};
         for (std::size_t k = 0; k < C; ++k) colors[v].set(static_cast<int>(k), static_cast<double>(mesh.colors[C * v + k]));
@@ -128,7 +130,7 @@ Mesh to_mesh(const ImageMesh<C>& from, double peak) {
 }
 
 template <int C>
-void ImageMesh<C>::set_colors(const std::vector<Color<C>>& colors, const ParallelFor& parallel_for) {
+void ImageMesh<C>::set_colors(const Array<Color<C>>& colors, const ParallelFor& parallel_for) {
     HMESH_ASSERT(depth_ == 0 && colors.size() == vertices_.size());
     for (std::size_t i = 0; i < colors.size(); ++i) vertices_.raw(i).color = colors[i];
     energy_ = ordered_sum(parallel_for, topology_.face_slots(), 1024, [&](std::size_t begin, std::size_t end) {

@@ -12,8 +12,8 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
-#include <vector>
 
+#include "hmesh/core/array.hpp"
 #include "hmesh/core/compiler.hpp"
 #include "hmesh/core/parallel.hpp"
 #include "hmesh/fit/image_source.hpp"
@@ -107,7 +107,7 @@ template <int C>
                                                        const ParallelFor& parallel_for = {},
                                                        const ChannelScale<C>& channels = {}) {
     constexpr std::size_t grain = 256;
-    std::vector<RenderedError> parts(mesh.faces.size() / grain + 1);
+    Array<RenderedError> parts(mesh.faces.size() / grain + 1);
     for_each_chunk(parallel_for, mesh.faces.size(), grain, [&](std::size_t begin, std::size_t end) {
         parts[begin / grain] = detail::rendered_errors(mesh, begin, end, source, channels);
     });

@@ -11,6 +11,7 @@
 #include <type_traits>
 #include <vector>
 
+#include "hmesh/core/array.hpp"
 #include "hmesh/core/finite.hpp"
 #include "hmesh/core/parallel.hpp"
 #include "hmesh/core/status.hpp"
@@ -201,7 +202,7 @@ template <class T, int C>
             if constexpr (std::is_same_v<T, float>) return is_finite(sample);
             else return is_within(Traits::to_real(sample), -most, most);
         };
-        std::vector<unsigned char> bad(static_cast<std::size_t>(view.height), 0);
+        Array<unsigned char> bad(static_cast<std::size_t>(view.height), 0);
         for_each_chunk(parallel_for, bad.size(), 32, [&](std::size_t begin, std::size_t end) {
             for (std::size_t y = begin; y < end; ++y) {
                 const T* row = view.row(static_cast<int>(y));

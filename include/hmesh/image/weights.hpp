@@ -12,8 +12,8 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
-#include <vector>
 
+#include "hmesh/core/array.hpp"
 #include "hmesh/core/finite.hpp"
 #include "hmesh/core/parallel.hpp"
 #include "hmesh/core/status.hpp"
@@ -33,7 +33,7 @@ namespace hmesh::kit {
         return {Errc::invalid_argument, "the weights are not as high as the image", weights.height, height};
     if (const Status status = check(weights); !status) return status;
     enum Fault : unsigned char { none, negative, not_finite };
-    std::vector<Fault> faults(static_cast<std::size_t>(height), none);
+    Array<Fault> faults(static_cast<std::size_t>(height), none);
     for_each_chunk(parallel_for, faults.size(), 32, [&](std::size_t begin, std::size_t end) {
         for (std::size_t y = begin; y < end; ++y) {
             const float* row = weights.row(static_cast<int>(y));
@@ -54,7 +54,7 @@ namespace hmesh::kit {
 /// 1 / the largest weight; 1 where there are no weights or all are 0. check_weights() must accept the weights.
 [[nodiscard]] inline double weight_unit(const ImageView<float, 1>& weights, const ParallelFor& parallel_for = {}) {
     if (weights.data == nullptr) return 1;
-    std::vector<float> largest(static_cast<std::size_t>(weights.height), 0.0F);
+    Array<float> largest(static_cast<std::size_t>(weights.height), 0.0F);
     for_each_chunk(parallel_for, largest.size(), 32, [&](std::size_t begin, std::size_t end) {
         for (std::size_t y = begin; y < end; ++y) {
             const float* row = weights.row(static_cast<int>(y));

@@ -7,8 +7,8 @@
 #include <cstddef>
 #include <cstdint>
 #include <utility>
-#include <vector>
 
+#include "hmesh/core/array.hpp"
 #include "hmesh/core/compiler.hpp"
 #include "hmesh/core/progress.hpp"
 #include "hmesh/fit/image_source.hpp"
@@ -22,15 +22,15 @@
 namespace hmesh::detail {
 
 /// The numbers of vertices of the levels after one of n vertices: `more` of them, or less where 4 vertices are no longer left.
-[[nodiscard]] inline std::vector<std::size_t> halves(std::size_t n, int more) {
-    std::vector<std::size_t> counts;
+[[nodiscard]] inline kit::Array<std::size_t> halves(std::size_t n, int more) {
+    kit::Array<std::size_t> counts;
     for (n /= 2; n >= 4 && more > 0; n /= 2, --more) counts.push_back(n);
     return counts;
 }
 
 /// The work of each coarser level after one of n vertices, in the unit of kit::AnnealedWork.
-[[nodiscard]] HMESH_COLD inline std::vector<double> coarser_works(const Annealed& recipe, double pixels, std::size_t n, int more) {
-    std::vector<double> works;
+[[nodiscard]] HMESH_COLD inline kit::Array<double> coarser_works(const Annealed& recipe, double pixels, std::size_t n, int more) {
+    kit::Array<double> works;
     for (const std::size_t count : halves(n, more)) {
         const Annealed level = recipe.coarser(count);
         works.push_back(kit::coarser_work(*level.steps, pixels, static_cast<double>(n), static_cast<double>(count)).sum());
@@ -39,7 +39,7 @@ namespace hmesh::detail {
     return works;
 }
 
-[[nodiscard]] inline double sum(const std::vector<double>& values) {
+[[nodiscard]] inline double sum(const kit::Array<double>& values) {
     double out = 0;
     for (const double value : values) out += value;
     return out;
@@ -52,7 +52,7 @@ HMESH_COLD void add_coarser(const Subject<C>& subject, double from, const Option
                             const Annealed& recipe, const ParallelFor& parallel_for, Lods& lods) {
     const kit::ImageSource<C>& source = *subject.fitted;
     const std::size_t n = lods.levels.front().report.vertices;
-    const std::vector<std::size_t> counts = halves(n, more);
+    const kit::Array<std::size_t> counts = halves(n, more);
     if (counts.empty()) {
         // A search ended at less than 8 vertices, with which nobody reckoned.
         const Report& report = lods.levels.front().report;
@@ -60,7 +60,7 @@ HMESH_COLD void add_coarser(const Subject<C>& subject, double from, const Option
             lods.status = kit::cancelled_by_callback();
         return;
     }
-    const std::vector<double> works = coarser_works(recipe, source.pixels(), n, more);
+    const kit::Array<double> works = coarser_works(recipe, source.pixels(), n, more);
     const double all = sum(works);
     const auto tile_of = [&](std::size_t count) {
         return recipe.coarser(count).tile_size(source.width(), source.height(), count);

@@ -12,6 +12,7 @@
 #include <utility>
 #include <vector>
 
+#include "hmesh/core/array.hpp"
 #include "hmesh/core/assert.hpp"
 #include "hmesh/core/compiler.hpp"
 #include "hmesh/core/progress.hpp"
@@ -34,7 +35,7 @@ namespace kit {
 
 /// Optimises the colours of these vertices; positions stay.
 template <int C>
-void recolor(ImageMesh<C>& mesh, const std::vector<Vertex>& vertices) {
+void recolor(ImageMesh<C>& mesh, const kit::Array<Vertex>& vertices) {
     for (const Vertex v : vertices) improve_vertex(mesh, v, std::numeric_limits<double>::max());
 }
 
@@ -43,10 +44,10 @@ void recolor(ImageMesh<C>& mesh, const std::vector<Vertex>& vertices) {
 template <int C>
 HMESH_COLD std::size_t thin_batch(ImageMesh<C>& mesh, std::size_t count) {
     const HalfedgeMesh& topology = mesh.topology();
-    const std::vector<Removal> removals = cheapest_removals(mesh, spatial_vertices(mesh), count);
+    const kit::Array<Removal> removals = cheapest_removals(mesh, spatial_vertices(mesh), count);
     RingScratch<C> scratch;
-    std::vector<Vertex> ring;
-    std::vector<Edge> edges;
+    kit::Array<Vertex> ring;
+    kit::Array<Edge> edges;
     const double min_gain = 1e-2 * mesh.mean_energy();
     std::size_t removed = 0;
     for (const Removal& removal : in_place_order(removals, count)) {
@@ -71,7 +72,7 @@ namespace detail {
 
 /// A level before vertices have their order: those present, by their number in the finest mesh, and the faces between them.
 struct ThinnedLevel {
-    std::vector<std::uint32_t> vertices;  ///< rising
+    kit::Array<std::uint32_t> vertices;  ///< rising
     std::vector<Triangle> faces;          ///< of numbers in the finest mesh
 };
 
@@ -89,7 +90,7 @@ template <int C>
 /// The levels of these numbers of vertices after the mesh, which is thinned to the last of them; fewer where no more vertices can
 /// be removed. Asks progress after each batch, and ends early where that says stop.
 template <int C>
-[[nodiscard]] HMESH_COLD std::vector<ThinnedLevel> thin(ImageMesh<C>& mesh, const std::vector<std::size_t>& counts,
+[[nodiscard]] HMESH_COLD std::vector<ThinnedLevel> thin(ImageMesh<C>& mesh, const kit::Array<std::size_t>& counts,
                                                         ProgressReporter& progress) {
     std::vector<ThinnedLevel> levels{thinned_level(mesh)};
     const double first = static_cast<double>(mesh.vertex_count());
@@ -101,7 +102,7 @@ template <int C>
             if (!progress.update(1 - static_cast<double>(mesh.vertex_count()) / first, mesh.vertex_count(), mesh.energy()))
                 return levels;
         }
-        const std::vector<Vertex> vertices = spatial_vertices(mesh);
+        const kit::Array<Vertex> vertices = spatial_vertices(mesh);
         for (int round = 0; round < 2; ++round) {
             recolor(mesh, vertices);
             flip_edges(mesh);
@@ -113,9 +114,9 @@ template <int C>
 
 /// The new number of each vertex: those of the coarsest level come first, then those that the next finer one adds, and so on,
 /// among themselves in their old order.
-[[nodiscard]] HMESH_COLD inline std::vector<std::uint32_t> nested_numbers(const std::vector<ThinnedLevel>& levels) {
+[[nodiscard]] HMESH_COLD inline kit::Array<std::uint32_t> nested_numbers(const std::vector<ThinnedLevel>& levels) {
     constexpr auto none = static_cast<std::uint32_t>(-1);
-    std::vector<std::uint32_t> numbers(levels.front().vertices.size(), none);
+    kit::Array<std::uint32_t> numbers(levels.front().vertices.size(), none);
     std::uint32_t next = 0;
     for (auto level = levels.rbegin(); level != levels.rend(); ++level)
         for (const std::uint32_t v : level->vertices)
@@ -126,7 +127,7 @@ template <int C>
 /// The sum of the systems, each times its weight; rows of vertices that a level does not have come after its own.
 template <int C>
 [[nodiscard]] HMESH_COLD ColorSystem<C> weighted_sum(const std::vector<ColorSystem<C>>& systems,
-                                                     const std::vector<double>& weights) {
+                                                     const kit::Array<double>& weights) {
     ColorSystem<C> sum;
     sum.anchor = systems.front().anchor;
     sum.ridge = systems.front().ridge;
@@ -156,8 +157,8 @@ class NestedColors {
   public:
     /// faces[k] are those of level k, which uses the first counts[k] of the vertices.
     NestedColors(const MomentTable<C>& table, const ImageSource<C>& source, const MeshLimits& limits,
-                 const std::vector<Point>& positions, const std::vector<std::vector<Triangle>>& faces,
-                 const std::vector<std::size_t>& counts, std::vector<Color<C>> colors, const ParallelFor& parallel_for)
+                 const kit::Array<Point>& positions, const std::vector<std::vector<Triangle>>& faces,
+                 const kit::Array<std::size_t>& counts, kit::Array<Color<C>> colors, const ParallelFor& parallel_for)
         : colors_(std::move(colors)), parallel_for_(parallel_for) {
         for (Color<C>& c : colors_) clamp_channels<C>(c, source.low(), source.high());
         for (std::size_t k = 0; k < faces.size(); ++k) {
@@ -168,17 +169,17 @@ class NestedColors {
             HMESH_ASSERT(status);
             (void)status;
             systems_.push_back(color_system(mesh.topology(), corner_sums(mesh, parallel_for),
-                                            std::vector<Color<C>>(colors_.begin(), colors_.begin() + n), limits.ridge,
+                                            kit::Array<Color<C>>(colors_.begin(), colors_.begin() + n), limits.ridge,
                                             parallel_for));
             meshes_.push_back(std::move(mesh));
         }
     }
 
     /// The colours.
-    [[nodiscard]] const std::vector<Color<C>>& colors() const noexcept { return colors_; }
+    [[nodiscard]] const kit::Array<Color<C>>& colors() const noexcept { return colors_; }
     /// The squared error of each level.
-    [[nodiscard]] HMESH_COLD std::vector<double> energies() {
-        std::vector<double> out;
+    [[nodiscard]] HMESH_COLD kit::Array<double> energies() {
+        kit::Array<double> out;
         for (ImageMesh<C>& mesh : meshes_) {
             mesh.set_colors({colors_.begin(), colors_.begin() + static_cast<std::ptrdiff_t>(mesh.vertex_count())}, parallel_for_);
             out.push_back(std::max(0.0, mesh.energy()));
@@ -188,7 +189,7 @@ class NestedColors {
     /// Fits the colours to all levels within [low, high], multiples of `grid` where grid > 0; each level is weighted by its share
     /// coarser_weight^k over its error as it is now. Repeated, this makes the weighted sum of the errors' logarithms least.
     HMESH_COLD void fit(double low, double high, double grid, double coarser_weight) {
-        std::vector<double> weights = energies();
+        kit::Array<double> weights = energies();
         const double most = *std::max_element(weights.begin(), weights.end());
         double sum = 0, share = 1;
         // A level without error would take all: it counts a million times at most.
@@ -201,7 +202,7 @@ class NestedColors {
     }
 
   private:
-    std::vector<Color<C>> colors_;
+    kit::Array<Color<C>> colors_;
     std::vector<ImageMesh<C>> meshes_;
     std::vector<ColorSystem<C>> systems_;
     ParallelFor parallel_for_;
@@ -240,14 +241,14 @@ HMESH_COLD void nest(const kit::ImageSource<C>& source, double samples, const Me
         return;
     }
 
-    const std::vector<std::uint32_t> numbers = kit::detail::nested_numbers(levels);
+    const kit::Array<std::uint32_t> numbers = kit::detail::nested_numbers(levels);
     kit::IndexedMesh<C> nested = start;
     for (std::size_t v = 0; v < numbers.size(); ++v) {
         nested.positions[numbers[v]] = start.positions[v];
         nested.colors[numbers[v]] = start.colors[v];
     }
     std::vector<std::vector<Triangle>> faces;
-    std::vector<std::size_t> counts;
+    kit::Array<std::size_t> counts;
     for (kit::detail::ThinnedLevel& level : levels) {
         for (Triangle& face : level.faces)
             for (std::uint32_t& v : face) v = numbers[v];
@@ -259,7 +260,7 @@ HMESH_COLD void nest(const kit::ImageSource<C>& source, double samples, const Me
     const double grid = source.is_integer() && options.round_colors ? 1 : 0;
     for (int round = 0; round < 3; ++round)
         fit.fit(source.low(), source.high(), round < 2 ? 0 : grid, nested_options.coarser_weight);
-    const std::vector<double> energies = fit.energies();
+    const kit::Array<double> energies = fit.energies();
     nested.colors = fit.colors();
     nested.faces = faces.front();
     out.mesh = kit::to_mesh(nested, source.peak());

@@ -6,12 +6,12 @@
 #ifndef HMESH_MESH_CODED_ORDER_HPP
 #define HMESH_MESH_CODED_ORDER_HPP
 
-#include <array>
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
-#include <vector>
 
+#include "hmesh/core/array.hpp"
 #include "hmesh/core/compiler.hpp"
 #include "hmesh/core/function_ref.hpp"
 
@@ -39,35 +39,39 @@ struct Coded {
 }
 
 /// Sorts by code; items of one code stay in their order.
-HMESH_NEVER_INLINE inline void sort_by_code(std::vector<Coded>& items) {
+HMESH_NEVER_INLINE inline void sort_by_code(Array<Coded>& items) {
     if (items.empty()) return;
     std::uint64_t differing = 0;
     for (const Coded& item : items) differing |= item.code ^ items.front().code;
-    std::vector<Coded> sorted(items.size());
-    constexpr unsigned digit_bits = 11, digits = 1U << digit_bits;
+    Array<Coded> sorted(items.size());
+    constexpr unsigned most = 11;
+    unsigned digit_bits = most;  // fewer for few items, lest clearing counters takes longest
+    while (digit_bits > 4 && items.size() >> (digit_bits - 1) == 0) --digit_bits;
+    const unsigned mask = (1U << digit_bits) - 1;
     for (unsigned shift = 0; shift < 64 && (differing >> shift) != 0; shift += digit_bits) {
-        if (((differing >> shift) & (digits - 1)) == 0) continue;
-        std::array<std::uint32_t, digits + 1> start{};
-        for (const Coded& item : items) ++start[((item.code >> shift) & (digits - 1)) + 1];
-        for (std::size_t k = 1; k < start.size(); ++k) start[k] += start[k - 1];
-        for (const Coded& item : items) sorted[start[(item.code >> shift) & (digits - 1)]++] = item;
+        if (((differing >> shift) & mask) == 0) continue;
+        std::uint32_t start[(1U << most) + 1];
+        std::fill_n(start, mask + 2, 0);
+        for (const Coded& item : items) ++start[((item.code >> shift) & mask) + 1];
+        for (unsigned k = 1; k <= mask; ++k) start[k] += start[k - 1];
+        for (const Coded& item : items) sorted[start[(item.code >> shift) & mask]++] = item;
         items.swap(sorted);
     }
 }
 
 /// The numbers 0 to count - 1 sorted by their codes, those of one code in their order.
-[[nodiscard]] HMESH_NEVER_INLINE HMESH_COLD inline std::vector<Coded> sorted_numbers(
+[[nodiscard]] HMESH_NEVER_INLINE HMESH_COLD inline Array<Coded> sorted_numbers(
     std::size_t count, FunctionRef<std::uint64_t(std::uint32_t number)> code) {
-    std::vector<Coded> items(count);
+    Array<Coded> items(count);
     for (std::uint32_t k = 0; k < count; ++k) items[k] = {code(k), k};
     sort_by_code(items);
     return items;
 }
 /// The same by two codes, the second of which counts where the first is the same.
-[[nodiscard]] HMESH_NEVER_INLINE HMESH_COLD inline std::vector<Coded> sorted_numbers(
+[[nodiscard]] HMESH_NEVER_INLINE HMESH_COLD inline Array<Coded> sorted_numbers(
     std::size_t count, FunctionRef<std::uint64_t(std::uint32_t number)> first,
     FunctionRef<std::uint64_t(std::uint32_t number)> second) {
-    std::vector<Coded> items = sorted_numbers(count, second);
+    Array<Coded> items = sorted_numbers(count, second);
     for (Coded& item : items) item.code = first(item.number);
     sort_by_code(items);
     return items;
@@ -75,8 +79,8 @@ HMESH_NEVER_INLINE inline void sort_by_code(std::vector<Coded>& items) {
 
 /// The things of these numbers, in their order.
 template <class Thing>
-[[nodiscard]] std::vector<Thing> in_order(const std::vector<Thing>& things, const std::vector<Coded>& order) {
-    std::vector<Thing> out;
+[[nodiscard]] Array<Thing> in_order(const Array<Thing>& things, const Array<Coded>& order) {
+    Array<Thing> out;
     out.reserve(order.size());
     for (const Coded& item : order) out.push_back(things[item.number]);
     return out;

@@ -19,8 +19,8 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
-#include <vector>
 
+#include "hmesh/core/array.hpp"
 #include "hmesh/core/assert.hpp"
 #include "hmesh/core/status.hpp"
 #include "hmesh/mesh/geometry.hpp"
@@ -48,7 +48,7 @@ class Delaunay {
     [[nodiscard]] const HalfedgeMesh& topology() const noexcept { return topology_; }        ///< the connectivity
     [[nodiscard]] Point position(Vertex v) const noexcept { return positions_[v.index()]; }  ///< position of a vertex
     /// Positions by vertex slot. The entries of deleted slots are meaningless.
-    [[nodiscard]] const std::vector<Point>& positions() const noexcept { return positions_; }
+    [[nodiscard]] const Array<Point>& positions() const noexcept { return positions_; }
     [[nodiscard]] static bool is_corner(Vertex v) noexcept { return v.index() < 4; }  ///< whether v is a corner
 
     /// Reserves memory for this number of vertices.
@@ -91,17 +91,17 @@ class Delaunay {
     int width_, height_;
     Samples samples_;
     HalfedgeMesh topology_;
-    std::vector<Point> positions_;
+    Array<Point> positions_;
     Vertex last_{0};  ///< where walks begin
-    std::vector<Halfedge> stack_, spokes_;
+    Array<Halfedge> stack_, spokes_;
     HoleFiller filler_;
 };
 
 /// The Delaunay triangulation of the corners of the rectangle [0, width] x [0, height] and of `points` of the 1/256 px grid in
 /// it. Vertices 0 to 3 are the corners. The points follow in spatial order, so that neighbours are near each other in memory
 /// too; a point that repeats an earlier one or a corner makes no vertex.
-[[nodiscard]] inline Delaunay triangulate(int width, int height, const std::vector<Point>& points) {
-    std::vector<std::uint32_t> indices(points.size());
+[[nodiscard]] inline Delaunay triangulate(int width, int height, const Array<Point>& points) {
+    Array<std::uint32_t> indices(points.size());
     for (std::size_t k = 0; k < indices.size(); ++k) indices[k] = static_cast<std::uint32_t>(k);
     Delaunay mesh(width, height);
     mesh.reserve(points.size() + 4);
@@ -179,7 +179,7 @@ inline void Delaunay::remove(Vertex v) {
     spokes_.clear();
     for (const Halfedge h : topology_.outgoing(v)) spokes_.push_back(h);
     const auto spoke = [this](int k) { return spokes_[static_cast<std::size_t>(k)]; };
-    const std::vector<Ear>& ears = filler_.fill(
+    const Array<Ear>& ears = filler_.fill(
         static_cast<int>(spokes_.size()), [&](int k) { return position(topology_.to_vertex(spoke(k))); },
         topology_.is_boundary(v));
     // Between two flips a face of v may have no area, or a negative one: only the end counts.

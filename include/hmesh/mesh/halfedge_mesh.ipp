@@ -9,6 +9,8 @@
 #include <utility>
 #include <vector>
 
+#include "hmesh/core/array.hpp"
+
 #include "hmesh/core/macros/push.hpp"
 
 namespace hmesh::kit {
@@ -30,7 +32,7 @@ inline Status HalfedgeMesh::assign(std::size_t vertex_count, const std::vector<T
     // Not (k + 1) % 3, which becomes a division where code is to be small.
     const auto after = [](std::size_t k) { return k == 2 ? std::size_t{0} : k + 1; };
     constexpr std::uint64_t reversed = std::uint64_t{1} << 32;
-    std::vector<std::uint32_t> first(vertex_count + 1, 0);
+    Array<std::uint32_t> first(vertex_count + 1, 0);
     for (std::size_t t = 0; t < triangles.size(); ++t)
         for (std::size_t k = 0; k < 3; ++k) {
             const std::uint32_t a = triangles[t][k], b = triangles[t][after(k)];
@@ -39,14 +41,14 @@ inline Status HalfedgeMesh::assign(std::size_t vertex_count, const std::vector<T
             ++first[std::min(a, b) + 1];
         }
     for (std::size_t v = 0; v < vertex_count; ++v) first[v + 1] += first[v];
-    std::vector<std::uint64_t> sides(3 * triangles.size());
+    Array<std::uint64_t> sides(3 * triangles.size());
     for (std::size_t t = 0; t < triangles.size(); ++t)
         for (std::size_t k = 0; k < 3; ++k) {
             const std::uint32_t a = triangles[t][k], b = triangles[t][after(k)];
             sides[first[std::min(a, b)]++] =
                 std::uint64_t{std::max(a, b)} << 33U | (a > b ? reversed : 0) | static_cast<std::uint32_t>(3 * t + k);
         }
-    std::vector<Halfedge> side_halfedge(3 * triangles.size());
+    Array<Halfedge> side_halfedge(3 * triangles.size());
     std::size_t edges = 0;
     for (std::size_t v = 0, i = 0; v < vertex_count; ++v) {
         std::sort(sides.begin() + static_cast<std::ptrdiff_t>(i), sides.begin() + static_cast<std::ptrdiff_t>(first[v]));
@@ -105,7 +107,7 @@ inline Status HalfedgeMesh::assign(std::size_t vertex_count, const std::vector<T
 }
 
 inline std::vector<Triangle> HalfedgeMesh::triangles() const {
-    std::vector<std::uint32_t> numbers(vertex_slots(), 0);
+    Array<std::uint32_t> numbers(vertex_slots(), 0);
     std::uint32_t count = 0;
     for (const Vertex v : vertices()) numbers[v.index()] = count++;
     std::vector<Triangle> out;
@@ -136,8 +138,8 @@ inline Status HalfedgeMesh::check() const {
         if (const Status status = check_vertex(v); !status) return status;
         ++vertex_total;
     }
-    std::vector<std::uint32_t> leaving(vertex_slots(), 0);
-    std::vector<unsigned char> boundary(vertex_slots(), 0);
+    Array<std::uint32_t> leaving(vertex_slots(), 0);
+    Array<unsigned char> boundary(vertex_slots(), 0);
     for (const Edge e : edges()) {
         ++edge_total;
         for (const Halfedge h : {halfedge(e), opposite(halfedge(e))}) {
@@ -173,7 +175,7 @@ inline Status HalfedgeMesh::check() const {
     for (const Edge e : edges()) bounded += (is_boundary(halfedge(e)) ? 0U : 1U) + (is_boundary(opposite(halfedge(e))) ? 0U : 1U);
     if (bounded != 3 * face_total) return fail("the faces do not use each half-edge once", bounded);
     // One fan a vertex: a turn around it meets all half-edges that leave it, and no neighbour twice.
-    std::vector<std::size_t> neighbors, met_by(vertex_slots(), vertex_slots());
+    Array<std::size_t> neighbors, met_by(vertex_slots(), vertex_slots());
     for (const Vertex v : vertices()) {
         neighbors.clear();
         for (const Halfedge h : outgoing(v)) {

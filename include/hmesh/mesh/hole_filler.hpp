@@ -25,8 +25,8 @@
 
 #include <cmath>
 #include <cstddef>
-#include <vector>
 
+#include "hmesh/core/array.hpp"
 #include "hmesh/core/assert.hpp"
 #include "hmesh/mesh/geometry.hpp"
 
@@ -87,7 +87,7 @@ class HoleFiller {
     ///
     /// The result is valid until the next call. Nothing is allocated unless `count` is larger than ever before.
     template <class PositionAt>
-    const std::vector<Ear>& fill(int count, PositionAt&& position_at, bool open) {
+    const Array<Ear>& fill(int count, PositionAt&& position_at, bool open) {
         HMESH_ASSERT(count >= 3);
         const auto size = static_cast<std::size_t>(count);
         if (corners_.size() < size) corners_.resize(size);
@@ -154,8 +154,8 @@ class HoleFiller {
         return true;
     }
 
-    std::vector<Ear> ears_;
-    std::vector<Corner> corners_;
+    Array<Ear> ears_;
+    Array<Corner> corners_;
 };
 
 }  // namespace hmesh::kit

@@ -8,8 +8,8 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <vector>
 
+#include "hmesh/core/array.hpp"
 #include "hmesh/core/compiler.hpp"
 #include "hmesh/core/function_ref.hpp"
 #include "hmesh/core/lanes.hpp"
@@ -50,17 +50,17 @@ template <class Kind>
 
 }  // namespace detail
 
-/// The `count` elements of a range, handles or numbers below 2^32, sorted by the Morton code of position(element), the position of
-/// an element in px.
+/// The `count` elements of a range, handles or numbers below 2^32, sorted by the Morton code of position(element), the position
+/// of an element in px.
 template <class Element, class Range>
-[[nodiscard]] std::vector<Element> in_spatial_order(const Range& range, std::size_t count, FunctionRef<Point(Element)> position) {
-    std::vector<Coded> items;
+[[nodiscard]] Array<Element> in_spatial_order(const Range& range, std::size_t count, FunctionRef<Point(Element)> position) {
+    Array<Coded> items;
     items.reserve(count);
     for (const Element e : range) items.push_back({morton_code(position(e)), static_cast<std::uint32_t>(detail::number_of(e))});
     sort_by_code(items);
-    std::vector<Element> sorted;
+    Array<Element> sorted;
     sorted.reserve(count);
-    for (const Coded& item : items) sorted.emplace_back(item.number);
+    for (const Coded& item : items) sorted.push_back(Element(item.number));
     return sorted;
 }
 
@@ -75,11 +75,11 @@ HMESH_ALWAYS_INLINE void for_each_edge(const HalfedgeMesh& topology, Face f, Bod
 
 /// The vertices of a mesh in spatial order, `position` giving their positions: neighbours in the list are mostly neighbours in
 /// the plane. O(n).
-[[nodiscard]] inline std::vector<Vertex> spatial_vertices(const HalfedgeMesh& topology, FunctionRef<Point(Vertex)> position) {
+[[nodiscard]] inline Array<Vertex> spatial_vertices(const HalfedgeMesh& topology, FunctionRef<Point(Vertex)> position) {
     return in_spatial_order<Vertex>(topology.vertices(), topology.vertex_count(), position);
 }
 /// The faces of a mesh in spatial order of their centroids, `position` giving the positions of vertices. O(n).
-[[nodiscard]] inline std::vector<Face> spatial_faces(const HalfedgeMesh& topology, FunctionRef<Point(Vertex)> position) {
+[[nodiscard]] inline Array<Face> spatial_faces(const HalfedgeMesh& topology, FunctionRef<Point(Vertex)> position) {
     return in_spatial_order<Face>(topology.faces(), topology.face_count(), [&](Face f) {
         const auto v = topology.vertices(f);
         const Point a = position(v[0]), b = position(v[1]), c = position(v[2]);
@@ -87,8 +87,8 @@ HMESH_ALWAYS_INLINE void for_each_edge(const HalfedgeMesh& topology, Face f, Bod
     });
 }
 /// The edges of a mesh, each once, in the order of spatial_faces(), `position` giving the positions of vertices. O(n).
-[[nodiscard]] inline std::vector<Edge> spatial_edges(const HalfedgeMesh& topology, FunctionRef<Point(Vertex)> position) {
-    std::vector<Edge> edges;
+[[nodiscard]] inline Array<Edge> spatial_edges(const HalfedgeMesh& topology, FunctionRef<Point(Vertex)> position) {
+    Array<Edge> edges;
     edges.reserve(topology.edge_count());
     for (const Face f : spatial_faces(topology, position)) for_each_edge(topology, f, [&](Edge e) { edges.push_back(e); });
     return edges;

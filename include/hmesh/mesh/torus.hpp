@@ -14,6 +14,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "hmesh/core/array.hpp"
 #include "hmesh/core/compiler.hpp"
 #include "hmesh/core/status.hpp"
 #include "hmesh/mesh/coded_order.hpp"
@@ -69,12 +70,11 @@ struct Turns {
 
 /// For each vertex of a sheet, the first one that is in the same place of the torus, itself where there is none before.
 /// O(n log n).
-[[nodiscard]] HMESH_COLD inline std::vector<std::uint32_t> tied_vertices(const std::vector<Point>& positions,
-                                                                         const Torus& torus) {
-    std::vector<Point> places;
+[[nodiscard]] HMESH_COLD inline Array<std::uint32_t> tied_vertices(const Array<Point>& positions, const Torus& torus) {
+    Array<Point> places;
     places.reserve(positions.size());
     for (const Point p : positions) places.push_back(turned(p, turns_into(p, 0, 0, torus), torus));
-    std::vector<std::uint32_t> roots(positions.size());
+    Array<std::uint32_t> roots(positions.size());
     std::uint32_t root = 0xffffffffU;
     for (const Coded& at : sorted_numbers(
              places.size(), [&](std::uint32_t v) { return code_of(places[v].x); },
@@ -93,12 +93,12 @@ struct VertexCopy {
 
 /// Copies that may repeat, as numbers of different ones.
 struct NumberedCopies {
-    std::vector<VertexCopy> different;  ///< sorted by vertex, then turns
-    std::vector<std::uint32_t> number;  ///< of each copy: its place among these
+    Array<VertexCopy> different;  ///< sorted by vertex, then turns
+    Array<std::uint32_t> number;  ///< of each copy: its place among these
 };
 
 /// Numbers copies. O(n log n).
-[[nodiscard]] HMESH_COLD inline NumberedCopies numbered(const std::vector<VertexCopy>& copies) {
+[[nodiscard]] HMESH_COLD inline NumberedCopies numbered(const Array<VertexCopy>& copies) {
     NumberedCopies out;
     out.number.resize(copies.size());
     for (const Coded& at : sorted_numbers(
@@ -125,10 +125,9 @@ struct TorusSide {
 };
 
 /// The sides of all faces of a sheet, those of an edge next to each other. O(n log n).
-[[nodiscard]] HMESH_COLD inline std::vector<TorusSide> torus_sides(const std::vector<Point>& positions,
-                                                                   const std::vector<Triangle>& faces,
-                                                                   const std::vector<std::uint32_t>& roots, const Torus& torus) {
-    std::vector<TorusSide> sides;
+[[nodiscard]] HMESH_COLD inline Array<TorusSide> torus_sides(const Array<Point>& positions, const std::vector<Triangle>& faces,
+                                                             const Array<std::uint32_t>& roots, const Torus& torus) {
+    Array<TorusSide> sides;
     sides.reserve(3 * faces.size());
     for (std::uint32_t corner = 0; corner < 3 * faces.size(); ++corner) {
         const Triangle& face = faces[corner / 3];
@@ -159,8 +158,8 @@ namespace detail {
 /// Checks that a sheet is a mesh of the torus or cylinder, `roots` being its tied_vertices(): faces of positive area whose sum is
 /// the image's, each edge with a face on both sides of it, but for those on sides of a cylinder, and Euler's characteristic 0.
 /// Such faces cover each place once. Errc::invalid_argument with the index of what is wrong. O(n log n).
-[[nodiscard]] HMESH_COLD inline Status check_torus(const std::vector<Point>& positions, const std::vector<Triangle>& faces,
-                                                   const std::vector<std::uint32_t>& roots, const Torus& torus) {
+[[nodiscard]] HMESH_COLD inline Status check_torus(const Array<Point>& positions, const std::vector<Triangle>& faces,
+                                                   const Array<std::uint32_t>& roots, const Torus& torus) {
     const auto fail = [](const char* what, std::size_t where) -> Status { return {Errc::invalid_argument, what, where}; };
     double area = 0;
     for (std::size_t f = 0; f < faces.size(); ++f) {
@@ -172,7 +171,7 @@ namespace detail {
     }
     if (!(std::abs(area - 2.0 * torus.width * torus.height) <= 1e-9 * area))
         return fail("the faces do not tile the image", faces.size());
-    const std::vector<TorusSide> sides = torus_sides(positions, faces, roots, torus);
+    const Array<TorusSide> sides = torus_sides(positions, faces, roots, torus);
     std::size_t edges = 0;
     for (std::size_t k = 0; k < sides.size(); ++k, ++edges) {
         const std::size_t f = sides[k].corner / 3, c = sides[k].corner % 3;
@@ -185,7 +184,7 @@ namespace detail {
             return fail("an edge has two faces on one side, first face", f);
         ++k;
     }
-    std::vector<unsigned char> is_used(positions.size(), 0);
+    Array<unsigned char> is_used(positions.size(), 0);
     for (const Triangle& face : faces)
         for (const std::uint32_t v : face) is_used[roots[v]] = 1;
     const auto vertices = static_cast<std::size_t>(std::count(is_used.begin(), is_used.end(), 1));
@@ -196,8 +195,8 @@ namespace detail {
 }
 
 /// The positions of a mesh.
-[[nodiscard]] HMESH_COLD inline std::vector<Point> positions_of(const MeshView& mesh) {
-    std::vector<Point> positions(mesh.vertex_count);
+[[nodiscard]] HMESH_COLD inline Array<Point> positions_of(const MeshView& mesh) {
+    Array<Point> positions(mesh.vertex_count);
     for (std::size_t v = 0; v < mesh.vertex_count; ++v)
         positions[v] = {static_cast<double>(mesh.positions[2 * v]), static_cast<double>(mesh.positions[2 * v + 1])};
     return positions;
@@ -212,12 +211,12 @@ namespace detail {
     if (mesh.periodic == Periodic::none) return {Errc::invalid_argument, "the mesh is not periodic"};
     if (const Status status = check(mesh, 16); !status) return status;
     if (mesh.width < 1 || mesh.height < 1) return {Errc::invalid_argument, "the mesh's width and height must be at least 1"};
-    const std::vector<kit::Point> positions = kit::positions_of(mesh);
+    const kit::Array<kit::Point> positions = kit::positions_of(mesh);
     for (std::size_t v = 0; v < positions.size(); ++v)
         if (std::abs(positions[v].x) > 64.0 * mesh.width || std::abs(positions[v].y) > 64.0 * mesh.height)
             return {Errc::invalid_argument, "the mesh has a position far outside its image, at vertex", v};
     const kit::Torus torus{mesh.width, mesh.height, mesh.periodic};
-    const std::vector<std::uint32_t> roots = kit::tied_vertices(positions, torus);
+    const kit::Array<std::uint32_t> roots = kit::tied_vertices(positions, torus);
     const auto channels = static_cast<std::size_t>(mesh.channels);
     for (std::size_t v = 0; v < positions.size(); ++v)
         if (!std::equal(mesh.colors + channels * v, mesh.colors + channels * (v + 1), mesh.colors + channels * roots[v]))

@@ -12,8 +12,8 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
-#include <vector>
 
+#include "hmesh/core/array.hpp"
 #include "hmesh/core/compiler.hpp"
 #include "hmesh/mesh/mesh.hpp"
 #include "hmesh/mesh/periodic.hpp"
@@ -38,7 +38,7 @@ namespace hmesh {
     out.positions.assign(mesh.positions, mesh.positions + 2 * mesh.vertex_count);
     out.colors.assign(mesh.colors, mesh.colors + channels * mesh.vertex_count);
     out.faces.assign(mesh.faces, mesh.faces + mesh.face_count);
-    std::vector<kit::VertexCopy> corners;  // of the faces' copies
+    kit::Array<kit::VertexCopy> corners;  // of the faces' copies
     for (std::size_t f = 0; f < mesh.face_count; ++f) {
         // The turns after which a part of the face is inside, along one axis.
         const auto range = [&](std::size_t axis, int size, bool wraps) {

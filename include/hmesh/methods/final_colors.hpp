@@ -9,8 +9,8 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
-#include <vector>
 
+#include "hmesh/core/array.hpp"
 #include "hmesh/core/assert.hpp"
 #include "hmesh/core/compiler.hpp"
 #include "hmesh/fit/image_mesh.hpp"
@@ -36,7 +36,7 @@ namespace detail {
 /// Measures the mesh's energy, and returns its largest error.
 template <int C>
 [[nodiscard]] HMESH_COLD double measure_finally(TiledMesh<C>& tiled, const Tiling& tiling) {
-    std::vector<double> largest(tiling.size(), 0.0);
+    Array<double> largest(tiling.size(), 0.0);
     const auto look = [&](const ImageMesh<C>& mesh, std::size_t tile) { largest[tile] = largest_error(mesh); };
     if (tiled.source().is_integer()) tiled.measure(tiling, look);
     else tiled.measure(tiling);
@@ -63,7 +63,7 @@ template <int C>
 HMESH_COLD FinalColors tied_colors(TiledMesh<C>& tiled, const Tiling& tiling, double low, double high, double grid) {
     constexpr double tie_weight = 0.25;
     const ImageSource<C>& source = tiled.source();
-    std::vector<CornerSums<C>> corners(3 * tiled.indexed().faces.size());
+    Array<CornerSums<C>> corners(3 * tiled.indexed().faces.size());
     tiled.visit(tiling, [&](Patch<C>& patch, std::size_t, const std::uint32_t* faces) {
         for (const Face f : patch.mesh().topology().faces()) {
             const std::size_t k = 3 * std::size_t{faces[f.index()]};
@@ -73,9 +73,9 @@ HMESH_COLD FinalColors tied_colors(TiledMesh<C>& tiled, const Tiling& tiling, do
     if (tiled.progress().stopped()) std::fill(corners.begin(), corners.end(), CornerSums<C>());  // only the ridge is left
     IndexedMesh<C>& mesh = tiled.indexed();
     const TiedRows tied = tied_rows(mesh.roots);
-    std::vector<std::uint32_t> rows;
-    std::vector<Color<C>> colors;
-    std::vector<ColorTie<C>> ties;
+    Array<std::uint32_t> rows;
+    Array<Color<C>> colors;
+    Array<ColorTie<C>> ties;
     for (const std::uint32_t v : tied.vertices) {
         colors.push_back(mesh.colors[v]);
         clamp_channels<C>(colors.back(), low, high);
@@ -131,7 +131,7 @@ HMESH_COLD FinalColors bounded_colors(TiledMesh<C>& tiled, const Tiling& tiling,
     const Status status = topology.assign(mesh.vertex_count(), mesh.faces);
     HMESH_ASSERT(status);
     (void)status;
-    std::vector<CornerSums<C>> corners(2 * topology.edge_slots());
+    Array<CornerSums<C>> corners(2 * topology.edge_slots());
     tiled.visit(tiling, [&](Patch<C>& patch, std::size_t, const std::uint32_t* faces) {
         for (const Face f : patch.mesh().topology().faces()) {
             const Halfedge h0 = topology.halfedge(Face(faces[f.index()])), h1 = topology.next(h0), h2 = topology.next(h1);

@@ -13,8 +13,8 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
-#include <vector>
 
+#include "hmesh/core/array.hpp"
 #include "hmesh/core/assert.hpp"
 #include "hmesh/core/compiler.hpp"
 #include "hmesh/core/function_ref.hpp"
@@ -39,18 +39,18 @@ namespace detail {
 /// The energy with ridge as a function of the colours; rows are the mesh's vertices in the order of topology().vertices().
 template <int C>
 struct ColorSystem {
-    SymmetricMatrix gram;          ///< K K^T
-    std::vector<Color<C>> rhs;     ///< K I^T
-    std::vector<Color<C>> anchor;  ///< the colours that ridge favours: those at the start
-    std::vector<double> inverse;   ///< 1 / (diagonal + ridge); 0 where that is not positive
-    double ridge = 0;              ///< in pixels, see MeshLimits
+    SymmetricMatrix gram;    ///< K K^T
+    Array<Color<C>> rhs;     ///< K I^T
+    Array<Color<C>> anchor;  ///< the colours that ridge favours: those at the start
+    Array<double> inverse;   ///< 1 / (diagonal + ridge); 0 where that is not positive
+    double ridge = 0;        ///< in pixels, see MeshLimits
 
     /// Leaves a vertex its colour.
     void hold(std::size_t row) noexcept { inverse[row] = 0; }
     /// Calls update(c, step) for each vertex in turn: c is the vertex's colour, c + step the best one for it while the others
     /// stay.
     template <class Update>
-    void sweep(std::vector<Color<C>>& colors, Update&& update) const {
+    void sweep(Array<Color<C>>& colors, Update&& update) const {
         const int* const starts = gram.starts.data();
         const int* const rows = gram.columns.data();
         const double* const values = gram.values.data();
@@ -81,8 +81,8 @@ struct GridRange {
 
 /// The system of a mesh with this topology and these corner sums (fit/squared_error.hpp); `colors`, one a row, become the anchor.
 template <int C>
-[[nodiscard]] HMESH_COLD ColorSystem<C> color_system(const HalfedgeMesh& topology, const std::vector<CornerSums<C>>& corners,
-                                                     const std::vector<Color<C>>& colors, double ridge,
+[[nodiscard]] HMESH_COLD ColorSystem<C> color_system(const HalfedgeMesh& topology, const Array<CornerSums<C>>& corners,
+                                                     const Array<Color<C>>& colors, double ridge,
                                                      const ParallelFor& parallel_for) {
     ColorSystem<C> system;
     system.ridge = ridge;
@@ -105,7 +105,7 @@ template <int C>
 /// The descent of bounded_colors(): improves `colors`, which lie in [low, high], one a row. Asks go_on() before each sweep but
 /// the one that puts the colours on the grid.
 template <int C>
-BoundedReport descend(const ColorSystem<C>& system, double low, double high, double grid, std::vector<Color<C>>& colors,
+BoundedReport descend(const ColorSystem<C>& system, double low, double high, double grid, Array<Color<C>>& colors,
                       FunctionRef<bool()> go_on) {
     HMESH_ASSERT(low <= high && grid >= 0);
     constexpr int max_sweeps = 20, max_rounding_sweeps = 10;
@@ -163,7 +163,7 @@ BoundedReport descend(const ColorSystem<C>& system, double low, double high, dou
 template <int C>
 HMESH_COLD BoundedReport bounded_colors(ImageMesh<C>& mesh, double low, double high, double grid,
                                         const ParallelFor& parallel_for = {}) {
-    std::vector<Color<C>> colors;
+    Array<Color<C>> colors;
     colors.reserve(mesh.vertex_count());
     for (const Vertex v : mesh.topology().vertices()) {
         colors.push_back(mesh.color(v));

@@ -22,6 +22,7 @@
 #include <utility>
 #include <vector>
 
+#include "hmesh/core/array.hpp"
 #include "hmesh/core/assert.hpp"
 #include "hmesh/core/parallel.hpp"
 #include "hmesh/fit/image_mesh.hpp"
@@ -90,7 +91,7 @@ template <int C>
 template <int C>
 void set_colors(ImageMesh<C>& mesh, const Eigen::MatrixXd& colors, const ParallelFor& parallel_for = {}) {
     HMESH_ASSERT(colors.rows() == static_cast<Eigen::Index>(mesh.vertex_count()) && colors.cols() == C);
-    std::vector<Color<C>> by_slot(mesh.topology().vertex_slots(), Color<C>::zero());
+    Array<Color<C>> by_slot(mesh.topology().vertex_slots(), Color<C>::zero());
     Eigen::Index row = 0;
     for (const Vertex v : mesh.topology().vertices()) {
         for (int k = 0; k < C; ++k) by_slot[v.index()].set(k, colors(row, k));
@@ -105,7 +106,7 @@ void set_colors(ImageMesh<C>& mesh, const Eigen::MatrixXd& colors, const Paralle
 template <int C>
 [[nodiscard]] Eigen::SparseMatrix<double> barycentric_matrix(const ImageMesh<C>& mesh, const ParallelFor& parallel_for = {}) {
     const HalfedgeMesh& topology = mesh.topology();
-    const std::vector<int> rows = vertex_rows(topology);
+    const Array<int> rows = vertex_rows(topology);
     const auto width = static_cast<std::size_t>(mesh.width()), pixels = width * static_cast<std::size_t>(mesh.height());
     Eigen::SparseMatrix<double> matrix(static_cast<Eigen::Index>(mesh.vertex_count()), static_cast<Eigen::Index>(pixels));
     matrix.resizeNonZeros(static_cast<Eigen::Index>(3 * pixels));
@@ -137,7 +138,7 @@ template <int C>
 
 /// K K^T, n_v by n_v, of a mesh with this topology and these corner sums: normal_matrix().
 template <int C>
-[[nodiscard]] Eigen::SparseMatrix<double> gram_matrix(const HalfedgeMesh& topology, const std::vector<CornerSums<C>>& corners,
+[[nodiscard]] Eigen::SparseMatrix<double> gram_matrix(const HalfedgeMesh& topology, const Array<CornerSums<C>>& corners,
                                                       const ParallelFor& parallel_for = {}) {
     return to_eigen(normal_matrix(topology, corners, parallel_for));
 }
@@ -148,7 +149,7 @@ template <int C>
 }
 /// K I^T, n_v by C, of a mesh with this topology and these corner sums: image_sums().
 template <int C>
-[[nodiscard]] Eigen::MatrixXd image_rhs(const HalfedgeMesh& topology, const std::vector<CornerSums<C>>& corners,
+[[nodiscard]] Eigen::MatrixXd image_rhs(const HalfedgeMesh& topology, const Array<CornerSums<C>>& corners,
                                         const ParallelFor& parallel_for = {}) {
     return to_eigen(image_sums(topology, corners, parallel_for));
 }
@@ -159,7 +160,7 @@ template <int C>
 }
 /// K P^T, n_v by 2, of a mesh with this topology and these corner sums: position_sums().
 template <int C>
-[[nodiscard]] Eigen::MatrixXd position_rhs(const HalfedgeMesh& topology, const std::vector<CornerSums<C>>& corners,
+[[nodiscard]] Eigen::MatrixXd position_rhs(const HalfedgeMesh& topology, const Array<CornerSums<C>>& corners,
                                            const ParallelFor& parallel_for = {}) {
     return to_eigen(position_sums(topology, corners, parallel_for));
 }

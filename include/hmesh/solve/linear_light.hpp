@@ -25,6 +25,7 @@
 #include <utility>
 #include <vector>
 
+#include "hmesh/core/array.hpp"
 #include "hmesh/core/compiler.hpp"
 #include "hmesh/core/function_ref.hpp"
 #include "hmesh/core/parallel.hpp"
@@ -76,8 +77,8 @@ namespace kit::detail {
 
 /// One channel of all vertices.
 struct ChannelLight {
-    std::vector<float> stored;  ///< stored values, in [0, peak]
-    std::vector<double> light;  ///< the linear light that they decode to, in [0, 1]; for alpha the share of the peak
+    Array<float> stored;  ///< stored values, in [0, peak]
+    Array<double> light;  ///< the linear light that they decode to, in [0, 1]; for alpha the share of the peak
 };
 
 /// Writes the stored values of one channel for the pixels [begin, end) of a row.
@@ -266,8 +267,8 @@ class LinearLight {
     const LinearLightOptions& options_;
     ParallelFor parallel_for_;
     WeightScale scale_;
-    TiedRows tied_;                       ///< the unknowns of a periodic mesh, else none
-    std::vector<CornerSums<1>> corners_;  ///< of the last measure(); `image` holds sums of - e' r lambda
+    TiedRows tied_;                 ///< the unknowns of a periodic mesh, else none
+    Array<CornerSums<1>> corners_;  ///< of the last measure(); `image` holds sums of - e' r lambda
 };
 
 /// Whether the mesh fits the image: channels, size, arrays of one length, positions inside, faces of positive area; so that

@@ -11,8 +11,8 @@
 #define HMESH_SOLVE_NORMAL_EQUATIONS_HPP
 
 #include <cstddef>
-#include <vector>
 
+#include "hmesh/core/array.hpp"
 #include "hmesh/core/compiler.hpp"
 #include "hmesh/core/function_ref.hpp"
 #include "hmesh/core/parallel.hpp"
@@ -27,9 +27,9 @@ namespace hmesh::kit {
 /// A sparse symmetric matrix of n rows in compressed row storage, both triangles stored: row i has the entries
 /// [starts[i], starts[i + 1]) of `columns`, which rise, and of `values`.
 struct SymmetricMatrix {
-    std::vector<int> starts{0};  ///< n + 1 offsets
-    std::vector<int> columns;    ///< of each entry
-    std::vector<double> values;  ///< of each entry
+    Array<int> starts{0};  ///< n + 1 offsets
+    Array<int> columns;    ///< of each entry
+    Array<double> values;  ///< of each entry
 
     /// The number of rows, which is that of columns.
     [[nodiscard]] std::size_t size() const noexcept { return starts.size() - 1; }
@@ -51,9 +51,9 @@ struct SymmetricMatrix {
 
 /// A dense matrix in row-major order.
 struct DenseMatrix {
-    std::size_t rows = 0;        ///< number of rows
-    std::size_t columns = 0;     ///< number of columns
-    std::vector<double> values;  ///< rows * columns numbers, row after row
+    std::size_t rows = 0;     ///< number of rows
+    std::size_t columns = 0;  ///< number of columns
+    Array<double> values;     ///< rows * columns numbers, row after row
 
     /// The empty matrix.
     DenseMatrix() = default;
@@ -67,8 +67,8 @@ struct DenseMatrix {
 };
 
 /// The row of each vertex in the matrices, indexed by the vertex's slot; -1 for deleted slots.
-[[nodiscard]] inline std::vector<int> vertex_rows(const HalfedgeMesh& topology) {
-    std::vector<int> rows(topology.vertex_slots(), -1);
+[[nodiscard]] inline Array<int> vertex_rows(const HalfedgeMesh& topology) {
+    Array<int> rows(topology.vertex_slots(), -1);
     int row = 0;
     for (const Vertex v : topology.vertices()) rows[v.index()] = row++;
     return rows;
@@ -95,8 +95,8 @@ inline void for_each_vertex(const HalfedgeMesh& topology, const ParallelFor& par
 
 /// Writes colours[r] to vertex r of topology().vertices().
 template <int C>
-void write_colors(ImageMesh<C>& mesh, const std::vector<Color<C>>& colors, const ParallelFor& parallel_for) {
-    std::vector<Color<C>> by_slot(mesh.topology().vertex_slots(), Color<C>::zero());
+void write_colors(ImageMesh<C>& mesh, const Array<Color<C>>& colors, const ParallelFor& parallel_for) {
+    Array<Color<C>> by_slot(mesh.topology().vertex_slots(), Color<C>::zero());
     std::size_t row = 0;
     for (const Vertex v : mesh.topology().vertices()) by_slot[v.index()] = colors[row++];
     mesh.set_colors(by_slot, parallel_for);
@@ -106,9 +106,9 @@ void write_colors(ImageMesh<C>& mesh, const std::vector<Color<C>>& colors, const
 
 /// The corner sums of all faces, indexed by the half-edge that leaves the corner; zero for half-edges without a face.
 template <int C>
-[[nodiscard]] std::vector<CornerSums<C>> corner_sums(const ImageMesh<C>& mesh, const ParallelFor& parallel_for = {}) {
+[[nodiscard]] Array<CornerSums<C>> corner_sums(const ImageMesh<C>& mesh, const ParallelFor& parallel_for = {}) {
     const HalfedgeMesh& topology = mesh.topology();
-    std::vector<CornerSums<C>> corners(2 * topology.edge_slots());
+    Array<CornerSums<C>> corners(2 * topology.edge_slots());
     for_each_chunk(parallel_for, topology.face_slots(), 512, [&](std::size_t begin, std::size_t end) {
         for (std::size_t f = begin; f < end; ++f) {
             if (topology.is_deleted(Face(f))) continue;
@@ -122,9 +122,9 @@ template <int C>
 /// K K^T, n_v by n_v, of a mesh with this topology and these corner sums. Symmetric to the bit; one entry for each vertex and
 /// two for each edge, also where no pixel makes them differ from 0.
 template <int C>
-[[nodiscard]] HMESH_COLD SymmetricMatrix normal_matrix(const HalfedgeMesh& topology, const std::vector<CornerSums<C>>& corners,
+[[nodiscard]] HMESH_COLD SymmetricMatrix normal_matrix(const HalfedgeMesh& topology, const Array<CornerSums<C>>& corners,
                                                        const ParallelFor& parallel_for = {}) {
-    const std::vector<int> rows = vertex_rows(topology);
+    const Array<int> rows = vertex_rows(topology);
     SymmetricMatrix matrix;
     matrix.starts.reserve(topology.vertex_count() + 1);
     for (const Vertex v : topology.vertices()) matrix.starts.push_back(matrix.starts.back() + topology.valence(v) + 1);
@@ -157,9 +157,9 @@ template <int C>
 
 /// K I^T, n_v by C, of a mesh with this topology and these corner sums; I, C by n_p, is the image.
 template <int C>
-[[nodiscard]] DenseMatrix image_sums(const HalfedgeMesh& topology, const std::vector<CornerSums<C>>& corners,
+[[nodiscard]] DenseMatrix image_sums(const HalfedgeMesh& topology, const Array<CornerSums<C>>& corners,
                                      const ParallelFor& parallel_for = {}) {
-    const std::vector<int> rows = vertex_rows(topology);
+    const Array<int> rows = vertex_rows(topology);
     DenseMatrix sums(topology.vertex_count(), C);
     detail::for_each_vertex(topology, parallel_for, [&](Vertex v) {
         Color<C> sum = Color<C>::zero();
@@ -171,9 +171,9 @@ template <int C>
 
 /// K P^T, n_v by 2, of a mesh with this topology and these corner sums; P, 2 by n_p, are the centres of the pixels.
 template <int C>
-[[nodiscard]] DenseMatrix position_sums(const HalfedgeMesh& topology, const std::vector<CornerSums<C>>& corners,
+[[nodiscard]] DenseMatrix position_sums(const HalfedgeMesh& topology, const Array<CornerSums<C>>& corners,
                                         const ParallelFor& parallel_for = {}) {
-    const std::vector<int> rows = vertex_rows(topology);
+    const Array<int> rows = vertex_rows(topology);
     DenseMatrix sums(topology.vertex_count(), 2);
     detail::for_each_vertex(topology, parallel_for, [&](Vertex v) {
         const auto row = static_cast<std::size_t>(rows[v.index()]);

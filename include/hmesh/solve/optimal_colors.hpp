@@ -10,8 +10,8 @@
 #define HMESH_SOLVE_OPTIMAL_COLORS_HPP
 
 #include <cstddef>
-#include <vector>
 
+#include "hmesh/core/array.hpp"
 #include "hmesh/core/parallel.hpp"
 #include "hmesh/fit/image_mesh.hpp"
 #include "hmesh/solve/normal_equations.hpp"
@@ -26,7 +26,7 @@ namespace hmesh::kit {
 template <int C>
 PcgReport optimal_colors(ImageMesh<C>& mesh, const PcgOptions& options = {}, const ParallelFor& parallel_for = {}) {
     const double ridge = mesh.limits().ridge;
-    const std::vector<CornerSums<C>> corners = corner_sums(mesh, parallel_for);
+    const Array<CornerSums<C>> corners = corner_sums(mesh, parallel_for);
     SymmetricMatrix matrix = normal_matrix(mesh.topology(), corners, parallel_for);
     DenseMatrix solution(mesh.vertex_count(), C), rhs = image_sums(mesh.topology(), corners, parallel_for);
     std::size_t row = 0;
@@ -38,7 +38,7 @@ PcgReport optimal_colors(ImageMesh<C>& mesh, const PcgOptions& options = {}, con
     for (std::size_t i = 0; i < rhs.values.size(); ++i) rhs.values[i] += ridge * solution.values[i];
     const PcgReport report = solve_pcg(matrix, rhs, solution, options);
 
-    std::vector<Color<C>> colors(mesh.vertex_count(), Color<C>::zero());
+    Array<Color<C>> colors(mesh.vertex_count(), Color<C>::zero());
     for (std::size_t i = 0; i < colors.size(); ++i) {
         for (int k = 0; k < C; ++k) colors[i].set(k, solution(i, static_cast<std::size_t>(k)));
         detail::clamp_channels<C>(colors[i], mesh.color_low(), mesh.color_high());

@@ -14,6 +14,7 @@
 #include <cstddef>
 #include <vector>
 
+#include "hmesh/core/array.hpp"
 #include "hmesh/core/assert.hpp"
 #include "hmesh/solve/normal_equations.hpp"
 
@@ -59,7 +60,7 @@ inline void multiply(const SymmetricMatrix& a, const DenseMatrix& x, DenseMatrix
 }
 
 /// out[k] = the dot product of column k of a and column k of b.
-inline void column_dots(const DenseMatrix& a, const DenseMatrix& b, std::vector<double>& out) {
+inline void column_dots(const DenseMatrix& a, const DenseMatrix& b, Array<double>& out) {
     std::fill(out.begin(), out.end(), 0.0);
     for (std::size_t i = 0; i < a.rows; ++i)
         for (std::size_t k = 0; k < out.size(); ++k) out[k] += a(i, k) * b(i, k);
@@ -81,13 +82,13 @@ inline PcgReport solve_pcg(const SymmetricMatrix& a, const DenseMatrix& b, Dense
     report.converged = true;
     if (n == 0 || width == 0) return report;
 
-    std::vector<double> inverse(n, 0.0);  // the preconditioner
+    Array<double> inverse(n, 0.0);  // the preconditioner
     for (std::size_t i = 0; i < n; ++i)
         if (const double diagonal = a.diagonal(i); diagonal > 0) inverse[i] = 1 / diagonal;
     DenseMatrix& solution = x;
     DenseMatrix residual(n, width), direction(n, width), product(n, width);
-    std::vector<double> norm(width), rr(width), rz(width), rz_before(width), steps(width), reference(width);
-    std::vector<unsigned char> runs(width, 1);
+    Array<double> norm(width), rr(width), rz(width), rz_before(width), steps(width), reference(width);
+    Array<unsigned char> runs(width, 1);
     const auto release = [&](DenseMatrix& rows) {  // held entries have no residual
         for (const HeldEntry& entry : held) rows(entry.row, entry.column) = 0;
     };

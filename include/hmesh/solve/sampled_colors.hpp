@@ -10,8 +10,8 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
-#include <vector>
 
+#include "hmesh/core/array.hpp"
 #include "hmesh/core/compiler.hpp"
 #include "hmesh/core/lanes.hpp"
 #include "hmesh/fit/image_mesh.hpp"
@@ -46,7 +46,7 @@ template <int C>
 /// Gives all vertices the colours of the image at their positions. The energy of the mesh follows.
 template <int C>
 void sample_colors(ImageMesh<C>& mesh, const ParallelFor& parallel_for = {}) {
-    std::vector<Color<C>> colors(mesh.topology().vertex_slots(), Color<C>::zero());
+    Array<Color<C>> colors(mesh.topology().vertex_slots(), Color<C>::zero());
     for (const Vertex v : mesh.topology().vertices()) colors[v.index()] = sampled_color(mesh.table(), mesh.position(v));
     mesh.set_colors(colors, parallel_for);
 }

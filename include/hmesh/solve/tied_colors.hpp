@@ -12,6 +12,7 @@
 #include <utility>
 #include <vector>
 
+#include "hmesh/core/array.hpp"
 #include "hmesh/core/compiler.hpp"
 #include "hmesh/fit/squared_error.hpp"
 #include "hmesh/mesh/coded_order.hpp"
@@ -26,12 +27,12 @@ namespace hmesh::kit {
 
 /// The unknowns of vertices some of which are copies of one another.
 struct TiedRows {
-    std::vector<std::uint32_t> rows;      ///< of each vertex: its unknown
-    std::vector<std::uint32_t> vertices;  ///< of each unknown: the root of its vertices
+    Array<std::uint32_t> rows;      ///< of each vertex: its unknown
+    Array<std::uint32_t> vertices;  ///< of each unknown: the root of its vertices
 };
 
 /// One unknown for each vertex that is its own root, in the order of the vertices; copies have that of their root.
-[[nodiscard]] HMESH_COLD inline TiedRows tied_rows(const std::vector<std::uint32_t>& roots) {
+[[nodiscard]] HMESH_COLD inline TiedRows tied_rows(const Array<std::uint32_t>& roots) {
     TiedRows tied;
     tied.rows.resize(roots.size());
     for (std::uint32_t v = 0; v < roots.size(); ++v) {
@@ -52,19 +53,19 @@ class TiedMatrix {
         for (std::size_t row = 0; row < size; ++row) add_to_diagonal(row, 0);
     }
     /// Adds to the diagonal of a row.
-    void add_to_diagonal(std::uint64_t row, double value) { entries_.emplace_back(row * size_ + row, value); }
+    void add_to_diagonal(std::uint64_t row, double value) { entries_.push_back({row * size_ + row, value}); }
     /// Adds what the corner of a face at row a, whose next corner is at row b, brings.
     void add_corner(std::uint64_t a, std::uint64_t b, double square, double coupling) {
         add_to_diagonal(a, square);
-        entries_.emplace_back(a * size_ + b, coupling);
-        entries_.emplace_back(b * size_ + a, coupling);
+        entries_.push_back({a * size_ + b, coupling});
+        entries_.push_back({b * size_ + a, coupling});
     }
     /// The matrix.
     [[nodiscard]] HMESH_COLD SymmetricMatrix sum() const {
         SymmetricMatrix matrix;
         std::uint64_t row = 0, last = size_ * size_;
-        for (const Coded& at : sorted_numbers(entries_.size(), [&](std::uint32_t k) { return entries_[k].first; })) {
-            const double value = entries_[at.number].second;
+        for (const Coded& at : sorted_numbers(entries_.size(), [&](std::uint32_t k) { return entries_[k].place; })) {
+            const double value = entries_[at.number].value;
             const std::uint64_t place = at.code;
             if (std::exchange(last, place) == place) {
                 matrix.values.back() += value;
@@ -79,8 +80,12 @@ class TiedMatrix {
     }
 
   private:
+    struct Entry {
+        std::uint64_t place;  // row * size + column
+        double value;
+    };
     std::uint64_t size_;
-    std::vector<std::pair<std::uint64_t, double>> entries_;  // (row * size + column, value)
+    Array<Entry> entries_;
 };
 
 /// One more sample that a colour is to meet.
@@ -95,10 +100,10 @@ struct ColorTie {
 /// sums corners[3 f] .. corners[3 f + 2]; `colors`, one for each unknown, become the anchor. `ties` are samples beside the
 /// pixels.
 template <int C>
-[[nodiscard]] HMESH_COLD detail::ColorSystem<C> tied_color_system(const std::vector<std::uint32_t>& rows,
-                                                                  const std::vector<CornerSums<C>>& corners,
-                                                                  const std::vector<ColorTie<C>>& ties,
-                                                                  const std::vector<Color<C>>& colors, double ridge) {
+[[nodiscard]] HMESH_COLD detail::ColorSystem<C> tied_color_system(const Array<std::uint32_t>& rows,
+                                                                  const Array<CornerSums<C>>& corners,
+                                                                  const Array<ColorTie<C>>& ties, const Array<Color<C>>& colors,
+                                                                  double ridge) {
     const std::size_t size = colors.size();
     detail::ColorSystem<C> system;
     system.ridge = ridge;

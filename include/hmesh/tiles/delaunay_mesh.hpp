@@ -6,8 +6,8 @@
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
-#include <vector>
 
+#include "hmesh/core/array.hpp"
 #include "hmesh/core/assert.hpp"
 #include "hmesh/core/compiler.hpp"
 #include "hmesh/core/function_ref.hpp"
@@ -37,7 +37,7 @@ namespace hmesh::kit {
 
 /// Inserts the vertices that stand for these pixels, given as y * width + x, in spatial order. False: go_on(), called between
 /// some thousands, said so.
-[[nodiscard]] HMESH_COLD inline bool insert_pixels(Delaunay& delaunay, const std::vector<std::uint32_t>& pixels,
+[[nodiscard]] HMESH_COLD inline bool insert_pixels(Delaunay& delaunay, const Array<std::uint32_t>& pixels,
                                                    FunctionRef<bool()> go_on) {
     const auto place = [&](std::uint32_t pixel) {
         return pixel_vertex(pixel, delaunay.width(), delaunay.height(), delaunay.samples());
@@ -52,7 +52,7 @@ namespace hmesh::kit {
 }
 
 /// Drops the pixels, given as y * width + x, on the sides along which the image repeats, whose vertices would be on the sides.
-HMESH_COLD inline void leave_out_sides(std::vector<std::uint32_t>& pixels, int width, int height, Periodic periodic) {
+HMESH_COLD inline void leave_out_sides(Array<std::uint32_t>& pixels, int width, int height, Periodic periodic) {
     const auto columns = static_cast<std::uint32_t>(width), rows = static_cast<std::uint32_t>(height);
     const auto is_outermost = [](std::uint32_t i, std::uint32_t size) { return size > 1 && (i == 0 || i + 1 == size); };
     std::size_t kept = 0;
@@ -66,7 +66,7 @@ HMESH_COLD inline void leave_out_sides(std::vector<std::uint32_t>& pixels, int w
 /// Inserts for each vertex on a side along which the image repeats the one opposite to it, so that the sides pair.
 HMESH_COLD inline void pair_sides(Delaunay& delaunay, Periodic periodic) {
     const double width = delaunay.width(), height = delaunay.height();
-    std::vector<Point> opposite;
+    Array<Point> opposite;
     for (const Vertex v : delaunay.topology().vertices()) {
         const Point p = delaunay.position(v);
         if (wraps_x(periodic) && (p.x == 0 || p.x == width)) opposite.push_back({width - p.x, p.y});
@@ -196,7 +196,7 @@ class ValenceBound {
 /// more edges. O(n) where there is nothing to do.
 template <int C>
 [[nodiscard]] HMESH_COLD bool bound_valence(IndexedMesh<C>& mesh, int limit) {
-    std::vector<int> faces(mesh.vertex_count(), 0);
+    Array<int> faces(mesh.vertex_count(), 0);
     for (const Triangle& t : mesh.faces)
         for (const std::uint32_t v : t) ++faces[v];
     // A vertex on the border has one edge more than faces.

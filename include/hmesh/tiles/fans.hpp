@@ -9,8 +9,8 @@
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
-#include <vector>
 
+#include "hmesh/core/array.hpp"
 #include "hmesh/core/compiler.hpp"
 #include "hmesh/core/function_ref.hpp"
 #include "hmesh/mesh/coded_order.hpp"
@@ -31,7 +31,7 @@ struct FanCorner {
 
 /// Sorts corners by vertex and face, finds their fans, and calls body(begin, end) for those of each vertex. O(corners),
 /// and the square of the corners of each vertex.
-HMESH_COLD inline void find_fans(std::vector<FanCorner>& corners, FunctionRef<void(std::size_t begin, std::size_t end)> body) {
+HMESH_COLD inline void find_fans(Array<FanCorner>& corners, FunctionRef<void(std::size_t begin, std::size_t end)> body) {
     corners = in_order(
         corners, sorted_numbers(corners.size(), [&](std::uint32_t k) { return code_of(corners[k].vertex, corners[k].face); }));
     for (std::size_t begin = 0, end = 0; begin < corners.size(); begin = end) {

@@ -12,6 +12,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "hmesh/core/array.hpp"
 #include "hmesh/core/compiler.hpp"
 #include "hmesh/core/status.hpp"
 #include "hmesh/fit/image_source.hpp"
@@ -32,14 +33,14 @@ template <int C>
 struct IndexedMesh {
     int width = 0;                       ///< px of the image; the faces tile [0, width] x [0, height], or the torus
     int height = 0;                      ///< px of the image
-    std::vector<Point> positions;        ///< px, y down, on the 1/256 px grid
-    std::vector<Color<C>> colors;        ///< stored values
-    std::vector<unsigned char> dirty;    ///< not 0: surroundings changed since the vertex was last optimised
+    Array<Point> positions;              ///< px, y down, on the 1/256 px grid
+    Array<Color<C>> colors;              ///< stored values
+    Array<unsigned char> dirty;          ///< not 0: surroundings changed since the vertex was last optimised
     std::vector<Triangle> faces;         ///< indices of vertices, each face turning like (0, 0), (1, 0), (0, 1)
     double energy = 0;                   ///< squared error over pixels and channels, as of the last phase of work
     std::size_t locked_count = 0;        ///< the first so many vertices were locked in the last phase of work
     Periodic periodic = Periodic::none;  ///< along which axes the mesh repeats
-    std::vector<std::uint32_t> roots{};  ///< of each vertex of a periodic mesh: itself, or the one that it is a copy of
+    Array<std::uint32_t> roots{};        ///< of each vertex of a periodic mesh: itself, or the one that it is a copy of
     std::size_t copy_count = 0;          ///< vertices that are copies of others
     bool has_fixed_border = false;       ///< whether vertices and edges on the border stay as they are
     Samples samples = Samples::squares;  ///< of the image; for points the faces tile what is 1/2 px inside (mesh/samples.hpp)
@@ -74,8 +75,8 @@ struct IndexedMesh {
 namespace detail {
 
 /// What check() says of a periodic mesh besides its arrays' lengths.
-[[nodiscard]] HMESH_COLD inline Status check_sheet(const std::vector<Point>& positions, const std::vector<Triangle>& faces,
-                                                   const std::vector<std::uint32_t>& roots, const Torus& torus) {
+[[nodiscard]] HMESH_COLD inline Status check_sheet(const Array<Point>& positions, const std::vector<Triangle>& faces,
+                                                   const Array<std::uint32_t>& roots, const Torus& torus) {
     for (std::size_t v = 0; v < positions.size(); ++v) {
         const Point p = positions[v];
         const auto is_far = [](double x, int size) { return !(std::abs(x) <= 64.0 * size); };
@@ -85,7 +86,7 @@ namespace detail {
             return {Errc::invalid_argument, "a vertex is off the grid", v};
     }
     // Roots need not be the first of their vertices.
-    const std::vector<std::uint32_t> fresh = tied_vertices(positions, torus);
+    const Array<std::uint32_t> fresh = tied_vertices(positions, torus);
     for (std::size_t v = 0; v < roots.size(); ++v)
         if (roots[v] >= roots.size() || fresh[v] != fresh[roots[v]] || roots[roots[v]] != roots[v] ||
             (fresh[v] != v && roots[v] != roots[fresh[v]]))

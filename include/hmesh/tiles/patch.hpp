@@ -21,6 +21,7 @@
 #include <utility>
 #include <vector>
 
+#include "hmesh/core/array.hpp"
 #include "hmesh/core/assert.hpp"
 #include "hmesh/core/compiler.hpp"
 #include "hmesh/core/parallel.hpp"
@@ -42,25 +43,25 @@ namespace detail {
 /// A cut of a mesh along a tiling: which faces each tile has, and in which tile each vertex is free.
 struct Cut {
     static constexpr std::uint32_t locked = 0xffffffffU;  ///< the owner of vertices that are free in no tile
-    std::vector<std::uint32_t> faces;       ///< faces of the mesh by tile; those of tile k at [first[k], first[k + 1])
-    std::vector<std::size_t> first;         ///< one more entry than tiles
-    std::vector<std::uint32_t> owner;       ///< of each vertex: the tile where it is free, or `locked`
-    std::vector<std::uint32_t> number;      ///< of each vertex: its place among the free ones of its tile or the locked
-    std::vector<std::uint16_t> face_count;  ///< of each vertex: its faces in the mesh, those of its copies included
-    std::vector<std::size_t> free_count;    ///< of each tile: the vertices that are free in it
-    std::size_t locked_count = 0;           ///< vertices that are free in no tile
+    Array<std::uint32_t> faces;       ///< faces of the mesh by tile; those of tile k at [first[k], first[k + 1])
+    Array<std::size_t> first;         ///< one more entry than tiles
+    Array<std::uint32_t> owner;       ///< of each vertex: the tile where it is free, or `locked`
+    Array<std::uint32_t> number;      ///< of each vertex: its place among the free ones of its tile or the locked
+    Array<std::uint16_t> face_count;  ///< of each vertex: its faces in the mesh, those of its copies included
+    Array<std::size_t> free_count;    ///< of each tile: the vertices that are free in it
+    std::size_t locked_count = 0;     ///< vertices that are free in no tile
 };
 
 /// Cuts a mesh along a tiling. `roots`: of a periodic mesh, as IndexedMesh has them, whose copies and the vertices that have some
 /// are free in no tile; else empty. O(faces).
-[[nodiscard]] HMESH_COLD inline Cut cut(const std::vector<Point>& positions, const std::vector<Triangle>& faces,
-                                        const Tiling& tiling, const std::vector<std::uint32_t>& roots = {}) {
+[[nodiscard]] HMESH_COLD inline Cut cut(const Array<Point>& positions, const std::vector<Triangle>& faces, const Tiling& tiling,
+                                        const Array<std::uint32_t>& roots = {}) {
     constexpr std::uint32_t none = 0xfffffffeU;
     const std::size_t n = positions.size();
     Cut cut;
-    std::vector<std::uint32_t> tile(faces.size());
+    Array<std::uint32_t> tile(faces.size());
     cut.first.resize(tiling.size() + 1);
-    cut.owner = std::vector<std::uint32_t>(n, none);
+    cut.owner = Array<std::uint32_t>(n, none);
     cut.face_count.resize(n);
     for (std::size_t v = 0; v < roots.size(); ++v)
         if (roots[v] != v) cut.owner[v] = cut.owner[roots[v]] = Cut::locked;
@@ -79,7 +80,7 @@ struct Cut {
     for (std::size_t v = 0; v < roots.size(); ++v) cut.face_count[v] = cut.face_count[roots[v]];
     for (std::size_t k = 0; k < tiling.size(); ++k) cut.first[k + 1] += cut.first[k];
     cut.faces.resize(faces.size());
-    std::vector<std::size_t> at(cut.first.begin(), cut.first.end() - 1);
+    Array<std::size_t> at(cut.first.begin(), cut.first.end() - 1);
     for (std::size_t t = 0; t < tile.size(); ++t) cut.faces[at[tile[t]]++] = static_cast<std::uint32_t>(t);
     cut.number.resize(n);
     cut.free_count.resize(tiling.size());
@@ -90,15 +91,15 @@ struct Cut {
 }
 
 /// The number of faces of each tile.
-[[nodiscard]] HMESH_COLD inline std::vector<double> face_counts(const Cut& cut) {
-    std::vector<double> counts(cut.first.size() - 1);
+[[nodiscard]] HMESH_COLD inline Array<double> face_counts(const Cut& cut) {
+    Array<double> counts(cut.first.size() - 1);
     for (std::size_t k = 0; k < counts.size(); ++k) counts[k] = static_cast<double>(cut.first[k + 1] - cut.first[k]);
     return counts;
 }
 
 /// The tiles of size > 0, the largest first.
-[[nodiscard]] HMESH_COLD inline std::vector<std::size_t> largest_first(const std::vector<double>& sizes) {
-    std::vector<std::size_t> tiles;
+[[nodiscard]] HMESH_COLD inline Array<std::size_t> largest_first(const Array<double>& sizes) {
+    Array<std::size_t> tiles;
     for (const Coded& at : sorted_numbers(sizes.size(), [&](std::uint32_t k) { return code_of(-sizes[k]); }))
         if (sizes[at.number] > 0) tiles.push_back(at.number);
     return tiles;
@@ -113,14 +114,14 @@ struct PatchFaces {
         int face_count;        ///< faces of this fan
     };
     std::vector<Triangle> faces;  ///< in the order of Cut::faces
-    std::vector<Locked> locked;   ///< vertices after the free ones
+    Array<Locked> locked;         ///< vertices after the free ones
 };
 
 /// Numbers the vertices of a tile's faces for its patch. O(faces of the tile), and the square of the faces around each locked
 /// vertex.
 [[nodiscard]] HMESH_COLD inline PatchFaces renumber(const std::vector<Triangle>& faces, const Cut& cut, std::size_t tile) {
     PatchFaces patch;
-    std::vector<FanCorner> corners;  // at locked vertices
+    Array<FanCorner> corners;  // at locked vertices
     patch.faces.reserve(cut.first[tile + 1] - cut.first[tile]);
     for (std::size_t k = cut.first[tile]; k < cut.first[tile + 1]; ++k) {
         const Triangle& t = faces[cut.faces[k]];
@@ -148,14 +149,14 @@ struct PatchFaces {
 /// A patch after work, in the coordinates of the whole image, ready to be merged.
 template <int C>
 struct PatchResult {
-    std::vector<Point> positions;             ///< of the free vertices, px of the image
-    std::vector<Color<C>> colors;             ///< of the free vertices
-    std::vector<unsigned char> dirty;         ///< of the free vertices, as in IndexedMesh
-    std::vector<Triangle> faces;              ///< indices of free vertices, then of `locked`
-    std::vector<std::uint32_t> locked;        ///< locked vertices by their index in the cut mesh; may repeat
-    std::vector<std::uint32_t> locked_dirty;  ///< those that are dirty, by their index in the cut mesh
-    double first_energy = 0;                  ///< of the patch's faces before the work
-    double energy = 0;                        ///< of the patch's faces
+    Array<Point> positions;             ///< of the free vertices, px of the image
+    Array<Color<C>> colors;             ///< of the free vertices
+    Array<unsigned char> dirty;         ///< of the free vertices, as in IndexedMesh
+    std::vector<Triangle> faces;        ///< indices of free vertices, then of `locked`
+    Array<std::uint32_t> locked;        ///< locked vertices by their index in the cut mesh; may repeat
+    Array<std::uint32_t> locked_dirty;  ///< those that are dirty, by their index in the cut mesh
+    double first_energy = 0;            ///< of the patch's faces before the work
+    double energy = 0;                  ///< of the patch's faces
 };
 
 /// The result of a tile that was not worked on; its energies are not known.
@@ -211,7 +212,7 @@ class Patch {
     HMESH_COLD Patch(const IndexedMesh<C>& indexed, const ImageSource<C>& source, const detail::Cut& cut, std::size_t tile,
                      const MeshLimits& limits, const MomentTable<C>* whole = nullptr, const ParallelFor& parallel_for = {})
         : numbered_(detail::renumber(indexed.faces, cut, tile)), free_(cut.free_count[tile]) {
-        std::vector<std::uint32_t> vertices(free_ + numbered_.locked.size());  // by their index in the mesh that was cut
+        Array<std::uint32_t> vertices(free_ + numbered_.locked.size());  // by their index in the mesh that was cut
         for (std::size_t k = 0; k < numbered_.locked.size(); ++k) vertices[free_ + k] = numbered_.locked[k].vertex;
         for (std::size_t k = cut.first[tile]; k < cut.first[tile + 1]; ++k)
             for (const std::uint32_t v : indexed.faces[cut.faces[k]])
@@ -229,8 +230,8 @@ class Patch {
         origin_ = {static_cast<double>(x), static_cast<double>(y)};
         if (whole == nullptr)
             table_ = source.table({x, y, static_cast<int>(std::ceil(high.x)) - x, static_cast<int>(std::ceil(high.y)) - y});
-        std::vector<Point> positions;
-        std::vector<Color<C>> colors;
+        Array<Point> positions;
+        Array<Color<C>> colors;
         positions.reserve(vertices.size());
         colors.reserve(vertices.size());
         for (const std::uint32_t v : vertices) {
@@ -274,8 +275,8 @@ class Patch {
     /// The energy with which the patch began.
     [[nodiscard]] double first_energy() const noexcept { return first_energy_; }
     /// The vertices that are not locked, in spatial order.
-    [[nodiscard]] HMESH_COLD std::vector<Vertex> free_vertices() const {
-        std::vector<Vertex> vertices = spatial_vertices(mesh_);
+    [[nodiscard]] HMESH_COLD Array<Vertex> free_vertices() const {
+        Array<Vertex> vertices = spatial_vertices(mesh_);
         vertices.erase(std::remove_if(vertices.begin(), vertices.end(),
                                       [&](Vertex v) { return mesh_.vertex(v).mobility == Mobility::locked; }),
                        vertices.end());
@@ -283,17 +284,17 @@ class Patch {
     }
     /// The vertices that are free here and were locked in the phase before, in spatial order, as far as they are left; handed out
     /// once, then none.
-    [[nodiscard]] HMESH_COLD std::vector<Vertex> take_was_locked() {
+    [[nodiscard]] HMESH_COLD Array<Vertex> take_was_locked() {
         was_locked_.erase(
             std::remove_if(was_locked_.begin(), was_locked_.end(), [&](Vertex v) { return mesh_.topology().is_deleted(v); }),
             was_locked_.end());
-        const std::vector<Vertex> vertices = std::exchange(was_locked_, {});
+        const Array<Vertex> vertices = std::exchange(was_locked_, {});
         return in_spatial_order<Vertex>(vertices, vertices.size(), [&](Vertex v) { return mesh_.position(v); });
     }
     /// The same and their free neighbours, which could not do all that they can either.
-    [[nodiscard]] HMESH_COLD std::vector<Vertex> take_hindered() {
-        std::vector<Vertex> vertices = take_was_locked();
-        std::vector<unsigned char> known(mesh_.topology().vertex_slots(), 0);
+    [[nodiscard]] HMESH_COLD Array<Vertex> take_hindered() {
+        Array<Vertex> vertices = take_was_locked();
+        Array<unsigned char> known(mesh_.topology().vertex_slots(), 0);
         for (const Vertex v : vertices) known[v.index()] = 1;
         const std::size_t count = vertices.size();
         for (std::size_t k = 0; k < count; ++k)
@@ -312,7 +313,7 @@ class Patch {
     /// The patch as it is now, in the coordinates of the whole image; free vertices and faces are in spatial order.
     [[nodiscard]] HMESH_COLD detail::PatchResult<C> result() const {
         detail::PatchResult<C> out;
-        std::vector<std::uint32_t> number(mesh_.topology().vertex_slots());
+        Array<std::uint32_t> number(mesh_.topology().vertex_slots());
         const auto is_locked = [&](Vertex v) { return v.index() >= free_ && v.index() < free_ + numbered_.locked.size(); };
         out.positions.reserve(free_count());
         out.colors.reserve(free_count());
@@ -346,7 +347,7 @@ class Patch {
     std::size_t free_;  ///< slots [0, free_) began as free vertices, then come the locked ones, later slots are new vertices
     Point origin_;
     double first_energy_ = 0;
-    std::vector<Vertex> was_locked_;
+    Array<Vertex> was_locked_;
     MomentTable<C> table_;  ///< of its own, or empty
     ImageMesh<C> mesh_;
 };

@@ -13,6 +13,7 @@
 #include <utility>
 #include <vector>
 
+#include "hmesh/core/array.hpp"
 #include "hmesh/core/compiler.hpp"
 #include "hmesh/mesh/geometry.hpp"
 #include "hmesh/mesh/mesh.hpp"
@@ -27,23 +28,23 @@ namespace detail {
 
 /// A sheet made of another one.
 struct Recut {
-    std::vector<Point> positions;      ///< of its vertices
-    std::vector<Triangle> faces;       ///< in the order of the other sheet's
-    std::vector<std::uint32_t> roots;  ///< as IndexedMesh::roots
-    std::vector<std::uint32_t> from;   ///< of each vertex, the other sheet's vertex that is the same on the torus
-    std::size_t locked_count = 0;      ///< the first so many vertices were among as many of the other sheet
+    Array<Point> positions;        ///< of its vertices
+    std::vector<Triangle> faces;   ///< in the order of the other sheet's
+    Array<std::uint32_t> roots;    ///< as IndexedMesh::roots
+    Array<std::uint32_t> from;     ///< of each vertex, the other sheet's vertex that is the same on the torus
+    std::size_t locked_count = 0;  ///< the first so many vertices were among as many of the other sheet
 };
 
 /// The sheet whose face f is that of another one, with `roots`, after turns[f].
-[[nodiscard]] HMESH_COLD inline Recut moved_faces(const std::vector<Point>& positions, const std::vector<Triangle>& faces,
-                                                  const std::vector<std::uint32_t>& roots, const std::vector<Turns>& turns,
+[[nodiscard]] HMESH_COLD inline Recut moved_faces(const Array<Point>& positions, const std::vector<Triangle>& faces,
+                                                  const Array<std::uint32_t>& roots, const Array<Turns>& turns,
                                                   std::size_t locked_count, const Torus& torus) {
     const std::size_t n = positions.size();
     // As a rule a vertex has one copy, the first; the others are numbered.
-    std::vector<Turns> first(n);
-    std::vector<unsigned char> is_known(n, 0);
-    std::vector<VertexCopy> others;
-    std::vector<std::uint32_t> corners;  // of these, 3 * face + number
+    Array<Turns> first(n);
+    Array<unsigned char> is_known(n, 0);
+    Array<VertexCopy> others;
+    Array<std::uint32_t> corners;  // of these, 3 * face + number
     for (std::uint32_t corner = 0; corner < 3 * faces.size(); ++corner) {
         const std::uint32_t v = faces[corner / 3][corner % 3], root = roots[v];
         const Turns own = v == root ? Turns() : turns_between(positions[root], positions[v], torus);
@@ -56,7 +57,7 @@ struct Recut {
     const NumberedCopies copies = numbered(others);
 
     Recut out;
-    std::vector<std::uint32_t> number(n), of_copy(copies.different.size());
+    Array<std::uint32_t> number(n), of_copy(copies.different.size());
     const auto add = [&](std::uint32_t root, Turns by) {
         out.positions.push_back(turned(positions[root], by, torus));
         out.from.push_back(root);
@@ -82,10 +83,9 @@ struct Recut {
 }
 
 /// The turns of the faces of a sheet that bring their centroids into the rectangle of the image's size that begins at (x, y).
-[[nodiscard]] HMESH_COLD inline std::vector<Turns> turns_of_faces(const std::vector<Point>& positions,
-                                                                  const std::vector<Triangle>& faces, int x, int y,
-                                                                  const Torus& torus) {
-    std::vector<Turns> turns(faces.size());
+[[nodiscard]] HMESH_COLD inline Array<Turns> turns_of_faces(const Array<Point>& positions, const std::vector<Triangle>& faces,
+                                                            int x, int y, const Torus& torus) {
+    Array<Turns> turns(faces.size());
     for (std::size_t f = 0; f < faces.size(); ++f) {
         Point sum;
         for (const std::uint32_t v : faces[f]) sum = {sum.x + positions[v].x, sum.y + positions[v].y};
@@ -96,16 +96,15 @@ struct Recut {
 
 /// The turns of the faces of a sheet that shorten its border: a face goes to the side where two of its neighbours are as long as
 /// there is one.
-[[nodiscard]] HMESH_COLD inline std::vector<Turns> shortening_turns(const std::vector<Point>& positions,
-                                                                    const std::vector<Triangle>& faces,
-                                                                    const std::vector<std::uint32_t>& roots, const Torus& torus) {
-    const std::vector<TorusSide> sides = torus_sides(positions, faces, roots, torus);
+[[nodiscard]] HMESH_COLD inline Array<Turns> shortening_turns(const Array<Point>& positions, const std::vector<Triangle>& faces,
+                                                              const Array<std::uint32_t>& roots, const Torus& torus) {
+    const Array<TorusSide> sides = torus_sides(positions, faces, roots, torus);
     struct Neighbor {
         std::uint32_t face = 0;
         Turns away;  // how far it is from where the face would meet it
         bool exists = false;
     };
-    std::vector<Neighbor> neighbors(3 * faces.size());
+    Array<Neighbor> neighbors(3 * faces.size());
     for (std::size_t k = 0; k + 1 < sides.size(); ++k) {
         const TorusSide &one = sides[k], &other = sides[k + 1];
         if (!one.is_beside(other)) continue;
@@ -113,7 +112,7 @@ struct Recut {
         neighbors[other.corner] = {one.corner / 3, one.at - other.at, true};
         ++k;
     }
-    std::vector<Turns> turns(faces.size());
+    Array<Turns> turns(faces.size());
     // Each move takes an edge off the border, so there is an end.
     for (bool changed = true; changed;) {
         changed = false;
@@ -143,17 +142,16 @@ struct Recut {
 
 /// Renames corners of faces where several fans of faces meet in one vertex of a sheet: each fan but the first gets a vertex of
 /// its own, numbered from positions.size() on. Returns the vertices that these are copies of. `roots`: as IndexedMesh::roots.
-[[nodiscard]] HMESH_COLD inline std::vector<std::uint32_t> split_fans(const std::vector<std::uint32_t>& roots,
-                                                                      std::vector<Triangle>& faces) {
-    std::vector<unsigned char> is_tied(roots.size(), 0);
+[[nodiscard]] HMESH_COLD inline Array<std::uint32_t> split_fans(const Array<std::uint32_t>& roots, std::vector<Triangle>& faces) {
+    Array<unsigned char> is_tied(roots.size(), 0);
     for (std::size_t v = 0; v < roots.size(); ++v)
         if (roots[v] != v) is_tied[v] = is_tied[roots[v]] = 1;
-    std::vector<FanCorner> corners;
+    Array<FanCorner> corners;
     for (std::uint32_t f = 0; f < faces.size(); ++f)
         for (std::uint32_t c = 0; c < 3; ++c)
             if (const Triangle& t = faces[f]; is_tied[t[c]] != 0)
                 corners.push_back({t[c], f, c, t[(c + 1) % 3], t[(c + 2) % 3], 0});
-    std::vector<std::uint32_t> added;
+    Array<std::uint32_t> added;
     find_fans(corners, [&](std::size_t begin, std::size_t end) {
         for (std::size_t i = begin + 1; i < end; ++i) {  // the first fan keeps the vertex
             if (corners[i].fan != i) continue;
@@ -171,8 +169,8 @@ template <int C>
 HMESH_COLD void take(IndexedMesh<C>& mesh, Recut&& sheet) {
     for (std::size_t v = 0; v < mesh.vertex_count(); ++v)
         if (mesh.dirty[v] != 0) mesh.dirty[mesh.roots[v]] = 1;
-    std::vector<Color<C>> colors;
-    std::vector<unsigned char> dirty;
+    Array<Color<C>> colors;
+    Array<unsigned char> dirty;
     colors.reserve(sheet.from.size());
     dirty.reserve(sheet.from.size());
     for (const std::uint32_t v : sheet.from) {
@@ -214,7 +212,7 @@ template <int C>
 template <int C>
 HMESH_COLD void recut(IndexedMesh<C>& mesh, int x, int y) {
     if (mesh.periodic == Periodic::none) return;
-    const std::vector<Turns> turns = detail::turns_of_faces(mesh.positions, mesh.faces, x, y, mesh.torus());
+    const Array<Turns> turns = detail::turns_of_faces(mesh.positions, mesh.faces, x, y, mesh.torus());
     detail::take(mesh, detail::moved_faces(mesh.positions, mesh.faces, mesh.roots, turns, mesh.locked_count, mesh.torus()));
 }
 
@@ -225,7 +223,7 @@ HMESH_COLD void finish_cut(IndexedMesh<C>& mesh, bool straight) {
     if (mesh.periodic == Periodic::none) return;
     recut(mesh, 0, 0);
     if (!straight) {
-        const std::vector<Turns> turns = detail::shortening_turns(mesh.positions, mesh.faces, mesh.roots, mesh.torus());
+        const Array<Turns> turns = detail::shortening_turns(mesh.positions, mesh.faces, mesh.roots, mesh.torus());
         detail::take(mesh, detail::moved_faces(mesh.positions, mesh.faces, mesh.roots, turns, 0, mesh.torus()));
     }
     for (const std::uint32_t v : detail::split_fans(mesh.roots, mesh.faces)) {

@@ -16,6 +16,7 @@
 #include <utility>
 #include <vector>
 
+#include "hmesh/core/array.hpp"
 #include "hmesh/core/compiler.hpp"
 #include "hmesh/core/function_ref.hpp"
 #include "hmesh/core/parallel.hpp"
@@ -143,7 +144,7 @@ class TiledMesh {
     /// Computes indexed().energy for the positions and colours that the mesh has now, also after a cancellation. One table of
     /// each tile. look(), where set, sees the patch of each tile that has faces, as pieces of work.
     HMESH_COLD void measure(const Tiling& tiling, FunctionRef<void(const ImageMesh<C>& mesh, std::size_t tile)> look = {}) {
-        std::vector<double> energies(tiling.size(), 0.0);
+        Array<double> energies(tiling.size(), 0.0);
         const auto body = [&](Patch<C>& patch, std::size_t k, const std::uint32_t*) {
             energies[k] = patch.mesh().energy();
             if (look) look(patch.mesh(), k);
@@ -175,8 +176,8 @@ class TiledMesh {
     }
 
     /// Calls body(tile, task) for the tiles of size > 0, the largest first; after a cancellation no more, unless `all`.
-    HMESH_COLD void run(const std::vector<double>& sizes, FunctionRef<void(std::size_t, TaskProgress&)> body, bool all = false) {
-        const std::vector<std::size_t> tiles = detail::largest_first(sizes);
+    HMESH_COLD void run(const Array<double>& sizes, FunctionRef<void(std::size_t, TaskProgress&)> body, bool all = false) {
+        const Array<std::size_t> tiles = detail::largest_first(sizes);
         double sum = 0;
         for (const double size : sizes) sum += size;
         const auto piece = [&](std::size_t i) {
@@ -190,7 +191,7 @@ class TiledMesh {
     /// The four calls above.
     HMESH_COLD bool cut_and_run(const Tiling& tiling, bool at_seams, bool changes, PatchWork body) {
         cut_along(tiling);
-        std::vector<double> sizes = at_seams ? std::vector<double>(tiling.size(), 0.0) : detail::face_counts(cut_);
+        Array<double> sizes = at_seams ? Array<double>(tiling.size(), 0.0) : detail::face_counts(cut_);
         for (std::size_t v = 0; at_seams && v < indexed_.locked_count; ++v)
             if (cut_.owner[v] != detail::Cut::locked) ++sizes[cut_.owner[v]];
         const MomentTable<C>* const whole = whole_table(sizes.size() == 1);
@@ -253,7 +254,7 @@ class TiledMesh {
         merged.samples = indexed_.samples;
         merged.has_fixed_border = indexed_.has_fixed_border;
         merged.copy_count = indexed_.copy_count;
-        std::vector<std::size_t> first_vertex(results.size() + 1, cut.locked_count), first_face(results.size() + 1, 0);
+        Array<std::size_t> first_vertex(results.size() + 1, cut.locked_count), first_face(results.size() + 1, 0);
         for (std::size_t k = 0; k < results.size(); ++k) {
             first_vertex[k + 1] = first_vertex[k] + results[k].positions.size();
             first_face[k + 1] = first_face[k] + results[k].faces.size();

@@ -5,8 +5,8 @@
 
 #include <algorithm>
 #include <cstddef>
-#include <vector>
 
+#include "hmesh/core/array.hpp"
 #include "hmesh/image/image_view.hpp"
 #include "hmesh/mesh/geometry.hpp"
 #include "hmesh/mesh/periodic.hpp"
@@ -50,17 +50,17 @@ class Tiling {
 
   private:
     /// The lines across a side of `size` px, from 0 to `size`; where it `wraps`, from the first line on as far.
-    [[nodiscard]] static std::vector<int> lines(int size, double tile, bool shift, bool wraps) {
+    [[nodiscard]] static Array<int> lines(int size, double tile, bool shift, bool wraps) {
         const int count = std::max(1, static_cast<int>(std::min(65536.0, size / tile + 0.5)));
         const auto line = [&](double k) { return static_cast<int>(size * k / count + 0.5); };
         if (wraps) {
             const double first = shift ? 0.75 : 0.25;
-            std::vector<int> at{line(first)};
+            Array<int> at{line(first)};
             for (int k = 1; k <= count; ++k)
                 if (const int next = k == count ? at.front() + size : line(k + first); next > at.back()) at.push_back(next);
             return at;
         }
-        std::vector<int> at{0};
+        Array<int> at{0};
         // Where tiles are about a pixel wide, rounding may bring two lines together: one of them is left out.
         for (int k = shift && count > 1 ? 0 : 1; k < count; ++k)
             if (const int next = line(shift ? k + 0.5 : k); next > at.back() && next < size) at.push_back(next);
@@ -68,11 +68,11 @@ class Tiling {
         return at;
     }
     /// The index of the interval of `at` that holds x.
-    [[nodiscard]] static std::size_t find(const std::vector<int>& at, double x) noexcept {
+    [[nodiscard]] static std::size_t find(const Array<int>& at, double x) noexcept {
         const auto after = std::upper_bound(at.begin() + 1, at.end() - 1, x, [](double a, int b) { return a < b; });
         return static_cast<std::size_t>(after - at.begin()) - 1;
     }
-    std::vector<int> x_, y_;  ///< the lines, px
+    Array<int> x_, y_;  ///< the lines, px
 };
 
 }  // namespace hmesh::kit

@@ -155,7 +155,7 @@ class ExportMesh {
 
     // Gives the copies of a vertex on the border the sum of what they have: they are one vertex, and keep one colour.
     void add_up_copies(std::vector<double>& sums) const {
-        const std::vector<std::uint32_t> roots =
+        const kit::Array<std::uint32_t> roots =
             kit::tied_vertices(kit::positions_of(view_), {view_.width, view_.height, view_.periodic});
         for (std::size_t v = 0; v < roots.size(); ++v)
             for (std::size_t k = 0; k < 4 && roots[v] != v; ++k) sums[4 * std::size_t{roots[v]} + k] += sums[4 * v + k];

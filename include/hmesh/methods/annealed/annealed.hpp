@@ -26,6 +26,7 @@
 #include <utility>
 #include <vector>
 
+#include "hmesh/core/array.hpp"
 #include "hmesh/core/compiler.hpp"
 #include "hmesh/core/finite.hpp"
 #include "hmesh/core/progress.hpp"
@@ -78,11 +79,11 @@ template <int C>
 
 /// Whether these are the vertices on the border of a mesh.
 template <int C>
-[[nodiscard]] HMESH_COLD bool has_border(const IndexedMesh<C>& mesh, const std::vector<Point>& border) {
-    std::vector<Point> its;
+[[nodiscard]] HMESH_COLD bool has_border(const IndexedMesh<C>& mesh, const Array<Point>& border) {
+    Array<Point> its;
     for (std::size_t v = 0; v < mesh.vertex_count(); ++v)
         if (mesh.is_on_border(v)) its.push_back(mesh.positions[v]);
-    const auto sorted = [](const std::vector<Point>& points) {
+    const auto sorted = [](const Array<Point>& points) {
         return in_order(points, sorted_numbers(
                                     points.size(), [&](std::uint32_t k) { return code_of(points[k].y); },
                                     [&](std::uint32_t k) { return code_of(points[k].x); }));
@@ -93,7 +94,7 @@ template <int C>
 /// Finds the vertices of the border that follows from Annealed::border_tolerance, or none where that is not set.
 template <int C>
 [[nodiscard]] HMESH_COLD Status find_border(const ImageSource<C>& source, std::optional<double> tolerance, std::size_t n,
-                                            std::vector<Point>& border) {
+                                            Array<Point>& border) {
     if (!tolerance) return {};
     if (source.samples() != Samples::points)
         return {Errc::invalid_argument, "border_tolerance is for samples that are points, and they are squares"};
@@ -123,7 +124,7 @@ class AnnealedRun {
   public:
     /// `border`: the vertices of a border that stays as it is, and that a mesh to start from has; empty: none.
     AnnealedRun(TiledMesh<C>& tiled, std::size_t n, const AnnealedSteps& steps, std::uint64_t seed, double tile,
-                const std::vector<Point>& border)
+                const Array<Point>& border)
         : tiled_(&tiled), n_(n), steps_(steps), seed_(seed), tile_(tile), border_(&border), aligned_(tiling(0)),
           has_seams_(tiled.has_seams(aligned_)) {}
 
@@ -183,8 +184,8 @@ class AnnealedRun {
         // The corners come by themselves.
         const auto given = static_cast<double>(std::max<std::size_t>(4, border_->size()));
         const double wanted = std::max(0.0, std::ceil(static_cast<double>(n_) * steps_.points) - given);
-        std::vector<std::uint32_t> pixels;
-        std::vector<Point> on_seams;
+        Array<std::uint32_t> pixels;
+        Array<Point> on_seams;
         {
             Image<float, 1> ranks = std::move(tiled_->notes().point_ranks), density;
             if (ranks.size() == 0) density = point_density(source, tiled_->parallel_for(), go_on);
@@ -226,7 +227,7 @@ class AnnealedRun {
         double share;        ///< of the patch in the vertices of the whole mesh, when the phase began
     };
     /// What is done in a patch to some of its vertices, in spatial order.
-    using PieceWork = FunctionRef<void(ImageMesh<C>& mesh, const std::vector<Vertex>& vertices, const Piece& piece)>;
+    using PieceWork = FunctionRef<void(ImageMesh<C>& mesh, const Array<Vertex>& vertices, const Piece& piece)>;
     /// The pieces of a phase are numbered from 0 to this.
     [[nodiscard]] std::size_t piece_count(int phase) const { return 2 * tiling(phase).size(); }
 
@@ -237,7 +238,7 @@ class AnnealedRun {
         progress().set_range(from, to);
         return tiled_->for_each(tiling(phase_), [&](Patch<C>& patch, std::size_t tile) {
             const double share = static_cast<double>(patch.vertex_count()) / count;
-            if (const std::vector<Vertex> missed = patch.take_hindered(); has_missed && !missed.empty())
+            if (const Array<Vertex> missed = patch.take_hindered(); has_missed && !missed.empty())
                 body(patch.mesh(), missed, {2 * tile, share});
             body(patch.mesh(), patch.free_vertices(), {2 * tile + 1, share});
         });
@@ -256,8 +257,8 @@ class AnnealedRun {
 
     /// The visits of the first mesh, as work on its pieces.
     [[nodiscard]] auto visits() const {
-        return [this](ImageMesh<C>& mesh, const std::vector<Vertex>& all, const Piece&) {
-            for_each_block(mesh, all, 0, [&](std::vector<Vertex>& vertices) {
+        return [this](ImageMesh<C>& mesh, const Array<Vertex>& all, const Piece&) {
+            for_each_block(mesh, all, 0, [&](Array<Vertex>& vertices) {
                 for (int round = 0; round < steps_.settle_rounds; ++round) {
                     sweep(mesh, vertices, steps_.settle);
                     flip_edges(mesh, own_edges(mesh, vertices), steps_.settle_flip_gain);
@@ -329,7 +330,7 @@ class AnnealedRun {
             const double sweeps = annealing.sweeps, t = k / sweeps;
             return k == 0 ? 0 : (0.4 + sweeps * t * (1.08 - 0.15 * t)) / (0.4 + 0.93 * sweeps);
         };
-        std::vector<AnnealingCounts> counts;
+        Array<AnnealingCounts> counts;
         const auto steer = [&] {
             AnnealingCounts sum;
             for (const AnnealingCounts& c : counts) {
@@ -341,7 +342,7 @@ class AnnealedRun {
         };
         for (int k = 0; k < annealing.sweeps; ++k) {
             const double tolerance = annealing.count_tolerance * (1 - static_cast<double>(k) / annealing.sweeps);
-            const auto body = [&](ImageMesh<C>& mesh, const std::vector<Vertex>& vertices, const Piece& piece) {
+            const auto body = [&](ImageMesh<C>& mesh, const Array<Vertex>& vertices, const Piece& piece) {
                 const double share = piece.share * static_cast<double>(n_);
                 const CountRange range{(1 - tolerance) * share, (1 + tolerance) * share};
                 const Random random(seed_, (static_cast<std::uint64_t>(k) << 32U) + piece.number);
@@ -366,8 +367,8 @@ class AnnealedRun {
     /// Begins where this fraction of the stage is done.
     HMESH_COLD bool polish(double from) {
         const int rounds = steps_.polish_rounds;
-        const auto body = [&](ImageMesh<C>& mesh, const std::vector<Vertex>& all, const Piece&) {
-            for_each_block(mesh, all, 0, [&](std::vector<Vertex>& vertices) {
+        const auto body = [&](ImageMesh<C>& mesh, const Array<Vertex>& all, const Piece&) {
+            for_each_block(mesh, all, 0, [&](Array<Vertex>& vertices) {
                 flip_edges(mesh, own_edges(mesh, vertices), steps_.polish.propagate_above);
                 sweep(mesh, vertices, steps_.polish);
             });
@@ -385,7 +386,7 @@ class AnnealedRun {
     AnnealedSteps steps_;
     std::uint64_t seed_;
     double tile_;
-    const std::vector<Point>* border_;
+    const Array<Point>* border_;
     Tiling aligned_;
     bool has_seams_;  ///< whether vertices are locked in some phases
     int phase_ = 0;   ///< the tiling of the last patches, and of the next
@@ -396,7 +397,7 @@ class AnnealedRun {
 /// run(first) runs the stages of a run as planned.
 template <int C, class Run>
 Status Annealed::run_or_grow(kit::TiledMesh<C>& mesh, std::size_t n, Run&& run) const {
-    std::vector<kit::Point> border;
+    kit::Array<kit::Point> border;
     if (const Status status = kit::detail::find_border(mesh.source(), border_tolerance, n, border); !status) return status;
     const int width = mesh.source().width(), height = mesh.source().height();
     kit::AnnealedSteps plan = steps.value_or(kit::annealed_steps(effort));
@@ -422,7 +423,7 @@ Status Annealed::run(kit::TiledMesh<C>& mesh, std::size_t n) const {
         if (const kit::ChannelScale<C>* const scale = mesh.source().scale())
             for (kit::Color<C>& color : from.colors) scale->to_scaled(color);
         if (const Status status = kit::detail::check_start(from, mesh.source()); !status) return status;
-        std::vector<kit::Point> border;
+        kit::Array<kit::Point> border;
         if (const Status status = kit::detail::find_border(mesh.source(), border_tolerance, n, border); !status) return status;
         if (border_tolerance && !kit::detail::has_border(from, border))
             return {Errc::invalid_argument, "the mesh to start from has not the sides that border_tolerance asks for"};

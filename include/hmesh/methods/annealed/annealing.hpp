@@ -16,8 +16,8 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
-#include <vector>
 
+#include "hmesh/core/array.hpp"
 #include "hmesh/core/function_ref.hpp"
 #include "hmesh/core/random.hpp"
 #include "hmesh/edit/blocks.hpp"
@@ -90,9 +90,9 @@ class AnnealingSweep {
     /// Works on these vertices, in spatial order, and on what belongs to them. Block by block: tries removals, insertions, flips
     /// and jumps, then visits dirty vertices twice with flips in between. Begins at a random block: a CountRange that ends it
     /// early would else favour the top of the image. Ends early where mesh.keep_going() says stop.
-    AnnealingCounts run(const std::vector<Vertex>& all) {
+    AnnealingCounts run(const Array<Vertex>& all) {
         AnnealingCounts counts;
-        for_each_block(*mesh_, all, random_.below(std::size_t{1} << 30U), [&](std::vector<Vertex>& vertices) {
+        for_each_block(*mesh_, all, random_.below(std::size_t{1} << 30U), [&](Array<Vertex>& vertices) {
             counts.removed += remove_moves(vertices);
             counts.inserted += insert_moves(vertices);
             flip_moves(vertices);
@@ -135,7 +135,7 @@ class AnnealingSweep {
     }
 
     /// Tries to collapse each vertex, and drops those that went. Returns how many went.
-    std::size_t remove_moves(std::vector<Vertex>& vertices) {
+    std::size_t remove_moves(Array<Vertex>& vertices) {
         const std::size_t before_all = vertices.size();
         for (const Vertex v : vertices) {
             if (static_cast<double>(mesh_->vertex_count()) < range_.low || !mesh_->keep_going()) break;
@@ -155,7 +155,7 @@ class AnnealingSweep {
     }
 
     /// Tries to insert a vertex on each edge and face, and adds those that came. Returns how many came.
-    std::size_t insert_moves(std::vector<Vertex>& vertices) {
+    std::size_t insert_moves(Array<Vertex>& vertices) {
         std::size_t inserted = 0;
         const double min_gain = options_.insertion_screen * price_;
         for (const InsertionSite site : own_sites(*mesh_, vertices)) {
@@ -179,7 +179,7 @@ class AnnealingSweep {
     }
 
     /// Tries to flip each edge.
-    void flip_moves(const std::vector<Vertex>& vertices) {
+    void flip_moves(const Array<Vertex>& vertices) {
         for (const Edge e : own_edges(*mesh_, vertices)) {
             if (!mesh_->keep_going()) break;
             if (!is_flippable(*mesh_, e)) continue;
@@ -201,7 +201,7 @@ class AnnealingSweep {
     }
 
     /// Displaces some free vertices at random, and keeps those displacements that are accepted.
-    void jump_moves(const std::vector<Vertex>& vertices) {
+    void jump_moves(const Array<Vertex>& vertices) {
         for (const Vertex v : vertices) {
             if (!mesh_->keep_going()) break;
             const VertexState<C> state = mesh_->vertex(v);
@@ -237,7 +237,7 @@ class AnnealingSweep {
     CountRange range_;
     Random random_;
     RingScratch<C> scratch_;
-    std::vector<Vertex> around_;
+    Array<Vertex> around_;
 };
 
 }  // namespace hmesh::kit

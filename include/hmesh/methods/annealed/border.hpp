@@ -17,8 +17,8 @@
 #include <cstddef>
 #include <cstdint>
 #include <limits>
-#include <vector>
 
+#include "hmesh/core/array.hpp"
 #include "hmesh/core/compiler.hpp"
 #include "hmesh/core/function_ref.hpp"
 #include "hmesh/fit/image_source.hpp"
@@ -35,11 +35,11 @@ inline constexpr std::size_t longest_chord = 1024;
 /// The fewest of `count` >= 2 samples, the first and the last among them, whose polyline passes all others within a tolerance
 /// >= 0 in each channel; chords are of longest_chord samples at most. In rising order.
 template <int C>
-[[nodiscard]] HMESH_COLD std::vector<std::uint32_t> polyline_nodes(const std::vector<std::array<double, std::size_t{C}>>& samples,
-                                                                   double tolerance) {
+[[nodiscard]] HMESH_COLD Array<std::uint32_t> polyline_nodes(const Array<std::array<double, std::size_t{C}>>& samples,
+                                                             double tolerance) {
     constexpr std::uint32_t unknown = std::numeric_limits<std::uint32_t>::max();
     const std::size_t count = samples.size();
-    std::vector<std::uint32_t> chords(count, unknown), before(count, 0);  // on the shortest way to each sample
+    Array<std::uint32_t> chords(count, unknown), before(count, 0);  // on the shortest way to each sample
     chords.front() = 0;
     for (std::size_t i = 0; i < count; ++i) {
         std::array<double, std::size_t{C}> low{}, high{};  // slopes of chords from here on
@@ -62,7 +62,7 @@ template <int C>
             if (!goes_on) break;
         }
     }
-    std::vector<std::uint32_t> nodes{static_cast<std::uint32_t>(count - 1)};
+    Array<std::uint32_t> nodes{static_cast<std::uint32_t>(count - 1)};
     while (nodes.back() != 0) nodes.push_back(before[nodes.back()]);
     std::reverse(nodes.begin(), nodes.end());
     return nodes;
@@ -70,16 +70,16 @@ template <int C>
 
 /// The vertices on the sides of an image of points, in the plane where it is fitted (mesh/samples.hpp), each once.
 template <int C>
-[[nodiscard]] HMESH_COLD std::vector<Point> border_vertices(const ImageSource<C>& source, double tolerance) {
-    std::vector<Point> vertices;
+[[nodiscard]] HMESH_COLD Array<Point> border_vertices(const ImageSource<C>& source, double tolerance) {
+    Array<Point> vertices;
     const auto add_side = [&](int count, bool has_ends, FunctionRef<Point(int i)> place) {
-        std::vector<std::array<double, std::size_t{C}>> samples(static_cast<std::size_t>(count));
+        Array<std::array<double, std::size_t{C}>> samples(static_cast<std::size_t>(count));
         for (int i = 0; i < count; ++i) {
             const Point p = place(i);
             const auto color = source.pixel(static_cast<int>(p.x), static_cast<int>(p.y));
             for (std::size_t c = 0; c < C; ++c) samples[static_cast<std::size_t>(i)][c] = color[static_cast<int>(c)];
         }
-        const std::vector<std::uint32_t> nodes = polyline_nodes<C>(samples, tolerance);
+        const Array<std::uint32_t> nodes = polyline_nodes<C>(samples, tolerance);
         for (std::size_t k = has_ends ? 0 : 1; k + (has_ends ? 0 : 1) < nodes.size(); ++k)
             vertices.push_back(place(static_cast<int>(nodes[k])));
     };

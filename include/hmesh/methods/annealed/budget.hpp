@@ -12,6 +12,7 @@
 #include <utility>
 #include <vector>
 
+#include "hmesh/core/array.hpp"
 #include "hmesh/core/compiler.hpp"
 #include "hmesh/edit/collapse.hpp"
 #include "hmesh/edit/insert.hpp"
@@ -27,11 +28,10 @@ namespace hmesh::kit {
 /// Apportions `count` items in proportion to `weights` >= 0, item k getting at most caps[k]; where only weights of 0 are left,
 /// equally. The result is of whole numbers, whose sum is `count` or, if less, the sum of the caps. O(size) for each round in
 /// which a cap is reached, at most `size` rounds.
-[[nodiscard]] inline std::vector<std::size_t> apportion(std::size_t count, std::vector<double> weights,
-                                                        const std::vector<std::size_t>& caps) {
+[[nodiscard]] inline Array<std::size_t> apportion(std::size_t count, Array<double> weights, const Array<std::size_t>& caps) {
     const std::size_t size = weights.size();
-    std::vector<std::size_t> out(size, 0);
-    std::vector<unsigned char> full(size, 0);
+    Array<std::size_t> out(size, 0);
+    Array<unsigned char> full(size, 0);
     for (bool changed = true; changed;) {
         changed = false;
         std::size_t left = count;
@@ -66,13 +66,13 @@ namespace detail {
 /// Removes the `count` cheapest of the vertices that cheapest_removals() has chosen in the patches of a tiling, removals[k] in
 /// that of tile k. Returns how many went.
 template <int C>
-HMESH_COLD std::size_t remove_chosen(TiledMesh<C>& tiled, const Tiling& tiling, const std::vector<std::vector<Removal>>& removals,
+HMESH_COLD std::size_t remove_chosen(TiledMesh<C>& tiled, const Tiling& tiling, const std::vector<Array<Removal>>& removals,
                                      std::size_t count, const Relaxation& relaxation) {
-    std::vector<Coded> all;  // by their costs, with the patch of the vertex
+    Array<Coded> all;  // by their costs, with the patch of the vertex
     for (std::size_t k = 0; k < removals.size(); ++k)
         for (const Removal& removal : removals[k]) all.push_back({code_of(removal.cost), static_cast<std::uint32_t>(k)});
     sort_by_code(all);
-    std::vector<std::size_t> quota(tiling.size(), 0);
+    Array<std::size_t> quota(tiling.size(), 0);
     for (std::size_t k = 0; k < std::min(count, all.size()); ++k) ++quota[all[k].number];
     const std::size_t before = tiled.vertex_count();
     tiled.for_each(tiling, [&](Patch<C>& patch, std::size_t tile) {
@@ -88,11 +88,11 @@ HMESH_COLD std::size_t remove_chosen(TiledMesh<C>& tiled, const Tiling& tiling, 
 template <int C>
 HMESH_COLD std::size_t remove_cheapest(TiledMesh<C>& tiled, const Tiling& tiling, std::size_t count, const Relaxation& relaxation,
                                        bool at_seams = false) {
-    std::vector<std::vector<Removal>> removals(tiling.size());
+    std::vector<Array<Removal>> removals(tiling.size());
     const auto [from, to] = tiled.progress().range();
     tiled.progress().set_range(from, 0.5 * (from + to));
     const auto choose = [&](Patch<C>& patch, std::size_t tile) {
-        const std::vector<Vertex> vertices = at_seams ? patch.take_was_locked() : patch.free_vertices();
+        const Array<Vertex> vertices = at_seams ? patch.take_was_locked() : patch.free_vertices();
         patch.mesh().expect(1, static_cast<double>(vertices.size()));
         removals[tile] = cheapest_removals(patch.mesh(), vertices, count);
     };
@@ -105,14 +105,14 @@ HMESH_COLD std::size_t remove_cheapest(TiledMesh<C>& tiled, const Tiling& tiling
 /// vertex was inserted; false also after a cancellation.
 template <int C>
 HMESH_COLD bool insert_best(TiledMesh<C>& tiled, const Tiling& tiling, std::size_t count) {
-    std::vector<double> energies(tiling.size(), 0.0);
+    Array<double> energies(tiling.size(), 0.0);
     const auto [from, to] = tiled.progress().range();
     tiled.progress().set_range(from, from);
     if (!tiled.look_at_each(tiling,
                             [&](Patch<C>& patch, std::size_t tile) { energies[tile] = std::max(0.0, patch.mesh().energy()); }))
         return false;
     tiled.progress().set_range(from, to);
-    const std::vector<std::size_t> quota = apportion(count, energies, std::vector<std::size_t>(tiling.size(), count));
+    const Array<std::size_t> quota = apportion(count, energies, Array<std::size_t>(tiling.size(), count));
     const std::size_t before = tiled.vertex_count();
     tiled.for_each(tiling, [&](Patch<C>& patch, std::size_t tile) {
         patch.mesh().expect(1, 4.0 * static_cast<double>(patch.vertex_count()));

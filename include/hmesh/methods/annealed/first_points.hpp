@@ -20,8 +20,8 @@
 #include <cstdint>
 #include <cstring>
 #include <limits>
-#include <vector>
 
+#include "hmesh/core/array.hpp"
 #include "hmesh/core/assert.hpp"
 #include "hmesh/core/compiler.hpp"
 #include "hmesh/core/function_ref.hpp"
@@ -100,9 +100,9 @@ class SmoothRows {
     }
 
     const ImageSource<C>* source_;
-    std::ptrdiff_t size_,          ///< samples of a row
-        stride_;                   ///< from row to row: a pixel more on both sides, and the room that loops need
-    std::vector<double> numbers_;  ///< three rows as read, three smoothed ones, one smoothed across, one of bends
+    std::ptrdiff_t size_,    ///< samples of a row
+        stride_;             ///< from row to row: a pixel more on both sides, and the room that loops need
+    Array<double> numbers_;  ///< three rows as read, three smoothed ones, one smoothed across, one of bends
 };
 
 /// The mask at a pixel, in [0, 1).
@@ -131,12 +131,12 @@ template <int C>
     const auto rows = static_cast<std::size_t>(height);
     constexpr std::size_t band = 32;
     constexpr auto most = static_cast<double>(std::numeric_limits<float>::max());
-    std::vector<double> sums((rows + band - 1) / band, 0.0);
+    Array<double> sums((rows + band - 1) / band, 0.0);
     for_each_chunk(parallel_for, rows, band, [&](std::size_t begin, std::size_t end) {
         if (go_on && !go_on()) return;
         const int first = static_cast<int>(begin), count = static_cast<int>(end - begin);
         detail::SmoothRows<C> smooth_rows(source);
-        std::vector<double> values(static_cast<std::size_t>(width) + 3, 0.0);  // three of 0, so that four can be taken at once
+        Array<double> values(static_cast<std::size_t>(width) + 3, 0.0);  // three of 0, so that four can be taken at once
         double sum = 0;
         for (int k = 0; k < count + 4; ++k) {
             smooth_rows.read(k, first + k - 2);
@@ -174,11 +174,11 @@ template <int C>
 
 /// Points on the lines x = 0 and y = 0 where a periodic image begins again, as far apart as points of this density are elsewhere
 /// when there are `count` in the image; half of `count` at most. O(pixels).
-[[nodiscard]] HMESH_COLD inline std::vector<Point> seam_points(const Image<float, 1>& density, double count, Periodic periodic) {
+[[nodiscard]] HMESH_COLD inline Array<Point> seam_points(const Image<float, 1>& density, double count, Periodic periodic) {
     const int width = density.width(), height = density.height();
     double sum = 0;
     for (std::size_t k = 0; k < density.size(); ++k) sum += static_cast<double>(density.data()[k]);
-    std::vector<Point> points;
+    Array<Point> points;
     // Of r points a px^2 there are the root of r on a px of a line.
     const auto walk = [&](int length, FunctionRef<double(int)> density_at, FunctionRef<Point(double)> place) {
         double due = 0.5;
@@ -225,15 +225,15 @@ template <int C>
 
 /// The `count` pixels, as y * width + x, of the least point_ranks(); of equal ranks those that come first, row by row.
 /// 0 <= count <= pixels. Bands of some 65,536 pixels are pieces of work.
-[[nodiscard]] HMESH_COLD inline std::vector<std::uint32_t> first_points(const Image<float, 1>& ranks, std::size_t count,
-                                                                        const ParallelFor& parallel_for = {}) {
+[[nodiscard]] HMESH_COLD inline Array<std::uint32_t> first_points(const Image<float, 1>& ranks, std::size_t count,
+                                                                  const ParallelFor& parallel_for = {}) {
     HMESH_ASSERT(count <= ranks.size());
     // The upper bits of a rank are its bin: few pixels are in that of the last point, as a rule.
     constexpr std::uint32_t shift = 20;
     using Bins = std::array<std::uint32_t, 1U << (31 - shift)>;
     const auto width = static_cast<std::size_t>(ranks.width()), rows = static_cast<std::size_t>(ranks.height());
     const std::size_t band = 65536 / (width + 1) + 1;
-    std::vector<Bins> of_band(rows / band + 1, Bins{});
+    Array<Bins> of_band(rows / band + 1, Bins{});
     for_each_chunk(parallel_for, rows, band, [&](std::size_t begin, std::size_t end) {
         Bins& bins = of_band[begin / band];
         for (std::size_t row = begin; row < end; ++row) {
@@ -242,7 +242,7 @@ template <int C>
         }
     });
     // Candidates: the pixels in the bins up to that of the last point.
-    std::vector<std::size_t> first(of_band.size() + 1, 0);  // candidate of each band
+    Array<std::size_t> first(of_band.size() + 1, 0);  // candidate of each band
     std::uint32_t last_bin = 0;
     std::size_t below = 0;  // points in lower bins
     for (std::size_t total = 0;; below = total, ++last_bin) {
@@ -253,7 +253,7 @@ template <int C>
         if (total >= count) break;
     }
     for (std::size_t k = 0; k < of_band.size(); ++k) first[k + 1] += first[k];
-    std::vector<std::uint32_t> points(first.back());
+    Array<std::uint32_t> points(first.back());
     for_each_chunk(parallel_for, rows, band, [&](std::size_t begin, std::size_t end) {
         std::size_t to = first[begin / band];
         for (std::size_t k = begin * width; k < end * width; ++k)
@@ -261,7 +261,7 @@ template <int C>
     });
     // Of those in the last bin as many as are missing.
     const auto bits_at = [&](std::uint32_t point) { return detail::bits_of(ranks.data()[point]); };
-    std::vector<Coded> in_last;  // the last bin's
+    Array<Coded> in_last;  // the last bin's
     for (const std::uint32_t point : points)
         if (bits_at(point) >> shift == last_bin) in_last.push_back({bits_at(point), point});
     const std::size_t missing = count - below;

@@ -13,8 +13,8 @@
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
-#include <vector>
 
+#include "hmesh/core/array.hpp"
 #include "hmesh/core/compiler.hpp"
 #include "hmesh/edit/blocks.hpp"
 #include "hmesh/edit/collapse.hpp"
@@ -28,16 +28,15 @@ namespace hmesh::kit {
 
 /// What some vertices of a mesh are worth, energies.
 struct VertexWorths {
-    std::vector<double> gains;  ///< of each, the best gain among its insertion sites, >= 0
-    std::vector<double> costs;  ///< of the cheapest collapses of those that have one
+    Array<double> gains;  ///< of each, the best gain among its insertion sites, >= 0
+    Array<double> costs;  ///< of the cheapest collapses of those that have one
 };
 
 /// Adds the worths of every `step`-th of these vertices. Some 4 us each.
 template <int C>
-HMESH_COLD void sample_worths(const ImageMesh<C>& mesh, const std::vector<Vertex>& vertices, std::size_t step,
-                              VertexWorths& worths) {
+HMESH_COLD void sample_worths(const ImageMesh<C>& mesh, const Array<Vertex>& vertices, std::size_t step, VertexWorths& worths) {
     RingScratch<C> scratch;
-    std::vector<Vertex> one(1);
+    Array<Vertex> one(1);
     for (std::size_t k = 0; k < vertices.size() && mesh.keep_going(); k += step) {
         one[0] = vertices[k];
         const CollapseCandidate collapse = cheapest_collapse(mesh, scratch, one[0]);
@@ -51,10 +50,10 @@ HMESH_COLD void sample_worths(const ImageMesh<C>& mesh, const std::vector<Vertex
 /// 2.35 times the median gain, but at least 0.3 of the mean of the lowest quarter of the costs; an energy, 0 where there are no
 /// worths.
 [[nodiscard]] HMESH_COLD inline double first_price(const VertexWorths& worths) {
-    const auto rising = [](const std::vector<double>& values) {
+    const auto rising = [](const Array<double>& values) {
         return in_order(values, sorted_numbers(values.size(), [&](std::uint32_t k) { return code_of(values[k]); }));
     };
-    const std::vector<double> gains = rising(worths.gains), costs = rising(worths.costs);
+    const Array<double> gains = rising(worths.gains), costs = rising(worths.costs);
     const double median = gains.empty() ? 0 : gains[gains.size() / 2];
     const std::size_t quarter = (costs.size() + 3) / 4;
     double sum = 0;

@@ -14,8 +14,8 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
-#include <vector>
 
+#include "hmesh/core/array.hpp"
 #include "hmesh/core/status.hpp"
 #include "hmesh/mesh/delaunay.hpp"
 #include "hmesh/mesh/spatial_order.hpp"
@@ -36,7 +36,7 @@ namespace kit::detail {
 /// Replaces the mesh by the Delaunay triangulation of the image's corners and of these pixels, given as y * width + x, with the
 /// pixels' colours, and measures it. False: cancelled.
 template <int C>
-bool triangulate_pixels(TiledMesh<C>& tiled, const std::vector<std::uint32_t>& pixels) {
+bool triangulate_pixels(TiledMesh<C>& tiled, const Array<std::uint32_t>& pixels) {
     const ImageSource<C>& source = tiled.source();
     Delaunay mesh(source.width(), source.height(), source.samples());
     if (!insert_pixels(mesh, pixels, [&] { return tiled.progress().poll(); })) return false;

@@ -14,8 +14,8 @@
 #include <cstddef>
 #include <cstdint>
 #include <numeric>
-#include <vector>
 
+#include "hmesh/core/array.hpp"
 #include "hmesh/methods/baselines/adams.hpp"
 #include "hmesh/methods/stage.hpp"
 #include "hmesh/options.hpp"
@@ -51,7 +51,7 @@ struct AdaptiveThinning {
         mesh.indexed() = kit::corner_mesh(source);  // the mesh after a cancellation in the first stage
         mesh.progress().plan({0.16, 0.83, 0.01});
         const bool go_on = kit::run_stage<C>(mesh, "points", [&] {
-            std::vector<std::uint32_t> pixels(static_cast<std::size_t>(source.pixels()));
+            kit::Array<std::uint32_t> pixels(static_cast<std::size_t>(source.pixels()));
             std::iota(pixels.begin(), pixels.end(), 0U);
             return kit::detail::triangulate_pixels(mesh, pixels);
         });

@@ -14,8 +14,8 @@
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
-#include <vector>
 
+#include "hmesh/core/array.hpp"
 #include "hmesh/core/assert.hpp"
 #include "hmesh/core/function_ref.hpp"
 #include "hmesh/image/image_view.hpp"
@@ -35,7 +35,7 @@ void diffuse(const ImageView<float, 1>& map, double factor, double floor, Point&
     const int width = is_flat ? map.height : map.width, height = is_flat ? map.width : map.height;
     const auto value = [&](int x, int y) { return static_cast<double>(is_flat ? map.row(x)[y] : map.row(y)[x]); };
     // Errors for this row and the next, with a margin on both sides for what falls over the border.
-    std::vector<double> here(static_cast<std::size_t>(width) + 2, 0.0), below = here;
+    Array<double> here(static_cast<std::size_t>(width) + 2, 0.0), below = here;
     for (int y = 0; y < height; ++y) {
         const int step = y % 2 == 0 ? 1 : -1;
         double* const errors = here.data() + 1;
@@ -68,8 +68,8 @@ void diffuse(const ImageView<float, 1>& map, double factor, double floor, Point&
 /// row by row, left and right in turn, or column by column in images more than 8 times as wide as high. Values of the map must
 /// be finite and >= 0; a map that is 0 everywhere stands for an even density. go_on(), where set, is called between passes; once
 /// it says false, the result is empty.
-[[nodiscard]] inline std::vector<std::uint32_t> diffused_points(const ImageView<float, 1>& map, std::size_t count,
-                                                                FunctionRef<bool()> go_on = {}) {
+[[nodiscard]] inline Array<std::uint32_t> diffused_points(const ImageView<float, 1>& map, std::size_t count,
+                                                          FunctionRef<bool()> go_on = {}) {
     const std::size_t pixels = static_cast<std::size_t>(map.width) * static_cast<std::size_t>(map.height);
     HMESH_ASSERT(count <= pixels);
     double sum = 0, largest = 0;
@@ -100,7 +100,7 @@ void diffuse(const ImageView<float, 1>& map, double factor, double floor, Point&
         if (now < count) low = middle;
         else high = middle, number = now;
     }
-    std::vector<std::uint32_t> points;
+    Array<std::uint32_t> points;
     points.reserve(number);
     detail::diffuse(map, high, floor, [&](int x, int y) {
         points.push_back(static_cast<std::uint32_t>(y) * static_cast<std::uint32_t>(map.width) + static_cast<std::uint32_t>(x));

@@ -14,8 +14,8 @@
 #include <cmath>
 #include <cstddef>
 #include <limits>
-#include <vector>
 
+#include "hmesh/core/array.hpp"
 #include "hmesh/core/parallel.hpp"
 #include "hmesh/fit/image_source.hpp"
 #include "hmesh/image/image_view.hpp"
@@ -27,8 +27,8 @@ namespace detail {
 
 /// One channel of an image; of doubles, so that sums of float samples near the largest float do not overflow.
 struct Plane {
-    int width, height;           ///< px
-    std::vector<double> values;  ///< row after row
+    int width, height;     ///< px
+    Array<double> values;  ///< row after row
     [[nodiscard]] double* row(int y) noexcept {
         return values.data() + static_cast<std::size_t>(y) * static_cast<std::size_t>(width);
     }
@@ -74,7 +74,7 @@ template <int C>
     const int width = source.width(), height = source.height();
     const std::size_t pixels = static_cast<std::size_t>(width) * static_cast<std::size_t>(height);
     Image<float, 1> map(width, height);
-    detail::Plane plane{width, height, std::vector<double>(pixels)}, scratch = plane;
+    detail::Plane plane{width, height, Array<double>(pixels)}, scratch = plane;
     for (int c = 0; c < C; ++c) {
         detail::for_each_row(parallel_for, height, [&](int y) {
             double* to = plane.row(y);

@@ -12,8 +12,8 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <vector>
 
+#include "hmesh/core/array.hpp"
 #include "hmesh/core/indexed_heap.hpp"
 #include "hmesh/edit/flip.hpp"
 #include "hmesh/fit/image_mesh.hpp"
@@ -29,7 +29,7 @@ template <int C>
 std::size_t run_flip_queue(ImageMesh<C>& mesh, int visits = 8) {
     const HalfedgeMesh& topology = mesh.topology();
     IndexedHeap suspects;
-    std::vector<int> left(topology.edge_slots(), visits);
+    Array<int> left(topology.edge_slots(), visits);
     const auto suspect = [&](Edge e) {
         if (topology.is_boundary(e) || left[e.index()] == 0) return;
         const Halfedge h = HalfedgeMesh::halfedge(e);

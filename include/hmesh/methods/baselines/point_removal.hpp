@@ -13,8 +13,8 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <vector>
 
+#include "hmesh/core/array.hpp"
 #include "hmesh/core/indexed_heap.hpp"
 #include "hmesh/fit/image_mesh.hpp"
 #include "hmesh/mesh/hole_filler.hpp"
@@ -124,12 +124,12 @@ class PointRemoval {
     ImageMesh<C>* mesh_;
     IndexedHeap costs_;
     HoleFiller filler_;
-    const std::vector<Ear>* ears_ = nullptr;  ///< those of the last fill()
+    const Array<Ear>* ears_ = nullptr;  ///< those of the last fill()
     Ring<C> ring_;
     Spokes<C> spokes_;
     Moments<C> sides_[ring_capacity], diagonals_[ring_capacity];
     double energies_[ring_capacity] = {};
-    std::vector<Vertex> around_;
+    Array<Vertex> around_;
 };
 
 }  // namespace hmesh::kit

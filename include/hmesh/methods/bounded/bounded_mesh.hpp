@@ -8,8 +8,8 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <vector>
 
+#include "hmesh/core/array.hpp"
 #include "hmesh/core/assert.hpp"
 #include "hmesh/core/progress.hpp"
 #include "hmesh/core/undo_array.hpp"
@@ -39,7 +39,7 @@ struct BoundedMesh {
     HalfedgeMesh topology;              ///< the connectivity
     UndoArray<BoundedVertex> vertices;  ///< by vertex slot
     /// When the star of a vertex last changed, by vertex slot: the value of `clock` then. Not undone.
-    std::vector<std::uint32_t> changed;
+    Array<std::uint32_t> changed;
     std::uint32_t clock = 1;  ///< rises with each change
 
     /// The mesh of a sheet.

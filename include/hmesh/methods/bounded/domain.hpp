@@ -11,8 +11,8 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
-#include <vector>
 
+#include "hmesh/core/array.hpp"
 #include "hmesh/core/compiler.hpp"
 #include "hmesh/image/image_view.hpp"
 #include "hmesh/mesh/delaunay.hpp"
@@ -26,7 +26,7 @@ namespace hmesh::kit {
 namespace detail {
 
 /// Adds the ends of the edges between cells of data and others within a rectangle.
-HMESH_COLD inline void add_rim(const HeightField& field, const Rect& rect, std::vector<Corner>& corners) {
+HMESH_COLD inline void add_rim(const HeightField& field, const Rect& rect, Array<Corner>& corners) {
     const bool squares = field.samples == Samples::squares;
     for (int j = rect.y; j <= rect.y + rect.height; ++j)
         for (int i = rect.x; i <= rect.x + rect.width; ++i) {
@@ -53,16 +53,16 @@ HMESH_COLD inline void add_rim(const HeightField& field, const Rect& rect, std::
 /// The first mesh of a rectangle of the plane: sides as side_vertices() has them, all faces in cells of data. Freedoms are 0.
 /// Empty where no cell has data.
 [[nodiscard]] HMESH_COLD inline Sheet first_sheet(const HeightField& field, const Rect& rect, double limit, bool lift) {
-    std::vector<Corner> corners;
+    Array<Corner> corners;
     const int right = rect.x + rect.width, bottom = rect.y + rect.height;
     for (const SideLine& line : {SideLine{false, rect.y, rect.x, right}, SideLine{false, bottom, rect.x, right},
                                  SideLine{true, rect.x, rect.y, bottom}, SideLine{true, right, rect.y, bottom}}) {
-        const std::vector<Corner> side = side_vertices(field, line, limit, lift);
+        const Array<Corner> side = side_vertices(field, line, limit, lift);
         corners.insert(corners.end(), side.begin(), side.end());
     }
     // Corners of the rectangle come twice, and ends of the rim on its sides: the first counts.
     if (!field.data.empty()) detail::add_rim(field, rect, corners);
-    std::vector<Point> points;
+    Array<Point> points;
     points.reserve(corners.size());
     const auto local = [&](Point p) { return Point{p.x - rect.x, p.y - rect.y}; };
     for (const Corner& corner : corners) points.push_back(local(corner.position));
@@ -73,7 +73,7 @@ HMESH_COLD inline void add_rim(const HeightField& field, const Rect& rect, std::
     sheet.freedom.assign(sheet.vertices.size(), 0);
     // Corners sorted by position find their vertices.
     const auto before = [](Point a, Point b) { return a.y != b.y ? a.y < b.y : a.x < b.x; };
-    std::vector<std::uint32_t> order(corners.size());
+    Array<std::uint32_t> order(corners.size());
     for (std::size_t k = 0; k < order.size(); ++k) order[k] = static_cast<std::uint32_t>(k);
     std::stable_sort(order.begin(), order.end(),
                      [&](std::uint32_t a, std::uint32_t b) { return before(corners[a].position, corners[b].position); });

@@ -10,8 +10,8 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
-#include <vector>
 
+#include "hmesh/core/array.hpp"
 #include "hmesh/core/finite.hpp"
 #include "hmesh/core/parallel.hpp"
 #include "hmesh/image/image_view.hpp"
@@ -33,8 +33,8 @@ struct HeightField {
     double slack = 0;                    ///< largest |float - sample|
     double largest = 0;                  ///< largest |sample| with data
     int bad_row = -1;                    ///< a row with a sample that has data and is no finite float; or -1
-    std::vector<float> values;           ///< plane after plane, rows packed, some floats more at the end; 0 without data
-    std::vector<std::uint8_t> data;      ///< 1 for samples with data; empty: all
+    Array<float> values;                 ///< plane after plane, rows packed, some floats more at the end; 0 without data
+    Array<std::uint8_t> data;            ///< 1 for samples with data; empty: all
 
     /// 1/2 for squares, 0 for points.
     [[nodiscard]] double offset() const noexcept { return samples == Samples::squares ? 0.5 : 0.0; }
@@ -82,8 +82,8 @@ template <class T, int C>
     field.values.resize(width * rows * C + 16);
     const bool has_mask = mask.data != nullptr || (nan_is_no_data && !PixelTraits<T>::is_integer);
     if (has_mask) field.data.resize(width * rows);
-    std::vector<double> slack(rows, 0.0), largest(rows, 0.0);
-    std::vector<unsigned char> holes(rows, 0), bad(rows, 0);
+    Array<double> slack(rows, 0.0), largest(rows, 0.0);
+    Array<unsigned char> holes(rows, 0), bad(rows, 0);
     for_each_chunk(parallel_for, rows, 32, [&](std::size_t begin, std::size_t end) {
         for (std::size_t j = begin; j < end; ++j) {
             const T* from = view.row(static_cast<int>(j));

@@ -11,8 +11,8 @@
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
-#include <vector>
 
+#include "hmesh/core/array.hpp"
 #include "hmesh/core/compiler.hpp"
 #include "hmesh/mesh/geometry.hpp"
 #include "hmesh/mesh/halfedge_mesh.hpp"
@@ -119,9 +119,9 @@ class GreedyInsertion {
     }
 
     BoundedMesh* mesh_;
-    std::vector<WorstSample> worst_;  ///< by face slot
-    std::vector<Entry> heap_;
-    std::vector<Halfedge> stack_;
+    Array<WorstSample> worst_;  ///< by face slot
+    Array<Entry> heap_;
+    Array<Halfedge> stack_;
 };
 
 }  // namespace hmesh::kit

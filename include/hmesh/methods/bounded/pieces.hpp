@@ -14,6 +14,7 @@
 #include <utility>
 #include <vector>
 
+#include "hmesh/core/array.hpp"
 #include "hmesh/core/compiler.hpp"
 #include "hmesh/core/parallel.hpp"
 #include "hmesh/core/progress.hpp"
@@ -38,15 +39,14 @@ namespace detail {
 /// A piece of a sheet, with the places of its vertices there.
 struct SheetPiece {
     Sheet sheet;
-    std::vector<std::uint32_t> origin;  // of each vertex: its number in the whole
+    Array<std::uint32_t> origin;  // of each vertex: its number in the whole
 };
 
 /// The pieces of a sheet by tiles of a tiling; vertices with faces in several are locked in each.
 [[nodiscard]] HMESH_COLD inline std::vector<SheetPiece> cut(const Sheet& whole, const Tiling& tiling) {
     constexpr std::uint32_t none = 0xffffffffU, several = 0xfffffffeU;
     std::vector<SheetPiece> pieces(tiling.size());
-    std::vector<std::uint32_t> tile_of(whole.faces.size()), owner(whole.vertices.size(), none),
-        number(whole.vertices.size(), none);
+    Array<std::uint32_t> tile_of(whole.faces.size()), owner(whole.vertices.size(), none), number(whole.vertices.size(), none);
     for (std::size_t f = 0; f < whole.faces.size(); ++f) {
         const Triangle& t = whole.faces[f];
         const Point a = whole.vertices[t[0]].position, b = whole.vertices[t[1]].position, c = whole.vertices[t[2]].position;
@@ -68,7 +68,7 @@ struct SheetPiece {
             }
         for (const std::uint32_t v : piece.origin) number[v] = none;
         // Two fans of one piece may meet in a locked vertex.
-        std::vector<std::uint32_t> places = separate_fans(piece.sheet);
+        Array<std::uint32_t> places = separate_fans(piece.sheet);
         for (std::uint32_t& v : places) v = piece.origin[v];
         piece.origin = std::move(places);
     }
@@ -76,8 +76,8 @@ struct SheetPiece {
 }
 
 /// Vertices by position, to find those that two pieces share: the number of the first with this position and these heights.
-[[nodiscard]] HMESH_COLD inline std::vector<std::uint32_t> shared_numbers(const Sheet& sheet) {
-    std::vector<std::uint32_t> order;
+[[nodiscard]] HMESH_COLD inline Array<std::uint32_t> shared_numbers(const Sheet& sheet) {
+    Array<std::uint32_t> order;
     for (std::size_t v = 0; v < sheet.vertices.size(); ++v)
         if ((sheet.freedom[v] & is_locked) != 0) order.push_back(static_cast<std::uint32_t>(v));
     const auto before = [&](std::uint32_t a, std::uint32_t b) {
@@ -85,7 +85,7 @@ struct SheetPiece {
         return p.y != q.y ? p.y < q.y : p.x != q.x ? p.x < q.x : a < b;
     };
     std::sort(order.begin(), order.end(), before);
-    std::vector<std::uint32_t> number(sheet.vertices.size());
+    Array<std::uint32_t> number(sheet.vertices.size());
     for (std::size_t v = 0; v < number.size(); ++v) number[v] = static_cast<std::uint32_t>(v);
     for (std::size_t k = 1; k < order.size(); ++k)
         if (sheet.vertices[order[k]].position == sheet.vertices[order[k - 1]].position) number[order[k]] = number[order[k - 1]];
@@ -158,7 +158,7 @@ class BoundedPieces {
         TaskProgress task(*progress_, share);
         BoundedMesh mesh(*field_, limit_, piece.sheet, task);
         shrink(mesh, recipe_.effort, passes);
-        std::vector<std::uint32_t> origin;
+        Array<std::uint32_t> origin;
         for (const Vertex v : mesh.topology.vertices()) origin.push_back(piece.origin[v.index()]);
         piece.sheet = mesh.sheet();
         piece.origin = std::move(origin);
@@ -176,7 +176,7 @@ class BoundedPieces {
     }
     /// Makes one vertex of those on the sides of tiles that stand in one place, and of each fan one of its own again.
     static void weld(Sheet& whole) {
-        const std::vector<std::uint32_t> number = detail::shared_numbers(whole);
+        const Array<std::uint32_t> number = detail::shared_numbers(whole);
         for (Triangle& t : whole.faces)
             for (std::uint32_t& v : t) v = number[v];
         separate_fans(whole);
@@ -185,7 +185,7 @@ class BoundedPieces {
     [[nodiscard]] static Sheet joined(const std::vector<detail::SheetPiece>& pieces, const Sheet& before) {
         constexpr std::uint32_t none = 0xffffffffU;
         Sheet whole;
-        std::vector<std::uint32_t> number(before.vertices.size(), none), local;
+        Array<std::uint32_t> number(before.vertices.size(), none), local;
         for (const detail::SheetPiece& piece : pieces) {
             local.clear();
             for (std::size_t v = 0; v < piece.origin.size(); ++v) {

@@ -10,8 +10,8 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
-#include <vector>
 
+#include "hmesh/core/array.hpp"
 #include "hmesh/core/compiler.hpp"
 #include "hmesh/core/function_ref.hpp"
 #include "hmesh/mesh/geometry.hpp"
@@ -38,8 +38,8 @@ using ReadSamples = FunctionRef<void(int channel, int j, int begin, int end, dou
 [[nodiscard]] HMESH_COLD inline Proof prove(const MeshView& mesh, const HeightField& field, ReadSamples read) {
     Proof proof;
     const auto width = static_cast<std::size_t>(field.width);
-    std::vector<std::uint8_t> covered(width * static_cast<std::size_t>(field.height), 0);
-    std::vector<double> values(width);
+    Array<std::uint8_t> covered(width * static_cast<std::size_t>(field.height), 0);
+    Array<double> values(width);
     const double offset = field.offset();
     double area_sum = 0;
     for (std::size_t f = 0; f < mesh.face_count; ++f) {

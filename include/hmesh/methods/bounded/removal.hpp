@@ -13,8 +13,8 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
-#include <vector>
 
+#include "hmesh/core/array.hpp"
 #include "hmesh/core/compiler.hpp"
 #include "hmesh/mesh/geometry.hpp"
 #include "hmesh/mesh/halfedge_mesh.hpp"
@@ -36,7 +36,7 @@ class BoundedRemoval {
         : mesh_(&mesh), relaxation_(&relaxation), moves_(moves), star_(*mesh.field, relaxation.per_unit()) {}
 
     /// One pass over the vertices whose surroundings have changed since they were tried. Returns how many left.
-    HMESH_COLD std::size_t pass(const std::vector<Vertex>& vertices) {
+    HMESH_COLD std::size_t pass(const Array<Vertex>& vertices) {
         double area = 0;
         for (const Face f : mesh_->topology.faces()) {
             const auto v = mesh_->topology.vertices(f);
@@ -287,11 +287,11 @@ class BoundedRemoval {
     BoundedRelaxation* relaxation_;
     Moves moves_;
     Star star_;
-    std::vector<std::uint32_t> tried_;  ///< by vertex slot: mesh_->clock when its removal failed
-    std::vector<Candidate> queue_;
-    std::vector<Vertex> moved_, ring_;
-    std::vector<Edge> edges_;
-    std::vector<Face> faces_;
+    Array<std::uint32_t> tried_;  ///< by vertex slot: mesh_->clock when its removal failed
+    Array<Candidate> queue_;
+    Array<Vertex> moved_, ring_;
+    Array<Edge> edges_;
+    Array<Face> faces_;
 };
 
 /// Whether the border may run from the vertex before v straight to the end of h, as seen along the border: along a side of the
@@ -338,10 +338,10 @@ HMESH_COLD inline void shrink(BoundedMesh& mesh, Bounded::Effort effort, int pas
     BoundedRelaxation relaxation(mesh, moves);
     BoundedRemoval removal(mesh, relaxation, moves);
     const auto position = [&](Vertex v) { return mesh.position(v); };
-    std::vector<std::uint32_t> relaxed(mesh.topology.vertex_slots(), 0);
+    Array<std::uint32_t> relaxed(mesh.topology.vertex_slots(), 0);
     std::uint32_t flipped = 0;
     for (int pass = 0; pass < passes && mesh.keep_going(); ++pass) {
-        const std::vector<Vertex> vertices = spatial_vertices(mesh.topology, position);
+        const Array<Vertex> vertices = spatial_vertices(mesh.topology, position);
         if (moves.heights) {
             const std::uint32_t begin = mesh.clock;
             for (const Edge e : spatial_edges(mesh.topology, position)) {

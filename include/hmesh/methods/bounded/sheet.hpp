@@ -9,6 +9,7 @@
 #include <utility>
 #include <vector>
 
+#include "hmesh/core/array.hpp"
 #include "hmesh/core/compiler.hpp"
 #include "hmesh/mesh/mesh.hpp"
 #include "hmesh/methods/bounded/face_error.hpp"
@@ -33,15 +34,15 @@ enum Freedom : std::uint8_t {
 
 /// A bounded mesh as arrays.
 struct Sheet {
-    std::vector<Corner> vertices;       ///< where they stand and how high
-    std::vector<std::uint8_t> freedom;  ///< bits of Freedom, for each vertex
-    std::vector<Triangle> faces;        ///< positively oriented
+    Array<Corner> vertices;       ///< where they stand and how high
+    Array<std::uint8_t> freedom;  ///< bits of Freedom, for each vertex
+    std::vector<Triangle> faces;  ///< positively oriented
 };
 
 /// Gives each fan of faces a vertex of its own, and drops vertices without faces; the others keep their order. Calls
 /// is_kin(copy, original) for each vertex of the new sheet. O(n log n).
-HMESH_COLD inline std::vector<std::uint32_t> separate_fans(Sheet& sheet) {
-    std::vector<FanCorner> corners;
+HMESH_COLD inline Array<std::uint32_t> separate_fans(Sheet& sheet) {
+    Array<FanCorner> corners;
     corners.reserve(3 * sheet.faces.size());
     for (std::size_t f = 0; f < sheet.faces.size(); ++f)
         for (std::size_t k = 0; k < 3; ++k)
@@ -49,8 +50,8 @@ HMESH_COLD inline std::vector<std::uint32_t> separate_fans(Sheet& sheet) {
                                sheet.faces[f][(k + 1) % 3], sheet.faces[f][(k + 2) % 3], 0});
     Sheet out;
     out.faces = sheet.faces;
-    std::vector<std::uint32_t> origin;
-    std::vector<std::uint32_t> number;  // of the fan that begins at a corner, by the corner's place
+    Array<std::uint32_t> origin;
+    Array<std::uint32_t> number;  // of the fan that begins at a corner, by the corner's place
     find_fans(corners, [&](std::size_t begin, std::size_t end) {
         number.assign(end - begin, 0);
         for (std::size_t i = begin; i < end; ++i) {
@@ -68,8 +69,8 @@ HMESH_COLD inline std::vector<std::uint32_t> separate_fans(Sheet& sheet) {
 }
 
 /// The vertices that are on the border of the sheet: 1 for these.
-[[nodiscard]] HMESH_COLD inline std::vector<std::uint8_t> border_vertices(const Sheet& sheet) {
-    std::vector<std::uint64_t> sides;
+[[nodiscard]] HMESH_COLD inline Array<std::uint8_t> border_vertices(const Sheet& sheet) {
+    Array<std::uint64_t> sides;
     sides.reserve(3 * sheet.faces.size());
     for (const Triangle& t : sheet.faces)
         for (std::size_t k = 0; k < 3; ++k) {
@@ -77,7 +78,7 @@ HMESH_COLD inline std::vector<std::uint32_t> separate_fans(Sheet& sheet) {
             sides.push_back(std::uint64_t{std::min(a, b)} << 32U | std::max(a, b));
         }
     std::sort(sides.begin(), sides.end());
-    std::vector<std::uint8_t> border(sheet.vertices.size(), 0);
+    Array<std::uint8_t> border(sheet.vertices.size(), 0);
     for (std::size_t k = 0, end = 0; k < sides.size(); k = end) {
         while (end < sides.size() && sides[end] == sides[k]) ++end;
         if (end - k == 1) border[sides[k] >> 32U] = border[sides[k] & 0xffffffffU] = 1;
@@ -96,7 +97,7 @@ HMESH_COLD inline std::vector<std::uint32_t> separate_fans(Sheet& sheet) {
 /// Sets what each vertex of a sheet that is the whole mesh is free to do.
 HMESH_COLD inline void set_freedom(Sheet& sheet, const HeightField& field, bool free_borders) {
     // A mesh of all samples has no border but the sides.
-    const std::vector<std::uint8_t> border = field.data.empty() ? std::vector<std::uint8_t>() : border_vertices(sheet);
+    const Array<std::uint8_t> border = field.data.empty() ? Array<std::uint8_t>() : border_vertices(sheet);
     for (std::size_t v = 0; v < sheet.vertices.size(); ++v) {
         const Point p = sheet.vertices[v].position;
         const bool upright = p.x == 0 || p.x == field.right(), level = p.y == 0 || p.y == field.bottom();

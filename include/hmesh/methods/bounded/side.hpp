@@ -16,6 +16,7 @@
 #include <utility>
 #include <vector>
 
+#include "hmesh/core/array.hpp"
 #include "hmesh/core/compiler.hpp"
 #include "hmesh/mesh/geometry.hpp"
 #include "hmesh/methods/bounded/face_error.hpp"
@@ -38,11 +39,11 @@ namespace detail {
 
 /// A height field along a line: what stands where.
 struct Profile {
-    std::vector<double> place;           ///< px along the line, rising
-    std::vector<float> heights;          ///< `channels` for each place
-    std::vector<float> chosen;           ///< those that a vertex there would have: the same, or near
-    std::vector<std::uint8_t> has_data;  ///< for each place
-    std::size_t channels;                ///< 1 to 4
+    Array<double> place;           ///< px along the line, rising
+    Array<float> heights;          ///< `channels` for each place
+    Array<float> chosen;           ///< those that a vertex there would have: the same, or near
+    Array<std::uint8_t> has_data;  ///< for each place
+    std::size_t channels;          ///< 1 to 4
 
     /// The largest difference between places i and k of the chord from there to there, and where.
     struct Worst {
@@ -111,7 +112,7 @@ struct Profile {
 /// `limit` > 0: marks them in `keep`. Both ends keep their heights. A vertex that is off by the whole limit counts as three: what
 /// is beside the side would pay for it.
 HMESH_COLD inline void choose_fewest(Profile& profile, std::size_t first, std::size_t last, double limit,
-                                     std::vector<std::uint8_t>& keep) {
+                                     Array<std::uint8_t>& keep) {
     constexpr int middle = 4, levels = 2 * middle + 1;
     constexpr std::uint32_t none = 0xffffffffU;
     struct State {
@@ -119,7 +120,7 @@ HMESH_COLD inline void choose_fewest(Profile& profile, std::size_t first, std::s
         std::uint32_t from = none;
     };
     const std::size_t n = last - first + 1;
-    std::vector<State> states(n * levels);
+    Array<State> states(n * levels);
     const double step = limit * 0.999 / middle;
     const auto sample = [&](std::size_t k) { return static_cast<double>(profile.heights[first + k]); };
     const auto height = [&](std::size_t k, int level) { return static_cast<float>(sample(k) + step * (level - middle)); };
@@ -160,12 +161,12 @@ HMESH_COLD inline void choose_fewest(Profile& profile, std::size_t first, std::s
 /// of what stands there, with a vertex more wherever cells of data begin or end on one side of the line. Cells outside of the
 /// image count as none. The same from both sides. `lift`: whether heights may differ from samples; those of several channels
 /// do not.
-[[nodiscard]] HMESH_COLD inline std::vector<Corner> side_vertices(const HeightField& field, const SideLine& line, double limit,
-                                                                  bool lift) {
+[[nodiscard]] HMESH_COLD inline Array<Corner> side_vertices(const HeightField& field, const SideLine& line, double limit,
+                                                            bool lift) {
     detail::Profile profile = detail::profile(field, line);
     limit *= 1 - 1e-6;  // what is within it stays so when others round otherwise
     const std::size_t n = profile.place.size();
-    std::vector<std::uint8_t> keep(n, 0);
+    Array<std::uint8_t> keep(n, 0);
     keep[0] = keep[n - 1] = 1;
     std::vector<std::pair<std::size_t, std::size_t>> open;
     const auto split = [&](std::size_t from, std::size_t to) {
@@ -189,7 +190,7 @@ HMESH_COLD inline void choose_fewest(Profile& profile, std::size_t first, std::s
         else split(first, last);
         first = last;
     }
-    std::vector<Corner> out;
+    Array<Corner> out;
     const auto corner = [&](std::size_t k) {
         Corner c;
         c.position = line.is_upright ? Point{static_cast<double>(line.at), profile.place[k]}

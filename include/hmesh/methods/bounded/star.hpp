@@ -14,8 +14,8 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
-#include <vector>
 
+#include "hmesh/core/array.hpp"
 #include "hmesh/core/compiler.hpp"
 #include "hmesh/image/image_view.hpp"
 #include "hmesh/mesh/geometry.hpp"
@@ -338,9 +338,9 @@ class Star {
     double per_unit_;
     Corner base_;
     Point place_;
-    std::vector<StarFace> faces_;
-    std::vector<float> blocks_;  ///< for each block 8 coordinates of the apex, then 8 rests for each channel
-    std::size_t used_ = 0;       ///< floats of blocks_
+    Array<StarFace> faces_;
+    Array<float> blocks_;   ///< for each block 8 coordinates of the apex, then 8 rests for each channel
+    std::size_t used_ = 0;  ///< floats of blocks_
 };
 
 }  // namespace hmesh::kit

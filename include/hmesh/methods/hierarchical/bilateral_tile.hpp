@@ -11,8 +11,8 @@
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
-#include <vector>
 
+#include "hmesh/core/array.hpp"
 #include "hmesh/core/compiler.hpp"
 #include "hmesh/core/lanes.hpp"
 #include "hmesh/image/image_view.hpp"
@@ -128,7 +128,7 @@ class BilateralWindow {
     /// The radius in px.
     [[nodiscard]] int radius() const noexcept { return radius_; }
     /// All pairs of taps, by rising dy.
-    [[nodiscard]] const std::vector<Pair>& pairs() const noexcept { return pairs_; }
+    [[nodiscard]] const Array<Pair>& pairs() const noexcept { return pairs_; }
     /// The factor that samples are multiplied by.
     [[nodiscard]] double unit() const noexcept { return unit_; }
     /// -log2 of the weight of two colours whose distance is 1 / unit() stored values; in [0, 4].
@@ -136,7 +136,7 @@ class BilateralWindow {
 
   private:
     int radius_;
-    std::vector<Pair> pairs_;
+    Array<Pair> pairs_;
     double unit_ = 1;
     float factor_ = 1;
 };
@@ -304,11 +304,11 @@ class BilateralTile {
     const BilateralWindow& window_;
     int radius_, width_;
     std::ptrdiff_t stride_, plane_;  ///< floats from one row to the next, and from one channel to the next
-    std::vector<float> samples_;
-    std::vector<int> columns_;  ///< for each column of the planes the index of its samples in a row of the view
-    std::vector<float> sums_;   ///< of the channels, then of the weights, planes of width_ x max_height
-    std::vector<float> weights_;
-    std::vector<Tap> taps_;
+    Array<float> samples_;
+    Array<int> columns_;  ///< for each column of the planes the index of its samples in a row of the view
+    Array<float> sums_;   ///< of the channels, then of the weights, planes of width_ x max_height
+    Array<float> weights_;
+    Array<Tap> taps_;
 };
 
 }  // namespace hmesh::kit::detail

@@ -20,6 +20,7 @@
 #include <utility>
 #include <vector>
 
+#include "hmesh/core/array.hpp"
 #include "hmesh/core/compiler.hpp"
 #include "hmesh/core/parallel.hpp"
 #include "hmesh/fit/image_mesh.hpp"
@@ -145,7 +146,7 @@ HMESH_ALWAYS_INLINE void add_pixel(const Barycentric& w, double weight, Point ce
 }
 
 /// Sets `faces` to f and all faces that share a vertex with f, f first, none twice.
-inline void faces_around(const HalfedgeMesh& topology, Face f, std::vector<Face>& faces) {
+inline void faces_around(const HalfedgeMesh& topology, Face f, Array<Face>& faces) {
     faces.assign(1, f);
     for (const Vertex v : topology.vertices(f))
         for (const Halfedge h : topology.outgoing(v)) {
@@ -164,12 +165,12 @@ inline void faces_around(const HalfedgeMesh& topology, Face f, std::vector<Face>
 /// leaves out the faces that remain when mesh.keep_going() says stop. Lane C of `image` stays 0 unless `search` is
 /// FootSearch::plane.
 template <int C>
-[[nodiscard]] std::vector<CornerSums<C>> foot_sums(const ImageMesh<C>& mesh, FootSearch search, double color_scale,
-                                                   const ParallelFor& parallel_for = {}) {
+[[nodiscard]] Array<CornerSums<C>> foot_sums(const ImageMesh<C>& mesh, FootSearch search, double color_scale,
+                                             const ParallelFor& parallel_for = {}) {
     if (search == FootSearch::plane) return corner_sums(mesh, parallel_for);
     const HalfedgeMesh& topology = mesh.topology();
     const MomentTable<C>& table = mesh.table();
-    std::vector<CornerSums<C>> corners(2 * topology.edge_slots());
+    Array<CornerSums<C>> corners(2 * topology.edge_slots());
     struct Sums {
         CornerSums<C>*a, *b, *c;
     };
@@ -206,7 +207,7 @@ template <int C>
         });
         return corners;
     }
-    std::vector<Face> faces;
+    Array<Face> faces;
     std::vector<LiftedFace<C>> lifted;
     for (const Face f : topology.faces()) {
         if (!mesh.keep_going()) break;

@@ -21,6 +21,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "hmesh/core/array.hpp"
 #include "hmesh/core/parallel.hpp"
 #include "hmesh/edit/move.hpp"
 #include "hmesh/fit/image_mesh.hpp"
@@ -67,7 +68,7 @@ template <int C>
                                              const ParallelFor& parallel_for = {}) {
     GeometrySystem system;
     const HalfedgeMesh& topology = mesh.topology();
-    const std::vector<CornerSums<C>> corners = foot_sums(mesh, search, color_scale, parallel_for);
+    const Array<CornerSums<C>> corners = foot_sums(mesh, search, color_scale, parallel_for);
     system.gram = gram_matrix(topology, corners, parallel_for);
     for (Eigen::Index i = 0; i < system.gram.rows(); ++i) system.gram.coeffRef(i, i) += ridge;
     system.solution.resize(system.gram.rows(), 2 + C);
@@ -123,7 +124,7 @@ bool step_toward(ImageMesh<C>& mesh, Vertex v, Point target, int halvings, RingS
 template <int C>
 void improve_colors(ImageMesh<C>& mesh, const PcgOptions& options, const ParallelFor& parallel_for) {
     const double before = mesh.energy();
-    std::vector<Color<C>> colors;
+    Array<Color<C>> colors;
     colors.reserve(mesh.vertex_count());
     for (const Vertex v : mesh.topology().vertices()) colors.push_back(mesh.color(v));
     optimal_colors(mesh, options, parallel_for);
@@ -161,12 +162,12 @@ PcgReport geometry_step(ImageMesh<C>& mesh, const GeometryStep& options, double 
     if (mesh.task() != nullptr && mesh.task()->stopped()) return {};  // some sums may be missing
     const PcgReport report = solve_pcg(system.gram, system.rhs, system.solution, options.pcg, system.held);
     const HalfedgeMesh& topology = mesh.topology();
-    const std::vector<int> rows = vertex_rows(topology);
+    const Array<int> rows = vertex_rows(topology);
     const auto target = [&](Vertex v) {
         const Eigen::Index row = rows[v.index()];
         return Point{system.solution(row, 0), system.solution(row, 1)};
     };
-    const std::vector<Vertex> vertices = spatial_vertices(mesh);
+    const Array<Vertex> vertices = spatial_vertices(mesh);
     RingScratch<C> scratch;
     if (options.rule == StepRule::safeguarded) {
         for (const Vertex v : vertices) {
@@ -176,14 +177,14 @@ PcgReport geometry_step(ImageMesh<C>& mesh, const GeometryStep& options, double 
         detail::improve_colors(mesh, options.pcg, parallel_for);
         return report;
     }
-    std::vector<unsigned char> arrived(topology.vertex_slots(), 0);
+    Array<unsigned char> arrived(topology.vertex_slots(), 0);
     for (int round = 0; round < 3; ++round)  // neighbours that have moved meanwhile make room
         for (const Vertex v : vertices) {
             if (!mesh.keep_going()) break;
             if (arrived[v.index()] == 0 && topology.valence(v) <= ring_capacity)
                 arrived[v.index()] = detail::step_unfolded(mesh, v, target(v), scratch) ? 1 : 0;
         }
-    std::vector<Color<C>> colors;
+    Array<Color<C>> colors;
     for (Eigen::Index row = 0; row < system.solution.rows(); ++row) {
         colors.push_back(Color<C>::zero());
         for (int c = 0; c < C; ++c) colors.back().set(c, system.solution(row, 2 + c));

@@ -14,6 +14,7 @@
 #include <iterator>
 #include <vector>
 
+#include "hmesh/core/array.hpp"
 #include "hmesh/core/assert.hpp"
 #include "hmesh/core/finite.hpp"
 #include "hmesh/core/function_ref.hpp"
@@ -37,14 +38,14 @@ template <class T, int C>
 [[nodiscard]] Image<T, C> apply_filter(const LevelFilter& filter, const ImageView<T, C>& view) {
     HMESH_ASSERT(check(view) && filter);
     Image<T, C> out(view.width, view.height);
-    std::vector<float> from;
+    Array<float> from;
     from.reserve(out.size());
     for (int y = 0; y < view.height; ++y) {
         const T* row = view.row(y);
         std::transform(row, row + view.width * C, std::back_inserter(from),
                        [](T sample) { return PixelTraits<float>::from_real(PixelTraits<T>::to_real(sample)); });
     }
-    std::vector<float> to = from;
+    Array<float> to = from;
     filter(from.data(), to.data(), view.width, view.height, C);
     const float* filtered = to.data();
     for (int y = 0; y < view.height; ++y) {
