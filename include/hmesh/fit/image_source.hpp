@@ -13,6 +13,7 @@
 
 #include "hmesh/core/assert.hpp"
 #include "hmesh/core/compiler.hpp"
+#include "hmesh/core/function_ref.hpp"
 #include "hmesh/core/lanes.hpp"
 #include "hmesh/core/parallel.hpp"
 #include "hmesh/fit/moment_table.hpp"
@@ -20,6 +21,7 @@
 #include "hmesh/image/channel_weights.hpp"
 #include "hmesh/image/image_view.hpp"
 #include "hmesh/image/weights.hpp"
+#include "hmesh/mesh/geometry.hpp"
 #include "hmesh/mesh/mesh.hpp"
 #include "hmesh/mesh/periodic.hpp"
 #include "hmesh/mesh/raster.hpp"
@@ -28,6 +30,53 @@
 #include "hmesh/core/macros/push.hpp"
 
 namespace hmesh::kit {
+
+namespace detail {
+
+/// A rectangle of the plane that a view repeats in, as an image of its own.
+template <class T, int N>
+[[nodiscard]] HMESH_COLD Image<T, N> unrolled(const ImageView<T, N>& view, const Rect& rect) {
+    Image<T, N> out(rect.width, rect.height);
+    for (int y = 0; y < rect.height; ++y)
+        for (int x = 0, count = 0; x < rect.width; x += count) {
+            const int from = modulo(rect.x + x, view.width);
+            count = std::min(rect.width - x, view.width - from);
+            std::copy_n(view.pixel(from, modulo(rect.y + y, view.height)), static_cast<std::ptrdiff_t>(count) * N,
+                        out.pixel(x, y));
+        }
+    return out;
+}
+
+}  // namespace detail
+
+template <int C>
+class ImageSource;
+
+/// What a source looks at in place of itself, see ImageSource::with_window().
+template <int C>
+struct SourceWindow {
+    const ImageSource<C>& source;  ///< pixel (i - x, j - y) of which is pixel (i, j)
+    int x = 0,                     ///< px
+        y = 0;                     ///< px
+
+    /// ImageSource::pixel() of pixel (i, j).
+    [[nodiscard]] auto pixel(int i, int j) const noexcept { return source.pixel(i - x, j - y); }
+};
+
+/// How a source looks at an image that is not in memory (fit/read_source.hpp).
+template <int C>
+struct SourceCalls {
+    const void* image = nullptr;  ///< what the functions look at; must outlive the source
+    /// ImageSource::table(), of squares.
+    MomentTable<C> (*table)(const ImageSource<C>&, const Rect&, const ParallelFor&) = nullptr;
+    /// ImageSource::rendered_errors().
+    RenderedError (*error)(const ImageSource<C>&, const Mesh&, const ParallelFor&, const ChannelScale<C>&) = nullptr;
+    /// ImageSource::with_window().
+    void (*window)(const ImageSource<C>&, const Rect&, FunctionRef<void(const SourceWindow<C>&)> look) = nullptr;
+    /// ImageSource::visit().
+    void (*visit)(const ImageSource<C>&, std::size_t count, FunctionRef<Point(std::size_t k)> at,
+                  FunctionRef<void(const SourceWindow<C>&, std::size_t k)> look) = nullptr;
+};
 
 /// An image of C channels of any pixel type, with or without weights, from which moment tables are made.
 template <int C>
@@ -66,6 +115,35 @@ class ImageSource {
         out.scale_ = &scale;
         return out;
     }
+    /// The same image, whose pixels are not in memory but where these calls find them; that of the view is not looked at.
+    [[nodiscard]] ImageSource with_calls(const SourceCalls<C>& calls) const noexcept {
+        ImageSource out = *this;
+        out.data_ = calls.image;
+        out.make_ = calls.table;
+        out.error_ = calls.error;
+        out.window_ = calls.window;
+        out.visit_ = calls.visit;
+        return out;
+    }
+    /// Whether pixels are read when they are asked for. pixel() and row() are those of windows then.
+    [[nodiscard]] bool is_read() const noexcept { return window_ != nullptr; }
+    /// What with_calls() was given, of a source that is_read().
+    [[nodiscard]] const void* image() const noexcept { return data_; }
+
+    /// Calls look() with a window that has the pixels of a rectangle, which may reach beyond the image along the axes of
+    /// periodic(): this source itself or, where it is_read(), a copy of them, which neither repeats nor has weights.
+    void with_window(const Rect& rect, FunctionRef<void(const SourceWindow<C>&)> look) const {
+        if (is_read()) window_(*this, rect, look);
+        else look({*this});
+    }
+    /// Calls look(window, k) for each k < count, with a window that has the pixels around at(k), a point of the image: those less
+    /// than 2 px away. In any order, on this thread.
+    void visit(std::size_t count, FunctionRef<Point(std::size_t k)> at,
+               FunctionRef<void(const SourceWindow<C>&, std::size_t k)> look) const {
+        if (is_read()) return visit_(*this, count, at, look);
+        for (std::size_t k = 0; k < count; ++k) look({*this}, k);
+    }
+
     /// How stored values became the samples; null: they are the samples.
     [[nodiscard]] const ChannelScale<C>* scale() const noexcept { return scale_; }
 
@@ -113,6 +191,10 @@ class ImageSource {
     /// C numbers.
     void row(int y, double factor, double* to) const noexcept { row_(*this, place(y, height_, wraps_y(periodic_)), factor, to); }
 
+    /// The weights of pixels, in any unit; without data: all count the same.
+    [[nodiscard]] const ImageView<float, 1>& weights() const noexcept { return weights_; }
+    /// How weights become numbers of pixels.
+    [[nodiscard]] WeightScale weight_scale() const noexcept { return WeightScale(unit_, width_, height_); }
     /// Whether pixels have weights.
     [[nodiscard]] bool is_weighted() const noexcept { return weights_.data != nullptr; }
     /// The weight of pixel (x, y), in the unit of the weights; 1 where there are none.
@@ -129,19 +211,6 @@ class ImageSource {
     [[nodiscard]] static int place(int x, int size, bool wraps) noexcept {
         return wraps ? modulo(x, size) : std::max(0, std::min(size - 1, x));
     }
-    /// A rectangle of the plane that a view repeats in, as an image of its own.
-    template <class T, int N>
-    [[nodiscard]] HMESH_COLD static Image<T, N> unrolled(const ImageView<T, N>& view, const Rect& rect) {
-        Image<T, N> out(rect.width, rect.height);
-        for (int y = 0; y < rect.height; ++y)
-            for (int x = 0, count = 0; x < rect.width; x += count) {
-                const int from = modulo(rect.x + x, view.width);
-                count = std::min(rect.width - x, view.width - from);
-                std::copy_n(view.pixel(from, modulo(rect.y + y, view.height)), static_cast<std::ptrdiff_t>(count) * N,
-                            out.pixel(x, y));
-            }
-        return out;
-    }
     template <class T>
     [[nodiscard]] static MomentTable<C> make(const ImageSource& source, const Rect& rect, const ParallelFor& parallel_for) {
         ImageView<T, C> pixels = source.view<T>();
@@ -151,15 +220,15 @@ class ImageSource {
         Image<float, 1> own_weights;
         if (rect.x < 0 || rect.y < 0 || rect.width > source.width_ - rect.x || rect.height > source.height_ - rect.y) {
             HMESH_ASSERT(source.periodic_ != Periodic::none);
-            own_pixels = unrolled(pixels, rect);
+            own_pixels = detail::unrolled(pixels, rect);
             pixels = own_pixels.view();
             if (weights.data != nullptr) {
-                own_weights = unrolled(weights, rect);
+                own_weights = detail::unrolled(weights, rect);
                 weights = own_weights.view();
             }
             from = pixels.bounds();
         }
-        return MomentTable<C>(pixels, weights, WeightScale(source.unit_, source.width_, source.height_), from, parallel_for);
+        return MomentTable<C>(pixels, weights, source.weight_scale(), from, parallel_for);
     }
     template <class T>
     [[nodiscard]] static RenderedError error(const ImageSource& source, const Mesh& mesh, const ParallelFor& parallel_for,
@@ -195,6 +264,8 @@ class ImageSource {
     void (*row_)(const ImageSource&, int, double, double*) noexcept;
     RenderedError (*error_)(const ImageSource&, const Mesh&, const ParallelFor&, const ChannelScale<C>&);
     const ChannelScale<C>* scale_ = nullptr;
+    decltype(SourceCalls<C>::window) window_ = nullptr;  ///< null: the pixels are in memory
+    decltype(SourceCalls<C>::visit) visit_ = nullptr;
 };
 
 }  // namespace hmesh::kit

@@ -14,6 +14,8 @@
 #include <cstdint>
 #include <vector>
 
+#include "hmesh/core/compiler.hpp"
+#include "hmesh/core/function_ref.hpp"
 #include "hmesh/core/parallel.hpp"
 #include "hmesh/image/channel_weights.hpp"
 #include "hmesh/image/image_view.hpp"
@@ -48,13 +50,23 @@ struct RenderedError {
     double largest = 0;  ///< largest difference of a pixel and channel, in stored values; those of weight 0 do not count
 };
 
-/// The error of a mesh, of C channels, in the faces [first, last); else as rendered_errors().
+/// Some pixels of an image.
 template <class T, int C>
-[[nodiscard]] RenderedError rendered_errors(const Mesh& mesh, std::size_t first, std::size_t last, const ImageView<T, C>& view,
+struct PartOfImage {
+    ImageView<T, C> pixels;  ///< of which the first is
+    int x = 0,               ///< this one of the image
+        y = 0,               ///< in this row
+        width = 0,           ///< px, of the image
+        height = 0;          ///< px, of the image
+};
+
+/// Adds to `sum` the error of a mesh, of C channels, in the faces [first, last), whose pixels `part` has; else as
+/// rendered_errors(). Never inlined: whatever is in memory, it rounds alike.
+template <class T, int C>
+HMESH_NEVER_INLINE void add_rendered_errors(const Mesh& mesh, std::size_t first, std::size_t last, const PartOfImage<T, C>& part,
                                             const ImageView<float, 1>& weights, const WeightScale& scale,
-                                            const ChannelScale<C>& channels) {
-    const ClipRect clip{view.width, 0, view.height, far_sides(view.width, view.height, mesh.samples)};
-    RenderedError out;
+                                            const ChannelScale<C>& channels, RenderedError& sum) {
+    const ClipRect clip{part.width, 0, part.height, far_sides(part.width, part.height, mesh.samples)};
     std::array<double, std::size_t{C}> largest{};  // of each channel
     for (std::size_t f = first; f < last; ++f) {
         const Triangle& t = mesh.faces[f];
@@ -67,7 +79,7 @@ template <class T, int C>
         }
         double energy = 0;
         for_each_span(a, b, c, clip, [&](int j, int begin, int end) {
-            const T* sample = view.pixel(begin, j);
+            const T* sample = part.pixels.pixel(begin - part.x, j - part.y);
             const float* weight = weights.data != nullptr ? weights.pixel(begin, j) : nullptr;
             for (int i = begin; i < end; ++i, sample += C) {
                 const Barycentric w = weights_at(i, j);
@@ -82,11 +94,25 @@ template <class T, int C>
                 energy += times * square;
             }
         });
-        out.energy += energy;
+        sum.energy += energy;
     }
     for (std::size_t k = 0; k < C; ++k)
-        if (channels.share[k] > 0) out.largest = std::max(out.largest, largest[k]);
-    return out;
+        if (channels.share[k] > 0) sum.largest = std::max(sum.largest, largest[k]);
+}
+
+/// The errors of all faces of a mesh, from those that body(first, last) finds of some in a row.
+[[nodiscard]] HMESH_COLD inline RenderedError sum_rendered_errors(
+    const Mesh& mesh, const ParallelFor& parallel_for, FunctionRef<RenderedError(std::size_t first, std::size_t last)> body) {
+    constexpr std::size_t grain = 256;
+    std::vector<RenderedError> parts(mesh.faces.size() / grain + 1);
+    for_each_chunk(parallel_for, mesh.faces.size(), grain,
+                   [&](std::size_t first, std::size_t last) { parts[first / grain] = body(first, last); });
+    RenderedError sum;
+    for (const RenderedError& part : parts) {
+        sum.energy += part.energy;
+        sum.largest = std::max(sum.largest, part.largest);
+    }
+    return sum;
 }
 
 /// The error of a mesh, of C channels, by the weights of pixels (`unit` as by weight_unit()) and of channels (the largest being
@@ -95,18 +121,13 @@ template <class T, int C>
 [[nodiscard]] RenderedError rendered_errors(const Mesh& mesh, const ImageView<T, C>& view,
                                             const ImageView<float, 1>& weights = {}, double unit = 1,
                                             const ParallelFor& parallel_for = {}, const ChannelScale<C>& channels = {}) {
-    constexpr std::size_t grain = 256;
     const WeightScale scale(unit, view.width, view.height);
-    std::vector<RenderedError> parts(mesh.faces.size() / grain + 1);
-    for_each_chunk(parallel_for, mesh.faces.size(), grain, [&](std::size_t begin, std::size_t end) {
-        parts[begin / grain] = rendered_errors(mesh, begin, end, view, weights, scale, channels);
+    const PartOfImage<T, C> all{view, 0, 0, view.width, view.height};
+    return sum_rendered_errors(mesh, parallel_for, [&](std::size_t first, std::size_t last) {
+        RenderedError sum;
+        add_rendered_errors(mesh, first, last, all, weights, scale, channels, sum);
+        return sum;
     });
-    RenderedError sum;
-    for (const RenderedError& part : parts) {
-        sum.energy += part.energy;
-        sum.largest = std::max(sum.largest, part.largest);
-    }
-    return sum;
 }
 
 /// The squared error alone.
