@@ -10,6 +10,7 @@
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
+#include <vector>
 
 #include "hmesh/core/assert.hpp"
 #include "hmesh/core/compiler.hpp"
@@ -76,6 +77,9 @@ struct SourceCalls {
     /// ImageSource::visit().
     void (*visit)(const ImageSource<C>&, std::size_t count, FunctionRef<Point(std::size_t k)> at,
                   FunctionRef<void(const SourceWindow<C>&, std::size_t k)> look) = nullptr;
+    /// The `count` pixels, as y * width + x, where first points stand (methods/annealed/first_points.hpp).
+    std::vector<std::uint32_t> (*points)(const ImageSource<C>&, std::size_t count, const ParallelFor&,
+                                         FunctionRef<bool()> go_on) = nullptr;
 };
 
 /// An image of C channels of any pixel type, with or without weights, from which moment tables are made.
@@ -123,12 +127,20 @@ class ImageSource {
         out.error_ = calls.error;
         out.window_ = calls.window;
         out.visit_ = calls.visit;
+        out.points_ = calls.points;
         return out;
     }
     /// Whether pixels are read when they are asked for. pixel() and row() are those of windows then.
     [[nodiscard]] bool is_read() const noexcept { return window_ != nullptr; }
     /// What with_calls() was given, of a source that is_read().
     [[nodiscard]] const void* image() const noexcept { return data_; }
+
+    /// Of a source that is_read(): the `count` pixels where first points stand, found without a number for each pixel in memory.
+    /// Meaningless once go_on(), called on any thread, has said false.
+    [[nodiscard]] std::vector<std::uint32_t> points(std::size_t count, const ParallelFor& parallel_for,
+                                                    FunctionRef<bool()> go_on) const {
+        return points_(*this, count, parallel_for, go_on);
+    }
 
     /// Calls look() with a window that has the pixels of a rectangle, which may reach beyond the image along the axes of
     /// periodic(): this source itself or, where it is_read(), a copy of them, which neither repeats nor has weights.
@@ -266,6 +278,7 @@ class ImageSource {
     const ChannelScale<C>* scale_ = nullptr;
     decltype(SourceCalls<C>::window) window_ = nullptr;  ///< null: the pixels are in memory
     decltype(SourceCalls<C>::visit) visit_ = nullptr;
+    decltype(SourceCalls<C>::points) points_ = nullptr;
 };
 
 }  // namespace hmesh::kit

@@ -238,28 +238,37 @@ struct ReadCalls {
     }
 };
 
-/// The calls for these pixels.
+/// The calls for these pixels; `points` as SourceCalls has it.
 template <int C, class Pixels>
-[[nodiscard]] SourceCalls<C> read_calls(const Pixels& pixels) noexcept {
+[[nodiscard]] SourceCalls<C> read_calls(const Pixels& pixels, decltype(SourceCalls<C>::points) points) noexcept {
     using Calls = ReadCalls<C, Pixels>;
-    return {&pixels, &Calls::table, &Calls::error, &Calls::window, &Calls::visit};
+    SourceCalls<C> calls;
+    calls.image = &pixels;
+    calls.table = &Calls::table;
+    calls.error = &Calls::error;
+    calls.window = &Calls::window;
+    calls.visit = &Calls::visit;
+    calls.points = points;
+    return calls;
 }
 
 }  // namespace detail
 
-/// The source of an image that is read, with weights as ImageSource has them. All must outlive it.
+/// The source of an image that is read, with weights as ImageSource has them; all must outlive it. `points`: see SourceCalls.
 template <class T, int C>
-[[nodiscard]] ImageSource<C> read_source(const ReadImage<T, C>& image, const ImageView<float, 1>& weights = {}, double unit = 1) {
+[[nodiscard]] ImageSource<C> read_source(const ReadImage<T, C>& image, const ImageView<float, 1>& weights = {}, double unit = 1,
+                                         decltype(SourceCalls<C>::points) points = nullptr) {
     const ImageView<T, C> none{nullptr, image.width(), image.height(), 0};
-    return ImageSource<C>(none, weights, unit).with_calls(detail::read_calls<C>(image));
+    return ImageSource<C>(none, weights, unit).with_calls(detail::read_calls<C>(image, points));
 }
 
 /// The same image as `source`, with the pixels of scale_channels(). All must outlive it.
 template <class T, int C>
 [[nodiscard]] ImageSource<C> scaled_read_source(const ImageSource<C>& source, const ScaledReadImage<T, C>& image,
-                                                const ChannelScale<C>& scale) {
+                                                const ChannelScale<C>& scale,
+                                                decltype(SourceCalls<C>::points) points = nullptr) {
     const ImageView<std::uint16_t, C> none{nullptr, source.width(), source.height(), 0};
-    return source.with_scaled_pixels(none, scale).with_calls(detail::read_calls<C>(image));
+    return source.with_scaled_pixels(none, scale).with_calls(detail::read_calls<C>(image, points));
 }
 
 }  // namespace hmesh::kit

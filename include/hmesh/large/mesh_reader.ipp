@@ -18,6 +18,7 @@
 #include "hmesh/image/channel_weights.hpp"
 #include "hmesh/image/image_view.hpp"
 #include "hmesh/image/weights.hpp"
+#include "hmesh/methods/annealed/first_points.hpp"
 #include "hmesh/tiles/tiled_mesh.hpp"
 
 #include "hmesh/core/macros/push.hpp"
@@ -69,7 +70,7 @@ template <class T, int C>
     const double unit = kit::weight_unit(options.weights, parallel_for);
     const double pixels = kit::weight_sum(options.weights, unit, width, height, parallel_for);
     const auto source =
-        kit::read_source(image, options.weights, unit)
+        kit::read_source(image, options.weights, unit, &kit::first_points<C>)
             .with_periodic(options.periodic, options.straight_border)
             .with_samples(options.samples);
     kit::ChannelScale<C> scale;
@@ -79,7 +80,7 @@ template <class T, int C>
     if (kit::differ(options.channel_weights)) {
         scale = kit::channel_scale<C>(range, options.channel_weights);
         scaled.emplace(image, scale);
-        fitted.emplace(kit::scaled_read_source(source, *scaled, scale));
+        fitted.emplace(kit::scaled_read_source(source, *scaled, scale, &kit::first_points<C>));
         channels = scale.sum();
     }
     // A rectangle that cannot be read ends the work as a cancellation does.

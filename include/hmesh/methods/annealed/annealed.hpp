@@ -185,7 +185,7 @@ class AnnealedRun {
         std::vector<Point> on_seams;
         if (source.is_read() && source.periodic() == Periodic::none) {
             const auto count = static_cast<std::size_t>(std::min(most, wanted));
-            pixels = first_points(source, count, tiled_->parallel_for(), go_on);
+            pixels = source.points(count, tiled_->parallel_for(), go_on);
             if (progress().stopped()) return false;
         } else {
             Image<float, 1> ranks = std::move(tiled_->notes().point_ranks), density;
