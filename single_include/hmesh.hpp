@@ -118,14 +118,15 @@ enum class Errc : std::uint8_t {
     not_finite,           ///< NaN or infinity where a finite number is needed
     write_failed,         ///< a sink refused bytes
     cancelled,            ///< the progress callback returned false
+    read_failed,          ///< an image that is not in memory could not be read
 };
 
 /// The outcome of a function that checks its input. Converts to true on success.
 struct [[nodiscard]] Status {
     Errc code = Errc::ok;   ///< kind of failure
     const char* what = "";  ///< a sentence without numbers, in static memory; empty on success
-    double value = 0;       ///< the offending number
-    /// The bound that `value` violates. Both are 0 where the sentence says all.
+    double value = 0;       ///< the offending number; of read_failed the columns of the rectangle, by kit::pack_span()
+    /// The bound that `value` violates; of read_failed the rows. Both are 0 where the sentence says all.
     double limit = 0;
 
     /// Success.
@@ -204,11 +205,31 @@ class Message {
     std::size_t size_ = 0;
 };
 
+namespace kit {
+
+/// `count` pixels of a row or a column from number `first` on, both in [0, 65536], as one number.
+[[nodiscard]] constexpr double pack_span(int first, int count) noexcept { return first * 131072.0 + count; }
+/// The first pixel of such a number.
+[[nodiscard]] inline int span_first(double span) noexcept { return static_cast<int>(span / 131072); }
+/// The number of pixels of such a number.
+[[nodiscard]] inline int span_count(double span) noexcept { return static_cast<int>(span - 131072.0 * span_first(span)); }
+
+}  // namespace kit
+
 /// The sentence of a status with its numbers, as in "the image is too wide (70000, limit 65536)"; "ok" on success.
 [[nodiscard]] inline Message message(const Status& status) noexcept {
     Message out;
     if (status) return out << "ok";
     out << status.what;
+    if (status.code == Errc::read_failed) {
+        const auto span = [&](double of) -> Message& {
+            const int first = kit::span_first(of);
+            return out << static_cast<double>(first) << " to " << static_cast<double>(first + kit::span_count(of) - 1);
+        };
+        out << " (columns ";
+        span(status.value) << " of rows ";
+        return span(status.limit) << ")";
+    }
     // Bitwise, so that NaN counts as a number that is there even where compilers are told of finite ones only.
     const bool has_limit = !kit::is_finite(status.limit) || status.limit != 0;
     if (has_limit || !kit::is_finite(status.value) || status.value != 0) {
@@ -5905,31 +5926,43 @@ struct ChannelScale {
     [[nodiscard]] double factor(int c) const noexcept { return unit * share[static_cast<std::size_t>(c)]; }
 };
 
-/// The scale for an image, whose samples then lie in [0, 65535], and weights that check_channel_weights() accepts, one a channel.
+/// The values between which samples lie.
+struct SampleRange {
+    double low = 0,  ///< the smallest, or one below
+        high = 0;    ///< the largest, or one above
+};
+
+/// That of an image: of whole numbers what their type can be, of others what they are.
 template <class T, int C>
-[[nodiscard]] HMESH_COLD ChannelScale<C> channel_scale(const ImageView<T, C>& view, const std::vector<double>& weights) {
-    ChannelScale<C> scale;
-    double low = PixelTraits<T>::lowest, high = PixelTraits<T>::highest;
-    if constexpr (!PixelTraits<T>::is_integer) {
-        low = high = PixelTraits<T>::to_real(*view.data);
-        for (int y = 0; y < view.height; ++y) {
-            const T* const row = view.row(y);
-            for (std::ptrdiff_t i = 0; i < std::ptrdiff_t{view.width} * C; ++i) {
-                low = std::min(low, PixelTraits<T>::to_real(row[i]));
-                high = std::max(high, PixelTraits<T>::to_real(row[i]));
-            }
+[[nodiscard]] HMESH_COLD SampleRange sample_range(const ImageView<T, C>& view) {
+    if constexpr (PixelTraits<T>::is_integer) return {PixelTraits<T>::lowest, PixelTraits<T>::highest};
+    SampleRange range{PixelTraits<T>::to_real(*view.data), PixelTraits<T>::to_real(*view.data)};
+    for (int y = 0; y < view.height; ++y) {
+        const T* const row = view.row(y);
+        for (std::ptrdiff_t i = 0; i < std::ptrdiff_t{view.width} * C; ++i) {
+            range.low = std::min(range.low, PixelTraits<T>::to_real(row[i]));
+            range.high = std::max(range.high, PixelTraits<T>::to_real(row[i]));
         }
     }
-    scale.offset = low;
-    if (high > low) scale.unit = 65535 / (high - low);
+    return range;
+}
+
+/// The scale for an image with samples of this range, which then lie in [0, 65535], and weights that check_channel_weights()
+/// accepts, one a channel.
+template <int C>
+[[nodiscard]] HMESH_COLD ChannelScale<C> channel_scale(const SampleRange& range, const std::vector<double>& weights) {
+    ChannelScale<C> scale;
+    scale.offset = range.low;
+    if (range.high > range.low) scale.unit = 65535 / (range.high - range.low);
     scale.share = channel_shares<C>(weights);
     return scale;
 }
 
 /// The image with its channels scaled and rounded to 16 bits.
 template <class T, int C>
-[[nodiscard]] HMESH_COLD Image<std::uint16_t, C> scale_channels(const ImageView<T, C>& view, const ChannelScale<C>& scale,
-                                                                const ParallelFor& parallel_for = {}) {
+[[nodiscard]] HMESH_NEVER_INLINE HMESH_COLD Image<std::uint16_t, C> scale_channels(const ImageView<T, C>& view,
+                                                                                   const ChannelScale<C>& scale,
+                                                                                   const ParallelFor& parallel_for = {}) {
     Image<std::uint16_t, C> out(view.width, view.height);
     for_each_chunk(parallel_for, static_cast<std::size_t>(view.height), 32, [&](std::size_t begin, std::size_t end) {
         for (std::size_t y = begin; y < end; ++y) {
@@ -7102,8 +7135,10 @@ class MomentTable {
 
     /// Strip by strip, because the rows of a strip follow each other in memory, 64 of them in a page for 8-bit RGB: takes a third
     /// of the time of row by row.
+    ///
+    /// Never inlined, as is fill_weighted_row(): tables of one rectangle have the same bits, whatever is in memory.
     template <class T, class N>
-    void fill_band(const ImageView<T, C>& view, const Rect& rect, int begin, int end, N* entries) const {
+    HMESH_NEVER_INLINE void fill_band(const ImageView<T, C>& view, const Rect& rect, int begin, int end, N* entries) const {
         N sums[band][numbers] = {};
         for (int x0 = 0; x0 <= width_; x0 += strip_width) {
             N* entry = entries + offset(x0, begin);
@@ -7129,8 +7164,8 @@ class MomentTable {
     }
 
     template <class T>
-    void fill_weighted_row(const ImageView<T, C>& view, const ImageView<float, 1>& weights, const WeightScale& scale,
-                           const Rect& rect, int y) const {
+    HMESH_NEVER_INLINE void fill_weighted_row(const ImageView<T, C>& view, const ImageView<float, 1>& weights,
+                                              const WeightScale& scale, const Rect& rect, int y) const {
         const T* pixel = view.pixel(rect.x, rect.y + y);
         const float* weight = weights.pixel(rect.x, rect.y + y);
         float* samples = samples_.get() + sample_offset(0, y);
@@ -7215,13 +7250,23 @@ struct RenderedError {
     double largest = 0;  ///< largest difference of a pixel and channel, in stored values; those of weight 0 do not count
 };
 
-/// The error of a mesh, of C channels, in the faces [first, last); else as rendered_errors().
+/// Some pixels of an image.
 template <class T, int C>
-[[nodiscard]] RenderedError rendered_errors(const Mesh& mesh, std::size_t first, std::size_t last, const ImageView<T, C>& view,
+struct PartOfImage {
+    ImageView<T, C> pixels;  ///< of which the first is
+    int x = 0,               ///< this one of the image
+        y = 0,               ///< in this row
+        width = 0,           ///< px, of the image
+        height = 0;          ///< px, of the image
+};
+
+/// Adds to `sum` the error of a mesh, of C channels, in the faces [first, last), whose pixels `part` has; else as
+/// rendered_errors(). Never inlined: whatever is in memory, it rounds alike.
+template <class T, int C>
+HMESH_NEVER_INLINE void add_rendered_errors(const Mesh& mesh, std::size_t first, std::size_t last, const PartOfImage<T, C>& part,
                                             const ImageView<float, 1>& weights, const WeightScale& scale,
-                                            const ChannelScale<C>& channels) {
-    const ClipRect clip{view.width, 0, view.height, far_sides(view.width, view.height, mesh.samples)};
-    RenderedError out;
+                                            const ChannelScale<C>& channels, RenderedError& sum) {
+    const ClipRect clip{part.width, 0, part.height, far_sides(part.width, part.height, mesh.samples)};
     std::array<double, std::size_t{C}> largest{};  // of each channel
     for (std::size_t f = first; f < last; ++f) {
         const Triangle& t = mesh.faces[f];
@@ -7234,7 +7279,7 @@ template <class T, int C>
         }
         double energy = 0;
         for_each_span(a, b, c, clip, [&](int j, int begin, int end) {
-            const T* sample = view.pixel(begin, j);
+            const T* sample = part.pixels.pixel(begin - part.x, j - part.y);
             const float* weight = weights.data != nullptr ? weights.pixel(begin, j) : nullptr;
             for (int i = begin; i < end; ++i, sample += C) {
                 const Barycentric w = weights_at(i, j);
@@ -7249,11 +7294,25 @@ template <class T, int C>
                 energy += times * square;
             }
         });
-        out.energy += energy;
+        sum.energy += energy;
     }
     for (std::size_t k = 0; k < C; ++k)
-        if (channels.share[k] > 0) out.largest = std::max(out.largest, largest[k]);
-    return out;
+        if (channels.share[k] > 0) sum.largest = std::max(sum.largest, largest[k]);
+}
+
+/// The errors of all faces of a mesh, from those that body(first, last) finds of some in a row.
+[[nodiscard]] HMESH_COLD inline RenderedError sum_rendered_errors(
+    const Mesh& mesh, const ParallelFor& parallel_for, FunctionRef<RenderedError(std::size_t first, std::size_t last)> body) {
+    constexpr std::size_t grain = 256;
+    std::vector<RenderedError> parts(mesh.faces.size() / grain + 1);
+    for_each_chunk(parallel_for, mesh.faces.size(), grain,
+                   [&](std::size_t first, std::size_t last) { parts[first / grain] = body(first, last); });
+    RenderedError sum;
+    for (const RenderedError& part : parts) {
+        sum.energy += part.energy;
+        sum.largest = std::max(sum.largest, part.largest);
+    }
+    return sum;
 }
 
 /// The error of a mesh, of C channels, by the weights of pixels (`unit` as by weight_unit()) and of channels (the largest being
@@ -7262,18 +7321,13 @@ template <class T, int C>
 [[nodiscard]] RenderedError rendered_errors(const Mesh& mesh, const ImageView<T, C>& view,
                                             const ImageView<float, 1>& weights = {}, double unit = 1,
                                             const ParallelFor& parallel_for = {}, const ChannelScale<C>& channels = {}) {
-    constexpr std::size_t grain = 256;
     const WeightScale scale(unit, view.width, view.height);
-    std::vector<RenderedError> parts(mesh.faces.size() / grain + 1);
-    for_each_chunk(parallel_for, mesh.faces.size(), grain, [&](std::size_t begin, std::size_t end) {
-        parts[begin / grain] = rendered_errors(mesh, begin, end, view, weights, scale, channels);
+    const PartOfImage<T, C> all{view, 0, 0, view.width, view.height};
+    return sum_rendered_errors(mesh, parallel_for, [&](std::size_t first, std::size_t last) {
+        RenderedError sum;
+        add_rendered_errors(mesh, first, last, all, weights, scale, channels, sum);
+        return sum;
     });
-    RenderedError sum;
-    for (const RenderedError& part : parts) {
-        sum.energy += part.energy;
-        sum.largest = std::max(sum.largest, part.largest);
-    }
-    return sum;
 }
 
 /// The squared error alone.
@@ -7301,8 +7355,59 @@ template <class T, int C>
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
+#include <vector>
 
 namespace hmesh::kit {
+
+namespace detail {
+
+/// A rectangle of the plane that a view repeats in, as an image of its own.
+template <class T, int N>
+[[nodiscard]] HMESH_COLD Image<T, N> unrolled(const ImageView<T, N>& view, const Rect& rect) {
+    Image<T, N> out(rect.width, rect.height);
+    for (int y = 0; y < rect.height; ++y)
+        for (int x = 0, count = 0; x < rect.width; x += count) {
+            const int from = modulo(rect.x + x, view.width);
+            count = std::min(rect.width - x, view.width - from);
+            std::copy_n(view.pixel(from, modulo(rect.y + y, view.height)), static_cast<std::ptrdiff_t>(count) * N,
+                        out.pixel(x, y));
+        }
+    return out;
+}
+
+}  // namespace detail
+
+template <int C>
+class ImageSource;
+
+/// What a source looks at in place of itself, see ImageSource::with_window().
+template <int C>
+struct SourceWindow {
+    const ImageSource<C>& source;  ///< pixel (i - x, j - y) of which is pixel (i, j)
+    int x = 0,                     ///< px
+        y = 0;                     ///< px
+
+    /// ImageSource::pixel() of pixel (i, j).
+    [[nodiscard]] auto pixel(int i, int j) const noexcept { return source.pixel(i - x, j - y); }
+};
+
+/// How a source looks at an image that is not in memory (fit/read_source.hpp).
+template <int C>
+struct SourceCalls {
+    const void* image = nullptr;  ///< what the functions look at; must outlive the source
+    /// ImageSource::table(), of squares.
+    MomentTable<C> (*table)(const ImageSource<C>&, const Rect&, const ParallelFor&) = nullptr;
+    /// ImageSource::rendered_errors().
+    RenderedError (*error)(const ImageSource<C>&, const Mesh&, const ParallelFor&, const ChannelScale<C>&) = nullptr;
+    /// ImageSource::with_window().
+    void (*window)(const ImageSource<C>&, const Rect&, FunctionRef<void(const SourceWindow<C>&)> look) = nullptr;
+    /// ImageSource::visit().
+    void (*visit)(const ImageSource<C>&, std::size_t count, FunctionRef<Point(std::size_t k)> at,
+                  FunctionRef<void(const SourceWindow<C>&, std::size_t k)> look) = nullptr;
+    /// The `count` pixels, as y * width + x, where first points stand (methods/annealed/first_points.hpp).
+    std::vector<std::uint32_t> (*points)(const ImageSource<C>&, std::size_t count, const ParallelFor&,
+                                         FunctionRef<bool()> go_on) = nullptr;
+};
 
 /// An image of C channels of any pixel type, with or without weights, from which moment tables are made.
 template <int C>
@@ -7341,6 +7446,43 @@ class ImageSource {
         out.scale_ = &scale;
         return out;
     }
+    /// The same image, whose pixels are not in memory but where these calls find them; that of the view is not looked at.
+    [[nodiscard]] ImageSource with_calls(const SourceCalls<C>& calls) const noexcept {
+        ImageSource out = *this;
+        out.data_ = calls.image;
+        out.make_ = calls.table;
+        out.error_ = calls.error;
+        out.window_ = calls.window;
+        out.visit_ = calls.visit;
+        out.points_ = calls.points;
+        return out;
+    }
+    /// Whether pixels are read when they are asked for. pixel() and row() are those of windows then.
+    [[nodiscard]] bool is_read() const noexcept { return window_ != nullptr; }
+    /// What with_calls() was given, of a source that is_read().
+    [[nodiscard]] const void* image() const noexcept { return data_; }
+
+    /// Of a source that is_read(): the `count` pixels where first points stand, found without a number for each pixel in memory.
+    /// Meaningless once go_on(), called on any thread, has said false.
+    [[nodiscard]] std::vector<std::uint32_t> points(std::size_t count, const ParallelFor& parallel_for,
+                                                    FunctionRef<bool()> go_on) const {
+        return points_(*this, count, parallel_for, go_on);
+    }
+
+    /// Calls look() with a window that has the pixels of a rectangle, which may reach beyond the image along the axes of
+    /// periodic(): this source itself or, where it is_read(), a copy of them, which neither repeats nor has weights.
+    void with_window(const Rect& rect, FunctionRef<void(const SourceWindow<C>&)> look) const {
+        if (is_read()) window_(*this, rect, look);
+        else look({*this});
+    }
+    /// Calls look(window, k) for each k < count, with a window that has the pixels around at(k), a point of the image: those less
+    /// than 2 px away. In any order, on this thread.
+    void visit(std::size_t count, FunctionRef<Point(std::size_t k)> at,
+               FunctionRef<void(const SourceWindow<C>&, std::size_t k)> look) const {
+        if (is_read()) return visit_(*this, count, at, look);
+        for (std::size_t k = 0; k < count; ++k) look({*this}, k);
+    }
+
     /// How stored values became the samples; null: they are the samples.
     [[nodiscard]] const ChannelScale<C>* scale() const noexcept { return scale_; }
 
@@ -7388,6 +7530,10 @@ class ImageSource {
     /// C numbers.
     void row(int y, double factor, double* to) const noexcept { row_(*this, place(y, height_, wraps_y(periodic_)), factor, to); }
 
+    /// The weights of pixels, in any unit; without data: all count the same.
+    [[nodiscard]] const ImageView<float, 1>& weights() const noexcept { return weights_; }
+    /// How weights become numbers of pixels.
+    [[nodiscard]] WeightScale weight_scale() const noexcept { return WeightScale(unit_, width_, height_); }
     /// Whether pixels have weights.
     [[nodiscard]] bool is_weighted() const noexcept { return weights_.data != nullptr; }
     /// The weight of pixel (x, y), in the unit of the weights; 1 where there are none.
@@ -7404,19 +7550,6 @@ class ImageSource {
     [[nodiscard]] static int place(int x, int size, bool wraps) noexcept {
         return wraps ? modulo(x, size) : std::max(0, std::min(size - 1, x));
     }
-    /// A rectangle of the plane that a view repeats in, as an image of its own.
-    template <class T, int N>
-    [[nodiscard]] HMESH_COLD static Image<T, N> unrolled(const ImageView<T, N>& view, const Rect& rect) {
-        Image<T, N> out(rect.width, rect.height);
-        for (int y = 0; y < rect.height; ++y)
-            for (int x = 0, count = 0; x < rect.width; x += count) {
-                const int from = modulo(rect.x + x, view.width);
-                count = std::min(rect.width - x, view.width - from);
-                std::copy_n(view.pixel(from, modulo(rect.y + y, view.height)), static_cast<std::ptrdiff_t>(count) * N,
-                            out.pixel(x, y));
-            }
-        return out;
-    }
     template <class T>
     [[nodiscard]] static MomentTable<C> make(const ImageSource& source, const Rect& rect, const ParallelFor& parallel_for) {
         ImageView<T, C> pixels = source.view<T>();
@@ -7426,15 +7559,15 @@ class ImageSource {
         Image<float, 1> own_weights;
         if (rect.x < 0 || rect.y < 0 || rect.width > source.width_ - rect.x || rect.height > source.height_ - rect.y) {
             HMESH_ASSERT(source.periodic_ != Periodic::none);
-            own_pixels = unrolled(pixels, rect);
+            own_pixels = detail::unrolled(pixels, rect);
             pixels = own_pixels.view();
             if (weights.data != nullptr) {
-                own_weights = unrolled(weights, rect);
+                own_weights = detail::unrolled(weights, rect);
                 weights = own_weights.view();
             }
             from = pixels.bounds();
         }
-        return MomentTable<C>(pixels, weights, WeightScale(source.unit_, source.width_, source.height_), from, parallel_for);
+        return MomentTable<C>(pixels, weights, source.weight_scale(), from, parallel_for);
     }
     template <class T>
     [[nodiscard]] static RenderedError error(const ImageSource& source, const Mesh& mesh, const ParallelFor& parallel_for,
@@ -7470,6 +7603,9 @@ class ImageSource {
     void (*row_)(const ImageSource&, int, double, double*) noexcept;
     RenderedError (*error_)(const ImageSource&, const Mesh&, const ParallelFor&, const ChannelScale<C>&);
     const ChannelScale<C>* scale_ = nullptr;
+    decltype(SourceCalls<C>::window) window_ = nullptr;  ///< null: the pixels are in memory
+    decltype(SourceCalls<C>::visit) visit_ = nullptr;
+    decltype(SourceCalls<C>::points) points_ = nullptr;
 };
 
 }  // namespace hmesh::kit
@@ -11329,22 +11465,24 @@ template <int C>
 template <int C>
 [[nodiscard]] HMESH_COLD std::vector<Point> border_vertices(const ImageSource<C>& source, double tolerance) {
     std::vector<Point> vertices;
-    const auto add_side = [&](int count, bool has_ends, FunctionRef<Point(int i)> place) {
-        std::vector<std::array<double, std::size_t{C}>> samples(static_cast<std::size_t>(count));
-        for (int i = 0; i < count; ++i) {
-            const Point p = place(i);
-            const auto color = source.pixel(static_cast<int>(p.x), static_cast<int>(p.y));
-            for (std::size_t c = 0; c < C; ++c) samples[static_cast<std::size_t>(i)][c] = color[static_cast<int>(c)];
-        }
+    const auto add_side = [&](const Rect& side, bool has_ends, FunctionRef<Point(int i)> place) {
+        std::vector<std::array<double, std::size_t{C}>> samples(static_cast<std::size_t>(std::max(side.width, side.height)));
+        source.with_window(side, [&](const SourceWindow<C>& window) {
+            for (std::size_t i = 0; i < samples.size(); ++i) {
+                const Point p = place(static_cast<int>(i));
+                const auto color = window.pixel(static_cast<int>(p.x), static_cast<int>(p.y));
+                for (std::size_t c = 0; c < C; ++c) samples[i][c] = color[static_cast<int>(c)];
+            }
+        });
         const std::vector<std::uint32_t> nodes = polyline_nodes<C>(samples, tolerance);
         for (std::size_t k = has_ends ? 0 : 1; k + (has_ends ? 0 : 1) < nodes.size(); ++k)
             vertices.push_back(place(static_cast<int>(nodes[k])));
     };
     const int width = source.width(), height = source.height();
-    add_side(width, true, [](int i) { return Point{i + 0.5, 0.5}; });
-    add_side(width, true, [&](int i) { return Point{i + 0.5, height - 0.5}; });
-    add_side(height, false, [](int i) { return Point{0.5, i + 0.5}; });
-    add_side(height, false, [&](int i) { return Point{width - 0.5, i + 0.5}; });
+    add_side({0, 0, width, 1}, true, [](int i) { return Point{i + 0.5, 0.5}; });
+    add_side({0, height - 1, width, 1}, true, [&](int i) { return Point{i + 0.5, height - 0.5}; });
+    add_side({0, 0, 1, height}, false, [](int i) { return Point{0.5, i + 0.5}; });
+    add_side({width - 1, 0, 1, height}, false, [&](int i) { return Point{width - 0.5, i + 0.5}; });
     return vertices;
 }
 
@@ -11679,7 +11817,11 @@ template <int C>
     mesh.samples = source.samples();
     const double low = inset(mesh.samples);
     for (const int y : {0, source.height()})
-        for (const int x : {0, source.width()}) mesh.add({x == 0 ? low : x - low, y == 0 ? low : y - low}, source.pixel(x, y));
+        for (const int x : {0, source.width()}) mesh.add({x == 0 ? low : x - low, y == 0 ? low : y - low}, Color<C>::zero());
+    const auto corner = [&](std::size_t k) { return Point{k % 2 == 0 ? 0.0 : mesh.width, k < 2 ? 0.0 : mesh.height}; };
+    source.visit(4, corner, [&](const SourceWindow<C>& window, std::size_t k) {
+        mesh.colors[k] = window.pixel(static_cast<int>(corner(k).x), static_cast<int>(corner(k).y));
+    });
     mesh.faces = {{0, 1, 2}, {1, 3, 2}};
     return mesh;
 }
@@ -12921,7 +13063,8 @@ HMESH_COLD bool reach_vertex_count(TiledMesh<C>& tiled, std::size_t n, double ti
 /// sequence, x / g + y / g^2 modulo 1 with g^3 = g + 1 (M. Roberts, "The unreasonable effectiveness of quasirandom sequences",
 /// 2018), whose values nearby differ as much as they can.
 ///
-/// Cost: some 13 ns a pixel of 3 channels, 20 without AVX, of which 3 are for the mask; 4 bytes a pixel.
+/// Cost: some 13 ns a pixel of 3 channels, 20 without AVX, of which 3 are for the mask; 4 bytes a pixel. Of an image that is not
+/// in memory three times that, and nothing for each pixel.
 #ifndef HMESH_METHODS_ANNEALED_FIRST_POINTS_HPP
 #define HMESH_METHODS_ANNEALED_FIRST_POINTS_HPP
 
@@ -12965,14 +13108,15 @@ inline void find_bends(const double* above, const double* here, const double* be
 template <int C>
 class SmoothRows {
   public:
-    explicit SmoothRows(const ImageSource<C>& source)
-        : source_(&source), size_(std::ptrdiff_t{C} * source.width()), stride_(size_ + std::ptrdiff_t{2 * C + 4}),
-          numbers_(static_cast<std::size_t>(8 * stride_), 0.0) {}
+    /// Of an image, with the pixels of a window.
+    SmoothRows(const ImageSource<C>& source, const SourceWindow<C>& window)
+        : source_(&source), window_(&window), size_(std::ptrdiff_t{C} * source.width()),
+          stride_(size_ + std::ptrdiff_t{2 * C + 4}), numbers_(static_cast<std::size_t>(8 * stride_), 0.0) {}
 
     /// Reads row y of the image as row k, one more than the last time.
     void read(int k, int y) noexcept {
         // The peak counts as 1, the filters multiply by 4 each, and find_bends() by 2: powers of two, which change no bit else.
-        source_->row(y, 1 / (32 * source_->peak()), row(k % 3));
+        window_->source.row(y - window_->y, 1 / (32 * source_->peak()), row(k % 3));
     }
     /// Smooths row k - 1, now that row k is read.
     void smooth(int k) noexcept {
@@ -12999,6 +13143,7 @@ class SmoothRows {
     }
 
     const ImageSource<C>* source_;
+    const SourceWindow<C>* window_;
     std::ptrdiff_t size_,          ///< samples of a row
         stride_;                   ///< from row to row: a pixel more on both sides, and the room that loops need
     std::vector<double> numbers_;  ///< three rows as read, three smoothed ones, one smoothed across, one of bends
@@ -13019,24 +13164,26 @@ class SmoothRows {
 
 }  // namespace detail
 
-/// The density of points that the image asks for, one value > 0 a pixel; only their ratios matter. Weights count as their square
-/// roots, since errors do. Bands of 32 rows are pieces of work. go_on(), where set, is called before each, on any thread; once it
-/// says false, the result is meaningless.
+namespace detail {
+
+/// Rows of the density that are a piece of work.
+inline constexpr std::size_t density_band = 32;
+
+/// The density in rows [begin, end), a band or less, but for the part that all pixels have alike; written row after row. Returns
+/// its sum. Never inlined: it rounds alike, whatever is in memory.
 template <int C>
-[[nodiscard]] HMESH_COLD Image<float, 1> point_density(const ImageSource<C>& source, const ParallelFor& parallel_for,
-                                                       FunctionRef<bool()> go_on = {}) {
-    const int width = source.width(), height = source.height();
-    Image<float, 1> density(width, height);
-    const auto rows = static_cast<std::size_t>(height);
-    constexpr std::size_t band = 32;
+HMESH_NEVER_INLINE double find_density(const ImageSource<C>& source, std::size_t begin, std::size_t end, float* to) {
+    const int width = source.width(), first = static_cast<int>(begin), count = static_cast<int>(end - begin);
     constexpr auto most = static_cast<double>(std::numeric_limits<float>::max());
-    std::vector<double> sums((rows + band - 1) / band, 0.0);
-    for_each_chunk(parallel_for, rows, band, [&](std::size_t begin, std::size_t end) {
-        if (go_on && !go_on()) return;
-        const int first = static_cast<int>(begin), count = static_cast<int>(end - begin);
-        detail::SmoothRows<C> smooth_rows(source);
+    double sum = 0;
+    Rect rect{0, first - 2, width, count + 4};
+    if (!wraps_y(source.periodic())) {
+        rect.y = std::max(0, first - 2);
+        rect.height = std::min(source.height(), first + count + 2) - rect.y;
+    }
+    source.with_window(rect, [&](const SourceWindow<C>& window) {
+        SmoothRows<C> smooth_rows(source, window);
         std::vector<double> values(static_cast<std::size_t>(width) + 3, 0.0);  // three of 0, so that four can be taken at once
-        double sum = 0;
         for (int k = 0; k < count + 4; ++k) {
             smooth_rows.read(k, first + k - 2);
             if (k >= 2) smooth_rows.smooth(k);
@@ -13056,15 +13203,37 @@ template <int C>
                 value.store(&values[x]);
                 for (int i = 0; i < 4; ++i) sum += value[i];
             }
-            float* const row = density.pixel(0, y);
-            for (int x = 0; x < width; ++x) row[x] = static_cast<float>(values[static_cast<std::size_t>(x)]);
+            for (int x = 0; x < width; ++x) *to++ = static_cast<float>(values[static_cast<std::size_t>(x)]);
         }
-        sums[begin / band] = sum;
     });
-    double sum = 0;
-    for (const double of_band : sums) sum += of_band;
-    const auto least =
-        static_cast<float>(std::max(0.1 * sum / source.pixels(), static_cast<double>(std::numeric_limits<float>::min())));
+    return sum;
+}
+
+/// The part of the density that all pixels have alike, from the sum of the rest.
+[[nodiscard]] inline float even_density(double sum, double pixels) noexcept {
+    return static_cast<float>(std::max(0.1 * sum / pixels, static_cast<double>(std::numeric_limits<float>::min())));
+}
+
+/// Turns the densities of row y into ranks. Never inlined, likewise.
+HMESH_NEVER_INLINE inline void rank_row(float* densities, int y, int width) noexcept {
+    for (int x = 0; x < width; ++x) densities[x] = static_cast<float>((mask_at(x, y) + 1e-6) / static_cast<double>(densities[x]));
+}
+
+}  // namespace detail
+
+/// The density of points that the image asks for, one value > 0 a pixel; only their ratios matter. Weights count as their square
+/// roots, since errors do. Bands of 32 rows are pieces of work. go_on(), where set, is called before each, on any thread; once it
+/// says false, the result is meaningless.
+template <int C>
+[[nodiscard]] HMESH_COLD Image<float, 1> point_density(const ImageSource<C>& source, const ParallelFor& parallel_for,
+                                                       FunctionRef<bool()> go_on = {}) {
+    Image<float, 1> density(source.width(), source.height());
+    const double all = ordered_sum(parallel_for, static_cast<std::size_t>(source.height()), detail::density_band,
+                                   [&](std::size_t begin, std::size_t end) {
+                                       if (go_on && !go_on()) return 0.0;
+                                       return detail::find_density(source, begin, end, density.pixel(0, static_cast<int>(begin)));
+                                   });
+    const float least = detail::even_density(all, source.pixels());
     for_each_chunk(parallel_for, density.size(), 65536, [&](std::size_t begin, std::size_t end) {
         for (std::size_t k = begin; k < end; ++k) density.data()[k] += least;
     });
@@ -13114,67 +13283,115 @@ template <int C>
     for_each_chunk(parallel_for, static_cast<std::size_t>(density.height()), 32, [&](std::size_t begin, std::size_t end) {
         for (std::size_t row = begin; row < end; ++row) {
             const int y = static_cast<int>(row);
-            float* const at = density.pixel(0, y);
-            for (int x = 0; x < density.width(); ++x)
-                at[x] = static_cast<float>((detail::mask_at(x, y) + 1e-6) / static_cast<double>(at[x]));
+            detail::rank_row(density.pixel(0, y), y, density.width());
         }
     });
     return density;
 }
+
+namespace detail {
+
+/// The ranks of the pixels of rows [begin, end), row after row; `room` is for whoever has to calculate them.
+using RanksOfRows = FunctionRef<const float*(std::size_t begin, std::size_t end, std::vector<float>& room)>;
+
+/// first_points(), with pieces of work of `band` rows. Ranks are asked for twice.
+[[nodiscard]] HMESH_COLD inline std::vector<std::uint32_t> least_ranks(std::size_t width, std::size_t rows, std::size_t band,
+                                                                       RanksOfRows ranks, std::size_t count,
+                                                                       const ParallelFor& parallel_for) {
+    // The upper bits of a rank are its bin: few pixels are in that of the last point, as a rule.
+    constexpr std::uint32_t shift = 20;
+    using Bins = std::array<std::uint32_t, 1U << (31 - shift)>;
+    struct Candidate {
+        std::uint32_t pixel, bits;
+    };
+    std::vector<Bins> of_band(rows / band + 1, Bins{});
+    for_each_chunk(parallel_for, rows, band, [&](std::size_t begin, std::size_t end) {
+        Bins& bins = of_band[begin / band];
+        std::vector<float> room;
+        const float* const at = ranks(begin, end, room);
+        for (std::size_t k = 0; k < (end - begin) * width; ++k) ++bins[bits_of(at[k]) >> shift];
+    });
+    // Candidates: the pixels in the bins up to that of the last point.
+    std::vector<std::size_t> of_bands(of_band.size(), 0);
+    std::uint32_t last_bin = 0;
+    std::size_t below = 0;  // points in lower bins
+    for (std::size_t total = 0; last_bin < Bins().size(); below = total, ++last_bin) {
+        for (std::size_t k = 0; k < of_band.size(); ++k) {
+            of_bands[k] += of_band[k][last_bin];
+            total += of_band[k][last_bin];
+        }
+        if (total >= count) break;
+    }
+    std::vector<std::vector<Candidate>> candidates(of_band.size());
+    for_each_chunk(parallel_for, rows, band, [&](std::size_t begin, std::size_t end) {
+        std::vector<Candidate>& here = candidates[begin / band];
+        here.reserve(of_bands[begin / band]);
+        std::vector<float> room;
+        const float* const at = ranks(begin, end, room);
+        for (std::size_t k = 0; k < (end - begin) * width; ++k)
+            if (const std::uint32_t bits = bits_of(at[k]); bits >> shift <= last_bin)
+                here.push_back({static_cast<std::uint32_t>(begin * width + k), bits});
+    });
+    // Of those in the last bin as many as are missing.
+    std::vector<std::uint32_t> in_last;  // the last bin's, as bits
+    for (const std::vector<Candidate>& some : candidates)
+        for (const Candidate& candidate : some)
+            if (candidate.bits >> shift == last_bin) in_last.push_back(candidate.bits);
+    const std::size_t missing = std::min(in_last.size(), count - below);
+    std::uint32_t threshold = std::numeric_limits<std::uint32_t>::max();
+    std::ptrdiff_t ties = 0;  // points at the threshold
+    if (missing < in_last.size()) {
+        const auto left_out = in_last.begin() + static_cast<std::ptrdiff_t>(missing);  // the first of them
+        std::nth_element(in_last.begin(), left_out, in_last.end());
+        threshold = *left_out;
+        ties = std::count(in_last.begin(), left_out, threshold);
+    }
+    std::vector<std::uint32_t> points;
+    points.reserve(below + missing);
+    for (const std::vector<Candidate>& some : candidates)
+        for (const Candidate& candidate : some)
+            if (candidate.bits < threshold || (candidate.bits == threshold && ties-- > 0)) points.push_back(candidate.pixel);
+    return points;
+}
+
+}  // namespace detail
 
 /// The `count` pixels, as y * width + x, of the least point_ranks(); of equal ranks those that come first, row by row.
 /// 0 <= count <= pixels. Bands of some 65,536 pixels are pieces of work.
 [[nodiscard]] HMESH_COLD inline std::vector<std::uint32_t> first_points(const Image<float, 1>& ranks, std::size_t count,
                                                                         const ParallelFor& parallel_for = {}) {
     HMESH_ASSERT(count <= ranks.size());
-    // The upper bits of a rank are its bin: few pixels are in that of the last point, as a rule.
-    constexpr std::uint32_t shift = 20;
-    using Bins = std::array<std::uint32_t, 1U << (31 - shift)>;
     const auto width = static_cast<std::size_t>(ranks.width()), rows = static_cast<std::size_t>(ranks.height());
-    const std::size_t band = 65536 / (width + 1) + 1;
-    std::vector<Bins> of_band(rows / band + 1, Bins{});
-    for_each_chunk(parallel_for, rows, band, [&](std::size_t begin, std::size_t end) {
-        Bins& bins = of_band[begin / band];
-        for (std::size_t row = begin; row < end; ++row) {
-            const float* const at = ranks.pixel(0, static_cast<int>(row));
-            for (std::size_t x = 0; x < width; ++x) ++bins[detail::bits_of(at[x]) >> shift];
-        }
+    const auto of_rows = [&](std::size_t begin, std::size_t, std::vector<float>&) {
+        return ranks.pixel(0, static_cast<int>(begin));
+    };
+    return detail::least_ranks(width, rows, 65536 / (width + 1) + 1, of_rows, count, parallel_for);
+}
+
+/// The same pixels for the ranks of point_density(), of which no more than some rows are held: they are found three times. Once
+/// go_on() says false, called before each band of 32 rows on any thread, the result is meaningless.
+template <int C>
+[[nodiscard]] HMESH_COLD std::vector<std::uint32_t> first_points(const ImageSource<C>& source, std::size_t count,
+                                                                 const ParallelFor& parallel_for, FunctionRef<bool()> go_on) {
+    const auto width = static_cast<std::size_t>(source.width()), rows = static_cast<std::size_t>(source.height());
+    float least = 0;
+    const auto densities = [&](std::size_t begin, std::size_t end, std::vector<float>& room) {
+        room.assign((end - begin) * width, 1.0F);
+        return go_on() ? detail::find_density(source, begin, end, room.data()) : 0;
+    };
+    const double sum = ordered_sum(parallel_for, rows, detail::density_band, [&](std::size_t begin, std::size_t end) {
+        std::vector<float> room;
+        return densities(begin, end, room);
     });
-    // Candidates: the pixels in the bins up to that of the last point.
-    std::vector<std::size_t> first(of_band.size() + 1, 0);  // candidate of each band
-    std::uint32_t last_bin = 0;
-    std::size_t below = 0;  // points in lower bins
-    for (std::size_t total = 0;; below = total, ++last_bin) {
-        for (std::size_t k = 0; k < of_band.size(); ++k) {
-            first[k + 1] += of_band[k][last_bin];
-            total += of_band[k][last_bin];
-        }
-        if (total >= count) break;
-    }
-    for (std::size_t k = 0; k < of_band.size(); ++k) first[k + 1] += first[k];
-    std::vector<std::uint32_t> points(first.back());
-    for_each_chunk(parallel_for, rows, band, [&](std::size_t begin, std::size_t end) {
-        std::size_t to = first[begin / band];
-        for (std::size_t k = begin * width; k < end * width; ++k)
-            if (detail::bits_of(ranks.data()[k]) >> shift <= last_bin) points[to++] = static_cast<std::uint32_t>(k);
-    });
-    // Of those in the last bin as many as are missing.
-    const auto bits_at = [&](std::uint32_t point) { return detail::bits_of(ranks.data()[point]); };
-    std::vector<std::uint32_t> in_last;  // the last bin's, as bits
-    for (const std::uint32_t point : points)
-        if (bits_at(point) >> shift == last_bin) in_last.push_back(bits_at(point));
-    const std::size_t missing = count - below;
-    if (missing == in_last.size()) return points;
-    const auto left_out = in_last.begin() + static_cast<std::ptrdiff_t>(missing);  // the first of them
-    std::nth_element(in_last.begin(), left_out, in_last.end());
-    const std::uint32_t threshold = *left_out;
-    std::ptrdiff_t ties = std::count(in_last.begin(), left_out, threshold);  // points at the threshold
-    std::size_t kept = 0;
-    for (const std::uint32_t point : points)
-        if (const std::uint32_t bits = bits_at(point); bits < threshold || (bits == threshold && ties-- > 0))
-            points[kept++] = point;
-    points.resize(kept);
-    return points;
+    least = detail::even_density(sum, source.pixels());
+    const auto ranks = [&](std::size_t begin, std::size_t end, std::vector<float>& room) -> const float* {
+        (void)densities(begin, end, room);
+        for (float& density : room) density += least;
+        for (std::size_t y = begin; y < end; ++y)
+            detail::rank_row(room.data() + (y - begin) * width, static_cast<int>(y), source.width());
+        return room.data();
+    };
+    return detail::least_ranks(width, rows, detail::density_band, ranks, count, parallel_for);
 }
 
 }  // namespace hmesh::kit
@@ -13363,10 +13580,13 @@ template <int C>
     mesh.positions.reserve(delaunay.topology().vertex_count());
     mesh.colors.reserve(delaunay.topology().vertex_count());
     mesh.dirty.reserve(delaunay.topology().vertex_count());
-    for (const Vertex v : delaunay.topology().vertices()) {
-        const Point p = delaunay.position(v);
-        mesh.add(p, source.pixel(static_cast<int>(p.x), static_cast<int>(p.y)));
-    }
+    for (const Vertex v : delaunay.topology().vertices()) mesh.add(delaunay.position(v), Color<C>::zero());
+    source.visit(
+        mesh.positions.size(), [&](std::size_t k) { return mesh.positions[k]; },
+        [&](const SourceWindow<C>& window, std::size_t k) {
+            const Point p = mesh.positions[k];
+            mesh.colors[k] = window.pixel(static_cast<int>(p.x), static_cast<int>(p.y));
+        });
     mesh.faces = delaunay.topology().triangles();
     return mesh;
 }
@@ -13652,13 +13872,18 @@ class AnnealedRun {
         // The corners come by themselves.
         const auto given = static_cast<double>(std::max<std::size_t>(4, border_->size()));
         const double wanted = std::max(0.0, std::ceil(static_cast<double>(n_) * steps_.points) - given);
+        const double most = std::min(source.pixels(), static_cast<double>(max_pixels));
         std::vector<std::uint32_t> pixels;
         std::vector<Point> on_seams;
-        {
+        if (source.is_read() && source.periodic() == Periodic::none) {
+            const auto count = static_cast<std::size_t>(std::min(most, wanted));
+            pixels = source.points(count, tiled_->parallel_for(), go_on);
+            if (progress().stopped()) return false;
+        } else {
             Image<float, 1> ranks = std::move(tiled_->notes().point_ranks), density;
             if (ranks.size() == 0) density = point_density(source, tiled_->parallel_for(), go_on);
             if (progress().stopped()) return false;
-            const double count = std::min(source.pixels(), wanted);
+            const double count = std::min(most, wanted);
             // Twice the density where points cannot leave the seam: 0.3 dB beside it (benchmarks/periodic, wood).
             if (source.periodic() != Periodic::none)
                 on_seams = seam_points(density, (source.has_straight_seams() ? 2 : 1) * count, source.periodic());
@@ -14563,17 +14788,24 @@ template <int C>
     return *std::max_element(largest.begin(), largest.end());
 }
 
-/// The colour of the image at p, bilinear; beyond the sides of a periodic image it goes on.
+/// Calls give(k, color) for each k < count with the colour of the image at at(k), bilinear; beyond the sides of a periodic image
+/// it goes on. In any order.
 template <int C>
-[[nodiscard]] HMESH_COLD Color<C> color_at(const ImageSource<C>& source, Point p) {
+HMESH_COLD void find_colors(const ImageSource<C>& source, std::size_t count, FunctionRef<Point(std::size_t k)> at,
+                            FunctionRef<void(std::size_t k, const Color<C>& color)> give) {
     const Torus torus{source.width(), source.height(), source.periodic()};
-    const Turns inside = turns_into(p, 0, 0, torus);
     // In the middle of three images, which go on on both sides.
     const bool x = wraps_x(source.periodic()), y = wraps_y(source.periodic());
     const int left = x ? source.width() : 0, top = y ? source.height() : 0;
-    p = turned(p, inside + Turns{x ? 1 : 0, y ? 1 : 0}, torus);
-    return sampled_color<C>((x ? 3 : 1) * source.width(), (y ? 3 : 1) * source.height(), p,
-                            [&](int i, int j) { return source.pixel(i - left, j - top); });
+    const auto place = [&](std::size_t k) {
+        const Point p = at(k);
+        return turned(p, turns_into(p, 0, 0, torus), torus);
+    };
+    source.visit(count, place, [&](const SourceWindow<C>& window, std::size_t k) {
+        const Point p = turned(place(k), {x ? 1 : 0, y ? 1 : 0}, torus);
+        give(k, sampled_color<C>((x ? 3 : 1) * source.width(), (y ? 3 : 1) * source.height(), p,
+                                 [&](int i, int j) { return window.pixel(i - left, j - top); }));
+    });
 }
 
 /// bounded_colors() of a periodic mesh, in which a vertex and its copies are one. Vertices on a straight border are tied to the
@@ -14596,15 +14828,21 @@ HMESH_COLD FinalColors tied_colors(TiledMesh<C>& tiled, const Tiling& tiling, do
     std::vector<std::uint32_t> rows;
     std::vector<Color<C>> colors;
     std::vector<ColorTie<C>> ties;
+    std::vector<Point> tie_points;
     for (const std::uint32_t v : tied.vertices) {
         colors.push_back(mesh.colors[v]);
         clamp_channels<C>(colors.back(), low, high);
         if (!source.has_straight_seams() || tiled.progress().stopped()) continue;
         const Point p = mesh.positions[v];
         if ((wraps_x(mesh.periodic) && std::fmod(p.x, mesh.width) == 0) ||
-            (wraps_y(mesh.periodic) && std::fmod(p.y, mesh.height) == 0))
-            ties.push_back({tied.rows[v], tie_weight, color_at(source, p)});
+            (wraps_y(mesh.periodic) && std::fmod(p.y, mesh.height) == 0)) {
+            ties.push_back({tied.rows[v], tie_weight, Color<C>::zero()});
+            tie_points.push_back(p);
+        }
     }
+    find_colors<C>(
+        source, ties.size(), [&](std::size_t k) { return tie_points[k]; },
+        [&](std::size_t k, const Color<C>& color) { ties[k].color = color; });
     rows.reserve(corners.size());
     for (const Triangle& face : mesh.faces)
         for (const std::uint32_t v : face) rows.push_back(tied.rows[v]);
@@ -14622,12 +14860,13 @@ template <int C>
 HMESH_COLD FinalColors sample_colors(TiledMesh<C>& tiled, const Tiling& tiling, double grid) {
     IndexedMesh<C>& mesh = tiled.indexed();
     const ImageSource<C>& source = tiled.source();
-    for (std::size_t v = 0; v < mesh.vertex_count(); ++v) {
-        Color<C>& color = mesh.colors[v];
-        color = detail::color_at(source, mesh.positions[v]);
-        if (grid > 0)
-            for (int c = 0; c < C; ++c) color.set(c, std::floor(color[c] / grid + 0.5) * grid);
-    }
+    detail::find_colors<C>(
+        source, mesh.vertex_count(), [&](std::size_t v) { return mesh.positions[v]; },
+        [&](std::size_t v, const Color<C>& sampled) {
+            Color<C>& color = mesh.colors[v] = sampled;
+            if (grid > 0)
+                for (int c = 0; c < C; ++c) color.set(c, std::floor(color[c] / grid + 0.5) * grid);
+        });
     return {{}, detail::measure_finally(tiled, tiling)};
 }
 
@@ -15027,7 +15266,7 @@ template <int C>
 [[nodiscard]] HMESH_COLD Result mesh_target(const Subject<C>& subject, const RecipeRef<C>& recipe, const Options& options,
                                             const ParallelFor& parallel_for) {
     const double pixels = subject.image->pixels();
-    const auto all = static_cast<std::int64_t>(std::max(4.0, pixels));
+    const auto all = static_cast<std::int64_t>(std::max(4.0, std::min(pixels, static_cast<double>(kit::max_pixels))));
     const auto most = static_cast<std::size_t>(std::min(all, options.target.max_vertices.value_or(all)));
     const bool is_bounded = most < static_cast<std::size_t>(all);
     const auto share = [&](double percent) {
@@ -15112,6 +15351,16 @@ struct ImageRecipeRef {
     return {};
 }
 
+/// Whether options, and the recipe by `check_recipe`, can mesh an image of this size; `pixels`: how many vertices it holds.
+[[nodiscard]] HMESH_COLD inline Status check_call(const Options& options, int width, int height, std::int64_t pixels, int channels,
+                                                  FunctionRef<Status(int width, int height)> check_recipe) {
+    if (const Status status = check(options, pixels, channels); !status) return status;
+    if (options.mask.data != nullptr || options.nan_is_no_data)
+        return {Errc::invalid_argument, "this method meshes all samples: of those of the library Bounded alone knows mask and "
+                                        "nan_is_no_data"};
+    return check_recipe(width, height);
+}
+
 /// Calls body() with what is to be meshed and the image as methods see it, once view and options have passed all checks: those of
 /// the recipe are `check_recipe`.
 template <class T, int C>
@@ -15120,11 +15369,8 @@ template <class T, int C>
                                              const ParallelFor& parallel_for,
                                              FunctionRef<void(const Subject<C>& subject, const ImageView<T, C>& image)> body) {
     Status status = check(view);
-    if (status) status = check(options, std::int64_t{view.width} * view.height, C);
-    if (status && (options.mask.data != nullptr || options.nan_is_no_data))
-        status = {Errc::invalid_argument, "this method meshes all samples: of those of the library Bounded alone knows mask and "
-                                          "nan_is_no_data"};
-    if (status) status = check_recipe(view.width, view.height);
+    if (status)
+        status = check_call(options, view.width, view.height, std::int64_t{view.width} * view.height, C, check_recipe);
     if (status) status = kit::check_finite(view, parallel_for);
     if (status) status = kit::check_weights(options.weights, view.width, view.height, parallel_for);
     if (status && options.samples == Samples::points) status = check_points(view.width, view.height);
@@ -15149,7 +15395,7 @@ template <class T, int C>
     std::optional<kit::ImageSource<C>> fitted;
     double channels = C;
     if (kit::differ(options.channel_weights)) {
-        scale = kit::channel_scale(image, options.channel_weights);
+        scale = kit::channel_scale<C>(kit::sample_range(image), options.channel_weights);
         scaled = kit::scale_channels(image, scale, parallel_for);
         fitted.emplace(source.with_scaled_pixels(scaled.view(), scale));
         channels = scale.sum();

@@ -228,8 +228,8 @@ class MomentTable {
     }
 
     template <class T>
-    HMESH_NEVER_INLINE void fill_weighted_row(const ImageView<T, C>& view, const ImageView<float, 1>& weights, const WeightScale& scale,
-                           const Rect& rect, int y) const {
+    HMESH_NEVER_INLINE void fill_weighted_row(const ImageView<T, C>& view, const ImageView<float, 1>& weights,
+                                              const WeightScale& scale, const Rect& rect, int y) const {
         const T* pixel = view.pixel(rect.x, rect.y + y);
         const float* weight = weights.pixel(rect.x, rect.y + y);
         float* samples = samples_.get() + sample_offset(0, y);

@@ -169,14 +169,14 @@ struct ReadCalls {
     [[nodiscard]] HMESH_COLD static RenderedError error(const ImageSource<C>& source, const Mesh& mesh,
                                                         const ParallelFor& parallel_for, const ChannelScale<C>& channels) {
         const int width = source.width(), height = source.height();
-        const auto bounds = [&](std::size_t f, double (&box)[4]) {
+        const auto bounds = [&](std::size_t f, double(&box)[4]) {
             for (const std::uint32_t v : mesh.faces[f]) {
                 const Point p = position(mesh, v);
                 box[0] = std::min(box[0], std::floor(p.x)), box[1] = std::min(box[1], std::floor(p.y));
                 box[2] = std::max(box[2], std::ceil(p.x)), box[3] = std::max(box[3], std::ceil(p.y));
             }
         };
-        const auto rect_of = [&](const double (&box)[4]) {
+        const auto rect_of = [&](const double(&box)[4]) {
             const int x = static_cast<int>(std::max(0.0, box[0])), y = static_cast<int>(std::max(0.0, box[1]));
             return Rect{x, y, static_cast<int>(std::min<double>(width, box[2])) - x,
                         static_cast<int>(std::min<double>(height, box[3])) - y};
@@ -265,8 +265,7 @@ template <class T, int C>
 /// The same image as `source`, with the pixels of scale_channels(). All must outlive it.
 template <class T, int C>
 [[nodiscard]] ImageSource<C> scaled_read_source(const ImageSource<C>& source, const ScaledReadImage<T, C>& image,
-                                                const ChannelScale<C>& scale,
-                                                decltype(SourceCalls<C>::points) points = nullptr) {
+                                                const ChannelScale<C>& scale, decltype(SourceCalls<C>::points) points = nullptr) {
     const ImageView<std::uint16_t, C> none{nullptr, source.width(), source.height(), 0};
     return source.with_scaled_pixels(none, scale).with_calls(detail::read_calls<C>(image, points));
 }

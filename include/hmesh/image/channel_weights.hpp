@@ -85,8 +85,8 @@ struct ChannelScale {
 
 /// The values between which samples lie.
 struct SampleRange {
-    double low = 0,   ///< the smallest, or one below
-        high = 0;     ///< the largest, or one above
+    double low = 0,  ///< the smallest, or one below
+        high = 0;    ///< the largest, or one above
 };
 
 /// That of an image: of whole numbers what their type can be, of others what they are.
@@ -117,8 +117,9 @@ template <int C>
 
 /// The image with its channels scaled and rounded to 16 bits.
 template <class T, int C>
-[[nodiscard]] HMESH_NEVER_INLINE HMESH_COLD Image<std::uint16_t, C> scale_channels(const ImageView<T, C>& view, const ChannelScale<C>& scale,
-                                                                const ParallelFor& parallel_for = {}) {
+[[nodiscard]] HMESH_NEVER_INLINE HMESH_COLD Image<std::uint16_t, C> scale_channels(const ImageView<T, C>& view,
+                                                                                   const ChannelScale<C>& scale,
+                                                                                   const ParallelFor& parallel_for = {}) {
     Image<std::uint16_t, C> out(view.width, view.height);
     for_each_chunk(parallel_for, static_cast<std::size_t>(view.height), 32, [&](std::size_t begin, std::size_t end) {
         for (std::size_t y = begin; y < end; ++y) {

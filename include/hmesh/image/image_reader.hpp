@@ -36,9 +36,9 @@ using ReadRect = FunctionRef<bool(const kit::Rect& rect, T* samples, std::ptrdif
 template <class T, int C>
 struct ImageReader {
     static_assert(C >= 1 && C <= kit::max_channels, "an image has 1 to 16 channels");
-    int width = 0,          ///< px, 1 to kit::max_side
-        height = 0;         ///< px, 1 to kit::max_side
-    ReadRect<T> read{};     ///< its callable must outlive the reader
+    int width = 0,       ///< px, 1 to kit::max_side
+        height = 0;      ///< px, 1 to kit::max_side
+    ReadRect<T> read{};  ///< its callable must outlive the reader
     /// Whether read() may be called by several threads at once, where the executor has several. By default it is not: others
     /// wait, busily, until it returns. A function that takes its time does better to lock a mutex and to say true.
     bool is_concurrent = false;

@@ -4,13 +4,12 @@
 ///     hmesh::ImageReader<std::uint8_t, 3> reader{width, height, read};    // image/image_reader.hpp
 ///     const hmesh::Result result = hmesh::mesh_image(reader);
 ///
-/// The mesh is that of mesh_image() of a view of the same pixels, byte for byte. What is in memory are the mesh and, of the image,
-/// the tiles at work; images have at most kit::max_side px a side, but any number of pixels, up to 2^32.
+/// The mesh is that of mesh_image() of a view of the same pixels, byte for byte. What is in memory are the mesh and, of the
+/// image, the tiles at work; images have at most kit::max_side px a side, but any number of pixels, up to 2^32.
 ///
 /// How often pixels are read: three times for the first points (of float samples once more before that), once for their colours,
-/// and then once for each pass over the tiles, with what stands out of the tiles; some 20 times in all for Effort::draft, 35 for
-/// normal, and once more for each sweep of longer annealing. Reading at 1 GB/s adds some 30 % to the time of a draft of 1 % and
-/// 10 % to that of normal; who reads more slowly keeps what he has decoded of a row of tiles.
+/// and then once for each pass over the tiles, with what stands out of the tiles; some 25 times in all for Effort::draft, 45 for
+/// normal, and once more for each sweep of longer annealing. docs/scale.md has more of that.
 #ifndef HMESH_LARGE_MESH_READER_HPP
 #define HMESH_LARGE_MESH_READER_HPP
 
@@ -50,7 +49,7 @@ template <class T, int C>
 #include "hmesh/core/macros/pop.hpp"
 
 /// Compiles mesh_image() for readers of images of C channels of type T; where and why, see mesh_image.hpp.
-#define HMESH_INSTANTIATE_READER(T, C)                                                                                \
+#define HMESH_INSTANTIATE_READER(T, C)                                                                           \
     template ::hmesh::Result hmesh::mesh_image<T, C>(const ::hmesh::ImageReader<T, C>&, const ::hmesh::Options&, \
                                                      const ::hmesh::Annealed&, const ::hmesh::ParallelFor&);
 

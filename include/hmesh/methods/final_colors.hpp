@@ -44,8 +44,8 @@ template <int C>
     return *std::max_element(largest.begin(), largest.end());
 }
 
-/// Calls give(k, color) for each k < count with the colour of the image at at(k), bilinear; beyond the sides of a periodic image it
-/// goes on. In any order.
+/// Calls give(k, color) for each k < count with the colour of the image at at(k), bilinear; beyond the sides of a periodic image
+/// it goes on. In any order.
 template <int C>
 HMESH_COLD void find_colors(const ImageSource<C>& source, std::size_t count, FunctionRef<Point(std::size_t k)> at,
                             FunctionRef<void(std::size_t k, const Color<C>& color)> give) {

@@ -9,8 +9,8 @@
 /// sequence, x / g + y / g^2 modulo 1 with g^3 = g + 1 (M. Roberts, "The unreasonable effectiveness of quasirandom sequences",
 /// 2018), whose values nearby differ as much as they can.
 ///
-/// Cost: some 13 ns a pixel of 3 channels, 20 without AVX, of which 3 are for the mask; 4 bytes a pixel. Of an image that is not in
-/// memory three times that, and nothing for each pixel.
+/// Cost: some 13 ns a pixel of 3 channels, 20 without AVX, of which 3 are for the mask; 4 bytes a pixel. Of an image that is not
+/// in memory three times that, and nothing for each pixel.
 #ifndef HMESH_METHODS_ANNEALED_FIRST_POINTS_HPP
 #define HMESH_METHODS_ANNEALED_FIRST_POINTS_HPP
 
@@ -68,8 +68,8 @@ class SmoothRows {
   public:
     /// Of an image, with the pixels of a window.
     SmoothRows(const ImageSource<C>& source, const SourceWindow<C>& window)
-        : source_(&source), window_(&window), size_(std::ptrdiff_t{C} * source.width()), stride_(size_ + std::ptrdiff_t{2 * C + 4}),
-          numbers_(static_cast<std::size_t>(8 * stride_), 0.0) {}
+        : source_(&source), window_(&window), size_(std::ptrdiff_t{C} * source.width()),
+          stride_(size_ + std::ptrdiff_t{2 * C + 4}), numbers_(static_cast<std::size_t>(8 * stride_), 0.0) {}
 
     /// Reads row y of the image as row k, one more than the last time.
     void read(int k, int y) noexcept {
@@ -174,8 +174,7 @@ HMESH_NEVER_INLINE double find_density(const ImageSource<C>& source, std::size_t
 
 /// Turns the densities of row y into ranks. Never inlined, likewise.
 HMESH_NEVER_INLINE inline void rank_row(float* densities, int y, int width) noexcept {
-    for (int x = 0; x < width; ++x)
-        densities[x] = static_cast<float>((mask_at(x, y) + 1e-6) / static_cast<double>(densities[x]));
+    for (int x = 0; x < width; ++x) densities[x] = static_cast<float>((mask_at(x, y) + 1e-6) / static_cast<double>(densities[x]));
 }
 
 }  // namespace detail
