@@ -12092,13 +12092,14 @@ struct Cut {
     return counts;
 }
 
-/// The tiles of size > 0, the largest first.
-[[nodiscard]] HMESH_COLD inline std::vector<std::size_t> largest_first(const std::vector<double>& sizes) {
+/// The tiles of size > 0, the largest first or in their order.
+[[nodiscard]] HMESH_COLD inline std::vector<std::size_t> order_of_work(const std::vector<double>& sizes, bool largest_first) {
     std::vector<std::size_t> tiles;
     for (std::size_t k = 0; k < sizes.size(); ++k)
         if (sizes[k] > 0) tiles.push_back(k);
-    std::sort(tiles.begin(), tiles.end(),
-              [&](std::size_t a, std::size_t b) { return sizes[a] != sizes[b] ? sizes[a] > sizes[b] : a < b; });
+    if (largest_first)
+        std::sort(tiles.begin(), tiles.end(),
+                  [&](std::size_t a, std::size_t b) { return sizes[a] != sizes[b] ? sizes[a] > sizes[b] : a < b; });
     return tiles;
 }
 
@@ -12753,9 +12754,10 @@ class TiledMesh {
         return &notes_.table;
     }
 
-    /// Calls body(tile, task) for the tiles of size > 0, the largest first; after a cancellation no more, unless `all`.
+    /// Calls body(tile, task) for the tiles of size > 0, the largest first or, of an image that is read, in their order, so that
+    /// who reads it may keep what lies beside a tile; after a cancellation no more, unless `all`.
     HMESH_COLD void run(const std::vector<double>& sizes, FunctionRef<void(std::size_t, TaskProgress&)> body, bool all = false) {
-        const std::vector<std::size_t> tiles = detail::largest_first(sizes);
+        const std::vector<std::size_t> tiles = detail::order_of_work(sizes, !source_->is_read());
         double sum = 0;
         for (const double size : sizes) sum += size;
         const auto piece = [&](std::size_t i) {

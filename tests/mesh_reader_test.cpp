@@ -57,11 +57,11 @@ Annealed in_tiles(Effort effort) {
 
 template <class T, int C>
 void check_type(std::uint64_t seed) {
-    const auto image = hmesh_test::scene<T, C>(203, 150, seed);
-    const Image<float, 1> weights = hmesh_test::random_weights(203, 150, seed);
+    const auto image = hmesh_test::scene<T, C>(160, 120, seed);
+    const Image<float, 1> weights = hmesh_test::random_weights(160, 120, seed);
     for (const Samples samples : {Samples::squares, Samples::points})
         for (const bool is_weighted : {false, true}) {
-            Options options = options_of(700);
+            Options options = options_of(400);
             options.samples = samples;
             if (is_weighted) options.weights = weights.view();
             check_same(image, options, in_tiles(is_weighted ? Effort::draft : Effort::fast), hmesh_test::ThreadFor{2});
@@ -87,11 +87,12 @@ std::string words_of(const Rect& rect) { return message(hmesh::kit::unread(rect)
 }  // namespace
 
 TEST_CASE("a reader gives the bytes of its view, for any sample type, number of channels, samples, weights, tiles and threads") {
-    check_type<std::uint8_t, 1>(1);
-    check_type<std::uint8_t, 3>(2);
-    check_type<std::uint8_t, 4>(3);
-    check_type<std::uint16_t, 2>(4);
-    check_type<float, 1>(5);
+    check_type<std::uint8_t, 3>(1);
+    check_type<float, 1>(2);
+    if (hmesh_test::sanitized) return;
+    check_type<std::uint8_t, 1>(3);
+    check_type<std::uint8_t, 4>(4);
+    check_type<std::uint16_t, 2>(5);
     check_type<float, 3>(6);
 }
 

@@ -95,13 +95,14 @@ struct Cut {
     return counts;
 }
 
-/// The tiles of size > 0, the largest first.
-[[nodiscard]] HMESH_COLD inline std::vector<std::size_t> largest_first(const std::vector<double>& sizes) {
+/// The tiles of size > 0, the largest first or in their order.
+[[nodiscard]] HMESH_COLD inline std::vector<std::size_t> order_of_work(const std::vector<double>& sizes, bool largest_first) {
     std::vector<std::size_t> tiles;
     for (std::size_t k = 0; k < sizes.size(); ++k)
         if (sizes[k] > 0) tiles.push_back(k);
-    std::sort(tiles.begin(), tiles.end(),
-              [&](std::size_t a, std::size_t b) { return sizes[a] != sizes[b] ? sizes[a] > sizes[b] : a < b; });
+    if (largest_first)
+        std::sort(tiles.begin(), tiles.end(),
+                  [&](std::size_t a, std::size_t b) { return sizes[a] != sizes[b] ? sizes[a] > sizes[b] : a < b; });
     return tiles;
 }
 
