@@ -136,8 +136,8 @@ namespace hmesh {
 ///     - not_finite where a sample is not finite that was, when it was read before (no mesh);
 ///     - target_out_of_range where more than kit::max_pixels vertices are asked for (no mesh).
 ///
-/// Memory: about 0.7 KB a vertex, and for each tile at work its pixels, its moment table and 0.6 KB for each vertex placed there;
-/// images of up to 4194304 px are one table. Of periodic images 4 bytes a pixel.
+/// Memory: about 0.85 KB a vertex, and for each tile at work its pixels, its moment table and 0.6 KB for each vertex placed
+/// there; images of up to 4194304 px are one table. Of periodic images 4 bytes a pixel.
 template <class T, int C>
 [[nodiscard]] HMESH_NEVER_INLINE Result mesh_image(const ImageReader<T, C>& reader, const Options& options = {},
                                                    const Annealed& recipe = {}, const ParallelFor& parallel_for = {});

@@ -3,9 +3,11 @@
 #include <doctest/doctest.h>
 
 #include <atomic>
+#include <chrono>
 #include <cstddef>
 #include <cstdint>
 #include <limits>
+#include <thread>
 #include <vector>
 
 #include "hmesh/fit/image_source.hpp"
@@ -175,6 +177,7 @@ TEST_CASE("a reader that is not concurrent is called by one thread at a time") {
     const auto read = [&](const Rect& rect, std::uint8_t* to, std::ptrdiff_t stride) {
         const int now = ++inside;
         if (now > most) most = now;
+        std::this_thread::sleep_for(std::chrono::microseconds(20));  // others come meanwhile, where they can
         const bool done = view(rect, to, stride);
         --inside;
         return done;
