@@ -37,6 +37,80 @@ def test_the_mesh_is_that_of_the_whole_image(hmesh, name):
     assert is_whole("read.obj")
 
 
+def has_tiff(hmesh):
+    return "TIFF: libtiff" in hmesh.done("--version")
+
+
+def save_tiff(name, mode, **how):
+    draw("image.ppm")
+    image = Image.open("image.ppm")
+    if mode in ("RGBA", "LA"):
+        image.putalpha(Image.linear_gradient("L").resize(image.size))
+    if mode == "I;16":
+        image = Image.open("image.ppm").convert("L").convert("I").point(lambda v: v * 257).convert("I;16")
+    else:
+        image = image.convert(mode)
+    image.save(name, **how)
+
+
+@pytest.mark.parametrize("mode, how", [
+    ("RGB", {}), ("RGB", {"compression": "tiff_lzw"}), ("RGB", {"compression": "tiff_deflate", "tiffinfo": {278: 7}}),
+    ("L", {"compression": "packbits"}), ("RGBA", {}), ("LA", {}), ("I;16", {"tiffinfo": {278: 16}}), ("F", {}), ("CMYK", {})])
+def test_tiff_files_by_strips(hmesh, mode, how):
+    if not has_tiff(hmesh):
+        pytest.skip("built without libtiff")
+    save_tiff("image.tif", mode, **how)
+    options = "image.tif --vertices 300 --tile 64 --effort draft"
+    hmesh.done(f"{options} -o whole.ply")
+    hmesh.done(f"{options} --out-of-core -o read.ply --threads 2")
+    assert read("read.ply") == read("whole.ply")
+
+
+def tiled_tiff(planes):
+    """RGB of 150 x 90 px in tiles of 32 x 16, interleaved or in planes, and not compressed."""
+    draw("image.ppm")
+    image = Image.open("image.ppm")
+    across, down = 5, 6
+    parts = []
+    for plane in [image] if planes == 1 else image.split():
+        for j in range(down):
+            for i in range(across):
+                part = Image.new(plane.mode, (32, 16))
+                part.paste(plane.crop((32 * i, 16 * j, min(150, 32 * i + 32), min(90, 16 * j + 16))))
+                parts.append(part.tobytes())
+    data, offsets = bytearray(), []
+    for part in parts:
+        offsets.append(8 + len(data))
+        data += part
+    arrays = 8 + len(data)
+    count = len(parts)
+    tags = [(256, 4, 1, 150), (257, 4, 1, 90), (258, 3, 3, arrays + 8 * count), (259, 3, 1, 1), (262, 3, 1, 2), (277, 3, 1, 3),
+            (284, 3, 1, 1 if planes == 1 else 2), (322, 4, 1, 32), (323, 4, 1, 16), (324, 4, count, arrays),
+            (325, 4, count, arrays + 4 * count)]
+    data += struct.pack(f"<{2 * count}I3H", *offsets, *[len(part) for part in parts], 8, 8, 8)
+    data += b"\0" * (len(data) % 2)
+    directory = struct.pack("<H", len(tags)) + b"".join(struct.pack("<HHII", *tag) for tag in tags) + struct.pack("<I", 0)
+    Path("tiled.tif").write_bytes(struct.pack("<2sHI", b"II", 42, 8 + len(data)) + bytes(data) + directory)
+
+
+@pytest.mark.parametrize("planes", [1, 3])
+def test_tiff_files_by_tiles(hmesh, planes):
+    if not has_tiff(hmesh):
+        pytest.skip("built without libtiff")
+    tiled_tiff(planes)
+    options = "--vertices 300 --tile 64 --effort draft"
+    hmesh.done(f"image.ppm {options} -o whole.ply")
+    hmesh.done(f"tiled.tif {options} --out-of-core -o read.ply --threads 2")
+    assert read("read.ply") == read("whole.ply")
+    file = bytearray(read("tiled.tif"))  # its last tile lies beyond its end
+    at = file.rindex(struct.pack("<HHI", 324, 4, 30 * planes)) + 8
+    first = struct.unpack_from("<I", file, at)[0]
+    struct.pack_into("<I", file, first + 4 * (30 * planes - 1), 1 << 30)
+    Path("cut.tif").write_bytes(file)
+    hmesh.fails("the image could not be read (columns ", f"cut.tif {options} --out-of-core -o a.ply")
+    assert not Path("a.ply").exists()
+
+
 def test_weights_and_points_are_known(hmesh):
     draw("image.ppm")
     Image.linear_gradient("L").resize((150, 90)).save("weights.png")
@@ -47,8 +121,8 @@ def test_weights_and_points_are_known(hmesh):
 
 
 def test_what_cannot_be_read_by_rectangles_is_refused(hmesh):
-    hmesh.fails("it is no PGM, PPM or PFM file, but PNG, and others are not read by rectangles", "picture.png --out-of-core -o a.ply")
-    hmesh.fails("it is no PGM, PPM or PFM file, and others", "text.png --out-of-core -o a.ply")
+    hmesh.fails("it is no PGM, PPM, PFM or TIFF file, but PNG, and others are not read by rectangles", "picture.png --out-of-core -o a.ply")
+    hmesh.fails("it is no PGM, PPM, PFM or TIFF file, and others", "text.png --out-of-core -o a.ply")
     hmesh.fails("No such file", "none.pgm --out-of-core -o a.ply")
     hmesh.fails("it cannot be read by rectangles, as a file can", "- --out-of-core -o a.ply")
     hmesh.fails("the file ends before its last pixel", "short.ppm --out-of-core -o a.ply")

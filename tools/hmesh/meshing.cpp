@@ -343,14 +343,11 @@ std::string find_conflict(const MeshingOptions& options) {
         const hmesh::ImageReader<T, channels.value> reader{image.width, image.height, read, true};
         return one_level(hmesh::mesh_image(reader, library_options(options), annealed_recipe(options), parallel_for));
     };
-    // PGM, PPM and PFM files have no alpha.
-    const auto with_samples = [&](auto channels) {
+    return with_channels(image.channels, [&](auto channels) {
         if (image.bits == 16) return mesh(std::uint16_t(), channels);
         if (image.bits == 32) return mesh(float(), channels);
         return mesh(std::uint8_t(), channels);
-    };
-    if (image.channels == 1) return with_samples(std::integral_constant<int, 1>());
-    return with_samples(std::integral_constant<int, 3>());
+    });
 }
 
 hmesh::Lods mesh_levels(const ImageFile& image, const MeshingOptions& options, const hmesh::ParallelFor& parallel_for) {

@@ -220,8 +220,8 @@ void add_meshing_options(CLI::App& app, Arguments& out) {
         [&](const std::string& text) { return parse_in_range(text, 64, hmesh::kit::max_side, meshing.tile); });
     app.add_flag_callback(
         "--out-of-core", [&] { out.out_of_core = true; },
-        "read the image by rectangles where they are needed, rather than into memory: PGM, PPM and PFM\n"
-        "files of any size up to 65536 x 65536; the mesh is the same. For .ply, .obj and .glb");
+        "read the image by rectangles where they are needed, rather than into memory: PGM, PPM, PFM\n"
+        "and TIFF files up to 65536 x 65536; the mesh is the same. For .ply, .obj and .glb");
     add(app, "--threads", "N", "work on N threads, 1 to 1024; the mesh is the same for all N (default: 0, all cores)",
         [&](const std::string& text) { return parse_in_range(text, 0, 1024, out.threads); });
 }

@@ -1,5 +1,5 @@
 // tools - image files that are read by rectangles, and never as a whole: binary PGM and PPM, and PFM, whose samples lie in the
-// file as they are. Any size that hmesh::ImageReader takes.
+// file as they are, and TIFF (tiff.cpp). Any size that hmesh::ImageReader takes.
 #ifndef HMESH_TOOLS_READERS_RECTANGLES_HPP
 #define HMESH_TOOLS_READERS_RECTANGLES_HPP
 
@@ -29,6 +29,7 @@ class RectangleFile {
 // Opens the file: `image` gets all but the samples, and `image.rectangles`. Returns "" or what is wrong, as the end of a sentence
 // that begins with the file's name.
 [[nodiscard]] std::string open_rectangles(const std::string& path, ImageFile& image);
+[[nodiscard]] std::string open_tiff_rectangles(const std::string& path, ImageFile& image);  // where it is one
 
 }  // namespace tool
 
