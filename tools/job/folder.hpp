@@ -1,8 +1,8 @@
 // job - Folder: the files of a job, all in one folder, each written whole or not at all.
 //
-// A file is written beside its place, put on the disk and then given its name: whoever sees the name sees all of the file, after a
-// kill, a power cut or a full disk, too, and two workers that write one file at once leave the one's or the other's. Names are paths
-// from the job's folder on. Nothing outside of it is written: a file that a link leads out of it is refused.
+// A file is written beside its place, put on the disk and then given its name: whoever sees the name sees all of the file, after
+// a kill, a power cut or a full disk, too, and two workers that write one file at once leave the one's or the other's. Names are
+// paths from the job's folder on. Nothing outside of it is written: a file that a link leads out of it is refused.
 #ifndef HMESH_JOB_FOLDER_HPP
 #define HMESH_JOB_FOLDER_HPP
 

@@ -64,7 +64,8 @@ Done find_done(const Folder& folder, const std::string& plan, const std::string&
     if (receipt["plan"] != plan) return is(Found::foreign, "'" + path + "' is of another plan");
     if (receipt["task"] != task) return is(Found::foreign, "'" + path + "' is of another task");
     for (const Json& file : receipt["files"]) {
-        done.made.push_back({file["name"].get<std::string>(), file["sha256"].get<std::string>(), file["bytes"].get<std::uint64_t>()});
+        done.made.push_back(
+            {file["name"].get<std::string>(), file["sha256"].get<std::string>(), file["bytes"].get<std::uint64_t>()});
         const Made& made = done.made.back();
         std::error_code code;
         const std::string name = folder.path(made.name);

@@ -1,5 +1,5 @@
-// job - Receipt: what a task leaves behind when it is done, the file done/TASK.json: which files it made, their sizes and checksums,
-// and what it found out. Written after them: a task is done if its receipt is there.
+// job - a receipt is what a task leaves behind when it is done, the file done/TASK.json: which files it made, their sizes and
+// checksums, and what it found out. It is written after them: a task is done if its receipt is there.
 //
 // A receipt says of which plan it is, and has a checksum of its own: what is missing, of another plan or damaged is told apart.
 #ifndef HMESH_JOB_RECEIPT_HPP
@@ -51,7 +51,8 @@ struct Done {
 [[nodiscard]] std::string read_made(const Folder& folder, const Made& made, std::vector<unsigned char>& bytes);
 
 // Writes a file and says what it is.
-[[nodiscard]] std::string write_made(const Folder& folder, const std::string& name, const void* bytes, std::size_t size, Made& made);
+[[nodiscard]] std::string write_made(const Folder& folder, const std::string& name, const void* bytes, std::size_t size,
+                                     Made& made);
 
 // JSON as a file of the job, with the checksum of all else in it: `check` is the last of its values. parse_checked() returns
 // whether it is that.

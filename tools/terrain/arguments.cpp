@@ -160,7 +160,6 @@ void add_mesh_options(CLI::App& app, Arguments& out) {
             std::string why = parse_into(parse_finite, text, out.border_tolerance);
             return why.empty() && *out.border_tolerance < 0 ? "must be 0 or more" : why;
         });
-
 }
 
 CLI::Option* add_tiles(CLI::App& app, Arguments& out, const char* description) {
@@ -177,10 +176,11 @@ void add_jobs(CLI::App& app, const char* description, unsigned& jobs) {
 }
 
 void add_tile_options(CLI::App& app, Arguments& out) {
-    CLI::Option* tiles = add_tiles(app, out,
-                                   "cut the model into tiles of N cells a side, N + 1 samples, of which neighbours share a row:\n"
-                                   "files NAME_x_y.glb, x from the west, y from the north. No more of the file is in memory than\n"
-                                   "the tiles in work");
+    CLI::Option* tiles =
+        add_tiles(app, out,
+                  "cut the model into tiles of N cells a side, N + 1 samples, of which neighbours share a row:\n"
+                  "files NAME_x_y.glb, x from the west, y from the north. No more of the file is in memory than\n"
+                  "the tiles in work");
     tool::add_list(app, "--only", "X_Y", "this tile alone; may be given more than once", [&](const std::string& text) {
         out.only.emplace_back();
         return parse_two(text, '_', 0, out.only.back().x, out.only.back().y);
@@ -239,10 +239,7 @@ void add_names(CLI::App& app, const char* name, const std::string& description, 
         names = texts;
         return true;
     };
-    app.add_option(name, set, description)
-        ->expected(1, CLI::detail::expected_max_vector_size)
-        ->allow_extra_args()
-        ->required();
+    app.add_option(name, set, description)->expected(1, CLI::detail::expected_max_vector_size)->allow_extra_args()->required();
 }
 
 std::string dem_words() { return "one file of one channel: " + formats_read() + ";\nor raw numbers, see --size"; }
@@ -336,15 +333,15 @@ CommandLine parse(const std::vector<std::string>& words) {
 namespace {
 
 constexpr char job_help[] =
-    "Meshes a model of heights as a job in files: a folder in which a plan says what is to be done, and any engine does it, task\n"
-    "after task, on one machine or on many that share the folder. The files are byte for byte those of one process, whatever\n"
-    "engine, order, machine or restart.\n"
+    "Meshes a model of heights as a job in files: a folder in which a plan says what is to be done, and any engine does it,\n"
+    "task after task, on one machine or on many that share the folder. The files are byte for byte those of one process,\n"
+    "whatever engine, order, machine or restart.\n"
     "\n"
-    "  hmesh-terrain job plan DEM -o JOB --max-error E     writes what is to be done, and build.ninja, slurm.sh and parallel.sh,\n"
-    "                                                      by which ninja, Slurm and GNU parallel do it\n"
-    "  hmesh-terrain job run JOB TASK...                   does tasks\n"
-    "  hmesh-terrain job status JOB                        says what is done, and what is missing or damaged\n"
-    "  hmesh-terrain job join JOB -o FILE|FOLDER           one .ply, .obj or .glb, or a folder of tiles with its index\n"
+    "  hmesh-terrain job plan DEM -o JOB --max-error E   writes what is to be done, and build.ninja, slurm.sh and parallel.sh,\n"
+    "                                                    by which ninja, Slurm and GNU parallel do it\n"
+    "  hmesh-terrain job run JOB TASK...                 does tasks\n"
+    "  hmesh-terrain job status JOB                      says what is done, and what is missing or damaged\n"
+    "  hmesh-terrain job join JOB -o FILE|FOLDER         one .ply, .obj or .glb, or a folder of tiles with its index\n"
     "\n"
     "`hmesh-terrain job plan --help`, and so on, lists options. Exit status: 0 done, 1 failed, 2 wrong usage.\n";
 
@@ -372,9 +369,7 @@ void begin_job(CLI::App& app, const char* inputs) {
     app.option_defaults()->group("The job");
 }
 
-void add_folder(CLI::App& app, JobArguments& out) {
-    app.add_option("JOB", out.folder, "the job's folder")->required();
-}
+void add_folder(CLI::App& app, JobArguments& out) { app.add_option("JOB", out.folder, "the job's folder")->required(); }
 
 void add_plan_options(CLI::App& app, JobArguments& out, std::vector<std::string>& inputs) {
     begin_job(app, "The heights");
@@ -384,8 +379,8 @@ void add_plan_options(CLI::App& app, JobArguments& out, std::vector<std::string>
         out.folder = text;
         return "";
     });
-    add_name(app, "--format", "of tiles: glb, which job join makes one file of, or terrain for Cesium (default: glb)", job_formats,
-             [&](Format format) { out.dem.format = format; });
+    add_name(app, "--format", "of tiles: glb, which job join makes one file of, or terrain for Cesium (default: glb)",
+             job_formats, [&](Format format) { out.dem.format = format; });
     app.add_flag_callback(
         "--hash", [&] { out.hashes = true; },
         "the input is known by its bytes, for machines that have copies of it; else by its size\nand time");
@@ -403,14 +398,16 @@ void add_plan_options(CLI::App& app, JobArguments& out, std::vector<std::string>
 
 void add_run_options(CLI::App& app, JobArguments& out) {
     begin_job(app, "What is done");
-    app.footer("A task that is done already is not done again. One whose input is missing, of another plan or damaged says so and\n"
-               "writes nothing.");
+    app.footer(
+        "A task that is done already is not done again. One whose input is missing, of another plan or damaged says so and\n"
+        "writes nothing.");
     add_folder(app, out);
     add_names(app, "TASK", "names of tasks, as phase_1.txt lists them", out.tasks);
-    add(app, "--input", "PATH", "where the input is on this machine, in place of where it was planned", [&](const std::string& text) {
-        out.input = text;
-        return "";
-    });
+    add(app, "--input", "PATH", "where the input is on this machine, in place of where it was planned",
+        [&](const std::string& text) {
+            out.input = text;
+            return "";
+        });
     out.jobs = 1;
     add_jobs(app, "work with N threads, 1 to 1024, or 0, all cores (default: 1)", out.jobs);
     add_other_options(app, out.quiet);
@@ -421,9 +418,11 @@ void add_status_options(CLI::App& app, JobArguments& out) {
     app.footer("Exit status: 0 all is done, 1 not yet.");
     add_folder(app, out);
     app.add_flag_callback(
-        "--mend", [&] { out.mends = true; }, "take back receipts of tasks whose files are damaged, so that engines do them again");
+        "--mend", [&] { out.mends = true; },
+        "take back receipts of tasks whose files are damaged, so that engines do them again");
     app.add_flag_callback(
-        "--ready", [&] { out.lists_ready = true; }, "print the names of tasks that can be done now, one a line, and nothing else");
+        "--ready", [&] { out.lists_ready = true; },
+        "print the names of tasks that can be done now, one a line, and nothing else");
     add_other_options(app, out.quiet);
 }
 
@@ -459,7 +458,8 @@ JobCommandLine parse_job(const std::vector<std::string>& words) {
     JobArguments& job = line.arguments;
     const std::string command = words.empty() ? "" : words.front();
     if (command.empty() || command == "-h" || command == "--help") {
-        (command.empty() ? line.wrong : line.answer) = command.empty() ? "job is given without plan, run, status or join" : job_help;
+        (command.empty() ? line.wrong : line.answer) =
+            command.empty() ? "job is given without plan, run, status or join" : job_help;
         return line;
     }
     if (const std::string why = tool::find_name(job_commands, command, job.command); !why.empty()) {

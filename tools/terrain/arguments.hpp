@@ -82,13 +82,13 @@ inline constexpr tool::Named<JobCommand> job_commands[] = {
 struct JobArguments {
     JobCommand command = JobCommand::plan;
     std::string folder;
-    std::string input;               // of plan; of run: where it is on this machine, empty: where it was planned
-    Arguments dem;                   // of plan: of all tiles
-    std::vector<std::string> words;  // of plan: the options that say what is made, for parse()
-    bool hashes = false;             // of plan: the input's bytes
-    std::string program;             // of plan: how engines call it; empty: as it was called
-    std::vector<std::string> tasks;  // of run
-    unsigned jobs = 1;               // of run: threads; 0: as many as cores
+    std::string input;                        // of plan; of run: where it is on this machine, empty: where it was planned
+    Arguments dem;                            // of plan: of all tiles
+    std::vector<std::string> words;           // of plan: the options that say what is made, for parse()
+    bool hashes = false;                      // of plan: the input's bytes
+    std::string program;                      // of plan: how engines call it; empty: as it was called
+    std::vector<std::string> tasks;           // of run
+    unsigned jobs = 1;                        // of run: threads; 0: as many as cores
     bool mends = false, lists_ready = false;  // of status
     std::string output;                       // of join
     bool takes_open_seams = false;            // of join

@@ -30,7 +30,8 @@ double seconds_since(Clock::time_point begin) { return std::chrono::duration<dou
 // What the threads of a run share.
 class Run {
   public:
-    Run(const Arguments& arguments, Dem& dem, tool::ProgressWatch& watch) : arguments_(arguments), dem_(dem), watch_(watch), maker_(arguments, dem) {}
+    Run(const Arguments& arguments, Dem& dem, tool::ProgressWatch& watch)
+        : arguments_(arguments), dem_(dem), watch_(watch), maker_(arguments, dem) {}
 
     // Returns "" or what went wrong, a sentence.
     [[nodiscard]] std::string prepare();

@@ -63,8 +63,8 @@ bool put_on_disk([[maybe_unused]] std::FILE* file) {
 #endif
 }
 
-// The same of the names in the folder of a file, where the system lets a program ask for it: what it refuses is no failure, for the
-// file is there.
+// The same of the names in the folder of a file, where the system lets a program ask for it: what it refuses is no failure, for
+// the file is there.
 void put_names_on_disk([[maybe_unused]] const std::string& file) {
 #ifndef _WIN32
     const std::string folder = fs::path(file).parent_path().string();

@@ -29,10 +29,12 @@ int plan_job(const JobArguments& arguments) {
     Plan plan;
     if (const std::string why = make_plan(arguments, plan); !why.empty()) return tool::fail(tool::failed, why);
     if (arguments.quiet) return tool::done;
-    std::string text = "input      " + plan.input + ", " + std::to_string(plan.width) + " x " + std::to_string(plan.height) + " samples\n";
+    std::string text =
+        "input      " + plan.input + ", " + std::to_string(plan.width) + " x " + std::to_string(plan.height) + " samples\n";
     const std::vector<job::Phase> phases = phases_of(plan);
     for (std::size_t k = 0; k < phases.size(); ++k)
-        text += "phase " + std::to_string(k + 1) + "    " + phases[k].what + ": " + count_of(phases[k].tasks.size(), "task") + "\n";
+        text +=
+            "phase " + std::to_string(k + 1) + "    " + phases[k].what + ": " + count_of(phases[k].tasks.size(), "task") + "\n";
     text += "written    " + plan.folder.path("plan.json") + ", build.ninja, slurm.sh, parallel.sh\n";
     if (plan.arguments.format == Format::quantized_mesh && !plan.globe)
         text += "note       no layer.json: the tiles are not those of Cesium's grid, see docs/terrain.md\n";
@@ -84,7 +86,8 @@ int tell_status(const JobArguments& arguments) {
                 continue;
             }
             bool is_ready = true;
-            for (const std::string& need : task.needs) is_ready = is_ready && std::binary_search(whole.begin(), whole.end(), need);
+            for (const std::string& need : task.needs)
+                is_ready = is_ready && std::binary_search(whole.begin(), whole.end(), need);
             if (is_ready) ready += task.name + "\n";
             if (state.found == Found::nothing) continue;
             ++damaged;
@@ -123,7 +126,8 @@ int join_job(const JobArguments& arguments) {
     if (format != Format::none && !is_file)
         return tool::fail(tool::failed, "'" + arguments.output + "' is none of .ply, .obj, .glb and a folder");
     std::string said;
-    if (const std::string why = is_file ? join_into_file(plan, arguments.output, said) : join_into_folder(plan, arguments.output, said);
+    if (const std::string why =
+            is_file ? join_into_file(plan, arguments.output, said) : join_into_folder(plan, arguments.output, said);
         !why.empty())
         return tool::fail(tool::failed, why);
     if (arguments.quiet) return tool::done;
@@ -139,13 +143,17 @@ int run_job(const JobArguments& arguments) {
     tool::catch_interrupt();
     tool::let_interrupts_end_waiting();
     tool::outlive_readers();
-    switch (arguments.command) {
-        case JobCommand::plan: return plan_job(arguments);
-        case JobCommand::run: return run_tasks(arguments);
-        case JobCommand::status: return tell_status(arguments);
-        case JobCommand::join: break;
+    try {
+        switch (arguments.command) {
+            case JobCommand::plan: return plan_job(arguments);
+            case JobCommand::run: return run_tasks(arguments);
+            case JobCommand::status: return tell_status(arguments);
+            case JobCommand::join: break;
+        }
+        return join_job(arguments);
+    } catch (const Json::exception&) {  // a value that is missing or of another kind, and yet the checksum is right
+        return tool::fail(tool::failed, "'" + arguments.folder + "' holds what no plan and no task of hmesh-terrain's wrote");
     }
-    return join_job(arguments);
 }
 
 }  // namespace terrain

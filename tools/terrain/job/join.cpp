@@ -75,7 +75,8 @@ class Walk {
         Known& south = south_[static_cast<std::size_t>(task.x)];
         take(Side::west, east_);
         take(Side::north, south);
-        if (vertices + model.vertices.size() >= none) return "the whole has more vertices than 32 bits number: join it into a folder";
+        if (vertices + model.vertices.size() >= none)
+            return "the whole has more vertices than 32 bits number: join it into a folder";
         const auto first = static_cast<std::uint32_t>(vertices);
         for (std::uint32_t& number : numbers)
             if (number == none) number = static_cast<std::uint32_t>(vertices++);
@@ -265,7 +266,8 @@ std::string write_glb(Joined& joined, Out& out, std::uint64_t vertices, std::uin
         out.f32(a[2]);
         out.f32(0 - a[1]);
     };
-    if (std::string why = joined.vertices([&](const auto& place, const auto& /*normal*/) { put(place); }); !why.empty()) return why;
+    if (std::string why = joined.vertices([&](const auto& place, const auto& /*normal*/) { put(place); }); !why.empty())
+        return why;
     if (joined.has_normals())
         if (std::string why = joined.vertices([&](const auto& /*place*/, const auto& normal) { put(normal); }); !why.empty())
             return why;

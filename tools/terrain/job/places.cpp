@@ -39,9 +39,11 @@ double diagonal(const Box& box) { return std::hypot(box[3] - box[0], box[4] - bo
 Json transform_value(const Plan& plan, const Georeference& place) {
     const Frame& frame = plan.frame;
     const double scale = 1 / plan.arguments.scale;
-    const double x = frame.x_step * (plan.width - 1) / 2, y = frame.y_step * (plan.height - 1) / 2;  // of the middle, in the files
+    const double x = frame.x_step * (plan.width - 1) / 2,
+                 y = frame.y_step * (plan.height - 1) / 2;  // of the middle, in the files
     const auto& t = place.transform;
-    const double longitude = (t[0] + t[1] * (plan.width - 1) / 2) * radians, latitude = (t[3] + t[5] * (plan.height - 1) / 2) * radians;
+    const double longitude = (t[0] + t[1] * (plan.width - 1) / 2) * radians,
+                 latitude = (t[3] + t[5] * (plan.height - 1) / 2) * radians;
     const double sin_long = std::sin(longitude), cos_long = std::cos(longitude);
     const double sin_lat = std::sin(latitude), cos_lat = std::cos(latitude);
     const double flattening = place.inverse_flattening > 0 ? 1 / place.inverse_flattening : 0;

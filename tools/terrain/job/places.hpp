@@ -21,8 +21,8 @@ struct PlacedTile {
     TileFacts facts;
 };
 
-// Tiles as a tree of boxes, each cut in four, in local metres; where the input is in degrees, on the plane that touches the ellipsoid
-// in its middle.
+// Tiles as a tree of boxes, each cut in four, in local metres; where the input is in degrees, on the plane that touches the
+// ellipsoid in its middle.
 [[nodiscard]] job::Json tileset_value(const Plan& plan, const Georeference& place, const std::vector<PlacedTile>& tiles);
 
 // Of tiles that are those of Cesium's grid.

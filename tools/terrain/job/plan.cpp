@@ -245,14 +245,14 @@ std::string open_input(const Plan& plan, DemPointer& dem) {
     if (const auto& planned = plan.input_identity) {
         std::optional<InputIdentity> now;
         std::error_code code;
-        if (!fs::exists(input, code)) return "cannot read '" + input + "': there is no such file" + (code ? ": " + code.message() : "");
+        if (!fs::exists(input, code))
+            return "cannot read '" + input + "': there is no such file" + (code ? ": " + code.message() : "");
         if (std::string why = find_identity(input, false, now); !why.empty()) return why;
         if (!now) return other + "it is no plain file";
         if (now->bytes != planned->bytes)
             return other + "it has " + std::to_string(now->bytes) + " bytes, and had " + std::to_string(planned->bytes);
         if (now->modified != planned->modified) {
-            if (planned->sha256.empty())
-                return other + "it has been written since; with --hash a plan goes by its bytes";
+            if (planned->sha256.empty()) return other + "it has been written since; with --hash a plan goes by its bytes";
             if (std::string why = find_identity(input, true, now); !why.empty()) return why;
             if (now->sha256 != planned->sha256) return other + "its bytes are others";
         }

@@ -1,12 +1,12 @@
-// hmesh-terrain - Plan: what a job makes, as its file plan.json says it: the input, the options and how it is cut. Its tasks follow
-// from it: they are
+// hmesh-terrain - Plan: what a job makes, as its file plan.json says it: the input, the options and how it is cut. Its tasks
+// follow from it:
 //
 //     tile_L_X_Y    a tile of level L, from the input: a file of tiles/
 //     seams_L_Y     whether the tiles of a row, and of the row south of it, meet bit for bit: from their files
 //     index         what all tiles are together: index.json, and tileset.json or layer.json, in tiles/
 //
-// The plan's identity is the checksum of all that it says, the program's version and compiler among it: receipts carry it, and what
-// is of another plan is refused.
+// The plan's identity is the checksum of all that it says, the program's version and compiler among it: receipts carry it, and
+// what is of another plan is refused.
 #ifndef HMESH_TERRAIN_JOB_PLAN_HPP
 #define HMESH_TERRAIN_JOB_PLAN_HPP
 

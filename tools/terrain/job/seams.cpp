@@ -67,8 +67,11 @@ std::string find_seams(const Plan& plan, int level, int y, Seams& seams) {
 }
 
 job::Json value_of(const Seams& seams) {
-    return {{"pairs", seams.pairs},     {"shared", seams.shared}, {"open", seams.open},
-            {"no_data", seams.no_data}, {"first", seams.first}};
+    return {{"pairs", seams.pairs},
+            {"shared", seams.shared},
+            {"open", seams.open},
+            {"no_data", seams.no_data},
+            {"first", seams.first}};
 }
 
 Seams seams_of(const job::Json& facts) {

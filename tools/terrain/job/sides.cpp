@@ -5,7 +5,8 @@
 namespace terrain {
 namespace {
 
-// The coordinate of the side in the tile's file: local metres as the float that the exporter makes of them, or a share of the tile.
+// The coordinate of the side in the tile's file: local metres as the float that the exporter makes of them, or a share of the
+// tile.
 double place_of(const Plan& plan, const Tile& tile, Side side) {
     const bool is_far = side == Side::east || side == Side::north;
     if (plan.arguments.format == Format::quantized_mesh) return is_far ? 1 : 0;

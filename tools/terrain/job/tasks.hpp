@@ -23,14 +23,14 @@ class Worker {
     // Of a plan that outlives this object.
     explicit Worker(const Plan& plan) : plan_(plan) {}
 
-    // Does a task, unless it is done. `said` becomes what is to be said of it. Returns "" or what is wrong, a sentence: then nothing
-    // is written.
+    // Does a task, unless it is done. `said` becomes what is to be said of it. Returns "" or what is wrong, a sentence: then
+    // nothing is written.
     [[nodiscard]] std::string run(const TaskName& task, const hmesh::ParallelFor& parallel_for, std::string& said);
 
   private:
     [[nodiscard]] std::string open();
-    [[nodiscard]] std::string make_tile(const TaskName& task, const hmesh::ParallelFor& parallel_for, std::vector<job::Made>& made,
-                                        job::Json& facts);
+    [[nodiscard]] std::string make_tile(const TaskName& task, const hmesh::ParallelFor& parallel_for,
+                                        std::vector<job::Made>& made, job::Json& facts);
     [[nodiscard]] std::string make_index(std::vector<job::Made>& made, job::Json& facts);
 
     const Plan& plan_;
@@ -41,14 +41,15 @@ class Worker {
 // What a finished tile's receipt says.
 struct TileFacts {
     TileEnd end;
-    job::Made file;                // of a tile that is made
-    std::array<double, 6> box{};   // of its vertices: least, then greatest x, y and z of the file
+    job::Made file;               // of a tile that is made
+    std::array<double, 6> box{};  // of its vertices: least, then greatest x, y and z of the file
 };
 
 // Of a task that must be done: returns "" or what is wrong, a sentence.
 [[nodiscard]] std::string find_tile(const Plan& plan, const TaskName& task, TileFacts& facts);
 
-// The tile's file as it was written: vertices, faces and normals, nothing where it is empty. Returns "" or what is wrong, a sentence.
+// The tile's file as it was written: vertices, faces and normals, nothing where it is empty. Returns "" or what is wrong, a
+// sentence.
 [[nodiscard]] std::string read_tile(const Plan& plan, const TaskName& task, TileFacts& facts, Model& model);
 
 // How tiles meet. Two neighbours with data on both sides of their common row have the same vertices in it.

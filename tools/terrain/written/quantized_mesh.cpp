@@ -50,7 +50,8 @@ std::string read_quantized_mesh(tool::Bytes file, Model& model) {
         if (file.u8(at) != normals) continue;
         if (!file.has(at + 5, 2 * vertices)) return "its normals are too few";
         for (std::size_t v = 0; v < vertices; ++v)
-            model.normals.push_back({static_cast<double>(file.u8(at + 5 + 2 * v)), static_cast<double>(file.u8(at + 6 + 2 * v)), 0});
+            model.normals.push_back(
+                {static_cast<double>(file.u8(at + 5 + 2 * v)), static_cast<double>(file.u8(at + 6 + 2 * v)), 0});
     }
     return {};
 }
