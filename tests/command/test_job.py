@@ -228,7 +228,7 @@ def test_a_task_that_is_done_is_not_done_again_and_says_so(terrain):
     before = {path: (content, path.stat().st_mtime_ns) for path, content in contents().items()}
     for phase in phases():
         assert run(terrain, phase) == "".join(f"{task}  done before\n" for task in phase)
-    plan(terrain)  # the same again
+    terrain.done(f"job plan dem.pgm -o job {OPTIONS}")  # the same again
     assert all((read(path), path.stat().st_mtime_ns) == before[path] for path in before if path.parts[-1] != "dem.pgm"
                and path.parts[1] in ("done", "tiles", "plan.json"))
     assert terrain.done("job status job").count("done") == 3
@@ -348,7 +348,13 @@ def test_a_plan_that_goes_by_the_bytes_of_its_input_takes_a_copy_elsewhere(terra
     os.utime("dem.pgm", (1e9, 1e9))
     Path("there").mkdir()
     os.rename("dem.pgm", "there/copy.pgm")
-    terrain.done("job run job tile_0_0000_0000 --input there/copy.pgm")
+    plan(terrain, "--hash", "there/copy.pgm", "other")
+    finish(terrain, "other")
+    for tasks in phases():
+        terrain.done(f"job run job {' '.join(tasks)} --input there/copy.pgm -q")
+    assert {name for name, content in tiles().items() if content != tiles("other/tiles")[name]} == {"index.json"}
+    assert json.loads(read("job/tiles/index.json"))["input"] == str(Path("dem.pgm").resolve())
+    Path("job/done/tile_0_0001_0000.json").unlink()
     content = bytearray(read("there/copy.pgm"))
     content[-1] ^= 1
     write("there/copy.pgm", bytes(content))

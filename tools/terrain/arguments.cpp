@@ -357,7 +357,8 @@ constexpr tool::Named<Format> job_formats[] = {{"glb", Format::glb}, {"terrain",
 std::vector<std::string> words_of(const CLI::App& app) {
     std::vector<std::string> words;
     for (const CLI::Option* option : app.get_options()) {
-        if (option->count() == 0 || option->get_lnames().empty() || option->get_group() == "The job") continue;
+        const bool is_made = option->get_group() != "The job" && option->get_group() != "What is said";
+        if (option->count() == 0 || option->get_lnames().empty() || !is_made) continue;
         words.push_back("--" + option->get_lnames().front());
         if (option->get_items_expected_max() > 0) words.insert(words.end(), option->results().begin(), option->results().end());
     }

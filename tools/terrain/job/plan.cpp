@@ -222,6 +222,7 @@ std::string read_plan(const std::string& folder, const std::string& input, Plan&
     plan.identity = job::sha256_of(text.data(), text.size());
     const Json& in = body["input"];
     plan.input = in["path"].get<std::string>();
+    plan.reader = body["reader"].get<std::string>();
     if (!in["bytes"].is_null()) {
         plan.input_identity = InputIdentity{in["bytes"].get<std::uint64_t>(), in["modified"].get<std::int64_t>(), ""};
         if (!in["sha256"].is_null()) plan.input_identity->sha256 = in["sha256"].get<std::string>();

@@ -46,7 +46,7 @@ struct GlobeGrid {
 struct Plan {
     job::Folder folder{""};
     std::string identity;
-    std::string input;  // as it was planned
+    std::string input, reader;  // as it was planned
     std::optional<InputIdentity> input_identity;
     int width = 0, height = 0;       // samples
     Arguments arguments;             // of all tiles, the input where it is on this machine

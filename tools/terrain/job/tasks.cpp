@@ -159,6 +159,8 @@ std::string Worker::make_index(std::vector<job::Made>& made, Json& facts) {
         }
     }
     Json index = report_value(plan_.arguments, *dem_, plan_.frame, tiles, ends);
+    index["input"] = plan_.input;  // on whatever machine this is
+    index["reader"] = plan_.reader;
     index["plan"] = plan_.identity;
     Json values = std::move(index["tiles"]);
     index.erase("tiles");
