@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <ctime>
 #include <nlohmann/json.hpp>
 
 #include "terminal/progress_watch.hpp"
@@ -16,7 +17,7 @@ using Kind = TileEnd::Kind;
 
 constexpr char index_file[] = "tiles/index.json";
 
-Json value_of(const TileEnd& end, const std::array<double, 6>& box, double seconds) {
+Json value_of(const TileEnd& end, const std::array<double, 6>& box) {
     return {{"is", end.kind == Kind::empty ? "empty" : "made"},
             {"vertices", end.vertices},
             {"triangles", end.triangles},
@@ -27,8 +28,7 @@ Json value_of(const TileEnd& end, const std::array<double, 6>& box, double secon
             {"measured", end.measured},
             {"asked", end.asked},
             {"is_tighter", end.is_tighter},
-            {"box", box},
-            {"seconds", seconds}};
+            {"box", box}};
 }
 
 TileFacts facts_of(const Json& facts) {
@@ -108,7 +108,6 @@ std::string Worker::open() {
 std::string Worker::make_tile(const TaskName& task, const hmesh::ParallelFor& parallel_for, std::vector<job::Made>& made,
                               Json& facts) {
     if (std::string why = open(); !why.empty()) return why;
-    const auto begin = std::chrono::steady_clock::now();
     const Tile tile = tile_of(plan_, task);
     TileEnd end;
     std::vector<unsigned char> bytes;
@@ -123,8 +122,7 @@ std::string Worker::make_tile(const TaskName& task, const hmesh::ParallelFor& pa
             !why.empty())
             return why;
     }
-    const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
-    facts = value_of(end, box_of(model), std::round(seconds * 1e6) / 1e6);
+    facts = value_of(end, box_of(model));
     return {};
 }
 
@@ -192,6 +190,8 @@ std::string Worker::run(const TaskName& task, const hmesh::ParallelFor& parallel
         said = "done before";
         return {};
     }
+    const auto begin = std::chrono::steady_clock::now();
+    const std::clock_t began = std::clock();
     std::vector<job::Made> made;
     switch (task.kind) {
         case TaskKind::tile: {
@@ -216,6 +216,10 @@ std::string Worker::run(const TaskName& task, const hmesh::ParallelFor& parallel
         }
     }
     if (tool::interrupted) return "interrupted; " + name + " is not done";
+    const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+    // In the receipt alone: no other file says how long anything took.
+    facts["seconds"] = std::round(seconds * 1e6) / 1e6;
+    facts["processor_seconds"] = static_cast<double>(std::clock() - began) / CLOCKS_PER_SEC;
     return job::write_receipt(plan_.folder, plan_.identity, name, made, facts);
 }
 
